@@ -1,0 +1,114 @@
+"""A boat under way: its records, its start in trim, its ticks and its snapshots."""
+
+import math
+
+import numpy as np
+
+from trainer.config import ConfigError
+from trainer.core import update as ticks
+from trainer.core.autopilot import autopilot
+from trainer.core.kernel import Record
+from trainer.core.rates import rates
+from trainer.core.trim import BOTH, STERN, trim
+from trainer.fitout import KNOT, Method, fit_out
+from trainer.vessel_file import VesselFile
+
+
+class Boat:
+    """One boat. ``state`` is all that evolves: copy it to keep a moment, assign it to go back."""
+
+    def __init__(self, file: VesselFile, method: Method) -> None:
+        """Fit the boat out; it lies still at the surface until ``start``."""
+        self.file = file
+        self.method = method
+        self.records = fit_out(file, method)
+        self.vessel = self.records.vessel[0]
+        self.state = self.records.state[0]
+
+    @property
+    def time(self) -> float:
+        """Return the time [s] since the start."""
+        return float(self.state.tick * self.method.step)
+
+    @property
+    def automatic(self) -> bool:
+        """Return whether the vessel file gives autopilot gains."""
+        return bool(self.vessel.gain_count > 0.0)
+
+    def trimmed(self, speed: float) -> bool:
+        """Bring the state into straight level flight at ``speed`` [m/s]; return whether it can be.
+
+        By the stern planes if they can, else level, by both pairs of planes, which is what a boat
+        does near and below the critical speed of the stern planes.
+        """
+        s = self.state
+        scheme = self.records.scheme.copy()
+        scheme["exact"] = 1
+        for by, most in ((STERN, 0.3), (BOTH, 1.0), (STERN, 1.0)):
+            for name in ("v", "w", "phi", "theta", "delta_r", "delta_s", "delta_b"):
+                s[name] = 0.0
+            s.u = s.u_c = speed
+            records = (self.records.vessel, self.records.compact, scheme)
+            settled = trim(*records, self.records.state, self.records.scratch, by)
+            if (
+                settled
+                and abs(s.delta_s) <= most * self.vessel.limit_s
+                and abs(s.delta_b) <= most * self.vessel.limit_b
+                and abs(s.delta_r) <= most * self.vessel.limit_r
+            ):
+                return True
+        return False
+
+    def start(self, speed: float, depth: float, course: float) -> None:
+        """Start in trim at ``speed`` [m/s], ``depth`` [m] and ``course`` [rad], orders the same.
+
+        ConfigError if the boat cannot fly straight and level at that speed.
+        """
+        self.state.whole[:] = 0.0
+        for name in ("weight", "x_g", "y_g", "z_g"):
+            self.state[name] = self.vessel[name]
+        if not self.trimmed(speed):
+            raise ConfigError(
+                f"{self.file.path.name}: no straight level flight at {speed / KNOT:g} kn "
+                f"within the limits of the planes; give [run] start_speed_kn another value"
+            )
+        s = self.state
+        s.z, s.psi = depth, course
+        rates(*self.records)
+        s.rates[:6] = 0.0
+        s.ordered_depth, s.ordered_psi, s.ordered_speed = depth, course, speed
+        s.ordered_u_c = s.command_u_c = s.telegraph_answer = s.u_c
+        s.ordered_r, s.ordered_s, s.ordered_b = s.delta_r, s.delta_s, s.delta_b
+        s.speed_trim = s.u_c - speed
+        s.telegraph_order = speed if self.automatic else s.u_c
+        s.rudder_by_hand = s.stern_by_hand = s.bow_by_hand = s.speed_by_hand = 1.0
+        # with hands on, the autopilot makes its integrals ready for a bumpless change
+        autopilot(self.records.vessel, self.method.step, self.records.state, self.gains)
+        if self.automatic:
+            s.rudder_by_hand = s.stern_by_hand = s.bow_by_hand = s.speed_by_hand = 0.0
+
+    @property
+    def gains(self) -> np.ndarray:
+        """Return the work space of the autopilot's gains."""
+        return self.records.scratch[0].gains  # type: ignore[no-any-return]
+
+    def tick(self) -> int:
+        """Advance by one step; return 0, or a status for ``failure`` with the state as it was."""
+        return int(ticks.update(*self.records))
+
+    def failure(self, status: int) -> str:
+        """Return where and when a failing tick lost its numbers, in words."""
+        s = self.state
+        return (
+            f"{ticks.WATCHED[status - 1]} is no longer finite after tick {int(s.tick)} "
+            f"({self.time:g} s); last good state: u {s.u:.4g} m/s, pitch "
+            f"{math.degrees(s.theta):.4g} deg, heel {math.degrees(s.phi):.4g} deg, depth {s.z:.4g} m"
+        )
+
+    def snapshot(self) -> Record:
+        """Return a copy of the whole state."""
+        return self.records.state.copy()
+
+    def restore(self, snapshot: Record) -> None:
+        """Go back to ``snapshot``, to the bit."""
+        self.records.state[:] = snapshot

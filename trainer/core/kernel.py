@@ -1,0 +1,47 @@
+"""What every kernel of the core is compiled with.
+
+Strict floating point (no contraction, no reassociation), so that the bits of a run do not depend
+on the processor, and division by zero gives infinity, which the finite check of a tick reports.
+"""
+
+from typing import Any
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+Record = NDArray[Any]  # a one-element structured array; a kernel binds ``s = state[0]``
+Numbers = NDArray[np.float64]
+
+kernel = njit(cache=True, error_model="numpy")
+
+
+def record_dtype(*fields: str | tuple[str, tuple[int, ...]] | tuple[str, list[str]]) -> np.dtype:
+    """Return a structured dtype of float64 fields, in the order given.
+
+    A field is a name, a name with a shape, or a name with a list of names: those are single
+    numbers, and the first name is the block of them all. ``whole`` is the record as one block.
+    """
+    names: list[str] = []
+    formats: list[Any] = []
+    offsets: list[int] = []
+    offset = 0
+
+    def place(name: str, shape: tuple[int, ...], at: int) -> int:
+        names.append(name)
+        formats.append(("f8", shape) if shape else "f8")
+        offsets.append(at)
+        return 8 * int(np.prod(shape, dtype=int))
+
+    for field in fields:
+        if isinstance(field, str):
+            offset += place(field, (), offset)
+        elif isinstance(field[1], list):
+            for position, member in enumerate(field[1]):
+                place(member, (), offset + 8 * position)
+            offset += place(field[0], (len(field[1]),), offset)
+        else:
+            offset += place(field[0], field[1], offset)
+    place("whole", (offset // 8,), 0)
+    layout = {"names": names, "formats": formats, "offsets": offsets, "itemsize": offset}
+    return np.dtype((np.record, layout))

@@ -1,0 +1,62 @@
+"""Thrust less drag, and the engine room that answers the telegraph."""
+
+import math
+
+from trainer.core.elementary import exponential
+from trainer.core.kernel import Record, kernel
+
+
+@kernel
+def thrust(vessel: Record, state: Record) -> float:
+    """Return thrust less axial drag [N], the third line of [ASSES] (1), in three rows of eta.
+
+    The row is found by comparison, without dividing (errata A29): eta = u_c/u. Departure: going
+    astern the drag a_i u^2 is taken as a_i u|u|, or it would push the boat ever faster astern.
+    """
+    c = vessel[0]
+    s = state[0]
+    u = s.u
+    u_c = s.u_c
+    if u > 0.0:
+        first, second = u_c >= c.eta_1 * u, u_c >= c.eta_2 * u
+    else:
+        first, second = u_c >= 0.0, False
+    if first:
+        a, b, k = c.a1, c.b1, c.c1
+    elif second:
+        a, b, k = c.a2, c.b2, c.c2
+    else:
+        a, b, k = c.a3, c.b3, c.c3
+    return a * u * abs(u) + b * u * u_c + k * u_c * u_c
+
+
+@kernel
+def excess_eta(state: Record) -> float:
+    """Return eta - 1 [-], 0 at u = 0 (errata A28, A29)."""
+    s = state[0]
+    if s.u == 0.0:
+        return 0.0
+    return s.u_c / s.u - 1.0
+
+
+@kernel
+def answer_telegraph(vessel: Record, h: float, state: Record) -> None:
+    """Advance the command speed by ``h`` [s] towards ``command_u_c``.
+
+    A new standing order is acted upon after the dead time; revolutions then approach it
+    exponentially ([ASSES] suggests the form, the vessel file gives the numbers).
+    """
+    c = vessel[0]
+    s = state[0]
+    standing = s.ordered_u_c if s.speed_by_hand != 0.0 else s.ordered_speed
+    if standing != s.telegraph_order:
+        s.telegraph_order = standing
+        s.telegraph_ticks = math.floor(c.telegraph_dead_time / h + 0.5)
+    if s.telegraph_ticks > 0.0:
+        s.telegraph_ticks -= 1.0
+    else:
+        s.telegraph_answer = s.command_u_c
+    share = 1.0
+    if c.propulsion_lag > 0.0:
+        share = 1.0 - exponential(-h / c.propulsion_lag)
+    s.u_c += share * (s.telegraph_answer - s.u_c)

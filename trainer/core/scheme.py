@@ -1,0 +1,82 @@
+"""How a boat is computed: equation set, accelerations, trigonometry, integrator, step."""
+
+from collections.abc import Mapping
+from types import MappingProxyType
+from typing import Final, NamedTuple
+
+import numpy as np
+
+from trainer.core.kernel import Record
+
+FULL, COMPACT, LONGITUDINAL = 0, 1, 2
+MULTISTEP, RUNGE_KUTTA, VARIABLE_RUNGE_KUTTA = 0, 1, 2
+
+DEPTH: Final = 4  # cycles a multistep method may use, the last one included
+
+SCHEME: Final = np.dtype(
+    (
+        np.record,
+        [
+            ("h", "f8"),  # [s] step
+            ("equations", "i8"),
+            ("exact", "i8"),  # 1 exact solve, 0 lagged sweep
+            ("trig", "i8"),  # see kinematics
+            ("method", "i8"),
+            ("depth", "i8"),  # cycles the multistep method uses
+            ("a", "f8", (DEPTH,)),
+            ("b", "f8", (DEPTH,)),
+        ],
+    )
+)
+
+
+class Multistep(NamedTuple):
+    """X_n = sum a_i X_n-i + h sum b_i X'_n-i, the report's I(z) as a rational function of 1/z."""
+
+    a: tuple[float, ...]
+    b: tuple[float, ...]
+
+
+INTEGRATORS: Final[Mapping[str, Multistep]] = MappingProxyType(
+    {
+        # [ASSES] III-B: Euler, 2nd-order Adams, and its third option with interval (-4, 0)
+        "euler": Multistep((1.0,), (1.0,)),
+        "adams2": Multistep((1.0,), (1.5, -0.5)),
+        "best2": Multistep((1.0,), (0.75, 0.25)),
+        "adams3": Multistep((1.0,), (23 / 12, -16 / 12, 5 / 12)),
+        "adams4": Multistep((1.0,), (55 / 24, -59 / 24, 37 / 24, -9 / 24)),
+    }
+)
+RUNGE_KUTTAS: Final[Mapping[str, int]] = MappingProxyType(
+    {"rk4": RUNGE_KUTTA, "rkv": VARIABLE_RUNGE_KUTTA}
+)
+
+
+def new_scheme(h: float, equations: int, *, exact: bool, trig: int) -> Record:
+    """Return a scheme of 2nd-order Adams at step ``h`` [s]."""
+    scheme = np.zeros(1, SCHEME)
+    scheme["h"], scheme["equations"], scheme["exact"], scheme["trig"] = h, equations, exact, trig
+    set_multistep(scheme, INTEGRATORS["adams2"])
+    return scheme
+
+
+def set_multistep(scheme: Record, method: Multistep) -> None:
+    """Make ``scheme`` integrate by ``method``; raise ValueError for one that cannot be used."""
+    if not 1 <= max(len(method.a), len(method.b)) <= DEPTH:
+        raise ValueError(f"a multistep method looks back 1 to {DEPTH} cycles")
+    if abs(sum(method.a) - 1.0) > 1e-12:
+        raise ValueError(f"the a_i add up to {sum(method.a):g}; consistency needs 1")
+    drift = sum(method.b) - sum(i * a for i, a in enumerate(method.a, start=1))
+    if abs(drift) > 1e-9:
+        raise ValueError(f"sum of b_i less sum of i a_i is {drift:g}; consistency needs 0")
+    if max(abs(np.roots([1.0, *(-a for a in method.a)]))) > 1.0 + 1e-9:
+        raise ValueError("the a_i alone make the solution grow: not zero-stable at any step")
+    scheme["method"] = MULTISTEP
+    scheme["depth"] = max(len(method.a), len(method.b))
+    scheme["a"] = np.pad(method.a, (0, DEPTH - len(method.a)))
+    scheme["b"] = np.pad(method.b, (0, DEPTH - len(method.b)))
+
+
+def set_runge_kutta(scheme: Record, kind: int) -> None:
+    """Make ``scheme`` integrate by the Runge-Kutta method of ``kind``."""
+    scheme["method"] = kind

@@ -1,0 +1,99 @@
+"""The one flat state record, and the names of its places.
+
+Everything that evolves is here, standing orders included, so that a snapshot, a replay, a
+backtrack and an ensemble are copies of it. All fields are float64.
+"""
+
+from typing import Final
+
+import numpy as np
+
+from trainer.core.kernel import Record, record_dtype
+
+# [m/s] [m/s] [m/s] [rad/s] [rad/s] [rad/s] [rad] [rad] [rad] [m] [m] [m]
+MOTION: Final = ["u", "v", "w", "p", "q", "r", "phi", "theta", "psi", "x", "y", "z"]
+# time derivatives of the above, of the last cycle until the present one has computed its own
+RATES: Final = [f"{name}dot" for name in MOTION]
+
+HISTORY: Final = 3  # past cycles an integrator may look back on, beside the last
+
+STATE: Final = record_dtype(
+    "tick",  # [-] ticks done since the start of the run
+    ("motion", MOTION),
+    ("rates", RATES),
+    ("past_rates", (HISTORY, 12)),  # rates of one, two, three cycles ago
+    ("past_motion", (HISTORY, 12)),
+    "history",  # [-] how many past cycles are true; 0 after a start or a jump
+    "substep",  # [s] present step of the variable-step Runge-Kutta, 0 before its first
+    ("largest", (12,)),  # largest |motion| so far: what its tolerance is relative to
+    # weight and balance
+    "weight",  # [N]
+    "x_g",  # [m] centre of gravity
+    "y_g",
+    "z_g",
+    # control surfaces and propeller as they are
+    "delta_r",  # [rad] rudder
+    "delta_s",  # [rad] stern planes
+    "delta_b",  # [rad] bow planes
+    "u_c",  # [m/s] command speed: propeller revolutions times a constant
+    # the same as they are told to be this tick, by hand or by the autopilot
+    "command_r",
+    "command_s",
+    "command_b",
+    "command_u_c",
+    # standing orders
+    "ordered_depth",  # [m]
+    "ordered_psi",  # [rad] unwrapped heading to steer
+    "ordered_speed",  # [m/s] speed to keep
+    "ordered_u_c",  # [m/s] command speed by bell or revolutions
+    "ordered_r",  # [rad] surfaces by hand
+    "ordered_s",
+    "ordered_b",
+    "rudder_by_hand",  # [-] 1 by hand, 0 by the autopilot
+    "stern_by_hand",
+    "bow_by_hand",
+    "speed_by_hand",  # [-] 1 constant revolutions, 0 speed kept by the autopilot
+    "depth_law",  # [-] see autopilot: 0 this trainer's, 1 and 2 [ASSES]'s
+    # autopilot memory
+    "depth_reference",  # [m] ordered depth as slewed
+    "depth_reference_rate",  # [m/s]
+    "psi_reference",  # [rad]
+    "psi_reference_rate",  # [rad/s]
+    "stern_integral",  # [rad]
+    "bow_integral",  # [rad]
+    "rudder_integral",  # [rad]
+    "speed_trim",  # [m/s]
+    # engine telegraph
+    "telegraph_order",  # [m/s] last order heard
+    "telegraph_answer",  # [m/s] order acted upon
+    "telegraph_ticks",  # [-] ticks until the order heard is acted upon
+    "eta_wave",  # [m] surface elevation above the boat
+)
+
+FIELDS: Final = [name for name in STATE.names or () if STATE.fields and name != "whole"]
+
+
+def new_state() -> Record:
+    """Return a state record of zeros."""
+    return np.zeros(1, STATE)
+
+
+SCRATCH: Final = record_dtype(
+    ("force", (6,)),  # right sides of the six equations, less the accelerations
+    ("inertia", (6, 6)),  # their coefficients on the left
+    ("system", (6, 7)),  # work space of the linear solve
+    ("jacobian", (7, 8)),  # of the trim, and its Newton step
+    ("change", (7,)),
+    ("start", (12,)),  # motion at the start of a Runge-Kutta step, and its weighted slopes
+    ("slope", (12,)),
+    ("origin", (12,)),  # motion and rates at the start of a variable step, to try it again from
+    ("origin_rates", (12,)),
+    ("coarse", (12,)),  # the variable step taken whole
+    ("gains", (18,)),  # autopilot gains at the present speed
+    ("before", (STATE.itemsize // 8,)),  # the state before the tick
+)
+
+
+def new_scratch() -> Record:
+    """Return the work space that kernels write to and nobody reads between ticks."""
+    return np.zeros(1, SCRATCH)

@@ -1,0 +1,82 @@
+"""Straight level flight: the state in which all accelerations and the depth rate are zero."""
+
+from trainer.core.kernel import Record, kernel
+from trainer.core.rates import rates
+from trainer.core.solve import solve
+
+STERN, BOTH = 0, 1  # by stern planes and angle of attack; level, by both pairs of planes
+
+ROUNDS = 50
+NUDGE = 1e-6  # [m/s] or [rad] for the difference quotients
+SETTLED = 1e-13  # [m/s2], [rad/s2], [m/s]
+
+
+@kernel
+def nudge(state: Record, by: int, place: int, amount: float) -> None:
+    """Add ``amount`` to one of the seven unknowns."""
+    s = state[0]
+    if place == 0:
+        s.u_c += amount
+    elif place == 1:
+        s.v += amount
+    elif place == 2:
+        if by == STERN:
+            s.w += amount
+        else:
+            s.delta_b += amount
+    elif place == 3:
+        s.phi += amount
+    elif place == 4:
+        s.delta_s += amount
+    elif place == 5:
+        s.delta_r += amount
+    else:
+        s.theta += amount
+
+
+@kernel
+def residual(state: Record, place: int) -> float:
+    """Return one of the seven rates that vanish in trim."""
+    s = state[0]
+    return s.zdot if place == 6 else s.rates[place]
+
+
+@kernel
+def trim(
+    vessel: Record, compact: Record, scheme: Record, state: Record, scratch: Record, by: int
+) -> int:
+    """Bring ``state`` into trim at its speed u; return 1 if Newton's method settled, else 0.
+
+    Adjusts u_c, v, w (or delta_b), phi, theta, delta_s, delta_r. ``scheme`` must ask for the exact
+    solve. The exact trim of the model document, section 6, in all six degrees of freedom.
+    """
+    work = scratch[0]
+    jacobian, change = work.jacobian, work.change
+    for _ in range(ROUNDS):
+        for column in range(7):
+            nudge(state, by, column, NUDGE)
+            rates(vessel, compact, scheme, state, scratch)
+            for row in range(7):
+                jacobian[row, column] = residual(state, row)
+            nudge(state, by, column, -2.0 * NUDGE)
+            rates(vessel, compact, scheme, state, scratch)
+            for row in range(7):
+                jacobian[row, column] -= residual(state, row)
+            nudge(state, by, column, NUDGE)
+        rates(vessel, compact, scheme, state, scratch)
+        worst = 0.0
+        for row in range(7):
+            slope = 0.0
+            for column in range(7):
+                jacobian[row, column] /= 2.0 * NUDGE
+                slope += abs(jacobian[row, column])
+            if slope == 0.0:  # masked: nothing to bring to zero, nothing to change
+                jacobian[row, row] = 1.0
+            jacobian[row, 7] = -residual(state, row)
+            worst = max(worst, abs(jacobian[row, 7]))
+        if worst < SETTLED:
+            return 1
+        solve(jacobian, 7, change)
+        for column in range(7):
+            nudge(state, by, column, change[column])
+    return 1 if worst < 1e3 * SETTLED else 0

@@ -1,0 +1,52 @@
+"""One tick of the whole boat."""
+
+from trainer.core.actuators import move_surfaces
+from trainer.core.autopilot import autopilot
+from trainer.core.integrators import advance
+from trainer.core.kernel import Record, kernel
+from trainer.core.propulsion import answer_telegraph
+from trainer.core.state import MOTION, RATES
+
+WATCHED = (*RATES, *MOTION)  # what a failing status points into
+
+
+@kernel
+def not_finite(state: Record) -> int:
+    """Return 1 + the place in WATCHED of the first number that is not finite, 0 if none."""
+    s = state[0]
+    for i in range(12):
+        if not s.rates[i] - s.rates[i] == 0.0:
+            return 1 + i
+    for i in range(12):
+        if not s.motion[i] - s.motion[i] == 0.0:
+            return 13 + i
+    return 0
+
+
+@kernel
+def update(
+    vessel: Record, compact: Record, scheme: Record, state: Record, scratch: Record
+) -> int:
+    """Advance ``state`` by one tick; return 0, or 1 + the place in WATCHED of what failed.
+
+    A tick that fails leaves the state as it was. Forces see surfaces and propeller as they stand
+    at the start of the tick, and all arrive together at its end: a surface moved before the
+    forces would act one step early and take the order of the integration away.
+    """
+    h = scheme[0].h
+    s = state[0]
+    work = scratch[0]
+    for i in range(s.whole.size):
+        work.before[i] = s.whole[i]
+
+    autopilot(vessel, h, state, work.gains)
+    advance(vessel, compact, scheme, state, scratch)
+    move_surfaces(vessel, h, state)
+    answer_telegraph(vessel, h, state)
+    s.tick += 1.0
+
+    failed = not_finite(state)
+    if failed != 0:
+        for i in range(s.whole.size):
+            s.whole[i] = work.before[i]
+    return failed

@@ -1,0 +1,186 @@
+"""A vessel file made into the core's records: units to SI, rows and tables to places."""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from trainer.config import ConfigError
+from trainer.core import kinematics, scheme, state, vessel
+from trainer.core.kernel import Record
+from trainer.vessel_file import VesselFile
+
+KNOT = 1852.0 / 3600.0  # [m/s]
+
+EQUATIONS = ("full", "modified", "basic", "longitudinal")
+TRIGONOMETRY = ("exact", "report")
+
+
+@dataclass(frozen=True)
+class Method:
+    """How a boat is computed; see the command line for what the words mean."""
+
+    equations: str
+    rates: str  # "exact" or "lagged"
+    trig: str  # "exact" or "report"
+    integrator: str  # a name of the scheme module, or "a=...;b=..." of a multistep method
+    step: float  # [s]
+
+
+@dataclass(frozen=True)
+class Records:
+    """What the kernels of one boat read and write, in the order they take it."""
+
+    vessel: Record
+    compact: Record
+    scheme: Record
+    state: Record
+    scratch: Record
+
+    def __iter__(self):  # type: ignore[no-untyped-def]  # noqa: ANN204
+        """Yield the records in the kernels' order."""
+        return iter((self.vessel, self.compact, self.scheme, self.state, self.scratch))
+
+
+def body(file: VesselFile) -> dict[str, float]:
+    """Return size, mass and balance [SI] by the core's names."""
+    hull = file.hull
+    return {
+        "rho": file.fluid.rho,
+        "g": file.fluid.g,
+        "ell": hull.length,
+        "mass": hull.mass,
+        "weight": hull.weight,
+        "buoyancy": hull.buoyancy,
+        **dict(zip(("x_g", "y_g", "z_g"), hull.cg, strict=True)),
+        **dict(zip(("x_b", "y_b", "z_b"), hull.cb, strict=True)),
+        **{"I_x": hull.Ix, "I_y": hull.Iy, "I_z": hull.Iz},
+        **{"I_xy": hull.Ixy, "I_yz": hull.Iyz, "I_xz": hull.Ixz},
+    }
+
+
+def thrust_rows(file: VesselFile) -> tuple[dict[str, float], tuple[float, float]]:
+    """Return the nine thrust coefficients, missing rows filled by the last, and eta's two limits.
+
+    Where there are two sets the first row is both of the upper ones.
+    """
+    sets = file.propulsion.sets
+    rows = sets if len(sets) == 3 else (sets[0], sets[0], sets[-1])
+    lowest = -math.inf
+    limits = (rows[0].eta_min, rows[1].eta_min if len(sets) > 1 else lowest)
+    names = {f"{name}{i + 1}": getattr(row, name) for i, row in enumerate(rows) for name in "abc"}
+    return names, limits
+
+
+def compact_coefficients(file: VesselFile, equations: str) -> dict[str, float]:
+    """Return the coefficients that the compact set keeps, compensated."""
+    factors = file.compensation["basic" if equations == "basic" else "modified"]
+    dropped = vessel.BASIC_DROPS if equations == "basic" else ()
+    kept = [*vessel.KEPT, *file.compact.extra_terms]
+    return {
+        name: file.coefficients[name] * factors.get(name, 1.0)
+        for name in kept
+        if name not in dropped
+    }
+
+
+def _control(file: VesselFile) -> dict[str, float]:
+    """Return limits, rates and lags [SI] by the vessel record's names."""
+    surfaces, propulsion = file.surfaces, file.propulsion
+    numbers = {
+        "limit_r": math.radians(surfaces.rudder_limit_deg),
+        "limit_s": math.radians(surfaces.stern_plane_limit_deg),
+        "limit_b": math.radians(surfaces.bow_plane_limit_deg),
+        "surface_rate": math.radians(surfaces.rate_deg_s),
+        "surface_lag": surfaces.time_constant_s,
+        "x_tail": float(surfaces.tail == "x"),
+        "telegraph_dead_time": propulsion.dead_time_s,
+        "propulsion_lag": propulsion.time_constant_s,
+        "u_c_ahead": propulsion.max_ordered_speed_kn * KNOT,
+        "u_c_astern": min(propulsion.bells_kn.values()) * KNOT,
+    }
+    if file.autopilot:
+        numbers["speed_integral"] = file.autopilot.speed_integral
+        numbers["turning_rate"] = math.radians(file.autopilot.turning_rate_deg_s)
+    return numbers
+
+
+def _write_gains(file: VesselFile, record: Record) -> None:
+    """Write the autopilot's schedule [SI] to the vessel record."""
+    gains = file.autopilot
+    if not gains:
+        return
+    count = len(gains.speed_kn)
+    record["gain_count"] = count
+    record["gain_speed"][0, :count] = np.array(gains.speed_kn) * KNOT
+    units = {
+        "depth_rate": ("depth_rate_m_s", 1.0),
+        "depth_acceleration": ("depth_acceleration_m_s2", 1.0),
+        "course_rate": ("course_rate_deg_s", math.radians(1.0)),
+        "course_acceleration": ("course_acceleration_deg_s2", math.radians(1.0)),
+    }
+    for place, name in enumerate(vessel.GAINS):
+        key, factor = units.get(name, (name, 1.0))
+        record["gain"][0, :count, place] = np.array(getattr(gains, key)) * factor
+
+
+def read_integrator(text: str) -> scheme.Multistep:
+    """Return the multistep method written ``a=1;b=1.5,-0.5``; ConfigError if it is not one."""
+    try:
+        parts = dict(part.split("=") for part in text.split(";"))
+        a, b = (tuple(float(x) for x in parts.pop(name).split(",")) for name in ("a", "b"))
+    except (ValueError, KeyError):
+        parts = {"": ""}
+    if parts:
+        names = ", ".join((*scheme.INTEGRATORS, *scheme.RUNGE_KUTTAS))
+        raise ConfigError(
+            f"--integrator {text!r}: give one of {names}, or the coefficients of a multistep "
+            "method such as 'a=1;b=1.5,-0.5'"
+        )
+    return scheme.Multistep(a, b)
+
+
+def scheme_record(method: Method) -> Record:
+    """Return the scheme of ``method``; ConfigError if its integrator is none."""
+    trig = kinematics.EXACT
+    if method.trig == "report":
+        trig = {"modified": kinematics.POLYNOMIAL, "basic": kinematics.LINEAR}.get(
+            method.equations, kinematics.EXACT
+        )
+    equations = {"full": scheme.FULL, "longitudinal": scheme.LONGITUDINAL}.get(
+        method.equations, scheme.COMPACT
+    )
+    record = scheme.new_scheme(
+        method.step, equations, exact=method.rates == "exact", trig=trig
+    )
+    if method.integrator in scheme.RUNGE_KUTTAS:
+        scheme.set_runge_kutta(record, scheme.RUNGE_KUTTAS[method.integrator])
+        return record
+    multistep = scheme.INTEGRATORS.get(method.integrator) or read_integrator(method.integrator)
+    try:
+        scheme.set_multistep(record, multistep)
+    except ValueError as wrong:
+        raise ConfigError(f"--integrator {method.integrator}: {wrong}") from None
+    return record
+
+
+def fit_out(file: VesselFile, method: Method) -> Records:
+    """Return the records of a boat at rest at the origin, weight and balance as in its file."""
+    hull = body(file)
+    rows, eta = thrust_rows(file)
+    full = vessel.vessel_record(hull, {**file.coefficients, **rows}, eta)
+    for name, value in _control(file).items():
+        full[name] = value
+    _write_gains(file, full)
+    kept: Mapping[str, float] = {**compact_coefficients(file, method.equations), **rows}
+    boat = state.new_state()
+    for name in ("weight", "x_g", "y_g", "z_g"):
+        boat[name] = hull[name]
+    return Records(
+        full,
+        vessel.compact_record(hull, kept, eta),
+        scheme_record(method),
+        boat,
+        state.new_scratch(),
+    )

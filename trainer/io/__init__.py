@@ -1,0 +1,1 @@
+"""The edge: codecs that see bytes, ports that move them."""
