@@ -45,3 +45,8 @@ def _claim_cache() -> Path:
 
 
 os.environ["NUMBA_CACHE_DIR"] = str(_claim_cache())
+
+
+def machine_code_is_compiled() -> bool:
+    """Return whether this version's kernels have been compiled on this machine before."""
+    return any(Path(os.environ["NUMBA_CACHE_DIR"]).rglob("update.update-*.nbi"))

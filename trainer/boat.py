@@ -9,9 +9,12 @@ from trainer.core import update as ticks
 from trainer.core.autopilot import autopilot
 from trainer.core.kernel import Record
 from trainer.core.rates import rates
+from trainer.core.state import STATE
 from trainer.core.trim import BOTH, STERN, trim
 from trainer.fitout import KNOT, Method, fit_out
 from trainer.vessel_file import VesselFile
+
+PLACES = {name: offset // 8 for name, (_, offset) in (STATE.fields or {}).items()}
 
 
 class Boat:
@@ -104,6 +107,11 @@ class Boat:
             f"({self.time:g} s); last good state: u {s.u:.4g} m/s, pitch "
             f"{math.degrees(s.theta):.4g} deg, heel {math.degrees(s.phi):.4g} deg, depth {s.z:.4g} m"
         )
+
+    def numbers(self, names: tuple[str, ...]) -> list[float]:
+        """Return the named places of the state; ``t`` is the time [s]."""
+        whole = self.records.state["whole"][0].tolist()
+        return [self.time if name == "t" else whole[PLACES[name]] for name in names]
 
     def snapshot(self) -> Record:
         """Return a copy of the whole state."""

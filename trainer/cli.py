@@ -1,0 +1,261 @@
+"""The command line. Commands import what they need when they run, so that help comes at once."""
+
+import difflib
+import math
+import re
+import sys
+from importlib import metadata
+from pathlib import Path
+from typing import Any
+
+import click
+
+from trainer import __version__
+from trainer.config import ConfigError
+
+VESSEL_HELP = "bb2, sdv-mk9, remus100, or the path of a vessel file"
+EQUATIONS = ("full", "modified", "basic", "longitudinal")
+
+
+class Commands(click.Group):
+    """A group that answers a mistyped command with the nearest one."""
+
+    def resolve_command(
+        self, ctx: click.Context, args: list[str]
+    ) -> tuple[str | None, click.Command | None, list[str]]:
+        """Return the command; UsageError naming the nearest if there is none of that name."""
+        name = args[0]
+        if self.get_command(ctx, name) is None and not name.startswith("-"):
+            near = difflib.get_close_matches(name, self.list_commands(ctx), 1)
+            hint = f"; did you mean {near[0]}?" if near else ""
+            ctx.fail(f"no command {name!r}{hint}")
+        return super().resolve_command(ctx, args)
+
+    def list_commands(self, ctx: click.Context) -> list[str]:
+        """Return the commands in the order they are written."""
+        del ctx
+        return list(self.commands)
+
+
+class Duration(click.ParamType):
+    """A time: 90, 90s, 10m, 1h, 1h30m."""
+
+    name = "duration"
+    units = {"h": 3600.0, "m": 60.0, "s": 1.0}  # noqa: RUF012 (read only)
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        """Return seconds."""
+        if isinstance(value, float):
+            return value
+        text = str(value).strip().lower()
+        if re.fullmatch(r"\d+(\.\d*)?", text):
+            return self._positive(float(text), value, param, ctx)
+        parts = re.fullmatch(r"((\d+(?:\.\d*)?)h)?((\d+(?:\.\d*)?)m)?((\d+(?:\.\d*)?)s)?", text)
+        if not text or not parts:
+            self.fail(f"{value!r} is not a time such as 90, 10m or 1h30m", param, ctx)
+        amounts = (parts[2], parts[4], parts[6])
+        total = sum(float(a) * u for a, u in zip(amounts, self.units.values(), strict=True) if a)
+        return self._positive(total, value, param, ctx)
+
+    def _positive(self, seconds: float, value: Any, param: Any, ctx: Any) -> float:
+        if seconds <= 0.0:
+            self.fail(f"{value!r}: a run lasts longer than 0 s", param, ctx)
+        return seconds
+
+
+class Speed(click.ParamType):
+    """A speed of time: 0.1 to 100, or max."""
+
+    name = "speed"
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        """Return the factor, infinity for max."""
+        text = str(value).strip().lower()
+        if text in ("max", "inf"):
+            return math.inf
+        try:
+            factor = float(text.removeprefix("x"))
+        except ValueError:
+            factor = math.nan
+        if not 0.1 <= factor <= 100.0:
+            self.fail(f"{value!r} is not a speed of time: 0.1 to 100, or max", param, ctx)
+        return factor
+
+
+def versions() -> str:
+    """Return this version and those of the libraries underneath."""
+    parts = [f"trainer {__version__}", f"python {sys.version.split()[0]}"]
+    for library in ("numpy", "numba", "pyserial", "click"):
+        parts.append(f"{library} {metadata.version(library)}")
+    return "\n".join(parts)
+
+
+def print_versions(ctx: click.Context, _param: click.Parameter, value: bool) -> None:  # noqa: FBT001
+    """Print the versions and leave."""
+    if value and not ctx.resilient_parsing:
+        click.echo(versions())
+        ctx.exit()
+
+
+@click.group(cls=Commands, context_settings={"help_option_names": ["-h", "--help"]})
+@click.option("--version", is_flag=True, is_eager=True, expose_value=False,
+              callback=print_versions, help="Print the versions and leave.")
+def cli() -> None:
+    """An open, real-time submarine ship-control trainer.
+
+    \b
+    trainer run                      take a 70 m submarine to sea, now
+    trainer run --headless --duration 1h --speed max --csv out.csv
+    trainer check bb2                what a vessel file is worth, and at which step
+    """
+
+
+METHOD = [
+    click.option("--equations", type=click.Choice(EQUATIONS), default="modified",
+                 show_default=True, help="Full set (1)-(7), compact modified or basic, or "
+                 "the vertical plane alone."),
+    click.option("--rates", type=click.Choice(("exact", "lagged")), default=None,
+                 help="Accelerations by the 6x6 solve, or each from its own equation with last "
+                 "cycle's. [default: lagged; exact with Runge-Kutta]"),
+    click.option("--trig", type=click.Choice(("exact", "report")), default="exact",
+                 show_default=True, help="Exact, or the 1969 approximations of the compact sets."),
+]
+
+
+def method_options(command: Any) -> Any:
+    """Add the options that say how a boat is computed."""
+    for option in reversed(METHOD):
+        command = option(command)
+    return command
+
+
+@cli.command()
+@click.option("--vessel", default="bb2", show_default=True, help=VESSEL_HELP)
+@method_options
+@click.option("--integrator", default="adams2", show_default=True,
+              help="euler, adams2, best2, adams3, adams4, rk4, rkv, or a multistep method as "
+              "'a=1;b=1.5,-0.5'.")
+@click.option("--step", type=float, default=None,
+              help="Step in s. [default: the vessel file's, 0.5 for bb2]")
+@click.option("--unsafe-step", is_flag=True, help="Run even where the step is not stable.")
+@click.option("--seed", type=click.IntRange(0, 2**63 - 1), default=1, show_default=True,
+              help="Of everything random.")
+@click.option("--duration", type=Duration(), default=None,
+              help="Simulated time: 120, 10m, 1h. [default: until quit]")
+@click.option("--speed", type=Speed(), default="1", show_default=True,
+              help="Of time: 0.1 to 100, or max.")
+@click.option("--overrun", type=click.Choice(("catch-up", "slip", "freeze")), default="catch-up",
+              show_default=True, help="What happens when a tick ends too late.")
+@click.option("--headless", is_flag=True, help="No console; a progress bar and a summary.")
+@click.option("--serial", "url", default=None, metavar="URL",
+              help="Console on this pyserial port or URL instead of the terminal.")
+@click.option("--baud", type=click.IntRange(50, 4_000_000), default=9600, show_default=True,
+              help="Of the serial port.")
+@click.option("--orders", "orders_file", type=click.Path(path_type=Path), default=None,
+              help="Scheduled orders, a line each: SECONDS ORDER.")
+@click.option("--csv", "csv_path", type=click.Path(path_type=Path), default=None,
+              help="Write the state of each tick to this file.")
+def run(**options: Any) -> None:
+    """Run a boat in real time on a console, or headless.
+
+    \b
+    Example:  trainer run
+              trainer run --headless --duration 1h --speed max --csv out.csv
+              printf 'depth 80\\n' | trainer run --duration 120 --speed max
+
+    Orders are typed at any time; `help` lists them. Exit codes: 0 done, 1 the boat's numbers
+    or the recording failed, 2 wrong input.
+    """
+    from trainer.run import run_boat  # noqa: PLC0415
+
+    sys.exit(run_boat(options))
+
+
+@cli.command()
+@click.argument("vessel")
+@method_options
+def evaluate(vessel: str, equations: str, rates: str | None, trig: str) -> None:
+    """Accelerations for states read as JSON lines: the check interface.
+
+    \b
+    Example:  trainer evaluate bb2 --equations full --rates exact < states.jsonl
+
+    Each line of input is an object with u v w p q r phi theta psi delta_r delta_s delta_b u_c
+    (SI, rad), optionally x_g y_g z_g weight and last_udot ... last_rdot; each line of output
+    the twelve rates.
+    """
+    from trainer.study.evaluate import evaluate as rates_of  # noqa: PLC0415
+    from trainer.vessel_file import load_vessel  # noqa: PLC0415
+
+    file = load_vessel(vessel)
+    for line in rates_of(file, equations, rates or "exact", trig, sys.stdin):
+        click.echo(line)
+
+
+@cli.command()
+@click.argument("vessel")
+@click.option("--json", "as_json", is_flag=True, help="Print the figures as JSON.")
+def check(vessel: str, *, as_json: bool) -> None:
+    """Say what a vessel file lacks, how the boat behaves, and which step is stable.
+
+    \b
+    Example:  trainer check bb2
+
+    Exit code 1 when a step of 0.5 s or 1 s makes a boat unstable that is stable by nature.
+    """
+    import json  # noqa: PLC0415
+    from dataclasses import asdict  # noqa: PLC0415
+
+    from trainer.study.check import check as examine  # noqa: PLC0415
+    from trainer.study.check import render  # noqa: PLC0415
+    from trainer.vessel_file import load_vessel  # noqa: PLC0415
+
+    report = examine(load_vessel(vessel))
+    click.echo(json.dumps(asdict(report), indent=1) if as_json else render(report))
+    sys.exit(0 if report.stable else 1)
+
+
+@cli.command()
+@click.option("--vessel", default="bb2", show_default=True, help=VESSEL_HELP)
+@click.option("--seconds", type=click.IntRange(1, 3600), default=10, show_default=True,
+              help="Of real time for each step.")
+@click.option("--json", "as_json", is_flag=True, help="Print the figures as JSON.")
+def bench(vessel: str, seconds: int, *, as_json: bool) -> None:
+    """Measure duty cycle, work per tick, lateness and sizes on this machine.
+
+    \b
+    Example:  trainer bench --json
+    """
+    from trainer.study.bench import bench as measure  # noqa: PLC0415
+    from trainer.study.bench import render  # noqa: PLC0415
+    from trainer.vessel_file import load_vessel  # noqa: PLC0415
+
+    figures = measure(load_vessel(vessel), seconds)
+    click.echo(render(figures, as_json=as_json))
+
+
+@cli.command()
+@click.argument("vessel")
+def gains(vessel: str) -> None:
+    """Design the autopilot of a boat and print the table for its vessel file.
+
+    \b
+    Example:  trainer gains my-boat.toml >> my-boat.toml
+    """
+    from trainer.study.gains import design_text  # noqa: PLC0415
+    from trainer.vessel_file import load_vessel  # noqa: PLC0415
+
+    click.echo(design_text(load_vessel(vessel)))
+
+
+def main() -> None:
+    """Run the command line; what the user got wrong is told on stderr, exit code 2."""
+    try:
+        cli(standalone_mode=True)
+    except ConfigError as wrong:
+        for line in str(wrong).splitlines():
+            click.echo(f"trainer: {line}", err=True)
+        sys.exit(2)
+    except BrokenPipeError:
+        sys.stdout = None
+        sys.exit(0)

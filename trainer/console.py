@@ -1,0 +1,98 @@
+"""A console attached to the session: lines in, lines out, whatever the port."""
+
+import math
+from dataclasses import dataclass
+
+from trainer.boat import Boat
+from trainer.fitout import KNOT
+from trainer.helm import toward
+from trainer.io.lines import Overlong
+from trainer.io.outbox import Inbox, Sender
+from trainer.io.teletype import View, header, state_line
+from trainer.ledger import Summary
+
+HEADING_EVERY = 20  # [lines]
+
+
+def view(boat: Boat, *, frozen: bool) -> View:
+    """Return what a console shows of the boat, in display units."""
+    s = boat.state
+    automatic_depth = not (s.stern_by_hand and s.bow_by_hand)
+    return View(
+        time_s=boat.time,
+        depth_m=float(s.z),
+        course_deg=math.degrees(s.psi) % 360.0,
+        speed_kn=float(s.u) / KNOT,
+        pitch_deg=math.degrees(s.theta),
+        heel_deg=math.degrees(s.phi),
+        rudder_deg=math.degrees(s.delta_r) * toward(boat, "rudder"),
+        stern_deg=math.degrees(s.delta_s) * toward(boat, "stern"),
+        bow_deg=math.degrees(s.delta_b) * toward(boat, "bow"),
+        rpm=float(s.u_c) * boat.file.propulsion.rps_per_mps * 60.0,
+        ordered_depth_m=float(s.ordered_depth) if automatic_depth else None,
+        ordered_course_deg=None if s.rudder_by_hand else math.degrees(s.ordered_psi) % 360.0,
+        frozen=frozen,
+        rudder_manual=bool(s.rudder_by_hand),
+        stern_manual=bool(s.stern_by_hand),
+        bow_manual=bool(s.bow_by_hand),
+    )
+
+
+def status_lines(boat: Boat, ledger: Summary) -> list[str]:
+    """Return everything about the boat, for the order ``status``."""
+    s = boat.state
+    seen = view(boat, frozen=False)
+    method = boat.method
+
+    def mode(by_hand: float) -> str:
+        return "by hand" if by_hand else "automatic"
+
+    turns = f"{seen.rpm:.1f} rpm, turns for {float(s.u_c) / KNOT:.1f} kn"
+    return [
+        f"{boat.file.name}: {method.equations} set, {method.rates} rates, {method.integrator}, "
+        f"step {method.step:g} s, tick {int(s.tick)}",
+        f"depth   {seen.depth_m:8.2f} m   ordered {s.ordered_depth:.1f}   "
+        f"rate {s.zdot:+.2f} m/s down",
+        f"course  {seen.course_deg:8.2f}     ordered {math.degrees(s.ordered_psi) % 360:05.1f}   "
+        f"rate {math.degrees(s.psidot):+.2f} deg/s",
+        f"speed   {seen.speed_kn:8.2f} kn  ordered {s.ordered_speed / KNOT:.1f}   {turns}, "
+        f"{mode(s.speed_by_hand)}",
+        f"pitch {seen.pitch_deg:+.2f}   heel {seen.heel_deg:+.2f} degrees",
+        f"rudder {seen.rudder_deg:+.2f} (right +) {mode(s.rudder_by_hand)}   "
+        f"stern planes {seen.stern_deg:+.2f} {mode(s.stern_by_hand)}   "
+        f"bow planes {seen.bow_deg:+.2f} {mode(s.bow_by_hand)} (rise +)",
+        f"position {s.x:.0f} m north, {s.y:.0f} m east of the start",
+        f"ticks {ledger.ticks}, duty cycle {100 * ledger.duty_cycle:.3f} %, "
+        f"overruns {ledger.overruns}, gaps {ledger.gaps}",
+    ]
+
+
+@dataclass
+class Console:
+    """One teletype: what it types, what it is told, and when the headings are due again."""
+
+    inbox: Inbox | None
+    sender: Sender
+    lines_since_heading: int = HEADING_EVERY
+
+    def typed(self) -> list[str | Overlong]:
+        """Return the lines that have arrived."""
+        return self.inbox.take() if self.inbox else []
+
+    @property
+    def silent(self) -> bool:
+        """Return whether nothing can come from here any more."""
+        return self.inbox is None or self.inbox.ended
+
+    def say(self, *lines: str) -> None:
+        """Tell the operator something."""
+        for line in lines:
+            self.sender.send(line)
+
+    def show(self, boat: Boat, *, frozen: bool) -> None:
+        """Print the line of state, under headings every so often."""
+        if self.lines_since_heading >= HEADING_EVERY:
+            self.sender.send(header())
+            self.lines_since_heading = 0
+        self.sender.send(state_line(view(boat, frozen=frozen)))
+        self.lines_since_heading += 1

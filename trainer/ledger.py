@@ -1,0 +1,111 @@
+"""What became of the ticks: counters, the last of them in full, and two histograms.
+
+Times are integer nanoseconds. Nothing here grows.
+"""
+
+import math
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+SECOND: Final = 1_000_000_000  # [ns]
+TICK = np.dtype([(name, np.int64) for name in ("deadline", "start", "work", "lateness")])  # [ns]
+RECENT = 4096  # [-] ticks kept in full
+HALF = 32  # [-] histogram bins to a factor of two: a percentile is at most 1/32 too high
+
+
+@dataclass(frozen=True)
+class Spread:
+    """How long something took: three percentiles, at most 1/32 too high, and the exact maximum."""
+
+    p50_ns: int
+    p99_ns: int
+    p999_ns: int
+    max_ns: int
+
+
+@dataclass(frozen=True)
+class Summary:
+    """The ledger in a few numbers."""
+
+    ticks: int
+    duty_cycle: float  # [-] work / (ticks h): share of real time, whatever the speed was
+    work: Spread
+    lateness: Spread
+    overruns: int  # ticks that were still at work at the next deadline, or for over a period
+    caught_up: int  # ticks begun more than a period late
+    skipped: int  # deadlines given up by slipping
+    gaps: int  # times the process was not running
+    gap_ns: int
+
+
+class Histogram:
+    """Counts of durations in fixed logarithmic bins."""
+
+    def __init__(self) -> None:
+        self._counts = np.zeros(59 * HALF, np.int64)  # up to 2^63 ns
+        self._largest = 0
+
+    def add(self, duration: int) -> None:
+        """Count ``duration`` [ns]; a negative one counts as 0."""
+        duration = max(duration, 0)
+        shift = max(duration.bit_length() - HALF.bit_length(), 0)
+        self._counts[shift * HALF + (duration >> shift)] += 1
+        self._largest = max(self._largest, duration)
+
+    def spread(self) -> Spread:
+        """Return the percentiles [ns], all 0 when nothing was counted."""
+        reached = np.cumsum(self._counts)
+        ranks = [-(-int(reached[-1]) * permille // 1000) for permille in (500, 990, 999)]
+        p50, p99, p999 = (self._top(int(np.searchsorted(reached, rank))) for rank in ranks)
+        return Spread(p50, p99, p999, self._largest)
+
+    def _top(self, place: int) -> int:
+        shift = max(place // HALF - 1, 0)
+        return min(((place - shift * HALF + 1) << shift) - 1, self._largest)
+
+
+class Ledger:
+    """What became of the ticks; its size never changes."""
+
+    def __init__(self, step: float) -> None:
+        """Take the step h [s]; ValueError unless it is finite and above 0."""
+        if not (math.isfinite(step) and step > 0):
+            raise ValueError(f"step {step} s is not a finite time above 0")
+        self.step = Fraction(str(step))  # [s] 1/10 when 0.1 was typed
+        self.ticks = self.overruns = self.caught_up = self.skipped = self.gaps = 0
+        self.gap_ns = 0
+        self._worked = 0
+        self._work, self._lateness = Histogram(), Histogram()
+        self._recent = np.zeros(RECENT, TICK)
+
+    def record(self, deadline: int, start: int, work: int) -> None:
+        """Enter one tick [ns]."""
+        self._recent[self.ticks % RECENT] = (deadline, start, work, start - deadline)
+        self.ticks += 1
+        self._worked += work
+        self._work.add(work)
+        self._lateness.add(start - deadline)
+
+    def recent(self) -> NDArray[np.void]:
+        """Return a copy of the last ticks, oldest first, at most ``RECENT`` [ns]."""
+        if self.ticks < RECENT:
+            return self._recent[: self.ticks].copy()
+        return np.roll(self._recent, -(self.ticks % RECENT))
+
+    def summary(self) -> Summary:
+        """Return the state of the ledger."""
+        return Summary(
+            ticks=self.ticks,
+            duty_cycle=float(self._worked / (max(self.ticks, 1) * self.step * SECOND)),
+            work=self._work.spread(),
+            lateness=self._lateness.spread(),
+            overruns=self.overruns,
+            caught_up=self.caught_up,
+            skipped=self.skipped,
+            gaps=self.gaps,
+            gap_ns=self.gap_ns,
+        )

@@ -1,0 +1,198 @@
+"""A run: the boat, the clock and the ports, joined. One thread ticks; ports have their own."""
+
+import math
+import threading
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from typing import Protocol
+
+from trainer.boat import Boat
+from trainer.clock import Clock, Event, Pacer, Policy, Unpaced, Waited
+from trainer.console import Console, status_lines
+from trainer.helm import ORDERS, Refused, obey
+from trainer.io.lines import Overlong
+from trainer.io.order_help import help_text
+from trainer.io.orders import BadOrder, Order, parse
+from trainer.io.schedule import Scheduled
+from trainer.ledger import Ledger
+
+
+class Recorder(Protocol):
+    """Where each tick's state goes."""
+
+    trouble: str
+
+    def row(self, values: Sequence[float]) -> None:
+        """Take the columns of one tick."""
+        ...
+
+
+def keeper(clock: Clock, ledger: Ledger, speed: float, policy: Policy) -> Pacer | Unpaced:
+    """Return what paces ticks at ``speed``; an infinite speed is as fast as the machine allows."""
+    if math.isinf(speed):
+        return Unpaced(clock, ledger)
+    return Pacer(clock, ledger, speed, policy)
+
+
+@dataclass
+class Timekeeping:
+    """What paces the ticks, and may be changed while they run."""
+
+    clock: Clock
+    ledger: Ledger
+    policy: Policy
+    pacer: Pacer | Unpaced
+
+    @classmethod
+    def at(cls, clock: Clock, step: float, speed: float, policy: Policy) -> "Timekeeping":
+        """Return the keeping of time at ``speed``, infinity for as fast as it goes."""
+        ledger = Ledger(step)
+        return cls(clock, ledger, policy, keeper(clock, ledger, speed, policy))
+
+    def change(self, speed: float) -> None:
+        """Let time go ``speed`` times as fast from now on."""
+        if math.isfinite(speed) and isinstance(self.pacer, Pacer):
+            self.pacer.set_speed(speed)
+            return
+        frozen = self.pacer.frozen
+        self.pacer = keeper(self.clock, self.ledger, speed, self.policy)
+        if not frozen:
+            self.pacer.run()
+
+
+@dataclass
+class Session:
+    """One run from its first tick to its end."""
+
+    boat: Boat
+    time: Timekeeping
+    recorder: Recorder
+    consoles: list[Console]
+    columns: tuple[str, ...]
+    schedule: list[Scheduled] = field(default_factory=list)
+    last_tick: float = math.inf
+    progress: Callable[[int], None] | None = None
+    wake: threading.Event = field(default_factory=threading.Event)
+    ended: bool = False
+    failure: str = ""  # where the numbers were lost
+    _steps: int = 0  # ticks that a single-step order still allows
+    _next: int = 0  # place in the schedule
+
+    def run(self) -> None:
+        """Run to the last tick, an order to quit, or until nobody can ever say run again."""
+        self.recorder.row(self.boat.numbers(self.columns))
+        self.time.pacer.run()
+        while not self.ended and self.boat.state.tick < self.last_tick:
+            if self._deserted():
+                self._tell("frozen, and nobody is left to say run: ending")
+                return
+            if self.time.pacer.wait(self.wake) is Waited.WOKEN:
+                self.wake.clear()
+                self.listen()
+                while self.time.pacer.frozen and self._steps and not self.ended:
+                    self._steps -= 1
+                    self._tick()
+            else:
+                self._tick()
+
+    def stop(self) -> None:
+        """End the run after the present tick; may be called from a signal handler."""
+        self.ended = True
+        self.wake.set()
+
+    def listen(self) -> None:
+        """Take what the consoles have typed since the last time."""
+        for console in self.consoles:
+            for line in console.typed():
+                self._hear(console, line)
+
+    def _deserted(self) -> bool:
+        """Return whether time stands still and nobody can let it go on."""
+        if not self.time.pacer.frozen or self._steps:
+            return False
+        silent = all(console.silent for console in self.consoles)
+        self.listen()  # what came before the silence
+        return silent and self.time.pacer.frozen and not self._steps
+
+    def _tell(self, *lines: str) -> None:
+        for console in self.consoles:
+            console.say(*lines)
+
+    def _tick(self) -> None:
+        pacer = self.time.pacer
+        pacer.begin()
+        self._obey_schedule()
+        status = self.boat.tick()
+        if status:
+            self.failure = self.boat.failure(status)
+            self._tell(f"FROZEN: {self.failure}")
+        else:
+            self.recorder.row(self.boat.numbers(self.columns))
+            for console in self.consoles:
+                console.show(self.boat, frozen=pacer.frozen)
+        events: tuple[Event, ...] = pacer.end()
+        if status:
+            pacer.freeze()
+            self._steps = 0
+        for event in events:
+            self._tell(str(event))
+        if self.progress:
+            self.progress(int(self.boat.state.tick))
+
+    def _obey_schedule(self) -> None:
+        """Carry out what is due by now: an order acts on the first tick not before its time."""
+        step, tick = self.boat.method.step, self.boat.state.tick
+        while self._next < len(self.schedule):
+            entry = self.schedule[self._next]
+            if math.ceil(entry.seconds / step - 1e-9) > tick:
+                return
+            self._next += 1
+            answer = self._answer(entry.order)
+            text = f"refused: {answer.reason}" if isinstance(answer, Refused) else answer
+            self._tell(f"[{entry.seconds:g} s] {entry.order.text}: {text}")
+
+    def _hear(self, console: Console, line: str | Overlong) -> None:
+        """Carry out a line from ``console`` and answer it there."""
+        if isinstance(line, Overlong):
+            console.say(f"? longer than {line.limit} characters; nothing done")
+            return
+        order = parse(line)
+        if order is None:
+            return
+        if isinstance(order, BadOrder):
+            console.say(f"? {order.reason}")
+        elif order.name == "help":
+            console.say(*help_text(order.word))
+        elif order.name == "status":
+            console.say(*status_lines(self.boat, self.time.ledger.summary()))
+        else:
+            answer = self._answer(order)
+            console.say(f"? {answer.reason}" if isinstance(answer, Refused) else answer)
+
+    def _answer(self, order: Order) -> str | Refused:
+        """Carry out an order about time or about the boat."""
+        if order.name in ORDERS:
+            return obey(self.boat, order)
+        pacer = self.time.pacer
+        if self.failure and order.name in ("run", "step"):
+            return Refused(f"this boat cannot go on: {self.failure}")
+        match order.name:
+            case "freeze":
+                pacer.freeze()
+                return "frozen"
+            case "run":
+                pacer.run()
+                return "running"
+            case "step":
+                pacer.freeze()
+                self._steps += int(order.value)
+                self.wake.set()
+                return f"{int(order.value)} ticks, then frozen"
+            case "time":
+                self.time.change(math.inf if order.word == "max" else order.value)
+                return "time as fast as it goes" if order.word == "max" else order.text
+            case "quit":
+                self.stop()
+                return "ending"
+            case _:
+                return Refused(f"{order.text} has no place in a schedule")
