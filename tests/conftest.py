@@ -1,0 +1,43 @@
+"""Boats for the tests."""
+
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from trainer.boat import Boat
+from trainer.fitout import Method
+from trainer.vessel_file import load_vessel
+
+DATA = Path(__file__).parent / "data"
+
+
+def boat_of(
+    vessel: str = "bb2",
+    equations: str = "full",
+    rates: str = "lagged",
+    integrator: str = "adams2",
+    step: float = 0.5,
+) -> Boat:
+    """Return a boat not yet started."""
+    path = str(DATA / "vectors" / vessel) if vessel.endswith(".toml") else vessel
+    return Boat(load_vessel(path), Method(equations, rates, "exact", integrator, step))
+
+
+@pytest.fixture(scope="session")
+def make_boat() -> Callable[..., Boat]:
+    """Return a function that makes boats; see boat_of."""
+    return boat_of
+
+
+@pytest.fixture(scope="session")
+def by_hand() -> Callable[[Boat], None]:
+    """Return a function that puts every surface and the propeller in hand as they stand."""
+
+    def take(boat: Boat) -> None:
+        s = boat.state
+        s.rudder_by_hand = s.stern_by_hand = s.bow_by_hand = s.speed_by_hand = 1.0
+        s.ordered_r, s.ordered_s, s.ordered_b = s.delta_r, s.delta_s, s.delta_b
+        s.ordered_u_c = s.u_c
+
+    return take

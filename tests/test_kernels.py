@@ -1,0 +1,65 @@
+"""The rules of the core, read from its syntax trees."""
+
+import ast
+from pathlib import Path
+
+import pytest
+
+import trainer.core
+
+CORE = Path(trainer.core.__file__).parent
+WRITABLE = {"state", "scratch", "out", "force", "gains", "system", "s", "work", "jacobian", "change"}
+WRITABLE |= {"acceleration"}
+
+
+def kernels() -> list[tuple[str, ast.FunctionDef]]:
+    """Return every function decorated as a kernel."""
+    return [
+        (f"{path.stem}.{node.name}", node)
+        for path in sorted(CORE.glob("*.py"))
+        for node in ast.parse(path.read_text(encoding="utf-8")).body
+        if isinstance(node, ast.FunctionDef)
+        and any(isinstance(d, ast.Name) and d.id == "kernel" for d in node.decorator_list)
+    ]
+
+
+def written(kernel: ast.FunctionDef) -> set[str]:
+    """Return the names whose fields or elements a kernel assigns to."""
+    names = set()
+    for node in ast.walk(kernel):
+        targets = node.targets if isinstance(node, ast.Assign) else []
+        targets = [node.target] if isinstance(node, ast.AugAssign) else targets
+        for target in targets:
+            for part in target.elts if isinstance(target, ast.Tuple) else [target]:
+                root = part
+                while isinstance(root, ast.Attribute | ast.Subscript):
+                    root = root.value
+                if root is not part and isinstance(root, ast.Name):
+                    names.add(root.id)
+    return names
+
+
+@pytest.mark.parametrize("kernel", [pytest.param(node, id=name) for name, node in kernels()])
+def test_a_kernel_keeps_the_rules(kernel: ast.FunctionDef) -> None:
+    arguments = kernel.args
+    powers = [n for n in ast.walk(kernel) if isinstance(n, ast.BinOp) and isinstance(n.op, ast.Pow)]
+    calls = {ast.unparse(n.func) for n in ast.walk(kernel) if isinstance(n, ast.Call)}
+
+    assert ast.get_docstring(kernel), "says what it returns, in which unit"
+    assert not arguments.defaults, "a default hides an input"
+    assert not arguments.vararg
+    assert not arguments.kwarg
+    assert all(argument.annotation for argument in arguments.args)
+    assert len(arguments.args) <= 6
+    assert written(kernel) <= WRITABLE, "writes only to what its caller owns"
+    if written(kernel):
+        assert kernel.returns
+        assert ast.unparse(kernel.returns) in {"None", "int"}, "returns or writes, not both"
+    assert len(kernel.body) <= 32, "fits on a screen"
+    assert not powers, "x * x: the library's pow would be in the bits"
+    assert not {c for c in calls if c.startswith("np.")}, "no numpy call: it may allocate"
+    assert calls.isdisjoint({"math.sin", "math.cos", "math.exp", "math.log", "math.atan2"})
+
+
+def test_there_are_kernels_to_check() -> None:
+    assert len(kernels()) > 40

@@ -1,0 +1,125 @@
+"""Bytes to lines: what a keyboard, a serial panel, a pipe or a telnet client sends.
+
+A line ends at CR, LF or CRLF. Backspace and DEL take back a character, Ctrl-U the line so far.
+Telnet's own commands are dropped. Memory stays flat whatever comes: a line that does not end is
+given up once, and the next line end begins afresh.
+"""
+
+import re
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from trainer.io.orders import LONGEST
+
+BACKSPACE, LINE_FEED, RETURN, KILL, DELETE = b"\b", b"\n", b"\r", b"\x15", b"\x7f"
+RUNS = re.compile(rb"[^\b\n\r\x15\x7f]+|.", re.DOTALL)
+
+# Telnet, RFC 854: commands begin with 255; 251-254 carry an option; 250 opens a list that 240 ends.
+COMMAND, LIST, LIST_END = 255, 250, 240
+OPTIONS = frozenset({251, 252, 253, 254})
+LINE_ENDS = b"\r\n"
+
+Step = Callable[[int], bool]  # takes a byte, returns whether it is text
+
+
+@dataclass(frozen=True)
+class Overlong:
+    """A line that exceeded the limit [characters] and was dropped."""
+
+    limit: int
+
+
+class LineDecoder:
+    """Cut a stream of bytes into lines; never raises, never holds more than one line."""
+
+    def __init__(self, limit: int = LONGEST) -> None:
+        self.limit = limit
+        self._pending = bytearray()
+        self._giving_up = False  # the rest of an overlong line is being skipped
+        self._after_return = False  # a line feed or NUL now belongs to the line end before it
+        self._telnet = TelnetFilter()
+
+    def feed(self, data: bytes) -> list[str | Overlong]:
+        """Return the lines that `data` completes, without their ends."""
+        done: list[str | Overlong] = []
+        for found in RUNS.finditer(self._telnet.feed(data)):
+            run = found[0]
+            if self._after_return:
+                run = run.removeprefix(b"\0")
+            if run in (RETURN, LINE_FEED):
+                if not (run == LINE_FEED and self._after_return):
+                    done += self._end_line()
+            elif run in (BACKSPACE, DELETE):
+                self._take_back()
+            elif run == KILL:
+                self._pending.clear()
+            else:
+                done += self._extend(run)
+            self._after_return = run == RETURN
+        return done
+
+    @property
+    def held(self) -> int:
+        """Return the size [bytes] of the unfinished line."""
+        return len(self._pending)
+
+    def _end_line(self) -> list[str | Overlong]:
+        line = self._pending.decode("utf-8", errors="replace")
+        given_up = self._giving_up
+        self._pending.clear()
+        self._giving_up = False
+        return [] if given_up else [line]
+
+    def _take_back(self) -> None:
+        while self._pending and self._pending[-1] & 0xC0 == 0x80:  # inside a UTF-8 character
+            self._pending.pop()
+        del self._pending[-1:]
+
+    def _extend(self, run: bytes) -> list[str | Overlong]:
+        if self._giving_up:
+            return []
+        if len(self._pending) + len(run) <= self.limit:
+            self._pending += run
+            return []
+        self._pending.clear()
+        self._giving_up = True
+        return [Overlong(self.limit)]
+
+
+class TelnetFilter:
+    """Drop telnet commands from a stream; a line end always ends one, so noise cannot jam it."""
+
+    def __init__(self) -> None:
+        self._state: Step = self._text
+
+    def feed(self, data: bytes) -> bytes:
+        """Return `data` without telnet's commands."""
+        if COMMAND not in data and self._state == self._text:
+            return data
+        kept = bytearray()
+        for byte in data:
+            if byte in LINE_ENDS:
+                self._state = self._text
+                kept.append(byte)
+            elif self._state(byte):
+                kept.append(byte)
+        return bytes(kept)
+
+    def _text(self, byte: int) -> bool:
+        if byte == COMMAND:
+            self._state = self._command
+        return byte != COMMAND
+
+    def _command(self, byte: int) -> bool:
+        following: dict[int, Step] = {LIST: self._list} | dict.fromkeys(OPTIONS, self._option)
+        self._state = following.get(byte, self._text)
+        return byte == COMMAND  # twice 255 stands for itself
+
+    def _option(self, _byte: int) -> bool:
+        self._state = self._text
+        return False
+
+    def _list(self, byte: int) -> bool:
+        if byte == LIST_END:
+            self._state = self._text
+        return False

@@ -1,0 +1,109 @@
+"""The order table as help on a terminal and as the page docs/orders.md."""
+
+import difflib
+import re
+from collections.abc import Sequence
+
+from trainer.io.order_table import FORMS, NUMBERS, SETS, TOPICS, Form, Number, heading_word
+from trainer.io.orders import LONGEST, sentence
+
+WIDTH = 79  # [characters]
+
+INTRODUCTION = f"""# Orders
+
+<!-- Made from trainer/io/order_table.py by trainer.io.order_help.page(); a test compares them. -->
+
+An order is one line of at most {LONGEST} characters: plain words, in capitals or not. Any word may
+be cut short as long as the line allows one meaning (`ru r 15` is `rudder right 15`); a doubtful or
+unknown word is refused with the words it could be, and changes nothing. Numbers are plain decimals.
+What follows a `#` is ignored. `[word]` may be left out, `a|b` is one or the other.
+
+A program sends the same words as `$TRO,<words>*<checksum>`, the checksum being the exclusive or of
+all characters between `$` and `*` in two hexadecimal digits: `{sentence("rudder left 15")}`.
+
+A file of orders (`--orders FILE`) has lines of `SECONDS ORDER`, for example `600 rudder right 15`.
+"""
+
+
+def help_text(topic: str) -> list[str]:
+    """Return the lines of help on a topic, at most 79 columns; "" is the list of orders."""
+    if not topic:
+        return overview()
+    topics = [entry.name for entry in TOPICS]
+    if topic not in topics:
+        near = difflib.get_close_matches(topic, topics, n=1)
+        return [f'no order "{topic}"' + (f"; did you mean {near[0]}?" if near else "")]
+    forms = [form for form in FORMS if heading_word(form) == topic and not form.refusal]
+    lines = [f"{topic}, in full:"]
+    for form in forms:
+        line = f"  {usage(form):<34}  {form.says}"
+        lines += [line] if len(line) <= WIDTH else [f"  {usage(form)}", f"      {form.says}"]
+    patterns = " ".join(form.pattern for form in forms).split()
+    lines += [
+        f"  {name} is {limits_and_units(number)}"
+        for name, number in NUMBERS.items()
+        if name in patterns
+    ]
+    return lines + [f"  {same}" for same in synonyms(patterns)]
+
+
+def overview() -> list[str]:
+    """Return the list of orders, 20 lines."""
+    first = "Orders; words may be cut short, and # starts a comment:"
+    last = "help ORDER says more about one of them."
+    return [first, *(f"  {entry.example:<30} {entry.says}" for entry in TOPICS), last]
+
+
+def usage(form: Form) -> str:
+    """Return the pattern of a form without its second spellings."""
+    items = (SETS.get(item, item) for item in form.pattern.split() if item != "TOPIC")
+    shown = " ".join(re.sub(r"=[^|]*", "", item) for item in items)
+    return f"{shown} ORDER" if "TOPIC" in form.pattern else shown
+
+
+def limits_and_units(number: Number) -> str:
+    """Return what a number means, its limits and its units, the understood one first."""
+    units = " or ".join(unit.names[0] for unit in number.units if unit.names)
+    return f"{number.says}, {number.limits}" + (f" (in {units})" if len(number.units) > 1 else "")
+
+
+def synonyms(patterns: list[str]) -> list[str]:
+    """Return `word: other spellings` for the words of the patterns that have any, once each."""
+    found = {}
+    for item in patterns:
+        for alternative in SETS.get(item.strip("[]"), item.strip("[]")).split("|"):
+            word, *others = alternative.split("=")
+            if others:
+                found[word] = f"{word}: also {', '.join(others)}"
+    return list(found.values())
+
+
+def page() -> str:
+    """Return docs/orders.md."""
+    escaped = [
+        (usage(form).replace("|", "\\|"), form.name or heading_word(form), form.says)
+        for form in FORMS
+        if not form.refusal
+    ]
+    refused = [(usage(form).replace("|", "\\|"), form.refusal) for form in FORMS if form.refusal]
+    return "\n".join(
+        [
+            INTRODUCTION,
+            *table(("wording", "order", "what it does"), escaped),
+            "## Numbers\n",
+            *table(
+                ("in the table", "is"), [(name, limits_and_units(n)) for name, n in NUMBERS.items()]
+            ),
+            "The boat's own limits are narrower, and are applied later.\n",
+            "## Other spellings\n",
+            *(f"- {same}" for same in synonyms(" ".join(f.pattern for f in FORMS).split())),
+            "\n## Refused with advice\n",
+            *table(("wording", "answer"), refused),
+        ]
+    )
+
+
+def table(head: tuple[str, ...], rows: Sequence[tuple[str, ...]]) -> list[str]:
+    """Return a Markdown table, its first column as code, and a blank line."""
+    lines = [f"| {' | '.join(head)} |", f"|{' --- |' * len(head)}"]
+    return [*lines, *(f"| `{row[0]}` | {' | '.join(row[1:])} |" for row in rows), ""]

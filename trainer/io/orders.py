@@ -1,0 +1,269 @@
+"""The order grammar: one line of text to one order, for people and for machines.
+
+    line      = [ words ] [ "#" comment ] | "$TRO," words "*" checksum
+    words     = an order of trainer.io.order_table, any word of it cut short if no doubt arises
+    checksum  = two hexadecimal digits, the exclusive or of every character between "$" and "*"
+
+A line knows words and units, not the boat: whether it can be obeyed is decided elsewhere.
+"""
+
+import difflib
+import functools
+import operator
+import re
+from collections.abc import Iterable
+from dataclasses import dataclass
+from decimal import Decimal
+from typing import NamedTuple
+
+from trainer.io.order_table import (
+    FORMS,
+    NUMBERS,
+    SIGNS,
+    Form,
+    Number,
+    Place,
+    Unit,
+    UnitWord,
+    Word,
+    heading_word,
+    variants,
+)
+
+LONGEST = 80  # [characters]  of a line, its comment included
+
+PRINTABLE = re.compile(r"[\t -~]*")
+SENTENCE = re.compile(r"\$(TRO,([^$*#]*))\*([0-9A-Fa-f]{2})")
+THIRDS = re.compile(r"\b(one|two)\s+third")
+GLUED = re.compile(r"([+-]?[0-9.]+)([a-z][a-z/]*)")
+DECIMAL = re.compile(r"[+-]?(?:[0-9]{1,9}(?:\.[0-9]*)?|\.[0-9]+)")
+
+
+@dataclass(frozen=True)
+class Order:
+    """An order understood.
+
+    `value` is in SI and radians (rpm in revolutions a second), starboard and rise positive, 0 when
+    there is none; `word` is the keyword the order turns on, "" when the value says it all; `text`
+    is the full wording, which reads back as the same order.
+    """
+
+    name: str
+    value: float
+    word: str
+    text: str
+
+
+@dataclass(frozen=True)
+class BadOrder:
+    """A line that is no order: the line made printable, and why, naming what would be."""
+
+    text: str
+    reason: str
+
+
+class Said(NamedTuple):
+    """One token as one reading takes it."""
+
+    spelling: str
+    word: str
+
+
+class Reading(NamedTuple):
+    """One way to understand the tokens so far."""
+
+    form: Form
+    places: tuple[Place, ...]
+    said: tuple[Said, ...]
+
+
+class RefusedError(Exception):
+    """A line that is no order; its text says why. Does not leave this module."""
+
+
+READINGS = tuple(Reading(form, places, ()) for form in FORMS for places in variants(form))
+
+
+def parse(line: str) -> Order | BadOrder | None:
+    """Return the order on `line`, None when it is blank or a comment; never raises."""
+    text = line.strip(" \t\r\n")
+    try:
+        refuse_unreadable(text)
+        words = opened(text) if text.startswith("$") else text.partition("#")[0]
+        tokens = tokenise(words)
+        return order(read(tokens)) if tokens else None
+    except RefusedError as refused:
+        return BadOrder(
+            "".join(c if " " <= c <= "~" else "?" for c in text[:LONGEST]), str(refused)
+        )
+
+
+def sentence(words: str) -> str:
+    """Return `words` as a machine sends them, checksum and all."""
+    return f"$TRO,{words}*{checksum('TRO,' + words):02X}"
+
+
+def checksum(body: str) -> int:
+    """Return the exclusive or of the characters, as NMEA 0183 has it."""
+    return functools.reduce(operator.xor, body.encode("ascii"), 0)
+
+
+def refuse_unreadable(text: str) -> None:
+    """Refuse a line that is too long or not plain ASCII."""
+    if len(text) > LONGEST:
+        raise RefusedError(f"line of {len(text)} characters; the longest is {LONGEST}")
+    readable = PRINTABLE.match(text)
+    end = readable.end() if readable else 0
+    if end < len(text):
+        code = ord(text[end])
+        raise RefusedError(f"unreadable character U+{code:04X} at column {end + 1}")
+
+
+def opened(text: str) -> str:
+    """Return the words inside a machine's sentence; its checksum must be there and right."""
+    found = SENTENCE.fullmatch(text)
+    if not found:
+        raise RefusedError("a machine's line is $TRO,<order>*<two-digit checksum>")
+    body, words, given = found.groups()
+    if int(given, 16) != checksum(body):
+        raise RefusedError(f"wrong checksum {given.upper()}; this line's is {checksum(body):02X}")
+    if not words.strip():
+        raise RefusedError("a sentence without an order")
+    return str(words)
+
+
+def tokenise(text: str) -> list[str]:
+    """Return the words in lower case, units split from their numbers."""
+    words = THIRDS.sub(r"\1-third", text.lower()).split()
+    split = [glued.groups() if (glued := GLUED.fullmatch(word)) else (word,) for word in words]
+    return [token for tokens in split for token in tokens]
+
+
+def read(tokens: list[str]) -> Reading:
+    """Return the one reading of the tokens; refuses where there is none, or more than one."""
+    alive: list[Reading] = list(READINGS)
+    for i, token in enumerate(tokens):
+        reached = [reading for reading in alive if len(reading.places) > i]
+        alive = [
+            Reading(form, places, (*before, said))
+            for form, places, before in reached
+            for said in match(places[i], token)
+        ]
+        if not alive:
+            raise RefusedError(unexpected(tokens, i, offered(reached, i)))
+    refuse_doubt(tokens, alive)
+    whole = [reading for reading in alive if len(reading.places) == len(tokens)]
+    if not whole:
+        expected = either(wanted(offered(alive, len(tokens))))
+        raise RefusedError(f"{' '.join(tokens)} what? expected {expected}")
+    if whole[0].form.refusal:
+        raise RefusedError(whole[0].form.refusal)
+    return whole[0]
+
+
+def offered(readings: list[Reading], i: int) -> list[Place]:
+    """Return what may stand at `i`; what would be refused only where nothing else may."""
+    good = [reading for reading in readings if not reading.form.refusal]
+    return [reading.places[i] for reading in good or readings]
+
+
+def match(place: Place, token: str) -> Iterable[Said]:
+    """Return the ways `token` fits the place: none, itself, or every word it is short for."""
+    if isinstance(place, Number):
+        digits = token.removeprefix(place.prefix)
+        return (Said(token, digits),) if DECIMAL.fullmatch(digits) else ()
+    if isinstance(place, UnitWord):
+        fits = any(token in unit.names for unit in place.number.units)
+        return (Said(token, token),) if fits else ()
+    if not token[0].isalpha():
+        return (Said(token, word) for said, word in place.spellings if said == token)
+    return (Said(said, word) for said, word in place.spellings if said.startswith(token))
+
+
+def refuse_doubt(tokens: list[str], alive: list[Reading]) -> None:
+    """Refuse a token that is short for different words, naming them."""
+    for i, token in enumerate(tokens):
+        meant = {reading.said[i].word: reading.said[i].spelling for reading in alive}
+        if len(meant) > 1:
+            raise RefusedError(f'"{token}" may be {either(sorted(meant.values()))}')
+
+
+def unexpected(tokens: list[str], i: int, places: list[Place]) -> str:
+    """Return why token `i` fits none of the places, with the nearest word that would."""
+    token, before = tokens[i], " ".join(tokens[:i])
+    if not places:
+        return f'"{token}" is too much after "{before}"'
+    if token[0] in "+-.0123456789" and any(isinstance(place, Number) for place in places):
+        return f'"{token}" is not a plain decimal number'
+    spelled = {said for place in places if isinstance(place, Word) for said, _ in place.spellings}
+    near = difflib.get_close_matches(token, sorted(spelled), n=1)
+    hint = f"; did you mean {near[0]}?" if near else ""
+    if not before:
+        return f'"{token}" is no order{hint or "; help lists them"}'
+    return f'"{token}" after "{before}"{hint or f": expected {either(wanted(places))}"}'
+
+
+def wanted(places: list[Place]) -> list[str]:
+    """Return what fits the places, in words, once each."""
+    found: dict[str, None] = {}
+    for place in places:
+        if isinstance(place, Word):
+            found |= dict.fromkeys(word for _, word in place.spellings)
+        elif isinstance(place, Number):
+            found[f"{place.says} ({place.limits})"] = None
+        else:
+            found |= dict.fromkeys(unit.names[0] for unit in place.number.units)
+    return list(found)
+
+
+def either(names: list[str]) -> str:
+    """Return the names as `a, b or c`."""
+    return " or ".join(filter(None, (", ".join(names[:-1]), names[-1])))
+
+
+def order(reading: Reading) -> Order:
+    """Return the order of a whole reading; refuses a number beyond the limits of the grammar."""
+    form, places, said = reading
+    head = heading_word(form)
+    optional = [item.strip("[]") for item in form.pattern.split()[1:] if item.startswith("[")]
+    sign, value, text, words, last = 1.0, form.value, [head, *optional], [], ""
+    for i, (place, token) in enumerate(zip(places, said, strict=True)):
+        if isinstance(place, Number):
+            value, last = quantity(place, token.word, unit_after(place, said[i + 1 :]))
+        elif isinstance(place, UnitWord) or token.word in (optional if i else [head]):
+            continue
+        elif token.word in SIGNS:
+            sign = SIGNS[token.word]
+            text.append(token.word)
+        else:
+            words.append(token.word)
+    whole = " ".join(filter(None, (*text, *words, last)))
+    word = "_".join(words).replace("-", "_")
+    # Adding zero turns -0.0 into 0.0, so that "left 0" and "right 0" steer alike.
+    return Order(form.name or head, sign * value + 0.0, word, whole)
+
+
+def unit_after(number: Number, rest: tuple[Said, ...]) -> Unit:
+    """Return the unit that follows a number, or the one understood."""
+    named = [unit for unit in number.units if rest and rest[0].word in unit.names]
+    return (named or list(number.units))[0]
+
+
+def quantity(number: Number, digits: str, unit: Unit) -> tuple[float, str]:
+    """Return the number [SI, rad] and its wording; refuses what is beyond its limits."""
+    if digits[0] in "+-" and number.low >= 0.0:
+        raise RefusedError(f'"{digits}": {number.says} takes no sign')
+    if len(digits.partition(".")[2]) > number.decimals:
+        most = f"at most {number.decimals}" if number.decimals else "no"
+        raise RefusedError(f'"{digits}": {number.says} has {most} decimals')
+    value = float(digits) * unit.factor
+    size = number.units[0].factor
+    if not number.low * size <= value <= number.high * size:
+        given = f"{digits} {unit.text}".rstrip()
+        raise RefusedError(f"{given}: {number.says} is {number.limits}")
+    plain = f"{Decimal(digits).normalize() + 0:f}"
+    if number is NUMBERS["COURSE"]:
+        plain = "0" if plain == "360" else plain
+        whole, point, rest = plain.partition(".")
+        return float(plain) * unit.factor, f"{whole:0>3}{point}{rest}"
+    return value, f"{plain} {unit.text}".rstrip()

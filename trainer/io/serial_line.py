@@ -1,0 +1,158 @@
+"""A serial line at any pyserial URL, which comes back by itself after it was unplugged.
+
+`read` belongs to an Inbox, `write` to an Outbox: both may wait, and do so only in those threads.
+The reading thread also mends the line; while it is down, output is dropped and counted.
+"""
+
+import difflib
+import errno
+import re
+import threading
+from typing import TYPE_CHECKING
+from urllib.parse import urlsplit
+
+from trainer.io.lines import KILL
+
+if TYPE_CHECKING:
+    import serial
+
+WAIT = 0.1  # [s]  a read's longest wait; bounds how long close() takes
+STALL = 1.0  # [s]  a write's longest wait; 0 would spin for ever inside pyserial on a full line
+FIRST_PAUSE, LONGEST_PAUSE = 0.25, 4.0  # [s]  between attempts to reopen
+CHUNK = 4096  # [bytes]
+FASTEST = 4_000_000  # [baud]
+
+SCHEMES = ("socket", "rfc2217", "loop", "hwgrep", "spy", "alt", "cp2110")
+NETWORK = ("socket", "rfc2217")
+SLIPS = (OSError, ValueError, TypeError, LookupError)  # all of them seen from pyserial on open
+SYSTEM_SAYS = re.compile(r"(?:Errno -?\d+\] |\(\d+, ')([^:']+)")
+
+
+class LinkError(Exception):
+    """A serial line that cannot be opened; the text says what to do about it."""
+
+
+class SerialLine:
+    """An open line; raises LinkError from the constructor only."""
+
+    def __init__(self, url: str, baud: int = 9600) -> None:
+        self.url = url
+        self.losses = 0  # times the line went down
+        self.unsent = 0  # writes that did not go out, or not whole
+        self._baud = baud
+        self._port: serial.Serial | None = open_port(url, baud)
+        self._closing = threading.Event()
+        self._pause = FIRST_PAUSE
+        self._writing = threading.Lock()  # held to write, and to take the port away
+
+    @property
+    def up(self) -> bool:
+        """Return whether the line is open now."""
+        return self._port is not None
+
+    def read(self) -> bytes | None:
+        """Return what has come, b"" when nothing has for a while, None once closed."""
+        if self._closing.is_set():
+            self._drop()
+            return None
+        port = self._port
+        if port is None:
+            self._reopen()
+            return b""
+        try:
+            data = bytearray(port.read(1))
+            # Asking for more than is there would wait for it; a socket counts only to one.
+            while len(data) < CHUNK and (waiting := port.in_waiting):
+                data += port.read(waiting)
+        except OSError:  # what pyserial raises is one
+            self.losses += 1
+            self._drop()
+            return KILL  # half an order must not be completed by what comes after the gap
+        return bytes(data)
+
+    def write(self, data: bytes) -> None:
+        """Write all of `data`, or count it as unsent when the line is down or stalled."""
+        with self._writing:
+            if self._port is None or not sent(self._port, data):
+                self.unsent += 1
+
+    def close(self) -> None:
+        """Close the line: at once for the writer, at its next read for the reader."""
+        self._closing.set()
+
+    def _drop(self) -> None:
+        with self._writing:
+            port, self._port = self._port, None
+            if port is not None:
+                port.close()
+
+    def _reopen(self) -> None:
+        if self._closing.wait(self._pause):
+            return
+        try:
+            self._port = open_port(self.url, self._baud)
+            self._pause = FIRST_PAUSE
+        except LinkError:
+            self._pause = min(2.0 * self._pause, LONGEST_PAUSE)
+
+
+def sent(port: "serial.Serial", data: bytes) -> bool:
+    """Return whether the port took `data`."""
+    try:
+        port.write(data)
+    except OSError:  # stalled, or gone: the reader finds out which
+        return False
+    return True
+
+
+def open_port(url: str, baud: int) -> "serial.Serial":
+    """Return the port opened; raises LinkError saying why not and what is nearest."""
+    import serial  # noqa: PLC0415  only runs with a serial line pay for it
+
+    scheme, separator, _ = url.partition("://")
+    if separator and scheme.lower() not in SCHEMES:
+        raise LinkError(f"{url}: no such kind of line{nearest(scheme, list(SCHEMES))}")
+    if not 0 < baud <= FASTEST:
+        raise LinkError(f"{url}: {baud} baud: a line runs at 1 to {FASTEST} baud")
+    if scheme.lower() in NETWORK and not addressed(url):
+        raise LinkError(f"{url}: say {scheme}://HOST:PORT, the port 1 to 65535")
+    try:
+        return serial.serial_for_url(url, baud, timeout=WAIT, write_timeout=STALL)
+    except SLIPS as error:
+        missing = "" if separator or not absent(error) else nearest(url, devices())
+        raise LinkError(f"{url}: {reason(error)}{missing}") from error
+
+
+def addressed(url: str) -> bool:
+    """Return whether the URL names a host and a port."""
+    try:
+        parts = urlsplit(url)
+        return bool(parts.hostname and parts.port)
+    except ValueError:
+        return False
+
+
+def absent(error: Exception) -> bool:
+    """Return whether the device is not there, as POSIX or as Windows reports it."""
+    return getattr(error, "errno", None) == errno.ENOENT or "FileNotFound" in str(error)
+
+
+def reason(error: Exception) -> str:
+    """Return what the system said, which pyserial wraps in words of its own."""
+    found = SYSTEM_SAYS.findall(str(error))
+    return found[-1] if found else str(error) or type(error).__name__
+
+
+def devices() -> list[str]:
+    """Return the serial devices of this machine."""
+    from serial.tools.list_ports import comports  # noqa: PLC0415  see open_port
+
+    return [port.device for port in comports()]
+
+
+def nearest(given: str, names: list[str]) -> str:
+    """Return advice: the nearest name, or all there are."""
+    near = difflib.get_close_matches(given, names, n=1)
+    if near:
+        return f"; did you mean {near[0]}?"
+    return f"; there are {', '.join(names)}" if names else "; this machine has no serial devices"
