@@ -8,7 +8,18 @@ import pytest
 import trainer.core
 
 CORE = Path(trainer.core.__file__).parent
-WRITABLE = {"state", "scratch", "out", "force", "gains", "system", "s", "work", "jacobian", "change"}
+WRITABLE = {
+    "state",
+    "scratch",
+    "out",
+    "force",
+    "gains",
+    "system",
+    "s",
+    "work",
+    "jacobian",
+    "change",
+}
 WRITABLE |= {"acceleration"}
 
 

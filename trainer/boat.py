@@ -14,7 +14,7 @@ from trainer.core.trim import BOTH, STERN, trim
 from trainer.fitout import KNOT, Method, fit_out
 from trainer.vessel_file import VesselFile
 
-PLACES = {name: offset // 8 for name, (_, offset) in (STATE.fields or {}).items()}
+PLACES = {name: place[1] // 8 for name, place in (STATE.fields or {}).items()}
 
 
 class Boat:
@@ -105,7 +105,8 @@ class Boat:
         return (
             f"{ticks.WATCHED[status - 1]} is no longer finite after tick {int(s.tick)} "
             f"({self.time:g} s); last good state: u {s.u:.4g} m/s, pitch "
-            f"{math.degrees(s.theta):.4g} deg, heel {math.degrees(s.phi):.4g} deg, depth {s.z:.4g} m"
+            f"{math.degrees(s.theta):.4g} deg, heel {math.degrees(s.phi):.4g} deg, "
+            f"depth {s.z:.4g} m"
         )
 
     def numbers(self, names: tuple[str, ...]) -> list[float]:

@@ -2,11 +2,12 @@
 
 import difflib
 import math
+import os
 import re
 import sys
 from importlib import metadata
 from pathlib import Path
-from typing import Any
+from typing import Any, NoReturn
 
 import click
 
@@ -14,11 +15,16 @@ from trainer import __version__
 from trainer.config import ConfigError
 
 VESSEL_HELP = "bb2, sdv-mk9, remus100, or the path of a vessel file"
+LIBRARIES = ("numpy", "numba", "pyserial", "click")
 EQUATIONS = ("full", "modified", "basic", "longitudinal")
 
 
 class Commands(click.Group):
-    """A group that answers a mistyped command with the nearest one."""
+    """A group that answers a mistyped command with the nearest one, and no command with help."""
+
+    def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
+        """Return what is left of the arguments once the group's own options are taken."""
+        return super().parse_args(ctx, args or ["--help"])
 
     def resolve_command(
         self, ctx: click.Context, args: list[str]
@@ -37,7 +43,7 @@ class Commands(click.Group):
         return list(self.commands)
 
 
-class Duration(click.ParamType):
+class Duration(click.ParamType[float]):
     """A time: 90, 90s, 10m, 1h, 1h30m."""
 
     name = "duration"
@@ -63,7 +69,7 @@ class Duration(click.ParamType):
         return seconds
 
 
-class Speed(click.ParamType):
+class Speed(click.ParamType[float]):
     """A speed of time: 0.1 to 100, or max."""
 
     name = "speed"
@@ -84,10 +90,8 @@ class Speed(click.ParamType):
 
 def versions() -> str:
     """Return this version and those of the libraries underneath."""
-    parts = [f"trainer {__version__}", f"python {sys.version.split()[0]}"]
-    for library in ("numpy", "numba", "pyserial", "click"):
-        parts.append(f"{library} {metadata.version(library)}")
-    return "\n".join(parts)
+    libraries = [f"{name} {metadata.version(name)}" for name in LIBRARIES]
+    return "\n".join([f"trainer {__version__}", f"python {sys.version.split()[0]}", *libraries])
 
 
 def print_versions(ctx: click.Context, _param: click.Parameter, value: bool) -> None:  # noqa: FBT001
@@ -98,10 +102,16 @@ def print_versions(ctx: click.Context, _param: click.Parameter, value: bool) -> 
 
 
 @click.group(cls=Commands, context_settings={"help_option_names": ["-h", "--help"]})
-@click.option("--version", is_flag=True, is_eager=True, expose_value=False,
-              callback=print_versions, help="Print the versions and leave.")
+@click.option(
+    "--version",
+    is_flag=True,
+    is_eager=True,
+    expose_value=False,
+    callback=print_versions,
+    help="Print the versions and leave.",
+)
 def cli() -> None:
-    """An open, real-time submarine ship-control trainer.
+    """Train the crew of a simulated submarine, in real time.
 
     \b
     trainer run                      take a 70 m submarine to sea, now
@@ -111,14 +121,27 @@ def cli() -> None:
 
 
 METHOD = [
-    click.option("--equations", type=click.Choice(EQUATIONS), default="modified",
-                 show_default=True, help="Full set (1)-(7), compact modified or basic, or "
-                 "the vertical plane alone."),
-    click.option("--rates", type=click.Choice(("exact", "lagged")), default=None,
-                 help="Accelerations by the 6x6 solve, or each from its own equation with last "
-                 "cycle's. [default: lagged; exact with Runge-Kutta]"),
-    click.option("--trig", type=click.Choice(("exact", "report")), default="exact",
-                 show_default=True, help="Exact, or the 1969 approximations of the compact sets."),
+    click.option(
+        "--equations",
+        type=click.Choice(EQUATIONS),
+        default="modified",
+        show_default=True,
+        help="Full set (1)-(7), compact modified or basic, or the vertical plane alone.",
+    ),
+    click.option(
+        "--rates",
+        type=click.Choice(("exact", "lagged")),
+        default=None,
+        help="Accelerations by the 6x6 solve, or each from its own equation with last "
+        "cycle's. [default: lagged; exact with Runge-Kutta]",
+    ),
+    click.option(
+        "--trig",
+        type=click.Choice(("exact", "report")),
+        default="exact",
+        show_default=True,
+        help="Exact, or the 1969 approximations of the compact sets.",
+    ),
 ]
 
 
@@ -132,29 +155,69 @@ def method_options(command: Any) -> Any:
 @cli.command()
 @click.option("--vessel", default="bb2", show_default=True, help=VESSEL_HELP)
 @method_options
-@click.option("--integrator", default="adams2", show_default=True,
-              help="euler, adams2, best2, adams3, adams4, rk4, rkv, or a multistep method as "
-              "'a=1;b=1.5,-0.5'.")
-@click.option("--step", type=float, default=None,
-              help="Step in s. [default: the vessel file's, 0.5 for bb2]")
+@click.option(
+    "--integrator",
+    default="adams2",
+    show_default=True,
+    help="euler, adams2, best2, adams3, adams4, rk4, rkv, or a multistep method as "
+    "'a=1;b=1.5,-0.5'.",
+)
+@click.option(
+    "--step", type=float, default=None, help="Step in s. [default: the vessel file's, 0.5 for bb2]"
+)
 @click.option("--unsafe-step", is_flag=True, help="Run even where the step is not stable.")
-@click.option("--seed", type=click.IntRange(0, 2**63 - 1), default=1, show_default=True,
-              help="Of everything random.")
-@click.option("--duration", type=Duration(), default=None,
-              help="Simulated time: 120, 10m, 1h. [default: until quit]")
-@click.option("--speed", type=Speed(), default="1", show_default=True,
-              help="Of time: 0.1 to 100, or max.")
-@click.option("--overrun", type=click.Choice(("catch-up", "slip", "freeze")), default="catch-up",
-              show_default=True, help="What happens when a tick ends too late.")
+@click.option(
+    "--seed",
+    type=click.IntRange(0, 2**63 - 1),
+    default=1,
+    show_default=True,
+    help="Of everything random.",
+)
+@click.option(
+    "--duration",
+    type=Duration(),
+    default=None,
+    help="Simulated time: 120, 10m, 1h. [default: until quit]",
+)
+@click.option(
+    "--speed", type=Speed(), default="1", show_default=True, help="Of time: 0.1 to 100, or max."
+)
+@click.option(
+    "--overrun",
+    type=click.Choice(("catch-up", "slip", "freeze")),
+    default="catch-up",
+    show_default=True,
+    help="What happens when a tick ends too late.",
+)
 @click.option("--headless", is_flag=True, help="No console; a progress bar and a summary.")
-@click.option("--serial", "url", default=None, metavar="URL",
-              help="Console on this pyserial port or URL instead of the terminal.")
-@click.option("--baud", type=click.IntRange(50, 4_000_000), default=9600, show_default=True,
-              help="Of the serial port.")
-@click.option("--orders", "orders_file", type=click.Path(path_type=Path), default=None,
-              help="Scheduled orders, a line each: SECONDS ORDER.")
-@click.option("--csv", "csv_path", type=click.Path(path_type=Path), default=None,
-              help="Write the state of each tick to this file.")
+@click.option(
+    "--serial",
+    "url",
+    default=None,
+    metavar="URL",
+    help="Console on this pyserial port or URL instead of the terminal.",
+)
+@click.option(
+    "--baud",
+    type=click.IntRange(50, 4_000_000),
+    default=9600,
+    show_default=True,
+    help="Of the serial port.",
+)
+@click.option(
+    "--orders",
+    "orders_file",
+    type=click.Path(path_type=Path),
+    default=None,
+    help="Scheduled orders, a line each: SECONDS ORDER.",
+)
+@click.option(
+    "--csv",
+    "csv_path",
+    type=click.Path(path_type=Path),
+    default=None,
+    help="Write the state of each tick to this file.",
+)
 def run(**options: Any) -> None:
     """Run a boat in real time on a console, or headless.
 
@@ -188,7 +251,7 @@ def evaluate(vessel: str, equations: str, rates: str | None, trig: str) -> None:
     from trainer.vessel_file import load_vessel  # noqa: PLC0415
 
     file = load_vessel(vessel)
-    for line in rates_of(file, equations, rates or "exact", trig, sys.stdin):
+    for line in rates_of(file, equations, rates or "exact", trig, sys.stdin or ()):
         click.echo(line)
 
 
@@ -207,7 +270,7 @@ def check(vessel: str, *, as_json: bool) -> None:
     from dataclasses import asdict  # noqa: PLC0415
 
     from trainer.study.check import check as examine  # noqa: PLC0415
-    from trainer.study.check import render  # noqa: PLC0415
+    from trainer.study.check_page import render  # noqa: PLC0415
     from trainer.vessel_file import load_vessel  # noqa: PLC0415
 
     report = examine(load_vessel(vessel))
@@ -217,8 +280,13 @@ def check(vessel: str, *, as_json: bool) -> None:
 
 @cli.command()
 @click.option("--vessel", default="bb2", show_default=True, help=VESSEL_HELP)
-@click.option("--seconds", type=click.IntRange(1, 3600), default=10, show_default=True,
-              help="Of real time for each step.")
+@click.option(
+    "--seconds",
+    type=click.IntRange(1, 3600),
+    default=10,
+    show_default=True,
+    help="Of real time for each step.",
+)
 @click.option("--json", "as_json", is_flag=True, help="Print the figures as JSON.")
 def bench(vessel: str, seconds: int, *, as_json: bool) -> None:
     """Measure duty cycle, work per tick, lateness and sizes on this machine.
@@ -226,12 +294,15 @@ def bench(vessel: str, seconds: int, *, as_json: bool) -> None:
     \b
     Example:  trainer bench --json
     """
+    import json  # noqa: PLC0415
+    from dataclasses import asdict  # noqa: PLC0415
+
     from trainer.study.bench import bench as measure  # noqa: PLC0415
-    from trainer.study.bench import render  # noqa: PLC0415
+    from trainer.study.bench_page import render  # noqa: PLC0415
     from trainer.vessel_file import load_vessel  # noqa: PLC0415
 
     figures = measure(load_vessel(vessel), seconds)
-    click.echo(render(figures, as_json=as_json))
+    click.echo(json.dumps(asdict(figures), indent=1) if as_json else render(figures))
 
 
 @cli.command()
@@ -248,14 +319,31 @@ def gains(vessel: str) -> None:
     click.echo(design_text(load_vessel(vessel)))
 
 
+def keep_standard_streams() -> None:
+    """Put the null device where one is closed, or the next file opened would take its number."""
+    while (descriptor := os.open(os.devnull, os.O_RDWR)) <= 2:
+        pass
+    os.close(descriptor)
+
+
+def fail(code: int, *lines: str) -> NoReturn:
+    """Say why on stderr and leave with that exit code."""
+    for line in lines:
+        click.echo(f"trainer: {line}", err=True)
+    sys.exit(code)
+
+
 def main() -> None:
     """Run the command line; what the user got wrong is told on stderr, exit code 2."""
+    keep_standard_streams()
     try:
-        cli(standalone_mode=True)
+        sys.exit(cli(prog_name="trainer", standalone_mode=False))
     except ConfigError as wrong:
-        for line in str(wrong).splitlines():
-            click.echo(f"trainer: {line}", err=True)
-        sys.exit(2)
-    except BrokenPipeError:
-        sys.stdout = None
-        sys.exit(0)
+        fail(2, *str(wrong).splitlines())
+    except click.UsageError as wrong:
+        path = wrong.ctx.command_path if wrong.ctx else "trainer"
+        fail(2, f"{wrong.format_message()} ({path} --help says more)")
+    except click.Abort:
+        fail(130, "interrupted")
+    except OSError as lost:  # the disk behind the output is full; click handles a closed pipe
+        fail(1, str(lost.strerror))

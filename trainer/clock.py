@@ -38,7 +38,6 @@ STOPPED_PERIODS = 4
 LONGEST_NAP = SECOND // 2  # [ns]
 
 
-
 class Clock(Protocol):
     """What a pacer needs to know of time."""
 

@@ -8,7 +8,7 @@ from trainer.fitout import KNOT
 from trainer.helm import toward
 from trainer.io.lines import Overlong
 from trainer.io.outbox import Inbox, Sender
-from trainer.io.teletype import View, header, state_line
+from trainer.io.teletype import View, course, header, state_line
 from trainer.ledger import Summary
 
 HEADING_EVERY = 20  # [lines]
@@ -49,21 +49,34 @@ def status_lines(boat: Boat, ledger: Summary) -> list[str]:
 
     turns = f"{seen.rpm:.1f} rpm, turns for {float(s.u_c) / KNOT:.1f} kn"
     return [
-        f"{boat.file.name}: {method.equations} set, {method.rates} rates, {method.integrator}, "
-        f"step {method.step:g} s, tick {int(s.tick)}",
-        f"depth   {seen.depth_m:8.2f} m   ordered {s.ordered_depth:.1f}   "
-        f"rate {s.zdot:+.2f} m/s down",
-        f"course  {seen.course_deg:8.2f}     ordered {math.degrees(s.ordered_psi) % 360:05.1f}   "
-        f"rate {math.degrees(s.psidot):+.2f} deg/s",
-        f"speed   {seen.speed_kn:8.2f} kn  ordered {s.ordered_speed / KNOT:.1f}   {turns}, "
-        f"{mode(s.speed_by_hand)}",
+        (
+            f"{boat.file.name}: {method.equations} set, {method.rates} rates, {method.integrator}, "
+            f"step {method.step:g} s, tick {int(s.tick)}"
+        ),
+        (
+            f"depth   {seen.depth_m:8.2f} m   ordered {s.ordered_depth:.1f}   "
+            f"rate {s.zdot:+.2f} m/s down"
+        ),
+        (
+            f"course  {course(seen.course_deg, 2):>8}     "
+            f"ordered {course(math.degrees(s.ordered_psi), 1)}   "
+            f"rate {math.degrees(s.psidot):+.2f} deg/s"
+        ),
+        (
+            f"speed   {seen.speed_kn:8.2f} kn  ordered {s.ordered_speed / KNOT:.1f}   {turns}, "
+            f"{mode(s.speed_by_hand)}"
+        ),
         f"pitch {seen.pitch_deg:+.2f}   heel {seen.heel_deg:+.2f} degrees",
-        f"rudder {seen.rudder_deg:+.2f} (right +) {mode(s.rudder_by_hand)}   "
-        f"stern planes {seen.stern_deg:+.2f} {mode(s.stern_by_hand)}   "
-        f"bow planes {seen.bow_deg:+.2f} {mode(s.bow_by_hand)} (rise +)",
+        (
+            f"rudder {seen.rudder_deg:+.2f} (right +) {mode(s.rudder_by_hand)}   "
+            f"stern planes {seen.stern_deg:+.2f} {mode(s.stern_by_hand)}   "
+            f"bow planes {seen.bow_deg:+.2f} {mode(s.bow_by_hand)} (rise +)"
+        ),
         f"position {s.x:.0f} m north, {s.y:.0f} m east of the start",
-        f"ticks {ledger.ticks}, duty cycle {100 * ledger.duty_cycle:.3f} %, "
-        f"overruns {ledger.overruns}, gaps {ledger.gaps}",
+        (
+            f"ticks {ledger.ticks}, duty cycle {100 * ledger.duty_cycle:.3f} %, "
+            f"overruns {ledger.overruns}, gaps {ledger.gaps}"
+        ),
     ]
 
 

@@ -1,7 +1,7 @@
 """A vessel file made into the core's records: units to SI, rows and tables to places."""
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -38,7 +38,7 @@ class Records:
     state: Record
     scratch: Record
 
-    def __iter__(self):  # type: ignore[no-untyped-def]  # noqa: ANN204
+    def __iter__(self) -> Iterator[Record]:
         """Yield the records in the kernels' order."""
         return iter((self.vessel, self.compact, self.scheme, self.state, self.scratch))
 
@@ -55,8 +55,12 @@ def body(file: VesselFile) -> dict[str, float]:
         "buoyancy": hull.buoyancy,
         **dict(zip(("x_g", "y_g", "z_g"), hull.cg, strict=True)),
         **dict(zip(("x_b", "y_b", "z_b"), hull.cb, strict=True)),
-        **{"I_x": hull.Ix, "I_y": hull.Iy, "I_z": hull.Iz},
-        **{"I_xy": hull.Ixy, "I_yz": hull.Iyz, "I_xz": hull.Ixz},
+        "I_x": hull.Ix,
+        "I_y": hull.Iy,
+        "I_z": hull.Iz,
+        "I_xy": hull.Ixy,
+        "I_yz": hull.Iyz,
+        "I_xz": hull.Ixz,
     }
 
 
@@ -151,9 +155,7 @@ def scheme_record(method: Method) -> Record:
     equations = {"full": scheme.FULL, "longitudinal": scheme.LONGITUDINAL}.get(
         method.equations, scheme.COMPACT
     )
-    record = scheme.new_scheme(
-        method.step, equations, exact=method.rates == "exact", trig=trig
-    )
+    record = scheme.new_scheme(method.step, equations, exact=method.rates == "exact", trig=trig)
     if method.integrator in scheme.RUNGE_KUTTAS:
         scheme.set_runge_kutta(record, scheme.RUNGE_KUTTAS[method.integrator])
         return record
@@ -173,7 +175,7 @@ def fit_out(file: VesselFile, method: Method) -> Records:
     for name, value in _control(file).items():
         full[name] = value
     _write_gains(file, full)
-    kept: Mapping[str, float] = {**compact_coefficients(file, method.equations), **rows}
+    kept = {**compact_coefficients(file, method.equations), **rows}
     boat = state.new_state()
     for name in ("weight", "x_g", "y_g", "z_g"):
         boat[name] = hull[name]

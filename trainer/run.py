@@ -3,6 +3,7 @@
 import contextlib
 import gc
 import math
+import os
 import signal
 import sys
 import threading
@@ -24,18 +25,20 @@ from trainer.io.csv_file import COLUMNS, CsvFile, NoFile
 from trainer.io.outbox import Direct, Inbox, Outbox, reader, writer
 from trainer.io.schedule import BadSchedule, Scheduled, parse_schedule
 from trainer.io.serial_line import LinkError, SerialLine
+from trainer.io.teletype import course
 from trainer.ledger import SECOND, Summary
 from trainer.session import Session, Timekeeping
 from trainer.vessel_file import VesselFile, load_vessel
 
 LONGEST_SCHEDULE = 1_000_000  # [bytes]
 STEP_LIMITS = 0.001, 2.0  # [s]
+BATCH = 200  # [rows] of a recording written at once by a run that keeps no time
 PATIENCE = 0.5  # [s] for ports at the end, and for a pipe at the start
 SECONDS_1969 = "1969: 38 % at 0.5 s, 19 % at 1 s"
 
 
 def run_boat(options: dict[str, Any]) -> int:
-    """Run as the command line's ``options`` say; return the exit code. ConfigError on wrong ones."""
+    """Run as the command line's ``options`` say; return the exit code."""
     file = load_vessel(options["vessel"])
     method = chosen_method(file, options)
     schedule = read_schedule(options["orders_file"])
@@ -44,7 +47,7 @@ def run_boat(options: dict[str, Any]) -> int:
     if not options["unsafe_step"]:
         refuse_unstable(boat)
     boat.start(file.run.start_speed_kn * KNOT, file.run.start_depth_m, 0.0)
-    recorder = open_csv(options["csv_path"])
+    recorder = open_csv(options["csv_path"], 1 if math.isfinite(options["speed"]) else BATCH)
     duration = options["duration"]
     last_tick = math.inf if duration is None else round(duration / method.step)
     time = Timekeeping.at(
@@ -128,17 +131,17 @@ def refuse_unstable(boat: Boat) -> None:
     if not verdict.ok:
         raise ConfigError(
             f"--step {boat.method.step:g} s is not stable with {boat.method.integrator}: "
-            f"{verdict.worst_mode}; the largest stable step is {verdict.largest:.3g} s "
+            f"{verdict.worst}; the largest stable step is {verdict.largest:.3g} s "
             "(--unsafe-step runs it all the same)"
         )
 
 
-def open_csv(path: Path | None) -> CsvFile | NoFile:
+def open_csv(path: Path | None, batch: int) -> CsvFile | NoFile:
     """Return the recorder; ConfigError if the file cannot be written."""
     if path is None:
         return NoFile()
     try:
-        return CsvFile(path)
+        return CsvFile(path, batch)
     except OSError as error:
         raise ConfigError(f"--csv {path}: {error.strerror}") from None
 
@@ -159,10 +162,8 @@ def open_consoles(
     unhurried = math.isinf(options["speed"])
     out = writer(1)
     sender = Direct(out, b"\n") if unhurried else Outbox(out, line_end=b"\n")
-    if sys.stdin is None or sys.stdin.closed:
-        return [Console(None, sender)]
     inbox = Inbox(reader(0), wake)
-    if unhurried and not sys.stdin.isatty():
+    if unhurried and not os.isatty(0):
         await_pipe(inbox)
     return [Console(inbox, sender)]
 
@@ -205,11 +206,17 @@ def interrupts(session: Session) -> Iterator[None]:
     if threading.current_thread() is not threading.main_thread():
         yield
         return
+
+    def stop(*_: object) -> None:
+        # In a thread of its own: the event that wakes the run may be locked by the very call that
+        # the signal interrupts, and would be waited for until the end of days.
+        threading.Thread(target=session.stop).start()
+
     kept = {}
     for name in ("SIGINT", "SIGTERM", "SIGHUP"):
         number = getattr(signal, name, None)
         if number is not None:
-            kept[number] = signal.signal(number, lambda *_: session.stop())
+            kept[number] = signal.signal(number, stop)
     try:
         yield
     finally:
@@ -221,7 +228,8 @@ def account(session: Session, options: dict[str, Any], wall: float) -> int:
     """Print the summary and what went wrong; return the exit code."""
     summary = summary_text(session.boat, session.time.ledger.summary(), wall)
     click.echo(summary, err=not options["headless"])
-    troubles = [session.failure and f"frozen: {session.failure}", session.recorder.trouble]
+    failure = session.failure and f"frozen: {session.failure}"
+    troubles = [failure, session.deserted, session.recorder.trouble]
     for console in session.consoles:
         if console.sender.dropped:
             click.echo(f"trainer: console: {console.sender.dropped} lines dropped", err=True)
@@ -236,15 +244,24 @@ def summary_text(boat: Boat, ledger: Summary, wall: float) -> str:
     step = boat.method.step
     return "\n".join(
         (
-            f"{boat.file.name}, {boat.method.equations} set, {boat.method.integrator} at {step:g} s",
+            (
+                f"{boat.file.name}, {boat.method.equations} set, "
+                f"{boat.method.integrator} at {step:g} s"
+            ),
             f"simulated   {boat.time:.1f} s in {ledger.ticks} ticks; {wall:.2f} s on the clock",
             f"duty cycle  {100 * ledger.duty_cycle:.4f} %   ({SECONDS_1969})",
-            f"work a tick median {ledger.work.p50_ns / 1e3:.1f} us, "
-            f"99 % {ledger.work.p99_ns / 1e3:.1f} us, most {ledger.work.max_ns / 1e3:.1f} us",
-            f"on time     overruns {ledger.overruns}, caught up {ledger.caught_up}, "
-            f"slipped {ledger.skipped}, gaps {ledger.gaps} ({ledger.gap_ns / 1e9:.1f} s)",
-            f"the boat    depth {s.z:.2f} m, course {math.degrees(s.psi) % 360:05.1f}, "
-            f"speed {s.u / KNOT:.2f} kn, pitch {math.degrees(s.theta):+.2f}, "
-            f"heel {math.degrees(s.phi):+.2f} degrees",
+            (
+                f"work a tick median {ledger.work.p50_ns / 1e3:.1f} us, "
+                f"99 % {ledger.work.p99_ns / 1e3:.1f} us, most {ledger.work.max_ns / 1e3:.1f} us"
+            ),
+            (
+                f"on time     overruns {ledger.overruns}, caught up {ledger.caught_up}, "
+                f"slipped {ledger.skipped}, gaps {ledger.gaps} ({ledger.gap_ns / 1e9:.1f} s)"
+            ),
+            (
+                f"the boat    depth {s.z:.6g} m, course {course(math.degrees(s.psi), 1)}, "
+                f"speed {s.u / KNOT:.4g} kn, pitch {math.degrees(s.theta):+.3g}, "
+                f"heel {math.degrees(s.phi):+.3g} degrees"
+            ),
         )
     )

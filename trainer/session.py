@@ -75,16 +75,18 @@ class Session:
     wake: threading.Event = field(default_factory=threading.Event)
     ended: bool = False
     failure: str = ""  # where the numbers were lost
+    deserted: str = ""  # why it ended before its time
     _steps: int = 0  # ticks that a single-step order still allows
     _next: int = 0  # place in the schedule
 
     def run(self) -> None:
         """Run to the last tick, an order to quit, or until nobody can ever say run again."""
-        self.recorder.row(self.boat.numbers(self.columns))
+        self._record()
         self.time.pacer.run()
         while not self.ended and self.boat.state.tick < self.last_tick:
             if self._deserted():
-                self._tell("frozen, and nobody is left to say run: ending")
+                self.deserted = f"frozen at {self.boat.time:g} s, and nobody is left to say run"
+                self._tell(self.deserted)
                 return
             if self.time.pacer.wait(self.wake) is Waited.WOKEN:
                 self.wake.clear()
@@ -96,7 +98,7 @@ class Session:
                 self._tick()
 
     def stop(self) -> None:
-        """End the run after the present tick; may be called from a signal handler."""
+        """End the run after the present tick; may be called from another thread."""
         self.ended = True
         self.wake.set()
 
@@ -118,6 +120,13 @@ class Session:
         for console in self.consoles:
             console.say(*lines)
 
+    def _record(self) -> None:
+        """Hand the state to the recorder; tell at once when it is in trouble."""
+        before = self.recorder.trouble
+        self.recorder.row(self.boat.numbers(self.columns))
+        if self.recorder.trouble != before:
+            self._tell(f"NOT RECORDED: {self.recorder.trouble}")
+
     def _tick(self) -> None:
         pacer = self.time.pacer
         pacer.begin()
@@ -127,7 +136,7 @@ class Session:
             self.failure = self.boat.failure(status)
             self._tell(f"FROZEN: {self.failure}")
         else:
-            self.recorder.row(self.boat.numbers(self.columns))
+            self._record()
             for console in self.consoles:
                 console.show(self.boat, frozen=pacer.frozen)
         events: tuple[Event, ...] = pacer.end()
@@ -173,26 +182,36 @@ class Session:
         """Carry out an order about time or about the boat."""
         if order.name in ORDERS:
             return obey(self.boat, order)
-        pacer = self.time.pacer
         if self.failure and order.name in ("run", "step"):
             return Refused(f"this boat cannot go on: {self.failure}")
-        match order.name:
-            case "freeze":
-                pacer.freeze()
-                return "frozen"
-            case "run":
-                pacer.run()
-                return "running"
-            case "step":
-                pacer.freeze()
-                self._steps += int(order.value)
-                self.wake.set()
-                return f"{int(order.value)} ticks, then frozen"
-            case "time":
-                self.time.change(math.inf if order.word == "max" else order.value)
-                return "time as fast as it goes" if order.word == "max" else order.text
-            case "quit":
-                self.stop()
-                return "ending"
-            case _:
-                return Refused(f"{order.text} has no place in a schedule")
+        duties: dict[str, Callable[[Order], str]] = {
+            "freeze": self._freeze,
+            "run": self._run_on,
+            "step": self._step,
+            "time": self._change_time,
+            "quit": self._quit,
+        }
+        duty = duties.get(order.name)
+        return duty(order) if duty else Refused(f"{order.text} has no place in a schedule")
+
+    def _freeze(self, _order: Order) -> str:
+        self.time.pacer.freeze()
+        return "frozen"
+
+    def _run_on(self, _order: Order) -> str:
+        self.time.pacer.run()
+        return "running"
+
+    def _step(self, order: Order) -> str:
+        self.time.pacer.freeze()
+        self._steps += int(order.value)
+        self.wake.set()
+        return f"{int(order.value)} ticks, then frozen"
+
+    def _change_time(self, order: Order) -> str:
+        self.time.change(math.inf if order.word == "max" else order.value)
+        return "time as fast as it goes" if order.word == "max" else order.text
+
+    def _quit(self, _order: Order) -> str:
+        self.stop()
+        return "ending"

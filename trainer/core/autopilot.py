@@ -1,20 +1,23 @@
 """The automatic helmsman and planesman: depth, course and speed keeping.
 
 Own law: each surface gets gain times error in depth, depth rate, pitch and pitch rate (course, yaw
-rate and sway for the rudder) plus an integral, the gains interpolated over speed. Orders are
-slewed: the reference moves at a rate and an acceleration the boat can follow, so that the errors
-stay small and the integrals do not wind up. [ASSES]'s depth law stands beside it for comparison.
+rate and sway for the rudder) plus an integral, the gains interpolated over speed. Both pairs of
+planes serve depth; a lasting angle of the bow planes is handed over to the stern planes where those
+carry it better. [ASSES]'s depth law stands beside it for comparison. A surface in hand is followed,
+so that the autopilot takes it over at the angle where it stands.
 """
 
 import math
 
+from trainer.core.elementary import cosine, exponential, sine
 from trainer.core.kernel import Numbers, Record, kernel
-from trainer.core.elementary import cosine, sine
+from trainer.core.reference import COURSE_SLEW, DEPTH_SLEW, leash, slew_course, slew_depth, within
 
 OWN, REPORT, REPORT_LITERAL = 0, 1, 2  # depth laws
+RUDDER, STERN, BOW = 0, 1, 2  # surfaces, as in the state record
 
-# places in the gain table, in the order of vessel.GAINS
-STERN, BOW, RUDDER, DEPTH_SLEW, COURSE_SLEW = 0, 5, 10, 14, 16
+# places in the schedule of gains, in the order of vessel.GAINS
+PLANE_GAINS, RUDDER_GAINS, GAIN_COUNT = 6, 12, 20
 
 FOOT = 0.3048
 REPORT_DEPTH = 0.008 / FOOT  # [rad/m]
@@ -26,6 +29,10 @@ REPORT_FURTHEST = 50.0 * FOOT  # [m] project's clamp on the depth error (errata 
 
 SLOWEST = 0.5  # [m/s] below it speed is not divided by
 SPEED_BAND = 0.5  # [m/s] speed errors beyond it are left to the propeller
+HANDOVER = 0.25  # [-] lengths run while a hand-over fades
+SETTLED = 0.1  # [-] share of the allowed depth rate and acceleration below which flight is level
+FAR = 0.5  # [-] share of the leash, and of the allowed depth rate
+STANDS = 1e-6  # [rad] a surface this near its order has arrived
 
 
 @kernel
@@ -39,58 +46,8 @@ def scheduled_gains(vessel: Record, u: float, gains: Numbers) -> None:
     lower = upper - 1
     share = (u - c.gain_speed[lower]) / (c.gain_speed[upper] - c.gain_speed[lower])
     share = min(max(share, 0.0), 1.0)
-    for i in range(18):
+    for i in range(GAIN_COUNT):
         gains[i] = c.gain[lower, i] + share * (c.gain[upper, i] - c.gain[lower, i])
-
-
-@kernel
-def slewed_rate(distance: float, rate: float, fastest: float, gentlest: float, h: float) -> float:
-    """Return the next rate of a reference ``distance`` short of its order.
-
-    At most ``fastest``, changing by at most ``gentlest`` per second, and slow enough to stop.
-    """
-    size = abs(distance)
-    # braking at `gentlest` from here; near the end an exponential that does not hunt
-    wanted = min(fastest, math.sqrt(gentlest * size), size / (4.0 * h))
-    if distance < 0.0:
-        wanted = -wanted
-    change = min(max(wanted - rate, -gentlest * h), gentlest * h)
-    return rate + change
-
-
-@kernel
-def slew_references(h: float, gains: Numbers, state: Record) -> None:
-    """Move the depth and heading references by ``h`` [s]; with hands on, they follow the boat."""
-    s = state[0]
-    if s.stern_by_hand != 0.0 and s.bow_by_hand != 0.0:
-        s.depth_reference, s.depth_reference_rate = s.z, s.zdot
-    else:
-        s.depth_reference_rate = slewed_rate(
-            s.ordered_depth - s.depth_reference,
-            s.depth_reference_rate,
-            gains[DEPTH_SLEW],
-            gains[DEPTH_SLEW + 1],
-            h,
-        )
-        s.depth_reference += h * s.depth_reference_rate
-    if s.rudder_by_hand != 0.0:
-        s.psi_reference, s.psi_reference_rate = s.psi, s.r
-    else:
-        s.psi_reference_rate = slewed_rate(
-            s.ordered_psi - s.psi_reference,
-            s.psi_reference_rate,
-            gains[COURSE_SLEW],
-            gains[COURSE_SLEW + 1],
-            h,
-        )
-        s.psi_reference += h * s.psi_reference_rate
-
-
-@kernel
-def climb_rate(state: Record) -> float:
-    """Return u sin theta - w cos theta [m/s], the report's rate of climb."""
-    s = state[0]
-    return s.u * sine(s.theta) - s.w * cosine(s.theta)
 
 
 @kernel
@@ -107,96 +64,172 @@ def plane_law(state: Record, gains: Numbers, first: int) -> float:
 
 
 @kernel
-def report_law(state: Record) -> float:
-    """Return the plane angle [rad] of [ASSES] IV, DS = .008 (ZC - Z) + 3.5 theta + ..."""
-    s = state[0]
-    error = min(max(s.ordered_depth - s.z, -REPORT_FURTHEST), REPORT_FURTHEST)
-    angle = (
-        REPORT_DEPTH * error
-        + REPORT_PITCH * s.theta
-        + REPORT_CLIMB * climb_rate(state)
-        + REPORT_PITCH_RATE * s.q
-    )
-    return min(max(angle, -REPORT_LIMIT), REPORT_LIMIT)
-
-
-@kernel
 def course_law(state: Record, gains: Numbers) -> float:
     """Return the rudder angle [rad] without its integral."""
     s = state[0]
     return (
-        gains[RUDDER] * (s.psi_reference - s.psi)
-        + gains[RUDDER + 1] * (s.psi_reference_rate - s.r)
-        + gains[RUDDER + 2] * s.v
+        gains[RUDDER_GAINS] * (s.psi_reference - s.psi)
+        + gains[RUDDER_GAINS + 1] * (s.psi_reference_rate - s.r)
+        + gains[RUDDER_GAINS + 2] * s.v
     )
 
 
 @kernel
-def wound(integral: float, step: float, law: float, limit: float) -> float:
-    """Return the integral [rad] one step on, unless that drives the surface past its limit."""
-    angle = law + integral
-    if (angle > limit and step > 0.0) or (angle < -limit and step < 0.0):
-        return integral
-    return integral + step
+def report_law(state: Record) -> float:
+    """Return the plane angle [rad] of [ASSES] IV.
+
+    DS = .008 (ZC - Z) + 3.5 theta + .012 (u sin theta - w cos theta) + 2 q, in feet, radians and
+    seconds; the bracket is the rate of climb (errata G).
+    """
+    s = state[0]
+    climb_rate = s.u * sine(s.theta) - s.w * cosine(s.theta)
+    angle = (
+        REPORT_DEPTH * within(s.ordered_depth - s.z, 0.0, REPORT_FURTHEST)
+        + REPORT_PITCH * s.theta
+        + REPORT_CLIMB * climb_rate
+        + REPORT_PITCH_RATE * s.q
+    )
+    return within(angle, 0.0, REPORT_LIMIT)
+
+
+@kernel
+def report_angle(vessel: Record, state: Record, surface: int) -> float:
+    """Return what [ASSES]'s law gives one pair of planes [rad].
+
+    Its DB = DS literally works against the stern planes where bow planes to dive are negative
+    (Z_db < 0); there the sign is turned unless the literal law is asked for (errata G3).
+    """
+    angle = report_law(state)
+    if surface == BOW and vessel[0].Z_db <= 0.0 and state[0].depth_law != REPORT_LITERAL:
+        return -angle
+    return angle
+
+
+@kernel
+def stand_by(state: Record, surface: int, law: float, settled: bool) -> None:  # noqa: FBT001 a fact
+    """Follow a surface that others command, for a bumpless change to its own ``law`` [rad].
+
+    In settled flight its angle is its trim, and the integral learns it; otherwise the difference
+    is a hand-over, which fades once the autopilot has it.
+    """
+    s = state[0]
+    trim = s.surface[surface] - law
+    if settled and abs(s.command[surface] - s.surface[surface]) < STANDS:
+        s.integral[surface] = trim
+    s.handover[surface] = trim - s.integral[surface]
+
+
+@kernel
+def steer(vessel: Record, h: float, state: Record, surface: int, law: float, step: float) -> None:
+    """Command a surface by its ``law`` [rad] and its integral, which moves by ``step`` [rad].
+
+    The integral rests where it would drive the surface past its limit.
+    """
+    c = vessel[0]
+    s = state[0]
+    limit = c.limit[surface]
+    angle = law + s.integral[surface] + s.handover[surface]
+    if not (angle > limit and step > 0.0) and not (angle < -limit and step < 0.0):
+        s.integral[surface] += step
+    s.command[surface] = within(law + s.integral[surface] + s.handover[surface], 0.0, limit)
+    s.handover[surface] *= exponential(-h * max(s.u, SLOWEST) / (HANDOVER * c.ell))
+
+
+@kernel
+def is_level(gains: Numbers, state: Record) -> bool:
+    """Return whether the boat neither changes depth nor pitches, so that its trim shows."""
+    s = state[0]
+    pitch_rate = SETTLED * gains[DEPTH_SLEW + 1] / max(s.u, SLOWEST)
+    return abs(s.zdot) < SETTLED * gains[DEPTH_SLEW] and abs(s.q) < pitch_rate
+
+
+@kernel
+def depth_error(gains: Numbers, state: Record) -> float:
+    """Return the depth error [m] to be integrated, 0 while it says nothing about the trim.
+
+    That is while the boat changes depth as it should, and while it is far off and under way: either
+    returning or being taken away. Held far off, it learns.
+    """
+    s = state[0]
+    error = s.depth_reference - s.z
+    if abs(error) > FAR * leash(gains, DEPTH_SLEW):
+        learning = abs(s.zdot) < FAR * gains[DEPTH_SLEW]
+    else:
+        learning = abs(s.depth_reference_rate) < SETTLED * gains[DEPTH_SLEW]
+    return error if learning else 0.0
+
+
+@kernel
+def keep_plane(
+    vessel: Record, h: float, gains: Numbers, state: Record, surface: int, lasting: float
+) -> None:
+    """Command one pair of planes; ``lasting`` [rad] is the bow planes' angle to be relieved of."""
+    s = state[0]
+    first = PLANE_GAINS * (surface - STERN)
+    law = plane_law(state, gains, first)
+    if s.by_hand[surface] != 0.0:
+        s.command[surface] = s.ordered[surface]
+        stand_by(state, surface, law, is_level(gains, state))
+    elif s.depth_law != OWN:
+        s.command[surface] = report_angle(vessel, state, surface)
+        stand_by(state, surface, law, is_level(gains, state))
+    else:
+        error = depth_error(gains, state)
+        step = h * (gains[first + 4] * error + gains[first + 5] * lasting)
+        steer(vessel, h, state, surface, law, step)
 
 
 @kernel
 def keep_depth(vessel: Record, h: float, gains: Numbers, state: Record) -> None:
-    """Command the planes; a pair in hand keeps its integral ready for a bumpless change."""
-    c = vessel[0]
+    """Command both pairs of planes.
+
+    The stern planes relieve the bow planes only while they can move as told: not in hand, and not
+    held by the rudder's share of an X-tail.
+    """
     s = state[0]
-    error = s.depth_reference - s.z
-    stern, bow = plane_law(state, gains, STERN), plane_law(state, gains, BOW)
-    if s.depth_law != OWN:
-        report = report_law(state)
-        toward = 1.0 if s.depth_law == REPORT_LITERAL or c.Z_db > 0.0 else -1.0
-        s.command_s = s.ordered_s if s.stern_by_hand != 0.0 else report
-        s.command_b = s.ordered_b if s.bow_by_hand != 0.0 else toward * report
-        s.stern_integral, s.bow_integral = s.command_s - stern, s.command_b - bow
-        return
-    if s.stern_by_hand != 0.0:
-        s.command_s = s.ordered_s
-        s.stern_integral = s.delta_s - stern
-    else:
-        step = h * gains[STERN + 4] * error
-        s.stern_integral = wound(s.stern_integral, step, stern, c.limit_s)
-        s.command_s = stern + s.stern_integral
-    if s.bow_by_hand != 0.0:
-        s.command_b = s.ordered_b
-        s.bow_integral = s.delta_b - bow
-    else:
-        step = h * gains[BOW + 4] * error
-        s.bow_integral = wound(s.bow_integral, step, bow, c.limit_b)
-        s.command_b = bow + s.bow_integral
+    able = abs(s.command_s - s.delta_s) <= vessel[0].surface_rate * h
+    lasting = 0.0
+    if able and s.stern_by_hand == 0.0 and s.bow_by_hand == 0.0:
+        lasting = s.delta_b
+    keep_plane(vessel, h, gains, state, STERN, lasting)
+    keep_plane(vessel, h, gains, state, BOW, lasting)
 
 
 @kernel
 def keep_course(vessel: Record, h: float, gains: Numbers, state: Record) -> None:
-    """Command the rudder; in hand, its integral is kept ready for a bumpless change."""
-    c = vessel[0]
+    """Command the rudder."""
     s = state[0]
     law = course_law(state, gains)
     if s.rudder_by_hand != 0.0:
         s.command_r = s.ordered_r
-        s.rudder_integral = s.delta_r - law
+        stand_by(state, RUDDER, law, abs(s.r) < vessel[0].turning_rate)
     else:
-        step = h * gains[RUDDER + 3] * (s.psi_reference - s.psi)
-        s.rudder_integral = wound(s.rudder_integral, step, law, c.limit_r)
-        s.command_r = law + s.rudder_integral
+        step = 0.0
+        if abs(s.psi_reference_rate) < vessel[0].turning_rate:
+            step = h * gains[RUDDER_GAINS + 3] * (s.psi_reference - s.psi)
+        steer(vessel, h, state, RUDDER, law, step)
 
 
 @kernel
 def keep_speed(vessel: Record, h: float, state: Record) -> None:
-    """Command the revolutions; their trim is learnt in straight flight and rests in turns."""
+    """Command the revolutions; their trim is learnt in straight flight and rests in turns.
+
+    While the boat still answers to the propeller, at its own surge rate, there is nothing to learn:
+    its acceleration makes up for the error that remains.
+    """
     c = vessel[0]
     s = state[0]
-    if s.speed_by_hand != 0.0:
+    if s.speed_by_hand != 0.0 or c.gain_count == 0.0:
         s.command_u_c = s.ordered_u_c
         return
     error = s.ordered_speed - s.u
-    if abs(s.r) < c.turning_rate and abs(error) < SPEED_BAND:
-        s.speed_trim += h * c.speed_integral * error
-    s.command_u_c = min(max(s.ordered_speed + s.speed_trim, c.u_c_astern), c.u_c_ahead)
+    step = h * (c.speed_integral * max(s.u, 0.0) / c.gain_speed[0] * error - s.udot)
+    wanted = s.ordered_speed + s.speed_trim + step
+    possible = c.u_c_astern < wanted < c.u_c_ahead
+    if possible and abs(s.r) < c.turning_rate and abs(error) < SPEED_BAND:
+        s.speed_trim += step
+    command = s.ordered_speed + s.speed_trim
+    s.command_u_c = min(max(command, c.u_c_astern), c.u_c_ahead)
 
 
 @kernel
@@ -205,7 +238,8 @@ def autopilot(vessel: Record, h: float, state: Record, gains: Numbers) -> None:
     s = state[0]
     if vessel[0].gain_count > 0.0:
         scheduled_gains(vessel, s.u, gains)
-    slew_references(h, gains, state)
+    slew_depth(h, gains, state)
+    slew_course(h, gains, state)
     keep_depth(vessel, h, gains, state)
     keep_course(vessel, h, gains, state)
     keep_speed(vessel, h, state)

@@ -30,7 +30,9 @@ def forces(compact: Record, trig: int, state: Record, force: Numbers) -> None:
 
     force[0] = (
         m * (s.x_g * (q * q + r * r) - s.z_g * p * r + v * r - w * q)
-        + u * u * (
+        + u
+        * u
+        * (
             c.X_drdr * s.delta_r * s.delta_r
             + c.X_dsds * s.delta_s * s.delta_s
             + c.X_dbdb * s.delta_b * s.delta_b

@@ -130,9 +130,7 @@ def rolling_moment(vessel: Record, trig: int, state: Record) -> float:
     u, v, w, p, q, r = s.u, s.v, s.w, s.p, s.q, s.r
     cross = math.sqrt(v * v + w * w)
 
-    inertia = (
-        (c.I_y - c.I_z) * q * r + c.I_xz * p * q - c.I_yz * (r * r - q * q) - c.I_xy * p * r
-    )
+    inertia = (c.I_y - c.I_z) * q * r + c.I_xz * p * q - c.I_yz * (r * r - q * q) - c.I_xy * p * r
     body = m * (c.y_g * (u * q - v * p) - s.z_g * (w * p - u * r))
     rotation = c.K_qr * q * r + c.K_pq * p * q + c.K_pap * p * abs(p)
     damping = c.K_p * u * p + c.K_r * u * r + c.K_vq * v * q + c.K_wp * w * p + c.K_wr * w * r
@@ -156,9 +154,7 @@ def pitching_moment(vessel: Record, trig: int, state: Record) -> float:
     cross = math.sqrt(v * v + w * w)
     e = excess_eta(state)
 
-    inertia = (
-        (c.I_z - c.I_x) * r * p + c.I_xy * q * r - c.I_xz * (p * p - r * r) - c.I_yz * q * p
-    )
+    inertia = (c.I_z - c.I_x) * r * p + c.I_xy * q * r - c.I_xz * (p * p - r * r) - c.I_yz * q * p
     body = m * (s.z_g * (v * r - w * q) - s.x_g * (u * q - v * p))
     rotation = c.M_pp * p * p + c.M_rr * r * r + c.M_rp * r * p + c.M_qaq * q * abs(q)
     coupling = c.M_vr * v * r + c.M_vp * v * p
@@ -193,13 +189,13 @@ def yawing_moment(vessel: Record, trig: int, state: Record) -> float:
     cross = math.sqrt(v * v + w * w)
     e = excess_eta(state)
 
-    inertia = (
-        (c.I_x - c.I_y) * p * q + c.I_yz * r * p - c.I_xy * (q * q - p * p) - c.I_xz * r * q
-    )
+    inertia = (c.I_x - c.I_y) * p * q + c.I_yz * r * p - c.I_xy * (q * q - p * p) - c.I_xz * r * q
     body = m * (s.x_g * (w * p - u * r) - c.y_g * (v * r - w * q))
     rotation = c.N_pq * p * q + c.N_qr * q * r + c.N_rar * r * abs(r)
     coupling = c.N_wr * w * r + c.N_wp * w * p + c.N_vq * v * q
-    damping = c.N_p * u * p + c.N_r * u * r + c.N_ardr * u * abs(r) * s.delta_r + c.N_avr * cross * r
+    damping = (
+        c.N_p * u * p + c.N_r * u * r + c.N_ardr * u * abs(r) * s.delta_r + c.N_avr * cross * r
+    )
     drift = c.N_star * u * u + c.N_v * u * v + c.N_vav * v * cross + c.N_vw * v * w
     rudder = c.N_dr * (u * u) * s.delta_r
     weight = (s.x_g * s.weight - c.x_b * c.buoyancy) * (

@@ -4,25 +4,29 @@ from trainer.core.kernel import Numbers, kernel
 
 
 @kernel
-def solve(system: Numbers, n: int, out: Numbers) -> None:
-    """Write the solution of the n x n linear ``system`` (right side in column n) to ``out``.
-
-    Gaussian elimination with row pivoting; destroys ``system``. A singular matrix gives
-    infinities, which the caller's finite check reports.
-    """
+def eliminate(system: Numbers, n: int) -> None:
+    """Bring the n x n linear ``system``, right side in column n, to triangular form by rows."""
     for k in range(n):
         pivot = k
         for i in range(k + 1, n):
             if abs(system[i, k]) > abs(system[pivot, k]):
                 pivot = i
-        if pivot != k:
-            for j in range(k, n + 1):
-                system[k, j], system[pivot, j] = system[pivot, j], system[k, j]
+        for j in range(k, n + 1):
+            system[k, j], system[pivot, j] = system[pivot, j], system[k, j]
         for i in range(k + 1, n):
             factor = system[i, k] / system[k, k]
-            if factor != 0.0:
-                for j in range(k + 1, n + 1):
-                    system[i, j] -= factor * system[k, j]
+            for j in range(k + 1, n + 1):
+                system[i, j] -= factor * system[k, j]
+
+
+@kernel
+def solve(system: Numbers, n: int, out: Numbers) -> None:
+    """Write the solution of the n x n linear ``system`` (right side in column n) to ``out``.
+
+    Gaussian elimination with row pivoting; destroys ``system``. A singular matrix gives numbers
+    that are not finite, which the caller's check reports.
+    """
+    eliminate(system, n)
     for k in range(n - 1, -1, -1):
         total = system[k, n]
         for j in range(k + 1, n):

@@ -32,26 +32,19 @@ STATE: Final = record_dtype(
     "y_g",
     "z_g",
     # control surfaces and propeller as they are
-    "delta_r",  # [rad] rudder
-    "delta_s",  # [rad] stern planes
-    "delta_b",  # [rad] bow planes
+    ("surface", ["delta_r", "delta_s", "delta_b"]),  # [rad] rudder, stern planes, bow planes
     "u_c",  # [m/s] command speed: propeller revolutions times a constant
     # the same as they are told to be this tick, by hand or by the autopilot
-    "command_r",
-    "command_s",
-    "command_b",
+    ("command", ["command_r", "command_s", "command_b"]),
     "command_u_c",
     # standing orders
     "ordered_depth",  # [m]
     "ordered_psi",  # [rad] unwrapped heading to steer
     "ordered_speed",  # [m/s] speed to keep
     "ordered_u_c",  # [m/s] command speed by bell or revolutions
-    "ordered_r",  # [rad] surfaces by hand
-    "ordered_s",
-    "ordered_b",
-    "rudder_by_hand",  # [-] 1 by hand, 0 by the autopilot
-    "stern_by_hand",
-    "bow_by_hand",
+    ("ordered", ["ordered_r", "ordered_s", "ordered_b"]),  # [rad] surfaces by hand
+    # [-] 1 by hand, 0 by the autopilot
+    ("by_hand", ["rudder_by_hand", "stern_by_hand", "bow_by_hand"]),
     "speed_by_hand",  # [-] 1 constant revolutions, 0 speed kept by the autopilot
     "depth_law",  # [-] see autopilot: 0 this trainer's, 1 and 2 [ASSES]'s
     # autopilot memory
@@ -59,9 +52,9 @@ STATE: Final = record_dtype(
     "depth_reference_rate",  # [m/s]
     "psi_reference",  # [rad]
     "psi_reference_rate",  # [rad/s]
-    "stern_integral",  # [rad]
-    "bow_integral",  # [rad]
-    "rudder_integral",  # [rad]
+    ("integral", ["rudder_integral", "stern_integral", "bow_integral"]),  # [rad]
+    # [rad] what is left, after the autopilot took a surface over, of its angle by hand
+    ("handover", ["rudder_handover", "stern_handover", "bow_handover"]),
     "speed_trim",  # [m/s]
     # engine telegraph
     "telegraph_order",  # [m/s] last order heard
@@ -89,7 +82,7 @@ SCRATCH: Final = record_dtype(
     ("origin", (12,)),  # motion and rates at the start of a variable step, to try it again from
     ("origin_rates", (12,)),
     ("coarse", (12,)),  # the variable step taken whole
-    ("gains", (18,)),  # autopilot gains at the present speed
+    ("gains", (20,)),  # autopilot gains at the present speed
     ("before", (STATE.itemsize // 8,)),  # the state before the tick
 )
 

@@ -15,18 +15,16 @@ def not_finite(state: Record) -> int:
     """Return 1 + the place in WATCHED of the first number that is not finite, 0 if none."""
     s = state[0]
     for i in range(12):
-        if not s.rates[i] - s.rates[i] == 0.0:
+        if s.rates[i] - s.rates[i] != 0.0:
             return 1 + i
     for i in range(12):
-        if not s.motion[i] - s.motion[i] == 0.0:
+        if s.motion[i] - s.motion[i] != 0.0:
             return 13 + i
     return 0
 
 
 @kernel
-def update(
-    vessel: Record, compact: Record, scheme: Record, state: Record, scratch: Record
-) -> int:
+def update(vessel: Record, compact: Record, scheme: Record, state: Record, scratch: Record) -> int:
     """Advance ``state`` by one tick; return 0, or 1 + the place in WATCHED of what failed.
 
     A tick that fails leaves the state as it was. Forces see surfaces and propeller as they stand

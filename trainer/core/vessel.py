@@ -58,9 +58,10 @@ BASIC_DROPS: Final = ("Z_waw", "M_waw", "M_awq")
 EXTRA_TERMS: Final = ("X_vr", "N_rar", "N_avr")  # room for what a hull proves to need
 
 SPEEDS: Final = 12  # longest schedule of autopilot gains
+PLANE_GAINS: Final = ("depth", "depth_rate", "pitch", "pitch_rate", "integral", "relief")
 GAINS: Final = [
-    *(f"stern_{name}" for name in ("depth", "depth_rate", "pitch", "pitch_rate", "integral")),
-    *(f"bow_{name}" for name in ("depth", "depth_rate", "pitch", "pitch_rate", "integral")),
+    *(f"stern_{name}" for name in PLANE_GAINS),
+    *(f"bow_{name}" for name in PLANE_GAINS),
     *("rudder_course", "rudder_yaw_rate", "rudder_sway", "rudder_integral"),
     *("depth_rate", "depth_acceleration", "course_rate", "course_acceleration"),
 ]
@@ -78,9 +79,7 @@ VESSEL: Final = record_dtype(
     *THRUST,
     *TERMS,
     # control surfaces
-    "limit_r",  # [rad]
-    "limit_s",
-    "limit_b",
+    ("limit", ["limit_r", "limit_s", "limit_b"]),  # [rad]
     "surface_rate",  # [rad/s]
     "surface_lag",  # [s] time constant
     "x_tail",  # [-] 1: rudder and stern planes are the same four X planes
@@ -90,7 +89,7 @@ VESSEL: Final = record_dtype(
     "u_c_ahead",  # [m/s] largest command speed
     "u_c_astern",  # [m/s] most negative command speed
     # autopilot
-    "speed_integral",  # [1/s]
+    "speed_integral",  # [1/s] at the slowest speed of the schedule, more in proportion
     "turning_rate",  # [rad/s] above it the speed trim rests
     "gain_count",  # [-] speeds in the schedule; 0: no autopilot
     ("gain_speed", (SPEEDS,)),  # [m/s]

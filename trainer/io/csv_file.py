@@ -8,49 +8,48 @@ COLUMNS: Final = (
     *("tick", "t", "u", "v", "w", "p", "q", "r", "x", "y", "z", "phi", "theta", "psi"),
     *("delta_r", "delta_s", "delta_b", "u_c", "weight", "x_g", "z_g", "eta_wave"),
 )
-BATCH: Final = 200  # [rows] written at once; every batch ends with a whole row
 
 
 class CsvFile:
     """Rows on their way to a file; trouble with the disk is kept, not raised."""
 
-    def __init__(self, path: Path) -> None:
-        """Open ``path`` and write the heading; OSError if it cannot be."""
+    def __init__(self, path: Path, batch: int = 1) -> None:
+        """Open ``path``, to be written ``batch`` rows at once; OSError if it cannot be."""
         self.path = path
-        self.rows = 0  # on disk
         self.trouble = ""  # why no more are written
+        self._batch = batch
         self._file = path.open("wb", buffering=0)
-        self._lines: list[str] = []
-        self._write(",".join(COLUMNS) + "\n")
+        self._lines = [",".join(COLUMNS) + "\n"]
+        self._written = 0  # lines on disk, the heading among them
 
     def row(self, values: Sequence[float]) -> None:
         """Take one row: the tick, then the other columns."""
         numbers = ",".join(map(repr, values[1:]))
         self._lines.append(f"{values[0]:.0f},{numbers}\n")
-        if len(self._lines) >= BATCH:
+        if len(self._lines) >= self._batch:
             self.flush()
 
     def flush(self) -> None:
         """Write what has been taken."""
-        count = len(self._lines)
-        self._write("".join(self._lines))
+        data = "".join(self._lines).encode("ascii")
         self._lines.clear()
-        self.rows += 0 if self.trouble else count
+        if self.trouble:
+            return
+        done = 0
+        try:
+            while done < len(data):
+                done += self._file.write(data[done:])
+        except OSError as error:
+            self._written += data.count(b"\n", 0, done)
+            rows = max(self._written - 1, 0)
+            self.trouble = f"{self.path}: {error.strerror}; {rows} rows are whole"
+        else:
+            self._written += data.count(b"\n")
 
     def close(self) -> None:
         """Write what is left and close."""
         self.flush()
         self._file.close()
-
-    def _write(self, text: str) -> None:
-        if self.trouble:
-            return
-        rest = memoryview(text.encode("ascii"))
-        try:
-            while rest:
-                rest = rest[self._file.write(rest) :]
-        except OSError as error:
-            self.trouble = f"{self.path}: {error.strerror}; {self.rows} rows are whole"
 
 
 class NoFile:

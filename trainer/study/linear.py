@@ -1,6 +1,7 @@
 """The boat's equations about straight level flight, as matrices."""
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,7 +11,10 @@ from trainer.core.rates import rates
 from trainer.core.state import MOTION
 
 CONTROLS = ("delta_r", "delta_s", "delta_b", "u_c")
-INTERNAL = tuple(MOTION.index(name) for name in ("u", "v", "w", "p", "q", "r", "phi", "theta"))
+# What the rates depend on; heading and position only follow.
+INTERNAL = ("u", "v", "w", "p", "q", "r", "phi", "theta")
+LONGITUDINAL = ("u", "w", "q", "theta")
+ACCELERATED = MOTION[:6]
 
 Matrix = NDArray[np.float64]
 
@@ -63,3 +67,66 @@ def at_speed(boat: Boat, speed: float) -> Linear | None:
     if not boat.trimmed(speed):
         return None
     return linearise(boat)
+
+
+def bring_to(boat: Boat, speed: float) -> bool:
+    """Return whether ``boat`` trims at ``speed`` [m/s]; its state is that trim, else level flight.
+
+    Level flight without trim: planes at zero, forces unbalanced.
+    """
+    if boat.trimmed(speed):
+        return True
+    s = boat.state
+    for name in ("v", "w", "phi", "theta", "delta_r", "delta_s", "delta_b"):
+        s[name] = 0.0
+    s.u = s.u_c = speed
+    return False
+
+
+@dataclass(frozen=True)
+class Response:
+    """rates = J motion + G last rates as the boat's own scheme has them, in ``names``, SI.
+
+    With the exact solve G is zero; with lagged accelerations it is the matrix of the sweep.
+    """
+
+    names: tuple[str, ...]
+    J: Matrix
+    G: Matrix
+
+    @cached_property
+    def nature(self) -> Matrix:
+        """Return A of d(motion)/dt = A motion, accelerations satisfying all equations at once."""
+        return np.asarray(np.linalg.solve(np.eye(len(self.J)) - self.G, self.J))
+
+    @cached_property
+    def eigenvalues(self) -> NDArray[np.complex128]:
+        """Return the eigenvalues [1/s] of the boat itself, whatever integrates it."""
+        return np.asarray(np.linalg.eigvals(self.nature), complex)
+
+
+def respond(boat: Boat, nudge: float = 1e-5) -> Response:
+    """Return how the rates follow motion and last rates about the boat's present state."""
+    vessel, compact, scheme, state, scratch = (record.copy() for record in boat.records)
+    names = LONGITUDINAL if boat.method.equations == "longitudinal" else INTERNAL
+    places = [MOTION.index(name) for name in names]
+
+    def slope(field: str, place: int, size: float) -> Matrix:
+        state["rates"] = 0.0
+        centre = float(state[field][0, place])
+        ends = []
+        for side in (size, -size):
+            state["rates"] = 0.0
+            state[field][0, place] = centre + side
+            rates(vessel, compact, scheme, state, scratch)
+            ends.append(state["rates"][0, places])
+        state[field][0, place] = centre
+        return np.asarray((ends[0] - ends[1]) / (2.0 * size))
+
+    J = np.column_stack([slope("motion", place, nudge) for place in places])
+    G = np.zeros_like(J)
+    if boat.method.rates == "lagged":
+        for column, name in enumerate(names):
+            if name in ACCELERATED:  # the sweep is linear in them: any size does
+                G[:, column] = slope("rates", places[column], 1.0)
+    return Response(names, J, G)

@@ -1,0 +1,76 @@
+"""Every command in the documents is run, in the order written, in an empty folder."""
+
+import os
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parent.parent
+PAGES = sorted(ROOT.glob("docs/*.md")) + [ROOT / "README.md"]
+FILES = {
+    "turn.txt": "30 rudder right 15\n",
+    "states.jsonl": '{"u": 5, "v": 0, "w": 0, "p": 0, "q": 0, "r": 0, "phi": 0, "theta": 0, '
+    '"psi": 0, "delta_r": 0, "delta_s": 0, "delta_b": 0, "u_c": 5}\n',
+}
+
+
+def commands(page: Path) -> list[str]:
+    """Return the lines of the page's shell blocks, and of its table of what to type."""
+    text = page.read_text(encoding="utf-8")
+    blocks = re.findall(r"```sh\n(.*?)```", text, re.DOTALL)
+    lines = [line for block in blocks for line in block.splitlines()]
+    lines += re.findall(r"\| `(trainer [^`]*)`", text)
+    return [line for line in lines if line and not line.startswith("#")]
+
+
+def runnable(line: str) -> bool:
+    """Return whether a test can run the command: it needs no port, file or installation."""
+    return not re.search(r"\bURL\b|pip install|\./boat\.toml|my-boat\.toml", line)
+
+
+CASES = [
+    pytest.param(line, id=f"{page.name}: {line[:60]}")
+    for page in PAGES
+    for line in dict.fromkeys(commands(page))
+    if runnable(line)
+]
+
+
+def test_there_are_commands_to_run() -> None:
+    assert len(CASES) > 8
+
+
+@pytest.mark.parametrize("line", CASES)
+def test_a_documented_command_works(line: str, tmp_path: Path) -> None:
+    for name, text in FILES.items():
+        (tmp_path / name).write_text(text, encoding="utf-8")
+    path = os.pathsep.join([str(Path(sys.executable).parent), os.environ["PATH"]])
+    line = (
+        line.replace("trainer bench", "trainer bench --seconds 1", 1)
+        if ("bench" in line and "--seconds" not in line)
+        else line
+    )
+
+    done = subprocess.run(
+        ["sh", "-c", line],
+        cwd=tmp_path,
+        env=os.environ | {"PATH": path},
+        input="" if "printf" in line else "status\nquit\n",
+        capture_output=True,
+        text=True,
+        timeout=120,
+        check=False,
+    )
+
+    assert done.returncode == 0, done.stderr
+    assert done.stdout
+    assert "Traceback" not in done.stderr
+
+
+def test_every_link_leads_somewhere() -> None:
+    for page in PAGES:
+        for target in re.findall(r"\]\(([^)#:]+)\)", page.read_text(encoding="utf-8")):
+            assert (page.parent / target).exists(), f"{page.name}: {target}"

@@ -1,0 +1,320 @@
+"""One tick: what it never does to the state, and the surfaces and the engine it moves."""
+
+import math
+import os
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import trainer
+from trainer.boat import Boat
+from trainer.core.actuators import move_surfaces
+from trainer.core.propulsion import answer_telegraph, thrust
+from trainer.core.state import STATE
+from trainer.core.update import WATCHED, update
+
+KNOT = 1852.0 / 3600.0
+DEGREE = math.pi / 180.0
+EQUATIONS = ("full", "modified", "basic", "longitudinal")
+
+
+def under_way(make_boat: Callable[..., Boat], *method: object) -> Boat:
+    """Return a BB2 in the middle of a turn and a dive."""
+    boat = make_boat("bb2", *method)
+    boat.start(10.0 * KNOT, 60.0, 0.0)
+    s = boat.state
+    s.rudder_by_hand = s.stern_by_hand = s.bow_by_hand = 1.0
+    s.ordered_r, s.ordered_s = 0.2, 0.05
+    for _ in range(20):
+        assert boat.tick() == 0
+    return boat
+
+
+# A tick that fails
+
+
+@pytest.mark.core
+@pytest.mark.parametrize(
+    ("place", "value", "named"),
+    [("v", 1e200, "udot"), ("x", math.inf, "x"), ("psi", math.nan, "xdot"), ("q", -1e160, "udot")],
+)
+def test_a_tick_that_fails_leaves_the_state_as_it_was_and_names_the_place(
+    make_boat: Callable[..., Boat], place: str, value: float, named: str
+) -> None:
+    boat = under_way(make_boat)
+    boat.state[place] = value
+    before = boat.records.state.tobytes()
+
+    with np.errstate(all="ignore"):  # without JIT numpy would warn where the core reports
+        status = boat.tick()
+
+    assert boat.records.state.tobytes() == before
+    assert WATCHED[status - 1] == named
+    assert boat.failure(status).startswith(f"{named} is no longer finite after tick 20 (10 s)")
+
+
+@pytest.mark.core
+def test_a_tick_after_a_failed_one_is_as_if_it_had_never_been_tried(
+    make_boat: Callable[..., Boat],
+) -> None:
+    tried, untried = under_way(make_boat), under_way(make_boat)
+    good = tried.snapshot()
+    tried.state.v = 1e200
+    with np.errstate(all="ignore"):
+        assert tried.tick() != 0
+    tried.restore(good)
+
+    assert [boat.tick() for boat in (tried, untried)] == [0, 0]
+
+    assert tried.records.state.tobytes() == untried.records.state.tobytes()
+
+
+# What a state record is
+
+
+def test_a_snapshot_is_smaller_than_two_kibibytes() -> None:
+    assert STATE.itemsize < 2048
+
+
+@pytest.mark.core
+@pytest.mark.parametrize("equations", EQUATIONS)
+@pytest.mark.parametrize("integrator", ["adams2", "adams4", "rk4", "rkv"])
+def test_a_turn_goes_on_from_a_snapshot_to_the_bit(
+    make_boat: Callable[..., Boat], equations: str, integrator: str
+) -> None:
+    boat = under_way(make_boat, equations, "lagged", integrator)
+    snapshot = boat.snapshot()
+    ends = []
+    for _ in range(2):
+        boat.restore(snapshot)
+        for _ in range(20):
+            assert boat.tick() == 0
+        ends.append(boat.records.state.tobytes())
+
+    other = under_way(make_boat, equations, "lagged", integrator)  # nothing hides elsewhere
+    other.restore(snapshot)
+    for _ in range(20):
+        assert other.tick() == 0
+
+    assert ends[0] == ends[1] == other.records.state.tobytes()
+    assert ends[0] != snapshot.tobytes()
+
+
+COUNT_ALLOCATIONS = """
+import numpy as np
+from numba import njit
+from numba.core.runtime import rtsys
+
+from trainer.boat import Boat
+from trainer.core.update import update
+from trainer.fitout import Method
+from trainer.vessel_file import load_vessel
+
+@njit
+def ticks(count, vessel, compact, scheme, state, scratch):
+    for _ in range(count):
+        update(vessel, compact, scheme, state, scratch)
+
+@njit
+def wasteful(count, vessel, compact, scheme, state, scratch):
+    for i in range(count):
+        state[0].y += np.zeros(3 + i).sum()
+
+for equations in ("full", "modified", "basic", "longitudinal"):
+    for integrator in ("adams2", "rk4", "rkv"):
+        for rates in ("exact", "lagged"):
+            method = Method(equations, rates, "exact", integrator, 0.5)
+            boat = Boat(load_vessel("bb2"), method)
+            boat.start(5.0, 60.0, 0.0)
+            for run in (ticks, wasteful):
+                found = []
+                for count in (1, 1, 1001):
+                    before = rtsys.get_allocation_stats()
+                    run(count, *boat.records)
+                    after = rtsys.get_allocation_stats()
+                    found.append(after.alloc - before.alloc)
+                print(run.__name__, found[2] - found[1])
+"""
+
+
+def test_a_thousand_ticks_allocate_nothing(tmp_path: Path) -> None:
+    # the call from Python itself wraps its arguments: what counts is what more ticks add to that
+    here = [str(Path(trainer.__file__).parents[1]), os.environ.get("PYTHONPATH", "")]
+    environment = {"NUMBA_NRT_STATS": "1", "PYTHONPATH": os.pathsep.join(filter(None, here))}
+    ran = subprocess.run(
+        [sys.executable, "-c", COUNT_ALLOCATIONS],
+        cwd=tmp_path,
+        env=os.environ | environment | {"NUMBA_DISABLE_JIT": "0"},
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    counts = [line.split() for line in ran.stdout.splitlines()]
+
+    assert [number for name, number in counts if name == "ticks"] == ["0"] * 24
+    # the measure sees an allocation where there is one
+    assert [number for name, number in counts if name == "wasteful"] == ["1000"] * 24
+
+
+def test_a_tick_leaves_nothing_behind_in_the_interpreter(make_boat: Callable[..., Boat]) -> None:
+    boat = under_way(make_boat)
+    before = sys.getallocatedblocks()
+    for _ in range(1000):
+        update(*boat.records)
+    assert sys.getallocatedblocks() - before < 50
+
+
+# Control surfaces
+
+
+def told(boat: Boat, rudder: float, stern: float, bow: float = 0.0) -> None:
+    """Command the surfaces [deg]."""
+    s = boat.state
+    s.command_r, s.command_s, s.command_b = rudder * DEGREE, stern * DEGREE, bow * DEGREE
+
+
+def standing(boat: Boat) -> list[float]:
+    """Return rudder, stern planes and bow planes [deg]."""
+    return [float(angle) / DEGREE for angle in boat.state.surface]
+
+
+@pytest.mark.core
+def test_surfaces_move_at_7_1_degrees_a_second_and_stop_at_30(
+    make_boat: Callable[..., Boat],
+) -> None:
+    boat = make_boat("bb2")
+    told(boat, -90.0, 0.0, 90.0)
+    seen = []
+    for _ in range(10):
+        move_surfaces(boat.records.vessel, 0.5, boat.records.state)
+        seen.append(standing(boat))
+
+    travel = [min(0.5 * 7.1 * (i + 1), 30.0) for i in range(10)]
+    assert [s[0] for s in seen] == pytest.approx([-angle for angle in travel], rel=1e-12)
+    assert [s[2] for s in seen] == pytest.approx(travel, rel=1e-12)
+
+
+@pytest.mark.core
+def test_a_lagging_surface_covers_its_share_of_the_way_each_tick(
+    make_boat: Callable[..., Boat],
+) -> None:
+    # time constant 0.1 s, step 0.1 s: 1 - 1/e of the way, slower than its rate of 20 deg/s
+    boat = make_boat("sdv-mk9")
+    told(boat, 3.0, -3.0)
+    for ticks in (1, 2, 3):
+        move_surfaces(boat.records.vessel, 0.1, boat.records.state)
+        way = 3.0 * (1.0 - math.exp(-ticks))
+        assert standing(boat) == pytest.approx([way, -way, 0.0], rel=1e-12)
+
+
+@pytest.mark.core
+@pytest.mark.parametrize(
+    ("rudder", "stern", "reached"),
+    [
+        # pairs of planes stand at stern + rudder and stern - rudder, each within 30
+        (25.0, 20.0, (17.5, 12.5)),
+        (-25.0, 20.0, (-17.5, 12.5)),
+        (30.0, -30.0, (15.0, -15.0)),
+        (20.0, 10.0, (20.0, 10.0)),
+    ],
+)
+def test_rudder_and_stern_planes_of_an_x_tail_share_30_degrees(
+    make_boat: Callable[..., Boat], rudder: float, stern: float, reached: tuple[float, float]
+) -> None:
+    boat = make_boat("bb2")
+    told(boat, rudder, stern)
+    for _ in range(40):
+        move_surfaces(boat.records.vessel, 0.5, boat.records.state)
+        now = standing(boat)
+        assert abs(now[0]) + abs(now[1]) <= 30.0 + 1e-12
+    assert now[:2] == pytest.approx(reached, rel=1e-12)
+
+
+@pytest.mark.core
+def test_rudder_and_stern_planes_of_a_cruciform_tail_each_have_all_of_their_travel(
+    make_boat: Callable[..., Boat],
+) -> None:
+    boat = make_boat("sdv-mk9")
+    told(boat, 90.0, -90.0)
+    for _ in range(200):
+        move_surfaces(boat.records.vessel, 0.1, boat.records.state)
+    assert standing(boat) == pytest.approx([20.0, -20.0, 0.0], rel=1e-9)
+
+
+# Engine
+
+
+@pytest.mark.core
+def test_revolutions_wait_three_seconds_and_then_close_in_with_six(
+    make_boat: Callable[..., Boat],
+) -> None:
+    boat = make_boat("bb2")
+    s = boat.state
+    s.speed_by_hand = 1.0
+    s.u_c = s.telegraph_order = s.telegraph_answer = 5.0
+    s.ordered_u_c = s.command_u_c = 2.0
+    seen = []
+    for _ in range(30):
+        answer_telegraph(boat.records.vessel, 0.5, boat.records.state)
+        seen.append(float(s.u_c))
+
+    assert seen[:6] == [5.0] * 6
+    lag = [2.0 + 3.0 * math.exp(-0.5 * (i + 1) / 6.0) for i in range(24)]
+    assert seen[6:] == pytest.approx(lag, rel=1e-12)
+
+
+@pytest.mark.core
+def test_a_second_bell_before_the_first_is_answered_starts_the_wait_again(
+    make_boat: Callable[..., Boat],
+) -> None:
+    boat = make_boat("bb2")
+    s = boat.state
+    s.speed_by_hand = 1.0
+    s.u_c = s.telegraph_order = s.telegraph_answer = 5.0
+    for order, ticks in ((2.0, 4), (-1.0, 6)):
+        s.ordered_u_c = s.command_u_c = order
+        for _ in range(ticks):
+            answer_telegraph(boat.records.vessel, 0.5, boat.records.state)
+            assert s.u_c == 5.0
+
+    answer_telegraph(boat.records.vessel, 0.5, boat.records.state)
+
+    assert s.u_c == pytest.approx(-1.0 + 6.0 * math.exp(-0.5 / 6.0), rel=1e-12)
+
+
+@pytest.mark.core
+@pytest.mark.parametrize(
+    ("u", "u_c", "row"),
+    [
+        (4.0, 4.0, 1),
+        (4.0, 2.0, 1),  # eta 0.5 is of the first row
+        (4.0, 1.99, 2),
+        (4.0, 0.0, 2),  # eta 0 of the second
+        (4.0, -0.01, 3),
+        (0.0, 3.0, 1),  # at rest the sign of the revolutions decides
+        (0.0, -3.0, 3),
+        (-1.0, 3.0, 1),
+        (-1.0, 0.0, 1),
+        (-1.0, -3.0, 3),
+    ],
+)
+def test_the_row_of_thrust_is_that_of_its_eta(
+    make_boat: Callable[..., Boat], u: float, u_c: float, row: int
+) -> None:
+    # model document, section 2, Propulsion: by comparison, without dividing
+    boat = make_boat("bb2")
+    c, s = boat.vessel, boat.state
+    c.eta_1, c.eta_2 = 0.5, 0.0
+    rows = {1: (-2.0, 0.5, 1.5), 2: (-3.0, 0.25, 7.0), 3: (-5.0, 0.125, -11.0)}
+    for number, (a, b, k) in rows.items():
+        c[f"a{number}"], c[f"b{number}"], c[f"c{number}"] = a, b, k
+    s.u, s.u_c = u, u_c
+
+    a, b, k = rows[row]
+    assert thrust(boat.records.vessel, boat.records.state) == pytest.approx(
+        a * u * abs(u) + b * u * u_c + k * u_c * u_c, rel=1e-15
+    )

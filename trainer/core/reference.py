@@ -1,0 +1,70 @@
+"""What the autopilot steers for: ordered depth and course, slewed as fast as the boat can follow.
+
+The errors stay small that way and the integrals do not wind up. A reference is never further from
+the boat than it needs to stop in, so that a boat driven off returns at the rate it is allowed.
+"""
+
+import math
+
+from trainer.core.kernel import Numbers, Record, kernel
+
+# places in the schedule of gains, in the order of vessel.GAINS: a rate, then an acceleration
+DEPTH_SLEW, COURSE_SLEW = 16, 18
+
+APPROACH = 4.0  # [ticks] time constant of the last approach, too slow to hunt
+
+
+@kernel
+def slewed_rate(distance: float, rate: float, fastest: float, gentlest: float, h: float) -> float:
+    """Return the next rate of a reference ``distance`` short of its order.
+
+    At most ``fastest``, changing by at most ``gentlest`` per second, and slow enough to stop.
+    """
+    size = abs(distance)
+    wanted = min(fastest, math.sqrt(gentlest * size), size / (APPROACH * h))
+    if distance < 0.0:
+        wanted = -wanted
+    change = min(max(wanted - rate, -gentlest * h), gentlest * h)
+    return rate + change
+
+
+@kernel
+def leash(gains: Numbers, slew: int) -> float:
+    """Return how far [m or rad] a reference goes on while it stops from its full rate."""
+    if gains[slew + 1] > 0.0:
+        return 0.5 * gains[slew] * gains[slew] / gains[slew + 1]
+    return 0.0
+
+
+@kernel
+def within(value: float, centre: float, most: float) -> float:
+    """Return ``value``, or the nearest to it that is at most ``most`` from ``centre``."""
+    return min(max(value, centre - most), centre + most)
+
+
+@kernel
+def slew_depth(h: float, gains: Numbers, state: Record) -> None:
+    """Move the depth reference by ``h`` [s]; with both pairs of planes in hand it is the boat's."""
+    s = state[0]
+    if s.stern_by_hand != 0.0 and s.bow_by_hand != 0.0:
+        s.depth_reference, s.depth_reference_rate = s.z, s.zdot
+        return
+    fastest, gentlest = gains[DEPTH_SLEW], gains[DEPTH_SLEW + 1]
+    distance = s.ordered_depth - s.depth_reference
+    s.depth_reference_rate = slewed_rate(distance, s.depth_reference_rate, fastest, gentlest, h)
+    s.depth_reference += h * s.depth_reference_rate
+    s.depth_reference = within(s.depth_reference, s.z, leash(gains, DEPTH_SLEW))
+
+
+@kernel
+def slew_course(h: float, gains: Numbers, state: Record) -> None:
+    """Move the heading reference by ``h`` [s]; with the rudder in hand it is the boat's."""
+    s = state[0]
+    if s.rudder_by_hand != 0.0:
+        s.psi_reference, s.psi_reference_rate = s.psi, s.r
+        return
+    fastest, gentlest = gains[COURSE_SLEW], gains[COURSE_SLEW + 1]
+    distance = s.ordered_psi - s.psi_reference
+    s.psi_reference_rate = slewed_rate(distance, s.psi_reference_rate, fastest, gentlest, h)
+    s.psi_reference += h * s.psi_reference_rate
+    s.psi_reference = within(s.psi_reference, s.psi, leash(gains, COURSE_SLEW))

@@ -1,0 +1,294 @@
+"""What a tick costs on this machine, and what the boat's records take: ``trainer bench``.
+
+A tick in real time is measured by the ledger of the session itself, without the waiting. It finds
+caches and processor as half a second of sleep leaves them. The hot figures are the same work back
+to back: medians of batches, each long against the clock that times it.
+"""
+
+import gc
+import math
+import os
+import platform
+import re
+import sys
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Final
+
+import click
+import numba
+import numpy as np
+from llvmlite import binding  # type: ignore[import-untyped]
+
+from trainer.boat import Boat
+from trainer.clock import MonotonicClock, Policy
+from trainer.config import ConfigError
+from trainer.console import Console
+from trainer.core.kernel import Record, kernel
+from trainer.core.scheme import SCHEME
+from trainer.core.state import SCRATCH, STATE
+from trainer.core.update import update
+from trainer.core.vessel import COMPACT, VESSEL
+from trainer.fitout import KNOT, Method
+from trainer.io.csv_file import COLUMNS, CsvFile, NoFile
+from trainer.io.outbox import Direct, Outbox, writer
+from trainer.ledger import Spread
+from trainer.session import Session, Timekeeping
+from trainer.study.batches import Batches, time_batches
+from trainer.vessel_file import VesselFile
+
+DUTY_1969: Final = {0.5: 38.0, 1.0: 19.0}  # [%] by step [s], of the modified set in 1969
+WORDS_1969: Final = 8192  # [16-bit words] the memory of 1969
+RECORDS: Final = {
+    "state": STATE,
+    "vessel": VESSEL,
+    "compact": COMPACT,
+    "scheme": SCHEME,
+    "scratch": SCRATCH,
+}
+HOT: Final = (
+    ("modified", "lagged", "adams2"),
+    ("full", "exact", "adams2"),
+    ("full", "exact", "rk4"),
+)
+PATIENCE: Final = 0.5  # [s] for the last console lines
+
+
+@dataclass(frozen=True)
+class Machine:
+    """What the figures hold for."""
+
+    cpu_model: str
+    cpu_target: str  # the compiler's name of its kind
+    cpu_count: int
+    system: str
+    python: str
+    numpy: str
+    numba: str
+
+
+@dataclass(frozen=True)
+class Paced:
+    """Ticks in real time, the console's line included; the waiting excluded."""
+
+    step_s: float
+    ticks: int
+    duty_cycle_percent: float
+    duty_cycle_1969_percent: float
+    times_less_than_1969: float
+    work: Spread
+    lateness: Spread
+    samples_from_p99_up: int  # so few ticks each percentile rests on
+    samples_from_p999_up: int
+    overruns: int
+    caught_up: int
+    skipped: int
+    gaps: int
+
+
+@dataclass(frozen=True)
+class Update:
+    """One way to compute the boat: a tick called from Python, and inside a compiled loop."""
+
+    equations: str
+    rates: str
+    integrator: str
+    step_s: float
+    called: Batches
+    in_kernel: Batches
+    crossing_ns: float  # the least of called less the least of in_kernel: interference only adds
+
+
+@dataclass(frozen=True)
+class HotTick:
+    """A tick of the session at full speed with CSV row and console line, and parts of it."""
+
+    whole: Batches
+    boat: Batches
+    csv_row: Batches
+    console_line: Batches
+
+
+@dataclass(frozen=True)
+class Size:
+    """The size of a record."""
+
+    bytes: int
+    words_of_16_bits: int
+
+
+@dataclass(frozen=True)
+class Figures:
+    """Everything that was measured."""
+
+    vessel: str
+    machine: Machine
+    real_time: tuple[Paced, ...]
+    updates: tuple[Update, ...]
+    hot_tick: HotTick
+    sizes: dict[str, Size]
+    memory_1969_words_of_16_bits: int
+
+
+@kernel
+def take_ticks(
+    vessel: Record, compact: Record, scheme: Record, count: int, state: Record, scratch: Record
+) -> int:
+    """Advance ``state`` by ``count`` ticks without Python between them; return the last status."""
+    status = 0
+    for _ in range(count):
+        status = update(vessel, compact, scheme, state, scratch)
+    return status
+
+
+def bench(file: VesselFile, seconds: int) -> Figures:
+    """Return the figures of a boat, after ``seconds`` [s] of real time at each step of 1969.
+
+    ConfigError if the boat cannot fly straight, or loses its numbers at such a step.
+    """
+    length = sum(round(seconds / step) for step in DUTY_1969)
+    with click.progressbar(length=length, label="ticking", file=sys.stderr) as bar:
+        paced = tuple(
+            pace(ready(file, HOT[0], step), seconds, lambda _tick: bar.update(1))
+            for step in DUTY_1969
+        )
+    return Figures(
+        vessel=file.name,
+        machine=this_machine(),
+        real_time=paced,
+        updates=tuple(time_update(ready(file, way, file.run.step_s)) for way in HOT),
+        hot_tick=time_tick(ready(file, HOT[0], file.run.step_s)),
+        sizes={name: Size(kind.itemsize, kind.itemsize // 2) for name, kind in RECORDS.items()},
+        memory_1969_words_of_16_bits=WORDS_1969,
+    )
+
+
+def ready(file: VesselFile, way: tuple[str, str, str], step: float) -> Boat:
+    """Return a boat under way in trim, its tick compiled and the garbage out of the way."""
+    equations, rates, integrator = way
+    boat = Boat(file, Method(equations, rates, "exact", integrator, step))
+    boat.start(file.run.start_speed_kn * KNOT, file.run.start_depth_m, 0.0)
+    start = boat.snapshot()
+    boat.tick()
+    boat.restore(start)
+    gc.collect()
+    gc.freeze()  # as a run does: a full collection with numba loaded takes 0.1 s
+    return boat
+
+
+def pace(boat: Boat, seconds: int, progress: Callable[[int], None]) -> Paced:
+    """Return what became of the ticks of ``seconds`` [s] of real time."""
+    step = boat.method.step
+    keeping = Timekeeping.at(MonotonicClock(), step, 1.0, Policy.CATCH_UP)
+    with Path(os.devnull).open("wb", buffering=0) as sink:
+        console = Console(None, Outbox(writer(sink.fileno()), line_end=b"\n"))
+        session = Session(boat, keeping, NoFile(), [console], COLUMNS, progress=progress)
+        run_to(session, round(seconds / step))
+        console.sender.close(PATIENCE)
+    ledger = keeping.ledger.summary()
+    percent = 100.0 * ledger.duty_cycle
+    return Paced(
+        step_s=step,
+        ticks=ledger.ticks,
+        duty_cycle_percent=percent,
+        duty_cycle_1969_percent=DUTY_1969[step],
+        times_less_than_1969=DUTY_1969[step] / percent,
+        work=ledger.work,
+        lateness=ledger.lateness,
+        samples_from_p99_up=samples_up(ledger.ticks, 990),
+        samples_from_p999_up=samples_up(ledger.ticks, 999),
+        overruns=ledger.overruns,
+        caught_up=ledger.caught_up,
+        skipped=ledger.skipped,
+        gaps=ledger.gaps,
+    )
+
+
+def samples_up(samples: int, permille: int) -> int:
+    """Return how many of so many samples are not below the percentile: what it rests on."""
+    return samples - math.ceil(samples * permille / 1000) + 1
+
+
+def run_to(session: Session, tick: int) -> None:
+    """Run up to ``tick``; ConfigError if the boat loses its numbers before."""
+    session.last_tick = tick
+    session.run()
+    if session.failure:
+        method = session.boat.method
+        raise ConfigError(
+            f"{session.boat.file.path.name} has no place in a benchmark at a step of "
+            f"{method.step:g} s with {method.integrator}: {session.failure}"
+        )
+
+
+def time_update(boat: Boat) -> Update:
+    """Return the cost of a tick of the core, with and without a call from Python around it."""
+    vessel, compact, scheme, state, scratch = boat.records
+
+    def call(count: int) -> None:
+        for _ in range(count):
+            update(vessel, compact, scheme, state, scratch)
+
+    def loop(count: int) -> None:
+        take_ticks(vessel, compact, scheme, count, state, scratch)
+
+    called, in_kernel = time_batches([call, loop])
+    method = boat.method
+    return Update(
+        equations=method.equations,
+        rates=method.rates,
+        integrator=method.integrator,
+        step_s=method.step,
+        called=called,
+        in_kernel=in_kernel,
+        crossing_ns=called.least_ns - in_kernel.least_ns,
+    )
+
+
+def time_tick(boat: Boat) -> HotTick:
+    """Return the cost of a tick of a session at full speed, and of its parts by themselves."""
+    keeping = Timekeeping.at(MonotonicClock(), boat.method.step, math.inf, Policy.CATCH_UP)
+    recorder = CsvFile(Path(os.devnull), 1)  # each row at once, as in real time
+    with Path(os.devnull).open("wb", buffering=0) as sink:
+        console = Console(None, Direct(writer(sink.fileno()), b"\n"))
+        session = Session(boat, keeping, recorder, [console], COLUMNS)
+
+        def whole(count: int) -> None:
+            run_to(session, int(boat.state.tick) + count)
+
+        def tick(count: int) -> None:
+            for _ in range(count):
+                boat.tick()
+
+        def row(count: int) -> None:
+            for _ in range(count):
+                recorder.row(boat.numbers(COLUMNS))
+
+        def line(count: int) -> None:
+            for _ in range(count):
+                console.show(boat, frozen=False)
+
+        parts = time_batches([whole, tick, row, line])
+    recorder.close()
+    return HotTick(*parts)
+
+
+def this_machine() -> Machine:
+    """Return what the figures hold for."""
+    return Machine(
+        cpu_model=cpu_model(Path("/proc/cpuinfo")),
+        cpu_target=binding.get_host_cpu_name(),
+        cpu_count=os.cpu_count() or 1,
+        system=platform.platform(terse=True),
+        python=platform.python_version(),
+        numpy=np.__version__,
+        numba=numba.__version__,
+    )
+
+
+def cpu_model(listing: Path) -> str:
+    """Return the processor's name as the ``listing`` of a Linux kernel has it, or the next best."""
+    text = listing.read_text(encoding="utf-8") if listing.exists() else ""
+    found = re.search(r"^model name\s*:\s*(.+)$", text, re.MULTILINE)
+    return found[1].strip() if found else platform.processor() or platform.machine()
