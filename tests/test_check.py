@@ -198,7 +198,7 @@ def test_without_trim_a_boat_is_put_into_level_flight() -> None:
 
 @pytest.mark.parametrize("equations", ["full", "modified"])
 @pytest.mark.parametrize(
-    "integrator", ["euler", "adams2", "adams4", "best2", "rk4", "a=0.5,0.5;b=1.5"]
+    "integrator", ["euler", "adams2", "adams3", "best2", "rk4", "a=0.5,0.5;b=1.5"]
 )
 def test_the_map_is_what_the_core_does_to_a_small_disturbance(
     equations: str, integrator: str

@@ -1,9 +1,9 @@
-"""The core's own sine, cosine and exponential against a wider format."""
+"""The core's own sine, cosine, exponential and logarithm against a wider format."""
 
 import numpy as np
 import pytest
 
-from trainer.core.elementary import cosine, exponential, sine
+from trainer.core.elementary import cosine, cosine_and_sine, exponential, logarithm, sine
 
 pytestmark = pytest.mark.core
 
@@ -33,10 +33,24 @@ def test_exponential_errs_by_at_most_two_units_in_the_last_place() -> None:
     assert worst(exponential, np.exp, exponents) <= 2.0
 
 
+@pytest.mark.skipif(not wider, reason="this machine has no wider format to compare with")
+@pytest.mark.parametrize(("low", "high"), [(-745.0, 709.0), (-0.4, 0.4), (-1e-6, 1e-6)])
+def test_logarithm_errs_by_at_most_two_units_in_the_last_place(low: float, high: float) -> None:
+    arguments = np.exp(np.random.default_rng(4).uniform(low, high, 4000))
+
+    assert worst(logarithm, np.log, arguments[arguments > 0.0]) <= 2.0
+
+
 def test_sine_is_odd_and_cosine_even_to_the_bit() -> None:
     for x in np.random.default_rng(3).uniform(0.0, 1e4, 500):
         assert sine(-x) == -sine(x)
         assert cosine(-x) == cosine(x)
+
+
+def test_cosine_and_sine_together_are_the_same_to_the_bit() -> None:
+    for x in np.random.default_rng(5).uniform(-20.0, 20.0, 500):
+        assert cosine_and_sine(x) == (cosine(x), sine(x))
+    assert cosine_and_sine(-1e12) == (cosine(-1e12), sine(-1e12))
 
 
 def test_values_at_the_corners() -> None:
@@ -45,6 +59,12 @@ def test_values_at_the_corners() -> None:
     assert exponential(0.0) == 1.0
     assert sine(np.pi / 6) == pytest.approx(0.5, rel=3e-16)
     assert exponential(-1e300) == exponential(-700.0)
+    assert logarithm(1.0) == 0.0
+    assert logarithm(2.0) == pytest.approx(0.6931471805599453, rel=3e-16)
+    assert logarithm(0.0) == -np.inf
+    assert logarithm(np.inf) == np.inf
+    assert np.isnan(logarithm(-1.0))
+    assert np.isnan(logarithm(np.nan))
 
 
 @pytest.mark.parametrize("function", [sine, cosine])

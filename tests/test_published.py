@@ -137,9 +137,7 @@ def peaks(angle: NDArray[np.float64]) -> list[int]:
 
 
 @pytest.fixture(scope="module")
-def horizontal(
-    make_boat: Callable[..., Boat], by_hand: Callable[[Boat], None]
-) -> dict[str, float]:
+def horizontal(make_boat: Callable[..., Boat], by_hand: Callable[[Boat], None]) -> dict[str, float]:
     """Return the figures of the 20/20 zig-zag from 4.95 m/s, first to port, starboard positive."""
     boat = make_boat("bb2", "full", "exact", "rk4", STEP)
     boat.start(4.95, DEEP, 0.0)

@@ -82,7 +82,7 @@ def test_a_snapshot_is_smaller_than_two_kibibytes() -> None:
 
 @pytest.mark.core
 @pytest.mark.parametrize("equations", EQUATIONS)
-@pytest.mark.parametrize("integrator", ["adams2", "adams4", "rk4", "rkv"])
+@pytest.mark.parametrize("integrator", ["adams2", "adams3", "rk4", "rkv"])
 def test_a_turn_goes_on_from_a_snapshot_to_the_bit(
     make_boat: Callable[..., Boat], equations: str, integrator: str
 ) -> None:
@@ -162,10 +162,12 @@ def test_a_thousand_ticks_allocate_nothing(tmp_path: Path) -> None:
 
 def test_a_tick_leaves_nothing_behind_in_the_interpreter(make_boat: Callable[..., Boat]) -> None:
     boat = under_way(make_boat)
-    before = sys.getallocatedblocks()
-    for _ in range(1000):
-        update(*boat.records)
-    assert sys.getallocatedblocks() - before < 50
+    blocks = []
+    for _ in range(3):
+        for _ in range(1000):
+            update(*boat.records)
+        blocks.append(sys.getallocatedblocks())
+    assert blocks[2] - blocks[1] < 50
 
 
 # Control surfaces

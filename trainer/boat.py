@@ -17,6 +17,20 @@ from trainer.vessel_file import VesselFile
 PLACES = {name: place[1] // 8 for name, place in (STATE.fields or {}).items()}
 
 
+def _senses(file: VesselFile) -> dict[str, float]:
+    """Return the sign of a deflection that turns right or makes the boat rise, 0 without effect.
+
+    Plane signs are carried by the coefficients: rudder by its yawing moment, stern planes by
+    their pitching moment, bow planes by their lift.
+    """
+    effects = {
+        "rudder": file.coefficients["N_dr"],
+        "stern": file.coefficients["M_ds"],
+        "bow": -file.coefficients["Z_db"],
+    }
+    return {name: math.copysign(1.0, effect) if effect else 0.0 for name, effect in effects.items()}
+
+
 class Boat:
     """One boat. ``state`` is all that evolves: copy it to keep a moment, assign it to go back."""
 
@@ -27,6 +41,7 @@ class Boat:
         self.records = fit_out(file, method)
         self.vessel = self.records.vessel[0]
         self.state = self.records.state[0]
+        self.toward = _senses(file)
 
     @property
     def time(self) -> float:
@@ -52,7 +67,8 @@ class Boat:
                 s[name] = 0.0
             s.u = s.u_c = speed
             records = (self.records.vessel, self.records.compact, scheme)
-            settled = trim(*records, self.records.state, self.records.scratch, by)
+            with np.errstate(all="ignore"):  # a boat without bow planes has a singular system
+                settled = trim(*records, self.records.state, self.records.scratch, by)
             if (
                 settled
                 and abs(s.delta_s) <= most * self.vessel.limit_s
@@ -88,7 +104,8 @@ class Boat:
         # with hands on, the autopilot makes its integrals ready for a bumpless change
         autopilot(self.records.vessel, self.method.step, self.records.state, self.gains)
         if self.automatic:
-            s.rudder_by_hand = s.stern_by_hand = s.bow_by_hand = s.speed_by_hand = 0.0
+            s.by_hand[:] = self.vessel.limit == 0.0  # nothing to give where there is no surface
+            s.speed_by_hand = 0.0
 
     @property
     def gains(self) -> np.ndarray:

@@ -159,7 +159,7 @@ def method_options(command: Any) -> Any:
     "--integrator",
     default="adams2",
     show_default=True,
-    help="euler, adams2, best2, adams3, adams4, rk4, rkv, or a multistep method as "
+    help="euler, adams2, best2, adams3, rk4, rkv, or a multistep method as "
     "'a=1;b=1.5,-0.5'.",
 )
 @click.option(

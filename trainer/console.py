@@ -5,7 +5,6 @@ from dataclasses import dataclass
 
 from trainer.boat import Boat
 from trainer.fitout import KNOT
-from trainer.helm import toward
 from trainer.io.lines import Overlong
 from trainer.io.outbox import Inbox, Sender
 from trainer.io.teletype import View, course, header, state_line
@@ -14,27 +13,35 @@ from trainer.ledger import Summary
 HEADING_EVERY = 20  # [lines]
 
 
+VIEWED = (
+    *("t", "z", "psi", "u", "theta", "phi", "delta_r", "delta_s", "delta_b", "u_c"),
+    *("ordered_depth", "ordered_psi", "rudder_by_hand", "stern_by_hand", "bow_by_hand"),
+)
+
+
 def view(boat: Boat, *, frozen: bool) -> View:
     """Return what a console shows of the boat, in display units."""
-    s = boat.state
-    automatic_depth = not (s.stern_by_hand and s.bow_by_hand)
+    now = dict(zip(VIEWED, boat.numbers(VIEWED), strict=True))
+    planes_by_hand = now["stern_by_hand"] and now["bow_by_hand"]
     return View(
-        time_s=boat.time,
-        depth_m=float(s.z),
-        course_deg=math.degrees(s.psi) % 360.0,
-        speed_kn=float(s.u) / KNOT,
-        pitch_deg=math.degrees(s.theta),
-        heel_deg=math.degrees(s.phi),
-        rudder_deg=math.degrees(s.delta_r) * toward(boat, "rudder"),
-        stern_deg=math.degrees(s.delta_s) * toward(boat, "stern"),
-        bow_deg=math.degrees(s.delta_b) * toward(boat, "bow"),
-        rpm=float(s.u_c) * boat.file.propulsion.rps_per_mps * 60.0,
-        ordered_depth_m=float(s.ordered_depth) if automatic_depth else None,
-        ordered_course_deg=None if s.rudder_by_hand else math.degrees(s.ordered_psi) % 360.0,
+        time_s=now["t"],
+        depth_m=now["z"],
+        course_deg=math.degrees(now["psi"]) % 360.0,
+        speed_kn=now["u"] / KNOT,
+        pitch_deg=math.degrees(now["theta"]),
+        heel_deg=math.degrees(now["phi"]),
+        rudder_deg=math.degrees(now["delta_r"]) * boat.toward["rudder"],
+        stern_deg=math.degrees(now["delta_s"]) * boat.toward["stern"],
+        bow_deg=math.degrees(now["delta_b"]) * boat.toward["bow"],
+        rpm=now["u_c"] * boat.file.propulsion.rps_per_mps * 60.0,
+        ordered_depth_m=None if planes_by_hand else now["ordered_depth"],
+        ordered_course_deg=(
+            None if now["rudder_by_hand"] else math.degrees(now["ordered_psi"]) % 360.0
+        ),
         frozen=frozen,
-        rudder_manual=bool(s.rudder_by_hand),
-        stern_manual=bool(s.stern_by_hand),
-        bow_manual=bool(s.bow_by_hand),
+        rudder_manual=bool(now["rudder_by_hand"]),
+        stern_manual=bool(now["stern_by_hand"]),
+        bow_manual=bool(now["bow_by_hand"]),
     )
 
 

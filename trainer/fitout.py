@@ -129,6 +129,40 @@ def _write_gains(file: VesselFile, record: Record) -> None:
         record["gain"][0, :count, place] = np.array(getattr(gains, key)) * factor
 
 
+def _geometry(file: VesselFile) -> dict[str, float]:
+    """Return where hull, deck and sail are [m] by the vessel record's names.
+
+    What the file does not say is taken from what it says: a sail as high as the deck, a deck half
+    a diameter above the axis.
+    """
+    hull = file.hull
+    diameter = hull.diameter or hull.beam or 0.0
+    deck = sail = -0.5 * diameter
+    if hull.cg_below_sail_top is not None:
+        deck = sail = hull.cg[2] - hull.cg_below_sail_top
+        if hull.height_to_sail_top is not None and hull.height_to_deck is not None:
+            deck = sail + hull.height_to_sail_top - hull.height_to_deck
+    x_sail = 0.0
+    if hull.cg_from_nose is not None and hull.sail_from_nose is not None:
+        x_sail = hull.cg[0] + hull.cg_from_nose - hull.sail_from_nose
+    return {"diameter": diameter, "x_sail": x_sail, "z_sail": sail, "z_deck": deck}
+
+
+def _write_surface(file: VesselFile, record: Record) -> None:
+    """Write the tables of the calm surface [SI] to the vessel record."""
+    tables = file.free_surface
+    if not tables:
+        return
+    rows, columns = len(tables.rows), len(tables.depth_m)
+    area = 0.5 * file.fluid.rho * file.hull.length**2
+    record["surface_speeds"], record["surface_depths"] = rows, columns
+    record["surface_depth"][0, :columns] = tables.depth_m
+    for i, row in enumerate(tables.rows):
+        record["surface_speed"][0, i] = row.speed_kn * KNOT
+        record["surface_Z"][0, i, :columns] = area * np.array(row.Z_star)
+        record["surface_M"][0, i, :columns] = area * file.hull.length * np.array(row.M_star)
+
+
 def read_integrator(text: str) -> scheme.Multistep:
     """Return the multistep method written ``a=1;b=1.5,-0.5``; ConfigError if it is not one."""
     try:
@@ -175,6 +209,9 @@ def fit_out(file: VesselFile, method: Method) -> Records:
     for name, value in _control(file).items():
         full[name] = value
     _write_gains(file, full)
+    for name, value in _geometry(file).items():
+        full[name] = value
+    _write_surface(file, full)
     kept = {**compact_coefficients(file, method.equations), **rows}
     boat = state.new_state()
     for name in ("weight", "x_g", "y_g", "z_g"):

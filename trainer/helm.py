@@ -10,9 +10,9 @@ from trainer.fitout import KNOT
 from trainer.io.orders import Order
 
 LAWS = {
-    "trainer": autopilot.OWN,
-    "report": autopilot.REPORT,
-    "literal": autopilot.REPORT_LITERAL,
+    "trainer": (autopilot.OWN, "this trainer's own law"),
+    "report": (autopilot.REPORT, "the report's law"),
+    "literal": (autopilot.REPORT_LITERAL, "the report's law as it is printed"),
 }
 SURFACES = {"rudder": "r", "stern": "s", "bow": "b"}
 NAMES = {"rudder": "rudder", "stern": "stern planes", "bow": "bow planes"}
@@ -33,15 +33,9 @@ def obey(boat: Boat, order: Order) -> Reply:
     return _DUTIES[order.name](boat, order)
 
 
-def toward(boat: Boat, surface: str) -> float:
-    """Return the sign of a deflection that turns right or makes the boat rise, 0 without effect.
-
-    Plane signs are carried by the coefficients: rudder by its yawing moment, stern planes by
-    their pitching moment, bow planes by their lift.
-    """
-    c = boat.vessel
-    effect = {"rudder": c.N_dr, "stern": c.M_ds, "bow": -c.Z_db}[surface]
-    return math.copysign(1.0, effect) if effect else 0.0
+def _carries(boat: Boat, surface: str) -> bool:
+    """Return whether the boat has that surface, and it does something."""
+    return bool(boat.toward[surface]) and bool(boat.vessel[f"limit_{SURFACES[surface]}"])
 
 
 def _without_autopilot(boat: Boat) -> Refused:
@@ -55,9 +49,9 @@ def _by_hand(boat: Boat, surface: str, angle: float) -> None:
 
 def _surface(boat: Boat, order: Order) -> Reply:
     """Put a surface to an angle or in hand, or give it to the autopilot."""
-    sign = toward(boat, order.name)
+    sign = boat.toward[order.name]
     limit = float(boat.vessel[f"limit_{SURFACES[order.name]}"])
-    if sign == 0.0 or limit == 0.0:
+    if not _carries(boat, order.name):
         return Refused(f"this boat has no {NAMES[order.name]}")
     if order.word == "auto":
         return _automatic(boat, order.name)
@@ -69,7 +63,7 @@ def _surface(boat: Boat, order: Order) -> Reply:
         angle = math.copysign(limit, angle)
     if abs(angle) > limit + 1e-12:
         return Refused(
-            f"{NAMES[order.name]} go to {math.degrees(limit):g} degrees, "
+            f"the limit of the {NAMES[order.name]} is {math.degrees(limit):g} degrees, "
             f"not {math.degrees(abs(angle)):g}"
         )
     _by_hand(boat, order.name, sign * angle)
@@ -77,20 +71,21 @@ def _surface(boat: Boat, order: Order) -> Reply:
 
 
 def _automatic(boat: Boat, *surfaces: str) -> Reply:
-    """Give surfaces to the autopilot."""
+    """Give surfaces to the autopilot; one the boat lacks is passed over."""
     if not boat.automatic:
         return _without_autopilot(boat)
     s = boat.state
-    for surface in surfaces:
+    given = [surface for surface in surfaces if _carries(boat, surface)]
+    for surface in given:
         s[f"{surface}_by_hand"] = 0.0
-    if "rudder" in surfaces:
+    if "rudder" in given:
         # the ordered course is steered the short way, however often the boat has turned
         s.ordered_psi = s.psi + math.remainder(s.ordered_psi - s.psi, math.tau)
-    return " and ".join(NAMES[surface] for surface in surfaces) + " automatic"
+    return " and ".join(NAMES[surface] for surface in given) + " automatic"
 
 
 def _planes(boat: Boat, order: Order) -> Reply:
-    """Both pairs of planes by hand, or automatic; a pair the boat lacks is passed over."""
+    """Both pairs of planes by hand, or automatic."""
     if order.word == "auto":
         return _automatic(boat, "stern", "bow")
     for surface in ("stern", "bow"):
@@ -191,8 +186,8 @@ def _autopilot(boat: Boat, order: Order) -> Reply:
         return _without_autopilot(boat)
     s = boat.state
     if order.word in LAWS:
-        s.depth_law = LAWS[order.word]
-        return f"depth is kept by the law of the {order.word}"
+        s.depth_law, law = LAWS[order.word]
+        return f"depth is kept by {law}"
     if order.word == "on":
         s.speed_by_hand = 0.0
         _automatic(boat, "rudder", "stern", "bow")

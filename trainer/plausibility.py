@@ -7,7 +7,15 @@ import math
 from collections.abc import Mapping
 from itertools import pairwise
 
-from trainer.vessel_records import Autopilot, Fluid, Hull, Propulsion, Run, ThrustSet
+from trainer.vessel_records import (
+    Autopilot,
+    Fluid,
+    FreeSurface,
+    Hull,
+    Propulsion,
+    Run,
+    ThrustSet,
+)
 
 FEET_PER_METRE = 3.2808
 POUNDS_PER_KILOGRAM = 2.2046
@@ -179,6 +187,30 @@ def autopilot_problems(autopilot: Autopilot) -> list[str]:
     ]
     if any(slower >= faster for slower, faster in pairwise(speeds)):
         problems.append(f"speed_kn = {list(speeds)}: must ascend, none twice")
+    return problems
+
+
+def free_surface_problems(table: FreeSurface) -> list[str]:
+    """Return which rows do not fit the depths, or do not end with nothing at the deepest."""
+    depths, speeds = list(table.depth_m), [row.speed_kn for row in table.rows]
+    lists = [
+        (f"rows[{i}]: {name}", list(getattr(row, name)))
+        for i, row in enumerate(table.rows)
+        for name in ("Z_star", "M_star")
+    ]
+    problems = [
+        f"{name} = {values}: has {len(values)} entries, depth_m has {len(depths)}"
+        for name, values in lists
+        if len(values) != len(depths)
+    ]
+    problems += [
+        f"{name} = {values}: must end with 0, the effect ends at the last depth"
+        for name, values in lists
+        if values[-1] != 0.0
+    ]
+    for name, values in (("depth_m", depths), ("rows: speed_kn", speeds)):
+        if any(lower >= higher for lower, higher in pairwise(values)):
+            problems.append(f"{name} = {values}: must ascend, none twice")
     return problems
 
 

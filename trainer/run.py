@@ -191,7 +191,7 @@ def greet(consoles: list[Console], boat: Boat) -> None:
 @contextlib.contextmanager
 def progress_bar(last_tick: float) -> Iterator[Any]:
     """Yield a function that takes the ticks done and shows them on a terminal's stderr."""
-    if not math.isfinite(last_tick):
+    if not (math.isfinite(last_tick) and sys.stderr.isatty()):
         yield None
         return
     with click.progressbar(

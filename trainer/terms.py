@@ -20,7 +20,7 @@ AXES = ("X", "Y", "Z", "K", "M", "N")
 COEFFICIENT = Quantity("-", within(-10, 10), "coefficient, prime system, per radian")
 FACTOR = Quantity("-", within(-100, 100), "factor on a coefficient of the compact set")
 # What BB2 proves to need beyond the 60 kept ones; zero elsewhere.
-EXTRA_TERMS = ("X_vr", "N_rar", "N_avr")
+EXTRA_TERMS = ("X_vr", "K_pap", "N_rar", "N_avr")
 EQUATION_SETS = ("modified", "basic")
 
 

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from trainer import plausibility
+from trainer.ballast_records import Ballast, ballast_problems
 from trainer.config import (
     ConfigError,
     Place,
@@ -24,7 +25,16 @@ from trainer.config import (
 )
 from trainer.schema import Choice, Kind, Text, read_record
 from trainer.terms import EXTRA_TERMS, coefficient_terms, read_coefficients, read_compensation
-from trainer.vessel_records import Autopilot, Compact, Fluid, Hull, Propulsion, Run, Surfaces
+from trainer.vessel_records import (
+    Autopilot,
+    Compact,
+    Fluid,
+    FreeSurface,
+    Hull,
+    Propulsion,
+    Run,
+    Surfaces,
+)
 
 SCHEMA = Choice(("gertler-hagen-2510/1",), "form of the coefficients")
 HEADING: Mapping[str, Kind] = {
@@ -87,6 +97,8 @@ DOCUMENTARY_KEYS: Mapping[str, tuple[str, ...]] = {
     ),
     "run": ("note",),
     "autopilot": ("note",),
+    "ballast": ("note",),
+    "free_surface": ("note",),
 }
 RECORDS: Mapping[str, type[Any]] = {
     "fluid": Fluid,
@@ -96,8 +108,10 @@ RECORDS: Mapping[str, type[Any]] = {
     "compact": Compact,
     "run": Run,
     "autopilot": Autopilot,
+    "ballast": Ballast,
+    "free_surface": FreeSurface,
 }
-OPTIONAL_TABLES = ("autopilot",)
+OPTIONAL_TABLES = ("autopilot", "ballast", "free_surface")
 WHOLE_TABLES = ("compensation.modified", "compensation.basic")  # never filled key by key
 KNOWN = (
     "schema",
@@ -127,6 +141,8 @@ class VesselFile:
     compact: Compact
     run: Run
     autopilot: Autopilot | None
+    ballast: Ballast | None
+    free_surface: FreeSurface | None
     defaulted: tuple[str, ...]  # tables, or table.key, taken from the defaults file
     remarks: tuple[str, ...]  # unusual, not wrong
 
@@ -189,6 +205,8 @@ def parse_vessel(text: str, path: Path) -> VesselFile:
         compact=parts["compact"],
         run=parts["run"],
         autopilot=parts.get("autopilot"),
+        ballast=parts.get("ballast"),
+        free_surface=parts.get("free_surface"),
         defaulted=tuple(defaulted),
         remarks=tuple(place.inside("propulsion").problem(remark) for remark in remarks),
     )
@@ -265,4 +283,8 @@ def _fit_problems(parts: Mapping[str, Any], place: Place) -> list[str]:
     }
     if "autopilot" in parts:
         found["autopilot"] = plausibility.autopilot_problems(parts["autopilot"])
+    if "ballast" in parts:
+        found["ballast"] = ballast_problems(parts["ballast"])
+    if "free_surface" in parts:
+        found["free_surface"] = plausibility.free_surface_problems(parts["free_surface"])
     return [place.inside(name).problem(text) for name, texts in found.items() for text in texts]

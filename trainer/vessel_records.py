@@ -32,6 +32,7 @@ BELLS = (
     "astern_full",
 )
 MOST_SPEEDS = 12  # entries of a gain table
+MOST_DEPTHS, MOST_ROWS = 8, 6  # of the tables of the calm surface
 
 
 def _gain(unit: str, meaning: str) -> Quantities:
@@ -85,6 +86,7 @@ class Hull:
     height_to_sail_top: float | None = optional(_size("keel to top of sail"))
     cg_below_sail_top: float | None = optional(_size("top of sail to centre of gravity"))
     cg_from_nose: float | None = optional(_size("nose to centre of gravity"))
+    sail_from_nose: float | None = optional(_size("nose to middle of sail"))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -173,8 +175,38 @@ class Autopilot:
     depth_acceleration_m_s2: tuple[float, ...] = of(_positive("m/s2", "its change allowed"))
     course_rate_deg_s: tuple[float, ...] = of(_positive("deg/s", "course rate allowed"))
     course_acceleration_deg_s2: tuple[float, ...] = of(_positive("deg/s2", "its change allowed"))
-    speed_integral: float = of(Quantity("1/s", within(0, 10), "command speed per speed error"))
+    speed_integral: float = of(
+        Quantity("1/s", within(0, 10), "surge rate at the slowest of these speeds; learns trim")
+    )
     turning_rate_deg_s: float = of(Quantity("deg/s", above(0, 90), "a turn from this yaw rate on"))
+
+
+def _differences(meaning: str) -> Quantities:
+    """Return a list of differences [-] of a coefficient, one for each entry of depth_m."""
+    return Quantities(Quantity("-", within(-1, 1), meaning), 2, MOST_DEPTHS)
+
+
+@dataclass(frozen=True, kw_only=True)
+class SurfaceRow:
+    """What the calm surface adds to two coefficients at one speed."""
+
+    speed_kn: float = of(Quantity("kn", within(0, 60), "speed of the row, ascending"))
+    Z_star: tuple[float, ...] = of(_differences("Z_star less that in deep water, by depth_m"))
+    M_star: tuple[float, ...] = of(_differences("M_star less that in deep water, by depth_m"))
+
+
+@dataclass(frozen=True, kw_only=True)
+class FreeSurface:
+    """The calm surface's effect as tables of depth and speed, bilinear between."""
+
+    depth_m: tuple[float, ...] = of(
+        Quantities(
+            Quantity("m", within(0, 12000), "depths of the origin, ascending; none below the last"),
+            2,
+            MOST_DEPTHS,
+        ),
+    )
+    rows: tuple[SurfaceRow, ...] = of(Rows(SurfaceRow, ("note",), 2, MOST_ROWS, "rows, below"))
 
 
 def key_tables() -> str:
@@ -188,5 +220,7 @@ def key_tables() -> str:
         ("compact", Compact),
         ("run", Run),
         ("autopilot", Autopilot),
+        ("free_surface", FreeSurface),
+        ("[free_surface.rows]", SurfaceRow),
     )
     return "\n\n".join("\n".join(key_rows(record, name)) for name, record in tables) + "\n"

@@ -11,7 +11,7 @@ import math
 
 from trainer.core.elementary import cosine, exponential, sine
 from trainer.core.kernel import Numbers, Record, kernel
-from trainer.core.reference import COURSE_SLEW, DEPTH_SLEW, leash, slew_course, slew_depth, within
+from trainer.core.reference import DEPTH_SLEW, leash, slew_course, slew_depth, within
 
 OWN, REPORT, REPORT_LITERAL = 0, 1, 2  # depth laws
 RUDDER, STERN, BOW = 0, 1, 2  # surfaces, as in the state record

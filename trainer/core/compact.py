@@ -1,8 +1,8 @@
 """The compact set EC780, [ASSES] (12)-(17), on the constants of (18); errata C1-C20.
 
 ``modified`` and ``basic`` differ in their constants and trigonometry only. Departures: the mass
-in Y_r is the present one, since tanks change it; X_vr, N_rar and N_avr have room, and are zero
-unless the vessel file asks for them.
+in Y_r is the present one, since tanks change it; X_vr, K_pap, N_rar and N_avr have room, and are
+zero unless the vessel file asks for them.
 """
 
 import math
@@ -62,6 +62,7 @@ def forces(compact: Record, trig: int, state: Record, force: Numbers) -> None:
         m * s.z_g * (u * r - w * p) * c.K_pdot
         + u * (c.K_p * p + c.K_v * v)
         + c.K_vav * v * cross
+        + c.K_pap * p * abs(p)
         - c.K_pdot * (s.z_g * s.weight - c.ZB) * cos_th * sin_phi
     )
     force[4] = (

@@ -1,6 +1,7 @@
-"""Sine, cosine and exponential, ours, so that no library's version is in the bits.
+"""Sine, cosine, exponential and logarithm, ours, so that no library's version is in the bits.
 
-Errors at most 2 units in the last place for |angle| <= 1e5 and |exponent| <= 700 (tested).
+Errors at most 2 units in the last place for |angle| <= 1e5, |exponent| <= 700 and every positive
+argument of the logarithm (tested).
 Reduction after Cody & Waite: the period is subtracted in parts that multiply exactly.
 """
 
@@ -84,6 +85,24 @@ def cosine(x: float) -> float:
 
 
 @kernel
+def cosine_and_sine(x: float) -> tuple[float, float]:
+    """Return cos x and sin x [-], the bits of ``cosine`` and ``sine``, for little more than one."""
+    size = abs(x)
+    if not size < 1e9:
+        return 1.0 + (x - x), x - x
+    turns = _quarter_turns(size)
+    r = _remainder(size, turns)
+    quadrant = turns & 3
+    even, odd = _cosine_series(r), _sine_series(r)
+    c, s = (even, odd) if quadrant & 1 == 0 else (odd, even)
+    if quadrant in (1, 2):
+        c = -c
+    if (quadrant >= 2) != (x < 0.0):
+        s = -s
+    return c, s
+
+
+@kernel
 def exponential(x: float) -> float:
     """Return e^x [-]; x beyond +-700 is taken as +-700."""
     bounded = min(max(x, -700.0), 700.0)
@@ -102,3 +121,38 @@ def exponential(x: float) -> float:
     p = p * r + 1.6666666666666666e-01
     p = p * r + 0.5
     return math.ldexp(1.0 + (r + r * r * p), k)
+
+
+@kernel
+def _logarithm_series(s: float) -> float:
+    """Return (artanh s)/s - 1, doubled [-], for |s| <= 0.172, by its Taylor series to s^20."""
+    z = s * s
+    p = 4.7619047619047616e-02
+    p = p * z + 5.2631578947368418e-02
+    p = p * z + 5.8823529411764705e-02
+    p = p * z + 6.6666666666666666e-02
+    p = p * z + 7.6923076923076927e-02
+    p = p * z + 9.0909090909090912e-02
+    p = p * z + 1.1111111111111111e-01
+    p = p * z + 1.4285714285714285e-01
+    p = p * z + 2.0000000000000001e-01
+    p = p * z + 3.3333333333333331e-01
+    return 2.0 * z * p
+
+
+@kernel
+def logarithm(x: float) -> float:
+    """Return ln x [-]; of 0 minus infinity, of less not a number."""
+    if not 0.0 < x < math.inf:
+        if x == 0.0:
+            return -math.inf
+        return x if x > 0.0 else math.nan
+    m, k = math.frexp(x)
+    if m < 0.7071067811865476:
+        m, k = 2.0 * m, k - 1
+    f = m - 1.0
+    s = f / (2.0 + f)
+    half = 0.5 * f * f
+    # ln(1 + f) = f - f^2/2 + s (f^2/2 + series): the small part is added last
+    small = s * (half + _logarithm_series(s)) + k * 1.9082149292705877e-10
+    return k * 0.6931471803691238 - ((half - small) - f)

@@ -1,7 +1,7 @@
 """What the autopilot steers for: ordered depth and course, slewed as fast as the boat can follow.
 
-The errors stay small that way and the integrals do not wind up. A reference is never further from
-the boat than it needs to stop in, so that a boat driven off returns at the rate it is allowed.
+The errors stay small that way and the integrals do not wind up. A reference is never far from
+the boat, so that a boat driven off returns at the rate it is allowed and not with all hard over.
 """
 
 import math
@@ -11,6 +11,7 @@ from trainer.core.kernel import Numbers, Record, kernel
 # places in the schedule of gains, in the order of vessel.GAINS: a rate, then an acceleration
 DEPTH_SLEW, COURSE_SLEW = 16, 18
 
+LEASH = 0.25  # [-]
 APPROACH = 4.0  # [ticks] time constant of the last approach, too slow to hunt
 
 
@@ -30,9 +31,12 @@ def slewed_rate(distance: float, rate: float, fastest: float, gentlest: float, h
 
 @kernel
 def leash(gains: Numbers, slew: int) -> float:
-    """Return how far [m or rad] a reference goes on while it stops from its full rate."""
+    """Return how far [m or rad] a reference may be from the boat.
+
+    A share of what it goes at its rate in the time it needs to take that up.
+    """
     if gains[slew + 1] > 0.0:
-        return 0.5 * gains[slew] * gains[slew] / gains[slew + 1]
+        return LEASH * gains[slew] * gains[slew] / gains[slew + 1]
     return 0.0
 
 

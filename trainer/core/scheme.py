@@ -11,7 +11,7 @@ from trainer.core.kernel import Record
 FULL, COMPACT, LONGITUDINAL = 0, 1, 2
 MULTISTEP, RUNGE_KUTTA, VARIABLE_RUNGE_KUTTA = 0, 1, 2
 
-DEPTH: Final = 4  # cycles a multistep method may use, the last one included
+DEPTH: Final = 3  # cycles a multistep method may use, the last one included
 
 SCHEME: Final = np.dtype(
     (
@@ -44,7 +44,6 @@ INTEGRATORS: Final[Mapping[str, Multistep]] = MappingProxyType(
         "adams2": Multistep((1.0,), (1.5, -0.5)),
         "best2": Multistep((1.0,), (0.75, 0.25)),
         "adams3": Multistep((1.0,), (23 / 12, -16 / 12, 5 / 12)),
-        "adams4": Multistep((1.0,), (55 / 24, -59 / 24, 37 / 24, -9 / 24)),
     }
 )
 RUNGE_KUTTAS: Final[Mapping[str, int]] = MappingProxyType(

@@ -15,13 +15,24 @@ MOTION: Final = ["u", "v", "w", "p", "q", "r", "phi", "theta", "psi", "x", "y", 
 # time derivatives of the above, of the last cycle until the present one has computed its own
 RATES: Final = [f"{name}dot" for name in MOTION]
 
-HISTORY: Final = 3  # past cycles an integrator may look back on, beside the last
+HISTORY: Final = 2  # past cycles an integrator may look back on, beside the last
+
+# what a sea is, each ramped when another is ordered
+SEA_QUANTITIES: Final = [
+    "sea_height",  # [m] significant height, 4 standard deviations of the elevation
+    "sea_omega",  # [rad/s] frequency of the spectrum's peak
+    "sea_gamma",  # [-] how much its peak is raised; 1: Pierson-Moskowitz and Bretschneider
+    "sea_direction",  # [rad] where the waves travel to, clockwise from north
+    "sea_cosines",  # [-] share of the variance from the cosine sum, the rest from the filter
+    "sea_suction",  # [-] factor on the second-order upward force
+]
+SEA_COMPONENTS: Final = 50
 
 STATE: Final = record_dtype(
     "tick",  # [-] ticks done since the start of the run
     ("motion", MOTION),
     ("rates", RATES),
-    ("past_rates", (HISTORY, 12)),  # rates of one, two, three cycles ago
+    ("past_rates", (HISTORY, 12)),  # rates of one and two cycles ago
     ("past_motion", (HISTORY, 12)),
     "history",  # [-] how many past cycles are true; 0 after a start or a jump
     "substep",  # [s] present step of the variable-step Runge-Kutta, 0 before its first
@@ -61,6 +72,51 @@ STATE: Final = record_dtype(
     "telegraph_answer",  # [m/s] order acted upon
     "telegraph_ticks",  # [-] ticks until the order heard is acted upon
     "eta_wave",  # [m] surface elevation above the boat
+    # the sea in force, the one ordered, and the time until they are the same
+    ("sea", SEA_QUANTITIES),
+    ("sea_target", (len(SEA_QUANTITIES),)),
+    "sea_ramp",  # [s]
+    "sea_taper",  # [-] 1: no waves below five hull diameters
+    "seed",  # [-] of every random number, a whole number below 2^53
+    ("sea_memory", (8,)),  # [-] of the four sections of the wave filter
+    "sea_drift",  # [rad] phase of the peak wave that the boat has run through
+    "sea_elevation",  # [-] filtered elevation above the boat, of variance 1
+    "sea_quadrature",  # [-] the same a quarter of a period ago
+    ("sea_phase", (SEA_COMPONENTS,)),  # [rad] of the cosine sum's components above the boat
+    # ballast: what is aboard, in the order of tanks.TANKS and tanks.BANKS
+    (
+        "water",  # [kg]
+        [
+            *("water_forward", "water_mid", "water_aft", "water_negative"),
+            *("water_trim_forward", "water_trim_aft", "water_auxiliary", "water_depth_control"),
+            *("flood_forward", "flood_centre", "flood_aft"),
+        ],
+    ),
+    ("tank_air", ["air_forward", "air_mid", "air_aft", "air_negative"]),  # [kg]
+    ("bank", ["bank_main", "bank_emergency"]),  # [kg]
+    "water_taken",  # [kg] from the sea since the start, less what went back
+    "air_taken",  # [kg] from outside banks and tanks, less what was lost
+    # ballast orders; valves [-] 0 shut, 1 open, blow 2 the emergency valve as well
+    ("vent", ["vent_forward", "vent_mid", "vent_aft", "vent_negative"]),
+    ("blow", ["blow_forward", "blow_mid", "blow_aft", "blow_negative"]),
+    "negative_flood",  # flood valve of the negative tank; without it that tank is sealed
+    # [kg] still to be moved: trim forward, the others in from the sea; negative the other way
+    ("to_move", ["move_trim", "move_auxiliary", "move_depth_control"]),
+    "drained",  # [-] compartment being pumped out: 1, 2, 3 from forward; 0 none
+    "compressor",  # [-] 1 on
+    "hover",  # [-] 1 on, at ordered_depth
+    "hover_integral",  # [kg]
+    # ballast faults, 0 sound
+    (
+        "breach",  # [m2] holes
+        [
+            *("leak_trim_forward", "leak_trim_aft", "leak_auxiliary", "leak_depth_control"),
+            *("breach_forward", "breach_centre", "breach_aft"),
+        ],
+    ),
+    # [-] share of the rate lost
+    ("pump_fault", ["pump_fault_trim", "pump_fault_drain", "pump_fault_depth_control"]),
+    ("bank_fault", ["bank_fault_main", "bank_fault_emergency"]),
 )
 
 FIELDS: Final = [name for name in STATE.names or () if STATE.fields and name != "whole"]

@@ -55,7 +55,7 @@ KEPT: Final = (
     *("N_rdot", "N_pdot", "N_vdot", "N_r", "N_p", "N_v", "N_vav", "N_pq", "N_dr"),
 )
 BASIC_DROPS: Final = ("Z_waw", "M_waw", "M_awq")
-EXTRA_TERMS: Final = ("X_vr", "N_rar", "N_avr")  # room for what a hull proves to need
+EXTRA_TERMS: Final = ("X_vr", "K_pap", "N_rar", "N_avr")  # room for what a hull proves to need
 
 SPEEDS: Final = 12  # longest schedule of autopilot gains
 PLANE_GAINS: Final = ("depth", "depth_rate", "pitch", "pitch_rate", "integral", "relief")
@@ -65,6 +65,8 @@ GAINS: Final = [
     *("rudder_course", "rudder_yaw_rate", "rudder_sway", "rudder_integral"),
     *("depth_rate", "depth_acceleration", "course_rate", "course_acceleration"),
 ]
+
+SURFACE_DEPTHS, SURFACE_SPEEDS = 8, 6  # largest tables of the calm surface's effect
 
 BODY: Final = [
     *("rho", "g", "ell", "mass", "weight", "buoyancy"),
@@ -90,10 +92,21 @@ VESSEL: Final = record_dtype(
     "u_c_astern",  # [m/s] most negative command speed
     # autopilot
     "speed_integral",  # [1/s] at the slowest speed of the schedule, more in proportion
-    "turning_rate",  # [rad/s] above it the speed trim rests
+    "turning_rate",  # [rad/s] above it the trims of speed and rudder rest
     "gain_count",  # [-] speeds in the schedule; 0: no autopilot
     ("gain_speed", (SPEEDS,)),  # [m/s]
     ("gain", (SPEEDS, len(GAINS))),
+    # the boat near the surface
+    "diameter",  # [m] of the hull; 0: not known
+    "x_sail",  # [m] of the sail's top, in body axes
+    "z_sail",
+    "z_deck",  # [m] of the deck along the parallel middle body
+    "surface_depths",  # [-] columns of the tables below; 0: no tables
+    "surface_speeds",  # [-] rows
+    ("surface_depth", (SURFACE_DEPTHS,)),  # [m] ascending, of the origin
+    ("surface_speed", (SURFACE_SPEEDS,)),  # [m/s] ascending
+    ("surface_Z", (SURFACE_SPEEDS, SURFACE_DEPTHS)),  # [N s2/m2] Z_star less that in deep water
+    ("surface_M", (SURFACE_SPEEDS, SURFACE_DEPTHS)),  # [N s2/m]
 )
 
 

@@ -148,7 +148,8 @@ def bench(file: VesselFile, seconds: int) -> Figures:
     ConfigError if the boat cannot fly straight, or loses its numbers at such a step.
     """
     length = sum(round(seconds / step) for step in DUTY_1969)
-    with click.progressbar(length=length, label="ticking", file=sys.stderr) as bar:
+    quiet = not sys.stderr.isatty()
+    with click.progressbar(length=length, label="ticking", file=sys.stderr, hidden=quiet) as bar:
         paced = tuple(
             pace(ready(file, HOT[0], step), seconds, lambda _tick: bar.update(1))
             for step in DUTY_1969

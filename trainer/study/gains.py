@@ -22,13 +22,13 @@ from trainer.vessel_file import VesselFile
 SPEEDS = 10  # in the schedule, geometrically spaced
 
 # Errors as bad as surfaces at their limits. Lengths and times of passing a length are the units.
-DEPTH = 1 / 25  # [lengths]
-PITCH = math.radians(12.0)
-COURSE = math.radians(6.0)
+DEPTH = 0.04  # [lengths]
+PITCH = math.radians(12.0)  # [rad]
+COURSE = math.radians(6.0)  # [rad]
 DEPTH_TIME = 8.0  # [lengths run] for which a DEPTH error may last before it counts twice
-COURSE_TIME = 10.0
+COURSE_TIME = 10.0  # [lengths run] likewise of a COURSE error
 
-SWING = 0.25  # [lengths run] for a surface to go as far as counts as much
+SWING = 0.25  # [lengths run] how long a surface may take to go that far
 
 # Slewing of the references
 GLIDE = math.radians(6.0)  # steepest path of a depth change
@@ -36,11 +36,11 @@ PLANE_SHARE = 0.4  # of the limits, for a steady depth rate
 TURN = 0.2  # [1/lengths] yaw rate per speed: a circle of ten lengths
 RUDDER_SHARE = 0.3  # of the limit, for a steady turn
 DEPTH_RUN = 4.0  # [lengths run] while a depth rate is taken up
-COURSE_RUN = 2.5
+COURSE_RUN = 2.5  # [lengths run] while a yaw rate is taken up
 
-RELIEF = 0.3  # [1/lengths] of a lasting bow plane angle, at most
+RELIEF = 0.3  # [1/lengths] of a lasting bow plane angle, where the stern planes do it all
 STRAIGHT = 0.02  # [1/lengths] yaw rate per speed up to which speed trim is learnt
-MARGINS = (0.5, 1.0, 2.0)  # surfaces so much as effective as modelled must do too
+MARGINS = (0.5, 1.0, 2.0)  # the loop must be stable with surfaces so many times as effective
 
 VERTICAL = ("w", "q", "theta", "z")
 LATERAL = ("v", "r", "psi")
@@ -97,7 +97,7 @@ def reach(vessel: Record, speed: float) -> Matrix:
     of them than they can follow, and a large disturbance would end in swinging from stop to stop.
     """
     swing = SWING * vessel["surface_rate"][0] * vessel["ell"][0] / speed
-    return np.minimum(vessel["limit"][0], swing)
+    return np.asarray(np.minimum(vessel["limit"][0], swing))
 
 
 def plane_gains(model: Linear, speed: float, vessel: Record, h: float) -> Matrix:

@@ -1,0 +1,76 @@
+"""The boat near a calm surface: what it does to Z_star and M_star, and what of her shows.
+
+[ASSES] keeps all deep coefficients near the surface but those two, as tables of depth and speed,
+and gives no values; the vessel file does.
+"""
+
+from typing import Final
+
+from trainer.core.elementary import cosine, sine
+from trainer.core.kernel import Numbers, Record, kernel
+
+DECK_REACH: Final = 0.25  # [-] of the length either way from the origin, the parallel middle body
+
+
+@kernel
+def cell(grid: Numbers, count: int, value: float) -> tuple[int, float]:
+    """Return the cell of an ascending ``grid`` with ``value`` in it, and where in it, 0 to 1 [-].
+
+    Values outside the grid are taken as at its end.
+    """
+    low = 0
+    while low < count - 2 and value >= grid[low + 1]:
+        low += 1
+    inside = (value - grid[low]) / (grid[low + 1] - grid[low])
+    return low, min(max(inside, 0.0), 1.0)
+
+
+@kernel
+def between(table: Numbers, row: int, column: int, along: float, across: float) -> float:
+    """Return a table's value inside a cell, bilinear, in the table's unit."""
+    first = table[row, column] + across * (table[row, column + 1] - table[row, column])
+    second = table[row + 1, column] + across * (table[row + 1, column + 1] - table[row + 1, column])
+    return first + along * (second - first)
+
+
+@kernel
+def surface_forces(vessel: Record, state: Record, force: Numbers) -> None:
+    """Add the calm surface's Z [N] and M [N m]; none below the deepest row of the tables."""
+    c = vessel[0]
+    s = state[0]
+    speeds, depths = int(c.surface_speeds), int(c.surface_depths)
+    if depths == 0 or s.z >= c.surface_depth[depths - 1]:
+        return
+    row, along = cell(c.surface_speed, speeds, abs(s.u))
+    column, across = cell(c.surface_depth, depths, s.z)
+    square = s.u * s.u
+    force[2] += square * between(c.surface_Z, row, column, along, across)
+    force[4] += square * between(c.surface_M, row, column, along, across)
+
+
+@kernel
+def height_above_water(state: Record, x: float, z: float) -> float:
+    """Return the height [m] above the water of a point amidships, ``x`` and ``z`` in body axes.
+
+    The water stands as high there as above the boat's origin.
+    """
+    s = state[0]
+    lifted = x * sine(s.theta) - z * cosine(s.theta) * cosine(s.phi)
+    return lifted - s.z - s.eta_wave
+
+
+@kernel
+def sail_height(vessel: Record, state: Record) -> float:
+    """Return the height [m] of the sail's top above the water; negative: covered."""
+    c = vessel[0]
+    return height_above_water(state, c.x_sail, c.z_sail)
+
+
+@kernel
+def deck_height(vessel: Record, state: Record) -> float:
+    """Return the height [m] of the deck's higher end above the water; negative: covered."""
+    c = vessel[0]
+    reach = DECK_REACH * c.ell
+    fore = height_above_water(state, reach, c.z_deck)
+    aft = height_above_water(state, -reach, c.z_deck)
+    return max(fore, aft)

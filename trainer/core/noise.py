@@ -1,0 +1,75 @@
+"""Random numbers as a pure function of (seed, stream, tick): no state, no order of calls.
+
+Threefry-2x32 with 20 rounds: J. Salmon, M. Moraes, R. Dror, D. Shaw, "Parallel random numbers: as
+easy as 1, 2, 3", SC11 (2011), section 4.2 and Table 2. The key is the seed, high half first, the
+counter is (tick, stream); each is taken modulo 2^32, so ticks may be negative. Words are kept in
+64-bit integers and masked, so that Python's own integers give the same bits.
+"""
+
+import math
+from typing import Final
+
+from trainer.core.elementary import cosine, logarithm
+from trainer.core.kernel import kernel
+
+WORD = 0xFFFFFFFF
+PARITY = 0x1BD11BDA
+
+# Streams. Each user of randomness has its own.
+SEA_FILTER: Final = 1
+SEA_PHASE: Final = 2
+SEA_FREQUENCY: Final = 3
+
+
+@kernel
+def _mix(x: int, y: int, turn: int) -> tuple[int, int]:
+    """Return two 32-bit words [-] after one round with its rotation."""
+    x = (x + y) & WORD
+    y = ((y << turn) | (y >> (32 - turn))) & WORD
+    return x, x ^ y
+
+
+@kernel
+def threefry(key_0: int, key_1: int, counter_0: int, counter_1: int) -> tuple[int, int]:
+    """Return two random 32-bit words [-]."""
+    key_2 = PARITY ^ key_0 ^ key_1
+    x, y = (counter_0 + key_0) & WORD, (counter_1 + key_1) & WORD
+    first, second, third = key_1, key_2, key_0
+    for block in range(5):
+        if block & 1 == 0:
+            x, y = _mix(x, y, 13)
+            x, y = _mix(x, y, 15)
+            x, y = _mix(x, y, 26)
+            x, y = _mix(x, y, 6)
+        else:
+            x, y = _mix(x, y, 17)
+            x, y = _mix(x, y, 29)
+            x, y = _mix(x, y, 16)
+            x, y = _mix(x, y, 24)
+        x, y = (x + first) & WORD, (y + second + block + 1) & WORD
+        first, second, third = second, third, first
+    return x, y
+
+
+@kernel
+def _words(seed: int, stream: int, tick: int) -> tuple[int, int]:
+    """Return the two random 32-bit words [-] of a seed, a stream and a tick."""
+    return threefry((seed >> 32) & WORD, seed & WORD, tick & WORD, stream & WORD)
+
+
+@kernel
+def uniform(seed: int, stream: int, tick: int) -> float:
+    """Return a number [-] between 0 and 1, ends never reached, in steps of 2^-52."""
+    x, y = _words(seed, stream, tick)
+    return ((x >> 6) * 67108864.0 + (y >> 6) + 0.5) * 2.220446049250313e-16
+
+
+@kernel
+def gaussian(seed: int, stream: int, tick: int) -> float:
+    """Return a normal deviate [-] of mean 0 and variance 1, at most 6.8 in size.
+
+    G. Box & M. Muller, Ann. Math. Stat. 29 (1958) 610; the sine of the pair is not used.
+    """
+    x, y = _words(seed, stream, tick)
+    radius = math.sqrt(-2.0 * logarithm((x + 0.5) * 2.3283064365386963e-10))
+    return radius * cosine(y * 1.4629180792671596e-09)

@@ -1,0 +1,97 @@
+"""The tanks, banks and pumps of one boat, and what every flow into a tank has in common.
+
+Water is a mass [kg], held between empty and full; whatever crosses the hull is entered in the two
+ledgers of the state, ``water_taken`` and ``air_taken``, so that nothing is made or lost.
+"""
+
+import math
+from typing import Final
+
+import numpy as np
+
+from trainer.core.kernel import Record, kernel, record_dtype
+
+BLOWN: Final = ("forward", "mid", "aft", "negative")  # emptied by air through their flood ports
+PUMPED: Final = ("trim_forward", "trim_aft", "auxiliary", "depth_control")
+COMPARTMENTS: Final = ("compartment_forward", "compartment_centre", "compartment_aft")
+TANKS: Final = (*BLOWN, *PUMPED, *COMPARTMENTS)
+BANKS: Final = ("main", "emergency")
+PUMPS: Final = ("trim", "drain", "depth_control")
+
+# places in the above
+NEGATIVE = 3
+TRIM_FORWARD, TRIM_AFT, AUXILIARY, DEPTH_CONTROL = 4, 5, 6, 7
+FIRST_DRY, END = 8, 11  # the compartments
+MAIN_BANK, EMERGENCY_BANK = 0, 1
+TRIM_PUMP, DRAIN_PUMP, DEPTH_CONTROL_PUMP = 0, 1, 2
+
+ATMOSPHERE: Final = 101325.0  # [Pa] outside, and in a tank or compartment vented inboard
+DISCHARGE: Final = 0.6  # [-] of a sharp-edged hole
+
+STATIONS: Final = 5  # of the hull, for its buoyancy at the surface
+LAYERS: Final = 4  # most points of the density profile
+
+BALLAST: Final = record_dtype(
+    "fitted",  # [-] 0: a boat without tanks, whose weight and balance are never touched
+    # by tank
+    ("capacity", (len(TANKS),)),  # [kg] of sea water
+    ("x", (len(TANKS),)),  # [m] centre
+    ("y", (len(TANKS),)),
+    ("z", (len(TANKS),)),
+    ("start", (len(TANKS),)),  # [kg] at which the vessel's weight and balance hold
+    # by blown tank
+    ("height", (len(BLOWN),)),  # [m] flood port to vent
+    ("port", (len(BLOWN),)),  # [m2] effective area of the flood ports
+    ("vent_area", (len(BLOWN),)),  # [m2] effective, likewise the valves
+    ("blow_area", (len(BLOWN),)),
+    ("emergency_area", (len(BLOWN),)),
+    # by bank
+    ("bank_volume", (len(BANKS),)),  # [m3]
+    ("bank_full", (len(BANKS),)),  # [kg]
+    "gas",  # [J/kg] gas constant times temperature
+    "choked",  # [s/m] mass flow of a sonic nozzle per area and pressure
+    "compressor_rate",  # [kg/s]
+    ("pump_rate", (len(PUMPS),)),  # [kg/s]
+    "shutoff_depth",  # [m] where the pumps no longer deliver to the sea
+    "hover_frequency",  # [rad/s]
+    "hover_rate",  # [m/s] depth rate that hovering allows itself
+    # hull in the water
+    "compressibility",  # [kg/m] buoyancy lost with depth
+    "reference_depth",  # [m] where the vessel's buoyancy holds
+    "layers",  # [-] points of the density profile
+    ("layer_depth", (LAYERS,)),  # [m] ascending
+    ("layer_density", (LAYERS,)),  # [kg/m3] above the vessel file's
+    "hull_diameter",  # [m] of the section that emerges
+    "hull_axis",  # [m] z of its centre
+    ("station_x", (STATIONS,)),  # [m]
+    ("station_share", (STATIONS,)),  # [-] of the buoyancy
+)
+
+
+def new_ballast() -> Record:
+    """Return the constants of a boat without tanks."""
+    return np.zeros(1, BALLAST)
+
+
+@kernel
+def sea_pressure(specific: float, depth: float) -> float:
+    """Return the absolute pressure [Pa] at ``depth`` [m] in water of ``specific`` weight [N/m3].
+
+    Above the sea it is the atmosphere's.
+    """
+    return ATMOSPHERE + specific * max(depth, 0.0)
+
+
+@kernel
+def admit(ballast: Record, tank: int, wanted: float, state: Record) -> None:
+    """Let ``wanted`` [kg] of sea water into a tank, or out if negative, as far as it goes."""
+    s = state[0]
+    before = s.water[tank]
+    s.water[tank] = min(max(before + wanted, 0.0), ballast[0].capacity[tank])
+    s.water_taken += s.water[tank] - before
+
+
+@kernel
+def through_hole(rho: float, area: float, pressure: float) -> float:
+    """Return the flow [kg/s] that ``pressure`` [Pa] drives through an effective ``area`` [m2]."""
+    return area * math.sqrt(2.0 * rho * pressure) if pressure > 0.0 else 0.0
