@@ -24,7 +24,7 @@ from trainer.core.wave_filter import (
     prepare_filter,
     warped,
 )
-from trainer.core.wave_sum import PART, WEIGHT, prepare_sum
+from trainer.core.wave_sum import ANGLE_COS, ANGLE_SIN, PART, WEIGHT, phase, prepare_sum
 from trainer.sea_file import HEIGHT_FACTOR
 from trainer.study import seas
 
@@ -187,6 +187,14 @@ def test_other_winds_have_similar_frequencies(wind: float) -> None:
     assert corner(peak, G, 1) == pytest.approx(0.50 * G / (wind * KNOT), rel=1e-12)
 
 
+def test_a_wind_that_rises_through_one_of_the_table_s_changes_the_filter_evenly() -> None:
+    winds = np.linspace(33.5, 36.5, 301)
+    products = [corner(PEAK * G / (wind * KNOT), G, 0) * wind * KNOT / G for wind in winds]
+
+    assert max(abs(np.diff(products))) < 3e-4
+    assert min(products) == pytest.approx(0.8806, abs=1e-3)
+
+
 @pytest.mark.parametrize("h", [0.05, 0.5, 2.0])
 @pytest.mark.parametrize("wind", [10.0, 20.0, 35.0, 60.0])
 def test_the_noise_is_scaled_to_the_exact_variance_of_the_discrete_filter(
@@ -295,20 +303,17 @@ def test_each_component_has_a_frequency_of_its_own_inside_its_band() -> None:
     assert len(set(part)) == 50
 
 
-def test_a_peaked_spectrum_gathers_its_components_about_the_peak() -> None:
-    sea = new_sea()
+def test_a_peaked_spectrum_weights_the_components_by_how_much_it_exceeds_the_flat_one() -> None:
+    sea, flat = new_sea(), new_sea()
     prepare_sum(3.3, 5.0, sea)
-    flat = new_sea()
     prepare_sum(1.0, 5.0, flat)
-    x = np.linspace(0.3, 30.0, 300_000)
+    x = sea["relative"][0]
     width = np.where(x <= 1.0, 0.07, 0.09)
-    density = x**-5.0 * np.exp(-1.25 * x**-4.0) * 3.3 ** np.exp(-0.5 * ((x - 1.0) / width) ** 2)
-    below = np.cumsum(density) / np.sum(density)
-    part_of_jonswap = np.interp(sea["relative"][0], x, below)
-    part_of_flat = np.exp(-1.25 * flat["relative"][0] ** -4.0)
+    excess = 3.3 ** np.exp(-0.5 * ((x - 1.0) / width) ** 2)
+    variance = np.square(flat["amplitude"][0]) * excess
 
-    # the same draws lie at the same parts of either spectrum
-    assert part_of_jonswap == pytest.approx(part_of_flat, abs=2e-3)
+    assert x.tolist() == flat["relative"][0].tolist()
+    assert np.square(sea["amplitude"][0]) == pytest.approx(2.0 * variance / np.sum(variance))
 
 
 def test_a_boat_that_runs_with_a_wave_stays_on_it() -> None:
@@ -317,10 +322,25 @@ def test_a_boat_that_runs_with_a_wave_stays_on_it() -> None:
     ahead = 20 + 3  # band 3 of the middle direction
     omega = float(waves.state["sea_omega"][0] * waves.sea["relative"][0][ahead])
     waves.state["xdot"], waves.state["ydot"] = G / omega * np.cos(0.4), G / omega * np.sin(0.4)
-    before = float(waves.state["sea_phase"][0][ahead])
+    before = phase(waves.sea, waves.state, ahead)
     waves.run(200)
 
-    assert float(waves.state["sea_phase"][0][ahead]) == pytest.approx(before, abs=1e-10)
+    assert phase(waves.sea, waves.state, ahead) == pytest.approx(before, abs=1e-10)
+
+
+def test_the_phase_is_that_of_a_wave_at_the_boat_s_place() -> None:
+    # w t - k (x cos mu + y sin mu) + eps, model document section 10, at a steady speed
+    waves = Waves(by_wind(30.0, COSINES, direction=0.4))
+    waves.state["xdot"], waves.state["ydot"] = 3.0, -2.0
+    waves.run(400)
+    time = float(waves.state["sea_turned"][0] / waves.state["sea_omega"][0])
+    for i in (3, 17, 42):
+        omega = float(waves.state["sea_omega"][0] * waves.sea["relative"][0][i])
+        way = 0.4 + np.arctan2(ANGLE_SIN[i // 10], ANGLE_COS[i // 10])
+        along = time * (3.0 * np.cos(way) - 2.0 * np.sin(way))
+        expected = omega * time - omega**2 / G * along + float(waves.sea["start"][0][i])
+
+        assert phase(waves.sea, waves.state, i) == pytest.approx(expected, rel=1e-12, abs=1e-9)
 
 
 def median_frequency(record: np.ndarray, h: float) -> float:
@@ -330,6 +350,7 @@ def median_frequency(record: np.ndarray, h: float) -> float:
     return float(np.interp(0.5, part, 2.0 * np.pi * np.fft.rfftfreq(record.size, h)))
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("generator", [FILTER, COSINES])
 def test_head_seas_are_met_faster_than_following_seas(generator: float) -> None:
     met = {}
@@ -344,6 +365,14 @@ def test_head_seas_are_met_faster_than_following_seas(generator: float) -> None:
     # the peak wave, 0.56 rad/s, is met at 0.56 +- 0.56^2 6/9.81 = 0.75 and 0.37 rad/s
     assert met[-6.0] > 1.2 * met[0.0]
     assert met[6.0] < 0.8 * met[0.0]
+
+
+@pytest.mark.long
+def test_half_of_each_generator_has_the_whole_height() -> None:
+    waves = Waves(by_wind(20.0, 0.5))
+    spread = np.mean([np.var(Waves(by_wind(20.0, 0.5), seed=s).run(36_000)) for s in range(8)])
+
+    assert 4.0 * np.sqrt(spread) == pytest.approx(float(waves.state["sea_height"][0]), rel=0.04)
 
 
 # Changes
@@ -425,14 +454,17 @@ def test_without_jit_the_bits_are_the_same() -> None:
     script = (
         "import sys; sys.path.insert(0, sys.argv[1])\n"
         "from test_seaway import Waves, by_wind\n"
+        "from test_wave_forces import force_of\n"
         "for share in (0.0, 0.5, 1.0):\n"
         "    waves = Waves(by_wind(30.0, share), h=1.0, seed=9)\n"
         "    waves.state['xdot'] = 3.0\n"
         "    settings = by_wind(40.0, share, 1.0)\n"
-        "    settings[2] = 3.3\n"
+        "    settings[[2, 5]] = 3.3, 1.0\n"
         "    waves.order(settings, 20.0)\n"
         "    waves.run(30)\n"
         "    print(waves.state.tobytes().hex())\n"
+        "    waves.state['z'] = 25.0\n"
+        "    print(force_of(waves.state, sea=waves.sea).tobytes().hex())\n"
     )
     outputs = [
         subprocess.run(

@@ -5,8 +5,11 @@ sources: numba stamps a cached kernel with the source of its own file only, so t
 callee in another file would otherwise go on serving the old physics.
 """
 
+import atexit
 import hashlib
 import os
+import shutil
+import sys
 import tempfile
 from pathlib import Path
 
@@ -35,16 +38,26 @@ def _cache_root() -> Path:
 
 
 def _claim_cache() -> Path:
-    """Return this version's cache folder, a private temporary one where home is read-only."""
-    path = _cache_root() / (_PREFIX + _core_digest())
+    """Return this version's cache folder; where home is read-only one that lasts for this run."""
+    name = _PREFIX + _core_digest()
+    path = _cache_root() / name
     try:
         path.mkdir(parents=True, exist_ok=True)
+        writable = os.access(path, os.W_OK)
     except OSError:
-        return Path(tempfile.mkdtemp(prefix=_PREFIX))
-    return path if os.access(path, os.W_OK) else Path(tempfile.mkdtemp(prefix=_PREFIX))
+        writable = False
+    if writable:
+        return path
+    # not in the shared temporary folder itself: numba runs what it finds in its cache
+    private = Path(tempfile.mkdtemp(prefix="trainer-"))
+    atexit.register(shutil.rmtree, private, ignore_errors=True)
+    (private / name).mkdir()
+    return private / name
 
 
 os.environ["NUMBA_CACHE_DIR"] = str(_claim_cache())
+if "numba" in sys.modules:  # it has read the environment already
+    sys.modules["numba"].config.CACHE_DIR = os.environ["NUMBA_CACHE_DIR"]
 
 
 def machine_code_is_compiled() -> bool:

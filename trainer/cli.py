@@ -159,8 +159,7 @@ def method_options(command: Any) -> Any:
     "--integrator",
     default="adams2",
     show_default=True,
-    help="euler, adams2, best2, adams3, rk4, rkv, or a multistep method as "
-    "'a=1;b=1.5,-0.5'.",
+    help="euler, adams2, best2, adams3, rk4, rkv, or a multistep method as 'a=1;b=1.5,-0.5'.",
 )
 @click.option(
     "--step", type=float, default=None, help="Step in s. [default: the vessel file's, 0.5 for bb2]"

@@ -56,8 +56,9 @@ def status_lines(boat: Boat, ledger: Summary) -> list[str]:
 
     turns = f"{seen.rpm:.1f} rpm, turns for {float(s.u_c) / KNOT:.1f} kn"
     return [
+        boat.file.name,
         (
-            f"{boat.file.name}: {method.equations} set, {method.rates} rates, {method.integrator}, "
+            f"{method.equations} set, {method.rates} rates, {method.integrator}, "
             f"step {method.step:g} s, tick {int(s.tick)}"
         ),
         (
@@ -75,10 +76,10 @@ def status_lines(boat: Boat, ledger: Summary) -> list[str]:
         ),
         f"pitch {seen.pitch_deg:+.2f}   heel {seen.heel_deg:+.2f} degrees",
         (
-            f"rudder {seen.rudder_deg:+.2f} (right +) {mode(s.rudder_by_hand)}   "
-            f"stern planes {seen.stern_deg:+.2f} {mode(s.stern_by_hand)}   "
+            f"stern planes {seen.stern_deg:+.2f} {mode(s.stern_by_hand)}, "
             f"bow planes {seen.bow_deg:+.2f} {mode(s.bow_by_hand)} (rise +)"
         ),
+        f"rudder {seen.rudder_deg:+.2f} {mode(s.rudder_by_hand)} (right +)",
         f"position {s.x:.0f} m north, {s.y:.0f} m east of the start",
         (
             f"ticks {ledger.ticks}, duty cycle {100 * ledger.duty_cycle:.3f} %, "

@@ -3,7 +3,7 @@
 import math
 from typing import Final
 
-from trainer.ballast_records import Ballast, Sea
+from trainer.ballast_records import Ballast, BlownTank, Compartment, PumpedTank, Sea
 from trainer.core.kernel import Record
 from trainer.core.tanks import BANKS, BLOWN, STATIONS, TANKS, new_ballast
 from trainer.vessel_file import VesselFile
@@ -51,7 +51,8 @@ def _write_hull(file: VesselFile, record: Record) -> None:
 
 def _write_tanks(ballast: Ballast, rho: float, record: Record) -> None:
     """Write capacities [kg], centres [m] and start fillings [kg] of all tanks there are."""
-    for row in (*ballast.blown, *ballast.pumped, *ballast.compartments):
+    rows: list[BlownTank | PumpedTank | Compartment] = [*ballast.blown, *ballast.pumped]
+    for row in [*rows, *ballast.compartments]:
         place = TANKS.index(row.name)
         capacity = row.capacity_m3 * rho
         record["capacity"][0, place] = capacity

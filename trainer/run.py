@@ -182,7 +182,8 @@ def greet(consoles: list[Console], boat: Boat) -> None:
     s = boat.state
     for console in consoles:
         console.say(
-            f"{boat.file.name}: {s.u / KNOT:.3g} kn, {s.z:g} m, course 000; "
+            boat.file.name,
+            f"{s.u / KNOT:.3g} kn, {s.z:g} m, course 000; "
             f"{boat.method.equations} set, step {boat.method.step:g} s",
             "type an order, such as: depth 80   course 090   rudder left 15   help   quit",
         )

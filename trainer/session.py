@@ -83,7 +83,7 @@ class Session:
         """Run to the last tick, an order to quit, or until nobody can ever say run again."""
         self._record()
         self.time.pacer.run()
-        while not self.ended and self.boat.state.tick < self.last_tick:
+        while not self._over:
             if self._deserted():
                 self.deserted = f"frozen at {self.boat.time:g} s, and nobody is left to say run"
                 self._tell(self.deserted)
@@ -91,9 +91,7 @@ class Session:
             if self.time.pacer.wait(self.wake) is Waited.WOKEN:
                 self.wake.clear()
                 self.listen()
-                while self.time.pacer.frozen and self._steps and not self.ended:
-                    self._steps -= 1
-                    self._tick()
+                self._take_steps()
             else:
                 self._tick()
 
@@ -107,6 +105,18 @@ class Session:
         for console in self.consoles:
             for line in console.typed():
                 self._hear(console, line)
+                self._take_steps()
+
+    @property
+    def _over(self) -> bool:
+        """Return whether the run has been ended or has reached its last tick."""
+        return self.ended or bool(self.boat.state.tick >= self.last_tick)
+
+    def _take_steps(self) -> None:
+        """Take the single steps that were ordered, as long as time stands still."""
+        while self._steps and self.time.pacer.frozen and not self._over:
+            self._steps -= 1
+            self._tick()
 
     def _deserted(self) -> bool:
         """Return whether time stands still and nobody can let it go on."""
@@ -128,9 +138,13 @@ class Session:
             self._tell(f"NOT RECORDED: {self.recorder.trouble}")
 
     def _tick(self) -> None:
-        pacer = self.time.pacer
-        pacer.begin()
+        """Carry out the orders that are due, and unless they stop time take a tick."""
+        was_frozen = self.time.pacer.frozen
         self._obey_schedule()
+        pacer = self.time.pacer
+        if self._over or (pacer.frozen and not was_frozen):
+            return
+        pacer.begin()
         status = self.boat.tick()
         if status:
             self.failure = self.boat.failure(status)
@@ -200,13 +214,14 @@ class Session:
 
     def _run_on(self, _order: Order) -> str:
         self.time.pacer.run()
+        self._steps = 0
         return "running"
 
     def _step(self, order: Order) -> str:
         self.time.pacer.freeze()
         self._steps += int(order.value)
         self.wake.set()
-        return f"{int(order.value)} ticks, then frozen"
+        return f"{int(order.value)} tick{'s' if order.value > 1.0 else ''}, then frozen"
 
     def _change_time(self, order: Order) -> str:
         self.time.change(math.inf if order.word == "max" else order.value)

@@ -93,14 +93,14 @@ def vent(vessel: Record, ballast: Record, tank: int, top: float, h: float, state
     s = state[0]
     area = b.vent_area[tank] * min(s.vent[tank], 1.0)
     volume, space = (b.capacity[tank] - s.water[tank]) / c.rho, b.capacity[tank] / c.rho
-    head = top + b.height[tank] * volume / space - max(top, 0.0)  # [m]
-    if head < 0.0 < top:
-        return
+    head = min(top, 0.0) + b.height[tank] * volume / space  # [m] negative only in the open air
     pressure = ATMOSPHERE + c.rho * c.g * (head + max(top, 0.0))
     density = max(pressure, THINNEST) / b.gas
     flow = through_hole(density, area, c.rho * c.g * abs(head)) * h
     passed = min(flow, abs(head) / b.height[tank] * space * density)
     passed = min(passed, s.tank_air[tank]) if head > 0.0 else -passed
+    if volume <= 0.0 <= top:  # the last bubbles, too small to show in the water's mass
+        passed = s.tank_air[tank]
     s.tank_air[tank] -= passed
     s.air_taken -= passed
 
@@ -120,12 +120,12 @@ def settle(vessel: Record, ballast: Record, tank: int, top: float, h: float, sta
     slope = c.rho * c.g * b.height[tank] / space
     content = s.tank_air[tank] * b.gas
     balance = 2.0 * content / (p_top + math.sqrt(p_top * p_top + 4.0 * slope * content))
-    change = balance - volume
+    inward = b.capacity[tank] - c.rho * balance - s.water[tank]  # [kg]
     if volume > 0.0:
         excess = abs(content / volume - p_top - slope * volume)
-        reach = through_hole(c.rho, b.port[tank], excess) / c.rho * h
-        change = min(max(change, -reach), reach)
-    admit(ballast, tank, -c.rho * change, state)
+        reach = through_hole(c.rho, b.port[tank], excess) * h
+        inward = min(max(inward, -reach), reach)
+    admit(ballast, tank, inward, state)
     if s.water[tank] == 0.0:
         surplus = s.tank_air[tank] - (p_top + slope * space) * space / b.gas
         if surplus > 0.0:
@@ -137,7 +137,7 @@ def settle(vessel: Record, ballast: Record, tank: int, top: float, h: float, sta
 def at_work(ballast: Record, tank: int, state: Record) -> bool:
     """Return whether anything can happen in a blown tank.
 
-    Nothing does in one that is full with no air sent to it. Main ballast ports stand open; the
+    Nothing does in one that is full and shut. Main ballast ports stand open; the
     negative tank's flood valve seals it, and its other valves work only with that one open.
     """
     b = ballast[0]
@@ -146,7 +146,7 @@ def at_work(ballast: Record, tank: int, state: Record) -> bool:
         return False
     if s.tank_air[tank] > 0.0 or s.water[tank] < b.capacity[tank]:
         return True
-    return s.blow[tank] > 0.0 and b.capacity[tank] > 0.0
+    return (s.blow[tank] > 0.0 or s.vent[tank] > 0.0) and b.capacity[tank] > 0.0
 
 
 @kernel

@@ -12,7 +12,7 @@ from trainer.core.elementary import cosine, sine
 from trainer.core.kernel import Numbers, Record, kernel
 
 SMALL_SEGMENT: Final = 16.0 / (3.0 * math.pi)  # area of a small segment over (height/diameter)^1.5
-SEGMENT_SLOPE: Final = 0.833055  # makes half the height half the area
+SEGMENT_SLOPE: Final = 2.0 - 1.0 / (SMALL_SEGMENT * math.sqrt(0.125))  # half height, half area
 
 
 @kernel

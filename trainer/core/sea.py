@@ -11,7 +11,6 @@ from trainer.core.kernel import Record, record_dtype
 from trainer.core.state import SEA_COMPONENTS
 
 DEGREE: Final = 9  # of the filter's denominator with the pole of the bilinear transform
-CELLS: Final = 256  # of the cumulative spectrum
 
 SEA: Final = record_dtype(
     # wave filter, and the frequency and step it is for
@@ -26,7 +25,8 @@ SEA: Final = record_dtype(
     "gamma",  # [-]
     "seed",
     ("relative", (SEA_COMPONENTS,)),  # [-] frequency over that of the peak
-    ("cumulative", (CELLS + 1,)),  # [-] variance below each cell's edge
+    ("start", (SEA_COMPONENTS,)),  # [rad] phase at the start
+    ("amplitude", (SEA_COMPONENTS,)),  # [-] for variance 1
     # work space of the wave forces
     "g",  # [m/s2]
     "depth",  # [m]

@@ -14,7 +14,7 @@ from trainer.core.kernel import Numbers, Record, kernel
 from trainer.core.noise import SEA_FILTER, gaussian
 from trainer.core.state import SEA_QUANTITIES
 from trainer.core.wave_filter import advance_filter, filter_noise, prepare_filter
-from trainer.core.wave_sum import advance_sum, prepare_sum, scatter_phases, sum_elevation
+from trainer.core.wave_sum import advance_sum, prepare_sum, sum_elevation
 
 HEIGHT, OMEGA, GAMMA, DIRECTION, COSINES, SUCTION, TAPER = range(len(SEA_QUANTITIES) + 1)
 TURN: Final = 6.283185307179586
@@ -26,12 +26,12 @@ WARM_UP_PERIODS: Final = 10.0
 def begin_sea(g: float, h: float, scratch: Record, state: Record) -> None:
     """Start both generators at random, as after a long time of the sea in force.
 
-    Phases are drawn; the filter is run on the ticks before the first, until what it held at the
+    The filter is run on the ticks before the first, until what it held at the
     start is forgotten.
     """
     s = state[0]
     prepare_filter(g, s.sea_omega, h, scratch)
-    scatter_phases(state)
+    s.sea_turned = s.sea_along = s.sea_across = 0.0
     for i in range(s.sea_memory.size):
         s.sea_memory[i] = 0.0
     s.sea_drift = 0.0
@@ -110,6 +110,6 @@ def advance_sea(vessel: Record, h: float, scratch: Record, state: Record) -> Non
         unit += math.sqrt(1.0 - s.sea_cosines) * s.sea_elevation
     if s.sea_cosines > 0.0:
         prepare_sum(s.sea_gamma, s.seed, scratch)
-        advance_sum(vessel, scratch, h, state)
-        unit += math.sqrt(s.sea_cosines) * sum_elevation(state)
+        advance_sum(vessel, h, state)
+        unit += math.sqrt(s.sea_cosines) * sum_elevation(scratch, state)
     s.eta_wave = 0.25 * s.sea_height * unit

@@ -82,7 +82,9 @@ STATE: Final = record_dtype(
     "sea_drift",  # [rad] phase of the peak wave that the boat has run through
     "sea_elevation",  # [-] filtered elevation above the boat, of variance 1
     "sea_quadrature",  # [-] the same a quarter of a period ago
-    ("sea_phase", (SEA_COMPONENTS,)),  # [rad] of the cosine sum's components above the boat
+    "sea_turned",  # [rad] what the phases of the cosine sum follow from, see wave_sum
+    "sea_along",
+    "sea_across",
     # ballast: what is aboard, in the order of tanks.TANKS and tanks.BANKS
     (
         "water",  # [kg]

@@ -26,7 +26,7 @@ from typing import Final
 from trainer.core.elementary import cosine_and_sine, exponential
 from trainer.core.kernel import Numbers, Record, kernel
 from trainer.core.state import SEA_COMPONENTS
-from trainer.core.wave_sum import ANGLE_COS, ANGLE_SIN, BANDS, WEIGHT
+from trainer.core.wave_sum import ANGLE_COS, ANGLE_SIN, BANDS, phase
 
 TAPER: Final = (4.0, 5.0)  # [-] hull diameters from which to which waves fade out ([ASSES])
 
@@ -92,9 +92,9 @@ def add_sum(scratch: Record, state: Record) -> None:
     chi_cos, chi_sin = cosine_and_sine(s.sea_direction - s.psi)
     for i in range(SEA_COMPONENTS):
         angle_cos, angle_sin = ANGLE_COS[i // BANDS], ANGLE_SIN[i // BANDS]
-        a = height * WEIGHT[i // BANDS]
+        a = height * work.amplitude[i]
         omega = s.sea_omega * work.relative[i]
-        phase_cos, phase_sin = cosine_and_sine(s.sea_phase[i])
+        phase_cos, phase_sin = cosine_and_sine(phase(scratch, state, i))
         add_component(
             scratch,
             omega * omega / work.g,

@@ -1,10 +1,16 @@
 """Short-crested waves as a sum of cosines: bands of equal variance in five directions.
 
-[ASSES] cosine series with errata H1-H6, H-a, H-c. Each component carries its phase above the boat,
-moved on by the frequency at which the boat meets it, so that no change of sea, course or speed
-makes the surface jump. Departures: each component has a frequency of its own, drawn inside its
-band; the bands share the whole variance, below PART of it, not what lies between 0.2 and
-1.8 rad/s, so that small seas keep their height; at 20 to 45 knots the two are much the same.
+[ASSES] cosine series with errata H1-H6, H-a, H-c. A component of frequency q times the peak's has
+above the boat the phase
+
+    A = eps + q T - q^2 (D cos beta + C sin beta),    T = integral of omega_p dt,
+
+D and C the integrals of omega_p^2/g times the boat's speed along and across the wind's direction: so
+that no change of period, direction, course or speed makes the surface jump, and three numbers carry
+all the phases. Departures: each component has a frequency of its own, drawn inside its band; the
+bands share the whole variance, below PART of it, not what lies between 0.2 and 1.8 rad/s, so that
+small seas keep their height (at 20 to 45 knots the two are much the same). They are equal in
+Pierson-Moskowitz's spectrum; a peaked one weights the same components by how much it exceeds that.
 """
 
 import math
@@ -13,9 +19,7 @@ from typing import Final
 from trainer.core.elementary import cosine, cosine_and_sine, exponential, logarithm
 from trainer.core.kernel import Record, kernel
 from trainer.core.noise import SEA_FREQUENCY, SEA_PHASE, uniform
-from trainer.core.sea import CELLS
 from trainer.core.state import SEA_COMPONENTS
-from trainer.core.wave_filter import wrapped
 
 BANDS: Final = 10
 PART: Final = 0.995  # [-] of the variance lies below the highest frequency, 4 times the peak's
@@ -55,79 +59,53 @@ def peakedness(gamma: float, x: float) -> float:
 
 
 @kernel
-def _accumulate(gamma: float, scratch: Record) -> None:
-    """Write the variance [-] below the edges of CELLS cells that share Pierson-Moskowitz's."""
-    work = scratch[0]
-    total = 0.0
-    work.cumulative[0] = 0.0
-    for cell in range(CELLS):
-        total += peakedness(gamma, below((cell + 0.5) / CELLS))
-        work.cumulative[cell + 1] = total
-    for cell in range(CELLS + 1):
-        work.cumulative[cell] /= total
-
-
-@kernel
-def _pierson_moskowitz_part(part: float, scratch: Record) -> float:
-    """Return the part of Pierson-Moskowitz's variance [-] where ``part`` of this sea's lies."""
-    work = scratch[0]
-    low, high = 0, CELLS
-    while high - low > 1:
-        middle = (low + high) // 2
-        if work.cumulative[middle] <= part:
-            low = middle
-        else:
-            high = middle
-    inside = (part - work.cumulative[low]) / (work.cumulative[high] - work.cumulative[low])
-    return (low + inside) / CELLS
-
-
-@kernel
 def prepare_sum(gamma: float, seed: float, scratch: Record) -> None:
-    """Write the frequency [-] of each component, over the peak's."""
+    """Write each component's frequency [-] over the peak's, starting phase and amplitude [-].
+
+    The amplitudes give variance 1.
+    """
     work = scratch[0]
     if work.gamma == gamma and work.seed == seed:
         return
     work.gamma, work.seed = gamma, seed
-    if gamma != 1.0:
-        _accumulate(gamma, scratch)
+    total = 0.0
     for i in range(SEA_COMPONENTS):
         inside = uniform(int(seed), SEA_FREQUENCY, i)
-        part = PART * (i % BANDS + inside) / BANDS
+        work.relative[i] = below(PART * (i % BANDS + inside) / BANDS)
+        work.start[i] = 6.283185307179586 * (uniform(int(seed), SEA_PHASE, i) - 0.5)
+        work.amplitude[i] = WEIGHT[i // BANDS]
         if gamma != 1.0:
-            part = _pierson_moskowitz_part(part, scratch)
-        work.relative[i] = below(part)
-
-
-@kernel
-def scatter_phases(state: Record) -> None:
-    """Write phases [rad] at random from -pi to pi."""
-    s = state[0]
+            work.amplitude[i] *= math.sqrt(peakedness(gamma, work.relative[i]))
+        total += 0.5 * work.amplitude[i] * work.amplitude[i]
     for i in range(SEA_COMPONENTS):
-        s.sea_phase[i] = 6.283185307179586 * (uniform(int(s.seed), SEA_PHASE, i) - 0.5)
+        work.amplitude[i] /= math.sqrt(total)
 
 
 @kernel
-def advance_sum(vessel: Record, scratch: Record, h: float, state: Record) -> None:
-    """Advance each component's phase by ``h`` [s] at the frequency at which the boat meets it."""
+def advance_sum(vessel: Record, h: float, state: Record) -> None:
+    """Advance by ``h`` [s] what the phases above the boat follow from."""
+    s = state[0]
+    cos_wind, sin_wind = cosine_and_sine(s.sea_direction)
+    number = s.sea_omega * s.sea_omega / vessel[0].g
+    s.sea_turned += s.sea_omega * h
+    s.sea_along += number * (s.xdot * cos_wind + s.ydot * sin_wind) * h
+    s.sea_across += number * (s.ydot * cos_wind - s.xdot * sin_wind) * h
+
+
+@kernel
+def phase(scratch: Record, state: Record, i: int) -> float:
+    """Return the phase [rad] of component ``i`` above the boat."""
     s = state[0]
     work = scratch[0]
-    g = vessel[0].g
-    cos_wind, sin_wind = cosine_and_sine(s.sea_direction)
-    for i in range(SEA_COMPONENTS):
-        angle_cos, angle_sin = ANGLE_COS[i // BANDS], ANGLE_SIN[i // BANDS]
-        along = s.xdot * (cos_wind * angle_cos - sin_wind * angle_sin)
-        along += s.ydot * (sin_wind * angle_cos + cos_wind * angle_sin)
-        omega = s.sea_omega * work.relative[i]
-        met = omega - omega * omega / g * along
-        s.sea_phase[i] = wrapped(s.sea_phase[i] + met * h)
+    q = work.relative[i]
+    met = s.sea_along * ANGLE_COS[i // BANDS] + s.sea_across * ANGLE_SIN[i // BANDS]
+    return work.start[i] + q * s.sea_turned - q * q * met
 
 
 @kernel
-def sum_elevation(state: Record) -> float:
+def sum_elevation(scratch: Record, state: Record) -> float:
     """Return the surface elevation above the boat [-], of variance 1."""
-    s = state[0]
     elevation = 0.0
     for i in range(SEA_COMPONENTS):
-        elevation += WEIGHT[i // BANDS] * cosine(s.sea_phase[i])
+        elevation += scratch[0].amplitude[i] * cosine(phase(scratch, state, i))
     return elevation

@@ -1,0 +1,113 @@
+"""The machine-code cache: never old physics, always somewhere that can be written."""
+
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+import trainer
+
+PACKAGE = Path(trainer.__file__).parent
+RATES = """
+from trainer.boat import Boat
+from trainer.core.rates import rates
+from trainer.fitout import Method
+from trainer.vessel_file import load_vessel
+
+boat = Boat(load_vessel("bb2"), Method("modified", "exact", "exact", "adams2", 0.5))
+boat.state.u, boat.state.v = 5.0, 0.5
+rates(*boat.records)
+print(repr(float(boat.state.vdot)))
+"""
+SINE = """
+import os
+from pathlib import Path
+from trainer.core.elementary import sine
+
+assert abs(sine(1.0) - 0.8414709848078965) < 1e-15
+folder = Path(os.environ["NUMBA_CACHE_DIR"])
+print(folder)
+print(len(list(folder.rglob("*.nbi"))))
+"""
+
+
+def said(code: str, where: Path, **environment: str) -> list[str]:
+    """Return the lines a fresh interpreter prints; it imports the trainer that is in ``where``."""
+    own = {"NUMBA_CACHE_DIR", "XDG_CACHE_HOME", "PYTHONPATH", "NUMBA_DISABLE_JIT"}
+    kept = {name: value for name, value in os.environ.items() if name not in own}
+    ran = subprocess.run(
+        [sys.executable, "-c", code],
+        cwd=where,
+        env=kept | {"PYTHONPATH": str(where)} | environment,
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    return ran.stdout.splitlines()
+
+
+@pytest.fixture
+def copied(tmp_path: Path) -> Path:
+    """Return a folder with a copy of the package, to be changed."""
+    leave = shutil.ignore_patterns("__pycache__", "*.nbi", "*.nbc")
+    shutil.copytree(PACKAGE, tmp_path / "trainer", ignore=leave)
+    if not (PACKAGE / "configs").exists():  # in a checkout they lie beside the package
+        shutil.copytree(PACKAGE.parent / "configs", tmp_path / "configs")
+    return tmp_path
+
+
+def test_a_number_changed_in_another_file_of_the_core_changes_what_a_kernel_returns(
+    copied: Path,
+) -> None:
+    # numba looks at a kernel's own file only: rates.py does not change, compact.py does
+    cache = str(copied / "cache")
+    before = said(RATES, copied, NUMBA_CACHE_DIR=cache)
+    again = said(RATES, copied, NUMBA_CACHE_DIR=cache)
+
+    source = copied / "trainer" / "core" / "compact.py"
+    text = source.read_text()
+    assert text.count("+ c.Y_vav * v * cross") == 1
+    source.write_text(text.replace("+ c.Y_vav * v * cross", "+ 100.0 * c.Y_vav * v * cross"))
+    after = said(RATES, copied, NUMBA_CACHE_DIR=cache)
+
+    assert before == again
+    assert float(after[0]) < 5.0 * float(before[0]) < 0.0
+
+
+def test_machine_code_goes_into_the_users_cache_folder_of_this_version_alone(
+    tmp_path: Path,
+) -> None:
+    folder, files = said(SINE, PACKAGE.parent, XDG_CACHE_HOME=str(tmp_path))
+
+    assert Path(folder).parent == tmp_path
+    assert Path(folder).name.startswith("submarine-trainer-")
+    assert int(files) > 0
+
+
+def test_the_users_own_numba_folder_is_the_parent_also_of_a_process_it_starts(
+    tmp_path: Path,
+) -> None:
+    folder, _ = said(SINE, PACKAGE.parent, NUMBA_CACHE_DIR=str(tmp_path / "mine"))
+    child, _ = said(SINE, PACKAGE.parent, NUMBA_CACHE_DIR=folder)
+
+    assert Path(folder).parent == tmp_path / "mine"
+    assert child == folder
+
+
+def test_without_a_home_to_write_to_it_still_runs_and_leaves_nothing_behind(
+    tmp_path: Path,
+) -> None:
+    (tmp_path / "file").write_text("a home below a file cannot be made, not even by root")
+    temporary = tmp_path / "temporary"
+    temporary.mkdir()
+    home = str(tmp_path / "file" / "home")
+    none = {"HOME": home, "USERPROFILE": home, "LOCALAPPDATA": home}
+
+    folder, files = said(SINE, PACKAGE.parent, TMPDIR=str(temporary), **none)
+
+    assert Path(folder).parent.parent == temporary
+    assert int(files) > 0
+    assert list(temporary.iterdir()) == []

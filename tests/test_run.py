@@ -1,0 +1,605 @@
+"""``trainer run`` as its user has it: a process with pipes, files, lines and signals."""
+
+import contextlib
+import csv
+import os
+import re
+import signal
+import socket
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import pytest
+
+import trainer
+from trainer.cli import main
+from trainer.vessel_file import load_vessel
+
+COMMAND = [sys.executable, "-c", "from trainer.cli import main; main()"]
+PATIENCE = 120.0  # [s] a first run compiles
+HEADLESS = ("run", "--headless", "--speed", "max")
+ORDERS = "1 rudder right 15\n3 depth 70\n6 bell ahead full\n12 rudder left 10\n"
+
+Start = Callable[..., "subprocess.Popen[str]"]
+
+posix = pytest.mark.skipif(os.name != "posix", reason="signals and shells of POSIX")
+
+
+@pytest.fixture
+def start(tmp_path: Path) -> Iterator[Start]:
+    """Return a function that starts the command in an empty folder; what still runs is killed."""
+    here = [str(Path(trainer.__file__).parents[1]), os.environ.get("PYTHONPATH", "")]
+    path = {"PYTHONPATH": os.pathsep.join(filter(None, here))}
+    with contextlib.ExitStack() as started:
+
+        def begin(*words: str, before: tuple[str, ...] = (), **environment: str) -> object:
+            pipe = subprocess.PIPE
+            process = subprocess.Popen(
+                [*before, *COMMAND, *words],
+                cwd=tmp_path,
+                env=os.environ | path | environment,
+                stdin=pipe,
+                stdout=pipe,
+                stderr=pipe,
+                text=True,
+                encoding="utf-8",
+                errors="surrogateescape",
+            )
+            started.enter_context(process)
+            started.callback(process.kill)
+            return process
+
+        yield begin  # type: ignore[misc]  # the type of its keywords is loose
+
+
+class Run:
+    """What a finished command has said."""
+
+    def __init__(self, process: "subprocess.Popen[str]", typed: str = "") -> None:
+        self.out, self.err = process.communicate(typed, timeout=PATIENCE)
+        self.code = process.returncode
+        self.shown = [line for line in self.out.splitlines() if re.match(r"\d\d:\d\d:\d\d", line)]
+
+
+def rows(path: Path) -> list[dict[str, float]]:
+    with path.open(newline="") as stream:
+        return [{name: float(text) for name, text in row.items()} for row in csv.DictReader(stream)]
+
+
+def heard(process: "subprocess.Popen[str]", words: str) -> str:
+    """Return the next line of output that holds the words."""
+    assert process.stdout
+    for line in process.stdout:
+        if words in line:
+            return line
+    raise AssertionError(f"{words!r} was never said")
+
+
+def say(process: "subprocess.Popen[str]", words: str) -> None:
+    assert process.stdin
+    process.stdin.write(words)
+    process.stdin.flush()
+
+
+# The newcomer's run
+
+
+def test_a_pipe_steers_the_boat_and_its_end_does_not_end_the_run(
+    start: Start, tmp_path: Path
+) -> None:
+    ran = Run(start("run", "--duration", "120", "--speed", "max"), "depth 80\n")
+
+    assert ran.code == 0
+    assert "keeping depth 80 m" in ran.out
+    assert len(ran.shown) == 240
+    assert ran.shown[-1].startswith("00:02:00")
+    assert float(ran.shown[-1][9:15]) > 75.0
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_orders_wait_for_no_line_end_and_quit_ends_the_run(start: Start) -> None:
+    ran = Run(start("run", "--speed", "max"), "freeze\nstep 3\nrudder right 10\nquit")
+    assert ran.code == 0
+    assert len(ran.shown) == 3
+    assert "rudder right 10, by hand" in ran.out
+
+
+def test_the_summary_counts_what_was_simulated(start: Start) -> None:
+    ran = Run(start(*HEADLESS, "--duration", "2m"))
+
+    assert ran.code == 0
+    assert "simulated   120.0 s in 240 ticks;" in ran.out
+    assert re.search(r"duty cycle  0\.\d+ %   \(1969: 38 % at 0.5 s, 19 % at 1 s\)", ran.out)
+    assert "overruns 0, caught up 0, slipped 0, gaps 0 (0.0 s)" in ran.out
+    assert "depth 60 m, course 000.0, speed 10 kn" in ran.out
+    assert len(ran.out.splitlines()) <= 24
+
+
+def test_orders_typed_as_garbage_are_answered_and_the_run_goes_on(start: Start) -> None:
+    typed = "depht 80\n" + "x" * 5000 + "\n\x00\x01\udcff\udc80\n" + "depth 70\n"
+    ran = Run(start("run", "--speed", "max", "--duration", "10"), typed)
+
+    assert ran.code == 0
+    assert ran.out.count("\n? ") == 3
+    assert "did you mean depth" in ran.out
+    assert "longer than 80 characters" in ran.out
+    assert "keeping depth 70 m" in ran.out
+    assert len(ran.shown) == 20
+
+
+# The recording
+
+
+def test_the_csv_has_a_row_for_the_start_and_each_tick_and_loses_no_digit(
+    start: Start, tmp_path: Path
+) -> None:
+    ran = Run(start(*HEADLESS, "--duration", "30", "--step", "0.3", "--csv", "out.csv"))
+    assert ran.code == 0
+
+    lines = (tmp_path / "out.csv").read_text().splitlines()
+    assert lines[0] == (
+        "tick,t,u,v,w,p,q,r,x,y,z,phi,theta,psi,delta_r,delta_s,delta_b,u_c,weight,x_g,z_g,eta_wave"
+    )
+    assert len(lines) == 102
+    for tick, line in enumerate(lines[1:]):
+        cells = line.split(",")
+        assert len(cells) == 22
+        assert (cells[0], float(cells[1])) == (str(tick), tick * 0.3)
+        assert [repr(float(cell)) for cell in cells[1:]] == cells[1:]
+
+
+def test_a_scheduled_order_acts_on_its_tick(start: Start, tmp_path: Path) -> None:
+    (tmp_path / "orders.txt").write_text("# to starboard\n600 rudder right 15\n")
+    files = ("--orders", "orders.txt", "--csv", "out.csv")
+    assert Run(start(*HEADLESS, "--duration", "601", *files)).code == 0
+
+    rudder = [row["delta_r"] for row in rows(tmp_path / "out.csv")]
+    assert set(rudder[:1201]) == {rudder[0]}
+    assert rudder[1201] - rudder[0] == pytest.approx(-3.55 * 0.017453292519943295)
+
+
+def test_psi_is_not_wrapped(start: Start, tmp_path: Path) -> None:
+    (tmp_path / "orders.txt").write_text("0 rudder right 20\n")
+    files = ("--orders", "orders.txt", "--csv", "out.csv")
+    assert Run(start(*HEADLESS, "--duration", "10m", *files)).code == 0
+    assert rows(tmp_path / "out.csv")[-1]["psi"] > 7.0
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="no /dev/full here")
+@pytest.mark.parametrize("speed", ["max", "100"])
+def test_a_full_disk_is_told_and_the_run_still_finishes(start: Start, speed: str) -> None:
+    ran = Run(start("run", "--speed", speed, "--duration", "20", "--csv", "/dev/full"))
+
+    assert ran.code == 1
+    assert "trainer: /dev/full: No space left on device; 0 rows are whole" in ran.err
+    assert ran.out.count("NOT RECORDED: /dev/full") == (speed == "100")  # at once, not at the end
+    assert "in 40 ticks" in ran.err
+    assert len(ran.shown) == 40
+
+
+@posix
+def test_a_disk_that_fills_up_keeps_the_rows_that_are_said_to_be_whole(
+    start: Start, tmp_path: Path
+) -> None:
+    limit = ("sh", "-c", 'ulimit -f 100; exec "$@"', "sh")
+    Run(start(*HEADLESS, "--duration", "10"))  # compiled now: the cache has no room either
+    ran = Run(start(*HEADLESS, "--duration", "10m", "--csv", "out.csv", before=limit))
+
+    assert ran.code == 1
+    told = re.search(r"out.csv: File too large; (\d+) rows are whole", ran.err)
+    assert told
+    text = (tmp_path / "out.csv").read_text()
+    assert int(told[1]) == text.count("\n") - 1 > 100
+    assert "in 1200 ticks" in ran.out
+
+
+# The same inputs, the same bits
+
+
+def recorded(start: Start, folder: Path, *words: str, typed: str = "", **environment: str) -> bytes:
+    """Return the CSV bytes of a run under scheduled orders."""
+    (folder / "orders.txt").write_text(ORDERS)
+    files = ("--orders", "orders.txt", "--csv", "out.csv")
+    ran = Run(start("run", *words, "--duration", "15", *files, **environment), typed)
+    assert ran.code == 0, ran.err
+    return (folder / "out.csv").read_bytes()
+
+
+@pytest.mark.parametrize("equations", ["modified", "full"])
+def test_the_same_inputs_give_the_same_bits(start: Start, tmp_path: Path, equations: str) -> None:
+    here = ("--equations", equations)
+    reference = recorded(start, tmp_path, *here, "--headless", "--speed", "max")
+
+    assert reference.count(b"\n") == 32
+    again = {
+        "twice": recorded(start, tmp_path, *here, "--headless", "--speed", "max"),
+        "a console": recorded(start, tmp_path, *here, "--speed", "max"),
+        "real time": recorded(start, tmp_path, *here, "--speed", "50"),
+        "frozen": recorded(
+            start, tmp_path, *here, "--speed", "max", typed="freeze\nstep 5\nfreeze\nstep\nrun\n"
+        ),
+        "no JIT": recorded(
+            start, tmp_path, *here, "--headless", "--speed", "max", NUMBA_DISABLE_JIT="1"
+        ),
+    }
+    assert [name for name, found in again.items() if found != reference] == []
+
+
+def test_frozen_and_resumed_in_real_time_gives_the_same_bits(start: Start, tmp_path: Path) -> None:
+    reference = recorded(start, tmp_path, "--headless", "--speed", "max")
+    files = ("--orders", "orders.txt", "--csv", "out.csv")
+    process = start("run", "--speed", "20", "--duration", "15", *files)
+    for words, answer in (
+        ("", "00:00:02"),
+        ("freeze\n", "frozen"),
+        ("step 2\n", "2 ticks"),
+        ("time max\n", "time as fast"),
+        ("time 20\n", "time 20"),
+        ("run\n", "running"),
+    ):
+        say(process, words)
+        heard(process, answer)
+
+    assert Run(process).code == 0
+    assert (tmp_path / "out.csv").read_bytes() == reference
+
+
+@posix
+def test_a_killed_run_leaves_whole_rows_and_run_again_gives_the_same_bits(
+    start: Start, tmp_path: Path
+) -> None:
+    reference = recorded(start, tmp_path, "--headless", "--speed", "max")
+    files = ("--orders", "orders.txt", "--csv", "out.csv")
+    process = start("run", "--speed", "10", "--duration", "15", *files)
+    heard(process, "00:00:04")
+    process.kill()
+    process.wait(PATIENCE)
+
+    left = (tmp_path / "out.csv").read_bytes()
+    assert left.count(b"\n") >= 9
+    assert reference.startswith(left)
+    assert left.endswith(b"\n")
+    assert recorded(start, tmp_path, "--headless", "--speed", "max") == reference
+
+
+# Signals and broken pipes
+
+
+@posix
+@pytest.mark.parametrize(
+    ("number", "words"),
+    [(signal.SIGINT, ""), (signal.SIGTERM, "freeze\n"), (signal.SIGINT, "time max\n")],
+)
+def test_a_signal_ends_the_run_cleanly_with_its_recording_complete(
+    start: Start, tmp_path: Path, number: int, words: str
+) -> None:
+    process = start("run", "--speed", "20", "--csv", "out.csv")
+    heard(process, "00:00:02")
+    if words:
+        say(process, words)
+        heard(process, {"freeze\n": "frozen", "time max\n": "time as fast"}[words])
+    process.send_signal(number)
+    ran = Run(process)
+
+    assert ran.code == 0, ran.err
+    told = re.search(r"in (\d+) ticks", ran.err)
+    assert told
+    found = rows(tmp_path / "out.csv")
+    assert [row["tick"] for row in found] == list(range(int(told[1]) + 1))
+    assert (tmp_path / "out.csv").read_text().endswith("\n")
+
+
+@posix
+def test_a_reader_that_goes_away_costs_its_output_and_nothing_else(
+    start: Start, tmp_path: Path
+) -> None:
+    process = start("run", "--speed", "max", "--duration", "5m", "--csv", "out.csv")
+    assert process.stdin
+    assert process.stdout
+    process.stdin.close()
+    for _ in range(3):
+        process.stdout.readline()
+    process.stdout.close()
+    assert process.stderr
+    told = process.stderr.read()
+
+    assert process.wait(PATIENCE) == 0
+    assert re.search(r"console: \d+ lines dropped", told)
+    assert "Traceback" not in told
+    assert len(rows(tmp_path / "out.csv")) == 601
+
+
+@posix
+@pytest.mark.parametrize("closed", ["<&-", ">&-", "<&- >&- 2>&-"])
+def test_closed_streams_do_not_disturb_the_run_or_get_into_its_recording(
+    start: Start, tmp_path: Path, closed: str
+) -> None:
+    shell = ("sh", "-c", f'exec "$@" {closed}', "sh")
+    process = start("run", "--speed", "max", "--duration", "20", "--csv", "out.csv", before=shell)
+    ran = Run(process)
+
+    assert ran.code == 0, ran.err
+    assert "Traceback" not in ran.err
+    lines = (tmp_path / "out.csv").read_text().splitlines()
+    assert [line.count(",") for line in lines] == [21] * 42
+
+
+@posix
+def test_a_stopped_process_goes_on_without_a_burst_and_the_gap_is_told(start: Start) -> None:
+    process = start("run", "--speed", "10")  # 20 lines a second
+    heard(process, "00:00:02")
+    process.send_signal(signal.SIGSTOP)
+    time.sleep(2.0)
+    process.send_signal(signal.SIGCONT)
+    told = heard(process, "the process was not running for")
+    resumed = time.monotonic()
+    at = int(told.split()[1].rstrip(":"))
+    lines = [heard(process, ":") for _ in range(20)]
+    taken = time.monotonic() - resumed
+    say(process, "quit\n")
+    ran = Run(process)
+
+    assert float(told.split()[-2]) == pytest.approx(2.0, abs=0.5)
+    assert taken > 0.5  # a burst is over at once; 20 ticks take 0.95 s
+    assert len(lines) == 20
+    assert at < 20  # 40 ticks were due meanwhile
+    assert ran.code == 0
+    found = re.search(r"caught up (\d+), slipped (\d+), gaps (\d+) \(([\d.]+) s\)", ran.err)
+    assert found
+    assert int(found[1]) + int(found[2]) < 15
+    assert int(found[3]) >= 1
+    assert float(found[4]) == pytest.approx(2.0, abs=0.5)
+
+
+# The console on a line
+
+
+def dialogue(read: Callable[[], bytes], write: Callable[[bytes], object]) -> str:
+    """Return what the console says until it has answered an order and shown the boat."""
+    said = b""
+    end = time.monotonic() + PATIENCE
+    for order, answer in (
+        (b"", b"help   quit\r\n"),  # a line that opens may drop what came before
+        (b"rudder right 10\r\n", b"rudder right 10, by hand\r\n"),
+        (b"", b" R10.0* "),
+        (b"quit\r\n", b"ending\r\n"),
+    ):
+        write(order)
+        while answer not in said and time.monotonic() < end:
+            said += read()
+        assert answer in said
+    return said.decode("ascii")
+
+
+def test_a_socket_is_a_console(start: Start) -> None:
+    with socket.create_server(("127.0.0.1", 0)) as server:
+        port = server.getsockname()[1]
+        process = start("run", "--speed", "20", "--serial", f"socket://127.0.0.1:{port}")
+        server.settimeout(PATIENCE)
+        line, _ = server.accept()
+        with line:
+            line.settimeout(PATIENCE)
+            said = dialogue(lambda: line.recv(4096), line.sendall)
+            ran = Run(process)
+
+    assert said.startswith("Joubert BB2")
+    assert ran.code == 0
+    assert "simulated" in ran.err
+
+
+@pytest.mark.skipif(not hasattr(os, "openpty"), reason="no pseudo-terminals here")
+def test_a_serial_device_is_a_console(start: Start) -> None:
+    ours, theirs = os.openpty()
+    process = start("run", "--speed", "20", "--serial", os.ttyname(theirs))
+    said = dialogue(lambda: os.read(ours, 4096), lambda data: os.write(ours, data))
+    ran = Run(process)
+    os.close(ours)
+    os.close(theirs)
+
+    assert "Joubert BB2" in said
+    assert ran.code == 0
+
+
+# Wrong input: one line that helps, exit code 2
+
+
+@pytest.fixture
+def refused(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> Callable[..., str]:
+    """Return a function that runs the command in this process and returns what it refuses with."""
+    monkeypatch.chdir(tmp_path)
+
+    def run(*words: str) -> str:
+        monkeypatch.setattr(sys, "argv", ["trainer", *words])
+        with pytest.raises(SystemExit) as left:
+            main()
+        said = capsys.readouterr()
+        assert left.value.code == 2, said.err
+        assert said.out == ""
+        told = said.err.splitlines()
+        assert [line for line in told if not line.startswith("trainer: ")] == []
+        return "\n".join(told)
+
+    return run
+
+
+@pytest.mark.parametrize(
+    ("words", "told"),
+    [
+        ("--vessel bb3", 'no vessel "bb3"; nearest is bb2; shipped: bb2, remus100, sdv-mk9'),
+        ("--vessel ./boat.toml", "boat.toml: there is no such file"),
+        ("--step 0", "--step 0: a step is 0.001 to 2 s"),
+        ("--step=-1", "--step -1: a step is 0.001 to 2 s"),
+        ("--step 3", "--step 3: a step is 0.001 to 2 s"),
+        ("--step nan", "--step nan: a step is 0.001 to 2 s"),
+        ("--step x", "'x' is not a valid float"),
+        ("--speed 0", "'0' is not a speed of time: 0.1 to 100, or max"),
+        ("--speed nan", "'nan' is not a speed of time"),
+        ("--speed 1000", "'1000' is not a speed of time"),
+        ("--duration x", "'x' is not a time such as 90, 10m or 1h30m"),
+        ("--duration 0", "a run lasts longer than 0 s"),
+        ("--duration=-5", "is not a time"),
+        ("--integrator rk5", "--integrator 'rk5': give one of euler, adams2, best2, "),
+        ("--integrator a=1;b=2", "--integrator a=1;b=2: "),
+        ("--equations ful", "'ful' is not one of 'full', 'modified', 'basic', 'longitudinal'"),
+        ("--csv no/such/out.csv", "--csv no/such/out.csv: No such file or directory"),
+        ("--csv .", "--csv .: Is a directory"),
+        ("--orders none.txt", "--orders none.txt: No such file or directory"),
+        ("--serial ./ttyNONE", "--serial ./ttyNONE: No such file or directory"),
+        ("--serial socket://127.0.0.1:1", "--serial socket://127.0.0.1:1: Connection refused"),
+        ("--serial sockt://x", "did you mean socket"),
+        ("--vesel bb2", "No such option '--vesel'"),
+        ("extra", "unexpected extra argument"),
+    ],
+)
+def test_a_wrong_option_is_told_in_one_line(
+    refused: Callable[..., str], words: str, told: str
+) -> None:
+    line = refused("run", "--headless", "--speed", "max", "--duration", "1", *words.split())
+    assert told in line
+    assert "\n" not in line
+
+
+def test_a_wrong_option_or_command_is_told_the_nearest(refused: Callable[..., str]) -> None:
+    assert "did you mean run?" in refused("rnu")
+    assert "--vessel" in refused("run", "--vesel", "bb2").replace("'--vesel'", "")
+    assert refused("run", "--stp", "1").endswith("(trainer run --help says more)")
+
+
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        ("5 rudder right 10\n10 ruder left 5\n", "orders.txt:2: "),
+        ("\n\nrudder right 10\n", "orders.txt:3: a line is SECONDS ORDER"),
+        ("5\n", "orders.txt:1: a line is SECONDS ORDER"),
+        ("-5 freeze\n", "orders.txt:1: "),
+        ("9999999 freeze\n", "orders.txt:1: 9999999 s: the latest time is 1000000 s"),
+        ("1 freeze\n2 help\n", "orders.txt:2: help has no place in a schedule"),
+        ("\udcff\udcfe\n", "--orders orders.txt: not text in UTF-8"),
+        ("# \n" * 400_000, "--orders orders.txt: over 1000000 bytes"),
+    ],
+)
+def test_a_wrong_schedule_is_told_by_file_and_line(
+    refused: Callable[..., str], tmp_path: Path, text: str, told: str
+) -> None:
+    (tmp_path / "orders.txt").write_bytes(text.encode("utf-8", errors="surrogateescape"))
+    assert told in refused(*HEADLESS, "--duration", "1", "--orders", "orders.txt")
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "told"),
+    [
+        ("X_udot =", "X_udto =", ["[coefficients.X]", "X_udto", "X_udot"]),
+        ("Ix = 5.23e7", "Ix = 0.0", ["[vessel]", "Ix = 0"]),
+        ("mass = 4418825.3321", "mass = -4418825.3321", ["[vessel]", "mass = -4418825"]),
+        ("Iz = 1.367e9", "Iz = nan", ["[vessel]", "Iz = nan"]),
+        ("length = 70.2", "length = 230.3", ["[vessel]", "length", "are these feet?"]),
+        ("beam = 9.6", "beam = 9.6\nbeam = 9.6", ["boat.toml", "beam"]),
+    ],
+)
+def test_a_wrong_vessel_is_told_by_file_table_and_key(
+    refused: Callable[..., str], tmp_path: Path, old: str, new: str, told: list[str]
+) -> None:
+    text = load_vessel("bb2").path.read_text()
+    assert text.count(f"\n{old}") == 1
+    (tmp_path / "boat.toml").write_text(text.replace(f"\n{old}", f"\n{new}"))
+
+    line = refused(*HEADLESS, "--duration", "1", "--vessel", "./boat.toml")
+
+    assert line.startswith("trainer: boat.toml: ")
+    assert [word for word in told if word not in line] == []
+
+
+@pytest.mark.parametrize("data", [b"# " + b"x" * 10_000_000, b"\x00\xff\x7fELF" * 100, b""])
+def test_a_file_that_is_no_vessel_is_refused(
+    refused: Callable[..., str], tmp_path: Path, data: bytes
+) -> None:
+    (tmp_path / "boat.toml").write_bytes(data)
+    assert "boat.toml" in refused(*HEADLESS, "--duration", "1", "--vessel", "./boat.toml")
+
+
+# Steps that are not stable, and what becomes of a boat that is driven with one all the same
+
+
+def test_an_unstable_step_is_refused_with_the_largest_stable_one(
+    refused: Callable[..., str], start: Start
+) -> None:
+    line = refused(*HEADLESS, "--duration", "1", "--step", "2", "--integrator", "euler")
+
+    assert "--step 2 s is not stable with euler" in line
+    largest = re.search(r"the largest stable step is ([\d.]+) s \(--unsafe-step runs it", line)
+    assert largest
+    below = f"{0.98 * float(largest[1]):.3f}"
+    ran = Run(start(*HEADLESS, "--duration", "10", "--step", below, "--integrator", "euler"))
+    assert ran.code == 0, ran.err
+    above = f"{1.02 * float(largest[1]):.3f}"
+    assert "is not stable" in refused(*HEADLESS, "--step", above, "--integrator", "euler")
+
+
+@pytest.mark.parametrize(("equations", "integrator"), [("full", "euler"), ("modified", "adams2")])
+def test_a_boat_driven_to_divergence_freezes_and_says_where(
+    start: Start, tmp_path: Path, equations: str, integrator: str
+) -> None:
+    (tmp_path / "orders.txt").write_text("10 rudder right 25\n10 stern dive 20\n10 turns 20\n")
+    ran = Run(
+        start(
+            *("run", "--speed", "max", "--duration", "2h", "--step", "2", "--unsafe-step"),
+            *("--equations", equations, "--integrator", integrator),
+            *("--orders", "orders.txt", "--csv", "out.csv"),
+        )
+    )
+
+    assert ran.code == 1
+    told = re.search(
+        r"trainer: frozen: (\w+) is no longer finite after tick (\d+) \((\d+) s\); "
+        r"last good state: u (\S+) m/s, pitch (\S+) deg, heel (\S+) deg, depth (\S+) m",
+        ran.err,
+    )
+    assert told
+    assert f"FROZEN: {told[1]} is no longer finite after tick {told[2]}" in ran.out
+    text = (tmp_path / "out.csv").read_text()
+    assert "nan" not in text
+    assert "inf" not in text
+    last = rows(tmp_path / "out.csv")[-1]
+    assert last["tick"] == float(told[2])
+    assert last["t"] == 2.0 * last["tick"] == float(told[3])
+    assert last["u"] == pytest.approx(float(told[4]), rel=1e-3)
+    assert max(map(len, ran.err.splitlines())) < 250
+
+
+def test_a_run_that_a_schedule_freezes_for_good_ends_and_says_so(
+    start: Start, tmp_path: Path
+) -> None:
+    (tmp_path / "orders.txt").write_text("5 freeze\n")
+    ran = Run(start(*HEADLESS, "--duration", "1h", "--orders", "orders.txt"))
+    assert ran.code == 1
+    assert "trainer: frozen at 5 s, and nobody is left to say run" in ran.err
+    assert "in 10 ticks" in ran.out
+
+
+# The command itself
+
+
+def test_the_bare_command_says_what_it_can_do(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(sys, "argv", ["trainer"])
+    with pytest.raises(SystemExit) as left:
+        main()
+    assert left.value.code == 0
+    out = capsys.readouterr().out
+    assert re.search(r"^  run +Run a boat in real time", out, re.MULTILINE)
+    assert "Usage: trainer" in out
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="no /dev/full here")
+def test_a_summary_that_cannot_be_written_is_told_without_a_traceback(start: Start) -> None:
+    shell = ("sh", "-c", 'exec "$@" >/dev/full', "sh")
+    ran = Run(start(*HEADLESS, "--duration", "5", before=shell))
+    assert ran.code != 0
+    assert "trainer: No space left on device" in ran.err
+    assert "Traceback" not in ran.err
