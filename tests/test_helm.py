@@ -464,6 +464,16 @@ def test_frozen_and_resumed_gives_the_same_bits() -> None:
     assert halting.boat.records.state.tobytes() == straight.boat.records.state.tobytes()
 
 
+def test_a_last_quit_in_a_freeze_is_no_desertion() -> None:
+    class Gone(Script):
+        silent = True  # the line is closed, and all it said waits to be read
+
+    script = Gone([["freeze"], ["quit"]])
+    session = run(script)
+    assert script.heard == ["frozen", "ending"]
+    assert not session.deserted
+
+
 def test_quit_ends_the_session_with_what_was_typed_before_it_done() -> None:
     script = Script([["depth 75", "quit"]])
     session = run(script)

@@ -338,7 +338,7 @@ def test_the_phase_is_that_of_a_wave_at_the_boat_s_place() -> None:
         omega = float(waves.state["sea_omega"][0] * waves.sea["relative"][0][i])
         way = 0.4 + np.arctan2(ANGLE_SIN[i // 10], ANGLE_COS[i // 10])
         along = time * (3.0 * np.cos(way) - 2.0 * np.sin(way))
-        expected = omega * time - omega**2 / G * along + float(waves.sea["start"][0][i])
+        expected = omega * time - omega**2 / G * along + float(waves.sea["phase_start"][0][i])
 
         assert phase(waves.sea, waves.state, i) == pytest.approx(expected, rel=1e-12, abs=1e-9)
 

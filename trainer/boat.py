@@ -7,6 +7,7 @@ import numpy as np
 from trainer.config import ConfigError
 from trainer.core import update as ticks
 from trainer.core.autopilot import autopilot
+from trainer.core.ballast import start_ballast
 from trainer.core.kernel import Record
 from trainer.core.rates import rates
 from trainer.core.state import STATE
@@ -60,6 +61,7 @@ class Boat:
         does near and below the critical speed of the stern planes.
         """
         s = self.state
+        self.records.scratch["external"] = 0.0
         scheme = self.records.scheme.copy()
         scheme["exact"] = 1
         for by, most in ((STERN, 0.3), (BOTH, 1.0), (STERN, 1.0)):
@@ -93,6 +95,7 @@ class Boat:
             )
         s = self.state
         s.z, s.psi = depth, course
+        start_ballast(self.records.vessel, self.records.vessel, self.records.state)
         rates(*self.records)
         s.rates[:6] = 0.0
         s.ordered_depth, s.ordered_psi, s.ordered_speed = depth, course, speed

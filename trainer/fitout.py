@@ -7,8 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from trainer.config import ConfigError
-from trainer.core import kinematics, scheme, state, vessel
+from trainer.core import kinematics, scheme, scratch, state, vessel
 from trainer.core.kernel import Record
+from trainer.fitout_ballast import ballast_record
 from trainer.vessel_file import VesselFile
 
 KNOT = 1852.0 / 3600.0  # [m/s]
@@ -209,6 +210,10 @@ def fit_out(file: VesselFile, method: Method) -> Records:
     for name, value in _control(file).items():
         full[name] = value
     _write_gains(file, full)
+    tanks = ballast_record(file)
+    for name in tanks.dtype.names or ():
+        if name != "whole":
+            full[name] = tanks[name]
     for name, value in _geometry(file).items():
         full[name] = value
     _write_surface(file, full)
@@ -221,5 +226,5 @@ def fit_out(file: VesselFile, method: Method) -> Records:
         vessel.compact_record(hull, kept, eta),
         scheme_record(method),
         boat,
-        state.new_scratch(),
+        scratch.new_scratch(),
     )

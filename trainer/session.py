@@ -91,9 +91,9 @@ class Session:
             if self.time.pacer.wait(self.wake) is Waited.WOKEN:
                 self.wake.clear()
                 self.listen()
-                self._take_steps()
             else:
                 self._tick()
+            self._take_steps()  # those of the schedule
 
     def stop(self) -> None:
         """End the run after the present tick; may be called from another thread."""
@@ -120,11 +120,11 @@ class Session:
 
     def _deserted(self) -> bool:
         """Return whether time stands still and nobody can let it go on."""
-        if not self.time.pacer.frozen or self._steps:
+        if not self.time.pacer.frozen:
             return False
         silent = all(console.silent for console in self.consoles)
         self.listen()  # what came before the silence
-        return silent and self.time.pacer.frozen and not self._steps
+        return silent and self.time.pacer.frozen and not self._over
 
     def _tell(self, *lines: str) -> None:
         for console in self.consoles:
@@ -220,7 +220,6 @@ class Session:
     def _step(self, order: Order) -> str:
         self.time.pacer.freeze()
         self._steps += int(order.value)
-        self.wake.set()
         return f"{int(order.value)} tick{'s' if order.value > 1.0 else ''}, then frozen"
 
     def _change_time(self, order: Order) -> str:

@@ -90,6 +90,18 @@ def forces(compact: Record, trig: int, state: Record, force: Numbers) -> None:
 
 
 @kernel
+def add_external(compact: Record, external: Numbers, force: Numbers) -> None:
+    """Add forces [N] and moments [N m] from outside; K_pdot, M_qdot, N_rdot are T4 to T6."""
+    c = compact[0]
+    force[0] += external[0]
+    force[1] += external[1]
+    force[2] += external[2]
+    force[3] += external[3] * c.K_pdot
+    force[4] += external[4] * c.M_qdot
+    force[5] += external[5] * c.N_rdot
+
+
+@kernel
 def lagged(compact: Record, force: Numbers, state: Record) -> None:
     """Write u' v' w' p' q' r' in that order, with last cycle's where this one's are not known yet.
 

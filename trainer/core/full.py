@@ -36,7 +36,7 @@ def axial_force(vessel: Record, trig: int, state: Record) -> float:
     u, v, w, p, q, r = s.u, s.v, s.w, s.p, s.q, s.r
     e = excess_eta(state)
 
-    body = m * (v * r - w * q + s.x_g * (q * q + r * r) - c.y_g * p * q - s.z_g * p * r)
+    body = m * (v * r - w * q + s.x_g * (q * q + r * r) - s.y_g * p * q - s.z_g * p * r)
     rotation = c.X_qq * q * q + c.X_rr * r * r + c.X_rp * r * p
     coupling = c.X_vr * v * r + c.X_wq * w * q
     drag = c.X_uu * u * u + c.X_vv * v * v + c.X_ww * w * w
@@ -64,7 +64,7 @@ def lateral_force(vessel: Record, trig: int, state: Record) -> float:
     cross = math.sqrt(v * v + w * w)
     e = excess_eta(state)
 
-    body = m * (w * p - u * r + c.y_g * (r * r + p * p) - s.z_g * q * r - s.x_g * q * p)
+    body = m * (w * p - u * r + s.y_g * (r * r + p * p) - s.z_g * q * r - s.x_g * q * p)
     rotation = c.Y_pap * p * abs(p) + c.Y_pq * p * q + c.Y_qr * q * r
     coupling = c.Y_vq * v * q + c.Y_wp * w * p + c.Y_wr * w * r
     damping = (
@@ -97,7 +97,7 @@ def normal_force(vessel: Record, trig: int, state: Record) -> float:
     cross = math.sqrt(v * v + w * w)
     e = excess_eta(state)
 
-    body = m * (u * q - v * p + s.z_g * (p * p + q * q) - s.x_g * r * p - c.y_g * r * q)
+    body = m * (u * q - v * p + s.z_g * (p * p + q * q) - s.x_g * r * p - s.y_g * r * q)
     rotation = c.Z_pp * p * p + c.Z_rr * r * r + c.Z_rp * r * p
     coupling = c.Z_vr * v * r + c.Z_vp * v * p
     damping = c.Z_q * u * q + c.Z_aqds * u * abs(q) * s.delta_s + c.Z_waq * sign(w) * cross * abs(q)
@@ -131,13 +131,13 @@ def rolling_moment(vessel: Record, trig: int, state: Record) -> float:
     cross = math.sqrt(v * v + w * w)
 
     inertia = (c.I_y - c.I_z) * q * r + c.I_xz * p * q - c.I_yz * (r * r - q * q) - c.I_xy * p * r
-    body = m * (c.y_g * (u * q - v * p) - s.z_g * (w * p - u * r))
+    body = m * (s.y_g * (u * q - v * p) - s.z_g * (w * p - u * r))
     rotation = c.K_qr * q * r + c.K_pq * p * q + c.K_pap * p * abs(p)
     damping = c.K_p * u * p + c.K_r * u * r + c.K_vq * v * q + c.K_wp * w * p + c.K_wr * w * r
     drift = c.K_star * u * u + c.K_v * u * v + c.K_vav * v * cross + c.K_vw * v * w
     rudder = c.K_dr * (u * u) * s.delta_r
     cos_th = pitch_roll_cosine(trig, s.theta)
-    weight = c.y_g * s.weight * cos_th * pitch_roll_cosine(trig, s.phi) - (
+    weight = s.y_g * s.weight * cos_th * pitch_roll_cosine(trig, s.phi) - (
         s.z_g * s.weight - c.z_b * c.buoyancy
     ) * cos_th * pitch_roll_sine(trig, s.phi)
     slip = c.K_star_eta * u * u * excess_eta(state)
@@ -190,7 +190,7 @@ def yawing_moment(vessel: Record, trig: int, state: Record) -> float:
     e = excess_eta(state)
 
     inertia = (c.I_x - c.I_y) * p * q + c.I_yz * r * p - c.I_xy * (q * q - p * p) - c.I_xz * r * q
-    body = m * (s.x_g * (w * p - u * r) - c.y_g * (v * r - w * q))
+    body = m * (s.x_g * (w * p - u * r) - s.y_g * (v * r - w * q))
     rotation = c.N_pq * p * q + c.N_qr * q * r + c.N_rar * r * abs(r)
     coupling = c.N_wr * w * r + c.N_wp * w * p + c.N_vq * v * q
     damping = (
@@ -200,7 +200,7 @@ def yawing_moment(vessel: Record, trig: int, state: Record) -> float:
     rudder = c.N_dr * (u * u) * s.delta_r
     weight = (s.x_g * s.weight - c.x_b * c.buoyancy) * (
         pitch_roll_cosine(trig, s.theta) * pitch_roll_sine(trig, s.phi)
-    ) + c.y_g * s.weight * pitch_roll_sine(trig, s.theta)
+    ) + s.y_g * s.weight * pitch_roll_sine(trig, s.theta)
     slip = (
         c.N_r_eta * u * r
         + c.N_v_eta * u * v
@@ -230,14 +230,14 @@ def inertia(vessel: Record, state: Record, out: Numbers) -> None:
     for i in range(6):
         for j in range(6):
             out[i, j] = 0.0
-    out[0, 0], out[0, 4], out[0, 5] = m - c.X_udot, m * s.z_g, -m * c.y_g
+    out[0, 0], out[0, 4], out[0, 5] = m - c.X_udot, m * s.z_g, -m * s.y_g
     out[1, 1], out[1, 3], out[1, 5] = m - c.Y_vdot, -c.Y_pdot - m * s.z_g, -c.Y_rdot + m * s.x_g
-    out[2, 2], out[2, 3], out[2, 4] = m - c.Z_wdot, m * c.y_g, -c.Z_qdot - m * s.x_g
-    out[3, 1], out[3, 2], out[3, 3] = -c.K_vdot - m * s.z_g, m * c.y_g, c.I_x - c.K_pdot
+    out[2, 2], out[2, 3], out[2, 4] = m - c.Z_wdot, m * s.y_g, -c.Z_qdot - m * s.x_g
+    out[3, 1], out[3, 2], out[3, 3] = -c.K_vdot - m * s.z_g, m * s.y_g, c.I_x - c.K_pdot
     out[3, 4], out[3, 5] = -c.I_xy, -c.I_xz - c.K_rdot
     out[4, 0], out[4, 2], out[4, 3] = m * s.z_g, -c.M_wdot - m * s.x_g, -c.I_xy
     out[4, 4], out[4, 5] = c.I_y - c.M_qdot, -c.I_yz
-    out[5, 0], out[5, 1], out[5, 3] = -m * c.y_g, -c.N_vdot + m * s.x_g, -c.I_xz - c.N_pdot
+    out[5, 0], out[5, 1], out[5, 3] = -m * s.y_g, -c.N_vdot + m * s.x_g, -c.I_xz - c.N_pdot
     out[5, 4], out[5, 5] = -c.I_yz, c.I_z - c.N_rdot
 
 

@@ -13,10 +13,13 @@ from numpy.typing import NDArray
 Record = NDArray[Any]  # a one-element structured array; a kernel binds ``s = state[0]``
 Numbers = NDArray[np.float64]
 
+# a name, a name with a shape, or a block's name with the names in it
+Field = str | tuple[str, tuple[int, ...]] | tuple[str, list[str]]
+
 kernel = njit(cache=True, error_model="numpy")
 
 
-def record_dtype(*fields: str | tuple[str, tuple[int, ...]] | tuple[str, list[str]]) -> np.dtype:
+def record_dtype(*fields: Field) -> np.dtype:
     """Return a structured dtype of float64 fields, in the order given.
 
     A field is a name, a name with a shape, or a name with a list of names: those are single

@@ -20,6 +20,7 @@ def rates(vessel: Record, compact: Record, scheme: Record, state: Record, scratc
     acceleration = s.rates[:6]
     if how.equations == COMPACT:
         compact_set.forces(compact, how.trig, state, work.force)
+        compact_set.add_external(compact, work.external, work.force)
         if how.exact != 0:
             compact_set.inertia(compact, state, work.inertia)
             exact(work.inertia, work.force, work.system, acceleration)
@@ -27,6 +28,8 @@ def rates(vessel: Record, compact: Record, scheme: Record, state: Record, scratc
             compact_set.lagged(compact, work.force, state)
     else:
         full_set.forces(vessel, how.trig, state, work.force)
+        for i in range(6):
+            work.force[i] += work.external[i]
         full_set.inertia(vessel, state, work.inertia)
         if how.equations == LONGITUDINAL:
             full_set.mask_lateral(work.force, work.inertia)

@@ -7,12 +7,12 @@ from typing import Final
 
 import numpy as np
 
-from trainer.core.kernel import Record, record_dtype
+from trainer.core.kernel import Field, Record, record_dtype
 from trainer.core.state import SEA_COMPONENTS
 
 DEGREE: Final = 9  # of the filter's denominator with the pole of the bilinear transform
 
-SEA: Final = record_dtype(
+SEA_FIELDS: Final[tuple[Field, ...]] = (
     # wave filter, and the frequency and step it is for
     "omega",  # [rad/s]
     "h",  # [s]
@@ -25,7 +25,7 @@ SEA: Final = record_dtype(
     "gamma",  # [-]
     "seed",
     ("relative", (SEA_COMPONENTS,)),  # [-] frequency over that of the peak
-    ("start", (SEA_COMPONENTS,)),  # [rad] phase at the start
+    ("phase_start", (SEA_COMPONENTS,)),  # [rad]
     ("amplitude", (SEA_COMPONENTS,)),  # [-] for variance 1
     # work space of the wave forces
     "g",  # [m/s2]
@@ -39,6 +39,8 @@ SEA: Final = record_dtype(
     "elevation_power",
     "quadrature_power",
 )
+
+SEA: Final = record_dtype(*SEA_FIELDS)
 
 
 def new_sea() -> Record:

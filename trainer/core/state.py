@@ -127,24 +127,3 @@ FIELDS: Final = [name for name in STATE.names or () if STATE.fields and name != 
 def new_state() -> Record:
     """Return a state record of zeros."""
     return np.zeros(1, STATE)
-
-
-SCRATCH: Final = record_dtype(
-    ("force", (6,)),  # right sides of the six equations, less the accelerations
-    ("inertia", (6, 6)),  # their coefficients on the left
-    ("system", (6, 7)),  # work space of the linear solve
-    ("jacobian", (7, 8)),  # of the trim, and its Newton step
-    ("change", (7,)),
-    ("start", (12,)),  # motion at the start of a Runge-Kutta step, and its weighted slopes
-    ("slope", (12,)),
-    ("origin", (12,)),  # motion and rates at the start of a variable step, to try it again from
-    ("origin_rates", (12,)),
-    ("coarse", (12,)),  # the variable step taken whole
-    ("gains", (20,)),  # autopilot gains at the present speed
-    ("before", (STATE.itemsize // 8,)),  # the state before the tick
-)
-
-
-def new_scratch() -> Record:
-    """Return the work space that kernels write to and nobody reads between ticks."""
-    return np.zeros(1, SCRATCH)

@@ -9,7 +9,7 @@ from typing import Final
 
 import numpy as np
 
-from trainer.core.kernel import Record, kernel, record_dtype
+from trainer.core.kernel import Field, Record, kernel, record_dtype
 
 BLOWN: Final = ("forward", "mid", "aft", "negative")  # emptied by air through their flood ports
 PUMPED: Final = ("trim_forward", "trim_aft", "auxiliary", "depth_control")
@@ -31,7 +31,7 @@ DISCHARGE: Final = 0.6  # [-] of a sharp-edged hole
 STATIONS: Final = 5  # of the hull, for its buoyancy at the surface
 LAYERS: Final = 4  # most points of the density profile
 
-BALLAST: Final = record_dtype(
+BALLAST_FIELDS: Final[tuple[Field, ...]] = (
     "fitted",  # [-] 0: a boat without tanks, whose weight and balance are never touched
     # by tank
     ("capacity", (len(TANKS),)),  # [kg] of sea water
@@ -66,6 +66,8 @@ BALLAST: Final = record_dtype(
     ("station_x", (STATIONS,)),  # [m]
     ("station_share", (STATIONS,)),  # [-] of the buoyancy
 )
+
+BALLAST: Final = record_dtype(*BALLAST_FIELDS)
 
 
 def new_ballast() -> Record:

@@ -2,10 +2,15 @@
 
 from trainer.core.actuators import move_surfaces
 from trainer.core.autopilot import autopilot
+from trainer.core.ballast import advance_ballast
+from trainer.core.buoyancy import buoyancy_forces
+from trainer.core.free_surface import surface_forces
 from trainer.core.integrators import advance
 from trainer.core.kernel import Record, kernel
 from trainer.core.propulsion import answer_telegraph
+from trainer.core.seaway import advance_sea
 from trainer.core.state import MOTION, RATES
+from trainer.core.wave_forces import wave_forces
 
 WATCHED = (*RATES, *MOTION)  # what a failing status points into
 
@@ -24,6 +29,17 @@ def not_finite(state: Record) -> int:
 
 
 @kernel
+def outside(vessel: Record, state: Record, scratch: Record) -> None:
+    """Write the forces of sea and surface, held over the tick."""
+    work = scratch[0]
+    for i in range(6):
+        work.external[i] = 0.0
+    wave_forces(vessel, scratch, state, work.external)
+    surface_forces(vessel, state, work.external)
+    buoyancy_forces(vessel, vessel, state, work.external)
+
+
+@kernel
 def update(vessel: Record, compact: Record, scheme: Record, state: Record, scratch: Record) -> int:
     """Advance ``state`` by one tick; return 0, or 1 + the place in WATCHED of what failed.
 
@@ -38,6 +54,9 @@ def update(vessel: Record, compact: Record, scheme: Record, state: Record, scrat
         work.before[i] = s.whole[i]
 
     autopilot(vessel, h, state, work.gains)
+    advance_ballast(vessel, vessel, h, state)
+    advance_sea(vessel, h, scratch, state)
+    outside(vessel, state, scratch)
     advance(vessel, compact, scheme, state, scratch)
     move_surfaces(vessel, h, state)
     answer_telegraph(vessel, h, state)

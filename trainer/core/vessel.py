@@ -10,6 +10,7 @@ from typing import Final
 import numpy as np
 
 from trainer.core.kernel import Record, record_dtype
+from trainer.core.tanks import BALLAST_FIELDS
 
 # Coefficients by equation and power of the length, as in [ASSES] Tables 2-4.
 TERMS: Final[dict[str, int]] = {
@@ -107,6 +108,7 @@ VESSEL: Final = record_dtype(
     ("surface_speed", (SURFACE_SPEEDS,)),  # [m/s] ascending
     ("surface_Z", (SURFACE_SPEEDS, SURFACE_DEPTHS)),  # [N s2/m2] Z_star less that in deep water
     ("surface_M", (SURFACE_SPEEDS, SURFACE_DEPTHS)),  # [N s2/m]
+    *BALLAST_FIELDS,
 )
 
 

@@ -5,7 +5,7 @@ above the boat the phase
 
     A = eps + q T - q^2 (D cos beta + C sin beta),    T = integral of omega_p dt,
 
-D and C the integrals of omega_p^2/g times the boat's speed along and across the wind's direction: so
+D and C the integrals of omega_p^2/g times the boat's speed along and across the wind: so
 that no change of period, direction, course or speed makes the surface jump, and three numbers carry
 all the phases. Departures: each component has a frequency of its own, drawn inside its band; the
 bands share the whole variance, below PART of it, not what lies between 0.2 and 1.8 rad/s, so that
@@ -72,7 +72,7 @@ def prepare_sum(gamma: float, seed: float, scratch: Record) -> None:
     for i in range(SEA_COMPONENTS):
         inside = uniform(int(seed), SEA_FREQUENCY, i)
         work.relative[i] = below(PART * (i % BANDS + inside) / BANDS)
-        work.start[i] = 6.283185307179586 * (uniform(int(seed), SEA_PHASE, i) - 0.5)
+        work.phase_start[i] = 6.283185307179586 * (uniform(int(seed), SEA_PHASE, i) - 0.5)
         work.amplitude[i] = WEIGHT[i // BANDS]
         if gamma != 1.0:
             work.amplitude[i] *= math.sqrt(peakedness(gamma, work.relative[i]))
@@ -99,7 +99,7 @@ def phase(scratch: Record, state: Record, i: int) -> float:
     work = scratch[0]
     q = work.relative[i]
     met = s.sea_along * ANGLE_COS[i // BANDS] + s.sea_across * ANGLE_SIN[i // BANDS]
-    return work.start[i] + q * s.sea_turned - q * q * met
+    return work.phase_start[i] + q * s.sea_turned - q * q * met
 
 
 @kernel

@@ -27,7 +27,8 @@ from trainer.config import ConfigError
 from trainer.console import Console
 from trainer.core.kernel import Record, kernel
 from trainer.core.scheme import SCHEME
-from trainer.core.state import SCRATCH, STATE
+from trainer.core.scratch import SCRATCH
+from trainer.core.state import STATE
 from trainer.core.update import update
 from trainer.core.vessel import COMPACT, VESSEL
 from trainer.fitout import KNOT, Method
