@@ -190,7 +190,7 @@ def test_an_hour_from_trim_keeps_depth_and_course(
 
 def test_a_boat_heavier_than_its_trim_finds_a_new_one(started: Callable[..., Boat]) -> None:
     boat = started(8.0)
-    boat.state.weight *= 1.002
+    boat.state.water_auxiliary += 0.002 * boat.vessel.mass
     run = sail(boat, 900.0)
 
     assert np.abs(run["depth"]).max() > 0.05
@@ -315,10 +315,10 @@ def test_planes_at_their_limits_for_ten_minutes_do_not_wind_it_up(
 
 def test_an_impossible_depth_order_does_not_wind_it_up(started: Callable[..., Boat]) -> None:
     boat = started(3.0)
-    boat.state.weight *= 0.998  # so light that its planes cannot take it down at this speed
+    boat.state.water_auxiliary -= 0.002 * boat.vessel.mass  # so light that its planes cannot take it down at this speed
     boat.state.ordered_depth = 300.0
     risen = sail(boat, 60.0)["depth"][-1]
-    boat.state.weight /= 0.998
+    boat.state.water_auxiliary += 0.002 * boat.vessel.mass
     boat.state.ordered_depth = 100.0
     run = sail(boat, 900.0)
 

@@ -251,11 +251,17 @@ def test_the_vertical_zig_zag_is_the_published_one(
 
 @pytest.mark.core
 @pytest.mark.long
-def test_dead_in_the_water_the_roll_decays_as_published(make_boat: Callable[..., Boat]) -> None:
+def test_dead_in_the_water_the_roll_decays_as_published(
+    make_boat: Callable[..., Boat], by_hand: Callable[[Boat], None]
+) -> None:
     # period 13.25 s; from one cycle to the next 0.80 of the amplitude is left, later 0.86
     boat = make_boat("bb2", "full", "exact", "rk4", STEP)
     s = boat.state
-    s.rudder_by_hand = s.stern_by_hand = s.bow_by_hand = s.speed_by_hand = 1.0
+    boat.start(10.0 * KNOT, DEEP, 0.0)
+    for name in ("motion", "rates", "surface"):
+        s[name][:] = 0.0
+    s.u_c = s.telegraph_order = s.telegraph_answer = 0.0
+    by_hand(boat)
     s.z, s.phi = DEEP, math.radians(4.58)
     heel = [float(s.phi)]
     for _ in range(round(60.0 / STEP)):

@@ -43,6 +43,7 @@ class Boat:
         self.vessel = self.records.vessel[0]
         self.state = self.records.state[0]
         self.toward = _senses(file)
+        start_ballast(self.records.vessel, self.records.vessel, self.records.state)
 
     @property
     def time(self) -> float:
