@@ -141,7 +141,7 @@ def test_a_boat_that_loses_its_numbers_is_refused(make_boat: Callable[..., Boat]
     boat.start(5.0, 60.0, 0.0)
     boat.state.q = np.inf
 
-    with pytest.raises(ConfigError, match=r"bb2\.toml has no place .* no longer finite"):
+    with pytest.raises(ConfigError, match=r"bb2\.toml has no place .* out of all bounds"):
         pace(boat, 1, lambda _: None)
 
 

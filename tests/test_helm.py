@@ -543,7 +543,7 @@ def test_a_boat_whose_numbers_are_lost_freezes_and_will_not_run_again() -> None:
     session = session_of(script, 10, "", boat)
     boat.state.x = math.inf
     session.run()
-    assert "x is no longer finite after tick 0 (0 s)" in session.failure
+    assert "x is out of all bounds after tick 0 (0 s)" in session.failure
     assert f"FROZEN: {session.failure}" in script.heard
     assert script.heard.count(f"? this boat cannot go on: {session.failure}") == 2
     assert boat.state.tick == 0

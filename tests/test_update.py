@@ -54,7 +54,7 @@ def test_a_tick_that_fails_leaves_the_state_as_it_was_and_names_the_place(
 
     assert boat.records.state.tobytes() == before
     assert WATCHED[status - 1] == named
-    assert boat.failure(status).startswith(f"{named} is no longer finite after tick 20 (10 s)")
+    assert boat.failure(status).startswith(f"{named} is out of all bounds after tick 20 (10 s)")
 
 
 @pytest.mark.core

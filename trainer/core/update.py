@@ -4,26 +4,34 @@ from trainer.core.actuators import move_surfaces
 from trainer.core.autopilot import autopilot
 from trainer.core.ballast import advance_ballast
 from trainer.core.buoyancy import buoyancy_forces
+from trainer.core.casualties import advance_casualties
 from trainer.core.free_surface import surface_forces
 from trainer.core.integrators import advance
 from trainer.core.kernel import Record, kernel
 from trainer.core.propulsion import answer_telegraph
 from trainer.core.seaway import advance_sea
 from trainer.core.state import MOTION, RATES
+from trainer.core.triggers import fire_triggers
 from trainer.core.wave_forces import wave_forces
 
 WATCHED = (*RATES, *MOTION)  # what a failing status points into
+FASTEST_RATE = 1e6  # [m/s2], [rad/s2], [m/s] or [rad/s]
+FASTEST = 1e3  # [m/s] or [rad/s]
+FURTHEST = 1e9  # [rad] or [m]
 
 
 @kernel
-def not_finite(state: Record) -> int:
-    """Return 1 + the place in WATCHED of the first number that is not finite, 0 if none."""
+def lost(state: Record) -> int:
+    """Return 1 + the place in WATCHED of the first number beyond any boat's, 0 if none is.
+
+    What is not finite is beyond too.
+    """
     s = state[0]
     for i in range(12):
-        if s.rates[i] - s.rates[i] != 0.0:
+        if not abs(s.rates[i]) < FASTEST_RATE:
             return 1 + i
     for i in range(12):
-        if s.motion[i] - s.motion[i] != 0.0:
+        if not abs(s.motion[i]) < (FASTEST if i < 6 else FURTHEST):
             return 13 + i
     return 0
 
@@ -53,6 +61,8 @@ def update(vessel: Record, compact: Record, scheme: Record, state: Record, scrat
     for i in range(s.whole.size):
         work.before[i] = s.whole[i]
 
+    fire_triggers(scheme, state)
+    advance_casualties(state)
     autopilot(vessel, h, state, work.gains)
     advance_ballast(vessel, vessel, h, state)
     advance_sea(vessel, h, scratch, state)
@@ -62,7 +72,7 @@ def update(vessel: Record, compact: Record, scheme: Record, state: Record, scrat
     answer_telegraph(vessel, h, state)
     s.tick += 1.0
 
-    failed = not_finite(state)
+    failed = lost(state)
     if failed != 0:
         for i in range(s.whole.size):
             s.whole[i] = work.before[i]

@@ -23,6 +23,12 @@ def _wrapped(text: str, first: str = INDENT, rest: str = 2 * INDENT) -> list[str
     return textwrap.wrap(text, WIDTH, initial_indent=first, subsequent_indent=rest)
 
 
+def _end_of(path: str, width: int) -> str:
+    """Return a path in ``width`` characters of ASCII, its end if all of it does not fit."""
+    plain = path.encode("ascii", "replace").decode()
+    return plain if len(plain) <= width else "..." + plain[3 - width :]
+
+
 def _figure(number: float | None, form: str = ".2f") -> str:
     """Return ``number`` as text, '-' for none."""
     return "-" if number is None else format(number, form)
@@ -38,7 +44,7 @@ def _grouped(title: str, groups: Mapping[str, list[str]]) -> list[str]:
 
 def _file(report: Report) -> list[str]:
     """Return where the numbers come from."""
-    lines = [report.vessel, f"{INDENT}{report.path}"]
+    lines = [report.vessel, INDENT + _end_of(report.path, WIDTH - len(INDENT))]
     if report.defaulted:
         lines += _wrapped("from the defaults file: " + ", ".join(report.defaulted))
     for remark in report.remarks:
