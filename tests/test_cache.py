@@ -111,3 +111,12 @@ def test_without_a_home_to_write_to_it_still_runs_and_leaves_nothing_behind(
     assert Path(folder).parent.parent == temporary
     assert int(files) > 0
     assert list(temporary.iterdir()) == []
+
+
+def test_numba_imported_first_still_caches_by_the_core_s_sources(copied: Path) -> None:
+    # it reads its cache folder when imported; left at that it would write beside the sources
+    folder, files = said("import numba\n" + SINE, copied, NUMBA_CACHE_DIR=str(copied / "mine"))
+
+    assert Path(folder).parent == copied / "mine"
+    assert int(files) > 0
+    assert not list((copied / "trainer").rglob("*.nbi"))
