@@ -14,11 +14,12 @@ from trainer.boat import Boat
 from trainer.clock import MonotonicClock, Pacer, Policy, Unpaced
 from trainer.console import Console
 from trainer.fitout import KNOT, Method
-from trainer.helm import Refused, obey
+from trainer.helm import obey
 from trainer.io.csv_file import COLUMNS
 from trainer.io.lines import Overlong
 from trainer.io.orders import LONGEST, Order, parse
 from trainer.io.schedule import parse_schedule
+from trainer.reply import Refused
 from trainer.session import Session, Timekeeping
 from trainer.vessel_file import load_vessel
 

@@ -47,6 +47,24 @@ UNDERSTOOD = [
     ("rudder manual", "rudder", 0.0, "manual", "rudder manual"),
     ("rudder left full", "rudder", -90 * DEG, "full", "rudder left full"),
     ("hard right", "rudder", 90 * DEG, "full", "rudder right full"),
+    ("sea state 5", "sea", 5.0, "state", "sea state 5"),
+    ("sea wind 30", "sea", 30 * KNOT, "wind", "sea wind 30 kn"),
+    ("sea height 10 ft", "sea", 3.048, "height", "sea height 10 ft"),
+    ("sea from 45", "sea", 45 * DEG, "from", "sea from 045"),
+    ("sea calm", "sea", 0.0, "calm", "sea calm"),
+    ("surface", "surface", 0.0, "", "surface"),
+    ("dive", "dive", 0.0, "", "dive"),
+    ("periscope", "periscope", 0.0, "", "periscope depth"),
+    ("blow forward", "blow", 0.0, "forward", "blow forward"),
+    ("em blow", "emergency", 0.0, "blow", "emergency blow"),
+    ("vent all open", "vent", 0.0, "all_open", "vent all open"),
+    ("negative flood", "negative", 0.0, "flood", "negative flood"),
+    ("flood depth-control 2 t", "flood", 2000.0, "depth_control", "flood depth-control 2 t"),
+    ("pump aux 1.5", "pump", 1500.0, "auxiliary", "pump auxiliary 1.5 t"),
+    ("pump trim forward 3", "pump", 3000.0, "trim_forward", "pump trim forward 3 t"),
+    ("drain center", "drain", 0.0, "centre", "drain centre"),
+    ("hover on", "hover", 0.0, "on", "hover on"),
+    ("compressor off", "compressor", 0.0, "off", "compressor off"),
     ("stern planes dive 10", "stern", -10 * DEG, "", "stern planes dive 10"),
     ("stern rise 2.50", "stern", 2.5 * DEG, "", "stern planes rise 2.5"),
     ("stern planes zero", "stern", 0.0, "zero", "stern planes zero"),
@@ -85,6 +103,14 @@ def test_an_order_is_understood(line: str, name: str, value: float, word: str, t
     [
         ("dpeth 80", "did you mean depth?"),
         ("xyzzy", "help lists them"),
+        ("sea wind 101", "0 to 100 kn"),
+        ("sea state 5.5", "has no decimals"),
+        ("sea sideways", "expected state, wind, height, from or calm"),
+        ("casualty 5", "expected the name of a casualty"),
+        ("flood auxiliary -5", "takes no sign"),
+        ("dive 80", '"80" is too much after "dive"'),
+        ("vent a open", '"a" may be aft or all'),
+        ("c auto", '"c" may be casualty, clear or course'),
         ("rudder lefy 15", "did you mean left?"),
         ("rudder 15", "rudder left or rudder right"),
         ("rudder", "expected left, right, full, amidships, manual or auto"),
@@ -234,10 +260,10 @@ def test_the_page_of_orders_is_that_of_the_table() -> None:
 
 
 def test_the_list_of_orders_fits_a_small_screen() -> None:
-    assert len(help_text("")) <= 22
+    assert len(help_text("")) <= 24
 
 
-@pytest.mark.parametrize("topic", ["", *(topic.name for topic in TOPICS)])
+@pytest.mark.parametrize("topic", ["", *(head for topic in TOPICS for head in topic.heads)])
 def test_help_is_narrow_and_shows_every_wording(topic: str) -> None:
     lines = help_text(topic)
 
@@ -250,6 +276,26 @@ def test_help_is_narrow_and_shows_every_wording(topic: str) -> None:
 
 def test_help_on_an_unknown_order_names_the_nearest() -> None:
     assert help_text("ruder") == ['no order "ruder"; did you mean rudder?']
+
+
+@pytest.mark.parametrize(
+    ("line", "subject", "word", "numbers"),
+    [
+        ("casualty stern-jam", "stern-jam", "", ()),
+        ("CASUALTY stern-jam 0.50", "stern-jam", "", (0.5,)),
+        ("casualty stern-jam ramp 30 s", "stern-jam", "ramp", (30.0,)),
+        ("casualty stern-jam -1 ramp 30", "stern-jam", "ramp", (-1.0, 30.0)),
+        ("clear all", "all", "", ()),
+    ],
+)
+def test_an_order_about_a_casualty_holds_its_name_and_numbers(
+    line: str, subject: str, word: str, numbers: tuple[float, ...]
+) -> None:
+    order = parse(line)
+
+    assert isinstance(order, Order)
+    assert (order.subject, order.word, order.numbers) == (subject, word, numbers)
+    assert parse(order.text) == order
 
 
 def test_every_example_of_the_overview_is_an_order() -> None:

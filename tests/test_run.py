@@ -453,7 +453,8 @@ def refused(
         ("--serial socket://127.0.0.1:1", "--serial socket://127.0.0.1:1: Connection refused"),
         ("--serial sockt://x", "did you mean socket"),
         ("--vesel bb2", "No such option '--vesel'"),
-        ("extra", "unexpected extra argument"),
+        ("extra", 'no exercise "extra"; shipped: air-bank-failure, '),
+        ("heavy-boat extra", "unexpected extra argument"),
     ],
 )
 def test_a_wrong_option_is_told_in_one_line(

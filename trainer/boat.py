@@ -4,15 +4,18 @@ import math
 
 import numpy as np
 
+from trainer.casualty_file import load_casualties
 from trainer.config import ConfigError
 from trainer.core import update as ticks
 from trainer.core.autopilot import autopilot
 from trainer.core.ballast import start_ballast
-from trainer.core.kernel import Record
+from trainer.core.kernel import Numbers, Record
 from trainer.core.rates import rates
+from trainer.core.seaway import order_sea
 from trainer.core.state import STATE
 from trainer.core.trim import BOTH, STERN, trim
 from trainer.fitout import KNOT, Method, fit_out
+from trainer.sea_file import SeaFile, load_sea, sea_settings
 from trainer.vessel_file import VesselFile
 
 PLACES = {name: place[1] // 8 for name, place in (STATE.fields or {}).items()}
@@ -43,6 +46,8 @@ class Boat:
         self.vessel = self.records.vessel[0]
         self.state = self.records.state[0]
         self.toward = _senses(file)
+        self.sea = load_sea("calm")
+        self.casualties = load_casualties()
         start_ballast(self.records.vessel, self.records.vessel, self.records.state)
 
     @property
@@ -81,12 +86,14 @@ class Boat:
                 return True
         return False
 
-    def start(self, speed: float, depth: float, course: float) -> None:
+    def start(self, speed: float, depth: float, course: float, seed: int = 1) -> None:
         """Start in trim at ``speed`` [m/s], ``depth`` [m] and ``course`` [rad], orders the same.
 
-        ConfigError if the boat cannot fly straight and level at that speed.
+        The sea stays the one of the last ``put_to_sea``, at first a calm; ``seed`` is that of
+        everything random. ConfigError if the boat cannot fly straight and level at that speed.
         """
         self.state.whole[:] = 0.0
+        self.records.scheme["trigger_kind"] = 0.0
         for name in ("weight", "x_g", "y_g", "z_g"):
             self.state[name] = self.vessel[name]
         if not self.trimmed(speed):
@@ -95,7 +102,7 @@ class Boat:
                 f"within the limits of the planes; give [run] start_speed_kn another value"
             )
         s = self.state
-        s.z, s.psi = depth, course
+        s.z, s.psi, s.seed = depth, course, seed
         start_ballast(self.records.vessel, self.records.vessel, self.records.state)
         rates(*self.records)
         s.rates[:6] = 0.0
@@ -110,6 +117,21 @@ class Boat:
         if self.automatic:
             s.by_hand[:] = self.vessel.limit == 0.0  # nothing to give where there is no surface
             s.speed_by_hand = 0.0
+        self.put_to_sea(self.sea)
+
+    def put_to_sea(self, sea: SeaFile) -> None:
+        """Put the boat into a sea at its full height, as after a long time."""
+        self.sea = sea
+        self.state.sea_height = 0.0
+        self.order_sea(sea_settings(sea, self.vessel.g), 0.0)
+
+    def order_sea(self, wanted: Numbers, ramp: float) -> None:
+        """Order a sea, by ``sea_settings`` [SI], to be in force after ``ramp`` [s]."""
+        s = self.state
+        if s.sea_height == 0.0:
+            s.sea[1:] = wanted[1 : s.sea.size]  # a calm has all but height at once
+        records = self.records
+        order_sea(records.vessel, self.method.step, ramp, wanted, records.scratch, records.state)
 
     @property
     def gains(self) -> np.ndarray:
@@ -124,7 +146,7 @@ class Boat:
         """Return where and when a failing tick lost its numbers, in words."""
         s = self.state
         return (
-            f"{ticks.WATCHED[status - 1]} is no longer finite after tick {int(s.tick)} "
+            f"{ticks.WATCHED[status - 1]} is out of all bounds after tick {int(s.tick)} "
             f"({self.time:g} s); last good state: u {s.u:.4g} m/s, pitch "
             f"{math.degrees(s.theta):.4g} deg, heel {math.degrees(s.phi):.4g} deg, "
             f"depth {s.z:.4g} m"

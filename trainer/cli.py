@@ -1,9 +1,6 @@
 """The command line. Commands import what they need when they run, so that help comes at once."""
 
-import difflib
-import math
 import os
-import re
 import sys
 from importlib import metadata
 from pathlib import Path
@@ -12,80 +9,12 @@ from typing import Any, NoReturn
 import click
 
 from trainer import __version__
+from trainer.arguments import Commands, Duration, Speed
 from trainer.config import ConfigError
 
 VESSEL_HELP = "bb2, sdv-mk9, remus100, or the path of a vessel file"
 LIBRARIES = ("numpy", "numba", "pyserial", "click")
 EQUATIONS = ("full", "modified", "basic", "longitudinal")
-
-
-class Commands(click.Group):
-    """A group that answers a mistyped command with the nearest one, and no command with help."""
-
-    def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
-        """Return what is left of the arguments once the group's own options are taken."""
-        return super().parse_args(ctx, args or ["--help"])
-
-    def resolve_command(
-        self, ctx: click.Context, args: list[str]
-    ) -> tuple[str | None, click.Command | None, list[str]]:
-        """Return the command; UsageError naming the nearest if there is none of that name."""
-        name = args[0]
-        if self.get_command(ctx, name) is None and not name.startswith("-"):
-            near = difflib.get_close_matches(name, self.list_commands(ctx), 1)
-            hint = f"; did you mean {near[0]}?" if near else ""
-            ctx.fail(f"no command {name!r}{hint}")
-        return super().resolve_command(ctx, args)
-
-    def list_commands(self, ctx: click.Context) -> list[str]:
-        """Return the commands in the order they are written."""
-        del ctx
-        return list(self.commands)
-
-
-class Duration(click.ParamType[float]):
-    """A time: 90, 90s, 10m, 1h, 1h30m."""
-
-    name = "duration"
-    units = {"h": 3600.0, "m": 60.0, "s": 1.0}  # noqa: RUF012 (read only)
-
-    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
-        """Return seconds."""
-        if isinstance(value, float):
-            return value
-        text = str(value).strip().lower()
-        if re.fullmatch(r"\d+(\.\d*)?", text):
-            return self._positive(float(text), value, param, ctx)
-        parts = re.fullmatch(r"((\d+(?:\.\d*)?)h)?((\d+(?:\.\d*)?)m)?((\d+(?:\.\d*)?)s)?", text)
-        if not text or not parts:
-            self.fail(f"{value!r} is not a time such as 90, 10m or 1h30m", param, ctx)
-        amounts = (parts[2], parts[4], parts[6])
-        total = sum(float(a) * u for a, u in zip(amounts, self.units.values(), strict=True) if a)
-        return self._positive(total, value, param, ctx)
-
-    def _positive(self, seconds: float, value: Any, param: Any, ctx: Any) -> float:
-        if seconds <= 0.0:
-            self.fail(f"{value!r}: a run lasts longer than 0 s", param, ctx)
-        return seconds
-
-
-class Speed(click.ParamType[float]):
-    """A speed of time: 0.1 to 100, or max."""
-
-    name = "speed"
-
-    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
-        """Return the factor, infinity for max."""
-        text = str(value).strip().lower()
-        if text in ("max", "inf"):
-            return math.inf
-        try:
-            factor = float(text.removeprefix("x"))
-        except ValueError:
-            factor = math.nan
-        if not 0.1 <= factor <= 100.0:
-            self.fail(f"{value!r} is not a speed of time: 0.1 to 100, or max", param, ctx)
-        return factor
 
 
 def versions() -> str:
@@ -115,6 +44,7 @@ def cli() -> None:
 
     \b
     trainer run                      take a 70 m submarine to sea, now
+    trainer run periscope-depth      an exercise; `trainer exercises` lists them
     trainer run --headless --duration 1h --speed max --csv out.csv
     trainer check bb2                what a vessel file is worth, and at which step
     """
@@ -153,8 +83,12 @@ def method_options(command: Any) -> Any:
 
 
 @cli.command()
+@click.argument("exercise", required=False)
 @click.option("--vessel", default="bb2", show_default=True, help=VESSEL_HELP)
 @method_options
+@click.option(
+    "--sea", default=None, metavar="NAME|PATH", help="calm, sea-state-1 to sea-state-6, or a file."
+)
 @click.option(
     "--integrator",
     default="adams2",
@@ -167,7 +101,7 @@ def method_options(command: Any) -> Any:
 @click.option("--unsafe-step", is_flag=True, help="Run even where the step is not stable.")
 @click.option(
     "--seed",
-    type=click.IntRange(0, 2**63 - 1),
+    type=click.IntRange(0, 2**53 - 1),
     default=1,
     show_default=True,
     help="Of everything random.",
@@ -220,17 +154,62 @@ def method_options(command: Any) -> Any:
 def run(**options: Any) -> None:
     """Run a boat in real time on a console, or headless.
 
+    EXERCISE is the name of a shipped one (`trainer exercises`) or the path of a file; what is
+    given here overrules it.
+
     \b
     Example:  trainer run
+              trainer run periscope-depth
               trainer run --headless --duration 1h --speed max --csv out.csv
               printf 'depth 80\\n' | trainer run --duration 120 --speed max
 
     Orders are typed at any time; `help` lists them. Exit codes: 0 done, 1 the boat's numbers
     or the recording failed, 2 wrong input.
     """
+    from click.core import ParameterSource  # noqa: PLC0415
+
     from trainer.run import run_boat  # noqa: PLC0415
 
+    source = click.get_current_context().get_parameter_source
+    given = (name for name in options if source(name) is not ParameterSource.DEFAULT)
+    options["given"] = frozenset(given)
     sys.exit(run_boat(options))
+
+
+@cli.command()
+@click.option("--json", "as_json", is_flag=True, help="Print the list as JSON.")
+def exercises(*, as_json: bool) -> None:
+    """List the shipped exercises.
+
+    \b
+    Example:  trainer exercises
+    """
+    import json  # noqa: PLC0415
+
+    from trainer.config import shipped_names  # noqa: PLC0415
+    from trainer.exercise_file import load_exercise  # noqa: PLC0415
+
+    found = {name: load_exercise(name).heading.name for name in shipped_names("exercises")}
+    lines = [f"{name:24}{title}" for name, title in found.items()]
+    click.echo(json.dumps(found, indent=1) if as_json else "\n".join(lines))
+
+
+@cli.command()
+@click.argument("tables", nargs=-1, metavar="[FILE]...")
+@click.option("--json", "as_json", is_flag=True, help="Print the list as JSON.")
+def casualties(tables: tuple[str, ...], *, as_json: bool) -> None:
+    """List what can break, from the shipped table and from files of your own.
+
+    \b
+    Example:  trainer casualties
+    """
+    import json  # noqa: PLC0415
+
+    from trainer import casualty_file  # noqa: PLC0415
+
+    found = casualty_file.load_casualties(*tables)
+    listing = casualty_file.listing(found)
+    click.echo(json.dumps(casualty_file.as_json(found), indent=1) if as_json else listing)
 
 
 @cli.command()

@@ -3,12 +3,16 @@
 import math
 from dataclasses import dataclass
 
+import numpy as np
+
 from trainer.boat import Boat
+from trainer.core.tanks import COMPARTMENTS, TANKS
 from trainer.fitout import KNOT
 from trainer.io.lines import Overlong
 from trainer.io.outbox import Inbox, Sender
 from trainer.io.teletype import View, course, header, state_line
 from trainer.ledger import Summary
+from trainer.sea_orders import sea_text
 
 HEADING_EVERY = 20  # [lines]
 
@@ -81,11 +85,56 @@ def status_lines(boat: Boat, ledger: Summary) -> list[str]:
         ),
         f"rudder {seen.rudder_deg:+.2f} {mode(s.rudder_by_hand)} (right +)",
         f"position {s.x:.0f} m north, {s.y:.0f} m east of the start",
+        *sea_lines(boat),
+        *(ballast_lines(boat) if boat.vessel.fitted else ()),
+        ledger_line(ledger),
+    ]
+
+
+def ledger_line(ledger: Summary) -> str:
+    """Return how the ticks have been kept."""
+    return (
+        f"ticks {ledger.ticks}, duty cycle {100 * ledger.duty_cycle:.3f} %, "
+        f"overruns {ledger.overruns}, gaps {ledger.gaps}"
+    )
+
+
+def sea_lines(boat: Boat) -> list[str]:
+    """Return the sea in force, and the one ordered if it is another."""
+    s = boat.state
+    coming = [f"sea ordered {sea_text(s.sea_target)}, in {s.sea_ramp:.0f} s"]
+    return [f"sea {sea_text(s.sea)}", *(coming if s.sea_ramp > 0.0 else [])]
+
+
+def ballast_lines(boat: Boat) -> list[str]:
+    """Return what is aboard as water and air."""
+    s, c = boat.state, boat.vessel
+    tonnes = dict(zip(TANKS, s.water / 1000.0, strict=True))
+    with np.errstate(all="ignore"):  # a bank or a tank that the boat lacks
+        filled = np.nan_to_num(100.0 * s.water / c.capacity)
+        pressure = np.nan_to_num(s.bank * c.gas / c.bank_volume) / 1e6
+    weight = float(s.weight - c.buoyancy) / float(c.g) / 1000.0
+    working = [name for name in ("hover", "compressor") if s[name]]
+    lines = [
         (
-            f"ticks {ledger.ticks}, duty cycle {100 * ledger.duty_cycle:.3f} %, "
-            f"overruns {ledger.overruns}, gaps {ledger.gaps}"
+            f"main ballast forward {filled[0]:.0f}, mid {filled[1]:.0f}, "
+            f"aft {filled[2]:.0f}, negative {filled[3]:.0f} %; weight {weight:+.1f} t"
+        ),
+        (
+            f"trim forward {tonnes['trim_forward']:.1f}, aft {tonnes['trim_aft']:.1f}, "
+            f"auxiliary {tonnes['auxiliary']:.1f}, depth control {tonnes['depth_control']:.1f} t"
+        ),
+        (
+            f"air banks main {pressure[0]:.1f}, emergency {pressure[1]:.1f} MPa"
+            f"{'; on: ' + ', '.join(working) if working else ''}"
         ),
     ]
+    flooded = [
+        f"{name.removeprefix('compartment_')} {tonnes[name]:.1f} t"
+        for name in COMPARTMENTS
+        if tonnes[name] > 0.0
+    ]
+    return [*lines, f"flooded {', '.join(flooded)}"] if flooded else lines
 
 
 @dataclass

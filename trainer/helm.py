@@ -2,12 +2,15 @@
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import replace
 
+from trainer import ballast_orders, casualty
 from trainer.boat import Boat
 from trainer.core import autopilot
 from trainer.fitout import KNOT
 from trainer.io.orders import Order
+from trainer.reply import Refused, Reply
+from trainer.sea_orders import order_sea
 
 LAWS = {
     "trainer": (autopilot.OWN, "this trainer's own law"),
@@ -16,16 +19,6 @@ LAWS = {
 }
 SURFACES = {"rudder": "r", "stern": "s", "bow": "b"}
 NAMES = {"rudder": "rudder", "stern": "stern planes", "bow": "bow planes"}
-
-
-@dataclass(frozen=True)
-class Refused:
-    """Why an order changed nothing."""
-
-    reason: str
-
-
-Reply = str | Refused
 
 
 def obey(boat: Boat, order: Order) -> Reply:
@@ -104,6 +97,14 @@ def _depth(boat: Boat, order: Order) -> Reply:
         boat.state.ordered_depth = order.value
     _automatic(boat, "stern", "bow")
     return f"keeping depth {boat.state.ordered_depth:g} m"
+
+
+def _periscope(boat: Boat, order: Order) -> Reply:
+    """Keep the boat's own periscope depth."""
+    depth = boat.file.run.periscope_depth_m
+    if depth is None:
+        return Refused(f"{boat.file.path.name} gives no [run] periscope_depth_m: order a depth")
+    return _depth(boat, replace(order, value=depth))
 
 
 def _course(boat: Boat, order: Order) -> Reply:
@@ -198,6 +199,17 @@ def _autopilot(boat: Boat, order: Order) -> Reply:
     return "everything by hand, as it stands"
 
 
+def _casualty(boat: Boat, order: Order) -> Reply:
+    """Let something break."""
+    given = list(order.numbers)
+    ramp = given.pop() if order.word == "ramp" else None
+    return casualty.insert(boat, order.subject, given[0] if given else None, ramp)
+
+
+def _clear(boat: Boat, order: Order) -> Reply:
+    return casualty.clear(boat, order.subject)
+
+
 _DUTIES: dict[str, Callable[[Boat, Order], Reply]] = {
     "depth": _depth,
     "course": _course,
@@ -211,5 +223,10 @@ _DUTIES: dict[str, Callable[[Boat, Order], Reply]] = {
     "bow": _surface,
     "planes": _planes,
     "autopilot": _autopilot,
+    "periscope": _periscope,
+    "sea": order_sea,
+    "casualty": _casualty,
+    "clear": _clear,
+    **dict.fromkeys(ballast_orders.ORDERS, ballast_orders.order_ballast),
 }
 ORDERS = frozenset(_DUTIES)

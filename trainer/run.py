@@ -14,24 +14,21 @@ from typing import Any
 import click
 import numpy as np
 
-from trainer import machine_code_is_compiled
+from trainer import casualty, machine_code_is_compiled
 from trainer.boat import Boat
 from trainer.clock import MonotonicClock, Policy
 from trainer.config import ConfigError
 from trainer.console import Console
-from trainer.core.scheme import RUNGE_KUTTAS
-from trainer.fitout import KNOT, Method
+from trainer.fitout import KNOT
 from trainer.io.csv_file import COLUMNS, CsvFile, NoFile
 from trainer.io.outbox import Direct, Inbox, Outbox, reader, writer
-from trainer.io.schedule import BadSchedule, Scheduled, parse_schedule
 from trainer.io.serial_line import LinkError, SerialLine
 from trainer.io.teletype import course
 from trainer.ledger import SECOND, Summary
+from trainer.plan import Plan, plan_run
 from trainer.session import Session, Timekeeping
-from trainer.vessel_file import VesselFile, load_vessel
+from trainer.watch import Limits, Watch
 
-LONGEST_SCHEDULE = 1_000_000  # [bytes]
-STEP_LIMITS = 0.001, 2.0  # [s]
 BATCH = 200  # [rows] of a recording written at once by a run that keeps no time
 PATIENCE = 0.5  # [s] for ports at the end, and for a pipe at the start
 SECONDS_1969 = "1969: 38 % at 0.5 s, 19 % at 1 s"
@@ -39,17 +36,16 @@ SECONDS_1969 = "1969: 38 % at 0.5 s, 19 % at 1 s"
 
 def run_boat(options: dict[str, Any]) -> int:
     """Run as the command line's ``options`` say; return the exit code."""
-    file = load_vessel(options["vessel"])
-    method = chosen_method(file, options)
-    schedule = read_schedule(options["orders_file"])
-    boat = Boat(file, method)
+    plan = plan_run(options)
+    method = plan.method
+    boat = Boat(plan.file, method)
     warm(boat)
     if not options["unsafe_step"]:
         refuse_unstable(boat)
-    boat.start(file.run.start_speed_kn * KNOT, file.run.start_depth_m, 0.0)
+    plan.start(boat)
+    watch = Watch.over(boat, plan.limits)
     recorder = open_csv(options["csv_path"], 1 if math.isfinite(options["speed"]) else BATCH)
-    duration = options["duration"]
-    last_tick = math.inf if duration is None else round(duration / method.step)
+    last_tick = math.inf if plan.duration is None else round(plan.duration / method.step)
     time = Timekeeping.at(
         MonotonicClock(), method.step, options["speed"], Policy(options["overrun"])
     )
@@ -57,11 +53,19 @@ def run_boat(options: dict[str, Any]) -> int:
     with contextlib.ExitStack() as ports:
         consoles = open_consoles(options, wake, ports)
         session = Session(
-            boat, time, recorder, consoles, COLUMNS, schedule, last_tick=last_tick, wake=wake
+            boat,
+            time,
+            recorder,
+            consoles,
+            COLUMNS,
+            plan.schedule,
+            watch,
+            last_tick=last_tick,
+            wake=wake,
         )
         if options["headless"]:
             session.progress = ports.enter_context(progress_bar(last_tick))
-        greet(consoles, boat)
+        greet(consoles, boat, plan)
         started = time.clock.now()
         with interrupts(session), np.errstate(all="ignore"):
             session.run()
@@ -72,51 +76,18 @@ def run_boat(options: dict[str, Any]) -> int:
     return account(session, options, wall)
 
 
-def chosen_method(file: VesselFile, options: dict[str, Any]) -> Method:
-    """Return how the boat is to be computed; ConfigError on a step that is none."""
-    step = file.run.step_s if options["step"] is None else options["step"]
-    low, high = STEP_LIMITS
-    if not low <= step <= high:
-        raise ConfigError(f"--step {step:g}: a step is {low:g} to {high:g} s")
-    integrator = options["integrator"]
-    rates = options["rates"] or ("exact" if integrator in RUNGE_KUTTAS else "lagged")
-    return Method(options["equations"], rates, options["trig"], integrator, step)
-
-
-def read_schedule(path: Path | None) -> list[Scheduled]:
-    """Return the scheduled orders in that file; ConfigError naming the line that is wrong."""
-    if path is None:
-        return []
-    try:
-        with path.open("rb") as stream:
-            data = stream.read(LONGEST_SCHEDULE + 1)
-    except OSError as error:
-        raise ConfigError(f"--orders {path}: {error.strerror}") from None
-    if len(data) > LONGEST_SCHEDULE:
-        raise ConfigError(f"--orders {path}: over {LONGEST_SCHEDULE} bytes")
-    try:
-        text = data.decode("utf-8")
-    except UnicodeDecodeError:
-        raise ConfigError(f"--orders {path}: not text in UTF-8") from None
-    schedule = parse_schedule(text, path.name)
-    if isinstance(schedule, BadSchedule):
-        raise ConfigError(str(schedule))
-    for entry in schedule:
-        if entry.order.name in ("help", "status"):
-            raise ConfigError(
-                f"{path.name}:{entry.line_number}: {entry.order.text} has no place in a schedule"
-            )
-    return schedule
-
-
 def warm(boat: Boat) -> None:
-    """Take one tick on a throw-away state, so that nothing compiles once the clock runs."""
+    """Take a tick and a casualty on a throw-away state: nothing compiles once the clock runs."""
     if not machine_code_is_compiled():
         click.echo("compiling the boat, this once (a few seconds) ...", err=True)
     before = boat.snapshot()
     boat.state.u = 1.0
     boat.trimmed(1.0)
+    boat.put_to_sea(boat.sea)
+    casualty.insert(boat, "propulsion-lost")
     boat.tick()
+    casualty.clear(boat, "all")
+    Watch.over(boat, Limits())
     boat.restore(before)
     gc.collect()
     gc.freeze()  # a full collection with numba loaded takes 0.1 s
@@ -177,14 +148,16 @@ def await_pipe(inbox: Inbox) -> None:
     inbox.arrived.set()
 
 
-def greet(consoles: list[Console], boat: Boat) -> None:
-    """Tell each console what it is connected to."""
+def greet(consoles: list[Console], boat: Boat, plan: Plan) -> None:
+    """Tell each console what it is connected to, and what the exercise is about."""
     s = boat.state
+    sea = f"; sea: {plan.sea.name}" if s.sea_height > 0.0 else ""
     for console in consoles:
         console.say(
+            *filter(None, (plan.title, *plan.briefing.splitlines())),
             boat.file.name,
-            f"{s.u / KNOT:.3g} kn, {s.z:g} m, course 000; "
-            f"{boat.method.equations} set, step {boat.method.step:g} s",
+            f"{s.u / KNOT:.3g} kn, {s.z:g} m, course {course(math.degrees(s.psi), 0)}; "
+            f"{boat.method.equations} set, step {boat.method.step:g} s{sea}",
             "type an order, such as: depth 80   course 090   rudder left 15   help   quit",
         )
 
@@ -228,6 +201,8 @@ def interrupts(session: Session) -> Iterator[None]:
 def account(session: Session, options: dict[str, Any], wall: float) -> int:
     """Print the summary and what went wrong; return the exit code."""
     summary = summary_text(session.boat, session.time.ledger.summary(), wall)
+    if session.watch.times:
+        summary += f"\nevents      {session.watch.account()}"
     click.echo(summary, err=not options["headless"])
     failure = session.failure and f"frozen: {session.failure}"
     troubles = [failure, session.deserted, session.recorder.trouble]

@@ -9,12 +9,14 @@ from typing import Protocol
 from trainer.boat import Boat
 from trainer.clock import Clock, Event, Pacer, Policy, Unpaced, Waited
 from trainer.console import Console, status_lines
-from trainer.helm import ORDERS, Refused, obey
+from trainer.helm import ORDERS, obey
 from trainer.io.lines import Overlong
 from trainer.io.order_help import help_text
 from trainer.io.orders import BadOrder, Order, parse
 from trainer.io.schedule import Scheduled
 from trainer.ledger import Ledger
+from trainer.reply import Refused
+from trainer.watch import Watch
 
 
 class Recorder(Protocol):
@@ -70,6 +72,7 @@ class Session:
     consoles: list[Console]
     columns: tuple[str, ...]
     schedule: list[Scheduled] = field(default_factory=list)
+    watch: Watch = field(default_factory=Watch)
     last_tick: float = math.inf
     progress: Callable[[int], None] | None = None
     wake: threading.Event = field(default_factory=threading.Event)
@@ -153,6 +156,7 @@ class Session:
             self._record()
             for console in self.consoles:
                 console.show(self.boat, frozen=pacer.frozen)
+            self._tell(*self.watch.look(self.boat))
         events: tuple[Event, ...] = pacer.end()
         if status:
             pacer.freeze()

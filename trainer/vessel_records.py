@@ -146,6 +146,9 @@ class Run:
             Quantity("kn", above(0, 60), "slowest and fastest speed to be controlled"), 2, 2
         ),
     )
+    periscope_depth_m: float | None = optional(
+        Quantity("m", above(0, 100), "depth kept by `periscope depth`; may be left out")
+    )
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -1,7 +1,19 @@
-"""Control surfaces: lag, rate and angle limits, and the X-tail's shared planes."""
+"""Control surfaces: lag, rate and angle limits, casualties, and the X-tail's shared planes."""
 
+import math
+
+from trainer.core.casualties import (
+    FOLLOW_UP_LOST,
+    FREE,
+    SLOW,
+    SURFACE_FAULTS,
+    worst,
+)
 from trainer.core.elementary import exponential
 from trainer.core.kernel import Record, kernel
+from trainer.core.reference import within
+
+AMIDSHIPS = math.radians(0.5)  # [rad]
 
 
 @kernel
@@ -25,11 +37,45 @@ def moved(angle: float, ordered: float, limit: float, furthest: float, share: fl
 
 
 @kernel
+def fault_of(surface: int, state: Record) -> int:
+    """Return the slot [-] of the casualty that acts on a surface, -1 if it is sound."""
+    return worst(1 + surface * len(SURFACE_FAULTS), len(SURFACE_FAULTS), state)
+
+
+@kernel
+def told(vessel: Record, furthest: float, surface: int, slot: int, state: Record) -> float:
+    """Return the angle [rad] that a surface makes for: its command, or what a casualty makes of it.
+
+    ``furthest`` [rad] is the way that the rate allows it in this tick, ``slot`` the casualty's, -1
+    if it is sound. Without follow-up the command says which way to move; amidships, within
+    AMIDSHIPS, it stops the surface.
+    """
+    c = vessel[0]
+    s = state[0]
+    angle, command = s.surface[surface], s.command[surface]
+    if slot < 0:
+        return command
+    amount = s.casualty_amount[slot]
+    fault = (int(s.casualty[slot]) - 1) % len(SURFACE_FAULTS)
+    if fault == SLOW:
+        most = furthest * (1.0 - amount)
+        command = within(command, angle, most)
+    elif fault == FOLLOW_UP_LOST:
+        command = angle if abs(command) < AMIDSHIPS else math.copysign(c.limit[surface], command)
+    elif fault == FREE:
+        command = within(0.0, angle, amount * furthest)
+    else:
+        command = amount
+    return within(command, 0.0, c.limit[surface])
+
+
+@kernel
 def move_surfaces(vessel: Record, h: float, state: Record) -> None:
     """Advance rudder and planes by ``h`` [s] towards their commands.
 
     On an X-tail each diagonal pair of planes carries the sum or the difference of the stern-plane
-    and rudder angles, so that the limit and the rate hold for |delta_r| + |delta_s|.
+    and rudder angles, so that the limit and the rate hold for |delta_r| + |delta_s|. One with a
+    casualty takes its angle, and the other has what is left of the limit.
     """
     c = vessel[0]
     s = state[0]
@@ -37,12 +83,22 @@ def move_surfaces(vessel: Record, h: float, state: Record) -> None:
     if c.surface_lag > 0.0:
         share = 1.0 - exponential(-h / c.surface_lag)
     furthest = c.surface_rate * h
+    rudder_fault, stern_fault = fault_of(0, state), fault_of(1, state)
+    rudder = told(vessel, furthest / share, 0, rudder_fault, state)
+    stern = told(vessel, furthest / share, 1, stern_fault, state)
     if c.x_tail != 0.0:
+        if rudder_fault >= 0:
+            left = max(c.limit_s - abs(rudder), 0.0)
+            stern = within(stern, 0.0, left)
+        elif stern_fault >= 0:
+            left = max(c.limit_s - abs(stern), 0.0)
+            rudder = within(rudder, 0.0, left)
         one, other = s.delta_s + s.delta_r, s.delta_s - s.delta_r
-        one = moved(one, s.command_s + s.command_r, c.limit_s, furthest, share)
-        other = moved(other, s.command_s - s.command_r, c.limit_s, furthest, share)
+        one = moved(one, stern + rudder, c.limit_s, furthest, share)
+        other = moved(other, stern - rudder, c.limit_s, furthest, share)
         s.delta_s, s.delta_r = 0.5 * (one + other), 0.5 * (one - other)
     else:
-        s.delta_s = moved(s.delta_s, s.command_s, c.limit_s, furthest, share)
-        s.delta_r = moved(s.delta_r, s.command_r, c.limit_r, furthest, share)
-    s.delta_b = moved(s.delta_b, s.command_b, c.limit_b, furthest, share)
+        s.delta_s = moved(s.delta_s, stern, c.limit_s, furthest, share)
+        s.delta_r = moved(s.delta_r, rudder, c.limit_r, furthest, share)
+    bow = told(vessel, furthest / share, 2, fault_of(2, state), state)
+    s.delta_b = moved(s.delta_b, bow, c.limit_b, furthest, share)

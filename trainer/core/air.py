@@ -74,12 +74,23 @@ def blow(ballast: Record, tank: int, pressure: float, h: float, state: Record) -
     """
     b = ballast[0]
     order = state[0].blow[tank]
-    flow = drawn(ballast, MAIN_BANK, b.blow_area[tank] * min(order, 1.0), pressure, state)
+    sound = 1.0 - min(max(state[0].blow_fault[tank], 0.0), 1.0)
+    area = b.blow_area[tank] * min(order, 1.0) * sound
+    flow = drawn(ballast, MAIN_BANK, area, pressure, state)
     pass_air(ballast, MAIN_BANK, tank, flow * h, pressure, state)
     if order > 1.0:
-        area = b.emergency_area[tank] * min(order - 1.0, 1.0)
+        area = b.emergency_area[tank] * min(order - 1.0, 1.0) * sound
         flow = drawn(ballast, EMERGENCY_BANK, area, pressure, state)
         pass_air(ballast, EMERGENCY_BANK, tank, flow * h, pressure, state)
+
+
+@kernel
+def vent_opening(tank: int, state: Record) -> float:
+    """Return how far [-] a vent is open: as ordered, less what its fault takes, or stuck open."""
+    fault = state[0].vent_fault[tank]
+    if fault < 0.0:
+        return min(-fault, 1.0)
+    return min(state[0].vent[tank], 1.0) * (1.0 - min(fault, 1.0))
 
 
 @kernel
@@ -91,7 +102,7 @@ def vent(vessel: Record, ballast: Record, tank: int, top: float, h: float, state
     """
     c, b = vessel[0], ballast[0]
     s = state[0]
-    area = b.vent_area[tank] * min(s.vent[tank], 1.0)
+    area = b.vent_area[tank] * vent_opening(tank, state)
     volume, space = (b.capacity[tank] - s.water[tank]) / c.rho, b.capacity[tank] / c.rho
     head = min(top, 0.0) + b.height[tank] * volume / space  # [m] negative only in the open air
     pressure = ATMOSPHERE + c.rho * c.g * (head + max(top, 0.0))
@@ -146,7 +157,8 @@ def at_work(ballast: Record, tank: int, state: Record) -> bool:
         return False
     if s.tank_air[tank] > 0.0 or s.water[tank] < b.capacity[tank]:
         return True
-    return (s.blow[tank] > 0.0 or s.vent[tank] > 0.0) and b.capacity[tank] > 0.0
+    opened = s.blow[tank] > 0.0 or vent_opening(tank, state) > 0.0
+    return opened and b.capacity[tank] > 0.0
 
 
 @kernel
@@ -160,7 +172,7 @@ def work_blown_tank(
     if s.blow[tank] > 0.0:
         level = top + b.height[tank] * (1.0 - s.water[tank] / b.capacity[tank])
         blow(ballast, tank, sea_pressure(c.rho * c.g, level), h, state)
-    if s.vent[tank] > 0.0:
+    if vent_opening(tank, state) > 0.0:
         vent(vessel, ballast, tank, top, h, state)
     settle(vessel, ballast, tank, top, h, state)
 

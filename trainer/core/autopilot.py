@@ -9,6 +9,7 @@ so that the autopilot takes it over at the angle where it stands.
 
 import math
 
+from trainer.core.casualties import AUTOPILOT_FAILED, slot_of
 from trainer.core.elementary import cosine, exponential, sine
 from trainer.core.kernel import Numbers, Record, kernel
 from trainer.core.reference import DEPTH_SLEW, leash, slew_course, slew_depth, within
@@ -233,6 +234,23 @@ def keep_speed(vessel: Record, h: float, state: Record) -> None:
 
 
 @kernel
+def hold_commands(gains: Numbers, state: Record) -> None:
+    """Leave the commands of a failed autopilot as they are; hands still take what they order.
+
+    Its laws stand by, so that it goes on without a bump.
+    """
+    s = state[0]
+    if s.speed_by_hand != 0.0:
+        s.command_u_c = s.ordered_u_c
+    for surface in range(3):
+        if s.by_hand[surface] != 0.0:
+            s.command[surface] = s.ordered[surface]
+    stand_by(state, RUDDER, course_law(state, gains), False)  # noqa: FBT003 a fact
+    stand_by(state, STERN, plane_law(state, gains, 0), False)  # noqa: FBT003
+    stand_by(state, BOW, plane_law(state, gains, PLANE_GAINS), False)  # noqa: FBT003
+
+
+@kernel
 def autopilot(vessel: Record, h: float, state: Record, gains: Numbers) -> None:
     """Write the commanded rudder, planes and revolutions of this tick."""
     s = state[0]
@@ -240,6 +258,9 @@ def autopilot(vessel: Record, h: float, state: Record, gains: Numbers) -> None:
         scheduled_gains(vessel, s.u, gains)
     slew_depth(h, gains, state)
     slew_course(h, gains, state)
+    if slot_of(AUTOPILOT_FAILED, state) >= 0:
+        hold_commands(gains, state)
+        return
     keep_depth(vessel, h, gains, state)
     keep_course(vessel, h, gains, state)
     keep_speed(vessel, h, state)

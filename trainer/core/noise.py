@@ -19,6 +19,7 @@ PARITY = 0x1BD11BDA
 SEA_FILTER: Final = 1
 SEA_PHASE: Final = 2
 SEA_FREQUENCY: Final = 3
+GAUGES: Final = 4  # and the next two
 
 
 @kernel

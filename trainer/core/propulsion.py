@@ -2,6 +2,7 @@
 
 import math
 
+from trainer.core.casualties import PROPULSION_LOST, PROPULSION_STUCK, slot_of
 from trainer.core.elementary import exponential
 from trainer.core.kernel import Record, kernel
 
@@ -40,6 +41,15 @@ def excess_eta(state: Record) -> float:
 
 
 @kernel
+def delivered(state: Record) -> float:
+    """Return the command speed [m/s] that the propulsion makes for, casualties included."""
+    s = state[0]
+    stuck, lost = slot_of(PROPULSION_STUCK, state), slot_of(PROPULSION_LOST, state)
+    wanted = s.casualty_amount[stuck] if stuck >= 0 else s.telegraph_answer
+    return wanted * (1.0 - s.casualty_amount[lost]) if lost >= 0 else wanted
+
+
+@kernel
 def answer_telegraph(vessel: Record, h: float, state: Record) -> None:
     """Advance the command speed by ``h`` [s] towards ``command_u_c``.
 
@@ -59,4 +69,4 @@ def answer_telegraph(vessel: Record, h: float, state: Record) -> None:
     share = 1.0
     if c.propulsion_lag > 0.0:
         share = 1.0 - exponential(-h / c.propulsion_lag)
-    s.u_c += share * (s.telegraph_answer - s.u_c)
+    s.u_c += share * (delivered(state) - s.u_c)

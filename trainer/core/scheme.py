@@ -11,6 +11,7 @@ from trainer.core.kernel import Record
 FULL, COMPACT, LONGITUDINAL = 0, 1, 2
 MULTISTEP, RUNGE_KUTTA, VARIABLE_RUNGE_KUTTA = 0, 1, 2
 
+TRIGGERS: Final = 8  # at most, of one run
 DEPTH: Final = 3  # cycles a multistep method may use, the last one included
 
 SCHEME: Final = np.dtype(
@@ -25,6 +26,15 @@ SCHEME: Final = np.dtype(
             ("depth", "i8"),  # cycles the multistep method uses
             ("a", "f8", (DEPTH,)),
             ("b", "f8", (DEPTH,)),
+            # triggers armed for the run: when sense times (state less threshold) is positive
+            ("trigger_place", "f8", (TRIGGERS,)),  # of the quantity in the state
+            ("trigger_sense", "f8", (TRIGGERS,)),  # 1 or -1
+            ("trigger_threshold", "f8", (TRIGGERS,)),
+            ("trigger_strict", "f8", (TRIGGERS,)),  # 0: or zero
+            ("trigger_kind", "f8", (TRIGGERS,)),  # casualty that then begins; 0: not armed
+            ("trigger_amount", "f8", (TRIGGERS,)),
+            ("trigger_ticks", "f8", (TRIGGERS,)),
+            ("trigger_again", "f8", (TRIGGERS,)),  # 1: whenever its condition comes true anew
         ],
     )
 )

@@ -27,6 +27,8 @@ SEA_QUANTITIES: Final = [
     "sea_suction",  # [-] factor on the second-order upward force
 ]
 SEA_COMPONENTS: Final = 50
+CASUALTIES: Final = 8  # at a time
+VALVES: Final = ("forward", "mid", "aft", "negative")  # blow valves and vents have these
 
 STATE: Final = record_dtype(
     "tick",  # [-] ticks done since the start of the run
@@ -119,6 +121,15 @@ STATE: Final = record_dtype(
     # [-] share of the rate lost
     ("pump_fault", ["pump_fault_trim", "pump_fault_drain", "pump_fault_depth_control"]),
     ("bank_fault", ["bank_fault_main", "bank_fault_emergency"]),
+    # [-] share of the opening lost; a vent's is negative when it is stuck open so far
+    ("blow_fault", [f"blow_fault_{name}" for name in VALVES]),
+    ("vent_fault", [f"vent_fault_{name}" for name in VALVES]),
+    # casualties, by slot: see casualties
+    ("casualty", (CASUALTIES,)),  # [-] kind, 0 none
+    ("casualty_amount", (CASUALTIES,)),  # [SI] by kind, at present
+    ("casualty_target", (CASUALTIES,)),  # [SI]
+    ("casualty_ticks", (CASUALTIES,)),  # [-] left; negative while it is cleared
+    "triggers_spent",  # [-] one bit for each trigger that has fired
 )
 
 FIELDS: Final = [name for name in STATE.names or () if STATE.fields and name != "whole"]

@@ -16,7 +16,8 @@ INTRODUCTION = f"""# Orders
 An order is one line of at most {LONGEST} characters: plain words, in capitals or not. Any word may
 be cut short as long as the line allows one meaning (`ru r 15` is `rudder right 15`); a doubtful or
 unknown word is refused with the words it could be, and changes nothing. Numbers are plain decimals.
-What follows a `#` is ignored. `[word]` may be left out, `a|b` is one or the other.
+What follows a `#` is ignored. `[word]` may be left out, `a|b` is one or the other, NAME
+is a word of letters, digits and dashes.
 
 A program sends the same words as `$TRO,<words>*<checksum>`, the checksum being the exclusive or of
 all characters between `$` and `*` in two hexadecimal digits: `{sentence("rudder left 15")}`.
@@ -29,7 +30,7 @@ def help_text(topic: str) -> list[str]:
     """Return the lines of help on a topic, at most 79 columns; "" is the list of orders."""
     if not topic:
         return overview()
-    topics = [entry.name for entry in TOPICS]
+    topics = [head for entry in TOPICS for head in entry.heads]
     if topic not in topics:
         near = difflib.get_close_matches(topic, topics, n=1)
         return [f'no order "{topic}"' + (f"; did you mean {near[0]}?" if near else "")]
@@ -48,10 +49,10 @@ def help_text(topic: str) -> list[str]:
 
 
 def overview() -> list[str]:
-    """Return the list of orders, 20 lines."""
+    """Return the list of orders, 24 lines."""
     first = "Orders; words may be cut short, and # starts a comment:"
     last = "help ORDER says more about one of them."
-    return [first, *(f"  {entry.example:<30} {entry.says}" for entry in TOPICS), last]
+    return [first, *(f"  {entry.example:<36} {entry.says}" for entry in TOPICS), last]
 
 
 def usage(form: Form) -> str:

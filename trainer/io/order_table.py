@@ -2,7 +2,8 @@
 
 The parser, the help text and docs/orders.md are all read from the tables below. A pattern is a row
 of places: `a|b` one of these words, `a=b` the spelling b stands for a, `[a]` may be left out,
-CAPITALS are a number (NUMBERS) or a set of words (SETS). The first word heads the order.
+CAPITALS are a number (NUMBERS), a set of words (SETS) or any name (NAME). The first word heads the
+order.
 """
 
 import itertools
@@ -59,7 +60,14 @@ class UnitWord:
     number: Number
 
 
-Place = Word | Number | UnitWord
+@dataclass(frozen=True)
+class Name:
+    """A place for a name that the grammar does not know, such as a casualty's."""
+
+    says: str
+
+
+Place = Word | Number | UnitWord | Name
 
 
 @dataclass(frozen=True)
@@ -75,9 +83,9 @@ class Form:
 
 @dataclass(frozen=True)
 class Topic:
-    """One line of the overview: the head of an order, how to type it, what it does."""
+    """One line of the overview: the heads of its orders, how to type them, what they do."""
 
-    name: str
+    heads: tuple[str, ...]
     example: str
     says: str
 
@@ -88,6 +96,9 @@ FEET = Unit("ft", ("ft", "feet", "foot"), FOOT)
 KNOTS = Unit("kn", ("kn", "knots", "knot", "kts", "kt"), KNOT)
 METRES_PER_SECOND = Unit("m/s", ("m/s", "mps"), 1.0)
 PER_MINUTE = Unit("", ("rpm",), 1.0 / MINUTE)
+TONNES = Unit("t", ("t", "tonnes", "tonne", "tons", "ton"), 1000.0)
+SECONDS = Unit("s", ("s", "seconds", "second", "sec"), 1.0)
+PLAIN = Unit("", (), 1.0)
 
 NUMBERS = {
     "DEPTH": Number("a depth", (METRES, FEET), 0.0, 2000.0),
@@ -98,7 +109,13 @@ NUMBERS = {
     "TURNS": Number("a speed, negative astern", (KNOTS, METRES_PER_SECOND), -60.0, 60.0),
     "RPM": Number("a rate of revolutions, negative astern", (PER_MINUTE,), -2000.0, 2000.0),
     "FACTOR": Number("a time speed", (Unit("", ("x",), 1.0),), 0.1, 100.0, prefix="x"),
-    "COUNT": Number("a number of ticks", (Unit("", (), 1.0),), 1.0, 1000.0, decimals=0),
+    "COUNT": Number("a number of ticks", (PLAIN,), 1.0, 1000.0, decimals=0),
+    "DEGREE": Number("a sea state", (PLAIN,), 0.0, 8.0, decimals=0),
+    "WIND": Number("a wind", (KNOTS, METRES_PER_SECOND), 0.0, 100.0),
+    "HEIGHT": Number("a significant height", (METRES, FEET), 0.0, 25.0),
+    "AMOUNT": Number("an amount of water", (TONNES,), 0.0, 1000.0),
+    "SEVERITY": Number("a severity", (PLAIN,), -1000.0, 1000.0),
+    "SECONDS": Number("a time", (SECONDS,), 0.0, 3600.0),
 }
 
 # A "full" rudder is worth the largest angle of the grammar; the boat's own limit is applied later.
@@ -111,28 +128,42 @@ SETS = {
     "BOW": "bow=fairwater=sail",
     "AHEAD": "one-third=1/3|two-thirds=2/3|standard|full|flank",
     "ASTERN": "one-third=1/3|two-thirds=2/3|full",
+    "GROUP": "forward|mid|aft|all",
+    "TANK": "auxiliary|depth-control",
+    "SPACE": "forward|centre=center|aft",
 }
+CASUALTY = Name("the name of a casualty")
 
-# One line each in the overview, which must fit in 22 lines of 79 columns.
+# One line each in the overview, which must fit in 24 lines of 79 columns.
 TOPICS = (
-    Topic("depth", "depth 80 | 260 ft | auto", "keep a depth"),
-    Topic("course", "course 090 | left 30 | auto", "keep a course, or change it"),
-    Topic("speed", "speed 12 | 6 m/s | auto", "keep a speed, in knots"),
-    Topic("turns", "turns 12", "revolutions that give 12 knots, held constant"),
-    Topic("rpm", "rpm 80", "revolutions a minute, held constant"),
-    Topic("bell", "bell ahead standard | stop", "engine order; `ahead 2/3` is enough"),
-    Topic("rudder", "rudder left 15 | amidships", "also right, full, manual, auto"),
-    Topic("stern", "stern planes dive 10", "also rise, zero, manual, auto"),
-    Topic("bow", "bow planes rise 10", "also dive, zero, manual, auto"),
-    Topic("planes", "planes manual | auto", "both pairs of planes at once"),
-    Topic("autopilot", "autopilot on | off | report", "switch it, or choose its law"),
-    Topic("freeze", "freeze", "stop time; orders are still taken"),
-    Topic("run", "run", "let time go on"),
-    Topic("step", "step 10", "10 ticks, then frozen again"),
-    Topic("time", "time x2 | max", "speed of time"),
-    Topic("status", "status", "everything about the boat, once"),
-    Topic("help", "help rudder", "all about one order"),
-    Topic("quit", "quit", "end the session"),
+    Topic(("depth",), "depth 80 | 260 ft | auto", "keep a depth"),
+    Topic(("course",), "course 090 | left 30 | auto", "keep a course, or change it"),
+    Topic(("speed",), "speed 12 | 6 m/s | auto", "keep a speed, in knots"),
+    Topic(("turns", "rpm"), "turns 12 | rpm 80", "revolutions, held constant"),
+    Topic(("bell",), "bell ahead standard | stop", "engine order; `ahead 2/3` is enough"),
+    Topic(("rudder",), "rudder left 15 | amidships", "also right, full, manual, auto"),
+    Topic(("stern",), "stern planes dive 10", "also rise, zero, manual, auto"),
+    Topic(("bow",), "bow planes rise 10", "also dive, zero, manual, auto"),
+    Topic(("planes",), "planes manual | auto", "both pairs of planes at once"),
+    Topic(("autopilot",), "autopilot on | off | report", "switch it, or choose its law"),
+    Topic(
+        ("surface", "dive", "periscope"),
+        "surface | dive | periscope depth",
+        "blow and come up; flood; periscope",
+    ),
+    Topic(("blow", "emergency"), "blow all | stop | emergency blow", "main ballast; also mid, aft"),
+    Topic(("vent", "negative"), "vent all open | negative flood", "air out; the negative tank"),
+    Topic(
+        ("flood", "pump", "drain"), "flood auxiliary 5 | pump | drain", "trim: tonnes to be moved"
+    ),
+    Topic(("hover", "compressor"), "hover on | compressor on", "keep depth stopped; charge air"),
+    Topic(("sea",), "sea state 5 | wind 30 | calm", "also height 3 m, from 045"),
+    Topic(("casualty", "clear"), "casualty NAME | clear all", "also casualty NAME 0.5 ramp 30"),
+    Topic(("freeze", "run", "step"), "freeze | run | step 10", "stop time, let it go on, 10 ticks"),
+    Topic(("time",), "time x2 | max", "speed of time"),
+    Topic(("status",), "status", "everything about the boat, once"),
+    Topic(("help",), "help rudder", "all about one order"),
+    Topic(("quit",), "quit", "end the session"),
 )
 
 WHICH_WAY = "say which way: {} or {}"
@@ -173,6 +204,31 @@ FORMS = (
     Form("planes zero", refusal=WHICH_PLANES),
     Form("autopilot on|off", "everything automatic, or by hand"),
     Form("autopilot trainer|report|literal", "which law of control it follows"),
+    Form("surface", "blow main ballast and come up"),
+    Form("dive", "open the main vents, blows shut"),
+    Form("periscope [depth]", "keep the boat's periscope depth"),
+    Form("blow GROUP", "blow main ballast, its vents shut"),
+    Form("blow stop", "shut all blow valves and the negative tank"),
+    Form("emergency blow", "blow all main ballast from both banks"),
+    Form("vent GROUP open|shut", "main vents"),
+    Form("negative flood|blow", "fill the negative tank, or empty it by air"),
+    Form("flood TANK AMOUNT", "let in so much from the sea"),
+    Form("pump TANK AMOUNT", "pump so much out to the sea"),
+    Form("pump trim forward|aft AMOUNT", "move trim water that way"),
+    Form("drain SPACE", "pump a flooded compartment out"),
+    Form("drain stop", "stop draining"),
+    Form("hover on|off", "keep the present depth by the depth-control tank"),
+    Form("compressor on|off", "charge the air banks"),
+    Form("sea state DEGREE", "raise the sea of this degree"),
+    Form("sea wind WIND", "raise the sea of this wind"),
+    Form("sea height HEIGHT", "raise a sea of this significant height"),
+    Form("sea from COURSE", "turn the sea, to come from there"),
+    Form("sea calm", "let the sea go down"),
+    Form("casualty NAME", "as severe and sudden as its table says"),
+    Form("casualty NAME SEVERITY", "as severe as this"),
+    Form("casualty NAME ramp SECONDS", "growing over this time"),
+    Form("casualty NAME SEVERITY ramp SECONDS", "both"),
+    Form("clear NAME", "clear a casualty, or all"),
     Form("freeze", "stop time; orders are still taken"),
     Form("run", "let time go on"),
     Form("step COUNT", "so many ticks, then frozen again"),
@@ -186,13 +242,15 @@ FORMS = (
 )
 
 
-def place(text: str) -> Word | Number:
+def place(text: str) -> Word | Number | Name:
     """Return the place that one item of a pattern stands for."""
     if text in NUMBERS:
         return NUMBERS[text]
+    if text == "NAME":
+        return CASUALTY
     if text == "TOPIC":
         heads = (form.pattern.split()[0].strip("[]") for form in FORMS if not form.refusal)
-        names = {topic.name for topic in TOPICS}
+        names = {head for topic in TOPICS for head in topic.heads}
         words = dict(pair for head in heads for pair in spellings(SETS.get(head, head)))
         return Word(tuple((said, word) for said, word in words.items() if word in names))
     return Word(tuple(spellings(SETS.get(text, text))))

@@ -21,6 +21,7 @@ from trainer.io.order_table import (
     NUMBERS,
     SIGNS,
     Form,
+    Name,
     Number,
     Place,
     Unit,
@@ -36,6 +37,7 @@ PRINTABLE = re.compile(r"[\t -~]*")
 SENTENCE = re.compile(r"\$(TRO,([^$*#]*))\*([0-9A-Fa-f]{2})")
 THIRDS = re.compile(r"\b(one|two)\s+third")
 GLUED = re.compile(r"([+-]?[0-9.]+)([a-z][a-z/]*)")
+NAME = re.compile(r"[a-z][a-z0-9-]*")
 DECIMAL = re.compile(r"[+-]?(?:[0-9]{1,9}(?:\.[0-9]*)?|\.[0-9]+)")
 
 
@@ -45,13 +47,16 @@ class Order:
 
     `value` is in SI and radians (rpm in revolutions a second), starboard and rise positive, 0 when
     there is none; `word` is the keyword the order turns on, "" when the value says it all; `text`
-    is the full wording, which reads back as the same order.
+    is the full wording, which reads back as the same order; `numbers` are all that were
+    given, in SI and unsigned, and `subject` is the name given.
     """
 
     name: str
     value: float
     word: str
     text: str
+    numbers: tuple[float, ...] = ()
+    subject: str = ""
 
 
 @dataclass(frozen=True)
@@ -172,6 +177,8 @@ def match(place: Place, token: str) -> Iterable[Said]:
     if isinstance(place, Number):
         digits = token.removeprefix(place.prefix)
         return (Said(token, digits),) if DECIMAL.fullmatch(digits) else ()
+    if isinstance(place, Name):
+        return (Said(token, token),) if NAME.fullmatch(token) else ()
     if isinstance(place, UnitWord):
         fits = any(token in unit.names for unit in place.number.units)
         return (Said(token, token),) if fits else ()
@@ -211,6 +218,8 @@ def wanted(places: list[Place]) -> list[str]:
             found |= dict.fromkeys(word for _, word in place.spellings)
         elif isinstance(place, Number):
             found[f"{place.says} ({place.limits})"] = None
+        elif isinstance(place, Name):
+            found[place.says] = None
         else:
             found |= dict.fromkeys(unit.names[0] for unit in place.number.units)
     return list(found)
@@ -226,10 +235,16 @@ def order(reading: Reading) -> Order:
     form, places, said = reading
     head = heading_word(form)
     optional = [item.strip("[]") for item in form.pattern.split()[1:] if item.startswith("[")]
-    sign, value, text, words, last = 1.0, form.value, [head, *optional], [], ""
+    sign, text, words, rest, subject = 1.0, [head, *optional], [], [], ""
+    numbers: list[float] = []
     for i, (place, token) in enumerate(zip(places, said, strict=True)):
         if isinstance(place, Number):
-            value, last = quantity(place, token.word, unit_after(place, said[i + 1 :]))
+            value, wording = quantity(place, token.word, unit_after(place, said[i + 1 :]))
+            numbers.append(value)
+            rest.append(wording)
+        elif isinstance(place, Name):
+            subject = token.word
+            rest.append(subject)
         elif isinstance(place, UnitWord) or token.word in (optional if i else [head]):
             continue
         elif token.word in SIGNS:
@@ -237,10 +252,12 @@ def order(reading: Reading) -> Order:
             text.append(token.word)
         else:
             words.append(token.word)
-    whole = " ".join(filter(None, (*text, *words, last)))
+            rest.append(token.word)
     word = "_".join(words).replace("-", "_")
     # Adding zero turns -0.0 into 0.0, so that "left 0" and "right 0" steer alike.
-    return Order(form.name or head, sign * value + 0.0, word, whole)
+    value = sign * (numbers[-1] if numbers else form.value) + 0.0
+    whole = " ".join((*text, *rest))
+    return Order(form.name or head, value, word, whole, tuple(numbers), subject)
 
 
 def unit_after(number: Number, rest: tuple[Said, ...]) -> Unit:

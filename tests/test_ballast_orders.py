@@ -1,0 +1,281 @@
+"""Orders about tanks and air: what each sets, who refuses it, and where it brings the boat."""
+
+import math
+from dataclasses import replace
+from typing import Any
+
+import pytest
+
+from trainer.boat import Boat
+from trainer.config import ConfigError
+from trainer.console import status_lines
+from trainer.fitout import KNOT, Method
+from trainer.helm import obey
+from trainer.io.orders import Order, parse
+from trainer.ledger import Ledger
+from trainer.reply import Refused
+from trainer.vessel_file import load_vessel, parse_vessel
+
+SURFACING = {
+    **dict.fromkeys(("blow_forward", "blow_mid", "blow_aft"), 1.0),
+    **dict.fromkeys(("vent_aft", "ordered_depth", "hover"), 0.0),
+}
+DIVING = {
+    **dict.fromkeys(("vent_forward", "vent_mid", "vent_aft"), 1.0),
+    "blow_aft": 0.0,
+    "ordered_depth": 17.5,
+}
+
+
+def under_way(vessel: str = "bb2", speed_kn: float = 10.0, equations: str = "modified") -> Boat:
+    """Return a boat just started in trim at 60 m, everything automatic."""
+    file = load_vessel(vessel)
+    boat = Boat(file, Method(equations, "lagged", "exact", "adams2", file.run.step_s))
+    boat.start(speed_kn * KNOT, 60.0, 0.0)
+    return boat
+
+
+def answer(boat: Boat, line: str) -> str | Refused:
+    order = parse(line)
+    assert isinstance(order, Order), line
+    return obey(boat, order)
+
+
+def told(boat: Boat, *lines: str) -> None:
+    for line in lines:
+        assert isinstance(answer(boat, line), str), line
+
+
+def fly(boat: Boat, seconds: float) -> None:
+    for _ in range(round(seconds / boat.method.step)):
+        assert boat.tick() == 0
+
+
+@pytest.mark.parametrize(
+    ("before", "line", "changes"),
+    [
+        ({}, "vent forward open", {"vent_forward": 1.0}),
+        ({"vent_forward": 1.0}, "vent forward shut", {"vent_forward": 0.0}),
+        ({}, "vent all open", {"vent_forward": 1.0, "vent_mid": 1.0, "vent_aft": 1.0}),
+        ({"vent_aft": 1.0}, "blow aft", {"vent_aft": 0.0, "blow_aft": 1.0}),
+        ({}, "blow all", {"blow_forward": 1.0, "blow_mid": 1.0, "blow_aft": 1.0}),
+        (
+            {"blow_mid": 1.0, "blow_negative": 1.0, "negative_flood": 1.0},
+            "blow stop",
+            {"blow_mid": 0.0, "blow_negative": 0.0, "negative_flood": 0.0},
+        ),
+        (
+            {"vent_mid": 1.0},
+            "emergency blow",
+            {"blow_forward": 2.0, "blow_mid": 2.0, "blow_aft": 2.0, "vent_mid": 0.0},
+        ),
+        (
+            {"blow_negative": 1.0},
+            "negative flood",
+            {"negative_flood": 1.0, "vent_negative": 1.0, "blow_negative": 0.0},
+        ),
+        (
+            {"vent_negative": 1.0},
+            "negative blow",
+            {"negative_flood": 1.0, "vent_negative": 0.0, "blow_negative": 1.0},
+        ),
+        ({}, "flood auxiliary 2.5 t", {"move_auxiliary": 2500.0}),
+        ({}, "pump auxiliary 2", {"move_auxiliary": -2000.0}),
+        ({"hover": 1.0}, "flood depth-control 3", {"move_depth_control": 3000.0, "hover": 0.0}),
+        ({}, "pump depth-control 3", {"move_depth_control": -3000.0}),
+        ({}, "pump trim forward 4", {"move_trim": 4000.0}),
+        ({}, "pump trim aft 4", {"move_trim": -4000.0}),
+        ({}, "drain forward", {"drained": 1.0}),
+        ({}, "drain centre", {"drained": 2.0}),
+        ({}, "drain aft", {"drained": 3.0}),
+        ({"drained": 3.0}, "drain stop", {"drained": 0.0}),
+        ({}, "compressor on", {"compressor": 1.0}),
+        ({"compressor": 1.0}, "compressor off", {"compressor": 0.0}),
+        ({"ordered_depth": 80.0}, "hover on", {"hover": 1.0, "ordered_depth": 60.0}),
+        (
+            {"hover": 1.0, "move_depth_control": 9.0},
+            "hover off",
+            {"hover": 0.0, "move_depth_control": 0.0},
+        ),
+        ({"vent_aft": 1.0, "hover": 1.0}, "surface", SURFACING),
+        ({"blow_aft": 2.0, "ordered_depth": 0.0}, "dive", DIVING),
+        ({}, "periscope depth", {"ordered_depth": 17.5}),
+    ],
+)
+def test_an_order_sets_its_fields_and_no_others(
+    before: dict[str, float], line: str, changes: dict[str, float]
+) -> None:
+    boat = under_way()
+    for name, value in before.items():
+        boat.state[name] = value
+    expected = boat.snapshot()
+
+    told(boat, line)
+
+    for name, value in changes.items():
+        expected[name] = value
+    assert boat.records.state.tobytes() == expected.tobytes()
+
+
+def test_a_dive_keeps_a_depth_that_is_deeper_than_the_periscope_allows() -> None:
+    boat = under_way()
+    told(boat, "dive")
+    assert boat.state.ordered_depth == 60.0
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        *("surface", "dive", "blow all", "emergency blow", "vent mid open", "negative flood"),
+        *("flood auxiliary 1", "pump trim aft 1", "drain stop", "hover on", "compressor on"),
+    ],
+)
+def test_a_boat_without_tanks_refuses_and_says_why(line: str) -> None:
+    boat = under_way("remus100", 3.0)
+    before = boat.snapshot()
+
+    refused = answer(boat, line)
+
+    assert isinstance(refused, Refused)
+    assert refused.reason == "remus100.toml has no [ballast] table: this boat has no tanks"
+    assert boat.records.state.tobytes() == before.tobytes()
+
+
+@pytest.mark.parametrize(
+    ("kind", "place", "line", "lacking"),
+    [
+        ("blown", 3, "negative blow", "negative"),
+        ("blown", 1, "vent mid open", "mid"),
+        ("blown", 0, "blow forward", "forward"),
+        ("pumped", 2, "pump auxiliary 1", "auxiliary tank"),
+        ("pumped", 3, "hover on", "depth control tank"),
+        ("pumped", 3, "flood depth-control 1", "depth control tank"),
+        ("pumped", 1, "pump trim forward 1", "trim aft tank"),
+        ("compartments", 2, "drain aft", "compartment aft"),
+    ],
+)
+def test_an_order_about_a_tank_that_is_not_there_is_refused(
+    kind: str, place: int, line: str, lacking: str
+) -> None:
+    file = load_vessel("bb2")
+    assert file.ballast
+    rows = getattr(file.ballast, kind)
+    fewer: dict[str, Any] = {kind: (*rows[:place], *rows[place + 1 :])}
+    ballast = replace(file.ballast, **fewer)
+    boat = Boat(
+        replace(file, ballast=ballast), Method("modified", "lagged", "exact", "adams2", 0.5)
+    )
+    boat.start(10.0 * KNOT, 60.0, 0.0)
+
+    refused = answer(boat, line)
+
+    assert isinstance(refused, Refused)
+    assert refused.reason == f"this boat has no {lacking}"
+
+
+def test_a_boat_without_a_periscope_depth_asks_for_a_depth() -> None:
+    refused = answer(under_way("sdv-mk9", 3.0), "periscope depth")
+    assert isinstance(refused, Refused)
+    assert "order a depth" in refused.reason
+
+
+@pytest.mark.parametrize("equations", ["modified", "full"])
+def test_from_60_m_up_and_down_again_by_orders(equations: str) -> None:
+    boat = under_way(equations=equations)
+    s = boat.state
+
+    told(boat, "surface")
+    fly(boat, 240.0)
+    told(boat, "blow stop")
+    fly(boat, 240.0)
+    # Surfaced she floats with 10 % of her mass in the air: the deck is out, the keel 9 m deep.
+    assert s.z == pytest.approx(4.1, abs=0.3)
+    assert abs(s.theta) < math.radians(2.0)
+    assert s.weight < 0.9 * boat.vessel.weight
+    assert 0.1 < s.bank_main / boat.vessel.bank_full[0] < 0.5
+
+    told(boat, "dive")
+    fly(boat, 300.0)
+    assert s.weight == pytest.approx(boat.vessel.weight, rel=1e-9)
+    assert s.z == pytest.approx(17.5, abs=3.0)
+
+    told(boat, "depth 60")
+    fly(boat, 300.0)
+    assert s.z == pytest.approx(60.0, abs=0.5)
+
+    told(boat, "periscope depth")
+    fly(boat, 400.0)
+    assert s.z == pytest.approx(17.5, abs=0.5)
+
+
+def test_hovering_by_orders_keeps_the_boat_where_she_stops() -> None:
+    boat = under_way(speed_kn=3.0)
+    told(boat, "bell stop", "planes manual", "flood depth-control 2", "hover on")
+    fly(boat, 1200.0)
+    assert boat.state.u < 1.0
+    assert boat.state.z == pytest.approx(60.0, abs=0.5)
+
+    told(boat, "depth 65", "planes manual")
+    fly(boat, 900.0)
+    assert boat.state.z == pytest.approx(65.0, abs=0.5)
+
+
+def test_an_emergency_blow_by_order_surfaces_the_boat_within_two_minutes() -> None:
+    boat = under_way()
+    told(boat, "emergency blow")
+    shallowest = 60.0
+    for _ in range(240):
+        assert boat.tick() == 0
+        shallowest = min(shallowest, float(boat.state.z))
+    assert shallowest < 5.0
+    assert boat.state.water[:3].sum() < 0.1 * boat.vessel.capacity[:3].sum()
+
+
+def test_water_moved_and_moved_back_leaves_the_same_trim() -> None:
+    boat = under_way(speed_kn=8.0)
+    fly(boat, 120.0)
+    pitch, planes = float(boat.state.theta), float(boat.state.delta_s)
+
+    told(boat, "flood auxiliary 3", "pump trim forward 2")
+    fly(boat, 600.0)
+    assert abs(boat.state.theta - pitch) > math.radians(0.5)
+
+    told(boat, "pump auxiliary 3", "pump trim aft 2")
+    fly(boat, 1800.0)
+    assert boat.state.theta == pytest.approx(pitch, abs=math.radians(0.05))
+    assert boat.state.delta_s == pytest.approx(planes, abs=math.radians(0.05))
+
+
+def test_status_tells_of_tanks_air_and_sea_in_79_columns() -> None:
+    boat = under_way()
+    told(boat, "blow aft", "hover on", "compressor on", "sea height 11.75", "flood auxiliary 5")
+    boat.state.breach_forward = boat.state.breach_centre = boat.state.breach_aft = 0.05
+    fly(boat, 30.0)
+    lines = status_lines(boat, Ledger(0.5).summary())
+
+    assert max(map(len, lines)) <= 79
+    for words in (
+        *("main ballast forward 100, mid 100, aft", "trim forward 10.2, aft 10.2", "auxiliary 31"),
+        *("air banks main 2", "emergency 25.0 MPa; on: hover, compressor", "flooded forward"),
+        *("sea ordered 11.8 m, peak at 17.1 s, from 000, in 30 s", "sea 5."),
+    ):
+        assert any(words in line for line in lines), (words, lines)
+
+
+def test_status_of_a_boat_in_trim_names_nothing_that_is_off() -> None:
+    lines = status_lines(under_way(), Ledger(0.5).summary())
+    assert "air banks main 25.0, emergency 25.0 MPa" in lines
+    assert not any(line.startswith(("flooded", "sea ordered")) for line in lines)
+
+
+def test_status_of_a_boat_without_tanks_tells_of_none() -> None:
+    lines = status_lines(under_way("remus100", 3.0), Ledger(0.1).summary())
+    assert not any("ballast" in line or "banks" in line for line in lines)
+    assert "sea calm" in lines
+
+
+def test_a_periscope_depth_must_be_a_depth() -> None:
+    file = load_vessel("bb2")
+    text = file.text.replace("periscope_depth_m = 17.5", "periscope_depth_m = -1")
+    with pytest.raises(ConfigError, match=r"\[run\] periscope_depth_m = -1: must be above 0"):
+        parse_vessel(text, file.path)

@@ -1,0 +1,366 @@
+"""Orders about the sea, what the sea then does to the boat, and what is called out about it."""
+
+import math
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import trainer
+from trainer.boat import Boat
+from trainer.core.seaway import advance_sea
+from trainer.core.update import outside
+from trainer.fitout import KNOT, Method
+from trainer.helm import obey
+from trainer.io.orders import Order, parse
+from trainer.io.schedule import parse_schedule
+from trainer.sea_file import SeaFile, load_sea, parse_sea
+from trainer.vessel_file import load_vessel
+from trainer.watch import Limits, Watch
+
+DEGREE = math.pi / 180.0
+# Significant height [m] and peak period [s] of degree 5: Hs = 0.2092 U^2/g, peak at 0.877 g/U.
+STATE_5 = (3.25, 2.0 * math.pi / (0.877 * math.sqrt(9.81 * 0.2092 / 3.25)))
+
+
+def boat_at(
+    depth: float, speed_kn: float = 5.0, course: float = 0.0, equations: str = "modified"
+) -> Boat:
+    """Return BB2 under way in trim, everything automatic, in a calm."""
+    boat = Boat(load_vessel("bb2"), Method(equations, "lagged", "exact", "adams2", 0.5))
+    boat.start(speed_kn * KNOT, depth, course * DEGREE, 3)
+    return boat
+
+
+def sea_of(text: str) -> SeaFile:
+    return parse_sea(f"[sea]\n{text}\n", Path("my-sea.toml"))
+
+
+def told(boat: Boat, *lines: str) -> list[str]:
+    """Return what the boat answers to orders, all of which it obeys."""
+    orders = [parse(line) for line in lines]
+    answers = [obey(boat, order) for order in orders if isinstance(order, Order)]
+    assert len(answers) == len(lines)
+    assert all(isinstance(answer, str) for answer in answers), answers
+    return [str(answer) for answer in answers]
+
+
+def flown(boat: Boat, seconds: float, *names: str) -> np.ndarray:
+    """Return the named places of the state after each tick of a flight, one row a tick."""
+    found = []
+    for _ in range(round(seconds / boat.method.step)):
+        assert boat.tick() == 0
+        found.append(boat.numbers(names))
+    return np.array(found)
+
+
+# What an order changes
+
+
+@pytest.mark.parametrize(
+    ("line", "height", "period"),
+    [
+        ("sea state 5", *STATE_5),
+        ("sea wind 30", 0.2092 * (30 * KNOT) ** 2 / 9.81, 2 * math.pi * 30 * KNOT / (0.877 * 9.81)),
+        ("sea height 3.25 m", *STATE_5),
+        ("sea height 10 ft", 3.048, STATE_5[1] * math.sqrt(3.048 / 3.25)),
+    ],
+)
+def test_a_sea_is_ordered_by_state_wind_or_height(line: str, height: float, period: float) -> None:
+    boat = boat_at(60.0)
+    told(boat, line)
+    flown(boat, 60.0)
+    assert boat.state.sea_height == pytest.approx(height, rel=1e-3)
+    assert 2.0 * math.pi / boat.state.sea_omega == pytest.approx(period, rel=1e-3)
+
+
+def test_a_sea_comes_about_in_the_time_of_its_ramp_and_not_at_once() -> None:
+    boat = boat_at(60.0)
+    answer = told(boat, "sea state 5")
+    assert answer == ["sea state 5: 3.25 m, peak at 9.0 s, from 000, within 60 s"]
+    heights = flown(boat, 70.0, "sea_height")[:, 0]
+    assert heights[59] == pytest.approx(1.625, rel=0.05)
+    assert heights[118] < heights[119] == 3.25
+    assert heights[-1] == 3.25
+
+
+def test_a_sea_of_the_users_own_ramp_takes_that_time() -> None:
+    boat = boat_at(60.0)
+    boat.put_to_sea(sea_of("height_m = 1\nramp_s = 10"))
+    told(boat, "sea height 2")
+    assert flown(boat, 10.0, "sea_height")[-1] == [2.0]
+
+
+def test_an_order_keeps_direction_and_generator() -> None:
+    boat = boat_at(60.0)
+    boat.put_to_sea(
+        sea_of('sea_state = 3\ndirection_deg = 45\ngenerator = "cosines"\nsuction="on"')
+    )
+    told(boat, "sea state 5")
+    flown(boat, 61.0)
+    s = boat.state
+    assert (s.sea_cosines, s.sea_suction) == (1.0, 1.0)
+    assert s.sea_direction == pytest.approx(225.0 * DEGREE)
+
+    told(boat, "sea from 090")
+    flown(boat, 61.0)
+    assert s.sea_height == 3.25
+    assert s.sea_direction == pytest.approx(270.0 * DEGREE)
+
+
+def test_a_direction_ordered_in_a_calm_is_that_of_the_next_sea() -> None:
+    boat = boat_at(60.0)
+    told(boat, "sea from 045", "sea state 3")
+    flown(boat, 1.0)
+    assert boat.state.sea_direction == pytest.approx(225.0 * DEGREE)
+
+
+def test_a_calm_lets_the_sea_die_and_the_surface_is_flat() -> None:
+    boat = boat_at(60.0)
+    boat.put_to_sea(load_sea("sea-state-4"))
+    told(boat, "sea calm")
+    waves = flown(boat, 61.0, "eta_wave")[:, 0]
+    assert waves[:60].std() > 0.1
+    assert waves[-1] == 0.0
+
+
+def test_a_boat_put_to_sea_again_meets_the_same_waves() -> None:
+    waves = []
+    for _ in range(2):
+        boat = boat_at(60.0)
+        boat.put_to_sea(load_sea("sea-state-5"))
+        waves.append(flown(boat, 30.0, "eta_wave"))
+    assert np.array_equal(waves[0], waves[1])
+    boat.start(5.0 * KNOT, 60.0, 0.0, 4)
+    assert not np.array_equal(waves[0], flown(boat, 30.0, "eta_wave"))
+
+
+def test_a_boat_put_from_one_sea_into_another_forgets_the_first() -> None:
+    moved, fresh = boat_at(60.0), boat_at(60.0)
+    moved.put_to_sea(load_sea("sea-state-3"))
+    for boat in (moved, fresh):
+        boat.put_to_sea(load_sea("sea-state-5"))
+    assert np.array_equal(flown(moved, 30.0, "eta_wave"), flown(fresh, 30.0, "eta_wave"))
+
+
+# What the sea does
+
+
+@pytest.mark.parametrize("equations", ["modified", "full"])
+@pytest.mark.parametrize("course", [0.0, 90.0, 180.0])
+def test_at_100_m_in_sea_state_5_the_boat_holds_depth_within_30_cm(
+    equations: str, course: float
+) -> None:
+    boat = boat_at(100.0, 10.0, course, equations)
+    boat.put_to_sea(load_sea("sea-state-5"))
+    depth = flown(boat, 1200.0, "z")[:, 0]
+    assert np.abs(depth - 100.0).max() < 0.3
+    assert depth.std() > 1e-3  # but the swell is felt
+
+
+@pytest.mark.parametrize("equations", ["modified", "full"])
+def test_at_periscope_depth_the_same_sea_moves_the_boat_visibly(equations: str) -> None:
+    boat = boat_at(17.5, 10.0, 180.0, equations)
+    boat.put_to_sea(load_sea("sea-state-5"))
+    seen = flown(boat, 1200.0, "z", "theta")[240:]
+    assert seen[:, 0].std() > 0.5
+    assert seen[:, 1].std() > 1.0 * DEGREE
+
+
+def test_motion_falls_with_depth_as_the_waves_do() -> None:
+    # Planes by hand, below the tables of the calm surface: the boat is the same at each depth, and
+    # the filtered sea has one wave number, omega^2/g. Small motions: 1 % is their nonlinearity.
+    swings = []
+    for depth in (60.0, 80.0, 100.0):
+        boat = boat_at(depth, 8.0)
+        told(boat, "planes manual")
+        boat.put_to_sea(load_sea("sea-state-5"))
+        swings.append(flown(boat, 600.0, "zdot")[:, 0].std())
+        number = float(boat.state.sea_omega) ** 2 / 9.81
+    assert swings[1] / swings[0] == pytest.approx(math.exp(-number * 20.0), rel=0.02)
+    assert swings[2] / swings[1] == pytest.approx(math.exp(-number * 20.0), rel=0.02)
+
+
+def force_in(course: float) -> np.ndarray:
+    """Return the sea's forces on a boat stopped at 40 m in a sea from north, after a tick."""
+    boat = boat_at(40.0, 5.0, course)
+    boat.put_to_sea(load_sea("sea-state-5"))
+    boat.state.motion[:6] = boat.state.rates[:] = 0.0
+    records = boat.records
+    advance_sea(records.vessel, boat.method.step, records.scratch, records.state)
+    outside(records.vessel, records.state, records.scratch)
+    return np.array(records.scratch["external"][0])
+
+
+def test_head_and_following_seas_push_a_stopped_boat_as_mirror_images() -> None:
+    head, following = force_in(0.0), force_in(180.0)
+    assert abs(head[[0, 2, 4]]).min() > 1e3
+    assert following == pytest.approx(head * [-1, -1, 1, 1, -1, 1], rel=1e-6, abs=1.0)
+
+
+def test_seas_on_either_bow_push_a_stopped_boat_as_mirror_images() -> None:
+    port, starboard = force_in(40.0), force_in(320.0)
+    assert abs(port[[0, 1, 2, 4, 5]]).min() > 1e3
+    assert starboard == pytest.approx(port * [1, -1, 1, -1, 1, -1], rel=1e-6, abs=1.0)
+
+
+def test_under_way_waves_are_met_faster_from_ahead_than_from_astern() -> None:
+    # At 10 kn the peak, of 0.70 rad/s, is shifted by omega^2 U/g = 0.25 rad/s either way.
+    crossings = []
+    for course in (0.0, 180.0):
+        boat = boat_at(60.0, 10.0, course)
+        boat.put_to_sea(load_sea("sea-state-5"))
+        waves = flown(boat, 1800.0, "eta_wave")[:, 0]
+        crossings.append(int((np.diff(np.sign(waves)) > 0).sum()))
+    assert 1.25 < crossings[0] / crossings[1] < 2.0
+
+
+# The same bits
+
+
+TIMELINE = """
+0 flood auxiliary 3
+5 sea wind 25
+8 blow forward
+12 blow stop
+14 vent all open
+20 hover on
+25 sea from 060
+"""
+
+
+def state_after(ticks: int, restore_at: int = 0) -> bytes:
+    """Return the state of a run with sea, tanks and orders, once put back if asked to."""
+    boat = boat_at(25.0, 6.0)
+    boat.put_to_sea(sea_of('sea_state = 4\ngenerator = "cosines"\nsuction = "on"'))
+    schedule = parse_schedule(TIMELINE, "timeline")
+    assert isinstance(schedule, list)
+    due = {round(entry.seconds / 0.5): entry.order for entry in schedule}
+    kept = None
+    tick = 0
+    while tick < ticks:
+        if restore_at and tick == restore_at and kept is None:
+            kept = boat.snapshot()
+        if restore_at and kept is not None and tick == restore_at + 20:
+            boat.restore(kept)
+            tick, restore_at = restore_at, 0
+        if tick in due:
+            obey(boat, due[tick])
+        assert boat.tick() == 0
+        tick += 1
+    return bytes(boat.records.state.tobytes())
+
+
+def test_sea_tanks_and_orders_give_the_same_bits_again_and_after_a_snapshot() -> None:
+    reference = state_after(240)
+    assert state_after(240) == reference
+    assert state_after(240, restore_at=30) == reference
+    assert state_after(239) != reference
+
+
+PROGRAM = """
+from trainer.cli import main
+main()
+"""
+
+
+@pytest.mark.long
+def test_a_run_with_sea_tanks_and_orders_gives_the_same_bits_at_any_pace_and_without_jit(
+    tmp_path: Path,
+) -> None:
+    (tmp_path / "orders.txt").write_text(TIMELINE)
+    root = str(Path(trainer.__file__).parents[1])
+
+    def recorded(speed: str, **environment: str) -> bytes:
+        words = ("run", "--headless", "--duration", "30", "--sea", "sea-state-4", "--seed", "7")
+        files = ("--orders", "orders.txt", "--csv", "out.csv", "--speed", speed)
+        done = subprocess.run(
+            [sys.executable, "-c", PROGRAM, *words, *files],
+            cwd=tmp_path,
+            env=os.environ | {"PYTHONPATH": root} | environment,
+            capture_output=True,
+            text=True,
+            timeout=120,
+            check=False,
+        )
+        assert done.returncode == 0, done.stderr
+        return (tmp_path / "out.csv").read_bytes()
+
+    reference = recorded("max")
+    assert reference.count(b"\n") == 62
+    assert recorded("50") == reference
+    assert recorded("max") == reference
+    assert recorded("max", NUMBA_DISABLE_JIT="1") == reference
+
+
+# What is called out
+
+
+def watched(boat: Boat, watch: Watch, seconds: float) -> list[str]:
+    said = []
+    for _ in range(round(seconds / boat.method.step)):
+        assert boat.tick() == 0
+        said += watch.look(boat)
+    return said
+
+
+def test_a_boat_thrown_up_by_the_sea_is_called_out_as_broached() -> None:
+    boat = boat_at(17.5, 4.0)
+    boat.put_to_sea(sea_of('sea_state = 5\nsuction = "on"'))
+    watch = Watch.over(boat, Limits())
+    said = watched(boat, watch, 300.0)
+    assert any("BROACHED: she shows 0." in line for line in said)
+    assert said[0].startswith("tick ")
+    assert watch.account().startswith("broached ")
+
+
+def test_a_boat_that_is_blown_up_has_surfaced_and_not_broached_and_is_called_out_once() -> None:
+    boat = boat_at(60.0, 10.0)
+    watch = Watch.over(boat, Limits())
+    told(boat, "surface")
+    said = watched(boat, watch, 300.0)
+    assert [line.partition(": ")[2] for line in said] == ["surfaced: the boat shows above the sea"]
+    told(boat, "dive", "depth 40")
+    assert watched(boat, watch, 300.0) == []
+    told(boat, "surface")
+    assert len(watched(boat, watch, 300.0)) == 1
+
+
+def test_a_limit_is_called_out_at_each_crossing_and_only_then() -> None:
+    boat = boat_at(60.0, 10.0)
+    watch = Watch.over(
+        boat, Limits(depth_m_max=70.0, depth_m_min=65.0, speed_kn_max=10.0)
+    )  # she starts above 65 m: no news
+    assert watch.account() == ""
+    told(boat, "depth 80")
+    down = watched(boat, watch, 240.0)
+    told(boat, "depth 60")
+    up = watched(boat, watch, 240.0)
+    assert [line.partition(": ")[2] for line in down if "depth" in line] == [
+        "LIMIT: depth above 70 m"
+    ]
+    assert [line.partition(": ")[2] for line in up if "depth" in line] == [
+        "LIMIT: depth below 65 m"
+    ]
+    assert "depth above 70 m 1 time (first at " in watch.account()
+
+
+@pytest.mark.parametrize(
+    ("limits", "place", "value"),
+    [
+        (Limits(pitch_deg_max=10.0), "theta", -11.0 * DEGREE),
+        (Limits(heel_deg_max=10.0), "phi", -11.0 * DEGREE),
+        (Limits(speed_kn_min=4.0), "u", 3.0 * KNOT),
+        (Limits(speed_kn_max=6.0), "u", 7.0 * KNOT),
+    ],
+)
+def test_each_limit_watches_its_own_quantity(limits: Limits, place: str, value: float) -> None:
+    boat = boat_at(60.0)
+    watch = Watch(limits)
+    assert watch.look(boat) == []
+    boat.state[place] = value
+    assert len(watch.look(boat)) == 1
+    assert watch.look(boat) == []

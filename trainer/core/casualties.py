@@ -1,0 +1,138 @@
+"""Things that break: eight slots of the state, their ramps, and what tanks and air suffer.
+
+The slots in use come first. A slot holds a kind, its amount [SI] now and in the end, and the ticks
+left: positive while it comes on, zero while it stands, negative while it is being cleared. What
+severity means is settled at the edge; the core knows amounts only. Surfaces, propulsion, autopilot
+and instruments look their kinds up themselves; tanks and air read faults from the state, which are
+written here.
+"""
+
+from typing import Final
+
+from trainer.core.kernel import Record, kernel
+from trainer.core.state import STATE, VALVES
+from trainer.core.tanks import BANKS, COMPARTMENTS, PUMPED, PUMPS
+
+SURFACES: Final = ("rudder", "stern", "bow")
+# Of two on one surface or gauge only the later in these acts on it.
+SURFACE_FAULTS: Final = ("slow", "follow-up-lost", "free", "hard-over", "stuck")
+SLOW, FOLLOW_UP_LOST, FREE, HARD_OVER, STUCK = 0, 1, 2, 3, 4
+GAUGES: Final = ("depth-gauge", "gyro", "log")
+GAUGE_FAULTS: Final = ("noisy", "biased", "stuck")
+NOISY, BIASED, GAUGE_STUCK = 0, 1, 2
+
+FAULTS: Final = (  # in the order of the faults in the state
+    *(f"leak-{name.replace('_', '-')}" for name in PUMPED),
+    *(f"flooding-{name.removeprefix('compartment_')}" for name in COMPARTMENTS),
+    *(f"pump-{name.replace('_', '-')}-failed" for name in PUMPS),
+    *(f"bank-{name}-failed" for name in BANKS),
+    *(f"blow-{name}-shut" for name in VALVES),
+    *(f"vent-{name}-shut" for name in VALVES),
+)
+KINDS: Final = (
+    *(f"{surface}-{fault}" for surface in SURFACES for fault in SURFACE_FAULTS),
+    *("propulsion-lost", "propulsion-stuck", "autopilot-failed"),
+    *FAULTS,
+    *(f"vent-{name}-open" for name in VALVES),
+    *(f"{gauge}-{fault}" for gauge in GAUGES for fault in GAUGE_FAULTS),
+)
+CODES: Final = {name: code for code, name in enumerate(KINDS, start=1)}  # 0: no casualty
+
+PROPULSION_LOST: Final = CODES["propulsion-lost"]
+PROPULSION_STUCK: Final = CODES["propulsion-stuck"]
+AUTOPILOT_FAILED: Final = CODES["autopilot-failed"]
+FIRST_FAULT: Final = CODES[FAULTS[0]]
+FIRST_OPEN: Final = FIRST_FAULT + len(FAULTS)
+FIRST_GAUGE: Final = FIRST_OPEN + len(VALVES)
+
+
+def _place(name: str) -> int:
+    """Return the place in the state [-] of a field."""
+    return int((STATE.fields or {})[name][1]) // 8  # type: ignore[index]
+
+
+BREACH: Final = _place("breach")  # the first of the faults
+VENT_FAULT: Final = _place("vent_fault")
+
+
+@kernel
+def slot_of(kind: int, state: Record) -> int:
+    """Return the slot [-] that holds ``kind``, -1 if none does; kind 0 is the first free slot."""
+    s = state[0]
+    for i in range(s.casualty.size):
+        if s.casualty[i] == kind:
+            return i
+        if s.casualty[i] == 0.0:
+            return -1
+    return -1
+
+
+@kernel
+def worst(first: int, count: int, state: Record) -> int:
+    """Return the slot [-] with the highest of ``count`` kinds from ``first`` on, -1 if none."""
+    s = state[0]
+    slot, highest = -1, first - 0.5
+    for i in range(s.casualty.size):
+        if s.casualty[i] == 0.0:
+            return slot
+        if highest < s.casualty[i] < first + count:
+            slot, highest = i, s.casualty[i]
+    return slot
+
+
+@kernel
+def write_fault(kind: int, amount: float, state: Record) -> None:
+    """Write what tanks and air are to suffer by ``kind``; the others are looked up."""
+    s = state[0]
+    if FIRST_FAULT <= kind < FIRST_OPEN:
+        s.whole[BREACH + kind - FIRST_FAULT] = amount
+    elif FIRST_OPEN <= kind < FIRST_GAUGE:
+        s.whole[VENT_FAULT + kind - FIRST_OPEN] = -amount
+
+
+@kernel
+def leave(slot: int, state: Record) -> None:
+    """Take a casualty out of its slot, and close the gap."""
+    s = state[0]
+    last = s.casualty.size - 1
+    write_fault(int(s.casualty[slot]), 0.0, state)
+    for i in range(slot, last):
+        s.casualty[i] = s.casualty[i + 1]
+        s.casualty_amount[i] = s.casualty_amount[i + 1]
+        s.casualty_target[i] = s.casualty_target[i + 1]
+        s.casualty_ticks[i] = s.casualty_ticks[i + 1]
+    s.casualty[last] = s.casualty_amount[last] = 0.0
+    s.casualty_target[last] = s.casualty_ticks[last] = 0.0
+
+
+@kernel
+def ramp(slot: int, state: Record) -> None:
+    """Bring a casualty one tick nearer its end, short of leaving its slot."""
+    s = state[0]
+    ticks = s.casualty_ticks[slot]
+    if ticks == 1.0:
+        s.casualty_amount[slot] = s.casualty_target[slot]
+    elif ticks > 1.0:
+        s.casualty_amount[slot] += (s.casualty_target[slot] - s.casualty_amount[slot]) / ticks
+    elif ticks < -1.0:
+        s.casualty_amount[slot] += s.casualty_amount[slot] / ticks
+    if ticks > 0.0:
+        s.casualty_ticks[slot] = ticks - 1.0
+    elif ticks < 0.0:
+        s.casualty_ticks[slot] = ticks + 1.0
+
+
+@kernel
+def advance_casualties(state: Record) -> None:
+    """Advance all ramps by one tick, then write the faults of tanks and air."""
+    s = state[0]
+    if s.casualty[0] == 0.0:
+        return
+    for i in range(s.casualty.size - 1, -1, -1):  # from the last, since leaving moves those up
+        if s.casualty_ticks[i] == -1.0:
+            leave(i, state)
+        elif s.casualty_ticks[i] != 0.0:
+            ramp(i, state)
+    for i in range(s.casualty.size):
+        if s.casualty[i] != 0.0:
+            write_fault(int(s.casualty[i]), s.casualty_amount[i], state)

@@ -1,0 +1,112 @@
+"""What is called out while the boat runs: limits passed, and the sail or the deck above the sea."""
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, field, fields
+from typing import Any, Final
+
+from trainer.boat import Boat
+from trainer.core.free_surface import deck_height, sail_height
+from trainer.fitout import KNOT
+from trainer.schema import Quantity, optional, within
+
+COVERED: Final = 1.0  # [m] of water over it before the same can be called out again
+FULL: Final = 0.95  # [-] of main ballast; with less aboard the boat means to come up
+
+
+@dataclass(frozen=True, kw_only=True)
+class Limits:
+    """What an exercise does not want passed; None: no limit."""
+
+    depth_m_max: float | None = optional(Quantity("m", within(0, 12000), "deepest"))
+    depth_m_min: float | None = optional(Quantity("m", within(0, 12000), "shallowest"))
+    pitch_deg_max: float | None = optional(Quantity("deg", within(0, 90), "pitch either way"))
+    heel_deg_max: float | None = optional(Quantity("deg", within(0, 90), "heel either way"))
+    speed_kn_max: float | None = optional(Quantity("kn", within(-60, 60), "fastest"))
+    speed_kn_min: float | None = optional(Quantity("kn", within(-60, 60), "slowest"))
+
+
+SEEN: Final[dict[str, Callable[[Any], float]]] = {
+    "depth_m": lambda s: float(s.z),
+    "pitch_deg": lambda s: abs(math.degrees(s.theta)),
+    "heel_deg": lambda s: abs(math.degrees(s.phi)),
+    "speed_kn": lambda s: float(s.u) / KNOT,
+}
+
+
+def showing(boat: Boat) -> float:
+    """Return the height [m] of the highest part of sail and deck above the sea."""
+    records = boat.records
+    sail = sail_height(records.vessel, records.state)
+    return float(max(sail, deck_height(records.vessel, records.state)))
+
+
+def surfacing(boat: Boat) -> bool:
+    """Return whether main ballast is being blown, or blown."""
+    if not boat.vessel.fitted:
+        return False
+    s = boat.state
+    held = float(s.water[:3].sum()) < FULL * float(boat.vessel.capacity[:3].sum())
+    return held or bool(s.blow[:3].any())
+
+
+@dataclass
+class Watch:
+    """What stands beyond its limit now, and how often and since when that has happened."""
+
+    limits: Limits = field(default_factory=Limits)
+    beyond: set[str] = field(default_factory=set)
+    shows: bool = False
+    times: dict[str, list[float]] = field(default_factory=dict)  # [s]
+
+    @classmethod
+    def over(cls, boat: Boat, limits: Limits) -> "Watch":
+        """Return the watch over a boat; what shows or is beyond its limit now is no news."""
+        watch = cls(limits)
+        watch.look(boat)
+        watch.times.clear()
+        return watch
+
+    def look(self, boat: Boat) -> list[str]:
+        """Return what there is to call out after a tick."""
+        news = [*self._passed(boat), *self._broken_surface(boat)]
+        for what, _ in news:
+            self.times.setdefault(what, []).append(boat.time)
+        return [f"tick {int(boat.state.tick)} ({boat.time:g} s): {text}" for _, text in news]
+
+    def _passed(self, boat: Boat) -> list[tuple[str, str]]:
+        """Return each limit passed since the last look, and the words for it."""
+        news = []
+        for item in fields(self.limits):
+            limit = getattr(self.limits, item.name)
+            if limit is None:
+                continue
+            key, _, end = item.name.rpartition("_")
+            value = SEEN[key](boat.state)
+            if not (value > limit if end == "max" else value < limit):
+                self.beyond.discard(item.name)
+            elif item.name not in self.beyond:
+                self.beyond.add(item.name)
+                what, unit = key.split("_")
+                side = "above" if end == "max" else "below"
+                name = f"{what} {side} {limit:g} {unit}"
+                news.append((name, f"LIMIT: {name}"))
+        return news
+
+    def _broken_surface(self, boat: Boat) -> list[tuple[str, str]]:
+        """Return that sail or deck has come out of the sea, if it has."""
+        height = showing(boat)
+        if self.shows or height <= 0.0:
+            self.shows = self.shows and height > -COVERED
+            return []
+        self.shows = True
+        if surfacing(boat):
+            return [("surfaced", "surfaced: the boat shows above the sea")]
+        return [("broached", f"BROACHED: she shows {height:.1f} m above the sea")]
+
+    def account(self) -> str:
+        """Return how often each has happened, in words."""
+        return ", ".join(
+            f"{what} {len(times)} time{'s' * (len(times) > 1)} (first at {times[0]:g} s)"
+            for what, times in self.times.items()
+        )
