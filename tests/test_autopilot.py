@@ -315,7 +315,8 @@ def test_planes_at_their_limits_for_ten_minutes_do_not_wind_it_up(
 
 def test_an_impossible_depth_order_does_not_wind_it_up(started: Callable[..., Boat]) -> None:
     boat = started(3.0)
-    boat.state.water_auxiliary -= 0.002 * boat.vessel.mass  # so light that its planes cannot take it down at this speed
+    # so light that its planes cannot take it down at this speed
+    boat.state.water_auxiliary -= 0.002 * boat.vessel.mass
     boat.state.ordered_depth = 300.0
     risen = sail(boat, 60.0)["depth"][-1]
     boat.state.water_auxiliary += 0.002 * boat.vessel.mass

@@ -235,8 +235,8 @@ def summary_text(boat: Boat, ledger: Summary, wall: float) -> str:
                 f"slipped {ledger.skipped}, gaps {ledger.gaps} ({ledger.gap_ns / 1e9:.1f} s)"
             ),
             (
-                f"the boat    depth {s.z:.6g} m, course {course(math.degrees(s.psi), 1)}, "
-                f"speed {s.u / KNOT:.4g} kn, pitch {math.degrees(s.theta):+.3g}, "
+                f"the boat    {s.z:.5g} m, course {course(math.degrees(s.psi), 1)}, "
+                f"{s.u / KNOT:.4g} kn, pitch {math.degrees(s.theta):+.3g}, "
                 f"heel {math.degrees(s.phi):+.3g} degrees"
             ),
         )
