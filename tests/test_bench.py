@@ -16,8 +16,9 @@ from trainer.config import ConfigError
 from trainer.ledger import Spread
 from trainer.study import bench as bench_module
 from trainer.study.batches import BATCH_NS, BATCHES, Batches, long_enough, time_batches
-from trainer.study.bench import Figures, bench, cpu_model, pace, samples_up, take_ticks
+from trainer.study.bench import Figures, bench, cpu_model, pace, samples_up
 from trainer.study.bench_page import render
+from trainer.study.hot import CASUALTIES, take_ticks
 from trainer.vessel_file import load_vessel
 
 
@@ -187,7 +188,11 @@ def test_json_is_one_object_whose_keys_carry_the_units(
     assert asked == [("bb2.toml", 1)]
     tree = json.loads(result.output)
     assert tree == json.loads(json.dumps(asdict(figures)))
-    bare = {n for n in units(tree) if not n.endswith(("_s", "_ns", "_percent", "_than_1969"))}
+    bare = {
+        n
+        for n in units(tree)
+        if not n.endswith(("_s", "_ns", "_percent", "_than_1969", "_the_calm"))
+    }
     assert not bare
     assert set(asdict(Spread(1, 2, 3, 4))) == set(tree["real_time"][0]["work"])
 
@@ -198,3 +203,13 @@ def test_the_command_prints_the_page(figures: Figures, monkeypatch: pytest.Monke
     result = CliRunner().invoke(cli.cli, ["bench", "--seconds", "1"])
 
     assert result.output == render(figures) + "\n"
+
+
+def test_the_troubled_tick_has_six_casualties_and_a_ratio_to_the_calm_one(
+    figures: Figures,
+) -> None:
+    troubled = figures.troubled
+
+    assert len(CASUALTIES) == 6
+    assert troubled.times_the_calm == troubled.troubled.least_ns / troubled.calm.least_ns
+    assert "tanks at work and six casualties" in render(figures)

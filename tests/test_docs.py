@@ -74,3 +74,53 @@ def test_every_link_leads_somewhere() -> None:
     for page in PAGES:
         for target in re.findall(r"\]\(([^)#:]+)\)", page.read_text(encoding="utf-8")):
             assert (page.parent / target).exists(), f"{page.name}: {target}"
+
+
+def example_files(page: str) -> list[str]:
+    """Return the TOML examples of a page."""
+    text = (ROOT / "docs" / page).read_text(encoding="utf-8")
+    return re.findall(r"```toml\n(.*?)```", text, re.DOTALL)
+
+
+# page, how its examples are run: what a newcomer copies from a page must do as it stands there
+FLIGHT = ["run", "--headless", "--speed", "max", "--duration", "60"]
+EXAMPLES = [
+    *((text, ["--sea", "./example.toml"]) for text in example_files("seas.md")),
+    *((text, ["./example.toml"]) for text in example_files("exercises.md")),
+]
+
+
+@pytest.mark.parametrize(("text", "how"), EXAMPLES)
+def test_an_example_file_of_the_documents_runs(text: str, how: list[str], tmp_path: Path) -> None:
+    (tmp_path / "example.toml").write_text(text, encoding="utf-8")
+
+    done = subprocess.run(
+        [sys.executable, "-m", "trainer", *FLIGHT, *how],
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+        timeout=120,
+        check=False,
+    )
+
+    assert done.returncode == 0, done.stderr
+    assert "simulated   60.0 s" in done.stdout
+
+
+@pytest.mark.parametrize("text", example_files("casualties.md"))
+def test_an_example_table_of_casualties_is_listed(text: str, tmp_path: Path) -> None:
+    (tmp_path / "own.toml").write_text(text, encoding="utf-8")
+    names = re.findall(r"^\[casualty\.(.*)\]", text, re.MULTILINE)
+
+    done = subprocess.run(
+        [sys.executable, "-m", "trainer", "casualties", "./own.toml"],
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+        timeout=120,
+        check=False,
+    )
+
+    assert done.returncode == 0, done.stderr
+    assert names
+    assert all(f"\n{name} " in f"\n{done.stdout}" for name in names)

@@ -5,7 +5,6 @@ caches and processor as half a second of sleep leaves them. The hot figures are 
 to back: medians of batches, each long against the clock that times it.
 """
 
-import gc
 import math
 import os
 import platform
@@ -25,18 +24,16 @@ from trainer.boat import Boat
 from trainer.clock import MonotonicClock, Policy
 from trainer.config import ConfigError
 from trainer.console import Console
-from trainer.core.kernel import Record, kernel
 from trainer.core.scheme import SCHEME
 from trainer.core.scratch import SCRATCH
 from trainer.core.state import STATE
-from trainer.core.update import update
 from trainer.core.vessel import COMPACT, VESSEL
-from trainer.fitout import KNOT, Method
 from trainer.io.csv_file import COLUMNS, CsvFile, NoFile
 from trainer.io.outbox import Direct, Outbox, writer
 from trainer.ledger import Spread
 from trainer.session import Session, Timekeeping
 from trainer.study.batches import Batches, time_batches
+from trainer.study.hot import Troubled, Update, ready, time_troubled, time_update
 from trainer.vessel_file import VesselFile
 
 DUTY_1969: Final = {0.5: 38.0, 1.0: 19.0}  # [%] by step [s], of the modified set in 1969
@@ -89,19 +86,6 @@ class Paced:
 
 
 @dataclass(frozen=True)
-class Update:
-    """One way to compute the boat: a tick called from Python, and inside a compiled loop."""
-
-    equations: str
-    rates: str
-    integrator: str
-    step_s: float
-    called: Batches
-    in_kernel: Batches
-    crossing_ns: float  # the least of called less the least of in_kernel: interference only adds
-
-
-@dataclass(frozen=True)
 class HotTick:
     """A tick of the session at full speed with CSV row and console line, and parts of it."""
 
@@ -127,20 +111,10 @@ class Figures:
     machine: Machine
     real_time: tuple[Paced, ...]
     updates: tuple[Update, ...]
+    troubled: Troubled
     hot_tick: HotTick
     sizes: dict[str, Size]
     memory_1969_words_of_16_bits: int
-
-
-@kernel
-def take_ticks(
-    vessel: Record, compact: Record, scheme: Record, count: int, state: Record, scratch: Record
-) -> int:
-    """Advance ``state`` by ``count`` ticks without Python between them; return the last status."""
-    status = 0
-    for _ in range(count):
-        status = update(vessel, compact, scheme, state, scratch)
-    return status
 
 
 def bench(file: VesselFile, seconds: int) -> Figures:
@@ -160,23 +134,11 @@ def bench(file: VesselFile, seconds: int) -> Figures:
         machine=this_machine(),
         real_time=paced,
         updates=tuple(time_update(ready(file, way, file.run.step_s)) for way in HOT),
+        troubled=time_troubled(file, HOT[0]),
         hot_tick=time_tick(ready(file, HOT[0], file.run.step_s)),
         sizes={name: Size(kind.itemsize, kind.itemsize // 2) for name, kind in RECORDS.items()},
         memory_1969_words_of_16_bits=WORDS_1969,
     )
-
-
-def ready(file: VesselFile, way: tuple[str, str, str], step: float) -> Boat:
-    """Return a boat under way in trim, its tick compiled and the garbage out of the way."""
-    equations, rates, integrator = way
-    boat = Boat(file, Method(equations, rates, "exact", integrator, step))
-    boat.start(file.run.start_speed_kn * KNOT, file.run.start_depth_m, 0.0)
-    start = boat.snapshot()
-    boat.tick()
-    boat.restore(start)
-    gc.collect()
-    gc.freeze()  # as a run does: a full collection with numba loaded takes 0.1 s
-    return boat
 
 
 def pace(boat: Boat, seconds: int, progress: Callable[[int], None]) -> Paced:
@@ -222,30 +184,6 @@ def run_to(session: Session, tick: int) -> None:
             f"{session.boat.file.path.name} has no place in a benchmark at a step of "
             f"{method.step:g} s with {method.integrator}: {session.failure}"
         )
-
-
-def time_update(boat: Boat) -> Update:
-    """Return the cost of a tick of the core, with and without a call from Python around it."""
-    vessel, compact, scheme, state, scratch = boat.records
-
-    def call(count: int) -> None:
-        for _ in range(count):
-            update(vessel, compact, scheme, state, scratch)
-
-    def loop(count: int) -> None:
-        take_ticks(vessel, compact, scheme, count, state, scratch)
-
-    called, in_kernel = time_batches([call, loop])
-    method = boat.method
-    return Update(
-        equations=method.equations,
-        rates=method.rates,
-        integrator=method.integrator,
-        step_s=method.step,
-        called=called,
-        in_kernel=in_kernel,
-        crossing_ns=called.least_ns - in_kernel.least_ns,
-    )
 
 
 def time_tick(boat: Boat) -> HotTick:

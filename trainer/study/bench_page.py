@@ -5,7 +5,8 @@ from collections.abc import Iterable
 
 from trainer.ledger import Spread
 from trainer.study.batches import BATCH_NS, BATCHES
-from trainer.study.bench import Figures, HotTick, Paced, Size, Update
+from trainer.study.bench import Figures, HotTick, Paced, Size
+from trainer.study.hot import Troubled, Update
 
 WIDTH = 79
 
@@ -20,6 +21,7 @@ def render(figures: Figures) -> str:
         *_wrapped(f"{machine.system}, {versions}"),
         *_real_time(figures.real_time),
         *_updates(figures.updates),
+        *_troubled(figures.troubled),
         *_hot_tick(figures.hot_tick),
         *_sizes(figures.sizes, figures.memory_1969_words_of_16_bits),
     ]
@@ -78,6 +80,14 @@ def _updates(updates: Iterable[Update]) -> list[str]:
     return [
         *lines,
         "  (crossing: the difference of the two least, which the machine disturbs least)",
+    ]
+
+
+def _troubled(troubled: Troubled) -> list[str]:
+    """Return what sea, tanks and casualties add to an update."""
+    return [
+        f"  with a sea, tanks at work and six casualties {troubled.troubled.median_ns:.0f}",
+        f"  ({troubled.times_the_calm:.2f} times the calm one)",
     ]
 
 
