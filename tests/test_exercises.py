@@ -14,7 +14,6 @@ from typing import Any
 import numpy as np
 import pytest
 
-import trainer
 from trainer.boat import Boat
 from trainer.casualty import active
 from trainer.clock import MonotonicClock, Policy
@@ -31,7 +30,7 @@ from trainer.reply import Refused
 from trainer.session import Session, Timekeeping
 from trainer.watch import Watch
 
-ROOT = Path(trainer.__file__).parents[1]
+ROOT = Path(__file__).parent.parent
 NAMES = (
     *("air-bank-failure", "course-changes", "depth-changes", "flooding-aft", "heavy-boat"),
     *("loss-of-propulsion", "periscope-depth", "stern-plane-jam"),
