@@ -79,7 +79,7 @@ def run_boat(options: dict[str, Any]) -> int:
 def warm(boat: Boat) -> None:
     """Take a tick and a casualty on a throw-away state: nothing compiles once the clock runs."""
     if not machine_code_is_compiled():
-        click.echo("compiling the boat, this once (a few seconds) ...", err=True)
+        click.echo("compiling the boat, this once (some 20 seconds) ...", err=True)
     before = boat.snapshot()
     boat.state.u = 1.0
     boat.trimmed(1.0)
