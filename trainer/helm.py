@@ -32,7 +32,10 @@ def _carries(boat: Boat, surface: str) -> bool:
 
 
 def _without_autopilot(boat: Boat) -> Refused:
-    return Refused(f"{boat.file.path.name} has no [autopilot] table: steer by hand")
+    return Refused(
+        f"{boat.file.path.name} has no [autopilot] table: steer by hand, "
+        "or add the one that trainer gains prints"
+    )
 
 
 def _by_hand(boat: Boat, surface: str, angle: float) -> None:
