@@ -13,6 +13,7 @@ from trainer.fitout import KNOT, Method
 from trainer.sea_file import load_sea
 from trainer.study.batches import Batches, time_batches
 from trainer.vessel_file import VesselFile
+from trainer.watch import showing
 
 SEA: Final = "sea-state-5"
 CASUALTIES: Final = (
@@ -61,6 +62,7 @@ def ready(file: VesselFile, way: tuple[str, str, str], step: float) -> Boat:
     boat.start(file.run.start_speed_kn * KNOT, file.run.start_depth_m, 0.0)
     start = boat.snapshot()
     boat.tick()
+    showing(boat)
     boat.restore(start)
     gc.collect()
     gc.freeze()  # as a run does: a full collection with numba loaded takes 0.1 s
