@@ -21,8 +21,10 @@ from trainer.casualty_file import (
 )
 from trainer.condition import QUANTITIES, compile_condition, quantity_table
 from trainer.config import ConfigError, Place
+from trainer.console import status_lines
 from trainer.core.casualties import KINDS, SURFACES
 from trainer.core.state import CASUALTIES
+from trainer.ledger import Ledger
 from trainer.reply import Refused
 
 ROOT = Path(__file__).parents[1]
@@ -850,3 +852,19 @@ def test_the_manual_has_every_key_kind_and_quantity_and_its_examples_load() -> N
     assert len(conditions) >= 3
     for condition in conditions:
         assert compile_condition(condition, HERE).quantity in QUANTITIES
+
+
+def test_status_tells_a_failed_instrument_s_reading_beside_the_truth_and_names_the_casualty(
+    make_boat: Callable[..., Boat],
+) -> None:
+    boat = make_boat("bb2")
+    boat.start(10 * KNOT, 60.0, 0.0)
+    insert(boat, "depth-gauge-biased", 0.7, 0.0)
+    boat.tick()
+    boat.tick()
+    lines = status_lines(boat, Ledger(0.5).summary())
+
+    assert any(line.startswith("depth      60.00 m") for line in lines)
+    assert any(line.startswith("instruments: depth 67.0 m, course 000.0") for line in lines)
+    assert "casualties: depth-gauge-biased 7" in lines
+    assert max(map(len, lines)) <= 79

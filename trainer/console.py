@@ -1,10 +1,12 @@
 """A console attached to the session: lines in, lines out, whatever the port."""
 
 import math
+import textwrap
 from dataclasses import dataclass
 
 import numpy as np
 
+from trainer import casualty
 from trainer.boat import Boat
 from trainer.core.tanks import COMPARTMENTS, TANKS
 from trainer.fitout import KNOT
@@ -14,6 +16,7 @@ from trainer.io.teletype import View, course, header, state_line
 from trainer.ledger import Summary
 from trainer.sea_orders import sea_text
 
+WIDTH = 79  # [characters]
 HEADING_EVERY = 20  # [lines]
 
 
@@ -87,6 +90,7 @@ def status_lines(boat: Boat, ledger: Summary) -> list[str]:
         f"position {s.x:.0f} m north, {s.y:.0f} m east of the start",
         *sea_lines(boat),
         *(ballast_lines(boat) if boat.vessel.fitted else ()),
+        *casualty_lines(boat),
         ledger_line(ledger),
     ]
 
@@ -97,6 +101,19 @@ def ledger_line(ledger: Summary) -> str:
         f"ticks {ledger.ticks}, duty cycle {100 * ledger.duty_cycle:.3f} %, "
         f"overruns {ledger.overruns}, gaps {ledger.gaps}"
     )
+
+
+def casualty_lines(boat: Boat) -> list[str]:
+    """Return what a station's instruments show, and the casualties there are."""
+    shown = casualty.readings(boat)
+    instruments = (
+        f"instruments: depth {shown.depth:.1f} m, "
+        f"course {course(math.degrees(shown.heading), 1)}, log {shown.speed / KNOT:.1f} kn"
+    )
+    kinds = ", ".join(f"{each.kind} {each.amount:.3g}" for each in casualty.active(boat))
+    if not kinds:
+        return [instruments]
+    return [instruments, *textwrap.wrap(f"casualties: {kinds}", WIDTH, subsequent_indent="  ")]
 
 
 def sea_lines(boat: Boat) -> list[str]:

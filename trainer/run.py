@@ -86,6 +86,7 @@ def warm(boat: Boat) -> None:
     boat.put_to_sea(boat.sea)
     casualty.insert(boat, "propulsion-lost")
     boat.tick()
+    casualty.readings(boat)
     casualty.clear(boat, "all")
     Watch.over(boat, Limits())
     boat.restore(before)
