@@ -92,6 +92,7 @@ def test_the_turn_is_that_of_the_vessel_data(started: Callable[..., Boat]) -> No
 
 @pytest.mark.parametrize("knots", [6.0, 10.0, 15.0, 20.0])
 @pytest.mark.parametrize("degrees", [10.0, 30.0])
+@pytest.mark.long
 def test_depth_comes_back_in_every_turn(
     started: Callable[..., Boat], knots: float, degrees: float
 ) -> None:
@@ -177,6 +178,7 @@ def test_small_depth_changes_arrive_below_the_critical_speed_too(
 
 
 @pytest.mark.parametrize("knots", [3.0, 4.8, 10.0, 20.0])
+@pytest.mark.long
 def test_an_hour_from_trim_keeps_depth_and_course(
     started: Callable[..., Boat], knots: float
 ) -> None:
@@ -297,6 +299,7 @@ def test_planes_held_against_it_for_a_minute_do_not_wind_it_up(
     assert np.abs(last(back)).max() < 0.3
 
 
+@pytest.mark.long
 def test_planes_at_their_limits_for_ten_minutes_do_not_wind_it_up(
     started: Callable[..., Boat],
 ) -> None:
@@ -313,6 +316,7 @@ def test_planes_at_their_limits_for_ten_minutes_do_not_wind_it_up(
     assert np.abs(last(run["depth"])).max() < 0.3
 
 
+@pytest.mark.long
 def test_an_impossible_depth_order_does_not_wind_it_up(started: Callable[..., Boat]) -> None:
     boat = started(3.0)
     # so light that its planes cannot take it down at this speed
@@ -357,6 +361,7 @@ def test_with_the_rudder_in_hand_the_heading_reference_is_the_boats(
 # --- speed
 
 
+@pytest.mark.long
 def test_ordered_speeds_are_reached_and_kept(started: Callable[..., Boat]) -> None:
     boat = started(10.0)
     for knots in (6.0, 12.0, 18.0):
@@ -366,6 +371,7 @@ def test_ordered_speeds_are_reached_and_kept(started: Callable[..., Boat]) -> No
         assert boat.state.speed_trim / KNOT == pytest.approx(0.0, abs=0.02), "nothing to learn"
 
 
+@pytest.mark.long
 def test_a_long_run_down_in_speed_is_not_mistaken_for_a_wrong_trim(
     started: Callable[..., Boat],
 ) -> None:
@@ -387,6 +393,7 @@ def test_a_wrong_speed_trim_is_unlearnt(started: Callable[..., Boat]) -> None:
     assert boat.state.u / KNOT == pytest.approx(10.0, abs=0.01)
 
 
+@pytest.mark.long
 def test_speed_trim_does_not_wind_up_at_the_engines_limit(started: Callable[..., Boat]) -> None:
     # its own limit is 4.5 kn of command speed, and control surfaces drag
     boat = started(4.5, "full", "remus100")
@@ -416,6 +423,7 @@ def test_speed_trim_is_learnt_in_straight_flight_only(started: Callable[..., Boa
 @pytest.mark.parametrize(
     ("vessel", "knots"), [("sdv-mk9", 1.5), ("sdv-mk9", 4.0), ("remus100", 3.0), ("remus100", 4.0)]
 )
+@pytest.mark.long
 def test_the_small_boats_obey_too(started: Callable[..., Boat], vessel: str, knots: float) -> None:
     boat = started(knots, "full", vessel)
     hold = sail(boat, 60.0)

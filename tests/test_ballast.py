@@ -612,6 +612,7 @@ def test_an_emergency_blow_from_200_m_at_10_knots_brings_the_boat_up(
     assert np.isfinite(boat.state.whole).all()
 
 
+@pytest.mark.long
 def test_hovering_takes_up_three_tonnes_and_settles_at_its_depth(
     make_boat: Callable[..., Boat],
 ) -> None:
@@ -629,6 +630,7 @@ def test_hovering_takes_up_three_tonnes_and_settles_at_its_depth(
     assert s.water_depth_control == pytest.approx(17.5 * TONNE, rel=0.01)
 
 
+@pytest.mark.long
 def test_hovering_changes_depth_without_overshoot(make_boat: Callable[..., Boat]) -> None:
     boat, _ = stopped(make_boat, 60.0)
     ticks(boat, 5.0)
