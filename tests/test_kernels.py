@@ -3,9 +3,14 @@
 import ast
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 import trainer.core
+from trainer.core.scheme import SCHEME
+from trainer.core.scratch import SCRATCH
+from trainer.core.state import STATE
+from trainer.core.vessel import COMPACT, VESSEL
 
 CORE = Path(trainer.core.__file__).parent
 WRITABLE = {
@@ -74,3 +79,9 @@ def test_a_kernel_keeps_the_rules(kernel: ast.FunctionDef) -> None:
 
 def test_there_are_kernels_to_check() -> None:
     assert len(kernels()) > 40
+
+
+@pytest.mark.parametrize("record", [STATE, VESSEL, COMPACT, SCRATCH, SCHEME])
+def test_no_field_hides_behind_a_method_of_the_record(record: np.dtype) -> None:
+    # without JIT s.sum would be numpy's method, with it the field
+    assert not set(record.names or ()) & set(dir(np.record))
