@@ -111,7 +111,10 @@ from numba.core.runtime import rtsys
 
 from trainer.boat import Boat
 from trainer.core.update import update
+from trainer.casualty import insert
 from trainer.fitout import Method
+from trainer.sea_file import load_sea
+from trainer.study.hot import CASUALTIES
 from trainer.vessel_file import load_vessel
 
 @njit
@@ -130,6 +133,13 @@ for equations in ("full", "modified", "basic", "longitudinal"):
             method = Method(equations, rates, "exact", integrator, 0.5)
             boat = Boat(load_vessel("bb2"), method)
             boat.start(5.0, 60.0, 0.0)
+            if equations != "longitudinal":  # a sea of both generators, tanks at work, casualties
+                boat.put_to_sea(load_sea("sea-state-5"))
+                boat.state.sea_cosines = 0.5
+                boat.state.hover = 1.0
+                boat.state.blow[0] = boat.state.vent[2] = 1.0
+                for name in CASUALTIES:
+                    assert isinstance(insert(boat, name), str)
             for run in (ticks, wasteful):
                 found = []
                 for count in (1, 1, 1001):
