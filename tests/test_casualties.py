@@ -158,6 +158,10 @@ def test_all_casualties_are_cleared_by_one_order(boat: Boat) -> None:
     assert active(boat) == []
 
 
+def test_a_sound_boat_has_nothing_to_clear(boat: Boat) -> None:
+    assert clear(boat, "all") == "there is nothing to clear"
+
+
 @pytest.mark.core
 @pytest.mark.parametrize("name", KINDS)
 def test_a_casualty_goes_on_from_a_snapshot_to_the_bit(

@@ -112,6 +112,7 @@ def test_the_summary_counts_what_was_simulated(start: Start) -> None:
 
     assert ran.code == 0
     assert "simulated   120.0 s in 240 ticks;" in ran.out
+    assert max(map(len, ran.out.splitlines())) <= 79
     assert re.search(r"duty cycle  0\.\d+ %   \(1969: 38 % at 0.5 s, 19 % at 1 s\)", ran.out)
     assert "overruns 0, caught up 0, slipped 0, gaps 0 (0.0 s)" in ran.out
     assert "the boat    60 m, course 000.0, 10 kn" in ran.out

@@ -72,7 +72,7 @@ def clear(boat: Boat, name: str) -> Reply:
         there = active(boat)
         for each in there:
             _end(boat, boat.casualties[each.kind])
-        return f"clearing {_names(there)}"
+        return f"clearing {_names(there)}" if there else "there is nothing to clear"
     found = find(boat, name)
     if isinstance(found, Refused):
         return found

@@ -221,10 +221,8 @@ def summary_text(boat: Boat, ledger: Summary, wall: float) -> str:
     step = boat.method.step
     return "\n".join(
         (
-            (
-                f"{boat.file.name}, {boat.method.equations} set, "
-                f"{boat.method.integrator} at {step:g} s"
-            ),
+            boat.file.name,
+            f"computed    {boat.method.equations} set, {boat.method.integrator} at {step:g} s",
             f"simulated   {boat.time:.1f} s in {ledger.ticks} ticks; {wall:.2f} s on the clock",
             f"duty cycle  {100 * ledger.duty_cycle:.4f} %   ({SECONDS_1969})",
             (
@@ -237,8 +235,8 @@ def summary_text(boat: Boat, ledger: Summary, wall: float) -> str:
             ),
             (
                 f"the boat    {s.z:.5g} m, course {course(math.degrees(s.psi), 1)}, "
-                f"{s.u / KNOT:.4g} kn, pitch {math.degrees(s.theta):+.3g}, "
-                f"heel {math.degrees(s.phi):+.3g} degrees"
+                f"{s.u / KNOT:.4g} kn, pitch {math.degrees(s.theta):+.2f}, "
+                f"heel {math.degrees(s.phi):+.2f} degrees"
             ),
         )
     )

@@ -114,7 +114,7 @@ NUMBERS = {
     "WIND": Number("a wind", (KNOTS, METRES_PER_SECOND), 0.0, 100.0),
     "HEIGHT": Number("a significant height", (METRES, FEET), 0.0, 25.0),
     "AMOUNT": Number("an amount of water", (TONNES,), 0.0, 1000.0),
-    "SEVERITY": Number("a severity", (PLAIN,), -1000.0, 1000.0),
+    "SEVERITY": Number("a severity after a name like stern-stuck", (PLAIN,), -1000.0, 1000.0),
     "SECONDS": Number("a time", (SECONDS,), 0.0, 3600.0),
 }
 
