@@ -8,7 +8,7 @@ import pytest
 
 from trainer.boat import Boat
 from trainer.config import ConfigError
-from trainer.console import status_lines
+from trainer.status import status_lines
 from trainer.fitout import KNOT, Method
 from trainer.helm import obey
 from trainer.io.orders import Order, parse

@@ -21,7 +21,7 @@ from trainer.casualty_file import (
 )
 from trainer.condition import QUANTITIES, compile_condition, quantity_table
 from trainer.config import ConfigError, Place
-from trainer.console import status_lines
+from trainer.status import status_lines
 from trainer.core.casualties import KINDS, SURFACES
 from trainer.core.state import CASUALTIES
 from trainer.ledger import Ledger

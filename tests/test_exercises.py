@@ -18,16 +18,23 @@ from trainer.boat import Boat
 from trainer.casualty import active
 from trainer.clock import MonotonicClock, Policy
 from trainer.config import ConfigError, shipped_names
-from trainer.console import Console
+from trainer.door import Door
 from trainer.exercise_file import Exercise, load_exercise, parse_exercise
 from trainer.exercise_records import key_tables
 from trainer.fitout import KNOT
+from trainer.frame import Lookout
 from trainer.helm import obey
+from trainer.history import History
+from trainer.io.line import Joined
+from trainer.io.no_recording import NoRecording
 from trainer.io.orders import Order, parse
 from trainer.io.schedule import Scheduled
 from trainer.plan import plan_run
+from trainer.publisher import Promptly, Roster
 from trainer.reply import Refused
-from trainer.session import Session, Timekeeping
+from trainer.session import Session
+from trainer.station import Station
+from trainer.timekeeping import Timekeeping
 from trainer.watch import Watch
 
 ROOT = Path(__file__).parent.parent
@@ -110,12 +117,17 @@ def play(name: str, crew: str = "") -> Played:
     time = Timekeeping.at(MonotonicClock(), plan.method.step, math.inf, Policy.SLIP)
     assert plan.duration is not None
     last = round(plan.duration / plan.method.step)
+    sending = Promptly(Roster(Lookout(boat, time.ledger.summary)))
+    history = History(boat, NoRecording())
     session = Session(
-        boat, time, trace, [Console(None, ear)], COLUMNS, schedule, watch, last_tick=last
+        boat, time, history, trace, COLUMNS, sending, [], schedule=schedule, watch=watch
     )
+    session.last_tick = last
+    line = Joined("ear", None, ear)
+    session.stations.append(Station(line, Door("instructor"), sending, session.log))
     with np.errstate(all="ignore"):
         session.run()
-    assert session.failure == ""
+    assert session.desk.failure == ""
     assert boat.state.tick == last
     assert not [line for line in ear.said if "refused" in line]
     columns = np.array(trace.rows).T

@@ -10,8 +10,8 @@ from hypothesis import strategies as st
 
 from trainer.io.lines import LineDecoder
 from trainer.io.order_help import WIDTH, help_text, page
-from trainer.io.order_table import FORMS, TOPICS, Word, heading_word, place
-from trainer.io.orders import LONGEST, BadOrder, Order, checksum, parse, sentence
+from trainer.io.order_table import FORMS, SESSION, TOPICS, Word, heading_word, place
+from trainer.io.orders import LONGEST, BadOrder, Order, parse
 from trainer.io.schedule import BadSchedule, Scheduled, parse_schedule
 
 KNOT = 1852 / 3600
@@ -86,6 +86,22 @@ UNDERSTOOD = [
     ("help help", "help", 0.0, "help", "help help"),
     ("exit", "quit", 0.0, "", "quit"),
     ("depth 80 # for the exercise", "depth", 80.0, "", "depth 80 m"),
+    ("freeze tanks", "hold", 0.0, "tanks", "freeze tanks"),
+    ("release pos", "release", 0.0, "position", "release position"),
+    ("release all", "release", 0.0, "all", "release all"),
+    ("snapshots", "snapshots", 0.0, "", "snapshots"),
+    ("reset", "reset", 0.0, "", "reset"),
+    ("backtrack 90", "backtrack", 90.0, "", "backtrack 90 s"),
+    ("backtrack 2 minutes", "backtrack", 120.0, "", "backtrack 2 min"),
+    ("replay 0.5 min", "replay", 30.0, "", "replay 0.5 min"),
+    ("take over", "take", 0.0, "over", "take over"),
+    ("role helm", "role", 0.0, "helm", "role helm"),
+    ("role diving officer", "role", 0.0, "diving", "role diving"),
+    ("role officer", "role", 0.0, "diving", "role diving"),
+    ("who", "who", 0.0, "", "who"),
+    ("bye", "detach", 0.0, "", "detach"),
+    ("help session", "help", 0.0, "session", "help session"),
+    ("help snapshot", "help", 0.0, "snapshot", "help snapshot"),
 ]
 
 
@@ -120,7 +136,18 @@ def test_an_order_is_understood(line: str, name: str, value: float, word: str, t
         ("planes dive 10", "say stern planes or bow planes"),
         ("stop", "bell stop, freeze or quit"),
         ("ru", '"ru" may be rudder or run'),
-        ("r 80", '"r" may be rpm or rudder'),
+        ("r 80", '"r" may be replay, rpm or rudder'),
+        ("snap", '"snap" may be snapshot or snapshots'),
+        ("snapshot", "snapshot what? expected a name for a moment"),
+        ("snapshots first", '"first" is too much after "snapshots"'),
+        ("restore 5", "expected a name for a moment"),
+        ("backtrack 25 h", "expected s or min"),
+        ("backtrack 0", "0 s: a time back is 0.1 to 86400 s"),
+        ("replay 1441 min", "1441 min: a time back is 0.1 to 86400 s"),
+        ("subscribe diving at 51", "a rate is 0.1 to 50 hz"),
+        ("subscribe diving 5", "expected at"),
+        ("release", "expected depth, position, tanks or all"),
+        ("role captain", "expected instructor, helm, planes, ballast, diving or observer"),
         ("s d 10", '"s" may be sail or stern'),
         ("a f", '"a" may be ahead or astern'),
         ("autopilot o", '"o" may be off or on'),
@@ -167,30 +194,6 @@ def test_a_line_of_the_longest_length_is_read() -> None:
     assert isinstance(parse("depth 80 #".ljust(LONGEST, "x")), Order)
 
 
-def test_a_machine_line_needs_its_checksum() -> None:
-    line = sentence("rudder left 15")
-
-    assert line == "$TRO,rudder left 15*6A"
-    assert parse(line) == parse("rudder left 15") == parse(line[:-2] + "6a")
-    for wrong in ("*6B", "*", "", "*6", "*6AA"):
-        assert isinstance(parse(line.partition("*")[0] + wrong), BadOrder)
-    assert isinstance(parse(sentence("")), BadOrder)
-    assert isinstance(parse(line.replace("TRO", "TRX")), BadOrder)
-
-
-def test_the_checksum_is_that_of_nmea_0183() -> None:
-    # $GPGLL,5057.970,N,00146.110,E,142451,A*27, an example widely printed with the standard.
-    assert checksum("GPGLL,5057.970,N,00146.110,E,142451,A") == 0x27
-
-
-def test_every_single_corrupted_character_of_a_machine_line_is_noticed() -> None:
-    line = sentence("depth 80")
-
-    for i in range(len(line)):
-        corrupted = line[:i] + chr(ord(line[i]) ^ 1) + line[i + 1 :]
-        assert isinstance(parse(corrupted), BadOrder), corrupted
-
-
 @given(st.text(max_size=100) | st.text(alphabet=" $*#.,-+1/3adehopstu", max_size=100))
 def test_no_text_makes_the_parser_raise(text: str) -> None:
     assert isinstance(parse(text), Order | BadOrder | None)
@@ -223,17 +226,17 @@ def test_the_full_wording_reads_back_as_the_same_order(
     head = row[0].split("#")[0].split()
     for line in (" ".join(words), " ".join([*head[:-1], number]), row[0]):
         order = parse(line)
-        if isinstance(order, Order):
+        if isinstance(order, Order) and not (order.name == "role" and order.subject):
             assert parse(order.text) == order
 
 
-def test_no_word_at_the_head_of_an_order_is_the_beginning_of_another() -> None:
-    # Else the shorter one, typed in full, would be taken for doubtful.
+def test_no_order_typed_in_full_is_in_doubt() -> None:
     topics = place("TOPIC")
     assert isinstance(topics, Word)
     heads = [said for said, _ in topics.spellings] + ["ahead", "astern", "full", "hard"]
 
-    assert not [(a, b) for a in heads for b in heads if a != b and b.startswith(a)]
+    for head in heads:
+        assert "may be" not in getattr(parse(head), "reason", ""), head
 
 
 @given(st.sampled_from(UNDERSTOOD), st.data())
@@ -259,11 +262,20 @@ def test_the_page_of_orders_is_that_of_the_table() -> None:
     assert path.read_text(encoding="utf-8") == page()
 
 
-def test_the_list_of_orders_fits_a_small_screen() -> None:
-    assert len(help_text("")) <= 24
+@pytest.mark.parametrize("topic", ["", SESSION])
+def test_a_list_of_orders_fits_a_small_screen(topic: str) -> None:
+    assert len(help_text(topic)) <= 24
 
 
-@pytest.mark.parametrize("topic", ["", *(head for topic in TOPICS for head in topic.heads)])
+def test_every_order_is_in_one_of_the_two_lists() -> None:
+    listed = {head for topic in TOPICS for head in topic.heads}
+
+    assert {heading_word(form) for form in FORMS if not form.refusal} <= listed
+
+
+@pytest.mark.parametrize(
+    "topic", ["", SESSION, *(head for topic in TOPICS for head in topic.heads)]
+)
 def test_help_is_narrow_and_shows_every_wording(topic: str) -> None:
     lines = help_text(topic)
 
@@ -286,9 +298,16 @@ def test_help_on_an_unknown_order_names_the_nearest() -> None:
         ("casualty stern-jam ramp 30 s", "stern-jam", "ramp", (30.0,)),
         ("casualty stern-jam -1 ramp 30", "stern-jam", "ramp", (-1.0, 30.0)),
         ("clear all", "all", "", ()),
+        ("subscribe diving", "diving", "", ()),
+        ("subscribe diving at 2.5", "diving", "at", (2.5,)),
+        ("subscribe diving at 10hz", "diving", "at", (10.0,)),
+        ("unsubscribe all", "all", "", ()),
+        ("snapshot before-jam", "before-jam", "", ()),
+        ("snap before-jam", "before-jam", "", ()),
+        ("restore before-jam", "before-jam", "", ()),
     ],
 )
-def test_an_order_about_a_casualty_holds_its_name_and_numbers(
+def test_an_order_with_a_name_holds_it_and_its_numbers(
     line: str, subject: str, word: str, numbers: tuple[float, ...]
 ) -> None:
     order = parse(line)
@@ -296,6 +315,42 @@ def test_an_order_about_a_casualty_holds_its_name_and_numbers(
     assert isinstance(order, Order)
     assert (order.subject, order.word, order.numbers) == (subject, word, numbers)
     assert parse(order.text) == order
+
+
+def test_a_rate_is_the_value_of_a_subscription() -> None:
+    assert getattr(parse("subscribe diving at 2"), "value", None) == 2.0
+    assert getattr(parse("subscribe diving"), "value", None) == 0.0
+
+
+@pytest.mark.parametrize("words", ["role helm", "ROLE Helm", "ro h", "role diving officer"])
+@pytest.mark.parametrize("token", ["Se-cRet1", "12ab", "0x", "***", "role", "helm"])
+def test_a_token_is_kept_as_it_was_typed_and_told_nowhere(words: str, token: str) -> None:
+    order = parse(f"{words} {token}  # mine")
+
+    assert isinstance(order, Order)
+    assert order.name == "role"
+    assert order.subject == token
+    assert order.text in ("role helm", "role diving")
+    assert f"subject={token}" not in repr(order)
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        "role hlem Se-cRet1",
+        "rolle helm Se-cRet1",
+        "roel diving Se-cRet1",
+        "role helm Se-cRet1 Se-cRet1",
+        "role helm Se-cRet1\x01",
+        "r hell Se-cRet1",
+        f"role helm Se-cRet1{' ' * 80}.",
+    ],
+)
+def test_a_token_in_a_line_that_is_no_order_is_told_nowhere(line: str) -> None:
+    bad = parse(line)
+
+    assert isinstance(bad, BadOrder)
+    assert "se-cret1" not in f"{bad.text} {bad.reason}".lower()
 
 
 def test_every_example_of_the_overview_is_an_order() -> None:

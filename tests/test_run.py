@@ -449,7 +449,7 @@ def refused(
         ("--equations ful", "'ful' is not one of 'full', 'modified', 'basic', 'longitudinal'"),
         ("--csv no/such/out.csv", "--csv no/such/out.csv: No such file or directory"),
         ("--csv .", "--csv .: Is a directory"),
-        ("--orders none.txt", "--orders none.txt: No such file or directory"),
+        ("--orders none.txt", "--orders none.txt: there is no such file"),
         ("--serial ./ttyNONE", "--serial ./ttyNONE: No such file or directory"),
         ("--serial socket://127.0.0.1:1", "--serial socket://127.0.0.1:1: Connection refused"),
         ("--serial sockt://x", "did you mean socket"),
@@ -481,8 +481,8 @@ def test_a_wrong_option_or_command_is_told_the_nearest(refused: Callable[..., st
         ("-5 freeze\n", "orders.txt:1: "),
         ("9999999 freeze\n", "orders.txt:1: 9999999 s: the latest time is 1000000 s"),
         ("1 freeze\n2 help\n", "orders.txt:2: help has no place in a schedule"),
-        ("\udcff\udcfe\n", "--orders orders.txt: not text in UTF-8"),
-        ("# \n" * 400_000, "--orders orders.txt: over 1000000 bytes"),
+        ("\udcff\udcfe\n", "--orders orders.txt: is not UTF-8 text (byte 0 is wrong)"),
+        ("# \n" * 400_000, "--orders orders.txt: is larger than the limit of 1000000 bytes"),
     ],
 )
 def test_a_wrong_schedule_is_told_by_file_and_line(

@@ -18,9 +18,9 @@ __version__ = "0.1.0"
 _PREFIX = "submarine-trainer-"
 
 
-def _core_digest() -> str:
-    """Return a short hash of the core's sources and of what else changes its machine code."""
-    digest = hashlib.sha256(os.environ.get("NUMBA_BOUNDSCHECK", "").encode())
+def core_digest() -> str:
+    """Return a short hash of the core's sources: what the boat is computed by."""
+    digest = hashlib.sha256()
     for path in sorted((Path(__file__).parent / "core").glob("*.py")):
         digest.update(path.name.encode() + b"\0" + path.read_bytes())
     return digest.hexdigest()[:16]
@@ -39,7 +39,8 @@ def _cache_root() -> Path:
 
 def _claim_cache() -> Path:
     """Return this version's cache folder; where home is read-only one that lasts for this run."""
-    name = _PREFIX + _core_digest()
+    checked = os.environ.get("NUMBA_BOUNDSCHECK", "0") not in ("", "0")  # other machine code
+    name = _PREFIX + core_digest() + "-checked" * checked
     path = _cache_root() / name
     try:
         path.mkdir(parents=True, exist_ok=True)

@@ -1,6 +1,9 @@
 """Configuration files: finding, reading and parsing them, and the messages when they are wrong.
 
 A message is one line: file, table, key, value, and what is wrong with it.
+
+What is read can be remembered, and read again later when the files have changed or gone: by a key,
+which is ``configs/...`` for a shipped file wherever it lies, and for others the path given.
 """
 
 import json
@@ -8,16 +11,21 @@ import re
 import tomllib
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
+from contextvars import ContextVar
 from difflib import get_close_matches
 from importlib import resources
-from pathlib import Path
-from typing import Any, NamedTuple
+from pathlib import Path, PurePosixPath
+from typing import Any, Final, NamedTuple
 
 SIZE_LIMIT = 1_000_000  # [byte]
 # tomllib takes minutes over one dotted key of a hundred thousand parts.
 LINE_LIMIT = 10_000  # [characters]
 SHOWN_LIMIT = 60  # [characters] of a value in a message
 TOLD_LIMIT = 20  # problems of one file that are told
+SHIPPED: Final = "configs/"  # what the keys of shipped files begin with
+
+_remembered: ContextVar[dict[str, str] | None] = ContextVar("remembered", default=None)
+_recorded: ContextVar[Mapping[str, str] | None] = ContextVar("recorded", default=None)
 
 
 class ConfigError(ValueError):
@@ -86,9 +94,53 @@ def nearest(name: str, known: Iterable[str]) -> str:
     return f"; nearest is {by_fold[match[0]]}" if match else ""
 
 
+@contextmanager
+def remembering() -> Iterator[dict[str, str]]:
+    """Yield the texts by their keys, as this thread reads them inside the block."""
+    texts: dict[str, str] = {}
+    before = _remembered.set(texts)
+    try:
+        yield texts
+    finally:
+        _remembered.reset(before)
+
+
+@contextmanager
+def recorded(texts: Mapping[str, str]) -> Iterator[None]:
+    """Let this thread read ``texts`` inside the block, as remembered, and no file on disk."""
+    before = _recorded.set(texts)
+    try:
+        yield
+    finally:
+        _recorded.reset(before)
+
+
+def key_of(path: Path) -> str:
+    """Return the key under which the text of a file is remembered."""
+    folder = _shipped_folder("")
+    if path.is_relative_to(folder):
+        return SHIPPED + path.relative_to(folder).as_posix()
+    key = str(path)
+    return f"./{key}" if key.startswith(SHIPPED) else key  # a file of the user's own
+
+
+def path_of(key: str) -> Path:
+    """Return where the file of that key is on this machine, if it is."""
+    return _shipped_folder("") / key.removeprefix(SHIPPED) if _ships(key) else Path(key)
+
+
+def _ships(key: str) -> bool:
+    return key.startswith(SHIPPED)
+
+
 def shipped_names(kind: str) -> tuple[str, ...]:
     """Return the names of the shipped files of ``kind``, such as 'vessels', sorted."""
-    return tuple(sorted(path.stem for path in _shipped_folder(kind).glob("*.toml")))
+    texts = _recorded.get()
+    if texts is None:
+        return tuple(sorted(path.stem for path in _shipped_folder(kind).glob("*.toml")))
+    paths = [PurePosixPath(key) for key in texts if _ships(key)]
+    folder = PurePosixPath(SHIPPED) / kind
+    return tuple(sorted(path.stem for path in paths if path.parent == folder))
 
 
 def shipped(kind: str, name: str) -> Path:
@@ -111,6 +163,27 @@ def _shipped_folder(kind: str) -> Path:
 
 def read_text(path: Path) -> str:
     """Return the text of a file; ConfigError if it is no readable, small UTF-8 text."""
+    key, texts = key_of(path), _recorded.get()
+    if texts is None:
+        text = _text_on_disk(path)
+    else:
+        key = key if key in texts else _shipped_key(path, texts)
+        text = texts[key]
+    remembered = _remembered.get()
+    if remembered is not None:
+        remembered[key] = text
+    return text
+
+
+def _shipped_key(path: Path, texts: Mapping[str, str]) -> str:
+    """Return the key of a shipped file by its path on another machine; ConfigError if none is."""
+    for key in filter(_ships, texts):
+        if path.as_posix().endswith(f"/{key}"):
+            return key
+    raise ConfigError(f"{path}: is not among the files recorded: {', '.join(texts)}")
+
+
+def _text_on_disk(path: Path) -> str:
     try:
         with path.open("rb") as file:
             data = file.read(SIZE_LIMIT + 1)

@@ -4,7 +4,7 @@ import math
 from collections.abc import Callable
 from dataclasses import replace
 
-from trainer import ballast_orders, casualty
+from trainer import ballast_orders, casualty, hold
 from trainer.boat import Boat
 from trainer.core import autopilot
 from trainer.fitout import KNOT
@@ -230,6 +230,8 @@ _DUTIES: dict[str, Callable[[Boat, Order], Reply]] = {
     "sea": order_sea,
     "casualty": _casualty,
     "clear": _clear,
+    "hold": hold.hold,
+    "release": hold.release,
     **dict.fromkeys(ballast_orders.ORDERS, ballast_orders.order_ballast),
 }
 ORDERS = frozenset(_DUTIES)

@@ -78,13 +78,15 @@ class Ledger:
         self.step = Fraction(str(step))  # [s] 1/10 when 0.1 was typed
         self.ticks = self.overruns = self.caught_up = self.skipped = self.gaps = 0
         self.gap_ns = 0
+        self.lateness = self.work = 0  # [ns] of the last tick
         self._worked = 0
         self._work, self._lateness = Histogram(), Histogram()
         self._recent = np.zeros(RECENT, TICK)
 
     def record(self, deadline: int, start: int, work: int) -> None:
         """Enter one tick [ns]."""
-        self._recent[self.ticks % RECENT] = (deadline, start, work, start - deadline)
+        self.lateness, self.work = start - deadline, work
+        self._recent[self.ticks % RECENT] = (deadline, start, work, self.lateness)
         self.ticks += 1
         self._worked += work
         self._work.add(work)

@@ -9,7 +9,7 @@ from typing import Any, Final
 from trainer import casualty
 from trainer.boat import Boat
 from trainer.casualty_file import Casualty, load_casualties
-from trainer.config import ConfigError
+from trainer.config import ConfigError, read_text
 from trainer.core.scheme import RUNGE_KUTTAS
 from trainer.exercise_file import UNSCHEDULED, Armed, Exercise, load_exercise
 from trainer.exercise_records import Initial
@@ -19,7 +19,6 @@ from trainer.sea_file import SeaFile, load_sea
 from trainer.vessel_file import VesselFile, load_vessel
 from trainer.watch import Limits
 
-LONGEST_SCHEDULE = 1_000_000  # [bytes]
 STEP_LIMITS = 0.001, 2.0  # [s]
 # what an exercise may set, by the option that overrules it
 OVERRULED: Final = {
@@ -117,16 +116,9 @@ def read_schedule(path: Path | None) -> list[Scheduled]:
     if path is None:
         return []
     try:
-        with path.open("rb") as stream:
-            data = stream.read(LONGEST_SCHEDULE + 1)
-    except OSError as error:
-        raise ConfigError(f"--orders {path}: {error.strerror}") from None
-    if len(data) > LONGEST_SCHEDULE:
-        raise ConfigError(f"--orders {path}: over {LONGEST_SCHEDULE} bytes")
-    try:
-        text = data.decode("utf-8")
-    except UnicodeDecodeError:
-        raise ConfigError(f"--orders {path}: not text in UTF-8") from None
+        text = read_text(path)
+    except ConfigError as wrong:
+        raise ConfigError(f"--orders {wrong}") from None
     schedule = parse_schedule(text, path.name)
     if isinstance(schedule, BadSchedule):
         raise ConfigError(str(schedule))

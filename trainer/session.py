@@ -1,26 +1,38 @@
-"""A run: the boat, the clock and the ports, joined. One thread ticks; ports have their own."""
+"""A run: the boat, the clock, the recording and the stations, joined in the thread that ticks."""
 
 import math
 import threading
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
-from typing import Protocol
+from typing import Final, Protocol
 
 from trainer.boat import Boat
-from trainer.clock import Clock, Event, Pacer, Policy, Unpaced, Waited
-from trainer.console import Console, status_lines
+from trainer.clock import Waited
+from trainer.desk import Desk
+from trainer.display import panel
+from trainer.frame import Lookout, Pace, Picture
 from trainer.helm import ORDERS, obey
-from trainer.io.lines import Overlong
-from trainer.io.order_help import help_text
-from trainer.io.orders import BadOrder, Order, parse
+from trainer.history import History
+from trainer.io.orders import Order
 from trainer.io.schedule import Scheduled
-from trainer.ledger import Ledger
-from trainer.reply import Refused
+from trainer.reply import Refused, Reply
+from trainer.roles import INSTRUCTOR
+from trainer.station import Asked, News, Station
+from trainer.status import status_lines
+from trainer.timekeeping import Timekeeping
 from trainer.watch import Watch
+from trainer.wishes import Sending
+
+HINT: Final = "type an order, such as: depth 80   course 090   rudder left 15   help   quit"
+LINES_AT_A_TIME: Final = 32  # of one station before the clock is looked at again
+PATIENCE: Final = 0.5  # [s] for a line to get out what it was sent before it is closed
+# orders by which everybody can tell that something has been done with time
+MOMENTS: Final = frozenset({"restore", "reset", "backtrack", "replay", "take"})
+TIME: Final = frozenset({"freeze", "run", "step", "time", "quit"})
 
 
-class Recorder(Protocol):
-    """Where each tick's state goes."""
+class Columns(Protocol):
+    """Where each tick's columns go."""
 
     trouble: str
 
@@ -29,37 +41,20 @@ class Recorder(Protocol):
         ...
 
 
-def keeper(clock: Clock, ledger: Ledger, speed: float, policy: Policy) -> Pacer | Unpaced:
-    """Return what paces ticks at ``speed``; an infinite speed is as fast as the machine allows."""
-    if math.isinf(speed):
-        return Unpaced(clock, ledger)
-    return Pacer(clock, ledger, speed, policy)
+class Reception(Protocol):
+    """Where stations come in by themselves, and are seen out."""
+
+    def newcomers(self) -> list[Station]:
+        """Return those that have come since the last call."""
+        ...
 
 
-@dataclass
-class Timekeeping:
-    """What paces the ticks, and may be changed while they run."""
+class Closed:
+    """Nobody comes in by himself."""
 
-    clock: Clock
-    ledger: Ledger
-    policy: Policy
-    pacer: Pacer | Unpaced
-
-    @classmethod
-    def at(cls, clock: Clock, step: float, speed: float, policy: Policy) -> "Timekeeping":
-        """Return the keeping of time at ``speed``, infinity for as fast as it goes."""
-        ledger = Ledger(step)
-        return cls(clock, ledger, policy, keeper(clock, ledger, speed, policy))
-
-    def change(self, speed: float) -> None:
-        """Let time go ``speed`` times as fast from now on."""
-        if math.isfinite(speed) and isinstance(self.pacer, Pacer):
-            self.pacer.set_speed(speed)
-            return
-        frozen = self.pacer.frozen
-        self.pacer = keeper(self.clock, self.ledger, speed, self.policy)
-        if not frozen:
-            self.pacer.run()
+    def newcomers(self) -> list[Station]:
+        """Return nobody."""
+        return []
 
 
 @dataclass
@@ -68,28 +63,36 @@ class Session:
 
     boat: Boat
     time: Timekeeping
-    recorder: Recorder
-    consoles: list[Console]
+    history: History
+    recorder: Columns
     columns: tuple[str, ...]
-    schedule: list[Scheduled] = field(default_factory=list)
+    sending: Sending
+    stations: list[Station]
+    reception: Reception = field(default_factory=Closed)
+    schedule: Sequence[Scheduled] = ()
     watch: Watch = field(default_factory=Watch)
     last_tick: float = math.inf
     progress: Callable[[int], None] | None = None
     wake: threading.Event = field(default_factory=threading.Event)
-    ended: bool = False
-    failure: str = ""  # where the numbers were lost
+    briefing: tuple[str, ...] = ()  # what whoever comes is told
     deserted: str = ""  # why it ended before its time
-    _steps: int = 0  # ticks that a single-step order still allows
-    _next: int = 0  # place in the schedule
+    desk: Desk = field(init=False)
 
-    def run(self) -> None:
+    def __post_init__(self) -> None:
+        self.desk = Desk(self.boat, self.time, self.history)
+        self._lookout = Lookout(self.boat, self.time.ledger.summary)
+        self._heard: Station | None = None  # who is listened to
+
+    def run(self, *, frozen: bool = False) -> None:
         """Run to the last tick, an order to quit, or until nobody can ever say run again."""
-        self._record()
-        self.time.pacer.run()
+        self._row()
+        if not frozen:
+            self.time.pacer.run()
+        self._publish(self.history.now().state)
         while not self._over:
             if self._deserted():
                 self.deserted = f"frozen at {self.boat.time:g} s, and nobody is left to say run"
-                self._tell(self.deserted)
+                self.tell("time", self.deserted)
                 return
             if self.time.pacer.wait(self.wake) is Waited.WOKEN:
                 self.wake.clear()
@@ -100,136 +103,194 @@ class Session:
 
     def stop(self) -> None:
         """End the run after the present tick; may be called from another thread."""
-        self.ended = True
+        self.desk.ended = True
         self.wake.set()
 
+    def tell(self, kind: str, text: str, by: Station | None = None) -> None:
+        """Record what has happened, and tell whose role hears of such things but ``by``."""
+        tick = self.history.tick
+        self.history.recording.event(tick, kind, by.who if by else "", text)
+        for station in self.stations:
+            if station is not by:
+                station.tell(News(tick, self.boat.time, kind, text))
+
+    def log(self, kind: str, text: str) -> None:
+        """Record what the station that is listened to has to say of itself, and tell others."""
+        self.tell(kind, text, self._heard)
+
+    def greet(self, station: Station) -> None:
+        """Tell whoever comes what this is."""
+        for line in (*self.briefing, HINT):
+            station.line.send(line)
+
     def listen(self) -> None:
-        """Take what the consoles have typed since the last time."""
-        for console in self.consoles:
-            for line in console.typed():
-                self._hear(console, line)
+        """Let newcomers in, take what the stations say, and see out who has left."""
+        for station in self.reception.newcomers():
+            self.greet(station)
+            self.stations.append(station)
+            self.tell("station", f"{station.line.name} has come")
+        for station in list(self.stations):
+            self._heard = station
+            for asked in station.take(LINES_AT_A_TIME):
+                self._hear(asked)
                 self._take_steps()
+            if station.waiting:
+                self.wake.set()  # others, and the clock, have their turn before the rest
+            elif station.leaving or station.line.ended:
+                self._see_out(station)
+        self._heard = None
 
     @property
     def _over(self) -> bool:
         """Return whether the run has been ended or has reached its last tick."""
-        return self.ended or bool(self.boat.state.tick >= self.last_tick)
+        return self.desk.ended or bool(self.boat.state.tick >= self.last_tick)
+
+    def _see_out(self, station: Station) -> None:
+        """Let a line go: it is closed by a thread of its own, since that may wait."""
+        if isinstance(self.reception, Closed):
+            return  # the lines of a run that nobody can join are there to the end
+        self.stations.remove(station)
+        self.tell("station", f"{station.account()}: {station.leaving or 'gone'}")
+        threading.Thread(target=station.close, args=(PATIENCE,), daemon=True).start()
 
     def _take_steps(self) -> None:
         """Take the single steps that were ordered, as long as time stands still."""
-        while self._steps and self.time.pacer.frozen and not self._over:
-            self._steps -= 1
+        while self.desk.steps and self.time.frozen and not self._over:
+            self.desk.steps -= 1
             self._tick()
 
     def _deserted(self) -> bool:
         """Return whether time stands still and nobody can let it go on."""
-        if not self.time.pacer.frozen:
+        if not self.time.frozen or not isinstance(self.reception, Closed):
             return False
-        silent = all(console.silent for console in self.consoles)
+        silent = all(station.line.ended for station in self.stations)
         self.listen()  # what came before the silence
-        return silent and self.time.pacer.frozen and not self._over
+        return silent and self.time.frozen and not self._over
 
-    def _tell(self, *lines: str) -> None:
-        for console in self.consoles:
-            console.say(*lines)
+    # Orders
 
-    def _record(self) -> None:
-        """Hand the state to the recorder; tell at once when it is in trouble."""
-        before = self.recorder.trouble
-        self.recorder.row(self.boat.numbers(self.columns))
-        if self.recorder.trouble != before:
-            self._tell(f"NOT RECORDED: {self.recorder.trouble}")
+    def _hear(self, asked: Asked) -> None:
+        """Carry out an order from a station and answer it there."""
+        order, station = asked.order, asked.station
+        if order.name == "status":
+            station.answer(asked, "", *self._status(station))
+        elif order.name == "who":
+            station.answer(asked, "", *(each.account() for each in self.stations))
+        else:
+            answer = self._carry_out(order, station.who)
+            station.answer(asked, answer)
+            self._pass_on(order, answer, station)
+
+    def _status(self, station: Station) -> list[str]:
+        """Return all about the boat that a station may know."""
+        if station.role is INSTRUCTOR:
+            return status_lines(self.boat, self.time.ledger.summary())
+        picture = Picture(self.history.tick, self.history.now().state, self._pace())
+        return panel(station.role.channels, self._lookout.frame(picture))
+
+    def _carry_out(self, order: Order, who: str, place: int | None = None) -> Reply:
+        """Carry out an order, to the boat once it is journalled; return the answer."""
+        if order.name not in ORDERS:
+            number = None if place is None else self.history.order(who, order, place)
+            answer = self.desk.obey(order, who)
+            if number is not None:
+                self.history.answered(number, answer)
+            self._after_time(order)
+            return answer
+        if self.history.rerun:
+            return Refused("a replay is running: take over first")
+        number = self.history.order(who, order, place)
+        answer = obey(self.boat, order)
+        self.history.answered(number, answer)
+        return answer
+
+    def _after_time(self, order: Order) -> None:
+        """Show what an order about time has changed."""
+        if order.name in MOMENTS:
+            self.watch.settle(self.boat)
+        if order.name in MOMENTS or order.name in TIME:
+            self._publish(self.history.now().state)
+
+    def _pass_on(self, order: Order, answer: Reply, station: Station) -> None:
+        """Record an order about time, and tell the others what was ordered."""
+        text = f"refused: {answer.reason}" if isinstance(answer, Refused) else answer
+        kind = "order" if station.role is not INSTRUCTOR else "exercise"
+        if not isinstance(answer, Refused):
+            kind = "moment" if order.name in MOMENTS else "time" if order.name in TIME else kind
+        self.tell(kind, f"{station.role.name}: {order.text}: {text}", station)
+
+    def _obey_schedule(self) -> None:
+        """Carry out what is due by now: an order acts on the first tick not before its time."""
+        step, tick = self.boat.method.step, self.boat.state.tick
+        while self.history.rerun is None and self.history.place < len(self.schedule):
+            entry = self.schedule[self.history.place]
+            if math.ceil(entry.seconds / step - 1e-9) > tick:
+                return
+            answer = self._carry_out(entry.order, "schedule", self.history.place)
+            text = f"refused: {answer.reason}" if isinstance(answer, Refused) else answer
+            self.tell("exercise", f"[{entry.seconds:g} s] {entry.order.text}: {text}")
+
+    def _obey_replay(self) -> None:
+        """Give again what was given at this tick; say when the replay has arrived."""
+        for order in self.history.due(self.schedule):
+            if order.name in ORDERS:
+                obey(self.boat, order)
+        if self.history.caught_up:
+            self.tell("moment", self.history.arrive())
+            self.time.pacer.freeze()
+            self._publish(self.history.now().state)
+
+    # Ticks
 
     def _tick(self) -> None:
         """Carry out the orders that are due, and unless they stop time take a tick."""
-        was_frozen = self.time.pacer.frozen
+        was_frozen = self.time.frozen
         self._obey_schedule()
+        self._obey_replay()
         pacer = self.time.pacer
         if self._over or (pacer.frozen and not was_frozen):
             return
         pacer.begin()
         status = self.boat.tick()
         if status:
-            self.failure = self.boat.failure(status)
-            self._tell(f"FROZEN: {self.failure}")
+            self.desk.failure = self.boat.failure(status)
+            self.tell("trouble", f"FROZEN: {self.desk.failure}")
         else:
-            self._record()
-            for console in self.consoles:
-                console.show(self.boat, frozen=pacer.frozen)
-            self._tell(*self.watch.look(self.boat))
-        events: tuple[Event, ...] = pacer.end()
+            self._after_tick()
+        events = pacer.end()
+        ledger = self.time.ledger
+        self.history.recording.timing(self.history.tick, ledger.lateness, ledger.work)
         if status:
             pacer.freeze()
-            self._steps = 0
+            self.desk.steps = 0
         for event in events:
-            self._tell(str(event))
+            self.tell("trouble", str(event))
         if self.progress:
             self.progress(int(self.boat.state.tick))
 
-    def _obey_schedule(self) -> None:
-        """Carry out what is due by now: an order acts on the first tick not before its time."""
-        step, tick = self.boat.method.step, self.boat.state.tick
-        while self._next < len(self.schedule):
-            entry = self.schedule[self._next]
-            if math.ceil(entry.seconds / step - 1e-9) > tick:
-                return
-            self._next += 1
-            answer = self._answer(entry.order)
-            text = f"refused: {answer.reason}" if isinstance(answer, Refused) else answer
-            self._tell(f"[{entry.seconds:g} s] {entry.order.text}: {text}")
+    def _after_tick(self) -> None:
+        """Keep the state, show it, and call out what it means."""
+        before = self.history.recording.trouble
+        state = self.history.ticked()
+        if self.history.recording.trouble != before:
+            self.tell("trouble", f"NOT RECORDED: {self.history.recording.trouble}")
+        if self.history.rerun is None:
+            self._row()
+        self._publish(state)
+        for text in self.watch.look(self.boat):
+            self.tell("watch", text)
 
-    def _hear(self, console: Console, line: str | Overlong) -> None:
-        """Carry out a line from ``console`` and answer it there."""
-        if isinstance(line, Overlong):
-            console.say(f"? longer than {line.limit} characters; nothing done")
-            return
-        order = parse(line)
-        if order is None:
-            return
-        if isinstance(order, BadOrder):
-            console.say(f"? {order.reason}")
-        elif order.name == "help":
-            console.say(*help_text(order.word))
-        elif order.name == "status":
-            console.say(*status_lines(self.boat, self.time.ledger.summary()))
-        else:
-            answer = self._answer(order)
-            console.say(f"? {answer.reason}" if isinstance(answer, Refused) else answer)
+    def _row(self) -> None:
+        """Hand the state to the columns' file; tell at once when it is in trouble."""
+        before = self.recorder.trouble
+        self.recorder.row(self.boat.numbers(self.columns))
+        if self.recorder.trouble != before:
+            self.tell("trouble", f"NOT RECORDED: {self.recorder.trouble}")
 
-    def _answer(self, order: Order) -> str | Refused:
-        """Carry out an order about time or about the boat."""
-        if order.name in ORDERS:
-            return obey(self.boat, order)
-        if self.failure and order.name in ("run", "step"):
-            return Refused(f"this boat cannot go on: {self.failure}")
-        duties: dict[str, Callable[[Order], str]] = {
-            "freeze": self._freeze,
-            "run": self._run_on,
-            "step": self._step,
-            "time": self._change_time,
-            "quit": self._quit,
-        }
-        duty = duties.get(order.name)
-        return duty(order) if duty else Refused(f"{order.text} has no place in a schedule")
+    def _publish(self, state: bytes) -> None:
+        self.sending.offer(self.history.tick, state, self._pace())
 
-    def _freeze(self, _order: Order) -> str:
-        self.time.pacer.freeze()
-        return "frozen"
-
-    def _run_on(self, _order: Order) -> str:
-        self.time.pacer.run()
-        self._steps = 0
-        return "running"
-
-    def _step(self, order: Order) -> str:
-        self.time.pacer.freeze()
-        self._steps += int(order.value)
-        return f"{int(order.value)} tick{'s' if order.value > 1.0 else ''}, then frozen"
-
-    def _change_time(self, order: Order) -> str:
-        self.time.change(math.inf if order.word == "max" else order.value)
-        return "time as fast as it goes" if order.word == "max" else order.text
-
-    def _quit(self, _order: Order) -> str:
-        self.stop()
-        return "ending"
+    def _pace(self) -> Pace:
+        """Return how time runs."""
+        time, history = self.time, self.history
+        return Pace(time.frozen, time.speed, history.recording.branch, history.rerun is not None)

@@ -35,11 +35,16 @@ class Term(NamedTuple):
     kept: bool  # in the compact set (68-C-0050-1, Table 18)
 
 
-@cache
 def terms() -> tuple[Term, ...]:
     """Return the 131 terms in the order of the equations, from the shipped list."""
     path = shipped("", "terms_2510")
-    rows = parse_toml(read_text(path), path.name)["term"]
+    return _terms(read_text(path), path.name)
+
+
+@cache
+def _terms(text: str, file: str) -> tuple[Term, ...]:
+    """Return the terms listed in ``text``."""
+    rows = parse_toml(text, file)["term"]
     return tuple(
         Term(
             equation=row["equation"],
@@ -53,7 +58,6 @@ def terms() -> tuple[Term, ...]:
     )
 
 
-@cache
 def coefficient_terms() -> tuple[Term, ...]:
     """Return the 122 terms that [coefficients] may give: all but the nine of the thrust rows."""
     return tuple(term for term in terms() if term.key.startswith(f"{term.equation}_"))
@@ -65,10 +69,11 @@ def read_coefficients(table: object, place: Place) -> dict[str, float]:
     Those not given are left out.
     """
     given, problems = _flattened(as_table(table, place), place)
+    known = [term.key for term in coefficient_terms()]
     values: dict[str, float] = {}
     for axis, key, value in given:
         with collecting(problems):
-            values[key] = _coefficient(key, value, place.inside(axis) if axis else place)
+            values[key] = _coefficient(key, value, place.inside(axis) if axis else place, known)
     keys = [key for _, key, _ in given]
     problems += [place.problem(f"{key} is given twice") for key in values if keys.count(key) > 1]
     if problems:
@@ -76,9 +81,8 @@ def read_coefficients(table: object, place: Place) -> dict[str, float]:
     return values
 
 
-def _coefficient(key: str, value: object, place: Place) -> float:
+def _coefficient(key: str, value: object, place: Place, known: list[str]) -> float:
     """Return the value [-] of one coefficient; ConfigError if it, or its axis, is wrong."""
-    known = [term.key for term in coefficient_terms()]
     if key not in known:
         raise ConfigError(place.wrong(key, value, f"no such coefficient{nearest(key, known)}"))
     root, _, axis = place.table.rpartition(".")

@@ -63,9 +63,13 @@ class Watch:
     def over(cls, boat: Boat, limits: Limits) -> "Watch":
         """Return the watch over a boat; what shows or is beyond its limit now is no news."""
         watch = cls(limits)
-        watch.look(boat)
-        watch.times.clear()
+        watch.settle(boat)
         return watch
+
+    def settle(self, boat: Boat) -> None:
+        """Take the boat as she is, after a jump in time: nothing of it is news."""
+        self._passed(boat)
+        self._broken_surface(boat)
 
     def look(self, boat: Boat) -> list[str]:
         """Return what there is to call out after a tick."""

@@ -1,8 +1,11 @@
 """Options that several commands share."""
 
+from pathlib import Path
 from typing import Any, Final
 
 import click
+
+from trainer.places import HOST, PORT
 
 VESSEL_HELP: Final = "bb2, sdv-mk9, remus100, or the path of a vessel file"
 EQUATIONS: Final = ("full", "modified", "basic", "longitudinal")
@@ -30,6 +33,37 @@ METHOD = [
         help="Exact, or the 1969 approximations of the compact sets.",
     ),
 ]
+
+
+PORTS = [
+    click.option(
+        "--line",
+        "lines",
+        multiple=True,
+        metavar="ROLE=URL",
+        help="A station on a serial port or pyserial URL; may be given again.",
+    ),
+    click.option(
+        "--listen",
+        default=None,
+        metavar="HOST:PORT",
+        help=f"Let stations in by TCP, such as {HOST}:{PORT}.",
+    ),
+    click.option(
+        "--socket",
+        type=click.Path(path_type=Path),
+        default=None,
+        help="Let stations in at this local socket.",
+    ),
+    click.option("--token", default=None, help="Word that stations at sockets have to give."),
+]
+
+
+def port_options(command: Any) -> Any:
+    """Add the options that say where stations are."""
+    for option in reversed(PORTS):
+        command = option(command)
+    return command
 
 
 def method_options(command: Any) -> Any:

@@ -7,7 +7,7 @@ from typing import Any
 import click
 
 from trainer.arguments import Duration, Speed
-from trainer.commands.options import VESSEL_HELP, method_options
+from trainer.commands.options import VESSEL_HELP, method_options, port_options
 
 
 @click.command()
@@ -51,6 +51,7 @@ from trainer.commands.options import VESSEL_HELP, method_options
     help="What happens when a tick ends too late.",
 )
 @click.option("--headless", is_flag=True, help="No console; a progress bar and a summary.")
+@click.option("--frozen", is_flag=True, help="Start with time frozen, until the order run.")
 @click.option(
     "--serial",
     "url",
@@ -79,6 +80,15 @@ from trainer.commands.options import VESSEL_HELP, method_options
     default=None,
     help="Write the state of each tick to this file.",
 )
+@click.option(
+    "--record",
+    type=click.Path(path_type=Path),
+    default=None,
+    help="Keep the whole run in this file. [default: a file of its own, unless headless or "
+    "at --speed max]",
+)
+@click.option("--no-record", is_flag=True, help="Keep nothing.")
+@port_options
 def run(**options: Any) -> None:
     """Run a boat in real time on a console, or headless.
 

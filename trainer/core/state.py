@@ -130,6 +130,9 @@ STATE: Final = record_dtype(
     ("casualty_target", (CASUALTIES,)),  # [SI]
     ("casualty_ticks", (CASUALTIES,)),  # [-] left; negative while it is cleared
     "triggers_spent",  # [-] one bit for each trigger that has fired
+    # partial freezes: see holds
+    ("held", ["held_depth", "held_position", "held_tanks"]),  # [-] 1 held
+    ("sailed", ["sailed_x", "sailed_y"]),  # [m] where x and y would be but for the hold
 )
 
 FIELDS: Final = [name for name in STATE.names or () if STATE.fields and name != "whole"]

@@ -6,6 +6,7 @@ from trainer.core.ballast import advance_ballast
 from trainer.core.buoyancy import buoyancy_forces
 from trainer.core.casualties import advance_casualties
 from trainer.core.free_surface import surface_forces
+from trainer.core.holds import cast_off, make_fast
 from trainer.core.integrators import advance
 from trainer.core.kernel import Record, kernel
 from trainer.core.propulsion import answer_telegraph
@@ -64,10 +65,14 @@ def update(vessel: Record, compact: Record, scheme: Record, state: Record, scrat
     fire_triggers(scheme, state)
     advance_casualties(state)
     autopilot(vessel, h, state, work.gains)
-    advance_ballast(vessel, vessel, h, state)
+    if s.held_tanks == 0.0:
+        advance_ballast(vessel, vessel, h, state)
     advance_sea(vessel, h, scratch, state)
     outside(vessel, state, scratch)
+    x, y, z = s.x, s.y, s.z
+    cast_off(state)
     advance(vessel, compact, scheme, state, scratch)
+    make_fast(x, y, z, state)
     move_surfaces(vessel, h, state)
     answer_telegraph(vessel, h, state)
     s.tick += 1.0

@@ -4,10 +4,23 @@ import difflib
 import re
 from collections.abc import Sequence
 
-from trainer.io.order_table import FORMS, NUMBERS, SETS, TOPICS, Form, Number, heading_word
-from trainer.io.orders import LONGEST, sentence
+from trainer.io import sentences
+from trainer.io.order_table import (
+    BOAT_TOPICS,
+    FORMS,
+    SESSION,
+    SESSION_TOPICS,
+    SETS,
+    TOPICS,
+    Form,
+    Topic,
+    heading_word,
+)
+from trainer.io.orders import LONGEST
+from trainer.io.quantities import NUMBERS, Number
 
 WIDTH = 79  # [characters]
+SESSION_IS = "time, moments and stations"
 
 INTRODUCTION = f"""# Orders
 
@@ -16,20 +29,69 @@ INTRODUCTION = f"""# Orders
 An order is one line of at most {LONGEST} characters: plain words, in capitals or not. Any word may
 be cut short as long as the line allows one meaning (`ru r 15` is `rudder right 15`); a doubtful or
 unknown word is refused with the words it could be, and changes nothing. Numbers are plain decimals.
-What follows a `#` is ignored. `[word]` may be left out, `a|b` is one or the other, NAME
-is a word of letters, digits and dashes.
-
-A program sends the same words as `$TRO,<words>*<checksum>`, the checksum being the exclusive or of
-all characters between `$` and `*` in two hexadecimal digits: `{sentence("rudder left 15")}`.
+What follows a `#` is ignored. `[word]` may be left out, `a|b` is one or the other; NAME, LABEL and
+CHANNEL are a word of letters, digits and dashes; TOKEN is a word of any characters but `#`, `$`,
+`*` and commas.
 
 A file of orders (`--orders FILE`) has lines of `SECONDS ORDER`, for example `600 rudder right 15`.
 """
 
 
+PROGRAMS = f"""## Lines of programs
+
+A program sends the same words in a frame, and is answered in frames. The two hexadecimal digits
+after `*` are the exclusive or of all characters between `$` and `*`. A tag of one to six digits may
+stand before the words; every answer to that order carries it. A damaged line is answered without
+a tag, which cannot be trusted either. A line in has at most {LONGEST} characters, a line out
+{sentences.LONGEST_ANSWER}.
+
+The text is the last field and may hold commas; a `$`, a `*` or a character beyond ASCII in it is
+sent as `?`.
+"""
+
+EXAMPLES = (
+    ("$TRO,[tag,]words*HH", "an order", sentences.order_sentence("rudder left 15")),
+    ("$TRO,[tag,]words*HH", "one with a tag", sentences.order_sentence("rudder left 15", "7")),
+    (
+        "$TRA,[tag,]ok,text*HH",
+        "done, and what holds now",
+        sentences.answer("7", accepted=True, text="rudder left 15, by hand"),
+    ),
+    (
+        "$TRA,[tag,]no,text*HH",
+        "not done, and why",
+        sentences.answer("7", accepted=False, text="this boat has no rudder"),
+    ),
+    (
+        "$TRA,[tag,]say,text*HH",
+        "a line of a long answer, before the last",
+        sentences.say("7", "pitch +0.10   heel +0.00 degrees"),
+    ),
+    (
+        "$TRN,channel,name:unit,...*HH",
+        "names and units on a channel",
+        sentences.names("example", [("depth", "m"), ("course", "deg")]),
+    ),
+    (
+        "$TRS,channel,tick,seconds,value,...*HH",
+        "its values",
+        sentences.state("example", 120, 60.0, ["60.02", "089.9"]),
+    ),
+    (
+        "$TRE,tick,seconds,kind,text*HH",
+        "something that happened",
+        sentences.event(120, 60.0, "order", "helm: rudder left 15"),
+    ),
+)
+
+
 def help_text(topic: str) -> list[str]:
     """Return the lines of help on a topic, at most 79 columns; "" is the list of orders."""
     if not topic:
-        return overview()
+        first = "Orders; words may be cut short, and # starts a comment:"
+        return [*overview(first, BOAT_TOPICS), f"help {SESSION} lists the rest: {SESSION_IS}."]
+    if topic == SESSION:
+        return overview(f"Orders about {SESSION_IS}:", SESSION_TOPICS)
     topics = [head for entry in TOPICS for head in entry.heads]
     if topic not in topics:
         near = difflib.get_close_matches(topic, topics, n=1)
@@ -48,11 +110,10 @@ def help_text(topic: str) -> list[str]:
     return lines + [f"  {same}" for same in synonyms(patterns)]
 
 
-def overview() -> list[str]:
-    """Return the list of orders, 24 lines."""
-    first = "Orders; words may be cut short, and # starts a comment:"
-    last = "help ORDER says more about one of them."
-    return [first, *(f"  {entry.example:<36} {entry.says}" for entry in TOPICS), last]
+def overview(first: str, topics: Sequence[Topic]) -> list[str]:
+    """Return the list of some orders, at most 24 lines."""
+    lines = (f"  {entry.example:<36} {entry.says}" for entry in topics)
+    return [first, *lines, "help ORDER says more about one of them, such as: help rudder"]
 
 
 def usage(form: Form) -> str:
@@ -98,7 +159,13 @@ def page() -> str:
             "The boat's own limits are narrower, and are applied later.\n",
             "## Other spellings\n",
             *(f"- {same}" for same in synonyms(" ".join(f.pattern for f in FORMS).split())),
-            "\n## Refused with advice\n",
+            "",
+            PROGRAMS,
+            *table(
+                ("line", "what it is", "example"),
+                [(line, says, f"`{example}`") for line, says, example in EXAMPLES],
+            ),
+            "## Refused with advice\n",
             *table(("wording", "answer"), refused),
         ]
     )

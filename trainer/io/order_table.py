@@ -2,48 +2,18 @@
 
 The parser, the help text and docs/orders.md are all read from the tables below. A pattern is a row
 of places: `a|b` one of these words, `a=b` the spelling b stands for a, `[a]` may be left out,
-CAPITALS are a number (NUMBERS), a set of words (SETS) or any name (NAME). The first word heads the
-order.
+CAPITALS are a number (trainer.io.quantities), a set of words (SETS), any name (NAMES) or a secret
+(TOKEN). The first word heads the order.
 """
 
 import itertools
-import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-KNOT = 1852.0 / 3600.0  # [m/s]  exact: 1852 m in an hour
-FOOT = 0.3048  # [m]  exact
-DEGREE = math.pi / 180.0  # [rad]
-MINUTE = 60.0  # [s]
+from trainer.io.quantities import DEGREE, NUMBERS, Number
 
 # Starboard and rising are positive, as everywhere outside the core.
 SIGNS = {"left": -1.0, "right": 1.0, "dive": -1.0, "rise": 1.0}
-
-
-@dataclass(frozen=True)
-class Unit:
-    """A unit: how it is written back ("" when it is understood), its spellings, its size in SI."""
-
-    text: str
-    names: tuple[str, ...]
-    factor: float
-
-
-@dataclass(frozen=True)
-class Number:
-    """A kind of number; the limits are in its first unit, the one understood when none is given."""
-
-    says: str
-    units: tuple[Unit, ...]
-    low: float
-    high: float
-    decimals: int = 9
-    prefix: str = ""  # may be stuck before the digits
-
-    @property
-    def limits(self) -> str:
-        """Return the limits in words, with their unit."""
-        return f"{self.low:g} to {self.high:g} {''.join(self.units[0].names[:1])}".rstrip()
 
 
 @dataclass(frozen=True)
@@ -67,7 +37,12 @@ class Name:
     says: str
 
 
-Place = Word | Number | UnitWord | Name
+@dataclass(frozen=True)
+class Secret:
+    """A place for a word that is taken as it is typed and never told again."""
+
+
+Place = Word | Number | UnitWord | Name | Secret
 
 
 @dataclass(frozen=True)
@@ -90,34 +65,6 @@ class Topic:
     says: str
 
 
-DEGREES = Unit("", ("deg", "degrees", "degree"), DEGREE)
-METRES = Unit("m", ("m", "metres", "metre", "meters", "meter"), 1.0)
-FEET = Unit("ft", ("ft", "feet", "foot"), FOOT)
-KNOTS = Unit("kn", ("kn", "knots", "knot", "kts", "kt"), KNOT)
-METRES_PER_SECOND = Unit("m/s", ("m/s", "mps"), 1.0)
-PER_MINUTE = Unit("", ("rpm",), 1.0 / MINUTE)
-TONNES = Unit("t", ("t", "tonnes", "tonne", "tons", "ton"), 1000.0)
-SECONDS = Unit("s", ("s", "seconds", "second", "sec"), 1.0)
-PLAIN = Unit("", (), 1.0)
-
-NUMBERS = {
-    "DEPTH": Number("a depth", (METRES, FEET), 0.0, 2000.0),
-    "COURSE": Number("a course", (DEGREES,), 0.0, 360.0),
-    "CHANGE": Number("a change of course", (DEGREES,), 0.0, 360.0),
-    "ANGLE": Number("an angle", (DEGREES,), 0.0, 90.0),
-    "SPEED": Number("a speed", (KNOTS, METRES_PER_SECOND), 0.0, 60.0),
-    "TURNS": Number("a speed, negative astern", (KNOTS, METRES_PER_SECOND), -60.0, 60.0),
-    "RPM": Number("a rate of revolutions, negative astern", (PER_MINUTE,), -2000.0, 2000.0),
-    "FACTOR": Number("a time speed", (Unit("", ("x",), 1.0),), 0.1, 100.0, prefix="x"),
-    "COUNT": Number("a number of ticks", (PLAIN,), 1.0, 1000.0, decimals=0),
-    "DEGREE": Number("a sea state", (PLAIN,), 0.0, 8.0, decimals=0),
-    "WIND": Number("a wind", (KNOTS, METRES_PER_SECOND), 0.0, 100.0),
-    "HEIGHT": Number("a significant height", (METRES, FEET), 0.0, 25.0),
-    "AMOUNT": Number("an amount of water", (TONNES,), 0.0, 1000.0),
-    "SEVERITY": Number("a severity after a name like stern-stuck", (PLAIN,), -1000.0, 1000.0),
-    "SECONDS": Number("a time", (SECONDS,), 0.0, 3600.0),
-}
-
 # A "full" rudder is worth the largest angle of the grammar; the boat's own limit is applied later.
 FULL_RUDDER = 90.0 * DEGREE
 
@@ -131,11 +78,17 @@ SETS = {
     "GROUP": "forward|mid|aft|all",
     "TANK": "auxiliary|depth-control",
     "SPACE": "forward|centre=center|aft",
+    "PART": "depth|position|tanks",
+    "ROLE": "instructor|helm|planes|ballast|diving=officer|observer",
 }
-CASUALTY = Name("the name of a casualty")
+NAMES = {
+    "NAME": Name("the name of a casualty"),
+    "LABEL": Name("a name for a moment"),
+    "CHANNEL": Name("the name of a channel"),
+}
 
-# One line each in the overview, which must fit in 24 lines of 79 columns.
-TOPICS = (
+# One line each in an overview, which must fit in 24 lines of 79 columns.
+BOAT_TOPICS = (
     Topic(("depth",), "depth 80 | 260 ft | auto", "keep a depth"),
     Topic(("course",), "course 090 | left 30 | auto", "keep a course, or change it"),
     Topic(("speed",), "speed 12 | 6 m/s | auto", "keep a speed, in knots"),
@@ -160,11 +113,25 @@ TOPICS = (
     Topic(("sea",), "sea state 5 | wind 30 | calm", "also height 3 m, from 045"),
     Topic(("casualty", "clear"), "casualty NAME | clear all", "also casualty NAME 0.5 ramp 30"),
     Topic(("freeze", "run", "step"), "freeze | run | step 10", "stop time, let it go on, 10 ticks"),
-    Topic(("time",), "time x2 | max", "speed of time"),
     Topic(("status",), "status", "everything about the boat, once"),
     Topic(("help",), "help rudder", "all about one order"),
     Topic(("quit",), "quit", "end the session"),
 )
+SESSION = "session"  # what `help` is asked for the other overview
+SESSION_TOPICS = (
+    Topic(("time",), "time x2 | max", "speed of time"),
+    Topic(("release",), "freeze depth | release all", "hold depth, position or tanks"),
+    Topic(("snapshot", "snapshots"), "snapshot before-jam | snapshots", "keep a moment; list them"),
+    Topic(("restore", "reset"), "restore before-jam | reset", "back to it, or to the start"),
+    Topic(("backtrack",), "backtrack 2 min", "back by so much, and on from there"),
+    Topic(("replay", "take"), "replay 90 s | take over", "watch it again; go on from here"),
+    Topic(("role",), "role helm | role helm TOKEN", "what this line may do"),
+    Topic(("who",), "who", "the stations attached"),
+    Topic(("subscribe",), "subscribe diving | diving at 2 hz", "have a channel sent"),
+    Topic(("unsubscribe",), "unsubscribe diving | all", "no longer"),
+    Topic(("detach",), "detach", "leave; the session goes on"),
+)
+TOPICS = BOAT_TOPICS + SESSION_TOPICS
 
 WHICH_WAY = "say which way: {} or {}"
 WHICH_PLANES = "which planes? say stern planes or bow planes"
@@ -230,11 +197,28 @@ FORMS = (
     Form("casualty NAME SEVERITY ramp SECONDS", "both"),
     Form("clear NAME", "clear a casualty, or all"),
     Form("freeze", "stop time; orders are still taken"),
+    Form("freeze PART", "hold this still, while time goes on", name="hold"),
+    Form("release PART", "let this move again"),
+    Form("release all", "let everything move again"),
     Form("run", "let time go on"),
     Form("step COUNT", "so many ticks, then frozen again"),
     Form("step", "one tick, then frozen again", value=1.0),
     Form("time FACTOR", "time so many times faster than the clock"),
     Form("time max", "time as fast as the machine can"),
+    Form("snapshot LABEL", "keep this moment under this name"),
+    Form("snapshots", "the moments kept"),
+    Form("restore LABEL", "go back to a moment kept"),
+    Form("reset", "go back to the start"),
+    Form("backtrack LAPSE", "go back by so much"),
+    Form("replay LAPSE", "go back by so much, and give the orders again as they were given"),
+    Form("take over", "end the replay here, and go on"),
+    Form("role ROLE", "what this line may do: say it once"),
+    Form("role ROLE TOKEN", "the same, where the session asks for a token"),
+    Form("subscribe CHANNEL", "have what it shows sent whenever it changes"),
+    Form("subscribe CHANNEL at RATE", "at most so many times a second"),
+    Form("unsubscribe CHANNEL", "no longer, or none at all: unsubscribe all"),
+    Form("who", "the stations attached"),
+    Form("detach=bye", "leave the session, which goes on"),
     Form("status", "everything about the boat, once"),
     Form("help", "the list of orders"),
     Form("help TOPIC", "all about one order"),
@@ -242,18 +226,24 @@ FORMS = (
 )
 
 
-def place(text: str) -> Word | Number | Name:
+def place(text: str) -> Word | Number | Name | Secret:
     """Return the place that one item of a pattern stands for."""
     if text in NUMBERS:
         return NUMBERS[text]
-    if text == "NAME":
-        return CASUALTY
-    if text == "TOPIC":
-        heads = (form.pattern.split()[0].strip("[]") for form in FORMS if not form.refusal)
-        names = {head for topic in TOPICS for head in topic.heads}
-        words = dict(pair for head in heads for pair in spellings(SETS.get(head, head)))
-        return Word(tuple((said, word) for said, word in words.items() if word in names))
-    return Word(tuple(spellings(SETS.get(text, text))))
+    if text in NAMES:
+        return NAMES[text]
+    if text == "TOKEN":
+        return Secret()
+    return topic_place() if text == "TOPIC" else Word(tuple(spellings(SETS.get(text, text))))
+
+
+def topic_place() -> Word:
+    """Return the place for what help may be asked about."""
+    heads = (form.pattern.split()[0].strip("[]") for form in FORMS if not form.refusal)
+    names = {head for topic in TOPICS for head in topic.heads}
+    words = dict(pair for head in heads for pair in spellings(SETS.get(head, head)))
+    known = tuple((said, word) for said, word in words.items() if word in names)
+    return Word((*known, (SESSION, SESSION)))
 
 
 def spellings(text: str) -> Iterator[tuple[str, str]]:

@@ -1,41 +1,40 @@
-"""The order grammar: one line of text to one order, for people and for machines.
+"""The order grammar: one line of words to one order.
 
-    line      = [ words ] [ "#" comment ] | "$TRO," words "*" checksum
+    line      = [ words ] [ "#" comment ]
     words     = an order of trainer.io.order_table, any word of it cut short if no doubt arises
-    checksum  = two hexadecimal digits, the exclusive or of every character between "$" and "*"
 
-A line knows words and units, not the boat: whether it can be obeyed is decided elsewhere.
+A line knows words and units, not the boat: whether it can be obeyed is decided elsewhere. How a
+program frames the words is that of trainer.io.sentences.
 """
 
 import difflib
-import functools
-import operator
 import re
 from collections.abc import Iterable
-from dataclasses import dataclass
-from decimal import Decimal
+from dataclasses import dataclass, field, replace
 from typing import NamedTuple
 
 from trainer.io.order_table import (
     FORMS,
-    NUMBERS,
     SIGNS,
     Form,
     Name,
-    Number,
     Place,
-    Unit,
+    Secret,
     UnitWord,
     Word,
     heading_word,
     variants,
 )
+from trainer.io.quantities import Number, RefusedError, Unit, quantity
+from trainer.io.secret import HIDDEN, hidden, hide
 
 LONGEST = 80  # [characters]  of a line, its comment included
 
 PRINTABLE = re.compile(r"[\t -~]*")
-SENTENCE = re.compile(r"\$(TRO,([^$*#]*))\*([0-9A-Fa-f]{2})")
-THIRDS = re.compile(r"\b(one|two)\s+third")
+SAID_IN_TWO = (
+    (re.compile(r"\b(one|two)\s+third", re.IGNORECASE), r"\1-third"),
+    (re.compile(r"\bdiving\s+officer\b", re.IGNORECASE), "diving"),
+)
 GLUED = re.compile(r"([+-]?[0-9.]+)([a-z][a-z/]*)")
 NAME = re.compile(r"[a-z][a-z0-9-]*")
 DECIMAL = re.compile(r"[+-]?(?:[0-9]{1,9}(?:\.[0-9]*)?|\.[0-9]+)")
@@ -48,7 +47,8 @@ class Order:
     `value` is in SI and radians (rpm in revolutions a second), starboard and rise positive, 0 when
     there is none; `word` is the keyword the order turns on, "" when the value says it all; `text`
     is the full wording, which reads back as the same order; `numbers` are all that were
-    given, in SI and unsigned, and `subject` is the name given.
+    given, in SI and unsigned, and `subject` is the name given. A token given with a role is the
+    `subject` too, and never in `text`.
     """
 
     name: str
@@ -56,12 +56,15 @@ class Order:
     word: str
     text: str
     numbers: tuple[float, ...] = ()
-    subject: str = ""
+    subject: str = field(default="", repr=False)  # no token in a traceback
 
 
 @dataclass(frozen=True)
 class BadOrder:
-    """A line that is no order: the line made printable, and why, naming what would be."""
+    """A line that is no order: the line made printable, and why, naming what would be.
+
+    Neither tells a token that the line held.
+    """
 
     text: str
     reason: str
@@ -82,35 +85,33 @@ class Reading(NamedTuple):
     said: tuple[Said, ...]
 
 
-class RefusedError(Exception):
-    """A line that is no order; its text says why. Does not leave this module."""
-
-
 READINGS = tuple(Reading(form, places, ()) for form in FORMS for places in variants(form))
+
+
+def openings() -> dict[str, list[Reading]]:
+    """Return the readings that a line may begin with, by its first letter."""
+    found: dict[str, list[Reading]] = {}
+    for reading in READINGS:
+        first = reading.places[0]
+        heads = first.spellings if isinstance(first, Word) else ()
+        for letter in {said[0] for said, _ in heads}:
+            found.setdefault(letter, []).append(reading)
+    return found
+
+
+OPENINGS = openings()
 
 
 def parse(line: str) -> Order | BadOrder | None:
     """Return the order on `line`, None when it is blank or a comment; never raises."""
-    text = line.strip(" \t\r\n")
+    text = line.strip()
     try:
         refuse_unreadable(text)
-        words = opened(text) if text.startswith("$") else text.partition("#")[0]
-        tokens = tokenise(words)
-        return order(read(tokens)) if tokens else None
+        words = as_one(text.partition("#")[0])
+        tokens = tokenise(hide(words))
+        return with_token(order(read(tokens)), hidden(words)) if tokens else None
     except RefusedError as refused:
-        return BadOrder(
-            "".join(c if " " <= c <= "~" else "?" for c in text[:LONGEST]), str(refused)
-        )
-
-
-def sentence(words: str) -> str:
-    """Return `words` as a machine sends them, checksum and all."""
-    return f"$TRO,{words}*{checksum('TRO,' + words):02X}"
-
-
-def checksum(body: str) -> int:
-    """Return the exclusive or of the characters, as NMEA 0183 has it."""
-    return functools.reduce(operator.xor, body.encode("ascii"), 0)
+        return BadOrder(printable(text), str(refused))
 
 
 def refuse_unreadable(text: str) -> None:
@@ -124,29 +125,35 @@ def refuse_unreadable(text: str) -> None:
         raise RefusedError(f"unreadable character U+{code:04X} at column {end + 1}")
 
 
-def opened(text: str) -> str:
-    """Return the words inside a machine's sentence; its checksum must be there and right."""
-    found = SENTENCE.fullmatch(text)
-    if not found:
-        raise RefusedError("a machine's line is $TRO,<order>*<two-digit checksum>")
-    body, words, given = found.groups()
-    if int(given, 16) != checksum(body):
-        raise RefusedError(f"wrong checksum {given.upper()}; this line's is {checksum(body):02X}")
-    if not words.strip():
-        raise RefusedError("a sentence without an order")
-    return str(words)
+def printable(text: str) -> str:
+    """Return `text` as a log may hold it: short, plain ASCII, a token in it hidden."""
+    return hide("".join(c if " " <= c <= "~" else "?" for c in text[:LONGEST]))
+
+
+def as_one(text: str) -> str:
+    """Return `text` with what the table has as one word and people say as two joined."""
+    for pattern, whole in SAID_IN_TWO:
+        text = pattern.sub(whole, text)
+    return text
+
+
+def with_token(order: Order, token: str) -> Order:
+    """Return the order with the token that was hidden as its subject."""
+    if len(token.split()) > 1:
+        raise RefusedError("a token is one word, the last of the line")
+    return replace(order, subject=token) if token else order
 
 
 def tokenise(text: str) -> list[str]:
     """Return the words in lower case, units split from their numbers."""
-    words = THIRDS.sub(r"\1-third", text.lower()).split()
+    words = text.lower().split()
     split = [glued.groups() if (glued := GLUED.fullmatch(word)) else (word,) for word in words]
     return [token for tokens in split for token in tokens]
 
 
 def read(tokens: list[str]) -> Reading:
     """Return the one reading of the tokens; refuses where there is none, or more than one."""
-    alive: list[Reading] = list(READINGS)
+    alive = OPENINGS.get(tokens[0][0]) or list(READINGS)
     for i, token in enumerate(tokens):
         reached = [reading for reading in alive if len(reading.places) > i]
         alive = [
@@ -155,7 +162,8 @@ def read(tokens: list[str]) -> Reading:
             for said in match(places[i], token)
         ]
         if not alive:
-            raise RefusedError(unexpected(tokens, i, offered(reached, i)))
+            raise RefusedError(unexpected(tokens, i, offered(reached if i else list(READINGS), i)))
+        alive = in_full(alive, i, token)
     refuse_doubt(tokens, alive)
     whole = [reading for reading in alive if len(reading.places) == len(tokens)]
     if not whole:
@@ -164,6 +172,18 @@ def read(tokens: list[str]) -> Reading:
     if whole[0].form.refusal:
         raise RefusedError(whole[0].form.refusal)
     return whole[0]
+
+
+def in_full(alive: list[Reading], i: int, token: str) -> list[Reading]:
+    """Return the readings, without those that take a word typed in full for a longer one."""
+    words = [reading for reading in alive if isinstance(reading.places[i], Word)]
+    if not any(reading.said[i].spelling == token for reading in words):
+        return alive
+    return [
+        reading
+        for reading in alive
+        if reading.said[i].spelling == token or not isinstance(reading.places[i], Word)
+    ]
 
 
 def offered(readings: list[Reading], i: int) -> list[Place]:
@@ -179,6 +199,8 @@ def match(place: Place, token: str) -> Iterable[Said]:
         return (Said(token, digits),) if DECIMAL.fullmatch(digits) else ()
     if isinstance(place, Name):
         return (Said(token, token),) if NAME.fullmatch(token) else ()
+    if isinstance(place, Secret):
+        return (Said(token, token),) if token == HIDDEN else ()
     if isinstance(place, UnitWord):
         fits = any(token in unit.names for unit in place.number.units)
         return (Said(token, token),) if fits else ()
@@ -220,6 +242,8 @@ def wanted(places: list[Place]) -> list[str]:
             found[f"{place.says} ({place.limits})"] = None
         elif isinstance(place, Name):
             found[place.says] = None
+        elif isinstance(place, Secret):
+            found["a token"] = None
         else:
             found |= dict.fromkeys(unit.names[0] for unit in place.number.units)
     return list(found)
@@ -245,7 +269,7 @@ def order(reading: Reading) -> Order:
         elif isinstance(place, Name):
             subject = token.word
             rest.append(subject)
-        elif isinstance(place, UnitWord) or token.word in (optional if i else [head]):
+        elif isinstance(place, UnitWord | Secret) or token.word in (optional if i else [head]):
             continue
         elif token.word in SIGNS:
             sign = SIGNS[token.word]
@@ -264,23 +288,3 @@ def unit_after(number: Number, rest: tuple[Said, ...]) -> Unit:
     """Return the unit that follows a number, or the one understood."""
     named = [unit for unit in number.units if rest and rest[0].word in unit.names]
     return (named or list(number.units))[0]
-
-
-def quantity(number: Number, digits: str, unit: Unit) -> tuple[float, str]:
-    """Return the number [SI, rad] and its wording; refuses what is beyond its limits."""
-    if digits[0] in "+-" and number.low >= 0.0:
-        raise RefusedError(f'"{digits}": {number.says} takes no sign')
-    if len(digits.partition(".")[2]) > number.decimals:
-        most = f"at most {number.decimals}" if number.decimals else "no"
-        raise RefusedError(f'"{digits}": {number.says} has {most} decimals')
-    value = float(digits) * unit.factor
-    size = number.units[0].factor
-    if not number.low * size <= value <= number.high * size:
-        given = f"{digits} {unit.text}".rstrip()
-        raise RefusedError(f"{given}: {number.says} is {number.limits}")
-    plain = f"{Decimal(digits).normalize() + 0:f}"
-    if number is NUMBERS["COURSE"]:
-        plain = "0" if plain == "360" else plain
-        whole, point, rest = plain.partition(".")
-        return float(plain) * unit.factor, f"{whole:0>3}{point}{rest}"
-    return value, f"{plain} {unit.text}".rstrip()

@@ -11,6 +11,7 @@ from collections.abc import Callable
 from typing import Protocol
 
 from trainer.io.lines import LineDecoder, Overlong
+from trainer.io.orders import LONGEST
 
 CHUNK = 4096  # [bytes]
 
@@ -116,13 +117,17 @@ class Inbox:
     """
 
     def __init__(
-        self, read: Callable[[], bytes | None], arrived: threading.Event, capacity: int = 256
+        self,
+        read: Callable[[], bytes | None],
+        arrived: threading.Event,
+        capacity: int = 256,
+        longest: int = LONGEST,
     ) -> None:
         self.arrived = arrived
         self.ended = False  # everything has been read; what is queued can still be taken
         self.trouble = ""  # why it ended, "" for a plain end of input
         self._read = read
-        self._decoder = LineDecoder()
+        self._decoder = LineDecoder(longest)
         self._capacity = capacity
         self._lines: deque[str | Overlong] = deque()
         self._change = threading.Condition()
@@ -130,11 +135,16 @@ class Inbox:
         self._thread = threading.Thread(target=self._run, name="inbox", daemon=True)
         self._thread.start()
 
-    def take(self) -> list[str | Overlong]:
-        """Return the lines that have arrived since the last call, without waiting."""
+    @property
+    def waiting(self) -> int:
+        """Return how many lines have arrived and have not been taken."""
+        return len(self._lines)
+
+    def take(self, most: int | None = None) -> list[str | Overlong]:
+        """Return the oldest lines that have arrived, at most so many, without waiting."""
         with self._change:
-            lines = list(self._lines)
-            self._lines.clear()
+            count = len(self._lines) if most is None else min(most, len(self._lines))
+            lines = [self._lines.popleft() for _ in range(count)]
             self._change.notify()
         return lines
 

@@ -11,7 +11,7 @@ import threading
 from typing import TYPE_CHECKING
 from urllib.parse import urlsplit
 
-from trainer.io.lines import KILL
+from trainer.io.lines import KILL, LINE_FEED
 
 if TYPE_CHECKING:
     import serial
@@ -38,7 +38,7 @@ class SerialLine:
     def __init__(self, url: str, baud: int = 9600) -> None:
         self.url = url
         self.losses = 0  # times the line went down
-        self.unsent = 0  # writes that did not go out, or not whole
+        self.unsent = 0  # lines that did not go out, or not whole
         self._baud = baud
         self._port: serial.Serial | None = open_port(url, baud)
         self._closing = threading.Event()
@@ -53,7 +53,7 @@ class SerialLine:
     def read(self) -> bytes | None:
         """Return what has come, b"" when nothing has for a while, None once closed."""
         if self._closing.is_set():
-            self._drop()
+            self.release()
             return None
         port = self._port
         if port is None:
@@ -66,21 +66,22 @@ class SerialLine:
                 data += port.read(waiting)
         except OSError:  # what pyserial raises is one
             self.losses += 1
-            self._drop()
+            self.release()
             return KILL  # half an order must not be completed by what comes after the gap
         return bytes(data)
 
     def write(self, data: bytes) -> None:
-        """Write all of `data`, or count it as unsent when the line is down or stalled."""
+        """Write all of `data`, or count its lines as unsent when the line is down or stalled."""
         with self._writing:
             if self._port is None or not sent(self._port, data):
-                self.unsent += 1
+                self.unsent += data.count(LINE_FEED)
 
     def close(self) -> None:
         """Close the line: at once for the writer, at its next read for the reader."""
         self._closing.set()
 
-    def _drop(self) -> None:
+    def release(self) -> None:
+        """Give the port back; a line that was not closed opens it again at its next read."""
         with self._writing:
             port, self._port = self._port, None
             if port is not None:

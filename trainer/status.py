@@ -1,61 +1,30 @@
-"""A console attached to the session: lines in, lines out, whatever the port."""
+"""Everything about the boat in words, for the instructor's order ``status``."""
 
 import math
 import textwrap
-from dataclasses import dataclass
 
 import numpy as np
 
 from trainer import casualty
 from trainer.boat import Boat
 from trainer.core.tanks import COMPARTMENTS, TANKS
+from trainer.display import view
 from trainer.fitout import KNOT
-from trainer.io.lines import Overlong
-from trainer.io.outbox import Inbox, Sender
-from trainer.io.teletype import View, course, header, state_line
+from trainer.frame import Lookout, Pace, Picture
+from trainer.hold import held_text
+from trainer.io.teletype import course
 from trainer.ledger import Summary
 from trainer.sea_orders import sea_text
 
 WIDTH = 79  # [characters]
-HEADING_EVERY = 20  # [lines]
-
-
-VIEWED = (
-    *("t", "z", "psi", "u", "theta", "phi", "delta_r", "delta_s", "delta_b", "u_c"),
-    *("ordered_depth", "ordered_psi", "rudder_by_hand", "stern_by_hand", "bow_by_hand"),
-)
-
-
-def view(boat: Boat, *, frozen: bool) -> View:
-    """Return what a console shows of the boat, in display units."""
-    now = dict(zip(VIEWED, boat.numbers(VIEWED), strict=True))
-    planes_by_hand = now["stern_by_hand"] and now["bow_by_hand"]
-    return View(
-        time_s=now["t"],
-        depth_m=now["z"],
-        course_deg=math.degrees(now["psi"]) % 360.0,
-        speed_kn=now["u"] / KNOT,
-        pitch_deg=math.degrees(now["theta"]),
-        heel_deg=math.degrees(now["phi"]),
-        rudder_deg=math.degrees(now["delta_r"]) * boat.toward["rudder"],
-        stern_deg=math.degrees(now["delta_s"]) * boat.toward["stern"],
-        bow_deg=math.degrees(now["delta_b"]) * boat.toward["bow"],
-        rpm=now["u_c"] * boat.file.propulsion.rps_per_mps * 60.0,
-        ordered_depth_m=None if planes_by_hand else now["ordered_depth"],
-        ordered_course_deg=(
-            None if now["rudder_by_hand"] else math.degrees(now["ordered_psi"]) % 360.0
-        ),
-        frozen=frozen,
-        rudder_manual=bool(now["rudder_by_hand"]),
-        stern_manual=bool(now["stern_by_hand"]),
-        bow_manual=bool(now["bow_by_hand"]),
-    )
 
 
 def status_lines(boat: Boat, ledger: Summary) -> list[str]:
-    """Return everything about the boat, for the order ``status``."""
+    """Return everything about the boat."""
     s = boat.state
-    seen = view(boat, frozen=False)
+    state = boat.records.state.tobytes()
+    frame = Lookout(boat, lambda: ledger).frame(Picture(int(s.tick), state, Pace()))
+    seen = view(frame, frame.truth)
     method = boat.method
 
     def mode(by_hand: float) -> str:
@@ -91,6 +60,7 @@ def status_lines(boat: Boat, ledger: Summary) -> list[str]:
         *sea_lines(boat),
         *(ballast_lines(boat) if boat.vessel.fitted else ()),
         *casualty_lines(boat),
+        *held_lines(boat),
         ledger_line(ledger),
     ]
 
@@ -114,6 +84,12 @@ def casualty_lines(boat: Boat) -> list[str]:
     if not kinds:
         return [instruments]
     return [instruments, *textwrap.wrap(f"casualties: {kinds}", WIDTH, subsequent_indent="  ")]
+
+
+def held_lines(boat: Boat) -> list[str]:
+    """Return what stands still while time goes on, if anything does."""
+    held = held_text(boat)
+    return textwrap.wrap(f"frozen: {held}", WIDTH, subsequent_indent="  ") if held else []
 
 
 def sea_lines(boat: Boat) -> list[str]:
@@ -152,34 +128,3 @@ def ballast_lines(boat: Boat) -> list[str]:
         if tonnes[name] > 0.0
     ]
     return [*lines, f"flooded {', '.join(flooded)}"] if flooded else lines
-
-
-@dataclass
-class Console:
-    """One teletype: what it types, what it is told, and when the headings are due again."""
-
-    inbox: Inbox | None
-    sender: Sender
-    lines_since_heading: int = HEADING_EVERY
-
-    def typed(self) -> list[str | Overlong]:
-        """Return the lines that have arrived."""
-        return self.inbox.take() if self.inbox else []
-
-    @property
-    def silent(self) -> bool:
-        """Return whether nothing can come from here any more."""
-        return self.inbox is None or self.inbox.ended
-
-    def say(self, *lines: str) -> None:
-        """Tell the operator something."""
-        for line in lines:
-            self.sender.send(line)
-
-    def show(self, boat: Boat, *, frozen: bool) -> None:
-        """Print the line of state, under headings every so often."""
-        if self.lines_since_heading >= HEADING_EVERY:
-            self.sender.send(header())
-            self.lines_since_heading = 0
-        self.sender.send(state_line(view(boat, frozen=frozen)))
-        self.lines_since_heading += 1

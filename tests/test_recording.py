@@ -1,0 +1,800 @@
+"""The record of a run: what is in it is true, and nothing that happens to its program loses it."""
+
+import contextlib
+import csv
+import json
+import os
+import random
+import re
+import shutil
+import sqlite3
+import subprocess
+import sys
+import tempfile
+import threading
+import time
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from trainer.io import checkpoint
+from trainer.io import recording as recording_module
+from trainer.io.export import Layout, export_csv, export_parquet
+from trainer.io.recording import FORMAT, Branch, Journalled, Moment, Recording, RecordingError
+
+posix = pytest.mark.skipif(os.name != "posix", reason="signals and limits of POSIX")
+HEADER = {"vessel": "[vessel]\nname = 'Ünique'\n", "seed": "7"}
+
+
+def state_of(tick: int) -> bytes:
+    """Return a state that cannot be another's; of the size of a real one."""
+    return f"state {tick} ".encode().ljust(1944, b".")
+
+
+def begin(path: Path | None) -> Recording:
+    return Recording.create(path, HEADER, state_of(0))
+
+
+def closing(recording: Recording) -> contextlib.closing[Recording]:
+    return contextlib.closing(recording)
+
+
+@pytest.fixture
+def path(tmp_path: Path) -> Path:
+    return tmp_path / "watch #1?.recording"  # a name that has to be quoted in an address
+
+
+def files(path: Path) -> set[str]:
+    """Return the names in the folder of a recording, as endings of its own."""
+    return {each.name.removeprefix(path.name) for each in path.parent.iterdir()}
+
+
+def whole(path: Path) -> bool:
+    """Return whether SQLite finds nothing wrong with a file."""
+    with contextlib.closing(sqlite3.connect(path)) as connection:
+        return connection.execute("PRAGMA integrity_check").fetchall() == [("ok",)]
+
+
+# What is written is read back
+
+
+def fill(recording: Recording) -> None:
+    """Record a short run with something of each kind."""
+    first = recording.order(0, "helm", "rudder left 15")
+    recording.answered(first, "rudder left 15", accepted=True)
+    for tick in (1, 2, 3):
+        recording.state(tick, state_of(tick))
+        recording.timing(tick, 100 * tick, 1000 * tick)
+    second = recording.order(2, "ballast", "blow all", place=4)
+    recording.answered(second, "no air", accepted=False)
+    recording.event(3, "attached", "planes", "a line, «quoted»")
+    recording.snapshot("off Bute", Moment(1, 3, b"as it stood", second, 5))
+
+
+def check_filled(recording: Recording) -> None:
+    assert recording.header() == HEADER
+    assert recording.branches() == [Branch(1, None, 0, 0, 0, "the start", state_of(0))]
+    assert recording.orders(1) == [
+        Journalled(1, 1, 0, "helm", "rudder left 15", None, accepted=True, answer="rudder left 15"),
+        Journalled(2, 1, 2, "ballast", "blow all", 4, accepted=False, answer="no air"),
+    ]
+    assert list(recording.states(1)) == [(tick, state_of(tick)) for tick in range(4)]
+    assert list(recording.ledger(1)) == [(1, 100, 1000), (2, 200, 2000), (3, 300, 3000)]
+    assert recording.snapshots() == [("off Bute", Moment(1, 3, b"as it stood", 2, 5))]
+    assert recording.latest() == Moment(1, 3, state_of(3), 2, 5)
+    (noted,) = recording.events()
+    assert (noted.branch, noted.tick, noted.kind, noted.who) == (1, 3, "attached", "planes")
+    assert noted.text == "a line, «quoted»"
+    assert re.fullmatch(r"20\d\d-\d\d-\d\dT\d\d:\d\d:\d\d\.\d{3}\+00:00", noted.wall)
+
+
+@pytest.mark.parametrize("temporary", [False, True])
+def test_all_that_was_recorded_is_read_back(path: Path, temporary: bool) -> None:
+    with closing(begin(None if temporary else path)) as recording:
+        fill(recording)
+        check_filled(recording)  # what still waits is read as well
+    assert files(path) == (set() if temporary else {""})  # one file, nothing beside it
+
+
+@pytest.mark.parametrize("open_it", [Recording.look, Recording.reopen])
+def test_a_closed_recording_is_read_back(path: Path, open_it: Callable[[Path], Recording]) -> None:
+    with closing(begin(path)) as recording:
+        fill(recording)
+    with closing(open_it(path)) as recording:
+        check_filled(recording)
+    assert files(path) == {""}
+
+
+def test_a_look_changes_nothing(path: Path) -> None:
+    with closing(begin(path)) as recording:
+        fill(recording)
+    before = path.read_bytes()
+
+    with closing(Recording.look(path)) as recording:
+        recording.order(3, "nobody", "dive")
+
+        assert "readonly" in recording.trouble
+    assert path.read_bytes() == before
+
+
+def test_a_tick_flown_again_on_its_branch_does_not_replace_the_first(path: Path) -> None:
+    with closing(begin(path)) as recording:
+        for state in (b"first", b"second"):
+            recording.state(1, state)
+            recording.timing(1, len(state), 0)
+
+        assert recording.state_at(1, 1) == b"first"
+        assert list(recording.ledger(1)) == [(1, 5, 0)]
+
+
+def test_rows_are_gathered_and_go_out_in_time(path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(recording_module, "BATCH", 10)
+    with closing(begin(path)) as recording, closing(Recording.look(path)) as reader:
+        for tick in range(1, 15):
+            recording.state(tick, state_of(tick))
+        assert reader.latest().tick == 10
+
+        monkeypatch.setattr(recording_module, "LONGEST", 0.0)
+        recording.state(15, state_of(15))
+        assert reader.latest().tick == 15
+
+
+def test_an_order_is_on_disk_before_it_acts_and_all_before_it_too(path: Path) -> None:
+    with closing(begin(path)) as recording, closing(Recording.look(path)) as reader:
+        recording.state(1, state_of(1))
+        recording.order(1, "helm", "ahead full")
+
+        assert [each.text for each in reader.orders(1)] == ["ahead full"]
+        assert reader.orders(1)[0].accepted is None
+        assert reader.latest().tick == 1
+
+
+# Branches
+
+
+@dataclass
+class Track:
+    """A branch as a child would keep it: everything copied, nothing looked up."""
+
+    begun: Moment
+    moments: dict[int, Moment]  # by tick, of its past too
+    orders: list[int]
+    kept: list[tuple[str, Moment]]  # snapshots
+
+
+@dataclass
+class Model:
+    """A recording as lists and dictionaries."""
+
+    tracks: list[Track] = field(default_factory=list)
+    given: int = 0
+    snapshots: list[tuple[str, Moment]] = field(default_factory=list)
+    now: Moment = field(default_factory=lambda: Moment(1, 0, b"0", 0, 0))
+
+    def __post_init__(self) -> None:
+        self.tracks.append(Track(self.now, {0: self.now}, [], []))
+
+    @property
+    def track(self) -> Track:
+        return self.tracks[-1]
+
+    def order(self, place: int | None) -> None:
+        self.given += 1
+        self.track.orders.append(self.given)
+        here = self.now.place if place is None else place + 1
+        state = b"%s+%d" % (self.now.state, self.given)
+        self.now = replace(self.now, state=state, after=self.given, place=here)
+
+    def tick(self) -> None:
+        tick = self.now.tick + 1
+        self.now = replace(self.now, tick=tick, state=b"%d.%d" % (len(self.tracks), tick))
+        self.track.moments[tick] = self.now
+
+    def keep(self, name: str) -> None:
+        self.snapshots.append((name, self.now))
+        self.track.kept.append((name, self.now))
+
+    def fork(self, moment: Moment) -> None:
+        past = self.tracks[moment.branch - 1]
+        self.now = replace(moment, branch=len(self.tracks) + 1)
+        begun = (moment.tick, moment.after)
+        self.tracks.append(
+            Track(
+                moment,
+                {tick: each for tick, each in past.moments.items() if tick < moment.tick}
+                | {moment.tick: self.now},
+                [order for order in past.orders if order <= moment.after],
+                [each for each in past.kept if (each[1].tick, each[1].after) <= begun],
+            )
+        )
+
+    def listed(self) -> dict[str, Moment]:
+        """Return the snapshots: those of the past first, then the latest elsewhere."""
+        return dict(self.snapshots) | dict(self.track.kept)
+
+
+STEPS = st.one_of(
+    st.tuples(st.just("tick")),
+    st.tuples(st.just("tick")),
+    st.tuples(st.just("order"), st.booleans()),
+    st.tuples(st.just("keep"), st.sampled_from("ab")),
+    st.tuples(st.just("restore"), st.integers(0, 99)),
+    st.tuples(st.just("backtrack"), st.integers(0, 99), st.integers(0, 99)),
+)
+
+
+def take(step: tuple[object, ...], model: Model, recording: Recording) -> None:
+    """Do the same to the model and to the recording."""
+    match step:
+        case ("tick",):
+            model.tick()
+            recording.state(model.now.tick, model.now.state)
+        case ("order", bool(scheduled)):
+            place = model.now.place if scheduled else None
+            model.order(place)
+            assert recording.order(model.now.tick, "a", "b", place) == model.given
+        case ("keep", str(name)):
+            model.keep(name)
+            recording.snapshot(name, model.now)
+        case ("restore", int(pick)) if model.snapshots:
+            moment = model.snapshots[pick % len(model.snapshots)][1]
+            model.fork(moment)
+            assert recording.fork(moment, "restore") == len(model.tracks)
+        case ("backtrack", int(pick), int(tick)):
+            moments = model.tracks[pick % len(model.tracks)].moments
+            moment = list(moments.values())[tick % len(moments)]
+            model.fork(moment)
+            assert recording.fork(moment, "backtrack") == len(model.tracks)
+
+
+@settings(deadline=None, max_examples=100)
+@given(st.lists(STEPS, max_size=40))
+def test_every_branch_has_the_past_that_led_to_it(steps: list[tuple[object, ...]]) -> None:
+    model = Model()
+    with closing(Recording.create(None, {}, b"0")) as recording:
+        for step in steps:
+            take(step, model, recording)
+
+        assert recording.branch == len(model.tracks)
+        assert dict(recording.snapshots()) == model.listed()
+        assert recording.latest() == model.track.moments[max(model.track.moments)]
+        branches = recording.branches()
+        for number, track in enumerate(model.tracks, start=1):
+            begun = branches[number - 1]
+            assert (begun.tick, begun.after, begun.place, begun.state) == (
+                *(track.begun.tick, track.begun.after),
+                *(track.begun.place, track.begun.state),
+            )
+            assert [recording.moment(number, tick) for tick in range(-1, 45)] == [
+                track.moments.get(tick) for tick in range(-1, 45)
+            ]
+            for after in {0, track.begun.after, model.given // 2}:
+                assert [order.id for order in recording.orders(number, after)] == [
+                    order for order in track.orders if order > after
+                ]
+            assert [(each.tick, each.state) for each in recording.flown(number)] == [
+                (tick, moment.state) for tick, moment in track.moments.items()
+            ]
+
+
+def test_a_branch_taken_over_in_a_replay_of_its_forebear_begins_there() -> None:
+    with closing(Recording.create(None, {}, b"0")) as recording:
+        for tick in (1, 2, 3):
+            recording.order(tick - 1, "helm", f"order of {tick - 1}")
+            recording.state(tick, b"%d" % tick)
+        moment = recording.moment(1, 2)
+        assert moment
+        recording.fork(moment, "backtrack")
+        recording.order(2, "helm", "another")
+        recording.state(3, b"another 3")
+
+        # a replay of branch 2 that began before branch 2 did
+        recording.fork(Moment(2, 1, b"1", 1, 0), "take over")
+
+        assert recording.branches()[-1].parent == 1
+        assert [order.text for order in recording.orders(3)] == ["order of 0"]
+        assert [recording.state_at(3, tick) for tick in (0, 1, 2)] == [b"0", b"1", None]
+
+
+def test_both_branches_stay_in_the_file(path: Path) -> None:
+    with closing(begin(path)) as recording:
+        recording.state(1, b"as it was")
+        recording.fork(Moment(1, 0, state_of(0), 0, 0), "reset, by the instructor")
+        recording.state(1, b"as it might have been")
+    with closing(Recording.look(path)) as recording:
+        assert recording.branch == 2
+        assert recording.branches()[1].why == "reset, by the instructor"
+        assert recording.state_at(1, 1) == b"as it was"
+        assert recording.state_at(2, 1) == b"as it might have been"
+
+
+# Kills
+
+KILLED = """
+import json, os, random, signal, sys, time
+from pathlib import Path
+from trainer.io import checkpoint, recording
+from trainer.io.recording import Moment, Recording
+
+checkpoint.WORTHWHILE, checkpoint.EVERY, recording.BATCH = 100_000, 0.002, 20
+
+def fly(path, pipe):
+    recording = Recording.create(path, {"vessel": "v" * 20_000}, b"0" * 1944)
+    tick = 0
+    while True:
+        number = recording.order(tick, "helm", f"order at {tick}")
+        os.write(pipe, f"{number}\\n".encode())
+        recording.answered(number, "yes", True)
+        for _ in range(number % 7):
+            tick += 1
+            recording.state(tick, f"{tick:06}".encode() * 324)
+            recording.timing(tick, 1, 2)
+        if number % 50 == 0:
+            recording.snapshot("kept", Moment(recording.branch, tick, b"kept", number, 0))
+            recording.fork(recording.moment(recording.branch, tick // 2), "backtrack")
+            tick //= 2
+
+dice, folder = random.Random(int(sys.argv[3])), Path(sys.argv[1])
+for kill in range(int(sys.argv[2])):
+    path = folder / f"{kill}.recording"
+    heard, told = os.pipe()
+    child = os.fork()
+    if not child:
+        fly(path, told)
+    os.close(told)
+    time.sleep(dice.uniform(0.0, 0.12))
+    os.kill(child, signal.SIGKILL)
+    os.waitpid(child, 0)
+    with os.fdopen(heard) as lines:
+        numbers = [int(line) for line in lines if line.endswith("\\n")]
+    print(json.dumps([path.name, len(numbers)]), flush=True)
+"""
+
+
+def survives(path: Path, told: int) -> int:
+    """Return the ticks of a recording whose program was killed, and go on with it."""
+    with closing(Recording.reopen(path)) as recording:
+        orders = recording.orders(recording.branch)
+        latest = recording.latest()
+        with contextlib.closing(sqlite3.connect(path)) as connection:
+            written = connection.execute("SELECT id, tick, text FROM orders ORDER BY id").fetchall()
+        assert len(written) >= told
+        assert [number for number, _, _ in written] == list(range(1, len(written) + 1))
+        assert all(text == f"order at {tick}" for _, tick, text in written)
+        assert all(order.tick <= latest.tick for order in orders)
+        for flown in recording.flown(recording.branch):
+            assert int(flown.state[:6].ljust(6, b"0")) == flown.tick
+        assert recording.order(latest.tick, "instructor", "go on") == len(written) + 1
+    assert whole(path)
+    return latest.tick
+
+
+def kill_often(folder: Path, kills: int) -> None:
+    command = [sys.executable, "-c", KILLED, str(folder), str(kills), "4"]
+    ran = subprocess.run(command, check=True, capture_output=True, text=True)
+    found = [json.loads(line) for line in ran.stdout.splitlines()]
+    assert len(found) == kills
+
+    ticks = []
+    for name, told in found:
+        path = folder / name
+        if not path.exists():
+            assert told == 0  # killed before it was made
+            continue
+        with closing(Recording.look(path)) as recording:
+            assert recording.header() == {"vessel": "v" * 20_000}
+        ticks.append(survives(path, told))
+    assert len(ticks) > kills / 3, "killed before it had begun"
+    assert max(ticks) > 500, "killed before it had gone far"
+
+
+@posix
+def test_a_kill_at_any_instant_loses_no_order(tmp_path: Path) -> None:
+    kill_often(tmp_path, 20)
+
+
+@posix
+@pytest.mark.long
+@pytest.mark.skipif("TRAINER_KILLS" not in os.environ, reason="TRAINER_KILLS=200 asks for it")
+def test_many_kills_at_any_instant_lose_no_order(tmp_path: Path) -> None:
+    kill_often(tmp_path, int(os.environ["TRAINER_KILLS"]))
+
+
+def left_behind(path: Path) -> None:
+    """Leave what a killed program leaves: the file, and beside it what was written ahead."""
+    with closing(begin(path)) as recording:
+        fill(recording)
+        recording.flush()
+        copies = [path.with_name(path.name + ending) for ending in ("", "-wal")]
+        held = [each.read_bytes() for each in copies]
+    for each, content in zip(copies, held, strict=True):
+        each.write_bytes(content)
+
+
+def test_a_killed_session_is_looked_at_whole(path: Path) -> None:
+    left_behind(path)
+    with closing(Recording.look(path)) as recording:
+        check_filled(recording)
+
+
+# Several programs at one file
+
+
+def test_a_reader_sees_what_is_committed_and_holds_nobody_up(path: Path) -> None:
+    with closing(begin(path)) as recording, closing(Recording.look(path)) as reader:
+        for tick in range(1, 100):
+            recording.state(tick, state_of(tick))
+        recording.flush()
+        reading = reader.states(1)  # in the midst of it while writing goes on
+        assert next(reading) == (0, state_of(0))
+        for tick in range(100, 2000):
+            recording.state(tick, state_of(tick))
+        recording.order(1999, "helm", "ahead full")
+
+        assert recording.trouble == ""
+        assert sum(1 for _ in reading) == 99  # as it was when the reading began
+        assert reader.latest().tick == 1999
+
+
+@pytest.mark.parametrize("open_it", [begin, Recording.reopen, Recording.look])
+def test_one_program_alone_may_go_on_with_a_recording(
+    path: Path, open_it: Callable[[Path], Recording]
+) -> None:
+    begin(path).close()
+    if open_it is begin:
+        path.unlink()
+    again = (
+        "import sys; from pathlib import Path; from trainer.io import recording_file\n"
+        "from trainer.io.recording import Recording, RecordingError\n"
+        "recording_file.PATIENCE = 0.1\n"
+        "try: Recording.reopen(Path(sys.argv[1]))\n"
+        "except RecordingError as error: sys.exit(str(error))\n"
+    )
+    with closing(open_it(path)):
+        ran = subprocess.run(
+            [sys.executable, "-c", again, path], check=False, capture_output=True, text=True
+        )
+        assert "is in use: a session is writing it or a program reading it" in ran.stderr
+        with closing(Recording.look(path)) as reader:
+            assert reader.latest().tick == 0
+    with closing(Recording.reopen(path)) as recording:
+        assert recording.branch == 1
+
+
+def test_what_is_written_ahead_is_brought_home_while_writing_goes_on(
+    path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(checkpoint, "WORTHWHILE", 100_000)
+    monkeypatch.setattr(checkpoint, "EVERY", 0.002)
+    ahead = path.with_name(path.name + "-wal")
+    with closing(begin(path)) as recording:
+        for tick in range(1, 500):
+            recording.state(tick, state_of(tick))
+        recording.flush()
+        deadline = time.monotonic() + 20.0
+        while ahead.stat().st_size > 100_000 and time.monotonic() < deadline:
+            threading.Event().wait(0.002)
+
+        assert ahead.stat().st_size < 100_000
+        assert path.stat().st_size > 499 * 1944
+    assert files(path) == {""}
+
+
+# Trouble with the disk
+
+
+@pytest.fixture
+def small_disk() -> Iterator[None]:
+    """Let no file grow beyond 300,000 bytes."""
+    resource = pytest.importorskip("resource")
+    before = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (300_000, before[1]))
+    yield
+    resource.setrlimit(resource.RLIMIT_FSIZE, before)
+
+
+def overfill(recording: Recording) -> list[int]:
+    """Record until nothing more is taken, and beyond; return the orders told to be written."""
+    told, tick = [], 0
+    for _ in range(200):
+        tick += 1
+        recording.state(tick, state_of(tick))
+        if tick % 5 == 0:
+            order = recording.order(tick, "helm", f"order at {tick}")
+            told += [] if recording.trouble else [order]
+    recording.snapshot("beyond", Moment(1, tick, b"", order, 0))
+    assert recording.fork(Moment(1, tick, b"", order, 0), "restore beyond") == 2
+    assert recording.order(tick, "helm", "later") == order + 1
+    assert recording.moment(2, tick) is None
+    assert recording.snapshots() == []
+    return told
+
+
+@posix
+def test_a_full_disk_is_told_and_what_is_written_is_whole(
+    path: Path, request: pytest.FixtureRequest
+) -> None:
+    recording = begin(path)
+    limit = request.getfixturevalue("small_disk")
+    assert limit is None
+    told = overfill(recording)
+    recording.close()
+    trouble = re.fullmatch(
+        rf"{re.escape(str(path))}: .+; all up to tick (\d+) of branch 1 is kept", recording.trouble
+    )
+    assert trouble
+
+    with closing(Recording.look(path)) as again:
+        assert again.latest().tick == int(trouble[1]) > 50
+        assert [order.id for order in again.orders(1)] == told
+        assert [order.id for order in again.orders(1)] == list(range(1, len(told) + 1))
+        assert [tick for tick, _ in again.states(1)] == list(range(int(trouble[1]) + 1))
+        assert len(again.branches()) == 1
+
+
+@posix
+def test_a_recording_for_which_there_is_no_room_is_not_begun(path: Path, small_disk: None) -> None:
+    assert small_disk is None
+    with pytest.raises(RecordingError, match="cannot be made: disk I/O error|full"):
+        Recording.create(path, {"vessel": "v" * 400_000}, b"")
+    assert files(path) == set()
+
+
+# Files that are no recordings
+
+
+def foreign(path: Path) -> None:
+    with contextlib.closing(sqlite3.connect(path)) as connection:
+        connection.execute("CREATE TABLE accounts (name)")
+        connection.commit()
+
+
+def newer(path: Path) -> None:
+    begin(path).close()
+    with contextlib.closing(sqlite3.connect(path)) as connection:
+        connection.execute(f"PRAGMA user_version = {FORMAT + 1}")
+
+
+def truncated(path: Path) -> None:
+    with closing(begin(path)) as recording:
+        fill(recording)
+    path.write_bytes(path.read_bytes()[:20_000])
+
+
+STRANGERS: dict[str, tuple[Callable[[Path], object], str]] = {
+    "missing": (lambda path: path, "cannot be opened: No such file"),
+    "folder": (Path.mkdir, "is a folder"),
+    "empty": (Path.touch, "is not a recording: it is empty"),
+    "text": (lambda path: path.write_text("depth 80\n" * 500), "is not a recording: file is not a"),
+    "database": (foreign, "is not a recording: it is another program's database"),
+    "newer": (newer, rf"of format {FORMAT + 1}, and this trainer knows format {FORMAT}; use"),
+    "truncated": (truncated, "cannot be read: database disk image is malformed"),
+}
+
+
+@pytest.mark.parametrize("open_it", [Recording.look, Recording.reopen])
+@pytest.mark.parametrize("stranger", STRANGERS)
+def test_what_is_no_recording_is_refused_by_name(
+    path: Path, open_it: Callable[[Path], Recording], stranger: str
+) -> None:
+    make, reason = STRANGERS[stranger]
+    make(path)
+    with pytest.raises(RecordingError, match=f"{re.escape(str(path))} .*{reason}"):
+        open_it(path)
+
+
+@pytest.mark.parametrize("kind", ["file", "link"])
+def test_no_file_is_overwritten(path: Path, kind: str) -> None:
+    if kind == "file":
+        path.write_text("mine")
+    else:
+        path.symlink_to("nowhere")
+    with pytest.raises(RecordingError, match=r"exists already; name another file, or remove it"):
+        begin(path)
+    assert path.is_symlink() or path.read_text() == "mine"
+    assert files(path) == {""}
+
+
+def test_a_recording_cannot_be_made_in_a_folder_that_is_missing(path: Path) -> None:
+    with pytest.raises(RecordingError, match="cannot be made: No such file"):
+        begin(path / "sub" / "folder")
+
+
+def test_a_file_system_without_links_can_hold_a_recording(
+    path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def refuse(*_: object) -> None:
+        raise PermissionError
+
+    monkeypatch.setattr(os, "link", refuse)
+    with closing(begin(path)) as recording:
+        assert recording.latest().tick == 0
+    assert files(path) == {""}
+
+
+@pytest.fixture
+def read_only() -> Iterator[Path]:
+    """Give a folder, and afterwards no right to write to it, not even to the superuser."""
+    folder = Path(tempfile.mkdtemp())
+    user = os.geteuid()
+    yield folder
+    os.seteuid(user)
+    folder.chmod(0o755)
+    shutil.rmtree(folder)
+
+
+@posix
+@pytest.mark.parametrize("make", [left_behind, None])
+def test_a_recording_is_read_where_nothing_can_be_written(
+    read_only: Path, make: Callable[[Path], None] | None
+) -> None:
+    path = read_only / "watch.recording"
+    if make:
+        make(path)
+    else:
+        with closing(begin(path)) as recording:
+            fill(recording)
+    held = files(path)
+    for each in read_only.iterdir():
+        each.chmod(0o444)
+    read_only.chmod(0o555)
+    if os.geteuid() == 0:
+        os.seteuid(65534)
+
+    with closing(Recording.look(path)) as recording:
+        check_filled(recording)
+    with pytest.raises(RecordingError, match="cannot be written"):
+        Recording.reopen(path)
+    assert files(path) == held
+
+
+# Size
+
+
+def test_memory_stays_flat_over_a_long_run(path: Path) -> None:
+    pages = Path("/proc/self/statm")
+    if not pages.exists():
+        pytest.skip("no /proc here")
+
+    def resident() -> int:
+        return int(pages.read_text().split()[1]) * 4096
+
+    state = bytes(range(200))
+    with closing(begin(path)) as recording:
+        for tick in range(1, 10_001):
+            recording.state(tick, state)
+            recording.timing(tick, 1, 2)
+        before = resident()
+        for tick in range(10_001, 110_001):
+            recording.state(tick, state)
+            recording.timing(tick, 1, 2)
+        grown = resident() - before
+
+        assert recording.latest().tick == 110_000
+    assert grown < 5_000_000  # the states alone are 20,000,000 bytes
+
+
+# Export
+
+
+def numbers(state: bytes) -> list[float]:
+    """Return two numbers of a state of these tests."""
+    return [float(state.split()[1]), 1.0 / 3.0]
+
+
+LAYOUT = Layout(("depth", "third"), numbers, 0.5)
+
+
+def branched(path: Path) -> None:
+    """Record three ticks, then another course from tick 1 on."""
+    with closing(begin(path)) as recording:
+        fill(recording)
+        recording.fork(Moment(1, 1, state_of(10), 1, 0), "backtrack")
+        recording.state(2, state_of(20))
+        recording.order(2, "helm", 'port 5, "easy"')
+
+
+def read_csv(path: Path) -> list[dict[str, str]]:
+    with path.open(newline="", encoding="utf-8") as file:
+        return list(csv.DictReader(file))
+
+
+def test_a_branch_is_exported_with_the_past_that_led_to_it(path: Path, tmp_path: Path) -> None:
+    branched(path)
+    with closing(Recording.look(path)) as recording:
+        written = export_csv(recording, LAYOUT, tmp_path / "out.csv")
+        assert [each.name for each in written] == ["out.csv", "out.orders.csv", "out.events.csv"]
+        states, orders, events = map(read_csv, written)
+        export_csv(recording, LAYOUT, tmp_path / "first.csv", branch=1)
+
+    assert [tuple(row.values()) for row in states] == [
+        ("1", "0", "0.0", "0.0", "0.3333333333333333", "", ""),
+        ("2", "1", "0.5", "10.0", "0.3333333333333333", "", ""),
+        ("2", "2", "1.0", "20.0", "0.3333333333333333", "", ""),
+    ]
+    assert list(states[0]) == [
+        *("branch", "tick", "t", "depth", "third", "lateness_ns", "work_ns"),
+    ]
+    assert [(row["branch"], row["text"]) for row in orders] == [
+        ("1", "rudder left 15"),
+        ("2", 'port 5, "easy"'),
+    ]
+    assert [row["accepted"] for row in orders] == ["True", ""]
+    assert [(row["t"], row["text"]) for row in events] == [("1.5", "a line, «quoted»")]
+    first = read_csv(tmp_path / "first.csv")
+    assert [row["work_ns"] for row in first] == ["", "1000", "2000", "3000"]
+
+
+def test_parquet_has_the_same_rows_with_their_types(
+    path: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    parquet = pytest.importorskip("pyarrow.parquet")
+    monkeypatch.setattr("trainer.io.export.ROWS", 2)
+    branched(path)
+    with closing(Recording.look(path)) as recording:
+        written = export_parquet(recording, LAYOUT, tmp_path / "out.parquet", branch=1)
+    states, orders, events = (parquet.read_table(each).to_pylist() for each in written)
+
+    third = 1.0 / 3.0
+    first = {"branch": 1, "tick": 0, "t": 0.0, "depth": 0.0, "third": third}
+    last = {"branch": 1, "tick": 3, "t": 1.5, "depth": 3.0, "third": third}
+    assert states[0] == {**first, "lateness_ns": None, "work_ns": None}
+    assert states[3] == {**last, "lateness_ns": 300, "work_ns": 3000}
+    assert len(states) == 4
+    assert [(each["place"], each["accepted"]) for each in orders] == [(None, True), (4, False)]
+    assert events[0]["who"] == "planes"
+
+
+def test_parquet_without_pyarrow_says_how_to_get_it(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setitem(sys.modules, "pyarrow", None)
+    monkeypatch.setitem(sys.modules, "pyarrow.parquet", None)
+    with closing(begin(None)) as recording:
+        with pytest.raises(RecordingError, match=r"pip install 'submarine-trainer\[parquet\]'"):
+            export_parquet(recording, LAYOUT, tmp_path / "out.parquet")
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="no /dev/full here")
+def test_an_export_to_a_full_disk_says_so(tmp_path: Path) -> None:
+    (tmp_path / "out.csv").symlink_to("/dev/full")
+    with closing(begin(None)) as recording:
+        with pytest.raises(RecordingError, match=r"out.csv cannot be written whole: No space left"):
+            export_csv(recording, LAYOUT, tmp_path / "out.csv")
+
+
+@posix
+def test_a_pipe_takes_the_states_alone(tmp_path: Path) -> None:
+    heard, told = os.pipe()
+    (tmp_path / "out.csv").symlink_to(f"/dev/fd/{told}")
+    with closing(begin(None)) as recording:
+        assert len(export_csv(recording, LAYOUT, tmp_path / "out.csv")) == 1
+    os.close(told)
+    with os.fdopen(heard) as lines:
+        assert lines.read().startswith("branch,tick,t,depth")
+    assert [each.name for each in tmp_path.iterdir()] == ["out.csv"]
+
+
+def test_an_export_of_a_branch_that_is_not_there_says_which_are(tmp_path: Path) -> None:
+    with closing(begin(None)) as recording:
+        with pytest.raises(RecordingError, match="has no branch 9; the latest is 1"):
+            export_csv(recording, LAYOUT, tmp_path / "out.csv", branch=9)
+
+
+def test_random_files_are_refused_without_a_traceback(path: Path) -> None:
+    dice = random.Random(1)
+    begin(path).close()
+    good = path.read_bytes()
+    for _ in range(40):
+        spoilt = bytearray(good)
+        for _ in range(20):
+            spoilt[dice.randrange(len(good))] = dice.randrange(256)
+        path.write_bytes(spoilt)
+        with contextlib.suppress(RecordingError), closing(Recording.look(path)) as recording:
+            list(recording.flown(1))
+            recording.header()

@@ -1,0 +1,394 @@
+"""A recording flown again: the same bits, or the first place where they are not."""
+
+import sqlite3
+from collections.abc import Iterator
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from trainer.boat import Boat
+from trainer.config import ConfigError, remembering
+from trainer.helm import ORDERS, obey
+from trainer.io.orders import Order, parse
+from trainer.io.recording import Moment, Recording
+from trainer.layout import LAYOUT
+from trainer.log_book import header_of
+from trainer.plan import Plan, plan_run
+from trainer.replay import Flight, replay, replay_anyway
+from trainer.reply import Refused
+
+EXERCISE = """
+schema = "exercise/1"
+name = "All at once"
+briefing = "A sea, things that break, and everything automatic."
+sea = "sea-state-5"
+seed = 23
+
+[initial]
+depth_m = 40
+speed_kn = 8
+
+[[orders]]
+at_s = 20
+order = "course right 60"
+
+[[casualties]]
+at_s = 5
+name = "depth-gauge-noisy"
+
+[[casualties]]
+at_s = 10
+name = "flooding-aft"
+severity = 0.2
+ramp_s = 25
+
+[[casualties]]
+when = "depth > 42"
+name = "rudder-slow"
+"""
+# Given by hand at these ticks: the first, several at one, one refused, one at the last.
+ORDERS_GIVEN = {
+    0: ["depth 60"],
+    30: ["pump trim forward 3 t", "hover on", "blow forward"],
+    55: ["speed 40", "time x2", "blow stop"],
+    90: ["freeze tanks", "casualty gyro-biased 0.5 ramp 10"],
+    120: ["release tanks", "sea state 3", "surface"],
+    160: ["rudder left 10"],
+}
+LAST = 160
+
+
+class Run:
+    """A boat recorded as a session records one."""
+
+    def __init__(self, folder: Path, options: dict[str, Any]) -> None:
+        with remembering() as texts:
+            self.plan: Plan = plan_run(options)
+        self.boat = Boat(self.plan.file, self.plan.method)
+        self.plan.start(self.boat)
+        self.path = folder / "run.trainer"
+        header = header_of(options, texts, self.boat)
+        self.recording = Recording.create(self.path, header, self.state)
+        self.after = self.place = 0
+
+    @property
+    def state(self) -> bytes:
+        return self.boat.records.state.tobytes()
+
+    @property
+    def tick(self) -> int:
+        return int(self.boat.state.tick)
+
+    def give(self, order: Order, place: int | None = None) -> None:
+        number = self.recording.order(self.tick, "instructor", order.text, place)
+        self.after = number
+        if place is not None:
+            self.place = place + 1
+        if order.name in ORDERS:
+            answer = obey(self.boat, order)
+            refused = isinstance(answer, Refused)
+            self.recording.answered(number, str(answer), not refused)
+
+    def sail(self, until: int, orders: dict[int, list[str]]) -> None:
+        """Take ticks until that one, giving what is due, also at the last."""
+        while True:
+            for place, entry in enumerate(self.plan.schedule):
+                due = entry.seconds <= self.boat.time and place >= self.place
+                if due:
+                    self.give(entry.order, place)
+            for text in orders.get(self.tick, []):
+                order = parse(text)
+                assert isinstance(order, Order), order
+                self.give(order)
+            if self.tick == until:
+                return
+            with np.errstate(all="ignore"):
+                assert self.boat.tick() == 0
+            self.recording.state(self.tick, self.state)
+
+    def now(self) -> Moment:
+        return Moment(self.recording.branch, self.tick, self.state, self.after, self.place)
+
+    def go_back(self, moment: Moment, why: str) -> None:
+        self.boat.restore(np.frombuffer(moment.state, self.boat.records.state.dtype))
+        self.after, self.place = moment.after, moment.place
+        self.recording.fork(moment, why)
+
+
+@pytest.fixture
+def run(tmp_path: Path) -> Iterator[Run]:
+    """Return a run to tick LAST with sea, tanks, casualties and autopilot at work."""
+    (tmp_path / "all.toml").write_text(EXERCISE)
+    made = Run(tmp_path, options(exercise=str(tmp_path / "all.toml")))
+    made.sail(LAST, ORDERS_GIVEN)
+    yield made
+    made.recording.close()
+
+
+def options(**given: Any) -> dict[str, Any]:
+    """Return the command line's options with those given."""
+    plain = dict.fromkeys(("exercise", "sea", "orders_file", "rates", "step", "duration"))
+    method = {"equations": "full", "trig": "exact", "integrator": "adams2"}
+    return {**plain, **method, "vessel": "bb2", "seed": 1, **given, "given": frozenset(given)}
+
+
+def spoil(path: Path, tick: int, field: str, change: float) -> None:
+    """Change one number of one recorded state."""
+    with sqlite3.connect(path) as file:
+        (state,) = file.execute("SELECT state FROM states WHERE tick = ?", (tick,)).fetchone()
+        numbers = np.frombuffer(state).copy()
+        numbers[LAYOUT.index(field)] += change
+        file.execute("UPDATE states SET state = ? WHERE tick = ?", (numbers.tobytes(), tick))
+    file.close()
+
+
+def looked_at(path: Path) -> list[Flight]:
+    """Return how a recording flies that another program has written."""
+    recording = Recording.look(path)
+    flights = replay(recording)
+    recording.close()
+    return flights
+
+
+# The same
+
+
+def test_a_recording_is_flown_again_to_the_bit(run: Run) -> None:
+    s = run.boat.state
+    assert s.casualty_amount.any()
+    assert s.flood_aft > 100.0
+    assert s.sea_height > 1.0
+    assert s.blow_mid == 1.0
+    assert not s.stern_by_hand
+
+    (flight,) = replay(run.recording)
+
+    assert flight.same
+    assert (flight.compared, flight.unequal, flight.parting) == (LAST + 1, 0, None)
+
+
+def test_every_branch_is_flown_again_from_its_own_start(run: Run) -> None:
+    # back to the middle by a moment of the recording, to the start, and to a moment that
+    # includes orders of its own tick
+    middle = run.recording.moment(1, 70)
+    assert middle is not None
+    run.go_back(middle, "backtrack")
+    run.sail(100, {70: ["course 300"], 100: ["rudder right 5"]})
+    kept = run.now()
+    run.sail(130, {})
+    start = run.recording.moment(1, 0)
+    assert start is not None
+    run.go_back(start, "reset")
+    run.sail(40, {0: ["speed 12"]})
+    run.go_back(kept, "restore")
+    run.sail(150, {100: ["planes manual"], 110: ["freeze depth"], 140: ["release all"]})
+
+    flights = replay(run.recording)
+
+    assert [flight.branch.why for flight in flights] == [
+        *("the start", "backtrack", "reset", "restore"),
+    ]
+    assert [flight.compared for flight in flights] == [LAST + 1, 60, 40, 50]
+    assert all(flight.same for flight in flights)
+
+
+def test_the_files_of_the_run_are_not_needed_if_one_flies_it_anyway(run: Run) -> None:
+    Path(run.plan.schedule and run.path.with_name("all.toml")).unlink()
+
+    with pytest.raises(ConfigError, match=r"all\.toml: there is no such file; it was read when"):
+        replay(run.recording)
+    (flight,) = replay_anyway(run.recording)
+
+    assert flight.same
+
+
+def test_a_recording_is_flown_again_while_it_is_written(run: Run) -> None:
+    run.recording.flush()
+    assert all(flight.same for flight in looked_at(run.path))
+
+
+# Not the same
+
+
+def test_one_wrong_bit_of_one_state_is_named_by_tick_and_number(run: Run) -> None:
+    run.recording.close()
+    spoil(run.path, 77, "water_trim_forward", 2.0**-36)
+    (flight,) = looked_at(run.path)
+
+    assert (flight.compared, flight.unequal) == (LAST + 1, 1)
+    assert flight.parting is not None
+    assert flight.parting.tick == 77
+    name, recorded, flown, numbers = flight.parting.unlike
+    assert (name, numbers) == ("water_trim_forward", 1)
+    assert recorded == flown + 2.0**-36
+    assert str(flight.parting) == (
+        f"tick 77: water_trim_forward was {recorded!r}, is now {flown!r}"
+    )
+    assert not flight.same
+
+
+def test_an_order_that_the_recording_lacks_parts_the_flight_for_good(run: Run) -> None:
+    run.recording.close()
+    with sqlite3.connect(run.path) as file:
+        file.execute("DELETE FROM orders WHERE text LIKE 'blow forward%'")
+    file.close()
+    (flight,) = looked_at(run.path)
+
+    assert flight.parting is not None
+    assert flight.parting.tick == 31
+    assert flight.unequal == LAST - 30
+    assert flight.parting.unlike.numbers > 1
+    assert "numbers more" in str(flight.parting)
+
+
+def test_an_answer_that_is_not_the_recorded_one_is_told(run: Run) -> None:
+    run.recording.close()
+    with sqlite3.connect(run.path) as file:
+        file.execute("UPDATE orders SET accepted = 1, answer = 'aye' WHERE text LIKE 'speed 40%'")
+    file.close()
+    (flight,) = looked_at(run.path)
+
+    (told,) = flight.answers
+    assert told.startswith("tick 55: speed 40 kn: aye; now: this boat makes ")
+    assert not flight.same
+    assert flight.unequal == 0
+
+
+def test_a_start_that_is_not_the_plan_s_is_told_and_flown_from_all_the_same(run: Run) -> None:
+    run.recording.close()
+    with sqlite3.connect(run.path) as file:
+        (state,) = file.execute("SELECT state FROM branches").fetchone()
+        numbers = np.frombuffer(state).copy()
+        numbers[LAYOUT.index("x")] += 100.0
+        file.execute("UPDATE branches SET state = ?", (numbers.tobytes(),))
+    file.close()
+    (flight,) = looked_at(run.path)
+
+    assert flight.parting is not None
+    assert flight.parting.tick == 0
+    assert flight.parting.unlike == ("x", 100.0, 0.0, 1)
+    assert flight.unequal == LAST + 1
+
+
+def test_a_state_cut_short_ends_its_branch_and_not_the_others(run: Run) -> None:
+    middle = run.recording.moment(1, 70)
+    assert middle is not None
+    run.go_back(middle, "backtrack")
+    run.sail(80, {})
+    run.recording.close()
+    with sqlite3.connect(run.path) as file:
+        file.execute("UPDATE states SET state = x'00' WHERE branch = 1 AND tick = 20")
+    file.close()
+    first, second = looked_at(run.path)
+
+    assert first.trouble == f"a state of 1 bytes, not of {8 * len(LAYOUT)}: damaged"
+    assert first.compared == 21
+    assert second.same
+
+
+def test_a_boat_lost_on_the_way_ends_its_flight(run: Run) -> None:
+    run.recording.close()
+    with sqlite3.connect(run.path) as file:
+        (state,) = file.execute("SELECT state FROM branches").fetchone()
+        numbers = np.frombuffer(state).copy()
+        numbers[LAYOUT.index("v")] = 1e200
+        file.execute("UPDATE branches SET state = ?", (numbers.tobytes(),))
+    file.close()
+    (flight,) = looked_at(run.path)
+
+    assert "is out of all bounds after tick 0" in flight.trouble
+    assert not flight.same
+
+
+# Otherwise
+
+
+def test_a_replay_with_another_step_is_refused_saying_so(run: Run) -> None:
+    with pytest.raises(ConfigError) as refused:
+        replay(run.recording, {"step": 1.0})
+    assert refused.value.problems == ("step 1 s, recorded 0.5 s",)
+
+
+def test_flown_with_another_step_the_orders_come_at_the_same_times(run: Run) -> None:
+    middle = run.recording.moment(1, 90)
+    assert middle is not None
+    run.go_back(middle, "backtrack")
+    run.sail(121, {})
+
+    halved, other = replay_anyway(run.recording, {"step": 0.25})
+    assert (halved.compared, other.compared) == (LAST + 1, 31)
+    assert halved.trouble == other.trouble == ""
+    doubled, other = replay_anyway(run.recording, {"step": 1.0})
+    # the states of whole seconds
+    assert (doubled.compared, other.compared) == (LAST // 2 + 1, 15)
+    for flight in (halved, doubled):
+        assert flight.answers == []  # every order was given, and answered as it was then
+        assert flight.parting is not None
+        assert flight.parting.unlike.name != "tick"
+
+
+def test_another_step_ends_about_where_the_recorded_one_did(tmp_path: Path) -> None:
+    made = Run(tmp_path, options())
+    made.sail(240, {20: ["depth 80"], 41: ["course right 40"]})
+    seen: list[tuple[float, float, float]] = []
+
+    def noting(boat: Boat) -> int:
+        status = tick(boat)
+        s = boat.state
+        seen.append((float(s.z), float(s.psi), float(s.x)))
+        return status
+
+    tick = Boat.tick
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(Boat, "tick", noting)
+        replay_anyway(made.recording, {"step": 0.25})
+    made.recording.close()
+
+    s = made.boat.state
+    depth, heading, north = seen[-1]
+    assert len(seen) == 480
+    assert depth == pytest.approx(float(s.z), abs=0.5)
+    assert heading == pytest.approx(float(s.psi), abs=0.02)
+    assert north == pytest.approx(float(s.x), abs=5.0)
+
+
+def test_flown_by_another_vessel_it_begins_as_that_one_does(run: Run, tmp_path: Path) -> None:
+    text = run.plan.file.text
+    assert text.count("\nlength = 70.2") == 1
+    (tmp_path / "longer.toml").write_text(text.replace("\nlength = 70.2", "\nlength = 71"))
+
+    (flight,) = replay_anyway(run.recording, {"vessel": str(tmp_path / "longer.toml")})
+
+    assert flight.parting is not None
+    assert flight.parting.tick == 0
+    assert flight.trouble == ""
+
+
+def test_a_recording_of_an_older_state_is_compared_in_what_it_has(
+    run: Run, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    older = [name for name in LAYOUT if name != "sailed_y"]
+    places = [LAYOUT.index(name) for name in older]
+    header, branches = run.recording.header(), run.recording.branches()
+    states = list(run.recording.states(1))
+
+    def shorter(state: bytes) -> bytes:
+        return np.frombuffer(state)[places].tobytes()
+
+    header["layout"] = str(older).replace("'", '"')
+    first = replace(branches[0], state=shorter(branches[0].state))
+    monkeypatch.setattr(run.recording, "header", lambda: header)
+    monkeypatch.setattr(run.recording, "branches", lambda: [first])
+    monkeypatch.setattr(
+        run.recording, "states", lambda _: ((tick, shorter(state)) for tick, state in states)
+    )
+
+    with pytest.raises(ConfigError, match="new: sailed_y; gone: none"):
+        replay(run.recording)
+    (flight,) = replay_anyway(run.recording)
+
+    assert flight.same
+    assert flight.compared == LAST + 1

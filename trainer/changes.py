@@ -1,0 +1,53 @@
+"""What has changed from one text to another, line by line, for a reader."""
+
+import re
+from collections.abc import Iterator
+from difflib import SequenceMatcher
+from itertools import zip_longest
+from typing import Final
+
+MOST: Final = 10  # lines of one file that are told
+LONGEST: Final = 60  # [characters] of a line or value shown
+SETTING: Final = re.compile(r"\s*([\w.\"-]+)\s*=\s*(.*)")
+
+
+def changes(file: str, now: str, was: str) -> list[str]:
+    """Return a line for each changed one, with the file's name and its number in it."""
+    told = [f"{file} {text}" for text in _changes(now.split("\n"), was.split("\n"))]
+    more = len(told) - MOST
+    return [*told[:MOST], f"{file}: and {more} more lines"] if more > 0 else told
+
+
+def _changes(now: list[str], was: list[str]) -> Iterator[str]:
+    """Yield each change in words, beginning with the number of its line."""
+    for what, i, i_end, k, k_end in SequenceMatcher(None, was, now).get_opcodes():
+        if what == "equal":
+            continue
+        numbered = enumerate(now[k:k_end], start=k + 1)
+        gone = enumerate(was[i:i_end], start=i + 1)
+        for new, old in zip_longest(numbered, gone):
+            if new is None:
+                yield f"line {old[0]} as recorded is gone: {_short(old[1])}"
+            elif old is None:
+                yield f"line {new[0]} is new: {_short(new[1])}"
+            else:
+                yield f"line {new[0]}: {_changed(new[1], old[1])}"
+
+
+def _changed(new: str, old: str) -> str:
+    """Return how one line differs from what it was."""
+    if new.split() == old.split():
+        return "differs in blanks only"
+    ends = new.rpartition("#"), old.rpartition("#")
+    if ends[0][1:] == ends[1][1:] and ends[0][1]:  # the same comment
+        new, old = ends[0][0], ends[1][0]
+    settings = SETTING.fullmatch(new), SETTING.fullmatch(old)
+    if settings[0] and settings[1] and settings[0][1] == settings[1][1]:
+        return f"{settings[0][1]} = {_short(settings[0][2])} was {_short(settings[1][2])}"
+    return f"{_short(new)} was {_short(old)}"
+
+
+def _short(text: str) -> str:
+    """Return a line in printable ASCII and not longer than is readable."""
+    plain = text.strip().encode("unicode_escape").decode("ascii") or "an empty line"
+    return plain if len(plain) <= LONGEST else plain[: LONGEST - 3] + "..."

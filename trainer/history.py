@@ -1,0 +1,182 @@
+"""Where a run has been: its orders journalled, its moments kept, and going back to one of them.
+
+A moment is everything that there is to go back to: the whole state, the orders it includes, and
+what of the exercise's schedule is done. From a moment gone back to a new branch of the recording
+begins; the old one stays. A replay flies the old branch again and begins a new one only where
+somebody takes over.
+"""
+
+import math
+from collections import deque
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field
+from typing import Final
+
+import numpy as np
+
+from trainer.boat import Boat
+from trainer.core.state import STATE
+from trainer.io.no_recording import NoRecording
+from trainer.io.orders import Order, parse
+from trainer.io.recording import Journalled, Moment, Recording
+from trainer.io.schedule import Scheduled
+from trainer.reply import Refused, Reply
+
+AUTOMATIC_EVERY: Final = 10.0  # [s] between moments kept in memory beside the recording
+AUTOMATIC_KEPT: Final = 360  # of them: one hour
+
+
+def order_of(entry: Journalled, schedule: Sequence[Scheduled]) -> Order | None:
+    """Return the order that was journalled, None if this version does not understand it.
+
+    That of a schedule is taken from there: a casualty's has more to it than its words.
+    """
+    if entry.place is not None and entry.place < len(schedule):
+        return schedule[entry.place].order
+    order = parse(entry.text)
+    return order if isinstance(order, Order) else None
+
+
+@dataclass
+class Rerun:
+    """A replay under way: the orders still to be given again, and the moment it leads to."""
+
+    orders: deque[Journalled]
+    end: Moment
+    began: float  # [s]
+    different: str = ""  # where it first left its recording
+
+
+@dataclass
+class History:
+    """The past of one run."""
+
+    boat: Boat
+    recording: Recording | NoRecording
+    after: int = 0  # the last order that the present state includes
+    place: int = 0  # of the schedule's next entry
+    rerun: Rerun | None = None
+    automatic: deque[Moment] = field(default_factory=lambda: deque(maxlen=AUTOMATIC_KEPT))
+
+    @property
+    def tick(self) -> int:
+        """Return the number of ticks done."""
+        return int(self.boat.state.tick)
+
+    def now(self) -> Moment:
+        """Return the present moment."""
+        branch = self.recording.branch
+        return Moment(branch, self.tick, self._state(), self.after, self.place)
+
+    def order(self, who: str, order: Order, place: int | None = None) -> int:
+        """Journal an order that is about to act; return its number."""
+        self.after = self.recording.order(self.tick, who, order.text, place)
+        if place is not None:
+            self.place = place + 1
+        return self.after
+
+    def answered(self, number: int, answer: Reply) -> None:
+        """Journal what became of an order."""
+        refused = isinstance(answer, Refused)
+        text = answer.reason if isinstance(answer, Refused) else answer
+        self.recording.answered(number, text, not refused)
+
+    def ticked(self) -> bytes:
+        """Keep the state after a tick; return it."""
+        state = self._state()
+        if self.rerun is None:
+            self.recording.state(self.tick, state)
+        elif not self.rerun.different:
+            self._compare(self.rerun, state)
+        period = max(round(AUTOMATIC_EVERY / self.boat.method.step), 1)
+        if self.tick % period == 0 and self.rerun is None:
+            self.automatic.append(self.now())
+        return state
+
+    def keep(self, name: str) -> Reply:
+        """Keep the present moment under a name."""
+        known = name in self.snapshots()
+        self.recording.snapshot(name, self.now())
+        if self.recording.trouble:
+            return Refused(f"not kept: {self.recording.trouble}")
+        return f"snapshot {name} {'kept anew' if known else 'kept'} at {self.boat.time:g} s"
+
+    def snapshots(self) -> dict[str, Moment]:
+        """Return the named moments."""
+        return dict(self.recording.snapshots())
+
+    def before(self, seconds: float) -> Moment | Refused:
+        """Return the moment so long [s] ago, the start if that is later.
+
+        Where the recording cannot reach it, the automatic one before it.
+        """
+        ticks = math.ceil(seconds / self.boat.method.step - 1e-9)
+        wanted = max(self.tick - ticks, 0)
+        found = self.recording.moment(self.recording.branch, wanted)
+        if found is not None:
+            return found
+        kept = [moment for moment in self.automatic if moment.tick <= wanted]
+        return kept[-1] if kept else Refused("nothing is kept from so long ago")
+
+    def start(self) -> Moment | Refused:
+        """Return the initial conditions."""
+        return self.before(math.inf) if self.tick == 0 else self.before(self.boat.time)
+
+    def go_to(self, moment: Moment, why: str) -> None:
+        """Go back to a moment, and begin a new branch there."""
+        self._restore(moment)
+        self.recording.fork(moment, why)
+        self.rerun = None
+        while self.automatic and self.automatic[-1].tick > moment.tick:
+            self.automatic.pop()
+
+    def show_again(self, moment: Moment) -> int:
+        """Go back to a moment, to fly on from there as it was recorded; return the orders."""
+        end = self.rerun.end if self.rerun else self.now()
+        orders = self.recording.orders(self.recording.branch, moment.after)
+        again = deque(each for each in orders if each.id <= end.after)
+        self._restore(moment)
+        self.rerun = Rerun(again, end, self.boat.time)
+        return len(again)
+
+    def take_over(self, why: str) -> None:
+        """End a replay here: what follows is a new branch."""
+        self.rerun = None
+        self.recording.fork(self.now(), why)
+
+    def due(self, schedule: Sequence[Scheduled]) -> Iterator[Order]:
+        """Yield the orders that a replay gives again at this tick."""
+        rerun = self.rerun
+        while rerun and rerun.orders and rerun.orders[0].tick <= self.tick:
+            entry = rerun.orders.popleft()
+            self.after = entry.id
+            if entry.place is not None:
+                self.place = entry.place + 1
+            order = order_of(entry, schedule)
+            if order is not None:
+                yield order
+
+    def arrive(self) -> str:
+        """End a replay that has arrived where it led to; return what became of it."""
+        rerun, self.rerun = self.rerun, None
+        told = (rerun and rerun.different) or "the same to the last bit"
+        return f"replay over at {self.boat.time:g} s: {told}; run goes on from here"
+
+    @property
+    def caught_up(self) -> bool:
+        """Return whether a replay has arrived where it led to; the branch then goes on."""
+        rerun = self.rerun
+        return rerun is not None and self.tick >= rerun.end.tick and not rerun.orders
+
+    def _restore(self, moment: Moment) -> None:
+        self.boat.restore(np.frombuffer(moment.state, STATE))
+        self.after, self.place = moment.after, moment.place
+
+    def _state(self) -> bytes:
+        return self.boat.records.state.tobytes()
+
+    def _compare(self, rerun: Rerun, state: bytes) -> None:
+        """Note where the replay's state is not the one recorded."""
+        recorded = self.recording.state_at(self.recording.branch, self.tick)
+        if recorded is not None and recorded != state:
+            rerun.different = f"the replay left its recording at tick {self.tick}"

@@ -1,0 +1,190 @@
+"""One client at a socket: lines in and lines out, bounded both ways, never waited for.
+
+Any thread may take, send and close; the rest belongs to the thread of the hub, which asks what the
+connection waits for and calls it when the socket is ready.
+"""
+
+import math
+import re
+import selectors
+import socket
+import threading
+import time
+from collections import deque
+from collections.abc import Callable
+
+from trainer.io.lines import LineDecoder, Overlong
+
+CHUNK = 4096  # [bytes]  read at once
+MOST_HEARD = 256  # [lines]  waiting to be taken; beyond it the socket is not read
+MOST_SAID = (
+    512  # [lines]  waiting to be sent; beyond it, and beyond so many bytes, they are dropped
+)
+MOST_BYTES = 65536  # [bytes]
+PACE = 65536.0  # [bytes/s]  read at most, so that a flood costs the boat's thread nothing
+BURST = 16384.0  # [bytes]  read at once before the pace is kept
+
+# A page in a browser can post orders to a port of its own machine, where no token is asked for.
+BROWSER = re.compile(rb"(?:GET|HEAD|POST|PUT|PATCH|DELETE|OPTIONS|CONNECT|TRACE) ")
+
+READ, WRITE = selectors.EVENT_READ, selectors.EVENT_WRITE
+
+
+class Connection:
+    """One client; a line of trainer.io.line.
+
+    Half a line at the end of the input is forgotten: the client may have died within an order.
+    """
+
+    def __init__(
+        self, end: socket.socket, name: str, arrived: threading.Event, stir: Callable[[], None]
+    ) -> None:
+        self.name = name
+        self.trouble = ""
+        self.dropped = 0
+        end.settimeout(0.0)
+        self._end = end
+        self._arrived = arrived  # set when there is something to take, and at the end
+        self._stir = stir  # makes the hub ask again
+        self._lock = threading.Lock()
+        self._decoder = LineDecoder()
+        self._heard: deque[str | Overlong] = deque()
+        self._said: deque[bytes] = deque()
+        self._said_bytes = 0
+        self._over = False  # no more input
+        self._gone = False  # no more output either
+        self._leave_at = math.inf  # [s]  when it is closed, all sent or not
+        self._said_goodbye = False
+        self._read_until = 0.0  # [s]  when all that has been read would have come at the pace
+
+    @property
+    def ended(self) -> bool:
+        """Return whether all that came has been taken, and nothing more can come."""
+        return self._over and not self._heard
+
+    @property
+    def leaving(self) -> bool:
+        """Return whether it has been closed, though what was sent may still be on its way."""
+        return self._leave_at < math.inf
+
+    def take(self, most: int) -> list[str | Overlong]:
+        """Return the oldest lines that have come, at most so many."""
+        with self._lock:
+            held_back = len(self._heard) >= MOST_HEARD
+            lines = [self._heard.popleft() for _ in range(min(most, len(self._heard)))]
+        if held_back:
+            self._stir()
+        return lines
+
+    def send(self, line: str) -> None:
+        """Queue one line, or drop and count it when the client is slow or gone."""
+        data = line.encode("ascii", errors="replace") + b"\r\n"
+        with self._lock:
+            full = len(self._said) >= MOST_SAID or self._said_bytes + len(data) > MOST_BYTES
+            if self._gone or full or self.leaving:
+                self.dropped += 1
+                return
+            quiet = not self._said
+            self._said.append(data)
+            self._said_bytes += len(data)
+        if quiet:
+            self._stir()
+
+    def close(self, patience: float) -> None:
+        """End the connection once all is sent, after `patience` [s] at most; returns at once."""
+        with self._lock:
+            self._leave_at = min(self._leave_at, time.monotonic() + patience)
+            self._heard.clear()
+        self._stir()
+
+    # What follows is the hub's.
+
+    def wants(self, now: float) -> int:
+        """Return what the socket is waited for at `now` [s]: READ, WRITE, both or 0."""
+        reads = not self._over and len(self._heard) < MOST_HEARD and now >= self._rested
+        return READ * reads | WRITE * bool(self._said)
+
+    def due(self, now: float) -> float:
+        """Return when [s] to ask again though nothing has happened, infinity for never."""
+        return min(self._leave_at, self._rested if now < self._rested else math.inf)
+
+    def finished(self, now: float) -> bool:
+        """Return whether the socket can be closed; say goodbye to the client first."""
+        if self._gone or now >= self._leave_at:
+            return True
+        if self._said or not self.leaving:
+            return False
+        if not self._said_goodbye:
+            self._said_goodbye = True
+            self._shut_down()
+        # The client's own end is awaited: closing over unread input would cut off what was sent.
+        return self._over
+
+    def serve(self, ready: int) -> None:
+        """Read and write what can be without waiting."""
+        try:
+            if ready & READ:
+                self._read()
+            if ready & WRITE:
+                self._write()
+        except BlockingIOError:
+            return
+        except OSError as error:
+            self._die(error.strerror or str(error))
+
+    def dispose(self) -> None:
+        """Close the socket, counting what was not sent."""
+        self._die(self.trouble)
+        self._end.close()
+
+    def fileno(self) -> int:
+        """Return the socket's descriptor."""
+        return self._end.fileno()
+
+    @property
+    def _rested(self) -> float:
+        """Return when [s] it is read again at the earliest."""
+        return self._read_until - BURST / PACE
+
+    def _read(self) -> None:
+        data = self._end.recv(CHUNK)
+        if not self._read_until and BROWSER.match(data):
+            self._die("a web browser, not a station")
+            return
+        self._read_until = max(self._read_until, time.monotonic()) + len(data) / PACE
+        lines = self._decoder.feed(data)
+        with self._lock:
+            if not self.leaving:
+                self._heard.extend(lines)
+            self._over = self._over or not data
+        if lines or not data:
+            self._arrived.set()
+
+    def _write(self) -> None:
+        with self._lock:
+            batch = b"".join(self._said)
+        if not batch:
+            return
+        sent = self._end.send(batch)
+        with self._lock:
+            self._said_bytes -= sent
+            while sent:
+                line = self._said.popleft()
+                if sent < len(line):
+                    self._said.appendleft(line[sent:])
+                sent -= min(sent, len(line))
+
+    def _shut_down(self) -> None:
+        try:
+            self._end.shutdown(socket.SHUT_WR)
+        except OSError as error:
+            self._die(error.strerror or str(error))
+
+    def _die(self, trouble: str) -> None:
+        with self._lock:
+            self.trouble = trouble
+            self._over = self._gone = True
+            self.dropped += len(self._said)
+            self._said.clear()
+            self._said_bytes = 0
+        self._arrived.set()

@@ -1,0 +1,191 @@
+"""All sockets of a session in one thread, which waits for none of them.
+
+A client that does not read loses its own lines, one that sends too much is read slowly, one that
+vanishes is noticed by the system's keepalive; none of them delays another.
+"""
+
+import contextlib
+import errno
+import functools
+import math
+import selectors
+import socket
+import threading
+import time
+from collections import deque
+from collections.abc import Callable
+from pathlib import Path
+from typing import Protocol
+
+from trainer.io.connection import CHUNK, MOST_BYTES, READ, Connection
+from trainer.io.listening import LocalSocket, listen_at, listen_here
+
+ROOM = 32  # connections
+TURNED_AWAY = 8  # more that are being told so; beyond it they are cut off
+LAST_WORDS = 1.0  # [s]  for those
+DEAF = 1.0  # [s]  without new connections after the system had no room for one
+GRACE = 1.0  # [s]  beyond the patience, for the thread to end
+
+NO_ROOM = frozenset({errno.EMFILE, errno.ENFILE, errno.ENOBUFS, errno.ENOMEM})
+# A client whose machine has died is noticed after 30 + 3 * 10 s.
+KEEPALIVE = (("TCP_KEEPIDLE", 30), ("TCP_KEEPINTVL", 10), ("TCP_KEEPCNT", 3))
+
+
+class Watched(Protocol):
+    """What the selector waits for."""
+
+    def fileno(self) -> int:
+        """Return its descriptor."""
+        ...
+
+
+class Listener(Protocol):
+    """A socket that listens, and what closes it."""
+
+    def close(self) -> None:
+        """Stop listening."""
+        ...
+
+
+class Hub:
+    """The sockets of a session: those that listen and those connected."""
+
+    def __init__(self, wake: threading.Event) -> None:
+        self._wake = wake  # set at every newcomer, and whenever a connection has news
+        self._selector = selectors.DefaultSelector()
+        self._bell, self._ear = socket.socketpair()
+        for end in (self._bell, self._ear):
+            end.settimeout(0.0)
+        self._rung = False
+        self._doors: deque[tuple[socket.socket, Listener]] = deque()
+        self._connections: list[Connection] = []
+        self._newcomers: deque[Connection] = deque()
+        self._count = 0  # of local connections ever, for their names
+        self._deaf_until = 0.0  # [s]
+        self._leave_at = math.inf  # [s]
+        self._thread = threading.Thread(target=self._run, name="hub", daemon=True)
+        self._thread.start()
+
+    def listen(self, host: str, port: int) -> int:
+        """Listen at a TCP port, 0 for any free one; return which, or raise LinkError."""
+        door = listen_at(host, port)
+        self._open(door, door)
+        return int(door.getsockname()[1])
+
+    def listen_here(self, path: Path) -> None:
+        """Listen at a path of this machine, for its owner only; raises LinkError."""
+        local: LocalSocket = listen_here(path)
+        self._open(local.socket, local)
+
+    def newcomers(self) -> list[Connection]:
+        """Return the connections made since the last call."""
+        return [self._newcomers.popleft() for _ in range(len(self._newcomers))]
+
+    def close(self, patience: float) -> None:
+        """Stop listening, send what is queued for at most `patience` [s], close all."""
+        self._leave_at = time.monotonic() + patience
+        self._stir()
+        self._thread.join(patience + GRACE)
+
+    def _open(self, door: socket.socket, listener: Listener) -> None:
+        door.settimeout(0.0)
+        self._doors.append((door, listener))
+        self._stir()
+
+    def _stir(self) -> None:
+        """Make the thread look again at what there is to do; from any thread."""
+        if not self._rung:
+            self._rung = True
+            with contextlib.suppress(OSError):  # closed: nothing is left to do
+                self._bell.send(b"!")
+
+    def _run(self) -> None:
+        self._selector.register(self._ear, READ, self._hear_bell)
+        while self._connections or math.isinf(self._leave_at):
+            now = time.monotonic()
+            self._tend_doors(now)
+            self._tend_connections(now)
+            for key, ready in self._selector.select(self._pause(now)):
+                key.data(ready)
+        while self._doors:
+            self._doors.popleft()[1].close()
+        self._selector.close()
+        self._bell.close()
+        self._ear.close()
+
+    def _hear_bell(self, _ready: int) -> None:
+        self._ear.recv(CHUNK)
+        self._rung = False
+
+    def _tend_doors(self, now: float) -> None:
+        opened = now >= self._deaf_until and math.isinf(self._leave_at)
+        for door, _ in self._doors:
+            self._watch(door, READ * opened, functools.partial(self._admit, door))
+
+    def _tend_connections(self, now: float) -> None:
+        for connection in list(self._connections):
+            if self._leave_at < math.inf:
+                connection.close(self._leave_at - now)
+            if connection.finished(now):
+                self._watch(connection, 0, connection.serve)
+                connection.dispose()
+                self._connections.remove(connection)
+            else:
+                self._watch(connection, connection.wants(now), connection.serve)
+
+    def _watch(self, end: Watched, events: int, call: Callable[[int], None]) -> None:
+        """Have `call` called at these events, or not at all when there are none."""
+        key = self._selector.get_map().get(end)
+        if key is None and events:
+            self._selector.register(end, events, call)
+        elif key is not None and not events:
+            self._selector.unregister(end)
+        elif key is not None and key.events != events:
+            self._selector.modify(end, events, call)
+
+    def _pause(self, now: float) -> float | None:
+        """Return how long [s] nothing needs to be done unless something happens, None for ever."""
+        due = [connection.due(now) for connection in self._connections]
+        due += [self._deaf_until] if self._deaf_until > now else []
+        earliest = min(due, default=math.inf)
+        return max(earliest - now, 0.0) if earliest < math.inf else None
+
+    def _admit(self, door: socket.socket, _ready: int) -> None:
+        try:
+            end, address = door.accept()
+        except OSError as error:  # gone again, or the system has no room for it
+            if error.errno in NO_ROOM:
+                self._deaf_until = time.monotonic() + DEAF
+            return
+        if len(self._connections) >= ROOM + TURNED_AWAY:
+            end.close()
+            return
+        full = sum(not connection.leaving for connection in self._connections) >= ROOM
+        prepare(end)
+        connection = Connection(end, self._name(address), self._wake, self._stir)
+        self._connections.append(connection)
+        if full:
+            connection.send(f"? no room: {ROOM} stations are attached; one of them must detach")
+            connection.close(LAST_WORDS)
+            return
+        self._newcomers.append(connection)
+        self._wake.set()
+
+    def _name(self, address: tuple[str, int] | str) -> str:
+        if isinstance(address, tuple):
+            return f"tcp {address[0]}:{address[1]}"
+        self._count += 1
+        return f"local {self._count}"
+
+
+def prepare(end: socket.socket) -> None:
+    """Set the options of a new connection."""
+    end.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, MOST_BYTES)
+    if end.family not in (socket.AF_INET, socket.AF_INET6):
+        return
+    with contextlib.suppress(OSError):  # gone already: the first read tells
+        end.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+        end.setsockopt(socket.SOL_SOCKET, socket.SO_KEEPALIVE, 1)
+        for name, value in KEEPALIVE:
+            if hasattr(socket, name):
+                end.setsockopt(socket.IPPROTO_TCP, getattr(socket, name), value)

@@ -1,0 +1,261 @@
+"""The file of a recording: an SQLite database, made whole, written by one program, read by any.
+
+A recording that is being written is in WAL mode: readers see what is committed and hold nobody up,
+and what a killed program had committed is there for the next one.
+"""
+
+import contextlib
+import os
+import shutil
+import sqlite3
+import tempfile
+from collections.abc import Mapping
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import Final
+
+FORMAT: Final = 1  # raised when older programs can no longer read what newer ones write
+APPLICATION: Final = 0x74726E72  # "trnr": what `file` and SQLite's tools know a recording by
+PATIENCE: Final = 2.0  # [s] for another program that holds the file for a moment
+
+SCHEMA: Final = f"""
+PRAGMA page_size = 8192;
+PRAGMA application_id = {APPLICATION};
+PRAGMA user_version = {FORMAT};
+BEGIN;
+CREATE TABLE header (key TEXT PRIMARY KEY, value TEXT NOT NULL) WITHOUT ROWID;
+CREATE TABLE branches (
+    id INTEGER PRIMARY KEY, parent INTEGER REFERENCES branches, tick INTEGER NOT NULL,
+    after INTEGER NOT NULL, place INTEGER NOT NULL, why TEXT NOT NULL, state BLOB NOT NULL,
+    wall TEXT NOT NULL
+);
+CREATE TABLE orders (
+    id INTEGER PRIMARY KEY, branch INTEGER NOT NULL, tick INTEGER NOT NULL, who TEXT NOT NULL,
+    text TEXT NOT NULL, place INTEGER, accepted INTEGER, answer TEXT NOT NULL DEFAULT '',
+    wall TEXT NOT NULL
+);
+CREATE INDEX orders_by_tick ON orders (branch, tick, place);
+CREATE TABLE states (
+    branch INTEGER NOT NULL, tick INTEGER NOT NULL, state BLOB NOT NULL, UNIQUE (branch, tick)
+);
+CREATE TABLE ledger (
+    branch INTEGER NOT NULL, tick INTEGER NOT NULL, lateness_ns INTEGER NOT NULL,
+    work_ns INTEGER NOT NULL, PRIMARY KEY (branch, tick)
+) WITHOUT ROWID;
+CREATE TABLE events (
+    id INTEGER PRIMARY KEY, branch INTEGER NOT NULL, tick INTEGER NOT NULL, kind TEXT NOT NULL,
+    who TEXT NOT NULL, text TEXT NOT NULL, wall TEXT NOT NULL
+);
+CREATE TABLE snapshots (
+    id INTEGER PRIMARY KEY, name TEXT NOT NULL, branch INTEGER NOT NULL, tick INTEGER NOT NULL,
+    state BLOB NOT NULL, after INTEGER NOT NULL, place INTEGER NOT NULL, wall TEXT NOT NULL
+);
+COMMIT;
+"""
+TOUCH: Final = f"PRAGMA user_version = {FORMAT}"  # the least that is a write
+
+
+class RecordingError(Exception):
+    """A recording that cannot be made, opened or read; says which, what, and what to do."""
+
+
+def wall_time() -> str:
+    """Return the time of day, UTC, to the millisecond."""
+    return datetime.now(UTC).isoformat(timespec="milliseconds")
+
+
+def connect(path: Path, options: str) -> sqlite3.Connection:
+    """Return a connection without transactions of its own making; `options` as in an SQLite URI."""
+    name = f"{path.absolute().as_uri()}?{options}"
+    return sqlite3.connect(name, timeout=PATIENCE, isolation_level=None, uri=True)
+
+
+def temporary(header: Mapping[str, str], state: bytes) -> sqlite3.Connection:
+    """Return a recording that nobody else sees and that is gone when closed."""
+    connection = sqlite3.connect("", isolation_level=None)
+    connection.execute("PRAGMA journal_mode = MEMORY")
+    connection.execute("PRAGMA synchronous = OFF")
+    _fill(connection, header, state)
+    return connection
+
+
+def create(path: Path, header: Mapping[str, str], state: bytes) -> sqlite3.Connection:
+    """Make a recording and return it for writing; RecordingError if the name is taken.
+
+    It is made under another name in the same folder: whoever finds it finds it whole.
+    """
+    if os.path.lexists(path):
+        raise RecordingError(f"{path} exists already; name another file, or remove it")
+    try:
+        with tempfile.TemporaryDirectory(dir=path.parent, prefix=f".{path.name}.") as folder:
+            made = Path(folder) / path.name
+            _write_whole(made, header, state)
+            _give_name(made, path)
+    except OSError as error:
+        raise RecordingError(f"{path} cannot be made: {error.strerror}") from None
+    except sqlite3.Error as error:
+        raise RecordingError(f"{path} cannot be made: {error}") from None
+    return reopen(path)
+
+
+def reopen(path: Path) -> sqlite3.Connection:
+    """Return an existing recording for writing, closed to other writers."""
+    _find(path)
+    with contextlib.ExitStack() as unless_good:
+        try:
+            connection = connect(path, "mode=rw")
+            unless_good.callback(connection.close)
+            _recognise(connection, path)
+            connection.execute("PRAGMA synchronous = NORMAL")
+            connection.execute("PRAGMA wal_autocheckpoint = 0")
+            connection.execute("PRAGMA journal_size_limit = 0")
+            _claim(connection, path)
+        except sqlite3.OperationalError as error:
+            raise RecordingError(f"{path} cannot be written: {error}") from None
+        unless_good.pop_all()
+    return connection
+
+
+def look(path: Path) -> sqlite3.Connection:
+    """Return a recording for reading, whoever may be writing it.
+
+    One that lies where nothing can be written is read as it lies, or from a private copy if a
+    program that was killed left part of it in a file of its own beside it.
+    """
+    _find(path)
+    try:
+        return _readable(connect(path, "mode=rw"), path)
+    except sqlite3.OperationalError as error:
+        if error.sqlite_errorcode & 0xFF not in (sqlite3.SQLITE_CANTOPEN, sqlite3.SQLITE_READONLY):
+            raise RecordingError(f"{path} cannot be read: {error}") from None
+    try:
+        if _beside(path, "-wal").exists():
+            return _readable(_copied(path), path)
+        return _readable(connect(path, "mode=ro&immutable=1"), path)
+    except sqlite3.OperationalError as error:
+        raise RecordingError(f"{path} cannot be read: {error}") from None
+    except OSError as error:
+        raise RecordingError(f"{path} cannot be read: {error.strerror}") from None
+
+
+def _fill(connection: sqlite3.Connection, header: Mapping[str, str], state: bytes) -> None:
+    connection.executescript(SCHEMA)
+    connection.execute("BEGIN")
+    connection.executemany("INSERT INTO header VALUES (?, ?)", header.items())
+    first = (1, None, 0, 0, 0, "the start", state, wall_time())
+    connection.execute("INSERT INTO branches VALUES (?, ?, ?, ?, ?, ?, ?, ?)", first)
+    connection.execute("COMMIT")
+
+
+def _write_whole(path: Path, header: Mapping[str, str], state: bytes) -> None:
+    connection = sqlite3.connect(path, isolation_level=None)
+    try:
+        _fill(connection, header, state)
+        (mode,) = connection.execute("PRAGMA journal_mode = WAL").fetchone()
+    finally:
+        connection.close()
+    if mode != "wal":
+        raise RecordingError(
+            f"{path.parent.parent} cannot hold a recording: its file system lacks the shared "
+            "memory that SQLite needs; record to a local disk"
+        )
+
+
+def _give_name(made: Path, path: Path) -> None:
+    """Let a finished file have its name, unless that has been taken meanwhile."""
+    try:
+        os.link(made, path)
+    except FileExistsError:
+        raise RecordingError(f"{path} has just been made by another program") from None
+    except OSError:  # a file system without links
+        made.rename(path)
+
+
+def _find(path: Path) -> None:
+    """Raise RecordingError unless there is a file, without opening it.
+
+    To close a database that was opened past SQLite would give up SQLite's own locks on it.
+    """
+    try:
+        size = path.stat().st_size
+    except OSError as error:
+        raise RecordingError(f"{path} cannot be opened: {error.strerror}") from None
+    if path.is_dir():
+        raise RecordingError(f"{path} is a folder; name a recording in it")
+    if not path.is_file():
+        raise RecordingError(f"{path} is not a recording, nor any file")
+    if size == 0:
+        raise RecordingError(f"{path} is not a recording: it is empty")
+    if not os.access(path, os.R_OK):
+        raise RecordingError(f"{path} cannot be opened: you have no right to read it")
+
+
+def _recognise(connection: sqlite3.Connection, path: Path) -> None:
+    """Raise RecordingError unless it is a recording of a format that this program knows."""
+    try:
+        (application,) = connection.execute("PRAGMA application_id").fetchone()
+        (version,) = connection.execute("PRAGMA user_version").fetchone()
+    except sqlite3.OperationalError:
+        raise  # not the file's fault
+    except sqlite3.DatabaseError as error:
+        raise RecordingError(f"{path} is not a recording: {error}") from None
+    if application != APPLICATION:
+        raise RecordingError(f"{path} is not a recording: it is another program's database")
+    if version != FORMAT:
+        raise RecordingError(
+            f"{path} is a recording of format {version}, and this trainer knows format {FORMAT}; "
+            "use the version of the trainer that made it, or a newer one"
+        )
+
+
+def _readable(connection: sqlite3.Connection, path: Path) -> sqlite3.Connection:
+    """Return the connection, made unable to change what it reads; closed if it is no recording."""
+    try:
+        _recognise(connection, path)
+        connection.execute("PRAGMA query_only = ON")
+    except BaseException:
+        connection.close()
+        raise
+    return connection
+
+
+def _claim(connection: sqlite3.Connection, path: Path) -> None:
+    """Make sure that nobody else has the file open.
+
+    Every connection holds a shared lock on it while it lives, even if its program is busy with
+    other things: only the sole one can get the exclusive lock, which then is made a shared one.
+    """
+    try:
+        connection.execute("PRAGMA locking_mode = EXCLUSIVE")
+        connection.execute(TOUCH)
+        connection.execute("PRAGMA locking_mode = NORMAL")
+        connection.execute(TOUCH)
+    except sqlite3.OperationalError as error:
+        if error.sqlite_errorcode & 0xFF != sqlite3.SQLITE_BUSY:
+            raise
+        raise RecordingError(
+            f"{path} is in use: a session is writing it or a program reading it; "
+            "go on with it when that has ended"
+        ) from None
+
+
+def _copied(path: Path) -> sqlite3.Connection:
+    """Return a private copy of a recording and of what was left beside it."""
+    private = sqlite3.connect("", isolation_level=None)
+    with tempfile.TemporaryDirectory() as folder:
+        copy = Path(folder) / "recording"
+        shutil.copyfile(path, copy)
+        shutil.copyfile(_beside(path, "-wal"), _beside(copy, "-wal"))
+        source = connect(copy, "mode=rw")
+        try:
+            source.backup(private)
+        except BaseException:
+            private.close()
+            raise
+        finally:
+            source.close()
+    return private
+
+
+def _beside(path: Path, ending: str) -> Path:
+    return path.with_name(path.name + ending)

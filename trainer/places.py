@@ -1,0 +1,38 @@
+"""Where a session is found and its recording kept, unless told otherwise."""
+
+import os
+import re
+import tempfile
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import Final
+
+HOST: Final = "127.0.0.1"
+PORT: Final = 17800
+SUFFIX: Final = ".trainer"
+
+_OURS: Final = "submarine-trainer"
+
+
+def socket_path() -> Path:
+    """Return the local socket of this user's session."""
+    runtime = os.environ.get("XDG_RUNTIME_DIR")
+    if runtime:
+        return Path(runtime) / _OURS / "session.sock"
+    user = os.getuid() if hasattr(os, "getuid") else os.environ.get("USERNAME", "user")
+    return Path(tempfile.gettempdir()) / f"{_OURS}-{user}" / "session.sock"
+
+
+def recording_path(name: str) -> Path:
+    """Return the file of a new recording of what is called ``name``; its folder is made."""
+    state = os.environ.get("XDG_STATE_HOME") or Path.home() / ".local" / "state"
+    folder = Path(state) / _OURS / "recordings"
+    folder.mkdir(parents=True, exist_ok=True)
+    plain = re.sub(r"[^a-z0-9-]+", "-", Path(name).stem.casefold()).strip("-") or "run"
+    stamp = datetime.now(UTC).strftime("%Y%m%d-%H%M%S")
+    path = folder / f"{plain}-{stamp}{SUFFIX}"
+    again = 2
+    while path.exists():
+        path = folder / f"{plain}-{stamp}-{again}{SUFFIX}"
+        again += 1
+    return path

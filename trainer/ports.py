@@ -1,0 +1,139 @@
+"""The lines of a session, opened as the command line asks: terminal, serial lines, sockets."""
+
+import contextlib
+import ipaddress
+import math
+import os
+import threading
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Any, Final
+
+import click
+
+from trainer import places
+from trainer.config import ConfigError, nearest
+from trainer.door import Door
+from trainer.io.hub import Hub
+from trainer.io.line import Joined, Line
+from trainer.io.outbox import Direct, Inbox, Outbox, reader, writer
+from trainer.io.serial_line import LinkError, SerialLine
+from trainer.roles import ROLES
+from trainer.station import Log, Station
+from trainer.wishes import Sending
+
+PATIENCE: Final = 0.5  # [s] for ports at the end, and for a pipe at the start
+
+
+@dataclass
+class Lobby:
+    """Where lines come in by themselves: the sockets of a hub."""
+
+    hub: Hub
+    admit: Callable[[Line], Station]
+
+    def newcomers(self) -> list[Station]:
+        """Return those that have come since the last call."""
+        return [self.admit(line) for line in self.hub.newcomers()]
+
+
+@dataclass
+class Ports:
+    """What a session is reached by; each part is closed with the stack."""
+
+    wake: threading.Event
+    sending: Sending
+    log: Log
+    stack: contextlib.ExitStack
+    stations: list[Station] = field(default_factory=list)
+
+    def terminal(self, *, unhurried: bool) -> Station:
+        """Return the station of the terminal: a person, who instructs."""
+        out = writer(1)
+        sender = Direct(out, b"\n") if unhurried else Outbox(out, line_end=b"\n")
+        inbox = Inbox(reader(0), self.wake)
+        if unhurried and not os.isatty(0):
+            await_pipe(inbox)
+        return self._person(Joined("console", inbox, sender))
+
+    def console_line(self, url: str, baud: int) -> Station:
+        """Return the station of a person at a serial line; ConfigError if it cannot be opened."""
+        return self._person(self._serial("--serial", url, baud))
+
+    def panel(self, given: str, baud: int) -> Station:
+        """Return the station of ``ROLE=URL``, a serial line with that role; ConfigError."""
+        role, equals, url = given.partition("=")
+        if role not in ROLES or not equals or not url:
+            wrong = nearest(role, ROLES) if role not in ROLES else ""
+            raise ConfigError(f"--line {given}: say ROLE=URL, such as helm=/dev/ttyUSB0{wrong}")
+        return self._station(self._serial("--line", url, baud), Door(role))
+
+    def lobby(self, options: dict[str, Any]) -> Lobby | None:
+        """Return where lines come in at the sockets asked for, None for none; ConfigError."""
+        address, path = options["listen"], options["socket"]
+        if address is None and path is None:
+            return None
+        token = options["token"] or ""
+        hub = Hub(self.wake)
+        self.stack.callback(hub.close, PATIENCE)
+        try:
+            if address is not None:
+                host, port = parse_address(address)
+                refuse_open_door(host, token)
+                told = hub.listen(host, port)
+                click.echo(f"listening at {host}:{told}", err=True)
+            if path is not None:
+                path.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
+                hub.listen_here(path)
+                click.echo(f"listening at {path}", err=True)
+        except (LinkError, OSError) as error:
+            raise ConfigError(f"{'--listen' if address else '--socket'} {error}") from None
+        return Lobby(hub, lambda line: self._station(line, Door(token=token)))
+
+    def _serial(self, option: str, url: str, baud: int) -> Joined:
+        try:
+            line = SerialLine(url, baud)
+        except LinkError as error:
+            raise ConfigError(f"{option} {error}") from None
+        self.stack.callback(line.close)
+        return Joined(url, Inbox(line.read, self.wake), Outbox(line.write), line)
+
+    def _person(self, line: Line) -> Station:
+        station = self._station(line, Door("instructor"))
+        station.type_out()
+        return station
+
+    def _station(self, line: Line, door: Door) -> Station:
+        return Station(line, door, self.sending, self.log)
+
+
+def await_pipe(inbox: Inbox) -> None:
+    """Wait for a pipe to end, or to pause: at full speed its orders act before the first tick."""
+    while not inbox.ended:
+        inbox.arrived.clear()
+        if not inbox.ended and not inbox.arrived.wait(PATIENCE):
+            break
+    inbox.arrived.set()
+
+
+def parse_address(text: str) -> tuple[str, int]:
+    """Return host and port of ``HOST:PORT`` or ``PORT``; ConfigError if it is neither."""
+    host, _, port = text.rpartition(":")
+    if not port.isdecimal():
+        raise ConfigError(f"--listen {text}: say HOST:PORT, such as {places.HOST}:{places.PORT}")
+    return host.strip("[]") or places.HOST, int(port)
+
+
+def refuse_open_door(host: str, token: str) -> None:
+    """Raise ConfigError if others than this machine could come in without a token."""
+    if token or host == "localhost":
+        return
+    with contextlib.suppress(ValueError):
+        if ipaddress.ip_address(host).is_loopback:
+            return
+    raise ConfigError(f"--listen {host}: beyond this machine only with --token WORD")
+
+
+def unhurried(options: dict[str, Any]) -> bool:
+    """Return whether the run keeps no time and nobody can join it."""
+    return math.isinf(options["speed"]) and options["listen"] is None and options["socket"] is None

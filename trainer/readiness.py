@@ -1,0 +1,47 @@
+"""A boat made ready for sea: compiled before the clock starts, at a step that is stable."""
+
+import gc
+
+import click
+
+from trainer import casualty, machine_code_is_compiled
+from trainer.boat import Boat
+from trainer.config import ConfigError
+from trainer.fitout import KNOT
+from trainer.frame import Lookout, Pace, Picture
+from trainer.ledger import Ledger
+from trainer.watch import Limits, Watch
+
+
+def warm(boat: Boat) -> None:
+    """Take a tick and a casualty on a throw-away state: nothing compiles once the clock runs."""
+    if not machine_code_is_compiled():
+        click.echo("compiling the boat, this once (some 20 seconds) ...", err=True)
+    before = boat.snapshot()
+    boat.state.u = 1.0
+    boat.trimmed(1.0)
+    boat.put_to_sea(boat.sea)
+    casualty.insert(boat, "propulsion-lost")
+    boat.tick()
+    casualty.readings(boat)
+    casualty.clear(boat, "all")
+    Watch.over(boat, Limits())
+    state = boat.records.state.tobytes()
+    Lookout(boat, Ledger(boat.method.step).summary).frame(Picture(0, state, Pace()))
+    boat.restore(before)
+    gc.collect()
+    gc.freeze()  # a full collection with numba loaded takes 0.1 s
+
+
+def refuse_unstable(boat: Boat) -> None:
+    """Raise ConfigError if the step makes the boat unstable, naming the largest that does not."""
+    from trainer.study.stability import stable_step  # noqa: PLC0415
+
+    low, high = boat.file.run.speed_range_kn
+    verdict = stable_step(boat, [low * KNOT, 0.5 * (low + high) * KNOT, high * KNOT])
+    if not verdict.ok:
+        raise ConfigError(
+            f"--step {boat.method.step:g} s is not stable with {boat.method.integrator}: "
+            f"{verdict.worst}; the largest stable step is {verdict.largest:.3g} s "
+            "(--unsafe-step runs it all the same)"
+        )

@@ -1,0 +1,56 @@
+"""Text for a terminal, 79 columns of ASCII: paragraphs, numbers and tables."""
+
+import textwrap
+from collections.abc import Iterable, Sequence
+from typing import Final
+
+WIDTH: Final = 79
+INDENT: Final = "  "
+
+
+def plain(text: str) -> str:
+    """Return ``text`` in ASCII."""
+    return text.encode("ascii", "replace").decode()
+
+
+def wrapped(text: str, first: str = INDENT, rest: str = 2 * INDENT) -> list[str]:
+    """Return ``text`` in lines of the page."""
+    return textwrap.wrap(plain(text), WIDTH, initial_indent=first, subsequent_indent=rest)
+
+
+def figure(number: float | None, form: str = ".3f") -> str:
+    """Return ``number`` as text, '-' for none."""
+    return "-" if number is None else format(number, form)
+
+
+def cut(text: str, width: int) -> str:
+    """Return ``text`` in ``width`` characters of ASCII, its end if all of it does not fit."""
+    text = plain(text)
+    return text if len(text) <= width else "..." + text[3 - width :]
+
+
+def root_text(real: float, imaginary: float) -> str:
+    """Return a root [1/s], or a pair of roots, as text."""
+    return f"{real:+.5f}" + (f" +-{imaginary:.5f}i" if imaginary else "")
+
+
+def table(heads: Sequence[str], rows: Iterable[Sequence[str]], indent: str = INDENT) -> list[str]:
+    """Return a table: the first column to the left, the others to the right, two spaces between.
+
+    A head may be of two lines with a newline between.
+    """
+    lines = [plain(head).split("\n") for head in heads]
+    deep = max(map(len, lines))
+    top = [[*[""] * (deep - len(cell)), *cell] for cell in lines]
+    cells = [*([cell[i] for cell in top] for i in range(deep)), *(list(row) for row in rows)]
+    widths = [max(len(row[i]) for row in cells) for i in range(len(heads))]
+    return [
+        (
+            indent
+            + "  ".join(
+                cell.rjust(width) if i else cell.ljust(width)
+                for i, (cell, width) in enumerate(zip(row, widths, strict=True))
+            )
+        ).rstrip()
+        for row in cells
+    ]
