@@ -61,8 +61,8 @@ def test_a_percentile_tells_how_many_ticks_it_rests_on() -> None:
 
 
 def test_batches_are_many_long_and_their_least_is_not_above_the_median(figures: Figures) -> None:
-    tick = figures.hot_tick
-    batches = [tick.whole, tick.boat, tick.csv_row, tick.console_line]
+    tick = figures.attended
+    batches = [tick.boat, tick.bare, tick.csv_row, tick.recorded, tick.subscribed]
     batches += [b for update in figures.updates for b in (update.called, update.in_kernel)]
 
     for batch in batches:
@@ -191,7 +191,7 @@ def test_json_is_one_object_whose_keys_carry_the_units(
     bare = {
         n
         for n in units(tree)
-        if not n.endswith(("_s", "_ns", "_percent", "_than_1969", "_the_calm"))
+        if not n.endswith(("_s", "_ns", "_percent", "_than_1969", "_the_calm", "_the_bare"))
     }
     assert not bare
     assert set(asdict(Spread(1, 2, 3, 4))) == set(tree["real_time"][0]["work"])

@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Callable
+from pathlib import Path
 
 import pytest
 from hypothesis import given
@@ -9,7 +10,7 @@ from hypothesis import strategies as st
 
 from trainer import casualty
 from trainer.boat import PLACES, Boat
-from trainer.channels import CHANNELS, TELETYPE
+from trainer.channels import CHANNELS, TELETYPE, tables
 from trainer.core.state import STATE
 from trainer.display import Display, Sentences, Teletype, Words, panel
 from trainer.frame import Frame, Lookout, Pace, Picture
@@ -437,3 +438,9 @@ def test_names_of_fields_are_plain_words_and_each_is_there_once() -> None:
 def test_the_panels_cover_what_the_observer_sees() -> None:
     assert set(PANELS) <= set(OBSERVER.channels)
     assert set(PANELS) <= set(CHANNELS)
+
+
+def test_the_page_has_the_tables_of_the_channels() -> None:
+    page = (Path(__file__).parents[1] / "docs" / "stations.md").read_text(encoding="utf-8")
+
+    assert tables() in page, f"docs/stations.md lacks this, from trainer/channels.py:\n{tables()}"

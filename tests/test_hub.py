@@ -8,7 +8,7 @@ import threading
 import time
 import tracemalloc
 from collections.abc import Callable, Iterator
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
 
 import pytest
@@ -202,12 +202,12 @@ def test_a_flood_is_held_back_at_its_source_and_nothing_of_it_is_lost() -> None:
 
 def test_a_flood_is_read_no_faster_than_the_pace() -> None:
     with desk() as here, client(here) as (far, line):
-        far.settimeout(0.2)
-        garbage = b"x" * 65536
-        sent, start = 0, time.monotonic()
-        with pytest.raises(TimeoutError):
-            while time.monotonic() < start + PATIENCE:
-                sent += far.send(garbage)
+        far.settimeout(0.0)
+        start = time.monotonic()
+        with suppress(BlockingIOError):
+            while True:
+                far.send(b"x" * 65536)
+        assert here.wait(lambda: line._read_until > start + connection.BURST / connection.PACE)  # noqa: SLF001
 
         due = line._read_until - start  # noqa: SLF001  what was read, in seconds at the pace
         assert (
@@ -359,7 +359,8 @@ def test_a_closed_hub_has_sent_everything_and_leaves_no_thread_and_no_descriptor
     tmp_path: Path,
 ) -> None:
     def descriptors() -> int:
-        return len(os.listdir("/proc/self/fd")) if Path("/proc/self/fd").exists() else 0
+        own = Path("/proc/self/fd")
+        return len(list(own.iterdir())) if own.exists() else 0
 
     before, threads = descriptors(), set(threading.enumerate())
     here = Desk()
@@ -490,8 +491,8 @@ def test_a_system_without_local_sockets_says_so(
 ) -> None:
     monkeypatch.delattr(socket, "AF_UNIX", raising=False)
 
-    with desk() as here, pytest.raises(LinkError, match=r"no local sockets; listen at 127.0.0.1"):
-        here.hub.listen_here(tmp_path / "session")
+    with pytest.raises(LinkError, match=r"no local sockets; listen at 127.0.0.1"):
+        listening.listen_here(tmp_path / "session")
     with pytest.raises(LinkError, match=r"no local sockets; say tcp://HOST:PORT"):
         dial(f"local:{tmp_path}", threading.Event())
 
@@ -598,7 +599,7 @@ def test_a_serial_line_is_a_line_whose_losses_are_counted() -> None:
         os.close(near)  # unplugged
         line.send("lost")
         line.send("lost")
-        assert here.wait(lambda: line.dropped == 2 or line.send("lost"))
+        assert here.wait(lambda: line.dropped == 2)
         assert not line.ended
         line.close(1.0)
         assert line.ended

@@ -102,6 +102,7 @@ def drill(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> dict[str, Any]:
 def test_what_is_read_is_remembered_under_a_key_that_no_machine_s_paths_are_in(
     drill: dict[str, Any],
 ) -> None:
+    plan_run(drill)  # what has been read before is read again
     with remembering() as texts:
         plan_run(drill)
 
@@ -192,7 +193,7 @@ def test_a_header_gives_back_the_very_same_plan(options: dict[str, Any]) -> None
 def test_a_plan_is_made_again_with_none_of_its_files_left(
     drill: dict[str, Any], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    plan, _, header = recorded_run(drill)
+    plan, _, header = recorded_run(drill | {"seed": 5, "given": frozenset({"seed"})})
     for path in tmp_path.iterdir():
         path.unlink()
     monkeypatch.setattr(config, "_text_on_disk", lambda path: pytest.fail(f"{path} was read"))
@@ -200,7 +201,7 @@ def test_a_plan_is_made_again_with_none_of_its_files_left(
     again = plan_of(header)
 
     assert again == plan
-    assert (again.seed, again.duration, again.title) == (41, 600.0, "A drill of one's own")
+    assert (again.seed, again.duration, again.title) == (5, 600.0, "A drill of one's own")
     assert [entry.order.text for entry in again.schedule][:2] == [
         "depth 80 m",
         "rudder right 10",

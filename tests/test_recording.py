@@ -93,7 +93,7 @@ def check_filled(recording: Recording) -> None:
 
 
 @pytest.mark.parametrize("temporary", [False, True])
-def test_all_that_was_recorded_is_read_back(path: Path, temporary: bool) -> None:
+def test_all_that_was_recorded_is_read_back(path: Path, temporary: object) -> None:
     with closing(begin(None if temporary else path)) as recording:
         fill(recording)
         check_filled(recording)  # what still waits is read as well
@@ -346,17 +346,18 @@ for kill in range(int(sys.argv[2])):
     if not child:
         fly(path, told)
     os.close(told)
-    time.sleep(dice.uniform(0.0, 0.12))
+    begun = os.read(heard, 1) if kill % 2 else b""  # or killed while the file is made
+    time.sleep(dice.uniform(0.0, 0.1))
     os.kill(child, signal.SIGKILL)
     os.waitpid(child, 0)
     with os.fdopen(heard) as lines:
-        numbers = [int(line) for line in lines if line.endswith("\\n")]
-    print(json.dumps([path.name, len(numbers)]), flush=True)
+        told = (begun.decode() + lines.read()).count("\\n")
+    print(json.dumps([path.name, told]), flush=True)
 """
 
 
-def survives(path: Path, told: int) -> int:
-    """Return the ticks of a recording whose program was killed, and go on with it."""
+def survives(path: Path, told: int) -> None:
+    """Go on with a recording whose program was killed after it had told of so many orders."""
     with closing(Recording.reopen(path)) as recording:
         orders = recording.orders(recording.branch)
         latest = recording.latest()
@@ -370,7 +371,6 @@ def survives(path: Path, told: int) -> int:
             assert int(flown.state[:6].ljust(6, b"0")) == flown.tick
         assert recording.order(latest.tick, "instructor", "go on") == len(written) + 1
     assert whole(path)
-    return latest.tick
 
 
 def kill_often(folder: Path, kills: int) -> None:
@@ -379,7 +379,7 @@ def kill_often(folder: Path, kills: int) -> None:
     found = [json.loads(line) for line in ran.stdout.splitlines()]
     assert len(found) == kills
 
-    ticks = []
+    begun = 0
     for name, told in found:
         path = folder / name
         if not path.exists():
@@ -387,9 +387,9 @@ def kill_often(folder: Path, kills: int) -> None:
             continue
         with closing(Recording.look(path)) as recording:
             assert recording.header() == {"vessel": "v" * 20_000}
-        ticks.append(survives(path, told))
-    assert len(ticks) > kills / 3, "killed before it had begun"
-    assert max(ticks) > 500, "killed before it had gone far"
+        survives(path, told)
+        begun += told > 0
+    assert begun >= kills // 2
 
 
 @posix
@@ -430,13 +430,13 @@ def test_a_reader_sees_what_is_committed_and_holds_nobody_up(path: Path) -> None
             recording.state(tick, state_of(tick))
         recording.flush()
         reading = reader.states(1)  # in the midst of it while writing goes on
-        assert next(reading) == (0, state_of(0))
+        assert [next(reading)[0], next(reading)[0]] == [0, 1]
         for tick in range(100, 2000):
             recording.state(tick, state_of(tick))
         recording.order(1999, "helm", "ahead full")
 
         assert recording.trouble == ""
-        assert sum(1 for _ in reading) == 99  # as it was when the reading began
+        assert sum(1 for _ in reading) == 98  # as it was when the reading began
         assert reader.latest().tick == 1999
 
 
@@ -489,10 +489,10 @@ def test_what_is_written_ahead_is_brought_home_while_writing_goes_on(
 
 @pytest.fixture
 def small_disk() -> Iterator[None]:
-    """Let no file grow beyond 300,000 bytes."""
+    """Let no file grow beyond a million bytes."""
     resource = pytest.importorskip("resource")
     before = resource.getrlimit(resource.RLIMIT_FSIZE)
-    resource.setrlimit(resource.RLIMIT_FSIZE, (300_000, before[1]))
+    resource.setrlimit(resource.RLIMIT_FSIZE, (1_000_000, before[1]))
     yield
     resource.setrlimit(resource.RLIMIT_FSIZE, before)
 
@@ -539,8 +539,8 @@ def test_a_full_disk_is_told_and_what_is_written_is_whole(
 @posix
 def test_a_recording_for_which_there_is_no_room_is_not_begun(path: Path, small_disk: None) -> None:
     assert small_disk is None
-    with pytest.raises(RecordingError, match="cannot be made: disk I/O error|full"):
-        Recording.create(path, {"vessel": "v" * 400_000}, b"")
+    with pytest.raises(RecordingError, match=r"cannot be made: .*(disk I/O error|full)"):
+        Recording.create(path, {"vessel": "v" * 2_000_000}, b"")
     assert files(path) == set()
 
 
@@ -572,7 +572,7 @@ STRANGERS: dict[str, tuple[Callable[[Path], object], str]] = {
     "text": (lambda path: path.write_text("depth 80\n" * 500), "is not a recording: file is not a"),
     "database": (foreign, "is not a recording: it is another program's database"),
     "newer": (newer, rf"of format {FORMAT + 1}, and this trainer knows format {FORMAT}; use"),
-    "truncated": (truncated, "cannot be read: database disk image is malformed"),
+    "truncated": (truncated, r"is damaged: .*malformed.*\.recover"),
 }
 
 
@@ -754,18 +754,22 @@ def test_parquet_without_pyarrow_says_how_to_get_it(
 ) -> None:
     monkeypatch.setitem(sys.modules, "pyarrow", None)
     monkeypatch.setitem(sys.modules, "pyarrow.parquet", None)
-    with closing(begin(None)) as recording:
-        with pytest.raises(RecordingError, match=r"pip install 'submarine-trainer\[parquet\]'"):
-            export_parquet(recording, LAYOUT, tmp_path / "out.parquet")
+    with (
+        closing(begin(None)) as recording,
+        pytest.raises(RecordingError, match=r"pip install 'submarine-trainer\[parquet\]'"),
+    ):
+        export_parquet(recording, LAYOUT, tmp_path / "out.parquet")
     assert list(tmp_path.iterdir()) == []
 
 
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="no /dev/full here")
 def test_an_export_to_a_full_disk_says_so(tmp_path: Path) -> None:
     (tmp_path / "out.csv").symlink_to("/dev/full")
-    with closing(begin(None)) as recording:
-        with pytest.raises(RecordingError, match=r"out.csv cannot be written whole: No space left"):
-            export_csv(recording, LAYOUT, tmp_path / "out.csv")
+    with (
+        closing(begin(None)) as recording,
+        pytest.raises(RecordingError, match=r"out.csv cannot be written whole: No space left"),
+    ):
+        export_csv(recording, LAYOUT, tmp_path / "out.csv")
 
 
 @posix
@@ -781,13 +785,15 @@ def test_a_pipe_takes_the_states_alone(tmp_path: Path) -> None:
 
 
 def test_an_export_of_a_branch_that_is_not_there_says_which_are(tmp_path: Path) -> None:
-    with closing(begin(None)) as recording:
-        with pytest.raises(RecordingError, match="has no branch 9; the latest is 1"):
-            export_csv(recording, LAYOUT, tmp_path / "out.csv", branch=9)
+    with (
+        closing(begin(None)) as recording,
+        pytest.raises(RecordingError, match="has no branch 9; the latest is 1"),
+    ):
+        export_csv(recording, LAYOUT, tmp_path / "out.csv", branch=9)
 
 
-def test_random_files_are_refused_without_a_traceback(path: Path) -> None:
-    dice = random.Random(1)
+def test_spoilt_files_are_refused_without_a_traceback(path: Path) -> None:
+    dice = random.Random(1)  # noqa: S311
     begin(path).close()
     good = path.read_bytes()
     for _ in range(40):

@@ -1,11 +1,24 @@
 """Who may order what, and who sees and hears what."""
 
+from pathlib import Path
+
 import pytest
 
 from trainer.channels import CHANNELS, TELETYPE
 from trainer.io.order_table import FORMS, heading_word
 from trainer.io.orders import Order, parse
-from trainer.roles import COMMON, CONTROLS, KINDS, ROLES, STRANGER, blind, hears, refusal
+from trainer.roles import (
+    COMMON,
+    CONTROLS,
+    KINDS,
+    ROLES,
+    STRANGER,
+    blind,
+    event_table,
+    hears,
+    refusal,
+    role_table,
+)
 
 GRAMMAR = sorted({form.name or heading_word(form) for form in FORMS if not form.refusal})
 SHIP = {"stern", "bow", "planes", "depth", "periscope"}
@@ -116,3 +129,10 @@ def test_orders_given_are_told_to_those_who_watch_and_not_to_the_other_stations(
 @pytest.mark.parametrize("kind", ["time", "moment", "station"])
 def test_everybody_hears_when_time_stands_or_goes_back_and_who_comes_and_goes(kind: str) -> None:
     assert all(hears(role, kind) for role in ROLES.values())
+
+
+def test_the_page_has_the_tables_of_roles_and_of_events() -> None:
+    page = (Path(__file__).parents[1] / "docs" / "stations.md").read_text(encoding="utf-8")
+
+    for table in (role_table(), event_table()):
+        assert table in page, f"docs/stations.md lacks this, from trainer/roles.py:\n{table}"

@@ -94,7 +94,7 @@ def test_a_pipe_steers_the_boat_and_its_end_does_not_end_the_run(
 
     assert ran.code == 0
     assert "keeping depth 80 m" in ran.out
-    assert len(ran.shown) == 240
+    assert len(ran.shown) == 1 + 240  # the start and every tick
     assert ran.shown[-1].startswith("00:02:00")
     assert float(ran.shown[-1][9:15]) > 75.0
     assert list(tmp_path.iterdir()) == []
@@ -103,7 +103,7 @@ def test_a_pipe_steers_the_boat_and_its_end_does_not_end_the_run(
 def test_orders_wait_for_no_line_end_and_quit_ends_the_run(start: Start) -> None:
     ran = Run(start("run", "--speed", "max"), "freeze\nstep 3\nrudder right 10\nquit")
     assert ran.code == 0
-    assert len(ran.shown) == 3
+    assert len({line[:8] for line in ran.shown}) == 3  # 00:00:00, twice 00:00:01
     assert "rudder right 10, by hand" in ran.out
 
 
@@ -128,7 +128,7 @@ def test_orders_typed_as_garbage_are_answered_and_the_run_goes_on(start: Start) 
     assert "did you mean depth" in ran.out
     assert "longer than 80 characters" in ran.out
     assert "keeping depth 70 m" in ran.out
-    assert len(ran.shown) == 20
+    assert len(ran.shown) == 1 + 20
 
 
 # The recording
@@ -178,7 +178,7 @@ def test_a_full_disk_is_told_and_the_run_still_finishes(start: Start, speed: str
     assert "trainer: /dev/full: No space left on device; 0 rows are whole" in ran.err
     assert ran.out.count("NOT RECORDED: /dev/full") == (speed == "100")  # at once, not at the end
     assert "in 40 ticks" in ran.err
-    assert len(ran.shown) == 40
+    assert ran.shown[-1].startswith("00:00:20")
 
 
 @posix

@@ -1,14 +1,19 @@
 """A station: what it may do on its line, what is answered there, what is handed on and logged."""
 
+import re
+import threading
 from collections.abc import Callable
+from pathlib import Path
 
 import pytest
 
 from trainer.boat import Boat
 from trainer.door import Door
 from trainer.frame import Lookout, Pace
+from trainer.io.hub import Hub
 from trainer.io.lines import Overlong
-from trainer.io.sentences import order_sentence, read
+from trainer.io.orders import Order
+from trainer.io.sentences import Heard, hear, order_sentence, read
 from trainer.ledger import Ledger
 from trainer.publisher import Promptly, Roster
 from trainer.reply import Refused
@@ -242,6 +247,29 @@ def test_detach_says_goodbye_and_nothing_after_it_is_heard(post: Callable[..., P
 
     assert helm.said() == ["bye"]
     assert helm.station.leaving == "detached"
+
+
+def test_what_a_portion_leaves_over_is_known_to_wait(post: Callable[..., Post]) -> None:
+    helm = post("helm")
+    helm.line.waiting += ["rudder left 5"] * 9
+
+    waiting = [helm.station.waiting for _ in range(3) if helm.station.take(8) is not None]
+
+    assert waiting == [True, False, False]
+
+
+def test_a_station_that_has_left_logs_nothing_when_its_line_is_closed(
+    post: Callable[..., Post],
+) -> None:
+    helm = post("helm")
+    helm.type(*["blah"] * 25)
+    helm.station.leave()
+    entries = len(helm.log)
+
+    helm.station.close(0.0)
+
+    assert entries == 21
+    assert len(helm.log) == entries
 
 
 # Roles and tokens
@@ -523,3 +551,60 @@ def test_who_tells_of_a_line_what_it_did_and_lost(post: Callable[..., Post]) -> 
         "helm at tcp 127.0.0.1:4711: 1 orders, 1 refused, 1 bad lines, 12 lines lost; "
         "input/output error"
     )
+
+
+# The page
+
+
+def page() -> str:
+    return (Path(__file__).parents[1] / "docs" / "stations.md").read_text(encoding="utf-8")
+
+
+def test_every_sentence_on_the_page_has_its_checksum_and_is_one() -> None:
+    lines = re.findall(r"^\$TR.*$", page(), re.MULTILINE)
+
+    assert len(lines) > 10
+    for line in lines:
+        found = hear(line) if line.startswith("$TRO") else read(line)
+        assert found, line
+        assert not isinstance(found, Heard) or isinstance(found.order, Order), line
+
+
+def test_the_client_on_the_page_takes_the_helm_and_shows_the_rudder(boat: Boat) -> None:
+    (client,) = re.findall(r"```python\n(.*?)```", page(), re.DOTALL)
+    wake, shown = threading.Event(), []
+    hub = Hub(wake)
+    port = hub.listen("127.0.0.1", 0)
+    names = {"print": lambda *values: shown.append(values)}
+    source = client.replace("17800", str(port))
+    program = threading.Thread(target=exec, args=(source, names), daemon=True)
+    program.start()
+
+    obeyed = tend(hub, wake, boat, program)
+
+    assert [order.text for order in obeyed] == ["rudder left 10"]
+    seconds, steering = shown[0]
+    assert float(seconds) >= 0.0
+    assert steering["rudder_mode"] in {"hand", "auto"}
+    assert next(iter(steering)) == "heading"
+
+
+def tend(hub: Hub, wake: threading.Event, boat: Boat, program: threading.Thread) -> list[Order]:
+    """Be a session until its client has given an order and gone; return its orders."""
+    sending = Promptly(Roster(Lookout(boat, Ledger(0.5).summary)))
+    sending.offer(0, boat.records.state.tobytes(), Pace())
+    obeyed: list[Order] = []
+    stations: list[Station] = []
+    while not obeyed:
+        assert wake.wait(10.0)
+        wake.clear()
+        stations += [Station(line, Door(), sending, print) for line in hub.newcomers()]
+        for asked in [asked for station in stations for asked in station.take(MANY)]:
+            asked.station.answer(asked, "done")
+            obeyed.append(asked.order)
+    for station in stations:
+        station.close(1.0)
+    hub.close(1.0)
+    program.join(10.0)
+    assert not program.is_alive()
+    return obeyed

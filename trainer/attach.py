@@ -1,36 +1,75 @@
 """A teletype on a session: what is typed goes to it, what it says is printed."""
 
+import os
+import signal
 import threading
-from collections.abc import Iterable
+from typing import Final
 
+import click
+
+from trainer import places
+from trainer.config import ConfigError
+from trainer.io.dial import dial
 from trainer.io.line import Line
 from trainer.io.lines import Overlong
-from trainer.io.outbox import Inbox, Outbox, Sender, reader, writer
+from trainer.io.outbox import Inbox, Outbox, reader, writer
+from trainer.io.serial_line import LinkError
 
-PATIENCE = 0.5  # [s] for what is still to be printed at the end
+OVER: Final = "the session is over"  # its last words
+BYE: Final = "bye"  # its last words to one that detaches
+PATIENCE: Final = 2.0  # [s] for what is still to be said at the end
 
 
-def attach(
-    line: Line, first: Iterable[str], inbox: Inbox, out: Sender, wake: threading.Event
-) -> str:
-    """Say ``first``, then carry lines both ways until the session closes; return why it did.
-
-    The end of the input leaves the teletype listening; "detach" and Ctrl-C leave the session.
-    """
+def attach_to(url: str | None, role: str, token: str | None) -> int:
+    """Be a teletype of that role until the session or the user ends it; return the exit code."""
+    wake = threading.Event()
+    try:
+        line = dial(url or nearest_session(), wake)
+    except LinkError as error:
+        raise ConfigError(str(error)) from None
+    first = [f"role {role}{f' {token}' if token else ''}"]
+    if os.isatty(0):
+        first.append("subscribe teletype")
     for words in first:
         line.send(words)
-    while not line.ended:
-        wake.wait()
-        wake.clear()
-        for said in line.take(1000):
-            if not isinstance(said, Overlong):
-                out.send(said)
-        for typed in inbox.take():
-            if not isinstance(typed, Overlong):
-                line.send(typed)
-    return line.trouble
+    inbox, out = Inbox(reader(0), wake), Outbox(writer(1), line_end=b"\n")
+    last = carry(line, inbox, out, wake)
+    line.close(PATIENCE)
+    out.close(PATIENCE)
+    if last in (OVER, BYE):
+        return 0
+    click.echo(f"trainer: {line.name}: the session is gone: {line.trouble or 'closed'}", err=True)
+    return 1
 
 
-def terminal(wake: threading.Event) -> tuple[Inbox, Outbox]:
-    """Return the terminal's two sides."""
-    return Inbox(reader(0), wake), Outbox(writer(1), line_end=b"\n")
+def nearest_session() -> str:
+    """Return where this machine's session listens, by its local socket if there is one."""
+    path = places.socket_path()
+    return str(path) if path.exists() else f"tcp://{places.HOST}:{places.PORT}"
+
+
+def carry(line: Line, inbox: Inbox, out: Outbox, wake: threading.Event) -> str:
+    """Carry lines both ways until the session closes; return the last that it said.
+
+    Ctrl-C, and the end of an input that nobody types, leave the session.
+    """
+    last = ""
+    left = False
+    kept = signal.signal(signal.SIGINT, lambda *_: line.send("detach"))
+    try:
+        while not line.ended:
+            wake.wait()
+            wake.clear()
+            for typed in inbox.take():
+                if not isinstance(typed, Overlong):
+                    line.send(typed)
+            if inbox.ended and not inbox.waiting and not left and not os.isatty(0):
+                left = True
+                line.send("detach")
+            for said in line.take(1000):
+                if not isinstance(said, Overlong):
+                    out.send(said)
+                    last = said
+    finally:
+        signal.signal(signal.SIGINT, kept)
+    return last

@@ -9,7 +9,7 @@ import click
 
 from trainer import __version__
 from trainer.arguments import Commands
-from trainer.commands import listing, running, vessels
+from trainer.commands import attending, listing, records, running, vessels
 from trainer.config import ConfigError
 
 LIBRARIES = ("numpy", "numba", "pyserial", "click")
@@ -50,6 +50,12 @@ def cli() -> None:
 
 for command in (
     running.run,
+    running.serve,
+    attending.attach,
+    attending.station,
+    running.resume,
+    records.replay,
+    records.export,
     listing.exercises,
     listing.casualties,
     vessels.evaluate,

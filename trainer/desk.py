@@ -11,6 +11,8 @@ from trainer.io.recording import Moment
 from trainer.reply import Refused, Reply
 from trainer.timekeeping import Timekeeping
 
+Duty = Callable[[Order, str], Reply]  # takes who orders it
+
 
 @dataclass
 class Desk:
@@ -25,7 +27,7 @@ class Desk:
 
     def obey(self, order: Order, who: str) -> Reply:
         """Carry out an order; return what now holds, or why it was refused."""
-        duties: dict[str, Callable[[Order, str], Reply]] = {
+        duties: dict[str, Duty] = {
             "freeze": self._freeze,
             "run": self._run,
             "step": self._step,

@@ -32,6 +32,25 @@ class Picture(NamedTuple):
     pace: Pace
 
 
+class Fittings(NamedTuple):
+    """What tanks, banks and weight are measured by: the vessel's constants as plain numbers."""
+
+    capacity: tuple[float, ...]  # [kg] by tank
+    bank_volume: tuple[float, ...]  # [m3]
+    bank_full: tuple[float, ...]  # [kg]
+    gas: float  # [J/kg]
+    buoyancy: float  # [N]
+    g: float  # [m/s2]
+
+    @classmethod
+    def of(cls, boat: Boat) -> "Fittings":
+        """Return those of a boat; a field of her record takes microseconds to reach."""
+        return cls(
+            *(tuple(boat.vessel[name].tolist()) for name in cls._fields[:3]),
+            *(float(boat.vessel[name]) for name in cls._fields[3:]),
+        )
+
+
 @dataclass(frozen=True, eq=False)
 class Frame:
     """One tick: ``frame[name]`` is a place of the state [SI], by its name in the core.
@@ -40,6 +59,7 @@ class Frame:
     """
 
     boat: Boat
+    fittings: Fittings
     numbers: list[float]
     readings: Readings
     pace: Pace
@@ -82,6 +102,7 @@ class Lookout:
     def __init__(self, boat: Boat, summary: Callable[[], Summary]) -> None:
         """Look at ``boat``; ``summary`` is that of the session's ledger, asked for when shown."""
         self._boat = boat
+        self._fittings = Fittings.of(boat)
         self._summary = summary
         self._state, self._scratch = new_state(), new_scratch()
 
@@ -93,4 +114,5 @@ class Lookout:
         self._state["whole"][0] = whole
         instruments(self._state, self._scratch)
         readings = Readings(*self._scratch["reading"][0].tolist())
-        return Frame(self._boat, whole.tolist(), readings, picture.pace, self._summary)
+        numbers = whole.tolist()
+        return Frame(self._boat, self._fittings, numbers, readings, picture.pace, self._summary)

@@ -94,10 +94,10 @@ def tank_fields(place: int, tank: str) -> tuple[Field, ...]:
     name = tank.replace("compartment_", "flood_")
 
     def water(frame: Frame) -> float | None:
-        return frame.at("water", place) / TONNE if frame.boat.vessel.capacity[place] else None
+        return frame.at("water", place) / TONNE if frame.fittings.capacity[place] else None
 
     def share(frame: Frame) -> float | None:
-        whole = float(frame.boat.vessel.capacity[place])
+        whole = frame.fittings.capacity[place]
         return 100.0 * frame.at("water", place) / whole if whole else None
 
     mass = Field(name, "t", 1, water)
@@ -111,11 +111,10 @@ def bank_fields(place: int, bank: str) -> tuple[Field, ...]:
         return frame[f"bank_{bank}"] * unit / whole if whole else None
 
     def pressure(frame: Frame) -> float | None:
-        c = frame.boat.vessel
-        return share(frame, float(c.bank_volume[place]), float(c.gas) / 1e6)
+        return share(frame, frame.fittings.bank_volume[place], frame.fittings.gas / 1e6)
 
     def full(frame: Frame) -> float | None:
-        return share(frame, float(frame.boat.vessel.bank_full[place]), 100.0)
+        return share(frame, frame.fittings.bank_full[place], 100.0)
 
     return Field(bank, "MPa", 1, pressure), Field(f"{bank}_full", "%", 1, full)
 

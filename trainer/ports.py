@@ -5,8 +5,9 @@ import ipaddress
 import math
 import os
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Any, Final
 
 import click
@@ -31,6 +32,7 @@ class Lobby:
 
     hub: Hub
     admit: Callable[[Line], Station]
+    awaited: bool  # a run that nobody attends to goes on for whoever may come
 
     def newcomers(self) -> list[Station]:
         """Return those that have come since the last call."""
@@ -70,25 +72,29 @@ class Ports:
 
     def lobby(self, options: dict[str, Any]) -> Lobby | None:
         """Return where lines come in at the sockets asked for, None for none; ConfigError."""
-        address, path = options["listen"], options["socket"]
-        if address is None and path is None:
-            return None
+        address, path = wanted(options["listen"]), wanted(options["socket"])
         token = options["token"] or ""
+        if address is not None:
+            host, port = parse_address(address)
+            refuse_open_door(host, token)
+        at_home = path is None and options["socket"] is None and joinable(options)
+        if address is None and path is None and not at_home:
+            return None
         hub = Hub(self.wake)
         self.stack.callback(hub.close, PATIENCE)
-        try:
-            if address is not None:
-                host, port = parse_address(address)
-                refuse_open_door(host, token)
-                told = hub.listen(host, port)
-                click.echo(f"listening at {host}:{told}", err=True)
-            if path is not None:
-                path.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
-                hub.listen_here(path)
-                click.echo(f"listening at {path}", err=True)
-        except (LinkError, OSError) as error:
-            raise ConfigError(f"{'--listen' if address else '--socket'} {error}") from None
-        return Lobby(hub, lambda line: self._station(line, Door(token=token)))
+        if address is not None:
+            with refusing("--listen"):
+                click.echo(f"listening at tcp://{host}:{hub.listen(host, port)}", err=True)
+        if path is not None:
+            with refusing("--socket"):
+                listen_here(hub, Path(path))
+        if at_home:
+            try:
+                listen_here(hub, places.socket_path())
+            except (LinkError, OSError) as error:
+                click.echo(f"trainer: stations cannot join by themselves: {error}", err=True)
+        asked = address is not None or path is not None
+        return Lobby(hub, lambda line: self._station(line, Door(token=token)), asked)
 
     def _serial(self, option: str, url: str, baud: int) -> Joined:
         try:
@@ -134,6 +140,33 @@ def refuse_open_door(host: str, token: str) -> None:
     raise ConfigError(f"--listen {host}: beyond this machine only with --token WORD")
 
 
+def wanted(text: str | None) -> str | None:
+    """Return an address or path, None for none."""
+    return None if text in (None, "none") else text
+
+
+@contextlib.contextmanager
+def refusing(option: str) -> Iterator[None]:
+    """Raise ConfigError naming the option for what cannot be opened inside the block."""
+    try:
+        yield
+    except (LinkError, OSError) as error:
+        raise ConfigError(f"{option} {error}") from None
+
+
+def listen_here(hub: Hub, path: Path) -> None:
+    """Listen at a local socket, in a folder of this user's own."""
+    path.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
+    hub.listen_here(path)
+    click.echo(f"listening at {path}", err=True)
+
+
+def joinable(options: dict[str, Any]) -> bool:
+    """Return whether stations may join without having been asked for: where time is kept."""
+    return math.isfinite(options["speed"]) and not (options["headless"] and not options["serve"])
+
+
 def unhurried(options: dict[str, Any]) -> bool:
     """Return whether the run keeps no time and nobody can join it."""
-    return math.isinf(options["speed"]) and options["listen"] is None and options["socket"] is None
+    sockets = wanted(options["listen"]), wanted(options["socket"])
+    return math.isinf(options["speed"]) and sockets == (None, None)

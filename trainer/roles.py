@@ -132,16 +132,20 @@ def hears(role: Role, kind: str) -> bool:
     return role is INSTRUCTOR or kind in role.events
 
 
-def tables() -> str:
-    """Return the Markdown tables of roles and of events, as docs/stations.md shows them."""
+def role_table() -> str:
+    """Return the Markdown table of the roles, as docs/stations.md shows it."""
     lines = ["| role | orders | sees |", "|---|---|---|"]
     for role in ROLES.values():
         own = sorted(role.commands - COMMON)
         orders = "all" if role is INSTRUCTOR else ", ".join(f"`{name}`" for name in own) or "none"
         lines.append(f"| {role.name} | {orders} | {', '.join(role.channels)} |")
     common = ", ".join(f"`{name}`" for name in sorted(COMMON))
-    lines += ["", f"Every line may say {common}.", ""]
-    lines += ["| kind | is | heard by the instructor and |", "|---|---|---|"]
+    return "\n".join([*lines, "", f"Every line may say {common}."]) + "\n"
+
+
+def event_table() -> str:
+    """Return the Markdown table of what happens and who hears of it, as docs/stations.md does."""
+    lines = ["| kind | is | heard by the instructor and |", "|---|---|---|"]
     for kind, (says, roles) in KINDS.items():
         heard = "everybody" if roles == EVERYBODY else ", ".join(roles) or "nobody else"
         lines.append(f"| `{kind}` | {says} | {heard} |")

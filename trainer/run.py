@@ -35,6 +35,7 @@ from trainer.session import Closed, Session
 from trainer.timekeeping import Timekeeping
 from trainer.watch import Watch
 
+OVER = "the session is over"
 BATCH = 200  # [rows] of a CSV file written at once by a run that keeps no time
 
 
@@ -56,7 +57,7 @@ def run_boat(options: dict[str, Any]) -> int:
     kept = recording_path(plan, options)
     state = boat.records.state.tobytes()
     recording: Recording | NoRecording = NoRecording()
-    if kept is not None or not options["headless"]:
+    if kept is not None or options["serve"] or not options["headless"]:
         try:
             recording = Recording.create(kept, header_of(options, texts, boat), state)
         except RecordingError as error:
@@ -78,7 +79,8 @@ def recording_path(plan: Plan, options: dict[str, Any]) -> Path | None:
     """Return where the run is recorded: where told, by default if somebody is there to train."""
     if options["record"] is not None or options["no_record"]:
         return None if options["no_record"] else Path(options["record"])
-    if options["headless"] or math.isinf(options["speed"]):
+    alone = options["headless"] and not options["serve"]
+    if alone or math.isinf(options["speed"]):
         return None
     return places.recording_path(options["exercise"] or plan.file.path.stem)
 
@@ -95,9 +97,7 @@ def fly(voyage: Voyage, options: dict[str, Any]) -> int:
     roster = Roster(Lookout(boat, time.ledger.summary))
     sending = Promptly(roster) if unhurried(options) else Publisher(roster)
     wake = threading.Event()
-    with contextlib.ExitStack() as stack:
-        stack.callback(history.recording.close)
-        stack.callback(recorder.close)
+    with contextlib.closing(history.recording), contextlib.ExitStack() as stack:
         session = Session(
             boat,
             time,
@@ -119,15 +119,16 @@ def fly(voyage: Voyage, options: dict[str, Any]) -> int:
         with interrupts(session), np.errstate(all="ignore"):
             session.run(frozen=options["frozen"])
         wall = (time.clock.now() - started) / SECOND
+        session.tell("time", OVER)
         sending.close(PATIENCE)
         for station in session.stations:
             station.close(PATIENCE)
+        recorder.close()
         return account(session, wall, voyage.kept, aside=not options["headless"])
 
 
 def open_ports(ports: Ports, session: Session, options: dict[str, Any]) -> None:
     """Open what the command line asks for, and greet whoever is there."""
-    session.reception = ports.lobby(options) or Closed()
     baud = options["baud"]
     session.stations += [ports.panel(given, baud) for given in options["lines"]]
     if options["url"] is not None:
@@ -135,6 +136,7 @@ def open_ports(ports: Ports, session: Session, options: dict[str, Any]) -> None:
     elif not options["headless"]:
         quick = unhurried(options)
         session.stations.append(ports.terminal(unhurried=quick))
+    session.reception = ports.lobby(options) or Closed()
     for station in session.stations:
         session.greet(station)
 

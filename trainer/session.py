@@ -42,7 +42,12 @@ class Columns(Protocol):
 
 
 class Reception(Protocol):
-    """Where stations come in by themselves, and are seen out."""
+    """Where stations come in by themselves."""
+
+    @property
+    def awaited(self) -> bool:
+        """Return whether a run that nobody attends to goes on for whoever may come."""
+        ...
 
     def newcomers(self) -> list[Station]:
         """Return those that have come since the last call."""
@@ -51,6 +56,8 @@ class Reception(Protocol):
 
 class Closed:
     """Nobody comes in by himself."""
+
+    awaited = False
 
     def newcomers(self) -> list[Station]:
         """Return nobody."""
@@ -147,8 +154,8 @@ class Session:
 
     def _see_out(self, station: Station) -> None:
         """Let a line go: it is closed by a thread of its own, since that may wait."""
-        if isinstance(self.reception, Closed):
-            return  # the lines of a run that nobody can join are there to the end
+        if not station.visits:
+            return  # a line that the run was begun with is there to its end
         self.stations.remove(station)
         self.tell("station", f"{station.account()}: {station.leaving or 'gone'}")
         threading.Thread(target=station.close, args=(PATIENCE,), daemon=True).start()
@@ -161,7 +168,7 @@ class Session:
 
     def _deserted(self) -> bool:
         """Return whether time stands still and nobody can let it go on."""
-        if not self.time.frozen or not isinstance(self.reception, Closed):
+        if not self.time.frozen or self.reception.awaited:
             return False
         silent = all(station.line.ended for station in self.stations)
         self.listen()  # what came before the silence

@@ -80,6 +80,11 @@ class Station:
         self._machine = False  # a program spoke last
 
     @property
+    def visits(self) -> bool:
+        """Return whether the line came by itself, and may go."""
+        return self._door.role is None
+
+    @property
     def who(self) -> str:
         """Return who gives an order here, for the record."""
         return f"{self.role.name} at {self.line.name}"
@@ -118,10 +123,14 @@ class Station:
         """Have the teletype line sent at every tick, as a line for people begins."""
         self.wishes.begin(TELETYPE, 0.0, self.role, machine=False)
 
-    def close(self, patience: float) -> None:
-        """Send nothing more that is subscribed, and close the line."""
+    def leave(self) -> None:
+        """Have nothing more sent, and log how many bad lines were not written one by one."""
         self._noise.close()
         self.wishes.end(*self.wishes.channels)
+
+    def close(self, patience: float) -> None:
+        """Leave, and close the line; after ``leave`` any thread may do it, since it may wait."""
+        self.leave()
         self.line.close(patience)
 
     def _hear(self, line: str | Overlong) -> list[Asked]:

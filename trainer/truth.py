@@ -19,8 +19,7 @@ def unless(held: str, rate: str) -> Callable[[Frame], Value]:
 
 def heavy(frame: Frame) -> Value:
     """Return how much heavier [t] than her displacement she is."""
-    c = frame.boat.vessel
-    return (frame["weight"] - float(c.buoyancy)) / float(c.g) / TONNE
+    return (frame["weight"] - frame.fittings.buoyancy) / frame.fittings.g / TONNE
 
 
 def sea_fields(block: str, before: str) -> tuple[Field, ...]:

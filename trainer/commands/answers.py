@@ -1,12 +1,25 @@
 """How the engineer's programs answer: a page, JSON, a plot."""
 
+import math
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any, Final
 
 import click
 
-AHEAD: Final = click.FloatRange(0.0, 60.0, min_open=True)  # [kn]
+
+class Number(click.FloatRange):
+    """A number within limits; "nan", which passes any comparison, is none."""
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        """Return the number."""
+        number = super().convert(value, param, ctx)
+        if math.isnan(number):
+            self.fail(f"{value!r} is not a number", param, ctx)
+        return number
+
+
+AHEAD: Final = Number(0.0, 60.0, min_open=True)  # [kn]
 OUTPUTS: Final = [
     click.option("--json", "as_json", is_flag=True, help="Print the figures as JSON."),
     click.option(

@@ -1,16 +1,33 @@
-"""Options that several commands share."""
+"""Options that several commands share, by what they are about."""
 
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any, Final
 
 import click
 
+from trainer.arguments import Duration, Speed
 from trainer.places import HOST, PORT
 
 VESSEL_HELP: Final = "bb2, sdv-mk9, remus100, or the path of a vessel file"
 EQUATIONS: Final = ("full", "modified", "basic", "longitudinal")
 
-METHOD = [
+Decorator = Callable[[Any], Any]
+FILE: Final = click.Path(path_type=Path)
+
+
+def together(*options: Decorator) -> Decorator:
+    """Return a decorator that adds options in the order given."""
+
+    def add(command: Any) -> Any:
+        for option in reversed(options):
+            command = option(command)
+        return command
+
+    return add
+
+
+method_options = together(
     click.option(
         "--equations",
         type=click.Choice(EQUATIONS),
@@ -32,42 +49,143 @@ METHOD = [
         show_default=True,
         help="Exact, or the 1969 approximations of the compact sets.",
     ),
-]
+)
 
-
-PORTS = [
+exercise_options = together(
+    click.option("--vessel", default="bb2", show_default=True, help=VESSEL_HELP),
+    method_options,
     click.option(
-        "--line",
-        "lines",
-        multiple=True,
-        metavar="ROLE=URL",
-        help="A station on a serial port or pyserial URL; may be given again.",
-    ),
-    click.option(
-        "--listen",
+        "--sea",
         default=None,
-        metavar="HOST:PORT",
-        help=f"Let stations in by TCP, such as {HOST}:{PORT}.",
+        metavar="NAME|PATH",
+        help="calm, sea-state-1 to sea-state-6, or a file.",
     ),
     click.option(
-        "--socket",
-        type=click.Path(path_type=Path),
-        default=None,
-        help="Let stations in at this local socket.",
+        "--integrator",
+        default="adams2",
+        show_default=True,
+        help="euler, adams2, best2, adams3, rk4, rkv, or a multistep method as 'a=1;b=1.5,-0.5'.",
     ),
-    click.option("--token", default=None, help="Word that stations at sockets have to give."),
-]
+    click.option(
+        "--step",
+        type=float,
+        default=None,
+        help="Step in s. [default: the vessel file's, 0.5 for bb2]",
+    ),
+    click.option("--unsafe-step", is_flag=True, help="Run even where the step is not stable."),
+    click.option(
+        "--seed",
+        type=click.IntRange(0, 2**53 - 1),
+        default=1,
+        show_default=True,
+        help="Of everything random.",
+    ),
+    click.option(
+        "--orders",
+        "orders_file",
+        type=FILE,
+        default=None,
+        help="Scheduled orders, a line each: SECONDS ORDER.",
+    ),
+)
+
+time_options = together(
+    click.option(
+        "--duration",
+        type=Duration(),
+        default=None,
+        help="Simulated time: 120, 10m, 1h. [default: until quit]",
+    ),
+    click.option(
+        "--speed",
+        type=Speed(),
+        default="1",
+        show_default=True,
+        help="Of time: 0.1 to 100, or max.",
+    ),
+    click.option(
+        "--overrun",
+        type=click.Choice(("catch-up", "slip", "freeze")),
+        default="catch-up",
+        show_default=True,
+        help="What happens when a tick ends too late.",
+    ),
+    click.option("--frozen", is_flag=True, help="Start with time frozen, until the order run."),
+    click.option(
+        "--csv",
+        "csv_path",
+        type=FILE,
+        default=None,
+        help="Write the state of each tick to this file.",
+    ),
+)
+
+recording_options = together(
+    click.option(
+        "--record",
+        type=FILE,
+        default=None,
+        help="Keep the whole run in this file. [default: a new one in the recordings' folder, "
+        "unless headless or at --speed max]",
+    ),
+    click.option("--no-record", is_flag=True, help="Keep nothing."),
+)
+
+console_options = together(
+    click.option("--headless", is_flag=True, help="No console; a progress bar and a summary."),
+    click.option(
+        "--serial",
+        "url",
+        default=None,
+        metavar="URL",
+        help="Console on this pyserial port or URL instead of the terminal.",
+    ),
+)
 
 
-def port_options(command: Any) -> Any:
-    """Add the options that say where stations are."""
-    for option in reversed(PORTS):
-        command = option(command)
-    return command
+def port_options(*, listen: str | None, socket: str | None) -> Decorator:
+    """Return the options that say where stations are, with the defaults of two of them."""
+    return together(
+        click.option(
+            "--line",
+            "lines",
+            multiple=True,
+            metavar="ROLE=URL",
+            help="A station on a serial port or pyserial URL; may be given again.",
+        ),
+        click.option(
+            "--baud",
+            type=click.IntRange(50, 4_000_000),
+            default=9600,
+            show_default=True,
+            help="Of the serial ports.",
+        ),
+        click.option(
+            "--listen",
+            default=listen,
+            show_default=listen is not None,
+            metavar="HOST:PORT",
+            help=f"Let stations in by TCP, such as {HOST}:{PORT}, or none.",
+        ),
+        click.option(
+            "--socket",
+            default=socket,
+            show_default=False,
+            metavar="PATH",
+            help="Let stations in at this local socket, or none. [default: this user's]",
+        ),
+        click.option("--token", default=None, help="Word that stations at sockets have to give."),
+    )
 
 
-def method_options(command: Any) -> Any:
-    """Add the options that say how a boat is computed."""
-    for option in reversed(METHOD):
-        command = option(command)
-    return command
+connect_options = together(
+    click.option(
+        "--connect",
+        "url",
+        default=None,
+        metavar="URL",
+        help="tcp://HOST:PORT, the path of a local socket, or a serial line. "
+        "[default: this machine's session]",
+    ),
+    click.option("--token", default=None, help="Word that the session asks for."),
+)

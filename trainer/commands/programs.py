@@ -4,11 +4,11 @@ from typing import Any, Final
 
 import click
 
-from trainer.commands.answers import AHEAD, outputs, show
+from trainer.commands.answers import AHEAD, Number, outputs, show
 from trainer.commands.responses import compare, fit
 
-COMMAND: Final = click.FloatRange(-60.0, 60.0)
-MEAN: Final = click.FloatRange(0.0, 50.0)
+COMMAND: Final = Number(-60.0, 60.0)
+MEAN: Final = Number(0.0, 50.0)
 
 SPEEDS: Final = click.option(
     "--speed",

@@ -6,7 +6,7 @@ from typing import Any, Final
 
 import click
 
-from trainer.commands.answers import AHEAD, outputs, show
+from trainer.commands.answers import AHEAD, Number, outputs, show
 
 RUN: Final = click.Path(path_type=Path)
 
@@ -17,14 +17,14 @@ RUN: Final = click.Path(path_type=Path)
 @click.option("--column", "columns", multiple=True, metavar="NAME", help="[default: u z r, angles]")
 @click.option(
     "--until",
-    type=click.FloatRange(0.0, min_open=True),
+    type=Number(0.0, min_open=True),
     default=120.0,
     show_default=True,
     help="Seconds looked at, from the start.",
 )
 @click.option(
     "--allow",
-    type=click.FloatRange(0.0, 1000.0),
+    type=Number(0.0, 1000.0),
     default=5.0,
     show_default=True,
     help="Percent change of change that passes.",
@@ -54,9 +54,11 @@ def compare(full: Path, other: Path, columns: tuple[str, ...], **options: Any) -
 @click.command()
 @click.argument("run", type=RUN)
 @click.option("--column", default="theta", show_default=True, metavar="NAME", help="What to fit.")
-@click.option("--from", "begin", type=float, default=0.0, show_default=True, help="First second.")
-@click.option("--to", "end", type=float, default=1e9, help="Last second. [default: the run's]")
-@click.option("--about", type=float, default=None, help="Rest value. [default: the first row's]")
+@click.option(
+    "--from", "begin", type=Number(), default=0.0, show_default=True, help="First second."
+)
+@click.option("--to", "end", type=Number(), default=1e9, help="Last second. [default: the run's]")
+@click.option("--about", type=Number(), default=None, help="Rest value. [default: the first row's]")
 @click.option("--vessel", default=None, metavar="VESSEL", help="Start from this boat's roots ...")
 @click.option("--speed", type=AHEAD, default=None, metavar="KN", help="... at this speed.")
 @click.option(

@@ -10,7 +10,7 @@ from pathlib import Path
 
 from trainer.io.serial_line import LinkError
 
-WAITING = 16  # connections that the system keeps until they are taken
+WAITING = 128  # connections that the system keeps until they are taken
 KNOCK = 1.0  # [s]  for a session that listens at a path to answer
 HIGHEST = 65535
 

@@ -9,7 +9,7 @@ import os
 import shutil
 import sqlite3
 import tempfile
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Final
@@ -59,6 +59,25 @@ class RecordingError(Exception):
     """A recording that cannot be made, opened or read; says which, what, and what to do."""
 
 
+@contextlib.contextmanager
+def understanding(name: object) -> Iterator[None]:
+    """Raise RecordingError where SQLite cannot make sense of a file.
+
+    Other errors pass: they are the fault of what is around the file, or ours.
+    """
+    try:
+        yield
+    except (sqlite3.OperationalError, sqlite3.ProgrammingError):
+        raise
+    except (sqlite3.DatabaseError, UnicodeDecodeError) as error:
+        if getattr(error, "sqlite_errorcode", None) == sqlite3.SQLITE_NOTADB:
+            raise RecordingError(f"{name} is not a recording: {error}") from None
+        raise RecordingError(
+            f"{name} is damaged: {error}; SQLite's own program may save a part: "
+            f'sqlite3 "{name}" .recover'
+        ) from None
+
+
 def wall_time() -> str:
     """Return the time of day, UTC, to the millisecond."""
     return datetime.now(UTC).isoformat(timespec="milliseconds")
@@ -101,7 +120,7 @@ def create(path: Path, header: Mapping[str, str], state: bytes) -> sqlite3.Conne
 def reopen(path: Path) -> sqlite3.Connection:
     """Return an existing recording for writing, closed to other writers."""
     _find(path)
-    with contextlib.ExitStack() as unless_good:
+    with contextlib.ExitStack() as unless_good, understanding(path):
         try:
             connection = connect(path, "mode=rw")
             unless_good.callback(connection.close)
@@ -192,13 +211,8 @@ def _find(path: Path) -> None:
 
 def _recognise(connection: sqlite3.Connection, path: Path) -> None:
     """Raise RecordingError unless it is a recording of a format that this program knows."""
-    try:
-        (application,) = connection.execute("PRAGMA application_id").fetchone()
-        (version,) = connection.execute("PRAGMA user_version").fetchone()
-    except sqlite3.OperationalError:
-        raise  # not the file's fault
-    except sqlite3.DatabaseError as error:
-        raise RecordingError(f"{path} is not a recording: {error}") from None
+    (application,) = connection.execute("PRAGMA application_id").fetchone()
+    (version,) = connection.execute("PRAGMA user_version").fetchone()
     if application != APPLICATION:
         raise RecordingError(f"{path} is not a recording: it is another program's database")
     if version != FORMAT:
@@ -210,12 +224,11 @@ def _recognise(connection: sqlite3.Connection, path: Path) -> None:
 
 def _readable(connection: sqlite3.Connection, path: Path) -> sqlite3.Connection:
     """Return the connection, made unable to change what it reads; closed if it is no recording."""
-    try:
+    with contextlib.ExitStack() as unless_good, understanding(path):
+        unless_good.callback(connection.close)
         _recognise(connection, path)
         connection.execute("PRAGMA query_only = ON")
-    except BaseException:
-        connection.close()
-        raise
+        unless_good.pop_all()
     return connection
 
 
@@ -247,13 +260,10 @@ def _copied(path: Path) -> sqlite3.Connection:
         shutil.copyfile(path, copy)
         shutil.copyfile(_beside(path, "-wal"), _beside(copy, "-wal"))
         source = connect(copy, "mode=rw")
-        try:
+        with contextlib.closing(source), contextlib.ExitStack() as unless_good:
+            unless_good.callback(private.close)
             source.backup(private)
-        except BaseException:
-            private.close()
-            raise
-        finally:
-            source.close()
+            unless_good.pop_all()
     return private
 
 

@@ -11,7 +11,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any, Final
 
-from trainer.io.recording_file import RecordingError
+from trainer.io.recording_file import RecordingError, understanding
 
 ENDLESS: Final = 2**62  # beyond any tick or order
 
@@ -95,7 +95,7 @@ class Past:
 
     def last_branch(self) -> int:
         """Return the number of the latest branch."""
-        return int(self._row("SELECT max(id) FROM branches")[0])
+        return int(self._row("SELECT coalesce(max(id), 0) FROM branches")[0])
 
     def last_order(self) -> int:
         """Return the number of the latest order, 0 for none."""
@@ -226,10 +226,9 @@ class Past:
 
     def _rows(self, question: str, *values: int) -> Iterator[tuple[Any, ...]]:
         try:
-            yield from self._connection.execute(question, values)
-        except (sqlite3.ProgrammingError, sqlite3.InterfaceError):
-            raise  # the question's fault
-        except sqlite3.DatabaseError as error:
+            with understanding(self._name):
+                yield from self._connection.execute(question, values)
+        except sqlite3.OperationalError as error:
             raise RecordingError(f"{self._name} cannot be read: {error}") from None
 
 

@@ -21,18 +21,12 @@ import numpy as np
 from llvmlite import binding  # type: ignore[import-untyped]
 
 from trainer.boat import Boat
-from trainer.clock import MonotonicClock, Policy
-from trainer.config import ConfigError
-from trainer.console import Console
 from trainer.core.scheme import SCHEME
 from trainer.core.scratch import SCRATCH
 from trainer.core.state import STATE
 from trainer.core.vessel import COMPACT, VESSEL
-from trainer.io.csv_file import COLUMNS, CsvFile, NoFile
-from trainer.io.outbox import Direct, Outbox, writer
 from trainer.ledger import Spread
-from trainer.session import Session, Timekeeping
-from trainer.study.batches import Batches, time_batches
+from trainer.study.attended import Attended, run_to, session_of, temporary, time_attended
 from trainer.study.hot import Troubled, Update, ready, time_troubled, time_update
 from trainer.vessel_file import VesselFile
 
@@ -50,7 +44,6 @@ HOT: Final = (
     ("full", "exact", "adams2"),
     ("full", "exact", "rk4"),
 )
-PATIENCE: Final = 0.5  # [s] for the last console lines
 
 
 @dataclass(frozen=True)
@@ -68,7 +61,7 @@ class Machine:
 
 @dataclass(frozen=True)
 class Paced:
-    """Ticks in real time, the console's line included; the waiting excluded."""
+    """Ticks in real time, recorded, with a console attached; the waiting excluded."""
 
     step_s: float
     ticks: int
@@ -83,16 +76,6 @@ class Paced:
     caught_up: int
     skipped: int
     gaps: int
-
-
-@dataclass(frozen=True)
-class HotTick:
-    """A tick of the session at full speed with CSV row and console line, and parts of it."""
-
-    whole: Batches
-    boat: Batches
-    csv_row: Batches
-    console_line: Batches
 
 
 @dataclass(frozen=True)
@@ -112,7 +95,7 @@ class Figures:
     real_time: tuple[Paced, ...]
     updates: tuple[Update, ...]
     troubled: Troubled
-    hot_tick: HotTick
+    attended: Attended
     sizes: dict[str, Size]
     memory_1969_words_of_16_bits: int
 
@@ -135,7 +118,7 @@ def bench(file: VesselFile, seconds: int) -> Figures:
         real_time=paced,
         updates=tuple(time_update(ready(file, way, file.run.step_s)) for way in HOT),
         troubled=time_troubled(file, HOT[0]),
-        hot_tick=time_tick(ready(file, HOT[0], file.run.step_s)),
+        attended=time_attended(lambda: ready(file, HOT[0], file.run.step_s)),
         sizes={name: Size(kind.itemsize, kind.itemsize // 2) for name, kind in RECORDS.items()},
         memory_1969_words_of_16_bits=WORDS_1969,
     )
@@ -144,13 +127,10 @@ def bench(file: VesselFile, seconds: int) -> Figures:
 def pace(boat: Boat, seconds: int, progress: Callable[[int], None]) -> Paced:
     """Return what became of the ticks of ``seconds`` [s] of real time."""
     step = boat.method.step
-    keeping = Timekeeping.at(MonotonicClock(), step, 1.0, Policy.CATCH_UP)
-    with Path(os.devnull).open("wb", buffering=0) as sink:
-        console = Console(None, Outbox(writer(sink.fileno()), line_end=b"\n"))
-        session = Session(boat, keeping, NoFile(), [console], COLUMNS, progress=progress)
+    with session_of(boat, 1.0, temporary(boat), ("teletype",)) as session:
+        session.progress = progress
         run_to(session, round(seconds / step))
-        console.sender.close(PATIENCE)
-    ledger = keeping.ledger.summary()
+    ledger = session.time.ledger.summary()
     percent = 100.0 * ledger.duty_cycle
     return Paced(
         step_s=step,
@@ -172,46 +152,6 @@ def pace(boat: Boat, seconds: int, progress: Callable[[int], None]) -> Paced:
 def samples_up(samples: int, permille: int) -> int:
     """Return how many of so many samples are not below the percentile: what it rests on."""
     return samples - math.ceil(samples * permille / 1000) + 1
-
-
-def run_to(session: Session, tick: int) -> None:
-    """Run up to ``tick``; ConfigError if the boat loses its numbers before."""
-    session.last_tick = tick
-    session.run()
-    if session.failure:
-        method = session.boat.method
-        raise ConfigError(
-            f"{session.boat.file.path.name} has no place in a benchmark at a step of "
-            f"{method.step:g} s with {method.integrator}: {session.failure}"
-        )
-
-
-def time_tick(boat: Boat) -> HotTick:
-    """Return the cost of a tick of a session at full speed, and of its parts by themselves."""
-    keeping = Timekeeping.at(MonotonicClock(), boat.method.step, math.inf, Policy.CATCH_UP)
-    recorder = CsvFile(Path(os.devnull), 1)  # each row at once, as in real time
-    with Path(os.devnull).open("wb", buffering=0) as sink:
-        console = Console(None, Direct(writer(sink.fileno()), b"\n"))
-        session = Session(boat, keeping, recorder, [console], COLUMNS)
-
-        def whole(count: int) -> None:
-            run_to(session, int(boat.state.tick) + count)
-
-        def tick(count: int) -> None:
-            for _ in range(count):
-                boat.tick()
-
-        def row(count: int) -> None:
-            for _ in range(count):
-                recorder.row(boat.numbers(COLUMNS))
-
-        def line(count: int) -> None:
-            for _ in range(count):
-                console.show(boat, frozen=False)
-
-        parts = time_batches([whole, tick, row, line])
-    recorder.close()
-    return HotTick(*parts)
 
 
 def this_machine() -> Machine:

@@ -4,8 +4,9 @@ import textwrap
 from collections.abc import Iterable
 
 from trainer.ledger import Spread
+from trainer.study.attended import Attended
 from trainer.study.batches import BATCH_NS, BATCHES
-from trainer.study.bench import Figures, HotTick, Paced, Size
+from trainer.study.bench import Figures, Paced, Size
 from trainer.study.hot import Troubled, Update
 
 WIDTH = 79
@@ -22,7 +23,7 @@ def render(figures: Figures) -> str:
         *_real_time(figures.real_time),
         *_updates(figures.updates),
         *_troubled(figures.troubled),
-        *_hot_tick(figures.hot_tick),
+        *_attended(figures.attended),
         *_sizes(figures.sizes, figures.memory_1969_words_of_16_bits),
     ]
     return "\n".join(lines).encode("ascii", errors="replace").decode("ascii")
@@ -91,19 +92,23 @@ def _troubled(troubled: Troubled) -> list[str]:
     ]
 
 
-def _hot_tick(tick: HotTick) -> list[str]:
-    """Return what a tick of the session costs, and where it goes."""
-    parts = (tick.boat, tick.csv_row, tick.console_line)
-    names = ("whole", "boat", "CSV row", "console line", "the rest")
-    medians = (tick.whole.median_ns, *(part.median_ns for part in parts))
-    rest = tick.whole.least_ns - sum(part.least_ns for part in parts)
-    least = (tick.whole.least_ns, *(part.least_ns for part in parts), rest)
+def _attended(attended: Attended) -> list[str]:
+    """Return what a tick of the session costs, by what attends to it."""
+    names = ("boat", "bare session", "recorded", "5 subscribers", "a CSV row")
+    costs = (
+        *(attended.boat, attended.bare, attended.recorded, attended.subscribed),
+        attended.csv_row,
+    )
     return [
         "",
         "TICK OF A SESSION, HOT ([ns], likewise; modified lagged adams2)",
         "        " + "".join(f"{name:>14}" for name in names),
-        "  median" + "".join(f"{cost:>14.0f}" for cost in medians),
-        "  least " + "".join(f"{cost:>14.0f}" for cost in least),
+        "  median" + "".join(f"{cost.median_ns:>14.0f}" for cost in costs),
+        "  least " + "".join(f"{cost.least_ns:>14.0f}" for cost in costs),
+        (
+            "  (recorded, with five subscribers at 10 Hz: "
+            f"{attended.times_the_bare:.2f} times the bare session)"
+        ),
     ]
 
 

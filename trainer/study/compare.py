@@ -21,14 +21,14 @@ ALLOWED: Final = 5.0  # [%]
 STEADY_SHARE: Final = 0.1  # of the time: its last part tells whether a value is steady,
 STEADY_SPREAD: Final = 0.02  # [-] of D: which it is with no more change than this
 MINOR: Final = 0.05  # [-] of the largest change: a change below it is shown and not judged
-# What is compared unless asked otherwise, and the changes [SI, rad] too small to be meant.
+# What is compared unless asked otherwise, and the change [SI, rad] that instruments begin to show.
 VARIABLES: Final = {
-    "u": 0.005,
-    "z": 0.02,
-    "theta": math.radians(0.02),
-    "phi": math.radians(0.02),
+    "u": 0.05,
+    "z": 0.1,
+    "theta": math.radians(0.1),
+    "phi": math.radians(0.1),
     "psi": math.radians(0.1),
-    "r": math.radians(0.002),
+    "r": math.radians(0.01),
 }
 
 

@@ -55,7 +55,7 @@ def render(report: Comparison) -> str:
         lines += ["", *table(HEADS, [_row(point) for point in report.points])]
     if report.unchanged:
         names = ", ".join(report.unchanged)
-        lines += wrapped(f"no change worth comparing in the full run: {names}")
+        lines += wrapped(f"too little change in the full run to compare: {names}")
     judged = [point for point in report.points if point.judged]
     beyond = sum(not point.passed for point in judged)
     verdict = f"{beyond} of {len(judged)} beyond {report.allowed_percent:g} %."

@@ -23,8 +23,9 @@ Numbers = NDArray[np.float64]
 ROUNDS: Final = 200
 NUDGE: Final = 1e-6  # [-] of a number, for the difference quotients
 SETTLED: Final = 1e-10  # [-] a step that changes the roots by less is the last
+FURTHEST: Final = 0.3  # [-] of itself that a root moves in a round: real ones shall not meet
 STIFFEST: Final = 1e15  # [-] damping of the step beyond which no step helps
-PENCIL_SAMPLES: Final = 400  # of the response, for the pencil's start
+PENCIL_SAMPLES: Final = 800  # of the response, for the pencil's start
 SAMPLES_PER_NUMBER: Final = 3  # of the response, for each number sought
 
 
@@ -150,6 +151,13 @@ class _Response:
         factors = np.linalg.lstsq(basis, self.y, rcond=None)[0]
         return np.asarray(self.y - basis @ factors)
 
+    def reach(self, numbers: Numbers) -> Numbers:
+        """Return by how much each number may change in a round [1/s]."""
+        slowest = 1.0 / (self.t[-1] - self.t[0])
+        roots = _shaped(numbers, self.like)
+        sizes = [[max(abs(s), slowest)] * (1 if s.imag == 0.0 else 2) for s in roots]
+        return np.asarray(FURTHEST * np.concatenate(sizes))
+
     def slopes(self, numbers: Numbers) -> Numbers:
         """Return d(left)/d(numbers), (samples, numbers), by central differences."""
         found = []
@@ -172,7 +180,7 @@ def _adjust(response: _Response, numbers: Numbers) -> tuple[Numbers, int]:
             step = np.linalg.lstsq(normal + damping * scale, downhill, rcond=None)[0]
             left = response.left(numbers + step)
             tried = float(left @ left)
-            if tried <= misfit:
+            if tried <= misfit and np.all(abs(step) <= response.reach(numbers)):
                 break
             damping *= 4.0
             if damping > STIFFEST:  # no step is better: the least there is

@@ -9,7 +9,7 @@ from trainer.study.plots import Curve, Panel
 HEADS: Final = (
     "",
     "root\n[1/s]",
-    "standard error\n[1/s]",
+    "std error\n[1/s]",
     "|s|\n[rad/s]",
     "damping\nratio",
     "amplitude",
@@ -20,7 +20,7 @@ HEADS: Final = (
 def _error(term: Term) -> str:
     """Return the standard errors of a root."""
     errors = [term.real_error, *([term.imaginary_error] if term.imaginary else [])]
-    return " ".join(figure(error, ".1e") for error in errors)
+    return " ".join(figure(error, ".0e") for error in errors)
 
 
 def _row(label: str, term: Term, error: str) -> tuple[str, ...]:

@@ -113,7 +113,14 @@ def _draw_panel(panel: Panel, axes: "Axes") -> None:
         axes.axvline(place, color="#666666", linewidth=0.8, linestyle=(0, (4, 4)))
         where = ("data", "axes fraction")
         axes.annotate(
-            label, (place, 0.98), xycoords=where, rotation=90, ha="right", va="top", fontsize=7.0
+            label,
+            (place, 0.98),
+            xycoords=where,
+            rotation=90,
+            ha="right",
+            va="top",
+            fontsize=7.0,
+            bbox={"facecolor": "white", "edgecolor": "none", "pad": 1.0},
         )
     for place in panel.levels:
         axes.axhline(place, color="#666666", linewidth=0.8, linestyle=(0, (4, 4)))

@@ -1,0 +1,49 @@
+"""Commands about recordings."""
+
+import sys
+from pathlib import Path
+from typing import Any
+
+import click
+
+from trainer.commands.options import EQUATIONS, FILE, VESSEL_HELP
+
+
+@click.command()
+@click.argument("file", type=FILE)
+@click.option("--anyway", is_flag=True, help="Even if this version would compute otherwise.")
+@click.option("--vessel", default=None, help=f"Fly another boat: {VESSEL_HELP}.")
+@click.option("--step", type=float, default=None, help="Fly at another step in s.")
+@click.option("--equations", type=click.Choice(EQUATIONS), default=None, help="By another set.")
+@click.option("--json", "as_json", is_flag=True, help="Print the comparison as JSON.")
+def replay(file: Path, *, anyway: bool, as_json: bool, **otherwise: Any) -> None:
+    """Fly a recording again, all its branches, and compare every state bit by bit.
+
+    \b
+    Example:  trainer replay drill.trainer
+
+    Exit codes: 0 the same, 1 not the same, 2 it would be computed otherwise than then: what
+    differs is told, and --anyway flies it all the same.
+    """
+    from trainer.replay_page import replay_file  # noqa: PLC0415
+
+    changed = {name: value for name, value in otherwise.items() if value is not None}
+    sys.exit(replay_file(file, changed, anyway=anyway, as_json=as_json))
+
+
+@click.command()
+@click.argument("file", type=FILE)
+@click.option(
+    "--csv", "csv_path", type=FILE, default=None, help="States here, orders and events beside."
+)
+@click.option("--parquet", type=FILE, default=None, help="The same as Parquet files.")
+@click.option("--branch", type=click.IntRange(1), default=None, help="[default: the last one]")
+def export(file: Path, csv_path: Path | None, parquet: Path | None, branch: int | None) -> None:
+    """Write a recording's states, orders and events as tables.
+
+    \b
+    Example:  trainer export drill.trainer --csv drill.csv
+    """
+    from trainer.exporting import export_file  # noqa: PLC0415
+
+    export_file(file, csv_path, parquet, branch)
