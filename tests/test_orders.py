@@ -331,7 +331,7 @@ def test_a_token_is_kept_as_it_was_typed_and_told_nowhere(words: str, token: str
     assert order.name == "role"
     assert order.subject == token
     assert order.text in ("role helm", "role diving")
-    assert f"subject={token}" not in repr(order)
+    assert "subject" not in repr(order)
 
 
 @pytest.mark.parametrize(

@@ -7,7 +7,6 @@ import pytest
 
 from trainer import casualty
 from trainer.boat import PLACES, Boat
-from trainer.status import status_lines
 from trainer.core.state import FIELDS
 from trainer.fitout import KNOT
 from trainer.helm import obey
@@ -15,9 +14,13 @@ from trainer.io.orders import Order
 from trainer.ledger import Ledger
 from trainer.reply import Refused, Reply
 from trainer.sea_file import load_sea
+from trainer.status import status_lines
 
 TWO_PASTS = "a=0.5,0.5;b=1.5"  # a method that looks back on motion as well as on rates
-INTEGRATORS = ("adams2", "best2", "rk4", "rkv", TWO_PASTS)
+INTEGRATORS = (
+    *("adams2", TWO_PASTS),
+    *(pytest.param(name, marks=pytest.mark.long) for name in ("best2", "rk4", "rkv")),
+)
 PLACE = {"x", "y", "past_motion", "held_position"}  # what a hold of position may change
 
 
@@ -143,7 +146,7 @@ def test_depth_released_goes_on_without_a_jump(
 
     rate = float(boat.state.zdot)
     assert abs(rate) > 0.05
-    assert boat.state.z - depth == pytest.approx(0.5 * rate, abs=0.05 * abs(rate) + 0.02)
+    assert boat.state.z - depth == pytest.approx(0.5 * rate, rel=0.3)
 
 
 # Tanks
@@ -193,6 +196,7 @@ def test_nothing_but_the_state_remembers_that_something_was_frozen(
 
 
 @pytest.mark.core
+@pytest.mark.long
 def test_a_boat_is_held_to_the_bit_again_from_a_snapshot_taken_in_the_middle(
     make_boat: Callable[..., Boat],
 ) -> None:

@@ -104,13 +104,27 @@ def test_a_value_that_settles_is_judged_as_well_as_its_overshoot() -> None:
     assert judged == [("extreme", True), ("steady", False)]
 
 
-def test_what_is_left_of_a_swing_is_shown_and_not_judged() -> None:
-    report = compare(run_of(theta=swing(0.1)), run_of(theta=swing(0.1, 0.031)), ["theta"])
+@pytest.mark.parametrize("damping", [0.01, 0.03])  # a lot and a little is left after two minutes
+def test_what_is_left_of_a_swing_is_shown_and_not_judged(damping: float) -> None:
+    run, other = run_of(theta=swing(0.1, damping)), run_of(theta=swing(0.1, damping, rate=0.102))
+
+    report = compare(run, other, ["theta"])
 
     ending = report.points[-1]
     assert (ending.point, ending.judged, ending.passed) == ("at the end", False, True)
     assert ending.percent is not None
     assert abs(ending.percent) > 5.0
+    assert report.passed
+
+
+def test_a_small_value_left_after_a_large_swing_is_not_judged_though_steady() -> None:
+    def settling(rest: float) -> np.ndarray:
+        return swing(0.1, 0.08) + rest * (1.0 - np.exp(-0.1 * TIME))
+
+    report = compare(run_of(phi=settling(1e-3)), run_of(phi=settling(2e-3)), ["phi"], until=200.0)
+
+    ending = report.points[-1]
+    assert (ending.point, ending.judged) == ("steady", False)
 
 
 def test_a_run_is_the_same_as_itself_and_unchanged_variables_are_named() -> None:

@@ -70,9 +70,9 @@ def fill(recording: Recording) -> None:
         recording.state(tick, state_of(tick))
         recording.timing(tick, 100 * tick, 1000 * tick)
     second = recording.order(2, "ballast", "blow all", place=4)
+    recording.snapshot("off Bute", Moment(1, 3, b"as it stood", second, 5))
     recording.answered(second, "no air", accepted=False)
     recording.event(3, "attached", "planes", "a line, «quoted»")
-    recording.snapshot("off Bute", Moment(1, 3, b"as it stood", second, 5))
 
 
 def check_filled(recording: Recording) -> None:
@@ -487,14 +487,16 @@ def test_what_is_written_ahead_is_brought_home_while_writing_goes_on(
 # Trouble with the disk
 
 
-@pytest.fixture
+@contextlib.contextmanager
 def small_disk() -> Iterator[None]:
     """Let no file grow beyond a million bytes."""
     resource = pytest.importorskip("resource")
     before = resource.getrlimit(resource.RLIMIT_FSIZE)
     resource.setrlimit(resource.RLIMIT_FSIZE, (1_000_000, before[1]))
-    yield
-    resource.setrlimit(resource.RLIMIT_FSIZE, before)
+    try:
+        yield
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, before)
 
 
 def overfill(recording: Recording) -> list[int]:
@@ -508,6 +510,7 @@ def overfill(recording: Recording) -> list[int]:
             told += [] if recording.trouble else [order]
     recording.snapshot("beyond", Moment(1, tick, b"", order, 0))
     assert recording.fork(Moment(1, tick, b"", order, 0), "restore beyond") == 2
+    assert recording.fork(Moment(2, tick, b"", order, 0), "once more") == 3
     assert recording.order(tick, "helm", "later") == order + 1
     assert recording.moment(2, tick) is None
     assert recording.snapshots() == []
@@ -515,13 +518,11 @@ def overfill(recording: Recording) -> list[int]:
 
 
 @posix
-def test_a_full_disk_is_told_and_what_is_written_is_whole(
-    path: Path, request: pytest.FixtureRequest
-) -> None:
+def test_a_full_disk_is_told_and_what_is_written_is_whole(path: Path) -> None:
     recording = begin(path)
-    limit = request.getfixturevalue("small_disk")
-    assert limit is None
-    told = overfill(recording)
+    with small_disk():
+        told = overfill(recording)
+    recording.order(1000, "helm", "there is room again, too late")  # what lies between is lost
     recording.close()
     trouble = re.fullmatch(
         rf"{re.escape(str(path))}: .+; all up to tick (\d+) of branch 1 is kept", recording.trouble
@@ -534,12 +535,16 @@ def test_a_full_disk_is_told_and_what_is_written_is_whole(
         assert [order.id for order in again.orders(1)] == list(range(1, len(told) + 1))
         assert [tick for tick, _ in again.states(1)] == list(range(int(trouble[1]) + 1))
         assert len(again.branches()) == 1
+    with contextlib.closing(sqlite3.connect(path)) as connection:
+        assert connection.execute("SELECT max(id) FROM orders").fetchone() == (told[-1],)
 
 
 @posix
-def test_a_recording_for_which_there_is_no_room_is_not_begun(path: Path, small_disk: None) -> None:
-    assert small_disk is None
-    with pytest.raises(RecordingError, match=r"cannot be made: .*(disk I/O error|full)"):
+def test_a_recording_for_which_there_is_no_room_is_not_begun(path: Path) -> None:
+    with (
+        small_disk(),
+        pytest.raises(RecordingError, match=r"cannot be made: .*(disk I/O error|full)"),
+    ):
         Recording.create(path, {"vessel": "v" * 2_000_000}, b"")
     assert files(path) == set()
 
@@ -790,6 +795,9 @@ def test_an_export_of_a_branch_that_is_not_there_says_which_are(tmp_path: Path) 
         pytest.raises(RecordingError, match="has no branch 9; the latest is 1"),
     ):
         export_csv(recording, LAYOUT, tmp_path / "out.csv", branch=9)
+    with closing(begin(None)) as recording, pytest.raises(RecordingError, match="branch 9"):
+        next(recording.flown(9))
+    assert list(tmp_path.iterdir()) == []
 
 
 def test_spoilt_files_are_refused_without_a_traceback(path: Path) -> None:

@@ -10,14 +10,14 @@ import numpy as np
 import pytest
 
 from trainer.boat import Boat
-from trainer.config import ConfigError, remembering
+from trainer.config import remembering
 from trainer.helm import ORDERS, obey
 from trainer.io.orders import Order, parse
 from trainer.io.recording import Moment, Recording
 from trainer.layout import LAYOUT
-from trainer.log_book import header_of
+from trainer.log_book import differences, header_of
 from trainer.plan import Plan, plan_run
-from trainer.replay import Flight, replay, replay_anyway
+from trainer.replay import Flight, replay_anyway
 from trainer.reply import Refused
 
 EXERCISE = """
@@ -53,7 +53,7 @@ name = "rudder-slow"
 ORDERS_GIVEN = {
     0: ["depth 60"],
     30: ["pump trim forward 3 t", "hover on", "blow forward"],
-    55: ["speed 40", "time x2", "blow stop"],
+    55: ["speed 40", "time x2", "casualty stern-slow 0.7 ramp 20"],
     90: ["freeze tanks", "casualty gyro-biased 0.5 ramp 10"],
     120: ["release tanks", "sea state 3", "surface"],
     160: ["rudder left 10"],
@@ -148,7 +148,7 @@ def spoil(path: Path, tick: int, field: str, change: float) -> None:
 def looked_at(path: Path) -> list[Flight]:
     """Return how a recording flies that another program has written."""
     recording = Recording.look(path)
-    flights = replay(recording)
+    flights = replay_anyway(recording)
     recording.close()
     return flights
 
@@ -164,7 +164,7 @@ def test_a_recording_is_flown_again_to_the_bit(run: Run) -> None:
     assert s.blow_mid == 1.0
     assert not s.stern_by_hand
 
-    (flight,) = replay(run.recording)
+    (flight,) = replay_anyway(run.recording)
 
     assert flight.same
     assert (flight.compared, flight.unequal, flight.parting) == (LAST + 1, 0, None)
@@ -186,7 +186,7 @@ def test_every_branch_is_flown_again_from_its_own_start(run: Run) -> None:
     run.go_back(kept, "restore")
     run.sail(150, {100: ["planes manual"], 110: ["freeze depth"], 140: ["release all"]})
 
-    flights = replay(run.recording)
+    flights = replay_anyway(run.recording)
 
     assert [flight.branch.why for flight in flights] == [
         *("the start", "backtrack", "reset", "restore"),
@@ -195,11 +195,9 @@ def test_every_branch_is_flown_again_from_its_own_start(run: Run) -> None:
     assert all(flight.same for flight in flights)
 
 
-def test_the_files_of_the_run_are_not_needed_if_one_flies_it_anyway(run: Run) -> None:
-    Path(run.plan.schedule and run.path.with_name("all.toml")).unlink()
+def test_the_files_of_the_run_are_not_needed(run: Run) -> None:
+    run.path.with_name("all.toml").unlink()
 
-    with pytest.raises(ConfigError, match=r"all\.toml: there is no such file; it was read when"):
-        replay(run.recording)
     (flight,) = replay_anyway(run.recording)
 
     assert flight.same
@@ -316,12 +314,6 @@ def test_a_boat_lost_on_the_way_ends_its_flight(run: Run) -> None:
 # Otherwise
 
 
-def test_a_replay_with_another_step_is_refused_saying_so(run: Run) -> None:
-    with pytest.raises(ConfigError) as refused:
-        replay(run.recording, {"step": 1.0})
-    assert refused.value.problems == ("step 1 s, recorded 0.5 s",)
-
-
 def test_flown_with_another_step_the_orders_come_at_the_same_times(run: Run) -> None:
     middle = run.recording.moment(1, 90)
     assert middle is not None
@@ -398,8 +390,8 @@ def test_a_recording_of_an_older_state_is_compared_in_what_it_has(
         run.recording, "states", lambda _: ((tick, shorter(state)) for tick, state in states)
     )
 
-    with pytest.raises(ConfigError, match="new: sailed_y; gone: none"):
-        replay(run.recording)
+    (told,) = differences(header)
+    assert told.endswith("new: sailed_y; gone: none")
     (flight,) = replay_anyway(run.recording)
 
     assert flight.same

@@ -110,6 +110,8 @@ class Desk:
         return f"back from {left:g} s to {self.boat.time:g} s, frozen; {self._branch}"
 
     def _replay(self, order: Order, _who: str) -> Reply:
+        if self.history.recording.trouble:
+            return Refused(f"nothing to replay from: {self.history.recording.trouble}")
         moment = self.history.before(order.value)
         if isinstance(moment, Refused):
             return moment

@@ -45,9 +45,14 @@ class Fittings(NamedTuple):
     @classmethod
     def of(cls, boat: Boat) -> "Fittings":
         """Return those of a boat; a field of her record takes microseconds to reach."""
+        c = boat.vessel
         return cls(
-            *(tuple(boat.vessel[name].tolist()) for name in cls._fields[:3]),
-            *(float(boat.vessel[name]) for name in cls._fields[3:]),
+            tuple(c.capacity.tolist()),
+            tuple(c.bank_volume.tolist()),
+            tuple(c.bank_full.tolist()),
+            float(c.gas),
+            float(c.buoyancy),
+            float(c.g),
         )
 
 

@@ -2,7 +2,7 @@
 
 import math
 from collections import deque
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -12,11 +12,10 @@ from trainer.boat import Boat
 from trainer.config import ConfigError, collecting
 from trainer.core.kernel import Record
 from trainer.helm import ORDERS, obey
-from trainer.io.orders import Order, parse
+from trainer.history import order_of
 from trainer.io.recording import Branch, Journalled, Recording
-from trainer.io.schedule import Scheduled
 from trainer.layout import Unlike, read_state, unlike
-from trainer.log_book import NOTHING, differences, layout_of, method_of, plan_of
+from trainer.log_book import NOTHING, layout_of, method_of, plan_of
 from trainer.plan import Plan
 from trainer.reply import Refused
 
@@ -62,20 +61,10 @@ class Course:
     afresh: bool  # from the plan's start, not from the states recorded
 
 
-def replay(recording: Recording, otherwise: Mapping[str, Any] = NOTHING) -> list[Flight]:
-    """Fly every branch again and return how each went; ConfigError if it would not be the same.
-
-    Its problems are all of the ``differences``.
-    """
-    found = differences(recording.header(), otherwise)
-    if found:
-        raise ConfigError(*found)
-    return replay_anyway(recording, otherwise)
-
-
 def replay_anyway(recording: Recording, otherwise: Mapping[str, Any] = NOTHING) -> list[Flight]:
-    """Fly every branch again by this version, from the recorded texts, whatever differs.
+    """Fly every branch again by this version, from the recorded texts, whatever differs today.
 
+    What does, and whether the bits can be the same at all, is told by ``log_book.differences``.
     ``otherwise`` has options, such as a step or a vessel, to be taken instead of the recorded:
     then each branch is flown from the plan's start, with all the orders of its past.
     """
@@ -125,21 +114,13 @@ def give(orders: deque[Journalled], flown: float, flight: Flight, course: Course
     while orders and orders[0].tick * course.pace <= flown + 1e-9:
         entry = orders.popleft()
         order = order_of(entry, course.plan.schedule)
-        if order is None:
+        if order is None or order.name not in ORDERS:
             continue
         answer = obey(course.boat, order)
         refused = isinstance(answer, Refused)
         if entry.accepted is refused:
             text = answer.reason if isinstance(answer, Refused) else answer
             flight.answers.append(f"tick {entry.tick}: {entry.text}: {entry.answer}; now: {text}")
-
-
-def order_of(entry: Journalled, schedule: Sequence[Scheduled]) -> Order | None:
-    """Return the order to the boat that was journalled; None if it was about something else."""
-    order = parse(entry.text)
-    if entry.place is not None and entry.place < len(schedule):
-        order = schedule[entry.place].order
-    return order if isinstance(order, Order) and order.name in ORDERS else None
 
 
 def compare(flight: Flight, tick: int, recorded: bytes, course: Course) -> None:

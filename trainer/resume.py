@@ -1,6 +1,6 @@
-"""A recorded run gone on with: the boat brought to its last order, and time frozen there."""
+"""A recorded run gone on with: the boat brought to its last order, and gone on from there."""
 
-import math
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -35,13 +35,13 @@ def resume_boat(path: Path, options: dict[str, Any], *, anyway: bool) -> int:
     except BaseException:
         recording.close()
         raise
-    click.echo(
-        f"{path}: branch {recording.branch}, {boat.time:g} s; time is frozen: say run", err=True
-    )
     seconds = options["duration"]
-    if seconds is not None and math.isfinite(seconds) and seconds <= boat.time:
+    if seconds is not None and seconds <= boat.time:
         recording.close()
         raise ConfigError(f"--duration {seconds:g} s: this run is at {boat.time:g} s already")
+    how = "time is frozen: say run" if options["frozen"] else "going on"
+    click.echo(f"{path}: branch {recording.branch}, {boat.time:g} s; {how}", err=True)
+    plan = plan if seconds is None else replace(plan, duration=seconds)
     return fly(Voyage(plan, boat, history, str(path)), options)
 
 

@@ -50,8 +50,7 @@ def show(
     from dataclasses import asdict  # noqa: PLC0415
 
     if how["plot"]:
-        from trainer.study.plots import check_form, draw  # noqa: PLC0415
+        from trainer.study.plots import draw  # noqa: PLC0415
 
-        check_form(how["plot"])
         draw(panels(), how["plot"])
     click.echo(json.dumps(asdict(report), indent=1) if how["as_json"] else page(report))

@@ -85,11 +85,14 @@ def serve(**options: Any) -> None:
 def resume(file: Path, *, anyway: bool, **options: Any) -> None:
     """Go on with a recorded run where it ended, after a crash or on another day.
 
-    The boat is brought to the last order of the recording and waits there, frozen.
+    The boat is brought to the last order of the recording and waits there, frozen; headless, where
+    nobody could say run, she goes on at once unless --frozen is given.
 
     \b
     Example:  trainer resume drill.trainer
+              trainer resume drill.trainer --headless --speed max --duration 1h
     """
     from trainer.resume import resume_boat  # noqa: PLC0415
 
-    sys.exit(resume_boat(file, {**options, "serve": False, "frozen": True}, anyway=anyway))
+    options["frozen"] = options["frozen"] or not options["headless"]
+    sys.exit(resume_boat(file, {**options, "serve": False}, anyway=anyway))

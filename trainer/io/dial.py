@@ -12,7 +12,6 @@ from trainer.io.outbox import CHUNK, Inbox, Outbox
 from trainer.io.sentences import LONGEST_ANSWER
 from trainer.io.serial_line import LinkError, SerialLine
 
-HEARD = 4096  # [lines]  kept for a client that is slow to take them
 PATIENCE = 5.0  # [s]  for a session to answer
 TCP = re.compile(r"(?:tcp|socket)://(?:\[([^\]]+)\]|([^:/]+)):([0-9]{1,5})/?")
 HIGHEST = 65535
@@ -42,13 +41,13 @@ def dial(url: str, arrived: threading.Event, baud: int = 9600) -> Line:
 
 def over_serial(name: str, port: SerialLine, arrived: threading.Event, longest: int) -> Line:
     """Return an open serial line as a line; those that come have `longest` characters at most."""
-    return Joined(name, Inbox(port.read, arrived, HEARD, longest), Outbox(port.write), port)
+    return Joined(name, Inbox(port.read, arrived, longest=longest), Outbox(port.write), port)
 
 
 def wired(name: str, end: socket.socket, arrived: threading.Event) -> Line:
     """Return a connected socket as a line."""
     wire = Wire(end)
-    inbox = Inbox(wire.read, arrived, HEARD, LONGEST_ANSWER)
+    inbox = Inbox(wire.read, arrived, longest=LONGEST_ANSWER)
     return Joined(name, inbox, Outbox(wire.write), wire)
 
 

@@ -131,7 +131,7 @@ class Past:
         return Moment(
             *(here.id, tick, state[0]),
             after=here.after if after is None else after,
-            place=here.place if place is None else max(here.place, place + 1),
+            place=here.place if place is None else place + 1,
         )
 
     def orders(self, branch: int, after: int) -> list[Journalled]:

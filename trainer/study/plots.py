@@ -71,7 +71,7 @@ class Panel:
     levels: tuple[float, ...] = ()  # places along y
 
 
-def check_form(path: Path) -> None:
+def _check_form(path: Path) -> None:
     """Check that ``path`` ends in a form that can be drawn; ConfigError if it does not."""
     if path.suffix.lower() not in FORMS:
         raise ConfigError(f"--plot {path}: must end in {', '.join(FORMS[:-1])} or {FORMS[-1]}")
@@ -79,7 +79,7 @@ def check_form(path: Path) -> None:
 
 def draw(panels: tuple[Panel, ...], path: Path) -> None:
     """Write ``panels``, one below the other, to ``path``; ConfigError if that cannot be."""
-    check_form(path)
+    _check_form(path)
     try:
         from matplotlib import rc_context  # noqa: PLC0415
         from matplotlib.backends.backend_agg import FigureCanvasAgg  # noqa: PLC0415
