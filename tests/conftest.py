@@ -1,6 +1,6 @@
 """Boats for the tests."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
@@ -10,6 +10,18 @@ from trainer.fitout import Method
 from trainer.vessel_file import load_vessel
 
 DATA = Path(__file__).parent / "data"
+
+
+@pytest.fixture(scope="session", autouse=True)
+def elsewhere(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
+    """Keep sockets and recordings of the tests, and of what they start, out of the user's own.
+
+    The folders' names are short: a local socket's path has room for a hundred characters.
+    """
+    with pytest.MonkeyPatch.context() as environment:
+        for name in ("XDG_RUNTIME_DIR", "XDG_STATE_HOME"):
+            environment.setenv(name, str(tmp_path_factory.mktemp("xdg")))
+        yield
 
 
 def boat_of(

@@ -21,11 +21,11 @@ from trainer.casualty_file import (
 )
 from trainer.condition import QUANTITIES, compile_condition, quantity_table
 from trainer.config import ConfigError, Place
-from trainer.status import status_lines
 from trainer.core.casualties import KINDS, SURFACES
 from trainer.core.state import CASUALTIES
 from trainer.ledger import Ledger
 from trainer.reply import Refused
+from trainer.status import status_lines
 
 ROOT = Path(__file__).parents[1]
 KNOT = 1852.0 / 3600.0

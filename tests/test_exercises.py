@@ -119,12 +119,10 @@ def play(name: str, crew: str = "") -> Played:
     last = round(plan.duration / plan.method.step)
     sending = Promptly(Roster(Lookout(boat, time.ledger.summary)))
     history = History(boat, NoRecording())
-    session = Session(
-        boat, time, history, trace, COLUMNS, sending, [], schedule=schedule, watch=watch
-    )
+    session = Session(boat, time, history, trace, COLUMNS, sending, schedule=schedule, watch=watch)
     session.last_tick = last
     line = Joined("ear", None, ear)
-    session.stations.append(Station(line, Door("instructor"), sending, session.log))
+    session.board.stations.append(Station(line, Door("instructor"), sending, session.board.log))
     with np.errstate(all="ignore"):
         session.run()
     assert session.desk.failure == ""

@@ -29,9 +29,12 @@ OWN = {
     "planes": SHIP,
     "ballast": WATER,
     "diving": SHIP | WATER | {"surface", "dive"},
-    "observer": set(),
+    "observer": {"mark"},
 }
-ALL = {"role", "help", "status", "subscribe", "unsubscribe", "detach", "who"}
+ALL = {
+    *("role", "help", "status", "briefing", "log"),
+    *("subscribe", "unsubscribe", "detach", "who"),
+}
 TRAINEES = sorted(set(ROLES) - {"instructor"})
 
 

@@ -2,6 +2,7 @@
 
 import math
 import threading
+from collections import deque
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
@@ -65,6 +66,8 @@ class Script:
 
     # what is shown at each tick
 
+    troubles: deque[str] = field(default_factory=deque)
+
     def offer(self, tick: int, state: bytes, pace: Pace) -> None:
         assert len(state) > 1000
         if tick > max([0, *(shown[0] for shown in self.shown)]):
@@ -104,10 +107,8 @@ def session_of(
     boat = boat or under_way()
     recording = Recording.create(None, {}, boat.records.state.tobytes())
     history = History(boat, recording)
-    session = Session(
-        boat, time, history, recorder or Rows(), COLUMNS, script, [], schedule=entries
-    )
-    session.stations.append(Station(script, Door("instructor"), script, session.log))
+    session = Session(boat, time, history, recorder or Rows(), COLUMNS, script, schedule=entries)
+    session.board.stations.append(Station(script, Door("instructor"), script, session.board.log))
     session.last_tick = ticks
     session.wake = script.wake
     return session

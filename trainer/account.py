@@ -28,7 +28,7 @@ def account(session: Session, wall: float, kept: str, *, aside: bool) -> int:
     failure = session.desk.failure and f"frozen: {session.desk.failure}"
     recording = session.history.recording.trouble if kept else ""
     troubles = [failure, session.deserted, session.recorder.trouble, recording]
-    for station in session.stations:
+    for station in session.board.stations:
         if station.line.dropped:
             name = station.line.name
             click.echo(f"trainer: {name}: {station.line.dropped} lines dropped", err=True)

@@ -124,7 +124,7 @@ def _hover(boat: Boat, order: Order) -> Reply:
         s.move_depth_control = 0.0
         return "hovering off"
     s.ordered_depth = s.z
-    return f"hovering at {s.ordered_depth:.1f} m"
+    return "hovering at this depth"
 
 
 def _surface(boat: Boat, _order: Order) -> Reply:

@@ -9,7 +9,7 @@ import click
 
 from trainer import __version__
 from trainer.arguments import Commands
-from trainer.commands import attending, listing, records, running, vessels
+from trainer.commands import attending, listing, programs, records, running, vessels
 from trainer.config import ConfigError
 
 LIBRARIES = ("numpy", "numba", "pyserial", "click")
@@ -62,6 +62,7 @@ for command in (
     vessels.check,
     vessels.bench,
     vessels.gains,
+    *programs.PROGRAMS,
 ):
     cli.add_command(command)
 

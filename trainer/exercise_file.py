@@ -211,7 +211,10 @@ def _timed_casualty(row: CasualtyRow, i: int) -> list[Scheduled]:
     if row.at_s is not None:
         numbers = tuple(x for x in (row.severity, row.ramp_s) if x is not None)
         word = "" if row.ramp_s is None else "ramp"
-        order = Order("casualty", 0.0, word, f"casualty {row.name}", numbers, row.name)
+        text = f"casualty {row.name}"
+        text += "" if row.severity is None else f" {row.severity:g}"
+        text += "" if row.ramp_s is None else f" ramp {row.ramp_s:g} s"
+        order = Order("casualty", 0.0, word, text, numbers, row.name)
         timed.append(Scheduled(row.at_s, order, i + 1))
     if row.clear_at_s is not None:
         order = Order("clear", 0.0, "", f"clear {row.name}", (), row.name)

@@ -126,7 +126,8 @@ def _course_by(boat: Boat, order: Order) -> Reply:
     if not boat.automatic:
         return _without_autopilot(boat)
     s = boat.state
-    start = s.psi if s.rudder_by_hand else s.ordered_psi
+    # by hand it is the compass that the change starts from
+    start = casualty.readings(boat).heading if s.rudder_by_hand else s.ordered_psi
     _automatic(boat, "rudder")
     s.ordered_psi = start + order.value
     return f"{order.text}: keeping course {_degrees(s.ordered_psi)}"

@@ -105,6 +105,7 @@ class Publisher:
 
     def __init__(self, roster: Roster, clock: Callable[[], float] = time.monotonic) -> None:
         self.roster = roster
+        self.troubles = roster.troubles
         self._clock = clock
         self._picture: Picture | None = None
         self._called = threading.Event()
@@ -151,6 +152,7 @@ class Promptly:
 
     def __init__(self, roster: Roster, clock: Callable[[], float] = time.monotonic) -> None:
         self.roster = roster
+        self.troubles = roster.troubles
         self._clock = clock
         self._picture: Picture | None = None
 

@@ -1,4 +1,4 @@
-"""A recorded run gone on with: the boat brought to its last order, and gone on from there."""
+"""A recorded run gone on with: the boat brought to its last order, then as in any other run."""
 
 from dataclasses import replace
 from pathlib import Path

@@ -15,7 +15,9 @@ from trainer.io.orders import Order
 ORDERS: Final = frozenset(
     form.name or heading_word(form) for form in FORMS if not form.refusal
 )  # every order of the grammar
-COMMON: Final = frozenset({"role", "help", "status", "subscribe", "unsubscribe", "detach", "who"})
+COMMON: Final = frozenset(
+    {"role", "help", "status", "briefing", "log", "subscribe", "unsubscribe", "detach", "who"}
+)
 
 
 @dataclass(frozen=True)
@@ -42,6 +44,7 @@ CONTROLS: Final = (
     Control("hovering is", ("hover",), ("ballast", "diving")),
     Control("the compressor is", ("compressor",), ("ballast", "diving")),
     Control("surfacing and diving are", ("surface", "dive"), ("diving",)),
+    Control("the record is", ("mark",), ("observer",)),
     Control("the autopilot as a whole is", ("autopilot",), ()),
 )
 
@@ -53,6 +56,7 @@ KINDS: Final[Mapping[str, tuple[str, tuple[str, ...]]]] = {
     "station": ("a line attached, took a role, went away", EVERYBODY),
     "order": ("an order given at a station, and its answer", ("observer",)),
     "exercise": ("the instructor's orders, the schedule's, casualties and the sea", ()),
+    "mark": ("a moment marked, with a remark", ("observer",)),
     "watch": ("a limit passed, the surface broken", ()),
     "refused": ("an order outside a role, a wrong token, a line that is no order", ()),
     "trouble": ("late ticks, a port or the recording in trouble", ()),

@@ -105,23 +105,22 @@ def fly(voyage: Voyage, options: dict[str, Any]) -> int:
             recorder,
             COLUMNS,
             sending,
-            [],
             schedule=plan.schedule,
             watch=Watch.over(boat, plan.limits),
             last_tick=last_tick,
             wake=wake,
             briefing=briefing(plan, boat),
         )
-        open_ports(Ports(wake, sending, session.log, stack), session, options)
+        open_ports(Ports(wake, sending, session.board.log, stack), session, options)
         if options["headless"]:
             session.progress = stack.enter_context(progress_bar(last_tick))
         started = time.clock.now()
         with interrupts(session), np.errstate(all="ignore"):
             session.run(frozen=options["frozen"])
         wall = (time.clock.now() - started) / SECOND
-        session.tell("time", OVER)
+        session.board.tell("time", OVER)
         sending.close(PATIENCE)
-        for station in session.stations:
+        for station in session.board.stations:
             station.close(PATIENCE)
         recorder.close()
         return account(session, wall, voyage.kept, aside=not options["headless"])
@@ -130,14 +129,14 @@ def fly(voyage: Voyage, options: dict[str, Any]) -> int:
 def open_ports(ports: Ports, session: Session, options: dict[str, Any]) -> None:
     """Open what the command line asks for, and greet whoever is there."""
     baud = options["baud"]
-    session.stations += [ports.panel(given, baud) for given in options["lines"]]
+    session.board.stations += [ports.panel(given, baud) for given in options["lines"]]
     if options["url"] is not None:
-        session.stations.append(ports.console_line(options["url"], baud))
+        session.board.stations.append(ports.console_line(options["url"], baud))
     elif not options["headless"]:
         quick = unhurried(options)
-        session.stations.append(ports.terminal(unhurried=quick))
+        session.board.stations.append(ports.terminal(unhurried=quick))
     session.reception = ports.lobby(options) or Closed()
-    for station in session.stations:
+    for station in session.board.stations:
         session.greet(station)
 
 

@@ -6,6 +6,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import Final, Protocol
 
+from trainer.board import Board
 from trainer.boat import Boat
 from trainer.clock import Waited
 from trainer.desk import Desk
@@ -17,7 +18,7 @@ from trainer.io.orders import Order
 from trainer.io.schedule import Scheduled
 from trainer.reply import Refused, Reply
 from trainer.roles import INSTRUCTOR
-from trainer.station import Asked, News, Station
+from trainer.station import Asked, Station
 from trainer.status import status_lines
 from trainer.timekeeping import Timekeeping
 from trainer.watch import Watch
@@ -74,7 +75,6 @@ class Session:
     recorder: Columns
     columns: tuple[str, ...]
     sending: Sending
-    stations: list[Station]
     reception: Reception = field(default_factory=Closed)
     schedule: Sequence[Scheduled] = ()
     watch: Watch = field(default_factory=Watch)
@@ -83,12 +83,13 @@ class Session:
     wake: threading.Event = field(default_factory=threading.Event)
     briefing: tuple[str, ...] = ()  # what whoever comes is told
     deserted: str = ""  # why it ended before its time
+    board: Board = field(init=False)
     desk: Desk = field(init=False)
 
     def __post_init__(self) -> None:
+        self.board = Board(self.history)
         self.desk = Desk(self.boat, self.time, self.history)
         self._lookout = Lookout(self.boat, self.time.ledger.summary)
-        self._heard: Station | None = None  # who is listened to
 
     def run(self, *, frozen: bool = False) -> None:
         """Run to the last tick, an order to quit, or until nobody can ever say run again."""
@@ -99,7 +100,7 @@ class Session:
         while not self._over:
             if self._deserted():
                 self.deserted = f"frozen at {self.boat.time:g} s, and nobody is left to say run"
-                self.tell("time", self.deserted)
+                self.board.tell("time", self.deserted)
                 return
             if self.time.pacer.wait(self.wake) is Waited.WOKEN:
                 self.wake.clear()
@@ -113,18 +114,6 @@ class Session:
         self.desk.ended = True
         self.wake.set()
 
-    def tell(self, kind: str, text: str, by: Station | None = None) -> None:
-        """Record what has happened, and tell whose role hears of such things but ``by``."""
-        tick = self.history.tick
-        self.history.recording.event(tick, kind, by.who if by else "", text)
-        for station in self.stations:
-            if station is not by:
-                station.tell(News(tick, self.boat.time, kind, text))
-
-    def log(self, kind: str, text: str) -> None:
-        """Record what the station that is listened to has to say of itself, and tell others."""
-        self.tell(kind, text, self._heard)
-
     def greet(self, station: Station) -> None:
         """Tell whoever comes what this is."""
         for line in (*self.briefing, HINT):
@@ -134,10 +123,10 @@ class Session:
         """Let newcomers in, take what the stations say, and see out who has left."""
         for station in self.reception.newcomers():
             self.greet(station)
-            self.stations.append(station)
-            self.tell("station", f"{station.line.name} has come")
-        for station in list(self.stations):
-            self._heard = station
+            self.board.stations.append(station)
+            self.board.tell("station", f"{station.line.name} has come")
+        for station in list(self.board.stations):
+            self.board.heard = station
             for asked in station.take(LINES_AT_A_TIME):
                 self._hear(asked)
                 self._take_steps()
@@ -145,7 +134,7 @@ class Session:
                 self.wake.set()  # others, and the clock, have their turn before the rest
             elif station.leaving or station.line.ended:
                 self._see_out(station)
-        self._heard = None
+        self.board.heard = None
 
     @property
     def _over(self) -> bool:
@@ -156,8 +145,9 @@ class Session:
         """Let a line go: it is closed by a thread of its own, since that may wait."""
         if not station.visits:
             return  # a line that the run was begun with is there to its end
-        self.stations.remove(station)
-        self.tell("station", f"{station.account()}: {station.leaving or 'gone'}")
+        station.leave()
+        self.board.stations.remove(station)
+        self.board.tell("station", f"{station.account()}: {station.leaving or 'gone'}")
         threading.Thread(target=station.close, args=(PATIENCE,), daemon=True).start()
 
     def _take_steps(self) -> None:
@@ -170,7 +160,7 @@ class Session:
         """Return whether time stands still and nobody can let it go on."""
         if not self.time.frozen or self.reception.awaited:
             return False
-        silent = all(station.line.ended for station in self.stations)
+        silent = all(station.line.ended for station in self.board.stations)
         self.listen()  # what came before the silence
         return silent and self.time.frozen and not self._over
 
@@ -182,7 +172,14 @@ class Session:
         if order.name == "status":
             station.answer(asked, "", *self._status(station))
         elif order.name == "who":
-            station.answer(asked, "", *(each.account() for each in self.stations))
+            station.answer(asked, "", *(each.account() for each in self.board.stations))
+        elif order.name == "briefing":
+            station.answer(asked, "", *self.briefing)
+        elif order.name == "log":
+            station.answer(asked, "", *self.board.lately(station.role, int(order.value)))
+        elif order.name == "mark":
+            self.board.tell("mark", order.subject or "marked", station)
+            station.answer(asked, f"marked at {self.boat.time:g} s")
         else:
             answer = self._carry_out(order, station.who)
             station.answer(asked, answer)
@@ -224,7 +221,7 @@ class Session:
         kind = "order" if station.role is not INSTRUCTOR else "exercise"
         if not isinstance(answer, Refused):
             kind = "moment" if order.name in MOMENTS else "time" if order.name in TIME else kind
-        self.tell(kind, f"{station.role.name}: {order.text}: {text}", station)
+        self.board.tell(kind, f"{station.role.name}: {order.text}: {text}", station)
 
     def _obey_schedule(self) -> None:
         """Carry out what is due by now: an order acts on the first tick not before its time."""
@@ -235,7 +232,7 @@ class Session:
                 return
             answer = self._carry_out(entry.order, "schedule", self.history.place)
             text = f"refused: {answer.reason}" if isinstance(answer, Refused) else answer
-            self.tell("exercise", f"[{entry.seconds:g} s] {entry.order.text}: {text}")
+            self.board.tell("exercise", f"[{entry.seconds:g} s] {entry.order.text}: {text}")
 
     def _obey_replay(self) -> None:
         """Give again what was given at this tick; say when the replay has arrived."""
@@ -243,7 +240,7 @@ class Session:
             if order.name in ORDERS:
                 obey(self.boat, order)
         if self.history.caught_up:
-            self.tell("moment", self.history.arrive())
+            self.board.tell("moment", self.history.arrive())
             self.time.pacer.freeze()
             self._publish(self.history.now().state)
 
@@ -261,7 +258,7 @@ class Session:
         status = self.boat.tick()
         if status:
             self.desk.failure = self.boat.failure(status)
-            self.tell("trouble", f"FROZEN: {self.desk.failure}")
+            self.board.tell("trouble", f"FROZEN: {self.desk.failure}")
         else:
             self._after_tick()
         events = pacer.end()
@@ -271,7 +268,7 @@ class Session:
             pacer.freeze()
             self.desk.steps = 0
         for event in events:
-            self.tell("trouble", str(event))
+            self.board.tell("trouble", str(event))
         if self.progress:
             self.progress(int(self.boat.state.tick))
 
@@ -280,19 +277,21 @@ class Session:
         before = self.history.recording.trouble
         state = self.history.ticked()
         if self.history.recording.trouble != before:
-            self.tell("trouble", f"NOT RECORDED: {self.history.recording.trouble}")
+            self.board.tell("trouble", f"NOT RECORDED: {self.history.recording.trouble}")
         if self.history.rerun is None:
             self._row()
         self._publish(state)
         for text in self.watch.look(self.boat):
-            self.tell("watch", text)
+            self.board.tell("watch", text)
+        while self.sending.troubles:
+            self.board.tell("trouble", self.sending.troubles.popleft())
 
     def _row(self) -> None:
         """Hand the state to the columns' file; tell at once when it is in trouble."""
         before = self.recorder.trouble
         self.recorder.row(self.boat.numbers(self.columns))
         if self.recorder.trouble != before:
-            self.tell("trouble", f"NOT RECORDED: {self.recorder.trouble}")
+            self.board.tell("trouble", f"NOT RECORDED: {self.recorder.trouble}")
 
     def _publish(self, state: bytes) -> None:
         self.sending.offer(self.history.tick, state, self._pace())

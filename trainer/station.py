@@ -6,7 +6,7 @@ order, orders that are not its to give. The rest is handed on, and answered by w
 
 import textwrap
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -97,17 +97,18 @@ class Station:
         trouble = f"; {self.line.trouble}" if self.line.trouble else ""
         return f"{told}{lost}{trouble}"
 
-    def take(self, most: int) -> list[Asked]:
-        """Return the orders to be obeyed among the next lines, at most so many."""
+    def take(self, most: int) -> Iterator[Asked]:
+        """Yield the orders to be obeyed among the next lines, at most so many, one at a time.
+
+        What comes after an order is heard once that has been answered.
+        """
         self._noise.settle()
-        asked = []
         lines = self.line.take(most)
         self.waiting = len(lines) == most
         for line in lines:
             if self.leaving:
                 break
-            asked += self._hear(line)
-        return asked
+            yield from self._hear(line)
 
     def answer(self, asked: Asked, reply: Reply, *lines: str) -> None:
         """Answer an order: the lines of a long answer, then what now holds, or why not."""

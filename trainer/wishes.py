@@ -1,5 +1,6 @@
 """What one line wants to be sent: its channels, and whether it hears of events."""
 
+from collections import deque
 from operator import attrgetter
 from typing import Protocol
 
@@ -14,6 +15,11 @@ from trainer.roles import INSTRUCTOR, STRANGER, Role, blind
 
 class Sending(Protocol):
     """Whoever sends what is subscribed: a publisher, or one that does so promptly."""
+
+    @property
+    def troubles(self) -> deque[str]:
+        """Return what has ended subscriptions, for somebody to tell."""
+        ...
 
     def offer(self, tick: int, state: bytes, pace: Pace) -> None:
         """Let this be the picture to send from now on."""

@@ -85,6 +85,7 @@ NAMES = {
     "NAME": Name("the name of a casualty"),
     "LABEL": Name("a name for a moment"),
     "CHANNEL": Name("the name of a channel"),
+    "REMARK": Name("a remark"),  # of any words: see trainer.io.orders
 }
 
 # One line each in an overview, which must fit in 24 lines of 79 columns.
@@ -126,6 +127,9 @@ SESSION_TOPICS = (
     Topic(("backtrack",), "backtrack 2 min", "back by so much, and on from there"),
     Topic(("replay", "take"), "replay 90 s | take over", "watch it again; go on from here"),
     Topic(("role",), "role helm | role helm TOKEN", "what this line may do"),
+    Topic(("mark",), "mark good recovery", "mark this moment, with a remark"),
+    Topic(("log",), "log 20", "what has happened lately"),
+    Topic(("briefing",), "briefing", "what the exercise is about"),
     Topic(("who",), "who", "the stations attached"),
     Topic(("subscribe",), "subscribe diving | diving at 2 hz", "have a channel sent"),
     Topic(("unsubscribe",), "unsubscribe diving | all", "no longer"),
@@ -217,6 +221,11 @@ FORMS = (
     Form("subscribe CHANNEL", "have what it shows sent whenever it changes"),
     Form("subscribe CHANNEL at RATE", "at most so many times a second"),
     Form("unsubscribe CHANNEL", "no longer, or none at all: unsubscribe all"),
+    Form("mark", "mark this moment in the record"),
+    Form("mark REMARK", "the same, with a remark of any words"),
+    Form("log", "the last of what has happened", value=10.0),
+    Form("log COUNT", "so many of them"),
+    Form("briefing", "what the exercise is about"),
     Form("who", "the stations attached"),
     Form("detach=bye", "leave the session, which goes on"),
     Form("status", "everything about the boat, once"),

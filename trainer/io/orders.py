@@ -88,6 +88,9 @@ class Reading(NamedTuple):
 READINGS = tuple(Reading(form, places, ()) for form in FORMS for places in variants(form))
 
 
+REMARK = re.compile(r"\s*mark\s+(\S.*?)\s*", re.IGNORECASE)
+
+
 def openings() -> dict[str, list[Reading]]:
     """Return the readings that a line may begin with, by its first letter."""
     found: dict[str, list[Reading]] = {}
@@ -107,7 +110,10 @@ def parse(line: str) -> Order | BadOrder | None:
     text = line.strip()
     try:
         refuse_unreadable(text)
-        words = as_one(text.partition("#")[0])
+        said = text.partition("#")[0]
+        if remark := REMARK.fullmatch(said):
+            return Order("mark", 0.0, "", f"mark {remark[1]}", (), remark[1])
+        words = as_one(said)
         tokens = tokenise(hide(words))
         return with_token(order(read(tokens)), hidden(words)) if tokens else None
     except RefusedError as refused:

@@ -49,17 +49,17 @@ def session_of(
     """Yield a session whose stations, one for each channel, are told to nobody."""
     keeping = Timekeeping.at(MonotonicClock(), boat.method.step, speed, Policy.CATCH_UP)
     publisher = Publisher(Roster(Lookout(boat, keeping.ledger.summary)))
-    session = Session(boat, keeping, History(boat, recording), NoFile(), COLUMNS, publisher, [])
+    session = Session(boat, keeping, History(boat, recording), NoFile(), COLUMNS, publisher)
     with Path(os.devnull).open("wb", buffering=0) as sink, contextlib.closing(recording):
         for channel in channels:
             out = Outbox(writer(sink.fileno()))
             line = Joined(channel, None, out)
-            station = Station(line, Door("instructor"), publisher, session.log)
+            station = Station(line, Door("instructor"), publisher, session.board.log)
             station.wishes.begin(channel, RATE, station.role, machine=channel != "teletype")
-            session.stations.append(station)
+            session.board.stations.append(station)
         yield session
         publisher.close(PATIENCE)
-        for station in session.stations:
+        for station in session.board.stations:
             station.close(PATIENCE)
 
 

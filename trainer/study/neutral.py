@@ -146,7 +146,7 @@ def _between(side: Side, wanted: float, low: float, high: float) -> float:
 def level_flight(file: VesselFile, plane: str, speed: float) -> list[tuple[float, float]]:
     """Return all (w/u [-], plane angle [rad]) at ``speed`` > 0, the smallest |w| first.
 
-    None if the boat has no such planes. Any consistent units.
+    Empty if the boat has no such planes. Any consistent units.
     """
     if not file.coefficients[f"Z_d{plane[0]}"] and not file.coefficients[f"M_d{plane[0]}"]:
         return []
