@@ -318,7 +318,7 @@ def test_what_happens_at_set_times_is_in_order_of_time() -> None:
         "at_s = 30\nclear_at_s = 60\n"
     )
     assert [(e.seconds, e.order.name, e.order.text) for e in exercise.schedule] == [
-        (30.0, "casualty", "casualty rudder-slow"),
+        (30.0, "casualty", "casualty rudder-slow 0.123457 ramp 12.5 s"),
         (60.0, "clear", "clear rudder-slow"),
         (90.0, "depth", "depth 80 m"),
     ]
@@ -491,7 +491,7 @@ def test_a_run_of_an_exercise_begins_with_its_briefing_and_ends_by_itself() -> N
     briefing = load_exercise("stern-plane-jam").heading.briefing.splitlines()
     assert lines[: 1 + len(briefing)] == ["Stern planes jam to dive at 15 knots", *briefing]
     assert "15 kn, 100 m, course 000; modified set, step 0.5 s" in lines
-    assert "[60 s] casualty stern-hard-over: casualty stern-hard-over, severity -0.2" in lines
+    assert "[60 s] casualty stern-hard-over -0.2: casualty stern-hard-over, severity -0.2" in lines
     assert re.search(r"\ntick 2\d\d \(1\d\d.*s\): LIMIT: depth above 130 m\n", done.stdout)
     assert "simulated   600.0 s in 1200 ticks" in done.stderr
     assert "events      pitch above 20 deg 1 time" in done.stderr
