@@ -43,16 +43,16 @@ speed_kn = 8
 when = "depth > 42"
 name = "rudder-slow"
 """
-ORDERS = (
+ORDERS = (  # as they are journalled
     "casualty depth-gauge-noisy",
     "course right 60",
-    "casualty flooding-aft 0.1 ramp 25",
+    "casualty flooding-aft 0.1 ramp 25 s",
     "pump trim forward 3 t",
-    "depth 60",
+    "depth 60 m",
     "freeze tanks",
-    "casualty gyro-biased 0.5 ramp 40",
+    "casualty gyro-biased 0.5 ramp 40 s",
     "release tanks",
-    "speed 50",  # refused
+    "speed 50 kn",  # refused
     "drain aft",
     "clear flooding-aft",
     "hover on",
@@ -64,8 +64,8 @@ ORDERS = (
     "course 010",
     "clear all",
 )
-# Starts programs that are told to it, each with all its imports done, and kills them: after a time,
-# or once SQLite has taken so many instructions on behalf of the run, in the midst of a write.
+# Starts programs that are told to it, each with imports done and the boat loaded, and kills them:
+# after a time, or once SQLite has taken so many instructions for the run, in the midst of a write.
 NURSERY = """
 import json, os, signal, sys, time
 from trainer import cli
@@ -91,20 +91,27 @@ def counting(most):
     recording_file.connect = watched
     return lambda: most - left
 
+def run(words):
+    sys.argv = ["trainer", *words]
+    try:
+        cli.main()
+    except SystemExit as left:
+        return left.code or 0
+
 def grow_up(job):
     os.dup2(os.open(os.devnull, os.O_RDWR), 0)
     told = os.open(job["told"], os.O_CREAT | os.O_APPEND | os.O_WRONLY)
     os.dup2(told, 1), os.dup2(told, 2)
     taken = counting(job["instructions"] or 2**60)
-    sys.argv = ["trainer", *job["words"]]
-    try:
-        cli.main()
-    except SystemExit as left:
-        print("instructions", taken(), flush=True)
-        sys.stderr.flush()
-        os._exit(left.code or 0)
-    os._exit(99)
+    code = run(job["words"])
+    print("instructions", taken(), flush=True)
+    sys.stderr.flush()
+    os._exit(code)
 
+kept = os.dup(1)
+os.dup2(2, 1)
+run(sys.argv[1:])  # loads the compiled boat, once for all
+os.dup2(kept, 1)
 for line in sys.stdin:
     job = json.loads(line)
     child = os.fork()
@@ -165,14 +172,18 @@ class Nursery:
 @pytest.fixture(scope="module")
 def nursery(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Nursery]:
     here = [str(Path(trainer.__file__).parents[1]), os.environ.get("PYTHONPATH", "")]
+    folder = tmp_path_factory.mktemp("nursery")
+    first = folder / "first.toml"
+    first.write_text(TROUBLED)
+    words = ("run", str(first), *MAX, "--duration", "5", "--record", str(folder / "first.trainer"))
     with subprocess.Popen(
-        [sys.executable, "-c", NURSERY],
+        [sys.executable, "-c", NURSERY, *words],
         env=os.environ | {"PYTHONPATH": os.pathsep.join(filter(None, here))},
         stdin=subprocess.PIPE,
         stdout=subprocess.PIPE,
         text=True,
     ) as process:
-        yield Nursery(process, tmp_path_factory.mktemp("nursery"))
+        yield Nursery(process, folder)
         assert process.stdin
         process.stdin.close()
 
@@ -295,7 +306,7 @@ def dialled(path: Path) -> socket.socket:
             return line
 
 
-def drive(line: socket.socket, answers: int) -> list[str]:
+def drive(line: socket.socket, answers: int, dice: random.Random) -> list[str]:
     """Give orders, each when the one before has been answered; return those that were."""
     orders = itertools.chain(["role instructor"], itertools.cycle([*ORDERS, "backtrack 8", "run"]))
     answered: list[str] = []
@@ -307,6 +318,7 @@ def drive(line: socket.socket, answers: int) -> list[str]:
             if said and (said.kind, said.tag) == ("TRA", str(tag)) and said.fields[0] != "say":
                 break
         answered.append(words)
+        time.sleep(dice.uniform(0.0, 0.01))
     return answered[1:]
 
 
@@ -330,7 +342,7 @@ def kill_driven(nursery: Nursery, folder: Path, number: int, dice: random.Random
     ports = ("--listen", "none", "--socket", str(door))
     child = nursery.start("serve", str(exercise), "--speed", "100", *ports, "--record", str(path))
     with dialled(door) as line:
-        answered = drive(line, dice.randrange(1, 70))
+        answered = drive(line, dice.randrange(1, 70), dice)
         line.sendall(b"bell ahead full\n")  # which may act or not
         time.sleep(dice.uniform(0.0, 0.01))
         os.kill(child, signal.SIGKILL)
