@@ -97,6 +97,17 @@ def active(boat: Boat) -> list[Active]:
     ]
 
 
+def listing(boat: Boat) -> list[str]:
+    """Return what the boat can suffer: each as the order ``casualty`` takes it, then in words."""
+    lines = []
+    for each in boat.casualties.values():
+        if not _carried(boat, each.kind):
+            continue
+        degree = "" if each.measure.sudden else f" {each.severity:g} ramp {each.ramp_s:g}"
+        lines += [f"{each.name}{degree}", f"    {each.description}"]
+    return lines
+
+
 def readings(boat: Boat) -> Readings:
     """Return what the instruments of a station show at this tick."""
     instruments(boat.records.state, boat.records.scratch)
@@ -157,24 +168,29 @@ def _factor(boat: Boat, condition: Condition) -> float:
 
     ConfigError if the boat lacks what it is about.
     """
-    name = condition.quantity
-    factor = 1.0
-    if name == "time":
-        factor = 1.0 / boat.method.step
-    elif name == "turns":
-        factor = 1.0 / boat.file.propulsion.rps_per_mps
-    elif name in SURFACES:
-        factor = boat.toward[name]
-    elif name.startswith("bank_"):
-        volume = boat.vessel.bank_volume[BANKS.index(name.removeprefix("bank_"))]
-        factor = float(volume / boat.vessel.gas) if boat.vessel.gas else 0.0
-    elif name.startswith(("water_", "flood_")):
-        tank = name.removeprefix("water_").replace("flood_", "compartment_")
-        factor = float(boat.vessel.capacity[TANKS.index(tank)] > 0.0)
+    factor = scale_of(boat, condition.quantity)
     if factor == 0.0:
-        told = f"condition {condition.text!r}: {boat.file.path.name} has no {name}"
+        told = f"condition {condition.text!r}: {boat.file.path.name} has no {condition.quantity}"
         raise ConfigError(condition.place.problem(told))
     return factor
+
+
+def scale_of(boat: Boat, quantity: str) -> float:
+    """Return what turns a quantity [SI] into its place in the state; 0 if the boat lacks it."""
+    name = quantity
+    if name == "time":
+        return 1.0 / boat.method.step
+    if name == "turns":
+        return 1.0 / boat.file.propulsion.rps_per_mps
+    if name in SURFACES:
+        return boat.toward[name]
+    if name.startswith("bank_"):
+        volume = boat.vessel.bank_volume[BANKS.index(name.removeprefix("bank_"))]
+        return float(volume / boat.vessel.gas) if boat.vessel.gas else 0.0
+    if name.startswith(("water_", "flood_")):
+        tank = name.removeprefix("water_").replace("flood_", "compartment_")
+        return float(boat.vessel.capacity[TANKS.index(tank)] > 0.0)
+    return 1.0
 
 
 def _amount(boat: Boat, casualty: Casualty, severity: float) -> float:

@@ -56,6 +56,7 @@ for command in (
     running.resume,
     records.replay,
     records.export,
+    records.debrief,
     listing.exercises,
     listing.casualties,
     vessels.evaluate,

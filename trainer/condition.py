@@ -104,8 +104,11 @@ def compile_condition(text: str, place: Place) -> Condition:
     )
 
 
-def _split(words: str, text: str, place: Place) -> tuple[str, str]:
-    """Return the quantity and the unit in ``speed_kn``, the unit '' if there is none."""
+def named(words: str) -> tuple[str, str] | None:
+    """Return the quantity and the unit in ``speed_kn``, the unit '' if there is none.
+
+    None if there is no such quantity in such a unit.
+    """
     words = words.lower()
     if words in QUANTITIES:
         return words, ""
@@ -113,10 +116,24 @@ def _split(words: str, text: str, place: Place) -> tuple[str, str]:
         for unit in quantity.units:
             if words == f"{name}_{unit}":
                 return name, unit
+    return None
+
+
+def nearest_quantity(words: str) -> str:
+    """Return '; nearest is ...' for the quantity most like ``words``, or '' if none is."""
+    return nearest(words, [*QUANTITIES, *_with_units()])
+
+
+def _split(words: str, text: str, place: Place) -> tuple[str, str]:
+    """Return the quantity and the unit in ``speed_kn``, which may be a wrong one."""
+    found = named(words)
+    if found is not None:
+        return found
+    words = words.lower()
     for name in sorted(QUANTITIES, key=len, reverse=True):
         if words.startswith(f"{name}_") and "_" not in words.removeprefix(f"{name}_"):
             return name, words.removeprefix(f"{name}_")  # a wrong unit
-    guess = nearest(words, [*QUANTITIES, *_with_units()])
+    guess = nearest_quantity(words)
     raise ConfigError(place.problem(f"condition {shown(text)}: no quantity {words!r}{guess}"))
 
 

@@ -32,13 +32,15 @@ from trainer.exercise_records import (
 from trainer.io.orders import Order, parse
 from trainer.io.schedule import Scheduled
 from trainer.schema import read_record
+from trainer.score_file import read_rules
+from trainer.score_rule import Rule
 from trainer.sea_file import SeaFile, load_sea, read_sea
 from trainer.watch import Limits
 
 UNSCHEDULED: Final = ("help", "status")  # they answer a console
 
 
-TABLES: Final = ("initial", "sea", "orders", "casualties", "limits")
+TABLES: Final = ("initial", "sea", "orders", "casualties", "limits", "scores")
 KNOWN: Final = (*(item.name for item in fields(Heading)), "note", *TABLES)
 
 
@@ -63,6 +65,7 @@ class Exercise:
     schedule: tuple[Scheduled, ...]
     armed: tuple[Armed, ...]
     limits: Limits
+    scores: tuple[Rule, ...]
 
 
 def load_exercise(name_or_path: str) -> Exercise:
@@ -123,6 +126,8 @@ def parse_exercise(text: str, path: Path) -> Exercise:
     with collecting(problems):
         broken, parts["armed"] = _casualties(table, place, parts["casualties"])
         timed += broken
+    with collecting(problems):
+        parts["scores"] = read_rules(table, place, parts["casualties"])
     if problems:
         raise ConfigError(*problems)
     timed.sort(key=lambda entry: entry.seconds)

@@ -17,6 +17,7 @@ from trainer.schema import (
     optional,
     within,
 )
+from trainer.score_rule import Score
 from trainer.watch import Limits
 
 
@@ -98,6 +99,7 @@ RECORDS: Final = {
     "[orders]": OrderRow,
     "[casualties]": CasualtyRow,
     "limits": Limits,
+    "[scores]": Score,
 }
 
 

@@ -22,6 +22,7 @@ from trainer.io.recording import Journalled, Moment, Recording
 from trainer.io.schedule import Scheduled
 from trainer.reply import Refused, Reply
 
+FIRST: Final = 1  # the branch that begins with the run
 AUTOMATIC_EVERY: Final = 10.0  # [s] between moments kept in memory beside the recording
 AUTOMATIC_KEPT: Final = 360  # of them: one hour
 
@@ -119,8 +120,8 @@ class History:
         return kept[-1] if kept else Refused("nothing is kept from so long ago")
 
     def start(self) -> Moment | Refused:
-        """Return the initial conditions."""
-        return self.before(math.inf) if self.tick == 0 else self.before(self.boat.time)
+        """Return the initial conditions, whatever was ordered in a freeze there."""
+        return self.recording.moment(FIRST, 0) or self.before(self.boat.time)
 
     def go_to(self, moment: Moment, why: str) -> None:
         """Go back to a moment, and begin a new branch there."""
@@ -177,6 +178,7 @@ class History:
 
     def _compare(self, rerun: Rerun, state: bytes) -> None:
         """Note where the replay's state is not the one recorded."""
-        recorded = self.recording.state_at(self.recording.branch, self.tick)
-        if recorded is not None and recorded != state:
+        recorded = self.recording.moment(self.recording.branch, self.tick)
+        # a branch may begin with orders of its own tick, which the replay gives only now
+        if recorded and recorded.after == self.after and recorded.state != state:
             rerun.different = f"the replay left its recording at tick {self.tick}"

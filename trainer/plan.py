@@ -15,6 +15,7 @@ from trainer.exercise_file import UNSCHEDULED, Armed, Exercise, load_exercise
 from trainer.exercise_records import Initial
 from trainer.fitout import KNOT, Method
 from trainer.io.schedule import BadSchedule, Scheduled, parse_schedule
+from trainer.score_rule import Rule
 from trainer.sea_file import SeaFile, load_sea
 from trainer.vessel_file import VesselFile, load_vessel
 from trainer.watch import Limits
@@ -48,6 +49,7 @@ class Plan:
     casualties: Mapping[str, Casualty]
     armed: tuple[Armed, ...]
     limits: Limits
+    scores: tuple[Rule, ...]
 
     def start(self, boat: Boat) -> None:
         """Start the boat as planned; ConfigError if it cannot."""
@@ -87,6 +89,7 @@ def plan_run(options: dict[str, Any]) -> Plan:
         casualties=exercise.casualties if exercise else load_casualties(),
         armed=exercise.armed if exercise else (),
         limits=exercise.limits if exercise else Limits(),
+        scores=exercise.scores if exercise else (),
     )
 
 

@@ -27,11 +27,13 @@ from trainer.io.recording import Recording, RecordingError
 from trainer.io.teletype import course
 from trainer.ledger import SECOND
 from trainer.log_book import header_of
+from trainer.outlets import open_outlets
 from trainer.plan import Plan, plan_run
 from trainer.ports import PATIENCE, Ports, unhurried
 from trainer.publisher import Promptly, Publisher, Roster
 from trainer.readiness import refuse_unstable, warm
-from trainer.session import Closed, Session
+from trainer.reception import Closed
+from trainer.session import Session
 from trainer.timekeeping import Timekeeping
 from trainer.watch import Watch
 
@@ -110,6 +112,7 @@ def fly(voyage: Voyage, options: dict[str, Any]) -> int:
             last_tick=last_tick,
             wake=wake,
             briefing=briefing(plan, boat),
+            until_left=bool(options.get("until_left")),
         )
         open_ports(Ports(wake, sending, session.board.log, stack), session, options)
         if options["headless"]:
@@ -135,6 +138,7 @@ def open_ports(ports: Ports, session: Session, options: dict[str, Any]) -> None:
     elif not options["headless"]:
         quick = unhurried(options)
         session.board.stations.append(ports.terminal(unhurried=quick))
+    session.board.stations += open_outlets(ports, session.history.recording, options)
     session.reception = ports.lobby(options) or Closed()
     for station in session.board.stations:
         session.greet(station)

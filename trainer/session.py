@@ -8,6 +8,7 @@ from typing import Final, Protocol
 
 from trainer.board import Board
 from trainer.boat import Boat
+from trainer.casualty import listing
 from trainer.clock import Waited
 from trainer.desk import Desk
 from trainer.display import panel
@@ -16,6 +17,7 @@ from trainer.helm import ORDERS, obey
 from trainer.history import History
 from trainer.io.orders import Order
 from trainer.io.schedule import Scheduled
+from trainer.reception import Closed, Reception
 from trainer.reply import Refused, Reply
 from trainer.roles import INSTRUCTOR
 from trainer.station import Asked, Station
@@ -42,29 +44,6 @@ class Columns(Protocol):
         ...
 
 
-class Reception(Protocol):
-    """Where stations come in by themselves."""
-
-    @property
-    def awaited(self) -> bool:
-        """Return whether a run that nobody attends to goes on for whoever may come."""
-        ...
-
-    def newcomers(self) -> list[Station]:
-        """Return those that have come since the last call."""
-        ...
-
-
-class Closed:
-    """Nobody comes in by himself."""
-
-    awaited = False
-
-    def newcomers(self) -> list[Station]:
-        """Return nobody."""
-        return []
-
-
 @dataclass
 class Session:
     """One run from its first tick to its end."""
@@ -82,6 +61,7 @@ class Session:
     progress: Callable[[int], None] | None = None
     wake: threading.Event = field(default_factory=threading.Event)
     briefing: tuple[str, ...] = ()  # what whoever comes is told
+    until_left: bool = False  # it ends when the last of those who came by themselves has gone
     deserted: str = ""  # why it ended before its time
     board: Board = field(init=False)
     desk: Desk = field(init=False)
@@ -149,6 +129,9 @@ class Session:
         self.board.stations.remove(station)
         self.board.tell("station", f"{station.account()}: {station.leaving or 'gone'}")
         threading.Thread(target=station.close, args=(PATIENCE,), daemon=True).start()
+        if self.until_left and not any(each.visits for each in self.board.stations):
+            self.board.tell("time", f"ended at {self.boat.time:g} s: the last station has left")
+            self.desk.ended = True
 
     def _take_steps(self) -> None:
         """Take the single steps that were ordered, as long as time stands still."""
@@ -175,6 +158,8 @@ class Session:
             station.answer(asked, "", *(each.account() for each in self.board.stations))
         elif order.name == "briefing":
             station.answer(asked, "", *self.briefing)
+        elif order.name == "casualties":
+            station.answer(asked, "", *listing(self.boat))
         elif order.name == "log":
             station.answer(asked, "", *self.board.lately(station.role, int(order.value)))
         elif order.name == "mark":
@@ -234,15 +219,18 @@ class Session:
             text = f"refused: {answer.reason}" if isinstance(answer, Refused) else answer
             self.board.tell("exercise", f"[{entry.seconds:g} s] {entry.order.text}: {text}")
 
-    def _obey_replay(self) -> None:
-        """Give again what was given at this tick; say when the replay has arrived."""
+    def _obey_replay(self) -> bool:
+        """Give again what was given at this tick; return whether a replay ends here, told so."""
         for order in self.history.due(self.schedule):
             if order.name in ORDERS:
                 obey(self.boat, order)
-        if self.history.caught_up:
-            self.board.tell("moment", self.history.arrive())
-            self.time.pacer.freeze()
-            self._publish(self.history.now().state)
+        if not self.history.caught_up:
+            return False
+        self.board.tell("moment", self.history.arrive())
+        self.time.pacer.freeze()
+        self.desk.steps = 0
+        self._publish(self.history.now().state)
+        return True
 
     # Ticks
 
@@ -250,9 +238,9 @@ class Session:
         """Carry out the orders that are due, and unless they stop time take a tick."""
         was_frozen = self.time.frozen
         self._obey_schedule()
-        self._obey_replay()
+        arrived = self._obey_replay()
         pacer = self.time.pacer
-        if self._over or (pacer.frozen and not was_frozen):
+        if self._over or arrived or (pacer.frozen and not was_frozen):
             return
         pacer.begin()
         status = self.boat.tick()
@@ -263,7 +251,8 @@ class Session:
             self._after_tick()
         events = pacer.end()
         ledger = self.time.ledger
-        self.history.recording.timing(self.history.tick, ledger.lateness, ledger.work)
+        if self.history.rerun is None:
+            self.history.recording.timing(self.history.tick, ledger.lateness, ledger.work)
         if status:
             pacer.freeze()
             self.desk.steps = 0

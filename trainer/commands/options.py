@@ -143,6 +143,51 @@ console_options = together(
 )
 
 
+nmea_options = together(
+    click.option(
+        "--nmea",
+        multiple=True,
+        metavar="URL",
+        help="Send NMEA 0183 to a serial port, udp://HOST:PORT, or whoever comes to "
+        "tcp://HOST:PORT; may be given again. `trainer instruments` lists the sentences.",
+    ),
+    click.option(
+        "--nmea-baud",
+        type=click.IntRange(50, 4_000_000),
+        default=38400,
+        show_default=True,
+        help="Of its serial ports.",
+    ),
+    click.option(
+        "--nmea-rate",
+        type=click.FloatRange(0.1, 50.0),
+        default=2.0,
+        show_default=True,
+        metavar="HZ",
+        help="Sets of sentences a second.",
+    ),
+    click.option(
+        "--nmea-sentences",
+        default=None,
+        metavar="NAMES",
+        help="Only these, such as RMC,HDT,DPT. [default: all]",
+    ),
+    click.option(
+        "--nmea-record",
+        type=FILE,
+        default=None,
+        help="Keep the sentences in this file, at that rate of the boat's own time.",
+    ),
+    click.option(
+        "--origin",
+        default="25,-45",
+        show_default=True,
+        metavar="LAT,LON",
+        help="Where on the Earth the boat begins, in degrees, north and east positive.",
+    ),
+)
+
+
 def port_options(*, listen: str | None, socket: str | None) -> Decorator:
     """Return the options that say where stations are, with the defaults of two of them."""
     return together(
@@ -175,6 +220,7 @@ def port_options(*, listen: str | None, socket: str | None) -> Decorator:
             help="Let stations in at this local socket, or none. [default: this user's]",
         ),
         click.option("--token", default=None, help="Word that stations at sockets have to give."),
+        nmea_options,
     )
 
 

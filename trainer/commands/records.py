@@ -47,3 +47,25 @@ def export(file: Path, csv_path: Path | None, parquet: Path | None, branch: int 
     from trainer.exporting import export_file  # noqa: PLC0415
 
     export_file(file, csv_path, parquet, branch)
+
+
+@click.command()
+@click.argument("file", type=FILE)
+@click.option("--html", type=FILE, default=None, help="[default: beside the recording]")
+@click.option("--pdf", type=FILE, default=None, help="Printed by a browser of this machine.")
+@click.option("--branch", type=click.IntRange(1), default=None, help="[default: the last one]")
+@click.option("--json", "as_json", is_flag=True, help="Print the figures as JSON.")
+def debrief(
+    file: Path, html: Path | None, pdf: Path | None, branch: int | None, *, as_json: bool
+) -> None:
+    """Write what was ordered, what came of it, and the marks, as one page.
+
+    \b
+    Example:  trainer debrief drill.trainer
+              trainer debrief drill.trainer --pdf drill.pdf
+
+    The page is one HTML file that needs nothing else.
+    """
+    from trainer.debrief.files import debrief_file  # noqa: PLC0415
+
+    debrief_file(file, html, pdf, branch, as_json=as_json)

@@ -1,0 +1,425 @@
+"""A session in real time among stations that hang, babble, guess, vanish: no tick is missed."""
+
+import contextlib
+import itertools
+import os
+import random
+import re
+import socket
+import subprocess
+import sys
+import threading
+import time
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import pytest
+
+import trainer
+from trainer.io.recording import Noted, Recording
+from trainer.io.sentences import order_sentence, read
+
+pytestmark = pytest.mark.skipif(not hasattr(os, "openpty"), reason="no pseudo-terminals here")
+
+COMMAND = [sys.executable, "-c", "from trainer.cli import main; main()"]
+PATIENCE = 60.0  # [s] a first run compiles
+SOAK = float(os.environ.get("TRAINER_SOAK", "8"))  # [s]
+FUZZ = 100_000 if "TRAINER_SOAK" in os.environ else 6_000  # [lines]
+FLAT = 6_000  # [kB] that a process may grow by and call it flat: caches of what was said
+BUSY = "while True: pass"
+TOKEN = "periscope"  # noqa: S105  a word of the test
+EXERCISE = """
+schema = "exercise/1"
+name = "All at once"
+briefing = "A sea, and things that break."
+sea = "sea-state-5"
+seed = 23
+
+[initial]
+depth_m = 40
+speed_kn = 8
+
+[[casualties]]
+at_s = 2
+name = "depth-gauge-noisy"
+
+[[casualties]]
+at_s = 3
+name = "flooding-aft"
+severity = 0.1
+ramp_s = 25
+"""
+
+
+class Client:
+    """A program at a socket that gives orders, and gets on with what is answered."""
+
+    def __init__(self, port: int, *, buffer: int = 0) -> None:
+        self.line = socket.socket()
+        if buffer:
+            self.line.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, buffer)
+        self.line.settimeout(PATIENCE)
+        self.line.connect(("127.0.0.1", port))
+        self._lines = self.line.makefile(encoding="ascii")
+        self._tags = itertools.count(1)
+
+    def ask(self, words: str) -> list[str]:
+        """Give an order; return its answer: "ok" or "no", the last line, and those before it."""
+        tag = str(next(self._tags))
+        self.line.sendall(f"{order_sentence(words, tag)}\n".encode("ascii"))
+        said: list[str] = []
+        for text in self._lines:
+            found = read(text)
+            if found and (found.kind, found.tag) == ("TRA", tag):
+                verdict, rest = found.fields
+                if verdict != "say":
+                    return [verdict, rest, *said]
+                said.append(rest)
+        raise AssertionError(f"{words}: the line was closed")
+
+    def rest(self) -> str:
+        """Return what is still said until the line is closed."""
+        return "".join(self._lines)
+
+    def close(self) -> None:
+        self._lines.close()
+        self.line.close()
+
+
+class Served:
+    """A session in a process of its own."""
+
+    def __init__(self, process: "subprocess.Popen[str]", recording: Path) -> None:
+        self.process = process
+        self.recording = recording
+        self.told: list[str] = []
+        self._heard = threading.Event()
+        self._reader = threading.Thread(target=self._read)
+        self._reader.start()
+        assert self._heard.wait(PATIENCE), self.told
+        self.port = int(self.told[0].rpartition(":")[2])
+
+    def _read(self) -> None:
+        assert self.process.stderr
+        for line in self.process.stderr:
+            self.told.append(line)
+            if "listening at tcp" in line:
+                self._heard.set()
+
+    def client(self, role: str = "", token: str = "", *, buffer: int = 0) -> Client:
+        client = Client(self.port, buffer=buffer)
+        if role:
+            assert client.ask(f"role {role} {token}")[0] == "ok"
+        return client
+
+    def finish(self, by: Client) -> str:
+        """Let the instructor end the session; return its account."""
+        assert by.ask("quit")[:2] == ["ok", "ending"]
+        out, _ = self.process.communicate(timeout=PATIENCE)
+        self._reader.join()
+        assert self.process.returncode == 0, self.told
+        return out
+
+    def memory(self) -> int:
+        """Return the memory [kB] of the process."""
+        status = Path(f"/proc/{self.process.pid}/status").read_text()
+        found = re.search(r"VmRSS:\s+(\d+) kB", status)
+        assert found
+        return int(found[1])
+
+    def events(self, kind: str) -> list[Noted]:
+        with contextlib.closing(Recording.look(self.recording)) as recording:
+            return [each for each in recording.events() if each.kind == kind]
+
+
+Serve = Callable[..., Served]
+
+
+def trained(*words: str) -> "subprocess.Popen[str]":
+    here = [str(Path(trainer.__file__).parents[1]), os.environ.get("PYTHONPATH", "")]
+    return subprocess.Popen(
+        [*COMMAND, *words],
+        env=os.environ | {"PYTHONPATH": os.pathsep.join(filter(None, here))},
+        stdin=subprocess.DEVNULL,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+
+
+@pytest.fixture
+def serve(tmp_path: Path) -> Iterator[Serve]:
+    """Return a function that serves the exercise at ten ticks a second; it is killed at the end."""
+    exercise, recording = tmp_path / "all.toml", tmp_path / "kept.trainer"
+    exercise.write_text(EXERCISE)
+    with contextlib.ExitStack() as started:
+
+        def begin(*words: str) -> Served:
+            process = trained(
+                *("serve", str(exercise), "--speed", "5", "--listen", "127.0.0.1:0"),
+                *("--socket", "none", "--record", str(recording), *words),
+            )
+            started.enter_context(process)
+            started.callback(process.kill)
+            return Served(process, recording)
+
+        yield begin
+
+
+@pytest.fixture
+def pty() -> Iterator[Callable[[], tuple[int, str]]]:
+    """Return a function that makes a serial line; it returns this end and the name of the other."""
+    with contextlib.ExitStack() as opened:
+
+        def make() -> tuple[int, str]:
+            ours, theirs = os.openpty()
+            opened.callback(quietly_close, ours)
+            opened.callback(quietly_close, theirs)
+            os.set_blocking(ours, False)  # noqa: FBT003
+            return ours, os.ttyname(theirs)
+
+        yield make
+
+
+def quietly_close(descriptor: int) -> None:
+    with contextlib.suppress(OSError):
+        os.close(descriptor)
+
+
+def come(descriptor: int) -> bytes:
+    """Return what has come at a serial line by now."""
+    try:
+        return os.read(descriptor, 65536)
+    except BlockingIOError:
+        return b""
+
+
+def eventually(happened: Callable[[], object]) -> bool:
+    """Return whether it happens within the patience."""
+    end = time.monotonic() + PATIENCE
+    while not happened() and time.monotonic() < end:
+        time.sleep(0.02)
+    return bool(happened())
+
+
+def replayed(path: Path) -> str:
+    """Return what `trainer replay` says of a recording."""
+    with trained("replay", str(path)) as process:
+        out, err = process.communicate(timeout=PATIENCE)
+    assert process.returncode == 0, out + err
+    return out
+
+
+def garbage(dice: random.Random) -> bytes:
+    """Return a line of noise, or an order spoilt in one place."""
+    if dice.random() < 0.5:
+        return dice.randbytes(dice.randrange(12)).replace(b"\n", b"!") + b"\n"
+    words = dice.choice([b"rudder left 5", b"depth 80", b"blow all", b"$TRO,1,depth 80*30", b"run"])
+    place = dice.randrange(len(words))
+    return words[:place] + dice.randbytes(1) + words[place + 1 :] + b"\n"
+
+
+def babble(line: socket.socket, stop: threading.Event) -> None:
+    """Send noise until told to stop; what is answered is read and forgotten."""
+    dice = random.Random(3)  # noqa: S311  noise, not a secret
+    line.settimeout(PATIENCE)
+    while not stop.wait(0.01):
+        line.sendall(b"".join(garbage(dice) for _ in range(10)))
+        with contextlib.suppress(BlockingIOError):
+            while line.recv(65536, socket.MSG_DONTWAIT):
+                pass
+
+
+def lost(account: str) -> int:
+    """Return how many lines a station has lost by its account in `who`."""
+    found = re.search(r"(\d+) lines lost", account)
+    return int(found[1]) if found else 0
+
+
+def test_no_tick_is_missed_among_hung_and_babbling_stations(
+    serve: Serve, pty: Callable[[], tuple[int, str]]
+) -> None:
+    helm, helm_name = pty()
+    _, ballast_name = pty()  # nobody reads it
+    with contextlib.ExitStack() as stack:
+        busy = stack.enter_context(subprocess.Popen([sys.executable, "-c", BUSY]))
+        stack.callback(busy.kill)
+        session = serve("--line", f"helm={helm_name}", "--line", f"ballast={ballast_name}")
+        stop = threading.Event()
+        by, hung, noisy = (stack.enter_context(contextlib.closing(c)) for c in stations(session))
+        noise = threading.Thread(target=babble, args=(noisy.line, stop))
+        noise.start()
+        stack.callback(noise.join)
+        stack.callback(stop.set)
+        hung.line.sendall(b"help\n" * 400)  # and never reads what it is told
+        os.write(helm, b"subscribe steering at 50 hz\r")
+
+        orders = itertools.cycle(("depth 50", "casualty gyro-noisy", "speed 9", "sea state 4"))
+        said, end = b"", time.monotonic() + SOAK
+        while time.monotonic() < end:
+            assert by.ask(next(orders))[0] == "ok"
+            os.write(helm, b"rudder right 10\r")
+            said = said[-1000:] + come(helm)
+            time.sleep(0.1)
+        _, _, *accounts = by.ask("who")
+        stop.set()
+        noise.join()
+        account = session.finish(by)
+
+    assert "overruns 0, caught up 0, slipped 0, gaps 0" in account or on_time(account)
+    who = {text.split()[0]: text for text in accounts}
+    assert lost(who["planes"]) > 100
+    assert lost(who["ballast"]) > 10
+    assert lost(who["helm"]) == lost(who["instructor"]) == 0
+    bad = re.search(r"(\d+) bad lines", who["observer"])
+    assert bad
+    assert int(bad[1]) > 100
+    assert b"rudder right 10, by hand" in said
+    assert "the same to the last bit" in replayed(session.recording)
+
+
+def stations(session: Served) -> Iterator[Client]:
+    """Yield the instructor, one that is to hang, and one that is to babble."""
+    yield session.client("instructor")
+    hung = session.client("planes", buffer=4096)
+    for channel in ("teletype", "gauges", "diving", "time"):
+        assert hung.ask(f"subscribe {channel} at 50 hz")[0] == "ok"
+    yield hung
+    yield session.client()
+
+
+def on_time(account: str) -> bool:
+    """Return whether no tick was missed; one may have been woken late and made up for it."""
+    found = re.search(r"overruns (\d+), caught up \d+, slipped (\d+), gaps (\d+)", account)
+    assert found, account
+    return [int(number) for number in found.groups()] == [0, 0, 0]
+
+
+# Those who should not
+
+
+def refused_ones(session: Served) -> None:
+    """Be everybody that a session has to refuse."""
+    with contextlib.closing(session.client()) as stranger:
+        assert stranger.ask("rudder left 5")[0] == "no"
+        assert "asks for a token" in stranger.ask("role helm")[1]
+        for guess in ("a", "b", "c"):
+            verdict, text, *_ = stranger.ask(f"role instructor {guess}")
+            assert (verdict, text[:11]) == ("no", "wrong token")
+        assert "closed" in text
+        stranger.rest()  # to the end of the line
+    with contextlib.closing(session.client("helm", TOKEN)) as helm:
+        for words in ("depth 80", "blow all", "freeze", "quit", "restore a", "subscribe motion"):
+            assert helm.ask(words)[0] == "no"
+        assert "stays so" in helm.ask(f"role instructor {TOKEN}")[1]
+        helm.line.sendall(b"rudder left 5" * 1000 + b"\n")
+        assert helm.ask("help rudder")[0] == "ok"
+
+
+def half_open(session: Served) -> list[socket.socket]:
+    """Leave sockets behind: one silent, one within an order; and reset another there."""
+    left = [session.client("helm", TOKEN).line, session.client().line]
+    left[0].sendall(b"rudder left 2")
+    reset = session.client("helm", TOKEN).line
+    reset.sendall(b"rudder left 20")
+    reset.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, b"\1\0\0\0\0\0\0\0")
+    reset.close()
+    return left
+
+
+def fuzz(session: Served, lines: int, seed: int) -> None:
+    """Send so many lines of noise on one connection, and wait until all have been heard."""
+    dice = random.Random(seed)  # noqa: S311  noise, not a secret
+    with contextlib.closing(session.client()) as client:
+        client.line.settimeout(0.0)
+        waiting = b"".join(garbage(dice) for _ in range(lines)) + b"\nwho\n"
+        said = b""
+        while waiting or b" bad lines" not in said:
+            with contextlib.suppress(BlockingIOError):
+                waiting = waiting[client.line.send(waiting) :]
+            with contextlib.suppress(BlockingIOError):
+                said = said[-200:] + client.line.recv(65536)
+            time.sleep(0.002)
+
+
+def fuzz_all(session: Served, lines: int) -> None:
+    """Send noise on four connections at once."""
+    threads = [
+        threading.Thread(target=fuzz, args=(session, lines // 4, seed)) for seed in range(4)
+    ]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+
+
+def test_who_may_not_or_cannot_order_is_refused_logged_and_changes_nothing(
+    serve: Serve, tmp_path: Path
+) -> None:
+    session = serve("--token", TOKEN)
+    with contextlib.closing(session.client("instructor", TOKEN)) as by:
+        refused_ones(session)
+        left = half_open(session)
+        before = len(session.recording.read_bytes())
+        fuzz_all(session, 2000)
+        memory = session.memory() if sys.platform == "linux" else 0
+        fuzz_all(session, FUZZ)
+        grown = session.memory() - memory if sys.platform == "linux" else 0
+        account = session.finish(by)
+    for line in left:
+        line.close()
+
+    assert grown < FLAT
+    assert before
+    assert on_time(account)
+    refused = session.events("refused")
+    texts = "\n".join(each.text for each in refused)
+    for told in ("wrong token", "the depth is", "longer than 80", "more of the same line"):
+        assert told in texts, told
+    assert TOKEN.encode() not in session.recording.read_bytes()
+    assert len(refused) < 2000
+    assert unchanged(session.recording, tmp_path)
+
+
+def unchanged(path: Path, folder: Path) -> bool:
+    """Return whether every state is the one of a run that nobody attends to."""
+    with contextlib.closing(Recording.look(path)) as recording:
+        disturbed = list(recording.states(1))
+        assert {each.who for each in recording.orders(1)} == {"schedule"}
+    seconds = str(0.5 * disturbed[-1][0])
+    alone = folder / "alone.trainer"
+    with trained(
+        *("run", str(folder / "all.toml"), "--headless", "--speed", "max"),
+        *("--duration", seconds, "--record", str(alone)),
+    ) as process:
+        assert process.wait(PATIENCE) == 0
+        process.communicate()
+    with contextlib.closing(Recording.look(alone)) as recording:
+        return list(recording.states(1)) == disturbed
+
+
+def test_a_serial_station_unplugged_and_plugged_in_again_goes_on(
+    serve: Serve, pty: Callable[[], tuple[int, str]], tmp_path: Path
+) -> None:
+    port = tmp_path / "ttyHELM"
+    first, name = pty()
+    port.symlink_to(name)
+    session = serve("--line", f"helm={port}")
+    with contextlib.closing(session.client("instructor")) as by:
+        os.write(first, b"rudder left 5\r")
+        assert eventually(lambda: b"left 5, by hand" in come(first))
+        os.write(first, b"rudder right 3")  # and the plug is pulled
+        second, name = pty()
+        port.unlink()
+        port.symlink_to(name)
+        os.close(first)
+        assert eventually(lambda: os.write(second, b"\rstatus\r") and b"rudder" in come(second))
+        os.write(second, b"rudder left 8\r")
+        assert eventually(lambda: b"left 8, by hand" in come(second))
+        assert any(text.startswith(f"helm at {port}") for text in by.ask("who"))
+        session.finish(by)
+
+    with contextlib.closing(Recording.look(session.recording)) as recording:
+        given = [each.text for each in recording.orders(1) if each.who != "schedule"]
+    assert given == ["rudder left 5", "rudder left 8"]
+    assert "the same to the last bit" in replayed(session.recording)

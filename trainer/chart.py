@@ -1,0 +1,47 @@
+"""Where on the Earth she is: the plane that a boat sails on, laid on WGS 84 at an origin.
+
+The boat's north and east are distances on a plane. Its points are put on the ellipsoid at their true
+distance and bearing from the origin, along the geodesic: exact there, and still right to a
+millionth of the distance a hundred kilometres away. North on the plane is north at the origin; east of it
+the meridians lean by the sine of the latitude times the difference of longitude.
+"""
+
+import math
+import re
+from dataclasses import dataclass
+from typing import Final
+
+from geographiclib.geodesic import Geodesic
+
+BOUNDS: Final = 80.0, 180.0  # [deg] of latitude and longitude; at the poles north is no direction
+DEGREES: Final = re.compile(r"\s*([+-]?[0-9]{1,3}(?:\.[0-9]*)?)\s*", re.ASCII)
+WANTED: Final = Geodesic.LATITUDE | Geodesic.LONGITUDE
+
+
+@dataclass(frozen=True)
+class Chart:
+    """The plane with its origin at a latitude and longitude [deg]."""
+
+    latitude: float
+    longitude: float
+
+    def position(self, north: float, east: float) -> tuple[float, float]:
+        """Return latitude and longitude [deg] of a point [m] of the plane."""
+        bearing, distance = math.degrees(math.atan2(east, north)), math.hypot(north, east)
+        found = Geodesic.WGS84.Direct(self.latitude, self.longitude, bearing, distance, WANTED)
+        return found["lat2"], found["lon2"]
+
+
+DEFAULT: Final = Chart(25.0, -45.0)  # mid-Atlantic: deep, and far from any coast
+
+
+def chart_at(text: str) -> Chart:
+    """Return the chart with its origin at ``LAT,LON`` [deg]; ValueError saying what to say."""
+    parts = [DEGREES.fullmatch(part) for part in text.split(",")]
+    if len(parts) != 2 or None in parts:
+        raise ValueError("say LAT,LON in degrees, south and west negative, such as 25.5,-45")
+    latitude, longitude = (float(part[1]) for part in parts if part)
+    for name, value, most in zip(("latitude", "longitude"), (latitude, longitude), BOUNDS, strict=True):
+        if abs(value) > most:
+            raise ValueError(f"{name} {value:g} is not within {-most:g} and {most:g} degrees")
+    return Chart(latitude, longitude)

@@ -1,0 +1,95 @@
+"""Sentences of NMEA 0183 (IEC 61162-1): fields framed with a checksum, and read again.
+
+    sentence  = "$" address { "," field } "*" checksum CR LF     at most 82 characters in all
+    address   = talker, two letters, and formatter, three; or "P" and a maker's letters
+    checksum  = two hexadecimal digits, the exclusive or of every character between "$" and "*"
+
+An empty field is one that has no value at present. What stands in the fields is others' affair.
+"""
+
+import re
+from dataclasses import dataclass
+from datetime import datetime
+from typing import Final
+
+from trainer.io.sentences import FRAME, checksum
+
+LONGEST: Final = 82  # [characters] of a sentence, its line end included
+LINE_END: Final = 2  # [characters]
+ADDRESS: Final = re.compile(r"P[A-Z0-9]{2,5}|[A-Z0-9]{5}")
+FINEST: Final = 10**5  # parts of a minute of arc that a position is given in: 2 cm
+
+
+@dataclass(frozen=True)
+class Sentence:
+    """A sentence received, its checksum right; a maker's own has the talker P."""
+
+    talker: str
+    formatter: str
+    fields: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class Damaged:
+    """A line that begins like a sentence and is none."""
+
+    reason: str
+
+
+def sentence(address: str, *fields: str) -> str:
+    """Return a sentence without its line end; ValueError when it is too long to be one."""
+    body = ",".join((address, *fields))
+    framed = f"${body}*{checksum(body):02X}"
+    if len(framed) > LONGEST - LINE_END:
+        raise ValueError(f"{framed}: {len(framed)} characters; {LONGEST - LINE_END} at most")
+    return framed
+
+
+def hear(line: str) -> Sentence | Damaged | None:
+    """Return what `line` holds, None when it is blank or no sentence at all; never raises."""
+    text = line.strip()
+    if not text.startswith("$"):
+        return None
+    found = FRAME.fullmatch(text)
+    if not (found and text.isascii() and text.isprintable()):
+        return Damaged("not framed by $ and *, with two digits of checksum")
+    body, given = found.groups()
+    if int(given, 16) != checksum(body):
+        return Damaged(f"wrong checksum {given.upper()}; this sentence's is {checksum(body):02X}")
+    address, *fields = body.split(",")
+    if not ADDRESS.fullmatch(address):
+        return Damaged("no talker and formatter")
+    letters = 1 if address.startswith("P") else 2
+    return Sentence(address[:letters], address[letters:], tuple(fields))
+
+
+def number(value: float | None, decimals: int) -> str:
+    """Return a number with so many decimals, "" for none; never a minus before nought."""
+    return "" if value is None else f"{round(value, decimals) + 0.0:.{decimals}f}"
+
+
+def latitude(degrees: float) -> tuple[str, str]:
+    """Return a latitude [deg] as ddmm.mmmmm and N or S."""
+    return arc(degrees, 2), "N" if degrees >= 0.0 else "S"
+
+
+def longitude(degrees: float) -> tuple[str, str]:
+    """Return a longitude [deg] as dddmm.mmmmm and E or W."""
+    return arc(degrees, 3), "E" if degrees >= 0.0 else "W"
+
+
+def arc(degrees: float, digits: int) -> str:
+    """Return the size of an angle as whole degrees, in so many digits, and minutes."""
+    whole, parts = divmod(round(abs(degrees) * 60 * FINEST), 60 * FINEST)
+    minutes, parts = divmod(parts, FINEST)
+    return f"{whole:0{digits}d}{minutes:02d}.{parts:05d}"
+
+
+def time_of_day(at: datetime) -> str:
+    """Return hours, minutes, seconds and hundredths."""
+    return f"{at:%H%M%S}.{at.microsecond // 10000:02d}"
+
+
+def date(at: datetime) -> str:
+    """Return day, month and the last two digits of the year."""
+    return f"{at:%d%m%y}"

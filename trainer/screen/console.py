@@ -1,0 +1,267 @@
+"""The screen of one role: drawings in rows, a line for orders, keys, and dialogs above them."""
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from functools import partial
+from typing import ClassVar, Final
+
+from textual import events
+from textual.app import App, ComposeResult
+from textual.binding import BindingType
+from textual.containers import Horizontal, Vertical
+from textual.css.query import NoMatches
+from textual.widgets import Input
+
+from trainer.screen.acts import (
+    Act,
+    Again,
+    Give,
+    Hasten,
+    Leave,
+    Move,
+    Open,
+    Scroll,
+    Toggle,
+    Widen,
+    Write,
+)
+from trainer.screen.asking import emergency, leaving
+from trainer.screen.choice import Done, casualty_choice, sea_choice
+from trainer.screen.completion import hint
+from trainer.screen.dialog import Dialog, Subject
+from trainer.screen.drawing.bridge import foot, top
+from trainer.screen.drawing.chart import strip
+from trainer.screen.drawing.record import log, time_line
+from trainer.screen.entry import Entry
+from trainer.screen.guide import Guide
+from trainer.screen.ink import Lines, fit, line
+from trainer.screen.keys import by_name, footer
+from trainer.screen.levers import Levers
+from trainer.screen.moments import Moments
+from trainer.screen.pane import Pane
+from trainer.screen.posts import POSTS, Place
+from trainer.screen.sight import Sight
+
+RATE: Final = 10.0  # [Hz] of looking
+SPANS: Final = (60.0, 120.0, 300.0, 600.0, 1200.0)  # [s] of the charts
+PACES: Final = (0.1, 0.2, 0.5, 1.0, 2.0, 4.0, 8.0, 16.0, 32.0, 64.0, 100.0)  # of time
+PROMPTS: Final = {"instructor": "type an order, such as depth 80; F1 helps"}
+PROMPT: Final = "keys move your controls; Enter to type an order"
+DIALOGS: Final[Mapping[str, Callable[[Sight], Subject]]] = {
+    "help": lambda sight: Guide(sight.role),
+    "casualties": casualty_choice,
+    "sea": sea_choice,
+    "moments": lambda sight: Moments(sight, replays=False),
+    "emergency": lambda _sight: emergency(),
+}
+
+
+class Console(App[str]):
+    """One station's screen; it ends with "" or with what is to be told on the terminal."""
+
+    CSS_PATH = "console.tcss"
+    TITLE = "trainer"
+    ENABLE_COMMAND_PALETTE = False
+    HORIZONTAL_BREAKPOINTS: ClassVar[list[tuple[int, str]]] = [
+        (0, "-tiny"),
+        (60, "-narrow"),
+        (126, "-wide"),
+    ]
+    VERTICAL_BREAKPOINTS: ClassVar[list[tuple[int, str]]] = [
+        (0, "-flat"),
+        (20, "-low"),
+        (36, "-tall"),
+    ]
+    # not those of the library: Ctrl-Q is what wakes a terminal that Ctrl-S has stopped
+    BINDINGS: ClassVar[list[BindingType]] = []
+
+    def __init__(self, sight: Sight, *, own: bool = False) -> None:
+        """Show ``sight``; a session that is the console's ``own`` ends with it."""
+        super().__init__()
+        self.sight = sight
+        self.own = own
+        self.span = 1  # of SPANS
+        self._post = POSTS[sight.role]
+        self._keys = by_name(sight.role)
+        self._levers = Levers()
+        self._seen: tuple[object, ...] = ()
+
+    def compose(self) -> ComposeResult:
+        """Lay the drawings out; the style sheet says which are shown at which size."""
+        yield Pane(partial(top, self.sight), "top")
+        yield Horizontal(*map(self._pane, self._post.upper), id="upper")
+        if self._post.lower:
+            yield Horizontal(*map(self._pane, self._post.lower), id="lower")
+        yield Horizontal(*self._charts(range(3)), id="first", classes="charts")
+        if len(self._post.charts) > 3:
+            yield Horizontal(*self._charts(range(3, 6)), id="second", classes="charts")
+        with Horizontal(id="record"):
+            yield Pane(partial(log, self.sight), "log")
+            if self._post.aside:
+                yield Vertical(*map(self._pane, self._post.aside), id="aside")
+        yield Pane(self._line, "line", moving=True)
+        yield Entry(self._known(), self._quick(), PROMPTS.get(self.sight.role, PROMPT))
+        yield Pane(lambda width, _: foot(footer(self.sight.role), width), "foot")
+
+    def on_mount(self) -> None:
+        """Begin to look; end in good order when asked to from outside."""
+        self.screen.add_class(self.sight.role)
+        self.set_interval(1.0 / RATE, self._look)
+        if self.sight.instructs:
+            self.query_one(Entry).focus()
+        else:
+            self.set_focus(None)
+
+    def on_key(self, event: events.Key) -> None:
+        """Do what a key does, unless a dialog has it or it is being typed."""
+        if len(self.screen_stack) > 1:
+            return
+        if event.key == "escape" and not self.sight.instructs:
+            self.set_focus(None)
+        key = self._keys.get(event.key)
+        if key is not None:
+            event.stop()
+            event.prevent_default()
+            self.act(key.act)
+
+    def on_input_submitted(self, message: Input.Submitted) -> None:
+        """Send what has been typed."""
+        words = message.value.strip()
+        entry = self.query_one(Entry)
+        entry.keep(words) if words else None
+        if not self.sight.instructs:
+            self.set_focus(None)
+        if words in ("detach", "bye"):
+            self.exit("")
+        elif words:
+            self.sight.order(words)
+            self._look()
+
+    def act(self, act: Act) -> None:
+        """Carry out what a key does."""
+        sight = self.sight
+        match act:
+            case Give(words):
+                sight.order(words)
+            case Toggle():
+                sight.order("run" if sight.picture.frozen else "freeze")
+            case Hasten(steps):
+                sight.order(f"time {nearest(PACES, sight.picture.pace, steps):g}")
+            case Move(surface, by):
+                words = self._levers.move(surface, by, sight)
+                if words:
+                    sight.order(words)
+            case Again() if sight.picture.word("time", "replay") == "yes":
+                sight.order("take over")
+            case Again():
+                self._open(Moments(sight, replays=True))
+            case Open(dialog):
+                self._open(DIALOGS[dialog](sight))
+            case Write(text):
+                self.query_one(Entry).begin(text)
+            case Widen(steps):
+                self.span = min(max(self.span + steps, 0), len(SPANS) - 1)
+                self._seen = ()
+            case Scroll(lines):
+                sight.journal.look_back(lines)
+            case Leave():
+                self._leave()
+        self._look()
+
+    # looking
+
+    def _look(self) -> None:
+        """Take what has come, and have drawn anew what has changed."""
+        sight = self.sight
+        sight.hear()
+        if sight.barred:
+            self.exit(sight.barred)
+            return
+        seen = (sight.picture.changes, sight.journal.changes, sight.joined, sight.over, self.span)
+        changed, self._seen = seen != self._seen, seen
+        for pane in self.screen.query(Pane):
+            if changed or pane.moving:
+                pane.look()
+        if len(self.screen_stack) > 1 and changed:
+            for pane in self.screen_stack[0].query(Pane):
+                pane.look()
+
+    def _pane(self, place: Place) -> Pane:
+        return Pane(partial(place.draw, self.sight), place.name, moving=place.moving)
+
+    def _charts(self, places: Sequence[int]) -> list[Pane]:
+        """Return the panes of charts, those that the role has."""
+        return [
+            Pane(partial(self._chart, place), f"chart{place}")
+            for place in places
+            if place < len(self._post.charts)
+        ]
+
+    def _chart(self, place: int, width: int, height: int) -> Lines:
+        return strip(place, self.sight, SPANS[self.span], width, height)
+
+    def _line(self, width: int, height: int) -> Lines:
+        """Return what may be typed next, or the line of time."""
+        try:
+            typed = self.screen_stack[0].query_one(Entry).value
+        except NoMatches:
+            return []
+        if typed:
+            return [fit(line((f"   {hint(typed, self._known())}", "dim")), width)]
+        return time_line(self.sight, width, height)
+
+    def _known(self) -> Mapping[str, Sequence[str]]:
+        """Return the names that an order may hold."""
+        return Known(self.sight)
+
+    def _quick(self) -> frozenset[str]:
+        """Return the keys that are no letters while nothing has been typed."""
+        if not self.sight.instructs:
+            return frozenset()
+        return frozenset(name for name in self._keys if len(name) > 1)
+
+    # dialogs
+
+    def _open(self, subject: Subject) -> None:
+        self.push_screen(Dialog(subject), self._finish)
+
+    def _finish(self, done: Done | None) -> None:
+        """Send what a dialog has ended with."""
+        if done is None:
+            return
+        for words in done.orders:
+            self.sight.order(words)
+        if done.leave:
+            self.exit("")
+
+    def _leave(self) -> None:
+        """Leave; the instructor is asked whether the run ends too."""
+        if self.sight.instructs and self.sight.joined and not self.sight.over:
+            self._open(leaving(own=self.own))
+        else:
+            self.exit("")
+
+
+class Known(Mapping[str, Sequence[str]]):
+    """Names by what the grammar calls them, as they are known by now."""
+
+    def __init__(self, sight: Sight) -> None:
+        self._sight = sight
+
+    def __getitem__(self, says: str) -> Sequence[str]:
+        if says == "the name of a casualty":
+            return [each.name for each in self._sight.casualties]
+        if says == "a name for a moment":
+            return [kept.text for kept in self._sight.snapshots]
+        raise KeyError(says)
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(("the name of a casualty", "a name for a moment"))
+
+    def __len__(self) -> int:
+        return 2
+
+
+def nearest(steps: Sequence[float], value: float, by: int) -> float:
+    """Return the step ``by`` places beside the one that is nearest to a value."""
+    place = min(range(len(steps)), key=lambda i: abs(steps[i] - value))
+    return steps[min(max(place + by, 0), len(steps) - 1)]

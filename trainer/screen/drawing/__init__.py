@@ -1,0 +1,1 @@
+"""Drawings: functions from what is known of the session to lines in inks."""

@@ -1,0 +1,69 @@
+"""What was ordered here, what was answered, and what has happened elsewhere, by time."""
+
+import textwrap
+from collections import deque
+from dataclasses import dataclass, field
+from typing import Final, NamedTuple
+
+KEPT: Final = 1000
+# by kind: the sign before the text, and the ink
+SIGNS: Final = {
+    "sent": (">", "value"),
+    "answer": (" ", "plain"),
+    "refused": ("?", "warning"),
+    "watch": ("!", "alarm"),
+    "trouble": ("!", "alarm"),
+    "lost": ("!", "alarm"),
+    "moment": ("<", "title"),
+    "time": ("=", "plain"),
+    "mark": ("*", "good"),
+    "order": ("-", "plain"),
+    "exercise": ("-", "ordered"),
+    "station": ("-", "dim"),
+    "briefing": (" ", "plain"),
+}
+OTHER: Final = ("-", "plain")
+
+
+class Entry(NamedTuple):
+    """One thing said or done."""
+
+    seconds: float | None  # None: at no time of the boat's
+    kind: str
+    text: str
+
+
+@dataclass
+class Journal:
+    """The entries, oldest first, and how far back the screen looks."""
+
+    entries: deque[Entry] = field(default_factory=lambda: deque(maxlen=KEPT))
+    changes: int = 0
+    back: int = 0  # lines
+
+    def add(self, seconds: float | None, kind: str, text: str) -> None:
+        """Enter something; the screen shows it."""
+        self.entries.append(Entry(seconds, kind, text))
+        self.changes += 1
+        self.back = 0
+
+    def look_back(self, lines: int) -> None:
+        """Look further back, or less far."""
+        self.back = max(self.back + lines, 0)
+        self.changes += 1
+
+
+def clock(seconds: float) -> str:
+    """Return a time as HH:MM:SS."""
+    whole = int(max(seconds, 0.0))
+    return f"{whole // 3600:02}:{whole // 60 % 60:02}:{whole % 60:02}"
+
+
+def wrapped(entry: Entry, width: int) -> list[tuple[str, str, str]]:
+    """Return an entry in lines of a time, a text and an ink."""
+    sign, ink = SIGNS.get(entry.kind, OTHER)
+    when = " " * 8 if entry.seconds is None else clock(entry.seconds)
+    room = max(width - len(when) - 3, 8)
+    texts = textwrap.wrap(entry.text, room) or [""]
+    first, *rest = texts
+    return [(when, f"{sign} {first}", ink), *((" " * 8, f"  {text}", ink) for text in rest)]

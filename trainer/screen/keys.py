@@ -1,0 +1,161 @@
+"""The keys of each role, once: the screens obey them, help and documents list them."""
+
+from collections.abc import Mapping
+from typing import Final
+
+from trainer.screen.acts import (
+    Again,
+    Give,
+    Hasten,
+    Key,
+    Leave,
+    Move,
+    Open,
+    Scroll,
+    Toggle,
+    Widen,
+    Write,
+)
+
+PAGE: Final = 8  # [lines] of the log
+
+HELP: Final = Key(("f1", "question_mark"), "F1", "help", "help, this page", Open("help"))
+LEAVE: Final = Key(("f10", "ctrl+c"), "F10", "leave", "leave; the session goes on", Leave())
+END: Final = Key(("f10", "ctrl+c"), "F10", "quit", "end the run, or leave it", Leave())
+LOG: Final = (
+    Key(("pageup",), "Page Up", "", "look back in the log", Scroll(PAGE)),
+    Key(("pagedown",), "Page Down", "", "and down again", Scroll(-PAGE)),
+)
+SPAN: Final = (
+    Key(("right_square_bracket",), "]", "", "charts over a longer time", Widen(1)),
+    Key(("left_square_bracket",), "[", "", "charts over a shorter time", Widen(-1)),
+)
+TYPE: Final = Key(("enter", "colon"), "Enter", "type", "type an order; Esc comes back", Write(""))
+
+INSTRUCTOR: Final = (
+    HELP,
+    Key(("f2", "space"), "F2", "freeze/run", "stop time, or let it go on", Toggle()),
+    Key(("f3", "full_stop"), "F3", "step", "one tick, then frozen again", Give("step")),
+    Key(("f4",), "F4", "casualty", "break something, or clear it", Open("casualties")),
+    Key(("f5",), "F5", "sea", "change the sea", Open("sea")),
+    Key(("f6",), "F6", "back", "go back in time, by the time line", Open("moments")),
+    Key(("f7",), "F7", "replay", "watch it again; ends a replay that runs", Again()),
+    Key(("f8",), "F8", "snapshot", "keep this moment under a name", Write("snapshot ")),
+    Key(("f9",), "F9", "mark", "mark this moment, with a remark", Write("mark ")),
+    END,
+    Key(("plus", "equals_sign"), "+", "", "time faster", Hasten(1)),
+    Key(("minus",), "-", "", "time slower", Hasten(-1)),
+    *SPAN,
+    *LOG,
+)
+
+
+def steering(
+    surface: str, pair: tuple[str, str], labels: tuple[str, str], sides: tuple[str, str]
+) -> tuple[Key, ...]:
+    """Return the keys that move a surface, the second of each pair to the positive side."""
+    found = []
+    for key, label, side, sign in zip(pair, labels, sides, (-1, 1), strict=True):
+        found += [
+            Key((key,), label, side, f"{surface} 1 degree {side}", Move(surface, sign)),
+            Key(
+                (f"shift+{key}", f"ctrl+{key}"),
+                f"Shift {label}",
+                "",
+                f"{surface} 5 degrees {side}; Ctrl does the same",
+                Move(surface, 5 * sign),
+            ),
+        ]
+    return tuple(found)
+
+
+def given(key: str, says: str, words: str) -> Key:
+    """Return a key that gives an order."""
+    return Key((key,), key.upper() if len(key) == 1 else key, says, words, Give(words))
+
+
+RUDDER: Final = (
+    *steering("rudder", ("left", "right"), ("Left", "Right"), ("left", "right")),
+    given("m", "amidships", "rudder amidships"),
+    given("a", "auto", "rudder auto"),
+)
+BELLS: Final = (
+    Key(("1",), "1", "1/3", "bell ahead one-third", Give("bell ahead one-third")),
+    Key(("2",), "2", "2/3", "bell ahead two-thirds", Give("bell ahead two-thirds")),
+    Key(("3",), "3", "std", "bell ahead standard", Give("bell ahead standard")),
+    Key(("4",), "4", "full", "bell ahead full", Give("bell ahead full")),
+    Key(("5",), "5", "flank", "bell ahead flank", Give("bell ahead flank")),
+    Key(("0",), "0", "stop", "bell stop", Give("bell stop")),
+    Key(("6",), "6", "back 1/3", "bell astern one-third", Give("bell astern one-third")),
+    Key(("7",), "7", "2/3", "bell astern two-thirds", Give("bell astern two-thirds")),
+    Key(("8",), "8", "full", "bell astern full", Give("bell astern full")),
+)
+PLANES: Final = (
+    *steering("stern", ("down", "up"), ("Down", "Up"), ("dive", "rise")),
+    *steering("bow", ("left", "right"), ("Left", "Right"), ("dive", "rise")),
+    given("z", "stern 0", "stern planes zero"),
+    given("x", "bow 0", "bow planes zero"),
+    given("a", "auto", "planes auto"),
+    given("p", "periscope", "periscope depth"),
+)
+VALVES: Final = (
+    given("1", "blow F", "blow forward"),
+    given("2", "mid", "blow mid"),
+    given("3", "aft", "blow aft"),
+    given("4", "all", "blow all"),
+    given("0", "stop", "blow stop"),
+    given("v", "vent", "vent all open"),
+    given("s", "shut", "vent all shut"),
+    Key(("e",), "E", "EMERGENCY", "emergency blow, once more asked", Open("emergency")),
+)
+WATER: Final = (
+    given("n", "neg. flood", "negative flood"),
+    given("b", "neg. blow", "negative blow"),
+    given("f", "flood aux 1 t", "flood auxiliary 1"),
+    given("g", "pump aux 1 t", "pump auxiliary 1"),
+    given("t", "trim aft 1 t", "pump trim aft 1"),
+    given("y", "trim fwd 1 t", "pump trim forward 1"),
+    given("h", "hover", "hover on"),
+    given("j", "no hover", "hover off"),
+    given("c", "compressor", "compressor on"),
+    given("k", "off", "compressor off"),
+)
+COMMON: Final = (*SPAN, *LOG)
+
+KEYS: Final[Mapping[str, tuple[Key, ...]]] = {
+    "instructor": INSTRUCTOR,
+    "helm": (HELP, LEAVE, TYPE, *RUDDER, *BELLS, *COMMON),
+    "planes": (HELP, LEAVE, TYPE, *PLANES, *COMMON),
+    "ballast": (HELP, LEAVE, TYPE, *VALVES, *WATER, *COMMON),
+    "diving": (HELP, LEAVE, TYPE, *PLANES, *VALVES, *WATER, *COMMON),
+    "observer": (
+        HELP,
+        LEAVE,
+        TYPE,
+        Key(("m",), "M", "mark", "mark this moment, with a remark", Write("mark ")),
+        *COMMON,
+    ),
+}
+
+
+def footer(role: str) -> tuple[tuple[str, str], ...]:
+    """Return the keys that the last line names."""
+    return tuple((key.label, key.says) for key in KEYS[role] if key.says)
+
+
+def by_name(role: str) -> dict[str, Key]:
+    """Return the keys of a role by the names that a terminal gives them."""
+    return {name: key for key in KEYS[role] for name in key.names}
+
+
+def key_table(role: str) -> str:
+    """Return the Markdown table of a role's keys, as docs/instructor.md shows it."""
+    rows = [f"| `{key.label}` | {key.does} |" for key in KEYS[role]]
+    return "\n".join(["| key | does |", "|---|---|", *rows]) + "\n"
+
+
+def key_tables() -> str:
+    """Return the tables of all roles but the observer."""
+    return "\n".join(
+        f"#### {role.capitalize()}\n\n{key_table(role)}" for role in KEYS if role != "observer"
+    )

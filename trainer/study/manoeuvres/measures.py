@@ -1,0 +1,126 @@
+"""What a manoeuvre is measured by, and the general ways to read numbers from a flight."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+Numbers = NDArray[np.float64]
+
+PERCENT: Final = 5.0  # [%] by which two flights may differ
+SECONDS: Final = 5.0  # [s] by which their zero crossings may
+MOST: Final = 6  # peaks, and crossings, of one quantity
+FAINT: Final = 0.05  # [-] of the first swing: a smaller one is shown and not judged
+
+
+@dataclass(frozen=True)
+class Measure:
+    """One number of a manoeuvre, SI and radians."""
+
+    name: str
+    unit: str  # "m", "s", "rad", ...; "-" of a ratio
+    value: float | None  # None: it never came to that
+    allowed: float | None = None  # difference allowed to another flight; None: shown, not judged
+
+
+def share(name: str, unit: str, value: float | None) -> Measure:
+    """Return a measure that may differ by PERCENT of itself."""
+    return Measure(name, unit, value, None if value is None else abs(value) * PERCENT / 100.0)
+
+
+def shown(name: str, unit: str, value: float | None) -> Measure:
+    """Return a measure that is not judged."""
+    return Measure(name, unit, value)
+
+
+def first_time(t: Numbers, values: Numbers, level: float) -> float | None:
+    """Return when ``values`` first pass ``level`` upwards or downwards, interpolated; None: never.
+
+    Which way is told by the side on which they begin.
+    """
+    above = values >= level if values[0] < level else values <= level
+    place = int(np.argmax(above))
+    if not above[place]:
+        return None
+    return _between(t, values, place, level)
+
+
+def _between(t: Numbers, values: Numbers, place: int, level: float) -> float:
+    """Return the time of ``level`` between ``place`` - 1 and ``place``."""
+    if place == 0 or values[place] == values[place - 1]:
+        return float(t[place])
+    part = (level - values[place - 1]) / (values[place] - values[place - 1])
+    return float(t[place - 1] + part * (t[place] - t[place - 1]))
+
+
+@dataclass(frozen=True)
+class Swing:
+    """One swing of an angle about zero."""
+
+    t: float  # [s] of its extreme
+    peak: float  # with its sign
+    begins: float | None  # [s] when it left zero; None: before what is looked at
+
+
+def peaks(t: Numbers, values: Numbers) -> list[tuple[float, float]]:
+    """Return (time, value) of each extreme in which ``values`` turn, in order.
+
+    A flat top counts once, at its beginning; what merely hesitates does not count.
+    """
+    steps = np.diff(values)
+    moving = np.flatnonzero(steps)
+    found = []
+    for before, after in pairwise(moving):
+        if (steps[before] > 0.0) != (steps[after] > 0.0):
+            found.append((float(t[before + 1]), float(values[before + 1])))
+    return found
+
+
+def crossings(t: Numbers, values: Numbers) -> list[float]:
+    """Return the times [s] at which ``values`` change sign, interpolated."""
+    places = np.flatnonzero((values[:-1] * values[1:] < 0.0) | (values[1:] == 0.0)) + 1
+    return [_between(t, values, int(i), 0.0) for i in places]
+
+
+def swing_measures(name: str, unit: str, t: Numbers, values: Numbers) -> list[Measure]:
+    """Return the peaks of a swinging quantity and its zero crossings from the first peak on.
+
+    Peaks may differ by PERCENT of the first, crossings by SECONDS; a crossing is judged if a swing
+    of more than FAINT of the first follows it.
+    """
+    tops = peaks(t, values)
+    if not tops:
+        return [shown(f"{name} peak 1", unit, None)]
+    begin, first = tops[0]
+    allowed = abs(first) * PERCENT / 100.0
+    faint = FAINT * abs(first)
+    found = []
+    for i, (when, value) in enumerate(tops[:MOST], start=1):
+        if i > 1 and abs(value) < 0.1 * faint:
+            break
+        found.append(Measure(f"{name} peak {i}", unit, value, allowed))
+        found.append(shown(f"time of {name} peak {i}", "s", when))
+    zeros = [at for at in crossings(t, values) if at > begin]
+    for i, when in enumerate(zeros[:MOST], start=1):
+        strong = any(abs(value) >= faint for at, value in tops if at > when)
+        found.append(Measure(f"{name} zero {i}", "s", when, SECONDS if strong else None))
+    return found
+
+
+def largest(values: Numbers) -> float:
+    """Return the value farthest from zero, with its sign."""
+    return float(values[int(np.argmax(np.abs(values)))])
+
+
+def mean(values: Sequence[float] | Numbers) -> float | None:
+    """Return the mean, None of nothing."""
+    return float(np.mean(values)) if len(values) else None
+
+
+def degrees(angle: float) -> str:
+    """Return an angle [rad] in whole or half degrees, for names."""
+    return f"{round(math.degrees(angle), 3):g}"

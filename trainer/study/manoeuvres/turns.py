@@ -1,0 +1,153 @@
+"""Turns: the rudder thrown over and held, at a depth that is kept or climbing."""
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import ClassVar, Final
+
+from trainer.study.manoeuvres.conn import Conn
+from trainer.study.manoeuvres.flight import Flight, Manoeuvre
+from trainer.study.manoeuvres.measures import (
+    Measure,
+    Numbers,
+    first_time,
+    largest,
+    peaks,
+    share,
+    shown,
+)
+
+HEADING_AFTER: Final = 60.0  # [s] of rudder, when the heading is read
+
+
+@dataclass(frozen=True)
+class Turn(Manoeuvre):
+    """Rudder over to starboard and held; depth kept where it can be."""
+
+    needs: ClassVar[tuple[str, ...]] = ("rudder",)
+    compared: ClassVar[tuple[str, ...]] = ("u", "psi")
+    shows: ClassVar[tuple[str, ...]] = ("track", "psi", "phi", "u", "z")
+
+    angle_deg: float = 15.0  # rudder
+    duration_s: float = 300.0
+    keep: tuple[str, ...] = ("depth",)
+    lead_s: float = 5.0  # of straight motion
+
+    def schedule(self, conn: Conn) -> Iterator[None]:
+        """Yield the cycles of the turn."""
+        for quantity in self.keep:
+            conn.vehicle.keep(quantity)
+        yield from conn.hold(self.lead_s)
+        conn.order("rudder", math.radians(self.angle_deg))
+        conn.mark("rudder")
+        yield from conn.hold_to(self.duration_s)
+
+    def measures(self, flight: Flight) -> list[Measure]:
+        """Return circle, times, speed, roll and depth."""
+        return circle(flight) + steady(flight) + heel(flight) + depth(flight)
+
+
+@dataclass(frozen=True)
+class ClimbingTurn(Manoeuvre):
+    """Rudder over to starboard and planes to rise together, both held."""
+
+    needs: ClassVar[tuple[str, ...]] = ("rudder", "planes")
+    compared: ClassVar[tuple[str, ...]] = ("u", "z", "psi")
+    shows: ClassVar[tuple[str, ...]] = ("track", "z", "theta", "phi", "u")
+
+    angle_deg: float = 15.0  # rudder
+    planes_deg: float = 10.0
+    duration_s: float = 300.0
+    lead_s: float = 5.0
+
+    def schedule(self, conn: Conn) -> Iterator[None]:
+        """Yield the cycles of the turn."""
+        yield from conn.hold(self.lead_s)
+        conn.order("rudder", math.radians(self.angle_deg))
+        conn.order("planes", math.radians(self.planes_deg))
+        conn.mark("rudder")
+        yield from conn.hold_to(self.duration_s)
+
+    def measures(self, flight: Flight) -> list[Measure]:
+        """Return circle, speed, roll, pitch and climb."""
+        t, z = flight.t, flight.column("z")
+        climb = [
+            share("steady pitch", "rad", float(flight.column("theta")[-1])),
+            share("steady climb", "m/s", float((z[-2] - z[-1]) / (t[-1] - t[-2]))),
+        ]
+        return circle(flight) + steady(flight) + climb + heel(flight) + depth(flight)
+
+
+def circle(flight: Flight) -> list[Measure]:
+    """Return advance, transfer, tactical diameter and the times to get there.
+
+    The track is the origin's, from where it was when the rudder was ordered.
+    """
+    begin = flight.time_of("rudder") or 0.0
+    turned = abs(flight.change("psi"))
+    quarter, half = (first_time(flight.t, turned, angle) for angle in (math.pi / 2, math.pi))
+    heading = flight.at(begin + HEADING_AFTER, "psi")
+    change = None if heading is None else heading - float(flight.column("psi")[0])
+    return [
+        share("advance", "m", _run_since(flight, "x", begin, quarter)),
+        share("transfer", "m", _run_since(flight, "y", begin, quarter)),
+        share("tactical diameter", "m", _run_since(flight, "y", begin, half)),
+        share("time to 90 degrees", "s", None if quarter is None else quarter - begin),
+        share("time to 180 degrees", "s", None if half is None else half - begin),
+        share("heading after 60 s", "rad", change),
+    ]
+
+
+def _run_since(flight: Flight, name: str, begin: float, end: float | None) -> float | None:
+    """Return how far x or y has gone from ``begin`` to ``end`` [s]; None without an end."""
+    first, last = flight.at(begin, name), None if end is None else flight.at(end, name)
+    return None if first is None or last is None else abs(last - first)
+
+
+def yaw_rate(flight: Flight) -> Numbers:
+    """Return the rate of the heading [rad/s] between the rows."""
+    turned = flight.column("psi")
+    return (turned[1:] - turned[:-1]) / (flight.t[1:] - flight.t[:-1])
+
+
+def steady(flight: Flight) -> list[Measure]:
+    """Return diameter, speed and rates at the end."""
+    u = float(flight.column("u")[-1])
+    v = float(flight.column("v")[-1])
+    yaw = float(yaw_rate(flight)[-1])
+    diameter = 2.0 * math.hypot(u, v) / abs(yaw) if yaw else None
+    return [
+        share("steady diameter", "m", diameter),
+        share("steady speed", "m/s", u),
+        share("steady speed, of the first", "-", u / flight.speed if flight.speed else None),
+        share("steady yaw rate", "rad/s", yaw),
+        share("steady drift angle", "rad", math.atan2(-v, u)),
+    ]
+
+
+def heel(flight: Flight) -> list[Measure]:
+    """Return the snap roll, which is the first extreme, the largest and the last heel."""
+    if not flight.has("phi"):
+        return []
+    begin = flight.time_of("rudder") or 0.0
+    after = flight.since(begin)
+    rolls = flight.change("phi")[after]
+    tops = peaks(flight.t[after], rolls)
+    return [
+        share("snap roll", "rad", tops[0][1] if tops else None),
+        share("largest roll", "rad", largest(rolls)),
+        share("steady roll", "rad", float(rolls[-1])),
+    ]
+
+
+def depth(flight: Flight) -> list[Measure]:
+    """Return how far depth went either way, and where the planes were; not judged."""
+    if not flight.has("z"):
+        return []
+    found = [
+        shown("largest depth change", "m", largest(flight.change("z"))),
+        shown("last depth change", "m", float(flight.change("z")[-1])),
+    ]
+    if flight.has("delta_s"):
+        found.append(shown("largest plane change", "rad", largest(flight.change("delta_s"))))
+    return found
