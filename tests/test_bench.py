@@ -2,7 +2,7 @@
 
 import json
 from collections.abc import Callable
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any
 
@@ -19,6 +19,7 @@ from trainer.study.batches import BATCH_NS, BATCHES, Batches, long_enough, time_
 from trainer.study.bench import Figures, bench, cpu_model, pace, samples_up
 from trainer.study.bench_page import render
 from trainer.study.hot import CASUALTIES, take_ticks
+from trainer.study.latency import effect
 from trainer.vessel_file import load_vessel
 
 
@@ -213,3 +214,32 @@ def test_the_troubled_tick_has_six_casualties_and_a_ratio_to_the_calm_one(
     assert len(CASUALTIES) == 6
     assert troubled.times_the_calm == troubled.troubled.least_ns / troubled.calm.least_ns
     assert "tanks at work and six casualties" in render(figures)
+
+
+def test_orders_over_tcp_are_answered_and_act_within_a_tick(figures: Figures) -> None:
+    latency = figures.latency
+
+    assert latency.orders > 1
+    assert latency.tick_s == 0.05
+    assert 0 < latency.reply.p50_ns <= latency.reply.p99_ns <= latency.reply.max_ns
+    assert latency.ticks_to_effect_most == 1
+    assert f"{latency.orders} orders; from order to effect: 1 tick at most" in render(figures)
+
+
+def test_an_order_that_acts_late_is_seen_to(make_boat: Callable[..., Boat]) -> None:
+    boat = make_boat()
+    boat.start(5.0, 60.0, 0.0)
+    boat.state.rudder_by_hand = 1.0
+    states = [boat.snapshot()[0]]
+    for ordered in (0.0, 0.0, 0.2, 0.2):
+        boat.state.ordered_r = ordered
+        boat.tick()
+        states.append(boat.snapshot()[0])
+
+    assert [effect(states[given:]) for given in (0, 1, 2)] == [3, 2, 1]
+
+
+def test_a_boat_without_a_rudder_has_no_effect_to_tell(figures: Figures) -> None:
+    steered = replace(figures.latency, ticks_to_effect_most=0)
+
+    assert "none: this boat has no rudder" in render(replace(figures, latency=steered))

@@ -24,10 +24,10 @@ pytestmark = pytest.mark.skipif(not hasattr(os, "openpty"), reason="no pseudo-te
 COMMAND = [sys.executable, "-c", "from trainer.cli import main; main()"]
 PATIENCE = 60.0  # [s] a first run compiles
 SOAK = float(os.environ.get("TRAINER_SOAK", "8"))  # [s]
-FUZZ = 100_000 if "TRAINER_SOAK" in os.environ else 6_000  # [lines]
+FUZZ = 100_000 if "TRAINER_SOAK" in os.environ else 20_000  # [lines]
 FLAT = 6_000  # [kB] that a process may grow by and call it flat: caches of what was said
 BUSY = "while True: pass"
-TOKEN = "periscope"  # noqa: S105  a word of the test
+TOKEN = "xyzzy-1967"  # noqa: S105  a word of the test
 EXERCISE = """
 schema = "exercise/1"
 name = "All at once"
@@ -40,11 +40,11 @@ depth_m = 40
 speed_kn = 8
 
 [[casualties]]
-at_s = 2
+at_s = 0.5
 name = "depth-gauge-noisy"
 
 [[casualties]]
-at_s = 3
+at_s = 1
 name = "flooding-aft"
 severity = 0.1
 ramp_s = 25
@@ -121,7 +121,9 @@ class Served:
         return out
 
     def memory(self) -> int:
-        """Return the memory [kB] of the process."""
+        """Return the memory [kB] of the process, 0 where the system does not tell."""
+        if sys.platform != "linux":
+            return 0
         status = Path(f"/proc/{self.process.pid}/status").read_text()
         found = re.search(r"VmRSS:\s+(\d+) kB", status)
         assert found
@@ -175,7 +177,7 @@ def pty() -> Iterator[Callable[[], tuple[int, str]]]:
             ours, theirs = os.openpty()
             opened.callback(quietly_close, ours)
             opened.callback(quietly_close, theirs)
-            os.set_blocking(ours, False)  # noqa: FBT003
+            os.set_blocking(ours, False)
             return ours, os.ttyname(theirs)
 
         yield make
@@ -197,9 +199,11 @@ def come(descriptor: int) -> bytes:
 def eventually(happened: Callable[[], object]) -> bool:
     """Return whether it happens within the patience."""
     end = time.monotonic() + PATIENCE
-    while not happened() and time.monotonic() < end:
+    while time.monotonic() < end:
+        if happened():
+            return True
         time.sleep(0.02)
-    return bool(happened())
+    return False
 
 
 def replayed(path: Path) -> str:
@@ -222,12 +226,12 @@ def garbage(dice: random.Random) -> bytes:
 def babble(line: socket.socket, stop: threading.Event) -> None:
     """Send noise until told to stop; what is answered is read and forgotten."""
     dice = random.Random(3)  # noqa: S311  noise, not a secret
-    line.settimeout(PATIENCE)
+    line.settimeout(0.0)
     while not stop.wait(0.01):
-        line.sendall(b"".join(garbage(dice) for _ in range(10)))
         with contextlib.suppress(BlockingIOError):
-            while line.recv(65536, socket.MSG_DONTWAIT):
-                pass
+            line.send(b"".join(garbage(dice) for _ in range(10)))
+        with contextlib.suppress(BlockingIOError):
+            line.recv(65536)
 
 
 def lost(account: str) -> int:
@@ -240,7 +244,7 @@ def test_no_tick_is_missed_among_hung_and_babbling_stations(
     serve: Serve, pty: Callable[[], tuple[int, str]]
 ) -> None:
     helm, helm_name = pty()
-    _, ballast_name = pty()  # nobody reads it
+    ballast, ballast_name = pty()
     with contextlib.ExitStack() as stack:
         busy = stack.enter_context(subprocess.Popen([sys.executable, "-c", BUSY]))
         stack.callback(busy.kill)
@@ -252,6 +256,7 @@ def test_no_tick_is_missed_among_hung_and_babbling_stations(
         stack.callback(noise.join)
         stack.callback(stop.set)
         hung.line.sendall(b"help\n" * 400)  # and never reads what it is told
+        os.write(ballast, b"subscribe tanks at 50 hz\rsubscribe air at 50 hz\r")  # likewise
         os.write(helm, b"subscribe steering at 50 hz\r")
 
         orders = itertools.cycle(("depth 50", "casualty gyro-noisy", "speed 9", "sea state 4"))
@@ -266,7 +271,7 @@ def test_no_tick_is_missed_among_hung_and_babbling_stations(
         noise.join()
         account = session.finish(by)
 
-    assert "overruns 0, caught up 0, slipped 0, gaps 0" in account or on_time(account)
+    assert on_time(account), account
     who = {text.split()[0]: text for text in accounts}
     assert lost(who["planes"]) > 100
     assert lost(who["ballast"]) > 10
@@ -330,11 +335,12 @@ def half_open(session: Served) -> list[socket.socket]:
 def fuzz(session: Served, lines: int, seed: int) -> None:
     """Send so many lines of noise on one connection, and wait until all have been heard."""
     dice = random.Random(seed)  # noqa: S311  noise, not a secret
-    with contextlib.closing(session.client()) as client:
+    with contextlib.closing(session.client("observer", TOKEN)) as client:
         client.line.settimeout(0.0)
-        waiting = b"".join(garbage(dice) for _ in range(lines)) + b"\nwho\n"
-        said = b""
+        waiting, said, asked = b"".join(garbage(dice) for _ in range(lines)), b"", 0.0
         while waiting or b" bad lines" not in said:
+            if not waiting and time.monotonic() > asked:
+                waiting, asked = b"\nwho\n", time.monotonic() + 0.5
             with contextlib.suppress(BlockingIOError):
                 waiting = waiting[client.line.send(waiting) :]
             with contextlib.suppress(BlockingIOError):
@@ -344,9 +350,7 @@ def fuzz(session: Served, lines: int, seed: int) -> None:
 
 def fuzz_all(session: Served, lines: int) -> None:
     """Send noise on four connections at once."""
-    threads = [
-        threading.Thread(target=fuzz, args=(session, lines // 4, seed)) for seed in range(4)
-    ]
+    threads = [threading.Thread(target=fuzz, args=(session, lines // 4, seed)) for seed in range(4)]
     for thread in threads:
         thread.start()
     for thread in threads:
@@ -360,17 +364,15 @@ def test_who_may_not_or_cannot_order_is_refused_logged_and_changes_nothing(
     with contextlib.closing(session.client("instructor", TOKEN)) as by:
         refused_ones(session)
         left = half_open(session)
-        before = len(session.recording.read_bytes())
         fuzz_all(session, 2000)
-        memory = session.memory() if sys.platform == "linux" else 0
+        memory = session.memory()
         fuzz_all(session, FUZZ)
-        grown = session.memory() - memory if sys.platform == "linux" else 0
+        grown = session.memory() - memory
         account = session.finish(by)
     for line in left:
         line.close()
 
     assert grown < FLAT
-    assert before
     assert on_time(account)
     refused = session.events("refused")
     texts = "\n".join(each.text for each in refused)

@@ -24,7 +24,7 @@ def attach_to(url: str | None, role: str, token: str | None) -> int:
     """Be a teletype of that role until the session or the user ends it; return the exit code."""
     wake = threading.Event()
     try:
-        line = dial(url or nearest_session(), wake)
+        line = dial(url or places.nearest_session(), wake)
     except LinkError as error:
         raise ConfigError(str(error)) from None
     first = [f"role {role}{f' {token}' if token else ''}"]
@@ -40,12 +40,6 @@ def attach_to(url: str | None, role: str, token: str | None) -> int:
         return 0
     click.echo(f"trainer: {line.name}: the session is gone: {line.trouble or 'closed'}", err=True)
     return 1
-
-
-def nearest_session() -> str:
-    """Return where this machine's session listens, by its local socket if there is one."""
-    path = places.socket_path()
-    return str(path) if path.exists() else f"tcp://{places.HOST}:{places.PORT}"
 
 
 def carry(line: Line, inbox: Inbox, out: Outbox, wake: threading.Event) -> str:

@@ -1,9 +1,10 @@
 """Where on the Earth she is: the plane that a boat sails on, laid on WGS 84 at an origin.
 
-The boat's north and east are distances on a plane. Its points are put on the ellipsoid at their true
-distance and bearing from the origin, along the geodesic: exact there, and still right to a
-millionth of the distance a hundred kilometres away. North on the plane is north at the origin; east of it
-the meridians lean by the sine of the latitude times the difference of longitude.
+Her north and east are distances on a plane. Its points are put on the ellipsoid at their distance
+and bearing from the origin, along the geodesic. Seen from there all is exact; across that line the
+plane is too wide by the square of distance over radius, by six: 1 in 24 000 at 100 km. North on the
+plane is north at the origin; east of it the meridians lean by the difference of longitude times the
+sine of the latitude.
 """
 
 import math
@@ -41,7 +42,9 @@ def chart_at(text: str) -> Chart:
     if len(parts) != 2 or None in parts:
         raise ValueError("say LAT,LON in degrees, south and west negative, such as 25.5,-45")
     latitude, longitude = (float(part[1]) for part in parts if part)
-    for name, value, most in zip(("latitude", "longitude"), (latitude, longitude), BOUNDS, strict=True):
+    for name, value, most in zip(
+        ("latitude", "longitude"), (latitude, longitude), BOUNDS, strict=True
+    ):
         if abs(value) > most:
             raise ValueError(f"{name} {value:g} is not within {-most:g} and {most:g} degrees")
     return Chart(latitude, longitude)

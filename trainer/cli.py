@@ -9,7 +9,16 @@ import click
 
 from trainer import __version__
 from trainer.arguments import Commands
-from trainer.commands import attending, listing, programs, records, running, vessels
+from trainer.commands import (
+    attending,
+    guiding,
+    instruments,
+    listing,
+    programs,
+    records,
+    running,
+    vessels,
+)
 from trainer.config import ConfigError
 
 LIBRARIES = ("numpy", "numba", "pyserial", "click")
@@ -58,12 +67,15 @@ for command in (
     records.export,
     records.debrief,
     listing.exercises,
+    listing.exercise,
     listing.casualties,
+    instruments.instruments,
     vessels.evaluate,
     vessels.check,
     vessels.bench,
     vessels.gains,
     *programs.PROGRAMS,
+    *guiding.GUIDING,
 ):
     cli.add_command(command)
 

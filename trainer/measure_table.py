@@ -138,9 +138,13 @@ def formula_of(rule: Rule) -> str:
 def _window(rule: Rule) -> str:
     """Return which moments are looked at, in words, '' for all."""
     score = rule.score
-    begin = "" if score.from_s is None else f" from {score.from_s:g} s"
-    end = "" if score.to_s is None else f" to {score.to_s:g} s"
-    return f"{begin}{end}" + (f" while {score.when}" if score.when else "")
+    parts = [
+        "" if score.from_s is None else f"from {score.from_s:g} s",
+        "" if score.to_s is None else f"to {score.to_s:g} s",
+        f"while {score.when}" if score.when else "",
+    ]
+    told = " ".join(filter(None, parts))
+    return told and f", {told}"
 
 
 def unit_of(rule: Rule) -> str:

@@ -16,7 +16,16 @@ BELLS: Final = {bell.replace(" ", "-"): position for bell, position in POSITIONS
 def recommended(s: Sight) -> tuple[str, ...]:
     """Return the fields of RMC."""
     way = number(s.over_ground, 2), number(s.track, 2), date(s.at)
-    return (time_of_day(s.at), "A", *latitude(s.latitude), *longitude(s.longitude), *way, "", "", "E")
+    return (
+        time_of_day(s.at),
+        "A",
+        *latitude(s.latitude),
+        *longitude(s.longitude),
+        *way,
+        "",
+        "",
+        "E",
+    )
 
 
 def fix(s: Sight) -> tuple[str, ...]:

@@ -7,14 +7,16 @@ sentences go to the line underneath, by a subscription.
 import threading
 import time
 from collections.abc import Callable
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 from trainer.io import nmea
-from trainer.io.connection import Connection
 from trainer.io.hub import Hub
 from trainer.io.line import Line
 from trainer.io.lines import Overlong
 from trainer.nmea_orders import Command, Useless, meaning
+
+if TYPE_CHECKING:
+    from trainer.io.connection import Connection
 
 AGAIN: Final = 10.0  # [s] after which the same command, sent all the time, is given anew
 KINDS_TOLD: Final = 16  # of sentences ignored: the others are only counted
@@ -27,7 +29,11 @@ class NmeaLine:
     """A line of sentences, for a station."""
 
     def __init__(
-        self, line: Line, wake: threading.Event, log: Log, clock: Callable[[], float] = time.monotonic
+        self,
+        line: Line,
+        wake: threading.Event,
+        log: Log,
+        clock: Callable[[], float] = time.monotonic,
     ) -> None:
         """Hear ``line``; ``wake`` is set when it has more to take than was asked for."""
         self.name = line.name
@@ -99,7 +105,7 @@ class NmeaLine:
         self.ignored += 1
         if what not in self._told and len(self._told) < KINDS_TOLD:
             self._told.add(what)
-            self._log("station", f"{self.name}: {what}: ignored, as all of them will be")
+            self._log("refused", f"{self.name}: {what}: ignored, as all of them will be")
 
 
 class Readers:

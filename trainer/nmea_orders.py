@@ -31,7 +31,8 @@ TELEGRAPH: Final[Mapping[str, str]] = {
     "15": "astern full",  # crash
 }
 POSITIONS: Final = {
-    **{bell: position for position, bell in reversed(TELEGRAPH.items())},
+    **{bell: position for position, bell in TELEGRAPH.items()},
+    "astern full": "14",
     "astern one-third": "12",
 }
 

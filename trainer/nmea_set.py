@@ -64,7 +64,7 @@ INSTRUMENTS: Final = (
             *(f"dilution {DILUTION}", "altitude [m], less than nought when submerged", "M"),
             *("0.0", "M", "-", "-"),
         ),
-        f"position {TRUE}; altitude {GAUGES}",
+        f"position true, altitude {GAUGES}",
         tell.fix,
     ),
     Instrument(
@@ -153,16 +153,20 @@ INSTRUMENTS: Final = (
     Instrument(
         "INXDR",
         "attitude",
-        ("A", "angle [deg], bow up positive", "D", "PITCH")
-        + ("A", "angle [deg], to starboard positive", "D", "ROLL"),
+        (
+            *("A", "angle [deg], bow up positive", "D", "PITCH"),
+            *("A", "angle [deg], to starboard positive", "D", "ROLL"),
+        ),
         "true",
         lambda s: tell.angles(pitch=s.pitch, roll=s.heel),
     ),
     Instrument(
         "INXDR",
         "planes",
-        ("A", "angle [deg], rising positive", "D", "STERN")
-        + ("A", "angle [deg], rising positive", "D", "BOW"),
+        (
+            *("A", "angle [deg], rising positive", "D", "STERN"),
+            *("A", "angle [deg], rising positive", "D", "BOW"),
+        ),
         "as they are",
         lambda s: tell.angles(stern=s.stern.angle, bow=s.bow.angle),
     ),
@@ -241,9 +245,7 @@ def widest(instruments: Iterable[Instrument]) -> int:
 class InstrumentSet:
     """A display of frames: one set of sentences for each."""
 
-    def __init__(
-        self, instruments: tuple[Instrument, ...], chart: Chart, start: datetime
-    ) -> None:
+    def __init__(self, instruments: tuple[Instrument, ...], chart: Chart, start: datetime) -> None:
         """Show those instruments of a session that began at ``start``, UTC."""
         self._instruments = instruments
         self._chart = chart

@@ -86,35 +86,39 @@ def sight(frame: Frame, chart: Chart, start: datetime) -> Sight:
     north, east = frame["x"], frame["y"]
     latitude, longitude = chart.position(north, east)
     track, over_ground = way_made(frame)
-    surfaces = (
-        Surface(*(reading(field.read, frame) for field in SURFACE_FIELDS[name]))
-        for name in SURFACES
-    )
     return Sight(
-        frame.tick,
-        start + timedelta(seconds=frame.seconds),
-        north,
-        east,
-        latitude,
-        longitude,
-        track,
-        over_ground,
-        frame.readings.depth,
-        compass(frame.readings.heading, 2),
-        frame.readings.speed / KNOT,
-        math.degrees(frame["theta"]),
-        math.degrees(frame["phi"]),
-        math.degrees(frame["psidot"]) * 60.0,
-        *surfaces,
-        rpm(frame, frame["u_c"]),
-        rpm(frame, ordered_turns(frame)),
-        str(bell(frame) or ""),
-        reading(ordered_course, frame),
-        reading(ordered_depth, frame),
-        reading(ordered_speed, frame),
-        tuple(reading(field.read, frame) for field in TANK_FIELDS),
-        tuple(reading(field.read, frame) for field in BANK_FIELDS),
+        tick=frame.tick,
+        at=start + timedelta(seconds=frame.seconds),
+        north=north,
+        east=east,
+        latitude=latitude,
+        longitude=longitude,
+        track=track,
+        over_ground=over_ground,
+        depth=frame.readings.depth,
+        heading=compass(frame.readings.heading, 2),
+        speed=frame.readings.speed / KNOT,
+        pitch=math.degrees(frame["theta"]),
+        heel=math.degrees(frame["phi"]),
+        turn=math.degrees(frame["psidot"]) * 60.0,
+        rudder=surface("rudder", frame),
+        stern=surface("stern", frame),
+        bow=surface("bow", frame),
+        rpm=rpm(frame, frame["u_c"]),
+        ordered_rpm=rpm(frame, ordered_turns(frame)),
+        bell=str(bell(frame) or ""),
+        ordered_course=reading(ordered_course, frame),
+        ordered_depth=reading(ordered_depth, frame),
+        ordered_speed=reading(ordered_speed, frame),
+        full=tuple(reading(field.read, frame) for field in TANK_FIELDS),
+        air=tuple(reading(field.read, frame) for field in BANK_FIELDS),
     )
+
+
+def surface(name: str, frame: Frame) -> Surface:
+    """Return a control surface as it is and as it is ordered."""
+    angle, ordered = SURFACE_FIELDS[name]
+    return Surface(reading(angle.read, frame), reading(ordered.read, frame))
 
 
 def way_made(frame: Frame) -> tuple[float, float]:

@@ -1,12 +1,13 @@
 """Outlets of NMEA 0183, opened as the command line asks: serial lines, UDP, TCP ports, a file.
 
-Each is a subscription, so that no tick waits for it, and a station, so that it is listed with what it
-has sent and lost. Orders are taken on serial lines and at ports of this machine alone, as the
+Each is a subscription, so that no tick waits for it, and a station, so that it is listed with what
+it has ordered and lost. Orders are taken on serial lines and at ports of this machine alone, as the
 helm's: the sentences have no room for a token.
 """
 
 import contextlib
 import ipaddress
+import math
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -18,7 +19,6 @@ import click
 
 from trainer.chart import Chart, chart_at
 from trainer.config import ConfigError, nearest
-from trainer.display import Display
 from trainer.door import Door
 from trainer.frame import Picture
 from trainer.io.datagrams import Datagrams
@@ -32,13 +32,13 @@ from trainer.io.serial_line import SCHEMES, LinkError, SerialLine
 from trainer.nmea_line import NmeaLine, Readers
 from trainer.nmea_set import NAMES, Instrument, InstrumentSet, Sampled, chosen, widest
 from trainer.ports import PATIENCE, Ports
-from trainer.publisher import Recipient, Subscription
+from trainer.publisher import Subscription
 from trainer.station import Station
 
 PORT: Final = 10110  # the customary one
 SILENCE: Final = 1.0  # [s] at most: displays blank what they do not hear of
 BITS: Final = 10  # of a byte on a serial line
-SETS: Final = 2  # that may wait for a line; what is older is of no use
+FEWEST: Final = 2  # sets that may wait for a serial line; more, if a second has more
 UNTIMED: Final = ("socket",)  # kinds of serial line that have no baud rate
 PLACE: Final = re.compile(r"(?:\[([^\]]+)\]|([^:\[\]]*))(?::([0-9]{1,5}))?", re.ASCII)
 
@@ -64,6 +64,11 @@ class Outlets:
     rate: float  # [Hz]
     chart: Chart
     start: datetime
+
+    @property
+    def backlog(self) -> int:
+        """Return how many sentences may wait for a line: what is older is of no use."""
+        return max(FEWEST, math.ceil(self.rate)) * len(self.instruments)
 
     @property
     def shown(self) -> InstrumentSet:
@@ -94,11 +99,13 @@ def open_outlet(ports: Ports, outlets: Outlets, url: str, baud: int) -> Station:
     """Return the station of one outlet; ConfigError naming what is wrong with it."""
     scheme, separator, rest = url.partition("://")
     kinds = {"udp": open_datagrams, "tcp": open_readers}
+    kind = kinds.get(scheme.lower()) if separator else None
+    if separator and kind is None and scheme.lower() not in SCHEMES:
+        hint = nearest(scheme, (*kinds, *SCHEMES))
+        raise ConfigError(f"--nmea {url}: no such kind of outlet{hint}")
     try:
-        if separator and scheme.lower() in kinds:
-            return kinds[scheme.lower()](ports, outlets, url, *place(rest))
-        if separator and scheme.lower() not in SCHEMES:
-            raise LinkError(f"no such kind of outlet{nearest(scheme, (*kinds, *SCHEMES))}")
+        if kind is not None:
+            return kind(ports, outlets, url, *place(rest))
         refuse_crowded(outlets, url, baud)
         return open_serial(ports, outlets, url, baud)
     except LinkError as error:
@@ -127,7 +134,7 @@ def open_serial(ports: Ports, outlets: Outlets, url: str, baud: int) -> Station:
     """Return the station of an outlet on a serial line."""
     port = SerialLine(url, baud)
     ports.stack.callback(port.close)
-    outbox = Outbox(port.write, SETS * len(outlets.instruments))
+    outbox = Outbox(port.write, outlets.backlog)
     inbox = Inbox(port.read, ports.wake, longest=LONGEST)
     return send_to(ports, outlets, Joined(f"nmea {url}", inbox, outbox, port), "helm")
 
@@ -154,9 +161,7 @@ def send_to(ports: Ports, outlets: Outlets, line: Line, role: str) -> Station:
 def attend(ports: Ports, line: Line, subscription: Subscription, role: str) -> Station:
     """Return the station of a line with a subscription of its own."""
     ports.sending.add(subscription)
-    return Station(
-        NmeaLine(line, ports.wake, ports.log), Door(role), ports.sending, ports.log
-    )
+    return Station(NmeaLine(line, ports.wake, ports.log), Door(role), ports.sending, ports.log)
 
 
 def refuse_crowded(outlets: Outlets, url: str, baud: int) -> None:

@@ -14,7 +14,7 @@ from trainer.condition import ANGLE, QUANTITIES, Condition
 from trainer.config import ConfigError
 from trainer.core.state import CASUALTIES
 from trainer.io.recording import Flown, Journalled, Recording
-from trainer.score_rule import COURSE, Measured
+from trainer.score_rule import COURSE, Measured, Rule
 from trainer.watch import Limits
 
 Numbers = NDArray[np.float64]
@@ -62,7 +62,7 @@ class Passage:
 
     def has(self, quantity: str) -> bool:
         """Return whether the boat has what the quantity is about."""
-        return quantity == COURSE or scale_of(self.boat, quantity) != 0.0
+        return has(self.boat, quantity)
 
     def series(self, quantity: str) -> Numbers:
         """Return a quantity that the boat has [SI]; a course is not wrapped."""
@@ -102,6 +102,18 @@ class Passage:
     def row(self, tick: int) -> int:
         """Return the row of a tick, or of the first one after it."""
         return min(int(np.searchsorted(self.ticks, tick)), self.ticks.size - 1)
+
+
+def has(boat: Boat, quantity: str) -> bool:
+    """Return whether a boat has what a quantity is about."""
+    return quantity == COURSE or scale_of(boat, quantity) != 0.0
+
+
+def lacks(boat: Boat, rule: Rule) -> list[str]:
+    """Return which quantities of a rule a boat does not have."""
+    names = [rule.measured.name] if rule.measured else []
+    names += [rule.condition.quantity] if rule.condition else []
+    return [name for name in names if not has(boat, name)]
 
 
 def read_passage(

@@ -23,6 +23,12 @@ def socket_path() -> Path:
     return Path(tempfile.gettempdir()) / f"{_OURS}-{user}" / "session.sock"
 
 
+def nearest_session() -> str:
+    """Return where this machine's session listens, by its local socket if there is one."""
+    path = socket_path()
+    return str(path) if path.exists() else f"tcp://{HOST}:{PORT}"
+
+
 def recording_path(name: str) -> Path:
     """Return the file of a new recording of what is called ``name``; its folder is made."""
     state = os.environ.get("XDG_STATE_HOME") or Path.home() / ".local" / "state"

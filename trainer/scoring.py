@@ -6,7 +6,7 @@ import numpy as np
 
 from trainer.measure_table import MEASURES, formula_of, unit_of
 from trainer.measures import Attained
-from trainer.passage import Passage
+from trainer.passage import Passage, lacks
 from trainer.score_rule import Rule
 
 
@@ -51,10 +51,7 @@ def _scored(passage: Passage, rule: Rule) -> Scored:
 
 def attain(passage: Passage, rule: Rule) -> Attained:
     """Return what the measure of a rule has come to in a passage."""
-    needed = [each.name for each in (rule.measured,) if each]
-    needed += [rule.condition.quantity] if rule.condition else []
-    lacking = [name for name in needed if not passage.has(name)]
-    if lacking:
+    if lacking := lacks(passage.boat, rule):
         return Attained(None, None, f"this boat has no {lacking[0]}", counts=False)
     rows = passage.between(rule.score.from_s, rule.score.to_s)
     if not np.any(rows):

@@ -235,3 +235,7 @@ connect_options = together(
     ),
     click.option("--token", default=None, help="Word that the session asks for."),
 )
+
+teletype_option = click.option(
+    "--teletype", is_flag=True, help="Plain lines instead of a screen, also on a terminal."
+)

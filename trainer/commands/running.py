@@ -12,6 +12,7 @@ from trainer.commands.options import (
     exercise_options,
     port_options,
     recording_options,
+    teletype_option,
     time_options,
 )
 from trainer.places import HOST, PORT
@@ -33,7 +34,8 @@ def given() -> frozenset[str]:
 @console_options
 @recording_options
 @port_options(listen=None, socket=None)
-def run(**options: Any) -> None:
+@teletype_option
+def run(*, teletype: bool, **options: Any) -> None:
     """Run a boat in real time on a console, or headless.
 
     EXERCISE is the name of a shipped one (`trainer exercises`) or the path of a file; what is
@@ -45,13 +47,27 @@ def run(**options: Any) -> None:
               trainer run --headless --duration 1h --speed max --csv out.csv
               printf 'depth 80\\n' | trainer run --duration 120 --speed max
 
-    Orders are typed at any time; `help` lists them. Others on this machine join with
-    `trainer station ROLE`. Exit codes: 0 done, 1 the boat's numbers or the recording failed,
-    2 wrong input.
+    On a terminal it shows the instructor's console, F1 its help. Orders are typed at any time.
+    Others on this machine join with `trainer station ROLE`. Exit codes: 0 done, 1 the boat's
+    numbers or the recording failed, 2 wrong input.
     """
+    from trainer.screen.terminal import has_terminal  # noqa: PLC0415
+
+    elsewhere = options["headless"] or options["url"] is not None
+    if not (teletype or elsewhere) and has_terminal():
+        from trainer.screen.launch import sail  # noqa: PLC0415
+
+        sys.exit(sail(serving(), options["socket"], options["token"]))
     from trainer.run import run_boat  # noqa: PLC0415
 
     sys.exit(run_boat({**options, "given": given(), "serve": False}))
+
+
+def serving() -> list[str]:
+    """Return the words of the command line as `trainer serve` takes them."""
+    words = sys.argv[sys.argv.index("run") + 1 :]
+    listening = "listen" in given()
+    return [*words, *(() if listening else ("--listen", "none"))]
 
 
 @click.command()
@@ -60,6 +76,7 @@ def run(**options: Any) -> None:
 @time_options
 @recording_options
 @port_options(listen=f"{HOST}:{PORT}", socket=None)
+@click.option("--until-left", is_flag=True, help="End when the last station has left.")
 def serve(**options: Any) -> None:
     """Run a boat for stations to attach to, without a console of its own.
 

@@ -111,7 +111,9 @@ def error(true: Flight, other: Flight | str) -> tuple[float | None, str]:
         unit = true.speed if name in "uvw" else 1.0
         if span < STILL * unit:
             continue
-        furthest = max(abs(a - b) for a, b in zip(_ends(true, name), _ends(other, name), strict=True))
+        furthest = max(
+            abs(a - b) for a, b in zip(_ends(true, name), _ends(other, name), strict=True)
+        )
         worst = max(worst, (100.0 * furthest / span, name))
     return worst
 

@@ -1,12 +1,14 @@
 """Flights to be flown, on as many processors as there are, with the same result on any number."""
 
-import multiprocessing
 import os
 from collections.abc import Callable, Iterable
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass, replace
 from functools import cache, partial
+from multiprocessing import get_context
 from pathlib import Path
+from time import monotonic
+from typing import Final
 
 from trainer.config import ConfigError
 from trainer.fitout import Method
@@ -15,7 +17,9 @@ from trainer.study.manoeuvres.flight import Flight, Manoeuvre, fly
 from trainer.study.manoeuvres.submarine import Rig, Submarine
 from trainer.vessel_file import VesselFile, load_vessel
 
-CHUNK = 6  # flights handed to a process at once
+OWN: Final = Rig()
+ALONE: Final = 4.0  # [s]
+CHUNK: Final = 6  # flights handed to a process at once
 
 
 @dataclass(frozen=True)
@@ -25,7 +29,7 @@ class Task:
     manoeuvre: Manoeuvre
     speed: float  # [m/s]
     method: Method
-    rig: Rig = Rig()
+    rig: Rig = OWN
     zeroed: tuple[str, ...] = ()  # coefficients taken away
 
 
@@ -58,26 +62,25 @@ def flown(path: Path, task: Task) -> Flight | str:
         return str(wrong)
 
 
-def fly_all(
-    path: Path, tasks: Iterable[Task], cores: int, step: Callable[[], None]
-) -> Flown:
+def fly_all(path: Path, tasks: Iterable[Task], cores: int, step: Callable[[], None]) -> Flown:
     """Return the flights of all ``tasks`` by the boat of a file; ``step`` is called after each.
 
-    The first is flown here, so that machine code is there for the other processes to load.
+    Other processors are called in for what this one has not done in ALONE, which is about what
+    starting them takes; they load the machine code that is there by then.
     """
     wanted = list(dict.fromkeys(tasks))
     found: Flown = {}
-    for task in wanted[:1] if cores > 1 else wanted:
+    begin = monotonic()
+    for task in wanted:
+        if cores > 1 and monotonic() - begin > ALONE:
+            break
         found[task] = flown(path, task)
         step()
-    rest = [task for task in wanted if task not in found]
-    if not rest:
-        return found
-    spawn = multiprocessing.get_context("spawn")
-    with ProcessPoolExecutor(cores, mp_context=spawn) as pool:
-        for task, flight in zip(
-            rest, pool.map(partial(flown, path), rest, chunksize=CHUNK), strict=True
-        ):
-            found[task] = flight
-            step()
+    rest = wanted[len(found) :]
+    if rest:
+        with ProcessPoolExecutor(cores, mp_context=get_context("spawn")) as pool:
+            flights = pool.map(partial(flown, path), rest, chunksize=CHUNK)
+            for task, flight in zip(rest, flights, strict=True):
+                found[task] = flight
+                step()
     return found

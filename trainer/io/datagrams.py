@@ -21,7 +21,8 @@ class Datagrams:
             found = socket.getaddrinfo(host, port, type=socket.SOCK_DGRAM)
         except (OSError, UnicodeError) as error:
             raise LinkError("no such host; say an address, such as 127.0.0.1") from error
-        family, kind, protocol, _, self._to = found[0]
+        family, kind, protocol, _, to = found[0]
+        self._to: tuple[str | int | bytes, ...] = to
         self._end = socket.socket(family, kind, protocol)
         self._end.setblocking(False)  # noqa: FBT003
         self._end.setsockopt(socket.SOL_SOCKET, socket.SO_BROADCAST, 1)

@@ -12,6 +12,7 @@ class Question:
 
     asks: str
     answers: dict[str, tuple[str, Done]]  # key: what it does in words, and how the dialog ends
+    size: tuple[int, int] = (60, 7)
 
     def press(self, key: str, _character: str | None) -> Done | None:
         """Take a key; return how the dialog ends, None while it goes on."""

@@ -1,4 +1,4 @@
-"""Lists to choose from: casualties and seas. What is typed narrows the list, and adds to the order."""
+"""Lists to choose from, casualties and seas: what is typed narrows them and adds to the order."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -9,7 +9,7 @@ from trainer.screen.sight import Sight
 
 
 class Row(NamedTuple):
-    """Something to choose: the word it is found by, the order, its ending unless typed, and a note."""
+    """Something to choose: how it is found, its order, the ending unless one is typed, a note."""
 
     name: str
     words: str
@@ -29,7 +29,7 @@ NOTHING: Final = Done()
 NAMES: Final = 26  # [columns]
 SEAS: Final = (
     (0, "glassy"),
-    (1, "0.1 m: rippled"),
+    (1, "0.05 m: rippled"),
     (2, "0.3 m: smooth"),
     (3, "0.9 m: slight"),
     (4, "1.9 m: moderate"),
@@ -49,6 +49,7 @@ class Choice:
     advice: tuple[str, ...]
     clears: bool = False  # Delete clears what is chosen
     prefix: str = ""  # of an order that is in no row
+    size: tuple[int, int] = (78, 24)  # columns and rows, at most
     typed: str = ""
     place: int = 0
 
@@ -103,7 +104,8 @@ class Choice:
             line((f" {self.title}", "title")),
             line((" > ", "dim"), (self.typed, "value"), ("_", "dim")),
         ]
-        foot = [line((f" {text}", "dim")) for text in self.advice]
+        foot = [line((f" {self.chosen.says if self.chosen else ''}", "plain"))]
+        foot += [line((f" {text}", "dim")) for text in self.advice]
         foot.append(line((" Enter sends: ", "dim"), (self.order or "nothing", "ordered")))
         room = max(height - len(lines) - len(foot), 1)
         shown = self.shown

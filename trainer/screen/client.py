@@ -80,12 +80,14 @@ class Client:
         self._items: deque[Item] = deque(maxlen=KEPT)
         self._wake = threading.Event()
         self._closing = threading.Event()
+        self._first: Line | None = None
         self._line: Line | None = None
         self._tags = itertools.cycle(range(10, 1_000_000))
         self._thread = threading.Thread(target=self._run, name="client", daemon=True)
 
     def start(self) -> None:
-        """Begin to dial."""
+        """Dial, and go on in a thread; LinkError if nobody answers."""
+        self._first = self._reach(self._url(), self._wake)
         self._thread.start()
 
     def take(self) -> list[Item]:
@@ -114,7 +116,8 @@ class Client:
         wait = FIRST
         while not self._closing.is_set():
             try:
-                open_line = self._reach(self._url(), self._wake)
+                open_line = self._first or self._reach(self._url(), self._wake)
+                self._first = None
             except LinkError as error:
                 self._items.append(Lost(str(error)))
             else:
@@ -136,6 +139,8 @@ class Client:
         self._line = None
         if not self._closing.is_set():
             self._items.append(Lost(open_line.trouble or "the session has closed the line"))
+        else:
+            open_line.send(sentences.order_sentence("detach"))
         open_line.close(FIRST)
         return taken
 

@@ -20,7 +20,7 @@ def offer(text: str, known: Mapping[str, Sequence[str]]) -> Offer:
 
     ``known`` are names by what they are, as the grammar says it: "the name of a casualty".
     """
-    begun = "" if not text or text[-1].isspace() else text.split()[-1].lower()
+    begun = "" if not text or text[-1].isspace() else text.rsplit(maxsplit=1)[-1].lower()
     said = tokenise(text[: len(text) - len(begun)])
     words: dict[str, None] = {}
     hints: dict[str, None] = {}
@@ -64,7 +64,7 @@ def says(place: Place) -> str:
 def completed(text: str, known: Mapping[str, Sequence[str]]) -> str:
     """Return ``text`` with its last word made whole as far as that is in no doubt."""
     words = offer(text, known).words
-    begun = "" if not text or text[-1].isspace() else text.split()[-1]
+    begun = "" if not text or text[-1].isspace() else text.rsplit(maxsplit=1)[-1]
     if not words or (not begun and len(words) > 1):
         return text
     shared = words[0]

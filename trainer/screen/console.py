@@ -1,6 +1,6 @@
 """The screen of one role: drawings in rows, a line for orders, keys, and dialogs above them."""
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from typing import ClassVar, Final
 
@@ -37,6 +37,7 @@ from trainer.screen.ink import Lines, fit, line
 from trainer.screen.keys import by_name, footer
 from trainer.screen.levers import Levers
 from trainer.screen.moments import Moments
+from trainer.screen.names import Names
 from trainer.screen.pane import Pane
 from trainer.screen.posts import POSTS, Place
 from trainer.screen.sight import Sight
@@ -47,7 +48,7 @@ PACES: Final = (0.1, 0.2, 0.5, 1.0, 2.0, 4.0, 8.0, 16.0, 32.0, 64.0, 100.0)  # o
 PROMPTS: Final = {"instructor": "type an order, such as depth 80; F1 helps"}
 PROMPT: Final = "keys move your controls; Enter to type an order"
 DIALOGS: Final[Mapping[str, Callable[[Sight], Subject]]] = {
-    "help": lambda sight: Guide(sight.role),
+    "help": Guide,
     "casualties": casualty_choice,
     "sea": sea_choice,
     "moments": lambda sight: Moments(sight, replays=False),
@@ -61,12 +62,12 @@ class Console(App[str]):
     CSS_PATH = "console.tcss"
     TITLE = "trainer"
     ENABLE_COMMAND_PALETTE = False
-    HORIZONTAL_BREAKPOINTS: ClassVar[list[tuple[int, str]]] = [
+    HORIZONTAL_BREAKPOINTS = [  # noqa: RUF012  as the library has it
         (0, "-tiny"),
         (60, "-narrow"),
         (126, "-wide"),
     ]
-    VERTICAL_BREAKPOINTS: ClassVar[list[tuple[int, str]]] = [
+    VERTICAL_BREAKPOINTS = [  # noqa: RUF012
         (0, "-flat"),
         (20, "-low"),
         (36, "-tall"),
@@ -83,11 +84,12 @@ class Console(App[str]):
         self._post = POSTS[sight.role]
         self._keys = by_name(sight.role)
         self._levers = Levers()
+        self._names = Names(sight)
         self._seen: tuple[object, ...] = ()
 
     def compose(self) -> ComposeResult:
         """Lay the drawings out; the style sheet says which are shown at which size."""
-        yield Pane(partial(top, self.sight), "top")
+        yield Pane(partial(top, self.sight), "top", moving=True)
         yield Horizontal(*map(self._pane, self._post.upper), id="upper")
         if self._post.lower:
             yield Horizontal(*map(self._pane, self._post.lower), id="lower")
@@ -99,7 +101,7 @@ class Console(App[str]):
             if self._post.aside:
                 yield Vertical(*map(self._pane, self._post.aside), id="aside")
         yield Pane(self._line, "line", moving=True)
-        yield Entry(self._known(), self._quick(), PROMPTS.get(self.sight.role, PROMPT))
+        yield Entry(self._names, self._quick(), PROMPTS.get(self.sight.role, PROMPT))
         yield Pane(lambda width, _: foot(footer(self.sight.role), width), "foot")
 
     def on_mount(self) -> None:
@@ -127,7 +129,7 @@ class Console(App[str]):
         """Send what has been typed."""
         words = message.value.strip()
         entry = self.query_one(Entry)
-        entry.keep(words) if words else None
+        entry.keep(words)
         if not self.sight.instructs:
             self.set_focus(None)
         if words in ("detach", "bye"):
@@ -138,34 +140,39 @@ class Console(App[str]):
 
     def act(self, act: Act) -> None:
         """Carry out what a key does."""
-        sight = self.sight
+        words = self._ordered(act)
+        if words:
+            self.sight.order(words)
         match act:
-            case Give(words):
-                sight.order(words)
-            case Toggle():
-                sight.order("run" if sight.picture.frozen else "freeze")
-            case Hasten(steps):
-                sight.order(f"time {nearest(PACES, sight.picture.pace, steps):g}")
-            case Move(surface, by):
-                words = self._levers.move(surface, by, sight)
-                if words:
-                    sight.order(words)
-            case Again() if sight.picture.word("time", "replay") == "yes":
-                sight.order("take over")
-            case Again():
-                self._open(Moments(sight, replays=True))
+            case Again() if not words:
+                self._open(Moments(self.sight, replays=True))
             case Open(dialog):
-                self._open(DIALOGS[dialog](sight))
+                self._open(DIALOGS[dialog](self.sight))
             case Write(text):
                 self.query_one(Entry).begin(text)
             case Widen(steps):
                 self.span = min(max(self.span + steps, 0), len(SPANS) - 1)
-                self._seen = ()
             case Scroll(lines):
-                sight.journal.look_back(lines)
+                self.sight.journal.look_back(lines)
             case Leave():
                 self._leave()
         self._look()
+
+    def _ordered(self, act: Act) -> str:
+        """Return the order that a key gives by itself, "" for none."""
+        picture = self.sight.picture
+        match act:
+            case Give(words):
+                return words
+            case Toggle():
+                return "run" if picture.frozen else "freeze"
+            case Hasten(steps):
+                return f"time {nearest(PACES, picture.pace, steps):g}"
+            case Move(surface, by):
+                return self._levers.move(surface, by, self.sight)
+            case Again() if picture.word("time", "replay") == "yes":
+                return "take over"
+        return ""
 
     # looking
 
@@ -173,7 +180,7 @@ class Console(App[str]):
         """Take what has come, and have drawn anew what has changed."""
         sight = self.sight
         sight.hear()
-        if sight.barred:
+        if sight.barred or (sight.over and sight.ended):
             self.exit(sight.barred)
             return
         seen = (sight.picture.changes, sight.journal.changes, sight.joined, sight.over, self.span)
@@ -206,12 +213,8 @@ class Console(App[str]):
         except NoMatches:
             return []
         if typed:
-            return [fit(line((f"   {hint(typed, self._known())}", "dim")), width)]
+            return [fit(line((f"   {hint(typed, self._names)}", "dim")), width)]
         return time_line(self.sight, width, height)
-
-    def _known(self) -> Mapping[str, Sequence[str]]:
-        """Return the names that an order may hold."""
-        return Known(self.sight)
 
     def _quick(self) -> frozenset[str]:
         """Return the keys that are no letters while nothing has been typed."""
@@ -239,26 +242,6 @@ class Console(App[str]):
             self._open(leaving(own=self.own))
         else:
             self.exit("")
-
-
-class Known(Mapping[str, Sequence[str]]):
-    """Names by what the grammar calls them, as they are known by now."""
-
-    def __init__(self, sight: Sight) -> None:
-        self._sight = sight
-
-    def __getitem__(self, says: str) -> Sequence[str]:
-        if says == "the name of a casualty":
-            return [each.name for each in self._sight.casualties]
-        if says == "a name for a moment":
-            return [kept.text for kept in self._sight.snapshots]
-        raise KeyError(says)
-
-    def __iter__(self) -> Iterator[str]:
-        return iter(("the name of a casualty", "a name for a moment"))
-
-    def __len__(self) -> int:
-        return 2
 
 
 def nearest(steps: Sequence[float], value: float, by: int) -> float:

@@ -1,6 +1,6 @@
 """A dialog over the console: drawn, and ended by a key."""
 
-from typing import ClassVar, Protocol
+from typing import ClassVar, Final, Protocol
 
 from textual import events
 from textual.app import ComposeResult
@@ -13,7 +13,9 @@ from trainer.screen.pane import Pane
 
 
 class Subject(Protocol):
-    """What a dialog is about."""
+    """What a dialog is about, and the columns and rows it wants at most."""
+
+    size: tuple[int, int]
 
     def press(self, key: str, character: str | None) -> Done | None:
         """Take a key; return how the dialog ends, None while it goes on."""
@@ -22,6 +24,9 @@ class Subject(Protocol):
     def draw(self, width: int, height: int) -> Lines:
         """Return it as lines."""
         ...
+
+
+FRAME: Final = 2  # [rows]
 
 
 class Dialog(ModalScreen[Done]):
@@ -35,7 +40,10 @@ class Dialog(ModalScreen[Done]):
 
     def compose(self) -> ComposeResult:
         """Show the subject."""
-        yield Pane(self._subject.draw, "dialog", moving=True)
+        pane = Pane(self._subject.draw, "dialog", moving=True)
+        columns, rows = self._subject.size
+        pane.styles.width, pane.styles.height = columns, rows + FRAME
+        yield pane
 
     def on_key(self, event: events.Key) -> None:
         """Hand the key to the subject."""

@@ -23,7 +23,7 @@ class Ghost(Suggester):
 
     async def get_suggestion(self, value: str) -> str | None:
         """Return the line with its last word whole, None where nothing has been begun."""
-        begun = "" if not value or value[-1].isspace() else value.split()[-1]
+        begun = "" if not value or value[-1].isspace() else value.rsplit(maxsplit=1)[-1]
         words = offer(value, self._known).words if begun else ()
         return value[: len(value) - len(begun)] + words[0] if words else None
 
@@ -55,7 +55,7 @@ class Entry(Input):
 
     def keep(self, words: str) -> None:
         """Keep a line for those that want it again, and clear it."""
-        if self._history[-1:] != [words]:
+        if words and self._history[-1:] != [words]:
             self._history.append(words)
         self._place = len(self._history)
         self.value = ""

@@ -6,6 +6,7 @@ from typing import Final
 from trainer.screen.choice import NOTHING, Done
 from trainer.screen.ink import Line, Lines, fit, line
 from trainer.screen.keys import KEYS
+from trainer.screen.sight import Sight
 
 FIRST: Final = """
 A first exercise
@@ -46,8 +47,9 @@ Signs
 class Guide:
     """The help of a role, from the line on that is at the top."""
 
-    role: str
+    sight: Sight
     top: int = 0
+    size: tuple[int, int] = (80, 60)
 
     def press(self, key: str, _character: str | None) -> Done | None:
         """Take a key; return how the dialog ends, None while it goes on."""
@@ -67,9 +69,11 @@ class Guide:
 
     def _lines(self) -> list[Line]:
         """Return the whole page."""
-        text = FIRST if self.role == "instructor" else STATION
-        keys = [(key.label, key.does) for key in KEYS[self.role]]
+        text = FIRST if self.sight.role == "instructor" else STATION
+        keys = [(key.label, key.does) for key in KEYS[self.sight.role]]
         found = [titled(row) for row in text.strip("\n").splitlines()]
+        found += [line(), line((" This session", "title")), line()]
+        found += [line(f"   {said}") for said in self.sight.briefing]
         found += [line(), line((" Keys", "title")), line()]
         found += [line((f"   {label:<14}", "value"), does) for label, does in keys]
         found += [line(), *(titled(row) for row in SIGNS.strip("\n").splitlines())]

@@ -63,7 +63,7 @@ def wrapped(entry: Entry, width: int) -> list[tuple[str, str, str]]:
     """Return an entry in lines of a time, a text and an ink."""
     sign, ink = SIGNS.get(entry.kind, OTHER)
     when = " " * 8 if entry.seconds is None else clock(entry.seconds)
-    room = max(width - len(when) - 3, 8)
+    room = max(width - len(when) - 5, 8)
     texts = textwrap.wrap(entry.text, room) or [""]
     first, *rest = texts
     return [(when, f"{sign} {first}", ink), *((" " * 8, f"  {text}", ink) for text in rest)]

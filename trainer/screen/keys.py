@@ -34,13 +34,13 @@ TYPE: Final = Key(("enter", "colon"), "Enter", "type", "type an order; Esc comes
 
 INSTRUCTOR: Final = (
     HELP,
-    Key(("f2", "space"), "F2", "freeze/run", "stop time, or let it go on", Toggle()),
+    Key(("f2", "space"), "F2", "freeze", "stop time, or let it go on", Toggle()),
     Key(("f3", "full_stop"), "F3", "step", "one tick, then frozen again", Give("step")),
-    Key(("f4",), "F4", "casualty", "break something, or clear it", Open("casualties")),
+    Key(("f4",), "F4", "break", "break something, or clear it", Open("casualties")),
     Key(("f5",), "F5", "sea", "change the sea", Open("sea")),
     Key(("f6",), "F6", "back", "go back in time, by the time line", Open("moments")),
     Key(("f7",), "F7", "replay", "watch it again; ends a replay that runs", Again()),
-    Key(("f8",), "F8", "snapshot", "keep this moment under a name", Write("snapshot ")),
+    Key(("f8",), "F8", "keep", "keep this moment under a name", Write("snapshot ")),
     Key(("f9",), "F9", "mark", "mark this moment, with a remark", Write("mark ")),
     END,
     Key(("plus", "equals_sign"), "+", "", "time faster", Hasten(1)),
@@ -56,8 +56,9 @@ def steering(
     """Return the keys that move a surface, the second of each pair to the positive side."""
     found = []
     for key, label, side, sign in zip(pair, labels, sides, (-1, 1), strict=True):
+        says = f"{labels[1]}: {surface}" if sign < 0 else ""
         found += [
-            Key((key,), label, side, f"{surface} 1 degree {side}", Move(surface, sign)),
+            Key((key,), label, says, f"{surface} 1 degree {side}", Move(surface, sign)),
             Key(
                 (f"shift+{key}", f"ctrl+{key}"),
                 f"Shift {label}",
@@ -80,15 +81,15 @@ RUDDER: Final = (
     given("a", "auto", "rudder auto"),
 )
 BELLS: Final = (
-    Key(("1",), "1", "1/3", "bell ahead one-third", Give("bell ahead one-third")),
-    Key(("2",), "2", "2/3", "bell ahead two-thirds", Give("bell ahead two-thirds")),
-    Key(("3",), "3", "std", "bell ahead standard", Give("bell ahead standard")),
-    Key(("4",), "4", "full", "bell ahead full", Give("bell ahead full")),
-    Key(("5",), "5", "flank", "bell ahead flank", Give("bell ahead flank")),
-    Key(("0",), "0", "stop", "bell stop", Give("bell stop")),
-    Key(("6",), "6", "back 1/3", "bell astern one-third", Give("bell astern one-third")),
-    Key(("7",), "7", "2/3", "bell astern two-thirds", Give("bell astern two-thirds")),
-    Key(("8",), "8", "full", "bell astern full", Give("bell astern full")),
+    given("0", "to 8: bells", "bell stop"),
+    given("1", "", "bell ahead one-third"),
+    given("2", "", "bell ahead two-thirds"),
+    given("3", "", "bell ahead standard"),
+    given("4", "", "bell ahead full"),
+    given("5", "", "bell ahead flank"),
+    given("6", "", "bell astern one-third"),
+    given("7", "", "bell astern two-thirds"),
+    given("8", "", "bell astern full"),
 )
 PLANES: Final = (
     *steering("stern", ("down", "up"), ("Down", "Up"), ("dive", "rise")),
@@ -99,11 +100,11 @@ PLANES: Final = (
     given("p", "periscope", "periscope depth"),
 )
 VALVES: Final = (
-    given("1", "blow F", "blow forward"),
-    given("2", "mid", "blow mid"),
-    given("3", "aft", "blow aft"),
-    given("4", "all", "blow all"),
-    given("0", "stop", "blow stop"),
+    given("1", "to 4: blow F M A all", "blow forward"),
+    given("2", "", "blow mid"),
+    given("3", "", "blow aft"),
+    given("4", "", "blow all"),
+    given("0", "no blow", "blow stop"),
     given("v", "vent", "vent all open"),
     given("s", "shut", "vent all shut"),
     Key(("e",), "E", "EMERGENCY", "emergency blow, once more asked", Open("emergency")),
@@ -115,6 +116,8 @@ WATER: Final = (
     given("g", "pump aux 1 t", "pump auxiliary 1"),
     given("t", "trim aft 1 t", "pump trim aft 1"),
     given("y", "trim fwd 1 t", "pump trim forward 1"),
+    given("u", "", "flood depth-control 1"),
+    given("i", "", "pump depth-control 1"),
     given("h", "hover", "hover on"),
     given("j", "no hover", "hover off"),
     given("c", "compressor", "compressor on"),
@@ -124,15 +127,15 @@ COMMON: Final = (*SPAN, *LOG)
 
 KEYS: Final[Mapping[str, tuple[Key, ...]]] = {
     "instructor": INSTRUCTOR,
-    "helm": (HELP, LEAVE, TYPE, *RUDDER, *BELLS, *COMMON),
-    "planes": (HELP, LEAVE, TYPE, *PLANES, *COMMON),
-    "ballast": (HELP, LEAVE, TYPE, *VALVES, *WATER, *COMMON),
-    "diving": (HELP, LEAVE, TYPE, *PLANES, *VALVES, *WATER, *COMMON),
+    "helm": (HELP, TYPE, *RUDDER, *BELLS, LEAVE, *COMMON),
+    "planes": (HELP, TYPE, *PLANES, LEAVE, *COMMON),
+    "ballast": (HELP, TYPE, *VALVES, *WATER, LEAVE, *COMMON),
+    "diving": (HELP, TYPE, *PLANES, *VALVES, *WATER, LEAVE, *COMMON),
     "observer": (
         HELP,
-        LEAVE,
         TYPE,
         Key(("m",), "M", "mark", "mark this moment, with a remark", Write("mark ")),
+        LEAVE,
         *COMMON,
     ),
 }

@@ -22,6 +22,7 @@ class Moments:
     sight: Sight
     replays: bool
     lapse: float = 30.0
+    size: tuple[int, int] = (78, 20)
 
     @property
     def there(self) -> float:

@@ -31,7 +31,7 @@ class Pane(Widget):
         super().__init__(id=place)
         self.moving = moving
         self._draw = draw
-        self._lines: Lines = []
+        self.lines: Lines = []
 
     def look(self) -> None:
         """Draw, and have shown what has changed."""
@@ -39,7 +39,7 @@ class Pane(Widget):
         if not (width and height and self.display):
             return
         lines = self._draw(width, height)[:height]
-        before, self._lines = self._lines, lines
+        before, self.lines = self.lines, lines
         for row in range(max(len(lines), len(before))):
             if lines[row : row + 1] != before[row : row + 1]:
                 self.refresh(Region(0, row, width, 1))
@@ -51,9 +51,9 @@ class Pane(Widget):
     def render_line(self, y: int) -> Strip:
         """Return one line as the screen wants it."""
         width = self.size.width
-        if y >= len(self._lines):
+        if y >= len(self.lines):
             return Strip.blank(width, BARE)
-        return Strip(segments(fit(self._lines[y], width)), width)
+        return Strip(segments(fit(self.lines[y], width)), width)
 
 
 def segments(drawn: Line) -> list[Segment]:

@@ -1,4 +1,4 @@
-"""All that a screen knows of its session: what it shows, what was said, what waits for an answer."""
+"""All that a screen knows of its session: what it shows, what was said, what was asked."""
 
 import re
 import time
@@ -80,6 +80,7 @@ class Sight:
     trouble: str = "no session yet"
     barred: str = ""
     over: bool = False
+    ended: bool = False  # by an order of this screen
     briefing: list[str] = field(default_factory=list)
     casualties: list[Broken] = field(default_factory=list)
     snapshots: list[Kept] = field(default_factory=list)
@@ -145,7 +146,7 @@ class Sight:
             self.ask(words)
 
     def _lose(self, why: str) -> None:
-        if self.joined or why != self.trouble:
+        if not self.over and (self.joined or why != self.trouble):
             self.journal.add(None, "lost", f"no line: {why}")
         self.joined, self.trouble = False, why
         self._asked.clear()
@@ -203,6 +204,7 @@ class Sight:
         if not asked.quiet:
             self._show_answer(asked, kind, text)
         if kind == "ok":
+            self.ended = self.ended or asked.words == "quit"
             self._learn(asked, text)
         else:
             self.refused += 1

@@ -28,6 +28,7 @@ from trainer.core.vessel import COMPACT, VESSEL
 from trainer.ledger import Spread
 from trainer.study.attended import Attended, run_to, session_of, temporary, time_attended
 from trainer.study.hot import Troubled, Update, ready, time_troubled, time_update
+from trainer.study.latency import SPEED, Latency, time_orders
 from trainer.vessel_file import VesselFile
 
 DUTY_1969: Final = {0.5: 38.0, 1.0: 19.0}  # [%] by step [s], of the modified set in 1969
@@ -96,6 +97,7 @@ class Figures:
     updates: tuple[Update, ...]
     troubled: Troubled
     attended: Attended
+    latency: Latency
     sizes: dict[str, Size]
     memory_1969_words_of_16_bits: int
 
@@ -103,15 +105,18 @@ class Figures:
 def bench(file: VesselFile, seconds: int) -> Figures:
     """Return the figures of a boat, after ``seconds`` [s] of real time at each step of 1969.
 
-    ConfigError if the boat cannot fly straight, or loses its numbers at such a step.
+    For as long it is steered over TCP. ConfigError if the boat cannot fly straight, or loses its
+    numbers at such a step.
     """
-    length = sum(round(seconds / step) for step in DUTY_1969)
+    ordered = ready(file, HOT[0], file.run.step_s)
+    length = sum(round(seconds / step) for step in (*DUTY_1969, file.run.step_s / SPEED))
     quiet = not sys.stderr.isatty()
     with click.progressbar(length=length, label="ticking", file=sys.stderr, hidden=quiet) as bar:
         paced = tuple(
             pace(ready(file, HOT[0], step), seconds, lambda _tick: bar.update(1))
             for step in DUTY_1969
         )
+        latency = time_orders(ordered, seconds, lambda _tick: bar.update(1))
     return Figures(
         vessel=file.name,
         machine=this_machine(),
@@ -119,6 +124,7 @@ def bench(file: VesselFile, seconds: int) -> Figures:
         updates=tuple(time_update(ready(file, way, file.run.step_s)) for way in HOT),
         troubled=time_troubled(file, HOT[0]),
         attended=time_attended(lambda: ready(file, HOT[0], file.run.step_s)),
+        latency=latency,
         sizes={name: Size(kind.itemsize, kind.itemsize // 2) for name, kind in RECORDS.items()},
         memory_1969_words_of_16_bits=WORDS_1969,
     )

@@ -8,6 +8,7 @@ from trainer.study.attended import Attended
 from trainer.study.batches import BATCH_NS, BATCHES
 from trainer.study.bench import Figures, Paced, Size
 from trainer.study.hot import Troubled, Update
+from trainer.study.latency import SPEED, Latency
 
 WIDTH = 79
 
@@ -24,6 +25,7 @@ def render(figures: Figures) -> str:
         *_updates(figures.updates),
         *_troubled(figures.troubled),
         *_attended(figures.attended),
+        *_latency(figures.latency),
         *_sizes(figures.sizes, figures.memory_1969_words_of_16_bits),
     ]
     return "\n".join(lines).encode("ascii", errors="replace").decode("ascii")
@@ -109,6 +111,20 @@ def _attended(attended: Attended) -> list[str]:
             "  (recorded, with five subscribers at 10 Hz: "
             f"{attended.times_the_bare:.2f} times the bare session)"
         ),
+    ]
+
+
+def _latency(latency: Latency) -> list[str]:
+    """Return how soon orders over TCP are answered and act."""
+    most = latency.ticks_to_effect_most
+    effect = f"{most} tick{'s' * (most != 1)} at most" if most else "none: this boat has no rudder"
+    period = f"{1e3 * latency.tick_s:g} ms"
+    return [
+        "",
+        f"ORDERS OVER TCP (five subscribers, time x{SPEED:g}: a tick each {period})",
+        f"    {'[us]':<14}{'median':>10}{'99 %':>10}{'99.9 %':>10}{'most':>10}",
+        _spread("reply", latency.reply),
+        f"    {latency.orders} orders; from order to effect: {effect}",
     ]
 
 

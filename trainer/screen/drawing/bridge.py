@@ -1,21 +1,39 @@
 """The first line: what session this is, the time, how it runs, and whether the line holds."""
 
-from trainer.screen.ink import Line, Lines, beside, line
+from typing import Final
+
+from trainer.screen.ink import Line, Lines, beside, fit, length, line
 from trainer.screen.journal import clock
 from trainer.screen.sight import Sight
+
+SILENCE: Final = 2.0  # [s] of a session that runs, after which it is called out
 
 
 def top(sight: Sight, width: int, _height: int) -> Lines:
     """Return the first line, or what is wrong with the line to the session."""
-    if not sight.joined:
-        words = f" NO LINE {sight.trouble}; trying again "
-        return [beside(line((words, "alarm")), line(), width, "alarm")]
+    wrong = trouble(sight)
+    if wrong:
+        return [fit(line((f" {wrong} ", "alarm")), width, "alarm")]
+    clockwork = f"{clock(sight.picture.seconds)} "
+    left = (*line((f" {sight.role} ", "bright"), (clockwork, "bright")), *pace(sight))
+    told = title(sight)
+    room = width - length(left)
+    return [beside(left, line((told if len(told) <= room else "", "bar")), width, "bar")]
+
+
+def trouble(sight: Sight) -> str:
+    """Return what is wrong with the line or with what comes on it, "" while nothing is."""
     if sight.over:
-        return [
-            beside(line((" THE SESSION IS OVER: F10 leaves ", "alarm")), line(), width, "alarm")
-        ]
-    left = line((f" {sight.role} ", "bright"), (f"{clock(sight.picture.seconds)} ", "bright"))
-    return [beside((*left, *pace(sight)), line((title(sight), "bar")), width, "bar")]
+        return "THE SESSION IS OVER: F10 leaves"
+    if not sight.joined:
+        return f"NO LINE: {sight.trouble}; trying again"
+    picture = sight.picture
+    last = picture.reading(sight.gauges)
+    step = last.seconds / last.tick if last.tick else 0.0
+    silent = sight.clock() - last.arrived
+    if picture.frozen or not picture.pace or silent < SILENCE + 2.0 * step / picture.pace:
+        return ""
+    return f"NO DATA for {silent:.0f} s: the session does not answer"
 
 
 def pace(sight: Sight) -> Line:
@@ -41,13 +59,19 @@ def title(sight: Sight) -> str:
 
 
 def foot(keys: tuple[tuple[str, str], ...], width: int) -> Lines:
-    """Return the keys that there is room for, the first ones first."""
+    """Return the keys in a line; where there is no room the last but one go first."""
+    shown, gap = list(keys), 2
+    while len(shown) > 1 and taken(shown, gap) > width:
+        if gap > 1:
+            gap = 1
+        else:
+            del shown[-2]
     parts: list[tuple[str, str]] = [(" ", "bar")]
-    room = width - 1
-    for label, says in keys:
-        taken = len(label) + len(says) + 3
-        if taken > room + 1:
-            break
-        parts += [(label, "key"), (f" {says}  ", "bar")]
-        room -= taken
-    return [beside(line(*parts), line(), width, "bar")]
+    for label, says in shown:
+        parts += [(label, "key"), (f" {says}{' ' * gap}", "bar")]
+    return [fit(line(*parts), width, "bar")]
+
+
+def taken(keys: list[tuple[str, str]], gap: int) -> int:
+    """Return the columns that keys take with so many blanks after each."""
+    return 1 + sum(len(label) + 1 + len(says) + gap for label, says in keys) - gap

@@ -39,8 +39,10 @@ def headline(drawn: Quantity, sight: Sight, span: float, width: int) -> Line:
     ordered = says(sight.picture.number(*drawn.ordered)) if drawn.ordered else NONE
     told = "" if ordered == NONE else f" {DASH}{DASH} {ordered}"
     name = drawn.name if width > 34 else drawn.name[:7]
-    left = line((f" {name} ", "title"), (actual, "value"), (told, "ordered"))
-    return beside(left, line((f"{drawn.unit}  {minutes(span)} ", "dim")), width)
+    inks = ("heading", "heading-value", "heading-ordered")
+    left = line(*zip((f" {name} ", actual, told), inks, strict=True))
+    right = line((f"{drawn.unit}  {minutes(span)} ", "heading-dim"))
+    return beside(left, right, width, "heading")
 
 
 def minutes(span: float) -> str:

@@ -38,7 +38,7 @@ def large(text: str) -> tuple[str, str, str]:
 def dial(label: str, text: str, ordered: str, unit: str) -> Lines:
     """Return a large number with its label, and what is ordered below it."""
     told = "" if ordered == NONE else f"ordered {ordered}"
-    heading = line((f" {label}", "title"), (f"  {unit}", "dim"))
+    heading = line((f" {label}", "heading"), (f"  {unit}", "heading-dim"))
     return [
         heading,
         *(line((f" {row}", "value")) for row in large(text)),
@@ -55,9 +55,12 @@ def side_by_side(dials: list[Lines], width: int) -> Lines:
             tuple(
                 run
                 for drawn in dials
-                for run in fit(drawn[row] if row < len(drawn) else line(), room)
+                for run in fit(
+                    drawn[row] if row < len(drawn) else line(), room, "plain" if row else "heading"
+                )
             ),
             width,
+            "plain" if row else "heading",
         )
         for row in range(rows)
     ]

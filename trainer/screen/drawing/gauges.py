@@ -5,12 +5,12 @@ from trainer.screen.ink import Line, Lines, fit, line
 from trainer.screen.sight import Sight
 
 LEFT = 27  # [columns] of what she does; the rest is what she is told to
-BALLAST = (("forward", "F"), ("mid", "M"), ("aft", "A"), ("negative", "neg"))
-TRIM = (
-    ("trim_forward", "trim F"),
-    ("trim_aft", "A"),
-    ("auxiliary", "aux"),
-    ("depth_control", "depth-ctl"),
+TANKS = (
+    ("main", ("forward", "mid", "aft")),
+    ("neg", ("negative",)),
+    ("trim", ("trim_forward", "trim_aft")),
+    ("aux", ("auxiliary",)),
+    ("dc", ("depth_control",)),
 )
 APART = 0.5  # [m, deg, kn] from which a gauge is said to be wrong
 
@@ -44,37 +44,41 @@ def pair(label: str, actual: str, ordered: str, unit: str) -> Line:
     return line((f" {label:<7}", "dim"), (f"{actual:>6}", "value"), told, (f" {unit}", "dim"))
 
 
-def false(sight: Sight, name: str, decimals: int = 1) -> str:
+def false(sight: Sight, name: str) -> str:
     """Return what a gauge shows, "" where that is the truth."""
     shown, true = sight.picture.number("gauges", name), sight.picture.number("motion", name)
     if shown is None or true is None:
         return ""
     apart = abs(shown - true)
     apart = min(apart, 360.0 - apart) if name == "heading" else apart
-    return f" gauge {number(shown, decimals)}" if apart > APART else ""
+    return f"  GAUGE {number(shown)}" if apart > APART else ""
 
 
 def depth(sight: Sight) -> Line:
-    """Return depth and ordered depth, and what the gauge says if that is another."""
+    """Return depth and ordered depth."""
     ordered = number(sight.picture.number("diving", "ordered_depth"))
-    wrong = false(sight, "depth")
-    shown = pair("depth", number(moved(sight, "depth")), ordered, "" if wrong else "m")
-    return (*shown, (wrong.lstrip(), "warning"))
+    told = pair("depth", number(moved(sight, "depth")), ordered, "m")
+    return misread(sight, "depth", told)
 
 
 def heading(sight: Sight) -> Line:
     """Return heading and ordered course."""
     ordered = course(sight.picture.number("steering", "ordered_course"))
-    wrong = false(sight, "heading", 0)
-    return (*pair("course", course(moved(sight, "heading"), 1), ordered, ""), (wrong, "warning"))
+    told = pair("course", course(moved(sight, "heading"), 1), ordered, "")
+    return misread(sight, "heading", told)
 
 
 def speed(sight: Sight) -> Line:
     """Return speed and ordered speed."""
     ordered = number(sight.picture.number("engine", "ordered_speed"))
-    wrong = false(sight, "speed")
-    shown = pair("speed", number(moved(sight, "speed")), ordered, "" if wrong else "kn")
-    return (*shown, (wrong.lstrip(), "warning"))
+    told = pair("speed", number(moved(sight, "speed")), ordered, "kn")
+    return misread(sight, "speed", told)
+
+
+def misread(sight: Sight, name: str, told: Line) -> Line:
+    """Return a value with what the crew's gauge shows in place of the order, if that is false."""
+    wrong = false(sight, name)
+    return (*told[:2], (wrong, "warning")) if wrong else told
 
 
 def pitch(sight: Sight) -> Line:
@@ -132,11 +136,10 @@ def tanks(sight: Sight) -> Line:
     """Return how full the tanks are [%]."""
     if sight.picture.number("tanks", "auxiliary") is None:
         return line((" tanks  ", "dim"), "this boat has none")
-    parts = [(" tanks  ", "dim"), ("main ", "dim")]
-    for name, says in BALLAST:
-        parts += [(f"{says} ", "dim"), (f"{full(sight, name)} ", "plain")]
-    for name, says in TRIM:
-        parts += [(f" {says} ", "dim"), (full(sight, name), "plain")]
+    parts = [(" tanks ", "dim")]
+    for says, names in TANKS:
+        shares = "/".join(full(sight, name) for name in names)
+        parts += [(f" {says} ", "dim"), (shares, "plain")]
     return line(*parts, (" %", "dim"))
 
 
@@ -158,9 +161,10 @@ def air(sight: Sight) -> Line:
     ]
     return line(
         (" air    ", "dim"),
-        (f"main {number(main)} MPa  emergency {number(reserve)} MPa", "plain"),
-        (f"  compressor {picture.word('air', 'compressor')}", "dim"),
-        (f"  BLOWING {' '.join(blown)}" if blown else "", "warning"),
+        (f"main {number(main)}  emergency {number(reserve)} MPa", "plain"),
+        (f"  BLOWING {' '.join(blown)}", "warning")
+        if blown
+        else (f"  compressor {picture.word('air', 'compressor')}", "dim"),
     )
 
 

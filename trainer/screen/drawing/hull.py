@@ -28,7 +28,8 @@ RING: Final[Points] = tuple(
 )
 FIN: Final[Points] = ((-0.14, 1.0), (-0.14, 1.75), (0.14, 1.75), (0.14, 1.0))
 STERN: Final = 12  # [columns] of the view from astern
-LEAST: Final = 20  # [columns] of the view from the side
+LEAST: Final = 18  # [columns] of the view from the side
+WORDS: Final = 36  # [columns] with room for both angles
 
 
 def hull(sight: Sight, width: int, height: int) -> Lines:
@@ -37,7 +38,8 @@ def hull(sight: Sight, width: int, height: int) -> Lines:
         return [fit(line(), width)] * height
     pitch, heel = moved(sight, "pitch"), moved(sight, "heel")
     left = line((f" pitch {attitude(pitch, 'up', 'down')}", "dim"))
-    right = line((f"heel {attitude(heel, 'stbd', 'port')} ", "dim"))
+    told = f"heel {attitude(heel, 'stbd', 'port')} "
+    right = line((told if width >= WORDS else "", "dim"))
     room = height - 1
     astern = STERN if width >= LEAST + STERN else 0
     side = sideways(pitch or 0.0, width - astern, room)

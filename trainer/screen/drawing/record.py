@@ -1,7 +1,7 @@
 """The log of what was said and done, the line of time, and the ledger."""
 
 from trainer.screen.drawing.wording import number
-from trainer.screen.ink import Line, Lines, Run, beside, fit, line
+from trainer.screen.ink import Line, Lines, Run, fit, line
 from trainer.screen.journal import clock, wrapped
 from trainer.screen.sight import Kept, Sight
 
@@ -65,7 +65,7 @@ def ledger(sight: Sight, width: int, height: int) -> Lines:
 
     lines = [
         line(
-            (" ledger ", "title"),
+            (" ledger   ", "heading"),
             (f"{told('ticks')} ticks, duty {told('duty_cycle', 3)} %", "plain"),
         ),
         row("overruns", f"{told('overruns')}, caught up {told('caught_up')}"),
@@ -84,7 +84,7 @@ def row(label: str, text: str) -> Line:
 def suffering(sight: Sight, width: int, height: int) -> Lines:
     """Return the casualties: kind, how much of what it will be, and when."""
     picture = sight.picture
-    lines = [line((" casualties", "title"))]
+    lines = [fit(line((" casualties", "heading")), width, "heading")]
     for name in picture.rows("casualties", "casualty_"):
         if not name[-1].isdigit():
             continue
@@ -98,8 +98,3 @@ def suffering(sight: Sight, width: int, height: int) -> Lines:
     if len(lines) == 1:
         lines.append(line((" none; F4 lists what can break", "dim")))
     return [fit(each, width) for each in lines[:height]]
-
-
-def heading_of(left: str, right: str, width: int) -> Line:
-    """Return a heading across the width."""
-    return beside(line((f" {left}", "title")), line((f"{right} ", "dim")), width)

@@ -41,7 +41,7 @@ def levels(sight: Sight, width: int, height: int) -> Lines:
     picture = sight.picture
     if not picture.word("tanks", "auxiliary"):
         return [fit(line((" this boat has no tanks", "dim")), width)]
-    lines = [line((" tanks", "title"))]
+    lines = [fit(pumping(sight), width, "heading")]
     for name, says in TANKS:
         mass, share = picture.number("tanks", name), picture.number("tanks", f"{name}_full")
         if mass is None:
@@ -57,7 +57,7 @@ def levels(sight: Sight, width: int, height: int) -> Lines:
                 (f" {moving:+.1f}" if moving else "", "warning"),
             )
         )
-    lines += [flooded(sight), pumping(sight)]
+    lines.append(flooded(sight))
     return [fit(each, width) for each in lines[:height]]
 
 
@@ -74,23 +74,24 @@ def flooded(sight: Sight) -> Line:
 
 
 def pumping(sight: Sight) -> Line:
-    """Return what is drained, and whether the boat hovers."""
+    """Return the heading: whether the boat hovers, and what is drained."""
     picture = sight.picture
     drained = picture.word("tanks", "draining") or "nothing"
     return line(
-        (" draining       ", "dim"),
-        (drained, "plain"),
-        ("   hover ", "dim"),
-        (picture.word("tanks", "hover") or "-", "plain"),
+        (" tanks", "heading"),
+        ("          hover ", "heading-dim"),
+        (picture.word("tanks", "hover") or "-", "heading-value"),
+        ("   draining ", "heading-dim"),
+        (drained, "heading-value"),
     )
 
 
 def banks(sight: Sight, width: int, height: int) -> Lines:
     """Return the air banks and the compressor."""
     picture = sight.picture
-    lines = [
-        line((" air", "title"), (f"  compressor {picture.word('air', 'compressor') or '-'}", "dim"))
-    ]
+    compressor = picture.word("air", "compressor") or "-"
+    heading = line((" air", "heading"), (f"            compressor {compressor}", "heading-dim"))
+    lines = [fit(heading, width, "heading")]
     for name, says in BANKS:
         pressure, share = picture.number("air", name), picture.number("air", f"{name}_full")
         if pressure is None:
@@ -104,7 +105,7 @@ def banks(sight: Sight, width: int, height: int) -> Lines:
 def valves(sight: Sight, width: int, height: int) -> Lines:
     """Return how the levers stand, a row for each group."""
     picture = sight.picture
-    lines = [line((" valves         vent     blow", "title"))]
+    lines = [fit(line((" valves         vent     blow", "heading")), width, "heading")]
     for name in VALVES:
         vent, blow = (picture.word("valves", f"{what}_{name}") for what in ("vent", "blow"))
         lines.append(line((f" {name:<{NAMES - 1}}", "dim"), *lever(vent), *lever(blow)))

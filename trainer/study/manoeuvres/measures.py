@@ -1,7 +1,5 @@
 """What a manoeuvre is measured by, and the general ways to read numbers from a flight."""
 
-import math
-from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import Final
@@ -30,6 +28,11 @@ class Measure:
 def share(name: str, unit: str, value: float | None) -> Measure:
     """Return a measure that may differ by PERCENT of itself."""
     return Measure(name, unit, value, None if value is None else abs(value) * PERCENT / 100.0)
+
+
+def part(name: str, unit: str, value: float | None, whole: float) -> Measure:
+    """Return a measure that may differ by PERCENT of ``whole``, the largest of its kind."""
+    return Measure(name, unit, value, abs(whole) * PERCENT / 100.0)
 
 
 def shown(name: str, unit: str, value: float | None) -> Measure:
@@ -114,13 +117,3 @@ def swing_measures(name: str, unit: str, t: Numbers, values: Numbers) -> list[Me
 def largest(values: Numbers) -> float:
     """Return the value farthest from zero, with its sign."""
     return float(values[int(np.argmax(np.abs(values)))])
-
-
-def mean(values: Sequence[float] | Numbers) -> float | None:
-    """Return the mean, None of nothing."""
-    return float(np.mean(values)) if len(values) else None
-
-
-def degrees(angle: float) -> str:
-    """Return an angle [rad] in whole or half degrees, for names."""
-    return f"{round(math.degrees(angle), 3):g}"

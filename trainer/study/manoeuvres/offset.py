@@ -36,9 +36,9 @@ class TrimChange(Manoeuvre):
     def measures(self, flight: Flight) -> list[Measure]:
         """Return how much of everything the offset changes by its end."""
         return [
-            share("last change of speed", "m/s", float(flight.change("u")[-1])),
-            share("last change of pitch", "rad", float(flight.change("theta")[-1])),
-            share("last change of depth", "m", float(flight.change("z")[-1])),
+            shown("last change of speed", "m/s", float(flight.change("u")[-1])),
+            shown("last change of pitch", "rad", float(flight.change("theta")[-1])),
+            shown("last change of depth", "m", float(flight.change("z")[-1])),
             shown("last change of w", "m/s", float(flight.change("w")[-1])),
             shown("largest pitch rate", "rad/s", largest(flight.column("q"))),
         ]

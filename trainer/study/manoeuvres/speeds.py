@@ -7,7 +7,7 @@ from typing import ClassVar, Final
 
 from trainer.study.manoeuvres.conn import Conn
 from trainer.study.manoeuvres.flight import Flight, Manoeuvre
-from trainer.study.manoeuvres.measures import Measure, first_time, largest, share, shown
+from trainer.study.manoeuvres.measures import Measure, first_time, largest, part, share, shown
 
 KNOT: Final = 1852.0 / 3600.0  # [m/s]
 STEP: Final = 5.0 * KNOT  # [m/s] of 1969; at most a third of what the vehicle makes
@@ -40,10 +40,7 @@ class Acceleration(Manoeuvre):
         ends = [*(mark.t for mark in flight.marks[1:]), float(flight.t[-1])]
         top = float(flight.column("u").max())
         speeds = [flight.at(end, "u") for end in ends]
-        return [
-            Measure(f"speed after step {i}", "m/s", u, 0.05 * top)
-            for i, u in enumerate(speeds, start=1)
-        ]
+        return [part(f"speed after step {i}", "m/s", u, top) for i, u in enumerate(speeds, start=1)]
 
 
 @dataclass(frozen=True)
@@ -74,8 +71,7 @@ class UtmostAcceleration(Manoeuvre):
         top = float(flight.column("u").max())
         times = [part * self.duration_s for part in READINGS]
         found = [
-            Measure(f"speed after {time:g} s", "m/s", flight.at(time, "u"), 0.05 * top)
-            for time in times
+            part(f"speed after {time:g} s", "m/s", flight.at(time, "u"), top) for time in times
         ]
         if flight.has("z"):
             found.append(shown("largest depth change", "m", largest(flight.change("z"))))

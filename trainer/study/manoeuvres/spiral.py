@@ -9,7 +9,7 @@ import numpy as np
 
 from trainer.study.manoeuvres.conn import Conn
 from trainer.study.manoeuvres.flight import Flight, Manoeuvre
-from trainer.study.manoeuvres.measures import Measure, share, shown
+from trainer.study.manoeuvres.measures import Measure, part, share, shown
 
 PARTS: Final = (1.0, 2 / 3, 1 / 3, 1 / 6, 0.0, -1 / 6, -1 / 3, -2 / 3, -1.0)
 SHORTEST: Final = 3.0  # [lengths run] of each part
@@ -94,10 +94,11 @@ class Spiral(Manoeuvre):
         conn.vehicle.keep("depth")
         most = [0.0]
         for way, parts in (("down", PARTS), ("up", PARTS[::-1])):
-            for part in parts:
-                conn.order("rudder", math.radians(part * self.angle_deg))
+            for share_of_it in parts:
+                angle = share_of_it * self.angle_deg
+                conn.order("rudder", math.radians(angle))
                 yield from settle(conn, most)
-                conn.mark(f"{way} {part * self.angle_deg:+.3g}")
+                conn.mark(f"{way} {angle:+.3g}")
 
     def measures(self, flight: Flight) -> list[Measure]:
         """Return yaw rate by rudder, and how far the two ways lie apart."""
@@ -105,8 +106,9 @@ class Spiral(Manoeuvre):
         for mark in flight.marks:
             way, angle = mark.name.split()
             rates[way][angle] = flight.at(mark.t, "r") or 0.0
+        most = max((abs(rate) for rate in rates["down"].values()), default=0.0)
         found = [
-            share(f"yaw rate at {angle} deg", "rad/s", rate)
+            part(f"yaw rate at {angle} deg", "rad/s", rate, most)
             for angle, rate in rates["down"].items()
         ]
         gaps = [abs(rate - rates["up"].get(angle, rate)) for angle, rate in rates["down"].items()]
@@ -131,9 +133,9 @@ class ReverseSpiral(Manoeuvre):
         yield from settle(conn, most)
         largest = swirl(conn)
         conn.mark(FIRST)
-        for part in PARTS[1:-1]:
-            yield from self._held(conn, part * largest)
-            conn.mark(f"{100.0 * part:.0f} %")
+        for wanted in PARTS[1:-1]:
+            yield from self._held(conn, wanted * largest)
+            conn.mark(f"{100.0 * wanted:.0f} %")
 
     def _held(self, conn: Conn, wanted: float) -> Iterator[None]:
         """Yield the cycles in which the rudder brings r L/U to ``wanted`` and keeps it."""
@@ -159,5 +161,5 @@ class ReverseSpiral(Manoeuvre):
         for mark in flight.marks[1:]:
             found.append(shown(f"yaw rate at {mark.name}", "rad/s", flight.at(mark.t, "r")))
             angle = float(np.interp(mark.t, flight.t, rudder))
-            found.append(share(f"rudder at {mark.name}", "rad", angle))
+            found.append(part(f"rudder at {mark.name}", "rad", angle, math.radians(self.angle_deg)))
         return found

@@ -24,6 +24,8 @@ SURFACES: Final = {"rudder": ("rudder", "r"), "planes": ("stern", "s")}
 LAWS: Final = {"trainer": OWN, "report": REPORT, "literal": REPORT_LITERAL}
 DEEP: Final = 1000.0  # [m] room for any manoeuvre, and away from the surface
 STEEPEST: Final = math.radians(80.0)
+SPEED_GAIN: Final = 4.0  # [-] command speed per speed, and
+SPEED_RATE: Final = 0.2  # [1/s] per its integral
 AT_ONCE: Final = 1e9  # [rad/s]
 
 
@@ -59,7 +61,7 @@ class Submarine:
 
     columns = COLUMNS
 
-    def __init__(self, file: VesselFile, method: Method, rig: Rig) -> None:
+    def __init__(self, file: VesselFile, method: Method, rig: Rig = Rig()) -> None:
         """Fit the boat out."""
         self.name = file.name
         self.length = file.hull.length
@@ -70,6 +72,7 @@ class Submarine:
         self._at_once = rig.controls == "once"
         self._law = LAWS[rig.law] if self.boat.automatic else max(LAWS[rig.law], REPORT)
         self._neutral = {"rudder": 0.0, "planes": 0.0}
+        self._kept_speed: float | None = None
         if self._at_once:
             own = self.boat.records.vessel
             own["surface_rate"], own["surface_lag"] = AT_ONCE, 0.0
@@ -89,6 +92,7 @@ class Submarine:
     def start(self, speed: float) -> None:
         """Begin anew in trim at ``speed`` [m/s], everything in hand; ConfigError if it cannot."""
         self.boat.start(speed, DEEP, 0.0)
+        self._kept_speed = None
         s = self.boat.state
         s.by_hand[:] = 1.0
         s.speed_by_hand = 1.0
@@ -114,8 +118,9 @@ class Submarine:
         """Leave "depth" to both pairs of planes, or "speed" to the propeller, as it is now."""
         s = self.boat.state
         if quantity == "speed":
-            s.ordered_speed, s.speed_by_hand = s.u, 0.0 if self.boat.automatic else 1.0
-            s.speed_trim = s.u_c - s.u
+            if self.boat.automatic:
+                self._kept_speed = float(s.u)
+                s.ordered_speed, s.speed_trim, s.speed_by_hand = s.u, s.u_c - s.u, 0.0
             return
         s.ordered_depth = s.z
         for surface, letter in (("stern", "s"), ("bow", "b")):
@@ -128,6 +133,8 @@ class Submarine:
 
     def advance(self) -> None:
         """Advance by one cycle; LostError if the numbers go astray."""
+        if self._kept_speed is not None:
+            self._make_speed(self._kept_speed)
         status = self._moved() if self._at_once else self.boat.tick()
         if status:
             raise LostError(self.boat.failure(status))
@@ -137,6 +144,16 @@ class Submarine:
                 f"pitch is {math.degrees(s.theta):.0f} degrees after {self.boat.time:g} s, "
                 "beyond what the equations are good for"
             )
+
+    def _make_speed(self, wanted: float) -> None:
+        """Let the autopilot's trim of speed bring the boat to a speed [m/s] in turns too.
+
+        By itself it learns that trim in straight flight alone, and a turn slows the boat down.
+        """
+        s, (low, high) = self.boat.state, self.controls["engine"]
+        more = SPEED_RATE * (wanted - float(s.u)) - SPEED_GAIN * float(s.udot)
+        command = float(s.ordered_speed + s.speed_trim) + self.step * more
+        s.speed_trim = min(max(command, low), high) - s.ordered_speed
 
     def _moved(self) -> int:
         """Advance with controls that act in the very cycle they are ordered in."""

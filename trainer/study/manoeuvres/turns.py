@@ -17,6 +17,7 @@ from trainer.study.manoeuvres.measures import (
     shown,
 )
 
+SNAP: Final = 0.2  # [-] of the largest roll: a smaller first flick is none
 HEADING_AFTER: Final = 60.0  # [s] of rudder, when the heading is read
 
 
@@ -132,10 +133,12 @@ def heel(flight: Flight) -> list[Measure]:
     begin = flight.time_of("rudder") or 0.0
     after = flight.since(begin)
     rolls = flight.change("phi")[after]
-    tops = peaks(flight.t[after], rolls)
+    most = largest(rolls)
+    tops = [y for _, y in peaks(flight.t[after], rolls) if abs(y) > SNAP * abs(most)]
+    snap = tops[0] if tops else None
     return [
-        share("snap roll", "rad", tops[0][1] if tops else None),
-        share("largest roll", "rad", largest(rolls)),
+        share("snap roll", "rad", snap),
+        share("largest roll", "rad", most),
         share("steady roll", "rad", float(rolls[-1])),
     ]
 

@@ -1,0 +1,103 @@
+"""What the guide flies: the manoeuvres of 1969 at their speeds, and those of today."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from typing import Final
+
+import numpy as np
+
+from trainer.fitout import KNOT, Method
+from trainer.guide.tasks import Task
+from trainer.study.characteristic import vertical
+from trainer.study.check import round_speeds
+from trainer.study.manoeuvres.catalogue import MANOEUVRES, named, within_limits
+from trainer.study.manoeuvres.flight import Manoeuvre
+from trainer.study.manoeuvres.submarine import Submarine
+from trainer.vessel_file import VesselFile
+
+SETS: Final = {  # equation set: accelerations, integrator
+    "full": ("exact", "rk4"),
+    "modified": ("lagged", "adams2"),
+    "basic": ("lagged", "adams2"),
+}
+OF_ONE_SPEED: Final = (
+    *("climbing-turn", "acceleration", "utmost-acceleration", "impulse", "rudder-impulse"),
+    *("turning-circle", "zigzag-10", "zigzag-20", "pull-out", "spiral", "reverse-spiral"),
+    *("vertical-zigzag", "crash-stop", "roll-decay"),
+)
+EXECUTES: Final = (5.0, 20.0)  # [deg] of the overshoots
+RUDDERS: Final = (15.0, 35.0)  # [deg] of the turns
+GRID: Final = 0.5  # [kn]
+
+
+@dataclass(frozen=True)
+class Leg:
+    """One manoeuvre at one speed, to be flown by every equation set."""
+
+    name: str  # of the manoeuvre
+    variant: str  # what is particular, such as "execute 5 deg"
+    speed_kn: float
+    manoeuvre: Manoeuvre
+
+    @property
+    def title(self) -> str:
+        """Return what the leg is called."""
+        speed = "from rest" if self.manoeuvre.from_rest else f"{self.speed_kn:g} kn"
+        return ", ".join(filter(None, (self.name, self.variant, speed)))
+
+    def task(self, file: VesselFile, equations: str) -> Task:
+        """Return the flight of the leg by one equation set, at the boat's own step."""
+        rates, integrator = SETS[equations]
+        method = Method(equations, rates, "exact", integrator, file.run.step_s)
+        return Task(self.manoeuvre, self.speed_kn * KNOT, method)
+
+
+def best_damped(file: VesselFile) -> float | None:
+    """Return the speed [kn] on a grid at which vertical motion dies away fastest; None: at none."""
+    low, high = file.run.speed_range_kn
+    grid = np.arange(np.ceil(low / GRID) * GRID, high + 1e-9, GRID)
+    slowest = [float(-vertical(file, float(u) * KNOT).eigenvalues.real.max()) for u in grid]
+    best = int(np.argmax(slowest))
+    return float(grid[best]) if slowest[best] > 0.0 else None
+
+
+def legs(file: VesselFile) -> tuple[Leg, ...]:
+    """Return the legs of the guide that this boat has the controls for, in order."""
+    method = Method("full", "exact", "exact", "rk4", file.run.step_s)
+    boat = Submarine(file, method)
+    found = [
+        replace(leg, manoeuvre=within_limits(leg.manoeuvre, boat))
+        for leg in _wished(file)
+        if all(control in boat.controls for control in leg.manoeuvre.needs)
+    ]
+    return tuple(dict.fromkeys(_named_by_angle(leg) for leg in found))
+
+
+def _wished(file: VesselFile) -> Iterator[Leg]:
+    """Yield the legs, angles as of 1969."""
+    speeds = round_speeds(*file.run.speed_range_kn)
+    low, high, own = speeds[min(1, len(speeds) - 1)], speeds[-1], file.run.start_speed_kn
+    best = best_damped(file)
+    more = () if best is None else (best,)
+    for speed in sorted({*speeds, *more}):
+        yield Leg("meander", "", speed, named("meander"))
+    for speed in (low, high):
+        for execute in EXECUTES:
+            overshoot = replace(named("overshoot"), execute_deg=execute)  # type: ignore[call-arg]
+            yield Leg("overshoot", f"execute {execute:g} deg", speed, overshoot)
+    for speed in (low, high):
+        for rudder in RUDDERS:
+            turn = replace(named("turn"), angle_deg=rudder)  # type: ignore[call-arg]
+            yield Leg("turn", "rudder", speed, turn)
+    for speed in speeds:
+        yield Leg("trim", "", speed, named("trim"))
+    for name in OF_ONE_SPEED:
+        yield Leg(name, "", 0.0 if MANOEUVRES[name].from_rest else own, named(name))
+
+
+def _named_by_angle(leg: Leg) -> Leg:
+    """Return the leg with the rudder's angle in its name, where it is the boat's limit or not."""
+    if leg.variant != "rudder":
+        return leg
+    angle = getattr(leg.manoeuvre, "angle_deg")  # noqa: B009 (not every manoeuvre has one)
+    return replace(leg, variant=f"rudder {angle:g} deg")

@@ -1,0 +1,259 @@
+"""What is wrong with a record before anything is fitted to it, by column and row.
+
+What cannot be used is refused with a ConfigError; what may mislead is told.
+"""
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from typing import Final
+
+import numpy as np
+
+from trainer.config import ConfigError
+from trainer.identify.record import OUTPUTS, Numbers, Record
+
+GAP: Final = 1.5  # [-] of the usual interval: a longer one is a gap
+STEADY: Final = 1e-3  # [-] of the usual interval: times that differ less are at one interval
+STILL: Final = math.radians(0.01)  # [rad] standard deviation of a rudder that does not move
+TURNED: Final = math.radians(100.0)  # [rad] no rudder goes so far, no ship turns so fast a second
+FAINT: Final = math.radians(0.5)  # [rad] no rudder experiment is so gentle
+SURE: Final = 4.0  # standard errors
+FOLLOWS: Final = 0.98  # [-] share of the rudder explained by the motion, beyond which it follows it
+HALF_TURN: Final = math.pi
+FEWEST: Final = 20  # samples, to judge signs and loops
+
+
+@dataclass(frozen=True)
+class Finding:
+    """Something about a record that an analyst should know; row 0 is the whole column."""
+
+    column: str
+    row: int
+    text: str
+
+    def __str__(self) -> str:
+        where = f"row {self.row}: " if self.row else ""
+        return f"{where}{self.column}: {self.text}"
+
+
+def examine(record: Record) -> list[Finding]:
+    """Return what may mislead in a record; ConfigError with all that forbids its use."""
+    problems = [*_rudder_problems(record), *_unit_problems(record)]
+    if problems:
+        raise ConfigError(*(f"{record.source}: {problem}" for problem in problems))
+    found = [*_intervals(record), *_missing(record), *_jumps(record)]
+    signs = list(_wrong_sign(record))
+    return found + signs + list(_closed_loop(record)) + list(_constant_outputs(record))
+
+
+def unwrapped(record: Record) -> Record:
+    """Return the record with a heading that does not jump by whole turns."""
+    if record.heading is None:
+        return record
+    heading = record.heading.copy()
+    known = ~np.isnan(heading)
+    heading[known] = np.unwrap(heading[known])
+    return replace(record, heading=heading)
+
+
+def _rudder_problems(record: Record) -> Iterator[Finding]:
+    """Yield why the rudder cannot be an input."""
+    rudder, name = record.column("rudder"), record.name("rudder")
+    missing = np.isnan(rudder)
+    if missing.any():
+        place = int(np.argmax(missing))
+        yield Finding(name, record.row(place), "the rudder must be known at each row; it is empty")
+        return
+    if float(np.std(rudder)) < STILL:
+        held = math.degrees(float(np.mean(rudder)))
+        yield Finding(
+            name, 0, f"stands at {held:g} deg in all rows: nothing is learnt from a rudder at rest"
+        )
+
+
+def _unit_problems(record: Record) -> Iterator[Finding]:
+    """Yield numbers that cannot be in the unit that was said."""
+    for channel in ("rudder", "yaw_rate"):
+        values = getattr(record, channel)
+        if values is None or not (beyond := np.abs(np.nan_to_num(values)) > TURNED).any():
+            continue
+        place = int(np.argmax(beyond))
+        yield Finding(
+            record.name(channel),
+            record.row(place),
+            f"{values[place]:g} rad{'/s' if channel == 'yaw_rate' else ''} cannot be; "
+            "are these degrees?",
+        )
+    slope = _rate_slope(record)
+    if slope is None:
+        return
+    for factor, text in (
+        (180.0 / math.pi, "one of them is in degrees and the other is not"),
+        (math.pi / 180.0, "one of them is in radians and the other is not"),
+        (-1.0, "one of them is positive to port"),
+        (60.0, "the rate is a degree per minute, not per second"),
+    ):
+        if 0.7 < slope / factor < 1.4:
+            columns = f"{record.name('yaw_rate')} and {record.name('heading')}"
+            yield Finding(columns, 0, f"the rate is {slope:.3g} of the heading's change: {text}")
+
+
+def _rate_slope(record: Record) -> float | None:
+    """Return the yaw rate over the rate of change of the heading [-]; None if that is not known."""
+    if record.heading is None or record.yaw_rate is None or len(record.t) < FEWEST:
+        return None
+    step = np.diff(record.t)
+    turned = np.diff(np.unwrap(np.nan_to_num(record.heading))) / step
+    mean = 0.5 * (record.yaw_rate[1:] + record.yaw_rate[:-1])
+    good = ~np.isnan(np.diff(record.heading)) & ~np.isnan(mean)
+    if np.count_nonzero(good) < FEWEST:
+        return None
+    turned, mean = turned[good] - turned[good].mean(), mean[good] - mean[good].mean()
+    if _correlation(turned, mean) ** 2 < 0.5:
+        return None
+    # both are noisy: the geometric mean of the two regressions favours neither
+    size = float(np.std(mean) / np.std(turned))
+    return math.copysign(size, float(turned @ mean))
+
+
+def _correlation(a: Numbers, b: Numbers) -> float:
+    """Return the correlation of two series of zero mean [-]."""
+    size = math.sqrt(float(a @ a) * float(b @ b))
+    return float(a @ b) / size if size > 0.0 else 0.0
+
+
+def _intervals(record: Record) -> Iterator[Finding]:
+    """Yield the gaps in time, and that the interval varies."""
+    step, usual = np.diff(record.t), record.interval
+    gaps = np.flatnonzero(step > GAP * usual)
+    name = record.name("t")
+    if gaps.size:
+        first = int(gaps[0])
+        more = f"; {gaps.size - 1} more such gaps" if gaps.size > 1 else ""
+        yield Finding(
+            name,
+            record.row(first + 1),
+            f"{step[first]:g} s have passed, the interval is {usual:g} s{more}",
+        )
+    others = np.abs(step / usual - np.maximum(np.round(step / usual), 1.0)) > STEADY
+    if others.any():
+        place = int(np.argmax(others))
+        share = f"{np.count_nonzero(others)} of {step.size}"
+        yield Finding(
+            name,
+            record.row(place + 1),
+            f"{step[place]:g} s have passed, not {usual:g} s: the interval varies ({share})",
+        )
+
+
+def _missing(record: Record) -> Iterator[Finding]:
+    """Yield which outputs have missing values."""
+    for channel in OUTPUTS:
+        values = getattr(record, channel)
+        if values is None or not (missing := np.isnan(values)).any():
+            continue
+        count, first = int(np.count_nonzero(missing)), int(np.argmax(missing))
+        if count == len(values):
+            raise ConfigError(f"{record.source}: {record.name(channel)}: has no value at all")
+        text = f"{count} of {len(values)} values are missing, the first here"
+        yield Finding(record.name(channel), record.row(first), text)
+
+
+def _jumps(record: Record) -> Iterator[Finding]:
+    """Yield where the heading jumps by a turn: it was wrapped, and will be unwrapped."""
+    if record.heading is None:
+        return
+    jumps = np.abs(np.diff(record.heading)) > HALF_TURN
+    if jumps.any():
+        row = record.row(int(np.argmax(jumps)) + 1)
+        text = f"jumps by more than half a turn ({np.count_nonzero(jumps)} times): unwrapped"
+        yield Finding(record.name("heading"), row, text)
+    largest = float(np.nanmax(np.abs(record.heading)))
+    if largest > 100.0 * math.tau:
+        row = record.row(int(np.nanargmax(np.abs(record.heading))))
+        text = f"{largest:g} rad is {largest / math.tau:.0f} turns: are these degrees?"
+        yield Finding(record.name("heading"), row, text)
+
+
+def _rate(record: Record) -> Numbers | None:
+    """Return the yaw rate [rad/s], that of the heading if no rate was recorded."""
+    if record.yaw_rate is not None:
+        return record.yaw_rate
+    if record.heading is None:
+        return None
+    change = np.diff(np.unwrap(np.nan_to_num(record.heading))) / np.diff(record.t)
+    change[np.isnan(np.diff(record.heading))] = np.nan
+    return np.append(change, change[-1])
+
+
+def _wrong_sign(record: Record) -> Iterator[Finding]:
+    """Yield that the rudder turns the ship the other way than is said, or hardly turns at all."""
+    rudder = record.column("rudder")
+    name, largest = record.name("rudder"), float(np.max(np.abs(rudder)))
+    if largest < FAINT:
+        row = record.row(int(np.argmax(np.abs(rudder))))
+        yield Finding(name, row, f"{math.degrees(largest):.2g} deg is the largest: is it radians?")
+    rate = _rate(record)
+    if rate is None:
+        return
+    before = np.column_stack([rate[:-1], rudder[:-1], np.ones(len(rate) - 1)])
+    good = ~np.isnan(rate[1:]) & ~np.isnan(rate[:-1])
+    if np.count_nonzero(good) < FEWEST:
+        return
+    value, error = _slope(before[good], rate[1:][good], 1)
+    if value > SURE * error:
+        yield Finding(
+            name,
+            0,
+            f"positive helm turns this ship to starboard ({value / error:.0f} standard errors); "
+            'here it must turn to port: say positive_rudder = "starboard"',
+        )
+
+
+def _slope(regressors: Numbers, y: Numbers, place: int) -> tuple[float, float]:
+    """Return one coefficient of a linear regression and its standard error."""
+    found, *_ = np.linalg.lstsq(regressors, y, rcond=None)
+    left = y - regressors @ found
+    variance = float(left @ left) / max(len(y) - regressors.shape[1], 1)
+    error = math.sqrt(variance * float(np.linalg.pinv(regressors.T @ regressors)[place, place]))
+    return float(found[place]), max(error, 1e-300)
+
+
+def follows_motion(record: Record) -> float | None:
+    """Return the share of the rudder that heading and yaw rate explain [-]; None if unknown.
+
+    A helmsman or autopilot without an experiment of its own leaves it near 1.
+    """
+    rate = _rate(record)
+    if rate is None:
+        return None
+    rate, rudder = np.nan_to_num(rate), record.column("rudder")
+    turned = np.concatenate([[0.0], np.cumsum(rate[:-1] * np.diff(record.t))])
+    heading = turned if record.heading is None else np.unwrap(np.nan_to_num(record.heading))
+    since = record.t - record.t[0]
+    wound = np.concatenate([[0.0], np.cumsum(heading[:-1] * np.diff(record.t))])
+    regressors = np.column_stack([np.ones_like(since), since, rate, heading, wound])
+    regressors /= np.maximum(np.abs(regressors).max(axis=0), 1e-300)
+    found, *_ = np.linalg.lstsq(regressors, rudder, rcond=None)
+    return 1.0 - float(np.var(rudder - regressors @ found) / np.var(rudder))
+
+
+def _closed_loop(record: Record) -> Iterator[Finding]:
+    """Yield that the rudder does nothing but follow the motion."""
+    share = follows_motion(record) if len(record.t) >= FEWEST else None
+    if share is not None and share > FOLLOWS:
+        yield Finding(
+            record.name("rudder"),
+            0,
+            f"{share:.1%} of it follows from heading and yaw rate: a closed loop without an "
+            "experiment; what is fitted may be the helmsman's law, not the ship",
+        )
+
+
+def _constant_outputs(record: Record) -> Iterator[Finding]:
+    """Yield outputs that never change."""
+    for channel in OUTPUTS:
+        values = getattr(record, channel)
+        if values is not None and channel != "speed" and np.nanstd(values) == 0.0:
+            yield Finding(record.name(channel), 0, "is the same in all rows: is it recorded?")

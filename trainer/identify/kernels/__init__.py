@@ -1,0 +1,1 @@
+"""What the identification needs fast: sampling, filters, their gradients. Numbers only."""

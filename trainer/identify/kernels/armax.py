@@ -1,0 +1,45 @@
+"""Recursions of the ARMAX model, section 9: filters by 1/C and their sensitivities."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from trainer.core.kernel import kernel
+
+Numbers = NDArray[np.float64]
+
+
+@kernel
+def filtered(c: Numbers, x: Numbers, out: Numbers) -> None:
+    """Write x/C(q), C = 1 + c1 q^-1 + ..., to ``out`` (N,), at rest before the first sample."""
+    for t in range(x.size):
+        total = x[t]
+        for i in range(min(c.size, t)):
+            total -= c[i] * out[t - 1 - i]
+        out[t] = total
+
+
+@kernel
+def combined(a: Numbers, b: Numbers, y: Numbers, u: Numbers, out: Numbers) -> None:
+    """Write A(q) y - B(q) u to ``out`` (N,), with zeros before the first sample.
+
+    A = 1 + a1 q^-1 + ..., B = b1 q^-1 + ....
+    """
+    for t in range(y.size):
+        total = y[t]
+        for i in range(min(a.size, t)):
+            total += a[i] * y[t - 1 - i]
+        for i in range(min(b.size, t)):
+            total -= b[i] * u[t - 1 - i]
+        out[t] = total
+
+
+@kernel
+def simulated(a: Numbers, b: Numbers, u: Numbers, disturbance: Numbers, out: Numbers) -> None:
+    """Write y of A(q) y = B(q) u + ``disturbance`` to ``out`` (N,), at rest before."""
+    for t in range(u.size):
+        total = disturbance[t]
+        for i in range(min(a.size, t)):
+            total -= a[i] * out[t - 1 - i]
+        for i in range(min(b.size, t)):
+            total += b[i] * u[t - 1 - i]
+        out[t] = total

@@ -1,0 +1,309 @@
+"""The ship models: what their parameters are called, and their matrices by them.
+
+Model document, section 5. The rudder is in degrees and turns the ship to port when positive,
+outputs are in knots, degrees and degrees a second, states in m/s, rad/s and rad. Variances are
+taken by magnitude, correlations and the time lag by sine, so that no number is out of bounds.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from trainer.config import ConfigError, nearest
+from trainer.identify.kernels import ship_models
+from trainer.identify.kernels.sampling import Complexes
+
+Numbers = NDArray[np.float64]
+
+STEP: Final = 1e-100  # imaginary part that carries a derivative without rounding
+
+# output channels, by their place in the kernels
+CHANNELS: Final = ("bow_sway", "stern_sway", "sway", "yaw_rate", "heading")
+UNITS: Final = {  # of a channel, and how many of them one SI unit is
+    "bow_sway": ("kn", 3600.0 / 1852.0),
+    "stern_sway": ("kn", 3600.0 / 1852.0),
+    "sway": ("kn", 3600.0 / 1852.0),
+    "yaw_rate": ("deg/s", 180.0 / np.pi),
+    "heading": ("deg", 180.0 / np.pi),
+}
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """One number of a model: ``kind`` is how it is bounded.
+
+    "free" any number, "variance" by magnitude, "angle" [rad] by its sine.
+    """
+
+    name: str
+    meaning: str
+    unit: str
+    kind: str = "free"
+
+
+@dataclass(frozen=True)
+class Model:
+    """A family of linear systems: ``assemble`` fills the matrices, see kernels.ship_models.
+
+    ``start`` and ``start_covariance`` are the first places of x(t0) and P(t0) in the parameters.
+    """
+
+    name: str
+    parameters: tuple[Parameter, ...]
+    outputs: tuple[str, ...]
+    states: int
+    inputs: int
+    assemble: Callable[..., Any]
+    start: int
+    start_covariance: int
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Return the parameters' names, in order."""
+        return tuple(parameter.name for parameter in self.parameters)
+
+    def place(self, name: str) -> int:
+        """Return a parameter's place, by name or as theta1, theta2, ...; ConfigError if none."""
+        if name.startswith("theta") and name[5:].isdecimal():
+            place = int(name[5:]) - 1
+            if 0 <= place < len(self.parameters):
+                return place
+        elif name in self.names:
+            return self.names.index(name)
+        raise ConfigError(
+            f"model {self.name} has no parameter {name!r}; nearest is "
+            f"{nearest(name, self.names) or self.names[0]!r}, numbers are theta1 to "
+            f"theta{len(self.parameters)}"
+        )
+
+    def vector(self, **values: float) -> Numbers:
+        """Return the parameters with these values, zero elsewhere."""
+        theta = np.zeros(len(self.parameters))
+        for name, value in values.items():
+            theta[self.place(name)] = value
+        return theta
+
+
+@dataclass(frozen=True)
+class Ship:
+    """What the models scale by, and where the logs are."""
+
+    length: float  # [m]
+    speed: float  # [m/s]
+    bow_log: float = 0.0  # [m] forward of the centre of mass
+    stern_log: float = 0.0  # [m] aft of the centre of mass
+
+
+@dataclass(frozen=True)
+class Blocks:
+    """Continuous systems, one for each row of parameters; see kernels.sampling for the blocks."""
+
+    drift: Complexes  # (b, x+y, x+u+1)
+    noise: Complexes  # (b, x+y, x+y)
+    start: Complexes  # (b, x, 1+x)
+    lag: Complexes  # (b,) [s]
+
+
+@dataclass(frozen=True)
+class Plant:
+    """A model of a certain ship with certain outputs, read every ``period`` [s]."""
+
+    model: Model
+    ship: Ship
+    outputs: tuple[str, ...]
+    period: float
+
+    def __post_init__(self) -> None:
+        for output in self.outputs:
+            if output not in self.model.outputs:
+                has = ", ".join(self.model.outputs)
+                raise ConfigError(f"model {self.model.name} has no output {output!r}; it has {has}")
+        if {"sway", "bow_sway"} <= set(self.outputs):
+            raise ConfigError("outputs: bow_sway and sway share a bias and an error; drop one")
+
+    @property
+    def numbers(self) -> Numbers:
+        """Return what the kernels know of the ship."""
+        ship = self.ship
+        places = [float(CHANNELS.index(output)) for output in self.outputs if output in CHANNELS]
+        return np.array(
+            [ship.length, ship.speed, ship.bow_log, ship.stern_log, self.period, *places]
+        )
+
+    def blocks(self, theta: Complexes) -> Blocks:
+        """Return the systems of the parameter vectors ``theta`` (b, n)."""
+        batch, states = len(theta), self.model.states
+        rows = states + len(self.outputs)
+        drift = np.zeros((batch, rows, states + self.model.inputs + 1), complex)
+        noise = np.zeros((batch, rows, rows), complex)
+        start = np.zeros((batch, states, 1 + states), complex)
+        lag = np.zeros(batch, complex)
+        self.model.assemble(theta, self.numbers, drift, noise, start, lag)
+        return Blocks(drift, noise, start, lag)
+
+
+def aside(theta: Numbers, free: Sequence[int]) -> Complexes:
+    """Return ``theta`` (n,) and, below it, one row for each place in ``free`` a step aside."""
+    rows = np.tile(theta.astype(complex), (1 + len(free), 1))
+    rows[np.arange(1, 1 + len(free)), list(free)] += 1j * STEP
+    return rows
+
+
+def _parameters(*lines: str) -> tuple[Parameter, ...]:
+    """Return parameters from lines of name, unit, meaning and perhaps kind."""
+    cells = [[cell.strip() for cell in line.split("|")] for line in lines]
+    return tuple(Parameter(name, meaning, unit, *kind) for name, unit, meaning, *kind in cells)
+
+
+def _start(*units: str) -> tuple[str, ...]:
+    """Return the lines of the initial state and its covariance."""
+    names = [f"x{i + 1}" for i in range(len(units))]
+    states = [f"{n}_0 | {u} | initial state" for n, u in zip(names, units, strict=True)]
+    return tuple(states)
+
+
+_VARIANCES: Final = tuple(f"P{i} | SI | variance of initial state {i[0]} | variance" for i in
+                          ("11", "22", "33"))
+_COVARIANCES: Final = tuple(f"P{i} | SI | covariance of initial states" for i in ("12", "13", "23"))
+_LAG: Final = "lag | rad | time lag of the rudder is T abs sin | angle"
+
+MODEL_1: Final = Model(
+    "1",
+    _parameters(
+        "m11 | - | m - Y_vdot",
+        "m12 | - | m x_G - Y_rdot",
+        "m21 | - | m x_G - N_vdot",
+        "m22 | - | I_z - N_rdot",
+        "Y_v | - | sway force by sway velocity",
+        "Y_r | - | sway force by yaw rate, less m: Y_r - m",
+        "N_v | - | yaw moment by sway velocity",
+        "N_r | - | yaw moment by yaw rate, less m x_G: N_r - m x_G",
+        "Y_psi | - | sway force of the wind by heading",
+        "l_psi | - | lever arm of the wind N_psi/Y_psi",
+        "Y_delta | - | sway force by rudder",
+        "l_delta | - | lever arm of the rudder -N_delta/Y_delta",
+        "Y_0 | - | sway force bias",
+        "N_0 | - | yaw moment bias",
+        "v1_0 | kn | bias of the bow log, or of sway",
+        "v2_0 | kn | bias of the stern log",
+        "r_0 | deg/s | bias of the yaw rate",
+        "R1_Y | - | spectral density of the disturbing force | variance",
+        "R1_N | - | spectral density of the disturbing moment | variance",
+        "R1_YN | rad | correlation of force and moment is its sine | angle",
+        "R2_v1 | kn^2 | error of the bow log, or of sway | variance",
+        "R2_v2 | kn^2 | error of the stern log | variance",
+        "R2_r | (deg/s)^2 | error of the yaw rate | variance",
+        "R2_psi | deg^2 | error of the heading | variance",
+        *_start("kn", "deg/s", "deg"),
+        *_VARIANCES,
+        *_COVARIANCES,
+        _LAG,
+    ),
+    CHANNELS,
+    3,
+    1,
+    ship_models.model_1,
+    24,
+    27,
+)
+
+MODEL_2: Final = Model(
+    "2",
+    _parameters(
+        *(f"a{i} | - | coefficient of the denominator" for i in (1, 2, 3)),
+        *(f"c{i} | - | coefficient of rudder to sway" for i in (1, 2, 3)),
+        *(f"f{i} | SI | bias of state {i}" for i in (1, 2, 3)),
+        "v_0 | kn | bias of sway",
+        *(f"R1_{i} | SI | spectral density of state {i} | variance" for i in (1, 2, 3)),
+        "R1_12 | rad | correlation of states 1 and 2 is its sine | angle",
+        "R1_13 | SI | spectral density of states 1 and 3",
+        "R1_23 | SI | spectral density of states 2 and 3",
+        "R2_v | kn^2 | error of sway | variance",
+        *_start("kn", "SI", "SI"),
+        *_VARIANCES,
+        *_COVARIANCES,
+        _LAG,
+    ),
+    ("sway",),
+    3,
+    1,
+    ship_models.model_2,
+    17,
+    20,
+)
+
+MODEL_3: Final = Model(
+    "3",
+    _parameters(
+        *(f"a{i} | - | coefficient of the denominator" for i in (1, 2, 3)),
+        *(f"b{i} | - | coefficient of rudder to heading" for i in (1, 2)),
+        *(f"f{i} | SI | bias of state {i}" for i in (1, 2)),
+        "r_0 | deg/s | bias of the yaw rate",
+        *(f"R1_{i} | SI | spectral density of state {i} | variance" for i in (1, 2)),
+        "R1_12 | rad | correlation of states 1 and 2 is its sine | angle",
+        "R2_r | (deg/s)^2 | error of the yaw rate | variance",
+        "R2_psi | deg^2 | error of the heading | variance",
+        "R2_rpsi | rad | correlation of the errors is its sine | angle",
+        *_start("1/s^2", "deg/s", "deg"),
+        *_VARIANCES,
+        *_COVARIANCES,
+        _LAG,
+    ),
+    ("yaw_rate", "heading"),
+    3,
+    1,
+    ship_models.model_3,
+    14,
+    17,
+)
+
+NOMOTO_1: Final = Model(
+    "nomoto1",
+    _parameters(
+        "K | 1/s | gain, rudder to yaw rate",
+        "T | s | time constant",
+        "delta_0 | deg | residual helm",
+        "r_0 | deg/s | bias of the yaw rate",
+        "R1_r | SI | spectral density of the yaw acceleration | variance",
+        "R2_r | (deg/s)^2 | error of the yaw rate | variance",
+        "R2_psi | deg^2 | error of the heading | variance",
+        *_start("deg/s", "deg"),
+        *_VARIANCES[:2],
+        _LAG,
+    ),
+    ("yaw_rate", "heading"),
+    2,
+    1,
+    ship_models.nomoto_first,
+    7,
+    9,
+)
+
+NOMOTO_2: Final = Model(
+    "nomoto2",
+    _parameters(
+        "K | 1/s | gain, rudder to yaw rate",
+        "T1 | s | larger time constant",
+        "T2 | s | smaller time constant",
+        "T3 | s | time constant of the numerator",
+        "delta_0 | deg | residual helm",
+        "r_0 | deg/s | bias of the yaw rate",
+        *(f"R1_{i} | SI | spectral density of state {i} | variance" for i in (1, 2)),
+        "R2_r | (deg/s)^2 | error of the yaw rate | variance",
+        "R2_psi | deg^2 | error of the heading | variance",
+        *_start("deg/s^2", "deg/s", "deg"),
+        *_VARIANCES,
+        _LAG,
+    ),
+    ("yaw_rate", "heading"),
+    3,
+    1,
+    ship_models.nomoto,
+    10,
+    13,
+)
+
+MODELS: Final = {m.name: m for m in (MODEL_1, MODEL_2, MODEL_3, NOMOTO_1, NOMOTO_2)}

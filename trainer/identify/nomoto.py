@@ -1,0 +1,177 @@
+"""Transfer functions of a steered ship, in the form of Nomoto, and what stability follows.
+
+Model identification, section 3. The rudder turns a stable ship to port when positive: K < 0.
+Everything is in whatever system the matrices are in: SI, prime or bis.
+"""
+
+import math
+from dataclasses import dataclass
+from typing import Final, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from trainer.config import ConfigError
+
+Numbers = NDArray[np.float64]
+
+GRAVITY: Final = 9.81  # [m/s^2] in the bis system
+
+
+class Transfer(NamedTuple):
+    """G1 = (b1 s + b2)/D to heading, G2 = (c1 s^2 + c2 s + c3)/D to sway.
+
+    D = s^3 + a1 s^2 + a2 s + a3.
+    """
+
+    a1: float
+    a2: float
+    a3: float
+    b1: float
+    b2: float
+    c1: float
+    c2: float
+    c3: float
+
+
+@dataclass(frozen=True)
+class Nomoto:
+    """Yaw rate K (1 + T3 s)/((1 + T1 s)(1 + T2 s)), sway K_v (1 + T3v s)/(same), by rudder.
+
+    With complex roots ``T1`` and ``T2`` are a complex pair.
+    """
+
+    K: float
+    T1: complex
+    T2: complex
+    T3: float
+    K_v: float
+    T3v: float
+
+    @property
+    def first_order(self) -> float:
+        """Return T = T1 + T2 - T3 of the first-order model K/(1 + T s)."""
+        return float((self.T1 + self.T2).real) - self.T3
+
+    @property
+    def stable(self) -> bool:
+        """Return whether the ship keeps a straight course with the rudder held."""
+        return self.T1.real > 0.0 and self.T2.real > 0.0
+
+
+class Levers(NamedTuple):
+    """Lever arms of sway, yaw and rudder forces, and the stability margin l_r - l_v."""
+
+    l_v: float
+    l_r: float
+    l_delta: float
+    margin: float
+
+
+def solved(M: Numbers, F: Numbers, g: Numbers) -> tuple[Numbers, Numbers]:
+    """Return A (2, 2) or (2, 3) and b (2,) of M x' = F x + g delta (3.1)."""
+    return np.linalg.solve(M, F), np.linalg.solve(M, g)
+
+
+def transfer(A: Numbers, b: Numbers) -> Transfer:
+    """Return the transfer functions of sway and yaw (3.2).
+
+    ``A`` is (2, 2), or (2, 3) with wind: the third column is what heading does.
+    """
+    (a11, a12), (a21, a22) = A[0, :2], A[1, :2]
+    a13, a23 = (A[0, 2], A[1, 2]) if A.shape[1] == 3 else (0.0, 0.0)
+    b11, b21 = b
+    return Transfer(
+        a1=-a11 - a22,
+        a2=a11 * a22 - a12 * a21 - a23,
+        a3=a11 * a23 - a13 * a21,
+        b1=b21,
+        b2=a21 * b11 - a11 * b21,
+        c1=b11,
+        c2=a12 * b21 - a22 * b11,
+        c3=a13 * b21 - a23 * b11,
+    )
+
+
+def time_constants(a1: float, a2: float) -> tuple[complex, complex]:
+    """Return T1 and T2 of s^2 + a1 s + a2, T1 from the right-most root (3.3).
+
+    The root without cancellation is taken first, the other from the product.
+    """
+    half = 0.5 * a1
+    inside = half * half - a2
+    if inside < 0.0:
+        root = complex(-half, math.sqrt(-inside))
+        return -1.0 / root, -1.0 / root.conjugate()
+    far = -half - math.copysign(math.sqrt(inside), half)
+    if far == 0.0:
+        return complex(math.inf), complex(math.inf)
+    roots = sorted((far, a2 / far), reverse=True)
+    first, second = (complex(math.inf if root == 0.0 else -1.0 / root) for root in roots)
+    return first, second
+
+
+def nomoto(f: Transfer) -> Nomoto:
+    """Return the gains and time constants of a ship without wind (3.3), a3 and c3 left out.
+
+    Neutral straight-line stability (a2 = 0) leaves K and T1 infinite.
+    """
+    T1, T2 = time_constants(f.a1, f.a2)
+    return Nomoto(
+        K=_ratio(f.b2, f.a2),
+        T1=T1,
+        T2=T2,
+        T3=_ratio(f.b1, f.b2),
+        K_v=_ratio(f.c2, f.a2),
+        T3v=_ratio(f.c1, f.c2),
+    )
+
+
+def _ratio(over: float, under: float) -> float:
+    if under == 0.0:
+        return math.copysign(math.inf, over) if over else math.nan
+    return float(over / under)
+
+
+def levers(F: Numbers, g: Numbers) -> Levers:
+    """Return the lever arms of F = [Y_v, Y_r - m u; N_v, N_r - m x_G u] and g (3.4, 3.5)."""
+    l_v, l_r, l_delta = F[1, 0] / F[0, 0], F[1, 1] / F[0, 1], g[1] / g[0]
+    return Levers(float(l_v), float(l_r), float(l_delta), float(l_r - l_v))
+
+
+class Scale(NamedTuple):
+    """What one unit of a dimensionless system is in SI."""
+
+    time: float  # [s]
+    speed: float  # [m/s]
+    length: float  # [m]
+
+
+def scale(system: str, length: float, speed: float) -> Scale:
+    """Return the units of "prime", "bis" or "si" (3.6); ConfigError for another word."""
+    if system == "prime":
+        return Scale(length / speed, speed, length)
+    if system == "bis":
+        time = math.sqrt(length / GRAVITY)
+        return Scale(time, length / time, length)
+    if system == "si":
+        return Scale(1.0, 1.0, 1.0)
+    raise ConfigError(f"system {system!r}: must be prime, bis or si")
+
+
+def converted(found: Nomoto, own: Scale, wanted: Scale) -> Nomoto:
+    """Return ``found`` in other units: K in 1/time, T in time, K_v in speed."""
+    time, speed = own.time / wanted.time, own.speed / wanted.speed
+    return Nomoto(
+        K=found.K / time,
+        T1=found.T1 * time,
+        T2=found.T2 * time,
+        T3=found.T3 * time,
+        K_v=found.K_v * speed,
+        T3v=found.T3v * time,
+    )
+
+
+def froude(length: float, speed: float) -> float:
+    """Return F_nL = V / sqrt(g L) [-]."""
+    return speed / math.sqrt(GRAVITY * length)

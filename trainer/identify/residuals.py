@@ -1,0 +1,171 @@
+"""What is left after a fit, examined: is it white, normal, and free of the input? (8.4).
+
+Residuals are (N,) of one output, standardised where there are several; NaN is a sample that did
+not count, and the pairs it is in are left out.
+"""
+
+import math
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from trainer.config import ConfigError
+
+Numbers = NDArray[np.float64]
+
+LAGS: Final = 10
+MOST_LAGS: Final = 50
+BAND: Final = 1.96  # standard errors, 95 %
+PER_CLASS: Final = 5  # residuals expected in a class, for the goodness of fit
+MOST_CLASSES: Final = 30
+SUSPECT: Final = 0.01  # [-] probability below which a test has found something
+
+
+@dataclass(frozen=True)
+class Tested:
+    """A statistic, its degrees of freedom, and the probability of one so large by chance."""
+
+    statistic: float
+    freedom: int
+    probability: float
+
+
+@dataclass(frozen=True)
+class Residuals:
+    """The examination of one output's residuals."""
+
+    output: str
+    samples: int
+    mean: float
+    deviation: float
+    correlation: tuple[float, ...]  # lags 0 to the last
+    band: float
+    whiteness: Tested
+    sign_changes: int
+    sign_changes_expected: float
+    sign_changes_deviation: float
+    normality: Tested
+    cross: tuple[float, ...]  # with the input, lags -last to last; positive: input before
+    cross_band: float
+    missing_dynamics: Tested  # of positive lags
+    feedback: Tested  # of negative lags
+
+
+def examine_residuals(
+    output: str, left: Numbers, rudder: Numbers, lags: int = LAGS, fitted: int = 0
+) -> Residuals:
+    """Return the tests of residuals (N,) against themselves and the rudder (N,).
+
+    ``fitted`` noise parameters are taken off the degrees of freedom of the whiteness test.
+    ConfigError if there are too few residuals for the lags.
+    """
+    count = int(np.count_nonzero(~np.isnan(left)))
+    if not 1 <= lags <= MOST_LAGS or count < 2 * lags + 2:
+        raise ConfigError(f"residuals of {output}: {count} are too few for {lags} lags")
+    centred = left - np.nanmean(left)
+    own = correlation(left, lags)
+    cross = cross_correlation(centred, rudder - rudder.mean(), lags)
+    input_own = correlation(rudder - rudder.mean(), lags)
+    widening = math.sqrt(max(1.0 + 2.0 * float(own[1:] @ input_own[1:]), 0.1))
+    changes, pairs = _sign_changes(left)
+    after, before = cross[lags:], cross[:lags]
+    return Residuals(
+        output=output,
+        samples=count,
+        mean=float(np.nanmean(left)),
+        deviation=float(np.nanstd(left)),
+        correlation=tuple(map(float, own)),
+        band=BAND / math.sqrt(count),
+        whiteness=portmanteau(own, count, max(lags - fitted, 1)),
+        sign_changes=changes,
+        sign_changes_expected=pairs / 2.0,
+        sign_changes_deviation=math.sqrt(pairs) / 2.0,
+        normality=goodness_of_fit(left),
+        cross=tuple(map(float, cross)),
+        cross_band=BAND / math.sqrt(count) * widening,
+        missing_dynamics=_sum_test(after, input_own, count),
+        feedback=_sum_test(before[::-1], input_own, count),
+    )
+
+
+def correlation(series: Numbers, lags: int) -> Numbers:
+    """Return sum e_t e_(t+lag) / sum e^2 for lags 0 to ``lags``, (lags + 1,)."""
+    values = np.nan_to_num(series)
+    power = float(values @ values)
+    if power == 0.0:
+        return np.eye(1, lags + 1)[0]
+    return np.array([values[: len(values) - lag] @ values[lag:] / power for lag in range(lags + 1)])
+
+
+def cross_correlation(left: Numbers, rudder: Numbers, lags: int) -> Numbers:
+    """Return the normalised sum of rudder_t left_(t+lag) for lags -``lags`` to ``lags``."""
+    e, u = np.nan_to_num(left), np.nan_to_num(rudder)
+    size = math.sqrt(float(e @ e) * float(u @ u))
+    if size == 0.0:
+        return np.zeros(2 * lags + 1)
+    later = [u[: len(u) - lag] @ e[lag:] for lag in range(lags + 1)]
+    earlier = [e[: len(e) - lag] @ u[lag:] for lag in range(lags, 0, -1)]
+    return np.array([*earlier, *later]) / size
+
+
+def portmanteau(own: Numbers, count: int, freedom: int) -> Tested:
+    """Return Q = N(N + 2) sum r^2/(N - lag) of the lags from 1, against chi-square."""
+    from scipy.stats import chi2  # noqa: PLC0415
+
+    lag = np.arange(1, len(own))
+    statistic = float(count * (count + 2.0) * np.sum(own[1:] ** 2 / (count - lag)))
+    return Tested(statistic, freedom, float(chi2.sf(statistic, freedom)))
+
+
+def _sum_test(cross: Numbers, input_own: Numbers, count: int) -> Tested:
+    """Return N c^T R^-1 c of cross correlations at consecutive lags, against chi-square.
+
+    R is the Toeplitz matrix of the input's own correlation: for white residuals it is their
+    covariance, times 1/N.
+    """
+    from scipy.linalg import toeplitz  # noqa: PLC0415
+    from scipy.stats import chi2  # noqa: PLC0415
+
+    R = toeplitz(input_own[: len(cross)]) + 1e-9 * np.eye(len(cross))
+    statistic = float(count * cross @ np.linalg.solve(R, cross))
+    return Tested(statistic, len(cross), float(chi2.sf(statistic, len(cross))))
+
+
+def _sign_changes(left: Numbers) -> tuple[int, int]:
+    """Return how often neighbours differ in sign, and how many pairs of neighbours there are."""
+    positive = left > 0.0
+    known = ~np.isnan(left)
+    both = known[1:] & known[:-1]
+    return int(np.count_nonzero((positive[1:] != positive[:-1]) & both)), int(np.sum(both))
+
+
+def goodness_of_fit(left: Numbers) -> Tested:
+    """Return chi-square of the residuals in classes that a normal one fills equally."""
+    from scipy.stats import chi2, norm  # noqa: PLC0415
+
+    values = left[~np.isnan(left)]
+    deviation = float(np.std(values))
+    classes = int(min(max(len(values) // PER_CLASS, 4), MOST_CLASSES))
+    if deviation == 0.0:
+        return Tested(0.0, classes - 3, 1.0)
+    place = norm.cdf((values - np.mean(values)) / deviation)
+    counts = np.bincount(np.minimum((place * classes).astype(int), classes - 1), minlength=classes)
+    expected = len(values) / classes
+    statistic = float(np.sum((counts - expected) ** 2) / expected)
+    return Tested(statistic, classes - 3, float(chi2.sf(statistic, classes - 3)))
+
+
+def verdicts(found: Residuals) -> list[str]:
+    """Return in words what the tests have found, nothing if all is well."""
+    texts = []
+    if found.whiteness.probability < SUSPECT:
+        texts.append("residuals are not white: the noise model or the order is too small")
+    if found.missing_dynamics.probability < SUSPECT:
+        texts.append("residuals follow the rudder: dynamics are missing from the model")
+    if found.feedback.probability < SUSPECT:
+        texts.append("the rudder follows the residuals: the record is of a closed loop")
+    if found.normality.probability < SUSPECT:
+        texts.append("residuals are not normal: outliers, or a sensor of few steps")
+    return [f"{found.output}: {text}" for text in texts]
