@@ -1,4 +1,4 @@
-"""Draw the pictures of the screens for the documents: python tests/pictures.py
+"""Draw the pictures of the screens for the documents, by `python tests/pictures.py`.
 
 A session is served for them, ordered about, and looked at; docs/images gets what is seen.
 """
@@ -13,6 +13,7 @@ from pathlib import Path
 
 from trainer.screen.client import Client
 from trainer.screen.console import Console
+from trainer.screen.ink import GROUND
 from trainer.screen.posts import POSTS, wishes
 from trainer.screen.sight import Sight
 
@@ -46,6 +47,7 @@ async def look(role: str, size: tuple[int, int], where: str, seconds: float) -> 
     client.close(1.0)
     svg = re.sub(r"@font-face \{.*?\}\s*", "", svg, flags=re.DOTALL)  # no fonts from elsewhere
     svg = svg.replace("Fira Code, monospace", "monospace")
+    svg = re.sub(rf'<rect fill="{GROUND}"[^>]*/>', "", svg).replace("#292929", GROUND)
     svg = re.sub(r"[ \t]+$", "", svg, flags=re.MULTILINE)
     (IMAGES / f"{role}.svg").write_text(svg, encoding="utf-8")
 

@@ -192,7 +192,7 @@ def nursery(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Nursery]:
 def exercise(tmp_path: Path) -> Path:
     """Return an exercise under orders all the time."""
     path = tmp_path / "all.toml"
-    seconds = itertools.count(7.3, 29.0)
+    seconds = itertools.chain(range(1, 20, 2), itertools.count(27.3, 29.0))
     orders = itertools.islice(itertools.cycle(ORDERS), 60)
     tables = [
         f'[[orders]]\nat_s = {at:g}\norder = "{order}"\n'

@@ -15,6 +15,7 @@ from collections import deque
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from html.parser import HTMLParser
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -38,6 +39,8 @@ from trainer.history import History
 from trainer.io.csv_file import NoFile
 from trainer.io.recording import Recording
 from trainer.log_book import header_of
+from trainer.measure_table import MEASURES
+from trainer.measures import broached
 from trainer.plan import plan_run
 from trainer.printing import print_pdf
 from trainer.publisher import Promptly, Roster
@@ -316,7 +319,7 @@ def kept(tmp_path_factory: pytest.TempPathFactory) -> Kept:
     voyage = fly(path, CREW, exercise=str(folder / "all.toml"))
     export_file(path, folder / "all.csv", None, None)
     with (folder / "all.csv").open(newline="") as stream:
-        rows = [{k: float(v) for k, v in row.items()} for row in csv.DictReader(stream)]
+        rows = [{k: float(v or math.nan) for k, v in row.items()} for row in csv.DictReader(stream)]
     with (folder / "all.orders.csv").open(newline="") as stream:
         orders = list(csv.DictReader(stream))
     return Kept(path, voyage, rows, orders)
@@ -415,7 +418,7 @@ class Anew:
 
     def pairs(self, keys: dict[str, Any]) -> Iterator[tuple[dict[str, float], dict[str, float]]]:
         rows = self.window(keys)
-        for before, after in zip(rows, rows[1:], strict=False):
+        for before, after in pairwise(rows):
             if after["tick"] == before["tick"] + 1:
                 yield before, after
 
@@ -492,16 +495,12 @@ def test_a_number_of_the_debrief_is_the_one_computed_anew_from_the_export(
 
 
 def test_every_measure_and_window_is_computed_anew(kept: Kept) -> None:
-    from trainer.measure_table import MEASURES
-
     assert {keys["measure"] for keys in RULES} == set(MEASURES)
     values = [each.attained.value for each in kept.voyage.dossier.card.scores]
     assert sum(value is not None and abs(value) > 1e-3 for value in values) >= 20
 
 
 def test_broaches_and_limits_are_those_that_were_called_out(kept: Kept) -> None:
-    from trainer.measures import broached
-
     called = kept.voyage.watch.times
     passage = kept.voyage.dossier.passage
     assert [passage.seconds[row] for row in broached(passage)] == called["broached"]
@@ -823,7 +822,7 @@ def test_a_browser_that_prints_nothing_is_told_with_what_it_said(
 ) -> None:
     (tmp_path / "page.html").write_text("<p>hello</p>")
     monkeypatch.setattr(printing, "find_browser", lambda: sys.executable)
-    with pytest.raises(ConfigError, match="printed nothing: .*unknown option --headless"):
+    with pytest.raises(ConfigError, match=r"printed nothing: .*unknown option --headless"):
         print_pdf(tmp_path / "page.html", tmp_path / "page.pdf")
 
 

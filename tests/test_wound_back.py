@@ -261,8 +261,8 @@ def restore_from_another_branch(ship: Ship) -> Lines:
 
 def backtrack(ship: Ship) -> Lines:
     yield from onward(ship, 120)
-    yield "backtrack 40.2 s"  # a tick further than 40 s: not later than asked for
-    assert ship.tick == 39
+    yield "backtrack 47.2 s"  # a tick further than 47 s: not later than asked for
+    assert ship.tick == 25  # where the schedule has an entry
 
 
 def backtrack_over_a_branch_point(ship: Ship) -> Lines:
@@ -289,7 +289,7 @@ def reset(ship: Ship) -> Lines:
 
 def replay_to_its_end(ship: Ship) -> Lines:
     yield from onward(ship, 90)
-    yield "replay 40 s"
+    yield "replay 23 s"  # from tick 44, where orders were given
     yield from wait(lambda: not ship.history.rerun)
     assert (ship.tick, ship.frozen) == (90, True)
 
@@ -453,6 +453,9 @@ def test_a_moment_has_the_orders_given_in_its_freeze_before_it_and_no_later_ones
         assert ship.boat.state.ordered_r * ship.boat.toward["rudder"] < 0.0
         yield "backtrack 0.5 s"
         assert not ship.boat.state.rudder_by_hand
+        yield from ("reset", "depth 90", "snapshot deep", "step 5", "restore deep", "step 2")
+        yield "reset"  # to how the exercise begins
+        assert ship.boat.state.ordered_depth == 40.0
 
     ship.sail(typed())
 

@@ -21,7 +21,6 @@ from trainer.vessel_file import VesselFile
 
 REDUCED: Final = ("modified", "basic")  # sets judged by the full one
 LIBRARIES: Final = ("numpy", "numba")
-ASTERN: Final = (-5.0, 0.0)  # [kn] command speeds of the thrust table, beside the boat's speeds
 
 
 @dataclass(frozen=True)
@@ -122,7 +121,7 @@ def assembled(file: VesselFile, made: str, flown: Flown) -> Book:
         trials=tuple(compared(file, trials, flown)),
         neutral=neutral.neutral(file, speeds),
         modes=characteristic.characteristic(file, speeds, characteristic.Means()),
-        thrust=thrust.survey(file, (0.0, *speeds), (*ASTERN, *speeds)),
+        thrust=thrust.survey(file, (0.0, *speeds), thrust.command_speeds(file)),
         passed=all(sheet.passed(each) is not False for sheet in sheets for each in REDUCED),
     )
     return Book(file, guide, flights, flown)

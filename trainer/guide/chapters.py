@@ -11,9 +11,10 @@ from trainer.guide.summary import told, word
 from trainer.guide.trials import Compared
 from trainer.guide.verdicts import BEYOND, WITHIN, Judgement
 from trainer.study import characteristic_page, neutral_page, thrust_page
-from trainer.study.manoeuvres.flight import Flight
+from trainer.study.plots import Panel
 
 MOVES_SHOWN = 300
+LEAST = 0.05  # [%] shown
 
 
 def facts(guide: Guide) -> str:
@@ -82,7 +83,7 @@ def findings(guide: Guide) -> str:
             + paragraph(f"Here: {one.words}.")
         )
         if one.rows:
-            parts.append(table(one.heads, one.rows))
+            parts.append(table(one.heads, one.rows, "numbers narrow"))
     return section("findings", "What was found in 1969", *parts)
 
 
@@ -108,24 +109,29 @@ def drops(guide: Guide) -> str:
 
 def _signed(value: float | None) -> str:
     """Return a change [%] as text."""
-    return "-" if value is None else f"{value:+.1f}"
+    if value is None:
+        return "-"
+    return f"{value:+.1f}" if abs(value) >= LEAST else "0"
 
 
 def steps(guide: Guide) -> str:
     """Return the step-size study."""
     sizes = sorted({run.step_s for run in guide.steps})
     rows: list[tuple[str | Cell, ...]] = []
+    last = ""
     for case, scheme, rates in dict.fromkeys((r.case, r.scheme, r.rates) for r in guide.steps):
         found = {
             run.step_s: run
             for run in guide.steps
             if (run.case, run.scheme, run.rates) == (case, scheme, rates)
         }
-        cells: list[str | Cell] = [case, f"{scheme}, {rates}"]
+        cells: list[str | Cell] = ["" if case == last else case, f"{scheme}, {rates}"]
+        last = case
         for size in sizes:
             run = found[size]
             style = {"fine": "good", "coarse": "soft"}.get(run.verdict, "bad")
-            error = "" if run.percent is None else f"{run.percent:.2g} % {run.worst}, "
+            digits = ".0f" if run.percent is not None and run.percent >= 10.0 else ".2g"
+            error = "" if run.percent is None else f"{run.percent:{digits}} % {run.worst}, "
             cells.append(Cell(error + run.verdict, style))
         rows.append(tuple(cells))
     heads = ("case", "method, accelerations", *(f"{size:.3g} s" for size in sizes))
@@ -134,7 +140,7 @@ def steps(guide: Guide) -> str:
         "against Runge and Kutta at a tenth of the boat's step; full set, controls that act at "
         "once. Up to 1 % is fine, beyond 5 % of no use."
     )
-    return section("steps", "Steps and methods", paragraph(words), table(heads, rows))
+    return section("steps", "Steps and methods", paragraph(words), table(heads, rows, "steps"))
 
 
 def trials(guide: Guide) -> str:
@@ -199,11 +205,15 @@ def programs(book: Book) -> str:
         ),
     ):
         parts.append(f"<h3>{name}</h3>\n")
-        for panel in drawn:
-            labels = tuple(curve.label for curve in panel.curves)
-            parts.append(f'<figure class="one">{draw(panel)}{legend(labels)}</figure>\n')
+        parts.append(charts(_figure(panel) for panel in drawn))
         parts.append(f"<pre>{_escaped(text)}</pre>\n")
     return section("programs", "Neutral angles, modes, thrust", *parts)
+
+
+def _figure(panel: Panel) -> str:
+    """Return a panel with its title and what its curves mean."""
+    caption = f"<figcaption>{_escaped(panel.title)}</figcaption>"
+    return f"<figure>{caption}{draw(panel)}{legend(panel.curves)}</figure>"
 
 
 def _escaped(text: str) -> str:
@@ -219,11 +229,8 @@ def manoeuvres(book: Book) -> Iterator[str]:
 
 def _leg(book: Book, leg: Leg, sheet: Sheet) -> str:
     """Return one manoeuvre: what was ordered, charts and numbers."""
-    flights: dict[str, Flight] = {}
-    for equations in SETS:
-        flight = book.flown[leg.task(book.file, equations)]
-        if not isinstance(flight, str):
-            flights[equations] = flight
+    wanted = {each: book.flown[leg.task(book.file, each)] for each in SETS}
+    flights = {each: flight for each, flight in wanted.items() if not isinstance(flight, str)}
     given = ", ".join(f"{name} {value:g}" for name, value in sheet.parameters.items())
     about = (type(leg.manoeuvre).__doc__ or "").splitlines()[0]
     parts = [paragraph(f"{about} [{given}; degrees and seconds]", "soft")]
@@ -232,8 +239,8 @@ def _leg(book: Book, leg: Leg, sheet: Sheet) -> str:
         paragraph(f"{name}: {flight.lost}") for name, flight in flights.items() if flight.lost
     ]
     if flights:
-        drawn = [draw(panel) for panel in panels(leg.manoeuvre.shows, flights)]
-        parts += [legend(tuple(flights)), charts(drawn)]
+        pictures = panels(leg.manoeuvre.shows, flights)
+        parts.append(legend(pictures[0].curves) + charts(draw(panel) for panel in pictures))
     heads = ("quantity", "unit", "full", "modified", "difference", "", "basic", "difference", "")
     parts.append(table(heads, _rows(sheet)))
     return section(leg.title.replace(" ", "-").replace(",", ""), leg.title, *parts)

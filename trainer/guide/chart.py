@@ -15,7 +15,15 @@ WIDTH, HEIGHT = 460.0, 230.0  # [px]
 LEFT, RIGHT, TOP, BOTTOM = 52.0, 12.0, 26.0, 40.0
 POINTS: Final = 160  # of a curve
 STYLES: Final = 7  # classes of curves in the page's style
+SHAPES: Final = (  # about the point
+    "m-3 0a3 3 0 1 0 6 0a3 3 0 1 0-6 0",
+    "m-3-3h6v6h-6z",
+    "m0-3.6l3.4 6.4h-6.8z",
+    "m0-4l4 4l-4 4l-4-4z",
+    "m-3-3l6 6m0-6l-6 6",
+)
 TRACK: Final = "track"
+DOWNWARDS: Final = "depth from the start"  # larger is lower
 WORDS: Final = {
     "t": "time",
     "u": "speed ahead",
@@ -26,7 +34,7 @@ WORDS: Final = {
     "r": "yaw rate",
     "x": "run north",
     "y": "run east",
-    "z": "depth, change",
+    "z": DOWNWARDS,
     "phi": "roll",
     "theta": "pitch",
     "psi": "heading",
@@ -50,7 +58,7 @@ def panels(shows: tuple[str, ...], flights: dict[str, Flight]) -> tuple[Panel, .
             values = flight.change(name) if name == "z" else flight.column(name)
             curves.append(Curve(label, flight.t, factor * values))
         if name == TRACK:
-            found.append(Panel("track", "east [m]", "north [m]", tuple(curves)))
+            found.append(Panel(TRACK, "east [m]", "track, north [m]", tuple(curves)))
         else:
             title = f"{WORDS[name]} [{unit(name)[1]}]"
             found.append(Panel(title, "time [s]", title, tuple(curves)))
@@ -65,27 +73,36 @@ def draw(panel: Panel) -> str:
     if not xs.size:
         return ""
     across, up = _axes(panel, xs, ys)
-    parts = [_text("title", LEFT, 15.0, panel.title), *_grid(panel, across, up)]
+    parts = [_text("title", LEFT, 15.0, panel.y), *_grid(panel, across, up)]
     for label, place in panel.marks:
         if across.low <= place <= across.high:
             parts += [
                 _rule("mark", across.at(place), TOP, across.at(place), HEIGHT - BOTTOM),
                 _text("tick", across.at(place) + 3.0, TOP + 9.0, label),
             ]
-    parts += [_curve(curve, i % STYLES, across, up) for i, curve in enumerate(panel.curves)]
-    label = escape(f"{panel.title} against {panel.x}")
+    for i, curve in enumerate(panel.curves):
+        drawing = _dots if curve.points else _curve
+        parts.append(drawing(curve, i, across, up))
+    label = escape(f"{panel.y} against {panel.x}")
     size = f'viewBox="0 0 {WIDTH:g} {HEIGHT:g}"'
     return f'<svg {size} role="img" aria-label="{label}">{"".join(parts)}</svg>'
 
 
-def legend(labels: tuple[str, ...]) -> str:
-    """Return what the lines mean, as an HTML paragraph with samples."""
+def legend(curves: tuple[Curve, ...]) -> str:
+    """Return what the curves mean, as an HTML paragraph with samples."""
     samples = "".join(
-        f'<span class="key"><svg viewBox="0 0 36 8" aria-hidden="true">'
-        f'<path class="c{i % STYLES}" d="M1 4H35"/></svg>{escape(label)}</span>'
-        for i, label in enumerate(labels)
+        f'<span class="key"><svg viewBox="0 0 36 8" aria-hidden="true">{_sample(curve, i)}</svg>'
+        f"{escape(curve.label)}</span>"
+        for i, curve in enumerate(curves)
     )
     return f'<p class="legend">{samples}</p>'
+
+
+def _sample(curve: Curve, place: int) -> str:
+    """Return a short piece of a curve."""
+    if curve.points:
+        return _dot(place, 18.0, 4.0)
+    return f'<path class="c{place % STYLES}" d="M1 4H35"/>'
 
 
 def _finite(curve: Curve) -> tuple[np.ndarray, np.ndarray]:
@@ -106,7 +123,7 @@ def _axes(panel: Panel, xs: np.ndarray, ys: np.ndarray) -> tuple[Axis, Axis]:
         begin, end = _about(begin, end, scale * (WIDTH - LEFT - RIGHT))
         low, high = _about(low, high, scale * (HEIGHT - TOP - BOTTOM))
     ends = (HEIGHT - BOTTOM, TOP)
-    if panel.title.startswith("depth"):
+    if panel.y.startswith(DOWNWARDS):
         ends = (TOP, HEIGHT - BOTTOM)
     return Axis(begin, end, LEFT, WIDTH - RIGHT), Axis(low, high, *ends)
 
@@ -129,13 +146,11 @@ def _grid(panel: Panel, across: Axis, up: Axis) -> list[str]:
         parts.append(_rule("grid", x, TOP, x, HEIGHT - BOTTOM))
         parts.append(_text("tick middle", x, HEIGHT - BOTTOM + 14.0, f"{value + 0.0:.6g}"))
     parts.append(_text("tick middle", 0.5 * (LEFT + WIDTH - RIGHT), HEIGHT - 8.0, panel.x))
-    for value in panel.levels:
-        if up.low <= value <= up.high:
-            parts.append(_rule("mark", LEFT, up.at(value), WIDTH - RIGHT, up.at(value)))
-    return parts
+    inside = [up.at(value) for value in panel.levels if up.low <= value <= up.high]
+    return [*parts, *(_rule("mark", LEFT, y, WIDTH - RIGHT, y) for y in inside)]
 
 
-def _curve(curve: Curve, style: int, across: Axis, up: Axis) -> str:
+def _curve(curve: Curve, place: int, across: Axis, up: Axis) -> str:
     """Return a curve as a path, broken where its points are no numbers."""
     strokes = []
     breaks = np.flatnonzero(~(np.isfinite(curve.x) & np.isfinite(curve.y)))
@@ -145,7 +160,20 @@ def _curve(curve: Curve, style: int, across: Axis, up: Axis) -> str:
             x, y = thinned(curve.x[kept], curve.y[kept], POINTS)
             points = zip(across.places(x), up.places(y), strict=True)
             strokes.append("M" + "L".join(f"{a:.1f} {b:.1f}" for a, b in points))
-    return f'<path class="c{style}" d="{"".join(strokes)}"/>'
+    return f'<path class="c{place % STYLES}" d="{"".join(strokes)}"/>'
+
+
+def _dots(curve: Curve, place: int, across: Axis, up: Axis) -> str:
+    """Return the points of a curve as marks."""
+    x, y = _finite(curve)
+    spots = zip(across.places(x), up.places(y), strict=True)
+    return "".join(_dot(place, float(a), float(b)) for a, b in spots)
+
+
+def _dot(place: int, x: float, y: float) -> str:
+    """Return a mark, of one of several shapes."""
+    shape = SHAPES[place % len(SHAPES)]
+    return f'<path class="dot c{place % STYLES}" d="M{x:.1f} {y:.1f}{shape}"/>'
 
 
 def _rule(style: str, x: float, y: float, x_end: float, y_end: float) -> str:

@@ -33,11 +33,8 @@ def render(book: Book, moves: tuple[Moved, ...] | None) -> str:
     title = f"Qualification test guide: {guide.vessel}"
     data = json.dumps(as_json(guide)).replace("</", "<\\/")
     parts = [
-        f'<!DOCTYPE html>\n<html lang="en"><head><meta charset="utf-8">'
-        f'<meta name="viewport" content="width=device-width, initial-scale=1">'
-        f"<title>{escape(title)}</title>\n<style>{STYLE.read_text(encoding='utf-8')}</style></head>"
-        f"\n<body><header><p>Qualification test guide</p><h1>{escape(guide.vessel)}</h1>"
-        f'<p class="total {"good" if guide.passed else "bad"}">{PASSED[guide.passed]}</p></header>\n',
+        _head(title),
+        _title(guide),
         chapters.facts(guide),
         _contents(book, moves),
         chapters.overview(guide),
@@ -51,6 +48,25 @@ def render(book: Book, moves: tuple[Moved, ...] | None) -> str:
         f'<script type="application/json" id="guide">{data}</script>\n</body></html>\n',
     ]
     return "".join(parts)
+
+
+def _head(title: str) -> str:
+    """Return what comes before the page's body."""
+    style = STYLE.read_text(encoding="utf-8")
+    return (
+        '<!DOCTYPE html>\n<html lang="en"><head><meta charset="utf-8">'
+        '<meta name="viewport" content="width=device-width, initial-scale=1">'
+        f"<title>{escape(title)}</title>\n<style>{style}</style></head>\n<body>"
+    )
+
+
+def _title(guide: Guide) -> str:
+    """Return vessel and verdict."""
+    style = "good" if guide.passed else "bad"
+    return (
+        f"<header><p>Qualification test guide</p><h1>{escape(guide.vessel)}</h1>"
+        f'<p class="total {style}">{PASSED[guide.passed]}</p></header>\n'
+    )
 
 
 def _contents(book: Book, moves: tuple[Moved, ...] | None) -> str:

@@ -123,8 +123,12 @@ def reversal(file: VesselFile, flown: Flown) -> Finding:
         if rates[low] < 0.0 < rates[high]
     ]
     if len(turns) != 1:
-        words = f"in flight the depth rate changes its sign {len(turns)} times over these speeds"
-        return Finding(title, claim, FAILS, words, heads, rows)
+        words = (
+            f"of {len(RATIOS)} speeds about the {critical / KNOT:.2f} kn of EC470 {len(rates)} can "
+            f"be flown, and the depth rate turns {len(turns)} times between them"
+        )
+        verdict = FAILS if len(rates) == len(RATIOS) else UNTOLD
+        return Finding(title, claim, verdict, words, heads, rows)
     flies, says = turns[0] / KNOT, critical / KNOT
     verdict = HOLDS if abs(flies - says) <= NEAR * says else FAILS
     words = f"EC470 gives {says:.2f} kn, in flight with 2 degrees it is {flies:.2f} kn"
@@ -159,6 +163,8 @@ def depth_in_turns(file: VesselFile, flown: Flown) -> Finding:
         rows.append(row)
     lost = by_effect.get(LOST, [])
     verdict = HOLDS if lost == list(IN_TURNS) else IN_PART if lost else FAILS
+    if len(by_effect.get(ABSENT, [])) == len(IN_TURNS):
+        verdict = UNTOLD
     effects = "; ".join(f"{effect}: {', '.join(names)}" for effect, names in by_effect.items())
     words = f"with all terms depth changes by {abs(base):.2f} m; without one of them, {effects}"
     return Finding(title, claim, verdict, words, heads, tuple(rows))

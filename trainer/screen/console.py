@@ -1,5 +1,6 @@
 """The screen of one role: drawings in rows, a line for orders, keys, and dialogs above them."""
 
+import re
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from typing import ClassVar, Final
@@ -43,6 +44,7 @@ from trainer.screen.posts import POSTS, Place
 from trainer.screen.sight import Sight
 
 RATE: Final = 10.0  # [Hz] of looking
+FUNCTION: Final = re.compile(r"f\d+|ctrl\+c")  # keys that are no part of an order
 SPANS: Final = (60.0, 120.0, 300.0, 600.0, 1200.0)  # [s] of the charts
 PACES: Final = (0.1, 0.2, 0.5, 1.0, 2.0, 4.0, 8.0, 16.0, 32.0, 64.0, 100.0)  # of time
 PROMPTS: Final = {"instructor": "type an order, such as depth 80; F1 helps"}
@@ -62,6 +64,7 @@ class Console(App[str]):
     CSS_PATH = "console.tcss"
     TITLE = "trainer"
     ENABLE_COMMAND_PALETTE = False
+    AUTO_FOCUS = ""  # a station's keys are its controls
     HORIZONTAL_BREAKPOINTS = [  # noqa: RUF012  as the library has it
         (0, "-tiny"),
         (60, "-narrow"),
@@ -114,11 +117,14 @@ class Console(App[str]):
             self.set_focus(None)
 
     def on_key(self, event: events.Key) -> None:
-        """Do what a key does, unless a dialog has it or it is being typed."""
+        """Do what a key does, unless a dialog has it or an order is being typed."""
         if len(self.screen_stack) > 1:
             return
-        if event.key == "escape" and not self.sight.instructs:
-            self.set_focus(None)
+        if not self.sight.instructs and self.focused is not None:
+            if event.key == "escape":
+                self.set_focus(None)
+            if not FUNCTION.fullmatch(event.key):
+                return
         key = self._keys.get(event.key)
         if key is not None:
             event.stop()

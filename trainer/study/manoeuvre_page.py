@@ -79,11 +79,11 @@ def render(report: Report) -> str:
     method, rig = report.method, report.rig
     given = ", ".join(f"{name} {value:g}" for name, value in report.parameters.items())
     rows = [(one.name, *shown(one)) for one in report.measures]
+    computed = f"{method.equations} set, {method.rates} accelerations, {method.integrator}"
     lines = [
         f"{report.vessel}: {report.manoeuvre}",
         f"{INDENT}from {report.speed_kn:g} kn; {given or 'no parameters'} [deg, s]",
-        f"{INDENT}{method.equations} set, {method.rates} accelerations, {method.integrator}, "
-        f"step {method.step:g} s",
+        f"{INDENT}{computed}, step {method.step:g} s",
         f"{INDENT}controls: {rig.controls}; trim: {rig.trim}; depth law: {rig.law}",
         "",
         *table(("measure", "", "unit"), rows),

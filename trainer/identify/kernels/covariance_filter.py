@@ -155,7 +155,8 @@ def _closed(mean: Numbers, J: Numbers, out: Numbers) -> None:
                 out[j, i] -= J[i, c] * mean[c, j]
     for c in range(states, rows):
         for i in range(rows):
-            out[columns + c - states, i] = J[i, c] if i < states else float(i == c)
+            direct = 1.0 if i == c else 0.0
+            out[columns + c - states, i] = J[i, c] if i < states else direct
 
 
 @kernel

@@ -93,7 +93,7 @@ def limits(values: Sequence[float | None], least: float) -> tuple[float, float]:
         if size * 10.0**power * 4.0 >= wide
     )
     bottom = (middle - wide / 2.0) // step * step
-    while bottom + 4.0 * step < high:
+    while bottom + 4.0 * step < high + wide / 40.0:
         step *= 2.0
         bottom = (middle - wide / 2.0) // step * step
     return bottom, bottom + 4.0 * step

@@ -9,7 +9,6 @@ from trainer.study.manoeuvres.conn import Conn
 from trainer.study.manoeuvres.flight import Flight, Manoeuvre
 from trainer.study.manoeuvres.measures import (
     Measure,
-    Numbers,
     first_time,
     largest,
     peaks,
@@ -105,17 +104,20 @@ def _run_since(flight: Flight, name: str, begin: float, end: float | None) -> fl
     return None if first is None or last is None else abs(last - first)
 
 
-def yaw_rate(flight: Flight) -> Numbers:
-    """Return the rate of the heading [rad/s] between the rows."""
-    turned = flight.column("psi")
-    return (turned[1:] - turned[:-1]) / (flight.t[1:] - flight.t[:-1])
+def yaw_rate(flight: Flight) -> float:
+    """Return the rate of the heading [rad/s] at the end, by exact kinematics."""
+    r = float(flight.column("r")[-1])
+    if not flight.has("theta"):
+        return r
+    q, phi, theta = (float(flight.column(name)[-1]) for name in ("q", "phi", "theta"))
+    return (q * math.sin(phi) + r * math.cos(phi)) / math.cos(theta)
 
 
 def steady(flight: Flight) -> list[Measure]:
     """Return diameter, speed and rates at the end."""
     u = float(flight.column("u")[-1])
     v = float(flight.column("v")[-1])
-    yaw = float(yaw_rate(flight)[-1])
+    yaw = yaw_rate(flight)
     diameter = 2.0 * math.hypot(u, v) / abs(yaw) if yaw else None
     return [
         share("steady diameter", "m", diameter),

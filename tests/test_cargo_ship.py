@@ -1,4 +1,8 @@
-"""A cargo ship for the manoeuvres: three degrees of freedom, Abkowitz form, no submarine in it."""
+"""A cargo ship through the library of manoeuvres: it has no planes, no depth and no roll.
+
+MARINER in three degrees of freedom, in the form of Abkowitz; regression values of the validation
+document of the vessel data, section 5.
+"""
 
 import math
 import tomllib
@@ -6,8 +10,15 @@ from pathlib import Path
 from typing import Any, ClassVar
 
 import numpy as np
+import pytest
 
+from trainer.config import ConfigError
+from trainer.study.manoeuvres.catalogue import named
+from trainer.study.manoeuvres.flight import Flight, Manoeuvre, fly
+from trainer.study.manoeuvres.spiral import PullOut, ReverseSpiral, Spiral
+from trainer.study.manoeuvres.turns import Turn
 from trainer.study.manoeuvres.vehicle import Control
+from trainer.study.manoeuvres.zigzag import ZigZag
 
 TABLES: dict[str, Any] = tomllib.loads(
     (Path(__file__).parent / "data" / "mariner_chislett.toml").read_text(encoding="utf-8")
@@ -125,3 +136,57 @@ class Mariner:
     def incline(self, heel: float) -> None:
         """Refuse: it has no roll."""
         raise NotImplementedError(heel)
+
+
+def ship(manoeuvre: Manoeuvre, step: float = 0.1) -> tuple[Flight, dict[str, float | None]]:
+    flight = fly(Mariner(step), manoeuvre, 7.7175)
+    return flight, {one.name: one.value for one in manoeuvre.measures(flight)}
+
+
+@pytest.mark.parametrize(
+    ("angle", "first", "second", "execute"), [(20.0, 7.8, 6.4, 34.2), (10.0, 5.0, 4.5, None)]
+)
+def test_a_cargo_ship_makes_the_zig_zag_of_its_regression_values(
+    angle: float, first: float, second: float, execute: float | None
+) -> None:
+    _, found = ship(ZigZag(angle, angle))
+
+    overshoots = [math.degrees(found[f"heading overshoot {i}"] or 0.0) for i in (1, 2)]
+    assert overshoots == pytest.approx([first, second], rel=0.02)
+    if execute:
+        assert found["time of execute 2"] == pytest.approx(execute, rel=0.02)
+
+
+@pytest.mark.parametrize(
+    ("angle", "advance", "tactical", "steady"),
+    [(35.0, 570.0, 1029.0, 1111.0), (20.0, 674.0, 1160.0, 1226.0)],
+)
+def test_a_cargo_ship_makes_the_turn_of_its_regression_values(
+    angle: float, advance: float, tactical: float, steady: float
+) -> None:
+    flight, found = ship(Turn(angle, 900.0))
+
+    assert found["advance"] == pytest.approx(advance, rel=0.02)
+    assert found["tactical diameter"] == pytest.approx(tactical, rel=0.02)
+    assert found["steady diameter"] == pytest.approx(steady, rel=0.02)
+    if angle == 35.0:
+        speed = math.hypot(flight.column("u")[-1], flight.column("v")[-1])
+        assert speed / 7.7175 == pytest.approx(0.78, rel=0.02)
+
+
+def test_a_ship_unstable_on_course_turns_by_itself_and_the_reverse_spiral_shows_it() -> None:
+    _, pulled = ship(PullOut(), 0.5)
+    _, direct = ship(Spiral(), 0.5)
+    _, reverse = ship(ReverseSpiral(), 0.5)
+
+    assert (pulled["yaw rate left after starboard"] or 0.0) > 1e-3
+    assert (pulled["yaw rate left after port"] or 0.0) > 1e-3
+    assert (direct["width of the loop"] or 0.0) > 5e-4
+    # a slow turn to starboard has to be held by rudder to port of what holds the ship straight
+    assert (reverse["rudder at 17 %"] or 0.0) > (reverse["rudder at 0 %"] or 0.0)
+    assert (reverse["rudder at 33 %"] or 0.0) < math.radians(15.0) / 3.0
+
+
+def test_a_vehicle_without_the_control_is_refused_by_name() -> None:
+    with pytest.raises(ConfigError, match="needs a control 'engine', and it has rudder alone"):
+        ship(named("crash-stop"))

@@ -1,0 +1,183 @@
+"""Rudder experiments designed for a boat: when the helm goes where, and what that is worth.
+
+Section 10. A sequence excites best with an amplitude small enough to stay linear, each bit held
+0.2 to 0.5 T1, for 20 to 40 T1, read at intervals between T2/2 and T1/5.
+"""
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Final
+
+from trainer.config import ConfigError
+from trainer.fitout import Method
+from trainer.identify.nomoto import Nomoto
+from trainer.identify.prbs import prbs
+from trainer.io.orders import Order, parse
+from trainer.io.schedule import Scheduled
+from trainer.study.manoeuvres.flight import Flight, fly
+from trainer.study.manoeuvres.submarine import Rig, Submarine
+from trainer.study.manoeuvres.zigzag import ZigZag
+from trainer.vessel_file import VesselFile
+
+LEAD: Final = 30.0  # [s] of straight motion before the first helm
+GENTLE: Final = 10.0  # [deg] of rudder beyond which ships are not linear
+HOLD: Final = (0.2, 0.5)  # [T1] of a bit
+LENGTH: Final = (20.0, 40.0)  # [T1] of the whole
+MOST_ORDERS: Final = 499  # that an exercise file takes
+KEPT: Final = "rudder auto"
+
+
+@dataclass(frozen=True)
+class Sequence:
+    """A binary sequence of helm, or of courses for the autopilot to steer."""
+
+    bits: int  # of the register
+    amplitude_deg: float
+    hold_s: float  # of each bit
+    periods: int
+    by: str  # "rudder" or "course"
+    seed: int = 1
+
+    @property
+    def seconds(self) -> float:
+        """Return how long it lasts [s], its lead and a last bit of rest included."""
+        return LEAD + self.hold_s * (self.periods * (2**self.bits - 1) + 1)
+
+    def orders(self) -> tuple[tuple[float, str], ...]:
+        """Return time [s] and order of each change, course 000 being kept before and after."""
+        found: list[tuple[float, str]] = []
+        last = 0.0
+        for i, bit in enumerate(list(prbs(self.bits, self.seed)) * self.periods):
+            if bit != last:
+                found.append((LEAD + i * self.hold_s, self._order(bit)))
+            last = bit
+        end = LEAD + self.hold_s * self.periods * (2**self.bits - 1)
+        found.append((end, KEPT if self.by == "rudder" else "course 000"))
+        if len(found) > MOST_ORDERS:
+            raise ConfigError(
+                f"{len(found)} changes of helm are more than the {MOST_ORDERS} an exercise takes; "
+                "give fewer --bits or --periods"
+            )
+        return tuple(found)
+
+    def _order(self, bit: float) -> str:
+        """Return the order of a bit, 1 to port as the rudder is positive."""
+        if self.by == "rudder":
+            return f"rudder {'left' if bit > 0 else 'right'} {self.amplitude_deg:g}"
+        return f"course {(-bit * self.amplitude_deg) % 360.0:05.1f}"
+
+
+def scheduled(orders: tuple[tuple[float, str], ...]) -> list[Scheduled]:
+    """Return orders in words as a schedule; ConfigError if one is none."""
+    found = []
+    for i, (seconds, text) in enumerate(orders, start=1):
+        order = parse(text)
+        if not isinstance(order, Order):
+            raise ConfigError(f"{text}: is no order")
+        found.append(Scheduled(seconds, order, i))
+    return found
+
+
+def suggested_hold(ship: Nomoto, step: float) -> float:
+    """Return a length of bit [s], a third of T1 in whole steps."""
+    return max(1.0, round(abs(ship.T1) / 3.0 / step)) * step
+
+
+def suggested_bits(ship: Nomoto, hold: float) -> int:
+    """Return the register whose period is nearest to 30 T1, 4 to 8 bits."""
+    wanted = 30.0 * abs(ship.T1) / hold
+    return min(range(4, 9), key=lambda bits: abs(math.log((2**bits - 1) / wanted)))
+
+
+def suggested_interval(ship: Nomoto, step: float) -> float:
+    """Return a sampling interval [s] between T2/2 and T1/5, in whole steps."""
+    middle = math.sqrt(0.5 * abs(ship.T2) * 0.2 * abs(ship.T1))
+    return max(1.0, round(middle / step)) * step
+
+
+def remarks(sequence: Sequence, ship: Nomoto, interval: float) -> Iterator[str]:
+    """Yield what is unwise about a sequence for a ship read every ``interval`` [s]."""
+    T1, T2 = abs(ship.T1), abs(ship.T2)
+    if sequence.by == "rudder" and sequence.amplitude_deg > GENTLE:
+        yield f"{sequence.amplitude_deg:g} deg of rudder is much: the ship will not be linear"
+    if not HOLD[0] * T1 <= sequence.hold_s <= HOLD[1] * T1:
+        low, high = HOLD[0] * T1, HOLD[1] * T1
+        yield f"bits of {sequence.hold_s:g} s: {low:.0f} to {high:.0f} s excite this ship best"
+    if sequence.seconds < LENGTH[0] * T1:
+        yield f"{sequence.seconds:.0f} s is short: {LENGTH[0] * T1:.0f} s or more is advised"
+    if not ship.stable and sequence.by == "rudder":
+        yield "she does not keep her course by herself: let the autopilot steer (--by course)"
+    if not 0.5 * T2 <= interval <= 0.2 * T1:
+        low, high = 0.5 * T2, 0.2 * T1
+        yield f"samples every {interval:g} s: {low:.1f} to {high:.1f} s suit her time constants"
+
+
+@dataclass(frozen=True)
+class ZigZagTold:
+    """What a zig-zag of the boat in a calm looks like."""
+
+    reach_s: float | None  # from the first helm to the second
+    period_s: float | None  # from the second helm to the fourth
+    overshoots_deg: tuple[float, ...]
+
+
+def zigzag_flight(
+    file: VesselFile, speed: float, angles: tuple[float, float], seconds: float
+) -> Flight:
+    """Return a zig-zag flown at ``speed`` [m/s], helm and heading ``angles`` [deg].
+
+    ConfigError if the boat has no rudder that goes so far.
+    """
+    angle, execute = angles
+    if angle > file.surfaces.rudder_limit_deg:
+        raise ConfigError(f"the rudder goes to {file.surfaces.rudder_limit_deg:g} deg, not {angle:g}")
+    method = Method("modified", "lagged", "exact", "adams2", file.run.step_s)
+    manoeuvre = ZigZag(angle_deg=angle, execute_deg=execute, duration_s=seconds)
+    return fly(Submarine(file, method, Rig()), manoeuvre, speed)
+
+
+def zigzag_orders(flight: Flight, angle: float) -> tuple[tuple[float, str], ...]:
+    """Return time [s] and order of each execute, the first to starboard after the lead."""
+    times = [mark.t for mark in flight.marks if mark.name == "execute"]
+    late = LEAD - times[0] if times else 0.0
+    sides = ("right", "left")
+    found = [(late + t, f"rudder {sides[i % 2]} {angle:g}") for i, t in enumerate(times)]
+    return (*found, (late + float(flight.t[-1]), KEPT))
+
+
+def zigzag_told(flight: Flight, execute: float) -> ZigZagTold:
+    """Return reach, period and overshoots [deg] of a zig-zag with that heading angle [deg]."""
+    measures = ZigZag(execute_deg=execute).measures(flight)
+    times = [mark.t for mark in flight.marks if mark.name == "execute"]
+    overshoots = [one.value for one in measures if "overshoot" in one.name]
+    return ZigZagTold(
+        reach_s=times[1] - times[0] if len(times) > 1 else None,
+        period_s=times[3] - times[1] if len(times) > 3 else None,
+        overshoots_deg=tuple(math.degrees(one) for one in overshoots if one is not None),
+    )
+
+
+def exercise_text(
+    orders: tuple[tuple[float, str], ...], name: str, table: dict[str, str | float]
+) -> str:
+    """Return the text of an exercise that gives ``orders``.
+
+    ``table`` has vessel, speed_kn, depth_m, duration_s and perhaps sea.
+    """
+    lines = [
+        'schema = "exercise/1"',
+        f'name = "{name}"',
+        f'vessel = "{table["vessel"]}"',
+        f"duration_s = {table['duration_s']:g}",
+        'briefing = """',
+        "An experiment for identification: hands off, the helm is given by schedule and depth is",
+        'kept by the planes. Record it, and give the recording to trainer identify."""',
+    ]
+    if "sea" in table:
+        lines.append(f'sea = "{table["sea"]}"')
+    lines += ["", "[initial]", f"speed_kn = {table['speed_kn']:g}"]
+    lines += [f"depth_m = {table['depth_m']:g}", "course_deg = 0"]
+    for seconds, order in orders:
+        lines += ["", "[[orders]]", f"at_s = {seconds:g}", f'order = "{order}"']
+    return "\n".join(lines) + "\n"

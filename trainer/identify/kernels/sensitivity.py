@@ -1,0 +1,231 @@
+"""How the filter's errors and their covariances follow the parameters: the information (MI 8.1).
+
+Parameters are the last, contiguous index. Each sample gives rows whose inner products summed are
+the expected information: the standardised derivatives of the error, and of its covariance.
+"""
+
+import math
+
+import numpy as np
+
+from trainer.core.kernel import Numbers, kernel
+from trainer.identify.kernels.adjoint import all_there, steady_step
+from trainer.identify.kernels.covariance_filter import (
+    Places,
+    advance,
+    condition,
+    joint,
+    predict,
+    residual,
+    settled,
+)
+
+SETTLED = 1e-20  # [-] square of the relative change of a derivative of P
+
+
+@kernel
+def _root(J: Numbers, readings: int, out: Numbers) -> None:
+    """Write the upper U with U' U = R^-1 from the swept ``J``; missing readings are zero."""
+    first = J.shape[0] - readings
+    for i in range(readings):
+        for j in range(i, readings):
+            total = -J[first + i, first + j]
+            for k in range(i):
+                total -= out[k, i] * out[k, j]
+            if i == j:
+                out[i, i] = math.sqrt(max(total, 0.0))
+            else:
+                out[i, j] = total / out[i, i] if out[i, i] > 0.0 else 0.0
+                out[j, i] = 0.0
+
+
+@kernel
+def _joint_slopes(mean: Numbers, slopes: Numbers, P: Numbers, dP: Numbers, out: Numbers) -> None:
+    """Add dJ = dW P W' + W P dW' + W dP W' to ``out`` (x+y, x+y, p), which has dQ already."""
+    rows, states, count = out.shape[0], P.shape[0], out.shape[2]
+    half = np.zeros((rows, states, count))  # dW P + W dP / 2
+    for i in range(rows):
+        for j in range(states):
+            for k in range(states):
+                for q in range(count):
+                    half[i, j, q] += (
+                        slopes[i, k, q] * P[k, j] + 0.5 * mean[i, k] * dP[k, j, q]
+                    )
+    for i in range(rows):
+        for j in range(rows):
+            for k in range(states):
+                for q in range(count):
+                    out[i, j, q] += half[i, k, q] * mean[j, k] + half[j, k, q] * mean[i, k]
+
+
+@kernel
+def _conditioned(J: Numbers, dJ: Numbers, dP: Numbers) -> float:
+    """Return how much ``dP`` changes [-] as it becomes that after the readings; dJ has gains.
+
+    Afterwards the mixed block of ``dJ`` (x rows, y columns) is dK.
+    """
+    states, count = dP.shape[0], dP.shape[2]
+    rows = J.shape[0]
+    worst = 0.0
+    value = np.empty(count)
+    scale = np.empty(states)
+    for i in range(states):
+        scale[i] = 1.0 / max(abs(J[i, i]), 1e-300)
+    change, total = np.zeros(count), np.zeros(count)
+    for i in range(states):
+        for j in range(i + 1):
+            for q in range(count):
+                value[q] = dJ[i, j, q]
+            for c in range(states, rows):
+                for q in range(count):
+                    value[q] -= dJ[i, c, q] * J[j, c] + J[i, c] * dJ[j, c, q]
+                for d in range(states, rows):
+                    both = J[i, c] * J[j, d]
+                    for q in range(count):
+                        value[q] += both * dJ[c, d, q]
+            weight = scale[i] * scale[j]
+            for q in range(count):
+                moved = value[q] - dP[i, j, q]
+                change[q] += moved * moved * weight
+                total[q] += value[q] * value[q] * weight
+                dP[i, j, q] = value[q]
+                dP[j, i, q] = value[q]
+    for q in range(count):
+        if change[q] > 0.0:
+            worst = max(worst, change[q] / max(total[q], 1e-300))
+    return worst
+
+
+@kernel
+def _gain_slopes(J: Numbers, dJ: Numbers, states: int) -> None:
+    """Write dK = (dN - K dR) R^-1 over dN, the mixed block of ``dJ``."""
+    rows, count = J.shape[0], dJ.shape[2]
+    line = np.empty((rows - states, count))
+    for i in range(states):
+        for c in range(states, rows):
+            for q in range(count):
+                line[c - states, q] = dJ[i, c, q]
+            for d in range(states, rows):
+                for q in range(count):
+                    line[c - states, q] -= J[i, d] * dJ[d, c, q]
+        for c in range(states, rows):
+            for q in range(count):
+                dJ[i, c, q] = 0.0
+            for d in range(states, rows):
+                for q in range(count):
+                    dJ[i, c, q] -= line[d - states, q] * J[d, c]
+
+
+@kernel
+def _mean_slopes(mean: Numbers, slopes: Numbers, z: Numbers, dx: Numbers, out: Numbers) -> None:
+    """Write dv = dW z + W_x dx to ``out`` (x+y, p)."""
+    rows, count = out.shape
+    for i in range(rows):
+        for q in range(count):
+            out[i, q] = 0.0
+        for j in range(z.size):
+            for q in range(count):
+                out[i, q] += slopes[i, j, q] * z[j]
+        for j in range(dx.shape[0]):
+            for q in range(count):
+                out[i, q] += mean[i, j] * dx[j, q]
+
+
+@kernel
+def _standardised(U: Numbers, dv: Numbers, states: int, out: Numbers) -> None:
+    """Write U d(error) to ``out`` (y, p); the error is reading less prediction."""
+    readings, count = out.shape
+    for i in range(readings):
+        for q in range(count):
+            out[i, q] = 0.0
+        for j in range(i, readings):
+            for q in range(count):
+                out[i, q] -= U[i, j] * dv[states + j, q]
+
+
+@kernel
+def _next_slopes(J: Numbers, dJ: Numbers, error: Numbers, dv: Numbers, dx: Numbers) -> None:
+    """Write dx of the next state: dv + dK error + K d(error)."""
+    states, count = dx.shape
+    for i in range(states):
+        for q in range(count):
+            dx[i, q] = dv[i, q]
+        for c in range(error.size):
+            gain = J[i, states + c]
+            for q in range(count):
+                dx[i, q] += dJ[i, states + c, q] * error[c] - gain * dv[states + c, q]
+
+
+@kernel
+def _covariance_rows(U: Numbers, dJ: Numbers, samples: float, out: Numbers) -> None:
+    """Write U dR U' sqrt(samples/2) to ``out`` (y*y, p)."""
+    readings, count = U.shape[0], dJ.shape[2]
+    states = dJ.shape[0] - readings
+    weight = math.sqrt(0.5 * samples)
+    for i in range(readings):
+        for j in range(readings):
+            place = i * readings + j
+            for q in range(count):
+                out[place, q] = 0.0
+            for k in range(i, readings):
+                for m in range(j, readings):
+                    factor = weight * U[i, k] * U[j, m]
+                    for q in range(count):
+                        out[place, q] += factor * dJ[states + k, states + m, q]
+
+
+@kernel
+def information_rows(
+    system: tuple[Numbers, Numbers, Numbers],
+    slopes: tuple[Numbers, Numbers, Numbers],
+    table: Numbers,
+    which: Places,
+    errors: Numbers,
+    covariances: Numbers,
+) -> int:
+    """Return how many stages there are, 0 if R is not positive definite; write the rows.
+
+    ``system`` is mean, noise and start, ``slopes`` the same with parameters last. ``errors``
+    (n, y, p) standardised derivatives of each error; ``covariances`` (n, y*y, p) of each stage.
+    """
+    mean, noise, start = system
+    d_mean, d_noise, d_start = slopes
+    rows, columns = mean.shape[1:]
+    states, readings, count = start.shape[0], errors.shape[1], errors.shape[2]
+    work, v, error = np.empty((rows, states)), np.empty(rows), np.empty(readings)
+    there, U = np.empty(readings, np.bool_), np.zeros((readings, readings))
+    J, dJ = np.empty((rows, rows)), np.empty((rows, rows, count))
+    dv = np.empty((rows, count))
+    z, P = np.ones(columns), start[:, 1:].copy()
+    z[:states] = start[:, 0]
+    dx, dP = d_start[:, 0].copy(), d_start[:, 1:].copy()
+    stages, samples, constant = 0, 0, False
+    for k in range(table.shape[0]):
+        W, dW = mean[which[k]], d_mean[which[k]]
+        z[states : columns - 1] = table[k, readings:]
+        predict(W, z, v)
+        _mean_slopes(W, dW, z, dx, dv)
+        residual(table[k], v, error, there)
+        constant = constant and all_there(there) and which[k] == which[k - 1]
+        if not constant:
+            if stages > 0:
+                _covariance_rows(U, dJ, float(samples), covariances[stages - 1])
+            stages, samples = stages + 1, 0
+            joint(W, noise[which[k]], P, work, J)
+            dJ[:] = d_noise[which[k]]
+            _joint_slopes(W, dW, P, dP, dJ)
+            if math.isnan(condition(J, error, there)):
+                return 0
+            _root(J, readings, U)
+            moved = _conditioned(J, dJ, dP)
+            constant = all_there(there) and settled(J, P) and moved < SETTLED
+            _gain_slopes(J, dJ, states)
+        _standardised(U, dv, states, errors[k])
+        _next_slopes(J, dJ, error, dv, dx)
+        if constant:
+            steady_step(J, v, error, z)
+        else:
+            advance(J, v, error, z, P)
+        samples += 1
+    _covariance_rows(U, dJ, float(samples), covariances[stages - 1])
+    return stages

@@ -1,0 +1,113 @@
+"""What the parameters of a model say about the ship: gains, time constants, stability."""
+
+import math
+from typing import Final
+
+import numpy as np
+
+from trainer.identify.models import Model, Ship
+from trainer.identify.nomoto import Nomoto, Numbers, Transfer, nomoto, time_constants, transfer
+
+QUANTITIES: Final = {  # and their units
+    "K": "1/s",
+    "T1": "s",
+    "T2": "s",
+    "T_imag": "s",  # of T1 and, with the other sign, T2: a complex pair
+    "T3": "s",
+    "K_v": "m/s",
+    "T3v": "s",
+    "T": "s",  # of the first-order model
+    "1/T1": "1/s",  # above zero: she keeps a straight course
+    "1/K": "s",
+}
+DERIVATIVES: Final = ("Y_v", "Y_r", "N_v", "N_r", "Y_delta", "N_delta")
+
+
+def nomoto_of(model: Model, values: Numbers, ship: Ship) -> Nomoto:
+    """Return gains and time constants [SI] of a model's parameters (n,), wind eliminated (3.3, 5).
+
+    What a model does not have is zero: sway with Models 3 and Nomoto's, yaw with Model 2.
+    """
+    named = dict(zip(model.names, map(float, values), strict=True))
+    return _KINDS[model.name](named, ship)
+
+
+def _model_1(p: dict[str, float], ship: Ship) -> Nomoto:
+    L, V = ship.length, ship.speed
+    E = np.array([[p["m11"], L * p["m12"]], [p["m21"], L * p["m22"]]]) * L / V**2
+    F = np.array([[p["Y_v"] / V, L / V * p["Y_r"]], [p["N_v"] / V, L / V * p["N_r"]]])
+    g = p["Y_delta"] * np.array([1.0, -p["l_delta"]])
+    return nomoto(transfer(np.linalg.solve(E, F), np.linalg.solve(E, g)))
+
+
+def _model_2(p: dict[str, float], ship: Ship) -> Nomoto:
+    k, V = ship.speed / ship.length, ship.speed
+    a1, a2 = k * p["a1"], k * k * p["a2"]
+    c1, c2 = V * k * p["c1"], V * k * k * p["c2"]
+    found = nomoto(Transfer(a1, a2, 0.0, 0.0, 0.0, c1, c2, 0.0))
+    return Nomoto(0.0, found.T1, found.T2, 0.0, found.K_v, found.T3v)
+
+
+def _model_3(p: dict[str, float], ship: Ship) -> Nomoto:
+    k = ship.speed / ship.length
+    if p["b2"] == 0.0:  # first order, section 5: the wind is a2
+        return _first(k * p["b1"] / p["a1"], 1.0 / (k * p["a1"]))
+    a1, a2 = k * p["a1"], k * k * p["a2"]
+    T1, T2 = time_constants(a1, a2)
+    return Nomoto(k * p["b2"] / p["a2"], T1, T2, p["b1"] / (k * p["b2"]), 0.0, 0.0)
+
+
+def _first(K: float, T: float) -> Nomoto:
+    return Nomoto(K, complex(T), 0j, 0.0, 0.0, 0.0)
+
+
+def _nomoto_1(p: dict[str, float], ship: Ship) -> Nomoto:
+    del ship
+    return _first(p["K"], p["T"])
+
+
+def _nomoto_2(p: dict[str, float], ship: Ship) -> Nomoto:
+    del ship
+    return Nomoto(p["K"], complex(p["T1"]), complex(p["T2"]), p["T3"], 0.0, 0.0)
+
+
+_KINDS: Final = {
+    "1": _model_1,
+    "2": _model_2,
+    "3": _model_3,
+    "nomoto1": _nomoto_1,
+    "nomoto2": _nomoto_2,
+}
+
+
+def derivatives(model: Model, values: Numbers) -> Numbers:
+    """Return the six derivatives of DERIVATIVES in the model's own system; () but for Model 1."""
+    if model.name != "1":
+        return np.empty(0)
+    p = dict(zip(model.names, map(float, values), strict=True))
+    own = [p[name] for name in ("Y_v", "Y_r", "N_v", "N_r", "Y_delta")]
+    return np.array([*own, -p["Y_delta"] * p["l_delta"]])
+
+
+def quantities(model: Model, values: Numbers, ship: Ship) -> Numbers:
+    """Return derivatives, if the model has such, and the numbers of QUANTITIES [SI]."""
+    ship_like = nomoto_of(model, values, ship)
+    T1 = ship_like.T1
+    told = [
+        ship_like.K,
+        T1.real,
+        ship_like.T2.real,
+        T1.imag,
+        ship_like.T3,
+        ship_like.K_v,
+        ship_like.T3v,
+        ship_like.first_order,
+        (1.0 / T1).real if T1 else math.inf,
+        1.0 / ship_like.K if ship_like.K else math.inf,
+    ]
+    return np.concatenate([derivatives(model, values), told])
+
+
+def quantity_names(model: Model) -> tuple[str, ...]:
+    """Return the names of what ``quantities`` returns."""
+    return (*(DERIVATIVES if model.name == "1" else ()), *QUANTITIES)

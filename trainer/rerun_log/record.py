@@ -1,0 +1,86 @@
+"""A recording made into a file for Rerun's viewer."""
+
+from collections.abc import Iterator
+from itertools import islice
+from pathlib import Path
+from typing import Final
+
+import numpy as np
+
+from trainer.boat import Boat
+from trainer.io.recording import Flown, Noted, Recording
+from trainer.log_book import layout_of, plan_of
+from trainer.rerun_log.batch import Batch, Block, Times, Told, Worked, states
+from trainer.rerun_log.blueprint import blueprint
+from trainer.rerun_log.charts import charts_of
+from trainer.rerun_log.outlet import Outlet
+from trainer.rerun_log.writer import Writer
+
+ROWS: Final = 4096  # [ticks] written at a time
+
+
+def write_record(recording: Recording, path: Path, branch: int) -> None:
+    """Write a branch and the past that led to it, with what happened then.
+
+    ConfigError or RecordingError if it cannot be read, OSError if the file cannot be written.
+    """
+    header = recording.header()
+    plan = plan_of(header)
+    boat = Boat(plan.file, plan.method)
+    path.open("wb").close()
+    outlet = Outlet(plan.title or plan.file.name)
+    try:
+        begun = False
+        for batch in batches(recording, branch, layout_of(header), plan.method.step):
+            if not begun:
+                start = batch.block.several("x", "y", "z")[0]
+                layout = blueprint(charts_of(boat), float(boat.vessel.ell), start, live=False)
+                outlet.save(path, layout)
+                writer = Writer(boat, plan.limits, outlet)
+                writer.begin()
+                begun = True
+            writer.write(batch)
+    finally:
+        outlet.close()
+
+
+def batches(
+    recording: Recording, branch: int, layout: tuple[str, ...], step: float
+) -> Iterator[Batch]:
+    """Yield the ticks that led to the end of a branch, what was told with the last of them."""
+    flown = recording.flown(branch)
+    ends: dict[int, int] = {}
+    while part := list(islice(flown, ROWS)):
+        ends |= {each.branch: each.tick for each in part}
+        yield Batch(block_of(part, layout, step), worked_of(part, step), told_of([], step))
+    told = [each for each in recording.events() if each.tick <= ends.get(each.branch, -2) + 1]
+    yield Batch(block_of([], layout, step), worked_of([], step), told_of(told, step))
+
+
+def block_of(part: list[Flown], layout: tuple[str, ...], step: float) -> Block:
+    """Return the states of some ticks."""
+    return Block(
+        Times.of((each.tick, each.tick * step) for each in part),
+        states([each.state for each in part], layout),
+        np.array([each.branch for each in part], np.int64),
+        np.zeros(len(part), np.bool_),
+    )
+
+
+def worked_of(part: list[Flown], step: float) -> Worked:
+    """Return the timings of those ticks that have any."""
+    timed = [each for each in part if each.work is not None]
+    return Worked(
+        Times.of((each.tick, each.tick * step) for each in timed),
+        np.array([each.lateness for each in timed], np.float64),
+        np.array([each.work for each in timed], np.float64),
+    )
+
+
+def told_of(events: list[Noted], step: float) -> Told:
+    """Return what was told."""
+    return Told(
+        Times.of((each.tick, each.tick * step) for each in events),
+        tuple(each.kind for each in events),
+        tuple(each.text for each in events),
+    )

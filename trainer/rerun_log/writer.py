@@ -1,0 +1,82 @@
+"""The writer: batches made into what the viewer shows."""
+
+from collections.abc import Sequence
+from typing import Any, Final
+
+import numpy as np
+
+from trainer.boat import Boat
+from trainer.rerun_log.batch import Batch, Block, Numbers, Told
+from trainer.rerun_log.changes import Changes
+from trainer.rerun_log.charts import COLOURS, LEDGER, LEDGER_LABELS, charts_of, ledger_columns
+from trainer.rerun_log.lanes import Lane, casualty_lanes, lanes_of
+from trainer.rerun_log.outlet import Outlet
+from trainer.rerun_log.scene import Scene
+from trainer.rerun_log.sdk import rr
+from trainer.watch import Limits
+
+LEVELS: Final = {"trouble": "ERROR", "watch": "WARN", "mark": "WARN"}  # by kind of news
+
+
+class Writer:
+    """Everything of one run, written to one outlet batch by batch."""
+
+    def __init__(self, boat: Boat, limits: Limits, outlet: Outlet) -> None:
+        """Take what she is and what an exercise does not want passed; nothing is written yet."""
+        self._outlet = outlet
+        self._scene = Scene(boat, limits, outlet)
+        self._charts = charts_of(boat)
+        self._lanes = lanes_of(boat)
+        self._casualties: dict[str, Lane] = {}  # those that have been there
+        self._changes = Changes()
+
+    def begin(self) -> None:
+        """Write what is the same at all times."""
+        self._scene.begin()
+        for chart in self._charts:
+            self._outlet.fix(chart.path, lines(chart.labels))
+        self._outlet.fix(LEDGER, lines(LEDGER_LABELS))
+
+    def write(self, batch: Batch) -> None:
+        """Write a batch."""
+        if batch.block.times.ticks.size:
+            self._write_block(batch.block)
+        if batch.worked.times.ticks.size:
+            columns = scalars(ledger_columns(batch.worked))
+            self._outlet.send(LEDGER, batch.worked.times, columns)
+        if batch.told.kinds:
+            self._write_news(batch.told)
+
+    def _write_block(self, block: Block) -> None:
+        self._scene.write(block)
+        for chart in self._charts:
+            self._outlet.send(chart.path, block.times, scalars(chart.columns(block)))
+        self._casualties |= casualty_lanes(block)
+        for lane in (*self._lanes, *self._casualties.values()):
+            codes = lane.codes(block)
+            rows = self._changes.of(lane.path, codes)
+            if rows.any():
+                words = [lane.word(code) for code in codes[rows].tolist()]
+                self._outlet.send(lane.path, block.times.at(rows), rr.StateChange.columns(state=words))
+
+    def _write_news(self, told: Told) -> None:
+        kinds = np.array(told.kinds)
+        for kind in dict.fromkeys(told.kinds):
+            rows = kinds == kind
+            texts = [text for text, here in zip(told.texts, rows, strict=True) if here]
+            levels = [LEVELS.get(kind, "INFO")] * len(texts)
+            columns = rr.TextLog.columns(text=texts, level=levels)
+            self._outlet.send(f"log/{kind}", told.times.at(rows), columns)
+
+
+def lines(labels: Sequence[str]) -> Any:
+    """Return how the lines of a chart are drawn."""
+    colours = [COLOURS[i % len(COLOURS)] for i in range(len(labels))]
+    return rr.SeriesLines(names=labels, colors=colours, widths=[1.5] * len(labels))
+
+
+def scalars(columns: Numbers) -> Any:
+    """Return one number for each line at each row."""
+    rows, count = columns.shape
+    whole = rr.Scalars.columns(scalars=np.ascontiguousarray(columns).reshape(-1))
+    return whole.partition(np.full(rows, count))
