@@ -229,9 +229,9 @@ def test_orders_over_tcp_are_answered_and_act_within_a_tick(figures: Figures) ->
 def test_an_order_that_acts_late_is_seen_to(make_boat: Callable[..., Boat]) -> None:
     boat = make_boat()
     boat.start(5.0, 60.0, 0.0)
-    boat.state.rudder_by_hand = 1.0
+    boat.state.rudder_by_hand, boat.state.ordered_r = 1.0, -0.2
     states = [boat.snapshot()[0]]
-    for ordered in (0.0, 0.0, 0.2, 0.2):
+    for ordered in (-0.2, -0.2, 0.2, 0.2):  # the rudder is on its way at first
         boat.state.ordered_r = ordered
         boat.tick()
         states.append(boat.snapshot()[0])

@@ -237,6 +237,18 @@ def test_every_key_of_the_instructor_sends_its_order() -> None:
     assert talk.orders == [order for _, order in KEYSTROKES]
 
 
+def test_the_keys_that_stop_and_wake_a_terminal_do_nothing_and_ctrl_c_asks() -> None:
+    async def press(pilot: Pilot[str], app: Console) -> None:
+        await pilot.press("ctrl+s", "ctrl+q", "ctrl+p")
+        assert len(app.screen_stack) == 1
+        await pilot.press("ctrl+c")
+        assert "Leave?" in shown(app)
+
+    app, talk = at_the_console(press)
+    assert app.return_value is None
+    assert talk.orders == []
+
+
 def test_escape_leaves_every_dialog_and_orders_nothing() -> None:
     dialogs = ("f1", "f4", "f5", "f6", "f7", "f10")
     keys = itertools.chain.from_iterable((key, "escape", "f3") for key in dialogs)

@@ -69,9 +69,10 @@ ORDERS = (  # as they are journalled
 NURSERY = """
 import json, os, signal, sys, time
 from trainer import cli
-from trainer.io import checkpoint, recording_file
+from trainer.io import checkpoint, recording, recording_file
 
 checkpoint.WORTHWHILE, checkpoint.EVERY = 200_000, 0.005  # a kill may hit these too
+recording.BATCH = 20  # and there is something after the last order more often
 connect = recording_file.connect
 
 def counting(most):

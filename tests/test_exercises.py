@@ -1,4 +1,4 @@
-"""Exercises: their files, their eight shipped examples run without a crew and with one."""
+"""Exercises: their files, the shipped ones run without a crew and with one."""
 
 import json
 import math
@@ -39,8 +39,9 @@ from trainer.watch import Watch
 
 ROOT = Path(__file__).parent.parent
 NAMES = (
-    *("air-bank-failure", "course-changes", "depth-changes", "flooding-aft", "heavy-boat"),
-    *("loss-of-propulsion", "periscope-depth", "stern-plane-jam"),
+    *("air-bank-failure", "course-changes", "crash-stop", "depth-changes", "depth-gauge-failure"),
+    *("emergency-deep", "flooding-aft", "heavy-boat", "loss-of-propulsion", "periscope-depth"),
+    *("steering-jam", "stern-plane-jam"),
 )
 SHORTEST = 'schema = "exercise/1"\nname = "Drill"\nbriefing = "Steer."\n'
 OPTIONS: dict[str, Any] = {
@@ -142,10 +143,10 @@ def degrees(angle: float) -> float:
     return math.degrees(angle)
 
 
-# The eight, without a crew
+# Without a crew
 
 
-def test_eight_exercises_are_shipped() -> None:
+def test_twelve_exercises_are_shipped() -> None:
     assert shipped_names("exercises") == NAMES
 
 

@@ -180,7 +180,7 @@ def refuse_crowded(outlets: Outlets, url: str, baud: int) -> None:
 
 def most(rate: float) -> float:
     """Return a rate [Hz] rounded down, to be given as an option."""
-    return rate * 2
+    return int(rate * 100.0) / 100.0
 
 
 def place(text: str) -> tuple[str, int]:

@@ -1,5 +1,6 @@
 """The tables of a debrief, as HTML."""
 
+import re
 from collections.abc import Iterable, Iterator, Sequence
 from html import escape
 from typing import Final
@@ -10,6 +11,7 @@ from trainer.scoring import Scored
 from trainer.spells import SCHEDULE
 
 MOST: Final = 1000  # lines of the log
+PLACED: Final = re.compile(r"tick \d+ \([\d.]+ s\): ")  # in an event that says its own place
 TOLD: Final = 4  # digits of a value that count
 
 
@@ -68,7 +70,7 @@ def scores(dossier: Dossier) -> str:
 
 def _score(dossier: Dossier, i: int, each: Scored) -> tuple[str, ...]:
     score, attained = each.rule.score, each.attained
-    unit = "" if each.unit == "-" else f" {each.unit}"
+    unit = "" if each.unit == "-" else f"&nbsp;{each.unit}"
     value = escape(attained.why) if attained.value is None else number(attained.value) + unit
     marks = "not counted"
     if each.marks is not None:
@@ -152,7 +154,8 @@ def _entries(dossier: Dossier) -> Iterator[tuple[int, str, str, str]]:
         )
         yield each.tick, escape(each.who), escape(each.text), answer
     for event in dossier.events:
-        yield event.tick, escape(event.who or event.kind), escape(event.text), ""
+        words = PLACED.sub("", event.text)
+        yield event.tick, escape(event.who or event.kind), escape(words), ""
 
 
 def branches(dossier: Dossier) -> str:

@@ -1,6 +1,7 @@
 """The time line: casualties as bars, and when orders, calls, marks and scores have their places."""
 
 from collections.abc import Iterator
+from typing import Final
 
 from trainer.debrief.chart import (
     LEFT,
@@ -18,12 +19,13 @@ from trainer.debrief.chart import (
 from trainer.debrief.dossier import Dossier
 
 ROW, TOP, BOTTOM = 20.0, 8.0, 24.0  # [px]
+LABEL: Final = 24.0  # [px] that a score's label takes
 
 
 def draw_timeline(dossier: Dossier, ground: Ground) -> str:
     """Return the time line as an SVG element."""
     rows = [*_casualties(dossier, ground), _orders(dossier, ground)]
-    rows += [_calls(dossier, ground), _marks(dossier, ground), _scores(dossier, ground)]
+    rows += [_calls(dossier, ground), _marks(dossier, ground), *_scores(dossier, ground)]
     shown = [row for row in rows if row]
     bottom = TOP + ROW * len(shown)
     parts = [*backdrop(ground, TOP, bottom), *time_axis(ground, bottom)]
@@ -62,17 +64,24 @@ def _marks(dossier: Dossier, ground: Ground) -> str:
     return _labels(places, "M") and _labels(places, "M") + _heading("mark")
 
 
-def _scores(dossier: Dossier, ground: Ground) -> str:
-    found = [
-        (i, each.attained.tick)
-        for i, each in enumerate(dossier.card.scores)
+def _scores(dossier: Dossier, ground: Ground) -> Iterator[str]:
+    """Yield as many rows as it takes for no label to lie on another."""
+    scores = enumerate(dossier.card.scores, start=1)
+    left = sorted(
+        (ground.across.at(each.attained.tick * dossier.step), f"S{i}")
+        for i, each in scores
         if each.attained.tick is not None
-    ]
-    drawn = "".join(
-        text("tick middle", ground.across.at(tick * dossier.step), 14.0, f"S{i + 1}")
-        for i, tick in found
     )
-    return drawn and drawn + _heading("score")
+    heading = _heading("score")
+    while left:
+        row, rest, end = "", [], 0.0
+        for x, name in left:
+            if x - end < LABEL:
+                rest.append((x, name))
+                continue
+            row, end = row + text("tick middle", x, 14.0, name), x
+        yield row + heading
+        left, heading = rest, ""
 
 
 def _labels(places: list[float], letter: str) -> str:

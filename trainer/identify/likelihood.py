@@ -6,6 +6,7 @@ the cost is infinite.
 
 import math
 from dataclasses import dataclass
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,6 +19,9 @@ from trainer.identify.problem import Problem
 
 Numbers = NDArray[np.float64]
 
+LOG_2_PI: Final = math.log(2.0 * math.pi)
+PIECE: Final = 256  # rows
+
 
 def possible(sampled: Sampled) -> bool:
     """Return whether the system is finite and P(t0) of the first row positive semidefinite."""
@@ -29,6 +33,16 @@ def possible(sampled: Sampled) -> bool:
         return True
     width = np.sqrt(np.maximum(np.diag(P), 1e-300))
     return bool(np.linalg.eigvalsh(P / np.outer(width, width))[0] > -1e-9)
+
+
+def _gram(rows: Numbers) -> Numbers:
+    """Return rows' rows, in pieces that no library hands to several threads: waking them costs."""
+    count = rows.shape[1]
+    total = np.zeros((count, count))
+    for first in range(0, len(rows), PIECE):
+        piece = rows[first : first + PIECE]
+        total += piece.T @ piece
+    return total
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,7 +59,7 @@ class Likelihood:
         samples = self.problem.samples
         sums = np.empty(4)
         likelihood_sums(*sampled.at(0), samples.table, samples.steps[1], sums)
-        cost = 0.5 * (sums[0] + sums[1] + sums[3] * math.log(2.0 * math.pi))
+        cost = 0.5 * (sums[0] + sums[1] + sums[3] * LOG_2_PI)
         return float(cost) if math.isfinite(cost) else math.inf
 
     def slope(self, theta: Numbers) -> tuple[float, Numbers]:
@@ -57,7 +71,7 @@ class Likelihood:
         mean, noise, start = sampled.at(0)
         table, which = self.problem.samples.table, self.problem.samples.steps[1]
         states, rows, columns = len(start), mean.shape[1], mean.shape[2]
-        path = np.empty((len(table), columns + rows - states + 1))
+        path = np.empty((len(table), columns + rows - states + 2))
         joints = np.empty((len(table), rows, rows + states))
         path[0, :columns] = [*start[:, 0], *np.ones(columns - states)]
         joints[0, :states, rows:] = start[:, 1:]
@@ -72,24 +86,9 @@ class Likelihood:
             + np.tensordot(by_system[..., columns:], d_noise, 3)
             + np.tensordot(by_start, d_start, 2)
         )
-        return self._cost(path, joints, stages), np.asarray(slope) * self.problem.scale
-
-    def _cost(self, path: Numbers, joints: Numbers, stages: int) -> float:
-        """Return -log L [-] of a trail."""
-        rows = joints.shape[1]
-        readings = self.problem.samples.outputs.shape[1]
-        inverse = -joints[:stages, rows - readings : rows, rows - readings : rows]
-        stage = path[:, -1].astype(int)
-        s = path[:, -1 - readings : -1]
-        there = np.einsum("kii->ki", inverse) > 0.0
-        padded = inverse + np.einsum("ki,ij->kij", ~there, np.eye(readings))
-        determinants = -np.linalg.slogdet(padded)[1]
-        # error' R^-1 error = s' R s, on the readings that are there
-        squares = np.einsum("ki,kij,kj->", s, np.linalg.inv(padded)[stage], s)
-        count = int(np.count_nonzero(there[stage]))
-        weights = np.bincount(stage, minlength=stages)
-        total = float(weights @ determinants) + float(squares) + count * math.log(2.0 * math.pi)
-        return 0.5 * total
+        constant = np.count_nonzero(~np.isnan(self.problem.samples.outputs)) * LOG_2_PI
+        cost = 0.5 * float(path[:, -2].sum() + constant)
+        return cost, np.asarray(slope) * self.problem.scale
 
     def information(self, theta: Numbers) -> Numbers:
         """Return the expected information (f, f); not a number where the model is impossible."""
@@ -106,7 +105,5 @@ class Likelihood:
         )
         if stages == 0:
             return np.full((count, count), math.nan)
-        first = errors.reshape(-1, count)
-        second = covariances[:stages].reshape(-1, count)
-        total = first.T @ first + second.T @ second
+        total = _gram(errors.reshape(-1, count)) + _gram(covariances[:stages].reshape(-1, count))
         return np.asarray(total * np.outer(self.problem.scale, self.problem.scale))

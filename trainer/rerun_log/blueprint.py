@@ -2,40 +2,42 @@
 
 from typing import Any, Final
 
-import numpy as np
-
-from trainer.rerun_log.batch import Numbers
 from trainer.rerun_log.charts import LEDGER, Chart
 from trainer.rerun_log.outlet import SECONDS
-from trainer.rerun_log.scene import BOAT, TRACK, WORLD
+from trainer.rerun_log.scene import FOLLOWER, TRACK, WORLD
 from trainer.rerun_log.sdk import rr, rrb
 
-ALWAYS: Final = ("depth", "course", "surfaces", "attitude")  # charts below one another
-EYE: Final = np.array([-1.5, -1.1, -0.55])  # [-] of her length: astern, to port and above
+ALWAYS: Final = ("depth", "course", "surfaces")  # charts below one another; the rest are tabs
+EYE: Final = (-1.0, -0.75, -0.3)  # [-] of her length: astern, to port and above
+
+WHOLE: Final = rr.TimeRange(
+    start=rrb.TimeRangeBoundary.infinite(), end=rrb.TimeRangeBoundary.infinite()
+)
 
 
-def blueprint(charts: tuple[Chart, ...], length: float, start: Numbers, *, live: bool) -> Any:
-    """Return the layout for a boat of a length [m] that starts at a place [m].
-
-    Live it follows what comes; else it begins at the start.
-    """
-    shown = {chart.name: view(chart.path, f"{chart.name} [{chart.unit}]") for chart in charts}
+def blueprint(charts: tuple[Chart, ...], length: float) -> Any:
+    """Return the layout for a boat of a length [m]."""
+    shown = {chart.name: view(chart.path, chart.title) for chart in charts}
     above = [shown.pop(name) for name in ALWAYS]
-    others = rrb.Tabs(*shown.values(), view(LEDGER, "ledger [us]"))
+    others = rrb.Tabs(*shown.values(), view(LEDGER, "ticks [us]"))
     happened = rrb.Horizontal(
-        rrb.TextLogView(origin="/log", name="log"),
-        rrb.StateTimelineView(origin="/lanes", name="state"),
+        rrb.TextLogView(
+            origin="/log",
+            name="log",
+            columns=rrb.TextLogColumns(text_log_columns=["LogLevel", "Body"]),
+        ),
+        rrb.StateTimelineView(
+            origin="/lanes", name="state", time_view=rrb.TimeAxis(view_range=WHOLE)
+        ),
         column_shares=[1, 1],
     )
     return rrb.Blueprint(
         rrb.Horizontal(
-            rrb.Vertical(scene(length, start), happened, row_shares=[3, 2]),
+            rrb.Vertical(scene(length), happened, row_shares=[3, 2]),
             rrb.Vertical(*above, others),
             column_shares=[3, 2],
         ),
-        rrb.TimePanel(
-            state="collapsed", timeline=SECONDS, play_state="following" if live else "paused"
-        ),
+        rrb.TimePanel(state="collapsed", timeline=SECONDS, play_state="following"),
         rrb.SelectionPanel(state="collapsed"),
         rrb.BlueprintPanel(state="collapsed"),
     )
@@ -44,11 +46,14 @@ def blueprint(charts: tuple[Chart, ...], length: float, start: Numbers, *, live:
 def view(path: str, name: str) -> Any:
     """Return the view of a chart."""
     return rrb.TimeSeriesView(
-        origin=path, name=name, plot_legend=rrb.PlotLegend(rrb.Corner2D.LeftTop)
+        origin=path,
+        name=name,
+        plot_legend=rrb.PlotLegend(rrb.Corner2D.LeftTop),
+        axis_x=rrb.TimeAxis(view_range=WHOLE),
     )
 
 
-def scene(length: float, start: Numbers) -> Any:
+def scene(length: float) -> Any:
     """Return the view of the boat, by an eye that follows her."""
     sailed = rrb.VisibleTimeRanges(
         rrb.VisibleTimeRange(
@@ -58,15 +63,15 @@ def scene(length: float, start: Numbers) -> Any:
         )
     )
     return rrb.Spatial3DView(
-        origin=WORLD,
+        origin=FOLLOWER,  # seen from there, all else moves past
+        contents=f"/{WORLD}/**",
         name="boat",
         overrides={TRACK: sailed},
         eye_controls=rrb.EyeControls3D(
             kind=rrb.Eye3DKind.Orbital,
-            position=start + length * EYE,
-            look_target=start,
+            position=tuple(length * part for part in EYE),
+            look_target=(0.0, 0.0, 0.0),
             eye_up=(0.0, 0.0, -1.0),
-            tracking_entity=BOAT,
         ),
         line_grid=False,
         background=(8, 16, 28, 255),

@@ -14,6 +14,7 @@ from trainer.rerun_log.batch import Block, Numbers, Worked
 TONNE: Final = 1000.0  # [kg]
 MICROSECOND: Final = 1000.0  # [ns]
 SURFACES: Final = {"rudder": "r", "stern": "s", "bow": "b"}
+UNITS: Final = {"%": "percent"}  # in a path
 
 # Okabe and Ito (2008), in the order of their contrast with a dark ground
 COLOURS: Final = (
@@ -40,13 +41,18 @@ class Chart:
 
     @property
     def path(self) -> str:
-        """Return its place among the entities."""
-        return f"charts/{self.name}"
+        """Return its place among the entities, which tells the unit."""
+        return f"charts/{self.name}_{UNITS.get(self.unit, self.unit)}"
+
+    @property
+    def title(self) -> str:
+        """Return its name with the unit."""
+        return f"{self.name} [{self.unit}]"
 
     @property
     def labels(self) -> list[str]:
-        """Return the name of each line with its unit."""
-        return [f"{each.name} [{self.unit}]" for each in self.series]
+        """Return the name of each line."""
+        return [each.name for each in self.series]
 
     def columns(self, block: Block) -> Numbers:
         """Return one column for each line."""
@@ -54,8 +60,8 @@ class Chart:
 
 
 # what became of the ticks, which no state tells
-LEDGER: Final = "charts/ledger"
-LEDGER_LABELS: Final = ["work [us]", "lateness [us]"]
+LEDGER: Final = "charts/ticks_us"
+LEDGER_LABELS: Final = ["work", "lateness"]
 
 
 def ledger_columns(worked: Worked) -> Numbers:

@@ -1,7 +1,7 @@
 """Lanes: what is so from one moment to another, as words under a time line."""
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
 from typing import Final
 
 import numpy as np
@@ -15,7 +15,11 @@ from trainer.rerun_log.batch import Block, Whole
 SLOTS: Final = tuple(f"casualty[{i}]" for i in range(CASUALTIES))
 LEFT: Final = tuple(f"casualty_ticks[{i}]" for i in range(CASUALTIES))
 CLEARING, ACTING = 1, 2  # codes of a casualty; 0: it is not there
+CLEARED: Final = "being cleared"
 BLOWS: Final = ("", "", " (emergency)")  # by the position of a blow valve
+
+
+AUTO, HAND, BROKEN, MENDING = 0x56B4E9FF, 0xE69F00FF, 0xD55E00FF, 0xCC79A7FF
 
 
 @dataclass(frozen=True)
@@ -25,6 +29,7 @@ class Lane:
     path: str
     codes: Callable[[Block], Whole]
     word: Callable[[int], str]
+    colours: Mapping[str, int] = field(default_factory=dict)  # of words that have their own
 
 
 def lanes_of(boat: Boat) -> tuple[Lane, ...]:
@@ -40,10 +45,10 @@ def lanes_of(boat: Boat) -> tuple[Lane, ...]:
     return tuple(lanes)
 
 
-def casualty_lanes(block: Block) -> dict[str, Lane]:
+def casualty_lanes(block: Block) -> list[Lane]:
     """Return a lane for each kind of casualty that is there in the block."""
     kinds = np.unique(block.several(*SLOTS)).astype(int)
-    return {KINDS[kind - 1]: _casualty(kind) for kind in kinds.tolist() if kind}
+    return [_casualty(kind) for kind in kinds.tolist() if kind]
 
 
 def _casualty(kind: int) -> Lane:
@@ -56,7 +61,8 @@ def _casualty(kind: int) -> Lane:
         return np.where(acting, ACTING, np.where(np.any(clearing, axis=1), CLEARING, 0))
 
     name = KINDS[kind - 1]
-    return Lane(f"lanes/casualty/{name}", codes, ("", "being cleared", name).__getitem__)
+    word = ("", CLEARED, name).__getitem__
+    return Lane(f"lanes/{name}", codes, word, {CLEARED: MENDING, name: BROKEN})
 
 
 def _whole(column: np.ndarray) -> Whole:
@@ -74,7 +80,9 @@ def _told_run(code: int) -> str:
 def _by_hand(what: str) -> Lane:
     """Return whether something is steered by hand."""
     place = f"{what}_by_hand"
-    return Lane(f"lanes/{what}", lambda block: _whole(block[place]), ("auto", "hand").__getitem__)
+    word = ("auto", "hand").__getitem__
+    colours = {"auto": AUTO, "hand": HAND}
+    return Lane(f"lanes/{what}", lambda block: _whole(block[place]), word, colours)
 
 
 def _several(path: str, places: tuple[str, ...], names: tuple[str, ...]) -> Lane:

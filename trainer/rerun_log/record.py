@@ -33,8 +33,7 @@ def write_record(recording: Recording, path: Path, branch: int) -> None:
         begun = False
         for batch in batches(recording, branch, layout_of(header), plan.method.step):
             if not begun:
-                start = batch.block.several("x", "y", "z")[0]
-                layout = blueprint(charts_of(boat), float(boat.vessel.ell), start, live=False)
+                layout = blueprint(charts_of(boat), float(boat.vessel.ell))
                 outlet.save(path, layout)
                 writer = Writer(boat, plan.limits, outlet)
                 writer.begin()

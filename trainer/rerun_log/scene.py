@@ -18,7 +18,7 @@ from trainer.rerun_log.shape import Mesh, fins_of, hull_mesh, sail_mesh, size_of
 from trainer.rerun_log.track import Track
 from trainer.watch import Limits
 
-WORLD, BOAT, TRACK = "world", "world/boat", "world/track"
+WORLD, BOAT, FOLLOWER, TRACK = "world", "world/boat", "world/follower", "world/track"
 NEAR, SEA, ORDERED = "world/near", "world/near/sea", "world/near/ordered"
 SQUARES: Final = 6  # of the grid, from the boat to the end of the sea
 FINE: Final = 8  # pieces of the track to a length of the boat
@@ -49,11 +49,11 @@ class Scene:
         """Write what is the same at all times."""
         fix, size = self._outlet.fix, self._size
         fix(WORLD, rr.ViewCoordinates.FRD)
+        fix(FOLLOWER, rr.ViewCoordinates.FRD)
         fix(f"{BOAT}/hull", drawn(hull_mesh(size), HULL))
         if size.sail is not None:
             fix(f"{BOAT}/sail", drawn(sail_mesh(size, size.sail), SAIL))
         for fin in self._fins:
-            fix(f"{BOAT}/{fin.name}", rr.Transform3D.from_fields(translation=fin.stock))
             fix(f"{BOAT}/{fin.name}/shape", drawn(fin.mesh, MOVING))
         self._begin_surroundings()
 
@@ -62,12 +62,16 @@ class Scene:
         send, times = self._outlet.send, block.times
         place = block.several("x", "y", "z")
         turned = quaternions(block["phi"], block["theta"], block["psi"])
+        send(FOLLOWER, times, rr.Transform3D.columns(translation=place))
         send(BOAT, times, rr.Transform3D.columns(translation=place, quaternion=turned))
         for fin in self._fins:
             angle = fin.angle(block)
             rows = self._changes.of(fin.name, angle)
-            about = half_turned(fin.outward, angle[rows])
-            self._send(f"{BOAT}/{fin.name}", block, rows, rr.Transform3D.columns(quaternion=about))
+            columns = rr.Transform3D.columns(
+                translation=np.tile(fin.stock, (int(rows.sum()), 1)),
+                quaternion=half_turned(fin.outward, angle[rows]),
+            )
+            self._send(f"{BOAT}/{fin.name}", block, rows, columns)
         for times, strips in self._track.pieces(block):
             colours = np.full(len(strips), colour_code(WAKE), np.uint32)
             radii = np.full(len(strips), 0.004 * self._size.length)

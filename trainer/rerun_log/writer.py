@@ -26,8 +26,8 @@ class Writer:
         self._outlet = outlet
         self._scene = Scene(boat, limits, outlet)
         self._charts = charts_of(boat)
-        self._lanes = lanes_of(boat)
-        self._casualties: dict[str, Lane] = {}  # those that have been there
+        self._lanes = {lane.path: lane for lane in lanes_of(boat)}
+        self._begun: set[str] = set()  # lanes that have had a word
         self._changes = Changes()
 
     def begin(self) -> None:
@@ -51,13 +51,24 @@ class Writer:
         self._scene.write(block)
         for chart in self._charts:
             self._outlet.send(chart.path, block.times, scalars(chart.columns(block)))
-        self._casualties |= casualty_lanes(block)
-        for lane in (*self._lanes, *self._casualties.values()):
-            codes = lane.codes(block)
-            rows = self._changes.of(lane.path, codes)
-            if rows.any():
-                words = [lane.word(code) for code in codes[rows].tolist()]
-                self._outlet.send(lane.path, block.times.at(rows), rr.StateChange.columns(state=words))
+        for lane in casualty_lanes(block):
+            self._lanes.setdefault(lane.path, lane)
+        for lane in self._lanes.values():
+            self._write_lane(lane, block)
+
+    def _write_lane(self, lane: Lane, block: Block) -> None:
+        """Write where a lane has another word; it begins with its first."""
+        codes = lane.codes(block)
+        rows = self._changes.of(lane.path, codes)
+        words = [lane.word(code) for code in codes[rows].tolist()]
+        if lane.path not in self._begun:
+            if not any(words):
+                return
+            self._begun.add(lane.path)
+            if lane.colours:
+                self._outlet.fix(lane.path, coloured(lane))
+        if words:
+            self._outlet.send(lane.path, block.times.at(rows), rr.StateChange.columns(state=words))
 
     def _write_news(self, told: Told) -> None:
         kinds = np.array(told.kinds)
@@ -73,6 +84,12 @@ def lines(labels: Sequence[str]) -> Any:
     """Return how the lines of a chart are drawn."""
     colours = [COLOURS[i % len(COLOURS)] for i in range(len(labels))]
     return rr.SeriesLines(names=labels, colors=colours, widths=[1.5] * len(labels))
+
+
+def coloured(lane: Lane) -> Any:
+    """Return the colours of a lane's words."""
+    values, colours = list(lane.colours), list(lane.colours.values())
+    return rr.StateConfiguration(values=values, labels=values, colors=colours)
 
 
 def scalars(columns: Numbers) -> Any:

@@ -58,7 +58,7 @@ DIALOGS: Final[Mapping[str, Callable[[Sight], Subject]]] = {
 }
 
 
-class Console(App[str]):
+class Console(App[str], inherit_bindings=False):
     """One station's screen; it ends with "" or with what is to be told on the terminal."""
 
     CSS_PATH = "console.tcss"

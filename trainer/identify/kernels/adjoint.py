@@ -1,14 +1,14 @@
 """The exact gradient of the log-likelihood by one run forward and one back (MI 8.1).
 
-With J = W_x P W_x' + Q of ``covariance_filter`` and the adjoints x~, P~ of the next state and its
-covariance, the readings' part of step k has (s = R^-1 error, K the gain, t = K' x~)
+With v = W z, J = W_x P W_x' + Q of ``covariance_filter``, s = R^-1 error, K the gain, F = A - K C
+and x~, P~ the adjoints of the next state and its covariance, one step back is
 
-    a = (x~, -s - t)     H = [P~, B; B', R~],  B = x~ s'/2 - P~ K
-    R~ = (R^-1 - s s' - t s' - s t')/2 + K' P~ K
+    dF/dW += (x~, -s - K' x~) z' + 2 H W_x P,   dF/dQ += H = [P~, B; B', S]
+    B = x~ s'/2 - P~ K,   S = (R^-1 - s s' - K' x~ s' - s x~' K)/2 + K' P~ K
+    P~ <- F' P~ F + (f w' + w f' - w w' + C' R^-1 C)/2,   x~ <- f - w,   f = F' x~, w = C' s
 
-and then dF/dW += a z' + 2 H W_x P, dF/dQ += H, x~ = W_x' a, P~ = W_x' H W_x. That is the
-document's adjoint, for errors that may be correlated with the noise and readings that may be
-missing. Where the filter has settled, the sums of H are carried through W_x P once.
+which is the document's adjoint, for errors that may be correlated with the noise and readings that
+may be missing. All but P~ is linear in sums over the samples that have one gain, a stage.
 """
 
 import math
@@ -25,6 +25,7 @@ from trainer.identify.kernels.covariance_filter import (
     predict,
     residual,
     settled,
+    square,
 )
 
 
@@ -54,17 +55,18 @@ def trail(
 ) -> int:
     """Return how many stages the filter has, 0 if R is not positive definite; write its trail.
 
-    ``path`` (n, columns + y + 1): z, R^-1 error, and the stage whose gain the sample has.
+    ``path`` (n, columns + y + 2): z, R^-1 error, the sample's part of -2 log L less its constant,
+    and the stage whose gain it has.
     ``joints`` (n, x+y, x+y + x): of each stage the swept J and the P before it; the first P and
     the first state are there already.
     """
     rows, columns = mean.shape[1:]
-    readings = path.shape[1] - columns - 1
+    readings = path.shape[1] - columns - 2
     states = rows - readings
     work, v, error = np.empty((rows, states)), np.empty(rows), np.empty(readings)
     there = np.empty(readings, np.bool_)
     z, P, J = path[0, :columns].copy(), joints[0, :states, rows:].copy(), np.empty((rows, rows))
-    stage, constant = -1, False
+    stage, constant, determinant = -1, False, 0.0
     for k in range(table.shape[0]):
         z[states : columns - 1] = table[k, readings:]
         predict(mean[which[k]], z, v)
@@ -73,7 +75,8 @@ def trail(
         if not constant:
             stage += 1
             joint(mean[which[k]], noise[which[k]], P, work, J)
-            if math.isnan(condition(J, error, there)):
+            determinant = condition(J, error, there)
+            if math.isnan(determinant):
                 return 0
             joints[stage, :, :rows] = J
             joints[stage, :states, rows:] = P
@@ -83,7 +86,8 @@ def trail(
             path[k, columns + i] = 0.0
             for j in range(readings):
                 path[k, columns + i] -= J[states + i, states + j] * error[j]
-        path[k, columns + readings] = stage
+        path[k, columns + readings] = determinant + square(J, error)
+        path[k, columns + readings + 1] = stage
         if constant:
             steady_step(J, v, error, z)
         else:
@@ -92,74 +96,88 @@ def trail(
 
 
 @kernel
-def _readings_part(J: Numbers, s: Numbers, x: Numbers, H: Numbers, a: Numbers) -> None:
-    """Write ``a`` and complete ``H``, whose state block is P~; ``x`` is x~, ``J`` swept."""
-    states, readings = x.size, s.size
-    t = np.empty(readings)
-    for c in range(readings):
-        total = 0.0
-        for i in range(states):
-            total += J[i, states + c] * x[i]
-        t[c] = total
-        a[states + c] = -s[c] - total
+def _stage(mean: Numbers, J: Numbers, F: Numbers, half: Numbers) -> None:
+    """Write F = A - K C and C' R^-1 C / 2 of a stage from its swept ``J``."""
+    states, rows = F.shape[0], mean.shape[0]
     for i in range(states):
-        a[i] = x[i]
-        for c in range(readings):
+        for j in range(states):
+            F[i, j] = mean[i, j]
+            half[i, j] = 0.0
+            for c in range(states, rows):
+                F[i, j] -= J[i, c] * mean[c, j]
+                for d in range(states, rows):
+                    half[i, j] -= 0.5 * mean[c, i] * J[c, d] * mean[d, j]
+
+
+@kernel
+def _step_back(F: Numbers, half: Numbers, w: Numbers, x: Numbers, P: Numbers) -> None:
+    """Write x~ and P~ of the sample to ``x`` and ``P``, which have those of the next."""
+    states = x.size
+    f, product = np.empty(states), np.empty((states, states))
+    for i in range(states):
+        f[i] = 0.0
+        for j in range(states):
+            f[i] += F[j, i] * x[j]
+            product[i, j] = 0.0
+            for k in range(states):
+                product[i, j] += P[i, k] * F[k, j]
+    for i in range(states):
+        x[i] = f[i] - w[i]
+        for j in range(i + 1):
+            total = half[i, j] + 0.5 * (f[i] * w[j] + w[i] * f[j] - w[i] * w[j])
+            for k in range(states):
+                total += F[k, i] * product[k, j]
+            P[i, j] = total
+            P[j, i] = total
+
+
+@kernel
+def _sum_of_h(J: Numbers, sums: Numbers, adjoint: Numbers, samples: float, H: Numbers) -> None:
+    """Write the sum of H over a stage of so many ``samples``.
+
+    ``sums`` (x+y, y) is that of (x~, s) s', ``adjoint`` (x, x) that of P~.
+    """
+    states, rows = adjoint.shape[0], J.shape[0]
+    for i in range(states):
+        for j in range(states):
+            H[i, j] = adjoint[i, j]
+        for c in range(states, rows):
             total = 0.0
             for j in range(states):
-                total += H[i, j] * J[j, states + c]
-            H[states + c, i] = total
-            H[i, states + c] = total
-    for c in range(readings):
-        for d in range(c + 1):
-            total = 0.5 * (-J[states + c, states + d] - s[c] * s[d] - t[c] * s[d] - s[c] * t[d])
+                total += adjoint[i, j] * J[j, c]
+            H[i, c] = 0.5 * sums[i, c - states] - total
+            H[c, i] = total  # P~ K for now
+    for c in range(states, rows):
+        for d in range(states, c + 1):
+            total = -0.5 * (samples * J[c, d] + sums[c, d - states])
             for i in range(states):
-                total += J[i, states + c] * H[i, states + d]
-            H[states + c, states + d] = total
-            H[states + d, states + c] = total
+                total -= 0.5 * (J[i, c] * sums[i, d - states] + J[i, d] * sums[i, c - states])
+                total += J[i, c] * H[d, i]
+            H[c, d] = total
+            H[d, c] = total
     for i in range(states):
-        for c in range(readings):
-            H[i, states + c] = 0.5 * x[i] * s[c] - H[i, states + c]
-            H[states + c, i] = H[i, states + c]
+        for c in range(states, rows):
+            H[c, i] = H[i, c]
 
 
 @kernel
-def _through_states(mean: Numbers, H: Numbers, work: Numbers, out: Numbers) -> None:
-    """Write W_x' H W_x to the state block of ``out``; ``work`` (x+y, x)."""
-    rows, states = work.shape
+def _close_stage(mean: Numbers, joints: Numbers, sums: Numbers, H: Numbers, out: Numbers) -> None:
+    """Add what a stage's sums and its sum of H give to ``out``: dF/dW and after it dF/dQ."""
+    rows, columns = mean.shape
+    states = joints.shape[1] - rows
     for i in range(rows):
-        for j in range(states):
-            total = 0.0
-            for k in range(rows):
-                total += H[i, k] * mean[k, j]
-            work[i, j] = total
-    for i in range(states):
-        for j in range(i + 1):
-            total = 0.0
-            for k in range(rows):
-                total += mean[k, i] * work[k, j]
-            out[i, j] = total
-            out[j, i] = total
-
-
-@kernel
-def _close_stage(mean: Numbers, P: Numbers, out: Numbers, total: Numbers) -> None:
-    """Write what a stage's sum of H, ``total``, adds to ``out``: dF/dW and after it dF/dQ.
-
-    ``total`` is zero afterwards.
-    """
-    rows, states = total.shape[0], P.shape[0]
-    columns = mean.shape[1]
-    for i in range(rows):
+        for j in range(columns):
+            total = sums[i, j]
+            if i >= states:
+                total = -total
+                for k in range(states):
+                    total -= joints[k, i] * sums[k, j]
+            out[i, j] += total
         for j in range(rows):
-            weight = total[i, j]
-            out[i, columns + j] += weight
-            total[i, j] = 0.0
+            out[i, columns + j] += H[i, j]
             for k in range(states):
-                product = 0.0
                 for m in range(states):
-                    product += mean[j, m] * P[m, k]
-                out[i, k] += 2.0 * weight * product
+                    out[i, k] += 2.0 * H[i, j] * mean[j, m] * joints[m, rows + k]
 
 
 @kernel
@@ -171,29 +189,32 @@ def likelihood_slope(
     F is minus the log-likelihood; ``path`` and ``joints`` are those of ``trail``.
     """
     rows, columns = mean.shape[1:]
-    states = start.shape[0]
-    readings = rows - states
-    x, a = np.zeros(states), np.empty(rows)
-    H, work, total = np.zeros((rows, rows)), np.empty((rows, states)), np.zeros((rows, rows))
+    states, wide = start.shape[0], path.shape[1] - 2
+    F, half, w = np.empty((states, states)), np.empty((states, states)), np.empty(states)
+    x, P, H = np.zeros(states), np.zeros((states, states)), np.empty((rows, rows))
+    sums, adjoint, samples = np.zeros((rows, wide)), np.zeros((states, states)), 0.0
     out[:] = 0.0
     for k in range(which.size - 1, -1, -1):
-        W, into = mean[which[k]], out[which[k]]
-        stage = int(path[k, columns + readings])
-        J = joints[stage, :, :rows]
-        s = path[k, columns : columns + readings]
-        _readings_part(J, s, x, H, a)
-        for i in range(rows):
-            for j in range(columns):
-                into[i, j] += a[i] * path[k, j]
-            for j in range(rows):
-                total[i, j] += H[i, j]
-        if k == 0 or int(path[k - 1, columns + readings]) != stage:
-            _close_stage(W, joints[stage, :states, rows:], into, total)
+        W, line = mean[which[k]], path[k]
+        stage = int(line[wide + 1])
+        if samples == 0.0:
+            _stage(W, joints[stage], F, half)
+        samples += 1.0
         for i in range(states):
-            value = 0.0
-            for j in range(rows):
-                value += W[j, i] * a[j]
-            x[i] = value
-        _through_states(W, H, work, H)
+            w[i] = 0.0
+            for c in range(states, rows):
+                w[i] += W[c, i] * line[columns + c - states]
+            for j in range(wide):
+                sums[i, j] += x[i] * line[j]
+            for j in range(states):
+                adjoint[i, j] += P[i, j]
+        for c in range(states, rows):
+            for j in range(wide):
+                sums[c, j] += line[columns + c - states] * line[j]
+        _step_back(F, half, w, x, P)
+        if k == 0 or int(path[k - 1, wide + 1]) != stage:
+            _sum_of_h(joints[stage], sums[:, columns:], adjoint, samples, H)
+            _close_stage(W, joints[stage], sums, H, out[which[k]])
+            sums[:], adjoint[:], samples = 0.0, 0.0, 0.0
     start[:, 0] = x
-    start[:, 1:] = H[:states, :states]
+    start[:, 1:] = P

@@ -12,6 +12,7 @@ Numbers = NDArray[np.float64]
 PERCENT: Final = 5.0  # [%] by which two flights may differ
 SECONDS: Final = 5.0  # [s] by which their zero crossings may
 MOST: Final = 6  # peaks, and crossings, of one quantity
+DEAD: Final = 2e-3  # [-] of the first swing: a smaller one is not told
 FAINT: Final = 0.05  # [-] of the first swing: a smaller one is shown and not judged
 
 
@@ -103,7 +104,7 @@ def swing_measures(name: str, unit: str, t: Numbers, values: Numbers) -> list[Me
     faint = FAINT * abs(first)
     found = []
     for i, (when, value) in enumerate(tops[:MOST], start=1):
-        if i > 1 and abs(value) < 0.1 * faint:
+        if abs(value) < DEAD * abs(first):
             break
         found.append(Measure(f"{name} peak {i}", unit, value, allowed))
         found.append(shown(f"time of {name} peak {i}", "s", when))

@@ -1,0 +1,273 @@
+"""The console as its user has it: keystrokes in a real terminal, a session in its own process."""
+
+import contextlib
+import fcntl
+import os
+import pty
+import re
+import shutil
+import signal
+import socket
+import struct
+import subprocess
+import sys
+import termios
+import threading
+import time
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import pytest
+
+from trainer import places
+from trainer.io.sentences import order_sentence, read
+
+pytestmark = [
+    pytest.mark.long,
+    pytest.mark.skipif(os.name != "posix", reason="terminals of POSIX"),
+]
+TRAINER = [sys.executable, "-m", "trainer"]
+PATIENCE = 25.0  # [s] a first run compiles
+LOOK = 0.1  # [s]
+
+
+class Terminal:
+    """A real terminal of 100 columns and 30 rows, typed at and looked at through tmux."""
+
+    def __init__(self, name: str, folder: Path) -> None:
+        self._name = name
+        size = ("-x", "100", "-y", "30")
+        self._tmux("-f", "/dev/null", "new-session", "-d", *size, "-c", str(folder), "env PS1=# sh")
+
+    def _tmux(self, *words: str) -> str:
+        done = subprocess.run(
+            ["tmux", "-L", self._name, *words], capture_output=True, text=True, check=True
+        )
+        return done.stdout
+
+    def type(self, *keys: str) -> None:
+        self._tmux("send-keys", *keys)
+
+    def text(self) -> str:
+        return self._tmux("capture-pane", "-p")
+
+    def wait(self, pattern: str) -> str:
+        """Wait until the screen shows something; return what it shows."""
+        end = time.monotonic() + PATIENCE
+        while not re.search(pattern, text := self.text()):
+            assert time.monotonic() < end, f"{pattern!r} is not shown:\n{text}"
+            time.sleep(LOOK)
+        return text
+
+    def close(self) -> None:
+        with contextlib.suppress(subprocess.CalledProcessError):
+            self._tmux("kill-server")
+
+
+@pytest.fixture
+def terminal(tmp_path: Path) -> Iterator[Terminal]:
+    if shutil.which("tmux") is None:
+        pytest.skip("no tmux here")
+    found = Terminal(f"trainer-{os.getpid()}", tmp_path)
+    yield found
+    found.close()
+
+
+class Ear:
+    """Another station at the session: it hears every tick."""
+
+    def __init__(self, path: Path) -> None:
+        self._end = socket.socket(socket.AF_UNIX)
+        self._end.settimeout(PATIENCE)
+        self._end.connect(str(path))
+        self._lines = self._end.makefile("r", encoding="ascii")
+        for words in ("role observer", "subscribe time"):
+            self._end.sendall(f"{order_sentence(words)}\n".encode("ascii"))
+
+    def ticks(self, count: int) -> list[int]:
+        """Return the ticks of the next states."""
+        found: list[int] = []
+        while len(found) < count:
+            sentence = read(next(self._lines))
+            if sentence and sentence.kind == "TRS":
+                found.append(int(sentence.fields[1]))
+        return found
+
+    def close(self) -> None:
+        self._lines.close()
+        self._end.close()
+
+
+@pytest.fixture
+def ear() -> Iterator[Callable[[Path], Ear]]:
+    with contextlib.ExitStack() as opened:
+
+        def listen(path: Path) -> Ear:
+            return opened.enter_context(contextlib.closing(Ear(path)))
+
+        yield listen
+
+
+def gone(path: Path) -> bool:
+    """Wait until a session has given up its socket; return whether it has."""
+    end = time.monotonic() + PATIENCE
+    while path.exists() and time.monotonic() < end:
+        time.sleep(LOOK)
+    return not path.exists()
+
+
+def process_of(*words: str) -> int:
+    """Return the process whose command line has all the words."""
+    for folder in Path("/proc").glob("[0-9]*"):
+        with contextlib.suppress(OSError):
+            line = (folder / "cmdline").read_bytes().decode(errors="replace").split("\0")
+            if line[1:3] == ["-m", "trainer"] and all(word in line for word in words):
+                return int(folder.name)
+    raise AssertionError(f"no process of {words}")
+
+
+def command(*words: str) -> str:
+    return " ".join([*TRAINER, *words])
+
+
+def test_the_first_exercise_by_the_keys_that_help_names(
+    terminal: Terminal, ear: Callable[[Path], Ear], tmp_path: Path
+) -> None:
+    record = tmp_path / "drill.trainer"
+    terminal.type(
+        command("run", "periscope-depth", "--speed", "20", "--record", str(record)), "Enter"
+    )
+    terminal.wait("RUNNING x20")
+    terminal.type("F1")
+    terminal.wait("A first exercise")
+    terminal.type("Escape")
+    other = ear(places.socket_path())
+
+    terminal.wait("00:02:[1-5]|00:0[3-9]:")
+    terminal.type("F4")
+    terminal.wait("type to find one")
+    terminal.type("stern-stuck", "Enter")
+    terminal.wait(r"broken  stern-stuck")
+    terminal.type("C-s")  # no key of ours stops the terminal or ends the console
+    terminal.type("C-q")
+    assert len(other.ticks(10)) == 10
+
+    terminal.type("F6")
+    terminal.wait("Go back to")
+    terminal.type("2", "Enter")
+    terminal.wait(r"back from \d+(\.5)? s to \d+")
+    terminal.wait("FROZEN")
+    terminal.type("F7")
+    terminal.wait("Replay from")
+    terminal.type("2", "Enter")
+    terminal.wait(r"replay from \d+")
+    terminal.wait("FROZEN")  # the replay has arrived, or is taken over by hand
+    terminal.type("F2")
+    terminal.wait("RUNNING")
+    terminal.type("F9")
+    terminal.type("good recovery", "Enter")
+    terminal.wait(r"marked at \d+")
+    terminal.type("F10")
+    terminal.wait("Leave\\?")
+    terminal.type("q")
+    terminal.wait(r"simulated   \d+\.\d s in \d+ ticks")
+    assert "NO LINE" not in terminal.text()
+    assert record.exists()
+    assert gone(places.socket_path())
+
+
+def test_a_killed_console_leaves_the_session_to_who_is_left(
+    terminal: Terminal, ear: Callable[[Path], Ear]
+) -> None:
+    terminal.type(command("run", "--speed", "10", "--no-record"), "Enter")
+    terminal.wait("RUNNING x10")
+    where = places.socket_path()
+    other = ear(where)
+    os.kill(process_of("run", "--no-record"), signal.SIGKILL)
+
+    ticks = other.ticks(30)
+    assert ticks == list(range(ticks[0], ticks[0] + 30))
+    assert where.exists()
+    other.close()
+    assert gone(where)
+
+
+@pytest.fixture
+def served(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
+    """Return the socket of a session at ten times the clock's speed."""
+    where = tmp_path_factory.mktemp("s") / "s"
+    words = ["serve", "--socket", str(where), "--listen", "none", "--no-record", "--speed", "10"]
+    with subprocess.Popen(
+        [*TRAINER, *words], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
+    ) as process:
+        end = time.monotonic() + PATIENCE
+        while not where.exists() and time.monotonic() < end:
+            time.sleep(LOOK)
+        yield where
+        process.terminate()
+
+
+class Screen:
+    """A console on a terminal of ours, which reads what it shows only when asked to."""
+
+    def __init__(self, where: Path, columns: int, rows: int) -> None:
+        self._far, near = pty.openpty()
+        fcntl.ioctl(near, termios.TIOCSWINSZ, struct.pack("HHHH", rows, columns, 0, 0))
+        self.process = subprocess.Popen(
+            [*TRAINER, "attach", "--connect", str(where)],
+            stdin=near, stdout=near, stderr=near, start_new_session=True,
+            env=os.environ | {"TERM": "xterm-256color"},
+        )  # fmt: skip
+        os.close(near)
+
+    def resize(self, columns: int, rows: int) -> None:
+        fcntl.ioctl(self._far, termios.TIOCSWINSZ, struct.pack("HHHH", rows, columns, 0, 0))
+        os.kill(self.process.pid, signal.SIGWINCH)
+
+    def type(self, keys: bytes) -> None:
+        os.write(self._far, keys)
+
+    def wait(self, pattern: bytes) -> None:
+        """Read until a pattern is shown."""
+        shown, done = b"", threading.Timer(PATIENCE, self.process.kill)
+        done.start()
+        try:
+            while not re.search(pattern, shown):
+                shown = shown[-20_000:] + os.read(self._far, 65536)
+        except OSError:
+            raise AssertionError(f"{pattern!r} is not shown") from None
+        finally:
+            done.cancel()
+
+    def close(self) -> None:
+        self.process.kill()
+        self.process.wait()
+        os.close(self._far)
+
+
+def test_a_blocked_terminal_and_any_size_leave_the_session_undisturbed(
+    served: Path, ear: Callable[[Path], Ear]
+) -> None:
+    other = ear(served)
+    with contextlib.closing(Screen(served, 160, 48)) as screen:
+        screen.wait(b"RUNNING")
+        ticks = other.ticks(200)  # ten seconds in which nobody reads the screen
+        assert ticks == list(range(ticks[0], ticks[0] + 200))
+        for columns, rows in ((20, 5), (300, 100), (80, 24)):
+            screen.resize(columns, rows)
+            screen.wait(b"\x1b")
+        screen.type(b"freeze\r")
+        screen.wait(b"FROZEN")
+        screen.type(b"detach\r")
+        screen.wait(b"\\x1b\\[\\?1049l")  # the terminal is as it was before
+        screen.process.wait(PATIENCE)
+        assert screen.process.returncode == 0
+
+
+def test_a_console_asked_to_end_gives_the_terminal_back(served: Path) -> None:
+    with contextlib.closing(Screen(served, 80, 24)) as screen:
+        screen.wait(b"RUNNING")
+        os.kill(screen.process.pid, signal.SIGTERM)
+        screen.wait(b"\\x1b\\[\\?1049l")
+        screen.process.wait(PATIENCE)
+        assert screen.process.returncode == 0

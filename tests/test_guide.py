@@ -1,0 +1,442 @@
+"""The qualification test guide: verdicts, findings, published results, baseline and document."""
+
+import json
+import re
+import subprocess
+from dataclasses import asdict, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from click.testing import CliRunner, Result
+
+from trainer.commands.guiding import guide, manoeuvre
+from trainer.config import ConfigError
+from trainer.fitout import KNOT, Method
+from trainer.guide import document, tasks, trials, verdicts
+from trainer.guide.baseline import load_earlier, moved
+from trainer.guide.book import Book, assembled, write
+from trainer.guide.summary import render
+from trainer.guide.tasks import Task, fly_all
+from trainer.guide.verdicts import BEYOND, SHOWN, WITHIN, judged
+from trainer.printing import find_browser
+from trainer.study.manoeuvres.catalogue import named
+from trainer.study.manoeuvres.flight import Flight
+from trainer.study.manoeuvres.measures import Measure, share
+from trainer.study.manoeuvres.turns import Turn
+from trainer.study.series import load_series
+from trainer.vessel_file import load_vessel
+
+MADE = "2026-01-01 00:00:00 UTC"
+
+
+@pytest.fixture(scope="module")
+def book() -> Book:
+    """Return the whole guide of BB2, flown in this process."""
+    return write(load_vessel("bb2"), MADE, 1, lambda: None)
+
+
+@pytest.fixture(scope="module")
+def page(book: Book) -> str:
+    return document.render(book, None)
+
+
+# --- verdicts
+
+
+def test_a_number_within_its_share_passes_and_one_beyond_fails() -> None:
+    full = share("advance", "m", 200.0)
+
+    assert judged(full, share("advance", "m", 209.9)).verdict == WITHIN
+    assert judged(full, share("advance", "m", 189.9)).verdict == BEYOND
+    assert judged(full, None).verdict == BEYOND
+    assert judged(share("advance", "m", None), full).verdict == SHOWN
+
+
+def test_a_swing_that_a_set_lacks_is_forgiven_if_it_is_small() -> None:
+    small, large = (Measure("pitch peak 2", "rad", value, 0.05) for value in (0.04, 0.06))
+
+    assert judged(small, None).verdict == WITHIN
+    assert judged(large, None).verdict == BEYOND
+
+
+def test_the_same_flight_passes_and_a_flight_by_another_rudder_fails() -> None:
+    file = load_vessel("bb2")
+    method = Method("full", "exact", "exact", "rk4", 0.5)
+    flown = [
+        tasks.flown(file.path, Task(Turn(angle), 10.0 * KNOT, method)) for angle in (15.0, 18.0)
+    ]
+    one, other = (flight for flight in flown if isinstance(flight, Flight))
+
+    same = {each.verdict for each in verdicts.judge(Turn(), one, one)}
+    different = {each.quantity: each.verdict for each in verdicts.judge(Turn(), one, other)}
+
+    assert same == {WITHIN, SHOWN}
+    assert different["steady diameter"] == BEYOND
+    assert different["change of psi, 120 s"] == BEYOND
+
+
+# --- flights on several processors
+
+
+def test_several_processors_fly_to_the_same_bits(monkeypatch: pytest.MonkeyPatch) -> None:
+    file = load_vessel("bb2")
+    method = Method("modified", "lagged", "exact", "adams2", 0.5)
+    wanted = [Task(named("meander"), knots * KNOT, method) for knots in (6.0, 8.0, 10.0)]
+    seen: list[None] = []
+
+    alone = fly_all(file.path, wanted, 1, lambda: None)
+    monkeypatch.setattr(tasks, "ALONE", 0.0)
+    together = fly_all(file.path, wanted, 2, lambda: seen.append(None))
+
+    assert len(seen) == len(wanted)
+    for task in wanted:
+        one, other = alone[task], together[task]
+        assert isinstance(one, Flight)
+        assert isinstance(other, Flight)
+        for name in one.series.columns:
+            assert np.array_equal(one.column(name), other.column(name)), name
+
+
+def test_a_flight_that_cannot_start_is_told_and_not_lost_silently() -> None:
+    method = Method("full", "exact", "exact", "rk4", 0.05)
+
+    told = tasks.flown(load_vessel("remus100").path, Task(named("trim"), 2.0 * KNOT, method))
+
+    assert isinstance(told, str)
+    assert "no straight level flight at 2 kn" in told
+
+
+# --- BB2's own guide
+
+
+def test_the_reduced_sets_of_this_hull_are_out_in_turns_and_in_at_speed_changes(
+    book: Book,
+) -> None:
+    passed = {sheet.title: sheet.passed("modified") for sheet in book.guide.sheets}
+
+    assert not book.guide.passed
+    assert passed["turn, rudder 15 deg, 20 kn"] is False
+    assert passed["utmost-acceleration, from rest"] is True
+    assert passed["meander, 3 kn"] is True
+
+
+def test_the_guide_says_which_dropped_coefficients_carry_the_turn(book: Book) -> None:
+    effect = {
+        drop.coefficient: drop.percent["turn: steady diameter"] or 0.0 for drop in book.guide.drops
+    }
+
+    assert effect["N_rar"] < -10.0
+    assert effect["N_avr"] < -10.0
+    assert effect["all of them"] < effect["N_rar"]
+    assert abs(effect["K_r"]) < 1.0
+
+
+def test_what_was_found_in_1969_is_judged_with_figures(book: Book) -> None:
+    found = {one.title: one for one in book.guide.findings}
+
+    verdict = {title: one.verdict for title, one in found.items()}
+    assert verdict == {
+        "Stern planes reverse": "holds",
+        "Depth in turns": "holds in part",
+        "Roll in turns": "holds in part",
+        "Nonlinear vertical terms": "holds in part",
+        "Euler at 1 s": "holds",
+        "Adams at 0.5 s": "holds",
+        "Lagged accelerations": "holds",
+    }
+    assert all(re.search(r"\d", one.words) for one in found.values())
+    rows = {row[0]: row[-1] for row in found["Depth in turns"].rows}
+    assert rows["Z_rr"] == "depth is lost"
+    assert rows["M_vv"] == "not in this hull's data"
+
+
+def test_adams_is_fine_at_its_own_step_and_euler_of_no_use_at_twice_it(book: Book) -> None:
+    worst: dict[tuple[str, float], float] = {}
+    for run in book.guide.steps:
+        if run.rates == "lagged":
+            key = run.scheme, run.step_s
+            worst[key] = max(worst.get(key, 0.0), run.percent or np.inf)
+
+    assert worst["Adams 2", 0.5] < 1.0
+    assert worst["Adams 2", 1.5] > 100.0  # roll grows, as was seen in 1969
+    assert worst["Euler", 1.0] > 100.0
+
+
+def test_published_results_stand_beside_ours(book: Book, page: str) -> None:
+    assert len(book.guide.trials) == 5
+    ours = {
+        (one.trial.title, result.quantity): (value, result.values[0])
+        for one in book.guide.trials
+        for result, value in zip(one.trial.results, one.ours, strict=True)
+    }
+    assert all(value is not None for value, _ in ours.values())
+    decay = [pair for (title, name), pair in ours.items() if "decay" in title and "amp" in name]
+    assert len(decay) == 5
+    for value, published in decay:
+        assert value == pytest.approx(published, rel=0.07)
+    for title in (one.trial.title for one in book.guide.trials):
+        assert title in page
+
+
+# --- the document
+
+
+def test_the_same_guide_twice_is_the_same_page(book: Book, page: str) -> None:
+    later = assembled(book.file, "2026-01-01 00:00:01 UTC", book.flown)
+
+    assert document.render(later, None).replace("00:00:01", "00:00:00") == page
+
+
+def test_the_page_stands_alone_and_its_chapters_are_linked(page: str) -> None:
+    assert not re.search(r'(?:src|href)="(?!#)', page)
+    assert "http" not in page.split('<script type="application/json"', maxsplit=1)[0]
+    links = set(re.findall(r'href="#([^"]+)"', page))
+    assert len(links) > 30
+    assert links <= set(re.findall(r'id="([^"]+)"', page))
+    assert page.count("<svg") > 100
+
+
+def test_verdicts_are_words(page: str) -> None:
+    assert "OUT OF TOLERANCE" in page
+    assert '<td class="bad">BEYOND</td>' in page
+    assert '<td class="good">within</td>' in page
+
+
+def test_the_summary_fits_a_terminal(book: Book) -> None:
+    text = render(book.guide, None)
+
+    assert max(map(len, text.splitlines())) <= 79
+    assert text.isascii()
+    assert text.endswith("Out of tolerance.")
+
+
+@pytest.mark.skipif(find_browser() is None, reason="no browser here")
+def test_a_browser_opens_the_page_without_complaint(page: str, tmp_path: Path) -> None:
+    path = tmp_path / "guide.html"
+    path.write_text(page, encoding="utf-8")
+
+    done = subprocess.run(
+        [
+            str(find_browser()),
+            *("--headless", "--no-sandbox", "--disable-gpu", "--enable-logging=stderr"),
+            f"--user-data-dir={tmp_path / 'profile'}",
+            "--dump-dom",
+            path.as_uri(),
+        ],
+        capture_output=True,
+        text=True,
+        timeout=100,
+        check=True,
+    )
+
+    assert "CONSOLE" not in done.stderr
+    assert done.stdout.count("<svg") == page.count("<svg")
+
+
+# --- since a baseline
+
+
+def figures(book: Book) -> dict[str, Any]:
+    """Return the guide as its JSON is read back."""
+    found: dict[str, Any] = json.loads(json.dumps(document.as_json(book.guide)))
+    return found
+
+
+def test_nothing_moves_against_itself_by_either_file(book: Book, page: str, tmp_path: Path) -> None:
+    files = {"guide.json": json.dumps(figures(book)), "guide.html": page}
+    for name, text in files.items():
+        (tmp_path / name).write_text(text, encoding="utf-8")
+        earlier = load_earlier(tmp_path / name, book.guide.vessel)
+
+        assert moved(earlier, figures(book)) == ()
+
+
+def test_what_moved_is_named_and_verdicts_come_first(book: Book) -> None:
+    now = figures(book)
+    row = now["sheets"][0]["judgements"]["modified"][1]
+    row["other"] *= 1.01
+    row["verdict"] = "changed"
+
+    found = moved(figures(book), now)
+
+    name = f"{now['sheets'][0]['title']}: {row['quantity']}"
+    assert [one.what for one in found] == [
+        f"{name}, modified: verdict",
+        f"{name} [{row['unit']}], modified",
+    ]
+    assert found[1].percent == pytest.approx(1.0 if row["other"] > 0.0 else -1.0)
+    assert "MOVED SINCE THE BASELINE: 2" in render(book.guide, found)
+    assert name in document.render(book, found)
+
+
+@pytest.mark.parametrize(
+    ("text", "wrong"),
+    [
+        ("{}", "is no guide"),
+        ("[1, 2]", "is no guide"),
+        ("not json", "is no guide"),
+        (
+            '{"vessel": "another", "sheets": [], "findings": [], "steps": [], "trials": []}',
+            "not of",
+        ),
+    ],
+)
+def test_a_file_that_is_no_guide_of_this_boat_is_refused(
+    text: str, wrong: str, tmp_path: Path
+) -> None:
+    path = tmp_path / "old.json"
+    path.write_text(text)
+
+    with pytest.raises(ConfigError, match=wrong):
+        load_earlier(path, "BB2")
+    with pytest.raises(ConfigError, match="No such file"):
+        load_earlier(tmp_path / "none.json", "BB2")
+
+
+# --- published results
+
+
+TRIAL = """
+[[trials]]
+title = "a turn"
+source = "a report"
+note = ""
+manoeuvre = "turn"
+speed_m_s = 5.0
+angle_deg = 20.0
+columns = ["trial"]
+results = [["advance", "m", 187.0], ["u after 40 s", "m/s", ""]]
+"""
+
+
+def test_a_file_beside_the_vessel_file_holds_its_trials(tmp_path: Path) -> None:
+    vessel = tmp_path / "boat.toml"
+    vessel.write_text(load_vessel("bb2").text, encoding="utf-8")
+    assert trials.trials_path(load_vessel(str(vessel))) is None
+
+    (tmp_path / "boat.trials.toml").write_text(TRIAL)
+    (trial,) = trials.load_trials(trials.trials_path(load_vessel(str(vessel))) or Path())
+
+    assert trial.manoeuvre == Turn(20.0)
+    assert [result.values for result in trial.results] == [(187.0,), (None,)]
+
+
+@pytest.mark.parametrize(
+    ("before", "after", "wrong"),
+    [
+        ('"turn"', '"trun"', "nearest is turn"),
+        ("angle_deg", "angel_deg", "nearest is angle_deg"),
+        ('"m", 187.0', '"feet", 187.0', "unit must be one of"),
+        ('"m", 187.0', '"m", 187.0, 1.0', "must be quantity, unit and 1 values"),
+        ('title = "a turn"\n', "", "lacks title"),
+    ],
+)
+def test_a_wrong_file_of_trials_is_told_with_its_place(
+    before: str, after: str, wrong: str, tmp_path: Path
+) -> None:
+    path = tmp_path / "boat.trials.toml"
+    path.write_text(TRIAL.replace(before, after))
+
+    with pytest.raises(ConfigError, match=re.escape(wrong)) as caught:
+        trials.load_trials(path)
+    assert str(caught.value).startswith("boat.trials.toml: [trials 1]")
+
+
+def test_a_published_quantity_that_we_do_not_measure_is_told(tmp_path: Path) -> None:
+    path = tmp_path / "boat.trials.toml"
+    path.write_text(TRIAL.replace('"advance"', '"advanse"'))
+    file = load_vessel("bb2")
+    found = trials.load_trials(path)
+    flown = fly_all(file.path, [one.task(file) for one in found], 1, lambda: None)
+
+    with pytest.raises(ConfigError, match='no measure "advanse"; nearest is advance'):
+        list(trials.compared(file, found, flown))
+
+
+# --- the commands
+
+
+def ask(command: Any, *words: str) -> Result:
+    return CliRunner().invoke(command, words, catch_exceptions=True)
+
+
+def test_a_manoeuvre_is_told_on_a_page_with_an_example_in_its_help(tmp_path: Path) -> None:
+    csv = str(tmp_path / "turn.csv")
+    done = ask(manoeuvre, "turn", "bb2", "--angle", "20", "--csv", csv)
+
+    assert done.exit_code == 0, done.output
+    assert max(map(len, done.output.splitlines())) <= 79
+    assert re.search(r"^  advance +\d+\.?\d* +m$", done.output, re.MULTILINE)
+    series = load_series(Path(csv))
+    assert {"t", "u", "z", "psi", "delta_r"} <= set(series.columns)
+    assert series.t[-1] == 300.0
+    assert "Example:  trainer manoeuvre" in ask(manoeuvre, "--help").output
+
+
+def test_a_manoeuvre_as_json_has_every_measure() -> None:
+    done = ask(manoeuvre, "zigzag-20", "bb2", "--equations", "modified", "--json")
+
+    told = json.loads(done.output)
+    assert told["parameters"] == {"angle": 20.0, "execute": 20.0, "duration": 300.0}
+    assert told["method"]["rates"] == "lagged"
+    assert {"heading peak 1", "heading overshoot 1"} <= {one["name"] for one in told["measures"]}
+
+
+def test_the_manoeuvres_are_listed() -> None:
+    done = ask(manoeuvre, "--list")
+
+    assert done.exit_code == 0
+    assert "zigzag-20" in done.output
+
+
+@pytest.mark.parametrize(
+    ("words", "wrong"),
+    [
+        (["loop", "bb2"], "no manoeuvre 'loop'"),
+        (["utmost-acceleration", "bb2", "--speed", "5"], "starts from rest"),
+        (["spiral", "bb2", "--duration", "60"], "no such parameter"),
+    ],
+)
+def test_what_cannot_be_flown_is_refused(words: list[str], wrong: str) -> None:
+    done = ask(manoeuvre, *words)
+
+    assert isinstance(done.exception, ConfigError)
+    assert wrong in str(done.exception)
+
+
+def test_a_boat_that_is_lost_gives_exit_code_1() -> None:
+    done = ask(manoeuvre, "meander", "remus100")
+
+    assert done.exit_code == 1
+    assert "LOST: pitch is" in done.output
+
+
+def test_the_guide_as_a_command_writes_moves_and_leaves_by_the_verdict(
+    book: Book, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("trainer.commands.guiding.written", lambda *_: book)
+    old, html = tmp_path / "old.json", tmp_path / "guide.html"
+    old.write_text(json.dumps(figures(book)))
+
+    done = ask(guide, "bb2", "--baseline", str(old), "--html", str(html), "--json")
+
+    assert done.exit_code == 1
+    told = json.loads(done.output)
+    assert told["moved"] == []
+    assert told["checksums"]["bb2.toml"]
+    assert "Nothing moved." in html.read_text()
+    passed = replace(book, guide=replace(book.guide, passed=True))
+    monkeypatch.setattr("trainer.commands.guiding.written", lambda *_: passed)
+    assert ask(guide, "bb2").exit_code == 0
+    assert asdict(passed.guide)["passed"]
+
+
+def test_a_page_that_cannot_be_written_is_told(book: Book, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("trainer.commands.guiding.written", lambda *_: book)
+
+    done = ask(guide, "bb2", "--html", "/nowhere/guide.html")
+
+    assert isinstance(done.exception, ConfigError)
+    assert "--html /nowhere/guide.html: cannot be written" in str(done.exception)

@@ -1,0 +1,212 @@
+"""A Decca study from its file: chain, ship and readings; and what DECCON makes of it."""
+
+import csv
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, fields
+from pathlib import Path
+from typing import Any, Final
+
+from trainer.config import ConfigError, Place, collecting, nearest, parse_toml, read_text
+from trainer.identify.decca import LETTERS, ZONES, Point, Slave, lane_number
+from trainer.schema import Choice, Quantity, Rows, Text, above, of, optional, read_record, within
+
+METRES: Final = within(-1e7, 1e7)
+TABLES: Final = ("slaves", "columns", "ship")
+PROPAGATION: Final = 299_700.0  # [km/s] usual of long waves over sea
+
+
+@dataclass(frozen=True, kw_only=True)
+class Heading:
+    """What was sailed, and how the grid lies."""
+
+    schema: str = of(Choice(("decca/1",), "form of the file"))
+    name: str = of(Text(79, "what was sailed"))
+    data: str = of(Text(200, "CSV file of lanes and heading, from this file's folder"))
+    start_east_m: float = of(Quantity("m", METRES, "place at the first row, from the master"))
+    start_north_m: float = of(Quantity("m", METRES, "likewise"))
+    convergence_deg: float | None = optional(
+        Quantity("deg", within(-180, 180), "true less grid heading; else 0")
+    )
+    grid_scale: float | None = optional(
+        Quantity("-", within(0.5, 2), "grid distance over true distance; else 1")
+    )
+    current_east_kn: float | None = optional(Quantity("kn", within(-20, 20), "taken off; else 0"))
+    current_north_kn: float | None = optional(Quantity("kn", within(-20, 20), "likewise"))
+
+
+@dataclass(frozen=True, kw_only=True)
+class SlaveRow:
+    """One slave station."""
+
+    colour: str = of(Choice(tuple(ZONES), "of its lanes"))
+    east_m: float = of(Quantity("m", METRES, "place from the master, in the grid"))
+    north_m: float = of(Quantity("m", METRES, "likewise"))
+    lane_m: float | None = optional(Quantity("m", above(0, 1e5), "width of a lane on the base line"))
+    frequency_khz: float | None = optional(
+        Quantity("kHz", above(0, 1e4), "comparison frequency, instead of lane_m")
+    )
+    propagation_km_s: float | None = optional(
+        Quantity("km/s", within(2.9e5, 3e5), f"of the waves; else {PROPAGATION:g}")
+    )
+
+
+@dataclass(frozen=True, kw_only=True)
+class ColumnNames:
+    """Headings of the CSV file."""
+
+    t_s: str | None = optional(Text(80, "times [s]; else t"))
+    heading_deg: str | None = optional(Text(80, "true heading [deg]; else heading"))
+    yaw_rate_deg_s: str | None = optional(Text(80, "yaw rate; else from the heading"))
+    red: str | None = optional(Text(80, "red lanes, D12.34 or numbers; else red"))
+    green: str | None = optional(Text(80, "green lanes; else green"))
+    purple: str | None = optional(Text(80, "purple lanes; else purple"))
+
+
+@dataclass(frozen=True, kw_only=True)
+class ShipTable:
+    """Where the antenna is."""
+
+    antenna_m: float = of(Quantity("m", within(-600, 600), "forward of the point wanted"))
+
+
+SLAVES: Final = Rows(SlaveRow, ("note",), 2, 3, "slave stations, below")
+KNOWN: Final = (*(item.name for item in fields(Heading)), "note", *TABLES)
+RECORDS: Final = {
+    "": Heading,
+    "[slaves]": SlaveRow,
+    "columns": ColumnNames,
+    "ship": ShipTable,
+}
+
+
+@dataclass(frozen=True, kw_only=True)
+class DeccaFile:
+    """Everything a Decca study says."""
+
+    path: Path
+    heading: Heading
+    chain: Mapping[str, Slave]
+    columns: ColumnNames
+    antenna: float  # [m] forward of the point wanted
+
+    @property
+    def start(self) -> Point:
+        """Return where the ship is at the first row [m]."""
+        return Point(self.heading.start_east_m, self.heading.start_north_m)
+
+
+def load_decca(path: Path) -> DeccaFile:
+    """Return the study in a TOML file; ConfigError with all that is wrong."""
+    place = Place(path.name, "")
+    table = parse_toml(read_text(path), path.name)
+    problems = [
+        place.wrong(key, value, f"no such key{nearest(key, KNOWN)}")
+        for key, value in table.items()
+        if key not in KNOWN
+    ]
+    parts: dict[str, Any] = {"columns": ColumnNames(), "antenna": 0.0}
+    with collecting(problems):
+        own = {key: value for key, value in table.items() if key in KNOWN and key not in TABLES}
+        parts["heading"] = read_record(Heading, own, place, ("note",))
+    with collecting(problems):
+        rows = SLAVES.read("slaves", table.get("slaves", []), place)
+        parts["chain"] = _chain(rows, place)
+    with collecting(problems):
+        if "columns" in table:
+            inside = place.inside("columns")
+            parts["columns"] = read_record(ColumnNames, table["columns"], inside, ("note",))
+    with collecting(problems):
+        if "ship" in table:
+            inside = place.inside("ship")
+            parts["antenna"] = read_record(ShipTable, table["ship"], inside, ("note",)).antenna_m
+    if problems:
+        raise ConfigError(*problems)
+    return DeccaFile(path=path, **parts)
+
+
+def _chain(rows: tuple[SlaveRow, ...], place: Place) -> dict[str, Slave]:
+    """Return the stations by colour; ConfigError with all that is wrong."""
+    problems: list[str] = []
+    found = {}
+    for i, row in enumerate(rows):
+        inside = place.inside(f"slaves[{i}]")
+        if row.colour in found:
+            problems.append(inside.wrong("colour", row.colour, "is given twice"))
+        if (row.lane_m is None) == (row.frequency_khz is None):
+            problems.append(inside.problem("give one of lane_m, frequency_khz"))
+        width = row.lane_m or (row.propagation_km_s or PROPAGATION) / (row.frequency_khz or 1.0)
+        found[row.colour] = Slave(Point(row.east_m, row.north_m), width)
+    if problems:
+        raise ConfigError(*problems)
+    return found
+
+
+@dataclass(frozen=True)
+class Readings:
+    """Rows of the CSV file: times [s], heading and yaw rate [rad, rad/s], lanes by colour."""
+
+    t: list[float]
+    heading: list[float]
+    yaw_rate: list[float] | None
+    lanes: list[dict[str, float]]
+
+
+def load_readings(file: DeccaFile) -> Readings:
+    """Return the readings of a study; ConfigError naming row and column of what is wrong."""
+    path = file.path.parent / file.heading.data
+    columns = file.columns
+    wanted = {"t": columns.t_s or "t", "heading": columns.heading_deg or "heading"}
+    wanted |= {colour: getattr(columns, colour) or colour for colour in file.chain}
+    if columns.yaw_rate_deg_s:
+        wanted["yaw_rate"] = columns.yaw_rate_deg_s
+    rows = _rows(path, wanted)
+    turn = math.radians
+    return Readings(
+        t=[row["t"] for row in rows],
+        heading=[turn(row["heading"]) for row in rows],
+        yaw_rate=[turn(row["yaw_rate"]) for row in rows] if "yaw_rate" in wanted else None,
+        lanes=[{colour: row[colour] for colour in file.chain} for row in rows],
+    )
+
+
+def _rows(path: Path, wanted: Mapping[str, str]) -> list[dict[str, float]]:
+    """Return the wanted columns of each row; ConfigError naming the first fault."""
+    try:
+        with path.open(encoding="utf-8-sig", newline="") as file:
+            table = csv.DictReader(file)
+            names = table.fieldnames or []
+            lacking = [name for name in wanted.values() if name not in names]
+            if lacking:
+                raise ConfigError(
+                    f"{path}: no column {lacking[0]!r}{nearest(lacking[0], names)}; "
+                    f"it has {', '.join(names)}"
+                )
+            return [
+                {key: _cell(path, table.line_num, key, row[name]) for key, name in wanted.items()}
+                for row in table
+            ]
+    except OSError as error:
+        raise ConfigError(f"{path}: cannot be read: {error.strerror}") from error
+    except (UnicodeDecodeError, csv.Error) as error:
+        raise ConfigError(f"{path}: is not a CSV text: {error}") from error
+
+
+def _cell(path: Path, line: int, key: str, text: str | None) -> float:
+    """Return a number, of a colour the lane it names; an empty lane is NaN."""
+    text = (text or "").strip()
+    if key in ZONES:
+        if not text:
+            return math.nan
+        if text[0].upper() in LETTERS:
+            try:
+                return lane_number(key, text)
+            except ConfigError as wrong:
+                raise ConfigError(f"{path}: row {line}: {wrong}") from None
+    try:
+        number = float(text)
+    except ValueError:
+        number = math.inf
+    if not math.isfinite(number):
+        raise ConfigError(f"{path}: row {line}: {key} = {text!r}: must be a number")
+    return number
