@@ -1,5 +1,6 @@
 """The console as its user has it: keystrokes in a real terminal, a session in its own process."""
 
+import asyncio
 import contextlib
 import fcntl
 import os
@@ -20,7 +21,15 @@ from pathlib import Path
 import pytest
 
 from trainer import places
+from trainer.io.orders import Order, parse
 from trainer.io.sentences import order_sentence, read
+from trainer.screen.acts import Give, Move
+from trainer.screen.client import Client
+from trainer.screen.console import Console
+from trainer.screen.journal import Entry
+from trainer.screen.keys import KEYS
+from trainer.screen.posts import POSTS, wishes
+from trainer.screen.sight import Sight
 
 pytestmark = [
     pytest.mark.long,
@@ -68,7 +77,7 @@ class Terminal:
 def terminal(tmp_path: Path) -> Iterator[Terminal]:
     if shutil.which("tmux") is None:
         pytest.skip("no tmux here")
-    found = Terminal(f"trainer-{os.getpid()}", tmp_path)
+    found = Terminal(f"trainer-{os.getpid()}-{tmp_path.name[:16]}", tmp_path)
     yield found
     found.close()
 
@@ -171,8 +180,10 @@ def test_the_first_exercise_by_the_keys_that_help_names(
     terminal.wait("Leave\\?")
     terminal.type("q")
     terminal.wait(r"simulated   \d+\.\d s in \d+ ticks")
-    assert "NO LINE" not in terminal.text()
     assert record.exists()
+    terminal.type("clear; ", command("debrief", "drill.trainer"), "Enter")
+    terminal.wait(r"drill\.html")
+    assert record.with_suffix(".html").exists()
     assert gone(places.socket_path())
 
 
@@ -262,6 +273,49 @@ def test_a_blocked_terminal_and_any_size_leave_the_session_undisturbed(
         screen.wait(b"\\x1b\\[\\?1049l")  # the terminal is as it was before
         screen.process.wait(PATIENCE)
         assert screen.process.returncode == 0
+
+
+def test_every_key_of_the_crew_is_an_order_that_the_session_takes_or_knows(served: Path) -> None:
+    for role in ("helm", "planes", "ballast", "diving"):
+        post = POSTS[role]
+        client = Client(lambda: str(served), role, wishes(post))
+        client.start()
+        app = Console(Sight(client, role, post.charts))
+        keys = [key for key in KEYS[role] if isinstance(key.act, Give | Move)]
+        log = asyncio.run(typed(app, [key.names[0] for key in keys]))
+        client.close(5.0)
+
+        assert len([entry for entry in log if entry.kind == "sent"]) == len(keys)
+        for entry in log:
+            assert "this line is" not in entry.text
+            assert "is no order" not in entry.text
+
+
+async def typed(app: Console, keys: list[str]) -> list[Entry]:
+    """Return the log of a screen at which keys are pressed, once all is answered."""
+    async with app.run_test() as pilot:
+        while not app.sight.picture.seconds:
+            await pilot.pause(LOOK)
+        await pilot.press(*keys)
+        while app.sight.waiting:
+            await pilot.pause(LOOK)
+    return list(app.sight.journal.entries)
+
+
+def test_the_session_lists_what_can_break_as_it_is_ordered(served: Path) -> None:
+    client = Client(lambda: str(served), "instructor", {})
+    client.start()
+    sight = Sight(client, "instructor", ())
+    waited = threading.Event()
+    while not sight.casualties:
+        sight.hear()
+        waited.wait(LOOK)
+    client.close(5.0)
+
+    assert {"stern-stuck", "flooding-aft", "propulsion-lost"} <= {c.name for c in sight.casualties}
+    for each in sight.casualties:
+        assert isinstance(parse(f"casualty {each.name} {each.degree}"), Order)
+        assert each.says
 
 
 def test_a_console_asked_to_end_gives_the_terminal_back(served: Path) -> None:

@@ -319,7 +319,7 @@ def kept(tmp_path_factory: pytest.TempPathFactory) -> Kept:
     (folder / "all.toml").write_text(exercise_text())
     path = folder / "all.trainer"
     voyage = fly(path, CREW, exercise=str(folder / "all.toml"))
-    export_file(path, folder / "all.csv", None, None)
+    export_file(path, {"csv": folder / "all.csv"}, None)
     with (folder / "all.csv").open(newline="") as stream:
         rows = [{k: float(v or math.nan) for k, v in row.items()} for row in csv.DictReader(stream)]
     with (folder / "all.orders.csv").open(newline="") as stream:

@@ -1,6 +1,7 @@
 """What has happened: recorded, told to whoever hears of such things, and kept for latecomers."""
 
 from collections import deque
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Final
 
@@ -20,6 +21,7 @@ class Board:
     stations: list[Station] = field(default_factory=list)
     news: deque[News] = field(default_factory=lambda: deque(maxlen=KEPT))
     heard: Station | None = None  # who is listened to
+    hearers: list[Callable[[News], None]] = field(default_factory=list)  # of all; they never wait
 
     def tell(self, kind: str, text: str, by: Station | None = None) -> None:
         """Record what has happened, and tell whose role hears of such things but ``by``."""
@@ -27,6 +29,8 @@ class Board:
         news = News(self.history.tick, boat.time, kind, text)
         self.news.append(news)
         self.history.recording.event(news.tick, kind, by.who if by else "", text)
+        for hear in self.hearers:
+            hear(news)
         for station in self.stations:
             if station is not by:
                 station.tell(news)

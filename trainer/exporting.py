@@ -1,7 +1,9 @@
-"""The command ``trainer export``: a recording as tables."""
+"""The command ``trainer export``: a recording as tables, or for Rerun's viewer."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from importlib.util import find_spec
 from pathlib import Path
+from typing import Final
 
 import click
 import numpy as np
@@ -10,28 +12,56 @@ from trainer.config import ConfigError
 from trainer.io.export import Layout, export_csv, export_parquet
 from trainer.io.recording import Recording, RecordingError
 from trainer.log_book import layout_of, method_of
+from trainer.rerun_log.opening import MISSING
 
 
-def export_file(path: Path, csv: Path | None, parquet: Path | None, branch: int | None) -> None:
-    """Write the tables asked for and print their names; ConfigError if they cannot be."""
-    if csv is None and parquet is None:
-        raise ConfigError(f"{path}: export to what? say --csv FILE or --parquet FILE")
+def export_file(path: Path, wanted: Mapping[str, Path | None], branch: int | None) -> None:
+    """Write the forms ``wanted``, csv, parquet or rrd, and print the names of the files.
+
+    ConfigError if they cannot be written.
+    """
+    chosen = {form: out for form, out in wanted.items() if out is not None}
+    if not chosen:
+        raise ConfigError(f"{path}: export to what? say --csv FILE, --parquet FILE or --rrd FILE")
     try:
         recording = Recording.look(path)
     except RecordingError as error:
         raise ConfigError(str(error)) from None
+    written: list[Path] = []
     try:
-        layout = table_layout(recording)
-        written: list[Path] = []
-        if csv is not None:
-            written += export_csv(recording, layout, csv, branch)
-        if parquet is not None:
-            written += export_parquet(recording, layout, parquet, branch)
+        for form, out in chosen.items():
+            written += WRITERS[form](recording, out, branch)
     except RecordingError as error:
         raise ConfigError(str(error)) from None
     finally:
         recording.close()
     click.echo("\n".join(map(str, written)))
+
+
+def csv_files(recording: Recording, path: Path, branch: int | None) -> list[Path]:
+    """Write a branch as CSV; return the files written."""
+    return export_csv(recording, table_layout(recording), path, branch)
+
+
+def parquet_files(recording: Recording, path: Path, branch: int | None) -> list[Path]:
+    """Write a branch as Parquet; return the files written."""
+    return export_parquet(recording, table_layout(recording), path, branch)
+
+
+def rrd_file(recording: Recording, path: Path, branch: int | None) -> list[Path]:
+    """Write a branch as a file for Rerun; return the file written."""
+    if find_spec("rerun") is None:
+        raise ConfigError(f"--rrd {MISSING}")
+    from trainer.rerun_log.record import write_record  # noqa: PLC0415  a second to import
+
+    try:
+        write_record(recording, path, recording.branch if branch is None else branch)
+    except OSError as error:
+        raise ConfigError(f"--rrd {path}: {error.strerror}") from None
+    return [path]
+
+
+WRITERS: Final = {"csv": csv_files, "parquet": parquet_files, "rrd": rrd_file}
 
 
 def table_layout(recording: Recording) -> Layout:

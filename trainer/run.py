@@ -33,6 +33,8 @@ from trainer.ports import PATIENCE, Ports, unhurried
 from trainer.publisher import Promptly, Publisher, Roster
 from trainer.readiness import refuse_unstable, warm
 from trainer.reception import Closed
+from trainer.rerun_log.opening import open_log
+from trainer.rerun_log.subject import Subject
 from trainer.session import Session
 from trainer.timekeeping import Timekeeping
 from trainer.watch import Watch
@@ -97,7 +99,9 @@ def fly(voyage: Voyage, options: dict[str, Any]) -> int:
         MonotonicClock(), method.step, options["speed"], Policy(options["overrun"])
     )
     roster = Roster(Lookout(boat, time.ledger.summary))
-    sending = Promptly(roster) if unhurried(options) else Publisher(roster)
+    publisher = Promptly(roster) if unhurried(options) else Publisher(roster)
+    log = open_log(publisher, time.ledger, Subject.of(plan, boat), options)
+    sending = log or publisher
     wake = threading.Event()
     with contextlib.closing(history.recording), contextlib.ExitStack() as stack:
         session = Session(
@@ -114,6 +118,8 @@ def fly(voyage: Voyage, options: dict[str, Any]) -> int:
             briefing=briefing(plan, boat),
             until_left=bool(options.get("until_left")),
         )
+        if log:
+            session.board.hearers.append(log.hear)
         open_ports(Ports(wake, sending, session.board.log, stack), session, options)
         if options["headless"]:
             session.progress = stack.enter_context(progress_bar(last_tick))
@@ -126,7 +132,8 @@ def fly(voyage: Voyage, options: dict[str, Any]) -> int:
         for station in session.board.stations:
             station.close(PATIENCE)
         recorder.close()
-        return account(session, wall, voyage.kept, aside=not options["headless"])
+        code = account(session, wall, voyage.kept, aside=not options["headless"])
+        return max(code, log.account()) if log else code
 
 
 def open_ports(ports: Ports, session: Session, options: dict[str, Any]) -> None:

@@ -143,6 +143,17 @@ console_options = together(
 )
 
 
+rerun_options = together(
+    click.option("--rerun", is_flag=True, help="Show the run in Rerun's viewer while it goes on."),
+    click.option(
+        "--rerun-at",
+        default=None,
+        metavar="HOST:PORT",
+        help="Where that viewer listens. [default: 127.0.0.1:9876, opened if it is not there]",
+    ),
+    click.option("--rrd", type=FILE, default=None, help="Write the run to this file for Rerun."),
+)
+
 nmea_options = together(
     click.option(
         "--nmea",

@@ -34,19 +34,21 @@ def replay(file: Path, *, anyway: bool, as_json: bool, **otherwise: Any) -> None
 @click.command()
 @click.argument("file", type=FILE)
 @click.option(
-    "--csv", "csv_path", type=FILE, default=None, help="States here, orders and events beside."
+    "--csv", type=FILE, default=None, help="States here, orders and events beside."
 )
 @click.option("--parquet", type=FILE, default=None, help="The same as Parquet files.")
+@click.option("--rrd", type=FILE, default=None, help="The run as Rerun's viewer shows it.")
 @click.option("--branch", type=click.IntRange(1), default=None, help="[default: the last one]")
-def export(file: Path, csv_path: Path | None, parquet: Path | None, branch: int | None) -> None:
-    """Write a recording's states, orders and events as tables.
+def export(file: Path, branch: int | None, **wanted: Path | None) -> None:
+    """Write a recording's states, orders and events as tables, or as a picture that moves.
 
     \b
     Example:  trainer export drill.trainer --csv drill.csv
+              trainer export drill.trainer --rrd drill.rrd && rerun drill.rrd
     """
     from trainer.exporting import export_file  # noqa: PLC0415
 
-    export_file(file, csv_path, parquet, branch)
+    export_file(file, wanted, branch)
 
 
 @click.command()

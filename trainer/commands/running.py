@@ -12,6 +12,7 @@ from trainer.commands.options import (
     exercise_options,
     port_options,
     recording_options,
+    rerun_options,
     teletype_option,
     time_options,
 )
@@ -33,6 +34,7 @@ def given() -> frozenset[str]:
 @time_options
 @console_options
 @recording_options
+@rerun_options
 @port_options(listen=None, socket=None)
 @teletype_option
 def run(*, teletype: bool, **options: Any) -> None:
@@ -75,6 +77,7 @@ def serving() -> list[str]:
 @exercise_options
 @time_options
 @recording_options
+@rerun_options
 @port_options(listen=f"{HOST}:{PORT}", socket=None)
 @click.option("--until-left", is_flag=True, help="End when the last station has left.")
 def serve(**options: Any) -> None:
@@ -97,6 +100,7 @@ def serve(**options: Any) -> None:
 @click.argument("file", type=FILE)
 @time_options
 @console_options
+@rerun_options
 @port_options(listen=None, socket=None)
 @click.option("--anyway", is_flag=True, help="Even if this version would compute otherwise.")
 def resume(file: Path, *, anyway: bool, **options: Any) -> None:

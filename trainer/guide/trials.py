@@ -171,4 +171,4 @@ def _ours(wanted: Published, ours: Mapping[str, float | None], flight: Flight) -
             f"no measure {shown(wanted.quantity)}{nearest(wanted.quantity, ours)}; there are "
             f"{', '.join(ours)}, and any column as 'u after 40 s'"
         )
-    return None if value is None else value
+    return None if value is None else value / UNITS[wanted.unit]

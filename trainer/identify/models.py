@@ -74,9 +74,8 @@ class Model:
         elif name in self.names:
             return self.names.index(name)
         raise ConfigError(
-            f"model {self.name} has no parameter {name!r}; nearest is "
-            f"{nearest(name, self.names) or self.names[0]!r}, numbers are theta1 to "
-            f"theta{len(self.parameters)}"
+            f"model {self.name} has no parameter {name!r}{nearest(name, self.names)}; it has "
+            f"{', '.join(self.names)}, also called theta1 to theta{len(self.parameters)}"
         )
 
     def vector(self, **values: float) -> Numbers:
@@ -159,14 +158,13 @@ def _parameters(*lines: str) -> tuple[Parameter, ...]:
 
 
 def _start(*units: str) -> tuple[str, ...]:
-    """Return the lines of the initial state and its covariance."""
-    names = [f"x{i + 1}" for i in range(len(units))]
-    states = [f"{n}_0 | {u} | initial state" for n, u in zip(names, units, strict=True)]
-    return tuple(states)
+    """Return the lines of the initial state."""
+    return tuple(f"x{i}_0 | {unit} | initial state" for i, unit in enumerate(units, 1))
 
 
-_VARIANCES: Final = tuple(f"P{i} | SI | variance of initial state {i[0]} | variance" for i in
-                          ("11", "22", "33"))
+_VARIANCES: Final = tuple(
+    f"P{i} | SI | variance of initial state {i[0]} | variance" for i in ("11", "22", "33")
+)
 _COVARIANCES: Final = tuple(f"P{i} | SI | covariance of initial states" for i in ("12", "13", "23"))
 _LAG: Final = "lag | rad | time lag of the rudder is T abs sin | angle"
 

@@ -118,9 +118,7 @@ class Innovations:
         samples = self.problem.samples
         errors = np.empty(samples.outputs.shape, complex)
         first = np.ascontiguousarray(sampled.start[row, :, 0])
-        run_with_gain(
-            sampled.mean[row], gains[row], first, samples.table, samples.steps[1], errors
-        )
+        run_with_gain(sampled.mean[row], gains[row], first, samples.table, samples.steps[1], errors)
         return errors
 
 
@@ -147,7 +145,7 @@ class MultiStep:
     def value(self, theta: Numbers) -> float:
         """Return n V2, n the samples that have a reading."""
         cost, _ = self._cost(self.problem.sampled(theta), 0)
-        return cost.real
+        return float(cost.real)
 
     def slope(self, theta: Numbers) -> tuple[float, Numbers]:
         """Return n V2 and its exact gradient (f,)."""

@@ -8,21 +8,32 @@ import numpy as np
 
 from trainer.config import ConfigError
 from trainer.identify.likelihood import Likelihood
-from trainer.identify.models import MODELS, Plant, Ship
+from trainer.identify.models import MODELS, UNITS, Plant, Ship
 from trainer.identify.nomoto import Numbers
 from trainer.identify.problem import problem_of
 from trainer.identify.record import Record
 from trainer.identify.samples import samples_of
-from trainer.identify.spread import Spread, propagated
+from trainer.identify.spread import propagated
 from trainer.identify.steering import Steering
 from trainer.identify.told import quantities, quantity_names
 
 LEVER: Final = 0.25  # [-] of the length: at which the sea's force makes its moment
-FREE: Final = (
-    *("Y_v", "Y_r", "N_v", "N_r", "Y_delta", "l_delta", "Y_0", "N_0"),
-    *("R1_Y", "R1_N", "R2_v1", "R2_r", "R2_psi", "x1_0", "x2_0", "x3_0"),
-)
-ERRORS: Final = {"sway": "R2_v1", "yaw_rate": "R2_r", "heading": "R2_psi"}
+SEPARABLE: Final = 1e-10  # [-] scaled eigenvalue of the information
+FREE: Final = {
+    "1": (
+        *("Y_v", "Y_r", "N_v", "N_r", "Y_delta", "l_delta", "Y_0", "N_0"),
+        *("R1_Y", "R1_N", "R2_v1", "R2_r", "R2_psi", "x1_0", "x2_0", "x3_0"),
+    ),
+    "nomoto2": (
+        *("K", "T1", "T2", "T3", "delta_0", "R1_1", "R1_2", "R2_r", "R2_psi"),
+        *("x1_0", "x2_0", "x3_0"),
+    ),
+}
+READ_BY: Final = {"R2_v1": "sway", "R2_r": "yaw_rate", "R2_psi": "heading"}
+STARTS: Final = {
+    "1": {"x1_0": "sway", "x2_0": "yaw_rate", "x3_0": "heading"},
+    "nomoto2": {"x2_0": "yaw_rate", "x3_0": "heading"},
+}
 
 
 @dataclass(frozen=True)
@@ -37,37 +48,49 @@ class Sensors:
 
 @dataclass(frozen=True)
 class Prospect:
-    """Expected values and standard deviations by name, of parameters and what follows of them."""
+    """Expected values and standard deviations by name, SI and prime, of what a record would tell.
 
+    Model 1 where sway is read; without it only rudder to yaw can be told.
+    """
+
+    model: str
     samples: int
     interval_s: float
     values: dict[str, float]
     deviations: dict[str, float]
 
 
-def prospect(steering: Steering, record: Record, outputs: tuple[str, ...], sea: Sensors) -> Prospect:
-    """Return what Model 1 would be known to, from a record such as this one of such a ship.
+def prospect(
+    steering: Steering, record: Record, outputs: tuple[str, ...], sensors: Sensors
+) -> Prospect:
+    """Return what would be known from such a record of such a ship.
 
     ConfigError if the record cannot separate the parameters.
     """
-    model = MODELS["1"]
-    ship = Ship(steering.length, steering.speed)
-    values = _truth(steering, sea)
-    start = {"x1_0": record.sway, "x2_0": record.yaw_rate, "x3_0": record.heading}
-    units = (3600.0 / 1852.0, 180.0 / math.pi, 180.0 / math.pi)
-    for (name, column), unit in zip(start.items(), units, strict=True):
-        values[name] = float(column[0]) * unit if column is not None else 0.0
-    spare = {ERRORS[name] for name in ERRORS if name not in outputs}
-    free = [name for name in FREE if name not in spare]
-    plant = Plant(model, ship, outputs, record.interval)
-    problem = problem_of(plant, samples_of(record, outputs), model.vector(**values), free)
-    information = Likelihood(problem).information(problem.start)
-    covariance = _inverse(information, problem.names)
-    names = quantity_names(model)
-    found: Spread = propagated(
-        lambda theta: quantities(model, problem.whole(theta), ship), problem.start, covariance
+    kind = "1" if "sway" in outputs else "nomoto2"
+    model = MODELS[kind]
+    plant = Plant(model, Ship(steering.length, steering.speed), outputs, record.interval)
+    values = model.vector(**_ship(steering, kind), **_sensors(sensors, model.names))
+    for name, channel in STARTS[kind].items():
+        values[model.place(name)] = float(record.column(channel)[0]) * UNITS[channel][1]
+    sea = _sea(steering, kind)
+    for name, share in sea.items():
+        values[model.place(name)] = share
+    density = _density(plant, values, math.radians(sensors.unrest_deg_s))
+    for name in sea:
+        values[model.place(name)] *= density
+    free = [name for name in FREE[kind] if READ_BY.get(name, outputs[0]) in outputs]
+    free = [name for name in free if name not in sea or density > 0.0]
+    problem = problem_of(plant, samples_of(record, outputs), values, free)
+    covariance = _inverse(Likelihood(problem).information(problem.start), problem.names)
+    found = propagated(
+        lambda theta: quantities(model, problem.whole(theta), plant.ship),
+        problem.start,
+        covariance,
     )
+    names = quantity_names(model)
     return Prospect(
+        model=kind,
         samples=len(record.t),
         interval_s=record.interval,
         values=dict(zip(names, map(float, found.values), strict=True)),
@@ -75,45 +98,57 @@ def prospect(steering: Steering, record: Record, outputs: tuple[str, ...], sea: 
     )
 
 
-def _truth(steering: Steering, sea: Sensors) -> dict[str, float]:
-    """Return Model 1's parameters of the ship, the sea and the sensors."""
-    values = dict(steering.prime)
-    noise = _unrest(steering, math.radians(sea.unrest_deg_s))
-    values |= {"R1_N": noise, "R1_Y": noise / LEVER**2}
-    values |= {"R2_v1": sea.sway_kn**2, "R2_r": sea.yaw_rate_deg_s**2}
-    return values | {"R2_psi": sea.heading_deg**2}
+def _ship(steering: Steering, kind: str) -> dict[str, float]:
+    """Return the model's parameters of the ship; ConfigError if she has a pair of roots."""
+    if kind == "1":
+        return steering.prime
+    form = steering.nomoto
+    if form.T1.imag:
+        raise ConfigError("sway and yaw swing together: rudder to yaw alone has no T1 and T2")
+    return {"K": form.K, "T1": form.T1.real, "T2": form.T2.real, "T3": form.T3}
 
 
-def _unrest(steering: Steering, rate: float) -> float:
-    """Return the density of the moment that keeps the yaw rate at ``rate`` [rad/s] rms.
+def _sea(steering: Steering, kind: str) -> dict[str, float]:
+    """Return how densities of disturbance are to one another.
 
-    A force acts with it at LEVER. The variance is linear in the density, by Lyapunov's equation.
+    With Nomoto's model the moment acts on yaw at once and, through sway, by the rate 1/T3.
+    """
+    if kind == "1":
+        return {"R1_N": 1.0, "R1_Y": LEVER**-2}
+    return {"R1_2": 1.0, "R1_1": steering.nomoto.T3**-2}
+
+
+def _sensors(sensors: Sensors, names: tuple[str, ...]) -> dict[str, float]:
+    """Return the variances of what is read, as far as the model reads it."""
+    errors = {
+        "R2_v1": sensors.sway_kn**2,
+        "R2_r": sensors.yaw_rate_deg_s**2,
+        "R2_psi": sensors.heading_deg**2,
+    }
+    return {name: value for name, value in errors.items() if name in names}
+
+
+def _density(plant: Plant, values: Numbers, rate: float) -> float:
+    """Return what the densities are times for a yaw rate of ``rate`` [rad/s] rms by the sea alone.
+
+    The variance is linear in them, by Lyapunov's equation for the states without heading.
     """
     from scipy.linalg import solve_continuous_lyapunov  # noqa: PLC0415
 
-    L, V = steering.length, steering.speed
-    theta = steering.prime
-    E = np.array(
-        [
-            [L / V**2 * theta["m11"], L**2 / V**2 * theta["m12"]],
-            [L / V**2 * theta["m21"], L**2 / V**2 * theta["m22"]],
-        ]
-    )
-    inverse = np.linalg.inv(E)
-    density = inverse @ np.diag([1.0 / LEVER**2, 1.0]) @ inverse.T
-    A = np.linalg.solve(steering.M, steering.F)
+    if rate == 0.0:
+        return 0.0
+    blocks = plant.blocks(values.astype(complex)[None])
+    A, noise = blocks.drift[0, :2, :2].real, blocks.noise[0, :2, :2].real
     if np.linalg.eigvals(A).real.max() >= 0.0:
         raise ConfigError("an unstable ship has no unrest of a size; say --unrest 0")
-    variance = solve_continuous_lyapunov(A, -density)
-    return float(rate**2 / variance[1, 1])
+    return float(rate**2 / solve_continuous_lyapunov(A, -noise)[1, 1])
 
 
 def _inverse(information: Numbers, names: tuple[str, ...]) -> Numbers:
     """Return the covariance; ConfigError naming parameters that the record cannot separate."""
     size = np.sqrt(np.maximum(np.diag(information), 1e-300))
     values, vectors = np.linalg.eigh(information / np.outer(size, size))
-    if values[0] < 1e-10:
+    if not values[0] > SEPARABLE:
         lost = [name for name, part in zip(names, vectors[:, 0], strict=True) if abs(part) > 0.1]
         raise ConfigError(f"such a record cannot separate {', '.join(lost)}")
     return np.asarray((vectors / values) @ vectors.T / np.outer(size, size))
-

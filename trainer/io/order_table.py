@@ -204,7 +204,7 @@ FORMS = (
     Form("casualty NAME ramp SECONDS", "growing over this time"),
     Form("casualty NAME SEVERITY ramp SECONDS", "both"),
     Form("clear NAME", "clear a casualty, or all"),
-    Form("casualties", "what this boat can suffer: name, severity and ramp unless ordered otherwise"),
+    Form("casualties", "what can break: name, severity and ramp unless ordered"),
     Form("freeze", "stop time; orders are still taken"),
     Form("freeze PART", "hold this still, while time goes on", name="hold"),
     Form("release PART", "let this move again"),

@@ -14,8 +14,7 @@ from trainer.rerun_log.batch import Block, Whole
 
 SLOTS: Final = tuple(f"casualty[{i}]" for i in range(CASUALTIES))
 LEFT: Final = tuple(f"casualty_ticks[{i}]" for i in range(CASUALTIES))
-CLEARING, ACTING = 1, 2  # codes of a casualty; 0: it is not there
-CLEARED: Final = "being cleared"
+ACTING, CLEARED = "acting", "being cleared"
 BLOWS: Final = ("", "", " (emergency)")  # by the position of a blow valve
 
 
@@ -58,11 +57,10 @@ def _casualty(kind: int) -> Lane:
         here = block.several(*SLOTS) == kind
         clearing = here & (block.several(*LEFT) < 0.0)
         acting = np.any(here & ~clearing, axis=1)
-        return np.where(acting, ACTING, np.where(np.any(clearing, axis=1), CLEARING, 0))
+        return np.where(acting, 2, np.where(np.any(clearing, axis=1), 1, 0))
 
-    name = KINDS[kind - 1]
-    word = ("", CLEARED, name).__getitem__
-    return Lane(f"lanes/{name}", codes, word, {CLEARED: MENDING, name: BROKEN})
+    word = ("", CLEARED, ACTING).__getitem__
+    return Lane(f"lanes/{KINDS[kind - 1]}", codes, word, {CLEARED: MENDING, ACTING: BROKEN})
 
 
 def _whole(column: np.ndarray) -> Whole:

@@ -1,7 +1,7 @@
 """A recording made into a file for Rerun's viewer."""
 
 from collections.abc import Iterator
-from itertools import islice
+from itertools import chain, islice
 from pathlib import Path
 from typing import Final
 
@@ -11,36 +11,29 @@ from trainer.boat import Boat
 from trainer.io.recording import Flown, Noted, Recording
 from trainer.log_book import layout_of, plan_of
 from trainer.rerun_log.batch import Batch, Block, Times, Told, Worked, states
-from trainer.rerun_log.blueprint import blueprint
-from trainer.rerun_log.charts import charts_of
-from trainer.rerun_log.outlet import Outlet
-from trainer.rerun_log.writer import Writer
+from trainer.rerun_log.sinks import RrdFile
+from trainer.rerun_log.subject import Subject
 
 ROWS: Final = 4096  # [ticks] written at a time
 
 
 def write_record(recording: Recording, path: Path, branch: int) -> None:
-    """Write a branch and the past that led to it, with what happened then.
+    """Write a branch and the past that led to it, with what happened then; a file is replaced.
 
     ConfigError or RecordingError if it cannot be read, OSError if the file cannot be written.
     """
     header = recording.header()
     plan = plan_of(header)
-    boat = Boat(plan.file, plan.method)
-    path.open("wb").close()
-    outlet = Outlet(plan.title or plan.file.name)
+    subject = Subject.of(plan, Boat(plan.file, plan.method))
+    file = RrdFile(path, subject)
+    parts = batches(recording, branch, layout_of(header), subject.step)
+    first = next(parts)  # nothing is replaced where there is nothing to write
+    file.open()
     try:
-        begun = False
-        for batch in batches(recording, branch, layout_of(header), plan.method.step):
-            if not begun:
-                layout = blueprint(charts_of(boat), float(boat.vessel.ell))
-                outlet.save(path, layout)
-                writer = Writer(boat, plan.limits, outlet)
-                writer.begin()
-                begun = True
-            writer.write(batch)
+        for batch in chain((first,), parts):
+            file.write(batch)
     finally:
-        outlet.close()
+        file.close()
 
 
 def batches(

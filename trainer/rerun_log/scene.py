@@ -8,15 +8,14 @@ from typing import Any, Final
 
 import numpy as np
 
-from trainer.boat import Boat
 from trainer.rerun_log.batch import Block, Numbers
 from trainer.rerun_log.changes import Changes
 from trainer.rerun_log.charts import depth_kept
 from trainer.rerun_log.outlet import Outlet
 from trainer.rerun_log.sdk import rr
 from trainer.rerun_log.shape import Mesh, fins_of, hull_mesh, sail_mesh, size_of
+from trainer.rerun_log.subject import Subject
 from trainer.rerun_log.track import Track
-from trainer.watch import Limits
 
 WORLD, BOAT, FOLLOWER, TRACK = "world", "world/boat", "world/follower", "world/track"
 NEAR, SEA, ORDERED = "world/near", "world/near/sea", "world/near/ordered"
@@ -36,11 +35,11 @@ WAKE: Final[Colour] = (240, 228, 66, 255)
 class Scene:
     """The boat in her world, written block by block."""
 
-    def __init__(self, boat: Boat, limits: Limits, outlet: Outlet) -> None:
-        """Take what she is and what an exercise does not want passed; nothing is written yet."""
-        self._boat, self._limits, self._outlet = boat, limits, outlet
-        self._size = size_of(boat)
-        self._fins = fins_of(boat, self._size)
+    def __init__(self, subject: Subject, outlet: Outlet) -> None:
+        """Take what is shown and where; nothing is written yet."""
+        self._subject, self._outlet = subject, outlet
+        self._size = size_of(subject.boat)
+        self._fins = fins_of(subject.boat, self._size)
         self._square = self._size.length
         self._changes = Changes()
         self._track = Track(self._size.length / FINE)
@@ -89,7 +88,7 @@ class Scene:
         fix(f"{SEA}/surface", drawn(square(reach), WATER))
         lines = grid(reach, self._square)
         fix(f"{SEA}/grid", rr.LineStrips3D(lines, colors=GRID, radii=0.0015 * self._square))
-        for name, depth in depths(self._boat, self._limits).items():
+        for name, depth in depths(self._subject).items():
             frame = rr.LineStrips3D(
                 [outline(reach, depth)],
                 colors=FORBIDDEN,
@@ -131,12 +130,12 @@ class Scene:
         return columns.partition(kept.astype(np.int32))
 
 
-def depths(boat: Boat, limits: Limits) -> dict[str, float]:
+def depths(subject: Subject) -> dict[str, float]:
     """Return the depths [m] that are not to be passed, by what they are."""
     named = {
-        "limit": limits.depth_m_max,
-        "upper limit": limits.depth_m_min,
-        "deepest allowed": boat.file.hull.max_depth_m,
+        "limit": subject.limits.depth_m_max,
+        "upper limit": subject.limits.depth_m_min,
+        "deepest allowed": subject.boat.file.hull.max_depth_m,
     }
     return {name: depth for name, depth in named.items() if depth is not None}
 

@@ -5,7 +5,6 @@ from typing import Any, Final
 
 import numpy as np
 
-from trainer.boat import Boat
 from trainer.rerun_log.batch import Batch, Block, Numbers, Told
 from trainer.rerun_log.changes import Changes
 from trainer.rerun_log.charts import COLOURS, LEDGER, LEDGER_LABELS, charts_of, ledger_columns
@@ -13,7 +12,7 @@ from trainer.rerun_log.lanes import Lane, casualty_lanes, lanes_of
 from trainer.rerun_log.outlet import Outlet
 from trainer.rerun_log.scene import Scene
 from trainer.rerun_log.sdk import rr
-from trainer.watch import Limits
+from trainer.rerun_log.subject import Subject
 
 LEVELS: Final = {"trouble": "ERROR", "watch": "WARN", "mark": "WARN"}  # by kind of news
 
@@ -21,12 +20,12 @@ LEVELS: Final = {"trouble": "ERROR", "watch": "WARN", "mark": "WARN"}  # by kind
 class Writer:
     """Everything of one run, written to one outlet batch by batch."""
 
-    def __init__(self, boat: Boat, limits: Limits, outlet: Outlet) -> None:
-        """Take what she is and what an exercise does not want passed; nothing is written yet."""
+    def __init__(self, subject: Subject, outlet: Outlet) -> None:
+        """Take what is shown and where; nothing is written yet."""
         self._outlet = outlet
-        self._scene = Scene(boat, limits, outlet)
-        self._charts = charts_of(boat)
-        self._lanes = {lane.path: lane for lane in lanes_of(boat)}
+        self._scene = Scene(subject, outlet)
+        self._charts = charts_of(subject.boat)
+        self._lanes = {lane.path: lane for lane in lanes_of(subject.boat)}
         self._begun: set[str] = set()  # lanes that have had a word
         self._changes = Changes()
 

@@ -100,6 +100,11 @@ class Sight:
         return self.role == "instructor"
 
     @property
+    def waiting(self) -> int:
+        """Return how many orders have not been answered yet."""
+        return len(self._asked)
+
+    @property
     def gauges(self) -> str:
         """Return the channel of depth, heading, speed and attitude."""
         return "motion" if self.instructs else "gauges"
@@ -133,7 +138,7 @@ class Sight:
         if tag:
             self._asked[tag] = Asked(words, quiet)
         elif not quiet:
-            self.journal.add(None, "refused", f"not sent: {self.trouble or 'no line'}")
+            self.journal.add(None, "refused", "lost")
         return bool(tag)
 
     # the line

@@ -5,5 +5,6 @@ import sys
 
 
 def has_terminal() -> bool:
-    """Return whether there is somebody to show a screen to."""
-    return os.name == "posix" and sys.stdin.isatty() and sys.stdout.isatty()
+    """Return whether there is somebody to show a screen to; a closed stream is nobody."""
+    streams = (sys.stdin, sys.stdout)
+    return os.name == "posix" and all(stream and stream.isatty() for stream in streams)

@@ -43,10 +43,10 @@ def steady_step(J: Numbers, v: Numbers, error: Numbers, z: Numbers) -> None:
 @kernel
 def all_there(there: Mask) -> bool:
     """Return whether no reading is missing."""
+    missing = 0
     for c in range(there.size):
-        if not there[c]:
-            return False
-    return True
+        missing += not there[c]
+    return missing == 0
 
 
 @kernel

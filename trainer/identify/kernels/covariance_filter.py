@@ -12,6 +12,7 @@ system that leads from each sample to the next, ``start`` (x, 1+x) is [x0 P0] an
 """
 
 import math
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,12 +21,13 @@ from trainer.core.kernel import Numbers, kernel
 
 Places = NDArray[np.int64]
 Mask = NDArray[np.bool_]
+Entries = NDArray[Any]  # numbers, or complex ones whose imaginary parts are derivatives
 
 SETTLED = 1e-26  # [-] square of the relative change of P, below which it is taken as constant
 
 
 @kernel
-def joint(mean: Numbers, noise: Numbers, P: Numbers, work: Numbers, out: Numbers) -> None:
+def joint(mean: Entries, noise: Entries, P: Entries, work: Entries, out: Entries) -> None:
     """Write J = W_x P W_x' + Q to ``out``; ``work`` (x+y, x)."""
     rows, states = work.shape
     for i in range(rows):
@@ -44,7 +46,7 @@ def joint(mean: Numbers, noise: Numbers, P: Numbers, work: Numbers, out: Numbers
 
 
 @kernel
-def predict(mean: Numbers, z: Numbers, out: Numbers) -> None:
+def predict(mean: Entries, z: Entries, out: Entries) -> None:
     """Write v = W z, the next state and the readings of this sample."""
     for i in range(out.size):
         total = mean[i, 0] * z[0]
@@ -54,7 +56,7 @@ def predict(mean: Numbers, z: Numbers, out: Numbers) -> None:
 
 
 @kernel
-def sweep(J: Numbers, pivot: int) -> float:
+def sweep(J: Entries, pivot: int) -> float:
     """Return the pivot after sweeping it out of the symmetric ``J``: its conditional variance."""
     d = J[pivot, pivot]
     inverse = 1.0 / d
@@ -72,7 +74,7 @@ def sweep(J: Numbers, pivot: int) -> float:
 
 
 @kernel
-def condition(J: Numbers, error: Numbers, there: Mask) -> float:
+def condition(J: Entries, error: Entries, there: Mask) -> float:
     """Return log det R [-] after sweeping the readings ``there`` out of ``J``.
 
     Gain and inverse of the others become zero, as does their ``error``; not a number if R is
@@ -96,19 +98,19 @@ def condition(J: Numbers, error: Numbers, there: Mask) -> float:
 
 
 @kernel
-def residual(row: Numbers, v: Numbers, error: Numbers, there: Mask) -> int:
+def residual(row: Entries, v: Entries, error: Entries, there: Mask) -> int:
     """Return how many readings of ``row`` are there, after writing ``error`` and ``there``."""
     first = v.size - error.size
     count = 0
     for c in range(error.size):
         error[c] = row[c] - v[first + c]
-        there[c] = error[c] == error[c]  # noqa: PLR0124 - not a number differs from itself
+        there[c] = not np.isnan(error[c])
         count += there[c]
     return count
 
 
 @kernel
-def square(J: Numbers, error: Numbers) -> float:
+def square(J: Entries, error: Entries) -> float:
     """Return error' R^-1 error [-] from the swept ``J``."""
     first = J.shape[0] - error.size
     total = 0.0
@@ -119,7 +121,7 @@ def square(J: Numbers, error: Numbers) -> float:
 
 
 @kernel
-def advance(J: Numbers, v: Numbers, error: Numbers, z: Numbers, P: Numbers) -> None:
+def advance(J: Entries, v: Entries, error: Entries, z: Entries, P: Entries) -> None:
     """Write the next state to ``z`` and its covariance to ``P`` from the swept ``J``."""
     states = P.shape[0]
     for i in range(states):
@@ -160,35 +162,39 @@ def _closed(mean: Numbers, J: Numbers, out: Numbers) -> None:
 
 
 @kernel
+def _settled_step(closed: Numbers, w: Numbers, out: Numbers) -> None:
+    """Write the next state and the error by the settled filter from (x, u_old, u, 1, y)."""
+    for i in range(out.size):
+        out[i] = 0.0
+    for j in range(w.size):
+        for i in range(out.size):
+            out[i] += closed[j, i] * w[j]
+
+
+@kernel
 def _run_settled(closed: Numbers, table: Numbers, z: Numbers, errors: Numbers) -> int:
     """Return how many samples the settled filter takes until a reading is missing.
 
     ``errors`` (y, y) gains their sum of error error', ``z`` moves on.
     """
-    inputs, rows = closed.shape
     readings = errors.shape[0]
-    states = rows - readings
-    columns = inputs - readings
-    out = np.empty(rows)
+    rows = closed.shape[1]
+    states, last = rows - readings, z.size - 1
+    out, w = np.empty(rows), np.empty(closed.shape[0])
+    w[: z.size] = z
     for k in range(table.shape[0]):
-        for i in range(rows):
-            out[i] = closed[columns - 1, i]
-        for j in range(states):
-            for i in range(rows):
-                out[i] += closed[j, i] * z[j]
-        for j in range(table.shape[1] - readings):
-            for i in range(rows):
-                out[i] += closed[states + j, i] * table[k, readings + j]
         for j in range(readings):
-            for i in range(rows):
-                out[i] += closed[columns + j, i] * table[k, j]
+            w[last + 1 + j] = table[k, j]
+        for j in range(last - states):
+            w[states + j] = table[k, readings + j]
+        _settled_step(closed, w, out)
         total = 0.0
         for i in range(states, rows):
             total += out[i]
-        if total != total:  # noqa: PLR0124 - not a number differs from itself
+        if math.isnan(total):
             return k
         for i in range(states):
-            z[i] = out[i]
+            w[i] = z[i] = out[i]
         for i in range(readings):
             for j in range(readings):
                 errors[i, j] += out[states + i] * out[states + j]

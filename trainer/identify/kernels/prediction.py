@@ -45,7 +45,7 @@ def run_with_gain(
         for i in range(states):
             z[i] = v[i]
             for c in range(readings):
-                if errors[k, c] == errors[k, c]:  # noqa: PLR0124 - a missing one is not itself
+                if not np.isnan(errors[k, c]):
                     z[i] += gain[i, c] * errors[k, c]
 
 
@@ -83,7 +83,7 @@ def settle(
     for step in range(1, most + 1):
         joint(mean, noise, P, work, J)
         determinant = condition(J, error, there)
-        if determinant != determinant:  # noqa: PLR0124 - not a number differs from itself
+        if np.isnan(determinant):
             return -1
         change = _change(J, P)
         for i in range(states):
@@ -132,7 +132,7 @@ def _look_ahead(
         if ahead < steps[0] or count == 0:
             continue
         determinant = condition(J, error, there)
-        if determinant != determinant:  # noqa: PLR0124 - not a number differs from itself
+        if np.isnan(determinant):
             return -1
         sums[0] += determinant + square(J, error)
         sums[1] += count

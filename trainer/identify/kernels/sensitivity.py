@@ -48,9 +48,7 @@ def _joint_slopes(mean: Numbers, slopes: Numbers, P: Numbers, dP: Numbers, out: 
         for j in range(states):
             for k in range(states):
                 for q in range(count):
-                    half[i, j, q] += (
-                        slopes[i, k, q] * P[k, j] + 0.5 * mean[i, k] * dP[k, j, q]
-                    )
+                    half[i, j, q] += slopes[i, k, q] * P[k, j] + 0.5 * mean[i, k] * dP[k, j, q]
     for i in range(rows):
         for j in range(rows):
             for k in range(states):
@@ -59,37 +57,36 @@ def _joint_slopes(mean: Numbers, slopes: Numbers, P: Numbers, dP: Numbers, out: 
 
 
 @kernel
-def _conditioned(J: Numbers, dJ: Numbers, dP: Numbers) -> float:
-    """Return how much ``dP`` changes [-] as it becomes that after the readings; dJ has gains.
+def _entry(J: Numbers, dJ: Numbers, states: int, place: tuple[int, int], value: Numbers) -> None:
+    """Write the derivatives (p,) of an entry of the next P: dJ - dN K' - K dN' + K dR K'."""
+    i, j = place
+    for q in range(value.size):
+        value[q] = dJ[i, j, q]
+    for c in range(states, J.shape[0]):
+        for q in range(value.size):
+            value[q] -= dJ[i, c, q] * J[j, c] + J[i, c] * dJ[j, c, q]
+        for d in range(states, J.shape[0]):
+            both = J[i, c] * J[j, d]
+            for q in range(value.size):
+                value[q] += both * dJ[c, d, q]
 
-    Afterwards the mixed block of ``dJ`` (x rows, y columns) is dK.
-    """
+
+@kernel
+def _conditioned(J: Numbers, dJ: Numbers, dP: Numbers) -> float:
+    """Return how much ``dP`` changes [-], squared, as it becomes that after the readings."""
     states, count = dP.shape[0], dP.shape[2]
-    rows = J.shape[0]
-    worst = 0.0
-    value = np.empty(count)
-    scale = np.empty(states)
-    for i in range(states):
-        scale[i] = 1.0 / max(abs(J[i, i]), 1e-300)
-    change, total = np.zeros(count), np.zeros(count)
+    value, change, total = np.empty(count), np.zeros(count), np.zeros(count)
     for i in range(states):
         for j in range(i + 1):
-            for q in range(count):
-                value[q] = dJ[i, j, q]
-            for c in range(states, rows):
-                for q in range(count):
-                    value[q] -= dJ[i, c, q] * J[j, c] + J[i, c] * dJ[j, c, q]
-                for d in range(states, rows):
-                    both = J[i, c] * J[j, d]
-                    for q in range(count):
-                        value[q] += both * dJ[c, d, q]
-            weight = scale[i] * scale[j]
+            _entry(J, dJ, states, (i, j), value)
+            weight = 1.0 / max(abs(J[i, i] * J[j, j]), 1e-300)
             for q in range(count):
                 moved = value[q] - dP[i, j, q]
                 change[q] += moved * moved * weight
                 total[q] += value[q] * value[q] * weight
                 dP[i, j, q] = value[q]
                 dP[j, i, q] = value[q]
+    worst = 0.0
     for q in range(count):
         if change[q] > 0.0:
             worst = max(worst, change[q] / max(total[q], 1e-300))

@@ -1,0 +1,50 @@
+"""A search that outlives its process: the best parameters so far, in a small file."""
+
+import json
+import os
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from trainer.config import ConfigError
+from trainer.identify.minimise import Found
+from trainer.identify.problem import Problem
+
+Numbers = NDArray[np.float64]
+
+
+def keep(path: Path, problem: Problem) -> Callable[[Found], None]:
+    """Return what writes each step of a search to ``path``, whole or not at all."""
+
+    def write(found: Found) -> None:
+        theta = found.theta * problem.scale
+        told = {
+            "model": problem.plant.model.name,
+            "cost": found.cost,
+            "parameters": dict(zip(problem.names, map(float, theta), strict=True)),
+        }
+        part = path.with_name(path.name + ".part")
+        part.write_text(json.dumps(told, indent=1) + "\n", encoding="utf-8")
+        os.replace(part, path)  # noqa: PTH105 - one call that is atomic on every system
+
+    return write
+
+
+def resume(path: Path, problem: Problem) -> Numbers:
+    """Return where to start (f,), from a file that ``keep`` wrote.
+
+    ConfigError if it is of another model or lacks a free parameter.
+    """
+    try:
+        told = json.loads(path.read_text(encoding="utf-8"))
+        model, parameters = told["model"], dict(told["parameters"])
+    except (OSError, ValueError, KeyError, TypeError) as error:
+        raise ConfigError(f"{path.name}: is no checkpoint of a search ({error})") from None
+    if model != problem.plant.model.name:
+        raise ConfigError(f"{path.name}: is of model {model}, not {problem.plant.model.name}")
+    lacking = [name for name in problem.names if name not in parameters]
+    if lacking:
+        raise ConfigError(f"{path.name}: lacks {', '.join(lacking)}, which are free here")
+    return np.array([float(parameters[name]) for name in problem.names]) / problem.scale

@@ -1,0 +1,181 @@
+"""A study carried out: the record read, the model fitted, and what is known afterwards."""
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, Final
+
+import numpy as np
+
+from trainer.config import ConfigError
+from trainer.identify.estimate import Starts, estimate
+from trainer.identify.filtered import REJECTED, limits_of, run_filter
+from trainer.identify.likelihood import Likelihood
+from trainer.identify.minimise import Cost, Found, Search
+from trainer.identify.models import MODELS, Plant, Ship
+from trainer.identify.nomoto import Numbers
+from trainer.identify.predictor import Innovations, MultiStep, no_gain, settled_gain
+from trainer.identify.problem import Problem, problem_of
+from trainer.identify.record import Record
+from trainer.identify.samples import samples_of
+from trainer.identify.spread import Spread, propagated
+from trainer.identify.starting import free_names, start_values
+from trainer.identify.steering import Steering, steering
+from trainer.identify.study_file import Study, speed_of
+from trainer.identify.study_records import ModelTable
+from trainer.identify.told import quantities, quantity_names
+from trainer.identify.uncertainty import Uncertainty, hessian, inseparable, uncertainty
+from trainer.vessel_file import load_vessel
+
+METHODS: Final = {"scoring": "auto", "bfgs": "bfgs", "direct": "powell"}
+STEPS: Final = 200
+SCREENINGS: Final = 4  # rounds of fitting and rejecting
+UNMODELLED: Final = {  # noise models do not have these: the errors' covariance is concentrated out
+    "output-error": ("R1", "R2"),
+    "innovations": ("R2_psi", "R2_v1", "R2_v"),
+}
+
+
+@dataclass(frozen=True, eq=False)
+class Fitted:
+    """A model fitted to a record."""
+
+    study: Study
+    record: Record
+    ship: Steering | None  # of the vessel file, if there is one
+    problem: Problem
+    cost: Cost
+    found: Found
+    known: Uncertainty
+    told: Spread  # of the quantities
+    quantity_names: tuple[str, ...]
+
+    @property
+    def values(self) -> Numbers:
+        """Return all parameters (n,)."""
+        return self.problem.whole(self.found.theta)
+
+    @property
+    def log_likelihood(self) -> float:
+        """Return log L [-]."""
+        return -self.found.cost
+
+
+def posed(study: Study, record: Record) -> tuple[Problem, Steering | None]:
+    """Return the problem of a study, and the ship of its vessel file.
+
+    ConfigError for what it lacks, and naming the parameters that the record cannot separate.
+    """
+    table = study.model
+    if table is None or study.ship is None:
+        raise ConfigError(f"{study.path.name}: lacks [model]: say --model and --length or --vessel")
+    speed = speed_of(study, record)
+    ship = Ship(
+        study.ship.length_m, speed, study.ship.bow_log_m or 0.0, study.ship.stern_log_m or 0.0
+    )
+    plant = Plant(MODELS[table.kind], ship, table.outputs, record.interval)
+    vessel = study.ship.vessel
+    own = steering(load_vessel(vessel), speed) if vessel else None
+    values = start_values(plant, record, own.prime if own else {}, study.parameters)
+    dropped = UNMODELLED.get(table.noise or "", ())
+    asked = {row.name for row in study.parameters if row.free == "yes"}
+    free = [
+        name
+        for name in free_names(plant, study.parameters)
+        if name in asked or not name.startswith(dropped) or not dropped
+    ]
+    sampling = table.measurement or "instantaneous"
+    samples = samples_of(record, table.outputs)
+    problem = problem_of(plant, samples, values, free)
+    scale = [_scale(study, plant, place) for place in problem.free]
+    problem = Problem(plant, samples, values, problem.free, np.array(scale), sampling)
+    groups = inseparable(problem) if not dropped else ()
+    if groups:
+        told = "; ".join(" with ".join(group) for group in groups)
+        raise ConfigError(
+            f"{study.path.name}: this record cannot separate {told}: "
+            'fix one of each, free = "no"'
+        )
+    return problem, own
+
+
+def _scale(study: Study, plant: Plant, place: int) -> float:
+    """Return the scale of a parameter."""
+    for row in study.parameters:
+        if row.scale is not None and plant.model.place(row.name) == place:
+            return row.scale
+    return 1.0
+
+
+def cost_of(problem: Problem, table: ModelTable) -> Cost:
+    """Return what the study wants minimised; ConfigError for what does not go together."""
+    noise = table.noise or "covariance"
+    steps = int(table.predict_from or 1), int(table.predict_to or 1)
+    if noise != "covariance":
+        if steps != (1, 1):
+            raise ConfigError(f"predict_to goes with noise covariance, not with {noise}")
+        return Innovations(problem, no_gain if noise == "output-error" else settled_gain)
+    if steps[1] < steps[0]:
+        raise ConfigError(f"predict_to = {steps[1]}: must be at least predict_from = {steps[0]}")
+    return Likelihood(problem) if steps == (1, 1) else MultiStep(problem, *steps)
+
+
+def fit(study: Study, record: Record, heard: Callable[[Found], None]) -> Fitted:
+    """Return the model of a study fitted to its record; each step is told to ``heard``.
+
+    ConfigError if it cannot be posed, or the start is no model.
+    """
+    problem, own = posed(study, record)
+    table = study.model
+    assert table is not None  # noqa: S101 - posed has refused it
+    cost = cost_of(problem, table)
+    search = Search(STEPS, heard)
+    method = METHODS[table.method or "scoring"]
+    starts = Starts(restarts=int(table.restarts or 0))
+    found = estimate(cost, problem.start, method, search, starts)
+    for _ in range(SCREENINGS if table.reject else 0):
+        problem, more = screened(problem, found.theta, table.reject or 0.0)
+        if not more:
+            break
+        cost = cost_of(problem, table)
+        found = estimate(cost, found.theta, method, search)
+    known = _known(cost, found.theta)
+    model, ship = problem.plant.model, problem.plant.ship
+    told = propagated(
+        lambda theta: quantities(model, problem.whole(theta), ship),
+        found.theta,
+        np.nan_to_num(known.covariance, nan=0.0),
+    )
+    if np.isnan(known.covariance).any():
+        told = Spread(told.values, np.full_like(told.covariance, math.nan))
+    return Fitted(study, record, own, problem, cost, found, known, told, quantity_names(model))
+
+
+def screened(problem: Problem, theta: Numbers, probability: float) -> tuple[Problem, int]:
+    """Return the problem without the samples that are improbable, and how many these are."""
+    samples = problem.samples
+    filtered = run_filter(problem, theta, limits_of(probability, samples.outputs.shape[1]))
+    rejected = filtered.status == REJECTED
+    return problem.on(samples.without(rejected)), int(np.count_nonzero(rejected))
+
+
+def _known(cost: Cost, theta: Numbers) -> Uncertainty:
+    """Return what is known of the parameters: by the Hessian, or where that fails by information.
+
+    A variance at nothing makes the Hessian indefinite.
+    """
+    names = cost.problem.names
+    by_hessian = uncertainty(names, hessian(cost, theta))
+    if not np.isnan(by_hessian.covariance).any():
+        return by_hessian
+    return uncertainty(names, cost.information(theta))
+
+
+def settings(table: ModelTable) -> dict[str, Any]:
+    """Return what was asked of the model, defaults filled in."""
+    return {
+        "noise": table.noise or "covariance",
+        "measurement": table.measurement or "instantaneous",
+        "method": table.method or "scoring",
+        "system": table.system or "prime",
+    }

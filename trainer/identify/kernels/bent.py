@@ -1,0 +1,51 @@
+"""Steering with a bent spiral curve (MI 12).
+
+T1 T2 r'' + (T1 + T2) r' + H(r) = K (delta + T3 delta'), H(r) = r - kappa K |r| r. Complex, so that an imaginary step carries a derivative.
+"""
+
+import numpy as np
+
+from trainer.core.kernel import Numbers, kernel
+from trainer.identify.kernels.sampling import Complexes
+from trainer.identify.kernels.ship_models import magnitude
+
+
+@kernel
+def bent_rates(ship: Complexes, delta: float, s: Complexes, out: Complexes) -> None:
+    """Write d(z, r, psi)/dt; ``ship`` is K, T1, T2, T3, kappa, residual helm, SI."""
+    K, T1, T2, T3, kappa = ship[0], ship[1], ship[2], ship[3], ship[4]
+    r = s[1]
+    helm = delta - ship[5]
+    out[0] = K * helm - r + kappa * K * magnitude(r) * r
+    out[1] = (s[0] - (T1 + T2) * r + K * T3 * helm) / (T1 * T2)
+    out[2] = r
+
+
+@kernel
+def run_bent(
+    ship: Complexes, start: Complexes, rudder: Numbers, step: float, parts: int, out: Complexes
+) -> None:
+    """Write (z, r, psi) at each sample (n, 3), by Runge and Kutta with ``parts`` steps between.
+
+    ``rudder`` (n,) [rad] is held from each sample to the next, ``step`` [s] away.
+    """
+    s, stage = start.copy(), np.empty(3, np.complex128)
+    rate, slope = np.empty(3, np.complex128), np.empty(3, np.complex128)
+    h = step / parts
+    weights = (1.0, 2.0, 2.0, 1.0)
+    reach = (0.0, 0.5, 0.5, 1.0)
+    for k in range(rudder.size):
+        for i in range(3):
+            out[k, i] = s[i]
+        for _ in range(parts):
+            for i in range(3):
+                slope[i] = 0j
+                rate[i] = 0j
+            for turn in range(4):
+                for i in range(3):
+                    stage[i] = s[i] + reach[turn] * h * rate[i]
+                bent_rates(ship, rudder[k], stage, rate)
+                for i in range(3):
+                    slope[i] += weights[turn] * rate[i]
+            for i in range(3):
+                s[i] += h / 6.0 * slope[i]

@@ -1,0 +1,258 @@
+"""Minimisers of a cost: scoring, quasi-Newton with the exact gradient, and one without gradients.
+
+They move in coordinates where a variance is its logarithm, so that it stays positive and its
+end at nothing is far away; everything else moves as it is.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+from typing import Any, Final, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from trainer.config import ConfigError
+from trainer.identify.problem import Problem
+
+Numbers = NDArray[np.float64]
+
+CLOSE: Final = 1e-8  # [-] of cost: what a quadratic model may still promise at the minimum
+LONGEST: Final = 2.0  # [-] step of a logarithm
+STIFFEST: Final = 1e12  # damping beyond which no step gets smaller
+
+
+class Cost(Protocol):
+    """What is minimised: minus a log-likelihood of a problem."""
+
+    @property
+    def problem(self) -> Problem:
+        """Return whose parameters these are."""
+
+    def value(self, theta: Numbers) -> float:
+        """Return the cost [-], infinite where the model is impossible."""
+
+    def slope(self, theta: Numbers) -> tuple[float, Numbers]:
+        """Return the cost [-] and its gradient (f,)."""
+
+    def information(self, theta: Numbers) -> Numbers:
+        """Return the expected second derivatives (f, f)."""
+
+
+@dataclass(frozen=True)
+class Found:
+    """Where a minimiser got to; ``converged`` if no model of the cost promises more."""
+
+    theta: Numbers
+    cost: float
+    steps: int
+    converged: bool
+
+
+Progress = Callable[[Found], None]
+
+
+def unheard(found: Found) -> None:
+    """Take the news and do nothing."""
+    del found
+
+
+@dataclass(frozen=True)
+class Search:
+    """How long to search, and who is told of each step."""
+
+    most: int = 100  # steps
+    progress: Progress = field(default=unheard)
+
+
+@dataclass(frozen=True, eq=False)
+class Stretched:
+    """A cost in coordinates eta: logarithms of the variances, the others by their own spread."""
+
+    cost: Cost
+    origin: Numbers  # (f,) theta at eta = 0
+
+    @property
+    def logarithmic(self) -> NDArray[np.bool_]:
+        """Return which parameters are variances (f,)."""
+        return np.array([kind == "variance" for kind in self.cost.problem.kinds], bool)
+
+    def theta(self, eta: Numbers) -> Numbers:
+        """Return the parameters at ``eta``."""
+        bounded = np.clip(np.where(self.logarithmic, eta, 0.0), -600.0, 600.0)
+        return np.where(self.logarithmic, self.origin * np.exp(bounded), self.origin + eta)
+
+    def rates(self, eta: Numbers) -> Numbers:
+        """Return d theta/d eta (f,)."""
+        return np.where(self.logarithmic, self.theta(eta), 1.0)
+
+    def slope(self, eta: Numbers) -> tuple[float, Numbers]:
+        """Return cost and gradient by eta."""
+        cost, gradient = self.cost.slope(self.theta(eta))
+        return cost, gradient * self.rates(eta)
+
+    def information(self, eta: Numbers) -> Numbers:
+        """Return the information by eta."""
+        rates = self.rates(eta)
+        return self.cost.information(self.theta(eta)) * np.outer(rates, rates)
+
+    def shortened(self, step: Numbers) -> Numbers:
+        """Return ``step`` no longer than a variance may change at once."""
+        longest = float(np.max(np.abs(step[self.logarithmic]), initial=0.0))
+        return step * min(1.0, LONGEST / longest) if longest > 0.0 else step
+
+
+def stretched(cost: Cost, theta: Numbers) -> Stretched:
+    """Return ``cost`` about ``theta``; ConfigError for a free variance that starts at zero."""
+    found = Stretched(cost, theta.copy())
+    for name, value in zip(cost.problem.names, theta, strict=True):
+        if value == 0.0 and found.logarithmic[cost.problem.names.index(name)]:
+            raise ConfigError(f"{name}: a free variance cannot start at 0; give its usual size")
+    return found
+
+
+def _solved(matrix: Numbers, damping: float, gradient: Numbers) -> Numbers:
+    """Return -(matrix + damping diag)^-1 gradient, scaled by the diagonal; zero where that is."""
+    width = np.sqrt(np.maximum(np.diag(matrix), 0.0))
+    width[width == 0.0] = np.inf
+    scaled = matrix / np.outer(width, width) + damping * np.eye(len(width))
+    scaled[np.isinf(width), np.isinf(width)] = 1.0
+    step = np.linalg.lstsq(scaled, -gradient / width, rcond=1e-13)[0]
+    return np.asarray(step / width)
+
+
+def scoring(cost: Cost, theta: Numbers, search: Search) -> Found:
+    """Return the minimum by damped Gauss-Newton steps with the expected information."""
+    problem = stretched(cost, theta)
+    eta, damping = np.zeros(len(theta)), 1e-3
+    value, gradient = problem.slope(eta)
+    found = Found(theta, value, 0, converged=False)
+    if not np.isfinite(value):
+        return found
+    information = problem.information(eta)
+    for step in range(1, search.most + 1):
+        if not np.isfinite(information).all():
+            return found
+        if -0.5 * float(gradient @ _solved(information, 1e-9, gradient)) < CLOSE:
+            return replace(found, converged=True)
+        moved, damping = _damped(problem, eta, (value, gradient, information), damping)
+        if moved is None:
+            return found
+        eta = moved
+        value, gradient = problem.slope(eta)
+        information = problem.information(eta)
+        found = Found(problem.theta(eta), value, step, converged=False)
+        search.progress(found)
+    return found
+
+
+def _damped(
+    problem: Stretched, eta: Numbers, quadratic: tuple[float, Numbers, Numbers], damping: float
+) -> tuple[Numbers | None, float]:
+    """Return the next eta and damping, more damping until the cost falls; None if it never does."""
+    value, gradient, information = quadratic
+    while damping < STIFFEST:
+        step = problem.shortened(_solved(information, damping, gradient))
+        promised = -float(gradient @ step + 0.5 * step @ information @ step)
+        gained = value - problem.cost.value(problem.theta(eta + step))
+        if promised > 0.0 and gained > 1e-4 * promised:
+            return eta + step, damping * (0.1 if gained > 0.5 * promised else 1.0)
+        damping = max(10.0 * damping, 1e-6)
+    return None, damping
+
+
+def bfgs(cost: Cost, theta: Numbers, search: Search) -> Found:
+    """Return the minimum by quasi-Newton steps (BFGS), begun with the information there."""
+    problem = stretched(cost, theta)
+    eta = np.zeros(len(theta))
+    value, gradient = problem.slope(eta)
+    found = Found(theta, value, 0, converged=False)
+    if not np.isfinite(value):
+        return found
+    inverse, fresh = _metric(problem, eta), True
+    for step in range(1, search.most + 1):
+        direction = problem.shortened(-inverse @ gradient)
+        promised = -0.5 * float(gradient @ direction)
+        length, after, slope = _line(problem, eta, (value, gradient), direction)
+        moved = length * direction
+        gained = value - after
+        if length == 0.0 or gained < CLOSE > promised:
+            if fresh:
+                return replace(found, converged=promised < np.sqrt(CLOSE))
+            inverse, fresh = _metric(problem, eta), True
+            continue
+        inverse, fresh = _updated(inverse, moved, slope - gradient), False
+        eta, value, gradient = eta + moved, after, slope
+        found = Found(problem.theta(eta), value, step, converged=False)
+        search.progress(found)
+    return found
+
+
+def _metric(problem: Stretched, eta: Numbers) -> Numbers:
+    """Return an inverse of the information, or of its diagonal where that fails."""
+    information = problem.information(eta)
+    if not np.isfinite(information).all():
+        return np.eye(len(eta))
+    columns = [-_solved(information, 1e-6, unit) for unit in np.eye(len(eta))]
+    inverse = np.column_stack(columns)
+    return 0.5 * (inverse + inverse.T)
+
+
+def _line(
+    problem: Stretched, eta: Numbers, here: tuple[float, Numbers], direction: Numbers
+) -> tuple[float, float, Numbers]:
+    """Return how far to go along ``direction`` [-], cost and gradient there (Wolfe's conditions).
+
+    0 if no length lowers the cost.
+    """
+    value, gradient = here
+    downhill = float(gradient @ direction)
+    low, high, length = 0.0, np.inf, 1.0
+    best = 0.0, value, gradient
+    for _ in range(30):
+        after, slope = problem.slope(eta + length * direction)
+        if not after <= value + 1e-4 * length * downhill:
+            high = length
+        else:
+            best = length, after, slope
+            if float(slope @ direction) >= 0.9 * downhill:
+                break
+            low = length
+        length = 2.0 * length if np.isinf(high) else 0.5 * (low + high)
+    return best
+
+
+def _updated(inverse: Numbers, s: Numbers, y: Numbers) -> Numbers:
+    """Return the BFGS update of an inverse for a step ``s`` that changed the gradient by ``y``."""
+    curvature = float(s @ y)
+    if curvature <= 1e-12 * float(np.linalg.norm(s) * np.linalg.norm(y)):
+        return inverse
+    left = np.eye(len(s)) - np.outer(s, y) / curvature
+    return np.asarray(left @ inverse @ left.T + np.outer(s, s) / curvature)
+
+
+def powell(cost: Cost, theta: Numbers, search: Search) -> Found:
+    """Return the minimum by Powell's directions, no gradient used; needs scipy.
+
+    Each coordinate is measured by its own standard deviation at the start where that is known.
+    """
+    try:
+        from scipy.optimize import minimize  # noqa: PLC0415 - an extra, imported on use
+    except ImportError:
+        raise ConfigError("powell needs scipy: pip install 'submarine-trainer[identify]'") from None
+    problem = stretched(cost, theta)
+    diagonal = np.diag(problem.information(np.zeros(len(theta))))
+    known = np.isfinite(diagonal) & (diagonal > 0.0)
+    width = np.where(known, 1.0 / np.sqrt(np.where(known, diagonal, 1.0)), 1.0)
+
+    def value(x: Numbers) -> float:
+        return min(cost.value(problem.theta(x * width)), 1e300)
+
+    def told(x: Numbers) -> None:
+        search.progress(Found(problem.theta(x * width), value(x), 0, converged=False))
+
+    options = {"maxiter": search.most, "xtol": 1e-4, "ftol": 1e-12}
+    result: Any = minimize(
+        value, np.zeros(len(theta)), method="Powell", callback=told, options=options
+    )
+    eta = np.atleast_1d(result.x) * width
+    return Found(problem.theta(eta), float(result.fun), int(result.nit), bool(result.success))

@@ -1,0 +1,110 @@
+"""How well the parameters are known, and which of them the data cannot separate (MI 3.7, 8.3)."""
+
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from trainer.identify.likelihood import Likelihood
+from trainer.identify.minimise import Cost
+from trainer.identify.problem import Problem
+
+Numbers = NDArray[np.float64]
+
+FLAT: Final = 1e-10  # [-] eigenvalue of the information scaled to a unit diagonal
+PART: Final = 1e-3  # [-] share of a flat direction from which on a parameter belongs to it
+
+
+@dataclass(frozen=True)
+class Uncertainty:
+    """Covariance of the estimates and the eigenvalues of what it is the inverse of.
+
+    ``curvature`` (f, f) is that matrix; the eigenvalues are of it scaled to a unit diagonal,
+    smallest first, ``directions`` (f, f) their vectors in columns. Where it is singular or
+    indefinite ``covariance`` is not a number and ``flat`` names what cannot be separated.
+    """
+
+    names: tuple[str, ...]
+    curvature: Numbers
+    covariance: Numbers
+    eigenvalues: Numbers
+    directions: Numbers
+    flat: tuple[tuple[str, ...], ...]
+
+    @property
+    def deviations(self) -> Numbers:
+        """Return the standard deviations (f,)."""
+        return np.sqrt(np.diag(self.covariance))
+
+    @property
+    def correlations(self) -> Numbers:
+        """Return the correlations of the estimates (f, f)."""
+        return self.covariance / np.outer(self.deviations, self.deviations)
+
+
+def uncertainty(names: tuple[str, ...], curvature: Numbers) -> Uncertainty:
+    """Return what the second derivatives of a cost (f, f) say about its parameters."""
+    width = np.sqrt(np.abs(np.diag(curvature)))
+    unit = np.where(width > 0.0, width, 1.0)
+    scaled = curvature / np.outer(unit, unit)
+    eigenvalues, directions = np.linalg.eigh(0.5 * (scaled + scaled.T))
+    covariance = np.full_like(curvature, np.nan)
+    if eigenvalues[0] > FLAT:
+        covariance = (directions / eigenvalues) @ directions.T / np.outer(unit, unit)
+    flat = _groups(names, directions[:, eigenvalues <= FLAT])
+    return Uncertainty(names, curvature, covariance, eigenvalues, directions, flat)
+
+
+def _groups(names: tuple[str, ...], directions: Numbers) -> tuple[tuple[str, ...], ...]:
+    """Return the parameters of each flat direction, directions that share any taken together."""
+    if directions.shape[1] == 0:
+        return ()
+    projector = directions @ directions.T  # what of each parameter's motion is flat
+    linked = np.abs(projector) > PART * np.max(np.abs(projector), axis=1, keepdims=True)
+    members = np.diag(projector) > PART**2
+    groups: list[set[int]] = []
+    for place in map(int, np.flatnonzero(members)):
+        new = {place, *map(int, np.flatnonzero(linked[place] & members))}
+        for old in [group for group in groups if group & new]:
+            groups.remove(old)
+            new |= old
+        groups.append(new)
+    return tuple(tuple(names[i] for i in sorted(group)) for group in sorted(groups, key=min))
+
+
+def inseparable(problem: Problem) -> tuple[tuple[str, ...], ...]:
+    """Return groups of free parameters that the samples cannot separate, before any fitting.
+
+    One name alone is a parameter without any effect. By the information at the start values; and
+    where P(t0) is free together with x(t0): one record cannot tell both.
+    """
+    information = Likelihood(problem).information(problem.start)
+    return (*_together(problem), *uncertainty(problem.names, information).flat)
+
+
+def _together(problem: Problem) -> tuple[tuple[str, ...], ...]:
+    """Return initial states and variances of the same state that are both free."""
+    model, free = problem.plant.model, set(problem.free)
+    return tuple(
+        (model.names[model.start + i], model.names[model.start_covariance + i])
+        for i in range(model.states)
+        if {model.start + i, model.start_covariance + i} <= free
+    )
+
+
+def hessian(cost: Cost, theta: Numbers) -> Numbers:
+    """Return the second derivatives of ``cost`` (f, f): differences of its exact gradient.
+
+    Steps are 1/1000 of what each parameter alone is known to.
+    """
+    size = np.diag(cost.information(theta))
+    steps = 1e-3 / np.sqrt(np.maximum(size, 1e-300))
+    columns = []
+    for i, step in enumerate(steps):
+        aside = np.zeros_like(theta)
+        aside[i] = step
+        plus, minus = cost.slope(theta + aside)[1], cost.slope(theta - aside)[1]
+        columns.append((plus - minus) / (2.0 * step))
+    found = np.column_stack(columns)
+    return np.asarray(0.5 * (found + found.T))
