@@ -480,7 +480,7 @@ def test_a_chart_forgets_what_lies_after_a_moment_gone_back_to() -> None:
 
 
 def test_a_chart_shows_round_limits_about_all_there_is() -> None:
-    for values_ in ([60.0, 80.0], [0.0, 0.0], [-359.0, 12.0], [1e4, 1e4 + 1.0]):
+    for values_ in ([60.0, 80.0], [50.0, 68.0], [0.0, 0.0], [-359.0, 12.0], [1e4, 1e4 + 1.0]):
         low, high = limits(values_, 4.0)
         assert low <= min(values_) <= max(values_) <= high
         assert high - low >= 4.0

@@ -174,6 +174,10 @@ def test_published_results_stand_beside_ours(book: Book, page: str) -> None:
     assert all(value is not None for value, _ in ours.values())
     decay = [pair for (title, name), pair in ours.items() if "decay" in title and "amp" in name]
     assert len(decay) == 5
+    peaks = [
+        pair for (title, name), pair in ours.items() if "10 kn, sail" in title and "pe" in name
+    ]
+    assert peaks[0][0] == pytest.approx(11.8, rel=0.02)  # degrees, as published
     for value, published in decay:
         assert value == pytest.approx(published, rel=0.07)
     for title in (one.trial.title for one in book.guide.trials):

@@ -126,7 +126,9 @@ def test_white_residuals_pass_and_coloured_ones_are_told():
     coloured = white + 0.5 * np.roll(white, 1)
     assert "not white" in verdicts(examine_residuals("r", coloured, rudder))[0]
     driven = white + 0.5 * np.roll(rudder, 2)
-    assert any("follow the rudder" in text for text in verdicts(examine_residuals("r", driven, rudder)))
+    assert any(
+        "follow the rudder" in text for text in verdicts(examine_residuals("r", driven, rudder))
+    )
     steered = rudder + 0.5 * np.roll(white, 2)
     found = verdicts(examine_residuals("r", white, steered))
     assert found == ["r: the rudder follows the residuals: the record is of a closed loop"]

@@ -22,9 +22,7 @@ from trainer.identify.decca_file import load_decca, load_readings
 from trainer.identify.deccon import sail, write_track
 from trainer.identify.sway import SPENCER, derivative, even_interval, smoothed, sway_of_track
 
-CASES = json.loads(
-    (Path(__file__).parent / "data" / "identification" / "decca.json").read_text()
-)
+CASES = json.loads((Path(__file__).parent / "data" / "identification" / "decca.json").read_text())
 CHAIN = {
     colour: Slave(Point(*place), CASES["chain"]["lane_width"][colour])
     for colour, place in CASES["chain"]["slaves"].items()
@@ -96,8 +94,10 @@ def test_stations_in_a_line_give_no_fix():
 
 def test_a_track_takes_the_nearer_of_two_places_and_the_colours_that_cross_best():
     near = Point(-49722.1, -31582.7)
-    readings = [{c: lane_at(s, Point(near.x + 50.0 * i, near.y)) for c, s in CHAIN.items()}
-                for i in range(5)]
+    readings = [
+        {c: lane_at(s, Point(near.x + 50.0 * i, near.y)) for c, s in CHAIN.items()}
+        for i in range(5)
+    ]
     found = track(CHAIN, readings, near)
     for i, fix in enumerate(found):
         assert math.dist(fix.place, (near.x + 50.0 * i, near.y)) < 1e-3

@@ -205,7 +205,9 @@ def test_a_column_that_is_not_there_is_named_with_the_nearest(tmp_path):
 
 def test_a_unit_of_another_quantity_is_refused(tmp_path):
     text = STUDY.replace('unit = "deg/min"', 'unit = "kn"')
-    with pytest.raises(ConfigError, match=r"columns\[2\]\] yaw_rate: unit \"kn\": must be rad/s or"):
+    with pytest.raises(
+        ConfigError, match=r"columns\[2\]\] yaw_rate: unit \"kn\": must be rad/s or"
+    ):
         observed(tmp_path, table(), text)
     with pytest.raises(ConfigError, match="must be s or ms"):
         factor("t", "fortnight")

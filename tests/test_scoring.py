@@ -154,7 +154,7 @@ def test_limits_are_passed_for_as_long_as_they_are() -> None:
 
 def test_an_answer_is_the_crews_next_order_after_the_onset() -> None:
     given = [
-        order(1, 0, "bow planes dive 5"),
+        order(1, 1, "bow planes dive 5"),  # at the tick, before it
         order(2, 1, "casualty stern-stuck", "schedule"),
         order(3, 2, "clear stern-stuck", "instructor at console"),
         order(4, 4, "bell astern full"),
@@ -166,6 +166,12 @@ def test_an_answer_is_the_crews_next_order_after_the_onset() -> None:
     assert taken(went, **jam, orders=["bow"]) == (2.0, 5)
     assert attain(went, rule(**jam, orders=["blow"])).why == "it was not answered"
     assert attain(passage(), rule(**jam)).counts is False
+
+
+def test_in_a_freeze_an_answer_comes_at_the_tick_of_the_casualty_itself() -> None:
+    given = [order(1, 1, "casualty stern-stuck", "instructor at x"), order(2, 1, "bell stop")]
+    went = passage(orders=given, jam=[0, 0, 1, 1])
+    assert taken(went, measure="response", casualty="stern-stuck") == (0.0, 1)
 
 
 def test_air_is_the_least_share_of_what_the_banks_hold_full() -> None:

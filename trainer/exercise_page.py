@@ -10,14 +10,12 @@ from typing import Final
 import click
 
 from trainer.boat import Boat
-from trainer.config import ConfigError, Place, read_text, shipped
+from trainer.config import ConfigError, read_text, shipped
 from trainer.exercise_file import parse_exercise
-from trainer.exercise_records import Heading
 from trainer.fitout import KNOT
 from trainer.measure_table import formula_of
 from trainer.passage import lacks
 from trainer.plan import Plan
-from trainer.schema import kind_of
 
 SKELETON: Final = "exercise-skeleton"
 NAMED: Final = re.compile(r'^name = "[^"]*"', re.MULTILINE)
@@ -27,8 +25,6 @@ def write_new(path: Path, name: str | None) -> None:
     """Write a valid exercise to begin with; ConfigError if the file is there or cannot be made."""
     text = read_text(shipped("", SKELETON))
     if name is not None:
-        kind = next(kind_of(item) for item in fields(Heading) if item.name == "name")
-        kind.read("name", name, Place(path.name, ""))
         text = NAMED.sub(lambda _: f"name = {json.dumps(name, ensure_ascii=False)}", text, count=1)
     parse_exercise(text, path)
     try:

@@ -138,7 +138,7 @@ def guide(vessel: str, **options: Any) -> None:
         click.echo(json.dumps({**now, **told}, indent=1))
     else:
         click.echo(summary.render(book.guide, moves))
-    sys.exit(0)
+    sys.exit(0 if book.guide.passed else 1)
 
 
 def written(file: Any, made: str, cores: int | None) -> Any:

@@ -62,6 +62,7 @@ sequence_options = together(
 @click.command()
 @click.argument("vessel")
 @click.option("--speed", type=AHEAD, default=None, metavar="KN", help="[default: the vessel's]")
+@click.option("--depth", type=POSITIVE, default=None, help="Metres. [default: the vessel's]")
 @sequence_options
 @click.option("--interval", type=POSITIVE, default=None, help="Seconds between samples.")
 @click.option(
@@ -158,6 +159,7 @@ model_options = together(
         default=None,
         help="Minimiser. [default: scoring, by BFGS where it gets no further]",
     ),
+    click.option("--exact", is_flag=True, help="Add no sensor noise to a recording's exact state."),
     click.option("--every", type=click.IntRange(1, 1000), default=None, help="Thin the record."),
     click.option("--from", "begin", type=Number(), default=None, help="First second."),
     click.option("--to", "end", type=Number(), default=None, help="Last second."),

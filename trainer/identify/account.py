@@ -11,14 +11,10 @@ import numpy as np
 from trainer.config import ConfigError
 from trainer.fitout import KNOT
 from trainer.identify.filtered import COUNTED, Filtered, run_filter
-from trainer.identify.findings import examine, unwrapped
 from trainer.identify.fitting import Fitted, fit, settings
-from trainer.identify.nomoto import froude, scale
+from trainer.identify.prediction import Check, check_of, loss_alone
 from trainer.identify.predictor import Innovations
 from trainer.identify.residuals import Residuals, examine_residuals, verdicts
-from trainer.identify.samples import samples_of
-from trainer.identify.simulate import deterministic
-from trainer.identify.sources import load_record, own_columns
 from trainer.identify.study_file import Study, observe
 from trainer.identify.tests_of_order import aic_of_likelihood
 from trainer.identify.told import DERIVATIVES, QUANTITIES
@@ -44,17 +40,6 @@ class Derivative:
     prime: float | None
     bis: float | None
     deviation: float | None  # in the study's system
-
-
-@dataclass(frozen=True)
-class Check:
-    """How well a record is predicted by rudder alone, from its first sample."""
-
-    source: str
-    outputs: tuple[str, ...]
-    rms: tuple[float, ...]  # of the model's error [kn, deg]
-    share: tuple[float, ...]  # [-] of the output's own rms about its mean
-    own: tuple[float, ...]  # [-] the same for the record fitted
 
 
 @dataclass(frozen=True)
@@ -123,8 +108,8 @@ def report_of(fitted: Fitted, findings: tuple[str, ...], check: Path | None) -> 
         log_likelihood=fitted.log_likelihood,
         aic=aic_of_likelihood(fitted.log_likelihood, len(problem.free)),
         loss_1=filtered.loss_1(),
-        loss_1_alone=_alone(fitted),
-        screened=len(fitted.record.t) - fitted.record_counted - problem.samples.counted,
+        loss_1_alone=loss_alone(fitted),
+        screened=fitted.rejected,
         parameters=_parameters(fitted),
         ship=_ship(fitted),
         derivatives=_derivatives(fitted),
@@ -234,62 +219,3 @@ def _residuals(fitted: Fitted, filtered: Filtered) -> tuple[Residuals, ...]:
         for i, name in outputs
         if np.count_nonzero(~np.isnan(filtered.standardised[:, i])) >= 2 * lags + 2
     )
-
-
-def alone(fitted: Fitted) -> Any:
-    """Return the outputs (n, y) of the model by rudder alone, from its initial state."""
-    states = fitted.problem.plant.model.states
-    return deterministic(fitted.problem, fitted.found.theta)[:, states:]
-
-
-def _alone(fitted: Fitted) -> float:
-    left = fitted.problem.samples.outputs - alone(fitted)
-    whole = left[~np.isnan(left).any(axis=1)]
-    return float(np.linalg.slogdet(whole.T @ whole)[1]) / len(whole)
-
-
-def check_of(fitted: Fitted, path: Path) -> Check:
-    """Return how well another record of the same columns is predicted; ConfigError if it cannot.
-
-    The model starts from that record's own first readings.
-    """
-    study, plant = fitted.study, fitted.problem.plant
-    record = load_record(path, study.columns or own_columns())
-    if study.heading.positive_rudder == "starboard" and record.rudder is not None:
-        record = record.turned()
-    examine(record)
-    record = unwrapped(record).every(int(study.heading.every or 1))
-    samples = samples_of(record, plant.outputs)
-    values = fitted.values
-    model, first = plant.model, dict(zip(plant.outputs, samples.outputs[0], strict=True))
-    starts = {"sway": 0, "yaw_rate": 1, "heading": 2} if model.name == "1" else {}
-    for channel, place in starts.items():
-        if channel in first:
-            values[model.start + place] = first[channel]
-    problem = fitted.problem.on(samples)
-    problem = problem.holding(values) if hasattr(problem, "holding") else problem
-    there = deterministic(problem, values[list(problem.free)] / problem.scale)
-    left = samples.outputs - there[:, model.states :]
-    rms = np.sqrt(np.nanmean(left**2, axis=0))
-    share = rms / np.maximum(np.nanstd(samples.outputs, axis=0), 1e-300)
-    own = fitted.problem.samples.outputs
-    fitted_rms = np.sqrt(np.nanmean((own - alone(fitted)) ** 2, axis=0))
-    return Check(
-        source=str(path),
-        outputs=plant.outputs,
-        rms=tuple(map(float, rms)),
-        share=tuple(map(float, share)),
-        own=tuple(map(float, fitted_rms / np.maximum(np.nanstd(own, axis=0), 1e-300))),
-    )
-
-
-def in_systems(fitted: Fitted) -> dict[str, dict[str, float]]:
-    """Return K, T1 ... in prime and bis units, by system (3.6)."""
-    ship = fitted.problem.plant.ship
-    told = dict(zip(fitted.quantity_names, map(float, fitted.told.values), strict=True))
-    found = {}
-    for system in ("prime", "bis"):
-        unit = scale(system, ship.length, ship.speed)
-        powers = {"1/s": unit.time, "s": 1.0 / unit.time, "m/s": 1.0 / unit.speed}
-        found[system] = {name: told[name] * powers[QUANTITIES[name]] for name in QUANTITIES}
-    return found | {"Froude": {"F_nL": froude(ship.length, ship.speed)}}

@@ -20,6 +20,8 @@ def study_of(file: Path, options: dict[str, Any]) -> Study:
     """
     study = load_study(file) if file.suffix == ".toml" else plain_study(file)
     study = replace(study, heading=_heading(study.heading, options))
+    if options["exact"]:
+        study = replace(study, sensors=None)
     ship = _ship(study, options)
     if options["armax"]:
         return replace(study, ship=ship, armax=_armax(study, options))

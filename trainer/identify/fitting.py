@@ -49,6 +49,7 @@ class Fitted:
     known: Uncertainty
     told: Spread  # of the quantities
     quantity_names: tuple[str, ...]
+    rejected: int  # samples screened out
 
     @property
     def values(self) -> Numbers:
@@ -133,8 +134,10 @@ def fit(study: Study, record: Record, heard: Callable[[Found], None]) -> Fitted:
     method = METHODS[table.method or "scoring"]
     starts = Starts(restarts=int(table.restarts or 0))
     found = estimate(cost, problem.start, method, search, starts)
+    rejected = 0
     for _ in range(SCREENINGS if table.reject else 0):
         problem, more = screened(problem, found.theta, table.reject or 0.0)
+        rejected += more
         if not more:
             break
         cost = cost_of(problem, table)
@@ -148,7 +151,18 @@ def fit(study: Study, record: Record, heard: Callable[[Found], None]) -> Fitted:
     )
     if np.isnan(known.covariance).any():
         told = Spread(told.values, np.full_like(told.covariance, math.nan))
-    return Fitted(study, record, own, problem, cost, found, known, told, quantity_names(model))
+    return Fitted(
+        study=study,
+        record=record,
+        ship=own,
+        problem=problem,
+        cost=cost,
+        found=found,
+        known=known,
+        told=told,
+        quantity_names=quantity_names(model),
+        rejected=rejected,
+    )
 
 
 def screened(problem: Problem, theta: Numbers, probability: float) -> tuple[Problem, int]:

@@ -21,8 +21,9 @@ from trainer.identify.experiment import (
     zigzag_told,
 )
 from trainer.identify.nomoto import Nomoto
-from trainer.identify.prospect import Prospect, Sensors, prospect
+from trainer.identify.prospect import Prospect, Reading, prospect
 from trainer.identify.record import Record
+from trainer.identify.sensors import Sensors
 from trainer.identify.steering import steering
 from trainer.identify.told import QUANTITIES
 from trainer.identify.trial import flown
@@ -72,14 +73,18 @@ def design(file: VesselFile, options: dict[str, Any]) -> Design:
     speed, step = speed_kn * KNOT, file.run.step_s
     ship = steering(file, speed)
     interval = options["interval"] or suggested_interval(ship.nomoto, step)
-    depth = file.run.start_depth_m
+    depth = options["depth"] or file.run.start_depth_m
     if options["zigzag"]:
         kind, orders, seconds, told = _zigzag(file, speed, options)
     else:
         kind, orders, seconds, told = _sequence(ship.nomoto, step, interval, options)
     flight = flown(file, scheduled(orders), speed, depth, seconds)
     record = flight.every(max(1, round(interval / step)))
-    sensors = Sensors(*(options[name] for name in ("sway", "yaw_rate", "heading", "unrest")))
+    sensors = Sensors(
+        sway_kn=options["sway"],
+        yaw_rate_deg_s=options["yaw_rate"],
+        heading_deg=options["heading"],
+    )
     outputs = tuple(options["outputs"]) or ("sway", "yaw_rate", "heading")
     exercise = exercise_text(
         orders,
@@ -102,7 +107,7 @@ def design(file: VesselFile, options: dict[str, Any]) -> Design:
         largest_rate_deg_s=_largest(flight.yaw_rate),
         lowest_speed_kn=float(np.min(flight.column("speed"))) / KNOT,
         outputs=outputs,
-        prospect=prospect(ship, record, outputs, sensors),
+        prospect=prospect(ship, record, outputs, Reading(sensors, options["unrest"])),
         **told,
     )
     return Design(report, flight, exercise)

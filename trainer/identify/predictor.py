@@ -128,7 +128,7 @@ def _concentrated(errors: Numbers) -> float:
     sign, determinant = np.linalg.slogdet(errors.T @ errors / count)
     if sign <= 0.0:
         return math.inf
-    return 0.5 * count * (float(determinant) + readings * (1.0 + LOG_2_PI))
+    return float(0.5 * count * (determinant + readings * (1.0 + LOG_2_PI)))
 
 
 @dataclass(frozen=True, eq=False)

@@ -13,12 +13,13 @@ from trainer.identify.nomoto import Numbers
 from trainer.identify.problem import problem_of
 from trainer.identify.record import Record
 from trainer.identify.samples import samples_of
+from trainer.identify.sensors import Sensors
 from trainer.identify.spread import propagated
 from trainer.identify.steering import Steering
 from trainer.identify.told import quantities, quantity_names
+from trainer.identify.uncertainty import uncertainty
 
 LEVER: Final = 0.25  # [-] of the length: at which the sea's force makes its moment
-SEPARABLE: Final = 1e-10  # [-] scaled eigenvalue of the information
 FREE: Final = {
     "1": (
         *("Y_v", "Y_r", "N_v", "N_r", "Y_delta", "l_delta", "Y_0", "N_0"),
@@ -37,13 +38,11 @@ STARTS: Final = {
 
 
 @dataclass(frozen=True)
-class Sensors:
-    """Standard deviations of what reads the ship, and of what the sea alone does to her."""
+class Reading:
+    """What reads the ship, and the yaw rate [deg/s] rms that the sea alone makes."""
 
-    sway_kn: float
-    yaw_rate_deg_s: float
-    heading_deg: float
-    unrest_deg_s: float  # of the yaw rate, by the sea
+    sensors: Sensors
+    unrest_deg_s: float
 
 
 @dataclass(frozen=True)
@@ -61,7 +60,7 @@ class Prospect:
 
 
 def prospect(
-    steering: Steering, record: Record, outputs: tuple[str, ...], sensors: Sensors
+    steering: Steering, record: Record, outputs: tuple[str, ...], read: Reading
 ) -> Prospect:
     """Return what would be known from such a record of such a ship.
 
@@ -70,23 +69,26 @@ def prospect(
     kind = "1" if "sway" in outputs else "nomoto2"
     model = MODELS[kind]
     plant = Plant(model, Ship(steering.length, steering.speed), outputs, record.interval)
-    values = model.vector(**_ship(steering, kind), **_sensors(sensors, model.names))
+    values = model.vector(**_ship(steering, kind), **_sensors(read.sensors, model.names))
     for name, channel in STARTS[kind].items():
         values[model.place(name)] = float(record.column(channel)[0]) * UNITS[channel][1]
     sea = _sea(steering, kind)
     for name, share in sea.items():
         values[model.place(name)] = share
-    density = _density(plant, values, math.radians(sensors.unrest_deg_s))
+    density = _density(plant, values, math.radians(read.unrest_deg_s))
     for name in sea:
         values[model.place(name)] *= density
     free = [name for name in FREE[kind] if READ_BY.get(name, outputs[0]) in outputs]
     free = [name for name in free if name not in sea or density > 0.0]
     problem = problem_of(plant, samples_of(record, outputs), values, free)
-    covariance = _inverse(Likelihood(problem).information(problem.start), problem.names)
+    known = uncertainty(problem.names, Likelihood(problem).information(problem.start))
+    if known.flat:
+        told = "; ".join(" with ".join(group) for group in known.flat)
+        raise ConfigError(f"such a record cannot separate {told}")
     found = propagated(
         lambda theta: quantities(model, problem.whole(theta), plant.ship),
         problem.start,
-        covariance,
+        known.covariance,
     )
     names = quantity_names(model)
     return Prospect(
@@ -121,9 +123,7 @@ def _sea(steering: Steering, kind: str) -> dict[str, float]:
 def _sensors(sensors: Sensors, names: tuple[str, ...]) -> dict[str, float]:
     """Return the variances of what is read, as far as the model reads it."""
     errors = {
-        "R2_v1": sensors.sway_kn**2,
-        "R2_r": sensors.yaw_rate_deg_s**2,
-        "R2_psi": sensors.heading_deg**2,
+        name: (sensors.error(channel) * UNITS[channel][1]) ** 2 for name, channel in READ_BY.items()
     }
     return {name: value for name, value in errors.items() if name in names}
 
@@ -143,12 +143,3 @@ def _density(plant: Plant, values: Numbers, rate: float) -> float:
         raise ConfigError("an unstable ship has no unrest of a size; say --unrest 0")
     return float(rate**2 / solve_continuous_lyapunov(A, -noise)[1, 1])
 
-
-def _inverse(information: Numbers, names: tuple[str, ...]) -> Numbers:
-    """Return the covariance; ConfigError naming parameters that the record cannot separate."""
-    size = np.sqrt(np.maximum(np.diag(information), 1e-300))
-    values, vectors = np.linalg.eigh(information / np.outer(size, size))
-    if not values[0] > SEPARABLE:
-        lost = [name for name, part in zip(names, vectors[:, 0], strict=True) if abs(part) > 0.1]
-        raise ConfigError(f"such a record cannot separate {', '.join(lost)}")
-    return np.asarray((vectors / values) @ vectors.T / np.outer(size, size))

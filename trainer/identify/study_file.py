@@ -11,6 +11,7 @@ from trainer.config import ConfigError, Place, collecting, nearest, parse_toml, 
 from trainer.fitout import KNOT
 from trainer.identify.findings import Finding, examine, unwrapped
 from trainer.identify.record import Record
+from trainer.identify.sensors import USUAL, Sensors, read_by
 from trainer.identify.sources import Column, factor, load_record, own_columns
 from trainer.identify.study_records import (
     COLUMNS,
@@ -25,9 +26,9 @@ from trainer.identify.study_records import (
 from trainer.places import SUFFIX
 from trainer.schema import read_record
 
-TABLES: Final = ("columns", "ship", "model", "parameters", "armax")
+TABLES: Final = ("columns", "ship", "sensors", "model", "parameters", "armax")
 KNOWN: Final = (*(item.name for item in fields(Heading)), "note", *TABLES)
-OPTIONAL: Final = {"ship": Ship, "model": ModelTable, "armax": ArmaxTable}
+OPTIONAL: Final = {"ship": Ship, "sensors": Sensors, "model": ModelTable, "armax": ArmaxTable}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -38,6 +39,7 @@ class Study:
     heading: Heading
     columns: Mapping[str, Column]
     ship: Ship | None
+    sensors: Sensors | None
     model: ModelTable | None
     parameters: tuple[ParameterRow, ...]
     armax: ArmaxTable | None
@@ -54,13 +56,17 @@ def load_study(path: Path) -> Study:
 
 
 def plain_study(data: Path) -> Study:
-    """Return the study of a record of the trainer's own, whose columns are known."""
+    """Return the study of a record of the trainer's own, whose columns are known.
+
+    A recording is exact, and is read by usual sensors.
+    """
     heading = Heading(schema="identify/1", name=data.stem, data=data.name)
     return Study(
         path=data.parent / "study.toml",
         heading=heading,
         columns=own_columns(),
         ship=None,
+        sensors=USUAL if data.suffix == SUFFIX else None,
         model=None,
         parameters=(),
         armax=None,
@@ -185,6 +191,8 @@ def observe(study: Study) -> Observed:
         record = replace(record, rudder=-record.rudder)
     findings = examine(record)
     record = unwrapped(record).every(int(heading.every or 1))
+    if study.sensors is not None:
+        record = read_by(record, study.sensors)
     record = record.between(
         -np.inf if heading.from_s is None else heading.from_s,
         np.inf if heading.to_s is None else heading.to_s,

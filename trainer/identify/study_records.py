@@ -5,6 +5,7 @@ from typing import Final
 
 from trainer.identify.armax_orders import TREATMENTS
 from trainer.identify.record import CHANNELS, OUTPUTS
+from trainer.identify.sensors import Sensors
 from trainer.schema import (
     Choice,
     Choices,
@@ -64,6 +65,9 @@ class Ship:
     stern_log_m: float | None = optional(
         Quantity("m", within(0, 600), "aft log, behind the centre of mass")
     )
+    displacement_m3: float | None = optional(
+        Quantity("m^3", above(0, 1e7), "for derivatives in the other system")
+    )
     vessel: str | None = optional(
         Text(200, "vessel file that acceleration terms and starting values come from")
     )
@@ -122,6 +126,7 @@ RECORDS: Final = {
     "": Heading,
     "[columns]": ColumnRow,
     "ship": Ship,
+    "sensors": Sensors,
     "model": ModelTable,
     "[parameters]": ParameterRow,
     "armax": ArmaxTable,

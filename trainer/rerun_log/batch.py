@@ -1,6 +1,6 @@
 """A batch: what happened over some ticks, as columns, on its way to the viewer."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Final, NamedTuple
 
@@ -22,11 +22,9 @@ class Times(NamedTuple):
     seconds: Numbers  # [s] these never do
 
     @classmethod
-    def of(cls, rows: Iterable[tuple[int, float]]) -> "Times":
-        """Return the times of rows of tick and time [s]."""
-        pairs = list(rows)
-        ticks = np.array([tick for tick, _ in pairs], np.int64)
-        return cls(ticks, np.array([seconds for _, seconds in pairs], np.float64))
+    def of(cls, ticks: Sequence[int], seconds: Sequence[float]) -> "Times":
+        """Return the times of rows of these ticks and times [s]."""
+        return cls(np.array(ticks, np.int64), np.array(seconds, np.float64))
 
     def at(self, rows: NDArray[np.bool_]) -> "Times":
         """Return the times of some of the rows."""
@@ -80,9 +78,6 @@ def states(parts: list[bytes], layout: tuple[str, ...]) -> Numbers:
 
     ValueError if one of them is not of the layout's length.
     """
-    count = 8 * len(layout)
-    if any(len(part) != count for part in parts):
-        raise ValueError(f"a state that is not of {count} bytes")
     read = np.frombuffer(b"".join(parts)).reshape(len(parts), len(layout))
     if layout == LAYOUT:
         return read

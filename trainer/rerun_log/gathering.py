@@ -4,9 +4,8 @@ A run may be wound back, so that its ticks do; the time in the viewer goes on al
 of a tick's work is known only after its state has been handed over: it comes with the next.
 """
 
-import math
 from collections.abc import Sequence
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -45,59 +44,73 @@ class Gathering:
         self._step = step
         self._last: Taken | None = None
         self._seconds = 0.0  # of the last picture
-        self._timed = 0
 
     def batch(self, handed: Sequence[Handed]) -> Batch:
         """Return what was handed over, in that order."""
-        pictures: list[tuple[Taken, float]] = []
-        worked: list[tuple[int, float, int, int]] = []
-        told: list[tuple[Heard, float]] = []
+        pictures, worked, told = Rows(), Rows(), Rows()
         for each in handed:
             if isinstance(each, Heard):
-                told.append((each, self._seconds))
+                told.add(each, each.tick, self._seconds)
                 continue
-            if self._last is not None and each.timed != self._timed:
-                worked.append((self._last.tick, self._seconds, each.lateness, each.work))
-            self._timed = each.timed
-            if self._moved(each):
-                pictures.append((each, self._seconds))
+            last = self._last
+            if last is not None and each.timed != last.timed:
+                worked.add(each, last.tick, self._seconds)
+            if self._moved(last, each):
+                pictures.add(each, each.tick, self._seconds)
             self._last = each
         return Batch(_block(pictures), _worked(worked), _told(told))
 
-    def _moved(self, taken: Taken) -> bool:
+    def _moved(self, last: Taken | None, taken: Taken) -> bool:
         """Let time go on to a picture; return whether it is another than the last."""
-        last = self._last
         if last is None:
             self._seconds = taken.tick * self._step
             return True
-        if taken.tick == last.tick and taken.state == last.state:
-            return False
         ahead = taken.tick - last.tick
-        flown = ahead if ahead > 0 and taken.pace.branch == last.pace.branch else 1
-        self._seconds = math.fsum((self._seconds, flown * self._step))
+        if ahead == 0 and taken.state == last.state:
+            return False
+        same = ahead > 0 and taken.pace.branch == last.pace.branch
+        self._seconds += (ahead if same else 1) * self._step
         return True
 
 
-def _block(pictures: list[tuple[Taken, float]]) -> Block:
+class Rows:
+    """Some of what was handed over, with its times; in columns, which the collector passes by."""
+
+    def __init__(self) -> None:
+        self.handed: list[Any] = []
+        self.ticks: list[int] = []
+        self.seconds: list[float] = []
+
+    def add(self, handed: Handed, tick: int, seconds: float) -> None:
+        """Take one with its tick and time [s]."""
+        self.handed.append(handed)
+        self.ticks.append(tick)
+        self.seconds.append(seconds)
+
+    @property
+    def times(self) -> Times:
+        """Return when each was."""
+        return Times.of(self.ticks, self.seconds)
+
+
+def _block(rows: Rows) -> Block:
+    paces = [taken.pace for taken in rows.handed]
     return Block(
-        Times.of((taken.tick, seconds) for taken, seconds in pictures),
-        states([taken.state for taken, _ in pictures], LAYOUT),
-        np.array([taken.pace.branch for taken, _ in pictures], np.int64),
-        np.array([taken.pace.replaying for taken, _ in pictures], np.bool_),
+        rows.times,
+        states([taken.state for taken in rows.handed], LAYOUT),
+        np.array([pace.branch for pace in paces], np.int64),
+        np.array([pace.replaying for pace in paces], np.bool_),
     )
 
 
-def _worked(rows: list[tuple[int, float, int, int]]) -> Worked:
+def _worked(rows: Rows) -> Worked:
     return Worked(
-        Times.of((tick, seconds) for tick, seconds, _, _ in rows),
-        np.array([lateness for *_, lateness, _ in rows], np.float64),
-        np.array([work for *_, work in rows], np.float64),
+        rows.times,
+        np.array([taken.lateness for taken in rows.handed], np.float64),
+        np.array([taken.work for taken in rows.handed], np.float64),
     )
 
 
-def _told(rows: list[tuple[Heard, float]]) -> Told:
-    return Told(
-        Times.of((heard.tick, seconds) for heard, seconds in rows),
-        tuple(heard.kind for heard, _ in rows),
-        tuple(heard.text for heard, _ in rows),
-    )
+def _told(rows: Rows) -> Told:
+    kinds = tuple(heard.kind for heard in rows.handed)
+    return Told(rows.times, kinds, tuple(heard.text for heard in rows.handed))

@@ -1,5 +1,6 @@
 """What the command line asks for, opened: a file, a viewer; none of it stops a run."""
 
+import gc
 import os
 import subprocess
 import sys
@@ -45,6 +46,7 @@ def open_log(
         return None
     from trainer.rerun_log.sinks import RrdFile, Viewer, listens  # noqa: PLC0415
 
+    gc.freeze()  # or the library's objects would be looked through again and again
     sinks: list[Sink] = []
     if path is not None:
         refuse_unwritable(path)

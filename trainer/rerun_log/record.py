@@ -1,6 +1,6 @@
 """A recording made into a file for Rerun's viewer."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from itertools import chain, islice
 from pathlib import Path
 from typing import Final
@@ -52,7 +52,7 @@ def batches(
 def block_of(part: list[Flown], layout: tuple[str, ...], step: float) -> Block:
     """Return the states of some ticks."""
     return Block(
-        Times.of((each.tick, each.tick * step) for each in part),
+        times_of(part, step),
         states([each.state for each in part], layout),
         np.array([each.branch for each in part], np.int64),
         np.zeros(len(part), np.bool_),
@@ -63,7 +63,7 @@ def worked_of(part: list[Flown], step: float) -> Worked:
     """Return the timings of those ticks that have any."""
     timed = [each for each in part if each.work is not None]
     return Worked(
-        Times.of((each.tick, each.tick * step) for each in timed),
+        times_of(timed, step),
         np.array([each.lateness for each in timed], np.float64),
         np.array([each.work for each in timed], np.float64),
     )
@@ -72,7 +72,13 @@ def worked_of(part: list[Flown], step: float) -> Worked:
 def told_of(events: list[Noted], step: float) -> Told:
     """Return what was told."""
     return Told(
-        Times.of((each.tick, each.tick * step) for each in events),
+        times_of(events, step),
         tuple(each.kind for each in events),
         tuple(each.text for each in events),
     )
+
+
+def times_of(rows: Sequence[Flown | Noted], step: float) -> Times:
+    """Return when ticks or events were."""
+    ticks = [each.tick for each in rows]
+    return Times.of(ticks, [tick * step for tick in ticks])

@@ -138,7 +138,7 @@ class Sight:
         if tag:
             self._asked[tag] = Asked(words, quiet)
         elif not quiet:
-            self.journal.add(None, "refused", "lost")
+            self.journal.add(None, "refused", f"not sent: {self.trouble or 'no line'}")
         return bool(tag)
 
     # the line

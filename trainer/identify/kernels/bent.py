@@ -1,6 +1,7 @@
 """Steering with a bent spiral curve (MI 12).
 
-T1 T2 r'' + (T1 + T2) r' + H(r) = K (delta + T3 delta'), H(r) = r - kappa K |r| r. Complex, so that an imaginary step carries a derivative.
+T1 T2 r'' + (T1 + T2) r' + H(r) = K (delta + T3 delta'), H(r) = r - kappa K |r| r.
+Complex, so that an imaginary step carries a derivative.
 """
 
 import numpy as np

@@ -146,57 +146,45 @@ def settled(J: Numbers, P: Numbers) -> bool:
 
 @kernel
 def _closed(mean: Numbers, J: Numbers, out: Numbers) -> None:
-    """Write the settled filter's transposed matrix, (x, u_old, u, 1, y) to (x, error)."""
+    """Write the settled filter's matrix: rows (x, error), columns (x, u_old, u, 1, y)."""
     rows, columns = mean.shape
-    states = rows - (out.shape[0] - columns)
-    for j in range(columns):
-        for i in range(rows):
-            out[j, i] = mean[i, j] if i < states else -mean[i, j]
-        for i in range(states):
-            for c in range(states, rows):
-                out[j, i] -= J[i, c] * mean[c, j]
-    for c in range(states, rows):
-        for i in range(rows):
+    states = rows - (out.shape[1] - columns)
+    for i in range(rows):
+        for j in range(columns):
+            out[i, j] = mean[i, j] if i < states else -mean[i, j]
+            if i < states:
+                for c in range(states, rows):
+                    out[i, j] -= J[i, c] * mean[c, j]
+        for c in range(states, rows):
             direct = 1.0 if i == c else 0.0
-            out[columns + c - states, i] = J[i, c] if i < states else direct
-
-
-@kernel
-def _settled_step(closed: Numbers, w: Numbers, out: Numbers) -> None:
-    """Write the next state and the error by the settled filter from (x, u_old, u, 1, y)."""
-    for i in range(out.size):
-        out[i] = 0.0
-    for j in range(w.size):
-        for i in range(out.size):
-            out[i] += closed[j, i] * w[j]
+            out[i, columns + c - states] = J[i, c] if i < states else direct
 
 
 @kernel
 def _run_settled(closed: Numbers, table: Numbers, z: Numbers, errors: Numbers) -> int:
     """Return how many samples the settled filter takes until a reading is missing.
 
-    ``errors`` (y, y) gains their sum of error error', ``z`` moves on.
+    ``errors`` (y, y) gains the lower half of their sum of error error', ``z`` moves on.
     """
-    readings = errors.shape[0]
-    rows = closed.shape[1]
+    rows, readings = closed.shape[0], errors.shape[0]
     states, last = rows - readings, z.size - 1
-    out, w = np.empty(rows), np.empty(closed.shape[0])
+    out, w = np.empty(rows), np.empty(closed.shape[1])
     w[: z.size] = z
     for k in range(table.shape[0]):
         for j in range(readings):
             w[last + 1 + j] = table[k, j]
         for j in range(last - states):
             w[states + j] = table[k, readings + j]
-        _settled_step(closed, w, out)
-        total = 0.0
+        predict(closed, w, out)
+        missing = 0.0
         for i in range(states, rows):
-            total += out[i]
-        if math.isnan(total):
+            missing += out[i]
+        if math.isnan(missing):
             return k
         for i in range(states):
             w[i] = z[i] = out[i]
         for i in range(readings):
-            for j in range(readings):
+            for j in range(i + 1):
                 errors[i, j] += out[states + i] * out[states + j]
     return int(table.shape[0])
 
@@ -224,7 +212,7 @@ def likelihood_sums(
     J, work = np.empty((rows, rows)), np.empty((rows, states))
     z, v, error = np.ones(columns), np.empty(rows), np.empty(readings)
     there, errors = np.empty(readings, np.bool_), np.empty((readings, readings))
-    closed = np.empty((columns + readings, rows))
+    closed = np.empty((rows, columns + readings))
     P = start[:, 1:].copy()
     z[:states] = start[:, 0]
     sums[:] = 0.0
@@ -251,8 +239,9 @@ def likelihood_sums(
             errors[:] = 0.0
             taken = _run_settled(closed, table[k : run_length(which, k)], z, errors)
             for i in range(readings):
-                for j in range(readings):
-                    sums[1] -= errors[i, j] * J[states + i, states + j]
+                for j in range(i + 1):
+                    twice = 1.0 if i == j else 2.0
+                    sums[1] -= twice * errors[i, j] * J[states + i, states + j]
             sums[0] += taken * determinant
             sums[2] += taken
             sums[3] += taken * readings

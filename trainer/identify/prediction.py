@@ -1,0 +1,85 @@
+"""A fitted model by rudder alone: on its own record, and on another that it has not seen."""
+
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+
+from trainer.identify.fitting import Fitted
+from trainer.identify.nomoto import Numbers
+from trainer.identify.problem import Problem
+from trainer.identify.samples import samples_of
+from trainer.identify.simulate import deterministic
+from trainer.identify.starting import STATES
+from trainer.identify.study_file import Study, observe
+
+
+@dataclass(frozen=True)
+class Check:
+    """How well a record is predicted by rudder alone, from its first sample."""
+
+    source: str
+    outputs: tuple[str, ...]
+    rms: tuple[float, ...]  # of the model's error [kn, deg/s, deg]
+    share: tuple[float, ...]  # [-] of the output's own rms about its mean
+    own: tuple[float, ...]  # [-] the same for the record fitted
+
+
+def alone(problem: Problem, theta: Numbers) -> Numbers:
+    """Return the outputs (n, y) of the model by rudder alone, from its initial state."""
+    return deterministic(problem, theta)[:, problem.plant.model.states :]
+
+
+def loss_alone(fitted: Fitted) -> float:
+    """Return V1 = (1/n) log det of the errors of the model by rudder alone (6.3)."""
+    left = fitted.problem.samples.outputs - alone(fitted.problem, fitted.found.theta)
+    whole = left[~np.isnan(left).any(axis=1)]
+    if not len(whole):
+        return float("nan")
+    return float(np.linalg.slogdet(whole.T @ whole)[1]) / len(whole)
+
+
+def check_of(fitted: Fitted, path: Path) -> Check:
+    """Return how well another record of the same columns is predicted; ConfigError if it cannot.
+
+    The model starts from that record's own first readings.
+    """
+    problem = other_problem(fitted, path)
+    there, own = (_errors(one) for one in (problem, replace(fitted.problem, values=fitted.values)))
+    return Check(
+        source=str(path),
+        outputs=problem.plant.outputs,
+        rms=tuple(map(float, there)),
+        share=tuple(map(float, there / _spread(problem))),
+        own=tuple(map(float, own / _spread(fitted.problem))),
+    )
+
+
+def other_problem(fitted: Fitted, path: Path) -> Problem:
+    """Return the fitted model on another record, started from what is read there first."""
+    study: Study = replace(
+        fitted.study,
+        path=path.parent / fitted.study.path.name,
+        heading=replace(fitted.study.heading, data=path.name, from_s=None, to_s=None),
+    )
+    plant = fitted.problem.plant
+    samples = samples_of(observe(study).record, plant.outputs)
+    values = fitted.values
+    for name, channel in STATES[plant.model.name]:
+        value = 0.0
+        if channel in plant.outputs:
+            readings = samples.outputs[:, plant.outputs.index(channel)]
+            value = float(readings[~np.isnan(readings)][0])
+        values[plant.model.place(name)] = value
+    return replace(fitted.problem, samples=samples, values=values)
+
+
+def _errors(problem: Problem) -> Numbers:
+    """Return the rms of the errors by rudder alone (y,)."""
+    left = problem.samples.outputs - alone(problem, problem.start)
+    return np.asarray(np.sqrt(np.nanmean(left**2, axis=0)))
+
+
+def _spread(problem: Problem) -> Numbers:
+    """Return the standard deviations of the outputs (y,), never nothing."""
+    return np.asarray(np.maximum(np.nanstd(problem.samples.outputs, axis=0), 1e-300))
