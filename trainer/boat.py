@@ -79,6 +79,7 @@ class Boat:
                 settled = trim(*records, self.records.state, self.records.scratch, by)
             if (
                 settled
+                and abs(s.theta) < 0.5 * math.pi
                 and abs(s.delta_s) <= most * self.vessel.limit_s
                 and abs(s.delta_b) <= most * self.vessel.limit_b
                 and abs(s.delta_r) <= most * self.vessel.limit_r

@@ -98,8 +98,7 @@ def fly(voyage: Voyage, options: dict[str, Any]) -> int:
     time = Timekeeping.at(
         MonotonicClock(), method.step, options["speed"], Policy(options["overrun"])
     )
-    roster = Roster(Lookout(boat, time.ledger.summary))
-    publisher = Promptly(roster) if unhurried(options) else Publisher(roster)
+    publisher = open_publisher(boat, time, options)
     log = open_log(publisher, time.ledger, Subject.of(plan, boat), options)
     sending = log or publisher
     wake = threading.Event()
@@ -149,6 +148,12 @@ def open_ports(ports: Ports, session: Session, options: dict[str, Any]) -> None:
     session.reception = ports.lobby(options) or Closed()
     for station in session.board.stations:
         session.greet(station)
+
+
+def open_publisher(boat: Boat, time: Timekeeping, options: dict[str, Any]) -> Publisher | Promptly:
+    """Return what sends to the stations: at once where no time is kept."""
+    roster = Roster(Lookout(boat, time.ledger.summary))
+    return Promptly(roster) if unhurried(options) else Publisher(roster)
 
 
 def open_csv(path: Path | None, batch: int) -> CsvFile | NoFile:

@@ -172,6 +172,8 @@ model_options = together(
 @click.option("--armax", is_flag=True, help="ARMAX models of rising order instead.")
 @click.option("--most", type=click.IntRange(1, 10), default=None, help="Highest ARMAX order.")
 @click.option("--check", type=FILE, default=None, help="Another record to predict, as a test.")
+@click.option("--kappa", type=FILE, default=None, help="A record of large manoeuvres, for kappa.")
+@click.option("--checkpoint", type=FILE, default=None, help="Keep the search in this file.")
 @click.option("--write-nomoto", type=FILE, default=None, help="Write the ship in few numbers.")
 @click.option("--write-vessel", type=FILE, default=None, help="Write the vessel file changed.")
 @click.option("--selftest", is_flag=True, help="Run the acceptance tests of identification.")
@@ -214,9 +216,9 @@ def _model(study: Any, options: dict[str, Any]) -> int:
     from trainer.identify import identify_page as page  # noqa: PLC0415
     from trainer.identify.outcome import nomoto_text, vessel_text  # noqa: PLC0415
 
-    fitted, report = page.carried_out(study, options["check"], _progress)
+    fitted, report = page.carried_out(study, options, _progress)
     if options["write_nomoto"]:
-        _write(options["write_nomoto"], nomoto_text(fitted))
+        _write(options["write_nomoto"], nomoto_text(fitted, report.bend))
     if options["write_vessel"]:
         _write(options["write_vessel"], vessel_text(fitted))
     show(report, page.render, lambda: page.panels(fitted, report), options)

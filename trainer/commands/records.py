@@ -33,9 +33,7 @@ def replay(file: Path, *, anyway: bool, as_json: bool, **otherwise: Any) -> None
 
 @click.command()
 @click.argument("file", type=FILE)
-@click.option(
-    "--csv", type=FILE, default=None, help="States here, orders and events beside."
-)
+@click.option("--csv", type=FILE, default=None, help="States here, orders and events beside.")
 @click.option("--parquet", type=FILE, default=None, help="The same as Parquet files.")
 @click.option("--rrd", type=FILE, default=None, help="The run as Rerun's viewer shows it.")
 @click.option("--branch", type=click.IntRange(1), default=None, help="[default: the last one]")

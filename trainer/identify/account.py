@@ -2,19 +2,20 @@
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
-from pathlib import Path
+from dataclasses import dataclass, replace
 from typing import Any, Final
 
 import numpy as np
 
 from trainer.config import ConfigError
 from trainer.fitout import KNOT
-from trainer.identify.filtered import COUNTED, Filtered, run_filter
 from trainer.identify.fitting import Fitted, fit, settings
-from trainer.identify.prediction import Check, check_of, loss_alone
+from trainer.identify.minimise import Found
+from trainer.identify.nonlinear import Bend
+from trainer.identify.prediction import Check, bend_of, check_of, loss_alone
 from trainer.identify.predictor import Innovations
 from trainer.identify.residuals import Residuals, examine_residuals, verdicts
+from trainer.identify.shown import Shown, losses, shown, unlimited
 from trainer.identify.study_file import Study, observe
 from trainer.identify.tests_of_order import aic_of_likelihood
 from trainer.identify.told import DERIVATIVES, QUANTITIES
@@ -71,27 +72,36 @@ class Report:
     weakest: tuple[str, ...]  # parameters of that direction
     residuals: tuple[Residuals, ...]
     verdicts: tuple[str, ...]
-    check: Check | None
+    check: Check | None = None
+    bend: Bend | None = None
 
 
 def carried_out(
-    study: Study, check: Path | None, heard: Callable[[int, float], None]
+    study: Study, options: dict[str, Any], heard: Callable[[int, float], None]
 ) -> tuple[Fitted, Report]:
-    """Return the fit of a study and its report; ConfigError for what cannot be."""
+    """Return the fit of a study and its report; ConfigError for what cannot be.
+
+    ``options`` has other records to check it on and to find kappa from, and a checkpoint.
+    """
     observed = observe(study)
-    fitted = fit(study, observed.record, lambda found: heard(found.steps, found.cost))
-    findings = tuple(map(str, observed.findings))
-    return fitted, report_of(fitted, findings, check)
+    tell: Callable[[Found], None] = lambda found: heard(found.steps, found.cost)  # noqa: E731
+    fitted = fit(study, observed.record, tell, options["checkpoint"])
+    report = report_of(fitted, tuple(map(str, observed.findings)))
+    if options["check"] is not None:
+        report = replace(report, check=check_of(fitted, options["check"]))
+    if options["kappa"] is not None:
+        report = replace(report, bend=bend_of(fitted, options["kappa"]))
+    return fitted, report
 
 
-def report_of(fitted: Fitted, findings: tuple[str, ...], check: Path | None) -> Report:
-    """Return what a fit amounts to, checked on another record where there is one."""
+def report_of(fitted: Fitted, findings: tuple[str, ...]) -> Report:
+    """Return what a fit amounts to."""
     problem, study, plant = fitted.problem, fitted.study, fitted.problem.plant
-    filtered = errors_of(fitted)
+    run = errors_of(fitted)
     table = study.model
     if table is None:
         raise ConfigError(f"{study.path.name}: lacks [model]")
-    residuals = _residuals(fitted, filtered)
+    residuals = _residuals(fitted, run)
     return Report(
         study=study.heading.name,
         source=fitted.record.source,
@@ -107,7 +117,7 @@ def report_of(fitted: Fitted, findings: tuple[str, ...], check: Path | None) -> 
         steps=fitted.found.steps,
         log_likelihood=fitted.log_likelihood,
         aic=aic_of_likelihood(fitted.log_likelihood, len(problem.free)),
-        loss_1=filtered.loss_1(),
+        loss_1=losses(run).V1,
         loss_1_alone=loss_alone(fitted),
         screened=fitted.rejected,
         parameters=_parameters(fitted),
@@ -118,25 +128,24 @@ def report_of(fitted: Fitted, findings: tuple[str, ...], check: Path | None) -> 
         weakest=_weakest(fitted),
         residuals=residuals,
         verdicts=tuple(text for one in residuals for text in verdicts(one)),
-        check=None if check is None else check_of(fitted, check),
     )
 
 
-def errors_of(fitted: Fitted) -> Filtered:
+def errors_of(fitted: Fitted) -> Shown:
     """Return the one-step errors of a fit, by the predictor that was fitted."""
     cost, theta = fitted.cost, fitted.found.theta
+    run = shown(fitted.problem, theta, unlimited(len(fitted.problem.plant.outputs)))
     if not isinstance(cost, Innovations):
-        return run_filter(fitted.problem, theta, {})
+        return run
     errors = cost.errors(theta)
     whole = errors[~np.isnan(errors).any(axis=1)]
-    factor = np.linalg.cholesky(whole.T @ whole / len(whole))
-    standard = np.linalg.solve(factor, errors.T).T
-    return Filtered(
+    R = whole.T @ whole / len(whole)
+    return replace(
+        run,
+        predictions=fitted.problem.samples.outputs - errors,
         errors=errors,
-        standardised=standard,
-        predicted=fitted.problem.samples.outputs - errors,
-        squares=np.sum(standard**2, axis=1),
-        status=np.full(len(errors), COUNTED),
+        spreads=np.tile(R, (len(errors), 1, 1)),
+        squares=np.einsum("ki,ij,kj->k", errors, np.linalg.inv(R), errors),
     )
 
 
@@ -207,15 +216,15 @@ def _weakest(fitted: Fitted) -> tuple[str, ...]:
     )
 
 
-def _residuals(fitted: Fitted, filtered: Filtered) -> tuple[Residuals, ...]:
+def _residuals(fitted: Fitted, run: Shown) -> tuple[Residuals, ...]:
     """Return the examination of each output's residuals, as far as there are enough."""
     rudder = fitted.problem.samples.inputs[:, 0]
-    lags = min(LAGS, (filtered.counted - 2) // 2)
+    lags = min(LAGS, (int(run.counted.sum()) - 2) // 2)
     if lags < 1:
         return ()
-    outputs = enumerate(fitted.problem.plant.outputs)
+    outputs, standard = enumerate(fitted.problem.plant.outputs), run.standardised
     return tuple(
-        examine_residuals(name, filtered.standardised[:, i], rudder, lags)
+        examine_residuals(name, standard[:, i], rudder, lags)
         for i, name in outputs
-        if np.count_nonzero(~np.isnan(filtered.standardised[:, i])) >= 2 * lags + 2
+        if np.count_nonzero(~np.isnan(standard[:, i])) >= 2 * lags + 2
     )

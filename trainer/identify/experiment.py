@@ -25,7 +25,17 @@ GENTLE: Final = 10.0  # [deg] of rudder beyond which ships are not linear
 HOLD: Final = (0.2, 0.5)  # [T1] of a bit
 LENGTH: Final = (20.0, 40.0)  # [T1] of the whole
 MOST_ORDERS: Final = 499  # that an exercise file takes
+INTEGRATOR: Final = "rk4"
 KEPT: Final = "rudder auto"
+
+
+def method_of(file: VesselFile) -> Method:
+    """Return how experiments are flown: by Runge and Kutta.
+
+    With the two-step method of the trainer the rudder acts half a step early, which a short time
+    constant shows.
+    """
+    return Method("modified", "exact", "exact", INTEGRATOR, file.run.step_s)
 
 
 @dataclass(frozen=True)
@@ -79,9 +89,9 @@ def scheduled(orders: tuple[tuple[float, str], ...]) -> list[Scheduled]:
     return found
 
 
-def suggested_hold(ship: Nomoto, step: float) -> float:
-    """Return a length of bit [s], a third of T1 in whole steps."""
-    return max(1.0, round(abs(ship.T1) / 3.0 / step)) * step
+def suggested_hold(ship: Nomoto, interval: float) -> float:
+    """Return a length of bit [s], a third of T1 in whole sampling intervals."""
+    return max(1.0, round(abs(ship.T1) / 3.0 / interval)) * interval
 
 
 def suggested_bits(ship: Nomoto, hold: float) -> int:
@@ -111,6 +121,8 @@ def remarks(sequence: Sequence, ship: Nomoto, interval: float) -> Iterator[str]:
     if not 0.5 * T2 <= interval <= 0.2 * T1:
         low, high = 0.5 * T2, 0.2 * T1
         yield f"samples every {interval:g} s: {low:.1f} to {high:.1f} s suit her time constants"
+    if abs(sequence.hold_s / interval - round(sequence.hold_s / interval)) > 1e-6:
+        yield f"a bit of {sequence.hold_s:g} s is no whole number of {interval:g} s samples"
 
 
 @dataclass(frozen=True)
@@ -132,9 +144,8 @@ def zigzag_flight(
     angle, execute = angles
     if angle > file.surfaces.rudder_limit_deg:
         raise ConfigError(f"the rudder goes to {file.surfaces.rudder_limit_deg:g} deg, not {angle:g}")
-    method = Method("modified", "lagged", "exact", "adams2", file.run.step_s)
     manoeuvre = ZigZag(angle_deg=angle, execute_deg=execute, duration_s=seconds)
-    return fly(Submarine(file, method, Rig()), manoeuvre, speed)
+    return fly(Submarine(file, method_of(file), Rig()), manoeuvre, speed)
 
 
 def zigzag_orders(flight: Flight, angle: float) -> tuple[tuple[float, str], ...]:
@@ -170,6 +181,7 @@ def exercise_text(
         f'name = "{name}"',
         f'vessel = "{table["vessel"]}"',
         f"duration_s = {table['duration_s']:g}",
+        f'integrator = "{INTEGRATOR}"',
         'briefing = """',
         "An experiment for identification: hands off, the helm is given by schedule and depth is",
         'kept by the planes. Record it, and give the recording to trainer identify."""',

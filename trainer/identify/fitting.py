@@ -3,13 +3,14 @@
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any, Final
 
 import numpy as np
 
 from trainer.config import ConfigError
+from trainer.identify.checkpoint import keep, resume
 from trainer.identify.estimate import Starts, estimate
-from trainer.identify.filtered import REJECTED, limits_of, run_filter
 from trainer.identify.likelihood import Likelihood
 from trainer.identify.minimise import Cost, Found, Search
 from trainer.identify.models import MODELS, Plant, Ship
@@ -18,6 +19,7 @@ from trainer.identify.predictor import Innovations, MultiStep, no_gain, settled_
 from trainer.identify.problem import Problem, problem_of
 from trainer.identify.record import Record
 from trainer.identify.samples import samples_of
+from trainer.identify.shown import REASONS, chi_square_limits, shown
 from trainer.identify.spread import Spread, propagated
 from trainer.identify.starting import free_names, start_values
 from trainer.identify.steering import Steering, steering
@@ -121,19 +123,26 @@ def cost_of(problem: Problem, table: ModelTable) -> Cost:
     return Likelihood(problem) if steps == (1, 1) else MultiStep(problem, *steps)
 
 
-def fit(study: Study, record: Record, heard: Callable[[Found], None]) -> Fitted:
+def fit(
+    study: Study, record: Record, heard: Callable[[Found], None], kept: Path | None = None
+) -> Fitted:
     """Return the model of a study fitted to its record; each step is told to ``heard``.
 
-    ConfigError if it cannot be posed, or the start is no model.
+    A search is kept in the file ``kept``, and goes on from there if there is one. ConfigError if
+    it cannot be posed, or the start is no model.
     """
     problem, own = posed(study, record)
+    start = problem.start
+    if kept is not None:
+        start = resume(kept, problem) if kept.exists() else start
+        heard = _both(heard, keep(kept, problem))
     table = study.model
     assert table is not None  # noqa: S101 - posed has refused it
     cost = cost_of(problem, table)
     search = Search(STEPS, heard)
     method = METHODS[table.method or "scoring"]
     starts = Starts(restarts=int(table.restarts or 0))
-    found = estimate(cost, problem.start, method, search, starts)
+    found = estimate(cost, start, method, search, starts)
     rejected = 0
     for _ in range(SCREENINGS if table.reject else 0):
         problem, more = screened(problem, found.theta, table.reject or 0.0)
@@ -165,11 +174,23 @@ def fit(study: Study, record: Record, heard: Callable[[Found], None]) -> Fitted:
     )
 
 
+def _both(
+    first: Callable[[Found], None], second: Callable[[Found], None]
+) -> Callable[[Found], None]:
+    """Return what tells two listeners."""
+
+    def tell(found: Found) -> None:
+        first(found)
+        second(found)
+
+    return tell
+
+
 def screened(problem: Problem, theta: Numbers, probability: float) -> tuple[Problem, int]:
     """Return the problem without the samples that are improbable, and how many these are."""
     samples = problem.samples
-    filtered = run_filter(problem, theta, limits_of(probability, samples.outputs.shape[1]))
-    rejected = filtered.status == REJECTED
+    run = shown(problem, theta, chi_square_limits(probability, samples.outputs.shape[1]))
+    rejected = run.flags == REASONS.index("rejected")
     return problem.on(samples.without(rejected)), int(np.count_nonzero(rejected))
 
 

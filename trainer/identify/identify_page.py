@@ -42,6 +42,9 @@ def render(report: Report) -> str:
         lines += [line for text in report.verdicts for line in wrapped(f"- {text}")]
     if report.check is not None:
         lines += ["", *_check_lines(report)]
+    if report.bend is not None:
+        kappa, deviation = report.bend.ship.kappa, report.bend.deviation
+        lines += ["", f"{INDENT}Large manoeuvres: kappa {kappa:.5g} +- {deviation:.2g} s^2"]
     return "\n".join(lines)
 
 
@@ -128,7 +131,8 @@ def panels(fitted: Fitted, report: Report) -> tuple[Panel, ...]:
     """Return helm, outputs with their predictions and bands, and the residuals' correlations."""
     samples, t = fitted.problem.samples, fitted.problem.samples.t
     predicted = alone(fitted.problem, fitted.found.theta)
-    filtered = errors_of(fitted)
+    run = errors_of(fitted)
+    standard = run.standardised
     found = [
         Panel(
             "rudder, positive to port",
@@ -138,16 +142,16 @@ def panels(fitted: Fitted, report: Report) -> tuple[Panel, ...]:
         )
     ]
     for i, output in enumerate(report.outputs):
-        deviation = float(np.nanstd(filtered.errors[:, i]))
+        deviation = float(np.nanstd(run.errors[:, i]))
         band = BAND * deviation
         curves = (
             Curve("measured", t, samples.outputs[:, i], points=True),
             Curve("by rudder alone", t, predicted[:, i]),
-            Curve("one step ahead, +95 %", t, filtered.predicted[:, i] + band),
-            Curve("one step ahead, -95 %", t, filtered.predicted[:, i] - band),
+            Curve("one step ahead, +95 %", t, run.predictions[:, i] + band),
+            Curve("one step ahead, -95 %", t, run.predictions[:, i] - band),
         )
         found.append(Panel(output, "time [s]", f"[{UNITS[output][0]}]", curves))
-        left = (Curve("residual", t, filtered.standardised[:, i]),)
+        left = (Curve("residual", t, standard[:, i]),)
         title = f"residuals of {output}"
         found.append(Panel(title, "time [s]", "[std dev]", left, levels=(-BAND, 0.0, BAND)))
     return (*found, *correlation_panels(report.residuals))

@@ -1,6 +1,7 @@
 """A fitted ship made into a file that sails: a Nomoto ship, or a vessel file changed."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 
@@ -8,13 +9,13 @@ from trainer.config import ConfigError
 from trainer.fitout import KNOT
 from trainer.identify.fitting import Fitted
 from trainer.identify.nomoto_file import SCHEMA, NomotoFile, written
+from trainer.identify.nonlinear import Bend
 from trainer.identify.steering import averages, coefficients, limits, rewritten
-from trainer.identify.told import DERIVATIVES, nomoto_of
+from trainer.identify.told import nomoto_of
 from trainer.vessel_file import load_vessel
 
 RUDDER_LIMIT, RUDDER_RATE = 35.0, 2.3  # [deg], [deg/s] of many ships, where no vessel file tells
 STEP = 0.5  # [s]
-FIRST_ORDER = ("nomoto1",)
 
 
 def nomoto_ship(fitted: Fitted) -> tuple[NomotoFile, dict[str, float]]:
@@ -58,9 +59,12 @@ def nomoto_ship(fitted: Fitted) -> tuple[NomotoFile, dict[str, float]]:
     return file, {name: float(known[name]) for name in names if np.isfinite(known[name])}
 
 
-def nomoto_text(fitted: Fitted) -> str:
-    """Return the text of the Nomoto file."""
+def nomoto_text(fitted: Fitted, bend: Bend | None) -> str:
+    """Return the text of the Nomoto file, with kappa where one was found."""
     ship, deviations = nomoto_ship(fitted)
+    if bend is not None:
+        ship = replace(ship, kappa_s2=bend.ship.kappa)
+        deviations["kappa"] = bend.deviation
     source = f"model {fitted.problem.plant.model.name} fitted to {fitted.record.source}"
     return written(ship, source.replace("\\", "/").replace('"', "'"), deviations)
 
@@ -80,8 +84,3 @@ def vessel_text(fitted: Fitted) -> str:
     values = coefficients(file, found, fitted.problem.plant.ship.speed, means)
     return rewritten(file.text, values, f"identified from {fitted.study.data.name}")
 
-
-def found_derivatives(fitted: Fitted) -> dict[str, tuple[float, float]]:
-    """Return value and standard deviation of Model 1's derivatives; {} for other models."""
-    told = zip(fitted.quantity_names, fitted.told.values, fitted.told.deviations, strict=True)
-    return {name: (float(x), float(s)) for name, x, s in told if name in DERIVATIVES}

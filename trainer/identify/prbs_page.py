@@ -77,7 +77,7 @@ def design(file: VesselFile, options: dict[str, Any]) -> Design:
     if options["zigzag"]:
         kind, orders, seconds, told = _zigzag(file, speed, options)
     else:
-        kind, orders, seconds, told = _sequence(ship.nomoto, step, interval, options)
+        kind, orders, seconds, told = _sequence(ship.nomoto, interval, options)
     flight = flown(file, scheduled(orders), speed, depth, seconds)
     record = flight.every(max(1, round(interval / step)))
     sensors = Sensors(
@@ -118,9 +118,9 @@ def _largest(values: Any) -> float:
     return math.degrees(float(np.max(np.abs(values))))
 
 
-def _sequence(ship: Nomoto, step: float, interval: float, options: dict[str, Any]) -> Any:
+def _sequence(ship: Nomoto, interval: float, options: dict[str, Any]) -> Any:
     """Return kind, orders, duration [s] and what is told of a binary sequence."""
-    hold = options["hold"] or suggested_hold(ship, step)
+    hold = options["hold"] or suggested_hold(ship, interval)
     sequence = Sequence(
         bits=options["bits"] or suggested_bits(ship, hold),
         amplitude_deg=options["amplitude"],

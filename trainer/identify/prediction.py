@@ -5,13 +5,17 @@ from pathlib import Path
 
 import numpy as np
 
+from trainer.config import ConfigError
 from trainer.identify.fitting import Fitted
 from trainer.identify.nomoto import Numbers
+from trainer.identify.nonlinear import Bend, Bent, kappa_from_record
 from trainer.identify.problem import Problem
+from trainer.identify.record import Record
 from trainer.identify.samples import samples_of
 from trainer.identify.simulate import deterministic
 from trainer.identify.starting import STATES
-from trainer.identify.study_file import Study, observe
+from trainer.identify.study_file import observe
+from trainer.identify.told import nomoto_of
 
 
 @dataclass(frozen=True)
@@ -55,15 +59,30 @@ def check_of(fitted: Fitted, path: Path) -> Check:
     )
 
 
+def other_record(fitted: Fitted, path: Path) -> Record:
+    """Return another record of the columns of the one that was fitted, the whole of it."""
+    heading = replace(fitted.study.heading, data=path.name, from_s=None, to_s=None)
+    beside = path.parent / fitted.study.path.name
+    return observe(replace(fitted.study, path=beside, heading=heading)).record
+
+
+def bend_of(fitted: Fitted, path: Path) -> Bend:
+    """Return the kappa by which the fitted ship follows a large manoeuvre best (12).
+
+    ConfigError if the model has no yaw, or a pair of complex roots.
+    """
+    plant = fitted.problem.plant
+    form = nomoto_of(plant.model, fitted.values, plant.ship)
+    if not form.K or form.T1.imag or not form.T2.real:
+        raise ConfigError("kappa goes with K, T1, T2 and T3: fit model 1, 3 or nomoto2")
+    ship = Bent(form.K, form.T1.real, form.T2.real, form.T3, 0.0)
+    return kappa_from_record(ship, other_record(fitted, path))
+
+
 def other_problem(fitted: Fitted, path: Path) -> Problem:
     """Return the fitted model on another record, started from what is read there first."""
-    study: Study = replace(
-        fitted.study,
-        path=path.parent / fitted.study.path.name,
-        heading=replace(fitted.study.heading, data=path.name, from_s=None, to_s=None),
-    )
     plant = fitted.problem.plant
-    samples = samples_of(observe(study).record, plant.outputs)
+    samples = samples_of(other_record(fitted, path), plant.outputs)
     values = fitted.values
     for name, channel in STATES[plant.model.name]:
         value = 0.0

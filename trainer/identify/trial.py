@@ -7,8 +7,9 @@ import numpy as np
 
 from trainer.boat import Boat
 from trainer.config import ConfigError
-from trainer.fitout import KNOT, Method
+from trainer.fitout import KNOT
 from trainer.helm import obey
+from trainer.identify.experiment import method_of
 from trainer.identify.record import Record
 from trainer.io.schedule import Scheduled
 from trainer.reply import Refused
@@ -25,7 +26,7 @@ def flown(
     ConfigError if it cannot, refuses an order, or its numbers are lost.
     """
     step = file.run.step_s
-    boat = Boat(file, Method("modified", "lagged", "exact", "adams2", step))
+    boat = Boat(file, method_of(file))
     boat.start(speed, depth, 0.0)
     waiting = list(schedule)
     rows = []

@@ -11,14 +11,10 @@ class Changes:
         self._last: dict[str, NDArray[np.generic]] = {}
 
     def of(self, name: str, values: NDArray[np.generic]) -> NDArray[np.bool_]:
-        """Return at which rows a thing is not what it was in the row before."""
-        rows = np.ones(len(values), np.bool_)
-        if len(values) == 0:
-            return rows
-        before = values[:-1]
-        if name in self._last:
-            before = np.concatenate((self._last[name][None], before))
-        same = before == values[len(values) - len(before) :]
-        rows[len(values) - len(before) :] = ~same.reshape(len(before), -1).all(axis=1)
+        """Return at which rows, one at least, a thing is not what it was in the row before."""
+        last = self._last.get(name)
+        before = np.concatenate((values[:1] if last is None else last[None], values[:-1]))
+        rows: NDArray[np.bool_] = (before != values).reshape(len(values), -1).any(axis=1)
+        rows[0] |= last is None
         self._last[name] = values[-1].copy()
         return rows

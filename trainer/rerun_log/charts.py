@@ -113,7 +113,9 @@ def _motion(boat: Boat) -> Iterator[Chart]:
             _place("turns make", "u_c", KNOT),
         ),
     )
-    yield Chart("attitude", "deg", (_place("pitch", "theta", degree), _place("heel", "phi", degree)))
+    yield Chart(
+        "attitude", "deg", (_place("pitch", "theta", degree), _place("heel", "phi", degree))
+    )
     yield Chart("surfaces", "deg", tuple(_surfaces(boat, degree)))
     yield Chart("sea", "m", (_place("above the boat", "eta_wave"), _place("height", "sea_height")))
 
@@ -129,7 +131,10 @@ def _surfaces(boat: Boat, degree: float) -> Iterator[Series]:
         told = f"ordered_{letter}", f"command_{letter}"
 
         def ordered(
-            block: Block, unit: float = toward * degree, by: str = by_hand, names: tuple[str, str] = told
+            block: Block,
+            unit: float = toward * degree,
+            by: str = by_hand,
+            names: tuple[str, str] = told,
         ) -> Numbers:
             return np.where(block[by] > 0.0, block[names[0]], block[names[1]]) / unit
 
@@ -161,7 +166,9 @@ def _ballast(boat: Boat) -> Iterator[Chart]:
     yield Chart(
         "air",
         "%",
-        tuple(_place(_words(bank), f"bank_{bank}", 0.01 * full[bank]) for bank in BANKS if full[bank]),
+        tuple(
+            _place(_words(bank), f"bank_{bank}", 0.01 * full[bank]) for bank in BANKS if full[bank]
+        ),
     )
 
 

@@ -38,7 +38,9 @@ def lanes_of(boat: Boat) -> tuple[Lane, ...]:
     lanes += [_by_hand(name) for name in (*steered, "speed")]
     lanes.append(_several("lanes/held", tuple(f"held_{part}" for part in PARTS), PARTS))
     if boat.vessel.fitted:
-        lanes.append(Lane("lanes/hover", lambda block: _whole(block["hover"]), ("", "on").__getitem__))
+        lanes.append(
+            Lane("lanes/hover", lambda block: _whole(block["hover"]), ("", "on").__getitem__)
+        )
         lanes.append(Lane("lanes/blow", _blow, _told_blow))
         lanes.append(_several("lanes/vents", tuple(f"vent_{name}" for name in VALVES), VALVES))
     return tuple(lanes)

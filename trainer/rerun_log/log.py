@@ -8,18 +8,17 @@ import click
 
 from trainer.frame import Pace
 from trainer.ledger import Ledger
-from trainer.publisher import Subscription
+from trainer.publisher import Promptly, Publisher, Subscription
 from trainer.rerun_log.feed import Feed
 from trainer.rerun_log.gathering import Heard, Taken
 from trainer.station import News
-from trainer.wishes import Sending
 
 
 @dataclass
 class Log:
     """Sends what is subscribed as ``sending`` does, and feeds what there is to be fed."""
 
-    sending: Sending
+    sending: Publisher | Promptly
     ledger: Ledger
     feeds: Sequence[Feed]
     _last: tuple[int, bytes, Pace] | None = field(default=None, init=False)

@@ -15,10 +15,10 @@ import click
 from trainer.config import ConfigError
 from trainer.ledger import Ledger
 from trainer.places import HOST
+from trainer.publisher import Promptly, Publisher
 from trainer.rerun_log.feed import Feed, Sink
 from trainer.rerun_log.log import Log
 from trainer.rerun_log.subject import Subject
-from trainer.wishes import Sending
 
 if TYPE_CHECKING:
     from trainer.rerun_log.sinks import Viewer
@@ -30,7 +30,7 @@ LOOK: Final = 0.1  # [s] between looks whether it has
 
 
 def open_log(
-    sending: Sending, ledger: Ledger, subject: Subject, options: Mapping[str, Any]
+    sending: Publisher | Promptly, ledger: Ledger, subject: Subject, options: Mapping[str, Any]
 ) -> Log | None:
     """Return what feeds the file and the viewer asked for, None if there is neither.
 

@@ -1,4 +1,4 @@
-"""The scene: the boat with her moving surfaces, her track, the sea above, and the depths that count.
+"""The scene: the boat with her moving surfaces, her track, the sea above, the depths that count.
 
 The world is north, east and down [m], with its origin where the run's is. What surrounds the boat
 follows her in whole squares of its grid, so that she is seen to move through it.
@@ -7,6 +7,7 @@ follows her in whole squares of its grid, so that she is seen to move through it
 from typing import Any, Final
 
 import numpy as np
+from numpy.typing import NDArray
 
 from trainer.rerun_log.batch import Block, Numbers
 from trainer.rerun_log.changes import Changes
@@ -152,7 +153,12 @@ def drawn(mesh: Mesh, colour: Colour) -> Any:
 
 def square(reach: float) -> Mesh:
     """Return a level square about the origin, so far [m] to each side."""
-    corners = [(-reach, -reach, 0.0), (reach, -reach, 0.0), (reach, reach, 0.0), (-reach, reach, 0.0)]
+    corners = [
+        (-reach, -reach, 0.0),
+        (reach, -reach, 0.0),
+        (reach, reach, 0.0),
+        (-reach, reach, 0.0),
+    ]
     return Mesh(np.array(corners, np.float32), np.array([(0, 1, 2), (0, 2, 3)], np.uint32))
 
 
@@ -162,11 +168,11 @@ def outline(reach: float, depth: float) -> Numbers:
     return np.column_stack((sides, np.full(len(sides), depth)))
 
 
-def grid(reach: float, step: float) -> Numbers:
+def grid(reach: float, step: float) -> NDArray[np.float32]:
     """Return the lines of a level grid about the origin."""
     offsets = np.arange(-reach, reach + 0.5 * step, step)
     ends = np.array([-reach, reach])
-    along = np.zeros((offsets.size, 2, 3))
+    along = np.zeros((offsets.size, 2, 3), np.float32)
     along[:, :, 0], along[:, :, 1] = ends, offsets[:, None]
     return np.concatenate((along, along[:, :, [1, 0, 2]]))
 

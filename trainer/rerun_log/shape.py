@@ -51,8 +51,7 @@ class Mesh(NamedTuple):
         for place in range(3):
             np.add.at(total, self.triangles[:, place], across)
         length = np.linalg.norm(total, axis=1, keepdims=True)
-        found: NDArray[np.float32] = total / np.where(length > 0.0, length, 1.0)
-        return found
+        return (total / np.where(length > 0.0, length, 1.0)).astype(np.float32)
 
 
 @dataclass(frozen=True)

@@ -30,7 +30,9 @@ class RrdFile:
         """Begin the file with what is the same at all times."""
         self._path.open("wb").close()  # tells better than the library why it cannot be written
         self._outlet = Outlet(self._subject.title)
-        self._outlet.save(self._path, blueprint(charts_of(self._subject.boat), self._subject.length))
+        self._outlet.save(
+            self._path, blueprint(charts_of(self._subject.boat), self._subject.length)
+        )
         self._writer = Writer(self._subject, self._outlet)
         self._writer.begin()
 
@@ -47,7 +49,7 @@ class RrdFile:
 class Viewer:
     """A viewer that listens already."""
 
-    period = 0.5
+    period = 1.0
     patience = 2.0
     needed = False
 

@@ -3,6 +3,7 @@
 from collections.abc import Iterator
 
 import numpy as np
+from numpy.typing import NDArray
 
 from trainer.rerun_log.batch import Block, Numbers, Times
 
@@ -13,37 +14,32 @@ class Track:
     def __init__(self, spacing: float) -> None:
         """Take the distance [m] from place to place."""
         self._spacing = spacing
-        self._kept: Numbers | None = None  # the last place
-        self._tick = 0  # of the last row, which may be beyond it
+        self._kept: Numbers = np.zeros(3)  # the last place
+        self._tick = self._branch = -1  # of the last row, which may be beyond it; none yet
 
-    def pieces(self, block: Block) -> Iterator[tuple[Times, Numbers]]:
-        """Yield the new pieces with the times at which they were finished.
+    def pieces(self, block: Block) -> Iterator[tuple[Times, NDArray[np.float32]]]:
+        """Yield the new pieces, two ends each, with the times at which they were finished.
 
-        Where the run was wound back a new line begins.
+        A new line begins where the run was wound back, or went on from elsewhere.
         """
         places, ticks = block.several("x", "y", "z"), block.times.ticks
-        if not ticks.size:
-            return
-        unbroken = np.diff(ticks, prepend=self._tick) > 0
-        unbroken[0] &= self._kept is not None
-        for stretch in np.split(np.arange(ticks.size), np.flatnonzero(~unbroken)):
-            if stretch.size:
-                if not unbroken[stretch[0]]:
-                    self._kept = places[stretch[0]]
-                yield from self._stretch(block.times, places, stretch)
-        self._tick = int(ticks[-1])
+        broken = np.diff(ticks, prepend=self._tick) <= 0
+        broken |= np.diff(block.branch, prepend=self._branch) != 0
+        for rows in np.split(np.arange(ticks.size), np.flatnonzero(broken)):
+            if not rows.size:
+                continue
+            if broken[rows[0]]:
+                self._kept = places[rows[0]]
+            ends, strips = self._follow(places[rows])
+            if ends.size:
+                yield Times(ticks[rows[ends]], block.times.seconds[rows[ends]]), strips
+        self._tick, self._branch = int(ticks[-1]), int(block.branch[-1])
 
-    def _stretch(
-        self, times: Times, places: Numbers, rows: np.ndarray
-    ) -> Iterator[tuple[Times, Numbers]]:
-        """Yield the pieces of rows that follow one another."""
-        line = np.concatenate((self._kept[None], places[rows])) if self._kept is not None else places
+    def _follow(self, places: Numbers) -> tuple[NDArray[np.intp], NDArray[np.float32]]:
+        """Return at which places pieces end, and the pieces."""
+        line = np.concatenate((self._kept[None], places))
         run = np.cumsum(np.linalg.norm(np.diff(line, axis=0), axis=1)) // self._spacing
         ends = np.flatnonzero(np.diff(run, prepend=0.0) > 0.0)
-        if not ends.size:
-            return
-        corners = np.concatenate((line[:1], line[ends + 1]))
-        self._kept = corners[-1]
-        found = rows[ends]
-        strips = np.stack((corners[:-1], corners[1:]), axis=1)
-        yield Times(times.ticks[found], times.seconds[found]), strips
+        corners = np.concatenate((line[:1], places[ends])).astype(np.float32)
+        self._kept = places[ends[-1]] if ends.size else self._kept
+        return ends, np.stack((corners[:-1], corners[1:]), axis=1)

@@ -29,7 +29,7 @@ RING: Final[Points] = tuple(
 FIN: Final[Points] = ((-0.14, 1.0), (-0.14, 1.75), (0.14, 1.75), (0.14, 1.0))
 STERN: Final = 12  # [columns] of the view from astern
 LEAST: Final = 18  # [columns] of the view from the side
-WORDS: Final = 36  # [columns] with room for both angles
+WORDS: Final = 32  # [columns] with room for both angles
 
 
 def hull(sight: Sight, width: int, height: int) -> Lines:

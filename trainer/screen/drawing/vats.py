@@ -79,9 +79,9 @@ def pumping(sight: Sight) -> Line:
     drained = picture.word("tanks", "draining") or "nothing"
     return line(
         (" tanks", "heading"),
-        ("          hover ", "heading-dim"),
+        ("   hover ", "heading-dim"),
         (picture.word("tanks", "hover") or "-", "heading-value"),
-        ("   draining ", "heading-dim"),
+        ("  draining ", "heading-dim"),
         (drained, "heading-value"),
     )
 

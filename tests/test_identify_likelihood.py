@@ -1,0 +1,324 @@
+"""Likelihood, gradient and information of a record, and the losses of other predictors."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+from trainer.config import ConfigError
+from trainer.identify.differences import gradient_and_hessian, refined, relative_steps
+from trainer.identify.likelihood import Likelihood
+from trainer.identify.predictor import Innovations, MultiStep, no_gain, settled_gain
+from trainer.identify.samples import Samples
+from trainer.identify.shown import chi_square_limits, losses, shown, unlimited
+from trainer.identify.rehearsal import TANKER, TANKER_RUDDER
+from trainer.identify.simulate import deterministic, drawn
+from trainer.identify.uncertainty import hessian
+
+
+PERIOD = TANKER.period
+
+
+def question(count, missing=0.0):
+    return TANKER.problem(TANKER_RUDDER[:count], missing)
+
+
+def recorded(problem, seed=1):
+    return problem.on(drawn(problem, problem.start, np.random.default_rng(seed)))
+
+
+def plainly(problem):
+    """Return -log L by the document's filter, a line an equation: 6.1 with Cholesky's factor."""
+    sampled = problem.sampled(problem.start)
+    mean, noise, start = sampled.at(0)
+    x, P, states = start[:, 0].copy(), start[:, 1:].copy(), len(start)
+    cost = 0.0
+    for row, which in zip(problem.samples.table, problem.samples.steps[1], strict=True):
+        W, Q = mean[which], noise[which]
+        there = np.flatnonzero(~np.isnan(row[: len(W) - states]))
+        w = np.array([*row[len(W) - states :], 1.0])
+        C = W[states:][there, :states]
+        error = row[there] - C @ x - W[states:][there, states:] @ w
+        R = C @ P @ C.T + Q[states:, states:][np.ix_(there, there)]
+        K = (W[:states, :states] @ P @ C.T + Q[:states, states:][:, there]) @ np.linalg.inv(R)
+        cost += 0.5 * (np.linalg.slogdet(R)[1] + error @ np.linalg.solve(R, error))
+        cost += 0.5 * len(there) * math.log(2.0 * math.pi)
+        x = W[:states, :states] @ x + W[:states, states:] @ w + K @ error
+        A = W[:states, :states]
+        P = A @ P @ A.T + Q[:states, :states] - K @ R @ K.T
+    return cost
+
+
+def cases():
+    """Yield problems of every kind that the filter treats in its own way."""
+    yield "whole", recorded(question(400))
+    yield "missing", recorded(question(400, missing=0.1))
+    samples = question(300).samples
+    jitter = np.random.default_rng(2).uniform(0.5, 1.5, 300)
+    varied = question(300).on(Samples(np.cumsum(jitter) * PERIOD, samples.outputs, samples.inputs))
+    yield "varied", recorded(varied)
+    gap = np.delete(np.arange(300), slice(100, 117))
+    t, y, u = samples.t[gap], samples.outputs[gap], samples.inputs[gap]
+    yield "gap", recorded(question(300).on(Samples(t, y, u)))
+    sums = replace(question(300), sampling="integrating")
+    yield "summed", recorded(sums)
+    variances = {"P11": 0.02, "P22": 1e-6, "P33": 1e-3, "P12": 1e-5, "P13": 0.0, "P23": 0.0}
+    wind = {"Y_psi": 2e-3, "l_psi": 0.3}
+    started = TANKER.freed(*variances, *wind, **variances, **wind)
+    yield "started", recorded(started.problem(TANKER_RUDDER[:300]))
+    logs = replace(TANKER, outputs=("bow_sway", "stern_sway", "yaw_rate", "heading"))
+    four = logs.freed("R2_v2", "v2_0", R2_v2=0.02, v2_0=0.1)
+    yield "four", recorded(four.problem(TANKER_RUDDER[:200]))
+
+
+CASES = dict(cases())
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_the_likelihood_is_that_of_the_filter_written_out(name):
+    problem = CASES[name]
+    assert Likelihood(problem).value(problem.start) == pytest.approx(plainly(problem), rel=1e-11)
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_the_gradient_is_exact(name):
+    problem = CASES[name]
+    cost = Likelihood(problem)
+    value, slope = cost.slope(problem.start)
+    steps = 1e-3 * np.maximum(np.abs(problem.start), 1e-6)
+    expected, _ = fourth_order(cost.value, problem.start, steps)
+
+    assert value == pytest.approx(cost.value(problem.start), rel=1e-12)
+    # where the slope is next to nothing, the differences' own rounding
+    assert_allclose(
+        slope, expected, rtol=1e-6, atol=1e-7 * np.max(np.abs(expected * steps)) / steps
+    )
+
+
+def fourth_order(function, theta, steps):
+    """Return the gradient with an error of order step^4."""
+    found = []
+    for place, step in enumerate(steps):
+        move = np.zeros_like(theta)
+        move[place] = step
+        near = function(theta + move) - function(theta - move)
+        far = function(theta + 2.0 * move) - function(theta - 2.0 * move)
+        found.append((8.0 * near - far) / (12.0 * step))
+    return np.array(found), None
+
+
+def stepped(problem, place):
+    """Return d(-log L)/d theta by an imaginary step through the filter written out."""
+    sampled = problem.sloped(problem.start)
+    mean, noise, start = (part[1 + place] for part in (sampled.mean, sampled.noise, sampled.start))
+    states, x, P = len(start), start[:, 0], start[:, 1:]
+    cost = 0j
+    for row, which in zip(problem.samples.table, problem.samples.steps[1], strict=True):
+        W, Q = mean[which], noise[which]
+        w = np.array([*row[len(W) - states :], 1.0])
+        A, C = W[:states, :states], W[states:, :states]
+        error = row[: len(W) - states] - C @ x - W[states:, states:] @ w
+        R = C @ P @ C.T + Q[states:, states:]
+        K = (A @ P @ C.T + Q[:states, states:]) @ np.linalg.inv(R)
+        cost += 0.5 * (np.log(np.linalg.det(R)) + error @ np.linalg.solve(R, error))
+        x, P = (
+            A @ x + W[:states, states:] @ w + K @ error,
+            A @ P @ A.T + Q[:states, :states] - K @ R @ K.T,
+        )
+    return cost.imag / 1e-100
+
+
+@pytest.mark.parametrize("name", ["whole", "varied", "summed", "started"])
+def test_the_gradient_is_that_of_an_imaginary_step(name):
+    problem = CASES[name]
+    _, slope = Likelihood(problem).slope(problem.start)
+    expected = [stepped(problem, place) for place in range(len(slope))]
+    assert_allclose(slope, expected, rtol=1e-6)
+
+
+def test_the_information_is_the_scatter_of_the_score():
+    problem = question(250)
+    information = Likelihood(recorded(problem)).information(problem.start)
+    scores = [
+        Likelihood(recorded(problem, seed)).slope(problem.start)[1] for seed in range(1000, 1400)
+    ]
+    width = np.sqrt(np.diag(information))
+    scatter = np.cov(np.array(scores).T) / np.outer(width, width)
+    # 400 scores: an entry is known to 0.07
+    assert np.max(np.abs(scatter - information / np.outer(width, width))) < 0.35
+
+
+@pytest.mark.parametrize("name", ["whole", "missing", "varied", "summed"])
+def test_the_information_is_what_second_derivatives_average(name):
+    problem = CASES[name]
+    information = Likelihood(problem).information(problem.start)
+    curved = [hessian(Likelihood(recorded(problem, seed)), problem.start) for seed in range(20)]
+    width = np.sqrt(np.diag(information))
+    ratio = np.mean(curved, axis=0) / np.outer(width, width)
+    assert np.max(np.abs(ratio - information / np.outer(width, width))) < 0.12
+
+
+def test_the_likelihood_is_that_of_statsmodels():
+    kalman = pytest.importorskip("statsmodels.tsa.statespace.kalman_filter")
+    problem = CASES["missing"]
+    mean, noise, start = problem.sampled(problem.start).at(0)
+    y, u = problem.samples.outputs, problem.samples.table[:, 3:]
+    inputs = np.hstack([u, np.ones((len(u), 1))])
+    model = kalman.KalmanFilter(k_endog=3, k_states=3, k_posdef=3)
+    model.bind(y.copy())
+    model["design"], model["transition"] = mean[0, 3:, :3], mean[0, :3, :3]
+    model["obs_cov"], model["state_cov"] = noise[0, 3:, 3:], noise[0, :3, :3]
+    model["selection"] = np.eye(3)
+    model["obs_intercept"] = mean[0, 3:, 3:] @ inputs.T
+    model["state_intercept"] = mean[0, :3, 3:] @ inputs.T
+    model.initialize_known(start[:, 0], start[:, 1:])
+
+    assert Likelihood(problem).value(problem.start) == pytest.approx(-model.loglike(), rel=1e-9)
+
+
+@pytest.mark.parametrize("gains", [no_gain, settled_gain])
+def test_predictors_with_a_gain_have_exact_gradients(gains):
+    problem = recorded(question(300))
+    cost = Innovations(problem, gains)
+    value, slope = cost.slope(problem.start)
+    steps = 1e-3 * np.maximum(np.abs(problem.start), 1e-6)
+    expected, _ = fourth_order(cost.value, problem.start, steps)
+
+    assert value == cost.value(problem.start)
+    assert_allclose(
+        slope, expected, rtol=1e-6, atol=1e-7 * np.max(np.abs(expected * steps)) / steps
+    )
+
+
+def test_the_settled_gain_is_the_filters_own_after_a_while():
+    problem = recorded(question(400))
+    errors = Innovations(problem, settled_gain).errors(problem.start)
+    filtered = shown(problem, problem.start, unlimited(3)).errors
+    assert_allclose(errors[200:], filtered[200:], rtol=1e-6, atol=1e-9)
+    assert not np.allclose(errors[:5], filtered[:5], rtol=1e-6)
+
+
+def test_an_interval_that_varies_has_no_settled_gain():
+    problem = CASES["varied"]
+    with pytest.raises(ConfigError, match="take the covariance form"):
+        Innovations(problem, settled_gain).value(problem.start)
+
+
+def test_one_step_ahead_is_the_likelihood_and_more_steps_are_worse():
+    problem = CASES["missing"]
+    one = MultiStep(problem, 1, 1).value(problem.start)
+    assert one == pytest.approx(Likelihood(problem).value(problem.start), rel=1e-11)
+    assert MultiStep(problem, 4, 8).value(problem.start) > one
+
+
+def test_predictions_several_steps_ahead_have_exact_gradients():
+    problem = recorded(question(60, missing=0.1))
+    cost = MultiStep(problem, 2, 4)
+    value, slope = cost.slope(problem.start)
+    steps = 1e-3 * np.maximum(np.abs(problem.start), 1e-6)
+    expected, _ = fourth_order(cost.value, problem.start, steps)
+
+    assert value == pytest.approx(cost.value(problem.start), rel=1e-12)
+    assert_allclose(
+        slope, expected, rtol=1e-6, atol=1e-7 * np.max(np.abs(expected * steps)) / steps
+    )
+
+
+def test_a_prediction_uses_only_what_was_known_so_many_samples_before():
+    problem = recorded(question(40))
+    three = MultiStep(problem, 3, 3).value(problem.start)
+    # errors of three steps by hand: readings of the two samples before each are taken away
+    total, count = 0.0, 0
+    for m in range(2, 40):
+        outputs = problem.samples.outputs[: m + 1].copy()
+        outputs[m - 2 : m] = np.nan
+        known = shown(
+            problem.on(
+                Samples(problem.samples.t[: m + 1], outputs, problem.samples.inputs[: m + 1])
+            ),
+            problem.start,
+            unlimited(3),
+        )
+        error, R = known.errors[m], known.spreads[m]
+        total += np.linalg.slogdet(R)[1] + error @ np.linalg.solve(R, error)
+        count += 1
+    expected = 0.5 * (total / count + 3.0 * math.log(2.0 * math.pi)) * 40
+    assert three == pytest.approx(expected, rel=1e-10)
+
+
+def test_losses_shown_are_those_minimised():
+    problem = CASES["missing"]
+    run = shown(problem, problem.start, unlimited(3))
+    found = losses(run)
+    value = Likelihood(problem).value(problem.start)
+    assert found.samples * found.V2 == pytest.approx(value, rel=1e-11)
+    whole = run.errors[~np.isnan(run.errors).any(axis=1)]
+    assert pytest.approx(np.linalg.slogdet(whole.T @ whole)[1] / len(whole)) == found.V1
+
+
+def test_an_outlier_is_rejected_and_moves_nothing():
+    problem = recorded(question(200))
+    outputs = problem.samples.outputs.copy()
+    outputs[100, 2] += 5.0
+    spoilt = problem.on(replace(problem.samples, outputs=outputs))
+    gone = outputs.copy()
+    gone[100] = np.nan
+    limits = chi_square_limits(1e-6, 3)
+    screened = shown(spoilt, problem.start, limits)
+    without = shown(problem.on(replace(problem.samples, outputs=gone)), problem.start, limits)
+
+    assert np.flatnonzero(screened.flags == 2).tolist() == [100]
+    assert_allclose(screened.errors[101:], without.errors[101:], rtol=1e-12)
+    assert losses(screened).samples == 199
+
+
+@pytest.mark.parametrize(
+    ("probability", "freedom", "limit"),
+    [(0.05, 1, 3.841459), (0.05, 2, 5.991465), (0.01, 3, 11.344867), (0.001, 4, 18.466827)],
+)
+def test_limits_are_those_of_the_chi_square_table(probability, freedom, limit):
+    assert chi_square_limits(probability, 4)[freedom] == pytest.approx(limit, rel=1e-6)
+
+
+def test_an_impossible_covariance_costs_infinitely_much():
+    impossible = TANKER.freed(P11=1e-3, P22=1e-6, P12=1.0)
+    problem = impossible.problem(TANKER_RUDDER[:50])
+    assert Likelihood(problem).value(problem.start) == math.inf
+
+
+def test_scaled_parameters_have_scaled_slopes():
+    problem = recorded(question(100))
+    scaled = replace(problem, scale=np.full(len(TANKER.free), 2.0))
+    assert scaled.start == pytest.approx(problem.start / 2.0)
+    ours, theirs = Likelihood(scaled), Likelihood(problem)
+    assert_allclose(ours.slope(scaled.start)[1], 2.0 * theirs.slope(problem.start)[1], rtol=1e-9)
+    assert_allclose(
+        ours.information(scaled.start), 4.0 * theirs.information(problem.start), rtol=1e-9
+    )
+
+
+def test_a_model_left_alone_is_its_transfer_function_in_the_long_run():
+    problem = question(4000)
+    samples = replace(problem.samples, inputs=np.full((4000, 1), 2.0))
+    steady = deterministic(problem.on(samples), problem.start)[-1]
+    drift = problem.plant.blocks(problem.values.astype(complex)[None]).drift[0].real
+    rest = np.linalg.solve(drift[:2, :2], -drift[:2, 3] * 2.0 - drift[:2, 4])
+    assert steady[:2] == pytest.approx(rest, rel=1e-9)
+
+
+def test_differences_are_as_exact_as_their_order():
+    def function(x):
+        return math.sin(x[0]) * math.exp(x[1])
+
+    theta = np.array([0.7, 0.4])
+    exact = math.exp(0.4) * np.array([math.cos(0.7), math.sin(0.7)])
+    steps = relative_steps(theta, 0.1)
+    plain, fine = gradient_and_hessian(function, theta, steps), refined(function, theta, steps)
+    mixed = math.exp(0.4) * math.cos(0.7)
+    assert_allclose(fine[0], exact, rtol=1e-6)
+    assert abs(plain[0][0] - exact[0]) > 1e-4
+    assert fine[1][0, 1] == pytest.approx(mixed, rel=1e-5)
+    with pytest.raises(ConfigError, match="parameter 2 is 0"):
+        relative_steps(np.array([1.0, 0.0]))
