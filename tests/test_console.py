@@ -391,6 +391,16 @@ def test_the_first_screen_says_the_state_at_a_glance() -> None:
     at_the_console(look)
 
 
+def test_the_ballast_station_has_tanks_valves_and_air_on_a_small_screen() -> None:
+    async def look(_pilot: Pilot[str], app: Console) -> None:
+        text = shown(app)
+        for words in ("auxiliary", "30.8 t", "main bank", "25.0 MPa 100 %", "OPEN", "compressor"):
+            assert words in text, words
+
+    for role in ("ballast", "diving"):
+        at_the_console(look, role=role)
+
+
 def test_nothing_is_said_by_colour_alone(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("NO_COLOR", "1")
     talk = tape()

@@ -21,11 +21,34 @@ SHIP = Ship(160.93, 4.5, 60.0, 70.0)
 # every model at numbers that make all of its entries count
 FULL = {
     "1": MODEL_1.vector(
-        **{"m11": 1.9, "m12": 0.03, "m21": 0.02, "m22": 0.1, "Y_v": -1.1, "Y_r": -0.56},
-        **{"N_v": -0.1, "N_r": -0.13, "Y_psi": 0.01, "l_psi": 0.2, "Y_delta": 0.5},
-        **{"l_delta": 0.3, "Y_0": 1e-3, "N_0": 1e-4, "R1_Y": 1e-3, "R1_N": 1e-5, "R1_YN": 0.4},
-        **{"R2_r": 1e-4, "R2_psi": 0.1, "R2_v1": 0.02, "R2_v2": 0.03, "lag": 0.5},
-        **{"v1_0": 0.1, "v2_0": 0.2, "r_0": 0.01, "P11": 0.1, "P22": 0.1, "P33": 0.1},
+        m11=1.9,
+        m12=0.03,
+        m21=0.02,
+        m22=0.1,
+        Y_v=-1.1,
+        Y_r=-0.56,
+        N_v=-0.1,
+        N_r=-0.13,
+        Y_psi=0.01,
+        l_psi=0.2,
+        Y_delta=0.5,
+        l_delta=0.3,
+        Y_0=1e-3,
+        N_0=1e-4,
+        R1_Y=1e-3,
+        R1_N=1e-5,
+        R1_YN=0.4,
+        R2_r=1e-4,
+        R2_psi=0.1,
+        R2_v1=0.02,
+        R2_v2=0.03,
+        lag=0.5,
+        v1_0=0.1,
+        v2_0=0.2,
+        r_0=0.01,
+        P11=0.1,
+        P22=0.1,
+        P33=0.1,
     ),
     "2": MODELS["2"].vector(a1=2.0, a2=1.0, a3=0.1, c1=0.4, c2=1.0, c3=0.01, R1_1=1e-3, R2_v=0.1),
     "3": MODELS["3"].vector(a1=2.0, a2=1.0, a3=0.1, b1=-1.0, b2=-0.9, R1_1=1e-9, R1_2=1e-7),
@@ -34,7 +57,7 @@ FULL = {
 }
 
 
-def blocks(A, B, readings, R1, lag=0.0, R2=None):  # noqa: N803
+def blocks(A, B, readings, R1, lag=0.0, R2=None):
     """Return one system with inputs B and no constant column."""
     x, y = len(A), len(readings["C"])
     drift = np.zeros((1, x + y, x + B.shape[1] + 1), complex)

@@ -125,11 +125,12 @@ class History:
 
     def go_to(self, moment: Moment, why: str) -> None:
         """Go back to a moment, and begin a new branch there."""
+        if moment.branch != self.recording.branch:
+            self.automatic.clear()  # the past of another branch
         self._restore(moment)
         self.recording.fork(moment, why)
         self.rerun = None
-        while self.automatic and self.automatic[-1].tick > moment.tick:
-            self.automatic.pop()
+        self._forget_later()
 
     def show_again(self, moment: Moment) -> int:
         """Go back to a moment, to fly on from there as it was recorded; return the orders."""
@@ -144,6 +145,7 @@ class History:
         """End a replay here: what follows is a new branch."""
         self.rerun = None
         self.recording.fork(self.now(), why)
+        self._forget_later()
 
     def due(self, schedule: Sequence[Scheduled]) -> Iterator[Order]:
         """Yield the orders that a replay gives again at this tick."""
@@ -160,7 +162,9 @@ class History:
     def arrive(self) -> str:
         """End a replay that has arrived where it led to; return what became of it."""
         rerun, self.rerun = self.rerun, None
-        told = (rerun and rerun.different) or "the same to the last bit"
+        told = "the same to the last bit"
+        if rerun and (rerun.different or rerun.end.state != self._state()):
+            told = rerun.different or "it did not end in the state that it led to"
         return f"replay over at {self.boat.time:g} s: {told}; run goes on from here"
 
     @property
@@ -168,6 +172,11 @@ class History:
         """Return whether a replay has arrived where it led to; the branch then goes on."""
         rerun = self.rerun
         return rerun is not None and self.tick >= rerun.end.tick and not rerun.orders
+
+    def _forget_later(self) -> None:
+        """Drop the automatic moments that are not of the past any more."""
+        while self.automatic and self.automatic[-1].tick > self.tick:
+            self.automatic.pop()
 
     def _restore(self, moment: Moment) -> None:
         self.boat.restore(np.frombuffer(moment.state, STATE))

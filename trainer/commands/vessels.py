@@ -58,7 +58,7 @@ def check(vessel: str, *, as_json: bool) -> None:
     type=click.IntRange(1, 3600),
     default=10,
     show_default=True,
-    help="Of real time for each step.",
+    help="Of real time for each step, and for the orders over TCP.",
 )
 @click.option("--json", "as_json", is_flag=True, help="Print the figures as JSON.")
 def bench(vessel: str, seconds: int, *, as_json: bool) -> None:

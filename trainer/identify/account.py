@@ -113,7 +113,7 @@ def report_of(fitted: Fitted, findings: tuple[str, ...]) -> Report:
         samples=problem.samples.counted,
         interval_s=plant.period,
         findings=findings,
-        converged=fitted.found.converged,
+        converged=bool(fitted.found.converged),
         steps=fitted.found.steps,
         log_likelihood=fitted.log_likelihood,
         aic=aic_of_likelihood(fitted.log_likelihood, len(problem.free)),

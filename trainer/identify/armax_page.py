@@ -24,7 +24,8 @@ from trainer.identify.study_file import Study, observe
 from trainer.study.page import INDENT, cut, figure, table, wrapped
 from trainer.study.plots import Panel
 
-MOST, LAGS: Final = 4, 10
+MOST: Final = 4  # orders
+LAGS: Final = 10
 
 
 @dataclass(frozen=True)

@@ -72,19 +72,14 @@ def one_run(problem: Problem, truth: Numbers, seed: int) -> Run:
     cost = Likelihood(problem.on(drawn(problem, truth, stream)))
     found = estimate(cost, problem.start, "auto", Search())
     known = uncertainty(problem.names, cost.information(found.theta))
-    theta = _by_magnitude(problem, found.theta)
     return Run(
-        seed, theta, known.deviations, found.cost, cost.value(truth), converged=found.converged
+        seed,
+        found.theta,
+        known.deviations,
+        found.cost,
+        cost.value(truth),
+        converged=found.converged,
     )
-
-
-def _by_magnitude(problem: Problem, theta: Numbers) -> Numbers:
-    """Return ``theta`` with variances and the lag's angle positive: their sign means nothing."""
-    unsigned = [
-        kind == "variance" or name == "lag"
-        for name, kind in zip(problem.names, problem.kinds, strict=True)
-    ]
-    return np.where(unsigned, np.abs(theta), theta)
 
 
 def study(

@@ -31,6 +31,9 @@ MINIMISERS: Final[dict[str, Minimiser]] = {
 }
 
 
+WIDEST: Final = 1.0  # [-], [rad] spread of the logarithm of a variance, or of an angle
+
+
 @dataclass(frozen=True)
 class Starts:
     """Where else to start: ``restarts`` times, ``width`` standard deviations about the start."""
@@ -45,10 +48,12 @@ def estimate(
 ) -> Found:
     """Return the best minimum of ``cost`` from ``theta`` (f,) and from other ``starts``.
 
+    Of numbers that mean the same model it has the first, see Problem.folded.
     ConfigError for an unknown method, or where the cost at ``theta`` is not finite.
     """
     if method not in MINIMISERS:
         raise ConfigError(f"minimiser {method!r}: must be one of {', '.join(MINIMISERS)}")
+    stretched(cost, theta)  # refuses a variance of nothing
     if not np.isfinite(cost.value(theta)):
         raise ConfigError(
             "the start values are no model: a covariance is not positive, or the prediction "
@@ -59,7 +64,7 @@ def estimate(
         other = MINIMISERS[method](cost, begin, search)
         # a minimum no deeper is the same one
         found = other if other.cost < found.cost - 1e-6 else found
-    return found
+    return replace(found, theta=cost.problem.folded(found.theta))
 
 
 def _others(cost: Cost, theta: Numbers, starts: Starts) -> list[Numbers]:
@@ -67,9 +72,12 @@ def _others(cost: Cost, theta: Numbers, starts: Starts) -> list[Numbers]:
     if starts.restarts == 0:
         return []
     problem = stretched(cost, theta)
-    information = problem.information(np.zeros(len(theta)))
-    width = starts.width / np.sqrt(np.maximum(np.diag(information), 1e-300))
-    width = np.where(problem.logarithmic, np.minimum(width, 2.0), width)
+    size = np.diag(problem.information(np.zeros(len(theta))))
+    told = np.isfinite(size) & (size > 0.0)
+    width = np.where(told, starts.width / np.sqrt(np.where(told, size, 1.0)), 0.0)
+    # of logarithms and angles, nothing larger means more
+    turning = problem.logarithmic | np.isin(cost.problem.kinds, ("angle", "lag"))
+    width = np.where(turning, np.where(told, np.minimum(width, WIDEST), WIDEST), width)
     stream = np.random.Generator(np.random.PCG64(starts.seed))
     spread = stream.standard_normal((starts.restarts, len(theta))) * width
     drawn = [problem.theta(eta) for eta in spread]

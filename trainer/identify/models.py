@@ -35,7 +35,8 @@ UNITS: Final = {  # of a channel, and how many of them one SI unit is
 class Parameter:
     """One number of a model: ``kind`` is how it is bounded.
 
-    "free" any number, "variance" by magnitude, "angle" [rad] by its sine.
+    "free" any number, "variance" by magnitude, "angle" [rad] by its sine, "lag" [rad] by the
+    sine's magnitude.
     """
 
     name: str
@@ -166,7 +167,7 @@ _VARIANCES: Final = tuple(
     f"P{i} | SI | variance of initial state {i[0]} | variance" for i in ("11", "22", "33")
 )
 _COVARIANCES: Final = tuple(f"P{i} | SI | covariance of initial states" for i in ("12", "13", "23"))
-_LAG: Final = "lag | rad | time lag of the rudder is T abs sin | angle"
+_LAG: Final = "lag | rad | time lag of the rudder is T abs sin | lag"
 
 MODEL_1: Final = Model(
     "1",

@@ -14,7 +14,8 @@ from trainer.identify.steering import averages, coefficients, limits, rewritten
 from trainer.identify.told import nomoto_of
 from trainer.vessel_file import load_vessel
 
-RUDDER_LIMIT, RUDDER_RATE = 35.0, 2.3  # [deg], [deg/s] of many ships, where no vessel file tells
+RUDDER_LIMIT = 35.0  # [deg] of many ships, where no vessel file tells
+RUDDER_RATE = 2.3  # [deg/s]
 STEP = 0.5  # [s]
 
 

@@ -75,8 +75,11 @@ def bend_of(fitted: Fitted, path: Path) -> Bend:
     form = nomoto_of(plant.model, fitted.values, plant.ship)
     if not form.K or form.T1.imag or not form.T2.real:
         raise ConfigError("kappa goes with K, T1, T2 and T3: fit model 1, 3 or nomoto2")
-    ship = Bent(form.K, form.T1.real, form.T2.real, form.T3, 0.0)
-    return kappa_from_record(ship, other_record(fitted, path))
+    record = other_record(fitted, path)
+    # a bend that halves the gain at the fastest turn: where the search begins
+    bend = 1.0 / (abs(form.K) * float(np.nanmax(np.abs(record.column("yaw_rate")))))
+    ship = Bent(form.K, form.T1.real, form.T2.real, form.T3, bend)
+    return kappa_from_record(ship, record)
 
 
 def other_problem(fitted: Fitted, path: Path) -> Problem:

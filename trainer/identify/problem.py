@@ -52,6 +52,18 @@ class Problem:
         values[list(self.free)] = theta * self.scale
         return values
 
+    def folded(self, theta: Numbers) -> Numbers:
+        """Return ``theta`` (f,) with each number at the first place that means the same model.
+
+        Variances and lags positive, angles between -pi/2 and pi/2.
+        """
+        values = theta * self.scale
+        angles = np.arcsin(np.sin(values))
+        kinds = np.array(self.kinds)
+        values = np.where(kinds == "angle", angles, values)
+        values = np.where(kinds == "lag", np.abs(angles), values)
+        return np.where(kinds == "variance", np.abs(values), values) / self.scale
+
     def sampled(self, theta: Numbers) -> Sampled:
         """Return the sampled systems of ``theta`` (f,): one row."""
         return self._sample(self.whole(theta), ())

@@ -63,8 +63,7 @@ def charted(gauge: str, *names: str) -> tuple[Quantity, ...]:
 
 VATS: Final = (
     Place("levels", vats.levels),
-    Place("banks", vats.banks),
-    Place("valves", vats.valves),
+    Place("fittings", vats.fittings),
 )
 
 POSTS: Final[Mapping[str, Post]] = {

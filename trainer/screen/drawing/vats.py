@@ -102,6 +102,11 @@ def banks(sight: Sight, width: int, height: int) -> Lines:
     return [fit(each, width) for each in lines[:height]]
 
 
+def fittings(sight: Sight, width: int, height: int) -> Lines:
+    """Return the valves above the air banks."""
+    return [*valves(sight, width, height), *banks(sight, width, height)][:height]
+
+
 def valves(sight: Sight, width: int, height: int) -> Lines:
     """Return how the levers stand, a row for each group."""
     picture = sight.picture
