@@ -21,7 +21,7 @@ from trainer.commands import (
 )
 from trainer.config import ConfigError
 
-LIBRARIES = ("numpy", "numba", "pyserial", "click")
+LIBRARIES = ("numpy", "numba", "pyserial", "click", "textual")
 
 
 def versions() -> str:

@@ -39,10 +39,9 @@ def resume_boat(path: Path, options: dict[str, Any], *, anyway: bool) -> int:
     if seconds is not None and seconds <= boat.time:
         recording.close()
         raise ConfigError(f"--duration {seconds:g} s: this run is at {boat.time:g} s already")
-    if seconds is None and plan.duration is not None and plan.duration <= boat.time:
-        recording.close()
-        raise ConfigError(f"{path}: this run is at its end, {boat.time:g} s: give --duration")
     how = "time is frozen: say run" if options["frozen"] else "going on"
+    if seconds is None and plan.duration is not None and plan.duration <= boat.time:
+        how = "at its end; --duration goes on beyond it"
     click.echo(f"{path}: branch {recording.branch}, {boat.time:g} s; {how}", err=True)
     plan = plan if seconds is None else replace(plan, duration=seconds)
     return fly(Voyage(plan, boat, history, str(path)), options)

@@ -1,0 +1,96 @@
+"""Round trip: a boat flown under an experiment, identified, written, and flown against herself."""
+
+import json
+import math
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+from trainer.commands.identify import identify, prbs
+from trainer.fitout import KNOT
+from trainer.identify.experiment import method_of
+from trainer.identify.nomoto_file import load_nomoto
+from trainer.identify.steered import Steered
+from trainer.study.characteristic import horizontal
+from trainer.study.manoeuvres.flight import fly
+from trainer.study.manoeuvres.submarine import Rig, Submarine
+from trainer.study.manoeuvres.zigzag import ZigZag
+from trainer.vessel_file import load_vessel
+
+pytest.importorskip("scipy")
+
+SENSIBLE = ("--amplitude", "1", "--interval", "5", "--depth", "17.5", "--sea", "sea-state-3")
+
+
+def run(command, *arguments):
+    result = CliRunner().invoke(command, [str(one) for one in arguments])
+    if result.exception and not isinstance(result.exception, SystemExit):
+        raise result.exception
+    return result.stdout
+
+
+@pytest.fixture(scope="module")
+def trial(tmp_path_factory):
+    """A sequence of 1 degree flown by BB2 at periscope depth in sea state 3; its folder."""
+    folder = tmp_path_factory.mktemp("trial")
+    run(prbs, "bb2", *SENSIBLE, "--write", folder / "trial.toml")
+    order = [sys.executable, "-m", "trainer", "run", "trial.toml", "--headless"]
+    order += ["--speed", "max", "--record", "trial.trainer"]
+    subprocess.run(order, cwd=folder, check=True, capture_output=True)
+    return folder
+
+
+@pytest.fixture(scope="module")
+def found(trial):
+    """Reports of Model 1 and Nomoto's, their files written."""
+    reports = {}
+    for model, more in (
+        ("1", ("--write-vessel", trial / "bb2-found.toml")),
+        ("nomoto2", ("--write-nomoto", trial / "nomoto.toml")),
+    ):
+        arguments = (trial / "trial.trainer", "--model", model, "--vessel", "bb2", "--every", "10")
+        reports[model] = json.loads(run(identify, *arguments, *more, "--json"))
+    return reports
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("model", ["1", "nomoto2"])
+def test_the_roots_found_are_those_of_trainer_modes(found, model):
+    ship = {one["name"]: (one["value"], one["deviation"]) for one in found[model]["ship"]}
+    speed = found[model]["speed_kn"] * KNOT
+    roots = sorted(-s.real for s in horizontal(load_vessel("bb2"), speed).eigenvalues if not s.imag)
+    for name, rate in zip(("T1", "T2"), roots, strict=True):
+        value, deviation = ship[name]
+        assert abs(value - 1.0 / rate) < 3.0 * deviation
+
+
+def flight(vehicle, speed):
+    return fly(vehicle, ZigZag(angle_deg=5.0, execute_deg=5.0, duration_s=300.0), speed)
+
+
+@pytest.mark.long
+def test_the_boat_written_zigzags_like_the_boat_flown(trial, found):
+    speed = 10.0 * KNOT
+    bb2, again = load_vessel("bb2"), load_vessel(str(trial / "bb2-found.toml"))
+    true, other = (flight(Submarine(f, method_of(f), Rig()), speed) for f in (bb2, again))
+    error = np.degrees(true.column("psi") - other.column("psi"))
+    # of the 5 to 10 degrees that she swings
+    assert math.sqrt(float(np.mean(error**2))) < 1.0
+    first, second = (f.marks[1].t - f.marks[0].t for f in (true, other))
+    assert second == pytest.approx(first, rel=0.1)
+
+
+@pytest.mark.long
+def test_the_nomoto_ship_zigzags_like_the_boat_flown(trial, found):
+    ship = Steered(load_nomoto(trial / "nomoto.toml"))
+    bb2 = load_vessel("bb2")
+    true = flight(Submarine(bb2, method_of(bb2), Rig()), 10.0 * KNOT)
+    other = flight(ship, 10.0 * KNOT)
+    n = min(len(true.t), len(other.t))
+    error = np.degrees(true.column("psi")[:n] - other.column("psi")[:n])
+    assert math.sqrt(float(np.mean(error[: int(100.0 / 0.5)] ** 2))) < 1.5
+    peaks = [np.degrees(f.column("psi")[f.t < 60.0].max()) for f in (true, other)]
+    assert peaks[1] == pytest.approx(peaks[0], rel=0.15)
