@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 from trainer.config import ConfigError
-from trainer.identify.armax import Armax, fit_armax
+from trainer.identify.armax import Armax
+from trainer.identify.armax_fit import fit_armax
 from trainer.identify.armax_orders import delayed, treated, try_orders, without_wind
 from trainer.identify.prbs import held, prbs
 from trainer.identify.residuals import examine_residuals, verdicts

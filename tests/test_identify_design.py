@@ -192,10 +192,11 @@ def test_sensors_add_white_errors_of_their_size_and_the_same_ones_again(calm):
 
 def test_what_is_expected_of_a_trial_is_what_estimates_of_it_scatter(bb2):
     pytest.importorskip("scipy")
+    from dataclasses import replace
+
     from trainer.identify.fitting import fit
     from trainer.identify.study_file import plain_study
     from trainer.identify.study_records import ModelTable, Ship
-    from dataclasses import replace
 
     sequence = Sequence(5, 0.5, 15.0, 1, "rudder")
     record = flown(bb2, scheduled(sequence.orders()), SPEED, 60.0, sequence.seconds).every(10)

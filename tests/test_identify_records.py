@@ -1,6 +1,7 @@
-"""Records for identification: what is read, what is refused, what is warned of, by column and row."""
+"""Records for identification: what is read, refused and warned of, by column and row."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -265,8 +266,6 @@ def test_a_wrapped_heading_is_unwrapped_across_what_is_missing(tmp_path):
     heading[30] = math.nan
     write(tmp_path, columns)
     record = load_record(tmp_path / "trial.csv", {"rudder": Column("helm", 1.0)})
-    from dataclasses import replace
-
     found = unwrapped(replace(record, heading=np.mod(heading + 4.7, math.tau)))
     known = found.heading[~np.isnan(found.heading)]
     assert np.abs(np.diff(known)).max() < 1.0

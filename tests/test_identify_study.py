@@ -104,7 +104,10 @@ def test_a_ship_is_found_within_three_deviations_by_every_noise_model(tmp_path, 
 def test_every_minimiser_ends_at_the_same_ship(tmp_path, method):
     report = json.loads(run(identify, trial(tmp_path), "--method", method, "--json"))
     other = json.loads(run(identify, trial(tmp_path), "--json"))
-    assert report["log_likelihood"] == pytest.approx(other["log_likelihood"], abs=0.02)
+    # a disturbance that is not there is sought down to nothing, by each in its own way
+    assert report["log_likelihood"] == pytest.approx(other["log_likelihood"], abs=0.3)
+    for name in ("K", "T1"):
+        assert abs(told(report)[name][0] - told(other)[name][0]) < 0.3 * told(other)[name][1]
 
 
 def test_the_page_tells_parameters_ship_stability_losses_and_residuals(tmp_path):
@@ -211,7 +214,7 @@ def test_nothing_to_identify_is_a_usage_error(tmp_path):
 
 def test_orders_of_armax_are_tried_and_told(tmp_path):
     page = run(identify, trial(tmp_path), "--armax")
-    for part in ("ARMAX MODELS of yaw_rate", "Least AIC", "Poles", "order", "feedback"):
+    for part in ("ARMAX MODELS of yaw_rate", "Order by AIC", "Poles", "order", "feedback"):
         assert part in page
     report = json.loads(run(identify, trial(tmp_path), "--armax", "--json"))
     pole = report["orders"][0]["poles"][0][0]

@@ -85,10 +85,10 @@ def test_bis_and_prime_describe_one_ship():
     si = converted(form, prime, scale("si", length, speed))
     there = converted(si, scale("si", length, speed), bis)
     back = converted(there, bis, prime)
-    assert back.K == pytest.approx(form.K, rel=1e-12)
+    assert pytest.approx(form.K, rel=1e-12) == back.K
     # K' = K''/F_nL, and K' = K L/V
     froude = speed / math.sqrt(9.81 * length)
-    assert form.K == pytest.approx(there.K / froude, rel=1e-12)
+    assert pytest.approx(there.K / froude, rel=1e-12) == form.K
     assert form.K_v * speed == pytest.approx(si.K_v, rel=1e-12)
 
 
@@ -127,8 +127,8 @@ def test_a_second_order_model_gives_the_reports_time_constant_without_wind(row):
     # A3: T = 29.4 s and K = -0.074 1/s, not the -0.055 that the report prints
     model = Armax((row["a1"], -row["a1"] - 1.0), (row["b1"], row["b2"]), (0.0, 0.0), ())
     found = without_wind(model, row["h"])
-    assert found.T == pytest.approx(row["computed"]["T"], rel=1e-12)
-    assert found.K == pytest.approx(row["computed"]["K"], rel=1e-12)
+    assert pytest.approx(row["computed"]["T"], rel=1e-12) == found.T
+    assert pytest.approx(row["computed"]["K"], rel=1e-12) == found.K
 
 
 def test_zeros_of_the_reports_models_are_where_it_says():

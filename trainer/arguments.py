@@ -3,13 +3,37 @@
 import difflib
 import math
 import re
+from collections.abc import Iterable
 from typing import Any
 
 import click
 
 
 class Commands(click.Group):
-    """A group that answers a mistyped command with the nearest one, and no command with help."""
+    """A group that lists its commands by section, and answers a mistyped one with the nearest."""
+
+    def __init__(self, *args: Any, **attributes: Any) -> None:
+        super().__init__(*args, **attributes)
+        self.sections: dict[str, list[click.Command]] = {}
+
+    def add_section(self, title: str, commands: Iterable[click.Command]) -> None:
+        """Add commands, to be listed under ``title``."""
+        self.sections[title] = list(commands)
+        for command in self.sections[title]:
+            self.add_command(command)
+
+    def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        """Write each section's commands with the first sentence of their help."""
+        del ctx
+        width = max(len(command.name or "") for command in self.commands.values())
+        for title, commands in self.sections.items():
+            with formatter.section(title):
+                formatter.write_dl(
+                    [
+                        ((command.name or "").ljust(width), command.get_short_help_str(200))
+                        for command in commands
+                    ]
+                )
 
     def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
         """Return what is left of the arguments once the group's own options are taken."""

@@ -3,7 +3,7 @@
 import os
 import sys
 from importlib import metadata
-from typing import NoReturn
+from typing import Final, NoReturn
 
 import click
 
@@ -57,27 +57,16 @@ def cli() -> None:
     """
 
 
-for command in (
-    running.run,
-    running.serve,
-    attending.attach,
-    attending.station,
-    running.resume,
-    records.replay,
-    records.export,
-    records.debrief,
-    listing.exercises,
-    listing.exercise,
-    listing.casualties,
-    instruments.instruments,
-    vessels.evaluate,
-    vessels.check,
-    vessels.bench,
-    vessels.gains,
-    *programs.PROGRAMS,
-    *guiding.GUIDING,
-):
-    cli.add_command(command)
+SECTIONS: Final = {
+    "Train": (running.run, running.serve, attending.attach, attending.station),
+    "Exercises": (listing.exercises, listing.exercise, listing.casualties),
+    "Recordings": (records.debrief, running.resume, records.replay, records.export),
+    "A boat": (vessels.check, *guiding.GUIDING, vessels.gains),
+    "The programs of 1969": programs.PROGRAMS,
+    "This machine, and others": (vessels.bench, vessels.evaluate, instruments.instruments),
+}
+for title, commands in SECTIONS.items():
+    cli.add_section(title, commands)
 
 
 def keep_standard_streams() -> None:

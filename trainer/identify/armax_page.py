@@ -173,8 +173,8 @@ def render(report: Report) -> str:
         f"ARMAX MODELS of {report.output} by rudder (IDPAC)",
         f"{INDENT}{cut(report.study, 70)}",
         f"{INDENT}{cut(report.source, 75)}",
-        f"{INDENT}{report.samples} samples every {report.interval_s:g} s; removed: "
-        f"{report.removed}; dead time {report.dead_time} samples",
+        f"{INDENT}{report.samples} samples every {report.interval_s:g} s",
+        f"{INDENT}removed: {report.removed}; dead time {report.dead_time} samples",
     ]
     if report.findings:
         lines += ["", *(line for text in report.findings for line in wrapped(f"- {text}"))]
@@ -197,8 +197,7 @@ def render(report: Report) -> str:
     lines += ["", *table(heads, rows)]
     lines += [
         "",
-        f"{INDENT}Least AIC: order {report.by_aic}; least BIC: {report.by_bic}; F test: "
-        f"{report.by_test}",
+        f"{INDENT}Order by AIC {report.by_aic}, by BIC {report.by_bic}, by F {report.by_test}",
     ]
     chosen = next(row for row in report.orders if row.order == report.by_aic)
     lines += ["", *_coefficient_table(chosen), "", *_root_lines(chosen)]

@@ -19,7 +19,7 @@ def keep(path: Path, problem: Problem) -> Callable[[Found], None]:
     """Return what writes each step of a search to ``path``, whole or not at all."""
 
     def write(found: Found) -> None:
-        theta = found.theta * problem.scale
+        theta = problem.folded(found.theta) * problem.scale
         told = {
             "model": problem.plant.model.name,
             "cost": found.cost,

@@ -42,7 +42,7 @@ class SlaveRow:
     colour: str = of(Choice(tuple(ZONES), "of its lanes"))
     east_m: float = of(Quantity("m", METRES, "place from the master, in the grid"))
     north_m: float = of(Quantity("m", METRES, "likewise"))
-    lane_m: float | None = optional(Quantity("m", above(0, 1e5), "width of a lane on the base line"))
+    lane_m: float | None = optional(Quantity("m", above(0, 1e5), "a lane on the base line"))
     frequency_khz: float | None = optional(
         Quantity("kHz", above(0, 1e4), "comparison frequency, instead of lane_m")
     )

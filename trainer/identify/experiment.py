@@ -143,7 +143,8 @@ def zigzag_flight(
     """
     angle, execute = angles
     if angle > file.surfaces.rudder_limit_deg:
-        raise ConfigError(f"the rudder goes to {file.surfaces.rudder_limit_deg:g} deg, not {angle:g}")
+        most = file.surfaces.rudder_limit_deg
+        raise ConfigError(f"the rudder goes to {most:g} deg, not {angle:g}")
     manoeuvre = ZigZag(angle_deg=angle, execute_deg=execute, duration_s=seconds)
     return fly(Submarine(file, method_of(file), Rig()), manoeuvre, speed)
 

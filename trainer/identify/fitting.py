@@ -96,8 +96,7 @@ def posed(study: Study, record: Record) -> tuple[Problem, Steering | None]:
     if groups:
         told = "; ".join(" with ".join(group) for group in groups)
         raise ConfigError(
-            f"{study.path.name}: this record cannot separate {told}: "
-            'fix one of each, free = "no"'
+            f'{study.path.name}: this record cannot separate {told}: fix one of each, free = "no"'
         )
     return problem, own
 

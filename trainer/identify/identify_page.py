@@ -25,8 +25,7 @@ def render(report: Report) -> str:
         f"IDENTIFICATION, model {report.model} (LISPID)",
         f"{INDENT}{cut(report.study, 70)}",
         f"{INDENT}{cut(report.source, 75)}",
-        f"{INDENT}{report.length_m:g} m, {report.speed_kn:.2f} kn; {report.samples} samples every "
-        f"{report.interval_s:g} s of {', '.join(report.outputs)}",
+        f"{INDENT}{report.length_m:g} m, {report.speed_kn:.2f} kn; {_samples(report)}",
         f"{INDENT}" + ", ".join(f"{name} {value}" for name, value in report.settings.items()),
     ]
     if report.findings:
@@ -46,6 +45,11 @@ def render(report: Report) -> str:
         kappa, deviation = report.bend.ship.kappa, report.bend.deviation
         lines += ["", f"{INDENT}Large manoeuvres: kappa {kappa:.5g} +- {deviation:.2g} s^2"]
     return "\n".join(lines)
+
+
+def _samples(report: Report) -> str:
+    outputs = ", ".join(report.outputs)
+    return f"{report.samples} samples every {report.interval_s:g} s of {outputs}"
 
 
 def _parameter_table(report: Report) -> list[str]:
@@ -104,13 +108,18 @@ def residual_table(residuals: tuple[Residuals, ...]) -> list[str]:
             f"{one.missing_dynamics.probability:.3f}",
             f"{one.feedback.probability:.3f}",
             f"{one.normality.probability:.3f}",
-            f"{one.sign_changes} of {one.sign_changes_expected:.0f} +- "
-            f"{one.sign_changes_deviation:.0f}",
+            _sign_changes(one),
         )
         for one in residuals
     ]
-    heads = ("residuals\nof", "white\np", "by rudder\np", "feedback\np", "normal\np", "sign\nchanges")
+    tests = ("white\np", "by rudder\np", "feedback\np", "normal\np", "sign\nchanges")
+    heads = ("residuals\nof", *tests)
     return table(heads, rows)
+
+
+def _sign_changes(one: Residuals) -> str:
+    usual = f"{one.sign_changes_expected:.0f} +- {one.sign_changes_deviation:.0f}"
+    return f"{one.sign_changes} of {usual}"
 
 
 def _check_lines(report: Report) -> list[str]:
@@ -123,7 +132,8 @@ def _check_lines(report: Report) -> list[str]:
             check.outputs, check.rms, check.share, check.own, strict=True
         )
     ]
-    heads = ("predicted by\nrudder alone", "\nunit", "\nrms error", "% of the\nmotion", "% where\nfitted")
+    shares = ("% of the\nmotion", "% where\nfitted")
+    heads = ("predicted by\nrudder alone", "\nunit", "\nrms error", *shares)
     return [f"{INDENT}{cut(check.source, 75)}", *table(heads, rows)]
 
 
@@ -173,4 +183,3 @@ def correlation_panels(residuals: tuple[Residuals, ...]) -> tuple[Panel, ...]:
         levels = (-one.cross_band, one.cross_band)
         found.append(Panel(title, "lag [samples]", "[-]", curve, levels=levels))
     return tuple(found)
-

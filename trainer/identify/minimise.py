@@ -95,10 +95,28 @@ class Stretched:
         rates = self.rates(eta)
         return self.cost.information(self.theta(eta)) * np.outer(rates, rates)
 
-    def shortened(self, step: Numbers) -> Numbers:
-        """Return ``step`` no longer than a variance may change at once."""
-        longest = float(np.max(np.abs(step[self.logarithmic]), initial=0.0))
-        return step * min(1.0, LONGEST / longest) if longest > 0.0 else step
+    def clipped(self, step: Numbers) -> Numbers:
+        """Return ``step`` with no logarithm going further than it may at once."""
+        return np.where(self.logarithmic, np.clip(step, -LONGEST, LONGEST), step)
+
+    def newton(self, matrix: Numbers, damping: float, gradient: Numbers) -> Numbers:
+        """Return the step to the minimum of a quadratic, logarithms going no further than they may.
+
+        Where one would, it goes that far and the others to their minimum beside it: a variance on
+        its way to nothing holds nobody up.
+        """
+        step = np.zeros(len(gradient))
+        held = np.zeros(len(gradient), bool)
+        for _ in range(len(gradient)):
+            free = ~held
+            slope = gradient[free] + matrix[np.ix_(free, held)] @ step[held]
+            step[free] = _solved(matrix[np.ix_(free, free)], damping, slope)
+            beyond = free & (self.clipped(step) != step)
+            if not beyond.any():
+                break
+            held |= beyond
+            step = np.where(held, self.clipped(step), step)
+        return step
 
 
 def stretched(cost: Cost, theta: Numbers) -> Stretched:
@@ -132,7 +150,7 @@ def scoring(cost: Cost, theta: Numbers, search: Search) -> Found:
     for step in range(1, search.most + 1):
         if not np.isfinite(information).all():
             return found
-        if -0.5 * float(gradient @ _solved(information, 1e-9, gradient)) < CLOSE:
+        if -0.5 * float(gradient @ problem.newton(information, 1e-9, gradient)) < CLOSE:
             return replace(found, converged=True)
         moved, damping = _damped(problem, eta, (value, gradient, information), damping)
         if moved is None:
@@ -151,7 +169,7 @@ def _damped(
     """Return the next eta and damping, more damping until the cost falls; None if it never does."""
     value, gradient, information = quadratic
     while damping < STIFFEST:
-        step = problem.shortened(_solved(information, damping, gradient))
+        step = problem.newton(information, damping, gradient)
         promised = -float(gradient @ step + 0.5 * step @ information @ step)
         gained = value - problem.cost.value(problem.theta(eta + step))
         if promised > 0.0 and gained > 1e-4 * promised:
@@ -170,7 +188,7 @@ def bfgs(cost: Cost, theta: Numbers, search: Search) -> Found:
         return found
     inverse, fresh = _metric(problem, eta), True
     for step in range(1, search.most + 1):
-        direction = problem.shortened(-inverse @ gradient)
+        direction = problem.clipped(-inverse @ gradient)
         promised = -0.5 * float(gradient @ direction)
         length, after, slope = _line(problem, eta, (value, gradient), direction)
         moved = length * direction

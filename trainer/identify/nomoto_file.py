@@ -5,7 +5,17 @@ from pathlib import Path
 from typing import Final
 
 from trainer.config import Place, parse_toml, read_text
-from trainer.schema import Choice, Quantity, Text, above, key_rows, of, optional, read_record, within
+from trainer.schema import (
+    Choice,
+    Quantity,
+    Text,
+    above,
+    key_rows,
+    of,
+    optional,
+    read_record,
+    within,
+)
 
 SCHEMA: Final = "nomoto/1"
 TIME: Final = within(-1e6, 1e6)
@@ -13,7 +23,7 @@ TIME: Final = within(-1e6, 1e6)
 
 @dataclass(frozen=True, kw_only=True)
 class NomotoFile:
-    """T1 T2 r'' + (T1 + T2) r' + r - kappa K |r| r = K (delta + T3 delta'), and sway alike.
+    """T1 T2 r'' + (T1 + T2) r' + r - kappa K |r| r = K (delta + T3 delta'); sway alike.
 
     The rudder is positive to port: K < 0 for a stable ship.
     """

@@ -84,4 +84,3 @@ def vessel_text(fitted: Fitted) -> str:
     means = averages(fitted.record)
     values = coefficients(file, found, fitted.problem.plant.ship.speed, means)
     return rewritten(file.text, values, f"identified from {fitted.study.data.name}")
-

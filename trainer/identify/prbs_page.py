@@ -171,8 +171,7 @@ def render(report: Report) -> str:
         *wrapped(settings, INDENT, INDENT),
         f"{INDENT}{report.seconds:g} s, {len(report.orders)} orders",
         "",
-        f"{INDENT}In a calm she swings to {report.largest_heading_deg:.0f} deg, turns at "
-        f"{report.largest_rate_deg_s:.2f} deg/s and slows to {report.lowest_speed_kn:.1f} kn.",
+        f"{INDENT}In a calm she swings to {report.largest_heading_deg:.0f} deg, {_pace(report)}.",
     ]
     if report.overshoots_deg:
         overshoots = ", ".join(f"{one:.1f}" for one in report.overshoots_deg)
@@ -184,8 +183,13 @@ def render(report: Report) -> str:
     head = f"{INDENT}Expected from {told.samples} samples at {told.interval_s:g} s of "
     lines += ["", f"{head}{', '.join(report.outputs)}:", ""]
     rows = [
-        (name, QUANTITIES.get(name, "prime"), f"{value:.5g}", f"{told.deviations[name]:.2g}",
-         _percent(value, told.deviations[name]))
+        (
+            name,
+            QUANTITIES.get(name, "prime"),
+            f"{value:.5g}",
+            f"{told.deviations[name]:.2g}",
+            _percent(value, told.deviations[name]),
+        )
         for name, value in told.values.items()
         if name not in UNMOVED and (value or told.deviations[name])
     ]
@@ -193,6 +197,11 @@ def render(report: Report) -> str:
     if report.remarks:
         lines += ["", *(line for one in report.remarks for line in wrapped(f"- {one}"))]
     return "\n".join(lines)
+
+
+def _pace(report: Report) -> str:
+    rate, speed = report.largest_rate_deg_s, report.lowest_speed_kn
+    return f"turns at {rate:.2f} deg/s and slows to {speed:.1f} kn"
 
 
 def _word(value: object) -> str:
@@ -217,4 +226,3 @@ def panels(design_: Design) -> tuple[Panel, ...]:
         panel("heading in a calm", "[deg]", "heading"),
         panel("yaw rate in a calm", "[deg/s]", "yaw_rate"),
     )
-

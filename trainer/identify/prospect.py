@@ -142,4 +142,3 @@ def _density(plant: Plant, values: Numbers, rate: float) -> float:
     if np.linalg.eigvals(A).real.max() >= 0.0:
         raise ConfigError("an unstable ship has no unrest of a size; say --unrest 0")
     return float(rate**2 / solve_continuous_lyapunov(A, -noise)[1, 1])
-

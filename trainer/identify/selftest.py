@@ -11,7 +11,8 @@ from typing import Final
 
 import numpy as np
 
-from trainer.identify.armax import Armax, fit_armax
+from trainer.identify.armax import Armax
+from trainer.identify.armax_fit import fit_armax
 from trainer.identify.armax_orders import without_wind
 from trainer.identify.nomoto import Numbers
 from trainer.identify.prbs import held, prbs
@@ -40,7 +41,8 @@ class Outcome:
 
     def __str__(self) -> str:
         word = "ok  " if self.passed else "FAIL"
-        return f"{word} {self.test:4} {self.quantity:34} {self.low:g} <= {self.value:.5g} <= {self.high:g}"
+        bounds = f"{self.low:g} <= {self.value:.5g} <= {self.high:g}"
+        return f"{word} {self.test:4} {self.quantity:28} {bounds}"
 
 
 Test = Callable[[], Iterator[Outcome]]

@@ -16,7 +16,7 @@ STREAMS: Final = ("sway", "bow_sway", "stern_sway", "yaw_rate", "heading")
 
 @dataclass(frozen=True, kw_only=True)
 class Sensors:
-    """Standard deviations of white errors that are added to an exact record; none where not said."""
+    """Standard deviations of white errors added to an exact record; none where not said."""
 
     sway_kn: float | None = optional(Quantity("kn", DEVIATION, "of each log"))
     yaw_rate_deg_s: float | None = optional(Quantity("deg/s", DEVIATION, "of the rate gyro"))

@@ -11,7 +11,7 @@ from typing import Final
 import numpy as np
 
 from trainer.config import ConfigError
-from trainer.identify.models import UNITS, Model, Plant
+from trainer.identify.models import UNITS, Plant
 from trainer.identify.nomoto import Numbers
 from trainer.identify.record import Record
 from trainer.identify.study_records import ParameterRow

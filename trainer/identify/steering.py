@@ -112,7 +112,8 @@ def rewritten(text: str, values: dict[str, float], remark: str) -> str:
         line = rf"(?m)^(\s*{re.escape(key)}\s*=\s*){NUMBER}[^\n]*$"
         text, times = re.subn(line, rf"\g<1>{value:.6g}  # {remark}", text, count=1)
         if not times:
-            raise ConfigError(f"the vessel file has no line {key} = ...: add one, such as {key} = 0")
+            text = f"the vessel file has no line {key} = ...: add one, such as {key} = 0"
+            raise ConfigError(text)
     return text
 
 
@@ -135,4 +136,3 @@ def solved_matrix(file: VesselFile, speed: float) -> Numbers:
     """Return A of d(v, r)/dt = A (v, r), SI."""
     found = steering(file, speed)
     return np.asarray(np.linalg.solve(found.M, found.F))
-
