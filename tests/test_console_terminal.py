@@ -190,11 +190,11 @@ def test_the_first_exercise_by_the_keys_that_help_names(
 def test_a_killed_console_leaves_the_session_to_who_is_left(
     terminal: Terminal, ear: Callable[[Path], Ear]
 ) -> None:
-    terminal.type(command("run", "--speed", "10", "--no-record"), "Enter")
+    terminal.type(command("run", "--speed", "10", "--no-record", "--seed", "90210"), "Enter")
     terminal.wait("RUNNING x10")
     where = places.socket_path()
     other = ear(where)
-    os.kill(process_of("run", "--no-record"), signal.SIGKILL)
+    os.kill(process_of("run", "90210"), signal.SIGKILL)
 
     ticks = other.ticks(30)
     assert ticks == list(range(ticks[0], ticks[0] + 30))

@@ -6,7 +6,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from click.testing import CliRunner
 
+from trainer.commands.identify import decca
 from trainer.config import ConfigError
 from trainer.identify.decca import (
     Point,
@@ -20,6 +22,7 @@ from trainer.identify.decca import (
 )
 from trainer.identify.decca_file import load_decca, load_readings
 from trainer.identify.deccon import sail, write_track
+from trainer.identify.sources import Column, load_record
 from trainer.identify.sway import SPENCER, derivative, even_interval, smoothed, sway_of_track
 
 CASES = json.loads((Path(__file__).parent / "data" / "identification" / "decca.json").read_text())
@@ -193,8 +196,6 @@ def test_a_current_is_taken_off(tmp_path):
 
 
 def test_the_track_is_written_as_a_record(tmp_path):
-    from trainer.identify.sources import Column, load_record
-
     file = run(tmp_path)
     sailed = sail(file, load_readings(file), smooth=False)
     write_track(sailed, tmp_path / "sway.csv")
@@ -221,3 +222,12 @@ def test_a_study_without_width_or_with_one_slave_is_refused(tmp_path):
     path.write_text(path.read_text().replace("lane_m = 881.3235294117648\n", ""))
     with pytest.raises(ConfigError, match="give one of lane_m, frequency_khz"):
         load_decca(path)
+
+
+def test_the_command_tells_how_many_rows_have_a_fix(tmp_path):
+    run(tmp_path)
+    arguments = [str(tmp_path / "run.toml"), "--csv", str(tmp_path / "sway.csv")]
+    result = CliRunner().invoke(decca, arguments)
+    assert result.exit_code == 0
+    assert "121 of 121 rows have a fix; not smoothed" in result.stdout
+    assert (tmp_path / "sway.csv").read_text().startswith("t,east,north,psi,r,v,u")

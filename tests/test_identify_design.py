@@ -1,6 +1,7 @@
 """Rudder experiments: what is ordered, how the boat takes it, and what it would tell."""
 
 import math
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -21,17 +22,16 @@ from trainer.identify.experiment import (
     zigzag_orders,
     zigzag_told,
 )
+from trainer.identify.fitting import fit
+from trainer.identify.minimise import unheard
 from trainer.identify.nomoto import Nomoto
-from trainer.identify.nomoto_file import NomotoFile, is_nomoto, key_table, load_nomoto, written
 from trainer.identify.prospect import Reading, prospect
 from trainer.identify.sensors import Sensors, read_by
-from trainer.identify.steered import Steered
 from trainer.identify.steering import averages, coefficients, gap, rewritten, steering
+from trainer.identify.study_file import plain_study
+from trainer.identify.study_records import ModelTable, Ship
 from trainer.identify.trial import flown
 from trainer.study.characteristic import Means, horizontal
-from trainer.study.manoeuvres.flight import fly
-from trainer.study.manoeuvres.vehicle import LostError
-from trainer.study.manoeuvres.zigzag import ZigZag
 from trainer.vessel_file import load_vessel, parse_vessel
 
 SHIP = Nomoto(K=-0.28, T1=40.0 + 0j, T2=5.0 + 0j, T3=9.0, K_v=8.0, T3v=2.5)
@@ -46,26 +46,9 @@ def bb2():
 
 @pytest.fixture(scope="module")
 def calm(bb2):
-    """A sequence of 2 degrees flown by BB2 in a calm."""
+    """Return the record of 2 degrees flown by BB2 in a calm."""
     sequence = Sequence(5, 2.0, 15.0, 1, "rudder")
     return flown(bb2, scheduled(sequence.orders()), SPEED, 60.0, sequence.seconds)
-
-
-def nomoto_file(**changes):
-    numbers = {
-        "schema": "nomoto/1",
-        "name": "a ship",
-        "length_m": 100.0,
-        "speed_kn": 10.0,
-        "K_per_s": -0.05,
-        "T1_s": 30.0,
-        "T2_s": 5.0,
-        "T3_s": 8.0,
-        "rudder_limit_deg": 35.0,
-        "rudder_rate_deg_s": 1e3,
-        "step_s": 0.5,
-    }
-    return NomotoFile(**{**numbers, **changes})
 
 
 def test_orders_change_sides_with_the_sequence_and_end_on_course():
@@ -175,8 +158,6 @@ def test_quadratic_terms_of_the_file_are_not_counted_twice(bb2):
 
 
 def test_averages_of_a_square_wave_are_its_height(calm):
-    from dataclasses import replace
-
     wave = np.where(np.arange(len(calm.t)) % 2 == 0, 0.3, -0.3)
     assert averages(replace(calm, sway=wave)).v == pytest.approx(0.3)
 
@@ -192,12 +173,6 @@ def test_sensors_add_white_errors_of_their_size_and_the_same_ones_again(calm):
 
 def test_what_is_expected_of_a_trial_is_what_estimates_of_it_scatter(bb2):
     pytest.importorskip("scipy")
-    from dataclasses import replace
-
-    from trainer.identify.fitting import fit
-    from trainer.identify.study_file import plain_study
-    from trainer.identify.study_records import ModelTable, Ship
-
     sequence = Sequence(5, 0.5, 15.0, 1, "rudder")
     record = flown(bb2, scheduled(sequence.orders()), SPEED, 60.0, sequence.seconds).every(10)
     gentle = {"sway_kn": 0.02, "yaw_rate_deg_s": 0.01, "heading_deg": 0.05}
@@ -211,7 +186,7 @@ def test_what_is_expected_of_a_trial_is_what_estimates_of_it_scatter(bb2):
     found = []
     for seed in range(1, 25):
         noisy = read_by(record, Sensors(**gentle, seed=seed))
-        found.append(fit(study, noisy, lambda found: None).told.values[0])
+        found.append(fit(study, noisy, unheard).told.values[0])
     # 24 estimates know their scatter to 15 %
     assert np.std(found, ddof=1) == pytest.approx(said.deviations["K"], rel=0.45)
 
@@ -248,67 +223,3 @@ def test_a_zigzag_is_told_and_flown_again_by_its_orders(bb2):
     assert peak == pytest.approx(10.0 + told.overshoots_deg[0], abs=1.0)
     with pytest.raises(ConfigError, match="rudder goes to 30 deg"):
         zigzag_flight(bb2, SPEED, (40.0, 10.0), 100.0)
-
-
-def test_a_nomoto_ship_turns_at_its_gain_after_long(bb2):
-    ship = Steered(nomoto_file(K_v_m_s=2.0, T3v_s=3.0))
-    ship.start(SPEED)
-    ship.order("rudder", math.radians(10.0))
-    for _ in range(1200):
-        ship.advance()
-    seen = dict(zip(ship.columns, ship.observe(), strict=True))
-    # starboard rudder is negative: r = K delta, v = K_v delta
-    assert seen["r"] == pytest.approx(0.05 * math.radians(10.0), rel=1e-6)
-    assert seen["v"] == pytest.approx(-2.0 * math.radians(10.0), rel=1e-6)
-    assert seen["t"] == 600.0
-
-
-def test_a_bent_ship_turns_as_its_steady_equation_says():
-    # r - kappa K |r| r = K delta with K = -0.05, kappa = 400, delta = -0.2: r + 20 r^2 = 0.01
-    ship = Steered(nomoto_file(kappa_s2=400.0))
-    ship.start(SPEED)
-    ship.order("rudder", 0.2)
-    for _ in range(2000):
-        ship.advance()
-    r = (-1.0 + math.sqrt(1.0 + 4.0 * 20.0 * 0.01)) / 40.0
-    assert dict(zip(ship.columns, ship.observe(), strict=True))["r"] == pytest.approx(r, rel=1e-9)
-
-
-def test_a_first_order_ship_follows_its_exponential():
-    ship = Steered(nomoto_file(T2_s=0.0, T3_s=0.0, rudder_rate_deg_s=1000.0))
-    ship.start(SPEED)
-    ship.order("rudder", 0.1)
-    for _ in range(60):
-        ship.advance()
-    # after T1 = 30 s, less the step in which the rudder moves
-    rate = dict(zip(ship.columns, ship.observe(), strict=True))["r"]
-    assert rate == pytest.approx(0.05 * 0.1 * (1.0 - math.exp(-1.0)), rel=0.02)
-
-
-def test_a_nomoto_ship_flies_a_zigzag_like_any_vehicle():
-    flight = fly(Steered(nomoto_file()), ZigZag(angle_deg=10.0, execute_deg=10.0), SPEED)
-    assert len([mark for mark in flight.marks if mark.name == "execute"]) > 2
-    assert flight.lost == ""
-
-
-def test_an_unstable_ship_is_lost_and_another_speed_refused():
-    ship = Steered(nomoto_file(T1_s=-5.0, K_per_s=0.05))
-    ship.start(SPEED)
-    ship.order("rudder", 0.3)
-    with pytest.raises(LostError, match="spins"):
-        for _ in range(2000):
-            ship.advance()
-    with pytest.raises(ConfigError, match="identified at 10 kn, not at 15 kn"):
-        ship.start(15.0 * KNOT)
-
-
-def test_a_nomoto_file_is_read_as_it_was_written(tmp_path):
-    ship = nomoto_file(kappa_s2=120.0)
-    path = tmp_path / "ship.toml"
-    path.write_text(written(ship, "model nomoto2 fitted to x.csv", {"K": 0.001}))
-    assert load_nomoto(path) == ship
-    assert is_nomoto(path)
-    assert "kappa_s2" in key_table()
-    path.write_text(path.read_text().replace("T1_s", "T1"))
-    with pytest.raises(ConfigError, match=r"no such key; nearest is T1_s"):
-        load_nomoto(path)

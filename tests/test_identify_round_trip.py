@@ -34,7 +34,7 @@ def run(command, *arguments):
 
 @pytest.fixture(scope="module")
 def trial(tmp_path_factory):
-    """A sequence of 1 degree flown by BB2 at periscope depth in sea state 3; its folder."""
+    """Return the folder of 1 degree flown by BB2 at periscope depth in sea state 3."""
     folder = tmp_path_factory.mktemp("trial")
     run(prbs, "bb2", *SENSIBLE, "--write", folder / "trial.toml")
     order = [sys.executable, "-m", "trainer", "run", "trial.toml", "--headless"]
@@ -45,7 +45,7 @@ def trial(tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def found(trial):
-    """Reports of Model 1 and Nomoto's, their files written."""
+    """Return the reports of Model 1 and Nomoto's, their files written."""
     reports = {}
     for model, more in (
         ("1", ("--write-vessel", trial / "bb2-found.toml")),
@@ -79,7 +79,8 @@ def error_of(true, other, seconds):
 
 
 @pytest.mark.long
-def test_the_boat_written_zigzags_like_the_boat_flown(trial, found):
+@pytest.mark.usefixtures("found")
+def test_the_boat_written_zigzags_like_the_boat_flown(trial):
     speed = 10.0 * KNOT
     bb2, again = load_vessel("bb2"), load_vessel(str(trial / "bb2-found.toml"))
     true, other = (flight(Submarine(f, method_of(f), Rig()), speed) for f in (bb2, again))
@@ -91,7 +92,8 @@ def test_the_boat_written_zigzags_like_the_boat_flown(trial, found):
 
 
 @pytest.mark.long
-def test_the_nomoto_ship_zigzags_like_the_boat_flown(trial, found):
+@pytest.mark.usefixtures("found")
+def test_the_nomoto_ship_zigzags_like_the_boat_flown(trial):
     ship = Steered(load_nomoto(trial / "nomoto.toml"))
     bb2 = load_vessel("bb2")
     true = flight(Submarine(bb2, method_of(bb2), Rig()), 10.0 * KNOT)

@@ -9,7 +9,8 @@ from numpy.testing import assert_allclose
 
 from trainer.config import ConfigError
 from trainer.identify.discrete import sample
-from trainer.identify.models import MODEL_1, MODELS, STEP, Blocks, Plant, Ship, aside
+from trainer.identify.imaginary import STEP, aside
+from trainer.identify.models import MODEL_1, MODELS, Blocks, Plant, Ship
 from trainer.identify.nomoto import nomoto, transfer
 
 VECTORS = json.loads(

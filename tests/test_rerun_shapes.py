@@ -14,6 +14,7 @@ from trainer.frame import Lookout, Pace
 from trainer.layout import LAYOUT
 from trainer.ledger import Ledger
 from trainer.publisher import Promptly, Roster
+from trainer.rerun_log import feed as feeds
 from trainer.rerun_log import opening
 from trainer.rerun_log.batch import Batch, Block, Numbers, Times, states
 from trainer.rerun_log.changes import Changes
@@ -385,15 +386,22 @@ def fill(feed: Feed, pace: Pace, count: int) -> None:
         feed.hand(Taken(tick, state, pace, 0, 0, 0))
 
 
-def test_where_time_is_kept_a_hung_sink_costs_ticks_their_picture_and_no_time() -> None:
+def test_where_time_is_kept_a_hung_sink_costs_ticks_their_picture_and_no_time(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(feeds, "LONGEST", 10.0 * PATIENCE)  # no tick may wait for room
     bucket = Bucket()
     bucket.open_.clear()
     feed = Feed(bucket, 0.5)
 
-    fill(feed, RUNNING, ROOM + 2 * CHUNK)  # would hang here if it waited
+    ticks = threading.Thread(target=fill, args=(feed, RUNNING, ROOM + 2 * CHUNK), daemon=True)
+    ticks.start()
+    ticks.join(0.5 * PATIENCE)
+    waited = ticks.is_alive()
     bucket.open_.set()
     feed.close()
 
+    assert not waited
     assert 0 < feed.lost <= 2 * CHUNK
     assert len(bucket.ticks) + feed.lost == ROOM + 2 * CHUNK
     assert f"{feed.lost} ticks are missing" in feed.trouble

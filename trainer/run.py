@@ -103,6 +103,7 @@ def fly(voyage: Voyage, options: dict[str, Any]) -> int:
     sending = log or publisher
     wake = threading.Event()
     with contextlib.closing(history.recording), contextlib.ExitStack() as stack:
+        stack.callback(publisher.close, PATIENCE)  # also where a port cannot be opened
         session = Session(
             boat,
             time,

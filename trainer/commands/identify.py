@@ -39,6 +39,12 @@ def sensor(name: str, default: float, text: str) -> Any:
     return click.option(flag, name, type=limits, default=default, show_default=True, help=text)
 
 
+sensor_options = together(
+    sensor("sway", 0.05, "Standard deviation of the log, knots."),
+    sensor("yaw_rate", 0.02, "Of the rate gyro, deg/s."),
+    sensor("heading", 0.1, "Of the compass, degrees."),
+)
+
 sequence_options = together(
     click.option("--amplitude", type=POSITIVE, default=5.0, show_default=True, help="Degrees."),
     click.option("--bits", type=click.IntRange(2, 12), default=None, help="Of the register."),
@@ -72,9 +78,7 @@ sequence_options = together(
     multiple=True,
     help="What will be read, may be repeated. [default: all three]",
 )
-@sensor("sway", 0.05, "Standard deviation of the log, knots.")
-@sensor("yaw_rate", 0.02, "Of the rate gyro, deg/s.")
-@sensor("heading", 0.1, "Of the compass, degrees.")
+@sensor_options
 @click.option(
     "--unrest",
     type=Number(0.0, 10.0),

@@ -7,10 +7,8 @@ from typing import Any, Final
 
 import numpy as np
 
-from trainer.config import ConfigError
 from trainer.fitout import KNOT
-from trainer.identify.fitting import Fitted, fit, settings
-from trainer.identify.minimise import Found
+from trainer.identify.fitting import Fitted, fit, settings, table_of
 from trainer.identify.nonlinear import Bend
 from trainer.identify.prediction import Check, bend_of, check_of, loss_alone
 from trainer.identify.predictor import Innovations
@@ -84,8 +82,12 @@ def carried_out(
     ``options`` has other records to check it on and to find kappa from, and a checkpoint.
     """
     observed = observe(study)
-    tell: Callable[[Found], None] = lambda found: heard(found.steps, found.cost)  # noqa: E731
-    fitted = fit(study, observed.record, tell, options["checkpoint"])
+    fitted = fit(
+        study,
+        observed.record,
+        lambda found: heard(found.steps, found.cost),
+        options["checkpoint"],
+    )
     report = report_of(fitted, tuple(map(str, observed.findings)))
     if options["check"] is not None:
         report = replace(report, check=check_of(fitted, options["check"]))
@@ -98,15 +100,12 @@ def report_of(fitted: Fitted, findings: tuple[str, ...]) -> Report:
     """Return what a fit amounts to."""
     problem, study, plant = fitted.problem, fitted.study, fitted.problem.plant
     run = errors_of(fitted)
-    table = study.model
-    if table is None:
-        raise ConfigError(f"{study.path.name}: lacks [model]")
     residuals = _residuals(fitted, run)
     return Report(
         study=study.heading.name,
         source=fitted.record.source,
         model=plant.model.name,
-        settings=settings(table),
+        settings=settings(table_of(study)),
         length_m=plant.ship.length,
         speed_kn=plant.ship.speed / KNOT,
         outputs=plant.outputs,
@@ -189,8 +188,8 @@ def _derivatives(fitted: Fitted) -> tuple[Derivative, ...]:
             continue
         own = float(value)
         other = None if mass is None else own * mass if bis else own / mass
-        pair = (other, own) if bis else (own, other)
-        found.append(Derivative(name, *pair, _finite(deviation)))
+        prime, both = (other, own) if bis else (own, other)
+        found.append(Derivative(name, prime, both, _finite(deviation)))
     return tuple(found)
 
 

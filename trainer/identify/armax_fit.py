@@ -206,7 +206,7 @@ def _descended(search: _Search, theta: Numbers) -> _End:
     loss = search.loss(theta)
     for rounds in range(1, ROUNDS + 1):
         eps, J = search.jacobian(theta)
-        step = -np.linalg.lstsq(J, eps, rcond=1e-12)[0]
+        step = np.asarray(-np.linalg.lstsq(J, eps, rcond=1e-12)[0], float)
         expected = -float((J.T @ eps) @ step)
         if expected < SETTLED * loss:
             return _End(theta, rounds, settled=True)
@@ -239,7 +239,7 @@ def _account(search: _Search, end: _End) -> ArmaxFit:
     sought = tuple(names[i] for i in search.sought)
     size = np.sqrt(np.maximum(np.einsum("ij,ij->j", J, J), 1e-300))
     values, vectors = np.linalg.eigh((J / size).T @ (J / size))
-    flat = values < FLAT * values[-1]
+    flat = values < 0 * values[-1]
     share = float(eps @ eps) / len(eps)
     inverse = (vectors / np.where(flat, np.inf, values)) @ vectors.T
     covariance = share * inverse / np.outer(size, size)

@@ -76,7 +76,7 @@ def try_orders(y: Numbers, u: Numbers, most: int, *, initial: bool, lags: int) -
     tried: list[Order] = []
     for n in range(1, most + 1):
         before = tried[-1].fit if tried else None
-        fit = fit_armax(y, u, n, initial=initial, lower=before and before.model)
+        fit = fit_armax(y, u, n, initial=initial, lower=before.model if before else None)
         left = fit.model.residuals(y, u)
         better = None
         if before is not None:

@@ -4,8 +4,6 @@ import math
 from dataclasses import dataclass
 from typing import Final
 
-import numpy as np
-
 from trainer.config import ConfigError
 from trainer.identify.armax_orders import (
     FirstOrder,
@@ -90,10 +88,9 @@ def carried_out(study: Study) -> tuple[Report, Orders]:
     if len(samples.steps[0]) > 1:
         raise ConfigError(f"{record.source}: ARMAX needs one interval; this record has more")
     how, dead = asked.remove or "mean", int(asked.dead_time or 0)
-    series = samples.outputs[:, 0], samples.inputs[:, 0]
-    if np.isnan(series[0]).any():
+    if not samples.whole:
         raise ConfigError(f"{record.source}: ARMAX needs a record without missing values; cut it")
-    y, u = delayed(*(treated(one, how) for one in series), dead)
+    y, u = delayed(treated(samples.outputs[:, 0], how), treated(samples.inputs[:, 0], how), dead)
     orders = try_orders(
         y,
         u,

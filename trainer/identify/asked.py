@@ -52,8 +52,8 @@ def _ship(study: Study, options: dict[str, Any]) -> Ship | None:
 
 def _model(study: Study, options: dict[str, Any]) -> ModelTable:
     """Return the model; ConfigError if none is said."""
-    kind = options["model"] or (study.model and study.model.kind)
-    if kind is None:
+    kind: str = options["model"] or (study.model.kind if study.model else "")
+    if not kind:
         raise ConfigError(
             f"{study.path.name}: lacks [model]: say --model 1, 2, 3, nomoto1 or nomoto2"
         )

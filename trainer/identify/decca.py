@@ -6,7 +6,7 @@ the master: L = (MS + MP - SP)/d, MS the base line, P the ship, d the lane's wid
 
 import math
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import combinations
 from typing import Final, NamedTuple
@@ -150,7 +150,7 @@ class Fix:
     colours: tuple[str, str]
 
 
-def track(chain: Chain, readings: list[Mapping[str, float]], start: Point) -> list[Fix | None]:
+def track(chain: Chain, readings: Sequence[Mapping[str, float]], start: Point) -> list[Fix | None]:
     """Return a fix for each set of lanes by colour, None where they give none.
 
     Lanes are resolved by the place before, ``start`` at first; the two colours that cross best

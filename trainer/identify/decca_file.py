@@ -9,7 +9,18 @@ from typing import Any, Final
 
 from trainer.config import ConfigError, Place, collecting, nearest, parse_toml, read_text
 from trainer.identify.decca import LETTERS, ZONES, Point, Slave, lane_number
-from trainer.schema import Choice, Quantity, Rows, Text, above, of, optional, read_record, within
+from trainer.schema import (
+    Choice,
+    Quantity,
+    Rows,
+    Text,
+    above,
+    key_rows,
+    of,
+    optional,
+    read_record,
+    within,
+)
 
 METRES: Final = within(-1e7, 1e7)
 TABLES: Final = ("slaves", "columns", "ship")
@@ -210,3 +221,9 @@ def _cell(path: Path, line: int, key: str, text: str | None) -> float:
     if not math.isfinite(number):
         raise ConfigError(f"{path}: row {line}: {key} = {text!r}: must be a number")
     return number
+
+
+def key_tables() -> str:
+    """Return the Markdown tables of every key, as docs/identification.md shows them."""
+    text = "\n\n".join("\n".join(key_rows(record, name)) for name, record in RECORDS.items())
+    return text.replace("### `[]`", "### Above all tables") + "\n"

@@ -8,8 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from trainer.config import ConfigError
+from trainer.identify.imaginary import STEP
 from trainer.identify.kernels.sampling import Complexes, sample_instants, sample_integrals
-from trainer.identify.models import STEP, Blocks
+from trainer.identify.models import Blocks
 
 Numbers = NDArray[np.float64]
 

@@ -8,7 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from trainer.config import ConfigError
-from trainer.identify.minimise import Cost, Found, Search, bfgs, powell, scoring, stretched
+from trainer.identify.minimise import Cost, Found, Search, bfgs, scoring, stretched
+from trainer.identify.powell import powell
 
 Numbers = NDArray[np.float64]
 Minimiser = Callable[[Cost, Numbers, Search], Found]
@@ -31,7 +32,7 @@ MINIMISERS: Final[dict[str, Minimiser]] = {
 }
 
 
-WIDEST: Final = 1.0  # [-], [rad] spread of the logarithm of a variance, or of an angle
+WIDEST: Final = 1.0  # [-] spread of a parameter with bounds, in its own coordinate
 
 
 @dataclass(frozen=True)
@@ -75,9 +76,9 @@ def _others(cost: Cost, theta: Numbers, starts: Starts) -> list[Numbers]:
     size = np.diag(problem.information(np.zeros(len(theta))))
     told = np.isfinite(size) & (size > 0.0)
     width = np.where(told, starts.width / np.sqrt(np.where(told, size, 1.0)), 0.0)
-    # of logarithms and angles, nothing larger means more
-    turning = problem.logarithmic | np.isin(cost.problem.kinds, ("angle", "lag"))
-    width = np.where(turning, np.where(told, np.minimum(width, WIDEST), WIDEST), width)
+    # of parameters with bounds, nothing wider means more
+    bounded = np.where(told, np.minimum(width, WIDEST), WIDEST)
+    width = np.where(problem.bounded, bounded, width)
     stream = np.random.Generator(np.random.PCG64(starts.seed))
     spread = stream.standard_normal((starts.restarts, len(theta))) * width
     drawn = [problem.theta(eta) for eta in spread]

@@ -52,7 +52,7 @@ class Sequence:
     @property
     def seconds(self) -> float:
         """Return how long it lasts [s], its lead and a last bit of rest included."""
-        return LEAD + self.hold_s * (self.periods * (2**self.bits - 1) + 1)
+        return LEAD + self.hold_s * (self.periods * ((1 << self.bits) - 1) + 1)
 
     def orders(self) -> tuple[tuple[float, str], ...]:
         """Return time [s] and order of each change, course 000 being kept before and after."""

@@ -69,9 +69,9 @@ def posed(study: Study, record: Record) -> tuple[Problem, Steering | None]:
 
     ConfigError for what it lacks, and naming the parameters that the record cannot separate.
     """
-    table = study.model
-    if table is None or study.ship is None:
-        raise ConfigError(f"{study.path.name}: lacks [model]: say --model and --length or --vessel")
+    table = table_of(study)
+    if study.ship is None:
+        raise ConfigError(f"{study.path.name}: lacks [ship]: say --length or --vessel")
     speed = speed_of(study, record)
     ship = Ship(
         study.ship.length_m, speed, study.ship.bow_log_m or 0.0, study.ship.stern_log_m or 0.0
@@ -99,6 +99,13 @@ def posed(study: Study, record: Record) -> tuple[Problem, Steering | None]:
             f'{study.path.name}: this record cannot separate {told}: fix one of each, free = "no"'
         )
     return problem, own
+
+
+def table_of(study: Study) -> ModelTable:
+    """Return the model of a study; ConfigError if it has none."""
+    if study.model is None:
+        raise ConfigError(f"{study.path.name}: lacks [model]: say --model")
+    return study.model
 
 
 def _scale(study: Study, plant: Plant, place: int) -> float:
@@ -131,17 +138,13 @@ def fit(
     it cannot be posed, or the start is no model.
     """
     problem, own = posed(study, record)
-    start = problem.start
+    start, search = problem.start, Search(STEPS, heard)
     if kept is not None:
         start = resume(kept, problem) if kept.exists() else start
-        heard = _both(heard, keep(kept, problem))
-    table = study.model
-    assert table is not None  # noqa: S101 - posed has refused it
-    cost = cost_of(problem, table)
-    search = Search(STEPS, heard)
-    method = METHODS[table.method or "scoring"]
-    starts = Starts(restarts=int(table.restarts or 0))
-    found = estimate(cost, start, method, search, starts)
+        search = Search(STEPS, _both(heard, keep(kept, problem)))
+    table = table_of(study)
+    cost, method = cost_of(problem, table), METHODS[table.method or "scoring"]
+    found = estimate(cost, start, method, search, Starts(restarts=int(table.restarts or 0)))
     rejected = 0
     for _ in range(SCREENINGS if table.reject else 0):
         problem, more = screened(problem, found.theta, table.reject or 0.0)
@@ -151,14 +154,6 @@ def fit(
         cost = cost_of(problem, table)
         found = estimate(cost, found.theta, method, search)
     known = _known(cost, found.theta)
-    model, ship = problem.plant.model, problem.plant.ship
-    told = propagated(
-        lambda theta: quantities(model, problem.whole(theta), ship),
-        found.theta,
-        np.nan_to_num(known.covariance, nan=0.0),
-    )
-    if np.isnan(known.covariance).any():
-        told = Spread(told.values, np.full_like(told.covariance, math.nan))
     return Fitted(
         study=study,
         record=record,
@@ -167,10 +162,23 @@ def fit(
         cost=cost,
         found=found,
         known=known,
-        told=told,
-        quantity_names=quantity_names(model),
+        told=_told(problem, found.theta, known.covariance),
+        quantity_names=quantity_names(problem.plant.model),
         rejected=rejected,
     )
+
+
+def _told(problem: Problem, theta: Numbers, covariance: Numbers) -> Spread:
+    """Return what follows of the parameters, and how well; not a number where these are not."""
+    model, ship = problem.plant.model, problem.plant.ship
+    told = propagated(
+        lambda free: quantities(model, problem.whole(free), ship),
+        theta,
+        np.nan_to_num(covariance, nan=0.0),
+    )
+    if np.isnan(covariance).any():
+        return Spread(told.values, np.full_like(told.covariance, math.nan))
+    return told
 
 
 def _both(
@@ -196,13 +204,20 @@ def screened(problem: Problem, theta: Numbers, probability: float) -> tuple[Prob
 def _known(cost: Cost, theta: Numbers) -> Uncertainty:
     """Return what is known of the parameters: by the Hessian, or where that fails by information.
 
-    A variance at nothing makes the Hessian indefinite.
+    A variance at nothing makes the Hessian indefinite. Where neither is finite nothing is known.
     """
     names = cost.problem.names
-    by_hessian = uncertainty(names, hessian(cost, theta))
-    if not np.isnan(by_hessian.covariance).any():
-        return by_hessian
-    return uncertainty(names, cost.information(theta))
+    curvature = hessian(cost, theta)
+    if np.isfinite(curvature).all():
+        by_hessian = uncertainty(names, curvature)
+        if not np.isnan(by_hessian.covariance).any():
+            return by_hessian
+    information = cost.information(theta)
+    if np.isfinite(information).all():
+        return uncertainty(names, information)
+    n = len(names)
+    unknown = np.full((n, n), math.nan)
+    return Uncertainty(names, unknown, unknown, unknown[0], np.eye(n), ())
 
 
 def settings(table: ModelTable) -> dict[str, Any]:

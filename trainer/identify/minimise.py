@@ -1,12 +1,13 @@
-"""Minimisers of a cost: scoring, quasi-Newton with the exact gradient, and one without gradients.
+"""Minimisers of a cost: scoring, and quasi-Newton with the exact gradient.
 
-They move in coordinates where a variance is its logarithm, so that it stays positive and its
-end at nothing is far away; everything else moves as it is.
+They move in coordinates without bounds, where the ends of variances, correlations and lags are far
+away and flat; everything else moves as it is.
 """
 
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
-from typing import Any, Final, Protocol
+from functools import cached_property
+from typing import Final, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,7 +18,9 @@ from trainer.identify.problem import Problem
 Numbers = NDArray[np.float64]
 
 CLOSE: Final = 1e-8  # [-] of cost: what a quadratic model may still promise at the minimum
-LONGEST: Final = 2.0  # [-] step of a logarithm
+LONGEST: Final = 2.0  # [-] step of a parameter with bounds
+FAR: Final = 300.0  # [-] from the origin, beyond which nothing changes
+NEAREST: Final = 0.999  # [-] correlation, or share of the interval, from which a search may start
 STIFFEST: Final = 1e12  # damping beyond which no step gets smaller
 
 
@@ -66,24 +69,54 @@ class Search:
 
 @dataclass(frozen=True, eq=False)
 class Stretched:
-    """A cost in coordinates eta: logarithms of the variances, the others by their own spread."""
+    """A cost in coordinates eta that are 0 at ``origin`` and have no bounds.
+
+    A variance is measured by its logarithm, a correlation by its inverse hyperbolic tangent, a lag
+    as a share of the interval by its logit: their ends are far away and flat.
+    """
 
     cost: Cost
-    origin: Numbers  # (f,) theta at eta = 0
+    origin: Numbers  # (f,)
 
-    @property
-    def logarithmic(self) -> NDArray[np.bool_]:
-        """Return which parameters are variances (f,)."""
-        return np.array([kind == "variance" for kind in self.cost.problem.kinds], bool)
+    @cached_property
+    def bounded(self) -> NDArray[np.bool_]:
+        """Return which parameters have bounds (f,)."""
+        return np.array([kind != "free" for kind in self.cost.problem.kinds], bool)
+
+    @cached_property
+    def _kinds(self) -> NDArray[np.str_]:
+        return np.array(self.cost.problem.kinds, str)
+
+    @cached_property
+    def _positive(self) -> NDArray[np.bool_]:
+        return np.isin(self._kinds, ("variance", "error"))
 
     def theta(self, eta: Numbers) -> Numbers:
         """Return the parameters at ``eta``."""
-        bounded = np.clip(np.where(self.logarithmic, eta, 0.0), -600.0, 600.0)
-        return np.where(self.logarithmic, self.origin * np.exp(bounded), self.origin + eta)
+        scale, far = self.cost.problem.scale, np.clip(eta, -FAR, FAR)
+        floors = self.cost.problem.floors
+        positive = floors + (self.origin - floors) * np.exp(far)
+        found = np.where(self._positive, positive, self.origin + eta)
+        inside = np.clip(np.sin(self.origin * scale), -NEAREST, NEAREST)
+        angle = np.arcsin(np.tanh(np.arctanh(inside) + far)) / scale
+        found = np.where(self._kinds == "angle", angle, found)
+        lag = np.arcsin(self._share(far)) / scale
+        return np.where(self._kinds == "lag", lag, found)
+
+    def _share(self, far: Numbers) -> Numbers:
+        """Return lags as shares of the interval (f,)."""
+        sines = np.abs(np.sin(self.origin * self.cost.problem.scale))
+        inside = np.clip(sines, 1.0 - NEAREST, NEAREST)
+        return np.asarray(1.0 / (1.0 + np.exp(-(np.log(inside / (1.0 - inside)) + far))))
 
     def rates(self, eta: Numbers) -> Numbers:
         """Return d theta/d eta (f,)."""
-        return np.where(self.logarithmic, self.theta(eta), 1.0)
+        scale, theta = self.cost.problem.scale, self.theta(eta)
+        found = np.where(self._positive, theta - self.cost.problem.floors, 1.0)
+        found = np.where(self._kinds == "angle", np.cos(theta * scale) / scale, found)
+        share = self._share(np.clip(eta, -FAR, FAR))
+        lag = share * np.sqrt((1.0 - share) / (1.0 + share)) / scale
+        return np.where(self._kinds == "lag", lag, found)
 
     def slope(self, eta: Numbers) -> tuple[float, Numbers]:
         """Return cost and gradient by eta."""
@@ -96,11 +129,11 @@ class Stretched:
         return self.cost.information(self.theta(eta)) * np.outer(rates, rates)
 
     def clipped(self, step: Numbers) -> Numbers:
-        """Return ``step`` with no logarithm going further than it may at once."""
-        return np.where(self.logarithmic, np.clip(step, -LONGEST, LONGEST), step)
+        """Return ``step`` with no bounded parameter going further than it may at once."""
+        return np.where(self.bounded, np.clip(step, -LONGEST, LONGEST), step)
 
     def newton(self, matrix: Numbers, damping: float, gradient: Numbers) -> Numbers:
-        """Return the step to the minimum of a quadratic, logarithms going no further than they may.
+        """Return the step to a quadratic's minimum, bounded ones going no further than they may.
 
         Where one would, it goes that far and the others to their minimum beside it: a variance on
         its way to nothing holds nobody up.
@@ -121,11 +154,16 @@ class Stretched:
 
 def stretched(cost: Cost, theta: Numbers) -> Stretched:
     """Return ``cost`` about ``theta``; ConfigError for a free variance that starts at zero."""
-    found = Stretched(cost, theta.copy())
-    for name, value in zip(cost.problem.names, theta, strict=True):
-        if value == 0.0 and found.logarithmic[cost.problem.names.index(name)]:
+    problem = cost.problem
+    for name, kind, value in zip(problem.names, problem.kinds, theta, strict=True):
+        if kind in ("variance", "error") and value == 0.0:
             raise ConfigError(f"{name}: a free variance cannot start at 0; give its usual size")
-    return found
+    return Stretched(cost, np.where(problem.floors > 0.0, _above(problem, theta), theta))
+
+
+def _above(problem: Problem, theta: Numbers) -> Numbers:
+    """Return ``theta`` by magnitude, and at least a little above its floors."""
+    return np.maximum(np.abs(theta), 1.01 * problem.floors)
 
 
 def _solved(matrix: Numbers, damping: float, gradient: Numbers) -> Numbers:
@@ -246,31 +284,3 @@ def _updated(inverse: Numbers, s: Numbers, y: Numbers) -> Numbers:
         return inverse
     left = np.eye(len(s)) - np.outer(s, y) / curvature
     return np.asarray(left @ inverse @ left.T + np.outer(s, s) / curvature)
-
-
-def powell(cost: Cost, theta: Numbers, search: Search) -> Found:
-    """Return the minimum by Powell's directions, no gradient used; needs scipy.
-
-    Each coordinate is measured by its own standard deviation at the start where that is known.
-    """
-    try:
-        from scipy.optimize import minimize  # noqa: PLC0415 - an extra, imported on use
-    except ImportError:
-        raise ConfigError("powell needs scipy: pip install 'submarine-trainer[identify]'") from None
-    problem = stretched(cost, theta)
-    diagonal = np.diag(problem.information(np.zeros(len(theta))))
-    known = np.isfinite(diagonal) & (diagonal > 0.0)
-    width = np.where(known, 1.0 / np.sqrt(np.where(known, diagonal, 1.0)), 1.0)
-
-    def value(x: Numbers) -> float:
-        return min(cost.value(problem.theta(x * width)), 1e300)
-
-    def told(x: Numbers) -> None:
-        search.progress(Found(problem.theta(x * width), value(x), 0, converged=False))
-
-    options = {"maxiter": search.most, "xtol": 1e-4, "ftol": 1e-12}
-    result: Any = minimize(
-        value, np.zeros(len(theta)), method="Powell", callback=told, options=options
-    )
-    eta = np.atleast_1d(result.x) * width
-    return Found(problem.theta(eta), float(result.fun), int(result.nit), bool(result.success))

@@ -5,7 +5,7 @@ outputs are in knots, degrees and degrees a second, states in m/s, rad/s and rad
 taken by magnitude, correlations and the time lag by sine, so that no number is out of bounds.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, Final
 
@@ -17,8 +17,6 @@ from trainer.identify.kernels import ship_models
 from trainer.identify.kernels.sampling import Complexes
 
 Numbers = NDArray[np.float64]
-
-STEP: Final = 1e-100  # imaginary part that carries a derivative without rounding
 
 # output channels, by their place in the kernels
 CHANNELS: Final = ("bow_sway", "stern_sway", "sway", "yaw_rate", "heading")
@@ -35,8 +33,8 @@ UNITS: Final = {  # of a channel, and how many of them one SI unit is
 class Parameter:
     """One number of a model: ``kind`` is how it is bounded.
 
-    "free" any number, "variance" by magnitude, "angle" [rad] by its sine, "lag" [rad] by the
-    sine's magnitude.
+    "free" any number, "variance" by magnitude, "error" a reading's variance, "angle" [rad] by its
+    sine, "lag" [rad] by the sine's magnitude.
     """
 
     name: str
@@ -145,13 +143,6 @@ class Plant:
         return Blocks(drift, noise, start, lag)
 
 
-def aside(theta: Numbers, free: Sequence[int]) -> Complexes:
-    """Return ``theta`` (n,) and, below it, one row for each place in ``free`` a step aside."""
-    rows = np.tile(theta.astype(complex), (1 + len(free), 1))
-    rows[np.arange(1, 1 + len(free)), list(free)] += 1j * STEP
-    return rows
-
-
 def _parameters(*lines: str) -> tuple[Parameter, ...]:
     """Return parameters from lines of name, unit, meaning and perhaps kind."""
     cells = [[cell.strip() for cell in line.split("|")] for line in lines]
@@ -192,10 +183,10 @@ MODEL_1: Final = Model(
         "R1_Y | - | spectral density of the disturbing force | variance",
         "R1_N | - | spectral density of the disturbing moment | variance",
         "R1_YN | rad | correlation of force and moment is its sine | angle",
-        "R2_v1 | kn^2 | error of the bow log, or of sway | variance",
-        "R2_v2 | kn^2 | error of the stern log | variance",
-        "R2_r | (deg/s)^2 | error of the yaw rate | variance",
-        "R2_psi | deg^2 | error of the heading | variance",
+        "R2_v1 | kn^2 | error of the bow log, or of sway | error",
+        "R2_v2 | kn^2 | error of the stern log | error",
+        "R2_r | (deg/s)^2 | error of the yaw rate | error",
+        "R2_psi | deg^2 | error of the heading | error",
         *_start("kn", "deg/s", "deg"),
         *_VARIANCES,
         *_COVARIANCES,
@@ -220,7 +211,7 @@ MODEL_2: Final = Model(
         "R1_12 | rad | correlation of states 1 and 2 is its sine | angle",
         "R1_13 | SI | spectral density of states 1 and 3",
         "R1_23 | SI | spectral density of states 2 and 3",
-        "R2_v | kn^2 | error of sway | variance",
+        "R2_v | kn^2 | error of sway | error",
         *_start("kn", "SI", "SI"),
         *_VARIANCES,
         *_COVARIANCES,
@@ -243,8 +234,8 @@ MODEL_3: Final = Model(
         "r_0 | deg/s | bias of the yaw rate",
         *(f"R1_{i} | SI | spectral density of state {i} | variance" for i in (1, 2)),
         "R1_12 | rad | correlation of states 1 and 2 is its sine | angle",
-        "R2_r | (deg/s)^2 | error of the yaw rate | variance",
-        "R2_psi | deg^2 | error of the heading | variance",
+        "R2_r | (deg/s)^2 | error of the yaw rate | error",
+        "R2_psi | deg^2 | error of the heading | error",
         "R2_rpsi | rad | correlation of the errors is its sine | angle",
         *_start("1/s^2", "deg/s", "deg"),
         *_VARIANCES,
@@ -267,8 +258,8 @@ NOMOTO_1: Final = Model(
         "delta_0 | deg | residual helm",
         "r_0 | deg/s | bias of the yaw rate",
         "R1_r | SI | spectral density of the yaw acceleration | variance",
-        "R2_r | (deg/s)^2 | error of the yaw rate | variance",
-        "R2_psi | deg^2 | error of the heading | variance",
+        "R2_r | (deg/s)^2 | error of the yaw rate | error",
+        "R2_psi | deg^2 | error of the heading | error",
         *_start("deg/s", "deg"),
         *_VARIANCES[:2],
         _LAG,
@@ -291,8 +282,8 @@ NOMOTO_2: Final = Model(
         "delta_0 | deg | residual helm",
         "r_0 | deg/s | bias of the yaw rate",
         *(f"R1_{i} | SI | spectral density of state {i} | variance" for i in (1, 2)),
-        "R2_r | (deg/s)^2 | error of the yaw rate | variance",
-        "R2_psi | deg^2 | error of the heading | variance",
+        "R2_r | (deg/s)^2 | error of the yaw rate | error",
+        "R2_psi | deg^2 | error of the heading | error",
         *_start("deg/s^2", "deg/s", "deg"),
         *_VARIANCES,
         _LAG,

@@ -70,7 +70,7 @@ class Levers(NamedTuple):
 
 def solved(M: Numbers, F: Numbers, g: Numbers) -> tuple[Numbers, Numbers]:
     """Return A (2, 2) or (2, 3) and b (2,) of M x' = F x + g delta (3.1)."""
-    return np.linalg.solve(M, F), np.linalg.solve(M, g)
+    return np.asarray(np.linalg.solve(M, F), float), np.asarray(np.linalg.solve(M, g), float)
 
 
 def transfer(A: Numbers, b: Numbers) -> Transfer:

@@ -12,8 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from trainer.config import ConfigError
+from trainer.identify.imaginary import STEP
 from trainer.identify.kernels.bent import run_bent
-from trainer.identify.models import STEP
 from trainer.identify.record import Record
 
 Numbers = NDArray[np.float64]

@@ -86,17 +86,9 @@ def design(file: VesselFile, options: dict[str, Any]) -> Design:
         heading_deg=options["heading"],
     )
     outputs = tuple(options["outputs"]) or ("sway", "yaw_rate", "heading")
-    exercise = exercise_text(
-        orders,
-        f"{kind} for identification at {speed_kn:g} kn",
-        {
-            "vessel": options["vessel"],
-            "speed_kn": speed_kn,
-            "depth_m": depth,
-            "duration_s": seconds,
-            **({"sea": options["sea"]} if options["sea"] else {}),
-        },
-    )
+    place = {"vessel": options["vessel"], "speed_kn": speed_kn, "depth_m": depth}
+    place |= {"duration_s": seconds} | ({"sea": options["sea"]} if options["sea"] else {})
+    exercise = exercise_text(orders, f"{kind} for identification at {speed_kn:g} kn", place)
     report = Report(
         vessel=file.name,
         speed_kn=speed_kn,

@@ -20,7 +20,7 @@ from trainer.identify.told import nomoto_of
 
 @dataclass(frozen=True)
 class Check:
-    """How well a record is predicted by rudder alone, from its first sample."""
+    """How well a record is predicted by rudder alone, from the best initial state."""
 
     source: str
     outputs: tuple[str, ...]
@@ -44,10 +44,7 @@ def loss_alone(fitted: Fitted) -> float:
 
 
 def check_of(fitted: Fitted, path: Path) -> Check:
-    """Return how well another record of the same columns is predicted; ConfigError if it cannot.
-
-    The model starts from that record's own first readings.
-    """
+    """Return how well another record of the same columns is predicted; ConfigError if it cannot."""
     problem = other_problem(fitted, path)
     there, own = (_errors(one) for one in (problem, replace(fitted.problem, values=fitted.values)))
     return Check(
@@ -83,17 +80,29 @@ def bend_of(fitted: Fitted, path: Path) -> Bend:
 
 
 def other_problem(fitted: Fitted, path: Path) -> Problem:
-    """Return the fitted model on another record, started from what is read there first."""
+    """Return the fitted model on another record, from the initial state that fits it best.
+
+    By rudder alone the outputs are linear in that state.
+    """
     plant = fitted.problem.plant
     samples = samples_of(other_record(fitted, path), plant.outputs)
     values = fitted.values
-    for name, channel in STATES[plant.model.name]:
-        value = 0.0
-        if channel in plant.outputs:
-            readings = samples.outputs[:, plant.outputs.index(channel)]
-            value = float(readings[~np.isnan(readings)][0])
-        values[plant.model.place(name)] = value
-    return replace(fitted.problem, samples=samples, values=values)
+    places = [plant.model.place(name) for name, _ in STATES[plant.model.name]]
+    values[places] = 0.0
+    problem = replace(fitted.problem, samples=samples, values=values)
+    still = alone(problem, problem.start)
+    columns = [alone(_from(problem, place), _from(problem, place).start) for place in places]
+    known = ~np.isnan(samples.outputs)
+    free = np.column_stack([(column - still)[known] for column in columns])
+    values[places] = np.linalg.lstsq(free, (samples.outputs - still)[known], rcond=None)[0]
+    return replace(problem, values=values)
+
+
+def _from(problem: Problem, place: int) -> Problem:
+    """Return the problem with one parameter at 1."""
+    values = problem.values.copy()
+    values[place] = 1.0
+    return replace(problem, values=values)
 
 
 def _errors(problem: Problem) -> Numbers:

@@ -14,10 +14,10 @@ from numpy.typing import NDArray
 
 from trainer.config import ConfigError
 from trainer.identify.discrete import Sampled
+from trainer.identify.imaginary import STEP
 from trainer.identify.kernels.prediction import multi_step, run_with_gain, settle
 from trainer.identify.kernels.sampling import Complexes
 from trainer.identify.likelihood import LOG_2_PI, Likelihood, possible
-from trainer.identify.models import STEP
 from trainer.identify.problem import Problem
 
 Numbers = NDArray[np.float64]

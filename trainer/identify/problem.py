@@ -3,15 +3,19 @@
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from trainer.identify.discrete import Sampled, sample
-from trainer.identify.models import Plant, aside
+from trainer.identify.imaginary import aside
+from trainer.identify.models import Plant
 from trainer.identify.samples import Samples
 
 Numbers = NDArray[np.float64]
+
+LEAST: Final = 1e-4  # [-] of its start: what an error's variance is not estimated below
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,6 +50,22 @@ class Problem:
         """Return the free parameters (f,) as they stand in ``values``, scaled."""
         return self.values[list(self.free)] / self.scale
 
+    @cached_property
+    def floors(self) -> Numbers:
+        """Return the least a search takes each parameter for (f,), zero where there is none.
+
+        Errors of readings have one, a share of their start: a reading that another one could
+        replace, or the first one of a state that is free, would be believed exact, and the
+        likelihood be without end.
+        """
+        errors = np.array([kind == "error" for kind in self.kinds], bool)
+        return np.where(errors, LEAST * np.abs(self.start), 0.0)
+
+    def collapsed(self, theta: Numbers) -> tuple[str, ...]:
+        """Return the names of the errors that ``theta`` (f,) has on their floor."""
+        low = (self.floors > 0.0) & (np.abs(theta) < 2.0 * self.floors)
+        return tuple(name for name, is_low in zip(self.names, low, strict=True) if is_low)
+
     def whole(self, theta: Numbers) -> Numbers:
         """Return all parameters (n,), the free ones from ``theta`` (f,)."""
         values = self.values.copy()
@@ -62,7 +82,7 @@ class Problem:
         kinds = np.array(self.kinds)
         values = np.where(kinds == "angle", angles, values)
         values = np.where(kinds == "lag", np.abs(angles), values)
-        return np.where(kinds == "variance", np.abs(values), values) / self.scale
+        return np.where(np.isin(kinds, ("variance", "error")), np.abs(values), values) / self.scale
 
     def sampled(self, theta: Numbers) -> Sampled:
         """Return the sampled systems of ``theta`` (f,): one row."""

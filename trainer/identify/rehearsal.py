@@ -44,7 +44,8 @@ class Rehearsal:
         count = len(rudder)
         outputs = np.zeros((count, len(self.outputs)))
         outputs[np.random.default_rng(5).random(outputs.shape) < missing] = np.nan
-        samples = Samples(np.arange(count) * self.period, outputs, rudder[:, None])
+        t = np.arange(count, dtype=float) * self.period
+        samples = Samples(t, outputs, rudder[:, None])
         model = MODELS[self.kind]
         plant = Plant(model, self.ship, self.outputs, self.period)
         return problem_of(plant, samples, model.vector(**self.truth), self.free)

@@ -95,8 +95,9 @@ def correlation(series: Numbers, lags: int) -> Numbers:
     values = np.nan_to_num(series)
     power = float(values @ values)
     if power == 0.0:
-        return np.eye(1, lags + 1)[0]
-    return np.array([values[: len(values) - lag] @ values[lag:] / power for lag in range(lags + 1)])
+        return np.concatenate([[1.0], np.zeros(lags)])
+    found = [float(values[: len(values) - lag] @ values[lag:]) for lag in range(lags + 1)]
+    return np.array(found) / power
 
 
 def cross_correlation(left: Numbers, rudder: Numbers, lags: int) -> Numbers:

@@ -45,6 +45,9 @@ class Uncertainty:
 
 def uncertainty(names: tuple[str, ...], curvature: Numbers) -> Uncertainty:
     """Return what the second derivatives of a cost (f, f) say about its parameters."""
+    if not np.isfinite(curvature).all():
+        unknown = np.full_like(curvature, np.nan)
+        return Uncertainty(names, curvature, unknown, np.diag(unknown), unknown, ())
     width = np.sqrt(np.abs(np.diag(curvature)))
     unit = np.where(width > 0.0, width, 1.0)
     scaled = curvature / np.outer(unit, unit)

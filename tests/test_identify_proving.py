@@ -1,0 +1,42 @@
+"""The report's ships are found again from simulated records, a few of them here.
+
+TRAINER_RECORDS=40 takes as many as the acceptance tests do (`trainer identify --selftest`).
+"""
+
+import os
+
+import pytest
+
+from trainer.identify.proving import (
+    heading_only,
+    honest_intervals,
+    large_helm,
+    one_log,
+    other_half,
+    rate_only,
+    sway_alone,
+    two_logs,
+)
+
+RECORDS = int(os.environ.get("TRAINER_RECORDS", "15"))
+
+pytestmark = pytest.mark.long
+
+
+@pytest.mark.parametrize("proof", [heading_only, rate_only, two_logs, one_log, sway_alone])
+def test_a_ship_of_the_report_is_found_again(proof):
+    for figure in proof(RECORDS):
+        assert figure.low <= figure.value <= figure.high, figure
+
+
+@pytest.mark.parametrize("proof", [large_helm, other_half])
+def test_what_the_report_saw_is_seen_again(proof):
+    for figure in proof():
+        assert figure.low <= figure.value <= figure.high, figure
+
+
+def test_intervals_hold_the_truth_as_often_as_they_say():
+    inside, ended = honest_intervals(2 * RECORDS)
+    # 30 runs of 19 parameters: the share is known to 0.015
+    assert 0.90 <= inside.value <= 0.985
+    assert ended.value >= 0.99

@@ -1,0 +1,100 @@
+"""A Nomoto ship sails: steady turns, time constants, manoeuvres, and its file."""
+
+import math
+
+import pytest
+
+from trainer.config import ConfigError
+from trainer.fitout import KNOT
+from trainer.identify.nomoto_file import NomotoFile, is_nomoto, key_table, load_nomoto, written
+from trainer.identify.steered import Steered
+from trainer.study.manoeuvres.flight import fly
+from trainer.study.manoeuvres.vehicle import LostError
+from trainer.study.manoeuvres.zigzag import ZigZag
+
+SPEED = 10.0 * KNOT
+
+
+def nomoto_file(**changes):
+    numbers = {
+        "schema": "nomoto/1",
+        "name": "a ship",
+        "length_m": 100.0,
+        "speed_kn": 10.0,
+        "K_per_s": -0.05,
+        "T1_s": 30.0,
+        "T2_s": 5.0,
+        "T3_s": 8.0,
+        "rudder_limit_deg": 35.0,
+        "rudder_rate_deg_s": 1e3,
+        "step_s": 0.5,
+    }
+    return NomotoFile(**{**numbers, **changes})
+
+
+def test_a_nomoto_ship_turns_at_its_gain_after_long():
+    ship = Steered(nomoto_file(K_v_m_s=2.0, T3v_s=3.0))
+    ship.start(SPEED)
+    ship.order("rudder", math.radians(10.0))
+    for _ in range(1200):
+        ship.advance()
+    seen = dict(zip(ship.columns, ship.observe(), strict=True))
+    # starboard rudder is negative: r = K delta, v = K_v delta
+    assert seen["r"] == pytest.approx(0.05 * math.radians(10.0), rel=1e-6)
+    assert seen["v"] == pytest.approx(-2.0 * math.radians(10.0), rel=1e-6)
+    assert seen["t"] == 600.0
+
+
+def test_a_bent_ship_turns_as_its_steady_equation_says():
+    # r - kappa K |r| r = K delta with K = -0.05, kappa = 400, delta = -0.2: r + 20 r^2 = 0.01
+    ship = Steered(nomoto_file(kappa_s2=400.0))
+    ship.start(SPEED)
+    ship.order("rudder", 0.2)
+    for _ in range(2000):
+        ship.advance()
+    r = (-1.0 + math.sqrt(1.0 + 4.0 * 20.0 * 0.01)) / 40.0
+    assert dict(zip(ship.columns, ship.observe(), strict=True))["r"] == pytest.approx(r, rel=1e-9)
+
+
+def test_a_first_order_ship_follows_its_exponential():
+    ship = Steered(nomoto_file(T2_s=0.0, T3_s=0.0, rudder_rate_deg_s=1000.0))
+    ship.start(SPEED)
+    ship.order("rudder", 0.1)
+    for _ in range(60):
+        ship.advance()
+    # after T1 = 30 s, less the step in which the rudder moves
+    rate = dict(zip(ship.columns, ship.observe(), strict=True))["r"]
+    assert rate == pytest.approx(0.05 * 0.1 * (1.0 - math.exp(-1.0)), rel=0.02)
+
+
+def test_a_nomoto_ship_flies_a_zigzag_like_any_vehicle():
+    flight = fly(Steered(nomoto_file()), ZigZag(angle_deg=10.0, execute_deg=10.0), SPEED)
+    assert len([mark for mark in flight.marks if mark.name == "execute"]) > 2
+    assert flight.lost == ""
+
+
+def spin(ship):
+    for _ in range(2000):
+        ship.advance()
+
+
+def test_an_unstable_ship_is_lost_and_another_speed_refused():
+    ship = Steered(nomoto_file(T1_s=-5.0, K_per_s=0.05))
+    ship.start(SPEED)
+    ship.order("rudder", 0.3)
+    with pytest.raises(LostError, match="spins"):
+        spin(ship)
+    with pytest.raises(ConfigError, match="identified at 10 kn, not at 15 kn"):
+        ship.start(15.0 * KNOT)
+
+
+def test_a_nomoto_file_is_read_as_it_was_written(tmp_path):
+    ship = nomoto_file(kappa_s2=120.0)
+    path = tmp_path / "ship.toml"
+    path.write_text(written(ship, "model nomoto2 fitted to x.csv", {"K": 0.001}))
+    assert load_nomoto(path) == ship
+    assert is_nomoto(path)
+    assert "kappa_s2" in key_table()
+    path.write_text(path.read_text().replace("T1_s", "T1"))
+    with pytest.raises(ConfigError, match=r"no such key; nearest is T1_s"):
+        load_nomoto(path)
