@@ -8,7 +8,7 @@ import pytest
 
 from trainer.config import ConfigError
 from trainer.identify.armax import Armax
-from trainer.identify.armax_fit import fit_armax
+from trainer.identify.armax_fit import _Search, fit_armax
 from trainer.identify.armax_orders import delayed, treated, try_orders, without_wind
 from trainer.identify.prbs import held, prbs
 from trainer.identify.residuals import examine_residuals, verdicts
@@ -64,6 +64,18 @@ def test_atlantic_song_is_found_as_exactly_as_the_report_says():
     assert np.mean(fits, axis=0) == pytest.approx(found, rel=0.4)
     assert -0.079 < np.median([ship.K for ship in ships]) < -0.069
     assert 26.0 < np.median([ship.T for ship in ships]) < 32.0
+
+
+def test_derivatives_of_the_errors_are_those_of_differences():
+    y, u = simulated(SONG, 60, LAMBDA, 2)
+    search = _Search(y, u, 2, np.zeros(8), np.arange(8))
+    theta = np.array([-1.5, 0.55, -0.1, -0.2, -0.5, 0.1, 1.0, 0.5])
+    _, J = search.jacobian(theta)
+    for i, column in enumerate(J.T):
+        step = 1e-6 * np.eye(8)[i]
+        ends = (search.model(theta + side * step).residuals(y, u) for side in (1.0, -1.0))
+        up, down = ends
+        assert (up - down) / 2e-6 == pytest.approx(column, abs=1e-6 * np.abs(column).max())
 
 
 def test_a_larger_model_never_fits_worse():

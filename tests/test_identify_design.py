@@ -217,6 +217,7 @@ def test_a_zigzag_is_told_and_flown_again_by_its_orders(bb2):
     assert told.reach_s == pytest.approx(flight.marks[1].t - flight.marks[0].t)
     assert told.overshoots_deg[0] > 1.0
     orders = zigzag_orders(flight, 10.0)
+    assert orders[0] == (30.0, "rudder right 10")
     record = flown(bb2, scheduled(orders), SPEED, 60.0, orders[-1][0])
     first_swing = record.t < orders[2][0]
     peak = math.degrees(float(record.heading[first_swing].max()))

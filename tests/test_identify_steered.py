@@ -45,9 +45,10 @@ def test_a_nomoto_ship_turns_at_its_gain_after_long():
     assert seen["t"] == 600.0
 
 
-def test_a_bent_ship_turns_as_its_steady_equation_says():
+@pytest.mark.parametrize("second", [{}, {"T2_s": 0.0, "T3_s": 0.0}])
+def test_a_bent_ship_turns_as_its_steady_equation_says(second):
     # r - kappa K |r| r = K delta with K = -0.05, kappa = 400, delta = -0.2: r + 20 r^2 = 0.01
-    ship = Steered(nomoto_file(kappa_s2=400.0))
+    ship = Steered(nomoto_file(kappa_s2=400.0, **second))
     ship.start(SPEED)
     ship.order("rudder", 0.2)
     for _ in range(2000):
@@ -89,7 +90,7 @@ def test_an_unstable_ship_is_lost_and_another_speed_refused():
 
 
 def test_a_nomoto_file_is_read_as_it_was_written(tmp_path):
-    ship = nomoto_file(kappa_s2=120.0)
+    ship = nomoto_file(kappa_s2=120.0, K_per_s=-0.0512345)
     path = tmp_path / "ship.toml"
     path.write_text(written(ship, "model nomoto2 fitted to x.csv", {"K": 0.001}))
     assert load_nomoto(path) == ship

@@ -9,10 +9,12 @@ from click.testing import CliRunner
 
 from trainer.commands.identify import identify, prbs
 from trainer.config import ConfigError
+from trainer.identify.models import MODELS, Ship
 from trainer.identify.nomoto_file import load_nomoto
 from trainer.identify.prbs import held
 from trainer.identify.prbs import prbs as sequence
 from trainer.identify.selftest import published_orders, published_ship, published_zeros
+from trainer.identify.told import nomoto_of
 
 pytest.importorskip("scipy")
 
@@ -202,6 +204,26 @@ def test_a_fixed_parameter_stays_and_an_unknown_one_is_refused(tmp_path):
         run(identify, path)
 
 
+def test_ship_constants_follow_from_every_models_parameters():
+    # V/L = 0.05 1/s: K = k b2/a2, T1 T2 = 1/(k^2 a2), T1 + T2 = a1/(k a2), T3 = b1/(k b2)
+    ship = Ship(120.0, 6.0)
+    yaw = MODELS["3"]
+    second = nomoto_of(yaw, yaw.vector(a1=3.0, a2=2.0, b1=-1.0, b2=-4.0), ship)
+    assert pytest.approx(-0.1) == second.K
+    assert (second.T1 * second.T2).real == pytest.approx(200.0)
+    assert (second.T1 + second.T2).real == pytest.approx(30.0)
+    assert pytest.approx(5.0) == second.T3
+    # first order: K = k b1/a1, T = 1/(k a1)
+    first = nomoto_of(yaw, yaw.vector(a1=2.0, b1=-1.0), ship)
+    assert pytest.approx(-0.025) == first.K
+    assert first.first_order == pytest.approx(10.0)
+    # K_v = V c2/a2, T3v = c1/(k c2)
+    sway = MODELS["2"]
+    found = nomoto_of(sway, sway.vector(a1=3.0, a2=2.0, c1=0.5, c2=1.0), ship)
+    assert found.K_v == pytest.approx(3.0)
+    assert found.T3v == pytest.approx(10.0)
+
+
 def test_model_1_without_a_ship_names_what_it_lacks(tmp_path):
     with pytest.raises(ConfigError, match="model 1 lacks a start for m11"):
         run(identify, trial(tmp_path), "--model", "1")
@@ -219,7 +241,8 @@ def test_orders_of_armax_are_tried_and_told(tmp_path):
     page = run(identify, trial(tmp_path), "--armax")
     for part in ("ARMAX MODELS of yaw_rate", "Order by AIC", "Poles", "order", "feedback"):
         assert part in page
-    report = json.loads(run(identify, trial(tmp_path), "--armax", "--json"))
+    report = json.loads(run(identify, trial(tmp_path), "--armax", "--most", "3", "--json"))
+    assert [row["order"] for row in report["orders"]] == [1, 2, 3]
     pole = report["orders"][0]["poles"][0][0]
     assert pole == pytest.approx(math.exp(-STEP / T), abs=0.02)
 

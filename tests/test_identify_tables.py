@@ -90,6 +90,7 @@ def test_bis_and_prime_describe_one_ship():
     froude = speed / math.sqrt(9.81 * length)
     assert pytest.approx(there.K / froude, rel=1e-12) == form.K
     assert form.K_v * speed == pytest.approx(si.K_v, rel=1e-12)
+    assert there.K_v * math.sqrt(9.81 * length) == pytest.approx(si.K_v, rel=1e-12)
 
 
 def test_a_system_without_a_name_is_refused():

@@ -308,6 +308,28 @@ def test_a_viewer_that_is_not_there_is_one_line() -> None:
     assert f"start one: rerun --bind 127.0.0.1 --port {port}" in told
 
 
+@pytest.mark.skipif(os.name != "posix", reason="a shell stands in for the window")
+def test_where_there_is_a_screen_a_viewer_is_opened_and_stays(
+    private: dict[str, str], tmp_path: Path
+) -> None:
+    stand_in = tmp_path / "rerun"  # what is opened, with a file in place of its window
+    stand_in.write_text(f'#!/bin/sh\necho $$ >pid\nexec {viewer()} --save seen.rrd "$@"\n')
+    stand_in.chmod(0o755)
+    screen = HERE | {"HOME": private["HOME"], "DISPLAY": ":0", "RERUN_CLI_PATH": str(stand_in)}
+    screen["XDG_CACHE_HOME"] = private["XDG_CACHE_HOME"]
+    words = ("--speed", "10", "--duration", "60", "--rerun-at", f":{free_port()}")
+
+    done = trainer(*HEADLESS, *words, env=screen, cwd=tmp_path)
+    opened = int((tmp_path / "pid").read_text())
+    os.kill(opened, signal.SIGINT)  # it is there
+    while Path(f"/proc/{opened}").exists():
+        time.sleep(0.05)
+
+    assert (done.returncode, done.stderr) == (0, "")
+    depth = column(contents(tmp_path / "seen.rrd"), "/charts/depth_m", ":scalars")
+    assert list(depth) == [0.5 * tick for tick in range(121)]
+
+
 @pytest.mark.parametrize(
     ("number", "told"), [("SIGKILL", "it has gone"), ("SIGSTOP", "its end is missing")]
 )

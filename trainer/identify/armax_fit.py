@@ -239,7 +239,7 @@ def _account(search: _Search, end: _End) -> ArmaxFit:
     sought = tuple(names[i] for i in search.sought)
     size = np.sqrt(np.maximum(np.einsum("ij,ij->j", J, J), 1e-300))
     values, vectors = np.linalg.eigh((J / size).T @ (J / size))
-    flat = values < 0 * values[-1]
+    flat = values < FLAT * values[-1]
     share = float(eps @ eps) / len(eps)
     inverse = (vectors / np.where(flat, np.inf, values)) @ vectors.T
     covariance = share * inverse / np.outer(size, size)

@@ -132,6 +132,11 @@ class Stretched:
         """Return ``step`` with no bounded parameter going further than it may at once."""
         return np.where(self.bounded, np.clip(step, -LONGEST, LONGEST), step)
 
+    def shortened(self, step: Numbers) -> Numbers:
+        """Return ``step`` along its own direction, no bounded parameter going too far."""
+        longest = float(np.max(np.abs(step[self.bounded]), initial=0.0))
+        return step * min(1.0, LONGEST / longest) if longest > 0.0 else step
+
     def newton(self, matrix: Numbers, damping: float, gradient: Numbers) -> Numbers:
         """Return the step to a quadratic's minimum, bounded ones going no further than they may.
 
@@ -226,8 +231,9 @@ def bfgs(cost: Cost, theta: Numbers, search: Search) -> Found:
         return found
     inverse, fresh = _metric(problem, eta), True
     for step in range(1, search.most + 1):
-        direction = problem.clipped(-inverse @ gradient)
-        promised = -0.5 * float(gradient @ direction)
+        direction = -inverse @ gradient
+        promised = -0.5 * float(gradient @ problem.clipped(direction))
+        direction = problem.shortened(direction)
         length, after, slope = _line(problem, eta, (value, gradient), direction)
         moved = length * direction
         gained = value - after

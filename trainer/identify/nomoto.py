@@ -170,8 +170,3 @@ def converted(found: Nomoto, own: Scale, wanted: Scale) -> Nomoto:
         K_v=found.K_v * speed,
         T3v=found.T3v * time,
     )
-
-
-def froude(length: float, speed: float) -> float:
-    """Return F_nL = V / sqrt(g L) [-]."""
-    return speed / math.sqrt(GRAVITY * length)

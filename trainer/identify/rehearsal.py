@@ -5,6 +5,7 @@ positive to port. Where the tables' errors and disturbances are not legible they
 that makes the documented scatter.
 """
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Final
@@ -21,6 +22,7 @@ from trainer.identify.samples import Samples
 Numbers = NDArray[np.float64]
 
 SHIP_DERIVATIVES: Final = ("Y_v", "Y_r", "N_v", "N_r", "Y_delta", "l_delta")
+RADIAN: Final = np.pi / 180.0
 STATE: Final = ("x1_0", "x2_0", "x3_0")
 
 
@@ -128,3 +130,59 @@ TANKER: Final = Rehearsal(
     },
 )
 TANKER_RUDDER: Final = sequence(2000, 30.0, 5.0, 5.0)
+
+# Compass Island, Tables 10.2 and 10.4
+ISLAND: Final = Rehearsal(
+    "1",
+    Ship(160.93, 8.74 * KNOT),
+    ("sway", "yaw_rate", "heading"),
+    6.0,
+    {
+        "m11": 1.935,
+        "m12": 0.033,
+        "m21": 0.015,
+        "m22": 0.104,
+        "Y_v": -1.105,
+        "Y_r": -0.558,
+        "N_v": -0.004,
+        "N_r": -0.129,
+        "Y_delta": 0.544,
+        "l_delta": 0.13 / 0.544,
+        "R1_Y": 2e-3,
+        "R1_N": 1e-5,
+        "R2_v1": 0.01,
+        "R2_r": 1e-4,
+        "R2_psi": 0.04,
+        "lag": math.asin(5.35 / 6.0),
+    },
+    (
+        *("Y_v", "Y_r", "N_v", "N_r", "Y_delta", "l_delta", "Y_0", "N_0", "r_0"),
+        *("R1_Y", "R1_N", "R2_v1", "R2_r", "R2_psi", *STATE, "lag"),
+    ),
+    {
+        "Y_v": -1.452,
+        "Y_r": -0.658,
+        "N_v": -0.364,
+        "N_r": -0.23,
+        "Y_delta": 0.348,
+        "l_delta": 0.166 / 0.348,
+        "R1_Y": 4e-3,
+        "R1_N": 2e-5,
+        "lag": 0.5,
+    },
+)
+
+
+def helmed(rehearsal: Rehearsal, angle: float, count: int) -> Numbers:
+    """Return the rudder (n,) [deg] of a zig-zag angle/angle of the model without any noise."""
+    problem = rehearsal.problem(np.zeros(count))
+    mean, _, start = problem.sampled(problem.start).at(0)
+    z = np.array([*start[:, 0], 0.0, 0.0, 1.0])
+    rudder, side = np.empty(count), 1.0
+    for k in range(count):
+        if -side * z[2] / RADIAN >= angle:
+            side = -side
+        z[3], z[4] = rudder[k - 1] if k else side * angle, side * angle
+        rudder[k] = side * angle
+        z[:3] = (mean[0] @ z)[:3]
+    return rudder

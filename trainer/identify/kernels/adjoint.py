@@ -16,6 +16,7 @@ import math
 import numpy as np
 
 from trainer.core.kernel import Numbers, kernel
+from trainer.identify.kernels.blocks import clear, put, put_block
 from trainer.identify.kernels.covariance_filter import (
     Mask,
     Places,
@@ -65,10 +66,12 @@ def trail(
     states = rows - readings
     work, v, error = np.empty((rows, states)), np.empty(rows), np.empty(readings)
     there = np.empty(readings, np.bool_)
-    z, P, J = path[0, :columns].copy(), joints[0, :states, rows:].copy(), np.empty((rows, rows))
+    z, P, J = np.empty(columns), np.empty((states, states)), np.empty((rows, rows))
+    put(path[0, :columns], 0, z)
+    put_block(joints[0, :states, rows:], 0, P)
     stage, constant, determinant = -1, False, 0.0
     for k in range(table.shape[0]):
-        z[states : columns - 1] = table[k, readings:]
+        put(table[k, readings:], states, z)
         predict(mean[which[k]], z, v)
         residual(table[k], v, error, there)
         constant = constant and all_there(there) and which[k] == which[k - 1]
@@ -78,10 +81,10 @@ def trail(
             determinant = condition(J, error, there)
             if math.isnan(determinant):
                 return 0
-            joints[stage, :, :rows] = J
-            joints[stage, :states, rows:] = P
+            put_block(J, 0, joints[stage])
+            put_block(P, rows, joints[stage])
             constant = all_there(there) and settled(J, P)
-        path[k, :columns] = z
+        put(z, 0, path[k])
         for i in range(readings):
             path[k, columns + i] = 0.0
             for j in range(readings):
@@ -193,7 +196,7 @@ def likelihood_slope(
     F, half, w = np.empty((states, states)), np.empty((states, states)), np.empty(states)
     x, P, H = np.zeros(states), np.zeros((states, states)), np.empty((rows, rows))
     sums, adjoint, samples = np.zeros((rows, wide)), np.zeros((states, states)), 0.0
-    out[:] = 0.0
+    clear(out)
     for k in range(which.size - 1, -1, -1):
         W, line = mean[which[k]], path[k]
         stage = int(line[wide + 1])
@@ -215,6 +218,8 @@ def likelihood_slope(
         if k == 0 or int(path[k - 1, wide + 1]) != stage:
             _sum_of_h(joints[stage], sums[:, columns:], adjoint, samples, H)
             _close_stage(W, joints[stage], sums, H, out[which[k]])
-            sums[:], adjoint[:], samples = 0.0, 0.0, 0.0
-    start[:, 0] = x
-    start[:, 1:] = P
+            clear(sums)
+            clear(adjoint)
+            samples = 0.0
+    put(x, 0, start[:, 0])
+    put_block(P, 1, start)

@@ -12,16 +12,15 @@ system that leads from each sample to the next, ``start`` (x, 1+x) is [x0 P0] an
 """
 
 import math
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from trainer.core.kernel import Numbers, kernel
+from trainer.identify.kernels.blocks import Entries, clear, put, put_block
 
 Places = NDArray[np.int64]
 Mask = NDArray[np.bool_]
-Entries = NDArray[Any]  # numbers, or complex ones whose imaginary parts are derivatives
 
 SETTLED = 1e-26  # [-] square of the relative change of P, below which it is taken as constant
 
@@ -64,10 +63,9 @@ def sweep(J: Entries, pivot: int) -> float:
         if i != pivot:
             factor = J[i, pivot] * inverse
             for j in range(J.shape[0]):
-                if j != pivot:
-                    J[i, j] -= factor * J[pivot, j]
+                J[i, j] -= factor * J[pivot, j]
+            J[i, pivot] = factor
     for i in range(J.shape[0]):
-        J[i, pivot] *= inverse
         J[pivot, i] = J[i, pivot]
     J[pivot, pivot] = -inverse
     return d
@@ -81,20 +79,21 @@ def condition(J: Entries, error: Entries, there: Mask) -> float:
     not positive definite.
     """
     first = J.shape[0] - error.size
-    total = 0.0
+    product = J[0, 0] * 0.0 + 1.0  # of the kind that J is
     for c in range(error.size):
         if there[c]:
             before = J[first + c, first + c].real
             d = sweep(J, first + c)
             if not d.real > 1e-14 * abs(before):
                 return math.nan
-            total += np.log(d)
+            product *= d
     for c in range(error.size):
         if not there[c]:
             error[c] = 0.0
-            J[first + c, :] = 0.0
-            J[:, first + c] = 0.0
-    return total
+            for i in range(J.shape[0]):
+                J[first + c, i] = 0.0
+                J[i, first + c] = 0.0
+    return np.log(product)
 
 
 @kernel
@@ -169,7 +168,7 @@ def _run_settled(closed: Numbers, table: Numbers, z: Numbers, errors: Numbers) -
     rows, readings = closed.shape[0], errors.shape[0]
     states, last = rows - readings, z.size - 1
     out, w = np.empty(rows), np.empty(closed.shape[1])
-    w[: z.size] = z
+    put(z, 0, w)
     for k in range(table.shape[0]):
         for j in range(readings):
             w[last + 1 + j] = table[k, j]
@@ -205,7 +204,7 @@ def likelihood_sums(
     """Write sum log det R, sum error' R^-1 error, samples and readings counted to ``sums`` (4,).
 
     Once P has settled the gain is kept until a reading is missing or the interval changes.
-    All sums are not a number where R is not positive definite.
+    The first sum is not a number where R is not positive definite.
     """
     states, rows, columns = start.shape[0], noise.shape[1], mean.shape[2]
     readings = rows - states
@@ -213,19 +212,20 @@ def likelihood_sums(
     z, v, error = np.ones(columns), np.empty(rows), np.empty(readings)
     there, errors = np.empty(readings, np.bool_), np.empty((readings, readings))
     closed = np.empty((rows, columns + readings))
-    P = start[:, 1:].copy()
-    z[:states] = start[:, 0]
-    sums[:] = 0.0
+    P = np.empty((states, states))
+    put_block(start[:, 1:], 0, P)
+    put(start[:, 0], 0, z)
+    clear(sums)
     k = 0
     while k < table.shape[0]:
         W = mean[which[k]]
-        z[states : columns - 1] = table[k, readings:]
+        put(table[k, readings:], states, z)
         predict(W, z, v)
         joint(W, noise[which[k]], P, work, J)
         count = residual(table[k], v, error, there)
         determinant = condition(J, error, there)
         if math.isnan(determinant):
-            sums[:] = math.nan
+            sums[0] = math.nan
             return
         sums[0] += determinant
         sums[1] += square(J, error)
@@ -236,7 +236,7 @@ def likelihood_sums(
         k += 1
         if constant and k < table.shape[0] and which[k] == which[k - 1]:
             _closed(W, J, closed)
-            errors[:] = 0.0
+            clear(errors)
             taken = _run_settled(closed, table[k : run_length(which, k)], z, errors)
             for i in range(readings):
                 for j in range(i + 1):

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from trainer.core.kernel import Numbers, kernel
+from trainer.identify.kernels.blocks import clear
 
 Complexes = NDArray[np.complex128]
 
@@ -179,8 +180,8 @@ def sample_instants(
     inputs = mean.shape[3] - columns
     states = columns - inputs - 1
     ends = np.empty(2, np.complex128)
-    covariance[:] = 0.0
-    mean[:] = 0.0
+    clear(mean)
+    clear(covariance)
     for b in range(batch):
         for m in range(intervals.size):
             ends[0] = _bounded(lag[b], intervals[m])

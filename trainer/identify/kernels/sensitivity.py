@@ -9,6 +9,7 @@ import math
 import numpy as np
 
 from trainer.core.kernel import Numbers, kernel
+from trainer.identify.kernels.blocks import put, put_block
 from trainer.identify.kernels.adjoint import all_there, steady_step
 from trainer.identify.kernels.covariance_filter import (
     Places,
@@ -193,13 +194,17 @@ def information_rows(
     there, U = np.empty(readings, np.bool_), np.zeros((readings, readings))
     J, dJ = np.empty((rows, rows)), np.empty((rows, rows, count))
     dv = np.empty((rows, count))
-    z, P = np.ones(columns), start[:, 1:].copy()
-    z[:states] = start[:, 0]
-    dx, dP = d_start[:, 0].copy(), d_start[:, 1:].copy()
+    z, P = np.ones(columns), np.empty((states, states))
+    put(start[:, 0], 0, z)
+    put_block(start[:, 1:], 0, P)
+    dx, dP = np.empty((states, count)), np.empty((states, states, count))
+    put_block(d_start[:, 0], 0, dx)
+    for i in range(states):
+        put_block(d_start[i, 1:], 0, dP[i])
     stages, samples, constant = 0, 0, False
     for k in range(table.shape[0]):
         W, dW = mean[which[k]], d_mean[which[k]]
-        z[states : columns - 1] = table[k, readings:]
+        put(table[k, readings:], states, z)
         predict(W, z, v)
         _mean_slopes(W, dW, z, dx, dv)
         residual(table[k], v, error, there)
@@ -209,7 +214,8 @@ def information_rows(
                 _covariance_rows(U, dJ, float(samples), covariances[stages - 1])
             stages, samples = stages + 1, 0
             joint(W, noise[which[k]], P, work, J)
-            dJ[:] = d_noise[which[k]]
+            for i in range(rows):
+                put_block(d_noise[which[k], i], 0, dJ[i])
             _joint_slopes(W, dW, P, dP, dJ)
             if math.isnan(condition(J, error, there)):
                 return 0

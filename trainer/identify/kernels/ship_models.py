@@ -194,7 +194,7 @@ def model_3(
         noise[b, 0, 0], noise[b, 1, 1] = magnitude(t[8]), magnitude(t[9])
         noise[b, 0, 1] = noise[b, 1, 0] = _correlated(t[8], t[9], t[10])
         readings[0] = t[7]
-        readings[1:] = t[11:14]
+        readings[1], readings[2], readings[3] = t[11], t[12], t[13]
         _yaw_outputs(readings, ship, drift[b], noise[b])
         start[b, 0, 0] = t[14]
         start[b, 1, 0], start[b, 2, 0] = RADIAN * t[15], RADIAN * t[16]

@@ -3,6 +3,7 @@
 import numpy as np
 
 from trainer.core.kernel import Numbers, kernel
+from trainer.identify.kernels.blocks import put
 from trainer.identify.kernels.covariance_filter import Places, predict
 
 
@@ -18,9 +19,9 @@ def simulate(
     rows, columns = mean.shape[1:]
     states = first.size
     z, v = np.ones(columns), np.empty(rows)
-    z[:states] = first
+    put(first, 0, z)
     for k in range(which.size):
-        z[states : columns - 1] = inputs[k]
+        put(inputs[k], states, z)
         predict(mean[which[k]], z, v)
         for i in range(states):
             out[k, i] = z[i]
