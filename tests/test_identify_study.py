@@ -9,12 +9,14 @@ from click.testing import CliRunner
 
 from trainer.commands.identify import identify, prbs
 from trainer.config import ConfigError
+from trainer.identify.fitting import without_noise
 from trainer.identify.models import MODELS, Ship
 from trainer.identify.nomoto_file import load_nomoto
 from trainer.identify.prbs import held
 from trainer.identify.prbs import prbs as sequence
 from trainer.identify.selftest import published_orders, published_ship, published_zeros
 from trainer.identify.told import nomoto_of
+from trainer.identify.uncertainty import uncertainty
 
 pytest.importorskip("scipy")
 
@@ -85,7 +87,7 @@ def run(command, *arguments, code=0):
     result = CliRunner().invoke(command, [str(one) for one in arguments])
     if result.exception and not isinstance(result.exception, SystemExit):
         raise result.exception
-    assert result.exit_code == code, result.output
+    assert result.exit_code == code, result.output[:500]
     return result.stdout
 
 
@@ -136,6 +138,16 @@ def test_a_second_order_ship_asked_of_a_first_order_record_is_told(tmp_path):
     report = json.loads(run(identify, trial(tmp_path, sea=0.005), "--model", "3", "--json"))
     value, deviation = told(report)["T"]
     assert abs(value - T) < 3.0 * deviation
+
+
+def test_a_disturbance_that_is_not_there_leaves_the_ship_known():
+    curvature = np.array([[4.0, 0.0, 1.0], [0.0, 0.0, 0.0], [1.0, 0.0, 9.0]])
+    found = without_noise(uncertainty(("K", "R1_r", "T"), curvature))
+    # the inverse of [[4, 1], [1, 9]] is [[9, -1], [-1, 4]]/35
+    assert found.covariance[0, 0] == pytest.approx(9.0 / 35.0)
+    assert found.covariance[0, 2] == pytest.approx(-1.0 / 35.0)
+    assert math.isnan(found.covariance[1, 1])
+    assert np.isnan(without_noise(uncertainty(("K", "T1", "T"), curvature)).covariance).all()
 
 
 def test_an_outlier_is_screened_when_asked(tmp_path):

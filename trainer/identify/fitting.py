@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Final
 
@@ -32,6 +32,7 @@ from trainer.vessel_file import load_vessel
 METHODS: Final = {"scoring": "auto", "bfgs": "bfgs", "direct": "powell"}
 STEPS: Final = 200
 SCREENINGS: Final = 4  # rounds of fitting and rejecting
+NOISE: Final = ("R1_", "R2_")  # what parameters of disturbance and errors are called
 UNMODELLED: Final = {  # noise models do not have these: the errors' covariance is concentrated out
     "output-error": ("R1", "R2"),
     "innovations": ("R2_psi", "R2_v1", "R2_v"),
@@ -168,15 +169,34 @@ def fit(
     )
 
 
+def without_noise(known: Uncertainty) -> Uncertainty:
+    """Return what is known of the others where noise has gone to nothing and stays there.
+
+    A variance at nothing, and the correlation with it, have no information: their own covariances
+    stay not a number.
+    """
+    lost = {name for group in known.flat for name in group}
+    if not lost or not all(name.startswith(NOISE) for name in lost):
+        return known
+    kept = [i for i, name in enumerate(known.names) if name not in lost]
+    places = np.ix_(kept, kept)
+    rest = uncertainty(tuple(known.names[i] for i in kept), known.curvature[places])
+    covariance = np.full_like(known.covariance, np.nan)
+    covariance[places] = rest.covariance
+    return replace(known, covariance=covariance)
+
+
 def _told(problem: Problem, theta: Numbers, covariance: Numbers) -> Spread:
     """Return what follows of the parameters, and how well; not a number where these are not."""
-    model, ship = problem.plant.model, problem.plant.ship
+    plant = problem.plant
     told = propagated(
-        lambda free: quantities(model, problem.whole(free), ship),
+        lambda free: quantities(plant.model, problem.whole(free), plant.ship),
         theta,
         np.nan_to_num(covariance, nan=0.0),
     )
-    if np.isnan(covariance).any():
+    # no quantity follows of the noise
+    ship = [i for i, name in enumerate(problem.names) if not name.startswith(NOISE)]
+    if np.isnan(np.diag(covariance)[ship]).any():
         return Spread(told.values, np.full_like(told.covariance, math.nan))
     return told
 
@@ -214,7 +234,7 @@ def _known(cost: Cost, theta: Numbers) -> Uncertainty:
             return by_hessian
     information = cost.information(theta)
     if np.isfinite(information).all():
-        return uncertainty(names, information)
+        return without_noise(uncertainty(names, information))
     n = len(names)
     unknown = np.full((n, n), math.nan)
     return Uncertainty(names, unknown, unknown, unknown[0], np.eye(n), ())

@@ -9,8 +9,8 @@ import math
 import numpy as np
 
 from trainer.core.kernel import Numbers, kernel
-from trainer.identify.kernels.blocks import put, put_block
 from trainer.identify.kernels.adjoint import all_there, steady_step
+from trainer.identify.kernels.blocks import put, put_block
 from trainer.identify.kernels.covariance_filter import (
     Places,
     advance,
