@@ -6,8 +6,8 @@ from pathlib import Path
 import pytest
 
 from trainer.boat import Boat
+from trainer.files.vessel_file import load_vessel
 from trainer.fitout import Method
-from trainer.vessel_file import load_vessel
 
 DATA = Path(__file__).parent / "data"
 

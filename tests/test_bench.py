@@ -13,6 +13,7 @@ from click.testing import CliRunner
 from trainer import cli
 from trainer.boat import Boat
 from trainer.config import ConfigError
+from trainer.files.vessel_file import load_vessel
 from trainer.ledger import Spread
 from trainer.study import bench as bench_module
 from trainer.study.batches import BATCH_NS, BATCHES, Batches, long_enough, time_batches
@@ -20,7 +21,6 @@ from trainer.study.bench import Figures, bench, cpu_model, pace, samples_up
 from trainer.study.bench_page import render
 from trainer.study.hot import CASUALTIES, take_ticks
 from trainer.study.latency import effect
-from trainer.vessel_file import load_vessel
 
 
 @pytest.fixture(scope="module")

@@ -15,7 +15,7 @@ RATES = """
 from trainer.boat import Boat
 from trainer.core.rates import rates
 from trainer.fitout import Method
-from trainer.vessel_file import load_vessel
+from trainer.files.vessel_file import load_vessel
 
 boat = Boat(load_vessel("bb2"), Method("modified", "exact", "exact", "adams2", 0.5))
 boat.state.u, boat.state.v = 5.0, 0.5

@@ -11,7 +11,10 @@ import pytest
 
 from trainer.boat import Boat
 from trainer.casualty import active, arm, clear, insert, readings
-from trainer.casualty_file import (
+from trainer.config import ConfigError, Place
+from trainer.core.casualties import KINDS, SURFACES
+from trainer.core.state import CASUALTIES
+from trainer.files.casualty_file import (
     as_json,
     key_table,
     kind_table,
@@ -19,10 +22,7 @@ from trainer.casualty_file import (
     load_casualties,
     parse_casualties,
 )
-from trainer.condition import QUANTITIES, compile_condition, quantity_table
-from trainer.config import ConfigError, Place
-from trainer.core.casualties import KINDS, SURFACES
-from trainer.core.state import CASUALTIES
+from trainer.files.condition import QUANTITIES, compile_condition, quantity_table
 from trainer.ledger import Ledger
 from trainer.reply import Refused
 from trainer.status import status_lines

@@ -10,14 +10,14 @@ from hypothesis import strategies as st
 
 from trainer import casualty
 from trainer.boat import PLACES, Boat
-from trainer.channels import CHANNELS, TELETYPE, tables
 from trainer.core.state import STATE
-from trainer.display import Display, Sentences, Teletype, Words, panel
-from trainer.frame import Frame, Lookout, Pace, Picture
 from trainer.io.sentences import read
 from trainer.ledger import Ledger, Summary
-from trainer.roles import PANELS, ROLES
-from trainer.wishes import display
+from trainer.stations.channels import CHANNELS, TELETYPE, tables
+from trainer.stations.display import Display, Sentences, Teletype, Words, panel
+from trainer.stations.frame import Frame, Lookout, Pace, Picture
+from trainer.stations.roles import PANELS, ROLES
+from trainer.stations.wishes import display
 
 KNOT = 1852.0 / 3600.0
 DEGREE = math.pi / 180.0
@@ -453,4 +453,6 @@ def test_the_panels_cover_what_the_observer_sees() -> None:
 def test_the_page_has_the_tables_of_the_channels() -> None:
     page = (Path(__file__).parents[1] / "docs" / "stations.md").read_text(encoding="utf-8")
 
-    assert tables() in page, f"docs/stations.md lacks this, from trainer/channels.py:\n{tables()}"
+    assert tables() in page, (
+        f"docs/stations.md lacks this, from channels.py:\n{tables()}"
+    )

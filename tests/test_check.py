@@ -13,6 +13,7 @@ from trainer.boat import Boat
 from trainer.core.integrators import advance
 from trainer.core.kernel import Record
 from trainer.core.state import HISTORY, MOTION
+from trainer.files.vessel_file import VesselFile, load_vessel
 from trainer.fitout import KNOT, Method, scheme_record
 from trainer.study import hull_facts
 from trainer.study.check import Report, check, flights, round_speeds
@@ -30,7 +31,6 @@ from trainer.study.stability import (
     tick_map,
 )
 from trainer.study.steady_turn import compare_turns
-from trainer.vessel_file import VesselFile, load_vessel
 
 DATA = Path(__file__).parent / "data"
 INTEGRATION = json.loads((DATA / "integration.json").read_text())

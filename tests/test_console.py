@@ -14,11 +14,9 @@ from pathlib import Path
 import pytest
 from textual.pilot import Pilot
 
-from trainer.channels import CHANNELS
 from trainer.io import sentences
 from trainer.io.orders import Order, parse
 from trainer.io.sentences import order_sentence, read
-from trainer.roles import ROLES, refusal
 from trainer.screen.acts import Give, Move
 from trainer.screen.client import Barred, Client, Greeting, Item, Joined, Lost
 from trainer.screen.completion import completed, hint, offer
@@ -33,6 +31,8 @@ from trainer.screen.picture import Picture
 from trainer.screen.posts import POSTS, wishes
 from trainer.screen.sight import Broken, Sight
 from trainer.screen.trace import Sample, Trace
+from trainer.stations.channels import CHANNELS
+from trainer.stations.roles import ROLES, refusal
 
 ROOT = Path(__file__).parent.parent
 STYLE = ROOT / "trainer" / "screen" / "console.tcss"

@@ -68,7 +68,8 @@ ORDERS = (  # as they are journalled
 # after a time, or once SQLite has taken so many instructions for the run, in the midst of a write.
 NURSERY = """
 import json, os, signal, sys, time
-from trainer import cli, exporting, replay_page, resume
+from trainer import cli
+from trainer.records import exporting, replay_page, resume
 from trainer.io import checkpoint, recording, recording_file
 
 checkpoint.WORTHWHILE, checkpoint.EVERY = 200_000, 0.005  # a kill may hit these too

@@ -32,20 +32,20 @@ from trainer.debrief.figures import figures
 from trainer.debrief.files import beside, debrief_file, read_dossier
 from trainer.debrief.page import render
 from trainer.debrief.style import STYLE
-from trainer.door import Door
-from trainer.exporting import export_file
-from trainer.frame import Lookout
 from trainer.history import History
 from trainer.io.csv_file import NoFile
 from trainer.io.recording import Recording
-from trainer.log_book import header_of
-from trainer.measure_table import MEASURES
-from trainer.measures import broached
 from trainer.plan import plan_run
 from trainer.printing import print_pdf
-from trainer.publisher import Promptly, Roster
+from trainer.records.exporting import export_file
+from trainer.records.log_book import header_of
+from trainer.scores.measure_table import MEASURES
+from trainer.scores.measures import broached
 from trainer.session import Session
-from trainer.station import Station
+from trainer.stations.door import Door
+from trainer.stations.frame import Lookout
+from trainer.stations.publisher import Promptly, Roster
+from trainer.stations.station import Station
 from trainer.timekeeping import Timekeeping
 from trainer.watch import Watch
 

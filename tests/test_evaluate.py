@@ -13,8 +13,8 @@ from hypothesis import strategies as st
 from trainer.config import ConfigError
 from trainer.core.state import RATES
 from trainer.core.vessel import KEPT
+from trainer.files.vessel_file import VesselFile, load_vessel
 from trainer.study.evaluate import ANGLES, KNOWN, NECESSARY, evaluate
-from trainer.vessel_file import VesselFile, load_vessel
 
 VECTORS = Path(__file__).parent / "data" / "vectors"
 CASES = sorted(path.stem for path in VECTORS.glob("*.args"))

@@ -18,11 +18,9 @@ from trainer.boat import Boat
 from trainer.casualty import active
 from trainer.clock import MonotonicClock, Policy
 from trainer.config import ConfigError, shipped_names
-from trainer.door import Door
-from trainer.exercise_file import Exercise, load_exercise, parse_exercise
-from trainer.exercise_records import key_tables
+from trainer.files.exercise_file import Exercise, load_exercise, parse_exercise
+from trainer.files.exercise_records import key_tables
 from trainer.fitout import KNOT
-from trainer.frame import Lookout
 from trainer.helm import obey
 from trainer.history import History
 from trainer.io.line import Joined
@@ -30,10 +28,12 @@ from trainer.io.no_recording import NoRecording
 from trainer.io.orders import Order, parse
 from trainer.io.schedule import Scheduled
 from trainer.plan import plan_run
-from trainer.publisher import Promptly, Roster
 from trainer.reply import Refused
 from trainer.session import Session
-from trainer.station import Station
+from trainer.stations.door import Door
+from trainer.stations.frame import Lookout
+from trainer.stations.publisher import Promptly, Roster
+from trainer.stations.station import Station
 from trainer.timekeeping import Timekeeping
 from trainer.watch import Watch
 

@@ -9,11 +9,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from trainer.boat import Boat
+from trainer.files.vessel_file import load_vessel
 from trainer.fitout import KNOT, Method
 from trainer.helm import obey
 from trainer.io.orders import Order, parse
 from trainer.reply import Refused
-from trainer.vessel_file import load_vessel
 
 DEGREE = math.pi / 180.0
 VESSELS = ("bb2", "sdv-mk9", "remus100")

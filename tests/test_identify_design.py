@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 from trainer.config import ConfigError
-from trainer.exercise_file import parse_exercise
+from trainer.files.exercise_file import parse_exercise
+from trainer.files.vessel_file import load_vessel, parse_vessel
 from trainer.fitout import KNOT
 from trainer.identify.experiment import (
     Sequence,
@@ -32,7 +33,6 @@ from trainer.identify.study_file import plain_study
 from trainer.identify.study_records import ModelTable, Ship
 from trainer.identify.trial import flown
 from trainer.study.characteristic import Means, horizontal
-from trainer.vessel_file import load_vessel, parse_vessel
 
 SHIP = Nomoto(K=-0.28, T1=40.0 + 0j, T2=5.0 + 0j, T3=9.0, K_v=8.0, T3v=2.5)
 SENSORS = Sensors(sway_kn=0.05, yaw_rate_deg_s=0.02, heading_deg=0.1)

@@ -10,6 +10,7 @@ import pytest
 from click.testing import CliRunner
 
 from trainer.commands.identify import identify, prbs
+from trainer.files.vessel_file import load_vessel
 from trainer.fitout import KNOT
 from trainer.identify.experiment import method_of
 from trainer.identify.nomoto_file import load_nomoto
@@ -18,7 +19,6 @@ from trainer.study.characteristic import horizontal
 from trainer.study.manoeuvres.flight import fly
 from trainer.study.manoeuvres.submarine import Rig, Submarine
 from trainer.study.manoeuvres.zigzag import ZigZag
-from trainer.vessel_file import load_vessel
 
 pytest.importorskip("scipy")
 

@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 
-from trainer import config, log_book
+from trainer import config
 from trainer.boat import Boat
 from trainer.config import (
     ConfigError,
@@ -19,10 +19,11 @@ from trainer.config import (
     shipped,
     shipped_names,
 )
-from trainer.layout import LAYOUT, read_state, unlike
-from trainer.log_book import differences, header_of, layout_of, method_of, notes, plan_of
+from trainer.files.sea_file import load_sea
 from trainer.plan import Plan, plan_run
-from trainer.sea_file import load_sea
+from trainer.records import log_book
+from trainer.records.layout import LAYOUT, read_state, unlike
+from trainer.records.log_book import differences, header_of, layout_of, method_of, notes, plan_of
 
 PLAIN: dict[str, Any] = {
     "exercise": None,

@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 from trainer.config import ConfigError
+from trainer.files.vessel_file import VesselFile, load_vessel
 from trainer.fitout import KNOT, Method
 from trainer.study import manoeuvres
 from trainer.study.manoeuvres.catalogue import MANOEUVRES, adjusted, named
@@ -27,7 +28,6 @@ from trainer.study.manoeuvres.speeds import UtmostAcceleration
 from trainer.study.manoeuvres.spiral import PullOut
 from trainer.study.manoeuvres.submarine import Rig, Submarine
 from trainer.study.manoeuvres.turns import Turn
-from trainer.vessel_file import VesselFile, load_vessel
 
 DATA = Path(__file__).parent / "data"
 FOOT = 0.3048

@@ -11,22 +11,22 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from trainer import nmea_page
 from trainer.boat import Boat
-from trainer.chart import DEFAULT, Chart, chart_at
+from trainer.files.vessel_file import load_vessel
 from trainer.fitout import KNOT, Method
-from trainer.frame import Frame, Lookout, Pace, Picture
 from trainer.helm import obey
 from trainer.io import nmea
 from trainer.io.lines import Overlong
 from trainer.io.orders import Order, parse
 from trainer.ledger import Ledger
-from trainer.nmea_line import AGAIN, NmeaLine
-from trainer.nmea_orders import READERS, TELEGRAPH, Command, Useless, meaning
-from trainer.nmea_set import INSTRUMENTS, InstrumentSet, Sampled, chosen, widest
-from trainer.nmea_sight import WIDEST
-from trainer.roles import ROLES, refusal
-from trainer.vessel_file import load_vessel
+from trainer.nmea import page as nmea_page
+from trainer.nmea.chart import DEFAULT, Chart, chart_at
+from trainer.nmea.line import AGAIN, NmeaLine
+from trainer.nmea.orders import READERS, TELEGRAPH, Command, Useless, meaning
+from trainer.nmea.set import INSTRUMENTS, InstrumentSet, Sampled, chosen, widest
+from trainer.nmea.sight import WIDEST
+from trainer.stations.frame import Frame, Lookout, Pace, Picture
+from trainer.stations.roles import ROLES, refusal
 
 START = datetime(2026, 12, 31, 23, 59, 58, tzinfo=UTC)
 

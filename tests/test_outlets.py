@@ -23,11 +23,10 @@ import pynmea2
 import pytest
 
 from trainer.boat import Boat
-from trainer.chart import DEFAULT
 from trainer.clock import MonotonicClock, Policy
 from trainer.config import ConfigError
+from trainer.files.vessel_file import load_vessel
 from trainer.fitout import KNOT, Method
-from trainer.frame import Lookout, Pace, Picture
 from trainer.history import History
 from trainer.io import nmea
 from trainer.io.csv_file import COLUMNS, NoFile
@@ -35,13 +34,14 @@ from trainer.io.no_recording import NoRecording
 from trainer.io.outbox import Outbox
 from trainer.io.recording import Recording
 from trainer.ledger import Ledger
-from trainer.nmea_set import INSTRUMENTS
-from trainer.outlets import Steady, open_outlets
+from trainer.nmea.chart import DEFAULT
+from trainer.nmea.outlets import Steady, open_outlets
+from trainer.nmea.set import INSTRUMENTS
 from trainer.ports import Ports
-from trainer.publisher import Promptly, Publisher, Roster
 from trainer.session import Session
+from trainer.stations.frame import Lookout, Pace, Picture
+from trainer.stations.publisher import Promptly, Publisher, Roster
 from trainer.timekeeping import Timekeeping
-from trainer.vessel_file import load_vessel
 
 needs_pty = pytest.mark.skipif(not hasattr(os, "openpty"), reason="no pseudo-terminals here")
 MANOEUVRES = (

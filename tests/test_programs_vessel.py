@@ -16,6 +16,9 @@ from hypothesis import strategies as st
 from trainer.boat import Boat
 from trainer.config import ConfigError
 from trainer.core import propulsion
+from trainer.files.terms import coefficient_terms, terms
+from trainer.files.vessel_file import VesselFile, load_vessel
+from trainer.files.vessel_records import Fluid
 from trainer.fitout import KNOT, Method
 from trainer.study import characteristic, fillings, hull_facts, thrust
 from trainer.study.characteristic import Law, Means, depth_loop, horizontal, vertical
@@ -28,9 +31,6 @@ from trainer.study.neutral import (
     sides,
     trim_at,
 )
-from trainer.terms import coefficient_terms, terms
-from trainer.vessel_file import VesselFile, load_vessel
-from trainer.vessel_records import Fluid
 
 VECTORS = Path(__file__).parent / "data" / "vectors"
 NEUTRAL, ROOTS, TOOLS = (

@@ -6,11 +6,11 @@ from collections.abc import Callable, Iterator
 import pytest
 
 from trainer.boat import Boat
-from trainer.channels import CHANNELS
-from trainer.display import Sentences
-from trainer.frame import Frame, Lookout, Pace, Picture
 from trainer.ledger import Ledger
-from trainer.publisher import Promptly, Publisher, Roster, Subscription
+from trainer.stations.channels import CHANNELS
+from trainer.stations.display import Sentences
+from trainer.stations.frame import Frame, Lookout, Pace, Picture
+from trainer.stations.publisher import Promptly, Publisher, Roster, Subscription
 
 PATIENCE = 10.0  # [s] far beyond what any wait here needs
 KNOT = 1852.0 / 3600.0

@@ -14,10 +14,10 @@ from trainer.config import remembering
 from trainer.helm import ORDERS, obey
 from trainer.io.orders import Order, parse
 from trainer.io.recording import Moment, Recording
-from trainer.layout import LAYOUT
-from trainer.log_book import differences, header_of
 from trainer.plan import Plan, plan_run
-from trainer.replay import Flight, replay_anyway
+from trainer.records.layout import LAYOUT
+from trainer.records.log_book import differences, header_of
+from trainer.records.replay import Flight, replay_anyway
 from trainer.reply import Refused
 
 EXERCISE = """

@@ -22,9 +22,9 @@ import numpy as np
 import pytest
 
 from trainer.config import ConfigError
-from trainer.exporting import export_file
 from trainer.io.recording import Recording
-from trainer.layout import LAYOUT
+from trainer.records.exporting import export_file
+from trainer.records.layout import LAYOUT
 
 rerun = pytest.importorskip("rerun", reason="rerun-sdk is not installed: half a gigabyte")
 chunks = pytest.importorskip("rerun.chunk")

@@ -10,10 +10,8 @@ import pytest
 
 from trainer.boat import Boat
 from trainer.config import ConfigError
-from trainer.frame import Lookout, Pace
-from trainer.layout import LAYOUT
 from trainer.ledger import Ledger
-from trainer.publisher import Promptly, Roster
+from trainer.records.layout import LAYOUT
 from trainer.rerun_log import feed as feeds
 from trainer.rerun_log import opening
 from trainer.rerun_log.batch import Batch, Block, Numbers, Times, states
@@ -27,7 +25,9 @@ from trainer.rerun_log.opening import MISSING, PORT, open_log, parse_place
 from trainer.rerun_log.shape import Fin, fins_of, hull_mesh, sail_mesh, size_of
 from trainer.rerun_log.subject import Subject
 from trainer.rerun_log.track import Track
-from trainer.station import News
+from trainer.stations.frame import Lookout, Pace
+from trainer.stations.publisher import Promptly, Roster
+from trainer.stations.station import News
 from trainer.watch import Limits
 
 VESSELS = ("bb2", "remus100", "sdv-mk9")

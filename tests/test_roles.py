@@ -4,10 +4,10 @@ from pathlib import Path
 
 import pytest
 
-from trainer.channels import CHANNELS, TELETYPE
 from trainer.io.order_table import FORMS, heading_word
 from trainer.io.orders import Order, parse
-from trainer.roles import (
+from trainer.stations.channels import CHANNELS, TELETYPE
+from trainer.stations.roles import (
     COMMON,
     CONTROLS,
     KINDS,
@@ -138,4 +138,6 @@ def test_the_page_has_the_tables_of_roles_and_of_events() -> None:
     page = (Path(__file__).parents[1] / "docs" / "stations.md").read_text(encoding="utf-8")
 
     for table in (role_table(), event_table()):
-        assert table in page, f"docs/stations.md lacks this, from trainer/roles.py:\n{table}"
+        assert table in page, (
+            f"docs/stations.md lacks this, from roles.py:\n{table}"
+        )

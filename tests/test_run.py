@@ -16,7 +16,7 @@ import pytest
 
 import trainer
 from trainer.cli import main
-from trainer.vessel_file import load_vessel
+from trainer.files.vessel_file import load_vessel
 
 COMMAND = [sys.executable, "-c", "from trainer.cli import main; main()"]
 PATIENCE = 120.0  # [s] a first run compiles

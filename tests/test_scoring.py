@@ -12,14 +12,14 @@ import pytest
 from trainer.boat import Boat
 from trainer.config import ConfigError, shipped_names
 from trainer.core.casualties import CODES
-from trainer.exercise_file import load_exercise, parse_exercise
+from trainer.files.exercise_file import load_exercise, parse_exercise
+from trainer.files.vessel_file import load_vessel
 from trainer.fitout import KNOT, Method
 from trainer.io.recording import Journalled
-from trainer.measure_table import MEASURES, formula_of, measure_rows, unit_of
-from trainer.passage import COLUMNS, SLOTS, Passage
-from trainer.score_rule import Rule
-from trainer.scoring import attain, marks_of, score
-from trainer.vessel_file import load_vessel
+from trainer.scores.measure_table import MEASURES, formula_of, measure_rows, unit_of
+from trainer.scores.passage import COLUMNS, SLOTS, Passage
+from trainer.scores.score_rule import Rule
+from trainer.scores.scoring import attain, marks_of, score
 from trainer.watch import Limits
 
 ROOT = Path(__file__).parent.parent

@@ -13,12 +13,12 @@ import trainer
 from trainer.boat import Boat
 from trainer.core.seaway import advance_sea
 from trainer.core.update import outside
+from trainer.files.sea_file import SeaFile, load_sea, parse_sea
+from trainer.files.vessel_file import load_vessel
 from trainer.fitout import KNOT, Method
 from trainer.helm import obey
 from trainer.io.orders import Order, parse
 from trainer.io.schedule import parse_schedule
-from trainer.sea_file import SeaFile, load_sea, parse_sea
-from trainer.vessel_file import load_vessel
 from trainer.watch import Limits, Watch
 
 DEGREE = math.pi / 180.0

@@ -25,7 +25,7 @@ from trainer.core.wave_filter import (
     warped,
 )
 from trainer.core.wave_sum import ANGLE_COS, ANGLE_SIN, PART, WEIGHT, phase, prepare_sum
-from trainer.sea_file import HEIGHT_FACTOR
+from trainer.files.sea_file import HEIGHT_FACTOR
 from trainer.study import seas
 
 pytestmark = pytest.mark.core

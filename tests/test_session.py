@@ -10,20 +10,20 @@ import pytest
 
 from trainer.boat import Boat
 from trainer.clock import MonotonicClock, Pacer, Policy, Unpaced
-from trainer.door import Door
+from trainer.files.vessel_file import load_vessel
 from trainer.fitout import KNOT, Method
-from trainer.frame import Pace
 from trainer.history import History
 from trainer.io.csv_file import COLUMNS
 from trainer.io.lines import Overlong
 from trainer.io.orders import LONGEST
 from trainer.io.recording import Recording
 from trainer.io.schedule import parse_schedule
-from trainer.publisher import Subscription
 from trainer.session import Session
-from trainer.station import Station
+from trainer.stations.door import Door
+from trainer.stations.frame import Pace
+from trainer.stations.publisher import Subscription
+from trainer.stations.station import Station
 from trainer.timekeeping import Timekeeping
-from trainer.vessel_file import load_vessel
 
 DEGREE = math.pi / 180.0
 GONE = "this boat cannot go on: {}; backtrack or reset"

@@ -8,16 +8,16 @@ from pathlib import Path
 import pytest
 
 from trainer.boat import Boat
-from trainer.door import Door
-from trainer.frame import Lookout, Pace
 from trainer.io.hub import Hub
 from trainer.io.lines import Overlong
 from trainer.io.orders import Order
 from trainer.io.sentences import Heard, hear, order_sentence, read
 from trainer.ledger import Ledger
-from trainer.publisher import Promptly, Roster
 from trainer.reply import Refused
-from trainer.station import News, Station
+from trainer.stations.door import Door
+from trainer.stations.frame import Lookout, Pace
+from trainer.stations.publisher import Promptly, Roster
+from trainer.stations.station import News, Station
 
 KNOT = 1852.0 / 3600.0
 TOKEN = "Kx7-quietly-9"  # noqa: S105 not a secret

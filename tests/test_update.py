@@ -113,9 +113,9 @@ from trainer.boat import Boat
 from trainer.core.update import update
 from trainer.casualty import insert
 from trainer.fitout import Method
-from trainer.sea_file import load_sea
+from trainer.files.sea_file import load_sea
 from trainer.study.hot import CASUALTIES
-from trainer.vessel_file import load_vessel
+from trainer.files.vessel_file import load_vessel
 
 @njit
 def ticks(count, vessel, compact, scheme, state, scratch):

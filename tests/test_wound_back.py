@@ -17,18 +17,18 @@ from trainer.boat import Boat
 from trainer.casualty import active
 from trainer.clock import MonotonicClock, Policy
 from trainer.config import remembering
-from trainer.door import Door
-from trainer.frame import Pace
 from trainer.history import History
 from trainer.io.csv_file import COLUMNS, NoFile
 from trainer.io.recording import Recording
-from trainer.log_book import header_of, layout_of
 from trainer.plan import plan_run
-from trainer.publisher import Subscription
-from trainer.replay import replay_anyway
-from trainer.resume import bring_up
+from trainer.records.log_book import header_of, layout_of
+from trainer.records.replay import replay_anyway
+from trainer.records.resume import bring_up
 from trainer.session import Session
-from trainer.station import Station
+from trainer.stations.door import Door
+from trainer.stations.frame import Pace
+from trainer.stations.publisher import Subscription
+from trainer.stations.station import Station
 from trainer.timekeeping import Timekeeping
 
 STEP = 0.5  # [s]

@@ -7,8 +7,8 @@ from typing import Final
 
 from trainer.history import History
 from trainer.io.teletype import clock
-from trainer.roles import Role, hears
-from trainer.station import News, Station
+from trainer.stations.roles import Role, hears
+from trainer.stations.station import News, Station
 
 KEPT: Final = 500  # of what has happened, for who comes late
 

@@ -4,7 +4,6 @@ import math
 
 import numpy as np
 
-from trainer.casualty_file import load_casualties
 from trainer.config import ConfigError
 from trainer.core import update as ticks
 from trainer.core.autopilot import autopilot
@@ -14,9 +13,10 @@ from trainer.core.rates import rates
 from trainer.core.seaway import order_sea
 from trainer.core.state import STATE
 from trainer.core.trim import BOTH, STERN, trim
+from trainer.files.casualty_file import load_casualties
+from trainer.files.sea_file import SeaFile, load_sea, sea_settings
+from trainer.files.vessel_file import VesselFile
 from trainer.fitout import KNOT, Method, fit_out
-from trainer.sea_file import SeaFile, load_sea, sea_settings
-from trainer.vessel_file import VesselFile
 
 PLACES = {name: place[1] // 8 for name, place in (STATE.fields or {}).items()}
 

@@ -5,14 +5,14 @@ from dataclasses import dataclass
 from typing import Final, NamedTuple
 
 from trainer.boat import PLACES, Boat
-from trainer.casualty_file import Casualty
-from trainer.casualty_kinds import severity_rule
-from trainer.condition import QUANTITIES, Condition
 from trainer.config import ConfigError, nearest
 from trainer.core import onset
 from trainer.core.casualties import KINDS, SURFACES
 from trainer.core.instruments import instruments
 from trainer.core.tanks import BANKS, BLOWN, PUMPS, TANKS
+from trainer.files.casualty_file import Casualty
+from trainer.files.casualty_kinds import severity_rule
+from trainer.files.condition import QUANTITIES, Condition
 from trainer.reply import Refused, Reply
 
 RULES: Final = ("once", "again")

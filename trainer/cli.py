@@ -12,6 +12,7 @@ from trainer.arguments import Commands
 from trainer.commands import (
     attending,
     guiding,
+    identify,
     instruments,
     listing,
     programs,
@@ -63,6 +64,7 @@ SECTIONS: Final = {
     "Recordings": (records.debrief, running.resume, records.replay, records.export),
     "A boat": (vessels.check, *guiding.GUIDING, vessels.gains),
     "The programs of 1969": programs.PROGRAMS,
+    "A ship from her recordings": (identify.identify, identify.prbs, identify.decca),
     "This machine, and others": (vessels.bench, vessels.evaluate, instruments.instruments),
 }
 for title, commands in SECTIONS.items():

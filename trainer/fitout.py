@@ -9,8 +9,8 @@ import numpy as np
 from trainer.config import ConfigError
 from trainer.core import kinematics, scheme, scratch, state, vessel
 from trainer.core.kernel import Record
+from trainer.files.vessel_file import VesselFile
 from trainer.fitout_ballast import ballast_record
-from trainer.vessel_file import VesselFile
 
 KNOT = 1852.0 / 3600.0  # [m/s]
 

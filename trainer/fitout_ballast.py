@@ -3,10 +3,10 @@
 import math
 from typing import Final
 
-from trainer.ballast_records import Ballast, BlownTank, Compartment, PumpedTank, Sea
 from trainer.core.kernel import Record
 from trainer.core.tanks import BANKS, BLOWN, STATIONS, TANKS, new_ballast
-from trainer.vessel_file import VesselFile
+from trainer.files.ballast_records import Ballast, BlownTank, Compartment, PumpedTank, Sea
+from trainer.files.vessel_file import VesselFile
 
 GAS_CONSTANT: Final = 287.05  # [J/(kg K)] of air
 ADIABATIC: Final = 1.4  # [-] of air

@@ -8,16 +8,16 @@ from typing import Any, Final
 
 from trainer import casualty
 from trainer.boat import Boat
-from trainer.casualty_file import Casualty, load_casualties
 from trainer.config import ConfigError, read_text
 from trainer.core.scheme import RUNGE_KUTTAS
-from trainer.exercise_file import UNSCHEDULED, Armed, Exercise, load_exercise
-from trainer.exercise_records import Initial
+from trainer.files.casualty_file import Casualty, load_casualties
+from trainer.files.exercise_file import UNSCHEDULED, Armed, Exercise, load_exercise
+from trainer.files.exercise_records import Initial
+from trainer.files.sea_file import SeaFile, load_sea
+from trainer.files.vessel_file import VesselFile, load_vessel
 from trainer.fitout import KNOT, Method
 from trainer.io.schedule import BadSchedule, Scheduled, parse_schedule
-from trainer.score_rule import Rule
-from trainer.sea_file import SeaFile, load_sea
-from trainer.vessel_file import VesselFile, load_vessel
+from trainer.scores.score_rule import Rule
 from trainer.watch import Limits
 
 STEP_LIMITS = 0.001, 2.0  # [s]

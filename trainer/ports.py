@@ -14,14 +14,14 @@ import click
 
 from trainer import places
 from trainer.config import ConfigError, nearest
-from trainer.door import Door
 from trainer.io.hub import Hub
 from trainer.io.line import Joined, Line
 from trainer.io.outbox import Direct, Inbox, Outbox, reader, writer
 from trainer.io.serial_line import LinkError, SerialLine
-from trainer.roles import ROLES
-from trainer.station import Log, Station
-from trainer.wishes import Sending
+from trainer.stations.door import Door
+from trainer.stations.roles import ROLES
+from trainer.stations.station import Log, Station
+from trainer.stations.wishes import Sending
 
 PATIENCE: Final = 0.5  # [s] for ports at the end, and for a pipe at the start
 

@@ -8,8 +8,8 @@ from trainer import casualty, machine_code_is_compiled
 from trainer.boat import Boat
 from trainer.config import ConfigError
 from trainer.fitout import KNOT
-from trainer.frame import Lookout, Pace, Picture
 from trainer.ledger import Ledger
+from trainer.stations.frame import Lookout, Pace, Picture
 from trainer.watch import Limits, Watch
 
 

@@ -19,23 +19,23 @@ from trainer.boat import Boat
 from trainer.clock import MonotonicClock, Policy
 from trainer.config import ConfigError, remembering
 from trainer.fitout import KNOT
-from trainer.frame import Lookout
 from trainer.history import History
 from trainer.io.csv_file import COLUMNS, CsvFile, NoFile
 from trainer.io.no_recording import NoRecording
 from trainer.io.recording import Recording, RecordingError
 from trainer.io.teletype import course
 from trainer.ledger import SECOND
-from trainer.log_book import header_of
-from trainer.outlets import open_outlets
+from trainer.nmea.outlets import open_outlets
 from trainer.plan import Plan, plan_run
 from trainer.ports import PATIENCE, Ports, unhurried
-from trainer.publisher import Promptly, Publisher, Roster
 from trainer.readiness import refuse_unstable, warm
-from trainer.reception import Closed
+from trainer.records.log_book import header_of
 from trainer.rerun_log.opening import open_log
 from trainer.rerun_log.subject import Subject
 from trainer.session import Session
+from trainer.stations.frame import Lookout
+from trainer.stations.publisher import Promptly, Publisher, Roster
+from trainer.stations.reception import Closed
 from trainer.timekeeping import Timekeeping
 from trainer.watch import Watch
 

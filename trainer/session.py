@@ -11,20 +11,20 @@ from trainer.boat import Boat
 from trainer.casualty import listing
 from trainer.clock import Waited
 from trainer.desk import Desk
-from trainer.display import panel
-from trainer.frame import Lookout, Pace, Picture
 from trainer.helm import ORDERS, obey
 from trainer.history import History
 from trainer.io.orders import Order
 from trainer.io.schedule import Scheduled
-from trainer.reception import Closed, Reception
 from trainer.reply import Refused, Reply
-from trainer.roles import INSTRUCTOR
-from trainer.station import Asked, Station
+from trainer.stations.display import panel
+from trainer.stations.frame import Lookout, Pace, Picture
+from trainer.stations.reception import Closed, Reception
+from trainer.stations.roles import INSTRUCTOR
+from trainer.stations.station import Asked, Station
+from trainer.stations.wishes import Sending
 from trainer.status import status_lines
 from trainer.timekeeping import Timekeeping
 from trainer.watch import Watch
-from trainer.wishes import Sending
 
 HINT: Final = "type an order, such as: depth 80   course 090   rudder left 15   help   quit"
 LINES_AT_A_TIME: Final = 32  # of one station before the clock is looked at again

@@ -7,8 +7,8 @@ from typing import Any, Final
 
 from trainer.boat import Boat
 from trainer.core.free_surface import deck_height, sail_height
+from trainer.files.schema import Quantity, optional, within
 from trainer.fitout import KNOT
-from trainer.schema import Quantity, optional, within
 
 COVERED: Final = 1.0  # [m] of water over it before the same can be called out again
 FULL: Final = 0.95  # [-] of main ballast; with less aboard the boat means to come up

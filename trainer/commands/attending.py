@@ -6,7 +6,14 @@ import click
 
 from trainer.commands.options import connect_options, teletype_option
 
-ROLES = ("instructor", "helm", "planes", "ballast", "diving", "observer")  # as in trainer.roles
+ROLES = (
+    "instructor",
+    "helm",
+    "planes",
+    "ballast",
+    "diving",
+    "observer",
+)  # see stations.roles
 
 
 @click.command()

@@ -80,9 +80,9 @@ def manoeuvre(name: str, vessel: str, **options: Any) -> None:
 
     Exit code 1 when the boat is lost on the way.
     """
+    from trainer.files.vessel_file import load_vessel  # noqa: PLC0415
     from trainer.study import manoeuvre_page as page  # noqa: PLC0415
     from trainer.study.manoeuvres.catalogue import named  # noqa: PLC0415
-    from trainer.vessel_file import load_vessel  # noqa: PLC0415
 
     report, flight = page.flown(load_vessel(vessel), name, options)
     if options["csv"]:
@@ -121,8 +121,8 @@ def guide(vessel: str, **options: Any) -> None:
     VESSEL is bb2, sdv-mk9, remus100, or the path of a vessel file. Exit code 1 when a reduced set
     is out of tolerance.
     """
+    from trainer.files.vessel_file import load_vessel  # noqa: PLC0415
     from trainer.guide import baseline, document, summary  # noqa: PLC0415
-    from trainer.vessel_file import load_vessel  # noqa: PLC0415
 
     file = load_vessel(vessel)
     earlier = None

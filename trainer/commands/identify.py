@@ -100,8 +100,8 @@ def prbs(vessel: str, write: Path | None, **options: Any) -> None:
               trainer identify trial.trainer --model 1 --vessel bb2
               trainer prbs bb2 --zigzag 10/10
     """
+    from trainer.files.vessel_file import load_vessel  # noqa: PLC0415
     from trainer.identify import prbs_page as page  # noqa: PLC0415
-    from trainer.vessel_file import load_vessel  # noqa: PLC0415
 
     found = page.design(load_vessel(vessel), {**options, "vessel": vessel})
     if write is not None:

@@ -16,8 +16,8 @@ def instruments(*, sample: bool, as_json: bool) -> None:
     """
     import json  # noqa: PLC0415
 
-    from trainer import nmea_page  # noqa: PLC0415
-    from trainer.vessel_file import load_vessel  # noqa: PLC0415
+    from trainer.files.vessel_file import load_vessel  # noqa: PLC0415
+    from trainer.nmea import page as nmea_page  # noqa: PLC0415
 
     if sample:
         lines = nmea_page.sample(load_vessel("bb2"))

@@ -20,7 +20,7 @@ def exercises(*, as_json: bool) -> None:
     import json  # noqa: PLC0415
 
     from trainer.config import shipped_names  # noqa: PLC0415
-    from trainer.exercise_file import load_exercise  # noqa: PLC0415
+    from trainer.files.exercise_file import load_exercise  # noqa: PLC0415
 
     found = {name: load_exercise(name).heading.name for name in shipped_names("exercises")}
     lines = [f"{name:24}{title}" for name, title in found.items()]
@@ -75,7 +75,7 @@ def casualties(tables: tuple[str, ...], *, as_json: bool) -> None:
     """
     import json  # noqa: PLC0415
 
-    from trainer import casualty_file  # noqa: PLC0415
+    from trainer.files import casualty_file  # noqa: PLC0415
 
     found = casualty_file.load_casualties(*tables)
     listing = casualty_file.listing(found)

@@ -37,9 +37,9 @@ def neutral(vessel: str, speeds: tuple[float, ...], **how: Any) -> None:
     \b
     Example:  trainer neutral bb2 --speed 5 --speed 10 --plot neutral.png
     """
+    from trainer.files.vessel_file import load_vessel  # noqa: PLC0415
     from trainer.study import neutral as program  # noqa: PLC0415
     from trainer.study import neutral_page as page  # noqa: PLC0415
-    from trainer.vessel_file import load_vessel  # noqa: PLC0415
 
     file = load_vessel(vessel)
     report = program.neutral(file, speeds_of(file, speeds))
@@ -64,9 +64,9 @@ def thrust(vessel: str, speeds: tuple[float, ...], commands: tuple[float, ...], 
     \b
     Example:  trainer thrust bb2 --speed 0.1 --speed 10 --command 15 --command -5
     """
+    from trainer.files.vessel_file import load_vessel  # noqa: PLC0415
     from trainer.study import thrust as program  # noqa: PLC0415
     from trainer.study import thrust_page as page  # noqa: PLC0415
-    from trainer.vessel_file import load_vessel  # noqa: PLC0415
 
     file = load_vessel(vessel)
     ahead = speeds or (0.0, *speeds_of(file, ()))
@@ -106,9 +106,9 @@ def tanks(vessel: str, fills: tuple[tuple[str, float], ...], **how: Any) -> None
     \b
     Example:  trainer tanks bb2 --fill auxiliary=1 --plot polygon.svg
     """
+    from trainer.files.vessel_file import load_vessel  # noqa: PLC0415
     from trainer.study import fillings as program  # noqa: PLC0415
     from trainer.study import fillings_page as page  # noqa: PLC0415
-    from trainer.vessel_file import load_vessel  # noqa: PLC0415
 
     names = [name for name, _ in fills]
     twice = [name for name in dict.fromkeys(names) if names.count(name) > 1]
@@ -148,9 +148,9 @@ def modes(vessel: str, speeds: tuple[float, ...], **options: Any) -> None:
     \b
     Example:  trainer modes bb2 --speed 10 --mean-w 0.2
     """
+    from trainer.files.vessel_file import load_vessel  # noqa: PLC0415
     from trainer.study import characteristic as program  # noqa: PLC0415
     from trainer.study import characteristic_page as page  # noqa: PLC0415
-    from trainer.vessel_file import load_vessel  # noqa: PLC0415
 
     file = load_vessel(vessel)
     means = program.Means(**{name: options[f"mean_{name}"] for name in program.Means._fields})

@@ -25,7 +25,7 @@ def replay(file: Path, *, anyway: bool, as_json: bool, **otherwise: Any) -> None
     Exit codes: 0 the same, 1 not the same, 2 it would be computed otherwise than then: what
     differs is told, and --anyway flies it all the same.
     """
-    from trainer.replay_page import replay_file  # noqa: PLC0415
+    from trainer.records.replay_page import replay_file  # noqa: PLC0415
 
     changed = {name: value for name, value in otherwise.items() if value is not None}
     sys.exit(replay_file(file, changed, anyway=anyway, as_json=as_json))
@@ -44,7 +44,7 @@ def export(file: Path, branch: int | None, **wanted: Path | None) -> None:
     Example:  trainer export drill.trainer --csv drill.csv
               trainer export drill.trainer --rrd drill.rrd && rerun drill.rrd
     """
-    from trainer.exporting import export_file  # noqa: PLC0415
+    from trainer.records.exporting import export_file  # noqa: PLC0415
 
     export_file(file, wanted, branch)
 

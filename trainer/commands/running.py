@@ -113,7 +113,7 @@ def resume(file: Path, *, anyway: bool, **options: Any) -> None:
     Example:  trainer resume drill.trainer
               trainer resume drill.trainer --headless --speed max --duration 1h
     """
-    from trainer.resume import resume_boat  # noqa: PLC0415
+    from trainer.records.resume import resume_boat  # noqa: PLC0415
 
     options["frozen"] = options["frozen"] or not options["headless"]
     sys.exit(resume_boat(file, {**options, "serve": False}, anyway=anyway))

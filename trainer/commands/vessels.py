@@ -20,8 +20,8 @@ def evaluate(vessel: str, equations: str, rates: str | None, trig: str) -> None:
     (SI, rad), optionally x_g y_g z_g weight and last_udot ... last_rdot; each line of output
     the twelve rates.
     """
+    from trainer.files.vessel_file import load_vessel  # noqa: PLC0415
     from trainer.study.evaluate import evaluate as rates_of  # noqa: PLC0415
-    from trainer.vessel_file import load_vessel  # noqa: PLC0415
 
     file = load_vessel(vessel)
     for line in rates_of(file, equations, rates or "exact", trig, sys.stdin or ()):
@@ -42,9 +42,9 @@ def check(vessel: str, *, as_json: bool) -> None:
     import json  # noqa: PLC0415
     from dataclasses import asdict  # noqa: PLC0415
 
+    from trainer.files.vessel_file import load_vessel  # noqa: PLC0415
     from trainer.study.check import check as examine  # noqa: PLC0415
     from trainer.study.check_page import render  # noqa: PLC0415
-    from trainer.vessel_file import load_vessel  # noqa: PLC0415
 
     report = examine(load_vessel(vessel))
     click.echo(json.dumps(asdict(report), indent=1) if as_json else render(report))
@@ -70,9 +70,9 @@ def bench(vessel: str, seconds: int, *, as_json: bool) -> None:
     import json  # noqa: PLC0415
     from dataclasses import asdict  # noqa: PLC0415
 
+    from trainer.files.vessel_file import load_vessel  # noqa: PLC0415
     from trainer.study.bench import bench as measure  # noqa: PLC0415
     from trainer.study.bench_page import render  # noqa: PLC0415
-    from trainer.vessel_file import load_vessel  # noqa: PLC0415
 
     figures = measure(load_vessel(vessel), seconds)
     click.echo(json.dumps(asdict(figures), indent=1) if as_json else render(figures))
@@ -86,7 +86,7 @@ def gains(vessel: str) -> None:
     \b
     Example:  trainer gains my-boat.toml >> my-boat.toml
     """
+    from trainer.files.vessel_file import load_vessel  # noqa: PLC0415
     from trainer.study.gains import design_text  # noqa: PLC0415
-    from trainer.vessel_file import load_vessel  # noqa: PLC0415
 
     click.echo(design_text(load_vessel(vessel)))

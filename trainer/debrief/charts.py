@@ -10,8 +10,8 @@ from trainer.debrief.axes import ANGLES
 from trainer.debrief.chart import Chart, Ground, Level, Line
 from trainer.debrief.dossier import Dossier
 from trainer.fitout import KNOT
-from trainer.measures import LIMITED, limits_of
-from trainer.passage import Numbers, Passage
+from trainer.scores.measures import LIMITED, limits_of
+from trainer.scores.passage import Numbers, Passage
 
 ACTUAL, ORDERED = "actual", "ordered"
 SECOND, SECOND_ORDERED = "second", "second ordered"

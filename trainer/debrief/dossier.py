@@ -10,11 +10,11 @@ import numpy as np
 from trainer.boat import Boat
 from trainer.config import ConfigError
 from trainer.io.recording import Branch, Journalled, Noted, Recording
-from trainer.log_book import layout_of, plan_of
-from trainer.passage import Passage, read_passage
 from trainer.plan import Plan
-from trainer.scoring import Scorecard, score
-from trainer.spells import Deflection, Spell, answer_to, crew_orders, deflection, spells
+from trainer.records.log_book import layout_of, plan_of
+from trainer.scores.passage import Passage, read_passage
+from trainer.scores.scoring import Scorecard, score
+from trainer.scores.spells import Deflection, Spell, answer_to, crew_orders, deflection, spells
 
 ECHOES: Final = frozenset({"order", "exercise"})  # events that repeat an order of the journal
 

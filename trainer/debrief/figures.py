@@ -4,7 +4,7 @@ from dataclasses import asdict
 from typing import Any
 
 from trainer.debrief.dossier import Answered, Dossier
-from trainer.scoring import Scored
+from trainer.scores.scoring import Scored
 
 
 def figures(dossier: Dossier) -> dict[str, Any]:

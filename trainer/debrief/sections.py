@@ -7,8 +7,8 @@ from typing import Final
 
 from trainer.debrief.axes import clock
 from trainer.debrief.dossier import Answered, Dossier
-from trainer.scoring import Scored
-from trainer.spells import SCHEDULE
+from trainer.scores.scoring import Scored
+from trainer.scores.spells import SCHEDULE
 
 MOST: Final = 1000  # lines of the log
 PLACED: Final = re.compile(r"tick \d+ \([\d.]+ s\): ")  # in an event that says its own place

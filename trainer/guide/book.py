@@ -9,6 +9,7 @@ from importlib import metadata
 from typing import Any, Final
 
 from trainer import __version__, core_digest
+from trainer.files.vessel_file import VesselFile
 from trainer.guide import drops, findings, steps
 from trainer.guide.programme import SETS, Leg, legs
 from trainer.guide.tasks import Flown, Task, fly_all
@@ -17,7 +18,6 @@ from trainer.guide.verdicts import BEYOND, SHOWN, WITHIN, Judgement, judge
 from trainer.study import characteristic, neutral, thrust
 from trainer.study.check import round_speeds
 from trainer.study.manoeuvres.catalogue import parameters
-from trainer.vessel_file import VesselFile
 
 REDUCED: Final = ("modified", "basic")  # sets judged by the full one
 LIBRARIES: Final = ("numpy", "numba")

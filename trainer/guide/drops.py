@@ -4,12 +4,12 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Final
 
+from trainer.files.terms import coefficient_terms
+from trainer.files.vessel_file import VesselFile
 from trainer.fitout import KNOT, Method
 from trainer.guide.tasks import Flown, Task
 from trainer.study.manoeuvres.catalogue import named
 from trainer.study.manoeuvres.flight import Flight
-from trainer.terms import coefficient_terms
-from trainer.vessel_file import VesselFile
 
 LOOKED_AT: Final = {  # manoeuvre: measures that are shown
     "turn": ("steady diameter", "steady speed", "largest roll"),

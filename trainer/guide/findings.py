@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from itertools import pairwise
 from typing import Final
 
+from trainer.files.vessel_file import VesselFile
 from trainer.fitout import KNOT, Method
 from trainer.guide.steps import StepRun
 from trainer.guide.tasks import Flown, Task
@@ -20,7 +21,6 @@ from trainer.study.manoeuvres.measures import largest
 from trainer.study.manoeuvres.offset import TrimChange
 from trainer.study.manoeuvres.submarine import Rig
 from trainer.study.manoeuvres.turns import Turn
-from trainer.vessel_file import VesselFile
 
 HOLDS: Final = "holds"
 IN_PART: Final = "holds in part"

@@ -11,11 +11,11 @@ from time import monotonic
 from typing import Final
 
 from trainer.config import ConfigError
+from trainer.files.vessel_file import VesselFile, load_vessel
 from trainer.fitout import Method
 from trainer.study.manoeuvres.catalogue import within_limits
 from trainer.study.manoeuvres.flight import Flight, Manoeuvre, fly
 from trainer.study.manoeuvres.submarine import Rig, Submarine
-from trainer.vessel_file import VesselFile, load_vessel
 
 OWN: Final = Rig()
 ALONE: Final = 4.0  # [s]

@@ -22,11 +22,11 @@ from trainer.config import (
     shipped_names,
     shown,
 )
+from trainer.files.vessel_file import VesselFile
 from trainer.fitout import Method
 from trainer.guide.tasks import Flown, Task
 from trainer.study.manoeuvres.catalogue import MANOEUVRES, named
 from trainer.study.manoeuvres.flight import Flight, Manoeuvre
-from trainer.vessel_file import VesselFile
 
 KEYS: Final = ("title", "source", "note", "manoeuvre", "speed_m_s", "columns", "results")
 UNITS: Final = {  # of the file, to SI and radians

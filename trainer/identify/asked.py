@@ -5,10 +5,10 @@ from pathlib import Path
 from typing import Any, Final
 
 from trainer.config import ConfigError
+from trainer.files.vessel_file import load_vessel
 from trainer.identify.models import MODELS
 from trainer.identify.study_file import Study, load_study, plain_study
 from trainer.identify.study_records import ArmaxTable, Heading, ModelTable, Ship
-from trainer.vessel_file import load_vessel
 
 USUAL: Final = ("sway", "yaw_rate", "heading")
 

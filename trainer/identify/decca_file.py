@@ -8,8 +8,7 @@ from pathlib import Path
 from typing import Any, Final
 
 from trainer.config import ConfigError, Place, collecting, nearest, parse_toml, read_text
-from trainer.identify.decca import LETTERS, ZONES, Point, Slave, lane_number
-from trainer.schema import (
+from trainer.files.schema import (
     Choice,
     Quantity,
     Rows,
@@ -21,6 +20,7 @@ from trainer.schema import (
     read_record,
     within,
 )
+from trainer.identify.decca import LETTERS, ZONES, Point, Slave, lane_number
 
 METRES: Final = within(-1e7, 1e7)
 TABLES: Final = ("slaves", "columns", "ship")

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from typing import Final
 
 from trainer.config import ConfigError
+from trainer.files.vessel_file import VesselFile
 from trainer.fitout import Method
 from trainer.identify.nomoto import Nomoto
 from trainer.identify.prbs import prbs
@@ -18,7 +19,6 @@ from trainer.io.schedule import Scheduled
 from trainer.study.manoeuvres.flight import Flight, fly
 from trainer.study.manoeuvres.submarine import Rig, Submarine
 from trainer.study.manoeuvres.zigzag import ZigZag
-from trainer.vessel_file import VesselFile
 
 LEAD: Final = 30.0  # [s] of straight motion before the first helm
 GENTLE: Final = 10.0  # [deg] of rudder beyond which ships are not linear

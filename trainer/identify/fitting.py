@@ -9,6 +9,7 @@ from typing import Any, Final
 import numpy as np
 
 from trainer.config import ConfigError
+from trainer.files.vessel_file import load_vessel
 from trainer.identify.checkpoint import keep, resume
 from trainer.identify.estimate import Starts, estimate
 from trainer.identify.likelihood import Likelihood
@@ -27,7 +28,6 @@ from trainer.identify.study_file import Study, speed_of
 from trainer.identify.study_records import ModelTable
 from trainer.identify.told import quantities, quantity_names
 from trainer.identify.uncertainty import Uncertainty, hessian, inseparable, uncertainty
-from trainer.vessel_file import load_vessel
 
 METHODS: Final = {"scoring": "auto", "bfgs": "bfgs", "direct": "powell"}
 STEPS: Final = 200

@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import Final
 
 from trainer.config import Place, parse_toml, read_text
-from trainer.schema import (
+from trainer.files.schema import (
     Choice,
     Quantity,
     Text,

@@ -6,9 +6,9 @@ from typing import Final
 
 import numpy as np
 
+from trainer.files.schema import Quantity, optional, within
 from trainer.fitout import KNOT
 from trainer.identify.record import Record
-from trainer.schema import Quantity, optional, within
 
 DEVIATION: Final = within(0, 100)
 STREAMS: Final = ("sway", "bow_sway", "stern_sway", "yaw_rate", "heading")

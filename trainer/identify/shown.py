@@ -84,7 +84,7 @@ def _tail(x: float, freedom: int) -> float:
     even = freedom % 2 == 0
     total = 0.0 if even else math.erfc(math.sqrt(0.5 * x))
     term = math.exp(-0.5 * x) if even else math.exp(-0.5 * x) * math.sqrt(2.0 * x / math.pi)
-    for order in range(0 if even else 1, freedom + 2, 2):
+    for order in range(0 if even else 1, freedom, 2):
         total += term
         term *= x / (order + 2)
     return total

@@ -10,11 +10,11 @@ from typing import Any, Final
 import numpy as np
 
 from trainer.config import ConfigError, nearest, shown
-from trainer.exporting import table_layout
 from trainer.fitout import KNOT
 from trainer.identify.record import CHANNELS, Numbers, Record
 from trainer.io.recording import Recording, RecordingError
 from trainer.places import SUFFIX
+from trainer.records.exporting import table_layout
 
 DEGREE: Final = math.pi / 180.0
 UNITS: Final[Mapping[str, Mapping[str, float]]] = {  # to SI and radians

@@ -12,10 +12,10 @@ from typing import Final
 import numpy as np
 
 from trainer.config import ConfigError
+from trainer.files.vessel_file import VesselFile
 from trainer.identify.nomoto import Nomoto, Numbers, nomoto, solved, transfer
 from trainer.identify.record import Record
 from trainer.study.characteristic import HORIZONTAL, Means, dimensional, horizontal
-from trainer.vessel_file import VesselFile
 
 STEERED: Final = ("v", "r")
 NUMBER: Final = r"[-+]?(?:\d[\d_]*)?\.?\d+(?:[eE][-+]?\d+)?"

@@ -3,10 +3,7 @@
 from dataclasses import dataclass
 from typing import Final
 
-from trainer.identify.armax_orders import TREATMENTS
-from trainer.identify.record import CHANNELS, OUTPUTS
-from trainer.identify.sensors import Sensors
-from trainer.schema import (
+from trainer.files.schema import (
     Choice,
     Choices,
     Quantity,
@@ -18,6 +15,9 @@ from trainer.schema import (
     optional,
     within,
 )
+from trainer.identify.armax_orders import TREATMENTS
+from trainer.identify.record import CHANNELS, OUTPUTS
+from trainer.identify.sensors import Sensors
 
 LONGEST: Final = 1e9  # [s]
 MODELS: Final = ("1", "2", "3", "nomoto1", "nomoto2")

@@ -7,13 +7,13 @@ import numpy as np
 
 from trainer.boat import Boat
 from trainer.config import ConfigError
+from trainer.files.vessel_file import VesselFile
 from trainer.fitout import KNOT
 from trainer.helm import obey
 from trainer.identify.experiment import method_of
 from trainer.identify.record import Record
 from trainer.io.schedule import Scheduled
 from trainer.reply import Refused
-from trainer.vessel_file import VesselFile
 
 NAMES: Final = ("t", "delta_r", "psi", "r", "v", "u")
 

@@ -7,7 +7,7 @@ from typing import Final, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from trainer.layout import LAYOUT
+from trainer.records.layout import LAYOUT
 
 Numbers = NDArray[np.float64]
 Whole = NDArray[np.int64]

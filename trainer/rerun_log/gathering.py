@@ -9,9 +9,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from trainer.frame import Pace
-from trainer.layout import LAYOUT
+from trainer.records.layout import LAYOUT
 from trainer.rerun_log.batch import Batch, Block, Times, Told, Worked, states
+from trainer.stations.frame import Pace
 
 
 class Taken(NamedTuple):

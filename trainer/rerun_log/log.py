@@ -6,12 +6,12 @@ from dataclasses import dataclass, field
 
 import click
 
-from trainer.frame import Pace
 from trainer.ledger import Ledger
-from trainer.publisher import Promptly, Publisher, Subscription
 from trainer.rerun_log.feed import Feed
 from trainer.rerun_log.gathering import Heard, Taken
-from trainer.station import News
+from trainer.stations.frame import Pace
+from trainer.stations.publisher import Promptly, Publisher, Subscription
+from trainer.stations.station import News
 
 
 @dataclass

@@ -15,10 +15,10 @@ import click
 from trainer.config import ConfigError
 from trainer.ledger import Ledger
 from trainer.places import HOST
-from trainer.publisher import Promptly, Publisher
 from trainer.rerun_log.feed import Feed, Sink
 from trainer.rerun_log.log import Log
 from trainer.rerun_log.subject import Subject
+from trainer.stations.publisher import Promptly, Publisher
 
 if TYPE_CHECKING:
     from trainer.rerun_log.sinks import Viewer

@@ -9,7 +9,7 @@ import numpy as np
 
 from trainer.boat import Boat
 from trainer.io.recording import Flown, Noted, Recording
-from trainer.log_book import layout_of, plan_of
+from trainer.records.log_book import layout_of, plan_of
 from trainer.rerun_log.batch import Batch, Block, Times, Told, Worked, states
 from trainer.rerun_log.sinks import RrdFile
 from trainer.rerun_log.subject import Subject

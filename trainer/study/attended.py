@@ -11,17 +11,17 @@ from typing import Final
 from trainer.boat import Boat
 from trainer.clock import MonotonicClock, Policy
 from trainer.config import ConfigError
-from trainer.door import Door
-from trainer.frame import Lookout
 from trainer.history import History
 from trainer.io.csv_file import COLUMNS, CsvFile, NoFile
 from trainer.io.line import Joined
 from trainer.io.no_recording import NoRecording
 from trainer.io.outbox import Outbox, writer
 from trainer.io.recording import Recording
-from trainer.publisher import Publisher, Roster
 from trainer.session import Session
-from trainer.station import Station
+from trainer.stations.door import Door
+from trainer.stations.frame import Lookout
+from trainer.stations.publisher import Publisher, Roster
+from trainer.stations.station import Station
 from trainer.study.batches import Batches, time_batches
 from trainer.timekeeping import Timekeeping
 

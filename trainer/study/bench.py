@@ -25,11 +25,11 @@ from trainer.core.scheme import SCHEME
 from trainer.core.scratch import SCRATCH
 from trainer.core.state import STATE
 from trainer.core.vessel import COMPACT, VESSEL
+from trainer.files.vessel_file import VesselFile
 from trainer.ledger import Spread
 from trainer.study.attended import Attended, run_to, session_of, temporary, time_attended
 from trainer.study.hot import Troubled, Update, ready, time_troubled, time_update
 from trainer.study.latency import SPEED, Latency, time_orders
-from trainer.vessel_file import VesselFile
 
 DUTY_1969: Final = {0.5: 38.0, 1.0: 19.0}  # [%] by step [s], of the modified set in 1969
 WORDS_1969: Final = 8192  # [16-bit words] the memory of 1969

@@ -5,6 +5,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 
 from trainer.boat import Boat
+from trainer.files.vessel_file import VesselFile
 from trainer.fitout import KNOT, Method, scheme_record
 from trainer.study import hull_facts
 from trainer.study.linear import bring_to, respond
@@ -17,7 +18,6 @@ from trainer.study.stability import (
     worst_motion,
 )
 from trainer.study.steady_turn import Comparison, compare_turns
-from trainer.vessel_file import VesselFile
 
 EQUATIONS = ("full", "modified", "basic")
 REGIONS = ("adams2", "euler")

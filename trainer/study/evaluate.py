@@ -16,8 +16,8 @@ from trainer.config import SHOWN_LIMIT, ConfigError, collecting, nearest, shown,
 from trainer.core.kernel import Record
 from trainer.core.rates import rates as write_rates
 from trainer.core.state import MOTION, RATES
+from trainer.files.vessel_file import VesselFile
 from trainer.fitout import Method, fit_out
-from trainer.vessel_file import VesselFile
 
 NECESSARY = (*MOTION[:9], "delta_r", "delta_s", "delta_b", "u_c")
 BALANCE = ("x_g", "y_g", "z_g", "weight")

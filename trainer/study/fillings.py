@@ -12,8 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from trainer.config import ConfigError, nearest, shown
+from trainer.files.vessel_file import VesselFile
 from trainer.study.tanks import Balance, Limits, Weight, balance, limits
-from trainer.vessel_file import VesselFile
 
 KINDS: Final = ("pumped", "blown", "compartments")  # tables of [ballast]
 # What is free to be filled; the rest stays as it is.

@@ -9,10 +9,10 @@ from trainer import casualty
 from trainer.boat import Boat
 from trainer.core.kernel import Record, kernel
 from trainer.core.update import update
+from trainer.files.sea_file import load_sea
+from trainer.files.vessel_file import VesselFile
 from trainer.fitout import KNOT, Method
-from trainer.sea_file import load_sea
 from trainer.study.batches import Batches, time_batches
-from trainer.vessel_file import VesselFile
 from trainer.watch import showing
 
 SEA: Final = "sea-state-5"

@@ -7,10 +7,10 @@ import numpy as np
 
 from trainer.boat import Boat
 from trainer.core import full
+from trainer.files.terms import coefficient_terms
+from trainer.files.vessel_file import VesselFile
 from trainer.fitout import Method
 from trainer.study.linear import respond
-from trainer.terms import coefficient_terms
-from trainer.vessel_file import VesselFile
 
 SIDED = ("Y_star", "K_star", "N_star", "K_star_eta")  # [ASSES] equations (2), (4), (6)
 

@@ -14,13 +14,13 @@ import numpy as np
 
 from trainer.boat import Boat
 from trainer.core.state import STATE
-from trainer.door import Door
 from trainer.io.hub import Hub
 from trainer.io.recording import Recording
 from trainer.io.sentences import order_sentence, read
 from trainer.ledger import Histogram, Spread
 from trainer.session import Session
-from trainer.station import Station
+from trainer.stations.door import Door
+from trainer.stations.station import Station
 from trainer.study.attended import PATIENCE, SUBSCRIBERS, run_to, session_of, temporary
 
 SPEED: Final = 10.0  # [-] of time, so that a minute has orders enough

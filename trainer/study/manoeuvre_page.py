@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from trainer.config import ConfigError
+from trainer.files.vessel_file import VesselFile
 from trainer.fitout import KNOT, Method
 from trainer.study.compare_page import unit
 from trainer.study.manoeuvres.catalogue import PARAMETERS, adjusted, parameters
@@ -16,7 +17,6 @@ from trainer.study.manoeuvres.measures import Measure
 from trainer.study.manoeuvres.submarine import Rig, Submarine
 from trainer.study.page import INDENT, figure, table, wrapped
 from trainer.study.plots import Curve, Panel
-from trainer.vessel_file import VesselFile
 
 TRACK = "track"
 

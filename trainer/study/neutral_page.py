@@ -5,6 +5,7 @@ from typing import Final
 
 import numpy as np
 
+from trainer.files.vessel_file import VesselFile
 from trainer.fitout import KNOT
 from trainer.study.neutral import (
     PLANES,
@@ -18,7 +19,6 @@ from trainer.study.neutral import (
 )
 from trainer.study.page import figure, table, wrapped
 from trainer.study.plots import Curve, Numbers, Panel
-from trainer.vessel_file import VesselFile
 
 DRAWN: Final = 20.0  # [deg] of pitch, either way
 POINTS: Final = 200  # of each side of a curve, in pitch and in speed

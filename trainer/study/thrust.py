@@ -8,8 +8,8 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
+from trainer.files.vessel_file import VesselFile
 from trainer.fitout import KNOT
-from trainer.vessel_file import VesselFile
 
 
 @dataclass(frozen=True)

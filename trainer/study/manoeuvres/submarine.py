@@ -11,10 +11,10 @@ from trainer.core.autopilot import OWN, REPORT, REPORT_LITERAL, autopilot
 from trainer.core.integrators import advance
 from trainer.core.propulsion import answer_telegraph
 from trainer.core.update import lost, outside
+from trainer.files.vessel_file import VesselFile
 from trainer.fitout import Method
 from trainer.study.manoeuvres.vehicle import Control, LostError
 from trainer.study.neutral import trim_at
-from trainer.vessel_file import VesselFile
 
 COLUMNS: Final = (
     *("t", "u", "v", "w", "p", "q", "r", "x", "y", "z", "phi", "theta", "psi"),

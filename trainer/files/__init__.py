@@ -1,0 +1,1 @@
+"""Vessels, seas, casualties and exercises: from their files to checked records."""

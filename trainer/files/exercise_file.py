@@ -1,0 +1,227 @@
+"""An exercise from its file: what it sets, orders, breaks and limits, all checked at load.
+
+What a file leaves out is as ``trainer run`` has it without an exercise.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, fields, replace
+from pathlib import Path
+from typing import Any, Final
+
+from trainer.config import (
+    ConfigError,
+    Place,
+    collecting,
+    nearest,
+    parse_toml,
+    read_text,
+    shipped,
+    shipped_names,
+    shown,
+)
+from trainer.files.casualty_file import Casualty, load_casualties
+from trainer.files.casualty_kinds import severity_rule
+from trainer.files.condition import Condition, compile_condition
+from trainer.files.exercise_records import (
+    CASUALTIES,
+    ORDERS,
+    CasualtyRow,
+    Heading,
+    Initial,
+)
+from trainer.files.schema import read_record
+from trainer.files.sea_file import SeaFile, load_sea, read_sea
+from trainer.io.orders import Order, parse
+from trainer.io.schedule import Scheduled
+from trainer.scores.score_file import read_rules
+from trainer.scores.score_rule import Rule
+from trainer.watch import Limits
+
+UNSCHEDULED: Final = ("help", "status")  # they answer a console
+
+
+TABLES: Final = ("initial", "sea", "orders", "casualties", "limits", "scores")
+KNOWN: Final = (*(item.name for item in fields(Heading)), "note", *TABLES)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Armed:
+    """A casualty that waits for a condition, once or ``again`` each time."""
+
+    condition: Condition
+    casualty: Casualty
+    rule: str
+
+
+@dataclass(frozen=True, kw_only=True)
+class Exercise:
+    """Everything an exercise file says; ``sea`` is None where it says none."""
+
+    path: Path
+    heading: Heading
+    initial: Initial
+    sea: SeaFile | None
+    casualties: Mapping[str, Casualty]
+    schedule: tuple[Scheduled, ...]
+    armed: tuple[Armed, ...]
+    limits: Limits
+    scores: tuple[Rule, ...]
+
+
+def load_exercise(name_or_path: str) -> Exercise:
+    """Return the shipped exercise of that name or the one in that file; ConfigError if wrong.
+
+    Whatever has a path separator or ends in .toml is a path.
+    """
+    if _is_path(name_or_path):
+        return parse_exercise(read_text(Path(name_or_path)), Path(name_or_path))
+    names = shipped_names("exercises")
+    if name_or_path not in names:
+        raise ConfigError(
+            f"no exercise {shown(name_or_path)}{nearest(name_or_path, names)}; "
+            f"shipped: {', '.join(names)}; give a file of your own as a path, "
+            "such as ./drill.toml"
+        )
+    path = shipped("exercises", name_or_path)
+    return parse_exercise(read_text(path), path)
+
+
+def _is_path(text: str) -> bool:
+    return text.endswith(".toml") or "/" in text or "\\" in text
+
+
+def _beside(path: Path, text: str) -> str:
+    """Return a name as it is, and a path as seen from the folder of the exercise."""
+    return str(path.parent / text) if _is_path(text) else text
+
+
+def parse_exercise(text: str, path: Path) -> Exercise:
+    """Return the exercise in ``text``, which came from ``path``; ConfigError with all faults."""
+    place = Place(path.name, "")
+    table = parse_toml(text, path.name)
+    problems = [
+        place.wrong(key, value, f"no such key{nearest(key, KNOWN)}")
+        for key, value in table.items()
+        if key not in KNOWN
+    ]
+    parts: dict[str, Any] = {"sea": None, "casualties": load_casualties()}
+    with collecting(problems):
+        own = {key: value for key, value in table.items() if key in KNOWN and key not in TABLES}
+        heading = read_record(Heading, own, place, ("note",))
+        parts["heading"] = replace(heading, vessel=heading.vessel and _beside(path, heading.vessel))
+        if heading.seed is not None and heading.seed != int(heading.seed):
+            problems.append(place.wrong("seed", heading.seed, "must be a whole number"))
+        if heading.casualty_table is not None:
+            parts["casualties"] = load_casualties(_beside(path, heading.casualty_table))
+    for name, record in (("initial", Initial), ("limits", Limits)):
+        with collecting(problems):
+            given = table.get(name, {})
+            parts[name] = read_record(record, given, place.inside(name), ("note",))
+    with collecting(problems):
+        if "sea" in table:
+            parts["sea"] = _sea(table["sea"], path)
+    timed: list[Scheduled] = []
+    with collecting(problems):
+        timed += _orders(table, place)
+    with collecting(problems):
+        broken, parts["armed"] = _casualties(table, place, parts["casualties"])
+        timed += broken
+    with collecting(problems):
+        parts["scores"] = read_rules(table, place, parts["casualties"])
+    if problems:
+        raise ConfigError(*problems)
+    timed.sort(key=lambda entry: entry.seconds)
+    return Exercise(path=path, schedule=tuple(timed), **parts)
+
+
+def _sea(value: object, path: Path) -> SeaFile:
+    """Return a sea given by name or path, or as a table of its own."""
+    if isinstance(value, str):
+        return load_sea(_beside(path, value))
+    sea = read_sea(value, Place(path.name, "sea"))
+    return SeaFile(path=path, text="", name="the exercise's sea", sea=sea)
+
+
+def _orders(table: Mapping[str, object], place: Place) -> list[Scheduled]:
+    """Return the orders and their times; ConfigError with all that are none."""
+    problems: list[str] = []
+    found = []
+    for i, row in enumerate(ORDERS.read("orders", table.get("orders", []), place)):
+        inside = place.inside(f"orders[{i}]")
+        order = parse(row.order)
+        if not isinstance(order, Order):
+            reason = order.reason if order else "is no order"
+            problems.append(inside.wrong("order", row.order, reason))
+        elif order.name in UNSCHEDULED:
+            problems.append(inside.wrong("order", row.order, "has no place in a schedule"))
+        else:
+            found.append(Scheduled(row.at_s, order, i + 1))
+    if problems:
+        raise ConfigError(*problems)
+    return found
+
+
+def _casualties(
+    table: Mapping[str, object], place: Place, known: Mapping[str, Casualty]
+) -> tuple[list[Scheduled], tuple[Armed, ...]]:
+    """Return what breaks at set times, and what waits for a condition; ConfigError with all."""
+    problems: list[str] = []
+    timed: list[Scheduled] = []
+    armed: list[Armed] = []
+    rows = CASUALTIES.read("casualties", table.get("casualties", []), place)
+    for i, row in enumerate(rows):
+        inside = place.inside(f"casualties[{i}]")
+        with collecting(problems):
+            casualty = _known_casualty(row, inside, known)
+            timed += _timed_casualty(row, i)
+            if row.when is not None:
+                condition = compile_condition(row.when, inside)
+                rule = row.rule or "once"
+                armed.append(Armed(condition=condition, casualty=casualty, rule=rule))
+    if problems:
+        raise ConfigError(*problems)
+    return timed, tuple(armed)
+
+
+def _known_casualty(row: CasualtyRow, place: Place, known: Mapping[str, Casualty]) -> Casualty:
+    """Return the casualty as severe and sudden as the row says; ConfigError on what is wrong."""
+    if row.name not in known:
+        text = f"no such casualty{nearest(row.name, known)}; `trainer casualties` lists them"
+        raise ConfigError(place.wrong("name", row.name, text))
+    entry = known[row.name]
+    entry = replace(
+        entry,
+        severity=entry.severity if row.severity is None else row.severity,
+        ramp_s=entry.ramp_s if row.ramp_s is None else row.ramp_s,
+    )
+    problems = []
+    if entry.severity not in entry.measure.limits:
+        problems.append(place.wrong("severity", entry.severity, severity_rule(entry.kind)))
+    if entry.measure.sudden and entry.ramp_s:
+        problems.append(place.wrong("ramp_s", entry.ramp_s, f"{entry.kind} comes at once"))
+    if (row.at_s is None) == (row.when is None):
+        problems.append(place.problem("give one of at_s, when"))
+    if row.rule is not None and row.when is None:
+        problems.append(place.wrong("rule", row.rule, "goes with when"))
+    if row.at_s is not None and row.clear_at_s is not None and row.clear_at_s < row.at_s:
+        problems.append(place.wrong("clear_at_s", row.clear_at_s, "is before at_s"))
+    if problems:
+        raise ConfigError(*problems)
+    return entry
+
+
+def _timed_casualty(row: CasualtyRow, i: int) -> list[Scheduled]:
+    """Return the orders that insert and clear the casualty at set times."""
+    timed = []
+    if row.at_s is not None:
+        numbers = tuple(x for x in (row.severity, row.ramp_s) if x is not None)
+        word = "" if row.ramp_s is None else "ramp"
+        text = f"casualty {row.name}"
+        text += "" if row.severity is None else f" {row.severity:g}"
+        text += "" if row.ramp_s is None else f" ramp {row.ramp_s:g} s"
+        order = Order("casualty", 0.0, word, text, numbers, row.name)
+        timed.append(Scheduled(row.at_s, order, i + 1))
+    if row.clear_at_s is not None:
+        order = Order("clear", 0.0, "", f"clear {row.name}", (), row.name)
+        timed.append(Scheduled(row.clear_at_s, order, i + 1))
+    return timed

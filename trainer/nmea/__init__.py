@@ -1,0 +1,1 @@
+"""Instruments for the world outside: NMEA 0183 sentences, and the orders that come so."""

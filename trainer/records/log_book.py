@@ -1,0 +1,177 @@
+"""The header of a recording: all that its run was made of, read back, and compared with today's.
+
+What a header holds, a text each: ``plan``, the form of the header; ``trainer``, ``core``,
+``python``, ``numpy``, ``numba`` and ``machine``, what computed it; ``started``, when; and as JSON
+``options``, those of the command line that a plan depends on; ``texts``, every file read, by its
+key; ``method``; ``layout``, the name of each number of a state; ``vessel``, its key, and ``seed``.
+"""
+
+import json
+import platform
+from collections.abc import Iterator, Mapping
+from dataclasses import asdict
+from datetime import UTC, datetime
+from importlib import metadata
+from pathlib import Path
+from types import MappingProxyType
+from typing import Any, Final
+
+from trainer import __version__, core_digest
+from trainer.boat import Boat
+from trainer.config import (
+    ConfigError,
+    collecting,
+    key_of,
+    path_of,
+    read_text,
+    recorded,
+    remembering,
+    shown,
+)
+from trainer.files.vessel_file import load_vessel
+from trainer.fitout import Method
+from trainer.plan import Plan, plan_run
+from trainer.records.changes import changes
+from trainer.records.layout import LAYOUT
+
+PLAN: Final = "1"
+OPTIONS: Final = (  # of the command line, that a plan depends on
+    *("exercise", "vessel", "sea", "orders_file", "seed", "duration"),
+    *("equations", "rates", "trig", "integrator", "step"),
+)
+LIBRARIES: Final = ("numpy", "numba")
+NOTHING: Final[Mapping[str, Any]] = MappingProxyType({})
+
+
+def header_of(options: Mapping[str, Any], texts: Mapping[str, str], boat: Boat) -> dict[str, str]:
+    """Return the header of a run that ``options`` planned from ``texts``, its boat just started."""
+    planned = {name: options[name] for name in OPTIONS}
+    planned["given"] = sorted(options["given"] & planned.keys())
+    return {
+        "plan": PLAN,
+        "trainer": __version__,
+        "core": core_digest(),
+        **_surroundings(),
+        "started": datetime.now(UTC).isoformat(timespec="seconds"),
+        "options": json.dumps(planned, default=str),  # a path is a text
+        "texts": json.dumps(texts),
+        "method": json.dumps(asdict(boat.method)),
+        "layout": json.dumps(LAYOUT),
+        "vessel": json.dumps(key_of(boat.file.path)),
+        "seed": json.dumps(int(boat.state.seed)),
+    }
+
+
+def plan_of(header: Mapping[str, str], otherwise: Mapping[str, Any] = NOTHING) -> Plan:
+    """Return the plan of the run, from what was recorded alone.
+
+    ``otherwise`` has options to be taken instead of the recorded; a vessel among them is read from
+    its file of today. ConfigError if the header is of another form, or this version cannot read
+    what the files say.
+    """
+    options, texts = _part(header, "options"), _part(header, "texts")
+    options["given"] = frozenset(options["given"]) | otherwise.keys()
+    options["orders_file"] = options["orders_file"] and Path(options["orders_file"])
+    with remembering() as today:
+        if "vessel" in otherwise:
+            load_vessel(otherwise["vessel"])
+    with recorded({**today, **texts}):
+        return plan_run({**options, **otherwise})
+
+
+def method_of(header: Mapping[str, str]) -> Method:
+    """Return how the recorded boat was computed; ConfigError if the header does not say."""
+    return Method(**_part(header, "method"))
+
+
+def layout_of(header: Mapping[str, str]) -> tuple[str, ...]:
+    """Return the name of each number of a recorded state; ConfigError if it does not say."""
+    return tuple(_part(header, "layout"))
+
+
+def differences(header: Mapping[str, str], otherwise: Mapping[str, Any] = NOTHING) -> list[str]:
+    """Return what would be computed from now and was not then, a line each; none: the same bits."""
+    found: list[str] = []
+    for part in (_other_program(header), _other_texts(header), _other_plan(header, otherwise)):
+        with collecting(found):
+            for text in part:
+                found.append(text)  # noqa: PERF402 (those before an error are kept)
+    return list(dict.fromkeys(found))
+
+
+def notes(header: Mapping[str, str]) -> list[str]:
+    """Return what else is not as it was, and should make no difference."""
+    return [
+        f"{name} {now}, recorded {header.get(name, 'none')}"
+        for name, now in _surroundings().items()
+        if header.get(name) != now
+    ]
+
+
+def _surroundings() -> dict[str, str]:
+    """Return what a run is computed by, beside the trainer."""
+    libraries = {name: metadata.version(name) for name in LIBRARIES}
+    machine = f"{platform.machine()} {platform.system()}"
+    return {"python": platform.python_version(), **libraries, "machine": machine}
+
+
+def _part(header: Mapping[str, str], name: str) -> Any:
+    """Return a part of the header; ConfigError if it is missing or of another form."""
+    if header.get("plan") != PLAN:
+        form = shown(header.get("plan", "none"))
+        raise ConfigError(f"recording: plan = {form}: this version reads plan {shown(PLAN)}")
+    try:
+        return json.loads(header[name])
+    except (KeyError, ValueError):
+        raise ConfigError(f"recording: its header has no readable {name}") from None
+
+
+def _other_program(header: Mapping[str, str]) -> Iterator[str]:
+    """Yield what computes boats otherwise than then."""
+    if header.get("trainer") != __version__:
+        yield f"trainer {__version__}, recorded {header.get('trainer', 'none')}"
+    if header.get("core") != core_digest():
+        yield f"core {core_digest()}, recorded {header.get('core', 'none')}: other equations"
+    layout = layout_of(header)
+    if layout != LAYOUT:
+        new = [name for name in LAYOUT if name not in layout]
+        gone = [name for name in layout if name not in LAYOUT]
+        yield (
+            f"state of {len(LAYOUT)} numbers, recorded {len(layout)}; "
+            f"new: {_few(new)}; gone: {_few(gone)}"
+        )
+
+
+def _few(names: list[str]) -> str:
+    more = f" and {len(names) - 5} more" if len(names) > 5 else ""
+    return (", ".join(names[:5]) or "none") + more
+
+
+def _other_texts(header: Mapping[str, str]) -> Iterator[str]:
+    """Yield what today's files say otherwise, or that they are gone."""
+    for key, was in _part(header, "texts").items():
+        try:
+            now = read_text(path_of(key))
+        except ConfigError as wrong:
+            yield f"{wrong}; it was read when this was recorded"
+        else:
+            yield from changes(key, now, was)
+
+
+def _other_plan(header: Mapping[str, str], otherwise: Mapping[str, Any]) -> Iterator[str]:
+    """Yield in what the plan wanted is not the one recorded."""
+    plan = plan_of(header, otherwise)
+    now = {**asdict(plan.method), "seed": plan.seed}
+    was = {**_part(header, "method"), "seed": _part(header, "seed")}
+    for name, value in now.items():
+        if value != was[name]:
+            yield f"{name} {_told(name, value)}, recorded {_told(name, was[name])}"
+    key, vessel = key_of(plan.file.path), _part(header, "vessel")
+    if "vessel" in otherwise and key != vessel:
+        yield f"vessel {key}, recorded {vessel}"
+        yield from changes(key, plan.file.text, _part(header, "texts")[vessel])
+
+
+def _told(name: str, value: object) -> str:
+    """Return a part of the method as it is told, a step with its unit."""
+    return f"{value:g} s" if name == "step" else str(value)

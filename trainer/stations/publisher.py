@@ -1,0 +1,175 @@
+"""What is subscribed, sent: by a thread of its own, or promptly where no time is kept.
+
+The tick hands out a picture and goes on. Whoever has seen an older one gets the latest when the
+rate allows; the ones between are passed over.
+"""
+
+import math
+import threading
+import time
+from collections import deque
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Final, Protocol
+
+from trainer.stations.display import Display
+from trainer.stations.frame import Frame, Lookout, Pace, Picture
+
+FASTEST: Final = 100.0  # [Hz] rounds at most, however fast the ticks come
+TROUBLES: Final = 64  # kept until somebody asks
+
+
+class Recipient(Protocol):
+    """Where lines go; it never waits."""
+
+    def send(self, line: str) -> None:
+        """Take one line."""
+        ...
+
+
+@dataclass(eq=False)
+class Subscription:
+    """One channel on one line, at most ``rate`` times a second; 0: every picture."""
+
+    to: Recipient
+    channel: str
+    rate: float  # [Hz]
+    display: Display
+    seen: Picture | None = field(default=None, repr=False)
+    due: float = -math.inf  # [s] on the clock
+
+    def wait(self, picture: Picture, now: float) -> float:
+        """Return the time [s] until the picture may be sent, infinity when it has been.
+
+        The first comes at once, and so does a change in how time runs.
+        """
+        if self.seen is picture or self.seen == picture:
+            return math.inf
+        if self.seen is None or self.seen.pace != picture.pace:
+            return 0.0
+        return max(self.due - now, 0.0)
+
+    def show(self, frame: Frame, picture: Picture, now: float) -> None:
+        """Send a frame; the next is due a period after this one was."""
+        self.seen = picture
+        period = 1.0 / self.rate if self.rate else 0.0
+        self.due = self.due + period if self.due > now - period else now + period
+        for line in self.display.lines(frame):
+            self.to.send(line)
+
+
+class Roster:
+    """Who is subscribed to what."""
+
+    def __init__(self, lookout: Lookout) -> None:
+        self.troubles: deque[str] = deque(maxlen=TROUBLES)
+        self._lookout = lookout
+        self._change = threading.Lock()  # of the list, which is replaced and never altered
+        self._subscriptions: tuple[Subscription, ...] = ()
+
+    def add(self, subscription: Subscription) -> None:
+        """Enter a subscription."""
+        with self._change:
+            self._subscriptions = (*self._subscriptions, subscription)
+
+    def strike(self, subscription: Subscription) -> None:
+        """Take a subscription off; it need not be there any more."""
+        with self._change:
+            self._subscriptions = tuple(s for s in self._subscriptions if s is not subscription)
+
+    def serve(self, picture: Picture, now: float) -> float:
+        """Send the picture to all that may have it; return the time [s] until the next may."""
+        frame: Frame | None = None
+        soonest = math.inf
+        for subscription in self._subscriptions:
+            wait = subscription.wait(picture, now)
+            if wait > 0.0:
+                soonest = min(soonest, wait)
+                continue
+            try:
+                frame = frame or self._lookout.frame(picture)
+                subscription.show(frame, picture, now)
+            except Exception as error:  # noqa: BLE001 one display's bug must not blind the others
+                self._end(subscription, error)
+        return soonest
+
+    def _end(self, subscription: Subscription, error: Exception) -> None:
+        self.strike(subscription)
+        self.troubles.append(
+            f"{subscription.channel} ended on one line: {type(error).__name__}: {error}"
+        )
+
+
+class Publisher:
+    """Send pictures from a thread; the tick that offers one never waits for it."""
+
+    def __init__(self, roster: Roster, clock: Callable[[], float] = time.monotonic) -> None:
+        self.roster = roster
+        self.troubles = roster.troubles
+        self._clock = clock
+        self._picture: Picture | None = None
+        self._called = threading.Event()
+        self._closing = threading.Event()
+        self._thread = threading.Thread(target=self._run, name="publisher", daemon=True)
+        self._thread.start()
+
+    def offer(self, tick: int, state: bytes, pace: Pace) -> None:
+        """Let this be the picture to send from now on."""
+        self._picture = Picture(tick, state, pace)
+        if not self._called.is_set():  # a quarter of the cost of setting it
+            self._called.set()
+
+    def add(self, subscription: Subscription) -> None:
+        """Send to a subscription from now on, the present picture at once."""
+        self.roster.add(subscription)
+        self._called.set()
+
+    def strike(self, subscription: Subscription) -> None:
+        """Send to a subscription no more; at most what is being sent at this moment."""
+        self.roster.strike(subscription)
+
+    def close(self, patience: float) -> None:
+        """Send what is due and end the thread, waiting at most ``patience`` [s]."""
+        self._closing.set()
+        self._called.set()
+        self._thread.join(patience)
+
+    def _run(self) -> None:
+        wait = math.inf
+        while True:
+            self._called.wait(None if math.isinf(wait) else wait)
+            closing = self._closing.is_set()
+            self._called.clear()
+            if self._picture is not None:
+                wait = self.roster.serve(self._picture, self._clock())
+            if closing:
+                return
+            self._closing.wait(1.0 / FASTEST)
+
+
+class Promptly:
+    """Send pictures in the caller's thread, every one: for runs that keep no time."""
+
+    def __init__(self, roster: Roster, clock: Callable[[], float] = time.monotonic) -> None:
+        self.roster = roster
+        self.troubles = roster.troubles
+        self._clock = clock
+        self._picture: Picture | None = None
+
+    def offer(self, tick: int, state: bytes, pace: Pace) -> None:
+        """Send this picture to all that may have it now."""
+        self._picture = Picture(tick, state, pace)
+        self.roster.serve(self._picture, self._clock())
+
+    def add(self, subscription: Subscription) -> None:
+        """Send to a subscription from now on, the present picture at once."""
+        self.roster.add(subscription)
+        if self._picture is not None:
+            self.roster.serve(self._picture, self._clock())
+
+    def strike(self, subscription: Subscription) -> None:
+        """Send to a subscription no more."""
+        self.roster.strike(subscription)
+
+    def close(self, _patience: float) -> None:
+        """Do nothing: all has been sent."""
