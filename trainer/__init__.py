@@ -20,9 +20,15 @@ _PREFIX = "submarine-trainer-"
 
 def core_digest() -> str:
     """Return a short hash of the core's sources: what the boat is computed by."""
+    return _digest("core")
+
+
+def _digest(*folders: str) -> str:
+    """Return a short hash of the sources in folders of the package."""
     digest = hashlib.sha256()
-    for path in sorted((Path(__file__).parent / "core").glob("*.py")):
-        digest.update(path.name.encode() + b"\0" + path.read_bytes())
+    for folder in folders:
+        for path in sorted((Path(__file__).parent / folder).glob("*.py")):
+            digest.update(path.name.encode() + b"\0" + path.read_bytes())
     return digest.hexdigest()[:16]
 
 
@@ -40,7 +46,7 @@ def _cache_root() -> Path:
 def _claim_cache() -> Path:
     """Return this version's cache folder; where home is read-only one that lasts for this run."""
     checked = os.environ.get("NUMBA_BOUNDSCHECK", "0") not in ("", "0")  # other machine code
-    name = _PREFIX + core_digest() + "-checked" * checked
+    name = _PREFIX + _digest("core", "identify/kernels") + "-checked" * checked
     path = _cache_root() / name
     try:
         path.mkdir(parents=True, exist_ok=True)

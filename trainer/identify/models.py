@@ -119,7 +119,7 @@ class Plant:
             if output not in self.model.outputs:
                 has = ", ".join(self.model.outputs)
                 raise ConfigError(f"model {self.model.name} has no output {output!r}; it has {has}")
-        if False:
+        if {"sway", "bow_sway"} <= set(self.outputs):
             raise ConfigError("outputs: bow_sway and sway share a bias and an error; drop one")
 
     @property
