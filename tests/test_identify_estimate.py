@@ -1,6 +1,6 @@
 """Estimates, what is known of them, and what cannot be told apart."""
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 import pytest
@@ -14,6 +14,7 @@ from trainer.identify.likelihood import Likelihood
 from trainer.identify.minimise import Found, Search, unheard
 from trainer.identify.models import MODELS, Ship
 from trainer.identify.predictor import Innovations, MultiStep, settled_gain
+from trainer.identify.problem import Problem
 from trainer.identify.rehearsal import TANKER, TANKER_RUDDER, Rehearsal
 from trainer.identify.simulate import drawn
 from trainer.identify.uncertainty import hessian, inseparable, uncertainty
@@ -93,11 +94,42 @@ def test_a_parameter_that_is_not_free_stays(cost):
     assert problem.whole(found.theta)[place] == TANKER.truth["N_v"]
 
 
-def test_restarts_leave_a_poor_start(cost, best):
-    hopeless = TANKER.start()
-    hopeless[TANKER.free.index("lag")] = np.pi / 2.0  # where its slope is nothing
-    found = estimate(cost, hopeless, "auto", Search(), Starts(restarts=4, seed=3))
-    assert found.cost == pytest.approx(best.cost, abs=1e-3)
+@dataclass(frozen=True)
+class Wells:
+    """A cost of one parameter with a shallow minimum at 1 and a deep one at -1.1."""
+
+    problem: Problem
+
+    def value(self, theta):
+        x = float(theta[0])
+        return 5.0 * (x * x - 1.0) ** 2 + 2.0 * x
+
+    def slope(self, theta):
+        x = float(theta[0])
+        return self.value(theta), np.array([20.0 * x * (x * x - 1.0) + 2.0])
+
+    def information(self, theta):
+        return np.full((1, 1), 4.0) + 0.0 * theta  # far too flat: whole steps overshoot
+
+
+@pytest.fixture
+def wells():
+    return Wells(replace(TANKER, free=("Y_v",)).problem(TANKER_RUDDER[:10]))
+
+
+@pytest.mark.parametrize("method", ["scoring", "bfgs"])
+def test_steps_that_overshoot_are_shortened_until_the_cost_falls(wells, method):
+    found = estimate(wells, np.array([1.3]), method, Search(200))
+    assert found.converged
+    assert wells.slope(found.theta)[1] == pytest.approx([0.0], abs=1e-3)
+
+
+def test_restarts_leave_a_shallow_minimum(wells):
+    shallow = estimate(wells, np.array([0.94]), "bfgs", Search(200))
+    deep = estimate(wells, np.array([0.94]), "bfgs", Search(200), Starts(restarts=8, seed=3))
+    assert shallow.theta[0] > 0.5
+    assert deep.theta[0] == pytest.approx(-1.047, abs=0.01)
+    assert deep.cost < shallow.cost
 
 
 def test_progress_is_told_and_a_search_resumes_where_it_stopped(cost, best, tmp_path):

@@ -9,6 +9,7 @@ from numpy.testing import assert_allclose
 
 from trainer.config import ConfigError
 from trainer.identify.differences import gradient_and_hessian, refined, relative_steps
+from trainer.identify.kernels.prediction import settle
 from trainer.identify.likelihood import Likelihood
 from trainer.identify.predictor import Innovations, MultiStep, no_gain, settled_gain
 from trainer.identify.rehearsal import TANKER, TANKER_RUDDER
@@ -66,6 +67,13 @@ def cases():
     wind = {"Y_psi": 2e-3, "l_psi": 0.3}
     started = TANKER.freed(*variances, *wind, **variances, **wind)
     yield "started", recorded(started.problem(TANKER_RUDDER[:300]))
+    problem = question(300)
+    mean, noise, start = problem.sampled(problem.start).at(0)
+    steady, gain = start[:, 1:].astype(complex), np.empty((3, 3), complex)
+    settle(mean[0].astype(complex), noise[0].astype(complex), steady, 1e-15, 2000, gain)
+    P = {f"P{i + 1}{j + 1}": steady[i, j].real for i, j in ((0, 0), (1, 1), (2, 2))}
+    P |= {f"P{i + 1}{j + 1}": steady[i, j].real for i, j in ((0, 1), (0, 2), (1, 2))}
+    yield "settled from the first", recorded(TANKER.freed(**P).problem(TANKER_RUDDER[:300]))
     logs = replace(TANKER, outputs=("bow_sway", "stern_sway", "yaw_rate", "heading"))
     four = logs.freed("R2_v2", "v2_0", R2_v2=0.02, v2_0=0.1)
     yield "four", recorded(four.problem(TANKER_RUDDER[:200]))
@@ -129,7 +137,7 @@ def stepped(problem, place):
     return np.array(errors), np.array(spreads), cost
 
 
-@pytest.mark.parametrize("name", ["whole", "varied", "summed", "started"])
+@pytest.mark.parametrize("name", ["whole", "varied", "summed", "started", "settled from the first"])
 def test_gradient_and_information_are_those_of_an_imaginary_step(name):
     problem = CASES[name]
     runs = [stepped(problem, place) for place in range(len(problem.free))]

@@ -203,13 +203,15 @@ def test_each_model_has_the_transfer_function_that_its_document_says(name, row):
 
 def test_model_1_by_hand():
     # no coupling: v' = (Y_v/V v + (L/V) Y_r r + Y_delta delta)/((L/V^2) m11)
-    theta = MODEL_1.vector(m11=2.0, m22=0.1, Y_v=-1.0, Y_r=-0.5, Y_delta=0.3, N_r=-0.2)
+    theta = MODEL_1.vector(m11=2.0, m22=0.1, Y_v=-1.0, Y_r=-0.5, Y_delta=0.3, l_delta=0.4, N_r=-0.2)
     ship = Plant(MODEL_1, Ship(100.0, 5.0, 40.0), ("bow_sway", "yaw_rate"), 1.0)
     drift = ship.blocks(theta.astype(complex)[None]).drift[0].real
     assert drift[0, 0] == pytest.approx(-1.0 / 5.0 / (4.0 * 2.0))
     assert drift[0, 1] == pytest.approx(20.0 * -0.5 / (4.0 * 2.0))
     assert drift[0, 3] == pytest.approx(np.pi / 180.0 * 0.3 / (4.0 * 2.0))
     assert drift[1, 1] == pytest.approx(20.0 * -0.2 / (400.0 * 0.1))
+    # positive helm turns to port
+    assert drift[1, 3] == pytest.approx(-np.pi / 180.0 * 0.3 * 0.4 / (400.0 * 0.1))
     # the bow log reads v + 40 r in knots
     assert drift[3, :2] == pytest.approx([3600.0 / 1852.0, 40.0 * 3600.0 / 1852.0])
 

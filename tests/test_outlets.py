@@ -59,15 +59,22 @@ def eventually(happened: Callable[[], object]) -> bool:
     return True
 
 
-def gpsdecode() -> str:
-    """Return the path of gpsd's decoder, installed first where the environment allows it."""
-    if os.environ.get("CI_APT") == "1" and shutil.which("gpsdecode") is None:
-        for command in (["update"], ["install", "-y", "gpsd-clients"]):
-            subprocess.run(["apt-get", *command], check=False, capture_output=True, timeout=300)
-    found = shutil.which("gpsdecode")
+def installed(program: str, package: str) -> str:
+    """Return the path of a program, installed first where the environment allows it."""
+    path = f"{os.environ['PATH']}:/usr/sbin"
+    if os.environ.get("CI_APT") == "1" and shutil.which(program, path=path) is None:
+        for command in (["update"], ["install", "-y", "--no-install-recommends", package]):
+            with contextlib.suppress(OSError, subprocess.TimeoutExpired):  # no network, say
+                subprocess.run(["apt-get", *command], check=False, capture_output=True, timeout=90)
+    found = shutil.which(program, path=path)
     if found is None:
-        pytest.skip("no gpsdecode here: apt-get install gpsd-clients, or set CI_APT=1")
+        pytest.skip(f"no {program} here: apt-get install {package}, or set CI_APT=1")
     return found
+
+
+def gpsdecode() -> str:
+    """Return the path of gpsd's decoder."""
+    return installed("gpsdecode", "gpsd-clients")
 
 
 def under_way() -> Boat:
@@ -376,9 +383,7 @@ def watched(port: int) -> Iterator[dict[str, Any]]:
 def test_a_living_gpsd_reports_the_boat_from_a_terminal_line_and_from_udp(
     on_deck: Callable[..., Deck],
 ) -> None:
-    gpsd = shutil.which("gpsd", path=f"{os.environ['PATH']}:/usr/sbin")
-    if gpsd is None:
-        pytest.skip("no gpsd here: apt-get install gpsd")
+    gpsd = installed("gpsd", "gpsd")
     near, far = os.openpty()
     gps_near, gps_far = os.openpty()
     tty.setraw(gps_far)
