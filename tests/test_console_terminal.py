@@ -36,7 +36,7 @@ pytestmark = [
     pytest.mark.skipif(os.name != "posix", reason="terminals of POSIX"),
 ]
 TRAINER = [sys.executable, "-m", "trainer"]
-PATIENCE = 25.0  # [s] a first run compiles
+PATIENCE = 90.0  # [s] a first run compiles
 LOOK = 0.1  # [s]
 
 

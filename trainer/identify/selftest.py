@@ -6,8 +6,7 @@ estimates lie in the range of many such records.
 
 import time
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
-from typing import Final
+from typing import Any, Final, NamedTuple
 
 import numpy as np
 
@@ -16,6 +15,7 @@ from trainer.identify.armax_fit import fit_armax
 from trainer.identify.armax_orders import without_wind
 from trainer.identify.nomoto import Numbers
 from trainer.identify.prbs import held, prbs
+from trainer.identify.proving import PROOFS
 from trainer.identify.tests_of_order import aic_of_loss, f_test
 
 RUNS: Final = 40
@@ -24,8 +24,7 @@ SONG: Final = Armax((-1.60, 0.61), (-0.161, -0.285), (-0.4, 0.05), (0.0, 0.0))
 SONG_INTERVAL, SONG_SAMPLES, SONG_LOSS = 15.0, 80, 17.96  # [s], [-], V
 
 
-@dataclass(frozen=True)
-class Outcome:
+class Outcome(NamedTuple):
     """One number of a test, and the range it must lie in."""
 
     test: str
@@ -116,9 +115,11 @@ TESTS: Final[list[Test]] = [published_orders, published_ship, published_zeros, a
 def run_selftest(tell: Callable[[str], None]) -> bool:
     """Tell each outcome; return whether all lie in their ranges."""
     passed = True
-    for test in TESTS:
+    tests: list[Callable[[], Iterator[tuple[Any, ...]]]] = [*TESTS, *PROOFS]
+    for test in tests:
         begin = time.monotonic()
-        for outcome in test():
+        for figure in test():
+            outcome = Outcome(*figure)
             tell(str(outcome))
             passed = passed and outcome.passed
         tell(f"     {time.monotonic() - begin:.1f} s: {(test.__doc__ or '').split(':')[0][6:]}")

@@ -57,10 +57,12 @@ def session_of(
             station = Station(line, Door("instructor"), publisher, session.board.log)
             station.wishes.begin(channel, RATE, station.role, machine=channel != "teletype")
             session.board.stations.append(station)
-        yield session
-        publisher.close(PATIENCE)
-        for station in session.board.stations:
-            station.close(PATIENCE)
+        try:
+            yield session
+        finally:
+            publisher.close(PATIENCE)
+            for station in session.board.stations:
+                station.close(PATIENCE)
 
 
 def run_to(session: Session, tick: int) -> None:
