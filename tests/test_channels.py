@@ -453,6 +453,4 @@ def test_the_panels_cover_what_the_observer_sees() -> None:
 def test_the_page_has_the_tables_of_the_channels() -> None:
     page = (Path(__file__).parents[1] / "docs" / "stations.md").read_text(encoding="utf-8")
 
-    assert tables() in page, (
-        f"docs/stations.md lacks this, from channels.py:\n{tables()}"
-    )
+    assert tables() in page, f"docs/stations.md lacks this, from channels.py:\n{tables()}"

@@ -138,6 +138,4 @@ def test_the_page_has_the_tables_of_roles_and_of_events() -> None:
     page = (Path(__file__).parents[1] / "docs" / "stations.md").read_text(encoding="utf-8")
 
     for table in (role_table(), event_table()):
-        assert table in page, (
-            f"docs/stations.md lacks this, from roles.py:\n{table}"
-        )
+        assert table in page, f"docs/stations.md lacks this, from roles.py:\n{table}"
