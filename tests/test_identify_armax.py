@@ -13,7 +13,8 @@ from trainer.identify.armax_orders import delayed, treated, try_orders, without_
 from trainer.identify.prbs import held, prbs
 from trainer.identify.residuals import examine_residuals, verdicts
 
-HAKUSAN = Path(__file__).parents[2] / "shared" / "data" / "hakusan" / "hakusan.csv"  # beside the project
+DATA = Path(__file__).parents[2] / "shared" / "data"  # beside the project
+HAKUSAN = DATA / "hakusan" / "hakusan.csv"
 # (6.3) of the report, heading by rudder of the Atlantic Song at 15 s; C is not printed there
 SONG = Armax((-1.60, 0.61), (-0.161, -0.285), (-0.4, 0.05), (0.0, 0.0))
 LAMBDA = np.sqrt(2.0 * 17.96 / 80)
