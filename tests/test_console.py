@@ -2,6 +2,7 @@
 
 import asyncio
 import itertools
+import math
 import re
 import socket
 import subprocess
@@ -303,6 +304,61 @@ def test_the_same_words_can_be_typed_at_a_station_whose_keys_are_controls() -> N
 
 
 # The order line
+
+
+@pytest.mark.parametrize("role", sorted(KEYS))
+def test_the_brackets_change_the_time_of_the_charts_on_every_screen(role: str) -> None:
+    async def press(pilot: Pilot[str], app: Console) -> None:
+        for key, minutes in (
+            *(("left_square_bracket", 1), ("left_square_bracket", 1)),
+            *(("right_square_bracket", 2), ("right_square_bracket", 5)),
+        ):
+            await pilot.press(key)
+            await pilot.pause(0.15)
+            if POSTS[role].charts:
+                assert f"{minutes} min" in shown(app)
+
+    assert at_the_console(press, tape(role), role, (160, 48))[1].orders == []
+
+
+def test_page_up_looks_back_in_the_log_and_page_down_returns() -> None:
+    talk = tape()
+    for k in range(60):
+        talk.say(sentences.event(k, k / 2.0, "exercise", f"happening {k}"))
+
+    async def press(pilot: Pilot[str], app: Console) -> None:
+        await pilot.pause(0.15)
+        newest = "happening 59"
+        assert newest in shown(app)
+        await pilot.press("pageup", "pageup")
+        await pilot.pause(0.15)
+        assert newest not in shown(app)
+        await pilot.press("pagedown", "pagedown")
+        await pilot.pause(0.15)
+        assert newest in shown(app)
+
+    assert at_the_console(press, talk)[1].orders == []
+
+
+@pytest.mark.parametrize("role", CREW)
+def test_every_key_that_moves_a_surface_orders_it_by_its_step(role: str) -> None:
+    moves = [
+        (key.act, name) for key in KEYS[role] if isinstance(key.act, Move) for name in key.names
+    ]
+    for act, name in moves:
+        (order,) = pressed((name,), role)
+        found, start = parse(order), parse(pressed((opposite(moves, act),), role)[0])
+        assert isinstance(found, Order)
+        assert isinstance(start, Order)
+        assert found.name == act.surface
+        assert math.degrees(found.value - start.value) == pytest.approx(2 * act.by)
+
+
+def opposite(moves: list[tuple[Move, str]], act: Move) -> str:
+    """Return a key that moves the same surface as far the other way."""
+    return next(
+        name for other, name in moves if (other.surface, other.by) == (act.surface, -act.by)
+    )
 
 
 def test_what_is_sent_and_answered_stands_in_the_log() -> None:
