@@ -121,10 +121,9 @@ def fly(voyage: Voyage, options: dict[str, Any]) -> int:
         if log:
             session.board.hearers.append(log.hear)
         open_ports(Ports(wake, sending, session.board.log, stack), session, options)
-        if options["headless"]:
-            session.progress = stack.enter_context(progress_bar(last_tick))
+        shown = progress_bar(last_tick) if options["headless"] else contextlib.nullcontext()
         started = time.clock.now()
-        with interrupts(session), np.errstate(all="ignore"):
+        with interrupts(session), np.errstate(all="ignore"), shown as session.progress:
             session.run(frozen=options["frozen"])
         wall = (time.clock.now() - started) / SECOND
         session.board.tell("time", OVER)
