@@ -16,7 +16,7 @@ Numbers = NDArray[np.float64]
 # a name, a name with a shape, or a block's name with the names in it
 Field = str | tuple[str, tuple[int, ...]] | tuple[str, list[str]]
 
-kernel = njit(cache=True, error_model="numpy")
+kernel = njit(cache=True, error_model="numpy", _nrt=False)
 
 
 def record_dtype(*fields: Field) -> np.dtype:
