@@ -4,11 +4,12 @@ import gc
 
 import click
 
-from trainer import casualty, machine_code_is_compiled
+from trainer import casualty
 from trainer.boat import Boat
 from trainer.config import ConfigError
 from trainer.fitout import KNOT
 from trainer.ledger import Ledger
+from trainer.machine_code import machine_code_is_compiled
 from trainer.stations.frame import Lookout, Pace, Picture
 from trainer.watch import Limits, Watch
 

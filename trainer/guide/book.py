@@ -8,13 +8,14 @@ from dataclasses import dataclass
 from importlib import metadata
 from typing import Any, Final
 
-from trainer import __version__, core_digest
+from trainer import __version__
 from trainer.files.vessel_file import VesselFile
 from trainer.guide import drops, findings, steps
 from trainer.guide.programme import SETS, Leg, legs
 from trainer.guide.tasks import Flown, Task, fly_all
 from trainer.guide.trials import Compared, compared, load_trials, trials_path
 from trainer.guide.verdicts import BEYOND, SHOWN, WITHIN, Judgement, judge
+from trainer.machine_code import core_digest
 from trainer.study import characteristic, neutral, thrust
 from trainer.study.check import round_speeds
 from trainer.study.manoeuvres.catalogue import parameters

@@ -16,7 +16,7 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Any, Final
 
-from trainer import __version__, core_digest
+from trainer import __version__
 from trainer.boat import Boat
 from trainer.config import (
     ConfigError,
@@ -30,6 +30,7 @@ from trainer.config import (
 )
 from trainer.files.vessel_file import load_vessel
 from trainer.fitout import Method
+from trainer.machine_code import core_digest
 from trainer.plan import Plan, plan_run
 from trainer.records.changes import changes
 from trainer.records.layout import LAYOUT
