@@ -21,7 +21,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from trainer.io import checkpoint
+from trainer.io import checkpoint, recording_file
 from trainer.io import recording as recording_module
 from trainer.io.export import Layout, export_csv, export_parquet
 from trainer.io.recording import FORMAT, Branch, Journalled, Moment, Recording, RecordingError
@@ -482,6 +482,52 @@ def test_what_is_written_ahead_is_brought_home_while_writing_goes_on(
         assert ahead.stat().st_size < 100_000
         assert path.stat().st_size > 499 * 1944
     assert files(path) == {""}
+
+
+def test_what_is_written_without_a_pause_is_not_written_ahead_without_end(
+    path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(checkpoint, "FAR", 2_000_000)
+    ahead, most = path.with_name(path.name + "-wal"), 0
+    with closing(begin(path)) as recording:
+        for tick in range(1, 8_000):
+            recording.state(tick, state_of(tick))
+            most = max(most, ahead.stat().st_size)
+        recording.flush()
+        home = path.stat().st_size
+
+    assert most < 2 * 2_000_000
+    assert home > 10_000_000
+
+
+def test_a_reader_who_stays_in_the_past_is_waited_for_once_in_a_while_only(
+    path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(checkpoint, "FAR", 1_000_000)
+    monkeypatch.setattr(recording_module, "BATCH", 20)
+    asked: list[str] = []
+    connect = recording_file.connect
+
+    def watched(path: Path, options: str) -> sqlite3.Connection:
+        connection = connect(path, options)
+        connection.set_trace_callback(asked.append)
+        return connection
+
+    monkeypatch.setattr(recording_file, "connect", watched)
+    with closing(begin(path)) as recording, contextlib.closing(sqlite3.connect(path)) as reader:
+        reader.execute("BEGIN")
+        reader.execute("SELECT count(*) FROM states").fetchone()
+        for tick in range(1, 4_000):
+            recording.state(tick, state_of(tick))
+        checkpoints = sum("wal_checkpoint" in each for each in asked)
+        reader.execute("COMMIT")
+        for tick in range(4_000, 8_000):
+            recording.state(tick, state_of(tick))
+        left = path.with_name(path.name + "-wal").stat().st_size
+        assert recording.latest().tick == tick
+
+    assert 5 < checkpoints < 25  # of two hundred commits
+    assert left < 2_500_000  # once the reader has gone
 
 
 # Trouble with the disk

@@ -1,6 +1,8 @@
 """Bringing home what SQLite has written ahead, in a thread of its own.
 
-A checkpoint waits for the disk (fsync); in the thread that ticks it would make ticks late.
+A checkpoint waits for the disk (fsync); in the thread that ticks it would make ticks late. But what
+is written without a pause, by a run that keeps no time, is never all brought home by another thread
+and would be written ahead without end: such a writer has to wait now and then.
 """
 
 import contextlib
@@ -13,6 +15,9 @@ from trainer.io.recording_file import TOUCH, connect
 
 WORTHWHILE: Final = 4_000_000  # [bytes] written ahead
 EVERY: Final = 1.0  # [s] between looks at how much that is
+FAR: Final = 64_000_000  # [bytes] written ahead before the writer waits: hours, where time is kept
+
+BRING_HOME: Final = "PRAGMA wal_checkpoint(PASSIVE)"
 
 
 class Checkpointer:
@@ -21,6 +26,7 @@ class Checkpointer:
     def __init__(self, path: Path) -> None:
         self._path = path
         self._written_ahead = path.with_name(path.name + "-wal")
+        self._bound = FAR  # [bytes] written ahead at which the writer waits
         self._closing = threading.Event()
         self._thread = threading.Thread(target=self._run, name="checkpoints", daemon=True)
         self._thread.start()
@@ -29,6 +35,19 @@ class Checkpointer:
         """End the thread, after the checkpoint it may be in."""
         self._closing.set()
         self._thread.join()
+
+    def relieve(self, writing: sqlite3.Connection) -> None:
+        """Bring all home with the writer's own connection, between two commits, if it is too much.
+
+        What a reader still looks at has to stay ahead; it is tried again after as much again.
+        """
+        with contextlib.suppress(OSError, sqlite3.Error):  # it is all there, if not at home
+            ahead = self._written_ahead.stat().st_size
+            if ahead < self._bound:
+                return
+            busy, written, brought_home = writing.execute(BRING_HOME).fetchone()
+            if not busy:
+                self._bound = FAR if written == brought_home else ahead + FAR
 
     def _run(self) -> None:
         try:
@@ -44,8 +63,7 @@ class Checkpointer:
         with contextlib.suppress(OSError, sqlite3.Error):  # the next look may do better
             if self._written_ahead.stat().st_size < WORTHWHILE:
                 return
-            checkpoint = connection.execute("PRAGMA wal_checkpoint(PASSIVE)").fetchone()
-            _, written, brought_home = checkpoint
+            _, written, brought_home = connection.execute(BRING_HOME).fetchone()
             if written == brought_home:
                 # Whoever writes next begins the file anew and waits for the disk: be that one.
                 connection.execute(TOUCH)

@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import Final
 
 from trainer.io import recording_file
-from trainer.io.checkpoint import Checkpointer
+from trainer.io.checkpoint import BRING_HOME, Checkpointer
 from trainer.io.recording_file import FORMAT, RecordingError, wall_time
 from trainer.io.recording_past import Branch, Flown, Journalled, Moment, Noted, Past
 
@@ -171,8 +171,10 @@ class Recording:
             self._connection.execute("COMMIT")
         except sqlite3.Error as error:
             self._give_up(error)
-        else:
-            self._kept = self._tick
+            return
+        self._kept = self._tick
+        if self._checkpointer:
+            self._checkpointer.relieve(self._connection)
 
     def close(self) -> None:
         """Write what waits, bring all of it into the one file, and close."""
@@ -180,7 +182,7 @@ class Recording:
         if self._checkpointer:
             self._checkpointer.close()
             try:
-                self._connection.execute("PRAGMA wal_checkpoint(PASSIVE)")
+                self._connection.execute(BRING_HOME)
             except sqlite3.Error as error:
                 self._give_up(error)
         self._connection.close()
