@@ -16,7 +16,11 @@ Numbers = NDArray[np.float64]
 # a name, a name with a shape, or a block's name with the names in it
 Field = str | tuple[str, tuple[int, ...]] | tuple[str, list[str]]
 
-kernel = njit(cache=True, error_model="numpy", _nrt=False)
+# No counts of references to the records, which their callers hold: half of a tick was that. The
+# option is numba's own, though not in its published signature.
+_UNCOUNTED: dict[str, Any] = {"_nrt": False}
+
+kernel = njit(cache=True, error_model="numpy", **_UNCOUNTED)
 
 
 def record_dtype(*fields: Field) -> np.dtype:
