@@ -4,7 +4,7 @@ Strict floating point (no contraction, no reassociation), so that the bits of a 
 on the processor, and division by zero gives infinity, which the finite check of a tick reports.
 """
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numba import njit
@@ -16,11 +16,12 @@ Numbers = NDArray[np.float64]
 # a name, a name with a shape, or a block's name with the names in it
 Field = str | tuple[str, tuple[int, ...]] | tuple[str, list[str]]
 
-# No counts of references to the records, which their callers hold: half of a tick was that. The
-# option is numba's own, though not in its published signature.
-_UNCOUNTED: dict[str, Any] = {"_nrt": False}
-
-kernel = njit(cache=True, error_model="numpy", **_UNCOUNTED)
+# Kernels do not count references to the records, which their callers hold: that took half a tick.
+# The option is numba's own, though not in its published signature.
+if TYPE_CHECKING:
+    kernel = njit(cache=True, error_model="numpy")
+else:
+    kernel = njit(cache=True, error_model="numpy", _nrt=False)
 
 
 def record_dtype(*fields: Field) -> np.dtype:
