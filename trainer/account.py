@@ -4,6 +4,7 @@ import math
 
 import click
 
+from trainer import compilation
 from trainer.boat import Boat
 from trainer.fitout import KNOT
 from trainer.io.teletype import course
@@ -41,10 +42,11 @@ def summary_text(boat: Boat, ledger: Summary, wall: float) -> str:
     """Return the one-screen account of a run that took ``wall`` [s]."""
     s = boat.state
     step = boat.method.step
+    how = ", interpreted" if compilation.done_without() else ""
     return "\n".join(
         (
             boat.file.name,
-            f"computed    {boat.method.equations} set, {boat.method.integrator} at {step:g} s",
+            f"computed    {boat.method.equations} set, {boat.method.integrator} at {step:g} s{how}",
             f"simulated   {boat.time:.1f} s in {ledger.ticks} ticks; {wall:.2f} s on the clock",
             f"duty cycle  {100 * ledger.duty_cycle:.4f} %   ({SECONDS_1969})",
             (

@@ -6,7 +6,7 @@ import numpy as np
 
 from trainer.config import ConfigError
 from trainer.core import update as ticks
-from trainer.core.autopilot import autopilot
+from trainer.core.autopilot import stand_by_all
 from trainer.core.ballast import start_ballast
 from trainer.core.kernel import Numbers, Record
 from trainer.core.rates import rates
@@ -113,8 +113,7 @@ class Boat:
         s.speed_trim = s.u_c - speed
         s.telegraph_order = speed if self.automatic else s.u_c
         s.rudder_by_hand = s.stern_by_hand = s.bow_by_hand = s.speed_by_hand = 1.0
-        # with hands on, the autopilot makes its integrals ready for a bumpless change
-        autopilot(self.records.vessel, self.method.step, self.records.state, self.gains)
+        self.stand_by()
         if self.automatic:
             s.by_hand[:] = self.vessel.limit == 0.0  # nothing to give where there is no surface
             s.speed_by_hand = 0.0
@@ -134,10 +133,10 @@ class Boat:
         records = self.records
         order_sea(records.vessel, self.method.step, ramp, wanted, records.scratch, records.state)
 
-    @property
-    def gains(self) -> np.ndarray:
-        """Return the work space of the autopilot's gains."""
-        return self.records.scratch[0].gains  # type: ignore[no-any-return]
+    def stand_by(self) -> None:
+        """Let the autopilot, with hands on, make its integrals ready for a bumpless change."""
+        records = self.records
+        stand_by_all(records.vessel, self.method.step, records.state, records.scratch)
 
     def tick(self) -> int:
         """Advance by one step; return 0, or a status for ``failure`` with the state as it was."""

@@ -2,7 +2,6 @@
 
 import os
 import sys
-from importlib import metadata
 from typing import Final, NoReturn
 
 import click
@@ -27,6 +26,8 @@ LIBRARIES = ("numpy", "numba", "pyserial", "click", "textual")
 
 def versions() -> str:
     """Return this version and those of the libraries underneath."""
+    from importlib import metadata  # noqa: PLC0415  only here, and it takes its time
+
     libraries = [f"{name} {metadata.version(name)}" for name in LIBRARIES]
     return "\n".join([f"trainer {__version__}", f"python {sys.version.split()[0]}", *libraries])
 

@@ -6,15 +6,13 @@ named by a hash of the core's sources. Importing this module points numba there;
 before its first kernel.
 """
 
-import atexit
 import hashlib
 import os
-import shutil
 import sys
-import tempfile
 from pathlib import Path
 
 _PREFIX = "submarine-trainer-"
+_PRIVATE = "trainer-private-"
 
 
 def core_digest() -> str:
@@ -54,11 +52,23 @@ def _claim_cache() -> Path:
         writable = False
     if writable:
         return path
-    # not in the shared temporary folder itself: numba runs what it finds in its cache
-    private = Path(tempfile.mkdtemp(prefix="trainer-"))
+    path = _claim_private() / name
+    path.mkdir()
+    return path
+
+
+def _claim_private() -> Path:
+    """Return a new folder that goes when this process ends.
+
+    It is not the shared temporary folder itself: numba runs what it finds in its cache.
+    """
+    import atexit  # noqa: PLC0415  rarely needed
+    import shutil  # noqa: PLC0415
+    import tempfile  # noqa: PLC0415
+
+    private = Path(tempfile.mkdtemp(prefix=_PRIVATE))
     atexit.register(shutil.rmtree, private, ignore_errors=True)
-    (private / name).mkdir()
-    return private / name
+    return private
 
 
 os.environ["NUMBA_CACHE_DIR"] = str(_claim_cache())
@@ -66,6 +76,11 @@ if "numba" in sys.modules:  # it has read the environment already
     sys.modules["numba"].config.CACHE_DIR = os.environ["NUMBA_CACHE_DIR"]
 
 
-def machine_code_is_compiled() -> bool:
-    """Return whether this version's kernels have been compiled on this machine before."""
-    return any(Path(os.environ["NUMBA_CACHE_DIR"]).rglob("update.update-*.nbi"))
+def cache_folder() -> Path:
+    """Return the folder of this version's machine code."""
+    return Path(os.environ["NUMBA_CACHE_DIR"])
+
+
+def cache_lasts() -> bool:
+    """Return whether what is put into the cache is there at the next start."""
+    return not cache_folder().parent.name.startswith(_PRIVATE)

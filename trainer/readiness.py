@@ -4,23 +4,35 @@ import gc
 
 import click
 
-from trainer import casualty
+from trainer import casualty, compilation
 from trainer.boat import Boat
 from trainer.config import ConfigError
 from trainer.fitout import KNOT
 from trainer.ledger import Ledger
-from trainer.machine_code import machine_code_is_compiled
 from trainer.stations.frame import Lookout, Pace, Picture
 from trainer.watch import Limits, Watch
 
 
 def warm(boat: Boat) -> None:
-    """Take a tick and a casualty on a throw-away state: nothing compiles once the clock runs."""
-    if not machine_code_is_compiled():
+    """Try the boat out, compiling her if need be: nothing compiles once the clock runs."""
+    compiled = compilation.done_without() or compilation.kept()
+    if not compiled:
         click.echo("compiling the boat, this once (some 20 seconds) ...", err=True)
+    try_out(boat)
+    if not compiled:
+        compilation.keep()
+    if gc.isenabled():  # else this process has just begun, and has no garbage to speak of
+        gc.collect()
+    gc.freeze()  # a full collection with numba loaded takes 0.1 s
+    gc.enable()
+
+
+def try_out(boat: Boat) -> None:
+    """Take a tick and a casualty on a throw-away state: all that a run needs is done once."""
     before = boat.snapshot()
     boat.state.u = 1.0
     boat.trimmed(1.0)
+    boat.stand_by()
     boat.put_to_sea(boat.sea)
     casualty.insert(boat, "propulsion-lost")
     boat.tick()
@@ -30,8 +42,6 @@ def warm(boat: Boat) -> None:
     state = boat.records.state.tobytes()
     Lookout(boat, Ledger(boat.method.step).summary).frame(Picture(0, state, Pace()))
     boat.restore(before)
-    gc.collect()
-    gc.freeze()  # a full collection with numba loaded takes 0.1 s
 
 
 def refuse_unstable(boat: Boat) -> None:

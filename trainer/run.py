@@ -115,7 +115,7 @@ def fly(voyage: Voyage, options: dict[str, Any]) -> int:
             watch=Watch.over(boat, plan.limits),
             last_tick=last_tick,
             wake=wake,
-            briefing=briefing(plan, boat),
+            briefing=briefing(plan, boat, options["note"]),
             until_left=bool(options.get("until_left")),
         )
         if log:
@@ -166,8 +166,8 @@ def open_csv(path: Path | None, batch: int) -> CsvFile | NoFile:
         raise ConfigError(f"--csv {path}: {error.strerror}") from None
 
 
-def briefing(plan: Plan, boat: Boat) -> tuple[str, ...]:
-    """Return what whoever comes is told: what the exercise is about, and the boat."""
+def briefing(plan: Plan, boat: Boat, note: str) -> tuple[str, ...]:
+    """Return what whoever comes is told: what the exercise is about, the boat, and a note."""
     s = boat.state
     sea = f"; sea: {plan.sea.name}" if s.sea_height > 0.0 else ""
     return (
@@ -177,6 +177,7 @@ def briefing(plan: Plan, boat: Boat) -> tuple[str, ...]:
             f"{s.u / KNOT:.3g} kn, {s.z:g} m, course {course(math.degrees(s.psi), 0)}; "
             f"{boat.method.equations} set, step {boat.method.step:g} s{sea}"
         ),
+        *filter(None, (note,)),
     )
 
 

@@ -2,7 +2,7 @@
 
 import sys
 from pathlib import Path
-from typing import Any
+from typing import Any, NoReturn
 
 import click
 
@@ -60,9 +60,22 @@ def run(*, teletype: bool, **options: Any) -> None:
         from trainer.screen.launch import sail  # noqa: PLC0415
 
         sys.exit(sail(serving(), options["socket"], options["token"]))
+    take_to_sea({**options, "serve": False})
+
+
+def take_to_sea(options: dict[str, Any]) -> NoReturn:
+    """Run a boat as the command line's ``options`` say, and leave with the exit code."""
+    import gc  # noqa: PLC0415
+
+    gc.disable()  # until the boat is ready: looking for garbage is a tenth of the start
+    from trainer.first_start import prepare  # noqa: PLC0415
+
+    note = prepare(options, given())  # before anything imports a kernel
+    if note:
+        click.echo(note, err=True)
     from trainer.run import run_boat  # noqa: PLC0415
 
-    sys.exit(run_boat({**options, "given": given(), "serve": False}))
+    sys.exit(run_boat({**options, "given": given(), "note": note}))
 
 
 def serving() -> list[str]:
@@ -91,9 +104,7 @@ def serve(**options: Any) -> None:
 
     It ends at --duration, by the instructor's `quit`, or by Ctrl-C, its recording complete.
     """
-    from trainer.run import run_boat  # noqa: PLC0415
-
-    sys.exit(run_boat({**options, "given": given(), "headless": True, "url": None, "serve": True}))
+    take_to_sea({**options, "headless": True, "url": None, "serve": True})
 
 
 @click.command()
@@ -116,4 +127,4 @@ def resume(file: Path, *, anyway: bool, **options: Any) -> None:
     from trainer.records.resume import resume_boat  # noqa: PLC0415
 
     options["frozen"] = options["frozen"] or not options["headless"]
-    sys.exit(resume_boat(file, {**options, "serve": False}, anyway=anyway))
+    sys.exit(resume_boat(file, {**options, "serve": False, "note": ""}, anyway=anyway))

@@ -264,3 +264,9 @@ def autopilot(vessel: Record, h: float, state: Record, gains: Numbers) -> None:
     keep_depth(vessel, h, gains, state)
     keep_course(vessel, h, gains, state)
     keep_speed(vessel, h, state)
+
+
+@kernel
+def stand_by_all(vessel: Record, h: float, state: Record, scratch: Record) -> None:
+    """Let the autopilot take note of what is in hand, ready for a bumpless change."""
+    autopilot(vessel, h, state, scratch[0].gains)

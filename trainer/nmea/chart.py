@@ -12,11 +12,8 @@ import re
 from dataclasses import dataclass
 from typing import Final
 
-from geographiclib.geodesic import Geodesic
-
 BOUNDS: Final = 80.0, 180.0  # [deg] of latitude and longitude; at the poles north is no direction
 DEGREES: Final = re.compile(r"\s*([+-]?[0-9]{1,3}(?:\.[0-9]*)?)\s*", re.ASCII)
-WANTED: Final = Geodesic.LATITUDE | Geodesic.LONGITUDE
 
 
 @dataclass(frozen=True)
@@ -28,8 +25,11 @@ class Chart:
 
     def position(self, north: float, east: float) -> tuple[float, float]:
         """Return latitude and longitude [deg] of a point [m] of the plane."""
+        from geographiclib.geodesic import Geodesic  # noqa: PLC0415  few runs ask
+
         bearing, distance = math.degrees(math.atan2(east, north)), math.hypot(north, east)
-        found = Geodesic.WGS84.Direct(self.latitude, self.longitude, bearing, distance, WANTED)
+        wanted = Geodesic.LATITUDE | Geodesic.LONGITUDE
+        found = Geodesic.WGS84.Direct(self.latitude, self.longitude, bearing, distance, wanted)
         return found["lat2"], found["lon2"]
 
 

@@ -1,5 +1,6 @@
 """Screens opened from the command line: on a session that runs, or with one of their own."""
 
+import importlib
 import os
 import signal
 import socket
@@ -18,13 +19,12 @@ from trainer import places
 from trainer.config import ConfigError
 from trainer.io.serial_line import LinkError
 from trainer.screen.client import Client
-from trainer.screen.console import Console
 from trainer.screen.posts import POSTS, wishes
 from trainer.screen.sight import Sight
 
 PATIENCE: Final = 2.0  # [s] for the line to be closed
 SUMMARY: Final = 30.0  # [s] for a session that was ended to say its last words
-LOOK: Final = 0.05  # [s] between looks at a session that starts
+LOOK: Final = 0.01  # [s] between looks at a session that starts
 LISTENING: Final = "listening at "
 
 
@@ -49,6 +49,8 @@ class Voice:
 
 def show(voice: Voice, *, own: bool) -> Sight:
     """Show the screen until its user leaves; ConfigError if there is no session."""
+    from trainer.screen.console import Console  # noqa: PLC0415  it loads what draws
+
     post = POSTS[voice.role]
     client = Client(voice.address, f"{voice.role} {voice.token}".rstrip(), wishes(post))
     try:
@@ -84,6 +86,7 @@ def sail(words: Sequence[str], path: str | None, token: str | None) -> int:
     with tempfile.TemporaryDirectory(prefix="trainer-") as folder:
         voyage = Voyage.begin([*words, "--socket", where, "--until-left"], Path(folder))
         try:
+            importlib.import_module("trainer.screen.console")  # while the session starts
             listens = voyage.await_line(f"{LISTENING}{where}")
             if listens:
                 sight = show(Voice(where, "instructor", token or ""), own=True)

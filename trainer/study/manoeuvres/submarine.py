@@ -7,7 +7,7 @@ from typing import Final
 
 from trainer.boat import Boat
 from trainer.core.actuators import move_surfaces
-from trainer.core.autopilot import OWN, REPORT, REPORT_LITERAL, autopilot
+from trainer.core.autopilot import OWN, REPORT, REPORT_LITERAL
 from trainer.core.integrators import advance
 from trainer.core.propulsion import answer_telegraph
 from trainer.core.update import lost, outside
@@ -159,7 +159,7 @@ class Submarine:
         """Advance with controls that act in the very cycle they are ordered in."""
         vessel, _, _, state, scratch = records = self.boat.records
         h = self.step
-        autopilot(vessel, h, state, self.boat.gains)
+        self.boat.stand_by()
         move_surfaces(vessel, h, state)
         answer_telegraph(vessel, h, state)
         outside(vessel, state, scratch)

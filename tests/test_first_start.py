@@ -1,0 +1,210 @@
+"""The first start of a version: at once, interpreted, and compiled beside for the next one."""
+
+import contextlib
+import fcntl
+import math
+import os
+import subprocess
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+import trainer
+from trainer import compilation, first_start
+from trainer.config import shipped_names
+from trainer.machine_code import cache_folder
+
+HERE = Path(trainer.__file__).parents[1]
+OPTIONS = {"exercise": None, "vessel": "bb2", "step": None, "integrator": "adams2", "speed": 1.0}
+BEHIND = "import sys; from trainer.cli import main; sys.argv = ['trainer', *{words}]\ntry: main()\n"
+ASKED = (
+    *("rerun", "scipy.linalg", "textual", "geographiclib", "matplotlib", "pyarrow", "sqlite3"),
+    *("serial", "numba", "numpy", "trainer.core"),
+)
+
+
+@contextlib.contextmanager
+def compiled_by_another(cache: Path) -> Iterator[None]:
+    """Hold the lock of the process that fills the cache."""
+    folder = cache / cache_folder().name
+    folder.mkdir(parents=True)
+    with (folder / compilation.LOCK).open("wb") as lock:
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        yield
+
+
+def trained(*words: str, cache: Path | None = None, code: str = "") -> "Done":
+    """Return what a `trainer` of a process of its own did; with a cache folder, of that one."""
+    own = {"NUMBA_CACHE_DIR", "NUMBA_DISABLE_JIT"}
+    kept = {name: value for name, value in os.environ.items() if name not in own}
+    kept["PYTHONPATH"] = os.pathsep.join([str(HERE), os.environ.get("PYTHONPATH", "")])
+    if cache is not None:
+        kept["XDG_CACHE_HOME"] = str(cache)
+    how = ["-c", code] if code else ["-m", "trainer", *words]
+    return subprocess.run(
+        [sys.executable, *how], env=kept, capture_output=True, text=True, timeout=300, check=True
+    )
+
+
+Done = subprocess.CompletedProcess[str]
+
+
+def test_a_first_run_in_real_time_is_interpreted_and_says_so_to_whoever_comes(
+    tmp_path: Path,
+) -> None:
+    with compiled_by_another(tmp_path):
+        done = trained("run", "--headless", "--duration", "1", "--speed", "5", cache=tmp_path)
+
+    assert done.stderr.startswith("first start: the core is still being compiled beside")
+    assert "adams2 at 0.5 s, interpreted" in done.stdout
+    assert "overruns 0" in done.stdout
+    assert not list(tmp_path.rglob("*.nbi"))
+
+
+def test_the_interpreted_run_writes_the_bytes_of_the_compiled_one(tmp_path: Path) -> None:
+    exercise = ("run", "periscope-depth", "--headless", "--duration", "20", "--speed")
+    with compiled_by_another(tmp_path / "cache"):
+        slow = trained(
+            *(*exercise, "20", "--csv", str(tmp_path / "slow.csv")), cache=tmp_path / "cache"
+        )
+    quick = trained(*exercise, "max", "--csv", str(tmp_path / "quick.csv"))
+
+    assert "interpreted" in slow.stdout
+    assert "interpreted" not in quick.stdout
+    assert (tmp_path / "slow.csv").read_bytes() == (tmp_path / "quick.csv").read_bytes()
+
+
+def test_the_note_is_among_what_whoever_comes_is_told(tmp_path: Path) -> None:
+    with compiled_by_another(tmp_path):
+        done = trained("run", "--teletype", "--duration", "0.5", cache=tmp_path)
+
+    assert "until then runs are interpreted" in done.stdout
+
+
+@pytest.mark.parametrize("exercise", [None, *shipped_names("exercises")])
+def test_a_shipped_exercise_in_real_time_need_not_be_compiled_first(exercise: str | None) -> None:
+    assert not first_start.hurried({**OPTIONS, "exercise": exercise}, frozenset())
+
+
+@pytest.mark.parametrize(
+    "said",
+    [
+        {"speed": math.inf},
+        {"speed": 100.0},
+        {"speed": 5.0, "vessel": "remus100"},
+        {"step": 0.01},
+        {"step": 0.05, "integrator": "rk4"},
+        {"integrator": "rkv"},
+        {"vessel": "no-such-boat"},
+    ],
+)
+def test_ticks_that_the_interpreter_cannot_make_in_time_are_compiled_for(
+    said: dict[str, Any],
+) -> None:
+    assert first_start.hurried({**OPTIONS, **said}, frozenset(said))
+
+
+def test_what_an_exercise_says_counts_unless_the_user_says_otherwise(tmp_path: Path) -> None:
+    path = tmp_path / "quick.toml"
+    path.write_text('schema = "exercise/1"\nname = "n"\nbriefing = "b"\nstep_s = 0.01\n')
+    options = {**OPTIONS, "exercise": str(path)}
+
+    assert first_start.hurried(options, frozenset())
+    assert not first_start.hurried({**options, "step": 0.5}, frozenset({"step"}))
+
+
+@pytest.fixture
+def started(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> list[str]:
+    """Return what `prepare` does in a process that has not imported a kernel, an empty cache."""
+    done: list[str] = []
+    monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path))
+    monkeypatch.setattr(compilation, "settled", lambda: False)
+    monkeypatch.setattr(compilation, "done_without", lambda: False)
+    monkeypatch.setattr(compilation, "do_without", lambda: done.append("interpreted"))
+    monkeypatch.setattr(first_start, "compile_beside", lambda: done.append("compiled beside"))
+    return done
+
+
+def test_one_process_compiles_however_many_are_started(started: list[str]) -> None:
+    first = first_start.prepare(OPTIONS, frozenset())
+    with compilation.compiling():
+        second = first_start.prepare(OPTIONS, frozenset())
+
+    assert "is being compiled" in first
+    assert "is still being compiled" in second
+    assert started == ["interpreted", "compiled beside", "interpreted"]
+
+
+def test_a_run_after_the_cache_is_full_says_nothing(started: list[str]) -> None:
+    compilation.keep()
+
+    assert first_start.prepare(OPTIONS, frozenset()) == ""
+    assert started == []
+
+
+def test_what_went_wrong_beside_is_done_again_where_it_is_seen(
+    started: list[str], tmp_path: Path
+) -> None:
+    (tmp_path / compilation.COMPLAINTS).write_text("OSError: no space left")
+
+    assert first_start.prepare(OPTIONS, frozenset()) == ""
+    assert started == []
+
+
+def test_without_a_folder_that_lasts_nothing_is_compiled_for_later(
+    started: list[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(first_start, "cache_lasts", lambda: False)
+
+    assert "NUMBA_CACHE_DIR" in first_start.prepare(OPTIONS, frozenset())
+    assert started == ["interpreted"]
+
+
+def test_a_cache_speaks_for_the_files_it_was_made_from_alone(
+    started: list[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    del started
+    compilation.keep()
+    assert compilation.kept()
+
+    monkeypatch.setenv("NUMBA_CPU_NAME", "x86-64")
+    assert not compilation.kept()
+
+
+@pytest.mark.long
+def test_the_process_beside_compiles_all_that_a_run_needs_and_ends(tmp_path: Path) -> None:
+    trained(code="from trainer.compiling import main; main()", cache=tmp_path)
+    before = {path.name for path in tmp_path.rglob("*.nb*")}
+    words = ("run", "steering-jam", "--headless", "--duration", "60", "--speed", "max")
+
+    done = trained(*words, cache=tmp_path)
+
+    assert done.stderr == ""
+    assert {path.name for path in tmp_path.rglob("*.nb*")} == before
+    assert not list(tmp_path.rglob(compilation.COMPLAINTS))
+
+
+@pytest.mark.parametrize(
+    ("words", "needed"),
+    [
+        (["--help"], set()),
+        (["run", "--help"], set()),
+        (["attach", "--help"], set()),
+        (["exercises"], {"numpy", "numba", "trainer.core", "sqlite3"}),
+        (
+            ["run", "--headless", "--duration", "0.5", "--speed", "max"],
+            {"numpy", "numba", "trainer.core", "sqlite3", "serial"},
+        ),
+    ],
+)
+def test_a_command_loads_what_it_uses(words: list[str], needed: set[str]) -> None:
+    code = BEHIND.format(words=words) + (
+        f"except SystemExit: print([name for name in {ASKED} if name in sys.modules])"
+    )
+
+    loaded = trained(code=code).stdout.splitlines()[-1]
+
+    assert set(eval(loaded)) <= needed  # noqa: S307  our own list

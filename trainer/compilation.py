@@ -1,0 +1,91 @@
+"""The core compiled or not: whether this machine keeps its machine code, and a core without any.
+
+A cache folder holds a mark once all that a run needs has been compiled into it. The mark is named
+by what numba asks before it gives machine code back, so that it speaks for this Python, this numba,
+this processor and these files only.
+"""
+
+import contextlib
+import hashlib
+import importlib
+import os
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Final
+
+from trainer.machine_code import cache_folder
+
+KERNELS: Final = "trainer.core.kernel"  # once it is imported, how kernels run is settled
+LOCK: Final = "compiling"
+COMPLAINTS: Final = "compiling.log"  # of a compilation beside a run; gone when it succeeds
+
+
+def kept() -> bool:
+    """Return whether everything that a run needs has been compiled on this machine before."""
+    return _mark().exists()
+
+
+def keep() -> None:
+    """Note that everything that a run needs has been compiled; nothing where that cannot be."""
+    with contextlib.suppress(OSError):
+        _mark().touch()
+
+
+def settled() -> bool:
+    """Return whether it is too late to choose between machine code and none."""
+    return KERNELS in sys.modules
+
+
+def do_without() -> None:
+    """Let the kernels, which have not been imported yet, be run by the interpreter."""
+    import numba  # noqa: PLC0415
+
+    numba.config.DISABLE_JIT = True  # type: ignore[attr-defined]
+
+
+def load() -> None:
+    """Import numba, and not scipy, which it takes along for a linear algebra no kernel uses."""
+    import numba  # noqa: F401, PLC0415
+
+    if "scipy.linalg" in sys.modules:
+        return
+    sys.modules["scipy.linalg"] = None  # type: ignore[assignment]  # is not there
+    try:
+        importlib.import_module("numba.np.arraymath")
+    finally:
+        del sys.modules["scipy.linalg"]
+
+
+def done_without() -> bool:
+    """Return whether the kernels are run by the interpreter."""
+    import numba  # noqa: PLC0415
+
+    return bool(numba.config.DISABLE_JIT)  # type: ignore[attr-defined]
+
+
+@contextlib.contextmanager
+def compiling() -> Iterator[bool]:
+    """Yield whether this process is the one that compiles into the cache now, inside the block."""
+    import fcntl  # noqa: PLC0415  not everywhere
+
+    with (cache_folder() / LOCK).open("wb") as lock:
+        try:
+            fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            yield False
+        else:
+            yield True
+
+
+def _mark() -> Path:
+    """Return the path of the mark."""
+    import numba  # noqa: PLC0415
+    from llvmlite import binding  # type: ignore[import-untyped]  # noqa: PLC0415
+
+    asked = [numba.__version__, sys.version, binding.get_host_cpu_name()]
+    asked += [os.environ.get(f"NUMBA_CPU_{name}", "") for name in ("NAME", "FEATURES")]
+    for path in sorted((Path(__file__).parent / "core").glob("*.py")):
+        status = path.stat()
+        asked.append(f"{path} {status.st_mtime_ns} {status.st_size}")
+    return cache_folder() / f"complete-{hashlib.sha256(repr(asked).encode()).hexdigest()[:16]}"
