@@ -40,6 +40,12 @@ def forces(compact: Record, trig: int, state: Record, force: Numbers) -> None:
         + thrust(compact, state)
         + c.X_vr * v * r
         - heavy * sin_th
+        + c.X_qq * q * q
+        + c.X_rr * r * r
+        + c.X_rp * r * p
+        + c.X_wq * w * q
+        + c.X_vv * v * v
+        + c.X_ww * w * w
     )
     force[1] = (
         u * (c.Y_r * r - m * r + c.Y_p * p + c.Y_v * v)
@@ -47,6 +53,12 @@ def forces(compact: Record, trig: int, state: Record, force: Numbers) -> None:
         + c.Y_vav * v * cross
         + c.Y_dr * (u * u) * s.delta_r
         + heavy * cos_th * sin_phi
+        + c.Y_pq * p * q
+        + c.Y_qr * q * r
+        + c.Y_vq * v * q
+        + c.Y_wp * w * p
+        + c.Y_wr * w * r
+        + c.Y_vw * v * w
     )
     force[2] = (
         u * (c.Z_q * q + c.Z_w * w)
@@ -57,6 +69,9 @@ def forces(compact: Record, trig: int, state: Record, force: Numbers) -> None:
         + c.Z_waw * w * cross
         + (u * u) * (c.Z_ds * s.delta_s + c.Z_db * s.delta_b + c.Z_star)
         + heavy * cos_th * cos_phi
+        + c.Z_pp * p * p
+        + c.Z_rp * r * p
+        + c.Z_vp * v * p
     )
     force[3] = (
         m * s.z_g * (u * r - w * p) * c.K_pdot
@@ -64,6 +79,14 @@ def forces(compact: Record, trig: int, state: Record, force: Numbers) -> None:
         + c.K_vav * v * cross
         + c.K_pap * p * abs(p)
         - c.K_pdot * (s.z_g * s.weight - c.ZB) * cos_th * sin_phi
+        + c.K_qr * q * r
+        + c.K_pq * p * q
+        + c.K_r * u * r
+        + c.K_vq * v * q
+        + c.K_wp * w * p
+        + c.K_wr * w * r
+        + c.K_vw * v * w
+        + c.K_star * u * u
     )
     force[4] = (
         c.M_rp * r * p
@@ -76,6 +99,9 @@ def forces(compact: Record, trig: int, state: Record, force: Numbers) -> None:
         + c.M_waw * w * cross
         + u * u * (c.M_star + c.M_db * s.delta_b + c.M_ds * s.delta_s)
         - c.M_qdot * (s.x_g * s.weight * cos_th * cos_phi + (s.z_g * s.weight - c.ZB) * sin_th)
+        + c.M_pp * p * p
+        + c.M_qaq * q * abs(q)
+        + c.M_vp * v * p
     )
     force[5] = (
         c.N_pq * p * q
@@ -86,6 +112,11 @@ def forces(compact: Record, trig: int, state: Record, force: Numbers) -> None:
         + c.N_rar * r * abs(r)
         + c.N_avr * cross * r
         + c.N_rdot * s.x_g * s.weight * cos_th * sin_phi
+        + c.N_qr * q * r
+        + c.N_wr * w * r
+        + c.N_wp * w * p
+        + c.N_vq * v * q
+        + c.N_vw * v * w
     )
 
 

@@ -56,7 +56,14 @@ KEPT: Final = (
     *("N_rdot", "N_pdot", "N_vdot", "N_r", "N_p", "N_v", "N_vav", "N_pq", "N_dr"),
 )
 BASIC_DROPS: Final = ("Z_waw", "M_waw", "M_awq")
-EXTRA_TERMS: Final = ("X_vr", "K_pap", "N_rar", "N_avr")  # room for what a hull proves to need
+EXTRA_TERMS: Final = (
+    *("X_vr", "X_qq", "X_rr", "X_rp", "X_wq", "X_vv", "X_ww"),
+    *("Y_pq", "Y_qr", "Y_vq", "Y_wp", "Y_wr", "Y_vw"),
+    *("Z_pp", "Z_rp", "Z_vp"),
+    *("K_pap", "K_qr", "K_pq", "K_r", "K_vq", "K_wp", "K_wr", "K_vw", "K_star"),
+    *("M_pp", "M_qaq", "M_vp"),
+    *("N_rar", "N_avr", "N_qr", "N_wr", "N_wp", "N_vq", "N_vw"),
+)
 
 SPEEDS: Final = 12  # longest schedule of autopilot gains
 PLANE_GAINS: Final = ("depth", "depth_rate", "pitch", "pitch_rate", "integral", "relief")

@@ -20,7 +20,14 @@ AXES = ("X", "Y", "Z", "K", "M", "N")
 COEFFICIENT = Quantity("-", within(-10, 10), "coefficient, prime system, per radian")
 FACTOR = Quantity("-", within(-100, 100), "factor on a coefficient of the compact set")
 # What BB2 proves to need beyond the 60 kept ones; zero elsewhere.
-EXTRA_TERMS = ("X_vr", "K_pap", "N_rar", "N_avr")
+EXTRA_TERMS = (
+    *("X_vr", "X_qq", "X_rr", "X_rp", "X_wq", "X_vv", "X_ww"),
+    *("Y_pq", "Y_qr", "Y_vq", "Y_wp", "Y_wr", "Y_vw"),
+    *("Z_pp", "Z_rp", "Z_vp"),
+    *("K_pap", "K_qr", "K_pq", "K_r", "K_vq", "K_wp", "K_wr", "K_vw", "K_star"),
+    *("M_pp", "M_qaq", "M_vp"),
+    *("N_rar", "N_avr", "N_qr", "N_wr", "N_wp", "N_vq", "N_vw"),
+)
 EQUATION_SETS = ("modified", "basic")
 
 

@@ -4,10 +4,14 @@ A schedule is a generator: between two yields the vehicle moves by one cycle, wi
 they are ordered before. Events are seen at the starts of cycles, as in the program CONTR.
 """
 
-from collections.abc import Callable, Generator
+import math
+from collections.abc import Generator
 from typing import NamedTuple
 
-from trainer.study.manoeuvres.vehicle import Vehicle
+import numpy as np
+
+from trainer.study.manoeuvres.measures import Numbers
+from trainer.study.manoeuvres.vehicle import Swift, Vehicle, Watch
 
 Cycles = Generator[None, None, None]
 EARLY = 1e-9  # [s] rounding of a sum of steps
@@ -29,12 +33,27 @@ class Conn:
         self.marks: list[Mark] = []
         self.ordered: dict[str, float] = {}  # what was ordered last, by control
         self._places = {name: i for i, name in enumerate(vehicle.columns)}
-        self.seen = vehicle.observe()
+        self.seen: tuple[float, ...] = ()
+        self._blocks: list[Numbers] = []
+        self._rows: list[tuple[float, ...]] = []
+        self.look()
 
-    def look(self) -> tuple[float, ...]:
-        """Return the columns as they stand, and remember them."""
+    def look(self) -> None:
+        """Remember the columns as they stand."""
         self.seen = self.vehicle.observe()
-        return self.seen
+        self._rows.append(self.seen)
+
+    @property
+    def table(self) -> Numbers:
+        """Return all that was seen, a row for every cycle."""
+        self._close()
+        return np.concatenate(self._blocks)
+
+    def _close(self) -> None:
+        """Make a block of the rows seen one by one."""
+        if self._rows:
+            self._blocks.append(np.array(self._rows))
+            self._rows = []
 
     def value(self, column: str) -> float:
         """Return a column as it stands at the start of this cycle."""
@@ -56,19 +75,39 @@ class Conn:
 
     def hold(self, seconds: float) -> Cycles:
         """Let time pass, all controls held."""
-        end = self.time + seconds - EARLY
-        while self.time < end:
-            yield
+        yield from self._pass(self.time + seconds - EARLY, None)
 
     def hold_to(self, time: float) -> Cycles:
         """Let time pass up to ``time`` [s] since the start."""
         yield from self.hold(time - self.time)
 
-    def until(self, condition: Callable[[], bool], most: float) -> Generator[None, None, bool]:
-        """Let time pass until ``condition``, at most ``most`` [s]; return whether it came true."""
-        end = self.time + most - EARLY
-        while not condition():
-            if self.time >= end:
-                return False
+    def until(self, watch: Watch, most: float) -> Generator[None, None, bool]:
+        """Let time pass until what is watched passes, at most ``most`` [s]; return whether it did."""
+        yield from self._pass(self.time + most - EARLY, watch)
+        return self.passed(watch)
+
+    def passed(self, watch: Watch) -> bool:
+        """Return whether a quantity has passed its mark, at the start of this cycle."""
+        return watch.side * (self._quantity(watch.quantity) - watch.mark) >= 0.0
+
+    def _quantity(self, name: str) -> float:
+        """Return a quantity that can be watched."""
+        if name == "depth rate":
+            theta = self.value("theta")
+            return self.value("w") * math.cos(theta) - self.value("u") * math.sin(theta)
+        if name == "size of theta":
+            return abs(self.value("theta"))
+        return self.value(name)
+
+    def _pass(self, end: float, watch: Watch | None) -> Cycles:
+        """Let time pass to ``end`` [s] or until what is watched passes."""
+        if isinstance(self.vehicle, Swift) and self.vehicle.swift:
+            self._close()
+            rows = self.vehicle.sail(end, watch)
+            if len(rows):
+                self._blocks.append(rows)
+                self.seen = tuple(rows[-1].tolist())
+            self.vehicle.sound()
+            return
+        while self.time < end and not (watch and self.passed(watch)):
             yield
-        return True

@@ -90,17 +90,18 @@ def fly(vehicle: Vehicle, manoeuvre: Manoeuvre, speed: float) -> Flight:
     check_controls(vehicle, manoeuvre.needs)
     vehicle.start(speed)
     conn = Conn(vehicle)
-    rows, lost = [conn.look()], ""
+    lost, left = "", LONGEST
     try:
         with np.errstate(all="ignore"):  # what is lost is told by the vehicle
             for _ in manoeuvre.schedule(conn):
                 vehicle.advance()
-                rows.append(conn.look())
-                if len(rows) > LONGEST:
+                conn.look()
+                left -= 1
+                if left == 0:
                     raise ConfigError(f"{vehicle.name}: does not end in {LONGEST} cycles")
     except LostError as gone:
         lost = str(gone)
-    table = np.array(rows)
+    table = conn.table
     columns = {name: table[:, i] for i, name in enumerate(vehicle.columns)}
     return Flight(
         speed=speed,

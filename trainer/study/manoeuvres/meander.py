@@ -8,6 +8,7 @@ from typing import ClassVar, Final
 from trainer.study.manoeuvres.conn import Conn
 from trainer.study.manoeuvres.flight import Flight, Manoeuvre
 from trainer.study.manoeuvres.measures import Measure, shown, swing_measures
+from trainer.study.manoeuvres.vehicle import Watch
 
 LEAD: Final = 2.0  # [s] of straight flight
 
@@ -31,7 +32,7 @@ class Meander(Manoeuvre):
         conn.order("planes", math.radians(self.angle_deg))
         conn.mark("planes")
         reached = yield from conn.until(
-            lambda: abs(conn.value("theta")) >= execute, self.duration_s - conn.time
+            Watch("size of theta", execute), self.duration_s - conn.time
         )
         if not reached:
             return

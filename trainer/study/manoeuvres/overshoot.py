@@ -8,6 +8,7 @@ from typing import ClassVar, Final
 from trainer.study.manoeuvres.conn import Conn
 from trainer.study.manoeuvres.flight import Flight, Manoeuvre
 from trainer.study.manoeuvres.measures import Measure, share, shown, swing_measures
+from trainer.study.manoeuvres.vehicle import Watch
 
 LEAD: Final = 2.0  # [s] of straight flight
 
@@ -31,16 +32,15 @@ class Overshoot(Manoeuvre):
         conn.order("planes", angle)
         conn.mark("planes")
         reached = yield from conn.until(
-            lambda: abs(conn.value("theta")) >= execute, self.duration_s - conn.time
+            Watch("size of theta", execute), self.duration_s - conn.time
         )
         if not reached:
             return
         conn.order("planes", -angle)
         conn.mark("execute")
-        rising = _depth_rate(conn) < 0.0
-        reached = yield from conn.until(
-            lambda: (_depth_rate(conn) < 0.0) != rising, self.duration_s - conn.time
-        )
+        rising = not conn.passed(Watch("depth rate", 0.0))
+        turning = Watch("depth rate", 0.0, 1.0 if rising else -1.0)
+        reached = yield from conn.until(turning, self.duration_s - conn.time)
         if not reached:
             return
         conn.order("planes", 0.0)
@@ -69,9 +69,3 @@ class Overshoot(Manoeuvre):
         after = flight.since(execute)
         t, swing = flight.t[after], flight.change("theta")[after]
         return found + swing_measures("pitch", "rad", t, swing)
-
-
-def _depth_rate(conn: Conn) -> float:
-    """Return the depth rate [m/s], without roll."""
-    theta = conn.value("theta")
-    return conn.value("w") * math.cos(theta) - conn.value("u") * math.sin(theta)

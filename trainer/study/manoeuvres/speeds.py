@@ -8,6 +8,7 @@ from typing import ClassVar, Final
 from trainer.study.manoeuvres.conn import Conn
 from trainer.study.manoeuvres.flight import Flight, Manoeuvre
 from trainer.study.manoeuvres.measures import Measure, first_time, largest, part, share, shown
+from trainer.study.manoeuvres.vehicle import Watch
 
 KNOT: Final = 1852.0 / 3600.0  # [m/s]
 STEP: Final = 5.0 * KNOT  # [m/s] of 1969; at most a third of what the vehicle makes
@@ -93,7 +94,7 @@ class CrashStop(Manoeuvre):
         conn.vehicle.keep("depth")
         conn.order("engine", conn.vehicle.controls["engine"].low)
         conn.mark("astern")
-        yield from conn.until(lambda: conn.value("u") <= 0.0, self.duration_s)
+        yield from conn.until(Watch("u", 0.0, -1.0), self.duration_s)
 
     def measures(self, flight: Flight) -> list[Measure]:
         """Return time, head reach, side reach and change of heading."""

@@ -5,7 +5,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Final
 
+import numpy as np
+
 from trainer.boat import Boat
+from trainer.core import sortie
 from trainer.core.actuators import move_surfaces
 from trainer.core.autopilot import OWN, REPORT, REPORT_LITERAL
 from trainer.core.integrators import advance
@@ -13,7 +16,8 @@ from trainer.core.propulsion import answer_telegraph
 from trainer.core.update import lost, outside
 from trainer.files.vessel_file import VesselFile
 from trainer.fitout import Method
-from trainer.study.manoeuvres.vehicle import Control, LostError
+from trainer.study.manoeuvres.measures import Numbers
+from trainer.study.manoeuvres.vehicle import Control, LostError, Watch
 from trainer.study.neutral import trim_at
 
 COLUMNS: Final = (
@@ -27,6 +31,14 @@ STEEPEST: Final = math.radians(80.0)
 SPEED_GAIN: Final = 4.0  # [-] command speed per speed, and
 SPEED_RATE: Final = 0.2  # [1/s] per its integral
 AT_ONCE: Final = 1e9  # [rad/s]
+ROUNDING: Final = 1e-12  # [cycles]
+WATCHED: Final = {
+    "theta": sortie.PITCH,
+    "size of theta": sortie.PITCH_SIZE,
+    "psi": sortie.HEADING,
+    "u": sortie.SPEED,
+    "depth rate": sortie.DEPTH_RATE,
+}
 
 
 @dataclass(frozen=True)
@@ -73,6 +85,8 @@ class Submarine:
         self._law = LAWS[rig.law] if self.boat.automatic else max(LAWS[rig.law], REPORT)
         self._neutral = {"rudder": 0.0, "planes": 0.0}
         self._kept_speed: float | None = None
+        self._lookout = np.zeros(1, sortie.LOOKOUT)
+        self._lookout["steepest"] = STEEPEST
         if self._at_once:
             own = self.boat.records.vessel
             own["surface_rate"], own["surface_lag"] = AT_ONCE, 0.0
@@ -135,7 +149,10 @@ class Submarine:
         """Advance by one cycle; LostError if the numbers go astray."""
         if self._kept_speed is not None:
             self._make_speed(self._kept_speed)
-        status = self._moved() if self._at_once else self.boat.tick()
+        self._check(self._moved() if self._at_once else self.boat.tick())
+
+    def _check(self, status: int) -> None:
+        """Check the tick just made; LostError if the numbers went astray."""
         if status:
             raise LostError(self.boat.failure(status))
         s = self.boat.state
@@ -144,6 +161,26 @@ class Submarine:
                 f"pitch is {math.degrees(s.theta):.0f} degrees after {self.boat.time:g} s, "
                 "beyond what the equations are good for"
             )
+
+    @property
+    def swift(self) -> bool:
+        """Return whether the tick is all that moves the boat."""
+        return self._kept_speed is None and not self._at_once
+
+    def sail(self, end: float, watch: Watch | None) -> Numbers:
+        """Advance to ``end`` [s], or until what is watched passes; return a row for each cycle."""
+        last = math.ceil(end / self.step - ROUNDING)
+        eye = self._lookout
+        eye["last"], eye["watched"], eye["status"] = last, sortie.NOTHING, 0.0
+        if watch:
+            eye["watched"], eye["mark"] = WATCHED[watch.quantity], watch.mark
+            eye["side"] = watch.side
+        rows = np.empty((max(last - int(self.boat.state.tick), 0), len(COLUMNS)))
+        return rows[: sortie.sail(tuple(self.boat.records), eye, rows)]
+
+    def sound(self) -> None:
+        """Check how the last ``sail`` ended; LostError if the numbers went astray in it."""
+        self._check(int(self._lookout["status"][0]))
 
     def _make_speed(self, wanted: float) -> None:
         """Let the autopilot's trim of speed bring the boat to a speed [m/s] in turns too.

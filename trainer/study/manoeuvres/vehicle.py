@@ -1,7 +1,10 @@
 """What a manoeuvre needs of whatever flies it, be it a submarine, a ship or a torpedo."""
 
 from collections.abc import Mapping
-from typing import NamedTuple, Protocol
+from typing import NamedTuple, Protocol, runtime_checkable
+
+import numpy as np
+from numpy.typing import NDArray
 
 from trainer.config import ConfigError
 
@@ -11,6 +14,14 @@ class Control(NamedTuple):
 
     low: float  # [rad], of the engine [m/s]
     high: float
+
+
+class Watch(NamedTuple):
+    """A quantity that is looked at until it passes its mark."""
+
+    quantity: str  # a column, "size of theta" or "depth rate", which is without roll
+    mark: float  # [rad] or [m/s]
+    side: float = 1.0  # 1: at or above the mark is past it, -1: at or below
 
 
 class LostError(Exception):
@@ -77,6 +88,24 @@ class Vehicle(Protocol):
 
     def advance(self) -> None:
         """Advance by one cycle, controls held; LostError if its numbers go astray."""
+        ...
+
+
+@runtime_checkable
+class Swift(Protocol):
+    """A vehicle that can let many cycles pass at once, with the numbers of as many by one."""
+
+    @property
+    def swift(self) -> bool:
+        """Return whether it can as it is handled now."""
+        ...
+
+    def sail(self, end: float, watch: Watch | None) -> NDArray[np.float64]:
+        """Advance to ``end`` [s], or until what is watched passes; return a row for each cycle."""
+        ...
+
+    def sound(self) -> None:
+        """Check how the last ``sail`` ended; LostError if the numbers went astray in it."""
         ...
 
 

@@ -3,7 +3,6 @@
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
-from functools import partial
 from typing import ClassVar, Final
 
 from trainer.study.manoeuvres.conn import Conn
@@ -17,6 +16,7 @@ from trainer.study.manoeuvres.measures import (
     share,
     shown,
 )
+from trainer.study.manoeuvres.vehicle import Watch
 
 LEAD: Final = 2.0  # [s] of straight motion
 SWINGS: Final = 4  # peaks that are told
@@ -52,16 +52,11 @@ class ZigZag(Manoeuvre):
             conn.order(self.control, side * angle)
             conn.mark("execute")
             mark = level + side * execute
-            reached = yield from conn.until(
-                partial(self._beyond, conn, side, mark), self.duration_s - conn.time
-            )
+            watch = Watch(self.watched, mark, side)
+            reached = yield from conn.until(watch, self.duration_s - conn.time)
             if not reached:
                 return
             side = -side
-
-    def _beyond(self, conn: Conn, side: float, mark: float) -> bool:
-        """Return whether the angle has reached its mark on that side."""
-        return side * (conn.value(self.watched) - mark) >= 0.0
 
     def measures(self, flight: Flight) -> list[Measure]:
         """Return executes, peaks, overshoots, rates, crossings, speed and track."""

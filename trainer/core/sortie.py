@@ -1,0 +1,73 @@
+"""Many ticks in one call, as manoeuvres are flown: on until a quantity passes its mark."""
+
+from typing import Final
+
+from trainer.core.elementary import cosine, sine
+from trainer.core.kernel import Numbers, Record, kernel, record_dtype
+from trainer.core.update import update
+
+COLUMNS: Final = 17  # numbers of a row
+NOTHING, PITCH, PITCH_SIZE, HEADING, SPEED, DEPTH_RATE = 0, 1, 2, 3, 4, 5  # what is watched
+
+LOOKOUT: Final = record_dtype(
+    "watched",  # [-] NOTHING to DEPTH_RATE, which is without roll
+    "side",  # [-] 1: until the quantity is at or above its mark, -1: at or below it
+    "mark",  # [rad] or [m/s]
+    "last",  # [ticks] at which to stop whatever the quantity is
+    "steepest",  # [rad] pitch beyond which the boat is lost
+    "status",  # [-] of the tick that failed, 0 if none did
+)
+
+
+@kernel
+def passed(lookout: Record, state: Record) -> bool:
+    """Return whether the quantity watched has passed its mark."""
+    eye = lookout[0]
+    s = state[0]
+    if eye.watched == NOTHING:
+        return False
+    if eye.watched == PITCH:
+        value = s.theta
+    elif eye.watched == PITCH_SIZE:
+        value = abs(s.theta)
+    elif eye.watched == HEADING:
+        value = s.psi
+    elif eye.watched == SPEED:
+        value = s.u
+    else:
+        value = s.w * cosine(s.theta) - s.u * sine(s.theta)
+    return bool(eye.side * (value - eye.mark) >= 0.0)
+
+
+@kernel
+def write_row(state: Record, h: float, out: Numbers) -> None:
+    """Write time, motion, surfaces and command speed [SI, rad] as they stand to ``out``."""
+    s = state[0]
+    out[0] = s.tick * h
+    out[1], out[2], out[3] = s.u, s.v, s.w
+    out[4], out[5], out[6] = s.p, s.q, s.r
+    out[7], out[8], out[9] = s.x, s.y, s.z
+    out[10], out[11], out[12] = s.phi, s.theta, s.psi
+    out[13], out[14], out[15], out[16] = s.delta_r, s.delta_s, s.delta_b, s.u_c
+
+
+@kernel
+def sail(records: tuple[Record, ...], lookout: Record, out: Numbers) -> int:
+    """Advance tick by tick, a row of ``out`` [n, COLUMNS] each; return how many were written.
+
+    Ends where the quantity watched has passed, at the last tick, when ``out`` is full, or when
+    the boat is lost, which has no row. ``records`` are those of ``update``.
+    """
+    vessel, compact, scheme, state, scratch = records
+    eye = lookout[0]
+    s = state[0]
+    h = scheme[0].h
+    eye.status = 0.0
+    for i in range(out.shape[0]):
+        if s.tick >= eye.last or passed(lookout, state):
+            return i
+        eye.status = float(update(vessel, compact, scheme, state, scratch))
+        if eye.status != 0.0 or abs(s.theta) > eye.steepest:
+            return i
+        write_row(state, h, out[i])
+    return int(out.shape[0])
