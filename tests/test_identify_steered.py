@@ -1,13 +1,17 @@
 """A Nomoto ship sails: steady turns, time constants, manoeuvres, and its file."""
 
+import json
 import math
 
 import pytest
+from click.testing import CliRunner
 
+from trainer.commands.guiding import manoeuvre
 from trainer.config import ConfigError
 from trainer.fitout import KNOT
 from trainer.identify.nomoto_file import NomotoFile, is_nomoto, key_table, load_nomoto, written
 from trainer.identify.steered import Steered
+from trainer.study.manoeuvres.catalogue import named
 from trainer.study.manoeuvres.flight import fly
 from trainer.study.manoeuvres.vehicle import LostError
 from trainer.study.manoeuvres.zigzag import ZigZag
@@ -99,3 +103,44 @@ def test_a_nomoto_file_is_read_as_it_was_written(tmp_path):
     path.write_text(path.read_text().replace("T1_s", "T1"))
     with pytest.raises(ConfigError, match=r"no such key; nearest is T1_s"):
         load_nomoto(path)
+
+
+def sailed(tmp_path, *arguments):
+    path = tmp_path / "ship.toml"
+    path.write_text(written(nomoto_file(), "model nomoto2 fitted to x.csv", {}))
+    name, *options = arguments
+    return CliRunner().invoke(manoeuvre, [name, str(path), *options])
+
+
+def test_the_file_of_an_identified_ship_flies_a_manoeuvre(tmp_path):
+    result = sailed(tmp_path, "zigzag-10", "--json", "--step", "0.25")
+    report = json.loads(result.stdout)
+    measures = {one["name"]: one["value"] for one in report["measures"]}
+    flight = fly(Steered(nomoto_file(step_s=0.25)), named("zigzag-10"), SPEED)
+    assert report["speed_kn"] == pytest.approx(10.0)
+    assert measures["heading peak 1"] == pytest.approx(
+        next(one.value for one in named("zigzag-10").measures(flight) if "peak 1" in one.name)
+    )
+    assert "a ship: zigzag-10" in sailed(tmp_path, "zigzag-10").stdout
+
+
+@pytest.mark.parametrize(
+    ("arguments", "told"),
+    [
+        (("zigzag-10", "--equations", "basic"), "--equations are for boats"),
+        (("crash-stop",), "needs a control 'engine'"),
+        (("rudder-impulse",), "is measured by phi"),
+        (("turn", "--speed", "20"), "was identified at 10 kn, not at 20 kn"),
+    ],
+)
+def test_what_a_nomoto_ship_cannot_do_is_told(tmp_path, arguments, told):
+    result = sailed(tmp_path, *arguments)
+    assert result.exit_code != 0
+    assert told in f"{result.exception} {result.output}"
+
+
+def test_a_plot_of_a_nomoto_ship_leaves_out_what_she_has_not(tmp_path):
+    pytest.importorskip("matplotlib")
+    plot = tmp_path / "z.svg"
+    assert sailed(tmp_path, "zigzag-10", "--plot", str(plot)).exit_code == 0
+    assert plot.stat().st_size > 0

@@ -11,6 +11,9 @@ import click
 
 from trainer.commands.answers import AHEAD, Number, outputs, show
 from trainer.commands.options import EQUATIONS, FILE
+from trainer.commands.running import given
+
+OF_BOATS: Final = ("equations", "rates", "trig", "integrator", "controls", "trim", "law")
 
 
 def print_list(ctx: click.Context, _param: click.Parameter, value: bool) -> None:  # noqa: FBT001
@@ -74,21 +77,41 @@ def print_list(ctx: click.Context, _param: click.Parameter, value: bool) -> None
 def manoeuvre(name: str, vessel: str, **options: Any) -> None:
     """Fly a manoeuvre and measure it (CONTR).
 
+    VESSEL is a name, a vessel file, or the Nomoto file of a ship that was identified.
+
     \b
     Example:  trainer manoeuvre turning-circle bb2 --angle 20
     Example:  trainer manoeuvre meander bb2 --speed 15 --equations modified --plot m.svg
+    Example:  trainer manoeuvre zigzag-10 ship.toml
 
     Exit code 1 when the boat is lost on the way.
     """
-    from trainer.files.vessel_file import load_vessel  # noqa: PLC0415
     from trainer.study import manoeuvre_page as page  # noqa: PLC0415
     from trainer.study.manoeuvres.catalogue import named  # noqa: PLC0415
 
-    report, flight = page.flown(load_vessel(vessel), name, options)
+    report, flight = _flown(vessel, name, options)
     if options["csv"]:
         page.write_csv(flight, options["csv"])
     show(report, page.render, lambda: page.panels(named(name), flight), options)
     sys.exit(1 if report.lost else 0)
+
+
+def _flown(vessel: str, name: str, options: dict[str, Any]) -> tuple[Any, Any]:
+    """Return report and flight of a boat, or of a Nomoto ship."""
+    from trainer.files.vessel_file import load_vessel  # noqa: PLC0415
+    from trainer.identify.nomoto_file import is_nomoto  # noqa: PLC0415
+    from trainer.study import manoeuvre_page as page  # noqa: PLC0415
+
+    path = Path(vessel)
+    if path.suffix != ".toml" or not is_nomoto(path):
+        return page.flown(load_vessel(vessel), name, options)
+    from trainer.identify.steered import steered  # noqa: PLC0415
+
+    unknown = [f"--{option}" for option in OF_BOATS if option in given()]
+    if unknown:
+        raise click.UsageError(f"{vessel} is a Nomoto ship: {', '.join(unknown)} are for boats")
+    ship = steered(path, options["step"])
+    return page.sailed(ship, name, options, ship.speed_kn)
 
 
 @click.command()

@@ -6,6 +6,8 @@ z' = K delta - r + kappa K |r| r. The sway filter has the same denominator. Spee
 
 import math
 from collections.abc import Mapping
+from dataclasses import replace
+from pathlib import Path
 from typing import Final
 
 import numpy as np
@@ -13,7 +15,7 @@ from numpy.typing import NDArray
 
 from trainer.config import ConfigError
 from trainer.fitout import KNOT
-from trainer.identify.nomoto_file import NomotoFile
+from trainer.identify.nomoto_file import NomotoFile, load_nomoto
 from trainer.study.manoeuvres.vehicle import Control, LostError
 
 Numbers = NDArray[np.float64]
@@ -22,6 +24,12 @@ COLUMNS: Final = ("t", "u", "v", "r", "x", "y", "psi", "delta_r")
 FASTEST: Final = math.tau  # [rad/s] a ship that turns faster is lost
 OTHER_SPEED: Final = 0.05  # [-] from the file's own, beyond which its numbers do not hold
 Z, R, PSI, X, Y, SWAY, SWAY_RATE = range(7)
+
+
+def steered(path: Path, step: float | None) -> "Steered":
+    """Return the ship of a Nomoto file, computed every ``step`` [s], else as the file says."""
+    ship = load_nomoto(path)
+    return Steered(ship if step is None else replace(ship, step_s=step))
 
 
 class Steered:
@@ -41,6 +49,11 @@ class Steered:
         self._state = np.zeros(7)
         self._rudder = self._ordered = self._neutral
         self._time = 0.0
+
+    @property
+    def speed_kn(self) -> float:
+        """Return the speed [kn] that the ship was identified at."""
+        return self._ship.speed_kn
 
     @property
     def controls(self) -> Mapping[str, Control]:

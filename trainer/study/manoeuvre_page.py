@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +15,7 @@ from trainer.study.manoeuvres.conn import Mark
 from trainer.study.manoeuvres.flight import Flight, Manoeuvre, fly
 from trainer.study.manoeuvres.measures import Measure
 from trainer.study.manoeuvres.submarine import Rig, Submarine
+from trainer.study.manoeuvres.vehicle import Vehicle
 from trainer.study.page import INDENT, figure, table, wrapped
 from trainer.study.plots import Curve, Panel
 
@@ -29,8 +30,8 @@ class Report:
     manoeuvre: str
     speed_kn: float  # at the start
     parameters: dict[str, float]  # [deg] and [s]
-    method: Method
-    rig: Rig
+    method: Method | None  # of a boat; another vehicle computes as it does
+    rig: Rig | None
     marks: tuple[Mark, ...]
     measures: tuple[Measure, ...]
     lost: str
@@ -48,16 +49,27 @@ def flown(file: VesselFile, name: str, options: Mapping[str, Any]) -> tuple[Repo
     )
     rig = Rig(options["controls"], options["trim"], options["law"])
     boat = Submarine(file, method, rig)
+    report, flight = sailed(boat, name, options, file.run.start_speed_kn)
+    return replace(report, method=method, rig=rig), flight
+
+
+def sailed(
+    vehicle: Vehicle, name: str, options: Mapping[str, Any], usual: float
+) -> tuple[Report, Flight]:
+    """Return report and flight of the manoeuvre of that name by any vehicle.
+
+    It begins at ``usual`` [kn] unless ``options``, the command's, have another speed.
+    """
     given = {key: options[key] for key in PARAMETERS if options[key] is not None}
-    manoeuvre = adjusted(name, boat, given)
-    flight = fly(boat, manoeuvre, _speed(file, manoeuvre, options["speed"]) * KNOT)
+    manoeuvre = adjusted(name, vehicle, given)
+    flight = fly(vehicle, manoeuvre, _speed(manoeuvre, options["speed"], usual) * KNOT)
     report = Report(
-        vessel=file.name,
+        vessel=vehicle.name,
         manoeuvre=name,
         speed_kn=flight.speed / KNOT,
         parameters=parameters(manoeuvre),
-        method=method,
-        rig=rig,
+        method=None,
+        rig=None,
         marks=flight.marks,
         measures=tuple(manoeuvre.measures(flight)),
         lost=flight.lost,
@@ -65,10 +77,10 @@ def flown(file: VesselFile, name: str, options: Mapping[str, Any]) -> tuple[Repo
     return report, flight
 
 
-def _speed(file: VesselFile, manoeuvre: Manoeuvre, given: float | None) -> float:
+def _speed(manoeuvre: Manoeuvre, given: float | None, usual: float) -> float:
     """Return the speed [kn] to start at; ConfigError if one is given to what starts at rest."""
     if not manoeuvre.from_rest:
-        return file.run.start_speed_kn if given is None else given
+        return usual if given is None else given
     if given is not None:
         raise ConfigError("--speed: this manoeuvre starts from rest")
     return 0.0
@@ -76,21 +88,30 @@ def _speed(file: VesselFile, manoeuvre: Manoeuvre, given: float | None) -> float
 
 def render(report: Report) -> str:
     """Return the report as text."""
-    method, rig = report.method, report.rig
     given = ", ".join(f"{name} {value:g}" for name, value in report.parameters.items())
     rows = [(one.name, *shown(one)) for one in report.measures]
-    computed = f"{method.equations} set, {method.rates} accelerations, {method.integrator}"
     lines = [
         f"{report.vessel}: {report.manoeuvre}",
         f"{INDENT}from {report.speed_kn:g} kn; {given or 'no parameters'} [deg, s]",
-        f"{INDENT}{computed}, step {method.step:g} s",
-        f"{INDENT}controls: {rig.controls}; trim: {rig.trim}; depth law: {rig.law}",
+        *_computed(report),
         "",
         *table(("measure", "", "unit"), rows),
     ]
     if report.lost:
         lines += ["", *wrapped(f"LOST: {report.lost}")]
     return "\n".join(lines)
+
+
+def _computed(report: Report) -> list[str]:
+    """Return how a boat was computed and rigged, nothing of another vehicle."""
+    method, rig = report.method, report.rig
+    if method is None or rig is None:
+        return []
+    computed = f"{method.equations} set, {method.rates} accelerations, {method.integrator}"
+    return [
+        f"{INDENT}{computed}, step {method.step:g} s",
+        f"{INDENT}controls: {rig.controls}; trim: {rig.trim}; depth law: {rig.law}",
+    ]
 
 
 def shown(one: Measure) -> tuple[str, str]:
@@ -102,14 +123,14 @@ def shown(one: Measure) -> tuple[str, str]:
 
 
 def panels(manoeuvre: Manoeuvre, flight: Flight) -> tuple[Panel, ...]:
-    """Return the panels of what the manoeuvre shows, events marked."""
+    """Return the panels of what the manoeuvre shows and the vehicle has, events marked."""
     marks = tuple((mark.name, mark.t) for mark in flight.marks)
     found = []
     for name in manoeuvre.shows:
         if name == TRACK:
             curve = Curve("track", flight.column("y"), flight.column("x"))
             found.append(Panel("track", "east [m]", "north [m]", (curve,)))
-        else:
+        elif flight.has(name):
             factor, of = unit(name)
             curve = Curve(name, flight.t, factor * flight.column(name))
             found.append(Panel(name, "time [s]", f"{name} [{of}]", (curve,), marks))

@@ -11,7 +11,12 @@ import numpy as np
 from trainer.config import ConfigError
 from trainer.study.manoeuvres.conn import Conn, Mark
 from trainer.study.manoeuvres.measures import Measure, Numbers
-from trainer.study.manoeuvres.vehicle import LostError, Vehicle, check_controls
+from trainer.study.manoeuvres.vehicle import (
+    LostError,
+    Vehicle,
+    check_columns,
+    check_controls,
+)
 from trainer.study.series import Series
 
 LONGEST = 2_000_000  # [cycles] of a flight
@@ -85,9 +90,10 @@ class Manoeuvre(ABC):
 def fly(vehicle: Vehicle, manoeuvre: Manoeuvre, speed: float) -> Flight:
     """Return the flight of a manoeuvre that begins at ``speed`` [m/s].
 
-    ConfigError if the vehicle lacks a control or cannot start so.
+    ConfigError if the vehicle lacks a control or what is measured, or cannot start so.
     """
     check_controls(vehicle, manoeuvre.needs)
+    check_columns(vehicle, manoeuvre.compared)
     vehicle.start(speed)
     conn = Conn(vehicle)
     lost, left = "", LONGEST

@@ -124,3 +124,13 @@ def check_controls(vehicle: Vehicle, needed: tuple[str, ...]) -> None:
                 f"{vehicle.name}: the manoeuvre needs a control {control!r}, "
                 f"and it has {known} alone"
             )
+
+
+def check_columns(vehicle: Vehicle, needed: tuple[str, ...]) -> None:
+    """Check that the vehicle has the columns; ConfigError if it lacks one."""
+    for column in needed:
+        if column not in vehicle.columns:
+            known = ", ".join(vehicle.columns)
+            raise ConfigError(
+                f"{vehicle.name}: the manoeuvre is measured by {column}, and it has {known} alone"
+            )
