@@ -1,5 +1,20 @@
-"""Run the command line as ``python -m trainer``."""
+"""The command: a run on an exported core, or any other with the libraries that it needs."""
 
-from trainer.cli import main
+import sys
 
-main()
+
+def main() -> None:
+    """Run the command line."""
+    words = sys.argv[1:]
+    exported = any(word.partition("=")[0] == "--core" for word in words)
+    if words[:1] == ["run"] and exported and not {"-h", "--help"} & set(words):
+        from trainer.bare.run import main as run  # noqa: PLC0415
+
+        sys.exit(run(words[1:]))
+    from trainer.cli import main as command  # noqa: PLC0415
+
+    command()
+
+
+if __name__ == "__main__":
+    main()

@@ -10,6 +10,7 @@ from trainer import __version__
 from trainer.arguments import Commands
 from trainer.commands import (
     attending,
+    exported,
     guiding,
     identify,
     instruments,
@@ -66,7 +67,12 @@ SECTIONS: Final = {
     "A boat": (vessels.check, *guiding.GUIDING, vessels.gains),
     "The programs of 1969": programs.PROGRAMS,
     "A ship from her recordings": (identify.identify, identify.prbs, identify.decca),
-    "This machine, and others": (vessels.bench, vessels.evaluate, instruments.instruments),
+    "This machine, and others": (
+        vessels.bench,
+        vessels.evaluate,
+        instruments.instruments,
+        exported.export_core,
+    ),
 }
 for title, commands in SECTIONS.items():
     cli.add_section(title, commands)

@@ -9,6 +9,7 @@ import click
 from trainer.commands.options import (
     FILE,
     console_options,
+    core_options,
     exercise_options,
     port_options,
     recording_options,
@@ -37,7 +38,8 @@ def given() -> frozenset[str]:
 @rerun_options
 @port_options(listen=None, socket=None)
 @teletype_option
-def run(*, teletype: bool, **options: Any) -> None:
+@core_options
+def run(*, teletype: bool, core: Path | None, state: Path | None, **options: Any) -> None:
     """Run a boat in real time on a console, or headless.
 
     EXERCISE is the name of a shipped one (`trainer exercises`) or the path of a file; what is
@@ -53,6 +55,10 @@ def run(*, teletype: bool, **options: Any) -> None:
     Others on this machine join with `trainer station ROLE`. Exit codes: 0 done, 1 the boat's
     numbers or the recording failed, 2 wrong input.
     """
+    if core or state:
+        from trainer.bare.run import main as run_core  # noqa: PLC0415
+
+        sys.exit(run_core(sys.argv[sys.argv.index("run") + 1 :]))
     from trainer.screen.terminal import has_terminal  # noqa: PLC0415
 
     elsewhere = options["headless"] or options["url"] is not None
