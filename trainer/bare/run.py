@@ -11,6 +11,8 @@ from trainer.bare.table import Table
 
 KNOT = 1852.0 / 3600.0  # [m/s]
 DEGREE = 0.017453292519943295  # [rad]
+UNPACED = float("inf")
+BY_LINE, BY_BLOCK = 1, -1  # how rows go to the disk: at once where time is kept
 BEHIND = 5  # [ticks] made up after a delay; what is more is let go
 
 
@@ -41,7 +43,7 @@ def main(words: list[str]) -> int:
         options = Options(words)
         core = Core(options.core)
         orders = read_schedule(options.orders, core) if options.orders else []
-        table = Table(options.csv, core)
+        table = Table(options.csv, core, BY_BLOCK if options.speed == UNPACED else BY_LINE)
     except WrongError as wrong:
         print(f"trainer: {wrong}", file=sys.stderr)
         return 2

@@ -7,8 +7,11 @@ from trainer.bare.core import Core
 class Table:
     """Rows on their way to a file, or to none; trouble with the disk ends the file, not the run."""
 
-    def __init__(self, path: str, core: Core) -> None:
-        """Open ``path``, "" for none; WrongError if it cannot be written."""
+    def __init__(self, path: str, core: Core, buffering: int) -> None:
+        """Open ``path``, "" for none, with ``buffering`` as ``open`` takes it for lines of text.
+
+        WrongError if it cannot be written.
+        """
         self.path = path
         self.trouble = ""
         self._file = None
@@ -16,9 +19,9 @@ class Table:
         if not path:
             return
         try:
-            self._file = open(path, "wb")  # noqa: SIM115 (closed by close)
+            self._file = open(path, "w", buffering, "ascii", newline="\n")  # noqa: SIM115
             heading = ",".join(("tick", "t", *list(core.card.columns)[1:]))
-            self._file.write(f"{heading}\n".encode())
+            self._file.write(f"{heading}\n")
         except OSError as error:
             raise WrongError(f"--csv {path}: {error.strerror}") from None
 
@@ -29,7 +32,7 @@ class Table:
         s = core.state
         values = [s[0] * core.card.step, *[s[place] for place in self._places]]
         try:
-            self._file.write(f"{s[0]:.0f},{','.join(map(repr, values))}\n".encode())
+            self._file.write(f"{s[0]:.0f},{','.join(map(repr, values))}\n")
         except OSError as error:
             self.trouble = f"--csv {self.path}: {error.strerror}"
 

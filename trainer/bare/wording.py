@@ -1,8 +1,9 @@
 """The few orders that are nothing but numbers written into the state.
 
-A row is WORDS;LOW;HIGH;FACTOR;TURN;WRITES. LOW to HIGH [SI] bound the number typed after the words
-times FACTOR, nothing there if none is; TURN is the number typed that counts as 0. WRITES are
-PLACE=RULE:ARGUMENT, done in order, x the number [SI]:
+A row is WORDS;LOW;HIGH;FACTOR;TURN;WRITES. LOW to HIGH [SI] bound x, the number typed after the
+words times FACTOR; nothing stands there if none is. FACTOR is negative where right and rise are
+positive and the words say the other. TURN is the number typed that counts as 0. WRITES are
+PLACE=RULE:ARGUMENT, done in order:
 
     const V      V
     number S     S x
@@ -27,6 +28,7 @@ class Row:
         self.low = float(low or 0.0)
         self.high = float(high or 0.0)
         self.factor = float(factor or 1.0)
+        self.typed = sorted((self.low / self.factor, self.high / self.factor))  # limits, as typed
         self.turn = turn
         self.writes = []
         for write in writes.split(","):
@@ -36,12 +38,13 @@ class Row:
 
     def number(self, typed: str) -> float:
         """Return the number typed [SI]; WrongError if it is none, or beyond the boat's."""
-        digits = typed.removeprefix("-") if self.low < 0.0 else typed
+        digits = typed.removeprefix("-") if self.typed[0] < 0.0 else typed
         if not digits.replace(".", "", 1).isdecimal() or not digits.isascii():
             raise WrongError(f"{self.words} {typed}: give a plain number, without a unit")
-        x = (0.0 if typed == self.turn else float(typed)) * self.factor
+        # adding zero turns -0.0 into 0.0, so that "left 0" and "right 0" steer alike
+        x = (0.0 if typed == self.turn else float(typed)) * self.factor + 0.0
         if not self.low <= x <= self.high:
-            limits = f"{self.low / self.factor:.6g} to {self.high / self.factor:.6g}"
+            limits = f"{self.typed[0]:.6g} to {self.typed[1]:.6g}"
             raise WrongError(f"{self.words} {typed}: this boat takes {limits}")
         return x
 

@@ -1,5 +1,7 @@
 """The folder of an exported core: object, library, header, host, and how large they are."""
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
@@ -38,6 +40,7 @@ class Exported:
 
     boat: str
     cpu: str
+    step_s: float
     files: tuple[str, ...]
     words_of_16_bits: Sizes
 
@@ -57,18 +60,27 @@ def export(boat: Boat, folder: Path, cpu: str) -> Exported:
 
     ConfigError if the folder cannot be written, or nothing be compiled for ``cpu``.
     """
+    with told():
+        folder.mkdir(parents=True, exist_ok=True)
     target = processor(cpu)
     constants = constants_of(boat, card_text(boat, target))
     code = object_code(freestanding_module(boat.records.scheme, constants), target)
     host = (Path(__file__).parent / HOST).read_bytes()
     files = {OBJECT: code, HEADER: header_text(boat, target.name).encode(), HOST: host}
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
+    with told():
         for name, data in files.items():
             (folder / name).write_bytes(data)
+    step = boat.method.step
+    return Exported(boat.file.name, target.name, step, tuple(files), sizes(code))
+
+
+@contextmanager
+def told() -> Iterator[None]:
+    """Tell trouble with the folder as the user's."""
+    try:
+        yield
     except OSError as error:
-        raise ConfigError(f"{error.filename or folder}: {error.strerror}") from None
-    return Exported(boat.file.name, target.name, tuple(files), sizes(code))
+        raise ConfigError(f"{error.filename}: {error.strerror}") from None
 
 
 def sizes(code: bytes) -> Sizes:

@@ -83,13 +83,15 @@ def _surfaces(boat: Boat) -> Iterator[str]:
         letter, said, toward = SURFACES[name], SAID[name], boat.toward[name]
         limit = float(boat.vessel[f"limit_{letter}"])
         unit = NUMBERS["ANGLE"].units[0].factor
-        angle = Range(0.0, min(limit + 1e-12, NUMBERS["ANGLE"].high * unit), unit)
+        most = min(limit + 1e-12, NUMBERS["ANGLE"].high * unit)
         held = {f"{name}_by_hand": _const(1.0)}
         for way in TURNING[name]:
-            sense = toward * SIGNS[way]
-            yield _row(f"{said} {way}", {f"ordered_{letter}": f"number:{sense!r}", **held}, angle)
+            sign = SIGNS[way]
+            angle = Range(min(sign * most, 0.0), max(sign * most, 0.0), sign * unit)
+            yield _row(f"{said} {way}", {f"ordered_{letter}": f"number:{toward!r}", **held}, angle)
             if name == "rudder":
-                yield _row(f"rudder {way} full", {"ordered_r": _const(sense * limit), **held})
+                full = _const(toward * sign * limit)
+                yield _row(f"rudder {way} full", {"ordered_r": full, **held})
         yield _row(f"{said} {ZERO[name]}", {f"ordered_{letter}": _const(toward * 0.0), **held})
         yield _row(f"{said} manual", _taken(name))
         if boat.automatic:
