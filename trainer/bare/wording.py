@@ -28,7 +28,8 @@ class Row:
         self.low = float(low or 0.0)
         self.high = float(high or 0.0)
         self.factor = float(factor or 1.0)
-        self.typed = sorted((self.low / self.factor, self.high / self.factor))  # limits, as typed
+        ends = (self.low / self.factor + 0.0, self.high / self.factor + 0.0)
+        self.typed = sorted(ends)  # the limits as they are typed
         self.turn = turn
         self.writes = []
         for write in writes.split(","):
