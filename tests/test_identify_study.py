@@ -9,14 +9,13 @@ from click.testing import CliRunner
 
 from trainer.commands.identify import identify, prbs
 from trainer.config import ConfigError
-from trainer.identify.fitting import without_noise
 from trainer.identify.models import MODELS, Ship
 from trainer.identify.nomoto_file import load_nomoto
 from trainer.identify.prbs import held
 from trainer.identify.prbs import prbs as sequence
 from trainer.identify.selftest import published_orders, published_ship, published_zeros
 from trainer.identify.told import nomoto_of
-from trainer.identify.uncertainty import uncertainty
+from trainer.identify.uncertainty import beside_bounds, uncertainty
 
 pytest.importorskip("scipy")
 
@@ -142,12 +141,20 @@ def test_a_second_order_ship_asked_of_a_first_order_record_is_told(tmp_path):
 
 def test_a_disturbance_that_is_not_there_leaves_the_ship_known():
     curvature = np.array([[4.0, 0.0, 1.0], [0.0, 0.0, 0.0], [1.0, 0.0, 9.0]])
-    found = without_noise(uncertainty(("K", "R1_r", "T"), curvature))
+    found = beside_bounds(uncertainty(("K", "R1_r", "T"), curvature))
     # the inverse of [[4, 1], [1, 9]] is [[9, -1], [-1, 4]]/35
     assert found.covariance[0, 0] == pytest.approx(9.0 / 35.0)
     assert found.covariance[0, 2] == pytest.approx(-1.0 / 35.0)
     assert math.isnan(found.covariance[1, 1])
-    assert np.isnan(without_noise(uncertainty(("K", "T1", "T"), curvature)).covariance).all()
+    assert np.isnan(beside_bounds(uncertainty(("K", "T1", "T"), curvature)).covariance).all()
+
+
+def test_a_lag_at_its_bound_leaves_the_ship_known():
+    # the angle of the lag moves nothing but what the gain does: a flat direction of both
+    curvature = np.array([[4.0, 2.0, 1.0], [2.0, 1.0, 0.5], [1.0, 0.5, 9.0]])
+    found = beside_bounds(uncertainty(("K", "lag", "T"), curvature))
+    assert found.covariance[0, 0] == pytest.approx(9.0 / 35.0)
+    assert math.isnan(found.covariance[1, 1])
 
 
 def test_an_outlier_is_screened_when_asked(tmp_path):

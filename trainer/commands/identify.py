@@ -9,6 +9,7 @@ import click
 from trainer.commands.answers import AHEAD, Number, outputs, show
 from trainer.commands.options import FILE, VESSEL_HELP, together
 
+MODELS: Final = ("1", "2", "3", "nomoto1", "nomoto2")
 CHANNELS: Final = ("sway", "yaw_rate", "heading")
 POSITIVE: Final = Number(0.0, 1e6, min_open=True)
 
@@ -137,7 +138,7 @@ def decca(file: Path, csv: Path | None, smooth: bool, **options: Any) -> None:  
 model_options = together(
     click.option(
         "--model",
-        type=click.Choice(("1", "2", "3", "nomoto1", "nomoto2")),
+        type=click.Choice(MODELS),
         default=None,
         help="1 sway and yaw, 2 sway, 3 yaw, or Nomoto's. [default: the study's]",
     ),
@@ -175,11 +176,14 @@ model_options = together(
 @model_options
 @click.option("--armax", is_flag=True, help="ARMAX models of rising order instead.")
 @click.option("--most", type=click.IntRange(1, 10), default=None, help="Highest ARMAX order.")
+@click.option("--against", type=click.Choice(MODELS), help="Test it against a simpler model.")
+@click.option("--without", multiple=True, metavar="NAME", help="Test it without this parameter.")
 @click.option("--check", type=FILE, default=None, help="Another record to predict, as a test.")
 @click.option("--kappa", type=FILE, default=None, help="A record of large manoeuvres, for kappa.")
 @click.option("--checkpoint", type=FILE, default=None, help="Keep the search in this file.")
 @click.option("--write-nomoto", type=FILE, default=None, help="Write the ship in few numbers.")
 @click.option("--write-vessel", type=FILE, default=None, help="Write the vessel file changed.")
+@click.option("--html", type=FILE, default=None, metavar="FILE", help="Write one HTML page.")
 @click.option("--selftest", is_flag=True, help="Run the acceptance tests of identification.")
 @outputs
 def identify(file: Path | None, selftest: bool, **options: Any) -> None:  # noqa: FBT001
@@ -211,6 +215,11 @@ def _armax(study: Any, options: dict[str, Any]) -> int:
     from trainer.identify import armax_page as page  # noqa: PLC0415
 
     report, orders = page.carried_out(study)
+    if options["html"]:
+        from trainer.identify.identify_sheet import sheet  # noqa: PLC0415
+
+        text = sheet(report.study, page.render(report), page.panels(report, orders), report)
+        _write(options["html"], text)
     show(report, page.render, lambda: page.panels(report, orders), options)
     return 0
 
@@ -218,14 +227,19 @@ def _armax(study: Any, options: dict[str, Any]) -> int:
 def _model(study: Any, options: dict[str, Any]) -> int:
     """Fit a ship model and show it; return the exit code."""
     from trainer.identify import identify_page as page  # noqa: PLC0415
+    from trainer.identify.identify_sheet import sheet  # noqa: PLC0415
     from trainer.identify.outcome import nomoto_text, vessel_text  # noqa: PLC0415
 
-    fitted, report = page.carried_out(study, options, _progress)
+    found = page.carried_out(study, options, _progress)
+    report = found.report
     if options["write_nomoto"]:
-        _write(options["write_nomoto"], nomoto_text(fitted, report.bend))
+        _write(options["write_nomoto"], nomoto_text(found.fitted, report.bend))
     if options["write_vessel"]:
-        _write(options["write_vessel"], vessel_text(fitted))
-    show(report, page.render, lambda: page.panels(fitted, report), options)
+        _write(options["write_vessel"], vessel_text(found.fitted))
+    if options["html"]:
+        text = sheet(report.study, page.render(report), page.panels(found), report)
+        _write(options["html"], text)
+    show(report, page.render, lambda: page.panels(found), options)
     return 0 if report.converged else 1
 
 

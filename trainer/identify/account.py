@@ -7,79 +7,47 @@ from typing import Any, Final
 
 import numpy as np
 
+from trainer.files.vessel_file import load_vessel
 from trainer.fitout import KNOT
+from trainer.identify.allowed import MOTIONS_OF, PAIRED, Allowed, allowed
 from trainer.identify.fitting import Fitted, fit, settings, table_of
-from trainer.identify.nonlinear import Bend
-from trainer.identify.prediction import Check, bend_of, check_of, loss_alone
+from trainer.identify.prediction import bend_of, check_of, loss_alone
 from trainer.identify.predictor import Innovations
+from trainer.identify.report import (
+    Derivative,
+    Direction,
+    Estimate,
+    MonteCarlo,
+    Report,
+    ShipNumber,
+)
 from trainer.identify.residuals import Residuals, examine_residuals, verdicts
+from trainer.identify.rivals import rivals_of
 from trainer.identify.shown import Shown, losses, shown, unlimited
 from trainer.identify.study_file import Study, observe
+from trainer.identify.study_records import Ship
 from trainer.identify.tests_of_order import aic_of_likelihood
 from trainer.identify.told import DERIVATIVES, QUANTITIES
 
 LAGS: Final = 10
 
 
-@dataclass(frozen=True)
-class Estimate:
-    """One number and its standard deviation, None where the record does not tell."""
+@dataclass(frozen=True, eq=False)
+class Identified:
+    """A study carried out: the fit, what is said of it, and the ships that the record allows."""
 
-    name: str
-    unit: str
-    value: float
-    deviation: float | None
-
-
-@dataclass(frozen=True)
-class Derivative:
-    """A derivative in the study's system, and in the other one where the mass is known."""
-
-    name: str
-    prime: float | None
-    bis: float | None
-    deviation: float | None  # in the study's system
-
-
-@dataclass(frozen=True)
-class Report:
-    """All that ``trainer identify`` says about a model."""
-
-    study: str
-    source: str
-    model: str
-    settings: dict[str, Any]
-    length_m: float
-    speed_kn: float
-    outputs: tuple[str, ...]
-    samples: int
-    interval_s: float
-    findings: tuple[str, ...]
-    converged: bool
-    steps: int
-    log_likelihood: float
-    aic: float
-    loss_1: float  # V1 of the one-step errors
-    loss_1_alone: float  # V1 of the model by rudder alone
-    screened: int
-    parameters: tuple[Estimate, ...]
-    ship: tuple[Estimate, ...]
-    derivatives: tuple[Derivative, ...]
-    stability: str
-    eigenvalue: float  # smallest of the scaled information
-    weakest: tuple[str, ...]  # parameters of that direction
-    residuals: tuple[Residuals, ...]
-    verdicts: tuple[str, ...]
-    check: Check | None = None
-    bend: Bend | None = None
+    fitted: Fitted
+    report: Report
+    others: Allowed
 
 
 def carried_out(
     study: Study, options: dict[str, Any], heard: Callable[[int, float], None]
-) -> tuple[Fitted, Report]:
+) -> Identified:
     """Return the fit of a study and its report; ConfigError for what cannot be.
 
-    ``options`` has other records to check it on and to find kappa from, and a checkpoint.
+    ``options`` has other records to check it on and to find kappa from, a checkpoint, and what
+    simpler models to test it against.
     """
     observed = observe(study)
     fitted = fit(
@@ -88,16 +56,19 @@ def carried_out(
         lambda found: heard(found.steps, found.cost),
         options["checkpoint"],
     )
-    report = report_of(fitted, tuple(map(str, observed.findings)))
+    others = allowed(fitted)
+    report = report_of(fitted, tuple(map(str, observed.findings)), others)
+    tests = rivals_of(fitted, options["against"], options["without"])
+    report = replace(report, rivals=tests)
     if options["check"] is not None:
         report = replace(report, check=check_of(fitted, options["check"]))
     if options["kappa"] is not None:
         report = replace(report, bend=bend_of(fitted, options["kappa"]))
-    return fitted, report
+    return Identified(fitted, report, others)
 
 
-def report_of(fitted: Fitted, findings: tuple[str, ...]) -> Report:
-    """Return what a fit amounts to."""
+def report_of(fitted: Fitted, findings: tuple[str, ...], others: Allowed) -> Report:
+    """Return what a fit amounts to; ``others`` are the ships that the record allows beside it."""
     problem, study, plant = fitted.problem, fitted.study, fitted.problem.plant
     run = errors_of(fitted)
     residuals = _residuals(fitted, run)
@@ -120,13 +91,19 @@ def report_of(fitted: Fitted, findings: tuple[str, ...]) -> Report:
         loss_1_alone=loss_alone(fitted),
         screened=fitted.rejected,
         parameters=_parameters(fitted),
-        ship=_ship(fitted),
+        ship=_ship(fitted, others),
+        monte_carlo=MonteCarlo(MOTIONS_OF, others.lost, others.paired),
         derivatives=_derivatives(fitted),
         stability=_stability(fitted),
         eigenvalue=float(fitted.known.eigenvalues[0]),
         weakest=_weakest(fitted),
+        eigenvalues=_directions(fitted),
+        collapsed=problem.collapsed(fitted.found.theta),
         residuals=residuals,
-        verdicts=tuple(text for one in residuals for text in verdicts(one)),
+        verdicts=(
+            *_doubts(fitted, others),
+            *(text for one in residuals for text in verdicts(one)),
+        ),
     )
 
 
@@ -164,12 +141,13 @@ def _parameters(fitted: Fitted) -> tuple[Estimate, ...]:
     )
 
 
-def _ship(fitted: Fitted) -> tuple[Estimate, ...]:
+def _ship(fitted: Fitted, others: Allowed) -> tuple[ShipNumber, ...]:
     """Return gains and time constants that the model has, SI."""
-    told = zip(fitted.quantity_names, fitted.told.values, fitted.told.deviations, strict=True)
+    names, told = fitted.quantity_names, fitted.told
+    rows = zip(names, told.values, told.deviations, *others.spans, strict=True)
     return tuple(
-        Estimate(name, QUANTITIES[name], float(x), _finite(s))
-        for name, x, s in told
+        ShipNumber(name, QUANTITIES[name], float(x), *map(_finite, (s, low, high)))
+        for name, x, s, low, high in rows
         if name in QUANTITIES and x != 0.0 and math.isfinite(x)
     )
 
@@ -178,9 +156,7 @@ def _derivatives(fitted: Fitted) -> tuple[Derivative, ...]:
     """Return the derivatives of Model 1 in both systems, theta'' = theta'/m' (3.6)."""
     table, ship = fitted.study.model, fitted.study.ship
     bis = table is not None and table.system == "bis"
-    mass = None
-    if ship is not None and ship.displacement_m3 is not None:
-        mass = 2.0 * ship.displacement_m3 / ship.length_m**3
+    mass = _mass(ship)
     told = zip(fitted.quantity_names, fitted.told.values, fitted.told.deviations, strict=True)
     found = []
     for name, value, deviation in told:
@@ -191,6 +167,32 @@ def _derivatives(fitted: Fitted) -> tuple[Derivative, ...]:
         prime, both = (other, own) if bis else (own, other)
         found.append(Derivative(name, prime, both, _finite(deviation)))
     return tuple(found)
+
+
+def _mass(ship: Ship | None) -> float | None:
+    """Return m' = 2 volume/L^3 [-], by the study's displacement or the vessel file's mass."""
+    if ship is None or (ship.displacement_m3 is None and ship.vessel is None):
+        return None
+    if ship.displacement_m3 is not None:
+        return 2.0 * ship.displacement_m3 / ship.length_m**3
+    file = load_vessel(str(ship.vessel))
+    return 2.0 * file.hull.mass / (file.fluid.rho * ship.length_m**3)
+
+
+def _doubts(fitted: Fitted, others: Allowed) -> list[str]:
+    """Return what must not be taken at its word."""
+    found = []
+    if others.paired > PAIRED:
+        found.append(
+            f"T1 and T2: {others.paired:.0%} of the ships that this record allows have a complex "
+            "pair; they cannot be told apart: trust T1 + T2, T1 T2, and the intervals"
+        )
+    found += [
+        f"{name}: the error went to its floor; another reading or the initial state stands for "
+        "this one: drop one of them, or fix it"
+        for name in fitted.problem.collapsed(fitted.found.theta)
+    ]
+    return found
 
 
 def _stability(fitted: Fitted) -> str:
@@ -204,6 +206,18 @@ def _stability(fitted: Fitted) -> str:
     sure = abs(value) / deviation
     doubt = "" if sure > 2.0 else ", which this record does not settle"
     return f"{word}: 1/T1 = {value:.4g} +- {deviation:.2g} 1/s, {sure:.1f} deviations from 0{doubt}"
+
+
+def _directions(fitted: Fitted) -> tuple[Direction, ...]:
+    """Return the eigenvalues of the scaled second derivatives with what each is made of."""
+    known = fitted.known
+    found = []
+    for value, direction in zip(known.eigenvalues, known.directions.T, strict=True):
+        least = 0.1 * np.max(np.abs(direction))
+        named = zip(known.names, map(float, direction), strict=True)
+        parts = {name: part for name, part in named if abs(part) >= least}
+        found.append(Direction(float(value), parts))
+    return tuple(found)
 
 
 def _weakest(fitted: Fitted) -> tuple[str, ...]:

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final
 
@@ -27,12 +27,18 @@ from trainer.identify.steering import Steering, steering
 from trainer.identify.study_file import Study, speed_of
 from trainer.identify.study_records import ModelTable
 from trainer.identify.told import quantities, quantity_names
-from trainer.identify.uncertainty import Uncertainty, hessian, inseparable, uncertainty
+from trainer.identify.uncertainty import (
+    BOUNDED,
+    Uncertainty,
+    beside_bounds,
+    hessian,
+    inseparable,
+    uncertainty,
+)
 
 METHODS: Final = {"scoring": "auto", "bfgs": "bfgs", "direct": "powell"}
 STEPS: Final = 200
 SCREENINGS: Final = 4  # rounds of fitting and rejecting
-NOISE: Final = ("R1_", "R2_")  # what parameters of disturbance and errors are called
 UNMODELLED: Final = {  # noise models do not have these: the errors' covariance is concentrated out
     "output-error": ("R1", "R2"),
     "innovations": ("R2_psi", "R2_v1", "R2_v"),
@@ -169,23 +175,6 @@ def fit(
     )
 
 
-def without_noise(known: Uncertainty) -> Uncertainty:
-    """Return what is known of the others where noise has gone to nothing and stays there.
-
-    A variance at nothing, and the correlation with it, have no information: their own covariances
-    stay not a number.
-    """
-    lost = {name for group in known.flat for name in group}
-    if not lost or not all(name.startswith(NOISE) for name in lost):
-        return known
-    kept = [i for i, name in enumerate(known.names) if name not in lost]
-    places = np.ix_(kept, kept)
-    rest = uncertainty(tuple(known.names[i] for i in kept), known.curvature[places])
-    covariance = np.full_like(known.covariance, np.nan)
-    covariance[places] = rest.covariance
-    return replace(known, covariance=covariance)
-
-
 def _told(problem: Problem, theta: Numbers, covariance: Numbers) -> Spread:
     """Return what follows of the parameters, and how well; not a number where these are not."""
     plant = problem.plant
@@ -194,8 +183,7 @@ def _told(problem: Problem, theta: Numbers, covariance: Numbers) -> Spread:
         theta,
         np.nan_to_num(covariance, nan=0.0),
     )
-    # no quantity follows of the noise
-    ship = [i for i, name in enumerate(problem.names) if not name.startswith(NOISE)]
+    ship = [i for i, name in enumerate(problem.names) if not name.startswith(BOUNDED)]
     if np.isnan(np.diag(covariance)[ship]).any():
         return Spread(told.values, np.full_like(told.covariance, math.nan))
     return told
@@ -234,7 +222,7 @@ def _known(cost: Cost, theta: Numbers) -> Uncertainty:
             return by_hessian
     information = cost.information(theta)
     if np.isfinite(information).all():
-        return without_noise(uncertainty(names, information))
+        return beside_bounds(uncertainty(names, information))
     n = len(names)
     unknown = np.full((n, n), math.nan)
     return Uncertainty(names, unknown, unknown, unknown[0], np.eye(n), ())

@@ -5,12 +5,14 @@ from typing import Final
 import numpy as np
 
 from trainer.fitout import KNOT
-from trainer.identify.account import Report, carried_out, errors_of
-from trainer.identify.fitting import Fitted
+from trainer.identify.account import Identified, carried_out, errors_of
+from trainer.identify.allowed import Band, pulse_of, step_of
 from trainer.identify.models import UNITS
 from trainer.identify.nomoto import scale
 from trainer.identify.prediction import alone
+from trainer.identify.report import Report
 from trainer.identify.residuals import Residuals
+from trainer.identify.rivals import Rival
 from trainer.study.page import INDENT, cut, figure, table, wrapped
 from trainer.study.plots import Curve, Panel
 
@@ -36,6 +38,8 @@ def render(report: Report) -> str:
     if report.derivatives:
         lines += ["", *_derivative_table(report)]
     lines += ["", *_fit_lines(report)]
+    if report.rivals:
+        lines += ["", *rival_table(report)]
     if report.residuals:
         lines += ["", *residual_table(report.residuals)]
         lines += [line for text in report.verdicts for line in wrapped(f"- {text}")]
@@ -65,13 +69,15 @@ def _ship_table(report: Report) -> list[str]:
     units = [scale(name, report.length_m, report.speed_kn * KNOT) for name in ("prime", "bis")]
     rows = []
     for one in report.ship:
-        others = [
-            one.value * {"1/s": unit.time, "s": 1.0 / unit.time, "m/s": 1.0 / unit.speed}[one.unit]
-            for unit in units
+        sizes = [
+            {"s": x.time, "s^2": x.time**2, "1/s": 1.0 / x.time, "m/s": x.speed} for x in units
         ]
-        known = figure(one.deviation, ".2g")
-        rows.append((one.name, one.unit, f"{one.value:.5g}", known, *(f"{x:.4g}" for x in others)))
-    return table(("ship", "unit", "value", "std dev", "prime", "bis"), rows)
+        others = [f"{one.value / size[one.unit]:.4g}" for size in sizes]
+        known = [figure(x, form) for x, form in ((one.deviation, ".2g"), (one.low, ".4g"))]
+        known.append(figure(one.high, ".4g"))
+        rows.append((one.name, one.unit, f"{one.value:.5g}", *known, *others))
+    heads = ("ship", "unit", "value", "std dev", "95 %\nfrom", "\nto", "prime", "bis")
+    return table(heads, rows)
 
 
 def _derivative_table(report: Report) -> list[str]:
@@ -97,6 +103,19 @@ def _fit_lines(report: Report) -> list[str]:
         f"Known least: {weakest} (scaled eigenvalue {report.eigenvalue:.2g})", INDENT, 2 * INDENT
     )
     return lines
+
+
+def rival_table(report: Report) -> list[str]:
+    """Return the model beside the simpler ones that it was tested against."""
+    count = len(report.parameters)
+    own = ("this", str(count), f"{report.log_likelihood:.2f}", f"{report.aic:.2f}", "", "", "")
+    heads = ("order\ntests", "parameters", "log L", "AIC", "ratio", "freedom", "p")
+    return table(heads, [own, *(_rival_row(one) for one in report.rivals)])
+
+
+def _rival_row(one: Rival) -> tuple[str, ...]:
+    fit = (str(one.parameters), f"{one.log_likelihood:.2f}", f"{one.aic:.2f}")
+    return (one.name, *fit, f"{one.ratio:.2f}", str(one.freedom), f"{one.probability:.3f}")
 
 
 def residual_table(residuals: tuple[Residuals, ...]) -> list[str]:
@@ -137,12 +156,13 @@ def _check_lines(report: Report) -> list[str]:
     return [f"{INDENT}{cut(check.source, 75)}", *table(heads, rows)]
 
 
-def panels(fitted: Fitted, report: Report) -> tuple[Panel, ...]:
-    """Return helm, outputs with their predictions and bands, and the residuals' correlations."""
+def panels(identified: Identified) -> tuple[Panel, ...]:
+    """Return helm, outputs with predictions and bands, residuals, responses."""
+    fitted, report = identified.fitted, identified.report
     samples, t = fitted.problem.samples, fitted.problem.samples.t
     predicted = alone(fitted.problem, fitted.found.theta)
     run = errors_of(fitted)
-    standard = run.standardised
+    standard, others = run.standardised, identified.others.outputs
     found = [
         Panel(
             "rudder, positive to port",
@@ -157,6 +177,7 @@ def panels(fitted: Fitted, report: Report) -> tuple[Panel, ...]:
         curves = (
             Curve("measured", t, samples.outputs[:, i], points=True),
             Curve("by rudder alone", t, predicted[:, i]),
+            *_edges(others, i),
             Curve("one step ahead, +95 %", t, run.predictions[:, i] + band),
             Curve("one step ahead, -95 %", t, run.predictions[:, i] - band),
         )
@@ -164,7 +185,28 @@ def panels(fitted: Fitted, report: Report) -> tuple[Panel, ...]:
         left = (Curve("residual", t, standard[:, i]),)
         title = f"residuals of {output}"
         found.append(Panel(title, "time [s]", "[std dev]", left, levels=(-BAND, 0.0, BAND)))
-    return (*found, *correlation_panels(report.residuals))
+    return (*found, *_responses(identified), *correlation_panels(report.residuals))
+
+
+def _edges(band: Band, output: int) -> tuple[Curve, ...]:
+    """Return what 95 % of the ships stay between."""
+    low, high = (edge[:, output] for edge in (band.low, band.high))
+    return (Curve("allowed, lowest", band.t, low), Curve("allowed, highest", band.t, high))
+
+
+def _responses(identified: Identified) -> tuple[Panel, ...]:
+    """Return the answers to a step and to a pulse of the rudder, of all ships allowed."""
+    fitted, others = identified.fitted, identified.others
+    found = []
+    asked = ("step of 1 deg", step_of(fitted)), ("pulse of 1 deg s", pulse_of(fitted))
+    for title, rudder in asked:
+        band = others.response(rudder)
+        for i, output in enumerate(identified.report.outputs):
+            middle = Curve("middle", band.t, band.middle[:, i])
+            curves = (middle, *_edges(band, i))
+            unit = f"[{UNITS[output][0]}]"
+            found.append(Panel(f"{output} by a {title}", "time [s]", unit, curves))
+    return tuple(found)
 
 
 def correlation_panels(residuals: tuple[Residuals, ...]) -> tuple[Panel, ...]:

@@ -1,4 +1,8 @@
-"""How uncertain numbers are that are computed from estimated ones: the delta method and draws."""
+"""How uncertain numbers are that are computed from estimated ones: the delta method and draws.
+
+The delta method takes the numbers for linear in the parameters. Where they bend sharply, as time
+constants do near a double root, only draws give intervals that hold the truth.
+"""
 
 from collections.abc import Callable
 from typing import Final, NamedTuple
@@ -9,6 +13,8 @@ from numpy.typing import NDArray
 Numbers = NDArray[np.float64]
 Derived = Callable[[Numbers], Numbers]
 
+DRAWS: Final = 1000
+TAIL: Final = 0.025  # [-] of the draws, left out at each end of an interval
 NUDGE: Final = 1e-4  # [standard deviations] of each parameter, for the difference quotients
 
 
@@ -43,12 +49,34 @@ def propagated(derived: Derived, theta: Numbers, covariance: Numbers) -> Spread:
     return Spread(derived(theta), J @ covariance @ J.T)
 
 
+class Span(NamedTuple):
+    """95 % intervals of numbers, from draws of the parameters that they follow from."""
+
+    low: Numbers  # (m,)
+    high: Numbers  # (m,)
+
+
+def spanned(derived: Derived, draws: Numbers) -> tuple[Numbers, Span]:
+    """Return ``derived`` of each of the ``draws`` (count, n), and its intervals.
+
+    A draw of which one number is none counts for the others.
+    """
+    found = np.array([derived(draw) for draw in draws])
+    told = np.where(np.isnan(found).all(axis=0), 0.0, found)  # no quantile of nothing
+    low, high = np.nanquantile(told, (TAIL, 1.0 - TAIL), axis=0)
+    nothing = np.isnan(found).all(axis=0)
+    return found, Span(np.where(nothing, np.nan, low), np.where(nothing, np.nan, high))
+
+
 def drawn(theta: Numbers, covariance: Numbers, count: int, seed: int) -> Numbers:
     """Return ``count`` parameter vectors (count, n) from N(theta, covariance) (8.5).
 
-    A covariance that is not positive definite by rounding is taken by its eigenvalues.
+    A covariance that is not positive definite by rounding is taken by its eigenvalues, scaled to
+    a unit diagonal: beside a variance that nothing tells of, the others would be rounding.
     """
-    sizes, vectors = np.linalg.eigh(covariance)
-    root = vectors * np.sqrt(np.maximum(sizes, 0.0))
+    width = np.sqrt(np.maximum(np.diag(covariance), 0.0))
+    unit = np.where(width > 0.0, width, 1.0)
+    sizes, vectors = np.linalg.eigh(covariance / np.outer(unit, unit))
+    root = width[:, None] * vectors * np.sqrt(np.maximum(sizes, 0.0))
     stream = np.random.Generator(np.random.PCG64(seed))
     return np.asarray(theta + stream.standard_normal((count, len(theta))) @ root.T)

@@ -25,6 +25,8 @@ QUANTITIES: Final = {  # and their units
     "K_v": "m/s",
     "T3v": "s",
     "T": "s",  # of the first-order model
+    "T1 + T2": "s",  # known better than either where they are near each other
+    "T1 T2": "s^2",
     "1/T1": "1/s",  # above zero: she keeps a straight course
     "1/K": "s",
 }
@@ -100,7 +102,7 @@ def derivatives(model: Model, values: Numbers) -> Numbers:
 def quantities(model: Model, values: Numbers, ship: Ship) -> Numbers:
     """Return derivatives, if the model has such, and the numbers of QUANTITIES [SI]."""
     ship_like = nomoto_of(model, values, ship)
-    T1 = ship_like.T1
+    T1, T2 = ship_like.T1, ship_like.T2
     told = [
         ship_like.K,
         T1.real,
@@ -110,6 +112,8 @@ def quantities(model: Model, values: Numbers, ship: Ship) -> Numbers:
         ship_like.K_v,
         ship_like.T3v,
         ship_like.first_order,
+        (T1 + T2).real if T2 else 0.0,
+        (T1 * T2).real,
         (1.0 / T1).real if T1 else math.inf,
         1.0 / ship_like.K if ship_like.K else math.inf,
     ]

@@ -1,6 +1,6 @@
 """How well the parameters are known, and which of them the data cannot separate (MI 3.7, 8.3)."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
@@ -13,6 +13,7 @@ from trainer.identify.problem import Problem
 Numbers = NDArray[np.float64]
 
 FLAT: Final = 1e-10  # [-] eigenvalue of the information scaled to a unit diagonal
+BOUNDED: Final = ("R1_", "R2_", "lag")  # parameters that no gain or time constant follows from
 PART: Final = 1e-3  # [-] share of a flat direction from which on a parameter belongs to it
 
 
@@ -74,6 +75,23 @@ def _groups(names: tuple[str, ...], directions: Numbers) -> tuple[tuple[str, ...
             new |= old
         groups.append(new)
     return tuple(tuple(names[i] for i in sorted(group)) for group in sorted(groups, key=min))
+
+
+def beside_bounds(known: Uncertainty) -> Uncertainty:
+    """Return what is known of the others where noise or lag have gone to a bound and stay there.
+
+    A variance at nothing, the correlation with it, and a lag of nothing or of a whole interval have
+    no information: their own covariances stay not a number.
+    """
+    lost = {name for group in known.flat for name in group if name.startswith(BOUNDED)}
+    if not lost:
+        return known
+    kept = [i for i, name in enumerate(known.names) if name not in lost]
+    places = np.ix_(kept, kept)
+    rest = uncertainty(tuple(known.names[i] for i in kept), known.curvature[places])
+    covariance = np.full_like(known.covariance, np.nan)
+    covariance[places] = rest.covariance
+    return replace(known, covariance=covariance)
 
 
 def inseparable(problem: Problem) -> tuple[tuple[str, ...], ...]:

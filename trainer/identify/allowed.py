@@ -1,0 +1,134 @@
+"""Other ships that a record allows: drawn from what it leaves open, and what they do (MI 8.5).
+
+Parameters are drawn from N(estimate, covariance), a lever arm by the moment that it makes: of a
+rudder the record tells force and moment, and their ratio is not normal. A draw that is no model is
+left out, and told.
+"""
+
+import math
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Final, NamedTuple
+
+import numpy as np
+
+from trainer.identify.fitting import Fitted
+from trainer.identify.likelihood import possible
+from trainer.identify.nomoto import Numbers
+from trainer.identify.prediction import alone
+from trainer.identify.problem import Problem
+from trainer.identify.samples import Samples
+from trainer.identify.spread import TAIL, Span, drawn, spanned
+from trainer.identify.told import quantities
+
+SEED: Final = 1
+QUANTITIES_OF: Final = 1000  # draws that intervals of gains and time constants are of
+MOTIONS_OF: Final = 200  # draws that are run
+SETTLED: Final = 6.0  # time constants, that a response is shown for
+SHORTEST: Final = 20  # [samples] of it
+LEVERS: Final = {"l_delta": "Y_delta", "l_psi": "Y_psi"}  # and the forces that they are arms of
+PAIRED: Final = 0.025  # [-] share of complex pairs from which T1 and T2 are not told apart
+
+
+class Band(NamedTuple):
+    """What 95 % of the ships do: the lowest, the middle and the highest at each time."""
+
+    t: Numbers  # (n,) [s]
+    low: Numbers  # (n, y)
+    middle: Numbers
+    high: Numbers
+
+
+@dataclass(frozen=True, eq=False)
+class Allowed:
+    """Ships drawn for a fit; ``lost`` is the share of draws that were no model."""
+
+    problem: Problem
+    draws: Numbers  # (k, f) those that are models
+    lost: float
+    spans: Span  # of the fit's quantities
+    paired: float  # share of all draws whose T1 and T2 are a complex pair
+
+    @cached_property
+    def outputs(self) -> Band:
+        """Return what they make of the record's rudder, from their own initial states."""
+        return self._band(self.problem, None)
+
+    def response(self, inputs: Numbers) -> Band:
+        """Return what the rudder ``inputs`` (n,) [deg] does to the outputs, every interval."""
+        t = np.arange(len(inputs), dtype=np.float64) * self.problem.plant.period
+        still = np.zeros((len(inputs), len(self.problem.plant.outputs)))
+        under = self.problem.on(Samples(t, still, inputs[:, None]))
+        return self._band(under, under.on(Samples(t, still, np.zeros((len(t), 1)))))
+
+    def _band(self, under: Problem, without: Problem | None) -> Band:
+        """Return the band of the outputs ``under`` a rudder, less those ``without`` it."""
+        runs = np.array([alone(under, theta) for theta in self.draws])
+        if without is not None:
+            runs -= np.array([alone(without, theta) for theta in self.draws])
+        low, middle, high = np.quantile(runs, (TAIL, 0.5, 1.0 - TAIL), axis=0)
+        return Band(under.samples.t, low, middle, high)
+
+
+def allowed(fitted: Fitted) -> Allowed:
+    """Return the ships that the record of a fit allows; what it does not tell of stays."""
+    problem, plant = fitted.problem, fitted.problem.plant
+    covariance = np.nan_to_num(fitted.known.covariance, nan=0.0)
+    theta = fitted.found.theta
+    every = _drawn(problem.names, theta, covariance)
+    numbers, spans = spanned(
+        lambda one: quantities(plant.model, problem.whole(one), plant.ship), every
+    )
+    if np.isnan(fitted.told.covariance).any():
+        spans = Span(*(np.full_like(end, math.nan) for end in spans))
+    swing = numbers[:, fitted.quantity_names.index("T_imag")]
+    tried = every[:MOTIONS_OF]
+    kept = np.array([_sails(problem, one) for one in tried], bool)
+    return Allowed(
+        problem=problem,
+        draws=tried[kept] if kept.any() else theta[None],
+        lost=1.0 - float(kept.mean()),
+        spans=spans,
+        paired=float(np.mean(swing != 0.0)),
+    )
+
+
+def _sails(problem: Problem, theta: Numbers) -> bool:
+    """Return whether parameters are a model, and its run stays finite."""
+    with np.errstate(all="ignore"):  # kernels that are not compiled tell of what they lose
+        return possible(problem.sampled(theta)) and bool(np.isfinite(alone(problem, theta)).all())
+
+
+def _drawn(names: tuple[str, ...], theta: Numbers, covariance: Numbers) -> Numbers:
+    """Return parameter vectors (count, f); a lever arm is drawn as its force's moment."""
+    pairs = [
+        (names.index(arm), names.index(force))
+        for arm, force in LEVERS.items()
+        if arm in names and force in names
+    ]
+    middle, J = theta.copy(), np.eye(len(theta))
+    for arm, force in pairs:
+        middle[arm] = theta[arm] * theta[force]
+        J[arm, arm], J[arm, force] = theta[force], theta[arm]
+    found = drawn(middle, J @ covariance @ J.T, QUANTITIES_OF, SEED)
+    for arm, force in pairs:
+        found[:, arm] /= found[:, force]
+    return found
+
+
+def step_of(fitted: Fitted) -> Numbers:
+    """Return a rudder (n,) [deg] that goes to 1 degree after an interval, until she has settled."""
+    plant, samples = fitted.problem.plant, fitted.problem.samples
+    told = dict(zip(fitted.quantity_names, fitted.told.values, strict=True))
+    slowest = abs(told["T1"]) or plant.period
+    count = math.ceil(min(SETTLED * slowest / plant.period, 1e6))
+    rudder = np.ones(max(SHORTEST, min(count, len(samples.t))))
+    rudder[0] = 0.0
+    return rudder
+
+
+def pulse_of(fitted: Fitted) -> Numbers:
+    """Return a rudder (n,) [deg] of one degree second, in the second interval."""
+    rudder = np.zeros_like(step_of(fitted))
+    rudder[1] = 1.0 / fitted.problem.plant.period
+    return rudder
