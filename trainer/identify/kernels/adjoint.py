@@ -15,7 +15,7 @@ import math
 
 import numpy as np
 
-from trainer.core.kernel import Numbers, kernel
+from trainer.core.kernel import Numbers
 from trainer.identify.kernels.blocks import clear, put, put_block
 from trainer.identify.kernels.covariance_filter import (
     Mask,
@@ -28,6 +28,7 @@ from trainer.identify.kernels.covariance_filter import (
     settled,
     square,
 )
+from trainer.identify.kernels.kernel import kernel
 
 
 @kernel

@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from trainer.core.kernel import kernel
+from trainer.identify.kernels.kernel import kernel
 
 Numbers = NDArray[np.float64]
 

@@ -6,7 +6,8 @@ Complex, so that an imaginary step carries a derivative.
 
 import numpy as np
 
-from trainer.core.kernel import Numbers, kernel
+from trainer.core.kernel import Numbers
+from trainer.identify.kernels.kernel import kernel
 from trainer.identify.kernels.sampling import Complexes
 from trainer.identify.kernels.ship_models import magnitude
 

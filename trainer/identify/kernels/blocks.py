@@ -7,7 +7,7 @@ from typing import Any
 
 from numpy.typing import NDArray
 
-from trainer.core.kernel import kernel
+from trainer.identify.kernels.kernel import kernel
 
 Entries = NDArray[Any]  # numbers, or complex ones whose imaginary parts are derivatives
 

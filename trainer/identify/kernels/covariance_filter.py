@@ -16,8 +16,9 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from trainer.core.kernel import Numbers, kernel
+from trainer.core.kernel import Numbers
 from trainer.identify.kernels.blocks import Entries, clear, put, put_block
+from trainer.identify.kernels.kernel import kernel
 
 Places = NDArray[np.int64]
 Mask = NDArray[np.bool_]

@@ -6,7 +6,7 @@ carries its exact derivative into errors and losses.
 
 import numpy as np
 
-from trainer.core.kernel import Numbers, kernel
+from trainer.core.kernel import Numbers
 from trainer.identify.kernels.covariance_filter import (
     Places,
     advance,
@@ -16,6 +16,7 @@ from trainer.identify.kernels.covariance_filter import (
     residual,
     square,
 )
+from trainer.identify.kernels.kernel import kernel
 from trainer.identify.kernels.sampling import Complexes
 
 

@@ -12,8 +12,9 @@ one, 1). ``noise`` and ``covariance`` are the covariances of the same rows.
 import numpy as np
 from numpy.typing import NDArray
 
-from trainer.core.kernel import Numbers, kernel
+from trainer.core.kernel import Numbers
 from trainer.identify.kernels.blocks import clear
+from trainer.identify.kernels.kernel import kernel
 
 Complexes = NDArray[np.complex128]
 

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from trainer.core.kernel import Numbers, kernel
+from trainer.core.kernel import Numbers
 from trainer.identify.kernels.covariance_filter import (
     Places,
     advance,
@@ -14,6 +14,7 @@ from trainer.identify.kernels.covariance_filter import (
     residual,
     square,
 )
+from trainer.identify.kernels.kernel import kernel
 
 COUNTED, MISSING, REJECTED, SINGULAR = 0.0, 1.0, 2.0, 3.0
 

@@ -8,7 +8,7 @@ import math
 
 import numpy as np
 
-from trainer.core.kernel import Numbers, kernel
+from trainer.core.kernel import Numbers
 from trainer.identify.kernels.adjoint import all_there, steady_step
 from trainer.identify.kernels.blocks import put, put_block
 from trainer.identify.kernels.covariance_filter import (
@@ -20,6 +20,7 @@ from trainer.identify.kernels.covariance_filter import (
     residual,
     settled,
 )
+from trainer.identify.kernels.kernel import kernel
 
 SETTLED = 1e-20  # [-] square of the relative change of a derivative of P
 

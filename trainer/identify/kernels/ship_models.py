@@ -11,7 +11,8 @@ import math
 
 import numpy as np
 
-from trainer.core.kernel import Numbers, kernel
+from trainer.core.kernel import Numbers
+from trainer.identify.kernels.kernel import kernel
 from trainer.identify.kernels.sampling import Complexes
 
 BOW, STERN, SWAY, RATE, HEADING = 0, 1, 2, 3, 4

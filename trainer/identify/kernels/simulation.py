@@ -2,9 +2,10 @@
 
 import numpy as np
 
-from trainer.core.kernel import Numbers, kernel
+from trainer.core.kernel import Numbers
 from trainer.identify.kernels.blocks import put
 from trainer.identify.kernels.covariance_filter import Places, predict
+from trainer.identify.kernels.kernel import kernel
 
 
 @kernel
