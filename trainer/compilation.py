@@ -23,13 +23,13 @@ COMPLAINTS: Final = "compiling.log"  # of a compilation beside a run; gone when 
 
 def kept() -> bool:
     """Return whether everything that a run needs has been compiled on this machine before."""
-    return _mark().exists()
+    return mark("complete", "core").exists()
 
 
 def keep() -> None:
     """Note that everything that a run needs has been compiled; nothing where that cannot be."""
     with contextlib.suppress(OSError):
-        _mark().touch()
+        mark("complete", "core").touch()
 
 
 def settled() -> bool:
@@ -78,14 +78,14 @@ def compiling() -> Iterator[bool]:
             yield True
 
 
-def _mark() -> Path:
-    """Return the path of the mark."""
+def mark(name: str, folder: str) -> Path:
+    """Return the path of a mark that speaks for the kernels in a folder of the package."""
     import numba  # noqa: PLC0415
     from llvmlite import binding  # type: ignore[import-untyped]  # noqa: PLC0415
 
     asked = [numba.__version__, sys.version, binding.get_host_cpu_name()]
     asked += [os.environ.get(f"NUMBA_CPU_{name}", "") for name in ("NAME", "FEATURES")]
-    for path in sorted((Path(__file__).parent / "core").glob("*.py")):
+    for path in sorted((Path(__file__).parent / folder).glob("*.py")):
         status = path.stat()
         asked.append(f"{path} {status.st_mtime_ns} {status.st_size}")
-    return cache_folder() / f"complete-{hashlib.sha256(repr(asked).encode()).hexdigest()[:16]}"
+    return cache_folder() / f"{name}-{hashlib.sha256(repr(asked).encode()).hexdigest()[:16]}"

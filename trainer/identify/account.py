@@ -9,7 +9,7 @@ import numpy as np
 
 from trainer.files.vessel_file import load_vessel
 from trainer.fitout import KNOT
-from trainer.identify.allowed import MOTIONS_OF, PAIRED, Allowed, allowed
+from trainer.identify.allowed import PAIRED, Allowed, allowed
 from trainer.identify.fitting import Fitted, fit, settings, table_of
 from trainer.identify.prediction import bend_of, check_of, loss_alone
 from trainer.identify.predictor import Innovations
@@ -92,7 +92,7 @@ def report_of(fitted: Fitted, findings: tuple[str, ...], others: Allowed) -> Rep
         screened=fitted.rejected,
         parameters=_parameters(fitted),
         ship=_ship(fitted, others),
-        monte_carlo=MonteCarlo(MOTIONS_OF, others.lost, others.paired),
+        monte_carlo=MonteCarlo(len(others.draws), others.paired),
         derivatives=_derivatives(fitted),
         stability=_stability(fitted),
         eigenvalue=float(fitted.known.eigenvalues[0]),

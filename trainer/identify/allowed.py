@@ -41,13 +41,24 @@ class Band(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Allowed:
-    """Ships drawn for a fit; ``lost`` is the share of draws that were no model."""
+    """Ships drawn for a fit."""
 
     problem: Problem
-    draws: Numbers  # (k, f) those that are models
-    lost: float
+    draws: Numbers  # (k, f)
     spans: Span  # of the fit's quantities
     paired: float  # share of all draws whose T1 and T2 are a complex pair
+
+    @cached_property
+    def sailing(self) -> Numbers:
+        """Return those of the draws that are run, models all of them (k, f)."""
+        tried = self.draws[:MOTIONS_OF]
+        kept = tried[[_sails(self.problem, one) for one in tried]]
+        return kept if len(kept) else self.problem.start[None]
+
+    @property
+    def lost(self) -> float:
+        """Return the share of draws that were no model [-]."""
+        return 1.0 - len(self.sailing) / len(self.draws[:MOTIONS_OF])
 
     @cached_property
     def outputs(self) -> Band:
@@ -63,9 +74,9 @@ class Allowed:
 
     def _band(self, under: Problem, without: Problem | None) -> Band:
         """Return the band of the outputs ``under`` a rudder, less those ``without`` it."""
-        runs = np.array([alone(under, theta) for theta in self.draws])
+        runs = np.array([alone(under, theta) for theta in self.sailing])
         if without is not None:
-            runs -= np.array([alone(without, theta) for theta in self.draws])
+            runs -= np.array([alone(without, theta) for theta in self.sailing])
         low, middle, high = np.quantile(runs, (TAIL, 0.5, 1.0 - TAIL), axis=0)
         return Band(under.samples.t, low, middle, high)
 
@@ -82,15 +93,7 @@ def allowed(fitted: Fitted) -> Allowed:
     if np.isnan(fitted.told.covariance).any():
         spans = Span(*(np.full_like(end, math.nan) for end in spans))
     swing = numbers[:, fitted.quantity_names.index("T_imag")]
-    tried = every[:MOTIONS_OF]
-    kept = np.array([_sails(problem, one) for one in tried], bool)
-    return Allowed(
-        problem=problem,
-        draws=tried[kept] if kept.any() else theta[None],
-        lost=1.0 - float(kept.mean()),
-        spans=spans,
-        paired=float(np.mean(swing != 0.0)),
-    )
+    return Allowed(problem, every, spans, float(np.mean(swing != 0.0)))
 
 
 def _sails(problem: Problem, theta: Numbers) -> bool:

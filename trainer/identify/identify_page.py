@@ -198,6 +198,7 @@ def _responses(identified: Identified) -> tuple[Panel, ...]:
     """Return the answers to a step and to a pulse of the rudder, of all ships allowed."""
     fitted, others = identified.fitted, identified.others
     found = []
+    lost = f" ({others.lost:.0%} of the draws are no model)" if others.lost else ""
     asked = ("step of 1 deg", step_of(fitted)), ("pulse of 1 deg s", pulse_of(fitted))
     for title, rudder in asked:
         band = others.response(rudder)
@@ -205,7 +206,7 @@ def _responses(identified: Identified) -> tuple[Panel, ...]:
             middle = Curve("middle", band.t, band.middle[:, i])
             curves = (middle, *_edges(band, i))
             unit = f"[{UNITS[output][0]}]"
-            found.append(Panel(f"{output} by a {title}", "time [s]", unit, curves))
+            found.append(Panel(f"{output} by a {title}{lost}", "time [s]", unit, curves))
     return tuple(found)
 
 

@@ -40,7 +40,6 @@ class MonteCarlo:
     """Ships drawn from what the record leaves open (8.5)."""
 
     draws: int
-    lost: float  # [-] share of draws that were no model
     paired: float  # [-] share whose T1 and T2 are a complex pair
 
 
