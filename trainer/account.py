@@ -21,6 +21,8 @@ def account(session: Session, wall: float, kept: str, *, aside: bool) -> int:
     console has stdout.
     """
     summary = summary_text(session.boat, session.time.ledger.summary(), wall)
+    if granted := session.time.punctuality.granted:
+        summary += f"\nthe clock   {granted.line()}"
     if session.watch.times:
         summary += f"\nevents      {session.watch.account()}"
     if kept:

@@ -36,6 +36,9 @@ STOPPED = SECOND // 4  # [ns]
 STOPPED_PERIODS = 4
 # A wait is cut in pieces: some systems deliver Ctrl-C, and notice a suspension, only between two.
 LONGEST_NAP = SECOND // 2  # [ns]
+# Sleep ends a little before a deadline, and the rest is spun away: long enough to wake up, and to
+# get the interpreter from a busy thread (punctuality.SWITCH); short enough to cost nothing.
+SPIN = 300_000  # [ns]
 
 
 class Clock(Protocol):
@@ -69,9 +72,13 @@ class MonotonicClock:
 
     def wait_until(self, deadline: int, wake: threading.Event) -> bool:
         """Return True once ``deadline`` [ns] is past, False if ``wake`` is set before."""
-        while (left := deadline - self.now()) > 0:
+        now, woken = self.now, wake.is_set
+        while (left := deadline - SPIN - now()) > 0:
             if wake.wait(min(left, LONGEST_NAP) / SECOND):
-                return self.now() >= deadline
+                return now() >= deadline
+        while now() < deadline:
+            if woken():
+                return False
         return True
 
 
@@ -117,8 +124,9 @@ class Pacer:
         """Take the speed [-]; ValueError outside SLOWEST to FASTEST."""
         self.ledger, self.frozen = ledger, True
         self._clock, self._policy = clock, policy
-        self._period = _period(ledger.step, speed)
+        self._set_period(_period(ledger.step, speed))
         self._left = Fraction(0)  # [-] of the period, from the freeze to the tick after it
+        self._woke = 0  # when the last wait ended with a tick due, 0 once that has begun
         self._anchor = self._tick = 0  # the next tick is due at anchor + tick * period
         self._deadline = self._start = 0  # of the tick at work
         self._seen = self._seen_cpu = 0  # when the thread was last known to be running
@@ -135,6 +143,7 @@ class Pacer:
 
     def freeze(self) -> None:
         """Let no tick become due until ``run``; lateness is forgiven."""
+        self._woke = 0
         if not self.frozen:
             self.frozen = True
             self._left = max((self._due() - self._clock.now()) / self._period, Fraction(0))
@@ -144,7 +153,7 @@ class Pacer:
         period = _period(self.ledger.step, speed)
         running = not self.frozen
         self.freeze()
-        self._period = period
+        self._set_period(period)
         if running:
             self.run()
 
@@ -160,14 +169,19 @@ class Pacer:
         reached = self._clock.wait_until(due, wake)
         now = self._clock.now()
         overslept = now - max(due, entered)
-        if overslept > max(int(self._period), STOPPED):
+        if overslept > self._overslept:
             self._gap(overslept, now)
-        self._look(now)
+        self._seen = now  # it has slept since, and used the processor for SPIN at most
+        self._woke = now if reached else 0
         return Waited.DUE if reached else Waited.WOKEN
 
     def begin(self) -> None:
-        """Start the work of a tick, also a single one in a freeze."""
-        self._start = self._clock.now()
+        """Start the work of a tick, also a single one in a freeze.
+
+        What is done between the end of its wait and this is work too.
+        """
+        self._start = self._woke or self._clock.now()
+        self._woke = 0
         still = self._look(self._start)
         if self.frozen:
             self._deadline = self._start
@@ -223,13 +237,20 @@ class Pacer:
         seen, seen_cpu = self._seen, self._seen_cpu
         self._seen, self._seen_cpu = now, self._clock.cpu()
         still = (now - seen) - (self._seen_cpu - seen_cpu)
-        return still if still > max(int(STOPPED_PERIODS * self._period), STOPPED) else 0
+        return still if still > self._stopped else 0
 
     def _say(self, what: Happening, length: int) -> None:
         self._events.append(Event(what, self.ledger.ticks, length))
 
+    def _set_period(self, period: Fraction) -> None:
+        # fractions are slow, and between a deadline and its tick every microsecond is lateness
+        self._period = period
+        self._numerator, self._denominator = period.numerator, period.denominator
+        self._overslept = max(int(period), STOPPED)
+        self._stopped = max(int(STOPPED_PERIODS * period), STOPPED)
+
     def _due(self) -> int:
-        return self._anchor + self._tick * self._period.numerator // self._period.denominator
+        return self._anchor + self._tick * self._numerator // self._denominator
 
     def _reanchor(self, due: int) -> None:
         self._anchor, self._tick = due, 0

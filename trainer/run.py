@@ -28,6 +28,7 @@ from trainer.ledger import SECOND
 from trainer.nmea.outlets import open_outlets
 from trainer.plan import Plan, plan_run
 from trainer.ports import PATIENCE, Ports, unhurried
+from trainer.punctuality import Punctuality
 from trainer.readiness import refuse_unstable, warm
 from trainer.records.log_book import header_of
 from trainer.rerun_log.opening import open_log
@@ -98,6 +99,7 @@ def fly(voyage: Voyage, options: dict[str, Any]) -> int:
     time = Timekeeping.at(
         MonotonicClock(), method.step, options["speed"], Policy(options["overrun"])
     )
+    time.punctuality = Punctuality(realtime=options["priority"] == "realtime")
     publisher = open_publisher(boat, time, options)
     log = open_log(publisher, time.ledger, Subject.of(plan, boat), options)
     sending = log or publisher
@@ -123,7 +125,8 @@ def fly(voyage: Voyage, options: dict[str, Any]) -> int:
         open_ports(Ports(wake, sending, session.board.log, stack), session, options)
         shown = progress_bar(last_tick) if options["headless"] else contextlib.nullcontext()
         started = time.clock.now()
-        with interrupts(session), np.errstate(all="ignore"), shown as session.progress:
+        quiet = np.errstate(all="ignore")
+        with interrupts(session), quiet, shown as session.progress, time.attended():
             session.run(frozen=options["frozen"])
         wall = (time.clock.now() - started) / SECOND
         session.board.tell("time", OVER)

@@ -1,10 +1,13 @@
 """What paces the ticks, and may be changed while they run."""
 
+import contextlib
 import math
-from dataclasses import dataclass
+from collections.abc import Iterator
+from dataclasses import dataclass, field
 
 from trainer.clock import Clock, Pacer, Policy, Unpaced
 from trainer.ledger import Ledger
+from trainer.punctuality import Punctuality, Unasked
 
 
 def keeper(clock: Clock, ledger: Ledger, speed: float, policy: Policy) -> Pacer | Unpaced:
@@ -23,6 +26,7 @@ class Timekeeping:
     policy: Policy
     pacer: Pacer | Unpaced
     speed: float  # [-]
+    punctuality: Punctuality | Unasked = field(default_factory=Unasked)
 
     @classmethod
     def at(cls, clock: Clock, step: float, speed: float, policy: Policy) -> "Timekeeping":
@@ -35,9 +39,19 @@ class Timekeeping:
         """Return whether time stands still."""
         return self.pacer.frozen
 
+    @contextlib.contextmanager
+    def attended(self) -> Iterator[None]:
+        """Have from the system what time is kept by, inside the block, in the thread that ticks."""
+        self._attend()
+        try:
+            yield
+        finally:
+            self.punctuality.relax()
+
     def change(self, speed: float) -> None:
         """Let time go ``speed`` times as fast from now on."""
         self.speed = speed
+        self._attend()
         if math.isfinite(speed) and isinstance(self.pacer, Pacer):
             self.pacer.set_speed(speed)
             return
@@ -45,3 +59,7 @@ class Timekeeping:
         self.pacer = keeper(self.clock, self.ledger, speed, self.policy)
         if not frozen:
             self.pacer.run()
+
+    def _attend(self) -> None:
+        """Ask for it where time is kept; as fast as it goes needs no precedence over others."""
+        (self.punctuality.keep if math.isfinite(self.speed) else self.punctuality.relax)()

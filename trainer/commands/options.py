@@ -110,6 +110,13 @@ time_options = together(
         show_default=True,
         help="What happens when a tick ends too late.",
     ),
+    click.option(
+        "--priority",
+        type=click.Choice(("realtime", "normal")),
+        default="realtime",
+        show_default=True,
+        help="Whether time is kept by a real-time priority and locked memory, where permitted.",
+    ),
     click.option("--frozen", is_flag=True, help="Start with time frozen, until the order run."),
     click.option(
         "--csv",
