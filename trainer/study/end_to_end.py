@@ -1,0 +1,129 @@
+"""From the helm to the instrument: an order typed at one serial line, its effect read at another.
+
+A session of its own process has a helmsman at a serial line, and sends the angle of the rudder by
+NMEA 0183 to another. He orders the rudder the other way at any instant within a tick; what is timed
+is from his first byte to the last of the sentence that shows the rudder on its way there.
+"""
+
+import itertools
+import math
+import random
+import re
+import subprocess
+import time
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Final
+
+from trainer.config import ConfigError
+from trainer.files.vessel_file import VesselFile
+from trainer.ledger import SECOND, Histogram, Spread
+from trainer.study.terminal import TRAINER, Line, line
+
+ORDERS: Final = (("rudder left full", -1.0), ("rudder right full", 1.0))
+RATE: Final = "20"  # [Hz] of the sentences, at most: there is one for each tick
+ANGLE: Final = re.compile(rb"\$INRSA,(-?[0-9]+\.[0-9]+),A[^\n]*\n")
+PAUSE: Final = 1.0, 2.0  # [ticks] between orders: anywhere within a tick
+PATIENCE: Final = 30.0  # [s] a first start
+BINS: Final = 10  # of the histogram, to a step
+ALLOWED: Final = 0.020  # [s] beyond half a step
+WIDEST: Final = 40  # [characters] of its bars
+
+
+@dataclass(frozen=True)
+class EndToEnd:
+    """How long it took an order to be seen at an instrument."""
+
+    step_s: float
+    orders: int
+    latency: Spread
+    allowed_median_ms: float  # half a step, and what lines and programs may take
+    bin_ms: float
+    histogram: tuple[int, ...]  # orders by bin
+
+
+def time_helm(file: VesselFile, seconds: float) -> EndToEnd:
+    """Return the latency of orders in ``seconds`` [s] of real time; ConfigError if none acts."""
+    step = file.run.step_s
+    with line() as helm, line() as instrument:
+        words = ("serve", "--vessel", str(file.path), "--line", f"helm={helm.name}")
+        nmea = ("--nmea", instrument.name, "--nmea-sentences", "RSA", "--nmea-rate", RATE)
+        alone = ("--listen", "none", "--socket", "none", "--no-record")
+        with subprocess.Popen(  # noqa: S603  our own program
+            [*TRAINER, *words, *nmea, *alone],
+            stdin=subprocess.DEVNULL,
+            stdout=subprocess.DEVNULL,
+            stderr=subprocess.PIPE,
+        ) as process:
+            try:
+                taken = list(steer(helm, instrument, step, seconds))
+            finally:
+                process.terminate()
+            complaint = process.stderr.read().decode() if process.stderr else ""
+    if not taken:
+        raise ConfigError(f"{file.path.name}: the rudder is not seen to move; {complaint.strip()}")
+    return summed(taken, step)
+
+
+def steer(helm: Line, instrument: Line, step: float, seconds: float) -> Iterator[int]:
+    """Order the rudder about; yield how long [ns] each order took to be seen."""
+    dice = random.Random(1969)  # noqa: S311  instants, not secrets
+    angle = reading(instrument, time.monotonic() + PATIENCE)
+    end = time.monotonic() + seconds
+    for words, sense in itertools.cycle(ORDERS):
+        pause = time.monotonic() + step * dice.uniform(*PAUSE)
+        while angle is not None and (shown := reading(instrument, pause)) is not None:
+            angle = shown
+        begun = time.monotonic_ns()
+        helm.say(words)
+        while angle is not None:
+            before, angle = angle, reading(instrument, time.monotonic() + PATIENCE)
+            if angle is not None and sense * (angle - before) > 0.0:
+                break
+        if angle is None or time.monotonic() > end:
+            return
+        yield time.monotonic_ns() - begun
+
+
+def reading(instrument: Line, until: float) -> float | None:
+    """Return the next angle of the rudder [deg] to starboard, None if none comes in time."""
+    found = instrument.find(ANGLE, until)
+    return float(found[1]) if found else None
+
+
+def summed(taken: list[int], step: float) -> EndToEnd:
+    """Return the figures of times [ns] from order to instrument."""
+    histogram, width = Histogram(), step / BINS
+    counts = [0] * (int(max(taken) / SECOND / width) + 1)
+    for each in taken:
+        histogram.add(each)
+        counts[int(each / SECOND / width)] += 1
+    return EndToEnd(
+        step_s=step,
+        orders=len(taken),
+        latency=histogram.spread(),
+        allowed_median_ms=1e3 * (0.5 * step + ALLOWED),
+        bin_ms=1e3 * width,
+        histogram=tuple(counts),
+    )
+
+
+def lines(figures: EndToEnd) -> list[str]:
+    """Return the figures as lines of a page."""
+    spread, most = figures.latency, max(figures.histogram)
+    allowed = f"at most {figures.allowed_median_ms:.0f}: half a step and 20 ms"
+    found = f"median {spread.p50_ns / 1e6:.0f} ms ({allowed}), most {spread.max_ns / 1e6:.0f} ms"
+    return [
+        "",
+        f"FROM HELM TO INSTRUMENT (two serial lines, ticks {figures.step_s:g} s apart)",
+        f"  {figures.orders} orders: {found}",
+        *(
+            f"  {place * figures.bin_ms:6.0f} ms {count:4} {bar(count / most)}".rstrip()
+            for place, count in enumerate(figures.histogram)
+        ),
+    ]
+
+
+def bar(share: float) -> str:
+    """Return a bar of a histogram as long as a ``share`` [-] of the longest."""
+    return "#" * math.ceil(WIDEST * share)
