@@ -81,7 +81,10 @@ def take_to_sea(options: dict[str, Any]) -> NoReturn:
         click.echo(note, err=True)
     from trainer.run import run_boat  # noqa: PLC0415
 
-    sys.exit(run_boat({**options, "given": given(), "note": note}))
+    try:
+        sys.exit(run_boat({**options, "given": given(), "note": note}))
+    finally:
+        gc.enable()
 
 
 def serving() -> list[str]:
