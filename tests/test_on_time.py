@@ -1,12 +1,10 @@
 """The bench's sections on time: that they measure the product, and what they make of it."""
 
-import itertools
 import json
 import os
 import re
 import subprocess
 import sys
-import threading
 from pathlib import Path
 
 import pytest
@@ -19,7 +17,7 @@ from trainer.ledger import SECOND, Spread
 from trainer.study import end_to_end, on_time, starting
 from trainer.study.crowd import Crowd, entry, missed, sail_in_crowd
 from trainer.study.metronome import beat
-from trainer.study.terminal import Line, line
+from trainer.study.terminal import Line
 
 pytestmark = pytest.mark.skipif(not hasattr(os, "openpty"), reason="no pseudo-terminals here")
 
@@ -97,45 +95,32 @@ def test_the_page_on_time_names_every_loop_and_the_ratio_to_the_control() -> Non
 # From helm to instrument
 
 
-class Rudder:
-    """The far end of two serial lines: a rudder that turns a degree with every order."""
+class Helm(Line):
+    """A line that keeps what is said on it."""
 
-    def __init__(self, helm: Line, instrument: Line) -> None:
-        self.helm = os.open(helm.name, os.O_RDWR | os.O_NOCTTY)
-        self.instrument = os.open(instrument.name, os.O_RDWR | os.O_NOCTTY)
-        self.heard: list[str] = []
+    def __init__(self) -> None:
+        super().__init__(-1, "")
+        self.words: list[str] = []
 
-    def answer(self, count: int) -> None:
-        """Show each order at once, after a sentence that does not show it yet."""
-        angle = 0.0
-        self.show(angle)
-        for _ in range(count):
-            order = os.read(self.helm, 100).decode().strip()
-            self.heard.append(order)
-            self.show(angle)
-            angle += 1.0 if "right" in order else -1.0
-            self.show(angle)
-        os.close(self.helm)
-        os.close(self.instrument)
-
-    def show(self, angle: float) -> None:
-        os.write(self.instrument, f"$INRSA,{angle:.1f},A,,V*00\r\n".encode("ascii"))
+    def say(self, words: str) -> None:
+        self.words.append(words)
 
 
-def test_an_order_is_timed_until_the_rudder_moves_as_ordered_and_not_until_it_is_spoken_of() -> (
-    None
-):
-    with line() as helm, line() as instrument:
-        rudder = Rudder(helm, instrument)
-        far = threading.Thread(target=rudder.answer, args=(3,))
-        far.start()
-        steered = end_to_end.steer(helm, instrument, 0.01, 60.0)
-        taken = list(itertools.islice(steered, 3))
-        far.join()
+def test_an_order_is_timed_until_the_rudder_moves_as_ordered(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    # at rest; left: not yet, then it moves; right: still on its way left, then back
+    shown = [0.0, None, 0.0, 0.0, -1.0, None, -2.0, -2.5, -1.5, 7.0]
+    readings = iter(shown)
+    monkeypatch.setattr(end_to_end, "reading", lambda *_: next(readings))
+    helm = Helm()
+    steered = end_to_end.steer(helm, Helm(), 0.01, 60.0)
 
-    assert rudder.heard == ["rudder left full", "rudder right full", "rudder left full"]
-    assert len(taken) == 3
-    assert all(each > 0 for each in taken)
+    assert next(steered) > 0
+    assert helm.words == ["rudder left full"]
+    assert next(steered) > 0
+    assert helm.words == ["rudder left full", "rudder right full"]
+    assert list(readings) == [7.0]
 
 
 def test_times_fall_into_bins_of_a_tenth_of_a_step() -> None:

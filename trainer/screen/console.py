@@ -44,6 +44,7 @@ from trainer.screen.posts import POSTS, Place
 from trainer.screen.sight import Sight
 
 RATE: Final = 10.0  # [Hz] of looking
+SOON: Final = 0.01  # [s] until the first look
 FUNCTION: Final = re.compile(r"f\d+|ctrl\+c")  # keys that are no part of an order
 SPANS: Final = (60.0, 120.0, 300.0, 600.0, 1200.0)  # [s] of the charts
 PACES: Final = (0.1, 0.2, 0.5, 1.0, 2.0, 4.0, 8.0, 16.0, 32.0, 64.0, 100.0)  # of time
@@ -110,6 +111,7 @@ class Console(App[str], inherit_bindings=False):
     def on_mount(self) -> None:
         """Begin to look; end in good order when asked to from outside."""
         self.screen.add_class(self.sight.role)
+        self.set_timer(SOON, self._look)  # what has come by now is not kept waiting
         self.set_interval(1.0 / RATE, self._look)
         if self.sight.instructs:
             self.query_one(Entry).focus()

@@ -40,7 +40,7 @@ class OnTime:
     seconds: float  # of each loop
     busy_processes: int
     alone: Loop
-    beside_thread: Loop
+    beside_thread: Loop  # with a real-time priority, where permitted, as a run has it
     beside_processes: Loop
     control: Spread | None  # the loop in C, at the same time; None without a compiler
     times_the_control: float | None  # 99 % by 99 %
@@ -51,7 +51,7 @@ class OnTime:
 def time_ticks(file: VesselFile, seconds: float, minutes: float) -> OnTime:
     """Return the figures of loops of ``seconds`` [s], and a session of ``minutes`` in a crowd."""
     count = os.cpu_count() or 1
-    alone, beside_thread = loop(seconds), loop(seconds, "busy")
+    alone, beside_thread = loop(seconds), loop(seconds, "busy", "realtime")
     with hogs(count):
         beside, control = beside_control(seconds)
         realtime = loop(seconds, "realtime")
