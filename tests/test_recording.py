@@ -586,6 +586,20 @@ def test_a_full_disk_is_told_and_what_is_written_is_whole(path: Path) -> None:
 
 
 @posix
+@pytest.mark.parametrize("remove", [Path.unlink, lambda path: path.rename(path.parent / "other")])
+def test_a_recording_that_is_not_there_any_more_is_told(
+    path: Path, remove: Callable[[Path], object]
+) -> None:
+    with closing(begin(path)) as recording:
+        recording.order(1, "helm", "before")
+        assert not recording.trouble
+        remove(path)
+        recording.order(2, "helm", "after")
+        assert "is not there any more" in recording.trouble
+        assert "all up to tick 2 of branch 1 is kept" in recording.trouble
+
+
+@posix
 def test_a_recording_for_which_there_is_no_room_is_not_begun(path: Path) -> None:
     with (
         small_disk(),

@@ -278,3 +278,13 @@ def test_trouble_with_the_recording_is_told_at_once_and_only_once() -> None:
     session.run()
     assert script.heard == ["NOT RECORDED: out.csv: full; 2 rows are whole"]
     assert session.boat.state.tick == 6
+
+
+def test_trouble_that_an_order_meets_is_told_too() -> None:
+    script = Script([["rudder left 5", "rudder left 6"]])
+    session = session_of(script, 4)
+    recording = session.history.recording
+    assert isinstance(recording, Recording)
+    recording.order = lambda *_: setattr(recording, "trouble", "disk full") or 1  # type: ignore[method-assign,func-returns-value]
+    session.run()
+    assert script.heard.count("NOT RECORDED: disk full") == 1

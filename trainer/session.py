@@ -63,6 +63,7 @@ class Session:
     briefing: tuple[str, ...] = ()  # what whoever comes is told
     until_left: bool = False  # it ends when the last of those who came by themselves has gone
     deserted: str = ""  # why it ended before its time
+    unrecorded: str = ""  # why nothing more is recorded, once that has been told
     board: Board = field(init=False)
     desk: Desk = field(init=False)
 
@@ -169,6 +170,7 @@ class Session:
             answer = self._carry_out(order, station.who)
             station.answer(asked, answer)
             self._pass_on(order, answer, station)
+            self._tell_trouble()
 
     def _status(self, station: Station) -> list[str]:
         """Return all about the boat that a station may know."""
@@ -263,10 +265,8 @@ class Session:
 
     def _after_tick(self) -> None:
         """Keep the state, show it, and call out what it means."""
-        before = self.history.recording.trouble
         state = self.history.ticked()
-        if self.history.recording.trouble != before:
-            self.board.tell("trouble", f"NOT RECORDED: {self.history.recording.trouble}")
+        self._tell_trouble()
         if self.history.rerun is None:
             self._row()
         self._publish(state)
@@ -274,6 +274,13 @@ class Session:
             self.board.tell("watch", text)
         while self.sending.troubles:
             self.board.tell("trouble", self.sending.troubles.popleft())
+
+    def _tell_trouble(self) -> None:
+        """Tell once that the recording is in trouble, whatever it was that met it."""
+        trouble = self.history.recording.trouble
+        if trouble != self.unrecorded:
+            self.unrecorded = trouble
+            self.board.tell("trouble", f"NOT RECORDED: {trouble}")
 
     def _row(self) -> None:
         """Hand the state to the columns' file; tell at once when it is in trouble."""

@@ -26,6 +26,7 @@ class Checkpointer:
     def __init__(self, path: Path) -> None:
         self._path = path
         self._written_ahead = path.with_name(path.name + "-wal")
+        self._file = _identity(path)
         self._bound = FAR  # [bytes] written ahead at which the writer waits
         self._closing = threading.Event()
         self._thread = threading.Thread(target=self._run, name="checkpoints", daemon=True)
@@ -35,6 +36,11 @@ class Checkpointer:
         """End the thread, after the checkpoint it may be in."""
         self._closing.set()
         self._thread.join()
+
+    @property
+    def gone(self) -> bool:
+        """Return whether the file is not found any more where it was begun."""
+        return _identity(self._path) != self._file
 
     def relieve(self, writing: sqlite3.Connection) -> None:
         """Bring all home with the writer's own connection, between two commits, if it is too much.
@@ -67,3 +73,12 @@ class Checkpointer:
             if written == brought_home:
                 # Whoever writes next begins the file anew and waits for the disk: be that one.
                 connection.execute(TOUCH)
+
+
+def _identity(path: Path) -> tuple[int, int]:
+    """Return what tells a file from every other, (0, 0) if there is none."""
+    try:
+        found = path.stat()
+    except OSError:
+        return 0, 0
+    return found.st_dev, found.st_ino

@@ -173,7 +173,9 @@ class Recording:
             self._give_up(error)
             return
         self._kept = self._tick
-        if self._checkpointer:
+        if self._checkpointer and self._checkpointer.gone:
+            self._give_up("is not there any more: removed, or its disk is; write to another")
+        elif self._checkpointer:
             self._checkpointer.relieve(self._connection)
 
     def close(self) -> None:
@@ -258,7 +260,7 @@ class Recording:
             return moment.branch
         return self._past.owner(moment.branch, moment.tick, moment.after)
 
-    def _give_up(self, error: sqlite3.Error) -> None:
+    def _give_up(self, error: sqlite3.Error | str) -> None:
         self.trouble = self.trouble or (
             f"{self._name}: {error}; all up to tick {self._kept} of branch {self.branch} is kept"
         )
