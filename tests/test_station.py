@@ -608,3 +608,14 @@ def tend(hub: Hub, wake: threading.Event, boat: Boat, program: threading.Thread)
     program.join(10.0)
     assert not program.is_alive()
     return obeyed
+
+
+@pytest.mark.parametrize(
+    "line", [f"helm {TOKEN}", f"subscribe {TOKEN.lower()}", f"rudder left {TOKEN}", f"x {TOKEN}."]
+)
+def test_a_token_is_not_logged_wherever_it_stands(post: Callable[..., Post], line: str) -> None:
+    stranger = post(None, TOKEN)
+    stranger.type(line, f"role helm {TOKEN}", line)
+
+    assert "***" in stranger.log[0][1]
+    assert TOKEN.casefold() not in str(stranger.log).casefold()

@@ -1,9 +1,11 @@
 """How a line comes in: with a role that is fixed, or by saying one, with a token if need be."""
 
 import hmac
+import re
 from dataclasses import dataclass, field
 from typing import Final
 
+from trainer.io.secret import HIDDEN
 from trainer.stations.roles import ROLES, STRANGER, Role
 
 GUESSES: Final = 3  # wrong tokens before a line is closed
@@ -22,6 +24,13 @@ class Door:
         if self.role is not None:
             return ROLES[self.role]
         return STRANGER if self.token else ROLES["observer"]
+
+    def hide(self, text: str) -> str:
+        """Return ``text`` without the token, wherever it stands: an order may be misspelt."""
+        if not self.token:
+            return text
+        whole = rf"(?<![\w-]){re.escape(self.token)}(?![\w-])"
+        return re.sub(whole, HIDDEN, text, flags=re.IGNORECASE)
 
     def admits(self, given: str) -> bool:
         """Return whether a token will do; how long that takes tells nothing of it."""
