@@ -335,6 +335,10 @@ def test_a_file_beside_the_vessel_file_holds_its_trials(tmp_path: Path) -> None:
         ('"m", 187.0', '"feet", 187.0', "unit must be one of"),
         ('"m", 187.0', '"m", 187.0, 1.0', "must be quantity, unit and 1 values"),
         ('title = "a turn"\n', "", "lacks title"),
+        ('title = "a turn"\n', "title = 1\n", "must be one line of text"),
+        ('manoeuvre = "', 'manoeuvre = ["a"] # "', "no such manoeuvre"),
+        ("columns = [", "columns = 1 # [", "must be a list of words"),
+        ('"m", 187.0', '["m"], 187.0', "unit must be one of"),
     ],
 )
 def test_a_wrong_file_of_trials_is_told_with_its_place(

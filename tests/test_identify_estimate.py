@@ -1,5 +1,6 @@
 """Estimates, what is known of them, and what cannot be told apart."""
 
+import json
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -149,8 +150,21 @@ def test_a_checkpoint_of_something_else_is_refused(cost, tmp_path):
     more = TANKER.freed("v2_0").problem(TANKER_RUDDER[:600])
     with pytest.raises(ConfigError, match="lacks v2_0"):
         resume(path, more)
-    path.write_text("{")
-    with pytest.raises(ConfigError, match="no checkpoint"):
+    for text in ("{", "[" * 100_000, '{"model": "x", "parameters": 1}'):
+        path.write_text(text)
+        with pytest.raises(ConfigError, match="no checkpoint"):
+            resume(path, cost.problem)
+
+
+@pytest.mark.parametrize("value", ["null", '"x"', "true", "1e999", "NaN"])
+def test_a_checkpoint_s_parameter_that_is_no_number_is_refused_by_name(cost, tmp_path, value):
+    path = tmp_path / "search.json"
+    keep(path, cost.problem)(Found(cost.problem.start, 1.0, 1, converged=False))
+    name = cost.problem.names[0]
+    told = json.loads(path.read_text())
+    told["parameters"][name] = "here"
+    path.write_text(json.dumps(told).replace('"here"', value))
+    with pytest.raises(ConfigError, match=f"{name} = .*: must be a number"):
         resume(path, cost.problem)
 
 

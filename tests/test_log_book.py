@@ -364,3 +364,26 @@ def test_two_states_are_unlike_at_the_first_bit_that_differs(
     assert unlike(one.tobytes(), one.tobytes()) is None
     assert len(set(LAYOUT)) == len(LAYOUT) == boat.records.state.itemsize // 8
     assert {"u", "past_rates[1,3]", "water_trim_forward", "casualty[7]"} <= set(LAYOUT)
+
+
+@pytest.mark.parametrize(
+    ("part", "value", "told"),
+    [
+        ("options", [], "is of another form"),
+        ("options", {"exercise": None}, "no option"),
+        ("options", {**PLAIN, "given": [], "vessel": ["bb2"]}, "option vessel"),
+        ("options", {**PLAIN, "given": [1]}, "option given"),
+        ("texts", {"configs/x.toml": 1}, "texts = "),
+        ("layout", [["u"]], "layout = "),
+        ("method", {"step": 0.5}, "is no method"),
+    ],
+)
+def test_a_header_of_anybody_s_making_is_refused_by_name(
+    part: str, value: object, told: str
+) -> None:
+    _, _, header = recorded_run(PLAIN)
+    header[part] = json.dumps(value)
+    read = {"options": plan_of, "texts": plan_of, "layout": layout_of, "method": method_of}[part]
+
+    with pytest.raises(ConfigError, match=told):
+        read(header)

@@ -225,3 +225,11 @@ def test_a_hundred_thousand_lines_of_noise_are_survived_in_flat_memory() -> None
     assert min(heard[Order], heard[BadOrder], heard[Overlong]) > 1000
     assert after - settled < 20_000
     assert peak < 500_000
+
+
+@pytest.mark.parametrize(
+    "words",
+    ["TRS,motion,3,[[1]],60", "TRS,motion,x,1.5,60", "TRS,motion,3,nan,60", "TRE,3,1e5,time,over"],
+)
+def test_a_sentence_that_does_not_tell_when_in_numbers_is_none(words: str) -> None:
+    assert read(framed(words)) is None

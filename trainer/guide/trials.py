@@ -22,6 +22,7 @@ from trainer.config import (
     shipped_names,
     shown,
 )
+from trainer.files.schema import Quantity, Text, above, within
 from trainer.files.vessel_file import VesselFile
 from trainer.fitout import Method
 from trainer.guide.tasks import Flown, Task
@@ -33,6 +34,9 @@ UNITS: Final = {  # of the file, to SI and radians
     **dict.fromkeys(("m", "s", "m/s", "rad", "rad/s", "-"), 1.0),
     **dict.fromkeys(("deg", "deg/s"), math.radians(1.0)),
 }
+WORDS: Final = Text(500, "what it is, and whose")
+SPEED: Final = Quantity("m/s", above(0, 50), "at which it begins")
+PARAMETER: Final = Quantity("-", within(-1e6, 1e6), "of a manoeuvre, in the unit of its name")
 STEP: Final = 0.2  # of the boat's own: the step of Runge and Kutta
 READING: Final = re.compile(r"(\w+) after ([\d.]+) s")
 
@@ -108,28 +112,44 @@ def _trial(row: Mapping[str, Any], place: Place) -> Trial:
     for key in KEYS:
         if key not in row:
             raise ConfigError(place.problem(f"lacks {key}"))
-    name = row["manoeuvre"]
-    if name not in MANOEUVRES:
-        raise ConfigError(
-            place.wrong("manoeuvre", name, f"no such manoeuvre{nearest(str(name), MANOEUVRES)}")
-        )
-    manoeuvre = named(name)
-    known = {field.name for field in fields(manoeuvre)}
-    given = {key: value for key, value in row.items() if key not in KEYS}
-    for key, value in given.items():
-        if key not in known:
-            raise ConfigError(place.wrong(key, value, f"no such key{nearest(key, known)}"))
-        given[key] = tuple(value) if isinstance(value, list) else value
-    columns = tuple(str(column) for column in row["columns"])
+    columns = _words("columns", row["columns"], place)
+    if not isinstance(row["results"], list):
+        raise ConfigError(place.wrong("results", row["results"], "must be a list of results"))
     return Trial(
-        title=str(row["title"]),
-        source=str(row["source"]),
+        title=WORDS.read("title", row["title"], place),
+        source=WORDS.read("source", row["source"], place),
         note=str(row["note"]),
-        manoeuvre=replace(manoeuvre, **given),
-        speed=float(row["speed_m_s"]),
+        manoeuvre=_manoeuvre(row, place),
+        speed=SPEED.read("speed_m_s", row["speed_m_s"], place),
         columns=columns,
         results=tuple(_published(result, columns, place) for result in row["results"]),
     )
+
+
+def _manoeuvre(row: Mapping[str, Any], place: Place) -> Manoeuvre:
+    """Return the manoeuvre that a trial names, with its parameters; ConfigError if it has none."""
+    name = row["manoeuvre"]
+    if not isinstance(name, str) or name not in MANOEUVRES:
+        advice = f"no such manoeuvre{nearest(str(name), MANOEUVRES)}"
+        raise ConfigError(place.wrong("manoeuvre", name, advice))
+    manoeuvre = named(name)
+    known = {field.name: getattr(manoeuvre, field.name) for field in fields(manoeuvre)}
+    given = {}
+    for key, value in row.items():
+        if key in KEYS:
+            continue
+        if key not in known:
+            raise ConfigError(place.wrong(key, value, f"no such key{nearest(key, known)}"))
+        reader = _words if isinstance(known[key], tuple) else PARAMETER.read
+        given[key] = reader(key, value, place)
+    return replace(manoeuvre, **given)
+
+
+def _words(key: str, value: object, place: Place) -> tuple[str, ...]:
+    """Return a list of words; ConfigError if it is none."""
+    if not isinstance(value, list) or not all(isinstance(word, str) for word in value):
+        raise ConfigError(place.wrong(key, value, "must be a list of words"))
+    return tuple(value)
 
 
 def _published(row: Any, columns: tuple[str, ...], place: Place) -> Published:
@@ -138,7 +158,7 @@ def _published(row: Any, columns: tuple[str, ...], place: Place) -> Published:
         wanted = f"must be quantity, unit and {len(columns)} values, '' for none"
         raise ConfigError(place.wrong("results", row, wanted))
     quantity, unit, *values = row
-    if unit not in UNITS:
+    if not isinstance(unit, str) or unit not in UNITS:
         raise ConfigError(place.wrong("results", unit, f"unit must be one of {', '.join(UNITS)}"))
     if not all(isinstance(value, int | float) or value == "" for value in values):
         raise ConfigError(place.wrong("results", row, "values must be numbers, or '' for none"))

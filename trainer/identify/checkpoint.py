@@ -1,6 +1,7 @@
 """A search that outlives its process: the best parameters so far, in a small file."""
 
 import json
+import math
 import os
 from collections.abc import Callable
 from pathlib import Path
@@ -8,7 +9,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from trainer.config import ConfigError
+from trainer.config import ConfigError, shown
 from trainer.identify.minimise import Found
 from trainer.identify.problem import Problem
 
@@ -38,13 +39,17 @@ def resume(path: Path, problem: Problem) -> Numbers:
     ConfigError if it is of another model or lacks a free parameter.
     """
     try:
-        told = json.loads(path.read_text(encoding="utf-8"))
+        told = json.loads(path.read_text(encoding="utf-8"), parse_int=float)
         model, parameters = told["model"], dict(told["parameters"])
-    except (OSError, ValueError, KeyError, TypeError) as error:
+    except (OSError, ValueError, KeyError, TypeError, RecursionError) as error:
         raise ConfigError(f"{path.name}: is no checkpoint of a search ({error})") from None
     if model != problem.plant.model.name:
         raise ConfigError(f"{path.name}: is of model {model}, not {problem.plant.model.name}")
     lacking = [name for name in problem.names if name not in parameters]
     if lacking:
         raise ConfigError(f"{path.name}: lacks {', '.join(lacking)}, which are free here")
-    return np.array([float(parameters[name]) for name in problem.names]) / problem.scale
+    for name in problem.names:
+        value = parameters[name]
+        if isinstance(value, bool) or not isinstance(value, float) or not math.isfinite(value):
+            raise ConfigError(f"{path.name}: {name} = {shown(value)}: must be a number")
+    return np.array([parameters[name] for name in problem.names]) / problem.scale

@@ -29,6 +29,10 @@ UNSAFE = re.compile(r"[^ -~]|[$*]")
 UNSAFE_FIELD = re.compile(r"[^ -~]|[$*,]")
 # Of each kind: the commas after which they belong to the text, and the fields it has at least.
 KINDS = {"TRA": (1, 2), "TRN": (-1, 1), "TRS": (-1, 3), "TRE": (3, 4)}
+# Of those that tell when: where the tick stands, and after it the seconds.
+TIMED = {"TRS": 1, "TRE": 0}
+TICK = re.compile(r"[0-9]{1,18}")
+SECONDS = re.compile(r"[0-9]{1,18}(?:\.[0-9]{1,9})?")
 
 
 @dataclass(frozen=True)
@@ -104,7 +108,16 @@ def read(line: str) -> Sentence | None:
         tag, rest = "", content
     commas, least = KINDS[kind]
     fields = tuple(rest.split(",", commas))
-    return Sentence(kind, tag, fields) if rest and len(fields) >= least else None
+    whole = rest and len(fields) >= least and tells_when(kind, fields)
+    return Sentence(kind, tag, fields) if whole else None
+
+
+def tells_when(kind: str, fields: tuple[str, ...]) -> bool:
+    """Return whether the fields that tell a tick and its time are numbers, if there are such."""
+    if kind not in TIMED:
+        return True
+    tick, seconds = fields[TIMED[kind] : TIMED[kind] + 2]
+    return bool(TICK.fullmatch(tick) and SECONDS.fullmatch(seconds))
 
 
 def order_sentence(words: str, tag: str = "") -> str:

@@ -8,8 +8,8 @@ key; ``method``; ``layout``, the name of each number of a state; ``vessel``, its
 
 import json
 import platform
-from collections.abc import Iterator, Mapping
-from dataclasses import asdict
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import asdict, fields
 from datetime import UTC, datetime
 from importlib import metadata
 from pathlib import Path
@@ -36,10 +36,27 @@ from trainer.records.changes import changes
 from trainer.records.layout import LAYOUT
 
 PLAN: Final = "1"
-OPTIONS: Final = (  # of the command line, that a plan depends on
-    *("exercise", "vessel", "sea", "orders_file", "seed", "duration"),
-    *("equations", "rates", "trig", "integrator", "step"),
-)
+OPTIONS: Final[Mapping[str, Any]] = {  # of the command line, that a plan depends on; their kind
+    **dict.fromkeys(("exercise", "sea", "orders_file", "rates"), str | None),
+    **dict.fromkeys(("vessel", "equations", "trig", "integrator"), str),
+    **dict.fromkeys(("duration", "step"), int | float | None),
+    "seed": int,
+}
+
+
+def _are_texts(found: object) -> bool:
+    return isinstance(found, list) and all(isinstance(each, str) for each in found)
+
+
+# The parts of a header that are JSON, and what they have to be.
+PARTS: Final[Mapping[str, Callable[[Any], bool]]] = {
+    "options": lambda found: isinstance(found, dict),
+    "texts": lambda found: isinstance(found, dict) and _are_texts(list(found.values())),
+    "method": lambda found: isinstance(found, dict),
+    "layout": _are_texts,
+    "vessel": lambda found: isinstance(found, str),
+    "seed": lambda found: isinstance(found, int),
+}
 LIBRARIES: Final = ("numpy", "numba")
 NOTHING: Final[Mapping[str, Any]] = MappingProxyType({})
 
@@ -71,6 +88,7 @@ def plan_of(header: Mapping[str, str], otherwise: Mapping[str, Any] = NOTHING) -
     what the files say.
     """
     options, texts = _part(header, "options"), _part(header, "texts")
+    _check_options(options)
     options["given"] = frozenset(options["given"]) | otherwise.keys()
     options["orders_file"] = options["orders_file"] and Path(options["orders_file"])
     with remembering() as today:
@@ -82,7 +100,13 @@ def plan_of(header: Mapping[str, str], otherwise: Mapping[str, Any] = NOTHING) -
 
 def method_of(header: Mapping[str, str]) -> Method:
     """Return how the recorded boat was computed; ConfigError if the header does not say."""
-    return Method(**_part(header, "method"))
+    found = _part(header, "method")
+    kinds = {field.name: str if field.name != "step" else int | float for field in fields(Method)}
+    if found.keys() != kinds.keys() or not all(
+        isinstance(found[name], kind) for name, kind in kinds.items()
+    ):
+        raise ConfigError(f"recording: method = {shown(found)}: is no method of this version")
+    return Method(**found)
 
 
 def layout_of(header: Mapping[str, str]) -> tuple[str, ...]:
@@ -122,9 +146,24 @@ def _part(header: Mapping[str, str], name: str) -> Any:
         form = shown(header.get("plan", "none"))
         raise ConfigError(f"recording: plan = {form}: this version reads plan {shown(PLAN)}")
     try:
-        return json.loads(header[name])
-    except (KeyError, ValueError):
+        found = json.loads(header[name])
+    except (KeyError, ValueError, RecursionError):
         raise ConfigError(f"recording: its header has no readable {name}") from None
+    if not PARTS[name](found):
+        raise ConfigError(f"recording: {name} = {shown(found)}: is of another form")
+    return found
+
+
+def _check_options(options: Mapping[str, Any]) -> None:
+    """Check that they are all there and of their kind; ConfigError naming the first that is not."""
+    for name, kind in {**OPTIONS, "given": list}.items():
+        if name not in options:
+            raise ConfigError(f"recording: its header has no option {name}")
+        if not isinstance(options[name], kind) or isinstance(options[name], bool):
+            wrong = shown(options[name])
+            raise ConfigError(f"recording: option {name} = {wrong}: is of another kind")
+    if not _are_texts(options["given"]):
+        raise ConfigError(f"recording: option given = {shown(options['given'])}: must be names")
 
 
 def _other_program(header: Mapping[str, str]) -> Iterator[str]:

@@ -12,8 +12,9 @@ from trainer.screen.journal import Journal
 from trainer.screen.picture import Picture
 from trainer.screen.trace import Sample, Trace
 
-KEPT_MOMENT: Final = re.compile(r"([a-z][a-z0-9-]*) \(([0-9.e+]+) s\)")
-BACK: Final = re.compile(r"back from [0-9.e+]+ s to ([0-9.e+]+) s")
+NUMBER: Final = r"[0-9]+(?:\.[0-9]+)?(?:e\+[0-9]{1,3})?"  # as Python's "g" writes it
+KEPT_MOMENT: Final = re.compile(rf"([a-z][a-z0-9-]*) \(({NUMBER}) s\)")
+BACK: Final = re.compile(rf"back from {NUMBER} s to ({NUMBER}) s")
 OVER: Final = "the session is over"  # its last words
 WIDELY_KNOWN: Final = ("snapshots", "casualties")  # asked for on joining, by the instructor
 
