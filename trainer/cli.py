@@ -16,6 +16,7 @@ from trainer.commands import (
     instruments,
     listing,
     programs,
+    proving,
     records,
     running,
     vessels,
@@ -67,6 +68,7 @@ SECTIONS: Final = {
     "A boat": (vessels.check, *guiding.GUIDING, vessels.gains),
     "The programs of 1969": programs.PROGRAMS,
     "A ship from her recordings": (identify.identify, identify.prbs, identify.decca),
+    "Proofs": (proving.soak, proving.fuzz),
     "This machine, and others": (
         vessels.bench,
         vessels.evaluate,

@@ -6,7 +6,7 @@ import signal
 import sys
 import threading
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -16,7 +16,7 @@ import numpy as np
 from trainer import places
 from trainer.account import account
 from trainer.boat import Boat
-from trainer.clock import MonotonicClock, Policy
+from trainer.clock import Clock, MonotonicClock, Policy
 from trainer.config import ConfigError, remembering
 from trainer.fitout import KNOT
 from trainer.history import History
@@ -52,10 +52,11 @@ class Voyage:
     boat: Boat
     history: History
     kept: str  # path of the recording, "" for none
+    clock: Clock = field(default_factory=MonotonicClock)
 
 
-def run_boat(options: dict[str, Any]) -> int:
-    """Run as the command line's ``options`` say; return the exit code."""
+def run_boat(options: dict[str, Any], clock: Clock | None = None) -> int:
+    """Run as the command line's ``options`` say, by the machine's clock; return the exit code."""
     with remembering() as texts:
         plan = plan_run(options)
     boat = ready(plan, options)
@@ -67,7 +68,8 @@ def run_boat(options: dict[str, Any]) -> int:
             recording = Recording.create(kept, header_of(options, texts, boat), state)
         except RecordingError as error:
             raise ConfigError(f"--record {error}") from None
-    return fly(Voyage(plan, boat, History(boat, recording), str(kept or "")), options)
+    history = History(boat, recording)
+    return fly(Voyage(plan, boat, history, str(kept or ""), clock or MonotonicClock()), options)
 
 
 def ready(plan: Plan, options: dict[str, Any]) -> Boat:
@@ -96,9 +98,7 @@ def fly(voyage: Voyage, options: dict[str, Any]) -> int:
     method = boat.method
     recorder = open_csv(options["csv_path"], 1 if math.isfinite(options["speed"]) else BATCH)
     last_tick = math.inf if plan.duration is None else round(plan.duration / method.step)
-    time = Timekeeping.at(
-        MonotonicClock(), method.step, options["speed"], Policy(options["overrun"])
-    )
+    time = Timekeeping.at(voyage.clock, method.step, options["speed"], Policy(options["overrun"]))
     time.punctuality = Punctuality(realtime=options["priority"] == "realtime")
     publisher = open_publisher(boat, time, options)
     log = open_log(publisher, time.ledger, Subject.of(plan, boat), options)

@@ -1,0 +1,123 @@
+"""Where faults are tried: sessions by the nursery, orders given to them, and what came of it."""
+
+import random
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Final
+
+from trainer.io.orders import Order, parse
+from trainer.io.recording import Recording
+from trainer.proving.audit import Answered, Check
+from trainer.proving.caller import Caller, GoneError
+from trainer.proving.nursery import Job, Nursery
+from trainer.proving.random_orders import Orders
+from trainer.stations.roles import INSTRUCTOR
+
+LOOK: Final = 0.005  # [s]
+PATIENCE: Final = 30.0  # [s]
+
+
+@dataclass
+class Tried:
+    """What came of one kind of fault."""
+
+    fault: str
+    promise: str
+    times: int = 0
+    orders: int = 0  # answered before, between and after
+    wrong: list[str] = field(default_factory=list)
+    seen: dict[str, int] = field(default_factory=dict)  # how it ended, and how often
+
+    def note(self, how: str) -> None:
+        """Count one way that it ended."""
+        self.seen[how] = self.seen.get(how, 0) + 1
+
+    def must(self, held: object, otherwise: str) -> None:
+        """Note what is wrong unless it held."""
+        if not held:
+            self.wrong.append(f"{self.times}: {otherwise}")
+
+
+@dataclass(frozen=True)
+class Bench:
+    """A nursery, a folder to work in, and the dice."""
+
+    nursery: Nursery
+    folder: Path
+    dice: random.Random
+
+    def told(self) -> str:
+        """Return what programs have told since the last call."""
+        path = self.folder / "told.txt"
+        text = path.read_text(encoding="utf-8", errors="replace") if path.exists() else ""
+        path.unlink(missing_ok=True)
+        return text
+
+    def run(self, *words: str) -> int:
+        """Let a program of `trainer` run to its end; return its exit code."""
+        return self.nursery.done(Job(words, str(self.folder / "told.txt")))
+
+    def serve(self, path: Path, *words: str, largest_file: int = 0) -> "Session":
+        """Start a session that records to ``path`` and listens in the folder."""
+        door = self.folder / "door.sock"
+        door.unlink(missing_ok=True)
+        ports = ("--listen", "none", "--socket", str(door))
+        job = Job(
+            ("serve", *words, *ports, "--record", str(path)),
+            str(self.folder / "told.txt"),
+            largest_file,
+        )
+        return Session(self.nursery.start(job), path, door)
+
+
+@dataclass
+class Session:
+    """A session under a fault."""
+
+    process: int
+    path: Path
+    door: Path
+    answered: list[Answered] = field(default_factory=list)
+
+    @contextmanager
+    def instructed(self) -> Iterator[Caller]:
+        """Yield a line of the instructor, once the session listens; GoneError if it does not."""
+        end = time.monotonic() + PATIENCE
+        by = None
+        while by is None:
+            try:
+                by = Caller(self.door)
+            except GoneError:
+                if time.monotonic() > end:
+                    raise
+                time.sleep(LOOK)
+        by.ask("role instructor")
+        try:
+            yield by
+        finally:
+            by.hang_up()
+
+    def order(self, by: Caller, words: str) -> bool:
+        """Give an order to the boat and note that it was answered; return whether it was obeyed."""
+        obeyed, _ = by.ask(words)
+        order = parse(words)
+        if isinstance(order, Order):
+            self.answered.append(Answered("", order.text))
+        return obeyed
+
+    def order_some(self, by: Caller, dice: random.Random, count: int) -> None:
+        """Give random orders."""
+        orders = Orders(INSTRUCTOR, dice)
+        for _ in range(count):
+            self.order(by, orders.next())
+
+
+def kept(recording: Recording, session: Session) -> Check:
+    """Return whether the orders that were answered are in the journal, from the first on."""
+    written = [order.text for each in recording.branches() for order in recording.orders(each.id)]
+    wanted = [order.text for order in session.answered]
+    held = written[: len(wanted)] == wanted
+    return Check("answered orders", held, f"{len(written)} written, {len(wanted)} answered")

@@ -1,0 +1,29 @@
+"""All that is fuzzed, by name."""
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Final
+
+from trainer.config import ConfigError, nearest
+from trainer.proving import file_targets, line_targets, recording_targets
+from trainer.proving.target import Target
+
+TARGETS: Final[Mapping[str, Target]] = {
+    target.name: target
+    for target in (*line_targets.TARGETS, *file_targets.TARGETS, *recording_targets.TARGETS)
+}
+
+
+def chosen(names: tuple[str, ...]) -> list[Target]:
+    """Return the targets of those names, all for none; ConfigError naming the nearest."""
+    for name in names:
+        if name not in TARGETS:
+            known = ", ".join(TARGETS)
+            raise ConfigError(f"no target {name}{nearest(name, TARGETS)}; there are: {known}")
+    return [TARGETS[name] for name in names or TARGETS]
+
+
+def corpus(folder: Path, target: Target) -> list[bytes]:
+    """Return the inputs kept for a target, its seeds first."""
+    kept = sorted((folder / target.name).glob("*")) if folder.is_dir() else []
+    return [*target.seeds(), *(path.read_bytes() for path in kept)]

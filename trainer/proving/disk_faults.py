@@ -1,0 +1,204 @@
+"""Faults of what is recorded to: full, gone, damaged in its last page."""
+
+import contextlib
+import os
+import shutil
+import subprocess
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Final
+
+from trainer.io.recording import Recording, RecordingError
+from trainer.proving.audit import same_bits
+from trainer.proving.bench_of_faults import Bench, Session, Tried, kept
+from trainer.proving.caller import GoneError
+from trainer.proving.process_faults import drive_and_kill, remove
+
+ROOM: Final = 400_000, 3_000_000  # [bytes] until the disk is full
+ORDERS: Final = 12
+FULL: Final = ("depth-changes", "--speed", "max", "--duration", "1h")
+PAGE: Final = 8192  # [bytes]
+
+
+def full(bench: Bench, times: int) -> Tried:
+    """Let a recording run into the largest size that a file may have."""
+    tried = Tried("disk full", "the boat goes on and says so; what was written is whole")
+    for _ in range(times):
+        path = bench.folder / "full.trainer"
+        room = bench.dice.randrange(*ROOM)
+        session = bench.serve(path, *FULL, largest_file=room)
+        _filled(bench, tried, session)
+    return tried
+
+
+def full_disk(bench: Bench, times: int) -> Tried:
+    """Record to a small disk that becomes full; needs the right to mount."""
+    tried = Tried("disk full, a small file system", "the same")
+    for _ in range(times):
+        with disk(bench.folder / "small", bench.dice.randrange(*ROOM)) as folder:
+            if folder is None:
+                tried.note("not tried: no right to mount here")
+                return tried
+            _filled(bench, tried, bench.serve(folder / "full.trainer", *FULL))
+    return tried
+
+
+def _filled(bench: Bench, tried: Tried, session: Session) -> None:
+    """Run a session on a disk that is too small, and look at what is left."""
+    tried.times += 1
+    with contextlib.suppress(GoneError), session.instructed() as by:
+        session.order_some(by, bench.dice, ORDERS)
+    code, told = bench.nursery.wait(session.process), bench.told()
+    if not session.path.exists():
+        tried.must(code == 2 and "cannot be made" in told, told)
+        tried.note("not begun, told why")
+        return
+    tried.must(code == 1 and "is kept" in told, f"exit code {code}: {told}")
+    path = bench.folder / "copy.trainer"
+    copy(session.path, path)  # where there is room to look at it
+    with contextlib.closing(Recording.look(path)) as recording:
+        tried.must(kept_to_the_end(recording, session), "not a beginning of what was answered")
+        tried.must(same_bits(recording).kept, "not the same bits")
+    tried.orders += len(session.answered)
+    tried.note("went on unrecorded, told so")
+    remove(path)
+    remove(session.path)
+
+
+def kept_to_the_end(recording: Recording, session: Session) -> bool:
+    """Return whether what is written is what was answered, up to where the disk was full."""
+    written = [order.text for order in recording.orders(recording.branch) if order.place is None]
+    wanted = [order.text for order in session.answered]
+    return written[: len(wanted)] == wanted[: len(written)]
+
+
+def vanished(bench: Bench, times: int) -> Tried:
+    """Take the disk away under a recording; needs the right to mount."""
+    tried = Tried(
+        "recording on a vanished mount", "the boat goes on and says so; the disk is whole"
+    )
+    for _ in range(times):
+        with disk(bench.folder / "mount", 50_000_000) as folder:
+            if folder is None:
+                tried.note("not tried: no right to mount here")
+                return tried
+            aside = bench.folder / "aside"
+            aside.mkdir(exist_ok=True)
+            _mount("--bind", str(folder), str(aside))
+            try:
+                _taken_away(bench, tried, folder, aside)
+            finally:
+                _unmount(aside)
+    return tried
+
+
+def _taken_away(bench: Bench, tried: Tried, folder: Path, aside: Path) -> None:
+    """Unmount a folder while a session records there; what was written is looked at aside."""
+    tried.times += 1
+    session = bench.serve(folder / "gone.trainer", "depth-changes", "--speed", "20")
+    with session.instructed() as by:
+        session.order_some(by, bench.dice, ORDERS)
+        answered = list(session.answered)
+        _unmount(folder)
+        tried.must(by.ask("depth 70")[0], "an order is refused afterwards")
+        told = any("not there any more" in news.fields[3] for news in by.news)
+        for _ in range(20):
+            by.ask("depth 80")
+            told = told or any("not there any more" in news.fields[3] for news in by.news)
+        by.ask("quit")
+    tried.must(bench.nursery.wait(session.process) == 1, "its end does not tell")
+    tried.must(told and "not there any more" in bench.told(), "it is not told")
+    session.answered = answered
+    tried.orders += len(answered)
+    with contextlib.closing(Recording.look(aside / "gone.trainer")) as recording:
+        tried.must(kept(recording, session).kept, "an order is lost")
+        tried.must(same_bits(recording).kept, "not the same bits")
+    tried.note("went on, told so, disk whole")
+
+
+def damaged(bench: Bench, times: int) -> Tried:
+    """Damage the last page of recordings of sessions that were killed."""
+    tried = Tried("last page damaged", "nothing wrong is read as right")
+    path, whole = bench.folder / "page.trainer", bench.folder / "whole.trainer"
+    session = bench.serve(whole, "depth-changes", "--speed", "100")
+    drive_and_kill(bench, session)
+    bench.nursery.wait(session.process)
+    copy(whole, path)  # to look at one brings home what is written ahead
+    written = journal_of(path) or []
+    tried.must(written, "the whole recording cannot be read")
+    for number in range(times):
+        tried.times += 1
+        copy(whole, path)
+        spoil(bench, path if number % 2 else path.with_name(f"{path.name}-wal"))
+        _judge(tried, path, written)
+        remove(path)
+    tried.orders = len(written)
+    remove(whole)
+    return tried
+
+
+def copy(whole: Path, path: Path) -> None:
+    """Copy a recording and what lies beside it over another."""
+    remove(path)
+    for each in whole.parent.glob(f"{whole.name}*"):
+        shutil.copyfile(each, path.with_name(each.name.replace(whole.name, path.name)))
+
+
+def spoil(bench: Bench, path: Path) -> None:
+    """Overwrite bytes of the last page, or cut it off."""
+    data = bytearray(path.read_bytes())
+    last = max(len(data) - PAGE, 0)
+    if bench.dice.random() < 0.3:
+        del data[bench.dice.randrange(last, len(data)) :]
+    for _ in range(bench.dice.randrange(1, 40)):
+        data[bench.dice.randrange(min(last, len(data) - 1), len(data))] = bench.dice.randrange(256)
+    path.write_bytes(data)
+
+
+def journal_of(path: Path) -> list[str] | None:
+    """Return the orders of a recording, None if it says that it is damaged."""
+    try:
+        with contextlib.closing(Recording.look(path)) as recording:
+            return [f"{order.tick} {order.text}" for order in recording.orders(1)]
+    except RecordingError:
+        return None
+
+
+def _judge(tried: Tried, path: Path, written: list[str]) -> None:
+    """Look at a damaged recording: told as damaged, whole, or found out by flying it again."""
+    found = journal_of(path)
+    if found is None:
+        tried.note("told as damaged")
+        return
+    try:
+        with contextlib.closing(Recording.look(path)) as recording:
+            same = same_bits(recording).kept
+    except RecordingError:
+        tried.note("told as damaged")
+        return
+    if found == written[: len(found)] and same:
+        tried.note("whole, or without its last commits")
+        return
+    tried.must(not same, "a journal that was not written, and the same bits")
+    tried.note("found out by flying it again")
+
+
+@contextlib.contextmanager
+def disk(folder: Path, size: int) -> Iterator[Path | None]:
+    """Yield a file system of so many bytes mounted at a folder, None without the right to."""
+    folder.mkdir(exist_ok=True)
+    if os.geteuid() or not _mount("-t", "tmpfs", "-o", f"size={size}", "tmpfs", str(folder)):
+        yield None
+        return
+    try:
+        yield folder
+    finally:
+        _unmount(folder)
+
+
+def _mount(*words: str) -> bool:
+    return subprocess.run(["mount", *words], capture_output=True, check=False).returncode == 0  # noqa: S603, S607
+
+
+def _unmount(folder: Path) -> None:
+    subprocess.run(["umount", "-l", str(folder)], capture_output=True, check=False)  # noqa: S603, S607

@@ -1,0 +1,216 @@
+"""What comes as files: vessels, seas, exercises, studies, tables, JSON lines."""
+
+import functools
+from collections.abc import Callable
+from contextlib import suppress
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any, Final
+
+from trainer.config import ConfigError, Place, read_text
+from trainer.files.casualty_file import parse_casualties
+from trainer.files.condition import compile_condition
+from trainer.files.exercise_file import parse_exercise
+from trainer.files.sea_file import parse_sea
+from trainer.files.vessel_file import load_vessel, parse_vessel
+from trainer.fitout import Method, fit_out
+from trainer.guide.baseline import load_earlier
+from trainer.guide.trials import load_trials
+from trainer.identify.checkpoint import resume
+from trainer.identify.decca_file import load_decca, load_readings
+from trainer.identify.nomoto_file import load_nomoto
+from trainer.identify.sources import Column, load_record
+from trainer.identify.study_file import load_study
+from trainer.proving.target import Target, filed, only, shipped_seeds, shipped_texts, text_of
+from trainer.study.evaluate import evaluate
+from trainer.study.series import load_series
+
+Loader = Callable[[Path], Any]
+FILE: Final = "proof.toml"
+CONDITIONS: Final = (
+    "depth > 100",
+    "speed < 4 kn",
+    "pitch >= -1.5e1 deg",
+    "flood_aft > 20 t",
+    "bank_main<= 9 mpa",
+)
+STUDY: Final = b"""schema = "identify/1"
+name = "A zig-zag"
+data = "proof.csv"
+from_s = 1.0
+
+[ship]
+length_m = 100.0
+
+[model]
+name = "nomoto-1"
+
+[[columns]]
+channel = "heading"
+name = "psi"
+unit = "deg"
+
+[[parameters]]
+name = "K"
+value = 0.1
+"""
+NOMOTO: Final = b"""schema = "nomoto/1"
+name = "A ship"
+speed_m_s = 8.0
+K_1_s = 0.05
+T_s = 20.0
+rudder_limit_deg = 35
+rudder_rate_deg_s = 3
+step_s = 0.5
+"""
+DECCA: Final = b"""schema = "decca/1"
+name = "A turn"
+data = "proof.csv"
+start_east_m = 1000
+start_north_m = 2000
+
+[[slaves]]
+colour = "red"
+east_m = 50000
+north_m = 0
+lane_m = 420.5
+
+[[slaves]]
+colour = "green"
+east_m = 0
+north_m = 60000
+frequency_khz = 255
+
+[columns]
+t_s = "t"
+yaw_rate_deg_s = "r"
+"""
+TABLE: Final = b"t,rudder,heading,red,green,purple\n0,0,1,A12.5,B30.25,\n1,5,2.5,A12.75,B30.5,C51\n"
+STATE: Final = (
+    b'{"u": 5, "v": 0, "w": 0, "p": 0, "q": 0, "r": 0, "phi": 0, "theta": 0, "psi": 0, '
+    b'"delta_r": 0.1, "delta_s": 0, "delta_b": 0, "u_c": 5, "last_udot": 0, "weight": 4e7}\n'
+)
+GUIDE: Final = (
+    b'{"vessel": "bb2", "sheets": [{"title": "Turn", "judgements": {"modified": [{"quantity": "d",'
+    b' "unit": "m", "full": 1.0, "other": 1.1, "verdict": "passed"}]}}], "findings": [{"title": "a"'
+    b', "verdict": "b"}], "steps": []}'
+)
+CHECKPOINT: Final = b'{"model": "nomoto", "cost": 1.5, "parameters": {"K": 0.1, "T": 20.0}}'
+COLUMNS: Final = {
+    "t": Column("t", 1.0),
+    "rudder": Column("rudder", 1.0),
+    "heading": Column("heading", 1.0),
+}
+
+
+def text(parse: Callable[[str, Path], Any]) -> Callable[[bytes], None]:
+    """Return the proof of a reader of a file's text, with nothing but shipped files beside it."""
+
+    def take(data: bytes) -> None:
+        with suppress(ConfigError), only(FILE, text_of(data)) as path:
+            parse(read_text(path), path)
+
+    return take
+
+
+def loaded(load: Loader) -> Callable[[bytes], None]:
+    """Return the proof of a reader of a TOML file."""
+    return text(lambda _text, path: load(path))
+
+
+def opened(load: Loader, name: str) -> Callable[[bytes], None]:
+    """Return the proof of a reader that opens a file itself."""
+
+    def take(data: bytes) -> None:
+        with suppress(ConfigError):
+            load(filed(name, data))
+
+    return take
+
+
+def exercise(text: str, path: Path) -> None:
+    """Read an exercise, with the vessel that it names."""
+    found = parse_exercise(text, path)
+    if found.heading.vessel:
+        load_vessel(found.heading.vessel)
+
+
+def vessel(text: str, path: Path) -> None:
+    """Read a vessel and fit her out: what is accepted has to be computable."""
+    fit_out(parse_vessel(text, path), Method("full", "lagged", "exact", "adams2", 0.5))
+
+
+def condition(data: bytes) -> None:
+    """Read a condition on the state."""
+    with suppress(ConfigError):
+        compile_condition(text_of(data), Place(FILE, ""))
+
+
+def states(data: bytes) -> None:
+    """Read states as `trainer evaluate` does, and compute what they lead to."""
+    with suppress(ConfigError):
+        for _ in evaluate(_bb2(), "modified", "lagged", "exact", text_of(data).splitlines()):
+            pass
+
+
+@functools.cache
+def _bb2() -> Any:
+    return load_vessel("bb2")
+
+
+def lanes(path: Path) -> None:
+    """Read the lanes of a Decca study."""
+    study = filed("decca.toml", DECCA.replace(b"proof.csv", path.name.encode()))
+    load_readings(load_decca(study))
+
+
+# What a checkpoint is asked about: a search for two parameters.
+SEARCH: Final[Any] = SimpleNamespace(
+    names=("K", "T"), scale=1.0, plant=SimpleNamespace(model=SimpleNamespace(name="nomoto"))
+)
+
+
+def shipped(name: str) -> Callable[[], list[bytes]]:
+    """Return a function that returns one shipped file."""
+    return lambda: [shipped_texts()[f"configs/{name}.toml"].encode()]
+
+
+TARGETS: Final = (
+    Target("vessel", "a vessel file, fitted out", text(vessel), lambda: shipped_seeds("vessels")),
+    Target("sea", "a sea file", text(parse_sea), lambda: shipped_seeds("seas")),
+    Target(
+        "casualties",
+        "a table of casualties",
+        text(lambda text, path: parse_casualties(text, path, {})),
+        lambda: shipped_seeds("casualties"),
+    ),
+    Target("exercise", "an exercise file", text(exercise), lambda: shipped_seeds("exercises")),
+    Target("trials", "published results of a boat", loaded(load_trials), shipped("trials/bb2")),
+    Target(
+        "condition", "a condition on the state", condition, lambda: [c.encode() for c in CONDITIONS]
+    ),
+    Target("study", "a study of a ship from her record", loaded(load_study), lambda: [STUDY]),
+    Target("nomoto", "a ship of a few parameters", loaded(load_nomoto), lambda: [NOMOTO]),
+    Target("decca", "a chain of Decca stations", loaded(load_decca), lambda: [DECCA]),
+    Target("lanes", "readings of Decca lanes, CSV", opened(lanes, "lanes.csv"), lambda: [TABLE]),
+    Target(
+        "record",
+        "a record of a ship, CSV",
+        opened(lambda path: load_record(path, COLUMNS), "record.csv"),
+        lambda: [TABLE],
+    ),
+    Target("series", "a series to be fitted, CSV", opened(load_series, "t.csv"), lambda: [TABLE]),
+    Target("evaluate", "states to be evaluated, JSON lines", states, lambda: [STATE]),
+    Target(
+        "baseline",
+        "an earlier guide, JSON or HTML",
+        opened(lambda path: load_earlier(path, "bb2"), "guide.json"),
+        lambda: [GUIDE],
+    ),
+    Target(
+        "checkpoint",
+        "a search that was left, JSON",
+        opened(lambda path: resume(path, SEARCH), "search.json"),
+        lambda: [CHECKPOINT],
+    ),
+)

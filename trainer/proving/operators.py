@@ -1,0 +1,121 @@
+"""Operators of a soak: they come, take a role, look, order, and go, each in its own manner."""
+
+import contextlib
+import threading
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from random import Random
+from typing import Final
+
+from trainer.io.orders import Order, parse
+from trainer.proving.audit import Answered
+from trainer.proving.caller import Caller, GoneError
+from trainer.proving.random_orders import Orders
+from trainer.proving.served import Served
+from trainer.stations.roles import INSTRUCTOR, ROLES
+
+VISIT: Final = 5, 60  # orders of one visit
+WISHES: Final = 0, 4  # channels asked for
+QUARREL: Final = 40  # orders of the instructor, after which he puts the boat to rights
+BACK: Final = 1500  # his orders between two times that he goes back
+RIGHTS: Final = ("clear all", "release all", "autopilot on", "blow stop", "depth 60", "speed 8")
+DEEPEST: Final = 600.0  # [m] below which she is taken back: she would stay there for the day
+LOST: Final = "FROZEN: "
+
+
+@dataclass
+class Watchbill:
+    """What all operators share."""
+
+    session: Served
+    pause: Callable[[Random], float]  # [s] after an order
+    over: threading.Event = field(default_factory=threading.Event)
+    answered: list[Answered] = field(default_factory=list)
+    visits: int = 0
+    tick: int = 0  # the latest that the instructor was told
+    failures: list[str] = field(default_factory=list)  # of the boat: her numbers were lost
+    rescues: int = 0  # times that she was taken back
+    lock: threading.Lock = field(default_factory=threading.Lock)
+
+    def give(self, by: Caller, role: str, words: str) -> bool:
+        """Give an order to the boat and note that it was answered; return whether it was obeyed."""
+        obeyed, _ = by.ask(words)
+        order = parse(words)
+        if isinstance(order, Order):
+            with self.lock:
+                self.answered.append(Answered(f"{role} at {by.name}", order.text))
+        return obeyed
+
+
+def attend(bill: Watchbill, seed: int) -> None:
+    """Come and go until the session is over."""
+    dice = Random(seed)  # noqa: S311  choices, not secrets
+    while not bill.over.is_set():
+        with contextlib.suppress(GoneError):
+            visit(bill, dice)
+        bill.over.wait(bill.pause(dice))
+
+
+def visit(bill: Watchbill, dice: Random) -> None:
+    """Come once; GoneError when the session has ended."""
+    role = dice.choice([name for name in ROLES if name != "instructor"])
+    by = bill.session.caller(role)
+    bill.visits += 1
+    try:
+        for channel in dice.sample(ROLES[role].channels, dice.randint(*WISHES)):
+            by.ask(f"subscribe {channel} at {dice.choice((1, 5, 50))} hz")
+        orders = Orders(ROLES[role], dice)
+        for _ in range(dice.randint(*VISIT)):
+            if bill.over.is_set():
+                break
+            if orders:
+                bill.give(by, role, orders.next())
+            bill.over.wait(bill.pause(dice))
+        if dice.random() < 0.3:
+            by.ask("detach")
+    finally:
+        dice.choice((by.hang_up, by.cut))()
+
+
+def instruct(bill: Watchbill, seed: int, *, goes_back: bool) -> None:
+    """Instruct until the session is over: casualties, seas, everything; and put it right again."""
+    dice = Random(seed)  # noqa: S311  choices, not secrets
+    orders = Orders(INSTRUCTOR, dice)
+    by = bill.session.caller("instructor")
+    by.ask("subscribe motion at 50 hz")
+    given = 0
+    with contextlib.suppress(GoneError):
+        while not bill.over.is_set():
+            given += 1
+            bill.give(by, "instructor", orders.next())
+            if given % QUARREL == 0:
+                for words in RIGHTS:
+                    bill.give(by, "instructor", words)
+            if goes_back and given % BACK == 0:
+                go_back(by, dice)
+            bill.tick = by.tick
+            recover(bill, by)
+            bill.over.wait(bill.pause(dice))
+    by.hang_up()
+
+
+def go_back(by: Caller, dice: Random) -> None:
+    """Keep this moment, go back a little, and let time go on."""
+    by.ask(f"snapshot moment-{dice.randrange(10)}")
+    by.ask(f"backtrack {dice.uniform(0.5, 60.0):.1f} s")
+    by.ask("run")
+
+
+def recover(bill: Watchbill, by: Caller) -> None:
+    """Go back to before the boat was lost, or her numbers, and put her right."""
+    lost = [news.fields[3] for news in by.news if news.fields[3].startswith(LOST)]
+    by.news.clear()
+    depth = float(by.shown.get("motion", ("", "", "0"))[2])
+    if lost or depth > DEEPEST:
+        bill.failures += lost
+        bill.rescues += 1
+        by.ask("backtrack 10 min")
+        for words in RIGHTS:
+            bill.give(by, "instructor", words)
+        by.shown.clear()
+        by.ask("run")

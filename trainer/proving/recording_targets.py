@@ -1,0 +1,134 @@
+"""What comes as recordings: spoilt files, and headers of anybody's making."""
+
+import contextlib
+import functools
+import json
+from contextlib import suppress
+from pathlib import Path
+from typing import Any, Final
+
+from trainer.boat import Boat
+from trainer.config import ConfigError
+from trainer.files.vessel_file import load_vessel
+from trainer.fitout import KNOT, Method
+from trainer.io.recording import Moment, Recording, RecordingError
+from trainer.proving.target import Target, filed, folder, shipped_texts, text_of
+from trainer.records.exporting import table_layout
+from trainer.records.layout import LAYOUT
+from trainer.records.log_book import PLAN, differences, layout_of, method_of, notes, plan_of
+
+PATCH: Final = 4  # [bytes]  three of a place, one to stand there
+TICKS: Final = 20
+DECLARED: Final = ConfigError, RecordingError
+OPTIONS: Final[dict[str, Any]] = {
+    "exercise": None,
+    "vessel": "sdv-mk9",
+    "sea": None,
+    "seed": 1,
+    "orders_file": None,
+    "duration": 10.0,
+    "equations": "modified",
+    "rates": None,
+    "trig": "exact",
+    "integrator": "adams2",
+    "step": None,
+    "given": ["vessel"],
+}
+
+
+def header() -> dict[str, str]:
+    """Return the header of a recording as this version makes it."""
+    return {
+        "plan": PLAN,
+        "trainer": "0",
+        "core": "0",
+        "options": json.dumps(OPTIONS),
+        "texts": json.dumps({"configs/vessels/x.toml": "schema = 1"}),
+        "method": json.dumps(
+            {
+                "equations": "modified",
+                "rates": "lagged",
+                "trig": "exact",
+                "integrator": "adams2",
+                "step": 0.5,
+            }
+        ),
+        "layout": json.dumps(LAYOUT),
+        "vessel": json.dumps("configs/vessels/sdv-mk9.toml"),
+        "seed": "1",
+    }
+
+
+@functools.cache
+def good() -> bytes:
+    """Return a recording of a few ticks, orders, a snapshot and two branches."""
+    path = Path(folder().name) / "good.trainer"
+    boat = Boat(load_vessel("sdv-mk9"), Method("modified", "lagged", "exact", "adams2", 0.5))
+    boat.start(4 * KNOT, 20.0, 0.0)
+    told = {**header(), "texts": json.dumps(shipped_texts())}
+    with contextlib.closing(
+        Recording.create(path, told, boat.records.state.tobytes())
+    ) as recording:
+        for branch in (1, 2):
+            for tick in range(1, TICKS):
+                boat.tick()
+                recording.state(tick, boat.records.state.tobytes())
+                recording.timing(tick, 1, 2)
+            order = recording.order(tick, "helm", "rudder left 5")
+            recording.answered(order, "rudder left 5, by hand", accepted := branch == 1)
+            recording.snapshot("here", Moment(branch, tick, b"", order, 0))
+            if accepted:
+                recording.fork(Moment(1, tick, boat.records.state.tobytes(), order, 0), "again")
+    return path.read_bytes()
+
+
+def spoilt(data: bytes) -> bytes:
+    """Return the good recording with places overwritten, and cut short if there is a byte over."""
+    made = bytearray(good())
+    for i in range(0, len(data) - PATCH + 1, PATCH):
+        made[int.from_bytes(data[i : i + PATCH - 1], "big") % len(made)] = data[i + PATCH - 1]
+    over = data[len(data) - len(data) % PATCH :]
+    return bytes(made[: len(made) * over[0] // 256] if over else made)
+
+
+def recording(data: bytes) -> None:
+    """Read all that there is in a spoilt recording."""
+    path = filed("spoilt.trainer", spoilt(data))
+    with suppress(*DECLARED), contextlib.closing(Recording.look(path)) as looked:
+        for branch in looked.branches():
+            with suppress(*DECLARED):
+                list(looked.orders(branch.id))
+                list(looked.ledger(branch.id))
+                layout = table_layout(looked)
+                for tick in looked.flown(branch.id):
+                    layout.numbers(tick.state)
+        looked.snapshots()
+        list(looked.events())
+        looked.latest()
+
+
+def log_book(data: bytes) -> None:
+    """Read the header of a recording with some of its lines replaced: NAME=VALUE each."""
+    pairs = (line.partition("=") for line in text_of(data).split("\n"))
+    told = header() | {name: value for name, equals, value in pairs if equals}
+    for read in (plan_of, method_of, layout_of, differences, notes):
+        with suppress(ConfigError):
+            read(told)
+
+
+def patches() -> list[bytes]:
+    """Return what spoils a recording in the header of the file, of a page, and at its end."""
+    size = len(good())
+    places = (0, 18, 100, 8192, 8200, size // 2, size - 1)
+    return [b"".join(at.to_bytes(3, "big") + b"\x41" for at in places), b"\x80", b""]
+
+
+def told() -> list[bytes]:
+    """Return the lines of a header."""
+    return ["\n".join(f"{name}={value}" for name, value in header().items()).encode()]
+
+
+TARGETS: Final = (
+    Target("recording", "a recording, spoilt somewhere", recording, patches),
+    Target("log-book", "the header of a recording", log_book, told),
+)

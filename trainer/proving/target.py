@@ -1,0 +1,64 @@
+"""What is fuzzed: one reader of what others write, and examples of that to begin from."""
+
+import functools
+import tempfile
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Final
+
+from trainer.config import SHIPPED, recorded, shipped, shipped_names
+
+KINDS: Final = ("", "vessels", "seas", "casualties", "exercises", "trials")
+
+
+@dataclass(frozen=True)
+class Target:
+    """A reader under proof: ``take`` hands it bytes and lets pass what it may not raise."""
+
+    name: str
+    says: str  # what it reads
+    take: Callable[[bytes], None]
+    seeds: Callable[[], list[bytes]]
+
+
+def text_of(data: bytes) -> str:
+    """Return bytes as text, as the readers of files and lines get it."""
+    return data.decode("utf-8", errors="replace")
+
+
+@functools.cache
+def folder() -> "tempfile.TemporaryDirectory[str]":
+    """Return a folder of this process, for what has to be a file; it goes with the process."""
+    return tempfile.TemporaryDirectory(prefix="trainer-fuzz-")
+
+
+def filed(name: str, data: bytes) -> Path:
+    """Return a file of that name that holds ``data``."""
+    path = Path(folder().name) / name
+    path.write_bytes(data)
+    return path
+
+
+@functools.cache
+def shipped_texts() -> dict[str, str]:
+    """Return every shipped file by its key."""
+    return {
+        f"{SHIPPED}{kind}/{name}.toml".replace("//", "/"): shipped(kind, name).read_text("utf-8")
+        for kind in KINDS
+        for name in shipped_names(kind)
+    }
+
+
+@contextmanager
+def only(name: str, text: str) -> Iterator[Path]:
+    """Let the files that can be read be the shipped ones and this; nothing else is opened."""
+    with recorded({**shipped_texts(), name: text}):
+        yield Path(name)
+
+
+def shipped_seeds(kind: str) -> list[bytes]:
+    """Return the shipped files of a kind."""
+    begin = f"{SHIPPED}{kind}/"
+    return [text.encode() for key, text in shipped_texts().items() if key.startswith(begin)]
