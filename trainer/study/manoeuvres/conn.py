@@ -82,7 +82,7 @@ class Conn:
         yield from self.hold(time - self.time)
 
     def until(self, watch: Watch, most: float) -> Generator[None, None, bool]:
-        """Let time pass until what is watched passes, at most ``most`` [s]; return whether it did."""
+        """Let at most ``most`` [s] pass until what is watched passes; return whether it did."""
         yield from self._pass(self.time + most - EARLY, watch)
         return self.passed(watch)
 
