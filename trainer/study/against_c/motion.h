@@ -1,0 +1,266 @@
+/* The compact set with lagged rates, kinematics, multistep integration, surfaces, propeller:
+   trainer/core/compact.py, propulsion.py, kinematics.py, integrators.py, actuators.py, holds.py. */
+
+enum { PAST = sizeof(((struct state *)0)->past_rates) / (12 * sizeof(double)) };
+
+static double pitch_roll_sine(int64_t trig, double angle)
+{
+    if (trig == POLYNOMIAL)
+        return angle - angle * angle * angle / 6.0;
+    return trig == LINEAR ? 0.971 * angle : sine(angle);
+}
+
+static double pitch_roll_cosine(int64_t trig, double angle)
+{
+    double square = angle * angle;
+    if (trig == POLYNOMIAL)
+        return 1.0 - square / 2.0 + square * square / 24.0;
+    return trig == LINEAR ? 1.02 - 0.281 * fabs(angle) : cosine(angle);
+}
+
+static double thrust(const struct compact *c, const struct state *s)
+{
+    double u = s->u, u_c = s->u_c;
+    int first = u > 0.0 ? u_c >= c->eta_1 * u : u_c >= 0.0;
+    int second = u > 0.0 && u_c >= c->eta_2 * u;
+    double a = first ? c->a1 : second ? c->a2 : c->a3;
+    double b = first ? c->b1 : second ? c->b2 : c->b3;
+    double k = first ? c->c1 : second ? c->c2 : c->c3;
+    return a * u * fabs(u) + b * u * u_c + k * u_c * u_c;
+}
+
+static void forces(const struct compact *c, int64_t trig, const struct state *s, double *force)
+{
+    double u = s->u, v = s->v, w = s->w, p = s->p, q = s->q, r = s->r;
+    double x_g = s->x_g, z_g = s->z_g, dr = s->delta_r, ds = s->delta_s, db = s->delta_b;
+    double m = c->mass + (s->weight - c->weight) / c->g;
+    double cross = sqrt(v * v + w * w);
+    double sin_th = pitch_roll_sine(trig, s->theta), cos_th = pitch_roll_cosine(trig, s->theta);
+    double sin_phi = pitch_roll_sine(trig, s->phi), cos_phi = pitch_roll_cosine(trig, s->phi);
+    double heavy = s->weight - c->buoyancy;
+
+    force[0] = m * (x_g * (q * q + r * r) - z_g * p * r + v * r - w * q)
+        + u * u * (c->X_drdr * dr * dr + c->X_dsds * ds * ds + c->X_dbdb * db * db)
+        + thrust(c, s)
+        + c->X_vr * v * r
+        - heavy * sin_th;
+    force[1] = u * (c->Y_r * r - m * r + c->Y_p * p + c->Y_v * v)
+        - m * (z_g * q * r + x_g * q * p - w * p)
+        + c->Y_vav * v * cross
+        + c->Y_dr * (u * u) * dr
+        + heavy * cos_th * sin_phi;
+    force[2] = u * (c->Z_q * q + c->Z_w * w)
+        + m * (z_g * (p * p + q * q) - x_g * r * p + u * q - v * p)
+        + c->Z_rr * r * r
+        + c->Z_vr * v * r
+        + c->Z_vv * v * v
+        + c->Z_waw * w * cross
+        + (u * u) * (c->Z_ds * ds + c->Z_db * db + c->Z_star)
+        + heavy * cos_th * cos_phi;
+    force[3] = m * z_g * (u * r - w * p) * c->K_pdot
+        + u * (c->K_p * p + c->K_v * v)
+        + c->K_vav * v * cross
+        + c->K_pap * p * fabs(p)
+        - c->K_pdot * (z_g * s->weight - c->ZB) * cos_th * sin_phi;
+    force[4] = c->M_rp * r * p
+        + u * (c->M_q * q + c->M_w * w)
+        - m * (z_g * (w * q - v * r) - x_g * (v * p - u * q)) * c->M_qdot
+        + c->M_rr * r * r
+        + c->M_vr * v * r
+        + c->M_vv * v * v
+        + c->M_awq * q * cross
+        + c->M_waw * w * cross
+        + u * u * (c->M_star + c->M_db * db + c->M_ds * ds)
+        - c->M_qdot * (x_g * s->weight * cos_th * cos_phi + (z_g * s->weight - c->ZB) * sin_th);
+    force[5] = c->N_pq * p * q
+        + u * u * c->N_dr * dr
+        - m * x_g * (u * r - w * p) * c->N_rdot
+        + c->N_vav * v * cross
+        + u * (c->N_p * p + c->N_r * r + c->N_v * v)
+        + c->N_rar * r * fabs(r)
+        + c->N_avr * cross * r
+        + c->N_rdot * x_g * s->weight * cos_th * sin_phi;
+}
+
+static void add_external(const struct compact *c, const double *external, double *force)
+{
+    force[0] += external[0];
+    force[1] += external[1];
+    force[2] += external[2];
+    force[3] += external[3] * c->K_pdot;
+    force[4] += external[4] * c->M_qdot;
+    force[5] += external[5] * c->N_rdot;
+}
+
+static void lagged(const struct compact *c, const double *force, struct state *s)
+{
+    double m = c->mass + (s->weight - c->weight) / c->g;
+    double m_x = m * s->x_g, m_z = m * s->z_g;
+    s->udot = (force[0] - m_z * s->qdot) / (m - c->X_udot);
+    s->vdot = (force[1] + (m_z + c->Y_pdot) * s->pdot + (c->Y_rdot - m_x) * s->rdot)
+        / (m - c->Y_vdot);
+    s->wdot = (force[2] + (m_x + c->Z_qdot) * s->qdot) / (m - c->Z_wdot);
+    s->pdot = force[3] + (m_z * c->K_pdot + c->K_vdot) * s->vdot + c->K_rdot * s->rdot;
+    s->qdot = force[4] + (m_x * c->M_qdot + c->M_wdot) * s->wdot - m_z * c->M_qdot * s->udot;
+    s->rdot = force[5] + (c->N_vdot - m_x * c->N_rdot) * s->vdot + c->N_pdot * s->pdot;
+}
+
+static double guarded(double cos_theta)
+{
+    if (fabs(cos_theta) >= STEEPEST)
+        return cos_theta;
+    return cos_theta >= 0.0 ? STEEPEST : -STEEPEST;
+}
+
+static void kinematics(int64_t trig, struct state *s)
+{
+    double sin_phi = pitch_roll_sine(trig, s->phi), cos_phi = pitch_roll_cosine(trig, s->phi);
+    double sin_th = pitch_roll_sine(trig, s->theta), cos_th = pitch_roll_cosine(trig, s->theta);
+    double sin_psi = sine(s->psi), cos_psi = cosine(s->psi);
+    s->thetadot = s->q * cos_phi - s->r * sin_phi;
+    s->psidot = (s->q * sin_phi + s->r * cos_phi) / guarded(cos_th);
+    s->phidot = s->p + s->psidot * sin_th;
+    s->xdot = s->u * cos_th * cos_psi
+        + s->v * (sin_phi * sin_th * cos_psi - cos_phi * sin_psi)
+        + s->w * (cos_phi * sin_th * cos_psi + sin_phi * sin_psi);
+    s->ydot = s->u * cos_th * sin_psi
+        + s->v * (sin_phi * sin_th * sin_psi + cos_phi * cos_psi)
+        + s->w * (cos_phi * sin_th * sin_psi - sin_phi * cos_psi);
+    s->zdot = -s->u * sin_th + s->v * cos_th * sin_phi + s->w * cos_th * cos_phi;
+}
+
+static void multistep(const struct scheme *how, struct state *s)
+{
+    for (int back = (int)s->history; back < PAST; back++)
+        for (int i = 0; i < 12; i++) {
+            s->past_rates[back][i] = s->rates[i];
+            s->past_motion[back][i] = s->motion[i] - (back + 1) * how->h * s->rates[i];
+        }
+    s->history = PAST;
+    for (int i = 0; i < 12; i++) {
+        double value = how->a[0] * s->motion[i], slope = how->b[0] * s->rates[i];
+        for (int back = 0; back < how->depth - 1; back++) {
+            value += how->a[back + 1] * s->past_motion[back][i];
+            slope += how->b[back + 1] * s->past_rates[back][i];
+        }
+        value += how->h * slope;
+        for (int back = PAST - 1; back > 0; back--) {
+            s->past_motion[back][i] = s->past_motion[back - 1][i];
+            s->past_rates[back][i] = s->past_rates[back - 1][i];
+        }
+        s->past_motion[0][i] = s->motion[i];
+        s->past_rates[0][i] = s->rates[i];
+        s->motion[i] = value;
+    }
+}
+
+static void cast_off(struct state *s)
+{
+    double *place[2] = {&s->x, &s->y};
+    for (int i = 0; i < 2; i++) {
+        double jump = *place[i] - s->sailed[i];
+        if (s->held_position != 0.0)
+            *place[i] = s->sailed[i];
+        else if (jump != 0.0)
+            for (int back = 0; back < PAST; back++)
+                s->past_motion[back][9 + i] += jump;
+    }
+}
+
+static void make_fast(double x, double y, double z, struct state *s)
+{
+    s->sailed_x = s->x;
+    s->sailed_y = s->y;
+    if (s->held_position != 0.0) {
+        s->x = x;
+        s->y = y;
+    }
+    if (s->held_depth != 0.0) {
+        double descent = s->z - z;
+        s->z = z;
+        for (int back = 0; back < PAST; back++)
+            s->past_motion[back][11] -= descent;
+    }
+}
+
+static double moved(double angle, double ordered, double limit, double furthest, double share)
+{
+    double target = ordered > limit ? limit : ordered < -limit ? -limit : ordered;
+    double travel = share * (target - angle);
+    if (travel > furthest)
+        travel = furthest;
+    else if (travel < -furthest)
+        travel = -furthest;
+    return angle + travel;
+}
+
+static int fault_of(int surface, const struct state *s)
+{
+    return worst(1 + surface * SURFACE_FAULTS, SURFACE_FAULTS, s);
+}
+
+static double told(
+    const struct vessel *c, double furthest, int surface, int slot, const struct state *s)
+{
+    double angle = s->surface[surface], command = s->command[surface];
+    if (slot < 0)
+        return command;
+    double amount = s->casualty_amount[slot];
+    int fault = ((int)s->casualty[slot] - 1) % SURFACE_FAULTS;
+    if (fault == SLOW)
+        command = within(command, angle, furthest * (1.0 - amount));
+    else if (fault == FOLLOW_UP_LOST)
+        command = fabs(command) < AMIDSHIPS ? angle : copysign(c->limit[surface], command);
+    else if (fault == FREE)
+        command = within(0.0, angle, amount * furthest);
+    else
+        command = amount;
+    return within(command, 0.0, c->limit[surface]);
+}
+
+static void move_surfaces(const struct vessel *c, double h, struct state *s)
+{
+    double share = c->surface_lag > 0.0 ? 1.0 - exponential(-h / c->surface_lag) : 1.0;
+    double furthest = c->surface_rate * h;
+    int rudder_fault = fault_of(RUDDER, s), stern_fault = fault_of(STERN, s);
+    double rudder = told(c, furthest / share, RUDDER, rudder_fault, s);
+    double stern = told(c, furthest / share, STERN, stern_fault, s);
+    if (c->x_tail != 0.0) {
+        if (rudder_fault >= 0)
+            stern = within(stern, 0.0, most(c->limit_s - fabs(rudder), 0.0));
+        else if (stern_fault >= 0)
+            rudder = within(rudder, 0.0, most(c->limit_s - fabs(stern), 0.0));
+        double one = s->delta_s + s->delta_r, other = s->delta_s - s->delta_r;
+        one = moved(one, stern + rudder, c->limit_s, furthest, share);
+        other = moved(other, stern - rudder, c->limit_s, furthest, share);
+        s->delta_s = 0.5 * (one + other);
+        s->delta_r = 0.5 * (one - other);
+    } else {
+        s->delta_s = moved(s->delta_s, stern, c->limit_s, furthest, share);
+        s->delta_r = moved(s->delta_r, rudder, c->limit_r, furthest, share);
+    }
+    double bow = told(c, furthest / share, BOW, fault_of(BOW, s), s);
+    s->delta_b = moved(s->delta_b, bow, c->limit_b, furthest, share);
+}
+
+static double delivered(const struct state *s)
+{
+    int stuck = slot_of(PROPULSION_STUCK, s), lost = slot_of(PROPULSION_LOST, s);
+    double wanted = stuck >= 0 ? s->casualty_amount[stuck] : s->telegraph_answer;
+    return lost >= 0 ? wanted * (1.0 - s->casualty_amount[lost]) : wanted;
+}
+
+static void answer_telegraph(const struct vessel *c, double h, struct state *s)
+{
+    double standing = s->speed_by_hand != 0.0 ? s->ordered_u_c : s->ordered_speed;
+    if (standing != s->telegraph_order) {
+        s->telegraph_order = standing;
+        s->telegraph_ticks = floor(c->telegraph_dead_time / h + 0.5);
+    }
+    if (s->telegraph_ticks > 0.0)
+        s->telegraph_ticks -= 1.0;
+    else
+        s->telegraph_answer = s->command_u_c;
+    double share = c->propulsion_lag > 0.0 ? 1.0 - exponential(-h / c->propulsion_lag) : 1.0;
+    s->u_c += share * (delivered(s) - s->u_c);
+}

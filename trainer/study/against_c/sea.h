@@ -1,0 +1,252 @@
+/* Noise, the filtered sea, its forces: trainer/core/noise.py, wave_filter.py, seaway.py,
+   wave_forces.py. The cosine sum is not here: a sea of it is none of this program's. */
+
+static uint32_t turned(uint32_t word, int turn) { return (word << turn) | (word >> (32 - turn)); }
+
+static void random_words(uint64_t seed, uint32_t stream, uint32_t tick, uint32_t *one, uint32_t *two)
+{
+    static const int turns[2][4] = {{13, 15, 26, 6}, {17, 29, 16, 24}};
+    uint32_t key_0 = (uint32_t)(seed >> 32), key_1 = (uint32_t)seed;
+    uint32_t keys[3] = {key_0, key_1, (uint32_t)(PARITY ^ key_0 ^ key_1)};
+    uint32_t x = tick + key_0, y = stream + key_1;
+    for (int block = 0; block < 5; block++) {
+        for (int round = 0; round < 4; round++) {
+            x += y;
+            y = x ^ turned(y, turns[block & 1][round]);
+        }
+        x += keys[(block + 1) % 3];
+        y += keys[(block + 2) % 3] + block + 1;
+    }
+    *one = x;
+    *two = y;
+}
+
+static double gaussian(uint64_t seed, uint32_t stream, uint32_t tick)
+{
+    uint32_t x, y;
+    random_words(seed, stream, tick, &x, &y);
+    double radius = sqrt(-2.0 * logarithm((x + 0.5) * 2.3283064365386963e-10));
+    return radius * cosine(y * 1.4629180792671596e-09);
+}
+
+static double corner(double omega, double g, int which)
+{
+    double wind = PEAK * g / omega;
+    double knots = wind / KNOT;
+    double product = SIMILAR[which];
+    for (int row = 0; row < 3; row++) {
+        double share = 1.0 - fabs(knots - TABLE[row][0]);
+        if (share > 0.0) {
+            double tabled = TABLE[row][1 + which] * TABLE[row][0] * KNOT / G_OF_TABLE;
+            product += share * (tabled - product);
+        }
+    }
+    return product * g / wind;
+}
+
+static double warped(double omega, double h)
+{
+    double adjacent, opposite;
+    cosine_and_sine(least(0.5 * omega * h, WIDEST), &adjacent, &opposite);
+    return opposite / adjacent;
+}
+
+static double section(double c, double damping, double *a1, double *a2)
+{
+    double a0 = 1.0 + 2.0 * damping * c + c * c;
+    *a1 = 2.0 * (c * c - 1.0) / a0;
+    *a2 = (1.0 - 2.0 * damping * c + c * c) / a0;
+    return a0;
+}
+
+static void times(struct scratch *work, double first, double second, double third)
+{
+    for (int i = DEGREE; i >= 0; i--) {
+        double value = first * work->a[i];
+        if (i >= 1)
+            value += second * work->a[i - 1];
+        if (i >= 2)
+            value += third * work->a[i - 2];
+        work->a[i] = value;
+    }
+}
+
+static void powers(struct scratch *work)
+{
+    work->elevation_power = work->quadrature_power = 0.0;
+    for (int degree = DEGREE; degree > 0; degree--) {
+        double alpha = work->a[0] / work->a[1];
+        double beta = work->b[1] / work->a[1], delta = work->d[1] / work->a[1];
+        work->elevation_power += 0.5 * beta * beta / alpha;
+        work->quadrature_power += 0.5 * delta * delta / alpha;
+        for (int i = 0; i < degree; i++) {
+            double other = i + 2 <= degree ? work->a[i + 2] : 0.0;
+            if (i & 1) {
+                work->a[i] = work->a[i + 1] - alpha * other;
+                work->b[i] = work->b[i + 1];
+                work->d[i] = work->d[i + 1];
+            } else {
+                if (i >= 1) {
+                    work->b[i] = work->b[i + 1] - beta * work->a[i + 1];
+                    work->d[i] = work->d[i + 1] - delta * work->a[i + 1];
+                }
+                work->a[i] = work->a[i + 1];
+            }
+        }
+    }
+}
+
+static void prepare_filter(double g, double omega, double h, struct scratch *work)
+{
+    if (work->omega == omega && work->h == h)
+        return;
+    work->omega = omega;
+    work->h = h;
+    work->peak_number = omega * omega / g;
+    double low = warped(corner(omega, g, 0), h), high = warped(corner(omega, g, 1), h);
+    double low_a0 = section(low, LOW_DAMPING, &work->low_a1, &work->low_a2);
+    double high_a0 = section(high, HIGH_DAMPING, &work->high_a1, &work->high_a2);
+    for (int i = 0; i <= DEGREE; i++)
+        work->a[i] = work->b[i] = work->d[i] = 0.0;
+    work->a[0] = 1.0;
+    double ratio = high / low;
+    times(work, 1.0, 2.0 * LOW_DAMPING, 1.0);
+    for (int i = 0; i < 3; i++)
+        times(work, 1.0, 2.0 * HIGH_DAMPING * ratio, ratio * ratio);
+    times(work, low, 1.0, 0.0);
+    work->b[DEGREE - 6] = 1.0;
+    work->d[DEGREE - 7] = 1.0;
+    powers(work);
+    work->elevation_power *= 2.0 * low;
+    work->quadrature_power *= 2.0 * low;
+    double gain = 1.0 / (low_a0 * high_a0 * high_a0 * high_a0);
+    work->elevation_gain = gain * low * low / sqrt(work->elevation_power);
+    work->quadrature_gain = gain * low / sqrt(work->quadrature_power);
+}
+
+static void filter_noise(const struct scratch *work, double x, struct state *s)
+{
+    for (int i = 0; i < 3; i++) {
+        double one = s->sea_memory[2 * i], two = s->sea_memory[2 * i + 1];
+        double w = x - work->high_a1 * one - work->high_a2 * two;
+        x = w - 2.0 * one + two;
+        s->sea_memory[2 * i + 1] = one;
+        s->sea_memory[2 * i] = w;
+    }
+    double one = s->sea_memory[6], two = s->sea_memory[7];
+    double w = x - work->low_a1 * one - work->low_a2 * two;
+    s->sea_memory[7] = one;
+    s->sea_memory[6] = w;
+    s->sea_elevation = work->elevation_gain * (w + 2.0 * one + two);
+    s->sea_quadrature = -work->quadrature_gain * (w - two);
+}
+
+static double wrapped(double angle)
+{
+    return angle - 6.283185307179586 * floor(angle * 0.15915494309189535 + 0.5);
+}
+
+static void advance_filter(const struct scratch *work, double h, struct state *s)
+{
+    filter_noise(work, gaussian((uint64_t)s->seed, SEA_FILTER, (uint32_t)(int64_t)s->tick), s);
+    double north, east, turn_cos, turn_sin;
+    cosine_and_sine(s->sea_direction, &north, &east);
+    double run = h * (s->xdot * north + s->ydot * east);
+    s->sea_drift = wrapped(s->sea_drift + work->peak_number * run);
+    cosine_and_sine(s->sea_drift, &turn_cos, &turn_sin);
+    double elevation = s->sea_elevation, quadrature = s->sea_quadrature;
+    s->sea_elevation = elevation * turn_cos + quadrature * turn_sin;
+    s->sea_quadrature = quadrature * turn_cos - elevation * turn_sin;
+}
+
+static void approach(double h, struct state *s)
+{
+    int quantities = sizeof s->sea / sizeof(double);
+    if (s->sea_ramp <= 0.0)
+        return;
+    double omega = s->sea_target[OMEGA];
+    if (s->sea_ramp <= h) {
+        s->sea_ramp = 0.0;
+        for (int i = 0; i < quantities; i++)
+            s->sea[i] = s->sea_target[i];
+        return;
+    }
+    double share = h / s->sea_ramp;
+    s->sea_ramp -= h;
+    if (omega != s->sea_omega)
+        omega = s->sea_omega * exponential(share * logarithm(omega / s->sea_omega));
+    for (int i = 0; i < quantities; i++)
+        s->sea[i] += share * (s->sea_target[i] - s->sea[i]);
+    s->sea_omega = omega;
+}
+
+static void advance_sea(const struct vessel *c, double h, struct scratch *work, struct state *s)
+{
+    approach(h, s);
+    if (s->sea_height == 0.0) {
+        s->eta_wave = 0.0;
+        return;
+    }
+    prepare_filter(c->g, s->sea_omega, h, work);
+    advance_filter(work, h, s);
+    double unit = 0.0 + sqrt(1.0 - s->sea_cosines) * s->sea_elevation;
+    s->eta_wave = 0.25 * s->sea_height * unit;
+}
+
+static void spread(double kappa, double *s0, double *s1)
+{
+    double z = kappa * kappa;
+    if (z < 0.25) {
+        double p = 1.0 - z / 42.0 * (1.0 - z / 72.0 * (1.0 - z / 110.0 * (1.0 - z / 156.0)));
+        *s0 = 1.0 - z / 6.0 * (1.0 - z / 20.0 * p);
+        p = 1.0 - z / 54.0 * (1.0 - z / 88.0 * (1.0 - z / 130.0));
+        *s1 = kappa / 3.0 * (1.0 - z / 10.0 * (1.0 - z / 28.0 * p));
+        return;
+    }
+    double cos_kappa, sin_kappa;
+    cosine_and_sine(kappa, &cos_kappa, &sin_kappa);
+    *s0 = sin_kappa / kappa;
+    *s1 = (sin_kappa - kappa * cos_kappa) / z;
+}
+
+static double tapered(const struct vessel *c, const struct state *s)
+{
+    if (s->sea_taper == 0.0 || c->diameter <= 0.0)
+        return 1.0;
+    double t = least(most(s->z / c->diameter - TAPER[0], 0.0) / (TAPER[1] - TAPER[0]), 1.0);
+    return 1.0 - t * t * (3.0 - 2.0 * t);
+}
+
+static void wave_forces(
+    const struct vessel *c, struct scratch *work, const struct state *s, double *force)
+{
+    double left = tapered(c, s);
+    if (s->sea_height == 0.0 || left == 0.0)
+        return;
+    work->g = c->g;
+    work->depth = most(s->z, 0.0);
+    work->half_length = 0.5 * c->ell;
+    double a = 0.25 * s->sea_height * sqrt(1.0 - s->sea_cosines);
+    double chi_cos, chi_sin, s0, s1;
+    cosine_and_sine(s->sea_direction - s->psi, &chi_cos, &chi_sin);
+    double k = s->sea_omega * s->sea_omega / work->g;
+    double size = work->g * k * exponential(-k * work->depth);
+    spread(k * work->half_length * chi_cos, &s0, &s1);
+    double swing = size * (a * s->sea_quadrature), rise = size * (a * s->sea_elevation);
+    work->pull[0] = 0.0 - swing * chi_cos * s0;
+    work->pull[1] = 0.0 - swing * chi_sin * s0;
+    work->pull[2] = 0.0 + rise * s0;
+    work->pull[3] = 0.0 - swing * s1;
+    work->pull[4] = 0.0 + rise * chi_sin * s1;
+    work->pull[5] = 0.0 + rise;
+    work->pull[6] = 0.0 + swing;
+    double displaced = c->buoyancy / c->g;
+    double surge = left * (displaced - c->X_udot), sway = left * (displaced - c->Y_vdot);
+    double heave = left * (displaced - c->Z_wdot);
+    double swell = work->pull[5] * work->pull[5] + work->pull[6] * work->pull[6];
+    force[0] += surge * work->pull[0];
+    force[1] += sway * work->pull[1];
+    force[2] += heave * (work->pull[2] - s->sea_suction * left * swell / c->g);
+    force[4] += heave * work->half_length * work->pull[3];
+    force[5] += sway * work->half_length * work->pull[4];
+}
