@@ -13,6 +13,7 @@ from trainer.core.state import STATE
 from trainer.core.vessel import COMPACT, VESSEL
 
 CORE = Path(trainer.core.__file__).parent
+KINDS = {"kernel", "part"}
 WRITABLE = {
     "state",
     "scratch",
@@ -35,7 +36,7 @@ def kernels() -> list[tuple[str, ast.FunctionDef]]:
         for path in sorted(CORE.glob("*.py"))
         for node in ast.parse(path.read_text(encoding="utf-8")).body
         if isinstance(node, ast.FunctionDef)
-        and any(isinstance(d, ast.Name) and d.id == "kernel" for d in node.decorator_list)
+        and any(isinstance(d, ast.Name) and d.id in KINDS for d in node.decorator_list)
     ]
 
 

@@ -10,13 +10,13 @@ from trainer.core.casualties import (
     worst,
 )
 from trainer.core.elementary import exponential
-from trainer.core.kernel import Record, kernel
+from trainer.core.kernel import Record, part
 from trainer.core.reference import within
 
 AMIDSHIPS = math.radians(0.5)  # [rad]
 
 
-@kernel
+@part
 def moved(angle: float, ordered: float, limit: float, furthest: float, share: float) -> float:
     """Return where a surface [rad] stands after one step.
 
@@ -36,13 +36,13 @@ def moved(angle: float, ordered: float, limit: float, furthest: float, share: fl
     return angle + travel
 
 
-@kernel
+@part
 def fault_of(surface: int, state: Record) -> int:
     """Return the slot [-] of the casualty that acts on a surface, -1 if it is sound."""
     return worst(1 + surface * len(SURFACE_FAULTS), len(SURFACE_FAULTS), state)
 
 
-@kernel
+@part
 def told(vessel: Record, furthest: float, surface: int, slot: int, state: Record) -> float:
     """Return the angle [rad] that a surface makes for: its command, or what a casualty makes of it.
 
@@ -69,7 +69,7 @@ def told(vessel: Record, furthest: float, surface: int, slot: int, state: Record
     return within(command, 0.0, c.limit[surface])
 
 
-@kernel
+@part
 def move_surfaces(vessel: Record, h: float, state: Record) -> None:
     """Advance rudder and planes by ``h`` [s] towards their commands.
 

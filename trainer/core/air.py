@@ -11,7 +11,7 @@ air seeks the volume at which it balances the water outside; the ports limit how
 import math
 from typing import Final
 
-from trainer.core.kernel import Record, kernel
+from trainer.core.kernel import Record, kernel, part
 from trainer.core.tanks import (
     ATMOSPHERE,
     EMERGENCY_BANK,
@@ -26,7 +26,7 @@ THINNEST: Final = 0.5 * ATMOSPHERE  # [Pa] in a tank high out of the water, whos
 CRITICAL: Final = 0.528  # [-] pressure ratio above which the flow of air is not choked
 
 
-@kernel
+@part
 def sonic_share(ratio: float) -> float:
     """Return the mass flow [-] as a share of the choked one, by the ratio of the pressures.
 
@@ -40,7 +40,7 @@ def sonic_share(ratio: float) -> float:
     return math.sqrt(1.0 - beyond * beyond)
 
 
-@kernel
+@part
 def drawn(ballast: Record, bank: int, area: float, pressure: float, state: Record) -> float:
     """Return the air [kg/s] that a bank gives through ``area`` [m2] against ``pressure`` [Pa]."""
     b = ballast[0]
@@ -52,7 +52,7 @@ def drawn(ballast: Record, bank: int, area: float, pressure: float, state: Recor
     return flow * (1.0 - min(max(state[0].bank_fault[bank], 0.0), 1.0))
 
 
-@kernel
+@part
 def pass_air(
     ballast: Record, bank: int, tank: int, flow: float, pressure: float, state: Record
 ) -> None:
@@ -65,7 +65,7 @@ def pass_air(
     s.tank_air[tank] += before - s.bank[bank]
 
 
-@kernel
+@part
 def blow(ballast: Record, tank: int, pressure: float, h: float, state: Record) -> None:
     """Blow a tank against ``pressure`` [Pa] for ``h`` [s], as its valves stand.
 
@@ -84,7 +84,7 @@ def blow(ballast: Record, tank: int, pressure: float, h: float, state: Record) -
         pass_air(ballast, EMERGENCY_BANK, tank, flow * h, pressure, state)
 
 
-@kernel
+@part
 def vent_opening(tank: int, state: Record) -> float:
     """Return how far [-] a vent is open: as ordered, less what its fault takes, or stuck open."""
     fault = state[0].vent_fault[tank]
@@ -93,7 +93,7 @@ def vent_opening(tank: int, state: Record) -> float:
     return min(state[0].vent[tank], 1.0) * (1.0 - min(fault, 1.0))
 
 
-@kernel
+@part
 def vent(vessel: Record, ballast: Record, tank: int, top: float, h: float, state: Record) -> None:
     """Let air out of a tank whose vent is at depth ``top`` [m], or in where that is in the air.
 
@@ -116,7 +116,7 @@ def vent(vessel: Record, ballast: Record, tank: int, top: float, h: float, state
     s.air_taken -= passed
 
 
-@kernel
+@part
 def settle(vessel: Record, ballast: Record, tank: int, top: float, h: float, state: Record) -> None:
     """Let the water in a tank follow its air towards balance with the sea through open ports.
 
@@ -144,7 +144,7 @@ def settle(vessel: Record, ballast: Record, tank: int, top: float, h: float, sta
             s.air_taken -= surplus
 
 
-@kernel
+@part
 def at_work(ballast: Record, tank: int, state: Record) -> bool:
     """Return whether anything can happen in a blown tank.
 
@@ -161,7 +161,7 @@ def at_work(ballast: Record, tank: int, state: Record) -> bool:
     return opened and b.capacity[tank] > 0.0
 
 
-@kernel
+@part
 def work_blown_tank(
     vessel: Record, ballast: Record, tank: int, depth: float, h: float, state: Record
 ) -> None:
@@ -193,7 +193,7 @@ def fill_with_air(vessel: Record, ballast: Record, tank: int, depth: float, stat
     s.tank_air[tank] = pressure * empty * b.capacity[tank] / (c.rho * b.gas)
 
 
-@kernel
+@part
 def compress(ballast: Record, h: float, state: Record) -> None:
     """Charge the banks for ``h`` [s], the first not yet full."""
     b = ballast[0]

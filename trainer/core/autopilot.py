@@ -11,7 +11,7 @@ import math
 
 from trainer.core.casualties import AUTOPILOT_FAILED, slot_of
 from trainer.core.elementary import cosine, exponential, sine
-from trainer.core.kernel import Numbers, Record, kernel
+from trainer.core.kernel import Numbers, Record, kernel, part
 from trainer.core.reference import DEPTH_SLEW, leash, slew_course, slew_depth, within
 
 OWN, REPORT, REPORT_LITERAL = 0, 1, 2  # depth laws
@@ -36,7 +36,7 @@ FAR = 0.5  # [-] share of the leash, and of the allowed depth rate
 STANDS = 1e-6  # [rad] a surface this near its order has arrived
 
 
-@kernel
+@part
 def scheduled_gains(vessel: Record, u: float, gains: Numbers) -> None:
     """Write the gains for speed ``u`` [m/s], interpolated; the end values hold beyond the ends."""
     c = vessel[0]
@@ -51,7 +51,7 @@ def scheduled_gains(vessel: Record, u: float, gains: Numbers) -> None:
         gains[i] = c.gain[lower, i] + share * (c.gain[upper, i] - c.gain[lower, i])
 
 
-@kernel
+@part
 def plane_law(state: Record, gains: Numbers, first: int) -> float:
     """Return a plane angle [rad] without its integral; ``first`` is where its gains begin."""
     s = state[0]
@@ -64,7 +64,7 @@ def plane_law(state: Record, gains: Numbers, first: int) -> float:
     )
 
 
-@kernel
+@part
 def course_law(state: Record, gains: Numbers) -> float:
     """Return the rudder angle [rad] without its integral."""
     s = state[0]
@@ -106,7 +106,7 @@ def report_angle(vessel: Record, state: Record, surface: int) -> float:
     return angle
 
 
-@kernel
+@part
 def stand_by(state: Record, surface: int, law: float, settled: bool) -> None:  # noqa: FBT001 a fact
     """Follow a surface that others command, for a bumpless change to its own ``law`` [rad].
 
@@ -120,7 +120,7 @@ def stand_by(state: Record, surface: int, law: float, settled: bool) -> None:  #
     s.handover[surface] = trim - s.integral[surface]
 
 
-@kernel
+@part
 def steer(vessel: Record, h: float, state: Record, surface: int, law: float, step: float) -> None:
     """Command a surface by its ``law`` [rad] and its integral, which moves by ``step`` [rad].
 
@@ -136,7 +136,7 @@ def steer(vessel: Record, h: float, state: Record, surface: int, law: float, ste
     s.handover[surface] *= exponential(-h * max(s.u, SLOWEST) / (HANDOVER * c.ell))
 
 
-@kernel
+@part
 def is_level(gains: Numbers, state: Record) -> bool:
     """Return whether the boat neither changes depth nor pitches, so that its trim shows."""
     s = state[0]
@@ -144,7 +144,7 @@ def is_level(gains: Numbers, state: Record) -> bool:
     return abs(s.zdot) < SETTLED * gains[DEPTH_SLEW] and abs(s.q) < pitch_rate
 
 
-@kernel
+@part
 def depth_error(gains: Numbers, state: Record) -> float:
     """Return the depth error [m] to be integrated, 0 while it says nothing about the trim.
 
@@ -160,7 +160,7 @@ def depth_error(gains: Numbers, state: Record) -> float:
     return error if learning else 0.0
 
 
-@kernel
+@part
 def keep_plane(
     vessel: Record, h: float, gains: Numbers, state: Record, surface: int, lasting: float
 ) -> None:
@@ -180,7 +180,7 @@ def keep_plane(
         steer(vessel, h, state, surface, law, step)
 
 
-@kernel
+@part
 def keep_depth(vessel: Record, h: float, gains: Numbers, state: Record) -> None:
     """Command both pairs of planes.
 
@@ -196,7 +196,7 @@ def keep_depth(vessel: Record, h: float, gains: Numbers, state: Record) -> None:
     keep_plane(vessel, h, gains, state, BOW, lasting)
 
 
-@kernel
+@part
 def keep_course(vessel: Record, h: float, gains: Numbers, state: Record) -> None:
     """Command the rudder."""
     s = state[0]
@@ -211,7 +211,7 @@ def keep_course(vessel: Record, h: float, gains: Numbers, state: Record) -> None
         steer(vessel, h, state, RUDDER, law, step)
 
 
-@kernel
+@part
 def keep_speed(vessel: Record, h: float, state: Record) -> None:
     """Command the revolutions; their trim is learnt in straight flight and rests in turns.
 
@@ -250,7 +250,7 @@ def hold_commands(gains: Numbers, state: Record) -> None:
     stand_by(state, BOW, plane_law(state, gains, PLANE_GAINS), False)  # noqa: FBT003
 
 
-@kernel
+@part
 def autopilot(vessel: Record, h: float, state: Record, gains: Numbers) -> None:
     """Write the commanded rudder, planes and revolutions of this tick."""
     s = state[0]

@@ -8,8 +8,8 @@ report.
 """
 
 from trainer.core.air import at_work, compress, fill_with_air, work_blown_tank
-from trainer.core.elementary import cosine, sine
-from trainer.core.kernel import Record, kernel
+from trainer.core.elementary import cosine_and_sine
+from trainer.core.kernel import Record, kernel, part
 from trainer.core.pumps import work_pumps
 from trainer.core.tanks import (
     ATMOSPHERE,
@@ -25,7 +25,7 @@ from trainer.core.tanks import (
 )
 
 
-@kernel
+@part
 def balance(vessel: Record, ballast: Record, state: Record) -> None:
     """Write weight [N] and centre of gravity [m] from the water aboard."""
     c, b = vessel[0], ballast[0]
@@ -43,7 +43,7 @@ def balance(vessel: Record, ballast: Record, state: Record) -> None:
     s.z_g = c.z_g + z / s.weight
 
 
-@kernel
+@part
 def breached(
     vessel: Record, ballast: Record, tank: int, depth: float, h: float, state: Record
 ) -> None:
@@ -65,7 +65,7 @@ def breached(
         admit(ballast, tank, amount, state)
 
 
-@kernel
+@part
 def advance_ballast(vessel: Record, ballast: Record, h: float, state: Record) -> None:
     """Advance pumps, leaks, air and water by ``h`` [s] as ordered; then weight and balance.
 
@@ -75,8 +75,9 @@ def advance_ballast(vessel: Record, ballast: Record, h: float, state: Record) ->
     s = state[0]
     if b.fitted == 0.0:
         return
-    cos_th = cosine(s.theta)
-    down_x, down_y, down_z = -sine(s.theta), cos_th * sine(s.phi), cos_th * cosine(s.phi)
+    cos_th, sin_th = cosine_and_sine(s.theta)
+    cos_phi, sin_phi = cosine_and_sine(s.phi)
+    down_x, down_y, down_z = -sin_th, cos_th * sin_phi, cos_th * cos_phi
     work_pumps(vessel, ballast, h, state)
     for i in range(TRIM_FORWARD, END):
         if s.breach[i - TRIM_FORWARD] > 0.0 and b.capacity[i] > 0.0:

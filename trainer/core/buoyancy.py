@@ -8,14 +8,14 @@ circular sections, whose water forces pass through the axis; the sail counts not
 import math
 from typing import Final
 
-from trainer.core.elementary import cosine, sine
-from trainer.core.kernel import Numbers, Record, kernel
+from trainer.core.elementary import cosine_and_sine
+from trainer.core.kernel import Numbers, Record, part
 
 SMALL_SEGMENT: Final = 16.0 / (3.0 * math.pi)  # area of a small segment over (height/diameter)^1.5
 SEGMENT_SLOPE: Final = 2.0 - 1.0 / (SMALL_SEGMENT * math.sqrt(0.125))  # half height, half area
 
 
-@kernel
+@part
 def segment(height: float) -> float:
     """Return the share [-] of a circle's area above a chord at ``height`` [-] of the diameter.
 
@@ -27,7 +27,7 @@ def segment(height: float) -> float:
     return share if t <= 0.5 else 1.0 - share
 
 
-@kernel
+@part
 def excess_density(ballast: Record, depth: float) -> float:
     """Return how much denser [kg/m3] the sea is at ``depth`` [m], interpolated between layers."""
     b = ballast[0]
@@ -43,7 +43,7 @@ def excess_density(ballast: Record, depth: float) -> float:
     return b.layer_density[last]
 
 
-@kernel
+@part
 def submerged_change(vessel: Record, ballast: Record, state: Record) -> float:
     """Return the change of buoyancy [N] by compression of the hull and density of the sea."""
     c, b = vessel[0], ballast[0]
@@ -52,7 +52,7 @@ def submerged_change(vessel: Record, ballast: Record, state: Record) -> float:
     return c.buoyancy * excess_density(ballast, depth) / c.rho - squeezed
 
 
-@kernel
+@part
 def buoyancy_forces(vessel: Record, ballast: Record, state: Record, force: Numbers) -> None:
     """Add X Y Z [N] K M N [N m] of the buoyancy lost or gained to ``force``."""
     c, b = vessel[0], ballast[0]
@@ -61,8 +61,9 @@ def buoyancy_forces(vessel: Record, ballast: Record, state: Record, force: Numbe
     deep = s.z > max(foremost, -aftmost) + b.hull_diameter
     if deep and b.compressibility == 0.0 and b.layers == 0.0:
         return
-    cos_th = cosine(s.theta)
-    down_x, down_y, down_z = -sine(s.theta), cos_th * sine(s.phi), cos_th * cosine(s.phi)
+    cos_th, sin_th = cosine_and_sine(s.theta)
+    cos_phi, sin_phi = cosine_and_sine(s.phi)
+    down_x, down_y, down_z = -sin_th, cos_th * sin_phi, cos_th * cos_phi
     heavy, x, z = 0.0, 0.0, 0.0  # [N] lost buoyancy, [N m] its moments about the origin
     if b.compressibility != 0.0 or b.layers != 0.0:
         heavy = -submerged_change(vessel, ballast, state)

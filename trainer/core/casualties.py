@@ -9,7 +9,7 @@ written here.
 
 from typing import Final
 
-from trainer.core.kernel import Record, kernel
+from trainer.core.kernel import Record, kernel, part
 from trainer.core.state import STATE, VALVES
 from trainer.core.tanks import BANKS, COMPARTMENTS, PUMPED, PUMPS
 
@@ -55,7 +55,7 @@ BREACH: Final = _place("breach")  # the first of the faults
 VENT_FAULT: Final = _place("vent_fault")
 
 
-@kernel
+@part
 def slot_of(kind: int, state: Record) -> int:
     """Return the slot [-] that holds ``kind``, -1 if none does; kind 0 is the first free slot."""
     s = state[0]
@@ -67,7 +67,7 @@ def slot_of(kind: int, state: Record) -> int:
     return -1
 
 
-@kernel
+@part
 def worst(first: int, count: int, state: Record) -> int:
     """Return the slot [-] with the highest of ``count`` kinds from ``first`` on, -1 if none."""
     s = state[0]
@@ -122,7 +122,7 @@ def ramp(slot: int, state: Record) -> None:
         s.casualty_ticks[slot] = ticks + 1.0
 
 
-@kernel
+@part
 def advance_casualties(state: Record) -> None:
     """Advance all ramps by one tick, then write the faults of tanks and air."""
     s = state[0]

@@ -8,12 +8,12 @@ zero unless the vessel file asks for them.
 import math
 
 from trainer.core.full import mass
-from trainer.core.kernel import Numbers, Record, kernel
+from trainer.core.kernel import Numbers, Record, kernel, part
 from trainer.core.kinematics import pitch_roll_cosine, pitch_roll_sine
 from trainer.core.propulsion import thrust
 
 
-@kernel
+@part
 def forces(compact: Record, trig: int, state: Record, force: Numbers) -> None:
     """Write the right sides of (12)-(17) without accelerations to ``force``.
 
@@ -120,7 +120,7 @@ def forces(compact: Record, trig: int, state: Record, force: Numbers) -> None:
     )
 
 
-@kernel
+@part
 def add_external(compact: Record, external: Numbers, force: Numbers) -> None:
     """Add forces [N] and moments [N m] from outside; K_pdot, M_qdot, N_rdot are T4 to T6."""
     c = compact[0]
@@ -132,7 +132,7 @@ def add_external(compact: Record, external: Numbers, force: Numbers) -> None:
     force[5] += external[5] * c.N_rdot
 
 
-@kernel
+@part
 def lagged(compact: Record, force: Numbers, state: Record) -> None:
     """Write u' v' w' p' q' r' in that order, with last cycle's where this one's are not known yet.
 

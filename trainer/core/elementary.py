@@ -7,10 +7,10 @@ Reduction after Cody & Waite: the period is subtracted in parts that multiply ex
 
 import math
 
-from trainer.core.kernel import kernel
+from trainer.core.kernel import part
 
 
-@kernel
+@part
 def _sine_series(r: float) -> float:
     """Return sin r [-] for |r| <= pi/4, by its Taylor series to r^17."""
     s = r * r
@@ -25,7 +25,7 @@ def _sine_series(r: float) -> float:
     return r + r * s * p
 
 
-@kernel
+@part
 def _cosine_series(r: float) -> float:
     """Return cos r [-] for |r| <= pi/4, by its Taylor series to r^16."""
     s = r * r
@@ -42,13 +42,13 @@ def _cosine_series(r: float) -> float:
     return whole + (((1.0 - whole) - half) + s * s * p)
 
 
-@kernel
+@part
 def _quarter_turns(x: float) -> int:
     """Return the number of quarter turns nearest to ``x`` [rad], x >= 0."""
     return math.floor(x * 0.6366197723675814 + 0.5)
 
 
-@kernel
+@part
 def _remainder(x: float, turns: int) -> float:
     """Return ``x`` [rad] less ``turns`` quarter turns."""
     k = float(turns)
@@ -56,7 +56,7 @@ def _remainder(x: float, turns: int) -> float:
     return (r - k * 6.077100506303966e-11) - k * 2.0222662487959506e-21
 
 
-@kernel
+@part
 def sine(x: float) -> float:
     """Return sin x [-], exactly odd."""
     size = abs(x)
@@ -71,7 +71,7 @@ def sine(x: float) -> float:
     return value if x >= 0.0 else -value
 
 
-@kernel
+@part
 def cosine(x: float) -> float:
     """Return cos x [-], exactly even."""
     size = abs(x)
@@ -84,7 +84,7 @@ def cosine(x: float) -> float:
     return -value if quadrant in (1, 2) else value
 
 
-@kernel
+@part
 def cosine_and_sine(x: float) -> tuple[float, float]:
     """Return cos x and sin x [-], the bits of ``cosine`` and ``sine``, for little more than one."""
     size = abs(x)
@@ -102,7 +102,7 @@ def cosine_and_sine(x: float) -> tuple[float, float]:
     return c, s
 
 
-@kernel
+@part
 def exponential(x: float) -> float:
     """Return e^x [-]; x beyond +-700 is taken as +-700."""
     bounded = min(max(x, -700.0), 700.0)
@@ -123,7 +123,7 @@ def exponential(x: float) -> float:
     return math.ldexp(1.0 + (r + r * r * p), k)
 
 
-@kernel
+@part
 def _logarithm_series(s: float) -> float:
     """Return (artanh s)/s - 1, doubled [-], for |s| <= 0.172, by its Taylor series to s^20."""
     z = s * s
@@ -140,7 +140,7 @@ def _logarithm_series(s: float) -> float:
     return 2.0 * z * p
 
 
-@kernel
+@part
 def logarithm(x: float) -> float:
     """Return ln x [-]; of 0 minus infinity, of less not a number."""
     if not 0.0 < x < math.inf:

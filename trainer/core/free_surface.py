@@ -7,12 +7,12 @@ and gives no values; the vessel file does.
 from typing import Final
 
 from trainer.core.elementary import cosine, sine
-from trainer.core.kernel import Numbers, Record, kernel
+from trainer.core.kernel import Numbers, Record, kernel, part
 
 DECK_REACH: Final = 0.25  # [-] of the length either way from the origin, the parallel middle body
 
 
-@kernel
+@part
 def cell(grid: Numbers, count: int, value: float) -> tuple[int, float]:
     """Return the cell of an ascending ``grid`` with ``value`` in it, and where in it, 0 to 1 [-].
 
@@ -25,7 +25,7 @@ def cell(grid: Numbers, count: int, value: float) -> tuple[int, float]:
     return low, min(max(inside, 0.0), 1.0)
 
 
-@kernel
+@part
 def between(table: Numbers, row: int, column: int, along: float, across: float) -> float:
     """Return a table's value inside a cell, bilinear, in the table's unit."""
     first = table[row, column] + across * (table[row, column + 1] - table[row, column])
@@ -33,7 +33,7 @@ def between(table: Numbers, row: int, column: int, along: float, across: float) 
     return first + along * (second - first)
 
 
-@kernel
+@part
 def surface_forces(vessel: Record, state: Record, force: Numbers) -> None:
     """Add the calm surface's Z [N] and M [N m]; none below the deepest row of the tables."""
     c = vessel[0]

@@ -8,14 +8,14 @@ put back after every step, and what the boat feels is the depth held.
 
 from typing import Final
 
-from trainer.core.kernel import Record, kernel
+from trainer.core.kernel import Record, part
 from trainer.core.state import HISTORY, MOTION
 
 X: Final = MOTION.index("x")  # y follows
 Z: Final = MOTION.index("z")
 
 
-@kernel
+@part
 def cast_off(state: Record) -> None:
     """Before a step: put a boat held in place to where it would be.
 
@@ -31,7 +31,7 @@ def cast_off(state: Record) -> None:
                 s.past_motion[back, X + i] += jump
 
 
-@kernel
+@part
 def make_fast(x: float, y: float, z: float, state: Record) -> None:
     """After a step: put what is held back to where it was before it [m]."""
     s = state[0]

@@ -3,7 +3,7 @@
 Controls are held over the step. [ASSES] III-B, errata D1-D10.
 """
 
-from trainer.core.kernel import Record, kernel
+from trainer.core.kernel import Record, kernel, part
 from trainer.core.rates import rates
 from trainer.core.scheme import MULTISTEP, RUNGE_KUTTA
 from trainer.core.state import HISTORY
@@ -13,7 +13,7 @@ TOLERANCE = 1e-3  # of each variable's largest value
 FLOOR = 0.01  # [m/s], [rad/s], [rad], [m] smaller largest values count as this
 
 
-@kernel
+@part
 def remember(h: float, state: Record) -> None:
     """Complete the history after a start or a jump: the past as if the present rate had held.
 
@@ -27,7 +27,7 @@ def remember(h: float, state: Record) -> None:
     s.history = float(HISTORY)
 
 
-@kernel
+@part
 def multistep(scheme: Record, state: Record) -> None:
     """Advance by X_n = sum a_i X_n-i + h sum b_i X'_n-i and shift the history."""
     how = scheme[0]
@@ -141,7 +141,7 @@ def variable_runge_kutta(
                 s.substep = min(2.0 * max(h, s.substep), LARGEST)
 
 
-@kernel
+@part
 def advance(
     vessel: Record, compact: Record, scheme: Record, state: Record, scratch: Record
 ) -> None:

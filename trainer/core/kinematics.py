@@ -1,14 +1,14 @@
 """Euler angles and earth velocities, [ASSES] (7), and the two programs' trigonometry."""
 
-from trainer.core.elementary import cosine, sine
-from trainer.core.kernel import Record, kernel
+from trainer.core.elementary import cosine, cosine_and_sine, sine
+from trainer.core.kernel import Record, part
 
 EXACT, POLYNOMIAL, LINEAR = 0, 1, 2  # trigonometry of pitch and roll
 
 STEEPEST = 0.02  # smallest |cos theta| used: the equations are singular at 90 degrees
 
 
-@kernel
+@part
 def pitch_roll_sine(trig: int, angle: float) -> float:
     """Return the sine [-] of pitch or roll [rad] as the equation set takes it (errata C21-C23)."""
     if trig == POLYNOMIAL:
@@ -18,7 +18,7 @@ def pitch_roll_sine(trig: int, angle: float) -> float:
     return sine(angle)
 
 
-@kernel
+@part
 def pitch_roll_cosine(trig: int, angle: float) -> float:
     """Return the cosine [-] of pitch or roll [rad] as the equation set takes it."""
     if trig == POLYNOMIAL:
@@ -29,7 +29,7 @@ def pitch_roll_cosine(trig: int, angle: float) -> float:
     return cosine(angle)
 
 
-@kernel
+@part
 def guarded(cos_theta: float) -> float:
     """Return ``cos_theta`` [-] kept away from zero."""
     if abs(cos_theta) >= STEEPEST:
@@ -37,13 +37,13 @@ def guarded(cos_theta: float) -> float:
     return STEEPEST if cos_theta >= 0.0 else -STEEPEST
 
 
-@kernel
+@part
 def kinematics(trig: int, state: Record) -> None:
     """Write the rates of attitude and position, [ASSES] (7) with errata A16-A19."""
     s = state[0]
     sin_phi, cos_phi = pitch_roll_sine(trig, s.phi), pitch_roll_cosine(trig, s.phi)
     sin_th, cos_th = pitch_roll_sine(trig, s.theta), pitch_roll_cosine(trig, s.theta)
-    sin_psi, cos_psi = sine(s.psi), cosine(s.psi)
+    cos_psi, sin_psi = cosine_and_sine(s.psi)
 
     s.thetadot = s.q * cos_phi - s.r * sin_phi
     s.psidot = (s.q * sin_phi + s.r * cos_phi) / guarded(cos_th)

@@ -10,7 +10,7 @@ import math
 from typing import Final
 
 from trainer.core.elementary import cosine, logarithm
-from trainer.core.kernel import kernel
+from trainer.core.kernel import part
 
 WORD = 0xFFFFFFFF
 PARITY = 0x1BD11BDA
@@ -22,7 +22,7 @@ SEA_FREQUENCY: Final = 3
 GAUGES: Final = 4  # and the next two
 
 
-@kernel
+@part
 def _mix(x: int, y: int, turn: int) -> tuple[int, int]:
     """Return two 32-bit words [-] after one round with its rotation."""
     x = (x + y) & WORD
@@ -30,7 +30,7 @@ def _mix(x: int, y: int, turn: int) -> tuple[int, int]:
     return x, x ^ y
 
 
-@kernel
+@part
 def threefry(key_0: int, key_1: int, counter_0: int, counter_1: int) -> tuple[int, int]:
     """Return two random 32-bit words [-]."""
     key_2 = PARITY ^ key_0 ^ key_1
@@ -52,20 +52,20 @@ def threefry(key_0: int, key_1: int, counter_0: int, counter_1: int) -> tuple[in
     return x, y
 
 
-@kernel
+@part
 def _words(seed: int, stream: int, tick: int) -> tuple[int, int]:
     """Return the two random 32-bit words [-] of a seed, a stream and a tick."""
     return threefry((seed >> 32) & WORD, seed & WORD, tick & WORD, stream & WORD)
 
 
-@kernel
+@part
 def uniform(seed: int, stream: int, tick: int) -> float:
     """Return a number [-] between 0 and 1, ends never reached, in steps of 2^-52."""
     x, y = _words(seed, stream, tick)
     return ((x >> 6) * 67108864.0 + (y >> 6) + 0.5) * 2.220446049250313e-16
 
 
-@kernel
+@part
 def gaussian(seed: int, stream: int, tick: int) -> float:
     """Return a normal deviate [-] of mean 0 and variance 1, at most 6.8 in size.
 

@@ -4,10 +4,10 @@ import math
 
 from trainer.core.casualties import PROPULSION_LOST, PROPULSION_STUCK, slot_of
 from trainer.core.elementary import exponential
-from trainer.core.kernel import Record, kernel
+from trainer.core.kernel import Record, kernel, part
 
 
-@kernel
+@part
 def thrust(vessel: Record, state: Record) -> float:
     """Return thrust less axial drag [N], the third line of [ASSES] (1), in three rows of eta.
 
@@ -40,7 +40,7 @@ def excess_eta(state: Record) -> float:
     return s.u_c / s.u - 1.0
 
 
-@kernel
+@part
 def delivered(state: Record) -> float:
     """Return the command speed [m/s] that the propulsion makes for, casualties included."""
     s = state[0]
@@ -49,7 +49,7 @@ def delivered(state: Record) -> float:
     return wanted * (1.0 - s.casualty_amount[lost]) if lost >= 0 else wanted
 
 
-@kernel
+@part
 def answer_telegraph(vessel: Record, h: float, state: Record) -> None:
     """Advance the command speed by ``h`` [s] towards ``command_u_c``.
 

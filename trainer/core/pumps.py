@@ -7,7 +7,7 @@ order. Sea water is let in at the pump's rate at any depth; out, the rate falls 
 import math
 from typing import Final
 
-from trainer.core.kernel import Record, kernel
+from trainer.core.kernel import Record, part
 from trainer.core.tanks import (
     AUXILIARY,
     DEPTH_CONTROL,
@@ -25,7 +25,7 @@ DAMPING: Final = 1.0  # [-] of hovering
 INTEGRAL: Final = 0.4  # [-] times frequency^2, of the integral
 
 
-@kernel
+@part
 def delivery(ballast: Record, depth: float) -> float:
     """Return the share [-] of its rate that a pump delivers to the sea at ``depth`` [m].
 
@@ -35,13 +35,13 @@ def delivery(ballast: Record, depth: float) -> float:
     return math.sqrt(left) if left > 0.0 else 0.0
 
 
-@kernel
+@part
 def sound_rate(ballast: Record, pump: int, state: Record) -> float:
     """Return the rate [kg/s] of a pump less what its fault takes."""
     return ballast[0].pump_rate[pump] * (1.0 - min(max(state[0].pump_fault[pump], 0.0), 1.0))
 
 
-@kernel
+@part
 def pump_tank(ballast: Record, pump: int, tank: int, h: float, state: Record) -> None:
     """Move what is ordered between a tank and the sea; an order that cannot be done lapses."""
     s = state[0]
@@ -55,7 +55,7 @@ def pump_tank(ballast: Record, pump: int, tank: int, h: float, state: Record) ->
         s.to_move[pump] = 0.0
 
 
-@kernel
+@part
 def transfer_trim(ballast: Record, h: float, state: Record) -> None:
     """Move trim water forward as ordered, aft if negative."""
     b = ballast[0]
@@ -71,7 +71,7 @@ def transfer_trim(ballast: Record, h: float, state: Record) -> None:
     s.to_move[TRIM_PUMP] = order - amount if possible == amount else 0.0
 
 
-@kernel
+@part
 def drain(ballast: Record, h: float, state: Record) -> None:
     """Pump out the compartment ordered."""
     s = state[0]
@@ -81,7 +81,7 @@ def drain(ballast: Record, h: float, state: Record) -> None:
         admit(ballast, place, -most * delivery(ballast, s.z), state)
 
 
-@kernel
+@part
 def hover(vessel: Record, ballast: Record, h: float, state: Record) -> None:
     """Order the depth-control tank so as to keep the ordered depth.
 
@@ -103,7 +103,7 @@ def hover(vessel: Record, ballast: Record, h: float, state: Record) -> None:
     s.to_move[DEPTH_CONTROL_PUMP] = possible - s.water[DEPTH_CONTROL]
 
 
-@kernel
+@part
 def work_pumps(vessel: Record, ballast: Record, h: float, state: Record) -> None:
     """Advance all pumped tanks by ``h`` [s].
 

@@ -6,7 +6,7 @@ the boat, so that a boat driven off returns at the rate it is allowed and not wi
 
 import math
 
-from trainer.core.kernel import Numbers, Record, kernel
+from trainer.core.kernel import Numbers, Record, part
 
 # places in the schedule of gains, in the order of vessel.GAINS: a rate, then an acceleration
 DEPTH_SLEW, COURSE_SLEW = 16, 18
@@ -15,7 +15,7 @@ LEASH = 0.25  # [-]
 APPROACH = 4.0  # [ticks] time constant of the last approach, too slow to hunt
 
 
-@kernel
+@part
 def slewed_rate(distance: float, rate: float, fastest: float, gentlest: float, h: float) -> float:
     """Return the next rate of a reference ``distance`` short of its order.
 
@@ -29,7 +29,7 @@ def slewed_rate(distance: float, rate: float, fastest: float, gentlest: float, h
     return rate + change
 
 
-@kernel
+@part
 def leash(gains: Numbers, slew: int) -> float:
     """Return how far [m or rad] a reference may be from the boat.
 
@@ -40,13 +40,13 @@ def leash(gains: Numbers, slew: int) -> float:
     return 0.0
 
 
-@kernel
+@part
 def within(value: float, centre: float, most: float) -> float:
     """Return ``value``, or the nearest to it that is at most ``most`` from ``centre``."""
     return min(max(value, centre - most), centre + most)
 
 
-@kernel
+@part
 def slew_depth(h: float, gains: Numbers, state: Record) -> None:
     """Move the depth reference by ``h`` [s]; with both pairs of planes in hand it is the boat's."""
     s = state[0]
@@ -60,7 +60,7 @@ def slew_depth(h: float, gains: Numbers, state: Record) -> None:
     s.depth_reference = within(s.depth_reference, s.z, leash(gains, DEPTH_SLEW))
 
 
-@kernel
+@part
 def slew_course(h: float, gains: Numbers, state: Record) -> None:
     """Move the heading reference by ``h`` [s]; with the rudder in hand it is the boat's."""
     s = state[0]

@@ -10,7 +10,7 @@ import math
 from typing import Final
 
 from trainer.core.elementary import exponential, logarithm
-from trainer.core.kernel import Numbers, Record, kernel
+from trainer.core.kernel import Numbers, Record, kernel, part
 from trainer.core.noise import SEA_FILTER, gaussian
 from trainer.core.state import SEA_QUANTITIES
 from trainer.core.wave_filter import advance_filter, filter_noise, prepare_filter
@@ -70,7 +70,7 @@ def order_sea(
             s.sea[i] = s.sea_target[i]
 
 
-@kernel
+@part
 def approach(h: float, state: Record) -> None:
     """Bring the sea in force ``h`` [s] nearer to the ordered one, the period by its logarithm."""
     s = state[0]
@@ -91,7 +91,7 @@ def approach(h: float, state: Record) -> None:
     s.sea_omega = omega
 
 
-@kernel
+@part
 def advance_sea(vessel: Record, h: float, scratch: Record, state: Record) -> None:
     """Advance the sea by one tick and write the elevation [m] above the boat.
 

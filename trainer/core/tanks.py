@@ -9,7 +9,7 @@ from typing import Final
 
 import numpy as np
 
-from trainer.core.kernel import Field, Record, kernel, record_dtype
+from trainer.core.kernel import Field, Record, part, record_dtype
 
 BLOWN: Final = ("forward", "mid", "aft", "negative")  # emptied by air through their flood ports
 PUMPED: Final = ("trim_forward", "trim_aft", "auxiliary", "depth_control")
@@ -75,7 +75,7 @@ def new_ballast() -> Record:
     return np.zeros(1, BALLAST)
 
 
-@kernel
+@part
 def sea_pressure(specific: float, depth: float) -> float:
     """Return the absolute pressure [Pa] at ``depth`` [m] in water of ``specific`` weight [N/m3].
 
@@ -84,7 +84,7 @@ def sea_pressure(specific: float, depth: float) -> float:
     return ATMOSPHERE + specific * max(depth, 0.0)
 
 
-@kernel
+@part
 def admit(ballast: Record, tank: int, wanted: float, state: Record) -> None:
     """Let ``wanted`` [kg] of sea water into a tank, or out if negative, as far as it goes."""
     s = state[0]
@@ -93,7 +93,7 @@ def admit(ballast: Record, tank: int, wanted: float, state: Record) -> None:
     s.water_taken += s.water[tank] - before
 
 
-@kernel
+@part
 def through_hole(rho: float, area: float, pressure: float) -> float:
     """Return the flow [kg/s] that ``pressure`` [Pa] drives through an effective ``area`` [m2]."""
     return area * math.sqrt(2.0 * rho * pressure) if pressure > 0.0 else 0.0

@@ -3,11 +3,11 @@
 Armed triggers are constants of the scheme; the state remembers which of them are spent.
 """
 
-from trainer.core.kernel import Record, kernel
+from trainer.core.kernel import Record, part
 from trainer.core.onset import begin
 
 
-@kernel
+@part
 def holds(scheme: Record, trigger: int, state: Record) -> bool:
     """Return whether the condition of a trigger is met by the state."""
     m = scheme[0]
@@ -16,7 +16,7 @@ def holds(scheme: Record, trigger: int, state: Record) -> bool:
     return excess > 0.0 or (excess == 0.0 and m.trigger_strict[trigger] == 0.0)
 
 
-@kernel
+@part
 def fire_triggers(scheme: Record, state: Record) -> None:
     """Begin the casualties whose conditions the last state meets.
 

@@ -8,7 +8,7 @@ from trainer.core.casualties import advance_casualties
 from trainer.core.free_surface import surface_forces
 from trainer.core.holds import cast_off, make_fast
 from trainer.core.integrators import advance
-from trainer.core.kernel import Record, kernel
+from trainer.core.kernel import Record, kernel, part
 from trainer.core.propulsion import answer_telegraph
 from trainer.core.seaway import advance_sea
 from trainer.core.state import MOTION, RATES
@@ -21,7 +21,7 @@ FASTEST = 1e3  # [m/s] or [rad/s]
 FURTHEST = 1e9  # [rad] or [m]
 
 
-@kernel
+@part
 def lost(state: Record) -> int:
     """Return 1 + the place in WATCHED of the first number beyond any boat's, 0 if none is.
 
@@ -37,7 +37,7 @@ def lost(state: Record) -> int:
     return 0
 
 
-@kernel
+@part
 def outside(vessel: Record, state: Record, scratch: Record) -> None:
     """Write the forces of sea and surface, held over the tick."""
     work = scratch[0]

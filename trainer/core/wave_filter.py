@@ -13,7 +13,7 @@ from typing import Final
 import numpy as np
 
 from trainer.core.elementary import cosine_and_sine
-from trainer.core.kernel import Record, kernel
+from trainer.core.kernel import Record, kernel, part
 from trainer.core.noise import SEA_FILTER, gaussian
 from trainer.core.sea import DEGREE
 
@@ -138,7 +138,7 @@ def prepare_filter(g: float, omega: float, h: float, scratch: Record) -> None:
     work.quadrature_gain = gain * low / math.sqrt(work.quadrature_power)
 
 
-@kernel
+@part
 def filter_noise(scratch: Record, x: float, state: Record) -> None:
     """Advance the filter by one sample ``x`` [-] of noise, and write its two outputs.
 
@@ -159,13 +159,13 @@ def filter_noise(scratch: Record, x: float, state: Record) -> None:
     s.sea_quadrature = -work.quadrature_gain * (w - two)
 
 
-@kernel
+@part
 def wrapped(angle: float) -> float:
     """Return ``angle`` [rad] less the whole turns, from -pi to pi."""
     return angle - 6.283185307179586 * math.floor(angle * 0.15915494309189535 + 0.5)
 
 
-@kernel
+@part
 def advance_filter(scratch: Record, h: float, state: Record) -> None:
     """Advance the filtered waves by one tick of ``h`` [s].
 

@@ -24,14 +24,14 @@ import math
 from typing import Final
 
 from trainer.core.elementary import cosine_and_sine, exponential
-from trainer.core.kernel import Numbers, Record, kernel
+from trainer.core.kernel import Numbers, Record, kernel, part
 from trainer.core.state import SEA_COMPONENTS
 from trainer.core.wave_sum import ANGLE_COS, ANGLE_SIN, BANDS, phase
 
 TAPER: Final = (4.0, 5.0)  # [-] hull diameters from which to which waves fade out ([ASSES])
 
 
-@kernel
+@part
 def spread(kappa: float) -> tuple[float, float]:
     """Return S0 = sin kappa/kappa and S1 = (sin kappa - kappa cos kappa)/kappa^2 [-]."""
     z = kappa * kappa
@@ -44,7 +44,7 @@ def spread(kappa: float) -> tuple[float, float]:
     return sin_kappa / kappa, (sin_kappa - kappa * cos_kappa) / z
 
 
-@kernel
+@part
 def tapered(vessel: Record, state: Record) -> float:
     """Return what is left of the waves [-] at this depth by [ASSES]'s rule of five diameters."""
     s = state[0]
@@ -55,7 +55,7 @@ def tapered(vessel: Record, state: Record) -> float:
     return 1.0 - t * t * (3.0 - 2.0 * t)
 
 
-@kernel
+@part
 def add_component(
     scratch: Record, k: float, chi_cos: float, chi_sin: float, a_cos: float, a_sin: float
 ) -> None:
@@ -73,7 +73,7 @@ def add_component(
     work.pull[6] += swing
 
 
-@kernel
+@part
 def add_filter(scratch: Record, state: Record) -> None:
     """Add the filtered waves to the sums, all as one wave of the peak's number."""
     s = state[0]
@@ -105,7 +105,7 @@ def add_sum(scratch: Record, state: Record) -> None:
         )
 
 
-@kernel
+@part
 def wave_forces(vessel: Record, scratch: Record, state: Record, force: Numbers) -> None:
     """Add the forces [N] and moments [N m] of the sea in force; ``scratch`` is the SEA record.
 

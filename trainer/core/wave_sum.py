@@ -17,7 +17,7 @@ import math
 from typing import Final
 
 from trainer.core.elementary import cosine, cosine_and_sine, exponential, logarithm
-from trainer.core.kernel import Record, kernel
+from trainer.core.kernel import Record, kernel, part
 from trainer.core.noise import SEA_FREQUENCY, SEA_PHASE, uniform
 from trainer.core.state import SEA_COMPONENTS
 
@@ -81,7 +81,7 @@ def prepare_sum(gamma: float, seed: float, scratch: Record) -> None:
         work.amplitude[i] /= math.sqrt(total)
 
 
-@kernel
+@part
 def advance_sum(vessel: Record, h: float, state: Record) -> None:
     """Advance by ``h`` [s] what the phases above the boat follow from."""
     s = state[0]
@@ -92,7 +92,7 @@ def advance_sum(vessel: Record, h: float, state: Record) -> None:
     s.sea_across += number * (s.ydot * cos_wind - s.xdot * sin_wind) * h
 
 
-@kernel
+@part
 def phase(scratch: Record, state: Record, i: int) -> float:
     """Return the phase [rad] of component ``i`` above the boat."""
     s = state[0]

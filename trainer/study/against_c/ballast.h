@@ -250,8 +250,10 @@ static void advance_ballast(const struct vessel *c, double h, struct state *s)
 {
     if (c->fitted == 0.0)
         return;
-    double cos_th = cosine(s->theta);
-    double down_x = -sine(s->theta), down_y = cos_th * sine(s->phi), down_z = cos_th * cosine(s->phi);
+    double cos_th, sin_th, cos_phi, sin_phi;
+    cosine_and_sine(s->theta, &cos_th, &sin_th);
+    cosine_and_sine(s->phi, &cos_phi, &sin_phi);
+    double down_x = -sin_th, down_y = cos_th * sin_phi, down_z = cos_th * cos_phi;
     work_pumps(c, h, s);
     for (int i = TRIM_FORWARD; i < END; i++)
         if (s->breach[i - TRIM_FORWARD] > 0.0 && c->capacity[i] > 0.0)

@@ -43,12 +43,24 @@ static void forces(const struct compact *c, int64_t trig, const struct state *s,
         + u * u * (c->X_drdr * dr * dr + c->X_dsds * ds * ds + c->X_dbdb * db * db)
         + thrust(c, s)
         + c->X_vr * v * r
-        - heavy * sin_th;
+        - heavy * sin_th
+        + c->X_qq * q * q
+        + c->X_rr * r * r
+        + c->X_rp * r * p
+        + c->X_wq * w * q
+        + c->X_vv * v * v
+        + c->X_ww * w * w;
     force[1] = u * (c->Y_r * r - m * r + c->Y_p * p + c->Y_v * v)
         - m * (z_g * q * r + x_g * q * p - w * p)
         + c->Y_vav * v * cross
         + c->Y_dr * (u * u) * dr
-        + heavy * cos_th * sin_phi;
+        + heavy * cos_th * sin_phi
+        + c->Y_pq * p * q
+        + c->Y_qr * q * r
+        + c->Y_vq * v * q
+        + c->Y_wp * w * p
+        + c->Y_wr * w * r
+        + c->Y_vw * v * w;
     force[2] = u * (c->Z_q * q + c->Z_w * w)
         + m * (z_g * (p * p + q * q) - x_g * r * p + u * q - v * p)
         + c->Z_rr * r * r
@@ -56,12 +68,23 @@ static void forces(const struct compact *c, int64_t trig, const struct state *s,
         + c->Z_vv * v * v
         + c->Z_waw * w * cross
         + (u * u) * (c->Z_ds * ds + c->Z_db * db + c->Z_star)
-        + heavy * cos_th * cos_phi;
+        + heavy * cos_th * cos_phi
+        + c->Z_pp * p * p
+        + c->Z_rp * r * p
+        + c->Z_vp * v * p;
     force[3] = m * z_g * (u * r - w * p) * c->K_pdot
         + u * (c->K_p * p + c->K_v * v)
         + c->K_vav * v * cross
         + c->K_pap * p * fabs(p)
-        - c->K_pdot * (z_g * s->weight - c->ZB) * cos_th * sin_phi;
+        - c->K_pdot * (z_g * s->weight - c->ZB) * cos_th * sin_phi
+        + c->K_qr * q * r
+        + c->K_pq * p * q
+        + c->K_r * u * r
+        + c->K_vq * v * q
+        + c->K_wp * w * p
+        + c->K_wr * w * r
+        + c->K_vw * v * w
+        + c->K_star * u * u;
     force[4] = c->M_rp * r * p
         + u * (c->M_q * q + c->M_w * w)
         - m * (z_g * (w * q - v * r) - x_g * (v * p - u * q)) * c->M_qdot
@@ -71,7 +94,10 @@ static void forces(const struct compact *c, int64_t trig, const struct state *s,
         + c->M_awq * q * cross
         + c->M_waw * w * cross
         + u * u * (c->M_star + c->M_db * db + c->M_ds * ds)
-        - c->M_qdot * (x_g * s->weight * cos_th * cos_phi + (z_g * s->weight - c->ZB) * sin_th);
+        - c->M_qdot * (x_g * s->weight * cos_th * cos_phi + (z_g * s->weight - c->ZB) * sin_th)
+        + c->M_pp * p * p
+        + c->M_qaq * q * fabs(q)
+        + c->M_vp * v * p;
     force[5] = c->N_pq * p * q
         + u * u * c->N_dr * dr
         - m * x_g * (u * r - w * p) * c->N_rdot
@@ -79,7 +105,12 @@ static void forces(const struct compact *c, int64_t trig, const struct state *s,
         + u * (c->N_p * p + c->N_r * r + c->N_v * v)
         + c->N_rar * r * fabs(r)
         + c->N_avr * cross * r
-        + c->N_rdot * x_g * s->weight * cos_th * sin_phi;
+        + c->N_rdot * x_g * s->weight * cos_th * sin_phi
+        + c->N_qr * q * r
+        + c->N_wr * w * r
+        + c->N_wp * w * p
+        + c->N_vq * v * q
+        + c->N_vw * v * w;
 }
 
 static void add_external(const struct compact *c, const double *external, double *force)
@@ -116,7 +147,8 @@ static void kinematics(int64_t trig, struct state *s)
 {
     double sin_phi = pitch_roll_sine(trig, s->phi), cos_phi = pitch_roll_cosine(trig, s->phi);
     double sin_th = pitch_roll_sine(trig, s->theta), cos_th = pitch_roll_cosine(trig, s->theta);
-    double sin_psi = sine(s->psi), cos_psi = cosine(s->psi);
+    double cos_psi, sin_psi;
+    cosine_and_sine(s->psi, &cos_psi, &sin_psi);
     s->thetadot = s->q * cos_phi - s->r * sin_phi;
     s->psidot = (s->q * sin_phi + s->r * cos_phi) / guarded(cos_th);
     s->phidot = s->p + s->psidot * sin_th;

@@ -67,8 +67,10 @@ static void buoyancy_forces(const struct vessel *c, const struct state *s, doubl
     int changes = c->compressibility != 0.0 || c->layers != 0.0;
     if (deep && !changes)
         return;
-    double cos_th = cosine(s->theta);
-    double down_x = -sine(s->theta), down_y = cos_th * sine(s->phi), down_z = cos_th * cosine(s->phi);
+    double cos_th, sin_th, cos_phi, sin_phi;
+    cosine_and_sine(s->theta, &cos_th, &sin_th);
+    cosine_and_sine(s->phi, &cos_phi, &sin_phi);
+    double down_x = -sin_th, down_y = cos_th * sin_phi, down_z = cos_th * cos_phi;
     double heavy = 0.0, x = 0.0, z = 0.0;
     if (changes) {
         heavy = -submerged_change(c, s->z);
