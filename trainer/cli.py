@@ -19,6 +19,7 @@ from trainer.commands import (
     proving,
     records,
     running,
+    sweeping,
     vessels,
 )
 from trainer.config import ConfigError
@@ -67,6 +68,7 @@ SECTIONS: Final = {
     "Recordings": (records.debrief, running.resume, records.replay, records.export),
     "A boat": (vessels.check, *guiding.GUIDING, vessels.gains),
     "The programs of 1969": programs.PROGRAMS,
+    "Many boats": (sweeping.sweep,),
     "A ship from her recordings": (identify.identify, identify.prbs, identify.decca),
     "Proofs": (proving.soak, proving.fuzz),
     "This machine, and others": (

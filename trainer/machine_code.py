@@ -43,7 +43,7 @@ def _cache_root() -> Path:
 def _claim_cache() -> Path:
     """Return this version's cache folder; where home is read-only one that lasts for this run."""
     checked = os.environ.get("NUMBA_BOUNDSCHECK", "0") not in ("", "0")  # other machine code
-    name = _PREFIX + _digest("core", "identify/kernels") + "-checked" * checked
+    name = _PREFIX + _digest("core", "identify/kernels", "sweep/kernels") + "-checked" * checked
     path = _cache_root() / name
     try:
         path.mkdir(parents=True, exist_ok=True)

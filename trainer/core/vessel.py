@@ -9,7 +9,7 @@ from typing import Final
 
 import numpy as np
 
-from trainer.core.kernel import Record, record_dtype
+from trainer.core.kernel import Numbers, Record, record_dtype
 from trainer.core.tanks import BALLAST_FIELDS
 
 # Coefficients by equation and power of the length, as in [ASSES] Tables 2-4.
@@ -119,19 +119,26 @@ VESSEL: Final = record_dtype(
 )
 
 
+Prime = Mapping[str, float | Numbers]  # [-] a number, or one for each member of a fleet
+
+
+def _members(prime: Prime) -> int:
+    """Return how many boats the coefficients are of."""
+    return max(np.size(value) for value in prime.values())
+
+
 def _scale(body: Mapping[str, float], power: int) -> float:
     """Return rho/2 l^power in SI units."""
     return float(0.5 * body["rho"] * body["ell"] ** power)
 
 
-def vessel_record(
-    body: Mapping[str, float], prime: Mapping[str, float], eta: tuple[float, float]
-) -> Record:
+def vessel_record(body: Mapping[str, float], prime: Prime, eta: tuple[float, float]) -> Record:
     """Return the full-set constants; ``prime`` holds TERMS and THRUST, dimensionless.
 
-    Control surfaces, propulsion dynamics and autopilot gains are left at zero.
+    Arrays make a record for each of their numbers. Control surfaces, propulsion dynamics and
+    autopilot gains are left at zero.
     """
-    vessel = np.zeros(1, VESSEL)
+    vessel = np.zeros(_members(prime), VESSEL)
     for name in BODY:
         vessel[name] = body[name]
     vessel["eta_1"], vessel["eta_2"] = eta
@@ -151,15 +158,14 @@ COMPACT: Final = record_dtype(
 )
 
 
-def compact_record(
-    body: Mapping[str, float], prime: Mapping[str, float], eta: tuple[float, float]
-) -> Record:
+def compact_record(body: Mapping[str, float], prime: Prime, eta: tuple[float, float]) -> Record:
     """Return the compact constants, [ASSES] (18).
 
     ``prime`` holds what the set keeps, compensation factors applied. K_pdot, M_qdot and N_rdot
-    carry T4, T5 and T6. The mass is left out of Y_r (there as -m), since tanks change it.
+    carry T4, T5 and T6. The mass is left out of Y_r (there as -m), since tanks change it. Arrays
+    make a record for each of their numbers.
     """
-    compact = np.zeros(1, COMPACT)
+    compact = np.zeros(_members(prime), COMPACT)
     for name in ("rho", "g", "mass", "weight", "buoyancy"):
         compact[name] = body[name]
     compact["eta_1"], compact["eta_2"] = eta

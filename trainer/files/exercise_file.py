@@ -73,8 +73,14 @@ def load_exercise(name_or_path: str) -> Exercise:
 
     Whatever has a path separator or ends in .toml is a path.
     """
+    path = exercise_path(name_or_path)
+    return parse_exercise(read_text(path), path)
+
+
+def exercise_path(name_or_path: str) -> Path:
+    """Return where the file is; ConfigError naming the shipped exercises if there is none."""
     if _is_path(name_or_path):
-        return parse_exercise(read_text(Path(name_or_path)), Path(name_or_path))
+        return Path(name_or_path)
     names = shipped_names("exercises")
     if name_or_path not in names:
         raise ConfigError(
@@ -82,8 +88,7 @@ def load_exercise(name_or_path: str) -> Exercise:
             f"shipped: {', '.join(names)}; give a file of your own as a path, "
             "such as ./drill.toml"
         )
-    path = shipped("exercises", name_or_path)
-    return parse_exercise(read_text(path), path)
+    return shipped("exercises", name_or_path)
 
 
 def _is_path(text: str) -> bool:
@@ -97,8 +102,12 @@ def _beside(path: Path, text: str) -> str:
 
 def parse_exercise(text: str, path: Path) -> Exercise:
     """Return the exercise in ``text``, which came from ``path``; ConfigError with all faults."""
+    return read_exercise(parse_toml(text, path.name), path)
+
+
+def read_exercise(table: Mapping[str, Any], path: Path) -> Exercise:
+    """Return the exercise of parsed tables, which came from ``path``; ConfigError as above."""
     place = Place(path.name, "")
-    table = parse_toml(text, path.name)
     problems = [
         place.wrong(key, value, f"no such key{nearest(key, KNOWN)}")
         for key, value in table.items()

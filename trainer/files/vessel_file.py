@@ -175,10 +175,19 @@ def parse_vessel(text: str, path: Path) -> VesselFile:
 
     All wrong values are told at once; misfits among them once each value by itself is right.
     """
-    place = Place(path.name, "")
+    return read_vessel(parse_toml(text, path.name), text, path)
+
+
+def with_defaults(table: Mapping[str, Any]) -> tuple[dict[str, Any], list[str]]:
+    """Return the tables of a vessel with what they lack, and the names of that."""
     defaults = shipped("", "defaults")
-    filler = parse_toml(read_text(defaults), defaults.name)
-    table, defaulted = _filled(parse_toml(text, path.name), filler, "")
+    return _filled(table, parse_toml(read_text(defaults), defaults.name), "")
+
+
+def read_vessel(given: Mapping[str, Any], text: str, path: Path) -> VesselFile:
+    """Return the vessel of parsed tables, which came from ``text``; ConfigError as above."""
+    place = Place(path.name, "")
+    table, defaulted = with_defaults(given)
     parts = _read_parts(table, place)
     absent = tuple(
         term.key for term in coefficient_terms() if term.key not in parts["coefficients"]

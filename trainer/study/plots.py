@@ -71,13 +71,32 @@ class Panel:
     levels: tuple[float, ...] = ()  # places along y
 
 
+@dataclass(frozen=True)
+class Bar:
+    """From where to where one cause moves a quantity, and what is written at either end."""
+
+    label: str
+    ends: tuple[float, float]
+    told: tuple[str, str]
+
+
+@dataclass(frozen=True)
+class Bars:
+    """Bars across, from the first on top, about a line: a tornado."""
+
+    title: str
+    x: str  # what is along it, [unit]
+    bars: tuple[Bar, ...]
+    middle: float
+
+
 def _check_form(path: Path) -> None:
     """Check that ``path`` ends in a form that can be drawn; ConfigError if it does not."""
     if path.suffix.lower() not in FORMS:
         raise ConfigError(f"--plot {path}: must end in {', '.join(FORMS[:-1])} or {FORMS[-1]}")
 
 
-def draw(panels: tuple[Panel, ...], path: Path) -> None:
+def draw(panels: tuple[Panel | Bars, ...], path: Path) -> None:
     """Write ``panels``, one below the other, to ``path``; ConfigError if that cannot be."""
     _check_form(path)
     try:
@@ -94,11 +113,42 @@ def draw(panels: tuple[Panel, ...], path: Path) -> None:
         figure = Figure(figsize=size, layout="constrained")
         FigureCanvasAgg(figure)
         for i, panel in enumerate(panels):
-            _draw_panel(panel, figure.add_subplot(len(panels), 1, i + 1))
+            axes = figure.add_subplot(len(panels), 1, i + 1)
+            if isinstance(panel, Bars):
+                _draw_bars(panel, axes)
+            else:
+                _draw_panel(panel, axes)
         try:
             figure.savefig(path, metadata=METADATA[path.suffix.lower()])
         except OSError as error:
             raise ConfigError(f"--plot {path}: cannot be written: {error.strerror}") from error
+
+
+def _draw_bars(panel: Bars, axes: "Axes") -> None:
+    """Draw bars across; what lies at the low and at the high end of a cause differs by hatching."""
+    for place, bar in enumerate(panel.bars):
+        sides = zip(bar.ends, bar.told, COLOURS[1:3], ("", "////"), strict=False)
+        for end, told, colour, hatch in sides:
+            how = {"color": "white", "edgecolor": colour, "hatch": hatch, "height": 0.6}
+            if not hatch:
+                how["color"] = colour
+            axes.barh(place, end - panel.middle, left=panel.middle, **how)
+            right = end >= panel.middle
+            axes.annotate(
+                told,
+                (end, place),
+                (3.0 if right else -3.0, 0.0),
+                textcoords="offset points",
+                ha="left" if right else "right",
+                va="center",
+                fontsize=7.0,
+            )
+    axes.axvline(panel.middle, color="#000000", linewidth=0.8)
+    axes.set_yticks(range(len(panel.bars)), [bar.label for bar in panel.bars])
+    axes.invert_yaxis()
+    axes.margins(x=0.15)
+    axes.set_title(panel.title, fontsize=10.0, loc="left")
+    axes.set_xlabel(panel.x)
 
 
 def _draw_panel(panel: Panel, axes: "Axes") -> None:

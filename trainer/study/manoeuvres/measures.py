@@ -1,7 +1,6 @@
 """What a manoeuvre is measured by, and the general ways to read numbers from a flight."""
 
 from dataclasses import dataclass
-from itertools import pairwise
 from typing import Final
 
 import numpy as np
@@ -77,11 +76,9 @@ def peaks(t: Numbers, values: Numbers) -> list[tuple[float, float]]:
     """
     steps = np.diff(values)
     moving = np.flatnonzero(steps)
-    found = []
-    for before, after in pairwise(moving):
-        if (steps[before] > 0.0) != (steps[after] > 0.0):
-            found.append((float(t[before + 1]), float(values[before + 1])))
-    return found
+    rising = steps[moving] > 0.0
+    places = moving[:-1][rising[:-1] != rising[1:]] + 1
+    return list(zip(t[places].tolist(), values[places].tolist(), strict=True))
 
 
 def crossings(t: Numbers, values: Numbers) -> list[float]:

@@ -1,0 +1,1 @@
+"""What a sweep compiles: its random numbers, and the start of many boats."""

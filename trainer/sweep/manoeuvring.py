@@ -1,0 +1,190 @@
+"""Members that fly a manoeuvre: together in fleets where its orders are known beforehand."""
+
+from collections.abc import Iterable, Mapping
+from functools import cached_property
+from pathlib import Path
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from trainer.config import ConfigError
+from trainer.core.autopilot import REPORT
+from trainer.files.terms import COEFFICIENT, FACTOR
+from trainer.study.fleet import fly_members
+from trainer.study.manoeuvres.flight import Flight, Manoeuvre
+from trainer.study.manoeuvres.submarine import COLUMNS, LAWS, STEEPEST, Submarine
+from trainer.study.series import Series
+from trainer.sweep import fleets
+from trainer.sweep.alone import Case, case_of, flown, manoeuvre_of, speed_of
+from trainer.sweep.batch import Batch, member
+from trainer.sweep.outputs import Output, chosen, read_off
+from trainer.sweep.script import Script, script_of
+from trainer.sweep.study_file import Study
+
+Numbers = NDArray[np.float64]
+
+TOGETHER, ALONE = 512, 16  # members of a chunk
+LANES: Final = 128  # members whose flights are in memory at once
+# plausible only within the hull: these go through the whole check of a vessel file
+CHECKED: Final = ("X_udot", "Y_vdot", "Z_wdot", "K_pdot", "M_qdot", "N_rdot")
+LIMITS: Final = {"coefficients": COEFFICIENT.limits, "compensation": FACTOR.limits}
+
+
+class Manoeuvring:
+    """The members of a study that fly a manoeuvre."""
+
+    def __init__(self, study: Study) -> None:
+        """Take the study; ConfigError if its middle member cannot fly."""
+        self.study = study
+        self.middle = case_of(study, study.draws.middle())
+        self.trial, self.flight = flown(self.middle)
+        self.boat = Submarine(self.middle.file, self.middle.method, self.middle.rig)
+
+    @cached_property
+    def outputs(self) -> tuple[Output, ...]:
+        """Return what is kept of each member; ConfigError if the study asks for what is not."""
+        try:
+            measures = self.trial.measures(self.flight)
+            return chosen(self.study.heading.measures, self.flight, measures)
+        except ConfigError as wrong:
+            raise ConfigError(f"{self.study.path.name}: {wrong}") from None
+
+    @cached_property
+    def together(self) -> bool:
+        """Return whether members are flown in fleets."""
+        rig = self.middle.rig
+        alike = rig.controls == "own" and rig.trim == "own" and not self.trial.from_rest
+        return alike and self._script(self.trial) is not None
+
+    @property
+    def chunk(self) -> int:
+        """Return how many members are flown, and kept, at once."""
+        return TOGETHER if self.together else ALONE
+
+    def _script(self, manoeuvre: Manoeuvre) -> Script | None:
+        return script_of(manoeuvre, self.middle.method.step, self.boat.controls)
+
+    def batch(self, first: int, count: int) -> Batch:
+        """Return what becomes of ``count`` members from ``first`` on."""
+        drawn = self.study.draws.drawn(first, count)
+        outputs = np.full((count, len(self.outputs)), np.nan)
+        left = set(range(count))
+        if self.together:
+            for begin in range(0, count, LANES):
+                part = {name: values[begin : begin + LANES] for name, values in drawn.items()}
+                size = min(LANES, count - begin)
+                for i, numbers in self._fleet(part, size):
+                    outputs[begin + i] = numbers
+                    left.discard(begin + i)
+        troubles: list[str | None] = [None] * count
+        for i in sorted(left):
+            outputs[i], troubles[i] = self._alone(member(drawn, i))
+        return Batch(
+            np.arange(first, first + count),
+            self.study.draws.seeds(first, count),
+            drawn,
+            outputs,
+            tuple(troubles),
+        )
+
+    def _alone(self, drawn: Mapping[str, Any]) -> tuple[list[float], str | None]:
+        """Return the numbers of one member flown by itself, or why there are none."""
+        nothing = [np.nan] * len(self.outputs)
+        try:
+            manoeuvre, flight = flown(case_of(self.study, drawn))
+        except ConfigError as wrong:
+            return nothing, wrong.problems[0]
+        if flight.lost:
+            return nothing, flight.lost
+        return read_off(self.outputs, flight, manoeuvre.measures(flight)), None
+
+    def _fleet(self, drawn: dict[str, Any], count: int) -> Iterable[tuple[int, list[float]]]:
+        """Yield place and numbers of the members that fly well; the others are left."""
+        cases = self._cases(drawn, count)
+        groups: dict[Any, list[int]] = {}
+        for i, (_, manoeuvre) in cases.items():
+            script = self._script(manoeuvre)
+            if script is not None:
+                form = tuple(line[:3] for line in script.lines)
+                groups.setdefault((form, script.ticks), []).append(i)
+        for places in groups.values():
+            yield from self._flown(drawn, cases, places)
+
+    def _cases(self, drawn: dict[str, Any], count: int) -> dict[int, tuple[Case, Manoeuvre]]:
+        """Return case and manoeuvre of the members for which there can be any.
+
+        Where nothing but coefficients varies the case is the middle one's, and says nothing of
+        them.
+        """
+        if self._by_coefficients:
+            good = np.ones(count, bool)
+            for variable in self.study.variables:
+                limits = LIMITS[str(variable.steps[1])]
+                values = variable.value(drawn[variable.row.name])
+                good &= (limits.low <= values) & (values <= limits.high)
+            return {int(i): (self.middle, self.trial) for i in np.flatnonzero(good)}
+        found = {}
+        for i in range(count):
+            try:
+                case = case_of(self.study, member(drawn, i))
+                boat = self.boat if case.file is self.middle.file else None
+                boat = boat or Submarine(case.file, case.method, case.rig)
+                found[i] = case, manoeuvre_of(case, boat)
+            except ConfigError:
+                continue  # it is told when the member is tried alone
+        return found
+
+    @cached_property
+    def _by_coefficients(self) -> bool:
+        """Return whether nothing but coefficients varies, and none that has to fit the hull."""
+        keys = [variable.steps for variable in self.study.variables]
+        return all(
+            steps[0] == "vessel" and steps[1] in LIMITS and steps[-1] not in CHECKED
+            for steps in keys
+        )
+
+    def _flown(
+        self, drawn: dict[str, Any], cases: dict[int, tuple[Case, Manoeuvre]], places: list[int]
+    ) -> Iterable[tuple[int, list[float]]]:
+        """Yield place and numbers of members whose scripts are alike, but for those left."""
+        own = [cases[i] for i in places]
+        case = own[0][0]
+        scripts = [self._script(manoeuvre) for _, manoeuvre in own]
+        written = [script for script in scripts if script is not None]
+        if self._by_coefficients:
+            changes: dict[tuple[str, ...], Numbers] = {}
+            for variable in self.study.variables:
+                numbers = np.asarray(variable.value(drawn[variable.row.name][places]))
+                changes[tuple(map(str, variable.steps[1:]))] = numbers
+            made = fleets.by_coefficients(case.file, case.method, changes, len(places))
+        else:
+            made = fleets.by_files([one.file for one, _ in own], case.method)
+        speeds = np.array([speed_of(one) for one, _ in own])
+        ready = fleets.started(made, case.method, speeds, self._law(case), self.trial.needs)
+        schedule = fleets.ordered(ready, made, written)
+        flight = fly_members(ready.fleet, schedule, written[0].ticks, 1, COLUMNS[1:])
+        t = case.method.step * np.arange(written[0].ticks + 1.0)
+        steep = np.abs(flight.rows[:, :, COLUMNS.index("theta") - 1]) > STEEPEST
+        good = ready.fit & (flight.lost < 0) & ~steep.any(axis=1)
+        for i in np.flatnonzero(good):
+            each, manoeuvre = own[i]
+            seen = _flight(each, speeds[i], t, flight.rows[i], written[i])
+            yield places[i], read_off(self.outputs, seen, manoeuvre.measures(seen))
+
+    def _law(self, case: Case) -> float:
+        """Return the law of depth keeping; without gains the report's."""
+        return LAWS[case.rig.law] if self.boat.boat.automatic else max(LAWS[case.rig.law], REPORT)
+
+
+def _flight(case: Case, speed: float, t: Numbers, rows: Numbers, script: Script) -> Flight:
+    """Return the flight of one member of a fleet."""
+    columns = {"t": t, **{name: rows[:, i] for i, name in enumerate(COLUMNS[1:])}}
+    return Flight(
+        speed=float(speed),
+        length=case.file.hull.length,
+        step=case.method.step,
+        series=Series(Path(case.file.name), columns),
+        marks=script.marks,
+        lost="",
+    )
