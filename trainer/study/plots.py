@@ -129,9 +129,9 @@ def _draw_bars(panel: Bars, axes: "Axes") -> None:
     for place, bar in enumerate(panel.bars):
         sides = zip(bar.ends, bar.told, COLOURS[1:3], ("", "////"), strict=False)
         for end, told, colour, hatch in sides:
-            how = {"color": "white", "edgecolor": colour, "hatch": hatch, "height": 0.6}
-            if not hatch:
-                how["color"] = colour
+            how: dict[str, Any] = {"color": colour, "height": 0.6}
+            if hatch:
+                how |= {"color": "white", "edgecolor": colour, "hatch": hatch}
             axes.barh(place, end - panel.middle, left=panel.middle, **how)
             right = end >= panel.middle
             axes.annotate(
@@ -143,6 +143,7 @@ def _draw_bars(panel: Bars, axes: "Axes") -> None:
                 va="center",
                 fontsize=7.0,
             )
+    axes.set_axisbelow(True)
     axes.axvline(panel.middle, color="#000000", linewidth=0.8)
     axes.set_yticks(range(len(panel.bars)), [bar.label for bar in panel.bars])
     axes.invert_yaxis()

@@ -74,7 +74,7 @@ def cluster(address: str) -> Crew:
         try:
             sent = client.scatter(job, broadcast=True, hash=False)
             futures = {client.submit(fly_chunk, sent, place, pure=False): place for place in places}
-            for future in _distributed().as_completed(list(futures)):
+            for future in _distributed().as_completed(list(futures), loop=client.loop):
                 yield futures[future], _answer(future)
         finally:
             client.close()

@@ -20,7 +20,7 @@ from trainer.sweep.study_records import Sample, Vary
 Numbers = NDArray[np.float64]
 
 GRID, LATIN, MONTE_CARLO = "grid", "latin-hypercube", "monte-carlo"
-SEEDS: Final = 2.0**52  # seeds are whole numbers below it
+SEEDS: Final = 2.0**49  # seeds are whole numbers below it, which an exercise may have too
 
 
 def stream(purpose: str, name: str) -> int:
@@ -74,7 +74,7 @@ class Draws:
     def middle(self) -> dict[str, Any]:
         """Return the middle of each variable: what a study is tried with."""
         half = np.array([0.5])
-        return {row.name: of_shares(row, half)[0].item() for row in self.rows}
+        return {row.name: of_shares(row, half).tolist()[0] for row in self.rows}
 
     def _shares(self, name: str, first: int, count: int) -> Numbers:
         """Return how far up its distribution each member is in a variable, between 0 and 1."""

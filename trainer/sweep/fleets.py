@@ -145,8 +145,6 @@ def ordered(ready: Ready, made: Made, scripts: Sequence[Script]) -> Schedule:
             states["ordered_depth"] = states["z"]
             for surface, _ in KEPT:
                 states[f"{surface}_by_hand"][carried(made, surface)] = 0.0
-        elif line.verb == "incline":
-            put(line.tick, "phi", numbers)
         elif line.what == "engine":
             put(line.tick, "speed_by_hand", 1.0)
             put(line.tick, "ordered_u_c", numbers)

@@ -69,7 +69,7 @@ def take_up(job: Job, schema: Any, chunks: int, out: Path) -> Parts:
             stray.unlink(missing_ok=True)
     except OSError as error:
         raise ConfigError(f"{folder}: cannot be written: {error.strerror}") from None
-    except ValueError:
+    except (json.JSONDecodeError, UnicodeDecodeError):
         raise ConfigError(f"{manifest}: is no manifest: delete {folder}, or give --out") from None
     return Parts(folder, schema, chunks)
 

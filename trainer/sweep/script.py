@@ -13,7 +13,7 @@ class Line(NamedTuple):
     """One thing done, before the tick of that number."""
 
     tick: int
-    verb: str  # "order", "keep" or "incline"
+    verb: str  # "order" or "keep"
     what: str  # control or quantity
     value: float  # SI, of a surface from its neutral angle
 
@@ -46,8 +46,8 @@ class Scribe:
         self.tick = 0
 
     def incline(self, heel: float) -> None:
-        """Write down a heel [rad]."""
-        self.lines.append(Line(self.tick, "incline", "", heel))
+        """Raise KeyError: heel [rad] is no order, and not written down."""
+        raise KeyError(heel)
 
     def order(self, control: str, value: float) -> None:
         """Write down an order."""
@@ -83,7 +83,7 @@ def _written(
             conn.look()
             if scribe.tick > LONGEST:
                 return None
-    except KeyError:  # it asks for a column that the scribe has not
+    except KeyError:  # it asks for what the scribe has not
         return None
     if any(line.verb == "keep" and (line.tick or line.what != "depth") for line in scribe.lines):
         return None  # what is kept is as it is then, which is known at the start alone

@@ -21,7 +21,7 @@ from trainer.identify.models import CHANNELS, MODELS
 MOST_MEMBERS: Final = 10_000_000
 MOST_VALUES: Final = 10_000
 BIG: Final = 1e12
-WHOLE: Final = 2.0**52  # seeds are below it
+WHOLE: Final = 2**49  # seeds are below it
 
 
 @dataclass(frozen=True)
@@ -191,7 +191,7 @@ class Sample:
 
     plan: str = of(Choice(("grid", "latin-hypercube", "monte-carlo"), "how numbers are chosen"))
     members: int | None = optional(Whole(1, MOST_MEMBERS, "how many; a grid has all its points"))
-    seed: int = of(Whole(0, int(WHOLE) - 1, "of everything random"))
+    seed: int = of(Whole(0, WHOLE - 1, "of everything random"))
     seeds: str | None = optional(
         Choice(("each", "one"), "the seas of each member are its own, or all alike; else each")
     )

@@ -74,7 +74,7 @@ def _effects(report: Report, spread: Spread) -> list[str]:
 
 
 def _told(number: float | str) -> str:
-    return number if isinstance(number, str) else f"{number:.4g}"
+    return number if isinstance(number, str) else f"{number:.3g}"
 
 
 def coverage(report: Report) -> list[str]:
@@ -131,7 +131,7 @@ def panels(report: Report, result: Any, measure: str | None) -> tuple[Panel | Ba
     if not effects:
         return (below,)
     bars = tuple(_bar(effect, factor) for effect in effects)
-    about = "mean where one variable is in its lowest and in its highest tenth"
+    about = "mean where a variable is in its lowest (filled) and highest (hatched) tenth"
     return below, Bars(about, along, bars, factor * spread.mean)
 
 

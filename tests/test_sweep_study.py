@@ -1,0 +1,215 @@
+"""A study file is checked before anything is flown, and its result is told in plain tables."""
+
+import builtins
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from click.testing import CliRunner, Result
+
+from trainer.cli import cli
+from trainer.config import ConfigError, shipped_names
+from trainer.sweep.report import effects_of, spread_of
+from trainer.sweep.study_file import load_study, parse_study
+from trainer.sweep.study_records import key_tables
+from trainer.sweep.subjects import subject_of
+from trainer.sweep.table import check_pyarrow
+
+ROOT = Path(__file__).parent.parent
+HEAD = """schema = "sweep/1"
+name = "test"
+[manoeuvre]
+name = "turn"
+duration_s = 60.0
+"""
+SAMPLE = """[sample]
+plan = "monte-carlo"
+members = 10
+seed = 1
+"""
+GRID = '[sample]\nplan = "grid"\nseed = 1\n'
+VARY = """[[vary]]
+name = "N_v"
+key = "vessel.coefficients.N_v"
+distribution = "normal"
+mean = 1.0
+std = 0.1
+relative = true
+"""
+
+
+def opened(text: str) -> Any:
+    """Return the members of a study."""
+    return subject_of(parse_study(text, Path("test.toml"))).outputs
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        (HEAD + SAMPLE + VARY.replace("N_v\"\ndist", "N_vv\"\ndist"), "no such coefficient"),
+        (HEAD + SAMPLE + VARY.replace("vessel.c", "vessle.c"), "there is no table 'vessle'; nearest"),
+        (HEAD + SAMPLE + VARY.replace("coefficients", "coeffcients"), "nearest is coefficients"),
+        (HEAD + SAMPLE + VARY.replace("vessel.coefficients.N_v", "vessel.vessel.cg[3]"), "of 3, counted from 0"),
+        (HEAD + SAMPLE + VARY.replace("vessel.coefficients.N_v", "vessel..N_v"), "is no word of a key"),
+        (HEAD + SAMPLE + VARY.replace("vessel.coefficients.N_v", "manoeuvre.angle"), "relative: manoeuvre.angle is null"),
+        (HEAD + SAMPLE + VARY.replace("N_v\"\nd", "Y_p\"\nd").replace("Y_p", "Y_pap"), "is 0.0: no factor"),
+        (HEAD + SAMPLE + VARY.replace("std = 0.1\n", ""), "normal lacks std"),
+        (HEAD + SAMPLE + VARY.replace("std", "high"), "normal lacks std and has high besides"),
+        (HEAD + SAMPLE + VARY + "values = [1.0]\n", "give one of values, distribution"),
+        (HEAD + SAMPLE + VARY + VARY, "[vary[1]] name = \"N_v\": is given twice"),
+        (HEAD + SAMPLE + VARY.replace('"normal"\nmean = 1.0\nstd = 0.1', '"uniform"\nlow = 2\nhigh = 1'), "low, high must rise"),
+        (HEAD + GRID + VARY, "a grid wants values"),
+        (HEAD + GRID, "lacks [[vary]]"),
+        (HEAD + SAMPLE.replace("members = 10\n", ""), "[sample] lacks members"),
+        (HEAD + SAMPLE.replace("10", "10.5"), "must be a whole number"),
+        (HEAD + SAMPLE.replace("monte-carlo", "sobol"), "must be grid or latin-hypercube or monte-carlo"),
+        (HEAD.replace('"turn"', '"trun"') + SAMPLE, "no manoeuvre 'trun'; nearest is turn"),
+        (HEAD + "angle_deg = 40.0\n" + SAMPLE, "goes to 30 degrees"),
+        (HEAD.replace('"turn"', '"zigzag-20"') + "depth_kept = false\n" + SAMPLE, "has no such choice"),
+        (HEAD.replace("[man", 'vessel = "bb3"\n[man') + SAMPLE, "no vessel \"bb3\"; nearest is bb2"),
+        (HEAD.replace("[man", 'measures = ["advanse"]\n[man') + SAMPLE, "nearest is advance"),
+        (HEAD + SAMPLE + '[identification]\nmodel = "1"\n', "has manoeuvre and identification: give one"),
+        (HEAD + SAMPLE + "[[parameters]]\n", "goes with [identification]"),
+        (HEAD.replace("test", "test\"\nmembres = 3\nnote = \"n") + SAMPLE, "membres = 3: no such key"),
+        ('schema = "sweep/1"\nname = "t"\n[exercise]\n' + SAMPLE, "[exercise] lacks duration_s"),
+        ('schema = "sweep/1"\nname = "t"\n[exercise]\nduration_s = 5\n' + SAMPLE, "lacks measures"),
+        ('schema = "sweep/1"\nname = "t"\n[exercise]\nfile = "steering-jm"\n' + SAMPLE, "nearest is steering-jam"),
+        (
+            'schema = "sweep/1"\nname = "t"\n[exercise]\nduration_s = 5\n[[exercise.orders]]\nat_s = 1\n'
+            'order = "snapshot a"\n' + SAMPLE,
+            "it is about time",
+        ),
+        (
+            'schema = "sweep/1"\nname = "t"\n[exercise]\nduration_s = 5\n[[exercise.orders]]\nat_s = 1\n'
+            'order = "depth 5000"\n' + SAMPLE,
+            "depth 5000 m: refused",
+        ),
+    ],
+)  # fmt: skip
+def test_what_is_wrong_with_a_study_is_told_with_the_next_step(text: str, said: str) -> None:
+    with pytest.raises(ConfigError) as wrong:
+        opened(text)
+    assert said in str(wrong.value)
+    assert "test.toml" in str(wrong.value) or "no " in str(wrong.value)
+
+
+def test_a_parameter_that_the_model_has_not_is_told() -> None:
+    text = load_study("coverage").path.read_text()
+
+    with pytest.raises(ConfigError, match="model 1 has no such parameter; nearest is Y_delta"):
+        opened(text.replace('"Y_delta"', '"Y_delat"'))
+    with pytest.raises(ConfigError, match="has none that is free"):
+        opened(text.replace("truth =", "free = false\ntruth =").replace("free = false\n\n", "\n"))
+
+
+@pytest.mark.parametrize("name", shipped_names("studies"))
+def test_a_shipped_study_can_be_opened_and_has_a_member(name: str) -> None:
+    subject = subject_of(load_study(name))
+
+    batch = subject.batch(0, 1)
+    assert batch.troubles == (None,)
+    assert np.isfinite(batch.outputs).all()
+
+
+def test_without_pyarrow_the_message_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("trainer.sweep.table.find_spec", lambda _name: None)
+
+    with pytest.raises(ConfigError, match=r"pip install 'submarine-trainer\[parquet\]'"):
+        check_pyarrow()
+
+
+def test_without_dask_the_message_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
+    whole = builtins.__import__
+
+    def lacking(name: str, *rest: Any) -> Any:
+        if name == "distributed":
+            raise ImportError(name)
+        return whole(name, *rest)
+
+    from trainer.sweep.crews import cluster  # noqa: PLC0415
+
+    monkeypatch.setattr(builtins, "__import__", lacking)
+    with pytest.raises(ConfigError, match=r"pip install 'submarine-trainer\[cluster\]'"):
+        next(cluster("tcp://127.0.0.1:1")(None, [0]))  # type: ignore[arg-type]
+
+
+def ask(folder: Path, *words: str) -> Result:
+    """Run the program on a small grid of turns, in a folder of its own."""
+    (folder / "grid.toml").write_text(
+        HEAD + GRID + '[[vary]]\nname = "rudder"\nkey = "manoeuvre.angle_deg"\n'
+        "values = [5.0, 10.0, 15.0, 20.0]\n"
+        '[[vary]]\nname = "speed"\nkey = "manoeuvre.speed_kn"\nvalues = [8.0, 12.0]\n'
+    )
+    out = str(folder / "grid.parquet")
+    return CliRunner().invoke(cli, ["sweep", str(folder / "grid.toml"), "--out", out, *words])
+
+
+def test_the_page_tells_spread_and_what_moves_a_measure_most(tmp_path: Path) -> None:
+    page = ask(tmp_path, "--jobs", "1")
+
+    assert page.exit_code == 0, page.output
+    assert "grid, 8 members, seed 1" in page.stdout
+    lines = page.stdout.splitlines()
+    advance = next(line for line in lines if line.startswith("  advance")).split()
+    assert advance[-1] in "012345678"
+    assert [line.split()[0] for line in lines if line.startswith(("  rudder", "  speed"))]
+
+
+def test_the_page_as_json_has_every_measure_and_a_member_its_row(tmp_path: Path) -> None:
+    report = json.loads(ask(tmp_path, "--json").stdout)
+    member = json.loads(ask(tmp_path, "--member", "5", "--json").stdout)
+
+    import pyarrow.parquet as pq  # noqa: PLC0415
+
+    assert pq.read_table(tmp_path / "grid.parquet").to_pylist()[5] == member
+    assert (member["rudder"], member["speed"]) == (15.0, 12.0)
+    names = [spread["name"] for spread in report["spreads"]]
+    assert {"advance", "tactical diameter", "steady speed"} <= set(names)
+    assert set(report["effects"]) == set(names)
+
+
+def test_a_member_beyond_the_last_is_told(tmp_path: Path) -> None:
+    done = ask(tmp_path, "--member", "8")
+
+    assert isinstance(done.exception, ConfigError)
+    assert str(done.exception) == "--member 8: members are 0 to 7"
+
+
+@pytest.mark.parametrize("form", ["svg", "png"])
+def test_the_plot_has_the_distribution_and_the_tornado(tmp_path: Path, form: str) -> None:
+    plot = tmp_path / f"plot.{form}"
+    assert ask(tmp_path, "--plot", str(plot), "--measure", "steady speed").exit_code == 0
+
+    data = plot.read_bytes()
+    assert data[:5] in (b"<?xml", b"\x89PNG\r")
+    again = tmp_path / f"again.{form}"
+    ask(tmp_path, "--plot", str(again), "--measure", "steady speed")
+    assert again.read_bytes() == data
+    wrong = ask(tmp_path, "--plot", str(plot), "--measure", "stedy speed")
+    assert "nearest is steady speed" in str(wrong.exception)
+
+
+def test_a_spread_is_of_the_members_that_came_to_it() -> None:
+    spread = spread_of("x", "m", np.array([1.0, np.nan, 2.0, 3.0]))
+
+    assert (spread.count, spread.mean, spread.deviation) == (3, 2.0, 1.0)
+    assert spread.percentiles["50"] == 2.0
+
+
+def test_effects_are_means_at_either_end_the_widest_first() -> None:
+    a, b = np.arange(100.0), np.tile(np.arange(10.0), 10)
+    words = np.array(["calm", "rough"])[np.arange(100) % 2]
+    found = effects_of({"a": a, "b": b, "sea": words}, 2.0 * b + 100.0 * (words == "rough"))
+
+    assert [effect.variable for effect in found] == ["sea", "b", "a"]
+    assert (found[0].low, found[0].high) == ("calm", "rough")
+    assert (found[1].at_low, found[1].at_high) == (0.0, 118.0)
+    assert (found[2].low, found[2].high) == (4.5, 94.5)
+
+
+def test_the_page_of_the_documents_has_every_key() -> None:
+    page = (ROOT / "docs" / "sweeps.md").read_text(encoding="utf-8")
+
+    assert key_tables() in page, 'python -c "from trainer.sweep.study_records import key_tables"'
