@@ -45,54 +45,82 @@ def opened(text: str) -> Any:
     return subject_of(parse_study(text, Path("test.toml"))).outputs
 
 
+WHOLE = HEAD + SAMPLE + VARY
+KEY = "vessel.coefficients.N_v"
+
+
 @pytest.mark.parametrize(
-    ("text", "said"),
+    ("there", "instead", "said"),
     [
-        (HEAD + SAMPLE + VARY.replace("N_v\"\ndist", "N_vv\"\ndist"), "no such coefficient"),
-        (HEAD + SAMPLE + VARY.replace("vessel.c", "vessle.c"), "there is no table 'vessle'; nearest"),
-        (HEAD + SAMPLE + VARY.replace("coefficients", "coeffcients"), "nearest is coefficients"),
-        (HEAD + SAMPLE + VARY.replace("vessel.coefficients.N_v", "vessel.vessel.cg[3]"), "of 3, counted from 0"),
-        (HEAD + SAMPLE + VARY.replace("vessel.coefficients.N_v", "vessel..N_v"), "is no word of a key"),
-        (HEAD + SAMPLE + VARY.replace("vessel.coefficients.N_v", "manoeuvre.angle"), "relative: manoeuvre.angle is null"),
-        (HEAD + SAMPLE + VARY.replace("N_v\"\nd", "Y_p\"\nd").replace("Y_p", "Y_pap"), "is 0.0: no factor"),
-        (HEAD + SAMPLE + VARY.replace("std = 0.1\n", ""), "normal lacks std"),
-        (HEAD + SAMPLE + VARY.replace("std", "high"), "normal lacks std and has high besides"),
-        (HEAD + SAMPLE + VARY + "values = [1.0]\n", "give one of values, distribution"),
-        (HEAD + SAMPLE + VARY + VARY, "[vary[1]] name = \"N_v\": is given twice"),
-        (HEAD + SAMPLE + VARY.replace('"normal"\nmean = 1.0\nstd = 0.1', '"uniform"\nlow = 2\nhigh = 1'), "low, high must rise"),
-        (HEAD + GRID + VARY, "a grid wants values"),
-        (HEAD + GRID, "lacks [[vary]]"),
-        (HEAD + SAMPLE.replace("members = 10\n", ""), "[sample] lacks members"),
-        (HEAD + SAMPLE.replace("10", "10.5"), "must be a whole number"),
-        (HEAD + SAMPLE.replace("monte-carlo", "sobol"), "must be grid or latin-hypercube or monte-carlo"),
-        (HEAD.replace('"turn"', '"trun"') + SAMPLE, "no manoeuvre 'trun'; nearest is turn"),
-        (HEAD + "angle_deg = 40.0\n" + SAMPLE, "goes to 30 degrees"),
-        (HEAD.replace('"turn"', '"zigzag-20"') + "depth_kept = false\n" + SAMPLE, "has no such choice"),
-        (HEAD.replace("[man", 'vessel = "bb3"\n[man') + SAMPLE, "no vessel \"bb3\"; nearest is bb2"),
-        (HEAD.replace("[man", 'measures = ["advanse"]\n[man') + SAMPLE, "nearest is advance"),
-        (HEAD + SAMPLE + '[identification]\nmodel = "1"\n', "has manoeuvre and identification: give one"),
-        (HEAD + SAMPLE + "[[parameters]]\n", "goes with [identification]"),
-        (HEAD.replace("test", "test\"\nmembres = 3\nnote = \"n") + SAMPLE, "membres = 3: no such key"),
-        ('schema = "sweep/1"\nname = "t"\n[exercise]\n' + SAMPLE, "[exercise] lacks duration_s"),
-        ('schema = "sweep/1"\nname = "t"\n[exercise]\nduration_s = 5\n' + SAMPLE, "lacks measures"),
-        ('schema = "sweep/1"\nname = "t"\n[exercise]\nfile = "steering-jm"\n' + SAMPLE, "nearest is steering-jam"),
-        (
-            'schema = "sweep/1"\nname = "t"\n[exercise]\nduration_s = 5\n[[exercise.orders]]\nat_s = 1\n'
-            'order = "snapshot a"\n' + SAMPLE,
-            "it is about time",
-        ),
-        (
-            'schema = "sweep/1"\nname = "t"\n[exercise]\nduration_s = 5\n[[exercise.orders]]\nat_s = 1\n'
-            'order = "depth 5000"\n' + SAMPLE,
-            "depth 5000 m: refused",
-        ),
+        (KEY, "vessel.coefficients.N_vv", "relative: vessel.coefficients.N_vv is null"),
+        (KEY, "vessle.coefficients.N_v", "there is no table 'vessle'; nearest is vessel"),
+        (KEY, "vessel.coeffcients.N_v", "nearest is coefficients"),
+        (KEY, "vessel.vessel.cg[3]", "of 3, counted from 0"),
+        (KEY, "vessel..N_v", "'' is no word of a key"),
+        (KEY, "manoeuvre.angle_deg", "relative: manoeuvre.angle_deg is null: no factor"),
+        (KEY, "vessel.coefficients.Y_pap", "is 0.0: no factor"),
+        ("std = 0.1\n", "", "normal lacks std"),
+        ("std =", "high =", "normal lacks std and has high besides"),
+        ("relative = true", "values = [1.0]", "give one of values, distribution"),
+        ("relative = true\n", "relative = true\n" + VARY, 'vary[1]] name = "N_v": is given twice'),
+        ('normal"\nmean = 1', 'uniform"\nhigh = 0.1\nlow = 1', "uniform has std besides"),
+        (VARY, VARY.replace("normal", "uniform"), "uniform lacks low, high and has mean, std"),
+        ('"normal"\nmean = 1.0\nstd', '"uniform"\nhigh = 0.1\nlow', "low, high must rise"),
+        (SAMPLE, GRID, "a grid wants values"),
+        (SAMPLE + VARY, GRID, "lacks [[vary]]"),
+        (SAMPLE + VARY, GRID + "members = 3\n", "members = 3: a grid has all its points"),
+        ("members = 10\n", "", "[sample] lacks members"),
+        ("= 10", "= 10.5", "must be a whole number"),
+        ("monte-carlo", "sobol", "must be grid or latin-hypercube or monte-carlo"),
+        ('"turn"', '"trun"', "no manoeuvre 'trun'; nearest is turn"),
+        ("duration_s", "angle_deg = 40\nduration_s", "[manoeuvre] angle 40: the rudder"),
+        ("duration_s", "angel_deg = 40\nduration_s", "no such key; nearest is angle_deg"),
+        ('"turn"', '"zigzag-20"\ndepth_kept = false', "has no such choice"),
+        ("[man", 'vessel = "bb3"\n[man', 'no vessel "bb3"; nearest is bb2'),
+        ("[man", 'measures = ["advanse"]\n[man', "nearest is advance"),
+        ("[man", 'measures = ["largest phy"]\n[man', "lowest, highest, largest of t, u, v"),
+        ("[man", '[identification]\nmodel = "1"\n[man', "manoeuvre and identification: give one"),
+        ("[man", "[[parameters]]\n[man", "goes with [identification]"),
+        ("[man", "membres = 3\n[man", "membres = 3: no such key"),
     ],
-)  # fmt: skip
-def test_what_is_wrong_with_a_study_is_told_with_the_next_step(text: str, said: str) -> None:
+)
+def test_what_is_wrong_with_a_study_is_told_with_the_next_step(
+    there: str, instead: str, said: str
+) -> None:
+    text = WHOLE.replace(there, instead, 1)
+    assert text != WHOLE
     with pytest.raises(ConfigError) as wrong:
         opened(text)
     assert said in str(wrong.value)
-    assert "test.toml" in str(wrong.value) or "no " in str(wrong.value)
+
+
+OUT = """schema = "sweep/1"
+name = "test"
+measures = ["last z"]
+[exercise]
+duration_s = 5
+[[exercise.orders]]
+at_s = 1
+order = "depth 70"
+"""
+
+
+@pytest.mark.parametrize(
+    ("there", "instead", "said"),
+    [
+        ("duration_s = 5\n", "", "[exercise] lacks duration_s"),
+        ('measures = ["last z"]\n', "", "lacks measures: such as 'last z'"),
+        ("duration_s", 'file = "steering-jm"\nduration_s', "nearest is steering-jam"),
+        ("depth 70", "snapshot a", "it is about time"),
+        ("depth 70", "depth 5000", "refused: this boat's greatest depth"),
+        ("depth 70", "dpeth 70", "orders[0]] order"),
+    ],
+)
+def test_what_is_wrong_with_its_exercise_is_told_too(there: str, instead: str, said: str) -> None:
+    text = (OUT + SAMPLE).replace(there, instead, 1)
+    with pytest.raises(ConfigError) as wrong:
+        opened(text)
+    assert said in str(wrong.value)
 
 
 def test_a_parameter_that_the_model_has_not_is_told() -> None:
