@@ -25,6 +25,7 @@ from trainer.sweep.study_file import Study
 Numbers = NDArray[np.float64]
 
 TOGETHER, ALONE = 512, 16  # members of a chunk
+PLACED: Final = COLUMNS[1:]  # all but the time
 LANES: Final = 128  # members whose flights are in memory at once
 # plausible only within the hull: these go through the whole check of a vessel file
 CHECKED: Final = ("X_udot", "Y_vdot", "Z_wdot", "K_pdot", "M_qdot", "N_rdot")
@@ -163,28 +164,24 @@ class Manoeuvring:
         speeds = np.array([speed_of(one) for one, _ in own])
         ready = fleets.started(made, case.method, speeds, self._law(case), self.trial.needs)
         schedule = fleets.ordered(ready, made, written)
-        flight = fly_members(ready.fleet, schedule, written[0].ticks, 1, COLUMNS[1:])
+        flight = fly_members(ready.fleet, schedule, written[0].ticks, 1, PLACED)
         t = case.method.step * np.arange(written[0].ticks + 1.0)
-        steep = np.abs(flight.rows[:, :, COLUMNS.index("theta") - 1]) > STEEPEST
+        steep = np.abs(flight.rows[:, :, PLACED.index("theta")]) > STEEPEST
         good = ready.fit & (flight.lost < 0) & ~steep.any(axis=1)
+        named = Path(case.file.name)
         for i in np.flatnonzero(good):
             each, manoeuvre = own[i]
-            seen = _flight(each, speeds[i], t, flight.rows[i], written[i])
+            columns = {"t": t, **{name: flight.rows[i, :, k] for k, name in enumerate(PLACED)}}
+            seen = Flight(
+                speed=float(speeds[i]),
+                length=each.file.hull.length,
+                step=each.method.step,
+                series=Series(named, columns),
+                marks=written[i].marks,
+                lost="",
+            )
             yield places[i], read_off(self.outputs, seen, manoeuvre.measures(seen))
 
     def _law(self, case: Case) -> float:
         """Return the law of depth keeping; without gains the report's."""
         return LAWS[case.rig.law] if self.boat.boat.automatic else max(LAWS[case.rig.law], REPORT)
-
-
-def _flight(case: Case, speed: float, t: Numbers, rows: Numbers, script: Script) -> Flight:
-    """Return the flight of one member of a fleet."""
-    columns = {"t": t, **{name: rows[:, i] for i, name in enumerate(COLUMNS[1:])}}
-    return Flight(
-        speed=float(speed),
-        length=case.file.hull.length,
-        step=case.method.step,
-        series=Series(Path(case.file.name), columns),
-        marks=script.marks,
-        lost="",
-    )

@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 from trainer.core.autopilot import autopilot
 from trainer.core.ballast import start_ballast
-from trainer.core.ensemble import Fleet, of
+from trainer.core.ensemble import Fleet
 from trainer.core.kernel import Numbers, Record, kernel
 from trainer.core.rates import rates
 from trainer.core.seaway import order_sea
@@ -87,8 +87,9 @@ def start_fleet(fleet: Fleet, exact: Record, how: Start, scratch: Record, fit: N
     """Start every boat of a fleet at depth in a calm; ``fit`` tells 1 where one flies straight."""
     scheme = fleet.scheme
     for member in range(fleet.states.size):
-        vessel, compact = of(fleet.vessels, member), of(fleet.compacts, member)
-        state = of(fleet.states, member)
+        own = min(member, fleet.compacts.size - 1)  # one may serve them all
+        vessel, compact = fleet.vessels[member : member + 1], fleet.compacts[own : own + 1]
+        state = fleet.states[member : member + 1]
         c, s = vessel[0], state[0]
         for i in range(s.whole.size):
             s.whole[i] = 0.0
