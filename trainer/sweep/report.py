@@ -122,8 +122,8 @@ def effects_of(drawn: dict[str, NDArray[Any]], values: Numbers) -> tuple[Effect,
 
 def _by_end(name: str, numbers: Numbers, values: Numbers) -> Effect:
     """Return the means over the tenth of members where a variable is lowest and highest."""
-    low = numbers <= np.quantile(numbers, TENTH, method="higher")
-    high = numbers >= np.quantile(numbers, 1.0 - TENTH, method="lower")
+    low = numbers <= np.quantile(numbers, TENTH, method="inverted_cdf")
+    high = numbers >= -np.quantile(-numbers, TENTH, method="inverted_cdf")
     ends = [(float(numbers[end].mean()), float(values[end].mean())) for end in (low, high)]
     return Effect(name, ends[0][0], ends[1][0], ends[0][1], ends[1][1])
 
