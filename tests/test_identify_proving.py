@@ -17,6 +17,8 @@ from trainer.identify.proving import (
     sway_alone,
     two_logs,
 )
+from trainer.identify.proving_bent import bent_hull
+from trainer.identify.proving_lanes import by_lanes
 
 RECORDS = int(os.environ.get("TRAINER_RECORDS", "15"))
 
@@ -29,10 +31,20 @@ def test_a_ship_of_the_report_is_found_again(proof):
         assert figure.low <= figure.value <= figure.high, figure
 
 
-@pytest.mark.parametrize("proof", [large_helm, other_half])
+@pytest.mark.parametrize("proof", [large_helm, other_half, bent_hull])
 def test_what_the_report_saw_is_seen_again(proof):
     for figure in proof():
         assert figure.low <= figure.value <= figure.high, figure
+
+
+def test_lanes_as_they_are_give_the_ship_and_smoothed_ones_another():
+    # S11; the report found both equally good
+    gain, slow, gain_smoothed, slow_smoothed, shift = by_lanes(3)
+    assert gain.low <= gain.value <= gain.high
+    assert slow.low <= slow.value <= slow.high
+    assert abs(gain_smoothed.value) < 0.95 * abs(gain.value)
+    assert slow_smoothed.value < 0.9 * slow.value
+    assert shift.value > 1.0
 
 
 def test_time_constants_near_a_double_root_lie_in_the_intervals_of_their_draws():

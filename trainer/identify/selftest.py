@@ -16,6 +16,8 @@ from trainer.identify.armax_orders import without_wind
 from trainer.identify.nomoto import Numbers
 from trainer.identify.prbs import held, prbs
 from trainer.identify.proving import PROOFS
+from trainer.identify.proving_bent import bent_hull
+from trainer.identify.proving_lanes import by_lanes
 from trainer.identify.tests_of_order import aic_of_loss, f_test
 
 RUNS: Final = 40
@@ -115,7 +117,7 @@ TESTS: Final[list[Test]] = [published_orders, published_ship, published_zeros, a
 def run_selftest(tell: Callable[[str], None]) -> bool:
     """Tell each outcome; return whether all lie in their ranges."""
     passed = True
-    tests: list[Callable[[], Iterator[tuple[Any, ...]]]] = [*TESTS, *PROOFS]
+    tests: list[Callable[[], Iterator[tuple[Any, ...]]]] = [*TESTS, *PROOFS, bent_hull, by_lanes]
     for test in tests:
         begin = time.monotonic()
         for figure in test():
