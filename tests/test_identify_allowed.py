@@ -250,3 +250,13 @@ def test_black_boxes_have_a_sheet_too(path, tmp_path):
     page = tmp_path / "armax.html"
     told(path, "--armax", "--most", "2", "--html", str(page))
     assert "ARMAX MODELS of yaw_rate" in page.read_text()
+
+
+def test_a_record_that_tells_nothing_is_refused_with_what_is_odd_about_it(path, tmp_path):
+    rows = np.loadtxt(path.parent / "trial.csv", delimiter=",", skiprows=1)
+    rows[:, 2] = 0.0
+    np.savetxt(tmp_path / "trial.csv", rows, delimiter=",", header="t,helm,rate", comments="")
+    (tmp_path / "study.toml").write_text(STUDY)
+    result = CliRunner().invoke(identify, [str(tmp_path / "study.toml")])
+    assert "tells nothing of" in str(result.exception)
+    assert "rate: is the same in all rows" in str(result.exception)

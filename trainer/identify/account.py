@@ -7,6 +7,7 @@ from typing import Any, Final
 
 import numpy as np
 
+from trainer.config import ConfigError
 from trainer.files.vessel_file import load_vessel
 from trainer.fitout import KNOT
 from trainer.identify.allowed import PAIRED, Allowed, allowed
@@ -50,12 +51,17 @@ def carried_out(
     simpler models to test it against.
     """
     observed = observe(study)
-    fitted = fit(
-        study,
-        observed.record,
-        lambda found: heard(found.steps, found.cost),
-        options["checkpoint"],
-    )
+    try:
+        fitted = fit(
+            study,
+            observed.record,
+            lambda found: heard(found.steps, found.cost),
+            options["checkpoint"],
+        )
+    except ConfigError as error:  # what is odd about the record may be why
+        source = observed.record.source
+        odd = (f"{source}: {finding}" for finding in observed.findings)
+        raise ConfigError(*error.problems, *odd) from None
     others = allowed(fitted)
     report = report_of(fitted, tuple(map(str, observed.findings)), others)
     tests = rivals_of(fitted, options["against"], options["without"])

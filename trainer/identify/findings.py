@@ -20,6 +20,12 @@ TURNED: Final = math.radians(100.0)  # [rad] no rudder goes so far, no ship turn
 FAINT: Final = math.radians(0.5)  # [rad] no rudder experiment is so gentle
 SURE: Final = 4.0  # standard errors
 FOLLOWS: Final = 0.98  # [-] share of the rudder explained by the motion, beyond which it follows it
+MISTAKEN: Final = (  # what the yaw rate is then of the heading's change [-]
+    (180.0 / math.pi, "one of them is in degrees and the other is not"),
+    (math.pi / 180.0, "one of them is in radians and the other is not"),
+    (-1.0, "one of them is positive to port"),
+    (60.0, "the rate is per minute, not per second"),
+)
 HALF_TURN: Final = math.pi
 FEWEST: Final = 20  # samples, to judge signs and loops
 
@@ -88,15 +94,11 @@ def _unit_problems(record: Record) -> Iterator[Finding]:
     slope = _rate_slope(record)
     if slope is None:
         return
-    for factor, text in (
-        (180.0 / math.pi, "one of them is in degrees and the other is not"),
-        (math.pi / 180.0, "one of them is in radians and the other is not"),
-        (-1.0, "one of them is positive to port"),
-        (60.0, "the rate is a degree per minute, not per second"),
-    ):
-        if 0.7 < slope / factor < 1.4:
-            columns = f"{record.name('yaw_rate')} and {record.name('heading')}"
-            yield Finding(columns, 0, f"the rate is {slope:.3g} of the heading's change: {text}")
+    texts = [text for factor, text in MISTAKEN if 0.7 < slope / factor < 1.4]
+    if texts:
+        columns = f"{record.name('yaw_rate')} and {record.name('heading')}"
+        told = ", or ".join(texts)
+        yield Finding(columns, 0, f"the rate is {slope:.3g} of the heading's change: {told}")
 
 
 def _rate_slope(record: Record) -> float | None:

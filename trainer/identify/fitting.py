@@ -101,11 +101,15 @@ def posed(study: Study, record: Record) -> tuple[Problem, Steering | None]:
     problem = Problem(plant, samples, values, problem.free, np.array(scale), sampling)
     groups = inseparable(problem) if not dropped else ()
     if groups:
-        told = "; ".join(" with ".join(group) for group in groups)
-        raise ConfigError(
-            f'{study.path.name}: this record cannot separate {told}: fix one of each, free = "no"'
-        )
+        raise ConfigError(*(f"{study.path.name}: {_inseparable(group)}" for group in groups))
     return problem, own
+
+
+def _inseparable(group: tuple[str, ...]) -> str:
+    """Return what is wrong with a group of parameters that the record does not tell apart."""
+    if len(group) == 1:
+        return f'this record tells nothing of {group[0]}: fix it, free = "no"'
+    return f'this record cannot separate {" with ".join(group)}: fix one of them, free = "no"'
 
 
 def table_of(study: Study) -> ModelTable:
