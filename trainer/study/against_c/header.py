@@ -1,7 +1,7 @@
 """The trainer's records and constants as a C header, so that C works on the very same memory."""
 
 from types import ModuleType
-from typing import Final
+from typing import Final, NamedTuple
 
 import numpy as np
 
@@ -65,7 +65,8 @@ CONSTANTS: Final[tuple[tuple[ModuleType, str], ...]] = (
 
 def header() -> str:
     """Return the text of records.h."""
-    lines = ["/* Written from the layout of the trainer's records. */", "#include <stdint.h>"]
+    lines = ["/* Written from the layout of the trainer's records. */"]
+    lines += ["#include <stddef.h>", "#include <stdint.h>"]
     for module, names in CONSTANTS:
         lines += [f"#define {name} {getattr(module, name)!r}" for name in names.split()]
     lines += [
@@ -91,32 +92,48 @@ def _shape(shape: tuple[int, ...]) -> str:
     return "".join(f"[{extent}]" for extent in shape)
 
 
+class Place(NamedTuple):
+    """A field of a record: its name, what it is, and where [bytes]."""
+
+    name: str
+    kind: np.dtype
+    offset: int
+
+    @property
+    def declared(self) -> str:
+        """Return the field as a member in C."""
+        return f"{TYPES[self.kind.base.str[1:]]} {self.name}{_shape(self.kind.shape)};"
+
+
+def _places(dtype: np.dtype) -> list[Place]:
+    """Return the fields as they lie, a block before the numbers that it is made of."""
+    fields = (dtype.fields or {}).items()
+    places = [Place(name, at[0], at[1]) for name, at in fields if name != "whole"]
+    return sorted(places, key=lambda place: (place.offset, -place.kind.itemsize))
+
+
 def _struct(name: str, dtype: np.dtype) -> list[str]:
-    """Return a record as a struct; blocks lie over the numbers that they are made of."""
-    fields = sorted((dtype.fields or {}).items(), key=lambda field: (field[1][1], -_size(field[1])))
-    lines, inside = [f"struct {name} {{", "union { struct {"], 0
-    whole = ""
-    for place, (field, (kind, offset, *_)) in enumerate(fields):
-        declared = f"{TYPES[kind.base.str[1:]]} {field}{_shape(kind.shape)};"
-        follows = fields[place + 1][1][1] if place + 1 < len(fields) else dtype.itemsize
-        if field == "whole":
-            whole = declared
-        elif kind.shape and follows == offset and not inside:
-            inside = offset + kind.itemsize
-            lines.append(f"union {{ {declared} struct {{")
+    """Return a record as a struct; blocks lie over the numbers that they are made of.
+
+    The compiler refuses it where it is not laid out like the record.
+    """
+    places, block_ends = _places(dtype), 0
+    lines = [f"struct {name} {{", "union { struct {"]
+    for place, after in zip(places, [*places[1:], None], strict=True):
+        follows = after.offset if after else dtype.itemsize
+        if place.kind.shape and follows == place.offset:
+            block_ends = place.offset + place.kind.itemsize
+            lines.append(f"union {{ {place.declared} struct {{")
         else:
-            lines.append(declared)
-        if inside and follows >= inside:
+            lines.append(place.declared)
+        if block_ends and follows >= block_ends:
             lines.append("}; };")
-            inside = 0
-    return [*lines, "}; " + whole + " };", "};", _check(name, dtype)]
+            block_ends = 0
+    whole = f"double whole[{dtype.itemsize // 8}];" if "whole" in (dtype.names or ()) else ""
+    lines += [f"}}; {whole} }};", "};", _asserted(f"sizeof(struct {name})", dtype.itemsize)]
+    return lines + [_asserted(f"offsetof(struct {name}, {p.name})", p.offset) for p in places]
 
 
-def _size(place: tuple[np.dtype, int]) -> int:
-    """Return the size of a field [bytes]."""
-    return place[0].itemsize
-
-
-def _check(name: str, dtype: np.dtype) -> str:
-    """Return what makes the compiler refuse a struct that is not laid out like the record."""
-    return f'_Static_assert(sizeof(struct {name}) == {dtype.itemsize}, "{name} is laid out otherwise");'
+def _asserted(expression: str, value: int) -> str:
+    """Return what makes the compiler refuse another value [bytes]."""
+    return f'_Static_assert({expression} == {value}, "not laid out like the record");'

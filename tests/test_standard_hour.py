@@ -1,0 +1,103 @@
+"""One hour of orders, sea and casualties ends in the same bits however its ticks are computed."""
+
+import shutil
+
+import pytest
+
+from trainer.boat import Boat
+from trainer.compiled.linking import NoCompilerError
+from trainer.core.scheme import COMPACT, MULTISTEP
+from trainer.core.state import FIELDS
+from trainer.study.against_c.compiler import SAME_BITS, build
+from trainer.study.against_c.header import RECORDS, header
+from trainer.study.same_bits import compiled, for_level, in_another_process, levels_here, same_bits
+from trainer.study.standard_hour import TICKS, digest, fly_standard_hour, standard_boat
+
+# Another boat or another equation makes it another hour: then take the new one from the failure,
+# as long as every way to compute it still agrees.
+SHA256 = "c4057a69764f98712bcfa29060dac64ba515e0c5419eddc464158ff127c34760"
+SHORT = 160  # [ticks] with a depth change under way
+
+needs_compiler = pytest.mark.skipif(
+    not shutil.which("gcc") and not shutil.which("cc"), reason="there is no C compiler"
+)
+
+
+@pytest.fixture(scope="module")
+def hour() -> Boat:
+    """Return the boat after the hour."""
+    return fly_standard_hour(compiled)
+
+
+@pytest.mark.core
+def test_the_standard_hour_ends_in_its_bits_also_without_jit(hour: Boat) -> None:
+    assert digest(hour) == SHA256
+
+
+@pytest.mark.core
+def test_the_standard_hour_is_of_the_standard_configuration_and_has_all_of_it(hour: Boat) -> None:
+    start, scheme = standard_boat(), hour.records.scheme[0]
+    was, now = start.records.state[0], hour.records.state[0]
+    still = {name for name in FIELDS if (was[name] == now[name]).all()}
+
+    assert (scheme.equations, scheme.exact, scheme.method) == (COMPACT, 0, MULTISTEP)
+    assert now.sea_cosines == 0.0
+    assert hour.time == 3600.0
+    # sea, autopilot, tanks, air and pumps all had something to do
+    parts = {"sea_memory", "integral", "water", "air_taken", "bank", "u_c", "casualty"}
+    assert still & parts == set()
+
+
+@needs_compiler
+@pytest.mark.parametrize("way", SAME_BITS, ids=lambda way: way.name)
+def test_the_tick_in_plain_c_ends_the_hour_in_the_same_bits(way: object) -> None:
+    assert digest(fly_standard_hour(build(way))) == SHA256  # type: ignore[arg-type]
+
+
+def test_an_interpreted_process_takes_the_same_ticks() -> None:
+    expected = digest(fly_standard_hour(compiled, SHORT))
+
+    assert in_another_process({"NUMBA_DISABLE_JIT": "1"}, SHORT) == expected
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("level", levels_here())
+def test_machine_code_for_any_level_of_processor_ends_the_hour_in_the_same_bits(level: str) -> None:
+    assert in_another_process(for_level(level)) == SHA256
+
+
+def test_one_bit_of_difference_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
+    alike = {"one": lambda: "a", "two": lambda: "a"}
+    monkeypatch.setattr("trainer.study.same_bits.ways", lambda _: alike)
+    assert same_bits(lambda _: None).same
+
+    monkeypatch.setattr("trainer.study.same_bits.ways", lambda _: alike | {"three": lambda: "b"})
+    assert not same_bits(lambda _: None).same
+
+
+def test_without_a_compiler_the_other_ways_are_compared_and_what_is_missing_is_said(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setenv("CC", "no-such-compiler")
+    in_c = {f"C, {way.name}": lambda way=way: str(build(way)) for way in SAME_BITS}
+    monkeypatch.setattr("trainer.study.same_bits.ways", lambda _: {"compiled": lambda: "a", **in_c})
+
+    found = same_bits(lambda _: None, TICKS)
+
+    assert found.same
+    assert found.sha256 == {"compiled": "a"}
+    assert all("'no-such-compiler', which is not here" in why for why in found.left_out.values())
+
+
+@needs_compiler
+def test_a_record_laid_out_otherwise_is_refused_by_the_compiler(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    text = header()
+    for name, record in RECORDS.items():
+        assert f"sizeof(struct {name}) == {record.itemsize}" in text
+    moved = text.replace("double z_g;", "double z_g, one_more;")
+    monkeypatch.setattr("trainer.study.against_c.compiler.header", lambda: moved)
+
+    with pytest.raises(NoCompilerError, match="not laid out like the record"):
+        build(SAME_BITS[0])

@@ -1,0 +1,96 @@
+"""The standard hour in every way that this machine can compute it: one set of bits, or not."""
+
+import os
+import subprocess
+import sys
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import partial
+from typing import Final
+
+from trainer.compiled.linking import NoCompilerError
+from trainer.compiled.targets import LEVELS, NATIVE, processor
+from trainer.config import ConfigError
+from trainer.fitout import Records
+from trainer.study.against_c.compiler import SAME_BITS, build
+from trainer.study.hot import take_ticks
+from trainer.study.standard_hour import TICKS, Ticks, digest, fly_standard_hour
+
+CHILD: Final = """
+from trainer.study.same_bits import compiled
+from trainer.study.standard_hour import digest, fly_standard_hour
+print(digest(fly_standard_hour(compiled, {last})))
+"""
+
+
+@dataclass(frozen=True)
+class SameBits:
+    """In what bits the standard hour ends."""
+
+    ticks: int
+    sha256: dict[str, str]  # by how it was computed
+    left_out: dict[str, str]  # and why
+    same: bool
+
+
+def compiled(records: Records, count: int) -> int:
+    """Take ``count`` ticks in this process, compiled as it is; return the status of the last."""
+    vessel, compact, scheme, state, scratch = records
+    return int(take_ticks(vessel, compact, scheme, count, state, scratch))
+
+
+def in_another_process(environment: dict[str, str], last: int = TICKS) -> str:
+    """Return the digest of the hour up to ``last`` by a Python with other settings of numba.
+
+    ConfigError if it fails.
+    """
+    done = subprocess.run(  # noqa: S603
+        [sys.executable, "-c", CHILD.format(last=last)],
+        env=os.environ | environment,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    if done.returncode != 0:
+        raise ConfigError(f"the standard hour failed under {environment}: {done.stderr.strip()}")
+    return done.stdout.strip()
+
+
+def levels_here() -> list[str]:
+    """Return the levels of processor that this one can stand in for."""
+    here = set(processor(NATIVE).needs)
+    return [level for level, flags in LEVELS.items() if here.issuperset(flags)]
+
+
+def for_level(level: str) -> dict[str, str]:
+    """Return the settings that let numba compile for a level of processor."""
+    return {"NUMBA_CPU_NAME": level, "NUMBA_CPU_FEATURES": "+sse2"}
+
+
+def flown(ticks: Callable[[], Ticks], last: int) -> str:
+    """Return the digest of the hour up to ``last`` by what ``ticks`` makes."""
+    return digest(fly_standard_hour(ticks(), last))
+
+
+def ways(last: int) -> dict[str, Callable[[], str]]:
+    """Return how to compute the hour up to ``last``, by name."""
+    interpreted = {"NUMBA_DISABLE_JIT": "1"}
+    return {
+        "compiled": partial(flown, lambda: compiled, last),
+        "interpreted": partial(in_another_process, interpreted, last),
+        **{level: partial(in_another_process, for_level(level), last) for level in levels_here()},
+        **{f"C, {way.name}": partial(flown, partial(build, way), last) for way in SAME_BITS},
+    }
+
+
+def same_bits(progress: Callable[[int], None], last: int = TICKS) -> SameBits:
+    """Return in what bits the hour ends in every way that there is here."""
+    found: dict[str, str] = {}
+    left_out: dict[str, str] = {}
+    for name, way in ways(last).items():
+        try:
+            found[name] = way()
+        except NoCompilerError as error:
+            left_out[name] = str(error)
+        progress(1)
+    return SameBits(last, found, left_out, len(set(found.values())) == 1)
