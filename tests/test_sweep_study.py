@@ -112,7 +112,7 @@ order = "depth 70"
         ('measures = ["last z"]\n', "", "lacks measures: such as 'last z'"),
         ("duration_s", 'file = "steering-jm"\nduration_s', "nearest is steering-jam"),
         ("depth 70", "snapshot a", "it is about time"),
-        ("depth 70", "depth 1900", "refused: this boat's greatest depth"),
+        ("depth 70", "speed 30", "refused: this boat makes 20 kn"),
         ("depth 70", "dpeth 70", "orders[0]] order"),
     ],
 )
@@ -231,9 +231,9 @@ def test_effects_are_means_at_either_end_the_widest_first() -> None:
     words = np.array(["calm", "rough"])[np.arange(100) % 2]
     found = effects_of({"a": a, "b": b, "sea": words}, 2.0 * b + 100.0 * (words == "rough"))
 
-    assert [effect.variable for effect in found] == ["sea", "b", "a"]
-    assert (found[0].low, found[0].high) == ("calm", "rough")
-    assert (found[1].at_low, found[1].at_high) == (0.0, 118.0)
+    assert [effect.variable for effect in found] == ["b", "sea", "a"]
+    assert (found[0].at_low, found[0].at_high) == (0.0, 118.0)
+    assert (found[1].low, found[1].high) == ("calm", "rough")
     assert (found[2].low, found[2].high) == (4.5, 94.5)
 
 
