@@ -2,6 +2,7 @@
 
 import builtins
 import json
+import re
 from pathlib import Path
 from typing import Any
 
@@ -241,3 +242,16 @@ def test_the_page_of_the_documents_has_every_key() -> None:
     page = (ROOT / "docs" / "sweeps.md").read_text(encoding="utf-8")
 
     assert key_tables() in page, 'python -c "from trainer.sweep.study_records import key_tables"'
+
+
+def test_the_example_of_the_documents_is_a_study_that_flies(tmp_path: Path) -> None:
+    page = (ROOT / "docs" / "sweeps.md").read_text(encoding="utf-8")
+    (text,) = re.findall(r"```toml\n(.*?)```", page, re.DOTALL)
+    path, out = tmp_path / "example.toml", tmp_path / "out.parquet"
+    path.write_text(text, encoding="utf-8")
+
+    words = ["sweep", str(path), "--members", "3", "--jobs", "1", "--out", str(out)]
+    done = CliRunner().invoke(cli, words)
+    assert done.exit_code == 0, done.output
+    assert "monte-carlo, 3 members, seed 7" in done.stdout
+    assert "came to nothing" not in done.stdout
