@@ -34,6 +34,7 @@ from trainer.screen.sight import Sight
 pytestmark = [
     pytest.mark.long,
     pytest.mark.skipif(os.name != "posix", reason="terminals of POSIX"),
+    pytest.mark.skipif(shutil.which("tmux") is None, reason="no tmux here"),
 ]
 TRAINER = [sys.executable, "-m", "trainer"]
 PATIENCE = 90.0  # [s] a first run compiles

@@ -1,5 +1,6 @@
 """The debrief: exercises flown by a crew and by nobody, and the page, its numbers checked anew."""
 
+import contextlib
 import csv
 import json
 import math
@@ -777,7 +778,7 @@ def test_what_is_no_recording_or_of_another_version_is_told(
         read_dossier(tmp_path / "nothing.trainer", None)
     other = tmp_path / "other.trainer"
     shutil.copyfile(wound_back, other)
-    with sqlite3.connect(other) as file:
+    with contextlib.closing(sqlite3.connect(other)) as file, file:
         (layout,) = file.execute("SELECT value FROM header WHERE key = 'layout'").fetchone()
         changed = layout.replace('"theta"', '"trim"')
         file.execute("UPDATE header SET value = ? WHERE key = 'layout'", (changed,))

@@ -1,5 +1,6 @@
 """A recording flown again: the same bits, or the first place where they are not."""
 
+import contextlib
 import sqlite3
 from collections.abc import Iterator
 from dataclasses import replace
@@ -137,7 +138,7 @@ def options(**given: Any) -> dict[str, Any]:
 
 def spoil(path: Path, tick: int, field: str, change: float) -> None:
     """Change one number of one recorded state."""
-    with sqlite3.connect(path) as file:
+    with contextlib.closing(sqlite3.connect(path)) as file, file:
         (state,) = file.execute("SELECT state FROM states WHERE tick = ?", (tick,)).fetchone()
         numbers = np.frombuffer(state).copy()
         numbers[LAYOUT.index(field)] += change
@@ -230,7 +231,7 @@ def test_one_wrong_bit_of_one_state_is_named_by_tick_and_number(run: Run) -> Non
 
 def test_an_order_that_the_recording_lacks_parts_the_flight_for_good(run: Run) -> None:
     run.recording.close()
-    with sqlite3.connect(run.path) as file:
+    with contextlib.closing(sqlite3.connect(run.path)) as file, file:
         file.execute("DELETE FROM orders WHERE text LIKE 'blow forward%'")
     file.close()
     (flight,) = looked_at(run.path)
@@ -253,7 +254,7 @@ def test_an_answer_that_is_not_the_recorded_one_is_told(
     run: Run, given: str, accepted: int, told: str
 ) -> None:
     run.recording.close()
-    with sqlite3.connect(run.path) as file:
+    with contextlib.closing(sqlite3.connect(run.path)) as file, file:
         change = "UPDATE orders SET accepted = ?, answer = 'hm' WHERE text = ?"
         assert file.execute(change, (accepted, given)).rowcount == 1
     file.close()
@@ -267,7 +268,7 @@ def test_an_answer_that_is_not_the_recorded_one_is_told(
 
 def test_a_start_that_is_not_the_plan_s_is_told_and_flown_from_all_the_same(run: Run) -> None:
     run.recording.close()
-    with sqlite3.connect(run.path) as file:
+    with contextlib.closing(sqlite3.connect(run.path)) as file, file:
         (state,) = file.execute("SELECT state FROM branches").fetchone()
         numbers = np.frombuffer(state).copy()
         numbers[LAYOUT.index("x")] += 100.0
@@ -287,7 +288,7 @@ def test_a_state_cut_short_ends_its_branch_and_not_the_others(run: Run) -> None:
     run.go_back(middle, "backtrack")
     run.sail(80, {})
     run.recording.close()
-    with sqlite3.connect(run.path) as file:
+    with contextlib.closing(sqlite3.connect(run.path)) as file, file:
         file.execute("UPDATE states SET state = x'00' WHERE branch = 1 AND tick = 20")
     file.close()
     first, second = looked_at(run.path)
@@ -299,7 +300,7 @@ def test_a_state_cut_short_ends_its_branch_and_not_the_others(run: Run) -> None:
 
 def test_a_boat_lost_on_the_way_ends_its_flight(run: Run) -> None:
     run.recording.close()
-    with sqlite3.connect(run.path) as file:
+    with contextlib.closing(sqlite3.connect(run.path)) as file, file:
         (state,) = file.execute("SELECT state FROM branches").fetchone()
         numbers = np.frombuffer(state).copy()
         numbers[LAYOUT.index("v")] = 1e200

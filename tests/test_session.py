@@ -3,7 +3,7 @@
 import math
 import threading
 from collections import deque
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 
 import pytest
@@ -92,6 +92,17 @@ class Rows:
         self.kept.append(tuple(values))
 
 
+OPENED: list[Recording] = []
+
+
+@pytest.fixture(autouse=True)
+def closed() -> Iterator[None]:
+    """Close the recordings that a test has begun."""
+    yield
+    while OPENED:
+        OPENED.pop().close()
+
+
 def session_of(
     script: Script,
     ticks: float = 10,
@@ -106,6 +117,7 @@ def session_of(
     script.wake.set()
     boat = boat or under_way()
     recording = Recording.create(None, {}, boat.records.state.tobytes())
+    OPENED.append(recording)
     history = History(boat, recording)
     session = Session(boat, time, history, recorder or Rows(), COLUMNS, script, schedule=entries)
     session.board.stations.append(Station(script, Door("instructor"), script, session.board.log))

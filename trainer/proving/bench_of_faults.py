@@ -94,8 +94,8 @@ class Session:
                 if time.monotonic() > end:
                     raise
                 time.sleep(LOOK)
-        by.ask("role instructor")
         try:
+            by.ask("role instructor")
             yield by
         finally:
             by.hang_up()

@@ -1,5 +1,6 @@
 """A session in a process of its own, as a proof needs it: its port, its memory, its end."""
 
+import contextlib
 import re
 import subprocess
 import sys
@@ -50,7 +51,10 @@ class Served:
     def caller(self, role: str) -> Caller:
         """Return a line to it that has taken a role; GoneError if it has gone."""
         caller = Caller(self.port)
-        caller.ask(f"role {role}")
+        with contextlib.ExitStack() as unless_good:
+            unless_good.callback(caller.hang_up)
+            caller.ask(f"role {role}")
+            unless_good.pop_all()
         return caller
 
     @property

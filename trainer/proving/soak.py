@@ -113,7 +113,7 @@ def _soak(plan: Plan, exercise: Path, path: Path, progress: Callable[[str, int],
             progress("soak", bill.tick)
             bill.over.wait(EVERY)
     wall = time.monotonic() - begun
-    checks = [_ended(session), *_told(session, plan), _flat(samples), *audit(path, bill.answered)]
+    checks = [_ended(session), *_told(session, plan), flat(samples), *audit(path, bill.answered)]
     return Soaked(
         plan=plan,
         wall_s=wall,
@@ -201,7 +201,7 @@ def _told(session: Served, plan: Plan) -> list[Check]:
     ]
 
 
-def _flat(samples: list[Sample]) -> Check:
+def flat(samples: list[Sample]) -> Check:
     """Return whether the memory stays as it was after the warm-up."""
     end = samples[-1].at
     warm = [each.memory for each in samples if each.at > WARM_UP * end and each.memory]

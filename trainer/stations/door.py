@@ -9,6 +9,7 @@ from trainer.io.secret import HIDDEN
 from trainer.stations.roles import ROLES, STRANGER, Role
 
 GUESSES: Final = 3  # wrong tokens before a line is closed
+SHORT: Final = 6  # [characters]
 
 
 @dataclass(frozen=True)
@@ -29,8 +30,10 @@ class Door:
         """Return ``text`` without the token, wherever it stands: an order may be misspelt."""
         if not self.token:
             return text
-        whole = rf"(?<![\w-]){re.escape(self.token)}(?![\w-])"
-        return re.sub(whole, HIDDEN, text, flags=re.IGNORECASE)
+        found = re.escape(self.token)
+        if len(self.token) < SHORT:  # it may stand within words that are none of it
+            found = rf"(?<![\w-]){found}(?![\w-])"
+        return re.sub(found, HIDDEN, text, flags=re.IGNORECASE)
 
     def admits(self, given: str) -> bool:
         """Return whether a token will do; how long that takes tells nothing of it."""

@@ -1,0 +1,232 @@
+"""The proofs in short: what is kept of fuzzing, soaks and faults of seconds, and that they see."""
+
+import contextlib
+import os
+import random
+import re
+import threading
+from collections.abc import Iterator
+from fractions import Fraction
+from pathlib import Path
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from trainer.config import ConfigError
+from trainer.io.orders import Order, parse
+from trainer.io.recording import Recording
+from trainer.proving import faults
+from trainer.proving.audit import Answered, complete, journalled
+from trainer.proving.bench_of_faults import Bench, Tried
+from trainer.proving.catalogue import TARGETS, chosen, corpus
+from trainer.proving.fuzz import dictionary
+from trainer.proving.nursery import Nursery
+from trainer.proving.random_orders import Orders
+from trainer.proving.soak import Plan, Sample, flat, page, soak
+from trainer.proving.target import Target
+from trainer.proving.witness import Witness
+from trainer.stations.roles import ROLES, refusal
+
+CORPUS = Path(__file__).parent / "corpus"
+posix = pytest.mark.skipif(os.name != "posix", reason="signals and forks of POSIX")
+each_target = pytest.mark.parametrize("target", [pytest.param(t, id=n) for n, t in TARGETS.items()])
+
+# What a fuzzer puts into a good input.
+TOKENS = [
+    b'"',
+    b"[",
+    b"]",
+    b"{}",
+    b"1e999",
+    b"-",
+    b"\n",
+    b",",
+    b"=",
+    b"9" * 20,
+    b"nan",
+    b"\0",
+    b"\xff",
+]
+
+
+# Bad input
+
+
+@each_target
+def test_every_input_that_was_worth_keeping_is_taken_or_refused_as_declared(target: Target) -> None:
+    for data in corpus(CORPUS, target):
+        target.take(data)
+
+
+@st.composite
+def spoilt(draw: st.DrawFn, target: Target) -> bytes:
+    """Return one of a target's examples with a few places changed."""
+    data = bytearray(draw(st.sampled_from(target.seeds())))
+    for _ in range(draw(st.integers(0, 4))):
+        at = draw(st.integers(0, len(data)))
+        gone = draw(st.integers(0, 8))
+        data[at : at + gone] = draw(st.sampled_from(TOKENS) | st.binary(max_size=4))
+    return bytes(data)
+
+
+@each_target
+@settings(deadline=None, max_examples=15, derandomize=True)
+@given(data=st.data())
+def test_a_spoilt_example_is_taken_or_refused_as_declared(
+    target: Target, data: st.DataObject
+) -> None:
+    target.take(data.draw(spoilt(target)))
+
+
+def test_a_target_that_is_none_is_told_with_the_nearest() -> None:
+    with pytest.raises(ConfigError, match="no target vesel; nearest is vessel; there are: orders"):
+        chosen(("vesel",))
+
+
+def test_a_fuzzer_s_dictionary_has_the_words_of_the_seeds() -> None:
+    assert dictionary([b"rudder left 15", b"\xffstep_s = 0.5"]) == '"left"\n"rudder"\n"step_s"\n'
+
+
+# Soaks
+
+
+@pytest.mark.parametrize("role", ROLES)
+def test_random_orders_are_the_role_s_to_give_and_of_the_grammar(role: str) -> None:
+    orders = Orders(ROLES[role], random.Random(1))  # noqa: S311  choices, not secrets
+    said = {orders.next() for _ in range(300)} if orders else set()
+
+    assert len(said) > 40 or role == "observer"
+    for words in said:
+        order = parse(words)
+        assert isinstance(order, Order)
+        assert refusal(ROLES[role], order) is None
+
+
+class Ticking:
+    """A clock that is always there already."""
+
+    def now(self) -> int:
+        return 0
+
+    def cpu(self) -> int:
+        return 0
+
+    def wait_until(self, _deadline: int, _wake: threading.Event) -> bool:
+        return True
+
+
+def test_a_witness_sees_a_deadline_that_is_a_nanosecond_off() -> None:
+    witness, wake = Witness(Ticking(), Fraction(500_000_000)), threading.Event()
+    for deadline in (7, 7, 500_000_007, 1_500_000_007, 1_500_000_007):
+        witness.wait_until(deadline, wake)
+    assert (witness.deadlines.seen, witness.deadlines.adrift) == (3, 0)
+    witness.wait_until(2_000_000_008, wake)
+    assert (witness.deadlines.adrift, witness.deadlines.furthest_ns) == (1, 1)
+
+
+@pytest.fixture
+def recording(tmp_path: Path) -> Path:
+    """Return a recording of three ticks and two orders of one line."""
+    path = tmp_path / "it.trainer"
+    with contextlib.closing(Recording.create(path, {}, b"0")) as recorded:
+        for tick in (1, 2, 3):
+            recorded.state(tick, b"%d" % tick)
+            if tick != 2:
+                recorded.timing(tick, 1, 1)
+        recorded.order(3, "helm at x", "rudder left 5")
+        recorded.order(3, "helm at x", "rudder left 6")
+    return path
+
+
+@pytest.mark.parametrize(
+    ("texts", "lost"),
+    [
+        (["rudder left 5", "rudder left 6"], 0),
+        (["rudder left 5"], 0),
+        (["rudder left 6"], 1),
+        (["rudder left 5", "rudder left 6", "rudder left 7"], 1),
+    ],
+)
+def test_an_audit_misses_an_order_that_was_answered_and_is_not_there(
+    recording: Path, texts: list[str], lost: int
+) -> None:
+    with contextlib.closing(Recording.look(recording)) as looked:
+        found = journalled(looked, [Answered("helm at x", text) for text in texts])
+    assert found.kept is not bool(lost)
+    assert found.seen.endswith(f"; {lost} lines lack any")
+
+
+def test_an_audit_misses_a_tick_that_the_ledger_lacks(recording: Path) -> None:
+    with contextlib.closing(Recording.look(recording)) as looked:
+        found = complete(looked)
+    assert (found.kept, found.seen) == (False, "3 ticks; 1 missing")
+
+
+def test_memory_that_grows_after_the_warm_up_is_seen() -> None:
+    level = [Sample(float(at), 100_000 + 2_000 * (at < 30)) for at in range(100)]
+    growing = [Sample(float(at), 100_000 + 100 * at) for at in range(100)]
+    assert flat(level).kept
+    assert not flat(growing).kept
+    assert "grow" in flat(growing).promise
+
+
+@posix
+@pytest.mark.long
+def test_a_soak_of_an_hour_at_full_speed_keeps_every_promise() -> None:
+    found = soak(Plan(3600.0, real_time=False, seed=5), None, lambda *_: None)
+    assert found.kept, page(found)
+    assert found.orders > 50
+    assert found.visits > 2
+
+
+@posix
+@pytest.mark.long
+def test_a_soak_in_real_time_keeps_every_promise_and_does_not_drift() -> None:
+    found = soak(Plan(6.0, real_time=True, seed=6), None, lambda *_: None)
+    assert found.kept, page(found)
+    drift = re.search(r"(\d+) deadlines; 0 not at start", page(found))
+    assert drift
+    assert int(drift[1]) == 12
+
+
+# Faults
+
+
+@pytest.fixture(scope="module")
+def bench(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Bench]:
+    with Nursery() as nursery:
+        dice = random.Random(1969)  # noqa: S311  instants, not secrets
+        yield Bench(nursery, tmp_path_factory.mktemp("f"), dice)
+
+
+@posix
+@pytest.mark.long
+@pytest.mark.parametrize(
+    ("fault", "times"),
+    [
+        (faults.killed, 3),
+        (faults.damaged, 10),
+        (faults.stopped, 2),
+        (faults.unplugged, 2),
+        (faults.full, 2),
+        (faults.full_disk, 1),
+        (faults.vanished, 1),
+        (faults.clock_set, 2),
+        (faults.console_killed, 1),
+    ],
+)
+def test_a_fault_loses_nothing_that_is_journalled(
+    bench: Bench, fault: faults.Fault, times: int
+) -> None:
+    tried = fault(bench, times)
+    assert not tried.wrong, tried
+    assert tried.times == times or "not tried" in str(tried.seen)
+
+
+def test_what_is_wrong_is_on_the_page() -> None:
+    tried = Tried("kill -9", "no order is lost", times=3)
+    tried.must(held=False, otherwise="2 written, 3 answered")
+    told = faults.faults_page([tried])
+    assert "1 WRONG" in told
+    assert "kill -9: 3: 2 written, 3 answered" in told

@@ -1,0 +1,198 @@
+"""What nobody can do to a session, by a file, by a line or from outside: docs/threat-model.md."""
+
+import ast
+import contextlib
+import hmac
+import socket
+import stat
+import threading
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+import trainer
+from trainer.cli import cli
+from trainer.config import ConfigError
+from trainer.files.vessel_file import load_vessel
+from trainer.io.hub import Hub
+from trainer.io.orders import BadOrder, Order, parse
+from trainer.places import HOST, recording_path
+from trainer.ports import parse_address, refuse_open_door
+from trainer.stations import door
+from trainer.stations.door import Door
+
+HOME = Path(trainer.__file__).parent
+SOURCES = sorted(HOME.rglob("*.py"))
+TREES = {path: ast.parse(path.read_text(encoding="utf-8")) for path in SOURCES}
+EVIL_MODULES = {
+    "pickle",
+    "marshal",
+    "shelve",
+    "dill",
+    "yaml",
+    "code",
+    "codeop",
+    "importlib.machinery",
+}
+TOKEN = "a-word"  # noqa: S105 not a secret
+EVIL_CALLS = {"eval", "exec", "compile", "__import__", "system", "popen", "mktemp"}
+TOLD = {
+    "io/recording_file.py",  # when it happened, beside the tick
+    "records/log_book.py",  # when it was begun
+    "places.py",  # a recording's name
+    "nmea/outlets.py",  # when the boat's own clock, sent to instruments, begins
+    "commands/guiding.py",  # when a guide was made
+}
+TIME_OF_DAY = {"now", "utcnow", "today", "time", "time_ns"}  # of datetime, date and time
+
+
+def imports(tree: ast.AST) -> Iterator[str]:
+    """Yield the modules that a source imports."""
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Import):
+            yield from (each.name for each in node.names)
+        elif isinstance(node, ast.ImportFrom) and node.module:
+            yield node.module
+
+
+def calls(tree: ast.AST) -> Iterator[tuple[str, ast.Call]]:
+    """Yield the calls of a source, by the last word of what is called."""
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Call):
+            called = node.func
+            whole = ast.unparse(called)
+            builtin = isinstance(called, ast.Name) or whole.startswith(("os.", "tempfile."))
+            yield (whole.rpartition(".")[2] if builtin else whole), node
+
+
+# What files and lines can make it run
+
+
+def test_there_are_sources_to_read() -> None:
+    assert len(SOURCES) > 200
+
+
+def test_nothing_that_is_read_can_become_code() -> None:
+    for path, tree in TREES.items():
+        found = EVIL_MODULES & set(imports(tree))
+        found |= {name for name, _ in calls(tree) if name in EVIL_CALLS}
+        assert not found, path
+
+
+def test_no_program_is_started_through_a_shell() -> None:
+    for path, tree in TREES.items():
+        for _, call in calls(tree):
+            assert not any(each.arg == "shell" for each in call.keywords), (path, ast.unparse(call))
+
+
+def test_a_shell_is_started_by_the_proofs_alone() -> None:
+    shells = {
+        path.name
+        for path, tree in TREES.items()
+        for node in ast.walk(tree)
+        if isinstance(node, ast.Constant) and node.value in ("/bin/sh", "sh", "bash", "cmd")
+    }
+    assert shells <= {"process_faults.py"}
+
+
+# Who may come in
+
+
+@pytest.mark.parametrize("name", ["run", "serve", "resume"])
+def test_nobody_beyond_this_machine_is_listened_to_unless_told(name: str) -> None:
+    command = cli.commands[name]
+    options: dict[str, Any] = {each.name or "": each.default for each in command.params}
+    listen = options["listen"]
+    assert listen is None or parse_address(str(listen))[0] == HOST == "127.0.0.1"
+    assert options["token"] is None
+
+
+@pytest.mark.parametrize("host", ["0.0.0.0", "::", "192.168.1.10", "bridge", ""])  # noqa: S104
+def test_beyond_this_machine_a_token_is_asked_for(host: str) -> None:
+    with pytest.raises(ConfigError, match="only with --token"):
+        refuse_open_door(host, "")
+    refuse_open_door(host, "word")
+
+
+@pytest.mark.skipif(not hasattr(socket, "AF_UNIX"), reason="no local sockets here")
+def test_a_local_socket_is_its_owner_s_alone(tmp_path: Path) -> None:
+    path = tmp_path / "door.sock"
+    hub = Hub(threading.Event())
+    with contextlib.closing(contextlib.ExitStack()) as stack:
+        stack.callback(hub.close, 0.0)
+        hub.listen_here(path)
+        mode = stat.S_IMODE(path.stat().st_mode)
+    assert not mode & 0o077
+
+
+def test_a_token_is_compared_in_constant_time(monkeypatch: pytest.MonkeyPatch) -> None:
+    compared, compare = [], hmac.compare_digest
+
+    def watched(given: bytes, wanted: bytes) -> bool:
+        compared.append((given, wanted))
+        return compare(given, wanted)
+
+    monkeypatch.setattr(door.hmac, "compare_digest", watched)
+    assert not Door(token=TOKEN).admits("another")
+    assert Door(token=TOKEN).admits(TOKEN)
+    assert len(compared) == 2
+    assert TOKEN not in repr(Door(token=TOKEN))
+
+
+def test_one_module_alone_decides_what_a_role_may() -> None:
+    deciding = {"commands", "events"}  # the parts of a role that say what it may order and hear
+    elsewhere = {
+        path.relative_to(HOME).as_posix()
+        for path, tree in TREES.items()
+        for node in ast.walk(tree)
+        if isinstance(node, ast.Attribute) and node.attr in deciding
+        if ast.unparse(node.value).endswith("role")
+    }
+    assert elsewhere <= {
+        "stations/roles.py",
+        "stations/station.py",  # tells a role what it may order
+        "proving/random_orders.py",  # says what it may
+    }
+
+
+# Where files can lead
+
+
+@pytest.mark.parametrize("name", ["../up", "a/b", "a\\b", ".hidden", "a.b", "C:x", "a b"])
+@pytest.mark.parametrize("order", ["snapshot", "restore", "casualty", "subscribe"])
+def test_no_order_can_name_a_path(order: str, name: str) -> None:
+    found = parse(f"{order} {name}")
+    assert isinstance(found, BadOrder) or (isinstance(found, Order) and "/" not in found.text)
+    assert not isinstance(found, Order) or name == "a b" or found.subject != name
+
+
+@pytest.mark.parametrize("name", ["../../etc/passwd", "/etc/passwd", "..", "a/../../b", "~/x"])
+def test_a_recording_without_a_name_lies_in_its_folder_whatever_is_flown(
+    name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path))
+    path = recording_path(name)
+    assert path.resolve().parent == (tmp_path / "submarine-trainer" / "recordings").resolve()
+
+
+@pytest.mark.parametrize("name", ["../defaults", "bb2/../../x", "vessels/bb2"])
+def test_a_shipped_file_s_name_is_a_name_and_no_path(name: str) -> None:
+    with pytest.raises(ConfigError):
+        load_vessel(name)
+
+
+# The time of day
+
+
+def test_nothing_but_notes_of_when_looks_at_the_time_of_day() -> None:
+    looking = {
+        path.relative_to(HOME).as_posix()
+        for path, tree in TREES.items()
+        for node in ast.walk(tree)
+        if isinstance(node, ast.Call) and isinstance(node.func, ast.Attribute)
+        if node.func.attr in TIME_OF_DAY
+        if ast.unparse(node.func.value) in ("datetime", "date", "time")
+    }
+    assert looking <= TOLD
