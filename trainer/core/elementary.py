@@ -43,15 +43,33 @@ def _cosine_series(r: float) -> float:
 
 
 @part
+def _nearest(x: float) -> int:
+    """Return the whole number nearest to ``x`` [-], the upper one of two."""
+    return math.floor(x + 0.5)
+
+
+@part
+def _as_float(k: int) -> float:
+    """Return a whole number as a float [-]."""
+    return float(k)
+
+
+@part
+def _times_power_of_two(x: float, k: int) -> float:
+    """Return ``x`` times 2 to the ``k`` [-]."""
+    return math.ldexp(x, k)
+
+
+@part
 def _quarter_turns(x: float) -> int:
     """Return the number of quarter turns nearest to ``x`` [rad], x >= 0."""
-    return math.floor(x * 0.6366197723675814 + 0.5)
+    return _nearest(x * 0.6366197723675814)
 
 
 @part
 def _remainder(x: float, turns: int) -> float:
     """Return ``x`` [rad] less ``turns`` quarter turns."""
-    k = float(turns)
+    k = _as_float(turns)
     r = x - k * 1.5707963267341256
     return (r - k * 6.077100506303966e-11) - k * 2.0222662487959506e-21
 
@@ -106,7 +124,8 @@ def cosine_and_sine(x: float) -> tuple[float, float]:
 def exponential(x: float) -> float:
     """Return e^x [-]; x beyond +-700 is taken as +-700."""
     bounded = min(max(x, -700.0), 700.0)
-    k = math.floor(bounded * 1.4426950408889634 + 0.5)
+    power = _nearest(bounded * 1.4426950408889634)
+    k = _as_float(power)
     r = (bounded - k * 0.6931471803691238) - k * 1.9082149292705877e-10
     p = 1.6059043836821613e-10
     p = p * r + 2.0876756987868100e-09
@@ -120,7 +139,7 @@ def exponential(x: float) -> float:
     p = p * r + 4.1666666666666664e-02
     p = p * r + 1.6666666666666666e-01
     p = p * r + 0.5
-    return math.ldexp(1.0 + (r + r * r * p), k)
+    return _times_power_of_two(1.0 + (r + r * r * p), power)
 
 
 @part

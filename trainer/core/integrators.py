@@ -28,15 +28,15 @@ def remember(h: float, state: Record) -> None:
 
 
 @part
-def multistep(scheme: Record, state: Record) -> None:
-    """Advance by X_n = sum a_i X_n-i + h sum b_i X'_n-i and shift the history."""
+def multistep_of(scheme: Record, terms: int, state: Record) -> None:
+    """Advance by X_n = sum a_i X_n-i + h sum b_i X'_n-i, i to ``terms``, and shift the history."""
     how = scheme[0]
     s = state[0]
     remember(how.h, state)
     for i in range(12):
         value = how.a[0] * s.motion[i]
         slope = how.b[0] * s.rates[i]
-        for back in range(how.depth - 1):
+        for back in range(terms - 1):
             value += how.a[back + 1] * s.past_motion[back, i]
             slope += how.b[back + 1] * s.past_rates[back, i]
         value += how.h * slope
@@ -46,6 +46,12 @@ def multistep(scheme: Record, state: Record) -> None:
         s.past_motion[0, i] = s.motion[i]
         s.past_rates[0, i] = s.rates[i]
         s.motion[i] = value
+
+
+@part
+def multistep(scheme: Record, state: Record) -> None:
+    """Advance by the scheme's multistep method, and shift the history."""
+    multistep_of(scheme, scheme[0].depth, state)
 
 
 @kernel

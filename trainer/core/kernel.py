@@ -19,12 +19,17 @@ Field = str | tuple[str, tuple[int, ...]] | tuple[str, list[str]]
 # Kernels do not count references to the records, which their callers hold: that took half a tick.
 # The options are numba's own, though not in its published signature. A part is a kernel whose
 # machine code is put into that of the kernels that call it: calling them one by one took a third
-# of what was left. What is seldom called, or from many places, is no part.
+# of what was left. What is seldom called, or from many places, is no part. Unlocked is what runs
+# long and lets other threads go on; inlined is a part that is compiled anew by whoever calls it.
 if TYPE_CHECKING:
     kernel = part = njit(cache=True, error_model="numpy")
+    unlocked = njit(cache=True, error_model="numpy", nogil=True)
+    inlined = njit(error_model="numpy", forceinline=True)
 else:
     kernel = njit(cache=True, error_model="numpy", _nrt=False)
     part = njit(cache=True, error_model="numpy", _nrt=False, forceinline=True)
+    unlocked = njit(cache=True, error_model="numpy", _nrt=False, nogil=True)
+    inlined = njit(error_model="numpy", _nrt=False, forceinline=True)
 
 
 def record_dtype(*fields: Field) -> np.dtype:

@@ -18,16 +18,14 @@ def thrust(vessel: Record, state: Record) -> float:
     s = state[0]
     u = s.u
     u_c = s.u_c
+    a1, b1, c1 = c.a1, c.b1, c.c1
+    a2, b2, c2 = c.a2, c.b2, c.c2
+    a3, b3, c3 = c.a3, c.b3, c.c3
     if u > 0.0:
         first, second = u_c >= c.eta_1 * u, u_c >= c.eta_2 * u
     else:
         first, second = u_c >= 0.0, False
-    if first:
-        a, b, k = c.a1, c.b1, c.c1
-    elif second:
-        a, b, k = c.a2, c.b2, c.c2
-    else:
-        a, b, k = c.a3, c.b3, c.c3
+    a, b, k = (a1, b1, c1) if first else ((a2, b2, c2) if second else (a3, b3, c3))
     return a * u * abs(u) + b * u * u_c + k * u_c * u_c
 
 
@@ -58,7 +56,8 @@ def answer_telegraph(vessel: Record, h: float, state: Record) -> None:
     """
     c = vessel[0]
     s = state[0]
-    standing = s.ordered_u_c if s.speed_by_hand != 0.0 else s.ordered_speed
+    revolutions, speed = s.ordered_u_c, s.ordered_speed
+    standing = revolutions if s.speed_by_hand != 0.0 else speed
     if standing != s.telegraph_order:
         s.telegraph_order = standing
         s.telegraph_ticks = math.floor(c.telegraph_dead_time / h + 0.5)

@@ -28,13 +28,14 @@ def lost(state: Record) -> int:
     What is not finite is beyond too.
     """
     s = state[0]
-    for i in range(12):
-        if not abs(s.rates[i]) < FASTEST_RATE:
-            return 1 + i
-    for i in range(12):
+    found = 0
+    for i in range(11, -1, -1):  # the last to be found is the first
         if not abs(s.motion[i]) < (FASTEST if i < 6 else FURTHEST):
-            return 13 + i
-    return 0
+            found = 13 + i
+    for i in range(11, -1, -1):
+        if not abs(s.rates[i]) < FASTEST_RATE:
+            found = 1 + i
+    return found
 
 
 @part

@@ -6,9 +6,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from trainer.boat import PLACES
-from trainer.core.ensemble import Fleet, Schedule, Track, fly
+from trainer.core.ensemble import Fleet, Schedule, Track, fly, new_work
 from trainer.core.kernel import Numbers
-from trainer.core.scratch import new_scratch
 
 
 class Flown(NamedTuple):
@@ -55,5 +54,5 @@ def fly_members(
         np.full((count, ticks // every + 1, len(columns)), np.nan),
         np.full(count, -1, np.int64),
     )
-    fly(fleet, schedule, ticks, new_scratch(), track)
+    fly(fleet, schedule, ticks, new_work(), track)
     return Flown(track.rows, track.lost)

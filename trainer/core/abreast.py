@@ -1,0 +1,189 @@
+"""A tick of boats side by side: the kernels of one boat, for every lane of a block.
+
+What moves here is an ``ordinary`` boat. One that comes up from the deep, or loses its numbers,
+strays: its lane goes on with numbers that mean nothing, and whoever flies the block flies that
+member again by ``update``, whose bits are otherwise those of a lane.
+"""
+
+from trainer.core.actuators import move_surfaces
+from trainer.core.autopilot import GAIN_COUNT, keep_course, keep_depth, keep_speed
+from trainer.core.block import (
+    BRACKET_BELOW,
+    BRACKET_TOP,
+    GAIN_RISES,
+    LOW_GAINS,
+    LOW_SPEED,
+    SPEED_RISE,
+    bracket_gains,
+    compact_in,
+    state_in,
+    vessel_in,
+    work_in,
+)
+from trainer.core.compact import add_external, forces, lagged
+from trainer.core.integrators import multistep_of
+from trainer.core.kernel import Numbers, Record, inlined, kernel
+from trainer.core.kinematics import kinematics
+from trainer.core.lanes import as_float, every_lane, nearest, times_power_of_two
+from trainer.core.ordinary import TERMS
+from trainer.core.propulsion import answer_telegraph
+from trainer.core.reference import slew_course, slew_depth
+from trainer.core.relaid import relaid
+from trainer.core.update import lost
+
+
+@inlined
+def _no_slot(_kind: int, _state: Record) -> int:
+    """Return -1: no casualty of this kind."""
+    return -1
+
+
+@inlined
+def _no_worst(_first: int, _count: int, _state: Record) -> int:
+    """Return -1: no casualty of these kinds."""
+    return -1
+
+
+@inlined
+def _no_report_law(_vessel: Record, _state: Record, _surface: int) -> float:
+    """Return 0: the depth law is our own."""
+    return 0.0
+
+
+@inlined
+def _history_is_true(_h: float, _state: Record) -> None:
+    """Do nothing: the past is complete."""
+
+
+@inlined
+def _interpolate(u: float, gains: Numbers) -> None:
+    """Write the gains for speed ``u`` [m/s] between those of its bracket."""
+    share = (u - gains[LOW_SPEED]) / gains[SPEED_RISE]
+    share = min(max(share, 0.0), 1.0)
+    for i in range(GAIN_COUNT):
+        gains[i] = gains[LOW_GAINS + i] + share * gains[GAIN_RISES + i]
+
+
+_INSTEAD = {
+    "slot_of": _no_slot,
+    "worst": _no_worst,
+    "report_angle": _no_report_law,
+    "remember": _history_is_true,
+    "_nearest": nearest,
+    "_as_float": as_float,
+    "_times_power_of_two": times_power_of_two,
+}
+_slew_depth = relaid(slew_depth, _INSTEAD)
+_slew_course = relaid(slew_course, _INSTEAD)
+_keep_depth = relaid(keep_depth, _INSTEAD)
+_keep_course = relaid(keep_course, _INSTEAD)
+_keep_speed = relaid(keep_speed, _INSTEAD)
+_forces = relaid(forces, _INSTEAD)
+_add_external = relaid(add_external, _INSTEAD)
+_lagged = relaid(lagged, _INSTEAD)
+_kinematics = relaid(kinematics, _INSTEAD)
+_multistep = relaid(multistep_of, _INSTEAD)
+_move_surfaces = relaid(move_surfaces, _INSTEAD)
+_answer_telegraph = relaid(answer_telegraph, _INSTEAD)
+_lost = relaid(lost, _INSTEAD)
+
+
+@kernel
+def keep_gains(out: Numbers) -> None:
+    """Find the gains of the lanes that have left their bracket of speeds."""
+    left = 0
+    for lane in every_lane():
+        gains = work_in(out, lane)[0].gains
+        u = state_in(out, lane)[0].u
+        left += 1 if u <= gains[BRACKET_BELOW] or u > gains[BRACKET_TOP] else 0
+    if left > 0:
+        for lane in every_lane():
+            bracket_gains(lane, out)
+
+
+@kernel
+def aim(h: float, out: Numbers) -> None:
+    """Write the gains, and what the autopilot steers for."""
+    for lane in every_lane():
+        gains = work_in(out, lane)[0].gains
+        _interpolate(state_in(out, lane)[0].u, gains)
+        _slew_depth(h, gains, state_in(out, lane))
+        _slew_course(h, gains, state_in(out, lane))
+
+
+@kernel
+def command(h: float, out: Numbers) -> None:
+    """Write the commands of surfaces and revolutions; three loops are vector code, one is not."""
+    for lane in every_lane():
+        _keep_depth(vessel_in(out, lane), h, work_in(out, lane)[0].gains, state_in(out, lane))
+    for lane in every_lane():
+        _keep_course(vessel_in(out, lane), h, work_in(out, lane)[0].gains, state_in(out, lane))
+    for lane in every_lane():
+        _keep_speed(vessel_in(out, lane), h, state_in(out, lane))
+
+
+@kernel
+def push(trig: int, out: Numbers) -> None:
+    """Write the forces, and which lanes are not deep."""
+    for lane in every_lane():
+        work = work_in(out, lane)[0]
+        z = state_in(out, lane)[0].z
+        deep = z > work.hull_clear and z >= work.tables_clear
+        work.strayed = max(work.strayed, 0.0 if deep else 1.0)
+        _forces(compact_in(out, lane), trig, state_in(out, lane), work.force)
+        _add_external(compact_in(out, lane), work.external, work.force)
+
+
+@kernel
+def accelerate(trig: int, out: Numbers) -> None:
+    """Write the rates."""
+    for lane in every_lane():
+        _lagged(compact_in(out, lane), work_in(out, lane)[0].force, state_in(out, lane))
+        _kinematics(trig, state_in(out, lane))
+
+
+@kernel
+def integrate(scheme: Record, out: Numbers) -> None:
+    """Advance the motion."""
+    for lane in every_lane():
+        s = state_in(out, lane)[0]
+        _multistep(scheme, TERMS, state_in(out, lane))
+        s.sailed_x, s.sailed_y = s.x, s.y
+
+
+@kernel
+def deflect(h: float, out: Numbers) -> None:
+    """Move the surfaces."""
+    for lane in every_lane():
+        _move_surfaces(vessel_in(out, lane), h, state_in(out, lane))
+
+
+@kernel
+def answer(h: float, out: Numbers) -> None:
+    """Let the engine room answer; by itself, or neither becomes vector code."""
+    for lane in every_lane():
+        _answer_telegraph(vessel_in(out, lane), h, state_in(out, lane))
+
+
+@kernel
+def see(out: Numbers) -> None:
+    """Count the tick, and find the lanes that lost their numbers."""
+    for lane in every_lane():
+        state_in(out, lane)[0].tick += 1.0
+        work = work_in(out, lane)[0]
+        work.strayed = max(work.strayed, 0.0 if _lost(state_in(out, lane)) == 0 else 1.0)
+
+
+@kernel
+def tick_abreast(scheme: Record, out: Numbers) -> None:
+    """Advance every lane of a block by one tick, in the order of ``update`` and ``autopilot``."""
+    how = scheme[0]
+    keep_gains(out)
+    aim(how.h, out)
+    command(how.h, out)
+    push(how.trig, out)
+    accelerate(how.trig, out)
+    integrate(scheme, out)
+    deflect(how.h, out)
+    answer(how.h, out)
+    see(out)
