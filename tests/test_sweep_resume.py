@@ -259,3 +259,23 @@ def test_an_interrupt_says_how_to_go_on(tmp_path: Path) -> None:
     assert "what is finished is kept: run the same command again" in said
     assert "Traceback" not in said
     assert kept(out)
+
+
+def test_a_chunk_whose_writing_fails_does_not_count(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path, out = study(tmp_path, members=600), tmp_path / "a.parquet"
+    job = job_of(str(path), None)
+    job_folder = folder_of(out)
+
+    def full(_descriptor: int) -> None:
+        raise OSError(28, "No space left on device")
+
+    with pytest.raises(ConfigError):
+        fly(path, out, breaking(0))  # the manifest is there
+    with monkeypatch.context() as disk:
+        disk.setattr("trainer.sweep.table.os.fsync", full)
+        with pytest.raises(ConfigError, match="cannot be written: No space left on device"):
+            carried_out(job, alone, out, nothing)
+    assert not list(job_folder.glob("*.parquet"))
+    assert fly(path, out) == [0, 1]
