@@ -10,7 +10,7 @@ from typing import Any, Final, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from trainer.boat import PLACES
+from trainer.boat import PLACES, Boat
 from trainer.core.ensemble import Fleet, Schedule
 from trainer.core.kernel import Record
 from trainer.core.scratch import new_scratch
@@ -55,13 +55,12 @@ def toward_of(coefficients: Mapping[str, Any], count: int) -> dict[str, Numbers]
     return found
 
 
-def by_coefficients(
-    file: VesselFile, method: Method, changes: Mapping[tuple[str, ...], Numbers], count: int
-) -> Made:
-    """Return one hull with coefficients, or their factors, that differ from member to member.
+def by_coefficients(boat: Boat, changes: Mapping[tuple[str, ...], Numbers], count: int) -> Made:
+    """Return one boat with coefficients, or their factors, that differ from member to member.
 
     ``changes`` are by the steps of their key, "coefficients" or "compensation" first.
     """
+    file, method = boat.file, boat.method
     coefficients: dict[str, Any] = dict(file.coefficients)
     factors: dict[str, dict[str, Any]] = {name: dict(of) for name, of in file.compensation.items()}
     terms = [steps[1] for steps in changes if steps[0] == "coefficients"]
@@ -69,7 +68,7 @@ def by_coefficients(
         (coefficients if steps[0] == "coefficients" else factors[steps[1]])[steps[-1]] = numbers
     wide = replace(file, coefficients=coefficients, compensation=factors)
     hull, (rows, eta) = body(file), thrust_rows(file)
-    vessels = copies(fit_out(file, method).vessel, VESSEL, count)
+    vessels = copies(boat.records.vessel, VESSEL, count)
     full = vessel_record(hull, {**coefficients, **rows}, eta)
     for name in set(terms) & set(TERMS):
         vessels[name] = full[name]
@@ -114,7 +113,10 @@ def started(made: Made, method: Method, speeds: Numbers, law: float, needs: Sequ
     exact = scheme.copy()
     exact["exact"] = 1
     calm = load_sea("calm")
-    settings = np.array([sea_settings(calm, float(g)) for g in made.vessels["g"]])
+    gravities = np.unique(made.vessels["g"])
+    if len(gravities) > 1:
+        gravities = made.vessels["g"]
+    settings = np.array([sea_settings(calm, float(g)) for g in gravities])
     fleet = Fleet(made.vessels, made.compacts, scheme, np.zeros(count, STATE))
     fit = np.zeros(count)
     with np.errstate(all="ignore"):

@@ -41,6 +41,7 @@ class Manoeuvring:
         self.middle = case_of(study, study.draws.middle())
         self.trial, self.flight = flown(self.middle)
         self.boat = Submarine(self.middle.file, self.middle.method, self.middle.rig)
+        self.controls = self.boat.controls
 
     @cached_property
     def outputs(self) -> tuple[Output, ...]:
@@ -64,7 +65,7 @@ class Manoeuvring:
         return TOGETHER if self.together else ALONE
 
     def _script(self, manoeuvre: Manoeuvre) -> Script | None:
-        return script_of(manoeuvre, self.middle.method.step, self.boat.controls)
+        return script_of(manoeuvre, self.middle.method.step, self.controls)
 
     def batch(self, first: int, count: int) -> Batch:
         """Return what becomes of ``count`` members from ``first`` on."""
@@ -158,7 +159,7 @@ class Manoeuvring:
             for variable in self.study.variables:
                 numbers = np.asarray(variable.value(drawn[variable.row.name][places]))
                 changes[tuple(map(str, variable.steps[1:]))] = numbers
-            made = fleets.by_coefficients(case.file, case.method, changes, len(places))
+            made = fleets.by_coefficients(self.boat.boat, changes, len(places))
         else:
             made = fleets.by_files([one.file for one, _ in own], case.method)
         speeds = np.array([speed_of(one) for one, _ in own])
