@@ -7,6 +7,7 @@ taken by magnitude, correlations and the time lag by sine, so that no number is 
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any, Final
 
 import numpy as np
@@ -59,7 +60,7 @@ class Model:
     start: int
     start_covariance: int
 
-    @property
+    @cached_property
     def names(self) -> tuple[str, ...]:
         """Return the parameters' names, in order."""
         return tuple(parameter.name for parameter in self.parameters)

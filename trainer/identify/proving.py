@@ -45,7 +45,7 @@ Numbers = NDArray[np.float64]
 
 RECORDS: Final = 40
 COVERED: Final = 200
-SWAY_RECORDS: Final = 100  # a share of 0.9 is then known to 0.03
+SWAY_RECORDS: Final = 60  # a share of 0.9 is then known to 0.04
 DEGREE: Final = math.pi / 180.0
 SWAY_NUMBERS: Final = ("K_v", "T1", "T2", "T1 + T2")
 
