@@ -227,6 +227,6 @@ def test_a_fault_loses_nothing_that_is_journalled(
 def test_what_is_wrong_is_on_the_page() -> None:
     tried = Tried("kill -9", "no order is lost", times=3)
     tried.must(held=False, otherwise="2 written, 3 answered")
-    told = faults.faults_page([tried])
+    told = faults.told(tried)
     assert "1 WRONG" in told
-    assert "kill -9: 3: 2 written, 3 answered" in told
+    assert "3: 2 written, 3 answered" in told

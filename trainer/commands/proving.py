@@ -118,11 +118,16 @@ def soak(*, faults: int | None, real_time: bool, seed: int, as_json: bool, **how
 
 def try_faults(times: int, seed: int, *, as_json: bool) -> int:
     """Try every fault and print what came of it; return the exit code."""
-    from trainer.proving.faults import SHARES, faults_page, try_all  # noqa: PLC0415
+    from trainer.proving.faults import HEAD, told, try_all  # noqa: PLC0415
     from trainer.proving.page import as_json as text_of  # noqa: PLC0415
-    from trainer.proving.progress import Bar  # noqa: PLC0415
 
-    with Bar("faults", len(SHARES)) as bar:
-        found = list(try_all(times, seed, bar.at))
-    click.echo(text_of(found) if as_json else faults_page(found))
+    found = []
+    if not as_json:
+        click.echo(HEAD)
+    for tried in try_all(times, seed):  # hours: each is told when it is known
+        found.append(tried)
+        if not as_json:
+            click.echo(told(tried))
+    if as_json:
+        click.echo(text_of(found))
     return 1 if any(tried.wrong for tried in found) else 0

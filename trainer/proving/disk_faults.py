@@ -8,6 +8,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Final
 
+from trainer.config import ConfigError
 from trainer.io.recording import Recording, RecordingError
 from trainer.proving.audit import same_bits
 from trainer.proving.bench_of_faults import Bench, Session, Tried, kept
@@ -173,7 +174,7 @@ def _judge(tried: Tried, path: Path, written: list[str]) -> None:
     try:
         with contextlib.closing(Recording.look(path)) as recording:
             same = same_bits(recording).kept
-    except RecordingError:
+    except (RecordingError, ConfigError):  # the file's own, or what its header says
         tried.note("told as damaged")
         return
     if found == written[: len(found)] and same:

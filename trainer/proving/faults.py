@@ -10,7 +10,6 @@ from trainer.proving.bench_of_faults import Bench, Tried
 from trainer.proving.disk_faults import damaged, full, full_disk, vanished
 from trainer.proving.line_faults import unplugged
 from trainer.proving.nursery import Nursery
-from trainer.proving.page import table
 from trainer.proving.process_faults import clock_set, console_killed, killed, stopped
 
 Fault = Callable[[Bench, int], Tried]
@@ -28,25 +27,21 @@ SHARES: Final[tuple[tuple[Fault, int], ...]] = (
 )
 
 
-def try_all(times: int, seed: int, progress: Callable[[str, int], None]) -> Iterator[Tried]:
+def try_all(times: int, seed: int) -> Iterator[Tried]:
     """Yield what came of each fault; kills are tried ``times`` times, the others in proportion."""
     with Nursery() as nursery, tempfile.TemporaryDirectory(prefix="trainer-f-") as folder:
         bench = Bench(nursery, Path(folder), random.Random(seed))  # noqa: S311  no secrets
-        for number, (fault, share) in enumerate(SHARES, start=1):
+        for fault, share in SHARES:
             yield fault(bench, -(-times // share))
-            progress("faults", number)
 
 
-def faults_page(found: list[Tried]) -> str:
-    """Return a table of what came of them, and all that was wrong."""
-    rows = [
-        (
-            *(tried.fault, tried.times, tried.orders),
-            f"{len(tried.wrong)} WRONG" if tried.wrong else "kept",
-            "; ".join(f"{count} {how}" for how, count in tried.seen.items()),
-        )
-        for tried in found
-    ]
-    wrong = [f"{tried.fault}: {text}" for tried in found for text in tried.wrong[:20]]
-    head = ("fault", "times", "orders", "promise", "seen")
-    return "\n".join([table(head, rows), *wrong])
+HEAD: Final = f"{'fault':36}{'times':>6}{'orders':>8}  promise"
+TOLD: Final = 20  # of what is wrong with one fault
+
+
+def told(tried: Tried) -> str:
+    """Return a row of what came of a fault, under ``HEAD``, and what was wrong."""
+    verdict = f"{len(tried.wrong)} WRONG" if tried.wrong else "kept"
+    seen = "; ".join(f"{count} {how}" for how, count in tried.seen.items())
+    row = f"{tried.fault:36}{tried.times:6}{tried.orders:8}  {verdict:10}{seen}".rstrip()
+    return "\n".join([row, *(f"  {text}" for text in tried.wrong[:TOLD])])

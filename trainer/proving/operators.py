@@ -34,7 +34,7 @@ class Watchbill:
     visits: int = 0
     tick: int = 0  # the latest that the instructor was told
     failures: list[str] = field(default_factory=list)  # of the boat: her numbers were lost
-    rescues: int = 0  # times that she was taken back
+    rescues: int = 0  # times that she was taken back, or held
     lock: threading.Lock = field(default_factory=threading.Lock)
 
     def give(self, by: Caller, role: str, words: str) -> bool:
@@ -78,7 +78,10 @@ def visit(bill: Watchbill, dice: Random) -> None:
 
 
 def instruct(bill: Watchbill, seed: int, *, goes_back: bool) -> None:
-    """Instruct until the session is over: casualties, seas, everything; and put it right again."""
+    """Instruct until the session is over: casualties, seas, everything; and put it right again.
+
+    One who does not go back, since time is kept, holds a boat that would be lost where she is.
+    """
     dice = Random(seed)  # noqa: S311  choices, not secrets
     orders = Orders(INSTRUCTOR, dice)
     by = bill.session.caller("instructor")
@@ -94,7 +97,10 @@ def instruct(bill: Watchbill, seed: int, *, goes_back: bool) -> None:
             if goes_back and given % BACK == 0:
                 go_back(by, dice)
             bill.tick = by.tick
-            recover(bill, by)
+            if goes_back:
+                recover(bill, by)
+            else:
+                hold(bill, by)
             bill.over.wait(bill.pause(dice))
     by.hang_up()
 
@@ -106,12 +112,26 @@ def go_back(by: Caller, dice: Random) -> None:
     by.ask("run")
 
 
+def depth(by: Caller) -> float:
+    """Return how deep [m] the boat is, by what the line was shown last."""
+    return float(by.shown.get("motion", ("", "", "0"))[2])
+
+
+def hold(bill: Watchbill, by: Caller) -> None:
+    """Hold the boat at her depth while she is too deep, and put her right."""
+    by.news.clear()
+    if depth(by) > DEEPEST:
+        bill.rescues += 1
+        for words in (*RIGHTS, "freeze depth"):
+            bill.give(by, "instructor", words)
+        by.shown.clear()
+
+
 def recover(bill: Watchbill, by: Caller) -> None:
     """Go back to before the boat was lost, or her numbers, and put her right."""
     lost = [news.fields[3] for news in by.news if news.fields[3].startswith(LOST)]
     by.news.clear()
-    depth = float(by.shown.get("motion", ("", "", "0"))[2])
-    if lost or depth > DEEPEST:
+    if lost or depth(by) > DEEPEST:
         bill.failures += lost
         bill.rescues += 1
         by.ask("backtrack 10 min")

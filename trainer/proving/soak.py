@@ -24,7 +24,7 @@ EVERY: Final = 0.05  # [s] between looks at the memory
 WARM_UP: Final = 1.0 / 3.0  # of the run, before its memory is looked at
 GROWTH: Final = 1024  # [kB] that medians of its memory may differ by: its pages come and go
 PATIENCE: Final = 120.0  # [s] for the end of a session beyond its time
-LONGEST: Final = 600.0  # [s] that a run at full speed may take
+LONGEST: Final = 1.0 / 144.0  # [-] of its time that a run at full speed may take: a day, 10 min
 ON_TIME: Final = re.compile(r"overruns (\d+), caught up (\d+), slipped (\d+), gaps (\d+)")
 EXERCISE: Final = """
 schema = "exercise/1"
@@ -57,6 +57,11 @@ class Plan:
         """Return the number of the last tick."""
         return round(self.seconds / STEP)
 
+    @property
+    def patience(self) -> float:
+        """Return how long [s] it may take by the clock."""
+        return PATIENCE + self.seconds * (1.0 if self.real_time else LONGEST)
+
 
 @dataclass
 class Soaked:
@@ -68,7 +73,7 @@ class Soaked:
     visits: int
     recording_mb: float
     ahead_mb: float  # most that was written ahead of it
-    rescues: int  # times that the boat was lost, or her numbers, and taken back
+    rescues: int  # times that the boat would be lost, and was taken back or held
     lost_numbers: list[str]  # where she went beyond what can be computed
     checks: list[Check]
 
@@ -106,8 +111,7 @@ def _soak(plan: Plan, exercise: Path, path: Path, progress: Callable[[str, int],
     begun = time.monotonic()
     ahead = 0
     with manned(bill, plan):
-        patience = plan.seconds + PATIENCE if plan.real_time else LONGEST
-        while session.running and time.monotonic() - begun < patience:
+        while session.running and time.monotonic() - begun < plan.patience:
             samples.append(Sample(time.monotonic() - begun, session.memory()))
             ahead = max(ahead, _size(path.with_name(path.name + "-wal")))
             progress("soak", bill.tick)
@@ -183,6 +187,8 @@ def _told(session: Served, plan: Plan) -> list[Check]:
     """Return what the session's own account and the witness of its clock say."""
     if not plan.real_time:
         return []
+    if not session.account:
+        return [Check("the session accounts for its ticks", kept=False, seen="no account")]
     found = ON_TIME.search("\n".join(session.account))
     counts = [int(number) for number in found.groups()] if found else [-1]
     seen = found[0] if found else "no account"
@@ -230,7 +236,7 @@ def page(found: Soaked) -> str:
         f"{plan.seconds / 3600:g} h at {kind} in {found.wall_s:.0f} s, seed {plan.seed}",
         f"{found.orders} orders, {found.visits} visits of stations",
         f"recording {found.recording_mb:.0f} MB, written ahead {found.ahead_mb:.0f} MB at most",
-        f"boat taken back {found.rescues} times, {len(found.lost_numbers)} with her numbers lost",
+        f"boat rescued {found.rescues} times, {len(found.lost_numbers)} with her numbers lost",
         *(f"{'kept  ' if c.kept else 'BROKEN'}  {c.promise}: {c.seen}" for c in found.checks),
     ]
     return "\n".join(lines)
