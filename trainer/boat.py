@@ -1,24 +1,35 @@
 """A boat under way: its records, its start in trim, its ticks and its snapshots."""
 
+import functools
 import math
+from operator import itemgetter
+from typing import Any
 
 import numpy as np
 
 from trainer.config import ConfigError
-from trainer.core import update as ticks
 from trainer.core.autopilot import stand_by_all
 from trainer.core.ballast import start_ballast
+from trainer.core.free_surface import DECK_REACH
 from trainer.core.kernel import Numbers, Record
 from trainer.core.rates import rates
 from trainer.core.seaway import order_sea
 from trainer.core.state import STATE
 from trainer.core.trim import BOTH, STERN, trim
+from trainer.core.update import WATCHED, update
 from trainer.files.casualty_file import load_casualties
 from trainer.files.sea_file import SeaFile, load_sea, sea_settings
 from trainer.files.vessel_file import VesselFile
 from trainer.fitout import KNOT, Method, fit_out
 
 PLACES = {name: place[1] // 8 for name, place in (STATE.fields or {}).items()}
+TICK = PLACES["tick"]
+
+
+@functools.cache
+def _places(names: tuple[str, ...]) -> "itemgetter[Any]":
+    """Return what takes the named places from plain numbers; ``t`` is the tick until it is told."""
+    return itemgetter(*(TICK if name == "t" else PLACES[name] for name in names))
 
 
 def _senses(file: VesselFile) -> dict[str, float]:
@@ -35,8 +46,17 @@ def _senses(file: VesselFile) -> dict[str, float]:
     return {name: math.copysign(1.0, effect) if effect else 0.0 for name, effect in effects.items()}
 
 
+def _reach(vessel: np.void) -> float:
+    """Return how far [m] from the origin the sail's top and the ends of the deck are, at most."""
+    deck = math.hypot(DECK_REACH * vessel["ell"], vessel["z_deck"])
+    return max(deck, math.hypot(vessel["x_sail"], vessel["z_sail"]))
+
+
 class Boat:
-    """One boat. ``state`` is all that evolves: copy it to keep a moment, assign it to go back."""
+    """One boat. ``state`` is all that evolves: copy it to keep a moment, assign it to go back.
+
+    ``plain`` is the same as floats by their PLACES, which are read in a twentieth of the time.
+    """
 
     def __init__(self, file: VesselFile, method: Method) -> None:
         """Fit the boat out; it lies still at the surface until ``start``."""
@@ -45,6 +65,10 @@ class Boat:
         self.records = fit_out(file, method)
         self.vessel = self.records.vessel[0]
         self.state = self.records.state[0]
+        whole: Any = self.records.state.view(np.uint8)
+        self.plain = memoryview(whole).cast("d")
+        self.reach = _reach(self.vessel)
+        self._arguments = tuple(self.records)
         self.toward = _senses(file)
         self.sea = load_sea("calm")
         self.casualties = load_casualties()
@@ -53,7 +77,12 @@ class Boat:
     @property
     def time(self) -> float:
         """Return the time [s] since the start."""
-        return float(self.state.tick * self.method.step)
+        return self.plain[TICK] * self.method.step
+
+    @property
+    def ticks(self) -> int:
+        """Return the number of ticks done."""
+        return int(self.plain[TICK])
 
     @property
     def automatic(self) -> bool:
@@ -140,13 +169,13 @@ class Boat:
 
     def tick(self) -> int:
         """Advance by one step; return 0, or a status for ``failure`` with the state as it was."""
-        return int(ticks.update(*self.records))
+        return int(update(*self._arguments))
 
     def failure(self, status: int) -> str:
         """Return where and when a failing tick lost its numbers, in words."""
         s = self.state
         return (
-            f"{ticks.WATCHED[status - 1]} is out of all bounds after tick {int(s.tick)} "
+            f"{WATCHED[status - 1]} is out of all bounds after tick {int(s.tick)} "
             f"({self.time:g} s); last good state: u {s.u:.4g} m/s, pitch "
             f"{math.degrees(s.theta):.4g} deg, heel {math.degrees(s.phi):.4g} deg, "
             f"depth {s.z:.4g} m"
@@ -154,8 +183,11 @@ class Boat:
 
     def numbers(self, names: tuple[str, ...]) -> list[float]:
         """Return the named places of the state; ``t`` is the time [s]."""
-        whole = self.records.state["whole"][0].tolist()
-        return [self.time if name == "t" else whole[PLACES[name]] for name in names]
+        taken = _places(names)(self.plain)
+        found = list(taken) if len(names) > 1 else [taken]
+        if "t" in names:
+            found[names.index("t")] = self.time
+        return found
 
     def snapshot(self) -> Record:
         """Return a copy of the whole state."""

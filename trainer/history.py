@@ -58,11 +58,15 @@ class History:
     place: int = 0  # of the schedule's next entry
     rerun: Rerun | None = None
     automatic: deque[Moment] = field(default_factory=lambda: deque(maxlen=AUTOMATIC_KEPT))
+    _period: int = field(init=False)  # [ticks] between the automatic moments
+
+    def __post_init__(self) -> None:
+        self._period = max(round(AUTOMATIC_EVERY / self.boat.method.step), 1)
 
     @property
     def tick(self) -> int:
         """Return the number of ticks done."""
-        return int(self.boat.state.tick)
+        return self.boat.ticks
 
     def now(self) -> Moment:
         """Return the present moment."""
@@ -86,12 +90,12 @@ class History:
         """Keep the state after a tick; return it."""
         state = self._state()
         if self.rerun is None:
-            self.recording.state(self.tick, state)
+            tick = self.tick
+            self.recording.state(tick, state)
+            if tick % self._period == 0:
+                self.automatic.append(self.now())
         elif not self.rerun.different:
             self._compare(self.rerun, state)
-        period = max(round(AUTOMATIC_EVERY / self.boat.method.step), 1)
-        if self.tick % period == 0 and self.rerun is None:
-            self.automatic.append(self.now())
         return state
 
     def keep(self, name: str) -> Reply:

@@ -4,8 +4,10 @@ Times are integer nanoseconds. Nothing here grows.
 """
 
 import math
+import struct
 from dataclasses import dataclass
 from fractions import Fraction
+from typing import Any
 from typing import Final
 
 import numpy as np
@@ -13,7 +15,9 @@ from numpy.typing import NDArray
 
 SECOND: Final = 1_000_000_000  # [ns]
 TICK = np.dtype([(name, np.int64) for name in ("deadline", "start", "work", "lateness")])  # [ns]
+ROW = struct.Struct("=4q")  # of which the same is made
 RECENT = 4096  # [-] ticks kept in full
+HALF_BITS = 6
 HALF = 32  # [-] histogram bins to a factor of two: a percentile is at most 1/32 too high
 
 
@@ -46,15 +50,18 @@ class Histogram:
     """Counts of durations in fixed logarithmic bins."""
 
     def __init__(self) -> None:
-        self._counts = np.zeros(59 * HALF, np.int64)  # up to 2^63 ns
+        self._counts = [0] * (59 * HALF)  # up to 2^63 ns; a list counts four times as fast
         self._largest = 0
 
     def add(self, duration: int) -> None:
         """Count ``duration`` [ns]; a negative one counts as 0."""
-        duration = max(duration, 0)
-        shift = max(duration.bit_length() - HALF.bit_length(), 0)
-        self._counts[shift * HALF + (duration >> shift)] += 1
-        self._largest = max(self._largest, duration)
+        if duration > self._largest:
+            self._largest = duration
+        shift = duration.bit_length() - HALF_BITS
+        if shift > 0 and duration > 0:
+            self._counts[shift * HALF + (duration >> shift)] += 1
+        else:
+            self._counts[duration if duration > 0 else 0] += 1
 
     def spread(self) -> Spread:
         """Return the percentiles [ns], all 0 when nothing was counted."""
@@ -82,11 +89,14 @@ class Ledger:
         self._worked = 0
         self._work, self._lateness = Histogram(), Histogram()
         self._recent = np.zeros(RECENT, TICK)
+        recent: Any = self._recent.view(np.uint8)
+        self._rows = memoryview(recent)
 
     def record(self, deadline: int, start: int, work: int) -> None:
         """Enter one tick [ns]."""
         self.lateness, self.work = start - deadline, work
-        self._recent[self.ticks % RECENT] = (deadline, start, work, self.lateness)
+        place = self.ticks % RECENT * ROW.size
+        ROW.pack_into(self._rows, place, deadline, start, work, self.lateness)
         self.ticks += 1
         self._worked += work
         self._work.add(work)

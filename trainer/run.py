@@ -111,7 +111,7 @@ def fly(voyage: Voyage, options: dict[str, Any]) -> int:
             time,
             history,
             recorder,
-            COLUMNS,
+            COLUMNS if options["csv_path"] else (),
             sending,
             schedule=plan.schedule,
             watch=Watch.over(boat, plan.limits),

@@ -120,7 +120,7 @@ class Session:
     @property
     def _over(self) -> bool:
         """Return whether the run has been ended or has reached its last tick."""
-        return self.desk.ended or bool(self.boat.state.tick >= self.last_tick)
+        return self.desk.ended or self.boat.ticks >= self.last_tick
 
     def _see_out(self, station: Station) -> None:
         """Let a line go: it is closed by a thread of its own, since that may wait."""
@@ -212,10 +212,9 @@ class Session:
 
     def _obey_schedule(self) -> None:
         """Carry out what is due by now: an order acts on the first tick not before its time."""
-        step, tick = self.boat.method.step, self.boat.state.tick
         while self.history.rerun is None and self.history.place < len(self.schedule):
             entry = self.schedule[self.history.place]
-            if math.ceil(entry.seconds / step - 1e-9) > tick:
+            if math.ceil(entry.seconds / self.boat.method.step - 1e-9) > self.boat.ticks:
                 return
             answer = self._carry_out(entry.order, "schedule", self.history.place)
             text = f"refused: {answer.reason}" if isinstance(answer, Refused) else answer
@@ -223,6 +222,8 @@ class Session:
 
     def _obey_replay(self) -> bool:
         """Give again what was given at this tick; return whether a replay ends here, told so."""
+        if self.history.rerun is None:
+            return False
         for order in self.history.due(self.schedule):
             if order.name in ORDERS:
                 obey(self.boat, order)
@@ -261,7 +262,7 @@ class Session:
         for event in events:
             self.board.tell("trouble", str(event))
         if self.progress:
-            self.progress(int(self.boat.state.tick))
+            self.progress(self.boat.ticks)
 
     def _after_tick(self) -> None:
         """Keep the state, show it, and call out what it means."""
@@ -284,6 +285,8 @@ class Session:
 
     def _row(self) -> None:
         """Hand the state to the columns' file; tell at once when it is in trouble."""
+        if not self.columns:
+            return
         before = self.recorder.trouble
         self.recorder.row(self.boat.numbers(self.columns))
         if self.recorder.trouble != before:

@@ -3,14 +3,16 @@
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, field, fields
+from functools import cached_property
 from typing import Any, Final
 
-from trainer.boat import Boat
+from trainer.boat import PLACES, Boat
 from trainer.core.free_surface import deck_height, sail_height
 from trainer.files.schema import Quantity, optional, within
 from trainer.fitout import KNOT
 
 COVERED: Final = 1.0  # [m] of water over it before the same can be called out again
+Z, WAVE = PLACES["z"], PLACES["eta_wave"]
 FULL: Final = 0.95  # [-] of main ballast; with less aboard the boat means to come up
 
 
@@ -39,6 +41,11 @@ def showing(boat: Boat) -> float:
     records = boat.records
     sail = sail_height(records.vessel, records.state)
     return float(max(sail, deck_height(records.vessel, records.state)))
+
+
+def deep(boat: Boat) -> bool:
+    """Return whether nothing of the boat can be near the surface, whatever her attitude."""
+    return boat.plain[Z] + boat.plain[WAVE] > boat.reach + COVERED
 
 
 def surfacing(boat: Boat) -> bool:
@@ -76,29 +83,35 @@ class Watch:
         news = [*self._passed(boat), *self._broken_surface(boat)]
         for what, _ in news:
             self.times.setdefault(what, []).append(boat.time)
-        return [f"tick {int(boat.state.tick)} ({boat.time:g} s): {text}" for _, text in news]
+        return [f"tick {boat.ticks} ({boat.time:g} s): {text}" for _, text in news]
 
     def _passed(self, boat: Boat) -> list[tuple[str, str]]:
         """Return each limit passed since the last look, and the words for it."""
         news = []
-        for item in fields(self.limits):
-            limit = getattr(self.limits, item.name)
-            if limit is None:
-                continue
-            key, _, end = item.name.rpartition("_")
+        for name, limit in self._set:
+            key, _, end = name.rpartition("_")
             value = SEEN[key](boat.state)
             if not (value > limit if end == "max" else value < limit):
-                self.beyond.discard(item.name)
-            elif item.name not in self.beyond:
-                self.beyond.add(item.name)
+                self.beyond.discard(name)
+            elif name not in self.beyond:
+                self.beyond.add(name)
                 what, unit = key.split("_")
                 side = "above" if end == "max" else "below"
-                name = f"{what} {side} {limit:g} {unit}"
-                news.append((name, f"LIMIT: {name}"))
+                said = f"{what} {side} {limit:g} {unit}"
+                news.append((said, f"LIMIT: {said}"))
         return news
+
+    @cached_property
+    def _set(self) -> tuple[tuple[str, float], ...]:
+        """Return the limits that there are, by name."""
+        every = ((item.name, getattr(self.limits, item.name)) for item in fields(self.limits))
+        return tuple((name, limit) for name, limit in every if limit is not None)
 
     def _broken_surface(self, boat: Boat) -> list[tuple[str, str]]:
         """Return that sail or deck has come out of the sea, if it has."""
+        if deep(boat):
+            self.shows = False
+            return []
         height = showing(boat)
         if self.shows or height <= 0.0:
             self.shows = self.shows and height > -COVERED

@@ -49,7 +49,7 @@ def session_of(
     """Yield a session whose stations, one for each channel, are told to nobody."""
     keeping = Timekeeping.at(MonotonicClock(), boat.method.step, speed, Policy.CATCH_UP)
     publisher = Publisher(Roster(Lookout(boat, keeping.ledger.summary)))
-    session = Session(boat, keeping, History(boat, recording), NoFile(), COLUMNS, publisher)
+    session = Session(boat, keeping, History(boat, recording), NoFile(), (), publisher)
     with Path(os.devnull).open("wb", buffering=0) as sink, contextlib.closing(recording):
         for channel in channels:
             out = Outbox(writer(sink.fileno()))
