@@ -1,7 +1,9 @@
 """Faults of lines: a serial line unplugged and plugged in again."""
 
 import contextlib
+import fcntl
 import os
+import termios
 import time
 from pathlib import Path
 from typing import Final
@@ -28,6 +30,7 @@ def unplugged(bench: Bench, times: int) -> Tried:
             left = 1 + number % SIDES
             tried.must(answered(ends[0], left), "the panel is not answered")
             os.write(ends[0], HALF)
+            tried.must(is_read(ends[1]), "the half order was not read")
             ends = replug(port, ends)
         tried.must(answered(ends[0], LAST), "the panel is not answered")
         by.ask("quit")
@@ -42,6 +45,16 @@ def unplugged(bench: Bench, times: int) -> Tried:
     tried.orders = len(given)
     remove(path)
     return tried
+
+
+def is_read(end: int) -> bool:
+    """Return whether all that was sent to this end is read before long."""
+    patience = time.monotonic() + PATIENCE
+    while time.monotonic() < patience:
+        if not any(fcntl.ioctl(end, termios.FIONREAD, bytes(4))):
+            return True
+        time.sleep(LOOK)
+    return False
 
 
 def plug(port: Path) -> tuple[int, int]:
