@@ -14,7 +14,7 @@ from trainer.proving.audit import Answered, Check, journal
 from trainer.proving.caller import Caller, GoneError
 from trainer.proving.nursery import Job, Nursery
 from trainer.proving.random_orders import Orders
-from trainer.stations.roles import INSTRUCTOR
+from trainer.stations.roles import INSTRUCTOR, Role
 
 LOOK: Final = 0.005  # [s]
 PATIENCE: Final = 30.0  # [s]
@@ -108,9 +108,11 @@ class Session:
             self.answered.append(Answered("", order.text))
         return obeyed
 
-    def order_some(self, by: Caller, dice: random.Random, count: int) -> None:
-        """Give random orders."""
-        orders = Orders(INSTRUCTOR, dice)
+    def order_some(
+        self, by: Caller, dice: random.Random, count: int, role: Role = INSTRUCTOR
+    ) -> None:
+        """Give random orders, of those that a role may give."""
+        orders = Orders(role, dice)
         for _ in range(count):
             self.order(by, orders.next())
 
@@ -121,3 +123,15 @@ def kept(recording: Recording, session: Session) -> Check:
     wanted = [order.text for order in session.answered]
     held = written[: len(wanted)] == wanted
     return Check("answered orders", held, f"{len(written)} written, {len(wanted)} answered")
+
+
+def heard(by: Caller, words: str) -> bool:
+    """Return whether the session tells of it before long; what it has told is then forgotten."""
+    end = time.monotonic() + PATIENCE
+    while time.monotonic() < end:
+        by.ask("snapshots")  # brings what has been told meanwhile
+        if any(words in news.fields[3] for news in by.news):
+            by.news.clear()
+            return True
+        time.sleep(LOOK)
+    return False

@@ -16,8 +16,8 @@ from typing import Final
 
 from trainer.io.recording import Recording
 from trainer.proving.audit import same_bits
-from trainer.proving.bench_of_faults import LOOK, PATIENCE, Bench, Session, Tried, kept
-from trainer.proving.caller import Caller, GoneError
+from trainer.proving.bench_of_faults import Bench, Session, Tried, heard, kept
+from trainer.proving.caller import GoneError
 
 EXERCISE: Final = ("depth-changes", "--speed", "100")
 WITHIN: Final = 0.15  # [s] of the first orders, a kill comes
@@ -166,18 +166,6 @@ def swallow(terminal: int) -> None:
     with contextlib.suppress(OSError):
         while os.read(terminal, 65536):
             pass
-
-
-def heard(by: Caller, words: str) -> bool:
-    """Return whether the session tells of it before long; what it has told is then forgotten."""
-    end = time.monotonic() + PATIENCE
-    while time.monotonic() < end:
-        by.ask("snapshots")  # brings what has been told meanwhile
-        if any(words in news.fields[3] for news in by.news):
-            by.news.clear()
-            return True
-        time.sleep(LOOK)
-    return False
 
 
 def clock_set(bench: Bench, times: int) -> Tried:
