@@ -78,7 +78,8 @@ def options_of(serve: click.Command, words: list[str]) -> dict[str, Any]:
     source = context.get_parameter_source
     default = click.core.ParameterSource.DEFAULT
     given = frozenset(name for name in context.params if source(name) is not default)
-    return {**context.params, "given": given, "headless": True, "url": None, "serve": True}
+    served = {"headless": True, "url": None, "serve": True, "note": ""}
+    return {**context.params, "given": given, **served}
 
 
 def attest(serve: click.Command) -> None:
