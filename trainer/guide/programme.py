@@ -46,10 +46,19 @@ class Leg:
         return ", ".join(filter(None, (self.name, self.variant, speed)))
 
     def task(self, file: VesselFile, equations: str) -> Task:
-        """Return the flight of the leg by one equation set, at the boat's own step."""
-        rates, integrator = SETS[equations]
-        method = Method(equations, rates, "exact", integrator, file.run.step_s)
-        return Task(self.manoeuvre, self.speed_kn * KNOT, method)
+        """Return the flight of the leg by one equation set, at the boat's own step.
+
+        A reduced set is flown beside the full one.
+        """
+        beside = None if equations == "full" else own_method(file, "full")
+        method = own_method(file, equations)
+        return Task(self.manoeuvre, self.speed_kn * KNOT, method, beside=beside)
+
+
+def own_method(file: VesselFile, equations: str) -> Method:
+    """Return how the guide computes an equation set, at the boat's own step."""
+    rates, integrator = SETS[equations]
+    return Method(equations, rates, "exact", integrator, file.run.step_s)
 
 
 def best_damped(file: VesselFile) -> float | None:
@@ -63,8 +72,7 @@ def best_damped(file: VesselFile) -> float | None:
 
 def legs(file: VesselFile) -> tuple[Leg, ...]:
     """Return the legs of the guide that this boat has the controls for, in order."""
-    method = Method("full", "exact", "exact", "rk4", file.run.step_s)
-    boat = Submarine(file, method)
+    boat = Submarine(file, own_method(file, "full"))
     found = [
         replace(leg, manoeuvre=within_limits(leg.manoeuvre, boat))
         for leg in _wished(file)

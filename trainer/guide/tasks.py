@@ -31,6 +31,7 @@ class Task:
     method: Method
     rig: Rig = OWN
     zeroed: tuple[str, ...] = ()  # coefficients taken away
+    beside: Method | None = None  # of a flight whose events it takes within a cycle, as Conn has it
 
 
 Flown = dict[Task, Flight | str]  # in words why there is no flight
@@ -56,8 +57,12 @@ def flown(path: Path, task: Task) -> Flight | str:
         nothing = dict.fromkeys(task.zeroed, 0.0)
         file = replace(file, coefficients={**file.coefficients, **nothing})
     boat = Submarine(file, task.method, task.rig)
+    manoeuvre = within_limits(task.manoeuvre, boat)
     try:
-        return fly(boat, within_limits(task.manoeuvre, boat), task.speed)
+        others: tuple[float | None, ...] = ()
+        if task.beside:
+            others = fly(Submarine(file, task.beside, task.rig), manoeuvre, task.speed).events
+        return fly(boat, manoeuvre, task.speed, others)
     except ConfigError as wrong:
         return str(wrong)
 

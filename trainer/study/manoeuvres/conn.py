@@ -1,11 +1,14 @@
 """Who has the conn: gives a vehicle the orders of a schedule, cycle by cycle, and marks events.
 
 A schedule is a generator: between two yields the vehicle moves by one cycle, with the controls as
-they are ordered before. Events are seen at the starts of cycles, as in the program CONTR.
+they are ordered before. Events are seen at the starts of cycles, as in the program CONTR: up to a
+cycle after they happen. Where one vehicle sees an event in one cycle and another in the next, that
+alone parts their ways; a vehicle flown beside another therefore takes the other's time of an event
+where its own is not more than a cycle away.
 """
 
 import math
-from collections.abc import Generator
+from collections.abc import Generator, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -27,9 +30,11 @@ class Mark(NamedTuple):
 class Conn:
     """A vehicle under orders."""
 
-    def __init__(self, vehicle: Vehicle) -> None:
-        """Take the conn of a vehicle that has been started."""
+    def __init__(self, vehicle: Vehicle, others: Sequence[float | None] = ()) -> None:
+        """Take the conn of a vehicle that has been started; ``others`` are another's events."""
         self.vehicle = vehicle
+        self.events: list[float | None] = []  # [s] of each that was waited for; None: never
+        self._others = list(others)
         self.marks: list[Mark] = []
         self.ordered: dict[str, float] = {}  # what was ordered last, by control
         self._places = {name: i for i, name in enumerate(vehicle.columns)}
@@ -83,12 +88,36 @@ class Conn:
 
     def until(self, watch: Watch, most: float) -> Generator[None, None, bool]:
         """Let at most ``most`` [s] pass until what is watched passes; return whether it did."""
-        yield from self._pass(self.time + most - EARLY, watch)
-        return self.passed(watch)
+        end = self.time + most - EARLY
+        other = self._others.pop(0) if self._others else None
+        passed = other is not None and (yield from self._beside(watch, other))
+        if not passed:
+            yield from self._pass(end, watch)
+            passed = self.passed(watch)
+        self.events.append(self.time if passed else None)
+        return passed
+
+    def _beside(self, watch: Watch, other: float) -> Generator[None, None, bool]:
+        """Let time pass to the ``other``'s event [s], or one's own if that comes too early.
+
+        Return whether one's own is within a cycle of it, by the rate if it is still to come.
+        """
+        cycle = self.vehicle.step
+        yield from self._pass(other - 1.5 * cycle, watch)
+        if self.time < other - 1.5 * cycle:
+            return False
+        before = self._beyond(watch)
+        yield from self._pass(other - 0.5 * cycle, None)
+        now = self._beyond(watch)
+        return max(before, now, 2.0 * now - before) >= 0.0
 
     def passed(self, watch: Watch) -> bool:
         """Return whether a quantity has passed its mark, at the start of this cycle."""
-        return watch.side * (self._quantity(watch.quantity) - watch.mark) >= 0.0
+        return self._beyond(watch) >= 0.0
+
+    def _beyond(self, watch: Watch) -> float:
+        """Return how far a quantity is beyond its mark, negative before it."""
+        return watch.side * (self._quantity(watch.quantity) - watch.mark)
 
     def _quantity(self, name: str) -> float:
         """Return a quantity that can be watched."""

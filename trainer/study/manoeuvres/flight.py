@@ -1,7 +1,7 @@
 """A manoeuvre flown, from its start to its end or to where the numbers were lost."""
 
 from abc import ABC, abstractmethod
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import ClassVar
@@ -31,6 +31,7 @@ class Flight:
     step: float  # [s]
     series: Series
     marks: tuple[Mark, ...]
+    events: tuple[float | None, ...]  # [s] of what the schedule waited for; None: never
     lost: str  # why it ended early; "" if it did not
 
     @property
@@ -87,15 +88,18 @@ class Manoeuvre(ABC):
         """Return what the flight is measured by."""
 
 
-def fly(vehicle: Vehicle, manoeuvre: Manoeuvre, speed: float) -> Flight:
+def fly(
+    vehicle: Vehicle, manoeuvre: Manoeuvre, speed: float, others: Sequence[float | None] = ()
+) -> Flight:
     """Return the flight of a manoeuvre that begins at ``speed`` [m/s].
 
+    ``others`` are the events of a flight beside which this one is flown, as ``Conn`` has it.
     ConfigError if the vehicle lacks a control or what is measured, or cannot start so.
     """
     check_controls(vehicle, manoeuvre.needs)
     check_columns(vehicle, manoeuvre.compared)
     vehicle.start(speed)
-    conn = Conn(vehicle)
+    conn = Conn(vehicle, others)
     lost, left = "", LONGEST
     try:
         with np.errstate(all="ignore"):  # what is lost is told by the vehicle
@@ -115,5 +119,6 @@ def fly(vehicle: Vehicle, manoeuvre: Manoeuvre, speed: float) -> Flight:
         step=vehicle.step,
         series=Series(Path(vehicle.name), columns),
         marks=tuple(conn.marks),
+        events=tuple(conn.events),
         lost=lost,
     )
