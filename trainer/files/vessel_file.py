@@ -48,6 +48,7 @@ DOCUMENTARY_TABLES = (
     "nondimensional",
     "calibration",
     "derived",
+    "reduction",
     "terms",
     "validity",
     "errata",

@@ -11,6 +11,7 @@ from trainer.study.manoeuvres.measures import Measure, share, shown, swing_measu
 from trainer.study.manoeuvres.vehicle import Watch
 
 LEAD: Final = 2.0  # [s] of straight flight
+EARLY: Final = 1e-9  # [s] rounding
 
 
 @dataclass(frozen=True)
@@ -54,10 +55,12 @@ class Overshoot(Manoeuvre):
         if execute is None:
             return found
         pitch, depth = flight.column("theta"), flight.change("z")
-        top, deep = int(abs(pitch).argmax()), int(abs(depth).argmax())
+        begin = int(flight.t.searchsorted(execute - EARLY))
+        until = len(pitch)
         if reversal is not None:
             until = int(flight.t.searchsorted(reversal)) + 1
-            top, deep = int(abs(pitch[:until]).argmax()), int(abs(depth[:until]).argmax())
+        sense = math.copysign(1.0, pitch[begin])  # the pitch at the execute goes on this way
+        top, deep = int((sense * pitch[:until]).argmax()), int(abs(depth[:until]).argmax())
         peak = float(pitch[top])
         found += [
             share("largest pitch", "rad", peak),

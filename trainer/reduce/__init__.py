@@ -1,0 +1,1 @@
+"""The reduction of the full set to a compact one as a computation."""

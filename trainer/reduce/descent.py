@@ -1,0 +1,99 @@
+"""Factors that bring the largest difference down: Gauss and Newton with weights and a leash.
+
+The sum of |difference|^p is brought down for growing p, by weights |difference|^(p - 2) on a
+linear least-squares problem; a leash pulls every factor towards 1, so that a coefficient is what
+the hull's data say unless the flights ask otherwise.
+"""
+
+from collections.abc import Callable, Sequence
+from typing import Final, NamedTuple
+
+import numpy as np
+
+from trainer.study.manoeuvres.measures import Numbers
+
+LEASH: Final = 0.05  # [-] weight of (factor - 1)^2 beside the largest difference's square
+LOWEST, HIGHEST = 0.5, 2.0  # [-] factors
+FLOOR: Final = 0.2  # [-] smaller differences weigh as this
+POWERS: Final = (2, 6)
+DAMPINGS: Final = (0.01, 0.3, 10.0)
+GAIN: Final = 0.995  # [-] of the cost: a step that brings less is the last
+NORM: Final = 8
+
+Fly = Callable[[Sequence[Numbers]], list[Numbers]]
+
+
+class Point(NamedTuple):
+    """Factors, and the differences that they lead to, both by place."""
+
+    factors: Numbers
+    differences: Numbers
+
+    @property
+    def worst(self) -> float:
+        """Return the largest difference [-] of what is allowed."""
+        return float(abs(self.differences).max())
+
+    @property
+    def cost(self) -> float:
+        """Return the differences as one number that the largest rule."""
+        return float(np.sum(abs(self.differences) ** NORM) ** (1.0 / NORM))
+
+
+def normal_matrix(slopes: Numbers, differences: Numbers, power: int) -> tuple[Numbers, Numbers]:
+    """Return the weighted normal matrix, leash included, and the weights by row."""
+    weights = np.maximum(abs(differences), FLOOR) ** (power - 2)
+    weights /= weights.max()
+    return slopes.T @ (weights[:, None] * slopes) + LEASH * np.eye(slopes.shape[1]), weights
+
+
+def stepped(
+    slopes: Numbers, here: Point, free: Sequence[int], power: int, damping: float
+) -> Numbers:
+    """Return the factors after one step, by the slopes of all factors."""
+    places = list(free)
+    matrix, weights = normal_matrix(slopes[:, places], here.differences, power)
+    downhill = -slopes[:, places].T @ (weights * here.differences)
+    downhill -= LEASH * (here.factors[places] - 1.0)
+    there = here.factors.copy()
+    there[places] += np.linalg.solve(matrix + damping * np.eye(len(places)), downhill)
+    there[places] = np.clip(there[places], LOWEST, HIGHEST)
+    return there
+
+
+def descend(
+    fly: Fly, slopes: Numbers, here: Point, free: Sequence[int], rounds: int, goal: float
+) -> Point:
+    """Return the best point of ``rounds`` steps by the same slopes, or the first in goal."""
+    for _ in range(rounds):
+        if here.worst <= goal:
+            break
+        tried = [
+            stepped(slopes, here, free, power, damping) for power in POWERS for damping in DAMPINGS
+        ]
+        points = [Point(*pair) for pair in zip(tried, fly(tried), strict=True)]
+        best = min(points, key=lambda one: one.cost)
+        if best.cost >= GAIN * here.cost:
+            break
+        here = best
+    return here
+
+
+def without(slopes: Numbers, here: Point, free: Sequence[int], gone: Sequence[int]) -> Numbers:
+    """Return the factors with those ``gone`` put to zero and the others making up for it."""
+    places = list(free)
+    matrix, _ = normal_matrix(slopes[:, places], here.differences, 4)
+    inverse = np.linalg.inv(matrix)
+    which = [places.index(place) for place in gone]
+    pull = np.linalg.solve(inverse[np.ix_(which, which)], here.factors[list(gone)])
+    there = here.factors.copy()
+    there[places] = np.clip(there[places] - inverse[:, which] @ pull, LOWEST, HIGHEST)
+    there[list(gone)] = 0.0
+    return there
+
+
+def rises(slopes: Numbers, here: Point, free: Sequence[int]) -> Numbers:
+    """Return by how much the weighted squares rise [-] if each free factor goes to zero alone."""
+    places = list(free)
+    matrix, _ = normal_matrix(slopes[:, places], here.differences, 4)
+    return np.asarray(here.factors[places] ** 2 / np.diag(np.linalg.inv(matrix)))

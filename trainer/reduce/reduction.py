@@ -1,0 +1,139 @@
+"""A boat's compact set: found by a search, or as its file has it, and what it is worth."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Final
+
+import numpy as np
+
+from trainer.core.vessel import KEPT
+from trainer.files.vessel_file import VesselFile
+from trainer.guide.drops import Drop
+from trainer.reduce import checkpoint
+from trainer.reduce.candidate import FIXED, Candidate, terms
+from trainer.reduce.cost import Cost, cost
+from trainer.reduce.crew import Crew
+from trainer.reduce.descent import Point, descend
+from trainer.reduce.search import LIMIT, STEPS, Need, Search
+from trainer.reduce.sensitivity import coefficients
+from trainer.reduce.verdict import Checked, passed, verdict
+
+DIGITS: Final = 4  # of a factor in the file
+BASIC_ROUNDS: Final = 6
+
+
+@dataclass(frozen=True)
+class Kept:
+    """One term of the compact set."""
+
+    term: str
+    coefficient: float  # [-] of the full set
+    factor: float  # [-]
+    in_1969: bool  # among the 60 that the report keeps
+
+
+@dataclass(frozen=True)
+class Reduction:
+    """All that ``trainer reduce`` says about a boat."""
+
+    vessel: str
+    hull_terms: int  # coefficients that are not zero, besides thrust
+    report_terms: int  # of them kept by the reduction of 1969
+    kept: tuple[Kept, ...]
+    dropped: tuple[str, ...]
+    needs: tuple[Need, ...]  # why terms stay, of a search
+    sensitivity: tuple[Drop, ...]
+    checked: tuple[Checked, ...]
+    cost: Cost | None
+    passed: bool
+
+
+@dataclass(frozen=True)
+class Found:
+    """What a search ends with: factors by equation set and term, and why terms stay."""
+
+    factors: dict[str, dict[str, float]]  # [-] 0: dropped
+    needs: tuple[Need, ...]
+
+
+def rounded(value: float) -> float:
+    """Return a factor as the file has it."""
+    return float(f"{value:.{DIGITS}g}")
+
+
+def as_filed(file: VesselFile) -> dict[str, float]:
+    """Return the factors of the modified set by term, as the file has them; 0: dropped."""
+    factors = file.compensation["modified"]
+    kept = {*KEPT, *file.compact.extra_terms}
+    return {
+        name: factors.get(name, 1.0) if name in kept else 0.0 for name in terms(file, "modified")
+    }
+
+
+def report(
+    file: VesselFile,
+    factors: Mapping[str, float],
+    needs: tuple[Need, ...],
+    sensitivity: tuple[Drop, ...],
+) -> Reduction:
+    """Return all that is to be said about the boat's modified set with these factors."""
+    candidate = Candidate(file, "modified")
+    candidate.take([factors[name] for name in candidate.terms])
+    checked = verdict(file, candidate)
+    kept = tuple(
+        Kept(name, file.coefficients[name], factor, name in KEPT)
+        for name, factor in factors.items()
+        if factor
+    )
+    hull = coefficients(file)
+    staying = {one.term for one in kept}
+    return Reduction(
+        vessel=file.name,
+        hull_terms=len(hull),
+        report_terms=sum(name in KEPT for name in hull),
+        kept=kept,
+        dropped=tuple(name for name in hull if name not in staying),
+        needs=tuple(need for need in needs if need.term in staying),
+        sensitivity=sensitivity,
+        checked=checked,
+        cost=cost(file),
+        passed=passed(checked),
+    )
+
+
+def search(
+    file: VesselFile, cores: int, partial: Path | None, step: Callable[[int], None]
+) -> Found:
+    """Return the factors found; ``partial`` is where to keep, and find, an unfinished search.
+
+    ``step`` is called with the number of terms decided.
+    """
+    standings = checkpoint.load(partial, file) if partial else {}
+    with Crew(file.path, "modified", cores) as crew:
+        at_work = Search(file, "modified", crew)
+        standing = standings.get("modified") or at_work.begin()
+        step(len(at_work.terms) - len(at_work.undecided(standing)))
+        while not standing.done:
+            standing = at_work.round(standing, lambda: step(1))
+            if partial:
+                checkpoint.save(partial, file, {"modified": standing})
+    modified = dict(zip(at_work.terms, map(rounded, standing.factors), strict=True))
+    basic = _basic(file, cores, modified)
+    return Found({"modified": modified, "basic": basic}, standing.needed)
+
+
+def _basic(file: VesselFile, cores: int, modified: Mapping[str, float]) -> dict[str, float]:
+    """Return the factors of the basic set: those of the modified one, fitted to less."""
+    names = terms(file, "basic")
+    start = np.array([modified[name] for name in names])
+    with Crew(file.path, "basic", cores) as crew:
+        free = [i for i, name in enumerate(names) if start[i] and name not in FIXED]
+        here = Point(start, crew.differences([start])[0])
+        for _ in range(BASIC_ROUNDS):
+            slopes = crew.slopes(here.factors, free, here.differences)
+            there = descend(crew.differences, slopes, here, free, STEPS, LIMIT)
+            if there.cost >= here.cost:
+                break
+            here = there
+    return dict(zip(names, map(rounded, here.factors.tolist()), strict=True))
