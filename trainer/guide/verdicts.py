@@ -1,7 +1,7 @@
 """Two flights of one manoeuvre judged: measures, peaks, zero crossings, change of change."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final
 
 from trainer.study.compare import compare
@@ -35,14 +35,20 @@ class Judgement:
 
 
 def judge(manoeuvre: Manoeuvre, full: Flight, other: Flight) -> tuple[Judgement, ...]:
-    """Return every measure and change of change of ``other`` against ``full``."""
-    return (*_measured(manoeuvre, full, other), *_changes(manoeuvre, full, other))
+    """Return every measure and change of change of ``other`` against ``full``.
+
+    Where the full set itself is lost, beyond what its equations are good for, nothing is judged.
+    """
+    found = (*_measured(manoeuvre, full, other), *_changes(manoeuvre, full, other))
+    if not full.lost:
+        return found
+    return tuple(replace(one, allowed=None, verdict=SHOWN) for one in found)
 
 
 def _measured(manoeuvre: Manoeuvre, full: Flight, other: Flight) -> Iterator[Judgement]:
     """Yield the measures; what only one flight has is beyond, unless it may be nothing."""
     if full.lost or other.lost:
-        verdict = BEYOND if other.lost and not full.lost else SHOWN
+        verdict = BEYOND if other.lost else SHOWN
         ends = float(full.t[-1]), float(other.t[-1])
         yield Judgement("flown, without being lost, to", "s", *ends, None, verdict)
     by_other = {one.name: one for one in manoeuvre.measures(other)}

@@ -10,7 +10,7 @@ from trainer.config import ConfigError
 from trainer.files.vessel_file import VesselFile
 from trainer.fitout import KNOT
 from trainer.guide.programme import Leg, own_method
-from trainer.guide.verdicts import SHOWN, Judgement, judge
+from trainer.guide.verdicts import Judgement, judge
 from trainer.reduce.candidate import Candidate
 from trainer.study.manoeuvres.flight import Flight, fly
 from trainer.study.manoeuvres.measures import Numbers
@@ -38,7 +38,7 @@ class Yardstick:
             Row(leg.title, one.quantity)
             for leg, full in self._flights.items()
             for one in judge(leg.manoeuvre, full, full)
-            if one.allowed and one.verdict != SHOWN
+            if one.allowed
         )
         self._places = {row: i for i, row in enumerate(self.rows)}
 

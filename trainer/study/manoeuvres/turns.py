@@ -19,6 +19,8 @@ from trainer.study.manoeuvres.measures import (
     shown,
 )
 
+LAST: Final = 10  # a tenth of the turn is its end,
+SETTLED: Final = 0.1  # [-] of the last heel: it is steady that swings no more than this there
 SNAP: Final = 0.2  # [-] of the largest roll: a smaller first flick is none
 HEADING_AFTER: Final = 60.0  # [s] of rudder, when the heading is read
 
@@ -136,7 +138,10 @@ def steady(flight: Flight) -> list[Measure]:
 
 
 def heel(flight: Flight) -> list[Measure]:
-    """Return the snap roll, which is the first extreme, the largest and the last heel."""
+    """Return the snap roll, which is the first extreme, the largest and the last heel.
+
+    The last one is judged if it is steady: a roll that still swings has none.
+    """
     if not flight.has("phi"):
         return []
     begin = flight.time_of("rudder") or 0.0
@@ -145,10 +150,13 @@ def heel(flight: Flight) -> list[Measure]:
     most = largest(rolls)
     tops = [y for _, y in peaks(flight.t[after], rolls) if abs(y) > SNAP * abs(most)]
     snap = tops[0] if tops else None
+    last = share("steady roll", "rad", float(rolls[-1]))
+    if np.ptp(rolls[-max(len(rolls) // LAST, 1) :]) > SETTLED * abs(rolls[-1]):
+        last = shown("steady roll", "rad", float(rolls[-1]))
     return [
         share("snap roll", "rad", snap),
         share("largest roll", "rad", most),
-        share("steady roll", "rad", float(rolls[-1])),
+        last,
     ]
 
 
