@@ -26,7 +26,7 @@ WRITABLE = {
     "jacobian",
     "change",
 }
-WRITABLE |= {"acceleration"}
+WRITABLE |= {"acceleration", "eye"}  # the lookout is its caller's
 
 
 def kernels() -> list[tuple[str, ast.FunctionDef]]:

@@ -49,6 +49,7 @@ def reduce(vessel: str, **options: Any) -> None:
     interrupted search goes on where it was. Nothing in it is random. Exit code 1 when the set is
     out of tolerance.
     """
+    from trainer.config import ConfigError  # noqa: PLC0415
     from trainer.files.vessel_file import load_vessel  # noqa: PLC0415
     from trainer.guide.tasks import processors  # noqa: PLC0415
     from trainer.reduce import page, sensitivity  # noqa: PLC0415
@@ -71,6 +72,8 @@ def reduce(vessel: str, **options: Any) -> None:
             click.echo(told if options["as_json"] else "\n".join(lines))
             return
         result = file.path if options["write"] else options["output"]
+        if result and not result.parent.is_dir():
+            raise ConfigError(f"{result}: there is no folder {result.parent}")
         found = _searched(file, cores, result, drops)
     click.echo(json.dumps(asdict(found), indent=1) if options["as_json"] else page.render(found))
     sys.exit(0 if found.passed else 1)

@@ -16,7 +16,7 @@ LEASH: Final = 0.05  # [-] weight of (factor - 1)^2 beside the largest differenc
 LOWEST, HIGHEST = 0.5, 2.0  # [-] factors
 FLOOR: Final = 0.2  # [-] smaller differences weigh as this
 POWERS: Final = (2, 6)
-DAMPINGS: Final = (0.01, 0.3, 10.0)
+DAMPINGS: Final = (0.01, 0.3, 10.0, 300.0)
 GAIN: Final = 0.995  # [-] of the cost: a step that brings less is the last
 NORM: Final = 8
 
@@ -33,6 +33,12 @@ class Point(NamedTuple):
     def worst(self) -> float:
         """Return the largest difference [-] of what is allowed."""
         return float(abs(self.differences).max())
+
+    @property
+    def departure(self) -> float:
+        """Return how far the factors of what is kept are from 1 [-], squared."""
+        kept = self.factors[self.factors != 0.0]
+        return float(np.sum((kept - 1.0) ** 2))
 
     @property
     def cost(self) -> float:
@@ -64,7 +70,10 @@ def stepped(
 def descend(
     fly: Fly, slopes: Numbers, here: Point, free: Sequence[int], rounds: int, goal: float
 ) -> Point:
-    """Return the best point of ``rounds`` steps by the same slopes, or the first in goal."""
+    """Return the best point of ``rounds`` steps by the same slopes.
+
+    If some are in the goal, the one of them that departs least from the hull's own coefficients.
+    """
     for _ in range(rounds):
         if here.worst <= goal:
             break
@@ -72,6 +81,9 @@ def descend(
             stepped(slopes, here, free, power, damping) for power in POWERS for damping in DAMPINGS
         ]
         points = [Point(*pair) for pair in zip(tried, fly(tried), strict=True)]
+        reached = [one for one in points if one.worst <= goal]
+        if reached:
+            return min(reached, key=lambda one: one.departure)
         best = min(points, key=lambda one: one.cost)
         if best.cost >= GAIN * here.cost:
             break

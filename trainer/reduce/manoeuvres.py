@@ -15,8 +15,6 @@ LEGS: Final = (3.0, 6.0, 6.0)  # [lengths run] of the weave, rudder to starboard
 READINGS: Final = (1 / 3, 2 / 3, 1.0)  # of a leg
 LEVEL: Final = {"r": "rad/s", "v": "m/s", "psi": "rad", "u": "m/s", "phi": "rad"}
 UPRIGHT: Final = {"q": "rad/s", "w": "m/s", "theta": "rad", "z": "m", "u": "m/s"}
-JAMMED: Final = 3.0  # [lengths run] with the planes jammed
-STOPPED: Final = 5.0  # [s] after the jam the engine is stopped
 AFTER: Final = 12.0  # [lengths run] that are watched once the planes are free
 
 
@@ -83,6 +81,7 @@ class PlaneJam(Manoeuvre):
     needs: ClassVar[tuple[str, ...]] = ("planes", "engine")
 
     angle_deg: float = 10.0  # planes
+    jammed_lengths: float = 3.0  # run while they are
 
     def schedule(self, conn: Conn) -> Iterator[None]:
         """Yield the cycles of jam and recovery."""
@@ -91,9 +90,8 @@ class PlaneJam(Manoeuvre):
         yield from conn.hold(LEAD)
         conn.order("planes", -angle)
         conn.mark("jam")
-        yield from conn.hold(STOPPED)
         conn.order("engine", 0.0)
-        yield from conn.hold(JAMMED * length / speed)
+        yield from conn.hold(self.jammed_lengths * length / speed)
         conn.order("planes", conn.vehicle.controls["planes"].high)
         conn.mark("free")
         level = yield from conn.until(Watch("theta", 0.0), AFTER * length / speed)

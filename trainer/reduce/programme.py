@@ -135,6 +135,8 @@ def _recovered(manoeuvre: Manoeuvre, flight: Flight) -> bool:
 
 
 def _gentler(manoeuvre: Manoeuvre) -> Manoeuvre:
-    """Return the manoeuvre by half the angle of its planes."""
+    """Return the manoeuvre by half the angle of its planes, a jam by half its time."""
     field = "planes_deg" if hasattr(manoeuvre, "planes_deg") else "angle_deg"
+    if isinstance(manoeuvre, PlaneJam):
+        field = "jammed_lengths"
     return replace(manoeuvre, **{field: 0.5 * getattr(manoeuvre, field)})

@@ -98,9 +98,19 @@ class ZigZag(Manoeuvre):
         return found
 
     def track(self, flight: Flight) -> list[Measure]:
-        """Return the sideways track and the roll."""
+        """Return the sideways track and the roll.
+
+        The first run to the side is judged; the largest of many also has in it the mean heading,
+        which the cycle of each execute takes its small part in.
+        """
         side = math.copysign(1.0, self.first)
-        found = [share("largest sideways run", "m", float((side * flight.change("y")).max()))]
+        aside = side * flight.change("y")
+        most = float(aside.max())
+        runs = [y for _, y in peaks(flight.t, aside) if y > 0.5 * most]
+        found = [
+            share("first sideways run", "m", runs[0] if runs else None),
+            shown("largest sideways run", "m", most),
+        ]
         if flight.has("phi"):
             rolls = side * flight.column("phi")
             found += [

@@ -1,0 +1,519 @@
+"""The reduction as a computation: its flights, its fit, its search, its file, its command."""
+
+import json
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+from trainer.commands.reducing import reduce
+from trainer.core.vessel import EXTRA_TERMS, KEPT
+from trainer.files.vessel_file import VesselFile, load_vessel, parse_vessel
+from trainer.fitout import KNOT, Method, compact_coefficients
+from trainer.guide.programme import legs, own_method
+from trainer.guide.verdicts import SHOWN, judge
+from trainer.reduce import checkpoint, reduction, writing
+from trainer.reduce.candidate import Candidate
+from trainer.reduce.crew import Crew
+from trainer.reduce.descent import Point, descend, rises, without
+from trainer.reduce.manoeuvres import PlaneJam
+from trainer.reduce.programme import fitted, held_out, speeds, tried, turns
+from trainer.reduce.search import Need, Search, Standing
+from trainer.reduce.sensitivity import table
+from trainer.reduce.verdict import PARTS, passed, verdict
+from trainer.reduce.yardstick import FURTHEST, Yardstick
+from trainer.study.manoeuvres.catalogue import named
+from trainer.study.manoeuvres.conn import Conn
+from trainer.study.manoeuvres.flight import fly
+from trainer.study.manoeuvres.measures import Numbers
+from trainer.study.manoeuvres.submarine import Submarine
+from trainer.study.manoeuvres.turns import Turn
+from trainer.study.manoeuvres.vehicle import Watch
+
+BOATS = ("bb2", "sdv-mk9", "remus100")
+SLIM = """
+[fluid]
+rho = 1025.0
+g = 9.81
+
+[vessel]
+length = 70.2
+mass = 4418825.0
+weight = 43348676.0
+buoyancy = 43348676.0
+cg = [0, 0, 0]
+cb = [0.0, 0.0, -0.44]
+Ix = 5.23e7
+Iy = 1.375e9
+Iz = 1.367e9
+
+[propulsion]
+[[propulsion.sets]]
+eta_min = -99.0
+a = -0.0016
+b = -0.0032
+c = 0.0048
+
+[control_surfaces]
+rudder_limit_deg = 30.0
+
+[run]
+speed_range_kn = [5.0, 15.0]
+
+# the hull's data begin here
+[coefficients]
+X_vr = 2.99e-2
+X_qq = -4.5e-4
+Y_vdot = -3.0e-2
+Y_v = -6.2e-2
+Y_dr = 1.7e-2
+Z_wdot = -2.1e-2
+Z_w = -2.8e-2
+K_p = -2.2e-4
+K_pap = -1.3e-4
+K_pdot = -4.1e-5
+M_qdot = -1.2e-3
+M_q = -5.9e-3
+N_rdot = -1.4e-3
+N_v = -9.4e-3
+N_r = -6.0e-3
+N_dr = -7.2e-3
+N_rar = -1.8e-3
+"""
+
+
+@pytest.fixture
+def slim(tmp_path: Path) -> VesselFile:
+    """Return a boat of few terms, without planes: its search takes seconds."""
+    path = tmp_path / "slim.toml"
+    path.write_text(SLIM, encoding="utf-8")
+    return load_vessel(str(path))
+
+
+# --- many cycles in one call
+
+
+class Plodding(Submarine):
+    """A submarine that takes every cycle by itself."""
+
+    @property
+    def swift(self) -> bool:
+        return False
+
+
+@pytest.mark.parametrize(
+    ("name", "speed"),
+    [("meander", 10.0), ("zigzag-20", 10.0), ("vertical-zigzag", 15.0), ("crash-stop", 10.0)],
+)
+def test_many_cycles_in_one_call_are_those_of_cycle_by_cycle(name: str, speed: float) -> None:
+    file = load_vessel("bb2")
+    method = own_method(file, "modified")
+
+    swift = fly(Submarine(file, method), named(name), speed * KNOT)
+    plodding = fly(Plodding(file, method), named(name), speed * KNOT)
+
+    assert swift.marks == plodding.marks
+    for column in Submarine.columns:
+        assert np.array_equal(swift.column(column), plodding.column(column)), column
+
+
+def test_a_boat_lost_in_many_cycles_is_lost_where_it_was_cycle_by_cycle() -> None:
+    file = load_vessel("remus100")
+    method = own_method(file, "full")
+
+    swift, plodding = (
+        fly(kind(file, method), named("meander"), 3.0 * KNOT) for kind in (Submarine, Plodding)
+    )
+
+    assert "pitch is 80 degrees" in swift.lost
+    assert swift.lost == plodding.lost
+    assert len(swift.t) == len(plodding.t)
+
+
+# --- events beside another's
+
+
+class Climber:
+    """A vehicle that does nothing but pitch up at a steady rate."""
+
+    name, length, step = "climber", 1.0, 0.5
+    columns = ("t", "theta")
+
+    def __init__(self, rate: float) -> None:
+        self.rate, self.cycles = rate, 0
+
+    def observe(self) -> tuple[float, ...]:
+        return self.cycles * self.step, self.cycles * self.step * self.rate
+
+    def advance(self) -> None:
+        self.cycles += 1
+
+
+def event(rate: float, others: Sequence[float | None] = ()) -> float | None:
+    """Return when a climber's pitch passes 1 rad, beside another's event."""
+    vehicle = Climber(rate)
+    conn = Conn(vehicle, others)  # type: ignore[arg-type]
+    for _ in conn.until(Watch("theta", 1.0), 100.0):
+        vehicle.advance()
+        conn.look()
+    return conn.events[0]
+
+
+def test_an_event_within_a_cycle_of_the_others_is_taken_when_the_other_has_it() -> None:
+    assert event(0.1) == 10.0
+    assert event(0.102) == 10.0
+    assert event(0.098) == 10.5
+
+    assert event(0.098, [10.0]) == 10.0  # to come within the cycle
+    assert event(0.107, [10.0]) == 10.0  # 9.35 s, seen at 9.5 s
+
+
+def test_an_event_more_than_a_cycle_from_the_others_is_ones_own() -> None:
+    assert event(0.12, [10.0]) == event(0.12) == 8.5
+    assert event(0.09, [10.0]) == event(0.09) == 11.5
+    assert event(0.1, [None]) == 10.0
+    assert event(0.1, [0.5]) == 10.0
+
+
+def test_the_guide_flies_reduced_sets_beside_the_full_one() -> None:
+    file = load_vessel("bb2")
+    (leg,) = (leg for leg in legs(file) if leg.title == "overshoot, execute 5 deg, 20 kn")
+
+    assert leg.task(file, "full").beside is None
+    assert leg.task(file, "modified").beside == leg.task(file, "full").method
+
+
+# --- what is flown
+
+
+def test_turns_are_at_four_speeds_by_three_rudders() -> None:
+    bb2, sdv = load_vessel("bb2"), load_vessel("sdv-mk9")
+
+    assert speeds(bb2) == (5.0, 10.0, 15.0, 20.0)
+    assert {leg.manoeuvre.angle_deg for leg in turns(bb2)} == {10.0, 20.0, 30.0}  # type: ignore[attr-defined]
+    assert len(turns(bb2)) == 12
+    assert max(leg.manoeuvre.angle_deg for leg in turns(sdv)) == 20.0  # type: ignore[attr-defined]
+    assert speeds(sdv) == (1.5, 3.0, 4.5, 6.0)
+
+
+def test_what_is_held_out_is_neither_fitted_nor_tried() -> None:
+    for name in BOATS:
+        file = load_vessel(name)
+        known = {leg.manoeuvre for leg in (*fitted(file), *tried(file))}
+        kinds = {leg.name for leg in held_out(file)}
+
+        assert not known & {leg.manoeuvre for leg in held_out(file)}
+        assert kinds == {"zigzag-15", "climbing turn", "stern-plane jam"}
+        assert not {"zigzag", "climbing"} & {leg.name.split()[0] for leg in fitted(file)}
+
+
+def test_planes_are_eased_until_the_full_set_is_not_lost_and_a_jam_until_it_is_recovered() -> None:
+    file = load_vessel("remus100")
+    boat = Submarine(file, own_method(file, "full"))
+
+    flown = [(leg, fly(boat, leg.manoeuvre, leg.speed_kn * KNOT)) for leg in fitted(file)]
+    jams = [leg for leg in held_out(file) if isinstance(leg.manoeuvre, PlaneJam)]
+
+    assert not [leg.title for leg, flight in flown if flight.lost]
+    assert jams
+    for leg in jams:
+        assert fly(boat, leg.manoeuvre, leg.speed_kn * KNOT).time_of("level") is not None
+
+
+@pytest.mark.parametrize("name", BOATS)
+def test_the_kernel_has_room_for_all_that_the_shipped_hulls_have(name: str) -> None:
+    file = load_vessel(name)
+    candidate = Candidate(file, "modified")
+    candidate.take([1.0] * len(candidate.terms))
+    absent = {key for key, value in file.coefficients.items() if value} - set(candidate.terms)
+
+    yardstick = Yardstick(file, turns(file)[4:6])
+
+    assert absent <= {"K_star_eta"}
+    assert abs(yardstick.differences(candidate)).max() < 0.5
+
+
+def test_what_a_candidate_cannot_fly_counts_as_furthest(slim: VesselFile) -> None:
+    yardstick = Yardstick(slim, fitted(slim)[:2])
+    candidate = Candidate(slim, "modified")
+
+    candidate.take([1e6] * len(candidate.terms))
+    far = yardstick.differences(candidate)
+    candidate.take([1.0] * len(candidate.terms))
+    near = yardstick.differences(candidate)
+
+    assert abs(far).max() == FURTHEST
+    assert abs(near).max() < 1.0
+
+
+# --- the fit
+
+
+def linear(size: int) -> tuple[Numbers, Numbers]:
+    """Return slopes and differences, at factors of 1, of a problem without curves."""
+    generator = np.random.default_rng(5)
+    return generator.normal(size=(40, size)), 0.1 * generator.normal(size=40)
+
+
+def test_a_dropped_term_is_made_up_for_as_a_fit_without_it_would() -> None:
+    slopes, differences = linear(5)
+    here = Point(np.ones(5), differences)
+    gone = without(slopes, here, range(5), [3])
+
+    # least squares of the weighted rows and the leash, by another way
+    weights = np.maximum(abs(differences), 0.2) ** 2
+    weights /= weights.max()
+    rows = np.vstack([np.sqrt(weights)[:, None] * slopes, np.sqrt(0.05) * np.eye(5)])
+    left = -rows @ np.array([0.0, 0.0, 0.0, -1.0, 0.0])
+    rest = [0, 1, 2, 4]
+    expected = 1.0 + np.linalg.lstsq(rows[:, rest], left, rcond=None)[0]
+
+    assert gone[3] == 0.0
+    assert gone[rest] == pytest.approx(np.clip(expected, 0.5, 2.0), abs=1e-9)
+
+
+def test_the_term_that_does_least_costs_least() -> None:
+    slopes, differences = linear(4)
+    slopes[:, 2] *= 1e-3
+
+    costs = rises(slopes, Point(np.ones(4), differences), range(4))
+
+    assert int(np.argmin(costs)) == 2
+
+
+def test_a_fit_ends_in_its_goal_with_the_least_departure() -> None:
+    slopes = np.eye(3) * 2.0
+
+    def fly_all(several: Sequence[Numbers]) -> list[Numbers]:
+        return [slopes @ (factors - 1.0) - np.array([0.0, 0.0, 1.0]) for factors in several]
+
+    start = Point(np.ones(3), fly_all([np.ones(3)])[0])
+    found = descend(fly_all, slopes, start, range(3), 3, 0.8)
+
+    assert found.worst <= 0.8
+    assert found.factors[:2] == pytest.approx(np.ones(2))
+    assert 1.0 < found.factors[2] < 1.45  # the optimum is 1.5
+    assert descend(fly_all, slopes, start, range(3), 3, 0.01).worst < 0.05
+
+
+# --- the search
+
+
+def searched(file: VesselFile, standing: Standing | None = None) -> Iterator[Standing]:
+    """Yield the standings of a search, round by round."""
+    with Crew(file.path, "modified", 1) as crew:
+        search = Search(file, "modified", crew)
+        standing = standing or search.begin()
+        while not standing.done:
+            standing = search.round(standing, lambda: None)
+            yield standing
+
+
+def test_a_search_drops_what_nothing_needs_and_says_why_the_rest_stays(slim: VesselFile) -> None:
+    *_, last = searched(slim)
+    terms = Candidate(slim, "modified").terms
+    kept = {terms[i] for i in last.kept}
+
+    assert not {"X_qq", "Z_w", "Z_wdot", "M_q"} & kept  # nothing of it happens without planes
+    assert {"N_dr", "Y_dr"} <= kept  # what the crew commands
+    assert {"N_r", "Y_v", "N_rar"} <= kept
+    assert {need.term for need in last.needed} == kept - {"N_dr", "Y_dr"}
+    assert all(need.worst > last.limit for need in last.needed)
+    assert all(last.factors[i] == 0.0 for i in range(len(terms)) if i not in last.kept)
+
+
+def test_a_search_broken_off_ends_in_the_same_bits(slim: VesselFile, tmp_path: Path) -> None:
+    path = tmp_path / "kept.json"
+    through = list(searched(slim))
+
+    for one in through[:-1]:
+        checkpoint.save(path, slim, {"modified": one})
+        back = checkpoint.load(path, slim)["modified"]
+        assert back == one
+    assert next(searched(slim, back)) == through[-1]
+
+    other = replace(slim, text=slim.text + "\n# changed")
+    assert checkpoint.load(path, other) == {}
+    path.write_text("{broken", encoding="utf-8")
+    assert checkpoint.load(path, slim) == {}
+
+
+def test_two_processes_find_the_bits_of_one(slim: VesselFile) -> None:
+    factors = np.ones(len(Candidate(slim, "modified").terms))
+    several = [factors * (1.0 + 0.01 * i) for i in range(3)]
+
+    with Crew(slim.path, "modified", 1) as one, Crew(slim.path, "modified", 2) as two:
+        alone, together = one.differences(several), two.differences(several)
+
+    assert all(np.array_equal(a, b) for a, b in zip(alone, together, strict=True))
+
+
+# --- the file
+
+
+def test_the_tables_read_back_as_the_factors_found_and_nothing_else_moves() -> None:
+    file = parse_vessel(SLIM + "[compensation.modified]   # old\nN_r = 3.0\n", Path("boat.toml"))
+    names = Candidate(file, "modified").terms
+    modified = {name: 0.0 if name in {"X_qq", "Z_w"} else 1.25 for name in names}
+    needs = (Need("X_vr", 7.5, "turn, rudder 10 deg, 5 kn", "steady speed"),)
+    tables = writing.tables({"modified": modified, "basic": modified}, needs, {"kept": 14})
+
+    text = writing.rewritten(file.text, tables)
+    back = parse_vessel(text, Path("boat.toml"))
+
+    assert back.compact.extra_terms == ("X_vr", "K_pap", "N_rar")
+    found = compact_coefficients(back, "modified")
+    for name, factor in modified.items():
+        assert found.get(name, 0.0) == pytest.approx(factor * file.coefficients[name])
+    assert back.coefficients == file.coefficients
+    assert "steady speed in turn, rudder 10 deg, 5 kn: 7.5 of the allowed" in text
+    assert "# the hull's data begin here\n[coefficients]" in text
+    assert "N_r = 3.0" not in text
+    assert writing.rewritten(text, tables) == text
+
+
+# --- the verdict and the command
+
+
+@pytest.mark.parametrize("name", BOATS)
+def test_the_compact_set_of_a_shipped_boat_passes_guide_turns_and_what_it_has_not_seen(
+    name: str,
+) -> None:
+    file = load_vessel(name)
+    candidate = Candidate(file, "modified")
+    factors = reduction.as_filed(file)
+    candidate.take([factors[term] for term in candidate.terms])
+
+    checked = verdict(file, candidate)
+
+    assert {one.part for one in checked} == set(PARTS)
+    assert [one for one in checked if one.beyond] == []
+    assert sum(factor != 0.0 for factor in factors.values()) < len(factors)
+
+
+def test_a_boat_runs_by_the_factors_of_its_file() -> None:
+    file = load_vessel("bb2")
+    candidate = Candidate(file, "modified")
+    factors = reduction.as_filed(file)
+    candidate.take([factors[term] for term in candidate.terms])
+    leg = turns(file)[0]
+    own = fly(Submarine(file, own_method(file, "modified")), leg.manoeuvre, leg.speed_kn * KNOT)
+
+    found = candidate.fly(leg, own)
+
+    for column in Submarine.columns:
+        assert np.array_equal(found.column(column), own.column(column)), column
+
+
+def test_a_set_that_is_out_is_told_by_leg_and_quantity() -> None:
+    file = load_vessel("bb2")
+    candidate = Candidate(file, "modified")
+    factors = reduction.as_filed(file) | {"N_r": 0.0}
+    candidate.take([factors[term] for term in candidate.terms])
+
+    checked = verdict(file, candidate)
+
+    assert not passed(checked)
+    turn = next(one for one in checked if one.leg == "turn, rudder 20 deg, 10 kn")
+    assert turn.beyond > 0
+    assert turn.worst > 1.0
+    assert turn.quantity
+
+
+def test_nothing_is_judged_where_the_full_set_is_lost() -> None:
+    file = load_vessel("remus100")
+    manoeuvre = named("meander")
+    lost = fly(Submarine(file, own_method(file, "full")), manoeuvre, 3.0 * KNOT)
+    other = fly(Submarine(file, own_method(file, "modified")), manoeuvre, 3.0 * KNOT)
+
+    assert lost.lost
+    assert {one.verdict for one in judge(manoeuvre, lost, other)} == {SHOWN}
+
+
+def test_a_heel_that_still_swings_is_not_judged_as_steady() -> None:
+    file = load_vessel("bb2")
+    flight = fly(Submarine(file, own_method(file, "full")), Turn(), 10.0 * KNOT)
+    t = flight.t
+
+    def steady(rolls: Numbers) -> float | None:
+        columns = flight.series.columns | {"phi": rolls}
+        swinging = replace(flight, series=replace(flight.series, columns=columns))
+        measures = {one.name: one for one in Turn().measures(swinging)}
+        return measures["steady roll"].allowed
+
+    assert steady(0.1 * (1.0 - np.exp(-t / 20.0))) == pytest.approx(0.005, rel=1e-3)
+    assert steady(0.1 * (1.0 - np.exp(-t / 20.0)) + 0.02 * np.sin(t)) is None
+
+
+def test_sensitivities_are_those_of_the_full_set_without_the_coefficient(slim: VesselFile) -> None:
+    drops = {drop.coefficient: drop for drop in table(slim, 1, lambda: None)}
+    method = Method("full", "exact", "exact", "rk4", slim.run.step_s)
+    less = replace(slim, coefficients={**slim.coefficients, "N_r": 0.0})
+
+    def diameter(file: VesselFile) -> float:
+        flight = fly(Submarine(file, method), Turn(), file.run.start_speed_kn * KNOT)
+        return {one.name: one.value for one in Turn().measures(flight)}["steady diameter"] or 0.0
+
+    expected = 100.0 * (diameter(less) / diameter(slim) - 1.0)
+    assert drops["N_r"].percent["turn: steady diameter"] == pytest.approx(expected)
+    assert "X_qq" not in drops  # does nothing here
+
+
+def run(*arguments: str) -> tuple[int, str, str]:
+    """Return exit code, stdout and stderr or the error of a run of the command."""
+    done = CliRunner().invoke(reduce, arguments)
+    return done.exit_code, done.stdout, done.stderr or str(done.exception or "")
+
+
+def test_the_command_finds_writes_and_then_checks_a_set(slim: VesselFile, tmp_path: Path) -> None:
+    result = tmp_path / "found.toml"
+
+    code, out, _ = run(str(slim.path), "-o", str(result), "--cores", "1")
+    assert code == 0, out
+    assert "Within tolerance." in out
+    assert "Why terms stay" in out
+    assert max(map(len, out.splitlines())) <= 79
+    assert not checkpoint.place(result).exists()
+
+    code, out, _ = run(str(result), "--check", "--json")
+    told = json.loads(out)
+    assert code == 0
+    assert told["passed"] is True
+    kept = {one["term"] for one in told["kept"]}
+    assert len(kept) < told["hull_terms"]
+    assert kept & set(EXTRA_TERMS) == set(load_vessel(str(result)).compact.extra_terms)
+    assert kept <= {*KEPT, *EXTRA_TERMS}
+
+
+def test_a_set_out_of_tolerance_is_exit_code_1_and_a_table_is_0(slim: VesselFile) -> None:
+    text = SLIM + "[compensation.modified]\nN_r = 0.3\n"
+    slim.path.write_text(text, encoding="utf-8")
+
+    code, out, _ = run(str(slim.path), "--check")
+    assert code == 1
+    assert "Out of tolerance." in out
+
+    code, out, _ = run(str(slim.path), "--table", "--cores", "1")
+    assert code == 0
+    assert "N_r" in out
+    code, out, _ = run(str(slim.path), "--table", "--json", "--cores", "1")
+    assert {"N_r", "Y_v"} <= {one["coefficient"] for one in json.loads(out)}
+
+
+def test_options_that_exclude_one_another_are_refused() -> None:
+    code, _, told = run("bb2", "--check", "--table")
+
+    assert code == 2
+    assert "--check and --table exclude one another" in told
+
+
+def test_a_result_that_cannot_be_written_is_told_before_the_search(
+    slim: VesselFile, tmp_path: Path
+) -> None:
+    code, _, told = run(str(slim.path), "-o", str(tmp_path / "no" / "such.toml"))
+
+    assert code != 0
+    assert "such.toml" in told
