@@ -7,8 +7,7 @@ import math
 import struct
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import Any
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -55,13 +54,12 @@ class Histogram:
 
     def add(self, duration: int) -> None:
         """Count ``duration`` [ns]; a negative one counts as 0."""
-        if duration > self._largest:
-            self._largest = duration
+        self._largest = max(self._largest, duration)
         shift = duration.bit_length() - HALF_BITS
         if shift > 0 and duration > 0:
             self._counts[shift * HALF + (duration >> shift)] += 1
         else:
-            self._counts[duration if duration > 0 else 0] += 1
+            self._counts[max(0, duration)] += 1
 
     def spread(self) -> Spread:
         """Return the percentiles [ns], all 0 when nothing was counted."""

@@ -9,9 +9,10 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any, Final
 
-from trainer import __version__, core_digest
+from trainer import __version__
 from trainer.config import ConfigError
 from trainer.files.vessel_file import VesselFile
+from trainer.machine_code import core_digest
 from trainer.reduce.search import Need, Standing
 
 ENDING: Final = ".partial.json"

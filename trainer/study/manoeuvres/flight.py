@@ -31,8 +31,8 @@ class Flight:
     step: float  # [s]
     series: Series
     marks: tuple[Mark, ...]
-    events: tuple[float | None, ...]  # [s] of what the schedule waited for; None: never
     lost: str  # why it ended early; "" if it did not
+    events: tuple[float | None, ...] = ()  # [s] of what the schedule waited for; None: never
 
     @property
     def t(self) -> Numbers:
