@@ -135,3 +135,14 @@ def heard(by: Caller, words: str) -> bool:
             return True
         time.sleep(LOOK)
     return False
+
+
+def logged(by: Caller, words: str) -> bool:
+    """Return whether it is in the session's log before long, be it from before the line came."""
+    end = time.monotonic() + PATIENCE
+    while time.monotonic() < end:
+        by.ask("log 100")
+        if any(words in text for text in by.said):
+            return True
+        time.sleep(LOOK)
+    return False

@@ -22,6 +22,7 @@ class Caller:
     def __init__(self, at: int | Path, patience: float = PATIENCE) -> None:
         """Dial a port of this machine, or a local socket; GoneError if nobody answers."""
         self.shown: dict[str, tuple[str, ...]] = {}  # the latest values of each channel
+        self.said: list[str] = []  # the lines of the last long answer
         self.news: list[Sentence] = []  # what has happened, until somebody takes it
         self._tags = itertools.cycle(range(1, 1_000_000))
         try:
@@ -39,13 +40,14 @@ class Caller:
     def ask(self, words: str) -> tuple[bool, str]:
         """Give an order; return whether it was obeyed, and the answer."""
         tag = str(next(self._tags))
+        self.said = []
         try:
             self._line.sendall(f"{order_sentence(words, tag)}\n".encode("ascii"))
             for text in self._lines:
                 said = read(text)
                 if said and (said.kind, said.tag) == ("TRA", tag) and said.fields[0] != "say":
                     return said.fields[0] == "ok", said.fields[1]
-                self._take(said)
+                self._take(said, tag)
         except OSError as error:
             raise GoneError(str(error)) from None
         raise GoneError("the session has closed the line")
@@ -66,9 +68,11 @@ class Caller:
             self._line.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, RESET)
         self.hang_up()
 
-    def _take(self, said: Sentence | None) -> None:
-        """Keep what the session says by itself."""
-        if said and said.kind == "TRS":
+    def _take(self, said: Sentence | None, tag: str) -> None:
+        """Keep what the session says by itself, and the lines of the answer that is awaited."""
+        if said and (said.kind, said.tag) == ("TRA", tag):
+            self.said.append(said.fields[1])
+        elif said and said.kind == "TRS":
             self.shown[said.fields[0]] = said.fields[1:]
         elif said and said.kind == "TRE":
             self.news.append(said)

@@ -11,7 +11,7 @@ from typing import Final
 from trainer.config import ConfigError
 from trainer.io.recording import Recording, RecordingError
 from trainer.proving.audit import same_bits
-from trainer.proving.bench_of_faults import Bench, Session, Tried, heard, kept
+from trainer.proving.bench_of_faults import Bench, Session, Tried, kept, logged
 from trainer.proving.caller import GoneError
 from trainer.proving.process_faults import drive_and_kill, remove
 from trainer.stations.roles import ROLES
@@ -51,7 +51,7 @@ def _filled(bench: Bench, tried: Tried, session: Session) -> None:
     tried.times += 1
     with contextlib.suppress(GoneError), session.instructed() as by:
         session.order_some(by, bench.dice, ORDERS, HELM)
-        tried.must(heard(by, "NOT RECORDED"), "a station is not told")
+        tried.must(logged(by, "NOT RECORDED"), "a station is not told")
         by.ask("quit")
     code, told = bench.nursery.wait(session.process), bench.told()
     if not session.path.exists():
@@ -106,7 +106,7 @@ def _taken_away(bench: Bench, tried: Tried, folder: Path, aside: Path) -> None:
         answered = list(session.answered)
         _unmount(folder)
         tried.must(by.ask("depth 70")[0], "an order is refused afterwards")
-        tried.must(heard(by, "not there any more"), "a station is not told")
+        tried.must(logged(by, "not there any more"), "a station is not told")
         by.ask("quit")
     tried.must(bench.nursery.wait(session.process) == 1, "its end does not tell")
     tried.must("not there any more" in bench.told(), "its account does not tell")
