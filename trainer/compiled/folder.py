@@ -10,7 +10,7 @@ from trainer.boat import Boat
 from trainer.compiled.card import card_text
 from trainer.compiled.header import header_text
 from trainer.compiled.linking import link
-from trainer.compiled.lowering import freestanding_module
+from trainer.compiled.lowering import freestanding_module, tick
 from trainer.compiled.targets import code_words, object_code, processor
 from trainer.config import ConfigError
 from trainer.core.scratch import SCRATCH
@@ -64,7 +64,7 @@ def export(boat: Boat, folder: Path, cpu: str) -> Exported:
         folder.mkdir(parents=True, exist_ok=True)
     target = processor(cpu)
     constants = constants_of(boat, card_text(boat, target))
-    code = object_code(freestanding_module(boat.records.scheme, constants), target)
+    code = object_code(freestanding_module(tick, boat.records.scheme, constants), target)
     host = (Path(__file__).parent / HOST).read_bytes()
     files = {OBJECT: code, HEADER: header_text(boat, target.name).encode(), HOST: host}
     with told():

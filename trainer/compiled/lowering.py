@@ -77,14 +77,18 @@ def constants_text(constants: Mapping[str, bytes]) -> str:
     )
 
 
-def freestanding_module(scheme: Record, constants: Mapping[str, bytes]) -> Any:
+def freestanding_module(
+    function: Callable[..., int], scheme: Record, constants: Mapping[str, bytes]
+) -> Any:
     """Return the module of ``trainer_tick`` for one scheme, beside the constants.
+
+    ``function`` of the addresses of all records is what it does; ``tick`` does all of it.
 
     Only they can be seen from outside; whatever else there is may be inlined or dropped.
     """
     binding.initialize_native_target()
     binding.initialize_native_asmprinter()
-    text, name = kernel_text(tick)
+    text, name = kernel_text(function)
     module = binding.parse_assembly(text)
     chosen = np.asarray(scheme).tobytes()
     entry = ENTRY.format(size=len(chosen), scheme=quoted(chosen), kernel=name)

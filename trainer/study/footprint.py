@@ -1,0 +1,129 @@
+"""The size of the tick's machine code in words of 16 bits, beside that of the program of 1969.
+
+It is compiled for size in a process of its own: every kernel once, none put into its callers, and
+then the compiler's own choice of what to join. The report's trigonometry is used, as in 1969.
+"""
+
+import json
+import os
+import re
+import subprocess
+import sys
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Final
+
+from llvmlite import binding  # type: ignore[import-untyped]
+
+from trainer.compiled.targets import processor
+from trainer.config import ConfigError
+from trainer.core.state import STATE
+from trainer.core.vessel import COMPACT
+
+CPUS: Final = ("x86-64-v3", "x86-64-v4")
+WORDS_1969: Final = {"update": 1253, "tick": 2632}  # [16-bit words] program and constants
+MEMORY: Final = 4096  # [16-bit words] for a tick with its constants and its state
+VESSEL: Final = "bb2"
+CHILD: Final = """
+import json
+from trainer.core import kernel
+kernel.part = kernel.kernel = kernel.njit(error_model="numpy", _nrt=False)
+from trainer.study import footprint, small_ticks
+ticks = {"update": small_ticks.update_of_1969, "tick": small_ticks.tick_of_1969}
+print(json.dumps({name: footprint.sections(tick) for name, tick in ticks.items()}))
+"""
+
+
+@dataclass(frozen=True)
+class Code:
+    """What one program takes on one processor, in words of 16 bits."""
+
+    program: str
+    cpu: str
+    code_words: int
+    constant_words: int
+    code_words_1969: int
+
+
+@dataclass(frozen=True)
+class Footprint:
+    """What the tick takes."""
+
+    codes: tuple[Code, ...]
+    state_words: int
+    compact_words: int
+    least_whole_words: int  # a tick's code and constants, the compact record and the state
+    whole_words_wanted: int
+
+
+def sections(function: Callable[..., int]) -> dict[str, tuple[int, int]]:
+    """Return by processor how many bytes of code and of constants ``function`` takes."""
+    from trainer.compiled.lowering import freestanding_module  # noqa: PLC0415  kernels are settled
+    from trainer.files.vessel_file import load_vessel  # noqa: PLC0415
+    from trainer.fitout import Method, fit_out  # noqa: PLC0415
+
+    method = Method("modified", "lagged", "report", "adams2", 0.5)
+    module = freestanding_module(function, fit_out(load_vessel(VESSEL), method).scheme, {})
+    text = re.sub(r"(attributes #\d+ = \{)", r"\1 optsize", str(module))
+    return {cpu: sizes(small_object(text, cpu)) for cpu in CPUS}
+
+
+def small_object(text: str, cpu: str) -> bytes:
+    """Return LLVM text compiled for size."""
+    target = processor(cpu)
+    machine = binding.Target.from_triple(binding.get_process_triple()).create_target_machine(
+        cpu=target.name, features=target.features, opt=2, reloc="pic", codemodel="small"
+    )
+    tuning = binding.create_pipeline_tuning_options(speed_level=2)
+    tuning.size_level = 1
+    tuning.loop_vectorization = tuning.slp_vectorization = tuning.loop_unrolling = False
+    builder = binding.create_pass_builder(machine, tuning)
+    module = binding.parse_assembly(text)
+    builder.getModulePassManager().run(module, builder)
+    return bytes(machine.emit_object(module))
+
+
+def sizes(code: bytes) -> tuple[int, int]:
+    """Return the bytes of an object's code and of its constants."""
+    whole = binding.ObjectFileRef.from_data(code)
+    texts = constants = 0
+    for part in whole.sections():  # each is gone when the next comes
+        size = int(part.size())
+        texts += size * bool(part.is_text())
+        constants += size * (part.name() or b"").startswith(b".rodata")
+    return texts, constants
+
+
+def footprint() -> Footprint:
+    """Return what the tick takes on processors of today; ConfigError if it cannot be compiled."""
+    environment = os.environ | {"NUMBA_OPT": "0", "NUMBA_DISABLE_JIT": "0"}
+    words = [sys.executable, "-W", "ignore", "-c", CHILD]
+    done = subprocess.run(words, env=environment, capture_output=True, text=True, check=False)  # noqa: S603
+    if done.returncode != 0:
+        raise ConfigError(f"the tick was not compiled for size: {done.stderr.strip()}")
+    codes = tuple(
+        Code(name, cpu, code // 2, constants // 2, WORDS_1969[name])
+        for name, by_cpu in json.loads(done.stdout).items()
+        for cpu, (code, constants) in by_cpu.items()
+    )
+    state, compact = STATE.itemsize // 2, COMPACT.itemsize // 2
+    ticks = [code.code_words + code.constant_words for code in codes if code.program == "tick"]
+    return Footprint(codes, state, compact, min(ticks) + compact + state, MEMORY)
+
+
+def lines(figures: Footprint) -> list[str]:
+    """Return the figures as lines of a page."""
+    rows = [
+        f"  {code.program:<8}{code.cpu:<12}{code.code_words:>8}{code.constant_words:>11}"
+        f"{code.code_words_1969:>8}{code.code_words / code.code_words_1969:>8.2f}"
+        for code in figures.codes
+    ]
+    half = f"half the memory of 1969: {figures.whole_words_wanted}"
+    return [
+        "",
+        "FOOTPRINT ([16-bit words], compiled for size; modified set, the report's trigonometry)",
+        f"  {'program':<8}{'processor':<12}{'code':>8}{'constants':>11}{'1969':>8}{'times':>8}",
+        *rows,
+        f"  state {figures.state_words}, constants of the boat {figures.compact_words}",
+        f"  the tick with all of it {figures.least_whole_words}; {half}",
+    ]
