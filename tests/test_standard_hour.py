@@ -10,7 +10,8 @@ from trainer.core.scheme import COMPACT, MULTISTEP
 from trainer.core.state import FIELDS
 from trainer.study.against_c.compiler import SAME_BITS, build
 from trainer.study.against_c.header import RECORDS, header
-from trainer.study.same_bits import compiled, for_level, in_another_process, levels_here, same_bits
+from trainer.study.hot import in_a_loop
+from trainer.study.same_bits import for_level, in_another_process, levels_here, same_bits
 from trainer.study.standard_hour import TICKS, digest, fly_standard_hour, standard_boat
 
 # Another boat or another equation makes it another hour: then take the new one from the failure,
@@ -26,7 +27,7 @@ needs_compiler = pytest.mark.skipif(
 @pytest.fixture(scope="module")
 def hour() -> Boat:
     """Return the boat after the hour."""
-    return fly_standard_hour(compiled)
+    return fly_standard_hour(in_a_loop)
 
 
 @pytest.mark.core
@@ -55,7 +56,7 @@ def test_the_tick_in_plain_c_ends_the_hour_in_the_same_bits(way: object) -> None
 
 
 def test_an_interpreted_process_takes_the_same_ticks() -> None:
-    expected = digest(fly_standard_hour(compiled, SHORT))
+    expected = digest(fly_standard_hour(in_a_loop, SHORT))
 
     assert in_another_process({"NUMBA_DISABLE_JIT": "1"}, SHORT) == expected
 

@@ -10,13 +10,14 @@ import numpy as np
 from trainer.config import ConfigError
 from trainer.core.autopilot import stand_by_all
 from trainer.core.ballast import start_ballast
+from trainer.core.bound import bound
 from trainer.core.free_surface import DECK_REACH
 from trainer.core.kernel import Numbers, Record
 from trainer.core.rates import rates
 from trainer.core.seaway import order_sea
 from trainer.core.state import STATE
 from trainer.core.trim import BOTH, STERN, trim
-from trainer.core.update import WATCHED, update
+from trainer.core.update import WATCHED
 from trainer.files.casualty_file import load_casualties
 from trainer.files.sea_file import SeaFile, load_sea, sea_settings
 from trainer.files.vessel_file import VesselFile
@@ -68,7 +69,7 @@ class Boat:
         whole: Any = self.records.state.view(np.uint8)
         self.plain = memoryview(whole).cast("d")
         self.reach = _reach(self.vessel)
-        self._arguments = tuple(self.records)
+        self._update = bound(tuple(self.records))
         self.toward = _senses(file)
         self.sea = load_sea("calm")
         self.casualties = load_casualties()
@@ -169,7 +170,7 @@ class Boat:
 
     def tick(self) -> int:
         """Advance by one step; return 0, or a status for ``failure`` with the state as it was."""
-        return int(update(*self._arguments))
+        return self._update()
 
     def failure(self, status: int) -> str:
         """Return where and when a failing tick lost its numbers, in words."""

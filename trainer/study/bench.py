@@ -28,7 +28,7 @@ from trainer.core.vessel import COMPACT, VESSEL
 from trainer.files.vessel_file import VesselFile
 from trainer.ledger import Spread
 from trainer.study.attended import Attended, run_to, session_of, temporary, time_attended
-from trainer.study.hot import Troubled, Update, ready, time_troubled, time_update
+from trainer.study.hot import STANDARD, Troubled, Update, ready, time_troubled, time_update
 from trainer.study.latency import SPEED, Latency, time_orders
 
 DUTY_1969: Final = {0.5: 38.0, 1.0: 19.0}  # [%] by step [s], of the modified set in 1969
@@ -41,7 +41,7 @@ RECORDS: Final = {
     "scratch": SCRATCH,
 }
 HOT: Final = (
-    ("modified", "lagged", "adams2"),
+    STANDARD,
     ("full", "exact", "adams2"),
     ("full", "exact", "rk4"),
 )

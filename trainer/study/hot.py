@@ -11,10 +11,11 @@ from trainer.core.kernel import Record, kernel
 from trainer.core.update import update
 from trainer.files.sea_file import load_sea
 from trainer.files.vessel_file import VesselFile
-from trainer.fitout import KNOT, Method
+from trainer.fitout import KNOT, Method, Records
 from trainer.study.batches import Batches, time_batches
 from trainer.watch import showing
 
+STANDARD: Final = ("modified", "lagged", "adams2")
 SEA: Final = "sea-state-5"
 CASUALTIES: Final = (
     *("rudder-slow", "stern-slow", "bow-slow"),
@@ -53,6 +54,12 @@ def take_ticks(
     for _ in range(count):
         status = update(vessel, compact, scheme, state, scratch)
     return status
+
+
+def in_a_loop(records: Records, count: int) -> int:
+    """Take ``count`` ticks of a boat in the compiled loop; return the status of the last."""
+    vessel, compact, scheme, state, scratch = records
+    return int(take_ticks(vessel, compact, scheme, count, state, scratch))
 
 
 def ready(file: VesselFile, way: tuple[str, str, str], step: float) -> Boat:

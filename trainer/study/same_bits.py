@@ -11,15 +11,14 @@ from typing import Final
 from trainer.compiled.linking import NoCompilerError
 from trainer.compiled.targets import LEVELS, NATIVE, processor
 from trainer.config import ConfigError
-from trainer.fitout import Records
 from trainer.study.against_c.compiler import SAME_BITS, build
-from trainer.study.hot import take_ticks
+from trainer.study.hot import in_a_loop
 from trainer.study.standard_hour import TICKS, Ticks, digest, fly_standard_hour
 
 CHILD: Final = """
-from trainer.study.same_bits import compiled
+from trainer.study.hot import in_a_loop
 from trainer.study.standard_hour import digest, fly_standard_hour
-print(digest(fly_standard_hour(compiled, {last})))
+print(digest(fly_standard_hour(in_a_loop, {last})))
 """
 
 
@@ -31,12 +30,6 @@ class SameBits:
     sha256: dict[str, str]  # by how it was computed
     left_out: dict[str, str]  # and why
     same: bool
-
-
-def compiled(records: Records, count: int) -> int:
-    """Take ``count`` ticks in this process, compiled as it is; return the status of the last."""
-    vessel, compact, scheme, state, scratch = records
-    return int(take_ticks(vessel, compact, scheme, count, state, scratch))
 
 
 def in_another_process(environment: dict[str, str], last: int = TICKS) -> str:
@@ -76,7 +69,7 @@ def ways(last: int) -> dict[str, Callable[[], str]]:
     """Return how to compute the hour up to ``last``, by name."""
     interpreted = {"NUMBA_DISABLE_JIT": "1"}
     return {
-        "compiled": partial(flown, lambda: compiled, last),
+        "compiled": partial(flown, lambda: in_a_loop, last),
         "interpreted": partial(in_another_process, interpreted, last),
         **{level: partial(in_another_process, for_level(level), last) for level in levels_here()},
         **{f"C, {way.name}": partial(flown, partial(build, way), last) for way in SAME_BITS},

@@ -1,0 +1,67 @@
+"""The tick with its records bound once: the same tick."""
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+
+from trainer.boat import Boat
+from trainer.core.update import update
+
+pytestmark = pytest.mark.core
+
+
+def test_a_bound_tick_is_the_tick_of_the_records(make_boat: Callable[..., Boat]) -> None:
+    bound, called = make_boat(), make_boat()
+    for boat in (bound, called):
+        boat.start(5.0, 60.0, 0.0)
+        boat.state.ordered_depth = 80.0
+
+    for _ in range(20):
+        assert bound.tick() == update(*called.records) == 0
+
+    assert bound.ticks == 20
+    assert bound.records.state.tobytes() == called.records.state.tobytes()
+
+
+def test_two_boats_do_not_sail_in_each_other_s_records(make_boat: Callable[..., Boat]) -> None:
+    one, other = make_boat(), make_boat()
+    for boat in (one, other):
+        boat.start(5.0, 60.0, 0.0)
+
+    one.tick()
+
+    assert (one.ticks, other.ticks) == (1, 0)
+
+
+def test_a_boat_put_back_ticks_on_from_there(make_boat: Callable[..., Boat]) -> None:
+    boat = make_boat()
+    boat.start(5.0, 60.0, 0.0)
+    start = boat.snapshot()
+    boat.tick()
+    after = boat.snapshot()
+
+    boat.restore(start)
+    assert boat.ticks == 0
+    boat.tick()
+
+    assert np.array_equal(boat.records.state.view(np.uint8), after.view(np.uint8))
+
+
+def test_a_tick_that_fails_tells_its_status(make_boat: Callable[..., Boat]) -> None:
+    boat = make_boat()
+    boat.start(5.0, 60.0, 0.0)
+    boat.state.q = np.inf
+
+    assert boat.tick() > 0
+    assert boat.ticks == 0
+
+
+def test_plain_numbers_are_the_state(make_boat: Callable[..., Boat]) -> None:
+    boat = make_boat()
+    boat.start(5.0, 60.0, 0.0)
+    boat.tick()
+
+    assert boat.numbers(("z", "t", "u")) == [boat.state.z, 0.5, boat.state.u]
+    assert boat.numbers(("z",)) == [boat.state.z]
+    assert list(boat.plain) == boat.records.state["whole"][0].tolist()
