@@ -12,7 +12,7 @@ from trainer.study.against_c.compiler import SAME_BITS, build
 from trainer.study.against_c.header import RECORDS, header
 from trainer.study.hot import in_a_loop
 from trainer.study.same_bits import for_level, in_another_process, levels_here, same_bits
-from trainer.study.standard_hour import TICKS, digest, fly_standard_hour, standard_boat
+from trainer.study.standard_hour import digest, fly_standard_hour, standard_boat
 
 # Another boat or another equation makes it another hour: then take the new one from the failure,
 # as long as every way to compute it still agrees.
@@ -70,10 +70,10 @@ def test_machine_code_for_any_level_of_processor_ends_the_hour_in_the_same_bits(
 def test_one_bit_of_difference_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
     alike = {"one": lambda: "a", "two": lambda: "a"}
     monkeypatch.setattr("trainer.study.same_bits.ways", lambda _: alike)
-    assert same_bits(lambda _: None).same
+    assert same_bits().same
 
     monkeypatch.setattr("trainer.study.same_bits.ways", lambda _: alike | {"three": lambda: "b"})
-    assert not same_bits(lambda _: None).same
+    assert not same_bits().same
 
 
 def test_without_a_compiler_the_other_ways_are_compared_and_what_is_missing_is_said(
@@ -83,7 +83,7 @@ def test_without_a_compiler_the_other_ways_are_compared_and_what_is_missing_is_s
     in_c = {f"C, {way.name}": lambda way=way: str(build(way)) for way in SAME_BITS}
     monkeypatch.setattr("trainer.study.same_bits.ways", lambda _: {"compiled": lambda: "a", **in_c})
 
-    found = same_bits(lambda _: None, TICKS)
+    found = same_bits()
 
     assert found.same
     assert found.sha256 == {"compiled": "a"}

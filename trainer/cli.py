@@ -10,6 +10,7 @@ from trainer import __version__
 from trainer.arguments import Commands
 from trainer.commands import (
     attending,
+    benching,
     exported,
     guiding,
     identify,
@@ -73,7 +74,7 @@ SECTIONS: Final = {
     "A ship from her recordings": (identify.identify, identify.prbs, identify.decca),
     "Proofs": (proving.soak, proving.fuzz),
     "This machine, and others": (
-        vessels.bench,
+        benching.bench,
         vessels.evaluate,
         instruments.instruments,
         exported.export_core,

@@ -1,4 +1,4 @@
-"""Commands that examine a vessel file, and the machine it is to run on."""
+"""Commands that examine a vessel file."""
 
 import sys
 
@@ -49,58 +49,6 @@ def check(vessel: str, *, as_json: bool) -> None:
     report = examine(load_vessel(vessel))
     click.echo(json.dumps(asdict(report), indent=1) if as_json else render(report))
     sys.exit(0 if report.stable else 1)
-
-
-@click.command()
-@click.option("--vessel", default="bb2", show_default=True, help=VESSEL_HELP)
-@click.option(
-    "--seconds",
-    type=click.IntRange(1, 3600),
-    default=10,
-    show_default=True,
-    help="Of real time for each step, and for the orders over TCP.",
-)
-@click.option("--on-time", is_flag=True, help="Only how late ticks begin, among busy processes.")
-@click.option(
-    "--minutes",
-    type=click.FloatRange(0.05, 1440.0),
-    default=0.25,
-    show_default=True,
-    help="Of --on-time, for a session among all that could hold it up.",
-)
-@click.option("--latency", is_flag=True, help="Only how soon an order is seen at an instrument.")
-@click.option("--starting", is_flag=True, help="Only how soon commands answer.")
-@click.option("--json", "as_json", is_flag=True, help="Print the figures as JSON.")
-def bench(vessel: str, seconds: int, *, minutes: float, as_json: bool, **parts: bool) -> None:
-    """Measure duty cycle, work per tick, lateness and sizes on this machine.
-
-    \b
-    Example:  trainer bench --json
-              trainer bench --on-time --minutes 10
-              trainer bench --latency
-    """
-    import json  # noqa: PLC0415
-    from dataclasses import asdict  # noqa: PLC0415
-
-    from trainer.files.vessel_file import load_vessel  # noqa: PLC0415
-
-    chosen = [name for name, wanted in parts.items() if wanted]
-    if chosen:
-        from trainer.study.sections import SECTIONS, Wanted  # noqa: PLC0415
-
-        wanted = Wanted(load_vessel(vessel), seconds, minutes)
-        found = {name: SECTIONS[name].measure(wanted) for name in chosen}
-        if as_json:
-            click.echo(json.dumps({name: asdict(each) for name, each in found.items()}, indent=1))
-            return
-        pages = ["\n".join(SECTIONS[name].lines(each)).strip() for name, each in found.items()]
-        click.echo("\n\n".join(pages))
-        return
-    from trainer.study.bench import bench as measure  # noqa: PLC0415
-    from trainer.study.bench_page import render  # noqa: PLC0415
-
-    figures = measure(load_vessel(vessel), seconds)
-    click.echo(json.dumps(asdict(figures), indent=1) if as_json else render(figures))
 
 
 @click.command()

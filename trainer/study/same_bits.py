@@ -8,6 +8,8 @@ from dataclasses import dataclass
 from functools import partial
 from typing import Final
 
+import click
+
 from trainer.compiled.linking import NoCompilerError
 from trainer.compiled.targets import LEVELS, NATIVE, processor
 from trainer.config import ConfigError
@@ -76,14 +78,27 @@ def ways(last: int) -> dict[str, Callable[[], str]]:
     }
 
 
-def same_bits(progress: Callable[[int], None], last: int = TICKS) -> SameBits:
+def same_bits(last: int = TICKS) -> SameBits:
     """Return in what bits the hour ends in every way that there is here."""
     found: dict[str, str] = {}
     left_out: dict[str, str] = {}
-    for name, way in ways(last).items():
-        try:
-            found[name] = way()
-        except NoCompilerError as error:
-            left_out[name] = str(error)
-        progress(1)
+    quiet = not sys.stderr.isatty()
+    every = ways(last)
+    with click.progressbar(every.items(), label="an hour", file=sys.stderr, hidden=quiet) as bar:
+        for name, way in bar:
+            try:
+                found[name] = way()
+            except NoCompilerError as error:
+                left_out[name] = str(error)
     return SameBits(last, found, left_out, len(set(found.values())) == 1)
+
+
+def lines(figures: SameBits) -> list[str]:
+    """Return the answer as lines of a page."""
+    answer = "the same bits in all" if figures.same else "NOT THE SAME BITS"
+    return [
+        "",
+        f"STANDARD HOUR ({figures.ticks} ticks; SHA-256 of the whole state): {answer}",
+        *(f"  {name:<32}{sha256[:32]}" for name, sha256 in figures.sha256.items()),
+        *(f"  {name:<32}{why}" for name, why in figures.left_out.items()),
+    ]

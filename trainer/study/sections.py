@@ -4,8 +4,10 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, Final
 
+from trainer.compiled.linking import NoCompilerError
 from trainer.files.vessel_file import VesselFile
-from trainer.study import end_to_end, on_time, starting
+from trainer.study import end_to_end, exported, footprint, on_time, peers, same_bits, starting
+from trainer.study.against_c import comparison
 
 
 @dataclass(frozen=True)
@@ -25,7 +27,38 @@ class Section:
     lines: Callable[[Any], list[str]]
 
 
+@dataclass(frozen=True)
+class LeftOut:
+    """A part that cannot be measured here, and why."""
+
+    left_out: str
+
+
+def or_left_out(section: Section) -> Section:
+    """Return a part that needs a C compiler, left out with the reason where there is none."""
+
+    def measure(wanted: Wanted) -> Any:
+        try:
+            return section.measure(wanted)
+        except NoCompilerError as error:
+            return LeftOut(str(error))
+
+    def lines(figures: Any) -> list[str]:
+        return [figures.left_out] if isinstance(figures, LeftOut) else section.lines(figures)
+
+    return Section(measure, lines)
+
+
 SECTIONS: Final = {
+    "against_c": or_left_out(
+        Section(lambda wanted: comparison.against_c(wanted.file), comparison.lines)
+    ),
+    "same_bits": Section(lambda _wanted: same_bits.same_bits(), same_bits.lines),
+    "footprint": Section(lambda _wanted: footprint.footprint(), footprint.lines),
+    "peers": Section(lambda wanted: peers.time_peers(wanted.file), peers.lines),
+    "exported": or_left_out(
+        Section(lambda wanted: exported.measure_exported(str(wanted.file.path)), exported.lines)
+    ),
     "on_time": Section(
         lambda wanted: on_time.time_ticks(wanted.file, wanted.seconds, wanted.minutes),
         on_time.lines,
