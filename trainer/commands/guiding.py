@@ -141,8 +141,8 @@ def guide(vessel: str, **options: Any) -> None:
     \b
     Example:  trainer guide bb2 --html bb2.html --pdf bb2.pdf
 
-    VESSEL is bb2, sdv-mk9, remus100, or the path of a vessel file. Exit code 1 when a reduced set
-    is out of tolerance.
+    VESSEL is bb2, sdv-mk9, remus100, or the path of a vessel file. Exit code 1 when the modified
+    set is out of tolerance; trainer reduce finds one that is not.
     """
     from trainer.files.vessel_file import load_vessel  # noqa: PLC0415
     from trainer.guide import baseline, document, summary  # noqa: PLC0415

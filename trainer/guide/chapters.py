@@ -49,7 +49,10 @@ def overview(guide: Guide) -> str:
         "The full set is flown with exact accelerations by Runge and Kutta, the reduced sets with "
         "lagged ones by second-order Adams, all at the boat's own step, each from its own trim and "
         "with the boat's own rudder, planes and engine. Tolerances are those of 1969: 5 % of "
-        "change, swings 5 % of the first peak, zero crossings 5 s; phase is not judged."
+        "change, swings 5 % of the first peak, zero crossings 5 s; phase is not judged. Events are "
+        "seen at the starts of cycles: a reduced set is flown beside the full one and takes its "
+        "time of an event that its own is not more than a cycle from. Where the full set itself is "
+        "lost nothing is judged."
     )
     return section("overview", "Overview", *totals, paragraph(words), table(heads, rows))
 

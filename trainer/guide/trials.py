@@ -22,7 +22,7 @@ from trainer.config import (
     shipped_names,
     shown,
 )
-from trainer.files.schema import Quantity, Text, above, within
+from trainer.files.schema import Quantity, Text, within
 from trainer.files.vessel_file import VesselFile
 from trainer.fitout import Method
 from trainer.guide.tasks import Flown, Task
@@ -35,7 +35,7 @@ UNITS: Final = {  # of the file, to SI and radians
     **dict.fromkeys(("deg", "deg/s"), math.radians(1.0)),
 }
 WORDS: Final = Text(500, "what it is, and whose")
-SPEED: Final = Quantity("m/s", above(0, 50), "at which it begins")
+SPEED: Final = Quantity("m/s", within(0, 50), "at which it begins; 0: from rest")
 PARAMETER: Final = Quantity("-", within(-1e6, 1e6), "of a manoeuvre, in the unit of its name")
 STEP: Final = 0.2  # of the boat's own: the step of Runge and Kutta
 READING: Final = re.compile(r"(\w+) after ([\d.]+) s")

@@ -9,6 +9,14 @@ from trainer.reduce.verdict import PARTS, Checked
 from trainer.study.page import figure, plain, table, wrapped
 
 SHOWN: Final = 40  # rows of the table of sensitivities
+COLUMNS: Final = (  # of it; JSON has all
+    "turn: steady diameter",
+    "turn: steady speed",
+    "turn: largest roll",
+    "meander: pitch peak 1",
+    "overshoot: depth change",
+    "roll-decay: amplitude after cycle 1",
+)
 ACROSS: Final = 3  # terms a line
 
 
@@ -29,10 +37,9 @@ def render(found: Reduction) -> str:
 
 def sensitivity(drops: Sequence[Drop]) -> list[str]:
     """Return the table of what each coefficient does by itself."""
-    names = list(drops[0].percent) if drops else []
-    heads = ["without", *(_head(name) for name in names)]
+    heads = ["without", *(_head(name) for name in COLUMNS)]
     rows = [
-        (drop.coefficient, *(figure(drop.percent[name], "+.1f") for name in names))
+        (drop.coefficient, *(figure(drop.percent.get(name), "+.1f") for name in COLUMNS))
         for drop in drops[:SHOWN]
     ]
     words = (
@@ -45,8 +52,9 @@ def sensitivity(drops: Sequence[Drop]) -> list[str]:
 
 def _head(name: str) -> str:
     """Return the head of a measure's column in two lines or more."""
-    manoeuvre, _, measure = name.partition(": ")
-    return "\n".join((manoeuvre, *measure.replace("amplitude after cycle", "after cycle").split()))
+    return (
+        name.replace("amplitude after ", "").replace("-", " ").replace(" ", "\n").replace(":", "")
+    )
 
 
 def _terms(found: Reduction) -> Iterator[str]:
