@@ -62,8 +62,16 @@ def fuzz(
     """Yield what came of each target, so many at a time; ConfigError if atheris is missing."""
     if find_spec("atheris") is None:
         raise ConfigError(MISSING)
+    for target in targets:
+        _warm(target)
     with ThreadPoolExecutor(jobs) as pool:
         yield from pool.map(lambda target: _fuzz(target, folder, effort, progress), targets)
+
+
+def _warm(target: Target) -> None:
+    """Let all that a target computes with be compiled and kept: it cannot be while watched."""
+    for seed in target.seeds():
+        target.take(seed)
 
 
 def _fuzz(target: Target, folder: Path, effort: Effort, progress: Progress) -> Found:

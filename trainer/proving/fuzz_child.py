@@ -1,29 +1,33 @@
 """The process that fuzzes one target: its readers are watched, so that new paths are looked for.
 
-    python -m trainer.proving.fuzz_child TARGET [options of libFuzzer] FOLDER...
+    python -m trainer.proving.fuzz_child TARGET [options of libFuzzer] FOLDER
 
 It never returns: the fuzzer ends the process.
 """
 
+import importlib
+import pkgutil
 import sys
 import warnings
 from typing import Final
 
 import atheris
 
-WATCHED: Final = (
-    *("tomllib", "json", "csv", "trainer.config", "trainer.arguments", "trainer.io"),
-    *("trainer.files", "trainer.nmea", "trainer.stations", "trainer.scores", "trainer.records"),
-    *("trainer.guide.trials", "trainer.guide.baseline", "trainer.screen.sight"),
-    *("trainer.screen.picture", "trainer.screen.journal", "trainer.study.series"),
-    *("trainer.study.evaluate", "trainer.identify.sources", "trainer.identify.study_file"),
-    *("trainer.identify.nomoto_file", "trainer.identify.decca_file", "trainer.identify.decca"),
-    "trainer.identify.checkpoint",
-)
+WATCHED: Final = "trainer", "tomllib", "json"  # whole packages, whatever part is named
+COMPILED: Final = "trainer.core", "trainer.identify.kernels"
+
+
+def import_all(package: str) -> None:
+    """Import every module of a package."""
+    home = importlib.import_module(package)
+    for module in pkgutil.iter_modules(home.__path__):
+        importlib.import_module(f"{package}.{module.name}")
 
 
 def main(name: str, *options: str) -> None:
     """Fuzz the target of that name."""
+    for package in COMPILED:
+        import_all(package)  # first, since what is watched cannot be compiled
     with atheris.instrument_imports(include=list(WATCHED)):
         from trainer.proving.catalogue import TARGETS  # noqa: PLC0415
     take = TARGETS[name].take
