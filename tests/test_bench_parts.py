@@ -1,0 +1,176 @@
+"""The parts of the bench: each by itself, all in one, and what cannot be measured said."""
+
+import json
+import shutil
+from dataclasses import dataclass
+from typing import Any
+
+import pytest
+from click.testing import CliRunner
+from llvmlite import binding
+
+from trainer import cli
+from trainer.compiled.linking import NoCompilerError
+from trainer.files.vessel_file import load_vessel
+from trainer.study import bench, bench_page, footprint, peers, sections
+from trainer.study.against_c import comparison
+from trainer.study.against_c.compiler import BUILDS
+from trainer.study.batches import Batches
+
+OPTIONS = [f"--{name.replace('_', '-')}" for name in sections.SECTIONS]
+HALVER = """
+target triple = "x86_64-unknown-linux-gnu"
+@factor = internal constant [4 x double] [double 1.0, double 0.5, double 0.25, double 0.125]
+define double @half(double %x, i64 %n) {
+  %place = getelementptr double, ptr @factor, i64 %n
+  %y = load double, ptr %place
+  %z = fmul double %x, %y
+  ret double %z
+}
+"""
+
+
+@dataclass(frozen=True)
+class Figure:
+    """What a part found."""
+
+    name: str
+
+
+@pytest.fixture
+def quick(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Let every part be measured at once."""
+    for name in sections.SECTIONS:
+        part = sections.Section(lambda _, name=name: Figure(name), lambda f: ["", f"PART {f.name}"])
+        monkeypatch.setitem(sections.SECTIONS, name, part)
+    monkeypatch.setattr(bench, "bench", lambda *_: Figure("whole"))
+    monkeypatch.setattr(bench_page, "render", lambda _: "STANDARD")
+
+
+def said(*words: str) -> str:
+    """Return what the command prints."""
+    result = CliRunner().invoke(cli.cli, ["bench", *words])
+    assert result.exit_code == 0, result.output
+    return result.output
+
+
+@pytest.mark.usefixtures("quick")
+def test_every_part_has_an_option_and_is_printed_by_itself() -> None:
+    for option, name in zip(OPTIONS, sections.SECTIONS, strict=True):
+        assert said(option) == f"PART {name}\n"
+        assert json.loads(said(option, "--json")) == {name: {"name": name}}
+
+
+@pytest.mark.usefixtures("quick")
+def test_all_is_the_standard_figures_and_every_part() -> None:
+    tree = json.loads(said("--all", "--json"))
+
+    assert tree.keys() == {"standard", *sections.SECTIONS}
+    assert said("--all").startswith("STANDARD\n\nPART ")
+    assert said("--all").count("PART ") == len(sections.SECTIONS)
+
+
+def test_a_part_without_its_compiler_is_left_out_and_says_why(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setenv("CC", "no-such-compiler")
+
+    why = "the tick in C was not compiled: CC is 'no-such-compiler', which is not here"
+    assert said("--against-c").startswith(why)
+    assert json.loads(said("--against-c", "--json"))["against_c"]["left_out"].startswith(why)
+
+
+def test_a_ratio_is_the_median_of_pairs_and_a_tick_the_least(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(comparison, "PAIRS", 3)
+    spent = iter([8000, 4000, 12000, 12000, 40000, 10000])  # ratios 2, 1, 4
+    monkeypatch.setattr(comparison, "clocked", lambda *_: next(spent))
+
+    ours, other, ratio = comparison.paired(lambda _: None, lambda _: None)
+
+    assert (ours * comparison.TICKS, other * comparison.TICKS, ratio) == (8000.0, 4000.0, 2.0)
+
+
+@pytest.mark.skipif(not shutil.which("gcc") and not shutil.which("cc"), reason="no C compiler")
+def test_the_tick_is_timed_against_each_way_of_compiling_the_same_in_c(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(comparison, "PAIRS", 1)
+    monkeypatch.setattr(comparison, "TICKS", 50)
+    monkeypatch.setattr(comparison, "without_jit", lambda _: 1e5)
+
+    figures = comparison.against_c(load_vessel("bb2"))
+    page = "\n".join(comparison.lines(figures))
+
+    for rows in (figures.in_a_sea, figures.in_a_calm):
+        assert [row.other for row in rows] == [way.name for way in BUILDS]
+        assert all(row.tick_ns > 0.0 and row.other_ns > 0.0 for row in rows)
+    assert figures.times_interpreted == 1e5 / min(row.tick_ns for row in figures.in_a_sea)
+    assert page.isascii()
+    assert all(" ".join(way.flags) in page for way in BUILDS)
+
+
+def test_a_peer_that_is_not_installed_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(peers, "library", lambda _: None)
+    cost = Batches(2.0, 1.0, 21, 9)
+    monkeypatch.setattr(peers, "time_batches", lambda works: [cost] * len(works))
+
+    figures = peers.time_peers(load_vessel("bb2"))
+
+    assert figures.peers == ()
+    assert peers.lines(figures)[-2:] == ["  jsbsim: not installed", "  scipy: not installed"]
+
+
+def test_a_step_of_scipy_takes_the_boat_on(monkeypatch: pytest.MonkeyPatch) -> None:
+    pytest.importorskip("scipy.integrate")
+    known = peers.library
+    monkeypatch.setattr(peers, "library", lambda name: None if name == "jsbsim" else known(name))
+
+    def timed(works: list[Any]) -> list[Batches]:
+        for work in works:
+            work(3)
+        return [Batches(1e3, 1e3, 21, 3), Batches(6e3, 5e3, 21, 3)]
+
+    monkeypatch.setattr(peers, "time_batches", timed)
+
+    figures = peers.time_peers(load_vessel("bb2"))
+
+    assert [peer.name for peer in figures.peers] == ["scipy"]
+    assert 0.0 < figures.peers[0].step_s <= 2.0
+    assert figures.peers[0].times_ours == 5.0
+
+
+def test_code_and_constants_of_an_object_are_counted_apart() -> None:
+    binding.initialize_native_target()
+    binding.initialize_native_asmprinter()
+
+    code, constants = footprint.sizes(footprint.small_object(HALVER, "x86-64-v3"))
+
+    assert constants >= 32  # four doubles
+    assert 0 < code < 64  # a load, a product, a return
+
+
+def test_the_words_are_printed_beside_those_of_1969() -> None:
+    figures = footprint.Footprint(
+        (footprint.Code("update", "x86-64-v4", 2506, 100, 1253),), 992, 412, 4000, 4096
+    )
+
+    page = footprint.lines(figures)
+
+    assert "  update  x86-64-v4       2506        100    1253    2.00" in page
+    assert page[-1] == "  the tick with all of it 4000; half the memory of 1969: 4096"
+
+
+def test_any_other_trouble_of_a_part_is_not_taken_for_a_missing_compiler() -> None:
+    def fails(_: Any) -> None:
+        raise ValueError("another")
+
+    def lacks(_: Any) -> None:
+        raise NoCompilerError("none")
+
+    assert sections.or_left_out(sections.Section(lacks, list)).measure(None) == sections.LeftOut(
+        "none"
+    )
+    with pytest.raises(ValueError, match="another"):
+        sections.or_left_out(sections.Section(fails, list)).measure(None)
