@@ -4,7 +4,7 @@ import sys
 
 import click
 
-from trainer.commands.options import VESSEL_HELP, method_options
+from trainer.commands.options import method_options
 
 
 @click.command()
