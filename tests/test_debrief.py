@@ -163,18 +163,20 @@ def fly(path: Path | None, crews: dict[str, str], **options: Any) -> Voyage:
 CREWS = {
     "air-bank-failure": "120 emergency blow\n300 blow stop",
     "course-changes": """
-        60.5 rudder right 8
+        60.5 rudder right 12
         85 course 090
-        360.5 rudder right 8
+        360.5 rudder right 12
         385 course 180
-        660.5 rudder left 8
+        660.5 rudder left 12
         720 course 000""",
     "crash-stop": """
         301 bell astern full
+        302 depth 81
         302 flood depth-control 6
         460 bell stop
         460 stern zero
         460 bow zero
+        482 depth 80
         482 hover on""",
     "depth-changes": "61 speed 13\n200 speed 10\n481 speed 13\n680 speed 10",
     "depth-gauge-failure": "122 bow dive 6\n170 depth 40\n730 periscope depth",

@@ -3,11 +3,11 @@
 import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from typing import ClassVar, Final
+from typing import ClassVar, Final, Protocol, runtime_checkable
 
 from trainer.study.manoeuvres.conn import Conn
 from trainer.study.manoeuvres.flight import Flight, Manoeuvre
-from trainer.study.manoeuvres.measures import Measure, largest, part, peaks, share
+from trainer.study.manoeuvres.measures import Measure, largest, part, share
 from trainer.study.manoeuvres.vehicle import Watch
 
 LEAD: Final = 2.0  # [s] of straight flight
@@ -15,6 +15,7 @@ LEGS: Final = (3.0, 6.0, 6.0)  # [lengths run] of the weave, rudder to starboard
 READINGS: Final = (1 / 3, 2 / 3, 1.0)  # of a leg
 LEVEL: Final = {"r": "rad/s", "v": "m/s", "psi": "rad", "u": "m/s", "phi": "rad"}
 UPRIGHT: Final = {"q": "rad/s", "w": "m/s", "theta": "rad", "z": "m", "u": "m/s"}
+SIXTHS: Final = tuple(i / 6 for i in range(1, 7))  # of a run out of balance
 AFTER: Final = 12.0  # [lengths run] that are watched once the planes are free
 
 
@@ -42,7 +43,7 @@ class Weave(Manoeuvre):
             side = -side
 
     def measures(self, flight: Flight) -> list[Measure]:
-        """Return readings along the legs, and the first extremes of what swings."""
+        """Return readings along the legs, and the extremes of what swings."""
         begins = [mark.t for mark in flight.marks]
         ends = [*begins[1:], float(flight.t[-1])]
         times = {
@@ -56,9 +57,9 @@ class Weave(Manoeuvre):
             for told, time in times.items():
                 found.append(part(f"{name} after {told}", unit, flight.at(time, name), most))
         swing = flight.change(self.swinging)
-        for i, (_, value) in enumerate(peaks(flight.t, swing)[:2], start=1):
-            told = f"peak {i} of {self.swinging}"
-            found.append(part(told, "rad", value, float(abs(swing).max())))
+        most = float(abs(swing).max())
+        found.append(part(f"largest {self.swinging}", "rad", float(swing.max()), most))
+        found.append(part(f"smallest {self.swinging}", "rad", float(swing.min()), most))
         return found
 
 
@@ -72,6 +73,49 @@ class VerticalWeave(Weave):
     swinging: ClassVar[str] = "theta"
 
     angle_deg: float = 5.0  # control
+
+
+@runtime_checkable
+class Loadable(Protocol):
+    """A vehicle that weight can be put on."""
+
+    def load(self, share: float) -> None:
+        """Take a ``share`` [-] of its weight on, or lose it."""
+        ...
+
+
+@dataclass(frozen=True)
+class OutOfBalance(Manoeuvre):
+    """Weight lost or taken on, the depth kept or not: how floods, blows and suction are borne."""
+
+    needs: ClassVar[tuple[str, ...]] = ("planes",)
+
+    share: float = -0.01  # of the weight
+    keep: tuple[str, ...] = ("depth",)
+    run_lengths: float = 10.0
+
+    def schedule(self, conn: Conn) -> Iterator[None]:
+        """Yield the cycles."""
+        for quantity in self.keep:
+            conn.vehicle.keep(quantity)
+        yield from conn.hold(LEAD)
+        speed = conn.value("u")
+        if isinstance(conn.vehicle, Loadable):
+            conn.vehicle.load(self.share)
+        conn.mark("weight")
+        yield from conn.hold(self.run_lengths * conn.vehicle.length / speed)
+
+    def measures(self, flight: Flight) -> list[Measure]:
+        """Return readings along the way."""
+        begin, end = flight.time_of("weight") or 0.0, float(flight.t[-1])
+        found = []
+        for name, unit in UPRIGHT.items():
+            most = float(abs(flight.change(name)).max())
+            for reading in SIXTHS:
+                value = flight.at(begin + reading * (end - begin), name)
+                change = None if value is None else value - float(flight.column(name)[0])
+                found.append(part(f"{name} after {reading:.2g} of it", unit, change, most))
+        return found
 
 
 @dataclass(frozen=True)

@@ -11,7 +11,7 @@ from trainer.files.vessel_file import VesselFile
 from trainer.fitout import KNOT
 from trainer.guide.programme import Leg, own_method
 from trainer.guide.programme import legs as guide_legs
-from trainer.reduce.manoeuvres import PlaneJam, VerticalWeave, Weave
+from trainer.reduce.manoeuvres import OutOfBalance, PlaneJam, VerticalWeave, Weave
 from trainer.study.check import round_speeds
 from trainer.study.manoeuvres.catalogue import within_limits
 from trainer.study.manoeuvres.flight import Flight, Manoeuvre, fly
@@ -27,6 +27,7 @@ TURN_LENGTHS: Final = 120.0  # [lengths run] of a turn, until it is steady
 LENGTHS: Final = 40.0  # of all else
 SHORTEST: Final = 20.0  # [s] besides
 RUDDER: Final = 30.0  # [deg] the largest, or as far as it goes
+LOAD: Final = 0.002  # [-] of the weight, out of balance
 HALVINGS: Final = 5  # of a control's angle until the full set is not lost
 PER_CYCLE: Final = ("pull-out", "spiral", "reverse-spiral")  # slow to fly; turns have their numbers
 
@@ -75,6 +76,11 @@ def _fitted(file: VesselFile) -> Iterator[Leg]:
             yield _leg("overshoot", name, speed, Overshoot(execute_deg=execute), file)
     yield _leg("impulse", "", own, Impulse(), file)
     yield _leg("rudder-impulse", "", own, RudderImpulse(), file)
+    for speed in (rounds[0], slow, own):
+        for share, keep in ((-LOAD, ("depth",)), (LOAD, ())):
+            kept = "depth kept" if keep else "planes still"
+            loaded = OutOfBalance(share=share, keep=keep)
+            yield _leg("out of balance", f"{share:+.1%}, {kept}", speed, loaded, file)
     yield _leg("crash-stop", "", own, CrashStop(), file)
     yield _leg("roll-decay", "", 0.0, RollDecay(), file)
 
@@ -85,14 +91,20 @@ def tried(file: VesselFile) -> tuple[Leg, ...]:
 
 
 def held_out(file: VesselFile) -> tuple[Leg, ...]:
-    """Return the legs that neither fit nor choice see: zig-zags, climbing turns, jams."""
+    """Return the legs that neither fit nor choice see: zig-zags, climbing turns, casualties."""
     own, third, second = file.run.start_speed_kn, speeds(file)[2], speeds(file)[1]
+    rounds = round_speeds(*file.run.speed_range_kn)
+    slow = rounds[min(1, len(rounds) - 1)]
+    between = 0.5 * (rounds[0] + slow), 0.5 * (slow + own)
+    heavy, light = OutOfBalance(share=1.5 * LOAD), OutOfBalance(share=-1.5 * LOAD, keep=())
     zigzag = ZigZag(angle_deg=15.0, execute_deg=15.0)
     climb = ClimbingTurn(angle_deg=10.0, planes_deg=10.0)
     legs = [
         *(_leg("zigzag-15", "", speed, zigzag, file) for speed in (second, third)),
         *(_leg("climbing turn", "", speed, climb, file) for speed in (second, third)),
         *(_leg("stern-plane jam", "", speed, PlaneJam(), file) for speed in (own, third)),
+        *(_leg("out of balance", "heavy, depth kept", speed, heavy, file) for speed in between),
+        *(_leg("out of balance", "light, planes still", speed, light, file) for speed in between),
     ]
     return flyable(file, legs)
 
@@ -135,8 +147,8 @@ def _recovered(manoeuvre: Manoeuvre, flight: Flight) -> bool:
 
 
 def _gentler(manoeuvre: Manoeuvre) -> Manoeuvre:
-    """Return the manoeuvre by half the angle of its planes, a jam by half its time."""
+    """Return the manoeuvre by half the angle of its planes, its time in a jam, or its weight."""
     field = "planes_deg" if hasattr(manoeuvre, "planes_deg") else "angle_deg"
-    if isinstance(manoeuvre, PlaneJam):
-        field = "jammed_lengths"
+    if isinstance(manoeuvre, PlaneJam | OutOfBalance):
+        field = "jammed_lengths" if isinstance(manoeuvre, PlaneJam) else "share"
     return replace(manoeuvre, **{field: 0.5 * getattr(manoeuvre, field)})

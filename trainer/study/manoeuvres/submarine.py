@@ -118,6 +118,14 @@ class Submarine:
         """Heel the boat by ``heel`` [rad], without a rate."""
         self.boat.state.phi = heel
 
+    def load(self, share: float) -> None:
+        """Take weight on, or lose it, at the centre of gravity: a ``share`` [-] of the boat's own.
+
+        Tanks and air are held as they are from then on.
+        """
+        self.boat.state.weight *= 1.0 + share
+        self.boat.state.held_tanks = 1.0
+
     def order(self, control: str, value: float) -> None:
         """Order a surface [rad] from neutral, or the command speed [m/s]."""
         s = self.boat.state
