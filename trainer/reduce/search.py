@@ -27,6 +27,7 @@ STARTS: Final = 4  # rounds that may bring the set with all terms into the limit
 BATCH: Final = 8  # terms dropped at once, to begin with
 STALE: Final = 6  # terms dropped, or found needed, by the same slopes
 STEPS: Final = 3  # of a fit by the same slopes
+SURE: Final = 2.0  # [-] a term without which less is off is asked about once more, at the end
 SETTLING: Final = 3  # rounds of a last fit, when the terms are chosen
 HOPELESS: Final = 4.0  # [-] a difference that new slopes will not mend
 
@@ -52,6 +53,7 @@ class Standing:
     starts: int = 0  # rounds that the set with all terms has been fitted in
     limit: float = 0.0  # [-] 0: not begun to drop
     proof: float = 0.0
+    again: bool = False  # whether the doubtful have been asked about once more
     settled: int = 0  # rounds of the last fit
 
     @property
@@ -82,8 +84,10 @@ class Search:
 
     def round(self, standing: Standing, step: Callable[[], None]) -> Standing:
         """Return the standing after one round; ``step`` is called after each term decided."""
-        factors = np.array(standing.factors)
-        here = self._point(factors)
+        if standing.limit and not self.undecided(standing) and not standing.again:
+            sure = tuple(need for need in standing.needed if need.worst >= SURE)
+            return replace(standing, needed=sure, again=True)
+        here = self._point(np.array(standing.factors))
         slopes = self._slopes(here, standing.kept)
         if not standing.limit:
             return self._start(standing, here, slopes)
