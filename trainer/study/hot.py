@@ -79,10 +79,11 @@ def ready(file: VesselFile, way: tuple[str, str, str], step: float) -> Boat:
 def time_update(boat: Boat) -> Update:
     """Return the cost of a tick of the core, with and without a call from Python around it."""
     vessel, compact, scheme, state, scratch = boat.records
+    tick = boat.tick
 
     def call(count: int) -> None:
         for _ in range(count):
-            update(vessel, compact, scheme, state, scratch)
+            tick()
 
     def loop(count: int) -> None:
         take_ticks(vessel, compact, scheme, count, state, scratch)
