@@ -260,7 +260,7 @@ clear_at_s = 130
 
 [limits]
 depth_m_max = 21
-pitch_deg_max = 4
+pitch_deg_max = 3
 speed_kn_min = 5
 
 """
@@ -510,7 +510,7 @@ def test_broaches_and_limits_are_those_that_were_called_out(kept: Kept) -> None:
     passage = kept.voyage.dossier.passage
     assert [passage.seconds[row] for row in broached(passage)] == called["broached"]
     assert len(called["broached"]) >= 2
-    assert {"depth above 21 m", "pitch above 4 deg"} <= set(called)
+    assert {"depth above 21 m", "pitch above 3 deg"} <= set(called)
 
 
 def test_the_place_of_a_score_is_where_its_value_stands_in_the_record(kept: Kept) -> None:

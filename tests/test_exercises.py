@@ -500,7 +500,7 @@ def test_a_run_of_an_exercise_begins_with_its_briefing_and_ends_by_itself() -> N
 
 def test_a_headless_run_names_its_events_in_the_summary() -> None:
     done = ran(
-        *("run", "periscope-depth", "--headless", "--speed", "max", "--duration", "13m"),
+        *("run", "periscope-depth", "--headless", "--speed", "max", "--duration", "14m"),
         *("--vessel", "bb2"),
     )
     assert done.returncode == 0

@@ -19,6 +19,7 @@ from trainer.identify.steering import Steering
 from trainer.identify.told import quantities, quantity_names
 from trainer.identify.uncertainty import uncertainty
 
+HOPELESS: Final = 1e6  # times a parameter's size: known no better, it is not known at all
 LEVER: Final = 0.25  # [-] of the length: at which the sea's force makes its moment
 FREE: Final = {
     "1": (
@@ -82,8 +83,10 @@ def prospect(
     free = [name for name in free if name not in sea or density > 0.0]
     problem = problem_of(plant, samples_of(record, outputs), values, free)
     known = uncertainty(problem.names, Likelihood(problem).information(problem.start))
-    if known.flat:
-        told = "; ".join(" with ".join(group) for group in known.flat)
+    spread = np.sqrt(np.diag(known.covariance)) / np.maximum(np.abs(problem.start), 1.0)
+    hopeless = [(name,) for name, one in zip(problem.names, spread, strict=True) if one > HOPELESS]
+    if lost := known.flat or hopeless:
+        told = "; ".join(" with ".join(group) for group in lost)
         raise ConfigError(f"such a record cannot separate {told}")
     found = propagated(
         lambda theta: quantities(model, problem.whole(theta), plant.ship),

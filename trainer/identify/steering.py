@@ -6,6 +6,7 @@ left out of the models; what it does to sway and yaw is small, and `gap` says ho
 
 import math
 import re
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Final
 
@@ -109,12 +110,27 @@ def rewritten(text: str, values: dict[str, float], remark: str) -> str:
     ConfigError if the file does not give one on a line of its own.
     """
     for key, value in values.items():
-        line = rf"(?m)^(\s*{re.escape(key)}\s*=\s*){NUMBER}[^\n]*$"
-        text, times = re.subn(line, rf"\g<1>{value:.6g}  # {remark}", text, count=1)
-        if not times:
-            text = f"the vessel file has no line {key} = ...: add one, such as {key} = 0"
-            raise ConfigError(text)
+        line = re.compile(rf"(\s*{re.escape(key)}\s*=\s*){NUMBER}.*")
+        rows = text.split("\n")
+        for i in _coefficient_rows(rows):
+            if found := line.fullmatch(rows[i]):
+                rows[i] = f"{found[1]}{value:.6g}  # {remark}"
+                break
+        else:
+            told = f"the vessel file has no line {key} = ...: add one, such as {key} = 0"
+            raise ConfigError(told)
+        text = "\n".join(rows)
     return text
+
+
+def _coefficient_rows(rows: Sequence[str]) -> Iterator[int]:
+    """Yield the places of the lines inside the tables of coefficients."""
+    inside = False
+    for i, row in enumerate(rows):
+        if row.lstrip().startswith("["):
+            inside = row.lstrip().startswith("[coefficients")
+        elif inside:
+            yield i
 
 
 def limits(file: VesselFile) -> tuple[float, float]:
