@@ -11,12 +11,18 @@ from trainer.core.state import FIELDS
 from trainer.study.against_c.compiler import SAME_BITS, build
 from trainer.study.against_c.header import RECORDS, header
 from trainer.study.hot import in_a_loop
-from trainer.study.same_bits import for_level, in_another_process, levels_here, same_bits
+from trainer.study.same_bits import (
+    for_level,
+    in_a_fleet,
+    in_another_process,
+    levels_here,
+    same_bits,
+)
 from trainer.study.standard_hour import digest, fly_standard_hour, standard_boat
 
 # Another boat or another equation makes it another hour: then take the new one from the failure,
 # as long as every way to compute it still agrees.
-SHA256 = "d37a2aa3fb0c7ad75b5424edfa65c6d1e713990bf2b5eaa06e11bb7bc2b4e4b6"
+SHA256 = "b1d95b773eddcbeffe4aa7c4d16cd9fc6d2b613810026830ccabe6349e8968a8"
 SHORT = 160  # [ticks] with a depth change under way
 
 needs_compiler = pytest.mark.skipif(
@@ -53,6 +59,10 @@ def test_the_standard_hour_is_of_the_standard_configuration_and_has_all_of_it(ho
 @pytest.mark.parametrize("way", SAME_BITS, ids=lambda way: way.name)
 def test_the_tick_in_plain_c_ends_the_hour_in_the_same_bits(way: object) -> None:
     assert digest(fly_standard_hour(build(way))) == SHA256  # type: ignore[arg-type]
+
+
+def test_a_member_of_a_fleet_ends_the_hour_in_the_same_bits() -> None:
+    assert digest(fly_standard_hour(in_a_fleet)) == SHA256
 
 
 def test_an_interpreted_process_takes_the_same_ticks() -> None:

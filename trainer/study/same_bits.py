@@ -9,14 +9,19 @@ from functools import partial
 from typing import Final
 
 import click
+import numpy as np
 
 from trainer.compiled.linking import NoCompilerError
 from trainer.compiled.targets import LEVELS, NATIVE, processor
 from trainer.config import ConfigError
+from trainer.core.ensemble import Fleet
+from trainer.fitout import Records
 from trainer.study.against_c.compiler import SAME_BITS, build
+from trainer.study.fleet import NO_ORDERS, fly_members
 from trainer.study.hot import in_a_loop
 from trainer.study.standard_hour import TICKS, Ticks, digest, fly_standard_hour
 
+MEMBERS: Final = 17  # a lane of each block and one more
 CHILD: Final = """
 from trainer.study.hot import in_a_loop
 from trainer.study.standard_hour import digest, fly_standard_hour
@@ -32,6 +37,18 @@ class SameBits:
     sha256: dict[str, str]  # by how it was computed
     left_out: dict[str, str]  # and why
     same: bool
+
+
+def in_a_fleet(records: Records, count: int) -> int:
+    """Take ``count`` ticks as the last member of a fleet; return 1 where any member is lost.
+
+    What members do that is not done side by side, such as a sea, is part of it.
+    """
+    vessel, compact, scheme, state, _ = records
+    fleet = Fleet(vessel, compact, scheme, np.repeat(state, MEMBERS))
+    lost = fly_members(fleet, NO_ORDERS, count, max(count, 1), ()).lost
+    state[:] = fleet.states[-1:]
+    return int((lost >= 0).any())
 
 
 def in_another_process(environment: dict[str, str], last: int = TICKS) -> str:
@@ -72,6 +89,7 @@ def ways(last: int) -> dict[str, Callable[[], str]]:
     interpreted = {"NUMBA_DISABLE_JIT": "1"}
     return {
         "compiled": partial(flown, lambda: in_a_loop, last),
+        f"in a fleet of {MEMBERS}": partial(flown, lambda: in_a_fleet, last),
         "interpreted": partial(in_another_process, interpreted, last),
         **{level: partial(in_another_process, for_level(level), last) for level in levels_here()},
         **{f"C, {way.name}": partial(flown, partial(build, way), last) for way in SAME_BITS},
