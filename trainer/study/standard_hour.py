@@ -7,6 +7,7 @@ helm, between ticks, on the records themselves.
 
 import hashlib
 from collections.abc import Callable
+from pathlib import Path
 from typing import Final
 
 from trainer.boat import Boat
@@ -17,7 +18,7 @@ from trainer.helm import obey
 from trainer.io.schedule import BadSchedule, Scheduled, parse_schedule
 from trainer.reply import Refused
 
-VESSEL: Final = "bb2"
+VESSEL: Final = Path(__file__).with_name("standard_boat.toml")
 METHOD: Final = Method("modified", "lagged", "exact", "adams2", 0.5)
 SPEED: Final = 10.0  # [kn]
 DEPTH: Final = 60.0  # [m]
@@ -69,7 +70,7 @@ def orders() -> list[Scheduled]:
 
 def standard_boat() -> Boat:
     """Return the boat at the start of the hour."""
-    boat = Boat(load_vessel(VESSEL), METHOD)
+    boat = Boat(load_vessel(str(VESSEL)), METHOD)
     boat.start(SPEED * KNOT, DEPTH, 0.0, SEED)
     boat.put_to_sea(load_sea(SEA))
     return boat
