@@ -259,8 +259,8 @@ at_s = 100
 clear_at_s = 130
 
 [limits]
-depth_m_max = 21
-pitch_deg_max = 3
+depth_m_max = 20
+pitch_deg_max = 4
 speed_kn_min = 5
 
 """
@@ -510,7 +510,7 @@ def test_broaches_and_limits_are_those_that_were_called_out(kept: Kept) -> None:
     passage = kept.voyage.dossier.passage
     assert [passage.seconds[row] for row in broached(passage)] == called["broached"]
     assert len(called["broached"]) >= 2
-    assert {"depth above 21 m", "pitch above 3 deg"} <= set(called)
+    assert {"depth above 20 m", "pitch above 4 deg"} <= set(called)
 
 
 def test_the_place_of_a_score_is_where_its_value_stands_in_the_record(kept: Kept) -> None:
@@ -664,7 +664,7 @@ def test_the_page_shows_what_was_ordered_what_broke_and_what_was_said(page: str)
     for told in (
         *("All measures <at> once & more", "the jam comes <now>", "Joubert BB2", "BROACHED"),
         *("Depth [m]", "Pitch and heel [deg]", "Planes, rise positive [deg]", "Course [deg]"),
-        *("Rudder, right positive [deg]", "Speed [kn]", "Air banks", "limit 21 m"),
+        *("Rudder, right positive [deg]", "Speed [kn]", "Air banks", "limit 20 m"),
         *("C1 stern-hard-over", "blow aft (ballast at ballast panel)", "keeping depth 25 m"),
         *("root of the mean of (depth - 15 m)^2", "480 ticks of 0.5 s timed", "duty cycle"),
     ):

@@ -156,6 +156,7 @@ def test_the_guide_says_what_the_dropped_coefficients_do(book: Book) -> None:
     assert effect["N_avr"] < -10.0  # N_rar and others make up for it
     assert "N_rar" not in effect
     assert "X_vr" not in effect
+    assert "M_star" in effect  # of the 60 of 1969, and dropped here
 
 
 def test_what_was_found_in_1969_is_judged_with_figures(book: Book) -> None:
