@@ -21,10 +21,11 @@ from trainer.core.block import (
     work_in,
 )
 from trainer.core.compact import add_external, forces, lagged
+from trainer.core.elementary import cosine_and_sine
 from trainer.core.integrators import multistep_of
 from trainer.core.kernel import Numbers, Record, inlined, kernel
 from trainer.core.kinematics import kinematics
-from trainer.core.lanes import as_float, every_lane, nearest, times_power_of_two
+from trainer.core.lanes import LANES, as_float, nearest, times_power_of_two
 from trainer.core.ordinary import TERMS
 from trainer.core.propulsion import answer_telegraph
 from trainer.core.reference import slew_course, slew_depth
@@ -45,12 +46,6 @@ def _no_worst(_first: int, _count: int, _state: Record) -> int:
 
 
 @inlined
-def _no_report_law(_vessel: Record, _state: Record, _surface: int) -> float:
-    """Return 0: the depth law is our own."""
-    return 0.0
-
-
-@inlined
 def _history_is_true(_h: float, _state: Record) -> None:
     """Do nothing: the past is complete."""
 
@@ -64,14 +59,33 @@ def _interpolate(u: float, gains: Numbers) -> None:
         gains[i] = gains[LOW_GAINS + i] + share * gains[GAIN_RISES + i]
 
 
-_INSTEAD = {
-    "slot_of": _no_slot,
-    "worst": _no_worst,
-    "report_angle": _no_report_law,
-    "remember": _history_is_true,
+COUNTED = {
     "_nearest": nearest,
     "_as_float": as_float,
     "_times_power_of_two": times_power_of_two,
+}
+_both = relaid(cosine_and_sine, COUNTED)
+
+
+@inlined
+def _sine(x: float) -> float:
+    """Return sin x [-], by both series: a lane cannot choose one, and the other may serve too."""
+    return _both(x)[1]
+
+
+@inlined
+def _cosine(x: float) -> float:
+    """Return cos x [-], likewise."""
+    return _both(x)[0]
+
+
+_INSTEAD = {
+    **COUNTED,
+    "sine": _sine,
+    "cosine": _cosine,
+    "slot_of": _no_slot,
+    "worst": _no_worst,
+    "remember": _history_is_true,
 }
 _slew_depth = relaid(slew_depth, _INSTEAD)
 _slew_course = relaid(slew_course, _INSTEAD)
@@ -92,19 +106,19 @@ _lost = relaid(lost, _INSTEAD)
 def keep_gains(out: Numbers) -> None:
     """Find the gains of the lanes that have left their bracket of speeds."""
     left = 0
-    for lane in every_lane():
+    for lane in range(LANES):
         gains = work_in(out, lane)[0].gains
         u = state_in(out, lane)[0].u
         left += 1 if u <= gains[BRACKET_BELOW] or u > gains[BRACKET_TOP] else 0
     if left > 0:
-        for lane in every_lane():
+        for lane in range(LANES):
             bracket_gains(lane, out)
 
 
 @kernel
 def aim(h: float, out: Numbers) -> None:
     """Write the gains, and what the autopilot steers for."""
-    for lane in every_lane():
+    for lane in range(LANES):
         gains = work_in(out, lane)[0].gains
         _interpolate(state_in(out, lane)[0].u, gains)
         _slew_depth(h, gains, state_in(out, lane))
@@ -113,39 +127,39 @@ def aim(h: float, out: Numbers) -> None:
 
 @kernel
 def command(h: float, out: Numbers) -> None:
-    """Write the commands of surfaces and revolutions; three loops are vector code, one is not."""
-    for lane in every_lane():
+    """Write the commands of surfaces and revolutions; as one loop it would not be vector code."""
+    for lane in range(LANES):
         _keep_depth(vessel_in(out, lane), h, work_in(out, lane)[0].gains, state_in(out, lane))
-    for lane in every_lane():
+    for lane in range(LANES):
         _keep_course(vessel_in(out, lane), h, work_in(out, lane)[0].gains, state_in(out, lane))
-    for lane in every_lane():
+    for lane in range(LANES):
         _keep_speed(vessel_in(out, lane), h, state_in(out, lane))
 
 
 @kernel
 def push(trig: int, out: Numbers) -> None:
-    """Write the forces, and which lanes are not deep."""
-    for lane in every_lane():
+    """Write the forces."""
+    for lane in range(LANES):
         work = work_in(out, lane)[0]
-        z = state_in(out, lane)[0].z
-        deep = z > work.hull_clear and z >= work.tables_clear
-        work.strayed = max(work.strayed, 0.0 if deep else 1.0)
         _forces(compact_in(out, lane), trig, state_in(out, lane), work.force)
         _add_external(compact_in(out, lane), work.external, work.force)
 
 
 @kernel
 def accelerate(trig: int, out: Numbers) -> None:
-    """Write the rates."""
-    for lane in every_lane():
-        _lagged(compact_in(out, lane), work_in(out, lane)[0].force, state_in(out, lane))
+    """Write the rates, and find the lanes that are not deep."""
+    for lane in range(LANES):
+        s, work = state_in(out, lane)[0], work_in(out, lane)[0]
+        shallow = 0.0 if s.z > work.hull_clear else 1.0
+        work.strayed += shallow + (0.0 if s.z >= work.tables_clear else 1.0)
+        _lagged(compact_in(out, lane), work.force, state_in(out, lane))
         _kinematics(trig, state_in(out, lane))
 
 
 @kernel
 def integrate(scheme: Record, out: Numbers) -> None:
     """Advance the motion."""
-    for lane in every_lane():
+    for lane in range(LANES):
         s = state_in(out, lane)[0]
         _multistep(scheme, TERMS, state_in(out, lane))
         s.sailed_x, s.sailed_y = s.x, s.y
@@ -154,24 +168,24 @@ def integrate(scheme: Record, out: Numbers) -> None:
 @kernel
 def deflect(h: float, out: Numbers) -> None:
     """Move the surfaces."""
-    for lane in every_lane():
+    for lane in range(LANES):
         _move_surfaces(vessel_in(out, lane), h, state_in(out, lane))
 
 
 @kernel
 def answer(h: float, out: Numbers) -> None:
     """Let the engine room answer; by itself, or neither becomes vector code."""
-    for lane in every_lane():
+    for lane in range(LANES):
         _answer_telegraph(vessel_in(out, lane), h, state_in(out, lane))
 
 
 @kernel
 def see(out: Numbers) -> None:
     """Count the tick, and find the lanes that lost their numbers."""
-    for lane in every_lane():
+    for lane in range(LANES):
         state_in(out, lane)[0].tick += 1.0
         work = work_in(out, lane)[0]
-        work.strayed = max(work.strayed, 0.0 if _lost(state_in(out, lane)) == 0 else 1.0)
+        work.strayed += 0.0 if _lost(state_in(out, lane)) == 0 else 1.0
 
 
 @kernel

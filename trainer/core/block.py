@@ -7,6 +7,7 @@ import numpy as np
 from trainer.core.autopilot import GAIN_COUNT
 from trainer.core.kernel import Numbers, Record, kernel, record_dtype
 from trainer.core.lanes import LANES, a_view
+from trainer.core.ordinary import KNOWN
 from trainer.core.state import STATE
 from trainer.core.vessel import COMPACT, VESSEL
 
@@ -21,7 +22,7 @@ LANE_WORK: Final = record_dtype(
     ("gains", (3 * GAIN_COUNT + 4,)),  # see above
     "hull_clear",  # [m] depth below which not even a vertical hull reaches the surface
     "tables_clear",  # [m] depth from which on the tables of the calm surface say nothing
-    "strayed",  # [-] 1: at some tick this boat was not what is computed here
+    "strayed",  # [-] ticks at which this boat was not what is computed here
 )
 
 
@@ -35,10 +36,10 @@ COMPACT_FIRST: Final = VESSEL_FIRST + _count(VESSEL)
 WORK_FIRST: Final = COMPACT_FIRST + _count(COMPACT)
 NUMBERS: Final = WORK_FIRST + _count(LANE_WORK)
 
-state_in = a_view("state", STATE, 0)
-vessel_in = a_view("vessel", VESSEL, VESSEL_FIRST)
-compact_in = a_view("compact", COMPACT, COMPACT_FIRST)
-work_in = a_view("work", LANE_WORK, WORK_FIRST)
+state_in = a_view("state", STATE, 0, KNOWN)
+vessel_in = a_view("vessel", VESSEL, VESSEL_FIRST, {})
+compact_in = a_view("compact", COMPACT, COMPACT_FIRST, {})
+work_in = a_view("work", LANE_WORK, WORK_FIRST, {})
 
 
 def new_block() -> Numbers:

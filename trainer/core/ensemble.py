@@ -215,7 +215,7 @@ def fly_block(
 ) -> None:
     """Advance the members from ``first`` on, as many as fly side by side, by ``ticks``."""
     begin(fleet, first, work, out)
-    tick = 0
+    tick = min(ticks, 0)  # as a literal 0 it would have all below compiled twice
     while tick < ticks:
         end = ticks
         for lane in range(min(LANES, fleet.states.size - first)):

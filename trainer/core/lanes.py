@@ -5,11 +5,12 @@ lane, so that the processor can work on several boats by one instruction. ``a_vi
 kernel takes for a record, and the compiler for a place in the block: the equations that one boat is
 computed by are compiled again for many, and are written once.
 
-A loop over ``every_lane()`` becomes vector code if nothing in it calls a library or leaves early,
+A loop over ``range(LANES)`` becomes vector code if nothing in it calls a library or leaves early,
 and if both sides of a choice are loaded before it is made.
 """
 
 import operator
+from collections.abc import Mapping
 from typing import Any, Final
 
 import numpy as np
@@ -32,21 +33,22 @@ from numba.extending import (
     register_model,
 )
 
-from trainer.core.kernel import inlined
+Known = Mapping[str, float]
 
 LANES: Final = 16
 DOUBLE: Final = types.float64
 BLOCK: Final = types.Array(DOUBLE, 1, "C")
-UNIT: Final = ir.DoubleType()(3.0 * 2.0**51)  # a double whose last binary place is the unit
+DOUBLE_IR: Final = ir.DoubleType()
+UNIT: Final = DOUBLE_IR(3.0 * 2.0**51)  # a double whose last binary place is the unit
 UNIT_BITS: Final = ir.IntType(64)(0x4338 << 48)
 
 
 class LaneRecord(types.Type):
     """A record of one boat in a block; ``first`` is the place of its first number."""
 
-    def __init__(self, name: str, layout: np.dtype[Any], first: int) -> None:
-        """Take the layout of the record that it stands for."""
-        self.layout, self.first = layout, first
+    def __init__(self, name: str, layout: np.dtype[Any], first: int, known: Known) -> None:
+        """Take the layout of the record that it stands for, and what is known of it."""
+        self.layout, self.first, self.known = layout, first, known
         super().__init__(name=f"LaneRecord({name}, {first})")
 
     def member(self, name: str) -> "LaneNumbers | None":
@@ -135,6 +137,8 @@ def _opened(context: Any, builder: Any, kind: Any, value: Any = None) -> Any:
 def _get_field(context: Any, builder: Any, kind: Any, value: Any, name: str) -> Any:
     member = kind.member(name)
     view = _opened(context, builder, kind, value)
+    if name in kind.known:
+        return DOUBLE_IR(kind.known[name])
     if not member.shape:
         return builder.load(_address(builder, view, cgutils.intp_t(member.first)))
     numbers = _opened(context, builder, member)
@@ -175,12 +179,13 @@ def _set_element(context: Any, builder: Any, kinds: Any, args: Any) -> None:
     builder.store(args[2], _element(context, builder, kinds.args[0], args))
 
 
-def a_view(name: str, layout: np.dtype[Any], first: int) -> Any:
+def a_view(name: str, layout: np.dtype[Any], first: int, known: Known) -> Any:
     """Return a function of a block and a lane that gives a kernel its record.
 
-    ``first`` is the place of the record's first number among those of a boat.
+    ``first`` is the place of the record's first number among those of a boat. Numbers that are
+    ``known``, since they are the same for all and stay so, are not read from the block.
     """
-    kind = LaneRecord(name, layout, first)
+    kind = LaneRecord(name, layout, first, known)
 
     @intrinsic
     def view(_typing: Any, _block: Any, _lane: Any) -> Any:
@@ -193,19 +198,6 @@ def a_view(name: str, layout: np.dtype[Any], first: int) -> Any:
         return kind(BLOCK, types.intp), lower
 
     return view
-
-
-@inlined
-def _lane_count() -> int:
-    """Return LANES, as a sum: a literal would let the loop be unrolled before it is vector code."""
-    half = LANES // 2
-    return half + half
-
-
-@inlined
-def every_lane() -> Any:
-    """Return the lanes of a block, to loop over."""
-    return range(_lane_count())
 
 
 @intrinsic

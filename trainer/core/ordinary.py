@@ -3,6 +3,8 @@
 Whether the water is deep enough is seen at every tick, by ``abreast``.
 """
 
+from typing import Final
+
 from trainer.core.air import at_work
 from trainer.core.autopilot import OWN
 from trainer.core.ballast import advance_ballast
@@ -12,6 +14,7 @@ from trainer.core.state import HISTORY
 from trainer.core.tanks import END, NEGATIVE, TRIM_FORWARD
 
 TERMS = 2  # of the multistep method
+KNOWN: Final = {"depth_law": float(OWN)}  # of the state
 
 
 @kernel

@@ -19,6 +19,8 @@ def relaid(kernel: Any, instead: Mapping[str, Any]) -> Any:
 
 def _relaid(kernel: Any, instead: Mapping[str, Any], done: dict[Any, Any]) -> Any:
     """Return ``kernel`` for lanes, made once."""
+    if not hasattr(kernel, "py_func"):
+        return kernel
     if kernel not in done:
         function = kernel.py_func
         known = dict(function.__globals__)
