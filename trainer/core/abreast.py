@@ -25,7 +25,7 @@ from trainer.core.elementary import cosine_and_sine
 from trainer.core.integrators import multistep_of
 from trainer.core.kernel import Numbers, Record, inlined, kernel
 from trainer.core.kinematics import kinematics
-from trainer.core.lanes import LANES, as_float, nearest, times_power_of_two
+from trainer.core.lanes import as_float, every_lane, nearest, times_power_of_two
 from trainer.core.ordinary import TERMS
 from trainer.core.propulsion import answer_telegraph
 from trainer.core.reference import slew_course, slew_depth
@@ -106,19 +106,19 @@ _lost = relaid(lost, _INSTEAD)
 def keep_gains(out: Numbers) -> None:
     """Find the gains of the lanes that have left their bracket of speeds."""
     left = 0
-    for lane in range(LANES):
+    for lane in every_lane():
         gains = work_in(out, lane)[0].gains
         u = state_in(out, lane)[0].u
         left += 1 if u <= gains[BRACKET_BELOW] or u > gains[BRACKET_TOP] else 0
     if left > 0:
-        for lane in range(LANES):
+        for lane in every_lane():
             bracket_gains(lane, out)
 
 
 @kernel
 def aim(h: float, out: Numbers) -> None:
     """Write the gains, and what the autopilot steers for."""
-    for lane in range(LANES):
+    for lane in every_lane():
         gains = work_in(out, lane)[0].gains
         _interpolate(state_in(out, lane)[0].u, gains)
         _slew_depth(h, gains, state_in(out, lane))
@@ -128,18 +128,18 @@ def aim(h: float, out: Numbers) -> None:
 @kernel
 def command(h: float, out: Numbers) -> None:
     """Write the commands of surfaces and revolutions; as one loop it would not be vector code."""
-    for lane in range(LANES):
+    for lane in every_lane():
         _keep_depth(vessel_in(out, lane), h, work_in(out, lane)[0].gains, state_in(out, lane))
-    for lane in range(LANES):
+    for lane in every_lane():
         _keep_course(vessel_in(out, lane), h, work_in(out, lane)[0].gains, state_in(out, lane))
-    for lane in range(LANES):
+    for lane in every_lane():
         _keep_speed(vessel_in(out, lane), h, state_in(out, lane))
 
 
 @kernel
 def push(trig: int, out: Numbers) -> None:
     """Write the forces."""
-    for lane in range(LANES):
+    for lane in every_lane():
         work = work_in(out, lane)[0]
         _forces(compact_in(out, lane), trig, state_in(out, lane), work.force)
         _add_external(compact_in(out, lane), work.external, work.force)
@@ -148,7 +148,7 @@ def push(trig: int, out: Numbers) -> None:
 @kernel
 def accelerate(trig: int, out: Numbers) -> None:
     """Write the rates, and find the lanes that are not deep."""
-    for lane in range(LANES):
+    for lane in every_lane():
         s, work = state_in(out, lane)[0], work_in(out, lane)[0]
         shallow = 0.0 if s.z > work.hull_clear else 1.0
         work.strayed += shallow + (0.0 if s.z >= work.tables_clear else 1.0)
@@ -159,7 +159,7 @@ def accelerate(trig: int, out: Numbers) -> None:
 @kernel
 def integrate(scheme: Record, out: Numbers) -> None:
     """Advance the motion."""
-    for lane in range(LANES):
+    for lane in every_lane():
         s = state_in(out, lane)[0]
         _multistep(scheme, TERMS, state_in(out, lane))
         s.sailed_x, s.sailed_y = s.x, s.y
@@ -168,21 +168,21 @@ def integrate(scheme: Record, out: Numbers) -> None:
 @kernel
 def deflect(h: float, out: Numbers) -> None:
     """Move the surfaces."""
-    for lane in range(LANES):
+    for lane in every_lane():
         _move_surfaces(vessel_in(out, lane), h, state_in(out, lane))
 
 
 @kernel
 def answer(h: float, out: Numbers) -> None:
     """Let the engine room answer; by itself, or neither becomes vector code."""
-    for lane in range(LANES):
+    for lane in every_lane():
         _answer_telegraph(vessel_in(out, lane), h, state_in(out, lane))
 
 
 @kernel
 def see(out: Numbers) -> None:
     """Count the tick, and find the lanes that lost their numbers."""
-    for lane in range(LANES):
+    for lane in every_lane():
         state_in(out, lane)[0].tick += 1.0
         work = work_in(out, lane)[0]
         work.strayed += 0.0 if _lost(state_in(out, lane)) == 0 else 1.0

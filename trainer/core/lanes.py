@@ -5,7 +5,7 @@ lane, so that the processor can work on several boats by one instruction. ``a_vi
 kernel takes for a record, and the compiler for a place in the block: the equations that one boat is
 computed by are compiled again for many, and are written once.
 
-A loop over ``range(LANES)`` becomes vector code if nothing in it calls a library or leaves early,
+A loop over ``every_lane()`` becomes vector code if nothing in it calls a library or leaves early,
 and if both sides of a choice are loaded before it is made.
 """
 
@@ -32,6 +32,8 @@ from numba.extending import (
     models,
     register_model,
 )
+
+from trainer.core.kernel import inlined
 
 Known = Mapping[str, float]
 
@@ -198,6 +200,15 @@ def a_view(name: str, layout: np.dtype[Any], first: int, known: Known) -> Any:
         return kind(BLOCK, types.intp), lower
 
     return view
+
+
+@inlined
+def every_lane() -> Any:
+    """Return the lanes of a block, to loop over.
+
+    A loop that knew its length at once would be unrolled before it could become vector code.
+    """
+    return range(LANES)
 
 
 @intrinsic
