@@ -288,7 +288,7 @@ def test_an_order_acts_before_its_tick(boat: Boat) -> None:
 
     flown = fly_members(fleet, schedule, 5, 1, ("command_r", "ordered_r"))
 
-    assert flown.rows[:, 3].tolist() == [[0.0, 0.0], [0.0, 0.0]]
+    assert flown.rows[:, 3] == pytest.approx(np.zeros((2, 2)), abs=1e-12)
     assert flown.rows[:, 4].tolist() == [[0.1, 0.1], [0.2, 0.2]]
 
 

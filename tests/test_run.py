@@ -159,7 +159,7 @@ def test_a_scheduled_order_acts_on_its_tick(start: Start, tmp_path: Path) -> Non
     assert Run(start(*HEADLESS, "--duration", "601", *files)).code == 0
 
     rudder = [row["delta_r"] for row in rows(tmp_path / "out.csv")]
-    assert set(rudder[:1201]) == {rudder[0]}
+    assert rudder[:1201] == pytest.approx([rudder[0]] * 1201, abs=1e-12)
     assert rudder[1201] - rudder[0] == pytest.approx(-3.55 * 0.017453292519943295)
 
 
@@ -496,7 +496,7 @@ def test_a_wrong_schedule_is_told_by_file_and_line(
 @pytest.mark.parametrize(
     ("old", "new", "told"),
     [
-        ("X_udot =", "X_udto =", ["[coefficients.X]", "X_udto", "X_udot"]),
+        ("X_udot = -", "X_udto = -", ["[coefficients.X]", "X_udto", "X_udot"]),
         ("Ix = 5.23e7", "Ix = 0.0", ["[vessel]", "Ix = 0"]),
         ("mass = 4418825.3321", "mass = -4418825.3321", ["[vessel]", "mass = -4418825"]),
         ("Iz = 1.367e9", "Iz = nan", ["[vessel]", "Iz = nan"]),
@@ -543,7 +543,7 @@ def test_an_unstable_step_is_refused_with_the_largest_stable_one(
     assert "is not stable" in refused(*HEADLESS, "--step", above, "--integrator", "euler")
 
 
-@pytest.mark.parametrize(("equations", "integrator"), [("full", "euler"), ("modified", "adams2")])
+@pytest.mark.parametrize(("equations", "integrator"), [("full", "euler"), ("modified", "euler")])
 def test_a_boat_driven_to_divergence_freezes_and_says_where(
     start: Start, tmp_path: Path, equations: str, integrator: str
 ) -> None:
