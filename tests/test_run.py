@@ -543,7 +543,7 @@ def test_an_unstable_step_is_refused_with_the_largest_stable_one(
     assert "is not stable" in refused(*HEADLESS, "--step", above, "--integrator", "euler")
 
 
-@pytest.mark.parametrize(("equations", "integrator"), [("full", "euler"), ("modified", "euler")])
+@pytest.mark.parametrize(("equations", "integrator"), [("full", "euler"), ("modified", "adams3")])
 def test_a_boat_driven_to_divergence_freezes_and_says_where(
     start: Start, tmp_path: Path, equations: str, integrator: str
 ) -> None:
