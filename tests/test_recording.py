@@ -872,3 +872,31 @@ def test_spoilt_files_are_refused_without_a_traceback(path: Path) -> None:
         with contextlib.suppress(RecordingError), closing(Recording.look(path)) as recording:
             list(recording.flown(1))
             recording.header()
+
+
+@pytest.mark.parametrize(
+    ("change", "told"),
+    [
+        ("UPDATE branches SET tick = 'x'", "of another kind"),
+        ("UPDATE states SET state = 'text'", "of another kind"),
+        ("UPDATE orders SET who = x'00'", "of another kind"),
+        ("UPDATE branches SET parent = 1", "begins in a later one"),
+        ("UPDATE header SET value = x'00'", "of another kind"),
+    ],
+)
+def test_a_value_of_another_kind_is_told_as_damage(path: Path, change: str, told: str) -> None:
+    with closing(begin(path)) as recording:
+        fill(recording)
+    with contextlib.closing(sqlite3.connect(path)) as connection, connection:
+        connection.execute(change)
+
+    with pytest.raises(RecordingError, match=told):
+        read_all(path)
+
+
+def read_all(path: Path) -> None:
+    """Read what a recording has of its first branch."""
+    with closing(Recording.look(path)) as looked:
+        looked.header()
+        looked.orders(1)
+        list(looked.flown(1))

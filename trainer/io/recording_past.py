@@ -7,13 +7,22 @@ orders of its own tick.
 """
 
 import sqlite3
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any, Final
 
 from trainer.io.recording_file import RecordingError, understanding
 
 ENDLESS: Final = 2**62  # beyond any tick or order
+# What the columns of an answer hold. SQLite itself takes anything, and a damaged page may be that.
+PERHAPS: Final = (int, type(None))
+KINDS: Final[Mapping[str, type | tuple[type, ...]]] = {
+    **dict.fromkeys(("id", "branch", "tick", "after", "place", "last"), int),
+    **dict.fromkeys(("key", "value", "name", "who", "text", "answer", "kind", "why", "wall"), str),
+    **dict.fromkeys(("parent", "scheduled", "accepted", "latest", "done"), PERHAPS),
+    **dict.fromkeys(("lateness_ns", "work_ns"), PERHAPS),
+    "state": bytes,
+}
 
 
 @dataclass(frozen=True)
@@ -77,6 +86,9 @@ class Flown:
     work: int | None
 
 
+DAMAGED: Final = "a value is of another kind than is written there"
+
+
 class Past:
     """Questions to a recording; RecordingError if it is damaged."""
 
@@ -95,15 +107,15 @@ class Past:
 
     def last_branch(self) -> int:
         """Return the number of the latest branch."""
-        return int(self._row("SELECT coalesce(max(id), 0) FROM branches")[0])
+        return int(self._row("SELECT coalesce(max(id), 0) AS last FROM branches")[0])
 
     def last_order(self) -> int:
         """Return the number of the latest order, 0 for none."""
-        return int(self._row("SELECT coalesce(max(id), 0) FROM orders")[0])
+        return int(self._row("SELECT coalesce(max(id), 0) AS last FROM orders")[0])
 
     def last_tick(self, branch: int) -> int:
         """Return the tick of the last state of a branch, its start at least."""
-        found = "SELECT max(tick) FROM states WHERE branch = ?"
+        found = "SELECT max(tick) AS latest FROM states WHERE branch = ?"
         (tick,) = self._row(found, branch)
         return max(self._branch(branch).tick, -1 if tick is None else int(tick))
 
@@ -126,7 +138,9 @@ class Past:
         state = self._row("SELECT state FROM states WHERE branch = ? AND tick = ?", here.id, tick)
         if not state:
             return None
-        given = "SELECT max(id), max(place) FROM orders WHERE branch = ? AND tick < ?"
+        given = (
+            "SELECT max(id) AS latest, max(place) AS done FROM orders WHERE branch = ? AND tick < ?"
+        )
         after, place = self._row(given, here.id, tick)
         return Moment(
             *(here.id, tick, state[0]),
@@ -137,7 +151,7 @@ class Past:
     def orders(self, branch: int, after: int) -> list[Journalled]:
         """Return the orders after number `after` that a branch includes, in order."""
         found = (
-            "SELECT id, branch, tick, who, text, place, accepted, answer FROM orders "
+            "SELECT id, branch, tick, who, text, place AS scheduled, accepted, answer FROM orders "
             "WHERE branch = ? AND id > ? AND id <= ? ORDER BY id"
         )
         stretches: list[list[Journalled]] = []
@@ -218,6 +232,8 @@ class Past:
     def _find(self, branch: int) -> Branch | None:
         found = "SELECT id, parent, tick, after, place, why, state FROM branches WHERE id = ?"
         row = self._row(found, branch)
+        if row and row[1] is not None and row[1] >= row[0]:
+            raise RecordingError(f"{self._name} is damaged: branch {branch} begins in a later one")
         return Branch(*row) if row else None
 
     def _row(self, question: str, *values: int) -> tuple[Any, ...]:
@@ -227,7 +243,12 @@ class Past:
     def _rows(self, question: str, *values: int) -> Iterator[tuple[Any, ...]]:
         try:
             with understanding(self._name):
-                yield from self._connection.execute(question, values)
+                answer = self._connection.execute(question, values)
+                kinds = [KINDS[name] for name, *_ in answer.description]
+                for row in answer:
+                    if not all(map(isinstance, row, kinds)):
+                        raise RecordingError(f"{self._name} is damaged: {DAMAGED}")
+                    yield row
         except sqlite3.OperationalError as error:
             raise RecordingError(f"{self._name} cannot be read: {error}") from None
 
