@@ -184,6 +184,8 @@ class Boat:
 
     def numbers(self, names: tuple[str, ...]) -> list[float]:
         """Return the named places of the state; ``t`` is the time [s]."""
+        if not names:
+            return []
         taken = _places(names)(self.plain)
         found = list(taken) if len(names) > 1 else [taken]
         if "t" in names:
