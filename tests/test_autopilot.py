@@ -305,7 +305,7 @@ def test_planes_at_their_limits_for_ten_minutes_do_not_wind_it_up(
 ) -> None:
     # a hard turn at 8 kn is more than BB2's bow planes can hold up
     boat = started(8.0, "modified")
-    turn_by_hand(boat, 35.0)
+    turn_by_hand(boat, 30.0)
     deep = sail(boat, 600.0)["depth"][-1]
     assert boat.state.delta_b == pytest.approx(30.0 * DEGREE)
     boat.state.ordered_r = 0.0

@@ -188,6 +188,8 @@ class Console(App[str], inherit_bindings=False):
         """Take what has come, and have drawn anew what has changed."""
         sight = self.sight
         sight.hear()
+        if not self.screen_stack:  # it is being closed
+            return
         if sight.barred or (sight.over and sight.ended):
             self.exit(sight.barred)
             return

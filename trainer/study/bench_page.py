@@ -114,7 +114,7 @@ def _side_by_side(fleet: SideBySide) -> list[str]:
     )
     return [
         "",
-        "BOATS SIDE BY SIDE (modified lagged adams2, calm; [million boat-ticks a second])",
+        "BOATS SIDE BY SIDE (modified set, lagged rates, calm) [million ticks a second]",
         *(f"  {name:<28}{rate / 1e6:>10.2f}   {ratio}".rstrip() for name, rate, ratio in rows),
     ]
 
