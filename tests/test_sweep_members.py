@@ -150,9 +150,10 @@ def test_members_that_no_vessel_file_may_be_are_refused_as_one(
 def test_a_vessel_changed_by_its_tables_is_the_vessel_of_a_file_so_written() -> None:
     subject = manoeuvring(SHORT, {"vessel.coefficients.N_v": "values = [-0.01]"}, members=1)
     file = load_vessel("bb2")
-    written = "\n".join(
-        "N_v = -0.01" if line.startswith("N_v ") else line for line in file.text.splitlines()
-    )
+    head, mark, coefficients = file.text.partition("[coefficients.N]")
+    rows = coefficients.splitlines()
+    coefficients = "\n".join("N_v = -0.01" if row.startswith("N_v ") else row for row in rows)
+    written = head + mark + coefficients
     assert written.count("N_v = -0.01") == 1
 
     (changed,) = (subject._cases({"0": np.array([-0.01])}, 1)[0][0].file,)  # noqa: SLF001
