@@ -21,7 +21,6 @@ from trainer.study.bench import Figures, bench, cpu_model, pace, samples_up
 from trainer.study.bench_page import render
 from trainer.study.hot import CASUALTIES, take_ticks
 from trainer.study.latency import effect
-from trainer.study.side_by_side import fastest_s, fleet_of
 
 
 @pytest.fixture(scope="module")
@@ -131,35 +130,6 @@ def test_the_loop_in_a_kernel_is_the_same_ticks(make_boat: Callable[..., Boat]) 
     assert np.array_equal(called.state.whole, looped.state.whole)
 
 
-def test_rates_of_fleets_stand_in_their_ratios(figures: Figures) -> None:
-    fleet = figures.side_by_side
-
-    assert (fleet.few_boats, fleet.many_boats, fleet.threads) == (1024, 65536, 2)
-    assert min(fleet.alone_per_s, fleet.few_per_s, fleet.many_per_s, fleet.threads_per_s) > 0.0
-    assert fleet.few_times_the_alone == fleet.few_per_s / fleet.alone_per_s
-    assert fleet.many_of_few_percent == 100.0 * fleet.many_per_s / fleet.few_per_s
-    assert f"{fleet.few_times_the_alone:.1f} times one" in render(figures)
-
-
-def test_a_fleet_of_the_benchmark_keeps_depths_and_courses_of_its_own(
-    make_boat: Callable[..., Boat],
-) -> None:
-    boat = make_boat(equations="modified")
-    boat.start(5.0, 60.0, 0.0)
-
-    fleet = fleet_of(boat, 3)
-
-    assert fleet.states["ordered_depth"].tolist() == [50.0, 60.0, 70.0]
-    assert fleet.states["ordered_psi"].tolist() == [-1.0, 0.0, 1.0]
-    assert fleet.states["u"].tolist() == [boat.state.u] * 3
-
-
-def test_the_fastest_of_several_flights_counts_but_never_the_first() -> None:
-    ticks = iter([0.0, 1.0, 1.0, 2.0] + [0.0, 7.0, 7.0, 19.0] * 8 + [0.0, 5.0, 5.0, 15.0])
-
-    assert fastest_s([lambda: None, lambda: None], lambda: next(ticks)) == [5.0, 10.0]
-
-
 def test_sizes_are_in_bytes_and_words_and_the_state_is_under_2_kib(figures: Figures) -> None:
     assert {"state", "vessel", "compact", "scheme"} <= figures.sizes.keys()
     for size in figures.sizes.values():
@@ -222,18 +192,7 @@ def test_json_is_one_object_whose_keys_carry_the_units(
     bare = {
         n
         for n in units(tree)
-        if not n.endswith(
-            (
-                "_s",
-                "_ns",
-                "_percent",
-                "_than_1969",
-                "_the_calm",
-                "_the_bare",
-                "_the_alone",
-                "_the_one",
-            )
-        )
+        if not n.endswith(("_s", "_ns", "_percent", "_than_1969", "_the_calm", "_the_bare"))
     }
     assert not bare
     assert set(asdict(Spread(1, 2, 3, 4))) == set(tree["real_time"][0]["work"])

@@ -2,7 +2,7 @@
 
 import json
 import shutil
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import pytest
@@ -11,11 +11,13 @@ from llvmlite import binding
 
 from trainer import cli
 from trainer.compiled.linking import NoCompilerError
+from trainer.core.ordinary import follows, ordinary
 from trainer.files.vessel_file import load_vessel
-from trainer.study import bench, bench_page, footprint, peers, sections
+from trainer.study import bench, bench_page, footprint, peers, sections, side_by_side
 from trainer.study.against_c import comparison
 from trainer.study.against_c.compiler import BUILDS
 from trainer.study.batches import Batches
+from trainer.study.side_by_side import SideBySide
 
 OPTIONS = [f"--{name.replace('_', '-')}" for name in sections.SECTIONS]
 HALVER = """
@@ -109,6 +111,75 @@ def test_the_tick_is_timed_against_each_way_of_compiling_the_same_in_c(
     assert figures.times_interpreted == 1e5 / min(row.tick_ns for row in figures.in_a_sea)
     assert page.isascii()
     assert all(" ".join(way.flags) in page for way in BUILDS)
+
+
+def test_boats_side_by_side_are_told_as_times_of_one_in_c() -> None:
+    figures = SideBySide(
+        vessel="a boat",
+        ticks_a_flight=120,
+        alone_per_s=3e6,
+        c_per_s=4e6,
+        few_boats=1024,
+        few_per_s=24e6,
+        levels_per_s={"x86-64-v3": 12e6},
+        many_boats=65536,
+        many_per_s=18e6,
+        threads=2,
+        threads_per_s=40e6,
+        many_of_few=0.75,
+        threads_of_one=1.6,
+    )
+
+    page = [" ".join(line.split()) for line in side_by_side.lines(figures)]
+
+    assert "one, in a compiled loop 3.00 0.75" in page
+    assert "1024 24.00 6.00" in page
+    assert "1024, for x86-64-v3 12.00 3.00" in page
+    assert "65536 18.00 4.50 75% of 1024" in page
+    assert "2 threads of 1024 40.00 10.00 1.60 of one" in page
+    alone = side_by_side.lines(replace(figures, c_per_s=None))
+    assert not any("in C" in line for line in alone)
+    assert " ".join(alone[-2].split()) == "65536 18.00 6.00 75% of 1024"
+    assert max(map(len, [*alone, *side_by_side.lines(figures)])) <= 79
+
+
+def test_fleets_of_the_bench_keep_depths_and_courses_of_their_own() -> None:
+    boat = side_by_side.under_way(load_vessel("bb2"))
+
+    fleet = side_by_side.fleet_of(boat, 3)
+
+    depth = boat.state.z
+    assert fleet.states["ordered_depth"].tolist() == [depth - 10.0, depth, depth + 10.0]
+    assert fleet.states["ordered_psi"].tolist() == [-1.0, 0.0, 1.0]
+    assert fleet.states["u"].tolist() == [boat.state.u] * 3
+    assert follows(boat.records.scheme), "what is timed is flown side by side"
+    assert ordinary(boat.records.vessel, boat.records.state)
+
+
+def test_the_fastest_of_several_flights_counts_but_never_the_first() -> None:
+    ticks = iter([0.0, 1.0, 1.0, 2.0] + [0.0, 7.0, 7.0, 19.0] * 8 + [0.0, 5.0, 5.0, 15.0])
+
+    fastest = side_by_side.fastest_s([lambda: None, lambda: None], lambda: next(ticks))
+
+    assert fastest == [5.0, 10.0]
+
+
+def test_rates_are_measured_of_fleets_alone_in_threads_and_by_level(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    for name, few in (("FEW", 32), ("MANY", 64), ("ALONE", 50), ("FLIGHTS", 1)):
+        monkeypatch.setattr(side_by_side, name, few)
+    monkeypatch.setattr(side_by_side, "levels_here", lambda: ["x86-64-v2"])
+    monkeypatch.setattr(side_by_side, "level_per_s", lambda _file, level: len(level) * 1.0)
+
+    figures = side_by_side.time_side_by_side(load_vessel("bb2"))
+
+    rates = (figures.alone_per_s, figures.few_per_s, figures.many_per_s, figures.threads_per_s)
+    assert min(rates) > 0.0
+    assert figures.levels_per_s == {"x86-64-v2": 9.0}
+    assert (figures.few_boats, figures.many_boats) == (32, 64)
+    assert figures.many_of_few == pytest.approx(figures.many_per_s / figures.few_per_s)
+    assert side_by_side.few_per_s(str(load_vessel("bb2").path)) > 0.0
 
 
 def test_a_peer_that_is_not_installed_is_told(monkeypatch: pytest.MonkeyPatch) -> None:

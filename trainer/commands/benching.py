@@ -15,6 +15,7 @@ from trainer.commands.options import VESSEL_HELP
     help="Of real time for each step, and for the orders over TCP.",
 )
 @click.option("--against-c", is_flag=True, help="Only the tick against plain C, compiled here.")
+@click.option("--side-by-side", is_flag=True, help="Only how fast many boats are flown at once.")
 @click.option("--same-bits", is_flag=True, help="Only whether an hour ends in the same bits.")
 @click.option("--footprint", is_flag=True, help="Only the words of machine code, beside 1969.")
 @click.option("--peers", is_flag=True, help="Only the tick beside JSBSim and scipy.")

@@ -30,7 +30,6 @@ from trainer.ledger import Spread
 from trainer.study.attended import Attended, run_to, session_of, temporary, time_attended
 from trainer.study.hot import STANDARD, Troubled, Update, ready, time_troubled, time_update
 from trainer.study.latency import SPEED, Latency, time_orders
-from trainer.study.side_by_side import SideBySide, time_side_by_side
 
 DUTY_1969: Final = {0.5: 38.0, 1.0: 19.0}  # [%] by step [s], of the modified set in 1969
 WORDS_1969: Final = 8192  # [16-bit words] the memory of 1969
@@ -97,7 +96,6 @@ class Figures:
     real_time: tuple[Paced, ...]
     updates: tuple[Update, ...]
     troubled: Troubled
-    side_by_side: SideBySide
     attended: Attended
     latency: Latency
     sizes: dict[str, Size]
@@ -125,7 +123,6 @@ def bench(file: VesselFile, seconds: int) -> Figures:
         real_time=paced,
         updates=tuple(time_update(ready(file, way, file.run.step_s)) for way in HOT),
         troubled=time_troubled(file, HOT[0]),
-        side_by_side=time_side_by_side(ready(file, HOT[0], file.run.step_s)),
         attended=time_attended(lambda: ready(file, HOT[0], file.run.step_s)),
         latency=latency,
         sizes={name: Size(kind.itemsize, kind.itemsize // 2) for name, kind in RECORDS.items()},

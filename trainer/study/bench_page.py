@@ -9,7 +9,6 @@ from trainer.study.batches import BATCH_NS, BATCHES
 from trainer.study.bench import Figures, Paced, Size
 from trainer.study.hot import Troubled, Update
 from trainer.study.latency import SPEED, Latency
-from trainer.study.side_by_side import SideBySide
 
 WIDTH = 79
 
@@ -25,7 +24,6 @@ def render(figures: Figures) -> str:
         *_real_time(figures.real_time),
         *_updates(figures.updates),
         *_troubled(figures.troubled),
-        *_side_by_side(figures.side_by_side),
         *_attended(figures.attended),
         *_latency(figures.latency),
         *_sizes(figures.sizes, figures.memory_1969_words_of_16_bits),
@@ -93,29 +91,6 @@ def _troubled(troubled: Troubled) -> list[str]:
     return [
         f"  with a sea, tanks at work and six casualties {troubled.troubled.median_ns:.0f}",
         f"  ({troubled.times_the_calm:.2f} times the calm one)",
-    ]
-
-
-def _side_by_side(fleet: SideBySide) -> list[str]:
-    """Return how many boats a second of processor time moves on by a tick."""
-    rows = (
-        ("one, in a compiled loop", fleet.alone_per_s, ""),
-        (f"{fleet.few_boats}", fleet.few_per_s, f"{fleet.few_times_the_alone:.1f} times one"),
-        (
-            f"{fleet.many_boats}",
-            fleet.many_per_s,
-            f"{fleet.many_of_few_percent:.0f} % of {fleet.few_boats}",
-        ),
-        (
-            f"{fleet.threads} x {fleet.few_boats} in {fleet.threads} threads",
-            fleet.threads_per_s,
-            f"{fleet.threads_times_the_one:.2f} times one thread",
-        ),
-    )
-    return [
-        "",
-        "BOATS SIDE BY SIDE (modified set, lagged rates, calm) [million ticks a second]",
-        *(f"  {name:<28}{rate / 1e6:>10.2f}   {ratio}".rstrip() for name, rate, ratio in rows),
     ]
 
 

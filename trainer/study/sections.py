@@ -6,7 +6,16 @@ from typing import Any, Final
 
 from trainer.compiled.linking import NoCompilerError
 from trainer.files.vessel_file import VesselFile
-from trainer.study import end_to_end, exported, footprint, on_time, peers, same_bits, starting
+from trainer.study import (
+    end_to_end,
+    exported,
+    footprint,
+    on_time,
+    peers,
+    same_bits,
+    side_by_side,
+    starting,
+)
 from trainer.study.against_c import comparison
 
 
@@ -52,6 +61,9 @@ def or_left_out(section: Section) -> Section:
 SECTIONS: Final = {
     "against_c": or_left_out(
         Section(lambda wanted: comparison.against_c(wanted.file), comparison.lines)
+    ),
+    "side_by_side": Section(
+        lambda wanted: side_by_side.time_side_by_side(wanted.file), side_by_side.lines
     ),
     "same_bits": Section(lambda _wanted: same_bits.same_bits(), same_bits.lines),
     "footprint": Section(lambda _wanted: footprint.footprint(), footprint.lines),
