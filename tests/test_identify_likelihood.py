@@ -11,7 +11,13 @@ from trainer.config import ConfigError
 from trainer.identify.differences import gradient_and_hessian, refined, relative_steps
 from trainer.identify.kernels.prediction import settle
 from trainer.identify.likelihood import Likelihood
-from trainer.identify.predictor import Innovations, MultiStep, no_gain, settled_gain
+from trainer.identify.predictor import (
+    Innovations,
+    MultiStep,
+    _concentrated,
+    no_gain,
+    settled_gain,
+)
 from trainer.identify.rehearsal import TANKER, TANKER_RUDDER
 from trainer.identify.samples import Samples
 from trainer.identify.shown import chi_square_limits, losses, shown, unlimited
@@ -303,3 +309,9 @@ def test_differences_are_as_exact_as_their_order():
     assert fine[1][0, 1] == pytest.approx(mixed, rel=1e-5)
     with pytest.raises(ConfigError, match="parameter 2 is 0"):
         relative_steps(np.array([1.0, 0.0]))
+
+
+def test_errors_too_large_to_be_squared_are_no_likelihood():
+    errors = np.array([[1.0, 2.0], [2.0, -1.0], [0.5, 0.25]])
+    assert math.isfinite(_concentrated(errors))
+    assert _concentrated(1e200 * errors) == math.inf

@@ -123,9 +123,16 @@ class Innovations:
 
 
 def _concentrated(errors: Numbers) -> float:
-    """Return minus the log-likelihood of ``errors`` (n, y) with the covariance that fits best."""
+    """Return minus the log-likelihood of ``errors`` (n, y) with the covariance that fits best.
+
+    Infinite where errors are one another's multiples, or too large to be squared.
+    """
     count, readings = errors.shape
-    sign, determinant = np.linalg.slogdet(errors.T @ errors / count)
+    with np.errstate(over="ignore"):
+        covariance = errors.T @ errors / count
+    if not np.isfinite(covariance).all():
+        return math.inf
+    sign, determinant = np.linalg.slogdet(covariance)
     if sign <= 0.0:
         return math.inf
     return float(0.5 * count * (determinant + readings * (1.0 + LOG_2_PI)))
