@@ -23,6 +23,12 @@ LINE_LIMIT = 10_000  # [characters]
 SHOWN_LIMIT = 60  # [characters] of a value in a message
 TOLD_LIMIT = 20  # problems of one file that are told
 SHIPPED: Final = "configs/"  # what the keys of shipped files begin with
+OWN: Final = {  # what one of a kind is called, and an example of the user's own
+    "exercises": ("exercise", "./drill.toml"),
+    "seas": ("sea", "./storm.toml"),
+    "studies": ("study", "./study.toml"),
+    "vessels": ("vessel", "./boat.toml"),
+}
 
 _remembered: ContextVar[dict[str, str] | None] = ContextVar("remembered", default=None)
 _recorded: ContextVar[Mapping[str, str] | None] = ContextVar("recorded", default=None)
@@ -152,6 +158,30 @@ def shipped(kind: str, name: str) -> Path:
             f"there are: {', '.join(names)}",
         )
     return _shipped_folder(kind) / f"{name}.toml"
+
+
+def is_path(name: str) -> bool:
+    """Return whether a name is that of a file of the user's: with a separator, or .toml."""
+    return name.endswith(".toml") or "/" in name or "\\" in name
+
+
+def path_named(name_or_path: str, kind: str) -> Path:
+    """Return where a file of ``kind`` is, a shipped one by its name; ConfigError if none is."""
+    if is_path(name_or_path):
+        return Path(name_or_path)
+    names = shipped_names(kind)
+    if name_or_path not in names:
+        one, own = OWN[kind]
+        raise ConfigError(
+            f"no {one} {shown(name_or_path)}{nearest(name_or_path, names)}; "
+            f"shipped: {', '.join(names)}; give a file of your own as a path, such as {own}"
+        )
+    return shipped(kind, name_or_path)
+
+
+def beside(path: Path, name: str) -> str:
+    """Return a shipped file's name as it is, and a path as seen from the folder of ``path``."""
+    return str(path.parent / name) if is_path(name) else name
 
 
 def _shipped_folder(kind: str) -> Path:

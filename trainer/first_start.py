@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import Any, Final
 
 from trainer import compilation
-from trainer.config import ConfigError, parse_toml, read_text, shipped
+from trainer.config import ConfigError, is_path, parse_toml, read_text, shipped
 from trainer.machine_code import cache_folder, cache_lasts
 
 EVALUATION: Final = 0.02  # [s] of the clock for an evaluation of the rates: ten of them
@@ -74,11 +74,6 @@ def table(kind: str, name: Any) -> Mapping[str, Any]:
         return parse_toml(text, str(name))
     except ConfigError:
         return {}
-
-
-def is_path(name: str) -> bool:
-    """Return whether a name is that of a file of the user's."""
-    return name.endswith(".toml") or "/" in name or os.sep in name
 
 
 def complaints() -> bool:

@@ -14,9 +14,9 @@ from trainer.files.schema import (
     Quantity,
     Rows,
     above,
-    key_rows,
     of,
     read_record,
+    tables_of,
     within,
 )
 
@@ -200,4 +200,4 @@ RECORDS: Final = {
 
 def key_tables() -> str:
     """Return the Markdown tables of every key, as docs/ballast.md shows them."""
-    return "\n\n".join("\n".join(key_rows(record, name)) for name, record in RECORDS.items()) + "\n"
+    return tables_of(RECORDS)

@@ -11,13 +11,12 @@ from typing import Any, Final
 from trainer.config import (
     ConfigError,
     Place,
+    beside,
     collecting,
     nearest,
     parse_toml,
+    path_named,
     read_text,
-    shipped,
-    shipped_names,
-    shown,
 )
 from trainer.files.casualty_file import Casualty, load_casualties
 from trainer.files.casualty_kinds import severity_rule
@@ -73,31 +72,8 @@ def load_exercise(name_or_path: str) -> Exercise:
 
     Whatever has a path separator or ends in .toml is a path.
     """
-    path = exercise_path(name_or_path)
+    path = path_named(name_or_path, "exercises")
     return parse_exercise(read_text(path), path)
-
-
-def exercise_path(name_or_path: str) -> Path:
-    """Return where the file is; ConfigError naming the shipped exercises if there is none."""
-    if _is_path(name_or_path):
-        return Path(name_or_path)
-    names = shipped_names("exercises")
-    if name_or_path not in names:
-        raise ConfigError(
-            f"no exercise {shown(name_or_path)}{nearest(name_or_path, names)}; "
-            f"shipped: {', '.join(names)}; give a file of your own as a path, "
-            "such as ./drill.toml"
-        )
-    return shipped("exercises", name_or_path)
-
-
-def _is_path(text: str) -> bool:
-    return text.endswith(".toml") or "/" in text or "\\" in text
-
-
-def _beside(path: Path, text: str) -> str:
-    """Return a name as it is, and a path as seen from the folder of the exercise."""
-    return str(path.parent / text) if _is_path(text) else text
 
 
 def parse_exercise(text: str, path: Path) -> Exercise:
@@ -117,11 +93,11 @@ def read_exercise(table: Mapping[str, Any], path: Path) -> Exercise:
     with collecting(problems):
         own = {key: value for key, value in table.items() if key in KNOWN and key not in TABLES}
         heading = read_record(Heading, own, place, ("note",))
-        parts["heading"] = replace(heading, vessel=heading.vessel and _beside(path, heading.vessel))
+        parts["heading"] = replace(heading, vessel=heading.vessel and beside(path, heading.vessel))
         if heading.seed is not None and heading.seed != int(heading.seed):
             problems.append(place.wrong("seed", heading.seed, "must be a whole number"))
         if heading.casualty_table is not None:
-            parts["casualties"] = load_casualties(_beside(path, heading.casualty_table))
+            parts["casualties"] = load_casualties(beside(path, heading.casualty_table))
     for name, record in (("initial", Initial), ("limits", Limits)):
         with collecting(problems):
             given = table.get(name, {})
@@ -146,7 +122,7 @@ def read_exercise(table: Mapping[str, Any], path: Path) -> Exercise:
 def _sea(value: object, path: Path) -> SeaFile:
     """Return a sea given by name or path, or as a table of its own."""
     if isinstance(value, str):
-        return load_sea(_beside(path, value))
+        return load_sea(beside(path, value))
     sea = read_sea(value, Place(path.name, "sea"))
     return SeaFile(path=path, text="", name="the exercise's sea", sea=sea)
 

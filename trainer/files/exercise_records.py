@@ -10,9 +10,9 @@ from trainer.files.schema import (
     Rows,
     Text,
     above,
-    key_rows,
     of,
     optional,
+    tables_of,
     within,
 )
 from trainer.fitout import EQUATIONS
@@ -105,5 +105,4 @@ RECORDS: Final = {
 
 def key_tables() -> str:
     """Return the Markdown tables of every key, as docs/exercises.md shows them."""
-    text = "\n\n".join("\n".join(key_rows(record, name)) for name, record in RECORDS.items())
-    return text.replace("### `[]`", "### Above all tables") + "\n"
+    return tables_of(RECORDS)

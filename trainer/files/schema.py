@@ -5,7 +5,7 @@ A record is a frozen, keyword-only dataclass whose fields carry their kind as me
 
 import math
 import sys
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import MISSING, Field, asdict, dataclass, field, fields, make_dataclass
 from typing import Any, Protocol, TypeVar
 
@@ -259,6 +259,12 @@ def read_record(
     if problems:
         raise ConfigError(*problems)
     return record(**values)
+
+
+def tables_of(records: Mapping[str, type[Any]]) -> str:
+    """Return the Markdown tables that document each key of each record; "" is above all tables."""
+    text = "\n\n".join("\n".join(key_rows(record, name)) for name, record in records.items())
+    return text.replace("### `[]`", "### Above all tables") + "\n"
 
 
 def key_rows(record: type[Any], table: str) -> list[str]:

@@ -18,9 +18,9 @@ from trainer.config import (
     collecting,
     nearest,
     parse_toml,
+    path_named,
     read_text,
     shipped,
-    shipped_names,
     shown,
 )
 from trainer.core.kernel import Numbers
@@ -97,17 +97,7 @@ def load_sea(name_or_path: str) -> SeaFile:
 
     Whatever has a path separator or ends in .toml is a path.
     """
-    if name_or_path.endswith(".toml") or "/" in name_or_path or "\\" in name_or_path:
-        path = Path(name_or_path)
-    else:
-        names = shipped_names("seas")
-        if name_or_path not in names:
-            raise ConfigError(
-                f"no sea {shown(name_or_path)}{nearest(name_or_path, names)}; "
-                f"shipped: {', '.join(names)}; give a file of your own as a path, "
-                "such as ./storm.toml"
-            )
-        path = shipped("seas", name_or_path)
+    path = path_named(name_or_path, "seas")
     return parse_sea(read_text(path), path)
 
 

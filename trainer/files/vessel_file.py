@@ -3,7 +3,6 @@
 What a file leaves out comes from the shipped defaults file; nothing is defaulted in code.
 """
 
-import os
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -15,10 +14,9 @@ from trainer.config import (
     collecting,
     nearest,
     parse_toml,
+    path_named,
     read_text,
     shipped,
-    shipped_names,
-    shown,
     shown_key,
 )
 from trainer.files import plausibility
@@ -153,22 +151,8 @@ def load_vessel(name_or_path: str) -> VesselFile:
 
     Whatever has a path separator or ends in .toml is a path.
     """
-    path = _path(name_or_path)
+    path = path_named(name_or_path, "vessels")
     return parse_vessel(read_text(path), path)
-
-
-def _path(name_or_path: str) -> Path:
-    """Return where the file is; ConfigError naming the shipped boats if there is none."""
-    separators = {"/", os.sep, os.altsep or "/"}
-    if name_or_path.endswith(".toml") or any(mark in name_or_path for mark in separators):
-        return Path(name_or_path)
-    names = shipped_names("vessels")
-    if name_or_path not in names:
-        raise ConfigError(
-            f"no vessel {shown(name_or_path)}{nearest(name_or_path, names)}; "
-            f"shipped: {', '.join(names)}; give a file of your own as a path, such as ./boat.toml",
-        )
-    return shipped("vessels", name_or_path)
 
 
 def parse_vessel(text: str, path: Path) -> VesselFile:

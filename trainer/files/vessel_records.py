@@ -14,9 +14,9 @@ from trainer.files.schema import (
     Quantity,
     Rows,
     above,
-    key_rows,
     of,
     optional,
+    tables_of,
     within,
 )
 from trainer.files.terms import EXTRA_TERMS
@@ -214,16 +214,16 @@ class FreeSurface:
 
 def key_tables() -> str:
     """Return the Markdown tables of every key, as docs/vessel-files.md shows them."""
-    tables = (
-        ("fluid", Fluid),
-        ("vessel", Hull),
-        ("propulsion", Propulsion),
-        ("[propulsion.sets]", ThrustSet),
-        ("control_surfaces", Surfaces),
-        ("compact", Compact),
-        ("run", Run),
-        ("autopilot", Autopilot),
-        ("free_surface", FreeSurface),
-        ("[free_surface.rows]", SurfaceRow),
-    )
-    return "\n\n".join("\n".join(key_rows(record, name)) for name, record in tables) + "\n"
+    records = {
+        "fluid": Fluid,
+        "vessel": Hull,
+        "propulsion": Propulsion,
+        "[propulsion.sets]": ThrustSet,
+        "control_surfaces": Surfaces,
+        "compact": Compact,
+        "run": Run,
+        "autopilot": Autopilot,
+        "free_surface": FreeSurface,
+        "[free_surface.rows]": SurfaceRow,
+    }
+    return tables_of(records)

@@ -4,7 +4,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any, Final
 
-from trainer.config import ConfigError
+from trainer.config import ConfigError, beside
 from trainer.files.vessel_file import load_vessel
 from trainer.identify.models import MODELS
 from trainer.identify.study_file import Study, load_study, plain_study
@@ -39,8 +39,7 @@ def _ship(study: Study, options: dict[str, Any]) -> Ship | None:
     vessel, length, knots = options["vessel"], options["length"], options["knots"]
     ship = study.ship
     if vessel is None and ship is not None and ship.vessel is not None:
-        beside = study.path.parent / ship.vessel
-        vessel = str(beside) if ship.vessel.endswith(".toml") else ship.vessel
+        vessel = beside(study.path, ship.vessel)
     if vessel is not None and length is None and (ship is None or options["vessel"] is not None):
         length = load_vessel(vessel).hull.length
     if ship is None and length is None:

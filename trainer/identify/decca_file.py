@@ -14,10 +14,10 @@ from trainer.files.schema import (
     Rows,
     Text,
     above,
-    key_rows,
     of,
     optional,
     read_record,
+    tables_of,
     within,
 )
 from trainer.identify.decca import LETTERS, ZONES, Point, Slave, lane_number
@@ -225,5 +225,4 @@ def _cell(path: Path, line: int, key: str, text: str | None) -> float:
 
 def key_tables() -> str:
     """Return the Markdown tables of every key, as docs/identification.md shows them."""
-    text = "\n\n".join("\n".join(key_rows(record, name)) for name, record in RECORDS.items())
-    return text.replace("### `[]`", "### Above all tables") + "\n"
+    return tables_of(RECORDS)

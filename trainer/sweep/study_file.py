@@ -9,16 +9,15 @@ from trainer.config import (
     ConfigError,
     Place,
     as_table,
+    beside,
     collecting,
     nearest,
     parse_toml,
+    path_named,
     read_text,
-    shipped,
-    shipped_names,
     shown,
 )
 from trainer.core.scheme import RUNGE_KUTTAS
-from trainer.files.exercise_file import exercise_path
 from trainer.files.schema import read_record
 from trainer.files.vessel_file import VesselFile, load_vessel
 from trainer.fitout import Method
@@ -91,22 +90,8 @@ def load_study(name_or_path: str) -> Study:
 
     Whatever has a path separator or ends in .toml is a path.
     """
-    if _is_path(name_or_path):
-        path = Path(name_or_path)
-    else:
-        names = shipped_names("studies")
-        if name_or_path not in names:
-            raise ConfigError(
-                f"no study {shown(name_or_path)}{nearest(name_or_path, names)}; "
-                f"shipped: {', '.join(names)}; give a file of your own as a path, "
-                "such as ./study.toml"
-            )
-        path = shipped("studies", name_or_path)
+    path = path_named(name_or_path, "studies")
     return parse_study(read_text(path), path)
-
-
-def _is_path(text: str) -> bool:
-    return text.endswith(".toml") or "/" in text or "\\" in text
 
 
 def parse_study(text: str, path: Path) -> Study:
@@ -224,13 +209,8 @@ def _subject(
     else:
         own = _exercise(own, heading, path)
         name = name or own.get("vessel")
-    file = load_vessel(_beside(path, name or "bb2"))
+    file = load_vessel(beside(path, name or "bb2"))
     return file, {"vessel": vessel_tables(file), kind: own}
-
-
-def _beside(path: Path, text: str) -> str:
-    """Return a name as it is, and a path as seen from the folder of the study."""
-    return str(path.parent / text) if _is_path(text) else text
 
 
 def _exercise(own: dict[str, Any], heading: Heading, path: Path) -> dict[str, Any]:
@@ -241,7 +221,7 @@ def _exercise(own: dict[str, Any], heading: Heading, path: Path) -> dict[str, An
     if named is not None:
         if not isinstance(named, str):
             raise ConfigError(place.wrong("file", named, "must be a name, or the path of a file"))
-        whence = exercise_path(_beside(path, named))
+        whence = path_named(beside(path, named), "exercises")
         base = parse_toml(read_text(whence), whence.name)
     return {**base, **own}
 
