@@ -11,6 +11,7 @@ from trainer.io.teletype import course
 from trainer.ledger import Summary
 from trainer.session import Session
 
+SEE_IT = "trainer debrief FILE shows how it went, trainer replay FILE flies it again"
 SECONDS_1969 = "1969: 38 % at 0.5 s, 19 % at 1 s"
 
 
@@ -26,7 +27,7 @@ def account(session: Session, wall: float, kept: str, *, aside: bool) -> int:
     if session.watch.times:
         summary += f"\nevents      {session.watch.account()}"
     if kept:
-        summary += f"\nrecorded    {kept}"
+        summary += f"\nrecorded    {kept}\n            {SEE_IT}"
     click.echo(summary, err=aside)
     failure = session.desk.failure and f"frozen: {session.desk.failure}"
     recording = session.history.recording.trouble if kept else ""
