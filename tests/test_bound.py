@@ -24,6 +24,19 @@ def test_a_bound_tick_is_the_tick_of_the_records(make_boat: Callable[..., Boat])
     assert bound.records.state.tobytes() == called.records.state.tobytes()
 
 
+def test_the_tick_is_compiled_by_the_first_boat_that_takes_one(
+    make_boat: Callable[..., Boat],
+) -> None:
+    boat = make_boat()
+    boat.start(5.0, 60.0, 0.0)
+
+    assert "tick" not in vars(boat)  # until then nobody has been told that it takes its time
+
+    boat.tick()
+
+    assert "tick" in vars(boat)
+
+
 def test_two_boats_do_not_sail_in_each_other_s_records(make_boat: Callable[..., Boat]) -> None:
     one, other = make_boat(), make_boat()
     for boat in (one, other):

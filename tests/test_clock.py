@@ -13,17 +13,9 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
-from trainer.clock import (
-    MAX_CATCH_UP,
-    Event,
-    Happening,
-    MonotonicClock,
-    Pacer,
-    Policy,
-    Unpaced,
-    Waited,
-)
+from trainer.clock import MonotonicClock
 from trainer.ledger import RECENT, SECOND, Histogram, Ledger
+from trainer.pacer import MAX_CATCH_UP, Event, Happening, Pacer, Policy, Unpaced, Waited
 
 PERIOD = SECOND // 2  # [ns] of the step 0.5 s at speed 1, which most tests use
 
@@ -33,12 +25,13 @@ class FakeClock:
 
     def __init__(self) -> None:
         self.time = self.used = 12_345
-        self.oversleep = 0
+        self.oversleep = self.asked = 0
 
     def now(self) -> int:
         return self.time
 
     def cpu(self) -> int:
+        self.asked += 1
         return self.used
 
     def wait_until(self, deadline: int, wake: threading.Event) -> bool:
@@ -341,6 +334,18 @@ def test_work_never_contains_the_wait() -> None:
     assert bench.ledger.recent()["work"].tolist() == [7, 7, 7]
 
 
+def test_no_tick_on_time_asks_the_system_for_its_processor_time() -> None:
+    bench = Bench()
+    for _ in range(3):
+        bench.pacer.wait(bench.wake)
+        asked = bench.clock.asked
+        bench.pacer.begin()
+        bench.clock.work(periods(0.4))
+        bench.pacer.end()
+
+        assert bench.clock.asked == asked
+
+
 def test_a_single_step_in_a_freeze_is_recorded_on_time() -> None:
     bench = Bench()
     bench.tick(0)
@@ -473,7 +478,8 @@ def test_overruns_provoked_on_the_real_clock_are_counted_exactly() -> None:
 
 CHILD = """
 import threading
-from trainer.clock import MonotonicClock, Pacer, Policy
+from trainer.clock import MonotonicClock
+from trainer.pacer import Pacer, Policy
 from trainer.ledger import Ledger
 
 clock, wake = MonotonicClock(), threading.Event()

@@ -25,7 +25,7 @@ import pytest
 
 from trainer import printing
 from trainer.boat import Boat
-from trainer.clock import MonotonicClock, Policy
+from trainer.clock import MonotonicClock
 from trainer.config import ConfigError, remembering, shipped_names
 from trainer.debrief.axes import clock, step_of, thinned, ticks
 from trainer.debrief.dossier import Dossier, gather
@@ -36,6 +36,7 @@ from trainer.debrief.style import STYLE
 from trainer.history import History
 from trainer.io.csv_file import NoFile
 from trainer.io.recording import Recording
+from trainer.pacer import Policy
 from trainer.plan import plan_run
 from trainer.printing import print_pdf
 from trainer.records.exporting import export_file

@@ -16,7 +16,7 @@ import pytest
 
 from trainer.boat import Boat
 from trainer.casualty import active
-from trainer.clock import MonotonicClock, Policy
+from trainer.clock import MonotonicClock
 from trainer.config import ConfigError, shipped_names
 from trainer.files.exercise_file import Exercise, load_exercise, parse_exercise
 from trainer.files.exercise_records import key_tables
@@ -27,6 +27,7 @@ from trainer.io.line import Joined
 from trainer.io.no_recording import NoRecording
 from trainer.io.orders import Order, parse
 from trainer.io.schedule import Scheduled
+from trainer.pacer import Policy
 from trainer.plan import plan_run
 from trainer.reply import Refused
 from trainer.session import Session

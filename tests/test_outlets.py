@@ -23,7 +23,7 @@ import pynmea2
 import pytest
 
 from trainer.boat import Boat
-from trainer.clock import MonotonicClock, Policy
+from trainer.clock import MonotonicClock
 from trainer.config import ConfigError
 from trainer.files.vessel_file import load_vessel
 from trainer.fitout import KNOT, Method
@@ -37,6 +37,7 @@ from trainer.ledger import Ledger
 from trainer.nmea.chart import DEFAULT
 from trainer.nmea.outlets import Steady, open_outlets
 from trainer.nmea.set import INSTRUMENTS
+from trainer.pacer import Policy
 from trainer.ports import Ports
 from trainer.session import Session
 from trainer.stations.frame import Lookout, Pace, Picture

@@ -7,8 +7,9 @@ import threading
 import pytest
 
 from trainer import punctuality
-from trainer.clock import SPIN, MonotonicClock, Policy
+from trainer.clock import SPIN, MonotonicClock
 from trainer.ledger import SECOND
+from trainer.pacer import Policy
 from trainer.punctuality import REFUSED, SWITCH, Punctuality
 from trainer.timekeeping import Timekeeping
 

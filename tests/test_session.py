@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 import pytest
 
 from trainer.boat import Boat
-from trainer.clock import MonotonicClock, Pacer, Policy, Unpaced
+from trainer.clock import MonotonicClock
 from trainer.files.vessel_file import load_vessel
 from trainer.fitout import KNOT, Method
 from trainer.history import History
@@ -18,6 +18,7 @@ from trainer.io.lines import Overlong
 from trainer.io.orders import LONGEST
 from trainer.io.recording import Recording
 from trainer.io.schedule import parse_schedule
+from trainer.pacer import Pacer, Policy, Unpaced
 from trainer.session import Session
 from trainer.stations.door import Door
 from trainer.stations.frame import Pace

@@ -15,11 +15,12 @@ from hypothesis import strategies as st
 
 from trainer.boat import Boat
 from trainer.casualty import active
-from trainer.clock import MonotonicClock, Policy
+from trainer.clock import MonotonicClock
 from trainer.config import remembering
 from trainer.history import History
 from trainer.io.csv_file import COLUMNS, NoFile
 from trainer.io.recording import Recording
+from trainer.pacer import Policy
 from trainer.plan import plan_run
 from trainer.records.log_book import header_of, layout_of
 from trainer.records.replay import replay_anyway

@@ -2,6 +2,7 @@
 
 import functools
 import math
+from collections.abc import Callable
 from operator import itemgetter
 from typing import Any
 
@@ -69,7 +70,6 @@ class Boat:
         whole: Any = self.records.state.view(np.uint8)
         self.plain = memoryview(whole).cast("d")
         self.reach = _reach(self.vessel)
-        self._update = bound(tuple(self.records))
         self.toward = _senses(file)
         self.sea = load_sea("calm")
         self.casualties = load_casualties()
@@ -168,9 +168,10 @@ class Boat:
         records = self.records
         stand_by_all(records.vessel, self.method.step, records.state, records.scratch)
 
-    def tick(self) -> int:
+    @functools.cached_property
+    def tick(self) -> Callable[[], int]:
         """Advance by one step; return 0, or a status for ``failure`` with the state as it was."""
-        return self._update()
+        return bound(tuple(self.records))
 
     def failure(self, status: int) -> str:
         """Return where and when a failing tick lost its numbers, in words."""

@@ -86,11 +86,10 @@ class History:
         text = answer.reason if isinstance(answer, Refused) else answer
         self.recording.answered(number, text, not refused)
 
-    def ticked(self) -> bytes:
+    def ticked(self, tick: int) -> bytes:
         """Keep the state after a tick; return it."""
         state = self._state()
         if self.rerun is None:
-            tick = self.tick
             self.recording.state(tick, state)
             if tick % self._period == 0:
                 self.automatic.append(self.now())
@@ -187,7 +186,7 @@ class History:
         self.after, self.place = moment.after, moment.place
 
     def _state(self) -> bytes:
-        return self.boat.records.state.tobytes()
+        return self.boat.plain.tobytes()
 
     def _compare(self, rerun: Rerun, state: bytes) -> None:
         """Note where the replay's state is not the one recorded."""

@@ -18,6 +18,7 @@ ROW = struct.Struct("=4q")  # of which the same is made
 RECENT = 4096  # [-] ticks kept in full
 HALF_BITS = 6
 HALF = 32  # [-] histogram bins to a factor of two: a percentile is at most 1/32 too high
+EXACT = 2 * HALF  # [ns] what is below it has a bin of its own
 
 
 @dataclass(frozen=True)
@@ -54,12 +55,13 @@ class Histogram:
 
     def add(self, duration: int) -> None:
         """Count ``duration`` [ns]; a negative one counts as 0."""
-        self._largest = max(self._largest, duration)
-        shift = duration.bit_length() - HALF_BITS
-        if shift > 0 and duration > 0:
-            self._counts[shift * HALF + (duration >> shift)] += 1
-        else:
+        if duration < EXACT:
             self._counts[max(0, duration)] += 1
+        else:
+            shift = duration.bit_length() - HALF_BITS
+            self._counts[shift * HALF + (duration >> shift)] += 1
+        if duration > self._largest:  # noqa: PLR1730  max() takes as long as all the rest
+            self._largest = duration
 
     def spread(self) -> Spread:
         """Return the percentiles [ns], all 0 when nothing was counted."""
@@ -92,13 +94,13 @@ class Ledger:
 
     def record(self, deadline: int, start: int, work: int) -> None:
         """Enter one tick [ns]."""
-        self.lateness, self.work = start - deadline, work
+        self.work, self.lateness = work, (lateness := start - deadline)
         place = self.ticks % RECENT * ROW.size
-        ROW.pack_into(self._rows, place, deadline, start, work, self.lateness)
+        ROW.pack_into(self._rows, place, deadline, start, work, lateness)
         self.ticks += 1
         self._worked += work
         self._work.add(work)
-        self._lateness.add(start - deadline)
+        self._lateness.add(lateness)
 
     def recent(self) -> NDArray[np.void]:
         """Return a copy of the last ticks, oldest first, at most ``RECENT`` [ns]."""

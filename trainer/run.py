@@ -16,7 +16,7 @@ import numpy as np
 from trainer import places
 from trainer.account import account
 from trainer.boat import Boat
-from trainer.clock import Clock, MonotonicClock, Policy
+from trainer.clock import Clock, MonotonicClock
 from trainer.config import ConfigError, remembering
 from trainer.fitout import KNOT
 from trainer.history import History
@@ -26,6 +26,7 @@ from trainer.io.recording import Recording, RecordingError
 from trainer.io.teletype import course
 from trainer.ledger import SECOND
 from trainer.nmea.outlets import open_outlets
+from trainer.pacer import Policy
 from trainer.plan import Plan, plan_run
 from trainer.ports import PATIENCE, Ports, unhurried
 from trainer.punctuality import Punctuality

@@ -4,17 +4,18 @@ import math
 import threading
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
-from typing import Final, Protocol
+from typing import Final
 
 from trainer.board import Board
-from trainer.boat import Boat
+from trainer.boat import TICK, Boat
 from trainer.casualty import listing
-from trainer.clock import Waited
 from trainer.desk import Desk
 from trainer.helm import ORDERS, obey
 from trainer.history import History
+from trainer.io.csv_file import Columns
 from trainer.io.orders import Order
 from trainer.io.schedule import Scheduled
+from trainer.pacer import WOKEN
 from trainer.reply import Refused, Reply
 from trainer.stations.display import panel
 from trainer.stations.frame import Lookout, Pace, Picture
@@ -32,16 +33,6 @@ PATIENCE: Final = 0.5  # [s] for a line to get out what it was sent before it is
 # orders by which everybody can tell that something has been done with time
 MOMENTS: Final = frozenset({"restore", "reset", "backtrack", "replay", "take"})
 TIME: Final = frozenset({"freeze", "run", "step", "time", "quit"})
-
-
-class Columns(Protocol):
-    """Where each tick's columns go."""
-
-    trouble: str
-
-    def row(self, values: Sequence[float]) -> None:
-        """Take the columns of one tick."""
-        ...
 
 
 @dataclass
@@ -71,24 +62,27 @@ class Session:
         self.board = Board(self.history)
         self.desk = Desk(self.boat, self.time, self.history)
         self._lookout = Lookout(self.boat, self.time.ledger.summary)
+        self._shown = Pace()
 
     def run(self, *, frozen: bool = False) -> None:
         """Run to the last tick, an order to quit, or until nobody can ever say run again."""
-        self._row()
+        if self.columns:
+            self._row()
         if not frozen:
             self.time.pacer.run()
-        self._publish(self.history.now().state)
+        self._show()
         while not self._over:
-            if self._deserted():
+            if self.time.pacer.frozen and self._deserted():
                 self.deserted = f"frozen at {self.boat.time:g} s, and nobody is left to say run"
                 self.board.tell("time", self.deserted)
                 return
-            if self.time.pacer.wait(self.wake) is Waited.WOKEN:
+            if self.time.pacer.wait(self.wake) is WOKEN:
                 self.wake.clear()
                 self.listen()
             else:
                 self._tick()
-            self._take_steps()  # those of the schedule
+            if self.desk.steps:
+                self._take_steps()  # those of the schedule
 
     def stop(self) -> None:
         """End the run after the present tick; may be called from another thread."""
@@ -120,7 +114,7 @@ class Session:
     @property
     def _over(self) -> bool:
         """Return whether the run has been ended or has reached its last tick."""
-        return self.desk.ended or self.boat.ticks >= self.last_tick
+        return self.desk.ended or self.boat.plain[TICK] >= self.last_tick
 
     def _see_out(self, station: Station) -> None:
         """Let a line go: it is closed by a thread of its own, since that may wait."""
@@ -141,8 +135,8 @@ class Session:
             self._tick()
 
     def _deserted(self) -> bool:
-        """Return whether time stands still and nobody can let it go on."""
-        if not self.time.frozen or self.reception.awaited:
+        """Return whether nobody can let time, which stands still, go on."""
+        if self.reception.awaited:
             return False
         silent = all(station.line.ended for station in self.board.stations)
         self.listen()  # what came before the silence
@@ -200,7 +194,7 @@ class Session:
         if order.name in MOMENTS:
             self.watch.settle(self.boat)
         if order.name in MOMENTS or order.name in TIME:
-            self._publish(self.history.now().state)
+            self._show()
 
     def _pass_on(self, order: Order, answer: Reply, station: Station) -> None:
         """Record an order about time, and tell the others what was ordered."""
@@ -222,8 +216,6 @@ class Session:
 
     def _obey_replay(self) -> bool:
         """Give again what was given at this tick; return whether a replay ends here, told so."""
-        if self.history.rerun is None:
-            return False
         for order in self.history.due(self.schedule):
             if order.name in ORDERS:
                 obey(self.boat, order)
@@ -232,45 +224,49 @@ class Session:
         self.board.tell("moment", self.history.arrive())
         self.time.pacer.freeze()
         self.desk.steps = 0
-        self._publish(self.history.now().state)
+        self._show()
         return True
 
     # Ticks
 
     def _tick(self) -> None:
         """Carry out the orders that are due, and unless they stop time take a tick."""
-        was_frozen = self.time.frozen
-        self._obey_schedule()
-        arrived = self._obey_replay()
+        was_frozen = self.time.pacer.frozen
+        if self.history.place < len(self.schedule):
+            self._obey_schedule()
+        if self.history.rerun and self._obey_replay():
+            return
         pacer = self.time.pacer
-        if self._over or arrived or (pacer.frozen and not was_frozen):
+        if self.desk.ended or (pacer.frozen and not was_frozen):
             return
         pacer.begin()
         status = self.boat.tick()
+        tick = self.boat.ticks
         if status:
             self.desk.failure = self.boat.failure(status)
             self.board.tell("trouble", f"FROZEN: {self.desk.failure}")
         else:
-            self._after_tick()
+            self._after_tick(tick)
         events = pacer.end()
-        ledger = self.time.ledger
         if self.history.rerun is None:
-            self.history.recording.timing(self.history.tick, ledger.lateness, ledger.work)
+            ledger = self.time.ledger
+            self.history.recording.timing(tick, ledger.lateness, ledger.work)
         if status:
             pacer.freeze()
             self.desk.steps = 0
         for event in events:
             self.board.tell("trouble", str(event))
         if self.progress:
-            self.progress(self.boat.ticks)
+            self.progress(tick)
 
-    def _after_tick(self) -> None:
+    def _after_tick(self, tick: int) -> None:
         """Keep the state, show it, and call out what it means."""
-        state = self.history.ticked()
-        self._tell_trouble()
-        if self.history.rerun is None:
+        state = self.history.ticked(tick)
+        if self.history.recording.trouble != self.unrecorded:
+            self._tell_trouble()
+        if self.columns and self.history.rerun is None:
             self._row()
-        self._publish(state)
+        self.sending.offer(tick, state, self._pace())
         for text in self.watch.look(self.boat):
             self.board.tell("watch", text)
         while self.sending.troubles:
@@ -285,17 +281,20 @@ class Session:
 
     def _row(self) -> None:
         """Hand the state to the columns' file; tell at once when it is in trouble."""
-        if not self.columns:
-            return
         before = self.recorder.trouble
         self.recorder.row(self.boat.numbers(self.columns))
         if self.recorder.trouble != before:
             self.board.tell("trouble", f"NOT RECORDED: {self.recorder.trouble}")
 
-    def _publish(self, state: bytes) -> None:
-        self.sending.offer(self.history.tick, state, self._pace())
+    def _show(self) -> None:
+        """Let the present moment be seen, as time stands or runs now."""
+        now = self.history.now()
+        self.sending.offer(now.tick, now.state, self._pace())
 
     def _pace(self) -> Pace:
-        """Return how time runs."""
+        """Return how time runs, the same as before while nothing of it has changed."""
         time, history = self.time, self.history
-        return Pace(time.frozen, time.speed, history.recording.branch, history.rerun is not None)
+        pace = time.frozen, time.speed, history.recording.branch, history.rerun is not None
+        if pace != self._shown:
+            self._shown = Pace(*pace)
+        return self._shown

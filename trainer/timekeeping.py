@@ -5,8 +5,9 @@ import math
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 
-from trainer.clock import Clock, Pacer, Policy, Unpaced
+from trainer.clock import Clock
 from trainer.ledger import Ledger
+from trainer.pacer import Pacer, Policy, Unpaced
 from trainer.punctuality import Punctuality, Unasked
 
 

@@ -3,7 +3,6 @@
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, field, fields
-from functools import cached_property
 from typing import Any, Final
 
 from trainer.boat import PLACES, Boat
@@ -65,6 +64,11 @@ class Watch:
     beyond: set[str] = field(default_factory=set)
     shows: bool = False
     times: dict[str, list[float]] = field(default_factory=dict)  # [s]
+    _set: tuple[tuple[str, float], ...] = field(init=False)  # the limits that there are, by name
+
+    def __post_init__(self) -> None:
+        every = ((item.name, getattr(self.limits, item.name)) for item in fields(self.limits))
+        self._set = tuple((name, limit) for name, limit in every if limit is not None)
 
     @classmethod
     def over(cls, boat: Boat, limits: Limits) -> "Watch":
@@ -80,7 +84,11 @@ class Watch:
 
     def look(self, boat: Boat) -> list[str]:
         """Return what there is to call out after a tick."""
-        news = [*self._passed(boat), *self._broken_surface(boat)]
+        news = self._passed(boat) if self._set else []
+        if self.shows or not deep(boat):
+            news += self._broken_surface(boat)
+        if not news:
+            return []
         for what, _ in news:
             self.times.setdefault(what, []).append(boat.time)
         return [f"tick {boat.ticks} ({boat.time:g} s): {text}" for _, text in news]
@@ -100,12 +108,6 @@ class Watch:
                 said = f"{what} {side} {limit:g} {unit}"
                 news.append((said, f"LIMIT: {said}"))
         return news
-
-    @cached_property
-    def _set(self) -> tuple[tuple[str, float], ...]:
-        """Return the limits that there are, by name."""
-        every = ((item.name, getattr(self.limits, item.name)) for item in fields(self.limits))
-        return tuple((name, limit) for name, limit in every if limit is not None)
 
     def _broken_surface(self, boat: Boat) -> list[tuple[str, str]]:
         """Return that sail or deck has come out of the sea, if it has."""

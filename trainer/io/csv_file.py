@@ -2,12 +2,22 @@
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Final
+from typing import Final, Protocol
 
 COLUMNS: Final = (
     *("tick", "t", "u", "v", "w", "p", "q", "r", "x", "y", "z", "phi", "theta", "psi"),
     *("delta_r", "delta_s", "delta_b", "u_c", "weight", "x_g", "z_g", "eta_wave"),
 )
+
+
+class Columns(Protocol):
+    """Where each tick's columns go."""
+
+    trouble: str
+
+    def row(self, values: Sequence[float]) -> None:
+        """Take the columns of one tick."""
+        ...
 
 
 class CsvFile:

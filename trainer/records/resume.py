@@ -70,7 +70,7 @@ def bring_up(recording: Recording, plan: Plan, boat: Boat, layout: tuple[str, ..
             while history.tick < entry.tick:
                 if status := boat.tick():
                     raise ConfigError(f"cannot be brought up: {boat.failure(status)}")
-                history.ticked()
+                history.ticked(history.tick)
             order = order_of(entry, plan.schedule)
             if order is not None and order.name in ORDERS:
                 history.answered(entry.id, obey(boat, order))

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Final
 
 from trainer.boat import Boat
-from trainer.clock import MonotonicClock, Policy
+from trainer.clock import MonotonicClock
 from trainer.config import ConfigError
 from trainer.history import History
 from trainer.io.csv_file import COLUMNS, CsvFile, NoFile
@@ -17,6 +17,7 @@ from trainer.io.line import Joined
 from trainer.io.no_recording import NoRecording
 from trainer.io.outbox import Outbox, writer
 from trainer.io.recording import Recording
+from trainer.pacer import Policy
 from trainer.session import Session
 from trainer.stations.door import Door
 from trainer.stations.frame import Lookout

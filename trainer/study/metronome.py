@@ -7,8 +7,9 @@ import threading
 from collections.abc import Iterator
 from dataclasses import asdict
 
-from trainer.clock import MonotonicClock, Pacer, Policy
+from trainer.clock import MonotonicClock
 from trainer.ledger import Ledger, Summary
+from trainer.pacer import Pacer, Policy
 from trainer.punctuality import Punctuality
 
 
