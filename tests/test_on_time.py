@@ -1,5 +1,6 @@
 """The bench's sections on time: that they measure the product, and what they make of it."""
 
+import itertools
 import json
 import os
 import re
@@ -114,7 +115,7 @@ def test_an_order_is_timed_until_the_rudder_moves_as_ordered(
     readings = iter(shown)
     monkeypatch.setattr(end_to_end, "reading", lambda *_: next(readings))
     helm = Helm()
-    steered = end_to_end.steer(helm, Helm(), 0.01, 60.0)
+    steered = end_to_end.steer(helm, Helm(), 0.01, 2)
 
     assert next(steered) > 0
     assert helm.words == ["rudder left full"]
@@ -123,10 +124,20 @@ def test_an_order_is_timed_until_the_rudder_moves_as_ordered(
     assert list(readings) == [7.0]
 
 
+@pytest.mark.parametrize("orders", [10, 12, 40])
+def test_orders_come_at_instants_spread_evenly_over_a_tick(orders: int) -> None:
+    phases = sorted(end_to_end.phase(number) for number in range(orders))
+
+    gaps = [after - before for before, after in itertools.pairwise([*phases, 1.0 + phases[0]])]
+    assert max(gaps) < 2.0 / orders
+    assert phases[orders // 2] == pytest.approx(0.5, abs=1.0 / orders)
+
+
 def test_times_fall_into_bins_of_a_tenth_of_a_step() -> None:
     figures = end_to_end.summed([int(0.04 * SECOND), int(0.06 * SECOND), int(0.21 * SECOND)], 0.5)
 
     assert figures.histogram == (1, 1, 0, 0, 1)
+    assert figures.latency.p50_ns == int(0.06 * SECOND)
     assert figures.bin_ms == pytest.approx(50.0)
     assert figures.allowed_median_ms == pytest.approx(270.0)
     page = end_to_end.lines(figures)

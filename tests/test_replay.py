@@ -12,6 +12,7 @@ import pytest
 
 from trainer.boat import Boat
 from trainer.config import remembering
+from trainer.core.update import update
 from trainer.helm import ORDERS, obey
 from trainer.io.orders import Order, parse
 from trainer.io.recording import Moment, Recording
@@ -339,12 +340,11 @@ def test_another_step_ends_about_where_the_recorded_one_did(tmp_path: Path) -> N
     seen: list[tuple[float, float, float]] = []
 
     def noting(boat: Boat) -> int:
-        status = tick(boat)
+        status = update(*boat.records)
         s = boat.state
         seen.append((float(s.z), float(s.psi), float(s.x)))
         return status
 
-    tick = Boat.tick
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(Boat, "tick", noting)
         (flight,) = replay_anyway(made.recording, {"step": 0.25})

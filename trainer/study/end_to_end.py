@@ -1,18 +1,19 @@
 """From the helm to the instrument: an order typed at one serial line, its effect read at another.
 
 A session of its own process has a helmsman at a serial line, and sends the angle of the rudder by
-NMEA 0183 to another. He orders the rudder the other way at any instant within a tick; what is timed
-is from his first byte to the last of the sentence that shows the rudder on its way there.
+NMEA 0183 to another. He orders the rudder the other way at instants that are spread evenly over a
+tick; what is timed is from his first byte to the last of the sentence that shows the rudder on its
+way there.
 """
 
 import itertools
 import math
-import random
 import re
+import statistics
 import subprocess
 import time
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final
 
 from trainer.config import ConfigError
@@ -23,7 +24,8 @@ from trainer.study.terminal import TRAINER, Line, line
 ORDERS: Final = (("rudder left full", -1.0), ("rudder right full", 1.0))
 RATE: Final = "20"  # [Hz] of the sentences, at most: there is one for each tick
 ANGLE: Final = re.compile(rb"\$INRSA,(-?[0-9]+\.[0-9]+),A[^\n]*\n")
-PAUSE: Final = 1.0, 2.0  # [ticks] between orders: anywhere within a tick
+A_SECOND: Final = 4  # orders, for a second asked for
+GOLDEN: Final = 0.5 * (math.sqrt(5.0) - 1.0)  # of whose multiples any number are spread evenly
 PATIENCE: Final = 30.0  # [s] a first start
 BINS: Final = 10  # of the histogram, to a step
 ALLOWED: Final = 0.020  # [s] beyond half a step
@@ -43,7 +45,7 @@ class EndToEnd:
 
 
 def time_helm(file: VesselFile, seconds: float) -> EndToEnd:
-    """Return the latency of orders in ``seconds`` [s] of real time; ConfigError if none acts."""
+    """Return the latency of A_SECOND orders for each of ``seconds``; ConfigError if none acts."""
     step = file.run.step_s
     with line() as helm, line() as instrument:
         words = ("serve", "--vessel", str(file.path), "--line", f"helm={helm.name}")
@@ -56,7 +58,7 @@ def time_helm(file: VesselFile, seconds: float) -> EndToEnd:
             stderr=subprocess.PIPE,
         ) as process:
             try:
-                taken = list(steer(helm, instrument, step, seconds))
+                taken = list(steer(helm, instrument, step, round(A_SECOND * seconds)))
             finally:
                 process.terminate()
             complaint = process.stderr.read().decode() if process.stderr else ""
@@ -65,13 +67,11 @@ def time_helm(file: VesselFile, seconds: float) -> EndToEnd:
     return summed(taken, step)
 
 
-def steer(helm: Line, instrument: Line, step: float, seconds: float) -> Iterator[int]:
-    """Order the rudder about; yield how long [ns] each order took to be seen."""
-    dice = random.Random(1969)  # noqa: S311  instants, not secrets
+def steer(helm: Line, instrument: Line, step: float, orders: int) -> Iterator[int]:
+    """Order the rudder about so often; yield how long [ns] each order took to be seen."""
     angle = reading(instrument, time.monotonic() + PATIENCE)
-    end = time.monotonic() + seconds
-    for words, sense in itertools.cycle(ORDERS):
-        pause = time.monotonic() + step * dice.uniform(*PAUSE)
+    for number, (words, sense) in zip(range(orders), itertools.cycle(ORDERS), strict=False):
+        pause = time.monotonic() + step * phase(number)
         while angle is not None and (shown := reading(instrument, pause)) is not None:
             angle = shown
         begun = time.monotonic_ns()
@@ -80,9 +80,14 @@ def steer(helm: Line, instrument: Line, step: float, seconds: float) -> Iterator
             before, angle = angle, reading(instrument, time.monotonic() + PATIENCE)
             if angle is not None and sense * (angle - before) > 0.0:
                 break
-        if angle is None or time.monotonic() > end:
+        if angle is None:
             return
         yield time.monotonic_ns() - begun
+
+
+def phase(number: int) -> float:
+    """Return the share of a tick [-] that an order is given after one was seen."""
+    return (number + 0.5) * GOLDEN % 1.0
 
 
 def reading(instrument: Line, until: float) -> float | None:
@@ -98,10 +103,11 @@ def summed(taken: list[int], step: float) -> EndToEnd:
     for each in taken:
         histogram.add(each)
         counts[int(each / SECOND / width)] += 1
+    median = round(statistics.median(taken))  # itself: a bin is wider than what lines may take
     return EndToEnd(
         step_s=step,
         orders=len(taken),
-        latency=histogram.spread(),
+        latency=replace(histogram.spread(), p50_ns=median),
         allowed_median_ms=1e3 * (0.5 * step + ALLOWED),
         bin_ms=1e3 * width,
         histogram=tuple(counts),
