@@ -31,6 +31,7 @@ TICKS: Final = 120  # of a flight
 ALONE: Final = 20_000  # [ticks] of one boat
 FLIGHTS: Final = 9  # the fastest counts: interference only slows
 THREADS: Final = 2
+IN_A_ROW: Final = 10  # flights of a thread: to wake one takes a good part of a flight
 Clock = Callable[[], float]  # [s]
 CHILD: Final = """
 import sys
@@ -133,9 +134,19 @@ def c_per_s(file: VesselFile) -> float | None:
     return ALONE / taken
 
 
+def in_a_row(flight: Callable[[], None]) -> Callable[[], None]:
+    """Return what flies IN_A_ROW such flights."""
+
+    def fly() -> None:
+        for _ in range(IN_A_ROW):
+            flight()
+
+    return fly
+
+
 def threads_s(file: VesselFile) -> tuple[float, float]:
-    """Return the time [s] of a flight of few boats, and of one in each of THREADS at once."""
-    one, *beside = (flight_of(under_way(file), FEW) for _ in range(1 + THREADS))
+    """Return the time [s] of flights of few boats, and of as many in each of THREADS at once."""
+    one, *beside = (in_a_row(flight_of(under_way(file), FEW)) for _ in range(1 + THREADS))
     with ThreadPoolExecutor(THREADS) as pool:
 
         def at_once() -> None:
@@ -162,7 +173,7 @@ def time_side_by_side(file: VesselFile) -> SideBySide:
         many_boats=MANY,
         many_per_s=MANY * TICKS / many_s,
         threads=THREADS,
-        threads_per_s=THREADS * FEW * TICKS / together,
+        threads_per_s=THREADS * IN_A_ROW * FEW * TICKS / together,
         many_of_few=(MANY / many_s) / (FEW / few_s),
         threads_of_one=THREADS * single / together,
     )
