@@ -14,6 +14,7 @@ from pathlib import Path
 
 import pytest
 from textual.pilot import Pilot
+from textual.strip import Strip
 
 from trainer.io import sentences
 from trainer.io.orders import Order, parse
@@ -748,6 +749,27 @@ def test_a_wrong_token_is_told_and_not_tried_again(harbour: tuple[Harbour, Path]
 
     assert told == [Barred("wrong token")]
     assert session.heard.count(order_sentence("role helm", "1")) == 1
+
+
+def test_the_first_drawing_of_a_screen_has_what_had_come_by_then(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    first: dict[str | None, str] = {}
+    render = Pane.render_line
+
+    def noting(pane: Pane, y: int) -> Strip:
+        strip = render(pane, y)
+        if y == 0:
+            first.setdefault(pane.id, strip.text)
+        return strip
+
+    async def look(pilot: Pilot[str], _app: Console) -> None:
+        await pilot.pause()
+
+    monkeypatch.setattr(Pane, "render_line", noting)
+    at_the_console(look)
+
+    assert "00:01:00 RUNNING" in first["top"]  # a boat, not an empty screen and one a moment later
 
 
 # What it is made of

@@ -63,7 +63,7 @@ def run(*, teletype: bool, core: Path | None, state: Path | None, **options: Any
 
     elsewhere = options["headless"] or options["url"] is not None
     if not (teletype or elsewhere) and has_terminal():
-        from trainer.screen.launch import sail  # noqa: PLC0415
+        from trainer.screen.voyage import sail  # noqa: PLC0415
 
         sys.exit(sail(serving(), options["socket"], options["token"]))
     take_to_sea({**options, "serve": False})

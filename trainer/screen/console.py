@@ -111,7 +111,8 @@ class Console(App[str], inherit_bindings=False):
     def on_mount(self) -> None:
         """Begin to look; end in good order when asked to from outside."""
         self.screen.add_class(self.sight.role)
-        self.set_timer(SOON, self._look)  # what has come by now is not kept waiting
+        self.sight.hear()  # what has come by now is in the first drawing
+        self.set_timer(SOON, self._look)
         self.set_interval(1.0 / RATE, self._look)
         if self.sight.instructs:
             self.query_one(Entry).focus()

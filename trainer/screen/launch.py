@@ -1,37 +1,25 @@
-"""Screens opened from the command line: on a session that runs, or with one of their own."""
+"""A screen opened from the command line on a session that runs."""
 
-import importlib
-import os
 import signal
-import socket
-import subprocess
-import sys
-import tempfile
-import time
-from collections.abc import Sequence
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Final
-
-import click
 
 from trainer import places
 from trainer.config import ConfigError
 from trainer.io.serial_line import LinkError
 from trainer.screen.client import Client
+from trainer.screen.console import Console
 from trainer.screen.posts import POSTS, wishes
 from trainer.screen.sight import Sight
 
 PATIENCE: Final = 2.0  # [s] for the line to be closed
-SUMMARY: Final = 30.0  # [s] for a session that was ended to say its last words
-LOOK: Final = 0.01  # [s] between looks at a session that starts
-LISTENING: Final = "listening at "
 
 
 def attend(url: str | None, role: str, token: str | None) -> int:
     """Show the screen of a role until its user leaves; return the exit code."""
-    sight = show(Voice(url, role, token or ""), own=False)
-    return 0 if sight.joined or sight.over else 1
+    visit = Visit.prepare(Voice(url, role, token or ""), own=False)
+    visit.show()
+    return 0 if visit.sight.joined or visit.sight.over else 1
 
 
 @dataclass(frozen=True)
@@ -47,110 +35,40 @@ class Voice:
         return self.url or places.nearest_session()
 
 
-def show(voice: Voice, *, own: bool) -> Sight:
-    """Show the screen until its user leaves; ConfigError if there is no session."""
-    from trainer.screen.console import Console  # noqa: PLC0415  it loads what draws
+@dataclass(frozen=True)
+class Visit:
+    """A screen and its line to a session, ready before there need be one."""
 
-    post = POSTS[voice.role]
-    client = Client(voice.address, f"{voice.role} {voice.token}".rstrip(), wishes(post))
-    try:
-        client.start()
-    except LinkError as error:
-        raise ConfigError(str(error)) from None
-    sight = Sight(client, voice.role, post.charts)
-    console = Console(sight, own=own)
-    kept = {number: signal.signal(number, lambda *_: console.exit("")) for number in endings()}
-    try:
-        why = console.run()
-    finally:
-        for number, handler in kept.items():
-            signal.signal(number, handler)
-        client.close(PATIENCE)
-    if why:
-        raise ConfigError(why)
-    return sight
+    client: Client
+    sight: Sight
+    console: Console
+
+    @classmethod
+    def prepare(cls, voice: Voice, *, own: bool) -> "Visit":
+        """Return the screen of a voice; a session of its ``own`` ends with it."""
+        post = POSTS[voice.role]
+        client = Client(voice.address, f"{voice.role} {voice.token}".rstrip(), wishes(post))
+        sight = Sight(client, voice.role, post.charts)
+        return cls(client, sight, Console(sight, own=own))
+
+    def show(self) -> None:
+        """Show the screen until its user leaves; ConfigError if there is no session."""
+        try:
+            self.client.start()
+        except LinkError as error:
+            raise ConfigError(str(error)) from None
+        console = self.console
+        kept = {number: signal.signal(number, lambda *_: console.exit("")) for number in endings()}
+        try:
+            why = console.run()
+        finally:
+            for number, handler in kept.items():
+                signal.signal(number, handler)
+            self.client.close(PATIENCE)
+        if why:
+            raise ConfigError(why)
 
 
 def endings() -> tuple[int, ...]:
     """Return the signals that ask the console to end."""
     return tuple(getattr(signal, name) for name in ("SIGTERM", "SIGHUP") if hasattr(signal, name))
-
-
-def sail(words: Sequence[str], path: str | None, token: str | None) -> int:
-    """Run a session of one's own, with the words of `trainer serve`, and show its console.
-
-    It listens at ``path``, None for where stations look for it. It goes on only while somebody is
-    attached. Return its exit code.
-    """
-    where = path or str(free_socket())
-    with tempfile.TemporaryDirectory(prefix="trainer-") as folder:
-        voyage = Voyage.begin([*words, "--socket", where, "--until-left"], Path(folder))
-        try:
-            importlib.import_module("trainer.screen.console")  # while the session starts
-            listens = voyage.await_line(f"{LISTENING}{where}")
-            if listens:
-                sight = show(Voice(where, "instructor", token or ""), own=True)
-        except BaseException:
-            voyage.process.terminate()
-            raise
-        return voyage.account(SUMMARY if not listens or sight.over else PATIENCE)
-
-
-@dataclass
-class Voyage:
-    """A session of one's own, and what it says while the screen has the terminal."""
-
-    process: "subprocess.Popen[bytes]"
-    out: Path
-    err: Path
-    passed: int = 0  # lines that have been passed on
-
-    @classmethod
-    def begin(cls, words: Sequence[str], folder: Path) -> "Voyage":
-        """Start a session that the terminal's keys do not reach."""
-        out, err = folder / "out", folder / "err"
-        with out.open("wb") as said, err.open("wb") as complained:
-            process = subprocess.Popen(  # noqa: S603  our own program
-                [sys.executable, "-m", "trainer", "serve", *words],
-                stdin=subprocess.DEVNULL,
-                stdout=said,
-                stderr=complained,
-                start_new_session=True,
-            )
-        return cls(process, out, err)
-
-    def await_line(self, awaited: str) -> bool:
-        """Wait until the session says that line; return whether it lives and has done so."""
-        while self.process.poll() is None:
-            if awaited in self.pass_on():
-                return True
-            time.sleep(LOOK)
-        return False
-
-    def pass_on(self) -> list[str]:
-        """Pass on what the session complains of; return all that it has said there."""
-        said = self.err.read_text(encoding="utf-8", errors="replace").splitlines()
-        for text in said[self.passed :]:
-            if not text.startswith(LISTENING):
-                click.echo(text, err=True)
-        self.passed = len(said)
-        return said
-
-    def account(self, patience: float) -> int:
-        """Say how the session ended, or that it goes on; return the exit code."""
-        try:
-            code = self.process.wait(patience)
-        except subprocess.TimeoutExpired:
-            click.echo("the session goes on for the others; trainer attach comes back to it")
-            return 0
-        click.echo(self.out.read_text(encoding="utf-8", errors="replace"), nl=False)
-        self.pass_on()
-        return code
-
-
-def free_socket() -> Path:
-    """Return where stations look for a session, or beside it where another one listens there."""
-    usual = places.socket_path()
-    with socket.socket(socket.AF_UNIX, socket.SOCK_STREAM) as end:
-        taken = end.connect_ex(str(usual)) == 0
-    return usual.with_name(f"session-{os.getpid()}.sock") if taken else usual

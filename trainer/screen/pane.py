@@ -32,28 +32,37 @@ class Pane(Widget):
         self.moving = moving
         self._draw = draw
         self.lines: Lines = []
+        self._drawn_for = self.size
 
     def look(self) -> None:
         """Draw, and have shown what has changed."""
         width, height = self.size
         if not (width and height and self.display):
             return
-        lines = self._draw(width, height)[:height]
-        before, self.lines = self.lines, lines
+        before, lines = self.lines, self._drawn()
         for row in range(max(len(lines), len(before))):
             if lines[row : row + 1] != before[row : row + 1]:
                 self.refresh(Region(0, row, width, 1))
 
     def on_resize(self) -> None:
-        """Draw anew for another size."""
-        self.look()
+        """Draw anew for another size, unless that was shown before this was told."""
+        if self._drawn_for != self.size:
+            self.look()
 
     def render_line(self, y: int) -> Strip:
         """Return one line as the screen wants it."""
+        if self._drawn_for != self.size:
+            self._drawn()
         width = self.size.width
         if y >= len(self.lines):
             return Strip.blank(width, BARE)
         return Strip(segments(fit(self.lines[y], width)), width)
+
+    def _drawn(self) -> Lines:
+        """Draw for the size that there is; return the lines."""
+        self._drawn_for = self.size
+        self.lines = self._draw(*self.size)[: self.size.height]
+        return self.lines
 
 
 def segments(drawn: Line) -> list[Segment]:
