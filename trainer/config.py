@@ -13,8 +13,9 @@ from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from contextvars import ContextVar
 from difflib import get_close_matches
+from functools import cache
 from importlib import resources
-from pathlib import Path, PurePosixPath
+from pathlib import Path
 from typing import Any, Final, NamedTuple
 
 SIZE_LIMIT = 1_000_000  # [byte]
@@ -144,9 +145,9 @@ def shipped_names(kind: str) -> tuple[str, ...]:
     texts = _recorded.get()
     if texts is None:
         return tuple(sorted(path.stem for path in _shipped_folder(kind).glob("*.toml")))
-    paths = [PurePosixPath(key) for key in texts if _ships(key)]
-    folder = PurePosixPath(SHIPPED) / kind
-    return tuple(sorted(path.stem for path in paths if path.parent == folder))
+    folder = f"{SHIPPED}{kind}/" if kind else SHIPPED
+    names = (key.removeprefix(folder) for key in texts if key.startswith(folder))
+    return tuple(sorted(name.removesuffix(".toml") for name in names if "/" not in name))
 
 
 def shipped(kind: str, name: str) -> Path:
@@ -184,6 +185,7 @@ def beside(path: Path, name: str) -> str:
     return str(path.parent / name) if is_path(name) else name
 
 
+@cache
 def _shipped_folder(kind: str) -> Path:
     """Return the folder inside the installed package, or the one of a source tree."""
     installed = Path(str(resources.files("trainer").joinpath("configs")))

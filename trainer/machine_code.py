@@ -9,12 +9,14 @@ before its first kernel.
 import hashlib
 import os
 import sys
+from functools import cache
 from pathlib import Path
 
 _PREFIX = "submarine-trainer-"
 _PRIVATE = "trainer-private-"
 
 
+@cache
 def core_digest() -> str:
     """Return a short hash of the core's sources: what the boat is computed by."""
     return _digest("core")

@@ -6,6 +6,7 @@ What an entry of a user's table leaves out comes from the shipped entry of the s
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 from typing import Any, Final
 
@@ -102,15 +103,21 @@ def load_casualties(*paths: str) -> Mapping[str, Casualty]:
 
     ConfigError if a file is wrong or has a name that is already taken.
     """
-    found: dict[str, Casualty] = {}
-    standard = shipped("casualties", STANDARD)
-    for path in (standard, *map(Path, paths)):
+    shipped_table = shipped("casualties", STANDARD)
+    found = dict(_standard(read_text(shipped_table), shipped_table))
+    for path in map(Path, paths):
         for name, casualty in parse_casualties(read_text(path), path, found).items():
             if name in found:
                 place = Place(path.name, f"casualty.{name}")
                 raise ConfigError(place.problem("is already in another table; give it a new name"))
             found[name] = casualty
     return found
+
+
+@cache
+def _standard(text: str, path: Path) -> Mapping[str, Casualty]:
+    """Return the casualties of the shipped table; an exercise after the other asks for them."""
+    return parse_casualties(text, path, {})
 
 
 def parse_casualties(

@@ -7,6 +7,7 @@ import math
 import sys
 from collections.abc import Iterable, Mapping
 from dataclasses import MISSING, Field, asdict, dataclass, field, fields, make_dataclass
+from functools import cache
 from typing import Any, Protocol, TypeVar
 
 from trainer.config import ConfigError, Place, as_table, collecting, nearest
@@ -179,13 +180,19 @@ class Named:
 
     def read(self, key: str, value: object, place: Place) -> dict[str, float]:
         """Return number by name; ConfigError if a name is unknown or lacking."""
-        record = make_dataclass(
-            key,
-            [(name, float, field(metadata={"kind": self.each})) for name in self.names],
-            frozen=True,
-            kw_only=True,
-        )
+        record = _named(key, self)
         return asdict(read_record(record, value, place.inside(key), ()))
+
+
+@cache
+def _named(key: str, kind: Named) -> type[Any]:
+    """Return a record of the numbers of such a table; to make one takes as long as a file."""
+    return make_dataclass(
+        key,
+        [(name, float, field(metadata={"kind": kind.each})) for name in kind.names],
+        frozen=True,
+        kw_only=True,
+    )
 
 
 @dataclass(frozen=True)

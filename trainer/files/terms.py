@@ -67,7 +67,14 @@ def _terms(text: str, file: str) -> tuple[Term, ...]:
 
 def coefficient_terms() -> tuple[Term, ...]:
     """Return the 122 terms that [coefficients] may give: all but the nine of the thrust rows."""
-    return tuple(term for term in terms() if term.key.startswith(f"{term.equation}_"))
+    path = shipped("", "terms_2510")
+    return _coefficient_terms(read_text(path), path.name)
+
+
+@cache
+def _coefficient_terms(text: str, file: str) -> tuple[Term, ...]:
+    """Return those of the terms listed in ``text``."""
+    return tuple(term for term in _terms(text, file) if term.key.startswith(f"{term.equation}_"))
 
 
 def read_coefficients(table: object, place: Place) -> dict[str, float]:

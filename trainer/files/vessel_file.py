@@ -5,6 +5,7 @@ What a file leaves out comes from the shipped defaults file; nothing is defaulte
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -166,7 +167,13 @@ def parse_vessel(text: str, path: Path) -> VesselFile:
 def with_defaults(table: Mapping[str, Any]) -> tuple[dict[str, Any], list[str]]:
     """Return the tables of a vessel with what they lack, and the names of that."""
     defaults = shipped("", "defaults")
-    return _filled(table, parse_toml(read_text(defaults), defaults.name), "")
+    return _filled(table, _defaults(read_text(defaults), defaults.name), "")
+
+
+@cache
+def _defaults(text: str, file: str) -> Mapping[str, Any]:
+    """Return the tables of the defaults file, which nobody changes."""
+    return parse_toml(text, file)
 
 
 def read_vessel(given: Mapping[str, Any], text: str, path: Path) -> VesselFile:

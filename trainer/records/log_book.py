@@ -11,6 +11,7 @@ import platform
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import asdict, fields
 from datetime import UTC, datetime
+from functools import cache
 from importlib import metadata
 from pathlib import Path
 from types import MappingProxyType
@@ -133,7 +134,8 @@ def notes(header: Mapping[str, str]) -> list[str]:
     ]
 
 
-def _surroundings() -> dict[str, str]:
+@cache
+def _surroundings() -> Mapping[str, str]:
     """Return what a run is computed by, beside the trainer."""
     libraries = {name: metadata.version(name) for name in LIBRARIES}
     machine = f"{platform.machine()} {platform.system()}"

@@ -17,7 +17,7 @@ from trainer.core.kernel import Record
 from trainer.core.rates import rates as write_rates
 from trainer.core.state import MOTION, RATES
 from trainer.files.vessel_file import VesselFile
-from trainer.fitout import Method, fit_out
+from trainer.fitout import Method, Records, fit_out
 
 NECESSARY = (*MOTION[:9], "delta_r", "delta_s", "delta_b", "u_c")
 BALANCE = ("x_g", "y_g", "z_g", "weight")
@@ -31,7 +31,11 @@ def evaluate(
     file: VesselFile, equations: str, rates: str, trig: str, lines: Iterable[str]
 ) -> Iterator[str]:
     """Yield the rates of each line's state, blank lines skipped; ConfigError naming a bad line."""
-    records = fit_out(file, Method(equations, rates, trig, "adams2", 1.0))
+    yield from answers(fit_out(file, Method(equations, rates, trig, "adams2", 1.0)), lines)
+
+
+def answers(records: Records, lines: Iterable[str]) -> Iterator[str]:
+    """Yield the rates of each line's state; what a line does not give is as in the records."""
     state = records.state
     at_rest = state.copy()
     for number, line in enumerate(lines, start=1):
