@@ -31,6 +31,8 @@ from trainer.stations.station import Station
 
 TOKEN: Final = "proving-1969"  # noqa: S105  a word of the proof
 ENOUGH: Final = 64  # [lines] of one input
+FEW: Final = 3  # [lines] of an example
+GRAMMAR: Final = "tomllib", "trainer.io.orders"  # `orders` looks into it
 SPOKEN: Final = (
     "rudder left 15",
     "depth 60 m",
@@ -246,28 +248,34 @@ def instruments() -> list[bytes]:
     return [nmea.sentence(*fields).encode() for fields in INSTRUMENTS]
 
 
-def together(*groups: list[bytes]) -> list[bytes]:
-    """Return each group as one input of lines."""
+def together(lines: list[bytes]) -> list[bytes]:
+    """Return inputs of a few lines each."""
+    groups = (lines[i : i + FEW] for i in range(0, len(lines), FEW))
     return [b"\r\n".join(group) + b"\r\n" for group in groups]
 
 
 def timed() -> list[bytes]:
     """Return files of orders."""
-    return [b"\n".join(b"%d %s" % (i, line) for i, line in enumerate(each_line()))]
+    lines = [b"%d %s" % (i, line) for i, line in enumerate(each_line())]
+    return [line.replace(b"\r\n", b"\n") for line in together(lines)]
 
 
 TARGETS: Final = (
-    Target("orders", "a line of words, one order", order, each_line),
-    Target("sentences", "a line of a program, either way", sentence, framed),
+    Target("orders", "a line of words, one order", order, each_line, 96),
+    Target("sentences", "a line of a program, either way", sentence, framed, 128),
     Target("lines", "bytes of a serial line or a socket", stream, lambda: together(each_line())),
-    Target("nmea", "a sentence of an instrument that orders", instrument, instruments),
-    Target("panel", "instruments at the helm", panel, lambda: together(instruments())),
-    Target("schedule", "a file of orders at set times", schedule, timed),
+    Target("nmea", "a sentence of an instrument that orders", instrument, instruments, 128),
+    Target(
+        "panel", "instruments at the helm", panel, lambda: together(instruments()), 256, GRAMMAR
+    ),
+    Target("schedule", "a file of orders at set times", schedule, timed, 256, GRAMMAR),
     Target(
         "station",
         "lines at a station, its wishes, its orders obeyed",
         station,
-        lambda: together(each_line()[:12], each_line()[12:24], framed()),
+        lambda: together([*each_line(), *framed()]),
+        192,
+        GRAMMAR,
     ),
     Target("session", "what a session says, at a screen", session, lambda: together(framed())),
 )

@@ -18,7 +18,8 @@ from trainer.records.layout import LAYOUT
 from trainer.records.log_book import PLAN, differences, layout_of, method_of, notes, plan_of
 
 PATCH: Final = 4  # [bytes]  three of a place, one to stand there
-TICKS: Final = 20
+TICKS: Final = 8
+LINE: Final = 400  # [bytes] of a header's line in an example
 DECLARED: Final = ConfigError, RecordingError
 OPTIONS: Final[dict[str, Any]] = {
     "exercise": None,
@@ -124,11 +125,12 @@ def patches() -> list[bytes]:
 
 
 def told() -> list[bytes]:
-    """Return the lines of a header."""
-    return ["\n".join(f"{name}={value}" for name, value in header().items()).encode()]
+    """Return the lines of a header, one at a time, and those that are short together."""
+    lines = [f"{name}={value}"[:LINE].encode() for name, value in header().items()]
+    return [*lines, b"\n".join(line for line in lines if len(line) < LINE // 4)]
 
 
 TARGETS: Final = (
-    Target("recording", "a recording, spoilt somewhere", recording, patches),
-    Target("log-book", "the header of a recording", log_book, told),
+    Target("recording", "a recording, spoilt somewhere", recording, patches, 64),
+    Target("log-book", "the header of a recording", log_book, told, LINE),
 )
