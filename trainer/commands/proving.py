@@ -16,7 +16,7 @@ from trainer.commands.options import FILE
     type=click.IntRange(1),
     default=1_000_000,
     show_default=True,
-    help="For each target.",
+    help="For each target, those that this corpus has had before counted in.",
 )
 @click.option(
     "--seconds", type=click.IntRange(0), default=0, help="At most, for each. [default: no end]"

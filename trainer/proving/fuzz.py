@@ -67,16 +67,8 @@ def fuzz(
     """
     if find_spec("atheris") is None:
         raise ConfigError(MISSING)
-    for target in targets:
-        _warm(target)
     with ThreadPoolExecutor(jobs) as pool:
         yield from pool.map(lambda target: _fuzz(target, folder, effort, progress), targets)
-
-
-def _warm(target: Target) -> None:
-    """Let all that a target computes with be compiled and kept: it cannot be while watched."""
-    for seed in target.seeds():
-        target.take(seed)
 
 
 def _fuzz(target: Target, folder: Path, effort: Effort, progress: Progress) -> Found:
