@@ -20,6 +20,7 @@ from trainer.io.no_recording import NoRecording
 from trainer.io.orders import Order, parse
 from trainer.io.recording import Journalled, Moment, Recording
 from trainer.io.schedule import Scheduled
+from trainer.moments import Moments
 from trainer.reply import Refused, Reply
 
 FIRST: Final = 1  # the branch that begins with the run
@@ -57,7 +58,9 @@ class History:
     after: int = 0  # the last order that the present state includes
     place: int = 0  # of the schedule's next entry
     rerun: Rerun | None = None
-    automatic: deque[Moment] = field(default_factory=lambda: deque(maxlen=AUTOMATIC_KEPT))
+    automatic: Moments = field(
+        default_factory=lambda: Moments(AUTOMATIC_KEPT, STATE.itemsize), repr=False
+    )
     _period: int = field(init=False)  # [ticks] between the automatic moments
 
     def __post_init__(self) -> None:
@@ -119,8 +122,7 @@ class History:
         found = self.recording.moment(self.recording.branch, wanted)
         if found is not None:
             return found
-        kept = [moment for moment in self.automatic if moment.tick <= wanted]
-        return kept[-1] if kept else Refused("nothing is kept from so long ago")
+        return self.automatic.before(wanted) or Refused("nothing is kept from so long ago")
 
     def start(self) -> Moment | Refused:
         """Return the initial conditions, whatever was ordered in a freeze there."""
@@ -133,7 +135,7 @@ class History:
         self._restore(moment)
         self.recording.fork(moment, why)
         self.rerun = None
-        self._forget_later()
+        self.automatic.forget_after(self.tick)
 
     def show_again(self, moment: Moment) -> int:
         """Go back to a moment, to fly on from there as it was recorded; return the orders."""
@@ -148,7 +150,7 @@ class History:
         """End a replay here: what follows is a new branch."""
         self.rerun = None
         self.recording.fork(self.now(), why)
-        self._forget_later()
+        self.automatic.forget_after(self.tick)
 
     def due(self, schedule: Sequence[Scheduled]) -> Iterator[Order]:
         """Yield the orders that a replay gives again at this tick."""
@@ -175,11 +177,6 @@ class History:
         """Return whether a replay has arrived where it led to; the branch then goes on."""
         rerun = self.rerun
         return rerun is not None and self.tick >= rerun.end.tick and not rerun.orders
-
-    def _forget_later(self) -> None:
-        """Drop the automatic moments that are not of the past any more."""
-        while self.automatic and self.automatic[-1].tick > self.tick:
-            self.automatic.pop()
 
     def _restore(self, moment: Moment) -> None:
         self.boat.restore(np.frombuffer(moment.state, STATE))
