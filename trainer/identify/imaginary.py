@@ -15,6 +15,8 @@ STEP: Final = 1e-100  # imaginary part that carries a derivative without roundin
 
 def aside(theta: Numbers, free: Sequence[int]) -> Complexes:
     """Return ``theta`` (n,) and, below it, one row for each place in ``free`` a step aside."""
-    rows = np.tile(theta.astype(complex), (1 + len(free), 1))
-    rows[np.arange(1, 1 + len(free)), list(free)] += 1j * STEP
+    rows = np.empty((1 + len(free), len(theta)), complex)
+    rows[:] = theta
+    for row, place in enumerate(free, 1):
+        rows[row, place] += 1j * STEP
     return rows

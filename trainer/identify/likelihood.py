@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from trainer.identify.discrete import Sampled
 from trainer.identify.kernels.adjoint import likelihood_slope, trail
-from trainer.identify.kernels.covariance_filter import likelihood_sums
+from trainer.identify.kernels.likelihood import likelihood_sums
 from trainer.identify.kernels.sensitivity import information_rows
 from trainer.identify.problem import Problem
 

@@ -123,7 +123,7 @@ class Plant:
         if {"sway", "bow_sway"} <= set(self.outputs):
             raise ConfigError("outputs: bow_sway and sway share a bias and an error; drop one")
 
-    @property
+    @cached_property
     def numbers(self) -> Numbers:
         """Return what the kernels know of the ship."""
         ship = self.ship

@@ -26,12 +26,11 @@ from trainer.identify.kernels.covariance_filter import (
     predict,
     residual,
     settled,
-    square,
 )
-from trainer.identify.kernels.kernel import kernel
+from trainer.identify.kernels.kernel import kernel, lean, part
 
 
-@kernel
+@part
 def steady_step(J: Numbers, v: Numbers, error: Numbers, z: Numbers) -> None:
     """Write the next state to ``z`` by the gain in the swept ``J``, covariance unchanged."""
     states = J.shape[0] - error.size
@@ -42,13 +41,61 @@ def steady_step(J: Numbers, v: Numbers, error: Numbers, z: Numbers) -> None:
         z[i] = total
 
 
-@kernel
+@part
 def all_there(there: Mask) -> bool:
     """Return whether no reading is missing."""
     missing = 0
     for c in range(there.size):
         missing += not there[c]
     return missing == 0
+
+
+@lean
+def _follow(
+    system: tuple[Numbers, Numbers],
+    samples: tuple[Numbers, Places],
+    now: tuple[Numbers, Numbers],
+    work: tuple[Numbers, Numbers, Numbers, Numbers, Mask],
+    path: Numbers,
+    joints: Numbers,
+) -> int:
+    """Return what ``trail`` does, from the state z and covariance P ``now`` on."""
+    mean, noise = system
+    table, which = samples
+    z, P = now
+    J, half, v, error, there = work
+    states, readings, columns = P.shape[0], error.size, z.size
+    stage, constant, determinant = -1, False, 0.0
+    for k in range(table.shape[0]):
+        W, line = mean[which[k]], path[k]
+        put(table[k, readings:], states, z)
+        predict(W, z, v)
+        residual(table[k], v, error, there)
+        constant = constant and all_there(there) and which[k] == which[k - 1]
+        if not constant:
+            stage += 1
+            joint(W, noise[which[k]], P, half, J)
+            determinant = condition(J, error, there)
+            if math.isnan(determinant):
+                return 0
+            put_block(J, 0, joints[stage])
+            put_block(P, J.shape[0], joints[stage])
+            constant = all_there(there) and settled(J, P)
+        put(z, 0, line)
+        size = 0.0
+        for i in range(readings):
+            total = 0.0
+            for j in range(readings):
+                total -= J[states + i, states + j] * error[j]
+            line[columns + i] = total
+            size += total * error[i]
+        line[columns + readings] = determinant + size
+        line[columns + readings + 1] = stage
+        if constant:
+            steady_step(J, v, error, z)
+        else:
+            advance(J, v, error, z, P)
+    return stage + 1
 
 
 @kernel
@@ -65,41 +112,15 @@ def trail(
     rows, columns = mean.shape[1:]
     readings = path.shape[1] - columns - 2
     states = rows - readings
-    work, v, error = np.empty((rows, states)), np.empty(rows), np.empty(readings)
-    there = np.empty(readings, np.bool_)
-    z, P, J = np.empty(columns), np.empty((states, states)), np.empty((rows, rows))
+    z, P = np.empty(columns), np.empty((states, states))
     put(path[0, :columns], 0, z)
     put_block(joints[0, :states, rows:], 0, P)
-    stage, constant, determinant = -1, False, 0.0
-    for k in range(table.shape[0]):
-        put(table[k, readings:], states, z)
-        predict(mean[which[k]], z, v)
-        residual(table[k], v, error, there)
-        constant = constant and all_there(there) and which[k] == which[k - 1]
-        if not constant:
-            stage += 1
-            joint(mean[which[k]], noise[which[k]], P, work, J)
-            determinant = condition(J, error, there)
-            if math.isnan(determinant):
-                return 0
-            put_block(J, 0, joints[stage])
-            put_block(P, rows, joints[stage])
-            constant = all_there(there) and settled(J, P)
-        put(z, 0, path[k])
-        for i in range(readings):
-            path[k, columns + i] = 0.0
-            for j in range(readings):
-                path[k, columns + i] -= J[states + i, states + j] * error[j]
-        path[k, columns + readings] = determinant + square(J, error)
-        path[k, columns + readings + 1] = stage
-        if constant:
-            steady_step(J, v, error, z)
-        else:
-            advance(J, v, error, z, P)
-    return stage + 1
+    J, half, v = np.empty((rows, rows)), np.empty((rows, states)), np.empty(rows)
+    work = J, half, v, np.empty(readings), np.empty(readings, np.bool_)
+    return _follow((mean, noise), (table, which), (z, P), work, path, joints)
 
 
-@kernel
+@part
 def _stage(mean: Numbers, J: Numbers, F: Numbers, half: Numbers) -> None:
     """Write F = A - K C and C' R^-1 C / 2 of a stage from its swept ``J``."""
     states, rows = F.shape[0], mean.shape[0]
@@ -113,29 +134,37 @@ def _stage(mean: Numbers, J: Numbers, F: Numbers, half: Numbers) -> None:
                     half[i, j] -= 0.5 * mean[c, i] * J[c, d] * mean[d, j]
 
 
-@kernel
-def _step_back(F: Numbers, half: Numbers, w: Numbers, x: Numbers, P: Numbers) -> None:
-    """Write x~ and P~ of the sample to ``x`` and ``P``, which have those of the next."""
+@part
+def _step_back(
+    F: Numbers, half: Numbers, w: Numbers, work: Numbers, x: Numbers, P: Numbers
+) -> None:
+    """Write x~ and P~ of the sample to ``x`` and ``P``, which have those of the next.
+
+    ``work`` (1+x, x).
+    """
     states = x.size
-    f, product = np.empty(states), np.empty((states, states))
+    f = work[states]
     for i in range(states):
-        f[i] = 0.0
+        total = 0.0
         for j in range(states):
-            f[i] += F[j, i] * x[j]
-            product[i, j] = 0.0
+            total += F[j, i] * x[j]
+        f[i] = total
+        for j in range(states):
+            total = 0.0
             for k in range(states):
-                product[i, j] += P[i, k] * F[k, j]
+                total += P[i, k] * F[k, j]
+            work[i, j] = total
     for i in range(states):
         x[i] = f[i] - w[i]
         for j in range(i + 1):
             total = half[i, j] + 0.5 * (f[i] * w[j] + w[i] * f[j] - w[i] * w[j])
             for k in range(states):
-                total += F[k, i] * product[k, j]
+                total += F[k, i] * work[k, j]
             P[i, j] = total
             P[j, i] = total
 
 
-@kernel
+@part
 def _sum_of_h(J: Numbers, sums: Numbers, adjoint: Numbers, samples: float, H: Numbers) -> None:
     """Write the sum of H over a stage of so many ``samples``.
 
@@ -164,11 +193,22 @@ def _sum_of_h(J: Numbers, sums: Numbers, adjoint: Numbers, samples: float, H: Nu
             H[c, i] = H[i, c]
 
 
-@kernel
-def _close_stage(mean: Numbers, joints: Numbers, sums: Numbers, H: Numbers, out: Numbers) -> None:
-    """Add what a stage's sums and its sum of H give to ``out``: dF/dW and after it dF/dQ."""
+@part
+def _close_stage(
+    mean: Numbers, joints: Numbers, sums: Numbers, H: Numbers, product: Numbers, out: Numbers
+) -> None:
+    """Add what a stage's sums and its sum of H give to ``out``: dF/dW and after it dF/dQ.
+
+    ``product`` (x+y, x) becomes 2 W_x P.
+    """
     rows, columns = mean.shape
     states = joints.shape[1] - rows
+    for i in range(rows):
+        for k in range(states):
+            total = 0.0
+            for m in range(states):
+                total += mean[i, m] * joints[m, rows + k]
+            product[i, k] = 2.0 * total
     for i in range(rows):
         for j in range(columns):
             total = sums[i, j]
@@ -180,8 +220,49 @@ def _close_stage(mean: Numbers, joints: Numbers, sums: Numbers, H: Numbers, out:
         for j in range(rows):
             out[i, columns + j] += H[i, j]
             for k in range(states):
-                for m in range(states):
-                    out[i, k] += 2.0 * H[i, j] * mean[j, m] * joints[m, rows + k]
+                out[i, k] += H[i, j] * product[j, k]
+
+
+@lean
+def _back(
+    mean: Numbers,
+    which: Places,
+    trail: tuple[Numbers, Numbers],
+    stage: tuple[Numbers, ...],
+    adjoint: tuple[Numbers, Numbers],
+    out: Numbers,
+) -> None:
+    """Write what ``likelihood_slope`` does, ``adjoint`` (x~ and P~) going from last to first."""
+    path, joints = trail
+    F, half, w, work, sums, sum_of_P, H, product = stage
+    x, P = adjoint
+    rows, columns = mean.shape[1:]
+    states, wide, samples = x.size, path.shape[1] - 2, 0.0
+    for back in range(which.size):
+        k = which.size - 1 - back
+        W, line = mean[which[k]], path[k]
+        place = int(line[wide + 1])
+        if samples == 0.0:
+            _stage(W, joints[place], F, half)
+        samples += 1.0
+        for i in range(states):
+            total = 0.0
+            for c in range(rows - states):
+                total += W[states + c, i] * line[columns + c]
+            w[i] = total
+            for j in range(states):
+                sum_of_P[i, j] += P[i, j]
+        for i in range(rows):
+            factor = x[i] if i < states else line[columns + i - states]
+            for j in range(wide):
+                sums[i, j] += factor * line[j]
+        _step_back(F, half, w, work, x, P)
+        if k == 0 or int(path[k - 1, wide + 1]) != place:
+            _sum_of_h(joints[place], sums[:, columns:], sum_of_P, samples, H)
+            _close_stage(W, joints[place], sums, H, product, out[which[k]])
+            clear(sums)
+            clear(sum_of_P)
+            samples = 0.0
 
 
 @kernel
@@ -192,35 +273,12 @@ def likelihood_slope(
 
     F is minus the log-likelihood; ``path`` and ``joints`` are those of ``trail``.
     """
-    rows, columns = mean.shape[1:]
-    states, wide = start.shape[0], path.shape[1] - 2
-    F, half, w = np.empty((states, states)), np.empty((states, states)), np.empty(states)
-    x, P, H = np.zeros(states), np.zeros((states, states)), np.empty((rows, rows))
-    sums, adjoint, samples = np.zeros((rows, wide)), np.zeros((states, states)), 0.0
+    rows, states, wide = mean.shape[1], start.shape[0], path.shape[1] - 2
+    square, oblong = (states, states), (rows, states)
+    x, P = np.zeros(states), np.zeros(square)
+    scratch = np.empty(square), np.empty(square), np.empty(states), np.empty((1 + states, states))
+    sums = np.zeros((rows, wide)), np.zeros(square), np.empty((rows, rows)), np.empty(oblong)
     clear(out)
-    for k in range(which.size - 1, -1, -1):
-        W, line = mean[which[k]], path[k]
-        stage = int(line[wide + 1])
-        if samples == 0.0:
-            _stage(W, joints[stage], F, half)
-        samples += 1.0
-        for i in range(states):
-            w[i] = 0.0
-            for c in range(states, rows):
-                w[i] += W[c, i] * line[columns + c - states]
-            for j in range(wide):
-                sums[i, j] += x[i] * line[j]
-            for j in range(states):
-                adjoint[i, j] += P[i, j]
-        for c in range(states, rows):
-            for j in range(wide):
-                sums[c, j] += line[columns + c - states] * line[j]
-        _step_back(F, half, w, x, P)
-        if k == 0 or int(path[k - 1, wide + 1]) != stage:
-            _sum_of_h(joints[stage], sums[:, columns:], adjoint, samples, H)
-            _close_stage(W, joints[stage], sums, H, out[which[k]])
-            clear(sums)
-            clear(adjoint)
-            samples = 0.0
+    _back(mean, which, (path, joints), (*scratch, *sums), (x, P), out)
     put(x, 0, start[:, 0])
     put_block(P, 1, start)

@@ -7,19 +7,19 @@ from typing import Any
 
 from numpy.typing import NDArray
 
-from trainer.identify.kernels.kernel import kernel
+from trainer.identify.kernels.kernel import part
 
 Entries = NDArray[Any]  # numbers, or complex ones whose imaginary parts are derivatives
 
 
-@kernel
+@part
 def put(source: Entries, at: int, out: Entries) -> None:
     """Write the one-dimensional ``source`` to ``out`` from the place ``at`` on."""
     for i in range(source.size):
         out[at + i] = source[i]
 
 
-@kernel
+@part
 def put_block(source: Entries, at: int, out: Entries) -> None:
     """Write the two-dimensional ``source`` to ``out`` from the column ``at`` on."""
     for i in range(source.shape[0]):
@@ -27,7 +27,7 @@ def put_block(source: Entries, at: int, out: Entries) -> None:
             out[i, at + j] = source[i, j]
 
 
-@kernel
+@part
 def clear(out: Entries) -> None:
     """Write zeros."""
     for i in range(out.size):

@@ -1,11 +1,18 @@
 """What every kernel of identification is compiled with: as the core's, but they may allocate.
 
 A fit is over whole records of any length; its kernels make their own scratch, and so count
-references.
+references. A part makes nothing and counts none: its machine code is put into its callers'.
 """
+
+from typing import TYPE_CHECKING
 
 from numba import njit
 
 from trainer import machine_code as _machine_code  # noqa: F401 (numba is told its folder)
 
-kernel = njit(cache=True, error_model="numpy")
+if TYPE_CHECKING:  # the options are numba's own, though not in its published signature
+    kernel = lean = part = njit(cache=True, error_model="numpy")
+else:
+    kernel = njit(cache=True, error_model="numpy")
+    lean = njit(cache=True, error_model="numpy", _nrt=False)
+    part = njit(error_model="numpy", _nrt=False, forceinline=True)

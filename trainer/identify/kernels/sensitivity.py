@@ -12,6 +12,7 @@ from trainer.core.kernel import Numbers
 from trainer.identify.kernels.adjoint import all_there, steady_step
 from trainer.identify.kernels.blocks import put, put_block
 from trainer.identify.kernels.covariance_filter import (
+    Mask,
     Places,
     advance,
     condition,
@@ -20,12 +21,12 @@ from trainer.identify.kernels.covariance_filter import (
     residual,
     settled,
 )
-from trainer.identify.kernels.kernel import kernel
+from trainer.identify.kernels.kernel import kernel, lean, part
 
 SETTLED = 1e-20  # [-] square of the relative change of a derivative of P
 
 
-@kernel
+@part
 def _root(J: Numbers, readings: int, out: Numbers) -> None:
     """Write the upper U with U' U = R^-1 from the swept ``J``; missing readings are zero."""
     first = J.shape[0] - readings
@@ -41,24 +42,33 @@ def _root(J: Numbers, readings: int, out: Numbers) -> None:
                 out[j, i] = 0.0
 
 
-@kernel
-def _joint_slopes(mean: Numbers, slopes: Numbers, P: Numbers, dP: Numbers, out: Numbers) -> None:
-    """Add dJ = dW P W' + W P dW' + W dP W' to ``out`` (x+y, x+y, p), which has dQ already."""
-    rows, states, count = out.shape[0], P.shape[0], out.shape[2]
-    half = np.zeros((rows, states, count))  # dW P + W dP / 2
+@part
+def _half_slopes(mean: Numbers, slopes: Numbers, P: Numbers, dP: Numbers, half: Numbers) -> None:
+    """Write dW P + W dP / 2 to ``half`` (x+y, x, p)."""
+    rows, states, count = half.shape
     for i in range(rows):
         for j in range(states):
+            for q in range(count):
+                half[i, j, q] = 0.0
             for k in range(states):
                 for q in range(count):
                     half[i, j, q] += slopes[i, k, q] * P[k, j] + 0.5 * mean[i, k] * dP[k, j, q]
+
+
+@part
+def _joint_slopes(mean: Numbers, half: Numbers, out: Numbers) -> None:
+    """Add dJ = dW P W' + W P dW' + W dP W' to ``out`` (x+y, x+y, p), which has dQ already."""
+    rows, states, count = half.shape
     for i in range(rows):
-        for j in range(rows):
+        for j in range(i + 1):
             for k in range(states):
                 for q in range(count):
                     out[i, j, q] += half[i, k, q] * mean[j, k] + half[j, k, q] * mean[i, k]
+            for q in range(count):
+                out[j, i, q] = out[i, j, q]
 
 
-@kernel
+@part
 def _entry(J: Numbers, dJ: Numbers, states: int, place: tuple[int, int], value: Numbers) -> None:
     """Write the derivatives (p,) of an entry of the next P: dJ - dN K' - K dN' + K dR K'."""
     i, j = place
@@ -73,11 +83,17 @@ def _entry(J: Numbers, dJ: Numbers, states: int, place: tuple[int, int], value: 
                 value[q] += both * dJ[c, d, q]
 
 
-@kernel
-def _conditioned(J: Numbers, dJ: Numbers, dP: Numbers) -> float:
-    """Return how much ``dP`` changes [-], squared, as it becomes that after the readings."""
+@part
+def _conditioned(J: Numbers, dJ: Numbers, lines: Numbers, dP: Numbers) -> float:
+    """Return how much ``dP`` changes [-], squared, as it becomes that after the readings.
+
+    ``lines`` (3 or more, p) is scratch.
+    """
     states, count = dP.shape[0], dP.shape[2]
-    value, change, total = np.empty(count), np.zeros(count), np.zeros(count)
+    value, change, total = lines[0], lines[1], lines[2]
+    for q in range(count):
+        change[q] = 0.0
+        total[q] = 0.0
     for i in range(states):
         for j in range(i + 1):
             _entry(J, dJ, states, (i, j), value)
@@ -95,11 +111,10 @@ def _conditioned(J: Numbers, dJ: Numbers, dP: Numbers) -> float:
     return worst
 
 
-@kernel
-def _gain_slopes(J: Numbers, dJ: Numbers, states: int) -> None:
-    """Write dK = (dN - K dR) R^-1 over dN, the mixed block of ``dJ``."""
+@part
+def _gain_slopes(J: Numbers, dJ: Numbers, states: int, line: Numbers) -> None:
+    """Write dK = (dN - K dR) R^-1 over dN, the mixed block of ``dJ``; ``line`` is scratch."""
     rows, count = J.shape[0], dJ.shape[2]
-    line = np.empty((rows - states, count))
     for i in range(states):
         for c in range(states, rows):
             for q in range(count):
@@ -115,7 +130,7 @@ def _gain_slopes(J: Numbers, dJ: Numbers, states: int) -> None:
                     dJ[i, c, q] -= line[d - states, q] * J[d, c]
 
 
-@kernel
+@part
 def _mean_slopes(mean: Numbers, slopes: Numbers, z: Numbers, dx: Numbers, out: Numbers) -> None:
     """Write dv = dW z + W_x dx to ``out`` (x+y, p)."""
     rows, count = out.shape
@@ -130,7 +145,7 @@ def _mean_slopes(mean: Numbers, slopes: Numbers, z: Numbers, dx: Numbers, out: N
                 out[i, q] += mean[i, j] * dx[j, q]
 
 
-@kernel
+@part
 def _standardised(U: Numbers, dv: Numbers, states: int, out: Numbers) -> None:
     """Write U d(error) to ``out`` (y, p); the error is reading less prediction."""
     readings, count = out.shape
@@ -142,7 +157,7 @@ def _standardised(U: Numbers, dv: Numbers, states: int, out: Numbers) -> None:
                 out[i, q] -= U[i, j] * dv[states + j, q]
 
 
-@kernel
+@part
 def _next_slopes(J: Numbers, dJ: Numbers, error: Numbers, dv: Numbers, dx: Numbers) -> None:
     """Write dx of the next state: dv + dK error + K d(error)."""
     states, count = dx.shape
@@ -155,7 +170,7 @@ def _next_slopes(J: Numbers, dJ: Numbers, error: Numbers, dv: Numbers, dx: Numbe
                 dx[i, q] += dJ[i, states + c, q] * error[c] - gain * dv[states + c, q]
 
 
-@kernel
+@part
 def _covariance_rows(U: Numbers, dJ: Numbers, samples: float, out: Numbers) -> None:
     """Write U dR U' sqrt(samples/2) to ``out`` (y*y, p)."""
     readings, count = U.shape[0], dJ.shape[2]
@@ -171,6 +186,55 @@ def _covariance_rows(U: Numbers, dJ: Numbers, samples: float, out: Numbers) -> N
                     factor = weight * U[i, k] * U[j, m]
                     for q in range(count):
                         out[place, q] += factor * dJ[states + k, states + m, q]
+
+
+@lean
+def _rows(
+    system: tuple[Numbers, Numbers, Numbers, Numbers],
+    samples: tuple[Numbers, Places],
+    now: tuple[Numbers, Numbers, Numbers, Numbers],
+    work: tuple[tuple[Numbers, ...], tuple[Numbers, ...], Mask],
+    errors: Numbers,
+    covariances: Numbers,
+) -> int:
+    """Return what ``information_rows`` does, from ``now``: state, covariance and their slopes."""
+    mean, noise, d_mean, d_noise = system
+    table, which = samples
+    z, P, dx, dP = now
+    (half, v, error, U, J), (dJ, d_half, dv, lines), there = work
+    rows, states, readings = v.size, P.shape[0], error.size
+    stages, counted, constant = 0, 0, False
+    for k in range(table.shape[0]):
+        W, dW = mean[which[k]], d_mean[which[k]]
+        put(table[k, readings:], states, z)
+        predict(W, z, v)
+        _mean_slopes(W, dW, z, dx, dv)
+        residual(table[k], v, error, there)
+        constant = constant and all_there(there) and which[k] == which[k - 1]
+        if not constant:
+            if stages > 0:
+                _covariance_rows(U, dJ, float(counted), covariances[stages - 1])
+            stages, counted = stages + 1, 0
+            joint(W, noise[which[k]], P, half, J)
+            for i in range(rows):
+                put_block(d_noise[which[k], i], 0, dJ[i])
+            _half_slopes(W, dW, P, dP, d_half)
+            _joint_slopes(W, d_half, dJ)
+            if math.isnan(condition(J, error, there)):
+                return 0
+            _root(J, readings, U)
+            moved = _conditioned(J, dJ, lines, dP)
+            constant = all_there(there) and settled(J, P) and moved < SETTLED
+            _gain_slopes(J, dJ, states, lines)
+        _standardised(U, dv, states, errors[k])
+        _next_slopes(J, dJ, error, dv, dx)
+        if constant:
+            steady_step(J, v, error, z)
+        else:
+            advance(J, v, error, z, P)
+        counted += 1
+    _covariance_rows(U, dJ, float(counted), covariances[stages - 1])
+    return stages
 
 
 @kernel
@@ -191,10 +255,6 @@ def information_rows(
     d_mean, d_noise, d_start = slopes
     rows, columns = mean.shape[1:]
     states, readings, count = start.shape[0], errors.shape[1], errors.shape[2]
-    work, v, error = np.empty((rows, states)), np.empty(rows), np.empty(readings)
-    there, U = np.empty(readings, np.bool_), np.zeros((readings, readings))
-    J, dJ = np.empty((rows, rows)), np.empty((rows, rows, count))
-    dv = np.empty((rows, count))
     z, P = np.ones(columns), np.empty((states, states))
     put(start[:, 0], 0, z)
     put_block(start[:, 1:], 0, P)
@@ -202,34 +262,11 @@ def information_rows(
     put_block(d_start[:, 0], 0, dx)
     for i in range(states):
         put_block(d_start[i, 1:], 0, dP[i])
-    stages, samples, constant = 0, 0, False
-    for k in range(table.shape[0]):
-        W, dW = mean[which[k]], d_mean[which[k]]
-        put(table[k, readings:], states, z)
-        predict(W, z, v)
-        _mean_slopes(W, dW, z, dx, dv)
-        residual(table[k], v, error, there)
-        constant = constant and all_there(there) and which[k] == which[k - 1]
-        if not constant:
-            if stages > 0:
-                _covariance_rows(U, dJ, float(samples), covariances[stages - 1])
-            stages, samples = stages + 1, 0
-            joint(W, noise[which[k]], P, work, J)
-            for i in range(rows):
-                put_block(d_noise[which[k], i], 0, dJ[i])
-            _joint_slopes(W, dW, P, dP, dJ)
-            if math.isnan(condition(J, error, there)):
-                return 0
-            _root(J, readings, U)
-            moved = _conditioned(J, dJ, dP)
-            constant = all_there(there) and settled(J, P) and moved < SETTLED
-            _gain_slopes(J, dJ, states)
-        _standardised(U, dv, states, errors[k])
-        _next_slopes(J, dJ, error, dv, dx)
-        if constant:
-            steady_step(J, v, error, z)
-        else:
-            advance(J, v, error, z, P)
-        samples += 1
-    _covariance_rows(U, dJ, float(samples), covariances[stages - 1])
-    return stages
+    half, v, error = np.empty((rows, states)), np.empty(rows), np.empty(readings)
+    plain = half, v, error, np.zeros((readings, readings)), np.empty((rows, rows))
+    d_half, lines = np.empty((rows, states, count)), np.empty((max(3, readings), count))
+    sloped = np.empty((rows, rows, count)), d_half, np.empty((rows, count)), lines
+    work = plain, sloped, np.empty(readings, np.bool_)
+    return _rows(
+        (mean, noise, d_mean, d_noise), (table, which), (z, P, dx, dP), work, errors, covariances
+    )
