@@ -10,10 +10,11 @@ from click.testing import CliRunner
 from llvmlite import binding
 
 from trainer import cli
+from trainer.commands import bench_sections as sections
 from trainer.compiled.linking import NoCompilerError
 from trainer.core.ordinary import follows, ordinary
 from trainer.files.vessel_file import load_vessel
-from trainer.study import bench, bench_page, footprint, peers, sections, side_by_side
+from trainer.study import bench, bench_page, footprint, peers, side_by_side
 from trainer.study.against_c import comparison
 from trainer.study.against_c.compiler import BUILDS
 from trainer.study.batches import Batches
@@ -77,7 +78,7 @@ def test_a_part_without_its_compiler_is_left_out_and_says_why(
 ) -> None:
     monkeypatch.setenv("CC", "no-such-compiler")
 
-    why = "the tick in C was not compiled: CC is 'no-such-compiler', which is not here"
+    why = "no C was compiled: CC is 'no-such-compiler', which is not here"
     assert said("--against-c").startswith(why)
     assert json.loads(said("--against-c", "--json"))["against_c"]["left_out"].startswith(why)
 

@@ -30,6 +30,7 @@ from trainer.commands.options import VESSEL_HELP
 )
 @click.option("--latency", is_flag=True, help="Only how soon an order is seen at an instrument.")
 @click.option("--starting", is_flag=True, help="Only how soon commands answer.")
+@click.option("--identify", is_flag=True, help="Only how fast a ship is identified.")
 @click.option("--all", "everything", is_flag=True, help="All of it: some minutes.")
 @click.option("--json", "as_json", is_flag=True, help="Print the figures as JSON.")
 def bench(
@@ -59,7 +60,7 @@ def bench(
         pages.append(render(figures))
         found["standard"] = asdict(figures)
     if chosen:
-        from trainer.study.sections import SECTIONS, Wanted  # noqa: PLC0415
+        from trainer.commands.bench_sections import SECTIONS, Wanted  # noqa: PLC0415
 
         for name in chosen:
             answer = SECTIONS[name].measure(Wanted(file, seconds, minutes))

@@ -9,19 +9,20 @@ from numpy.typing import NDArray
 
 from trainer.config import ConfigError
 from trainer.identify.imaginary import STEP
-from trainer.identify.kernels.sampling import Complexes, sample_instants, sample_integrals
+from trainer.identify.kernels.blocks import Entries
+from trainer.identify.kernels.sampling import sample_instants, sample_integrals
 from trainer.identify.models import Blocks
 
 Numbers = NDArray[np.float64]
 
 
 def _as_given(
-    drift: Complexes,
-    noise: Complexes,
-    lag: Complexes,
+    drift: Entries,
+    noise: Entries,
+    lag: Entries,
     intervals: Numbers,
-    mean: Complexes,
-    covariance: Complexes,
+    mean: Entries,
+    covariance: Entries,
 ) -> None:
     """Write systems that are discrete already, for any interval."""
     del lag, intervals
@@ -44,19 +45,24 @@ SAMPLINGS: Final[dict[str, Callable[..., Any]]] = {
 class Sampled:
     """Systems from sample to sample and their start, for each of a batch of parameters.
 
-    Rows are (next state, reading), columns (state, old input, input, 1). Imaginary parts are
-    derivatives times STEP.
+    Rows are (next state, reading), columns (state, old input, input, 1). Imaginary parts, where
+    there are any, are derivatives times STEP.
     """
 
-    mean: Complexes  # (b, m, x+y, x+2u+1)
-    noise: Complexes  # (b, m, x+y, x+y)
-    start: Complexes  # (b, x, 1+x)
+    mean: Entries  # (b, m, x+y, x+2u+1)
+    noise: Entries  # (b, m, x+y, x+y)
+    start: Entries  # (b, x, 1+x)
 
     def at(self, row: int) -> tuple[Numbers, Numbers, Numbers]:
         """Return mean, noise and start of one row, real."""
         parts = (self.mean[row], self.noise[row], self.start[row])
         mean, noise, start = (np.ascontiguousarray(part.real) for part in parts)
         return mean, noise, start
+
+    def as_complex(self) -> "Sampled":
+        """Return the same numbers, complex: kernels of predictors take no others."""
+        parts = (self.mean, self.noise, self.start)
+        return Sampled(*(part.astype(complex, copy=False) for part in parts))
 
     def slopes(self) -> tuple[Numbers, Numbers, Numbers]:
         """Return the derivatives of mean, noise and start, parameters last, from rows 1 on."""
@@ -74,7 +80,7 @@ def sample(blocks: Blocks, intervals: Numbers, sampling: str) -> Sampled:
     batch, rows, columns = blocks.drift.shape
     states = blocks.start.shape[1]
     inputs = columns - states - 1
-    mean = np.empty((batch, intervals.size, rows, columns + inputs), complex)
-    noise = np.empty((batch, intervals.size, rows, rows), complex)
+    mean = np.empty((batch, intervals.size, rows, columns + inputs), blocks.drift.dtype)
+    noise = np.empty((batch, intervals.size, rows, rows), blocks.drift.dtype)
     SAMPLINGS[sampling](blocks.drift, blocks.noise, blocks.lag, intervals, mean, noise)
     return Sampled(mean, noise, blocks.start)

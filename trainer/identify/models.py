@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from trainer.config import ConfigError, nearest
 from trainer.identify.kernels import ship_models
-from trainer.identify.kernels.sampling import Complexes
+from trainer.identify.kernels.blocks import Entries
 
 Numbers = NDArray[np.float64]
 
@@ -98,12 +98,15 @@ class Ship:
 
 @dataclass(frozen=True)
 class Blocks:
-    """Continuous systems, one for each row of parameters; see kernels.sampling for the blocks."""
+    """Continuous systems, one for each row of parameters; see kernels.sampling for the blocks.
 
-    drift: Complexes  # (b, x+y, x+u+1)
-    noise: Complexes  # (b, x+y, x+y)
-    start: Complexes  # (b, x, 1+x)
-    lag: Complexes  # (b,) [s]
+    They are complex where the parameters are: imaginary parts carry derivatives.
+    """
+
+    drift: Entries  # (b, x+y, x+u+1)
+    noise: Entries  # (b, x+y, x+y)
+    start: Entries  # (b, x, 1+x)
+    lag: Entries  # (b,) [s]
 
 
 @dataclass(frozen=True)
@@ -132,14 +135,14 @@ class Plant:
             [ship.length, ship.speed, ship.bow_log, ship.stern_log, self.period, *places]
         )
 
-    def blocks(self, theta: Complexes) -> Blocks:
+    def blocks(self, theta: Entries) -> Blocks:
         """Return the systems of the parameter vectors ``theta`` (b, n)."""
         batch, states = len(theta), self.model.states
         rows = states + len(self.outputs)
-        drift = np.zeros((batch, rows, states + self.model.inputs + 1), complex)
-        noise = np.zeros((batch, rows, rows), complex)
-        start = np.zeros((batch, states, 1 + states), complex)
-        lag = np.zeros(batch, complex)
+        drift = np.zeros((batch, rows, states + self.model.inputs + 1), theta.dtype)
+        noise = np.zeros((batch, rows, rows), theta.dtype)
+        start = np.zeros((batch, states, 1 + states), theta.dtype)
+        lag = np.zeros(batch, theta.dtype)
         self.model.assemble(theta, self.numbers, drift, noise, start, lag)
         return Blocks(drift, noise, start, lag)
 

@@ -43,7 +43,7 @@ def settled_gain(problem: Problem, sampled: Sampled) -> Complexes | None:
             "a stationary gain needs one interval; this record has "
             f"{sampled.mean.shape[1]}: take the covariance form"
         )
-    gains = no_gain(problem, sampled)
+    sampled, gains = sampled.as_complex(), no_gain(problem, sampled)
     for row, gain in enumerate(gains):
         P = np.ascontiguousarray(sampled.start[row, :, 1:])
         system = sampled.mean[row, 0], sampled.noise[row, 0]
@@ -64,7 +64,7 @@ class Innovations:
 
     def value(self, theta: Numbers) -> float:
         """Return (n/2) log det(S/n) + n y (1 + log 2 pi)/2, S the sum of error error'."""
-        errors = self._errors(self.problem.sampled(theta))
+        errors = self._errors(self.problem.sampled(theta).as_complex())
         return math.inf if errors is None else _concentrated(errors[0].real)
 
     def slope(self, theta: Numbers) -> tuple[float, Numbers]:
@@ -90,7 +90,7 @@ class Innovations:
 
     def errors(self, theta: Numbers) -> Numbers:
         """Return the prediction errors (n, y); NaN where a reading is missing."""
-        sampled = self.problem.sampled(theta)
+        sampled = self.problem.sampled(theta).as_complex()
         gains = self.gains(self.problem, sampled)
         if gains is None:
             raise ConfigError("the filter does not settle: its gain is not known")
@@ -151,7 +151,7 @@ class MultiStep:
 
     def value(self, theta: Numbers) -> float:
         """Return n V2, n the samples that have a reading."""
-        cost, _ = self._cost(self.problem.sampled(theta), 0)
+        cost, _ = self._cost(self.problem.sampled(theta).as_complex(), 0)
         return float(cost.real)
 
     def slope(self, theta: Numbers) -> tuple[float, Numbers]:
@@ -166,7 +166,7 @@ class MultiStep:
 
     def losses(self, theta: Numbers) -> tuple[float, float]:
         """Return V1 = log det(pooled S)/count and V2."""
-        cost, pooled = self._cost(self.problem.sampled(theta), 0)
+        cost, pooled = self._cost(self.problem.sampled(theta).as_complex(), 0)
         readings = self.problem.samples.outputs.shape[1]
         sign, determinant = np.linalg.slogdet(pooled[1:].reshape(readings, readings))
         first = float(determinant) / pooled[0] if sign > 0.0 and pooled[0] else math.nan

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from trainer.identify.discrete import Sampled, sample
 from trainer.identify.imaginary import aside
+from trainer.identify.kernels.blocks import Entries
 from trainer.identify.models import Plant
 from trainer.identify.samples import Samples
 
@@ -86,15 +87,14 @@ class Problem:
 
     def sampled(self, theta: Numbers) -> Sampled:
         """Return the sampled systems of ``theta`` (f,): one row."""
-        return self._sample(self.whole(theta), ())
+        return self._sample(self.whole(theta)[None])
 
     def sloped(self, theta: Numbers) -> Sampled:
         """Return the sampled systems of ``theta`` and, in rows 1 on, their slopes by each."""
-        return self._sample(self.whole(theta), self.free)
+        return self._sample(aside(self.whole(theta), self.free))
 
-    def _sample(self, values: Numbers, free: Sequence[int]) -> Sampled:
-        blocks = self.plant.blocks(aside(values, free))
-        return sample(blocks, self.samples.steps[0], self.sampling)
+    def _sample(self, rows: Entries) -> Sampled:
+        return sample(self.plant.blocks(rows), self.samples.steps[0], self.sampling)
 
     def on(self, samples: Samples) -> "Problem":
         """Return the same question to other samples."""

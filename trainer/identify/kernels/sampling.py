@@ -1,8 +1,8 @@
 """A continuous linear system over one sampling interval, exactly.
 
 Equation numbers are those of the model document (MI): 7.1 matrices, 7.2 time lag, 7.3 noise,
-7.4 integrating measurements. Everything is complex, so that an imaginary step of 1e-100 in one
-parameter carries its exact derivative through.
+7.4 integrating measurements. Everything may be complex, so that an imaginary step of 1e-100 in one
+parameter carries its exact derivative through; where all is real, the same is compiled for that.
 
 A system with states x, inputs u and outputs y is one block matrix ``drift``, rows (x, y), columns
 (x, u, 1): [A B f; C D d]. Sampled it is ``mean``, columns (x, u of the last sample, u of this
@@ -13,14 +13,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from trainer.core.kernel import Numbers
-from trainer.identify.kernels.blocks import clear
-from trainer.identify.kernels.kernel import kernel
+from trainer.identify.kernels.blocks import Entries, clear, put_block
+from trainer.identify.kernels.kernel import kernel, lean, part
 
 Complexes = NDArray[np.complex128]
+Room = tuple[Entries, Entries]  # scratch for rows of [A B f], and for squares
 
 
-@kernel
-def size(matrix: Complexes) -> float:
+@part
+def size(matrix: Entries) -> float:
     """Return the largest row sum of magnitudes of the real parts of a square block [-]."""
     largest = 0.0
     for i in range(matrix.shape[0]):
@@ -31,23 +32,22 @@ def size(matrix: Complexes) -> float:
     return largest
 
 
-@kernel
-def _times(left: Complexes, right: Complexes, out: Complexes) -> None:
+@part
+def _times(left: Entries, right: Entries, out: Entries) -> None:
     """Write the leading square of ``left`` times ``right`` to ``out``."""
     for i in range(out.shape[0]):
         for j in range(out.shape[1]):
-            total = 0j
-            for k in range(out.shape[0]):
+            total = left[i, 0] * right[0, j]
+            for k in range(1, out.shape[0]):
                 total += left[i, k] * right[k, j]
             out[i, j] = total
 
 
-@kernel
-def _mean_series(drift: Complexes, h: complex, mean: Complexes) -> None:
+@part
+def _mean_series(drift: Entries, h: complex, room: Entries, mean: Entries) -> None:
     """Write [Phi Gamma] over a short ``h`` [s]: the power series of exp([A B; 0 0] h)."""
     rows, columns = drift.shape
-    term = np.empty((rows, columns), np.complex128)
-    product = np.empty((rows, columns), np.complex128)
+    term, product = room[0], room[1]
     for i in range(rows):
         for j in range(columns):
             term[i, j] = drift[i, j] * h
@@ -62,12 +62,13 @@ def _mean_series(drift: Complexes, h: complex, mean: Complexes) -> None:
                 mean[i, j] += term[i, j]
 
 
-@kernel
-def _noise_series(drift: Complexes, noise: Complexes, h: complex, covariance: Complexes) -> None:
+@part
+def _noise_series(
+    drift: Entries, noise: Entries, h: complex, room: Entries, covariance: Entries
+) -> None:
     """Write the integral of exp(A s) R exp(A' s) over a short ``h`` [s] as its power series."""
     rows = noise.shape[0]
-    term = np.empty((rows, rows), np.complex128)
-    product = np.empty((rows, rows), np.complex128)
+    term, product = room[0], room[1]
     for i in range(rows):
         for j in range(rows):
             term[i, j] = noise[i, j] * h
@@ -81,11 +82,10 @@ def _noise_series(drift: Complexes, noise: Complexes, h: complex, covariance: Co
                 covariance[i, j] += term[i, j]
 
 
-@kernel
-def _carry(mean: Complexes, covariance: Complexes, later: Complexes) -> None:
-    """Write ``later`` plus Phi ``covariance`` Phi' to ``later``."""
+@part
+def _carry(mean: Entries, covariance: Entries, product: Entries, later: Entries) -> None:
+    """Write ``later`` plus Phi ``covariance`` Phi' to ``later``; ``product`` is scratch."""
     rows = covariance.shape[0]
-    product = np.empty((rows, rows), np.complex128)
     _times(mean, covariance, product)
     for i in range(rows):
         for j in range(rows):
@@ -95,21 +95,23 @@ def _carry(mean: Complexes, covariance: Complexes, later: Complexes) -> None:
             later[i, j] = total
 
 
-@kernel
-def _double(mean: Complexes, covariance: Complexes) -> None:
+@part
+def _double(room: Room, mean: Entries, covariance: Entries) -> None:
     """Write the mean and covariance of two equal intervals over those of one."""
     rows, columns = mean.shape
-    once = mean.copy()
-    _carry(once, covariance.copy(), covariance)
+    once, early = room[0][0], room[1][0]
+    put_block(mean, 0, once)
+    put_block(covariance, 0, early)
+    _carry(once, early, room[1][1], covariance)
     _times(once, once, mean)
     for i in range(rows):
         for j in range(rows, columns):
             mean[i, j] += once[i, j]
 
 
-@kernel
+@lean
 def propagate(
-    drift: Complexes, noise: Complexes, h: complex, mean: Complexes, covariance: Complexes
+    drift: Entries, noise: Entries, h: complex, room: Room, mean: Entries, covariance: Entries
 ) -> None:
     """Write [Phi Gamma] and the accumulated noise over ``h`` [s] (MI 7.1, 7.3).
 
@@ -121,23 +123,23 @@ def propagate(
         largest *= 0.5
         doublings += 1
     short = h * 0.5**doublings
-    _mean_series(drift, short, mean)
-    _noise_series(drift, noise, short, covariance)
+    _mean_series(drift, short, room[0], mean)
+    _noise_series(drift, noise, short, room[1], covariance)
     for _ in range(doublings):
-        _double(mean, covariance)
+        _double(room, mean, covariance)
 
 
-@kernel
+@part
 def _bounded(lag: complex, interval: float) -> complex:
     """Return ``lag`` [s] within 0 and ``interval`` [s]."""
     if lag.real <= 0.0:
-        return 0j
-    return lag if lag.real < interval else interval + 0j
+        return 0.0 * lag
+    return lag if lag.real < interval else interval + 0.0 * lag
 
 
-@kernel
+@part
 def _over(
-    drift: Complexes, noise: Complexes, ends: Complexes, mean: Complexes, covariance: Complexes
+    drift: Entries, noise: Entries, ends: Entries, room: Room, mean: Entries, covariance: Entries
 ) -> None:
     """Write one interval whose inputs switch inside it (MI 7.2).
 
@@ -145,16 +147,14 @@ def _over(
     """
     rows, columns = drift.shape
     inputs = columns - rows - 1
-    before = np.empty((rows, columns), np.complex128)
-    after = np.empty((rows, columns), np.complex128)
-    early = np.empty((rows, rows), np.complex128)
-    propagate(drift, noise, ends[0], before, early)
-    propagate(drift, noise, ends[1], after, covariance)
-    _carry(after, early, covariance)
+    before, after, early = room[0][2], room[0][3], room[1][2]
+    propagate(drift, noise, ends[0], room, before, early)
+    propagate(drift, noise, ends[1], room, after, covariance)
+    _carry(after, early, room[1][0], covariance)
     for i in range(rows):
         for j in range(columns):
-            total = 0j
-            for k in range(rows):
+            total = after[i, 0] * before[0, j]
+            for k in range(1, rows):
                 total += after[i, k] * before[k, j]
             mean[i, j if j < columns - 1 else columns - 1 + inputs] = total
         for j in range(inputs):
@@ -164,12 +164,12 @@ def _over(
 
 @kernel
 def sample_instants(
-    drift: Complexes,
-    noise: Complexes,
-    lag: Complexes,
+    drift: Entries,
+    noise: Entries,
+    lag: Entries,
     intervals: Numbers,
-    mean: Complexes,
-    covariance: Complexes,
+    mean: Entries,
+    covariance: Entries,
 ) -> None:
     """Write the sampled systems with readings taken at the instants (MEAS 0, MI 4 and 7).
 
@@ -180,7 +180,9 @@ def sample_instants(
     batch, rows, columns = drift.shape
     inputs = mean.shape[3] - columns
     states = columns - inputs - 1
-    ends = np.empty(2, np.complex128)
+    ends = np.empty(2, drift.dtype)
+    wide = np.empty((4, states, columns), drift.dtype)
+    room = wide, np.empty((3, states, states), drift.dtype)
     clear(mean)
     clear(covariance)
     for b in range(batch):
@@ -191,6 +193,7 @@ def sample_instants(
                 drift[b, :states],
                 noise[b, :states, :states],
                 ends,
+                room,
                 mean[b, m, :states],
                 covariance[b, m, :states, :states],
             )
@@ -203,12 +206,12 @@ def sample_instants(
 
 @kernel
 def sample_integrals(
-    drift: Complexes,
-    noise: Complexes,
-    lag: Complexes,
+    drift: Entries,
+    noise: Entries,
+    lag: Entries,
     intervals: Numbers,
-    mean: Complexes,
-    covariance: Complexes,
+    mean: Entries,
+    covariance: Entries,
 ) -> None:
     """Write the sampled systems with readings summed over the interval (MEAS 1, MI 7.4).
 
@@ -217,9 +220,11 @@ def sample_integrals(
     batch, rows, columns = drift.shape
     inputs = mean.shape[3] - columns
     states = columns - inputs - 1
-    ends = np.empty(2, np.complex128)
-    stacked = np.zeros((rows, rows + inputs + 1), np.complex128)
-    whole = np.empty((rows, rows + 2 * inputs + 1), np.complex128)
+    ends = np.empty(2, drift.dtype)
+    stacked = np.zeros((rows, rows + inputs + 1), drift.dtype)
+    wide = np.empty((4, rows, rows + inputs + 1), drift.dtype)
+    room = wide, np.empty((3, rows, rows), drift.dtype)
+    whole = np.empty((rows, rows + 2 * inputs + 1), drift.dtype)
     for b in range(batch):
         for i in range(rows):
             for j in range(columns):
@@ -227,7 +232,7 @@ def sample_integrals(
         for m in range(intervals.size):
             ends[0] = _bounded(lag[b], intervals[m])
             ends[1] = intervals[m] - ends[0]
-            _over(stacked, noise[b], ends, whole, covariance[b, m])
+            _over(stacked, noise[b], ends, room, whole, covariance[b, m])
             for i in range(rows):
                 for j in range(mean.shape[3]):
                     mean[b, m, i, j] = whole[i, j if j < states else j + rows - states]

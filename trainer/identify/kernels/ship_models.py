@@ -80,7 +80,7 @@ def _model_1(t: Complexes, ship: Numbers, drift: Complexes, noise: Complexes) ->
     e11, e12, e21, e22 = e * t[0], e * arm * t[1], e * t[2], e * arm * t[3]
     det = e11 * e22 - e12 * e21
     i11, i12, i21, i22 = e22 / det, -e12 / det, -e21 / det, e11 / det
-    force = np.empty((2, 5), np.complex128)
+    force = np.empty((2, 5), drift.dtype)
     force[0, 0], force[1, 0] = t[4] / speed, t[6] / speed
     force[0, 1], force[1, 1] = arm / speed * t[5], arm / speed * t[7]
     force[0, 2], force[1, 2] = t[8], t[8] * t[9]
@@ -181,7 +181,7 @@ def model_3(
 ) -> None:
     """Write the blocks of Model 3: yaw alone, 24 parameters (MI 5)."""
     k = ship[V] / ship[L]
-    readings = np.empty(4, np.complex128)
+    readings = np.empty(4, drift.dtype)
     for b in range(theta.shape[0]):
         t = theta[b]
         drift[b, 0, 2] = -k * k * k * t[2]
@@ -217,7 +217,7 @@ def nomoto(
     K (1 + T3 s)/((1 + T1 s)(1 + T2 s)) in 1/s and s; state 1 is what the yaw rate still has to
     come [rad/s^2]; the rudder acts from its residual helm.
     """
-    readings = np.empty(4, np.complex128)
+    readings = np.empty(4, drift.dtype)
     for b in range(theta.shape[0]):
         t = theta[b]
         stiffness = 1.0 / (t[1] * t[2])
@@ -230,7 +230,7 @@ def nomoto(
         drift[b, 1, 4] = -drift[b, 1, 3] * t[4]
         noise[b, 0, 0], noise[b, 1, 1] = magnitude(t[6]), magnitude(t[7])
         readings[0] = t[5]
-        readings[1], readings[2], readings[3] = t[8], t[9], 0j
+        readings[1], readings[2], readings[3] = t[8], t[9], 0.0
         _yaw_outputs(readings, ship, drift[b], noise[b])
         for i in range(3):
             start[b, i, 0] = RADIAN * t[10 + i]
@@ -258,7 +258,7 @@ def nomoto_first(
         for row in range(2, drift.shape[1]):
             rate = int(ship[OUTPUTS + row - 2]) == RATE
             drift[b, row, 0 if rate else 1] = 1.0 / RADIAN
-            drift[b, row, 3] = t[3] if rate else 0j
+            drift[b, row, 3] = t[3] if rate else 0.0
             noise[b, row, row] = magnitude(t[5 if rate else 6])
         for i in range(2):
             start[b, i, 0] = RADIAN * t[7 + i]

@@ -6,7 +6,7 @@ import shlex
 import shutil
 import subprocess
 import tempfile
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Final, NamedTuple
 
@@ -45,7 +45,7 @@ def compiler() -> list[str]:
         if words and shutil.which(words[0]):
             return words
     named = f"CC is {asked!r}, which is not here" if asked else "neither gcc nor cc is here"
-    raise NoCompilerError(f"the tick in C was not compiled: {named}; install one, or name it by CC")
+    raise NoCompilerError(f"no C was compiled: {named}; install one, or name it by CC")
 
 
 def version() -> str:
@@ -56,19 +56,22 @@ def version() -> str:
     return done.stdout.partition("\n")[0] or compiler()[0]
 
 
+def compiled(source: Path, flags: Sequence[str]) -> ctypes.CDLL:
+    """Return ``source`` compiled and loaded; NoCompilerError if that cannot be done."""
+    with tempfile.TemporaryDirectory(prefix="trainer-") as folder:
+        library = Path(folder) / "compiled.so"
+        words = [*compiler(), *COMMON, *flags, str(source), "-o", str(library), "-lm"]
+        done = subprocess.run(words, capture_output=True, text=True, check=False)  # noqa: S603
+        if done.returncode != 0:
+            raise NoCompilerError(f"{source.name} was not compiled: {done.stderr.strip()}")
+        return ctypes.CDLL(str(library))  # which stays when its file goes
+
+
 def build(way: Build) -> Ticks:
     """Return the tick in C, compiled and loaded; NoCompilerError if that cannot be done."""
     with tempfile.TemporaryDirectory(prefix="trainer-") as folder:
-        place = Path(folder)
-        (place / "records.h").write_text(header(), encoding="ascii")
-        library = place / "tick.so"
-        source = [f"-I{folder}", str(SOURCES / "tick.c"), "-o", str(library), "-lm"]
-        words = [*compiler(), *COMMON, *way.flags, *source]
-        done = subprocess.run(words, capture_output=True, text=True, check=False)  # noqa: S603
-        if done.returncode != 0:
-            raise NoCompilerError(f"the tick in C was not compiled: {done.stderr.strip()}")
-        loaded = ctypes.CDLL(str(library))  # which stays when its file goes
-    take_ticks = loaded.take_ticks
+        (Path(folder) / "records.h").write_text(header(), encoding="ascii")
+        take_ticks = compiled(SOURCES / "tick.c", [*way.flags, f"-I{folder}"]).take_ticks
     address, number = ctypes.c_void_p, ctypes.c_int64
     take_ticks.argtypes = [address, address, address, number, address, address]
     take_ticks.restype = number

@@ -6,6 +6,7 @@ from typing import Any, Final
 
 from trainer.compiled.linking import NoCompilerError
 from trainer.files.vessel_file import VesselFile
+from trainer.identify import speed
 from trainer.study import (
     end_to_end,
     exported,
@@ -17,6 +18,8 @@ from trainer.study import (
     starting,
 )
 from trainer.study.against_c import comparison
+
+SAMPLES: Final = 2000  # of the records that are fitted
 
 
 @dataclass(frozen=True)
@@ -79,4 +82,5 @@ SECTIONS: Final = {
         lambda wanted: end_to_end.time_helm(wanted.file, wanted.seconds), end_to_end.lines
     ),
     "starting": Section(lambda _wanted: starting.time_starts(), starting.lines),
+    "identify": Section(lambda _wanted: speed.identify_speed(SAMPLES), speed.lines),
 }
