@@ -2,10 +2,8 @@
 
 import os
 from collections.abc import Callable, Iterable
-from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass, replace
 from functools import cache, partial
-from multiprocessing import get_context
 from pathlib import Path
 from time import monotonic
 from typing import Final
@@ -16,6 +14,7 @@ from trainer.fitout import Method
 from trainer.study.manoeuvres.catalogue import within_limits
 from trainer.study.manoeuvres.flight import Flight, Manoeuvre, fly
 from trainer.study.manoeuvres.submarine import Rig, Submarine
+from trainer.workers import workers
 
 OWN: Final = Rig()
 ALONE: Final = 4.0  # [s]
@@ -83,7 +82,7 @@ def fly_all(path: Path, tasks: Iterable[Task], cores: int, step: Callable[[], No
         step()
     rest = wanted[len(found) :]
     if rest:
-        with ProcessPoolExecutor(cores, mp_context=get_context("spawn")) as pool:
+        with workers(cores) as pool:
             flights = pool.map(partial(flown, path), rest, chunksize=CHUNK)
             for task, flight in zip(rest, flights, strict=True):
                 found[task] = flight

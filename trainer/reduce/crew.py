@@ -1,8 +1,6 @@
 """Candidates flown side by side, one in each process, with the same numbers on any number."""
 
 from collections.abc import Sequence
-from concurrent.futures import ProcessPoolExecutor
-from multiprocessing import get_context
 from pathlib import Path
 from types import TracebackType
 from typing import Final, Self
@@ -14,6 +12,7 @@ from trainer.reduce.candidate import Candidate
 from trainer.reduce.programme import fitted
 from trainer.reduce.yardstick import Yardstick
 from trainer.study.manoeuvres.measures import Numbers
+from trainer.workers import workers
 
 NUDGE: Final = 1e-3  # [-] of a factor, for the difference quotients
 STEEPEST: Final = 500.0  # [-] slope; a steeper one is a number that jumps, and tells nothing
@@ -38,9 +37,7 @@ class Crew:
     def __init__(self, path: Path, equations: str, cores: int) -> None:
         """Man the candidates of the boat in that file."""
         self._path, self._equations, self._cores = path, equations, cores
-        self._pool = (
-            ProcessPoolExecutor(cores, mp_context=get_context("spawn")) if cores > 1 else None
-        )
+        self._pool = workers(cores) if cores > 1 else None
 
     def __enter__(self) -> Self:
         """Return the crew."""

@@ -1,17 +1,14 @@
 """Who flies the chunks: this process, processes of its own, or the workers of a Dask cluster."""
 
-import os
-import signal
-import threading
 from collections.abc import Callable, Iterator
-from concurrent.futures import Future, ProcessPoolExecutor, as_completed
+from concurrent.futures import Future, as_completed
 from concurrent.futures.process import BrokenProcessPool
-from multiprocessing import connection, get_context, parent_process
 from typing import Any, Final
 
 from trainer.config import ConfigError
 from trainer.sweep.batch import Batch
 from trainer.sweep.job import Job, fly_chunk
+from trainer.workers import workers
 
 Chunks = Iterator[tuple[int, Batch]]
 Crew = Callable[[Job, list[int]], Chunks]
@@ -33,8 +30,7 @@ def processes(count: int) -> Crew:
         if min(count, len(places)) < 2:
             yield from alone(job, places)
             return
-        size = min(count, len(places))
-        pool = ProcessPoolExecutor(size, mp_context=get_context("spawn"), initializer=go_with)
+        pool = workers(min(count, len(places)))
         try:
             futures = {pool.submit(fly_chunk, job, place): place for place in places}
             for future in as_completed(futures):
@@ -51,19 +47,6 @@ def _flown(future: Future[Batch]) -> Batch:
         return future.result()
     except BrokenProcessPool:
         raise ConfigError(f"a process that flew members has ended; {AGAIN}") from None
-
-
-def go_with() -> None:
-    """Leave interrupts to the process that started this one, and end when that is gone."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
-    parent = parent_process()
-    if parent is not None:
-        threading.Thread(target=_follow, args=(parent.sentinel,), daemon=True).start()
-
-
-def _follow(sentinel: int) -> None:
-    connection.wait([sentinel])
-    os._exit(1)
 
 
 def cluster(address: str) -> Crew:
