@@ -13,14 +13,14 @@ from trainer.commands.reducing import reduce
 from trainer.core.vessel import EXTRA_TERMS, KEPT
 from trainer.files.vessel_file import VesselFile, load_vessel, parse_vessel
 from trainer.fitout import KNOT, Method, compact_coefficients
-from trainer.guide.programme import legs, own_method
+from trainer.guide.programme import Leg, legs, own_method
 from trainer.guide.verdicts import BEYOND, SHOWN, Judgement, judge
 from trainer.reduce import checkpoint, reduction, writing
 from trainer.reduce.candidate import Candidate
 from trainer.reduce.crew import Crew
-from trainer.reduce.descent import Point, descend, rises, without
+from trainer.reduce.descent import Point, Slopes, descend, rises, without
 from trainer.reduce.manoeuvres import OutOfBalance, PlaneJam
-from trainer.reduce.programme import fitted, held_out, speeds, tried, turns
+from trainer.reduce.programme import fastest, fitted, held_out, speeds, tried, turns
 from trainer.reduce.search import Need, Search, Standing
 from trainer.reduce.sensitivity import table
 from trainer.reduce.verdict import PARTS, passed, verdict
@@ -204,12 +204,20 @@ def test_turns_are_at_four_speeds_by_three_rudders() -> None:
 def test_what_is_held_out_is_neither_fitted_nor_tried() -> None:
     for name in BOATS:
         file = load_vessel(name)
-        known = {leg.manoeuvre for leg in (*fitted(file), *tried(file))}
+        known = {leg.manoeuvre for leg in (*fitted(file), *fastest(file), *tried(file))}
         kinds = {leg.name for leg in held_out(file)}
 
         assert not known & {leg.manoeuvre for leg in held_out(file)}
         assert kinds == {"zigzag-15", "climbing turn", "stern-plane jam", "out of balance"}
-        assert not {"zigzag", "climbing"} & {leg.name.split()[0] for leg in fitted(file)}
+        seen = {leg.name.split()[0] for leg in (*fitted(file), *fastest(file))}
+        assert not {"zigzag", "climbing"} & seen
+
+
+def test_no_two_flights_of_a_fit_have_one_name() -> None:
+    for name in BOATS:
+        file = load_vessel(name)
+        for flights in ((*fitted(file), *fastest(file)), tried(file), held_out(file)):
+            assert len({leg.title for leg in flights}) == len(flights), name
 
 
 def test_a_boat_out_of_balance_sinks_or_is_held_by_planes_at_an_angle() -> None:
@@ -277,21 +285,22 @@ def test_a_number_that_is_lacking_is_as_far_off_as_nothing_would_be() -> None:
 # --- the fit
 
 
-def linear(size: int) -> tuple[Numbers, Numbers]:
+def linear(size: int) -> tuple[Slopes, Numbers]:
     """Return slopes and differences, at factors of 1, of a problem without curves."""
     generator = np.random.default_rng(5)
-    return generator.normal(size=(40, size)), 0.1 * generator.normal(size=40)
+    table = generator.normal(size=(40, size))
+    return Slopes(table, list(range(size)), 0.05), 0.1 * generator.normal(size=40)
 
 
 def test_a_dropped_term_is_made_up_for_as_a_fit_without_it_would() -> None:
     slopes, differences = linear(5)
     here = Point(np.ones(5), differences)
-    gone = without(slopes, here, range(5), [3])
+    gone = without(slopes, here, [3])
 
     # least squares of the weighted rows and the leash, by another way
     weights = np.maximum(abs(differences), 0.2) ** 2
     weights /= weights.max()
-    rows = np.vstack([np.sqrt(weights)[:, None] * slopes, np.sqrt(0.05) * np.eye(5)])
+    rows = np.vstack([np.sqrt(weights)[:, None] * slopes.table, np.sqrt(0.05) * np.eye(5)])
     left = -rows @ np.array([0.0, 0.0, 0.0, -1.0, 0.0])
     rest = [0, 1, 2, 4]
     expected = 1.0 + np.linalg.lstsq(rows[:, rest], left, rcond=None)[0]
@@ -302,26 +311,26 @@ def test_a_dropped_term_is_made_up_for_as_a_fit_without_it_would() -> None:
 
 def test_the_term_that_does_least_costs_least() -> None:
     slopes, differences = linear(4)
-    slopes[:, 2] *= 1e-3
+    slopes.table[:, 2] *= 1e-3
 
-    costs = rises(slopes, Point(np.ones(4), differences), range(4))
+    costs = rises(slopes, Point(np.ones(4), differences))
 
     assert int(np.argmin(costs)) == 2
 
 
 def test_a_fit_ends_in_its_goal_with_the_least_departure() -> None:
-    slopes = np.eye(3) * 2.0
+    slopes = Slopes(np.eye(3) * 2.0, [0, 1, 2], 0.05)
 
     def fly_all(several: Sequence[Numbers]) -> list[Numbers]:
-        return [slopes @ (factors - 1.0) - np.array([0.0, 0.0, 1.0]) for factors in several]
+        return [slopes.table @ (factors - 1.0) - np.array([0.0, 0.0, 1.0]) for factors in several]
 
     start = Point(np.ones(3), fly_all([np.ones(3)])[0])
-    found = descend(fly_all, slopes, start, range(3), 3, 0.8)
+    found = descend(fly_all, slopes, start, 3, 0.8)
 
     assert found.worst <= 0.8
     assert found.factors[:2] == pytest.approx(np.ones(2))
     assert 1.0 < found.factors[2] < 1.45  # the optimum is 1.5
-    assert descend(fly_all, slopes, start, range(3), 3, 0.01).worst < 0.05
+    assert descend(fly_all, slopes, start, 3, 0.01).worst < 0.05
 
 
 # --- the search
@@ -329,8 +338,8 @@ def test_a_fit_ends_in_its_goal_with_the_least_departure() -> None:
 
 def searched(file: VesselFile, standing: Standing | None = None) -> Iterator[Standing]:
     """Yield the standings of a search, round by round."""
-    with Crew(file.path, "modified", 1) as crew:
-        search = Search(file, "modified", crew)
+    with Crew(file.path, "modified", fitted(file), 1) as crew:
+        search = Search(file, "modified", crew, reduction.LEASH)
         standing = standing or search.begin()
         while not standing.done:
             standing = search.round(standing, lambda: None)
@@ -366,11 +375,60 @@ def test_a_search_broken_off_ends_in_the_same_bits(slim: VesselFile, tmp_path: P
     assert checkpoint.load(path, slim) == {}
 
 
+@pytest.fixture
+def narrow(slim: VesselFile, monkeypatch: pytest.MonkeyPatch) -> Leg:
+    """Let searches fit to three turns and a weave; return the weave at top speed."""
+    slow, _, fast = (leg for leg in fitted(slim) if leg.name == "weave")
+    monkeypatch.setattr(reduction, "fitted", lambda file: (*turns(file)[3:6], slow))
+    monkeypatch.setattr(reduction, "fastest", lambda _: (fast,))
+    return fast
+
+
+def searches(partial: Path) -> list[str]:
+    """Return the names of the searches that a file has."""
+    return [name for name in json.loads(partial.read_text()) if name != "of"]
+
+
+def test_a_set_astray_at_the_top_speed_is_searched_for_anew_with_flights_there(
+    slim: VesselFile, narrow: Leg, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    partial = tmp_path / "kept.json"
+
+    once = reduction.search(slim, 1, partial, lambda _: None)
+    astray = reduction.furthest(slim, [narrow], once.factors["modified"])
+    assert searches(partial) == ["4 flights"]
+
+    monkeypatch.setattr(reduction, "ASTRAY", 0.9 * astray)
+    twice = reduction.search(slim, 1, partial, lambda _: None)
+
+    assert searches(partial) == ["4 flights", "5 flights"]
+    assert reduction.furthest(slim, [narrow], twice.factors["modified"]) < 0.9 * astray
+
+
+@pytest.mark.usefixtures("narrow")
+def test_a_second_search_broken_off_ends_in_the_same_bits(
+    slim: VesselFile, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    partial = tmp_path / "kept.json"
+    monkeypatch.setattr(reduction, "ASTRAY", 0.0)
+
+    def break_off(_: int) -> None:
+        if partial.exists() and len(searches(partial)) == reduction.SEARCHES:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        reduction.search(slim, 1, partial, break_off)
+    after = reduction.search(slim, 1, partial, lambda _: None)
+
+    assert after == reduction.search(slim, 1, None, lambda _: None)
+
+
 def test_two_processes_find_the_bits_of_one(slim: VesselFile) -> None:
     factors = np.ones(len(Candidate(slim, "modified").terms))
     several = [factors * (1.0 + 0.01 * i) for i in range(3)]
 
-    with Crew(slim.path, "modified", 1) as one, Crew(slim.path, "modified", 2) as two:
+    one, two = (Crew(slim.path, "modified", fitted(slim), cores) for cores in (1, 2))
+    with one, two:
         alone, together = one.differences(several), two.differences(several)
 
     assert all(np.array_equal(a, b) for a, b in zip(alone, together, strict=True))

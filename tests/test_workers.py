@@ -35,7 +35,7 @@ from pathlib import Path
 from trainer.reduce.crew import Crew
 
 if __name__ == "__main__":
-    with Crew(Path("nowhere.toml"), "modified", 2) as crew:
+    with Crew(Path("nowhere.toml"), "modified", (), 2) as crew:
         try:
             crew.differences([[1.0], [1.0]])
         except Exception:

@@ -93,7 +93,8 @@ def _searched(file: Any, cores: int, result: Path | None, drops: Any) -> Any:
     from trainer.reduce.candidate import terms  # noqa: PLC0415
 
     partial = checkpoint.place(result) if result else None
-    with bar(len(terms(file, "modified")), "dropping terms") as step:
+    length = reduction.SEARCHES * len(terms(file, "modified"))
+    with bar(length, "dropping terms") as step:
         found = reduction.search(file, cores, partial, step)
     report = reduction.report(file, found.factors["modified"], found.needs, drops)
     if result is None:

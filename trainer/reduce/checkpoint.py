@@ -51,6 +51,25 @@ def load(path: Path, file: VesselFile) -> dict[str, Standing]:
         return {}
 
 
+class Log:
+    """How far the searches for one boat have come, by name; in a file, if there is one."""
+
+    def __init__(self, file: VesselFile, path: Path | None) -> None:
+        """Read what the file at ``path`` has of this boat."""
+        self._file, self._path = file, path
+        self._standings = load(path, file) if path else {}
+
+    def standing(self, name: str) -> Standing | None:
+        """Return how far a search has come; None: it has not begun."""
+        return self._standings.get(name)
+
+    def enter(self, name: str, standing: Standing) -> None:
+        """Keep how far a search has come; ConfigError if the file cannot be written."""
+        self._standings[name] = standing
+        if self._path:
+            save(self._path, self._file, self._standings)
+
+
 def _standing(found: Mapping[str, Any]) -> Standing:
     """Return a standing as it was saved."""
     needed = tuple(Need(**need) for need in found["needed"])

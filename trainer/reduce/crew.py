@@ -1,6 +1,7 @@
 """Candidates flown side by side, one in each process, with the same numbers on any number."""
 
 from collections.abc import Sequence
+from functools import partial
 from pathlib import Path
 from types import TracebackType
 from typing import Final, Self
@@ -8,8 +9,8 @@ from typing import Final, Self
 import numpy as np
 
 from trainer.files.vessel_file import load_vessel
+from trainer.guide.programme import Leg
 from trainer.reduce.candidate import Candidate
-from trainer.reduce.programme import fitted
 from trainer.reduce.yardstick import Yardstick
 from trainer.study.manoeuvres.measures import Numbers
 from trainer.workers import workers
@@ -18,15 +19,16 @@ NUDGE: Final = 1e-3  # [-] of a factor, for the difference quotients
 STEEPEST: Final = 500.0  # [-] slope; a steeper one is a number that jumps, and tells nothing
 CHUNK: Final = 4  # flights handed to a process at once
 
-_posts: dict[tuple[Path, str], tuple[Candidate, Yardstick]] = {}
+_posts: dict[tuple[Path, str, tuple[Leg, ...]], tuple[Candidate, Yardstick]] = {}
 
 
-def _differences(path: Path, equations: str, factors: Numbers) -> Numbers:
+def _differences(path: Path, equations: str, legs: tuple[Leg, ...], factors: Numbers) -> Numbers:
     """Return the differences of a candidate from the full set, in whichever process."""
-    if (path, equations) not in _posts:
+    post = path, equations, legs
+    if post not in _posts:
         file = load_vessel(str(path))
-        _posts[path, equations] = Candidate(file, equations), Yardstick(file, fitted(file))
-    candidate, yardstick = _posts[path, equations]
+        _posts[post] = Candidate(file, equations), Yardstick(file, legs)
+    candidate, yardstick = _posts[post]
     candidate.take(factors)
     return yardstick.differences(candidate)
 
@@ -34,9 +36,11 @@ def _differences(path: Path, equations: str, factors: Numbers) -> Numbers:
 class Crew:
     """As many candidates as there are processors."""
 
-    def __init__(self, path: Path, equations: str, cores: int) -> None:
-        """Man the candidates of the boat in that file."""
-        self._path, self._equations, self._cores = path, equations, cores
+    def __init__(self, path: Path, equations: str, legs: tuple[Leg, ...], cores: int) -> None:
+        """Man the candidates of the boat in that file, to fly those legs."""
+        self.legs = legs
+        self._fly = partial(_differences, path, equations, legs)
+        self._cores = cores
         self._pool = workers(cores) if cores > 1 else None
 
     def __enter__(self) -> Self:
@@ -55,11 +59,10 @@ class Crew:
 
     def differences(self, several: Sequence[Numbers]) -> list[Numbers]:
         """Return the differences of candidates, each by row, in order."""
-        paths, sets = [self._path] * len(several), [self._equations] * len(several)
         if self._pool is None or len(several) == 1:
-            return list(map(_differences, paths, sets, several))
+            return list(map(self._fly, several))
         chunk = max(1, min(CHUNK, len(several) // self._cores))
-        return list(self._pool.map(_differences, paths, sets, several, chunksize=chunk))
+        return list(self._pool.map(self._fly, several, chunksize=chunk))
 
     def slopes(self, factors: Numbers, free: Sequence[int], here: Numbers) -> Numbers:
         """Return the slopes of the differences by ``free`` factors, (rows, all factors)."""

@@ -12,7 +12,6 @@ import numpy as np
 
 from trainer.study.manoeuvres.measures import Numbers
 
-LEASH: Final = 0.05  # [-] weight of (factor - 1)^2 beside the largest difference's square
 LOWEST, HIGHEST = 0.5, 2.0  # [-] factors
 FLOOR: Final = 0.2  # [-] smaller differences weigh as this
 POWERS: Final = (2, 6)
@@ -46,30 +45,35 @@ class Point(NamedTuple):
         return float(np.sum(abs(self.differences) ** NORM) ** (1.0 / NORM))
 
 
-def normal_matrix(slopes: Numbers, differences: Numbers, power: int) -> tuple[Numbers, Numbers]:
+class Slopes(NamedTuple):
+    """How the differences change with the factors, and what holds these."""
+
+    table: Numbers  # (rows, all factors)
+    free: list[int]  # places of the factors that may change
+    leash: float  # [-] weight of (factor - 1)^2 beside the largest difference's square
+
+
+def normal_matrix(slopes: Slopes, differences: Numbers, power: int) -> tuple[Numbers, Numbers]:
     """Return the weighted normal matrix, leash included, and the weights by row."""
     weights = np.maximum(abs(differences), FLOOR) ** (power - 2)
     weights /= weights.max()
-    return slopes.T @ (weights[:, None] * slopes) + LEASH * np.eye(slopes.shape[1]), weights
+    table = slopes.table[:, slopes.free]
+    return table.T @ (weights[:, None] * table) + slopes.leash * np.eye(table.shape[1]), weights
 
 
-def stepped(
-    slopes: Numbers, here: Point, free: Sequence[int], power: int, damping: float
-) -> Numbers:
-    """Return the factors after one step, by the slopes of all factors."""
-    places = list(free)
-    matrix, weights = normal_matrix(slopes[:, places], here.differences, power)
-    downhill = -slopes[:, places].T @ (weights * here.differences)
-    downhill -= LEASH * (here.factors[places] - 1.0)
+def stepped(slopes: Slopes, here: Point, power: int, damping: float) -> Numbers:
+    """Return the factors after one step."""
+    places = slopes.free
+    matrix, weights = normal_matrix(slopes, here.differences, power)
+    downhill = -slopes.table[:, places].T @ (weights * here.differences)
+    downhill -= slopes.leash * (here.factors[places] - 1.0)
     there = here.factors.copy()
     there[places] += np.linalg.solve(matrix + damping * np.eye(len(places)), downhill)
     there[places] = np.clip(there[places], LOWEST, HIGHEST)
     return there
 
 
-def descend(
-    fly: Fly, slopes: Numbers, here: Point, free: Sequence[int], rounds: int, goal: float
-) -> Point:
+def descend(fly: Fly, slopes: Slopes, here: Point, rounds: int, goal: float) -> Point:
     """Return the best point of ``rounds`` steps by the same slopes.
 
     If some are in the goal, the one of them that departs least from the hull's own coefficients.
@@ -77,9 +81,7 @@ def descend(
     for _ in range(rounds):
         if here.worst <= goal:
             break
-        tried = [
-            stepped(slopes, here, free, power, damping) for power in POWERS for damping in DAMPINGS
-        ]
+        tried = [stepped(slopes, here, power, damping) for power in POWERS for damping in DAMPINGS]
         points = [Point(*pair) for pair in zip(tried, fly(tried), strict=True)]
         reached = [one for one in points if one.worst <= goal]
         if reached:
@@ -91,10 +93,10 @@ def descend(
     return here
 
 
-def without(slopes: Numbers, here: Point, free: Sequence[int], gone: Sequence[int]) -> Numbers:
+def without(slopes: Slopes, here: Point, gone: Sequence[int]) -> Numbers:
     """Return the factors with those ``gone`` put to zero and the others making up for it."""
-    places = list(free)
-    matrix, _ = normal_matrix(slopes[:, places], here.differences, 4)
+    places = slopes.free
+    matrix, _ = normal_matrix(slopes, here.differences, 4)
     inverse = np.linalg.inv(matrix)
     which = [places.index(place) for place in gone]
     pull = np.linalg.solve(inverse[np.ix_(which, which)], here.factors[list(gone)])
@@ -104,8 +106,7 @@ def without(slopes: Numbers, here: Point, free: Sequence[int], gone: Sequence[in
     return there
 
 
-def rises(slopes: Numbers, here: Point, free: Sequence[int]) -> Numbers:
+def rises(slopes: Slopes, here: Point) -> Numbers:
     """Return by how much the weighted squares rise [-] if each free factor goes to zero alone."""
-    places = list(free)
-    matrix, _ = normal_matrix(slopes[:, places], here.differences, 4)
-    return np.asarray(here.factors[places] ** 2 / np.diag(np.linalg.inv(matrix)))
+    matrix, _ = normal_matrix(slopes, here.differences, 4)
+    return np.asarray(here.factors[slopes.free] ** 2 / np.diag(np.linalg.inv(matrix)))

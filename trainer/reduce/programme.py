@@ -85,6 +85,21 @@ def _fitted(file: VesselFile) -> Iterator[Leg]:
     yield _leg("roll-decay", "", 0.0, RollDecay(), file)
 
 
+def fastest(file: VesselFile) -> tuple[Leg, ...]:
+    """Return legs at the boat's top speed, of kinds that are otherwise fitted to below it."""
+    top = speeds(file)[3]
+    dive = ClimbingTurn(angle_deg=10.0, planes_deg=-10.0)
+    loads = OutOfBalance(share=-LOAD), OutOfBalance(share=LOAD, keep=())
+    legs = (
+        _leg("diving turn", "planes 10 deg", top, dive, file),
+        _leg("impulse", "", top, Impulse(), file),
+        _leg("rudder-impulse", "", top, RudderImpulse(), file),
+        _leg("out of balance", f"{-LOAD:+.1%}, depth kept", top, loads[0], file),
+        _leg("out of balance", f"{LOAD:+.1%}, planes still", top, loads[1], file),
+    )
+    return flyable(file, legs)
+
+
 def tried(file: VesselFile) -> tuple[Leg, ...]:
     """Return the legs that a set must pass too, unseen by the fit: those of the guide."""
     return tuple(leg for leg in guide_legs(file) if leg.name not in PER_CYCLE)

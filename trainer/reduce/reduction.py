@@ -1,25 +1,32 @@
 """A boat's compact set: found by a search, or as its file has it, and what it is worth."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Final
+from typing import Final, NamedTuple
 
 import numpy as np
 
 from trainer.core.vessel import KEPT
 from trainer.files.vessel_file import VesselFile
 from trainer.guide.drops import Drop
+from trainer.guide.programme import Leg
 from trainer.reduce import checkpoint
 from trainer.reduce.candidate import FIXED, Candidate, terms
 from trainer.reduce.cost import Cost, cost
 from trainer.reduce.crew import Crew
-from trainer.reduce.descent import Point, descend
-from trainer.reduce.search import LIMIT, STEPS, Need, Search
+from trainer.reduce.descent import Point, Slopes, descend
+from trainer.reduce.programme import fastest, fitted
+from trainer.reduce.search import LIMIT, STEPS, Need, Search, Standing
 from trainer.reduce.sensitivity import coefficients
 from trainer.reduce.verdict import Checked, passed, verdict
+from trainer.reduce.yardstick import Yardstick
 
 DIGITS: Final = 4  # of a factor in the file
+LEASH: Final = 0.05  # [-] as in Slopes
+ASTRAY: Final = 1.5  # [-] of what is allowed, at the top speed: a second search flies there, with a
+FIRM: Final = 0.2  # [-] leash that keeps closer to the hull's data
+SEARCHES: Final = 2  # at most
 BASIC_ROUNDS: Final = 6
 
 
@@ -47,6 +54,13 @@ class Reduction:
     checked: tuple[Checked, ...]
     cost: Cost | None
     passed: bool
+
+
+class Aim(NamedTuple):
+    """What a search is to fit, and how closely it keeps to the hull's own data."""
+
+    legs: tuple[Leg, ...]
+    leash: float  # [-] as in Slopes
 
 
 @dataclass(frozen=True)
@@ -107,32 +121,55 @@ def search(
 ) -> Found:
     """Return the factors found; ``partial`` is where to keep, and find, an unfinished search.
 
-    ``step`` is called with the number of terms decided.
+    If what is found is astray at the boat's top speed, another is searched for, fitted to flights
+    there too and on a firmer leash. ``step`` is called with the number of terms decided, of up to
+    SEARCHES times those that there are.
     """
-    standings = checkpoint.load(partial, file) if partial else {}
-    with Crew(file.path, "modified", cores) as crew:
-        at_work = Search(file, "modified", crew)
-        standing = standings.get("modified") or at_work.begin()
-        step(len(at_work.terms) - len(at_work.undecided(standing)))
-        while not standing.done:
-            standing = at_work.round(standing, lambda: step(1))
-            if partial:
-                checkpoint.save(partial, file, {"modified": standing})
-    modified = dict(zip(at_work.terms, map(rounded, standing.factors), strict=True))
-    basic = _basic(file, cores, modified)
+    log, fast = checkpoint.Log(file, partial), fastest(file)
+    aim = Aim(fitted(file), LEASH)
+    standing, modified = _searched(file, aim, cores, log, step)
+    if furthest(file, fast, modified) > ASTRAY:
+        aim = Aim((*aim.legs, *fast), FIRM)
+        standing, modified = _searched(file, aim, cores, log, step)
+    basic = _basic(file, aim, cores, modified)
     return Found({"modified": modified, "basic": basic}, standing.needed)
 
 
-def _basic(file: VesselFile, cores: int, modified: Mapping[str, float]) -> dict[str, float]:
+def _searched(
+    file: VesselFile, aim: Aim, cores: int, log: checkpoint.Log, step: Callable[[int], None]
+) -> tuple[Standing, dict[str, float]]:
+    """Return how a search ends, and its factors by term."""
+    name = f"{len(aim.legs)} flights"
+    with Crew(file.path, "modified", aim.legs, cores) as crew:
+        at_work = Search(file, "modified", crew, aim.leash)
+        standing = log.standing(name) or at_work.begin()
+        step(len(at_work.terms) - len(at_work.undecided(standing)))
+        while not standing.done:
+            standing = at_work.round(standing, lambda: step(1))
+            log.enter(name, standing)
+    return standing, dict(zip(at_work.terms, map(rounded, standing.factors), strict=True))
+
+
+def furthest(file: VesselFile, legs: Sequence[Leg], factors: Mapping[str, float]) -> float:
+    """Return the largest difference [-] of what is allowed, by the modified set, in some legs."""
+    candidate = Candidate(file, "modified")
+    candidate.take([factors[name] for name in candidate.terms])
+    return float(abs(Yardstick(file, legs).differences(candidate)).max(initial=0.0))
+
+
+def _basic(
+    file: VesselFile, aim: Aim, cores: int, modified: Mapping[str, float]
+) -> dict[str, float]:
     """Return the factors of the basic set: those of the modified one, fitted to less."""
     names = terms(file, "basic")
     start = np.array([modified[name] for name in names])
-    with Crew(file.path, "basic", cores) as crew:
+    with Crew(file.path, "basic", aim.legs, cores) as crew:
         free = [i for i, name in enumerate(names) if start[i] and name not in FIXED]
         here = Point(start, crew.differences([start])[0])
         for _ in range(BASIC_ROUNDS):
-            slopes = crew.slopes(here.factors, free, here.differences)
-            there = descend(crew.differences, slopes, here, free, STEPS, LIMIT)
+            table = crew.slopes(here.factors, free, here.differences)
+            slopes = Slopes(table, free, aim.leash)
+            there = descend(crew.differences, slopes, here, STEPS, LIMIT)
             if there.cost >= here.cost:
                 break
             here = there

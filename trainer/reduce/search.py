@@ -15,8 +15,8 @@ import numpy as np
 from trainer.files.vessel_file import VesselFile
 from trainer.reduce.candidate import CONTROLS, FIXED, Candidate
 from trainer.reduce.crew import Crew
-from trainer.reduce.descent import Point, descend, rises, without
-from trainer.reduce.programme import fitted, tried
+from trainer.reduce.descent import Point, Slopes, descend, rises, without
+from trainer.reduce.programme import tried
 from trainer.reduce.yardstick import Yardstick
 from trainer.study.manoeuvres.measures import Numbers
 
@@ -65,13 +65,13 @@ class Standing:
 class Search:
     """A boat's compact set on its way to fewer terms."""
 
-    def __init__(self, file: VesselFile, equations: str, crew: Crew) -> None:
-        """Begin with all terms, as the full set has them."""
+    def __init__(self, file: VesselFile, equations: str, crew: Crew, leash: float) -> None:
+        """Begin with all terms, as the full set has them; ``leash`` as in Slopes."""
         self.candidate = Candidate(file, equations)
         self.terms = self.candidate.terms
-        self._crew = crew
+        self._crew, self._leash = crew, leash
         self._proof = Yardstick(file, tried(file))
-        self._rows = Yardstick(file, fitted(file)).rows
+        self._rows = Yardstick(file, crew.legs).rows
 
     def begin(self) -> Standing:
         """Return the standing of a search that has not begun."""
@@ -103,20 +103,25 @@ class Search:
         """Return the places of the factors that may change."""
         return [i for i in kept if self.terms[i] not in FIXED]
 
-    def _slopes(self, here: Point, kept: Sequence[int]) -> Numbers:
+    def _slopes(self, here: Point, kept: Sequence[int]) -> Slopes:
         """Return the slopes at a point."""
-        return self._crew.slopes(here.factors, self._free(kept), here.differences)
+        free = self._free(kept)
+        return Slopes(self._crew.slopes(here.factors, free, here.differences), free, self._leash)
 
-    def _fit(self, slopes: Numbers, here: Point, kept: Sequence[int], goal: float) -> Point:
+    def _among(self, slopes: Slopes, kept: Sequence[int]) -> Slopes:
+        """Return the slopes for terms of which fewer are kept."""
+        return slopes._replace(free=self._free(kept))
+
+    def _fit(self, slopes: Slopes, here: Point, kept: Sequence[int], goal: float) -> Point:
         """Return the point that a fit by these slopes leads to."""
-        return descend(self._crew.differences, slopes, here, self._free(kept), STEPS, goal)
+        return descend(self._crew.differences, self._among(slopes, kept), here, STEPS, goal)
 
     def proof(self, factors: Numbers) -> Numbers:
         """Return the differences in the guide's flights."""
         self.candidate.take(factors)
         return self._proof.differences(self.candidate)
 
-    def _start(self, standing: Standing, here: Point, slopes: Numbers) -> Standing:
+    def _start(self, standing: Standing, here: Point, slopes: Slopes) -> Standing:
         """Return the standing after a fit of the set with all terms."""
         here = self._fit(slopes, here, standing.kept, EASE * LIMIT)
         proof = float(abs(self.proof(here.factors)).max())
@@ -125,7 +130,7 @@ class Search:
             return tried
         return replace(tried, limit=max(LIMIT, here.worst), proof=max(PROOF, proof))
 
-    def _settle(self, standing: Standing, here: Point, slopes: Numbers) -> Standing:
+    def _settle(self, standing: Standing, here: Point, slopes: Slopes) -> Standing:
         """Return the standing after a fit as good as can be, if the guide's flights bear it."""
         there = self._fit(slopes, here, standing.kept, 0.0)
         worse = abs(self.proof(there.factors)).max() > standing.proof
@@ -135,7 +140,7 @@ class Search:
         return replace(standing, factors=factors, settled=standing.settled + 1)
 
     def _drop(
-        self, standing: Standing, here: Point, slopes: Numbers, step: Callable[[], None]
+        self, standing: Standing, here: Point, slopes: Slopes, step: Callable[[], None]
     ) -> Standing:
         """Return the standing after what these slopes are good for."""
         decided = 0
@@ -158,18 +163,18 @@ class Search:
                 standing = replace(standing, needed=(*standing.needed, passed))
         return standing
 
-    def _order(self, standing: Standing, here: Point, slopes: Numbers) -> list[int]:
+    def _order(self, standing: Standing, here: Point, slopes: Slopes) -> list[int]:
         """Return the places of what may be dropped, the cheapest first."""
-        free = self._free(standing.kept)
-        cost = dict(zip(free, rises(slopes, here, free), strict=True))
+        among = self._among(slopes, standing.kept)
+        cost = dict(zip(among.free, rises(among, here), strict=True))
         return sorted(self.undecided(standing), key=lambda i: float(cost[i]))
 
     def _try(
-        self, standing: Standing, here: Point, slopes: Numbers, gone: Sequence[int]
+        self, standing: Standing, here: Point, slopes: Slopes, gone: Sequence[int]
     ) -> tuple[Point, Need | None]:
         """Return the point without some terms, and why they are needed; None: they are not."""
         kept = tuple(i for i in standing.kept if i not in gone)
-        factors = without(slopes, here, self._free(standing.kept), gone)
+        factors = without(self._among(slopes, standing.kept), here, gone)
         there = self._point(factors)
         goal = EASE * standing.limit
         there = self._fit(slopes, there, kept, goal)
