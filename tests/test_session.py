@@ -149,6 +149,18 @@ def test_in_a_freeze_single_steps_go_on_and_are_shown_as_frozen() -> None:
     assert session.boat.state.tick == 4
 
 
+def test_a_boat_that_loses_her_numbers_is_shown_frozen(monkeypatch: pytest.MonkeyPatch) -> None:
+    script, frozen = Script([]), list[bool]()
+    monkeypatch.setattr(script, "offer", lambda _tick, _state, pace: frozen.append(pace.frozen))
+    session = session_of(script)
+    session.boat.state.q = 1e4
+
+    session.run()
+
+    assert session.desk.failure
+    assert frozen == [False, True]
+
+
 def test_steps_are_taken_before_the_next_line_and_forgotten_by_run() -> None:
     script = Script([["freeze", "step 3", "quit"]])
     assert run(script).boat.state.tick == 3

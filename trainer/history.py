@@ -91,7 +91,7 @@ class History:
 
     def ticked(self, tick: int) -> bytes:
         """Keep the state after a tick; return it."""
-        state = self._state()
+        state = self.boat.plain.tobytes()
         if self.rerun is None:
             self.recording.state(tick, state)
             if tick % self._period == 0:

@@ -55,12 +55,12 @@ class Histogram:
 
     def add(self, duration: int) -> None:
         """Count ``duration`` [ns]; a negative one counts as 0."""
-        if duration < EXACT:
-            self._counts[max(0, duration)] += 1
-        else:
-            shift = duration.bit_length() - HALF_BITS
-            self._counts[shift * HALF + (duration >> shift)] += 1
-        if duration > self._largest:  # noqa: PLR1730  max() takes as long as all the rest
+        place = duration if duration > 0 else 0  # noqa: FURB136  max() takes as long as all the rest
+        if place >= EXACT:
+            shift = place.bit_length() - HALF_BITS
+            place = shift * HALF + (place >> shift)
+        self._counts[place] += 1
+        if duration > self._largest:  # noqa: PLR1730
             self._largest = duration
 
     def spread(self) -> Spread:

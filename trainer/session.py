@@ -62,7 +62,7 @@ class Session:
         self.board = Board(self.history)
         self.desk = Desk(self.boat, self.time, self.history)
         self._lookout = Lookout(self.boat, self.time.ledger.summary)
-        self._shown = Pace()
+        self._pace = Pace()  # as it was last shown: whatever changes it has it shown
 
     def run(self, *, frozen: bool = False) -> None:
         """Run to the last tick, an order to quit, or until nobody can ever say run again."""
@@ -170,7 +170,7 @@ class Session:
         """Return all about the boat that a station may know."""
         if station.role is INSTRUCTOR:
             return status_lines(self.boat, self.time.ledger.summary())
-        picture = Picture(self.history.tick, self.history.now().state, self._pace())
+        picture = Picture(self.history.tick, self.history.now().state, self._pace)
         return panel(station.role.channels, self._lookout.frame(picture))
 
     def _carry_out(self, order: Order, who: str, place: int | None = None) -> Reply:
@@ -241,7 +241,7 @@ class Session:
             return
         pacer.begin()
         status = self.boat.tick()
-        tick = self.boat.ticks
+        tick = int(self.boat.plain[TICK])
         if status:
             self.desk.failure = self.boat.failure(status)
             self.board.tell("trouble", f"FROZEN: {self.desk.failure}")
@@ -254,6 +254,8 @@ class Session:
         if status:
             pacer.freeze()
             self.desk.steps = 0
+        if pacer.frozen and not was_frozen:
+            self._show()
         for event in events:
             self.board.tell("trouble", str(event))
         if self.progress:
@@ -266,7 +268,7 @@ class Session:
             self._tell_trouble()
         if self.columns and self.history.rerun is None:
             self._row()
-        self.sending.offer(tick, state, self._pace())
+        self.sending.offer(tick, state, self._pace)
         for text in self.watch.look(self.boat):
             self.board.tell("watch", text)
         while self.sending.troubles:
@@ -287,14 +289,7 @@ class Session:
             self.board.tell("trouble", f"NOT RECORDED: {self.recorder.trouble}")
 
     def _show(self) -> None:
-        """Let the present moment be seen, as time stands or runs now."""
-        now = self.history.now()
-        self.sending.offer(now.tick, now.state, self._pace())
-
-    def _pace(self) -> Pace:
-        """Return how time runs, the same as before while nothing of it has changed."""
-        time, history = self.time, self.history
-        pace = time.frozen, time.speed, history.recording.branch, history.rerun is not None
-        if pace != self._shown:
-            self._shown = Pace(*pace)
-        return self._shown
+        """Let the present moment be seen, and how time runs from here on."""
+        now, time = self.history.now(), self.time
+        self._pace = Pace(time.frozen, time.speed, now.branch, self.history.rerun is not None)
+        self.sending.offer(now.tick, now.state, self._pace)
