@@ -1,5 +1,6 @@
 """The command: a run on an exported core, or any other with the libraries that it needs."""
 
+import gc
 import sys
 
 
@@ -11,8 +12,11 @@ def main() -> None:
         from trainer.bare.run import main as run  # noqa: PLC0415
 
         sys.exit(run(words[1:]))
+    gc.disable()  # what is imported is no garbage: to look through it is a tenth of importing it
     from trainer.cli import main as command  # noqa: PLC0415
 
+    gc.freeze()
+    gc.enable()
     command()
 
 

@@ -1,5 +1,6 @@
 """A screen opened from the command line on a session that runs."""
 
+import gc
 import signal
 from dataclasses import dataclass
 from typing import Final
@@ -58,6 +59,7 @@ class Visit:
         except LinkError as error:
             raise ConfigError(str(error)) from None
         console = self.console
+        gc.freeze()  # the first picture waits for nobody to look through what draws it
         kept = {number: signal.signal(number, lambda *_: console.exit("")) for number in endings()}
         try:
             why = console.run()

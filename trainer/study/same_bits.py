@@ -113,7 +113,7 @@ def same_bits(last: int = TICKS) -> SameBits:
 
 def lines(figures: SameBits) -> list[str]:
     """Return the answer as lines of a page."""
-    answer = "the same bits in all" if figures.same else "NOT THE SAME BITS"
+    answer = f"the same bits in all {len(figures.sha256)} ways" if figures.same else "NOT THE SAME BITS"
     return [
         "",
         f"STANDARD HOUR ({figures.ticks} ticks; SHA-256 of the whole state): {answer}",
