@@ -231,10 +231,10 @@ class Session:
 
     def _tick(self) -> None:
         """Carry out the orders that are due, and unless they stop time take a tick."""
-        was_frozen = self.time.pacer.frozen
-        if self.history.place < len(self.schedule):
+        was_frozen, history = self.time.pacer.frozen, self.history
+        if history.place < len(self.schedule):
             self._obey_schedule()
-        if self.history.rerun and self._obey_replay():
+        if history.rerun and self._obey_replay():
             return
         pacer = self.time.pacer
         if self.desk.ended or (pacer.frozen and not was_frozen):
@@ -248,9 +248,9 @@ class Session:
         else:
             self._after_tick(tick)
         events = pacer.end()
-        if self.history.rerun is None:
+        if history.rerun is None:
             ledger = self.time.ledger
-            self.history.recording.timing(tick, ledger.lateness, ledger.work)
+            history.recording.timing(tick, ledger.lateness, ledger.work)
         if status:
             pacer.freeze()
             self.desk.steps = 0
