@@ -16,6 +16,7 @@ from trainer.study.same_bits import (
     in_a_fleet,
     in_another_process,
     levels_here,
+    lines,
     same_bits,
 )
 from trainer.study.standard_hour import digest, fly_standard_hour, standard_boat
@@ -81,6 +82,7 @@ def test_one_bit_of_difference_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
     alike = {"one": lambda: "a", "two": lambda: "a"}
     monkeypatch.setattr("trainer.study.same_bits.ways", lambda _: alike)
     assert same_bits().same
+    assert lines(same_bits())[1].endswith("the same bits in all 2 ways")
 
     monkeypatch.setattr("trainer.study.same_bits.ways", lambda _: alike | {"three": lambda: "b"})
     assert not same_bits().same

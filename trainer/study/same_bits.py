@@ -113,7 +113,8 @@ def same_bits(last: int = TICKS) -> SameBits:
 
 def lines(figures: SameBits) -> list[str]:
     """Return the answer as lines of a page."""
-    answer = f"the same bits in all {len(figures.sha256)} ways" if figures.same else "NOT THE SAME BITS"
+    same = f"the same bits in all {len(figures.sha256)} ways"
+    answer = same if figures.same else "NOT THE SAME BITS"
     return [
         "",
         f"STANDARD HOUR ({figures.ticks} ticks; SHA-256 of the whole state): {answer}",
