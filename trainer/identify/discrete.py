@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from trainer.config import ConfigError
 from trainer.identify.imaginary import STEP
-from trainer.identify.kernels.blocks import Entries
+from trainer.identify.kernels.entries import Entries
 from trainer.identify.kernels.sampling import sample_instants, sample_integrals
 from trainer.identify.models import Blocks
 

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from trainer.config import ConfigError, nearest
 from trainer.identify.kernels import ship_models
-from trainer.identify.kernels.blocks import Entries
+from trainer.identify.kernels.entries import Entries
 
 Numbers = NDArray[np.float64]
 

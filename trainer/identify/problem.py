@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from trainer.identify.discrete import Sampled, sample
 from trainer.identify.imaginary import aside
-from trainer.identify.kernels.blocks import Entries
+from trainer.identify.kernels.entries import Entries
 from trainer.identify.models import Plant
 from trainer.identify.samples import Samples
 

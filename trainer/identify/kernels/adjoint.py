@@ -16,6 +16,7 @@ import math
 import numpy as np
 
 from trainer.core.kernel import Numbers
+from trainer.identify.kernels import at_once
 from trainer.identify.kernels.blocks import clear, put, put_block
 from trainer.identify.kernels.covariance_filter import (
     Mask,
@@ -27,7 +28,7 @@ from trainer.identify.kernels.covariance_filter import (
     residual,
     settled,
 )
-from trainer.identify.kernels.kernel import kernel, lean, part
+from trainer.identify.kernels.kernel import kernel, lean, part, part_or
 
 
 @part
@@ -120,7 +121,7 @@ def trail(
     return _follow((mean, noise), (table, which), (z, P), work, path, joints)
 
 
-@part
+@part_or(at_once.stage)
 def _stage(mean: Numbers, J: Numbers, F: Numbers, half: Numbers) -> None:
     """Write F = A - K C and C' R^-1 C / 2 of a stage from its swept ``J``."""
     states, rows = F.shape[0], mean.shape[0]
@@ -134,7 +135,22 @@ def _stage(mean: Numbers, J: Numbers, F: Numbers, half: Numbers) -> None:
                     half[i, j] -= 0.5 * mean[c, i] * J[c, d] * mean[d, j]
 
 
-@part
+@part_or(at_once.collect)
+def _collect(W: Numbers, line: Numbers, x: Numbers, w: Numbers, sums: Numbers) -> None:
+    """Write w = C' s of a sample, and add its (x~, s) (z, s)' to ``sums``."""
+    states, columns = x.size, W.shape[1]
+    for i in range(states):
+        total = 0.0
+        for c in range(W.shape[0] - states):
+            total += W[states + c, i] * line[columns + c]
+        w[i] = total
+    for i in range(W.shape[0]):
+        factor = x[i] if i < states else line[columns + i - states]
+        for j in range(sums.shape[1]):
+            sums[i, j] += factor * line[j]
+
+
+@part_or(at_once.step_back)
 def _step_back(
     F: Numbers, half: Numbers, w: Numbers, work: Numbers, x: Numbers, P: Numbers
 ) -> None:
@@ -164,7 +180,7 @@ def _step_back(
             P[j, i] = total
 
 
-@part
+@part_or(at_once.sum_of_h)
 def _sum_of_h(J: Numbers, sums: Numbers, adjoint: Numbers, samples: float, H: Numbers) -> None:
     """Write the sum of H over a stage of so many ``samples``.
 
@@ -193,7 +209,7 @@ def _sum_of_h(J: Numbers, sums: Numbers, adjoint: Numbers, samples: float, H: Nu
             H[c, i] = H[i, c]
 
 
-@part
+@part_or(at_once.close_stage)
 def _close_stage(
     mean: Numbers, joints: Numbers, sums: Numbers, H: Numbers, product: Numbers, out: Numbers
 ) -> None:
@@ -236,7 +252,6 @@ def _back(
     path, joints = trail
     F, half, w, work, sums, sum_of_P, H, product = stage
     x, P = adjoint
-    rows, columns = mean.shape[1:]
     states, wide, samples = x.size, path.shape[1] - 2, 0.0
     for back in range(which.size):
         k = which.size - 1 - back
@@ -245,20 +260,13 @@ def _back(
         if samples == 0.0:
             _stage(W, joints[place], F, half)
         samples += 1.0
+        _collect(W, line, x, w, sums)
         for i in range(states):
-            total = 0.0
-            for c in range(rows - states):
-                total += W[states + c, i] * line[columns + c]
-            w[i] = total
             for j in range(states):
                 sum_of_P[i, j] += P[i, j]
-        for i in range(rows):
-            factor = x[i] if i < states else line[columns + i - states]
-            for j in range(wide):
-                sums[i, j] += factor * line[j]
         _step_back(F, half, w, work, x, P)
         if k == 0 or int(path[k - 1, wide + 1]) != place:
-            _sum_of_h(joints[place], sums[:, columns:], sum_of_P, samples, H)
+            _sum_of_h(joints[place], sums[:, mean.shape[2] :], sum_of_P, samples, H)
             _close_stage(W, joints[place], sums, H, product, out[which[k]])
             clear(sums)
             clear(sum_of_P)

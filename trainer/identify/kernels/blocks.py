@@ -3,23 +3,19 @@
 An assignment to a slice does the same, but the compiler takes half a second for each.
 """
 
-from typing import Any
-
-from numpy.typing import NDArray
-
-from trainer.identify.kernels.kernel import part
-
-Entries = NDArray[Any]  # numbers, or complex ones whose imaginary parts are derivatives
+from trainer.identify.kernels import at_once
+from trainer.identify.kernels.entries import Entries
+from trainer.identify.kernels.kernel import part_or
 
 
-@part
+@part_or(at_once.put)
 def put(source: Entries, at: int, out: Entries) -> None:
     """Write the one-dimensional ``source`` to ``out`` from the place ``at`` on."""
     for i in range(source.size):
         out[at + i] = source[i]
 
 
-@part
+@part_or(at_once.put_block)
 def put_block(source: Entries, at: int, out: Entries) -> None:
     """Write the two-dimensional ``source`` to ``out`` from the column ``at`` on."""
     for i in range(source.shape[0]):
@@ -27,7 +23,7 @@ def put_block(source: Entries, at: int, out: Entries) -> None:
             out[i, at + j] = source[i, j]
 
 
-@part
+@part_or(at_once.clear)
 def clear(out: Entries) -> None:
     """Write zeros."""
     for i in range(out.size):

@@ -17,8 +17,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from trainer.core.kernel import Numbers
-from trainer.identify.kernels.blocks import Entries
-from trainer.identify.kernels.kernel import part
+from trainer.identify.kernels import at_once
+from trainer.identify.kernels.entries import Entries
+from trainer.identify.kernels.kernel import part, part_or
 
 Places = NDArray[np.int64]
 Mask = NDArray[np.bool_]
@@ -26,7 +27,7 @@ Mask = NDArray[np.bool_]
 SETTLED = 1e-26  # [-] square of the relative change of P, below which it is taken as constant
 
 
-@part
+@part_or(at_once.joint)
 def joint(mean: Entries, noise: Entries, P: Entries, work: Entries, out: Entries) -> None:
     """Write J = W_x P W_x' + Q to ``out``; ``work`` (x+y, x)."""
     rows, states = work.shape
@@ -45,7 +46,7 @@ def joint(mean: Entries, noise: Entries, P: Entries, work: Entries, out: Entries
             out[j, i] = total
 
 
-@part
+@part_or(at_once.predict)
 def predict(mean: Entries, z: Entries, out: Entries) -> None:
     """Write v = W z, the next state and the readings of this sample."""
     for i in range(out.size):
@@ -55,7 +56,7 @@ def predict(mean: Entries, z: Entries, out: Entries) -> None:
         out[i] = total
 
 
-@part
+@part_or(at_once.sweep)
 def sweep(J: Entries, pivot: int) -> float:
     """Return the pivot after sweeping it out of the symmetric ``J``: its conditional variance."""
     d = J[pivot, pivot]

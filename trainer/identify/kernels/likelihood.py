@@ -10,12 +10,13 @@ import math
 import numpy as np
 
 from trainer.core.kernel import Numbers
+from trainer.identify.kernels import at_once
 from trainer.identify.kernels.blocks import clear, put, put_block
 from trainer.identify.kernels.covariance_filter import Places, predict, run_length, settled
-from trainer.identify.kernels.kernel import kernel, lean, part
+from trainer.identify.kernels.kernel import kernel, lean, part, part_or
 
 
-@part
+@part_or(at_once.joint)
 def _joint(mean: Numbers, noise: Numbers, P: Numbers, half: Numbers, J: Numbers) -> None:
     """Write the lower half of J = W_x P W_x' + Q; ``half`` (x,)."""
     for i in range(noise.shape[0]):
@@ -31,7 +32,7 @@ def _joint(mean: Numbers, noise: Numbers, P: Numbers, half: Numbers, J: Numbers)
             J[i, j] = total
 
 
-@part
+@part_or(at_once.take)
 def _take(J: Numbers, place: int, error: float, v: Numbers) -> None:
     """Write what ``J`` and ``v`` above the row ``place`` are, given its reading."""
     inverse = 1.0 / J[place, place]

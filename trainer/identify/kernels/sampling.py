@@ -13,8 +13,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from trainer.core.kernel import Numbers
-from trainer.identify.kernels.blocks import Entries, clear, put_block
-from trainer.identify.kernels.kernel import kernel, lean, part
+from trainer.identify.kernels import at_once
+from trainer.identify.kernels.blocks import clear, put_block
+from trainer.identify.kernels.entries import Entries
+from trainer.identify.kernels.kernel import kernel, lean, part, part_or
 
 Complexes = NDArray[np.complex128]
 Room = tuple[Entries, Entries]  # scratch for rows of [A B f], and for squares
@@ -32,7 +34,7 @@ def size(matrix: Entries) -> float:
     return largest
 
 
-@part
+@part_or(at_once.times)
 def _times(left: Entries, right: Entries, out: Entries) -> None:
     """Write the leading square of ``left`` times ``right`` to ``out``."""
     for i in range(out.shape[0]):
@@ -43,7 +45,7 @@ def _times(left: Entries, right: Entries, out: Entries) -> None:
             out[i, j] = total
 
 
-@part
+@part_or(at_once.mean_series)
 def _mean_series(drift: Entries, h: complex, room: Entries, mean: Entries) -> None:
     """Write [Phi Gamma] over a short ``h`` [s]: the power series of exp([A B; 0 0] h)."""
     rows, columns = drift.shape
@@ -62,7 +64,7 @@ def _mean_series(drift: Entries, h: complex, room: Entries, mean: Entries) -> No
                 mean[i, j] += term[i, j]
 
 
-@part
+@part_or(at_once.noise_series)
 def _noise_series(
     drift: Entries, noise: Entries, h: complex, room: Entries, covariance: Entries
 ) -> None:
@@ -82,7 +84,7 @@ def _noise_series(
                 covariance[i, j] += term[i, j]
 
 
-@part
+@part_or(at_once.carry)
 def _carry(mean: Entries, covariance: Entries, product: Entries, later: Entries) -> None:
     """Write ``later`` plus Phi ``covariance`` Phi' to ``later``; ``product`` is scratch."""
     rows = covariance.shape[0]
