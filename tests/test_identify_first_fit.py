@@ -7,12 +7,14 @@ from pathlib import Path
 
 import pytest
 
+from trainer.identify import first_fit
 from trainer.identify.first_fit import _answer
 
 SLOW = "import sys; sys.stdin.read()"  # ends when it is let
 WAITS = "from trainer.identify import first_fit\nwith first_fit.alone():\n    pass"
 TELLS = """
 from trainer.identify import first_fit
+from trainer.identify.first_fit import _answer
 print(first_fit.wanted())
 first_fit.keep()
 print(first_fit.wanted())
@@ -43,7 +45,8 @@ def process(code, **more):
     return subprocess.Popen([sys.executable, "-c", code], stdin=subprocess.PIPE, **more)
 
 
-def test_the_interpreted_answer_is_given_where_it_comes_first():
+def test_the_interpreted_answer_is_given_where_it_comes_first(monkeypatch):
+    monkeypatch.setattr(first_fit, "kept", lambda: False)  # whatever this machine has compiled
     compiler = process(SLOW)
     with process("print('found')", stdout=subprocess.PIPE) as fit:
         assert _answer(fit, compiler) == f"found{os.linesep}"
