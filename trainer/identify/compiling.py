@@ -29,7 +29,9 @@ def compile_fits() -> None:
     deterministic(problem, problem.start)
     for model in MODELS.values():
         plant = Plant(model, TANKER.ship, model.outputs[-1:], 1.0)
-        plant.blocks(np.arange(1.0, 1.0 + len(model.parameters), dtype=complex)[None])
+        theta = np.arange(1.0, 1.0 + len(model.parameters))[None]
+        plant.blocks(theta)
+        plant.blocks(theta.astype(complex))
 
 
 def compile_predictors() -> None:

@@ -140,7 +140,7 @@ def _density(plant: Plant, values: Numbers, rate: float) -> float:
 
     if rate == 0.0:
         return 0.0
-    blocks = plant.blocks(values.astype(complex)[None])
+    blocks = plant.blocks(values[None])
     A, noise = blocks.drift[0, :2, :2].real, blocks.noise[0, :2, :2].real
     if np.linalg.eigvals(A).real.max() >= 0.0:
         raise ConfigError("an unstable ship has no unrest of a size; say --unrest 0")

@@ -167,7 +167,7 @@ def _disturb(plant: Plant, record: Record, values: Numbers, told: Mapping[str, f
         return
     for name in names:
         values[model.place(name)] = 1.0
-    noise = plant.blocks(values.astype(complex)[None]).noise[0].real
+    noise = plant.blocks(values[None]).noise[0]
     place = 0 if model.name in ("nomoto1", "2") else 1
     channel = "sway" if model.name == "2" else "yaw_rate"
     motion = _motion(record, channel)
