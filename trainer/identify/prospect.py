@@ -141,7 +141,7 @@ def _density(plant: Plant, values: Numbers, rate: float) -> float:
     if rate == 0.0:
         return 0.0
     blocks = plant.blocks(values[None])
-    A, noise = blocks.drift[0, :2, :2].real, blocks.noise[0, :2, :2].real
+    A, noise = blocks.drift[0, :2, :2], blocks.noise[0, :2, :2]
     if np.linalg.eigvals(A).real.max() >= 0.0:
         raise ConfigError("an unstable ship has no unrest of a size; say --unrest 0")
     return float(rate**2 / solve_continuous_lyapunov(A, -noise)[1, 1])
