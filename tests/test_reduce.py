@@ -34,8 +34,6 @@ from trainer.study.manoeuvres.turns import Turn
 from trainer.study.manoeuvres.vehicle import Watch
 
 BOATS = ("bb2", "sdv-mk9", "remus100")
-# what no search has brought within tolerance: 11.6 % where 10 % is allowed
-BEYOND_YET = {"remus100": {("climbing turn, 3.667 kn", "largest roll")}}
 SLIM = """
 [fluid]
 rho = 1025.0
@@ -473,8 +471,7 @@ def test_the_compact_set_of_a_shipped_boat_passes_guide_turns_and_what_it_has_no
     checked = verdict(file, candidate)
 
     assert {one.part for one in checked} == set(PARTS)
-    beyond = {(one.leg, one.quantity) for one in checked if one.beyond}
-    assert beyond == BEYOND_YET.get(name, set())
+    assert [(one.leg, one.quantity) for one in checked if one.beyond] == []
     assert sum(factor != 0.0 for factor in factors.values()) < len(factors)
 
 
