@@ -1,5 +1,6 @@
 """Lines, the threads behind ports, serial lines and the plain console."""
 
+import gc
 import os
 import random
 import socket
@@ -84,6 +85,17 @@ def test_telnet_commands_are_dropped() -> None:
     data = b"\xff\xfb\x01dep\xff\xfa\x1f\0P\0\x18\xff\xf0th\xff\xf1 80\r\0run\r\n"
 
     assert LineDecoder().feed(data) == ["depth 80", "run"]
+
+
+@pytest.mark.parametrize("data", [b"rudder", b"rudder left 5\r\n\xff\xfa\x1f"])
+def test_a_decoder_leaves_nothing_to_be_collected(data: bytes) -> None:
+    gc.collect()
+    gc.disable()
+    LineDecoder().feed(data)
+    left = gc.collect()
+    gc.enable()
+
+    assert left == 0
 
 
 def test_noise_that_looks_like_telnet_cannot_jam_the_line() -> None:

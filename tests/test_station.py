@@ -1,7 +1,9 @@
 """A station: what it may do on its line, what is answered there, what is handed on and logged."""
 
+import gc
 import re
 import threading
+import weakref
 from collections.abc import Callable
 from pathlib import Path
 
@@ -102,6 +104,23 @@ def boat(make_boat: Callable[..., Boat]) -> Boat:
 @pytest.fixture
 def post(boat: Boat) -> Callable[..., Post]:
     return lambda role=None, token="": Post(boat, Door(role, token))
+
+
+def test_a_station_and_its_line_are_gone_with_the_last_who_knows_them(boat: Boat) -> None:
+    sending = Promptly(Roster(Lookout(boat, Ledger(0.5).summary)))
+    line = FakeLine()
+    line.waiting = ["subscribe gauges", "nonsense", "role helm", "rudder left 5"]
+    station = Station(line, Door(), sending, lambda *_: None)
+    assert len(list(station.take(MANY))) == 1
+    station.leave()
+    gone = weakref.ref(station), weakref.ref(line)
+
+    gc.disable()
+    del station, line
+    left = [each() for each in gone]
+    gc.enable()
+
+    assert left == [None, None]
 
 
 # Orders

@@ -19,7 +19,7 @@ COMMAND, LIST, LIST_END = 255, 250, 240
 OPTIONS = frozenset({251, 252, 253, 254})
 LINE_ENDS = b"\r\n"
 
-Step = Callable[[int], bool]  # takes a byte, returns whether it is text
+Step = Callable[["TelnetFilter", int], bool]  # takes a byte, returns whether it is text
 
 
 @dataclass(frozen=True)
@@ -90,36 +90,38 @@ class TelnetFilter:
     """Drop telnet commands from a stream; a line end always ends one, so noise cannot jam it."""
 
     def __init__(self) -> None:
-        self._state: Step = self._text
+        # Not a method of this object: it would refer to itself, and outlive its line for a while.
+        self._state: Step = TelnetFilter._text
 
     def feed(self, data: bytes) -> bytes:
         """Return `data` without telnet's commands."""
-        if COMMAND not in data and self._state == self._text:
+        if COMMAND not in data and self._state is TelnetFilter._text:
             return data
         kept = bytearray()
         for byte in data:
             if byte in LINE_ENDS:
-                self._state = self._text
+                self._state = TelnetFilter._text
                 kept.append(byte)
-            elif self._state(byte):
+            elif self._state(self, byte):
                 kept.append(byte)
         return bytes(kept)
 
     def _text(self, byte: int) -> bool:
         if byte == COMMAND:
-            self._state = self._command
+            self._state = TelnetFilter._command
         return byte != COMMAND
 
     def _command(self, byte: int) -> bool:
-        following: dict[int, Step] = {LIST: self._list} | dict.fromkeys(OPTIONS, self._option)
-        self._state = following.get(byte, self._text)
+        following: dict[int, Step] = {LIST: TelnetFilter._list}
+        following |= dict.fromkeys(OPTIONS, TelnetFilter._option)
+        self._state = following.get(byte, TelnetFilter._text)
         return byte == COMMAND  # twice 255 stands for itself
 
     def _option(self, _byte: int) -> bool:
-        self._state = self._text
+        self._state = TelnetFilter._text
         return False
 
     def _list(self, byte: int) -> bool:
         if byte == LIST_END:
-            self._state = self._text
+            self._state = TelnetFilter._text
         return False

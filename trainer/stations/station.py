@@ -56,6 +56,14 @@ class Counts:
 Log = Callable[[str, str], None]  # takes a kind of roles.KINDS and a text
 
 
+def quietly(log: Log, door: Door) -> Log:
+    """Return a log of what a line has said, the token not.
+
+    It knows nothing of the station, which is therefore gone as soon as it is dropped.
+    """
+    return lambda kind, text: log(kind, door.hide(text))
+
+
 class Station:
     """One attached line, from its coming to its going."""
 
@@ -76,7 +84,7 @@ class Station:
         self._door = door
         self._settled = door.role is not None  # the role is not to be changed
         self._log = log
-        self._noise = NoiseLog(self._note, clock)
+        self._noise = NoiseLog(quietly(log, door), clock)
         self._machine = False  # a program spoke last
 
     @property
@@ -133,10 +141,6 @@ class Station:
         """Leave, and close the line; after ``leave`` any thread may do it, since it may wait."""
         self.leave()
         self.line.close(patience)
-
-    def _note(self, kind: str, text: str) -> None:
-        """Log what the line has said, the token not."""
-        self._log(kind, self._door.hide(text))
 
     def _hear(self, line: str | Overlong) -> list[Asked]:
         """Return the order to be obeyed on a line, if there is one; answer the rest."""
