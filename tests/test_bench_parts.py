@@ -11,8 +11,8 @@ from llvmlite import binding
 
 from trainer import cli
 from trainer.commands import bench_sections as sections
-from trainer.compiled.linking import NoCompilerError
 from trainer.core.ordinary import follows, ordinary
+from trainer.exported.linking import NoCompilerError
 from trainer.files.vessel_file import load_vessel
 from trainer.study import bench, bench_page, footprint, peers, side_by_side
 from trainer.study.against_c import comparison

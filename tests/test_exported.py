@@ -30,15 +30,15 @@ from trainer.bare.schedule import read_schedule
 from trainer.bare.wording import Row
 from trainer.boat import PLACES, Boat
 from trainer.cli import cli
-from trainer.compiled.folder import HEADER, HOST, LIBRARY, OBJECT, add_library, export
-from trainer.compiled.header import members
-from trainer.compiled.lowering import FREESTANDING
-from trainer.compiled.start import boat_at_start
-from trainer.compiled.targets import Processor, code_words, object_code, processor
-from trainer.compiled.wording import rows
 from trainer.config import ConfigError
 from trainer.core.state import STATE
 from trainer.core.vessel import COMPACT, VESSEL
+from trainer.exported.folder import HEADER, HOST, LIBRARY, OBJECT, add_library, export
+from trainer.exported.header import members
+from trainer.exported.lowering import FREESTANDING
+from trainer.exported.start import boat_at_start
+from trainer.exported.targets import Processor, code_words, object_code, processor
+from trainer.exported.wording import rows
 from trainer.helm import obey
 from trainer.io.orders import Order, parse
 from trainer.reply import Refused

@@ -10,8 +10,8 @@ from click.testing import CliRunner
 
 from trainer import cli
 from trainer.commands import bench_sections
-from trainer.compiled.linking import NoCompilerError
 from trainer.config import ConfigError
+from trainer.exported.linking import NoCompilerError
 from trainer.identify import alternating, fresh, speed
 from trainer.identify.against_c.filter import likelihood_in_c
 from trainer.identify.alternating import Paces

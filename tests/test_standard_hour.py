@@ -5,9 +5,9 @@ import shutil
 import pytest
 
 from trainer.boat import Boat
-from trainer.compiled.linking import NoCompilerError
 from trainer.core.scheme import COMPACT, MULTISTEP
 from trainer.core.state import FIELDS
+from trainer.exported.linking import NoCompilerError
 from trainer.study.against_c.compiler import SAME_BITS, build
 from trainer.study.against_c.header import RECORDS, header
 from trainer.study.hot import in_a_loop

@@ -4,7 +4,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, Final
 
-from trainer.compiled.linking import NoCompilerError
+from trainer.exported.linking import NoCompilerError
 from trainer.files.vessel_file import VesselFile
 from trainer.identify import speed
 from trainer.study import (

@@ -60,10 +60,10 @@ def export_core(directory: Path, *, as_json: bool, **options: Any) -> None:
     """
     import json  # noqa: PLC0415
 
-    from trainer.compiled.export_page import render  # noqa: PLC0415
-    from trainer.compiled.folder import LIBRARY, add_library, export  # noqa: PLC0415
-    from trainer.compiled.linking import NoCompilerError  # noqa: PLC0415
-    from trainer.compiled.start import boat_at_start  # noqa: PLC0415
+    from trainer.exported.export_page import render  # noqa: PLC0415
+    from trainer.exported.folder import LIBRARY, add_library, export  # noqa: PLC0415
+    from trainer.exported.linking import NoCompilerError  # noqa: PLC0415
+    from trainer.exported.start import boat_at_start  # noqa: PLC0415
 
     exported = export(boat_at_start(options), directory, options["cpu"])
     missing = ""

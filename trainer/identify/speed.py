@@ -14,7 +14,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from trainer.compiled.linking import NoCompilerError
+from trainer.exported.linking import NoCompilerError
 from trainer.identify.against_c.filter import likelihood_in_c
 from trainer.identify.alternating import timed
 from trainer.identify.beside_statsmodels import by_statsmodels, filters, likelihoods_of_a_fit

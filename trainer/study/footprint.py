@@ -15,10 +15,10 @@ from typing import Final
 
 from llvmlite import binding  # type: ignore[import-untyped]
 
-from trainer.compiled.targets import processor
 from trainer.config import ConfigError
 from trainer.core.state import STATE
 from trainer.core.vessel import COMPACT
+from trainer.exported.targets import processor
 
 CPUS: Final = ("x86-64-v3", "x86-64-v4")
 WORDS_1969: Final = {"update": 1253, "tick": 2632}  # [16-bit words] program and constants
@@ -58,7 +58,7 @@ class Footprint:
 
 def sections(function: Callable[..., int]) -> dict[str, tuple[int, int]]:
     """Return by processor how many bytes of code and of constants ``function`` takes."""
-    from trainer.compiled.lowering import freestanding_module  # noqa: PLC0415  kernels are settled
+    from trainer.exported.lowering import freestanding_module  # noqa: PLC0415  kernels are settled
     from trainer.files.vessel_file import load_vessel  # noqa: PLC0415
     from trainer.fitout import Method, fit_out  # noqa: PLC0415
 

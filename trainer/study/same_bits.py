@@ -11,10 +11,10 @@ from typing import Final
 import click
 import numpy as np
 
-from trainer.compiled.linking import NoCompilerError
-from trainer.compiled.targets import LEVELS, NATIVE, processor
 from trainer.config import ConfigError
 from trainer.core.ensemble import Fleet
+from trainer.exported.linking import NoCompilerError
+from trainer.exported.targets import LEVELS, NATIVE, processor
 from trainer.fitout import Records
 from trainer.study.against_c.compiler import SAME_BITS, build
 from trainer.study.fleet import NO_ORDERS, fly_members

@@ -16,9 +16,9 @@ from typing import Final
 import numpy as np
 
 from trainer.boat import Boat
-from trainer.compiled.linking import NoCompilerError
 from trainer.config import ConfigError
 from trainer.core.ensemble import Fleet
+from trainer.exported.linking import NoCompilerError
 from trainer.files.vessel_file import VesselFile, load_vessel
 from trainer.study.against_c.compiler import BUILDS, build
 from trainer.study.fleet import NO_ORDERS, fly_members

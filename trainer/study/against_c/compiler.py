@@ -10,7 +10,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Final, NamedTuple
 
-from trainer.compiled.linking import NoCompilerError
+from trainer.exported.linking import NoCompilerError
 from trainer.fitout import Records
 from trainer.study.against_c.header import header
 

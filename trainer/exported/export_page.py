@@ -3,7 +3,7 @@
 from dataclasses import asdict
 from pathlib import Path
 
-from trainer.compiled.folder import HOST, LIBRARY, OBJECT, Exported
+from trainer.exported.folder import HOST, LIBRARY, OBJECT, Exported
 
 
 def render(exported: Exported, folder: Path, files: tuple[str, ...]) -> str:

@@ -3,11 +3,11 @@
 from trainer import __version__
 from trainer.bare.card import FORMAT, HEADING
 from trainer.boat import PLACES, Boat
-from trainer.compiled.targets import Processor
-from trainer.compiled.wording import rows
 from trainer.core.scratch import SCRATCH
 from trainer.core.state import STATE
 from trainer.core.update import WATCHED
+from trainer.exported.targets import Processor
+from trainer.exported.wording import rows
 from trainer.io.csv_file import COLUMNS
 from trainer.machine_code import core_digest
 

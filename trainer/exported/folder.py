@@ -7,15 +7,15 @@ from pathlib import Path
 from typing import Final
 
 from trainer.boat import Boat
-from trainer.compiled.card import card_text
-from trainer.compiled.header import header_text
-from trainer.compiled.linking import link
-from trainer.compiled.lowering import freestanding_module, tick
-from trainer.compiled.targets import code_words, object_code, processor
 from trainer.config import ConfigError
 from trainer.core.scratch import SCRATCH
 from trainer.core.state import STATE
 from trainer.core.vessel import COMPACT, VESSEL
+from trainer.exported.card import card_text
+from trainer.exported.header import header_text
+from trainer.exported.linking import link
+from trainer.exported.lowering import freestanding_module, tick
+from trainer.exported.targets import code_words, object_code, processor
 
 OBJECT: Final = "trainer_core.o"
 LIBRARY: Final = "libtrainer_core.so"
