@@ -1,6 +1,6 @@
 """The first fit of a version: interpreted at once, while another process compiles.
 
-Compiling the kernels takes half a minute, a fit by the interpreter two to five seconds. Whichever
+Compiling the kernels takes up to a minute, a fit by the interpreter two to five seconds. Whichever
 process comes first has the say: the interpreted fit its answer, or the compiler, and then the fit
 is begun anew with machine code. The numbers are the same, to rounding. It is decided before a
 kernel is imported.
