@@ -47,7 +47,8 @@ class Terminal:
     def __init__(self, name: str, folder: Path) -> None:
         self._name = name
         size = ("-x", "100", "-y", "30")
-        self._tmux("-f", "/dev/null", "new-session", "-d", *size, "-c", str(folder), "env PS1=# sh")
+        shell = "env COLUMNS=130 LINES=40 PS1=# sh"  # as if begun in a larger window
+        self._tmux("-f", "/dev/null", "new-session", "-d", *size, "-c", str(folder), shell)
 
     def _tmux(self, *words: str) -> str:
         done = subprocess.run(
@@ -186,6 +187,17 @@ def test_the_first_exercise_by_the_keys_that_help_names(
     terminal.wait(r"drill\.html")
     assert record.with_suffix(".html").exists()
     assert gone(places.socket_path())
+
+
+def test_a_console_is_as_large_as_its_window_whatever_the_environment_says(
+    terminal: Terminal,
+) -> None:
+    terminal.type(command("run", "--no-record"), "Enter")
+    terminal.wait("RUNNING")
+    *_, last = terminal.wait("F10 quit").rstrip("\n").split("\n")
+
+    assert "F1 help" in last
+    assert "F10 quit" in last
 
 
 def test_a_killed_console_leaves_the_session_to_who_is_left(

@@ -1,6 +1,7 @@
 """A screen opened from the command line on a session that runs."""
 
 import gc
+import os
 import signal
 from dataclasses import dataclass
 from typing import Final
@@ -50,6 +51,7 @@ class Visit:
         post = POSTS[voice.role]
         client = Client(voice.address, f"{voice.role} {voice.token}".rstrip(), wishes(post))
         sight = Sight(client, voice.role, post.charts)
+        forget_size()
         return cls(client, sight, Console(sight, own=own))
 
     def show(self) -> None:
@@ -69,6 +71,15 @@ class Visit:
             self.client.close(PATIENCE)
         if why:
             raise ConfigError(why)
+
+
+def forget_size() -> None:
+    """Take no size from the environment: it may be that of another window, or of this one before.
+
+    Shells, and whoever reads lines typed, leave it there for the programs that they start.
+    """
+    for name in ("COLUMNS", "LINES"):
+        os.environ.pop(name, None)
 
 
 def endings() -> tuple[int, ...]:
