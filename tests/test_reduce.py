@@ -16,7 +16,7 @@ from trainer.fitout import KNOT, Method, compact_coefficients
 from trainer.guide.programme import Leg, legs, own_method
 from trainer.guide.verdicts import BEYOND, SHOWN, Judgement, judge
 from trainer.reduce import checkpoint, reduction, writing
-from trainer.reduce.candidate import Candidate
+from trainer.reduce.candidate import ADDED_MASSES, CONTROLS, Candidate
 from trainer.reduce.crew import Crew
 from trainer.reduce.descent import Point, Slopes, descend, rises, without
 from trainer.reduce.manoeuvres import OutOfBalance, PlaneJam
@@ -337,7 +337,7 @@ def test_a_fit_ends_in_its_goal_with_the_least_departure() -> None:
 def searched(file: VesselFile, standing: Standing | None = None) -> Iterator[Standing]:
     """Yield the standings of a search, round by round."""
     with Crew(file.path, "modified", fitted(file), 1) as crew:
-        search = Search(file, "modified", crew, reduction.LEASH)
+        search = Search(file, "modified", crew, reduction.LEASH, CONTROLS)
         standing = standing or search.begin()
         while not standing.done:
             standing = search.round(standing, lambda: None)
@@ -401,6 +401,7 @@ def test_a_set_astray_at_the_top_speed_is_searched_for_anew_with_flights_there(
 
     assert searches(partial) == ["4 flights", "5 flights"]
     assert reduction.furthest(slim, [narrow], twice.factors["modified"]) < 0.9 * astray
+    assert all(factor for term, factor in twice.factors["modified"].items() if term in ADDED_MASSES)
 
 
 @pytest.mark.usefixtures("narrow")

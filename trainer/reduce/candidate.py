@@ -14,6 +14,7 @@ from trainer.study.manoeuvres.submarine import Submarine
 # boat without rudder drag would pass many a test.
 CONTROLS: Final = (*("X_drdr", "X_dsds", "X_dbdb", "Y_dr", "Z_ds", "Z_db", "M_ds", "M_db", "N_dr"),)
 FIXED: Final = ("X_dbdb", "Z_db", "M_db")
+ADDED_MASSES: Final = tuple(name for name in (*KEPT, *EXTRA_TERMS) if name.endswith("dot"))
 
 
 def terms(file: VesselFile, equations: str) -> tuple[str, ...]:

@@ -12,7 +12,7 @@ from trainer.files.vessel_file import VesselFile
 from trainer.guide.drops import Drop
 from trainer.guide.programme import Leg
 from trainer.reduce import checkpoint
-from trainer.reduce.candidate import FIXED, Candidate, terms
+from trainer.reduce.candidate import ADDED_MASSES, CONTROLS, FIXED, Candidate, terms
 from trainer.reduce.cost import Cost, cost
 from trainer.reduce.crew import Crew
 from trainer.reduce.descent import Point, Slopes, descend
@@ -61,6 +61,7 @@ class Aim(NamedTuple):
 
     legs: tuple[Leg, ...]
     leash: float  # [-] as in Slopes
+    stays: tuple[str, ...]  # terms that are not dropped
 
 
 @dataclass(frozen=True)
@@ -122,14 +123,14 @@ def search(
     """Return the factors found; ``partial`` is where to keep, and find, an unfinished search.
 
     If what is found is astray at the boat's top speed, another is searched for, fitted to flights
-    there too and on a firmer leash. ``step`` is called with the number of terms decided, of up to
-    SEARCHES times those that there are.
+    there too, on a firmer leash and with all added masses. ``step`` is called with the number of
+    terms decided, of up to SEARCHES times those that there are.
     """
     log, fast = checkpoint.Log(file, partial), fastest(file)
-    aim = Aim(fitted(file), LEASH)
+    aim = Aim(fitted(file), LEASH, CONTROLS)
     standing, modified = _searched(file, aim, cores, log, step)
     if furthest(file, fast, modified) > ASTRAY:
-        aim = Aim((*aim.legs, *fast), FIRM)
+        aim = Aim((*aim.legs, *fast), FIRM, (*CONTROLS, *ADDED_MASSES))
         standing, modified = _searched(file, aim, cores, log, step)
     basic = _basic(file, aim, cores, modified)
     return Found({"modified": modified, "basic": basic}, standing.needed)
@@ -141,7 +142,7 @@ def _searched(
     """Return how a search ends, and its factors by term."""
     name = f"{len(aim.legs)} flights"
     with Crew(file.path, "modified", aim.legs, cores) as crew:
-        at_work = Search(file, "modified", crew, aim.leash)
+        at_work = Search(file, "modified", crew, aim.leash, aim.stays)
         standing = log.standing(name) or at_work.begin()
         step(len(at_work.terms) - len(at_work.undecided(standing)))
         while not standing.done:

@@ -13,7 +13,7 @@ from typing import Final
 import numpy as np
 
 from trainer.files.vessel_file import VesselFile
-from trainer.reduce.candidate import CONTROLS, FIXED, Candidate
+from trainer.reduce.candidate import FIXED, Candidate
 from trainer.reduce.crew import Crew
 from trainer.reduce.descent import Point, Slopes, descend, rises, without
 from trainer.reduce.programme import tried
@@ -65,11 +65,16 @@ class Standing:
 class Search:
     """A boat's compact set on its way to fewer terms."""
 
-    def __init__(self, file: VesselFile, equations: str, crew: Crew, leash: float) -> None:
-        """Begin with all terms, as the full set has them; ``leash`` as in Slopes."""
+    def __init__(
+        self, file: VesselFile, equations: str, crew: Crew, leash: float, stays: Sequence[str]
+    ) -> None:
+        """Begin with all terms, as the full set has them; ``leash`` as in Slopes.
+
+        Those that are named in ``stays`` are not dropped.
+        """
         self.candidate = Candidate(file, equations)
         self.terms = self.candidate.terms
-        self._crew, self._leash = crew, leash
+        self._crew, self._leash, self._stays = crew, leash, stays
         self._proof = Yardstick(file, tried(file))
         self._rows = Yardstick(file, crew.legs).rows
 
@@ -79,8 +84,8 @@ class Search:
 
     def undecided(self, standing: Standing) -> list[int]:
         """Return the places of the terms that may still be dropped."""
-        named = {need.term for need in standing.needed}
-        return [i for i in standing.kept if self.terms[i] not in {*named, *CONTROLS}]
+        decided = {*(need.term for need in standing.needed), *self._stays}
+        return [i for i in standing.kept if self.terms[i] not in decided]
 
     def round(self, standing: Standing, step: Callable[[], None]) -> Standing:
         """Return the standing after one round; ``step`` is called after each term decided."""
