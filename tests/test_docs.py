@@ -60,7 +60,7 @@ def test_a_documented_command_works(line: str, tmp_path: Path) -> None:
         input="" if "printf" in line else "status\nquit\n",
         capture_output=True,
         text=True,
-        timeout=120,
+        timeout=300,
         check=False,
     )
 
@@ -98,7 +98,7 @@ def test_an_example_file_of_the_documents_runs(text: str, how: list[str], tmp_pa
         cwd=tmp_path,
         capture_output=True,
         text=True,
-        timeout=120,
+        timeout=300,
         check=False,
     )
 
@@ -116,7 +116,7 @@ def test_an_example_table_of_casualties_is_listed(text: str, tmp_path: Path) -> 
         cwd=tmp_path,
         capture_output=True,
         text=True,
-        timeout=120,
+        timeout=300,
         check=False,
     )
 
