@@ -630,6 +630,13 @@ def truncated(path: Path) -> None:
     path.write_bytes(path.read_bytes()[:20_000])
 
 
+def in_capitals(path: Path) -> None:
+    begin(path).close()
+    data = path.read_bytes()
+    assert data.count(b" after ") > 1
+    path.write_bytes(data.replace(b" after ", b" After "))
+
+
 STRANGERS: dict[str, tuple[Callable[[Path], object], str]] = {
     "missing": (lambda path: path, "cannot be opened: No such file"),
     "folder": (Path.mkdir, "is a folder"),
@@ -637,6 +644,7 @@ STRANGERS: dict[str, tuple[Callable[[Path], object], str]] = {
     "text": (lambda path: path.write_text("depth 80\n" * 500), "is not a recording: file is not a"),
     "database": (foreign, "is not a recording: it is another program's database"),
     "newer": (newer, rf"of format {FORMAT + 1}, and this trainer knows format {FORMAT}; use"),
+    "capitals": (in_capitals, "is damaged: a column is called 'After'"),
     "truncated": (truncated, r"is damaged: .*malformed.*\.recover"),
 }
 

@@ -244,13 +244,22 @@ class Past:
         try:
             with understanding(self._name):
                 answer = self._connection.execute(question, values)
-                kinds = [KINDS[name] for name, *_ in answer.description]
+                kinds = [self._kind(column) for column, *_ in answer.description]
                 for row in answer:
                     if not all(map(isinstance, row, kinds)):
                         raise RecordingError(f"{self._name} is damaged: {DAMAGED}")
                     yield row
         except sqlite3.OperationalError as error:
             raise RecordingError(f"{self._name} cannot be read: {error}") from None
+
+    def _kind(self, column: str) -> Any:
+        """Return what a column holds; RecordingError for a name that is none of ours.
+
+        SQLite takes small letters for capitals, and tells the name as the file has it.
+        """
+        if column not in KINDS:
+            raise RecordingError(f"{self._name} is damaged: a column is called {column!r}")
+        return KINDS[column]
 
 
 def _journalled(row: tuple[Any, ...]) -> Journalled:
