@@ -88,7 +88,7 @@ class Ledger:
         self.lateness = self.work = 0  # [ns] of the last tick
         self._worked = 0
         self._work, self._lateness = Histogram(), Histogram()
-        self._recent = np.zeros(RECENT, TICK)
+        self._recent = np.full(RECENT, 0, TICK)  # written, so that the memory is really there
         recent: Any = self._recent.view(np.uint8)
         self._rows = memoryview(recent)
 
