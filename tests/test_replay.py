@@ -11,12 +11,13 @@ import numpy as np
 import pytest
 
 from trainer.boat import Boat
-from trainer.config import remembering
+from trainer.config import ConfigError, remembering
 from trainer.core.update import update
 from trainer.helm import ORDERS, obey
 from trainer.io.orders import Order, parse
 from trainer.io.recording import Moment, Recording
 from trainer.plan import Plan, plan_run
+from trainer.records.exporting import table_layout
 from trainer.records.layout import LAYOUT
 from trainer.records.log_book import differences, header_of
 from trainer.records.replay import Flight, replay_anyway
@@ -281,6 +282,14 @@ def test_a_start_that_is_not_the_plan_s_is_told_and_flown_from_all_the_same(run:
     assert flight.parting.tick == 0
     assert flight.parting.unlike == ("x", 100.0, 0.0, 1)
     assert flight.unequal == LAST + 1
+
+
+def test_a_state_cut_short_is_told_where_it_is_tabulated(run: Run) -> None:
+    run.recording.close()
+    with contextlib.closing(Recording.look(run.path)) as looked:
+        numbers = table_layout(looked).numbers
+        with pytest.raises(ConfigError, match=r"a state of 9 bytes, not of \d+: damaged"):
+            numbers(bytes(9))
 
 
 def test_a_state_cut_short_ends_its_branch_and_not_the_others(run: Run) -> None:

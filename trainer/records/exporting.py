@@ -6,11 +6,11 @@ from pathlib import Path
 from typing import Final
 
 import click
-import numpy as np
 
 from trainer.config import ConfigError
 from trainer.io.export import Layout, export_csv, export_parquet
 from trainer.io.recording import Recording, RecordingError
+from trainer.records.layout import numbers_of
 from trainer.records.log_book import layout_of, method_of
 from trainer.rerun_log.opening import MISSING
 
@@ -65,13 +65,16 @@ WRITERS: Final = {"csv": csv_files, "parquet": parquet_files, "rrd": rrd_file}
 
 
 def table_layout(recording: Recording) -> Layout:
-    """Return how the recorded states are read, each number under its name."""
+    """Return how the recorded states are read, each number under its name.
+
+    Its ``numbers`` raises ConfigError if a state is damaged.
+    """
     header = recording.header()
     names = layout_of(header)
     wanted = [i for i, name in enumerate(names) if name != "tick"]
 
     def numbers(state: bytes) -> Sequence[float]:
-        whole: list[float] = np.frombuffer(state).tolist()
+        whole: list[float] = numbers_of(state, names).tolist()
         return [whole[i] for i in wanted]
 
     return Layout(tuple(names[i] for i in wanted), numbers, method_of(header).step)

@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from typing import Final, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from trainer.config import ConfigError
 from trainer.core.kernel import Record
@@ -38,14 +39,19 @@ def _layout() -> tuple[str, ...]:
 LAYOUT: Final = _layout()
 
 
+def numbers_of(state: bytes, layout: Sequence[str]) -> NDArray[np.float64]:
+    """Return the numbers of a recorded state; ConfigError if it is not of that layout."""
+    if len(state) != 8 * len(layout):
+        raise ConfigError(f"a state of {len(state)} bytes, not of {8 * len(layout)}: damaged")
+    return np.frombuffer(state, dtype=np.float64)
+
+
 def read_state(state: bytes, layout: Sequence[str], standing: Record) -> Record:
     """Return the state that ``layout`` describes as a record of this version.
 
     Numbers that it lacks are as in ``standing``. ConfigError if it is not of that layout.
     """
-    if len(state) != 8 * len(layout):
-        raise ConfigError(f"a state of {len(state)} bytes, not of {8 * len(layout)}: damaged")
-    numbers = np.frombuffer(state, dtype=np.float64)
+    numbers = numbers_of(state, layout)
     places = {name: i for i, name in enumerate(LAYOUT)}
     record = standing.copy()
     for name, number in zip(layout, numbers, strict=True):
