@@ -239,6 +239,15 @@ def test_every_key_of_the_instructor_sends_its_order() -> None:
     assert talk.orders == [order for _, order in KEYSTROKES]
 
 
+def test_what_is_typed_before_the_order_line_is_open_is_not_obeyed() -> None:
+    async def press(pilot: Pilot[str], app: Console) -> None:
+        app.set_focus(None)
+        await pilot.press(*typed("depth -5"))
+
+    _, talk = at_the_console(press)
+    assert talk.orders == []
+
+
 def test_the_keys_that_stop_and_wake_a_terminal_do_nothing_and_ctrl_c_asks() -> None:
     async def press(pilot: Pilot[str], app: Console) -> None:
         await pilot.press("ctrl+s", "ctrl+q", "ctrl+p")

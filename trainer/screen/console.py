@@ -120,10 +120,13 @@ class Console(App[str], inherit_bindings=False):
             self.set_focus(None)
 
     def on_key(self, event: events.Key) -> None:
-        """Do what a key does, unless a dialog has it or an order is being typed."""
+        """Do what a key does, unless a dialog has it or an order is being typed.
+
+        An instructor's line is always open: before it is, what was typed ahead is not obeyed.
+        """
         if len(self.screen_stack) > 1:
             return
-        if not self.sight.instructs and self.focused is not None:
+        if (self.focused is not None) is not self.sight.instructs:
             if event.key == "escape":
                 self.set_focus(None)
             if not FUNCTION.fullmatch(event.key):
