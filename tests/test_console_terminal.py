@@ -82,6 +82,7 @@ def terminal(tmp_path: Path) -> Iterator[Terminal]:
     found = Terminal(f"trainer-{os.getpid()}-{tmp_path.name[:16]}", tmp_path)
     yield found
     found.close()
+    assert gone(places.socket_path()), "a session outlives its terminal"
 
 
 class Ear:
@@ -90,7 +91,11 @@ class Ear:
     def __init__(self, path: Path) -> None:
         self._end = socket.socket(socket.AF_UNIX)
         self._end.settimeout(PATIENCE)
-        self._end.connect(str(path))
+        try:
+            self._end.connect(str(path))
+        except OSError:
+            self._end.close()
+            raise
         self._lines = self._end.makefile("r", encoding="ascii")
         for words in ("role observer", "subscribe time"):
             self._end.sendall(f"{order_sentence(words)}\n".encode("ascii"))

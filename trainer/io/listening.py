@@ -56,11 +56,14 @@ class LocalSocket:
     file: tuple[int, int]  # device and number
 
     def close(self) -> None:
-        """Stop listening, and take the file away unless another has replaced it."""
-        self.socket.close()
+        """Stop listening, and take the file away unless another has replaced it.
+
+        The file goes first: who finds a dead one replaces it, and may be given its number.
+        """
         with contextlib.suppress(OSError):
             if identity(self.path) == self.file:
                 self.path.unlink()
+        self.socket.close()
 
 
 def listen_here(path: Path) -> LocalSocket:
