@@ -8,6 +8,7 @@ import threading
 from collections.abc import Iterator
 from fractions import Fraction
 from pathlib import Path
+from typing import cast
 
 import pytest
 from hypothesis import given, settings
@@ -19,10 +20,13 @@ from trainer.io.recording import Recording
 from trainer.proving import faults
 from trainer.proving.audit import Answered, complete, journalled
 from trainer.proving.bench_of_faults import Bench, Tried
+from trainer.proving.caller import Caller, GoneError
 from trainer.proving.catalogue import TARGETS, chosen, corpus
 from trainer.proving.fuzz import dictionary
 from trainer.proving.nursery import Nursery
+from trainer.proving.operators import Watchbill, instruct
 from trainer.proving.random_orders import Orders
+from trainer.proving.served import Served
 from trainer.proving.soak import Plan, Sample, flat, page, soak
 from trainer.proving.target import Target
 from trainer.proving.witness import Witness
@@ -169,6 +173,20 @@ def test_memory_that_grows_after_the_warm_up_is_seen() -> None:
     assert flat(level).kept
     assert not flat(growing).kept
     assert "not judged: 2 looks" in flat(growing[:3]).seen
+
+
+class Ended:
+    """A session that has ended before anyone could join."""
+
+    def caller(self, role: str) -> Caller:
+        """Find nobody there."""
+        raise GoneError(f"no session for a {role}")
+
+
+def test_an_instructor_who_comes_too_late_leaves_without_a_word() -> None:
+    bill = Watchbill(cast(Served, Ended()), pause=lambda _: 0.0)
+    instruct(bill, 5, goes_back=True)
+    assert not bill.answered
 
 
 @posix

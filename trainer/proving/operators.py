@@ -84,10 +84,11 @@ def instruct(bill: Watchbill, seed: int, *, goes_back: bool) -> None:
     """
     dice = Random(seed)  # noqa: S311  choices, not secrets
     orders = Orders(INSTRUCTOR, dice)
-    by = bill.session.caller("instructor")
-    by.ask("subscribe motion at 50 hz")
     given = 0
-    with contextlib.suppress(GoneError):
+    with contextlib.ExitStack() as left, contextlib.suppress(GoneError):
+        by = bill.session.caller("instructor")
+        left.callback(by.hang_up)
+        by.ask("subscribe motion at 50 hz")
         while not bill.over.is_set():
             given += 1
             bill.give(by, "instructor", orders.next())
@@ -102,7 +103,6 @@ def instruct(bill: Watchbill, seed: int, *, goes_back: bool) -> None:
             else:
                 hold(bill, by)
             bill.over.wait(bill.pause(dice))
-    by.hang_up()
 
 
 def go_back(by: Caller, dice: Random) -> None:
