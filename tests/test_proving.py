@@ -184,7 +184,7 @@ class Ended:
 
 
 def test_an_instructor_who_comes_too_late_leaves_without_a_word() -> None:
-    bill = Watchbill(cast(Served, Ended()), pause=lambda _: 0.0)
+    bill = Watchbill(cast("Served", Ended()), pause=lambda _: 0.0)
     instruct(bill, 5, goes_back=True)
     assert not bill.answered
 

@@ -6,7 +6,7 @@ member again by ``update``, whose bits are otherwise those of a lane.
 """
 
 from trainer.core.actuators import move_surfaces
-from trainer.core.autopilot import GAIN_COUNT, keep_course, keep_depth, keep_speed
+from trainer.core.autopilot import GAIN_COUNT, fade, keep_course, keep_depth, keep_speed
 from trainer.core.block import (
     BRACKET_BELOW,
     BRACKET_TOP,
@@ -20,9 +20,9 @@ from trainer.core.block import (
     vessel_in,
     work_in,
 )
-from trainer.core.compact import add_external, forces, lagged
+from trainer.core.compact import add_external, forces, further_forces, lagged
 from trainer.core.elementary import cosine_and_sine
-from trainer.core.integrators import multistep_of
+from trainer.core.integrators import adams_of
 from trainer.core.kernel import Numbers, Record, inlined, kernel
 from trainer.core.kinematics import kinematics
 from trainer.core.lanes import as_float, every_lane, nearest, times_power_of_two
@@ -46,7 +46,7 @@ def _no_worst(_first: int, _count: int, _state: Record) -> int:
 
 
 @inlined
-def _history_is_true(_h: float, _state: Record) -> None:
+def _history_is_true(_state: Record) -> None:
     """Do nothing: the past is complete."""
 
 
@@ -91,15 +91,26 @@ _slew_depth = relaid(slew_depth, _INSTEAD)
 _slew_course = relaid(slew_course, _INSTEAD)
 _keep_depth = relaid(keep_depth, _INSTEAD)
 _keep_course = relaid(keep_course, _INSTEAD)
+_fade = relaid(fade, _INSTEAD)
 _keep_speed = relaid(keep_speed, _INSTEAD)
 _forces = relaid(forces, _INSTEAD)
+_every_force = relaid(further_forces, _INSTEAD)
 _add_external = relaid(add_external, _INSTEAD)
 _lagged = relaid(lagged, _INSTEAD)
 _kinematics = relaid(kinematics, _INSTEAD)
-_multistep = relaid(multistep_of, _INSTEAD)
+_adams = relaid(adams_of, _INSTEAD)
 _move_surfaces = relaid(move_surfaces, _INSTEAD)
 _answer_telegraph = relaid(answer_telegraph, _INSTEAD)
 _lost = relaid(lost, _INSTEAD)
+
+
+@inlined
+def _further_forces(compact: Record, state: Record, force: Numbers) -> None:
+    """Add the further terms of a lane that has some; another's forces stay, zeros' signs too."""
+    f0, f1, f2, f3, f4, f5 = force[0], force[1], force[2], force[3], force[4], force[5]
+    _every_force(compact, state, force)
+    if compact[0].extended == 0.0:
+        force[0], force[1], force[2], force[3], force[4], force[5] = f0, f1, f2, f3, f4, f5
 
 
 @kernel
@@ -133,15 +144,23 @@ def command(h: float, out: Numbers) -> None:
     for lane in every_lane():
         _keep_course(vessel_in(out, lane), h, work_in(out, lane)[0].gains, state_in(out, lane))
     for lane in every_lane():
+        _fade(vessel_in(out, lane), h, state_in(out, lane))
+    for lane in every_lane():
         _keep_speed(vessel_in(out, lane), h, state_in(out, lane))
 
 
 @kernel
 def push(trig: int, out: Numbers) -> None:
     """Write the forces."""
+    extended = 0
+    for lane in every_lane():
+        _forces(compact_in(out, lane), trig, state_in(out, lane), work_in(out, lane)[0].force)
+        extended += 1 if compact_in(out, lane)[0].extended != 0.0 else 0
+    if extended > 0:
+        for lane in every_lane():
+            _further_forces(compact_in(out, lane), state_in(out, lane), work_in(out, lane)[0].force)
     for lane in every_lane():
         work = work_in(out, lane)[0]
-        _forces(compact_in(out, lane), trig, state_in(out, lane), work.force)
         _add_external(compact_in(out, lane), work.external, work.force)
 
 
@@ -161,7 +180,7 @@ def integrate(scheme: Record, out: Numbers) -> None:
     """Advance the motion."""
     for lane in every_lane():
         s = state_in(out, lane)[0]
-        _multistep(scheme, TERMS, state_in(out, lane))
+        _adams(scheme, TERMS, state_in(out, lane))
         s.sailed_x, s.sailed_y = s.x, s.y
 
 

@@ -121,19 +121,27 @@ def stand_by(state: Record, surface: int, law: float, settled: bool) -> None:  #
 
 
 @part
-def steer(vessel: Record, h: float, state: Record, surface: int, law: float, step: float) -> None:
+def steer(vessel: Record, state: Record, surface: int, law: float, step: float) -> None:
     """Command a surface by its ``law`` [rad] and its integral, which moves by ``step`` [rad].
 
     The integral rests where it would drive the surface past its limit.
     """
-    c = vessel[0]
     s = state[0]
-    limit = c.limit[surface]
+    limit = vessel[0].limit[surface]
     angle = law + s.integral[surface] + s.handover[surface]
     if not (angle > limit and step > 0.0) and not (angle < -limit and step < 0.0):
         s.integral[surface] += step
     s.command[surface] = within(law + s.integral[surface] + s.handover[surface], 0.0, limit)
-    s.handover[surface] *= exponential(-h * max(s.u, SLOWEST) / (HANDOVER * c.ell))
+
+
+@part
+def fade(vessel: Record, h: float, state: Record) -> None:
+    """Let the hand-overs of the surfaces that are steered fade for ``h`` [s]."""
+    s = state[0]
+    left = exponential(-h * max(s.u, SLOWEST) / (HANDOVER * vessel[0].ell))
+    for surface in range(3):
+        steered = s.by_hand[surface] == 0.0 and (surface == RUDDER or s.depth_law == OWN)
+        s.handover[surface] *= left if steered else 1.0
 
 
 @part
@@ -177,7 +185,7 @@ def keep_plane(
     else:
         error = depth_error(gains, state)
         step = h * (gains[first + 4] * error + gains[first + 5] * lasting)
-        steer(vessel, h, state, surface, law, step)
+        steer(vessel, state, surface, law, step)
 
 
 @part
@@ -208,11 +216,11 @@ def keep_course(vessel: Record, h: float, gains: Numbers, state: Record) -> None
         step = 0.0
         if abs(s.psi_reference_rate) < vessel[0].turning_rate:
             step = h * gains[RUDDER_GAINS + 3] * (s.psi_reference - s.psi)
-        steer(vessel, h, state, RUDDER, law, step)
+        steer(vessel, state, RUDDER, law, step)
 
 
 @part
-def keep_speed(vessel: Record, h: float, state: Record) -> None:
+def drive(vessel: Record, h: float, state: Record) -> None:
     """Command the revolutions; their trim is learnt in straight flight and rests in turns.
 
     While the boat still answers to the propeller, at its own surge rate, there is nothing to learn:
@@ -220,9 +228,6 @@ def keep_speed(vessel: Record, h: float, state: Record) -> None:
     """
     c = vessel[0]
     s = state[0]
-    if s.speed_by_hand != 0.0 or c.gain_count == 0.0:
-        s.command_u_c = s.ordered_u_c
-        return
     error = s.ordered_speed - s.u
     step = h * (c.speed_integral * max(s.u, 0.0) / c.gain_speed[0] * error - s.udot)
     wanted = s.ordered_speed + s.speed_trim + step
@@ -231,6 +236,16 @@ def keep_speed(vessel: Record, h: float, state: Record) -> None:
         s.speed_trim += step
     command = s.ordered_speed + s.speed_trim
     s.command_u_c = min(max(command, c.u_c_astern), c.u_c_ahead)
+
+
+@part
+def keep_speed(vessel: Record, h: float, state: Record) -> None:
+    """Command the revolutions, as ordered by hand or to keep the speed."""
+    s = state[0]
+    if s.speed_by_hand != 0.0 or vessel[0].gain_count == 0.0:
+        s.command_u_c = s.ordered_u_c
+    else:
+        drive(vessel, h, state)
 
 
 @kernel
@@ -263,6 +278,7 @@ def autopilot(vessel: Record, h: float, state: Record, gains: Numbers) -> None:
         return
     keep_depth(vessel, h, gains, state)
     keep_course(vessel, h, gains, state)
+    fade(vessel, h, state)
     keep_speed(vessel, h, state)
 
 

@@ -1,8 +1,8 @@
 """The compact set EC780, [ASSES] (12)-(17), on the constants of (18); errata C1-C20.
 
-``modified`` and ``basic`` differ in their constants and trigonometry only. Departures: the mass
-in Y_r is the present one, since tanks change it; X_vr, K_pap, N_rar and N_avr have room, and are
-zero unless the vessel file asks for them.
+``modified`` and ``basic`` differ in their constants and trigonometry only. What the equations say
+of the mass is gathered by the six components of the acceleration of turning axes. Departures: the
+mass in Y_r is the present one, since tanks change it; a vessel file may keep further terms.
 """
 
 import math
@@ -23,13 +23,20 @@ def forces(compact: Record, trig: int, state: Record, force: Numbers) -> None:
     s = state[0]
     u, v, w, p, q, r = s.u, s.v, s.w, s.p, s.q, s.r
     m = mass(compact, state)
+    m_x, m_z = m * s.x_g, m * s.z_g
     cross = math.sqrt(v * v + w * w)
+    v_cross, u_dr = v * cross, u * s.delta_r
     sin_th, cos_th = pitch_roll_sine(trig, s.theta), pitch_roll_cosine(trig, s.theta)
     sin_phi, cos_phi = pitch_roll_sine(trig, s.phi), pitch_roll_cosine(trig, s.phi)
     heavy = s.weight - c.buoyancy
+    righting, tilting = s.z_g * s.weight - c.ZB, s.x_g * s.weight
+    athwart, below = cos_th * sin_phi, cos_th * cos_phi
+    ahead, aside, down = v * r - w * q, w * p - u * r, u * q - v * p  # -(omega x velocity)
 
     force[0] = (
-        m * (s.x_g * (q * q + r * r) - s.z_g * p * r + v * r - w * q)
+        m * ahead
+        + m_x * (q * q + r * r)
+        - m_z * r * p
         + u
         * u
         * (
@@ -38,85 +45,76 @@ def forces(compact: Record, trig: int, state: Record, force: Numbers) -> None:
             + c.X_dbdb * s.delta_b * s.delta_b
         )
         + thrust(compact, state)
-        + c.X_vr * v * r
         - heavy * sin_th
-        + c.X_qq * q * q
-        + c.X_rr * r * r
-        + c.X_rp * r * p
-        + c.X_wq * w * q
-        + c.X_vv * v * v
-        + c.X_ww * w * w
     )
     force[1] = (
-        u * (c.Y_r * r - m * r + c.Y_p * p + c.Y_v * v)
-        - m * (s.z_g * q * r + s.x_g * q * p - w * p)
-        + c.Y_vav * v * cross
-        + c.Y_dr * (u * u) * s.delta_r
-        + heavy * cos_th * sin_phi
-        + c.Y_pq * p * q
-        + c.Y_qr * q * r
-        + c.Y_vq * v * q
-        + c.Y_wp * w * p
-        + c.Y_wr * w * r
-        + c.Y_vw * v * w
+        m * aside
+        - q * (m_z * r + m_x * p)
+        + u * (c.Y_r * r + c.Y_p * p + c.Y_v * v + c.Y_dr * u_dr)
+        + c.Y_vav * v_cross
+        + heavy * athwart
     )
     force[2] = (
-        u * (c.Z_q * q + c.Z_w * w)
-        + m * (s.z_g * (p * p + q * q) - s.x_g * r * p + u * q - v * p)
-        + c.Z_rr * r * r
-        + c.Z_vr * v * r
+        m * down
+        + m_z * (p * p + q * q)
+        - m_x * r * p
+        + u * (c.Z_q * q + c.Z_w * w)
+        + u * u * (c.Z_star + c.Z_ds * s.delta_s + c.Z_db * s.delta_b)
+        + r * (c.Z_rr * r + c.Z_vr * v)
         + c.Z_vv * v * v
         + c.Z_waw * w * cross
-        + (u * u) * (c.Z_ds * s.delta_s + c.Z_db * s.delta_b + c.Z_star)
-        + heavy * cos_th * cos_phi
-        + c.Z_pp * p * p
-        + c.Z_rp * r * p
-        + c.Z_vp * v * p
+        + heavy * below
     )
     force[3] = (
-        m * s.z_g * (u * r - w * p) * c.K_pdot
-        + u * (c.K_p * p + c.K_v * v)
-        + c.K_vav * v * cross
-        + c.K_pap * p * abs(p)
-        - c.K_pdot * (s.z_g * s.weight - c.ZB) * cos_th * sin_phi
-        + c.K_qr * q * r
-        + c.K_pq * p * q
-        + c.K_r * u * r
-        + c.K_vq * v * q
-        + c.K_wp * w * p
-        + c.K_wr * w * r
-        + c.K_vw * v * w
-        + c.K_star * u * u
+        u * (c.K_p * p + c.K_v * v)
+        + c.K_vav * v_cross
+        - c.K_pdot * (m_z * aside + righting * athwart)
     )
     force[4] = (
-        c.M_rp * r * p
-        + u * (c.M_q * q + c.M_w * w)
-        - m * (s.z_g * (w * q - v * r) - s.x_g * (v * p - u * q)) * c.M_qdot
-        + c.M_rr * r * r
-        + c.M_vr * v * r
+        u * (c.M_q * q + c.M_w * w)
+        + u * u * (c.M_star + c.M_ds * s.delta_s + c.M_db * s.delta_b)
+        + r * (c.M_rp * p + c.M_rr * r + c.M_vr * v)
         + c.M_vv * v * v
-        + c.M_awq * q * cross
-        + c.M_waw * w * cross
-        + u * u * (c.M_star + c.M_db * s.delta_b + c.M_ds * s.delta_s)
-        - c.M_qdot * (s.x_g * s.weight * cos_th * cos_phi + (s.z_g * s.weight - c.ZB) * sin_th)
-        + c.M_pp * p * p
-        + c.M_qaq * q * abs(q)
-        + c.M_vp * v * p
+        + cross * (c.M_awq * q + c.M_waw * w)
+        + c.M_qdot
+        * (m_z * ahead - m_x * down - tilting * below - righting * sin_th)
     )
     force[5] = (
-        c.N_pq * p * q
-        + u * u * c.N_dr * s.delta_r
-        - m * s.x_g * (u * r - w * p) * c.N_rdot
-        + c.N_vav * v * cross
-        + u * (c.N_p * p + c.N_r * r + c.N_v * v)
-        + c.N_rar * r * abs(r)
-        + c.N_avr * cross * r
-        + c.N_rdot * s.x_g * s.weight * cos_th * sin_phi
-        + c.N_qr * q * r
-        + c.N_wr * w * r
-        + c.N_wp * w * p
-        + c.N_vq * v * q
-        + c.N_vw * v * w
+        u * (c.N_p * p + c.N_r * r + c.N_v * v + c.N_dr * u_dr)
+        + c.N_pq * p * q
+        + c.N_vav * v_cross
+        + c.N_rdot * (m_x * aside + tilting * athwart)
+    )
+
+
+@part
+def further_forces(compact: Record, state: Record, force: Numbers) -> None:
+    """Add the terms that (12)-(17) do not have, and a vessel file may keep, to ``force``."""
+    c = compact[0]
+    s = state[0]
+    u, v, w, p, q, r = s.u, s.v, s.w, s.p, s.q, s.r
+    cross = math.sqrt(v * v + w * w)
+    force[0] += (
+        v * (c.X_vr * r + c.X_vv * v)
+        + w * (c.X_wq * q + c.X_ww * w)
+        + r * (c.X_rr * r + c.X_rp * p)
+        + c.X_qq * q * q
+    )
+    force[1] += q * (c.Y_pq * p + c.Y_qr * r + c.Y_vq * v) + w * (
+        c.Y_wp * p + c.Y_wr * r + c.Y_vw * v
+    )
+    force[2] += p * (c.Z_pp * p + c.Z_rp * r + c.Z_vp * v)
+    force[3] += (
+        q * (c.K_pq * p + c.K_qr * r + c.K_vq * v)
+        + w * (c.K_wp * p + c.K_wr * r + c.K_vw * v)
+        + u * (c.K_r * r + c.K_star * u)
+        + c.K_pap * p * abs(p)
+    )
+    force[4] += p * (c.M_pp * p + c.M_vp * v) + c.M_qaq * q * abs(q)
+    force[5] += (
+        q * (c.N_qr * r + c.N_vq * v)
+        + w * (c.N_wp * p + c.N_wr * r + c.N_vw * v)
+        + r * (c.N_rar * abs(r) + c.N_avr * cross)
     )
 
 

@@ -6,22 +6,26 @@ Reduction after Cody & Waite: the period is subtracted in parts that multiply ex
 """
 
 import math
+from typing import Final
+
+import numpy as np
 
 from trainer.core.kernel import part
+
+# Taylor's coefficients, the highest power's first; every divisor is a whole number below 2^53.
+SINE: Final = np.array([(-1.0) ** k / math.factorial(2 * k + 1) for k in range(8, 0, -1)])
+COSINE: Final = np.array([(-1.0) ** k / math.factorial(2 * k) for k in range(8, 1, -1)])
+EXPONENTIAL: Final = np.array([1.0 / math.factorial(k) for k in range(13, 1, -1)])
+LOGARITHM: Final = np.array([1.0 / (2 * k + 1) for k in range(10, 0, -1)])
 
 
 @part
 def _sine_series(r: float) -> float:
     """Return sin r [-] for |r| <= pi/4, by its Taylor series to r^17."""
     s = r * r
-    p = 2.8114572543455206e-15
-    p = p * s - 7.6471637318198164e-13
-    p = p * s + 1.6059043836821613e-10
-    p = p * s - 2.5052108385441720e-08
-    p = p * s + 2.7557319223985893e-06
-    p = p * s - 1.9841269841269841e-04
-    p = p * s + 8.3333333333333332e-03
-    p = p * s - 1.6666666666666666e-01
+    p = SINE[0]
+    for i in range(1, SINE.size):
+        p = p * s + SINE[i]
     return r + r * s * p
 
 
@@ -29,13 +33,9 @@ def _sine_series(r: float) -> float:
 def _cosine_series(r: float) -> float:
     """Return cos r [-] for |r| <= pi/4, by its Taylor series to r^16."""
     s = r * r
-    p = 4.7794773323873853e-14
-    p = p * s - 1.1470745597729725e-11
-    p = p * s + 2.0876756987868099e-09
-    p = p * s - 2.7557319223985888e-07
-    p = p * s + 2.4801587301587302e-05
-    p = p * s - 1.3888888888888889e-03
-    p = p * s + 4.1666666666666664e-02
+    p = COSINE[0]
+    for i in range(1, COSINE.size):
+        p = p * s + COSINE[i]
     half = 0.5 * s
     whole = 1.0 - half
     # what rounding took from 1 - s/2 is given back
@@ -90,16 +90,22 @@ def sine(x: float) -> float:
 
 
 @part
+def cosine_of_size(x: float) -> float:
+    """Return cos x [-] for 0 <= x < 1e9."""
+    turns = _quarter_turns(x)
+    r = _remainder(x, turns)
+    quadrant = turns & 3
+    value = _cosine_series(r) if quadrant & 1 == 0 else _sine_series(r)
+    return -value if quadrant in (1, 2) else value
+
+
+@part
 def cosine(x: float) -> float:
     """Return cos x [-], exactly even."""
     size = abs(x)
     if not size < 1e9:
         return 1.0 + (x - x)
-    turns = _quarter_turns(size)
-    r = _remainder(size, turns)
-    quadrant = turns & 3
-    value = _cosine_series(r) if quadrant & 1 == 0 else _sine_series(r)
-    return -value if quadrant in (1, 2) else value
+    return cosine_of_size(size)
 
 
 @part
@@ -127,18 +133,9 @@ def exponential(x: float) -> float:
     power = _nearest(bounded * 1.4426950408889634)
     k = _as_float(power)
     r = (bounded - k * 0.6931471803691238) - k * 1.9082149292705877e-10
-    p = 1.6059043836821613e-10
-    p = p * r + 2.0876756987868100e-09
-    p = p * r + 2.5052108385441720e-08
-    p = p * r + 2.7557319223985888e-07
-    p = p * r + 2.7557319223985893e-06
-    p = p * r + 2.4801587301587302e-05
-    p = p * r + 1.9841269841269841e-04
-    p = p * r + 1.3888888888888889e-03
-    p = p * r + 8.3333333333333332e-03
-    p = p * r + 4.1666666666666664e-02
-    p = p * r + 1.6666666666666666e-01
-    p = p * r + 0.5
+    p = EXPONENTIAL[0]
+    for i in range(1, EXPONENTIAL.size):
+        p = p * r + EXPONENTIAL[i]
     return _times_power_of_two(1.0 + (r + r * r * p), power)
 
 
@@ -146,26 +143,15 @@ def exponential(x: float) -> float:
 def _logarithm_series(s: float) -> float:
     """Return (artanh s)/s - 1, doubled [-], for |s| <= 0.172, by its Taylor series to s^20."""
     z = s * s
-    p = 4.7619047619047616e-02
-    p = p * z + 5.2631578947368418e-02
-    p = p * z + 5.8823529411764705e-02
-    p = p * z + 6.6666666666666666e-02
-    p = p * z + 7.6923076923076927e-02
-    p = p * z + 9.0909090909090912e-02
-    p = p * z + 1.1111111111111111e-01
-    p = p * z + 1.4285714285714285e-01
-    p = p * z + 2.0000000000000001e-01
-    p = p * z + 3.3333333333333331e-01
+    p = LOGARITHM[0]
+    for i in range(1, LOGARITHM.size):
+        p = p * z + LOGARITHM[i]
     return 2.0 * z * p
 
 
 @part
-def logarithm(x: float) -> float:
-    """Return ln x [-]; of 0 minus infinity, of less not a number."""
-    if not 0.0 < x < math.inf:
-        if x == 0.0:
-            return -math.inf
-        return x if x > 0.0 else math.nan
+def logarithm_of_positive(x: float) -> float:
+    """Return ln x [-] for a finite x > 0."""
     m, k = math.frexp(x)
     if m < 0.7071067811865476:
         m, k = 2.0 * m, k - 1
@@ -175,3 +161,13 @@ def logarithm(x: float) -> float:
     # ln(1 + f) = f - f^2/2 + s (f^2/2 + series): the small part is added last
     small = s * (half + _logarithm_series(s)) + k * 1.9082149292705877e-10
     return k * 0.6931471803691238 - ((half - small) - f)
+
+
+@part
+def logarithm(x: float) -> float:
+    """Return ln x [-]; of 0 minus infinity, of less not a number."""
+    if not 0.0 < x < math.inf:
+        if x == 0.0:
+            return -math.inf
+        return x if x > 0.0 else math.nan
+    return logarithm_of_positive(x)

@@ -5,7 +5,7 @@ Controls are held over the step. [ASSES] III-B, errata D1-D10.
 
 from trainer.core.kernel import Record, kernel, part
 from trainer.core.rates import rates
-from trainer.core.scheme import MULTISTEP, RUNGE_KUTTA
+from trainer.core.scheme import ADAMS, MULTISTEP, RUNGE_KUTTA
 from trainer.core.state import HISTORY
 
 SMALLEST, LARGEST = 0.05, 2.0  # [s] variable step, [ASSES] III-B
@@ -14,44 +14,65 @@ FLOOR = 0.01  # [m/s], [rad/s], [rad], [m] smaller largest values count as this
 
 
 @part
-def remember(h: float, state: Record) -> None:
-    """Complete the history after a start or a jump: the past as if the present rate had held.
+def remember(state: Record) -> None:
+    """Complete the rates' history after a start or a jump: as if the present rate had held.
 
-    "Past rate = present rate" (errata D10); past motion, for methods that use it, follows.
+    "Past rate = present rate" (errata D10).
     """
     s = state[0]
-    for back in range(int(s.history), HISTORY):
+    if s.history == 0.0:
         for i in range(12):
-            s.past_rates[back, i] = s.rates[i]
-            s.past_motion[back, i] = s.motion[i] - (back + 1) * h * s.rates[i]
-    s.history = float(HISTORY)
+            for back in range(HISTORY):
+                s.past_rates[back, i] = s.rates[i]
+        s.history = float(HISTORY)
 
 
 @part
-def multistep_of(scheme: Record, terms: int, state: Record) -> None:
-    """Advance by X_n = sum a_i X_n-i + h sum b_i X'_n-i, i to ``terms``, and shift the history."""
+def remember_motion(h: float, state: Record) -> None:
+    """Complete the motion's history likewise, for methods that look back on it."""
+    s = state[0]
+    if s.history == 0.0:
+        for i in range(12):
+            for back in range(HISTORY):
+                s.past_motion[back, i] = s.motion[i] - (back + 1) * h * s.rates[i]
+
+
+@part
+def recall(scheme: Record, state: Record) -> None:
+    """Put sum a_i X_n-i in the place of the motion, and shift its history."""
     how = scheme[0]
     s = state[0]
-    remember(how.h, state)
+    remember_motion(how.h, state)
     for i in range(12):
         value = how.a[0] * s.motion[i]
-        slope = how.b[0] * s.rates[i]
-        for back in range(terms - 1):
+        for back in range(how.depth - 1):
             value += how.a[back + 1] * s.past_motion[back, i]
-            slope += how.b[back + 1] * s.past_rates[back, i]
-        value += how.h * slope
         for back in range(HISTORY - 1, 0, -1):
             s.past_motion[back, i] = s.past_motion[back - 1, i]
-            s.past_rates[back, i] = s.past_rates[back - 1, i]
         s.past_motion[0, i] = s.motion[i]
-        s.past_rates[0, i] = s.rates[i]
         s.motion[i] = value
 
 
 @part
-def multistep(scheme: Record, state: Record) -> None:
-    """Advance by the scheme's multistep method, and shift the history."""
-    multistep_of(scheme, scheme[0].depth, state)
+def adams_of(scheme: Record, terms: int, state: Record) -> None:
+    """Advance by h sum b_i X'_n-i, i to ``terms``, and shift the history of the rates."""
+    how = scheme[0]
+    s = state[0]
+    remember(state)
+    for i in range(12):
+        slope = how.b[0] * s.rates[i]
+        for back in range(terms - 1):
+            slope += how.b[back + 1] * s.past_rates[back, i]
+        for back in range(HISTORY - 1, 0, -1):
+            s.past_rates[back, i] = s.past_rates[back - 1, i]
+        s.past_rates[0, i] = s.rates[i]
+        s.motion[i] += how.h * slope
+
+
+@part
+def adams(scheme: Record, state: Record) -> None:
+    """Advance by the scheme's method, one of Adams' kind: a_1 = 1 and no other."""
+    adams_of(scheme, scheme[0].depth, state)
 
 
 @kernel
@@ -154,8 +175,11 @@ def advance(
     """Advance the motion by one step of the scheme, controls held."""
     how = scheme[0]
     rates(vessel, compact, scheme, state, scratch)
-    if how.method == MULTISTEP:
-        multistep(scheme, state)
+    if how.method == ADAMS:
+        adams(scheme, state)
+    elif how.method == MULTISTEP:
+        recall(scheme, state)
+        adams(scheme, state)
     elif how.method == RUNGE_KUTTA:
         runge_kutta(vessel, compact, scheme, state, scratch, how.h)
     else:

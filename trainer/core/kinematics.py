@@ -49,14 +49,9 @@ def kinematics(trig: int, state: Record) -> None:
     s.psidot = (s.q * sin_phi + s.r * cos_phi) / guarded(cos_th)
     s.phidot = s.p + s.psidot * sin_th
 
-    s.xdot = (
-        s.u * cos_th * cos_psi
-        + s.v * (sin_phi * sin_th * cos_psi - cos_phi * sin_psi)
-        + s.w * (cos_phi * sin_th * cos_psi + sin_phi * sin_psi)
-    )
-    s.ydot = (
-        s.u * cos_th * sin_psi
-        + s.v * (sin_phi * sin_th * sin_psi + cos_phi * cos_psi)
-        + s.w * (cos_phi * sin_th * sin_psi - sin_phi * cos_psi)
-    )
-    s.zdot = -s.u * sin_th + s.v * cos_th * sin_phi + s.w * cos_th * cos_phi
+    # turned about the boat's three axes one after the other: roll, pitch, heading
+    across, down = s.v * cos_phi - s.w * sin_phi, s.v * sin_phi + s.w * cos_phi
+    along = s.u * cos_th + down * sin_th
+    s.xdot = along * cos_psi - across * sin_psi
+    s.ydot = along * sin_psi + across * cos_psi
+    s.zdot = down * cos_th - s.u * sin_th

@@ -9,11 +9,13 @@ counter is (tick, stream); each is taken modulo 2^32, so ticks may be negative. 
 import math
 from typing import Final
 
-from trainer.core.elementary import cosine, logarithm
+from trainer.core.elementary import cosine_of_size, logarithm_of_positive
 from trainer.core.kernel import part
 
 WORD = 0xFFFFFFFF
 PARITY = 0x1BD11BDA
+ROUNDS = 20
+TURNS = 0x1810_1D11_061A_0F0D  # [bits] of eight rounds in a row, the first one lowest
 
 # Streams. Each user of randomness has its own.
 SEA_FILTER: Final = 1
@@ -23,32 +25,17 @@ GAUGES: Final = 4  # and the next two
 
 
 @part
-def _mix(x: int, y: int, turn: int) -> tuple[int, int]:
-    """Return two 32-bit words [-] after one round with its rotation."""
-    x = (x + y) & WORD
-    y = ((y << turn) | (y >> (32 - turn))) & WORD
-    return x, x ^ y
-
-
-@part
 def threefry(key_0: int, key_1: int, counter_0: int, counter_1: int) -> tuple[int, int]:
     """Return two random 32-bit words [-]."""
-    key_2 = PARITY ^ key_0 ^ key_1
     x, y = (counter_0 + key_0) & WORD, (counter_1 + key_1) & WORD
-    first, second, third = key_1, key_2, key_0
-    for block in range(5):
-        if block & 1 == 0:
-            x, y = _mix(x, y, 13)
-            x, y = _mix(x, y, 15)
-            x, y = _mix(x, y, 26)
-            x, y = _mix(x, y, 6)
-        else:
-            x, y = _mix(x, y, 17)
-            x, y = _mix(x, y, 29)
-            x, y = _mix(x, y, 16)
-            x, y = _mix(x, y, 24)
-        x, y = (x + first) & WORD, (y + second + block + 1) & WORD
-        first, second, third = second, third, first
+    first, second, third = key_1, PARITY ^ key_0 ^ key_1, key_0
+    for i in range(ROUNDS):
+        turn = (TURNS >> (8 * (i & 7))) & 0xFF
+        x = (x + y) & WORD
+        y = (((y << turn) | (y >> (32 - turn))) & WORD) ^ x
+        if i & 3 == 3:
+            x, y = (x + first) & WORD, (y + second + (i >> 2) + 1) & WORD
+            first, second, third = second, third, first
     return x, y
 
 
@@ -72,5 +59,5 @@ def gaussian(seed: int, stream: int, tick: int) -> float:
     G. Box & M. Muller, Ann. Math. Stat. 29 (1958) 610; the sine of the pair is not used.
     """
     x, y = _words(seed, stream, tick)
-    radius = math.sqrt(-2.0 * logarithm((x + 0.5) * 2.3283064365386963e-10))
-    return radius * cosine(y * 1.4629180792671596e-09)
+    radius = math.sqrt(-2.0 * logarithm_of_positive((x + 0.5) * 2.3283064365386963e-10))
+    return radius * cosine_of_size(y * 1.4629180792671596e-09)

@@ -26,7 +26,7 @@ def thrust(vessel: Record, state: Record) -> float:
     else:
         first, second = u_c >= 0.0, False
     a, b, k = (a1, b1, c1) if first else ((a2, b2, c2) if second else (a3, b3, c3))
-    return a * u * abs(u) + b * u * u_c + k * u_c * u_c
+    return u * (a * abs(u) + b * u_c) + k * u_c * u_c
 
 
 @kernel

@@ -20,6 +20,8 @@ def rates(vessel: Record, compact: Record, scheme: Record, state: Record, scratc
     acceleration = s.rates[:6]
     if how.equations == COMPACT:
         compact_set.forces(compact, how.trig, state, work.force)
+        if compact[0].extended != 0.0:
+            compact_set.further_forces(compact, state, work.force)
         compact_set.add_external(compact, work.external, work.force)
         if how.exact != 0:
             compact_set.inertia(compact, state, work.inertia)

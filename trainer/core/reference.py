@@ -47,12 +47,9 @@ def within(value: float, centre: float, most: float) -> float:
 
 
 @part
-def slew_depth(h: float, gains: Numbers, state: Record) -> None:
-    """Move the depth reference by ``h`` [s]; with both pairs of planes in hand it is the boat's."""
+def move_depth(h: float, gains: Numbers, state: Record) -> None:
+    """Move the depth reference towards its order by ``h`` [s]."""
     s = state[0]
-    if s.stern_by_hand != 0.0 and s.bow_by_hand != 0.0:
-        s.depth_reference, s.depth_reference_rate = s.z, s.zdot
-        return
     fastest, gentlest = gains[DEPTH_SLEW], gains[DEPTH_SLEW + 1]
     distance = s.ordered_depth - s.depth_reference
     s.depth_reference_rate = slewed_rate(distance, s.depth_reference_rate, fastest, gentlest, h)
@@ -61,14 +58,31 @@ def slew_depth(h: float, gains: Numbers, state: Record) -> None:
 
 
 @part
-def slew_course(h: float, gains: Numbers, state: Record) -> None:
-    """Move the heading reference by ``h`` [s]; with the rudder in hand it is the boat's."""
+def move_course(h: float, gains: Numbers, state: Record) -> None:
+    """Move the heading reference towards its order by ``h`` [s]."""
     s = state[0]
-    if s.rudder_by_hand != 0.0:
-        s.psi_reference, s.psi_reference_rate = s.psi, s.r
-        return
     fastest, gentlest = gains[COURSE_SLEW], gains[COURSE_SLEW + 1]
     distance = s.ordered_psi - s.psi_reference
     s.psi_reference_rate = slewed_rate(distance, s.psi_reference_rate, fastest, gentlest, h)
     s.psi_reference += h * s.psi_reference_rate
     s.psi_reference = within(s.psi_reference, s.psi, leash(gains, COURSE_SLEW))
+
+
+@part
+def slew_depth(h: float, gains: Numbers, state: Record) -> None:
+    """Move the depth reference by ``h`` [s]; with both pairs of planes in hand it is the boat's."""
+    s = state[0]
+    if s.stern_by_hand != 0.0 and s.bow_by_hand != 0.0:
+        s.depth_reference, s.depth_reference_rate = s.z, s.zdot
+    else:
+        move_depth(h, gains, state)
+
+
+@part
+def slew_course(h: float, gains: Numbers, state: Record) -> None:
+    """Move the heading reference by ``h`` [s]; with the rudder in hand it is the boat's."""
+    s = state[0]
+    if s.rudder_by_hand != 0.0:
+        s.psi_reference, s.psi_reference_rate = s.psi, s.r
+    else:
+        move_course(h, gains, state)

@@ -9,7 +9,7 @@ import numpy as np
 from trainer.core.kernel import Record
 
 FULL, COMPACT, LONGITUDINAL = 0, 1, 2
-MULTISTEP, RUNGE_KUTTA, VARIABLE_RUNGE_KUTTA = 0, 1, 2
+ADAMS, MULTISTEP, RUNGE_KUTTA, VARIABLE_RUNGE_KUTTA = 0, 1, 2, 3
 
 TRIGGERS: Final = 8  # at most, of one run
 DEPTH: Final = 3  # cycles a multistep method may use, the last one included
@@ -80,7 +80,7 @@ def set_multistep(scheme: Record, method: Multistep) -> None:
         raise ValueError(f"sum of b_i less sum of i a_i is {drift:g}; consistency needs 0")
     if max(abs(np.roots([1.0, *(-a for a in method.a)]))) > 1.0 + 1e-9:
         raise ValueError("the a_i alone make the solution grow: not zero-stable at any step")
-    scheme["method"] = MULTISTEP
+    scheme["method"] = MULTISTEP if any(method.a[1:]) else ADAMS
     scheme["depth"] = max(len(method.a), len(method.b))
     scheme["a"] = np.pad(method.a, (0, DEPTH - len(method.a)))
     scheme["b"] = np.pad(method.b, (0, DEPTH - len(method.b)))

@@ -56,6 +56,7 @@ KEPT: Final = (
     *("N_rdot", "N_pdot", "N_vdot", "N_r", "N_p", "N_v", "N_vav", "N_pq", "N_dr"),
 )
 BASIC_DROPS: Final = ("Z_waw", "M_waw", "M_awq")
+# What a vessel file may keep besides.
 EXTRA_TERMS: Final = (
     *("X_vr", "X_qq", "X_rr", "X_rp", "X_wq", "X_vv", "X_ww"),
     *("Y_pq", "Y_qr", "Y_vq", "Y_wp", "Y_wr", "Y_vw"),
@@ -153,8 +154,9 @@ COMPACT: Final = record_dtype(
     *("rho", "g", "mass", "weight", "buoyancy", "eta_1", "eta_2"),
     *THRUST,
     *KEPT,
-    *EXTRA_TERMS,
     "ZB",  # [N m] buoyancy times z_b
+    "extended",  # [-] 1: some of the following are kept
+    *EXTRA_TERMS,
 )
 
 
@@ -184,4 +186,5 @@ def compact_record(body: Mapping[str, float], prime: Prime, eta: tuple[float, fl
     compact["M_rp"] = (body["I_z"] - body["I_x"] + k5 * prime.get("M_rp", 0.0)) * t5
     compact["N_pq"] = (body["I_x"] - body["I_y"] + k5 * prime.get("N_pq", 0.0)) * t6
     compact["ZB"] = body["buoyancy"] * body["z_b"]
+    compact["extended"] = np.any([compact[name] != 0.0 for name in EXTRA_TERMS], axis=0)
     return compact

@@ -18,17 +18,17 @@ from trainer.core.autopilot import (
     STERN,
     course_law,
     depth_error,
-    keep_speed,
+    drive,
     plane_law,
     scheduled_gains,
     steer,
 )
 from trainer.core.ballast import balance
 from trainer.core.compact import forces, lagged
-from trainer.core.integrators import multistep
+from trainer.core.integrators import adams
 from trainer.core.kinematics import kinematics
 from trainer.core.noise import SEA_FILTER, gaussian
-from trainer.core.reference import slew_course, slew_depth
+from trainer.core.reference import move_course, move_depth
 from trainer.core.wave_filter import filter_noise
 
 
@@ -43,7 +43,7 @@ def update_of_1969(vessel: Any, compact: Any, scheme: Any, state: Any, scratch: 
     forces(few, how[0].trig, now, work[0].force)
     lagged(few, work[0].force, now)
     kinematics(how[0].trig, now)
-    multistep(how, now)
+    adams(how, now)
     return 0
 
 
@@ -54,20 +54,23 @@ def tick_of_1969(vessel: Any, compact: Any, scheme: Any, state: Any, scratch: An
     c, s, gains, h = boat[0], now[0], work[0].gains, how[0].h
     filter_noise(work, gaussian(int(s.seed), SEA_FILTER, int(s.tick)), now)
     scheduled_gains(boat, s.u, gains)
-    slew_depth(h, gains, now)
-    slew_course(h, gains, now)
-    for surface in range(STERN, BOW + 1):
-        first = PLANE_GAINS * (surface - STERN)
-        step = h * gains[first + 4] * depth_error(gains, now)
-        steer(boat, h, now, surface, plane_law(now, gains, first), step)
-    step = h * gains[RUDDER_GAINS + 3] * (s.psi_reference - s.psi)
-    steer(boat, h, now, RUDDER, course_law(now, gains), step)
-    keep_speed(boat, h, now)
+    move_depth(h, gains, now)
+    move_course(h, gains, now)
+    for surface in range(BOW + 1):
+        if surface == RUDDER:
+            law = course_law(now, gains)
+            step = h * gains[RUDDER_GAINS + 3] * (s.psi_reference - s.psi)
+        else:
+            first = PLANE_GAINS * (surface - STERN)
+            law = plane_law(now, gains, first)
+            step = h * gains[first + 4] * depth_error(gains, now)
+        steer(boat, now, surface, law, step)
+    drive(boat, h, now)
     balance(boat, boat, now)
     forces(few, how[0].trig, now, work[0].force)
     lagged(few, work[0].force, now)
     kinematics(how[0].trig, now)
-    multistep(how, now)
+    adams(how, now)
     for i in range(3):
         s.surface[i] = moved(s.surface[i], s.command[i], c.limit[i], c.surface_rate * h, 1.0)
     s.u_c += h / c.propulsion_lag * (s.command_u_c - s.u_c)

@@ -86,15 +86,21 @@ static void stand_by(struct state *s, int surface, double law, int settled)
     s->handover[surface] = trim - s->integral[surface];
 }
 
-static void steer(
-    const struct vessel *c, double h, struct state *s, int surface, double law, double step)
+static void steer(const struct vessel *c, struct state *s, int surface, double law, double step)
 {
     double limit = c->limit[surface];
     double angle = law + s->integral[surface] + s->handover[surface];
     if (!(angle > limit && step > 0.0) && !(angle < -limit && step < 0.0))
         s->integral[surface] += step;
     s->command[surface] = within(law + s->integral[surface] + s->handover[surface], 0.0, limit);
-    s->handover[surface] *= exponential(-h * most(s->u, SLOWEST) / (HANDOVER * c->ell));
+}
+
+static void fade(const struct vessel *c, double h, struct state *s)
+{
+    double left = exponential(-h * most(s->u, SLOWEST) / (HANDOVER * c->ell));
+    for (int surface = 0; surface < 3; surface++)
+        if (s->by_hand[surface] == 0.0)
+            s->handover[surface] *= left;
 }
 
 static int is_level(const double *gains, const struct state *s)
@@ -125,7 +131,7 @@ static void keep_plane(
         stand_by(s, surface, law, is_level(gains, s));
     } else {
         double error = depth_error(gains, s);
-        steer(c, h, s, surface, law, h * (gains[first + 4] * error + gains[first + 5] * lasting));
+        steer(c, s, surface, law, h * (gains[first + 4] * error + gains[first + 5] * lasting));
     }
 }
 
@@ -150,7 +156,7 @@ static void keep_course(const struct vessel *c, double h, const double *gains, s
     double step = 0.0;
     if (fabs(s->psi_reference_rate) < c->turning_rate)
         step = h * gains[RUDDER_GAINS + 3] * (s->psi_reference - s->psi);
-    steer(c, h, s, RUDDER, law, step);
+    steer(c, s, RUDDER, law, step);
 }
 
 static void keep_speed(const struct vessel *c, double h, struct state *s)
@@ -192,5 +198,6 @@ static void autopilot(const struct vessel *c, double h, struct state *s, double 
     }
     keep_depth(c, h, gains, s);
     keep_course(c, h, gains, s);
+    fade(c, h, s);
     keep_speed(c, h, s);
 }

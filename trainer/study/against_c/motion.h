@@ -1,4 +1,4 @@
-/* The compact set with lagged rates, kinematics, multistep integration, surfaces, propeller:
+/* The compact set with lagged rates, kinematics, Adams' integration, surfaces, propeller:
    trainer/core/compact.py, propulsion.py, kinematics.py, integrators.py, actuators.py, holds.py. */
 
 enum { PAST = sizeof(((struct state *)0)->past_rates) / (12 * sizeof(double)) };
@@ -26,91 +26,72 @@ static double thrust(const struct compact *c, const struct state *s)
     double a = first ? c->a1 : second ? c->a2 : c->a3;
     double b = first ? c->b1 : second ? c->b2 : c->b3;
     double k = first ? c->c1 : second ? c->c2 : c->c3;
-    return a * u * fabs(u) + b * u * u_c + k * u_c * u_c;
+    return u * (a * fabs(u) + b * u_c) + k * u_c * u_c;
 }
 
 static void forces(const struct compact *c, int64_t trig, const struct state *s, double *force)
 {
     double u = s->u, v = s->v, w = s->w, p = s->p, q = s->q, r = s->r;
-    double x_g = s->x_g, z_g = s->z_g, dr = s->delta_r, ds = s->delta_s, db = s->delta_b;
+    double dr = s->delta_r, ds = s->delta_s, db = s->delta_b;
     double m = c->mass + (s->weight - c->weight) / c->g;
-    double cross = sqrt(v * v + w * w);
+    double m_x = m * s->x_g, m_z = m * s->z_g;
+    double cross = sqrt(v * v + w * w), v_cross = v * cross, u_dr = u * dr;
     double sin_th = pitch_roll_sine(trig, s->theta), cos_th = pitch_roll_cosine(trig, s->theta);
     double sin_phi = pitch_roll_sine(trig, s->phi), cos_phi = pitch_roll_cosine(trig, s->phi);
+    double athwart = cos_th * sin_phi, below = cos_th * cos_phi;
     double heavy = s->weight - c->buoyancy;
+    double righting = s->z_g * s->weight - c->ZB, tilting = s->x_g * s->weight;
+    double ahead = v * r - w * q, aside = w * p - u * r, down = u * q - v * p;
 
-    force[0] = m * (x_g * (q * q + r * r) - z_g * p * r + v * r - w * q)
+    force[0] = m * ahead + m_x * (q * q + r * r) - m_z * r * p
         + u * u * (c->X_drdr * dr * dr + c->X_dsds * ds * ds + c->X_dbdb * db * db)
         + thrust(c, s)
-        + c->X_vr * v * r
-        - heavy * sin_th
-        + c->X_qq * q * q
-        + c->X_rr * r * r
-        + c->X_rp * r * p
-        + c->X_wq * w * q
-        + c->X_vv * v * v
-        + c->X_ww * w * w;
-    force[1] = u * (c->Y_r * r - m * r + c->Y_p * p + c->Y_v * v)
-        - m * (z_g * q * r + x_g * q * p - w * p)
-        + c->Y_vav * v * cross
-        + c->Y_dr * (u * u) * dr
-        + heavy * cos_th * sin_phi
-        + c->Y_pq * p * q
-        + c->Y_qr * q * r
-        + c->Y_vq * v * q
-        + c->Y_wp * w * p
-        + c->Y_wr * w * r
-        + c->Y_vw * v * w;
-    force[2] = u * (c->Z_q * q + c->Z_w * w)
-        + m * (z_g * (p * p + q * q) - x_g * r * p + u * q - v * p)
-        + c->Z_rr * r * r
-        + c->Z_vr * v * r
+        - heavy * sin_th;
+    force[1] = m * aside - q * (m_z * r + m_x * p)
+        + u * (c->Y_r * r + c->Y_p * p + c->Y_v * v + c->Y_dr * u_dr)
+        + c->Y_vav * v_cross
+        + heavy * athwart;
+    force[2] = m * down + m_z * (p * p + q * q) - m_x * r * p
+        + u * (c->Z_q * q + c->Z_w * w)
+        + u * u * (c->Z_star + c->Z_ds * ds + c->Z_db * db)
+        + r * (c->Z_rr * r + c->Z_vr * v)
         + c->Z_vv * v * v
         + c->Z_waw * w * cross
-        + (u * u) * (c->Z_ds * ds + c->Z_db * db + c->Z_star)
-        + heavy * cos_th * cos_phi
-        + c->Z_pp * p * p
-        + c->Z_rp * r * p
-        + c->Z_vp * v * p;
-    force[3] = m * z_g * (u * r - w * p) * c->K_pdot
-        + u * (c->K_p * p + c->K_v * v)
-        + c->K_vav * v * cross
-        + c->K_pap * p * fabs(p)
-        - c->K_pdot * (z_g * s->weight - c->ZB) * cos_th * sin_phi
-        + c->K_qr * q * r
-        + c->K_pq * p * q
-        + c->K_r * u * r
-        + c->K_vq * v * q
-        + c->K_wp * w * p
-        + c->K_wr * w * r
-        + c->K_vw * v * w
-        + c->K_star * u * u;
-    force[4] = c->M_rp * r * p
-        + u * (c->M_q * q + c->M_w * w)
-        - m * (z_g * (w * q - v * r) - x_g * (v * p - u * q)) * c->M_qdot
-        + c->M_rr * r * r
-        + c->M_vr * v * r
+        + heavy * below;
+    force[3] = u * (c->K_p * p + c->K_v * v)
+        + c->K_vav * v_cross
+        - c->K_pdot * (m_z * aside + righting * athwart);
+    force[4] = u * (c->M_q * q + c->M_w * w)
+        + u * u * (c->M_star + c->M_ds * ds + c->M_db * db)
+        + r * (c->M_rp * p + c->M_rr * r + c->M_vr * v)
         + c->M_vv * v * v
-        + c->M_awq * q * cross
-        + c->M_waw * w * cross
-        + u * u * (c->M_star + c->M_db * db + c->M_ds * ds)
-        - c->M_qdot * (x_g * s->weight * cos_th * cos_phi + (z_g * s->weight - c->ZB) * sin_th)
-        + c->M_pp * p * p
-        + c->M_qaq * q * fabs(q)
-        + c->M_vp * v * p;
-    force[5] = c->N_pq * p * q
-        + u * u * c->N_dr * dr
-        - m * x_g * (u * r - w * p) * c->N_rdot
-        + c->N_vav * v * cross
-        + u * (c->N_p * p + c->N_r * r + c->N_v * v)
-        + c->N_rar * r * fabs(r)
-        + c->N_avr * cross * r
-        + c->N_rdot * x_g * s->weight * cos_th * sin_phi
-        + c->N_qr * q * r
-        + c->N_wr * w * r
-        + c->N_wp * w * p
-        + c->N_vq * v * q
-        + c->N_vw * v * w;
+        + cross * (c->M_awq * q + c->M_waw * w)
+        + c->M_qdot * (m_z * ahead - m_x * down - tilting * below - righting * sin_th);
+    force[5] = u * (c->N_p * p + c->N_r * r + c->N_v * v + c->N_dr * u_dr)
+        + c->N_pq * p * q
+        + c->N_vav * v_cross
+        + c->N_rdot * (m_x * aside + tilting * athwart);
+}
+
+static void further_forces(const struct compact *c, const struct state *s, double *force)
+{
+    double u = s->u, v = s->v, w = s->w, p = s->p, q = s->q, r = s->r;
+    double cross = sqrt(v * v + w * w);
+    force[0] += v * (c->X_vr * r + c->X_vv * v)
+        + w * (c->X_wq * q + c->X_ww * w)
+        + r * (c->X_rr * r + c->X_rp * p)
+        + c->X_qq * q * q;
+    force[1] += q * (c->Y_pq * p + c->Y_qr * r + c->Y_vq * v)
+        + w * (c->Y_wp * p + c->Y_wr * r + c->Y_vw * v);
+    force[2] += p * (c->Z_pp * p + c->Z_rp * r + c->Z_vp * v);
+    force[3] += q * (c->K_pq * p + c->K_qr * r + c->K_vq * v)
+        + w * (c->K_wp * p + c->K_wr * r + c->K_vw * v)
+        + u * (c->K_r * r + c->K_star * u)
+        + c->K_pap * p * fabs(p);
+    force[4] += p * (c->M_pp * p + c->M_vp * v) + c->M_qaq * q * fabs(q);
+    force[5] += q * (c->N_qr * r + c->N_vq * v)
+        + w * (c->N_wp * p + c->N_wr * r + c->N_vw * v)
+        + r * (c->N_rar * fabs(r) + c->N_avr * cross);
 }
 
 static void add_external(const struct compact *c, const double *external, double *force)
@@ -152,37 +133,29 @@ static void kinematics(int64_t trig, struct state *s)
     s->thetadot = s->q * cos_phi - s->r * sin_phi;
     s->psidot = (s->q * sin_phi + s->r * cos_phi) / guarded(cos_th);
     s->phidot = s->p + s->psidot * sin_th;
-    s->xdot = s->u * cos_th * cos_psi
-        + s->v * (sin_phi * sin_th * cos_psi - cos_phi * sin_psi)
-        + s->w * (cos_phi * sin_th * cos_psi + sin_phi * sin_psi);
-    s->ydot = s->u * cos_th * sin_psi
-        + s->v * (sin_phi * sin_th * sin_psi + cos_phi * cos_psi)
-        + s->w * (cos_phi * sin_th * sin_psi - sin_phi * cos_psi);
-    s->zdot = -s->u * sin_th + s->v * cos_th * sin_phi + s->w * cos_th * cos_phi;
+    double across = s->v * cos_phi - s->w * sin_phi, down = s->v * sin_phi + s->w * cos_phi;
+    double along = s->u * cos_th + down * sin_th;
+    s->xdot = along * cos_psi - across * sin_psi;
+    s->ydot = along * sin_psi + across * cos_psi;
+    s->zdot = down * cos_th - s->u * sin_th;
 }
 
-static void multistep(const struct scheme *how, struct state *s)
+static void adams(const struct scheme *how, struct state *s)
 {
-    for (int back = (int)s->history; back < PAST; back++)
-        for (int i = 0; i < 12; i++) {
-            s->past_rates[back][i] = s->rates[i];
-            s->past_motion[back][i] = s->motion[i] - (back + 1) * how->h * s->rates[i];
-        }
-    s->history = PAST;
+    if (s->history == 0.0) {
+        for (int back = 0; back < PAST; back++)
+            for (int i = 0; i < 12; i++)
+                s->past_rates[back][i] = s->rates[i];
+        s->history = PAST;
+    }
     for (int i = 0; i < 12; i++) {
-        double value = how->a[0] * s->motion[i], slope = how->b[0] * s->rates[i];
-        for (int back = 0; back < how->depth - 1; back++) {
-            value += how->a[back + 1] * s->past_motion[back][i];
+        double slope = how->b[0] * s->rates[i];
+        for (int back = 0; back < how->depth - 1; back++)
             slope += how->b[back + 1] * s->past_rates[back][i];
-        }
-        value += how->h * slope;
-        for (int back = PAST - 1; back > 0; back--) {
-            s->past_motion[back][i] = s->past_motion[back - 1][i];
+        for (int back = PAST - 1; back > 0; back--)
             s->past_rates[back][i] = s->past_rates[back - 1][i];
-        }
-        s->past_motion[0][i] = s->motion[i];
         s->past_rates[0][i] = s->rates[i];
-        s->motion[i] = value;
+        s->motion[i] += how->h * slope;
     }
 }
 

@@ -1,6 +1,6 @@
 /* One tick of the boat in plain C: what trainer/core/update.py does in the standard configuration.
 
-   Compact set, lagged rates, any multistep method, filtered sea, autopilot by its own law, surfaces,
+   Compact set, lagged rates, Adams' integration, filtered sea, autopilot by its own law, surfaces,
    tanks, air, pumps, casualties, triggers, holds. It works on the records of the trainer; records.h
    is written from their layout, with the constants that both share. Kept plain on purpose: this is
    what a good programmer writes, for the compiler to make fast. */
@@ -48,10 +48,12 @@ int64_t update(
     double x = s->x, y = s->y, z = s->z;
     cast_off(s);
     forces(compact, scheme->trig, s, work->force);
+    if (compact->extended != 0.0)
+        further_forces(compact, s, work->force);
     add_external(compact, work->external, work->force);
     lagged(compact, work->force, s);
     kinematics(scheme->trig, s);
-    multistep(scheme, s);
+    adams(scheme, s);
     make_fast(x, y, z, s);
     move_surfaces(vessel, h, s);
     answer_telegraph(vessel, h, s);
