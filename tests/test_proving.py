@@ -8,7 +8,7 @@ import threading
 from collections.abc import Iterator
 from fractions import Fraction
 from pathlib import Path
-from typing import cast
+from typing import TYPE_CHECKING, cast
 
 import pytest
 from hypothesis import given, settings
@@ -26,11 +26,13 @@ from trainer.proving.fuzz import dictionary
 from trainer.proving.nursery import Nursery
 from trainer.proving.operators import Watchbill, instruct
 from trainer.proving.random_orders import Orders
-from trainer.proving.served import Served
 from trainer.proving.soak import Plan, Sample, flat, page, soak
 from trainer.proving.target import Target
 from trainer.proving.witness import Witness
 from trainer.stations.roles import ROLES, refusal
+
+if TYPE_CHECKING:
+    from trainer.proving.served import Served
 
 CORPUS = Path(__file__).parent / "corpus"
 posix = pytest.mark.skipif(os.name != "posix", reason="signals and forks of POSIX")

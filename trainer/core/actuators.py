@@ -23,17 +23,9 @@ def moved(angle: float, ordered: float, limit: float, furthest: float, share: fl
     ``share`` of the distance to the order is covered by the lag, at most ``furthest`` [rad] by
     the rate, and nothing beyond ``limit`` [rad].
     """
-    target = ordered
-    if target > limit:
-        target = limit
-    elif target < -limit:
-        target = -limit
+    target = min(max(ordered, -limit), limit)
     travel = share * (target - angle)
-    if travel > furthest:
-        travel = furthest
-    elif travel < -furthest:
-        travel = -furthest
-    return angle + travel
+    return angle + min(max(travel, -furthest), furthest)
 
 
 @part

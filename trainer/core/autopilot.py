@@ -131,7 +131,8 @@ def steer(vessel: Record, state: Record, surface: int, law: float, step: float) 
     angle = law + s.integral[surface] + s.handover[surface]
     if not (angle > limit and step > 0.0) and not (angle < -limit and step < 0.0):
         s.integral[surface] += step
-    s.command[surface] = within(law + s.integral[surface] + s.handover[surface], 0.0, limit)
+    angle = law + s.integral[surface] + s.handover[surface]
+    s.command[surface] = min(max(angle, -limit), limit)
 
 
 @part
@@ -161,11 +162,10 @@ def depth_error(gains: Numbers, state: Record) -> float:
     """
     s = state[0]
     error = s.depth_reference - s.z
+    rate, share = s.depth_reference_rate, SETTLED
     if abs(error) > FAR * leash(gains, DEPTH_SLEW):
-        learning = abs(s.zdot) < FAR * gains[DEPTH_SLEW]
-    else:
-        learning = abs(s.depth_reference_rate) < SETTLED * gains[DEPTH_SLEW]
-    return error if learning else 0.0
+        rate, share = s.zdot, FAR
+    return error if abs(rate) < share * gains[DEPTH_SLEW] else 0.0
 
 
 @part

@@ -76,8 +76,7 @@ def forces(compact: Record, trig: int, state: Record, force: Numbers) -> None:
         + r * (c.M_rp * p + c.M_rr * r + c.M_vr * v)
         + c.M_vv * v * v
         + cross * (c.M_awq * q + c.M_waw * w)
-        + c.M_qdot
-        * (m_z * ahead - m_x * down - tilting * below - righting * sin_th)
+        + c.M_qdot * (m_z * ahead - m_x * down - tilting * below - righting * sin_th)
     )
     force[5] = (
         u * (c.N_p * p + c.N_r * r + c.N_v * v + c.N_dr * u_dr)

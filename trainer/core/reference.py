@@ -8,8 +8,8 @@ import math
 
 from trainer.core.kernel import Numbers, Record, part
 
-# places in the schedule of gains, in the order of vessel.GAINS: a rate, then an acceleration
-DEPTH_SLEW, COURSE_SLEW = 16, 18
+DEPTH, COURSE = 0, 1  # axes
+DEPTH_SLEW = 16  # place in the schedule of gains: a rate, an acceleration; the course's follow
 
 LEASH = 0.25  # [-]
 APPROACH = 4.0  # [ticks] time constant of the last approach, too slow to hunt
@@ -47,25 +47,14 @@ def within(value: float, centre: float, most: float) -> float:
 
 
 @part
-def move_depth(h: float, gains: Numbers, state: Record) -> None:
-    """Move the depth reference towards its order by ``h`` [s]."""
+def move_reference(axis: int, here: float, h: float, gains: Numbers, state: Record) -> None:
+    """Move the reference of depth or course to its order for ``h`` [s]; the boat is ``here``."""
     s = state[0]
-    fastest, gentlest = gains[DEPTH_SLEW], gains[DEPTH_SLEW + 1]
-    distance = s.ordered_depth - s.depth_reference
-    s.depth_reference_rate = slewed_rate(distance, s.depth_reference_rate, fastest, gentlest, h)
-    s.depth_reference += h * s.depth_reference_rate
-    s.depth_reference = within(s.depth_reference, s.z, leash(gains, DEPTH_SLEW))
-
-
-@part
-def move_course(h: float, gains: Numbers, state: Record) -> None:
-    """Move the heading reference towards its order by ``h`` [s]."""
-    s = state[0]
-    fastest, gentlest = gains[COURSE_SLEW], gains[COURSE_SLEW + 1]
-    distance = s.ordered_psi - s.psi_reference
-    s.psi_reference_rate = slewed_rate(distance, s.psi_reference_rate, fastest, gentlest, h)
-    s.psi_reference += h * s.psi_reference_rate
-    s.psi_reference = within(s.psi_reference, s.psi, leash(gains, COURSE_SLEW))
+    slew = DEPTH_SLEW + 2 * axis
+    distance, rate = s.ordered_place[axis] - s.reference[axis], s.reference_rate[axis]
+    s.reference_rate[axis] = slewed_rate(distance, rate, gains[slew], gains[slew + 1], h)
+    moved = s.reference[axis] + h * s.reference_rate[axis]
+    s.reference[axis] = within(moved, here, leash(gains, slew))
 
 
 @part
@@ -75,7 +64,7 @@ def slew_depth(h: float, gains: Numbers, state: Record) -> None:
     if s.stern_by_hand != 0.0 and s.bow_by_hand != 0.0:
         s.depth_reference, s.depth_reference_rate = s.z, s.zdot
     else:
-        move_depth(h, gains, state)
+        move_reference(DEPTH, s.z, h, gains, state)
 
 
 @part
@@ -85,4 +74,4 @@ def slew_course(h: float, gains: Numbers, state: Record) -> None:
     if s.rudder_by_hand != 0.0:
         s.psi_reference, s.psi_reference_rate = s.psi, s.r
     else:
-        move_course(h, gains, state)
+        move_reference(COURSE, s.psi, h, gains, state)

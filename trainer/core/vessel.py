@@ -84,11 +84,7 @@ BODY: Final = [
 ]
 
 VESSEL: Final = record_dtype(
-    *BODY,
-    "eta_1",  # [-] thrust row 1 holds from here up, row 2 down to eta_2, row 3 below
-    "eta_2",
-    *THRUST,
-    *TERMS,
+    # what every tick asks for comes first: machine code is shorter for it
     # control surfaces
     ("limit", ["limit_r", "limit_s", "limit_b"]),  # [rad]
     "surface_rate",  # [rad/s]
@@ -103,6 +99,13 @@ VESSEL: Final = record_dtype(
     "speed_integral",  # [1/s] at the slowest speed of the schedule, more in proportion
     "turning_rate",  # [rad/s] above it the trims of speed and rudder rest
     "gain_count",  # [-] speeds in the schedule; 0: no autopilot
+    # the hull
+    *BODY,
+    "eta_1",  # [-] thrust row 1 holds from here up, row 2 down to eta_2, row 3 below
+    "eta_2",
+    *THRUST,
+    *TERMS,
+    # its schedule of gains
     ("gain_speed", (SPEEDS,)),  # [m/s]
     ("gain", (SPEEDS, len(GAINS))),
     # the boat near the surface

@@ -28,7 +28,7 @@ from trainer.core.compact import forces, lagged
 from trainer.core.integrators import adams
 from trainer.core.kinematics import kinematics
 from trainer.core.noise import SEA_FILTER, gaussian
-from trainer.core.reference import move_course, move_depth
+from trainer.core.reference import COURSE, DEPTH, move_reference
 from trainer.core.wave_filter import filter_noise
 
 
@@ -54,8 +54,9 @@ def tick_of_1969(vessel: Any, compact: Any, scheme: Any, state: Any, scratch: An
     c, s, gains, h = boat[0], now[0], work[0].gains, how[0].h
     filter_noise(work, gaussian(int(s.seed), SEA_FILTER, int(s.tick)), now)
     scheduled_gains(boat, s.u, gains)
-    move_depth(h, gains, now)
-    move_course(h, gains, now)
+    for axis in range(COURSE + 1):
+        here = s.z if axis == DEPTH else s.psi
+        move_reference(axis, here, h, gains, now)
     for surface in range(BOW + 1):
         if surface == RUDDER:
             law = course_law(now, gains)

@@ -21,18 +21,24 @@ static double leash(const double *gains, int slew)
     return 0.0;
 }
 
+static void move_reference(
+    int axis, double here, double h, const double *gains, struct state *s)
+{
+    int slew = DEPTH_SLEW + 2 * axis;
+    double distance = s->ordered_place[axis] - s->reference[axis];
+    s->reference_rate[axis] = slewed_rate(
+        distance, s->reference_rate[axis], gains[slew], gains[slew + 1], h);
+    double moved = s->reference[axis] + h * s->reference_rate[axis];
+    s->reference[axis] = within(moved, here, leash(gains, slew));
+}
+
 static void slew_depth(double h, const double *gains, struct state *s)
 {
     if (s->stern_by_hand != 0.0 && s->bow_by_hand != 0.0) {
         s->depth_reference = s->z;
         s->depth_reference_rate = s->zdot;
-        return;
-    }
-    double distance = s->ordered_depth - s->depth_reference;
-    s->depth_reference_rate = slewed_rate(
-        distance, s->depth_reference_rate, gains[DEPTH_SLEW], gains[DEPTH_SLEW + 1], h);
-    s->depth_reference += h * s->depth_reference_rate;
-    s->depth_reference = within(s->depth_reference, s->z, leash(gains, DEPTH_SLEW));
+    } else
+        move_reference(DEPTH, s->z, h, gains, s);
 }
 
 static void slew_course(double h, const double *gains, struct state *s)
@@ -40,13 +46,8 @@ static void slew_course(double h, const double *gains, struct state *s)
     if (s->rudder_by_hand != 0.0) {
         s->psi_reference = s->psi;
         s->psi_reference_rate = s->r;
-        return;
-    }
-    double distance = s->ordered_psi - s->psi_reference;
-    s->psi_reference_rate = slewed_rate(
-        distance, s->psi_reference_rate, gains[COURSE_SLEW], gains[COURSE_SLEW + 1], h);
-    s->psi_reference += h * s->psi_reference_rate;
-    s->psi_reference = within(s->psi_reference, s->psi, leash(gains, COURSE_SLEW));
+    } else
+        move_reference(COURSE, s->psi, h, gains, s);
 }
 
 static void scheduled_gains(const struct vessel *c, double u, double *gains)

@@ -51,7 +51,7 @@ CONSTANTS: Final[tuple[tuple[ModuleType, str], ...]] = (
     (noise, "PARITY SEA_FILTER"),
     (onset, "SURFACE_KINDS"),
     (pumps, "DAMPING INTEGRAL"),
-    (reference, "APPROACH COURSE_SLEW DEPTH_SLEW LEASH"),
+    (reference, "APPROACH COURSE DEPTH DEPTH_SLEW LEASH"),
     (sea, "DEGREE"),
     (seaway, "OMEGA"),
     (tanks, "ATMOSPHERE AUXILIARY DEPTH_CONTROL DEPTH_CONTROL_PUMP DISCHARGE DRAIN_PUMP"),
