@@ -8,7 +8,7 @@ import pytest
 
 from trainer.boat import Boat
 from trainer.config import ConfigError
-from trainer.core.integrators import advance, multistep
+from trainer.core.integrators import adams, advance, multistep
 from trainer.core.scheme import INTEGRATORS, Multistep, new_scheme, set_multistep
 from trainer.core.state import MOTION, new_state
 from trainer.fitout import read_integrator
@@ -74,11 +74,11 @@ def test_adams_by_hand() -> None:
     state = new_state()
     s = state[0]
     s.u, s.udot = 3.0, 0.2
-    multistep(scheme, state)
+    adams(scheme, state)
     assert s.u == 3.0 + 0.5 * 0.2  # the past rate is the present one: Euler
 
     s.udot = 0.4
-    multistep(scheme, state)
+    adams(scheme, state)
     # 3.1 + 0.25 (3 * 0.4 - 0.2) = 3.35
     assert s.u == pytest.approx(3.35, rel=1e-15)
 

@@ -75,6 +75,13 @@ def adams(scheme: Record, state: Record) -> None:
     adams_of(scheme, scheme[0].depth, state)
 
 
+@part
+def multistep(scheme: Record, state: Record) -> None:
+    """Advance by X_n = sum a_i X_n-i + h sum b_i X'_n-i, the scheme's method."""
+    recall(scheme, state)
+    adams(scheme, state)
+
+
 @kernel
 def stage(state: Record, scratch: Record, weight: float, share: float) -> None:
     """Add ``weight`` of the present rates to the sum, and move ``share`` [s] along them."""
@@ -178,8 +185,7 @@ def advance(
     if how.method == ADAMS:
         adams(scheme, state)
     elif how.method == MULTISTEP:
-        recall(scheme, state)
-        adams(scheme, state)
+        multistep(scheme, state)
     elif how.method == RUNGE_KUTTA:
         runge_kutta(vessel, compact, scheme, state, scratch, how.h)
     else:
