@@ -69,8 +69,8 @@ def test_a_number_changed_in_another_file_of_the_core_changes_what_a_kernel_retu
 
     source = copied / "trainer" / "core" / "compact.py"
     text = source.read_text()
-    assert text.count("+ c.Y_vav * v * cross") == 1
-    source.write_text(text.replace("+ c.Y_vav * v * cross", "+ 100.0 * c.Y_vav * v * cross"))
+    assert text.count("+ c.Y_vav * v_cross") == 1
+    source.write_text(text.replace("+ c.Y_vav * v_cross", "+ 100.0 * c.Y_vav * v_cross"))
     after = said(RATES, copied, NUMBA_CACHE_DIR=cache)
 
     assert before == again

@@ -10,6 +10,7 @@ from trainer.core.kernel import Record
 
 FULL, COMPACT, LONGITUDINAL = 0, 1, 2
 ADAMS, MULTISTEP, RUNGE_KUTTA, VARIABLE_RUNGE_KUTTA = 0, 1, 2, 3
+MULTISTEPS: Final = (ADAMS, MULTISTEP)  # multistep methods; those of Adams ask for no past motion
 
 TRIGGERS: Final = 8  # at most, of one run
 DEPTH: Final = 3  # cycles a multistep method may use, the last one included

@@ -51,7 +51,13 @@ STATE: Final = record_dtype(
     ("command", ["command_r", "command_s", "command_b"]),
     "command_u_c",
     # standing orders
-    ("ordered_place", ["ordered_depth", "ordered_psi"]),  # [m], [rad] unwrapped, to steer
+    (
+        "ordered_place",
+        [
+            "ordered_depth",  # [m]
+            "ordered_psi",  # [rad] unwrapped heading to steer
+        ],
+    ),
     "ordered_speed",  # [m/s] speed to keep
     "ordered_u_c",  # [m/s] command speed by bell or revolutions
     ("ordered", ["ordered_r", "ordered_s", "ordered_b"]),  # [rad] surfaces by hand
@@ -60,8 +66,20 @@ STATE: Final = record_dtype(
     "speed_by_hand",  # [-] 1 constant revolutions, 0 speed kept by the autopilot
     "depth_law",  # [-] see autopilot: 0 this trainer's, 1 and 2 [ASSES]'s
     # autopilot memory
-    ("reference", ["depth_reference", "psi_reference"]),  # [m], [rad] the ordered ones as slewed
-    ("reference_rate", ["depth_reference_rate", "psi_reference_rate"]),  # [m/s], [rad/s]
+    (
+        "reference",
+        [
+            "depth_reference",  # [m] ordered depth as slewed
+            "psi_reference",  # [rad]
+        ],
+    ),
+    (
+        "reference_rate",
+        [
+            "depth_reference_rate",  # [m/s]
+            "psi_reference_rate",  # [rad/s]
+        ],
+    ),
     ("integral", ["rudder_integral", "stern_integral", "bow_integral"]),  # [rad]
     # [rad] what is left, after the autopilot took a surface over, of its angle by hand
     ("handover", ["rudder_handover", "stern_handover", "bow_handover"]),

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from trainer.boat import Boat
 from trainer.core.integrators import SMALLEST
 from trainer.core.kernel import Record
-from trainer.core.scheme import MULTISTEP, VARIABLE_RUNGE_KUTTA
+from trainer.core.scheme import MULTISTEPS, VARIABLE_RUNGE_KUTTA
 from trainer.fitout import KNOT
 from trainer.study.linear import Matrix, Response, bring_to, respond
 from trainer.study.modes import NEUTRAL, group
@@ -46,7 +46,7 @@ def growth(scheme: Record, mu: NDArray[np.complex128]) -> NDArray[np.float64]:
     The characteristic roots of the multistep method, or the polynomial of Runge-Kutta 4.
     """
     how = scheme[0]
-    if how.method != MULTISTEP:
+    if how.method not in MULTISTEPS:
         return np.asarray(abs(1.0 + mu * (1.0 + mu / 2.0 * (1.0 + mu / 3.0 * (1.0 + mu / 4.0)))))
     depth = int(how.depth)
     companion = np.zeros((len(mu), depth, depth), complex)
@@ -109,7 +109,7 @@ def runge_kutta_map(response: Response, h: float) -> Matrix:
 
 def tick_map(response: Response, scheme: Record, h: float) -> Matrix:
     """Return the matrix of one tick of ``h`` [s]; the first rows are the present motion."""
-    if scheme[0].method == MULTISTEP:
+    if scheme[0].method in MULTISTEPS:
         return multistep_map(response, scheme, h)
     return runge_kutta_map(response, h)
 
