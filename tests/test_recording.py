@@ -143,6 +143,18 @@ def test_rows_are_gathered_and_go_out_in_time(path: Path, monkeypatch: pytest.Mo
         assert reader.latest().tick == 15
 
 
+def test_what_is_written_is_written_within_a_ticks_work_not_after_it_was_timed(
+    path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(recording_module, "LONGEST", 0.0)
+    with closing(begin(path)) as recording, closing(Recording.look(path)) as reader:
+        for tick in range(1, 4):
+            recording.state(tick, state_of(tick))
+            recording.timing(tick, 300, 80_000)
+            assert reader.latest().tick == tick
+            assert [found for found, _, _ in reader.ledger(1)] == list(range(1, tick))
+
+
 def test_an_order_is_on_disk_before_it_acts_and_all_before_it_too(path: Path) -> None:
     with closing(begin(path)) as recording, closing(Recording.look(path)) as reader:
         recording.state(1, state_of(1))

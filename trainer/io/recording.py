@@ -2,9 +2,9 @@
 
 It knows bytes, text and numbers; what they mean is its caller's affair. Orders, snapshots and
 forks are committed when the call returns; the rest is gathered and goes out with them, at the
-latest when BATCH rows or LONGEST seconds have come together. A process that is killed loses
-nothing that is committed; one whose machine loses power may lose the last seconds, never the
-whole.
+latest when BATCH rows of a kind or LONGEST seconds have come together. A process that is killed
+loses nothing that is committed; one whose machine loses power may lose the last seconds, never
+the whole.
 """
 
 import contextlib
@@ -30,7 +30,7 @@ __all__ = [
     "RecordingError",
 ]
 
-BATCH: Final = 512  # [rows] gathered at most
+BATCH: Final = 256  # [rows] of a kind gathered at most
 LONGEST: Final = 5.0  # [s] that they wait at most while others follow
 
 Row = tuple[int | str | bytes | None, ...]
@@ -53,6 +53,7 @@ SNAPSHOT: Final = (
     "INSERT INTO snapshots (name, branch, tick, state, after, place, wall) "
     "VALUES (?, ?, ?, ?, ?, ?, ?)"
 )
+STATEMENTS: Final = (BRANCH, ORDER, ANSWER, STATE, TIMING, EVENT, SNAPSHOT)  # in this order
 
 
 class Recording:
@@ -73,8 +74,8 @@ class Recording:
         self.branch = self._branches = self._past.last_branch()
         self._order = self._past.last_order()
         self._tick = self._kept = self._past.last_tick(self.branch)
-        self._waiting: dict[str, list[Row]] = {}
-        self._gathered = 0  # [rows] that wait
+        self._waiting: dict[str, list[Row]] = {statement: [] for statement in STATEMENTS}
+        self._states, self._timings = self._waiting[STATE], self._waiting[TIMING]
         self._flushed = time.monotonic()
 
     @classmethod
@@ -131,11 +132,13 @@ class Recording:
     def state(self, tick: int, state: bytes) -> None:
         """Take what stands at the end of a tick; of a tick taken already the first stands."""
         self._tick = tick
-        self._put(STATE, (self.branch, tick, state))
+        self._states.append((self.branch, tick, state))
+        if len(self._states) >= BATCH or time.monotonic() > self._flushed + LONGEST:
+            self.flush()
 
     def timing(self, tick: int, lateness: int, work: int) -> None:
         """Take how late [ns] a tick began and how long [ns] it worked."""
-        self._put(TIMING, (self.branch, tick, lateness, work))
+        self._timings.append((self.branch, tick, lateness, work))
 
     def event(self, tick: int, kind: str, who: str, text: str) -> None:
         """Take something that happened; it is given the time of day."""
@@ -160,23 +163,11 @@ class Recording:
 
     def flush(self) -> None:
         """Write what waits, all or nothing; what cannot be written is told in `trouble`."""
-        waiting, self._waiting, self._gathered = self._waiting, {}, 0
         self._flushed = time.monotonic()
-        if self.trouble or not waiting:
-            return
-        try:
-            self._connection.execute("BEGIN IMMEDIATE")
-            for statement, rows in waiting.items():
-                self._connection.executemany(statement, rows)
-            self._connection.execute("COMMIT")
-        except sqlite3.Error as error:
-            self._give_up(error)
-            return
-        self._kept = self._tick
-        if self._checkpointer and self._checkpointer.gone:
-            self._give_up("is not there any more: removed, or its disk is; write to another")
-        elif self._checkpointer:
-            self._checkpointer.relieve(self._connection)
+        if any(self._waiting.values()) and not self.trouble:
+            self._write()
+        for rows in self._waiting.values():
+            rows.clear()
 
     def close(self) -> None:
         """Write what waits, bring all of it into the one file, and close."""
@@ -245,10 +236,26 @@ class Recording:
         return self._seen().ledger(branch)
 
     def _put(self, statement: str, row: Row) -> None:
-        self._waiting.setdefault(statement, []).append(row)
-        self._gathered += 1
-        if self._gathered >= BATCH or time.monotonic() - self._flushed > LONGEST:
+        rows = self._waiting[statement]
+        rows.append(row)
+        if len(rows) >= BATCH or time.monotonic() > self._flushed + LONGEST:
             self.flush()
+
+    def _write(self) -> None:
+        try:
+            self._connection.execute("BEGIN IMMEDIATE")
+            for statement, rows in self._waiting.items():
+                if rows:
+                    self._connection.executemany(statement, rows)
+            self._connection.execute("COMMIT")
+        except sqlite3.Error as error:
+            self._give_up(error)
+            return
+        self._kept = self._tick
+        if self._checkpointer and self._checkpointer.gone:
+            self._give_up("is not there any more: removed, or its disk is; write to another")
+        elif self._checkpointer:
+            self._checkpointer.relieve(self._connection)
 
     def _seen(self) -> Past:
         self.flush()
