@@ -95,7 +95,8 @@ class History:
         if self.rerun is None:
             self.recording.state(tick, state)
             if tick % self._period == 0:
-                self.automatic.append(self.now())
+                branch = self.recording.branch
+                self.automatic.append(Moment(branch, tick, state, self.after, self.place))
         elif not self.rerun.different:
             self._compare(self.rerun, state)
         return state
