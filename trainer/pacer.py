@@ -82,7 +82,8 @@ class Pacer:
         self._set_period(_period(ledger.step, speed))
         self._left = Fraction(0)  # [-] of the period, from the freeze to the tick after it
         self._woke = 0  # when the last wait ended with a tick due, 0 once that has begun
-        self._anchor = self._tick = 0  # the next tick is due at anchor + tick * period
+        self._anchor = self._tick = 0
+        self._next = 0  # when the next tick is due: at anchor + tick * period
         self._deadline = self._start = 0  # of the tick at work
         self._seen = self._seen_cpu = 0  # when the thread was last known to be running
         self._in_a_row = 0
@@ -101,7 +102,7 @@ class Pacer:
         self._woke = 0
         if not self.frozen:
             self.frozen = True
-            self._left = max((self._due() - self._clock.now()) / self._period, Fraction(0))
+            self._left = max((self._next - self._clock.now()) / self._period, Fraction(0))
 
     def set_speed(self, speed: float) -> None:
         """Change the speed [-]; lateness is forgiven. ValueError outside SLOWEST to FASTEST."""
@@ -120,12 +121,13 @@ class Pacer:
         entered = self._clock.now()
         if still := self._look(entered):
             self._gap(still, entered)
-        due = self._due()
+        due = self._next
+        awaited = max(due, entered)
+        latest = awaited + self._overslept
         reached = self._clock.wait_until(due, wake)
         now = self._clock.now()
-        overslept = now - max(due, entered)
-        if overslept > self._overslept:
-            self._gap(overslept, now)
+        if now > latest:
+            self._gap(now - awaited, now)
         self._seen = now  # it has slept since, and used the processor for SPIN at most
         self._woke = now if reached else 0
         return DUE if reached else WOKEN
@@ -135,17 +137,18 @@ class Pacer:
 
         What is done between the end of its wait and this is work too.
         """
-        self._start = self._woke or self._clock.now()
-        self._woke = 0
+        woke, self._woke = self._woke, 0
+        start = self._start = woke or self._clock.now()
         if self.frozen:
-            self._look(self._start)
-            self._deadline = self._start
+            self._look(start)
+            self._deadline = start
             return
-        if still := self._still(self._start):
-            self._gap(still, self._start)
-        self._deadline = self._due()
+        if not woke and (still := self._still(start)):
+            self._gap(still, start)
+        due = self._deadline = self._next
         self._tick += 1
-        if self._start - self._deadline > self._whole:
+        self._next = self._anchor + self._tick * self._numerator // self._denominator
+        if start - due > self._whole:
             self._in_a_row += 1
             self.ledger.caught_up += 1
         else:
@@ -167,7 +170,7 @@ class Pacer:
         return events
 
     def _judge(self, now: int) -> None:
-        due = self._due()
+        due = self._next
         # A tick begun after this deadline is late by the fault of another: own work alone counts.
         if now > (due if self._start <= due else self._start + self._whole):
             self.ledger.overruns += 1
@@ -211,11 +214,9 @@ class Pacer:
         self._overslept = max(int(period), STOPPED)
         self._stopped = max(int(STOPPED_PERIODS * period), STOPPED)
 
-    def _due(self) -> int:
-        return self._anchor + self._tick * self._numerator // self._denominator
-
     def _reanchor(self, due: int) -> None:
-        self._anchor, self._tick = due, 0
+        self._anchor = self._next = due
+        self._tick = 0
 
 
 class Unpaced:
