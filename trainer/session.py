@@ -204,6 +204,15 @@ class Session:
             kind = "moment" if order.name in MOMENTS else "time" if order.name in TIME else kind
         self.board.tell(kind, f"{station.role.name}: {order.text}: {text}", station)
 
+    def _obey_due(self) -> bool:
+        """Carry out the orders that are due; return whether they stop time before a tick."""
+        was_frozen = self.time.frozen
+        if self.history.place < len(self.schedule):
+            self._obey_schedule()
+        if self.history.rerun and self._obey_replay():
+            return True
+        return self.desk.ended or (self.time.frozen and not was_frozen)
+
     def _obey_schedule(self) -> None:
         """Carry out what is due by now: an order acts on the first tick not before its time."""
         while self.history.rerun is None and self.history.place < len(self.schedule):
@@ -231,14 +240,11 @@ class Session:
 
     def _tick(self) -> None:
         """Carry out the orders that are due, and unless they stop time take a tick."""
-        was_frozen, history = self.time.pacer.frozen, self.history
-        if history.place < len(self.schedule):
-            self._obey_schedule()
-        if history.rerun and self._obey_replay():
+        history = self.history
+        if (history.rerun or history.place < len(self.schedule)) and self._obey_due():
             return
         pacer = self.time.pacer
-        if self.desk.ended or (pacer.frozen and not was_frozen):
-            return
+        was_frozen = pacer.frozen
         pacer.begin()
         status = self.boat.tick()
         tick = int(self.boat.plain[TICK])

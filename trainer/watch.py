@@ -84,11 +84,9 @@ class Watch:
 
     def look(self, boat: Boat) -> list[str]:
         """Return what there is to call out after a tick."""
-        news = self._passed(boat) if self._set else []
-        if self.shows or not deep(boat):
-            news += self._broken_surface(boat)
-        if not news:
+        if not self._set and not self.shows and deep(boat):
             return []
+        news = self._passed(boat) + self._broken_surface(boat)
         for what, _ in news:
             self.times.setdefault(what, []).append(boat.time)
         return [f"tick {boat.ticks} ({boat.time:g} s): {text}" for _, text in news]
