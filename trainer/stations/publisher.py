@@ -9,9 +9,7 @@ import threading
 import time
 from collections import deque
 from collections.abc import Callable
-from contextlib import suppress
 from dataclasses import dataclass, field
-from queue import Empty, SimpleQueue
 from typing import Final, Protocol
 
 from trainer.stations.display import Display
@@ -110,8 +108,9 @@ class Publisher:
         self.troubles = roster.troubles
         self._clock = clock
         self._offered: tuple[int, bytes, Pace] | None = None  # a picture when somebody looks
-        # an event takes three times as long to set at a tick that finds the caches cold
-        self._calls: SimpleQueue[None] = SimpleQueue()
+        # free: a call waits to be heard; an event would take the tick several times as long
+        self._called = threading.Lock()
+        self._called.acquire()
         self._closing = threading.Event()
         self._thread = threading.Thread(target=self._run, name="publisher", daemon=True)
         self._thread.start()
@@ -119,8 +118,7 @@ class Publisher:
     def offer(self, tick: int, state: bytes, pace: Pace) -> None:
         """Let this be the picture to send from now on."""
         self._offered = tick, state, pace
-        if self._calls.empty():
-            self._calls.put(None)
+        self._call()
 
     def add(self, subscription: Subscription) -> None:
         """Send to a subscription from now on, the present picture at once."""
@@ -139,14 +137,15 @@ class Publisher:
 
     def _call(self) -> None:
         """Have the thread look; calls that it has not heard yet are one."""
-        if self._calls.empty():
-            self._calls.put(None)
+        try:
+            self._called.release()
+        except RuntimeError:  # somebody has called already
+            return
 
     def _run(self) -> None:
         wait = math.inf
         while True:
-            with suppress(Empty):
-                self._calls.get(timeout=None if math.isinf(wait) else wait)
+            self._called.acquire(timeout=-1 if math.isinf(wait) else wait)
             closing = self._closing.is_set()
             if self._offered is not None:
                 wait = self.roster.serve(Picture(*self._offered), self._clock())
