@@ -4,6 +4,7 @@ import contextlib
 import fcntl
 import math
 import os
+import re
 import subprocess
 import sys
 from collections.abc import Iterator
@@ -185,6 +186,20 @@ def test_the_process_beside_compiles_all_that_a_run_needs_and_ends(tmp_path: Pat
     assert done.stderr == ""
     assert {path.name for path in tmp_path.rglob("*.nb*")} == before
     assert not list(tmp_path.rglob(compilation.COMPLAINTS))
+
+
+def test_numba_describes_each_kind_of_record_once() -> None:
+    words = ["run", "--headless", "--duration", "0.5", "--speed", "max"]
+    code = BEHIND.format(words=words) + (
+        "except SystemExit: pass\n"
+        "from numba.np import numpy_support; print(numpy_support.from_struct_dtype.cache_info())"
+    )
+
+    told = trained(code=code).stdout.splitlines()[-1]
+
+    described = re.fullmatch(r"CacheInfo\(hits=(\d+), misses=(\d+), .*", told)
+    assert described
+    assert int(described[2]) < 10 < int(described[1])
 
 
 @pytest.mark.parametrize(

@@ -6,6 +6,7 @@ this processor and these files only.
 """
 
 import contextlib
+import functools
 import hashlib
 import importlib
 import os
@@ -45,9 +46,14 @@ def do_without() -> None:
 
 
 def load() -> None:
-    """Import numba, and not scipy, which it takes along for a linear algebra no kernel uses."""
-    import numba  # noqa: F401, PLC0415
+    """Import numba, and not scipy, which it takes along for a linear algebra no kernel uses.
 
+    Numba then describes each kind of record to itself once, and not at every kernel's first call.
+    """
+    from numba.np import numpy_support  # noqa: PLC0415
+
+    describe = numpy_support.from_struct_dtype
+    numpy_support.from_struct_dtype = functools.cache(describe)
     if "scipy.linalg" in sys.modules:
         return
     sys.modules["scipy.linalg"] = None  # type: ignore[assignment]  # is not there
