@@ -132,14 +132,17 @@ def gone(path: Path) -> bool:
     return not path.exists()
 
 
-def process_of(*words: str) -> int:
-    """Return the process whose command line has all the words."""
+def console_of(*words: str) -> int:
+    """Return the one process at a terminal whose command line has all the words."""
+    found = []
     for folder in Path("/proc").glob("[0-9]*"):
         with contextlib.suppress(OSError):
             line = (folder / "cmdline").read_bytes().decode(errors="replace").split("\0")
-            if line[1:3] == ["-m", "trainer"] and all(word in line for word in words):
-                return int(folder.name)
-    raise AssertionError(f"no process of {words}")
+            at_terminal = (folder / "stat").read_text().rpartition(")")[2].split()[4] != "0"
+            if line[1:3] == ["-m", "trainer"] and at_terminal and set(words) <= set(line):
+                found.append(int(folder.name))
+    assert len(found) == 1, f"{found}: processes of {words}, and the session has no terminal"
+    return found[0]
 
 
 def command(*words: str) -> str:
@@ -205,6 +208,17 @@ def test_a_console_is_as_large_as_its_window_whatever_the_environment_says(
     assert "F10 quit" in last
 
 
+def test_what_was_typed_wrong_is_told_once_on_the_terminal_and_no_screen_is_shown(
+    terminal: Terminal,
+) -> None:
+    terminal.type(f"{command('run', 'periscop-depth')}; echo code $?", "Enter")
+    shown = terminal.wait(r"code \d")
+
+    assert "code 2" in shown
+    assert shown.count("trainer: ") == 1
+    assert "periscope-depth" in shown
+
+
 def test_a_killed_console_leaves_the_session_to_who_is_left(
     terminal: Terminal, ear: Callable[[Path], Ear]
 ) -> None:
@@ -212,7 +226,7 @@ def test_a_killed_console_leaves_the_session_to_who_is_left(
     terminal.wait("RUNNING x10")
     where = places.socket_path()
     other = ear(where)
-    os.kill(process_of("run", "90210"), signal.SIGKILL)
+    os.kill(console_of("run", "90210"), signal.SIGKILL)
 
     ticks = other.ticks(30)
     assert ticks == list(range(ticks[0], ticks[0] + 30))

@@ -2,7 +2,7 @@
 
 import sys
 from pathlib import Path
-from typing import Any, NoReturn
+from typing import Any, Final, NoReturn
 
 import click
 
@@ -18,6 +18,9 @@ from trainer.commands.options import (
     time_options,
 )
 from trainer.places import HOST, PORT
+
+# what a session without a console of its own is told, beside what its user says
+SERVED: Final[dict[str, Any]] = {"headless": True, "url": None, "serve": True}
 
 
 def given() -> frozenset[str]:
@@ -65,7 +68,10 @@ def run(*, teletype: bool, core: Path | None, state: Path | None, **options: Any
     if not (teletype or elsewhere) and has_terminal():
         from trainer.screen.voyage import sail  # noqa: PLC0415
 
-        sys.exit(sail(serving(), options["socket"], options["token"]))
+        def serve_at(where: str) -> NoReturn:
+            take_to_sea({**options, **SERVED, "socket": where, "until_left": True})
+
+        sys.exit(sail(serve_at, options["socket"], options["token"]))
     take_to_sea({**options, "serve": False})
 
 
@@ -87,13 +93,6 @@ def take_to_sea(options: dict[str, Any]) -> NoReturn:
         gc.enable()
 
 
-def serving() -> list[str]:
-    """Return the words of the command line as `trainer serve` takes them."""
-    words = sys.argv[sys.argv.index("run") + 1 :]
-    listening = "listen" in given()
-    return [*words, *(() if listening else ("--listen", "none"))]
-
-
 @click.command()
 @click.argument("exercise", required=False)
 @exercise_options
@@ -113,7 +112,7 @@ def serve(**options: Any) -> None:
 
     It ends at --duration, by the instructor's `quit`, or by Ctrl-C, its recording complete.
     """
-    take_to_sea({**options, "headless": True, "url": None, "serve": True})
+    take_to_sea({**options, **SERVED})
 
 
 @click.command()
