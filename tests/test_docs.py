@@ -1,9 +1,11 @@
-"""Every command in the documents is run, in the order written, in an empty folder."""
+"""Every command in the documents is run in an empty folder, two at a time in the order written."""
 
 import os
 import re
 import subprocess
 import sys
+from collections.abc import Iterator
+from concurrent.futures import Future, ThreadPoolExecutor
 from pathlib import Path
 
 import pytest
@@ -31,6 +33,8 @@ def runnable(line: str) -> bool:
     return not re.search(r"\b(URL|FILE)\b|pip install|\./boat\.toml|my-boat\.toml", line)
 
 
+AT_ONCE = 2  # some of them wait more than they work
+Done = subprocess.CompletedProcess[str]
 CASES = [
     pytest.param(line, id=f"{page.name}: {line[:60]}")
     for page in PAGES
@@ -43,19 +47,18 @@ def test_there_are_commands_to_run() -> None:
     assert len(CASES) > 8
 
 
-@pytest.mark.parametrize("line", CASES)
-def test_a_documented_command_works(line: str, tmp_path: Path) -> None:
+def ran(line: str, folder: Path) -> Done:
+    """Run a command of the documents in a folder; return what it did."""
     for name, text in FILES.items():
-        (tmp_path / name).write_text(text, encoding="utf-8")
+        (folder / name).write_text(text, encoding="utf-8")
     path = os.pathsep.join([str(Path(sys.executable).parent), os.environ["PATH"]])
     if "bench" in line and "--seconds" not in line:
         line = line.replace("trainer bench", "trainer bench --seconds 1", 1)
     if "serve" in line:
         line = f"{line} --duration 1 --listen 127.0.0.1:0"
-
-    done = subprocess.run(
+    return subprocess.run(
         ["sh", "-c", line],
-        cwd=tmp_path,
+        cwd=folder,
         env=os.environ | {"PATH": path},
         input="" if "printf" in line else "status\nquit\n",
         capture_output=True,
@@ -63,6 +66,24 @@ def test_a_documented_command_works(line: str, tmp_path: Path) -> None:
         timeout=300,
         check=False,
     )
+
+
+@pytest.fixture(scope="module")
+def runs(
+    request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory
+) -> Iterator[dict[str, Future[Done]]]:
+    """Yield what is being run, by the command: all that this run of the tests asks for."""
+    items = [item for item in request.session.items if isinstance(item, pytest.Function)]
+    tested = [item for item in items if item.originalname == "test_a_documented_command_works"]
+    lines = dict.fromkeys(item.callspec.params["line"] for item in tested)
+    pool = ThreadPoolExecutor(AT_ONCE)
+    yield {line: pool.submit(ran, line, tmp_path_factory.mktemp("docs")) for line in lines}
+    pool.shutdown(cancel_futures=True)
+
+
+@pytest.mark.parametrize("line", CASES)
+def test_a_documented_command_works(line: str, runs: dict[str, Future[Done]]) -> None:
+    done = runs[line].result()
 
     assert done.returncode == 0, done.stderr
     assert done.stdout
