@@ -10,6 +10,7 @@ from textual.app import App, ComposeResult
 from textual.binding import BindingType
 from textual.containers import Horizontal, Vertical
 from textual.css.query import NoMatches
+from textual.screen import Screen
 from textual.widgets import Input
 
 from trainer.screen.acts import (
@@ -91,6 +92,10 @@ class Console(App[str], inherit_bindings=False):
         self._names = Names(sight)
         self._seen: tuple[object, ...] = ()
 
+    def get_default_screen(self) -> Screen[None]:
+        """Return a screen that is styled for the role from the beginning."""
+        return Screen(id="_default", classes=self.sight.role)
+
     def compose(self) -> ComposeResult:
         """Lay the drawings out; the style sheet says which are shown at which size."""
         yield Pane(partial(top, self.sight), "top", moving=True)
@@ -110,7 +115,6 @@ class Console(App[str], inherit_bindings=False):
 
     def on_mount(self) -> None:
         """Begin to look; end in good order when asked to from outside."""
-        self.screen.add_class(self.sight.role)
         self.sight.hear()  # what has come by now is in the first drawing
         self.set_timer(SOON, self._look)
         self.set_interval(1.0 / RATE, self._look)
