@@ -118,8 +118,8 @@ class Ticking:
     def cpu(self) -> int:
         return 0
 
-    def wait_until(self, _deadline: int, _wake: threading.Event) -> bool:
-        return True
+    def wait_until(self, _deadline: int, _wake: threading.Event) -> int:
+        return 1
 
 
 def test_a_witness_sees_a_deadline_that_is_a_nanosecond_off() -> None:

@@ -27,8 +27,8 @@ class Clock(Protocol):
         """Return the processor time [ns] used by the calling thread."""
         ...
 
-    def wait_until(self, deadline: int, wake: threading.Event) -> bool:
-        """Return True once ``deadline`` [ns] is past, False if ``wake`` is set before."""
+    def wait_until(self, deadline: int, wake: threading.Event) -> int:
+        """Return the time [ns] once ``deadline`` is past, 0 if ``wake`` is set before."""
         ...
 
 
@@ -46,13 +46,13 @@ class MonotonicClock:
         """Return the processor time [ns] used by the calling thread."""
         return time.thread_time_ns()
 
-    def wait_until(self, deadline: int, wake: threading.Event) -> bool:
-        """Return True once ``deadline`` [ns] is past, False if ``wake`` is set before."""
+    def wait_until(self, deadline: int, wake: threading.Event) -> int:
+        """Return the time [ns] once ``deadline`` is past, 0 if ``wake`` is set before."""
         now, woken = self.now, wake.is_set
         while (left := deadline - SPIN - now()) > 0:
             if wake.wait(min(left, LONGEST_NAP) / SECOND):
-                return now() >= deadline
-        while now() < deadline:
+                return reached if (reached := now()) >= deadline else 0
+        while (reached := now()) < deadline:
             if woken():
-                return False
-        return True
+                return 0
+        return reached

@@ -125,11 +125,11 @@ class Pacer:
         awaited = max(due, entered)
         latest = awaited + self._overslept
         reached = self._clock.wait_until(due, wake)
-        now = self._clock.now()
+        now = reached or self._clock.now()
         if now > latest:
             self._gap(now - awaited, now)
         self._seen = now  # it has slept since, and used the processor for SPIN at most
-        self._woke = now if reached else 0
+        self._woke = reached
         return DUE if reached else WOKEN
 
     def begin(self) -> None:

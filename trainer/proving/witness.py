@@ -48,7 +48,7 @@ class Witness:
         """Return the processor time [ns] used by the calling thread."""
         return self._clock.cpu()
 
-    def wait_until(self, deadline: int, wake: threading.Event) -> bool:
+    def wait_until(self, deadline: int, wake: threading.Event) -> int:
         """Wait as the clock does; note the deadline."""
         if deadline != self._last:
             self._note(deadline)
