@@ -7,6 +7,7 @@ import json
 import math
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -24,6 +25,11 @@ pytestmark = pytest.mark.core
 Make = Callable[..., Boat]
 STEPS = {"bb2": 0.5, "sdv-mk9": 0.1, "remus100": 0.05}
 DEGREE = math.radians(1.0)
+
+
+def cases(first: float | str, *others: float | str) -> list[Any]:
+    """Return parameters of which the first alone is run again without JIT."""
+    return [first, *(pytest.param(each, marks=pytest.mark.long) for each in others)]
 
 
 @pytest.fixture
@@ -64,7 +70,7 @@ def turn_by_hand(boat: Boat, degrees: float) -> None:
 # --- turns
 
 
-@pytest.mark.parametrize("equations", ["full", "modified"])
+@pytest.mark.parametrize("equations", cases("full", "modified"))
 def test_depth_holds_in_a_15_degree_turn_at_10_knots(
     started: Callable[..., Boat], equations: str
 ) -> None:
@@ -143,9 +149,9 @@ def test_the_reports_law_leaves_the_boat_12_metres_deep(started: Callable[..., B
 # --- depth changes
 
 
-@pytest.mark.parametrize("equations", ["full", "modified"])
-@pytest.mark.parametrize("knots", [6.0, 8.0, 10.0, 15.0, 20.0])
-@pytest.mark.parametrize("change", [50.0, -50.0])
+@pytest.mark.parametrize("equations", cases("full", "modified"))
+@pytest.mark.parametrize("knots", cases(6.0, 8.0, 10.0, 15.0, 20.0))
+@pytest.mark.parametrize("change", cases(50.0, -50.0))
 def test_a_50_metre_depth_change_overshoots_by_less_than_a_metre(
     started: Callable[..., Boat], equations: str, knots: float, change: float
 ) -> None:
@@ -159,8 +165,8 @@ def test_a_50_metre_depth_change_overshoots_by_less_than_a_metre(
     assert np.abs(run["pitch"]).max() < 12.0
 
 
-@pytest.mark.parametrize("knots", [3.0, 4.0, 4.8, 10.0])
-@pytest.mark.parametrize("change", [2.0, -10.0])
+@pytest.mark.parametrize("knots", cases(3.0, 4.0, 4.8, 10.0))
+@pytest.mark.parametrize("change", cases(2.0, -10.0))
 def test_small_depth_changes_arrive_below_the_critical_speed_too(
     started: Callable[..., Boat], knots: float, change: float
 ) -> None:
@@ -202,8 +208,8 @@ def test_a_boat_heavier_than_its_trim_finds_a_new_one(started: Callable[..., Boa
 # --- course changes
 
 
-@pytest.mark.parametrize("knots", [5.0, 10.0, 20.0])
-@pytest.mark.parametrize("change", [5.0, 30.0, -90.0, 179.0])
+@pytest.mark.parametrize("knots", cases(5.0, 10.0, 20.0))
+@pytest.mark.parametrize("change", cases(5.0, 30.0, -90.0, 179.0))
 def test_a_course_change_neither_overshoots_nor_loses_depth(
     started: Callable[..., Boat], knots: float, change: float
 ) -> None:
@@ -266,7 +272,7 @@ def test_taking_over_in_a_dive_starts_from_the_present_angle(
     assert np.abs(last(sail(boat, 300.0)["depth"])).max() < 0.5
 
 
-@pytest.mark.parametrize("knots", [6.0, 10.0, 20.0])
+@pytest.mark.parametrize("knots", cases(6.0, 10.0, 20.0))
 def test_stern_planes_stuck_for_10_seconds_are_recovered(
     started: Callable[..., Boat], knots: float
 ) -> None:
@@ -281,7 +287,14 @@ def test_stern_planes_stuck_for_10_seconds_are_recovered(
     assert np.abs(last(run["depth"])).max() < 0.2
 
 
-@pytest.mark.parametrize(("knots", "surface"), [(6.0, "b"), (10.0, "s"), (20.0, "b")])
+@pytest.mark.parametrize(
+    ("knots", "surface"),
+    [
+        (10.0, "s"),
+        pytest.param(6.0, "b", marks=pytest.mark.long),
+        pytest.param(20.0, "b", marks=pytest.mark.long),
+    ],
+)
 def test_planes_held_against_it_for_a_minute_do_not_wind_it_up(
     started: Callable[..., Boat], knots: float, surface: str
 ) -> None:
