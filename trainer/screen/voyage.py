@@ -3,6 +3,7 @@
 The session, which takes longest to start, is begun before anything of the screen is imported.
 """
 
+import gc
 import os
 import socket
 import time
@@ -29,10 +30,13 @@ def sail(serve: Callable[[str], NoReturn], path: str | None, token: str | None) 
     """
     where = path or str(free_socket())
     voyage = Voyage(Child(lambda: serve(where)))
+    gc.disable()  # what is imported is no garbage; the session wants the processor
     try:
         from trainer.screen.launch import Visit, Voice  # noqa: PLC0415  while the session starts
 
         visit = Visit.prepare(Voice(where, "instructor", token or ""), own=True)
+        gc.freeze()
+        gc.enable()
         listens = voyage.await_line(f"{LISTENING}{where}")
         if listens:
             visit.show()
