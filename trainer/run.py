@@ -25,7 +25,6 @@ from trainer.io.no_recording import NoRecording
 from trainer.io.recording import Recording, RecordingError
 from trainer.io.teletype import course
 from trainer.ledger import SECOND
-from trainer.nmea.outlets import open_outlets
 from trainer.pacer import Policy
 from trainer.plan import Plan, plan_run
 from trainer.ports import PATIENCE, Ports, unhurried
@@ -148,7 +147,10 @@ def open_ports(ports: Ports, session: Session, options: dict[str, Any]) -> None:
     elif not options["headless"]:
         quick = unhurried(options)
         session.board.stations.append(ports.terminal(unhurried=quick))
-    session.board.stations += open_outlets(ports, session.history.recording, options)
+    if options["nmea"] or options["nmea_record"] is not None:
+        from trainer.nmea.outlets import open_outlets  # noqa: PLC0415  what runs seldom have
+
+        session.board.stations += open_outlets(ports, session.history.recording, options)
     session.reception = ports.lobby(options) or Closed()
     for station in session.board.stations:
         session.greet(station)
