@@ -1,5 +1,6 @@
 """What is subscribed is sent: the latest only, at its rate, and never in the way of the tick."""
 
+import sys
 import threading
 from collections.abc import Callable, Iterator
 
@@ -295,6 +296,23 @@ def test_nothing_is_computed_for_nobody(roster: Roster) -> None:
     assert wait == float("inf")
     assert not to.lines
     assert not roster.troubles
+
+
+def test_subscriptions_that_come_and_go_leave_nothing_in_memory(roster: Roster) -> None:
+    for _ in range(15):
+        roster.add(ticks()[1])
+
+    def come_and_go(times: int) -> None:
+        for _ in range(times):
+            _, subscription = ticks()
+            roster.add(subscription)
+            roster.strike(subscription)
+
+    come_and_go(50)
+    before = sys.getallocatedblocks()
+    come_and_go(500)
+
+    assert sys.getallocatedblocks() - before < 100
 
 
 def test_a_run_that_keeps_no_time_shows_every_tick_in_the_callers_thread(

@@ -65,17 +65,18 @@ class Roster:
         self.troubles: deque[str] = deque(maxlen=TROUBLES)
         self._lookout = lookout
         self._change = threading.Lock()  # of the list, which is replaced and never altered
-        self._subscriptions: tuple[Subscription, ...] = ()
+        # no tuple: one made of what is left over is hoarded by Python when it is dropped
+        self._subscriptions: list[Subscription] = []
 
     def add(self, subscription: Subscription) -> None:
         """Enter a subscription."""
         with self._change:
-            self._subscriptions = (*self._subscriptions, subscription)
+            self._subscriptions = [*self._subscriptions, subscription]
 
     def strike(self, subscription: Subscription) -> None:
         """Take a subscription off; it need not be there any more."""
         with self._change:
-            self._subscriptions = tuple(s for s in self._subscriptions if s is not subscription)
+            self._subscriptions = [s for s in self._subscriptions if s is not subscription]
 
     def serve(self, picture: Picture, now: float) -> float:
         """Send the picture to all that may have it; return the time [s] until the next may."""
