@@ -2,6 +2,7 @@
 
 import contextlib
 import csv
+import functools
 import json
 import os
 import random
@@ -16,6 +17,7 @@ import time
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field, replace
 from pathlib import Path
+from typing import Any
 
 import pytest
 from hypothesis import given, settings
@@ -510,6 +512,50 @@ def test_what_is_written_without_a_pause_is_not_written_ahead_without_end(
 
     assert most < 2 * 2_000_000
     assert home > 10_000_000
+
+
+class Bringing(sqlite3.Connection):
+    """A connection that notes when two bring home at a time; the checkpoints' own is slow at it."""
+
+    at_it = 0
+    together = 0
+    slow_begun = threading.Event()
+    written = threading.Event()
+
+    def execute(self, sql: str, /, *values: Any) -> sqlite3.Cursor:
+        if sql != checkpoint.BRING_HOME:
+            return super().execute(sql, *values)
+        Bringing.at_it += 1
+        Bringing.together += Bringing.at_it > 1
+        try:
+            if threading.current_thread().name == "checkpoints":
+                Bringing.slow_begun.set()
+                Bringing.written.wait(0.3)  # longer than all takes that is written meanwhile
+            return super().execute(sql, *values)
+        finally:
+            Bringing.at_it -= 1
+
+
+def test_a_writer_far_ahead_waits_for_what_is_being_brought_home(
+    path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(checkpoint, "WORTHWHILE", 100_000)
+    monkeypatch.setattr(checkpoint, "EVERY", 0.002)
+    monkeypatch.setattr(checkpoint, "FAR", 1_000_000)
+    monkeypatch.setattr(sqlite3, "connect", functools.partial(sqlite3.connect, factory=Bringing))
+    ahead = path.with_name(path.name + "-wal")
+    with closing(begin(path)) as recording:
+        for tick in range(1, 200):
+            recording.state(tick, state_of(tick))
+        recording.flush()
+        assert Bringing.slow_begun.wait(20.0)
+        for tick in range(200, 3_000):
+            recording.state(tick, state_of(tick))
+        recording.flush()
+        Bringing.written.set()
+
+        assert Bringing.together == 0
+        assert ahead.stat().st_size < 3_000_000
 
 
 def test_a_reader_who_stays_in_the_past_is_waited_for_once_in_a_while_only(

@@ -28,6 +28,7 @@ class Checkpointer:
         self._written_ahead = path.with_name(path.name + "-wal")
         self._file = _identity(path)
         self._bound = FAR  # [bytes] written ahead at which the writer waits
+        self._bringing = threading.Lock()  # two at a time SQLite refuses
         self._closing = threading.Event()
         self._thread = threading.Thread(target=self._run, name="checkpoints", daemon=True)
         self._thread.start()
@@ -45,15 +46,17 @@ class Checkpointer:
     def relieve(self, writing: sqlite3.Connection) -> None:
         """Bring all home with the writer's own connection, between two commits, if it is too much.
 
-        What a reader still looks at has to stay ahead; it is tried again after as much again.
+        What the thread is bringing home is waited for, or it would grow by all that is written in
+        the meantime. What a reader still looks at has to stay ahead; it is tried again after as
+        much again.
         """
         with contextlib.suppress(OSError, sqlite3.Error):  # it is all there, if not at home
             ahead = self._written_ahead.stat().st_size
             if ahead < self._bound:
                 return
-            busy, written, brought_home = writing.execute(BRING_HOME).fetchone()
-            if not busy:
-                self._bound = FAR if written == brought_home else ahead + FAR
+            with self._bringing:
+                _, written, brought_home = writing.execute(BRING_HOME).fetchone()
+            self._bound = FAR if written == brought_home else ahead + FAR
 
     def _run(self) -> None:
         try:
@@ -69,7 +72,8 @@ class Checkpointer:
         with contextlib.suppress(OSError, sqlite3.Error):  # the next look may do better
             if self._written_ahead.stat().st_size < WORTHWHILE:
                 return
-            _, written, brought_home = connection.execute(BRING_HOME).fetchone()
+            with self._bringing:
+                _, written, brought_home = connection.execute(BRING_HOME).fetchone()
             if written == brought_home:
                 # Whoever writes next begins the file anew and waits for the disk: be that one.
                 connection.execute(TOUCH)
