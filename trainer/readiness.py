@@ -4,7 +4,7 @@ import gc
 
 import click
 
-from trainer import casualty, compilation
+from trainer import casualty, compilation, headroom
 from trainer.boat import Boat
 from trainer.config import ConfigError
 from trainer.fitout import KNOT
@@ -15,6 +15,7 @@ from trainer.watch import Limits, Watch
 
 def warm(boat: Boat) -> None:
     """Try the boat out, compiling her if need be: nothing compiles once the clock runs."""
+    headroom.one_heap()  # before there are other threads
     compiled = compilation.done_without() or compilation.kept()
     if not compiled:
         click.echo("compiling the boat, this once (some 20 seconds) ...", err=True)
