@@ -171,7 +171,7 @@ def test_an_audit_misses_a_tick_that_the_ledger_lacks(recording: Path) -> None:
 
 def test_memory_that_grows_after_the_warm_up_is_seen() -> None:
     level = [Sample(float(at), 100_000 + 2_000 * (at < 30)) for at in range(100)]
-    growing = [Sample(float(at), 100_000 + 100 * at) for at in range(100)]
+    growing = [Sample(float(at), 100_000 + 6 * at) for at in range(100)]
     assert flat(level).kept
     assert not flat(growing).kept
     assert "not judged: 2 looks" in flat(growing[:3]).seen
