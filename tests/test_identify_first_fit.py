@@ -1,6 +1,7 @@
 """The first fit of a version: by the interpreter, until the machine code is there."""
 
 import os
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -10,6 +11,7 @@ import pytest
 from trainer.identify import first_fit
 from trainer.identify.first_fit import _answer
 
+NUMBER = re.compile(r"-?\d+(?:\.\d+)?(?:e[-+]\d+)?")
 SLOW = "import sys; sys.stdin.read()"  # ends when it is let
 WAITS = "from trainer.identify import first_fit\nwith first_fit.alone():\n    pass"
 TELLS = """
@@ -91,8 +93,13 @@ def code(folder):
     return {path.name for path in folder.rglob("*.nbc")}
 
 
+def numbers(page):
+    """Return the numbers on a page, of which some are what is left where others cancel."""
+    return [float(each) for each in NUMBER.findall(page)]
+
+
 @pytest.mark.long
-def test_what_is_compiled_beside_is_all_that_a_fit_needs_and_gives_the_same_page(tmp_path):
+def test_what_is_compiled_beside_is_all_that_a_fit_needs_and_gives_the_same_numbers(tmp_path):
     path = study(tmp_path)
     page, _ = python(tmp_path, "-m", "trainer", "identify", path, NUMBA_DISABLE_JIT="1")
     assert "settled" in page
@@ -100,7 +107,8 @@ def test_what_is_compiled_beside_is_all_that_a_fit_needs_and_gives_the_same_page
     before = code(tmp_path)
     assert any("information_rows" in name for name in before)
     again, said = python(tmp_path, "-m", "trainer", "identify", path)
-    assert again == page
+    assert numbers(again) == pytest.approx(numbers(page), rel=2e-3)
+    assert NUMBER.sub("", again) == NUMBER.sub("", page)
     assert "first fit" not in said
     assert code(tmp_path) == before
 
