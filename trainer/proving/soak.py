@@ -15,6 +15,7 @@ from random import Random
 from typing import Any, Final
 
 from trainer.proving.audit import Check, audit
+from trainer.proving.in_use import level
 from trainer.proving.operators import Watchbill, attend, instruct
 from trainer.proving.served import Served
 
@@ -118,7 +119,8 @@ def _soak(plan: Plan, exercise: Path, path: Path, progress: Callable[[str, int],
             progress("soak", bill.tick)
             bill.over.wait(EVERY)
     wall = time.monotonic() - begun
-    checks = [_ended(session), *_told(session, plan), flat(samples), *audit(path, bill.answered)]
+    checks = [_ended(session), *_told(session, plan), flat(samples), level(session.account)]
+    checks += audit(path, bill.answered)
     return Soaked(
         plan=plan,
         wall_s=wall,
