@@ -235,6 +235,23 @@ def test_a_killed_console_leaves_the_session_to_who_is_left(
     assert gone(where)
 
 
+STUCK = """
+import os, signal, threading
+from types import SimpleNamespace
+from trainer.screen.launch import Visit
+
+client = SimpleNamespace(start=lambda: None, close=lambda _: None)
+console = SimpleNamespace(run=threading.Event().wait, exit=lambda _: None)
+threading.Timer(0.2, os.kill, (os.getpid(), signal.SIGHUP)).start()
+Visit(client, None, console).show()
+"""
+
+
+def test_a_screen_that_cannot_end_because_its_terminal_is_gone_is_left() -> None:
+    done = subprocess.run([sys.executable, "-c", STUCK], timeout=PATIENCE, check=False)
+    assert done.returncode == 1
+
+
 @pytest.fixture
 def served(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
     """Return the socket of a session at ten times the clock's speed."""

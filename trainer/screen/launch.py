@@ -3,6 +3,7 @@
 import gc
 import os
 import signal
+import threading
 from dataclasses import dataclass
 from typing import Final
 
@@ -15,6 +16,7 @@ from trainer.screen.posts import POSTS, wishes
 from trainer.screen.sight import Sight
 
 PATIENCE: Final = 2.0  # [s] for the line to be closed
+LEAVING: Final = 3.0  # [s] for a screen that is asked to end
 
 
 def attend(url: str | None, role: str, token: str | None) -> int:
@@ -62,10 +64,20 @@ class Visit:
             raise ConfigError(str(error)) from None
         console = self.console
         gc.freeze()  # the first picture waits for nobody to look through what draws it
-        kept = {number: signal.signal(number, lambda *_: console.exit("")) for number in endings()}
+        # With its terminal gone the screen may wait for ever to write what ends it.
+        last = threading.Timer(LEAVING, os._exit, (1,))
+        last.daemon = True
+
+        def end(*_: object) -> None:
+            console.exit("")
+            if not last.ident:
+                last.start()
+
+        kept = {number: signal.signal(number, end) for number in endings()}
         try:
             why = console.run()
         finally:
+            last.cancel()
             for number, handler in kept.items():
                 signal.signal(number, handler)
             self.client.close(PATIENCE)
