@@ -145,6 +145,16 @@ def console_of(*words: str) -> int:
     return found[0]
 
 
+def running(word: str) -> list[str]:
+    """Return the processes whose command line has a word."""
+    found = []
+    for path in Path("/proc").glob("[0-9]*/cmdline"):
+        with contextlib.suppress(OSError):
+            if word.encode() in path.read_bytes().split(b"\0"):
+                found.append(path.parent.name)
+    return found
+
+
 def command(*words: str) -> str:
     return " ".join([*TRAINER, *words])
 
@@ -250,6 +260,85 @@ Visit(client, None, console).show()
 def test_a_screen_that_cannot_end_because_its_terminal_is_gone_is_left() -> None:
     done = subprocess.run([sys.executable, "-c", STUCK], timeout=PATIENCE, check=False)
     assert done.returncode == 1
+
+
+OPENED, LEFT = b"\x1b[?1049h", b"\x1b[?1049l"  # the screen, over what was on the terminal
+
+
+def told(*command: str, keys: bytes = b"") -> tuple[bytes, int]:
+    """Return what a command writes to a terminal to its end, and its exit code.
+
+    ``keys`` are typed once the screen is there.
+    """
+    far, near = pty.openpty()
+    fcntl.ioctl(near, termios.TIOCSWINSZ, struct.pack("HHHH", 40, 130, 0, 0))
+    environment = os.environ | {"TERM": "xterm-256color"}
+    with subprocess.Popen(
+        command, stdin=near, stdout=near, stderr=near, env=environment, start_new_session=True
+    ) as process:
+        os.close(near)
+        late = threading.Timer(PATIENCE, process.kill)
+        late.start()
+        written = b""
+        with contextlib.suppress(OSError):  # the end of a terminal
+            while some := os.read(far, 65536):
+                written += some
+                if keys and OPENED in written and b"making ready" in written:
+                    os.write(far, keys)
+                    keys = b""
+        late.cancel()
+    os.close(far)
+    return written, process.returncode
+
+
+def test_what_is_mistyped_is_told_where_it_was_typed_and_no_screen_is_opened() -> None:
+    written, code = told(*TRAINER, "run", "periscop-depth")
+
+    assert OPENED not in written
+    assert b"periscope-depth" in written
+    assert code == 2
+
+
+def test_what_a_session_fails_of_as_it_begins_is_told_once_the_screen_is_gone(
+    tmp_path: Path,
+) -> None:
+    nowhere = tmp_path / "nowhere" / "drill.trainer"
+
+    written, code = told(*TRAINER, "run", "--record", str(nowhere))
+
+    assert b"--record" in written.rpartition(LEFT)[2]
+    assert code == 2
+
+
+ENDLESS = """
+import sys, time
+from trainer import places
+from trainer.cli import fail
+from trainer.screen.voyage import sail
+import click
+
+def serve(where):
+    print(places.MAKING_READY, "a boat that never is", file=sys.stderr, flush=True)
+    time.sleep(60)
+
+try:
+    sail(serve, sys.argv[1], None)
+except click.Abort:
+    sys.exit(130)
+"""
+
+
+def test_a_screen_left_before_its_session_is_there_takes_it_along(tmp_path: Path) -> None:
+    begun = time.monotonic()
+    where = str(tmp_path / "s")
+
+    written, code = told(sys.executable, "-c", ENDLESS, where, keys=b"\x1b[21~")
+
+    assert LEFT in written
+    assert code == 130
+    while running(where):
+        assert time.monotonic() - begun < PATIENCE
+        time.sleep(LOOK)
 
 
 @pytest.fixture

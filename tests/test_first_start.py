@@ -202,6 +202,20 @@ def test_numba_describes_each_kind_of_record_once() -> None:
     assert int(described[2]) < 10 < int(described[1])
 
 
+def test_numba_enters_what_it_knows_once() -> None:
+    words = ["run", "--headless", "--duration", "0.5", "--speed", "max"]
+    counted = (
+        "from numba.core.cpu import CPUContext\n"
+        "entered, enter = [], CPUContext.load_additional_registries\n"
+        "CPUContext.load_additional_registries = lambda self: (entered.append(1), enter(self))\n"
+    )
+    code = f"{counted}{BEHIND.format(words=words)}except SystemExit: pass\nprint(len(entered))"
+
+    told = trained(code=code).stdout.splitlines()[-1]
+
+    assert 0 < int(told) < 60  # twice for a kernel that is loaded; it would be 250 times more
+
+
 @pytest.mark.parametrize(
     ("words", "needed"),
     [

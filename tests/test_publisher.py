@@ -112,6 +112,28 @@ def test_a_subscriber_that_comes_late_gets_its_first_line_at_once(
     assert to.await_lines(1) == ["7"]
 
 
+def test_with_nobody_there_a_tick_wakes_no_thread_and_the_first_to_come_is_served_in_one_round(
+    publisher: Publisher, roster: Roster, boat: Boat, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    rounds: list[int] = []
+    serve = roster.serve
+
+    def counted(shown: Picture, now: float) -> float:
+        rounds.append(shown.tick)
+        return serve(shown, now)
+
+    monkeypatch.setattr(roster, "serve", counted)
+    for tick in range(5):
+        publisher.offer(tick, state_at(boat, tick), FROZEN)
+        threading.Event().wait(0.02)  # two rounds would have had time
+    to, subscription = ticks()
+
+    publisher.add(subscription)
+
+    assert to.await_lines(1) == ["4"]
+    assert rounds == [4]
+
+
 def test_a_picture_offered_reaches_all_who_subscribed(publisher: Publisher, boat: Boat) -> None:
     to = [ticks(), ticks(), ticks()]
     for _, subscription in to:

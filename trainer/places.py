@@ -1,4 +1,4 @@
-"""Where a session is found and its recording kept, unless told otherwise."""
+"""Where a session is found and its recording kept, unless told otherwise; how it says so."""
 
 import os
 import re
@@ -10,6 +10,10 @@ from typing import Final
 HOST: Final = "127.0.0.1"
 PORT: Final = 17800
 SUFFIX: Final = ".trainer"
+
+# What a session says of itself as it starts, for its user and for the program that started it
+MAKING_READY: Final = "making ready:"  # what it was told is right
+LISTENING: Final = "listening at"
 
 _OURS: Final = "submarine-trainer"
 

@@ -84,7 +84,8 @@ class Ports:
         self.stack.callback(hub.close, PATIENCE)
         if address is not None:
             with refusing("--listen"):
-                click.echo(f"listening at tcp://{host}:{hub.listen(host, port)}", err=True)
+                there = f"tcp://{host}:{hub.listen(host, port)}"
+                click.echo(f"{places.LISTENING} {there}", err=True)
         if path is not None:
             with refusing("--socket"):
                 listen_here(hub, Path(path))
@@ -158,7 +159,7 @@ def listen_here(hub: Hub, path: Path) -> None:
     """Listen at a local socket, in a folder of this user's own."""
     path.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
     hub.listen_here(path)
-    click.echo(f"listening at {path}", err=True)
+    click.echo(f"{places.LISTENING} {path}", err=True)
 
 
 def joinable(options: dict[str, Any]) -> bool:

@@ -16,11 +16,11 @@ from trainer.watch import Limits, Watch
 def warm(boat: Boat) -> None:
     """Try the boat out, compiling her if need be: nothing compiles once the clock runs."""
     headroom.one_heap()  # before there are other threads
-    compiled = compilation.done_without() or compilation.kept()
-    if not compiled:
+    compiling = compilation.needed()
+    if compiling:
         click.echo("compiling the boat, this once (some 20 seconds) ...", err=True)
     try_out(boat)
-    if not compiled:
+    if compiling:
         compilation.keep()
     if gc.isenabled():  # else this process has just begun, and has no garbage to speak of
         gc.collect()
@@ -47,11 +47,12 @@ def try_out(boat: Boat) -> None:
 
 def refuse_unstable(boat: Boat) -> None:
     """Raise ConfigError if the step makes the boat unstable, naming the largest that does not."""
-    from trainer.study.stability import stable_step  # noqa: PLC0415
+    from trainer.study import stability  # noqa: PLC0415
 
     low, high = boat.file.run.speed_range_kn
-    verdict = stable_step(boat, [low * KNOT, 0.5 * (low + high) * KNOT, high * KNOT])
-    if not verdict.ok:
+    flights = stability.responses(boat, (low * KNOT, 0.5 * (low + high) * KNOT, high * KNOT))
+    if not stability.stable_at(flights.values(), boat.records.scheme, boat.method.step):
+        verdict = stability.stable_step(boat, flights)
         raise ConfigError(
             f"--step {boat.method.step:g} s is not stable with {boat.method.integrator}: "
             f"{verdict.worst}; the largest stable step is {verdict.largest:.3g} s "

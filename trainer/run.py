@@ -13,7 +13,7 @@ from typing import Any
 import click
 import numpy as np
 
-from trainer import headroom, places
+from trainer import compilation, headroom, places
 from trainer.account import account
 from trainer.boat import Boat
 from trainer.clock import Clock, MonotonicClock
@@ -75,6 +75,8 @@ def run_boat(options: dict[str, Any], clock: Clock | None = None) -> int:
 def ready(plan: Plan, options: dict[str, Any]) -> Boat:
     """Return the boat as the plan starts her; ConfigError if she cannot be."""
     boat = Boat(plan.file, plan.method)
+    if options["serve"] and not compilation.needed():
+        click.echo(f"{places.MAKING_READY} {plan.title or plan.file.name}", err=True)
     warm(boat)
     if not options["unsafe_step"]:
         refuse_unstable(boat)

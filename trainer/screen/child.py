@@ -7,6 +7,7 @@ import os
 import signal
 import sys
 import tempfile
+import threading
 import time
 from collections.abc import Callable
 from typing import NoReturn
@@ -24,6 +25,7 @@ class Child:
         """
         self._out, self._err = tempfile.TemporaryFile(), tempfile.TemporaryFile()  # noqa: SIM115
         self._code: int | None = None
+        self._asking = threading.Lock()
         sys.stdout.flush()
         sys.stderr.flush()
         self._process = os.fork()
@@ -43,10 +45,11 @@ class Child:
 
     def ended(self) -> int | None:
         """Return its exit code, of a signal negative; None while it is at work."""
-        if self._code is None:
-            process, status = os.waitpid(self._process, os.WNOHANG)
-            if process:
-                self._code = os.waitstatus_to_exitcode(status)
+        with self._asking:
+            if self._code is None:
+                process, status = os.waitpid(self._process, os.WNOHANG)
+                if process:
+                    self._code = os.waitstatus_to_exitcode(status)
         return self._code
 
     def wait(self, patience: float) -> int | None:

@@ -54,6 +54,10 @@ class Greeting:
     text: str
 
 
+class NeverBegunError(Exception):
+    """There is no session and there will be none."""
+
+
 Item = Joined | Lost | Barred | Greeting | Sentence
 Reach = Callable[[str, threading.Event], Line]
 
@@ -71,7 +75,8 @@ class Client:
     ) -> None:
         """Keep a line to ``url()``; ``role`` is said with its token, ``wishes`` are channels.
 
-        A wish is a channel and how often it is wanted, such as ``at 10 hz``.
+        A wish is a channel and how often it is wanted, such as ``at 10 hz``. ``url`` may wait for
+        the session, and raise NeverBegunError.
         """
         self._url = url
         self._role = role
@@ -85,9 +90,12 @@ class Client:
         self._tags = itertools.cycle(range(10, 1_000_000))
         self._thread = threading.Thread(target=self._run, name="client", daemon=True)
 
-    def start(self) -> None:
-        """Dial, and go on in a thread; LinkError if nobody answers."""
+    def dial(self) -> None:
+        """Have the first line; LinkError if nobody answers."""
         self._first = self._reach(self._url(), self._wake)
+
+    def start(self) -> None:
+        """Keep a line in a thread, beginning with that of ``dial`` if there is one."""
         self._thread.start()
 
     def take(self) -> list[Item]:
@@ -118,6 +126,9 @@ class Client:
             try:
                 open_line = self._first or self._reach(self._url(), self._wake)
                 self._first = None
+            except NeverBegunError as error:
+                self._items.append(Barred(str(error)))
+                return
             except LinkError as error:
                 self._items.append(Lost(str(error)))
             else:

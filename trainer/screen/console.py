@@ -45,7 +45,7 @@ from trainer.screen.posts import POSTS, Place
 from trainer.screen.sight import Sight
 
 RATE: Final = 10.0  # [Hz] of looking
-SOON: Final = 0.01  # [s] until the first look
+SOON: Final = 0.004  # [s] between looks for the first figures
 FUNCTION: Final = re.compile(r"f\d+|ctrl\+c")  # keys that are no part of an order
 SPANS: Final = (60.0, 120.0, 300.0, 600.0, 1200.0)  # [s] of the charts
 PACES: Final = (0.1, 0.2, 0.5, 1.0, 2.0, 4.0, 8.0, 16.0, 32.0, 64.0, 100.0)  # of time
@@ -116,7 +116,7 @@ class Console(App[str], inherit_bindings=False):
     def on_mount(self) -> None:
         """Begin to look; end in good order when asked to from outside."""
         self.sight.hear()  # what has come by now is in the first drawing
-        self.set_timer(SOON, self._look)
+        self._expecting = self.set_interval(SOON, self._expect)
         self.set_interval(1.0 / RATE, self._look)
         if self.sight.instructs:
             self.query_one(Entry).focus()
@@ -191,6 +191,13 @@ class Console(App[str], inherit_bindings=False):
         return ""
 
     # looking
+
+    def _expect(self) -> None:
+        """Show the first figures as soon as they come."""
+        self.sight.hear()
+        if self.sight.picture.changes:
+            self._expecting.stop()
+            self._look()
 
     def _look(self) -> None:
         """Take what has come, and have drawn anew what has changed."""

@@ -4,6 +4,7 @@ import gc
 import os
 import signal
 import threading
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Final
 
@@ -21,22 +22,15 @@ LEAVING: Final = 3.0  # [s] for a screen that is asked to end
 
 def attend(url: str | None, role: str, token: str | None) -> int:
     """Show the screen of a role until its user leaves; return the exit code."""
-    visit = Visit.prepare(Voice(url, role, token or ""), own=False)
-    visit.show()
+    visit = Visit.prepare(lambda: url or places.nearest_session(), role, token)
+    try:
+        visit.client.dial()
+    except LinkError as error:
+        raise ConfigError(str(error)) from None
+    why = visit.show()
+    if why:
+        raise ConfigError(why)
     return 0 if visit.sight.joined or visit.sight.over else 1
-
-
-@dataclass(frozen=True)
-class Voice:
-    """Where a session is, and who speaks to it."""
-
-    url: str | None  # None: this machine's
-    role: str
-    token: str
-
-    def address(self) -> str:
-        """Return where to dial."""
-        return self.url or places.nearest_session()
 
 
 @dataclass(frozen=True)
@@ -48,20 +42,19 @@ class Visit:
     console: Console
 
     @classmethod
-    def prepare(cls, voice: Voice, *, own: bool) -> "Visit":
-        """Return the screen of a voice; a session of its ``own`` ends with it."""
-        post = POSTS[voice.role]
-        client = Client(voice.address, f"{voice.role} {voice.token}".rstrip(), wishes(post))
-        sight = Sight(client, voice.role, post.charts)
+    def prepare(
+        cls, url: Callable[[], str], role: str, token: str | None, *, own: bool = False
+    ) -> "Visit":
+        """Return the screen of a role at ``url()``; a session of its ``own`` ends with it."""
+        post = POSTS[role]
+        client = Client(url, f"{role} {token or ''}".rstrip(), wishes(post))
+        sight = Sight(client, role, post.charts)
         forget_size()
         return cls(client, sight, Console(sight, own=own))
 
-    def show(self) -> None:
-        """Show the screen until its user leaves; ConfigError if there is no session."""
-        try:
-            self.client.start()
-        except LinkError as error:
-            raise ConfigError(str(error)) from None
+    def show(self) -> str:
+        """Show the screen until its user leaves; return why the session did not let it in."""
+        self.client.start()
         console = self.console
         gc.freeze()  # the first picture waits for nobody to look through what draws it
         # With its terminal gone the screen may wait for ever to write what ends it.
@@ -81,8 +74,7 @@ class Visit:
             for number, handler in kept.items():
                 signal.signal(number, handler)
             self.client.close(PATIENCE)
-        if why:
-            raise ConfigError(why)
+        return why or ""
 
 
 def forget_size() -> None:

@@ -77,8 +77,9 @@ class Sight:
     clock: Callable[[], float] = time.monotonic
     picture: Picture = field(default_factory=Picture)
     journal: Journal = field(default_factory=Journal)
+    greeted: bool = False  # the session has taken the role once
     joined: bool = False
-    trouble: str = "no session yet"
+    trouble: str = ""  # with the line
     barred: str = ""
     over: bool = False
     ended: bool = False  # by an order of this screen
@@ -93,7 +94,6 @@ class Sight:
     def __post_init__(self) -> None:
         self.trace = Trace(len(self.charts))
         self._asked: dict[str, Asked] = {}
-        self._greeted = False
 
     @property
     def instructs(self) -> bool:
@@ -145,9 +145,9 @@ class Sight:
     # the line
 
     def _join(self) -> None:
-        if self._greeted:
+        if self.greeted:
             self.journal.add(None, "station", "the line is back")
-        self.joined, self.trouble, self.over, self._greeted = True, "", False, True
+        self.joined, self.trouble, self.over, self.greeted = True, "", False, True
         for words in WIDELY_KNOWN if self.instructs else ():
             self.ask(words)
 
@@ -163,7 +163,7 @@ class Sight:
 
     def _greet(self, text: str) -> None:
         """Keep what whoever comes is told, the first time."""
-        if not self._greeted:
+        if not self.greeted:
             self.briefing.append(text)
             self.journal.add(None, "briefing", text)
 

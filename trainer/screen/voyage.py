@@ -15,11 +15,12 @@ from typing import Final, NoReturn
 import click
 
 from trainer import places
+from trainer.config import ConfigError
 from trainer.screen.child import LOOK, Child
 
 PATIENCE: Final = 2.0  # [s] for a session that goes on to end all the same
 SUMMARY: Final = 30.0  # [s] for a session that was ended to say its last words
-LISTENING: Final = "listening at "
+SOON: Final = (places.MAKING_READY, places.LISTENING)  # a session's first words, if it is to be
 
 
 def sail(serve: Callable[[str], NoReturn], path: str | None, token: str | None) -> int:
@@ -32,18 +33,20 @@ def sail(serve: Callable[[str], NoReturn], path: str | None, token: str | None) 
     voyage = Voyage(Child(lambda: serve(where)))
     gc.disable()  # what is imported is no garbage; the session wants the processor
     try:
-        from trainer.screen.launch import Visit, Voice  # noqa: PLC0415  while the session starts
+        from trainer.screen.launch import Visit  # noqa: PLC0415  while the session starts
 
-        visit = Visit.prepare(Voice(where, "instructor", token or ""), own=True)
+        visit = Visit.prepare(lambda: voyage.address(where), "instructor", token, own=True)
         gc.freeze()
         gc.enable()
-        listens = voyage.await_line(f"{LISTENING}{where}")
-        if listens:
-            visit.show()
+        why = visit.show() if voyage.await_word(*SOON) else ""
     except BaseException:
         voyage.session.terminate()
         raise
-    return voyage.account(SUMMARY if not listens or visit.sight.over else PATIENCE)
+    begun = visit.sight.greeted
+    if not begun and voyage.session.ended() is None:
+        voyage.session.terminate()
+        raise ConfigError(why) if why else click.Abort
+    return voyage.account(PATIENCE if begun and not visit.sight.over else SUMMARY)
 
 
 @dataclass
@@ -53,19 +56,29 @@ class Voyage:
     session: Child
     passed: int = 0  # lines that have been passed on
 
-    def await_line(self, awaited: str) -> bool:
-        """Wait until the session says that line; return whether it lives and has done so."""
+    def await_word(self, *words: str) -> bool:
+        """Pass on what the session says until a line begins so; return whether one did."""
         while self.session.ended() is None:
-            if awaited in self.pass_on():
+            if any(text.startswith(words) for text in self.pass_on()):
                 return True
             time.sleep(LOOK)
         return False
+
+    def address(self, where: str) -> str:
+        """Return ``where`` the session listens, once it does; NeverBegunError if it has ended."""
+        while f"{places.LISTENING} {where}" not in self.session.err.splitlines():
+            if self.session.ended() is not None:
+                from trainer.screen.client import NeverBegunError  # noqa: PLC0415  long imported
+
+                raise NeverBegunError("the session has ended")
+            time.sleep(LOOK)
+        return where
 
     def pass_on(self) -> list[str]:
         """Pass on what the session complains of; return all that it has said there."""
         said = self.session.err.splitlines()
         for text in said[self.passed :]:
-            if not text.startswith(LISTENING):
+            if not text.startswith(SOON):
                 click.echo(text, err=True)
         self.passed = len(said)
         return said

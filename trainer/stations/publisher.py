@@ -68,6 +68,11 @@ class Roster:
         # no tuple: one made of what is left over is hoarded by Python when it is dropped
         self._subscriptions: list[Subscription] = []
 
+    @property
+    def empty(self) -> bool:
+        """Return whether nobody is."""
+        return not self._subscriptions
+
     def add(self, subscription: Subscription) -> None:
         """Enter a subscription."""
         with self._change:
@@ -119,7 +124,8 @@ class Publisher:
     def offer(self, tick: int, state: bytes, pace: Pace) -> None:
         """Let this be the picture to send from now on."""
         self._offered = tick, state, pace
-        self._call()
+        if not self.roster.empty:
+            self._call()
 
     def add(self, subscription: Subscription) -> None:
         """Send to a subscription from now on, the present picture at once."""
@@ -152,7 +158,8 @@ class Publisher:
                 wait = self.roster.serve(Picture(*self._offered), self._clock())
             if closing:
                 return
-            self._closing.wait(1.0 / FASTEST)
+            if not self.roster.empty:  # the first to come is served at once
+                self._closing.wait(1.0 / FASTEST)
 
 
 class Promptly:

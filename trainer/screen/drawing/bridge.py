@@ -14,6 +14,8 @@ def top(sight: Sight, width: int, _height: int) -> Lines:
     wrong = trouble(sight)
     if wrong:
         return [fit(line((f" {wrong} ", "alarm")), width, "alarm")]
+    if not sight.greeted:
+        return [fit(line((f" {sight.role} ", "bright"), ("making ready", "bar")), width, "bar")]
     clockwork = f"{clock(sight.picture.seconds)} "
     left = (*line((f" {sight.role} ", "bright"), (clockwork, "bright")), *pace(sight))
     told = title(sight)
@@ -26,7 +28,7 @@ def trouble(sight: Sight) -> str:
     if sight.over:
         return "THE SESSION IS OVER: F10 leaves"
     if not sight.joined:
-        return f"NO LINE: {sight.trouble}; trying again"
+        return f"NO LINE: {sight.trouble}; trying again" if sight.trouble else ""
     picture = sight.picture
     last = picture.reading(sight.gauges)
     step = last.seconds / last.tick if last.tick else 0.0
