@@ -93,17 +93,18 @@ class Served:
         self.process = process
         self.recording = recording
         self.told: list[str] = []
+        self.port = 0
         self._heard = threading.Event()
         self._reader = threading.Thread(target=self._read)
         self._reader.start()
         assert self._heard.wait(PATIENCE), self.told
-        self.port = int(self.told[0].rpartition(":")[2])
 
     def _read(self) -> None:
         assert self.process.stderr
         for line in self.process.stderr:
             self.told.append(line)
             if "listening at tcp" in line:
+                self.port = int(line.rpartition(":")[2])
                 self._heard.set()
 
     def client(self, role: str = "", token: str = "", *, buffer: int = 0) -> Client:
