@@ -603,6 +603,30 @@ def test_what_can_break_is_asked_of_the_session() -> None:
 # The line
 
 
+@pytest.mark.parametrize("role", ["instructor", *CREW])
+def test_before_the_session_is_there_nothing_is_said_of_the_boat_and_at_once_then(
+    role: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("trainer.screen.console.RATE", 0.01)  # no other look is in time
+    talk = tape(role)
+    held, talk.items = talk.items, []
+    app = Console(sight_of(talk, role))
+
+    async def run() -> None:
+        async with app.run_test(size=(160, 48)) as pilot:
+            await pilot.pause(0.05)
+            early = shown(app)
+            assert "making ready" in early
+            for claim in ("NO LINE", "this boat has", "calm", "none;", "nothing;", "RUNNING"):
+                assert claim not in early
+            talk.items.extend(held)
+            await pilot.pause(0.05)
+            assert "making ready" not in shown(app)
+            assert "RUNNING" in shown(app)
+
+    asyncio.run(run())
+
+
 def test_a_lost_line_is_shown_and_orders_are_not_swallowed() -> None:
     talk = tape()
 

@@ -3,7 +3,15 @@
 from typing import Final
 
 from trainer.screen.drawing.gauges import moved
-from trainer.screen.drawing.wording import NONE, SHORT_BELLS, attitude, course, number, surface
+from trainer.screen.drawing.wording import (
+    NONE,
+    SHORT_BELLS,
+    attitude,
+    course,
+    number,
+    surface,
+    without,
+)
 from trainer.screen.ink import Line, Lines, Run, fit, line
 from trainer.screen.sight import Sight
 
@@ -100,7 +108,8 @@ def scale(sight: Sight, name: str, channel: str, width: int) -> Line:
     actual = picture.smooth(channel, name, sight.clock())
     ordered = picture.number(channel, f"ordered_{name}")
     if actual is None:
-        return line((f" {name:<7}", "dim"), ("this boat has none", "dim"))
+        told = without(picture, channel, "this boat has none")
+        return line((f" {name:<7}", "dim"), (told, "dim"))
     left, right = ENDS[name]
     mode = picture.word(channel, f"{name}_mode")
     ends = line((f" {name:<7}{left} ", "dim")), line((f" {right}  ", "dim"))

@@ -1,6 +1,14 @@
 """The instructor's state at a glance: the boat, her surfaces, tanks, air, the sea, casualties."""
 
-from trainer.screen.drawing.wording import NONE, attitude, bell, course, number, surface
+from trainer.screen.drawing.wording import (
+    NONE,
+    attitude,
+    bell,
+    course,
+    number,
+    surface,
+    without,
+)
 from trainer.screen.ink import Line, Lines, fit, line
 from trainer.screen.sight import Sight
 
@@ -135,7 +143,7 @@ def weight(sight: Sight) -> Line:
 def tanks(sight: Sight) -> Line:
     """Return how full the tanks are [%]."""
     if sight.picture.number("tanks", "auxiliary") is None:
-        return line((" tanks  ", "dim"), "this boat has none")
+        return line((" tanks  ", "dim"), without(sight.picture, "tanks", "this boat has none"))
     parts = [(" tanks ", "dim")]
     for says, names in TANKS:
         shares = "/".join(full(sight, name) for name in names)
@@ -152,7 +160,7 @@ def air(sight: Sight) -> Line:
     """Return the pressures of the banks and what blows."""
     picture = sight.picture
     if not picture.word("air", "main"):
-        return line((" air    ", "dim"), "this boat has none")
+        return line((" air    ", "dim"), without(picture, "air", "this boat has none"))
     main, reserve = picture.number("air", "main"), picture.number("air", "emergency")
     blown = [
         name.removeprefix("blow_")
@@ -181,7 +189,7 @@ def swell(sight: Sight, which: str) -> str:
         sight.picture.number("sea", f"{which}{name}") for name in ("height", "period", "from")
     )
     if not height:
-        return "calm"
+        return without(sight.picture, "sea", "calm")
     return f"{height:.1f} m, {number(period, 0)} s, from {course(origin)}"
 
 
@@ -190,5 +198,6 @@ def broken(sight: Sight) -> Line:
     slots = [name for name in sight.picture.rows("casualties", "casualty_") if name[-1].isdigit()]
     names = [sight.picture.word("casualties", name) for name in slots]
     if not names:
-        return line((" broken ", "dim"), ("nothing; F4 lists what can be", "plain"))
+        told = without(sight.picture, "casualties", "nothing; F4 lists what can be")
+        return line((" broken ", "dim"), (told, "plain"))
     return line((" broken ", "dim"), (f" {', '.join(names)} ", "alarm"))

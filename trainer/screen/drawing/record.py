@@ -1,6 +1,6 @@
 """The log of what was said and done, the line of time, and the ledger."""
 
-from trainer.screen.drawing.wording import number
+from trainer.screen.drawing.wording import number, without
 from trainer.screen.ink import Line, Lines, Run, fit, line
 from trainer.screen.journal import clock, wrapped
 from trainer.screen.sight import Kept, Sight
@@ -96,5 +96,6 @@ def suffering(sight: Sight, width: int, height: int) -> Lines:
             line((f" {picture.word('casualties', name)} ", "alarm"), f" {amount or 0.0:g}{going}")
         )
     if len(lines) == 1:
-        lines.append(line((" none; F4 lists what can break", "dim")))
+        told = without(picture, "casualties", "none; F4 lists what can break")
+        lines.append(line((f" {told}", "dim")))
     return [fit(each, width) for each in lines[:height]]

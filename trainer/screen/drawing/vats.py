@@ -2,7 +2,7 @@
 
 from typing import Final
 
-from trainer.screen.drawing.wording import number
+from trainer.screen.drawing.wording import number, without
 from trainer.screen.ink import Line, Lines, fit, line
 from trainer.screen.sight import Sight
 
@@ -40,7 +40,8 @@ def levels(sight: Sight, width: int, height: int) -> Lines:
     """Return the tanks, what is moved, and what has flooded."""
     picture = sight.picture
     if not picture.word("tanks", "auxiliary"):
-        return [fit(line((" this boat has no tanks", "dim")), width)]
+        told = without(picture, "tanks", "this boat has no tanks")
+        return [fit(line((f" {told}", "dim")), width)]
     lines = [fit(pumping(sight), width, "heading")]
     for name, says in TANKS:
         mass, share = picture.number("tanks", name), picture.number("tanks", f"{name}_full")

@@ -2,6 +2,8 @@
 
 from typing import Final
 
+from trainer.screen.picture import Picture
+
 NONE: Final = "-"
 SIDES: Final = {"rudder": "LR", "stern": "DR", "bow": "DR"}  # negative, positive
 RESTS: Final = 0.05  # [deg] less is zero, on no side
@@ -13,6 +15,11 @@ def number(value: float | None, decimals: int = 1, sign: str = "-") -> str:
     if value is None:
         return NONE
     return f"{round(value, decimals) + 0.0:{sign}.{decimals}f}"
+
+
+def without(picture: Picture, channel: str, says: str) -> str:
+    """Return what the boat's having none means, a dash while nothing has come of a channel."""
+    return says if channel in picture.last else NONE
 
 
 def course(value: float | None, decimals: int = 0) -> str:
