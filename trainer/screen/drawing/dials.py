@@ -108,8 +108,8 @@ def scale(sight: Sight, name: str, channel: str, width: int) -> Line:
     actual = picture.smooth(channel, name, sight.clock())
     ordered = picture.number(channel, f"ordered_{name}")
     if actual is None:
-        told = without(picture, channel, "this boat has none")
-        return line((f" {name:<7}", "dim"), (told, "dim"))
+        lacking = without(picture, channel, "this boat has none")
+        return line((f" {name:<7}", "dim"), (lacking, "dim"))
     left, right = ENDS[name]
     mode = picture.word(channel, f"{name}_mode")
     ends = line((f" {name:<7}{left} ", "dim")), line((f" {right}  ", "dim"))
