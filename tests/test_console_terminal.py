@@ -430,8 +430,9 @@ def test_the_session_takes_every_key_of_the_crew_for_an_order_of_theirs(served: 
 
 async def typed(app: Console, keys: list[str]) -> list[Entry]:
     """Return the log of a screen at which keys are pressed, once all is answered."""
+    wanted = set(POSTS[app.sight.role].channels)
     async with app.run_test() as pilot:
-        while not app.sight.picture.seconds:
+        while not app.sight.picture.seconds or not wanted <= set(app.sight.picture.last):
             await pilot.pause(LOOK)
         await pilot.press(*keys)
         app.sight.order("who")
