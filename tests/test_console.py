@@ -8,6 +8,7 @@ import socket
 import subprocess
 import sys
 import threading
+import time
 from collections.abc import Awaitable, Callable, Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -38,6 +39,7 @@ from trainer.stations.roles import ROLES, refusal
 
 ROOT = Path(__file__).parent.parent
 STYLE = ROOT / "trainer" / "screen" / "console.tcss"
+PATIENCE = 10.0  # [s]
 SIZES = ((80, 24), (20, 5), (300, 100), (160, 48), (1, 1))
 CREW = ("helm", "planes", "ballast", "diving", "observer")
 VALUES = {
@@ -152,6 +154,14 @@ def at_the_console(
 def shown(app: Console) -> str:
     """Return the text of every drawing that is on the screen."""
     return "\n".join(plain(p.lines) for p in app.screen.query(Pane) if p.display and p.size.height)
+
+
+async def seen(pilot: Pilot[str], app: Console, text: str) -> None:
+    """Wait until a text is on the screen."""
+    end = time.monotonic() + PATIENCE
+    while text not in shown(app):
+        assert time.monotonic() < end, f"{text!r} is not shown:\n{shown(app)}"
+        await pilot.pause(0.02)
 
 
 def pressed(keys: tuple[str, ...], role: str = "instructor", talk: Tape | None = None) -> list[str]:
@@ -344,8 +354,7 @@ def test_page_up_looks_back_in_the_log_and_page_down_returns() -> None:
         await pilot.pause(0.15)
         assert newest not in shown(app)
         await pilot.press("pagedown", "pagedown")
-        await pilot.pause(0.15)
-        assert newest in shown(app)
+        await seen(pilot, app, newest)
 
     assert at_the_console(press, talk)[1].orders == []
 
@@ -377,8 +386,7 @@ def test_what_is_sent_and_answered_stands_in_the_log() -> None:
 
     async def order(pilot: Pilot[str], app: Console) -> None:
         await pilot.press(*typed("depth 70"), "enter", *typed("rudder left 90"), "enter")
-        await pilot.pause(0.15)
-        assert "> depth 70\n" in shown(app)
+        await seen(pilot, app, "> depth 70\n")
         assert "depth 70: done" in shown(app)
         assert "? beyond the limit of 30" in shown(app)
 
@@ -478,8 +486,7 @@ def test_nothing_is_said_by_colour_alone(monkeypatch: pytest.MonkeyPatch) -> Non
         for words in ("FROZEN", "REPLAY", "HELD: depth", "broken  stern-stuck", "BLOWING"):
             assert words in text, words
         await pilot.press("f4")
-        await pilot.pause(0.1)
-        assert "> stern-stuck                ACTIVE" in shown(app)
+        await seen(pilot, app, "> stern-stuck                ACTIVE")
 
     at_the_console(look, talk)
 
@@ -614,15 +621,13 @@ def test_before_the_session_is_there_nothing_is_said_of_the_boat_and_at_once_the
 
     async def run() -> None:
         async with app.run_test(size=(160, 48)) as pilot:
-            await pilot.pause(0.05)
+            await seen(pilot, app, "making ready")
             early = shown(app)
-            assert "making ready" in early
             for claim in ("NO LINE", "this boat has", "calm", "none;", "nothing;", "RUNNING"):
                 assert claim not in early
             talk.items.extend(held)
-            await pilot.pause(0.05)
+            await seen(pilot, app, "RUNNING")
             assert "making ready" not in shown(app)
-            assert "RUNNING" in shown(app)
 
     asyncio.run(run())
 
@@ -633,11 +638,9 @@ def test_a_lost_line_is_shown_and_orders_are_not_swallowed() -> None:
     async def lose(pilot: Pilot[str], app: Console) -> None:
         talk.connected = False
         talk.items.append(Lost("the session has closed the line"))
-        await pilot.pause(0.15)
-        assert "NO LINE: the session has closed the line; trying again" in shown(app)
+        await seen(pilot, app, "NO LINE: the session has closed the line; trying again")
         await pilot.press("f3")
-        await pilot.pause(0.15)
-        assert "? not sent" in shown(app)
+        await seen(pilot, app, "? not sent")
         talk.connected = True
         talk.items.append(Joined())
         await pilot.pause(0.15)
@@ -659,8 +662,7 @@ def test_a_session_that_says_nothing_more_is_called_out() -> None:
             await pilot.pause(0.15)
             assert "NO DATA" not in shown(app)
             now[0] += 7.0
-            await pilot.pause(0.15)
-            assert "NO DATA for 7 s" in shown(app)
+            await seen(pilot, app, "NO DATA for 7 s")
 
     asyncio.run(wait())
 
@@ -681,8 +683,7 @@ def test_the_end_of_the_session_is_shown_and_ends_the_console_that_ordered_it() 
 
     async def end(pilot: Pilot[str], app: Console) -> None:
         talk.say(over)
-        await pilot.pause(0.15)
-        assert "THE SESSION IS OVER" in shown(app)
+        await seen(pilot, app, "THE SESSION IS OVER")
         await pilot.press("f10")
 
     assert at_the_console(end, talk)[0].return_value == ""
