@@ -14,12 +14,13 @@ from trainer import cli
 from trainer.boat import Boat
 from trainer.config import ConfigError
 from trainer.files.vessel_file import load_vessel
+from trainer.io.recording import Recording
 from trainer.ledger import Spread
 from trainer.study import bench as bench_module
 from trainer.study.batches import BATCH_NS, BATCHES, Batches, long_enough, time_batches
 from trainer.study.bench import Figures, bench, cpu_model, pace, samples_up
 from trainer.study.bench_page import render
-from trainer.study.hot import CASUALTIES, take_ticks
+from trainer.study.hot import CASUALTIES, STANDARD, ready, take_ticks
 from trainer.study.latency import effect
 
 
@@ -45,12 +46,32 @@ def test_duty_cycle_is_work_over_step_and_is_compared_with_1969(figures: Figures
     assert whole.times_less_than_1969 == pytest.approx(19.0 / whole.duty_cycle_percent)
     # waiting counted as work would make it nearly all of the time
     assert 0.0 < half.duty_cycle_percent < 50.0
+    assert 0.0 < half.unrecorded_percent < 50.0
+
+
+def test_half_of_the_ticks_are_recorded(monkeypatch: pytest.MonkeyPatch) -> None:
+    begun: list[Recording] = []
+    create = bench_module.temporary
+
+    def temporary(boat: Boat) -> Recording:
+        begun.append(create(boat))
+        return begun[-1]
+
+    monkeypatch.setattr(bench_module, "temporary", temporary)
+    boat = ready(load_vessel("bb2"), STANDARD, 0.5)
+    ticks: list[int] = []
+
+    pace(boat, 1, ticks.append)
+
+    assert len(begun) == 1
+    assert ticks == [1, 2, 3, 4]
 
 
 def test_percentiles_rise_to_the_maximum(figures: Figures) -> None:
     for run in figures.real_time:
+        assert run.work.p50_ns > 0
         for spread in (run.work, run.lateness):
-            assert 0 < spread.p50_ns <= spread.p99_ns <= spread.p999_ns <= spread.max_ns
+            assert 0 <= spread.p50_ns <= spread.p99_ns <= spread.p999_ns <= spread.max_ns
 
 
 def test_a_percentile_tells_how_many_ticks_it_rests_on() -> None:

@@ -12,7 +12,8 @@ from trainer.commands.options import VESSEL_HELP
     type=click.IntRange(1, 3600),
     default=10,
     show_default=True,
-    help="Of real time for each step, and for the orders over TCP; --latency gives four in each.",
+    help="Of real time for each step, recorded and not, and for the orders over TCP; --latency "
+    "gives four in each.",
 )
 @click.option("--against-c", is_flag=True, help="Only the tick against plain C, compiled here.")
 @click.option("--side-by-side", is_flag=True, help="Only how fast many boats are flown at once.")

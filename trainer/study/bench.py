@@ -26,7 +26,9 @@ from trainer.core.scratch import SCRATCH
 from trainer.core.state import STATE
 from trainer.core.vessel import COMPACT, VESSEL
 from trainer.files.vessel_file import VesselFile
-from trainer.ledger import Spread
+from trainer.io.no_recording import NoRecording
+from trainer.io.recording import Recording
+from trainer.ledger import Spread, Summary
 from trainer.study.attended import Attended, run_to, session_of, temporary, time_attended
 from trainer.study.hot import STANDARD, Troubled, Update, ready, time_troubled, time_update
 from trainer.study.latency import SPEED, Latency, time_orders
@@ -69,6 +71,7 @@ class Paced:
     duty_cycle_percent: float
     duty_cycle_1969_percent: float
     times_less_than_1969: float
+    unrecorded_percent: float  # the duty cycle of as many ticks more, without a recording
     work: Spread
     lateness: Spread
     samples_from_p99_up: int  # so few ticks each percentile rests on
@@ -103,13 +106,14 @@ class Figures:
 
 
 def bench(file: VesselFile, seconds: int) -> Figures:
-    """Return the figures of a boat, after ``seconds`` [s] of real time at each step of 1969.
+    """Return the figures of a boat, after twice ``seconds`` [s] of real time at each step of 1969.
 
     For as long it is steered over TCP. ConfigError if the boat cannot fly straight, or loses its
     numbers at such a step.
     """
     ordered = ready(file, HOT[0], file.run.step_s)
-    length = sum(round(seconds / step) for step in (*DUTY_1969, file.run.step_s / SPEED))
+    twice = (*DUTY_1969, *DUTY_1969, file.run.step_s / SPEED)  # recorded, and not
+    length = sum(round(seconds / step) for step in twice)
     quiet = not sys.stderr.isatty()
     with click.progressbar(length=length, label="ticking", file=sys.stderr, hidden=quiet) as bar:
         paced = tuple(
@@ -133,10 +137,16 @@ def bench(file: VesselFile, seconds: int) -> Figures:
 def pace(boat: Boat, seconds: int, progress: Callable[[int], None]) -> Paced:
     """Return what became of the ticks of ``seconds`` [s] of real time."""
     step = boat.method.step
-    with session_of(boat, 1.0, temporary(boat), ("teletype",)) as session:
-        session.progress = progress
-        run_to(session, round(seconds / step))
-    ledger = session.time.ledger.summary()
+    ticks = round(seconds / step)
+
+    def kept(recording: Recording | NoRecording, last_tick: int) -> Summary:
+        with session_of(boat, 1.0, recording, ("teletype",)) as session:
+            session.progress = progress
+            run_to(session, last_tick)
+        return session.time.ledger.summary()
+
+    ledger = kept(temporary(boat), ticks)
+    unrecorded = kept(NoRecording(), 2 * ticks)
     percent = 100.0 * ledger.duty_cycle
     return Paced(
         step_s=step,
@@ -144,6 +154,7 @@ def pace(boat: Boat, seconds: int, progress: Callable[[int], None]) -> Paced:
         duty_cycle_percent=percent,
         duty_cycle_1969_percent=DUTY_1969[step],
         times_less_than_1969=DUTY_1969[step] / percent,
+        unrecorded_percent=100.0 * unrecorded.duty_cycle,
         work=ledger.work,
         lateness=ledger.lateness,
         samples_from_p99_up=samples_up(ledger.ticks, 990),

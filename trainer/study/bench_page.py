@@ -51,6 +51,7 @@ def _real_time(paced: Iterable[Paced]) -> list[str]:
             _spread("lateness", run.lateness),
             f"    {run.ticks} ticks: 99 % rests on the {p99}, 99.9 % on the {p999}",
             f"    {missed}, gaps {run.gaps}",
+            f"    duty cycle of as many ticks without the recording {run.unrecorded_percent:.4f} %",
         ]
     return lines
 
