@@ -15,7 +15,17 @@ import pytest
 
 from trainer.clock import MonotonicClock
 from trainer.ledger import RECENT, SECOND, Histogram, Ledger
-from trainer.pacer import MAX_CATCH_UP, Event, Happening, Pacer, Policy, Unpaced, Waited
+from trainer.pacer import (
+    MAX_CATCH_UP,
+    SLOWEST,
+    Event,
+    Happening,
+    Pacer,
+    Policy,
+    Unpaced,
+    Waited,
+)
+from trainer.timekeeping import Timekeeping
 
 PERIOD = SECOND // 2  # [ns] of the step 0.5 s at speed 1, which most tests use
 
@@ -510,3 +520,80 @@ def test_a_real_process_stopped_for_five_seconds_has_a_gap_and_no_burst() -> Non
     assert min(np.diff(starts)) > 0.8 * PERIOD
     assert (gaps, caught_up, skipped) == (1, 0, 0)
     assert gap_ns / SECOND == pytest.approx(4.6, abs=0.8)  # it slept 0.4 s of it by rights
+
+
+def overloaded(
+    policy: Policy, cost: float, ticks: int
+) -> tuple[Timekeeping, list[tuple[str, str]]]:
+    """Return time kept at x100 by ticks of 0.5 s that cost so many periods; and what was told."""
+    clock = FakeClock()
+    keeping = Timekeeping.at(clock, 0.5, 100.0, policy)
+    keeping.pacer.run()
+    told: list[tuple[str, str]] = []
+    wake = threading.Event()
+    for _ in range(ticks):
+        assert keeping.pacer.wait(wake) is Waited.DUE
+        keeping.pacer.begin()
+        clock.work(periods(cost / 100))
+        told += keeping.judge(keeping.pacer.end())
+    return keeping, told
+
+
+def test_a_late_tick_waits_for_what_has_arrived_but_not_for_a_flood_of_it() -> None:
+    bench = Bench(Policy.SLIP)
+    bench.tick(periods(3))  # every tick is late from here on
+    for _ in range(3):
+        bench.wake.set()  # and never cleared: there is always more
+        assert bench.pacer.wait(bench.wake) is Waited.WOKEN
+        bench.tick(periods(3))
+
+
+def test_what_was_heard_before_a_deadline_does_not_make_its_tick_later() -> None:
+    bench = Bench()
+    bench.tick(0)
+    bench.wake.set()
+    assert bench.pacer.wait(bench.wake) is Waited.WOKEN
+    bench.clock.work(periods(1.1))  # hearing it took beyond the deadline
+    assert bench.pacer.wait(bench.wake) is Waited.DUE
+
+
+@pytest.mark.parametrize("policy", [Policy.SLIP, Policy.CATCH_UP])
+def test_the_speed_falls_to_what_the_machine_holds_and_that_is_said_once(policy: Policy) -> None:
+    keeping, told = overloaded(policy, cost=4.0, ticks=3000)
+
+    assert keeping.speed == 20.0  # a quarter of 100, and a fifth of the clock to spare
+    assert [kind for kind, _ in told] == ["trouble", "time"]
+    assert "slipped" in told[0][1]
+    assert told[1][1] == "time x100 is more than this machine holds: x20 from here on"
+    assert isinstance(keeping.pacer, Pacer)
+    assert not keeping.frozen
+
+
+def test_a_machine_that_holds_no_more_than_the_slowest_speed_goes_on_at_that() -> None:
+    keeping, _ = overloaded(Policy.CATCH_UP, cost=4000.0, ticks=100)
+    assert keeping.speed == SLOWEST
+
+
+def test_a_machine_that_stumbles_keeps_its_speed() -> None:
+    keeping, told = overloaded(Policy.CATCH_UP, cost=0.5, ticks=10)
+    for _ in range(20):
+        keeping.clock.work(periods(0.2))  # type: ignore[attr-defined]  ten periods' hold-up
+        for _ in range(50):
+            keeping.pacer.wait(threading.Event())
+            keeping.pacer.begin()
+            told += keeping.judge(keeping.pacer.end())
+
+    assert keeping.ledger.skipped > 50
+    assert keeping.speed == 100.0
+    assert len(told) == 1  # the first slip, and no line for each of the others
+
+
+def test_a_slip_after_a_quiet_time_is_told_again() -> None:
+    keeping, told = overloaded(Policy.SLIP, cost=0.5, ticks=1)
+    for _ in range(3):
+        for cost in (3.0, *[0.0] * 2100):  # 10.5 s on time
+            keeping.pacer.wait(threading.Event())
+            keeping.pacer.begin()
+            keeping.clock.work(periods(cost / 100))  # type: ignore[attr-defined]
+            told += keeping.judge(keeping.pacer.end())
+    assert len(told) == 3

@@ -87,6 +87,7 @@ class Pacer:
         self._deadline = self._start = 0  # of the tick at work
         self._seen = self._seen_cpu = 0  # when the thread was last known to be running
         self._in_a_row = 0
+        self._listened = False  # a wait has ended in WOKEN since the last tick
         self._events: list[Event] = []
 
     def run(self) -> None:
@@ -114,14 +115,21 @@ class Pacer:
             self.run()
 
     def wait(self, wake: threading.Event) -> Waited:
-        """Return DUE when the next tick is, WOKEN if ``wake`` is set before it or in a freeze."""
+        """Return DUE when the next tick is, WOKEN if ``wake`` is set before it or in a freeze.
+
+        A tick that is late waits for what has arrived once, and not for a flood of it.
+        """
         if self.frozen:
             _wait_frozen(self._clock, wake)
+            self._listened = True
             return WOKEN
         entered = self._clock.now()
         if still := self._look(entered):
             self._gap(still, entered)
         due = self._next
+        if entered >= due and not self._listened and wake.is_set():
+            self._listened = True
+            return WOKEN
         awaited = max(due, entered)
         latest = awaited + self._overslept
         reached = self._clock.wait_until(due, wake)
@@ -130,6 +138,7 @@ class Pacer:
             self._gap(now - awaited, now)
         self._seen = now  # it has slept since, and used the processor for SPIN at most
         self._woke = reached
+        self._listened = not reached
         return DUE if reached else WOKEN
 
     def begin(self) -> None:

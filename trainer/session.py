@@ -16,7 +16,8 @@ from trainer.history import History
 from trainer.io.csv_file import Columns
 from trainer.io.orders import Order
 from trainer.io.schedule import Scheduled
-from trainer.pacer import WOKEN
+from trainer.ledger import SECOND
+from trainer.pacer import WOKEN, Event
 from trainer.reply import Refused, Reply
 from trainer.stations.display import panel
 from trainer.stations.frame import Lookout, Pace, Picture
@@ -29,6 +30,7 @@ from trainer.timekeeping import Timekeeping
 from trainer.watch import Watch
 
 HINT: Final = "type an order, such as: depth 80   course 090   rudder left 15   help   quit"
+AT_A_TIME: Final = SECOND // 20  # [ns] of single steps before the stations are heard again
 LINES_AT_A_TIME: Final = 32  # of one station before the clock is looked at again
 PATIENCE: Final = 0.5  # [s] for a line to get out what it was sent before it is closed
 # orders by which everybody can tell that something has been done with time
@@ -84,7 +86,7 @@ class Session:
             else:
                 self._tick()
             if self.desk.steps:
-                self._take_steps()  # those of the schedule
+                self._take_steps()  # those of the schedule, and those still to be taken
 
     def stop(self) -> None:
         """End the run after the present tick; may be called from another thread."""
@@ -131,8 +133,15 @@ class Session:
             self.desk.ended = True
 
     def _take_steps(self) -> None:
-        """Take the single steps that were ordered, as long as time stands still."""
+        """Take the single steps that were ordered, as long as time stands still.
+
+        Where they take long, what the stations say is heard between them.
+        """
+        until = self.time.clock.now() + AT_A_TIME
         while self.desk.steps and self.time.frozen and not self._over:
+            if self.time.clock.now() > until:
+                self.wake.set()
+                return
             self.desk.steps -= 1
             self._tick()
 
@@ -142,7 +151,7 @@ class Session:
             return False
         silent = all(station.line.ended for station in self.board.stations)
         self.listen()  # what came before the silence
-        return silent and self.time.frozen and not self._over
+        return silent and self.time.frozen and not self._over and not self.desk.steps
 
     # Orders
 
@@ -264,10 +273,18 @@ class Session:
             self.desk.steps = 0
         if pacer.frozen and not was_frozen:
             self._show()
-        for event in events:
-            self.board.tell("trouble", str(event))
+        if events:
+            self._tell_late(events)
         if self.progress:
             self.progress(tick)
+
+    def _tell_late(self, events: tuple[Event, ...]) -> None:
+        """Tell of a tick that was late, and show the speed if it had to fall."""
+        speed = self.time.speed
+        for kind, text in self.time.judge(events):
+            self.board.tell(kind, text)
+        if self.time.speed != speed:
+            self._show()
 
     def _after_tick(self, tick: int) -> None:
         """Keep the state, show it, and call out what it means."""

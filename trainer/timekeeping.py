@@ -4,11 +4,61 @@ import contextlib
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, field
+from typing import Final
 
 from trainer.clock import Clock
-from trainer.ledger import Ledger
-from trainer.pacer import Pacer, Policy, Unpaced
+from trainer.ledger import SECOND, Ledger
+from trainer.pacer import MAX_CATCH_UP, SLOWEST, Event, Happening, Pacer, Policy, Unpaced
 from trainer.punctuality import Punctuality, Unasked
+
+QUIET: Final = 10 * SECOND  # [ns] without a slip, after which the next one is told
+SUSTAINED: Final = SECOND  # [ns] of slipping until the speed falls
+FEWEST: Final = (
+    5  # [-] overruns in that time; a machine that stumbles once or twice keeps its speed
+)
+SHARE: Final = 0.8  # [-] of the clock that ticks take at the speed that is fallen to
+
+
+@dataclass(frozen=True)
+class Mark:
+    """Where the ledger stood at a moment of the clock."""
+
+    now: int  # [ns]
+    ticks: int
+    overruns: int
+
+
+class Slips:
+    """Slips of the schedule that follow each other: told once, and judged as a whole."""
+
+    def __init__(self) -> None:
+        self._begun: Mark | None = None  # of those at the present speed
+        self._latest: Mark | None = None
+
+    def begin(self, mark: Mark) -> bool:
+        """Take a slip; return whether it is the first after a quiet time."""
+        latest, self._latest = self._latest, mark
+        first = latest is None or (
+            mark.now - latest.now > QUIET and mark.ticks - latest.ticks > MAX_CATCH_UP + 1
+        )
+        if first or self._begun is None:
+            self._begun = mark
+        return first
+
+    def change(self) -> None:
+        """Judge what slips from now on alone: the speed has changed."""
+        self._begun = None
+
+    def cost(self, mark: Mark) -> float:
+        """Return how long [ns] a tick takes where ticks cannot keep up for good, 0 where they can.
+
+        Half of the ticks at least overran: what slips now and then is held up by others.
+        """
+        begun = self._begun
+        if begun is None or mark.now - begun.now < SUSTAINED:
+            return 0.0
+        ticks, overruns = mark.ticks - begun.ticks, mark.overruns - begun.overruns
+        return (mark.now - begun.now) / ticks if overruns >= max(FEWEST, ticks / 2) else 0.0
 
 
 def keeper(clock: Clock, ledger: Ledger, speed: float, policy: Policy) -> Pacer | Unpaced:
@@ -28,6 +78,7 @@ class Timekeeping:
     pacer: Pacer | Unpaced
     speed: float  # [-]
     punctuality: Punctuality | Unasked = field(default_factory=Unasked)
+    slips: Slips = field(default_factory=Slips)
 
     @classmethod
     def at(cls, clock: Clock, step: float, speed: float, policy: Policy) -> "Timekeeping":
@@ -52,6 +103,7 @@ class Timekeeping:
     def change(self, speed: float) -> None:
         """Let time go ``speed`` times as fast from now on."""
         self.speed = speed
+        self.slips.change()
         self._attend()
         if math.isfinite(speed) and isinstance(self.pacer, Pacer):
             self.pacer.set_speed(speed)
@@ -60,6 +112,31 @@ class Timekeeping:
         self.pacer = keeper(self.clock, self.ledger, speed, self.policy)
         if not frozen:
             self.pacer.run()
+
+    def judge(self, events: tuple[Event, ...]) -> list[tuple[str, str]]:
+        """Return what there is to tell of a tick's events, each with its kind.
+
+        Slips are told once as long as they follow each other. Where ticks take longer than the
+        clock gives them, the speed falls to what the machine holds.
+        """
+        told = []
+        for event in events:
+            if event.what is not Happening.SLIPPED:
+                told.append(("trouble", str(event)))
+                continue
+            mark = Mark(self.clock.now(), self.ledger.ticks, self.ledger.overruns)
+            if self.slips.begin(mark):
+                told.append(("trouble", str(event)))
+            elif cost := self.slips.cost(mark):
+                told.append(("time", self._fall(cost)))
+        return told
+
+    def _fall(self, cost: float) -> str:
+        """Let time go no faster than ticks that cost so much [ns] allow; return it in words."""
+        asked = self.speed
+        held = SHARE * float(self.ledger.step) * SECOND / cost
+        self.change(max(float(f"{min(held, SHARE * asked):.2g}"), SLOWEST))
+        return f"time x{asked:g} is more than this machine holds: x{self.speed:g} from here on"
 
     def _attend(self) -> None:
         """Ask for it where time is kept; as fast as it goes needs no precedence over others."""
