@@ -12,6 +12,7 @@ from pathlib import Path
 
 import pytest
 
+from trainer import compilation
 from trainer.proving.caller import Caller
 
 PATIENCE = 120.0  # [s] until it listens, on a machine that is busy
@@ -92,3 +93,15 @@ def test_a_thousand_slow_steps_are_cut_short_by_an_order(tmp_path: Path) -> None
         assert caller.ask("status")[0]
         assert 0 < caller.tick < 1000
         assert interrupt(process) == 0
+
+
+def test_ctrl_c_that_a_compiler_loses_ends_what_it_compiles() -> None:
+    with pytest.raises(KeyboardInterrupt), compilation.interruptible():
+        with contextlib.suppress(KeyboardInterrupt):  # as a call back from C does
+            signal.raise_signal(signal.SIGINT)
+        raise RuntimeError("no compiled object yet")
+
+
+def test_a_compiler_s_own_error_stays_one() -> None:
+    with pytest.raises(RuntimeError), compilation.interruptible():
+        raise RuntimeError("no compiled object yet")

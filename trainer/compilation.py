@@ -10,9 +10,12 @@ import functools
 import hashlib
 import importlib
 import os
+import signal
 import sys
+import threading
 from collections.abc import Callable, Iterator
 from pathlib import Path
+from types import FrameType
 from typing import Any, Final
 
 from trainer.machine_code import cache_folder
@@ -97,6 +100,30 @@ def done_without() -> bool:
     import numba  # noqa: PLC0415
 
     return bool(numba.config.DISABLE_JIT)  # type: ignore[attr-defined]
+
+
+@contextlib.contextmanager
+def interruptible() -> Iterator[None]:
+    """Let Ctrl-C end the block, also where the compiler's own code loses Python's exception."""
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    pressed: list[int] = []
+
+    def interrupt(number: int, frame: FrameType | None) -> None:
+        pressed.append(number)
+        signal.default_int_handler(number, frame)
+
+    kept = signal.signal(signal.SIGINT, interrupt)
+    try:
+        yield
+    except Exception:
+        if not pressed:
+            raise
+    finally:
+        signal.signal(signal.SIGINT, kept)
+    if pressed:
+        raise KeyboardInterrupt
 
 
 @contextlib.contextmanager

@@ -1,5 +1,6 @@
 """A boat made ready for sea: compiled before the clock starts, at a step that is stable."""
 
+import contextlib
 import gc
 
 import click
@@ -19,7 +20,8 @@ def warm(boat: Boat) -> None:
     compiling = compilation.needed()
     if compiling:
         click.echo("compiling the boat, this once (some 20 seconds) ...", err=True)
-    try_out(boat)
+    with compilation.interruptible() if compiling else contextlib.nullcontext():
+        try_out(boat)
     if compiling:
         compilation.keep()
     if gc.isenabled():  # else this process has just begun, and has no garbage to speak of
