@@ -95,11 +95,16 @@ def test_a_thousand_slow_steps_are_cut_short_by_an_order(tmp_path: Path) -> None
         assert interrupt(process) == 0
 
 
+def lose_an_interrupt() -> None:
+    """Press Ctrl-C where its exception is lost, as in a call back from C."""
+    with contextlib.suppress(KeyboardInterrupt):
+        signal.raise_signal(signal.SIGINT)
+    raise RuntimeError("no compiled object yet")
+
+
 def test_ctrl_c_that_a_compiler_loses_ends_what_it_compiles() -> None:
     with pytest.raises(KeyboardInterrupt), compilation.interruptible():
-        with contextlib.suppress(KeyboardInterrupt):  # as a call back from C does
-            signal.raise_signal(signal.SIGINT)
-        raise RuntimeError("no compiled object yet")
+        lose_an_interrupt()
 
 
 def test_a_compiler_s_own_error_stays_one() -> None:
