@@ -702,7 +702,7 @@ STRANGERS: dict[str, tuple[Callable[[Path], object], str]] = {
     "text": (lambda path: path.write_text("depth 80\n" * 500), "is not a recording: file is not a"),
     "database": (foreign, "is not a recording: it is another program's database"),
     "newer": (newer, rf"of format {FORMAT + 1}, and this trainer knows format {FORMAT}; use"),
-    "capitals": (in_capitals, "is damaged: a column is called 'After'"),
+    "capitals": (in_capitals, "its table .* is not as in a recording"),
     "truncated": (truncated, r"is damaged: .*malformed.*\.recover"),
 }
 
@@ -966,3 +966,126 @@ def read_all(path: Path) -> None:
         looked.header()
         looked.orders(1)
         list(looked.flown(1))
+
+
+# Files of anybody's making
+
+
+def changed(path: Path, *statements: str) -> None:
+    """Change a filled recording by SQL."""
+    with closing(begin(path)) as recording:
+        fill(recording)
+    with contextlib.closing(sqlite3.connect(path, isolation_level=None)) as connection:
+        connection.execute("PRAGMA writable_schema = ON")
+        for statement in statements:
+            connection.execute(statement)
+
+
+SELECT = "WITH RECURSIVE n(i) AS (SELECT 1 UNION ALL SELECT i + 1 FROM n) SELECT i, i, i FROM n"
+HARM = {
+    "trigger": "CREATE TRIGGER t AFTER INSERT ON orders BEGIN DELETE FROM orders; END",
+    "view": f"CREATE VIEW more AS {SELECT}",
+    "table": "CREATE TABLE more (id)",
+    "index": "CREATE INDEX more ON orders (abs(tick))",
+    "column": "ALTER TABLE events ADD COLUMN more TEXT GENERATED ALWAYS AS (upper(text)) VIRTUAL",
+    "missing": "DROP TABLE snapshots",
+    "renamed": "ALTER TABLE ledger RENAME TO log",
+    "virtual": "CREATE VIRTUAL TABLE more USING fts5(text)",
+    "sql": "UPDATE sqlite_schema SET sql = replace(sql, 'NOT NULL', 'CHECK (1)')",
+    "view for a table": (
+        "UPDATE sqlite_schema SET type = 'view', rootpage = 0, "
+        f"sql = 'CREATE VIEW header AS {SELECT}' WHERE name = 'header'"
+    ),
+}
+
+
+@pytest.mark.parametrize("open_it", [Recording.look, Recording.reopen])
+@pytest.mark.parametrize("harm", HARM)
+def test_a_file_that_holds_more_or_less_than_a_recording_is_refused(
+    path: Path, open_it: Callable[[Path], Recording], harm: str
+) -> None:
+    changed(path, HARM[harm])
+    with pytest.raises(RecordingError, match=r"is damaged.*"):
+        open_it(path)
+
+
+def test_a_trigger_erases_no_order(path: Path) -> None:
+    changed(path, HARM["trigger"])
+    with contextlib.suppress(RecordingError), closing(Recording.reopen(path)) as recording:
+        recording.order(3, "helm", "rudder left 5")
+    with contextlib.closing(sqlite3.connect(path)) as connection:
+        assert connection.execute("SELECT count(*) FROM orders").fetchone()[0] >= 2
+
+
+HOSTILE = {
+    "place before the first": "UPDATE orders SET place = -1",
+    "place of no schedule": f"UPDATE orders SET place = {2**63 - 1}",
+    "place of a branch": f"UPDATE branches SET place = {2**63 - 1}",
+    "place of a snapshot": "UPDATE snapshots SET place = -1",
+    "an order far ahead": f"UPDATE orders SET tick = {2**50} WHERE id = 2",
+    "an order in the past": "UPDATE branches SET tick = 2",
+    "a tick far ahead": f"UPDATE states SET tick = {2**50} WHERE tick = 3",
+    "a tick missing": "DELETE FROM states WHERE tick = 2",
+    "a negative tick": "UPDATE orders SET tick = -3",
+    "a text without end": "UPDATE orders SET answer = printf('%.*c', 20000, 'x')",
+    "an acceptance of two": "UPDATE orders SET accepted = 2",
+    "no branch": "DELETE FROM branches",
+    "a state of a megabyte": "UPDATE states SET state = zeroblob(1000000)",
+    "a time beyond all": "UPDATE ledger SET work_ns = -9223372036854775808",
+}
+
+
+@pytest.mark.parametrize("hostile", HOSTILE)
+def test_a_value_that_nobody_wrote_is_told_as_damage(path: Path, hostile: str) -> None:
+    changed(path, HOSTILE[hostile])
+    with pytest.raises(RecordingError, match=r"is damaged|no branch"):
+        read_whole(path)
+
+
+def read_whole(path: Path) -> None:
+    """Read all that a recording has."""
+    with closing(Recording.look(path)) as looked:
+        looked.header()
+        for branch in looked.branches():
+            looked.orders(branch.id)
+            list(looked.flown(branch.id))
+            list(looked.states(branch.id))
+            list(looked.ledger(branch.id))
+        looked.snapshots()
+        list(looked.events())
+        looked.latest()
+
+
+def test_what_is_wholly_recorded_is_read_whole(path: Path) -> None:
+    changed(path)
+    read_whole(path)
+
+
+LARGE = {
+    "texts": (
+        "INSERT INTO header SELECT 'key ' || value, printf('%.*c', 15000000, 'x') "
+        "FROM generate_series"
+    ),
+    "branches": (
+        "INSERT INTO branches SELECT 1 + value, 1, 3, 0, 0, 'why', zeroblob(60000), '' "
+        "FROM generate_series"
+    ),
+    "orders": (
+        "INSERT INTO orders SELECT 2 + value, 1, 3, 'x', printf('%.*c', 9000, 'x'), NULL, 1, '', "
+        "'' FROM generate_series"
+    ),
+    "snapshots": (
+        "INSERT INTO snapshots SELECT 1 + value, 'n' || value, 1, 3, zeroblob(60000), 0, 0, '' "
+        "FROM generate_series"
+    ),
+}
+COUNTS = {"texts": 8, "branches": 3000, "orders": 20_000, "snapshots": 3000}
+
+
+@pytest.mark.parametrize("what", LARGE)
+def test_what_would_fill_the_memory_is_refused(path: Path, what: str) -> None:
+    series = "(WITH RECURSIVE n(value) AS (SELECT 1 UNION ALL SELECT value + 1 FROM n LIMIT {}) "
+    series = series.format(COUNTS[what]) + "SELECT value FROM n)"
+    changed(path, LARGE[what].replace("generate_series", series))
+    with pytest.raises(RecordingError, match="more is to be read at once than 100 MB"):
+        read_whole(path)

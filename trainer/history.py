@@ -33,7 +33,7 @@ def order_of(entry: Journalled, schedule: Sequence[Scheduled]) -> Order | None:
 
     That of a schedule is taken from there: a casualty's has more to it than its words.
     """
-    if entry.place is not None and entry.place < len(schedule):
+    if entry.place is not None and 0 <= entry.place < len(schedule):
         return schedule[entry.place].order
     order = parse(entry.text)
     return order if isinstance(order, Order) else None

@@ -10,8 +10,8 @@ from trainer.config import ConfigError
 from trainer.debrief.dossier import Dossier, gather
 from trainer.debrief.figures import figures
 from trainer.debrief.page import BADGE, render
-from trainer.io.recording import Recording, RecordingError
 from trainer.printing import print_pdf
+from trainer.records.log_book import reading
 
 HEAD = 2000  # [characters] in which a page of ours says that it is
 
@@ -45,16 +45,8 @@ def debrief_file(
 
 def read_dossier(path: Path, branch: int | None) -> Dossier:
     """Return the dossier of a recording; ConfigError if it cannot be read."""
-    try:
-        recording = Recording.look(path)
-    except RecordingError as error:
-        raise ConfigError(str(error)) from None
-    try:
+    with reading(path) as recording:
         return gather(recording, path, branch)
-    except RecordingError as error:
-        raise ConfigError(str(error)) from None
-    finally:
-        recording.close()
 
 
 def beside(path: Path, branch: int | None) -> Path:

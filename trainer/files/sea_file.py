@@ -125,7 +125,9 @@ def parse_sea(text: str, path: Path) -> SeaFile:
 def read_sea(table: object, place: Place) -> Sea:
     """Return the sea of one table, such as an exercise's; ConfigError with all that is wrong."""
     defaults = shipped("", "sea-defaults")
-    filler = parse_toml(read_text(defaults), defaults.name)["sea"]
+    filler = as_table(
+        parse_toml(read_text(defaults), defaults.name).get("sea"), Place(defaults.name, "sea")
+    )
     sea = read_record(Sea, {**filler, **as_table(table, place)}, place, ("note",))
     problems = _problems(sea)
     if problems:

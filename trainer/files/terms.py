@@ -50,19 +50,21 @@ def terms() -> tuple[Term, ...]:
 
 @cache
 def _terms(text: str, file: str) -> tuple[Term, ...]:
-    """Return the terms listed in ``text``."""
-    rows = parse_toml(text, file)["term"]
-    return tuple(
-        Term(
-            equation=row["equation"],
-            key=row["key"],
-            L_power=row["L_power"],
-            multiplies=row["multiplies"],
-            mnemonic=row["mnemonic"],
-            kept=row["kept_in_compact"],
+    """Return the terms listed in ``text``; ConfigError if it is no such list."""
+    try:
+        return tuple(
+            Term(
+                equation=row["equation"],
+                key=row["key"],
+                L_power=row["L_power"],
+                multiplies=row["multiplies"],
+                mnemonic=row["mnemonic"],
+                kept=row["kept_in_compact"],
+            )
+            for row in parse_toml(text, file)["term"]
         )
-        for row in rows
-    )
+    except (KeyError, TypeError):
+        raise ConfigError(f"{file}: is not the list of the 131 coefficients") from None
 
 
 def coefficient_terms() -> tuple[Term, ...]:

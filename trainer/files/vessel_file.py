@@ -195,7 +195,7 @@ def read_vessel(given: Mapping[str, Any], text: str, path: Path) -> VesselFile:
         path=path,
         text=text,
         name=table.get("name", path.stem),
-        kind=table["kind"],
+        kind=str(table.get("kind", "")),
         fluid=parts["fluid"],
         hull=parts["vessel"],
         propulsion=parts["propulsion"],
@@ -250,7 +250,7 @@ def _read_parts(table: Mapping[str, Any], place: Place) -> dict[str, Any]:
     with collecting(problems):
         extra = parts["compact"].extra_terms if "compact" in parts else EXTRA_TERMS
         here = place.inside("compensation")
-        parts["compensation"] = read_compensation(table["compensation"], here, extra)
+        parts["compensation"] = read_compensation(table.get("compensation", {}), here, extra)
     if problems:
         raise ConfigError(*problems)
     return parts

@@ -12,9 +12,9 @@ import numpy as np
 from trainer.config import ConfigError, nearest, shown
 from trainer.fitout import KNOT
 from trainer.identify.record import CHANNELS, Numbers, Record
-from trainer.io.recording import Recording, RecordingError
 from trainer.places import SUFFIX
 from trainer.records.exporting import table_layout
+from trainer.records.log_book import reading
 
 DEGREE: Final = math.pi / 180.0
 UNITS: Final[Mapping[str, Mapping[str, float]]] = {  # to SI and radians
@@ -136,21 +136,13 @@ def _cells(path: Path, line: int, names: tuple[str, ...], row: list[str]) -> lis
 
 def _flown(path: Path) -> _Table:
     """Return the columns of the latest branch of a recording; a row is a tick."""
-    try:
-        recording = Recording.look(path)
-    except RecordingError as error:
-        raise ConfigError(str(error)) from None
-    try:
+    with reading(path) as recording:
         layout = table_layout(recording)
         names = ("t", *layout.columns)
         cells = [
             (tick.tick, [tick.tick * layout.step, *layout.numbers(tick.state)])
             for tick in recording.flown(recording.branch)
         ]
-    except RecordingError as error:
-        raise ConfigError(str(error)) from None
-    finally:
-        recording.close()
     return _table(path, names, cells)
 
 

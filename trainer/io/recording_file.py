@@ -11,12 +11,14 @@ import sqlite3
 import tempfile
 from collections.abc import Iterator, Mapping
 from datetime import UTC, datetime
+from functools import cache
 from pathlib import Path
 from typing import Final
 
 FORMAT: Final = 1  # raised when older programs can no longer read what newer ones write
 APPLICATION: Final = 0x74726E72  # "trnr": what `file` and SQLite's tools know a recording by
 PATIENCE: Final = 2.0  # [s] for another program that holds the file for a moment
+LONGEST_NAME: Final = 60  # [characters] that are shown of a file's own
 
 SCHEMA: Final = f"""
 PRAGMA page_size = 8192;
@@ -54,6 +56,23 @@ COMMIT;
 """
 TOUCH: Final = f"PRAGMA user_version = {FORMAT}"  # the least that is a write
 
+# A file may be anybody's: what SQLite may do for it, and how much. Names and numbers of SQLite's.
+GUARD: Final = """
+PRAGMA trusted_schema = OFF;
+PRAGMA cell_size_check = ON;
+PRAGMA mmap_size = 0;
+PRAGMA hard_heap_limit = 120000000;
+"""
+BOUNDS: Final = (
+    (sqlite3.SQLITE_LIMIT_LENGTH, 16_000_000),  # [bytes] of a value; all texts of a run are one
+    (sqlite3.SQLITE_LIMIT_SQL_LENGTH, 5_000),  # [bytes] of a statement, or of a table's own
+    (sqlite3.SQLITE_LIMIT_COLUMN, 30),
+    (sqlite3.SQLITE_LIMIT_EXPR_DEPTH, 20),
+    (sqlite3.SQLITE_LIMIT_ATTACHED, 0),
+    (sqlite3.SQLITE_LIMIT_TRIGGER_DEPTH, 0),
+)
+STEPS: Final = 100_000  # of SQLite's machine until signals are heard again
+
 
 class RecordingError(Exception):
     """A recording that cannot be made, opened or read; says which, what, and what to do."""
@@ -67,10 +86,15 @@ def understanding(name: object) -> Iterator[None]:
     """
     try:
         yield
-    except (sqlite3.OperationalError, sqlite3.ProgrammingError):
-        raise
+    except MemoryError:
+        raise RecordingError(f"{name} is damaged: it asks for more memory than any can") from None
     except (sqlite3.DatabaseError, UnicodeDecodeError) as error:
-        if getattr(error, "sqlite_errorcode", None) == sqlite3.SQLITE_NOTADB:
+        code = getattr(error, "sqlite_errorcode", None)  # a text that is none has no code
+        if code == sqlite3.SQLITE_INTERRUPT:  # a signal's exception, lost in C
+            raise KeyboardInterrupt from None
+        if code is not None and isinstance(error, sqlite3.OperationalError):
+            raise
+        if code == sqlite3.SQLITE_NOTADB:
             raise RecordingError(f"{name} is not a recording: {error}") from None
         raise RecordingError(
             f"{name} is damaged: {error}; SQLite's own program may save a part: "
@@ -86,7 +110,20 @@ def wall_time() -> str:
 def connect(path: Path, options: str) -> sqlite3.Connection:
     """Return a connection without transactions of its own making; `options` as in an SQLite URI."""
     name = f"{path.absolute().as_uri()}?{options}"
-    return sqlite3.connect(name, timeout=PATIENCE, isolation_level=None, uri=True)
+    return _guarded(sqlite3.connect(name, timeout=PATIENCE, isolation_level=None, uri=True))
+
+
+def _guarded(connection: sqlite3.Connection) -> sqlite3.Connection:
+    """Return a connection to what may be anybody's file, with bounds to what SQLite does for it."""
+    for limit, most in BOUNDS:
+        connection.setlimit(limit, most)
+    connection.set_progress_handler(_hear_signals, STEPS)
+    connection.executescript(GUARD)
+    return connection
+
+
+def _hear_signals() -> None:
+    """Let Python look for a signal: SQLite's own work hears none."""
 
 
 def temporary(header: Mapping[str, str], state: bytes) -> sqlite3.Connection:
@@ -220,6 +257,26 @@ def _recognise(connection: sqlite3.Connection, path: Path) -> None:
             f"{path} is a recording of format {version}, and this trainer knows format {FORMAT}; "
             "use the version of the trainer that made it, or a newer one"
         )
+    found = _schema(connection)
+    for kind, name, _, _ in sorted(found ^ _own_schema(), key=str)[:1]:
+        raise RecordingError(
+            f"{path} is damaged, or made to do harm: its {kind} {name[:LONGEST_NAME]!r} is not "
+            "as in a recording; nothing of it is used"
+        )
+
+
+def _schema(connection: sqlite3.Connection) -> frozenset[tuple[str, str, str, str | None]]:
+    """Return what a database is made of: its tables and indices, and whatever else is in it."""
+    found = connection.execute("SELECT type, name, tbl_name, sql FROM sqlite_schema")
+    return frozenset((str(kind), str(name), str(of), sql) for kind, name, of, sql in found)
+
+
+@cache
+def _own_schema() -> frozenset[tuple[str, str, str, str | None]]:
+    """Return what a recording is made of."""
+    with contextlib.closing(sqlite3.connect(":memory:", isolation_level=None)) as empty:
+        empty.executescript(SCHEMA)
+        return _schema(empty)
 
 
 def _readable(connection: sqlite3.Connection, path: Path) -> sqlite3.Connection:
@@ -254,7 +311,7 @@ def _claim(connection: sqlite3.Connection, path: Path) -> None:
 
 def _copied(path: Path) -> sqlite3.Connection:
     """Return a private copy of a recording and of what was left beside it."""
-    private = sqlite3.connect("", isolation_level=None)
+    private = _guarded(sqlite3.connect("", isolation_level=None))
     with tempfile.TemporaryDirectory() as folder:
         copy = Path(folder) / "recording"
         shutil.copyfile(path, copy)

@@ -9,23 +9,53 @@ orders of its own tick.
 import sqlite3
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from typing import Any, Final
+from typing import Any, Final, NamedTuple
 
 from trainer.io.recording_file import RecordingError, understanding
 
 ENDLESS: Final = 2**62  # beyond any tick or order
+LEEWAY: Final = 1000  # [ticks] that an order may be beyond the last state of its branch
+LARGEST: Final = 100_000_000  # [bytes] of an answer that is held as a whole
+ROW: Final = 300  # [bytes] of a row beside its texts
+
+
+class Kind(NamedTuple):
+    """What a column of an answer holds: a number within bounds, or a text or blob of a length."""
+
+    kind: type
+    least: int
+    most: int
+    perhaps: bool = False  # it may be missing
+
+    def holds(self, value: object) -> bool:
+        """Return whether a value is such a one."""
+        if value is None:
+            return self.perhaps
+        if not isinstance(value, self.kind):
+            return False
+        size = value if isinstance(value, int) else len(value)  # type: ignore[arg-type]
+        return self.least <= size <= self.most
+
+
 # What the columns of an answer hold. SQLite itself takes anything, and a damaged page may be that.
-PERHAPS: Final = (int, type(None))
-KINDS: Final[Mapping[str, type | tuple[type, ...]]] = {
-    **dict.fromkeys(("id", "branch", "tick", "after", "place", "last"), int),
-    **dict.fromkeys(("key", "value", "name", "who", "text", "answer", "kind", "why", "wall"), str),
-    **dict.fromkeys(("parent", "scheduled", "accepted", "latest", "done"), PERHAPS),
-    **dict.fromkeys(("lateness_ns", "work_ns"), PERHAPS),
-    "state": bytes,
+COUNT: Final = Kind(int, 0, 2**53)
+PLACE: Final = Kind(int, 0, 2**31)
+TIME: Final = Kind(int, -(2**62), 2**62, perhaps=True)  # [ns]
+TEXT: Final = Kind(str, 0, 10_000)
+KINDS: Final[Mapping[str, Kind]] = {
+    **dict.fromkeys(("id", "branch", "tick", "after", "last"), COUNT),
+    **dict.fromkeys(("parent", "latest"), COUNT._replace(perhaps=True)),
+    **dict.fromkeys(("key", "name", "who", "text", "answer", "kind", "why", "wall"), TEXT),
+    **dict.fromkeys(("scheduled", "done"), PLACE._replace(perhaps=True)),
+    **dict.fromkeys(("lateness_ns", "work_ns"), TIME),
+    "place": PLACE,
+    "accepted": Kind(int, 0, 1, perhaps=True),
+    "value": Kind(str, 0, LARGEST),
+    "state": Kind(bytes, 0, 65_536),
 }
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, slots=True)
 class Moment:
     """All that there is to go back to."""
 
@@ -36,7 +66,7 @@ class Moment:
     place: int  # of the next entry of the schedule
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, slots=True)
 class Journalled:
     """An order as it was recorded; it acted after `tick` ticks."""
 
@@ -75,7 +105,7 @@ class Noted:
     wall: str  # time of day, UTC
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, slots=True)
 class Flown:
     """One tick of a branch; its times [ns] are None where nobody measured them."""
 
@@ -87,6 +117,7 @@ class Flown:
 
 
 DAMAGED: Final = "a value is of another kind than is written there"
+Row = tuple[Any, ...]
 
 
 class Past:
@@ -98,12 +129,15 @@ class Past:
 
     def header(self) -> dict[str, str]:
         """Return what was written when the recording was made."""
-        return dict(self._rows("SELECT key, value FROM header"))
+        return dict(self._all("SELECT key, value FROM header"))
 
     def branches(self) -> list[Branch]:
         """Return all branches, oldest first."""
         found = "SELECT id, parent, tick, after, place, why, state FROM branches ORDER BY id"
-        return [Branch(*row) for row in self._rows(found)]
+        branches = [self._begun(row) for row in self._all(found)]
+        if not branches:
+            raise self._damaged("it has no branch")
+        return branches
 
     def last_branch(self) -> int:
         """Return the number of the latest branch."""
@@ -157,8 +191,8 @@ class Past:
         stretches: list[list[Journalled]] = []
         here, last = self._branch(branch), self.last_order()
         while True:
-            rows = self._rows(found, here.id, after, last)
-            stretches.append([_journalled(row) for row in rows])
+            rows = self._all(found, here.id, after, last)
+            stretches.append(self._journalled(here, rows))
             if here.parent is None or here.after <= after:
                 break
             here, last = self._branch(here.parent), here.after
@@ -170,7 +204,7 @@ class Past:
         What was kept in the past of the branch goes before what was kept elsewhere.
         """
         found = "SELECT name, branch, tick, state, after, place FROM snapshots ORDER BY id"
-        kept = [(str(name), Moment(*fields)) for name, *fields in self._rows(found)]
+        kept = [(str(name), Moment(*fields)) for name, *fields in self._all(found)]
         begun = dict(self._ancestry(branch))
         past: dict[str, Moment] = {}
         elsewhere: dict[str, Moment] = {}
@@ -193,15 +227,16 @@ class Past:
                 "FROM states LEFT JOIN ledger USING (branch, tick) "
                 "WHERE branch = ? AND tick > ? AND tick < ? ORDER BY tick"
             )
-            for row in self._rows(found, number, begun.tick, end):
-                yield Flown(*row)
+            for tick, row in enumerate(self._rows(found, number, begun.tick, end), begun.tick + 1):
+                yield Flown(*self._next(row, number, tick, row[1]))
 
     def states(self, branch: int) -> Iterator[tuple[int, bytes]]:
         """Yield tick and state of what a branch itself recorded, its start first."""
         begun = self._branch(branch)
         yield begun.tick, begun.state
         found = "SELECT tick, state FROM states WHERE branch = ? AND tick > ? ORDER BY tick"
-        yield from self._rows(found, branch, begun.tick)
+        for tick, row in enumerate(self._rows(found, branch, begun.tick), begun.tick + 1):
+            yield self._next(row, branch, tick, row[0])
 
     def events(self) -> Iterator[Noted]:
         """Yield what was noted, in order."""
@@ -232,34 +267,59 @@ class Past:
     def _find(self, branch: int) -> Branch | None:
         found = "SELECT id, parent, tick, after, place, why, state FROM branches WHERE id = ?"
         row = self._row(found, branch)
-        if row and row[1] is not None and row[1] >= row[0]:
-            raise RecordingError(f"{self._name} is damaged: branch {branch} begins in a later one")
-        return Branch(*row) if row else None
+        return self._begun(row) if row else None
 
-    def _row(self, question: str, *values: int) -> tuple[Any, ...]:
+    def _begun(self, row: Row) -> Branch:
+        """Return a branch; RecordingError if it begins in itself or a later one."""
+        branch = Branch(*row)
+        if branch.parent is not None and branch.parent >= branch.id:
+            raise self._damaged(f"branch {branch.id} begins in a later one")
+        return branch
+
+    def _row(self, question: str, *values: int) -> Row:
         """Return the first row of the answer, () if there is none."""
         return next(self._rows(question, *values), ())
 
-    def _rows(self, question: str, *values: int) -> Iterator[tuple[Any, ...]]:
+    def _all(self, question: str, *values: int) -> list[Row]:
+        """Return all rows of an answer; RecordingError if they are too much to be held at once."""
+        rows, held = [], 0
+        for row in self._rows(question, *values):
+            held += ROW + sum(len(value) for value in row if isinstance(value, str | bytes))
+            if held > LARGEST:
+                raise self._damaged(f"more is to be read at once than {LARGEST // 10**6} MB")
+            rows.append(row)
+        return rows
+
+    def _rows(self, question: str, *values: int) -> Iterator[Row]:
         try:
             with understanding(self._name):
                 answer = self._connection.execute(question, values)
-                kinds = [self._kind(column) for column, *_ in answer.description]
+                kinds = [KINDS[column] for column, *_ in answer.description]
                 for row in answer:
-                    if not all(map(isinstance, row, kinds)):
-                        raise RecordingError(f"{self._name} is damaged: {DAMAGED}")
+                    for value, kind in zip(row, kinds, strict=True):
+                        if not kind.holds(value):
+                            raise self._damaged(DAMAGED)
                     yield row
         except sqlite3.OperationalError as error:
             raise RecordingError(f"{self._name} cannot be read: {error}") from None
 
-    def _kind(self, column: str) -> Any:
-        """Return what a column holds; RecordingError for a name that is none of ours.
+    def _next(self, row: Row, branch: int, due: int, tick: int) -> Row:
+        """Return the row of a tick if that is the one due: every tick of a branch is recorded."""
+        if tick != due:
+            raise self._damaged(f"tick {due} of branch {branch} is missing before tick {tick}")
+        return row
 
-        SQLite takes small letters for capitals, and tells the name as the file has it.
-        """
-        if column not in KINDS:
-            raise RecordingError(f"{self._name} is damaged: a column is called {column!r}")
-        return KINDS[column]
+    def _journalled(self, branch: Branch, rows: list[Row]) -> list[Journalled]:
+        """Return orders of a branch; RecordingError for one where nothing was flown."""
+        last = self.last_tick(branch.id) + LEEWAY
+        orders = [_journalled(row) for row in rows]
+        for order in orders:
+            if not branch.tick <= order.tick <= last:
+                raise self._damaged(f"order {order.id} was given at tick {order.tick}")
+        return orders
+
+    def _damaged(self, why: str) -> RecordingError:
+        return RecordingError(f"{self._name} is damaged: {why}")
 
 
 def _journalled(row: tuple[Any, ...]) -> Journalled:

@@ -9,9 +9,9 @@ import click
 
 from trainer.config import ConfigError
 from trainer.io.export import Layout, export_csv, export_parquet
-from trainer.io.recording import Recording, RecordingError
+from trainer.io.recording import Recording
 from trainer.records.layout import numbers_of
-from trainer.records.log_book import layout_of, method_of
+from trainer.records.log_book import layout_of, method_of, reading
 from trainer.rerun_log.opening import MISSING
 
 
@@ -23,18 +23,10 @@ def export_file(path: Path, wanted: Mapping[str, Path | None], branch: int | Non
     chosen = {form: out for form, out in wanted.items() if out is not None}
     if not chosen:
         raise ConfigError(f"{path}: export to what? say --csv FILE, --parquet FILE or --rrd FILE")
-    try:
-        recording = Recording.look(path)
-    except RecordingError as error:
-        raise ConfigError(str(error)) from None
     written: list[Path] = []
-    try:
+    with reading(path) as recording:
         for form, out in chosen.items():
             written += WRITERS[form](recording, out, branch)
-    except RecordingError as error:
-        raise ConfigError(str(error)) from None
-    finally:
-        recording.close()
     click.echo("\n".join(map(str, written)))
 
 

@@ -9,6 +9,7 @@ key; ``method``; ``layout``, the name of each number of a state; ``vessel``, its
 import json
 import platform
 from collections.abc import Callable, Iterator, Mapping
+from contextlib import closing, contextmanager
 from dataclasses import asdict, fields
 from datetime import UTC, datetime
 from functools import cache
@@ -29,8 +30,11 @@ from trainer.config import (
     remembering,
     shown,
 )
+from trainer.core.vessel import TERMS
+from trainer.files.terms import coefficient_terms
 from trainer.files.vessel_file import load_vessel
 from trainer.fitout import Method
+from trainer.io.recording import Recording, RecordingError
 from trainer.machine_code import core_digest
 from trainer.plan import Plan, plan_run
 from trainer.records.changes import changes
@@ -60,6 +64,22 @@ PARTS: Final[Mapping[str, Callable[[Any], bool]]] = {
 }
 LIBRARIES: Final = ("numpy", "numba")
 NOTHING: Final[Mapping[str, Any]] = MappingProxyType({})
+
+
+@contextmanager
+def reading(path: Path) -> Iterator[Recording]:
+    """Yield a recording to be read inside the block; ConfigError where it cannot be."""
+    with refusing_damage(), closing(Recording.look(path)) as recording:
+        yield recording
+
+
+@contextmanager
+def refusing_damage() -> Iterator[None]:
+    """Raise ConfigError for a recording that cannot be opened or read inside the block."""
+    try:
+        yield
+    except RecordingError as error:
+        raise ConfigError(str(error)) from None
 
 
 def header_of(options: Mapping[str, Any], texts: Mapping[str, str], boat: Boat) -> dict[str, str]:
@@ -96,6 +116,8 @@ def plan_of(header: Mapping[str, str], otherwise: Mapping[str, Any] = NOTHING) -
         if "vessel" in otherwise:
             load_vessel(otherwise["vessel"])
     with recorded({**today, **texts}):
+        if {term.key for term in coefficient_terms()} != TERMS.keys():
+            raise ConfigError("recording: its coefficients are another version's, or nobody's")
         return plan_run({**options, **otherwise})
 
 
@@ -211,7 +233,7 @@ def _other_plan(header: Mapping[str, str], otherwise: Mapping[str, Any]) -> Iter
     key, vessel = key_of(plan.file.path), _part(header, "vessel")
     if "vessel" in otherwise and key != vessel:
         yield f"vessel {key}, recorded {vessel}"
-        yield from changes(key, plan.file.text, _part(header, "texts")[vessel])
+        yield from changes(key, plan.file.text, _part(header, "texts").get(vessel, ""))
 
 
 def _told(name: str, value: object) -> str:

@@ -8,30 +8,20 @@ from typing import Any
 
 import click
 
-from trainer.config import ConfigError
-from trainer.io.recording import Recording, RecordingError
-from trainer.records.log_book import differences, notes
+from trainer.records.log_book import differences, notes, reading
 from trainer.records.replay import Flight, replay_anyway
 from trainer.records.resume import refuse_other
 
 
 def replay_file(path: Path, otherwise: Mapping[str, Any], *, anyway: bool, as_json: bool) -> int:
     """Fly a recording again and print how it went; return the exit code."""
-    try:
-        recording = Recording.look(path)
-    except RecordingError as error:
-        raise ConfigError(str(error)) from None
-    try:
+    with reading(path) as recording:
         header = recording.header()
         found = differences(header, otherwise)
         refuse_other(path, found, anyway=anyway)
         for note in (*found, *notes(header)):
             click.echo(f"note: {note}", err=True)
         flights = replay_anyway(recording, otherwise)
-    except RecordingError as error:
-        raise ConfigError(str(error)) from None
-    finally:
-        recording.close()
     click.echo(
         json.dumps([as_row(each) for each in flights], indent=1) if as_json else page(flights)
     )

@@ -11,27 +11,26 @@ from trainer.boat import Boat
 from trainer.config import ConfigError
 from trainer.helm import ORDERS, obey
 from trainer.history import History, order_of
-from trainer.io.recording import Recording, RecordingError
+from trainer.io.recording import Recording
 from trainer.plan import Plan
 from trainer.readiness import warm
 from trainer.records.layout import read_state
-from trainer.records.log_book import differences, layout_of, plan_of
+from trainer.records.log_book import differences, layout_of, plan_of, refusing_damage
 from trainer.run import Voyage, fly
 
 
 def resume_boat(path: Path, options: dict[str, Any], *, anyway: bool) -> int:
     """Go on with the recording at ``path``; return the exit code."""
-    try:
+    with refusing_damage():
         recording = Recording.reopen(path)
-    except RecordingError as error:
-        raise ConfigError(str(error)) from None
     try:
-        header = recording.header()
-        refuse_other(path, differences(header), anyway=anyway)
-        plan = plan_of(header)
-        boat = Boat(plan.file, plan.method)
-        warm(boat)
-        history = bring_up(recording, plan, boat, layout_of(header))
+        with refusing_damage():
+            header = recording.header()
+            refuse_other(path, differences(header), anyway=anyway)
+            plan = plan_of(header)
+            boat = Boat(plan.file, plan.method)
+            warm(boat)
+            history = bring_up(recording, plan, boat, layout_of(header))
     except BaseException:
         recording.close()
         raise

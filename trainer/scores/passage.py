@@ -14,6 +14,7 @@ from trainer.config import ConfigError
 from trainer.core.state import CASUALTIES
 from trainer.files.condition import ANGLE, QUANTITIES, Condition
 from trainer.io.recording import Flown, Journalled, Recording
+from trainer.records.layout import numbers_of
 from trainer.scores.score_rule import COURSE, Measured, Rule
 from trainer.watch import Limits
 
@@ -133,8 +134,7 @@ def read_passage(
     states, times = [np.empty((0, len(COLUMNS)))], [np.empty((0, 3))]
     flown = recording.flown(branch)
     while batch := list(islice(flown, BATCH)):
-        whole = np.frombuffer(b"".join(each.state for each in batch))
-        states.append(whole.reshape(len(batch), -1)[:, places])
+        states.append(np.array([numbers_of(each.state, layout)[places] for each in batch]))
         times.append(np.array([_times(each) for each in batch]))
     columns, timings = np.concatenate(states).T, np.concatenate(times).T
     return Passage(
