@@ -17,7 +17,7 @@ from hypothesis import strategies as st
 from trainer.config import ConfigError
 from trainer.io.orders import Order, parse
 from trainer.io.recording import Recording
-from trainer.proving import faults, in_use
+from trainer.proving import damage, faults, in_use
 from trainer.proving.audit import Answered, complete, journalled
 from trainer.proving.bench_of_faults import Bench, Tried
 from trainer.proving.caller import Caller, GoneError
@@ -281,6 +281,34 @@ def test_a_fault_loses_nothing_that_is_journalled(
     tried = fault(bench, times)
     assert not tried.wrong, tried
     assert tried.times == times or "not tried" in str(tried.seen)
+
+
+@pytest.fixture(scope="module")
+def good_recording(bench: Bench) -> bytes:
+    return damage.recorded(bench)
+
+
+@posix
+@pytest.mark.long
+@pytest.mark.parametrize("way", damage.DAMAGES, ids=lambda way: way.__name__)
+def test_a_damaged_recording_is_told_in_a_line_or_read_as_it_is(
+    bench: Bench, good_recording: bytes, way: damage.Damage
+) -> None:
+    tried = damage.opened(bench, good_recording, way, 20)
+    assert not tried.wrong, tried
+    assert sum(tried.seen.values()) == 20 * len(damage.COMMANDS)
+
+
+@posix
+@pytest.mark.long
+def test_a_command_that_ends_with_a_traceback_or_without_end_is_seen(bench: Bench) -> None:
+    tried = Tried("recording", "told in a line")
+    damage.judge(bench, tried, ("list", "--no-such"))
+    assert tried.wrong == []
+    assert tried.seen == {"told as damaged": 1}
+    loop = ("run", "--headless", "--speed", "max", "--duration", "90000h")
+    damage.judge(bench, tried, loop, seconds=1)
+    assert "run ended with -24" in tried.wrong[0]
 
 
 def test_what_is_wrong_is_on_the_page() -> None:

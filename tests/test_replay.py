@@ -1,7 +1,12 @@
 """A recording flown again: the same bits, or the first place where they are not."""
 
 import contextlib
+import os
+import signal
 import sqlite3
+import subprocess
+import sys
+import time
 from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
@@ -406,3 +411,82 @@ def test_a_recording_of_an_older_state_is_compared_in_what_it_has(
 
     assert flight.same
     assert flight.compared == LAST + 1
+
+
+# Recordings that would take all memory, or all time
+
+SERIES = "WITH RECURSIVE n(i) AS (SELECT 1 UNION ALL SELECT i + 1 FROM n LIMIT {}) "
+SWOLLEN = {
+    "header": (6, "INSERT INTO header SELECT 'k' || i, printf('%.*c', 15000000, 'x') FROM n"),
+    "branches": (
+        1500,
+        "INSERT INTO branches SELECT 9 + i, 1, 0, 0, 0, '', zeroblob(60000), '' FROM n",
+    ),
+    "orders": (
+        9000,
+        "INSERT INTO orders SELECT 99 + i, 1, 9, i, printf('%.*c', 9000, 'x'), 0, 1, i, i FROM n",
+    ),
+    "events": (
+        9000,
+        "INSERT INTO events SELECT 999 + i, 1, 9, 'mark', '', printf('%.*c', 9000, 'x'), '' FROM n",
+    ),
+    "snapshots": (
+        3000,
+        "INSERT INTO snapshots SELECT 9 + i, 'n' || i, 1, 9, zeroblob(60000), 0, 0, '' FROM n",
+    ),
+}
+BOUND = 200_000  # [kB] above what a replay of an empty recording takes
+
+
+def taken(path: Path) -> int:
+    """Return the memory [kB] that `trainer replay` of a recording takes."""
+    replay = subprocess.Popen(
+        [sys.executable, "-m", "trainer", "replay", str(path)],
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.DEVNULL,
+    )
+    _, status, used = os.wait4(replay.pid, 0)
+    replay.returncode = os.waitstatus_to_exitcode(status)
+    assert replay.returncode in (0, 1, 2)
+    return used.ru_maxrss
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="other units of memory elsewhere")
+@pytest.mark.parametrize("what", SWOLLEN)
+def test_a_recording_takes_a_bounded_memory_whatever_is_in_it(run: Run, what: str) -> None:
+    run.recording.close()
+    empty = taken(run.path)
+    count, statement = SWOLLEN[what]
+    with contextlib.closing(sqlite3.connect(run.path)) as connection, connection:
+        connection.execute(SERIES.format(count) + statement)
+    assert run.path.stat().st_size > 50_000_000
+    assert taken(run.path) < empty + BOUND
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="signals of POSIX")
+def test_ctrl_c_ends_a_long_question_to_a_recording(tmp_path: Path) -> None:
+    code = (
+        "import sqlite3, sys; from pathlib import Path\n"
+        "from trainer.io import recording_file as f\n"
+        "f.create(Path(sys.argv[1]), {}, b'').close()\n"
+        "with f.understanding('it'):\n"
+        "    c = f.connect(Path(sys.argv[1]), 'mode=rw'); print('now', flush=True)\n"
+        "    c.execute('WITH RECURSIVE n(i) AS (SELECT 1 UNION ALL SELECT i + 1 FROM n) '\n"
+        "              'SELECT count(*) FROM n').fetchall()\n"
+    )
+    asking = subprocess.Popen(
+        [sys.executable, "-c", code, str(tmp_path / "it.trainer")],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+    with asking:
+        assert asking.stdout
+        assert asking.stdout.readline() == "now\n"
+        time.sleep(0.5)  # it is asking
+        asking.send_signal(signal.SIGINT)
+        try:
+            _, told = asking.communicate(timeout=10)
+        finally:
+            asking.kill()
+    assert "KeyboardInterrupt" in told

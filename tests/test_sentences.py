@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from trainer.io import sentences
-from trainer.io.lines import LineDecoder, Overlong
+from trainer.io.lines import LineDecoder, Overlong, line_bytes, plain
 from trainer.io.orders import LONGEST, BadOrder, Order, parse
 from trainer.io.sentences import Heard, Sentence, checksum, hear, order_sentence, read
 
@@ -233,3 +233,25 @@ def test_a_hundred_thousand_lines_of_noise_are_survived_in_flat_memory() -> None
 )
 def test_a_sentence_that_does_not_tell_when_in_numbers_is_none(words: str) -> None:
     assert read(framed(words)) is None
+
+
+@pytest.mark.parametrize(
+    ("text", "shown"),
+    [
+        ("depth 80", "depth 80"),
+        ("Ünterseeboot", "Ünterseeboot"),
+        ("\x1b[2J\x1b]0;x\x07", r"\x1b[2J\x1b]0;x\x07"),
+        ("one\rtwo\ttwo\x7f\x9b1m", r"one\rtwo\ttwo\x7f\x9b1m"),
+        ("a\u202eb\u2028c\u200bd\u2066e", r"a\u202eb\u2028c\u200bd\u2066e"),
+    ],
+)
+def test_what_a_terminal_would_obey_is_made_visible(text: str, shown: str) -> None:
+    assert plain(text) == shown
+
+
+def test_no_line_that_comes_in_or_goes_out_moves_a_cursor() -> None:
+    decoder = LineDecoder()
+    (line,) = decoder.feed(b"hello \x1b[31mred\x1b]52;c;aGk=\x07\x9b\n")
+    assert isinstance(line, str)
+    assert line.startswith(r"hello \x1b[31mred\x1b]52;c;aGk=\x07")
+    assert line_bytes("a\x1b[2J\u202eü") == rb"a\x1b[2J\u202e?"

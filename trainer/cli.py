@@ -93,8 +93,10 @@ def keep_standard_streams() -> None:
 
 def fail(code: int, *lines: str) -> NoReturn:
     """Say why on stderr and leave with that exit code."""
+    from trainer.io.lines import plain  # noqa: PLC0415  not for help
+
     for line in lines:
-        click.echo(f"trainer: {line}", err=True)
+        click.echo(f"trainer: {plain(line)}", err=True)
     sys.exit(code)
 
 

@@ -91,14 +91,22 @@ def fuzz(
     metavar="N",
     help="Instead kill N sessions, and try every other fault in proportion.",
 )
+@click.option(
+    "--damaged",
+    type=click.IntRange(1),
+    default=None,
+    metavar="N",
+    help="Instead damage N recordings, and let every command open them.",
+)
 @click.option("--json", "as_json", is_flag=True, help="Print what was found as JSON.")
-def soak(*, faults: int | None, real_time: bool, seed: int, as_json: bool, **how: Any) -> None:
+def soak(*, real_time: bool, seed: int, as_json: bool, **how: Any) -> None:
     """Keep a session under random orders, seas, casualties and visitors, and see what it promises.
 
     \b
     Example:  trainer soak
               trainer soak --real-time --minutes 30
               trainer soak --faults 100
+              trainer soak --damaged 2000
 
     Exit codes: 0 every promise kept, 1 one is broken.
     """
@@ -107,8 +115,9 @@ def soak(*, faults: int | None, real_time: bool, seed: int, as_json: bool, **how
     from trainer.proving.soak import as_json as text_of  # noqa: PLC0415
     from trainer.proving.soak import soak as soak_session  # noqa: PLC0415
 
-    if faults:
-        sys.exit(try_faults(faults, seed, as_json=as_json))
+    for name in ("faults", "damaged"):
+        if how[name]:
+            sys.exit(try_faults(name, how[name], seed, as_json=as_json))
     plan = Plan(60.0 * how["minutes"] if real_time else 3600.0 * how["hours"], real_time, seed)
     with Bar("soaking", plan.ticks) as bar:
         found = soak_session(plan, how["keep"], bar.at)
@@ -116,15 +125,17 @@ def soak(*, faults: int | None, real_time: bool, seed: int, as_json: bool, **how
     sys.exit(0 if found.kept else 1)
 
 
-def try_faults(times: int, seed: int, *, as_json: bool) -> int:
-    """Try every fault and print what came of it; return the exit code."""
+def try_faults(what: str, times: int, seed: int, *, as_json: bool) -> int:
+    """Try every fault, or damage, and print what came of it; return the exit code."""
+    from trainer.proving.damage import try_damage  # noqa: PLC0415
     from trainer.proving.faults import HEAD, told, try_all  # noqa: PLC0415
     from trainer.proving.page import as_json as text_of  # noqa: PLC0415
 
     found = []
     if not as_json:
         click.echo(HEAD)
-    for tried in try_all(times, seed):  # hours: each is told when it is known
+    tries = {"faults": try_all, "damaged": try_damage}[what](times, seed)
+    for tried in tries:  # hours: each is told when it is known
         found.append(tried)
         if not as_json:
             click.echo(told(tried))

@@ -13,7 +13,7 @@ import time
 from collections import deque
 from collections.abc import Callable
 
-from trainer.io.lines import LineDecoder, Overlong
+from trainer.io.lines import LineDecoder, Overlong, line_bytes
 
 CHUNK = 4096  # [bytes]  read at once
 MOST_HEARD = 256  # [lines]  waiting to be taken; beyond it the socket is not read
@@ -78,7 +78,7 @@ class Connection:
 
     def send(self, line: str) -> None:
         """Queue one line, or drop and count it when the client is slow or gone."""
-        data = line.encode("ascii", errors="replace") + b"\r\n"
+        data = line_bytes(line) + b"\r\n"
         with self._lock:
             full = len(self._said) >= MOST_SAID or self._said_bytes + len(data) > MOST_BYTES
             if self._gone or full or self.leaving:

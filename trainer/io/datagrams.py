@@ -3,6 +3,7 @@
 import socket
 from typing import Final
 
+from trainer.io.lines import line_bytes
 from trainer.io.serial_line import LinkError
 
 HIGHEST: Final = 65535
@@ -30,7 +31,7 @@ class Datagrams:
     def send(self, line: str) -> None:
         """Send one line with its end, or count it when the system has no way or room for it."""
         try:
-            self._end.sendto(line.encode("ascii", errors="replace") + b"\r\n", self._to)
+            self._end.sendto(line_bytes(line) + b"\r\n", self._to)
         except OSError as error:
             self.dropped += 1
             self.trouble = error.strerror or str(error)

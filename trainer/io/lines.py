@@ -29,6 +29,24 @@ class Overlong:
     limit: int
 
 
+def plain(text: str) -> str:
+    r"""Return text with every character that a terminal would obey made visible.
+
+    Such as \x1b for an escape: what comes from elsewhere moves no cursor and hides no words.
+    """
+    if text.isprintable():
+        return text
+    return "".join(
+        each if each.isprintable() else each.encode("unicode_escape").decode("ascii")
+        for each in text
+    )
+
+
+def line_bytes(line: str) -> bytes:
+    """Return a line as it goes out, without its end: plain ASCII."""
+    return plain(line).encode("ascii", errors="replace")
+
+
 class LineDecoder:
     """Cut a stream of bytes into lines; never raises, never holds more than one line."""
 
@@ -68,7 +86,7 @@ class LineDecoder:
         given_up = self._giving_up
         self._pending.clear()
         self._giving_up = False
-        return [] if given_up else [line]
+        return [] if given_up else [plain(line)]
 
     def _take_back(self) -> None:
         while self._pending and self._pending[-1] & 0xC0 == 0x80:  # inside a UTF-8 character

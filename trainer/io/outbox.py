@@ -10,7 +10,7 @@ from collections import deque
 from collections.abc import Callable
 from typing import Protocol
 
-from trainer.io.lines import LineDecoder, Overlong
+from trainer.io.lines import LineDecoder, Overlong, line_bytes
 from trainer.io.orders import LONGEST
 
 CHUNK = 4096  # [bytes]
@@ -54,7 +54,7 @@ class Outbox:
             if self.trouble or self._closing or len(self._lines) >= self._capacity:
                 self.dropped += 1
                 return
-            self._lines.append(line.encode("ascii", errors="replace") + self._line_end)
+            self._lines.append(line_bytes(line) + self._line_end)
             self._change.notify()
 
     def close(self, patience: float) -> None:
@@ -100,7 +100,7 @@ class Direct:
             self.dropped += 1
             return
         try:
-            self._write(line.encode("ascii", errors="replace") + self._line_end)
+            self._write(line_bytes(line) + self._line_end)
         except (OSError, ValueError) as error:
             self.trouble = str(error) or type(error).__name__
             self.dropped += 1

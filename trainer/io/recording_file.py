@@ -96,8 +96,9 @@ def understanding(name: object) -> Iterator[None]:
             raise
         if code == sqlite3.SQLITE_NOTADB:
             raise RecordingError(f"{name} is not a recording: {error}") from None
+        why = error if code is not None else "a text in it is none"
         raise RecordingError(
-            f"{name} is damaged: {error}; SQLite's own program may save a part: "
+            f"{name} is damaged: {why}; SQLite's own program may save a part: "
             f'sqlite3 "{name}" .recover'
         ) from None
 

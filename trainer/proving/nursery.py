@@ -10,6 +10,7 @@ import resource
 import subprocess
 import sys
 import tempfile
+import traceback
 from collections.abc import Callable
 from dataclasses import asdict, dataclass
 from pathlib import Path
@@ -18,6 +19,11 @@ from typing import IO, Any, Final, Self
 PROGRAM: Final = (
     "from trainer.cli import main; from trainer.proving.nursery import open_for; open_for(main)"
 )
+LIMITS: Final = {
+    "largest_file": resource.RLIMIT_FSIZE,
+    "seconds": resource.RLIMIT_CPU,
+    "memory": resource.RLIMIT_DATA,
+}
 FIRST: Final = ("run", "--headless", "--speed", "max", "--duration", "5", "--record")
 
 
@@ -31,6 +37,8 @@ class Job:
     words: tuple[str, ...]
     told: str  # path of a file
     largest_file: int = 0  # [bytes] 0 for no limit
+    seconds: int = 0  # [s] of the processor, 0 for no limit
+    memory: int = 0  # [bytes] 0 for no limit
 
 
 class Nursery:
@@ -91,14 +99,17 @@ def grow_up(main: Main, job: dict[str, Any]) -> None:
     told = os.open(job["told"], os.O_CREAT | os.O_APPEND | os.O_WRONLY)
     os.dup2(told, 1)
     os.dup2(told, 2)
-    if job["largest_file"]:
-        resource.setrlimit(resource.RLIMIT_FSIZE, (job["largest_file"], resource.RLIM_INFINITY))
+    for name, limit in LIMITS.items():
+        if job[name]:
+            resource.setrlimit(limit, (job[name], resource.RLIM_INFINITY))
     code = 1
     try:
         code = run(main, tuple(job["words"]))
+    except BaseException:  # noqa: BLE001  what a program of its own would end with
+        traceback.print_exc()
+    finally:
         sys.stdout.flush()
         sys.stderr.flush()
-    finally:
         os._exit(code)
 
 

@@ -8,6 +8,7 @@ from typing import Any
 
 import click
 
+from trainer.io.lines import plain
 from trainer.records.log_book import differences, notes, reading
 from trainer.records.replay import Flight, replay_anyway
 from trainer.records.resume import refuse_other
@@ -20,7 +21,7 @@ def replay_file(path: Path, otherwise: Mapping[str, Any], *, anyway: bool, as_js
         found = differences(header, otherwise)
         refuse_other(path, found, anyway=anyway)
         for note in (*found, *notes(header)):
-            click.echo(f"note: {note}", err=True)
+            click.echo(plain(f"note: {note}"), err=True)
         flights = replay_anyway(recording, otherwise)
     click.echo(
         json.dumps([as_row(each) for each in flights], indent=1) if as_json else page(flights)
@@ -46,7 +47,7 @@ def as_row(flight: Flight) -> dict[str, Any]:
 
 def page(flights: list[Flight]) -> str:
     """Return the flights as lines."""
-    return "\n".join(line for flight in flights for line in told(flight))
+    return "\n".join(plain(line) for flight in flights for line in told(flight))
 
 
 def told(flight: Flight) -> list[str]:

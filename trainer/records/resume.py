@@ -63,6 +63,8 @@ def bring_up(recording: Recording, plan: Plan, boat: Boat, layout: tuple[str, ..
     plan.start(boat)  # also what no state holds: the triggers armed
     latest = recording.latest()
     boat.restore(read_state(latest.state, layout, boat.records.state))
+    if boat.ticks != latest.tick:
+        raise ConfigError(f"recording: its state of tick {latest.tick} is of another: damaged")
     history = History(boat, recording, latest.after, latest.place)
     with np.errstate(all="ignore"):
         for entry in recording.orders(recording.branch, latest.after):

@@ -5,6 +5,7 @@ from typing import Final
 
 import numpy as np
 
+from trainer.config import ConfigError
 from trainer.core.casualties import KINDS, SURFACES
 from trainer.io.orders import Order, parse
 from trainer.io.recording import Journalled
@@ -35,8 +36,11 @@ class Deflection:
 
 
 def spells(passage: Passage) -> tuple[Spell, ...]:
-    """Return the casualties in the order in which they began."""
+    """Return the casualties in the order in which they began; ConfigError if one is unheard of."""
     slots = np.array([passage.columns[name] for name in SLOTS])
+    known = np.isin(slots, range(len(KINDS) + 1))
+    if not known.all():
+        raise ConfigError(f"recording: casualty {slots[~known][0]:g}: is none; it is damaged")
     amounts = np.array([passage.columns[name] for name in AMOUNTS])
     found = [
         spell
