@@ -160,7 +160,14 @@ def test_an_audit_misses_an_order_that_was_answered_and_is_not_there(
     with contextlib.closing(Recording.look(recording)) as looked:
         found = journalled(looked, [Answered("helm at x", text) for text in texts])
     assert found.kept is not bool(lost)
-    assert found.seen.endswith(f"; {lost} lines lack any")
+    assert f"; {lost} lines lack any" in found.seen
+
+
+def test_an_audit_misses_a_mark_that_was_answered_and_is_not_there(recording: Path) -> None:
+    with contextlib.closing(Recording.look(recording)) as looked:
+        found = journalled(looked, [Answered("observer at tcp", "here", mark=True)])
+    assert not found.kept
+    assert found.seen.endswith("1 marks, 1 lost")
 
 
 def test_an_audit_misses_a_tick_that_the_ledger_lacks(recording: Path) -> None:
@@ -270,6 +277,8 @@ def bench(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Bench]:
         (faults.unplugged, 2),
         (faults.full, 2),
         (faults.full_disk, 1),
+        (faults.locked, 1),
+        (faults.relieved, 1),
         (faults.vanished, 1),
         (faults.clock_set, 2),
         (faults.console_killed, 1),

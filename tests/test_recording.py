@@ -133,28 +133,31 @@ def test_a_tick_flown_again_on_its_branch_does_not_replace_the_first(path: Path)
         assert list(recording.ledger(1)) == [(1, 5, 0)]
 
 
-def test_rows_are_gathered_and_go_out_in_time(path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_rows_are_gathered_and_go_out_together(path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(recording_module, "BATCH", 10)
+    monkeypatch.setattr(checkpoint, "EVERY", 1000.0)
     with closing(begin(path)) as recording, closing(Recording.look(path)) as reader:
         for tick in range(1, 15):
             recording.state(tick, state_of(tick))
         assert reader.latest().tick == 10
 
-        monkeypatch.setattr(recording_module, "LONGEST", 0.0)
-        recording.state(15, state_of(15))
-        assert reader.latest().tick == 15
 
-
-def test_what_is_written_is_written_within_a_ticks_work_not_after_it_was_timed(
-    path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(recording_module, "LONGEST", 0.0)
+def test_what_waits_is_written_before_long_though_nothing_follows(path: Path) -> None:
     with closing(begin(path)) as recording, closing(Recording.look(path)) as reader:
-        for tick in range(1, 4):
-            recording.state(tick, state_of(tick))
-            recording.timing(tick, 300, 80_000)
-            assert reader.latest().tick == tick
-            assert [found for found, _, _ in reader.ledger(1)] == list(range(1, tick))
+        recording.state(1, state_of(1))
+        recording.timing(1, 300, 80_000)
+        recording.event(1, "time", "", "frozen")
+        assert within(10.0, lambda: reader.latest().tick == 1)  # a second is promised
+        assert [found for found, _, _ in reader.ledger(1)] == [1]
+        assert [each.text for each in reader.events()] == ["frozen"]
+
+
+def within(seconds: float, holds: Callable[[], bool]) -> bool:
+    """Return whether something holds before so long a time is over."""
+    end = time.monotonic() + seconds
+    while not holds() and time.monotonic() < end:
+        time.sleep(0.01)
+    return holds()
 
 
 def test_an_order_is_on_disk_before_it_acts_and_all_before_it_too(path: Path) -> None:
@@ -603,44 +606,109 @@ def small_disk() -> Iterator[None]:
         resource.setrlimit(resource.RLIMIT_FSIZE, before)
 
 
-def overfill(recording: Recording) -> list[int]:
-    """Record until nothing more is taken, and beyond; return the orders told to be written."""
-    told, tick = [], 0
-    for _ in range(200):
-        tick += 1
+@pytest.fixture
+def impatient(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Let a recording out of reach be tried again at once."""
+    monkeypatch.setattr(recording_module, "AGAIN", 0.01)
+    monkeypatch.setattr(recording_module, "PATIENCE", 0.1)
+    monkeypatch.setattr(checkpoint, "EVERY", 0.01)
+
+
+def fly(recording: Recording, first: int, last: int) -> None:
+    """Record so many ticks, with an order at every fifth."""
+    for tick in range(first, last + 1):
         recording.state(tick, state_of(tick))
+        recording.timing(tick, 1, 2)
         if tick % 5 == 0:
-            order = recording.order(tick, "helm", f"order at {tick}")
-            told += [] if recording.trouble else [order]
-    recording.snapshot("beyond", Moment(1, tick, b"", order, 0))
-    assert recording.fork(Moment(1, tick, b"", order, 0), "restore beyond") == 2
-    assert recording.fork(Moment(2, tick, b"", order, 0), "once more") == 3
-    assert recording.order(tick, "helm", "later") == order + 1
-    assert recording.moment(2, tick) is None
-    assert recording.snapshots() == []
-    return told
+            recording.answered(recording.order(tick, "helm", f"order at {tick}"), "yes", True)  # noqa: FBT003
+
+
+def check_whole(path: Path, last: int) -> None:
+    """Check that a recording has all that `fly` records to a tick."""
+    with closing(Recording.look(path)) as again:
+        assert [tick for tick, _ in again.states(1)] == list(range(last + 1))
+        orders = again.orders(1)
+        assert [each.text for each in orders] == [f"order at {k}" for k in range(5, last + 1, 5)]
+        assert all(each.answer == "yes" for each in orders[:-1])  # the last may have waited
+        assert len(again.branches()) == 1
 
 
 @posix
-def test_a_full_disk_is_told_and_what_is_written_is_whole(path: Path) -> None:
-    recording = begin(path)
-    with small_disk():
-        told = overfill(recording)
-    recording.order(1000, "helm", "there is room again, too late")  # what lies between is lost
-    recording.close()
-    trouble = re.fullmatch(
-        rf"{re.escape(str(path))}: .+; all up to tick (\d+) of branch 1 is kept", recording.trouble
-    )
-    assert trouble
+@pytest.mark.usefixtures("impatient")
+def test_a_full_disk_is_told_and_all_is_there_once_there_is_room_again(path: Path) -> None:
+    with closing(begin(path)) as recording:
+        with small_disk():
+            fly(recording, 1, 400)
+            told = rf"{re.escape(str(path))}: .+; all up to tick \d+ of branch 1 is kept"
+            assert re.fullmatch(told, recording.trouble)
+            assert recording.moment(1, 400) is None
+        assert within(10.0, lambda: not recording.trouble)
+        fly(recording, 401, 410)
+        assert (recording.missing, recording.absences) == ("", 1)
+    check_whole(path, 410)
 
+
+@posix
+@pytest.mark.usefixtures("impatient")
+def test_a_recording_that_ends_on_a_full_disk_is_whole_as_far_as_it_goes(path: Path) -> None:
+    with small_disk():
+        recording = begin(path)
+        fly(recording, 1, 400)
+        recording.close()
+    found = re.search(r"all up to tick (\d+)", recording.trouble)
+    assert found
+    kept = int(found[1])
+    assert re.fullmatch(r"\d+ ticks, \d+ orders", recording.missing)
+    assert int(recording.missing.split()[0]) == 400 - kept
+    check_whole(path, kept - kept % 5)
+
+
+@pytest.mark.usefixtures("impatient")
+def test_another_program_s_lock_holds_nobody_up_and_loses_nothing(path: Path) -> None:
+    with closing(begin(path)) as recording:
+        fly(recording, 1, 10)
+        with contextlib.closing(sqlite3.connect(path, isolation_level=None)) as other:
+            other.execute("BEGIN EXCLUSIVE")
+            began = time.monotonic()
+            fly(recording, 11, 100)
+            recording.event(100, "mark", "helm", "here")
+            assert time.monotonic() - began < 10 * recording_module.BRIEFLY
+            assert "locked" in recording.trouble
+            other.execute("COMMIT")
+        assert within(10.0, lambda: not recording.trouble)
+        assert recording.missing == ""
+        assert [each.text for each in recording.events()] == ["here"]
+    check_whole(path, 100)
+
+
+@pytest.mark.usefixtures("impatient")
+def test_what_there_is_no_room_for_is_a_gap_that_the_file_tells(
+    path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(recording_module, "ROOM", 50_000)
+    with closing(begin(path)) as recording:
+        fly(recording, 1, 10)
+        with contextlib.closing(sqlite3.connect(path, isolation_level=None)) as other:
+            other.execute("BEGIN EXCLUSIVE")
+            fly(recording, 11, 60)
+            assert recording.fork(Moment(1, 20, state_of(20), 4, 0), "backtrack") == 2
+            fly(recording, 21, 40)
+            other.execute("COMMIT")
+        assert within(10.0, lambda: recording.reachable)
+        recording.go_on(Moment(2, 40, state_of(40), 16, 0))
+        assert recording.trouble == ""
+        recording.state(41, state_of(41))
+        assert recording.order(41, "helm", "after it") == 17
+
+    assert recording.missing == "70 ticks, 14 orders"
     with closing(Recording.look(path)) as again:
-        assert again.latest().tick == int(trouble[1]) > 50
-        assert [order.id for order in again.orders(1)] == told
-        assert [order.id for order in again.orders(1)] == list(range(1, len(told) + 1))
-        assert [tick for tick, _ in again.states(1)] == list(range(int(trouble[1]) + 1))
-        assert len(again.branches()) == 1
-    with contextlib.closing(sqlite3.connect(path)) as connection:
-        assert connection.execute("SELECT max(id) FROM orders").fetchone() == (told[-1],)
+        first, after = again.branches()
+        assert (after.parent, after.tick, after.state) == (first.id, 40, state_of(40))
+        assert after.why == "not recorded after tick 10: 70 ticks, 14 orders lost"
+        assert [tick for tick, _ in again.states(after.id)] == [40, 41]
+        assert [each.text for each in again.orders(after.id, after.after)] == ["after it"]
+        assert [each.tick for each in again.flown(after.id)] == [*range(11), 40, 41]
+        assert again.latest().tick == 41
 
 
 @posix

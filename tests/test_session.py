@@ -1,10 +1,13 @@
 """A session: a boat, a clock, a recording and stations, in the thread that ticks."""
 
+import contextlib
 import math
+import sqlite3
 import threading
 from collections import deque
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
+from pathlib import Path
 
 import pytest
 
@@ -313,3 +316,51 @@ def test_trouble_that_an_order_meets_is_told_too() -> None:
     recording.order = lambda *_: setattr(recording, "trouble", "disk full") or 1  # type: ignore[method-assign,func-returns-value]
     session.run()
     assert script.heard.count("NOT RECORDED: disk full") == 1
+
+
+class OutOfReach:
+    """A session whose recording is locked by another program."""
+
+    def __init__(self, tmp_path: Path, batches: list[list[str]]) -> None:
+        self.script = Script(batches)
+        self.session = session_of(self.script, 4)
+        path = tmp_path / "run.trainer"
+        state = self.session.boat.records.state.tobytes()
+        self.session.history.recording = Recording.create(path, {}, state)
+        OPENED.append(self.session.history.recording)
+        self.other = sqlite3.connect(path, isolation_level=None)
+        self.other.execute("BEGIN EXCLUSIVE")
+
+    def run(self) -> list[str]:
+        with contextlib.closing(self.other):
+            self.session.run()
+        return self.script.heard
+
+
+def test_while_the_recording_is_out_of_reach_every_answer_says_so(tmp_path: Path) -> None:
+    heard = OutOfReach(tmp_path, [["depth 75", "mark here", "snapshot a", "dpeth 80"]]).run()
+    assert heard[0] == "keeping depth 75 m (not recorded)"
+    assert heard[1].startswith("NOT RECORDED: ")
+    assert heard[2] == "marked at 0 s (not recorded)"
+    assert heard[3].startswith("? not kept: ")
+    assert "not recorded" not in heard[4]  # it is no order
+
+
+def test_a_mark_is_in_the_file_before_it_is_answered(tmp_path: Path) -> None:
+    class Looking(Script):
+        marks: list[str] = []  # noqa: RUF012
+
+        def send(self, line: str) -> None:
+            super().send(line)
+            if line.startswith("marked"):
+                with contextlib.closing(Recording.look(path)) as reader:
+                    self.marks += [each.text for each in reader.events() if each.kind == "mark"]
+
+    path = tmp_path / "run.trainer"
+    script = Looking([["freeze", "mark here", "mark there"]])
+    session = session_of(script, 1)
+    state = session.boat.records.state.tobytes()
+    session.history.recording = Recording.create(path, {}, state)
+    OPENED.append(session.history.recording)
+    session.run()
+    assert script.marks == ["here", "here", "there"]

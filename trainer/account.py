@@ -7,6 +7,8 @@ import click
 from trainer import compilation
 from trainer.boat import Boat
 from trainer.fitout import KNOT
+from trainer.io.no_recording import NoRecording
+from trainer.io.recording import Recording
 from trainer.io.teletype import course
 from trainer.ledger import Summary
 from trainer.session import Session
@@ -28,10 +30,13 @@ def account(session: Session, wall: float, kept: str, *, aside: bool) -> int:
     if session.watch.times:
         summary += f"\nevents      {session.watch.account()}"
     if kept:
-        summary += f"\nrecorded    {kept}\n            {SEE_IT}"
+        absences = session.history.recording.absences
+        whole = absences and not session.history.recording.missing
+        again = f"; it was out of reach {absences} times, and is whole" if whole else ""
+        summary += f"\nrecorded    {kept}{again}\n            {SEE_IT}"
     click.echo(summary, err=aside)
     failure = session.desk.failure and f"frozen: {session.desk.failure}"
-    recording = session.history.recording.trouble if kept else ""
+    recording = unrecorded(session.history.recording) if kept else ""
     troubles = [failure, session.deserted, session.recorder.trouble, recording]
     for station in session.board.stations:
         if station.line.dropped:
@@ -40,6 +45,14 @@ def account(session: Session, wall: float, kept: str, *, aside: bool) -> int:
     for trouble in filter(None, troubles):
         click.echo(f"trainer: {trouble}", err=True)
     return 1 if any(troubles) else 0
+
+
+def unrecorded(recording: Recording | NoRecording) -> str:
+    """Return what a recording that has been closed lacks and why, "" if it is whole."""
+    if not (recording.missing or recording.trouble):
+        return ""
+    why = f"; {recording.trouble}" if recording.trouble else ""
+    return f"NOT RECORDED: {recording.missing or 'nothing more'}{why}"
 
 
 def summary_text(boat: Boat, ledger: Summary, wall: float) -> str:

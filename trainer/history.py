@@ -78,6 +78,8 @@ class History:
 
     def order(self, who: str, order: Order, place: int | None = None) -> int:
         """Journal an order that is about to act; return its number."""
+        if self.recording.reachable:
+            self.recording.go_on(self.now())
         self.after = self.recording.order(self.tick, who, order.text, place)
         if place is not None:
             self.place = place + 1
@@ -93,7 +95,10 @@ class History:
         """Keep the state after a tick; return it."""
         state = self.boat.plain.tobytes()
         if self.rerun is None:
-            self.recording.state(tick, state)
+            if self.recording.reachable:  # its new branch begins with this state
+                self.recording.go_on(self.now())
+            else:
+                self.recording.state(tick, state)
             if tick % self._period == 0:
                 branch = self.recording.branch
                 self.automatic.append(Moment(branch, tick, state, self.after, self.place))
@@ -103,6 +108,8 @@ class History:
 
     def keep(self, name: str) -> Reply:
         """Keep the present moment under a name."""
+        if self.recording.trouble:
+            return Refused(f"not kept: {self.recording.trouble}")
         known = name in self.snapshots()
         self.recording.snapshot(name, self.now())
         if self.recording.trouble:

@@ -137,6 +137,7 @@ def fly(voyage: Voyage, options: dict[str, Any]) -> int:
         for station in session.board.stations:
             station.close(PATIENCE)
         recorder.close()
+        history.recording.close()
         code = account(session, wall, voyage.kept, aside=not options["headless"])
         return max(code, log.account()) if log else code
 

@@ -15,6 +15,7 @@ from trainer.helm import ORDERS, obey
 from trainer.history import History
 from trainer.io.csv_file import Columns
 from trainer.io.orders import Order
+from trainer.io.recording import RecordingError
 from trainer.io.schedule import Scheduled
 from trainer.ledger import SECOND
 from trainer.pacer import WOKEN, Event
@@ -170,10 +171,15 @@ class Session:
             station.answer(asked, "", *self.board.lately(station.role, int(order.value)))
         elif order.name == "mark":
             self.board.tell("mark", order.subject or "marked", station)
-            station.answer(asked, f"marked at {self.boat.time:g} s")
+            self.history.recording.flush()
+            station.answer(asked, self._as_kept(f"marked at {self.boat.time:g} s"))
+            self._tell_trouble()
         else:
-            answer = self._carry_out(order, station.who)
-            station.answer(asked, answer)
+            try:
+                answer = self._carry_out(order, station.who)
+            except RecordingError as error:  # its past cannot be read at present
+                answer = Refused(str(error))
+            station.answer(asked, self._as_kept(answer))
             self._pass_on(order, answer, station)
             self._tell_trouble()
 
@@ -299,12 +305,22 @@ class Session:
         while self.sending.troubles:
             self.board.tell("trouble", self.sending.troubles.popleft())
 
+    def _as_kept(self, answer: Reply) -> Reply:
+        """Return an answer with a word on it if what it answers is not recorded."""
+        if self.history.recording.trouble and not isinstance(answer, Refused):
+            return f"{answer} (not recorded)"
+        return answer
+
     def _tell_trouble(self) -> None:
-        """Tell once that the recording is in trouble, whatever it was that met it."""
-        trouble = self.history.recording.trouble
-        if trouble != self.unrecorded:
-            self.unrecorded = trouble
-            self.board.tell("trouble", f"NOT RECORDED: {trouble}")
+        """Tell once that the recording is out of reach, and once that it is back."""
+        recording = self.history.recording
+        if recording.trouble == self.unrecorded:
+            return
+        self.unrecorded = recording.trouble
+        lost = f"lost in all: {recording.missing}" if recording.missing else "nothing is lost"
+        back = f"recorded again in branch {recording.branch}; {lost}"
+        told = f"NOT RECORDED: {recording.trouble}" if recording.trouble else back
+        self.board.tell("trouble", told)
 
     def _row(self) -> None:
         """Hand the state to the columns' file; tell at once when it is in trouble."""

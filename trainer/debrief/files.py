@@ -5,6 +5,7 @@ import tempfile
 from pathlib import Path
 
 import click
+import numpy as np
 
 from trainer.config import ConfigError
 from trainer.debrief.dossier import Dossier, gather
@@ -25,12 +26,13 @@ def debrief_file(
     """
     for wanted in filter(None, (html, pdf)):
         _refuse_recording(path, wanted)
-    dossier = read_dossier(path, branch)
     if html is None and pdf is None and not as_json:
         html = beside(path, branch)
         _refuse_other(html)
+    with np.errstate(all="ignore"):  # a state may hold any number
+        dossier = read_dossier(path, branch)
+        page = render(dossier) if html or pdf else ""
     written = []
-    page = render(dossier) if html or pdf else ""
     if html is not None:
         _write(html, page)
         written.append(html)

@@ -1,4 +1,4 @@
-"""Bringing home what SQLite has written ahead, in a thread of its own.
+"""The thread of a recording: it commits what waits, and brings home what is written ahead.
 
 A checkpoint waits for the disk (fsync); in the thread that ticks it would make ticks late. But what
 is written without a pause, by a run that keeps no time, is never all brought home by another thread
@@ -6,15 +6,17 @@ and would be written ahead without end: such a writer has to wait now and then.
 """
 
 import contextlib
+import functools
 import sqlite3
 import threading
+from collections.abc import Callable
 from pathlib import Path
 from typing import Final
 
 from trainer.io.recording_file import TOUCH, connect
 
 WORTHWHILE: Final = 4_000_000  # [bytes] written ahead
-EVERY: Final = 1.0  # [s] between looks at how much that is
+EVERY: Final = 0.8  # [s] between looks at how much that is, and at what waits
 FAR: Final = 64_000_000  # [bytes] written ahead before the writer waits: hours, where time is kept
 
 BRING_HOME: Final = "PRAGMA wal_checkpoint(PASSIVE)"
@@ -30,13 +32,19 @@ class Checkpointer:
         self._bound = FAR  # [bytes] written ahead at which the writer waits
         self._bringing = threading.Lock()  # two at a time SQLite refuses
         self._closing = threading.Event()
-        self._thread = threading.Thread(target=self._run, name="checkpoints", daemon=True)
+        self._thread = threading.Thread(name="checkpoints")
+
+    def start(self, tend: Callable[[], None]) -> None:
+        """Begin the thread, which also calls `tend` every EVERY seconds."""
+        run = functools.partial(self._run, tend)
+        self._thread = threading.Thread(target=run, name="checkpoints", daemon=True)
         self._thread.start()
 
     def close(self) -> None:
         """End the thread, after the checkpoint it may be in."""
         self._closing.set()
-        self._thread.join()
+        if self._thread.ident:
+            self._thread.join()
 
     @property
     def gone(self) -> bool:
@@ -58,15 +66,17 @@ class Checkpointer:
                 _, written, brought_home = writing.execute(BRING_HOME).fetchone()
             self._bound = FAR if written == brought_home else ahead + FAR
 
-    def _run(self) -> None:
-        try:
+    def _run(self, tend: Callable[[], None]) -> None:
+        connection = None
+        with contextlib.suppress(sqlite3.Error):  # else it is all brought home at the end
             connection = connect(self._path, "mode=rw")
-        except sqlite3.Error:  # it remains written ahead, and is brought home at the end
-            return
-        with contextlib.closing(connection):
             connection.execute("PRAGMA journal_size_limit = 0")
-            while not self._closing.wait(EVERY):
+        while not self._closing.wait(EVERY):
+            tend()
+            if connection:
                 self._look(connection)
+        if connection:
+            connection.close()
 
     def _look(self, connection: sqlite3.Connection) -> None:
         with contextlib.suppress(OSError, sqlite3.Error):  # the next look may do better

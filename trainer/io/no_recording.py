@@ -7,7 +7,9 @@ class NoRecording:
     """What a recording takes is dropped; there is nothing to go back to."""
 
     def __init__(self) -> None:
-        self.trouble = ""
+        self.trouble = self.missing = ""
+        self.reachable = False
+        self.absences = 0
         self.branch = 1
         self._order = 0
 
@@ -35,6 +37,12 @@ class NoRecording:
         """Return the number of the branch that begins."""
         self.branch += 1
         return self.branch
+
+    def go_on(self, _moment: Moment) -> None:
+        """Drop it."""
+
+    def flush(self) -> None:
+        """Do nothing."""
 
     def state_at(self, _branch: int, _tick: int) -> bytes | None:
         """Return nothing."""

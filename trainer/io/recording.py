@@ -1,14 +1,18 @@
 """A recording: one file of a run, its orders before they act, its states, and what happened.
 
 It knows bytes, text and numbers; what they mean is its caller's affair. Orders, snapshots and
-forks are committed when the call returns; the rest is gathered and goes out with them, at the
-latest when BATCH rows of a kind or LONGEST seconds have come together. A process that is killed
-loses nothing that is committed; one whose machine loses power may lose the last seconds, never
-the whole.
+forks are committed when the call returns; the rest is gathered, and a thread commits it within a
+second. A process that is killed loses nothing that is committed; one whose machine loses power may
+lose the last seconds, never the whole.
+
+A recording may go out of reach: another program has it locked, its disk is full. Then what is
+recorded waits, up to ROOM bytes, and the thread tries again. What is beyond is lost and counted,
+and the recording goes on in a new branch, whose start lies beyond the end of its parent.
 """
 
 import contextlib
 import sqlite3
+import threading
 import time
 from collections.abc import Iterator, Mapping
 from pathlib import Path
@@ -16,7 +20,7 @@ from typing import Final
 
 from trainer.io import recording_file
 from trainer.io.checkpoint import BRING_HOME, Checkpointer
-from trainer.io.recording_file import FORMAT, RecordingError, wall_time
+from trainer.io.recording_file import FORMAT, TOUCH, RecordingError, wall_time
 from trainer.io.recording_past import Branch, Flown, Journalled, Moment, Noted, Past
 
 __all__ = [
@@ -31,7 +35,12 @@ __all__ = [
 ]
 
 BATCH: Final = 256  # [rows] of a kind gathered at most
-LONGEST: Final = 5.0  # [s] that they wait at most while others follow
+BRIEFLY: Final = 0.05  # [s] that the caller waits for another program, or for the thread
+PATIENCE: Final = 2.0  # [s] where it writes faster than the thread, and at the end
+AGAIN: Final = 2.0  # [s] between tries to reach it
+ROOM: Final = 64_000_000  # [bytes] that wait at most while it is out of reach
+ROW: Final = 200  # [bytes] of a row beside what is in it
+LOOK: Final = 0.002  # [s] between looks at a recording that another program has locked
 
 Row = tuple[int | str | bytes | None, ...]
 
@@ -54,19 +63,24 @@ SNAPSHOT: Final = (
     "VALUES (?, ?, ?, ?, ?, ?, ?)"
 )
 STATEMENTS: Final = (BRANCH, ORDER, ANSWER, STATE, TIMING, EVENT, SNAPSHOT)  # in this order
+COUNTED: Final = {STATE: "ticks", ORDER: "orders", EVENT: "events", SNAPSHOT: "snapshots"}
 
 
 class Recording:
-    """A recording being written, or looked at; for one thread only."""
+    """A recording being written, or looked at; for one thread, beside its own."""
 
-    trouble: str  # why nothing more is written; "" while all is well
+    trouble: str  # why nothing is written at present; "" while all is well
     branch: int  # the present one
+    reachable: bool  # it can be gone on with after a gap, in a branch from a moment on
+    absences: int  # how often it was out of reach
 
     def __init__(
         self, connection: sqlite3.Connection, name: str, checkpointer: Checkpointer | None
     ) -> None:
         """Take an open file; `create`, `reopen` and `look` open them."""
         self.trouble = ""
+        self.reachable = False
+        self.absences = 0
         self._name = name
         self._connection = connection
         self._checkpointer = checkpointer
@@ -76,7 +90,15 @@ class Recording:
         self._tick = self._kept = self._past.last_tick(self.branch)
         self._waiting: dict[str, list[Row]] = {statement: [] for statement in STATEMENTS}
         self._states, self._timings = self._waiting[STATE], self._waiting[TIMING]
-        self._flushed = time.monotonic()
+        self._writing_it = threading.Lock()  # held by who uses the connection to write
+        self._rows = threading.Lock()  # held for a moment where what waits grows shorter
+        self._held = 0  # [bytes] that wait while it is out of reach
+        self._gap = False  # more than there is room for has come: from then on it is only counted
+        self._lost = dict.fromkeys(COUNTED, 0)  # in this gap
+        self._missing = dict.fromkeys(COUNTED, 0)  # in all
+        self._tried = 0.0  # [s] when it was last tried to be reached
+        if checkpointer:
+            checkpointer.start(self._tend)
 
     @classmethod
     def create(cls, path: Path | None, header: Mapping[str, str], state: bytes) -> "Recording":
@@ -132,13 +154,17 @@ class Recording:
     def state(self, tick: int, state: bytes) -> None:
         """Take what stands at the end of a tick; of a tick taken already the first stands."""
         self._tick = tick
+        if self.trouble:
+            self._put(STATE, (self.branch, tick, state))
+            return
         self._states.append((self.branch, tick, state))
-        if len(self._states) >= BATCH or time.monotonic() > self._flushed + LONGEST:
-            self.flush()
+        if len(self._states) >= BATCH:
+            self.flush(PATIENCE)
 
     def timing(self, tick: int, lateness: int, work: int) -> None:
         """Take how late [ns] a tick began and how long [ns] it worked."""
-        self._timings.append((self.branch, tick, lateness, work))
+        if not self._gap:
+            self._timings.append((self.branch, tick, lateness, work))
 
     def event(self, tick: int, kind: str, who: str, text: str) -> None:
         """Take something that happened; it is given the time of day."""
@@ -161,23 +187,44 @@ class Recording:
         self.branch, self._tick = self._branches, moment.tick
         return self.branch
 
-    def flush(self) -> None:
+    def go_on(self, moment: Moment) -> None:
+        """Go on after a gap, at a moment, in a new branch that tells what is missing."""
+        parent = self._past.last_branch()
+        last = self._past.last_tick(parent)
+        self._gap = self.reachable = False
+        self.trouble = ""
+        why = f"not recorded after tick {last}: {_counts(self._lost)} lost"
+        self._lost = dict.fromkeys(COUNTED, 0)
+        self._branches += 1
+        begun = (parent, moment.tick, moment.after, moment.place, why, moment.state)
+        self._put(BRANCH, (self._branches, *begun, wall_time()))
+        self.branch, self._tick = self._branches, moment.tick
+        self.flush()
+
+    @property
+    def missing(self) -> str:
+        """Return what has not been recorded and never will be, "" for nothing."""
+        return _counts(self._missing) if any(self._missing.values()) else ""
+
+    def flush(self, patience: float = BRIEFLY) -> None:
         """Write what waits, all or nothing; what cannot be written is told in `trouble`."""
-        self._flushed = time.monotonic()
-        if any(self._waiting.values()) and not self.trouble:
-            self._write()
-        for rows in self._waiting.values():
-            rows.clear()
+        if not self.trouble and any(self._waiting.values()):
+            self._write(patience)
 
     def close(self) -> None:
         """Write what waits, bring all of it into the one file, and close."""
-        self.flush()
         if self._checkpointer:
             self._checkpointer.close()
-            try:
+        self.flush(PATIENCE)
+        end = time.monotonic() + PATIENCE
+        while self.trouble and self._checkpointer and not self._gap and time.monotonic() < end:
+            self._reach()
+            time.sleep(BRIEFLY)
+        if self._checkpointer:
+            with contextlib.suppress(sqlite3.Error):  # it is all there, if not at home
                 self._connection.execute(BRING_HOME)
-            except sqlite3.Error as error:
-                self._give_up(error)
+        if self.trouble:
+            self._drop()
         self._connection.close()
 
     # Reading: what waits is written first, so that it is seen
@@ -236,26 +283,94 @@ class Recording:
         return self._seen().ledger(branch)
 
     def _put(self, statement: str, row: Row) -> None:
+        """Let a row wait; out of reach only as long as there is room."""
+        if self._gap:
+            self._count(statement, 1)
+            return
         rows = self._waiting[statement]
         rows.append(row)
-        if len(rows) >= BATCH or time.monotonic() > self._flushed + LONGEST:
-            self.flush()
+        if self.trouble:
+            self._held += ROW + sum(len(part) for part in row if isinstance(part, str | bytes))
+            if self._held > ROOM:
+                self._drop()
+        elif len(rows) >= BATCH:
+            self.flush(PATIENCE)
 
-    def _write(self) -> None:
-        try:
-            self._connection.execute("BEGIN IMMEDIATE")
+    def _drop(self) -> None:
+        """Give up what waits, and count it."""
+        with self._rows:
+            self._gap = True
             for statement, rows in self._waiting.items():
-                if rows:
+                self._count(statement, len(rows))
+                rows.clear()
+
+    def _count(self, statement: str, number: int) -> None:
+        for counts in (self._lost, self._missing):
+            if statement in counts:
+                counts[statement] += number
+
+    def _write(self, patience: float) -> None:
+        """Write what waits, or go without; nobody is waited for longer than `patience` [s]."""
+        if not self._writing_it.acquire(timeout=patience):
+            self._lose("its disk does not answer")
+            return
+        try:
+            self._commit(patience)
+        except sqlite3.Error as error:
+            self._lose(error)
+        finally:
+            self._writing_it.release()
+
+    def _commit(self, patience: float) -> None:
+        """Write what waits in one transaction; sqlite3.Error if it cannot be, and all waits on."""
+        tick = self._tick
+        # a row may rest on one of a kind before its own, which is therefore counted after it
+        counts = {each: len(self._waiting[each]) for each in reversed(STATEMENTS)}
+        try:
+            _begin(self._connection, time.monotonic() + patience)
+            for statement in STATEMENTS:
+                if counts[statement]:
+                    rows = self._waiting[statement][: counts[statement]]
                     self._connection.executemany(statement, rows)
             self._connection.execute("COMMIT")
-        except sqlite3.Error as error:
-            self._give_up(error)
-            return
-        self._kept = self._tick
+        except sqlite3.Error:
+            with contextlib.suppress(sqlite3.Error):
+                if self._connection.in_transaction:
+                    self._connection.execute("ROLLBACK")
+            raise
+        with self._rows:
+            for statement, count in counts.items():
+                del self._waiting[statement][:count]
+        self._kept = tick
         if self._checkpointer and self._checkpointer.gone:
-            self._give_up("is not there any more: removed, or its disk is; write to another")
+            self._lose("is not there any more: removed, or its disk is; write to another")
         elif self._checkpointer:
             self._checkpointer.relieve(self._connection)
+
+    def _tend(self) -> None:
+        """Commit what waits, or try to reach the recording again; in the thread of its own."""
+        if not self.trouble:
+            self.flush(PATIENCE)
+        elif not self.reachable and time.monotonic() > self._tried + AGAIN:
+            self._reach()
+
+    def _reach(self) -> None:
+        """Try to write again; after a gap only whether it could be."""
+        self._tried = time.monotonic()
+        if self._checkpointer and self._checkpointer.gone:
+            return
+        with self._writing_it, contextlib.suppress(sqlite3.Error):
+            if self._gap:
+                _begin(self._connection, self._tried)
+                self._connection.execute(TOUCH)
+                self._connection.execute("COMMIT")
+                self.reachable = True
+                return
+            self._commit(0.0)
+            with self._rows:
+                self._held = 0
+                if not self._gap:
+                    self.trouble = ""
 
     def _seen(self) -> Past:
         self.flush()
@@ -267,10 +382,32 @@ class Recording:
             return moment.branch
         return self._past.owner(moment.branch, moment.tick, moment.after)
 
-    def _give_up(self, error: sqlite3.Error | str) -> None:
-        self.trouble = self.trouble or (
+    def _lose(self, error: sqlite3.Error | str) -> None:
+        """Note that the recording is out of reach."""
+        if self.trouble:
+            return
+        self._held = 0
+        self._tried = time.monotonic()
+        self.absences += 1
+        self.trouble = (
             f"{self._name}: {error}; all up to tick {self._kept} of branch {self.branch} is kept"
         )
-        with contextlib.suppress(sqlite3.Error):
-            if self._connection.in_transaction:
-                self._connection.execute("ROLLBACK")
+
+
+def _begin(connection: sqlite3.Connection, end: float) -> None:
+    """Begin to write, waiting for another program until `end` [s]; sqlite3.Error beyond it."""
+    while True:
+        try:
+            connection.execute("BEGIN IMMEDIATE")
+        except sqlite3.OperationalError as error:
+            busy = error.sqlite_errorcode & 0xFF == sqlite3.SQLITE_BUSY
+            if not busy or time.monotonic() > end:
+                raise
+            time.sleep(LOOK)
+        else:
+            return
+
+
+def _counts(lost: Mapping[str, int]) -> str:
+    """Return in words how many of each kind were lost."""
+    return ", ".join(f"{number} {COUNTED[each]}" for each, number in lost.items() if number)

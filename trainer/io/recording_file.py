@@ -111,7 +111,8 @@ def wall_time() -> str:
 def connect(path: Path, options: str) -> sqlite3.Connection:
     """Return a connection without transactions of its own making; `options` as in an SQLite URI."""
     name = f"{path.absolute().as_uri()}?{options}"
-    return _guarded(sqlite3.connect(name, timeout=PATIENCE, isolation_level=None, uri=True))
+    threads = {"check_same_thread": False}  # who writes has a lock
+    return _guarded(sqlite3.connect(name, PATIENCE, isolation_level=None, uri=True, **threads))
 
 
 def _guarded(connection: sqlite3.Connection) -> sqlite3.Connection:
@@ -167,6 +168,7 @@ def reopen(path: Path) -> sqlite3.Connection:
             connection.execute("PRAGMA wal_autocheckpoint = 0")
             connection.execute("PRAGMA journal_size_limit = 0")
             _claim(connection, path)
+            connection.execute("PRAGMA busy_timeout = 0")  # who writes waits in its own way
         except sqlite3.OperationalError as error:
             raise RecordingError(f"{path} cannot be written: {error}") from None
         unless_good.pop_all()

@@ -20,10 +20,11 @@ class Check:
 
 @dataclass(frozen=True)
 class Answered:
-    """An order that a station had an answer to."""
+    """An order, or a mark, that a station had an answer to."""
 
     who: str  # as the recording calls it
-    text: str  # the full wording
+    text: str  # the full wording; of a mark its remark
+    mark: bool = False
 
 
 def journal(recording: Recording) -> list[Journalled]:
@@ -40,13 +41,26 @@ def audit(path: Path, answered: Iterable[Answered]) -> list[Check]:
 
 
 def journalled(recording: Recording, answered: Iterable[Answered]) -> Check:
-    """Return whether every answered order is there, in the order that each line gave them."""
+    """Return whether every answered order is there, in the order that each line gave them.
+
+    And every mark.
+    """
+    every = list(answered)
     written = by_line((order.who, order.text) for order in journal(recording))
-    wanted = by_line((order.who, order.text) for order in answered)
+    wanted = by_line((order.who, order.text) for order in every if not order.mark)
     lost = sum(1 for who, texts in wanted.items() if written.get(who, [])[: len(texts)] != texts)
     told = sum(map(len, wanted.values()))
+    missing = lost_marks(recording, every)
+    marks = sum(order.mark for order in every)
     seen = f"{told} orders answered at {len(wanted)} lines; {lost} lines lack any"
-    return Check("every answered order is in the journal", not lost, seen)
+    seen += f"; {marks} marks, {len(missing)} lost"
+    return Check("every answered order is in the journal", not (lost or missing), seen)
+
+
+def lost_marks(recording: Recording, answered: Iterable[Answered]) -> list[str]:
+    """Return the marks that were answered and are not among the events."""
+    made = {event.text for event in recording.events() if event.kind == "mark"}
+    return [each.text for each in answered if each.mark and each.text not in made]
 
 
 def by_line(pairs: Iterable[tuple[str, str]]) -> Mapping[str, list[str]]:

@@ -10,13 +10,14 @@ from typing import Final
 
 from trainer.io.orders import Order, parse
 from trainer.io.recording import Recording
-from trainer.proving.audit import Answered, Check, journal
+from trainer.proving.audit import Answered, Check, journal, lost_marks
 from trainer.proving.caller import Caller, GoneError
 from trainer.proving.nursery import Job, Nursery
 from trainer.proving.random_orders import Orders
 from trainer.stations.roles import INSTRUCTOR, Role
 
 LOOK: Final = 0.005  # [s]
+MARKS: Final = 0.2  # [-] of a mark after an order
 PATIENCE: Final = 30.0  # [s]
 
 
@@ -100,13 +101,13 @@ class Session:
         finally:
             by.hang_up()
 
-    def order(self, by: Caller, words: str) -> bool:
-        """Give an order to the boat and note that it was answered; return whether it was obeyed."""
-        obeyed, _ = by.ask(words)
+    def order(self, by: Caller, words: str) -> str:
+        """Give an order to the boat and note that it was answered; return the answer."""
+        _, answer = by.ask(words)
         order = parse(words)
         if isinstance(order, Order):
             self.answered.append(Answered("", order.text))
-        return obeyed
+        return answer
 
     def order_some(
         self, by: Caller, dice: random.Random, count: int, role: Role = INSTRUCTOR
@@ -115,14 +116,23 @@ class Session:
         orders = Orders(role, dice)
         for _ in range(count):
             self.order(by, orders.next())
+            if dice.random() < MARKS:
+                self.mark(by, f"mark-{dice.randrange(10**9)}")
+
+    def mark(self, by: Caller, remark: str) -> None:
+        """Mark a moment and note that it was answered."""
+        if by.ask(f"mark {remark}")[0]:
+            self.answered.append(Answered("", remark, mark=True))
 
 
 def kept(recording: Recording, session: Session) -> Check:
-    """Return whether the orders that were answered are in the journal, beside those scheduled."""
+    """Return whether what was answered is in the journal, beside what was scheduled."""
     written = [order.text for order in journal(recording) if order.place is None]
-    wanted = [order.text for order in session.answered]
-    held = written[: len(wanted)] == wanted
-    return Check("answered orders", held, f"{len(written)} written, {len(wanted)} answered")
+    wanted = [order.text for order in session.answered if not order.mark]
+    missing = lost_marks(recording, session.answered)
+    held = written[: len(wanted)] == wanted and not missing
+    told = f"{len(written)} written, {len(wanted)} answered, {len(missing)} marks lost"
+    return Check("answered orders", held, told)
 
 
 def heard(by: Caller, words: str) -> bool:

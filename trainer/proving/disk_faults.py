@@ -3,6 +3,7 @@
 import contextlib
 import os
 import shutil
+import sqlite3
 import subprocess
 from collections.abc import Iterator
 from pathlib import Path
@@ -12,7 +13,7 @@ from trainer.config import ConfigError
 from trainer.io.recording import Recording, RecordingError
 from trainer.proving.audit import same_bits
 from trainer.proving.bench_of_faults import Bench, Session, Tried, kept, logged
-from trainer.proving.caller import GoneError
+from trainer.proving.caller import Caller, GoneError
 from trainer.proving.process_faults import drive_and_kill, remove
 from trainer.stations.roles import ROLES
 
@@ -70,10 +71,68 @@ def _filled(bench: Bench, tried: Tried, session: Session) -> None:
     remove(session.path)
 
 
+def locked(bench: Bench, times: int) -> Tried:
+    """Let another program hold a recording for itself, and give it back."""
+    tried = Tried(
+        "recording locked by another program",
+        "orders act and say that they are not recorded; all are there afterwards",
+    )
+    for _ in range(times):
+        session = bench.serve(bench.folder / "held.trainer", "depth-changes", "--speed", "20")
+        with session.instructed() as by:
+            session.order_some(by, bench.dice, ORDERS, HELM)
+            with contextlib.closing(sqlite3.connect(session.path, isolation_level=None)) as other:
+                other.execute("BEGIN EXCLUSIVE")
+                session.order_some(by, bench.dice, ORDERS, HELM)
+                answer = session.order(by, "depth 70")
+                tried.must("(not recorded)" in answer, f"an answer does not tell: {answer}")
+                other.execute("ROLLBACK")
+            _come_back(bench, tried, session, by)
+    return tried
+
+
+def relieved(bench: Bench, times: int) -> Tried:
+    """Fill a small disk, and make room again; needs the right to mount."""
+    tried = Tried("disk full, then room again", "the same")
+    for _ in range(times):
+        with disk(bench.folder / "small", 6_000_000) as folder:
+            if folder is None:
+                tried.note("not tried: no right to mount here")
+                return tried
+            session = bench.serve(folder / "held.trainer", "depth-changes", "--speed", "20")
+            with session.instructed() as by:
+                session.order_some(by, bench.dice, ORDERS, HELM)
+                ballast = folder / "ballast"
+                with contextlib.suppress(OSError), ballast.open("wb", buffering=0) as file:
+                    while file.write(bytes(4096)):
+                        pass
+                tried.must(logged(by, "NOT RECORDED"), "a station is not told")
+                session.order_some(by, bench.dice, ORDERS, HELM)
+                ballast.unlink()
+                _come_back(bench, tried, session, by)
+    return tried
+
+
+def _come_back(bench: Bench, tried: Tried, session: Session, by: Caller) -> None:
+    """See that a recording that was out of reach is whole in the end."""
+    tried.times += 1
+    tried.must(logged(by, "recorded again"), "a station is not told that it is back")
+    session.order_some(by, bench.dice, ORDERS, HELM)
+    by.ask("quit")
+    code, told = bench.nursery.wait(session.process), bench.told()
+    tried.must(code == 0 and "and is whole" in told, f"exit code {code}: {told[-200:]}")
+    with contextlib.closing(Recording.look(session.path)) as recording:
+        tried.must(kept(recording, session).kept, "an order is lost")
+        tried.must(same_bits(recording).kept, "not the same bits")
+    tried.orders += len(session.answered)
+    tried.note("whole")
+    remove(session.path)
+
+
 def kept_to_the_end(recording: Recording, session: Session) -> bool:
     """Return whether what is written is what was answered, up to where the disk was full."""
     written = [order.text for order in recording.orders(recording.branch) if order.place is None]
-    wanted = [order.text for order in session.answered]
+    wanted = [order.text for order in session.answered if not order.mark]
     return written[: len(wanted)] == wanted[: len(written)]
 
 

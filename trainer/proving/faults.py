@@ -7,7 +7,14 @@ from pathlib import Path
 from typing import Final
 
 from trainer.proving.bench_of_faults import Bench, Tried
-from trainer.proving.disk_faults import damaged, full, full_disk, vanished
+from trainer.proving.disk_faults import (
+    damaged,
+    full,
+    full_disk,
+    locked,
+    relieved,
+    vanished,
+)
 from trainer.proving.line_faults import unplugged
 from trainer.proving.nursery import Nursery
 from trainer.proving.process_faults import clock_set, console_killed, killed, stopped
@@ -21,6 +28,8 @@ SHARES: Final[tuple[tuple[Fault, int], ...]] = (
     (unplugged, 10),
     (full, 10),
     (full_disk, 10),
+    (locked, 20),
+    (relieved, 20),
     (vanished, 20),
     (clock_set, 20),
     (console_killed, 50),

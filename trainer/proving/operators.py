@@ -20,6 +20,7 @@ QUARREL: Final = 40  # orders of the instructor, after which he puts the boat to
 BACK: Final = 1500  # his orders between two times that he goes back
 RIGHTS: Final = ("clear all", "release all", "autopilot on", "blow stop", "depth 60", "speed 8")
 DEEPEST: Final = 600.0  # [m] below which she is taken back: she would stay there for the day
+MARKS: Final = 0.1  # [-] of a mark after an order
 LOST: Final = "FROZEN: "
 
 
@@ -46,6 +47,12 @@ class Watchbill:
                 self.answered.append(Answered(f"{role} at {by.name}", order.text))
         return obeyed
 
+    def mark(self, by: Caller, role: str, remark: str) -> None:
+        """Mark a moment and note that it was answered."""
+        if by.ask(f"mark {remark}")[0]:
+            with self.lock:
+                self.answered.append(Answered(f"{role} at {by.name}", remark, mark=True))
+
 
 def attend(bill: Watchbill, seed: int) -> None:
     """Come and go until the session is over."""
@@ -70,6 +77,8 @@ def visit(bill: Watchbill, dice: Random) -> None:
                 break
             if orders:
                 bill.give(by, role, orders.next())
+            elif dice.random() < MARKS:
+                bill.mark(by, role, f"mark-{dice.randrange(10**9)}")
             bill.over.wait(bill.pause(dice))
         if dice.random() < 0.3:
             by.ask("detach")
@@ -92,6 +101,8 @@ def instruct(bill: Watchbill, seed: int, *, goes_back: bool) -> None:
         while not bill.over.is_set():
             given += 1
             bill.give(by, "instructor", orders.next())
+            if dice.random() < MARKS:
+                bill.mark(by, "instructor", f"mark-{dice.randrange(10**9)}")
             if given % QUARREL == 0:
                 for words in RIGHTS:
                     bill.give(by, "instructor", words)

@@ -226,7 +226,7 @@ def _other_plan(header: Mapping[str, str], otherwise: Mapping[str, Any]) -> Iter
     """Yield in what the plan wanted is not the one recorded."""
     plan = plan_of(header, otherwise)
     now = {**asdict(plan.method), "seed": plan.seed}
-    was = {**_part(header, "method"), "seed": _part(header, "seed")}
+    was = {**asdict(method_of(header)), "seed": _part(header, "seed")}
     for name, value in now.items():
         if value != was[name]:
             yield f"{name} {_told(name, value)}, recorded {_told(name, was[name])}"
