@@ -18,7 +18,7 @@ import pytest
 from trainer.io import connection, listening
 from trainer.io.connection import MOST_BYTES, MOST_HEARD, MOST_SAID, Connection
 from trainer.io.dial import dial, over_serial
-from trainer.io.hub import ROOM, TURNED_AWAY, Hub
+from trainer.io.hub import ROOM, STRANGERS, TURNED_AWAY, Hub
 from trainer.io.line import Joined, Line
 from trainer.io.lines import Overlong
 from trainer.io.orders import LONGEST
@@ -314,12 +314,67 @@ def test_a_silent_client_costs_nothing_and_is_kept() -> None:
         assert here.heard(line, 1) == ["run"]
 
 
+def guest(here: Desk, guests: ExitStack) -> tuple[socket.socket, Connection]:
+    """Return a client that has said something, and its line."""
+    far, line = guests.enter_context(client(here))
+    far.sendall(b"hello\n")
+    assert here.heard(line, 1) == ["hello"]
+    return far, line
+
+
+def test_silent_strangers_give_way_and_keep_nobody_out_of_the_local_socket(
+    tmp_path: Path,
+) -> None:
+    with desk() as here, ExitStack() as guests:
+        here.hub.listen_here(tmp_path / "s")
+        talking = guest(here, guests)
+        silent = [guests.enter_context(client(here)) for _ in range(STRANGERS + 5)]
+        for far, _ in silent[:5]:
+            assert b"your place is needed" in read_lines(far, 1)[0]
+        with socket.socket(socket.AF_UNIX) as own:
+            own.settimeout(PATIENCE)
+            own.connect(str(tmp_path / "s"))
+            own.sendall(b"freeze\n")
+            assert here.wait(lambda: bool(here.hub._newcomers))  # noqa: SLF001
+            (line,) = here.hub.newcomers()
+            assert here.heard(line, 1) == ["freeze"]
+        talking[0].sendall(b"run\n")
+        assert here.heard(talking[1], 1) == ["run"]
+
+
+def test_who_does_not_say_who_he_is_in_time_is_told_and_closed() -> None:
+    wake = threading.Event()
+    hub = Hub(wake, introduction=0.2)
+    with closing_hub(hub) as port, socket.create_connection(("127.0.0.1", port), PATIENCE) as far:
+        assert read_lines(far, 1) == [
+            b"? closed: it was not said who is here, with role NAME TOKEN"
+        ]
+        assert far.recv(100) == b""
+    hub = Hub(wake, introduction=0.2)
+    with closing_hub(hub) as port, socket.create_connection(("127.0.0.1", port), PATIENCE) as far:
+        while not (newcomers := hub.newcomers()):
+            wake.wait(PATIENCE)
+        newcomers[0].introduce()
+        time.sleep(0.5)
+        newcomers[0].send("welcome")
+        assert read_lines(far, 1) == [b"welcome"]
+
+
+@contextmanager
+def closing_hub(hub: Hub) -> Iterator[int]:
+    """Yield a port that a hub listens at, and close it."""
+    try:
+        yield hub.listen("127.0.0.1", 0)
+    finally:
+        hub.close(0.0)
+
+
 def test_one_client_too_many_is_told_so_and_room_is_made_when_one_leaves() -> None:
     with desk() as here, ExitStack() as guests:
         where = ("127.0.0.1", here.port)
-        first = guests.enter_context(client(here))
+        first = guest(here, guests)
         for _ in range(ROOM - 1):
-            guests.enter_context(client(here))
+            guest(here, guests)
         with socket.create_connection(where, timeout=PATIENCE) as late:
             late.sendall(b"run\n")
             assert read_lines(late, 1) == [
@@ -339,9 +394,9 @@ def test_a_crowd_at_the_door_is_cut_off_and_the_clients_are_still_served(
 ) -> None:
     monkeypatch.setattr("trainer.io.hub.LAST_WORDS", PATIENCE)
     with desk() as here, ExitStack() as guests:
-        far, line = guests.enter_context(client(here))
+        far, line = guest(here, guests)
         for _ in range(ROOM - 1):
-            guests.enter_context(client(here))
+            guest(here, guests)
         crowd = [
             guests.enter_context(
                 socket.create_connection(("127.0.0.1", here.port), timeout=PATIENCE)

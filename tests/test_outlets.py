@@ -108,6 +108,8 @@ def options(*urls: str, **others: Any) -> dict[str, Any]:
         "nmea": urls,
         "nmea_baud": 115200,
         "nmea_rate": 10.0,
+        "nmea_orders": False,
+        "token": (),
         "nmea_sentences": None,
         "nmea_record": None,
         "origin": "25,-45",

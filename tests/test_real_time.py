@@ -383,7 +383,7 @@ def test_who_may_not_or_cannot_order_is_refused_logged_and_changes_nothing(
     assert on_time(account)
     refused = session.events("refused")
     texts = "\n".join(each.text for each in refused)
-    for told in ("wrong token", "the depth is", "longer than 80", "more of the same line"):
+    for told in ("wrong token", "the depth is", "longer than 80", "more of the same"):
         assert told in texts, told
     assert TOKEN.encode() not in session.recording.read_bytes()
     assert len(refused) < 2000

@@ -3,9 +3,14 @@
 import ast
 import contextlib
 import hmac
+import os
 import socket
 import stat
+import subprocess
+import sys
+import tempfile
 import threading
+import time
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -16,12 +21,15 @@ import trainer
 from trainer.cli import cli
 from trainer.config import ConfigError
 from trainer.files.vessel_file import load_vessel
+from trainer.io.dial import dial
 from trainer.io.hub import Hub
+from trainer.io.listening import private_folder
 from trainer.io.orders import BadOrder, Order, parse
+from trainer.io.serial_line import LinkError
 from trainer.places import HOST, recording_path
 from trainer.ports import parse_address, refuse_open_door
 from trainer.stations import door
-from trainer.stations.door import Door
+from trainer.stations.door import Door, read_tokens
 
 HOME = Path(trainer.__file__).parent
 SOURCES = sorted(HOME.rglob("*.py"))
@@ -106,14 +114,14 @@ def test_nobody_beyond_this_machine_is_listened_to_unless_told(name: str) -> Non
     options: dict[str, Any] = {each.name or "": each.default for each in command.params}
     listen = options["listen"]
     assert listen is None or parse_address(str(listen))[0] == HOST == "127.0.0.1"
-    assert options["token"] is None
+    assert not options["token"]
 
 
 @pytest.mark.parametrize("host", ["0.0.0.0", "::", "192.168.1.10", "bridge", ""])  # noqa: S104
 def test_beyond_this_machine_a_token_is_asked_for(host: str) -> None:
     with pytest.raises(ConfigError, match="only with --token"):
-        refuse_open_door(host, "")
-    refuse_open_door(host, "word")
+        refuse_open_door(host, {})
+    refuse_open_door(host, {"": "word"})
 
 
 @pytest.mark.skipif(not hasattr(socket, "AF_UNIX"), reason="no local sockets here")
@@ -127,6 +135,87 @@ def test_a_local_socket_is_its_owner_s_alone(tmp_path: Path) -> None:
     assert not mode & 0o077
 
 
+def another_user(code: str, path: Path) -> str:
+    """Return what a program of another user prints; only the superuser can have one."""
+    if sys.platform != "linux" or os.geteuid() != 0:
+        pytest.skip("needs the right to be another user")
+    became = "import os, socket, sys; os.setgid(65534); os.setuid(65534)\n"
+    ran = subprocess.run(
+        [sys.executable, "-c", became + code, str(path)],
+        capture_output=True,
+        text=True,
+        check=False,
+        timeout=60,
+    )
+    return ran.stdout + ran.stderr
+
+
+@pytest.fixture
+def shared() -> Iterator[Path]:
+    """Return a folder that all may write to, as the temporary one is."""
+    with tempfile.TemporaryDirectory(prefix="t-") as folder:
+        path = Path(folder)
+        path.chmod(0o1777)
+        yield path
+
+
+def test_a_folder_that_another_user_made_is_not_listened_in(shared: Path) -> None:
+    another_user("os.mkdir(sys.argv[1], 0o700)", shared / "ours")
+    with pytest.raises(LinkError, match=r"not a folder of yours alone; remove it, or set XDG"):
+        private_folder(shared / "ours")
+
+
+@pytest.mark.skipif(not hasattr(os, "geteuid"), reason="no users here")
+def test_a_folder_that_others_may_enter_or_a_link_is_not_listened_in(shared: Path) -> None:
+    (shared / "open").mkdir(mode=0o755)
+    (shared / "open").chmod(0o755)
+    (shared / "link").symlink_to(shared)
+    for name in ("open", "link"):
+        with pytest.raises(LinkError, match="not a folder of yours alone"):
+            private_folder(shared / name)
+    private_folder(shared / "own" / "deeper")
+    assert stat.S_IMODE((shared / "own" / "deeper").stat().st_mode) == 0o700
+
+
+def test_nothing_is_said_to_a_session_of_another_user(shared: Path) -> None:
+    listening = (
+        "end = socket.socket(socket.AF_UNIX); end.bind(sys.argv[1]); os.chmod(sys.argv[1], 0o777)\n"
+        "end.listen(); end.settimeout(30); print('listening', flush=True)\n"
+        "line, _ = end.accept(); line.settimeout(30); print('heard', line.recv(100))\n"
+    )
+    path, said = shared / "door.sock", list[str]()
+    thread = threading.Thread(target=lambda: said.append(another_user(listening, path)))
+    if sys.platform != "linux" or os.geteuid() != 0:
+        pytest.skip("needs the right to be another user")
+    thread.start()
+    told = "no session listens there"
+    while thread.is_alive() and "no session listens" in told:
+        time.sleep(0.05)
+        with pytest.raises(LinkError) as refused:
+            dial(f"local:{path}", threading.Event())
+        told = str(refused.value)
+    assert "that session is another user's" in told
+    thread.join()
+    assert "heard b''" in said[0]
+
+
+def test_each_role_has_its_own_token_or_the_one_for_all() -> None:
+    asks = Door(tokens=read_tokens(("helm=anchor", "ballast=b=c", "mast")))
+    given = ("anchor", "b=c", "mast", "", "helm=anchor")
+    assert [word for word in given if asks.admits("helm", word)] == ["anchor"]
+    assert [word for word in given if asks.admits("ballast", word)] == ["b=c"]
+    assert [word for word in given if asks.admits("instructor", word)] == ["mast"]
+    assert "anchor" not in asks.hide("rloe helm Anchor")
+    only = Door(tokens=read_tokens(("helm=anchor",)))
+    assert not any(only.admits("instructor", word) for word in given)
+
+
+@pytest.mark.parametrize("given", [("helm=a", "helm=b"), ("a", "b"), ("helm=",)])
+def test_a_token_given_twice_or_none_is_refused(given: tuple[str, ...]) -> None:
+    with pytest.raises(ConfigError, match="--token"):
+        read_tokens(given)
+
+
 def test_a_token_is_compared_in_constant_time(monkeypatch: pytest.MonkeyPatch) -> None:
     compared, compare = [], hmac.compare_digest
 
@@ -135,10 +224,10 @@ def test_a_token_is_compared_in_constant_time(monkeypatch: pytest.MonkeyPatch) -
         return compare(given, wanted)
 
     monkeypatch.setattr(door.hmac, "compare_digest", watched)
-    assert not Door(token=TOKEN).admits("another")
-    assert Door(token=TOKEN).admits(TOKEN)
+    assert not Door(tokens={"": TOKEN}).admits("helm", "another")
+    assert Door(tokens={"": TOKEN}).admits("helm", TOKEN)
     assert len(compared) == 2
-    assert TOKEN not in repr(Door(token=TOKEN))
+    assert TOKEN not in repr(Door(tokens={"": TOKEN}))
 
 
 def test_one_module_alone_decides_what_a_role_may() -> None:

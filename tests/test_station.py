@@ -103,7 +103,7 @@ def boat(make_boat: Callable[..., Boat]) -> Boat:
 
 @pytest.fixture
 def post(boat: Boat) -> Callable[..., Post]:
-    return lambda role=None, token="": Post(boat, Door(role, token))
+    return lambda role=None, token="": Post(boat, Door(role, {"": token} if token else {}))
 
 
 def test_a_station_and_its_line_are_gone_with_the_last_who_knows_them(boat: Boat) -> None:
@@ -232,7 +232,7 @@ def test_a_babbling_line_logs_twenty_entries_in_ten_seconds_and_then_their_numbe
     helm.now = 10.0
     helm.type("rudder left 5")
 
-    assert helm.log[20:] == [("refused", "980 more of the same line, not written one by one")]
+    assert helm.log[20:] == [("refused", "980 more of the same, not written one by one")]
     helm.type("blah")
     assert len(helm.log) == 22
     assert helm.station.counts.bad == 1001

@@ -51,6 +51,11 @@ class Plan:
     limits: Limits
     scores: tuple[Rule, ...]
 
+    @property
+    def hides(self) -> bool:
+        """Return whether something is to break that the crew is not to know before."""
+        return bool(self.armed) or any(each.order.name == "casualty" for each in self.schedule)
+
     def start(self, boat: Boat) -> None:
         """Start the boat as planned; ConfigError if it cannot."""
         run = self.file.run

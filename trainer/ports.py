@@ -5,7 +5,7 @@ import ipaddress
 import math
 import os
 import threading
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Final
@@ -14,15 +14,18 @@ import click
 
 from trainer import places
 from trainer.config import ConfigError, nearest
+from trainer.io.connection import Connection
 from trainer.io.hub import Hub
 from trainer.io.line import Joined, Line
+from trainer.io.listening import private_folder
 from trainer.io.outbox import Direct, Inbox, Outbox, reader, writer
 from trainer.io.serial_line import LinkError, SerialLine
-from trainer.stations.door import Door
+from trainer.stations.door import Door, read_tokens
 from trainer.stations.roles import ROLES
 from trainer.stations.station import Log, Station
 from trainer.stations.wishes import Sending
 
+INTRODUCTION: Final = 10.0  # [s] for a line to give its role, where a token is asked for
 PATIENCE: Final = 0.5  # [s] for ports at the end, and for a pipe at the start
 
 
@@ -31,7 +34,7 @@ class Lobby:
     """Where lines come in by themselves: the sockets of a hub."""
 
     hub: Hub
-    admit: Callable[[Line], Station]
+    admit: Callable[[Connection], Station]
     awaited: bool  # a run that nobody attends to goes on for whoever may come
 
     def newcomers(self) -> list[Station]:
@@ -73,14 +76,14 @@ class Ports:
     def lobby(self, options: dict[str, Any]) -> Lobby | None:
         """Return where lines come in at the sockets asked for, None for none; ConfigError."""
         address, path = wanted(options["listen"]), wanted(options["socket"])
-        token = options["token"] or ""
+        tokens = read_tokens(options["token"])
         if address is not None:
             host, port = parse_address(address)
-            refuse_open_door(host, token)
+            refuse_open_door(host, tokens)
         at_home = path is None and options["socket"] is None and joinable(options)
         if address is None and path is None and not at_home:
             return None
-        hub = Hub(self.wake)
+        hub = Hub(self.wake, INTRODUCTION if tokens else math.inf)
         self.stack.callback(hub.close, PATIENCE)
         if address is not None:
             with refusing("--listen"):
@@ -88,14 +91,20 @@ class Ports:
                 click.echo(f"{places.LISTENING} {there}", err=True)
         if path is not None:
             with refusing("--socket"):
+                Path(path).parent.mkdir(mode=0o700, parents=True, exist_ok=True)
                 listen_here(hub, Path(path))
         if at_home:
             try:
+                private_folder(places.socket_path().parent)
                 listen_here(hub, places.socket_path())
             except (LinkError, OSError) as error:
                 click.echo(f"trainer: stations cannot join by themselves: {error}", err=True)
         asked = address is not None or path is not None
-        return Lobby(hub, lambda line: self._station(line, Door(token=token)), asked)
+
+        def admit(line: Connection) -> Station:
+            return self._station(line, Door(tokens=tokens, entered=line.introduce))
+
+        return Lobby(hub, admit, asked)
 
     def _serial(self, option: str, url: str, baud: int) -> Joined:
         try:
@@ -131,9 +140,9 @@ def parse_address(text: str) -> tuple[str, int]:
     return host.strip("[]") or places.HOST, int(port)
 
 
-def refuse_open_door(host: str, token: str) -> None:
+def refuse_open_door(host: str, tokens: Mapping[str, str]) -> None:
     """Raise ConfigError if others than this machine could come in without a token."""
-    if token or host == "localhost":
+    if tokens or host == "localhost":
         return
     with contextlib.suppress(ValueError):
         if ipaddress.ip_address(host).is_loopback:
@@ -156,8 +165,7 @@ def refusing(option: str) -> Iterator[None]:
 
 
 def listen_here(hub: Hub, path: Path) -> None:
-    """Listen at a local socket, in a folder of this user's own."""
-    path.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
+    """Listen at a local socket, and say so."""
     hub.listen_here(path)
     click.echo(f"{places.LISTENING} {path}", err=True)
 

@@ -119,7 +119,11 @@ def fly(voyage: Voyage, options: dict[str, Any]) -> int:
             watch=Watch.over(boat, plan.limits),
             last_tick=last_tick,
             wake=wake,
-            briefing=briefing(plan, boat, options["note"]),
+            briefing=(*heading(plan), *situation(plan, boat, options["note"])),
+            crew_briefing=(
+                *(() if plan.hides else heading(plan)),
+                *situation(plan, boat, options["note"]),
+            ),
             until_left=bool(options.get("until_left")),
         )
         if log:
@@ -176,12 +180,16 @@ def open_csv(path: Path | None, batch: int) -> CsvFile | NoFile:
         raise ConfigError(f"--csv {path}: {error.strerror}") from None
 
 
-def briefing(plan: Plan, boat: Boat, note: str) -> tuple[str, ...]:
-    """Return what whoever comes is told: what the exercise is about, the boat, and a note."""
+def heading(plan: Plan) -> tuple[str, ...]:
+    """Return what the exercise is about."""
+    return tuple(filter(None, (plan.title, *plan.briefing.splitlines())))
+
+
+def situation(plan: Plan, boat: Boat, note: str) -> tuple[str, ...]:
+    """Return what whoever comes is told: the boat, where she is, and a note."""
     s = boat.state
     sea = f"; sea: {plan.sea.name}" if s.sea_height > 0.0 else ""
     return (
-        *filter(None, (plan.title, *plan.briefing.splitlines())),
         boat.file.name,
         (
             f"{s.u / KNOT:.3g} kn, {s.z:g} m, course {course(math.degrees(s.psi), 0)}; "

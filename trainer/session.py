@@ -2,6 +2,7 @@
 
 import math
 import threading
+import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import Final
@@ -22,8 +23,9 @@ from trainer.pacer import WOKEN, Event
 from trainer.reply import Refused, Reply
 from trainer.stations.display import panel
 from trainer.stations.frame import Lookout, Pace, Picture
+from trainer.stations.noise_log import NoiseLog
 from trainer.stations.reception import Closed, Reception
-from trainer.stations.roles import INSTRUCTOR
+from trainer.stations.roles import INSTRUCTOR, STRANGER
 from trainer.stations.station import Asked, Station
 from trainer.stations.wishes import Sending
 from trainer.status import status_lines
@@ -31,6 +33,7 @@ from trainer.timekeeping import Timekeeping
 from trainer.watch import Watch
 
 HINT: Final = "type an order, such as: depth 80   course 090   rudder left 15   help   quit"
+WHO: Final = "say who you are: role NAME TOKEN"
 AT_A_TIME: Final = SECOND // 20  # [ns] of single steps before the stations are heard again
 LINES_AT_A_TIME: Final = 32  # of one station before the clock is looked at again
 PATIENCE: Final = 0.5  # [s] for a line to get out what it was sent before it is closed
@@ -55,7 +58,8 @@ class Session:
     last_tick: float = math.inf
     progress: Callable[[int], None] | None = None
     wake: threading.Event = field(default_factory=threading.Event)
-    briefing: tuple[str, ...] = ()  # what whoever comes is told
+    briefing: tuple[str, ...] = ()  # what the instructor is told
+    crew_briefing: tuple[str, ...] = ()  # what everybody else is
     until_left: bool = False  # it ends when the last of those who came by themselves has gone
     deserted: str = ""  # why it ended before its time
     headroom: Headroom | None = None  # taken before the clock starts
@@ -66,6 +70,7 @@ class Session:
     def __post_init__(self) -> None:
         self.board = Board(self.history)
         self.desk = Desk(self.boat, self.time, self.history)
+        self._visits = NoiseLog(self.board.tell, time.monotonic)
         self._lookout = Lookout(self.boat, self.time.ledger.summary)
         self._pace = Pace()  # as it was last shown: whatever changes it has it shown
 
@@ -95,26 +100,43 @@ class Session:
         self.wake.set()
 
     def greet(self, station: Station) -> None:
-        """Tell whoever comes what this is."""
-        for line in (*self.briefing, HINT):
+        """Tell whoever comes what this is, once it is known who that is."""
+        told = (WHO,) if station.role is STRANGER else (*self._briefed(station), HINT)
+        for line in told:
             station.line.send(line)
+
+    def _briefed(self, station: Station) -> tuple[str, ...]:
+        """Return what a station is told of the exercise."""
+        return self.briefing if station.role is INSTRUCTOR else self.crew_briefing
 
     def listen(self) -> None:
         """Let newcomers in, take what the stations say, and see out who has left."""
+        self._visits.settle()
         for station in self.reception.newcomers():
             self.greet(station)
             self.board.stations.append(station)
-            self.board.tell("station", f"{station.line.name} has come")
+            self._visits.log("station", f"{station.line.name} has come")
         for station in list(self.board.stations):
             self.board.heard = station
+            stranger = station.role is STRANGER
             for asked in station.take(LINES_AT_A_TIME):
                 self._hear(asked)
                 self._take_steps()
-            if station.waiting:
+            if stranger and station.role is not STRANGER:
+                self.greet(station)
+            if station.held_up:
+                self._listen_again(station.held_up)
+            elif station.waiting:
                 self.wake.set()  # others, and the clock, have their turn before the rest
             elif station.leaving or station.line.ended:
                 self._see_out(station)
         self.board.heard = None
+
+    def _listen_again(self, after: float) -> None:
+        """Listen again after a time [s]: what was not taken waits with no word of its own."""
+        again = threading.Timer(after, self.wake.set)
+        again.daemon = True
+        again.start()
 
     @property
     def _over(self) -> bool:
@@ -127,7 +149,8 @@ class Session:
             return  # a line that the run was begun with is there to its end
         station.leave()
         self.board.stations.remove(station)
-        self.board.tell("station", f"{station.account()}: {station.leaving or 'gone'}")
+        tell = self.board.tell if station.settled else self._visits.log
+        tell("station", f"{station.account()}: {station.leaving or 'gone'}")
         threading.Thread(target=station.close, args=(PATIENCE,), daemon=True).start()
         if self.until_left and not any(each.visits for each in self.board.stations):
             self.board.tell("time", f"ended at {self.boat.time:g} s: the last station has left")
@@ -164,7 +187,7 @@ class Session:
         elif order.name == "who":
             station.answer(asked, "", *(each.account() for each in self.board.stations))
         elif order.name == "briefing":
-            station.answer(asked, "", *self.briefing)
+            station.answer(asked, "", *self._briefed(station))
         elif order.name == "casualties":
             station.answer(asked, "", *listing(self.boat))
         elif order.name == "log":

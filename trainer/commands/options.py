@@ -204,6 +204,11 @@ nmea_options = together(
         help="Only these, such as RMC,HDT,DPT. [default: all]",
     ),
     click.option(
+        "--nmea-orders",
+        is_flag=True,
+        help="Take its orders at TCP ports also with --token, which its sentences cannot give.",
+    ),
+    click.option(
         "--nmea-record",
         type=FILE,
         default=None,
@@ -250,7 +255,14 @@ def port_options(*, listen: str | None, socket: str | None) -> Decorator:
             metavar="PATH",
             help="Let stations in at this local socket, or none. [default: this user's]",
         ),
-        click.option("--token", default=None, help="Word that stations at sockets have to give."),
+        click.option(
+            "--token",
+            multiple=True,
+            default=(),
+            metavar="[ROLE=]WORD",
+            help="Word that stations at sockets have to give, of one role or of all; may be given "
+            "again.",
+        ),
         nmea_options,
     )
 

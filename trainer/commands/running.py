@@ -71,7 +71,11 @@ def run(*, teletype: bool, core: Path | None, state: Path | None, **options: Any
         def serve_at(where: str) -> NoReturn:
             take_to_sea({**options, **SERVED, "socket": where, "until_left": True})
 
-        sys.exit(sail(serve_at, options["socket"], options["token"]))
+        from trainer.stations.door import ANY, read_tokens  # noqa: PLC0415
+
+        tokens = read_tokens(options["token"])
+        token = tokens.get("instructor", tokens.get(ANY))
+        sys.exit(sail(serve_at, options["socket"], token))
     take_to_sea({**options, "serve": False})
 
 

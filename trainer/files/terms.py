@@ -54,16 +54,16 @@ def _terms(text: str, file: str) -> tuple[Term, ...]:
     try:
         return tuple(
             Term(
-                equation=row["equation"],
-                key=row["key"],
-                L_power=row["L_power"],
-                multiplies=row["multiplies"],
-                mnemonic=row["mnemonic"],
-                kept=row["kept_in_compact"],
+                equation=str(row["equation"]),
+                key=str(row["key"]),
+                L_power=int(row["L_power"]),
+                multiplies=str(row["multiplies"]),
+                mnemonic=str(row["mnemonic"]),
+                kept=bool(row["kept_in_compact"]),
             )
             for row in parse_toml(text, file)["term"]
         )
-    except (KeyError, TypeError):
+    except (KeyError, TypeError, ValueError, OverflowError):
         raise ConfigError(f"{file}: is not the list of the 131 coefficients") from None
 
 

@@ -42,6 +42,9 @@ class Connection:
         self.name = name
         self.trouble = ""
         self.dropped = 0
+        self.known = False  # it has said who it is
+        self.local = False  # it is of this machine and this user
+        self.introduce_by = math.inf  # [s]  when that has to be said
         end.settimeout(0.0)
         self._end = end
         self._arrived = arrived  # set when there is something to take, and at the end
@@ -66,6 +69,15 @@ class Connection:
     def leaving(self) -> bool:
         """Return whether it has been closed, though what was sent may still be on its way."""
         return self._leave_at < math.inf
+
+    @property
+    def stranger(self) -> bool:
+        """Return whether it came from anywhere, and has not said who it is."""
+        return not (self.known or self.local)
+
+    def introduce(self) -> None:
+        """Note that it has been said who it is."""
+        self.known = True
 
     def take(self, most: int) -> list[str | Overlong]:
         """Return the oldest lines that have come, at most so many."""
@@ -106,7 +118,12 @@ class Connection:
 
     def due(self, now: float) -> float:
         """Return when [s] to ask again though nothing has happened, infinity for never."""
-        return min(self._leave_at, self._rested if now < self._rested else math.inf)
+        silent = math.inf if self.known or self.leaving else self.introduce_by
+        return min(self._leave_at, silent, self._rested if now < self._rested else math.inf)
+
+    def overdue(self, now: float) -> bool:
+        """Return whether it ought to have said who it is by now."""
+        return now >= self.introduce_by and not (self.known or self.leaving)
 
     def finished(self, now: float) -> bool:
         """Return whether the socket can be closed; say goodbye to the client first."""
@@ -153,6 +170,8 @@ class Connection:
             return
         self._read_until = max(self._read_until, time.monotonic()) + len(data) / PACE
         lines = self._decoder.feed(data)
+        if lines and self.introduce_by == math.inf:  # nobody asks who it is
+            self.known = True
         with self._lock:
             if not self.leaving:
                 self._heard.extend(lines)

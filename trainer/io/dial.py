@@ -2,8 +2,10 @@
 
 import contextlib
 import errno
+import os
 import re
 import socket
+import struct
 import threading
 from pathlib import Path
 
@@ -16,6 +18,8 @@ PATIENCE = 5.0  # [s]  for a session to answer
 TCP = re.compile(r"(?:tcp|socket)://(?:\[([^\]]+)\]|([^:/]+)):([0-9]{1,5})/?")
 HIGHEST = 65535
 LOCAL = "local:"
+PEER = struct.Struct("3i")  # process, user and group at the far end
+OTHERS = "that session is another user's; ask for a port of it"
 NOBODY = "no session listens there; start one with trainer serve"
 ABSENT = frozenset({errno.ECONNREFUSED, errno.ENOENT, errno.ENOTSOCK})
 
@@ -72,11 +76,27 @@ def reached_here(path: Path) -> socket.socket:
     end.settimeout(PATIENCE)
     try:
         end.connect(str(path))
+        refuse_another(end, path)
     except OSError as error:
         end.close()
         raise LinkError(f"{path}: {why_not(error)}") from error
+    except LinkError:
+        end.close()
+        raise
     end.settimeout(None)
     return end
+
+
+def refuse_another(end: socket.socket, path: Path) -> None:
+    """Raise LinkError if another user's program is at the far end: it gets no token, no order."""
+    if not hasattr(os, "geteuid"):
+        return
+    owners = {path.stat().st_uid}
+    if hasattr(socket, "SO_PEERCRED"):
+        credentials = end.getsockopt(socket.SOL_SOCKET, socket.SO_PEERCRED, PEER.size)
+        owners.add(PEER.unpack(credentials)[1])
+    if owners != {os.geteuid()}:
+        raise LinkError(f"{path}: {OTHERS}")
 
 
 def why_not(error: Exception) -> str:
@@ -88,7 +108,7 @@ def why_not(error: Exception) -> str:
     if getattr(error, "errno", None) in ABSENT:
         return NOBODY
     if getattr(error, "errno", None) == errno.EACCES:
-        return "that session is another user's; ask for a port of it"
+        return OTHERS
     return str(getattr(error, "strerror", None) or error)
 
 

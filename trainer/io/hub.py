@@ -21,6 +21,8 @@ from trainer.io.connection import CHUNK, MOST_BYTES, READ, Connection
 from trainer.io.listening import LocalSocket, listen_at, listen_here
 
 ROOM = 32  # connections
+KEPT = 8  # more, for lines of this machine and user
+STRANGERS = 24  # that come by TCP and have not said who they are; the oldest gives way
 TURNED_AWAY = 8  # more that are being told so; beyond it they are cut off
 LAST_WORDS = 1.0  # [s]  for those
 DEAF = 1.0  # [s]  without new connections after the system had no room for one
@@ -50,8 +52,13 @@ class Listener(Protocol):
 class Hub:
     """The sockets of a session: those that listen and those connected."""
 
-    def __init__(self, wake: threading.Event) -> None:
-        self._wake = wake  # set at every newcomer, and whenever a connection has news
+    def __init__(self, wake: threading.Event, introduction: float = math.inf) -> None:
+        """Let newcomers be silent for at most ``introduction`` [s] until it is known who they are.
+
+        ``wake`` is set at every newcomer, and whenever a connection has news.
+        """
+        self._wake = wake
+        self._introduction = introduction
         self._selector = selectors.DefaultSelector()
         self._bell, self._ear = socket.socketpair()
         for end in (self._bell, self._ear):
@@ -126,6 +133,9 @@ class Hub:
         for connection in list(self._connections):
             if self._leave_at < math.inf:
                 connection.close(self._leave_at - now)
+            if connection.overdue(now):
+                connection.send("? closed: it was not said who is here, with role NAME TOKEN")
+                connection.close(LAST_WORDS)
             if connection.finished(now):
                 self._watch(connection, 0, connection.serve)
                 connection.dispose()
@@ -157,19 +167,32 @@ class Hub:
             if error.errno in NO_ROOM:
                 self._deaf_until = time.monotonic() + DEAF
             return
-        if len(self._connections) >= ROOM + TURNED_AWAY:
+        local = end.family not in (socket.AF_INET, socket.AF_INET6)
+        room = ROOM + KEPT * local
+        if len(self._connections) >= room + TURNED_AWAY:
             end.close()
             return
-        full = sum(not connection.leaving for connection in self._connections) >= ROOM
+        if not local:
+            self._make_room()
+        full = sum(not connection.leaving for connection in self._connections) >= room
         prepare(end)
         connection = Connection(end, self._name(address), self._wake, self._stir)
+        connection.local = local
+        connection.introduce_by = time.monotonic() + self._introduction
         self._connections.append(connection)
         if full:
-            connection.send(f"? no room: {ROOM} stations are attached; one of them must detach")
+            connection.send(f"? no room: {room} stations are attached; one of them must detach")
             connection.close(LAST_WORDS)
             return
         self._newcomers.append(connection)
         self._wake.set()
+
+    def _make_room(self) -> None:
+        """Let the oldest stranger go if there are too many: places are kept for those known."""
+        strangers = [each for each in self._connections if each.stranger and not each.leaving]
+        if len(strangers) >= STRANGERS:
+            strangers[0].send("? your place is needed: say who you are at once when you come")
+            strangers[0].close(LAST_WORDS)
 
     def _name(self, address: tuple[str, int] | str) -> str:
         if isinstance(address, tuple):

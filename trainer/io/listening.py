@@ -82,6 +82,37 @@ def listen_here(path: Path) -> LocalSocket:
         raise LinkError(f"{path}: {why_not_here(error)}") from error
 
 
+def private_folder(folder: Path) -> None:
+    """Make a folder of this user's own; LinkError if what is there could be another's.
+
+    In a folder shared by all, whoever comes first owns the name, and a link leads elsewhere.
+    """
+    try:
+        folder.mkdir(mode=0o700, parents=True, exist_ok=True)
+        refuse_shared(folder)
+    except OSError as error:
+        raise LinkError(f"{folder}: {told(error)}") from None
+
+
+def refuse_shared(folder: Path) -> None:
+    """Raise LinkError unless a folder, and who could replace it, is this user's or the system's."""
+    if not hasattr(os, "geteuid"):
+        return
+    found, above = os.lstat(folder), folder.parent.stat()
+    own = stat.S_ISDIR(found.st_mode) and found.st_uid == os.geteuid()
+    if not own or found.st_mode & (stat.S_IRWXG | stat.S_IRWXO):
+        raise LinkError(
+            f"{folder}: is not a folder of yours alone; remove it, or set XDG_RUNTIME_DIR to a "
+            "folder that is"
+        )
+    shared = above.st_mode & stat.S_IWOTH and not above.st_mode & stat.S_ISVTX
+    if shared or above.st_uid not in (0, os.geteuid()):
+        raise LinkError(
+            f"{folder.parent}: belongs to another user, or anybody may write there; set "
+            "XDG_RUNTIME_DIR to a folder of yours"
+        )
+
+
 def make_room(path: Path) -> None:
     """Take away the socket of a dead session; refuse where something else is at `path`."""
     try:

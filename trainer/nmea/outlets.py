@@ -10,7 +10,7 @@ import ipaddress
 import math
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any, Final
@@ -64,6 +64,7 @@ class Outlets:
     rate: float  # [Hz]
     chart: Chart
     start: datetime
+    orders: bool = True  # are taken at TCP ports of this machine
 
     @property
     def backlog(self) -> int:
@@ -89,6 +90,7 @@ def open_outlets(
         origin(options["origin"]),
         start_of(recording),
     )
+    outlets = replace(outlets, orders=options["nmea_orders"] or not options["token"])
     stations = [open_outlet(ports, outlets, url, options["nmea_baud"]) for url in urls]
     if path is not None:
         stations.append(open_file(ports, outlets, path))
@@ -124,9 +126,10 @@ def open_readers(ports: Ports, outlets: Outlets, url: str, host: str, port: int)
     hub = Hub(ports.wake)
     ports.stack.callback(hub.close, PATIENCE)
     found = hub.listen(host, port)
-    role = "helm" if local(host) else "observer"
-    orders = "" if local(host) else "; no orders are taken from beyond this machine"
-    click.echo(f"nmea at tcp://{host}:{found}{orders}", err=True)
+    role = "helm" if local(host) and outlets.orders else "observer"
+    why = "" if outlets.orders else "; no orders are taken without --nmea-orders: a token is asked"
+    why = why if local(host) else "; no orders are taken from beyond this machine"
+    click.echo(f"nmea at tcp://{host}:{found}{why}", err=True)
     return send_to(ports, outlets, Readers(f"nmea {url}", hub, ports.log), role)
 
 
@@ -221,5 +224,8 @@ def origin(text: str) -> Chart:
 def start_of(recording: Recording | NoRecording) -> datetime:
     """Return when the session began: what was recorded, or now, to the second."""
     if isinstance(recording, Recording):
-        return datetime.fromisoformat(recording.header()["started"])
+        try:
+            return datetime.fromisoformat(recording.header().get("started", ""))
+        except ValueError:
+            raise ConfigError("recording: its header does not say when it started") from None
     return datetime.now(UTC).replace(microsecond=0)

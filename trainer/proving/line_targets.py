@@ -151,7 +151,7 @@ def attend(lines: list[str | Overlong], door: Door, one: Boat) -> Station:
     """Return a station that has these lines to say, and is sent what it asks for at once."""
     sending = Promptly(Roster(Lookout(one, Ledger(one.method.step).summary)))
     sending.offer(0, one.records.state.tobytes(), Pace())
-    return Station(Wire(lines), door, sending, logged if door.token else unlogged, lambda: 0.0)
+    return Station(Wire(lines), door, sending, logged if door.tokens else unlogged, lambda: 0.0)
 
 
 def logged(_kind: str, text: str) -> None:
@@ -169,7 +169,7 @@ def station(data: bytes) -> None:
     lines = LineDecoder().feed(data)[:ENOUGH]
     one, start = boat()
     one.restore(start)
-    for door in (Door(token=TOKEN), Door("instructor")):
+    for door in (Door(tokens={"": TOKEN}), Door("instructor")):
         attending = attend(lines, door, one)
         for asked in attending.take(ENOUGH):
             if asked.order.name in ORDERS:

@@ -2,39 +2,64 @@
 
 import hmac
 import re
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Final
 
+from trainer.config import ConfigError
 from trainer.io.secret import HIDDEN
 from trainer.stations.roles import ROLES, STRANGER, Role
 
 GUESSES: Final = 3  # wrong tokens before a line is closed
 SHORT: Final = 6  # [characters]
+ANY: Final = ""  # the role of a token that stands for all roles without their own
 
 
 @dataclass(frozen=True)
 class Door:
-    """What is asked of a line; with neither role nor token it may say what role it likes."""
+    """What is asked of a line; with neither role nor tokens it may say what role it likes."""
 
     role: str | None = None
-    token: str = field(default="", repr=False)
+    tokens: Mapping[str, str] = field(default_factory=dict, repr=False)  # by role, or ANY
+    entered: Callable[[], object] = bool  # called when a line has said who it is
 
     @property
     def first(self) -> Role:
         """Return what a line is before it has said anything."""
         if self.role is not None:
             return ROLES[self.role]
-        return STRANGER if self.token else ROLES["observer"]
+        return STRANGER if self.tokens else ROLES["observer"]
 
     def hide(self, text: str) -> str:
-        """Return ``text`` without the token, wherever it stands: an order may be misspelt."""
-        if not self.token:
-            return text
-        found = re.escape(self.token)
-        if len(self.token) < SHORT:  # it may stand within words that are none of it
-            found = rf"(?<![\w-]){found}(?![\w-])"
-        return re.sub(found, HIDDEN, text, flags=re.IGNORECASE)
+        """Return ``text`` without a token, wherever it stands: an order may be misspelt."""
+        for token in self.tokens.values():
+            found = re.escape(token)
+            if len(token) < SHORT:  # it may stand within words that are none of it
+                found = rf"(?<![\w-]){found}(?![\w-])"
+            text = re.sub(found, HIDDEN, text, flags=re.IGNORECASE)
+        return text
 
-    def admits(self, given: str) -> bool:
-        """Return whether a token will do; how long that takes tells nothing of it."""
-        return not self.token or hmac.compare_digest(given.encode(), self.token.encode())
+    def admits(self, role: str, given: str) -> bool:
+        """Return whether a token will do for a role; how long that takes tells nothing of it.
+
+        Where tokens are asked for, a role that has none is nobody's.
+        """
+        if not self.tokens:
+            return True
+        wanted = self.tokens.get(role, self.tokens.get(ANY, ""))
+        return hmac.compare_digest(given.encode(), wanted.encode()) and bool(wanted)
+
+
+def read_tokens(given: tuple[str, ...]) -> dict[str, str]:
+    """Return the tokens of ``ROLE=WORD`` or ``WORD`` each; ConfigError if one is given twice."""
+    tokens: dict[str, str] = {}
+    for text in given:
+        role, equals, word = text.partition("=")
+        if not equals or role not in ROLES:
+            role, word = ANY, text
+        if not word:
+            raise ConfigError(f"--token {role}=: say {role}=WORD")
+        if role in tokens:
+            raise ConfigError(f"--token: {role or 'a word for all roles'} is given twice")
+        tokens[role] = word
+    return tokens

@@ -37,5 +37,5 @@ class NoiseLog:
     def close(self) -> None:
         """Tell the number of what was held back."""
         for kind, count in self._held.items():
-            self._log(kind, f"{count} more of the same line, not written one by one")
+            self._log(kind, f"{count} more of the same, not written one by one")
         self._held.clear()

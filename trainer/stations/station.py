@@ -8,7 +8,7 @@ import textwrap
 import time
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Final, NamedTuple
 
 from trainer.io import sentences
 from trainer.io.line import Line
@@ -23,6 +23,9 @@ from trainer.stations.door import GUESSES, Door
 from trainer.stations.noise_log import NoiseLog
 from trainer.stations.roles import COMMON, INSTRUCTOR, ROLES, Role, hears, refusal
 from trainer.stations.wishes import Sending, Wishes, barred, unknown
+
+ORDERS_A_SECOND: Final = 20  # of a line that came by itself; more wait
+ORDERS_AT_ONCE: Final = 100
 
 
 class News(NamedTuple):
@@ -81,9 +84,14 @@ class Station:
         self.wishes = Wishes(line, sending)
         self.leaving = ""  # why the line is to be closed, "" while it stays
         self.waiting = False  # there may be more to take
+        self.held_up = 0.0  # [s] until more is taken, 0 where nothing waits
         self._door = door
         self._settled = door.role is not None  # the role is not to be changed
         self._log = log
+        self._clock = clock
+        self._refilled = clock()
+        self._orders_left = float(ORDERS_AT_ONCE)
+        self._flooding = False  # has been told
         self._noise = NoiseLog(quietly(log, door), clock)
         self._machine = False  # a program spoke last
 
@@ -91,6 +99,11 @@ class Station:
     def visits(self) -> bool:
         """Return whether the line came by itself, and may go."""
         return self._door.role is None
+
+    @property
+    def settled(self) -> bool:
+        """Return whether it is known for good what the line is."""
+        return self._settled
 
     @property
     def who(self) -> str:
@@ -111,8 +124,12 @@ class Station:
         What comes after an order is heard once that has been answered.
         """
         self._noise.settle()
-        lines = self.line.take(most)
-        self.waiting = len(lines) == most
+        self._refill()
+        allowed = min(most, int(self._orders_left))
+        lines = self.line.take(allowed) if allowed else []
+        self.waiting = len(lines) == allowed
+        if not allowed:
+            self._hold()
         for line in lines:
             if self.leaving:
                 break
@@ -180,7 +197,23 @@ class Station:
             duties[order.name](heard, order)
             return []
         self.counts.orders += 1
+        self._orders_left -= self.visits
         return [Asked(order, heard, self)]
+
+    def _refill(self) -> None:
+        """Let as many orders more be taken as the time since the last call is worth."""
+        now = self._clock()
+        worth = (now - self._refilled) * ORDERS_A_SECOND
+        self._orders_left = min(self._orders_left + worth, ORDERS_AT_ONCE)
+        self._refilled = now
+        self.held_up = 0.0
+
+    def _hold(self) -> None:
+        """Take no more for a while: what is sent waits at its sender."""
+        self.held_up = (1.0 - self._orders_left) / ORDERS_A_SECOND
+        if not self._flooding:
+            self._flooding = True
+            self._log("refused", f"{self.who}: more than {ORDERS_A_SECOND} orders a second wait")
 
     def _refuse(self, heard: Heard, order: Order, why: str) -> None:
         """Refuse an order that is not this line's to give."""
@@ -191,7 +224,7 @@ class Station:
     def _answer(self, heard: Heard, reply: Reply, *lines: str) -> None:
         """Send an answer in the manner that the order came."""
         accepted = not isinstance(reply, Refused)
-        text = reply.reason if isinstance(reply, Refused) else reply
+        text = self._door.hide(reply.reason) if isinstance(reply, Refused) else reply
         if heard.machine:
             for each in lines:
                 self.line.send(sentences.say(heard.tag, each))
@@ -214,18 +247,19 @@ class Station:
         if self._settled:
             self._refuse(heard, order, f"this line is {self.role.title}, and stays so")
             return
-        wrong = self._wrong_token(order.subject)
+        wrong = self._wrong_token(order.word, order.subject)
         if wrong:
             self._refuse(heard, order, wrong)
             return
         self.role, self._settled = ROLES[order.word], True
+        self._door.entered()
         self._log("station", f"{self.line.name} is {self.role.title}")
         self._answer(heard, f"this line is {self.role.title}", *powers(self.role))
         self.wishes.keep_for(self.role)
 
-    def _wrong_token(self, given: str) -> str:
+    def _wrong_token(self, role: str, given: str) -> str:
         """Return why a token does not do, "" when it does; the line goes at the third that is."""
-        if self._door.admits(given):
+        if self._door.admits(role, given):
             return ""
         if not given:
             return "this session asks for a token: role NAME TOKEN"
