@@ -26,7 +26,7 @@ from trainer.io.hub import Hub
 from trainer.io.listening import private_folder
 from trainer.io.orders import BadOrder, Order, parse
 from trainer.io.serial_line import LinkError
-from trainer.places import HOST, recording_path
+from trainer.places import HOST, recording_paths
 from trainer.ports import parse_address, refuse_open_door
 from trainer.stations import door
 from trainer.stations.door import Door, read_tokens
@@ -262,7 +262,7 @@ def test_a_recording_without_a_name_lies_in_its_folder_whatever_is_flown(
     name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path))
-    path = recording_path(name)
+    path = next(recording_paths(name))
     assert path.resolve().parent == (tmp_path / "submarine-trainer" / "recordings").resolve()
 
 

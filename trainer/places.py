@@ -3,7 +3,9 @@
 import os
 import re
 import tempfile
+from collections.abc import Iterator
 from datetime import UTC, datetime
+from itertools import count
 from pathlib import Path
 from typing import Final
 
@@ -33,16 +35,16 @@ def nearest_session() -> str:
     return str(path) if path.exists() else f"tcp://{HOST}:{PORT}"
 
 
-def recording_path(name: str) -> Path:
-    """Return the file of a new recording of what is called ``name``; its folder is made."""
+def recording_paths(name: str) -> Iterator[Path]:
+    """Yield files for a new recording of what is called ``name``, each for when others are taken.
+
+    Their folder is made.
+    """
     state = os.environ.get("XDG_STATE_HOME") or Path.home() / ".local" / "state"
     folder = Path(state) / _OURS / "recordings"
     folder.mkdir(parents=True, exist_ok=True)
     plain = re.sub(r"[^a-z0-9-]+", "-", Path(name).stem.casefold()).strip("-") or "run"
     stamp = datetime.now(UTC).strftime("%Y%m%d-%H%M%S")
-    path = folder / f"{plain}-{stamp}{SUFFIX}"
-    again = 2
-    while path.exists():
-        path = folder / f"{plain}-{stamp}-{again}{SUFFIX}"
-        again += 1
-    return path
+    yield folder / f"{plain}-{stamp}{SUFFIX}"
+    for again in count(2):
+        yield folder / f"{plain}-{stamp}-{again}{SUFFIX}"

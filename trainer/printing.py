@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Final
 
 from trainer.config import ConfigError
+from trainer.io.whole_file import replacing
 
 NAMES: Final = (
     *("chromium", "chromium-browser", "google-chrome", "google-chrome-stable", "chrome"),
@@ -55,7 +56,8 @@ def print_pdf(html: Path, pdf: Path) -> None:
                 "the HTML page in a browser and print it from there"
             )
         try:
-            shutil.copyfile(printed, pdf)
+            with replacing(pdf) as made:
+                shutil.copyfile(printed, made)
         except OSError as error:
             raise ConfigError(f"--pdf {pdf}: cannot be written: {error.strerror}") from None
 

@@ -5,8 +5,9 @@ import math
 import signal
 import sys
 import threading
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from itertools import islice
 from pathlib import Path
 from typing import Any
 
@@ -23,6 +24,7 @@ from trainer.history import History
 from trainer.io.csv_file import COLUMNS, CsvFile, NoFile
 from trainer.io.no_recording import NoRecording
 from trainer.io.recording import Recording, RecordingError
+from trainer.io.recording_file import TakenError
 from trainer.io.teletype import course
 from trainer.ledger import SECOND
 from trainer.pacer import Policy
@@ -41,6 +43,7 @@ from trainer.timekeeping import Timekeeping
 from trainer.watch import Watch
 
 OVER = "the session is over"
+NAMES = 100  # that a new recording is tried under
 BATCH = 200  # [rows] of a CSV file written at once by a run that keeps no time
 
 
@@ -60,14 +63,12 @@ def run_boat(options: dict[str, Any], clock: Clock | None = None) -> int:
     with remembering() as texts:
         plan = plan_run(options)
     boat = ready(plan, options)
-    kept = recording_path(plan, options)
+    kept: Path | None = None
     state = boat.records.state.tobytes()
     recording: Recording | NoRecording = NoRecording()
-    if kept is not None or options["serve"] or not options["headless"]:
-        try:
-            recording = Recording.create(kept, header_of(options, texts, boat), state)
-        except RecordingError as error:
-            raise ConfigError(f"--record {error}") from None
+    paths = recording_paths(plan, options)
+    if paths or options["serve"] or not options["headless"]:
+        kept, recording = create_recording(paths, header_of(options, texts, boat), state)
     history = History(boat, recording)
     return fly(Voyage(plan, boat, history, str(kept or ""), clock or MonotonicClock()), options)
 
@@ -84,14 +85,31 @@ def ready(plan: Plan, options: dict[str, Any]) -> Boat:
     return boat
 
 
-def recording_path(plan: Plan, options: dict[str, Any]) -> Path | None:
+def create_recording(
+    paths: Sequence[Path], header: Mapping[str, str], state: bytes
+) -> tuple[Path | None, Recording]:
+    """Make the first recording whose name nobody takes before; a passing one if there is no name.
+
+    ConfigError if it cannot be made.
+    """
+    for path in paths or (None,):
+        try:
+            return path, Recording.create(path, header, state)
+        except TakenError as error:
+            taken = error
+        except RecordingError as error:
+            raise ConfigError(f"--record {error}") from None
+    raise ConfigError(f"--record {taken}")
+
+
+def recording_paths(plan: Plan, options: dict[str, Any]) -> tuple[Path, ...]:
     """Return where the run is recorded: where told, by default if somebody is there to train."""
     if options["record"] is not None or options["no_record"]:
-        return None if options["no_record"] else Path(options["record"])
+        return () if options["no_record"] else (Path(options["record"]),)
     alone = options["headless"] and not options["serve"]
     if alone or math.isinf(options["speed"]):
-        return None
-    return places.recording_path(options["exercise"] or plan.file.path.stem)
+        return ()
+    return tuple(islice(places.recording_paths(options["exercise"] or plan.file.path.stem), NAMES))
 
 
 def fly(voyage: Voyage, options: dict[str, Any]) -> int:

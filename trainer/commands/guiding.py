@@ -181,6 +181,7 @@ def write_document(text: str, html: Path | None, pdf: Path | None) -> None:
     import tempfile  # noqa: PLC0415
 
     from trainer.config import ConfigError  # noqa: PLC0415
+    from trainer.io.whole_file import write_whole  # noqa: PLC0415
     from trainer.printing import print_pdf  # noqa: PLC0415
 
     if html is None and pdf is None:
@@ -188,7 +189,7 @@ def write_document(text: str, html: Path | None, pdf: Path | None) -> None:
     with tempfile.TemporaryDirectory() as folder:
         path = html or Path(folder) / "guide.html"
         try:
-            path.write_text(text, encoding="utf-8", newline="\n")
+            write_whole(path, text)
         except OSError as error:
             raise ConfigError(f"--html {path}: cannot be written: {error.strerror}") from None
         if pdf is not None:

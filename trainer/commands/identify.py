@@ -266,8 +266,9 @@ def _progress(step: int, cost: float) -> None:
 def _write(path: Path, text: str) -> None:
     """Write a text; ConfigError if it cannot be."""
     from trainer.config import ConfigError  # noqa: PLC0415
+    from trainer.io.whole_file import write_whole  # noqa: PLC0415
 
     try:
-        path.write_text(text, encoding="utf-8")
+        write_whole(path, text)
     except OSError as error:
         raise ConfigError(f"{path}: cannot be written: {error.strerror}") from error

@@ -89,6 +89,7 @@ def _checked(file: Any) -> Any:
 def _searched(file: Any, cores: int, result: Path | None, drops: Any) -> Any:
     """Return the reduction that a search finds, written to ``result`` if there is one."""
     from trainer.config import ConfigError  # noqa: PLC0415
+    from trainer.io.whole_file import write_whole  # noqa: PLC0415
     from trainer.reduce import checkpoint, reduction, writing  # noqa: PLC0415
     from trainer.reduce.candidate import terms  # noqa: PLC0415
 
@@ -102,7 +103,7 @@ def _searched(file: Any, cores: int, result: Path | None, drops: Any) -> Any:
     notes = {"kept": len(report.kept), "of": report.hull_terms}
     tables = writing.tables(found.factors, found.needs, notes)
     try:
-        result.write_text(writing.rewritten(file.text, tables), encoding="utf-8", newline="\n")
+        write_whole(result, writing.rewritten(file.text, tables))
     except OSError as error:
         raise ConfigError(f"{result}: cannot be written: {error.strerror}") from None
     checkpoint.discard(checkpoint.place(result))

@@ -11,6 +11,7 @@ from trainer.config import ConfigError
 from trainer.debrief.dossier import Dossier, gather
 from trainer.debrief.figures import figures
 from trainer.debrief.page import BADGE, render
+from trainer.io.whole_file import write_whole
 from trainer.printing import print_pdf
 from trainer.records.log_book import reading
 
@@ -77,7 +78,7 @@ def _refuse_other(html: Path) -> None:
 
 def _write(path: Path, page: str) -> None:
     try:
-        path.write_text(page, encoding="utf-8")
+        write_whole(path, page)
     except OSError as error:
         raise ConfigError(f"{path} cannot be written: {error.strerror}") from None
 

@@ -20,6 +20,7 @@ from trainer.identify.sway import (
     smoothed,
     sway_of_track,
 )
+from trainer.io.whole_file import replacing
 
 HEADS: Final = ("t", "east", "north", "psi", "r", "v", "u")
 
@@ -108,7 +109,7 @@ def write_track(sailed: Sailed, path: Path) -> None:
         sailed.ahead,
     )
     try:
-        with path.open("w", encoding="utf-8", newline="") as file:
+        with replacing(path) as made, made.open("w", encoding="utf-8", newline="") as file:
             writer = csv.writer(file, lineterminator="\n")
             writer.writerow(HEADS)
             for row in zip(*columns, strict=True):

@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import Any, Final
 
 from trainer.io.recording import Recording, RecordingError
+from trainer.io.whole_file import replacing
 
 ROWS: Final = 5000  # of a Parquet file written at once
 
@@ -116,7 +117,8 @@ def _export(
         tables[_beside(path, "events")] = events_table(recording, layout)
     for name, table in tables.items():
         try:
-            write(table, name)
+            with replacing(name) as made:
+                write(table, made)
         except OSError as error:
             reason = error.strerror or str(error)
             raise RecordingError(f"{name} cannot be written whole: {reason}") from None

@@ -78,6 +78,10 @@ class RecordingError(Exception):
     """A recording that cannot be made, opened or read; says which, what, and what to do."""
 
 
+class TakenError(RecordingError):
+    """A recording that cannot be made since there is something of its name."""
+
+
 @contextlib.contextmanager
 def understanding(name: object) -> Iterator[None]:
     """Raise RecordingError where SQLite cannot make sense of a file.
@@ -143,7 +147,7 @@ def create(path: Path, header: Mapping[str, str], state: bytes) -> sqlite3.Conne
     It is made under another name in the same folder: whoever finds it finds it whole.
     """
     if os.path.lexists(path):
-        raise RecordingError(f"{path} exists already; name another file, or remove it")
+        raise TakenError(f"{path} exists already; name another file, or remove it")
     try:
         with tempfile.TemporaryDirectory(dir=path.parent, prefix=f".{path.name}.") as folder:
             made = Path(folder) / path.name
@@ -225,7 +229,7 @@ def _give_name(made: Path, path: Path) -> None:
     try:
         os.link(made, path)
     except FileExistsError:
-        raise RecordingError(f"{path} has just been made by another program") from None
+        raise TakenError(f"{path} has just been made by another program") from None
     except OSError:  # a file system without links
         made.rename(path)
 

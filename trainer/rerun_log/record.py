@@ -9,6 +9,7 @@ import numpy as np
 
 from trainer.boat import Boat
 from trainer.io.recording import Flown, Noted, Recording
+from trainer.io.whole_file import replacing
 from trainer.records.log_book import layout_of, plan_of
 from trainer.rerun_log.batch import Batch, Block, Times, Told, Worked, states
 from trainer.rerun_log.sinks import RrdFile
@@ -25,15 +26,16 @@ def write_record(recording: Recording, path: Path, branch: int) -> None:
     header = recording.header()
     plan = plan_of(header)
     subject = Subject.of(plan, Boat(plan.file, plan.method))
-    file = RrdFile(path, subject)
     parts = batches(recording, branch, layout_of(header), subject.step)
     first = next(parts)  # nothing is replaced where there is nothing to write
-    file.open()
-    try:
-        for batch in chain((first,), parts):
-            file.write(batch)
-    finally:
-        file.close()
+    with replacing(path) as made:
+        file = RrdFile(made, subject)
+        file.open()
+        try:
+            for batch in chain((first,), parts):
+                file.write(batch)
+        finally:
+            file.close()
 
 
 def batches(

@@ -9,6 +9,7 @@ from typing import Any
 from trainer.config import ConfigError
 from trainer.files.vessel_file import VesselFile
 from trainer.fitout import KNOT, Method
+from trainer.io.whole_file import write_whole
 from trainer.study.compare_page import unit
 from trainer.study.manoeuvres.catalogue import PARAMETERS, adjusted, parameters
 from trainer.study.manoeuvres.conn import Mark
@@ -143,6 +144,6 @@ def write_csv(flight: Flight, path: Path) -> None:
     rows = zip(*(values.tolist() for values in columns.values()), strict=True)
     lines = [",".join(columns), *(",".join(map(repr, row)) for row in rows)]
     try:
-        path.write_text("\n".join(lines) + "\n", encoding="ascii", newline="\n")
+        write_whole(path, "\n".join(lines) + "\n")
     except OSError as error:
         raise ConfigError(f"--csv {path}: cannot be written: {error.strerror}") from None

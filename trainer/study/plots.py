@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from trainer.config import ConfigError
+from trainer.io.whole_file import replacing
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -119,7 +120,8 @@ def draw(panels: tuple[Panel | Bars, ...], path: Path) -> None:
             else:
                 _draw_panel(panel, axes)
         try:
-            figure.savefig(path, metadata=METADATA[path.suffix.lower()])
+            with replacing(path) as made:
+                figure.savefig(made, metadata=METADATA[path.suffix.lower()])
         except OSError as error:
             raise ConfigError(f"--plot {path}: cannot be written: {error.strerror}") from error
 
