@@ -32,7 +32,7 @@ from trainer.screen.keys import KEYS, key_tables
 from trainer.screen.pane import Pane
 from trainer.screen.picture import Picture
 from trainer.screen.posts import POSTS, wishes
-from trainer.screen.sight import Broken, Sight
+from trainer.screen.sight import Broken, Kept, Sight
 from trainer.screen.trace import Sample, Trace
 from trainer.stations.channels import CHANNELS
 from trainer.stations.roles import ROLES, refusal
@@ -584,7 +584,7 @@ def test_the_time_line_keeps_casualties_marks_and_snapshots_until_they_are_undon
     talk.say(
         sentences.event(40, 20.0, "exercise", "[20 s] casualty stern-stuck: casualty stern-stuck")
     )
-    talk.say(sentences.event(100, 50.0, "mark", "good recovery"))
+    talk.say(sentences.event(100, 50.0, "mark", "mark by observer: good recovery"))
     sight = sight_of(talk)
     sight.hear()
     assert [(kept.sign, kept.seconds) for kept in sight.marks] == [("C", 20.0), ("M", 50.0)]
@@ -597,6 +597,55 @@ def test_the_time_line_keeps_casualties_marks_and_snapshots_until_they_are_undon
     sight.hear()
     assert [kept.sign for kept in sight.marks] == ["C"]
     assert sight.furthest == 30.0
+
+
+@pytest.mark.parametrize(
+    "remark",
+    [
+        "back from 60 s to 0 s",
+        "instructor: backtrack 60 s: back from 60 s to 0 s, frozen",
+        "the session is over",
+        "casualty stern-stuck: casualty stern-stuck",
+    ],
+)
+def test_no_remark_can_wipe_the_time_line_or_look_like_the_session(remark: str) -> None:
+    talk = tape()
+    talk.say(sentences.event(40, 20.0, "mark", "mark by helm: first"))
+    talk.say(sentences.event(100, 50.0, "mark", f"mark by helm: {remark}"))
+    talk.say(sentences.event(110, 55.0, "order", f"helm: rudder left 5: {remark}"))
+    sight = sight_of(talk)
+    sight.hear()
+    assert [kept.text for kept in sight.marks] == ["first", remark]
+    assert [kept.sign for kept in sight.marks] == ["M", "M"]
+    assert not sight.over
+
+
+def test_a_remark_of_one_s_own_does_not_wipe_the_time_line_either() -> None:
+    talk = tape()
+    sight = sight_of(talk)
+    sight.marks.append(Kept(20.0, "M", "before"))
+    sight.order("mark back from 60 s to 0 s")
+    sight.hear()
+    assert [kept.text for kept in sight.marks] == ["before", "back from 60 s to 0 s"]
+
+
+WILD = ("1e308", "-1e308", "1e-308", "9" * 300, "-0", "5e-324", "1e9", "-1e9", "nan", "-inf")
+
+
+@pytest.mark.parametrize("role", POSTS)
+def test_no_number_that_a_session_sends_ends_a_screen(role: str) -> None:
+    async def act(pilot: Pilot[str], app: Console) -> None:
+        for tick, number in enumerate(WILD, start=200):
+            for channel in talk.channels:
+                told = [number if value[-1:].isdigit() else value for value in values(channel)]
+                talk.say(sentences.state(channel, tick, tick / 2.0, told))
+            app.sight.clock = lambda now=float(tick): now
+            await pilot.pause(0.15)
+        assert app.is_running
+        assert app._exception is None  # noqa: SLF001  what ended it
+
+    talk = tape(role)
+    at_the_console(act, talk, role, size=(160, 48))
 
 
 def test_what_can_break_is_asked_of_the_session() -> None:

@@ -1157,3 +1157,15 @@ def test_what_would_fill_the_memory_is_refused(path: Path, what: str) -> None:
     changed(path, LARGE[what].replace("generate_series", series))
     with pytest.raises(RecordingError, match="more is to be read at once than 100 MB"):
         read_whole(path)
+
+
+def test_no_cell_of_a_table_is_a_formula(path: Path, tmp_path: Path) -> None:
+    said = ["=cmd|' /C calc'!A0", "+1+1", "-2+3", "@SUM(A1)", "\tx", "-5", "+1e3", "depth = 80"]
+    with closing(begin(path)) as recording:
+        for text in said:
+            recording.event(0, "mark", "helm", text)
+        layout = Layout(("u",), lambda _: (1.0,), 0.5)
+        export_csv(recording, layout, tmp_path / "out.csv")
+    with (tmp_path / "out.events.csv").open(newline="") as file:
+        cells = [row["text"] for row in csv.DictReader(file)]
+    assert cells == [*(f"'{text}" for text in said[:5]), "-5", "+1e3", "depth = 80"]

@@ -364,3 +364,47 @@ def test_a_mark_is_in_the_file_before_it_is_answered(tmp_path: Path) -> None:
     OPENED.append(session.history.recording)
     session.run()
     assert script.marks == ["here", "here", "there"]
+
+
+class Coming:
+    """A reception with one newcomer."""
+
+    awaited = False
+
+    def __init__(self, *stations: Station) -> None:
+        self.stations = list(stations)
+
+    def newcomers(self) -> list[Station]:
+        come, self.stations = self.stations, []
+        return come
+
+
+def test_nothing_of_the_exercise_is_told_before_the_token_nor_what_breaks_to_the_crew() -> None:
+    stranger = Script([["briefing", "status", "role helm WORD", "briefing"], ["detach"]])
+    alone = Script([["quit"]])
+    session = session_of(alone)
+    session.briefing = ("Stern planes jam", "At 30 s the stern planes stick.", "BB2")
+    session.crew_briefing = ("BB2",)
+    door = Door(tokens={"": "WORD"})
+    session.reception = Coming(Station(stranger, door, stranger, session.board.log))
+    session.listen()
+    heard = "\n".join(stranger.heard)
+    before, _, after = heard.partition("this line is the helm's")
+    assert "BB2" not in before
+    assert "say who you are: role NAME TOKEN" in before
+    assert "BB2" in after
+    assert "stern planes" not in heard.casefold()
+
+
+def test_a_mark_says_who_made_it_and_cannot_look_like_the_session() -> None:
+    helm, other = Script([["mark the session is over"]]), Script([])
+    session = session_of(Script([]))
+    for line in (helm, other):
+        session.board.stations.append(Station(line, Door("observer"), line, session.board.log))
+    session.listen()
+    assert other.heard == ["mark by observer: the session is over"]
+    recording = session.history.recording
+    assert isinstance(recording, Recording)
+    (mark,) = [each for each in recording.events() if each.kind == "mark"]
+    assert mark.text == "the session is over"
+    assert mark.who.startswith("observer at")

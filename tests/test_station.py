@@ -19,7 +19,7 @@ from trainer.reply import Refused
 from trainer.stations.door import Door
 from trainer.stations.frame import Lookout, Pace
 from trainer.stations.publisher import Promptly, Roster
-from trainer.stations.station import News, Station
+from trainer.stations.station import ORDERS_A_SECOND, ORDERS_AT_ONCE, News, Station
 
 KNOT = 1852.0 / 3600.0
 TOKEN = "Kx7-quietly-9"  # noqa: S105 not a secret
@@ -638,3 +638,42 @@ def test_a_token_is_not_logged_wherever_it_stands(post: Callable[..., Post], lin
 
     assert "***" in stranger.log[0][1]
     assert TOKEN.casefold() not in str(stranger.log).casefold()
+
+
+# How often
+
+
+def test_orders_beyond_twenty_a_second_wait_and_that_is_told_once(
+    post: Callable[..., Post],
+) -> None:
+    helm = post()
+    helm.type("role helm")
+    helm.line.waiting += ["rudder left 5"] * 500
+    taken = 0
+    for second in range(11):
+        helm.now = float(second)
+        while asked := list(helm.station.take(MANY)):
+            taken += len(asked)
+        assert taken <= ORDERS_AT_ONCE + second * ORDERS_A_SECOND
+        assert 0.0 < helm.station.held_up <= 1.0 / ORDERS_A_SECOND
+    assert taken == ORDERS_AT_ONCE + 10 * ORDERS_A_SECOND
+    assert len(helm.line.waiting) == 500 - taken  # they wait, and none is lost
+    told = [text for _, text in helm.log if "orders a second wait" in text]
+    assert len(told) == 1
+
+
+def test_lines_that_are_no_orders_and_lines_of_the_user_s_own_are_not_held_up(
+    post: Callable[..., Post],
+) -> None:
+    noisy = post()
+    noisy.type("role helm", *["nonsense"] * 300)
+    while noisy.station.waiting:
+        assert not noisy.type()
+    assert noisy.line.waiting == []
+    assert not noisy.station.held_up
+    panel = post("helm")
+    taken = panel.type(*["rudder left 5"] * 300)
+    while panel.station.waiting:
+        taken += panel.type()
+    assert len(taken) == 300
+    assert not panel.station.held_up

@@ -26,7 +26,9 @@ class Board:
     def tell(self, kind: str, text: str, by: Station | None = None) -> None:
         """Record what has happened, and tell whose role hears of such things but ``by``."""
         boat = self.history.boat
-        news = News(self.history.tick, boat.time, kind, text)
+        # a remark is anybody's words: who hears it hears whose
+        said = f"mark by {by.role.name}: {text}" if kind == "mark" and by else text
+        news = News(self.history.tick, boat.time, kind, said)
         self.news.append(news)
         self.history.recording.event(news.tick, kind, by.who if by else "", text)
         for hear in self.hearers:

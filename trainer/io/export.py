@@ -17,6 +17,8 @@ from trainer.io.whole_file import replacing
 
 ROWS: Final = 5000  # of a Parquet file written at once
 
+FORMULAS: Final = ("=", "+", "-", "@", "\t", "\r")  # how they begin
+
 Cell = int | float | str | bool | None
 
 PLACED: Final = {"branch": int, "tick": int, "t": float}  # where in the run; t [s]
@@ -133,7 +135,18 @@ def _write_csv(table: Table, path: Path) -> None:
     with path.open("w", encoding="utf-8", newline="") as file:
         writer = csv.writer(file, lineterminator="\n")
         writer.writerow(table.columns)
-        writer.writerows(table.rows)
+        writer.writerows([_inert(cell) for cell in row] for row in table.rows)
+
+
+def _inert(cell: Cell) -> Cell:
+    """Return a cell that no spreadsheet takes for a formula: an apostrophe is put before it."""
+    if not (isinstance(cell, str) and cell.startswith(FORMULAS)):
+        return cell
+    try:
+        float(cell)
+    except ValueError:
+        return f"'{cell}"
+    return cell
 
 
 def _write_parquet(table: Table, path: Path) -> None:

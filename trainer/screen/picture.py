@@ -20,6 +20,7 @@ RATES: Final = {
     "heel": "heel_rate",
 }
 ROUND: Final = frozenset({"heading"})  # [deg] 360 is 0
+LARGEST: Final = 1e9  # of a number, in any unit
 SLOWEST: Final = 1.0  # [s] between readings; later ones are shown at once
 
 
@@ -33,11 +34,12 @@ class Reading:
     values: dict[str, str]
 
     def number(self, name: str) -> float | None:
-        """Return a value as a number, None where there is none."""
+        """Return a value as a number, None where there is none that could be a boat's."""
         try:
-            return float(self.values.get(name, ""))
+            value = float(self.values.get(name, ""))
         except ValueError:
             return None
+        return value if abs(value) <= LARGEST else None
 
 
 NOTHING: Final = Reading(0, 0.0, -math.inf, {})

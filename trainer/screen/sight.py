@@ -15,6 +15,7 @@ from trainer.screen.trace import Sample, Trace
 NUMBER: Final = r"[0-9]+(?:\.[0-9]+)?(?:e\+[0-9]{1,3})?"  # as Python's "g" writes it
 KEPT_MOMENT: Final = re.compile(rf"([a-z][a-z0-9-]*) \(({NUMBER}) s\)")
 BACK: Final = re.compile(rf"back from {NUMBER} s to ({NUMBER}) s")
+GOING_BACK: Final = ("backtrack", "restore", "reset")
 OVER: Final = "the session is over"  # its last words
 WIDELY_KNOWN: Final = ("snapshots", "casualties")  # asked for on joining, by the instructor
 
@@ -192,7 +193,12 @@ class Sight:
     def _happened(self, sentence: Sentence) -> None:
         _, seconds, kind, text = sentence.fields
         self.journal.add(float(seconds), kind, text)
-        self._remember(float(seconds), kind, text)
+        _, _, said = text.partition(": ")  # who has ordered, or remarked, it
+        if kind == "mark":
+            self._mark(float(seconds), said)
+        else:
+            words, _, answer = said.partition(": ")
+            self._remember(float(seconds), kind, words, answer)
         if kind == "time" and text == OVER:
             self.over = True
 
@@ -227,21 +233,29 @@ class Sight:
             self.snapshots = [Kept(float(s), "S", n) for n, s in KEPT_MOMENT.findall(text)]
         elif asked.words == "casualties":
             self.casualties = suffered(asked.lines)
+        elif asked.words.startswith("mark"):
+            self._mark(self.picture.seconds, asked.words.removeprefix("mark").strip())
         elif not asked.quiet:
-            self._remember(self.picture.seconds, "exercise", f"{self.role}: {asked.words}: {text}")
+            kind = "moment" if asked.words.startswith(GOING_BACK) else "exercise"
+            self._remember(self.picture.seconds, kind, asked.words, text)
 
-    def _remember(self, seconds: float, _kind: str, text: str) -> None:
-        """Keep on the time line what is worth going back to."""
-        words = text.partition(": ")[2] or text
-        back = BACK.search(text)
+    def _mark(self, seconds: float, remark: str) -> None:
+        self.marks.append(Kept(seconds, "M", remark or "marked"))
+
+    def _remember(self, seconds: float, kind: str, words: str, answer: str) -> None:
+        """Keep on the time line what is worth going back to.
+
+        Only what the session says of an order to go back takes anything from it.
+        """
+        back = BACK.match(answer) if kind == "moment" else None
         if back:
             self._go_back(float(back[1]))
+        elif answer.startswith("refused: "):
+            return
         elif words.startswith("snapshot ") and self.instructs:
             self.ask("snapshots")
-        elif "refused: " not in text and words.startswith("casualty "):
-            self.marks.append(Kept(seconds, "C", words.partition(": ")[0]))
-        elif _kind == "mark" or words.startswith("mark"):
-            self.marks.append(Kept(seconds, "M", words.removeprefix("mark ").partition(": ")[0]))
+        elif words.startswith("casualty "):
+            self.marks.append(Kept(seconds, "C", words))
 
     def _go_back(self, seconds: float) -> None:
         """Forget what lies after a moment gone back to."""

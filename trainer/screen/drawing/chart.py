@@ -88,7 +88,7 @@ def limits(values: Sequence[float | None], least: float) -> tuple[float, float]:
     middle = (low + high) / 2.0
     step = next(
         size * 10.0**power
-        for power in range(-3, 7)
+        for power in range(-3, 11)
         for size in STEPS
         if size * 10.0**power * 4.0 >= wide
     )
