@@ -1,14 +1,17 @@
 """The machine-code cache: never old physics, always somewhere that can be written."""
 
 import os
+import random
 import shutil
 import subprocess
 import sys
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 
 import trainer
+from trainer.machine_code import CODE, DIGEST
 
 PACKAGE = Path(trainer.__file__).parent
 RATES = """
@@ -120,3 +123,69 @@ def test_numba_imported_first_still_caches_by_the_core_s_sources(copied: Path) -
     assert Path(folder).parent == copied / "mine"
     assert int(files) > 0
     assert not list((copied / "trainer").rglob("*.nbi"))
+
+
+# Damage
+
+
+def flipped(path: Path) -> None:
+    dice = random.Random(path.name)  # noqa: S311  which bits, no secret
+    data = bytearray(path.read_bytes())
+    for _ in range(30):
+        data[dice.randrange(len(data))] ^= 1 << dice.randrange(8)
+    path.write_bytes(data)
+
+
+def a_folder(path: Path) -> None:
+    path.unlink()
+    path.mkdir()
+
+
+DAMAGE: dict[str, Callable[[Path], object]] = {
+    "flipped": flipped,
+    "cut": lambda path: path.write_bytes(path.read_bytes()[:-9]),
+    "empty": lambda path: path.write_bytes(b""),
+    "garbage": lambda path: path.write_bytes(b"cos\nsystem\n(S'exit'\ntR."),
+    "a folder": a_folder,
+    "without a digest": lambda path: path.with_name(path.name + DIGEST).unlink(),
+    "with another digest": lambda path: path.with_name(path.name + DIGEST).write_text("0"),
+}
+
+
+@pytest.mark.parametrize("ending", CODE)
+@pytest.mark.parametrize("way", DAMAGE)
+def test_damaged_machine_code_is_set_aside_and_compiled_again(
+    tmp_path: Path, way: str, ending: str
+) -> None:
+    code = SINE.replace("print(folder)", "print(sorted(p.name for p in folder.rglob('*.damaged')))")
+    cache = str(tmp_path)
+    assert said(code, PACKAGE.parent, NUMBA_CACHE_DIR=cache)[0] == "[]"
+    marks = [folder / "complete-x" for folder in tmp_path.iterdir()]
+    for mark in marks:
+        mark.touch()
+    (hurt,) = tmp_path.rglob(f"elementary.sine-*{ending}")
+    DAMAGE[way](hurt)
+
+    damaged, _ = said(code, PACKAGE.parent, NUMBA_CACHE_DIR=cache)  # it does not fail
+    assert damaged == f"['{hurt.name}.damaged']"
+    assert not any(mark.exists() for mark in marks)
+    again, _ = said(code, PACKAGE.parent, NUMBA_CACHE_DIR=cache)
+    assert again == damaged  # nothing more
+    assert hurt.is_file()
+
+
+def test_that_code_was_damaged_is_said_in_one_line(tmp_path: Path) -> None:
+    cache = str(tmp_path)
+    said(SINE, PACKAGE.parent, NUMBA_CACHE_DIR=cache)
+    for path in [each for each in tmp_path.rglob("*") if each.suffix in CODE]:
+        flipped(path)
+    own = {name: value for name, value in os.environ.items() if name != "NUMBA_DISABLE_JIT"}
+    ran = subprocess.run(
+        [sys.executable, "-c", SINE],
+        cwd=PACKAGE.parent,
+        env=own | {"PYTHONPATH": str(PACKAGE.parent), "NUMBA_CACHE_DIR": cache},
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    assert ran.stderr == "trainer: compiled code was damaged, and is compiled again\n"

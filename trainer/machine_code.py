@@ -4,13 +4,20 @@ Numba stamps a cached kernel with the source of its own file only, so that a cha
 another file would otherwise go on serving the old physics: the cache therefore lies in a folder
 named by a hash of the core's sources. Importing this module points numba there; the core does so
 before its first kernel.
+
+A file of machine code has a digest beside it. One that does not fit, or has none, is set aside
+before numba reads it: numba then finds nothing, and compiles. This is against damage; who may write
+there may as well change the program. Python tells of every file that is opened and renamed (its
+audit events), so that nothing of numba's own is touched.
 """
 
+import contextlib
 import hashlib
 import os
 import sys
 from functools import cache
 from pathlib import Path
+from typing import Any
 
 _PREFIX = "submarine-trainer-"
 _PRIVATE = "trainer-private-"
@@ -76,6 +83,71 @@ def _claim_private() -> Path:
 os.environ["NUMBA_CACHE_DIR"] = str(_claim_cache())
 if "numba" in sys.modules:  # it has read the environment already
     sys.modules["numba"].config.CACHE_DIR = os.environ["NUMBA_CACHE_DIR"]
+
+
+CODE = (".nbi", ".nbc")  # numba's index of a kernel, and the code itself
+DIGEST = ".digest"
+DAMAGED = ".damaged"
+
+
+def _digest_of(path: str) -> bytes:
+    """Return the digest of a file; OSError if it cannot be read."""
+    descriptor = os.open(path, os.O_RDONLY)
+    with contextlib.closing(os.fdopen(descriptor, "rb")) as file:
+        return hashlib.blake2b(file.read(), digest_size=16).hexdigest().encode()
+
+
+def _keep_digest(made: str, path: str) -> None:
+    """Put the digest of what is about to be renamed to ``path`` beside it."""
+    with contextlib.suppress(OSError):
+        descriptor = os.open(path + DIGEST, os.O_WRONLY | os.O_CREAT | os.O_TRUNC, 0o666)
+        try:
+            os.write(descriptor, _digest_of(made))
+        finally:
+            os.close(descriptor)
+
+
+def _check(path: str) -> None:
+    """Set a file aside that is not what was written; say so."""
+    try:
+        found = _digest_of(path)
+    except FileNotFoundError:
+        return
+    except OSError:
+        found = b""
+    with contextlib.suppress(OSError):
+        descriptor = os.open(path + DIGEST, os.O_RDONLY)
+        try:
+            if os.read(descriptor, len(found) + 1) == found:
+                return
+        finally:
+            os.close(descriptor)
+    with contextlib.suppress(OSError):
+        os.rename(path, path + DAMAGED)  # noqa: PTH104  it is done for every file that is opened
+        for mark in cache_folder().glob("complete-*"):
+            mark.unlink(missing_ok=True)
+    _tell_damage()
+
+
+@cache
+def _tell_damage() -> None:
+    """Say once that code is damaged: what is set aside bears its name."""
+    print("trainer: compiled code was damaged, and is compiled again", file=sys.stderr)
+
+
+def _attend(event: str, told: tuple[Any, ...]) -> None:
+    """Check what numba is about to read, and keep a digest of what it is about to write."""
+    if event == "open":
+        path, mode, _ = told
+        if mode == "r" and isinstance(path, str) and path.endswith(CODE):
+            _check(path)
+    elif event == "os.rename":
+        made, path = str(told[0]), str(told[1])
+        if path.endswith(CODE):
+            _keep_digest(made, path)
+
+
+sys.addaudithook(_attend)
 
 
 def cache_folder() -> Path:
