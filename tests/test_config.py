@@ -259,8 +259,8 @@ def test_an_empty_compensation_table_is_not_filled_from_the_defaults() -> None:
         ("rho = 1025.0", "rho = 1.99", "[fluid] rho = 1.99: must be 900 to 1100 kg/m3"),
         ("g = 9.81", "g = 32.2", "[fluid] g = 32.2: must be 9.7 to 9.9 m/s2"),
         ("length = 70.2", "length = 0", "[vessel] length = 0: must be 0.3 to 400 m"),
-        ("mass = 4418825.0", "mass = -5", "[vessel] mass = -5: must be above 0 kg"),
-        ("Ix = 5.23e7", "Ix = 0", "[vessel] Ix = 0: must be above 0 kg m2"),
+        ("mass = 4418825.0", "mass = -5", "[vessel] mass = -5: must be 0.001 to 1e+09 kg"),
+        ("Ix = 5.23e7", "Ix = 0", "[vessel] Ix = 0: must be 1e-09 to 1e+13 kg m2"),
         ("mass = 4418825.0", "", "[vessel] lacks mass"),
         ("cg = [0, 0, 0]", "cg = [0, 0]", "[vessel] cg = [0, 0]: must be a list of 3 numbers"),
         (
@@ -314,13 +314,13 @@ def test_one_wrong_thing_gets_one_line(old: str, new: str, message: str) -> None
     [
         (
             "[control_surfaces]\nrudder_limit_deg = 0",
-            "rudder_limit_deg = 0: must be above 0 to 90 deg",
+            "rudder_limit_deg = 0: must be 0.1 to 90 deg",
         ),
-        ("[control_surfaces]\nrate_deg_s = -1", "rate_deg_s = -1: must be above 0 to 1000 deg/s"),
+        ("[control_surfaces]\nrate_deg_s = -1", "rate_deg_s = -1: must be 0.01 to 1000 deg/s"),
         ("[control_surfaces]\ntail = 'y'", 'tail = "y": must be x or cruciform'),
         ("[run]\nstep_s = 0", "step_s = 0: must be 0.001 to 2 s"),
         ("[run]\nstep_s = 3", "step_s = 3: must be 0.001 to 2 s"),
-        ("[run]\nstart_speed_kn = 0", "start_speed_kn = 0: must be above 0 to 60 kn"),
+        ("[run]\nstart_speed_kn = 0", "start_speed_kn = 0: must be 0.01 to 60 kn"),
         (
             "[run]\nstart_speed_kn = 2",
             "start_speed_kn = 2 kn: must be within speed_range_kn, 3 to 20",
@@ -382,7 +382,7 @@ def test_two_thrust_rows_must_not_start_at_the_same_eta() -> None:
         (
             "course_rate_deg_s = [0.3",
             "course_rate_deg_s = [0",
-            "course_rate_deg_s[0] = 0: must be above 0",
+            "course_rate_deg_s[0] = 0: must be 1e-06 to 10000",
         ),
         ("speed_integral = 0.01\n", "", "[autopilot] lacks speed_integral"),
     ],

@@ -16,7 +16,7 @@ from difflib import get_close_matches
 from functools import cache
 from importlib import resources
 from pathlib import Path
-from typing import Any, Final, NamedTuple
+from typing import Any, Final, NamedTuple, NoReturn
 
 SIZE_LIMIT = 1_000_000  # [byte]
 # tomllib takes minutes over one dotted key of a hundred thousand parts.
@@ -232,6 +232,11 @@ def _text_on_disk(path: Path) -> str:
         return data.decode("utf-8-sig")
     except UnicodeDecodeError as error:
         raise ConfigError(f"{path}: is not UTF-8 text (byte {error.start} is wrong)") from error
+
+
+def no_constant(name: str) -> NoReturn:
+    """Refuse NaN and the infinities, which Python's JSON takes; to be its ``parse_constant``."""
+    raise ValueError(f"{name} is no number")
 
 
 def parse_toml(text: str, file: str) -> dict[str, Any]:

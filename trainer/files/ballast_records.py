@@ -13,7 +13,6 @@ from trainer.files.schema import (
     Quantities,
     Quantity,
     Rows,
-    above,
     of,
     read_record,
     tables_of,
@@ -46,7 +45,7 @@ def _centre() -> Any:
 
 def _volume(meaning: str) -> Any:
     """Return a volume [m3]."""
-    return of(Quantity("m3", above(0, 1e5), meaning))
+    return of(Quantity("m3", within(1e-7, 1e5), meaning))
 
 
 def _share(meaning: str) -> Any:
@@ -66,7 +65,7 @@ class BlownTank:
     name: str = of(Choice(BLOWN, "which"))
     capacity_m3: float = _volume("what it holds")
     centre_m: tuple[float, float, float] = _centre()
-    height_m: float = of(Quantity("m", above(0, 50), "flood port to vent"))
+    height_m: float = of(Quantity("m", within(1e-3, 50), "flood port to vent"))
     start_fill: float = _share("filling at which weight and cg of [vessel] hold")
     flood_port_m2: float = _area("m2", "its flood ports")
     vent_cm2: float = _area("cm2", "its vent")
@@ -117,15 +116,15 @@ class Pumps:
     trim_kg_s: float = of(Quantity("kg/s", within(0, 1e4), "trim transfer, either way"))
     drain_kg_s: float = of(Quantity("kg/s", within(0, 1e4), "trim-and-drain, at the surface"))
     depth_control_kg_s: float = of(Quantity("kg/s", within(0, 1e4), "depth control, likewise"))
-    shutoff_depth_m: float = of(Quantity("m", above(0, 12000), "deepest they pump out against"))
+    shutoff_depth_m: float = of(Quantity("m", within(0.1, 12000), "deepest they pump out against"))
 
 
 @dataclass(frozen=True, kw_only=True)
 class Hover:
     """How the depth-control tank keeps depth by itself."""
 
-    frequency_rad_s: float = of(Quantity("rad/s", above(0, 1), "natural frequency"))
-    depth_rate_m_s: float = of(Quantity("m/s", above(0, 10), "largest depth rate it asks for"))
+    frequency_rad_s: float = of(Quantity("rad/s", within(1e-4, 1), "natural frequency"))
+    depth_rate_m_s: float = of(Quantity("m/s", within(1e-4, 10), "largest depth rate it asks for"))
 
 
 @dataclass(frozen=True, kw_only=True)

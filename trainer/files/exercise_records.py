@@ -9,7 +9,6 @@ from trainer.files.schema import (
     Quantity,
     Rows,
     Text,
-    above,
     of,
     optional,
     tables_of,
@@ -56,7 +55,7 @@ class Heading:
     integrator: str | None = optional(Text(200, "as --integrator"))
     step_s: float | None = optional(Quantity("s", within(0.001, 2), "time step"))
     seed: float | None = optional(Quantity("-", within(0, 1e15), "of everything random"))
-    duration_s: float | None = optional(Quantity("s", above(0, LATEST), "end of the exercise"))
+    duration_s: float | None = optional(Quantity("s", within(0.001, LATEST), "end of the exercise"))
     casualty_table: str | None = optional(Text(200, "path of a table of casualties of your own"))
 
 
@@ -64,7 +63,7 @@ class Heading:
 class Initial:
     """Where the boat starts; what is left out is the vessel file's, the course north."""
 
-    speed_kn: float | None = optional(Quantity("kn", above(0, 60), "speed"))
+    speed_kn: float | None = optional(Quantity("kn", within(0.001, 60), "speed"))
     depth_m: float | None = optional(Quantity("m", within(0, 12000), "depth"))
     course_deg: float | None = optional(Quantity("deg", within(0, 360), "course"))
 

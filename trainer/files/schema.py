@@ -13,6 +13,8 @@ from typing import Any, Protocol, TypeVar
 from trainer.config import ConfigError, Place, as_table, collecting, nearest
 
 Record = TypeVar("Record")
+SMALLEST = 1e-12  # of a number that is not 0, in any unit
+DEEPEST = 20  # of tables within tables that nobody reads
 
 
 @dataclass(frozen=True)
@@ -76,6 +78,9 @@ class Quantity:
             raise ConfigError(place.wrong(key, value, f"must be finite, {self.limits}{unit}"))
         if number not in self.limits:
             raise ConfigError(place.wrong(key, value, f"must be {self.limits}{unit}"))
+        if 0.0 < abs(number) < SMALLEST:
+            least = f"must be 0, or {SMALLEST:g}{unit} or more in size, {self.limits}{unit}"
+            raise ConfigError(place.wrong(key, value, least))
         return number
 
 
@@ -237,6 +242,20 @@ def kind_of(item: Field[Any]) -> Kind:
     return kind
 
 
+def infinite(value: object, key: str, place: Place, depth: int = 0) -> list[str]:
+    """Return where a value that nobody reads holds a number that is none: nan or infinite."""
+    if isinstance(value, float) and not math.isfinite(value):
+        return [place.wrong(key, value, "must be finite")]
+    inner: Iterable[tuple[str, object]] = ()
+    if isinstance(value, Mapping):
+        inner = ((f"{key}.{name}", item) for name, item in value.items())
+    elif isinstance(value, list):
+        inner = ((f"{key}[{i}]", item) for i, item in enumerate(value))
+    if inner and depth > DEEPEST:
+        return [place.problem(f"{key}: is nested too deeply")]
+    return [wrong for name, item in inner for wrong in infinite(item, name, place, depth + 1)]
+
+
 def read_record(
     record: type[Record],
     table: object,
@@ -255,6 +274,8 @@ def read_record(
         for key, value in given.items()
         if key not in known and key not in documentary
     ]
+    for key in documentary:
+        problems += infinite(given.get(key), key, place)
     lacking = [item.name for item in items if item.default is MISSING and item.name not in given]
     if lacking:
         problems.append(place.problem(f"lacks {', '.join(lacking)}"))

@@ -30,7 +30,6 @@ from trainer.files.schema import (
     Kind,
     Quantity,
     Text,
-    above,
     key_rows,
     of,
     optional,
@@ -60,11 +59,11 @@ class Sea:
         Quantity("-", within(0, 8), "degree of the sea by WMO code 3700; 0: calm")
     )
     wind_kn: float | None = optional(
-        Quantity("kn", above(0, 100), "wind that has fully raised the sea")
+        Quantity("kn", within(0.01, 100), "wind that has fully raised the sea")
     )
     height_m: float | None = optional(Quantity("m", within(0, 25), "significant height"))
     period_s: float | None = optional(
-        Quantity("s", above(0, 30), "period of the peak; not with pierson-moskowitz")
+        Quantity("s", within(0.1, 30), "period of the peak; not with pierson-moskowitz")
     )
     spectrum: str = of(
         Choice(("pierson-moskowitz", "bretschneider", "jonswap"), "how energy lies over frequency")

@@ -22,7 +22,7 @@ from trainer.config import (
 )
 from trainer.files import plausibility
 from trainer.files.ballast_records import Ballast, ballast_problems
-from trainer.files.schema import Choice, Kind, Text, read_record
+from trainer.files.schema import Choice, Kind, Text, infinite, read_record
 from trainer.files.terms import EXTRA_TERMS, coefficient_terms, read_coefficients, read_compensation
 from trainer.files.vessel_records import (
     Autopilot,
@@ -265,6 +265,8 @@ def _heading_problems(table: Mapping[str, Any], place: Place) -> list[str]:
         if key in HEADING:
             with collecting(problems):
                 HEADING[key].read(key, value, place)
+        elif key in DOCUMENTARY_TABLES:
+            problems += infinite(value, key, place)
         elif key not in KNOWN and isinstance(value, Mapping):
             text = f"[{shown_key(key)}]: no such table{nearest(key, KNOWN)}"
             problems.append(place.problem(text))

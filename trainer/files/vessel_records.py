@@ -13,7 +13,6 @@ from trainer.files.schema import (
     Quantities,
     Quantity,
     Rows,
-    above,
     of,
     optional,
     tables_of,
@@ -42,7 +41,7 @@ def _gain(unit: str, meaning: str) -> Quantities:
 
 def _positive(unit: str, meaning: str) -> Quantities:
     """Return a list of limits [unit] above zero, one for each entry of speed_kn."""
-    return Quantities(Quantity(unit, above(0, 1e4), meaning), 2, MOST_SPEEDS)
+    return Quantities(Quantity(unit, within(1e-6, 1e4), meaning), 2, MOST_SPEEDS)
 
 
 def _centre(meaning: str) -> Quantities:
@@ -52,7 +51,7 @@ def _centre(meaning: str) -> Quantities:
 
 def _size(meaning: str) -> Quantity:
     """Return a dimension [m] of the hull."""
-    return Quantity("m", above(0, 500), meaning)
+    return Quantity("m", within(0.01, 500), meaning)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -68,18 +67,18 @@ class Hull:
     """Size, mass and centres; x forward, y starboard, z down from the body's origin."""
 
     length: float = of(Quantity("m", within(0.3, 400), "reference length L of the coefficients"))
-    mass: float = of(Quantity("kg", above(0), "mass, with the water in free-flooding spaces"))
-    weight: float = of(Quantity("N", above(0), "weight"))
-    buoyancy: float = of(Quantity("N", above(0), "buoyancy"))
+    mass: float = of(Quantity("kg", within(1e-3, 1e9), "mass, with water in free-flooding spaces"))
+    weight: float = of(Quantity("N", within(1e-2, 1e10), "weight"))
+    buoyancy: float = of(Quantity("N", within(1e-2, 1e10), "buoyancy"))
     cg: tuple[float, float, float] = of(_centre("centre of gravity"))
     cb: tuple[float, float, float] = of(_centre("centre of buoyancy"))
-    Ix: float = of(Quantity("kg m2", above(0), "moment of inertia in roll"))
-    Iy: float = of(Quantity("kg m2", above(0), "moment of inertia in pitch"))
-    Iz: float = of(Quantity("kg m2", above(0), "moment of inertia in yaw"))
+    Ix: float = of(Quantity("kg m2", within(1e-9, 1e13), "moment of inertia in roll"))
+    Iy: float = of(Quantity("kg m2", within(1e-9, 1e13), "moment of inertia in pitch"))
+    Iz: float = of(Quantity("kg m2", within(1e-9, 1e13), "moment of inertia in yaw"))
     Ixy: float = of(Quantity("kg m2", within(-1e12, 1e12), "integral of x y dm"))
     Iyz: float = of(Quantity("kg m2", within(-1e12, 1e12), "integral of y z dm"))
     Ixz: float = of(Quantity("kg m2", within(-1e12, 1e12), "integral of x z dm"))
-    max_depth_m: float | None = optional(Quantity("m", above(0, 12000), "deepest allowed depth"))
+    max_depth_m: float | None = optional(Quantity("m", within(0.1, 12000), "deepest allowed depth"))
     beam: float | None = optional(_size("greatest breadth"))
     diameter: float | None = optional(_size("diameter of a round hull"))
     height_to_deck: float | None = optional(_size("keel to deck"))
@@ -106,10 +105,10 @@ class Propulsion:
     sets: tuple[ThrustSet, ...] = of(
         Rows(ThrustSet, ("status",), 1, 3, "thrust rows, below; sorted by falling eta_min"),
     )
-    rps_per_mps: float = of(Quantity("1/m", above(0, 1000), "revolutions a second per m/s of uc"))
+    rps_per_mps: float = of(Quantity("1/m", within(1e-3, 1000), "turns a second per m/s of uc"))
     dead_time_s: float = of(Quantity("s", within(0, 600), "order to first change of uc"))
     time_constant_s: float = of(Quantity("s", within(0, 600), "of uc's approach to the order"))
-    max_ordered_speed_kn: float = of(Quantity("kn", above(0, 60), "largest command speed"))
+    max_ordered_speed_kn: float = of(Quantity("kn", within(0.01, 60), "largest command speed"))
     bells_kn: Mapping[str, float] = of(
         Named(Quantity("kn", within(-60, 60), "command speed of each bell"), BELLS),
     )
@@ -119,10 +118,10 @@ class Propulsion:
 class Surfaces:
     """Rudder and planes."""
 
-    rudder_limit_deg: float = of(Quantity("deg", above(0, 90), "rudder either way"))
-    stern_plane_limit_deg: float = of(Quantity("deg", above(0, 90), "stern planes either way"))
+    rudder_limit_deg: float = of(Quantity("deg", within(0.1, 90), "rudder either way"))
+    stern_plane_limit_deg: float = of(Quantity("deg", within(0.1, 90), "stern planes either way"))
     bow_plane_limit_deg: float = of(Quantity("deg", within(0, 90), "bow planes; 0: has none"))
-    rate_deg_s: float = of(Quantity("deg/s", above(0, 1000), "fastest movement of each"))
+    rate_deg_s: float = of(Quantity("deg/s", within(0.01, 1000), "fastest movement of each"))
     time_constant_s: float = of(Quantity("s", within(0, 60), "lag of each; 0: none"))
     tail: str = of(Choice(("x", "cruciform"), "x: rudder and stern planes share one limit"))
 
@@ -139,15 +138,15 @@ class Run:
     """How a run starts unless the command says otherwise."""
 
     step_s: float = of(Quantity("s", within(0.001, 2), "time step"))
-    start_speed_kn: float = of(Quantity("kn", above(0, 60), "speed at the start"))
+    start_speed_kn: float = of(Quantity("kn", within(0.01, 60), "speed at the start"))
     start_depth_m: float = of(Quantity("m", within(0, 12000), "depth at the start"))
     speed_range_kn: tuple[float, float] = of(
         Quantities(
-            Quantity("kn", above(0, 60), "slowest and fastest speed to be controlled"), 2, 2
+            Quantity("kn", within(0.01, 60), "slowest and fastest speed to be controlled"), 2, 2
         ),
     )
     periscope_depth_m: float | None = optional(
-        Quantity("m", above(0, 100), "depth kept by `periscope depth`; may be left out")
+        Quantity("m", within(0.05, 100), "depth kept by `periscope depth`; may be left out")
     )
 
 
@@ -181,7 +180,7 @@ class Autopilot:
     speed_integral: float = of(
         Quantity("1/s", within(0, 10), "surge rate at the slowest of these speeds; learns trim")
     )
-    turning_rate_deg_s: float = of(Quantity("deg/s", above(0, 90), "a turn from this yaw rate on"))
+    turning_rate_deg_s: float = of(Quantity("deg/s", within(1e-3, 90), "a turn from this rate on"))
 
 
 def _differences(meaning: str) -> Quantities:

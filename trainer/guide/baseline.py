@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final
 
-from trainer.config import ConfigError, shown
+from trainer.config import ConfigError, no_constant, shown
 
 EMBEDDED: Final = re.compile(
     r'<script type="application/json" id="guide">(.*?)</script>', re.DOTALL
@@ -44,7 +44,8 @@ def load_earlier(path: Path, vessel: str) -> Mapping[str, Any]:
         raise ConfigError(f"--baseline {path}: {reason}") from None
     embedded = EMBEDDED.search(text)
     try:
-        guide = json.loads(embedded[1].replace("<\\/", "</") if embedded else text)
+        written = embedded[1].replace("<\\/", "</") if embedded else text
+        guide = json.loads(written, parse_constant=no_constant)
         name = guide["vessel"]
         leaves(guide)
     except (ValueError, KeyError, TypeError, AttributeError):

@@ -9,7 +9,6 @@ from trainer.files.schema import (
     Choice,
     Quantity,
     Text,
-    above,
     key_rows,
     of,
     optional,
@@ -30,8 +29,8 @@ class NomotoFile:
 
     schema: str = of(Choice((SCHEMA,), "form of the file"))
     name: str = of(Text(79, "name shown"))
-    length_m: float = of(Quantity("m", above(0, 600), "length"))
-    speed_kn: float = of(Quantity("kn", above(0, 60), "speed it was identified at"))
+    length_m: float = of(Quantity("m", within(0.1, 600), "length"))
+    speed_kn: float = of(Quantity("kn", within(0.01, 60), "speed it was identified at"))
     K_per_s: float = of(Quantity("1/s", within(-100, 100), "gain, rudder to yaw rate"))
     T1_s: float = of(Quantity("s", TIME, "larger time constant"))
     T2_s: float = of(Quantity("s", TIME, "smaller time constant; 0 for a first-order ship"))
@@ -40,9 +39,9 @@ class NomotoFile:
     K_v_m_s: float | None = optional(Quantity("m/s", within(-1e4, 1e4), "gain to sway; else 0"))
     T3v_s: float | None = optional(Quantity("s", TIME, "numerator of sway; else 0"))
     neutral_deg: float | None = optional(Quantity("deg", within(-30, 30), "residual helm; else 0"))
-    rudder_limit_deg: float = of(Quantity("deg", above(0, 90), "limit of the rudder"))
-    rudder_rate_deg_s: float = of(Quantity("deg/s", above(0, 1000), "rate of the rudder"))
-    step_s: float = of(Quantity("s", above(0, 10), "step of computation"))
+    rudder_limit_deg: float = of(Quantity("deg", within(0.1, 90), "limit of the rudder"))
+    rudder_rate_deg_s: float = of(Quantity("deg/s", within(0.01, 1000), "rate of the rudder"))
+    step_s: float = of(Quantity("s", within(0.001, 10), "step of computation"))
 
 
 def load_nomoto(path: Path) -> NomotoFile:

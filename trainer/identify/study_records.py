@@ -40,7 +40,7 @@ class Heading:
     to_s: float | None = optional(Quantity("s", within(-LONGEST, LONGEST), "last time used"))
     every: float | None = optional(Quantity("-", within(1, 1000), "takes one sample of so many"))
     interval_s: float | None = optional(
-        Quantity("s", above(0, 3600), "from row to row, where there is no column of times")
+        Quantity("s", within(1e-4, 3600), "from row to row, where there is no column of times")
     )
 
 
@@ -58,7 +58,7 @@ class Ship:
     """The ship that sailed."""
 
     length_m: float = of(Quantity("m", within(0.1, 600), "length"))
-    speed_kn: float | None = optional(Quantity("kn", above(0, 60), "else the record's mean"))
+    speed_kn: float | None = optional(Quantity("kn", within(0.01, 60), "else the record's mean"))
     bow_log_m: float | None = optional(
         Quantity("m", within(0, 600), "forward log, ahead of the centre of mass")
     )

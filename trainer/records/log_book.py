@@ -24,6 +24,7 @@ from trainer.config import (
     ConfigError,
     collecting,
     key_of,
+    no_constant,
     path_of,
     read_text,
     recorded,
@@ -170,7 +171,7 @@ def _part(header: Mapping[str, str], name: str) -> Any:
         form = shown(header.get("plan", "none"))
         raise ConfigError(f"recording: plan = {form}: this version reads plan {shown(PLAN)}")
     try:
-        found = json.loads(header[name])
+        found = json.loads(header[name], parse_constant=no_constant)
     except (KeyError, ValueError, RecursionError):
         raise ConfigError(f"recording: its header has no readable {name}") from None
     if not PARTS[name](found):

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any, Final
 
 from trainer import __version__
-from trainer.config import ConfigError
+from trainer.config import ConfigError, no_constant
 from trainer.files.vessel_file import VesselFile
 from trainer.machine_code import core_digest
 from trainer.reduce.search import Need, Standing
@@ -43,7 +43,7 @@ def save(path: Path, file: VesselFile, standings: Mapping[str, Standing]) -> Non
 def load(path: Path, file: VesselFile) -> dict[str, Standing]:
     """Return the standings kept, none if there are none of this boat by this program."""
     try:
-        found = json.loads(path.read_text(encoding="utf-8"))
+        found = json.loads(path.read_text(encoding="utf-8"), parse_constant=no_constant)
         if found.pop("of") != fingerprint(file):
             return {}
         return {name: _standing(one) for name, one in found.items()}

@@ -142,7 +142,7 @@ class ManoeuvreTable:
     """The manoeuvre that every member flies; what is left out is its own."""
 
     name: str = of(Text(40, "as `trainer manoeuvre --list` has it"))
-    speed_kn: float | None = optional(Quantity("kn", above(0, 60), "else the vessel file's"))
+    speed_kn: float | None = optional(Quantity("kn", within(0.01, 60), "else the vessel file's"))
     angle_deg: float | None = optional(Quantity("deg", within(0, 90), "of the control"))
     execute_deg: float | None = optional(Quantity("deg", within(0, 180), "mark"))
     duration_s: float | None = optional(Quantity("s", within(1, 1e5), "time flown"))
@@ -160,17 +160,17 @@ class IdentificationTable:
 
     model: str = of(Choice(tuple(MODELS), "model, as `trainer identify --model`"))
     length_m: float = of(Quantity("m", within(0.1, 600), "of the ship"))
-    speed_kn: float = of(Quantity("kn", above(0, 60), "of the ship"))
+    speed_kn: float = of(Quantity("kn", within(0.01, 60), "of the ship"))
     bow_log_m: float | None = optional(Quantity("m", within(0, 600), "forward log"))
     stern_log_m: float | None = optional(Quantity("m", within(0, 600), "aft log"))
     outputs: tuple[str, ...] = of(
         Texts(Text(20, f"channels read: {', '.join(CHANNELS)}"), len(CHANNELS))
     )
-    interval_s: float = of(Quantity("s", above(0, 3600), "from sample to sample"))
+    interval_s: float = of(Quantity("s", within(1e-4, 3600), "from sample to sample"))
     samples: int = of(Whole(10, 100_000, "of a record"))
     register_bits: int = of(Whole(2, 12, "of the binary sequence on the rudder"))
-    bit_s: float = of(Quantity("s", above(0, 3600), "time that one bit holds"))
-    amplitude_deg: float = of(Quantity("deg", above(0, 90), "of the rudder, either way"))
+    bit_s: float = of(Quantity("s", within(1e-3, 3600), "time that one bit holds"))
+    amplitude_deg: float = of(Quantity("deg", within(0.01, 90), "of the rudder, either way"))
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -1,0 +1,114 @@
+"""Every number of every shipped file, made one that no boat has: refused by name, or flown."""
+
+import contextlib
+import json
+import math
+import re
+from collections.abc import Callable, Iterator
+from functools import partial
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from trainer.boat import Boat
+from trainer.config import ConfigError, shipped, shipped_names
+from trainer.files.casualty_file import load_casualties
+from trainer.files.exercise_file import load_exercise, read_exercise
+from trainer.files.sea_file import load_sea
+from trainer.files.vessel_file import VesselFile, load_vessel
+from trainer.fitout import KNOT, Method
+from trainer.sweep.study_file import load_study
+
+EXTREME = ("nan", "inf", "-inf", "1e308", "-1e308", "1e-308", "5e-324", f"{2**63}", "9" * 400)
+NUMBER = re.compile(r"(?<![\w.\"'-])[-+]?\d+(?:\.\d+)?(?:[eE][-+]?\d+)?(?![\w.\"'-])")
+TEXT = re.compile(r'"[^"]*"')
+KEY = re.compile(r"\s*[\w.-]+\s*=")
+TICKS = 20
+
+
+def changed(text: str) -> Iterator[tuple[str, str]]:
+    """Yield a file's text with one number replaced, for every number, and what was done."""
+    lines = text.split("\n")
+    inside = False  # a list of several lines
+    for place, line in enumerate(lines):
+        code = TEXT.sub(lambda found: " " * len(found[0]), line.partition("#")[0])
+        if not (KEY.match(code) or inside):
+            continue
+        inside = (inside or "[" in code) and "]" not in code
+        for turn, found in enumerate(NUMBER.finditer(code)):
+            extreme = EXTREME[(place + turn) % len(EXTREME)]
+            told = f"line {place + 1}: {line.strip()} with {extreme}"
+            with_it = line[: found.start()] + extreme + line[found.end() :]
+            yield told, "\n".join([*lines[:place], with_it, *lines[place + 1 :]])
+
+
+def load_whole_study(path: str) -> object:
+    """Load a study and what its members fly, which is read before they do."""
+    study = load_study(path)
+    if "exercise" in study.tables:
+        filled = json.loads(json.dumps(study.tables["exercise"]).replace("{}", "5"))
+        read_exercise(filled, study.path)
+    return study
+
+
+def refused(load: Callable[[str], object], path: Path) -> bool:
+    """Return whether a file is refused, by its name."""
+    with pytest.raises(ConfigError) as error:
+        load(str(path))
+    return all(problem.startswith(path.name) for problem in error.value.problems)
+
+
+def check(load: Callable[[str], object], path: Path, text: str) -> Iterator[tuple[str, object]]:
+    """Yield what is read in spite of an extreme number, with what was done; check what is not."""
+    read = 0
+    for told, with_it in changed(text):
+        path.write_text(with_it, encoding="utf-8")
+        taken = None
+        with contextlib.suppress(ConfigError):
+            taken = load(str(path))
+        if taken:
+            yield told, taken
+        else:
+            assert refused(load, path), told
+            read += 1
+    assert read > 0
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("name", shipped_names("vessels"))
+def test_a_vessel_with_a_number_that_no_boat_has_is_refused_or_flies(
+    name: str, tmp_path: Path
+) -> None:
+    text = shipped("vessels", name).read_text(encoding="utf-8")
+    for told, vessel in check(load_vessel, tmp_path / "boat.toml", text):
+        assert isinstance(vessel, VesselFile)
+        boat = Boat(vessel, Method("full", "lagged", "exact", "adams2", vessel.run.step_s))
+        boat.start(vessel.run.start_speed_kn * KNOT, vessel.run.start_depth_m, 0.0)
+        with np.errstate(all="ignore"):
+            assert not any(boat.tick() for _ in range(TICKS)), told
+        assert np.isfinite(boat.records.state["whole"]).all(), told
+        assert not math.isnan(boat.time)
+
+
+@pytest.mark.parametrize(
+    ("kind", "name", "load"),
+    [
+        *(("exercises", name, load_exercise) for name in shipped_names("exercises")),
+        *(("seas", name, load_sea) for name in shipped_names("seas")),
+        *(("studies", name, load_whole_study) for name in shipped_names("studies")),
+    ],
+)
+def test_a_file_with_a_number_that_none_is_like_is_refused_by_name(
+    kind: str, name: str, load: Callable[[str], object], tmp_path: Path
+) -> None:
+    text = shipped(kind, name).read_text(encoding="utf-8")
+    taken = [told for told, _ in check(load, tmp_path / "own.toml", text)]
+    assert taken == []
+
+
+def test_a_table_of_casualties_with_such_a_number_is_refused_by_name(tmp_path: Path) -> None:
+    path = tmp_path / "own.toml"
+    text = (shipped("casualties", "standard")).read_text(encoding="utf-8")
+    taken = [told for told, _ in check(partial(load_casualties), path, text)]
+    assert taken == []
