@@ -277,5 +277,5 @@ def test_status_of_a_boat_without_tanks_tells_of_none() -> None:
 def test_a_periscope_depth_must_be_a_depth() -> None:
     file = load_vessel("bb2")
     text = file.text.replace("periscope_depth_m = 17.5", "periscope_depth_m = -1")
-    with pytest.raises(ConfigError, match=r"\[run\] periscope_depth_m = -1: must be above 0"):
+    with pytest.raises(ConfigError, match=r"\[run\] periscope_depth_m = -1: must be 0.05 to 100 m"):
         parse_vessel(text, file.path)

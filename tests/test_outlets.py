@@ -724,3 +724,20 @@ def test_the_rate_that_is_advised_fits() -> None:
 )
 def test_what_cannot_be_opened_says_what_to_do(given: dict[str, Any], reason: str) -> None:
     assert reason in refused(given)
+
+
+@pytest.mark.parametrize(
+    ("given", "orders"),
+    [({"token": ("word",)}, []), ({"token": ("word",), "nmea_orders": True}, ["course"])],
+)
+def test_where_a_token_is_asked_for_sentences_order_only_if_they_are_to(
+    on_deck: Callable[..., Deck], capfd: pytest.CaptureFixture[str], given: Any, orders: list[str]
+) -> None:
+    deck = on_deck(options("tcp://127.0.0.1:0", **given))
+    told = capfd.readouterr().err
+    assert ("--nmea-orders" in told) is not bool(orders)
+    with dialled(int(told.partition(";")[0].rpartition(":")[2])) as end:
+        end.sendall(nmea.sentence("APHSC", "90.0", "T", "", "").encode("ascii") + b"\r\n")
+        counts = deck.stations[0].counts
+        assert eventually(lambda: (deck.hear_orders(), counts.refused + counts.orders)[1])
+    assert [text.partition(" ")[0] for _, text, _ in deck.hear_orders()] == orders
