@@ -132,7 +132,7 @@ def test_members_that_cannot_fly_say_why_and_are_nothing_else() -> None:
         # no term of the compact set: the boat would fly as well as ever
         ("vessel.coefficients.X_qq", BETWEEN.format(-14, 14), "must be -10 to 10"),
         ("vessel.coefficients.X_udot", BETWEEN.format(-0.1, 0.1), "an added mass is negative"),
-        ("vessel.control_surfaces.rate_deg_s", BETWEEN.format(-2, 9), "must be above 0"),
+        ("vessel.control_surfaces.rate_deg_s", BETWEEN.format(-2, 9), "must be 0.01 to 1000"),
     ],
 )
 def test_members_that_no_vessel_file_may_be_are_refused_as_one(
