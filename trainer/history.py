@@ -18,7 +18,7 @@ from trainer.boat import Boat
 from trainer.core.state import STATE
 from trainer.io.no_recording import NoRecording
 from trainer.io.orders import Order, parse
-from trainer.io.recording import Journalled, Moment, Recording
+from trainer.io.recording import Journalled, Moment, Recording, RecordingError
 from trainer.io.schedule import Scheduled
 from trainer.moments import Moments
 from trainer.reply import Refused, Reply
@@ -195,7 +195,11 @@ class History:
 
     def _compare(self, rerun: Rerun, state: bytes) -> None:
         """Note where the replay's state is not the one recorded."""
-        recorded = self.recording.moment(self.recording.branch, self.tick)
+        try:
+            recorded = self.recording.moment(self.recording.branch, self.tick)
+        except RecordingError as error:
+            rerun.different = str(error)
+            return
         # a branch may begin with orders of its own tick, which the replay gives only now
         if recorded and recorded.after == self.after and recorded.state != state:
             rerun.different = f"the replay left its recording at tick {self.tick}"

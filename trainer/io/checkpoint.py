@@ -17,6 +17,7 @@ from trainer.io.recording_file import TOUCH, connect
 
 WORTHWHILE: Final = 4_000_000  # [bytes] written ahead
 EVERY: Final = 0.8  # [s] between looks at how much that is, and at what waits
+LONGEST: Final = 20.0  # [s] for a checkpoint under way at the end
 FAR: Final = 64_000_000  # [bytes] written ahead before the writer waits: hours, where time is kept
 
 BRING_HOME: Final = "PRAGMA wal_checkpoint(PASSIVE)"
@@ -41,10 +42,10 @@ class Checkpointer:
         self._thread.start()
 
     def close(self) -> None:
-        """End the thread, after the checkpoint it may be in."""
+        """End the thread, after the checkpoint it may be in; a disk that hangs is left to itself."""
         self._closing.set()
         if self._thread.ident:
-            self._thread.join()
+            self._thread.join(LONGEST)
 
     @property
     def gone(self) -> bool:

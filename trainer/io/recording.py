@@ -350,7 +350,7 @@ class Recording:
     def _tend(self) -> None:
         """Commit what waits, or try to reach the recording again; in the thread of its own."""
         if not self.trouble:
-            self.flush(PATIENCE)
+            self.flush()
         elif not self.reachable and time.monotonic() > self._tried + AGAIN:
             self._reach()
 
@@ -359,18 +359,28 @@ class Recording:
         self._tried = time.monotonic()
         if self._checkpointer and self._checkpointer.gone:
             return
-        with self._writing_it, contextlib.suppress(sqlite3.Error):
-            if self._gap:
-                _begin(self._connection, self._tried)
-                self._connection.execute(TOUCH)
-                self._connection.execute("COMMIT")
-                self.reachable = True
-                return
-            self._commit(0.0)
-            with self._rows:
-                self._held = 0
-                if not self._gap:
-                    self.trouble = ""
+        if not self._writing_it.acquire(timeout=BRIEFLY):
+            return
+        try:
+            self._try()
+        except sqlite3.Error:
+            return
+        finally:
+            self._writing_it.release()
+
+    def _try(self) -> None:
+        """Write what waits, after a gap the least that is a write; sqlite3.Error."""
+        if self._gap:
+            _begin(self._connection, 0.0)
+            self._connection.execute(TOUCH)
+            self._connection.execute("COMMIT")
+            self.reachable = True
+            return
+        self._commit(0.0)
+        with self._rows:
+            self._held = 0
+            if not self._gap:
+                self.trouble = ""
 
     def _seen(self) -> Past:
         self.flush()
