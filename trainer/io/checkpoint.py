@@ -42,7 +42,7 @@ class Checkpointer:
         self._thread.start()
 
     def close(self) -> None:
-        """End the thread, after the checkpoint it may be in; a disk that hangs is left to itself."""
+        """End the thread after its checkpoint; one whose disk hangs is left to itself."""
         self._closing.set()
         if self._thread.ident:
             self._thread.join(LONGEST)
