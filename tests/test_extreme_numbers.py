@@ -27,7 +27,7 @@ KEY = re.compile(r"\s*[\w.-]+\s*=")
 TICKS = 20
 
 
-def changed(text: str) -> Iterator[tuple[str, str]]:
+def changed(text: str, extremes: tuple[str, ...] = EXTREME) -> Iterator[tuple[str, str]]:
     """Yield a file's text with one number replaced, for every number, and what was done."""
     lines = text.split("\n")
     inside = False  # a list of several lines
@@ -37,7 +37,7 @@ def changed(text: str) -> Iterator[tuple[str, str]]:
             continue
         inside = (inside or "[" in code) and "]" not in code
         for turn, found in enumerate(NUMBER.finditer(code)):
-            extreme = EXTREME[(place + turn) % len(EXTREME)]
+            extreme = extremes[(place + turn) % len(extremes)]
             told = f"line {place + 1}: {line.strip()} with {extreme}"
             with_it = line[: found.start()] + extreme + line[found.end() :]
             yield told, "\n".join([*lines[:place], with_it, *lines[place + 1 :]])
@@ -73,6 +73,15 @@ def check(load: Callable[[str], object], path: Path, text: str) -> Iterator[tupl
             assert refused(load, path), told
             read += 1
     assert read > 0
+
+
+@pytest.mark.parametrize("name", shipped_names("vessels"))
+def test_no_key_of_a_vessel_takes_a_number_that_is_none(name: str, tmp_path: Path) -> None:
+    text = shipped("vessels", name).read_text(encoding="utf-8")
+    path = tmp_path / "boat.toml"
+    for told, with_it in changed(text, ("nan", "-inf", "1e999")):
+        path.write_text(with_it, encoding="utf-8")
+        assert refused(load_vessel, path), told
 
 
 @pytest.mark.long

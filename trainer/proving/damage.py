@@ -57,6 +57,7 @@ SCHEMAS: Final = (
     "CREATE INDEX more ON states (abs(tick))",
     "DELETE FROM sqlite_schema",
 )
+SCHEMA: Final = 200  # of 256, from which on a change is one of these
 TEXTS: Final = ("nan", "1e999", "[", '"', "\x1b[31m", "0", "-1", "x" * 200, "\n[boat]\n")
 
 Damage = Callable[[Path, random.Random], None]
@@ -87,16 +88,24 @@ def pages_changed(path: Path, dice: random.Random) -> None:
 
 def values_changed(path: Path, dice: random.Random) -> None:
     """Give rows values that nobody wrote."""
-    table = dice.choice(list(TABLES))
-    column, value = dice.choice(TABLES[table]), dice.choice(VALUES)
-    some = dice.choice(("", f" WHERE rowid % {dice.randrange(1, 9)} = 0"))
-    where = "" if table in ("header", "ledger") else some  # these have no row numbers
-    _by_sql(path, f"UPDATE OR REPLACE {table} SET {column} = {value}{where}")  # noqa: S608
+    alter(path, dice.randrange(SCHEMA), dice.randrange(256), dice.randrange(256))
 
 
 def schema_changed(path: Path, dice: random.Random) -> None:
     """Let the file hold other things than a recording's tables."""
-    _by_sql(path, dice.choice(SCHEMAS))
+    alter(path, SCHEMA, 0, dice.randrange(256))
+
+
+def alter(path: Path, table: int, column: int, value: int) -> None:
+    """Change the rows of a recording or, from SCHEMA on, its tables; any numbers will do."""
+    if table >= SCHEMA:
+        _by_sql(path, SCHEMAS[value % len(SCHEMAS)])
+        return
+    name = list(TABLES)[table % len(TABLES)]
+    place, some = column % len(TABLES[name]), column // len(TABLES[name]) % 9
+    where = f" WHERE rowid % {some} = 0" if some and name not in ("header", "ledger") else ""
+    change = f"{TABLES[name][place]} = {VALUES[value % len(VALUES)]}"
+    _by_sql(path, f"UPDATE OR REPLACE {name} SET {change}{where}")  # noqa: S608
 
 
 def texts_changed(path: Path, dice: random.Random) -> None:

@@ -12,6 +12,7 @@ from trainer.config import ConfigError
 from trainer.files.vessel_file import load_vessel
 from trainer.fitout import KNOT, Method
 from trainer.io.recording import Moment, Recording, RecordingError
+from trainer.proving import damage
 from trainer.proving.target import Target, filed, folder, shipped_texts, text_of
 from trainer.records.exporting import table_layout
 from trainer.records.layout import LAYOUT
@@ -95,7 +96,11 @@ def spoilt(data: bytes) -> bytes:
 
 def recording(data: bytes) -> None:
     """Read all that there is in a spoilt recording."""
-    path = filed("spoilt.trainer", spoilt(data))
+    read_all(filed("spoilt.trainer", spoilt(data)))
+
+
+def read_all(path: Path) -> None:
+    """Read all that there is in a recording, or is told to be wrong with it."""
     with suppress(*DECLARED), contextlib.closing(Recording.look(path)) as looked:
         for branch in looked.branches():
             with suppress(*DECLARED):
@@ -107,6 +112,14 @@ def recording(data: bytes) -> None:
         looked.snapshots()
         list(looked.events())
         looked.latest()
+
+
+def altered(data: bytes) -> None:
+    """Read all of a recording whose rows and tables have been changed, three bytes a change."""
+    path = filed("altered.trainer", good())
+    for i in range(0, len(data) - 2, 3):
+        damage.alter(path, *data[i : i + 3])
+    read_all(path)
 
 
 def log_book(data: bytes) -> None:
@@ -125,6 +138,13 @@ def patches() -> list[bytes]:
     return [b"".join(at.to_bytes(3, "big") + b"\x41" for at in places), b"\x80", b""]
 
 
+def changes() -> list[bytes]:
+    """Return a change of each table, and one of what the file is made of."""
+    return [bytes((table, 1, value)) for table in range(7) for value in (0, 3, 9)] + [
+        b"\xff\x00\x00"
+    ]
+
+
 def told() -> list[bytes]:
     """Return the lines of a header, one at a time, and those that are short together."""
     lines = [f"{name}={value}"[:LINE].encode() for name, value in header().items()]
@@ -133,5 +153,6 @@ def told() -> list[bytes]:
 
 TARGETS: Final = (
     Target("recording", "a recording, spoilt somewhere", recording, patches, 64),
+    Target("altered", "a recording with other rows and tables", altered, changes, 24),
     Target("log-book", "the header of a recording", log_book, told, LINE),
 )
