@@ -391,7 +391,7 @@ def test_nothing_of_the_exercise_is_told_before_the_token_nor_what_breaks_to_the
     heard = "\n".join(stranger.heard)
     before, _, after = heard.partition("this line is the helm's")
     assert "BB2" not in before
-    assert "say who you are: role NAME TOKEN" in before
+    assert "say who you are first: role NAME TOKEN" in before
     assert "BB2" in after
     assert "stern planes" not in heard.casefold()
 

@@ -33,7 +33,6 @@ from trainer.timekeeping import Timekeeping
 from trainer.watch import Watch
 
 HINT: Final = "type an order, such as: depth 80   course 090   rudder left 15   help   quit"
-WHO: Final = "say who you are: role NAME TOKEN"
 AT_A_TIME: Final = SECOND // 20  # [ns] of single steps before the stations are heard again
 LINES_AT_A_TIME: Final = 32  # of one station before the clock is looked at again
 PATIENCE: Final = 0.5  # [s] for a line to get out what it was sent before it is closed
@@ -100,9 +99,8 @@ class Session:
         self.wake.set()
 
     def greet(self, station: Station) -> None:
-        """Tell whoever comes what this is, once it is known who that is."""
-        told = (WHO,) if station.role is STRANGER else (*self._briefed(station), HINT)
-        for line in told:
+        """Tell whoever comes what this is."""
+        for line in (*self._briefed(station), HINT):
             station.line.send(line)
 
     def _briefed(self, station: Station) -> tuple[str, ...]:
@@ -113,7 +111,8 @@ class Session:
         """Let newcomers in, take what the stations say, and see out who has left."""
         self._visits.settle()
         for station in self.reception.newcomers():
-            self.greet(station)
+            if station.role is not STRANGER:  # who has to say who it is, is told nothing before
+                self.greet(station)
             self.board.stations.append(station)
             self._visits.log("station", f"{station.line.name} has come")
         for station in list(self.board.stations):

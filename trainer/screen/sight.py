@@ -164,7 +164,7 @@ class Sight:
 
     def _greet(self, text: str) -> None:
         """Keep what whoever comes is told, the first time."""
-        if not self.greeted:
+        if text not in self.briefing:
             self.briefing.append(text)
             self.journal.add(None, "briefing", text)
 
