@@ -63,6 +63,7 @@ PARTS: Final[Mapping[str, Callable[[Any], bool]]] = {
     "vessel": lambda found: isinstance(found, str),
     "seed": lambda found: isinstance(found, int),
 }
+LARGEST: Final = 2.0**63  # of a number among the options
 LIBRARIES: Final = ("numpy", "numba")
 NOTHING: Final[Mapping[str, Any]] = MappingProxyType({})
 
@@ -187,6 +188,9 @@ def _check_options(options: Mapping[str, Any]) -> None:
         if not isinstance(options[name], kind) or isinstance(options[name], bool):
             wrong = shown(options[name])
             raise ConfigError(f"recording: option {name} = {wrong}: is of another kind")
+        if isinstance(options[name], int | float) and not abs(options[name]) <= LARGEST:
+            wrong = shown(options[name])
+            raise ConfigError(f"recording: option {name} = {wrong}: must be {LARGEST:g} at most")
     if not _are_texts(options["given"]):
         raise ConfigError(f"recording: option given = {shown(options['given'])}: must be names")
 
