@@ -1,6 +1,7 @@
 """The proofs in short: what is kept of fuzzing, soaks and faults of seconds, and that they see."""
 
 import contextlib
+import dataclasses
 import os
 import random
 import re
@@ -303,7 +304,8 @@ def good_recording(bench: Bench) -> bytes:
 def test_a_damaged_recording_is_told_in_a_line_or_read_as_it_is(
     bench: Bench, good_recording: bytes, way: damage.Damage
 ) -> None:
-    tried = damage.opened(bench, good_recording, way, 20)
+    own = dataclasses.replace(bench, dice=random.Random(1969))  # noqa: S311  the same every time
+    tried = damage.opened(own, good_recording, way, 20)
     assert not tried.wrong, tried
     assert sum(tried.seen.values()) == 20 * len(damage.COMMANDS)
 
