@@ -2,7 +2,6 @@
 
 import json
 import shutil
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -10,18 +9,14 @@ from click.testing import CliRunner
 
 from trainer import cli
 from trainer.commands import bench_sections
-from trainer.config import ConfigError
 from trainer.exported.linking import NoCompilerError
-from trainer.identify import alternating, fresh, speed
+from trainer.identify import alternating, speed
 from trainer.identify.against_c.filter import likelihood_in_c
 from trainer.identify.alternating import Paces
 from trainer.identify.beside_statsmodels import by_statsmodels, likelihoods_of_a_fit
-from trainer.identify.fitting import posed
-from trainer.identify.fresh import First
 from trainer.identify.likelihood import Likelihood
 from trainer.identify.rehearsal import ISLAND, TANKER, TANKER_RUDDER
 from trainer.identify.speed import Row, Speed
-from trainer.identify.study_file import load_study, observe
 
 compiler = pytest.mark.skipif(
     not shutil.which("gcc") and not shutil.which("cc"), reason="no C compiler"
@@ -118,7 +113,6 @@ def quick(monkeypatch):
     monkeypatch.setattr(bench_sections, "SAMPLES", 100)
     monkeypatch.setattr(speed, "FITS", 1)
     monkeypatch.setattr("trainer.identify.beside_statsmodels.MOST", 1)
-    monkeypatch.setattr(speed, "first_fits", lambda _: (First(1.2, 1.0), First(7.0, 3.0)))
 
 
 def bench(*words):
@@ -134,11 +128,9 @@ def test_every_goal_has_its_figure():
     found = json.loads(bench("--json"))["identify"]
 
     assert (found["samples"], found["parameters"]) == (100, 19)
-    assert len(found["rows"]) == 12
+    assert len(found["rows"]) == 10
     assert all(row["figure"] > 0.0 for row in found["rows"])
     figures = {row["name"]: row for row in found["rows"]}
-    assert figures["first fit of a process, s"]["figure"] == 1.0
-    assert figures["the same, nothing compiled yet, s"]["note"] == "7.0 s by the clock"
     both = figures["gradient and information, likelihoods"]["figure"]
     assert both > figures["gradient, likelihoods"]["figure"]
 
@@ -185,35 +177,3 @@ def test_no_compiler_is_the_only_trouble_that_leaves_c_out(monkeypatch):
     monkeypatch.setattr(speed, "likelihood_in_c", fails)
     with pytest.raises(ValueError, match="another"):
         speed.in_c()
-
-
-def test_the_study_of_a_first_fit_is_the_tankers(tmp_path):
-    study = load_study(fresh.write_study(tmp_path, 60))
-    problem, _ = posed(study, observe(study).record)
-
-    assert problem.names == TANKER.free
-    assert problem.start == pytest.approx(TANKER.start())
-    assert problem.samples.outputs.shape == (60, 3)
-
-
-def test_a_first_fit_is_timed_once_kept_and_once_in_an_empty_cache(monkeypatch):
-    asked, waited = [], []
-
-    def fitted(_study, **environment):
-        cache = environment.get("NUMBA_CACHE_DIR")
-        asked.append(cache and [path.is_dir() for path in Path(cache).glob("submarine-*")])
-        return First(float(len(asked)), 0.5)
-
-    monkeypatch.setattr(fresh, "fitted", fitted)
-    monkeypatch.setattr(fresh.subprocess, "run", lambda words, **_: waited.append(words[1:]))
-
-    later, first = fresh.first_fits(30)
-
-    assert asked == [None, None, None, [True]]
-    assert (later.clock_s, first.clock_s) == (1.0, 4.0)
-    assert waited == [["-m", "trainer.identify.compiling"], ["-c", fresh.COMPILING]]
-
-
-def test_a_first_fit_that_fails_says_so(tmp_path):
-    with pytest.raises(ConfigError, match=r"(?s)the fit of nowhere\.toml failed: .*nowhere"):
-        fresh.fitted(tmp_path / "nowhere.toml", NUMBA_DISABLE_JIT="1")

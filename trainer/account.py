@@ -26,7 +26,6 @@ def account(session: Session, wall: float, kept: str, *, aside: bool) -> int:
     summary = summary_text(session.boat, session.time.ledger.summary(), wall)
     if granted := session.time.punctuality.granted:
         summary += f"\nthe clock   {granted.line()}"
-        summary += f"\nmemory      {session.headroom.line()}" if session.headroom else ""
     if session.watch.times:
         summary += f"\nevents      {session.watch.account()}"
     if kept:

@@ -6,17 +6,15 @@ this processor and these files only.
 """
 
 import contextlib
-import functools
 import hashlib
-import importlib
 import os
 import signal
 import sys
 import threading
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from pathlib import Path
 from types import FrameType
-from typing import Any, Final
+from typing import Final
 
 from trainer.machine_code import cache_folder
 
@@ -46,48 +44,6 @@ def do_without() -> None:
     import numba  # noqa: PLC0415
 
     numba.config.DISABLE_JIT = True  # type: ignore[attr-defined]
-
-
-def load() -> None:
-    """Import numba, and not scipy, which it takes along for a linear algebra no kernel uses.
-
-    Numba then describes each kind of record to itself once, and not at every kernel's first call;
-    and it enters all that it knows once, and not anew at each of the 250 methods it enters.
-    """
-    from numba.core.base import BaseContext  # noqa: PLC0415
-    from numba.np import numpy_support  # noqa: PLC0415
-
-    describe = numpy_support.from_struct_dtype
-    numpy_support.from_struct_dtype = functools.cache(describe)
-    BaseContext.refresh = by_itself(BaseContext.refresh)  # type: ignore[method-assign]
-    if "scipy.linalg" in sys.modules:
-        return
-    sys.modules["scipy.linalg"] = None  # type: ignore[assignment]  # is not there
-    try:
-        importlib.import_module("numba.np.arraymath")
-    finally:
-        del sys.modules["scipy.linalg"]
-
-
-def by_itself(refresh: Callable[[Any], None]) -> Callable[[Any], None]:
-    """Return a refresh of what numba knows that is not begun again while it is at work.
-
-    It is done twice: what the first has entered may itself be something to enter.
-    """
-    at_work: list[Any] = []
-
-    @functools.wraps(refresh)
-    def refresh_by_itself(context: Any) -> None:
-        if context in at_work:
-            return
-        at_work.append(context)
-        try:
-            refresh(context)
-            refresh(context)
-        finally:
-            at_work.remove(context)
-
-    return refresh_by_itself
 
 
 def needed() -> bool:

@@ -32,7 +32,6 @@ def prepare(options: Mapping[str, Any], given: frozenset[str]) -> str:
     if os.name != "posix" or compilation.settled() or compilation.done_without():
         return ""
     if compilation.kept() or hurried(options, given) or complaints():
-        compilation.load()
         return ""
     compilation.do_without()
     if not cache_lasts():

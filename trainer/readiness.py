@@ -5,7 +5,7 @@ import gc
 
 import click
 
-from trainer import casualty, compilation, headroom
+from trainer import casualty, compilation
 from trainer.boat import Boat
 from trainer.config import ConfigError
 from trainer.fitout import KNOT
@@ -16,7 +16,6 @@ from trainer.watch import Limits, Watch
 
 def warm(boat: Boat) -> None:
     """Try the boat out, compiling her if need be: nothing compiles once the clock runs."""
-    headroom.one_heap()  # before there are other threads
     compiling = compilation.needed()
     if compiling:
         click.echo("compiling the boat, this once (some 20 seconds) ...", err=True)

@@ -14,7 +14,7 @@ from typing import Any
 import click
 import numpy as np
 
-from trainer import compilation, headroom, places
+from trainer import compilation, places
 from trainer.account import account
 from trainer.boat import Boat
 from trainer.clock import Clock, MonotonicClock
@@ -148,7 +148,6 @@ def fly(voyage: Voyage, options: dict[str, Any]) -> int:
             session.board.hearers.append(log.hear)
         open_ports(Ports(wake, sending, session.board.log, stack), session, options)
         shown = progress_bar(last_tick) if options["headless"] else contextlib.nullcontext()
-        session.headroom = headroom.take()
         started = time.clock.now()
         quiet = np.errstate(all="ignore")
         with interrupts(session), quiet, shown as session.progress, time.attended():

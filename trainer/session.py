@@ -11,7 +11,6 @@ from trainer.board import Board
 from trainer.boat import TICK, Boat
 from trainer.casualty import listing
 from trainer.desk import Desk
-from trainer.headroom import Headroom
 from trainer.helm import ORDERS, obey
 from trainer.history import History
 from trainer.io.csv_file import Columns
@@ -61,7 +60,6 @@ class Session:
     crew_briefing: tuple[str, ...] = ()  # what everybody else is
     until_left: bool = False  # it ends when the last of those who came by themselves has gone
     deserted: str = ""  # why it ended before its time
-    headroom: Headroom | None = None  # taken before the clock starts
     unrecorded: str = ""  # why nothing more is recorded, once that has been told
     board: Board = field(init=False)
     desk: Desk = field(init=False)

@@ -1,6 +1,8 @@
 """The analyst's programs: experiments designed, ships identified, lanes made into tracks."""
 
+import contextlib
 import sys
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any, Final
 
@@ -204,24 +206,27 @@ def identify(file: Path | None, selftest: bool, **options: Any) -> None:  # noqa
         sys.exit(0 if run_selftest(click.echo) else 1)
     if file is None:
         raise click.UsageError("identify what? give a study, a recording or a CSV file")
-    if not options["armax"]:
-        _race()
     from trainer.identify.asked import study_of  # noqa: PLC0415
 
     study = study_of(file, options)
-    sys.exit(_armax(study, options) if options["armax"] else _model(study, options))
+    if options["armax"]:
+        sys.exit(_armax(study, options))
+    with _announced():
+        code = _model(study, options)
+    sys.exit(code)
 
 
-def _race() -> None:
-    """Leave with the answer of an interpreted fit, where that comes before machine code does."""
-    from trainer.identify import first_fit  # noqa: PLC0415
+@contextlib.contextmanager
+def _announced() -> Iterator[None]:
+    """Say that the kernels of a fit are compiled in the block, where they have not been before."""
+    from trainer import compilation  # noqa: PLC0415
 
-    if sys.argv[1:2] != ["identify"] or not first_fit.wanted():
-        return
-    click.echo("first fit: the kernels are being compiled beside it", err=True)
-    code = first_fit.raced(sys.argv[1:])
-    if code is not None:
-        sys.exit(code)
+    compiled = compilation.mark("fits", "identify/kernels")
+    if not compiled.exists() and not compilation.done_without():
+        click.echo("compiling the kernels of fits, once (up to a minute) ...", err=True)
+    yield
+    with contextlib.suppress(OSError):
+        compiled.touch()
 
 
 def _armax(study: Any, options: dict[str, Any]) -> int:

@@ -20,7 +20,6 @@ from trainer.identify.alternating import timed
 from trainer.identify.beside_statsmodels import by_statsmodels, filters, likelihoods_of_a_fit
 from trainer.identify.coverage import one_run
 from trainer.identify.estimate import estimate
-from trainer.identify.fresh import First, first_fits
 from trainer.identify.likelihood import Likelihood
 from trainer.identify.minimise import Search
 from trainer.identify.problem import Problem
@@ -33,7 +32,6 @@ Maker = Callable[[Problem, Numbers], Callable[[], float]]
 
 MISSING: Final = 0.1  # [-] share of readings
 FITS: Final = 50
-SAMPLES: Final = 200  # of a first fit
 
 
 @dataclass(frozen=True)
@@ -154,20 +152,6 @@ def many_fits(problem: Problem) -> Row:
     return Row(f"{FITS} ships drawn, fitted, with intervals, s", spent, 5.0)
 
 
-def processes() -> list[Row]:
-    """Return what a fresh process has to do [s of the processor] to its first fit."""
-    later, first = first_fits(SAMPLES)
-    return [
-        Row("first fit of a process, s", later.processor_s, 3.0, by_clock(later)),
-        Row("the same, nothing compiled yet, s", first.processor_s, 5.0, by_clock(first)),
-    ]
-
-
-def by_clock(first: First) -> str:
-    """Return how long a fit took by the clock, which others on the machine lengthen."""
-    return f"{first.clock_s:.1f} s by the clock"
-
-
 def identify_speed(samples: int) -> Speed:
     """Return how fast a ship is identified from records of so many samples."""
     rudder = TANKER_RUDDER[:samples]
@@ -182,7 +166,6 @@ def identify_speed(samples: int) -> Speed:
         *gradients,
         *fit(whole, statsmodels),
         many_fits(whole),
-        *processes(),
     ]
     return Speed(samples, len(whole.free), 1e6 * alone, tuple(rows))
 

@@ -1,9 +1,8 @@
 """A session whose clock is watched by another: `trainer serve`, and what its deadlines were.
 
-It is given that command, since the proofs lie below the commands. It says what memory it has in
-use as it goes. The last line of its output is a JSON object: how many deadlines were waited for,
-how many of them were not a whole number of steps after the first, to the nanosecond, and the
-largest deviation.
+It is given that command, since the proofs lie below the commands. The last line of its output is a
+JSON object: how many deadlines were waited for, how many of them were not a whole number of steps
+after the first, to the nanosecond, and the largest deviation.
 """
 
 import json
@@ -16,10 +15,8 @@ from typing import Any, Final
 import click
 
 from trainer.clock import Clock, MonotonicClock
-from trainer.headroom import one_heap
 from trainer.ledger import SECOND
 from trainer.plan import plan_run
-from trainer.proving.in_use import telling
 from trainer.run import run_boat
 
 
@@ -90,8 +87,6 @@ def attest(serve: click.Command) -> None:
     options = options_of(serve, sys.argv[1:])
     period = Fraction(str(plan_run(options).method.step)) * SECOND
     witness = Witness(MonotonicClock(), period)
-    one_heap()  # also for the thread that tells
-    with telling(click.echo):
-        code = run_boat(options, witness)
+    code = run_boat(options, witness)
     click.echo(json.dumps(asdict(witness.deadlines)))
     sys.exit(code)

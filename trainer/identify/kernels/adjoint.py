@@ -16,7 +16,6 @@ import math
 import numpy as np
 
 from trainer.core.kernel import Numbers
-from trainer.identify.kernels import at_once
 from trainer.identify.kernels.blocks import clear, put, put_block
 from trainer.identify.kernels.covariance_filter import (
     Mask,
@@ -28,7 +27,7 @@ from trainer.identify.kernels.covariance_filter import (
     residual,
     settled,
 )
-from trainer.identify.kernels.kernel import kernel, lean, part, part_or
+from trainer.identify.kernels.kernel import kernel, lean, part
 
 
 @part
@@ -121,7 +120,7 @@ def trail(
     return _follow((mean, noise), (table, which), (z, P), work, path, joints)
 
 
-@part_or(at_once.stage)
+@part
 def _stage(mean: Numbers, J: Numbers, F: Numbers, half: Numbers) -> None:
     """Write F = A - K C and C' R^-1 C / 2 of a stage from its swept ``J``."""
     states, rows = F.shape[0], mean.shape[0]
@@ -135,7 +134,7 @@ def _stage(mean: Numbers, J: Numbers, F: Numbers, half: Numbers) -> None:
                     half[i, j] -= 0.5 * mean[c, i] * J[c, d] * mean[d, j]
 
 
-@part_or(at_once.collect)
+@part
 def _collect(W: Numbers, line: Numbers, x: Numbers, w: Numbers, sums: Numbers) -> None:
     """Write w = C' s of a sample, and add its (x~, s) (z, s)' to ``sums``."""
     states, columns = x.size, W.shape[1]
@@ -150,7 +149,7 @@ def _collect(W: Numbers, line: Numbers, x: Numbers, w: Numbers, sums: Numbers) -
             sums[i, j] += factor * line[j]
 
 
-@part_or(at_once.step_back)
+@part
 def _step_back(
     F: Numbers, half: Numbers, w: Numbers, work: Numbers, x: Numbers, P: Numbers
 ) -> None:
@@ -180,7 +179,7 @@ def _step_back(
             P[j, i] = total
 
 
-@part_or(at_once.sum_of_h)
+@part
 def _sum_of_h(J: Numbers, sums: Numbers, adjoint: Numbers, samples: float, H: Numbers) -> None:
     """Write the sum of H over a stage of so many ``samples``.
 
@@ -209,7 +208,7 @@ def _sum_of_h(J: Numbers, sums: Numbers, adjoint: Numbers, samples: float, H: Nu
             H[c, i] = H[i, c]
 
 
-@part_or(at_once.close_stage)
+@part
 def _close_stage(
     mean: Numbers, joints: Numbers, sums: Numbers, H: Numbers, product: Numbers, out: Numbers
 ) -> None:

@@ -3,19 +3,18 @@
 An assignment to a slice does the same, but the compiler takes half a second for each.
 """
 
-from trainer.identify.kernels import at_once
 from trainer.identify.kernels.entries import Entries
-from trainer.identify.kernels.kernel import part_or
+from trainer.identify.kernels.kernel import part
 
 
-@part_or(at_once.put)
+@part
 def put(source: Entries, at: int, out: Entries) -> None:
     """Write the one-dimensional ``source`` to ``out`` from the place ``at`` on."""
     for i in range(source.size):
         out[at + i] = source[i]
 
 
-@part_or(at_once.put_block)
+@part
 def put_block(source: Entries, at: int, out: Entries) -> None:
     """Write the two-dimensional ``source`` to ``out`` from the column ``at`` on."""
     for i in range(source.shape[0]):
@@ -23,7 +22,7 @@ def put_block(source: Entries, at: int, out: Entries) -> None:
             out[i, at + j] = source[i, j]
 
 
-@part_or(at_once.clear)
+@part
 def clear(out: Entries) -> None:
     """Write zeros."""
     for i in range(out.size):

@@ -17,9 +17,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from trainer.core.kernel import Numbers
-from trainer.identify.kernels import at_once
 from trainer.identify.kernels.entries import Entries
-from trainer.identify.kernels.kernel import part, part_or
+from trainer.identify.kernels.kernel import part
 
 Places = NDArray[np.int64]
 Mask = NDArray[np.bool_]
@@ -27,7 +26,7 @@ Mask = NDArray[np.bool_]
 SETTLED = 1e-26  # [-] square of the relative change of P, below which it is taken as constant
 
 
-@part_or(at_once.joint)
+@part
 def joint(mean: Entries, noise: Entries, P: Entries, work: Entries, out: Entries) -> None:
     """Write J = W_x P W_x' + Q to ``out``; ``work`` (x+y, x)."""
     rows, states = work.shape
@@ -46,7 +45,7 @@ def joint(mean: Entries, noise: Entries, P: Entries, work: Entries, out: Entries
             out[j, i] = total
 
 
-@part_or(at_once.predict)
+@part
 def predict(mean: Entries, z: Entries, out: Entries) -> None:
     """Write v = W z, the next state and the readings of this sample."""
     for i in range(out.size):
@@ -56,7 +55,7 @@ def predict(mean: Entries, z: Entries, out: Entries) -> None:
         out[i] = total
 
 
-@part_or(at_once.sweep)
+@part
 def sweep(J: Entries, pivot: int) -> float:
     """Return the pivot after sweeping it out of the symmetric ``J``: its conditional variance."""
     d = J[pivot, pivot]

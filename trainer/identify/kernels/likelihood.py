@@ -10,13 +10,12 @@ import math
 import numpy as np
 
 from trainer.core.kernel import Numbers
-from trainer.identify.kernels import at_once
 from trainer.identify.kernels.blocks import clear, put, put_block
 from trainer.identify.kernels.covariance_filter import Places, predict, run_length, settled
-from trainer.identify.kernels.kernel import kernel, lean, part, part_or
+from trainer.identify.kernels.kernel import kernel, lean, part
 
 
-@part_or(at_once.joint)
+@part
 def _joint(mean: Numbers, noise: Numbers, P: Numbers, half: Numbers, J: Numbers) -> None:
     """Write the lower half of J = W_x P W_x' + Q; ``half`` (x,)."""
     for i in range(noise.shape[0]):
@@ -32,7 +31,7 @@ def _joint(mean: Numbers, noise: Numbers, P: Numbers, half: Numbers, J: Numbers)
             J[i, j] = total
 
 
-@part_or(at_once.take)
+@part
 def _take(J: Numbers, place: int, error: float, v: Numbers) -> None:
     """Write what ``J`` and ``v`` above the row ``place`` are, given its reading."""
     inverse = 1.0 / J[place, place]

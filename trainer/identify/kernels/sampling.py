@@ -13,10 +13,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from trainer.core.kernel import Numbers
-from trainer.identify.kernels import at_once
 from trainer.identify.kernels.blocks import clear, put_block
 from trainer.identify.kernels.entries import Entries
-from trainer.identify.kernels.kernel import kernel, lean, part, part_or
+from trainer.identify.kernels.kernel import kernel, lean, part
 
 Complexes = NDArray[np.complex128]
 Room = tuple[Entries, Entries]  # scratch for rows of [A B f], and for squares
@@ -34,7 +33,7 @@ def size(matrix: Entries) -> float:
     return largest
 
 
-@part_or(at_once.times)
+@part
 def _times(left: Entries, right: Entries, out: Entries) -> None:
     """Write the leading square of ``left`` times ``right`` to ``out``."""
     for i in range(out.shape[0]):
@@ -45,7 +44,7 @@ def _times(left: Entries, right: Entries, out: Entries) -> None:
             out[i, j] = total
 
 
-@part_or(at_once.mean_series)
+@part
 def _mean_series(drift: Entries, h: complex, room: Entries, mean: Entries) -> None:
     """Write [Phi Gamma] over a short ``h`` [s]: the power series of exp([A B; 0 0] h)."""
     rows, columns = drift.shape
@@ -64,7 +63,7 @@ def _mean_series(drift: Entries, h: complex, room: Entries, mean: Entries) -> No
                 mean[i, j] += term[i, j]
 
 
-@part_or(at_once.noise_series)
+@part
 def _noise_series(
     drift: Entries, noise: Entries, h: complex, room: Entries, covariance: Entries
 ) -> None:
@@ -84,7 +83,7 @@ def _noise_series(
                 covariance[i, j] += term[i, j]
 
 
-@part_or(at_once.carry)
+@part
 def _carry(mean: Entries, covariance: Entries, product: Entries, later: Entries) -> None:
     """Write ``later`` plus Phi ``covariance`` Phi' to ``later``; ``product`` is scratch."""
     rows = covariance.shape[0]

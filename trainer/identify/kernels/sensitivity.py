@@ -9,7 +9,6 @@ import math
 import numpy as np
 
 from trainer.core.kernel import Numbers
-from trainer.identify.kernels import at_once
 from trainer.identify.kernels.adjoint import all_there, steady_step
 from trainer.identify.kernels.blocks import put, put_block
 from trainer.identify.kernels.covariance_filter import (
@@ -22,7 +21,7 @@ from trainer.identify.kernels.covariance_filter import (
     residual,
     settled,
 )
-from trainer.identify.kernels.kernel import kernel, lean, part, part_or
+from trainer.identify.kernels.kernel import kernel, lean, part
 
 SETTLED = 1e-20  # [-] square of the relative change of a derivative of P
 
@@ -43,7 +42,7 @@ def _root(J: Numbers, readings: int, out: Numbers) -> None:
                 out[j, i] = 0.0
 
 
-@part_or(at_once.half_slopes)
+@part
 def _half_slopes(mean: Numbers, slopes: Numbers, P: Numbers, dP: Numbers, half: Numbers) -> None:
     """Write dW P + W dP / 2 to ``half`` (x+y, x, p)."""
     rows, states, count = half.shape
@@ -56,7 +55,7 @@ def _half_slopes(mean: Numbers, slopes: Numbers, P: Numbers, dP: Numbers, half: 
                     half[i, j, q] += slopes[i, k, q] * P[k, j] + 0.5 * mean[i, k] * dP[k, j, q]
 
 
-@part_or(at_once.joint_slopes)
+@part
 def _joint_slopes(mean: Numbers, half: Numbers, out: Numbers) -> None:
     """Add dJ = dW P W' + W P dW' + W dP W' to ``out`` (x+y, x+y, p), which has dQ already."""
     rows, states, count = half.shape
@@ -84,7 +83,7 @@ def _entry(J: Numbers, dJ: Numbers, states: int, place: tuple[int, int], value: 
                 value[q] += both * dJ[c, d, q]
 
 
-@part_or(at_once.conditioned)
+@part
 def _conditioned(J: Numbers, dJ: Numbers, lines: Numbers, dP: Numbers) -> float:
     """Return how much ``dP`` changes [-], squared, as it becomes that after the readings.
 
@@ -112,7 +111,7 @@ def _conditioned(J: Numbers, dJ: Numbers, lines: Numbers, dP: Numbers) -> float:
     return worst
 
 
-@part_or(at_once.gain_slopes)
+@part
 def _gain_slopes(J: Numbers, dJ: Numbers, states: int, line: Numbers) -> None:
     """Write dK = (dN - K dR) R^-1 over dN, the mixed block of ``dJ``; ``line`` is scratch."""
     rows, count = J.shape[0], dJ.shape[2]
@@ -131,7 +130,7 @@ def _gain_slopes(J: Numbers, dJ: Numbers, states: int, line: Numbers) -> None:
                     dJ[i, c, q] -= line[d - states, q] * J[d, c]
 
 
-@part_or(at_once.mean_slopes)
+@part
 def _mean_slopes(mean: Numbers, slopes: Numbers, z: Numbers, dx: Numbers, out: Numbers) -> None:
     """Write dv = dW z + W_x dx to ``out`` (x+y, p)."""
     rows, count = out.shape
@@ -146,7 +145,7 @@ def _mean_slopes(mean: Numbers, slopes: Numbers, z: Numbers, dx: Numbers, out: N
                 out[i, q] += mean[i, j] * dx[j, q]
 
 
-@part_or(at_once.standardised)
+@part
 def _standardised(U: Numbers, dv: Numbers, states: int, out: Numbers) -> None:
     """Write U d(error) to ``out`` (y, p); the error is reading less prediction."""
     readings, count = out.shape
@@ -158,7 +157,7 @@ def _standardised(U: Numbers, dv: Numbers, states: int, out: Numbers) -> None:
                 out[i, q] -= U[i, j] * dv[states + j, q]
 
 
-@part_or(at_once.next_slopes)
+@part
 def _next_slopes(J: Numbers, dJ: Numbers, error: Numbers, dv: Numbers, dx: Numbers) -> None:
     """Write dx of the next state: dv + dK error + K d(error)."""
     states, count = dx.shape
@@ -171,7 +170,7 @@ def _next_slopes(J: Numbers, dJ: Numbers, error: Numbers, dv: Numbers, dx: Numbe
                 dx[i, q] += dJ[i, states + c, q] * error[c] - gain * dv[states + c, q]
 
 
-@part_or(at_once.covariance_rows)
+@part
 def _covariance_rows(U: Numbers, dJ: Numbers, samples: float, out: Numbers) -> None:
     """Write U dR U' sqrt(samples/2) to ``out`` (y*y, p)."""
     readings, count = U.shape[0], dJ.shape[2]
