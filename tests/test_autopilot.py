@@ -18,7 +18,7 @@ from trainer.core.autopilot import REPORT, REPORT_LITERAL, report_angle, report_
 from trainer.core.reference import slewed_rate
 from trainer.core.state import new_state
 from trainer.core.vessel import VESSEL
-from trainer.fitout import KNOT
+from trainer.units import KNOT
 
 pytestmark = pytest.mark.core
 

@@ -9,12 +9,13 @@ import pytest
 from trainer.boat import Boat
 from trainer.config import ConfigError
 from trainer.files.vessel_file import load_vessel, parse_vessel
-from trainer.fitout import KNOT, Method
+from trainer.fitout import Method
 from trainer.helm import obey
 from trainer.io.orders import Order, parse
 from trainer.ledger import Ledger
 from trainer.reply import Refused
 from trainer.status import status_lines
+from trainer.units import KNOT
 
 SURFACING = {
     **dict.fromkeys(("blow_forward", "blow_mid", "blow_aft"), 1.0),

@@ -14,7 +14,7 @@ from trainer.core.integrators import advance
 from trainer.core.kernel import Record
 from trainer.core.state import HISTORY, MOTION
 from trainer.files.vessel_file import VesselFile, load_vessel
-from trainer.fitout import KNOT, Method, scheme_record
+from trainer.fitout import Method, scheme_record
 from trainer.study import hull_facts
 from trainer.study.check import Report, check, flights, round_speeds
 from trainer.study.check_page import render
@@ -31,6 +31,7 @@ from trainer.study.stability import (
     tick_map,
 )
 from trainer.study.steady_turn import compare_turns
+from trainer.units import KNOT
 
 DATA = Path(__file__).parent / "data"
 INTEGRATION = json.loads((DATA / "integration.json").read_text())

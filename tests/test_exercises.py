@@ -20,7 +20,6 @@ from trainer.clock import MonotonicClock
 from trainer.config import ConfigError, shipped_names
 from trainer.files.exercise_file import Exercise, load_exercise, parse_exercise
 from trainer.files.exercise_records import key_tables
-from trainer.fitout import KNOT
 from trainer.helm import obey
 from trainer.history import History
 from trainer.io.line import Joined
@@ -36,6 +35,7 @@ from trainer.stations.frame import Lookout
 from trainer.stations.publisher import Promptly, Roster
 from trainer.stations.station import Station
 from trainer.timekeeping import Timekeeping
+from trainer.units import KNOT
 from trainer.watch import Watch
 
 ROOT = Path(__file__).parent.parent

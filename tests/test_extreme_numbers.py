@@ -17,8 +17,9 @@ from trainer.files.casualty_file import load_casualties
 from trainer.files.exercise_file import load_exercise, read_exercise
 from trainer.files.sea_file import load_sea
 from trainer.files.vessel_file import VesselFile, load_vessel
-from trainer.fitout import KNOT, Method
+from trainer.fitout import Method
 from trainer.sweep.study_file import load_study
+from trainer.units import KNOT
 
 EXTREME = ("nan", "inf", "-inf", "1e308", "-1e308", "1e-308", "5e-324", f"{2**63}", "9" * 400)
 NUMBER = re.compile(r"(?<![\w.\"'-])[-+]?\d+(?:\.\d+)?(?:[eE][-+]?\d+)?(?![\w.\"'-])")

@@ -14,7 +14,7 @@ from click.testing import CliRunner, Result
 from trainer.commands.guiding import guide, manoeuvre
 from trainer.config import ConfigError
 from trainer.files.vessel_file import load_vessel
-from trainer.fitout import KNOT, Method
+from trainer.fitout import Method
 from trainer.guide import document, tasks, trials, verdicts
 from trainer.guide.baseline import load_earlier, moved
 from trainer.guide.book import Book, assembled, write
@@ -28,6 +28,7 @@ from trainer.study.manoeuvres.flight import Flight
 from trainer.study.manoeuvres.measures import Measure, share
 from trainer.study.manoeuvres.turns import Turn
 from trainer.study.series import load_series
+from trainer.units import KNOT
 
 MADE = "2026-01-01 00:00:00 UTC"
 

@@ -10,10 +10,11 @@ from hypothesis import strategies as st
 
 from trainer.boat import Boat
 from trainer.files.vessel_file import load_vessel
-from trainer.fitout import KNOT, Method
+from trainer.fitout import Method
 from trainer.helm import obey
 from trainer.io.orders import Order, parse
 from trainer.reply import Refused
+from trainer.units import KNOT
 
 DEGREE = math.pi / 180.0
 VESSELS = ("bb2", "sdv-mk9", "remus100")

@@ -10,7 +10,6 @@ import pytest
 from trainer.config import ConfigError
 from trainer.files.exercise_file import parse_exercise
 from trainer.files.vessel_file import load_vessel, parse_vessel
-from trainer.fitout import KNOT
 from trainer.identify.experiment import (
     Sequence,
     exercise_text,
@@ -33,6 +32,7 @@ from trainer.identify.study_file import plain_study
 from trainer.identify.study_records import ModelTable, Ship
 from trainer.identify.trial import flown
 from trainer.study.characteristic import Means, horizontal
+from trainer.units import KNOT
 
 SHIP = Nomoto(K=-0.28, T1=40.0 + 0j, T2=5.0 + 0j, T3=9.0, K_v=8.0, T3v=2.5)
 SENSORS = Sensors(sway_kn=0.05, yaw_rate_deg_s=0.02, heading_deg=0.1)

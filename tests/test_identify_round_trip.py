@@ -11,7 +11,6 @@ from click.testing import CliRunner
 
 from trainer.commands.identify import identify, prbs
 from trainer.files.vessel_file import load_vessel
-from trainer.fitout import KNOT
 from trainer.identify.experiment import method_of
 from trainer.identify.nomoto_file import load_nomoto
 from trainer.identify.steered import Steered
@@ -20,6 +19,7 @@ from trainer.study.characteristic import horizontal
 from trainer.study.manoeuvres.flight import fly
 from trainer.study.manoeuvres.submarine import Rig, Submarine
 from trainer.study.manoeuvres.zigzag import ZigZag
+from trainer.units import KNOT
 
 pytest.importorskip("scipy")
 

@@ -8,13 +8,13 @@ from click.testing import CliRunner
 
 from trainer.commands.guiding import manoeuvre
 from trainer.config import ConfigError
-from trainer.fitout import KNOT
 from trainer.identify.nomoto_file import NomotoFile, is_nomoto, key_table, load_nomoto, written
 from trainer.identify.steered import Steered
 from trainer.study.manoeuvres.catalogue import named
 from trainer.study.manoeuvres.flight import fly
 from trainer.study.manoeuvres.vehicle import LostError
 from trainer.study.manoeuvres.zigzag import ZigZag
+from trainer.units import KNOT
 
 SPEED = 10.0 * KNOT
 

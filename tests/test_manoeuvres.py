@@ -12,7 +12,7 @@ import pytest
 
 from trainer.config import ConfigError
 from trainer.files.vessel_file import VesselFile, load_vessel
-from trainer.fitout import KNOT, Method
+from trainer.fitout import Method
 from trainer.study import manoeuvres
 from trainer.study.manoeuvres.catalogue import MANOEUVRES, adjusted, named
 from trainer.study.manoeuvres.flight import Manoeuvre, fly
@@ -28,6 +28,7 @@ from trainer.study.manoeuvres.speeds import UtmostAcceleration
 from trainer.study.manoeuvres.spiral import PullOut
 from trainer.study.manoeuvres.submarine import Rig, Submarine
 from trainer.study.manoeuvres.turns import Turn
+from trainer.units import KNOT
 
 DATA = Path(__file__).parent / "data"
 FOOT = 0.3048

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 
 from trainer.boat import Boat
 from trainer.files.vessel_file import load_vessel
-from trainer.fitout import KNOT, Method
+from trainer.fitout import Method
 from trainer.helm import obey
 from trainer.io import nmea
 from trainer.io.lines import Overlong
@@ -27,6 +27,7 @@ from trainer.nmea.set import INSTRUMENTS, InstrumentSet, Sampled, chosen, widest
 from trainer.nmea.sight import WIDEST
 from trainer.stations.frame import Frame, Lookout, Pace, Picture
 from trainer.stations.roles import ROLES, refusal
+from trainer.units import KNOT
 
 START = datetime(2026, 12, 31, 23, 59, 58, tzinfo=UTC)
 

@@ -26,7 +26,7 @@ from trainer.boat import Boat
 from trainer.clock import MonotonicClock
 from trainer.config import ConfigError
 from trainer.files.vessel_file import load_vessel
-from trainer.fitout import KNOT, Method
+from trainer.fitout import Method
 from trainer.history import History
 from trainer.io import nmea
 from trainer.io.csv_file import COLUMNS, NoFile
@@ -43,6 +43,7 @@ from trainer.session import Session
 from trainer.stations.frame import Lookout, Pace, Picture
 from trainer.stations.publisher import Promptly, Publisher, Roster
 from trainer.timekeeping import Timekeeping
+from trainer.units import KNOT
 
 needs_pty = pytest.mark.skipif(not hasattr(os, "openpty"), reason="no pseudo-terminals here")
 MANOEUVRES = (

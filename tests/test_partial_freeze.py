@@ -9,12 +9,12 @@ from trainer import casualty
 from trainer.boat import PLACES, Boat
 from trainer.core.state import FIELDS
 from trainer.files.sea_file import load_sea
-from trainer.fitout import KNOT
 from trainer.helm import obey
 from trainer.io.orders import Order
 from trainer.ledger import Ledger
 from trainer.reply import Refused, Reply
 from trainer.status import status_lines
+from trainer.units import KNOT
 
 TWO_PASTS = "a=0.5,0.5;b=1.5"  # a method that looks back on motion as well as on rates
 INTEGRATORS = (

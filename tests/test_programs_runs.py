@@ -11,11 +11,11 @@ import pytest
 from trainer.boat import Boat
 from trainer.config import ConfigError
 from trainer.files.vessel_file import load_vessel
-from trainer.fitout import KNOT
 from trainer.study import fit as ec310
 from trainer.study.characteristic import horizontal, vertical
 from trainer.study.compare import Comparison, compare, percent_change
 from trainer.study.series import Series, load_series
+from trainer.units import KNOT
 
 TOOLS = json.loads((Path(__file__).parent / "data" / "vectors" / "tools.json").read_text())
 TIME = np.arange(0.0, 200.5, 0.5)

@@ -16,14 +16,14 @@ from hypothesis import strategies as st
 from trainer.boat import Boat
 from trainer.config import ConfigError
 from trainer.core import propulsion
+from trainer.core.kernel import Numbers
 from trainer.core.rates import rates
 from trainer.files.terms import coefficient_terms, terms
 from trainer.files.vessel_file import VesselFile, load_vessel
 from trainer.files.vessel_records import Fluid
-from trainer.fitout import KNOT, Method, fit_out
+from trainer.fitout import Method, fit_out
 from trainer.study import characteristic, fillings, hull_facts, thrust
 from trainer.study.characteristic import Law, Linear, Means, depth_loop, horizontal, vertical
-from trainer.study.manoeuvres.measures import Numbers
 from trainer.study.neutral import (
     STEEPEST,
     fold_speeds,
@@ -33,6 +33,7 @@ from trainer.study.neutral import (
     sides,
     trim_at,
 )
+from trainer.units import KNOT
 
 VECTORS = Path(__file__).parent / "data" / "vectors"
 NEUTRAL, ROOTS, TOOLS = (

@@ -10,9 +10,10 @@ import pytest
 from click.testing import CliRunner
 
 from trainer.commands.reducing import reduce
+from trainer.core.kernel import Numbers
 from trainer.core.vessel import EXTRA_TERMS, KEPT
 from trainer.files.vessel_file import VesselFile, load_vessel, parse_vessel
-from trainer.fitout import KNOT, Method, compact_coefficients
+from trainer.fitout import Method, compact_coefficients
 from trainer.guide.programme import Leg, legs, own_method
 from trainer.guide.verdicts import BEYOND, SHOWN, Judgement, judge
 from trainer.reduce import checkpoint, reduction, writing
@@ -28,10 +29,10 @@ from trainer.reduce.yardstick import FURTHEST, Yardstick, multiple
 from trainer.study.manoeuvres.catalogue import named
 from trainer.study.manoeuvres.conn import Conn
 from trainer.study.manoeuvres.flight import fly
-from trainer.study.manoeuvres.measures import Numbers
 from trainer.study.manoeuvres.submarine import Submarine
 from trainer.study.manoeuvres.turns import Turn
 from trainer.study.manoeuvres.vehicle import Watch
+from trainer.units import KNOT
 
 BOATS = ("bb2", "sdv-mk9", "remus100")
 SLIM = """

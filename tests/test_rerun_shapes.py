@@ -10,11 +10,12 @@ import pytest
 
 from trainer.boat import Boat
 from trainer.config import ConfigError
+from trainer.core.kernel import Numbers
 from trainer.ledger import Ledger
 from trainer.records.layout import LAYOUT
 from trainer.rerun_log import feed as feeds
 from trainer.rerun_log import opening
-from trainer.rerun_log.batch import Batch, Block, Numbers, Times, states
+from trainer.rerun_log.batch import Batch, Block, Times, states
 from trainer.rerun_log.changes import Changes
 from trainer.rerun_log.charts import charts_of, ledger_columns
 from trainer.rerun_log.feed import CHUNK, ROOM, Feed

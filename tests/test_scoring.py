@@ -14,12 +14,13 @@ from trainer.config import ConfigError, shipped_names
 from trainer.core.casualties import CODES
 from trainer.files.exercise_file import load_exercise, parse_exercise
 from trainer.files.vessel_file import load_vessel
-from trainer.fitout import KNOT, Method
+from trainer.fitout import Method
 from trainer.io.recording import Journalled
 from trainer.scores.measure_table import MEASURES, formula_of, measure_rows, unit_of
 from trainer.scores.passage import COLUMNS, SLOTS, Passage
 from trainer.scores.score_rule import Rule
 from trainer.scores.scoring import attain, marks_of, score
+from trainer.units import KNOT
 from trainer.watch import Limits
 
 ROOT = Path(__file__).parent.parent

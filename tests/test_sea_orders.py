@@ -15,10 +15,11 @@ from trainer.core.seaway import advance_sea
 from trainer.core.update import outside
 from trainer.files.sea_file import SeaFile, load_sea, parse_sea
 from trainer.files.vessel_file import load_vessel
-from trainer.fitout import KNOT, Method
+from trainer.fitout import Method
 from trainer.helm import obey
 from trainer.io.orders import Order, parse
 from trainer.io.schedule import parse_schedule
+from trainer.units import KNOT
 from trainer.watch import Limits, Watch
 
 DEGREE = math.pi / 180.0

@@ -16,7 +16,6 @@ from trainer.core.state import STATE, new_state
 from trainer.core.vessel import VESSEL
 from trainer.core.wave_filter import (
     G_OF_TABLE,
-    KNOT,
     PEAK,
     corner,
     filter_noise,
@@ -27,6 +26,7 @@ from trainer.core.wave_filter import (
 from trainer.core.wave_sum import ANGLE_COS, ANGLE_SIN, PART, WEIGHT, phase, prepare_sum
 from trainer.files.sea_file import HEIGHT_FACTOR
 from trainer.study import seas
+from trainer.units import KNOT
 
 pytestmark = pytest.mark.core
 

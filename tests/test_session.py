@@ -14,7 +14,7 @@ import pytest
 from trainer.boat import Boat
 from trainer.clock import MonotonicClock
 from trainer.files.vessel_file import load_vessel
-from trainer.fitout import KNOT, Method
+from trainer.fitout import Method
 from trainer.history import History
 from trainer.io.csv_file import COLUMNS
 from trainer.io.lines import Overlong
@@ -28,6 +28,7 @@ from trainer.stations.frame import Pace
 from trainer.stations.publisher import Subscription
 from trainer.stations.station import Station
 from trainer.timekeeping import Timekeeping
+from trainer.units import KNOT
 
 DEGREE = math.pi / 180.0
 GONE = "this boat cannot go on: {}; backtrack or reset"

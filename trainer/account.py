@@ -6,12 +6,12 @@ import click
 
 from trainer import compilation
 from trainer.boat import Boat
-from trainer.fitout import KNOT
 from trainer.io.no_recording import NoRecording
 from trainer.io.recording import Recording
 from trainer.io.teletype import course
 from trainer.ledger import Summary
 from trainer.session import Session
+from trainer.units import KNOT
 
 SEE_IT = "trainer debrief FILE shows how it went, trainer replay FILE flies it again"
 SECONDS_1969 = "1969: 38 % at 0.5 s, 19 % at 1 s"

@@ -22,7 +22,8 @@ from trainer.core.update import WATCHED
 from trainer.files.casualty_file import load_casualties
 from trainer.files.sea_file import SeaFile, load_sea, sea_settings
 from trainer.files.vessel_file import VesselFile
-from trainer.fitout import KNOT, Method, fit_out
+from trainer.fitout import Method, fit_out
+from trainer.units import KNOT
 
 PLACES = {name: place[1] // 8 for name, place in (STATE.fields or {}).items()}
 TICK = PLACES["tick"]

@@ -12,10 +12,10 @@ import click
 from trainer.boat import Boat
 from trainer.config import ConfigError, read_text, shipped
 from trainer.files.exercise_file import parse_exercise
-from trainer.fitout import KNOT
 from trainer.plan import Plan
 from trainer.scores.measure_table import formula_of
 from trainer.scores.passage import lacks
+from trainer.units import KNOT
 
 SKELETON: Final = "exercise-skeleton"
 NAMED: Final = re.compile(r'^name = "[^"]*"', re.MULTILINE)

@@ -11,8 +11,7 @@ from trainer.core import kinematics, scheme, scratch, state, vessel
 from trainer.core.kernel import Record
 from trainer.files.vessel_file import VesselFile
 from trainer.fitout_ballast import ballast_record
-
-KNOT = 1852.0 / 3600.0  # [m/s]
+from trainer.units import KNOT
 
 EQUATIONS = ("full", "modified", "basic", "longitudinal")
 TRIGONOMETRY = ("exact", "report")

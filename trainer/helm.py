@@ -7,10 +7,10 @@ from dataclasses import replace
 from trainer import ballast_orders, casualty, hold
 from trainer.boat import Boat
 from trainer.core import autopilot
-from trainer.fitout import KNOT
 from trainer.io.orders import Order
 from trainer.reply import Refused, Reply
 from trainer.sea_orders import order_sea
+from trainer.units import KNOT
 
 LAWS = {
     "trainer": (autopilot.OWN, "this trainer's own law"),

@@ -15,9 +15,10 @@ from trainer.files.exercise_file import UNSCHEDULED, Armed, Exercise, load_exerc
 from trainer.files.exercise_records import Initial
 from trainer.files.sea_file import SeaFile, load_sea
 from trainer.files.vessel_file import VesselFile, load_vessel
-from trainer.fitout import KNOT, Method
+from trainer.fitout import Method
 from trainer.io.schedule import BadSchedule, Scheduled, parse_schedule
 from trainer.scores.score_rule import Rule
+from trainer.units import KNOT
 from trainer.watch import Limits
 
 STEP_LIMITS = 0.001, 2.0  # [s]

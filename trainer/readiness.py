@@ -8,9 +8,9 @@ import click
 from trainer import casualty, compilation
 from trainer.boat import Boat
 from trainer.config import ConfigError
-from trainer.fitout import KNOT
 from trainer.ledger import Ledger
 from trainer.stations.frame import Lookout, Pace, Picture
+from trainer.units import KNOT
 from trainer.watch import Limits, Watch
 
 

@@ -19,7 +19,6 @@ from trainer.account import account
 from trainer.boat import Boat
 from trainer.clock import Clock, MonotonicClock
 from trainer.config import ConfigError, remembering
-from trainer.fitout import KNOT
 from trainer.history import History
 from trainer.io.csv_file import COLUMNS, CsvFile, NoFile
 from trainer.io.no_recording import NoRecording
@@ -40,6 +39,7 @@ from trainer.stations.frame import Lookout
 from trainer.stations.publisher import Promptly, Publisher, Roster
 from trainer.stations.reception import Closed
 from trainer.timekeeping import Timekeeping
+from trainer.units import KNOT
 from trainer.watch import Watch
 
 OVER = "the session is over"

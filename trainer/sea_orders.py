@@ -9,9 +9,9 @@ from trainer.boat import Boat
 from trainer.core.kernel import Numbers
 from trainer.core.seaway import DIRECTION, GAMMA, HEIGHT, OMEGA
 from trainer.files.sea_file import Sea, peak_frequency, significant_height
-from trainer.fitout import KNOT
 from trainer.io.orders import Order
 from trainer.reply import Reply
+from trainer.units import KNOT
 
 
 def order_sea(boat: Boat, order: Order) -> Reply:

@@ -8,13 +8,13 @@ import numpy as np
 from trainer import casualty
 from trainer.boat import Boat
 from trainer.core.tanks import COMPARTMENTS, TANKS
-from trainer.fitout import KNOT
 from trainer.hold import held_text
 from trainer.io.teletype import course
 from trainer.ledger import Summary
 from trainer.sea_orders import sea_text
 from trainer.stations.display import view
 from trainer.stations.frame import Lookout, Pace, Picture
+from trainer.units import KNOT
 
 WIDTH = 79  # [characters]
 

@@ -8,7 +8,7 @@ from typing import Any, Final
 from trainer.boat import PLACES, Boat
 from trainer.core.free_surface import deck_height, sail_height
 from trainer.files.schema import Quantity, optional, within
-from trainer.fitout import KNOT
+from trainer.units import KNOT
 
 COVERED: Final = 1.0  # [m] of water over it before the same can be called out again
 Z, WAVE = PLACES["z"], PLACES["eta_wave"]

@@ -8,9 +8,8 @@ from trainer.bare.core import Core
 from trainer.bare.options import Options
 from trainer.bare.schedule import Timed, first_tick, read_schedule
 from trainer.bare.table import Table
+from trainer.units import DEGREE, KNOT
 
-KNOT = 1852.0 / 3600.0  # [m/s]
-DEGREE = 0.017453292519943295  # [rad]
 UNPACED = float("inf")
 BY_LINE, BY_BLOCK = 1, -1  # how rows go to the disk: at once where time is kept
 BEHIND = 5  # [ticks] made up after a delay; what is more is let go

@@ -108,9 +108,9 @@ def fit(run: Path, column: str, **options: Any) -> None:
 def starting_roots(t: Any, y: Any, options: dict[str, Any]) -> tuple[list[complex], str]:
     """Return the roots [1/s] to start from, and whence; UsageError if half is given."""
     from trainer.files.vessel_file import load_vessel  # noqa: PLC0415
-    from trainer.fitout import KNOT  # noqa: PLC0415
     from trainer.study import characteristic  # noqa: PLC0415
     from trainer.study.fit import one_of_each, pencil_roots  # noqa: PLC0415
+    from trainer.units import KNOT  # noqa: PLC0415
 
     vessel, speed, plane = options["vessel"], options["speed"], options["plane"]
     if (vessel is None) != (speed is None):

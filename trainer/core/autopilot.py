@@ -13,6 +13,7 @@ from trainer.core.casualties import AUTOPILOT_FAILED, slot_of
 from trainer.core.elementary import cosine, exponential, sine
 from trainer.core.kernel import Numbers, Record, kernel, part
 from trainer.core.reference import DEPTH_SLEW, leash, slew_course, slew_depth, within
+from trainer.units import FOOT
 
 OWN, REPORT, REPORT_LITERAL = 0, 1, 2  # depth laws
 RUDDER, STERN, BOW = 0, 1, 2  # surfaces, as in the state record
@@ -20,7 +21,6 @@ RUDDER, STERN, BOW = 0, 1, 2  # surfaces, as in the state record
 # places in the schedule of gains, in the order of vessel.GAINS
 PLANE_GAINS, RUDDER_GAINS, GAIN_COUNT = 6, 12, 20
 
-FOOT = 0.3048
 REPORT_DEPTH = 0.008 / FOOT  # [rad/m]
 REPORT_PITCH = 3.5  # [-]
 REPORT_CLIMB = 0.012 / FOOT  # [rad s/m]

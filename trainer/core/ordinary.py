@@ -9,7 +9,8 @@ from trainer.core.air import at_work
 from trainer.core.autopilot import OWN
 from trainer.core.ballast import advance_ballast
 from trainer.core.kernel import Record, kernel
-from trainer.core.scheme import ADAMS, COMPACT
+from trainer.core.scheme import ADAMS
+from trainer.core.scheme import COMPACT as COMPACT_SET
 from trainer.core.state import HISTORY
 from trainer.core.tanks import END, NEGATIVE, TRIM_FORWARD
 
@@ -21,7 +22,7 @@ KNOWN: Final = {"depth_law": float(OWN)}  # of the state
 def follows(scheme: Record) -> bool:
     """Return whether boats are computed as they are here."""
     how = scheme[0]
-    lagged_compact = how.equations == COMPACT and how.exact == 0
+    lagged_compact = how.equations == COMPACT_SET and how.exact == 0
     two_terms = how.method == ADAMS and how.depth == TERMS
     return lagged_compact and two_terms and how.trigger_kind[0] == 0.0
 

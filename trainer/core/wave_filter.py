@@ -16,9 +16,9 @@ from trainer.core.elementary import cosine_and_sine
 from trainer.core.kernel import Record, kernel, part
 from trainer.core.noise import SEA_FILTER, gaussian
 from trainer.core.sea import DEGREE
+from trainer.units import KNOT
 
 PEAK: Final = 0.8771632473301956  # [-] peak frequency times wind speed over g, (4 0.74/5)^(1/4)
-KNOT: Final = 1852.0 / 3600.0  # [m/s]
 LOW_DAMPING: Final = 0.325
 HIGH_DAMPING: Final = 0.707
 SIMILAR: Final = (0.90, 0.50)  # [-] w_L U/g, w_H U/g

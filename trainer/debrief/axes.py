@@ -6,7 +6,7 @@ from typing import Final
 
 import numpy as np
 
-from trainer.scores.passage import Numbers
+from trainer.core.kernel import Numbers
 
 ROUND: Final = (1.0, 2.0, 2.5, 5.0, 10.0)
 ANGLES: Final = (1.0, 2.0, 5.0, 10.0, 15.0, 30.0, 45.0, 90.0, 180.0, 360.0)  # [deg]

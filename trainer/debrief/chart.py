@@ -7,8 +7,8 @@ from typing import Final
 
 import numpy as np
 
+from trainer.core.kernel import Numbers
 from trainer.debrief.axes import TIMES, Axis, clock, step_of, thinned, ticks
-from trainer.scores.passage import Numbers
 
 WIDTH, HEIGHT = 960.0, 210.0  # [px]
 LEFT, RIGHT, TOP, BOTTOM = 58.0, 24.0, 26.0, 24.0

@@ -5,13 +5,14 @@ from typing import Final
 
 import numpy as np
 
+from trainer.core.kernel import Numbers
 from trainer.core.tanks import BANKS
 from trainer.debrief.axes import ANGLES
 from trainer.debrief.chart import Chart, Ground, Level, Line
 from trainer.debrief.dossier import Dossier
-from trainer.fitout import KNOT
 from trainer.scores.measures import LIMITED, limits_of
-from trainer.scores.passage import Numbers, Passage
+from trainer.scores.passage import Passage
+from trainer.units import KNOT
 
 ACTUAL, ORDERED = "actual", "ordered"
 SECOND, SECOND_ORDERED = "second", "second ordered"

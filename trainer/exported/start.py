@@ -5,9 +5,9 @@ from typing import Any
 from trainer.boat import Boat
 from trainer.files.sea_file import load_sea
 from trainer.files.vessel_file import load_vessel
-from trainer.fitout import KNOT
 from trainer.plan import chosen_method
 from trainer.readiness import refuse_unstable
+from trainer.units import KNOT
 
 
 def boat_at_start(options: dict[str, Any]) -> Boat:

@@ -8,8 +8,7 @@ from typing import Final
 from trainer.core.casualties import GAUGES, KINDS, SURFACES
 from trainer.core.state import VALVES
 from trainer.files.schema import Limits, above, within
-
-KNOT: Final = 1852.0 / 3600.0  # [m/s]
+from trainer.units import KNOT
 
 SHARE: Final = above(0, 1)
 SWITCH: Final = within(1, 1)  # there or not, at once

@@ -24,7 +24,7 @@ from trainer.config import (
     shown,
 )
 from trainer.core.kernel import Numbers
-from trainer.core.wave_filter import KNOT, PEAK
+from trainer.core.wave_filter import PEAK
 from trainer.files.schema import (
     Choice,
     Kind,
@@ -36,6 +36,7 @@ from trainer.files.schema import (
     read_record,
     within,
 )
+from trainer.units import KNOT
 
 HEADING: Final[Mapping[str, Kind]] = {
     "schema": Choice(("sea/1",), "form of the file"),

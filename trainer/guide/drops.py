@@ -6,10 +6,11 @@ from typing import Final
 
 from trainer.files.terms import coefficient_terms
 from trainer.files.vessel_file import VesselFile
-from trainer.fitout import KNOT, Method
+from trainer.fitout import Method
 from trainer.guide.tasks import Flown, Task
 from trainer.study.manoeuvres.catalogue import named
 from trainer.study.manoeuvres.flight import Flight
+from trainer.units import KNOT
 
 Look = Mapping[str, tuple[str, ...]]  # manoeuvre: measures that are shown
 LOOKED_AT: Final[Look] = {

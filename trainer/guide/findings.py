@@ -10,7 +10,7 @@ from itertools import pairwise
 from typing import Final
 
 from trainer.files.vessel_file import VesselFile
-from trainer.fitout import KNOT, Method
+from trainer.fitout import Method
 from trainer.guide.steps import StepRun
 from trainer.guide.tasks import Flown, Task
 from trainer.study.check import round_speeds
@@ -21,6 +21,7 @@ from trainer.study.manoeuvres.measures import largest
 from trainer.study.manoeuvres.offset import TrimChange
 from trainer.study.manoeuvres.submarine import Rig
 from trainer.study.manoeuvres.turns import Turn
+from trainer.units import KNOT
 
 HOLDS: Final = "holds"
 IN_PART: Final = "holds in part"

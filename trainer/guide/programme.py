@@ -7,13 +7,14 @@ from typing import Final
 import numpy as np
 
 from trainer.files.vessel_file import VesselFile
-from trainer.fitout import KNOT, Method
+from trainer.fitout import Method
 from trainer.guide.tasks import Task
 from trainer.study.characteristic import vertical
 from trainer.study.check import round_speeds
 from trainer.study.manoeuvres.catalogue import MANOEUVRES, named, within_limits
 from trainer.study.manoeuvres.flight import Manoeuvre
 from trainer.study.manoeuvres.submarine import Submarine
+from trainer.units import KNOT
 
 SETS: Final = {  # equation set: accelerations, integrator
     "full": ("exact", "rk4"),

@@ -10,13 +10,14 @@ from typing import Final
 import numpy as np
 
 from trainer.files.vessel_file import VesselFile
-from trainer.fitout import KNOT, Method
+from trainer.fitout import Method
 from trainer.guide.tasks import Flown, Task
 from trainer.study.check import round_speeds
 from trainer.study.manoeuvres.flight import Flight, Manoeuvre
 from trainer.study.manoeuvres.offset import TrimChange
 from trainer.study.manoeuvres.submarine import Rig
 from trainer.study.manoeuvres.turns import Turn
+from trainer.units import KNOT
 
 SHARES: Final = (0.5, 1.0, 2.0, 3.0)  # of the boat's own step: 0.25, 0.5, 1 and 1.5 s of 1969
 FINE: Final = 0.1  # of it, the standard

@@ -9,7 +9,6 @@ import numpy as np
 
 from trainer.config import ConfigError
 from trainer.files.vessel_file import load_vessel
-from trainer.fitout import KNOT
 from trainer.identify.allowed import PAIRED, Allowed, allowed
 from trainer.identify.fitting import Fitted, fit, settings, table_of
 from trainer.identify.prediction import bend_of, check_of, loss_alone
@@ -29,6 +28,7 @@ from trainer.identify.study_file import Study, observe
 from trainer.identify.study_records import Ship
 from trainer.identify.tests_of_order import aic_of_likelihood
 from trainer.identify.told import DERIVATIVES, QUANTITIES
+from trainer.units import KNOT
 
 LAGS: Final = 10
 

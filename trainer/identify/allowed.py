@@ -12,9 +12,9 @@ from typing import Final, NamedTuple
 
 import numpy as np
 
+from trainer.core.kernel import Numbers
 from trainer.identify.fitting import Fitted
 from trainer.identify.likelihood import possible
-from trainer.identify.nomoto import Numbers
 from trainer.identify.prediction import alone
 from trainer.identify.problem import Problem
 from trainer.identify.samples import Samples

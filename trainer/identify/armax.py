@@ -8,11 +8,9 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from trainer.core.kernel import Numbers
 from trainer.identify.kernels.armax import combined, filtered, simulated
-
-Numbers = NDArray[np.float64]
 
 KINDS: Final = ("a", "b", "c", "d")
 

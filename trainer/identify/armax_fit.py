@@ -9,7 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from trainer.config import ConfigError
-from trainer.identify.armax import Armax, Numbers, coefficient_names, roots_of
+from trainer.core.kernel import Numbers
+from trainer.identify.armax import Armax, coefficient_names, roots_of
 from trainer.identify.kernels.armax import filtered
 
 ROUNDS: Final = 100

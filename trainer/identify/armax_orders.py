@@ -7,7 +7,8 @@ from typing import Final, NamedTuple
 import numpy as np
 
 from trainer.config import ConfigError
-from trainer.identify.armax import Armax, Numbers
+from trainer.core.kernel import Numbers
+from trainer.identify.armax import Armax
 from trainer.identify.armax_fit import ArmaxFit, fit_armax
 from trainer.identify.residuals import Residuals, examine_residuals
 from trainer.identify.tests_of_order import OrderTest, aic_of_loss, bic_of_loss, f_test

@@ -5,14 +5,13 @@ from collections.abc import Callable
 from typing import Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from trainer.core.kernel import Numbers
 from trainer.identify.likelihood import Likelihood
 from trainer.identify.minimise import stretched
 from trainer.identify.problem import Problem
 from trainer.identify.simulate import deterministic
 
-Numbers = NDArray[np.float64]
 Value = Callable[[], float]
 
 MOST: Final = 200  # steps of its minimiser

@@ -7,13 +7,11 @@ from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from trainer.config import ConfigError, shown
+from trainer.core.kernel import Numbers
 from trainer.identify.minimise import Found
 from trainer.identify.problem import Problem
-
-Numbers = NDArray[np.float64]
 
 
 def keep(path: Path, problem: Problem) -> Callable[[Found], None]:

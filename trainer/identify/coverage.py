@@ -5,16 +5,14 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from trainer.core.kernel import Numbers
 from trainer.identify.estimate import estimate
 from trainer.identify.likelihood import Likelihood
 from trainer.identify.minimise import Search
 from trainer.identify.problem import Problem
 from trainer.identify.simulate import drawn
 from trainer.identify.uncertainty import uncertainty
-
-Numbers = NDArray[np.float64]
 
 WIDTH: Final = 1.959963984540054  # [standard deviations] of half a 95 % interval
 

@@ -5,10 +5,10 @@ from typing import Final
 
 import numpy as np
 
-from trainer.fitout import KNOT
 from trainer.identify.deccon import Sailed
 from trainer.study.page import INDENT, cut, figure, table
 from trainer.study.plots import Curve, Panel
+from trainer.units import KNOT
 
 SHOWN: Final = 20  # rows
 

@@ -9,18 +9,12 @@ from typing import Final
 import numpy as np
 
 from trainer.config import ConfigError
-from trainer.fitout import KNOT
+from trainer.core.kernel import Numbers
 from trainer.identify.decca import Fix, track
 from trainer.identify.decca_file import DeccaFile, Readings
-from trainer.identify.sway import (
-    Numbers,
-    along,
-    derivative,
-    even_interval,
-    smoothed,
-    sway_of_track,
-)
+from trainer.identify.sway import along, derivative, even_interval, smoothed, sway_of_track
 from trainer.io.whole_file import replacing
+from trainer.units import KNOT
 
 HEADS: Final = ("t", "east", "north", "psi", "r", "v", "u")
 

@@ -6,11 +6,10 @@ For costs that have no exact derivatives, and to check those that have.
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import NDArray
 
 from trainer.config import ConfigError
+from trainer.core.kernel import Numbers
 
-Numbers = NDArray[np.float64]
 Function = Callable[[Numbers], float]
 
 

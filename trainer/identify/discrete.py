@@ -5,15 +5,13 @@ from dataclasses import dataclass
 from typing import Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from trainer.config import ConfigError
+from trainer.core.kernel import Numbers
 from trainer.identify.imaginary import STEP
 from trainer.identify.kernels.entries import Entries
 from trainer.identify.kernels.sampling import sample_instants, sample_integrals
 from trainer.identify.models import Blocks
-
-Numbers = NDArray[np.float64]
 
 
 def _as_given(

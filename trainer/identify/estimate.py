@@ -5,13 +5,12 @@ from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from trainer.config import ConfigError
+from trainer.core.kernel import Numbers
 from trainer.identify.minimise import Cost, Found, Search, bfgs, scoring, stretched
 from trainer.identify.powell import powell
 
-Numbers = NDArray[np.float64]
 Minimiser = Callable[[Cost, Numbers, Search], Found]
 
 

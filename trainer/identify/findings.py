@@ -11,7 +11,8 @@ from typing import Final
 import numpy as np
 
 from trainer.config import ConfigError
-from trainer.identify.record import OUTPUTS, Numbers, Record
+from trainer.core.kernel import Numbers
+from trainer.identify.record import OUTPUTS, Record
 
 GAP: Final = 1.5  # [-] of the usual interval: a longer one is a gap
 STEADY: Final = 1e-3  # [-] of the usual interval: times that differ less are at one interval

@@ -9,13 +9,13 @@ from typing import Any, Final
 import numpy as np
 
 from trainer.config import ConfigError
+from trainer.core.kernel import Numbers
 from trainer.files.vessel_file import load_vessel
 from trainer.identify.checkpoint import keep, resume
 from trainer.identify.estimate import Starts, estimate
 from trainer.identify.likelihood import Likelihood
 from trainer.identify.minimise import Cost, Found, Search
 from trainer.identify.models import MODELS, Plant, Ship
-from trainer.identify.nomoto import Numbers
 from trainer.identify.predictor import Innovations, MultiStep, no_gain, settled_gain
 from trainer.identify.problem import Problem, problem_of
 from trainer.identify.record import Record

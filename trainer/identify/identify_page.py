@@ -4,7 +4,6 @@ from typing import Final
 
 import numpy as np
 
-from trainer.fitout import KNOT
 from trainer.identify.account import Identified, carried_out, errors_of
 from trainer.identify.allowed import Band, pulse_of, step_of
 from trainer.identify.models import UNITS
@@ -15,6 +14,7 @@ from trainer.identify.residuals import Residuals
 from trainer.identify.rivals import Rival
 from trainer.study.page import INDENT, cut, figure, table, wrapped
 from trainer.study.plots import Curve, Panel
+from trainer.units import KNOT
 
 __all__ = ["carried_out", "panels", "render"]
 

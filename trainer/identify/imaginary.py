@@ -4,11 +4,9 @@ from collections.abc import Sequence
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from trainer.core.kernel import Numbers
 from trainer.identify.kernels.sampling import Complexes
-
-Numbers = NDArray[np.float64]
 
 STEP: Final = 1e-100  # imaginary part that carries a derivative without rounding
 

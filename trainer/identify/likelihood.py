@@ -9,15 +9,13 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from trainer.core.kernel import Numbers
 from trainer.identify.discrete import Sampled
 from trainer.identify.kernels.adjoint import likelihood_slope, trail
 from trainer.identify.kernels.likelihood import likelihood_sums
 from trainer.identify.kernels.sensitivity import information_rows
 from trainer.identify.problem import Problem
-
-Numbers = NDArray[np.float64]
 
 LOG_2_PI: Final = math.log(2.0 * math.pi)
 PIECE: Final = 256  # rows

@@ -13,9 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from trainer.config import ConfigError
+from trainer.core.kernel import Numbers
 from trainer.identify.problem import Problem
-
-Numbers = NDArray[np.float64]
 
 CLOSE: Final = 1e-8  # [-] of cost: what a quadratic model may still promise at the minimum
 LONGEST: Final = 2.0  # [-] step of a parameter with bounds

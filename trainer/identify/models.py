@@ -11,13 +11,11 @@ from functools import cached_property
 from typing import Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from trainer.config import ConfigError, nearest
+from trainer.core.kernel import Numbers
 from trainer.identify.kernels import ship_models
 from trainer.identify.kernels.entries import Entries
-
-Numbers = NDArray[np.float64]
 
 # output channels, by their place in the kernels
 CHANNELS: Final = ("bow_sway", "stern_sway", "sway", "yaw_rate", "heading")

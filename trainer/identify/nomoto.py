@@ -9,11 +9,9 @@ from dataclasses import dataclass
 from typing import Final, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from trainer.config import ConfigError
-
-Numbers = NDArray[np.float64]
+from trainer.core.kernel import Numbers
 
 GRAVITY: Final = 9.81  # [m/s^2] in the bis system
 

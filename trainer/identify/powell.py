@@ -3,12 +3,10 @@
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from trainer.config import ConfigError
+from trainer.core.kernel import Numbers
 from trainer.identify.minimise import Cost, Found, Search, stretched
-
-Numbers = NDArray[np.float64]
 
 
 def powell(cost: Cost, theta: Numbers, search: Search) -> Found:

@@ -3,11 +3,9 @@
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from trainer.config import ConfigError
-
-Numbers = NDArray[np.float64]
+from trainer.core.kernel import Numbers
 
 TAPS: Final = {  # bits of the register whose sum modulo 2 comes in: periods of 2^n - 1
     2: (2, 1),

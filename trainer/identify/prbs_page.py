@@ -7,7 +7,6 @@ from typing import Any, Final
 import numpy as np
 
 from trainer.files.vessel_file import VesselFile
-from trainer.fitout import KNOT
 from trainer.identify.experiment import (
     LEAD,
     Sequence,
@@ -30,6 +29,7 @@ from trainer.identify.told import QUANTITIES
 from trainer.identify.trial import flown
 from trainer.study.page import INDENT, cut, figure, table, wrapped
 from trainer.study.plots import Curve, Panel
+from trainer.units import KNOT
 
 UNMOVED: Final = ("T_imag",)  # shown with T1 if it is not zero
 

@@ -6,8 +6,8 @@ from pathlib import Path
 import numpy as np
 
 from trainer.config import ConfigError
+from trainer.core.kernel import Numbers
 from trainer.identify.fitting import Fitted
-from trainer.identify.nomoto import Numbers
 from trainer.identify.nonlinear import Bend, Bent, kappa_from_record
 from trainer.identify.problem import Problem
 from trainer.identify.record import Record

@@ -10,9 +10,9 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from trainer.config import ConfigError
+from trainer.core.kernel import Numbers
 from trainer.identify.discrete import Sampled
 from trainer.identify.imaginary import STEP
 from trainer.identify.kernels.prediction import multi_step, run_with_gain, settle
@@ -20,7 +20,6 @@ from trainer.identify.kernels.sampling import Complexes
 from trainer.identify.likelihood import LOG_2_PI, Likelihood, possible
 from trainer.identify.problem import Problem
 
-Numbers = NDArray[np.float64]
 Gains = Callable[[Problem, Sampled], Complexes | None]
 
 MOST_STEPS: Final = 5000  # of the iteration for the settled gain

@@ -6,15 +6,13 @@ from functools import cached_property
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from trainer.core.kernel import Numbers
 from trainer.identify.discrete import Sampled, sample
 from trainer.identify.imaginary import aside
 from trainer.identify.kernels.entries import Entries
 from trainer.identify.models import Plant
 from trainer.identify.samples import Samples
-
-Numbers = NDArray[np.float64]
 
 LEAST: Final = 1e-4  # [-] of its start: what an error's variance is not estimated below
 

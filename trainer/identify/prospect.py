@@ -7,9 +7,9 @@ from typing import Final
 import numpy as np
 
 from trainer.config import ConfigError
+from trainer.core.kernel import Numbers
 from trainer.identify.likelihood import Likelihood
 from trainer.identify.models import MODELS, UNITS, Plant, Ship
-from trainer.identify.nomoto import Numbers
 from trainer.identify.problem import problem_of
 from trainer.identify.record import Record
 from trainer.identify.samples import samples_of

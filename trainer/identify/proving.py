@@ -9,12 +9,11 @@ import math
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from functools import partial
-from typing import Final, NamedTuple
+from typing import TYPE_CHECKING, Final, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from trainer.fitout import KNOT
+from trainer.core.kernel import Numbers
 from trainer.identify import spread
 from trainer.identify.coverage import WIDTH, study
 from trainer.identify.estimate import estimate
@@ -40,13 +39,14 @@ from trainer.identify.samples import Samples
 from trainer.identify.simulate import deterministic, drawn
 from trainer.identify.told import nomoto_of
 from trainer.identify.uncertainty import beside_bounds, uncertainty
+from trainer.units import DEGREE, KNOT
 
-Numbers = NDArray[np.float64]
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
 
 RECORDS: Final = 40
 COVERED: Final = 200
 SWAY_RECORDS: Final = 60  # a share of 0.9 is then known to 0.04
-DEGREE: Final = math.pi / 180.0
 SWAY_NUMBERS: Final = ("K_v", "T1", "T2", "T1 + T2")
 
 

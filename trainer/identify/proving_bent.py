@@ -10,16 +10,16 @@ from typing import Final
 
 import numpy as np
 
-from trainer.fitout import KNOT
+from trainer.core.kernel import Numbers
 from trainer.identify.estimate import estimate
 from trainer.identify.imaginary import aside
 from trainer.identify.minimise import Search
-from trainer.identify.nomoto import Numbers
 from trainer.identify.predictor import Innovations, no_gain
 from trainer.identify.problem import Problem
 from trainer.identify.proving import Figure
-from trainer.identify.rehearsal import RADIAN, STATE, TANKER, TANKER_SHIP, Rehearsal
+from trainer.identify.rehearsal import STATE, TANKER, TANKER_SHIP, Rehearsal
 from trainer.identify.samples import Samples
+from trainer.units import DEGREE, KNOT
 
 WEAKENED: Final = 4.0  # [-] N_v of |v|/V: at a drift of 0.1 the moment is 0.6 of the line's
 COUNT, PARTS = 300, 10  # samples, and steps of Runge and Kutta in each
@@ -46,13 +46,13 @@ def zig_zag(problem: Problem, angle: float) -> tuple[Numbers, Numbers]:
     h = problem.plant.period / PARTS
     for k in range(COUNT):
         motion[k] = state
-        if -side * state[2] / RADIAN >= angle:
+        if -side * state[2] / DEGREE >= angle:
             side = -side
         rudder[k] = side * angle
         for _ in range(PARTS):
             middle = state + 0.5 * h * rates(state, rudder[k])
             state = state + h * rates(middle, rudder[k])
-    return rudder, motion * np.array([1.0 / KNOT, 1.0 / RADIAN, 1.0 / RADIAN])
+    return rudder, motion * np.array([1.0 / KNOT, 1.0 / DEGREE, 1.0 / DEGREE])
 
 
 def bent_hull() -> Iterator[Figure]:

@@ -11,12 +11,11 @@ from typing import Final, NamedTuple
 
 import numpy as np
 
-from trainer.fitout import KNOT
+from trainer.core.kernel import Numbers
 from trainer.identify.decca import Point, Slave, lane_at, track
 from trainer.identify.estimate import estimate
 from trainer.identify.likelihood import Likelihood
 from trainer.identify.minimise import Search
-from trainer.identify.nomoto import Numbers
 from trainer.identify.problem import Problem
 from trainer.identify.proving import Figure
 from trainer.identify.rehearsal import SHIP_DERIVATIVES, TANKER, sequence
@@ -25,6 +24,7 @@ from trainer.identify.simulate import drawn
 from trainer.identify.sway import along, smoothed, sway_of_track
 from trainer.identify.told import nomoto_of
 from trainer.identify.uncertainty import beside_bounds, uncertainty
+from trainer.units import KNOT
 
 CHAIN: Final = {"red": Slave(Point(-60e3, 20e3), 440.0), "green": Slave(Point(40e3, 70e3), 590.0)}
 START: Final = Point(-10e3, 50e3)

@@ -12,8 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from trainer.config import ConfigError
-
-Numbers = NDArray[np.float64]
+from trainer.core.kernel import Numbers
 
 CHANNELS: Final = {  # what may be recorded beside time, and its unit
     "rudder": "rad",

@@ -11,18 +11,15 @@ from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
-from trainer.fitout import KNOT
+from trainer.core.kernel import Numbers
 from trainer.identify.models import MODELS, Plant, Ship
 from trainer.identify.prbs import held, prbs
 from trainer.identify.problem import Problem, problem_of
 from trainer.identify.samples import Samples
-
-Numbers = NDArray[np.float64]
+from trainer.units import DEGREE, KNOT
 
 SHIP_DERIVATIVES: Final = ("Y_v", "Y_r", "N_v", "N_r", "Y_delta", "l_delta")
-RADIAN: Final = np.pi / 180.0
 STATE: Final = ("x1_0", "x2_0", "x3_0")
 
 
@@ -180,7 +177,7 @@ def helmed(rehearsal: Rehearsal, angle: float, count: int) -> Numbers:
     z = np.array([*start[:, 0], 0.0, 0.0, 1.0])
     rudder, side = np.empty(count), 1.0
     for k in range(count):
-        if -side * z[2] / RADIAN >= angle:
+        if -side * z[2] / DEGREE >= angle:
             side = -side
         z[3], z[4] = rudder[k - 1] if k else side * angle, side * angle
         rudder[k] = side * angle

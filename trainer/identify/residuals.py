@@ -9,11 +9,9 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from trainer.config import ConfigError
-
-Numbers = NDArray[np.float64]
+from trainer.core.kernel import Numbers
 
 LAGS: Final = 10
 MOST_LAGS: Final = 50

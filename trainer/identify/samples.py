@@ -7,13 +7,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from trainer.config import ConfigError
+from trainer.core.kernel import Numbers
 from trainer.identify.models import UNITS
 from trainer.identify.record import Record
+from trainer.units import DEGREE
 
-Numbers = NDArray[np.float64]
 Places = NDArray[np.int64]
-
-DEGREE = np.pi / 180.0
 
 
 @dataclass(frozen=True)

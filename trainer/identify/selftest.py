@@ -10,10 +10,10 @@ from typing import Any, Final, NamedTuple
 
 import numpy as np
 
+from trainer.core.kernel import Numbers
 from trainer.identify.armax import Armax
 from trainer.identify.armax_fit import fit_armax
 from trainer.identify.armax_orders import without_wind
-from trainer.identify.nomoto import Numbers
 from trainer.identify.prbs import held, prbs
 from trainer.identify.proving import PROOFS
 from trainer.identify.proving_bent import bent_hull

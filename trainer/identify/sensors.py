@@ -7,8 +7,8 @@ from typing import Final
 import numpy as np
 
 from trainer.files.schema import Quantity, optional, within
-from trainer.fitout import KNOT
 from trainer.identify.record import Record
+from trainer.units import KNOT
 
 DEVIATION: Final = within(0, 100)
 STREAMS: Final = ("sway", "bow_sway", "stern_sway", "yaw_rate", "heading")

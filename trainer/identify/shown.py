@@ -7,11 +7,10 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from trainer.core.kernel import Numbers
 from trainer.identify.kernels.screening import COUNTED, show
 from trainer.identify.likelihood import LOG_2_PI
 from trainer.identify.problem import Problem
-
-Numbers = NDArray[np.float64]
 
 REASONS: Final = ("counted", "missing", "rejected", "singular")
 

@@ -3,15 +3,13 @@
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from trainer.config import ConfigError
+from trainer.core.kernel import Numbers
 from trainer.identify.kernels.simulation import simulate
 from trainer.identify.likelihood import possible
 from trainer.identify.problem import Problem
 from trainer.identify.samples import Samples
-
-Numbers = NDArray[np.float64]
 
 
 def root(covariance: Numbers) -> Numbers:

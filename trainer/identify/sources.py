@@ -10,13 +10,13 @@ from typing import Any, Final
 import numpy as np
 
 from trainer.config import ConfigError, nearest, shown
-from trainer.fitout import KNOT
-from trainer.identify.record import CHANNELS, Numbers, Record
+from trainer.core.kernel import Numbers
+from trainer.identify.record import CHANNELS, Record
 from trainer.places import SUFFIX
 from trainer.records.exporting import table_layout
 from trainer.records.log_book import reading
+from trainer.units import DEGREE, KNOT
 
-DEGREE: Final = math.pi / 180.0
 UNITS: Final[Mapping[str, Mapping[str, float]]] = {  # to SI and radians
     "s": {"s": 1.0, "ms": 1e-3, "min": 60.0, "h": 3600.0},
     "rad": {"rad": 1.0, "deg": DEGREE},

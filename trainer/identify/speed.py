@@ -12,8 +12,8 @@ from functools import partial
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from trainer.core.kernel import Numbers
 from trainer.exported.linking import NoCompilerError
 from trainer.identify.against_c.filter import likelihood_in_c
 from trainer.identify.alternating import timed
@@ -27,7 +27,6 @@ from trainer.identify.rehearsal import TANKER, TANKER_RUDDER
 from trainer.identify.samples import Samples
 from trainer.identify.simulate import drawn
 
-Numbers = NDArray[np.float64]
 Maker = Callable[[Problem, Numbers], Callable[[], float]]
 
 MISSING: Final = 0.1  # [-] share of readings

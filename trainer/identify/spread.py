@@ -8,9 +8,9 @@ from collections.abc import Callable
 from typing import Final, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-Numbers = NDArray[np.float64]
+from trainer.core.kernel import Numbers
+
 Derived = Callable[[Numbers], Numbers]
 
 DRAWS: Final = 1000

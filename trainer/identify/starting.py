@@ -11,8 +11,8 @@ from typing import Final
 import numpy as np
 
 from trainer.config import ConfigError
+from trainer.core.kernel import Numbers
 from trainer.identify.models import UNITS, Plant
-from trainer.identify.nomoto import Numbers
 from trainer.identify.record import Record
 from trainer.identify.study_records import ParameterRow
 

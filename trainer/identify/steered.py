@@ -11,14 +11,12 @@ from pathlib import Path
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from trainer.config import ConfigError
-from trainer.fitout import KNOT
+from trainer.core.kernel import Numbers
 from trainer.identify.nomoto_file import NomotoFile, load_nomoto
 from trainer.study.manoeuvres.vehicle import Control, LostError
-
-Numbers = NDArray[np.float64]
+from trainer.units import KNOT
 
 COLUMNS: Final = ("t", "u", "v", "r", "x", "y", "psi", "delta_r")
 FASTEST: Final = math.tau  # [rad/s] a ship that turns faster is lost

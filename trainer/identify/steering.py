@@ -13,8 +13,9 @@ from typing import Final
 import numpy as np
 
 from trainer.config import ConfigError
+from trainer.core.kernel import Numbers
 from trainer.files.vessel_file import VesselFile
-from trainer.identify.nomoto import Nomoto, Numbers, nomoto, solved, transfer
+from trainer.identify.nomoto import Nomoto, nomoto, solved, transfer
 from trainer.identify.record import Record
 from trainer.study.characteristic import HORIZONTAL, Means, dimensional, horizontal
 

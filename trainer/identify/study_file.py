@@ -9,7 +9,6 @@ import numpy as np
 
 from trainer.config import ConfigError, Place, collecting, nearest, parse_toml, read_text
 from trainer.files.schema import read_record
-from trainer.fitout import KNOT
 from trainer.identify.findings import Finding, examine, unwrapped
 from trainer.identify.record import Record
 from trainer.identify.sensors import USUAL, Sensors, read_by
@@ -25,6 +24,7 @@ from trainer.identify.study_records import (
     Ship,
 )
 from trainer.places import SUFFIX
+from trainer.units import KNOT
 
 TABLES: Final = ("columns", "ship", "sensors", "model", "parameters", "armax")
 KNOWN: Final = (*(item.name for item in fields(Heading)), "note", *TABLES)

@@ -4,11 +4,9 @@ import math
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from trainer.config import ConfigError
-
-Numbers = NDArray[np.float64]
+from trainer.core.kernel import Numbers
 
 SPENCER: Final = np.array([-3, -6, -5, 3, 21, 46, 67, 74, 67, 46, 21, 3, -5, -6, -3]) / 320.0
 EVEN: Final = 1e-3  # [-] of the interval, that sampling may vary

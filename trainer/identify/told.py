@@ -5,16 +5,9 @@ from typing import Final
 
 import numpy as np
 
+from trainer.core.kernel import Numbers
 from trainer.identify.models import Model, Ship
-from trainer.identify.nomoto import (
-    Nomoto,
-    Numbers,
-    Transfer,
-    nomoto,
-    solved,
-    time_constants,
-    transfer,
-)
+from trainer.identify.nomoto import Nomoto, Transfer, nomoto, solved, time_constants, transfer
 
 QUANTITIES: Final = {  # and their units
     "K": "1/s",

@@ -1,6 +1,6 @@
 """A boat flown under timed orders in a calm, without ports or clock, as a record."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable
 from typing import Final
 
 import numpy as np
@@ -8,18 +8,18 @@ import numpy as np
 from trainer.boat import Boat
 from trainer.config import ConfigError
 from trainer.files.vessel_file import VesselFile
-from trainer.fitout import KNOT
 from trainer.helm import obey
 from trainer.identify.experiment import method_of
 from trainer.identify.record import Record
 from trainer.io.schedule import Scheduled
 from trainer.reply import Refused
+from trainer.units import KNOT
 
 NAMES: Final = ("t", "delta_r", "psi", "r", "v", "u")
 
 
 def flown(
-    file: VesselFile, schedule: Sequence[Scheduled], speed: float, depth: float, seconds: float
+    file: VesselFile, schedule: Iterable[Scheduled], speed: float, depth: float, seconds: float
 ) -> Record:
     """Return the record of a boat that begins at ``speed`` [m/s] and ``depth`` [m].
 

@@ -4,13 +4,11 @@ from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from trainer.core.kernel import Numbers
 from trainer.identify.likelihood import Likelihood
 from trainer.identify.minimise import Cost
 from trainer.identify.problem import Problem
-
-Numbers = NDArray[np.float64]
 
 FLAT: Final = 1e-10  # [-] eigenvalue of the information scaled to a unit diagonal
 BOUNDED: Final = ("R1_", "R2_", "lag")  # parameters that no gain or time constant follows from

@@ -10,7 +10,8 @@ import itertools
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from trainer.io.quantities import DEGREE, NUMBERS, Number
+from trainer.io.quantities import NUMBERS, Number
+from trainer.units import DEGREE
 
 # Starboard and rising are positive, as everywhere outside the core.
 SIGNS = {"left": -1.0, "right": 1.0, "dive": -1.0, "rise": 1.0}

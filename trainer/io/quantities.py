@@ -1,12 +1,10 @@
 """The numbers an order line may hold: what they mean, their units and the limits of the grammar."""
 
-import math
 from dataclasses import dataclass
 from decimal import Decimal
 
-KNOT = 1852.0 / 3600.0  # [m/s]  exact: 1852 m in an hour
-FOOT = 0.3048  # [m]  exact
-DEGREE = math.pi / 180.0  # [rad]
+from trainer.units import DEGREE, FOOT, KNOT
+
 MINUTE = 60.0  # [s]
 
 

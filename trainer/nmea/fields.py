@@ -3,9 +3,9 @@
 from typing import Final
 
 from trainer.io.nmea import date, latitude, longitude, number, time_of_day
-from trainer.io.quantities import FOOT
 from trainer.nmea.orders import POSITIONS
 from trainer.nmea.sight import Sight
+from trainer.units import FOOT
 
 FATHOM: Final = 6.0 * FOOT  # [m]
 KILOMETRES: Final = 1.852  # [km/h] in a knot

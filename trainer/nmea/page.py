@@ -5,11 +5,12 @@ from typing import Any, Final
 
 from trainer.boat import Boat
 from trainer.files.vessel_file import VesselFile
-from trainer.fitout import KNOT, Method
+from trainer.fitout import Method
 from trainer.ledger import Ledger
 from trainer.nmea.chart import DEFAULT
 from trainer.nmea.set import INSTRUMENTS, Instrument, InstrumentSet
 from trainer.stations.frame import Lookout, Pace, Picture
+from trainer.units import KNOT
 
 NOON: Final = datetime(2026, 1, 1, 12, tzinfo=UTC)  # of the sample
 

@@ -11,7 +11,6 @@ from datetime import UTC, datetime, timedelta
 from typing import Final, NamedTuple
 
 from trainer.core.tanks import BANKS, TANKS
-from trainer.fitout import KNOT
 from trainer.nmea.chart import Chart
 from trainer.stations.fields import compass
 from trainer.stations.frame import Frame
@@ -26,6 +25,7 @@ from trainer.stations.panels import (
     surface_fields,
     tank_fields,
 )
+from trainer.units import KNOT
 
 SURFACES: Final = ("rudder", "stern", "bow")
 BALLAST: Final = TANKS[:8]  # those that are not compartments

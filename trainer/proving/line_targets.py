@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from trainer.boat import Boat
 from trainer.files.vessel_file import load_vessel
-from trainer.fitout import KNOT, Method
+from trainer.fitout import Method
 from trainer.helm import ORDERS, obey
 from trainer.io import nmea, sentences
 from trainer.io.lines import LineDecoder, Overlong
@@ -28,6 +28,7 @@ from trainer.stations.door import Door
 from trainer.stations.frame import Lookout, Pace
 from trainer.stations.publisher import Promptly, Roster
 from trainer.stations.station import Station
+from trainer.units import KNOT
 
 TOKEN: Final = "proving-1969"  # noqa: S105  a word of the proof
 ENOUGH: Final = 64  # [lines] of one input

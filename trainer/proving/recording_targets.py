@@ -10,13 +10,14 @@ from typing import Any, Final
 from trainer.boat import Boat
 from trainer.config import ConfigError
 from trainer.files.vessel_file import load_vessel
-from trainer.fitout import KNOT, Method
+from trainer.fitout import Method
 from trainer.io.recording import Moment, Recording, RecordingError
 from trainer.proving import damage
 from trainer.proving.target import Target, filed, folder, shipped_texts, text_of
 from trainer.records.exporting import table_layout
 from trainer.records.layout import LAYOUT
 from trainer.records.log_book import PLAN, differences, layout_of, method_of, notes, plan_of
+from trainer.units import KNOT
 
 PATCH: Final = 4  # [bytes]  three of a place, one to stand there
 TICKS: Final = 8

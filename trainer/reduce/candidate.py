@@ -5,10 +5,11 @@ from typing import Final
 
 from trainer.core.vessel import BASIC_DROPS, EXTRA_TERMS, KEPT, compact_record
 from trainer.files.vessel_file import VesselFile
-from trainer.fitout import KNOT, body, thrust_rows
+from trainer.fitout import body, thrust_rows
 from trainer.guide.programme import Leg, own_method
 from trainer.study.manoeuvres.flight import Flight, fly
 from trainer.study.manoeuvres.submarine import Submarine
+from trainer.units import KNOT
 
 # What the crew commands stays at its strength: no manoeuvre moves bow planes by themselves, and a
 # boat without rudder drag would pass many a test.

@@ -10,7 +10,8 @@ from trainer.boat import Boat
 from trainer.config import ConfigError
 from trainer.core.sortie import COLUMNS, LOOKOUT, sail
 from trainer.files.vessel_file import VesselFile
-from trainer.fitout import KNOT, Method
+from trainer.fitout import Method
+from trainer.units import KNOT
 
 TICKS: Final = 2000
 TIMES: Final = 7

@@ -8,11 +8,11 @@ from typing import Final, Self
 
 import numpy as np
 
+from trainer.core.kernel import Numbers
 from trainer.files.vessel_file import load_vessel
 from trainer.guide.programme import Leg
 from trainer.reduce.candidate import Candidate
 from trainer.reduce.yardstick import Yardstick
-from trainer.study.manoeuvres.measures import Numbers
 from trainer.workers import workers
 
 NUDGE: Final = 1e-3  # [-] of a factor, for the difference quotients

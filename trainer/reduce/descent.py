@@ -10,7 +10,7 @@ from typing import Final, NamedTuple
 
 import numpy as np
 
-from trainer.study.manoeuvres.measures import Numbers
+from trainer.core.kernel import Numbers
 
 LOWEST, HIGHEST = 0.5, 2.0  # [-] factors
 FLOOR: Final = 0.2  # [-] smaller differences weigh as this

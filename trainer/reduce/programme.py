@@ -8,7 +8,6 @@ import numpy as np
 
 from trainer.config import ConfigError
 from trainer.files.vessel_file import VesselFile
-from trainer.fitout import KNOT
 from trainer.guide.programme import Leg, own_method
 from trainer.guide.programme import legs as guide_legs
 from trainer.reduce.manoeuvres import OutOfBalance, PlaneJam, VerticalWeave, Weave
@@ -22,6 +21,7 @@ from trainer.study.manoeuvres.speeds import CrashStop
 from trainer.study.manoeuvres.submarine import Submarine
 from trainer.study.manoeuvres.turns import ClimbingTurn, Turn
 from trainer.study.manoeuvres.zigzag import ZigZag
+from trainer.units import KNOT
 
 TURN_LENGTHS: Final = 120.0  # [lengths run] of a turn, until it is steady
 LENGTHS: Final = 40.0  # of all else

@@ -12,13 +12,13 @@ from typing import Final
 
 import numpy as np
 
+from trainer.core.kernel import Numbers
 from trainer.files.vessel_file import VesselFile
 from trainer.reduce.candidate import FIXED, Candidate
 from trainer.reduce.crew import Crew
 from trainer.reduce.descent import Point, Slopes, descend, rises, without
 from trainer.reduce.programme import tried
 from trainer.reduce.yardstick import Yardstick
-from trainer.study.manoeuvres.measures import Numbers
 
 LIMIT: Final = 0.9  # [-] of what is allowed, in the flights fitted to
 PROOF: Final = 0.97  # [-] in those of the guide, unseen by the fit

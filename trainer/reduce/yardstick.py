@@ -7,14 +7,14 @@ from typing import Final
 import numpy as np
 
 from trainer.config import ConfigError
+from trainer.core.kernel import Numbers
 from trainer.files.vessel_file import VesselFile
-from trainer.fitout import KNOT
 from trainer.guide.programme import Leg, own_method
 from trainer.guide.verdicts import Judgement, judge
 from trainer.reduce.candidate import Candidate
 from trainer.study.manoeuvres.flight import Flight, fly
-from trainer.study.manoeuvres.measures import Numbers
 from trainer.study.manoeuvres.submarine import Submarine
+from trainer.units import KNOT
 
 FURTHEST: Final = 10.0  # [-] a difference beyond this counts as this
 

@@ -7,9 +7,9 @@ from typing import Final, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from trainer.core.kernel import Numbers
 from trainer.records.layout import LAYOUT
 
-Numbers = NDArray[np.float64]
 Whole = NDArray[np.int64]
 
 PLACES: Final[Mapping[str, int]] = {name: i for i, name in enumerate(LAYOUT)}

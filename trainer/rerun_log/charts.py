@@ -7,9 +7,10 @@ from typing import Final
 import numpy as np
 
 from trainer.boat import Boat
+from trainer.core.kernel import Numbers
 from trainer.core.tanks import BANKS, BLOWN, COMPARTMENTS, PUMPED, TANKS
-from trainer.fitout import KNOT
-from trainer.rerun_log.batch import Block, Numbers, Worked
+from trainer.rerun_log.batch import Block, Worked
+from trainer.units import KNOT
 
 TONNE: Final = 1000.0  # [kg]
 MICROSECOND: Final = 1000.0  # [ns]

@@ -9,7 +9,8 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from trainer.rerun_log.batch import Block, Numbers
+from trainer.core.kernel import Numbers
+from trainer.rerun_log.batch import Block
 from trainer.rerun_log.changes import Changes
 from trainer.rerun_log.charts import depth_kept
 from trainer.rerun_log.outlet import Outlet

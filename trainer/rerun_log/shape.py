@@ -13,7 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from trainer.boat import Boat
-from trainer.rerun_log.batch import Block, Numbers
+from trainer.core.kernel import Numbers
+from trainer.rerun_log.batch import Block
 
 RINGS, AROUND = 33, 32  # of the hull's mesh
 NOSE, TAIL = 0.17, 0.36  # [-] of the length: the rounded nose, the tapering tail

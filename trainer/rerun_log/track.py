@@ -5,7 +5,8 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
-from trainer.rerun_log.batch import Block, Numbers, Times
+from trainer.core.kernel import Numbers
+from trainer.rerun_log.batch import Block, Times
 
 
 class Track:

@@ -5,7 +5,8 @@ from typing import Any, Final
 
 import numpy as np
 
-from trainer.rerun_log.batch import Batch, Block, Numbers, Told
+from trainer.core.kernel import Numbers
+from trainer.rerun_log.batch import Batch, Block, Told
 from trainer.rerun_log.changes import Changes
 from trainer.rerun_log.charts import COLOURS, LEDGER, LEDGER_LABELS, charts_of, ledger_columns
 from trainer.rerun_log.lanes import Lane, casualty_lanes, lanes_of

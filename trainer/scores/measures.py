@@ -11,8 +11,9 @@ from typing import Final
 import numpy as np
 
 from trainer.core.free_surface import DECK_REACH
+from trainer.core.kernel import Numbers
 from trainer.core.tanks import BANKS
-from trainer.scores.passage import Numbers, Passage, Rows
+from trainer.scores.passage import Passage, Rows
 from trainer.scores.score_rule import Measured, Rule
 from trainer.scores.spells import answer_to, spells
 from trainer.watch import COVERED, FULL

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from trainer.boat import Boat
 from trainer.casualty import scale_of
 from trainer.config import ConfigError
+from trainer.core.kernel import Numbers
 from trainer.core.state import CASUALTIES
 from trainer.files.condition import ANGLE, QUANTITIES, Condition
 from trainer.io.recording import Flown, Journalled, Recording
@@ -18,7 +19,6 @@ from trainer.records.layout import numbers_of
 from trainer.scores.score_rule import COURSE, Measured, Rule
 from trainer.watch import Limits
 
-Numbers = NDArray[np.float64]
 Rows = NDArray[np.bool_]  # which ticks of a passage
 
 BATCH: Final = 2000  # [ticks] read at once

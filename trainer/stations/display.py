@@ -6,12 +6,12 @@ from collections.abc import Callable
 from typing import Final, Protocol
 
 from trainer.casualty import Readings
-from trainer.fitout import KNOT
 from trainer.io import sentences
 from trainer.io.teletype import View, header, state_line
 from trainer.stations.channels import CHANNELS
 from trainer.stations.fields import Channel
 from trainer.stations.frame import Frame
+from trainer.units import KNOT
 
 WIDTH: Final = 79  # [characters]
 HEADING_EVERY: Final = 20  # [lines]

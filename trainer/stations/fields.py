@@ -5,8 +5,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Final
 
-from trainer.fitout import KNOT
 from trainer.stations.frame import Frame
+from trainer.units import KNOT
 
 Value = float | str | None  # None: the boat lacks it, or it stands for nothing at present
 

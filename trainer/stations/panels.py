@@ -9,10 +9,10 @@ from typing import Final
 
 from trainer.core.state import VALVES
 from trainer.core.tanks import BANKS, COMPARTMENTS, TANKS
-from trainer.fitout import KNOT
 from trainer.hold import PARTS
 from trainer.stations.fields import TONNE, Channel, Field, Value, compass, degrees, word
 from trainer.stations.frame import Frame
+from trainer.units import KNOT
 
 HEADING: Final = Field("heading", "deg", 1, lambda frame: compass(frame.readings.heading))
 DEPTH: Final = Field("depth", "m", 1, lambda frame: frame.readings.depth)

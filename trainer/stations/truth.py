@@ -7,7 +7,6 @@ from typing import Final
 from trainer.core.casualties import KINDS
 from trainer.core.seaway import DIRECTION, HEIGHT, OMEGA
 from trainer.core.state import CASUALTIES
-from trainer.fitout import KNOT
 from trainer.stations.fields import (
     TONNE,
     Channel,
@@ -20,6 +19,7 @@ from trainer.stations.fields import (
     word,
 )
 from trainer.stations.frame import Frame
+from trainer.units import KNOT
 
 
 def unless(held: str, rate: str) -> Callable[[Frame], Value]:

@@ -22,9 +22,10 @@ import numpy as np
 from trainer.core.autopilot import REPORT_CLIMB, REPORT_DEPTH, REPORT_PITCH, REPORT_PITCH_RATE
 from trainer.core.vessel import vessel_record
 from trainer.files.vessel_file import VesselFile
-from trainer.fitout import KNOT, body, thrust_rows
+from trainer.fitout import body, thrust_rows
 from trainer.study.linear import Matrix
 from trainer.study.modes import Mode, modes
+from trainer.units import KNOT
 
 VERTICAL: Final = ("w", "q", "theta")
 HORIZONTAL: Final = ("v", "p", "r", "phi")

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from trainer.boat import Boat
 from trainer.files.vessel_file import VesselFile
-from trainer.fitout import KNOT, Method, scheme_record
+from trainer.fitout import Method, scheme_record
 from trainer.study import hull_facts
 from trainer.study.linear import bring_to, respond
 from trainer.study.modes import Mode, modes
@@ -18,6 +18,7 @@ from trainer.study.stability import (
     worst_motion,
 )
 from trainer.study.steady_turn import Comparison, compare_turns
+from trainer.units import KNOT
 
 EQUATIONS = ("full", "modified", "basic")
 REGIONS = ("adams2", "euler")

@@ -14,7 +14,8 @@ from typing import Final
 import numpy as np
 
 from trainer.config import ConfigError
-from trainer.study.series import Numbers, Series
+from trainer.core.kernel import Numbers
+from trainer.study.series import Series
 
 UNTIL: Final = 120.0  # [s]
 ALLOWED: Final = 5.0  # [%]

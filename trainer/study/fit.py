@@ -13,12 +13,10 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from trainer.config import ConfigError
+from trainer.core.kernel import Numbers
 from trainer.study.series import Series
-
-Numbers = NDArray[np.float64]
 
 ROUNDS: Final = 200
 NUDGE: Final = 1e-6  # [-] of a number, for the difference quotients

@@ -2,7 +2,8 @@
 
 from typing import Final
 
-from trainer.study.fit import Numbers, Report, Term, response_of
+from trainer.core.kernel import Numbers
+from trainer.study.fit import Report, Term, response_of
 from trainer.study.page import INDENT, WIDTH, cut, figure, root_text, table
 from trainer.study.plots import Curve, Panel
 

@@ -16,8 +16,9 @@ from trainer.config import ConfigError
 from trainer.core.kernel import Record
 from trainer.core.vessel import GAINS, PLANE_GAINS
 from trainer.files.vessel_file import VesselFile
-from trainer.fitout import KNOT, Method
+from trainer.fitout import Method
 from trainer.study.linear import Linear, Matrix, at_speed
+from trainer.units import KNOT
 
 SPEEDS = 10  # in the schedule, geometrically spaced
 

@@ -11,8 +11,9 @@ from trainer.core.kernel import Record, kernel
 from trainer.core.update import update
 from trainer.files.sea_file import load_sea
 from trainer.files.vessel_file import VesselFile
-from trainer.fitout import KNOT, Method, Records
+from trainer.fitout import Method, Records
 from trainer.study.batches import Batches, time_batches
+from trainer.units import KNOT
 from trainer.watch import showing
 
 STANDARD: Final = ("modified", "lagged", "adams2")

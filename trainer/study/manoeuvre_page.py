@@ -8,7 +8,7 @@ from typing import Any
 
 from trainer.config import ConfigError
 from trainer.files.vessel_file import VesselFile
-from trainer.fitout import KNOT, Method
+from trainer.fitout import Method
 from trainer.io.whole_file import write_whole
 from trainer.study.compare_page import unit
 from trainer.study.manoeuvres.catalogue import PARAMETERS, adjusted, parameters
@@ -19,6 +19,7 @@ from trainer.study.manoeuvres.submarine import Rig, Submarine
 from trainer.study.manoeuvres.vehicle import Vehicle
 from trainer.study.page import INDENT, figure, table, wrapped
 from trainer.study.plots import Curve, Panel
+from trainer.units import KNOT
 
 TRACK = "track"
 

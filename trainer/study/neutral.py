@@ -23,8 +23,9 @@ import numpy as np
 from trainer.boat import Boat
 from trainer.core.trim import STERN, trim
 from trainer.files.vessel_file import VesselFile
-from trainer.fitout import KNOT, Method
+from trainer.fitout import Method
 from trainer.study.hull_facts import critical_speed
+from trainer.units import KNOT
 
 PLANES: Final = ("stern", "bow")
 STEEPEST: Final = math.tan(math.radians(85.0))  # [-] |w|/u looked at; the equations end before

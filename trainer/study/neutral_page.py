@@ -5,8 +5,8 @@ from typing import Final
 
 import numpy as np
 
+from trainer.core.kernel import Numbers
 from trainer.files.vessel_file import VesselFile
-from trainer.fitout import KNOT
 from trainer.study.neutral import (
     PLANES,
     Neutral,
@@ -18,7 +18,8 @@ from trainer.study.neutral import (
     turning_points,
 )
 from trainer.study.page import figure, table, wrapped
-from trainer.study.plots import Curve, Numbers, Panel
+from trainer.study.plots import Curve, Panel
+from trainer.units import KNOT
 
 DRAWN: Final = 20.0  # [deg] of pitch, either way
 POINTS: Final = 200  # of each side of a curve, in pitch and in speed

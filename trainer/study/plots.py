@@ -9,10 +9,8 @@ from itertools import cycle
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
-import numpy as np
-from numpy.typing import NDArray
-
 from trainer.config import ConfigError
+from trainer.core.kernel import Numbers
 from trainer.io.whole_file import replacing
 
 if TYPE_CHECKING:
@@ -46,8 +44,6 @@ METADATA: Final[dict[str, dict[str, Any]]] = {
     ".pdf": {"CreationDate": None},
 }
 PANEL_WIDTH, PANEL_HEIGHT = 6.4, 3.0  # [in]
-
-Numbers = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -6,11 +6,10 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from trainer.config import ConfigError, nearest, shown
+from trainer.core.kernel import Numbers
 
-Numbers = NDArray[np.float64]
 FEWEST = 2  # rows
 
 

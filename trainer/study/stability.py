@@ -16,9 +16,9 @@ from trainer.boat import Boat
 from trainer.core.integrators import SMALLEST
 from trainer.core.kernel import Record
 from trainer.core.scheme import MULTISTEPS, VARIABLE_RUNGE_KUTTA
-from trainer.fitout import KNOT
 from trainer.study.linear import Matrix, Response, bring_to, respond
 from trainer.study.modes import NEUTRAL, group
+from trainer.units import KNOT
 
 ROUNDING = 1e-9  # [-] growth per step that is only rounding
 # [-] A swing with less than this damping ratio is barely damped: any explicit method and any lag

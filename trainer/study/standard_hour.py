@@ -13,10 +13,11 @@ from typing import Final
 from trainer.boat import Boat
 from trainer.files.sea_file import load_sea
 from trainer.files.vessel_file import load_vessel
-from trainer.fitout import KNOT, Method, Records
+from trainer.fitout import Method, Records
 from trainer.helm import obey
 from trainer.io.schedule import BadSchedule, Scheduled, parse_schedule
 from trainer.reply import Refused
+from trainer.units import KNOT
 
 VESSEL: Final = Path(__file__).with_name("standard_boat.toml")
 METHOD: Final = Method("modified", "lagged", "exact", "adams2", 0.5)

@@ -8,7 +8,8 @@ import numpy as np
 from trainer.boat import Boat
 from trainer.config import ConfigError
 from trainer.files.vessel_file import VesselFile
-from trainer.fitout import KNOT, Method
+from trainer.fitout import Method
+from trainer.units import KNOT
 
 RUDDER = 15.0  # [deg]
 LENGTHS = 90.0  # boat lengths at the first speed: long enough to settle,

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 from trainer.files.vessel_file import VesselFile
-from trainer.fitout import KNOT
+from trainer.units import KNOT
 
 
 @dataclass(frozen=True)

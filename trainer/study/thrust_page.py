@@ -5,10 +5,10 @@ from typing import Final
 import numpy as np
 
 from trainer.files.vessel_file import VesselFile
-from trainer.fitout import KNOT
 from trainer.study.page import INDENT, table
 from trainer.study.plots import Curve, Panel
 from trainer.study.thrust import Report, thrust
+from trainer.units import KNOT
 
 HEADS: Final = (
     "u\n[kn]",

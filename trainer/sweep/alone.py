@@ -7,12 +7,13 @@ from typing import Any
 from trainer.config import ConfigError, Place
 from trainer.files.schema import read_record
 from trainer.files.vessel_file import VesselFile, read_vessel
-from trainer.fitout import KNOT, Method
+from trainer.fitout import Method
 from trainer.study.manoeuvres.catalogue import PARAMETERS, adjusted, named
 from trainer.study.manoeuvres.flight import Flight, Manoeuvre, fly
 from trainer.study.manoeuvres.submarine import Rig, Submarine
 from trainer.sweep.study_file import Study, method_of
 from trainer.sweep.study_records import ManoeuvreTable
+from trainer.units import KNOT
 
 
 @dataclass(frozen=True)

@@ -7,9 +7,8 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from trainer.core.kernel import Numbers
 from trainer.sweep.outputs import Output
-
-Numbers = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

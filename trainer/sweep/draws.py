@@ -14,10 +14,9 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from trainer.core.kernel import Numbers
 from trainer.sweep.kernels.draws import fill_normals, fill_uniforms
 from trainer.sweep.study_records import Sample, Vary
-
-Numbers = NDArray[np.float64]
 
 GRID, LATIN, MONTE_CARLO = "grid", "latin-hypercube", "monte-carlo"
 SEEDS: Final = 2.0**49  # seeds are whole numbers below it, which an exercise may have too

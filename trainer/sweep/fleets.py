@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from trainer.boat import PLACES, Boat
 from trainer.core.ensemble import Fleet, Schedule
-from trainer.core.kernel import Record
+from trainer.core.kernel import Numbers, Record
 from trainer.core.scratch import new_scratch
 from trainer.core.state import STATE
 from trainer.core.vessel import COMPACT, TERMS, VESSEL, compact_record, vessel_record
@@ -24,7 +24,6 @@ from trainer.study.manoeuvres.submarine import DEEP, SURFACES
 from trainer.sweep.kernels.start import Start, start_fleet
 from trainer.sweep.script import Script
 
-Numbers = NDArray[np.float64]
 SENSES: Final = {"rudder": ("N_dr", 1.0), "stern": ("M_ds", 1.0), "bow": ("Z_db", -1.0)}
 KEPT: Final = (("stern", "s"), ("bow", "b"))  # what keeps depth
 

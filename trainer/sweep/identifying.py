@@ -7,11 +7,10 @@ from functools import cached_property
 from typing import Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from trainer.config import ConfigError, Place, nearest, shown
+from trainer.core.kernel import Numbers
 from trainer.files.schema import read_record
-from trainer.fitout import KNOT
 from trainer.identify.coverage import WIDTH, one_run
 from trainer.identify.models import MODELS, Ship
 from trainer.identify.prbs import held, prbs
@@ -21,8 +20,7 @@ from trainer.sweep.batch import Batch, member
 from trainer.sweep.outputs import Output
 from trainer.sweep.study_file import Study
 from trainer.sweep.study_records import PARAMETERS, IdentificationTable, Parameter
-
-Numbers = NDArray[np.float64]
+from trainer.units import KNOT
 
 CHUNK: Final = 25
 DEVIATION, COVERED = "std dev of {}", "{} covered"

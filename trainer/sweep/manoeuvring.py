@@ -3,10 +3,9 @@
 from collections.abc import Iterable, Mapping
 from functools import cached_property
 from pathlib import Path
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from trainer.config import ConfigError
 from trainer.core.autopilot import REPORT
@@ -22,7 +21,8 @@ from trainer.sweep.outputs import Output, chosen, read_off
 from trainer.sweep.script import Script, script_of
 from trainer.sweep.study_file import Study
 
-Numbers = NDArray[np.float64]
+if TYPE_CHECKING:
+    from trainer.core.kernel import Numbers
 
 TOGETHER, ALONE = 512, 16  # members of a chunk
 PLACED: Final = COLUMNS[1:]  # all but the time

@@ -7,8 +7,9 @@ from typing import Final, NamedTuple
 import numpy as np
 
 from trainer.config import ConfigError, nearest, shown
+from trainer.core.kernel import Numbers
 from trainer.study.manoeuvres.flight import Flight
-from trainer.study.manoeuvres.measures import Measure, Numbers, largest
+from trainer.study.manoeuvres.measures import Measure, largest
 
 
 class Output(NamedTuple):

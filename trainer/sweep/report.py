@@ -7,10 +7,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from trainer.config import ConfigError, nearest, shown
+from trainer.core.kernel import Numbers
 from trainer.sweep.job import Opened
 from trainer.sweep.table import TROUBLE
-
-Numbers = NDArray[np.float64]
 
 PERCENTILES: Final = (5.0, 25.0, 50.0, 75.0, 95.0)
 TENTH: Final = 0.1  # of the members: what counts as a variable's low and high end

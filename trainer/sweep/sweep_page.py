@@ -4,15 +4,12 @@ import math
 from typing import Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from trainer.study.page import INDENT, table, wrapped
 from trainer.study.plots import Bar, Bars, Curve, Panel
 from trainer.sweep.identifying import COVERED, DEVIATION
 from trainer.sweep.outputs import Output
 from trainer.sweep.report import Effect, Report, Spread, chosen_measure
-
-Numbers = NDArray[np.float64]
 
 HEADS: Final = ("", "unit", "mean", "std dev", "5 %", "50 %", "95 %", "members")
 SHOWN: Final = (5.0, 50.0, 95.0)  # [%] on the page and as marks of the plot

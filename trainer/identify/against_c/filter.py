@@ -6,12 +6,11 @@ from pathlib import Path
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from trainer.core.kernel import Numbers
 from trainer.identify.problem import Problem
 from trainer.study.against_c.compiler import compiled
 
-Numbers = NDArray[np.float64]
 Value = Callable[[], float]  # minus the log-likelihood [-], the same again at each call
 
 SOURCE: Final = Path(__file__).parent / "likelihood.c"

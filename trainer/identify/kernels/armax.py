@@ -1,11 +1,7 @@
 """Recursions of the ARMAX model, section 9: filters by 1/C and their sensitivities."""
 
-import numpy as np
-from numpy.typing import NDArray
-
+from trainer.core.kernel import Numbers
 from trainer.identify.kernels.kernel import kernel
-
-Numbers = NDArray[np.float64]
 
 
 @kernel

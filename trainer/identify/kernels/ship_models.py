@@ -7,18 +7,16 @@ Angles stand for lag and correlations (sine), magnitudes for variances, so that 
 is allowed; an imaginary step goes through both.
 """
 
-import math
-
 import numpy as np
 
 from trainer.core.kernel import Numbers
 from trainer.identify.kernels.kernel import kernel
 from trainer.identify.kernels.sampling import Complexes
+from trainer.units import DEGREE
 
 BOW, STERN, SWAY, RATE, HEADING = 0, 1, 2, 3, 4
 L, V, L1, L2, T, OUTPUTS = 0, 1, 2, 3, 4, 5
 
-RADIAN = math.pi / 180.0  # [rad/deg] alpha 1
 KNOT = 3600.0 / 1852.0  # [kn/(m/s)] alpha 2
 
 
@@ -56,11 +54,11 @@ def _model_1_outputs(t: Complexes, ship: Numbers, drift: Complexes, noise: Compl
     for row in range(3, drift.shape[0]):
         output = int(ship[OUTPUTS + row - 3])
         if output == RATE:
-            drift[row, 1] = 1.0 / RADIAN
+            drift[row, 1] = 1.0 / DEGREE
             drift[row, 4] = t[16]
             noise[row, row] = magnitude(t[22])
         elif output == HEADING:
-            drift[row, 2] = 1.0 / RADIAN
+            drift[row, 2] = 1.0 / DEGREE
             noise[row, row] = magnitude(t[23])
         else:
             aft = output == STERN
@@ -84,7 +82,7 @@ def _model_1(t: Complexes, ship: Numbers, drift: Complexes, noise: Complexes) ->
     force[0, 0], force[1, 0] = t[4] / speed, t[6] / speed
     force[0, 1], force[1, 1] = arm / speed * t[5], arm / speed * t[7]
     force[0, 2], force[1, 2] = t[8], t[8] * t[9]
-    force[0, 3], force[1, 3] = RADIAN * t[10], -RADIAN * t[10] * t[11]
+    force[0, 3], force[1, 3] = DEGREE * t[10], -DEGREE * t[10] * t[11]
     force[0, 4], force[1, 4] = t[12], t[13]
     for j in range(5):
         drift[0, j] = i11 * force[0, j] + i12 * force[1, j]
@@ -113,8 +111,8 @@ def model_1(
         _model_1(t, ship, drift[b], noise[b])
         _model_1_outputs(t, ship, drift[b], noise[b])
         start[b, 0, 0] = t[24] / KNOT
-        start[b, 1, 0] = RADIAN * t[25]
-        start[b, 2, 0] = RADIAN * t[26]
+        start[b, 1, 0] = DEGREE * t[25]
+        start[b, 2, 0] = DEGREE * t[26]
         _start_variances(t[27:33], start[b])
         lag[b] = _lag(t[33], ship[T])
 
@@ -134,7 +132,7 @@ def model_2(
         t = theta[b]
         power = 1.0
         for i in range(3):
-            drift[b, i, 3] = RADIAN * ship[V] * k * power * t[3 + i]
+            drift[b, i, 3] = DEGREE * ship[V] * k * power * t[3 + i]
             power *= k
             drift[b, i, 0] = -power * t[i]
             drift[b, i, 4] = t[6 + i]
@@ -160,11 +158,11 @@ def _yaw_outputs(readings: Complexes, ship: Numbers, drift: Complexes, noise: Co
     """
     for row in range(3, drift.shape[0]):
         if int(ship[OUTPUTS + row - 3]) == RATE:
-            drift[row, 1] = 1.0 / RADIAN
+            drift[row, 1] = 1.0 / DEGREE
             drift[row, 4] = readings[0]
             noise[row, row] = magnitude(readings[1])
         else:
-            drift[row, 2] = 1.0 / RADIAN
+            drift[row, 2] = 1.0 / DEGREE
             noise[row, row] = magnitude(readings[2])
     if drift.shape[0] == 5:
         noise[3, 4] = noise[4, 3] = _correlated(readings[1], readings[2], readings[3])
@@ -185,12 +183,12 @@ def model_3(
     for b in range(theta.shape[0]):
         t = theta[b]
         drift[b, 0, 2] = -k * k * k * t[2]
-        drift[b, 0, 3] = RADIAN * k * k * k * t[4]
+        drift[b, 0, 3] = DEGREE * k * k * k * t[4]
         drift[b, 0, 4] = t[5]
         drift[b, 1, 0] = drift[b, 2, 1] = 1.0
         drift[b, 1, 1] = -k * t[0]
         drift[b, 1, 2] = -k * k * t[1]
-        drift[b, 1, 3] = RADIAN * k * k * t[3]
+        drift[b, 1, 3] = DEGREE * k * k * t[3]
         drift[b, 1, 4] = t[6]
         noise[b, 0, 0], noise[b, 1, 1] = magnitude(t[8]), magnitude(t[9])
         noise[b, 0, 1] = noise[b, 1, 0] = _correlated(t[8], t[9], t[10])
@@ -198,7 +196,7 @@ def model_3(
         readings[1], readings[2], readings[3] = t[11], t[12], t[13]
         _yaw_outputs(readings, ship, drift[b], noise[b])
         start[b, 0, 0] = t[14]
-        start[b, 1, 0], start[b, 2, 0] = RADIAN * t[15], RADIAN * t[16]
+        start[b, 1, 0], start[b, 2, 0] = DEGREE * t[15], DEGREE * t[16]
         _start_variances(t[17:23], start[b])
         lag[b] = _lag(t[23], ship[T])
 
@@ -224,7 +222,7 @@ def nomoto(
         drift[b, 0, 1] = -stiffness
         drift[b, 1, 0] = drift[b, 2, 1] = 1.0
         drift[b, 1, 1] = -(t[1] + t[2]) * stiffness
-        drift[b, 0, 3] = RADIAN * t[0] * stiffness
+        drift[b, 0, 3] = DEGREE * t[0] * stiffness
         drift[b, 1, 3] = drift[b, 0, 3] * t[3]
         drift[b, 0, 4] = -drift[b, 0, 3] * t[4]
         drift[b, 1, 4] = -drift[b, 1, 3] * t[4]
@@ -233,7 +231,7 @@ def nomoto(
         readings[1], readings[2], readings[3] = t[8], t[9], 0.0
         _yaw_outputs(readings, ship, drift[b], noise[b])
         for i in range(3):
-            start[b, i, 0] = RADIAN * t[10 + i]
+            start[b, i, 0] = DEGREE * t[10 + i]
             start[b, i, 1 + i] = magnitude(t[13 + i])
         lag[b] = _lag(t[16], ship[T])
 
@@ -251,16 +249,16 @@ def nomoto_first(
     for b in range(theta.shape[0]):
         t = theta[b]
         drift[b, 0, 0] = -1.0 / t[1]
-        drift[b, 0, 2] = RADIAN * t[0] / t[1]
+        drift[b, 0, 2] = DEGREE * t[0] / t[1]
         drift[b, 0, 3] = -drift[b, 0, 2] * t[2]
         drift[b, 1, 0] = 1.0
         noise[b, 0, 0] = magnitude(t[4])
         for row in range(2, drift.shape[1]):
             rate = int(ship[OUTPUTS + row - 2]) == RATE
-            drift[b, row, 0 if rate else 1] = 1.0 / RADIAN
+            drift[b, row, 0 if rate else 1] = 1.0 / DEGREE
             drift[b, row, 3] = t[3] if rate else 0.0
             noise[b, row, row] = magnitude(t[5 if rate else 6])
         for i in range(2):
-            start[b, i, 0] = RADIAN * t[7 + i]
+            start[b, i, 0] = DEGREE * t[7 + i]
             start[b, i, 1 + i] = magnitude(t[9 + i])
         lag[b] = _lag(t[11], ship[T])

@@ -13,7 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from trainer.study.manoeuvres.measures import Numbers
+from trainer.core.kernel import Numbers
 from trainer.study.manoeuvres.vehicle import Swift, Vehicle, Watch
 
 Cycles = Generator[None, None, None]

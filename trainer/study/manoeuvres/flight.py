@@ -9,8 +9,9 @@ from typing import ClassVar
 import numpy as np
 
 from trainer.config import ConfigError
+from trainer.core.kernel import Numbers
 from trainer.study.manoeuvres.conn import Conn, Mark
-from trainer.study.manoeuvres.measures import Measure, Numbers
+from trainer.study.manoeuvres.measures import Measure
 from trainer.study.manoeuvres.vehicle import (
     LostError,
     Vehicle,

@@ -4,9 +4,8 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
-Numbers = NDArray[np.float64]
+from trainer.core.kernel import Numbers
 
 PERCENT: Final = 5.0  # [%] by which two flights may differ
 SECONDS: Final = 5.0  # [s] by which their zero crossings may

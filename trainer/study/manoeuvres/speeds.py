@@ -9,8 +9,8 @@ from trainer.study.manoeuvres.conn import Conn
 from trainer.study.manoeuvres.flight import Flight, Manoeuvre
 from trainer.study.manoeuvres.measures import Measure, first_time, largest, part, share, shown
 from trainer.study.manoeuvres.vehicle import Watch
+from trainer.units import KNOT
 
-KNOT: Final = 1852.0 / 3600.0  # [m/s]
 STEP: Final = 5.0 * KNOT  # [m/s] of 1969; at most a third of what the vehicle makes
 READINGS: Final = (0.1, 0.25, 0.5, 0.6, 0.8, 1.0)  # of the duration
 

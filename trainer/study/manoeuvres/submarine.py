@@ -12,11 +12,11 @@ from trainer.core import sortie
 from trainer.core.actuators import move_surfaces
 from trainer.core.autopilot import OWN, REPORT, REPORT_LITERAL
 from trainer.core.integrators import advance
+from trainer.core.kernel import Numbers
 from trainer.core.propulsion import answer_telegraph
 from trainer.core.update import lost, outside
 from trainer.files.vessel_file import VesselFile
 from trainer.fitout import Method
-from trainer.study.manoeuvres.measures import Numbers
 from trainer.study.manoeuvres.vehicle import Control, LostError, Watch
 from trainer.study.neutral import trim_at
 

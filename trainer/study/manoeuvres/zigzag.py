@@ -5,17 +5,10 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import ClassVar, Final
 
+from trainer.core.kernel import Numbers
 from trainer.study.manoeuvres.conn import Conn
 from trainer.study.manoeuvres.flight import Flight, Manoeuvre
-from trainer.study.manoeuvres.measures import (
-    Measure,
-    Numbers,
-    first_time,
-    largest,
-    peaks,
-    share,
-    shown,
-)
+from trainer.study.manoeuvres.measures import Measure, first_time, largest, peaks, share, shown
 from trainer.study.manoeuvres.vehicle import Watch
 
 LEAD: Final = 2.0  # [s] of straight motion
