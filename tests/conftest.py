@@ -1,15 +1,19 @@
 """Boats for the tests."""
 
+import signal
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
 
-from trainer.boat import Boat
-from trainer.files.vessel_file import load_vessel
-from trainer.fitout import Method
+from trainer.boat.assemble import Method
+from trainer.boat.boat import Boat
+from trainer.config.vessel import load_vessel
 
 DATA = Path(__file__).parent / "data"
+
+# pytest-xdist's workers ignore Ctrl-C, and so would all that they start.
+signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
 @pytest.fixture(scope="session", autouse=True)

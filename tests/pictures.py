@@ -11,11 +11,11 @@ import tempfile
 import time
 from pathlib import Path
 
-from trainer.screen.client import Client
-from trainer.screen.console import Console
-from trainer.screen.ink import GROUND
-from trainer.screen.posts import POSTS, wishes
-from trainer.screen.sight import Sight
+from trainer.console.app import Console
+from trainer.console.client import Client
+from trainer.console.layouts import POSTS, wishes
+from trainer.console.model import Sight
+from trainer.console.pane import GROUND
 
 IMAGES = Path(__file__).parent.parent / "docs" / "images"
 ORDERS = """\

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from trainer.boat import Boat
+from trainer.boat.boat import Boat
 from trainer.core.autopilot import REPORT, REPORT_LITERAL, report_angle, report_law
 from trainer.core.reference import slewed_rate
 from trainer.core.state import new_state

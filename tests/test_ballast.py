@@ -16,16 +16,16 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import trainer
-from trainer.boat import Boat
-from trainer.config import ConfigError
-from trainer.core import air, ballast, buoyancy
+from trainer.analysis import tanks as ec430
+from trainer.boat.assemble import ballast_record
+from trainer.boat.boat import Boat
+from trainer.config.ballast_records import key_tables
+from trainer.config.files import ConfigError
+from trainer.config.vessel import load_vessel, parse_vessel
+from trainer.core.ballast import air, ballast, buoyancy
+from trainer.core.ballast.tanks import ATMOSPHERE, BLOWN, PUMPED, TANKS, new_ballast
 from trainer.core.kernel import Record
 from trainer.core.state import new_state
-from trainer.core.tanks import ATMOSPHERE, BLOWN, PUMPED, TANKS, new_ballast
-from trainer.files.ballast_records import key_tables
-from trainer.files.vessel_file import load_vessel, parse_vessel
-from trainer.fitout_ballast import ballast_record
-from trainer.study import tanks as ec430
 
 pytestmark = pytest.mark.core
 
@@ -767,11 +767,11 @@ def test_a_boat_file_without_the_table_has_no_tanks() -> None:
 
 SCENARIO = """
 import hashlib
-from trainer.boat import Boat
-from trainer.core.ballast import advance_ballast, start_ballast
-from trainer.fitout import Method
-from trainer.fitout_ballast import ballast_record
-from trainer.files.vessel_file import load_vessel
+from trainer.boat.boat import Boat
+from trainer.core.ballast.ballast import advance_ballast, start_ballast
+from trainer.boat.assemble import Method
+from trainer.boat.assemble import ballast_record
+from trainer.config.vessel import load_vessel
 
 boat = Boat(load_vessel("bb2"), Method("full", "lagged", "exact", "adams2", 0.5))
 vessel, state = boat.records.vessel, boat.records.state

@@ -6,15 +6,14 @@ from typing import Any
 
 import pytest
 
-from trainer.boat import Boat
-from trainer.config import ConfigError
-from trainer.files.vessel_file import load_vessel, parse_vessel
-from trainer.fitout import Method
-from trainer.helm import obey
-from trainer.io.orders import Order, parse
-from trainer.ledger import Ledger
-from trainer.reply import Refused
-from trainer.status import status_lines
+from trainer.boat.assemble import Method
+from trainer.boat.boat import Boat
+from trainer.boat.helm import obey
+from trainer.config.files import ConfigError
+from trainer.config.vessel import load_vessel, parse_vessel
+from trainer.io.orders.grammar import Order, Refused, parse
+from trainer.session.status import status_lines
+from trainer.session.time.ledger import Ledger
 from trainer.units import KNOT
 
 SURFACING = {

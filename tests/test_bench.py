@@ -10,18 +10,27 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 
-from trainer import cli
-from trainer.boat import Boat
-from trainer.config import ConfigError
-from trainer.files.vessel_file import load_vessel
-from trainer.io.recording import Recording
-from trainer.ledger import Spread
-from trainer.study import bench as bench_module
-from trainer.study.batches import BATCH_NS, BATCHES, Batches, long_enough, time_batches
-from trainer.study.bench import Figures, bench, cpu_model, pace, samples_up
-from trainer.study.bench_page import render
-from trainer.study.hot import CASUALTIES, STANDARD, ready, take_ticks
-from trainer.study.latency import effect
+from trainer.boat.boat import Boat
+from trainer.cli import main
+from trainer.config.files import ConfigError
+from trainer.config.vessel import load_vessel
+from trainer.io.recording.recording import Recording
+from trainer.session.time.ledger import Spread
+from trainer.verify.bench import bench as bench_module
+from trainer.verify.bench.bench import Figures, bench, cpu_model, pace, samples_up
+from trainer.verify.bench.bench_page import render
+from trainer.verify.bench.latency import effect
+from trainer.verify.bench.tick import (
+    BATCH_NS,
+    BATCHES,
+    CASUALTIES,
+    STANDARD,
+    Batches,
+    long_enough,
+    ready,
+    take_ticks,
+    time_batches,
+)
 
 
 @pytest.fixture(scope="module")
@@ -204,7 +213,7 @@ def test_json_is_one_object_whose_keys_carry_the_units(
         return figures
 
     monkeypatch.setattr(bench_module, "bench", measured)
-    result = CliRunner().invoke(cli.cli, ["bench", "--seconds", "1", "--json"])
+    result = CliRunner().invoke(main.cli, ["bench", "--seconds", "1", "--json"])
 
     assert result.exit_code == 0, result.output
     assert asked == [("bb2.toml", 1)]
@@ -222,7 +231,7 @@ def test_json_is_one_object_whose_keys_carry_the_units(
 def test_the_command_prints_the_page(figures: Figures, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(bench_module, "bench", lambda *_: figures)
 
-    result = CliRunner().invoke(cli.cli, ["bench", "--seconds", "1"])
+    result = CliRunner().invoke(main.cli, ["bench", "--seconds", "1"])
 
     assert result.output == render(figures) + "\n"
 

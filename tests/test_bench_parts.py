@@ -9,16 +9,16 @@ import pytest
 from click.testing import CliRunner
 from llvmlite import binding
 
-from trainer import cli
-from trainer.commands import bench_sections as sections
-from trainer.core.ordinary import follows, ordinary
-from trainer.exported.linking import NoCompilerError
-from trainer.files.vessel_file import load_vessel
-from trainer.study import bench, bench_page, footprint, peers, side_by_side
-from trainer.study.against_c import comparison
-from trainer.study.against_c.compiler import BUILDS
-from trainer.study.batches import Batches
-from trainer.study.side_by_side import SideBySide
+from trainer.analysis.fleet.block import follows, ordinary
+from trainer.boat.export.targets import NoCompilerError
+from trainer.cli import main
+from trainer.config.vessel import load_vessel
+from trainer.verify.bench import bench, bench_page, footprint, peers, sections
+from trainer.verify.bench import fleet as fleet_module
+from trainer.verify.bench.fleet import SideBySide
+from trainer.verify.bench.tick import Batches
+from trainer.verify.c_reference import comparison
+from trainer.verify.c_reference.compiler import BUILDS
 
 OPTIONS = [f"--{name.replace('_', '-')}" for name in sections.SECTIONS]
 HALVER = """
@@ -52,7 +52,7 @@ def quick(monkeypatch: pytest.MonkeyPatch) -> None:
 
 def said(*words: str) -> str:
     """Return what the command prints."""
-    result = CliRunner().invoke(cli.cli, ["bench", *words])
+    result = CliRunner().invoke(main.cli, ["bench", *words])
     assert result.exit_code == 0, result.output
     return result.output
 
@@ -131,23 +131,23 @@ def test_boats_side_by_side_are_told_as_times_of_one_in_c() -> None:
         threads_of_one=1.6,
     )
 
-    page = [" ".join(line.split()) for line in side_by_side.lines(figures)]
+    page = [" ".join(line.split()) for line in fleet_module.lines(figures)]
 
     assert "one, in a compiled loop 3.00 0.75" in page
     assert "1024 24.00 6.00" in page
     assert "1024, for x86-64-v3 12.00 3.00" in page
     assert "65536 18.00 4.50 75% of 1024" in page
     assert "2 threads of 1024 40.00 10.00 1.60 of one" in page
-    alone = side_by_side.lines(replace(figures, c_per_s=None))
+    alone = fleet_module.lines(replace(figures, c_per_s=None))
     assert not any("in C" in line for line in alone)
     assert " ".join(alone[-2].split()) == "65536 18.00 6.00 75% of 1024"
-    assert max(map(len, [*alone, *side_by_side.lines(figures)])) <= 79
+    assert max(map(len, [*alone, *fleet_module.lines(figures)])) <= 79
 
 
 def test_fleets_of_the_bench_keep_depths_and_courses_of_their_own() -> None:
-    boat = side_by_side.under_way(load_vessel("bb2"))
+    boat = fleet_module.under_way(load_vessel("bb2"))
 
-    fleet = side_by_side.fleet_of(boat, 3)
+    fleet = fleet_module.fleet_of(boat, 3)
 
     depth = boat.state.z
     assert fleet.states["ordered_depth"].tolist() == [depth - 10.0, depth, depth + 10.0]
@@ -160,7 +160,7 @@ def test_fleets_of_the_bench_keep_depths_and_courses_of_their_own() -> None:
 def test_the_fastest_of_several_flights_counts_but_never_the_first() -> None:
     ticks = iter([0.0, 1.0, 1.0, 2.0] + [0.0, 7.0, 7.0, 19.0] * 8 + [0.0, 5.0, 5.0, 15.0])
 
-    fastest = side_by_side.fastest_s([lambda: None, lambda: None], lambda: next(ticks))
+    fastest = fleet_module.fastest_s([lambda: None, lambda: None], lambda: next(ticks))
 
     assert fastest == [5.0, 10.0]
 
@@ -169,18 +169,18 @@ def test_rates_are_measured_of_fleets_alone_in_threads_and_by_level(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     for name, few in (("FEW", 32), ("MANY", 64), ("ALONE", 50), ("FLIGHTS", 1)):
-        monkeypatch.setattr(side_by_side, name, few)
-    monkeypatch.setattr(side_by_side, "levels_here", lambda: ["x86-64-v2"])
-    monkeypatch.setattr(side_by_side, "level_per_s", lambda _file, level: len(level) * 1.0)
+        monkeypatch.setattr(fleet_module, name, few)
+    monkeypatch.setattr(fleet_module, "levels_here", lambda: ["x86-64-v2"])
+    monkeypatch.setattr(fleet_module, "level_per_s", lambda _file, level: len(level) * 1.0)
 
-    figures = side_by_side.time_side_by_side(load_vessel("bb2"))
+    figures = fleet_module.time_side_by_side(load_vessel("bb2"))
 
     rates = (figures.alone_per_s, figures.few_per_s, figures.many_per_s, figures.threads_per_s)
     assert min(rates) > 0.0
     assert figures.levels_per_s == {"x86-64-v2": 9.0}
     assert (figures.few_boats, figures.many_boats) == (32, 64)
     assert figures.many_of_few == pytest.approx(figures.many_per_s / figures.few_per_s)
-    assert side_by_side.few_per_s(str(load_vessel("bb2").path)) > 0.0
+    assert fleet_module.few_per_s(str(load_vessel("bb2").path)) > 0.0
 
 
 def test_a_peer_that_is_not_installed_is_told(monkeypatch: pytest.MonkeyPatch) -> None:

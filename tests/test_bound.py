@@ -5,7 +5,7 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from trainer.boat import Boat
+from trainer.boat.boat import Boat
 from trainer.core.update import update
 
 pytestmark = pytest.mark.core

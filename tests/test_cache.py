@@ -11,14 +11,14 @@ from pathlib import Path
 import pytest
 
 import trainer
-from trainer.machine_code import CODE, DIGEST
+from trainer.core.cache import CODE, DIGEST
 
 PACKAGE = Path(trainer.__file__).parent
 RATES = """
-from trainer.boat import Boat
+from trainer.boat.boat import Boat
 from trainer.core.rates import rates
-from trainer.fitout import Method
-from trainer.files.vessel_file import load_vessel
+from trainer.boat.assemble import Method
+from trainer.config.vessel import load_vessel
 
 boat = Boat(load_vessel("bb2"), Method("modified", "exact", "exact", "adams2", 0.5))
 boat.state.u, boat.state.v = 5.0, 0.5

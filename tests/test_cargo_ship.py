@@ -12,13 +12,13 @@ from typing import Any, ClassVar
 import numpy as np
 import pytest
 
-from trainer.config import ConfigError
-from trainer.study.manoeuvres.catalogue import named
-from trainer.study.manoeuvres.flight import Flight, Manoeuvre, fly
-from trainer.study.manoeuvres.spiral import PullOut, ReverseSpiral, Spiral
-from trainer.study.manoeuvres.turns import Turn
-from trainer.study.manoeuvres.vehicle import Control
-from trainer.study.manoeuvres.zigzag import ZigZag
+from trainer.analysis.manoeuvres.catalogue import named
+from trainer.analysis.manoeuvres.flight import Flight, Manoeuvre, fly
+from trainer.analysis.manoeuvres.spiral import PullOut, ReverseSpiral, Spiral
+from trainer.analysis.manoeuvres.turns import Turn
+from trainer.analysis.manoeuvres.vehicle import Control
+from trainer.analysis.manoeuvres.zigzag import ZigZag
+from trainer.config.files import ConfigError
 
 TABLES: dict[str, Any] = tomllib.loads(
     (Path(__file__).parent / "data" / "mariner_chislett.toml").read_text(encoding="utf-8")

@@ -9,12 +9,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from trainer.boat import Boat
-from trainer.casualty import active, arm, clear, insert, readings
-from trainer.config import ConfigError, Place
-from trainer.core.casualties import KINDS, SURFACES
-from trainer.core.state import CASUALTIES
-from trainer.files.casualty_file import (
+from trainer.boat.boat import Boat
+from trainer.boat.casualties import active, arm, clear, insert, readings
+from trainer.config.casualties import (
     as_json,
     key_table,
     kind_table,
@@ -22,10 +19,13 @@ from trainer.files.casualty_file import (
     load_casualties,
     parse_casualties,
 )
-from trainer.files.condition import QUANTITIES, compile_condition, quantity_table
-from trainer.ledger import Ledger
-from trainer.reply import Refused
-from trainer.status import status_lines
+from trainer.config.condition import QUANTITIES, compile_condition, quantity_table
+from trainer.config.files import ConfigError, Place
+from trainer.core.casualties import KINDS, SURFACES
+from trainer.core.state import CASUALTIES
+from trainer.io.orders.grammar import Refused
+from trainer.session.status import status_lines
+from trainer.session.time.ledger import Ledger
 
 ROOT = Path(__file__).parents[1]
 KNOT = 1852.0 / 3600.0

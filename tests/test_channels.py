@@ -8,16 +8,16 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from trainer import casualty
-from trainer.boat import PLACES, Boat
+from trainer.boat import casualties
+from trainer.boat.boat import PLACES, Boat
 from trainer.core.state import STATE
-from trainer.io.sentences import read
-from trainer.ledger import Ledger, Summary
-from trainer.stations.channels import CHANNELS, TELETYPE, tables
-from trainer.stations.display import Display, Sentences, Teletype, Words, panel
-from trainer.stations.frame import Frame, Lookout, Pace, Picture
-from trainer.stations.roles import PANELS, ROLES
-from trainer.stations.wishes import display
+from trainer.io.orders.sentences import read
+from trainer.session.stations.channels import CHANNELS, TELETYPE, tables
+from trainer.session.stations.display import Display, Sentences, Teletype, Words, panel
+from trainer.session.stations.roles import PANELS, ROLES
+from trainer.session.stations.subscriptions import display
+from trainer.session.stations.view import Frame, Lookout, Pace, Picture
+from trainer.session.time.ledger import Ledger, Summary
 
 KNOT = 1852.0 / 3600.0
 DEGREE = math.pi / 180.0
@@ -87,7 +87,7 @@ def everything_stations_get(frame: Frame) -> list[str]:
 
 def stick_gauges(boat: Boat) -> None:
     for gauge in ("depth-gauge", "gyro", "log"):
-        assert isinstance(casualty.insert(boat, f"{gauge}-stuck"), str)
+        assert isinstance(casualties.insert(boat, f"{gauge}-stuck"), str)
     assert boat.tick() == 0
 
 
@@ -100,12 +100,12 @@ def test_a_casualty_of_a_gauge_shows_in_every_channel_that_has_it(
 ) -> None:
     # changed under the gauge, so that a stuck one differs too
     severity = 1.0 if fault == "stuck" else 10.0
-    assert isinstance(casualty.insert(boat, f"{gauge}-{fault}", severity, 0.0), str)
+    assert isinstance(casualties.insert(boat, f"{gauge}-{fault}", severity, 0.0), str)
     assert boat.tick() == 0
     boat.state.z += 7.0
     boat.state.psi += 0.3
     boat.state.u += 1.5
-    reading = casualty.readings(boat)
+    reading = casualties.readings(boat)
     expected = {
         "depth": reading.depth,
         "heading": math.degrees(reading.heading) % 360.0,
@@ -132,7 +132,7 @@ def test_the_teletype_of_a_station_shows_the_gauges_and_the_instructors_the_trut
     station = display(TELETYPE, ROLES["helm"], machine=False).lines(frame)[-1]
     instructor = display(TELETYPE, ROLES["instructor"], machine=False).lines(frame)[-1]
 
-    assert f"{casualty.readings(boat).depth:.1f}>" in station
+    assert f"{casualties.readings(boat).depth:.1f}>" in station
     assert "123.4" not in station
     assert "123.4>" in instructor
 
@@ -177,7 +177,7 @@ def test_two_states_with_the_same_readings_give_a_station_the_same_lines(
 
 
 def test_a_biased_gauge_hides_the_depth_that_it_makes_up_for(boat: Boat) -> None:
-    assert isinstance(casualty.insert(boat, "depth-gauge-biased", 1.0), str)
+    assert isinstance(casualties.insert(boat, "depth-gauge-biased", 1.0), str)
     assert boat.tick() == 0
     before = everything_stations_get(frame_of(boat))
 
@@ -308,8 +308,8 @@ def test_what_is_held_still_has_no_rate(boat: Boat) -> None:
 
 
 def test_the_instructor_sees_each_casualty_and_how_far_it_is(boat: Boat) -> None:
-    assert isinstance(casualty.insert(boat, "rudder-slow", 0.5, 10.0), str)
-    assert isinstance(casualty.insert(boat, "depth-gauge-stuck"), str)
+    assert isinstance(casualties.insert(boat, "rudder-slow", 0.5, 10.0), str)
+    assert isinstance(casualties.insert(boat, "depth-gauge-stuck"), str)
     for _ in range(10):
         assert boat.tick() == 0
     shown = values(frame_of(boat), "casualties")
@@ -322,9 +322,9 @@ def test_the_instructor_sees_each_casualty_and_how_far_it_is(boat: Boat) -> None
 
 
 def test_a_casualty_being_cleared_is_on_its_way_to_nothing(boat: Boat) -> None:
-    assert isinstance(casualty.insert(boat, "flooding-aft", 1.0, 0.0), str)
+    assert isinstance(casualties.insert(boat, "flooding-aft", 1.0, 0.0), str)
     assert boat.tick() == 0
-    assert isinstance(casualty.clear(boat, "flooding-aft"), str)
+    assert isinstance(casualties.clear(boat, "flooding-aft"), str)
     boat.state.casualty_ticks[0] = -8.0
     shown = values(frame_of(boat), "casualties")
 

@@ -9,18 +9,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from trainer.boat import Boat
-from trainer.core.integrators import advance
-from trainer.core.kernel import Record
-from trainer.core.state import HISTORY, MOTION
-from trainer.files.vessel_file import VesselFile, load_vessel
-from trainer.fitout import Method, scheme_record
-from trainer.study import hull_facts
-from trainer.study.check import Report, check, flights, round_speeds
-from trainer.study.check_page import render
-from trainer.study.linear import bring_to, respond
-from trainer.study.modes import modes
-from trainer.study.stability import (
+from trainer.analysis import check as check_module
+from trainer.analysis.check import Report, check, flights, round_speeds
+from trainer.analysis.check_page import render
+from trainer.analysis.steady_turn import compare_turns
+from trainer.boat.assemble import Method, scheme_record
+from trainer.boat.boat import Boat
+from trainer.boat.linear import bring_to, modes, respond
+from trainer.boat.stability import (
     Step,
     culprit,
     growth,
@@ -30,7 +26,10 @@ from trainer.study.stability import (
     stable_step,
     tick_map,
 )
-from trainer.study.steady_turn import compare_turns
+from trainer.config.vessel import VesselFile, load_vessel
+from trainer.core.integrators import advance
+from trainer.core.kernel import Record
+from trainer.core.state import HISTORY, MOTION
 from trainer.units import KNOT
 
 DATA = Path(__file__).parent / "data"
@@ -373,22 +372,22 @@ def test_margins_follow_suboffs_convention() -> None:
         hull=replace(file.hull, mass=mass),
     )
 
-    assert hull_facts.margins(boat) == pytest.approx({"Gv": -0.875, "Gh": -0.875})
+    assert check_module.margins(boat) == pytest.approx({"Gv": -0.875, "Gh": -0.875})
 
 
 def test_a_boat_without_damping_has_no_margins() -> None:
     file = refsub()
     boat = replace(file, coefficients={**file.coefficients, "M_q": 0.0, "N_r": 0.0})
 
-    assert hull_facts.margins(boat) == {"Gv": None, "Gh": None}
+    assert check_module.margins(boat) == {"Gv": None, "Gh": None}
 
 
 def test_critical_speeds_are_those_of_an_independent_program() -> None:
     # vectors/neutral.json, refsub, in ft/s
-    assert hull_facts.critical_speed(refsub(), "stern") == pytest.approx(
+    assert check_module.critical_speed(refsub(), "stern") == pytest.approx(
         6.29194599167 * FOOT, rel=1e-10
     )
-    assert hull_facts.critical_speed(refsub(), "bow") == pytest.approx(
+    assert check_module.critical_speed(refsub(), "bow") == pytest.approx(
         20.451454716 * FOOT, rel=1e-10
     )
 
@@ -413,22 +412,22 @@ def test_what_differs_between_port_and_starboard_is_listed(bb2: Report) -> None:
     assert bb2.asymmetries == {"K_star": -2e-5, "K_star_eta": -2e-5}
     file = refsub()
     tilted = replace(file, hull=replace(file.hull, cg=(0.0, 0.1, 0.3), Ixy=5.0))
-    assert hull_facts.asymmetries(tilted) == {"y_G": 0.1, "I_xy": 5.0}
+    assert check_module.asymmetries(tilted) == {"y_G": 0.1, "I_xy": 5.0}
 
 
 def test_an_impossible_mass_matrix_is_called_so() -> None:
     file = refsub()
     odd = replace(file, coefficients={**file.coefficients, "N_vdot": 0.05, "Y_rdot": 0.05})
 
-    assert hull_facts.inertia(file, 0.5).definite
-    assert not hull_facts.inertia(odd, 0.5).definite
+    assert check_module.inertia(file, 0.5).definite
+    assert not check_module.inertia(odd, 0.5).definite
 
 
 def test_the_lagged_sweep_forgets_at_the_rate_given() -> None:
     # contraction: the error of the lagged accelerations after ten more sweeps, per sweep
     boat = flown("bb2", "adams2", 0.5)
     response = responses(boat, [5.0])[5.0]
-    rate = hull_facts.inertia(load_vessel("bb2"), 0.5).contraction["full"]
+    rate = check_module.inertia(load_vessel("bb2"), 0.5).contraction["full"]
     error = np.ones(8)
     sizes = []
     for _ in range(6):

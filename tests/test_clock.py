@@ -13,19 +13,19 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
-from trainer.clock import MonotonicClock
-from trainer.ledger import RECENT, SECOND, Histogram, Ledger
-from trainer.pacer import (
+from trainer.session.time.ledger import RECENT, SECOND, Histogram, Ledger
+from trainer.session.time.pacer import (
     MAX_CATCH_UP,
     SLOWEST,
     Event,
     Happening,
+    MonotonicClock,
     Pacer,
     Policy,
     Unpaced,
     Waited,
 )
-from trainer.timekeeping import Timekeeping
+from trainer.session.time.timekeeping import Timekeeping
 
 PERIOD = SECOND // 2  # [ns] of the step 0.5 s at speed 1, which most tests use
 
@@ -487,9 +487,9 @@ def test_overruns_provoked_on_the_real_clock_are_counted_exactly() -> None:
 
 CHILD = """
 import threading
-from trainer.clock import MonotonicClock
-from trainer.pacer import Pacer, Policy
-from trainer.ledger import Ledger
+from trainer.session.time.pacer import MonotonicClock
+from trainer.session.time.pacer import Pacer, Policy
+from trainer.session.time.ledger import Ledger
 
 clock, wake = MonotonicClock(), threading.Event()
 pacer = Pacer(clock, Ledger(0.5), 1.0, Policy.CATCH_UP)

@@ -9,11 +9,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from trainer.config import ConfigError, collecting, read_text, shipped, shipped_names
-from trainer.files.schema import Quantities, kind_of
-from trainer.files.terms import coefficient_terms, terms
-from trainer.files.vessel_file import VesselFile, load_vessel, parse_vessel
-from trainer.files.vessel_records import Autopilot, key_tables
+from trainer.config.coefficients import coefficient_terms, terms
+from trainer.config.files import ConfigError, collecting, read_text, shipped, shipped_names
+from trainer.config.schema import Quantities, kind_of
+from trainer.config.vessel import VesselFile, load_vessel, parse_vessel
+from trainer.config.vessel_records import Autopilot, key_tables
 
 ROOT = Path(__file__).parents[1]
 PLACE = Path("boat.toml")

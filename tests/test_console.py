@@ -17,25 +17,22 @@ import pytest
 from textual.pilot import Pilot
 from textual.strip import Strip
 
-from trainer.io import sentences
-from trainer.io.orders import Order, parse
-from trainer.io.sentences import order_sentence, read
-from trainer.screen.acts import Give, Move
-from trainer.screen.client import Barred, Client, Greeting, Item, Joined, Lost
-from trainer.screen.completion import completed, hint, offer
-from trainer.screen.console import Console
-from trainer.screen.drawing.chart import limits
-from trainer.screen.drawing.hull import turned
-from trainer.screen.entry import Entry
-from trainer.screen.ink import GROUND, INKS, contrast, plain
-from trainer.screen.keys import KEYS, key_tables
-from trainer.screen.pane import Pane
-from trainer.screen.picture import Picture
-from trainer.screen.posts import POSTS, wishes
-from trainer.screen.sight import Broken, Kept, Sight
-from trainer.screen.trace import Sample, Trace
-from trainer.stations.channels import CHANNELS
-from trainer.stations.roles import ROLES, refusal
+from trainer.console.app import Console
+from trainer.console.client import Barred, Client, Greeting, Item, Joined, Lost
+from trainer.console.drawing.chart import limits
+from trainer.console.drawing.hull import turned
+from trainer.console.entry import Entry, completed, hint, offer
+from trainer.console.journal import Sample, Trace
+from trainer.console.keys import KEYS, Give, Move, key_tables
+from trainer.console.layouts import POSTS, wishes
+from trainer.console.model import Broken, Kept, Sight
+from trainer.console.pane import GROUND, INKS, Pane, contrast, plain
+from trainer.console.readings import Picture
+from trainer.io.orders import sentences
+from trainer.io.orders.grammar import Order, parse
+from trainer.io.orders.sentences import order_sentence, read
+from trainer.session.stations.channels import CHANNELS
+from trainer.session.stations.roles import ROLES, refusal
 
 ROOT = Path(__file__).parent.parent
 STYLE = ROOT / "trainer" / "screen" / "console.tcss"
@@ -663,7 +660,7 @@ def test_what_can_break_is_asked_of_the_session() -> None:
 def test_before_the_session_is_there_nothing_is_said_of_the_boat_and_at_once_then(
     role: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("trainer.screen.console.RATE", 0.01)  # no other look is in time
+    monkeypatch.setattr("trainer.console.app.RATE", 0.01)  # no other look is in time
     talk = tape(role)
     held, talk.items = talk.items, []
     app = Console(sight_of(talk, role))
@@ -860,8 +857,8 @@ def test_the_first_drawing_of_a_screen_has_what_had_come_by_then(
 
 def test_the_screens_load_neither_numbers_nor_boats() -> None:
     code = (
-        "import sys, trainer.screen.launch; "
-        "bad = {'numpy', 'numba', 'trainer.core', 'trainer.boat', 'trainer.session'}; "
+        "import sys, trainer.console.launch; "
+        "bad = {'numpy', 'numba', 'trainer.core', 'trainer.boat.boat', 'trainer.session.session'}; "
         "print(sorted(bad & set(sys.modules)))"
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
@@ -871,5 +868,5 @@ def test_the_screens_load_neither_numbers_nor_boats() -> None:
 def test_the_documents_list_the_keys() -> None:
     page = (ROOT / "docs" / "instructor.md").read_text(encoding="utf-8")
     assert key_tables() in page, (
-        'renew it: python -c "from trainer.screen.keys import key_tables; print(key_tables())"'
+        'renew it: python -c "from trainer.console.keys import key_tables; print(key_tables())"'
     )

@@ -20,16 +20,15 @@ from pathlib import Path
 
 import pytest
 
-from trainer import places
-from trainer.io.orders import Order, parse
-from trainer.io.sentences import order_sentence, read
-from trainer.screen.acts import Give, Move
-from trainer.screen.client import Client
-from trainer.screen.console import Console
-from trainer.screen.journal import Entry
-from trainer.screen.keys import KEYS
-from trainer.screen.posts import POSTS, wishes
-from trainer.screen.sight import Sight
+from trainer.console.app import Console
+from trainer.console.client import Client
+from trainer.console.journal import Entry
+from trainer.console.keys import KEYS, Give, Move
+from trainer.console.layouts import POSTS, wishes
+from trainer.console.model import Sight
+from trainer.io import paths
+from trainer.io.orders.grammar import Order, parse
+from trainer.io.orders.sentences import order_sentence, read
 
 pytestmark = [
     pytest.mark.long,
@@ -82,7 +81,7 @@ def terminal(tmp_path: Path) -> Iterator[Terminal]:
     found = Terminal(f"trainer-{os.getpid()}-{tmp_path.name[:16]}", tmp_path)
     yield found
     found.close()
-    assert gone(places.socket_path()), "a session outlives its terminal"
+    assert gone(paths.socket_path()), "a session outlives its terminal"
 
 
 class Ear:
@@ -170,7 +169,7 @@ def test_the_first_exercise_by_the_keys_that_help_names(
     terminal.type("F1")
     terminal.wait("A first exercise")
     terminal.type("Escape")
-    other = ear(places.socket_path())
+    other = ear(paths.socket_path())
 
     terminal.wait("00:02:[1-5]|00:0[3-9]:")
     terminal.type("F4")
@@ -204,7 +203,7 @@ def test_the_first_exercise_by_the_keys_that_help_names(
     terminal.type("clear; ", command("debrief", "drill.trainer"), "Enter")
     terminal.wait(r"drill\.html")
     assert record.with_suffix(".html").exists()
-    assert gone(places.socket_path())
+    assert gone(paths.socket_path())
 
 
 def test_a_console_is_as_large_as_its_window_whatever_the_environment_says(
@@ -234,7 +233,7 @@ def test_a_killed_console_leaves_the_session_to_who_is_left(
 ) -> None:
     terminal.type(command("run", "--speed", "10", "--no-record", "--seed", "90210"), "Enter")
     terminal.wait("RUNNING x10")
-    where = places.socket_path()
+    where = paths.socket_path()
     other = ear(where)
     os.kill(console_of("run", "90210"), signal.SIGKILL)
 
@@ -248,7 +247,7 @@ def test_a_killed_console_leaves_the_session_to_who_is_left(
 STUCK = """
 import os, signal, threading
 from types import SimpleNamespace
-from trainer.screen.launch import Visit
+from trainer.console.launch import Visit
 
 client = SimpleNamespace(start=lambda: None, close=lambda _: None)
 console = SimpleNamespace(run=threading.Event().wait, exit=lambda _: None)
@@ -313,8 +312,8 @@ def test_what_a_session_fails_of_as_it_begins_is_told_once_the_screen_is_gone(
 ENDLESS = """
 import sys, time
 from trainer import places
-from trainer.cli import fail
-from trainer.screen.voyage import sail
+from trainer.cli.main import fail
+from trainer.console.own_session import sail
 import click
 
 def serve(where):

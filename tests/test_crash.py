@@ -18,8 +18,8 @@ from typing import Any
 import pytest
 
 import trainer
-from trainer.io.recording import Journalled, Recording
-from trainer.io.sentences import order_sentence, read
+from trainer.io.orders.sentences import order_sentence, read
+from trainer.io.recording.recording import Journalled, Recording
 
 pytestmark = pytest.mark.skipif(os.name != "posix", reason="kills and forks of POSIX")
 

@@ -23,33 +23,30 @@ from typing import Any
 import numpy as np
 import pytest
 
-from trainer import printing
-from trainer.boat import Boat
-from trainer.clock import MonotonicClock
-from trainer.config import ConfigError, remembering, shipped_names
-from trainer.debrief.axes import clock, step_of, thinned, ticks
-from trainer.debrief.dossier import Dossier, gather
-from trainer.debrief.figures import figures
-from trainer.debrief.files import beside, debrief_file, read_dossier
-from trainer.debrief.page import render
-from trainer.debrief.style import STYLE
-from trainer.history import History
-from trainer.io.csv_file import NoFile
-from trainer.io.recording import Recording
-from trainer.pacer import Policy
-from trainer.plan import plan_run
-from trainer.printing import print_pdf
-from trainer.records.exporting import export_file
-from trainer.records.log_book import header_of
-from trainer.scores.measure_table import MEASURES
-from trainer.scores.measures import broached
-from trainer.session import Session
-from trainer.stations.door import Door
-from trainer.stations.frame import Lookout
-from trainer.stations.publisher import Promptly, Roster
-from trainer.stations.station import Station
-from trainer.timekeeping import Timekeeping
-from trainer.watch import Watch
+from trainer.analysis.debrief.data import Dossier, figures, gather
+from trainer.analysis.debrief.measures import broached
+from trainer.analysis.debrief.page import beside, debrief_file, read_dossier, render
+from trainer.analysis.debrief.scoring import MEASURES
+from trainer.analysis.recording_export import export_file
+from trainer.analysis.report import pdf
+from trainer.analysis.report.html import STYLE
+from trainer.analysis.report.pdf import print_pdf
+from trainer.analysis.report.svg import clock, step_of, thinned, ticks
+from trainer.boat.boat import Boat
+from trainer.boat.limits import Watch
+from trainer.config.files import ConfigError, remembering, shipped_names
+from trainer.io.recording.recording import Recording
+from trainer.io.tables import NoFile
+from trainer.session.header import header_of
+from trainer.session.history import History
+from trainer.session.plan import plan_run
+from trainer.session.session import Session
+from trainer.session.stations.access import Door
+from trainer.session.stations.station import Station
+from trainer.session.stations.subscriptions import Promptly, Roster
+from trainer.session.stations.view import Lookout
+from trainer.session.time.pacer import MonotonicClock, Policy
+from trainer.session.time.timekeeping import Timekeeping
 
 ROOT = Path(__file__).parent.parent
 OPTIONS: dict[str, Any] = {
@@ -66,7 +63,7 @@ OPTIONS: dict[str, Any] = {
     "orders_file": None,
     "duration": None,
 }
-BROWSER = printing.find_browser()
+BROWSER = pdf.find_browser()
 browsing = pytest.mark.skipif(BROWSER is None, reason="no Chromium, Chrome or Edge here")
 
 
@@ -793,7 +790,7 @@ def test_what_is_no_recording_or_of_another_version_is_told(
 def test_the_command_writes_the_page_of_a_run(tmp_path: Path) -> None:
     def ran(*words: str) -> "subprocess.CompletedProcess[str]":
         return subprocess.run(
-            [sys.executable, "-c", "from trainer.cli import main; main()", *words],
+            [sys.executable, "-c", "from trainer.cli.main import main; main()", *words],
             env=os.environ | {"PYTHONPATH": str(ROOT)},
             cwd=tmp_path,
             capture_output=True,
@@ -819,7 +816,7 @@ def test_the_command_writes_the_page_of_a_run(tmp_path: Path) -> None:
 def test_without_a_browser_the_next_step_is_told(
     wound_back: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(printing, "find_browser", lambda: None)
+    monkeypatch.setattr(pdf, "find_browser", lambda: None)
     with pytest.raises(ConfigError, match="no Chromium, Chrome or Edge is on this machine"):
         debrief_file(wound_back, None, tmp_path / "a.pdf", None, as_json=False)
     assert list(tmp_path.iterdir()) == []
@@ -829,7 +826,7 @@ def test_a_browser_that_prints_nothing_is_told_with_what_it_said(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     (tmp_path / "page.html").write_text("<p>hello</p>")
-    monkeypatch.setattr(printing, "find_browser", lambda: sys.executable)
+    monkeypatch.setattr(pdf, "find_browser", lambda: sys.executable)
     with pytest.raises(ConfigError, match=r"printed nothing: Try .*for more information"):
         print_pdf(tmp_path / "page.html", tmp_path / "page.pdf")
 

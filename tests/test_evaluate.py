@@ -10,11 +10,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from trainer.config import ConfigError
+from trainer.analysis.evaluate import ANGLES, KNOWN, NECESSARY, evaluate
+from trainer.config.files import ConfigError
+from trainer.config.vessel import VesselFile, load_vessel
 from trainer.core.state import RATES
 from trainer.core.vessel import KEPT
-from trainer.files.vessel_file import VesselFile, load_vessel
-from trainer.study.evaluate import ANGLES, KNOWN, NECESSARY, evaluate
 
 VECTORS = Path(__file__).parent / "data" / "vectors"
 CASES = sorted(path.stem for path in VECTORS.glob("*.args"))

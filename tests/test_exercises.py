@@ -14,29 +14,26 @@ from typing import Any
 import numpy as np
 import pytest
 
-from trainer.boat import Boat
-from trainer.casualty import active
-from trainer.clock import MonotonicClock
-from trainer.config import ConfigError, shipped_names
-from trainer.files.exercise_file import Exercise, load_exercise, parse_exercise
-from trainer.files.exercise_records import key_tables
-from trainer.helm import obey
-from trainer.history import History
+from trainer.boat.boat import Boat
+from trainer.boat.casualties import active
+from trainer.boat.helm import obey
+from trainer.boat.limits import Watch
+from trainer.config.exercise import Exercise, key_tables, load_exercise, parse_exercise
+from trainer.config.files import ConfigError, shipped_names
 from trainer.io.line import Joined
-from trainer.io.no_recording import NoRecording
-from trainer.io.orders import Order, parse
-from trainer.io.schedule import Scheduled
-from trainer.pacer import Policy
-from trainer.plan import plan_run
-from trainer.reply import Refused
-from trainer.session import Session
-from trainer.stations.door import Door
-from trainer.stations.frame import Lookout
-from trainer.stations.publisher import Promptly, Roster
-from trainer.stations.station import Station
-from trainer.timekeeping import Timekeeping
+from trainer.io.orders.grammar import Order, Refused, parse
+from trainer.io.orders.schedule import Scheduled
+from trainer.io.recording.recording import NoRecording
+from trainer.session.history import History
+from trainer.session.plan import plan_run
+from trainer.session.session import Session
+from trainer.session.stations.access import Door
+from trainer.session.stations.station import Station
+from trainer.session.stations.subscriptions import Promptly, Roster
+from trainer.session.stations.view import Lookout
+from trainer.session.time.pacer import MonotonicClock, Policy
+from trainer.session.time.timekeeping import Timekeeping
 from trainer.units import KNOT
-from trainer.watch import Watch
 
 ROOT = Path(__file__).parent.parent
 NAMES = (
@@ -476,7 +473,7 @@ def test_what_nobody_says_is_the_vessels_own() -> None:
 
 def ran(*words: str, typed: str = "") -> "subprocess.CompletedProcess[str]":
     return subprocess.run(
-        [sys.executable, "-c", "from trainer.cli import main; main()", *words],
+        [sys.executable, "-c", "from trainer.cli.main import main; main()", *words],
         env=os.environ | {"PYTHONPATH": str(ROOT)},
         input=typed,
         capture_output=True,

@@ -20,29 +20,27 @@ import pytest
 from click.testing import CliRunner
 from llvmlite import binding
 
-from trainer.arguments import Duration, Speed
-from trainer.bare import core as bare_core
-from trainer.bare import options as bare_options
-from trainer.bare import run as bare_run
-from trainer.bare.card import FORMAT, WrongError
-from trainer.bare.core import Core
-from trainer.bare.schedule import read_schedule
-from trainer.bare.wording import Row
-from trainer.boat import PLACES, Boat
-from trainer.cli import cli
-from trainer.config import ConfigError
+from trainer.boat.boat import PLACES, Boat
+from trainer.boat.export.header import members
+from trainer.boat.export.library import HEADER, HOST, LIBRARY, OBJECT, add_library, export
+from trainer.boat.export.lowering import FREESTANDING
+from trainer.boat.export.orders import rows
+from trainer.boat.export.runner import library as bare_core
+from trainer.boat.export.runner import run as bare_options
+from trainer.boat.export.runner import run as bare_run
+from trainer.boat.export.runner.library import FORMAT, Core, WrongError
+from trainer.boat.export.runner.orders import Row
+from trainer.boat.export.runner.run import read_schedule
+from trainer.boat.export.targets import Processor, code_words, object_code, processor
+from trainer.boat.helm import obey
+from trainer.cli.export import boat_at_start
+from trainer.cli.main import cli
+from trainer.cli.types import Duration, Speed
+from trainer.config.files import ConfigError
 from trainer.core.state import STATE
 from trainer.core.vessel import COMPACT, VESSEL
-from trainer.exported.folder import HEADER, HOST, LIBRARY, OBJECT, add_library, export
-from trainer.exported.header import members
-from trainer.exported.lowering import FREESTANDING
-from trainer.exported.start import boat_at_start
-from trainer.exported.targets import Processor, code_words, object_code, processor
-from trainer.exported.wording import rows
-from trainer.helm import obey
-from trainer.io.orders import Order, parse
-from trainer.reply import Refused
-from trainer.study.exported import lines, measure_exported
+from trainer.io.orders.grammar import Order, Refused, parse
+from trainer.verify.bench.exported import lines, measure_exported
 
 HOUR = 7200  # [ticks] of 0.5 s
 OPTIONS = {
@@ -416,7 +414,7 @@ def test_a_run_on_an_exported_core_imports_neither_numba_nor_numpy(folder: Path)
 
     code, *modules = done.stdout.splitlines()[-1].split()
     assert code == "0"
-    assert "trainer.bare.run" in modules
+    assert "trainer.boat.export.runner.run" in modules
     heavy = {"numba", "numpy", "click", "re", "typing", "json", "pathlib", "hashlib", "dataclasses"}
     assert heavy.isdisjoint(modules)
 

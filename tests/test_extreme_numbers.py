@@ -11,14 +11,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from trainer.boat import Boat
-from trainer.config import ConfigError, shipped, shipped_names
-from trainer.files.casualty_file import load_casualties
-from trainer.files.exercise_file import load_exercise, read_exercise
-from trainer.files.sea_file import load_sea
-from trainer.files.vessel_file import VesselFile, load_vessel
-from trainer.fitout import Method
-from trainer.sweep.study_file import load_study
+from trainer.analysis.sweep.study import load_study
+from trainer.boat.assemble import Method
+from trainer.boat.boat import Boat
+from trainer.config.casualties import load_casualties
+from trainer.config.exercise import load_exercise, read_exercise
+from trainer.config.files import ConfigError, shipped, shipped_names
+from trainer.config.sea import load_sea
+from trainer.config.vessel import VesselFile, load_vessel
 from trainer.units import KNOT
 
 EXTREME = ("nan", "inf", "-inf", "1e308", "-1e308", "1e-308", "5e-324", f"{2**63}", "9" * 400)

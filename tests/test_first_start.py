@@ -14,13 +14,16 @@ from typing import Any
 import pytest
 
 import trainer
-from trainer import compilation, first_start
-from trainer.config import shipped_names
-from trainer.machine_code import cache_folder
+from trainer.boat import compilation
+from trainer.config.files import shipped_names
+from trainer.core.cache import cache_folder
+from trainer.session import first_start
 
 HERE = Path(trainer.__file__).parents[1]
 OPTIONS = {"exercise": None, "vessel": "bb2", "step": None, "integrator": "adams2", "speed": 1.0}
-BEHIND = "import sys; from trainer.cli import main; sys.argv = ['trainer', *{words}]\ntry: main()\n"
+BEHIND = (
+    "import sys; from trainer.cli.main import main; sys.argv = ['trainer', *{words}]\ntry: main()\n"
+)
 ASKED = (
     *("rerun", "scipy.linalg", "textual", "geographiclib", "matplotlib", "pyarrow", "sqlite3"),
     *("serial", "numba", "numpy", "trainer.core"),
@@ -177,7 +180,7 @@ def test_a_cache_speaks_for_the_files_it_was_made_from_alone(
 
 @pytest.mark.long
 def test_the_process_beside_compiles_all_that_a_run_needs_and_ends(tmp_path: Path) -> None:
-    trained(code="from trainer.compiling import main; main()", cache=tmp_path)
+    trained(code="from trainer.session.precompilation import main; main()", cache=tmp_path)
     before = {path.name for path in tmp_path.rglob("*.nb*")}
     words = ("run", "steering-jam", "--headless", "--duration", "60", "--speed", "max")
 

@@ -10,19 +10,23 @@ import pytest
 from numba import config, float64, int64
 from numba.types import Type
 
-from trainer.boat import PLACES, Boat
-from trainer.core import abreast
+from trainer.analysis.fleet import tick as tick_module
+from trainer.analysis.fleet.block import follows, ordinary, tanks_rest
+from trainer.analysis.fleet.ensemble import (
+    NO_ORDERS,
+    Fleet,
+    Schedule,
+    fly_members,
+    new_work,
+    orders,
+)
+from trainer.analysis.fleet.lanes import BLOCK, LANES, relaid
+from trainer.boat.boat import PLACES, Boat
 from trainer.core.elementary import cosine, exponential, sine
-from trainer.core.ensemble import Fleet, Schedule, new_work
 from trainer.core.kernel import inlined
 from trainer.core.kinematics import EXACT, LINEAR, POLYNOMIAL
-from trainer.core.lanes import BLOCK, LANES
-from trainer.core.ordinary import follows, ordinary, tanks_rest
-from trainer.core.relaid import relaid
-from trainer.core.scratch import new_scratch
-from trainer.core.state import STATE
+from trainer.core.state import STATE, new_scratch
 from trainer.core.update import update
-from trainer.study.fleet import NO_ORDERS, fly_members, orders
 
 TICKS = 120
 MEMBERS = LANES + 5  # a whole block, and one that is not full
@@ -144,7 +148,7 @@ def test_every_number_of_a_member_is_that_of_the_boat_flown_alone(
 @compiled
 def test_ordinary_members_are_not_flown_alone(boat: Boat, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(
-        "trainer.study.fleet.new_work", lambda: works.append(new_work()) or works[0]
+        "trainer.analysis.fleet.ensemble.new_work", lambda: works.append(new_work()) or works[0]
     )
     works: list = []
 
@@ -338,7 +342,7 @@ def test_fleets_in_threads_are_those_flown_one_after_the_other(boat: Boat) -> No
 )
 def test_boats_side_by_side_are_vector_code(name: str, first: Type) -> None:
     # a cached kernel cannot be looked into
-    fresh = inlined(getattr(abreast, name).py_func)
+    fresh = inlined(getattr(tick_module, name).py_func)
     fresh.compile((first, BLOCK))
 
     assert re.search(r"<\d+ x double>", fresh.inspect_llvm(fresh.signatures[0]))
@@ -347,7 +351,7 @@ def test_boats_side_by_side_are_vector_code(name: str, first: Type) -> None:
 @compiled
 @pytest.mark.parametrize("function", [sine, cosine, exponential])
 def test_elementary_functions_have_the_same_bits_in_a_lane(function: Callable) -> None:
-    in_lane = relaid(function, abreast.COUNTED)
+    in_lane = relaid(function, tick_module.COUNTED)
     random = np.random.default_rng(3)
     arguments = [
         *random.uniform(-20.0, 20.0, 3000),

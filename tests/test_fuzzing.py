@@ -7,14 +7,14 @@ from typing import Any
 
 import pytest
 
-from trainer.config import ConfigError
-from trainer.files.casualty_file import parse_casualties
-from trainer.files.exercise_file import parse_exercise
-from trainer.files.sea_file import parse_sea
-from trainer.files.vessel_file import parse_vessel
-from trainer.proving.catalogue import TARGETS
-from trainer.proving.fuzz import Found, Tally, run_round
-from trainer.proving.target import Target, only, pieces
+from trainer.config.casualties import parse_casualties
+from trainer.config.exercise import parse_exercise
+from trainer.config.files import ConfigError
+from trainer.config.sea import parse_sea
+from trainer.config.vessel import parse_vessel
+from trainer.verify.fuzz.catalogue import TARGETS
+from trainer.verify.fuzz.fuzz import Found, Tally, run_round
+from trainer.verify.fuzz.target import Target, only, pieces
 
 posix = pytest.mark.skipif(os.name != "posix", reason="signals of POSIX")
 each_target = pytest.mark.parametrize("target", [pytest.param(t, id=n) for n, t in TARGETS.items()])

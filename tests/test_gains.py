@@ -7,9 +7,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from trainer.config import ConfigError
-from trainer.files.vessel_file import load_vessel
-from trainer.study.gains import design, design_text, regulator
+from trainer.analysis.gains import design, design_text, regulator
+from trainer.config.files import ConfigError
+from trainer.config.vessel import load_vessel
 
 
 @pytest.mark.parametrize("vessel", ["bb2", "sdv-mk9", "remus100"])

@@ -11,23 +11,22 @@ import numpy as np
 import pytest
 from click.testing import CliRunner, Result
 
-from trainer.commands.guiding import guide, manoeuvre
-from trainer.config import ConfigError
-from trainer.files.vessel_file import load_vessel
-from trainer.fitout import Method
-from trainer.guide import document, tasks, trials, verdicts
-from trainer.guide.baseline import load_earlier, moved
-from trainer.guide.book import Book, assembled, write
-from trainer.guide.programme import legs
-from trainer.guide.summary import render
-from trainer.guide.tasks import Task, fly_all
-from trainer.guide.verdicts import BEYOND, SHOWN, WITHIN, judged
-from trainer.printing import find_browser
-from trainer.study.manoeuvres.catalogue import named
-from trainer.study.manoeuvres.flight import Flight
-from trainer.study.manoeuvres.measures import Measure, share
-from trainer.study.manoeuvres.turns import Turn
-from trainer.study.series import load_series
+from trainer.analysis.guide import document, programme, trials, verdicts
+from trainer.analysis.guide.baseline import load_earlier, moved
+from trainer.analysis.guide.contents import Book, assembled, write
+from trainer.analysis.guide.programme import Task, fly_all, legs
+from trainer.analysis.guide.summary import render
+from trainer.analysis.guide.verdicts import BEYOND, SHOWN, WITHIN, judged
+from trainer.analysis.manoeuvres.catalogue import named
+from trainer.analysis.manoeuvres.flight import Flight
+from trainer.analysis.manoeuvres.turns import Turn
+from trainer.analysis.manoeuvres.vehicle import Measure, share
+from trainer.analysis.report.pdf import find_browser
+from trainer.analysis.series import load_series
+from trainer.boat.assemble import Method
+from trainer.cli.guide import guide, manoeuvre
+from trainer.config.files import ConfigError
+from trainer.config.vessel import load_vessel
 from trainer.units import KNOT
 
 MADE = "2026-01-01 00:00:00 UTC"
@@ -67,7 +66,7 @@ def test_the_same_flight_passes_and_a_flight_by_another_rudder_fails() -> None:
     file = load_vessel("bb2")
     method = Method("full", "exact", "exact", "rk4", 0.5)
     flown = [
-        tasks.flown(file.path, Task(Turn(angle), 10.0 * KNOT, method)) for angle in (15.0, 18.0)
+        programme.flown(file.path, Task(Turn(angle), 10.0 * KNOT, method)) for angle in (15.0, 18.0)
     ]
     one, other = (flight for flight in flown if isinstance(flight, Flight))
 
@@ -89,7 +88,7 @@ def test_several_processors_fly_to_the_same_bits(monkeypatch: pytest.MonkeyPatch
     seen: list[None] = []
 
     alone = fly_all(file.path, wanted, 1, lambda: None)
-    monkeypatch.setattr(tasks, "ALONE", 0.0)
+    monkeypatch.setattr(programme, "ALONE", 0.0)
     together = fly_all(file.path, wanted, 2, lambda: seen.append(None))
 
     assert len(seen) == len(wanted)
@@ -104,7 +103,7 @@ def test_several_processors_fly_to_the_same_bits(monkeypatch: pytest.MonkeyPatch
 def test_a_flight_that_cannot_start_is_told_and_not_lost_silently() -> None:
     method = Method("full", "exact", "exact", "rk4", 0.05)
 
-    told = tasks.flown(load_vessel("remus100").path, Task(named("trim"), 2.0 * KNOT, method))
+    told = programme.flown(load_vessel("remus100").path, Task(named("trim"), 2.0 * KNOT, method))
 
     assert isinstance(told, str)
     assert "no straight level flight at 2 kn" in told
@@ -451,7 +450,7 @@ def test_a_boat_that_is_lost_gives_exit_code_1() -> None:
 def test_the_guide_as_a_command_writes_moves_and_leaves_by_the_verdict(
     book: Book, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("trainer.commands.guiding.written", lambda *_: book)
+    monkeypatch.setattr("trainer.cli.guide.written", lambda *_: book)
     old, html = tmp_path / "old.json", tmp_path / "guide.html"
     old.write_text(json.dumps(figures(book)))
 
@@ -463,13 +462,13 @@ def test_the_guide_as_a_command_writes_moves_and_leaves_by_the_verdict(
     assert told["checksums"]["bb2.toml"]
     assert "Nothing moved." in html.read_text()
     failed = replace(book, guide=replace(book.guide, passed=False))
-    monkeypatch.setattr("trainer.commands.guiding.written", lambda *_: failed)
+    monkeypatch.setattr("trainer.cli.guide.written", lambda *_: failed)
     assert ask(guide, "bb2").exit_code == 1
     assert "Out of tolerance." in ask(guide, "bb2").output
 
 
 def test_a_page_that_cannot_be_written_is_told(book: Book, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("trainer.commands.guiding.written", lambda *_: book)
+    monkeypatch.setattr("trainer.cli.guide.written", lambda *_: book)
 
     done = ask(guide, "bb2", "--html", "/nowhere/guide.html")
 

@@ -8,12 +8,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from trainer.boat import Boat
-from trainer.files.vessel_file import load_vessel
-from trainer.fitout import Method
-from trainer.helm import obey
-from trainer.io.orders import Order, parse
-from trainer.reply import Refused
+from trainer.boat.assemble import Method
+from trainer.boat.boat import Boat
+from trainer.boat.helm import obey
+from trainer.config.vessel import load_vessel
+from trainer.io.orders.grammar import Order, Refused, parse
 from trainer.units import KNOT
 
 DEGREE = math.pi / 180.0

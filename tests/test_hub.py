@@ -15,15 +15,15 @@ from typing import Any
 
 import pytest
 
-from trainer.io import connection, listening
+from trainer.io import connection
+from trainer.io import server as server_module
+from trainer.io.client import dial, over_serial
 from trainer.io.connection import MOST_BYTES, MOST_HEARD, MOST_SAID, Connection
-from trainer.io.dial import dial, over_serial
-from trainer.io.hub import ROOM, STRANGERS, TURNED_AWAY, Hub
-from trainer.io.line import Joined, Line
+from trainer.io.line import Direct, Joined, Line
 from trainer.io.lines import Overlong
-from trainer.io.orders import LONGEST
-from trainer.io.outbox import Direct
+from trainer.io.orders.grammar import LONGEST
 from trainer.io.serial_line import LinkError, SerialLine
+from trainer.io.server import ROOM, STRANGERS, TURNED_AWAY, Hub
 
 PATIENCE = 10.0  # [s]  far beyond what any wait here needs
 needs_local = pytest.mark.skipif(not hasattr(socket, "AF_UNIX"), reason="no local sockets here")
@@ -392,7 +392,7 @@ def test_one_client_too_many_is_told_so_and_room_is_made_when_one_leaves() -> No
 def test_a_crowd_at_the_door_is_cut_off_and_the_clients_are_still_served(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setattr("trainer.io.hub.LAST_WORDS", PATIENCE)
+    monkeypatch.setattr("trainer.io.server.LAST_WORDS", PATIENCE)
     with desk() as here, ExitStack() as guests:
         far, line = guest(here, guests)
         for _ in range(ROOM - 1):
@@ -422,7 +422,7 @@ def test_a_page_in_a_browser_gives_no_orders() -> None:
 def test_a_system_without_room_for_a_connection_is_asked_again_later(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setattr("trainer.io.hub.DEAF", 0.02)
+    monkeypatch.setattr("trainer.io.server.DEAF", 0.02)
     asked: list[float] = []
 
     class Full:
@@ -450,8 +450,8 @@ def test_a_system_without_room_for_a_connection_is_asked_again_later(
                 raise OSError(24, "Too many open files")
             return self.door.accept()
 
-    real = listening.listen_at
-    monkeypatch.setattr("trainer.io.hub.listen_at", lambda *at: Full(real(*at)))
+    real = server_module.listen_at
+    monkeypatch.setattr("trainer.io.server.listen_at", lambda *at: Full(real(*at)))
     with desk() as here, client(here) as (far, line):
         far.sendall(b"run\n")
         assert here.heard(line, 1) == ["run"]
@@ -530,7 +530,7 @@ def test_a_port_in_use_is_told_with_the_next_step() -> None:
 )
 def test_an_impossible_place_to_listen_is_told(host: str, port: int, reason: str) -> None:
     with pytest.raises(LinkError, match=reason):
-        listening.listen_at(host, port)
+        server_module.listen_at(host, port)
 
 
 @needs_local
@@ -594,7 +594,7 @@ def test_an_impossible_path_is_told(tmp_path: Path, name: str, reason: str) -> N
     (tmp_path / "file").write_text("")
 
     with pytest.raises(LinkError, match=reason):
-        listening.listen_here(tmp_path / name)
+        server_module.listen_here(tmp_path / name)
     assert (tmp_path / "file").exists()
 
 
@@ -604,7 +604,7 @@ def test_a_system_without_local_sockets_says_so(
     monkeypatch.delattr(socket, "AF_UNIX", raising=False)
 
     with pytest.raises(LinkError, match=r"no local sockets; listen at 127.0.0.1"):
-        listening.listen_here(tmp_path / "session")
+        server_module.listen_here(tmp_path / "session")
     with pytest.raises(LinkError, match=r"no local sockets; say tcp://HOST:PORT"):
         dial(f"local:{tmp_path}", threading.Event())
 

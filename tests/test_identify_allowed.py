@@ -8,19 +8,19 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 
-from trainer.commands.identify import identify
-from trainer.identify.allowed import _drawn, allowed, pulse_of, step_of
-from trainer.identify.asked import study_of
+from trainer.cli.identify import identify
+from trainer.identify.alternatives import _drawn, allowed, pulse_of, step_of
+from trainer.identify.experiment import held, prbs
 from trainer.identify.fitting import fit
+from trainer.identify.measurements import Samples
 from trainer.identify.minimise import unheard
 from trainer.identify.models import MODELS, Plant, Ship
-from trainer.identify.prbs import held, prbs
+from trainer.identify.options import study_of
 from trainer.identify.problem import problem_of
-from trainer.identify.samples import Samples
-from trainer.identify.simulate import drawn
-from trainer.identify.spread import drawn as draws
-from trainer.identify.spread import propagated, spanned
-from trainer.identify.study_file import observe
+from trainer.identify.study import observe
+from trainer.identify.uncertainty import drawn as draws
+from trainer.identify.uncertainty import propagated, spanned
+from trainer.identify.validation import drawn
 
 pytest.importorskip("scipy")
 

@@ -6,11 +6,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from trainer.config import ConfigError
-from trainer.identify.armax import Armax
-from trainer.identify.armax_fit import _Search, fit_armax
+from trainer.config.files import ConfigError
+from trainer.identify.armax import Armax, _Search, fit_armax
 from trainer.identify.armax_orders import delayed, treated, try_orders, without_wind
-from trainer.identify.prbs import held, prbs
+from trainer.identify.experiment import held, prbs
 from trainer.identify.residuals import examine_residuals, verdicts
 
 DATA = Path(__file__).parents[2] / "shared" / "data"  # beside the project

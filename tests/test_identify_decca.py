@@ -8,22 +8,25 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 
-from trainer.commands.identify import decca
-from trainer.config import ConfigError
+from trainer.cli.identify import decca
+from trainer.config.files import ConfigError
 from trainer.identify.decca import (
+    SPENCER,
     Point,
     Slave,
     convergence,
+    derivative,
+    even_interval,
     fixes,
     lane_at,
     lane_number,
     resolved,
+    smoothed,
+    sway_of_track,
     track,
 )
-from trainer.identify.decca_file import load_decca, load_readings
-from trainer.identify.deccon import sail, write_track
+from trainer.identify.decca_study import load_decca, load_readings, sail, write_track
 from trainer.identify.sources import Column, load_record
-from trainer.identify.sway import SPENCER, derivative, even_interval, smoothed, sway_of_track
 
 CASES = json.loads((Path(__file__).parent / "data" / "identification" / "decca.json").read_text())
 CHAIN = {

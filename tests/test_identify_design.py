@@ -7,12 +7,15 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from trainer.config import ConfigError
-from trainer.files.exercise_file import parse_exercise
-from trainer.files.vessel_file import load_vessel, parse_vessel
+from trainer.analysis.characteristic import Means, horizontal
+from trainer.config.exercise import parse_exercise
+from trainer.config.files import ConfigError
+from trainer.config.vessel import load_vessel, parse_vessel
+from trainer.identify.design import Reading, prospect
 from trainer.identify.experiment import (
     Sequence,
     exercise_text,
+    flown,
     remarks,
     scheduled,
     suggested_bits,
@@ -25,13 +28,10 @@ from trainer.identify.experiment import (
 from trainer.identify.fitting import fit
 from trainer.identify.minimise import unheard
 from trainer.identify.nomoto import Nomoto
-from trainer.identify.prospect import Reading, prospect
-from trainer.identify.sensors import Sensors, read_by
+from trainer.identify.sources import Sensors, read_by
 from trainer.identify.steering import averages, coefficients, gap, rewritten, steering
-from trainer.identify.study_file import plain_study
+from trainer.identify.study import plain_study
 from trainer.identify.study_records import ModelTable, Ship
-from trainer.identify.trial import flown
-from trainer.study.characteristic import Means, horizontal
 from trainer.units import KNOT
 
 SHIP = Nomoto(K=-0.28, T1=40.0 + 0j, T2=5.0 + 0j, T3=9.0, K_v=8.0, T3v=2.5)

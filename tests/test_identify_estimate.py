@@ -7,18 +7,17 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from trainer.config import ConfigError
-from trainer.identify.checkpoint import keep, resume
-from trainer.identify.coverage import study
-from trainer.identify.estimate import MINIMISERS, Starts, estimate
+from trainer.config.files import ConfigError
+from trainer.identify.estimate import MINIMISERS, Starts, estimate, keep, resume
 from trainer.identify.likelihood import Likelihood
 from trainer.identify.minimise import Found, Search, unheard
 from trainer.identify.models import MODELS, Ship
-from trainer.identify.predictor import Innovations, MultiStep, settled_gain
+from trainer.identify.monte_carlo import study
+from trainer.identify.prediction_error import Innovations, MultiStep, settled_gain
 from trainer.identify.problem import Problem
-from trainer.identify.rehearsal import TANKER, TANKER_RUDDER, Rehearsal
-from trainer.identify.simulate import drawn
+from trainer.identify.reference_ships import TANKER, TANKER_RUDDER, Rehearsal
 from trainer.identify.uncertainty import hessian, inseparable, uncertainty
+from trainer.identify.validation import drawn
 
 
 def recorded(rehearsal, count, seed=1):

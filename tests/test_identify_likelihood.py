@@ -5,23 +5,23 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from helpers.differences import gradient_and_hessian, refined, relative_steps
 from numpy.testing import assert_allclose
 
-from trainer.config import ConfigError
-from trainer.identify.differences import gradient_and_hessian, refined, relative_steps
+from trainer.config.files import ConfigError
+from trainer.identify.innovations import chi_square_limits, losses, shown, unlimited
 from trainer.identify.kernels.prediction import settle
 from trainer.identify.likelihood import Likelihood
-from trainer.identify.predictor import (
+from trainer.identify.measurements import Samples
+from trainer.identify.prediction_error import (
     Innovations,
     MultiStep,
     _concentrated,
     no_gain,
     settled_gain,
 )
-from trainer.identify.rehearsal import TANKER, TANKER_RUDDER
-from trainer.identify.samples import Samples
-from trainer.identify.shown import chi_square_limits, losses, shown, unlimited
-from trainer.identify.simulate import deterministic, drawn
+from trainer.identify.reference_ships import TANKER, TANKER_RUDDER
+from trainer.identify.validation import deterministic, drawn
 
 PERIOD = TANKER.period
 

@@ -5,9 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from trainer.config import ConfigError
+from trainer.config.files import ConfigError
+from trainer.identify.measurements import Record
 from trainer.identify.nonlinear import Bent, kappa_from_record, kappa_from_turns, predicted
-from trainer.identify.record import Record
 
 STABLE = Bent(-0.05, 40.0, 8.0, 15.0, 400.0)
 UNSTABLE = Bent(0.114, -304.0, 13.4, 33.4, 1230.0)  # A K Fernstrom, section 8

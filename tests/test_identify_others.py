@@ -4,15 +4,14 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from trainer.identify.armax import Armax
-from trainer.identify.armax_fit import fit_armax
+from trainer.identify.armax import Armax, fit_armax
 from trainer.identify.estimate import estimate
 from trainer.identify.likelihood import Likelihood
 from trainer.identify.minimise import Search
-from trainer.identify.predictor import settled_gain
-from trainer.identify.rehearsal import ISLAND, TANKER, TANKER_RUDDER
-from trainer.identify.simulate import drawn
+from trainer.identify.prediction_error import settled_gain
+from trainer.identify.reference_ships import ISLAND, TANKER, TANKER_RUDDER
 from trainer.identify.uncertainty import hessian, uncertainty
+from trainer.identify.validation import drawn
 
 linalg = pytest.importorskip("scipy.linalg")
 

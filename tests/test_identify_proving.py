@@ -7,7 +7,9 @@ import os
 
 import pytest
 
-from trainer.identify.proving import (
+from trainer.verify.cases.decca import by_lanes
+from trainer.verify.cases.nonlinear import bent_hull
+from trainer.verify.cases.ships import (
     heading_only,
     honest_intervals,
     large_helm,
@@ -17,8 +19,6 @@ from trainer.identify.proving import (
     sway_alone,
     two_logs,
 )
-from trainer.identify.proving_bent import bent_hull
-from trainer.identify.proving_lanes import by_lanes
 
 RECORDS = int(os.environ.get("TRAINER_RECORDS", "15"))
 

@@ -7,12 +7,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from trainer.config import ConfigError
-from trainer.identify import decca_file, nomoto_file
+from trainer.config.files import ConfigError
+from trainer.identify import decca_study, nomoto
+from trainer.identify.experiment import held, prbs
 from trainer.identify.findings import examine, follows_motion, unwrapped
-from trainer.identify.prbs import held, prbs
 from trainer.identify.sources import Column, factor, load_record, own_columns
-from trainer.identify.study_file import load_study, observe, plain_study, speed_of
+from trainer.identify.study import load_study, observe, plain_study, speed_of
 from trainer.identify.study_records import key_tables
 
 STUDY = """
@@ -287,7 +287,7 @@ def test_an_output_without_any_value_is_refused(tmp_path):
         observed(tmp_path, columns)
 
 
-@pytest.mark.parametrize("tables", [key_tables, decca_file.key_tables, nomoto_file.key_table])
+@pytest.mark.parametrize("tables", [key_tables, decca_study.key_tables, nomoto.key_table])
 def test_every_key_is_documented_as_it_is_read(tables):
     page = Path(__file__).parent.parent / "docs" / "identification.md"
     text = page.read_text(encoding="utf-8")

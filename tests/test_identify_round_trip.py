@@ -9,16 +9,15 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 
-from trainer.commands.identify import identify, prbs
-from trainer.files.vessel_file import load_vessel
+from trainer.analysis.characteristic import horizontal
+from trainer.analysis.manoeuvres.flight import fly
+from trainer.analysis.manoeuvres.submarine import Rig, Submarine
+from trainer.analysis.manoeuvres.zigzag import ZigZag
+from trainer.cli.identify import identify, prbs
+from trainer.config.vessel import load_vessel
 from trainer.identify.experiment import method_of
-from trainer.identify.nomoto_file import load_nomoto
-from trainer.identify.steered import Steered
-from trainer.identify.steering import steering
-from trainer.study.characteristic import horizontal
-from trainer.study.manoeuvres.flight import fly
-from trainer.study.manoeuvres.submarine import Rig, Submarine
-from trainer.study.manoeuvres.zigzag import ZigZag
+from trainer.identify.nomoto import load_nomoto
+from trainer.identify.steering import Steered, steering
 from trainer.units import KNOT
 
 pytest.importorskip("scipy")

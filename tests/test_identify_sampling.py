@@ -7,11 +7,10 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from trainer.config import ConfigError
-from trainer.identify.discrete import sample
-from trainer.identify.imaginary import STEP, aside
+from trainer.config.files import ConfigError
 from trainer.identify.models import MODEL_1, MODELS, Blocks, Plant, Ship
 from trainer.identify.nomoto import nomoto, transfer
+from trainer.identify.sampled import STEP, aside, sample
 
 VECTORS = json.loads(
     (Path(__file__).parent / "data" / "identification" / "discretisation.json").read_text()

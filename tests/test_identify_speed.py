@@ -7,16 +7,14 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 
-from trainer import cli
-from trainer.commands import bench_sections
-from trainer.exported.linking import NoCompilerError
-from trainer.identify import alternating, speed
-from trainer.identify.against_c.filter import likelihood_in_c
-from trainer.identify.alternating import Paces
-from trainer.identify.beside_statsmodels import by_statsmodels, likelihoods_of_a_fit
+from trainer.boat.export.targets import NoCompilerError
+from trainer.cli import main
 from trainer.identify.likelihood import Likelihood
-from trainer.identify.rehearsal import ISLAND, TANKER, TANKER_RUDDER
-from trainer.identify.speed import Row, Speed
+from trainer.identify.reference_ships import ISLAND, TANKER, TANKER_RUDDER
+from trainer.verify.bench import identify, paired_timing, sections
+from trainer.verify.bench.identify import Row, Speed, by_statsmodels, likelihoods_of_a_fit
+from trainer.verify.bench.paired_timing import Paces
+from trainer.verify.c_reference.filter import likelihood_in_c
 
 compiler = pytest.mark.skipif(
     not shutil.which("gcc") and not shutil.which("cc"), reason="no C compiler"
@@ -26,14 +24,14 @@ compiler = pytest.mark.skipif(
 def records():
     """Yield records of every kind that the filter in C treats in its own way."""
     question = TANKER.problem(TANKER_RUDDER[:300])
-    yield "whole", speed.recorded(question)
-    yield "missing", speed.recorded(TANKER.problem(TANKER_RUDDER[:300], 0.2))
-    yield "varied", speed.recorded(speed.varied(question))
-    yield "an island", speed.recorded(ISLAND.problem(TANKER_RUDDER[:200]))
+    yield "whole", identify.recorded(question)
+    yield "missing", identify.recorded(TANKER.problem(TANKER_RUDDER[:300], 0.2))
+    yield "varied", identify.recorded(identify.varied(question))
+    yield "an island", identify.recorded(ISLAND.problem(TANKER_RUDDER[:200]))
     variances = {"P11": 0.02, "P22": 1e-6, "P33": 1e-3, "P12": 1e-5}
     wind = {"Y_psi": 2e-3, "l_psi": 0.3}
     started = TANKER.freed(*variances, *wind, **variances, **wind)
-    yield "started", speed.recorded(started.problem(TANKER_RUDDER[:200]))
+    yield "started", identify.recorded(started.problem(TANKER_RUDDER[:200]))
 
 
 RECORDS = dict(records())
@@ -66,7 +64,7 @@ def test_the_likelihood_of_statsmodels_is_ours(name):
 
 def test_a_minimiser_by_differences_asks_for_many_likelihoods(monkeypatch):
     pytest.importorskip("scipy.optimize")
-    monkeypatch.setattr("trainer.identify.beside_statsmodels.MOST", 2)
+    monkeypatch.setattr("trainer.verify.bench.identify.MOST", 2)
     problem = RECORDS["whole"]
     asked = likelihoods_of_a_fit(Likelihood(problem), TANKER.start())
     assert asked >= 3 * (1 + len(problem.free))
@@ -89,8 +87,8 @@ def test_a_ratio_is_the_median_of_rounds():
 
 def test_works_take_turns_in_batches_long_enough(monkeypatch):
     clock, done = [0.0], []
-    monkeypatch.setattr(alternating, "ROUNDS", 2)
-    monkeypatch.setattr(alternating.time, "thread_time", lambda: clock[0])
+    monkeypatch.setattr(paired_timing, "ROUNDS", 2)
+    monkeypatch.setattr(paired_timing.time, "thread_time", lambda: clock[0])
 
     def work(name, seconds):
         def run():
@@ -99,7 +97,7 @@ def test_works_take_turns_in_batches_long_enough(monkeypatch):
 
         return run
 
-    paces = alternating.timed([work("slow", 2e-3), work("quick", 1e-3)])
+    paces = paired_timing.timed([work("slow", 2e-3), work("quick", 1e-3)])
 
     assert done[-12:] == 2 * ["slow", "slow", *4 * ["quick"]]
     assert paces.ratio(0, 1) == pytest.approx(2.0)
@@ -108,15 +106,15 @@ def test_works_take_turns_in_batches_long_enough(monkeypatch):
 @pytest.fixture
 def quick(monkeypatch):
     """Let everything be measured once, and no process started."""
-    monkeypatch.setattr(alternating, "ROUNDS", 1)
-    monkeypatch.setattr(alternating, "BATCH_S", 0.0)
-    monkeypatch.setattr(bench_sections, "SAMPLES", 100)
-    monkeypatch.setattr(speed, "FITS", 1)
-    monkeypatch.setattr("trainer.identify.beside_statsmodels.MOST", 1)
+    monkeypatch.setattr(paired_timing, "ROUNDS", 1)
+    monkeypatch.setattr(paired_timing, "BATCH_S", 0.0)
+    monkeypatch.setattr(sections, "SAMPLES", 100)
+    monkeypatch.setattr(identify, "FITS", 1)
+    monkeypatch.setattr("trainer.verify.bench.identify.MOST", 1)
 
 
 def bench(*words):
-    result = CliRunner().invoke(cli.cli, ["bench", "--identify", *words])
+    result = CliRunner().invoke(main.cli, ["bench", "--identify", *words])
     assert result.exit_code == 0, result.output
     return result.output
 
@@ -140,7 +138,7 @@ def test_what_is_not_here_is_left_out_and_says_why(monkeypatch):
     def none():
         raise ImportError
 
-    monkeypatch.setattr(speed, "filters", none)
+    monkeypatch.setattr(identify, "filters", none)
     monkeypatch.setenv("CC", "no-such-compiler")
 
     page = bench()
@@ -154,7 +152,7 @@ def test_what_is_not_here_is_left_out_and_says_why(monkeypatch):
 
 def test_a_figure_beyond_what_is_wanted_is_missed():
     rows = Row("a", 0.021, 0.02), Row("b", 1.5, 1.5), Row("c", None, 5.0, "why")
-    page = speed.lines(Speed(2000, 19, 65.4, rows))
+    page = identify.lines(Speed(2000, 19, 65.4, rows))
 
     assert [row.word for row in rows] == ["MISSED", "holds", "left out"]
     assert [" ".join(line.split()) for line in page[-4:]] == [
@@ -172,8 +170,8 @@ def test_no_compiler_is_the_only_trouble_that_leaves_c_out(monkeypatch):
     def fails():
         raise ValueError("another")
 
-    monkeypatch.setattr(speed, "likelihood_in_c", lacks)
-    assert speed.in_c() == speed.Other("C", None, "none")
-    monkeypatch.setattr(speed, "likelihood_in_c", fails)
+    monkeypatch.setattr(identify, "likelihood_in_c", lacks)
+    assert identify.in_c() == identify.Other("C", None, "none")
+    monkeypatch.setattr(identify, "likelihood_in_c", fails)
     with pytest.raises(ValueError, match="another"):
-        speed.in_c()
+        identify.in_c()

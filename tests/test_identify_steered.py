@@ -6,14 +6,14 @@ import math
 import pytest
 from click.testing import CliRunner
 
-from trainer.commands.guiding import manoeuvre
-from trainer.config import ConfigError
-from trainer.identify.nomoto_file import NomotoFile, is_nomoto, key_table, load_nomoto, written
-from trainer.identify.steered import Steered
-from trainer.study.manoeuvres.catalogue import named
-from trainer.study.manoeuvres.flight import fly
-from trainer.study.manoeuvres.vehicle import LostError
-from trainer.study.manoeuvres.zigzag import ZigZag
+from trainer.analysis.manoeuvres.catalogue import named
+from trainer.analysis.manoeuvres.flight import fly
+from trainer.analysis.manoeuvres.vehicle import LostError
+from trainer.analysis.manoeuvres.zigzag import ZigZag
+from trainer.cli.guide import manoeuvre
+from trainer.config.files import ConfigError
+from trainer.identify.nomoto import NomotoFile, is_nomoto, key_table, load_nomoto, written
+from trainer.identify.steering import Steered
 from trainer.units import KNOT
 
 SPEED = 10.0 * KNOT

@@ -7,15 +7,15 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 
-from trainer.commands.identify import identify, prbs
-from trainer.config import ConfigError
+from trainer.cli.identify import identify, prbs
+from trainer.config.files import ConfigError
+from trainer.identify.derived import nomoto_of
+from trainer.identify.experiment import held
+from trainer.identify.experiment import prbs as sequence
 from trainer.identify.models import MODELS, Ship
-from trainer.identify.nomoto_file import load_nomoto
-from trainer.identify.prbs import held
-from trainer.identify.prbs import prbs as sequence
-from trainer.identify.selftest import published_orders, published_ship, published_zeros
-from trainer.identify.told import nomoto_of
+from trainer.identify.nomoto import load_nomoto
 from trainer.identify.uncertainty import beside_bounds, uncertainty
+from trainer.verify.cases.selftest import published_orders, published_ship, published_zeros
 
 pytest.importorskip("scipy")
 

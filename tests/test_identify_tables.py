@@ -7,13 +7,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from trainer.config import ConfigError
+from trainer.config.files import ConfigError
 from trainer.identify.armax import Armax
 from trainer.identify.armax_orders import rounding_poles, without_wind
+from trainer.identify.experiment import TAPS, autocorrelation, held, prbs
 from trainer.identify.nomoto import converted, levers, nomoto, scale, solved, transfer
-from trainer.identify.prbs import TAPS, autocorrelation, held, prbs
-from trainer.identify.spread import drawn, propagated
-from trainer.identify.tests_of_order import aic_of_loss, f_test, ratio_test
+from trainer.identify.residuals import aic_of_loss, f_test, ratio_test
+from trainer.identify.uncertainty import drawn, propagated
 
 VECTORS = Path(__file__).parent / "data" / "identification"
 KNOT = 1852.0 / 3600.0

@@ -6,12 +6,12 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from trainer.boat import Boat
-from trainer.config import ConfigError
+from trainer.boat.assemble import read_integrator
+from trainer.boat.boat import Boat
+from trainer.config.files import ConfigError
 from trainer.core.integrators import adams, advance, multistep
 from trainer.core.scheme import INTEGRATORS, Multistep, new_scheme, set_multistep
 from trainer.core.state import MOTION, new_state
-from trainer.fitout import read_integrator
 
 pytestmark = pytest.mark.core
 

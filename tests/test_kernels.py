@@ -8,8 +8,7 @@ import pytest
 
 import trainer.core
 from trainer.core.scheme import SCHEME
-from trainer.core.scratch import SCRATCH
-from trainer.core.state import STATE
+from trainer.core.state import SCRATCH, STATE
 from trainer.core.vessel import COMPACT, VESSEL
 
 CORE = Path(trainer.core.__file__).parent

@@ -8,9 +8,9 @@ from typing import Any
 
 import pytest
 
-from trainer import config
-from trainer.boat import Boat
-from trainer.config import (
+from trainer.boat.boat import Boat
+from trainer.config import files
+from trainer.config.files import (
     ConfigError,
     key_of,
     path_of,
@@ -20,11 +20,11 @@ from trainer.config import (
     shipped,
     shipped_names,
 )
-from trainer.files.sea_file import load_sea
-from trainer.plan import Plan, plan_run
-from trainer.records import log_book
-from trainer.records.layout import LAYOUT, read_state, unlike
-from trainer.records.log_book import differences, header_of, layout_of, method_of, notes, plan_of
+from trainer.config.sea import load_sea
+from trainer.session import header as header_module
+from trainer.session.header import differences, header_of, layout_of, method_of, notes, plan_of
+from trainer.session.layout import LAYOUT, read_state, unlike
+from trainer.session.plan import Plan, plan_run
 
 PLAIN: dict[str, Any] = {
     "exercise": None,
@@ -198,7 +198,7 @@ def test_a_plan_is_made_again_with_none_of_its_files_left(
     plan, _, header = recorded_run(drill | {"seed": 5, "given": frozenset({"seed"})})
     for path in tmp_path.iterdir():
         path.unlink()
-    monkeypatch.setattr(config, "_text_on_disk", lambda path: pytest.fail(f"{path} was read"))
+    monkeypatch.setattr(files, "_text_on_disk", lambda path: pytest.fail(f"{path} was read"))
 
     again = plan_of(header)
 
@@ -256,12 +256,12 @@ def test_a_file_that_is_gone_is_told_by_its_name(drill: dict[str, Any], tmp_path
     ],
 )
 def test_a_changed_line_is_told_short_and_printable(now: str, told: str) -> None:
-    assert log_book.changes("f", now, "a\nb\nc\n") == [told]
+    assert header_module.changes("f", now, "a\nb\nc\n") == [told]
 
 
 def test_of_many_changed_lines_the_first_are_told_and_the_others_counted() -> None:
     now, was = "\n".join(map(str, range(100))), "\n".join(f"{i} x" for i in range(100))
-    told = log_book.changes("f", now, was)
+    told = header_module.changes("f", now, was)
     assert told[0] == "f line 1: 0 was 0 x"
     assert told[10:] == ["f: and 90 more lines"]
 
@@ -269,8 +269,8 @@ def test_of_many_changed_lines_the_first_are_told_and_the_others_counted() -> No
 def test_another_version_core_or_state_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
     _, _, header = recorded_run(PLAIN)
     digest = header["core"]
-    monkeypatch.setattr(log_book, "__version__", "9.9.9")
-    monkeypatch.setattr(log_book, "core_digest", lambda: "0123456789abcdef")
+    monkeypatch.setattr(header_module, "__version__", "9.9.9")
+    monkeypatch.setattr(header_module, "core_digest", lambda: "0123456789abcdef")
     header["layout"] = json.dumps([*LAYOUT[:-1], "old_name"])
 
     assert differences(header) == [

@@ -10,24 +10,18 @@ from typing import Any
 import numpy as np
 import pytest
 
-from trainer.config import ConfigError
-from trainer.files.vessel_file import VesselFile, load_vessel
-from trainer.fitout import Method
-from trainer.study import manoeuvres
-from trainer.study.manoeuvres.catalogue import MANOEUVRES, adjusted, named
-from trainer.study.manoeuvres.flight import Manoeuvre, fly
-from trainer.study.manoeuvres.meander import Meander
-from trainer.study.manoeuvres.measures import (
-    crossings,
-    first_time,
-    peaks,
-    swing_measures,
-)
-from trainer.study.manoeuvres.overshoot import Overshoot
-from trainer.study.manoeuvres.speeds import UtmostAcceleration
-from trainer.study.manoeuvres.spiral import PullOut
-from trainer.study.manoeuvres.submarine import Rig, Submarine
-from trainer.study.manoeuvres.turns import Turn
+from trainer.analysis import manoeuvres
+from trainer.analysis.manoeuvres.catalogue import MANOEUVRES, adjusted, named
+from trainer.analysis.manoeuvres.flight import Manoeuvre, fly
+from trainer.analysis.manoeuvres.speeds import UtmostAcceleration
+from trainer.analysis.manoeuvres.spiral import PullOut
+from trainer.analysis.manoeuvres.submarine import Rig, Submarine
+from trainer.analysis.manoeuvres.turns import Turn
+from trainer.analysis.manoeuvres.vehicle import crossings, first_time, peaks, swing_measures
+from trainer.analysis.manoeuvres.vertical import Meander, Overshoot
+from trainer.boat.assemble import Method
+from trainer.config.files import ConfigError
+from trainer.config.vessel import VesselFile, load_vessel
 from trainer.units import KNOT
 
 DATA = Path(__file__).parent / "data"
@@ -138,10 +132,10 @@ def test_the_library_of_manoeuvres_does_not_know_submarines() -> None:
             for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
             if isinstance(node, ast.ImportFrom)
         }
-        allowed = ("trainer.config", "trainer.study.series", "trainer.study.manoeuvres.")
+        allowed = ("trainer.config.files", "trainer.analysis.series", "trainer.study.manoeuvres.")
         ours = [name for name in imported if name.startswith("trainer")]
         assert all(name.startswith(allowed) for name in ours), path.name
-        assert "trainer.study.manoeuvres.submarine" not in imported, path.name
+        assert "trainer.analysis.manoeuvres.submarine" not in imported, path.name
 
 
 # --- the boats

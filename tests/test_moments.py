@@ -5,8 +5,8 @@ import tracemalloc
 from hypothesis import given
 from hypothesis import strategies as st
 
-from trainer.io.recording import Moment
-from trainer.moments import Moments
+from trainer.io.recording.recording import Moment
+from trainer.session.history import Moments
 
 MOST = 4
 acts = st.lists(

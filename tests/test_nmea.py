@@ -11,22 +11,29 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from trainer.boat import Boat
-from trainer.files.vessel_file import load_vessel
-from trainer.fitout import Method
-from trainer.helm import obey
+from trainer.boat.assemble import Method
+from trainer.boat.boat import Boat
+from trainer.boat.helm import obey
+from trainer.config.vessel import load_vessel
 from trainer.io import nmea
 from trainer.io.lines import Overlong
-from trainer.io.orders import Order, parse
-from trainer.ledger import Ledger
-from trainer.nmea import page as nmea_page
-from trainer.nmea.chart import DEFAULT, Chart, chart_at
-from trainer.nmea.line import AGAIN, NmeaLine
-from trainer.nmea.orders import READERS, TELEGRAPH, Command, Useless, meaning
-from trainer.nmea.set import INSTRUMENTS, InstrumentSet, Sampled, chosen, widest
-from trainer.nmea.sight import WIDEST
-from trainer.stations.frame import Frame, Lookout, Pace, Picture
-from trainer.stations.roles import ROLES, refusal
+from trainer.io.orders.grammar import Order, parse
+from trainer.session.nmea import page as nmea_page
+from trainer.session.nmea.orders import (
+    AGAIN,
+    READERS,
+    TELEGRAPH,
+    Command,
+    NmeaLine,
+    Useless,
+    meaning,
+)
+from trainer.session.nmea.position import DEFAULT, Chart, chart_at
+from trainer.session.nmea.readings import WIDEST
+from trainer.session.nmea.sentences import INSTRUMENTS, InstrumentSet, Sampled, chosen, widest
+from trainer.session.stations.roles import ROLES, refusal
+from trainer.session.stations.view import Frame, Lookout, Pace, Picture
+from trainer.session.time.ledger import Ledger
 from trainer.units import KNOT
 
 START = datetime(2026, 12, 31, 23, 59, 58, tzinfo=UTC)

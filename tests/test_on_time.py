@@ -11,14 +11,14 @@ from pathlib import Path
 import pytest
 from click.testing import CliRunner
 
-from trainer import cli
-from trainer.clock import SPIN
-from trainer.files.vessel_file import load_vessel
-from trainer.ledger import SECOND, Spread
-from trainer.study import end_to_end, on_time, starting
-from trainer.study.crowd import Crowd, entry, missed, sail_in_crowd
-from trainer.study.metronome import beat
-from trainer.study.terminal import Line
+from trainer.cli import main
+from trainer.config.vessel import load_vessel
+from trainer.session.time.ledger import SECOND, Spread
+from trainer.session.time.pacer import SPIN
+from trainer.verify.bench import end_to_end, on_time, start_up
+from trainer.verify.bench.contention import Crowd, entry, missed, sail_in_crowd
+from trainer.verify.bench.end_to_end import Line
+from trainer.verify.bench.metronome import beat
 
 pytestmark = pytest.mark.skipif(not hasattr(os, "openpty"), reason="no pseudo-terminals here")
 
@@ -147,7 +147,7 @@ def test_times_fall_into_bins_of_a_tenth_of_a_step() -> None:
 
 @pytest.mark.long
 def test_the_bench_steers_a_session_by_serial_lines() -> None:
-    done = CliRunner().invoke(cli.cli, ["bench", "--latency", "--seconds", "3", "--json"])
+    done = CliRunner().invoke(main.cli, ["bench", "--latency", "--seconds", "3", "--json"])
 
     assert done.exit_code == 0, done.output
     figures = json.loads(done.output)["latency"]
@@ -159,9 +159,9 @@ def test_the_bench_steers_a_session_by_serial_lines() -> None:
 
 
 def test_where_nothing_is_compiled_a_run_is_interpreted_and_nothing_is_left_behind() -> None:
-    with starting.empty_cache() as environment:
+    with start_up.empty_cache() as environment:
         done = subprocess.run(
-            [*starting.TRAINER, *starting.RUN, starting.SLOW],
+            [*start_up.TRAINER, *start_up.RUN, start_up.SLOW],
             env=os.environ | environment,
             capture_output=True,
             text=True,
@@ -173,9 +173,9 @@ def test_where_nothing_is_compiled_a_run_is_interpreted_and_nothing_is_left_behi
 
 
 def test_the_console_is_timed_until_it_shows_figures() -> None:
-    assert 0.0 < starting.shown() < float("inf")
+    assert 0.0 < start_up.shown() < float("inf")
 
 
 def test_a_process_that_fails_is_not_timed() -> None:
     with pytest.raises(subprocess.CalledProcessError):
-        starting.ended(sys.executable, "-c", "raise SystemExit(1)")
+        start_up.ended(sys.executable, "-c", "raise SystemExit(1)")

@@ -9,10 +9,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from trainer.io.lines import LineDecoder
-from trainer.io.order_help import WIDTH, help_text, page
-from trainer.io.order_table import FORMS, SESSION, TOPICS, Word, heading_word, place
-from trainer.io.orders import LONGEST, BadOrder, Order, parse
-from trainer.io.schedule import BadSchedule, Scheduled, parse_schedule
+from trainer.io.orders.grammar import LONGEST, BadOrder, Order, parse
+from trainer.io.orders.help import WIDTH, help_text, page
+from trainer.io.orders.schedule import BadSchedule, Scheduled, parse_schedule
+from trainer.io.orders.table import FORMS, SESSION, TOPICS, Word, heading_word, place
 
 KNOT = 1852 / 3600
 DEG = math.pi / 180

@@ -22,27 +22,25 @@ from typing import Any
 import pynmea2
 import pytest
 
-from trainer.boat import Boat
-from trainer.clock import MonotonicClock
-from trainer.config import ConfigError
-from trainer.files.vessel_file import load_vessel
-from trainer.fitout import Method
-from trainer.history import History
+from trainer.boat.assemble import Method
+from trainer.boat.boat import Boat
+from trainer.config.files import ConfigError
+from trainer.config.vessel import load_vessel
 from trainer.io import nmea
-from trainer.io.csv_file import COLUMNS, NoFile
-from trainer.io.no_recording import NoRecording
-from trainer.io.outbox import Outbox
-from trainer.io.recording import Recording
-from trainer.ledger import Ledger
-from trainer.nmea.chart import DEFAULT
-from trainer.nmea.outlets import Steady, open_outlets
-from trainer.nmea.set import INSTRUMENTS
-from trainer.pacer import Policy
-from trainer.ports import Ports
-from trainer.session import Session
-from trainer.stations.frame import Lookout, Pace, Picture
-from trainer.stations.publisher import Promptly, Publisher, Roster
-from trainer.timekeeping import Timekeeping
+from trainer.io.line import Outbox
+from trainer.io.recording.recording import NoRecording, Recording
+from trainer.io.tables import COLUMNS, NoFile
+from trainer.session.history import History
+from trainer.session.nmea.outlets import Steady, open_outlets
+from trainer.session.nmea.position import DEFAULT
+from trainer.session.nmea.sentences import INSTRUMENTS
+from trainer.session.ports import Ports
+from trainer.session.session import Session
+from trainer.session.stations.subscriptions import Promptly, Publisher, Roster
+from trainer.session.stations.view import Lookout, Pace, Picture
+from trainer.session.time.ledger import Ledger
+from trainer.session.time.pacer import MonotonicClock, Policy
+from trainer.session.time.timekeeping import Timekeeping
 from trainer.units import KNOT
 
 needs_pty = pytest.mark.skipif(not hasattr(os, "openpty"), reason="no pseudo-terminals here")

@@ -5,15 +5,14 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from trainer import casualty
-from trainer.boat import PLACES, Boat
+from trainer.boat import casualties
+from trainer.boat.boat import PLACES, Boat
+from trainer.boat.helm import obey
+from trainer.config.sea import load_sea
 from trainer.core.state import FIELDS
-from trainer.files.sea_file import load_sea
-from trainer.helm import obey
-from trainer.io.orders import Order
-from trainer.ledger import Ledger
-from trainer.reply import Refused, Reply
-from trainer.status import status_lines
+from trainer.io.orders.grammar import Order, Refused, Reply
+from trainer.session.status import status_lines
+from trainer.session.time.ledger import Ledger
 from trainer.units import KNOT
 
 TWO_PASTS = "a=0.5,0.5;b=1.5"  # a method that looks back on motion as well as on rates
@@ -35,7 +34,7 @@ def busy(make_boat: Callable[..., Boat], integrator: str = "adams2") -> Boat:
     s.blow[0], s.vent[1] = 1.0, 1.0
     s.move_trim = 3000.0
     for name, ramp in (("depth-gauge-noisy", 0.0), ("rudder-slow", 30.0), ("flooding-aft", 20.0)):
-        assert isinstance(casualty.insert(boat, name, None, ramp), str)
+        assert isinstance(casualties.insert(boat, name, None, ramp), str)
     sail(boat, 20)
     return boat
 

@@ -6,7 +6,7 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from trainer.boat import Boat
+from trainer.boat.boat import Boat
 from trainer.core import full, rates
 from trainer.core.integrators import advance
 from trainer.core.state import MOTION

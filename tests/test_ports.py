@@ -14,11 +14,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from trainer.io.line import Direct, Inbox, Outbox, Sender, reader, writer
 from trainer.io.lines import LineDecoder, Overlong
-from trainer.io.orders import LONGEST
-from trainer.io.outbox import Direct, Inbox, Outbox, Sender, reader, writer
+from trainer.io.orders.grammar import LONGEST
 from trainer.io.serial_line import LinkError, SerialLine
-from trainer.io.teletype import View, header, state_line
+from trainer.io.status_line import View, header, state_line
 
 PATIENCE = 10.0  # [s]  far beyond what any wait here needs
 needs_pty = pytest.mark.skipif(not hasattr(os, "openpty"), reason="no pseudo-terminals here")

@@ -11,12 +11,12 @@ import numpy as np
 import pytest
 from click.testing import CliRunner, Result
 
-from trainer.commands.programs import PROGRAMS
-from trainer.config import ConfigError
-from trainer.files.vessel_file import load_vessel
-from trainer.study import plots
-from trainer.study.neutral import neutral
-from trainer.study.neutral_page import panels
+from trainer.analysis.neutral import neutral
+from trainer.analysis.neutral_page import panels
+from trainer.analysis.report import plots
+from trainer.cli.programs import PROGRAMS
+from trainer.config.files import ConfigError
+from trainer.config.vessel import load_vessel
 
 COMMANDS: dict[str, click.Command] = {str(command.name): command for command in PROGRAMS}
 ON_VESSELS = ["neutral", "thrust", "tanks", "modes"]

@@ -8,13 +8,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from trainer.boat import Boat
-from trainer.config import ConfigError
-from trainer.files.vessel_file import load_vessel
-from trainer.study import fit as ec310
-from trainer.study.characteristic import horizontal, vertical
-from trainer.study.compare import Comparison, compare, percent_change
-from trainer.study.series import Series, load_series
+from trainer.analysis import fit as ec310
+from trainer.analysis.characteristic import horizontal, vertical
+from trainer.analysis.compare import Comparison, compare, percent_change
+from trainer.analysis.series import Series, load_series
+from trainer.boat.boat import Boat
+from trainer.config.files import ConfigError
+from trainer.config.vessel import load_vessel
 from trainer.units import KNOT
 
 TOOLS = json.loads((Path(__file__).parent / "data" / "vectors" / "tools.json").read_text())

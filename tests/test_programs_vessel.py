@@ -13,18 +13,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from trainer.boat import Boat
-from trainer.config import ConfigError
-from trainer.core import propulsion
-from trainer.core.kernel import Numbers
-from trainer.core.rates import rates
-from trainer.files.terms import coefficient_terms, terms
-from trainer.files.vessel_file import VesselFile, load_vessel
-from trainer.files.vessel_records import Fluid
-from trainer.fitout import Method, fit_out
-from trainer.study import characteristic, fillings, hull_facts, thrust
-from trainer.study.characteristic import Law, Linear, Means, depth_loop, horizontal, vertical
-from trainer.study.neutral import (
+from trainer.analysis import characteristic, check, tanks, thrust
+from trainer.analysis.characteristic import Law, Linear, Means, depth_loop, horizontal, vertical
+from trainer.analysis.neutral import (
     STEEPEST,
     fold_speeds,
     level_flight,
@@ -33,6 +24,15 @@ from trainer.study.neutral import (
     sides,
     trim_at,
 )
+from trainer.boat.assemble import Method, fit_out
+from trainer.boat.boat import Boat
+from trainer.config.coefficients import coefficient_terms, terms
+from trainer.config.files import ConfigError
+from trainer.config.vessel import VesselFile, load_vessel
+from trainer.config.vessel_records import Fluid
+from trainer.core import propulsion
+from trainer.core.kernel import Numbers
+from trainer.core.rates import rates
 from trainer.units import KNOT
 
 VECTORS = Path(__file__).parent / "data" / "vectors"
@@ -119,7 +119,7 @@ def test_the_trim_of_the_boats_own_equations_is_that_of_the_reference(
 def test_the_critical_speed_is_that_of_the_reference(letter: str, plane: str) -> None:
     expected = NEUTRAL["critical_speed"]["refsub"][letter]
 
-    assert hull_facts.critical_speed(REFSUB, plane) == pytest.approx(expected, rel=1e-8)
+    assert check.critical_speed(REFSUB, plane) == pytest.approx(expected, rel=1e-8)
 
 
 def normal_force_and_moment(
@@ -184,7 +184,7 @@ def test_two_neutral_flights_meet_and_vanish_at_the_fold_speed(plane: str) -> No
 
 
 def test_the_planes_reverse_between_the_two_branches() -> None:
-    critical = hull_facts.critical_speed(REFSUB, "stern")
+    critical = check.critical_speed(REFSUB, "stern")
     assert critical is not None
 
     (_, low), (_, high) = (level_flight(REFSUB, "stern", critical * near)[0] for near in (0.7, 1.3))
@@ -321,7 +321,7 @@ def test_the_quasi_linear_coefficients_are_those_of_the_polynomials() -> None:
 
 def test_stern_planes_alone_keep_depth_above_their_critical_speed_only() -> None:
     file = load_vessel("bb2")
-    critical = hull_facts.critical_speed(file, "stern")
+    critical = check.critical_speed(file, "stern")
     assert critical is not None
 
     slow, fast = (
@@ -385,8 +385,8 @@ def test_rows_that_join_are_said_to_join_and_others_by_how_much_they_do_not() ->
 
 def test_the_reference_tanks_have_the_reference_balance_through_any_filling() -> None:
     case = TOOLS["tanks"]
-    hull = fillings.Weight(case["W0"], *case["r0"])
-    found = fillings.limits(hull, [fillings.Weight(*row) for row in case["tanks"]])
+    hull = tanks.Weight(case["W0"], *case["r0"])
+    found = tanks.limits(hull, [tanks.Weight(*row) for row in case["tanks"]])
 
     for name, limit in (
         ("W", found.weight),
@@ -400,7 +400,7 @@ def test_the_reference_tanks_have_the_reference_balance_through_any_filling() ->
 def test_as_filled_at_the_start_a_boat_has_the_weight_and_centre_of_its_file() -> None:
     file = load_vessel("bb2")
 
-    now = fillings.fillings(file, {}).now
+    now = tanks.fillings(file, {}).now
 
     assert now.weight == pytest.approx(file.hull.weight, rel=1e-14)
     assert now.centre == pytest.approx(file.hull.cg, abs=1e-14)
@@ -410,9 +410,7 @@ def test_a_tonne_pumped_into_a_tank_weighs_a_tonne_there() -> None:
     file = load_vessel("bb2")
     share = 1000.0 / (60.0 * file.fluid.rho)  # of the auxiliary tank's 60 m3, at x = -1 m
 
-    before, after = (
-        fillings.fillings(file, {"auxiliary": fill}).now for fill in (0.5, 0.5 + share)
-    )
+    before, after = (tanks.fillings(file, {"auxiliary": fill}).now for fill in (0.5, 0.5 + share))
 
     assert after.weight - before.weight == pytest.approx(1000.0 * file.fluid.g)
     assert after.moments[0] - before.moments[0] == pytest.approx(-1000.0 * file.fluid.g)
@@ -420,7 +418,7 @@ def test_a_tonne_pumped_into_a_tank_weighs_a_tonne_there() -> None:
 
 def test_every_filling_lies_within_the_outline_and_every_corner_is_a_filling() -> None:
     file = load_vessel("bb2")
-    report = fillings.fillings(file, {})
+    report = tanks.fillings(file, {})
     pumped = [tank.full for tank in report.tanks if tank.kind == "pumped"]
     kept = [tank.contents for tank in report.tanks if tank.kind != "pumped"]
     corners = np.array(report.ranges[0].outline)
@@ -431,7 +429,7 @@ def test_every_filling_lies_within_the_outline_and_every_corner_is_a_filling() -
             tank._replace(weight=share * tank.weight)
             for tank, share in zip(pumped, fill, strict=True)
         ]
-        now = fillings.balance(report.hull, [*kept, *full])
+        now = tanks.balance(report.hull, [*kept, *full])
         whole.append((now.weight - file.hull.buoyancy, now.moments[0]))
     places = np.array(whole)
 
@@ -453,12 +451,12 @@ def test_every_filling_lies_within_the_outline_and_every_corner_is_a_filling() -
 )
 def test_a_filling_that_cannot_be_is_refused_by_name(fills: dict[str, float], said: str) -> None:
     with pytest.raises(ConfigError, match=said):
-        fillings.fillings(load_vessel("bb2"), fills)
+        tanks.fillings(load_vessel("bb2"), fills)
 
 
 def test_a_boat_without_tanks_is_said_to_have_none() -> None:
     with pytest.raises(ConfigError, match=r"remus100.toml: has no table \[ballast\]"):
-        fillings.fillings(load_vessel("remus100"), {})
+        tanks.fillings(load_vessel("remus100"), {})
 
 
 def test_speeds_are_in_knots_on_the_page() -> None:

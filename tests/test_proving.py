@@ -15,25 +15,24 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from trainer.config import ConfigError
-from trainer.io.orders import Order, parse
-from trainer.io.recording import Recording
-from trainer.proving import damage, faults
-from trainer.proving.audit import Answered, complete, journalled
-from trainer.proving.bench_of_faults import Bench, Tried
-from trainer.proving.caller import Caller, GoneError
-from trainer.proving.catalogue import TARGETS, chosen, corpus
-from trainer.proving.fuzz import dictionary
-from trainer.proving.nursery import Nursery
-from trainer.proving.operators import Watchbill, instruct
-from trainer.proving.random_orders import Orders
-from trainer.proving.soak import Plan, Sample, flat, page, soak
-from trainer.proving.target import Target
-from trainer.proving.witness import Witness
-from trainer.stations.roles import ROLES, refusal
+from trainer.config.files import ConfigError
+from trainer.io.orders.grammar import Order, parse
+from trainer.io.recording.recording import Recording
+from trainer.session.stations.roles import ROLES, refusal
+from trainer.verify.faults import faults, recordings
+from trainer.verify.faults.fork_server import Nursery
+from trainer.verify.faults.rig import Bench, Tried
+from trainer.verify.fuzz.catalogue import TARGETS, chosen, corpus
+from trainer.verify.fuzz.fuzz import dictionary
+from trainer.verify.fuzz.target import Target
+from trainer.verify.soak.audit import Answered, complete, journalled
+from trainer.verify.soak.clock_check import Witness
+from trainer.verify.soak.operators import Orders, Watchbill, instruct
+from trainer.verify.soak.session_process import Caller, GoneError
+from trainer.verify.soak.soak import Plan, Sample, flat, page, soak
 
 if TYPE_CHECKING:
-    from trainer.proving.served import Served
+    from trainer.verify.soak.session_process import Served
 
 CORPUS = Path(__file__).parent / "corpus"
 posix = pytest.mark.skipif(os.name != "posix", reason="signals and forks of POSIX")
@@ -256,30 +255,30 @@ def test_a_fault_loses_nothing_that_is_journalled(
 
 @pytest.fixture(scope="module")
 def good_recording(bench: Bench) -> bytes:
-    return damage.recorded(bench)
+    return recordings.recorded(bench)
 
 
 @posix
 @pytest.mark.long
-@pytest.mark.parametrize("way", damage.DAMAGES, ids=lambda way: way.__name__)
+@pytest.mark.parametrize("way", recordings.DAMAGES, ids=lambda way: way.__name__)
 def test_a_damaged_recording_is_told_in_a_line_or_read_as_it_is(
-    bench: Bench, good_recording: bytes, way: damage.Damage
+    bench: Bench, good_recording: bytes, way: recordings.Damage
 ) -> None:
     own = dataclasses.replace(bench, dice=random.Random(1969))  # noqa: S311  the same every time
-    tried = damage.opened(own, good_recording, way, 20)
+    tried = recordings.opened(own, good_recording, way, 20)
     assert not tried.wrong, tried
-    assert sum(tried.seen.values()) == 20 * len(damage.COMMANDS)
+    assert sum(tried.seen.values()) == 20 * len(recordings.COMMANDS)
 
 
 @posix
 @pytest.mark.long
 def test_a_command_that_ends_with_a_traceback_or_without_end_is_seen(bench: Bench) -> None:
     tried = Tried("recording", "told in a line")
-    damage.judge(bench, tried, ("list", "--no-such"))
+    recordings.judge(bench, tried, ("list", "--no-such"))
     assert tried.wrong == []
     assert tried.seen == {"told as damaged": 1}
     loop = ("run", "--headless", "--speed", "max", "--duration", "90000h")
-    damage.judge(bench, tried, loop, seconds=1)
+    recordings.judge(bench, tried, loop, seconds=1)
     assert "run ended with -24" in tried.wrong[0]
 
 

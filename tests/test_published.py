@@ -18,7 +18,7 @@ import pytest
 from numpy.typing import NDArray
 
 import trainer
-from trainer.boat import Boat
+from trainer.boat.boat import Boat
 
 KNOT = 1852.0 / 3600.0
 LENGTH = 70.2  # [m]
@@ -35,7 +35,7 @@ SEEN = ("u", "q", "r", "y", "z", "phi", "theta", "psi")
 def turn(folder: Path, step: str) -> dict[str, float]:
     """Return the last five minutes of a 15 degree turn at the revolutions of 10 kn."""
     (folder / "orders.txt").write_text("0 turns 10\n0 rudder right 15\n")
-    command = "from trainer.cli import main; main()"
+    command = "from trainer.cli.main import main; main()"
     options = f"run --headless --equations full --duration 20m --speed max --step {step}"
     files = ("--orders", "orders.txt", "--csv", "turn.csv")
     here = [str(Path(trainer.__file__).parents[1]), os.environ.get("PYTHONPATH", "")]

@@ -6,12 +6,12 @@ from collections.abc import Callable, Iterator
 
 import pytest
 
-from trainer.boat import Boat
-from trainer.ledger import Ledger
-from trainer.stations.channels import CHANNELS
-from trainer.stations.display import Sentences
-from trainer.stations.frame import Frame, Lookout, Pace, Picture
-from trainer.stations.publisher import Promptly, Publisher, Roster, Subscription
+from trainer.boat.boat import Boat
+from trainer.session.stations.channels import CHANNELS
+from trainer.session.stations.display import Sentences
+from trainer.session.stations.subscriptions import Promptly, Publisher, Roster, Subscription
+from trainer.session.stations.view import Frame, Lookout, Pace, Picture
+from trainer.session.time.ledger import Ledger
 
 PATIENCE = 10.0  # [s] far beyond what any wait here needs
 KNOT = 1852.0 / 3600.0

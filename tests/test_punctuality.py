@@ -6,12 +6,10 @@ import threading
 
 import pytest
 
-from trainer import punctuality
-from trainer.clock import SPIN, MonotonicClock
-from trainer.ledger import SECOND
-from trainer.pacer import Policy
-from trainer.punctuality import REFUSED, SWITCH, Punctuality
-from trainer.timekeeping import Timekeeping
+from trainer.session.time import timekeeping
+from trainer.session.time.ledger import SECOND
+from trainer.session.time.pacer import SPIN, MonotonicClock, Policy
+from trainer.session.time.timekeeping import REFUSED, SWITCH, Punctuality, Timekeeping
 
 linux = pytest.mark.skipif(sys.platform != "linux", reason="as Linux has it")
 
@@ -25,7 +23,7 @@ def policies(monkeypatch: pytest.MonkeyPatch) -> dict[int, tuple[int, int]]:
         given[thread] = policy, level.sched_priority
 
     monkeypatch.setattr(os, "sched_setscheduler", schedule)
-    monkeypatch.setattr(punctuality, "_lock", lambda: "locked")
+    monkeypatch.setattr(timekeeping, "_lock", lambda: "locked")
     return given
 
 
@@ -43,9 +41,9 @@ def test_every_thread_is_raised_the_ticking_one_above_the_others_and_all_are_put
     over.set()
     other.join()
 
-    assert raised[os.getpid()] == (os.SCHED_FIFO, punctuality.FIRST)
-    assert raised[other.native_id or 0] == (os.SCHED_FIFO, punctuality.REST)
-    assert punctuality.FIRST > punctuality.REST
+    assert raised[os.getpid()] == (os.SCHED_FIFO, timekeeping.FIRST)
+    assert raised[other.native_id or 0] == (os.SCHED_FIFO, timekeeping.REST)
+    assert timekeeping.FIRST > timekeeping.REST
     assert set(policies.values()) == {(os.SCHED_OTHER, 0)}
 
 

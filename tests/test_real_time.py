@@ -16,12 +16,12 @@ from pathlib import Path
 import pytest
 
 import trainer
-from trainer.io.recording import Noted, Recording
-from trainer.io.sentences import order_sentence, read
+from trainer.io.orders.sentences import order_sentence, read
+from trainer.io.recording.recording import Noted, Recording
 
 pytestmark = pytest.mark.skipif(not hasattr(os, "openpty"), reason="no pseudo-terminals here")
 
-COMMAND = [sys.executable, "-c", "from trainer.cli import main; main()"]
+COMMAND = [sys.executable, "-c", "from trainer.cli.main import main; main()"]
 PATIENCE = 60.0  # [s] a first run compiles
 SOAK = float(os.environ.get("TRAINER_SOAK", "8"))  # [s]
 FUZZ = 100_000 if "TRAINER_SOAK" in os.environ else 20_000  # [lines]

@@ -23,10 +23,18 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from trainer.io import checkpoint, recording_file
-from trainer.io import recording as recording_module
-from trainer.io.export import Layout, export_csv, export_parquet
-from trainer.io.recording import FORMAT, Branch, Journalled, Moment, Recording, RecordingError
+from trainer.io.recording import checkpoint
+from trainer.io.recording import file as file_module
+from trainer.io.recording import recording as recording_module
+from trainer.io.recording.recording import (
+    FORMAT,
+    Branch,
+    Journalled,
+    Moment,
+    Recording,
+    RecordingError,
+)
+from trainer.io.tables import Layout, export_csv, export_parquet
 
 posix = pytest.mark.skipif(os.name != "posix", reason="signals and limits of POSIX")
 HEADER = {"vessel": "[vessel]\nname = 'Ünique'\n", "seed": "7"}
@@ -335,7 +343,7 @@ KILLED = """
 import json, os, random, signal, sys, time
 from pathlib import Path
 from trainer.io import checkpoint, recording
-from trainer.io.recording import Moment, Recording
+from trainer.io.recording.recording import Moment, Recording
 
 checkpoint.WORTHWHILE, checkpoint.EVERY, recording.BATCH = 100_000, 0.002, 20
 
@@ -466,7 +474,7 @@ def test_one_program_alone_may_go_on_with_a_recording(
         path.unlink()
     again = (
         "import sys; from pathlib import Path; from trainer.io import recording_file\n"
-        "from trainer.io.recording import Recording, RecordingError\n"
+        "from trainer.io.recording.recording import Recording, RecordingError\n"
         "recording_file.PATIENCE = 0.1\n"
         "try: Recording.reopen(Path(sys.argv[1]))\n"
         "except RecordingError as error: sys.exit(str(error))\n"
@@ -567,14 +575,14 @@ def test_a_reader_who_stays_in_the_past_is_waited_for_once_in_a_while_only(
     monkeypatch.setattr(checkpoint, "FAR", 1_000_000)
     monkeypatch.setattr(recording_module, "BATCH", 20)
     asked: list[str] = []
-    connect = recording_file.connect
+    connect = file_module.connect
 
     def watched(path: Path, options: str) -> sqlite3.Connection:
         connection = connect(path, options)
         connection.set_trace_callback(asked.append)
         return connection
 
-    monkeypatch.setattr(recording_file, "connect", watched)
+    monkeypatch.setattr(file_module, "connect", watched)
     with closing(begin(path)) as recording, contextlib.closing(sqlite3.connect(path)) as reader:
         reader.execute("BEGIN")
         reader.execute("SELECT count(*) FROM states").fetchone()
@@ -932,7 +940,7 @@ def test_parquet_has_the_same_rows_with_their_types(
     path: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     parquet = pytest.importorskip("pyarrow.parquet")
-    monkeypatch.setattr("trainer.io.export.ROWS", 2)
+    monkeypatch.setattr("trainer.io.tables.ROWS", 2)
     branched(path)
     with closing(Recording.look(path)) as recording:
         written = export_parquet(recording, LAYOUT, tmp_path / "out.parquet", branch=1)

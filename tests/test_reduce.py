@@ -9,29 +9,33 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 
-from trainer.commands.reducing import reduce
+from trainer.analysis.guide.programme import Leg, legs, own_method
+from trainer.analysis.guide.verdicts import BEYOND, SHOWN, Judgement, judge
+from trainer.analysis.manoeuvres.catalogue import named
+from trainer.analysis.manoeuvres.flight import Conn, fly
+from trainer.analysis.manoeuvres.submarine import Submarine
+from trainer.analysis.manoeuvres.turns import Turn
+from trainer.analysis.manoeuvres.vehicle import Watch
+from trainer.analysis.reduce import checkpoint, reduction, write_back
+from trainer.analysis.reduce.gauss_newton import Point, Slopes, descend, rises, without
+from trainer.analysis.reduce.manoeuvres import OutOfBalance, PlaneJam
+from trainer.analysis.reduce.objective import (
+    ADDED_MASSES,
+    CONTROLS,
+    FURTHEST,
+    Candidate,
+    Yardstick,
+    multiple,
+)
+from trainer.analysis.reduce.programme import fastest, fitted, held_out, speeds, tried, turns
+from trainer.analysis.reduce.search import Need, Search, Standing
+from trainer.analysis.reduce.verdict import PARTS, passed, table, verdict
+from trainer.analysis.reduce.workers import Crew
+from trainer.boat.assemble import Method, compact_coefficients
+from trainer.cli.vessel import reduce
+from trainer.config.vessel import VesselFile, load_vessel, parse_vessel
 from trainer.core.kernel import Numbers
 from trainer.core.vessel import EXTRA_TERMS, KEPT
-from trainer.files.vessel_file import VesselFile, load_vessel, parse_vessel
-from trainer.fitout import Method, compact_coefficients
-from trainer.guide.programme import Leg, legs, own_method
-from trainer.guide.verdicts import BEYOND, SHOWN, Judgement, judge
-from trainer.reduce import checkpoint, reduction, writing
-from trainer.reduce.candidate import ADDED_MASSES, CONTROLS, Candidate
-from trainer.reduce.crew import Crew
-from trainer.reduce.descent import Point, Slopes, descend, rises, without
-from trainer.reduce.manoeuvres import OutOfBalance, PlaneJam
-from trainer.reduce.programme import fastest, fitted, held_out, speeds, tried, turns
-from trainer.reduce.search import Need, Search, Standing
-from trainer.reduce.sensitivity import table
-from trainer.reduce.verdict import PARTS, passed, verdict
-from trainer.reduce.yardstick import FURTHEST, Yardstick, multiple
-from trainer.study.manoeuvres.catalogue import named
-from trainer.study.manoeuvres.conn import Conn
-from trainer.study.manoeuvres.flight import fly
-from trainer.study.manoeuvres.submarine import Submarine
-from trainer.study.manoeuvres.turns import Turn
-from trainer.study.manoeuvres.vehicle import Watch
 from trainer.units import KNOT
 
 BOATS = ("bb2", "sdv-mk9", "remus100")
@@ -442,9 +446,9 @@ def test_the_tables_read_back_as_the_factors_found_and_nothing_else_moves() -> N
     names = Candidate(file, "modified").terms
     modified = {name: 0.0 if name in {"X_qq", "Z_w"} else 1.25 for name in names}
     needs = (Need("X_vr", 7.5, "turn, rudder 10 deg, 5 kn", "steady speed"),)
-    tables = writing.tables({"modified": modified, "basic": modified}, needs, {"kept": 14})
+    tables = write_back.tables({"modified": modified, "basic": modified}, needs, {"kept": 14})
 
-    text = writing.rewritten(file.text, tables)
+    text = write_back.rewritten(file.text, tables)
     back = parse_vessel(text, Path("boat.toml"))
 
     assert back.compact.extra_terms == ("X_vr", "K_pap", "N_rar")
@@ -455,7 +459,7 @@ def test_the_tables_read_back_as_the_factors_found_and_nothing_else_moves() -> N
     assert "steady speed in turn, rudder 10 deg, 5 kn: 7.5 of the allowed" in text
     assert "# the hull's data begin here\n[coefficients]" in text
     assert "N_r = 3.0" not in text
-    assert writing.rewritten(text, tables) == text
+    assert write_back.rewritten(text, tables) == text
 
 
 # --- the verdict and the command

@@ -15,18 +15,18 @@ from typing import Any
 import numpy as np
 import pytest
 
-from trainer.boat import Boat
-from trainer.config import ConfigError, remembering
+from trainer.analysis.recording_export import table_layout
+from trainer.boat.boat import Boat
+from trainer.boat.helm import obey
+from trainer.config.files import ConfigError, remembering
 from trainer.core.update import update
-from trainer.helm import ORDERS, obey
-from trainer.io.orders import Order, parse
-from trainer.io.recording import Moment, Recording
-from trainer.plan import Plan, plan_run
-from trainer.records.exporting import table_layout
-from trainer.records.layout import LAYOUT
-from trainer.records.log_book import differences, header_of
-from trainer.records.replay import Flight, replay_anyway
-from trainer.reply import Refused
+from trainer.io.orders.grammar import Order, Refused, parse
+from trainer.io.orders.table import BOAT_ORDERS
+from trainer.io.recording.recording import Moment, Recording
+from trainer.session.header import differences, header_of
+from trainer.session.layout import LAYOUT
+from trainer.session.plan import Plan, plan_run
+from trainer.session.replay import Flight, replay_anyway
 
 EXERCISE = """
 schema = "exercise/1"
@@ -95,7 +95,7 @@ class Run:
         self.after = number
         if place is not None:
             self.place = place + 1
-        if order.name in ORDERS:
+        if order.name in BOAT_ORDERS:
             answer = obey(self.boat, order)
             refused = isinstance(answer, Refused)
             self.recording.answered(number, str(answer), not refused)

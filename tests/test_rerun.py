@@ -21,10 +21,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from trainer.config import ConfigError
-from trainer.io.recording import Recording
-from trainer.records.exporting import export_file
-from trainer.records.layout import LAYOUT
+from trainer.analysis.recording_export import export_file
+from trainer.config.files import ConfigError
+from trainer.io.recording.recording import Recording
+from trainer.session.layout import LAYOUT
 
 rerun = pytest.importorskip("rerun", reason="rerun-sdk is not installed: half a gigabyte")
 chunks = pytest.importorskip("rerun.chunk")

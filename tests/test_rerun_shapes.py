@@ -8,28 +8,27 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from trainer.boat import Boat
-from trainer.config import ConfigError
+from trainer.boat.boat import Boat
+from trainer.config.exercise import Limits
+from trainer.config.files import ConfigError
 from trainer.core.kernel import Numbers
-from trainer.ledger import Ledger
-from trainer.records.layout import LAYOUT
-from trainer.rerun_log import feed as feeds
-from trainer.rerun_log import opening
-from trainer.rerun_log.batch import Batch, Block, Times, states
-from trainer.rerun_log.changes import Changes
-from trainer.rerun_log.charts import charts_of, ledger_columns
-from trainer.rerun_log.feed import CHUNK, ROOM, Feed
-from trainer.rerun_log.gathering import Gathering, Heard, Taken
-from trainer.rerun_log.lanes import casualty_lanes, lanes_of
-from trainer.rerun_log.log import Log
-from trainer.rerun_log.opening import MISSING, PORT, open_log, parse_place
-from trainer.rerun_log.shape import Fin, fins_of, hull_mesh, sail_mesh, size_of
-from trainer.rerun_log.subject import Subject
-from trainer.rerun_log.track import Track
-from trainer.stations.frame import Lookout, Pace
-from trainer.stations.publisher import Promptly, Roster
-from trainer.stations.station import News
-from trainer.watch import Limits
+from trainer.session.layout import LAYOUT
+from trainer.session.rerun import feed as feeds
+from trainer.session.rerun import sinks as sinks_module
+from trainer.session.rerun.batch import Batch, Block, Changes, Times, states
+from trainer.session.rerun.charts import charts_of, ledger_columns
+from trainer.session.rerun.collector import Gathering, Heard, Taken
+from trainer.session.rerun.feed import CHUNK, ROOM, Feed
+from trainer.session.rerun.log import Log
+from trainer.session.rerun.scene import Track
+from trainer.session.rerun.shape import Fin, fins_of, hull_mesh, sail_mesh, size_of
+from trainer.session.rerun.sinks import MISSING, PORT, open_log, parse_place
+from trainer.session.rerun.states import casualty_lanes, lanes_of
+from trainer.session.rerun.subject import Subject
+from trainer.session.stations.station import News
+from trainer.session.stations.subscriptions import Promptly, Roster
+from trainer.session.stations.view import Lookout, Pace
+from trainer.session.time.ledger import Ledger
 
 VESSELS = ("bb2", "remus100", "sdv-mk9")
 PATIENCE = 20.0  # [s] for another thread
@@ -492,7 +491,7 @@ def test_a_missing_library_is_one_line_and_the_run_goes_on(
     capsys: pytest.CaptureFixture[str],
     tmp_path: Path,
 ) -> None:
-    monkeypatch.setattr(opening, "find_spec", lambda _: None)
+    monkeypatch.setattr(sinks_module, "find_spec", lambda _: None)
 
     logs = [asked(subject, rerun=True), asked(subject, rrd=tmp_path / "run.rrd")]
 

@@ -4,10 +4,10 @@ from pathlib import Path
 
 import pytest
 
-from trainer.io.order_table import FORMS, heading_word
-from trainer.io.orders import Order, parse
-from trainer.stations.channels import CHANNELS, TELETYPE
-from trainer.stations.roles import (
+from trainer.io.orders.grammar import Order, parse
+from trainer.io.orders.table import FORMS, heading_word
+from trainer.session.stations.channels import CHANNELS, TELETYPE
+from trainer.session.stations.roles import (
     COMMON,
     CONTROLS,
     KINDS,

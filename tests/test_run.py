@@ -15,10 +15,10 @@ from pathlib import Path
 import pytest
 
 import trainer
-from trainer.cli import main
-from trainer.files.vessel_file import load_vessel
+from trainer.cli.main import main
+from trainer.config.vessel import load_vessel
 
-COMMAND = [sys.executable, "-c", "from trainer.cli import main; main()"]
+COMMAND = [sys.executable, "-c", "from trainer.cli.main import main; main()"]
 PATIENCE = 120.0  # [s] a first run compiles
 HEADLESS = ("run", "--headless", "--speed", "max")
 ORDERS = "1 rudder right 15\n3 depth 70\n6 bell ahead full\n12 rudder left 10\n"

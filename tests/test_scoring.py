@@ -9,19 +9,25 @@ from typing import Any
 import numpy as np
 import pytest
 
-from trainer.boat import Boat
-from trainer.config import ConfigError, shipped_names
+from trainer.analysis.debrief.scoring import (
+    MEASURES,
+    attain,
+    formula_of,
+    marks_of,
+    measure_rows,
+    score,
+    unit_of,
+)
+from trainer.analysis.debrief.trajectory import COLUMNS, SLOTS, Passage
+from trainer.boat.assemble import Method
+from trainer.boat.boat import Boat
+from trainer.config.exercise import Limits, load_exercise, parse_exercise
+from trainer.config.files import ConfigError, shipped_names
+from trainer.config.score_rules import Rule
+from trainer.config.vessel import load_vessel
 from trainer.core.casualties import CODES
-from trainer.files.exercise_file import load_exercise, parse_exercise
-from trainer.files.vessel_file import load_vessel
-from trainer.fitout import Method
-from trainer.io.recording import Journalled
-from trainer.scores.measure_table import MEASURES, formula_of, measure_rows, unit_of
-from trainer.scores.passage import COLUMNS, SLOTS, Passage
-from trainer.scores.score_rule import Rule
-from trainer.scores.scoring import attain, marks_of, score
+from trainer.io.recording.recording import Journalled
 from trainer.units import KNOT
-from trainer.watch import Limits
 
 ROOT = Path(__file__).parent.parent
 SHORTEST = 'schema = "exercise/1"\nname = "Drill"\nbriefing = "Steer."\n'
@@ -319,7 +325,7 @@ def test_every_shipped_exercise_is_scored_within_its_length(name: str) -> None:
 
 def ran(folder: Path, *words: str) -> "subprocess.CompletedProcess[str]":
     return subprocess.run(
-        [sys.executable, "-c", "from trainer.cli import main; main()", *words],
+        [sys.executable, "-c", "from trainer.cli.main import main; main()", *words],
         env=os.environ | {"PYTHONPATH": str(ROOT)},
         cwd=folder,
         capture_output=True,

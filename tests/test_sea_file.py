@@ -7,8 +7,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from trainer.config import ConfigError, shipped, shipped_names
-from trainer.files.sea_file import key_table, load_sea, parse_sea, sea_settings
+from trainer.config.files import ConfigError, shipped, shipped_names
+from trainer.config.sea import key_table, load_sea, parse_sea, sea_settings
 
 ROOT = Path(__file__).parents[1]
 G = 9.81

@@ -10,17 +10,18 @@ import numpy as np
 import pytest
 
 import trainer
-from trainer.boat import Boat
-from trainer.core.seaway import advance_sea
+from trainer.boat.assemble import Method
+from trainer.boat.boat import Boat
+from trainer.boat.helm import obey
+from trainer.boat.limits import Watch
+from trainer.config.exercise import Limits
+from trainer.config.sea import SeaFile, load_sea, parse_sea
+from trainer.config.vessel import load_vessel
+from trainer.core.sea.sea import advance_sea
 from trainer.core.update import outside
-from trainer.files.sea_file import SeaFile, load_sea, parse_sea
-from trainer.files.vessel_file import load_vessel
-from trainer.fitout import Method
-from trainer.helm import obey
-from trainer.io.orders import Order, parse
-from trainer.io.schedule import parse_schedule
+from trainer.io.orders.grammar import Order, parse
+from trainer.io.orders.schedule import parse_schedule
 from trainer.units import KNOT
-from trainer.watch import Limits, Watch
 
 DEGREE = math.pi / 180.0
 # Significant height [m] and peak period [s] of degree 5: Hs = 0.2092 U^2/g, peak at 0.877 g/U.
@@ -263,7 +264,7 @@ def test_sea_tanks_and_orders_give_the_same_bits_again_and_after_a_snapshot() ->
 
 
 PROGRAM = """
-from trainer.cli import main
+from trainer.cli.main import main
 main()
 """
 

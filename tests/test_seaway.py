@@ -8,13 +8,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from helpers import seas
 from numba import njit
 
-from trainer.core.sea import new_sea
-from trainer.core.seaway import advance_sea, order_sea
-from trainer.core.state import STATE, new_state
-from trainer.core.vessel import VESSEL
-from trainer.core.wave_filter import (
+from trainer.config.sea import HEIGHT_FACTOR
+from trainer.core.sea.cosine_sum import ANGLE_COS, ANGLE_SIN, PART, WEIGHT, phase, prepare_sum
+from trainer.core.sea.sea import advance_sea, order_sea
+from trainer.core.sea.wave_filter import (
     G_OF_TABLE,
     PEAK,
     corner,
@@ -23,9 +23,8 @@ from trainer.core.wave_filter import (
     prepare_filter,
     warped,
 )
-from trainer.core.wave_sum import ANGLE_COS, ANGLE_SIN, PART, WEIGHT, phase, prepare_sum
-from trainer.files.sea_file import HEIGHT_FACTOR
-from trainer.study import seas
+from trainer.core.state import STATE, new_sea, new_state
+from trainer.core.vessel import VESSEL
 from trainer.units import KNOT
 
 pytestmark = pytest.mark.core

@@ -18,18 +18,17 @@ from typing import Any
 import pytest
 
 import trainer
-from trainer.cli import cli
-from trainer.config import ConfigError
-from trainer.files.vessel_file import load_vessel
-from trainer.io.dial import dial
-from trainer.io.hub import Hub
-from trainer.io.listening import private_folder
-from trainer.io.orders import BadOrder, Order, parse
+from trainer.cli.main import cli
+from trainer.config.files import ConfigError
+from trainer.config.vessel import load_vessel
+from trainer.io.client import dial
+from trainer.io.orders.grammar import BadOrder, Order, parse
+from trainer.io.paths import HOST, recording_paths
 from trainer.io.serial_line import LinkError
-from trainer.places import HOST, recording_paths
-from trainer.ports import parse_address, refuse_open_door
-from trainer.stations import door
-from trainer.stations.door import Door, read_tokens
+from trainer.io.server import Hub, private_folder
+from trainer.session.ports import parse_address, refuse_open_door
+from trainer.session.stations import access
+from trainer.session.stations.access import Door, read_tokens
 
 HOME = Path(trainer.__file__).parent
 SOURCES = sorted(HOME.rglob("*.py"))
@@ -223,7 +222,7 @@ def test_a_token_is_compared_in_constant_time(monkeypatch: pytest.MonkeyPatch) -
         compared.append((given, wanted))
         return compare(given, wanted)
 
-    monkeypatch.setattr(door.hmac, "compare_digest", watched)
+    monkeypatch.setattr(access.hmac, "compare_digest", watched)
     assert not Door(tokens={"": TOKEN}).admits("helm", "another")
     assert Door(tokens={"": TOKEN}).admits("helm", TOKEN)
     assert len(compared) == 2

@@ -7,10 +7,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from trainer.io import sentences
 from trainer.io.lines import LineDecoder, Overlong, line_bytes, plain
-from trainer.io.orders import LONGEST, BadOrder, Order, parse
-from trainer.io.sentences import Heard, Sentence, checksum, hear, order_sentence, read
+from trainer.io.orders import sentences
+from trainer.io.orders.grammar import LONGEST, BadOrder, Order, parse
+from trainer.io.orders.sentences import Heard, Sentence, checksum, hear, order_sentence, read
 
 
 def framed(body: str) -> str:

@@ -11,23 +11,22 @@ from pathlib import Path
 
 import pytest
 
-from trainer.boat import Boat
-from trainer.clock import MonotonicClock
-from trainer.files.vessel_file import load_vessel
-from trainer.fitout import Method
-from trainer.history import History
-from trainer.io.csv_file import COLUMNS
+from trainer.boat.assemble import Method
+from trainer.boat.boat import Boat
+from trainer.config.vessel import load_vessel
 from trainer.io.lines import Overlong
-from trainer.io.orders import LONGEST
-from trainer.io.recording import Recording
-from trainer.io.schedule import parse_schedule
-from trainer.pacer import Pacer, Policy, Unpaced
-from trainer.session import Session
-from trainer.stations.door import Door
-from trainer.stations.frame import Pace
-from trainer.stations.publisher import Subscription
-from trainer.stations.station import Station
-from trainer.timekeeping import Timekeeping
+from trainer.io.orders.grammar import LONGEST
+from trainer.io.orders.schedule import parse_schedule
+from trainer.io.recording.recording import Recording
+from trainer.io.tables import COLUMNS
+from trainer.session.history import History
+from trainer.session.session import Session
+from trainer.session.stations.access import Door
+from trainer.session.stations.station import Station
+from trainer.session.stations.subscriptions import Subscription
+from trainer.session.stations.view import Pace
+from trainer.session.time.pacer import MonotonicClock, Pacer, Policy, Unpaced
+from trainer.session.time.timekeeping import Timekeeping
 from trainer.units import KNOT
 
 DEGREE = math.pi / 180.0

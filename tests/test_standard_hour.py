@@ -4,14 +4,11 @@ import shutil
 
 import pytest
 
-from trainer.boat import Boat
+from trainer.boat.boat import Boat
+from trainer.boat.export.targets import NoCompilerError
 from trainer.core.scheme import ADAMS, COMPACT
 from trainer.core.state import FIELDS
-from trainer.exported.linking import NoCompilerError
-from trainer.study.against_c.compiler import SAME_BITS, build
-from trainer.study.against_c.header import RECORDS, header
-from trainer.study.hot import in_a_loop
-from trainer.study.same_bits import (
+from trainer.verify.bench.same_bits import (
     for_level,
     in_a_fleet,
     in_another_process,
@@ -19,7 +16,9 @@ from trainer.study.same_bits import (
     lines,
     same_bits,
 )
-from trainer.study.standard_hour import digest, fly_standard_hour, standard_boat
+from trainer.verify.bench.standard_hour import digest, fly_standard_hour, standard_boat
+from trainer.verify.bench.tick import in_a_loop
+from trainer.verify.c_reference.compiler import RECORDS, SAME_BITS, build, header
 
 # Another equation or another order makes it another hour: then take the new one from the failure,
 # as long as every way to compute it still agrees.
@@ -80,11 +79,13 @@ def test_machine_code_for_any_level_of_processor_ends_the_hour_in_the_same_bits(
 
 def test_one_bit_of_difference_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
     alike = {"one": lambda: "a", "two": lambda: "a"}
-    monkeypatch.setattr("trainer.study.same_bits.ways", lambda _: alike)
+    monkeypatch.setattr("trainer.verify.bench.same_bits.ways", lambda _: alike)
     assert same_bits().same
     assert lines(same_bits())[1].endswith("the same bits in all 2 ways")
 
-    monkeypatch.setattr("trainer.study.same_bits.ways", lambda _: alike | {"three": lambda: "b"})
+    monkeypatch.setattr(
+        "trainer.verify.bench.same_bits.ways", lambda _: alike | {"three": lambda: "b"}
+    )
     assert not same_bits().same
 
 
@@ -93,7 +94,9 @@ def test_without_a_compiler_the_other_ways_are_compared_and_what_is_missing_is_s
 ) -> None:
     monkeypatch.setenv("CC", "no-such-compiler")
     in_c = {f"C, {way.name}": lambda way=way: str(build(way)) for way in SAME_BITS}
-    monkeypatch.setattr("trainer.study.same_bits.ways", lambda _: {"compiled": lambda: "a", **in_c})
+    monkeypatch.setattr(
+        "trainer.verify.bench.same_bits.ways", lambda _: {"compiled": lambda: "a", **in_c}
+    )
 
     found = same_bits()
 
@@ -110,7 +113,7 @@ def test_a_record_laid_out_otherwise_is_refused_by_the_compiler(
     for name, record in RECORDS.items():
         assert f"sizeof(struct {name}) == {record.itemsize}" in text
     moved = text.replace("double z_g;", "double z_g, one_more;")
-    monkeypatch.setattr("trainer.study.against_c.compiler.header", lambda: moved)
+    monkeypatch.setattr("trainer.verify.c_reference.compiler.header", lambda: moved)
 
     with pytest.raises(NoCompilerError, match="not laid out like the record"):
         build(SAME_BITS[0])

@@ -9,17 +9,16 @@ from pathlib import Path
 
 import pytest
 
-from trainer.boat import Boat
-from trainer.io.hub import Hub
+from trainer.boat.boat import Boat
 from trainer.io.lines import Overlong
-from trainer.io.orders import Order
-from trainer.io.sentences import Heard, hear, order_sentence, read
-from trainer.ledger import Ledger
-from trainer.reply import Refused
-from trainer.stations.door import Door
-from trainer.stations.frame import Lookout, Pace
-from trainer.stations.publisher import Promptly, Roster
-from trainer.stations.station import ORDERS_A_SECOND, ORDERS_AT_ONCE, News, Station
+from trainer.io.orders.grammar import Order, Refused
+from trainer.io.orders.sentences import Heard, hear, order_sentence, read
+from trainer.io.server import Hub
+from trainer.session.stations.access import Door
+from trainer.session.stations.station import ORDERS_A_SECOND, ORDERS_AT_ONCE, News, Station
+from trainer.session.stations.subscriptions import Promptly, Roster
+from trainer.session.stations.view import Lookout, Pace
+from trainer.session.time.ledger import Ledger
 
 KNOT = 1852.0 / 3600.0
 TOKEN = "Kx7-quietly-9"  # noqa: S105 not a secret

@@ -10,10 +10,11 @@ from pathlib import Path
 import pytest
 from click.testing import CliRunner
 
-from trainer.cli import cli
-from trainer.config import ConfigError
-from trainer.sweep.crews import cluster
-from trainer.sweep.job import job_of
+from trainer.analysis.sweep.job import job_of
+from trainer.analysis.sweep.workers import cluster
+from trainer.cli.main import cli
+from trainer.cli.subjects import subject_of
+from trainer.config.files import ConfigError
 
 pytest.importorskip("distributed")
 ROOT = Path(__file__).parent.parent
@@ -94,7 +95,7 @@ def openings(address: str) -> dict[str, int]:
 
 def opened_here() -> int:
     """Return how many studies this process has opened."""
-    from trainer.sweep.job import opened  # noqa: PLC0415
+    from trainer.analysis.sweep.job import opened  # noqa: PLC0415
 
     return opened.cache_info().misses
 
@@ -102,7 +103,7 @@ def opened_here() -> int:
 def test_a_scheduler_that_is_not_there_is_told(tmp_path: Path) -> None:
     path = tmp_path / "study.toml"
     path.write_text(STUDY)
-    job = job_of(str(path), None)
+    job = job_of(str(path), None, subject_of)
 
     with pytest.raises(ConfigError, match="--scheduler wrong://x: no scheduler answers"):
         next(cluster("wrong://x")(job, [0]))

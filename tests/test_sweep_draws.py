@@ -6,9 +6,8 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from trainer.sweep.draws import Draws, strata
-from trainer.sweep.kernels.draws import fill_normals
-from trainer.sweep.study_records import Sample, Vary
+from trainer.analysis.sweep.draws import Draws, fill_normals, strata
+from trainer.analysis.sweep.records import Sample, Vary
 
 NORMAL = {"distribution": "normal", "mean": 2.0, "std": 0.5}
 UNIFORM = {"distribution": "uniform", "low": -1.0, "high": 3.0}

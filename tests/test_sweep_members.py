@@ -8,12 +8,12 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 
-from trainer.cli import cli
-from trainer.files.vessel_file import load_vessel, parse_vessel
-from trainer.sweep.batch import member
-from trainer.sweep.manoeuvring import LANES, Manoeuvring
-from trainer.sweep.study_file import parse_study
-from trainer.sweep.subjects import subject_of
+from trainer.analysis.sweep.batch import member
+from trainer.analysis.sweep.manoeuvres import LANES, Manoeuvring
+from trainer.analysis.sweep.study import parse_study
+from trainer.cli.main import cli
+from trainer.cli.subjects import subject_of
+from trainer.config.vessel import load_vessel, parse_vessel
 
 FACTOR = "distribution = 'normal'\nmean = 1.0\nstd = 0.1\nrelative = true"
 SAMPLE = "[sample]\nplan = 'latin-hypercube'\nmembers = {members}\nseed = 5"

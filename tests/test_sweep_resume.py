@@ -13,12 +13,13 @@ from pathlib import Path
 import pyarrow.parquet as pq
 import pytest
 
-from trainer.config import ConfigError
-from trainer.sweep.batch import Batch
-from trainer.sweep.crews import Chunks, alone, processes
-from trainer.sweep.job import Job, fly_chunk, job_of
-from trainer.sweep.parts import folder_of
-from trainer.sweep.sweep import carried_out
+from trainer.analysis.sweep.batch import Batch
+from trainer.analysis.sweep.job import Job, fly_chunk, job_of
+from trainer.analysis.sweep.parts import folder_of
+from trainer.analysis.sweep.sweep import carried_out
+from trainer.analysis.sweep.workers import Chunks, alone, processes
+from trainer.cli.subjects import subject_of
+from trainer.config.files import ConfigError
 
 ROOT = Path(__file__).parent.parent
 TURNS = """
@@ -62,7 +63,7 @@ def fly(name: Path, out: Path, crew: object = alone) -> list[int]:
             flown.append(place)
             yield place, batch
 
-    carried_out(job_of(str(name), None), counting, out, nothing)
+    carried_out(job_of(str(name), None, subject_of), counting, out, nothing)
     return sorted(flown)
 
 
@@ -166,15 +167,15 @@ def test_a_result_tells_all_it_follows_from(tmp_path: Path) -> None:
 
 def test_a_study_is_flown_from_what_was_read_and_no_file_else(tmp_path: Path) -> None:
     path = study(tmp_path, members=10)
-    job = job_of(str(path), None)
+    job = job_of(str(path), None, subject_of)
     path.unlink()
 
     assert fly_chunk(job, 0).troubles == (None,) * 10
 
 
 def test_another_machines_core_does_not_fly_along(tmp_path: Path) -> None:
-    job = job_of(str(study(tmp_path, members=10)), None)
-    other = Job(job.name, job.members, job.texts, job.version, "0123456789abcdef")
+    job = job_of(str(study(tmp_path, members=10)), None, subject_of)
+    other = Job(job.name, job.members, job.texts, job.version, "0123456789abcdef", job.make)
 
     with pytest.raises(ConfigError, match="update it"):
         fly_chunk(other, 0)
@@ -265,7 +266,7 @@ def test_a_chunk_whose_writing_fails_does_not_count(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     path, out = study(tmp_path, members=600), tmp_path / "a.parquet"
-    job = job_of(str(path), None)
+    job = job_of(str(path), None, subject_of)
     job_folder = folder_of(out)
 
     def full(_descriptor: int) -> None:
@@ -274,7 +275,7 @@ def test_a_chunk_whose_writing_fails_does_not_count(
     with pytest.raises(ConfigError):
         fly(path, out, breaking(0))  # the manifest is there
     with monkeypatch.context() as disk:
-        disk.setattr("trainer.sweep.table.os.fsync", full)
+        disk.setattr("trainer.analysis.sweep.parquet.os.fsync", full)
         with pytest.raises(ConfigError, match="cannot be written: No space left on device"):
             carried_out(job, alone, out, nothing)
     assert not list(job_folder.glob("*.parquet"))

@@ -10,13 +10,13 @@ import numpy as np
 import pytest
 from click.testing import CliRunner, Result
 
-from trainer.cli import cli
-from trainer.config import ConfigError, shipped_names
-from trainer.sweep.report import effects_of, spread_of
-from trainer.sweep.study_file import load_study, parse_study
-from trainer.sweep.study_records import key_tables
-from trainer.sweep.subjects import subject_of
-from trainer.sweep.table import check_pyarrow
+from trainer.analysis.sweep.parquet import check_pyarrow
+from trainer.analysis.sweep.records import key_tables
+from trainer.analysis.sweep.report import effects_of, spread_of
+from trainer.analysis.sweep.study import load_study, parse_study
+from trainer.cli.main import cli
+from trainer.cli.subjects import subject_of
+from trainer.config.files import ConfigError, shipped_names
 
 ROOT = Path(__file__).parent.parent
 HEAD = """schema = "sweep/1"
@@ -143,7 +143,7 @@ def test_a_shipped_study_can_be_opened_and_has_a_member(name: str) -> None:
 
 
 def test_without_pyarrow_the_message_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("trainer.sweep.table.find_spec", lambda _name: None)
+    monkeypatch.setattr("trainer.analysis.sweep.parquet.find_spec", lambda _name: None)
 
     with pytest.raises(ConfigError, match=r"pip install 'submarine-trainer\[parquet\]'"):
         check_pyarrow()
@@ -157,7 +157,7 @@ def test_without_dask_the_message_says_what_to_install(monkeypatch: pytest.Monke
             raise ImportError(name)
         return whole(name, *rest)
 
-    from trainer.sweep.crews import cluster  # noqa: PLC0415
+    from trainer.analysis.sweep.workers import cluster  # noqa: PLC0415
 
     monkeypatch.setattr(builtins, "__import__", lacking)
     with pytest.raises(ConfigError, match=r"pip install 'submarine-trainer\[cluster\]'"):
@@ -241,7 +241,7 @@ def test_effects_are_means_at_either_end_the_widest_first() -> None:
 def test_the_page_of_the_documents_has_every_key() -> None:
     page = (ROOT / "docs" / "sweeps.md").read_text(encoding="utf-8")
 
-    assert key_tables() in page, 'python -c "from trainer.sweep.study_records import key_tables"'
+    assert key_tables() in page, 'python -c "from trainer.analysis.sweep.records import key_tables"'
 
 
 def test_the_example_of_the_documents_is_a_study_that_flies(tmp_path: Path) -> None:

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from trainer.boat import Boat
+from trainer.boat.boat import Boat
 from trainer.core.integrators import advance
 
 pytestmark = pytest.mark.core

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 import trainer
-from trainer.boat import Boat
+from trainer.boat.boat import Boat
 from trainer.core.actuators import move_surfaces
 from trainer.core.propulsion import answer_telegraph, thrust
 from trainer.core.state import STATE
@@ -109,13 +109,13 @@ import numpy as np
 from numba import njit
 from numba.core.runtime import rtsys
 
-from trainer.boat import Boat
+from trainer.boat.boat import Boat
 from trainer.core.update import update
-from trainer.casualty import insert
-from trainer.fitout import Method
-from trainer.files.sea_file import load_sea
-from trainer.study.hot import CASUALTIES
-from trainer.files.vessel_file import load_vessel
+from trainer.boat.casualties import insert
+from trainer.boat.assemble import Method
+from trainer.config.sea import load_sea
+from trainer.verify.bench.tick import CASUALTIES
+from trainer.config.vessel import load_vessel
 
 @njit
 def ticks(count, vessel, compact, scheme, state, scratch):

@@ -7,14 +7,13 @@ import numpy as np
 import pytest
 from numba import njit
 
-from trainer.core.free_surface import deck_height, sail_height, surface_forces
 from trainer.core.kernel import Record
-from trainer.core.sea import new_sea
-from trainer.core.seaway import advance_sea, order_sea
-from trainer.core.state import new_state
+from trainer.core.sea.cosine_sum import ANGLE_COS, ANGLE_SIN, WEIGHT, phase, prepare_sum
+from trainer.core.sea.forces import spread, wave_forces
+from trainer.core.sea.free_surface import deck_height, sail_height, surface_forces
+from trainer.core.sea.sea import advance_sea, order_sea
+from trainer.core.state import new_sea, new_state
 from trainer.core.vessel import vessel_record
-from trainer.core.wave_forces import spread, wave_forces
-from trainer.core.wave_sum import ANGLE_COS, ANGLE_SIN, WEIGHT, phase, prepare_sum
 
 pytestmark = pytest.mark.core
 

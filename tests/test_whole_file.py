@@ -7,9 +7,9 @@ from threading import Barrier
 
 import pytest
 
-from trainer.io.whole_file import replacing
-from trainer.places import recording_paths
-from trainer.run import create_recording
+from trainer.io.atomic_write import replacing
+from trainer.io.paths import recording_paths
+from trainer.session.run import create_recording
 
 
 def fail_half_way(path: Path) -> None:

@@ -13,12 +13,12 @@ from pathlib import Path
 
 import pytest
 
-from trainer.workers import workers
+from trainer.analysis.workers import workers
 
 ROOT = Path(__file__).parent.parent
 POOL = """
 import multiprocessing, sys, time
-from trainer.workers import workers
+from trainer.analysis.workers import workers
 
 if __name__ == "__main__":
     with workers(2) as pool:
@@ -32,7 +32,7 @@ if __name__ == "__main__":
 SEARCH = """
 import multiprocessing, sys
 from pathlib import Path
-from trainer.reduce.crew import Crew
+from trainer.analysis.reduce.workers import Crew
 
 if __name__ == "__main__":
     with Crew(Path("nowhere.toml"), "modified", (), 2) as crew:
@@ -121,4 +121,4 @@ def test_every_pool_of_processes_is_made_in_the_one_place() -> None:
         and ast.unparse(node.func).endswith(("ProcessPoolExecutor", "Pool"))
     }
 
-    assert makers == {"trainer/workers.py"}
+    assert makers == {"trainer/analysis/workers.py"}

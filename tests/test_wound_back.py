@@ -13,24 +13,23 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from trainer.boat import Boat
-from trainer.casualty import active
-from trainer.clock import MonotonicClock
-from trainer.config import remembering
-from trainer.history import History
-from trainer.io.csv_file import COLUMNS, NoFile
-from trainer.io.recording import Recording
-from trainer.pacer import Policy
-from trainer.plan import plan_run
-from trainer.records.log_book import header_of, layout_of
-from trainer.records.replay import replay_anyway
-from trainer.records.resume import bring_up
-from trainer.session import Session
-from trainer.stations.door import Door
-from trainer.stations.frame import Pace
-from trainer.stations.publisher import Subscription
-from trainer.stations.station import Station
-from trainer.timekeeping import Timekeeping
+from trainer.boat.boat import Boat
+from trainer.boat.casualties import active
+from trainer.config.files import remembering
+from trainer.io.recording.recording import Recording
+from trainer.io.tables import COLUMNS, NoFile
+from trainer.session.header import header_of, layout_of
+from trainer.session.history import History
+from trainer.session.plan import plan_run
+from trainer.session.replay import replay_anyway
+from trainer.session.resume import bring_up
+from trainer.session.session import Session
+from trainer.session.stations.access import Door
+from trainer.session.stations.station import Station
+from trainer.session.stations.subscriptions import Subscription
+from trainer.session.stations.view import Pace
+from trainer.session.time.pacer import MonotonicClock, Policy
+from trainer.session.time.timekeeping import Timekeeping
 
 STEP = 0.5  # [s]
 LAST = 160  # tick

@@ -9,4 +9,4 @@ Sources: [GH67] Gertler & Hagen, NSRDC Report 2510 (1967); [ASSES] Groves, Dorse
 NAVTRADEVCEN 68-C-0050-1 (1969), whose equation numbers (1)-(18) and program names are cited.
 """
 
-from trainer import machine_code as _machine_code  # noqa: F401 (numba is told its folder)
+from trainer.core import cache as _cache  # noqa: F401 (numba is told its folder)

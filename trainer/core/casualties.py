@@ -5,13 +5,24 @@ left: positive while it comes on, zero while it stands, negative while it is bei
 severity means is settled at the edge; the core knows amounts only. Surfaces, propulsion, autopilot
 and instruments look their kinds up themselves; tanks and air read faults from the state, which are
 written here.
+
+How a casualty begins and is cleared, by an order or by a trigger.
+
+What the instruments of a station read: depth, heading and speed through their casualties.
+
+Only stations see this. The autopilot steers by the truth, and the instructor is shown it.
+
+Casualties that begin when the state meets a condition, without Python in the tick.
+
+Armed triggers are constants of the scheme; the state remembers which of them are spent.
 """
 
 from typing import Final
 
+from trainer.core.ballast.tanks import BANKS, COMPARTMENTS, PUMPED, PUMPS
 from trainer.core.kernel import Record, kernel, part
+from trainer.core.noise import GAUGE_NOISE, gaussian
 from trainer.core.state import STATE, VALVES
-from trainer.core.tanks import BANKS, COMPARTMENTS, PUMPED, PUMPS
 
 SURFACES: Final = ("rudder", "stern", "bow")
 # Of two on one surface or gauge only the later in these acts on it.
@@ -136,3 +147,136 @@ def advance_casualties(state: Record) -> None:
     for i in range(s.casualty.size):
         if s.casualty[i] != 0.0:
             write_fault(int(s.casualty[i]), s.casualty_amount[i], state)
+
+
+DEPTH_GAUGE, GYRO, LOG = 0, 1, 2
+
+
+@kernel
+def shown(gauge: int, state: Record) -> float:
+    """Return depth [m], heading [rad] or speed [m/s], with the bias of its gauge."""
+    s = state[0]
+    value = s.z
+    if gauge == GYRO:
+        value = s.psi
+    elif gauge == LOG:
+        value = s.u
+    slot = slot_of(FIRST_GAUGE + gauge * len(GAUGE_FAULTS) + BIASED, state)
+    return value + s.casualty_amount[slot] if slot >= 0 else value
+
+
+@kernel
+def reading(gauge: int, state: Record) -> float:
+    """Return what a gauge reads [m, rad or m/s]: stuck, or biased and noisy."""
+    s = state[0]
+    first = FIRST_GAUGE + gauge * len(GAUGE_FAULTS)
+    slot = slot_of(first + GAUGE_STUCK, state)
+    if slot >= 0:
+        return s.casualty_amount[slot]
+    value = shown(gauge, state)
+    slot = slot_of(first + NOISY, state)
+    if slot >= 0:
+        value += s.casualty_amount[slot] * gaussian(int(s.seed), GAUGE_NOISE + gauge, int(s.tick))
+    return value
+
+
+@kernel
+def instruments(state: Record, scratch: Record) -> None:
+    """Write what depth gauge [m], gyro [rad] and log [m/s] read at this tick."""
+    for gauge in range(3):
+        scratch[0].reading[gauge] = reading(gauge, state)
+
+
+SURFACE_KINDS = len(SURFACES) * len(SURFACE_FAULTS)
+
+
+@kernel
+def is_stuck(kind: int) -> bool:
+    """Return whether a casualty holds what it finds, whatever amount it is given."""
+    if kind <= SURFACE_KINDS:
+        return (kind - 1) % len(SURFACE_FAULTS) == STUCK
+    if kind >= FIRST_GAUGE:
+        return (kind - FIRST_GAUGE) % len(GAUGE_FAULTS) == GAUGE_STUCK
+    return kind == PROPULSION_STUCK
+
+
+@kernel
+def onset(kind: int, state: Record) -> float:
+    """Return the amount [SI] from which a casualty sets out: what it holds or drives as it stands.
+
+    A stuck gauge holds its bias with it.
+    """
+    s = state[0]
+    if kind <= SURFACE_KINDS and (kind - 1) % len(SURFACE_FAULTS) >= HARD_OVER:
+        return s.surface[(kind - 1) // len(SURFACE_FAULTS)]
+    if kind == PROPULSION_STUCK:
+        return s.u_c
+    if kind >= FIRST_GAUGE and is_stuck(kind):
+        return shown((kind - FIRST_GAUGE) // len(GAUGE_FAULTS), state)
+    return 0.0
+
+
+@kernel
+def begin(kind: int, amount: float, ticks: float, state: Record) -> int:
+    """Let a casualty run to ``amount`` [SI] within ``ticks``; return 1, or 0 if no slot is free.
+
+    One that is there already goes on from where it is; what is stuck stays as it stuck.
+    """
+    s = state[0]
+    slot = slot_of(kind, state)
+    if slot < 0:
+        slot = slot_of(0, state)
+        if slot < 0:
+            return 0
+        s.casualty[slot] = kind
+        s.casualty_amount[slot] = onset(kind, state)
+    s.casualty_ticks[slot] = ticks
+    s.casualty_target[slot] = amount
+    if is_stuck(kind):
+        s.casualty_ticks[slot] = 0.0
+        s.casualty_target[slot] = s.casualty_amount[slot]
+    elif ticks == 0.0:
+        s.casualty_amount[slot] = amount
+    return 1
+
+
+@kernel
+def end(kind: int, ticks: float, state: Record) -> int:
+    """Let a casualty go back to nothing within ``ticks``; return 1, or 0 if there is none."""
+    s = state[0]
+    slot = slot_of(kind, state)
+    if slot < 0:
+        return 0
+    s.casualty_ticks[slot] = -1.0 if is_stuck(kind) else -max(ticks, 1.0)
+    return 1
+
+
+@part
+def holds(scheme: Record, trigger: int, state: Record) -> bool:
+    """Return whether the condition of a trigger is met by the state."""
+    m = scheme[0]
+    value = state[0].whole[int(m.trigger_place[trigger])]
+    excess = m.trigger_sense[trigger] * (value - m.trigger_threshold[trigger])
+    return excess > 0.0 or (excess == 0.0 and m.trigger_strict[trigger] == 0.0)
+
+
+@part
+def fire_triggers(scheme: Record, state: Record) -> None:
+    """Begin the casualties whose conditions the last state meets.
+
+    A trigger is spent when it has fired; one that fires again is renewed when its condition has
+    become false. One that finds no free slot waits for it.
+    """
+    m = scheme[0]
+    s = state[0]
+    for i in range(m.trigger_kind.size):
+        if m.trigger_kind[i] == 0.0:
+            return  # those armed come first
+        bit = 1 << i
+        spent = int(s.triggers_spent) & bit
+        met = holds(scheme, i, state)
+        if met and spent == 0:
+            kind = int(m.trigger_kind[i])
+            s.triggers_spent += bit * begin(kind, m.trigger_amount[i], m.trigger_ticks[i], state)
+        elif spent != 0 and not met and m.trigger_again[i] != 0.0:
+            s.triggers_spent -= bit

@@ -21,7 +21,7 @@ TURNS = 0x1810_1D11_061A_0F0D  # [bits] of eight rounds in a row, the first one 
 SEA_FILTER: Final = 1
 SEA_PHASE: Final = 2
 SEA_FREQUENCY: Final = 3
-GAUGES: Final = 4  # and the next two
+GAUGE_NOISE: Final = 4  # and the next two
 
 
 @part

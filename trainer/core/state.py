@@ -2,13 +2,21 @@
 
 Everything that evolves is here, standing orders included, so that a snapshot, a replay, a
 backtrack and an ensemble are copies of it. All fields are float64.
+
+The work space of one boat's kernels; nothing in it is read from one tick to the next.
+
+What the sea's part keeps is a pure function of the state, made again whenever it does not fit.
+
+What follows from the sea in force: computed when it changes, read every tick.
+
+All of it is a pure function of the state and the step, so that a snapshot need not hold it.
 """
 
 from typing import Final
 
 import numpy as np
 
-from trainer.core.kernel import Record, record_dtype
+from trainer.core.kernel import Field, Record, record_dtype
 
 # [m/s] [m/s] [m/s] [rad/s] [rad/s] [rad/s] [rad] [rad] [rad] [m] [m] [m]
 MOTION: Final = ["u", "v", "w", "p", "q", "r", "phi", "theta", "psi", "x", "y", "z"]
@@ -156,3 +164,65 @@ FIELDS: Final = [name for name in STATE.names or () if STATE.fields and name != 
 def new_state() -> Record:
     """Return a state record of zeros."""
     return np.zeros(1, STATE)
+
+
+DEGREE: Final = 9  # of the filter's denominator with the pole of the bilinear transform
+
+SEA_FIELDS: Final[tuple[Field, ...]] = (
+    # wave filter, and the frequency and step it is for
+    "omega",  # [rad/s]
+    "h",  # [s]
+    "peak_number",  # [1/m] wave number of the peak
+    ("low", ["low_a1", "low_a2"]),  # [-] section y = w ..., w = x - a1 w' - a2 w''
+    ("high", ["high_a1", "high_a2"]),
+    "elevation_gain",  # [-] from the low-pass section to an output of variance 1
+    "quadrature_gain",
+    # cosine sum, and the peakedness and seed it is for
+    "gamma",  # [-]
+    "seed",
+    ("relative", (SEA_COMPONENTS,)),  # [-] frequency over that of the peak
+    ("phase_start", (SEA_COMPONENTS,)),  # [rad]
+    ("amplitude", (SEA_COMPONENTS,)),  # [-] for variance 1
+    # work space of the wave forces
+    "g",  # [m/s2]
+    "depth",  # [m]
+    "half_length",  # [m]
+    ("pull", (7,)),  # [m/s2] of surge, sway, heave, pitch, yaw, and the envelope's two parts
+    # work space of the variance of a filter's output
+    ("a", (DEGREE + 1,)),
+    ("b", (DEGREE + 1,)),
+    ("d", (DEGREE + 1,)),
+    "elevation_power",
+    "quadrature_power",
+)
+
+SEA: Final = record_dtype(*SEA_FIELDS)
+
+
+def new_sea() -> Record:
+    """Return a record that fits no sea and is filled on first use."""
+    return np.zeros(1, SEA)
+
+
+SCRATCH: Final = record_dtype(
+    ("external", (6,)),  # forces [N] and moments [N m] of this tick from sea and surface
+    ("force", (6,)),  # right sides of the six equations, less the accelerations
+    ("inertia", (6, 6)),  # their coefficients on the left
+    ("system", (6, 7)),  # work space of the linear solve
+    ("jacobian", (7, 8)),  # of the trim, and its Newton step
+    ("change", (7,)),
+    ("start", (12,)),  # motion at the start of a Runge-Kutta step, and its weighted slopes
+    ("slope", (12,)),
+    ("origin", (12,)),  # motion and rates at the start of a variable step, to try it again from
+    ("origin_rates", (12,)),
+    ("coarse", (12,)),  # the variable step taken whole
+    ("gains", (20,)),  # autopilot gains at the present speed
+    ("reading", (3,)),  # of depth gauge [m], gyro [rad], log [m/s]
+    *SEA_FIELDS,
+    ("before", (STATE.itemsize // 8,)),  # the state before the tick
+)
+
+
+def new_scratch() -> Record:
+    """Return a work space of zeros."""
+    return np.zeros(1, SCRATCH)

@@ -1,19 +1,61 @@
-"""One tick of the whole boat."""
+"""One tick of the whole boat.
+
+Partial freezes: depth or position stands still while all else goes on.
+
+Tanks that are held are not advanced at all, see update. Position is nobody's input: a boat held in
+place sails on unseen, so that every number but the place is that of a run without the hold, and
+once released she goes on from where she was held. Depth is an input to nearly everything: it is
+put back after every step, and what the boat feels is the depth held.
+"""
+
+from typing import Final
 
 from trainer.core.actuators import move_surfaces
 from trainer.core.autopilot import autopilot
-from trainer.core.ballast import advance_ballast
-from trainer.core.buoyancy import buoyancy_forces
-from trainer.core.casualties import advance_casualties
-from trainer.core.free_surface import surface_forces
-from trainer.core.holds import cast_off, make_fast
+from trainer.core.ballast.ballast import advance_ballast
+from trainer.core.ballast.buoyancy import buoyancy_forces
+from trainer.core.casualties import advance_casualties, fire_triggers
 from trainer.core.integrators import advance
 from trainer.core.kernel import Record, kernel, part
 from trainer.core.propulsion import answer_telegraph
-from trainer.core.seaway import advance_sea
-from trainer.core.state import MOTION, RATES
-from trainer.core.triggers import fire_triggers
-from trainer.core.wave_forces import wave_forces
+from trainer.core.sea.forces import wave_forces
+from trainer.core.sea.free_surface import surface_forces
+from trainer.core.sea.sea import advance_sea
+from trainer.core.state import HISTORY, MOTION, RATES
+
+X: Final = MOTION.index("x")  # y follows
+Z: Final = MOTION.index("z")
+
+
+@part
+def cast_off(state: Record) -> None:
+    """Before a step: put a boat held in place to where it would be.
+
+    One that is elsewhere without being held, as after a release, takes its past along.
+    """
+    s = state[0]
+    for i in range(2):
+        jump = s.motion[X + i] - s.sailed[i]
+        if s.held_position != 0.0:
+            s.motion[X + i] = s.sailed[i]
+        elif jump != 0.0:
+            for back in range(HISTORY):
+                s.past_motion[back, X + i] += jump
+
+
+@part
+def make_fast(x: float, y: float, z: float, state: Record) -> None:
+    """After a step: put what is held back to where it was before it [m]."""
+    s = state[0]
+    s.sailed_x, s.sailed_y = s.x, s.y
+    if s.held_position != 0.0:
+        s.x, s.y = x, y
+    if s.held_depth != 0.0:
+        descent = s.z - z
+        s.z = z
+        for back in range(HISTORY):
+            s.past_motion[back, Z] -= descent
+
 
 WATCHED = (*RATES, *MOTION)  # what a failing status points into
 FASTEST_RATE = 1e6  # [m/s2], [rad/s2], [m/s] or [rad/s]

@@ -9,8 +9,8 @@ from typing import Final
 
 import numpy as np
 
+from trainer.core.ballast.tanks import BALLAST_FIELDS
 from trainer.core.kernel import Numbers, Record, record_dtype
-from trainer.core.tanks import BALLAST_FIELDS
 
 # Coefficients by equation and power of the length, as in [ASSES] Tables 2-4.
 TERMS: Final[dict[str, int]] = {

@@ -6,12 +6,17 @@ from typing import Final, NamedTuple
 
 import numpy as np
 
-from trainer.config import ConfigError
+from trainer.config.files import ConfigError
 from trainer.core.kernel import Numbers
-from trainer.identify.armax import Armax
-from trainer.identify.armax_fit import ArmaxFit, fit_armax
-from trainer.identify.residuals import Residuals, examine_residuals
-from trainer.identify.tests_of_order import OrderTest, aic_of_loss, bic_of_loss, f_test
+from trainer.identify.armax import Armax, ArmaxFit, fit_armax
+from trainer.identify.residuals import (
+    OrderTest,
+    Residuals,
+    aic_of_loss,
+    bic_of_loss,
+    examine_residuals,
+    f_test,
+)
 
 TREATMENTS: Final = ("none", "mean", "trend")
 CANCELLED: Final = 0.15  # [-] distance of a zero from a pole that it nearly cancels

@@ -1,15 +1,53 @@
-"""Estimation: which minimiser, from how many starts, and what it found."""
+"""Estimation: which minimiser, from how many starts, and what it found.
 
+A minimiser that uses no gradients: Powell's directions, by scipy.
+
+A search that outlives its process: the best parameters so far, in a small file.
+"""
+
+import json
+import math
+import os
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Final
+from pathlib import Path
+from typing import Any, Final
 
 import numpy as np
 
-from trainer.config import ConfigError
+from trainer.config.files import ConfigError, shown
 from trainer.core.kernel import Numbers
 from trainer.identify.minimise import Cost, Found, Search, bfgs, scoring, stretched
-from trainer.identify.powell import powell
+from trainer.identify.problem import Problem
+
+
+def powell(cost: Cost, theta: Numbers, search: Search) -> Found:
+    """Return the minimum by Powell's directions, no gradient used; needs scipy.
+
+    Each coordinate is measured by its own standard deviation at the start where that is known.
+    """
+    try:
+        from scipy.optimize import minimize  # noqa: PLC0415 - an extra, imported on use
+    except ImportError:
+        raise ConfigError("powell needs scipy: pip install 'submarine-trainer[identify]'") from None
+    problem = stretched(cost, theta)
+    diagonal = np.diag(problem.information(np.zeros(len(theta))))
+    known = np.isfinite(diagonal) & (diagonal > 0.0)
+    width = np.where(known, 1.0 / np.sqrt(np.where(known, diagonal, 1.0)), 1.0)
+
+    def value(x: Numbers) -> float:
+        return min(cost.value(problem.theta(x * width)), 1e300)
+
+    def told(x: Numbers) -> None:
+        search.progress(Found(problem.theta(x * width), value(x), 0, converged=False))
+
+    options = {"maxiter": search.most, "xtol": 1e-4, "ftol": 1e-12}
+    result: Any = minimize(
+        value, np.zeros(len(theta)), method="Powell", callback=told, options=options
+    )
+    eta = np.atleast_1d(result.x) * width
+    return Found(problem.theta(eta), float(result.fun), int(result.nit), bool(result.success))
+
 
 Minimiser = Callable[[Cost, Numbers, Search], Found]
 
@@ -82,3 +120,42 @@ def _others(cost: Cost, theta: Numbers, starts: Starts) -> list[Numbers]:
     spread = stream.standard_normal((starts.restarts, len(theta))) * width
     drawn = [problem.theta(eta) for eta in spread]
     return [begin for begin in drawn if np.isfinite(cost.value(begin))]
+
+
+def keep(path: Path, problem: Problem) -> Callable[[Found], None]:
+    """Return what writes each step of a search to ``path``, whole or not at all."""
+
+    def write(found: Found) -> None:
+        theta = problem.folded(found.theta) * problem.scale
+        told = {
+            "model": problem.plant.model.name,
+            "cost": found.cost,
+            "parameters": dict(zip(problem.names, map(float, theta), strict=True)),
+        }
+        part = path.with_name(path.name + ".part")
+        part.write_text(json.dumps(told, indent=1) + "\n", encoding="utf-8")
+        os.replace(part, path)  # noqa: PTH105 - one call that is atomic on every system
+
+    return write
+
+
+def resume(path: Path, problem: Problem) -> Numbers:
+    """Return where to start (f,), from a file that ``keep`` wrote.
+
+    ConfigError if it is of another model or lacks a free parameter.
+    """
+    try:
+        told = json.loads(path.read_text(encoding="utf-8"), parse_int=float)
+        model, parameters = told["model"], dict(told["parameters"])
+    except (OSError, ValueError, KeyError, TypeError, RecursionError) as error:
+        raise ConfigError(f"{path.name}: is no checkpoint of a search ({error})") from None
+    if model != problem.plant.model.name:
+        raise ConfigError(f"{path.name}: is of model {model}, not {problem.plant.model.name}")
+    lacking = [name for name in problem.names if name not in parameters]
+    if lacking:
+        raise ConfigError(f"{path.name}: lacks {', '.join(lacking)}, which are free here")
+    for name in problem.names:
+        value = parameters[name]
+        if isinstance(value, bool) or not isinstance(value, float) or not math.isfinite(value):
+            raise ConfigError(f"{path.name}: {name} = {shown(value)}: must be a number")
+    return np.array([parameters[name] for name in problem.names]) / problem.scale

@@ -2,23 +2,78 @@
 
 Section 10. A sequence excites best with an amplitude small enough to stay linear, each bit held
 0.2 to 0.5 T1, for 20 to 40 T1, read at intervals between T2/2 and T1/5.
+
+Pseudo-random binary sequences, by maximum-length shift registers (section 10).
+
+A boat flown under timed orders in a calm, without ports or clock, as a record.
 """
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from typing import Final
 
-from trainer.config import ConfigError
-from trainer.files.vessel_file import VesselFile
-from trainer.fitout import Method
+import numpy as np
+
+from trainer.analysis.manoeuvres.flight import Flight, fly
+from trainer.analysis.manoeuvres.submarine import Rig, Submarine
+from trainer.analysis.manoeuvres.zigzag import ZigZag
+from trainer.boat.assemble import Method
+from trainer.boat.boat import Boat
+from trainer.boat.helm import obey
+from trainer.config.files import ConfigError
+from trainer.config.vessel import VesselFile
+from trainer.core.kernel import Numbers
+from trainer.identify.measurements import Record
 from trainer.identify.nomoto import Nomoto
-from trainer.identify.prbs import prbs
-from trainer.io.orders import Order, parse
-from trainer.io.schedule import Scheduled
-from trainer.study.manoeuvres.flight import Flight, fly
-from trainer.study.manoeuvres.submarine import Rig, Submarine
-from trainer.study.manoeuvres.zigzag import ZigZag
+from trainer.io.orders.grammar import Order, Refused, parse
+from trainer.io.orders.schedule import Scheduled
+from trainer.units import KNOT
+
+TAPS: Final = {  # bits of the register whose sum modulo 2 comes in: periods of 2^n - 1
+    2: (2, 1),
+    3: (3, 2),
+    4: (4, 3),
+    5: (5, 3),
+    6: (6, 5),
+    7: (7, 6),
+    8: (8, 6, 5, 4),
+    9: (9, 5),
+    10: (10, 7),
+    11: (11, 9),
+    12: (12, 11, 10, 4),
+}
+
+
+def prbs(bits: int, seed: int = 1) -> Numbers:
+    """Return one period, (2^bits - 1,), of -1 and 1; ``seed`` is what the register begins with.
+
+    The register's own bits come out first, the highest first. ConfigError if the register is of
+    no known length or begins empty.
+    """
+    if bits not in TAPS:
+        raise ConfigError(f"register of {bits} bits: must be {min(TAPS)} to {max(TAPS)}")
+    if not 1 <= seed < 2**bits:
+        raise ConfigError(f"seed {seed}: a register of {bits} bits takes 1 to {2**bits - 1}")
+    register = [(seed >> (bits - 1 - i)) & 1 for i in range(bits)]
+    out = []
+    for _ in range(2**bits - 1):
+        out.append(register[0])
+        register = [*register[1:], sum(register[bits - tap] for tap in TAPS[bits]) % 2]
+    return 2.0 * np.array(out) - 1.0
+
+
+def held(sequence: Numbers, amplitude: float, samples: int) -> Numbers:
+    """Return the sequence times ``amplitude``, each bit held for some samples."""
+    return np.repeat(amplitude * sequence, samples)
+
+
+def autocorrelation(sequence: Numbers) -> Numbers:
+    """Return the periodic autocorrelation, 1 at lag 0, for each lag of a period."""
+    spectrum = np.abs(np.fft.fft(sequence)) ** 2
+    own = np.fft.ifft(spectrum).real
+    return np.asarray(own / own[0])
+
 
 LEAD: Final = 30.0  # [s] of straight motion before the first helm
 GENTLE: Final = 10.0  # [deg] of rudder beyond which ships are not linear
@@ -197,3 +252,46 @@ def exercise_text(
     for seconds, order in orders:
         lines += ["", "[[orders]]", f"at_s = {seconds:g}", f'order = "{order}"']
     return "\n".join(lines) + "\n"
+
+
+NAMES: Final = ("t", "delta_r", "psi", "r", "v", "u")
+
+
+def flown(
+    file: VesselFile, schedule: Iterable[Scheduled], speed: float, depth: float, seconds: float
+) -> Record:
+    """Return the record of a boat that begins at ``speed`` [m/s] and ``depth`` [m].
+
+    ConfigError if it cannot, refuses an order, or its numbers are lost.
+    """
+    step = file.run.step_s
+    boat = Boat(file, method_of(file))
+    boat.start(speed, depth, 0.0)
+    waiting = list(schedule)
+    rows = []
+    for _ in range(round(seconds / step) + 1):
+        while waiting and waiting[0].seconds <= boat.time + 1e-9:
+            _give(boat, waiting.pop(0))
+        rows.append(boat.numbers(NAMES))
+        status = boat.tick()
+        if status:
+            raise ConfigError(f"{file.path.name}: {boat.failure(status)}")
+    table = np.array(rows).T
+    return Record(
+        source=f"{file.name} at {speed / KNOT:g} kn",
+        t=table[0],
+        rudder=table[1],
+        heading=table[2],
+        yaw_rate=table[3],
+        sway=table[4],
+        speed=table[5],
+        rows=np.arange(len(rows)),
+        names={},
+    )
+
+
+def _give(boat: Boat, entry: Scheduled) -> None:
+    """Give an order; ConfigError with the boat's own words if it is refused."""
+    answer = obey(boat, entry.order)
+    if isinstance(answer, Refused):
+        raise ConfigError(f"{entry.seconds:g} s: {entry.order.text}: {answer.reason}")

@@ -10,9 +10,9 @@ from typing import Final
 
 import numpy as np
 
-from trainer.config import ConfigError
+from trainer.config.files import ConfigError
 from trainer.core.kernel import Numbers
-from trainer.identify.record import OUTPUTS, Record
+from trainer.identify.measurements import OUTPUTS, Record
 
 GAP: Final = 1.5  # [-] of the usual interval: a longer one is a gap
 STEADY: Final = 1e-3  # [-] of the usual interval: times that differ less are at one interval

@@ -8,31 +8,30 @@ from typing import Any, Final
 
 import numpy as np
 
-from trainer.config import ConfigError
+from trainer.config.files import ConfigError
+from trainer.config.vessel import load_vessel
 from trainer.core.kernel import Numbers
-from trainer.files.vessel_file import load_vessel
-from trainer.identify.checkpoint import keep, resume
-from trainer.identify.estimate import Starts, estimate
+from trainer.identify.derived import quantities, quantity_names
+from trainer.identify.estimate import Starts, estimate, keep, resume
+from trainer.identify.innovations import REASONS, chi_square_limits, shown
 from trainer.identify.likelihood import Likelihood
+from trainer.identify.measurements import Record, samples_of
 from trainer.identify.minimise import Cost, Found, Search
 from trainer.identify.models import MODELS, Plant, Ship
-from trainer.identify.predictor import Innovations, MultiStep, no_gain, settled_gain
+from trainer.identify.prediction_error import Innovations, MultiStep, no_gain, settled_gain
 from trainer.identify.problem import Problem, problem_of
-from trainer.identify.record import Record
-from trainer.identify.samples import samples_of
-from trainer.identify.shown import REASONS, chi_square_limits, shown
-from trainer.identify.spread import Spread, propagated
-from trainer.identify.starting import free_names, start_values
+from trainer.identify.start_values import free_names, start_values
 from trainer.identify.steering import Steering, steering
-from trainer.identify.study_file import Study, speed_of
+from trainer.identify.study import Study, speed_of
 from trainer.identify.study_records import ModelTable
-from trainer.identify.told import quantities, quantity_names
 from trainer.identify.uncertainty import (
     BOUNDED,
+    Spread,
     Uncertainty,
     beside_bounds,
     hessian,
     inseparable,
+    propagated,
     uncertainty,
 )
 

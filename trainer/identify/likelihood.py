@@ -11,11 +11,11 @@ from typing import Final
 import numpy as np
 
 from trainer.core.kernel import Numbers
-from trainer.identify.discrete import Sampled
 from trainer.identify.kernels.adjoint import likelihood_slope, trail
 from trainer.identify.kernels.likelihood import likelihood_sums
 from trainer.identify.kernels.sensitivity import information_rows
 from trainer.identify.problem import Problem
+from trainer.identify.sampled import Sampled
 
 LOG_2_PI: Final = math.log(2.0 * math.pi)
 PIECE: Final = 256  # rows

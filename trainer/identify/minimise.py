@@ -12,7 +12,7 @@ from typing import Final, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from trainer.config import ConfigError
+from trainer.config.files import ConfigError
 from trainer.core.kernel import Numbers
 from trainer.identify.problem import Problem
 

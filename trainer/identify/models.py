@@ -12,13 +12,13 @@ from typing import Any, Final
 
 import numpy as np
 
-from trainer.config import ConfigError, nearest
+from trainer.config.files import ConfigError, nearest
+from trainer.config.identification import CHANNELS
 from trainer.core.kernel import Numbers
 from trainer.identify.kernels import ship_models
-from trainer.identify.kernels.entries import Entries
+from trainer.identify.kernels.kernel import Entries
 
 # output channels, by their place in the kernels
-CHANNELS: Final = ("bow_sway", "stern_sway", "sway", "yaw_rate", "heading")
 UNITS: Final = {  # of a channel, and how many of them one SI unit is
     "bow_sway": ("kn", 3600.0 / 1852.0),
     "stern_sway": ("kn", 3600.0 / 1852.0),

@@ -11,11 +11,11 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from trainer.config import ConfigError
+from trainer.config.files import ConfigError
 from trainer.core.kernel import Numbers
-from trainer.identify.imaginary import STEP
-from trainer.identify.kernels.bent import run_bent
-from trainer.identify.record import Record
+from trainer.identify.kernels.nonlinear_steering import run_bent
+from trainer.identify.measurements import Record
+from trainer.identify.sampled import STEP
 
 FINE: Final = 0.05  # [-] of the smallest time constant: a step of Runge and Kutta
 CLOSE: Final = 1e-10  # [-] relative step at which a fit has come to its end

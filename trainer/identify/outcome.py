@@ -5,13 +5,13 @@ from dataclasses import replace
 
 import numpy as np
 
-from trainer.config import ConfigError
-from trainer.files.vessel_file import load_vessel
+from trainer.config.files import ConfigError
+from trainer.config.vessel import load_vessel
+from trainer.identify.derived import nomoto_of
 from trainer.identify.fitting import Fitted
-from trainer.identify.nomoto_file import SCHEMA, NomotoFile, written
+from trainer.identify.nomoto import SCHEMA, NomotoFile, written
 from trainer.identify.nonlinear import Bend
 from trainer.identify.steering import averages, coefficients, limits, rewritten
-from trainer.identify.told import nomoto_of
 from trainer.units import KNOT
 
 RUDDER_LIMIT = 35.0  # [deg] of many ships, where no vessel file tells

@@ -8,11 +8,10 @@ from typing import Final
 import numpy as np
 
 from trainer.core.kernel import Numbers
-from trainer.identify.discrete import Sampled, sample
-from trainer.identify.imaginary import aside
-from trainer.identify.kernels.entries import Entries
+from trainer.identify.kernels.kernel import Entries
+from trainer.identify.measurements import Samples
 from trainer.identify.models import Plant
-from trainer.identify.samples import Samples
+from trainer.identify.sampled import Sampled, aside, sample
 
 LEAST: Final = 1e-4  # [-] of its start: what an error's variance is not estimated below
 

@@ -1,20 +1,24 @@
-"""Records from files: a CSV with named columns and units, or a recording of the trainer."""
+"""Records from files: a CSV with named columns and units, or a recording of the trainer.
+
+Instruments between a ship and her record: a recording of the trainer has her exact state.
+"""
 
 import csv
 import math
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Final
 
 import numpy as np
 
-from trainer.config import ConfigError, nearest, shown
+from trainer.analysis.recording_export import table_layout
+from trainer.config.files import ConfigError, nearest, shown
+from trainer.config.schema import Quantity, optional, within
 from trainer.core.kernel import Numbers
-from trainer.identify.record import CHANNELS, Record
-from trainer.places import SUFFIX
-from trainer.records.exporting import table_layout
-from trainer.records.log_book import reading
+from trainer.identify.measurements import CHANNELS, Record
+from trainer.io.paths import SUFFIX
+from trainer.session.header import reading
 from trainer.units import DEGREE, KNOT
 
 UNITS: Final[Mapping[str, Mapping[str, float]]] = {  # to SI and radians
@@ -170,3 +174,40 @@ def _check_times(record: Record) -> None:
         f"{record.source}: row {record.row(place)}: {record.name('t')} = {now:g} s {how}; "
         "times must rise"
     )
+
+
+DEVIATION: Final = within(0, 100)
+STREAMS: Final = ("sway", "bow_sway", "stern_sway", "yaw_rate", "heading")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Sensors:
+    """Standard deviations of white errors added to an exact record; none where not said."""
+
+    sway_kn: float | None = optional(Quantity("kn", DEVIATION, "of each log"))
+    yaw_rate_deg_s: float | None = optional(Quantity("deg/s", DEVIATION, "of the rate gyro"))
+    heading_deg: float | None = optional(Quantity("deg", DEVIATION, "of the compass"))
+    seed: float | None = optional(Quantity("-", within(0, 1e15), "of the errors; else 1"))
+
+    def error(self, channel: str) -> float:
+        """Return the standard deviation of a channel, SI."""
+        if channel == "yaw_rate":
+            return math.radians(self.yaw_rate_deg_s or 0.0)
+        if channel == "heading":
+            return math.radians(self.heading_deg or 0.0)
+        return KNOT * (self.sway_kn or 0.0)
+
+
+USUAL: Final = Sensors(sway_kn=0.05, yaw_rate_deg_s=0.02, heading_deg=0.1)
+
+
+def read_by(record: Record, sensors: Sensors) -> Record:
+    """Return what instruments would have read; each channel has a stream of its own."""
+    columns = {}
+    for place, channel in enumerate(STREAMS):
+        values = getattr(record, channel)
+        if values is not None:
+            seed = np.random.SeedSequence((int(sensors.seed or 1), place))
+            stream = np.random.Generator(np.random.PCG64(seed))
+            columns[channel] = values + sensors.error(channel) * stream.standard_normal(len(values))
+    return replace(record, **columns)

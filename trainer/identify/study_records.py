@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from typing import Final
 
-from trainer.files.schema import (
+from trainer.config.schema import (
     Choice,
     Choices,
     Quantity,
@@ -16,8 +16,8 @@ from trainer.files.schema import (
     within,
 )
 from trainer.identify.armax_orders import TREATMENTS
-from trainer.identify.record import CHANNELS, OUTPUTS
-from trainer.identify.sensors import Sensors
+from trainer.identify.measurements import CHANNELS, OUTPUTS
+from trainer.identify.sources import Sensors
 
 LONGEST: Final = 1e9  # [s]
 MODELS: Final = ("1", "2", "3", "nomoto1", "nomoto2")

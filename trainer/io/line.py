@@ -1,10 +1,204 @@
-"""A line: lines in and lines out, whatever the port, without ever holding up the caller."""
+"""A line: lines in and lines out, whatever the port, without ever holding up the caller.
 
+Lines out and in without ever holding up the caller: one thread behind each port.
+
+A port is a `write` of bytes, or a `read` that waits for bytes: b"" when none have come for a while,
+None at the end of the input. What a port raises (OSError; ValueError once it is closed) ends it.
+"""
+
+import os
+import threading
 import time
+from collections import deque
+from collections.abc import Callable
 from typing import Protocol
 
-from trainer.io.lines import Overlong
-from trainer.io.outbox import Inbox, Sender
+from trainer.io.lines import LineDecoder, Overlong, line_bytes
+from trainer.io.orders.grammar import LONGEST
+
+CHUNK = 4096  # [bytes]
+
+
+class Sender(Protocol):
+    """Somewhere that lines go."""
+
+    dropped: int  # lines that did not get out
+    trouble: str  # why the port is dead, "" while it lives
+
+    def send(self, line: str) -> None:
+        """Take one line, without its end."""
+        ...
+
+    def close(self, patience: float) -> None:
+        """Finish what has been taken, waiting no longer than `patience` [s]."""
+        ...
+
+
+class Outbox:
+    """Write lines from a thread; when the port is slow lines are dropped, never waited for."""
+
+    def __init__(
+        self, write: Callable[[bytes], object], capacity: int = 256, line_end: bytes = b"\r\n"
+    ) -> None:
+        self.dropped = 0
+        self.trouble = ""
+        self._write = write
+        self._capacity = capacity
+        self._line_end = line_end
+        self._lines: deque[bytes] = deque()
+        self._change = threading.Condition()
+        self._closing = False
+        self._thread = threading.Thread(target=self._run, name="outbox", daemon=True)
+        self._thread.start()
+
+    def send(self, line: str) -> None:
+        """Queue one line, or drop and count it when the queue is full or the port dead."""
+        with self._change:
+            if self.trouble or self._closing or len(self._lines) >= self._capacity:
+                self.dropped += 1
+                return
+            self._lines.append(line_bytes(line) + self._line_end)
+            self._change.notify()
+
+    def close(self, patience: float) -> None:
+        """Let the thread finish the queue, for at most `patience` [s]; the port stays open."""
+        with self._change:
+            self._closing = True
+            self._change.notify()
+        self._thread.join(patience)
+
+    def _run(self) -> None:
+        while True:
+            with self._change:
+                self._change.wait_for(lambda: self._lines or self._closing)
+                if not self._lines:
+                    return
+                batch = list(self._lines)
+                self._lines.clear()
+            try:
+                self._write(b"".join(batch))
+            except (OSError, ValueError) as error:
+                self._die(error, len(batch))
+                return
+
+    def _die(self, error: Exception, lost: int) -> None:
+        with self._change:
+            self.trouble = str(error) or type(error).__name__
+            self.dropped += lost + len(self._lines)
+            self._lines.clear()
+
+
+class Direct:
+    """Write lines at once in the caller's thread: for runs that keep no time."""
+
+    def __init__(self, write: Callable[[bytes], object], line_end: bytes = b"\r\n") -> None:
+        self.dropped = 0
+        self.trouble = ""
+        self._write = write
+        self._line_end = line_end
+
+    def send(self, line: str) -> None:
+        """Write one line, or count it as dropped once the port is dead."""
+        if self.trouble:
+            self.dropped += 1
+            return
+        try:
+            self._write(line_bytes(line) + self._line_end)
+        except (OSError, ValueError) as error:
+            self.trouble = str(error) or type(error).__name__
+            self.dropped += 1
+
+    def close(self, patience: float) -> None:
+        """Do nothing: every line is out already."""
+
+
+class Inbox:
+    """Read lines in a thread; `arrived` is set at every line and at the end of the input.
+
+    When the queue is full the thread stops reading until there is room, so that a pipe loses
+    nothing and a flood is held back at its source.
+    """
+
+    def __init__(
+        self,
+        read: Callable[[], bytes | None],
+        arrived: threading.Event,
+        capacity: int = 256,
+        longest: int = LONGEST,
+    ) -> None:
+        self.arrived = arrived
+        self.ended = False  # everything has been read; what is queued can still be taken
+        self.trouble = ""  # why it ended, "" for a plain end of input
+        self._read = read
+        self._decoder = LineDecoder(longest)
+        self._capacity = capacity
+        self._lines: deque[str | Overlong] = deque()
+        self._change = threading.Condition()
+        self._closing = False
+        self._thread = threading.Thread(target=self._run, name="inbox", daemon=True)
+        self._thread.start()
+
+    @property
+    def waiting(self) -> int:
+        """Return how many lines have arrived and have not been taken."""
+        return len(self._lines)
+
+    def take(self, most: int | None = None) -> list[str | Overlong]:
+        """Return the oldest lines that have arrived, at most so many, without waiting."""
+        with self._change:
+            count = len(self._lines) if most is None else min(most, len(self._lines))
+            lines = [self._lines.popleft() for _ in range(count)]
+            self._change.notify()
+        return lines
+
+    def close(self, patience: float) -> None:
+        """Ask the thread to stop after the read it is in, waiting at most `patience` [s]."""
+        with self._change:
+            self._closing = True
+            self._change.notify()
+        self._thread.join(patience)
+
+    def _run(self) -> None:
+        try:
+            while not self._closing and (data := self._read()) is not None:
+                self._queue(self._decoder.feed(data))
+            # A pipe's last line often lacks its end.
+            self._queue(self._decoder.feed(b"\n") if self._decoder.held else [])
+        except (OSError, ValueError) as error:
+            self.trouble = str(error) or type(error).__name__
+        self.ended = True
+        self.arrived.set()
+
+    def _queue(self, lines: list[str | Overlong]) -> None:
+        for line in lines:
+            with self._change:
+                self._change.wait_for(lambda: len(self._lines) < self._capacity or self._closing)
+                self._lines.append(line)
+            self.arrived.set()
+
+
+def reader(descriptor: int) -> Callable[[], bytes | None]:
+    """Return a `read` of a file descriptor, such as that of standard input.
+
+    It goes below Python's buffered files, whose locks a thread left waiting would hold at exit.
+    """
+
+    def read() -> bytes | None:
+        return os.read(descriptor, CHUNK) or None
+
+    return read
+
+
+def writer(descriptor: int) -> Callable[[bytes], None]:
+    """Return a `write` to a file descriptor that takes all of its bytes, in parts if need be."""
+
+    def write(data: bytes) -> None:
+        rest = memoryview(data)
+        while rest:
+            rest = rest[os.write(descriptor, rest) :]
+
+    return write
+
 
 SHORTEST = 0.2  # [s]  for an inbox to notice that its port was closed, whatever the outbox took
 

@@ -9,7 +9,7 @@ import re
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from trainer.io.orders import LONGEST
+from trainer.io.orders.grammar import LONGEST
 
 BACKSPACE, LINE_FEED, RETURN, KILL, DELETE = b"\b", b"\n", b"\r", b"\x15", b"\x7f"
 RUNS = re.compile(rb"[^\b\n\r\x15\x7f]+|.", re.DOTALL)

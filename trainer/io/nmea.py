@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from datetime import datetime
 from typing import Final
 
-from trainer.io.sentences import FRAME, checksum
+from trainer.io.orders.sentences import FRAME, checksum
 
 LONGEST: Final = 82  # [characters] of a sentence, its line end included
 LINE_END: Final = 2  # [characters]

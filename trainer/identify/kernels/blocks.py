@@ -3,8 +3,7 @@
 An assignment to a slice does the same, but the compiler takes half a second for each.
 """
 
-from trainer.identify.kernels.entries import Entries
-from trainer.identify.kernels.kernel import part
+from trainer.identify.kernels.kernel import Entries, part
 
 
 @part

@@ -17,8 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from trainer.core.kernel import Numbers
-from trainer.identify.kernels.entries import Entries
-from trainer.identify.kernels.kernel import part
+from trainer.identify.kernels.kernel import Entries, part
 
 Places = NDArray[np.int64]
 Mask = NDArray[np.bool_]

@@ -5,11 +5,12 @@ references. What is lean makes nothing and counts none, nor does a part, whose m
 into its callers'.
 """
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from numba import njit
+from numpy.typing import NDArray
 
-from trainer import machine_code as _machine_code  # noqa: F401 (numba is told its folder)
+from trainer.core import cache as _cache  # noqa: F401 (numba is told its folder)
 
 if TYPE_CHECKING:  # the options are numba's own, though not in its published signature
     kernel = lean = part = njit(cache=True, error_model="numpy")
@@ -17,3 +18,6 @@ else:
     kernel = njit(cache=True, error_model="numpy")
     lean = njit(cache=True, error_model="numpy", _nrt=False)
     part = njit(error_model="numpy", _nrt=False, forceinline=True)
+
+
+Entries = NDArray[Any]  # numbers, or complex ones whose imaginary parts are derivatives

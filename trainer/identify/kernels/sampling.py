@@ -14,8 +14,7 @@ from numpy.typing import NDArray
 
 from trainer.core.kernel import Numbers
 from trainer.identify.kernels.blocks import clear, put_block
-from trainer.identify.kernels.entries import Entries
-from trainer.identify.kernels.kernel import kernel, lean, part
+from trainer.identify.kernels.kernel import Entries, kernel, lean, part
 
 Complexes = NDArray[np.complex128]
 Room = tuple[Entries, Entries]  # scratch for rows of [A B f], and for squares

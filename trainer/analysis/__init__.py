@@ -1,0 +1,1 @@
+"""The engineer's programs: 1969's, manoeuvres, the guide, reduction, sweeps, debriefs."""

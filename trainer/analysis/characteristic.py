@@ -1,0 +1,336 @@
+"""Characteristic polynomials, roots, frequency and damping: programs EC140, EC200 and EC320.
+
+Small motions E dx/dt = F x about straight flight at a frozen speed u0, theta0 = w0 = 0; the
+polynomial is det(s E - F). [ASSES] VI with errata E1-E7. With dimensional coefficients,
+R = z_B B - z_G W and lines of normal force and pitching moment, EC140's cubic has
+
+    A3 = (Z_wdot - m)(M_qdot - Iy) - M_wdot Z_qdot
+    A2 = u0 Z_w (M_qdot - Iy) + (Z_wdot - m) u0 M_q - M_wdot u0 (m + Z_q) - u0 M_w Z_qdot
+    A1 = u0^2 Z_w M_q + (Z_wdot - m) R - u0^2 M_w (m + Z_q)
+    A0 = u0 Z_w R
+
+Quasi-linear averages stand for the terms with |.|: a mean |w| adds Z_waw |w| to u0 Z_w, a mean |r|
+adds N_rar |r| to u0 N_r, and so on.
+
+Polynomials and roots as a page for a terminal, and as a root locus over speed.
+"""
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import Any, Final, NamedTuple
+
+import numpy as np
+
+from trainer.analysis.report.plots import Curve, Panel
+from trainer.analysis.report.text import INDENT, figure, root_text, table
+from trainer.boat.assemble import body, thrust_rows
+from trainer.boat.linear import Matrix, Mode, modes
+from trainer.config.vessel import VesselFile
+from trainer.core.autopilot import REPORT_CLIMB, REPORT_DEPTH, REPORT_PITCH, REPORT_PITCH_RATE
+from trainer.core.vessel import vessel_record
+from trainer.units import KNOT
+
+VERTICAL: Final = ("w", "q", "theta")
+HORIZONTAL: Final = ("v", "p", "r", "phi")
+LOOP: Final = ("w", "q", "theta", "z")
+
+
+class Means(NamedTuple):
+    """Averages of the motions for the quasi-linear coefficients, in consistent units."""
+
+    v: float = 0.0  # |v|, speed
+    w: float = 0.0
+    q: float = 0.0  # |q|, angular speed
+    r: float = 0.0
+
+
+class Law(NamedTuple):
+    """Plane angle per depth error, pitch, climb rate and pitch rate."""
+
+    depth: float = REPORT_DEPTH  # [rad/m]
+    pitch: float = REPORT_PITCH  # [-]
+    climb: float = REPORT_CLIMB  # [rad s/m]
+    pitch_rate: float = REPORT_PITCH_RATE  # [s]
+
+
+@dataclass(frozen=True)
+class Linear:
+    """E dx/dt = F x in the order of ``names``, SI or the units of the vessel."""
+
+    names: tuple[str, ...]
+    E: Matrix
+    F: Matrix
+
+    @property
+    def nature(self) -> Matrix:
+        """Return A of dx/dt = A x."""
+        return np.asarray(np.linalg.solve(self.E, self.F))
+
+    @property
+    def polynomial(self) -> tuple[float, ...]:
+        """Return the coefficients of det(s E - F), the highest power first."""
+        polynomial = np.linalg.det(self.E) * np.poly(self.nature)
+        return tuple(float(factor) for factor in np.real(polynomial))
+
+    @property
+    def eigenvalues(self) -> np.ndarray:
+        """Return the eigenvalues [1/s]."""
+        return np.asarray(np.linalg.eigvals(self.nature), complex)
+
+
+def dimensional(file: VesselFile) -> Any:
+    """Return the constants of the full set, coefficients dimensional, in the vessel's units."""
+    rows, limits = thrust_rows(file)
+    return vessel_record(body(file), {**file.coefficients, **rows}, limits)[0]
+
+
+def vertical(file: VesselFile, speed: float, means: Means = Means()) -> Linear:  # noqa: B008
+    """Return EC140's motions w, q, theta at ``speed``; x_G is left out, as there."""
+    c = dimensional(file)
+    Zw = speed * c.Z_w + c.Z_waw * means.w + c.Z_waq * means.q
+    Mw = speed * c.M_w + c.M_waw * means.w
+    Mq = speed * c.M_q + c.M_awq * means.w + c.M_qaq * means.q
+    couple = c.z_b * c.buoyancy - c.z_g * c.weight
+    E = [
+        [c.mass - c.Z_wdot, -c.Z_qdot, 0.0],
+        [-c.M_wdot, c.I_y - c.M_qdot, 0.0],
+        [0.0, 0.0, 1.0],
+    ]
+    F = [
+        [Zw, speed * (c.mass + c.Z_q), 0.0],
+        [Mw, Mq, couple],
+        [0.0, 1.0, 0.0],
+    ]
+    return Linear(VERTICAL, np.array(E), np.array(F))
+
+
+def horizontal(file: VesselFile, speed: float, means: Means = Means()) -> Linear:  # noqa: B008
+    """Return EC200's motions v, p, r, phi at ``speed``."""
+    c = dimensional(file)
+    u, m = speed, c.mass
+    E = [
+        [m - c.Y_vdot, -(c.Y_pdot + m * c.z_g), m * c.x_g - c.Y_rdot, 0.0],
+        [-(c.K_vdot + m * c.z_g), c.I_x - c.K_pdot, -(c.I_xz + c.K_rdot), 0.0],
+        [m * c.x_g - c.N_vdot, -(c.I_xz + c.N_pdot), c.I_z - c.N_rdot, 0.0],
+        [0.0, 0.0, 0.0, 1.0],
+    ]
+    Yv = u * c.Y_v + c.Y_vav * means.v + c.Y_var * means.r
+    Kv = u * c.K_v + c.K_vav * means.v
+    Nv = u * c.N_v + c.N_vav * means.v
+    Nr = u * c.N_r + c.N_avr * means.v + c.N_rar * means.r
+    righting = c.z_g * c.weight - c.z_b * c.buoyancy
+    F = [
+        [Yv, u * c.Y_p, u * (c.Y_r - m), c.weight - c.buoyancy],
+        [Kv, u * c.K_p, u * (c.K_r + m * c.z_g), -righting],
+        [Nv, u * c.N_p, Nr - u * m * c.x_g, c.x_g * c.weight - c.x_b * c.buoyancy],
+        [0.0, 1.0, 0.0, 0.0],
+    ]
+    return Linear(HORIZONTAL, np.array(E), np.array(F))
+
+
+def depth_loop(
+    file: VesselFile,
+    speed: float,
+    stern: float,
+    bow: float,
+    law: Law = Law(),  # noqa: B008
+) -> Linear:
+    """Return w, q, theta, z under [ASSES]'s depth law, each pair of planes by its sign of it.
+
+    DS = DB literally is 1 and 1; the bow planes that help are -1 where Z_db < 0 (errata G3).
+    Speed is frozen, but not the surge that a pitching z_G causes: it lightens the inertia.
+    """
+    c = dimensional(file)
+    free = vertical(file, speed)
+    E, F = np.eye(4), np.zeros((4, 4))
+    E[:3, :3], F[:3, :3] = free.E, free.F
+    E[1, 1] -= (c.mass * c.z_g) ** 2 / (c.mass - c.X_udot)
+    F[3] = [1.0, 0.0, -speed, 0.0]
+    angle = [-law.climb, law.pitch_rate, law.pitch + law.climb * speed, -law.depth]
+    F[0] += speed**2 * (stern * c.Z_ds + bow * c.Z_db) * np.array(angle)
+    F[1] += speed**2 * (stern * c.M_ds + bow * c.M_db) * np.array(angle)
+    return Linear(LOOP, E, F)
+
+
+def adjusted(file: VesselFile, speed: float, means: Means) -> dict[str, float]:
+    """Return the quasi-linear coefficients [-] that stand for the linear ones at ``speed``."""
+    c, length = file.coefficients, file.hull.length
+    v, w = means.v / speed, means.w / speed
+    q, r = means.q * length / speed, means.r * length / speed
+    return {
+        "Z_w": c["Z_w"] + c["Z_waw"] * w + c["Z_waq"] * q,
+        "M_w": c["M_w"] + c["M_waw"] * w,
+        "M_q": c["M_q"] + c["M_awq"] * w + c["M_qaq"] * q,
+        "Y_v": c["Y_v"] + c["Y_vav"] * v + c["Y_var"] * r,
+        "K_v": c["K_v"] + c["K_vav"] * v,
+        "N_v": c["N_v"] + c["N_vav"] * v,
+        "N_r": c["N_r"] + c["N_avr"] * v + c["N_rar"] * r,
+    }
+
+
+@dataclass(frozen=True)
+class Root:
+    """One real root, or one pair, real +- i imaginary."""
+
+    name: str
+    real: float  # [1/s]
+    imaginary: float  # [1/s] not negative
+    frequency_rad_s: float  # |s|
+    damping_ratio: float  # -Re s/|s|: 1 or -1 for a real root
+    period_s: float | None  # None: it does not swing
+    stable: bool
+
+
+@dataclass(frozen=True)
+class Motion:
+    """The polynomial and roots of one plane of motion."""
+
+    polynomial: tuple[float, ...]  # SI, highest power first
+    roots: tuple[Root, ...]
+
+
+@dataclass(frozen=True)
+class Speed:
+    """All that EC140, EC200 and EC320 say about one speed."""
+
+    speed_kn: float
+    adjusted: dict[str, float]  # [-]
+    vertical: Motion
+    horizontal: Motion
+    depth_loop: Motion  # with the planes by the 1969 autopilot
+
+
+@dataclass(frozen=True)
+class Report:
+    """All that ``trainer modes`` says about a vessel; means SI."""
+
+    vessel: str
+    means: dict[str, float]
+    bow_sign: float  # of the bow planes in the depth loop
+    speeds: tuple[Speed, ...]
+
+
+def root(mode: Mode) -> Root:
+    """Return a mode as EC140 prints it."""
+    size = abs(mode.eigenvalue)
+    ratio = -mode.real / size if size > 0.0 else 0.0
+    return Root(mode.name, mode.real, mode.imaginary, size, ratio, mode.period, mode.stable)
+
+
+def motion(linear: Linear) -> Motion:
+    """Return polynomial and roots, by motion and then fastest first.
+
+    In the depth loop all is pitch and depth: its roots have the name ``depth``.
+    """
+    found = modes(linear.nature, linear.names) if "z" not in linear.names else _unnamed(linear)
+    return Motion(linear.polynomial, tuple(root(mode) for mode in found))
+
+
+def _unnamed(linear: Linear) -> list[Mode]:
+    """Return the modes of the depth loop, fastest first."""
+    values = sorted(linear.eigenvalues, key=lambda value: -abs(value))
+    return [Mode("depth", float(s.real), float(s.imag)) for s in values if s.imag >= 0.0]
+
+
+def characteristic(file: VesselFile, speeds: Iterable[float], means: Means) -> Report:
+    """Return polynomials and roots at ``speeds`` [kn], ``means`` [m/s, rad/s] averaged in."""
+    lift = file.coefficients["Z_db"]
+    bow = (1.0 if lift > 0.0 else -1.0) if lift else 0.0
+    found = []
+    for knots in speeds:
+        speed = knots * KNOT
+        found.append(
+            Speed(
+                speed_kn=knots,
+                adjusted=adjusted(file, speed, means),
+                vertical=motion(vertical(file, speed, means)),
+                horizontal=motion(horizontal(file, speed, means)),
+                depth_loop=motion(depth_loop(file, speed, 1.0, bow)),
+            )
+        )
+    return Report(file.name, means._asdict(), bow, tuple(found))
+
+
+HEADS: Final = ("", "root\n[1/s]", "|s|\n[rad/s]", "damping\nratio", "period\n[s]", "")
+
+
+def _row(root: Root) -> tuple[str, ...]:
+    """Return one root as a line of the table."""
+    return (
+        root.name,
+        root_text(root.real, root.imaginary),
+        f"{root.frequency_rad_s:.5f}",
+        f"{root.damping_ratio:+.3f}",
+        figure(root.period_s, ".1f"),
+        "" if root.stable else "NOT STABLE",
+    )
+
+
+def _motion(title: str, motion: Motion) -> list[str]:
+    """Return the polynomial and roots of one plane of motion."""
+    factors = " ".join(f"{factor:.6g}" for factor in motion.polynomial)
+    rows = [_row(root) for root in motion.roots]
+    return [f"{INDENT}{title}", f"{INDENT}  {factors}", *table(HEADS, rows, 2 * INDENT)]
+
+
+def _speed(speed: Speed) -> list[str]:
+    """Return all that is said about one speed."""
+    return [
+        "",
+        f"{speed.speed_kn:.4g} kn",
+        *_motion("vertical plane, EC140: cubic in s, highest power first [SI]", speed.vertical),
+        *_motion("horizontal plane, EC200: quartic in s", speed.horizontal),
+        *_motion("depth kept by the autopilot of 1969: quartic in s", speed.depth_loop),
+    ]
+
+
+def _adjusted(report: Report) -> list[str]:
+    """Return the quasi-linear coefficients, if any motion is averaged in."""
+    means = {name: value for name, value in report.means.items() if value != 0.0}
+    if not means:
+        return []
+    units = {"v": "m/s", "w": "m/s", "q": "rad/s", "r": "rad/s"}
+    said = ", ".join(f"|{name}| {value:.4g} {units[name]}" for name, value in means.items())
+    names = list(report.speeds[0].adjusted)
+    rows = [
+        (f"{speed.speed_kn:.4g}", *(f"{1e3 * speed.adjusted[name]:.3f}" for name in names))
+        for speed in report.speeds
+    ]
+    heads = ("speed\n[kn]", *names)
+    return ["", f"QUASI-LINEAR COEFFICIENTS x 1000 (EC320; mean {said})", *table(heads, rows)]
+
+
+def render(report: Report) -> str:
+    """Return the report as text."""
+    signs = {1.0: "with the stern planes", -1.0: "against the stern planes", 0.0: "not used"}
+    lines = [
+        report.vessel,
+        f"{INDENT}speed frozen; in the depth loop the bow planes move {signs[report.bow_sign]}"
+        if report.bow_sign
+        else f"{INDENT}speed frozen; no bow planes in the depth loop",
+        *_adjusted(report),
+    ]
+    for speed in report.speeds:
+        lines += _speed(speed)
+    return "\n".join(lines)
+
+
+def _locus(report: Report, title: str, which: str) -> Panel:
+    """Return the roots of one plane of motion at every speed."""
+    curves = []
+    for speed in report.speeds:
+        roots: tuple[Root, ...] = getattr(speed, which).roots
+        pairs = [(r.real, sign * r.imaginary) for r in roots for sign in (1.0, -1.0)]
+        real, imaginary = np.array(sorted(set(pairs))).T
+        curves.append(Curve(f"{speed.speed_kn:.4g} kn", real, imaginary, points=True))
+    marks = (("", 0.0),)
+    return Panel(title, "real [1/s]", "imaginary [1/s]", tuple(curves), marks)
+
+
+def panels(report: Report) -> tuple[Panel, ...]:
+    """Return the roots of the three motions over speed."""
+    return (
+        _locus(report, f"{report.vessel}: vertical plane", "vertical"),
+        _locus(report, "horizontal plane", "horizontal"),
+        _locus(report, "depth kept by the autopilot of 1969", "depth_loop"),
+    )

@@ -1,0 +1,254 @@
+"""What a boat is by its numbers, and which steps it can be flown with: ``trainer check``.
+
+What the coefficients of a boat say before it moves: symmetry, inertia, margins, reversal.
+"""
+
+import math
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+import numpy as np
+
+from trainer.analysis.steady_turn import Comparison, compare_turns
+from trainer.boat.assemble import Method, scheme_record
+from trainer.boat.boat import Boat
+from trainer.boat.linear import Mode, bring_to, modes, respond
+from trainer.boat.stability import largest_flown, largest_step, responses, stable_at, worst_motion
+from trainer.config.coefficients import coefficient_terms
+from trainer.config.vessel import VesselFile
+from trainer.core import full
+from trainer.units import KNOT
+
+SIDED = ("Y_star", "K_star", "N_star", "K_star_eta")  # [ASSES] equations (2), (4), (6)
+
+
+def absent(file: VesselFile, *, kept: bool) -> dict[str, list[str]]:
+    """Return by equation the coefficients not given; ``kept``: that the compact set would keep."""
+    found: dict[str, list[str]] = {}
+    for term in coefficient_terms():
+        if term.key in file.absent and term.kept == kept:
+            found.setdefault(term.equation, []).append(term.key)
+    return found
+
+
+def asymmetries(file: VesselFile) -> dict[str, float]:
+    """Return by name what makes port and starboard differ: coefficients [-], [m] and [kg m2]."""
+    hull = file.hull
+    sided = {name: file.coefficients[name] for name in SIDED}
+    sided |= {"y_G": hull.cg[1], "y_B": hull.cb[1], "I_xy": hull.Ixy, "I_yz": hull.Iyz}
+    return {name: value for name, value in sided.items() if value != 0.0}
+
+
+@dataclass(frozen=True)
+class Inertia:
+    """The 6x6 mass matrix, scaled by its own diagonal, and how fast the lagged sweep forgets."""
+
+    condition: float
+    smallest: float  # smallest eigenvalue of the symmetric part
+    definite: bool
+    contraction: dict[str, float]  # spectral radius of the sweep by equation set
+
+
+def inertia(file: VesselFile, step: float) -> Inertia:
+    """Return condition [-], definiteness and contraction [-] of the boat at rest."""
+    contraction = {}
+    for equations in ("full", "modified"):
+        boat = Boat(file, Method(equations, "lagged", "exact", "adams2", step))
+        boat.state.u = boat.state.u_c = 1.0
+        contraction[equations] = float(abs(np.linalg.eigvals(respond(boat).G)).max())
+    matrix = np.zeros((6, 6))
+    boat = Boat(file, Method("full", "exact", "exact", "adams2", step))
+    full.inertia(boat.records.vessel, boat.records.state, matrix)
+    scale = np.sqrt(abs(np.diag(matrix)))  # of masses and of mass times length squared
+    scaled = matrix / np.outer(scale, scale)
+    smallest = float(np.linalg.eigvalsh(0.5 * (scaled + scaled.T)).min())
+    return Inertia(float(np.linalg.cond(scaled)), smallest, smallest > 0.0, contraction)
+
+
+def _ratio(above: float, below: float) -> float | None:
+    """Return above/below, None where there is nothing to divide by."""
+    return above / below if below != 0.0 else None
+
+
+def margins(file: VesselFile) -> dict[str, float | None]:
+    """Return the margins of stability [-] in the vertical and horizontal plane, Gv and Gh.
+
+    Gv = 1 - M_w (Z_q + m')/(Z_w M_q), Gh = 1 - N_v (Y_r - m')/(Y_v N_r), as printed for SUBOFF
+    (Roddy 1990); None where a damping is zero.
+    """
+    c = file.coefficients
+    mass = file.hull.mass / (0.5 * file.fluid.rho * file.hull.length**3)
+    vertical = _ratio(c["M_w"] * (c["Z_q"] + mass), c["Z_w"] * c["M_q"])
+    horizontal = _ratio(c["N_v"] * (c["Y_r"] - mass), c["Y_v"] * c["N_r"])
+    return {
+        "Gv": None if vertical is None else 1.0 - vertical,
+        "Gh": None if horizontal is None else 1.0 - horizontal,
+    }
+
+
+def critical_speed(file: VesselFile, plane: str) -> float | None:
+    """Return the speed [m/s] at which depth control by the "stern" or "bow" planes reverses.
+
+    Linear, program EC470: u^2 = Z_d R/(Z_w M_d - Z_d M_w), R = 2 (z_B B - z_G W)/(rho L^3). None if
+    there is no such speed or no such plane.
+    """
+    c, hull = file.coefficients, file.hull
+    force, moment = c[f"Z_d{plane[0]}"], c[f"M_d{plane[0]}"]
+    couple = 2.0 * (hull.cb[2] * hull.buoyancy - hull.cg[2] * hull.weight)
+    stiffness = force * couple / (file.fluid.rho * hull.length**3)
+    square = _ratio(stiffness, c["Z_w"] * moment - force * c["M_w"])
+    return math.sqrt(square) if square is not None and square > 0.0 else None
+
+
+EQUATIONS = ("full", "modified", "basic")
+REGIONS = ("adams2", "euler")
+STEPS = (0.5, 1.0)  # [s] of [ASSES]: modified and basic set
+UNITS = (0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0)  # [kn]
+INTERVALS = 5
+
+
+@dataclass(frozen=True)
+class ModeRow:
+    """One mode; ``largest`` step [s] by method where the boat damps it, else empty."""
+
+    name: str
+    real: float  # [1/s]
+    imaginary: float  # [1/s]
+    period_s: float | None
+    damping_ratio: float | None
+    time_constant_s: float | None
+    stable: bool
+    largest_s: dict[str, float]
+
+
+@dataclass(frozen=True)
+class Flight:
+    """Straight flight at one speed by the full set."""
+
+    speed_kn: float
+    trimmed: bool
+    pitch_deg: float
+    stern_planes_deg: float
+    bow_planes_deg: float
+    modes: tuple[ModeRow, ...]
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """One step of 2nd-order Adams with lagged accelerations, over all speeds."""
+
+    equations: str
+    step_s: float
+    stable: bool
+    growth: float  # [-] largest factor per tick that is not the boat's own
+    worst: str  # the motion that is in, and the speed
+
+
+@dataclass(frozen=True)
+class Report:
+    """All that ``trainer check`` says about a vessel; as JSON by ``dataclasses.asdict``."""
+
+    vessel: str
+    path: str
+    defaulted: tuple[str, ...]
+    remarks: tuple[str, ...]
+    absent_but_kept: dict[str, list[str]]  # absent, and the compact set would keep them
+    absent_and_dropped: dict[str, list[str]]
+    asymmetries: dict[str, float]
+    inertia: Inertia
+    margins: dict[str, float | None]
+    critical_speed_kn: dict[str, float | None]
+    flights: tuple[Flight, ...]
+    largest_flown_s: dict[str, dict[str, float | None]]  # by equation set, by method; None: any
+    verdicts: tuple[Verdict, ...]
+    turn: Comparison
+    stable: bool
+
+
+def round_speeds(low: float, high: float) -> tuple[float, ...]:
+    """Return ``low``, ``high`` [kn] and the round speeds between, about five."""
+    unit = next((u for u in UNITS if (high - low) / u <= INTERVALS), UNITS[-1])
+    between = (unit * i for i in range(math.ceil(low / unit), math.ceil(high / unit)))
+    return tuple(sorted({low, *(round(speed, 9) for speed in between if speed > low), high}))
+
+
+def _row(mode: Mode) -> ModeRow:
+    """Return one mode and the steps its decay allows."""
+    largest = {}
+    if mode.stable:
+        for integrator in REGIONS:
+            scheme = scheme_record(Method("full", "exact", "exact", integrator, 1.0))
+            largest[integrator] = largest_step(scheme, mode.eigenvalue)
+    return ModeRow(
+        mode.name,
+        mode.real,
+        mode.imaginary,
+        mode.period,
+        mode.damping_ratio,
+        mode.time_constant,
+        mode.stable,
+        largest,
+    )
+
+
+def flights(file: VesselFile, speeds: Iterable[float]) -> tuple[Flight, ...]:
+    """Return trim and modes of the full set at ``speeds`` [kn]."""
+    boat = Boat(file, Method("full", "exact", "exact", "adams2", file.run.step_s))
+    found = []
+    for speed in speeds:
+        trimmed = bring_to(boat, speed * KNOT)
+        flight = respond(boat)
+        found.append(
+            Flight(
+                speed_kn=speed,
+                trimmed=trimmed,
+                pitch_deg=math.degrees(boat.state.theta),
+                stern_planes_deg=math.degrees(boat.state.delta_s),
+                bow_planes_deg=math.degrees(boat.state.delta_b),
+                modes=tuple(_row(mode) for mode in modes(flight.nature, flight.names)),
+            )
+        )
+    return tuple(found)
+
+
+def _finite(number: float) -> float | None:
+    """Return ``number``, None for infinity."""
+    return None if math.isinf(number) else number
+
+
+def check(file: VesselFile) -> Report:
+    """Return the report on ``file``; ``stable`` is False if any of the verdicts is."""
+    speeds = round_speeds(*file.run.speed_range_kn)
+    largest: dict[str, dict[str, float | None]] = {}
+    verdicts = []
+    for equations in EQUATIONS:
+        boat = Boat(file, Method(equations, "lagged", "exact", "adams2", file.run.step_s))
+        flown = responses(boat, (speed * KNOT for speed in speeds))
+        largest[equations] = {}
+        for integrator in REGIONS:
+            scheme = scheme_record(Method(equations, "lagged", "exact", integrator, 1.0))
+            largest[equations][integrator] = _finite(largest_flown(flown.values(), scheme))
+        adams = scheme_record(Method(equations, "lagged", "exact", "adams2", 1.0))
+        for step in sorted({*STEPS, file.run.step_s}):
+            stable = stable_at(flown.values(), adams, step)
+            verdicts.append(Verdict(equations, step, stable, *worst_motion(flown, adams, step)))
+    critical = {plane: critical_speed(file, plane) for plane in ("stern", "bow")}
+    return Report(
+        vessel=file.name,
+        path=str(file.path),
+        defaulted=file.defaulted,
+        remarks=file.remarks,
+        absent_but_kept=absent(file, kept=True),
+        absent_and_dropped=absent(file, kept=False),
+        asymmetries=asymmetries(file),
+        inertia=inertia(file, file.run.step_s),
+        margins=margins(file),
+        critical_speed_kn={
+            plane: None if speed is None else speed / KNOT for plane, speed in critical.items()
+        },
+        flights=flights(file, speeds),
+        largest_flown_s=largest,
+        verdicts=tuple(verdicts),
+        turn=compare_turns(file),
+        stable=all(verdict.stable for verdict in verdicts),
+    )

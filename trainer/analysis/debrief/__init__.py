@@ -1,0 +1,1 @@
+"""What a recording tells of an exercise: measures, marks, a page."""

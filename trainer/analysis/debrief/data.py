@@ -1,0 +1,233 @@
+"""The dossier: all that a debrief tells, gathered from a recording.
+
+The figures of a debrief, for programs.
+"""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any, Final
+
+import numpy as np
+
+from trainer.analysis.debrief.episodes import (
+    Deflection,
+    Spell,
+    answer_to,
+    crew_orders,
+    deflection,
+    spells,
+)
+from trainer.analysis.debrief.scoring import Scorecard, Scored, score
+from trainer.analysis.debrief.trajectory import Passage, read_passage
+from trainer.boat.boat import Boat
+from trainer.config.files import ConfigError
+from trainer.io.recording.recording import Branch, Journalled, Noted, Recording
+from trainer.session.header import layout_of, plan_of
+from trainer.session.plan import Plan
+
+ECHOES: Final = frozenset({"order", "exercise"})  # events that repeat an order of the journal
+
+
+@dataclass(frozen=True)
+class Answered:
+    """A casualty, and what the crew did about it."""
+
+    spell: Spell
+    order: Journalled | None
+    deflection: Deflection | None
+
+
+@dataclass(frozen=True)
+class Hand:
+    """One that gave orders, and how many."""
+
+    who: str
+    orders: int
+    refused: int
+
+
+@dataclass(frozen=True)
+class Ticks:
+    """What became of the ticks that were timed; times in ns, None without any."""
+
+    timed: int
+    duty_cycle: float | None  # [-]
+    work: tuple[float, float, float] | None  # median, 99 %, most
+    lateness: tuple[float, float, float] | None
+
+
+@dataclass(frozen=True)
+class Dossier:
+    """Everything about one branch of a recording with its past."""
+
+    source: Path
+    header: Mapping[str, str]
+    plan: Plan
+    branch: Branch
+    branches: tuple[tuple[Branch, int], ...]  # each with its last tick
+    passage: Passage
+    card: Scorecard
+    casualties: tuple[Answered, ...]
+    crew: tuple[Journalled, ...]
+    hands: tuple[Hand, ...]
+    events: tuple[Noted, ...]  # of this past, without those that repeat an order
+    ticks: Ticks
+
+    @property
+    def title(self) -> str:
+        """Return what was flown."""
+        return self.plan.title or "A run without an exercise"
+
+    @property
+    def step(self) -> float:
+        """Return the time [s] from tick to tick."""
+        return self.plan.method.step
+
+    def of_kind(self, *kinds: str) -> tuple[Noted, ...]:
+        """Return the events of these kinds."""
+        return tuple(event for event in self.events if event.kind in kinds)
+
+
+def gather(recording: Recording, source: Path, number: int | None) -> Dossier:
+    """Return the dossier of a branch, None for the latest.
+
+    ConfigError if the header cannot be read or there is no such branch.
+    """
+    header = recording.header()
+    branches = recording.branches()
+    wanted = branches[-1].id if number is None else number
+    branch = next((each for each in branches if each.id == wanted), None)
+    if branch is None:
+        there = f"1 to {branches[-1].id}" if len(branches) > 1 else "1 only"
+        raise ConfigError(f"{source}: --branch {wanted}: there are branches {there}")
+    plan = plan_of(header)
+    boat = Boat(plan.file, plan.method)
+    passage = read_passage(recording, wanted, layout_of(header), boat, plan.limits)
+    return Dossier(
+        source=source,
+        header=header,
+        plan=plan,
+        branch=branch,
+        branches=tuple((each, last_tick(recording, each)) for each in branches),
+        passage=passage,
+        card=score(passage, plan.scores),
+        casualties=tuple(answered(passage)),
+        crew=crew_orders(passage),
+        hands=hands(passage),
+        events=tuple(events_of(recording, branches, branch)),
+        ticks=ticks_of(passage),
+    )
+
+
+def last_tick(recording: Recording, branch: Branch) -> int:
+    """Return the last tick recorded of a branch."""
+    return max((tick for tick, _ in recording.states(branch.id)), default=branch.tick)
+
+
+def answered(passage: Passage) -> Iterator[Answered]:
+    """Yield the casualties with what was done about them."""
+    for spell in spells(passage):
+        yield Answered(spell, answer_to(passage, spell), deflection(passage, spell))
+
+
+def hands(passage: Passage) -> tuple[Hand, ...]:
+    """Return who gave orders, in the order in which they began to."""
+    found = []
+    for who in dict.fromkeys(each.who for each in passage.orders):
+        own = [each for each in passage.orders if each.who == who]
+        found.append(Hand(who, len(own), sum(each.accepted is False for each in own)))
+    return tuple(found)
+
+
+def events_of(recording: Recording, branches: list[Branch], branch: Branch) -> Iterator[Noted]:
+    """Yield what happened in a branch and in its past, up to where each next one began."""
+    ends: dict[int, int | None] = {}
+    here: Branch | None = branch
+    end: int | None = None
+    while here is not None:
+        ends[here.id] = end
+        end = here.tick
+        parent = here.parent
+        here = next((each for each in branches if each.id == parent), None)
+    for event in recording.events():
+        if event.branch not in ends or event.kind in ECHOES:
+            continue
+        last = ends[event.branch]
+        if last is None or event.tick <= last:
+            yield event
+
+
+def ticks_of(passage: Passage) -> Ticks:
+    """Return what became of the ticks."""
+    timed = ~np.isnan(passage.work)
+    count = int(timed.sum())
+    if not count:
+        return Ticks(0, None, None, None)
+    work, lateness = passage.work[timed], np.maximum(passage.lateness[timed], 0.0)
+    duty = float(work.sum()) / (count * passage.boat.method.step * 1e9)
+    return Ticks(count, duty, _spread(work), _spread(lateness))
+
+
+def _spread(values: np.ndarray) -> tuple[float, float, float]:
+    median, most_of_them = np.percentile(values, (50.0, 99.0))
+    return float(median), float(most_of_them), float(values.max())
+
+
+def figures(dossier: Dossier) -> dict[str, Any]:
+    """Return what the page tells in numbers; times in s, marks in per cent."""
+    step = dossier.step
+    return {
+        "exercise": dossier.plan.title,
+        "vessel": dossier.plan.file.name,
+        "started": dossier.header.get("started"),
+        "branch": dossier.branch.id,
+        "branches": [
+            {"branch": each.id, "parent": each.parent, "tick": each.tick, "last": last}
+            | {"why": each.why}
+            for each, last in dossier.branches
+        ],
+        "seconds": float(dossier.passage.seconds[-1]),
+        "total": dossier.card.total,
+        "scores": [_score(each, step) for each in dossier.card.scores],
+        "casualties": [_casualty(each, step) for each in dossier.casualties],
+        "marks": [
+            {"seconds": each.tick * step, "remark": each.text, "by": each.who}
+            for each in dossier.of_kind("mark")
+        ],
+        "ticks": asdict(dossier.ticks),
+    }
+
+
+def _seconds(tick: int | None, step: float) -> float | None:
+    return None if tick is None else tick * step
+
+
+def _score(each: Scored, step: float) -> dict[str, Any]:
+    """Return a rule and how it was met."""
+    return {
+        "name": each.name,
+        "measure": each.rule.score.measure,
+        "value": each.attained.value,
+        "unit": each.unit,
+        "why": each.attained.why,
+        "marks": each.marks,
+        "weight": each.rule.weight,
+        "tick": each.attained.tick,
+        "seconds": _seconds(each.attained.tick, step),
+        "formula": each.formula,
+    }
+
+
+def _casualty(each: Answered, step: float) -> dict[str, Any]:
+    """Return a casualty and what was done about it."""
+    return {
+        "kind": each.spell.kind,
+        "begun_s": each.spell.begun * step,
+        "ended_s": _seconds(each.spell.ended, step),
+        "order": each.order and each.order.text,
+        "order_by": each.order and each.order.who,
+        "order_s": each.order and each.order.tick * step,
+        "deflected": each.deflection and each.deflection.surface,
+        "deflected_s": each.deflection and each.deflection.tick * step,
+    }

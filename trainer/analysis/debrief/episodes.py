@@ -1,0 +1,114 @@
+"""Spells: how long each casualty of a passage lasted, and who answered it with what, and when."""
+
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+
+from trainer.analysis.debrief.trajectory import AMOUNTS, SLOTS, Passage
+from trainer.config.files import ConfigError
+from trainer.config.score_rules import INSTRUCTING
+from trainer.core.casualties import KINDS, SURFACES
+from trainer.io.orders.grammar import Order, parse
+from trainer.io.recording.recording import Journalled
+
+SCHEDULE: Final = "schedule"  # who gives the orders of the exercise
+INSTRUCTOR: Final = "instructor"
+MOVED: Final = np.radians(2.0)  # [rad] by which a surface has been deflected
+
+
+@dataclass(frozen=True)
+class Spell:
+    """One casualty from the tick at which it began to that after which it was gone."""
+
+    kind: str
+    begun: int  # [tick]
+    ended: int | None  # [tick] None: it lasted to the end
+    amount: float  # [SI] of its kind, the largest either way
+
+
+@dataclass(frozen=True)
+class Deflection:
+    """The first surface to have moved during a casualty."""
+
+    surface: str
+    tick: int
+
+
+def spells(passage: Passage) -> tuple[Spell, ...]:
+    """Return the casualties in the order in which they began; ConfigError if one is unheard of."""
+    slots = np.array([passage.columns[name] for name in SLOTS])
+    known = np.isin(slots, range(len(KINDS) + 1))
+    if not known.all():
+        raise ConfigError(f"recording: casualty {slots[~known][0]:g}: is none; it is damaged")
+    amounts = np.array([passage.columns[name] for name in AMOUNTS])
+    found = [
+        spell
+        for code in sorted({int(code) for code in np.unique(slots)} - {0})
+        for spell in _of_kind(passage, slots == code, amounts, KINDS[code - 1])
+    ]
+    return tuple(sorted(found, key=lambda spell: spell.begun))
+
+
+def _of_kind(passage: Passage, there: np.ndarray, amounts: np.ndarray, kind: str) -> list[Spell]:
+    """Return the spells of one kind, whose slots are those ``there``."""
+    active = np.any(there, axis=0)
+    edges = np.flatnonzero(np.diff(np.concatenate(([False], active, [False])).astype(int)))
+    found = []
+    for first, after in edges.reshape(-1, 2):
+        held = np.where(there, amounts, 0.0)[:, first:after]
+        amount = float(held.ravel()[np.argmax(np.abs(held))])
+        lasted = after == passage.ticks.size
+        # a state shows what acted in the tick that led to it
+        begun = max(int(passage.ticks[first]) - 1, 0)
+        found.append(Spell(kind, begun, None if lasted else int(passage.ticks[after]), amount))
+    return found
+
+
+def crew_orders(passage: Passage) -> tuple[Journalled, ...]:
+    """Return what the crew ordered and the boat accepted.
+
+    The crew is everybody but schedule and instructor; when nobody else has ordered anything the
+    instructor is alone on board, and is the crew.
+    """
+    given = [each for each in passage.orders if each.who != SCHEDULE and each.accepted is not False]
+    stations = [each for each in given if not each.who.startswith(INSTRUCTOR)]
+    return tuple(each for each in stations or given if name_of(each) not in INSTRUCTING)
+
+
+def name_of(entry: Journalled) -> str:
+    """Return which order of the grammar it was, '' if this version does not know it."""
+    order = parse(entry.text)
+    return order.name if isinstance(order, Order) else ""
+
+
+def answer_to(
+    passage: Passage, spell: Spell, names: tuple[str, ...] | None = None
+) -> Journalled | None:
+    """Return the crew's first order after a casualty began, of ``names`` if given."""
+    caused = [
+        each.id
+        for each in passage.orders
+        if each.tick == spell.begun and name_of(each) == "casualty"
+    ]
+    for each in crew_orders(passage):
+        # at the tick itself only what was ordered after the casualty, in a freeze
+        later = each.tick > spell.begun
+        later = later or (each.tick == spell.begun and bool(caused) and each.id > caused[-1])
+        if later and (names is None or name_of(each) in names):
+            return each
+    return None
+
+
+def deflection(passage: Passage, spell: Spell) -> Deflection | None:
+    """Return the first surface but the failed one to have moved by MOVED since it began."""
+    start = passage.row(spell.begun)
+    first: list[Deflection] = []
+    for surface in SURFACES:
+        if spell.kind.startswith(surface) or not passage.has(surface):
+            continue
+        angle = passage.series(surface)[start:]
+        moved = np.flatnonzero(np.abs(angle - angle[0]) >= MOVED)
+        if moved.size:
+            first.append(Deflection(surface, int(passage.ticks[start + moved[0]])))
+    return min(first, key=lambda each: each.tick, default=None)

@@ -1,0 +1,164 @@
+"""The debrief as one HTML page that needs nothing beside itself.
+
+The command ``trainer debrief``: a recording in, a page out.
+"""
+
+import json
+import tempfile
+from collections.abc import Iterator
+from html import escape
+from pathlib import Path
+from typing import Final
+
+import click
+import numpy as np
+
+from trainer import __version__
+from trainer.analysis.debrief import sections
+from trainer.analysis.debrief.charts import charts_of, draw_timeline, ground_of
+from trainer.analysis.debrief.data import Dossier, figures, gather
+from trainer.analysis.report.html import STYLE
+from trainer.analysis.report.pdf import print_pdf
+from trainer.analysis.report.svg import clock, draw
+from trainer.config.files import ConfigError
+from trainer.io.atomic_write import write_whole
+from trainer.session.header import reading
+
+BADGE: Final = '<meta name="generator" content="trainer debrief">'  # by which a page is known
+
+
+def render(dossier: Dossier) -> str:
+    """Return the page; the same record gives the same bytes."""
+    title = escape(dossier.title)
+    return "\n".join(
+        (
+            "<!DOCTYPE html>",
+            f'<html lang="en"><head><meta charset="utf-8">{BADGE}',
+            '<meta name="viewport" content="width=device-width, initial-scale=1">',
+            f"<title>Debrief: {title}</title><style>{STYLE}</style></head><body>",
+            f"<header><h1>{title}</h1>{_under(dossier)}</header><main>",
+            *_body(dossier),
+            f"</main><footer>Made by trainer {__version__} from {escape(dossier.source.name)}.",
+            "</footer></body></html>",
+            "",
+        )
+    )
+
+
+def _under(dossier: Dossier) -> str:
+    """Return what is below the title: the boat, the day, how long, and which branch."""
+    told = [
+        dossier.plan.file.name,
+        dossier.header.get("started", ""),
+        f"{clock(float(dossier.passage.seconds[-1]))} flown",
+    ]
+    if len(dossier.branches) > 1:
+        told.append(f"branch {dossier.branch.id} of {len(dossier.branches)}")
+    return f'<p class="under">{escape(" - ".join(filter(None, told)))}</p>'
+
+
+def _body(dossier: Dossier) -> Iterator[str]:
+    yield sections.verdict(dossier)
+    if dossier.plan.briefing:
+        yield f'<p class="briefing">{escape(dossier.plan.briefing)}</p>'
+    if dossier.card.scores:
+        yield _section("Scores", sections.scores(dossier))
+    yield _section("Ordered and actual", _drawings(dossier))
+    told = sections.casualties(dossier) if dossier.casualties else "<p>Nothing broke.</p>"
+    yield _section("Casualties", told)
+    if dossier.of_kind("mark"):
+        yield _section("Marks", sections.marks(dossier))
+    if dossier.hands:
+        yield _section("Who gave orders", sections.hands(dossier))
+    yield _section("Orders and events", sections.log(dossier))
+    if len(dossier.branches) > 1:
+        yield _section("Branches", sections.branches(dossier))
+    yield _section("Ticks", sections.ledger(dossier))
+    yield _section("What was flown", sections.made_of(dossier))
+
+
+def _section(title: str, html: str) -> str:
+    return f"<section><h2>{title}</h2>{html}</section>"
+
+
+def _drawings(dossier: Dossier) -> str:
+    """Return the time line and the charts."""
+    ground = ground_of(dossier)
+    drawn = [draw(chart, ground) for chart in charts_of(dossier.passage)]
+    told = "Shaded: a casualty. Dotted upright: a mark. Time from the start, minutes and seconds."
+    return "".join([f"<p><small>{told}</small></p>", draw_timeline(dossier, ground), *drawn])
+
+
+HEAD = 2000  # [characters] in which a page of ours says that it is
+
+
+def debrief_file(
+    path: Path, html: Path | None, pdf: Path | None, branch: int | None, *, as_json: bool
+) -> None:
+    """Write the page as HTML or PDF, and print where it is, or the figures.
+
+    Asked for neither, it goes beside the recording as HTML. ConfigError on what is wrong.
+    """
+    for wanted in filter(None, (html, pdf)):
+        _refuse_recording(path, wanted)
+    if html is None and pdf is None and not as_json:
+        html = beside(path, branch)
+        _refuse_other(html)
+    with np.errstate(all="ignore"):  # a state may hold any number
+        dossier = read_dossier(path, branch)
+        page = render(dossier) if html or pdf else ""
+    written = []
+    if html is not None:
+        _write(html, page)
+        written.append(html)
+    if pdf is not None:
+        _print(page, pdf)
+        written.append(pdf)
+    if as_json:
+        click.echo(json.dumps(figures(dossier), indent=1))
+    else:
+        click.echo("\n".join(map(str, written)))
+
+
+def read_dossier(path: Path, branch: int | None) -> Dossier:
+    """Return the dossier of a recording; ConfigError if it cannot be read."""
+    with reading(path) as recording:
+        return gather(recording, path, branch)
+
+
+def beside(path: Path, branch: int | None) -> Path:
+    """Return where the page of a recording goes unless told otherwise."""
+    return path.with_name(path.stem + ("" if branch is None else f".branch{branch}") + ".html")
+
+
+def _refuse_recording(path: Path, wanted: Path) -> None:
+    """Refuse to write over the recording."""
+    if wanted.exists() and path.exists() and wanted.samefile(path):
+        raise ConfigError(f"{wanted} is the recording itself: give another name")
+
+
+def _refuse_other(html: Path) -> None:
+    """Refuse to replace, without being told to, what is no debrief."""
+    if not html.exists():
+        return
+    try:
+        with html.open(encoding="utf-8", errors="replace") as file:
+            ours = BADGE in file.read(HEAD)
+    except OSError:
+        ours = False
+    if not ours:
+        raise ConfigError(f"{html} is there and is no debrief: say --html FILE")
+
+
+def _write(path: Path, page: str) -> None:
+    try:
+        write_whole(path, page)
+    except OSError as error:
+        raise ConfigError(f"{path} cannot be written: {error.strerror}") from None
+
+
+def _print(page: str, pdf: Path) -> None:
+    with tempfile.TemporaryDirectory() as folder:
+        html = Path(folder) / "debrief.html"
+        _write(html, page)
+        print_pdf(html, pdf)

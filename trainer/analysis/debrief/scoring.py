@@ -1,0 +1,146 @@
+"""Scoring: the rules of an exercise laid to a passage, each with its marks."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+
+from trainer.analysis.debrief import measures
+from trainer.analysis.debrief.measures import Attained
+from trainer.analysis.debrief.trajectory import Passage, Rows, lacks
+from trainer.config.measures import ITS_OWN, MEASURES, TIMELESS, WINDOW
+from trainer.config.score_rules import Rule
+
+TAKE: Final[Mapping[str, Callable[[Passage, Rows, Rule], Attained]]] = {
+    "overshoot": measures.overshoot,
+    "time-to": measures.time_to,
+    "rms": measures.rms,
+    "in-band": measures.in_band,
+    "highest": measures.highest,
+    "lowest": measures.lowest,
+    "largest": measures.largest,
+    "activity": measures.activity,
+    "distance": measures.distance,
+    "broaches": measures.broaches,
+    "beyond-limits": measures.beyond_limits,
+    "response": measures.response,
+    "reserve-air": measures.reserve_air,
+}
+WHOLE: Final = {"activity": "stern and bow planes", "reserve-air": "all banks"}  # no quantity named
+
+
+def formula_of(rule: Rule) -> str:
+    """Return how the value of a rule is found, in words."""
+    score, measure = rule.score, MEASURES[rule.score.measure]
+    unit = rule.measured.unit if rule.measured else ""
+    words = {
+        "q": str(rule.measured or WHOLE.get(score.measure, "")),
+        "t": "what is ordered" if score.target is None else f"{score.target:g} {unit}",
+        "b": f"{score.band:g} {unit}" if score.band is not None else "",
+        "by": f" by {score.band:g} {unit}" if score.band is not None else "",
+        "c": score.casualty or "",
+        "o": f" of {', '.join(score.orders)}" if score.orders else "",
+    }
+    return measure.formula.format(**words) + _window(rule)
+
+
+def _window(rule: Rule) -> str:
+    """Return which moments are looked at, in words, '' for all."""
+    score = rule.score
+    parts = [
+        "" if score.from_s is None else f"from {score.from_s:g} s",
+        "" if score.to_s is None else f"to {score.to_s:g} s",
+        f"while {score.when}" if score.when else "",
+    ]
+    told = " ".join(filter(None, parts))
+    return told and f", {told}"
+
+
+def unit_of(rule: Rule) -> str:
+    """Return the unit of a rule's value."""
+    unit = MEASURES[rule.score.measure].unit
+    return unit if unit != ITS_OWN or rule.measured is None else rule.measured.unit
+
+
+def measure_rows() -> str:
+    """Return the Markdown table of the measures, as docs/debrief.md shows it."""
+    rows = [
+        "| measure | unit | needs | may have | value | place told |",
+        "|---|---|---|---|---|---|",
+    ]
+    spoken = {"q": "quantity", "t": "target", "b": "band", "by": " by band", "c": "casualty"}
+    for name, measure in MEASURES.items():
+        timed = () if name in TIMELESS else WINDOW
+        cells = (
+            f"`{name}`",
+            measure.unit or "the quantity's",
+            ", ".join(measure.needs) or "nothing",
+            ", ".join((*measure.may, *timed)),
+            measure.formula.format(**spoken, o=" (of the orders named)"),
+            measure.place,
+        )
+        rows.append(f"| {' | '.join(cells)} |")
+    return "\n".join(rows) + "\n"
+
+
+@dataclass(frozen=True)
+class Scored:
+    """How a rule was met."""
+
+    rule: Rule
+    attained: Attained
+    unit: str
+    formula: str
+    marks: float | None  # [%] None: it does not count
+
+    @property
+    def name(self) -> str:
+        """Return what is judged."""
+        return self.rule.score.name
+
+
+@dataclass(frozen=True)
+class Scorecard:
+    """All rules of an exercise, and the marks of what counts; None if nothing does."""
+
+    scores: tuple[Scored, ...]
+    total: float | None  # [%]
+
+
+def score(passage: Passage, rules: tuple[Rule, ...]) -> Scorecard:
+    """Return how each rule was met, and the marks of all, each by its weight."""
+    scores = tuple(_scored(passage, rule) for rule in rules)
+    counted = [each for each in scores if each.marks is not None]
+    weight = sum(each.rule.weight for each in counted)
+    earned = sum(each.rule.weight * (each.marks or 0.0) for each in counted)
+    return Scorecard(scores, earned / weight if weight else None)
+
+
+def _scored(passage: Passage, rule: Rule) -> Scored:
+    attained = attain(passage, rule)
+    marks = marks_of(rule, attained.value) if attained.counts else None
+    return Scored(rule, attained, unit_of(rule), formula_of(rule), marks)
+
+
+def attain(passage: Passage, rule: Rule) -> Attained:
+    """Return what the measure of a rule has come to in a passage."""
+    if lacking := lacks(passage.boat, rule):
+        return Attained(None, None, f"this boat has no {lacking[0]}", counts=False)
+    rows = passage.between(rule.score.from_s, rule.score.to_s)
+    if not np.any(rows):
+        told = f"the record ends at {passage.seconds[-1]:g} s"
+        return Attained(None, None, told, counts=False)
+    if rule.condition:
+        rows &= passage.holds(rule.condition)
+    if not np.any(rows):
+        return Attained(None, None, f"never {rule.condition and rule.condition.text}")
+    return TAKE[rule.score.measure](passage, rows, rule)
+
+
+def marks_of(rule: Rule, value: float | None) -> float:
+    """Return the marks [%] of a value: in proportion between full and none; no value, none."""
+    if value is None:
+        return 0.0
+    share = (value - rule.score.zero) / (rule.score.full - rule.score.zero)
+    return 100.0 * min(max(share, 0.0), 1.0)

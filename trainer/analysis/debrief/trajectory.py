@@ -1,0 +1,151 @@
+"""A passage: one branch of a recording with all that led to it, as arrays by the tick."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from itertools import islice
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from trainer.boat.boat import Boat
+from trainer.boat.casualties import scale_of
+from trainer.config.condition import ANGLE, QUANTITIES, Condition
+from trainer.config.exercise import Limits
+from trainer.config.files import ConfigError
+from trainer.config.measures import COURSE, ORDERED
+from trainer.config.score_rules import Measured, Rule
+from trainer.core.kernel import Numbers
+from trainer.core.state import CASUALTIES
+from trainer.io.recording.recording import Flown, Journalled, Recording
+from trainer.session.layout import numbers_of
+
+Rows = NDArray[np.bool_]  # which ticks of a passage
+
+BATCH: Final = 2000  # [ticks] read at once
+NEVER: Final = 1e18  # [s]
+SLOTS: Final = tuple(f"casualty[{i}]" for i in range(CASUALTIES))
+AMOUNTS: Final = tuple(f"casualty_amount[{i}]" for i in range(CASUALTIES))
+# places of the state beside those that conditions are about
+PLACES: Final = (
+    *("x", "y", "psi", "ordered_depth", "ordered_psi", "ordered_speed"),
+    *("ordered_r", "ordered_s", "ordered_b", "command_r", "command_s", "command_b"),
+    *("rudder_by_hand", "stern_by_hand", "bow_by_hand", "speed_by_hand"),
+    *("blow_forward", "blow_mid", "blow_aft", "sea_height"),
+    *SLOTS,
+    *AMOUNTS,
+)
+COLUMNS: Final = tuple(
+    dict.fromkeys((*(q.place for q in QUANTITIES.values() if q.place != "tick"), *PLACES))
+)
+
+
+@dataclass(frozen=True, eq=False)
+class Passage:
+    """What was flown; every array has one number for each tick, the start first."""
+
+    boat: Boat  # for what she is; nothing of it that moves is looked at
+    limits: Limits
+    orders: tuple[Journalled, ...]
+    ticks: NDArray[np.int64]
+    columns: Mapping[str, Numbers]  # places of the state [SI] by their names in the core
+    lateness: Numbers  # [ns], NaN where nobody measured it
+    work: Numbers  # [ns]
+
+    @property
+    def seconds(self) -> Numbers:
+        """Return the time [s] since the start."""
+        return self.ticks.astype(np.float64) * self.boat.method.step
+
+    def has(self, quantity: str) -> bool:
+        """Return whether the boat has what the quantity is about."""
+        return has(self.boat, quantity)
+
+    def series(self, quantity: str) -> Numbers:
+        """Return a quantity that the boat has [SI]; a course is not wrapped."""
+        if quantity == COURSE:
+            return self.columns["psi"]
+        place = QUANTITIES[quantity].place
+        column = self.ticks.astype(np.float64) if place == "tick" else self.columns[place]
+        return column / scale_of(self.boat, quantity)
+
+    def measured(self, what: Measured) -> Numbers:
+        """Return a quantity in its unit."""
+        return self.series(what.name) / what.size
+
+    def off(self, what: Measured, target: float | None) -> Numbers:
+        """Return how far a quantity is above its target, both in its unit.
+
+        None: what was ordered at each tick. A course goes the short way round.
+        """
+        aim = self.columns[ORDERED[what.name]] / what.size if target is None else target
+        off = self.measured(what) - aim
+        if what.name != COURSE:
+            return off
+        round_about = 360.0 * ANGLE["deg"] / what.size
+        return (off + 0.5 * round_about) % round_about - 0.5 * round_about
+
+    def holds(self, condition: Condition) -> Rows:
+        """Return at which ticks a condition holds."""
+        above = condition.sense * (self.series(condition.quantity) - condition.threshold)
+        return above > 0.0 if condition.strict else above >= 0.0
+
+    def between(self, begin: float | None, end: float | None) -> Rows:
+        """Return the ticks from ``begin`` to ``end`` [s], both included; None: all."""
+        slack = 1e-6 * self.boat.method.step
+        after = self.seconds >= (begin or 0.0) - slack
+        return after & (self.seconds <= (NEVER if end is None else end) + slack)
+
+    def row(self, tick: int) -> int:
+        """Return the row of a tick, or of the first one after it."""
+        return min(int(np.searchsorted(self.ticks, tick)), self.ticks.size - 1)
+
+
+def has(boat: Boat, quantity: str) -> bool:
+    """Return whether a boat has what a quantity is about."""
+    return quantity == COURSE or scale_of(boat, quantity) != 0.0
+
+
+def lacks(boat: Boat, rule: Rule) -> list[str]:
+    """Return which quantities of a rule a boat does not have."""
+    names = [rule.measured.name] if rule.measured else []
+    names += [rule.condition.quantity] if rule.condition else []
+    return [name for name in names if not has(boat, name)]
+
+
+def read_passage(
+    recording: Recording, branch: int, layout: Sequence[str], boat: Boat, limits: Limits
+) -> Passage:
+    """Return the passage that led to the end of a branch, its states read by ``layout``.
+
+    ConfigError if that lacks a place that is needed.
+    """
+    lacking = [name for name in COLUMNS if name not in layout]
+    if lacking:
+        raise ConfigError(
+            f"the recording is of another version of the trainer: no {lacking[0]} in its states; "
+            "debrief it with that version"
+        )
+    places = [layout.index(name) for name in COLUMNS]
+    states, times = [np.empty((0, len(COLUMNS)))], [np.empty((0, 3))]
+    flown = recording.flown(branch)
+    while batch := list(islice(flown, BATCH)):
+        states.append(np.array([numbers_of(each.state, layout)[places] for each in batch]))
+        times.append(np.array([_times(each) for each in batch]))
+    columns, timings = np.concatenate(states).T, np.concatenate(times).T
+    return Passage(
+        boat=boat,
+        limits=limits,
+        orders=tuple(recording.orders(branch)),
+        ticks=timings[0].astype(np.int64),
+        columns=dict(zip(COLUMNS, columns, strict=True)),
+        lateness=timings[1],
+        work=timings[2],
+    )
+
+
+def _times(flown: Flown) -> tuple[float, float, float]:
+    """Return tick, lateness and work [ns] of a tick."""
+    if flown.lateness is None or flown.work is None:
+        return flown.tick, np.nan, np.nan
+    return flown.tick, flown.lateness, flown.work

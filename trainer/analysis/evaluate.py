@@ -1,0 +1,128 @@
+"""``trainer evaluate``: states in, accelerations and rates out, to check against other programs.
+
+One JSON object a line. In: u v w [m/s] p q r [rad/s] phi theta psi delta_r delta_s delta_b [rad]
+u_c [m/s]; optional x y z [m] (0), x_g y_g z_g [m] weight [N] (the vessel's) and last_udot ...
+last_rdot [m/s2, rad/s2] (0), which only lagged accelerations look at. Out: the same with dots.
+"""
+
+import json
+import math
+from collections.abc import Iterable, Iterator
+from typing import NoReturn
+
+import numpy as np
+
+from trainer.boat.assemble import Method, Records, fit_out
+from trainer.config.files import SHOWN_LIMIT, ConfigError, collecting, nearest, shown, shown_key
+from trainer.config.vessel import VesselFile
+from trainer.core.kernel import Record
+from trainer.core.rates import rates as write_rates
+from trainer.core.state import MOTION, RATES
+
+NECESSARY = (*MOTION[:9], "delta_r", "delta_s", "delta_b", "u_c")
+BALANCE = ("x_g", "y_g", "z_g", "weight")
+LAST = {f"last_{name}": name for name in RATES[:6]}
+KNOWN = (*NECESSARY, *MOTION[9:], *BALANCE, *LAST)
+ANGLES = ("phi", "theta", "psi")
+LARGEST_ANGLE = 1e5  # [rad] the core's sine is accurate up to here
+
+
+def evaluate(
+    file: VesselFile, equations: str, rates: str, trig: str, lines: Iterable[str]
+) -> Iterator[str]:
+    """Yield the rates of each line's state, blank lines skipped; ConfigError naming a bad line."""
+    yield from answers(fit_out(file, Method(equations, rates, trig, "adams2", 1.0)), lines)
+
+
+def answers(records: Records, lines: Iterable[str]) -> Iterator[str]:
+    """Yield the rates of each line's state; what a line does not give is as in the records."""
+    state = records.state
+    at_rest = state.copy()
+    for number, line in enumerate(lines, start=1):
+        if not line.strip():
+            continue
+        try:
+            given = _read(line)
+        except ConfigError as wrong:
+            raise ConfigError(*(f"line {number}: {text}" for text in wrong.problems)) from None
+        state[:] = at_rest
+        _place(given, state)
+        with np.errstate(all="ignore"):  # what overflows is reported below
+            write_rates(*records)
+        found = state["rates"][0]
+        if not np.isfinite(found).all():
+            lost = RATES[int(np.argmin(np.isfinite(found)))]
+            raise ConfigError(f"line {number}: {lost} is not finite: this state is out of range")
+        yield _written(found)
+
+
+def _written(numbers: Record) -> str:
+    """Return the rates as a JSON object, 17 significant digits each."""
+    entries = zip(RATES, numbers, strict=True)
+    return "{" + ", ".join(f'"{name}": {value:.17g}' for name, value in entries) + "}"
+
+
+def _place(given: dict[str, float], state: Record) -> None:
+    """Write the numbers of a line to the state record."""
+    for key, value in given.items():
+        state[LAST.get(key, key)] = value
+
+
+def _read(line: str) -> dict[str, float]:
+    """Return the numbers of one line by key; ConfigError with all that is wrong in it."""
+    pairs = _pairs(line)
+    keys = [key for key, _ in pairs]
+    problems = [f"lacks {key}" for key in NECESSARY if key not in keys]
+    twice = {key: None for key in keys if keys.count(key) > 1}
+    problems += [f"{shown_key(key)} is given twice" for key in twice]
+    numbers = {}
+    for key, value in pairs:
+        with collecting(problems):
+            numbers[key] = _number(key, value)
+    if problems:
+        raise ConfigError(*problems)
+    return numbers
+
+
+def _pairs(line: str) -> list[tuple[str, object]]:
+    """Return the entries of a JSON object in order; ConfigError if it is none."""
+    try:
+        value = json.loads(line, object_pairs_hook=list, parse_constant=_refuse)
+    except ConfigError:
+        raise
+    except (ValueError, RecursionError) as error:
+        reason = getattr(error, "msg", "nested too deeply, or a number too long")
+        raise ConfigError(f"is not JSON ({reason}): {_short(line)}") from None
+    if not line.lstrip().startswith("{"):
+        raise ConfigError(f"must be one JSON object with keys and numbers: {_short(line)}")
+    return [(str(key), item) for key, item in value]
+
+
+def _short(line: str) -> str:
+    """Return ``line`` as a message can hold it."""
+    text = ascii(line.strip())
+    return text if len(text) <= SHOWN_LIMIT else text[: SHOWN_LIMIT - 3] + "..."
+
+
+def _refuse(name: str) -> NoReturn:
+    """Raise ConfigError for NaN and the infinities, which are not JSON."""
+    raise ConfigError(f"{name} is not a number that can be computed with")
+
+
+def _number(key: str, value: object) -> float:
+    """Return one number; ConfigError if its key, kind or size is wrong."""
+    if key not in KNOWN:
+        raise ConfigError(f"no such key {shown(key)}{nearest(key, KNOWN)}")
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        raise ConfigError(f"{key} = {shown(value)}: must be a number")
+    try:
+        number = float(value)
+    except OverflowError:
+        number = math.inf
+    if not math.isfinite(number):
+        raise ConfigError(f"{key} = {shown(value)}: is too large for double precision")
+    if key == "weight" and number <= 0.0:
+        raise ConfigError(f"{key} = {shown(value)}: must be above 0")
+    if key in ANGLES and abs(number) > LARGEST_ANGLE:
+        raise ConfigError(f"{key} = {shown(value)}: must be within +-{LARGEST_ANGLE:g} rad")
+    return number

@@ -1,0 +1,180 @@
+"""What a block of boats holds, how their records get into it, and out of it again.
+
+Which boats can be computed side by side: in calm deep water, with sound gear and tanks at rest.
+
+Whether the water is deep enough is seen at every tick, by ``abreast``.
+"""
+
+from typing import Final
+
+import numpy as np
+
+from trainer.analysis.fleet.lanes import LANES, a_view
+from trainer.core.autopilot import GAIN_COUNT, OWN
+from trainer.core.ballast.air import at_work
+from trainer.core.ballast.ballast import advance_ballast
+from trainer.core.ballast.tanks import END, NEGATIVE, TRIM_FORWARD
+from trainer.core.kernel import Numbers, Record, kernel, record_dtype
+from trainer.core.scheme import ADAMS
+from trainer.core.scheme import COMPACT as COMPACT_SET
+from trainer.core.state import HISTORY, STATE
+from trainer.core.vessel import COMPACT, VESSEL
+
+TERMS = 2  # of Adams' method
+KNOWN: Final = {"depth_law": float(OWN)}  # of the state
+
+
+@kernel
+def follows(scheme: Record) -> bool:
+    """Return whether boats are computed as they are here."""
+    how = scheme[0]
+    lagged_compact = how.equations == COMPACT_SET and how.exact == 0
+    two_terms = how.method == ADAMS and how.depth == TERMS
+    return lagged_compact and two_terms and how.trigger_kind[0] == 0.0
+
+
+@kernel
+def tanks_rest(vessel: Record, state: Record) -> bool:
+    """Return whether no water and no air can move."""
+    c = vessel[0]
+    s = state[0]
+    if c.fitted == 0.0:
+        return True
+    if s.hover > 0.0 or s.drained > 0.0 or s.compressor > 0.0:
+        return False
+    for i in range(s.to_move.size):
+        if s.to_move[i] != 0.0:
+            return False
+    for i in range(END - TRIM_FORWARD):
+        if s.breach[i] > 0.0:
+            return False
+    at_rest = True
+    for i in range(NEGATIVE + 1):
+        at_rest = at_rest and not at_work(vessel, i, state)
+    return at_rest
+
+
+@kernel
+def ordinary(vessel: Record, state: Record) -> bool:
+    """Return whether a boat is one that is computed here, as long as it stays deep."""
+    c = vessel[0]
+    s = state[0]
+    constant_buoyancy = c.compressibility == 0.0 and c.layers == 0.0
+    calm = s.sea_height == 0.0 and s.sea_ramp <= 0.0
+    free = s.held_depth == 0.0 and s.held_position == 0.0 and s.held_tanks == 0.0
+    sound = s.casualty[0] == 0.0 and s.depth_law == OWN
+    return constant_buoyancy and calm and free and sound and tanks_rest(vessel, state)
+
+
+@kernel
+def under_way(state: Record) -> bool:
+    """Return whether the past of the integration is that of this very flight."""
+    s = state[0]
+    return s.history == HISTORY and s.x == s.sailed_x and s.y == s.sailed_y
+
+
+@kernel
+def make_ready(vessel: Record, h: float, state: Record) -> None:
+    """Write what every tick of an ordinary boat writes alike."""
+    advance_ballast(vessel, vessel, h, state)
+    state[0].eta_wave = 0.0
+
+
+# places in the gains of a lane: in force, and what they are interpolated from
+LOW_GAINS, GAIN_RISES = GAIN_COUNT, 2 * GAIN_COUNT
+LOW_SPEED, SPEED_RISE = 3 * GAIN_COUNT, 3 * GAIN_COUNT + 1
+BRACKET_BELOW, BRACKET_TOP = 3 * GAIN_COUNT + 2, 3 * GAIN_COUNT + 3
+
+LANE_WORK: Final = record_dtype(
+    ("external", (6,)),
+    ("force", (6,)),
+    ("gains", (3 * GAIN_COUNT + 4,)),  # see above
+    "hull_clear",  # [m] depth below which not even a vertical hull reaches the surface
+    "tables_clear",  # [m] depth from which on the tables of the calm surface say nothing
+    "strayed",  # [-] ticks at which this boat was not what is computed here
+)
+
+
+def _count(layout: np.dtype) -> int:
+    """Return how many numbers a record has."""
+    return layout.itemsize // 8
+
+
+VESSEL_FIRST: Final = _count(STATE)
+COMPACT_FIRST: Final = VESSEL_FIRST + _count(VESSEL)
+WORK_FIRST: Final = COMPACT_FIRST + _count(COMPACT)
+NUMBERS: Final = WORK_FIRST + _count(LANE_WORK)
+
+state_in = a_view("state", STATE, 0, KNOWN)
+vessel_in = a_view("vessel", VESSEL, VESSEL_FIRST, {})
+compact_in = a_view("compact", COMPACT, COMPACT_FIRST, {})
+work_in = a_view("work", LANE_WORK, WORK_FIRST, {})
+
+
+def new_block() -> Numbers:
+    """Return room for LANES boats, on a boundary of the processor's cache lines."""
+    room = np.zeros(NUMBERS * LANES + 8)
+    skipped = -room.ctypes.data % 64 // 8
+    return room[skipped : skipped + NUMBERS * LANES]
+
+
+@kernel
+def bracket_gains(lane: int, out: Numbers) -> None:
+    """Write what a lane's gains are interpolated from at its speed; without a schedule, zeros.
+
+    Where ``autopilot.scheduled_gains`` looks them up at every tick, they stay here until the boat
+    leaves the bracket: speeds above BRACKET_BELOW up to BRACKET_TOP.
+    """
+    u = state_in(out, lane)[0].u
+    c = vessel_in(out, lane)[0]
+    work = work_in(out, lane)[0].gains
+    work[BRACKET_BELOW], work[BRACKET_TOP] = -np.inf, np.inf
+    work[SPEED_RISE] = 1.0
+    last = int(c.gain_count) - 1
+    if last < 0:
+        for i in range(LOW_SPEED):
+            work[i] = 0.0
+        return
+    upper = 1
+    while upper < last and c.gain_speed[upper] < u:
+        upper += 1
+    lower = upper - 1
+    if upper > 1:
+        work[BRACKET_BELOW] = c.gain_speed[lower]
+    if upper < last:
+        work[BRACKET_TOP] = c.gain_speed[upper]
+    work[LOW_SPEED] = c.gain_speed[lower]
+    work[SPEED_RISE] = c.gain_speed[upper] - c.gain_speed[lower]
+    for i in range(GAIN_COUNT):
+        work[LOW_GAINS + i] = c.gain[lower, i]
+        work[GAIN_RISES + i] = c.gain[upper, i] - c.gain[lower, i]
+
+
+@kernel
+def load_constants(vessel: Record, compact: Record, lane: int, out: Numbers) -> None:
+    """Write what a boat is to its lane of the block ``out``."""
+    c = vessel[0]
+    for i in range(c.whole.size):
+        out[(VESSEL_FIRST + i) * LANES + lane] = c.whole[i]
+    for i in range(compact[0].whole.size):
+        out[(COMPACT_FIRST + i) * LANES + lane] = compact[0].whole[i]
+    work = work_in(out, lane)[0]
+    depths, stations = int(c.surface_depths), c.station_x.size
+    work.tables_clear = c.surface_depth[depths - 1] if depths > 0 else -np.inf
+    work.hull_clear = max(c.station_x[stations - 1], -c.station_x[0]) + c.hull_diameter
+
+
+@kernel
+def load_state(state: Record, lane: int, out: Numbers) -> None:
+    """Write a boat's state to its lane of the block ``out``."""
+    for i in range(state[0].whole.size):
+        out[i * LANES + lane] = state[0].whole[i]
+    work_in(out, lane)[0].strayed = 0.0
+    bracket_gains(lane, out)
+
+
+@kernel
+def store_state(block: Numbers, lane: int, state: Record) -> None:
+    """Write the state in a lane to its record."""
+    for i in range(state[0].whole.size):
+        state[0].whole[i] = block[i * LANES + lane]

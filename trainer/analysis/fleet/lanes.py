@@ -1,0 +1,281 @@
+"""Boats side by side in one array, and the views by which a kernel reads one of them.
+
+A block holds LANES boats. Each number of the boat is LANES numbers next to each other, one for each
+lane, so that the processor can work on several boats by one instruction. ``a_view`` makes what a
+kernel takes for a record, and the compiler for a place in the block: the equations that one boat is
+computed by are compiled again for many, and are written once.
+
+A loop over ``every_lane()`` becomes vector code if nothing in it calls a library or leaves early,
+and if both sides of a choice are loaded before it is made.
+
+The core's kernels compiled once more, for boats side by side.
+"""
+
+import dis
+import operator
+from collections.abc import Mapping
+from types import FunctionType
+from typing import Any, Final
+
+import numpy as np
+from llvmlite import ir  # type: ignore[import-untyped]
+from numba import types
+from numba.core import cgutils
+from numba.core.typing.templates import (
+    AbstractTemplate,
+    AttributeTemplate,
+    infer_getattr,
+    signature,
+)
+from numba.core.typing.templates import infer_global as typed_as
+from numba.extending import (
+    intrinsic,
+    lower_builtin,
+    lower_getattr_generic,
+    lower_setattr_generic,
+    models,
+    register_model,
+)
+
+from trainer.core.kernel import inlined
+
+Known = Mapping[str, float]
+
+LANES: Final = 16
+DOUBLE: Final = types.float64
+BLOCK: Final = types.Array(DOUBLE, 1, "C")
+DOUBLE_IR: Final = ir.DoubleType()
+UNIT: Final = DOUBLE_IR(3.0 * 2.0**51)  # a double whose last binary place is the unit
+UNIT_BITS: Final = ir.IntType(64)(0x4338 << 48)
+
+
+class LaneRecord(types.Type):
+    """A record of one boat in a block; ``first`` is the place of its first number."""
+
+    def __init__(self, name: str, layout: np.dtype[Any], first: int, known: Known) -> None:
+        """Take the layout of the record that it stands for, and what is known of it."""
+        self.layout, self.first, self.known = layout, first, known
+        super().__init__(name=f"LaneRecord({name}, {first})")
+
+    def member(self, name: str) -> "LaneNumbers | None":
+        """Return where a field is; None if there is none of that name."""
+        fields = self.layout.fields
+        if fields is None or name not in fields:
+            return None
+        kind, offset = fields[name][:2]
+        return LaneNumbers(kind.shape, self.first + offset // 8)
+
+
+class LaneNumbers(types.Type):
+    """Numbers of one boat in a block, of a field with a shape."""
+
+    def __init__(self, shape: tuple[int, ...], first: int) -> None:
+        """Take the shape, and the place of the first."""
+        self.shape, self.first = shape, first
+        super().__init__(name=f"LaneNumbers({shape}, {first})")
+
+    @property
+    def index(self) -> Any:
+        """Return the type of an index."""
+        count = len(self.shape)
+        return types.intp if count == 1 else types.UniTuple(types.intp, count)
+
+
+@register_model(LaneRecord)
+@register_model(LaneNumbers)
+class LaneModel(models.StructModel):
+    """A view is the block and the lane; which number it is of, its type knows."""
+
+    def __init__(self, manager: Any, view: types.Type) -> None:
+        """Lay it out."""
+        members = [("block", types.CPointer(DOUBLE)), ("lane", types.intp)]
+        super().__init__(manager, view, members)
+
+
+@infer_getattr
+class FieldType(AttributeTemplate):
+    """The type of a field of a record."""
+
+    key = LaneRecord
+
+    def generic_resolve(self, view: LaneRecord, name: str) -> Any:  # type: ignore[override]
+        """Return the type; None if there is no such field."""
+        member = view.member(name)
+        return member if member is None or member.shape else DOUBLE
+
+
+@typed_as(operator.getitem)
+class ElementType(AbstractTemplate):
+    """``state[0]`` is the record, ``s.motion[i]`` a number."""
+
+    def generic(self, args: tuple[Any, ...], _keywords: Any) -> Any:
+        """Return the types of element, view and index."""
+        view = args[0]
+        if isinstance(view, LaneRecord):
+            return signature(view, view, types.intp)
+        return signature(DOUBLE, view, view.index) if isinstance(view, LaneNumbers) else None
+
+
+@typed_as(operator.setitem)
+class AssignmentType(AbstractTemplate):
+    """A number is all that can be put into a place."""
+
+    def generic(self, args: tuple[Any, ...], _keywords: Any) -> Any:
+        """Return the types of view, index and number."""
+        view = args[0]
+        if isinstance(view, LaneNumbers):
+            return signature(types.none, view, view.index, DOUBLE)
+        return None
+
+
+def _address(builder: Any, view: Any, place: Any) -> Any:
+    """Return the address of the number at ``place`` of the view's boat."""
+    numbers = builder.mul(place, cgutils.intp_t(LANES), flags=["nsw"])
+    return builder.gep(view.block, [builder.add(numbers, view.lane, flags=["nsw"])], inbounds=True)
+
+
+def _opened(context: Any, builder: Any, kind: Any, value: Any = None) -> Any:
+    """Return a view as its two parts."""
+    return cgutils.create_struct_proxy(kind)(context, builder, value=value)
+
+
+@lower_getattr_generic(LaneRecord)
+def _get_field(context: Any, builder: Any, kind: Any, value: Any, name: str) -> Any:
+    member = kind.member(name)
+    view = _opened(context, builder, kind, value)
+    if name in kind.known:
+        return DOUBLE_IR(kind.known[name])
+    if not member.shape:
+        return builder.load(_address(builder, view, cgutils.intp_t(member.first)))
+    numbers = _opened(context, builder, member)
+    numbers.block, numbers.lane = view.block, view.lane
+    return numbers._getvalue()  # noqa: SLF001 numba's own idiom
+
+
+@lower_setattr_generic(LaneRecord)
+def _set_field(context: Any, builder: Any, kinds: Any, args: Any, name: str) -> None:
+    kind, given = kinds.args
+    view = _opened(context, builder, kind, args[0])
+    number = context.cast(builder, args[1], given, DOUBLE)
+    builder.store(number, _address(builder, view, cgutils.intp_t(kind.member(name).first)))
+
+
+@lower_builtin(operator.getitem, LaneRecord, types.intp)
+def _record_itself(_context: Any, _builder: Any, _kinds: Any, args: Any) -> Any:
+    return args[0]
+
+
+def _element(context: Any, builder: Any, kind: LaneNumbers, args: Any) -> Any:
+    """Return the address of an element."""
+    index = args[1]
+    if len(kind.shape) == 2:
+        row = builder.mul(builder.extract_value(index, 0), cgutils.intp_t(kind.shape[1]))
+        index = builder.add(row, builder.extract_value(index, 1))
+    place = builder.add(index, cgutils.intp_t(kind.first))
+    return _address(builder, _opened(context, builder, kind, args[0]), place)
+
+
+@lower_builtin(operator.getitem, LaneNumbers, types.Any)
+def _get_element(context: Any, builder: Any, kinds: Any, args: Any) -> Any:
+    return builder.load(_element(context, builder, kinds.args[0], args))
+
+
+@lower_builtin(operator.setitem, LaneNumbers, types.Any, types.Any)
+def _set_element(context: Any, builder: Any, kinds: Any, args: Any) -> None:
+    builder.store(args[2], _element(context, builder, kinds.args[0], args))
+
+
+def a_view(name: str, layout: np.dtype[Any], first: int, known: Known) -> Any:
+    """Return a function of a block and a lane that gives a kernel its record.
+
+    ``first`` is the place of the record's first number among those of a boat. Numbers that are
+    ``known``, since they are the same for all and stay so, are not read from the block.
+    """
+    kind = LaneRecord(name, layout, first, known)
+
+    @intrinsic
+    def view(_typing: Any, _block: Any, _lane: Any) -> Any:
+        def lower(context: Any, builder: Any, kinds: Any, args: Any) -> Any:
+            array = context.make_array(kinds.args[0])(context, builder, args[0])
+            seen = _opened(context, builder, kind)
+            seen.block, seen.lane = array.data, args[1]
+            return seen._getvalue()  # noqa: SLF001
+
+        return kind(BLOCK, types.intp), lower
+
+    return view
+
+
+@inlined
+def every_lane() -> Any:
+    """Return the lanes of a block, to loop over.
+
+    A loop that knew its length at once would be unrolled before it could become vector code.
+    """
+    return range(LANES)
+
+
+@intrinsic
+def nearest(_typing: Any, _number: Any) -> Any:
+    """Return what ``elementary._nearest`` does, by instructions that work on lanes, up to 2^51."""
+
+    def lower(_context: Any, builder: Any, _kinds: Any, args: Any) -> Any:
+        floor = builder.module.declare_intrinsic("llvm.floor", [UNIT.type])
+        whole = builder.call(floor, [builder.fadd(args[0], UNIT.type(0.5))])
+        bits = builder.bitcast(builder.fadd(whole, UNIT), UNIT_BITS.type)
+        return builder.sub(bits, UNIT_BITS)
+
+    return types.int64(DOUBLE), lower
+
+
+@intrinsic
+def as_float(_typing: Any, _whole: Any) -> Any:
+    """Return what ``elementary._as_float`` does, likewise."""
+
+    def lower(_context: Any, builder: Any, _kinds: Any, args: Any) -> Any:
+        above = builder.bitcast(builder.add(args[0], UNIT_BITS), UNIT.type)
+        return builder.fsub(above, UNIT)
+
+    return DOUBLE(types.int64), lower
+
+
+@intrinsic
+def times_power_of_two(_typing: Any, _number: Any, _power: Any) -> Any:
+    """Return what ``elementary._times_power_of_two`` does, of powers from -1022 to 1023."""
+
+    def lower(_context: Any, builder: Any, _kinds: Any, args: Any) -> Any:
+        number, power = args
+        biased = builder.shl(builder.add(power, power.type(1023)), power.type(52))
+        return builder.fmul(number, builder.bitcast(biased, number.type))
+
+    return DOUBLE(DOUBLE, types.int64), lower
+
+
+def relaid(kernel: Any, instead: Mapping[str, Any]) -> Any:
+    """Return ``kernel`` to be compiled into its caller, with all that it calls.
+
+    The equations are the kernel's own. A kernel that it calls, or one of those, is exchanged for
+    that of the same name in ``instead``. Without JIT it is the kernel itself.
+    """
+    return _relaid(kernel, instead, {})
+
+
+def _relaid(kernel: Any, instead: Mapping[str, Any], done: dict[Any, Any]) -> Any:
+    """Return ``kernel`` for lanes, made once."""
+    if not hasattr(kernel, "py_func"):
+        return kernel
+    if kernel not in done:
+        function = kernel.py_func
+        known = dict(function.__globals__)
+        for name in _called(function):
+            if name in instead:
+                known[name] = instead[name]
+            elif hasattr(known.get(name), "py_func"):
+                known[name] = _relaid(known[name], instead, done)
+        done[kernel] = inlined(FunctionType(function.__code__, known, function.__name__))
+    return done[kernel]
+
+
+def _called(function: FunctionType) -> set[str]:
+    """Return the names of its module that a function uses."""
+    return {i.argval for i in dis.get_instructions(function) if i.opname == "LOAD_GLOBAL"}

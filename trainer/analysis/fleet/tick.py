@@ -1,0 +1,221 @@
+"""A tick of boats side by side: the kernels of one boat, for every lane of a block.
+
+What moves here is an ``ordinary`` boat. One that comes up from the deep, or loses its numbers,
+strays: its lane goes on with numbers that mean nothing, and whoever flies the block flies that
+member again by ``update``, whose bits are otherwise those of a lane.
+"""
+
+from trainer.analysis.fleet.block import (
+    BRACKET_BELOW,
+    BRACKET_TOP,
+    GAIN_RISES,
+    LOW_GAINS,
+    LOW_SPEED,
+    SPEED_RISE,
+    TERMS,
+    bracket_gains,
+    compact_in,
+    state_in,
+    vessel_in,
+    work_in,
+)
+from trainer.analysis.fleet.lanes import as_float, every_lane, nearest, relaid, times_power_of_two
+from trainer.core.actuators import move_surfaces
+from trainer.core.autopilot import GAIN_COUNT, fade, keep_course, keep_depth, keep_speed
+from trainer.core.compact import add_external, forces, further_forces, lagged
+from trainer.core.elementary import cosine_and_sine
+from trainer.core.integrators import adams_of
+from trainer.core.kernel import Numbers, Record, inlined, kernel
+from trainer.core.kinematics import kinematics
+from trainer.core.propulsion import answer_telegraph
+from trainer.core.reference import slew_course, slew_depth
+from trainer.core.update import lost
+
+
+@inlined
+def _no_slot(_kind: int, _state: Record) -> int:
+    """Return -1: no casualty of this kind."""
+    return -1
+
+
+@inlined
+def _no_worst(_first: int, _count: int, _state: Record) -> int:
+    """Return -1: no casualty of these kinds."""
+    return -1
+
+
+@inlined
+def _history_is_true(_state: Record) -> None:
+    """Do nothing: the past is complete."""
+
+
+@inlined
+def _interpolate(u: float, gains: Numbers) -> None:
+    """Write the gains for speed ``u`` [m/s] between those of its bracket."""
+    share = (u - gains[LOW_SPEED]) / gains[SPEED_RISE]
+    share = min(max(share, 0.0), 1.0)
+    for i in range(GAIN_COUNT):
+        gains[i] = gains[LOW_GAINS + i] + share * gains[GAIN_RISES + i]
+
+
+COUNTED = {
+    "_nearest": nearest,
+    "_as_float": as_float,
+    "_times_power_of_two": times_power_of_two,
+}
+_both = relaid(cosine_and_sine, COUNTED)
+
+
+@inlined
+def _sine(x: float) -> float:
+    """Return sin x [-], by both series: a lane cannot choose one, and the other may serve too."""
+    return _both(x)[1]
+
+
+@inlined
+def _cosine(x: float) -> float:
+    """Return cos x [-], likewise."""
+    return _both(x)[0]
+
+
+_INSTEAD = {
+    **COUNTED,
+    "sine": _sine,
+    "cosine": _cosine,
+    "slot_of": _no_slot,
+    "worst": _no_worst,
+    "remember": _history_is_true,
+}
+_slew_depth = relaid(slew_depth, _INSTEAD)
+_slew_course = relaid(slew_course, _INSTEAD)
+_keep_depth = relaid(keep_depth, _INSTEAD)
+_keep_course = relaid(keep_course, _INSTEAD)
+_fade = relaid(fade, _INSTEAD)
+_keep_speed = relaid(keep_speed, _INSTEAD)
+_forces = relaid(forces, _INSTEAD)
+_every_force = relaid(further_forces, _INSTEAD)
+_add_external = relaid(add_external, _INSTEAD)
+_lagged = relaid(lagged, _INSTEAD)
+_kinematics = relaid(kinematics, _INSTEAD)
+_adams = relaid(adams_of, _INSTEAD)
+_move_surfaces = relaid(move_surfaces, _INSTEAD)
+_answer_telegraph = relaid(answer_telegraph, _INSTEAD)
+_lost = relaid(lost, _INSTEAD)
+
+
+@inlined
+def _further_forces(compact: Record, state: Record, force: Numbers) -> None:
+    """Add the further terms of a lane that has some; another's forces stay, zeros' signs too."""
+    f0, f1, f2, f3, f4, f5 = force[0], force[1], force[2], force[3], force[4], force[5]
+    _every_force(compact, state, force)
+    if compact[0].extended == 0.0:
+        force[0], force[1], force[2], force[3], force[4], force[5] = f0, f1, f2, f3, f4, f5
+
+
+@kernel
+def keep_gains(out: Numbers) -> None:
+    """Find the gains of the lanes that have left their bracket of speeds."""
+    left = 0
+    for lane in every_lane():
+        gains = work_in(out, lane)[0].gains
+        u = state_in(out, lane)[0].u
+        left += 1 if u <= gains[BRACKET_BELOW] or u > gains[BRACKET_TOP] else 0
+    if left > 0:
+        for lane in every_lane():
+            bracket_gains(lane, out)
+
+
+@kernel
+def aim(h: float, out: Numbers) -> None:
+    """Write the gains, and what the autopilot steers for."""
+    for lane in every_lane():
+        gains = work_in(out, lane)[0].gains
+        _interpolate(state_in(out, lane)[0].u, gains)
+        _slew_depth(h, gains, state_in(out, lane))
+        _slew_course(h, gains, state_in(out, lane))
+
+
+@kernel
+def command(h: float, out: Numbers) -> None:
+    """Write the commands of surfaces and revolutions; as one loop it would not be vector code."""
+    for lane in every_lane():
+        _keep_depth(vessel_in(out, lane), h, work_in(out, lane)[0].gains, state_in(out, lane))
+    for lane in every_lane():
+        _keep_course(vessel_in(out, lane), h, work_in(out, lane)[0].gains, state_in(out, lane))
+    for lane in every_lane():
+        _fade(vessel_in(out, lane), h, state_in(out, lane))
+    for lane in every_lane():
+        _keep_speed(vessel_in(out, lane), h, state_in(out, lane))
+
+
+@kernel
+def push(trig: int, out: Numbers) -> None:
+    """Write the forces."""
+    extended = 0
+    for lane in every_lane():
+        _forces(compact_in(out, lane), trig, state_in(out, lane), work_in(out, lane)[0].force)
+        extended += 1 if compact_in(out, lane)[0].extended != 0.0 else 0
+    if extended > 0:
+        for lane in every_lane():
+            _further_forces(compact_in(out, lane), state_in(out, lane), work_in(out, lane)[0].force)
+    for lane in every_lane():
+        work = work_in(out, lane)[0]
+        _add_external(compact_in(out, lane), work.external, work.force)
+
+
+@kernel
+def accelerate(trig: int, out: Numbers) -> None:
+    """Write the rates, and find the lanes that are not deep."""
+    for lane in every_lane():
+        s, work = state_in(out, lane)[0], work_in(out, lane)[0]
+        shallow = 0.0 if s.z > work.hull_clear else 1.0
+        work.strayed += shallow + (0.0 if s.z >= work.tables_clear else 1.0)
+        _lagged(compact_in(out, lane), work.force, state_in(out, lane))
+        _kinematics(trig, state_in(out, lane))
+
+
+@kernel
+def integrate(scheme: Record, out: Numbers) -> None:
+    """Advance the motion."""
+    for lane in every_lane():
+        s = state_in(out, lane)[0]
+        _adams(scheme, TERMS, state_in(out, lane))
+        s.sailed_x, s.sailed_y = s.x, s.y
+
+
+@kernel
+def deflect(h: float, out: Numbers) -> None:
+    """Move the surfaces."""
+    for lane in every_lane():
+        _move_surfaces(vessel_in(out, lane), h, state_in(out, lane))
+
+
+@kernel
+def answer(h: float, out: Numbers) -> None:
+    """Let the engine room answer; by itself, or neither becomes vector code."""
+    for lane in every_lane():
+        _answer_telegraph(vessel_in(out, lane), h, state_in(out, lane))
+
+
+@kernel
+def see(out: Numbers) -> None:
+    """Count the tick, and find the lanes that lost their numbers."""
+    for lane in every_lane():
+        state_in(out, lane)[0].tick += 1.0
+        work = work_in(out, lane)[0]
+        work.strayed += 0.0 if _lost(state_in(out, lane)) == 0 else 1.0
+
+
+@kernel
+def tick_abreast(scheme: Record, out: Numbers) -> None:
+    """Advance every lane of a block by one tick, in the order of ``update`` and ``autopilot``."""
+    how = scheme[0]
+    keep_gains(out)
+    aim(how.h, out)
+    command(how.h, out)
+    push(how.trig, out)
+    accelerate(how.trig, out)
+    integrate(scheme, out)
+    deflect(how.h, out)
+    answer(how.h, out)
+    see(out)

@@ -1,0 +1,266 @@
+"""The autopilot of any boat, designed from its linear model.
+
+Discrete linear-quadratic regulators with integral states, at speeds over the boat's range. Both
+pairs of planes together hold depth and pitch, so that each pair is used for what it can do at that
+speed: the bow planes take over below the stern planes' critical speed and are not misused above
+their own. What counts as a large error is scaled by the boat's limits, length and time of passing
+its length, so that one rule serves a submarine and a torpedo-sized vehicle.
+"""
+
+import math
+
+import numpy as np
+
+from trainer.boat.assemble import Method
+from trainer.boat.boat import Boat
+from trainer.boat.linear import Linear, Matrix, at_speed
+from trainer.config.files import ConfigError
+from trainer.config.vessel import VesselFile
+from trainer.core.kernel import Record
+from trainer.core.vessel import GAINS, PLANE_GAINS
+from trainer.units import KNOT
+
+SPEEDS = 10  # in the schedule, geometrically spaced
+
+# Errors as bad as surfaces at their limits. Lengths and times of passing a length are the units.
+DEPTH = 0.04  # [lengths]
+PITCH = math.radians(12.0)  # [rad]
+COURSE = math.radians(6.0)  # [rad]
+DEPTH_TIME = 8.0  # [lengths run] for which a DEPTH error may last before it counts twice
+COURSE_TIME = 10.0  # [lengths run] likewise of a COURSE error
+
+SWING = 0.25  # [lengths run] how long a surface may take to go that far
+
+# Slewing of the references
+GLIDE = math.radians(6.0)  # steepest path of a depth change
+PLANE_SHARE = 0.4  # of the limits, for a steady depth rate
+TURN = 0.2  # [1/lengths] yaw rate per speed: a circle of ten lengths
+RUDDER_SHARE = 0.3  # of the limit, for a steady turn
+DEPTH_RUN = 4.0  # [lengths run] while a depth rate is taken up
+COURSE_RUN = 2.5  # [lengths run] while a yaw rate is taken up
+
+RELIEF = 0.3  # [1/lengths] of a lasting bow plane angle, where the stern planes do it all
+STRAIGHT = 0.02  # [1/lengths] yaw rate per speed up to which speed trim is learnt
+MARGINS = (0.5, 1.0, 2.0)  # the loop must be stable with surfaces so many times as effective
+
+VERTICAL = ("w", "q", "theta", "z")
+LATERAL = ("v", "r", "psi")
+CONTROLLED = (*LATERAL, *VERTICAL)  # roll is left to itself
+SURFACES = ("delta_r", "delta_s", "delta_b")
+
+
+def discrete(a: Matrix, b: Matrix, h: float) -> tuple[Matrix, Matrix]:
+    """Return the matrices of one step ``h`` [s] with the input held, by the exponential series."""
+    n, m = b.shape
+    block = np.zeros((n + m, n + m))
+    block[:n, :n], block[:n, n:] = a * h, b * h
+    total = term = np.eye(n + m)
+    for i in range(1, 40):
+        term = term @ block / i
+        total = total + term
+    return total[:n, :n], total[:n, n:]
+
+
+def regulator(a: Matrix, b: Matrix, error_cost: Matrix, most: Matrix) -> Matrix:
+    """Return K of the optimal inputs -K x; an input of ``most`` costs 1.
+
+    The discrete Riccati equation by structure-preserving doubling (Chu, Fan, Lin, Wang 2004). An
+    input whose ``most`` is zero is not used.
+    """
+    ease = np.diag(most * most)
+    drift, spread, cost = a, b @ ease @ b.T, error_cost
+    for _ in range(60):
+        inverse = np.linalg.inv(np.eye(len(a)) + spread @ cost)
+        change = drift.T @ cost @ inverse @ drift
+        spread = spread + drift @ inverse @ spread @ drift.T
+        drift = drift @ inverse @ drift
+        cost = cost + change
+        if np.abs(change).max() <= 1e-13 * np.abs(cost).max():
+            break
+    return np.asarray(
+        np.linalg.solve(np.eye(b.shape[1]) + ease @ b.T @ cost @ b, ease @ b.T @ cost @ a)
+    )
+
+
+def with_integral(a: Matrix, b: Matrix) -> tuple[Matrix, Matrix]:
+    """Return the matrices with the integral of the last state as one more."""
+    n = len(a)
+    longer = np.zeros((n + 1, n + 1))
+    longer[:n, :n] = a
+    longer[n, n - 1] = 1.0
+    return longer, np.vstack([b, np.zeros((1, b.shape[1]))])
+
+
+def reach(vessel: Record, speed: float) -> Matrix:
+    """Return the angles [rad] of rudder, stern planes and bow planes that count as much.
+
+    Their limits, or how far they get while the boat runs SWING of its length: more would be asked
+    of them than they can follow, and a large disturbance would end in swinging from stop to stop.
+    """
+    swing = SWING * vessel["surface_rate"][0] * vessel["ell"][0] / speed
+    return np.asarray(np.minimum(vessel["limit"][0], swing))
+
+
+def plane_gains(model: Linear, speed: float, vessel: Record, h: float) -> Matrix:
+    """Return depth, depth rate, pitch, pitch rate and integral gains [SI], stern row, bow row."""
+    planes = SURFACES[1:]
+    a, b = with_integral(model.part(*VERTICAL), model.inputs(VERTICAL, planes))
+    depth = DEPTH * vessel["ell"][0]
+    lasting = depth * DEPTH_TIME * vessel["ell"][0] / speed
+    cost = np.diag([0.0, 0.0, PITCH**-2, depth**-2, lasting**-2])
+    w, q, theta, z, integral = regulator(*discrete(a, b, h), cost, reach(vessel, speed)[1:]).T
+    # heave as the depth rate shows it: zdot = a w + b theta
+    depth_rate = w / a[3, 0]
+    return np.column_stack([z, depth_rate, a[3, 2] * depth_rate - theta, -q, integral])
+
+
+def rudder_gains(model: Linear, speed: float, vessel: Record, h: float) -> list[float]:
+    """Return course, yaw rate, sway and integral gains [SI]."""
+    a, b = with_integral(model.part(*LATERAL), model.inputs(LATERAL, SURFACES[:1]))
+    lasting = COURSE * COURSE_TIME * vessel["ell"][0] / speed
+    cost = np.diag([0.0, 0.0, COURSE**-2, lasting**-2])
+    v, r, psi, integral = regulator(*discrete(a, b, h), cost, reach(vessel, speed)[:1])[0]
+    return [psi, r, -v, integral]
+
+
+def depth_rates(model: Linear) -> Matrix:
+    """Return the steady depth rate [m/s] per angle [rad] of the stern planes and the bow planes.
+
+    Below the critical speed of a pair its sign is turned.
+    """
+    motion = VERTICAL[:3]
+    steady = -np.linalg.solve(model.part(*motion), model.inputs(motion, SURFACES[1:]))
+    return np.asarray(model.part(*VERTICAL)[3, :3] @ steady)
+
+
+def slews(model: Linear, speed: float, vessel: Record) -> list[float]:
+    """Return the rates and accelerations [SI] that depth and course references may have."""
+    time = vessel["ell"][0] / speed
+    possible = PLANE_SHARE * float(np.abs(depth_rates(model)) @ vessel["limit"][0, 1:])
+    climb = min(speed * math.sin(GLIDE), possible)
+    turn = TURN / time
+    hull, force = model.part("v", "r"), model.inputs(("v", "r"), SURFACES[:1])
+    if np.linalg.eigvals(hull).real.max() < 0.0:
+        most = RUDDER_SHARE * vessel["limit_r"][0]
+        turn = min(turn, most * abs(np.linalg.solve(hull, force)[1, 0]))
+    return [climb, climb / (DEPTH_RUN * time), turn, turn / (COURSE_RUN * time)]
+
+
+def relief(model: Linear, speed: float, vessel: Record) -> tuple[float, float]:
+    """Return by how much [1/s] the stern planes take on, and the bow planes give up, their angle.
+
+    In the ratio that leaves the depth rate alone, the faster the better the stern planes are at it.
+    """
+    stern, bow = depth_rates(model)
+    weaker = abs(bow) * vessel["limit_b"][0]
+    stronger = stern * vessel["limit_s"][0]
+    if weaker == 0.0 or stronger <= weaker:
+        return 0.0, 0.0
+    rate = RELIEF * speed / vessel["ell"][0] * (1.0 - weaker / stronger)
+    return rate * bow / stern, -rate
+
+
+def scheduled(model: Linear, speed: float, vessel: Record, h: float) -> list[float]:
+    """Return the gains [SI] at one speed in the order of GAINS."""
+    stern, bow = plane_gains(model, speed, vessel, h)
+    taken, given = relief(model, speed, vessel)
+    rudder = rudder_gains(model, speed, vessel, h)
+    return [*stern, taken, *bow, given, *rudder, *slews(model, speed, vessel)]
+
+
+def closed_loop(model: Linear, row: list[float], vessel: Record, h: float) -> Matrix:
+    """Return the matrix of one tick of boat, surfaces and integrals under the gains ``row``.
+
+    As the trainer does it: a command acts a tick later, through the lag of the surfaces.
+    """
+    drift, force = discrete(model.part(*CONTROLLED), model.inputs(CONTROLLED, SURFACES), h)
+    n = len(CONTROLLED)
+    law, learn = np.zeros((3, n)), np.zeros((3, n + 6))
+    depth_rate = model.part(*CONTROLLED)[n - 1]
+    for surface in (1, 2):
+        first = len(PLANE_GAINS) * (surface - 1)
+        depth, rate, pitch, pitch_rate, integral, relieved = row[first : first + len(PLANE_GAINS)]
+        law[surface, 4:7] = pitch_rate, pitch, -depth
+        law[surface] -= rate * depth_rate
+        learn[surface, [n - 1, n + 2]] = -integral, relieved
+    course, yaw_rate, sway, integral = row[12:16]
+    law[0, :3] = sway, -yaw_rate, -course
+    learn[0, 2] = -integral
+    lag = float(vessel["surface_lag"][0])
+    share = -math.expm1(-h / lag) if lag > 0.0 else 1.0
+
+    integrals = np.hstack([np.zeros((3, n + 3)), np.eye(3)]) + h * learn
+    command = np.hstack([law, np.zeros((3, 6))]) + integrals
+    surfaces = share * command
+    surfaces[:, n : n + 3] += (1.0 - share) * np.eye(3)
+    return np.vstack([np.hstack([drift, force, np.zeros((n, 3))]), surfaces, integrals])
+
+
+def holds(model: Linear, row: list[float], vessel: Record, h: float) -> bool:
+    """Return whether the gains hold the boat, with surfaces weaker and stronger than modelled."""
+    for margin in MARGINS:
+        other = Linear(model.A, margin * model.B)
+        matrix = closed_loop(other, row, vessel, h)
+        if np.abs(np.linalg.eigvals(matrix)).max() >= 1.0 + 1e-9:
+            return False
+    return True
+
+
+def rounded(value: float) -> float:
+    """Return ``value`` to four significant digits."""
+    return float(f"{value:.4g}") + 0.0
+
+
+def design(file: VesselFile) -> dict[str, list[float] | float]:
+    """Return the [autopilot] table, keys and units of the file; ConfigError if nothing holds it.
+
+    Speeds at which the boat cannot fly straight and level are left out.
+    """
+    boat = Boat(file, Method("full", "exact", "exact", "adams2", file.run.step_s))
+    vessel = boat.records.vessel
+    speeds: list[float] = []
+    rows: list[list[float]] = []
+    surge = 0.0
+    for knots in np.geomspace(*file.run.speed_range_kn, SPEEDS):
+        model = at_speed(boat, knots * KNOT)
+        if model is None:
+            continue
+        row = scheduled(model, knots * KNOT, vessel, boat.method.step)
+        if not holds(model, row, vessel, boat.method.step):
+            raise ConfigError(
+                f"{file.path.name}: no gains hold this boat at {knots:.3g} kn with a step of "
+                f"{boat.method.step:g} s; give [run] a smaller step_s or another speed_range_kn"
+            )
+        surge = surge or -float(model.A[0, 0])
+        speeds.append(rounded(knots))
+        rows.append(row)
+    if len(speeds) < 2:
+        raise ConfigError(
+            f"{file.path.name}: no straight level flight within [run] speed_range_kn: no autopilot"
+        )
+    turning = STRAIGHT * speeds[0] * KNOT / file.hull.length
+    return table(speeds, rows) | {
+        "speed_integral": rounded(surge),
+        "turning_rate_deg_s": rounded(math.degrees(turning)),
+    }
+
+
+def table(speeds: list[float], rows: list[list[float]]) -> dict[str, list[float] | float]:
+    """Return the schedule by key, in the units of the file."""
+    units = {
+        "depth_rate": ("depth_rate_m_s", 1.0),
+        "depth_acceleration": ("depth_acceleration_m_s2", 1.0),
+        "course_rate": ("course_rate_deg_s", math.degrees(1.0)),
+        "course_acceleration": ("course_acceleration_deg_s2", math.degrees(1.0)),
+    }
+    columns: dict[str, list[float] | float] = {"speed_kn": speeds}
+    for place, name in enumerate(GAINS):
+        key, factor = units.get(name, (name, 1.0))
+        columns[key] = [rounded(factor * row[place]) for row in rows]
+    return columns
+
+
+def design_text(file: VesselFile) -> str:
+    """Return the [autopilot] table as text for the vessel file."""
+    lines = [f"{key} = {value}" for key, value in design(file).items()]
+    return "\n".join(["[autopilot]", *lines])

@@ -1,0 +1,1 @@
+"""The automatic test guide of a vessel file."""

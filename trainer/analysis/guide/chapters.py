@@ -1,0 +1,278 @@
+"""The chapters of the guide, one function each."""
+
+from collections.abc import Iterator
+
+from trainer.analysis import characteristic, neutral_page, thrust
+from trainer.analysis.guide.baseline import Moved
+from trainer.analysis.guide.contents import REDUCED, Book, Guide, Sheet, tally
+from trainer.analysis.guide.programme import SETS, Leg
+from trainer.analysis.guide.summary import told, word
+from trainer.analysis.guide.trials import Compared
+from trainer.analysis.guide.verdicts import BEYOND, WITHIN, Judgement
+from trainer.analysis.report.html import Cell, charts, paragraph, section, table, verdict
+from trainer.analysis.report.panels import draw, figure, legend, page_unit, panels
+from trainer.analysis.report.plots import Panel
+
+MOVES_SHOWN = 300
+LEAST = 0.05  # [%] shown
+
+
+def facts(guide: Guide) -> str:
+    """Return what the guide is made from."""
+    rows = [("made", guide.made), ("step", f"{guide.step_s:g} s")]
+    rows += [("versions", ", ".join(f"{name} {value}" for name, value in guide.versions.items()))]
+    rows += [(f"sha256 of {name}", value) for name, value in guide.checksums.items()]
+    return table((), rows, "facts")
+
+
+def overview(guide: Guide) -> str:
+    """Return one line for each manoeuvre."""
+    rows: list[tuple[str | Cell, ...]] = []
+    for sheet in guide.sheets:
+        cells: list[str | Cell] = [sheet.title]
+        for equations in REDUCED:
+            beyond = sheet.counted(equations, BEYOND)
+            judged = beyond + sheet.counted(equations, WITHIN)
+            cells += [verdict(word(sheet.passed(equations))), f"{beyond} of {judged}"]
+        rows.append(tuple(cells))
+    heads = ("manoeuvre", "modified set", "numbers beyond", "basic set", "numbers beyond")
+    totals = [
+        paragraph(
+            f"The {each} set: {count['manoeuvres passed']} manoeuvres within tolerance, "
+            f"{count['manoeuvres failed']} beyond; {count['within']} numbers within, "
+            f"{count['beyond']} beyond, {count['shown']} shown and not judged."
+        )
+        for each in REDUCED
+        for count in (tally(guide, each),)
+    ]
+    words = (
+        "The full set is flown with exact accelerations by Runge and Kutta, the reduced sets with "
+        "lagged ones by second-order Adams, all at the boat's own step, each from its own trim and "
+        "with the boat's own rudder, planes and engine. Tolerances are those of 1969: 5 % of "
+        "change, swings 5 % of the first peak, zero crossings 5 s; phase is not judged. Events are "
+        "seen at the starts of cycles: a reduced set is flown beside the full one and takes its "
+        "time of an event that its own is not more than a cycle from. Where the full set itself is "
+        "lost nothing is judged."
+    )
+    return section("overview", "Overview", *totals, paragraph(words), table(heads, rows))
+
+
+def moves(found: tuple[Moved, ...]) -> str:
+    """Return what moved since the baseline."""
+    if not found:
+        return section("moved", "Since the baseline", paragraph("Nothing moved."))
+    rows = [
+        (
+            one.what,
+            told(one.before),
+            told(one.after),
+            "" if one.percent is None else f"{one.percent:+.3g} %",
+        )
+        for one in found[:MOVES_SHOWN]
+    ]
+    words = f"{len(found)} entries are not what they were, SI and radians; the first are shown."
+    heads = ("what", "before", "now", "change")
+    return section("moved", "Since the baseline", paragraph(words), table(heads, rows))
+
+
+def findings(guide: Guide) -> str:
+    """Return what 1969 found, and what this hull says to it."""
+    parts = []
+    for one in guide.findings:
+        style = "good" if one.verdict == "holds" else "bad" if "not" in one.verdict else "soft"
+        parts.append(
+            f'<h3>{one.title}: <span class="{style}">{one.verdict}</span></h3>\n'
+            + paragraph(f"1969: {one.claim}.", "soft")
+            + paragraph(f"Here: {one.words}.")
+        )
+        if one.rows:
+            parts.append(table(one.heads, one.rows, "numbers narrow"))
+    return section("findings", "What was found in 1969", *parts)
+
+
+def drops(guide: Guide) -> str:
+    """Return what each dropped coefficient does."""
+    columns = list(guide.drops[-1].percent)
+    heads = ("coefficient", "value", *(f"{name} [%]" for name in columns))
+    rows = [
+        (
+            drop.coefficient,
+            f"{drop.value:.4g}" if drop.value else "",
+            *(_signed(drop.percent[name]) for name in columns),
+        )
+        for drop in guide.drops
+    ]
+    words = (
+        "What each coefficient that the modified set drops does by itself: changes when it alone "
+        "is put to zero in the full set, at the boat's start speed. Those that change nothing by "
+        "0.1 % are left out."
+    )
+    return section("why", "Why the reduced sets differ", paragraph(words), table(heads, rows))
+
+
+def _signed(value: float | None) -> str:
+    """Return a change [%] as text."""
+    if value is None:
+        return "-"
+    return f"{value:+.1f}" if abs(value) >= LEAST else "0"
+
+
+def steps(guide: Guide) -> str:
+    """Return the step-size study."""
+    sizes = sorted({run.step_s for run in guide.steps})
+    rows: list[tuple[str | Cell, ...]] = []
+    last = ""
+    for case, scheme, rates in dict.fromkeys((r.case, r.scheme, r.rates) for r in guide.steps):
+        found = {
+            run.step_s: run
+            for run in guide.steps
+            if (run.case, run.scheme, run.rates) == (case, scheme, rates)
+        }
+        cells: list[str | Cell] = ["" if case == last else case, f"{scheme}, {rates}"]
+        last = case
+        for size in sizes:
+            run = found[size]
+            style = {"fine": "good", "coarse": "soft"}.get(run.verdict, "bad")
+            digits = ".0f" if run.percent is not None and run.percent >= 10.0 else ".2g"
+            error = "" if run.percent is None else f"{run.percent:{digits}} % {run.worst}, "
+            cells.append(Cell(error + run.verdict, style))
+        rows.append(tuple(cells))
+    heads = ("case", "method, accelerations", *(f"{size:.3g} s" for size in sizes))
+    words = (
+        "The worst error of any extreme or last value, in % of how much that quantity changes, "
+        "against Runge and Kutta at a tenth of the boat's step; full set, controls that act at "
+        "once. Up to 1 % is fine, beyond 5 % of no use."
+    )
+    return section("steps", "Steps and methods", paragraph(words), table(heads, rows, "steps"))
+
+
+def trials(guide: Guide) -> str:
+    """Return published results beside ours."""
+    if not guide.trials:
+        words = "There is no file of published results for this boat."
+        return section("published", "Published results", paragraph(words))
+    words = (
+        "The full set by Runge and Kutta at a fifth of the boat's step. Differences are ours less "
+        "theirs; nothing here is judged."
+    )
+    return section(
+        "published", "Published results", paragraph(words), *(_trial(one) for one in guide.trials)
+    )
+
+
+def _trial(one: Compared) -> str:
+    """Return one published manoeuvre."""
+    trial = one.trial
+    heads = ["quantity", "unit", "ours"]
+    for column in trial.columns:
+        heads += [column, "difference", "%"]
+    rows = []
+    for result, ours in zip(trial.results, one.ours, strict=True):
+        cells = [result.quantity, result.unit, told(ours) if ours is None else f"{ours:.4g}"]
+        for value in result.values:
+            cells += _beside(ours, value)
+        rows.append(cells)
+    source = ". ".join(filter(None, (trial.source, trial.note, one.problem)))
+    return f"<h3>{trial.title}</h3>\n" + paragraph(source + ".", "soft") + table(heads, rows)
+
+
+def _beside(ours: float | None, value: float | None) -> list[str]:
+    """Return a published value, the difference of ours to it, and that in percent."""
+    if value is None:
+        return ["-", "", ""]
+    if ours is None:
+        return [f"{value:.4g}", "", ""]
+    percent = f"{100.0 * (ours - value) / abs(value):+.1f}" if value else ""
+    return [f"{value:.4g}", f"{ours - value:+.3g}", percent]
+
+
+def programs(book: Book) -> str:
+    """Return neutral angles, modes and thrust."""
+    guide = book.guide
+    parts = []
+    for name, text, drawn in (
+        (
+            "Neutral angles and critical speeds (EC470)",
+            neutral_page.render(guide.neutral),
+            neutral_page.panels(book.file, guide.neutral),
+        ),
+        (
+            "Modes (EC140, EC200, EC320)",
+            characteristic.render(guide.modes),
+            characteristic.panels(guide.modes),
+        ),
+        (
+            "Thrust less drag (ZC300)",
+            thrust.render(guide.thrust),
+            thrust.panels(book.file, guide.thrust),
+        ),
+    ):
+        parts.append(f"<h3>{name}</h3>\n")
+        parts.append(charts(_figure(panel) for panel in drawn))
+        parts.append(f"<pre>{_escaped(text)}</pre>\n")
+    return section("programs", "Neutral angles, modes, thrust", *parts)
+
+
+def _figure(panel: Panel) -> str:
+    """Return a panel with its title and what its curves mean."""
+    caption = f"<figcaption>{_escaped(panel.title)}</figcaption>"
+    return f"<figure>{caption}{draw(panel)}{legend(panel.curves)}</figure>"
+
+
+def _escaped(text: str) -> str:
+    """Return text for HTML."""
+    return text.replace("&", "&amp;").replace("<", "&lt;").replace(">", "&gt;")
+
+
+def manoeuvres(book: Book) -> Iterator[str]:
+    """Yield the chapter of every leg."""
+    for leg, sheet in zip(book.legs, book.guide.sheets, strict=True):
+        yield _leg(book, leg, sheet)
+
+
+def _leg(book: Book, leg: Leg, sheet: Sheet) -> str:
+    """Return one manoeuvre: what was ordered, charts and numbers."""
+    wanted = {each: book.flown[leg.task(book.file, each)] for each in SETS}
+    flights = {each: flight for each, flight in wanted.items() if not isinstance(flight, str)}
+    given = ", ".join(f"{name} {value:g}" for name, value in sheet.parameters.items())
+    about = (type(leg.manoeuvre).__doc__ or "").splitlines()[0]
+    parts = [paragraph(f"{about} [{given}; degrees and seconds]", "soft")]
+    parts += [paragraph(f"{name}: {problem}") for name, problem in sheet.problems.items()]
+    parts += [
+        paragraph(f"{name}: {flight.lost}") for name, flight in flights.items() if flight.lost
+    ]
+    if flights:
+        pictures = panels(leg.manoeuvre.shows, flights)
+        parts.append(legend(pictures[0].curves) + charts(draw(panel) for panel in pictures))
+    heads = ("quantity", "unit", "full", "modified", "difference", "", "basic", "difference", "")
+    parts.append(table(heads, _rows(sheet)))
+    return section(leg.title.replace(" ", "-").replace(",", ""), leg.title, *parts)
+
+
+def _rows(sheet: Sheet) -> list[list[str | Cell]]:
+    """Return the numbers of a sheet, both reduced sets side by side."""
+    by_set = {
+        each: {one.quantity: one for one in sheet.judgements.get(each, ())} for each in REDUCED
+    }
+    rows = []
+    for quantity in dict.fromkeys(name for found in by_set.values() for name in found):
+        present = [found[quantity] for found in by_set.values() if quantity in found]
+        one = present[0]
+        cells: list[str | Cell] = [quantity, page_unit(one.unit), figure(one.full, one.unit)]
+        for equations in REDUCED:
+            cells += _judged(by_set[equations].get(quantity))
+        rows.append(cells)
+    return rows
+
+
+def _judged(one: Judgement | None) -> list[str | Cell]:
+    """Return value, difference and verdict of one number."""
+    if one is None:
+        return ["-", "", ""]
+    difference = one.difference
+    told_difference = ""
+    if difference is not None and one.full:
+        told_difference = f"{100.0 * difference / abs(one.full):+.1f} %"
+        if one.unit == "s":
+            told_difference = f"{difference:+.1f} s"
+    return [figure(one.other, one.unit), told_difference, verdict(one.verdict)]

@@ -1,0 +1,173 @@
+"""The guide's contents: everything flown, judged and computed for one boat."""
+
+import hashlib
+import platform
+import sys
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from importlib import metadata
+from typing import Any, Final
+
+from trainer import __version__
+from trainer.analysis import characteristic, neutral, thrust
+from trainer.analysis.check import round_speeds
+from trainer.analysis.guide import dropped_terms, findings, steps
+from trainer.analysis.guide.programme import SETS, Flown, Leg, Task, fly_all, legs
+from trainer.analysis.guide.trials import Compared, compared, load_trials, trials_path
+from trainer.analysis.guide.verdicts import BEYOND, SHOWN, WITHIN, Judgement, judge
+from trainer.analysis.manoeuvres.catalogue import parameters
+from trainer.config.vessel import VesselFile
+from trainer.core.cache import core_digest
+
+REDUCED: Final = ("modified", "basic")  # sets judged by the full one
+ANSWERS: Final = "modified"  # the one that runs, on which the guide's verdict rests
+LIBRARIES: Final = ("numpy", "numba")
+
+
+@dataclass(frozen=True)
+class Sheet:
+    """One leg, judged."""
+
+    title: str
+    manoeuvre: str
+    parameters: dict[str, float]  # [deg] and [s]
+    problems: dict[str, str]  # why there is no flight, by equation set
+    judgements: dict[str, tuple[Judgement, ...]]  # by reduced set
+
+    def counted(self, equations: str, verdict: str) -> int:
+        """Return how many of a set's numbers have that verdict."""
+        return sum(one.verdict == verdict for one in self.judgements.get(equations, ()))
+
+    def passed(self, equations: str) -> bool | None:
+        """Return whether nothing judged is beyond tolerance; None: nothing is judged."""
+        if self.problems.get(equations) and not self.problems.get("full"):
+            return False
+        if not self.counted(equations, WITHIN) + self.counted(equations, BEYOND):
+            return None
+        return not self.counted(equations, BEYOND)
+
+
+@dataclass(frozen=True)
+class Guide:
+    """All that the guide says about a boat."""
+
+    vessel: str
+    made: str  # time stamp
+    step_s: float
+    versions: dict[str, str]
+    checksums: dict[str, str]  # sha256 of what it was made from
+    sheets: tuple[Sheet, ...]
+    findings: tuple[findings.Finding, ...]
+    steps: tuple[steps.StepRun, ...]
+    drops: tuple[dropped_terms.Drop, ...]
+    trials: tuple[Compared, ...]
+    neutral: neutral.Neutral
+    modes: characteristic.Report
+    thrust: thrust.Report
+    passed: bool
+
+
+@dataclass(frozen=True)
+class Book:
+    """A guide, with the flights that it plots."""
+
+    file: VesselFile
+    guide: Guide
+    legs: tuple[Leg, ...]
+    flown: Flown
+
+
+def tasks(file: VesselFile) -> tuple[Task, ...]:
+    """Return every flight that the guide needs, each once."""
+    return tuple(dict.fromkeys(_tasks(file)))
+
+
+def _tasks(file: VesselFile) -> Iterator[Task]:
+    """Yield the flights of all parts."""
+    for leg in legs(file):
+        for equations in SETS:
+            yield leg.task(file, equations)
+    yield from steps.tasks(file)
+    yield from findings.tasks(file)
+    yield from dropped_terms.tasks(file)
+    path = trials_path(file)
+    for trial in load_trials(path) if path else ():
+        yield trial.task(file)
+
+
+def write(file: VesselFile, made: str, cores: int, step: Callable[[], None]) -> Book:
+    """Return the guide of a boat; ``step`` is called after each flight."""
+    flown = fly_all(file.path, tasks(file), cores, step)
+    return assembled(file, made, flown)
+
+
+def assembled(file: VesselFile, made: str, flown: Flown) -> Book:
+    """Return the guide from its flights."""
+    flights = legs(file)
+    sheets = tuple(_sheet(file, leg, flown) for leg in flights)
+    stepped = steps.study(file, flown)
+    path = trials_path(file)
+    trials = load_trials(path) if path else ()
+    speeds = round_speeds(*file.run.speed_range_kn)
+    guide = Guide(
+        vessel=file.name,
+        made=made,
+        step_s=file.run.step_s,
+        versions=_versions(),
+        checksums=_checksums(file),
+        sheets=sheets,
+        findings=findings.study(file, flown, stepped),
+        steps=stepped,
+        drops=dropped_terms.study(file, flown),
+        trials=tuple(compared(file, trials, flown)),
+        neutral=neutral.neutral(file, speeds),
+        modes=characteristic.characteristic(file, speeds, characteristic.Means()),
+        thrust=thrust.survey(file, (0.0, *speeds), thrust.command_speeds(file)),
+        passed=all(sheet.passed(ANSWERS) is not False for sheet in sheets),
+    )
+    return Book(file, guide, flights, flown)
+
+
+def _sheet(file: VesselFile, leg: Leg, flown: Flown) -> Sheet:
+    """Return one leg judged."""
+    flights = {each: flown[leg.task(file, each)] for each in SETS}
+    full = flights["full"]
+    judgements = {}
+    for equations in REDUCED:
+        other = flights[equations]
+        if not isinstance(full, str) and not isinstance(other, str):
+            judgements[equations] = judge(leg.manoeuvre, full, other)
+    problems = {each: flight for each, flight in flights.items() if isinstance(flight, str)}
+    return Sheet(leg.title, leg.name, parameters(leg.manoeuvre), problems, judgements)
+
+
+def _versions() -> dict[str, str]:
+    """Return what the guide was made with."""
+    return {
+        "trainer": __version__,
+        "core": core_digest(),
+        "python": sys.version.split()[0],
+        **{name: metadata.version(name) for name in LIBRARIES},
+        "machine": platform.machine(),
+    }
+
+
+def _checksums(file: VesselFile) -> dict[str, str]:
+    """Return the checksums of vessel file and published results, by file name."""
+    found = {file.path.name: hashlib.sha256(file.text.encode()).hexdigest()}
+    path = trials_path(file)
+    if path:
+        found[f"{path.stem} (published results)"] = hashlib.sha256(path.read_bytes()).hexdigest()
+    return found
+
+
+def tally(guide: Guide, equations: str) -> dict[str, Any]:
+    """Return how many numbers and manoeuvres of a reduced set are within and beyond."""
+    sheets = guide.sheets
+    return {
+        "within": sum(sheet.counted(equations, WITHIN) for sheet in sheets),
+        "beyond": sum(sheet.counted(equations, BEYOND) for sheet in sheets),
+        "shown": sum(sheet.counted(equations, SHOWN) for sheet in sheets),
+        "manoeuvres passed": sum(sheet.passed(equations) is True for sheet in sheets),
+        "manoeuvres failed": sum(sheet.passed(equations) is False for sheet in sheets),
+    }

@@ -1,0 +1,282 @@
+"""What the study of 1969 found on its boat, flown again on this one.
+
+Each finding is taken as it is in the model document; where it does not hold here, the figures of
+this hull say why.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import Final
+
+from trainer.analysis.check import critical_speed, round_speeds
+from trainer.analysis.guide.programme import Flown, Task
+from trainer.analysis.guide.steps import StepRun
+from trainer.analysis.manoeuvres.flight import Flight
+from trainer.analysis.manoeuvres.submarine import Rig
+from trainer.analysis.manoeuvres.turns import Turn
+from trainer.analysis.manoeuvres.vehicle import largest
+from trainer.analysis.manoeuvres.vertical import Meander, TrimChange
+from trainer.boat.assemble import Method
+from trainer.config.vessel import VesselFile
+from trainer.units import KNOT
+
+HOLDS: Final = "holds"
+IN_PART: Final = "holds in part"
+FAILS: Final = "does not hold on this hull"
+UNTOLD: Final = "cannot be shown on this hull"
+
+RATIOS: Final = (0.6, 0.7, 0.8, 0.9, 0.95, 1.05, 1.1, 1.2, 1.4, 1.8)  # of the critical speed
+NEAR: Final = 0.15  # [-] of it: where the reversal has to be
+TAIL: Final = 0.1  # [-] of a flight, its last part
+OFFSET: Final = TrimChange(angle_deg=2.0, duration_s=600.0)
+IN_TURNS: Final = ("Z_rr", "Z_vr", "Z_vv", "M_rr", "M_vr", "M_vv")
+RUINED: Final = 1.5  # [-] times the depth change with all terms
+LOST: Final = "depth is lost"
+LESS: Final = "depth changes less"
+LITTLE: Final = "little changes"
+ABSENT: Final = "not in this hull's data"
+TURN: Final = Turn()
+MEANDER: Final = Meander()
+BY_REPORT: Final = Rig(law="report")
+NONLINEAR: Final = ("Z_waw", "Z_ww", "Z_aw", "M_waw", "M_ww", "M_aw", "M_awq", "M_qaq")
+
+
+@dataclass(frozen=True)
+class Finding:
+    """One finding of 1969, and what this boat has to say to it."""
+
+    title: str
+    claim: str  # of 1969
+    verdict: str
+    words: str  # why, with figures
+    heads: tuple[str, ...]
+    rows: tuple[tuple[str, ...], ...]
+
+
+def _standard(file: VesselFile) -> Method:
+    """Return the method that is taken as true."""
+    return Method("full", "exact", "exact", "rk4", file.run.step_s)
+
+
+def _offset(file: VesselFile, speed: float) -> Task:
+    """Return planes to dive by a little, held, at ``speed`` [m/s]."""
+    return Task(OFFSET, speed, _standard(file))
+
+
+def _turn(file: VesselFile, *zeroed: str) -> Task:
+    """Return the turn at the top speed, depth by the law of 1969, with coefficients at zero."""
+    top = round_speeds(*file.run.speed_range_kn)[-1]
+    return Task(TURN, top * KNOT, _standard(file), BY_REPORT, zeroed)
+
+
+def _meander(file: VesselFile, *zeroed: str) -> Task:
+    """Return the meander at the start speed, with coefficients at zero."""
+    return Task(MEANDER, file.run.start_speed_kn * KNOT, _standard(file), zeroed=zeroed)
+
+
+def tasks(file: VesselFile) -> Iterator[Task]:
+    """Yield the flights that the findings look at."""
+    critical = critical_speed(file, "stern")
+    for ratio in RATIOS if critical else ():
+        yield _offset(file, ratio * (critical or 0.0))
+    yield _turn(file)
+    for name in (*IN_TURNS, "K_vav"):
+        yield _turn(file, name)
+    yield _meander(file)
+    yield _meander(file, *NONLINEAR)
+
+
+def study(file: VesselFile, flown: Flown, steps: tuple[StepRun, ...]) -> tuple[Finding, ...]:
+    """Return all findings, judged."""
+    return (
+        reversal(file, flown),
+        depth_in_turns(file, flown),
+        roll_in_turns(file, flown),
+        nonlinear_terms(file, flown),
+        *stepping(file, steps),
+    )
+
+
+def reversal(file: VesselFile, flown: Flown) -> Finding:
+    """Return whether stern planes reverse at the critical speed of EC470."""
+    title = "Stern planes reverse"
+    claim = "below the critical speed of EC470, planes to dive make the boat rise"
+    critical = critical_speed(file, "stern")
+    if critical is None:
+        return Finding(title, claim, UNTOLD, "this hull has no critical speed", (), ())
+    rates = {}
+    for ratio in RATIOS:
+        flight = flown[_offset(file, ratio * critical)]
+        if not isinstance(flight, str) and not flight.lost:
+            rates[ratio * critical] = _last_rate(flight)
+    rows = tuple(
+        (f"{speed / KNOT:.2f}", f"{1000.0 * rate:+.1f}", "dives" if rate > 0.0 else "rises")
+        for speed, rate in rates.items()
+    )
+    heads = ("speed [kn]", "depth rate [mm/s]", "planes to dive: she")
+    speeds = [*rates]
+    turns = [
+        low - rates[low] * (high - low) / (rates[high] - rates[low])
+        for low, high in pairwise(speeds)
+        if rates[low] < 0.0 < rates[high]
+    ]
+    if len(turns) != 1:
+        words = (
+            f"of {len(RATIOS)} speeds about the {critical / KNOT:.2f} kn of EC470 {len(rates)} can "
+            f"be flown, and the depth rate turns {len(turns)} times between them"
+        )
+        verdict = FAILS if len(rates) == len(RATIOS) else UNTOLD
+        return Finding(title, claim, verdict, words, heads, rows)
+    flies, says = turns[0] / KNOT, critical / KNOT
+    verdict = HOLDS if abs(flies - says) <= NEAR * says else FAILS
+    words = f"EC470 gives {says:.2f} kn, in flight with 2 degrees it is {flies:.2f} kn"
+    return Finding(title, claim, verdict, words, heads, rows)
+
+
+def _last_rate(flight: Flight) -> float:
+    """Return the mean depth rate [m/s] over the last part of a flight."""
+    z, t = flight.column("z"), flight.t
+    begin = int((1.0 - TAIL) * (t.size - 1))
+    return float((z[-1] - z[begin]) / (t[-1] - t[begin]))
+
+
+def depth_in_turns(file: VesselFile, flown: Flown) -> Finding:
+    """Return what six coefficients do for depth in a turn."""
+    title = "Depth in turns"
+    claim = (
+        "without any of Z_rr, Z_vr, Z_vv, M_rr, M_vr, M_vv the autopilot of 1969 loses 12 to 33 ft "
+        "in a turn that it holds within 4 ft with them"
+    )
+    whole = flown[_turn(file)]
+    heads = ("without", "its value here", "largest depth change [m]", "times", "")
+    if isinstance(whole, str) or whole.lost:
+        words = whole if isinstance(whole, str) else whole.lost
+        return Finding(title, claim, UNTOLD, words, (), ())
+    base = largest(whole.change("z"))
+    rows = [("nothing", "", f"{base:+.2f}", "1.00", "")]
+    by_effect: dict[str, list[str]] = {}
+    for name in IN_TURNS:
+        row = _without(file, name, flown[_turn(file, name)], base)
+        by_effect.setdefault(row[-1], []).append(name)
+        rows.append(row)
+    lost = by_effect.get(LOST, [])
+    verdict = HOLDS if lost == list(IN_TURNS) else IN_PART if lost else FAILS
+    if len(by_effect.get(ABSENT, [])) == len(IN_TURNS):
+        verdict = UNTOLD
+    effects = "; ".join(f"{effect}: {', '.join(names)}" for effect, names in by_effect.items())
+    words = f"with all terms depth changes by {abs(base):.2f} m; without one of them, {effects}"
+    return Finding(title, claim, verdict, words, heads, tuple(rows))
+
+
+def _without(
+    file: VesselFile, name: str, flight: Flight | str, base: float
+) -> tuple[str, str, str, str, str]:
+    """Return the row of one coefficient at zero, its effect last; ``base`` [m] is with all."""
+    value = file.coefficients[name]
+    if not value:
+        return name, "0", f"{base:+.2f}", "1.00", ABSENT
+    if isinstance(flight, str) or flight.lost:
+        return name, f"{value:.4g}", "-", "-", LOST
+    deep = largest(flight.change("z"))
+    ratio = abs(deep / base)
+    effect = LOST if ratio >= RUINED else LESS if ratio <= 1.0 / RUINED else LITTLE
+    return name, f"{value:.4g}", f"{deep:+.2f}", f"{ratio:.2f}", effect
+
+
+def roll_in_turns(file: VesselFile, flown: Flown) -> Finding:
+    """Return what K_vav does to roll in a turn."""
+    title, claim = "Roll in turns", "without K_vav the roll of a turn changes by about 70 %"
+    whole, without = flown[_turn(file)], flown[_turn(file, "K_vav")]
+    if not file.coefficients["K_vav"]:
+        return Finding(title, claim, UNTOLD, "this hull's data have no K_vav", (), ())
+    if isinstance(whole, str) or isinstance(without, str):
+        return Finding(title, claim, UNTOLD, "the turn cannot be flown", (), ())
+    before, after = largest(whole.change("phi")), largest(without.change("phi"))
+    percent = 100.0 * (after - before) / abs(before)
+    verdict = HOLDS if abs(percent) >= 50.0 else IN_PART if abs(percent) > 5.0 else FAILS
+    share = file.coefficients["K_vav"] / (file.coefficients["K_v"] or float("nan"))
+    words = (
+        f"the largest roll changes by {percent:+.0f} %; K_vav is {share:.1f} times K_v here, and "
+        "counts by the drift angle"
+    )
+    return Finding(title, claim, verdict, words, (), ())
+
+
+def nonlinear_terms(file: VesselFile, flown: Flown) -> Finding:
+    """Return what the nonlinear terms of the vertical plane do to a meander."""
+    title = "Nonlinear vertical terms"
+    claim = "without all of them pitch is off by 21 %, depth by 14 %"
+    whole, without = flown[_meander(file)], flown[_meander(file, *NONLINEAR)]
+    if isinstance(whole, str) or isinstance(without, str):
+        return Finding(title, claim, UNTOLD, "the meander cannot be flown", (), ())
+    percent = {}
+    for name in ("theta", "z"):
+        before, after = largest(whole.change(name)), largest(without.change(name))
+        percent[name] = 100.0 * (after - before) / before
+    worst = max(abs(one) for one in percent.values())
+    verdict = HOLDS if worst >= 10.0 else IN_PART if worst > 5.0 else FAILS
+    given = [name for name in NONLINEAR if file.coefficients[name]]
+    words = (
+        f"the meander's pitch is off by {percent['theta']:+.1f} %, its depth by "
+        f"{percent['z']:+.1f} %; of these terms this hull's data have {', '.join(given) or 'none'}"
+    )
+    return Finding(title, claim, verdict, words, (), ())
+
+
+def stepping(file: VesselFile, steps: tuple[StepRun, ...]) -> Iterator[Finding]:
+    """Yield what 1969 said about integrators and steps, in this boat's own steps."""
+    own = file.run.step_s
+    euler, adams = _worst(steps, "Euler", 2.0 * own), _worst(steps, "Adams 2", own)
+    yield Finding(
+        "Euler at 1 s",
+        "Euler cannot be used at twice the step that Adams is used at",
+        HOLDS if euler.verdict in ("lost", "of no use") else FAILS,
+        _error(euler),
+        (),
+        (),
+    )
+    yield Finding(
+        "Adams at 0.5 s",
+        "second-order Adams is fine at the boat's own step",
+        HOLDS if adams.verdict == "fine" else FAILS,
+        _error(adams),
+        (),
+        (),
+    )
+    yield _lagged(steps, own)
+
+
+def _worst(steps: tuple[StepRun, ...], scheme: str, step: float) -> StepRun:
+    """Return the worst case of a scheme with lagged rates at a step."""
+    found = [run for run in steps if run.scheme == scheme and run.rates == "lagged"]
+    found = [run for run in found if abs(run.step_s - step) < 1e-9]
+    return max(found, key=lambda run: float("inf") if run.percent is None else run.percent)
+
+
+def _error(run: StepRun) -> str:
+    """Return the error of a run in words."""
+    if run.percent is None:
+        return f"{run.scheme} at {run.step_s:.3g} s is lost in: {run.case}"
+    return (
+        f"{run.scheme} at {run.step_s:.3g} s is off by at most {run.percent:.3g} % of the change "
+        f"({run.worst}; {run.case})"
+    )
+
+
+def _lagged(steps: tuple[StepRun, ...], own: float) -> Finding:
+    """Return whether lagged accelerations cost accuracy at the boat's own step."""
+    pairs: dict[str, dict[str, float | None]] = {}
+    for run in steps:
+        if run.scheme == "Adams 2" and abs(run.step_s - own) < 1e-9:
+            pairs.setdefault(run.case, {})[run.rates] = run.percent
+    costs = [
+        pair["lagged"] - pair["exact"]
+        for pair in pairs.values()
+        if pair["lagged"] is not None and pair["exact"] is not None
+    ]
+    whole = len(costs) == len(pairs) and costs
+    verdict = HOLDS if whole and max(costs) <= 1.0 else FAILS
+    words = "a case is lost" if not whole else f"they add at most {max(costs):.2g} % to the error"
+    claim = "accelerations of the last cycle do no harm"
+    return Finding("Lagged accelerations", claim, verdict, words, (), ())

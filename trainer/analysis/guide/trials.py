@@ -1,0 +1,194 @@
+"""Published results of a boat, from a file beside hers, with ours beside them.
+
+The file of ``boat.toml`` is ``boat.trials.toml``; those of shipped boats are among ``trials``.
+"""
+
+import math
+import re
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, fields, replace
+from pathlib import Path
+from typing import Any, Final
+
+from trainer.analysis.guide.programme import Flown, Task
+from trainer.analysis.manoeuvres.catalogue import MANOEUVRES, named
+from trainer.analysis.manoeuvres.flight import Flight, Manoeuvre
+from trainer.boat.assemble import Method
+from trainer.config.files import (
+    ConfigError,
+    Place,
+    as_table,
+    collecting,
+    nearest,
+    parse_toml,
+    read_text,
+    shipped,
+    shipped_names,
+    shown,
+)
+from trainer.config.schema import Quantity, Text, within
+from trainer.config.vessel import VesselFile
+
+KEYS: Final = ("title", "source", "note", "manoeuvre", "speed_m_s", "columns", "results")
+UNITS: Final = {  # of the file, to SI and radians
+    **dict.fromkeys(("m", "s", "m/s", "rad", "rad/s", "-"), 1.0),
+    **dict.fromkeys(("deg", "deg/s"), math.radians(1.0)),
+}
+WORDS: Final = Text(500, "what it is, and whose")
+SPEED: Final = Quantity("m/s", within(0, 50), "at which it begins; 0: from rest")
+PARAMETER: Final = Quantity("-", within(-1e6, 1e6), "of a manoeuvre, in the unit of its name")
+STEP: Final = 0.2  # of the boat's own: the step of Runge and Kutta
+READING: Final = re.compile(r"(\w+) after ([\d.]+) s")
+
+
+@dataclass(frozen=True)
+class Published:
+    """One quantity as published, in the units of its source."""
+
+    quantity: str
+    unit: str
+    values: tuple[float | None, ...]  # by column
+
+
+@dataclass(frozen=True)
+class Trial:
+    """One manoeuvre as published."""
+
+    title: str
+    source: str
+    note: str
+    manoeuvre: Manoeuvre
+    speed: float  # [m/s]
+    columns: tuple[str, ...]  # of the results: trials, computations of others
+    results: tuple[Published, ...]
+
+    def task(self, file: VesselFile) -> Task:
+        """Return our flight of it."""
+        return Task(
+            self.manoeuvre,
+            self.speed,
+            Method("full", "exact", "exact", "rk4", STEP * file.run.step_s),
+        )
+
+
+@dataclass(frozen=True)
+class Compared:
+    """One trial and our numbers, in the units of its source."""
+
+    trial: Trial
+    problem: str  # why there are none
+    ours: tuple[float | None, ...]  # by result
+
+
+def trials_path(file: VesselFile) -> Path | None:
+    """Return where the published results of a boat are, None if there are none."""
+    beside = file.path.with_suffix(".trials.toml")
+    if beside.is_file():
+        return beside
+    name = file.path.stem
+    is_shipped = name in shipped_names("vessels") and shipped("vessels", name) == file.path
+    return shipped("trials", name) if is_shipped and name in shipped_names("trials") else None
+
+
+def load_trials(path: Path) -> tuple[Trial, ...]:
+    """Return the trials of a file; ConfigError with all that is wrong in it."""
+    tables = parse_toml(read_text(path), path.name)
+    rows = tables.get("trials")
+    if list(tables) != ["trials"] or not isinstance(rows, list):
+        raise ConfigError(f"{path.name}: must hold tables [[trials]] and nothing else")
+    problems: list[str] = []
+    found = []
+    for i, row in enumerate(rows, start=1):
+        place = Place(path.name, f"trials {i}")
+        with collecting(problems):
+            found.append(_trial(as_table(row, place), place))
+    if problems:
+        raise ConfigError(*problems)
+    return tuple(found)
+
+
+def _trial(row: Mapping[str, Any], place: Place) -> Trial:
+    """Return one trial; ConfigError if it is wrong."""
+    for key in KEYS:
+        if key not in row:
+            raise ConfigError(place.problem(f"lacks {key}"))
+    columns = _words("columns", row["columns"], place)
+    if not isinstance(row["results"], list):
+        raise ConfigError(place.wrong("results", row["results"], "must be a list of results"))
+    return Trial(
+        title=WORDS.read("title", row["title"], place),
+        source=WORDS.read("source", row["source"], place),
+        note=str(row["note"]),
+        manoeuvre=_manoeuvre(row, place),
+        speed=SPEED.read("speed_m_s", row["speed_m_s"], place),
+        columns=columns,
+        results=tuple(_published(result, columns, place) for result in row["results"]),
+    )
+
+
+def _manoeuvre(row: Mapping[str, Any], place: Place) -> Manoeuvre:
+    """Return the manoeuvre that a trial names, with its parameters; ConfigError if it has none."""
+    name = row["manoeuvre"]
+    if not isinstance(name, str) or name not in MANOEUVRES:
+        advice = f"no such manoeuvre{nearest(str(name), MANOEUVRES)}"
+        raise ConfigError(place.wrong("manoeuvre", name, advice))
+    manoeuvre = named(name)
+    known = {field.name: getattr(manoeuvre, field.name) for field in fields(manoeuvre)}
+    given = {}
+    for key, value in row.items():
+        if key in KEYS:
+            continue
+        if key not in known:
+            raise ConfigError(place.wrong(key, value, f"no such key{nearest(key, known)}"))
+        reader = _words if isinstance(known[key], tuple) else PARAMETER.read
+        given[key] = reader(key, value, place)
+    return replace(manoeuvre, **given)
+
+
+def _words(key: str, value: object, place: Place) -> tuple[str, ...]:
+    """Return a list of words; ConfigError if it is none."""
+    if not isinstance(value, list) or not all(isinstance(word, str) for word in value):
+        raise ConfigError(place.wrong(key, value, "must be a list of words"))
+    return tuple(value)
+
+
+def _published(row: Any, columns: tuple[str, ...], place: Place) -> Published:
+    """Return one result; ConfigError if it is not a quantity, a unit and a value by column."""
+    if not isinstance(row, list) or len(row) != len(columns) + 2:
+        wanted = f"must be quantity, unit and {len(columns)} values, '' for none"
+        raise ConfigError(place.wrong("results", row, wanted))
+    quantity, unit, *values = row
+    if not isinstance(unit, str) or unit not in UNITS:
+        raise ConfigError(place.wrong("results", unit, f"unit must be one of {', '.join(UNITS)}"))
+    if not all(isinstance(value, int | float) or value == "" for value in values):
+        raise ConfigError(place.wrong("results", row, "values must be numbers, or '' for none"))
+    numbers = tuple(None if value == "" else float(value) for value in values)
+    return Published(str(quantity), unit, numbers)
+
+
+def compared(file: VesselFile, trials: tuple[Trial, ...], flown: Flown) -> Iterator[Compared]:
+    """Yield the trials with our numbers; ConfigError if a quantity is none of the manoeuvre's."""
+    for trial in trials:
+        flight = flown[trial.task(file)]
+        if isinstance(flight, str) or flight.lost:
+            problem = flight if isinstance(flight, str) else flight.lost
+            yield Compared(trial, problem, (None,) * len(trial.results))
+            continue
+        ours = {one.name: one.value for one in trial.manoeuvre.measures(flight)}
+        yield Compared(trial, "", tuple(_ours(one, ours, flight) for one in trial.results))
+
+
+def _ours(wanted: Published, ours: Mapping[str, float | None], flight: Flight) -> float | None:
+    """Return our number in the published unit; ConfigError if there is no such quantity."""
+    reading = READING.fullmatch(wanted.quantity)
+    if wanted.quantity in ours:
+        value = ours[wanted.quantity]
+    elif reading and flight.has(reading[1]):
+        begin = flight.marks[0].t if flight.marks else 0.0
+        value = flight.at(begin + float(reading[2]), reading[1])
+    else:
+        raise ConfigError(
+            f"no measure {shown(wanted.quantity)}{nearest(wanted.quantity, ours)}; there are "
+            f"{', '.join(ours)}, and any column as 'u after 40 s'"
+        )
+    return None if value is None else value / UNITS[wanted.unit]

@@ -1,0 +1,96 @@
+"""Two flights of one manoeuvre judged: measures, peaks, zero crossings, change of change."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from typing import Final
+
+from trainer.analysis.compare import compare
+from trainer.analysis.manoeuvres.flight import Flight, Manoeuvre
+from trainer.analysis.manoeuvres.vehicle import PERCENT, Measure
+
+WITHIN: Final = "within"
+BEYOND: Final = "BEYOND"
+SHOWN: Final = "not judged"
+UNITS: Final = {"u": "m/s", "w": "m/s", "v": "m/s", "z": "m", "x": "m", "y": "m"}
+RATES: Final = ("p", "q", "r")
+
+
+@dataclass(frozen=True)
+class Judgement:
+    """One number of a flight beside that of the full set, SI and radians."""
+
+    quantity: str
+    unit: str
+    full: float | None
+    other: float | None
+    allowed: float | None
+    verdict: str  # WITHIN, BEYOND or SHOWN
+
+    @property
+    def difference(self) -> float | None:
+        """Return how much larger the other number is; None if one is lacking."""
+        if self.full is None or self.other is None:
+            return None
+        return self.other - self.full
+
+
+def judge(manoeuvre: Manoeuvre, full: Flight, other: Flight) -> tuple[Judgement, ...]:
+    """Return every measure and change of change of ``other`` against ``full``.
+
+    Where the full set itself is lost, beyond what its equations are good for, nothing is judged.
+    """
+    found = (*_measured(manoeuvre, full, other), *_changes(manoeuvre, full, other))
+    if not full.lost:
+        return found
+    return tuple(replace(one, allowed=None, verdict=SHOWN) for one in found)
+
+
+def _measured(manoeuvre: Manoeuvre, full: Flight, other: Flight) -> Iterator[Judgement]:
+    """Yield the measures; what only one flight has is beyond, unless it may be nothing."""
+    if full.lost or other.lost:
+        verdict = BEYOND if other.lost else SHOWN
+        ends = float(full.t[-1]), float(other.t[-1])
+        yield Judgement("flown, without being lost, to", "s", *ends, None, verdict)
+    by_other = {one.name: one for one in manoeuvre.measures(other)}
+    for one in manoeuvre.measures(full):
+        yield judged(one, by_other.pop(one.name, None))
+    for one in by_other.values():
+        yield Judgement(one.name, one.unit, None, one.value, None, SHOWN)
+
+
+def judged(one: Measure, other: Measure | None) -> Judgement:
+    """Return a measure of the full set judged by that of another flight, None: it has none.
+
+    A peak or an end that the other lacks counts as zero, which is within if so much is allowed.
+    """
+    value = None if other is None else other.value
+    if one.value is None or one.allowed is None:
+        return Judgement(one.name, one.unit, one.value, value, None, SHOWN)
+    lacking = abs(one.value) if value is None else abs(value - one.value)
+    verdict = WITHIN if lacking <= one.allowed else BEYOND
+    return Judgement(one.name, one.unit, one.value, value, one.allowed, verdict)
+
+
+def _changes(manoeuvre: Manoeuvre, full: Flight, other: Flight) -> Iterator[Judgement]:
+    """Yield the change of change at 120 s of the columns that the manoeuvre names."""
+    names = [name for name in manoeuvre.compared if full.has(name)]
+    if not names or min(full.t.size, other.t.size) < 2:
+        return
+    report = compare(full.series, other.series, names)
+    for point in report.points:
+        when = f"{report.until_s:g} s" if point.point == "at the end" else point.point
+        allowed = abs(point.change_full) * PERCENT / 100.0
+        verdict = (WITHIN if point.passed else BEYOND) if point.judged else SHOWN
+        yield Judgement(
+            f"change of {point.variable}, {when}",
+            unit_of(point.variable),
+            point.change_full,
+            point.change_reduced,
+            allowed if point.judged else None,
+            verdict,
+        )
+
+
+def unit_of(column: str) -> str:
+    """Return the unit of a column."""
+    return UNITS.get(column, "rad/s" if column in RATES else "rad")

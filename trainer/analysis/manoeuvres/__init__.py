@@ -1,0 +1,1 @@
+"""Manoeuvres, and what is measured in them."""

@@ -1,0 +1,262 @@
+"""A manoeuvre flown, from its start to its end or to where the numbers were lost.
+
+Who has the conn: gives a vehicle the orders of a schedule, cycle by cycle, and marks events.
+
+A schedule is a generator: between two yields the vehicle moves by one cycle, with the controls as
+they are ordered before. Events are seen at the starts of cycles, as in the program CONTR: up to a
+cycle after they happen. Where one vehicle sees an event in one cycle and another in the next, that
+alone parts their ways; a vehicle flown beside another therefore takes the other's time of an event
+where its own is not more than a cycle away.
+"""
+
+import math
+from abc import ABC, abstractmethod
+from collections.abc import Generator, Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import ClassVar, NamedTuple
+
+import numpy as np
+
+from trainer.analysis.manoeuvres.vehicle import (
+    LostError,
+    Measure,
+    Swift,
+    Vehicle,
+    Watch,
+    check_columns,
+    check_controls,
+)
+from trainer.analysis.series import Series
+from trainer.config.files import ConfigError
+from trainer.core.kernel import Numbers
+
+Cycles = Generator[None, None, None]
+EARLY = 1e-9  # [s] rounding of a sum of steps
+
+
+class Mark(NamedTuple):
+    """An event of the schedule."""
+
+    name: str
+    t: float  # [s]
+
+
+class Conn:
+    """A vehicle under orders."""
+
+    def __init__(self, vehicle: Vehicle, others: Sequence[float | None] = ()) -> None:
+        """Take the conn of a vehicle that has been started; ``others`` are another's events."""
+        self.vehicle = vehicle
+        self.events: list[float | None] = []  # [s] of each that was waited for; None: never
+        self._others = list(others)
+        self.marks: list[Mark] = []
+        self.ordered: dict[str, float] = {}  # what was ordered last, by control
+        self._places = {name: i for i, name in enumerate(vehicle.columns)}
+        self.seen: tuple[float, ...] = ()
+        self._blocks: list[Numbers] = []
+        self._rows: list[tuple[float, ...]] = []
+        self.look()
+
+    def look(self) -> None:
+        """Remember the columns as they stand."""
+        self.seen = self.vehicle.observe()
+        self._rows.append(self.seen)
+
+    @property
+    def table(self) -> Numbers:
+        """Return all that was seen, a row for every cycle."""
+        self._close()
+        return np.concatenate(self._blocks)
+
+    def _close(self) -> None:
+        """Make a block of the rows seen one by one."""
+        if self._rows:
+            self._blocks.append(np.array(self._rows))
+            self._rows = []
+
+    def value(self, column: str) -> float:
+        """Return a column as it stands at the start of this cycle."""
+        return self.seen[self._places[column]]
+
+    @property
+    def time(self) -> float:
+        """Return the time [s] since the start."""
+        return self.value("t")
+
+    def order(self, control: str, value: float) -> None:
+        """Order a control, and remember it."""
+        self.ordered[control] = value
+        self.vehicle.order(control, value)
+
+    def mark(self, name: str) -> None:
+        """Mark an event here and now."""
+        self.marks.append(Mark(name, self.time))
+
+    def hold(self, seconds: float) -> Cycles:
+        """Let time pass, all controls held."""
+        yield from self._pass(self.time + seconds - EARLY, None)
+
+    def hold_to(self, time: float) -> Cycles:
+        """Let time pass up to ``time`` [s] since the start."""
+        yield from self.hold(time - self.time)
+
+    def until(self, watch: Watch, most: float) -> Generator[None, None, bool]:
+        """Let at most ``most`` [s] pass until what is watched passes; return whether it did."""
+        end = self.time + most - EARLY
+        other = self._others.pop(0) if self._others else None
+        passed = other is not None and (yield from self._beside(watch, other))
+        if not passed:
+            yield from self._pass(end, watch)
+            passed = self.passed(watch)
+        self.events.append(self.time if passed else None)
+        return passed
+
+    def _beside(self, watch: Watch, other: float) -> Generator[None, None, bool]:
+        """Let time pass to the ``other``'s event [s], or one's own if that comes too early.
+
+        Return whether one's own is within a cycle of it, by the rate if it is still to come.
+        """
+        cycle = self.vehicle.step
+        yield from self._pass(other - 1.5 * cycle, watch)
+        if self.time < other - 1.5 * cycle:
+            return False
+        before = self._beyond(watch)
+        yield from self._pass(other - 0.5 * cycle, None)
+        now = self._beyond(watch)
+        return max(before, now, 2.0 * now - before) >= 0.0
+
+    def passed(self, watch: Watch) -> bool:
+        """Return whether a quantity has passed its mark, at the start of this cycle."""
+        return self._beyond(watch) >= 0.0
+
+    def _beyond(self, watch: Watch) -> float:
+        """Return how far a quantity is beyond its mark, negative before it."""
+        return watch.side * (self._quantity(watch.quantity) - watch.mark)
+
+    def _quantity(self, name: str) -> float:
+        """Return a quantity that can be watched."""
+        if name == "depth rate":
+            theta = self.value("theta")
+            return self.value("w") * math.cos(theta) - self.value("u") * math.sin(theta)
+        if name == "size of theta":
+            return abs(self.value("theta"))
+        return self.value(name)
+
+    def _pass(self, end: float, watch: Watch | None) -> Cycles:
+        """Let time pass to ``end`` [s] or until what is watched passes."""
+        if isinstance(self.vehicle, Swift) and self.vehicle.swift:
+            self._close()
+            rows = self.vehicle.sail(end, watch)
+            if len(rows):
+                self._blocks.append(rows)
+                self.seen = tuple(rows[-1].tolist())
+            self.vehicle.sound()
+            return
+        while self.time < end and not (watch and self.passed(watch)):
+            yield
+
+
+LONGEST = 2_000_000  # [cycles] of a flight
+
+
+@dataclass(frozen=True)
+class Flight:
+    """What a manoeuvre looked like, and its events."""
+
+    speed: float  # [m/s] at which it began
+    length: float  # [m] of the vehicle
+    step: float  # [s]
+    series: Series
+    marks: tuple[Mark, ...]
+    lost: str  # why it ended early; "" if it did not
+    events: tuple[float | None, ...] = ()  # [s] of what the schedule waited for; None: never
+
+    @property
+    def t(self) -> Numbers:
+        """Return the times [s] since the start."""
+        return self.series.t
+
+    def column(self, name: str) -> Numbers:
+        """Return a column, SI and radians."""
+        return self.series.columns[name]
+
+    def has(self, name: str) -> bool:
+        """Return whether the vehicle has that column."""
+        return name in self.series.columns
+
+    def change(self, name: str) -> Numbers:
+        """Return a column less its value at the start."""
+        return np.asarray(self.column(name) - self.column(name)[0])
+
+    def time_of(self, mark: str) -> float | None:
+        """Return when [s] the first event of that name was; None: never."""
+        return next((event.t for event in self.marks if event.name == mark), None)
+
+    def at(self, time: float, name: str) -> float | None:
+        """Return a column at ``time`` [s], interpolated; None after the end."""
+        if time > self.t[-1] + 1e-9:
+            return None
+        return float(np.interp(time, self.t, self.column(name)))
+
+    def since(self, time: float) -> slice:
+        """Return the place of all rows from ``time`` [s] on."""
+        return slice(int(np.searchsorted(self.t, time - 1e-9)), None)
+
+
+@dataclass(frozen=True)
+class Manoeuvre(ABC):
+    """A schedule and its measures; the fields of each kind are its parameters.
+
+    What ``shows`` names is plotted over time, but "track" y over x; ``angle_deg`` is that of the
+    first control needed.
+    """
+
+    needs: ClassVar[tuple[str, ...]] = ()  # controls of the vehicle
+    compared: ClassVar[tuple[str, ...]] = ()  # columns judged by their change of change
+    shows: ClassVar[tuple[str, ...]] = ()
+    from_rest: ClassVar[bool] = False
+
+    @abstractmethod
+    def schedule(self, conn: Conn) -> Iterator[None]:
+        """Yield once for every cycle, orders given before."""
+
+    @abstractmethod
+    def measures(self, flight: Flight) -> list[Measure]:
+        """Return what the flight is measured by."""
+
+
+def fly(
+    vehicle: Vehicle, manoeuvre: Manoeuvre, speed: float, others: Sequence[float | None] = ()
+) -> Flight:
+    """Return the flight of a manoeuvre that begins at ``speed`` [m/s].
+
+    ``others`` are the events of a flight beside which this one is flown, as ``Conn`` has it.
+    ConfigError if the vehicle lacks a control or what is measured, or cannot start so.
+    """
+    check_controls(vehicle, manoeuvre.needs)
+    check_columns(vehicle, manoeuvre.compared)
+    vehicle.start(speed)
+    conn = Conn(vehicle, others)
+    lost, left = "", LONGEST
+    try:
+        with np.errstate(all="ignore"):  # what is lost is told by the vehicle
+            for _ in manoeuvre.schedule(conn):
+                vehicle.advance()
+                conn.look()
+                left -= 1
+                if left == 0:
+                    raise ConfigError(f"{vehicle.name}: does not end in {LONGEST} cycles")
+    except LostError as gone:
+        lost = str(gone)
+    table = conn.table
+    columns = {name: table[:, i] for i, name in enumerate(vehicle.columns)}
+    return Flight(
+        speed=speed,
+        length=vehicle.length,
+        step=vehicle.step,
+        series=Series(Path(vehicle.name), columns),
+        marks=tuple(conn.marks),
+        events=tuple(conn.events),
+        lost=lost,
+    )

@@ -1,0 +1,148 @@
+"""A manoeuvre flown for the command line: its report, page, plot and CSV file."""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+from trainer.analysis.compare import unit
+from trainer.analysis.manoeuvres.catalogue import PARAMETERS, adjusted, parameters
+from trainer.analysis.manoeuvres.flight import Flight, Manoeuvre, Mark, fly
+from trainer.analysis.manoeuvres.submarine import Rig, Submarine
+from trainer.analysis.manoeuvres.vehicle import Measure, Vehicle
+from trainer.analysis.report.plots import Curve, Panel
+from trainer.analysis.report.text import INDENT, figure, table, wrapped
+from trainer.boat.assemble import Method
+from trainer.config.files import ConfigError
+from trainer.config.vessel import VesselFile
+from trainer.io.atomic_write import write_whole
+from trainer.units import KNOT
+
+TRACK = "track"
+
+
+@dataclass(frozen=True)
+class Report:
+    """All that ``trainer manoeuvre`` says; measures SI and radians."""
+
+    vessel: str
+    manoeuvre: str
+    speed_kn: float  # at the start
+    parameters: dict[str, float]  # [deg] and [s]
+    method: Method | None  # of a boat; another vehicle computes as it does
+    rig: Rig | None
+    marks: tuple[Mark, ...]
+    measures: tuple[Measure, ...]
+    lost: str
+
+
+def flown(file: VesselFile, name: str, options: Mapping[str, Any]) -> tuple[Report, Flight]:
+    """Return report and flight of the manoeuvre of that name; ``options`` are the command's."""
+    runge_kutta = options["integrator"] in ("rk4", "rkv")
+    method = Method(
+        options["equations"],
+        options["rates"] or ("exact" if runge_kutta else "lagged"),
+        options["trig"],
+        options["integrator"],
+        options["step"] or file.run.step_s,
+    )
+    rig = Rig(options["controls"], options["trim"], options["law"])
+    boat = Submarine(file, method, rig)
+    report, flight = sailed(boat, name, options, file.run.start_speed_kn)
+    return replace(report, method=method, rig=rig), flight
+
+
+def sailed(
+    vehicle: Vehicle, name: str, options: Mapping[str, Any], usual: float
+) -> tuple[Report, Flight]:
+    """Return report and flight of the manoeuvre of that name by any vehicle.
+
+    It begins at ``usual`` [kn] unless ``options``, the command's, have another speed.
+    """
+    given = {key: options[key] for key in PARAMETERS if options[key] is not None}
+    manoeuvre = adjusted(name, vehicle, given)
+    flight = fly(vehicle, manoeuvre, _speed(manoeuvre, options["speed"], usual) * KNOT)
+    report = Report(
+        vessel=vehicle.name,
+        manoeuvre=name,
+        speed_kn=flight.speed / KNOT,
+        parameters=parameters(manoeuvre),
+        method=None,
+        rig=None,
+        marks=flight.marks,
+        measures=tuple(manoeuvre.measures(flight)),
+        lost=flight.lost,
+    )
+    return report, flight
+
+
+def _speed(manoeuvre: Manoeuvre, given: float | None, usual: float) -> float:
+    """Return the speed [kn] to start at; ConfigError if one is given to what starts at rest."""
+    if not manoeuvre.from_rest:
+        return usual if given is None else given
+    if given is not None:
+        raise ConfigError("--speed: this manoeuvre starts from rest")
+    return 0.0
+
+
+def render(report: Report) -> str:
+    """Return the report as text."""
+    given = ", ".join(f"{name} {value:g}" for name, value in report.parameters.items())
+    rows = [(one.name, *shown(one)) for one in report.measures]
+    lines = [
+        f"{report.vessel}: {report.manoeuvre}",
+        f"{INDENT}from {report.speed_kn:g} kn; {given or 'no parameters'} [deg, s]",
+        *_computed(report),
+        "",
+        *table(("measure", "", "unit"), rows),
+    ]
+    if report.lost:
+        lines += ["", *wrapped(f"LOST: {report.lost}")]
+    return "\n".join(lines)
+
+
+def _computed(report: Report) -> list[str]:
+    """Return how a boat was computed and rigged, nothing of another vehicle."""
+    method, rig = report.method, report.rig
+    if method is None or rig is None:
+        return []
+    computed = f"{method.equations} set, {method.rates} accelerations, {method.integrator}"
+    return [
+        f"{INDENT}{computed}, step {method.step:g} s",
+        f"{INDENT}controls: {rig.controls}; trim: {rig.trim}; depth law: {rig.law}",
+    ]
+
+
+def shown(one: Measure) -> tuple[str, str]:
+    """Return number and unit of a measure on a page: degrees for radians."""
+    if not one.unit.startswith("rad"):
+        return figure(one.value, ".4g"), one.unit
+    degrees = None if one.value is None else math.degrees(one.value)
+    return figure(degrees, ".4g"), one.unit.replace("rad", "deg")
+
+
+def panels(manoeuvre: Manoeuvre, flight: Flight) -> tuple[Panel, ...]:
+    """Return the panels of what the manoeuvre shows and the vehicle has, events marked."""
+    marks = tuple((mark.name, mark.t) for mark in flight.marks)
+    found = []
+    for name in manoeuvre.shows:
+        if name == TRACK:
+            curve = Curve("track", flight.column("y"), flight.column("x"))
+            found.append(Panel("track", "east [m]", "north [m]", (curve,)))
+        elif flight.has(name):
+            factor, of = unit(name)
+            curve = Curve(name, flight.t, factor * flight.column(name))
+            found.append(Panel(name, "time [s]", f"{name} [{of}]", (curve,), marks))
+    return tuple(found)
+
+
+def write_csv(flight: Flight, path: Path) -> None:
+    """Write all columns of a flight, every digit; ConfigError if that cannot be."""
+    columns = flight.series.columns
+    rows = zip(*(values.tolist() for values in columns.values()), strict=True)
+    lines = [",".join(columns), *(",".join(map(repr, row)) for row in rows)]
+    try:
+        write_whole(path, "\n".join(lines) + "\n")
+    except OSError as error:
+        raise ConfigError(f"--csv {path}: cannot be written: {error.strerror}") from None

@@ -1,0 +1,116 @@
+"""Changes of speed: in steps, to the utmost, and back to nothing."""
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import ClassVar, Final
+
+from trainer.analysis.manoeuvres.flight import Conn, Flight, Manoeuvre
+from trainer.analysis.manoeuvres.vehicle import (
+    Measure,
+    Watch,
+    first_time,
+    largest,
+    part,
+    share,
+    shown,
+)
+from trainer.units import KNOT
+
+STEP: Final = 5.0 * KNOT  # [m/s] of 1969; at most a third of what the vehicle makes
+READINGS: Final = (0.1, 0.25, 0.5, 0.6, 0.8, 1.0)  # of the duration
+
+
+@dataclass(frozen=True)
+class Acceleration(Manoeuvre):
+    """From rest, the engine ordered up in steps to full ahead and down in steps to stop."""
+
+    needs: ClassVar[tuple[str, ...]] = ("engine",)
+    compared: ClassVar[tuple[str, ...]] = ("u",)
+    shows: ClassVar[tuple[str, ...]] = ("u", "z")
+
+    each_s: float = 230.0
+    from_rest: ClassVar[bool] = True
+
+    def schedule(self, conn: Conn) -> Iterator[None]:
+        """Yield the cycles of the steps up and down."""
+        conn.vehicle.keep("depth")
+        most = conn.vehicle.controls["engine"].high
+        steps = math.ceil(most / min(STEP, most / 3.0) - 1e-9)
+        for i in [*range(1, steps + 1), *range(steps - 1, -1, -1)]:
+            conn.order("engine", most * i / steps)
+            conn.mark("step")
+            yield from conn.hold(self.each_s)
+
+    def measures(self, flight: Flight) -> list[Measure]:
+        """Return the speed before each step."""
+        ends = [*(mark.t for mark in flight.marks[1:]), float(flight.t[-1])]
+        top = float(flight.column("u").max())
+        speeds = [flight.at(end, "u") for end in ends]
+        return [part(f"speed after step {i}", "m/s", u, top) for i, u in enumerate(speeds, start=1)]
+
+
+@dataclass(frozen=True)
+class UtmostAcceleration(Manoeuvre):
+    """From rest, full ahead for half the time, then stop; depth kept where it can be."""
+
+    needs: ClassVar[tuple[str, ...]] = ("engine",)
+    compared: ClassVar[tuple[str, ...]] = ("u",)
+    shows: ClassVar[tuple[str, ...]] = ("u", "z")
+    from_rest: ClassVar[bool] = True
+
+    duration_s: float = 1000.0
+    ahead_kn: float | None = None  # None: full ahead
+
+    def schedule(self, conn: Conn) -> Iterator[None]:
+        """Yield the cycles ahead and stopped."""
+        conn.vehicle.keep("depth")
+        full = conn.vehicle.controls["engine"].high
+        conn.order("engine", full if self.ahead_kn is None else self.ahead_kn * KNOT)
+        conn.mark("ahead")
+        yield from conn.hold_to(0.5 * self.duration_s)
+        conn.order("engine", 0.0)
+        conn.mark("stop")
+        yield from conn.hold_to(self.duration_s)
+
+    def measures(self, flight: Flight) -> list[Measure]:
+        """Return speeds on the way, and how far the depth went."""
+        top = float(flight.column("u").max())
+        times = [part * self.duration_s for part in READINGS]
+        found = [
+            part(f"speed after {time:g} s", "m/s", flight.at(time, "u"), top) for time in times
+        ]
+        if flight.has("z"):
+            found.append(shown("largest depth change", "m", largest(flight.change("z"))))
+        return found
+
+
+@dataclass(frozen=True)
+class CrashStop(Manoeuvre):
+    """Full astern from steady speed until the way is off."""
+
+    needs: ClassVar[tuple[str, ...]] = ("engine",)
+    compared: ClassVar[tuple[str, ...]] = ()
+    shows: ClassVar[tuple[str, ...]] = ("u", "x")
+
+    duration_s: float = 600.0
+
+    def schedule(self, conn: Conn) -> Iterator[None]:
+        """Yield the cycles until the vehicle stands."""
+        conn.vehicle.keep("depth")
+        conn.order("engine", conn.vehicle.controls["engine"].low)
+        conn.mark("astern")
+        yield from conn.until(Watch("u", 0.0, -1.0), self.duration_s)
+
+    def measures(self, flight: Flight) -> list[Measure]:
+        """Return time, head reach, side reach and change of heading."""
+        stopped = first_time(flight.t, flight.column("u"), 0.0)
+        ahead = None if stopped is None else flight.at(stopped, "x")
+        aside = None if stopped is None else flight.at(stopped, "y")
+        return [
+            share("time to stop", "s", stopped),
+            share("head reach", "m", ahead),
+            share("head reach, in lengths", "-", None if ahead is None else ahead / flight.length),
+            shown("side reach", "m", aside),
+            shown("change of heading", "rad", float(flight.change("psi")[-1])),
+        ]

@@ -1,0 +1,213 @@
+"""A boat as a vehicle for manoeuvres, by its own controls or by those of the 1969 study."""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+
+from trainer.analysis.manoeuvres.vehicle import Control, LostError, Watch
+from trainer.analysis.neutral import trim_at
+from trainer.boat.assemble import Method
+from trainer.boat.boat import Boat
+from trainer.config.vessel import VesselFile
+from trainer.core import entry
+from trainer.core.actuators import move_surfaces
+from trainer.core.autopilot import OWN, REPORT, REPORT_LITERAL
+from trainer.core.integrators import advance
+from trainer.core.kernel import Numbers
+from trainer.core.propulsion import answer_telegraph
+from trainer.core.update import lost, outside
+
+COLUMNS: Final = (
+    *("t", "u", "v", "w", "p", "q", "r", "x", "y", "z", "phi", "theta", "psi"),
+    *("delta_r", "delta_s", "delta_b", "u_c"),
+)
+SURFACES: Final = {"rudder": ("rudder", "r"), "planes": ("stern", "s")}
+LAWS: Final = {"trainer": OWN, "report": REPORT, "literal": REPORT_LITERAL}
+DEEP: Final = 1000.0  # [m] room for any manoeuvre, and away from the surface
+STEEPEST: Final = math.radians(80.0)
+SPEED_GAIN: Final = 4.0  # [-] command speed per speed, and
+SPEED_RATE: Final = 0.2  # [1/s] per its integral
+AT_ONCE: Final = 1e9  # [rad/s]
+ROUNDING: Final = 1e-12  # [cycles]
+WATCHED: Final = {
+    "theta": entry.PITCH,
+    "size of theta": entry.PITCH_SIZE,
+    "psi": entry.HEADING,
+    "u": entry.SPEED,
+    "depth rate": entry.DEPTH_RATE,
+}
+
+
+@dataclass(frozen=True)
+class Rig:
+    """How a boat is handled in manoeuvres."""
+
+    controls: str = "own"  # "own" rates, lags and dead time, or at "once", as CONTR has them
+    trim: str = "own"  # neutral angles: the "own" equations' or those of the "full" set
+    law: str = "trainer"  # of depth keeping, a name of LAWS; without gains the report's
+
+
+class _Boat(Boat):
+    """A boat that also starts at rest, or in another boat's trim."""
+
+    model: Boat | None = None  # whose trim it takes
+
+    def trimmed(self, speed: float) -> bool:
+        """Bring the state into straight level flight at ``speed`` [m/s]."""
+        if speed == 0.0:
+            self.state.u = self.state.u_c = 0.0
+            return True
+        if self.model is None:
+            return super().trimmed(speed)
+        settled = trim_at(self.model, speed) is not None
+        for name in ("u", "v", "w", "phi", "theta", "delta_r", "delta_s", "delta_b", "u_c"):
+            self.state[name] = self.model.state[name]
+        return settled
+
+
+class Submarine:
+    """A boat under the orders of a manoeuvre."""
+
+    columns = COLUMNS
+
+    def __init__(self, file: VesselFile, method: Method, rig: Rig = Rig()) -> None:
+        """Fit the boat out."""
+        self.name = file.name
+        self.length = file.hull.length
+        self.step = method.step
+        self.boat = _Boat(file, method)
+        if rig.trim == "full":
+            self.boat.model = Boat(file, Method("full", "exact", "exact", "adams2", method.step))
+        self._at_once = rig.controls == "once"
+        self._law = LAWS[rig.law] if self.boat.automatic else max(LAWS[rig.law], REPORT)
+        self._neutral = {"rudder": 0.0, "planes": 0.0}
+        self._kept_speed: float | None = None
+        self._lookout = np.zeros(1, entry.LOOKOUT)
+        self._lookout["steepest"] = STEEPEST
+        if self._at_once:
+            own = self.boat.records.vessel
+            own["surface_rate"], own["surface_lag"] = AT_ONCE, 0.0
+            own["telegraph_dead_time"], own["propulsion_lag"] = 0.0, 0.0
+
+    @property
+    def controls(self) -> Mapping[str, Control]:
+        """Return the limits of its controls by name."""
+        c, toward = self.boat.vessel, self.boat.toward
+        found = {}
+        for control, (surface, letter) in SURFACES.items():
+            most = float(c[f"limit_{letter}"])
+            if toward[surface] and most > 0.0:
+                found[control] = Control(-most, most)
+        return found | {"engine": Control(float(c.u_c_astern), float(c.u_c_ahead))}
+
+    def start(self, speed: float) -> None:
+        """Begin anew in trim at ``speed`` [m/s], everything in hand; ConfigError if it cannot."""
+        self.boat.start(speed, DEEP, 0.0)
+        self._kept_speed = None
+        s = self.boat.state
+        s.by_hand[:] = 1.0
+        s.speed_by_hand = 1.0
+        s.ordered_u_c = s.telegraph_order = s.u_c
+        s.depth_law = self._law
+        self._neutral = {"rudder": float(s.delta_r), "planes": float(s.delta_s)}
+
+    def incline(self, heel: float) -> None:
+        """Heel the boat by ``heel`` [rad], without a rate."""
+        self.boat.state.phi = heel
+
+    def load(self, share: float) -> None:
+        """Take weight on, or lose it, at the centre of gravity: a ``share`` [-] of the boat's own.
+
+        Tanks and air are held as they are from then on.
+        """
+        self.boat.state.weight *= 1.0 + share
+        self.boat.state.held_tanks = 1.0
+
+    def order(self, control: str, value: float) -> None:
+        """Order a surface [rad] from neutral, or the command speed [m/s]."""
+        s = self.boat.state
+        if control == "engine":
+            s.speed_by_hand, s.ordered_u_c = 1.0, value
+            return
+        surface, letter = SURFACES[control]
+        s[f"{surface}_by_hand"] = 1.0
+        s[f"ordered_{letter}"] = self._neutral[control] + self.boat.toward[surface] * value
+
+    def keep(self, quantity: str) -> None:
+        """Leave "depth" to both pairs of planes, or "speed" to the propeller, as it is now."""
+        s = self.boat.state
+        if quantity == "speed":
+            if self.boat.automatic:
+                self._kept_speed = float(s.u)
+                s.ordered_speed, s.speed_trim, s.speed_by_hand = s.u, s.u_c - s.u, 0.0
+            return
+        s.ordered_depth = s.z
+        for surface, letter in (("stern", "s"), ("bow", "b")):
+            if self.boat.toward[surface] and self.boat.vessel[f"limit_{letter}"] > 0.0:
+                s[f"{surface}_by_hand"] = 0.0
+
+    def observe(self) -> tuple[float, ...]:
+        """Return the columns as they stand, SI and radians."""
+        return tuple(self.boat.numbers(COLUMNS))
+
+    def advance(self) -> None:
+        """Advance by one cycle; LostError if the numbers go astray."""
+        if self._kept_speed is not None:
+            self._make_speed(self._kept_speed)
+        self._check(self._moved() if self._at_once else self.boat.tick())
+
+    def _check(self, status: int) -> None:
+        """Check the tick just made; LostError if the numbers went astray."""
+        if status:
+            raise LostError(self.boat.failure(status))
+        s = self.boat.state
+        if abs(s.theta) > STEEPEST:
+            raise LostError(
+                f"pitch is {math.degrees(s.theta):.0f} degrees after {self.boat.time:g} s, "
+                "beyond what the equations are good for"
+            )
+
+    @property
+    def swift(self) -> bool:
+        """Return whether the tick is all that moves the boat."""
+        return self._kept_speed is None and not self._at_once
+
+    def sail(self, end: float, watch: Watch | None) -> Numbers:
+        """Advance to ``end`` [s], or until what is watched passes; return a row for each cycle."""
+        last = math.ceil(end / self.step - ROUNDING)
+        eye = self._lookout
+        eye["last"], eye["watched"], eye["status"] = last, entry.NOTHING, 0.0
+        if watch:
+            eye["watched"], eye["mark"] = WATCHED[watch.quantity], watch.mark
+            eye["side"] = watch.side
+        rows = np.empty((max(last - int(self.boat.state.tick), 0), len(COLUMNS)))
+        return rows[: entry.sail(tuple(self.boat.records), eye, rows)]
+
+    def sound(self) -> None:
+        """Check how the last ``sail`` ended; LostError if the numbers went astray in it."""
+        self._check(int(self._lookout["status"][0]))
+
+    def _make_speed(self, wanted: float) -> None:
+        """Let the autopilot's trim of speed bring the boat to a speed [m/s] in turns too.
+
+        By itself it learns that trim in straight flight alone, and a turn slows the boat down.
+        """
+        s, (low, high) = self.boat.state, self.controls["engine"]
+        more = SPEED_RATE * (wanted - float(s.u)) - SPEED_GAIN * float(s.udot)
+        command = float(s.ordered_speed + s.speed_trim) + self.step * more
+        s.speed_trim = min(max(command, low), high) - s.ordered_speed
+
+    def _moved(self) -> int:
+        """Advance with controls that act in the very cycle they are ordered in."""
+        vessel, _, _, state, scratch = records = self.boat.records
+        h = self.step
+        self.boat.stand_by()
+        move_surfaces(vessel, h, state)
+        answer_telegraph(vessel, h, state)
+        outside(vessel, state, scratch)
+        advance(*records)
+        state["tick"] += 1.0
+        return int(lost(state))

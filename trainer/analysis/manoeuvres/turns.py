@@ -1,0 +1,172 @@
+"""Turns: the rudder thrown over and held, at a depth that is kept or climbing."""
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import ClassVar, Final
+
+import numpy as np
+
+from trainer.analysis.manoeuvres.flight import Conn, Flight, Manoeuvre
+from trainer.analysis.manoeuvres.vehicle import (
+    Measure,
+    first_time,
+    largest,
+    part,
+    peaks,
+    share,
+    shown,
+)
+
+LAST: Final = 10  # a tenth of the turn is its end,
+SETTLED: Final = 0.1  # [-] of the last heel: it is steady that swings no more than this there
+SNAP: Final = 0.2  # [-] of the largest roll: a smaller first flick is none
+HEADING_AFTER: Final = 60.0  # [s] of rudder, when the heading is read
+
+
+@dataclass(frozen=True)
+class Turn(Manoeuvre):
+    """Rudder over to starboard and held; depth kept where it can be."""
+
+    needs: ClassVar[tuple[str, ...]] = ("rudder",)
+    compared: ClassVar[tuple[str, ...]] = ("u", "psi")
+    shows: ClassVar[tuple[str, ...]] = ("track", "psi", "phi", "u", "z")
+
+    angle_deg: float = 15.0  # rudder
+    duration_s: float = 300.0
+    keep: tuple[str, ...] = ("depth",)
+    lead_s: float = 5.0  # of straight motion
+
+    def schedule(self, conn: Conn) -> Iterator[None]:
+        """Yield the cycles of the turn."""
+        for quantity in self.keep:
+            conn.vehicle.keep(quantity)
+        yield from conn.hold(self.lead_s)
+        conn.order("rudder", math.radians(self.angle_deg))
+        conn.mark("rudder")
+        yield from conn.hold_to(self.duration_s)
+
+    def measures(self, flight: Flight) -> list[Measure]:
+        """Return circle, times, speed, roll and depth."""
+        return circle(flight) + steady(flight) + heel(flight) + depth(flight)
+
+
+@dataclass(frozen=True)
+class ClimbingTurn(Manoeuvre):
+    """Rudder over to starboard and planes to rise together, both held."""
+
+    needs: ClassVar[tuple[str, ...]] = ("rudder", "planes")
+    compared: ClassVar[tuple[str, ...]] = ("u", "z", "psi")
+    shows: ClassVar[tuple[str, ...]] = ("track", "z", "theta", "phi", "u")
+
+    angle_deg: float = 15.0  # rudder
+    planes_deg: float = 10.0
+    duration_s: float = 300.0
+    lead_s: float = 5.0
+
+    def schedule(self, conn: Conn) -> Iterator[None]:
+        """Yield the cycles of the turn."""
+        yield from conn.hold(self.lead_s)
+        conn.order("rudder", math.radians(self.angle_deg))
+        conn.order("planes", math.radians(self.planes_deg))
+        conn.mark("rudder")
+        yield from conn.hold_to(self.duration_s)
+
+    def measures(self, flight: Flight) -> list[Measure]:
+        """Return circle, speed, roll, pitch and climb.
+
+        Of a boat that the turn presses down as the planes lift her little climb is left, the
+        difference of much: it may differ by PERCENT of the fastest climb or sinking.
+        """
+        climbing = -np.diff(flight.column("z")) / np.diff(flight.t)
+        climb = [
+            share("steady pitch", "rad", float(flight.column("theta")[-1])),
+            part("steady climb", "m/s", float(climbing[-1]), largest(climbing)),
+        ]
+        return circle(flight) + steady(flight) + climb + heel(flight) + depth(flight)
+
+
+def circle(flight: Flight) -> list[Measure]:
+    """Return advance, transfer, tactical diameter and the times to get there.
+
+    The track is the origin's, from where it was when the rudder was ordered.
+    """
+    begin = flight.time_of("rudder") or 0.0
+    turned = abs(flight.change("psi"))
+    quarter, half = (first_time(flight.t, turned, angle) for angle in (math.pi / 2, math.pi))
+    heading = flight.at(begin + HEADING_AFTER, "psi")
+    change = None if heading is None else heading - float(flight.column("psi")[0])
+    return [
+        share("advance", "m", _run_since(flight, "x", begin, quarter)),
+        share("transfer", "m", _run_since(flight, "y", begin, quarter)),
+        share("tactical diameter", "m", _run_since(flight, "y", begin, half)),
+        share("time to 90 degrees", "s", None if quarter is None else quarter - begin),
+        share("time to 180 degrees", "s", None if half is None else half - begin),
+        share("heading after 60 s", "rad", change),
+    ]
+
+
+def _run_since(flight: Flight, name: str, begin: float, end: float | None) -> float | None:
+    """Return how far x or y has gone from ``begin`` to ``end`` [s]; None without an end."""
+    first, last = flight.at(begin, name), None if end is None else flight.at(end, name)
+    return None if first is None or last is None else abs(last - first)
+
+
+def yaw_rate(flight: Flight) -> float:
+    """Return the rate of the heading [rad/s] at the end, by exact kinematics."""
+    r = float(flight.column("r")[-1])
+    if not flight.has("theta"):
+        return r
+    q, phi, theta = (float(flight.column(name)[-1]) for name in ("q", "phi", "theta"))
+    return (q * math.sin(phi) + r * math.cos(phi)) / math.cos(theta)
+
+
+def steady(flight: Flight) -> list[Measure]:
+    """Return diameter, speed and rates at the end."""
+    u = float(flight.column("u")[-1])
+    v = float(flight.column("v")[-1])
+    yaw = yaw_rate(flight)
+    diameter = 2.0 * math.hypot(u, v) / abs(yaw) if yaw else None
+    return [
+        share("steady diameter", "m", diameter),
+        share("steady speed", "m/s", u),
+        share("steady speed, of the first", "-", u / flight.speed if flight.speed else None),
+        share("steady yaw rate", "rad/s", yaw),
+        share("steady drift angle", "rad", math.atan2(-v, u)),
+    ]
+
+
+def heel(flight: Flight) -> list[Measure]:
+    """Return the snap roll, which is the first extreme, the largest and the last heel.
+
+    The last one is judged if it is steady: a roll that still swings has none.
+    """
+    if not flight.has("phi"):
+        return []
+    begin = flight.time_of("rudder") or 0.0
+    after = flight.since(begin)
+    rolls = flight.change("phi")[after]
+    most = largest(rolls)
+    tops = [y for _, y in peaks(flight.t[after], rolls) if abs(y) > SNAP * abs(most)]
+    snap = tops[0] if tops else None
+    last = share("steady roll", "rad", float(rolls[-1]))
+    if np.ptp(rolls[-max(len(rolls) // LAST, 1) :]) > SETTLED * abs(rolls[-1]):
+        last = shown("steady roll", "rad", float(rolls[-1]))
+    return [
+        share("snap roll", "rad", snap),
+        share("largest roll", "rad", most),
+        last,
+    ]
+
+
+def depth(flight: Flight) -> list[Measure]:
+    """Return how far depth went either way, and where the planes were; not judged."""
+    if not flight.has("z"):
+        return []
+    found = [
+        shown("largest depth change", "m", largest(flight.change("z"))),
+        shown("last depth change", "m", float(flight.change("z")[-1])),
+    ]
+    if flight.has("delta_s"):
+        found.append(shown("largest plane change", "rad", largest(flight.change("delta_s"))))
+    return found

@@ -1,0 +1,250 @@
+"""What a manoeuvre needs of whatever flies it, be it a submarine, a ship or a torpedo.
+
+What a manoeuvre is measured by, and the general ways to read numbers from a flight.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Final, NamedTuple, Protocol, runtime_checkable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from trainer.config.files import ConfigError
+from trainer.core.kernel import Numbers
+
+
+class Control(NamedTuple):
+    """The limits of one control."""
+
+    low: float  # [rad], of the engine [m/s]
+    high: float
+
+
+class Watch(NamedTuple):
+    """A quantity that is looked at until it passes its mark."""
+
+    quantity: str  # a column, "size of theta" or "depth rate", which is without roll
+    mark: float  # [rad] or [m/s]
+    side: float = 1.0  # 1: at or above the mark is past it, -1: at or below
+
+
+class LostError(Exception):
+    """The vehicle's numbers are beyond all bounds; the text says which and when."""
+
+
+class Vehicle(Protocol):
+    """A vehicle in numbers, advanced cycle by cycle.
+
+    Columns are SI and radians, by the names of ``trainer run --csv``: t u v w p q r x y z phi theta
+    psi delta_r ...; a vehicle has those that mean something to it, t u v r x y psi at least.
+
+    Controls: ``rudder`` [rad] from its neutral angle, positive turns to starboard; ``planes`` [rad]
+    from theirs, positive raises the bow; ``engine``, the ordered speed [m/s], negative astern.
+    """
+
+    @property
+    def name(self) -> str:
+        """Return what it is called."""
+        ...
+
+    @property
+    def length(self) -> float:
+        """Return its length [m]."""
+        ...
+
+    @property
+    def step(self) -> float:
+        """Return the length of a cycle [s]."""
+        ...
+
+    @property
+    def columns(self) -> tuple[str, ...]:
+        """Return the names of what ``observe`` returns."""
+        ...
+
+    @property
+    def controls(self) -> Mapping[str, Control]:
+        """Return the limits of its controls by name."""
+        ...
+
+    def start(self, speed: float) -> None:
+        """Begin anew in steady, straight, level motion at ``speed`` [m/s]; at 0 lie still.
+
+        Controls stand at neutral and stay there. ConfigError if that cannot be.
+        """
+        ...
+
+    def incline(self, heel: float) -> None:
+        """Heel it by ``heel`` [rad] as it is, without a rate."""
+        ...
+
+    def order(self, control: str, value: float) -> None:
+        """Order a control; it acts from the coming cycle on."""
+        ...
+
+    def keep(self, quantity: str) -> None:
+        """Leave "depth" or "speed" as it is now to automatic control, where there is such."""
+        ...
+
+    def observe(self) -> tuple[float, ...]:
+        """Return its columns as they stand."""
+        ...
+
+    def advance(self) -> None:
+        """Advance by one cycle, controls held; LostError if its numbers go astray."""
+        ...
+
+
+@runtime_checkable
+class Swift(Protocol):
+    """A vehicle that can let many cycles pass at once, with the numbers of as many by one."""
+
+    @property
+    def swift(self) -> bool:
+        """Return whether it can as it is handled now."""
+        ...
+
+    def sail(self, end: float, watch: Watch | None) -> NDArray[np.float64]:
+        """Advance to ``end`` [s], or until what is watched passes; return a row for each cycle."""
+        ...
+
+    def sound(self) -> None:
+        """Check how the last ``sail`` ended; LostError if the numbers went astray in it."""
+        ...
+
+
+def limit(vehicle: Vehicle, control: str) -> float:
+    """Return how far [rad] a surface goes to both sides."""
+    low, high = vehicle.controls[control]
+    return min(-low, high)
+
+
+def check_controls(vehicle: Vehicle, needed: tuple[str, ...]) -> None:
+    """Check that the vehicle has the controls; ConfigError if it lacks one."""
+    for control in needed:
+        if control not in vehicle.controls:
+            known = ", ".join(vehicle.controls)
+            raise ConfigError(
+                f"{vehicle.name}: the manoeuvre needs a control {control!r}, "
+                f"and it has {known} alone"
+            )
+
+
+def check_columns(vehicle: Vehicle, needed: tuple[str, ...]) -> None:
+    """Check that the vehicle has the columns; ConfigError if it lacks one."""
+    for column in needed:
+        if column not in vehicle.columns:
+            known = ", ".join(vehicle.columns)
+            raise ConfigError(
+                f"{vehicle.name}: the manoeuvre is measured by {column}, and it has {known} alone"
+            )
+
+
+PERCENT: Final = 5.0  # [%] by which two flights may differ
+SECONDS: Final = 5.0  # [s] by which their zero crossings may
+MOST: Final = 6  # peaks, and crossings, of one quantity
+DEAD: Final = 2e-3  # [-] of the first swing: a smaller one is not told
+FAINT: Final = 0.05  # [-] of the first swing: a smaller one is shown and not judged
+
+
+@dataclass(frozen=True)
+class Measure:
+    """One number of a manoeuvre, SI and radians."""
+
+    name: str
+    unit: str  # "m", "s", "rad", ...; "-" of a ratio
+    value: float | None  # None: it never came to that
+    allowed: float | None = None  # difference allowed to another flight; None: shown, not judged
+
+
+def share(name: str, unit: str, value: float | None) -> Measure:
+    """Return a measure that may differ by PERCENT of itself."""
+    return Measure(name, unit, value, None if value is None else abs(value) * PERCENT / 100.0)
+
+
+def part(name: str, unit: str, value: float | None, whole: float) -> Measure:
+    """Return a measure that may differ by PERCENT of ``whole``, the largest of its kind."""
+    return Measure(name, unit, value, abs(whole) * PERCENT / 100.0)
+
+
+def shown(name: str, unit: str, value: float | None) -> Measure:
+    """Return a measure that is not judged."""
+    return Measure(name, unit, value)
+
+
+def first_time(t: Numbers, values: Numbers, level: float) -> float | None:
+    """Return when ``values`` first pass ``level`` upwards or downwards, interpolated; None: never.
+
+    Which way is told by the side on which they begin.
+    """
+    above = values >= level if values[0] < level else values <= level
+    place = int(np.argmax(above))
+    if not above[place]:
+        return None
+    return _between(t, values, place, level)
+
+
+def _between(t: Numbers, values: Numbers, place: int, level: float) -> float:
+    """Return the time of ``level`` between ``place`` - 1 and ``place``."""
+    if place == 0 or values[place] == values[place - 1]:
+        return float(t[place])
+    part = (level - values[place - 1]) / (values[place] - values[place - 1])
+    return float(t[place - 1] + part * (t[place] - t[place - 1]))
+
+
+@dataclass(frozen=True)
+class Swing:
+    """One swing of an angle about zero."""
+
+    t: float  # [s] of its extreme
+    peak: float  # with its sign
+    begins: float | None  # [s] when it left zero; None: before what is looked at
+
+
+def peaks(t: Numbers, values: Numbers) -> list[tuple[float, float]]:
+    """Return (time, value) of each extreme in which ``values`` turn, in order.
+
+    A flat top counts once, at its beginning; what merely hesitates does not count.
+    """
+    steps = np.diff(values)
+    moving = np.flatnonzero(steps)
+    rising = steps[moving] > 0.0
+    places = moving[:-1][rising[:-1] != rising[1:]] + 1
+    return list(zip(t[places].tolist(), values[places].tolist(), strict=True))
+
+
+def crossings(t: Numbers, values: Numbers) -> list[float]:
+    """Return the times [s] at which ``values`` change sign, interpolated."""
+    places = np.flatnonzero((values[:-1] * values[1:] < 0.0) | (values[1:] == 0.0)) + 1
+    return [_between(t, values, int(i), 0.0) for i in places]
+
+
+def swing_measures(name: str, unit: str, t: Numbers, values: Numbers) -> list[Measure]:
+    """Return the peaks of a swinging quantity and its zero crossings from the first peak on.
+
+    Peaks may differ by PERCENT of the first, crossings by SECONDS; a crossing is judged if a swing
+    of more than FAINT of the first follows it.
+    """
+    tops = peaks(t, values)
+    if not tops:
+        return [shown(f"{name} peak 1", unit, None)]
+    begin, first = tops[0]
+    allowed = abs(first) * PERCENT / 100.0
+    faint = FAINT * abs(first)
+    found = []
+    for i, (when, value) in enumerate(tops[:MOST], start=1):
+        if abs(value) < DEAD * abs(first):
+            break
+        found.append(Measure(f"{name} peak {i}", unit, value, allowed))
+        found.append(shown(f"time of {name} peak {i}", "s", when))
+    zeros = [at for at in crossings(t, values) if at > begin]
+    for i, when in enumerate(zeros[:MOST], start=1):
+        strong = any(abs(value) >= faint for at, value in tops if at > when)
+        found.append(Measure(f"{name} zero {i}", "s", when, SECONDS if strong else None))
+    return found
+
+
+def largest(values: Numbers) -> float:
+    """Return the value farthest from zero, with its sign."""
+    return float(values[int(np.argmax(np.abs(values)))])

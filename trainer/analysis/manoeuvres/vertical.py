@@ -1,0 +1,269 @@
+"""Small disturbances: planes offset and held, a pulse of one control, a heel let go.
+
+The meander of 1969: planes to rise until a pitch, then neutral, and what the boat does of it.
+
+The vertical overshoot of 1969: planes reversed at a pitch, until the depth turns back.
+"""
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import ClassVar, Final
+
+from trainer.analysis.manoeuvres.flight import Conn, Flight, Manoeuvre
+from trainer.analysis.manoeuvres.vehicle import (
+    Measure,
+    Watch,
+    crossings,
+    largest,
+    peaks,
+    share,
+    shown,
+    swing_measures,
+)
+
+LEAD: Final = 2.0  # [s] of straight flight
+CYCLES: Final = 5  # of a decay that are told
+
+
+@dataclass(frozen=True)
+class TrimChange(Manoeuvre):
+    """The longitudinal trim of 1969: planes offset to dive, and held."""
+
+    needs: ClassVar[tuple[str, ...]] = ("planes",)
+    compared: ClassVar[tuple[str, ...]] = ("u", "z", "theta", "w")
+    shows: ClassVar[tuple[str, ...]] = ("theta", "z", "u", "w")
+
+    angle_deg: float = 3.0  # planes
+    duration_s: float = 240.0
+    lead_s: float = LEAD
+
+    def schedule(self, conn: Conn) -> Iterator[None]:
+        """Yield the cycles of the offset."""
+        yield from conn.hold(self.lead_s)
+        conn.order("planes", -math.radians(self.angle_deg))
+        conn.mark("planes")
+        yield from conn.hold_to(self.duration_s)
+
+    def measures(self, flight: Flight) -> list[Measure]:
+        """Return how much of everything the offset changes by its end."""
+        return [
+            shown("last change of speed", "m/s", float(flight.change("u")[-1])),
+            shown("last change of pitch", "rad", float(flight.change("theta")[-1])),
+            shown("last change of depth", "m", float(flight.change("z")[-1])),
+            shown("last change of w", "m/s", float(flight.change("w")[-1])),
+            shown("largest pitch rate", "rad/s", largest(flight.column("q"))),
+        ]
+
+
+@dataclass(frozen=True)
+class Impulse(Manoeuvre):
+    """A short pulse of the planes, and the modes that the pitch then shows."""
+
+    needs: ClassVar[tuple[str, ...]] = ("planes",)
+    compared: ClassVar[tuple[str, ...]] = ("theta",)
+    shows: ClassVar[tuple[str, ...]] = ("theta", "q")
+    control: ClassVar[str] = "planes"
+    column: ClassVar[str] = "theta"
+    called: ClassVar[str] = "pitch"
+
+    angle_deg: float = 5.0  # control
+    pulse_lengths: float = 0.5  # run while it lasts
+    duration_s: float = 200.0
+
+    def schedule(self, conn: Conn) -> Iterator[None]:
+        """Yield the cycles of pulse and response."""
+        yield from conn.hold(LEAD)
+        conn.order(self.control, math.radians(self.angle_deg))
+        conn.mark("pulse")
+        yield from conn.hold(self.pulse_lengths * conn.vehicle.length / conn.value("u"))
+        conn.order(self.control, 0.0)
+        conn.mark("neutral")
+        yield from conn.hold_to(self.duration_s)
+
+    def measures(self, flight: Flight) -> list[Measure]:
+        """Return the response's size and the swings it makes."""
+        after = flight.since(flight.time_of("neutral") or 0.0)
+        response = flight.change(self.column)
+        found = [share(f"largest {self.called}", "rad", largest(response))]
+        tops = peaks(flight.t[after], response[after])
+        period, ratio = swing(tops)
+        return [
+            *found,
+            shown("period of its swing", "s", period),
+            shown("damping ratio of its swing", "-", ratio),
+        ]
+
+
+@dataclass(frozen=True)
+class RudderImpulse(Impulse):
+    """A short pulse of the rudder, and the roll that follows."""
+
+    needs: ClassVar[tuple[str, ...]] = ("rudder",)
+    compared: ClassVar[tuple[str, ...]] = ("phi",)
+    shows: ClassVar[tuple[str, ...]] = ("phi", "r")
+    control: ClassVar[str] = "rudder"
+    column: ClassVar[str] = "phi"
+    called: ClassVar[str] = "roll"
+
+
+def swing(tops: list[tuple[float, float]]) -> tuple[float | None, float | None]:
+    """Return period [s] and damping ratio [-] that extremes show; None of fewer than three.
+
+    From the ranges between neighbouring extremes, so that a slow drift does not count.
+    """
+    if len(tops) < 3:
+        return None, None
+    (t1, y1), (_, y2), (t3, y3) = tops[:3]
+    decrement = math.log(abs((y1 - y2) / (y2 - y3))) if y1 != y2 != y3 else 0.0
+    return t3 - t1, decrement / math.hypot(math.pi, decrement)
+
+
+@dataclass(frozen=True)
+class RollDecay(Manoeuvre):
+    """Lying still, heeled and let go."""
+
+    needs: ClassVar[tuple[str, ...]] = ()
+    compared: ClassVar[tuple[str, ...]] = ("phi",)
+    shows: ClassVar[tuple[str, ...]] = ("phi",)
+    from_rest: ClassVar[bool] = True
+
+    angle_deg: float = 5.0  # heel
+    duration_s: float = 70.0
+
+    def schedule(self, conn: Conn) -> Iterator[None]:
+        """Yield the cycles of the decay."""
+        conn.vehicle.incline(math.radians(self.angle_deg))
+        conn.mark("let go")
+        yield from conn.hold_to(self.duration_s)
+
+    def measures(self, flight: Flight) -> list[Measure]:
+        """Return the period, and the amplitude once every cycle."""
+        roll = flight.column("phi")
+        zeros = crossings(flight.t, roll)
+        begin = zeros[0] if zeros else math.inf
+        crests = [y for t, y in peaks(flight.t, roll) if y > 0.0 and t > begin][:CYCLES]
+        amplitudes = [math.radians(self.angle_deg), *crests]
+        swings = (len(zeros) - 1) // 2  # whole ones between the first and the last zero
+        period = (zeros[2 * swings] - begin) / swings if swings > 0 else None
+        found = [share("period", "s", period)]
+        for i, (before, amplitude) in enumerate(pairwise(amplitudes), 1):
+            found.append(share(f"amplitude after cycle {i}", "rad", amplitude))
+            found.append(shown(f"kept over cycle {i}", "-", amplitude / before))
+        return found
+
+
+@dataclass(frozen=True)
+class Meander(Manoeuvre):
+    """Planes to rise until the pitch reaches its mark, then neutral, and held."""
+
+    needs: ClassVar[tuple[str, ...]] = ("planes",)
+    compared: ClassVar[tuple[str, ...]] = ("u", "z", "theta")
+    shows: ClassVar[tuple[str, ...]] = ("theta", "z", "u", "delta_s")
+
+    angle_deg: float = 20.0  # planes
+    execute_deg: float = 10.0  # pitch, absolute
+    duration_s: float = 400.0
+
+    def schedule(self, conn: Conn) -> Iterator[None]:
+        """Yield the cycles of the meander."""
+        execute = math.radians(self.execute_deg)
+        yield from conn.hold(LEAD)
+        conn.order("planes", math.radians(self.angle_deg))
+        conn.mark("planes")
+        reached = yield from conn.until(
+            Watch("size of theta", execute), self.duration_s - conn.time
+        )
+        if not reached:
+            return
+        conn.order("planes", 0.0)
+        conn.mark("execute")
+        yield from conn.hold_to(self.duration_s)
+
+    def measures(self, flight: Flight) -> list[Measure]:
+        """Return the execute, peaks and zeros of the pitch from neutral, and its damping."""
+        execute = flight.time_of("execute")
+        found = [shown("time of execute", "s", execute)]
+        if execute is None:
+            return found
+        after = flight.since(execute)
+        t, pitch = flight.t[after], flight.change("theta")[after]
+        found += swing_measures("pitch", "rad", t, pitch)
+        return [*found, shown("damping ratio", "-", half_cycle_damping(found))]
+
+
+def half_cycle_damping(found: list[Measure]) -> float | None:
+    """Return the damping ratio [-] that the first two pitch peaks show; None without a second.
+
+    Half a cycle takes an oscillation of damping ratio d to exp(-pi d/sqrt(1 - d^2)) of itself.
+    """
+    tops = {one.name: one.value for one in found if one.value}
+    first, second = tops.get("pitch peak 1"), tops.get("pitch peak 2")
+    if not first or not second or first * second > 0.0:
+        return None
+    decrement = math.log(abs(first / second))
+    return decrement / math.hypot(math.pi, decrement)
+
+
+EARLY: Final = 1e-9  # [s] rounding
+
+
+@dataclass(frozen=True)
+class Overshoot(Manoeuvre):
+    """Planes to rise until a pitch, to dive as far until the depth turns back, then neutral."""
+
+    needs: ClassVar[tuple[str, ...]] = ("planes",)
+    compared: ClassVar[tuple[str, ...]] = ("u", "z", "theta")
+    shows: ClassVar[tuple[str, ...]] = ("theta", "z", "u", "delta_s")
+
+    angle_deg: float = 20.0  # planes
+    execute_deg: float = 5.0  # pitch, absolute
+    duration_s: float = 200.0
+
+    def schedule(self, conn: Conn) -> Iterator[None]:
+        """Yield the cycles of the overshoot."""
+        angle, execute = math.radians(self.angle_deg), math.radians(self.execute_deg)
+        yield from conn.hold(LEAD)
+        conn.order("planes", angle)
+        conn.mark("planes")
+        reached = yield from conn.until(
+            Watch("size of theta", execute), self.duration_s - conn.time
+        )
+        if not reached:
+            return
+        conn.order("planes", -angle)
+        conn.mark("execute")
+        rising = not conn.passed(Watch("depth rate", 0.0))
+        turning = Watch("depth rate", 0.0, 1.0 if rising else -1.0)
+        reached = yield from conn.until(turning, self.duration_s - conn.time)
+        if not reached:
+            return
+        conn.order("planes", 0.0)
+        conn.mark("reversal")
+        yield from conn.hold_to(self.duration_s)
+
+    def measures(self, flight: Flight) -> list[Measure]:
+        """Return times, overshoot angle, depth and speed lost, pitch peaks and zeros."""
+        execute, reversal = flight.time_of("execute"), flight.time_of("reversal")
+        found = [shown("time of execute", "s", execute), shown("time of reversal", "s", reversal)]
+        if execute is None:
+            return found
+        pitch, depth = flight.column("theta"), flight.change("z")
+        begin = int(flight.t.searchsorted(execute - EARLY))
+        until = len(pitch)
+        if reversal is not None:
+            until = int(flight.t.searchsorted(reversal)) + 1
+        sense = math.copysign(1.0, pitch[begin])  # the pitch at the execute goes on this way
+        top, deep = int((sense * pitch[:until]).argmax()), int(abs(depth[:until]).argmax())
+        peak = float(pitch[top])
+        found += [
+            share("largest pitch", "rad", peak),
+            shown("time of largest pitch", "s", float(flight.t[top])),
+            shown("overshoot angle", "rad", abs(peak) - math.radians(self.execute_deg)),
+            share("depth change", "m", float(depth[deep])),
+            shown("time of depth change", "s", float(flight.t[deep])),
+        ]
+        after = flight.since(execute)
+        t, swing = flight.t[after], flight.change("theta")[after]
+        return found + swing_measures("pitch", "rad", t, swing)

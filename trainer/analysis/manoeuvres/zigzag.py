@@ -1,0 +1,149 @@
+"""Zig-zags: a control thrown over to the other side whenever an angle reaches its mark."""
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import ClassVar, Final
+
+from trainer.analysis.manoeuvres.flight import Conn, Flight, Manoeuvre
+from trainer.analysis.manoeuvres.vehicle import (
+    Measure,
+    Watch,
+    first_time,
+    largest,
+    peaks,
+    share,
+    shown,
+)
+from trainer.core.kernel import Numbers
+
+LEAD: Final = 2.0  # [s] of straight motion
+SWINGS: Final = 4  # peaks that are told
+
+
+@dataclass(frozen=True)
+class ZigZag(Manoeuvre):
+    """Rudder from side to side, first to starboard."""
+
+    needs: ClassVar[tuple[str, ...]] = ("rudder",)
+    compared: ClassVar[tuple[str, ...]] = ("u",)
+    shows: ClassVar[tuple[str, ...]] = ("psi", "delta_r", "phi", "u")
+    control: ClassVar[str] = "rudder"
+    watched: ClassVar[str] = "psi"
+    called: ClassVar[str] = "heading"
+    rate: ClassVar[str] = "r"
+    keep: ClassVar[tuple[str, ...]] = ("depth",)
+
+    angle_deg: float = 20.0  # control
+    execute_deg: float = 20.0  # heading
+    duration_s: float = 300.0
+    first: float = 1.0  # -1: to the other side first
+
+    def schedule(self, conn: Conn) -> Iterator[None]:
+        """Yield the cycles of the zig-zag; angles count from the start."""
+        for quantity in self.keep:
+            conn.vehicle.keep(quantity)
+        level = conn.value(self.watched)
+        angle, execute = math.radians(self.angle_deg), math.radians(self.execute_deg)
+        yield from conn.hold(LEAD)
+        side = math.copysign(1.0, self.first)
+        while conn.time < self.duration_s:
+            conn.order(self.control, side * angle)
+            conn.mark("execute")
+            mark = level + side * execute
+            watch = Watch(self.watched, mark, side)
+            reached = yield from conn.until(watch, self.duration_s - conn.time)
+            if not reached:
+                return
+            side = -side
+
+    def measures(self, flight: Flight) -> list[Measure]:
+        """Return executes, peaks, overshoots, rates, crossings, speed and track."""
+        t = flight.t
+        angle = math.copysign(1.0, self.first) * flight.change(self.watched)
+        executes = [mark.t for mark in flight.marks]
+        if not executes:
+            return [shown("time of execute 2", "s", None)]
+        begin = executes[0]
+        found = self._swings(t, angle, executes)
+        rates = math.copysign(1.0, self.first) * flight.column(self.rate)
+        found += [
+            share("largest rate", "rad/s", float(rates.max())),
+            share("smallest rate", "rad/s", float(rates.min())),
+            share("last speed, of the first", "-", float(flight.column("u")[-1]) / flight.speed),
+        ]
+        if len(executes) > 1:
+            found.insert(0, share("time of execute 2", "s", executes[1] - begin))
+        return found + self.track(flight)
+
+    def _swings(self, t: Numbers, angle: Numbers, executes: list[float]) -> list[Measure]:
+        """Return peak, its time and overshoot of the swings, and the zeros between."""
+        begin, mark = executes[0], math.radians(self.execute_deg)
+        tops = [top for top in peaks(t, angle) if abs(top[1]) >= mark][:SWINGS]
+        found = []
+        for i, (when, value) in enumerate(tops, start=1):
+            found += [
+                share(f"{self.called} peak {i}", "rad", value),
+                share(f"time of {self.called} peak {i}", "s", when - begin),
+                shown(f"{self.called} overshoot {i}", "rad", abs(value) - mark),
+            ]
+            after = t > when
+            zero = first_time(t[after], angle[after], 0.0) if after.any() else None
+            if zero is not None:
+                found.append(share(f"time of {self.called} zero {i}", "s", zero - begin))
+        for i, (when, _) in enumerate(tops[1:], start=2):
+            ratio = (when - begin) / (tops[0][0] - begin)
+            found.append(share(f"time of peak {i}, of the first's", "-", ratio))
+        return found
+
+    def track(self, flight: Flight) -> list[Measure]:
+        """Return the sideways track and the roll.
+
+        The first run to the side is judged; the largest of many also has in it the mean heading,
+        which the cycle of each execute takes its small part in.
+        """
+        side = math.copysign(1.0, self.first)
+        aside = side * flight.change("y")
+        most = float(aside.max())
+        runs = [y for _, y in peaks(flight.t, aside) if y > 0.5 * most]
+        found = [
+            share("first sideways run", "m", runs[0] if runs else None),
+            shown("largest sideways run", "m", most),
+        ]
+        if flight.has("phi"):
+            rolls = side * flight.column("phi")
+            found += [
+                share("largest roll", "rad", float(rolls.max())),
+                share("smallest roll", "rad", float(rolls.min())),
+            ]
+        return found
+
+
+@dataclass(frozen=True)
+class VerticalZigZag(ZigZag):
+    """Planes from side to side, first to rise."""
+
+    needs: ClassVar[tuple[str, ...]] = ("planes",)
+    compared: ClassVar[tuple[str, ...]] = ("u",)
+    shows: ClassVar[tuple[str, ...]] = ("theta", "delta_s", "z", "u")
+    control: ClassVar[str] = "planes"
+    watched: ClassVar[str] = "theta"
+    called: ClassVar[str] = "pitch"
+    rate: ClassVar[str] = "q"
+    keep: ClassVar[tuple[str, ...]] = ()
+
+    angle_deg: float = 10.0  # control
+    execute_deg: float = 10.0  # pitch
+    duration_s: float = 200.0
+
+    def track(self, flight: Flight) -> list[Measure]:
+        """Return the first turning points of depth, in metres and in lengths."""
+        turned = [mark.t for mark in flight.marks][1:2]  # before it depth may turn as a plane bites
+        tops = [top for top in peaks(flight.t, flight.change("z")) if turned and top[0] > turned[0]]
+        first = tops[0][1] if tops else None
+        lengths = None if first is None else abs(first) / flight.length
+        return [
+            share("first depth excursion", "m", first),
+            share("first depth excursion, in lengths", "-", lengths),
+            shown("largest depth change", "m", largest(flight.change("z"))),
+        ]

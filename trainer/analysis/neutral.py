@@ -1,0 +1,253 @@
+"""Planes for straight level flight, and the speed at which they reverse: program EC470.
+
+[ASSES] EC470 with errata F1-F4: pitch equals the angle of attack, q = 0, weight equals buoyancy,
+x_G = 0, one pair of planes deflected and the other at zero. With t = w/u, h = t/sqrt(1 + t^2) and
+R2 = 2 (z_B B - z_G W)/(rho L^3), normal force and pitching moment vanish where
+
+    Z_waw t|t| + Z_ww t^2 + Z_w t + Z_aw |t| + Z_star + Z_d d = 0
+    M_waw t|t| + M_ww t^2 + M_w t + M_aw |t| + M_star + M_d d + R2 h/u^2 = 0
+
+M_d times the first less Z_d times the second has no d: q(t) = k h/u^2, with k = Z_d R2 and q a
+parabola on either side of t = 0. All its roots are found: between neighbouring stationary points of
+q/h, which are roots of a quartic, there is at most one.
+"""
+
+import math
+from collections.abc import Iterable
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import Final, NamedTuple
+
+import numpy as np
+
+from trainer.analysis.check import critical_speed
+from trainer.boat.assemble import Method
+from trainer.boat.boat import Boat
+from trainer.config.vessel import VesselFile
+from trainer.core.trim import STERN, trim
+from trainer.units import KNOT
+
+PLANES: Final = ("stern", "bow")
+STEEPEST: Final = math.tan(math.radians(85.0))  # [-] |w|/u looked at; the equations end before
+REAL: Final = 1e-9  # [-] of a root: an imaginary part below it is rounding
+HALVINGS: Final = 200
+
+
+class Side(NamedTuple):
+    """square t^2 + slope t + constant = couple/u^2 h(t), on one side of t = 0, with t = |w|/u."""
+
+    square: float  # [-]
+    slope: float  # [-]
+    constant: float  # [-]
+    couple: float  # [speed squared]
+
+
+@dataclass(frozen=True)
+class Angles:
+    """One solution: level flight by one pair of planes."""
+
+    w_m_s: float
+    pitch_deg: float  # equal to the angle of attack
+    plane_deg: float
+    within_limit: bool  # of the planes
+
+
+@dataclass(frozen=True)
+class Flight:
+    """All solutions by one pair of planes at one speed, the smallest |w| first."""
+
+    plane: str
+    speed_kn: float
+    solutions: tuple[Angles, ...]
+
+
+@dataclass(frozen=True)
+class Trim:
+    """Level flight by the stern planes in the boat's own equations, bow planes at zero."""
+
+    speed_kn: float
+    w_m_s: float
+    pitch_deg: float
+    stern_planes_deg: float
+    u_c_m_s: float  # command speed that keeps the speed
+
+
+@dataclass(frozen=True)
+class Neutral:
+    """All that ``trainer neutral`` says about a vessel."""
+
+    vessel: str
+    critical_speed_kn: dict[str, float | None]  # by plane, linear; None: none
+    fold_speeds_kn: dict[str, tuple[float, ...]]  # where the number of solutions changes
+    flights: tuple[Flight, ...]
+    trims: tuple[Trim | None, ...]  # by speed; None: Newton's method finds none
+    remarks: tuple[str, ...]
+
+
+def sides(file: VesselFile, plane: str) -> tuple[Side, Side]:
+    """Return the equation for w > 0 and for w < 0 by the "stern" or "bow" planes."""
+    c, hull = file.coefficients, file.hull
+    force, moment = c[f"Z_d{plane[0]}"], c[f"M_d{plane[0]}"]
+
+    def part(name: str) -> float:
+        return moment * c[f"Z_{name}"] - force * c[f"M_{name}"]
+
+    couple = 2.0 * (hull.cb[2] * hull.buoyancy - hull.cg[2] * hull.weight)
+    couple *= force / (file.fluid.rho * hull.length**3)
+    down = Side(part("ww") + part("waw"), part("w") + part("aw"), part("star"), couple)
+    up = Side(part("ww") - part("waw"), part("aw") - part("w"), part("star"), -couple)
+    return down, up
+
+
+def needed(side: Side, t: float) -> float:
+    """Return couple/u^2 [-] at which ``t`` > 0 is a solution."""
+    parabola = (side.square * t + side.slope) * t + side.constant
+    return parabola * math.hypot(1.0, t) / t
+
+
+def turning_points(side: Side) -> list[float]:
+    """Return the t > 0 at which ``needed`` is stationary, in order.
+
+    Roots of 2 square t^4 + slope t^3 + square t^2 - constant.
+    """
+    found = np.roots([2.0 * side.square, side.slope, side.square, 0.0, -side.constant])
+    real = [float(t.real) for t in found if abs(t.imag) <= REAL * abs(t)]
+    return sorted({t for t in real if 0.0 < t < STEEPEST})
+
+
+def solutions(side: Side, square_of_speed: float) -> list[float]:
+    """Return every t = |w|/u > 0 up to STEEPEST that solves ``side`` at that u^2."""
+    wanted = side.couple / square_of_speed
+    at_zero = math.copysign(math.inf, side.constant) if side.constant else side.slope - wanted
+
+    def excess(t: float) -> float:
+        return needed(side, t) - wanted if t > 0.0 else at_zero
+
+    found = []
+    for low, high in pairwise([0.0, *turning_points(side), STEEPEST]):
+        if (excess(low) > 0.0) != (excess(high) > 0.0):
+            found.append(_between(side, wanted, low, high))
+    return found
+
+
+def _between(side: Side, wanted: float, low: float, high: float) -> float:
+    """Return the one root between ``low`` and ``high``, by halving down to the last bit."""
+    rising = needed(side, high) > wanted
+    for _ in range(HALVINGS):
+        middle = 0.5 * (low + high)
+        if not low < middle < high:
+            break
+        if (needed(side, middle) > wanted) == rising:
+            high = middle
+        else:
+            low = middle
+    return high
+
+
+def level_flight(file: VesselFile, plane: str, speed: float) -> list[tuple[float, float]]:
+    """Return all (w/u [-], plane angle [rad]) at ``speed`` > 0, the smallest |w| first.
+
+    Empty if the boat has no such planes. Any consistent units.
+    """
+    if not file.coefficients[f"Z_d{plane[0]}"] and not file.coefficients[f"M_d{plane[0]}"]:
+        return []
+    down, up = sides(file, plane)
+    slopes = [*solutions(down, speed**2), *(-t for t in solutions(up, speed**2))]
+    if down.constant == 0.0:
+        slopes.append(0.0)
+    return [(t, plane_angle(file, plane, t, speed)) for t in sorted(slopes, key=abs)]
+
+
+def plane_angle(file: VesselFile, plane: str, t: float, speed: float) -> float:
+    """Return the plane angle [rad] that balances force and moment at the solution ``t`` = w/u."""
+    c, hull = file.coefficients, file.hull
+    couple = 2.0 * (hull.cb[2] * hull.buoyancy - hull.cg[2] * hull.weight)
+    couple /= file.fluid.rho * hull.length**3
+
+    def part(axis: str) -> float:
+        even = c[f"{axis}_ww"] * t * t + c[f"{axis}_aw"] * abs(t) + c[f"{axis}_star"]
+        return even + c[f"{axis}_waw"] * t * abs(t) + c[f"{axis}_w"] * t
+
+    force, moment = c[f"Z_d{plane[0]}"], c[f"M_d{plane[0]}"]
+    pitching = part("M") + couple * t / math.hypot(1.0, t) / speed**2
+    # both vanish: the larger lever decides, where one of them is zero the other
+    return -(force * part("Z") + moment * pitching) / (force**2 + moment**2)
+
+
+def fold_speeds(file: VesselFile, plane: str) -> list[float]:
+    """Return the speeds at which two solutions meet and vanish, in order. Any consistent units."""
+    speeds = []
+    for side in sides(file, plane):
+        for t in turning_points(side):
+            square = side.couple / needed(side, t) if needed(side, t) else 0.0
+            if square > 0.0:
+                speeds.append(math.sqrt(square))
+    return sorted(speeds)
+
+
+def trim_at(boat: Boat, speed: float) -> Trim | None:
+    """Return trim of the boat's own equations at ``speed`` [m/s]; None if none is found.
+
+    The search begins at the solution of EC470 with the smallest |w|; planes have no limit here.
+    """
+    r, s = boat.records, boat.state
+    for name in ("v", "phi", "delta_r", "delta_b"):
+        s[name] = 0.0
+    start = level_flight(boat.file, "stern", speed)
+    t, angle = start[0] if start else (0.0, 0.0)
+    s.u = s.u_c = speed
+    s.w, s.theta, s.delta_s = t * speed, math.atan(t), angle
+    with np.errstate(all="ignore"):  # a boat without stern planes has a singular system
+        settled = trim(r.vessel, r.compact, r.scheme, r.state, r.scratch, STERN)
+    if not settled:
+        return None
+    return Trim(
+        speed / KNOT,
+        float(s.w),
+        math.degrees(s.theta),
+        math.degrees(s.delta_s),
+        float(s.u_c),
+    )
+
+
+def flight(file: VesselFile, plane: str, speed: float) -> Flight:
+    """Return all level flights at ``speed`` [m/s] in the units of a page."""
+    surfaces = file.surfaces
+    limit = {"stern": surfaces.stern_plane_limit_deg, "bow": surfaces.bow_plane_limit_deg}[plane]
+    found = []
+    for t, angle in level_flight(file, plane, speed):
+        degrees = math.degrees(angle)
+        pitch = math.degrees(math.atan(t))
+        found.append(Angles(t * speed, pitch, degrees, abs(degrees) <= limit))
+    return Flight(plane, speed / KNOT, tuple(found))
+
+
+def remarks(file: VesselFile) -> tuple[str, ...]:
+    """Return in which of its assumptions EC470 differs from the boat."""
+    hull = file.hull
+    found = []
+    if hull.weight != hull.buoyancy:
+        heavy = 100.0 * (hull.weight - hull.buoyancy) / hull.buoyancy
+        found.append(f"EC470 takes the weight as equal to the buoyancy; it is {heavy:+.2g} % of it")
+    if hull.cg[0] != 0.0 or hull.cb[0] != 0.0:
+        found.append("EC470 takes x_G and x_B as zero; the trim of the boat itself does not")
+    return tuple(found)
+
+
+def neutral(file: VesselFile, speeds: Iterable[float]) -> Neutral:
+    """Return the neutral angles at ``speeds`` [kn], critical speeds and trims."""
+    speeds = [knots * KNOT for knots in speeds]
+    critical = {plane: critical_speed(file, plane) for plane in PLANES}
+    boat = Boat(file, Method("full", "exact", "exact", "adams2", file.run.step_s))
+    return Neutral(
+        vessel=file.name,
+        critical_speed_kn={
+            plane: None if speed is None else speed / KNOT for plane, speed in critical.items()
+        },
+        fold_speeds_kn={
+            plane: tuple(speed / KNOT for speed in fold_speeds(file, plane)) for plane in PLANES
+        },
+        flights=tuple(flight(file, plane, speed) for speed in speeds for plane in PLANES),
+        trims=tuple(trim_at(boat, speed) for speed in speeds),
+        remarks=remarks(file),
+    )

@@ -1,0 +1,129 @@
+"""Flights of the full set, and how far a candidate's are from them.
+
+A boat that flies by a compact set in the making.
+"""
+
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+
+from trainer.analysis.guide.programme import Leg, own_method
+from trainer.analysis.guide.verdicts import Judgement, judge
+from trainer.analysis.manoeuvres.flight import Flight, fly
+from trainer.analysis.manoeuvres.submarine import Submarine
+from trainer.boat.assemble import body, thrust_rows
+from trainer.config.files import ConfigError
+from trainer.config.vessel import VesselFile
+from trainer.core.kernel import Numbers
+from trainer.core.vessel import BASIC_DROPS, EXTRA_TERMS, KEPT, compact_record
+from trainer.units import KNOT
+
+# What the crew commands stays at its strength: no manoeuvre moves bow planes by themselves, and a
+# boat without rudder drag would pass many a test.
+CONTROLS: Final = (*("X_drdr", "X_dsds", "X_dbdb", "Y_dr", "Z_ds", "Z_db", "M_ds", "M_db", "N_dr"),)
+FIXED: Final = ("X_dbdb", "Z_db", "M_db")
+ADDED_MASSES: Final = tuple(name for name in (*KEPT, *EXTRA_TERMS) if name.endswith("dot"))
+
+
+def terms(file: VesselFile, equations: str) -> tuple[str, ...]:
+    """Return the coefficients of this hull that the compact kernel has room for."""
+    dropped = BASIC_DROPS if equations == "basic" else ()
+    return tuple(
+        name for name in (*KEPT, *EXTRA_TERMS) if file.coefficients[name] and name not in dropped
+    )
+
+
+class Candidate:
+    """A submarine whose compact constants are the full set's times factors that can change."""
+
+    def __init__(self, file: VesselFile, equations: str) -> None:
+        """Fit the boat out."""
+        self.terms = terms(file, equations)
+        self._file = file
+        self._boat = Submarine(file, own_method(file, equations))
+        self._body = body(file)
+        self._rows, self._eta = thrust_rows(file)
+
+    def take(self, factors: Iterable[float]) -> None:
+        """Fly by these factors from now on, by term."""
+        prime = {
+            name: self._file.coefficients[name] * float(factor)
+            for name, factor in zip(self.terms, factors, strict=True)
+        }
+        record = compact_record(self._body, {**prime, **self._rows}, self._eta)
+        self._boat.boat.records.compact[:] = record
+
+    def fly(self, leg: Leg, beside: Flight) -> Flight:
+        """Return the flight of a leg beside the full set's; ConfigError if it cannot start."""
+        return fly(self._boat, leg.manoeuvre, leg.speed_kn * KNOT, beside.events)
+
+
+FURTHEST: Final = 10.0  # [-] a difference beyond this counts as this
+
+
+@dataclass(frozen=True)
+class Row:
+    """One number that is looked at."""
+
+    leg: str
+    quantity: str
+
+
+class Yardstick:
+    """The full set's flights of some legs, and the numbers in them that are judged."""
+
+    def __init__(self, file: VesselFile, legs: Sequence[Leg]) -> None:
+        """Fly the legs; those that the full set cannot start are left out."""
+        boat = Submarine(file, own_method(file, "full"))
+        self._flights = dict(_flown(boat, legs))
+        self.rows = tuple(
+            Row(leg.title, one.quantity)
+            for leg, full in self._flights.items()
+            for one in judge(leg.manoeuvre, full, full)
+            if one.allowed
+        )
+        self._places = {row: i for i, row in enumerate(self.rows)}
+
+    @property
+    def legs(self) -> tuple[Leg, ...]:
+        """Return the legs that the full set flies."""
+        return tuple(self._flights)
+
+    def judged(self, candidate: Candidate) -> Iterator[tuple[Leg, tuple[Judgement, ...]]]:
+        """Yield leg and judgements, none of a leg that the candidate cannot start."""
+        for leg, full in self._flights.items():
+            try:
+                other = candidate.fly(leg, full)
+            except ConfigError:
+                yield leg, ()
+            else:
+                yield leg, judge(leg.manoeuvre, full, other)
+
+    def differences(self, candidate: Candidate) -> Numbers:
+        """Return candidate less full by row, as multiples of what is allowed [-]."""
+        found = np.full(len(self.rows), FURTHEST)
+        for leg, judgements in self.judged(candidate):
+            for one in judgements:
+                place = self._places.get(Row(leg.title, one.quantity))
+                if place is not None:
+                    found[place] = multiple(one)
+        return found
+
+
+def multiple(one: Judgement) -> float:
+    """Return a difference as a multiple of what is allowed [-]; what is lacking counts as zero."""
+    if not one.allowed or one.full is None:
+        return FURTHEST
+    other = 0.0 if one.other is None else one.other
+    return float(np.clip((other - one.full) / one.allowed, -FURTHEST, FURTHEST))
+
+
+def _flown(boat: Submarine, legs: Sequence[Leg]) -> Iterator[tuple[Leg, Flight]]:
+    """Yield the legs that can be started, with their flights."""
+    for leg in legs:
+        try:
+            yield leg, fly(boat, leg.manoeuvre, leg.speed_kn * KNOT)
+        except ConfigError:
+            continue

@@ -1,0 +1,97 @@
+"""A reduction as text."""
+
+from collections.abc import Iterator, Sequence
+from typing import Final
+
+from trainer.analysis.guide.dropped_terms import Drop
+from trainer.analysis.reduce.reduction import Reduction
+from trainer.analysis.reduce.verdict import PARTS, Checked
+from trainer.analysis.report.text import figure, plain, table, wrapped
+
+SHOWN: Final = 40  # rows of the table of sensitivities
+COLUMNS: Final = (  # of it; JSON has all
+    "turn: steady diameter",
+    "turn: steady speed",
+    "turn: largest roll",
+    "meander: pitch peak 1",
+    "overshoot: depth change",
+    "roll-decay: amplitude after cycle 1",
+)
+ACROSS: Final = 3  # terms a line
+
+
+def render(found: Reduction) -> str:
+    """Return the whole page."""
+    lines = [plain(f"REDUCTION: {found.vessel}"), ""]
+    if found.sensitivity:
+        lines += [*sensitivity(found.sensitivity), ""]
+    lines += [*_terms(found), "", *_verdict(found.checked), ""]
+    if found.cost:
+        lines += wrapped(
+            f"A tick takes {found.cost.compact_ns:.0f} ns by the compact set, "
+            f"{found.cost.full_ns:.0f} ns by the full one: {found.cost.ratio:.2f} of it"
+        )
+    lines.append("Within tolerance." if found.passed else "Out of tolerance.")
+    return "\n".join(lines)
+
+
+def sensitivity(drops: Sequence[Drop]) -> list[str]:
+    """Return the table of what each coefficient does by itself."""
+    heads = ["without", *(_head(name) for name in COLUMNS)]
+    rows = [
+        (drop.coefficient, *(figure(drop.percent.get(name), "+.1f") for name in COLUMNS))
+        for drop in drops[:SHOWN]
+    ]
+    words = (
+        "What each coefficient does by itself: change [%] when it alone is put to zero in the full "
+        "set, at the boat's own speed; none where the manoeuvre then has no such number"
+    )
+    more = [f"  ... and {len(drops) - SHOWN} with less effect"] if len(drops) > SHOWN else []
+    return [*wrapped(words, "", ""), *table(heads, rows), *more]
+
+
+def _head(name: str) -> str:
+    """Return the head of a measure's column in two lines or more."""
+    return (
+        name.replace("amplitude after ", "").replace("-", " ").replace(" ", "\n").replace(":", "")
+    )
+
+
+def _terms(found: Reduction) -> Iterator[str]:
+    """Yield the terms kept, with their factors, and those dropped."""
+    yield from wrapped(
+        f"{len(found.kept)} of this hull's {found.hull_terms} terms are kept; the reduction of "
+        f"1969 keeps {found.report_terms}. Factors, + for a term beyond those of 1969:",
+        "",
+        "",
+    )
+    cells = [
+        f"{one.term}{'' if one.in_1969 else '+'}".ljust(9) + f"{one.factor:8.4g}"
+        for one in found.kept
+    ]
+    for i in range(0, len(cells), ACROSS):
+        yield "  " + "    ".join(cells[i : i + ACROSS])
+    yield from wrapped(f"Dropped: {', '.join(found.dropped)}", "", "  ")
+    if found.needs:
+        yield ""
+        yield "Why terms stay: the worst number without each, the others fitted anew"
+        for one in found.needs:
+            yield from wrapped(
+                f"{one.term}: {one.worst:.2f} of the allowed, {one.leg}: {one.quantity}"
+            )
+
+
+def _verdict(checked: Sequence[Checked]) -> Iterator[str]:
+    """Yield how the compact set does, part by part."""
+    for part, percent in PARTS.items():
+        of_part = [one for one in checked if one.part == part]
+        failed = [one for one in of_part if one.beyond]
+        yield from wrapped(
+            f"{part}, {percent:g} %: {len(of_part) - len(failed)} of {len(of_part)} manoeuvres "
+            f"within, {sum(one.beyond for one in of_part)} of "
+            f"{sum(one.judged for one in of_part)} numbers beyond",
+            "",
+            "  ",
+        )
+        for one in failed or sorted(of_part, key=lambda each: -each.worst)[:1]:
+            yield from wrapped(f"{one.leg}: {one.quantity}, {one.worst:.2f} of the allowed")

@@ -1,0 +1,174 @@
+"""What a reduction is fitted to, tried on, and held against."""
+
+from collections.abc import Iterator
+from dataclasses import replace
+from typing import Final
+
+import numpy as np
+
+from trainer.analysis.check import round_speeds
+from trainer.analysis.guide.programme import Leg, own_method
+from trainer.analysis.guide.programme import legs as guide_legs
+from trainer.analysis.manoeuvres.catalogue import within_limits
+from trainer.analysis.manoeuvres.flight import Flight, Manoeuvre, fly
+from trainer.analysis.manoeuvres.speeds import CrashStop
+from trainer.analysis.manoeuvres.submarine import Submarine
+from trainer.analysis.manoeuvres.turns import ClimbingTurn, Turn
+from trainer.analysis.manoeuvres.vertical import (
+    Impulse,
+    Meander,
+    Overshoot,
+    RollDecay,
+    RudderImpulse,
+    TrimChange,
+)
+from trainer.analysis.manoeuvres.zigzag import ZigZag
+from trainer.analysis.reduce.manoeuvres import OutOfBalance, PlaneJam, VerticalWeave, Weave
+from trainer.config.files import ConfigError
+from trainer.config.vessel import VesselFile
+from trainer.units import KNOT
+
+TURN_LENGTHS: Final = 120.0  # [lengths run] of a turn, until it is steady
+LENGTHS: Final = 40.0  # of all else
+SHORTEST: Final = 20.0  # [s] besides
+RUDDER: Final = 30.0  # [deg] the largest, or as far as it goes
+LOAD: Final = 0.002  # [-] of the weight, out of balance
+HALVINGS: Final = 5  # of a control's angle until the full set is not lost
+PER_CYCLE: Final = ("pull-out", "spiral", "reverse-spiral")  # slow to fly; turns have their numbers
+
+
+def speeds(file: VesselFile) -> tuple[float, ...]:
+    """Return four speeds [kn] up to the fastest of the boat's range, for BB2 5, 10, 15 and 20."""
+    low, top = file.run.speed_range_kn
+    return tuple(float(u) for u in np.linspace(max(low, top / 4.0), top, 4))
+
+
+def turns(file: VesselFile) -> tuple[Leg, ...]:
+    """Return steady turns at four speeds by a third, two thirds and all of the rudder."""
+    most = min(RUDDER, file.surfaces.rudder_limit_deg)
+    return tuple(
+        _leg("turn", f"rudder {angle:.3g} deg", speed, Turn(angle_deg=angle), file)
+        for speed in speeds(file)
+        for angle in (most / 3.0, 2.0 * most / 3.0, most)
+    )
+
+
+def fitted(file: VesselFile) -> tuple[Leg, ...]:
+    """Return the legs that the factors are fitted to."""
+    return flyable(file, (*turns(file), *_fitted(file)))
+
+
+def _fitted(file: VesselFile) -> Iterator[Leg]:
+    """Yield the legs besides turns, angles not yet within the boat's limits."""
+    own, third, top = file.run.start_speed_kn, speeds(file)[2], speeds(file)[3]
+    rounds = round_speeds(*file.run.speed_range_kn)
+    slow = rounds[min(1, len(rounds) - 1)]
+    for speed, angle in ((own, 10.0), (own, 20.0), (top, 15.0)):
+        yield _leg("weave", f"rudder {angle:g} deg", speed, Weave(angle_deg=angle), file)
+    for speed, angle in ((own, 5.0), (own, 10.0), (top, 3.0)):
+        name = f"planes {angle:g} deg"
+        yield _leg("vertical weave", name, speed, VerticalWeave(angle_deg=angle), file)
+    for speed, angle, planes in ((own, 10.0, -5.0), (own, 20.0, -10.0), (third, 20.0, -5.0)):
+        dive = ClimbingTurn(angle_deg=angle, planes_deg=planes)
+        yield _leg("diving turn", f"rudder {angle:g} deg", speed, dive, file)
+    for speed in sorted({slow, own, third, top}):
+        yield _leg("meander", "", speed, Meander(), file)
+    for speed in (slow, top):
+        yield _leg("trim", "", speed, TrimChange(), file)
+    for speed in (slow, top):
+        for execute in (5.0, 20.0):
+            name = f"execute {execute:g} deg"
+            yield _leg("overshoot", name, speed, Overshoot(execute_deg=execute), file)
+    yield _leg("impulse", "", own, Impulse(), file)
+    yield _leg("rudder-impulse", "", own, RudderImpulse(), file)
+    for speed in (rounds[0], slow, own):
+        for share, keep in ((-LOAD, ("depth",)), (LOAD, ())):
+            kept = "depth kept" if keep else "planes still"
+            loaded = OutOfBalance(share=share, keep=keep)
+            yield _leg("out of balance", f"{share:+.1%}, {kept}", speed, loaded, file)
+    yield _leg("crash-stop", "", own, CrashStop(), file)
+    yield _leg("roll-decay", "", 0.0, RollDecay(), file)
+
+
+def fastest(file: VesselFile) -> tuple[Leg, ...]:
+    """Return legs at the boat's top speed, of kinds that are otherwise fitted to below it."""
+    top = speeds(file)[3]
+    dive = ClimbingTurn(angle_deg=10.0, planes_deg=-10.0)
+    loads = OutOfBalance(share=-LOAD), OutOfBalance(share=LOAD, keep=())
+    legs = (
+        _leg("diving turn", "planes 10 deg", top, dive, file),
+        _leg("impulse", "", top, Impulse(), file),
+        _leg("rudder-impulse", "", top, RudderImpulse(), file),
+        _leg("out of balance", f"{-LOAD:+.1%}, depth kept", top, loads[0], file),
+        _leg("out of balance", f"{LOAD:+.1%}, planes still", top, loads[1], file),
+    )
+    return flyable(file, legs)
+
+
+def tried(file: VesselFile) -> tuple[Leg, ...]:
+    """Return the legs that a set must pass too, unseen by the fit: those of the guide."""
+    return tuple(leg for leg in guide_legs(file) if leg.name not in PER_CYCLE)
+
+
+def held_out(file: VesselFile) -> tuple[Leg, ...]:
+    """Return the legs that neither fit nor choice see: zig-zags, climbing turns, casualties."""
+    own, third, second = file.run.start_speed_kn, speeds(file)[2], speeds(file)[1]
+    rounds = round_speeds(*file.run.speed_range_kn)
+    slow = rounds[min(1, len(rounds) - 1)]
+    between = 0.5 * (rounds[0] + slow), 0.5 * (slow + own)
+    heavy, light = OutOfBalance(share=1.5 * LOAD), OutOfBalance(share=-1.5 * LOAD, keep=())
+    zigzag = ZigZag(angle_deg=15.0, execute_deg=15.0)
+    climb = ClimbingTurn(angle_deg=10.0, planes_deg=10.0)
+    legs = [
+        *(_leg("zigzag-15", "", speed, zigzag, file) for speed in (second, third)),
+        *(_leg("climbing turn", "", speed, climb, file) for speed in (second, third)),
+        *(_leg("stern-plane jam", "", speed, PlaneJam(), file) for speed in (own, third)),
+        *(_leg("out of balance", "heavy, depth kept", speed, heavy, file) for speed in between),
+        *(_leg("out of balance", "light, planes still", speed, light, file) for speed in between),
+    ]
+    return flyable(file, legs)
+
+
+def _leg(name: str, variant: str, speed: float, manoeuvre: Manoeuvre, file: VesselFile) -> Leg:
+    """Return a leg no longer than it takes this boat to show what it does."""
+    if speed and hasattr(manoeuvre, "duration_s"):
+        lengths = TURN_LENGTHS if name == "turn" else LENGTHS
+        enough = lengths * file.hull.length / (speed * KNOT) + SHORTEST
+        manoeuvre = replace(manoeuvre, duration_s=min(manoeuvre.duration_s, enough))  # type: ignore[call-arg]
+    return Leg(name, variant, round(speed, 3), manoeuvre)
+
+
+def flyable(file: VesselFile, legs: tuple[Leg, ...] | list[Leg]) -> tuple[Leg, ...]:
+    """Return the legs that the full set can fly, by smaller angles of the planes where need be."""
+    boat = Submarine(file, own_method(file, "full"))
+    found = (_flyable(boat, leg) for leg in legs)
+    return tuple(dict.fromkeys(leg for leg in found if leg))
+
+
+def _flyable(boat: Submarine, leg: Leg) -> Leg | None:
+    """Return the leg by the largest angle at which the full set is not lost; None: by none."""
+    if not all(control in boat.controls for control in leg.manoeuvre.needs):
+        return None
+    leg = replace(leg, manoeuvre=within_limits(leg.manoeuvre, boat))
+    for _ in range(HALVINGS):
+        try:
+            flight = fly(boat, leg.manoeuvre, leg.speed_kn * KNOT)
+        except ConfigError:
+            return None
+        if not flight.lost and _recovered(leg.manoeuvre, flight):
+            return leg
+        leg = replace(leg, manoeuvre=_gentler(leg.manoeuvre))
+    return None
+
+
+def _recovered(manoeuvre: Manoeuvre, flight: Flight) -> bool:
+    """Return whether the boat comes out of what it was to come out of."""
+    return not isinstance(manoeuvre, PlaneJam) or flight.time_of("level") is not None
+
+
+def _gentler(manoeuvre: Manoeuvre) -> Manoeuvre:
+    """Return the manoeuvre by half the angle of its planes, its time in a jam, or its weight."""
+    field = "planes_deg" if hasattr(manoeuvre, "planes_deg") else "angle_deg"
+    if isinstance(manoeuvre, PlaneJam | OutOfBalance):
+        field = "jammed_lengths" if isinstance(manoeuvre, PlaneJam) else "share"
+    return replace(manoeuvre, **{field: 0.5 * getattr(manoeuvre, field)})

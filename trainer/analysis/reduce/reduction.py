@@ -1,0 +1,181 @@
+"""A boat's compact set: found by a search, or as its file has it, and what it is worth."""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Final, NamedTuple
+
+import numpy as np
+
+from trainer.analysis.guide.dropped_terms import Drop
+from trainer.analysis.guide.programme import Leg
+from trainer.analysis.reduce import checkpoint
+from trainer.analysis.reduce.gauss_newton import Point, Slopes, descend
+from trainer.analysis.reduce.objective import (
+    ADDED_MASSES,
+    CONTROLS,
+    FIXED,
+    Candidate,
+    Yardstick,
+    terms,
+)
+from trainer.analysis.reduce.programme import fastest, fitted
+from trainer.analysis.reduce.search import LIMIT, STEPS, Need, Search, Standing
+from trainer.analysis.reduce.verdict import Checked, Cost, coefficients, cost, passed, verdict
+from trainer.analysis.reduce.workers import Crew
+from trainer.config.vessel import VesselFile
+from trainer.core.vessel import KEPT
+
+DIGITS: Final = 4  # of a factor in the file
+LEASH: Final = 0.05  # [-] as in Slopes
+ASTRAY: Final = 1.5  # [-] of what is allowed, at the top speed: a second search flies there, with a
+FIRM: Final = 0.2  # [-] leash that keeps closer to the hull's data
+SEARCHES: Final = 2  # at most
+BASIC_ROUNDS: Final = 6
+
+
+@dataclass(frozen=True)
+class Kept:
+    """One term of the compact set."""
+
+    term: str
+    coefficient: float  # [-] of the full set
+    factor: float  # [-]
+    in_1969: bool  # among the 60 that the report keeps
+
+
+@dataclass(frozen=True)
+class Reduction:
+    """All that ``trainer reduce`` says about a boat."""
+
+    vessel: str
+    hull_terms: int  # coefficients that are not zero, besides thrust
+    report_terms: int  # of them kept by the reduction of 1969
+    kept: tuple[Kept, ...]
+    dropped: tuple[str, ...]
+    needs: tuple[Need, ...]  # why terms stay, of a search
+    sensitivity: tuple[Drop, ...]
+    checked: tuple[Checked, ...]
+    cost: Cost | None
+    passed: bool
+
+
+class Aim(NamedTuple):
+    """What a search is to fit, and how closely it keeps to the hull's own data."""
+
+    legs: tuple[Leg, ...]
+    leash: float  # [-] as in Slopes
+    stays: tuple[str, ...]  # terms that are not dropped
+
+
+@dataclass(frozen=True)
+class Found:
+    """What a search ends with: factors by equation set and term, and why terms stay."""
+
+    factors: dict[str, dict[str, float]]  # [-] 0: dropped
+    needs: tuple[Need, ...]
+
+
+def rounded(value: float) -> float:
+    """Return a factor as the file has it."""
+    return float(f"{value:.{DIGITS}g}")
+
+
+def as_filed(file: VesselFile) -> dict[str, float]:
+    """Return the factors of the modified set by term, as the file has them; 0: dropped."""
+    factors = file.compensation["modified"]
+    kept = {*KEPT, *file.compact.extra_terms}
+    return {
+        name: factors.get(name, 1.0) if name in kept else 0.0 for name in terms(file, "modified")
+    }
+
+
+def report(
+    file: VesselFile,
+    factors: Mapping[str, float],
+    needs: tuple[Need, ...],
+    sensitivity: tuple[Drop, ...],
+) -> Reduction:
+    """Return all that is to be said about the boat's modified set with these factors."""
+    candidate = Candidate(file, "modified")
+    candidate.take([factors[name] for name in candidate.terms])
+    checked = verdict(file, candidate)
+    kept = tuple(
+        Kept(name, file.coefficients[name], factor, name in KEPT)
+        for name, factor in factors.items()
+        if factor
+    )
+    hull = coefficients(file)
+    staying = {one.term for one in kept}
+    return Reduction(
+        vessel=file.name,
+        hull_terms=len(hull),
+        report_terms=sum(name in KEPT for name in hull),
+        kept=kept,
+        dropped=tuple(name for name in hull if name not in staying),
+        needs=tuple(need for need in needs if need.term in staying),
+        sensitivity=sensitivity,
+        checked=checked,
+        cost=cost(file),
+        passed=passed(checked),
+    )
+
+
+def search(
+    file: VesselFile, cores: int, partial: Path | None, step: Callable[[int], None]
+) -> Found:
+    """Return the factors found; ``partial`` is where to keep, and find, an unfinished search.
+
+    If what is found is astray at the boat's top speed, another is searched for, fitted to flights
+    there too, on a firmer leash and with all added masses. ``step`` is called with the number of
+    terms decided, of up to SEARCHES times those that there are.
+    """
+    log, fast = checkpoint.Log(file, partial), fastest(file)
+    aim = Aim(fitted(file), LEASH, CONTROLS)
+    standing, modified = _searched(file, aim, cores, log, step)
+    if furthest(file, fast, modified) > ASTRAY:
+        aim = Aim((*aim.legs, *fast), FIRM, (*CONTROLS, *ADDED_MASSES))
+        standing, modified = _searched(file, aim, cores, log, step)
+    basic = _basic(file, aim, cores, modified)
+    return Found({"modified": modified, "basic": basic}, standing.needed)
+
+
+def _searched(
+    file: VesselFile, aim: Aim, cores: int, log: checkpoint.Log, step: Callable[[int], None]
+) -> tuple[Standing, dict[str, float]]:
+    """Return how a search ends, and its factors by term."""
+    name = f"{len(aim.legs)} flights"
+    with Crew(file.path, "modified", aim.legs, cores) as crew:
+        at_work = Search(file, "modified", crew, aim.leash, aim.stays)
+        standing = log.standing(name) or at_work.begin()
+        step(len(at_work.terms) - len(at_work.undecided(standing)))
+        while not standing.done:
+            standing = at_work.round(standing, lambda: step(1))
+            log.enter(name, standing)
+    return standing, dict(zip(at_work.terms, map(rounded, standing.factors), strict=True))
+
+
+def furthest(file: VesselFile, legs: Sequence[Leg], factors: Mapping[str, float]) -> float:
+    """Return the largest difference [-] of what is allowed, by the modified set, in some legs."""
+    candidate = Candidate(file, "modified")
+    candidate.take([factors[name] for name in candidate.terms])
+    return float(abs(Yardstick(file, legs).differences(candidate)).max(initial=0.0))
+
+
+def _basic(
+    file: VesselFile, aim: Aim, cores: int, modified: Mapping[str, float]
+) -> dict[str, float]:
+    """Return the factors of the basic set: those of the modified one, fitted to less."""
+    names = terms(file, "basic")
+    start = np.array([modified[name] for name in names])
+    with Crew(file.path, "basic", aim.legs, cores) as crew:
+        free = [i for i, name in enumerate(names) if start[i] and name not in FIXED]
+        here = Point(start, crew.differences([start])[0])
+        for _ in range(BASIC_ROUNDS):
+            table = crew.slopes(here.factors, free, here.differences)
+            slopes = Slopes(table, free, aim.leash)
+            there = descend(crew.differences, slopes, here, STEPS, LIMIT)
+            if there.cost >= here.cost:
+                break
+            here = there
+    return dict(zip(names, map(rounded, here.factors.tolist()), strict=True))

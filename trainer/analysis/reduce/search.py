@@ -1,0 +1,201 @@
+"""The search for the fewest terms: from all that the kernel has room for, down, one after another.
+
+A round takes the slopes of all differences by all factors and drops, with those, what costs least,
+the factors of the rest fitted anew each time; a term whose loss cannot be made up for is needed.
+Nothing in it is random, and a round depends on nothing but the standing it begins with: a search
+broken off and gone on with ends in the same bits.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from typing import Final
+
+import numpy as np
+
+from trainer.analysis.reduce.gauss_newton import Point, Slopes, descend, rises, without
+from trainer.analysis.reduce.objective import FIXED, Candidate, Yardstick
+from trainer.analysis.reduce.programme import tried
+from trainer.analysis.reduce.workers import Crew
+from trainer.config.vessel import VesselFile
+from trainer.core.kernel import Numbers
+
+LIMIT: Final = 0.9  # [-] of what is allowed, in the flights fitted to
+PROOF: Final = 0.97  # [-] in those of the guide, unseen by the fit
+EASE: Final = 0.8  # [-] of the limit, at which a fit stops
+STARTS: Final = 4  # rounds that may bring the set with all terms into the limit
+BATCH: Final = 8  # terms dropped at once, to begin with
+STALE: Final = 6  # terms dropped, or found needed, by the same slopes
+STEPS: Final = 3  # of a fit by the same slopes
+SURE: Final = 2.0  # [-] a term without which less is off is asked about once more, at the end
+SETTLING: Final = 3  # rounds of a last fit, when the terms are chosen
+HOPELESS: Final = 4.0  # [-] a difference that new slopes will not mend
+
+
+@dataclass(frozen=True)
+class Need:
+    """Why a term stays: what would be off without it, the others fitted anew."""
+
+    term: str
+    worst: float  # [-] of what is allowed
+    leg: str
+    quantity: str
+
+
+@dataclass(frozen=True)
+class Standing:
+    """How far a search has come; a round depends on this alone."""
+
+    factors: tuple[float, ...]  # [-] by term, 0: dropped
+    kept: tuple[int, ...]  # places of the terms
+    needed: tuple[Need, ...] = ()
+    batch: int = BATCH
+    starts: int = 0  # rounds that the set with all terms has been fitted in
+    limit: float = 0.0  # [-] 0: not begun to drop
+    proof: float = 0.0
+    again: bool = False  # whether the doubtful have been asked about once more
+    settled: int = 0  # rounds of the last fit
+
+    @property
+    def done(self) -> bool:
+        """Return whether nothing is left to do."""
+        return self.settled >= SETTLING
+
+
+class Search:
+    """A boat's compact set on its way to fewer terms."""
+
+    def __init__(
+        self, file: VesselFile, equations: str, crew: Crew, leash: float, stays: Sequence[str]
+    ) -> None:
+        """Begin with all terms, as the full set has them; ``leash`` as in Slopes.
+
+        Those that are named in ``stays`` are not dropped.
+        """
+        self.candidate = Candidate(file, equations)
+        self.terms = self.candidate.terms
+        self._crew, self._leash, self._stays = crew, leash, stays
+        self._proof = Yardstick(file, tried(file))
+        self._rows = Yardstick(file, crew.legs).rows
+
+    def begin(self) -> Standing:
+        """Return the standing of a search that has not begun."""
+        return Standing((1.0,) * len(self.terms), tuple(range(len(self.terms))))
+
+    def undecided(self, standing: Standing) -> list[int]:
+        """Return the places of the terms that may still be dropped."""
+        decided = {*(need.term for need in standing.needed), *self._stays}
+        return [i for i in standing.kept if self.terms[i] not in decided]
+
+    def round(self, standing: Standing, step: Callable[[], None]) -> Standing:
+        """Return the standing after one round; ``step`` is called after each term decided."""
+        if standing.limit and not self.undecided(standing) and not standing.again:
+            sure = tuple(need for need in standing.needed if need.worst >= SURE)
+            return replace(standing, needed=sure, again=True)
+        here = self._point(np.array(standing.factors))
+        slopes = self._slopes(here, standing.kept)
+        if not standing.limit:
+            return self._start(standing, here, slopes)
+        if not self.undecided(standing):
+            return self._settle(standing, here, slopes)
+        return self._drop(standing, here, slopes, step)
+
+    def _point(self, factors: Numbers) -> Point:
+        """Return factors with the differences they lead to."""
+        return Point(factors, self._crew.differences([factors])[0])
+
+    def _free(self, kept: Sequence[int]) -> list[int]:
+        """Return the places of the factors that may change."""
+        return [i for i in kept if self.terms[i] not in FIXED]
+
+    def _slopes(self, here: Point, kept: Sequence[int]) -> Slopes:
+        """Return the slopes at a point."""
+        free = self._free(kept)
+        return Slopes(self._crew.slopes(here.factors, free, here.differences), free, self._leash)
+
+    def _among(self, slopes: Slopes, kept: Sequence[int]) -> Slopes:
+        """Return the slopes for terms of which fewer are kept."""
+        return slopes._replace(free=self._free(kept))
+
+    def _fit(self, slopes: Slopes, here: Point, kept: Sequence[int], goal: float) -> Point:
+        """Return the point that a fit by these slopes leads to."""
+        return descend(self._crew.differences, self._among(slopes, kept), here, STEPS, goal)
+
+    def proof(self, factors: Numbers) -> Numbers:
+        """Return the differences in the guide's flights."""
+        self.candidate.take(factors)
+        return self._proof.differences(self.candidate)
+
+    def _start(self, standing: Standing, here: Point, slopes: Slopes) -> Standing:
+        """Return the standing after a fit of the set with all terms."""
+        here = self._fit(slopes, here, standing.kept, EASE * LIMIT)
+        proof = float(abs(self.proof(here.factors)).max())
+        tried = replace(standing, factors=tuple(here.factors.tolist()), starts=standing.starts + 1)
+        if tried.starts < STARTS and (here.worst > EASE * LIMIT or proof > PROOF):
+            return tried
+        return replace(tried, limit=max(LIMIT, here.worst), proof=max(PROOF, proof))
+
+    def _settle(self, standing: Standing, here: Point, slopes: Slopes) -> Standing:
+        """Return the standing after a fit as good as can be, if the guide's flights bear it."""
+        there = self._fit(slopes, here, standing.kept, 0.0)
+        worse = abs(self.proof(there.factors)).max() > standing.proof
+        if worse or there.cost >= here.cost:
+            return replace(standing, settled=SETTLING)
+        factors = tuple(there.factors.tolist())
+        return replace(standing, factors=factors, settled=standing.settled + 1)
+
+    def _drop(
+        self, standing: Standing, here: Point, slopes: Slopes, step: Callable[[], None]
+    ) -> Standing:
+        """Return the standing after what these slopes are good for."""
+        decided = 0
+        while decided < STALE:
+            order = self._order(standing, here, slopes)[: standing.batch]
+            if not order:
+                break
+            there, passed = self._try(standing, here, slopes, order)
+            if passed is not None and len(order) > 1:
+                standing = replace(standing, batch=standing.batch // 2)
+                continue
+            decided += len(order)
+            for _ in order:
+                step()
+            if passed is None:
+                kept = tuple(i for i in standing.kept if i not in order)
+                factors = tuple(there.factors.tolist())
+                standing, here = replace(standing, kept=kept, factors=factors), there
+            else:
+                standing = replace(standing, needed=(*standing.needed, passed))
+        return standing
+
+    def _order(self, standing: Standing, here: Point, slopes: Slopes) -> list[int]:
+        """Return the places of what may be dropped, the cheapest first."""
+        among = self._among(slopes, standing.kept)
+        cost = dict(zip(among.free, rises(among, here), strict=True))
+        return sorted(self.undecided(standing), key=lambda i: float(cost[i]))
+
+    def _try(
+        self, standing: Standing, here: Point, slopes: Slopes, gone: Sequence[int]
+    ) -> tuple[Point, Need | None]:
+        """Return the point without some terms, and why they are needed; None: they are not."""
+        kept = tuple(i for i in standing.kept if i not in gone)
+        factors = without(self._among(slopes, standing.kept), here, gone)
+        there = self._point(factors)
+        goal = EASE * standing.limit
+        there = self._fit(slopes, there, kept, goal)
+        need = self._need(standing, there, gone)
+        if need and len(gone) == 1 and need.worst < HOPELESS:
+            there = self._fit(self._slopes(there, kept), there, kept, 0.0)
+            need = self._need(standing, there, gone)
+        return there, need
+
+    def _need(self, standing: Standing, there: Point, gone: Sequence[int]) -> Need | None:
+        """Return why terms are needed: what is off without them; None: nothing is."""
+        term = self.terms[gone[0]]
+        if there.worst > standing.limit:
+            row = self._rows[int(np.argmax(abs(there.differences)))]
+            return Need(term, there.worst, row.leg, row.quantity)
+        proof = abs(self.proof(there.factors))
+        if proof.max() > standing.proof:
+            row = self._proof.rows[int(np.argmax(proof))]
+            return Need(term, float(proof.max()), row.leg, row.quantity)
+        return None

@@ -1,0 +1,152 @@
+"""A compact set against the full one: in the guide's flights, in steady turns, in what is new.
+
+What a tick costs by one equation set and by the other, here and now.
+
+What each coefficient of a hull does by itself: the tables 5, 7, 9 and 11 of 1969.
+"""
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from time import perf_counter_ns
+from typing import Final
+
+import numpy as np
+
+from trainer.analysis.guide.dropped_terms import Drop, Look, effects, tasks_without
+from trainer.analysis.guide.programme import Leg, fly_all
+from trainer.analysis.guide.programme import legs as guide_legs
+from trainer.analysis.guide.verdicts import BEYOND
+from trainer.analysis.manoeuvres.vehicle import PERCENT
+from trainer.analysis.reduce.objective import Candidate, Yardstick, multiple
+from trainer.analysis.reduce.programme import flyable, held_out, turns
+from trainer.boat.assemble import Method
+from trainer.boat.boat import Boat
+from trainer.config.coefficients import coefficient_terms
+from trainer.config.files import ConfigError
+from trainer.config.vessel import VesselFile
+from trainer.core.entry import COLUMNS, LOOKOUT, sail
+from trainer.units import KNOT
+
+PARTS: Final = {  # [%] of change allowed, [s] of zero crossings
+    "guide": PERCENT,
+    "steady turns": PERCENT,
+    "held out": 2.0 * PERCENT,
+}
+
+
+@dataclass(frozen=True)
+class Checked:
+    """One leg by the compact set."""
+
+    part: str
+    leg: str
+    judged: int  # numbers
+    beyond: int
+    worst: float  # [-] of what is allowed
+    quantity: str  # that is the worst
+
+
+def legs(file: VesselFile, part: str) -> Sequence[Leg]:
+    """Return the legs of a part of the verdict."""
+    if part == "guide":
+        return guide_legs(file)
+    return flyable(file, turns(file)) if part == "steady turns" else held_out(file)
+
+
+def verdict(file: VesselFile, candidate: Candidate) -> tuple[Checked, ...]:
+    """Return every leg of every part judged."""
+    return tuple(one for part in PARTS for one in _part(file, part, candidate))
+
+
+def _part(file: VesselFile, part: str, candidate: Candidate) -> Iterator[Checked]:
+    """Yield the legs of one part."""
+    share = PARTS[part] / PERCENT
+    for leg, judgements in Yardstick(file, legs(file, part)).judged(candidate):
+        if not judgements:
+            yield Checked(part, leg.title, 1, 1, float("inf"), "it cannot start")
+            continue
+        judged = [one for one in judgements if one.allowed]
+        lost = [one for one in judgements if one.verdict == BEYOND and not one.allowed]
+        sizes = {one.quantity: abs(multiple(one)) / share for one in judged}
+        sizes |= {one.quantity: float("inf") for one in lost}
+        worst = max(sizes, key=lambda name: sizes[name], default="")
+        beyond = sum(size > 1.0 for size in sizes.values())
+        yield Checked(part, leg.title, len(sizes), beyond, sizes.get(worst, 0.0), worst)
+
+
+def passed(checked: Sequence[Checked]) -> bool:
+    """Return whether nothing is beyond what is allowed."""
+    return not any(one.beyond for one in checked)
+
+
+TICKS: Final = 2000
+TIMES: Final = 7
+DEEP: Final = 1000.0  # [m]
+
+
+@dataclass(frozen=True)
+class Cost:
+    """The least time of a tick, the whole boat's, back to back."""
+
+    full_ns: float
+    compact_ns: float
+
+    @property
+    def ratio(self) -> float:
+        """Return the compact set's cost as a share of the full set's."""
+        return self.compact_ns / self.full_ns
+
+
+def cost(file: VesselFile) -> Cost | None:
+    """Return the cost of a tick, full set exact, compact lagged; None of a boat that cannot start.
+
+    Both by Adams, at the boat's own step and speed.
+    """
+    try:
+        full, compact = (
+            _nanoseconds(file, Method(equations, rates, "exact", "adams2", file.run.step_s))
+            for equations, rates in (("full", "exact"), ("modified", "lagged"))
+        )
+    except ConfigError:
+        return None
+    return Cost(full, compact)
+
+
+def _nanoseconds(file: VesselFile, method: Method) -> float:
+    """Return the least time [ns] of a tick."""
+    boat = Boat(file, method)
+    eye = np.zeros(1, LOOKOUT)
+    eye["last"], eye["steepest"] = 1e18, 10.0
+    rows = np.empty((TICKS, COLUMNS))
+    least = float("inf")
+    for _ in range(TIMES):
+        boat.start(file.run.start_speed_kn * KNOT, DEEP, 0.0)
+        begin = perf_counter_ns()
+        flown = sail(tuple(boat.records), eye, rows)
+        least = min(least, (perf_counter_ns() - begin) / max(flown, 1))
+    return least
+
+
+LOOKED_AT: Final[Look] = {
+    "turn": ("steady diameter", "steady speed", "largest roll"),
+    "meander": ("pitch peak 1", "damping ratio"),
+    "overshoot": ("largest pitch", "depth change"),
+    "roll-decay": ("period", "amplitude after cycle 1"),
+}
+
+
+def coefficients(file: VesselFile) -> tuple[str, ...]:
+    """Return the coefficients that this hull has."""
+    return tuple(term.key for term in coefficient_terms() if file.coefficients[term.key])
+
+
+def flights(file: VesselFile) -> int:
+    """Return how many flights the table takes."""
+    return len(set(tasks_without(file, coefficients(file), LOOKED_AT)))
+
+
+def table(file: VesselFile, cores: int, step: Callable[[], None]) -> tuple[Drop, ...]:
+    """Return the effect [%] of each coefficient put to zero in the full set, the largest first."""
+    wanted = tasks_without(file, coefficients(file), LOOKED_AT)
+    flown = fly_all(file.path, wanted, cores, step)
+    return effects(file, flown, coefficients(file), LOOKED_AT)

@@ -1,0 +1,198 @@
+"""Charts of the guide as SVG: the panels of the programs, drawn without any other library."""
+
+import math
+from html import escape
+from typing import Final
+
+import numpy as np
+
+from trainer.analysis.compare import unit
+from trainer.analysis.manoeuvres.flight import Flight
+from trainer.analysis.report.plots import Curve, Panel
+from trainer.analysis.report.svg import Axis, step_of, thinned, ticks
+
+WIDTH, HEIGHT = 460.0, 230.0  # [px]
+LEFT, RIGHT, TOP, BOTTOM = 52.0, 12.0, 26.0, 40.0
+POINTS: Final = 160  # of a curve
+STYLES: Final = 7  # classes of curves in the page's style
+SHAPES: Final = (  # about the point
+    "m-3 0a3 3 0 1 0 6 0a3 3 0 1 0-6 0",
+    "m-3-3h6v6h-6z",
+    "m0-3.6l3.4 6.4h-6.8z",
+    "m0-4l4 4l-4 4l-4-4z",
+    "m-3-3l6 6m0-6l-6 6",
+)
+TRACK: Final = "track"
+DOWNWARDS: Final = "depth from the start"  # larger is lower
+WORDS: Final = {
+    "t": "time",
+    "u": "speed ahead",
+    "v": "sway",
+    "w": "heave",
+    "p": "roll rate",
+    "q": "pitch rate",
+    "r": "yaw rate",
+    "x": "run north",
+    "y": "run east",
+    "z": DOWNWARDS,
+    "phi": "roll",
+    "theta": "pitch",
+    "psi": "heading",
+    "delta_r": "rudder",
+    "delta_s": "stern planes",
+}
+
+
+def panels(shows: tuple[str, ...], flights: dict[str, Flight]) -> tuple[Panel, ...]:
+    """Return the panels of a manoeuvre, a curve for each flight; depth from its start."""
+    found = []
+    for name in shows:
+        if name != TRACK and not all(flight.has(name) for flight in flights.values()):
+            continue
+        curves = []
+        for label, flight in flights.items():
+            factor, _ = unit(name)
+            if name == TRACK:
+                curves.append(Curve(label, flight.column("y"), flight.column("x")))
+                continue
+            values = flight.change(name) if name == "z" else flight.column(name)
+            curves.append(Curve(label, flight.t, factor * values))
+        if name == TRACK:
+            found.append(Panel(TRACK, "east [m]", "track, north [m]", tuple(curves)))
+        else:
+            title = f"{WORDS[name]} [{unit(name)[1]}]"
+            found.append(Panel(title, "time [s]", title, tuple(curves)))
+    return tuple(found)
+
+
+def draw(panel: Panel) -> str:
+    """Return a panel as an SVG element."""
+    curves = [_finite(curve) for curve in panel.curves]
+    xs = np.concatenate([x for x, _ in curves])
+    ys = np.concatenate([y for _, y in curves])
+    if not xs.size:
+        return ""
+    across, up = _axes(panel, xs, ys)
+    parts = [_text("title", LEFT, 15.0, panel.y), *_grid(panel, across, up)]
+    for label, place in panel.marks:
+        if across.low <= place <= across.high:
+            parts += [
+                _rule("mark", across.at(place), TOP, across.at(place), HEIGHT - BOTTOM),
+                _text("tick", across.at(place) + 3.0, TOP + 9.0, label),
+            ]
+    for i, curve in enumerate(panel.curves):
+        drawing = _dots if curve.points else _curve
+        parts.append(drawing(curve, i, across, up))
+    label = escape(f"{panel.y} against {panel.x}")
+    size = f'viewBox="0 0 {WIDTH:g} {HEIGHT:g}"'
+    return f'<svg {size} role="img" aria-label="{label}">{"".join(parts)}</svg>'
+
+
+def legend(curves: tuple[Curve, ...]) -> str:
+    """Return what the curves mean, as an HTML paragraph with samples."""
+    samples = "".join(
+        f'<span class="key"><svg viewBox="0 0 36 8" aria-hidden="true">{_sample(curve, i)}</svg>'
+        f"{escape(curve.label)}</span>"
+        for i, curve in enumerate(curves)
+    )
+    return f'<p class="legend">{samples}</p>'
+
+
+def _sample(curve: Curve, place: int) -> str:
+    """Return a short piece of a curve."""
+    if curve.points:
+        return _dot(place, 18.0, 4.0)
+    return f'<path class="c{place % STYLES}" d="M1 4H35"/>'
+
+
+def _finite(curve: Curve) -> tuple[np.ndarray, np.ndarray]:
+    """Return the points of a curve that are numbers."""
+    good = np.isfinite(curve.x) & np.isfinite(curve.y)
+    return curve.x[good], curve.y[good]
+
+
+def _axes(panel: Panel, xs: np.ndarray, ys: np.ndarray) -> tuple[Axis, Axis]:
+    """Return both axes; those of a track have one scale, and depth is downwards."""
+    low, high = float(ys.min()), float(ys.max())
+    room = max(0.05 * (high - low), 1e-3 * max(abs(low), abs(high)), 1e-6)
+    low, high = low - room, high + room
+    begin, end = float(xs.min()), float(xs.max())
+    end = max(end, begin + 1e-6)
+    if panel.title == TRACK:
+        scale = max((end - begin) / (WIDTH - LEFT - RIGHT), (high - low) / (HEIGHT - TOP - BOTTOM))
+        begin, end = _about(begin, end, scale * (WIDTH - LEFT - RIGHT))
+        low, high = _about(low, high, scale * (HEIGHT - TOP - BOTTOM))
+    ends = (HEIGHT - BOTTOM, TOP)
+    if panel.y.startswith(DOWNWARDS):
+        ends = (TOP, HEIGHT - BOTTOM)
+    return Axis(begin, end, LEFT, WIDTH - RIGHT), Axis(low, high, *ends)
+
+
+def _about(low: float, high: float, span: float) -> tuple[float, float]:
+    """Return the stretch of that span about the middle of another."""
+    middle = 0.5 * (low + high)
+    return middle - 0.5 * span, middle + 0.5 * span
+
+
+def _grid(panel: Panel, across: Axis, up: Axis) -> list[str]:
+    """Return lines and labels of both axes."""
+    parts = []
+    for value in ticks(up.low, up.high, step_of(up.high - up.low, 5)):
+        y = up.at(value)
+        parts.append(_rule("grid", LEFT, y, WIDTH - RIGHT, y))
+        parts.append(_text("tick end", LEFT - 5.0, y + 3.5, f"{value + 0.0:.6g}"))
+    for value in ticks(across.low, across.high, step_of(across.high - across.low, 7)):
+        x = across.at(value)
+        parts.append(_rule("grid", x, TOP, x, HEIGHT - BOTTOM))
+        parts.append(_text("tick middle", x, HEIGHT - BOTTOM + 14.0, f"{value + 0.0:.6g}"))
+    parts.append(_text("tick middle", 0.5 * (LEFT + WIDTH - RIGHT), HEIGHT - 8.0, panel.x))
+    inside = [up.at(value) for value in panel.levels if up.low <= value <= up.high]
+    return [*parts, *(_rule("mark", LEFT, y, WIDTH - RIGHT, y) for y in inside)]
+
+
+def _curve(curve: Curve, place: int, across: Axis, up: Axis) -> str:
+    """Return a curve as a path, broken where its points are no numbers."""
+    strokes = []
+    breaks = np.flatnonzero(~(np.isfinite(curve.x) & np.isfinite(curve.y)))
+    for piece in np.split(np.arange(curve.x.size), breaks):
+        kept = piece[np.isfinite(curve.x[piece]) & np.isfinite(curve.y[piece])]
+        if kept.size > 1:
+            x, y = thinned(curve.x[kept], curve.y[kept], POINTS)
+            points = zip(across.places(x), up.places(y), strict=True)
+            strokes.append("M" + "L".join(f"{a:.1f} {b:.1f}" for a, b in points))
+    return f'<path class="c{place % STYLES}" d="{"".join(strokes)}"/>'
+
+
+def _dots(curve: Curve, place: int, across: Axis, up: Axis) -> str:
+    """Return the points of a curve as marks."""
+    x, y = _finite(curve)
+    spots = zip(across.places(x), up.places(y), strict=True)
+    return "".join(_dot(place, float(a), float(b)) for a, b in spots)
+
+
+def _dot(place: int, x: float, y: float) -> str:
+    """Return a mark, of one of several shapes."""
+    shape = SHAPES[place % len(SHAPES)]
+    return f'<path class="dot c{place % STYLES}" d="M{x:.1f} {y:.1f}{shape}"/>'
+
+
+def _rule(style: str, x: float, y: float, x_end: float, y_end: float) -> str:
+    """Return a straight line."""
+    return f'<path class="{style}" d="M{x:.1f} {y:.1f}L{x_end:.1f} {y_end:.1f}"/>'
+
+
+def _text(style: str, x: float, y: float, words: str) -> str:
+    """Return some words."""
+    return f'<text class="{style}" x="{x:.1f}" y="{y:.1f}">{escape(words)}</text>'
+
+
+def figure(value: float | None, of: str) -> str:
+    """Return a number in the page's unit: degrees for radians."""
+    if value is None or not math.isfinite(value):
+        return "-"
+    return f"{math.degrees(value) if of.startswith('rad') else value:.4g}"
+
+
+def page_unit(of: str) -> str:
+    """Return the page's unit of a unit."""
+    return of.replace("rad", "deg")

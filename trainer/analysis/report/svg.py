@@ -1,0 +1,239 @@
+"""Axes: from numbers to places on the paper, round ticks, and lines thinned to what shows.
+
+One chart as SVG: lines against time, casualties shaded, marks and limits as lines across.
+"""
+
+import math
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from html import escape
+from typing import Final
+
+import numpy as np
+
+from trainer.core.kernel import Numbers
+
+ROUND: Final = (1.0, 2.0, 2.5, 5.0, 10.0)
+ANGLES: Final = (1.0, 2.0, 5.0, 10.0, 15.0, 30.0, 45.0, 90.0, 180.0, 360.0)  # [deg]
+TIMES: Final = (5.0, 10.0, 30.0, 60.0, 120.0, 300.0, 600.0, 1200.0, 3600.0, 7200.0)  # [s]
+
+
+@dataclass(frozen=True)
+class Axis:
+    """A stretch of numbers laid on a stretch of paper."""
+
+    low: float
+    high: float
+    begin: float  # [px] where low is
+    end: float
+
+    def at(self, value: float) -> float:
+        """Return the place [px] of a number."""
+        return self.begin + (value - self.low) / (self.high - self.low) * (self.end - self.begin)
+
+    def places(self, values: Numbers) -> Numbers:
+        """Return the places [px] of numbers."""
+        share = (values - self.low) / (self.high - self.low)
+        return self.begin + share * (self.end - self.begin)
+
+
+def step_of(span: float, most: int, steps: tuple[float, ...] = ()) -> float:
+    """Return a round step that goes into ``span`` at most ``most`` times, of ``steps`` if any."""
+    for step in steps:
+        if span / step <= most:
+            return step
+    power = 10.0 ** math.floor(math.log10(span / most))
+    return next(power * each for each in ROUND if span / (power * each) <= most + 1e-9)
+
+
+def ticks(low: float, high: float, step: float) -> list[float]:
+    """Return the multiples of ``step`` from ``low`` to ``high``."""
+    first, last = math.ceil(low / step - 1e-9), math.floor(high / step + 1e-9)
+    return [step * i for i in range(first, last + 1)]
+
+
+def clock(seconds: float) -> str:
+    """Return a time as minutes and seconds, from an hour on with hours."""
+    tenths = round(seconds * 10.0)
+    whole, tenth = divmod(tenths, 10)
+    minutes, second = divmod(whole, 60)
+    rest = f"{second:02d}" + (f".{tenth}" if tenth else "")
+    if minutes < 60:
+        return f"{minutes}:{rest}"
+    return f"{minutes // 60}:{minutes % 60:02d}:{rest}"
+
+
+def thinned(x: Numbers, y: Numbers, most: int) -> tuple[Numbers, Numbers]:
+    """Return at most about ``most`` points of a line, with the extremes of every stretch."""
+    if x.size <= most:
+        return x, y
+    kept = {0, x.size - 1}
+    for stretch in np.array_split(np.arange(x.size), most // 2):
+        kept |= {int(stretch[np.argmin(y[stretch])]), int(stretch[np.argmax(y[stretch])])}
+    rows = np.array(sorted(kept))
+    return x[rows], y[rows]
+
+
+WIDTH, HEIGHT = 960.0, 210.0  # [px]
+LEFT, RIGHT, TOP, BOTTOM = 58.0, 24.0, 26.0, 24.0
+POINTS: Final = 1600  # of a line
+LEGEND: Final = 24.0  # [px] length of a line's sample
+LETTER: Final = 6.6  # [px] about as wide as one
+
+
+@dataclass(frozen=True)
+class Line:
+    """A curve; ``style`` is its class in the page's style: colour and dashes."""
+
+    label: str
+    values: Numbers
+    style: str
+
+
+@dataclass(frozen=True)
+class Level:
+    """A limit, or another number to be seen against."""
+
+    label: str
+    value: float
+
+
+@dataclass(frozen=True)
+class Chart:
+    """What one pair of axes shows."""
+
+    title: str
+    unit: str
+    lines: tuple[Line, ...]
+    levels: tuple[Level, ...] = ()
+    downwards: bool = False  # larger numbers are lower, as depths are
+    least: float = 1.0  # span that is shown at least
+    steps: tuple[float, ...] = ()  # round steps, if they are not the usual ones
+    number: Callable[[float], str] = "{:g}".format  # how a number is written on the axis
+
+
+@dataclass(frozen=True)
+class Ground:
+    """What all charts of a page have in common."""
+
+    seconds: Numbers
+    spans: tuple[tuple[float, float], ...]  # [s] casualties
+    marks: tuple[float, ...]  # [s]
+
+    @property
+    def across(self) -> Axis:
+        """Return the axis of time."""
+        begin, end = float(self.seconds[0]), float(self.seconds[-1])
+        return Axis(begin, max(end, begin + 1.0), LEFT, WIDTH - RIGHT)
+
+
+def draw(chart: Chart, ground: Ground) -> str:
+    """Return the chart as an SVG element."""
+    up = _upright(chart)
+    parts = [
+        *_frame(chart, up),
+        *backdrop(ground, TOP, HEIGHT - BOTTOM),
+        *time_axis(ground, HEIGHT - BOTTOM),
+        *_levels(chart, up),
+        *(_curve(line, ground, up) for line in chart.lines),
+        *_legend(chart),
+    ]
+    return svg(f"{chart.title} against time", HEIGHT, parts)
+
+
+def svg(label: str, height: float, parts: list[str]) -> str:
+    """Return an SVG element of the page's width."""
+    return (
+        f'<svg viewBox="0 0 {WIDTH:g} {height:g}" role="img" aria-label="{escape(label)}">'
+        + "".join(parts)
+        + "</svg>"
+    )
+
+
+def backdrop(ground: Ground, top: float, bottom: float) -> Iterator[str]:
+    """Yield the shades of the casualties and the lines of the marks."""
+    for begin, end in ground.spans:
+        x, width = ground.across.at(begin), ground.across.at(end) - ground.across.at(begin)
+        yield rect("spell", x, top, max(width, 1.0), bottom - top)
+    for mark in ground.marks:
+        yield rule("mark", ground.across.at(mark), top, ground.across.at(mark), bottom)
+
+
+def time_axis(ground: Ground, bottom: float) -> Iterator[str]:
+    """Yield the axis of time with its labels."""
+    across = ground.across
+    yield rule("axis", LEFT, bottom, WIDTH - RIGHT, bottom)
+    for second in ticks(across.low, across.high, step_of(across.high - across.low, 12, TIMES)):
+        x = across.at(second)
+        yield rule("axis", x, bottom, x, bottom + 4.0)
+        yield text("tick middle", x, bottom + 16.0, clock(second))
+
+
+def rect(style: str, x: float, y: float, width: float, height: float) -> str:
+    """Return a rectangle."""
+    return (
+        f'<rect class="{style}" x="{x:.1f}" y="{y:.1f}" width="{width:.1f}" height="{height:.1f}"/>'
+    )
+
+
+def rule(style: str, x: float, y: float, x_end: float, y_end: float) -> str:
+    """Return a straight line."""
+    return f'<line class="{style}" x1="{x:.1f}" y1="{y:.1f}" x2="{x_end:.1f}" y2="{y_end:.1f}"/>'
+
+
+def text(style: str, x: float, y: float, words: str) -> str:
+    """Return some words."""
+    return f'<text class="{style}" x="{x:.1f}" y="{y:.1f}">{escape(words)}</text>'
+
+
+def _upright(chart: Chart) -> Axis:
+    """Return the axis upwards: all lines, a little room, and the limits that are not far off."""
+    values = np.concatenate([line.values[np.isfinite(line.values)] for line in chart.lines])
+    low, high = (float(values.min()), float(values.max())) if values.size else (0.0, 0.0)
+    room = 0.4 * max(high - low, chart.least)
+    near = [each.value for each in chart.levels if low - room <= each.value <= high + room]
+    low, high = min([low, *near]), max([high, *near])
+    lacking = 0.5 * max(chart.least - (high - low), 0.0)
+    margin = 0.06 * max(high - low, chart.least)
+    low, high = low - lacking - margin, high + lacking + margin
+    ends = (TOP, HEIGHT - BOTTOM) if chart.downwards else (HEIGHT - BOTTOM, TOP)
+    return Axis(low, high, *ends)
+
+
+def _frame(chart: Chart, up: Axis) -> Iterator[str]:
+    yield text("title", LEFT, 16.0, f"{chart.title} [{chart.unit}]")
+    for value in ticks(up.low, up.high, step_of(up.high - up.low, 6, chart.steps)):
+        y = up.at(value)
+        yield rule("grid", LEFT, y, WIDTH - RIGHT, y)
+        yield text("tick end", LEFT - 6.0, y + 4.0, chart.number(value + 0.0))
+
+
+def _levels(chart: Chart, up: Axis) -> Iterator[str]:
+    for level in chart.levels:
+        if up.low <= level.value <= up.high:
+            y = up.at(level.value)
+            yield rule("limit", LEFT, y, WIDTH - RIGHT, y)
+            yield text("limit-name end", WIDTH - RIGHT - 2.0, y - 3.0, level.label)
+
+
+def _curve(line: Line, ground: Ground, up: Axis) -> str:
+    """Return a line, broken where there are no numbers."""
+    known = np.isfinite(line.values)
+    edges = np.flatnonzero(np.diff(np.concatenate(([False], known, [False])).astype(int)))
+    pieces = []
+    for first, after in edges.reshape(-1, 2):
+        x = ground.across.places(ground.seconds[first:after])
+        x, y = thinned(x, up.places(line.values[first:after]), POINTS)
+        pieces.append("M" + "L".join(f"{a:.1f} {b:.1f}" for a, b in zip(x, y, strict=True)))
+    return f'<path class="line {line.style}" d="{"".join(pieces)}"/>'
+
+
+def _legend(chart: Chart) -> Iterator[str]:
+    """Yield samples of the lines with their names, at the upper right."""
+    x = WIDTH - RIGHT
+    for line in reversed(chart.lines):
+        x -= LETTER * len(line.label)
+        yield text("tick", x, 16.0, line.label)
+        x -= LEGEND + 5.0
+        yield f'<path class="line {line.style}" d="M{x:.1f} 12L{x + LEGEND:.1f} 12"/>'
+        x -= 14.0

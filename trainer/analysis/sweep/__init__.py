@@ -1,0 +1,1 @@
+"""Studies of many runs that differ in known ways."""

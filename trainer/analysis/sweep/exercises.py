@@ -1,0 +1,156 @@
+"""Members that fly an exercise: seas, casualties and scheduled orders, as ``trainer run`` does."""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from functools import cached_property
+from pathlib import Path
+from typing import Any, Final
+
+import numpy as np
+
+from trainer.analysis.manoeuvres.flight import Flight
+from trainer.analysis.series import Series
+from trainer.analysis.sweep.batch import Batch, member
+from trainer.analysis.sweep.outputs import Output, chosen, read_off
+from trainer.analysis.sweep.study import Study, method_of
+from trainer.boat.assemble import Method
+from trainer.boat.boat import Boat
+from trainer.boat.helm import obey
+from trainer.config.exercise import Exercise, read_exercise
+from trainer.config.files import ConfigError
+from trainer.config.sea import load_sea
+from trainer.config.vessel import VesselFile, read_vessel
+from trainer.io.orders.grammar import Refused
+from trainer.io.orders.table import BOAT_ORDERS
+from trainer.io.tables import COLUMNS
+from trainer.session.plan import Plan
+
+CHUNK: Final = 16
+
+
+@dataclass(frozen=True)
+class Outing:
+    """One exercise flown, and the first order that the boat refused, "" if none."""
+
+    flight: Flight
+    refused: str
+
+
+def plan_of(study: Study, drawn: Mapping[str, Any], seed: int) -> Plan:
+    """Return what one member is to fly; ConfigError if that is none."""
+    tables, file = study.varied(drawn), study.file
+    if file is None:
+        raise ConfigError(f"{study.path.name}: has no boat")
+    file = read_vessel(tables["vessel"], file.text, file.path)
+    exercise = read_exercise(tables["exercise"], study.path)
+    duration = exercise.heading.duration_s
+    if duration is None:
+        raise ConfigError(f"{study.path.name}: [exercise] lacks duration_s")
+    late = [each for each in exercise.schedule if each.order.name not in BOAT_ORDERS]
+    if late:
+        raise ConfigError(f"{late[0].order.text}: has no place in a study: it is about time")
+    return Plan(
+        file=file,
+        method=_method(study, exercise, file),
+        sea=exercise.sea or load_sea("calm"),
+        seed=seed,
+        duration=duration,
+        title=exercise.heading.name,
+        briefing=exercise.heading.briefing,
+        initial=exercise.initial,
+        schedule=list(exercise.schedule),
+        casualties=exercise.casualties,
+        armed=exercise.armed,
+        limits=exercise.limits,
+        scores=(),
+    )
+
+
+def _method(study: Study, exercise: Exercise, file: VesselFile) -> Method:
+    """Return how the boat is computed: the study's word over the exercise's."""
+    said, table = exercise.heading, study.method
+    return method_of(
+        replace(
+            table,
+            equations=table.equations or said.equations,
+            rates=table.rates or said.rates,
+            integrator=table.integrator or said.integrator,
+            step_s=table.step_s or said.step_s,
+        ),
+        file,
+    )
+
+
+def go_out(plan: Plan) -> Outing:
+    """Return the exercise flown from its start to its end; ConfigError if it cannot begin."""
+    boat = Boat(plan.file, plan.method)
+    plan.start(boat)
+    step = plan.method.step
+    rows, refused, lost, place = [boat.numbers(COLUMNS)], "", "", 0
+    with np.errstate(all="ignore"):
+        for tick in range(round((plan.duration or 0.0) / step)):
+            while place < len(plan.schedule) and due(plan, place) <= tick:
+                reply = obey(boat, plan.schedule[place].order)
+                if isinstance(reply, Refused) and not refused:
+                    refused = f"{plan.schedule[place].order.text}: refused: {reply.reason}"
+                place += 1
+            status = boat.tick()
+            if status:
+                lost = boat.failure(status)
+                break
+            rows.append(boat.numbers(COLUMNS))
+    table = np.array(rows)
+    columns = {name: table[:, i] for i, name in enumerate(COLUMNS)}
+    series = Series(Path(plan.file.name), columns)
+    speed = float(table[0, COLUMNS.index("u")])
+    return Outing(Flight(speed, plan.file.hull.length, step, series, (), lost), refused)
+
+
+def due(plan: Plan, place: int) -> int:
+    """Return the first tick not before the time of an order, at which a session carries it out."""
+    return math.ceil(plan.schedule[place].seconds / plan.method.step - 1e-9)
+
+
+class Exercising:
+    """The members of a study that fly an exercise."""
+
+    chunk = CHUNK
+
+    def __init__(self, study: Study) -> None:
+        """Take the study; ConfigError if its middle member cannot fly, or is refused an order."""
+        self.study = study
+        seed = int(study.draws.seeds(0, 1)[0])
+        self.trial = go_out(plan_of(study, study.draws.middle(), seed))
+        if self.trial.refused:
+            raise ConfigError(f"{study.path.name}: {self.trial.refused}")
+        for variable in study.variables:
+            for word in variable.row.values or ():
+                if isinstance(word, str):  # each is read, and thereby known to whoever flies
+                    plan_of(study, {**study.draws.middle(), variable.row.name: word}, seed)
+
+    @cached_property
+    def outputs(self) -> tuple[Output, ...]:
+        """Return what is kept of each member; ConfigError if the study asks for what is not."""
+        try:
+            return chosen(self.study.heading.measures, self.trial.flight, [])
+        except ConfigError as wrong:
+            raise ConfigError(f"{self.study.path.name}: {wrong}") from None
+
+    def batch(self, first: int, count: int) -> Batch:
+        """Return what becomes of ``count`` members from ``first`` on."""
+        draws = self.study.draws
+        drawn, seeds = draws.drawn(first, count), draws.seeds(first, count)
+        outputs = np.full((count, len(self.outputs)), np.nan)
+        troubles: list[str | None] = [None] * count
+        for i in range(count):
+            numbers = member(drawn, i)
+            try:
+                outing = go_out(plan_of(self.study, numbers, int(seeds[i])))
+            except ConfigError as wrong:
+                troubles[i] = wrong.problems[0]
+                continue
+            troubles[i] = outing.flight.lost or outing.refused or None
+            if troubles[i] is None:
+                outputs[i] = read_off(self.outputs, outing.flight, [])
+        return Batch(np.arange(first, first + count), seeds, drawn, outputs, tuple(troubles))

@@ -1,0 +1,253 @@
+"""Members that fly a manoeuvre: together in fleets where its orders are known beforehand.
+
+Members flown one by one: a manoeuvre by a boat of its own, as ``trainer manoeuvre`` flies it.
+"""
+
+from collections.abc import Iterable, Mapping
+from dataclasses import asdict, dataclass, replace
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Final
+
+import numpy as np
+
+from trainer.analysis.fleet.ensemble import fly_members
+from trainer.analysis.manoeuvres.catalogue import PARAMETERS, adjusted, named
+from trainer.analysis.manoeuvres.flight import Flight, Manoeuvre, fly
+from trainer.analysis.manoeuvres.submarine import COLUMNS, LAWS, STEEPEST, Rig, Submarine
+from trainer.analysis.series import Series
+from trainer.analysis.sweep import fleets
+from trainer.analysis.sweep.batch import Batch, member
+from trainer.analysis.sweep.outputs import Output, chosen, read_off
+from trainer.analysis.sweep.records import ManoeuvreTable
+from trainer.analysis.sweep.script import Script, script_of
+from trainer.analysis.sweep.study import Study, method_of
+from trainer.boat.assemble import Method
+from trainer.config.coefficients import COEFFICIENT, FACTOR
+from trainer.config.files import ConfigError, Place
+from trainer.config.schema import read_record
+from trainer.config.vessel import VesselFile, read_vessel
+from trainer.core.autopilot import REPORT
+from trainer.units import KNOT
+
+if TYPE_CHECKING:
+    from trainer.core.kernel import Numbers
+
+
+@dataclass(frozen=True)
+class Case:
+    """One member: a boat, how it is computed and handled, and what it flies."""
+
+    file: VesselFile
+    method: Method
+    rig: Rig
+    table: ManoeuvreTable
+
+
+def case_of(study: Study, drawn: Mapping[str, Any]) -> Case:
+    """Return the member with these numbers; ConfigError if there can be no such boat."""
+    tables, file = study.varied(drawn), study.file
+    if file is None:
+        raise ConfigError(f"{study.path.name}: has no boat")
+    if any(variable.steps[0] == "vessel" for variable in study.variables):
+        file = read_vessel(tables["vessel"], file.text, file.path)
+    place = Place(study.path.name, "manoeuvre")
+    table = read_record(ManoeuvreTable, tables["manoeuvre"], place, ())
+    rig = Rig(table.controls or "own", table.trim or "own", table.law or "trainer")
+    return Case(file, method_of(study.method, file), rig, table)
+
+
+def manoeuvre_of(case: Case, boat: Any) -> Manoeuvre:
+    """Return the manoeuvre of a case for a vehicle; ConfigError if it cannot fly it."""
+    told = asdict(case.table)
+    given = {name: told[key] for name, key in PARAMETERS.items() if told[key] is not None}
+    try:
+        manoeuvre = adjusted(case.table.name, boat, given)
+    except ConfigError as wrong:
+        raise ConfigError(f"[manoeuvre] {str(wrong).removeprefix('--')}") from None
+    if case.table.depth_kept is None:
+        return manoeuvre
+    if not hasattr(manoeuvre, "keep") or "keep" not in asdict(manoeuvre):
+        raise ConfigError(f"[manoeuvre] depth_kept: {case.table.name} has no such choice")
+    return replace(manoeuvre, keep=("depth",) * case.table.depth_kept)  # type: ignore[call-arg]
+
+
+def speed_of(case: Case) -> float:
+    """Return the speed [m/s] that a case begins with; ConfigError for a speed at rest."""
+    if not named(case.table.name).from_rest:
+        knots = case.table.speed_kn
+        return (case.file.run.start_speed_kn if knots is None else knots) * KNOT
+    if case.table.speed_kn is not None:
+        raise ConfigError("[manoeuvre] speed_kn: this manoeuvre starts from rest")
+    return 0.0
+
+
+def flown(case: Case) -> tuple[Manoeuvre, Flight]:
+    """Return the manoeuvre of a case and its flight; ConfigError if it cannot begin."""
+    boat = Submarine(case.file, case.method, case.rig)
+    manoeuvre = manoeuvre_of(case, boat)
+    return manoeuvre, fly(boat, manoeuvre, speed_of(case))
+
+
+TOGETHER, ALONE = 512, 16  # members of a chunk
+PLACED: Final = COLUMNS[1:]  # all but the time
+LANES: Final = 128  # members whose flights are in memory at once
+# plausible only within the hull: these go through the whole check of a vessel file
+CHECKED: Final = ("X_udot", "Y_vdot", "Z_wdot", "K_pdot", "M_qdot", "N_rdot")
+LIMITS: Final = {"coefficients": COEFFICIENT.limits, "compensation": FACTOR.limits}
+
+
+class Manoeuvring:
+    """The members of a study that fly a manoeuvre."""
+
+    def __init__(self, study: Study) -> None:
+        """Take the study; ConfigError if its middle member cannot fly."""
+        self.study = study
+        self.middle = case_of(study, study.draws.middle())
+        self.trial, self.flight = flown(self.middle)
+        self.boat = Submarine(self.middle.file, self.middle.method, self.middle.rig)
+        self.controls = self.boat.controls
+
+    @cached_property
+    def outputs(self) -> tuple[Output, ...]:
+        """Return what is kept of each member; ConfigError if the study asks for what is not."""
+        try:
+            measures = self.trial.measures(self.flight)
+            return chosen(self.study.heading.measures, self.flight, measures)
+        except ConfigError as wrong:
+            raise ConfigError(f"{self.study.path.name}: {wrong}") from None
+
+    @cached_property
+    def together(self) -> bool:
+        """Return whether members are flown in fleets."""
+        rig = self.middle.rig
+        alike = rig.controls == "own" and rig.trim == "own" and not self.trial.from_rest
+        return alike and self._script(self.trial) is not None
+
+    @property
+    def chunk(self) -> int:
+        """Return how many members are flown, and kept, at once."""
+        return TOGETHER if self.together else ALONE
+
+    def _script(self, manoeuvre: Manoeuvre) -> Script | None:
+        return script_of(manoeuvre, self.middle.method.step, self.controls)
+
+    def batch(self, first: int, count: int) -> Batch:
+        """Return what becomes of ``count`` members from ``first`` on."""
+        drawn = self.study.draws.drawn(first, count)
+        outputs = np.full((count, len(self.outputs)), np.nan)
+        left = set(range(count))
+        if self.together:
+            for begin in range(0, count, LANES):
+                part = {name: values[begin : begin + LANES] for name, values in drawn.items()}
+                size = min(LANES, count - begin)
+                for i, numbers in self._fleet(part, size):
+                    outputs[begin + i] = numbers
+                    left.discard(begin + i)
+        troubles: list[str | None] = [None] * count
+        for i in sorted(left):
+            outputs[i], troubles[i] = self._alone(member(drawn, i))
+        return Batch(
+            np.arange(first, first + count),
+            self.study.draws.seeds(first, count),
+            drawn,
+            outputs,
+            tuple(troubles),
+        )
+
+    def _alone(self, drawn: Mapping[str, Any]) -> tuple[list[float], str | None]:
+        """Return the numbers of one member flown by itself, or why there are none."""
+        nothing = [np.nan] * len(self.outputs)
+        try:
+            manoeuvre, flight = flown(case_of(self.study, drawn))
+        except ConfigError as wrong:
+            return nothing, wrong.problems[0]
+        if flight.lost:
+            return nothing, flight.lost
+        return read_off(self.outputs, flight, manoeuvre.measures(flight)), None
+
+    def _fleet(self, drawn: dict[str, Any], count: int) -> Iterable[tuple[int, list[float]]]:
+        """Yield place and numbers of the members that fly well; the others are left."""
+        cases = self._cases(drawn, count)
+        groups: dict[Any, list[int]] = {}
+        for i, (_, manoeuvre) in cases.items():
+            script = self._script(manoeuvre)
+            if script is not None:
+                form = tuple(line[:3] for line in script.lines)
+                groups.setdefault((form, script.ticks), []).append(i)
+        for places in groups.values():
+            yield from self._flown(drawn, cases, places)
+
+    def _cases(self, drawn: dict[str, Any], count: int) -> dict[int, tuple[Case, Manoeuvre]]:
+        """Return case and manoeuvre of the members for which there can be any.
+
+        Where nothing but coefficients varies the case is the middle one's, and says nothing of
+        them.
+        """
+        if self._by_coefficients:
+            good = np.ones(count, bool)
+            for variable in self.study.variables:
+                limits = LIMITS[str(variable.steps[1])]
+                values = variable.value(drawn[variable.row.name])
+                good &= (limits.low <= values) & (values <= limits.high)
+            return {int(i): (self.middle, self.trial) for i in np.flatnonzero(good)}
+        found = {}
+        for i in range(count):
+            try:
+                case = case_of(self.study, member(drawn, i))
+                boat = self.boat if case.file is self.middle.file else None
+                boat = boat or Submarine(case.file, case.method, case.rig)
+                found[i] = case, manoeuvre_of(case, boat)
+            except ConfigError:
+                continue  # it is told when the member is tried alone
+        return found
+
+    @cached_property
+    def _by_coefficients(self) -> bool:
+        """Return whether nothing but coefficients varies, and none that has to fit the hull."""
+        keys = [variable.steps for variable in self.study.variables]
+        return all(
+            steps[0] == "vessel" and steps[1] in LIMITS and steps[-1] not in CHECKED
+            for steps in keys
+        )
+
+    def _flown(
+        self, drawn: dict[str, Any], cases: dict[int, tuple[Case, Manoeuvre]], places: list[int]
+    ) -> Iterable[tuple[int, list[float]]]:
+        """Yield place and numbers of members whose scripts are alike, but for those left."""
+        own = [cases[i] for i in places]
+        case = own[0][0]
+        scripts = [self._script(manoeuvre) for _, manoeuvre in own]
+        written = [script for script in scripts if script is not None]
+        if self._by_coefficients:
+            changes: dict[tuple[str, ...], Numbers] = {}
+            for variable in self.study.variables:
+                numbers = np.asarray(variable.value(drawn[variable.row.name][places]))
+                changes[tuple(map(str, variable.steps[1:]))] = numbers
+            made = fleets.by_coefficients(self.boat.boat, changes, len(places))
+        else:
+            made = fleets.by_files([one.file for one, _ in own], case.method)
+        speeds = np.array([speed_of(one) for one, _ in own])
+        ready = fleets.started(made, case.method, speeds, self._law(case), self.trial.needs)
+        schedule = fleets.ordered(ready, made, written)
+        flight = fly_members(ready.fleet, schedule, written[0].ticks, 1, PLACED)
+        t = case.method.step * np.arange(written[0].ticks + 1.0)
+        steep = np.abs(flight.rows[:, :, PLACED.index("theta")]) > STEEPEST
+        good = ready.fit & (flight.lost < 0) & ~steep.any(axis=1)
+        named = Path(case.file.name)
+        for i in np.flatnonzero(good):
+            each, manoeuvre = own[i]
+            columns = {"t": t, **{name: flight.rows[i, :, k] for k, name in enumerate(PLACED)}}
+            seen = Flight(
+                speed=float(speeds[i]),
+                length=each.file.hull.length,
+                step=each.method.step,
+                series=Series(named, columns),
+                marks=written[i].marks,
+                lost="",
+            )
+            yield places[i], read_off(self.outputs, seen, manoeuvre.measures(seen))
+
+    def _law(self, case: Case) -> float:
+        """Return the law of depth keeping; without gains the report's."""
+        return LAWS[case.rig.law] if self.boat.boat.automatic else max(LAWS[case.rig.law], REPORT)

@@ -1,0 +1,104 @@
+"""Finished members on disk: a folder beside the result, a file for each chunk, and a manifest."""
+
+import json
+import os
+import shutil
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Final
+
+from trainer.analysis.sweep.batch import Batch
+from trainer.analysis.sweep.job import Job, differences
+from trainer.analysis.sweep.parquet import facts_of, read, table_of, write
+from trainer.config.files import ConfigError
+
+MANIFEST: Final = "manifest.json"
+
+
+@dataclass(frozen=True)
+class Parts:
+    """The chunks of one job that are on disk."""
+
+    folder: Path
+    schema: Any
+    chunks: int
+
+    def file(self, place: int) -> Path:
+        """Return the path of a chunk's file."""
+        return self.folder / f"{place:06d}.parquet"
+
+    def finished(self) -> set[int]:
+        """Return the chunks that are there."""
+        return {place for place in range(self.chunks) if self.file(place).exists()}
+
+    def keep(self, place: int, batch: Batch) -> None:
+        """Write a chunk; OSError if it cannot be."""
+        write(table_of(batch, self.schema), self.file(place))
+
+    def tables(self) -> Iterator[Any]:
+        """Yield the chunks in their order; ConfigError naming one that cannot be read."""
+        for place in range(self.chunks):
+            try:
+                yield read(self.file(place))
+            except OSError as wrong:
+                text = f"{self.file(place)}: cannot be read ({wrong}): delete it, and run again"
+                raise ConfigError(text) from None
+
+    def clear(self) -> None:
+        """Remove the folder, the result being there."""
+        shutil.rmtree(self.folder, ignore_errors=True)
+
+
+def folder_of(out: Path) -> Path:
+    """Return where the finished members of a result are while it grows."""
+    return out.with_name(f"{out.name}.parts")
+
+
+def take_up(job: Job, schema: Any, chunks: int, out: Path) -> Parts:
+    """Return the folder of a job, new or as it was left; ConfigError if it is another's."""
+    folder = folder_of(out)
+    manifest = folder / MANIFEST
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        if manifest.exists():
+            _compare(json.loads(manifest.read_text(encoding="utf-8")), job, folder, "is of")
+        else:
+            _write(manifest, json.dumps(job.facts, indent=1, sort_keys=True))
+        for stray in folder.glob("*.part"):
+            stray.unlink(missing_ok=True)
+    except OSError as error:
+        raise ConfigError(f"{folder}: cannot be written: {error.strerror}") from None
+    except (json.JSONDecodeError, UnicodeDecodeError):
+        raise ConfigError(f"{manifest}: is no manifest: delete {folder}, or give --out") from None
+    return Parts(folder, schema, chunks)
+
+
+def _write(path: Path, text: str) -> None:
+    """Write a text that appears whole or not at all."""
+    part = path.with_name(f"{path.name}.{os.getpid()}.part")
+    with part.open("w", encoding="utf-8") as file:
+        file.write(text)
+        file.flush()
+        os.fsync(file.fileno())
+    part.replace(path)
+
+
+def result_of(job: Job, out: Path) -> Any:
+    """Return the result that is there already, None if none is; ConfigError if it is another's."""
+    if not out.exists():
+        return None
+    try:
+        table = read(out)
+    except OSError:
+        raise ConfigError(f"{out}: is there and no result of a study; give --out another") from None
+    _compare(facts_of(table), job, out, "is the result of")
+    return table
+
+
+def _compare(facts: dict[str, Any], job: Job, path: Path, verb: str) -> None:
+    """Check that facts on disk are the job's; ConfigError with what differs."""
+    found = differences(facts, job.facts)
+    if found:
+        text = f"{path}: {verb} another study: delete it, or give --out another name"
+        raise ConfigError(text, *found)

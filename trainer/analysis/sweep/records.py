@@ -1,0 +1,236 @@
+"""What a study of many members may say, table by table: keys, units and limits."""
+
+from dataclasses import dataclass
+from typing import Any, Final
+
+from trainer.config.files import ConfigError, Place
+from trainer.config.identification import CHANNELS, MODELS
+from trainer.config.method import EQUATIONS, TRIGONOMETRY
+from trainer.config.schema import (
+    Choice,
+    Quantity,
+    Rows,
+    Text,
+    above,
+    of,
+    optional,
+    tables_of,
+    within,
+)
+
+MOST_MEMBERS: Final = 10_000_000
+MOST_VALUES: Final = 10_000
+BIG: Final = 1e12
+WHOLE: Final = 2**49  # seeds are below it
+
+
+@dataclass(frozen=True)
+class Texts:
+    """A list of texts, each given once."""
+
+    each: Text
+    most: int
+
+    @property
+    def cells(self) -> tuple[str, str, str]:
+        """Return unit, range and meaning."""
+        return "list of text", f"1 to {self.most} texts", self.each.meaning
+
+    def read(self, key: str, value: object, place: Place) -> tuple[str, ...]:
+        """Return the texts; ConfigError if one is none or given twice."""
+        if not isinstance(value, list) or not 1 <= len(value) <= self.most:
+            raise ConfigError(place.wrong(key, value, f"must be a list of 1 to {self.most} texts"))
+        found = tuple(self.each.read(f"{key}[{i}]", item, place) for i, item in enumerate(value))
+        twice = [text for text in found if found.count(text) > 1]
+        if twice:
+            raise ConfigError(place.wrong(key, value, f"names {twice[0]!r} twice"))
+        return found
+
+
+@dataclass(frozen=True)
+class Values:
+    """A list of finite numbers, or of words, none of them twice."""
+
+    most: int
+    meaning: str
+
+    @property
+    def cells(self) -> tuple[str, str, str]:
+        """Return unit, range and meaning."""
+        return "list", f"1 to {self.most} numbers, or words", self.meaning
+
+    def read(self, key: str, value: object, place: Place) -> tuple[Any, ...]:
+        """Return the numbers or words; ConfigError if they are neither, or mixed."""
+        if not isinstance(value, list) or not 1 <= len(value) <= self.most:
+            raise ConfigError(place.wrong(key, value, f"must be a list of 1 to {self.most}"))
+        number = Quantity("-", within(-BIG, BIG), self.meaning)
+        word = Text(200, self.meaning)
+        kind: Quantity | Text = word if isinstance(value[0], str) else number
+        found = tuple(kind.read(f"{key}[{i}]", item, place) for i, item in enumerate(value))
+        if len(set(found)) < len(found):
+            raise ConfigError(place.wrong(key, value, "must not give one twice"))
+        return found
+
+
+@dataclass(frozen=True)
+class YesNo:
+    """True or false."""
+
+    meaning: str
+
+    @property
+    def cells(self) -> tuple[str, str, str]:
+        """Return unit, range and meaning."""
+        return "true or false", "", self.meaning
+
+    def read(self, key: str, value: object, place: Place) -> bool:
+        """Return the value; ConfigError if it is neither."""
+        if not isinstance(value, bool):
+            raise ConfigError(place.wrong(key, value, "must be true or false"))
+        return value
+
+
+@dataclass(frozen=True)
+class Whole:
+    """One whole number."""
+
+    low: int
+    high: int
+    meaning: str
+
+    @property
+    def cells(self) -> tuple[str, str, str]:
+        """Return unit, range and meaning."""
+        return "whole number", f"{self.low} to {self.high}", self.meaning
+
+    def read(self, key: str, value: object, place: Place) -> int:
+        """Return the number; ConfigError if it is none, or outside the limits."""
+        if isinstance(value, bool) or not isinstance(value, int):
+            raise ConfigError(place.wrong(key, value, "must be a whole number"))
+        if not self.low <= value <= self.high:
+            raise ConfigError(place.wrong(key, value, f"must be {self.low} to {self.high}"))
+        return value
+
+
+@dataclass(frozen=True, kw_only=True)
+class Heading:
+    """What is studied."""
+
+    schema: str = of(Choice(("sweep/1",), "form of the file"))
+    name: str = of(Text(79, "what is studied"))
+    vessel: str | None = optional(Text(200, "name of a boat, or path of its file; else bb2"))
+    measures: tuple[str, ...] | None = optional(
+        Texts(Text(60, "what is kept of each member; else all there is"), 200)
+    )
+
+
+@dataclass(frozen=True, kw_only=True)
+class MethodTable:
+    """How the boat is computed."""
+
+    equations: str | None = optional(Choice(EQUATIONS, "set of equations; else modified"))
+    rates: str | None = optional(
+        Choice(("exact", "lagged"), "accelerations; else lagged, with Runge-Kutta exact")
+    )
+    trig: str | None = optional(Choice(TRIGONOMETRY, "else exact"))
+    integrator: str | None = optional(Text(200, "as --integrator; else adams2"))
+    step_s: float | None = optional(Quantity("s", within(0.001, 2), "else the vessel file's"))
+
+
+@dataclass(frozen=True, kw_only=True)
+class ManoeuvreTable:
+    """The manoeuvre that every member flies; what is left out is its own."""
+
+    name: str = of(Text(40, "as `trainer manoeuvre --list` has it"))
+    speed_kn: float | None = optional(Quantity("kn", within(0.01, 60), "else the vessel file's"))
+    angle_deg: float | None = optional(Quantity("deg", within(0, 90), "of the control"))
+    execute_deg: float | None = optional(Quantity("deg", within(0, 180), "mark"))
+    duration_s: float | None = optional(Quantity("s", within(1, 1e5), "time flown"))
+    depth_kept: bool | None = optional(YesNo("whether a turn keeps its depth; else it does"))
+    controls: str | None = optional(Choice(("own", "once"), "rates and lags, or none; else own"))
+    trim: str | None = optional(Choice(("own", "full"), "equations of the start; else own"))
+    law: str | None = optional(
+        Choice(("trainer", "report", "literal"), "of depth keeping; else trainer")
+    )
+
+
+@dataclass(frozen=True, kw_only=True)
+class IdentificationTable:
+    """An experiment that is simulated and identified again and again."""
+
+    model: str = of(Choice(MODELS, "model, as `trainer identify --model`"))
+    length_m: float = of(Quantity("m", within(0.1, 600), "of the ship"))
+    speed_kn: float = of(Quantity("kn", within(0.01, 60), "of the ship"))
+    bow_log_m: float | None = optional(Quantity("m", within(0, 600), "forward log"))
+    stern_log_m: float | None = optional(Quantity("m", within(0, 600), "aft log"))
+    outputs: tuple[str, ...] = of(
+        Texts(Text(20, f"channels read: {', '.join(CHANNELS)}"), len(CHANNELS))
+    )
+    interval_s: float = of(Quantity("s", within(1e-4, 3600), "from sample to sample"))
+    samples: int = of(Whole(10, 100_000, "of a record"))
+    register_bits: int = of(Whole(2, 12, "of the binary sequence on the rudder"))
+    bit_s: float = of(Quantity("s", within(1e-3, 3600), "time that one bit holds"))
+    amplitude_deg: float = of(Quantity("deg", within(0.01, 90), "of the rudder, either way"))
+
+
+@dataclass(frozen=True, kw_only=True)
+class Parameter:
+    """One parameter of a model that is identified."""
+
+    name: str = of(Text(20, "as the model calls it"))
+    truth: float = of(Quantity("model's", within(-BIG, BIG), "what the records are made with"))
+    start: float | None = optional(
+        Quantity("model's", within(-BIG, BIG), "where the search begins; else at the truth")
+    )
+    free: bool | None = optional(YesNo("whether it is searched for; else it is"))
+
+
+@dataclass(frozen=True, kw_only=True)
+class Sample:
+    """Which members there are."""
+
+    plan: str = of(Choice(("grid", "latin-hypercube", "monte-carlo"), "how numbers are chosen"))
+    members: int | None = optional(Whole(1, MOST_MEMBERS, "how many; a grid has all its points"))
+    seed: int = of(Whole(0, WHOLE - 1, "of everything random"))
+    seeds: str | None = optional(
+        Choice(("each", "one"), "the seas of each member are its own, or all alike; else each")
+    )
+
+
+@dataclass(frozen=True, kw_only=True)
+class Vary:
+    """One number that differs from member to member."""
+
+    name: str = of(Text(40, "heading of its column"))
+    key: str = of(Text(200, "what it changes, such as vessel.coefficients.N_v"))
+    values: tuple[Any, ...] | None = optional(Values(MOST_VALUES, "the numbers, or words"))
+    distribution: str | None = optional(
+        Choice(("uniform", "normal", "triangular"), "instead of values")
+    )
+    low: float | None = optional(Quantity("key's", within(-BIG, BIG), "of uniform, triangular"))
+    high: float | None = optional(Quantity("key's", within(-BIG, BIG), "of uniform, triangular"))
+    mode: float | None = optional(Quantity("key's", within(-BIG, BIG), "peak of triangular"))
+    mean: float | None = optional(Quantity("key's", within(-BIG, BIG), "of normal"))
+    std: float | None = optional(Quantity("key's", above(0, BIG), "of normal"))
+    relative: bool | None = optional(
+        YesNo("true: the numbers are factors of what the files say; else they take its place")
+    )
+
+
+VARIED: Final = Rows(Vary, ("note",), 0, 200, "what is varied, below")
+PARAMETERS: Final = Rows(Parameter, ("note",), 1, 60, "of the model identified, below")
+
+RECORDS: Final = {
+    "": Heading,
+    "method": MethodTable,
+    "manoeuvre": ManoeuvreTable,
+    "identification": IdentificationTable,
+    "[parameters]": Parameter,
+    "sample": Sample,
+    "[vary]": Vary,
+}
+
+
+def key_tables() -> str:
+    """Return the Markdown tables of every key, as docs/sweeps.md shows them."""
+    return tables_of(RECORDS)

@@ -1,0 +1,285 @@
+"""A study from its file: what every member is, what differs among them, and what is kept."""
+
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, fields, replace
+from pathlib import Path
+from typing import Any, Final
+
+from trainer.analysis.sweep.draws import GRID, Draws
+from trainer.analysis.sweep.records import (
+    PARAMETERS,
+    VARIED,
+    Heading,
+    IdentificationTable,
+    ManoeuvreTable,
+    MethodTable,
+    Sample,
+    Vary,
+)
+from trainer.analysis.sweep.tables import (
+    BLANK,
+    Step,
+    Tables,
+    changed,
+    steps_of,
+    value_at,
+    vessel_tables,
+)
+from trainer.boat.assemble import Method
+from trainer.config.files import (
+    ConfigError,
+    Place,
+    as_table,
+    beside,
+    collecting,
+    nearest,
+    parse_toml,
+    path_named,
+    read_text,
+    shown,
+)
+from trainer.config.schema import read_record
+from trainer.config.vessel import VesselFile, load_vessel
+from trainer.core.scheme import RUNGE_KUTTAS
+
+MANOEUVRE, EXERCISE, IDENTIFICATION = "manoeuvre", "exercise", "identification"
+KINDS: Final = (MANOEUVRE, EXERCISE, IDENTIFICATION)
+TABLES: Final = ("method", *KINDS, "parameters", "sample", "vary")
+KNOWN: Final = (*(item.name for item in fields(Heading)), "note", *TABLES)
+ROOTS: Final = {  # the tables whose numbers may be varied, by what every member is
+    MANOEUVRE: ("vessel", "manoeuvre"),
+    EXERCISE: ("vessel", "exercise"),
+    IDENTIFICATION: ("identification", "parameters"),
+}
+OF: Final[Mapping[str | None, tuple[str, ...]]] = {  # keys of [[vary]] that say how
+    None: ("values",),
+    "uniform": ("low", "high"),
+    "normal": ("mean", "std"),
+    "triangular": ("low", "mode", "high"),
+}
+
+
+@dataclass(frozen=True)
+class Variable:
+    """One number that differs: where it stands, and what the files have there."""
+
+    row: Vary
+    steps: tuple[Step, ...]
+    base: float | None  # what its factors are of; None: it takes the place
+
+    def value(self, drawn: Any) -> Any:
+        """Return what takes the place."""
+        return drawn if self.base is None else self.base * drawn
+
+
+@dataclass(frozen=True, kw_only=True)
+class Study:
+    """Everything a study says."""
+
+    path: Path
+    heading: Heading
+    kind: str
+    method: MethodTable
+    file: VesselFile | None  # of the boat; None where a ship is identified
+    tables: Tables  # that may be varied, as the files have them
+    variables: tuple[Variable, ...]
+    draws: Draws
+
+    def varied(self, drawn: Mapping[str, Any]) -> Any:
+        """Return the tables with the numbers of one member in them."""
+        tables: Any = self.tables
+        for variable in self.variables:
+            tables = changed(tables, variable.steps, variable.value(drawn[variable.row.name]))
+        return tables
+
+
+def load_study(name_or_path: str) -> Study:
+    """Return the shipped study of that name or the one in that file; ConfigError if it is wrong.
+
+    Whatever has a path separator or ends in .toml is a path.
+    """
+    path = path_named(name_or_path, "studies")
+    return parse_study(read_text(path), path)
+
+
+def parse_study(text: str, path: Path) -> Study:
+    """Return the study in ``text``, which came from ``path``; ConfigError with all faults."""
+    place = Place(path.name, "")
+    table = parse_toml(text, path.name)
+    problems = [
+        place.wrong(key, value, f"no such key{nearest(key, KNOWN)}")
+        for key, value in table.items()
+        if key not in KNOWN
+    ]
+    parts: dict[str, Any] = {}
+    with collecting(problems):
+        own = {key: value for key, value in table.items() if key in KNOWN and key not in TABLES}
+        parts["heading"] = read_record(Heading, own, place, ("note",))
+    with collecting(problems):
+        parts["kind"] = _kind(table, place)
+    for name, record in (("method", MethodTable), ("sample", Sample)):
+        with collecting(problems):
+            parts[name] = read_record(record, table.get(name, {}), place.inside(name), ("note",))
+    with collecting(problems):
+        parts["rows"] = VARIED.read("vary", table.get("vary", []), place)
+    if problems:
+        raise ConfigError(*problems)
+    with collecting(problems):
+        _check_rows(parts["rows"], parts["sample"], place)
+    with collecting(problems):
+        parts["file"], parts["tables"] = _subject(parts["kind"], parts["heading"], table, path)
+    if problems:
+        raise ConfigError(*problems)
+    return Study(
+        path=path,
+        heading=parts["heading"],
+        kind=parts["kind"],
+        method=parts["method"],
+        file=parts["file"],
+        tables=parts["tables"],
+        variables=_variables(parts, place),
+        draws=Draws(parts["sample"], parts["rows"]),
+    )
+
+
+def _kind(table: Mapping[str, Any], place: Place) -> str:
+    """Return what every member is; ConfigError if the file does not say one."""
+    given = [kind for kind in KINDS if kind in table]
+    if len(given) != 1:
+        have = f"has {' and '.join(given)}" if given else "has none of them"
+        raise ConfigError(place.problem(f"{have}: give one of {', '.join(KINDS)}"))
+    if given[0] != IDENTIFICATION and "parameters" in table:
+        raise ConfigError(place.inside("parameters").problem("goes with [identification]"))
+    if given[0] == IDENTIFICATION and "method" in table:
+        raise ConfigError(place.inside("method").problem("goes with a boat, not with a model"))
+    return given[0]
+
+
+def _check_rows(rows: tuple[Vary, ...], sample: Sample, place: Place) -> None:
+    """Check plan, names and numbers of what is varied; ConfigError with all faults."""
+    problems: list[str] = []
+    inside = place.inside("sample")
+    if sample.plan == GRID and sample.members is not None:
+        problems.append(inside.wrong("members", sample.members, "a grid has all its points"))
+    if sample.plan == GRID and not rows:
+        problems.append(place.problem("lacks [[vary]]: a grid is of values"))
+    if sample.plan != GRID and sample.members is None:
+        problems.append(inside.problem("lacks members"))
+    names = [row.name for row in rows]
+    for i, row in enumerate(rows):
+        problems += _row_problems(row, sample, place.inside(f"vary[{i}]"))
+        if row.name in names[:i]:
+            problems.append(place.inside(f"vary[{i}]").wrong("name", row.name, "is given twice"))
+    if problems:
+        raise ConfigError(*problems)
+
+
+def _row_problems(row: Vary, sample: Sample, place: Place) -> list[str]:
+    """Return what is wrong with the numbers of one variable."""
+    if (row.values is None) == (row.distribution is None):
+        return [place.problem("give one of values, distribution")]
+    if sample.plan == GRID and row.values is None:
+        return [place.wrong("distribution", row.distribution, "a grid wants values")]
+    wanted = OF[row.distribution]
+    told = [name for name, value in asdict(row).items() if value is not None]
+    numbers = {name for names in OF.values() for name in names}
+    extra = [name for name in told if name in numbers and name not in wanted]
+    lacking = [name for name in wanted if name not in told]
+    what = row.distribution or "values"
+    if lacking or extra:
+        have = [f"lacks {', '.join(lacking)}"] * bool(lacking)
+        have += [f"has {', '.join(extra)} besides"] * bool(extra)
+        return [place.problem(f"{what} {' and '.join(have)}")]
+    ends = [getattr(row, name) for name in ("low", "mode", "high") if name in wanted]
+    if ends != sorted(ends) or (ends and ends[0] == ends[-1]):
+        return [place.problem(f"{', '.join(wanted)} must rise")]
+    if row.relative and row.values and isinstance(row.values[0], str):
+        return [place.wrong("relative", row.relative, "words are no factors")]
+    return []
+
+
+def _subject(
+    kind: str, heading: Heading, table: Mapping[str, Any], path: Path
+) -> tuple[VesselFile | None, dict[str, Any]]:
+    """Return the boat, if there is one, and the tables that may be varied."""
+    place = Place(path.name, "")
+    if kind == IDENTIFICATION:
+        if heading.vessel is not None:
+            raise ConfigError(place.wrong("vessel", heading.vessel, "goes with a boat"))
+        read_record(IdentificationTable, table[kind], place.inside(kind), ("note",))
+        PARAMETERS.read("parameters", table.get("parameters", []), place)
+        return None, {name: table[name] for name in ROOTS[kind]}
+    own = dict(as_table(table[kind], place.inside(kind)))
+    name = heading.vessel
+    if kind == MANOEUVRE:
+        read_record(ManoeuvreTable, own, place.inside(kind), ("note",))
+        own.pop("note", None)
+    else:
+        own = _exercise(own, heading, path)
+        name = name or own.get("vessel")
+    file = load_vessel(beside(path, name or "bb2"))
+    return file, {"vessel": vessel_tables(file), kind: own}
+
+
+def _exercise(own: dict[str, Any], heading: Heading, path: Path) -> dict[str, Any]:
+    """Return the tables of an exercise: of the file it names, over them the study's own."""
+    place = Place(path.name, EXERCISE)
+    base: dict[str, Any] = {"schema": "exercise/1", "name": heading.name[:55], "briefing": "-"}
+    named = own.pop("file", None)
+    if named is not None:
+        if not isinstance(named, str):
+            raise ConfigError(place.wrong("file", named, "must be a name, or the path of a file"))
+        whence = path_named(beside(path, named), "exercises")
+        base = parse_toml(read_text(whence), whence.name)
+    return {**base, **own}
+
+
+def _variables(parts: Mapping[str, Any], place: Place) -> tuple[Variable, ...]:
+    """Return what is varied and where it stands; ConfigError with all keys that lead nowhere."""
+    problems: list[str] = []
+    found = []
+    for i, row in enumerate(parts["rows"]):
+        inside = place.inside(f"vary[{i}]")
+        try:
+            found.append(_variable(row, parts["tables"], ROOTS[parts["kind"]], inside))
+        except ConfigError as wrong:
+            problems += wrong.problems
+    if problems:
+        raise ConfigError(*problems)
+    return tuple(found)
+
+
+def _variable(row: Vary, tables: Tables, roots: tuple[str, ...], place: Place) -> Variable:
+    """Return one variable; ConfigError if its key leads nowhere."""
+    try:
+        steps = steps_of(row.key)
+        here = value_at({root: tables[root] for root in roots}, steps)
+    except ConfigError as wrong:
+        raise ConfigError(place.wrong("key", row.key, str(wrong))) from None
+    if not row.relative:
+        if isinstance(here, str) and BLANK not in here and not isinstance(row.values, tuple):
+            raise ConfigError(place.wrong("key", row.key, f"is {shown(here)}, without a {BLANK}"))
+        return Variable(row, steps, None)
+    if isinstance(here, bool) or not isinstance(here, int | float) or here == 0.0:
+        raise ConfigError(place.problem(f"relative: {row.key} is {shown(here)}: no factor"))
+    return Variable(row, steps, float(here))
+
+
+def method_of(table: MethodTable, file: VesselFile) -> Method:
+    """Return how a boat is computed."""
+    integrator = table.integrator or "adams2"
+    return Method(
+        table.equations or "modified",
+        table.rates or ("exact" if integrator in RUNGE_KUTTAS else "lagged"),
+        table.trig or "exact",
+        integrator,
+        table.step_s or file.run.step_s,
+    )
+
+
+def with_members(study: Study, members: int) -> Study:
+    """Return the study with another number of members; ConfigError of a grid."""
+    sample = study.draws.sample
+    if sample.plan == GRID:
+        raise ConfigError("--members: a grid has all its points")
+    return replace(study, draws=replace(study.draws, sample=replace(sample, members=members)))

@@ -1,0 +1,101 @@
+"""Who flies the chunks: this process, processes of its own, or the workers of a Dask cluster."""
+
+from collections.abc import Callable, Iterator
+from concurrent.futures import Future, as_completed
+from concurrent.futures.process import BrokenProcessPool
+from typing import Any, Final
+
+from trainer.analysis.sweep.batch import Batch
+from trainer.analysis.sweep.job import Job, fly_chunk
+from trainer.analysis.workers import workers
+from trainer.config.files import ConfigError
+
+Chunks = Iterator[tuple[int, Batch]]
+Crew = Callable[[Job, list[int]], Chunks]
+
+PATIENCE: Final = "10s"  # for a scheduler to answer
+AGAIN: Final = "what is finished is kept: run the same command again"
+
+
+def alone(job: Job, places: list[int]) -> Chunks:
+    """Yield chunks flown here, one after the other."""
+    for place in places:
+        yield place, fly_chunk(job, place)
+
+
+def processes(count: int) -> Crew:
+    """Return a crew of ``count`` processes; a single chunk, or process, is flown here."""
+
+    def fly(job: Job, places: list[int]) -> Chunks:
+        if min(count, len(places)) < 2:
+            yield from alone(job, places)
+            return
+        pool = workers(min(count, len(places)))
+        try:
+            futures = {pool.submit(fly_chunk, job, place): place for place in places}
+            for future in as_completed(futures):
+                yield futures[future], _flown(future)
+        finally:
+            pool.shutdown(wait=True, cancel_futures=True)
+
+    return fly
+
+
+def _flown(future: Future[Batch]) -> Batch:
+    """Return what a process has flown; ConfigError if it is gone."""
+    try:
+        return future.result()
+    except BrokenProcessPool:
+        raise ConfigError(f"a process that flew members has ended; {AGAIN}") from None
+
+
+def cluster(address: str) -> Crew:
+    """Return the workers behind the Dask scheduler at ``address``."""
+
+    def fly(job: Job, places: list[int]) -> Chunks:
+        client = _client(address)
+        try:
+            sent = client.scatter(job, broadcast=True, hash=False)
+            futures = {client.submit(fly_chunk, sent, place, pure=False): place for place in places}
+            for future in _distributed().as_completed(list(futures), loop=client.loop):
+                yield futures[future], _answer(future)
+        finally:
+            client.close()
+
+    return fly
+
+
+def _client(address: str) -> Any:
+    """Return a connection to a scheduler with workers; ConfigError if there is none."""
+    library = _distributed()
+    try:
+        client = library.Client(address, timeout=PATIENCE, set_as_default=False)
+    except (OSError, ValueError) as wrong:
+        raise ConfigError(f"--scheduler {address}: no scheduler answers ({wrong})") from None
+    if not client.scheduler_info()["workers"]:
+        client.close()
+        text = f"--scheduler {address}: it has no workers; start `dask worker {address}`"
+        raise ConfigError(text)
+    return client
+
+
+def _distributed() -> Any:
+    """Return the library of the cluster; ConfigError saying what to install."""
+    try:
+        import distributed  # noqa: PLC0415 - a second to import, and an extra
+    except ImportError:
+        raise ConfigError(
+            "--scheduler needs dask: pip install 'submarine-trainer[cluster]'"
+        ) from None
+    return distributed
+
+
+def _answer(future: Any) -> Batch:
+    """Return what a worker has flown; ConfigError if it is gone."""
+    library = _distributed()
+    try:
+        batch: Batch = future.result()
+    except (library.KilledWorker, library.CancelledError) as gone:
+        raise ConfigError(f"the cluster has lost a chunk ({gone}); {AGAIN}") from None
+    future.release()
+    return batch

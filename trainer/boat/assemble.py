@@ -1,0 +1,323 @@
+"""A vessel file made into the core's records: units to SI, rows and tables to places.
+
+The table [ballast] of a vessel file made into the core's record.
+"""
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+
+from trainer.config.ballast_records import Ballast, BlownTank, Compartment, PumpedTank, Sea
+from trainer.config.files import ConfigError
+from trainer.config.vessel import VesselFile
+from trainer.core import kinematics, scheme, state, vessel
+from trainer.core.ballast.tanks import BANKS, BLOWN, STATIONS, TANKS, new_ballast
+from trainer.core.kernel import Record
+from trainer.units import KNOT
+
+GAS_CONSTANT: Final = 287.05  # [J/(kg K)] of air
+ADIABATIC: Final = 1.4  # [-] of air
+ZERO_CELSIUS: Final = 273.15  # [K]
+
+# Stations along the hull in lengths from the centre of buoyancy, and their shares of the buoyancy:
+# a full middle and finer ends, project's own. Their radius of gyration is 0.235 lengths.
+STATION_PLACES: Final = (-0.4, -0.2, 0.0, 0.2, 0.4)
+STATION_SHARES: Final = (0.11, 0.25, 0.28, 0.25, 0.11)
+PRISMATIC: Final = 0.75  # [-] fullness of a hull whose file gives no breadth
+
+
+def ballast_record(file: VesselFile) -> Record:
+    """Return the constants of the boat's tanks; a boat without the table has none."""
+    record = new_ballast()
+    _write_hull(file, record)
+    if file.ballast is None:
+        return record
+    record["fitted"] = 1.0
+    _write_tanks(file.ballast, file.fluid.rho, record)
+    _write_air(file.ballast, record)
+    _write_pumps(file.ballast, record)
+    _write_sea(file.ballast.sea, record)
+    return record
+
+
+def _write_hull(file: VesselFile, record: Record) -> None:
+    """Write the circle that emerges at the surface: keel to deck, or as the displacement is."""
+    hull = file.hull
+    volume = hull.buoyancy / (file.fluid.rho * file.fluid.g)
+    diameter = math.sqrt(4.0 * volume / (math.pi * PRISMATIC * hull.length))
+    axis = hull.cb[2]
+    if hull.height_to_deck and hull.height_to_sail_top and hull.cg_below_sail_top:
+        diameter = hull.height_to_deck
+        keel = hull.cg[2] - hull.cg_below_sail_top + hull.height_to_sail_top
+        axis = keel - 0.5 * diameter
+    record["hull_diameter"], record["hull_axis"] = diameter, axis
+    for i in range(STATIONS):
+        record["station_x"][0, i] = hull.cb[0] + STATION_PLACES[i] * hull.length
+        record["station_share"][0, i] = STATION_SHARES[i]
+
+
+def _write_tanks(ballast: Ballast, rho: float, record: Record) -> None:
+    """Write capacities [kg], centres [m] and start fillings [kg] of all tanks there are."""
+    rows: list[BlownTank | PumpedTank | Compartment] = [*ballast.blown, *ballast.pumped]
+    for row in [*rows, *ballast.compartments]:
+        place = TANKS.index(row.name)
+        capacity = row.capacity_m3 * rho
+        record["capacity"][0, place] = capacity
+        for axis, centre in zip("xyz", row.centre_m, strict=True):
+            record[axis][0, place] = centre
+        record["start"][0, place] = capacity * getattr(row, "start_fill", 0.0)
+    for row in ballast.blown:
+        place = BLOWN.index(row.name)
+        record["height"][0, place] = row.height_m
+        record["port"][0, place] = row.flood_port_m2
+        record["vent_area"][0, place] = row.vent_cm2 * 1e-4
+        record["blow_area"][0, place] = row.blow_mm2 * 1e-6
+        record["emergency_area"][0, place] = row.emergency_blow_mm2 * 1e-6
+
+
+def _write_air(ballast: Ballast, record: Record) -> None:
+    """Write banks, compressor and the constants of the gas."""
+    gas = GAS_CONSTANT * (ballast.air.temperature_c + ZERO_CELSIUS)
+    record["gas"] = gas
+    # St. Venant's choked nozzle
+    exponent = (ADIABATIC + 1.0) / (2.0 * (ADIABATIC - 1.0))
+    record["choked"] = math.sqrt(ADIABATIC / gas) * (2.0 / (ADIABATIC + 1.0)) ** exponent
+    record["compressor_rate"] = ballast.air.compressor_kg_s
+    for row in ballast.banks:
+        place = BANKS.index(row.name)
+        record["bank_volume"][0, place] = row.volume_m3
+        record["bank_full"][0, place] = row.pressure_mpa * 1e6 * row.volume_m3 / gas
+
+
+def _write_pumps(ballast: Ballast, record: Record) -> None:
+    """Write the pumps and how the boat hovers."""
+    pumps = ballast.pumps
+    record["pump_rate"][0] = [pumps.trim_kg_s, pumps.drain_kg_s, pumps.depth_control_kg_s]
+    record["shutoff_depth"] = pumps.shutoff_depth_m
+    record["hover_frequency"] = ballast.hover.frequency_rad_s
+    record["hover_rate"] = ballast.hover.depth_rate_m_s
+
+
+def _write_sea(sea: Sea, record: Record) -> None:
+    """Write how buoyancy changes with depth."""
+    count = len(sea.layer_depth_m)
+    record["compressibility"] = sea.compressibility_kg_m
+    record["reference_depth"] = sea.reference_depth_m
+    record["layers"] = count
+    record["layer_depth"][0, :count] = sea.layer_depth_m
+    record["layer_density"][0, :count] = sea.layer_kg_m3
+
+
+@dataclass(frozen=True)
+class Method:
+    """How a boat is computed; see the command line for what the words mean."""
+
+    equations: str
+    rates: str  # "exact" or "lagged"
+    trig: str  # "exact" or "report"
+    integrator: str  # a name of the scheme module, or "a=...;b=..." of a multistep method
+    step: float  # [s]
+
+
+@dataclass(frozen=True)
+class Records:
+    """What the kernels of one boat read and write, in the order they take it."""
+
+    vessel: Record
+    compact: Record
+    scheme: Record
+    state: Record
+    scratch: Record
+
+    def __iter__(self) -> Iterator[Record]:
+        """Yield the records in the kernels' order."""
+        return iter((self.vessel, self.compact, self.scheme, self.state, self.scratch))
+
+
+def body(file: VesselFile) -> dict[str, float]:
+    """Return size, mass and balance [SI] by the core's names."""
+    hull = file.hull
+    return {
+        "rho": file.fluid.rho,
+        "g": file.fluid.g,
+        "ell": hull.length,
+        "mass": hull.mass,
+        "weight": hull.weight,
+        "buoyancy": hull.buoyancy,
+        **dict(zip(("x_g", "y_g", "z_g"), hull.cg, strict=True)),
+        **dict(zip(("x_b", "y_b", "z_b"), hull.cb, strict=True)),
+        "I_x": hull.Ix,
+        "I_y": hull.Iy,
+        "I_z": hull.Iz,
+        "I_xy": hull.Ixy,
+        "I_yz": hull.Iyz,
+        "I_xz": hull.Ixz,
+    }
+
+
+def thrust_rows(file: VesselFile) -> tuple[dict[str, float], tuple[float, float]]:
+    """Return the nine thrust coefficients, missing rows filled by the last, and eta's two limits.
+
+    Where there are two sets the first row is both of the upper ones.
+    """
+    sets = file.propulsion.sets
+    rows = sets if len(sets) == 3 else (sets[0], sets[0], sets[-1])
+    lowest = -math.inf
+    limits = (rows[0].eta_min, rows[1].eta_min if len(sets) > 1 else lowest)
+    names = {f"{name}{i + 1}": getattr(row, name) for i, row in enumerate(rows) for name in "abc"}
+    return names, limits
+
+
+def compact_coefficients(file: VesselFile, equations: str) -> dict[str, float]:
+    """Return the coefficients that the compact set keeps, compensated."""
+    factors = file.compensation["basic" if equations == "basic" else "modified"]
+    dropped = vessel.BASIC_DROPS if equations == "basic" else ()
+    kept = [*vessel.KEPT, *file.compact.extra_terms]
+    return {
+        name: file.coefficients[name] * factors.get(name, 1.0)
+        for name in kept
+        if name not in dropped
+    }
+
+
+def _control(file: VesselFile) -> dict[str, float]:
+    """Return limits, rates and lags [SI] by the vessel record's names."""
+    surfaces, propulsion = file.surfaces, file.propulsion
+    numbers = {
+        "limit_r": math.radians(surfaces.rudder_limit_deg),
+        "limit_s": math.radians(surfaces.stern_plane_limit_deg),
+        "limit_b": math.radians(surfaces.bow_plane_limit_deg),
+        "surface_rate": math.radians(surfaces.rate_deg_s),
+        "surface_lag": surfaces.time_constant_s,
+        "x_tail": float(surfaces.tail == "x"),
+        "telegraph_dead_time": propulsion.dead_time_s,
+        "propulsion_lag": propulsion.time_constant_s,
+        "u_c_ahead": propulsion.max_ordered_speed_kn * KNOT,
+        "u_c_astern": min(propulsion.bells_kn.values()) * KNOT,
+    }
+    if file.autopilot:
+        numbers["speed_integral"] = file.autopilot.speed_integral
+        numbers["turning_rate"] = math.radians(file.autopilot.turning_rate_deg_s)
+    return numbers
+
+
+def _write_gains(file: VesselFile, record: Record) -> None:
+    """Write the autopilot's schedule [SI] to the vessel record."""
+    gains = file.autopilot
+    if not gains:
+        return
+    count = len(gains.speed_kn)
+    record["gain_count"] = count
+    record["gain_speed"][0, :count] = np.array(gains.speed_kn) * KNOT
+    units = {
+        "depth_rate": ("depth_rate_m_s", 1.0),
+        "depth_acceleration": ("depth_acceleration_m_s2", 1.0),
+        "course_rate": ("course_rate_deg_s", math.radians(1.0)),
+        "course_acceleration": ("course_acceleration_deg_s2", math.radians(1.0)),
+    }
+    for place, name in enumerate(vessel.GAINS):
+        key, factor = units.get(name, (name, 1.0))
+        record["gain"][0, :count, place] = np.array(getattr(gains, key)) * factor
+
+
+def _geometry(file: VesselFile) -> dict[str, float]:
+    """Return where hull, deck and sail are [m] by the vessel record's names.
+
+    What the file does not say is taken from what it says: a sail as high as the deck, a deck half
+    a diameter above the axis.
+    """
+    hull = file.hull
+    diameter = hull.diameter or hull.beam or 0.0
+    deck = sail = -0.5 * diameter
+    if hull.cg_below_sail_top is not None:
+        deck = sail = hull.cg[2] - hull.cg_below_sail_top
+        if hull.height_to_sail_top is not None and hull.height_to_deck is not None:
+            deck = sail + hull.height_to_sail_top - hull.height_to_deck
+    x_sail = 0.0
+    if hull.cg_from_nose is not None and hull.sail_from_nose is not None:
+        x_sail = hull.cg[0] + hull.cg_from_nose - hull.sail_from_nose
+    return {"diameter": diameter, "x_sail": x_sail, "z_sail": sail, "z_deck": deck}
+
+
+def _write_surface(file: VesselFile, record: Record) -> None:
+    """Write the tables of the calm surface [SI] to the vessel record."""
+    tables = file.free_surface
+    if not tables:
+        return
+    rows, columns = len(tables.rows), len(tables.depth_m)
+    area = 0.5 * file.fluid.rho * file.hull.length**2
+    record["surface_speeds"], record["surface_depths"] = rows, columns
+    record["surface_depth"][0, :columns] = tables.depth_m
+    for i, row in enumerate(tables.rows):
+        record["surface_speed"][0, i] = row.speed_kn * KNOT
+        record["surface_Z"][0, i, :columns] = area * np.array(row.Z_star)
+        record["surface_M"][0, i, :columns] = area * file.hull.length * np.array(row.M_star)
+
+
+def read_integrator(text: str) -> scheme.Multistep:
+    """Return the multistep method written ``a=1;b=1.5,-0.5``; ConfigError if it is not one."""
+    try:
+        parts = dict(part.split("=") for part in text.split(";"))
+        a, b = (tuple(float(x) for x in parts.pop(name).split(",")) for name in ("a", "b"))
+    except (ValueError, KeyError):
+        parts = {"": ""}
+    if parts:
+        names = ", ".join((*scheme.INTEGRATORS, *scheme.RUNGE_KUTTAS))
+        raise ConfigError(
+            f"--integrator {text!r}: give one of {names}, or the coefficients of a multistep "
+            "method such as 'a=1;b=1.5,-0.5'"
+        )
+    return scheme.Multistep(a, b)
+
+
+def scheme_record(method: Method) -> Record:
+    """Return the scheme of ``method``; ConfigError if its integrator is none."""
+    trig = kinematics.EXACT
+    if method.trig == "report":
+        trig = {"modified": kinematics.POLYNOMIAL, "basic": kinematics.LINEAR}.get(
+            method.equations, kinematics.EXACT
+        )
+    equations = {"full": scheme.FULL, "longitudinal": scheme.LONGITUDINAL}.get(
+        method.equations, scheme.COMPACT
+    )
+    record = scheme.new_scheme(method.step, equations, exact=method.rates == "exact", trig=trig)
+    if method.integrator in scheme.RUNGE_KUTTAS:
+        scheme.set_runge_kutta(record, scheme.RUNGE_KUTTAS[method.integrator])
+        return record
+    multistep = scheme.INTEGRATORS.get(method.integrator) or read_integrator(method.integrator)
+    try:
+        scheme.set_multistep(record, multistep)
+    except ValueError as wrong:
+        raise ConfigError(f"--integrator {method.integrator}: {wrong}") from None
+    return record
+
+
+def fit_out(file: VesselFile, method: Method) -> Records:
+    """Return the records of a boat at rest at the origin, weight and balance as in its file."""
+    hull = body(file)
+    rows, eta = thrust_rows(file)
+    full = vessel.vessel_record(hull, {**file.coefficients, **rows}, eta)
+    for name, value in _control(file).items():
+        full[name] = value
+    _write_gains(file, full)
+    tanks = ballast_record(file)
+    for name in tanks.dtype.names or ():
+        if name != "whole":
+            full[name] = tanks[name]
+    for name, value in _geometry(file).items():
+        full[name] = value
+    _write_surface(file, full)
+    kept = {**compact_coefficients(file, method.equations), **rows}
+    boat = state.new_state()
+    for name in ("weight", "x_g", "y_g", "z_g"):
+        boat[name] = hull[name]
+    return Records(
+        full,
+        vessel.compact_record(hull, kept, eta),
+        scheme_record(method),
+        boat,
+        state.new_scratch(),
+    )

@@ -1,0 +1,157 @@
+"""Orders about tanks and air: valves, pumps, and the boat's standing words surface and dive.
+
+docs/ballast.md has the table of what each sets.
+"""
+
+from collections.abc import Callable
+from typing import Final
+
+from trainer.boat.boat import Boat
+from trainer.core.ballast.tanks import BLOWN, COMPARTMENTS, FIRST_DRY, NEGATIVE, PUMPED, TANKS
+from trainer.io.orders.grammar import Order, Refused, Reply
+
+MAIN: Final = BLOWN[:NEGATIVE]
+SPACES: Final = tuple(name.removeprefix("compartment_") for name in COMPARTMENTS)
+
+
+def order_ballast(boat: Boat, order: Order) -> Reply:
+    """Carry out an order about tanks or air."""
+    if not boat.vessel.fitted:
+        return Refused(f"{boat.file.path.name} has no [ballast] table: this boat has no tanks")
+    lacking = _lacking(boat, order)
+    return Refused(f"this boat has no {lacking}") if lacking else _DUTIES[order.name](boat, order)
+
+
+def _lacking(boat: Boat, order: Order) -> str:
+    """Return what the order is about and the boat has not, or nothing."""
+    if order.name == "compressor" and not boat.vessel.compressor_rate:
+        return "compressor"
+    held = dict(zip(TANKS, boat.vessel.capacity, strict=True))
+    missing = [name for name in _needs(order) if not held[name]]
+    return missing[0].replace("_", " ") + (" tank" * (missing[0] in PUMPED)) if missing else ""
+
+
+def _needs(order: Order) -> tuple[str, ...]:
+    """Return the tanks that an order cannot do without."""
+    if order.word.startswith("trim"):
+        return PUMPED[:2]
+    if order.name == "drain":
+        return () if order.word == "stop" else (f"compartment_{order.word}",)
+    named = {"negative": "negative", "hover": "depth_control"}.get(order.name)
+    first = named or order.word.removesuffix("_open").removesuffix("_shut")
+    return (first,) if first in TANKS else ()
+
+
+def _main_ballast(boat: Boat, *, groups: tuple[str, ...], blow: float, vent: float) -> None:
+    """Set blow valves and vents of groups of main ballast [-]."""
+    for group in groups:
+        boat.state[f"blow_{group}"] = blow
+        boat.state[f"vent_{group}"] = vent
+
+
+def _blow(boat: Boat, order: Order) -> Reply:
+    if order.word == "stop":
+        boat.state.blow[:] = 0.0
+        boat.state.negative_flood = 0.0
+        return "all blow valves shut"
+    groups = MAIN if order.word == "all" else (order.word,)
+    _main_ballast(boat, groups=groups, blow=1.0, vent=0.0)
+    return f"blowing {' and '.join(groups)} main ballast, vents shut"
+
+
+def _emergency(boat: Boat, _order: Order) -> Reply:
+    _main_ballast(boat, groups=MAIN, blow=2.0, vent=0.0)
+    return "emergency blow: all main ballast, both banks"
+
+
+def _vent(boat: Boat, order: Order) -> Reply:
+    group, _, position = order.word.partition("_")
+    for name in MAIN if group == "all" else (group,):
+        boat.state[f"vent_{name}"] = float(position == "open")
+    return f"{group} main vents {position}"
+
+
+def _negative(boat: Boat, order: Order) -> Reply:
+    s = boat.state
+    flooding = order.word == "flood"
+    s.negative_flood = 1.0
+    s.vent[NEGATIVE], s.blow[NEGATIVE] = float(flooding), float(not flooding)
+    return f"negative tank {'flooding' if flooding else 'being blown'}"
+
+
+def _flood(boat: Boat, order: Order) -> Reply:
+    return _move(boat, order, 1.0)
+
+
+def _pump(boat: Boat, order: Order) -> Reply:
+    if order.word.startswith("trim"):
+        boat.state.move_trim = order.value if order.word == "trim_forward" else -order.value
+        return f"{order.text}: pumping"
+    return _move(boat, order, -1.0)
+
+
+def _move(boat: Boat, order: Order, sign: float) -> Reply:
+    """Let water in, or pump it out where ``sign`` is negative."""
+    s = boat.state
+    s[f"move_{order.word}"] = sign * order.value
+    if order.word == "depth_control" and s.hover:
+        s.hover = 0.0
+        return f"{order.text}: under way, hovering off"
+    return f"{order.text}: under way"
+
+
+def _drain(boat: Boat, order: Order) -> Reply:
+    s = boat.state
+    if order.word == "stop":
+        s.drained = 0.0
+        return "draining stopped"
+    place = SPACES.index(order.word)
+    s.drained = 1.0 + place
+    tonnes = float(s.water[FIRST_DRY + place]) / 1000.0
+    return f"draining the {order.word} compartment, {tonnes:.1f} t in it"
+
+
+def _compressor(boat: Boat, order: Order) -> Reply:
+    boat.state.compressor = float(order.word == "on")
+    return f"compressor {order.word}"
+
+
+def _hover(boat: Boat, order: Order) -> Reply:
+    s = boat.state
+    s.hover = float(order.word == "on")
+    if order.word == "off":
+        s.move_depth_control = 0.0
+        return "hovering off"
+    s.ordered_depth = s.z
+    return "hovering at this depth"
+
+
+def _surface(boat: Boat, _order: Order) -> Reply:
+    _main_ballast(boat, groups=MAIN, blow=1.0, vent=0.0)
+    boat.state.ordered_depth = 0.0
+    boat.state.hover = 0.0
+    return "surfacing: blowing all main ballast; blow stop once she is up"
+
+
+def _dive(boat: Boat, _order: Order) -> Reply:
+    """Open the vents; keep at least periscope depth, lest the planes hold her up."""
+    s = boat.state
+    _main_ballast(boat, groups=MAIN, blow=0.0, vent=1.0)
+    s.ordered_depth = max(s.ordered_depth, boat.file.run.periscope_depth_m or 0.0)
+    return f"diving: main vents open, keeping depth {s.ordered_depth:g} m"
+
+
+_DUTIES: dict[str, Callable[[Boat, Order], Reply]] = {
+    "blow": _blow,
+    "emergency": _emergency,
+    "vent": _vent,
+    "negative": _negative,
+    "flood": _flood,
+    "pump": _pump,
+    "drain": _drain,
+    "compressor": _compressor,
+    "hover": _hover,
+    "surface": _surface,
+    "dive": _dive,
+}
+ORDERS: Final = frozenset(_DUTIES)

@@ -1,0 +1,203 @@
+"""A boat under way: its records, its start in trim, its ticks and its snapshots."""
+
+import functools
+import math
+from collections.abc import Callable
+from operator import itemgetter
+from typing import Any
+
+import numpy as np
+
+from trainer.boat.assemble import Method, fit_out
+from trainer.boat.call import bound
+from trainer.config.casualties import load_casualties
+from trainer.config.files import ConfigError
+from trainer.config.sea import SeaFile, load_sea, sea_settings
+from trainer.config.vessel import VesselFile
+from trainer.core.autopilot import stand_by_all
+from trainer.core.ballast.ballast import start_ballast
+from trainer.core.kernel import Numbers, Record
+from trainer.core.rates import rates
+from trainer.core.sea.free_surface import DECK_REACH
+from trainer.core.sea.sea import order_sea
+from trainer.core.state import STATE
+from trainer.core.trim import BOTH, STERN, trim
+from trainer.core.update import WATCHED
+from trainer.units import KNOT
+
+PLACES = {name: place[1] // 8 for name, place in (STATE.fields or {}).items()}
+TICK = PLACES["tick"]
+
+
+@functools.cache
+def _places(names: tuple[str, ...]) -> "itemgetter[Any]":
+    """Return what takes the named places from plain numbers; ``t`` is the tick until it is told."""
+    return itemgetter(*(TICK if name == "t" else PLACES[name] for name in names))
+
+
+def _senses(file: VesselFile) -> dict[str, float]:
+    """Return the sign of a deflection that turns right or makes the boat rise, 0 without effect.
+
+    Plane signs are carried by the coefficients: rudder by its yawing moment, stern planes by
+    their pitching moment, bow planes by their lift.
+    """
+    effects = {
+        "rudder": file.coefficients["N_dr"],
+        "stern": file.coefficients["M_ds"],
+        "bow": -file.coefficients["Z_db"],
+    }
+    return {name: math.copysign(1.0, effect) if effect else 0.0 for name, effect in effects.items()}
+
+
+def _reach(vessel: np.void) -> float:
+    """Return how far [m] from the origin the sail's top and the ends of the deck are, at most."""
+    deck = math.hypot(DECK_REACH * vessel["ell"], vessel["z_deck"])
+    return max(deck, math.hypot(vessel["x_sail"], vessel["z_sail"]))
+
+
+class Boat:
+    """One boat. ``state`` is all that evolves: copy it to keep a moment, assign it to go back.
+
+    ``plain`` is the same as floats by their PLACES, which are read in a twentieth of the time.
+    """
+
+    def __init__(self, file: VesselFile, method: Method) -> None:
+        """Fit the boat out; it lies still at the surface until ``start``."""
+        self.file = file
+        self.method = method
+        self.records = fit_out(file, method)
+        self.vessel = self.records.vessel[0]
+        self.state = self.records.state[0]
+        whole: Any = self.records.state.view(np.uint8)
+        self.plain = memoryview(whole).cast("d")
+        self.reach = _reach(self.vessel)
+        self.toward = _senses(file)
+        self.sea = load_sea("calm")
+        self.casualties = load_casualties()
+        start_ballast(self.records.vessel, self.records.vessel, self.records.state)
+
+    @property
+    def time(self) -> float:
+        """Return the time [s] since the start."""
+        return self.plain[TICK] * self.method.step
+
+    @property
+    def ticks(self) -> int:
+        """Return the number of ticks done."""
+        return int(self.plain[TICK])
+
+    @property
+    def automatic(self) -> bool:
+        """Return whether the vessel file gives autopilot gains."""
+        return bool(self.vessel.gain_count > 0.0)
+
+    def trimmed(self, speed: float) -> bool:
+        """Bring the state into straight level flight at ``speed`` [m/s]; return whether it can be.
+
+        By the stern planes if they can, else level, by both pairs of planes, which is what a boat
+        does near and below the critical speed of the stern planes.
+        """
+        s = self.state
+        self.records.scratch["external"] = 0.0
+        scheme = self.records.scheme.copy()
+        scheme["exact"] = 1
+        for by, most in ((STERN, 0.3), (BOTH, 1.0), (STERN, 1.0)):
+            for name in ("v", "w", "phi", "theta", "delta_r", "delta_s", "delta_b"):
+                s[name] = 0.0
+            s.u = s.u_c = speed
+            records = (self.records.vessel, self.records.compact, scheme)
+            with np.errstate(all="ignore"):  # a boat without bow planes has a singular system
+                settled = trim(*records, self.records.state, self.records.scratch, by)
+            if (
+                settled
+                and abs(s.theta) < 0.5 * math.pi
+                and abs(s.delta_s) <= most * self.vessel.limit_s
+                and abs(s.delta_b) <= most * self.vessel.limit_b
+                and abs(s.delta_r) <= most * self.vessel.limit_r
+            ):
+                return True
+        return False
+
+    def start(self, speed: float, depth: float, course: float, seed: int = 1) -> None:
+        """Start in trim at ``speed`` [m/s], ``depth`` [m] and ``course`` [rad], orders the same.
+
+        The sea stays the one of the last ``put_to_sea``, at first a calm; ``seed`` is that of
+        everything random. ConfigError if the boat cannot fly straight and level at that speed.
+        """
+        self.state.whole[:] = 0.0
+        self.records.scheme["trigger_kind"] = 0.0
+        for name in ("weight", "x_g", "y_g", "z_g"):
+            self.state[name] = self.vessel[name]
+        if not self.trimmed(speed):
+            raise ConfigError(
+                f"{self.file.path.name}: no straight level flight at {speed / KNOT:g} kn "
+                f"within the limits of the planes; give [run] start_speed_kn another value"
+            )
+        s = self.state
+        s.z, s.psi, s.seed = depth, course, seed
+        start_ballast(self.records.vessel, self.records.vessel, self.records.state)
+        rates(*self.records)
+        s.rates[:6] = 0.0
+        s.ordered_depth, s.ordered_psi, s.ordered_speed = depth, course, speed
+        s.ordered_u_c = s.command_u_c = s.telegraph_answer = s.u_c
+        s.ordered_r, s.ordered_s, s.ordered_b = s.delta_r, s.delta_s, s.delta_b
+        s.speed_trim = s.u_c - speed
+        s.telegraph_order = speed if self.automatic else s.u_c
+        s.rudder_by_hand = s.stern_by_hand = s.bow_by_hand = s.speed_by_hand = 1.0
+        self.stand_by()
+        if self.automatic:
+            s.by_hand[:] = self.vessel.limit == 0.0  # nothing to give where there is no surface
+            s.speed_by_hand = 0.0
+        self.put_to_sea(self.sea)
+
+    def put_to_sea(self, sea: SeaFile) -> None:
+        """Put the boat into a sea at its full height, as after a long time."""
+        self.sea = sea
+        self.state.sea_height = 0.0
+        self.order_sea(sea_settings(sea, self.vessel.g), 0.0)
+
+    def order_sea(self, wanted: Numbers, ramp: float) -> None:
+        """Order a sea, by ``sea_settings`` [SI], to be in force after ``ramp`` [s]."""
+        s = self.state
+        if s.sea_height == 0.0:
+            s.sea[1:] = wanted[1 : s.sea.size]  # a calm has all but height at once
+        records = self.records
+        order_sea(records.vessel, self.method.step, ramp, wanted, records.scratch, records.state)
+
+    def stand_by(self) -> None:
+        """Let the autopilot, with hands on, make its integrals ready for a bumpless change."""
+        records = self.records
+        stand_by_all(records.vessel, self.method.step, records.state, records.scratch)
+
+    @functools.cached_property
+    def tick(self) -> Callable[[], int]:
+        """Advance by one step; return 0, or a status for ``failure`` with the state as it was."""
+        return bound(tuple(self.records))
+
+    def failure(self, status: int) -> str:
+        """Return where and when a failing tick lost its numbers, in words."""
+        s = self.state
+        return (
+            f"{WATCHED[status - 1]} is out of all bounds after tick {int(s.tick)} "
+            f"({self.time:g} s); last good state: u {s.u:.4g} m/s, pitch "
+            f"{math.degrees(s.theta):.4g} deg, heel {math.degrees(s.phi):.4g} deg, "
+            f"depth {s.z:.4g} m"
+        )
+
+    def numbers(self, names: tuple[str, ...]) -> list[float]:
+        """Return the named places of the state; ``t`` is the time [s]."""
+        if not names:
+            return []
+        taken = _places(names)(self.plain)
+        found = list(taken) if len(names) > 1 else [taken]
+        if "t" in names:
+            found[names.index("t")] = self.time
+        return found
+
+    def snapshot(self) -> Record:
+        """Return a copy of the whole state."""
+        return self.records.state.copy()
+
+    def restore(self, snapshot: Record) -> None:
+        """Go back to ``snapshot``, to the bit."""
+        self.records.state[:] = snapshot

@@ -1,0 +1,243 @@
+"""Casualties of a boat: inserted, cleared and told by name; triggers armed; instruments read."""
+
+import math
+from dataclasses import dataclass
+from typing import Final, NamedTuple
+
+from trainer.boat.boat import PLACES, Boat
+from trainer.config.casualties import Casualty, severity_rule
+from trainer.config.condition import QUANTITIES, Condition
+from trainer.config.files import ConfigError, nearest
+from trainer.core import casualties as casualties_module
+from trainer.core.ballast.tanks import BANKS, BLOWN, PUMPS, TANKS
+from trainer.core.casualties import KINDS, SURFACES, instruments
+from trainer.io.orders.grammar import Refused, Reply
+
+RULES: Final = ("once", "again")
+LONGEST: Final = 3600.0  # [s] ramp
+
+
+@dataclass(frozen=True)
+class Active:
+    """One casualty that the boat suffers."""
+
+    kind: str
+    amount: float  # [SI] at present
+    target: float  # [SI]
+    seconds: float  # until it is there, or gone
+    clearing: bool
+
+
+class Readings(NamedTuple):
+    """What the instruments of a station show."""
+
+    depth: float  # [m]
+    heading: float  # [rad] not wrapped
+    speed: float  # [m/s]
+
+
+def find(boat: Boat, name: str) -> Casualty | Refused:
+    """Return the casualty of that name; spaces and underscores count as dashes."""
+    key = name.strip().casefold().replace(" ", "-").replace("_", "-")
+    if key in boat.casualties:
+        return boat.casualties[key]
+    return Refused(f"no casualty {name!r}{nearest(key, boat.casualties)}")
+
+
+def insert(
+    boat: Boat, name: str, severity: float | None = None, ramp_s: float | None = None
+) -> Reply:
+    """Let a casualty begin at the next tick; what is not given is as in its table."""
+    found = find(boat, name)
+    if isinstance(found, Refused):
+        return found
+    wanted = found.severity if severity is None else severity
+    ramp = found.ramp_s if ramp_s is None else ramp_s
+    wrong = _wrong(boat, found, wanted, ramp)
+    if wrong:
+        return Refused(wrong)
+    amount = _amount(boat, found, wanted)
+    if not casualties_module.begin(found.code, amount, _ticks(boat, ramp), boat.records.state):
+        there = active(boat)
+        return Refused(f"{len(there)} casualties at most: clear one of {_names(there)}")
+    degree = "" if found.measure.sudden else f", severity {wanted:g}"
+    return f"casualty {found.name}{degree}{_within(ramp)}"
+
+
+def clear(boat: Boat, name: str) -> Reply:
+    """Let a casualty go back to nothing, or ``all`` of them; each in the time of its table."""
+    if name.strip().casefold() in ("all", "casualties"):
+        there = active(boat)
+        for each in there:
+            _end(boat, boat.casualties[each.kind])
+        return f"clearing {_names(there)}" if there else "there is nothing to clear"
+    found = find(boat, name)
+    if isinstance(found, Refused):
+        return found
+    if not _end(boat, found):
+        return Refused(f"there is no {found.kind}; active: {_names(active(boat))}")
+    return f"clearing {found.name}{_within(found.clear_ramp_s)}"
+
+
+def active(boat: Boat) -> list[Active]:
+    """Return what the boat suffers, in the order of the slots."""
+    s, step = boat.state, boat.method.step
+    return [
+        Active(
+            kind=KINDS[int(s.casualty[i]) - 1],
+            amount=float(s.casualty_amount[i]),
+            target=float(s.casualty_target[i]) if s.casualty_ticks[i] >= 0.0 else 0.0,
+            seconds=float(abs(s.casualty_ticks[i])) * step,
+            clearing=bool(s.casualty_ticks[i] < 0.0),
+        )
+        for i in range(s.casualty.size)
+        if s.casualty[i]
+    ]
+
+
+def listing(boat: Boat) -> list[str]:
+    """Return what the boat can suffer: each as the order ``casualty`` takes it, then in words."""
+    lines = []
+    for each in boat.casualties.values():
+        if not _carried(boat, each.kind):
+            continue
+        degree = "" if each.measure.sudden else f" {each.severity:g} ramp {each.ramp_s:g}"
+        lines += [f"{each.name}{degree}", f"    {each.description}"]
+    return lines
+
+
+def readings(boat: Boat) -> Readings:
+    """Return what the instruments of a station show at this tick."""
+    instruments(boat.records.state, boat.records.scratch)
+    return Readings(*boat.records.scratch["reading"][0].tolist())
+
+
+def arm(boat: Boat, condition: Condition, casualty: Casualty, rule: str = "once") -> None:
+    """Let ``casualty`` begin when the state meets ``condition``: once, or ``again`` each time.
+
+    Armed triggers are constants of the run and belong to no snapshot. ConfigError if the boat lacks
+    what either is about, or has no trigger left.
+    """
+    where = condition.place
+    if rule not in RULES:
+        raise ConfigError(where.wrong("rule", rule, f"must be {' or '.join(RULES)}"))
+    wrong = _wrong(boat, casualty, casualty.severity, casualty.ramp_s)
+    if wrong:
+        raise ConfigError(where.problem(f"casualty {casualty.name}: {wrong}"))
+    m = boat.records.scheme[0]
+    unarmed = [i for i in range(m.trigger_kind.size) if m.trigger_kind[i] == 0.0]
+    if not unarmed:
+        raise ConfigError(where.problem(f"more than {m.trigger_kind.size} triggers"))
+    i = unarmed[0]
+    factor = _factor(boat, condition)
+    m.trigger_place[i] = PLACES[QUANTITIES[condition.quantity].place]
+    m.trigger_sense[i] = condition.sense * math.copysign(1.0, factor)
+    m.trigger_threshold[i] = _whole(condition.threshold * factor)
+    m.trigger_strict[i] = condition.strict
+    m.trigger_amount[i] = _amount(boat, casualty, casualty.severity)
+    m.trigger_ticks[i] = _ticks(boat, casualty.ramp_s)
+    m.trigger_again[i] = rule == "again"
+    m.trigger_kind[i] = casualty.code
+
+
+def _names(casualties: list[Active]) -> str:
+    """Return what there is, in words."""
+    return ", ".join(each.kind for each in casualties) or "none"
+
+
+def _within(seconds: float) -> str:
+    """Return a ramp in words, '' for none."""
+    return f" within {seconds:g} s" if seconds else ""
+
+
+def _ticks(boat: Boat, seconds: float) -> float:
+    """Return a time as whole ticks, at least its length."""
+    return float(math.ceil(seconds / boat.method.step - 1e-9))
+
+
+def _whole(value: float) -> float:
+    """Return ``value``, or the whole number that rounding has kept it from."""
+    nearest_whole = float(round(value))
+    return nearest_whole if abs(value - nearest_whole) < 1e-9 * max(abs(value), 1.0) else value
+
+
+def _factor(boat: Boat, condition: Condition) -> float:
+    """Return what turns the threshold [SI] into that of the place in the state.
+
+    ConfigError if the boat lacks what it is about.
+    """
+    factor = scale_of(boat, condition.quantity)
+    if factor == 0.0:
+        told = f"condition {condition.text!r}: {boat.file.path.name} has no {condition.quantity}"
+        raise ConfigError(condition.place.problem(told))
+    return factor
+
+
+def scale_of(boat: Boat, quantity: str) -> float:
+    """Return what turns a quantity [SI] into its place in the state; 0 if the boat lacks it."""
+    name = quantity
+    if name == "time":
+        return 1.0 / boat.method.step
+    if name == "turns":
+        return 1.0 / boat.file.propulsion.rps_per_mps
+    if name in SURFACES:
+        return boat.toward[name]
+    if name.startswith("bank_"):
+        volume = boat.vessel.bank_volume[BANKS.index(name.removeprefix("bank_"))]
+        return float(volume / boat.vessel.gas) if boat.vessel.gas else 0.0
+    if name.startswith(("water_", "flood_")):
+        tank = name.removeprefix("water_").replace("flood_", "compartment_")
+        return float(boat.vessel.capacity[TANKS.index(tank)] > 0.0)
+    return 1.0
+
+
+def _amount(boat: Boat, casualty: Casualty, severity: float) -> float:
+    """Return the core's amount [SI] of a casualty."""
+    amount = severity * casualty.full
+    for place, surface in enumerate(SURFACES):
+        if casualty.kind == f"{surface}-hard-over":
+            amount *= boat.toward[surface] * float(boat.vessel.limit[place])
+    return amount
+
+
+def _end(boat: Boat, casualty: Casualty) -> int:
+    """Clear a casualty; return whether it was there."""
+    return int(
+        casualties_module.end(
+            casualty.code, _ticks(boat, casualty.clear_ramp_s), boat.records.state
+        )
+    )
+
+
+def _wrong(boat: Boat, casualty: Casualty, severity: float, ramp: float) -> str:
+    """Return why this cannot happen to the boat, '' if it can."""
+    if not _carried(boat, casualty.kind):
+        return f"{boat.file.path.name} has nothing for {casualty.kind} to act on"
+    if severity not in casualty.measure.limits:
+        return f"severity {severity:g}: {severity_rule(casualty.kind)}"
+    if not 0.0 <= ramp <= LONGEST:
+        return f"ramp {ramp:g} s: must be 0 to {LONGEST:g} s"
+    if casualty.measure.sudden and ramp:
+        return f"{casualty.kind} comes at once: it has no ramp"
+    return ""
+
+
+def _carried(boat: Boat, kind: str) -> bool:
+    """Return whether the boat has what the kind acts on; everyone has a propeller and gauges."""
+    c = boat.vessel
+    what, _, rest = kind.partition("-")
+    part = rest.rsplit("-", 1)[0].replace("-", "_")
+    if what in SURFACES:
+        return bool(boat.toward[what]) and bool(c.limit[SURFACES.index(what)])
+    parts = {
+        "pump": (c.pump_rate, PUMPS, part),
+        "bank": (c.bank_volume, BANKS, part),
+        "blow": (c.capacity, BLOWN, part),
+        "vent": (c.capacity, BLOWN, part),
+        "flooding": (c.capacity, TANKS, f"compartment_{rest}"),
+        "leak": (c.capacity, TANKS, rest.replace("-", "_")),
+    }
+    if what not in parts:
+        return what != "autopilot" or boat.automatic
+    sizes, names, name = parts[what]
+    return bool(sizes[names.index(name)])

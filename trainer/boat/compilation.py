@@ -1,0 +1,109 @@
+"""The core compiled or not: whether this machine keeps its machine code, and a core without any.
+
+A cache folder holds a mark once all that a run needs has been compiled into it. The mark is named
+by what numba asks before it gives machine code back, so that it speaks for this Python, this numba,
+this processor and these files only.
+"""
+
+import contextlib
+import hashlib
+import os
+import signal
+import sys
+import threading
+from collections.abc import Iterator
+from pathlib import Path
+from types import FrameType
+from typing import Final
+
+from trainer.core.cache import cache_folder, sources
+
+KERNELS: Final = "trainer.core.kernel"  # once it is imported, how kernels run is settled
+LOCK: Final = "compiling"
+COMPLAINTS: Final = "compiling.log"  # of a compilation beside a run; gone when it succeeds
+
+
+def kept() -> bool:
+    """Return whether everything that a run needs has been compiled on this machine before."""
+    return mark("complete", "core").exists()
+
+
+def keep() -> None:
+    """Note that everything that a run needs has been compiled; nothing where that cannot be."""
+    with contextlib.suppress(OSError):
+        mark("complete", "core").touch()
+
+
+def settled() -> bool:
+    """Return whether it is too late to choose between machine code and none."""
+    return KERNELS in sys.modules
+
+
+def do_without() -> None:
+    """Let the kernels, which have not been imported yet, be run by the interpreter."""
+    import numba  # noqa: PLC0415
+
+    numba.config.DISABLE_JIT = True  # type: ignore[attr-defined]
+
+
+def needed() -> bool:
+    """Return whether a boat has to be compiled before she can go to sea."""
+    return not (done_without() or kept())
+
+
+def done_without() -> bool:
+    """Return whether the kernels are run by the interpreter."""
+    import numba  # noqa: PLC0415
+
+    return bool(numba.config.DISABLE_JIT)  # type: ignore[attr-defined]
+
+
+@contextlib.contextmanager
+def interruptible() -> Iterator[None]:
+    """Let Ctrl-C end the block, also where the compiler's own code loses Python's exception."""
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    pressed: list[int] = []
+
+    def interrupt(number: int, frame: FrameType | None) -> None:
+        pressed.append(number)
+        signal.default_int_handler(number, frame)
+
+    kept = signal.signal(signal.SIGINT, interrupt)
+    try:
+        yield
+    except Exception:
+        if not pressed:
+            raise
+    finally:
+        signal.signal(signal.SIGINT, kept)
+    if pressed:
+        raise KeyboardInterrupt
+
+
+@contextlib.contextmanager
+def compiling() -> Iterator[bool]:
+    """Yield whether this process is the one that compiles into the cache now, inside the block."""
+    import fcntl  # noqa: PLC0415  not everywhere
+
+    with (cache_folder() / LOCK).open("wb") as lock:
+        try:
+            fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            yield False
+        else:
+            yield True
+
+
+def mark(name: str, folder: str) -> Path:
+    """Return the path of a mark that speaks for the kernels in a folder of the package."""
+    import numba  # noqa: PLC0415
+    from llvmlite import binding  # type: ignore[import-untyped]  # noqa: PLC0415
+
+    asked = [numba.__version__, sys.version, binding.get_host_cpu_name()]
+    asked += [os.environ.get(f"NUMBA_CPU_{name}", "") for name in ("NAME", "FEATURES")]
+    for path in sources(folder):
+        status = path.stat()
+        asked.append(f"{path} {status.st_mtime_ns} {status.st_size}")
+    return cache_folder() / f"{name}-{hashlib.sha256(repr(asked).encode()).hexdigest()[:16]}"

@@ -1,0 +1,1 @@
+"""The compiled boat as a library for other programs."""

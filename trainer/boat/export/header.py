@@ -1,0 +1,136 @@
+"""The C header of an exported core, made from the records' dtypes."""
+
+import inspect
+import re
+from collections.abc import Iterator
+from types import ModuleType
+from typing import Final
+
+import numpy as np
+
+from trainer import __version__
+from trainer.boat.boat import Boat
+from trainer.core import state, vessel
+from trainer.core.ballast import ballast
+from trainer.core.cache import core_digest
+from trainer.core.state import SCRATCH, STATE
+from trainer.core.update import WATCHED
+from trainer.core.vessel import COMPACT, VESSEL
+
+HEAD: Final = """\
+/* The tick of one submarine, compiled from trainer {version}.
+
+   {boat}
+   {equations} set, {rates} rates, {integrator} at {step:g} s, for {cpu}
+
+   SI and radians: u v w [m/s], p q r [rad/s], phi theta psi [rad], x y z [m], dots their rates.
+   Body axes x forward, y starboard, z to the keel; earth axes x north, y east, z down. psi is
+   positive to starboard, theta bow up, phi starboard side down. Plane signs are carried by the
+   coefficients.
+
+   The tick has no memory, no globals and no calls: any number of boats, from any thread. The same
+   numbers go in, the same bits come out, on every machine. */
+
+#ifndef TRAINER_CORE_H
+#define TRAINER_CORE_H
+
+#ifdef __cplusplus
+extern "C" {{
+#endif
+
+#define TRAINER_VERSION "{version}"
+#define TRAINER_CORE_DIGEST "{digest}"
+#define TRAINER_STEP_S {step!r}
+#define TRAINER_STATE_DOUBLES {state}
+#define TRAINER_SCRATCH_DOUBLES {scratch}
+"""
+FOOT: Final = """
+/* Work space: nothing in it is read from one tick to the next. Begin with zeros. */
+struct trainer_scratch {{ double work[TRAINER_SCRATCH_DOUBLES]; }};
+
+/* The boat, and where it starts: in trim, on its own orders. Copy the start, change the copy. */
+extern const struct trainer_vessel trainer_vessel;
+extern const struct trainer_compact trainer_compact;
+extern const struct trainer_state trainer_start;
+
+/* What this core was made from, in lines of text. */
+extern const char trainer_card[];
+
+/* Advance the state by one step. Return 0, or else the state is as it was and the status is
+   1 + the place in the list of the number that is beyond all bounds:
+   {watched}. */
+int trainer_tick(const struct trainer_vessel *vessel, const struct trainer_compact *compact,
+                 struct trainer_state *state, struct trainer_scratch *scratch);
+
+#ifdef __cplusplus
+}}
+#endif
+
+#endif
+"""
+COMMENT: Final = re.compile(r'^\s*(?:\*?\()?"(\w+)"[^#\n]*#\s*(.+)$', re.MULTILINE)
+
+
+def header_text(boat: Boat, cpu: str) -> str:
+    """Return the header for ``boat`` compiled for the processor called ``cpu``."""
+    method = boat.method
+    head = HEAD.format(
+        version=__version__,
+        digest=core_digest(),
+        boat=boat.file.name,
+        equations=method.equations,
+        rates=method.rates,
+        integrator=method.integrator,
+        step=method.step,
+        cpu=cpu,
+        state=STATE.itemsize // 8,
+        scratch=SCRATCH.itemsize // 8,
+    )
+    structures = (
+        ("trainer_state", STATE, remarks(state), "All that evolves, standing orders included."),
+        ("trainer_vessel", VESSEL, remarks(vessel, ballast), "What the boat is: constants."),
+        ("trainer_compact", COMPACT, remarks(vessel), "The constants of the compact set."),
+    )
+    blocks = [structure(*each) for each in structures]
+    lines = [", ".join(WATCHED[i : i + 12]) for i in range(0, len(WATCHED), 12)]
+    return "\n".join([head, *blocks, FOOT.format(watched=",\n   ".join(lines))])
+
+
+def remarks(*modules: ModuleType) -> dict[str, str]:
+    """Return the comments that modules of the core have beside the names of a record's places."""
+    found: dict[str, str] = {}
+    for module in modules:
+        found |= dict(COMMENT.findall(inspect.getsource(module)))
+    return found
+
+
+def places_of(kind: np.dtype) -> dict[str, tuple[int, tuple[int, ...]]]:
+    """Return offset [bytes] and shape of each name in a record, in the order of offsets."""
+    places = {name: (at[1], at[0].shape) for name, at in (kind.fields or {}).items()}
+    places.pop("whole", None)
+    return dict(sorted(places.items(), key=lambda item: item[1][0]))
+
+
+def members(kind: np.dtype) -> Iterator[tuple[str, int, tuple[int, ...]]]:
+    """Yield name, offset [bytes] and shape of what a record holds, each number once.
+
+    Where single numbers and a block of them share a place the numbers count.
+    """
+    places = places_of(kind)
+    single = {offset for offset, shape in places.values() if not shape}
+    for name, (offset, shape) in places.items():
+        if not shape or offset not in single:
+            yield name, offset, shape
+
+
+def structure(name: str, kind: np.dtype, said: dict[str, str], title: str) -> str:
+    """Return the C structure of a record, which is as large as the record or does not compile."""
+    lines = [f"/* {title} */", f"struct {name} {{"]
+    blocks = {at: said[block] for block, (at, _) in places_of(kind).items() if block in said}
+    for member, offset, shape in members(kind):
+        extent = "".join(f"[{count}]" for count in shape)
+        remark = said.get(member, blocks.get(offset, "")).replace("*/", "* /")
+        lines.append(f"    double {member}{extent};  /* {offset // 8} {remark}".rstrip() + " */")
+    size = f"sizeof(struct {name}) == {kind.itemsize}"
+    check = f"typedef char {name}_has_its_size[{size} ? 1 : -1];"
+    return "\n".join([*lines, "};", check, ""])

@@ -1,0 +1,144 @@
+"""The folder of an exported core: object, library, header, host, and how large they are.
+
+The card of an exported core, as trainer.boat.export.runner.library reads it.
+
+What an export is, in words.
+"""
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Final
+
+from trainer import __version__
+from trainer.boat.boat import PLACES, Boat
+from trainer.boat.export.header import header_text
+from trainer.boat.export.lowering import freestanding_module, tick
+from trainer.boat.export.orders import rows
+from trainer.boat.export.runner.library import FORMAT, HEADING
+from trainer.boat.export.targets import Processor, code_words, link, object_code, processor
+from trainer.config.files import ConfigError
+from trainer.core.cache import core_digest
+from trainer.core.state import SCRATCH, STATE
+from trainer.core.update import WATCHED
+from trainer.core.vessel import COMPACT, VESSEL
+from trainer.io.tables import COLUMNS
+
+
+def card_text(boat: Boat, target: Processor) -> str:
+    """Return the card of ``boat`` compiled for ``target``."""
+    method = boat.method
+    columns = " ".join(f"{name}={PLACES[name]}" for name in COLUMNS if name != "t")
+    lines = [
+        f"{HEADING} {FORMAT}",
+        f"version {__version__}",
+        f"core {core_digest()}",
+        f"boat {boat.file.name}",
+        f"computed {method.equations} set, {method.integrator} at {method.step:g} s",
+        f"cpu {target.name}",
+        f"needs {' '.join(target.needs)}",
+        f"step {method.step.hex()}",
+        f"places {STATE.itemsize // 8}",
+        f"work {SCRATCH.itemsize // 8}",
+        f"watched {' '.join(WATCHED)}",
+        f"columns {columns}",
+        *(f"order {row}" for row in rows(boat)),
+    ]
+    return "\n".join(lines) + "\n"
+
+
+OBJECT: Final = "trainer_core.o"
+LIBRARY: Final = "libtrainer_core.so"
+HEADER: Final = "trainer_core.h"
+HOST: Final = "host.c"
+
+
+@dataclass(frozen=True)
+class Sizes:
+    """What one boat takes, in words of 16 bits."""
+
+    code: int
+    vessel: int
+    compact: int
+    state: int
+    scratch: int
+
+
+@dataclass(frozen=True)
+class Exported:
+    """What was written."""
+
+    boat: str
+    cpu: str
+    step_s: float
+    files: tuple[str, ...]
+    words_of_16_bits: Sizes
+
+
+def constants_of(boat: Boat, card: str) -> dict[str, bytes]:
+    """Return the constants of an exported core by their names in C."""
+    return {
+        "trainer_vessel": boat.records.vessel.tobytes(),
+        "trainer_compact": boat.records.compact.tobytes(),
+        "trainer_start": boat.records.state.tobytes(),
+        "trainer_card": card.encode() + b"\0",
+    }
+
+
+def export(boat: Boat, folder: Path, cpu: str) -> Exported:
+    """Write the core of ``boat`` as it stands into ``folder``, but for the library.
+
+    ConfigError if the folder cannot be written, or nothing be compiled for ``cpu``.
+    """
+    with told():
+        folder.mkdir(parents=True, exist_ok=True)
+    target = processor(cpu)
+    constants = constants_of(boat, card_text(boat, target))
+    code = object_code(freestanding_module(tick, boat.records.scheme, constants), target)
+    host = (Path(__file__).parent / HOST).read_bytes()
+    files = {OBJECT: code, HEADER: header_text(boat, target.name).encode(), HOST: host}
+    with told():
+        for name, data in files.items():
+            (folder / name).write_bytes(data)
+    step = boat.method.step
+    return Exported(boat.file.name, target.name, step, tuple(files), sizes(code))
+
+
+@contextmanager
+def told() -> Iterator[None]:
+    """Tell trouble with the folder as the user's."""
+    try:
+        yield
+    except OSError as error:
+        raise ConfigError(f"{error.filename}: {error.strerror}") from None
+
+
+def sizes(code: bytes) -> Sizes:
+    """Return what a boat takes whose tick is in the object ``code``."""
+    kinds = (VESSEL, COMPACT, STATE, SCRATCH)
+    return Sizes(code_words(code), *(kind.itemsize // 2 for kind in kinds))
+
+
+def add_library(folder: Path) -> None:
+    """Link the object in ``folder`` into a library; NoCompilerError if that cannot be done."""
+    link(folder / OBJECT, folder / LIBRARY)
+
+
+def render(exported: Exported, folder: Path, files: tuple[str, ...]) -> str:
+    """Return the account of an export into ``folder``."""
+    words = asdict(exported.words_of_16_bits)
+    lines = [
+        exported.boat,
+        f"compiled for {exported.cpu}",
+        *(f"  {folder / name}" for name in files),
+        "",
+        "16-bit words",
+        *(f"  {name:10}{count:8,}" for name, count in words.items()),
+        f"  {'together':10}{sum(words.values()):8,}",
+        "",
+        f"cc -O2 -o host {folder / HOST} {folder / OBJECT}",
+    ]
+    if LIBRARY in files:
+        lines.append(f"trainer run --headless --core {folder / LIBRARY} --duration 1h --speed max")
+    return "\n".join(lines)

@@ -1,0 +1,102 @@
+"""The compiled tick as one LLVM module that calls nothing outside itself.
+
+numba compiles the core's own kernel; its text is linked with an entry that any C program can call,
+with the scheme as a constant, so that what the scheme does not choose falls away, and with our own
+versions of the few library functions. Nothing here may change an operation: no contraction, no
+reassociation, so that the bits are the trainer's.
+"""
+
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Any, Final
+
+import numba
+import numpy as np
+from llvmlite import binding  # type: ignore[import-untyped]
+from numba import carray, types  # type: ignore[attr-defined]
+
+from trainer.config.files import ConfigError
+from trainer.core.kernel import Record
+from trainer.core.scheme import SCHEME
+from trainer.core.state import SCRATCH, STATE
+from trainer.core.update import update
+from trainer.core.vessel import COMPACT, VESSEL
+
+LENT: Final = (VESSEL, COMPACT, SCHEME, STATE, SCRATCH)
+FREESTANDING: Final = Path(__file__).parent / "freestanding.ll"
+ENTRY: Final = """
+@scheme = internal constant [{size} x i8] c"{scheme}", align 8
+declare i32 @"{kernel}"(ptr, ptr, ptr, ptr, ptr, ptr, ptr)
+define i32 @trainer_tick(ptr noalias readonly %vessel, ptr noalias readonly %compact,
+                         ptr noalias %state, ptr noalias %scratch) {{
+  %answer = alloca i64
+  %error = alloca ptr
+  store i64 -1, ptr %answer
+  %raised = call i32 @"{kernel}"(ptr %answer, ptr %error, ptr %vessel, ptr %compact,
+                                 ptr @scheme, ptr %state, ptr %scratch)
+  %sound = icmp eq i32 %raised, 0
+  %wide = load i64, ptr %answer
+  %said = trunc i64 %wide to i32
+  %status = select i1 %sound, i32 %said, i32 -1
+  ret i32 %status
+}}
+"""
+
+
+def tick(vessel: Any, compact: Any, scheme: Any, state: Any, scratch: Any) -> int:
+    """Advance the records at these addresses by one tick; return the status of ``update``."""
+    boat, few = carray(vessel, 1), carray(compact, 1)
+    return update(boat, few, carray(scheme, 1), carray(state, 1), carray(scratch, 1))
+
+
+def kernel_text(function: Callable[..., int]) -> tuple[str, str]:
+    """Return the LLVM text of a function of the addresses of all records, and its name there.
+
+    ConfigError where numba is told not to compile.
+    """
+    if numba.config.DISABLE_JIT:  # type: ignore[attr-defined]
+        raise ConfigError("export-core compiles the core: unset NUMBA_DISABLE_JIT")
+    addresses = [types.CPointer(numba.from_dtype(kind)) for kind in LENT]  # type: ignore[no-untyped-call]
+    compiled: Any = numba.njit(types.int64(*addresses), error_model="numpy")(function)
+    signature = compiled.signatures[0]
+    name = compiled.overloads[signature].fndesc.mangled_name
+    return compiled.inspect_llvm(signature), name
+
+
+def quoted(data: bytes) -> str:
+    """Return bytes as they stand in an LLVM string."""
+    return "".join(f"\\{byte:02x}" for byte in data)
+
+
+def constants_text(constants: Mapping[str, bytes]) -> str:
+    """Return the LLVM text of constant blocks of bytes by their names, for all to see."""
+    return "\n".join(
+        f'@{name} = constant [{len(data)} x i8] c"{quoted(data)}", align 8'
+        for name, data in constants.items()
+    )
+
+
+def freestanding_module(
+    function: Callable[..., int], scheme: Record, constants: Mapping[str, bytes]
+) -> Any:
+    """Return the module of ``trainer_tick`` for one scheme, beside the constants.
+
+    ``function`` of the addresses of all records is what it does; ``tick`` does all of it.
+
+    Only they can be seen from outside; whatever else there is may be inlined or dropped.
+    """
+    binding.initialize_native_target()
+    binding.initialize_native_asmprinter()
+    text, name = kernel_text(function)
+    module = binding.parse_assembly(text)
+    chosen = np.asarray(scheme).tobytes()
+    entry = ENTRY.format(size=len(chosen), scheme=quoted(chosen), kernel=name)
+    library = FREESTANDING.read_text(encoding="utf-8")
+    for part in (entry, library, constants_text(constants)):
+        module.link_in(binding.parse_assembly(part))
+    for thing in (*module.functions, *module.global_variables):
+        shown = thing.name == "trainer_tick" or thing.name in constants
+        if not (thing.is_declaration or shown or thing.name.startswith("llvm.")):
+            thing.linkage = "internal"
+    module.verify()
+    return module

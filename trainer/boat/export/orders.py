@@ -1,0 +1,141 @@
+"""The orders that an exported core takes: those that only write numbers into the state.
+
+The rows are those of ``runner.orders``, for one boat with its limits, bells and signs; each means
+what ``trainer.boat.helm`` makes of the same words. Orders about ballast, seas and casualties are
+left to the host program.
+"""
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Final
+
+from trainer.boat.boat import PLACES, Boat
+from trainer.boat.helm import SURFACES
+from trainer.io.orders.quantities import NUMBERS
+from trainer.io.orders.table import SIGNS
+
+SLACK: Final = 1e-9  # [m/s] as helm forgives
+TURNING: Final = {"rudder": ("right", "left"), "stern": ("rise", "dive"), "bow": ("rise", "dive")}
+SAID: Final = {"rudder": "rudder", "stern": "stern planes", "bow": "bow planes"}
+ZERO: Final = {"rudder": "amidships", "stern": "zero", "bow": "zero"}
+
+
+@dataclass(frozen=True)
+class Range:
+    """A number to be typed: its limits and the size of its unit [SI], the number that is 0."""
+
+    low: float
+    high: float
+    factor: float
+    turn: str = ""
+
+
+def rows(boat: Boat) -> list[str]:
+    """Return the rows of the orders that this boat takes."""
+    return [*_surfaces(boat), *_propeller(boat), *(_kept(boat) if boat.automatic else ())]
+
+
+def _row(words: str, writes: dict[str, str], number: Range | None = None) -> str:
+    """Return a row: the words, the rule of each place written, the number typed if there is one."""
+    limits = ";;;"
+    if number:
+        limits = f"{number.low!r};{number.high!r};{number.factor!r};{number.turn}"
+    rules = ",".join(f"{PLACES[place]}={rule}" for place, rule in writes.items())
+    return f"{words};{limits};{rules}"
+
+
+def _const(value: float) -> str:
+    return f"const:{float(value)!r}"
+
+
+def _place(name: str) -> str:
+    return f"place:{PLACES[name]}"
+
+
+def _carried(boat: Boat) -> list[str]:
+    """Return the surfaces that the boat has and that do something."""
+    limit = {name: boat.vessel[f"limit_{letter}"] for name, letter in SURFACES.items()}
+    return [name for name in SURFACES if boat.toward[name] and limit[name]]
+
+
+def _given(boat: Boat, *names: str) -> dict[str, str]:
+    """Return what gives those surfaces to the autopilot; what the boat lacks is passed over."""
+    given = [name for name in names if name in _carried(boat)]
+    writes = {f"{name}_by_hand": _const(0.0) for name in given}
+    if "rudder" in given:
+        writes["ordered_psi"] = f"shorter:{PLACES['psi']}"
+    return writes
+
+
+def _taken(*names: str) -> dict[str, str]:
+    """Return what puts those surfaces in hand as they stand."""
+    writes: dict[str, str] = {}
+    for name in names:
+        letter = SURFACES[name]
+        writes |= {f"ordered_{letter}": _place(f"delta_{letter}"), f"{name}_by_hand": _const(1.0)}
+    return writes
+
+
+def _surfaces(boat: Boat) -> Iterator[str]:
+    """Yield the orders to rudder and planes."""
+    for name in _carried(boat):
+        letter, said, toward = SURFACES[name], SAID[name], boat.toward[name]
+        limit = float(boat.vessel[f"limit_{letter}"])
+        unit = NUMBERS["ANGLE"].units[0].factor
+        most = min(limit + 1e-12, NUMBERS["ANGLE"].high * unit)
+        held = {f"{name}_by_hand": _const(1.0)}
+        for way in TURNING[name]:
+            sign = SIGNS[way]
+            angle = Range(min(sign * most, 0.0), max(sign * most, 0.0), sign * unit)
+            yield _row(f"{said} {way}", {f"ordered_{letter}": f"number:{toward!r}", **held}, angle)
+            if name == "rudder":
+                full = _const(toward * sign * limit)
+                yield _row(f"rudder {way} full", {"ordered_r": full, **held})
+        yield _row(f"{said} {ZERO[name]}", {f"ordered_{letter}": _const(toward * 0.0), **held})
+        yield _row(f"{said} manual", _taken(name))
+        if boat.automatic:
+            yield _row(f"{said} auto", _given(boat, name))
+    yield _row("planes manual", _taken("stern", "bow"))
+
+
+def _propeller(boat: Boat) -> Iterator[str]:
+    """Yield the orders to the engine room."""
+    knot = NUMBERS["TURNS"].units[0].factor
+    c = boat.vessel
+    held = {"speed_by_hand": _const(1.0)}
+    turns = Range(float(c.u_c_astern) - SLACK, float(c.u_c_ahead) + SLACK, knot)
+    yield _row("turns", {"ordered_u_c": "number:1.0", **held}, turns)
+    yield _row("bell stop", {"ordered_u_c": _const(0.0), **held})
+    for bell, speed in boat.file.propulsion.bells_kn.items():
+        way, _, how = bell.partition("_")
+        said = f"bell {way} {how.replace('_', '-')}"
+        yield _row(said, {"ordered_u_c": _const(speed * knot), **held})
+
+
+def _kept(boat: Boat) -> Iterator[str]:
+    """Yield the orders that the autopilot carries out."""
+    planes = _given(boat, "stern", "bow")
+    everything = {"speed_by_hand": _const(0.0), **_given(boat, "rudder", "stern", "bow")}
+    depth, course, speed = (NUMBERS[kind] for kind in ("DEPTH", "COURSE", "SPEED"))
+    deepest = boat.file.hull.max_depth_m
+    keel = Range(0.0, depth.high if deepest is None else min(deepest, depth.high), 1.0)
+    yield _row("depth", {"ordered_depth": "number:1.0", **planes}, keel)
+    yield _row("depth auto", planes)
+    yield _row("planes auto", planes)
+    if boat.file.run.periscope_depth_m is not None:
+        periscope = _const(boat.file.run.periscope_depth_m)
+        yield _row("periscope depth", {"ordered_depth": periscope, **planes})
+    rudder = _given(boat, "rudder")
+    turn = Range(0.0, math.tau, course.units[0].factor, f"{course.high:g}")
+    yield _row("course", {**rudder, "ordered_psi": f"short:{PLACES['psi']}"}, turn)
+    yield _row("course auto", rudder)
+    knot = speed.units[0].factor
+    fastest = min(float(boat.vessel.u_c_ahead) + SLACK, speed.high * knot)
+    keeping = {"ordered_speed": "number:1.0", "speed_by_hand": _const(0.0)}
+    yield _row("speed", keeping, Range(0.0, fastest, knot))
+    yield _row("speed auto", {"speed_by_hand": _const(0.0)})
+    yield _row("autopilot on", everything)
+    hands = _taken("rudder", "stern", "bow")
+    revolutions = {"ordered_u_c": _place("u_c"), "speed_by_hand": _const(1.0)}
+    yield _row("autopilot off", {**hands, **revolutions})

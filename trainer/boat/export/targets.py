@@ -1,0 +1,101 @@
+"""Processors that the core can be compiled for, and the object made for one.
+
+A shared library from one object, by whatever C compiler there is.
+"""
+
+import os
+import shlex
+import shutil
+import subprocess
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Final
+
+from llvmlite import binding  # type: ignore[import-untyped]
+
+from trainer.config.files import ConfigError
+
+PORTABLE: Final = "x86-64-v2"
+NATIVE: Final = "native"
+# what each level has over the one before it, by the names of Linux
+LEVELS: Final = {
+    "x86-64-v2": ("sse4_2", "ssse3", "popcnt"),
+    "x86-64-v3": ("avx2", "bmi1", "bmi2", "f16c", "fma", "movbe", "abm"),
+    "x86-64-v4": ("avx512f", "avx512bw", "avx512cd", "avx512dq", "avx512vl"),
+}
+
+
+@dataclass(frozen=True)
+class Processor:
+    """What an object is compiled for: the compiler's name, its features, Linux's names of them."""
+
+    name: str
+    features: str
+    needs: tuple[str, ...]
+
+
+def processor(name: str) -> Processor:
+    """Return the processor of that name; ConfigError where this machine cannot compile for it."""
+    host = binding.get_process_triple().partition("-")[0]
+    if name == NATIVE:
+        has = binding.get_host_cpu_features()
+        needs = [flag for level in LEVELS.values() for flag in level if has.get(_llvm(flag))]
+        return Processor(binding.get_host_cpu_name(), has.flatten(), tuple(needs))
+    if host != "x86_64":
+        raise ConfigError(f"--cpu {name}: this machine is {host}; give --cpu {NATIVE}")
+    levels = list(LEVELS)
+    below = levels[: levels.index(name) + 1]
+    return Processor(name, "", tuple(flag for level in below for flag in LEVELS[level]))
+
+
+def _llvm(flag: str) -> str:
+    """Return the compiler's name of a feature that Linux calls ``flag``."""
+    return {"sse4_2": "sse4.2", "bmi1": "bmi", "abm": "lzcnt"}.get(flag, flag)
+
+
+def object_code(module: Any, target: Processor) -> bytes:
+    """Return ``module`` compiled for ``target``, position-independent; the module is spent.
+
+    ConfigError where the compiler below numba is too old.
+    """
+    if not hasattr(binding, "create_pass_builder"):
+        raise ConfigError("export-core needs llvmlite 0.45 or newer, as numba 0.62 brings it")
+    machine = binding.Target.from_triple(binding.get_process_triple()).create_target_machine(
+        cpu=target.name, features=target.features, opt=3, reloc="pic", codemodel="small"
+    )
+    tuning = binding.create_pipeline_tuning_options(speed_level=3)
+    tuning.loop_vectorization = tuning.slp_vectorization = False  # numba has done what is worth it
+    builder = binding.create_pass_builder(machine, tuning)
+    passes = builder.getModulePassManager()
+    passes.add_strip_symbols_pass()
+    passes.run(module, builder)
+    return bytes(machine.emit_object(module))
+
+
+def code_words(code: bytes) -> int:
+    """Return the size of an object's machine code, in words of 16 bits."""
+    sections = binding.ObjectFileRef.from_data(code).sections()
+    return sum(int(section.size()) for section in sections if section.is_text()) // 2
+
+
+# what is not in the object is in nobody's: it would be missed when the library is loaded
+STRICT = ["-Wl,-z,defs", "-s"] if sys.platform.startswith("linux") else []
+
+
+class NoCompilerError(Exception):
+    """There is no C compiler, or it cannot link; the text says what would."""
+
+
+def link(code: Path, library: Path) -> None:
+    """Link the object ``code`` into ``library``; NoCompilerError if that cannot be done here."""
+    compiler = shlex.split(os.environ.get("CC") or "cc")
+    words = [*compiler, "-shared", "-nostdlib", *STRICT, "-o", str(library), str(code)]
+    if not shutil.which(compiler[0]):
+        raise NoCompilerError(
+            f"{library}: not made, there is no C compiler {compiler[0]!r} here (CC names another); "
+            f"the object is whole: {' '.join(words)}"
+        )
+    done = subprocess.run(words, capture_output=True, text=True, check=False)  # noqa: S603
+    if done.returncode != 0:
+        raise NoCompilerError(f"{library}: not made by {' '.join(words)}: {done.stderr.strip()}")

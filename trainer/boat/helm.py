@@ -1,0 +1,236 @@
+"""Orders carried out on a boat, or refused with the reason and nothing changed."""
+
+import math
+from collections.abc import Callable
+from dataclasses import replace
+
+from trainer.boat import ballast_orders, casualties, sea_orders
+from trainer.boat.boat import Boat
+from trainer.boat.sea_orders import order_sea
+from trainer.core import autopilot
+from trainer.io.orders.grammar import Order, Refused, Reply
+from trainer.units import KNOT
+
+LAWS = {
+    "trainer": (autopilot.OWN, "this trainer's own law"),
+    "report": (autopilot.REPORT, "the report's law"),
+    "literal": (autopilot.REPORT_LITERAL, "the report's law as it is printed"),
+}
+SURFACES = {"rudder": "r", "stern": "s", "bow": "b"}
+NAMES = {"rudder": "rudder", "stern": "stern planes", "bow": "bow planes"}
+
+
+def obey(boat: Boat, order: Order) -> Reply:
+    """Carry ``order`` out; return what now holds, or why it was refused."""
+    return _DUTIES[order.name](boat, order)
+
+
+def _carries(boat: Boat, surface: str) -> bool:
+    """Return whether the boat has that surface, and it does something."""
+    return bool(boat.toward[surface]) and bool(boat.vessel[f"limit_{SURFACES[surface]}"])
+
+
+def _without_autopilot(boat: Boat) -> Refused:
+    return Refused(
+        f"{boat.file.path.name} has no [autopilot] table: steer by hand, "
+        "or add the one that trainer gains prints"
+    )
+
+
+def _by_hand(boat: Boat, surface: str, angle: float) -> None:
+    boat.state[f"ordered_{SURFACES[surface]}"] = angle
+    boat.state[f"{surface}_by_hand"] = 1.0
+
+
+def _surface(boat: Boat, order: Order) -> Reply:
+    """Put a surface to an angle or in hand, or give it to the autopilot."""
+    sign = boat.toward[order.name]
+    limit = float(boat.vessel[f"limit_{SURFACES[order.name]}"])
+    if not _carries(boat, order.name):
+        return Refused(f"this boat has no {NAMES[order.name]}")
+    if order.word == "auto":
+        return _automatic(boat, order.name)
+    if order.word == "manual":
+        _by_hand(boat, order.name, float(boat.state[f"delta_{SURFACES[order.name]}"]))
+        return f"{NAMES[order.name]} by hand"
+    angle = order.value
+    if order.word == "full":
+        angle = math.copysign(limit, angle)
+    if abs(angle) > limit + 1e-12:
+        return Refused(
+            f"the limit of the {NAMES[order.name]} is {math.degrees(limit):g} degrees, "
+            f"not {math.degrees(abs(angle)):g}"
+        )
+    _by_hand(boat, order.name, sign * angle)
+    return f"{order.text}, by hand"
+
+
+def _automatic(boat: Boat, *surfaces: str) -> Reply:
+    """Give surfaces to the autopilot; one the boat lacks is passed over."""
+    if not boat.automatic:
+        return _without_autopilot(boat)
+    s = boat.state
+    given = [surface for surface in surfaces if _carries(boat, surface)]
+    for surface in given:
+        s[f"{surface}_by_hand"] = 0.0
+    if "rudder" in given:
+        # the ordered course is steered the short way, however often the boat has turned
+        s.ordered_psi = s.psi + math.remainder(s.ordered_psi - s.psi, math.tau)
+    return " and ".join(NAMES[surface] for surface in given) + " automatic"
+
+
+def _planes(boat: Boat, order: Order) -> Reply:
+    """Both pairs of planes by hand, or automatic."""
+    if order.word == "auto":
+        return _automatic(boat, "stern", "bow")
+    for surface in ("stern", "bow"):
+        _by_hand(boat, surface, float(boat.state[f"delta_{SURFACES[surface]}"]))
+    return "planes by hand"
+
+
+def _depth(boat: Boat, order: Order) -> Reply:
+    """Keep a depth, with both pairs of planes automatic."""
+    deepest = boat.file.hull.max_depth_m
+    if order.word != "auto" and deepest is not None and order.value > deepest:
+        return Refused(f"this boat's greatest depth is {deepest:g} m, not {order.value:g} m")
+    if not boat.automatic:
+        return _without_autopilot(boat)
+    if order.word != "auto":
+        boat.state.ordered_depth = order.value
+    _automatic(boat, "stern", "bow")
+    return f"keeping depth {boat.state.ordered_depth:g} m"
+
+
+def _periscope(boat: Boat, order: Order) -> Reply:
+    """Keep the boat's own periscope depth."""
+    depth = boat.file.run.periscope_depth_m
+    if depth is None:
+        return Refused(f"{boat.file.path.name} gives no [run] periscope_depth_m: order a depth")
+    return _depth(boat, replace(order, value=depth))
+
+
+def _course(boat: Boat, order: Order) -> Reply:
+    """Keep a course, turning the short way, with the rudder automatic."""
+    if not boat.automatic:
+        return _without_autopilot(boat)
+    s = boat.state
+    _automatic(boat, "rudder")
+    if order.word != "auto":
+        s.ordered_psi = s.psi + math.remainder(order.value - s.psi, math.tau)
+    return f"keeping course {_degrees(s.ordered_psi)}"
+
+
+def _course_by(boat: Boat, order: Order) -> Reply:
+    """Change the course kept, or the heading if the rudder is by hand, the way ordered."""
+    if not boat.automatic:
+        return _without_autopilot(boat)
+    s = boat.state
+    # by hand it is the compass that the change starts from
+    start = casualties.readings(boat).heading if s.rudder_by_hand else s.ordered_psi
+    _automatic(boat, "rudder")
+    s.ordered_psi = start + order.value
+    return f"{order.text}: keeping course {_degrees(s.ordered_psi)}"
+
+
+def _degrees(angle: float) -> str:
+    """Return an angle [rad] as a course, 000 to 359."""
+    return f"{round(math.degrees(angle)) % 360:03d}"
+
+
+def _speed(boat: Boat, order: Order) -> Reply:
+    """Keep a speed; the propeller answers like an engine order."""
+    if not boat.automatic:
+        return _without_autopilot(boat)
+    s = boat.state
+    if order.word != "auto":
+        if order.value > boat.vessel.u_c_ahead + 1e-9:
+            return Refused(
+                f"this boat makes {boat.vessel.u_c_ahead / KNOT:g} kn, not {order.value / KNOT:g}"
+            )
+        s.ordered_speed = order.value
+    s.speed_by_hand = 0.0
+    return f"keeping speed {s.ordered_speed / KNOT:g} kn"
+
+
+def _revolutions(boat: Boat, u_c: float, said: str) -> Reply:
+    """Hold the revolutions of command speed ``u_c`` [m/s]."""
+    c, s = boat.vessel, boat.state
+    if not c.u_c_astern - 1e-9 <= u_c <= c.u_c_ahead + 1e-9:
+        per_knot = boat.file.propulsion.rps_per_mps * KNOT * 60.0
+        return Refused(
+            f"turns are {c.u_c_astern / KNOT:g} to {c.u_c_ahead / KNOT:g} kn, "
+            f"{c.u_c_astern / KNOT * per_knot:.0f} to {c.u_c_ahead / KNOT * per_knot:.0f} rpm"
+        )
+    s.ordered_u_c = u_c
+    s.speed_by_hand = 1.0
+    return f"{said}: turns for {u_c / KNOT:.3g} kn"
+
+
+def _turns(boat: Boat, order: Order) -> Reply:
+    return _revolutions(boat, order.value, order.text)
+
+
+def _rpm(boat: Boat, order: Order) -> Reply:
+    return _revolutions(boat, order.value / boat.file.propulsion.rps_per_mps, order.text)
+
+
+def _bell(boat: Boat, order: Order) -> Reply:
+    if order.word == "stop":
+        return _revolutions(boat, 0.0, order.text)
+    bells = boat.file.propulsion.bells_kn
+    if order.word not in bells:
+        known = ", ".join(name.replace("_", " ") for name in bells)
+        return Refused(f"this boat's telegraph has {known} and stop")
+    return _revolutions(boat, bells[order.word] * KNOT, order.text)
+
+
+def _autopilot(boat: Boat, order: Order) -> Reply:
+    """Everything automatic or by hand, or another law of depth keeping."""
+    if not boat.automatic:
+        return _without_autopilot(boat)
+    s = boat.state
+    if order.word in LAWS:
+        s.depth_law, law = LAWS[order.word]
+        return f"depth is kept by {law}"
+    if order.word == "on":
+        s.speed_by_hand = 0.0
+        _automatic(boat, "rudder", "stern", "bow")
+        return "everything automatic"
+    for surface, letter in SURFACES.items():
+        _by_hand(boat, surface, float(s[f"delta_{letter}"]))
+    s.ordered_u_c, s.speed_by_hand = s.u_c, 1.0
+    return "everything by hand, as it stands"
+
+
+def _casualty(boat: Boat, order: Order) -> Reply:
+    """Let something break."""
+    given = list(order.numbers)
+    ramp = given.pop() if order.word == "ramp" else None
+    return casualties.insert(boat, order.subject, given[0] if given else None, ramp)
+
+
+def _clear(boat: Boat, order: Order) -> Reply:
+    return casualties.clear(boat, order.subject)
+
+
+_DUTIES: dict[str, Callable[[Boat, Order], Reply]] = {
+    "depth": _depth,
+    "course": _course,
+    "course-by": _course_by,
+    "speed": _speed,
+    "turns": _turns,
+    "rpm": _rpm,
+    "bell": _bell,
+    "rudder": _surface,
+    "stern": _surface,
+    "bow": _surface,
+    "planes": _planes,
+    "autopilot": _autopilot,
+    "periscope": _periscope,
+    "sea": order_sea,
+    "casualty": _casualty,
+    "clear": _clear,
+    "hold": sea_orders.hold,
+    "release": sea_orders.release,
+    **dict.fromkeys(ballast_orders.ORDERS, ballast_orders.order_ballast),
+}

@@ -1,0 +1,117 @@
+"""What is called out while the boat runs: limits passed, and the sail or the deck above the sea."""
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, field, fields
+from typing import Any, Final
+
+from trainer.boat.boat import PLACES, Boat
+from trainer.config.exercise import Limits
+from trainer.core.sea.free_surface import deck_height, sail_height
+from trainer.units import KNOT
+
+COVERED: Final = 1.0  # [m] of water over it before the same can be called out again
+Z, WAVE = PLACES["z"], PLACES["eta_wave"]
+FULL: Final = 0.95  # [-] of main ballast; with less aboard the boat means to come up
+
+
+SEEN: Final[dict[str, Callable[[Any], float]]] = {
+    "depth_m": lambda s: float(s.z),
+    "pitch_deg": lambda s: abs(math.degrees(s.theta)),
+    "heel_deg": lambda s: abs(math.degrees(s.phi)),
+    "speed_kn": lambda s: float(s.u) / KNOT,
+}
+
+
+def showing(boat: Boat) -> float:
+    """Return the height [m] of the highest part of sail and deck above the sea."""
+    records = boat.records
+    sail = sail_height(records.vessel, records.state)
+    return float(max(sail, deck_height(records.vessel, records.state)))
+
+
+def deep(boat: Boat) -> bool:
+    """Return whether nothing of the boat can be near the surface, whatever her attitude."""
+    return boat.plain[Z] + boat.plain[WAVE] > boat.reach + COVERED
+
+
+def surfacing(boat: Boat) -> bool:
+    """Return whether main ballast is being blown, or blown."""
+    if not boat.vessel.fitted:
+        return False
+    s = boat.state
+    held = float(s.water[:3].sum()) < FULL * float(boat.vessel.capacity[:3].sum())
+    return held or bool(s.blow[:3].any())
+
+
+@dataclass
+class Watch:
+    """What stands beyond its limit now, and how often and since when that has happened."""
+
+    limits: Limits = field(default_factory=Limits)
+    beyond: set[str] = field(default_factory=set)
+    shows: bool = False
+    times: dict[str, list[float]] = field(default_factory=dict)  # [s]
+    _set: tuple[tuple[str, float], ...] = field(init=False)  # the limits that there are, by name
+
+    def __post_init__(self) -> None:
+        every = ((item.name, getattr(self.limits, item.name)) for item in fields(self.limits))
+        self._set = tuple((name, limit) for name, limit in every if limit is not None)
+
+    @classmethod
+    def over(cls, boat: Boat, limits: Limits) -> "Watch":
+        """Return the watch over a boat; what shows or is beyond its limit now is no news."""
+        watch = cls(limits)
+        watch.settle(boat)
+        return watch
+
+    def settle(self, boat: Boat) -> None:
+        """Take the boat as she is, after a jump in time: nothing of it is news."""
+        self._passed(boat)
+        self._broken_surface(boat)
+
+    def look(self, boat: Boat) -> list[str]:
+        """Return what there is to call out after a tick."""
+        if not self._set and not self.shows and deep(boat):
+            return []
+        news = self._passed(boat) + self._broken_surface(boat)
+        for what, _ in news:
+            self.times.setdefault(what, []).append(boat.time)
+        return [f"tick {boat.ticks} ({boat.time:g} s): {text}" for _, text in news]
+
+    def _passed(self, boat: Boat) -> list[tuple[str, str]]:
+        """Return each limit passed since the last look, and the words for it."""
+        news = []
+        for name, limit in self._set:
+            key, _, end = name.rpartition("_")
+            value = SEEN[key](boat.state)
+            if not (value > limit if end == "max" else value < limit):
+                self.beyond.discard(name)
+            elif name not in self.beyond:
+                self.beyond.add(name)
+                what, unit = key.split("_")
+                side = "above" if end == "max" else "below"
+                said = f"{what} {side} {limit:g} {unit}"
+                news.append((said, f"LIMIT: {said}"))
+        return news
+
+    def _broken_surface(self, boat: Boat) -> list[tuple[str, str]]:
+        """Return that sail or deck has come out of the sea, if it has."""
+        if deep(boat):
+            self.shows = False
+            return []
+        height = showing(boat)
+        if self.shows or height <= 0.0:
+            self.shows = self.shows and height > -COVERED
+            return []
+        self.shows = True
+        if surfacing(boat):
+            return [("surfaced", "surfaced: the boat shows above the sea")]
+        return [("broached", f"BROACHED: she shows {height:.1f} m above the sea")]
+
+    def account(self) -> str:
+        """Return how often each has happened, in words."""
+        return ", ".join(
+            f"{what} {len(times)} time{'s' * (len(times) > 1)} (first at {times[0]:g} s)"
+            for what, times in self.times.items()
+        )

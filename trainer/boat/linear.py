@@ -1,0 +1,222 @@
+"""The boat's equations about straight level flight, as matrices.
+
+The natural modes of a boat: eigenvalues with a name, a period and a damping.
+"""
+
+import math
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from trainer.boat.boat import Boat
+from trainer.core.rates import rates
+from trainer.core.state import MOTION
+
+CONTROLS = ("delta_r", "delta_s", "delta_b", "u_c")
+# What the rates depend on; heading and position only follow.
+INTERNAL = ("u", "v", "w", "p", "q", "r", "phi", "theta")
+LONGITUDINAL = ("u", "w", "q", "theta")
+ACCELERATED = MOTION[:6]
+
+Matrix = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Linear:
+    """d(motion)/dt = A motion + B controls, in the orders of MOTION and CONTROLS, SI."""
+
+    A: Matrix
+    B: Matrix
+
+    def part(self, *names: str) -> Matrix:
+        """Return A restricted to the named motions."""
+        places = [MOTION.index(name) for name in names]
+        return self.A[np.ix_(places, places)]
+
+    def inputs(self, names: tuple[str, ...], controls: tuple[str, ...]) -> Matrix:
+        """Return B restricted to the named motions and controls."""
+        rows = [MOTION.index(name) for name in names]
+        return self.B[np.ix_(rows, [CONTROLS.index(name) for name in controls])]
+
+
+def linearise(boat: Boat, nudge: float = 1e-5) -> Linear:
+    """Return the matrices at the boat's present state, by central differences, exact solve.
+
+    The terms with |.| have no second derivative at zero; their slope there is the mean of the two
+    sides, as a small motion sees it.
+    """
+    vessel, compact, scheme, state, scratch = (record.copy() for record in boat.records)
+    scheme["exact"] = 1
+
+    def column(name: str) -> Matrix:
+        centre = state[name][0]
+        slopes = []
+        for side in (1.0, -1.0):
+            state[name] = centre + side * nudge
+            rates(vessel, compact, scheme, state, scratch)
+            slopes.append(state["rates"][0].copy())
+        state[name] = centre
+        return np.asarray((slopes[0] - slopes[1]) / (2.0 * nudge))
+
+    return Linear(
+        np.column_stack([column(name) for name in MOTION]),
+        np.column_stack([column(name) for name in CONTROLS]),
+    )
+
+
+def at_speed(boat: Boat, speed: float) -> Linear | None:
+    """Return the matrices in trim at ``speed`` [m/s], None if there is no such trim."""
+    if not boat.trimmed(speed):
+        return None
+    return linearise(boat)
+
+
+def bring_to(boat: Boat, speed: float) -> bool:
+    """Return whether ``boat`` trims at ``speed`` [m/s]; its state is that trim, else level flight.
+
+    Level flight without trim: planes at zero, forces unbalanced.
+    """
+    if boat.trimmed(speed):
+        return True
+    s = boat.state
+    for name in ("v", "w", "phi", "theta", "delta_r", "delta_s", "delta_b"):
+        s[name] = 0.0
+    s.u = s.u_c = speed
+    return False
+
+
+@dataclass(frozen=True)
+class Response:
+    """rates = J motion + G last rates as the boat's own scheme has them, in ``names``, SI.
+
+    With the exact solve G is zero; with lagged accelerations it is the matrix of the sweep.
+    """
+
+    names: tuple[str, ...]
+    J: Matrix
+    G: Matrix
+
+    @cached_property
+    def nature(self) -> Matrix:
+        """Return A of d(motion)/dt = A motion, accelerations satisfying all equations at once."""
+        return np.asarray(np.linalg.solve(np.eye(len(self.J)) - self.G, self.J))
+
+    @cached_property
+    def eigenvalues(self) -> NDArray[np.complex128]:
+        """Return the eigenvalues [1/s] of the boat itself, whatever integrates it."""
+        return np.asarray(np.linalg.eigvals(self.nature), complex)
+
+
+def respond(boat: Boat, nudge: float = 1e-5) -> Response:
+    """Return how the rates follow motion and last rates about the boat's present state."""
+    vessel, compact, scheme, state, scratch = (record.copy() for record in boat.records)
+    names = LONGITUDINAL if boat.method.equations == "longitudinal" else INTERNAL
+    places = [MOTION.index(name) for name in names]
+
+    def slope(field: str, place: int, size: float) -> Matrix:
+        state["rates"] = 0.0
+        centre = float(state[field][0, place])
+        ends = []
+        for side in (size, -size):
+            state["rates"] = 0.0
+            state[field][0, place] = centre + side
+            rates(vessel, compact, scheme, state, scratch)
+            ends.append(state["rates"][0, places])
+        state[field][0, place] = centre
+        return np.asarray((ends[0] - ends[1]) / (2.0 * size))
+
+    J = np.column_stack([slope("motion", place, nudge) for place in places])
+    G = np.zeros_like(J)
+    if boat.method.rates == "lagged":
+        for column, name in enumerate(names):
+            if name in ACCELERATED:  # the sweep is linear in them: any size does
+                G[:, column] = slope("rates", places[column], 1.0)
+    return Response(names, J, G)
+
+
+GROUPS = {
+    "surge": ("u",),
+    "pitch": ("w", "q", "theta"),
+    "roll": ("p", "phi"),
+    "sway-yaw": ("v", "r"),
+}
+# [1/s] An eigenvalue this near the imaginary axis neither grows nor decays: it is as large as the
+# difference quotients' own error.
+NEUTRAL = 1e-7
+
+
+@dataclass(frozen=True)
+class Mode:
+    """One real eigenvalue or one pair, real + i imaginary [1/s]."""
+
+    name: str
+    real: float
+    imaginary: float  # not negative
+
+    @property
+    def eigenvalue(self) -> complex:
+        """Return the eigenvalue [1/s] in the upper half plane."""
+        return complex(self.real, self.imaginary)
+
+    @property
+    def stable(self) -> bool:
+        """Return whether the boat itself damps this mode."""
+        return damped(self.eigenvalue)
+
+    @property
+    def period(self) -> float | None:
+        """Return the period [s] of one swing, None if it does not swing."""
+        return 2.0 * math.pi / self.imaginary if self.imaginary > 0.0 else None
+
+    @property
+    def damping_ratio(self) -> float | None:
+        """Return -Re/|.| [-], None if it does not swing."""
+        return -self.real / abs(self.eigenvalue) if self.imaginary > 0.0 else None
+
+    @property
+    def time_constant(self) -> float | None:
+        """Return the time [s] of change by a factor e, None if there is no change."""
+        return 1.0 / abs(self.real) if abs(self.real) > NEUTRAL else None
+
+
+def damped(eigenvalue: complex) -> bool:
+    """Return whether ``eigenvalue`` [1/s] decays."""
+    return eigenvalue.real < -NEUTRAL
+
+
+def group(names: tuple[str, ...], shares: NDArray[np.float64]) -> str:
+    """Return the motion that takes part most, given the share of each of ``names``."""
+    part = dict(zip(names, shares, strict=True))
+    return max(GROUPS, key=lambda motion: sum(part.get(name, 0.0) for name in GROUPS[motion]))
+
+
+def _name(names: tuple[str, ...], shares: NDArray[np.float64], imaginary: float) -> str:
+    """Return the name of one mode; a real one of the vertical plane is heave if w leads in it."""
+    motion = group(names, shares)
+    if motion == "pitch" and imaginary == 0.0:
+        part = dict(zip(names, shares, strict=True))
+        return "heave" if part["w"] > part["q"] + part["theta"] else "pitch"
+    return motion
+
+
+def modes(matrix: Matrix, names: tuple[str, ...]) -> list[Mode]:
+    """Return the modes of d(motion)/dt = ``matrix`` motion, by motion and then fastest first.
+
+    Each is named by the motion with the largest participation, |left| |right| eigenvector. Of two
+    real ones of sway and yaw the slower is the spiral.
+    """
+    values, right = np.linalg.eig(matrix)
+    shares = abs(right) * abs(np.linalg.pinv(right)).T
+    found = [
+        Mode(_name(names, shares[:, i], value.imag), float(value.real), float(value.imag))
+        for i, value in enumerate(values)
+        if value.imag >= 0.0
+    ]
+    turning = [mode for mode in found if mode.name == "sway-yaw" and mode.imaginary == 0.0]
+    if len(turning) > 1:
+        slowest = min(turning, key=lambda mode: abs(mode.real))
+        found[found.index(slowest)] = Mode("spiral", slowest.real, 0.0)
+    order = ("surge", "heave", "pitch", "sway-yaw", "spiral", "roll")
+    return sorted(found, key=lambda mode: (order.index(mode.name), -abs(mode.eigenvalue)))

@@ -1,0 +1,112 @@
+"""Orders about the sea. They keep what they do not say, and take the sea's ramp to come about.
+
+Partial freezes by order: depth, position or tanks stand still while all else goes on.
+"""
+
+import math
+from dataclasses import replace
+from typing import Final
+
+import numpy as np
+
+from trainer.boat.boat import Boat
+from trainer.config.sea import Sea, peak_frequency, significant_height
+from trainer.core.kernel import Numbers
+from trainer.core.sea.sea import DIRECTION, GAMMA, HEIGHT, OMEGA
+from trainer.io.orders.grammar import Order, Refused, Reply
+from trainer.units import KNOT
+
+
+def order_sea(boat: Boat, order: Order) -> Reply:
+    """Raise, turn or calm the sea."""
+    wanted = standing_sea(boat)
+    if order.word == "from":
+        wanted[DIRECTION] = order.value + math.pi
+    elif order.word == "calm":
+        wanted[HEIGHT] = 0.0
+    else:
+        _raise(wanted, fully_developed(boat.sea.sea, order.word, order.value), boat.vessel.g)
+    boat.order_sea(wanted, boat.sea.sea.ramp_s)
+    return f"{order.text}: {sea_text(wanted)}, within {boat.sea.sea.ramp_s:g} s"
+
+
+def standing_sea(boat: Boat) -> Numbers:
+    """Return the sea [SI] that is ordered, as ``Boat.order_sea`` takes it."""
+    s = boat.state
+    return np.array([*s.sea_target, s.sea_taper])
+
+
+def fully_developed(sea: Sea, measure: str, value: float) -> Sea:
+    """Return ``sea`` as a wind raises it that blows long enough, by one measure [SI]."""
+    measures = {
+        "state": {"sea_state": value},
+        "wind": {"wind_kn": value / KNOT},
+        "height": {"height_m": value},
+    }
+    bare = replace(
+        sea,
+        sea_state=None,
+        wind_kn=None,
+        height_m=None,
+        period_s=None,
+        spectrum="pierson-moskowitz",
+    )
+    return replace(bare, **measures[measure])  # type: ignore[arg-type]  # all of them numbers
+
+
+def _raise(wanted: Numbers, sea: Sea, g: float) -> None:
+    """Write height, period and peakedness of ``sea``."""
+    wanted[HEIGHT] = significant_height(sea, g)
+    wanted[OMEGA] = peak_frequency(sea, g)
+    wanted[GAMMA] = 1.0
+
+
+def sea_text(quantities: Numbers) -> str:
+    """Return a sea in words."""
+    if quantities[HEIGHT] == 0.0:
+        return "calm"
+    origin = round(math.degrees(quantities[DIRECTION]) + 180.0) % 360
+    period = 2.0 * math.pi / quantities[OMEGA]
+    return f"{quantities[HEIGHT]:.3g} m, peak at {period:.1f} s, from {origin:03d}"
+
+
+PARTS: Final = ("depth", "position", "tanks")
+
+
+def hold(boat: Boat, order: Order) -> Reply:
+    """Let the part that is the order's word stand still from the next tick on."""
+    if order.word == "tanks" and not boat.vessel.fitted:
+        return Refused(f"{boat.file.path.name} has no [ballast] table: this boat has no tanks")
+    boat.state[f"held_{order.word}"] = 1.0
+    return f"{order.word} frozen{_where(boat, order.word)}"
+
+
+def release(boat: Boat, order: Order) -> Reply:
+    """Let the part that is the order's word, or ``all`` that is frozen, go on."""
+    frozen = held(boat)
+    parts = frozen if order.word == "all" else [order.word]
+    if order.word != "all" and order.word not in frozen:
+        return Refused(f"{order.word} is not frozen; frozen: {', '.join(frozen) or 'nothing'}")
+    for part in parts:
+        boat.state[f"held_{part}"] = 0.0
+    return f"{' and '.join(parts)} released" if parts else "nothing is frozen"
+
+
+def held(boat: Boat) -> list[str]:
+    """Return the parts that stand still."""
+    return [part for part in PARTS if boat.state[f"held_{part}"]]
+
+
+def held_text(boat: Boat) -> str:
+    """Return what stands still and where, in words."""
+    return ", ".join(f"{part}{_where(boat, part)}" for part in held(boat))
+
+
+def _where(boat: Boat, part: str) -> str:
+    """Return where a part stands, '' for one that is in no place."""
+    s = boat.state
+    places = {
+        "depth": f" at {s.z:.1f} m",
+        "position": f" at {s.x:.0f} m north, {s.y:.0f} m east of the start",
+    }
+    return places.get(part, "")

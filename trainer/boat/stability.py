@@ -1,0 +1,220 @@
+"""Which step an integration can take: the stability region, and the discrete map really flown.
+
+The region asks how a method treats dx/dt = lambda x. The map is what a tick does to a small
+disturbance of straight flight: method, lagged accelerations and equation set together. What grows
+by the boat's own nature is never the step's fault.
+"""
+
+import math
+from collections.abc import Callable, Iterable
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from trainer.boat.boat import Boat
+from trainer.boat.linear import NEUTRAL, Matrix, Response, bring_to, group, respond
+from trainer.core.integrators import SMALLEST
+from trainer.core.kernel import Record
+from trainer.core.scheme import MULTISTEPS, VARIABLE_RUNGE_KUTTA
+from trainer.units import KNOT
+
+ROUNDING = 1e-9  # [-] growth per step that is only rounding
+# [-] A swing with less than this damping ratio is barely damped: any explicit method and any lag
+# may turn it, and a step is blamed only for growth of more than this, which doubles in 11 swings.
+BARELY = 0.01
+FURTHEST = 30.0  # [-] |h lambda| beyond which no explicit method of four cycles is stable
+SHORTEST, LONGEST = 1e-3, 128.0  # [s] steps looked at
+HALVINGS = 20
+MOST = 300.0  # [-] exponent beyond which growth is simply large
+
+Growth = Callable[[NDArray[np.complex128]], NDArray[np.float64]]
+
+
+class Step(NamedTuple):
+    """Whether the boat's step is stable, the largest that is [s], and what fails beyond it."""
+
+    ok: bool
+    largest: float
+    worst: str
+
+
+def growth(scheme: Record, mu: NDArray[np.complex128]) -> NDArray[np.float64]:
+    """Return the largest factor [-] per step for each h lambda in ``mu``.
+
+    The characteristic roots of the multistep method, or the polynomial of Runge-Kutta 4.
+    """
+    how = scheme[0]
+    if how.method not in MULTISTEPS:
+        return np.asarray(abs(1.0 + mu * (1.0 + mu / 2.0 * (1.0 + mu / 3.0 * (1.0 + mu / 4.0)))))
+    depth = int(how.depth)
+    companion = np.zeros((len(mu), depth, depth), complex)
+    companion[:, 0, :] = how.a[:depth] + mu[:, None] * how.b[:depth]
+    companion[:, range(1, depth), range(depth - 1)] = 1.0
+    return np.asarray(abs(np.linalg.eigvals(companion)).max(axis=1))
+
+
+def largest_step(scheme: Record, eigenvalue: complex) -> float:
+    """Return the largest step [s] at which a damped ``eigenvalue`` [1/s] decays, 0 if none.
+
+    Every smaller step is stable too: the ray from the origin is searched outwards, then finer.
+    """
+    direction = eigenvalue / abs(eigenvalue)
+    inside, outside = 0.0, FURTHEST
+    for _ in range(7):
+        radii = np.linspace(inside, outside, 151)[1:]
+        stable = growth(scheme, np.asarray(radii * direction, np.complex128)) <= 1.0 + 1e-13
+        if stable.all():
+            break
+        first = int(np.argmin(stable))
+        outside = float(radii[first])
+        inside = float(radii[first - 1]) if first > 0 else inside
+    return inside / abs(eigenvalue)
+
+
+def multistep_map(response: Response, scheme: Record, h: float) -> Matrix:
+    """Return what a tick of ``h`` [s] does to motions (newest first) and rates (newest first)."""
+    how = scheme[0]
+    n = len(response.J)
+    held = max((i + 1 for i in range(int(how.depth)) if how.a[i] != 0.0), default=1)
+    past = max(int(how.depth) - 1, 1)  # one at least: the lagged accelerations
+    newest = n * held
+    tick = np.zeros((n * (held + past), n * (held + past)))
+    rate = np.zeros((n, len(tick)))
+    rate[:, :n] = response.J
+    rate[:, newest : newest + n] = response.G
+    tick[:n] = h * how.b[0] * rate
+    for i in range(held):
+        tick[:n, n * i : n * (i + 1)] += how.a[i] * np.eye(n)
+    for i in range(int(how.depth) - 1):
+        tick[:n, newest + n * i : newest + n * (i + 1)] += h * how.b[i + 1] * np.eye(n)
+    tick[n:newest, : newest - n] = np.eye(newest - n)
+    tick[newest : newest + n] = rate
+    tick[newest + n :, newest:-n] = np.eye(n * (past - 1))
+    return tick
+
+
+def runge_kutta_map(response: Response, h: float) -> Matrix:
+    """Return what a tick of ``h`` [s] does to motion and last rates, lagged inside the stages."""
+    J, G = response.J, response.G
+    now = np.eye(len(J), 2 * len(J))
+    rate = np.hstack([J, G])
+    total = rate.copy()
+    for weight, share in ((2.0, 0.5), (2.0, 0.5), (1.0, 1.0)):
+        rate = J @ (now + share * h * rate) + G @ rate
+        total += weight * rate
+    return np.vstack([now + h / 6.0 * total, rate])
+
+
+def tick_map(response: Response, scheme: Record, h: float) -> Matrix:
+    """Return the matrix of one tick of ``h`` [s]; the first rows are the present motion."""
+    if scheme[0].method in MULTISTEPS:
+        return multistep_map(response, scheme, h)
+    return runge_kutta_map(response, h)
+
+
+def allowed_rate(eigenvalue: complex) -> float:
+    """Return the growth [1/s] that a step may show where the boat itself has ``eigenvalue``.
+
+    None if the boat damps it well; else twice the boat's own and BARELY of the frequency.
+    """
+    if eigenvalue.real < -max(BARELY * abs(eigenvalue), NEUTRAL):
+        return 0.0
+    return float(2.0 * max(eigenvalue.real, 0.0) + BARELY * abs(eigenvalue))
+
+
+def added_growth(response: Response, tick: Matrix, h: float) -> tuple[float, complex]:
+    """Return the largest factor [-] per tick of ``h`` [s] that is not the boat's own, and its root.
+
+    Left out for each mode the boat does not damp well is the root nearest to exp(h lambda), unless
+    it grows faster than is allowed.
+    """
+    roots = list(np.linalg.eigvals(tick))
+    for eigenvalue in response.eigenvalues:
+        exponent = h * allowed_rate(eigenvalue)
+        if exponent > 0.0:
+            own = np.exp(min(h * eigenvalue.real, MOST) + 1j * h * eigenvalue.imag)
+            nearest = int(np.argmin(abs(np.array(roots) - own)))
+            if abs(roots[nearest]) <= np.exp(min(exponent, MOST)) + ROUNDING:
+                roots.pop(nearest)
+    worst = max(roots, key=abs)
+    return float(abs(worst)), complex(worst)
+
+
+def culprit(response: Response, tick: Matrix, root: complex) -> str:
+    """Return the motion that takes part most in a root of the map."""
+    shares = np.ones(len(tick))
+    for matrix in (tick, tick.T):
+        values, vectors = np.linalg.eig(matrix)
+        shares *= abs(vectors[:, int(np.argmin(abs(values - root)))])
+    n = len(response.names)
+    return group(response.names, shares.reshape(-1, n).sum(axis=0))
+
+
+def responses(boat: Boat, speeds: Iterable[float]) -> dict[float, Response]:
+    """Return the boat's response at each of ``speeds`` [m/s]; the boat's state is not changed."""
+    before = boat.snapshot()
+    found = {}
+    for speed in speeds:
+        bring_to(boat, speed)
+        found[speed] = respond(boat)
+    boat.restore(before)
+    return found
+
+
+def substep(scheme: Record, h: float) -> float:
+    """Return the step [s] taken in a tick: the variable method goes down to its shortest."""
+    return min(h, SMALLEST) if scheme[0].method == VARIABLE_RUNGE_KUTTA else h
+
+
+def stable_at(flights: Iterable[Response], scheme: Record, h: float) -> bool:
+    """Return whether ticks of ``h`` [s] make nothing grow but what grows by nature."""
+    h = substep(scheme, h)
+    return all(
+        added_growth(flight, tick_map(flight, scheme, h), h)[0] <= 1.0 + ROUNDING
+        for flight in flights
+    )
+
+
+def largest_flown(flights: Iterable[Response], scheme: Record) -> float:
+    """Return the largest stable step [s] of the map flown: 0 if none is, infinite if all are."""
+    flights = list(flights)
+    if not stable_at(flights, scheme, SHORTEST):
+        return 0.0
+    stable = SHORTEST
+    while stable_at(flights, scheme, 2.0 * stable):
+        stable *= 2.0
+        if stable >= LONGEST:
+            return math.inf
+    unstable = 2.0 * stable
+    for _ in range(HALVINGS):
+        middle = 0.5 * (stable + unstable)
+        if stable_at(flights, scheme, middle):
+            stable = middle
+        else:
+            unstable = middle
+    return stable
+
+
+def worst_motion(flights: dict[float, Response], scheme: Record, h: float) -> tuple[float, str]:
+    """Return the largest factor [-] per tick of ``h`` [s] not the boat's own, and what it is."""
+    h = substep(scheme, h)
+    found = []
+    for speed, flight in flights.items():
+        tick = tick_map(flight, scheme, h)
+        found.append((*added_growth(flight, tick, h), speed, flight, tick))
+    factor, root, speed, flight, tick = max(found, key=lambda entry: entry[0])
+    return factor, f"{culprit(flight, tick, root)} at {speed / KNOT:.3g} kn"
+
+
+def stable_step(boat: Boat, speeds: Iterable[float]) -> Step:
+    """Return whether the boat's own step is stable in straight flight at ``speeds`` [m/s]."""
+    flights = responses(boat, speeds)
+    scheme = boat.records.scheme
+    largest = largest_flown(flights.values(), scheme)
+    step = boat.method.step
+    stable = stable_at(flights.values(), scheme, step)
+    if math.isinf(largest):
+        return Step(stable, largest, "nothing")
+    beyond = 1.001 * largest if stable else step
+    return Step(stable, largest, worst_motion(flights, scheme, beyond)[1])

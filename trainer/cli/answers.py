@@ -1,0 +1,56 @@
+"""How the engineer's programs answer: a page, JSON, a plot."""
+
+import math
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, Final
+
+import click
+
+
+class Number(click.FloatRange):
+    """A number within limits; "nan", which passes any comparison, is none."""
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        """Return the number."""
+        number = super().convert(value, param, ctx)
+        if math.isnan(number):
+            self.fail(f"{value!r} is not a number", param, ctx)
+        return number
+
+
+AHEAD: Final = Number(0.0, 60.0, min_open=True)  # [kn]
+OUTPUTS: Final = [
+    click.option("--json", "as_json", is_flag=True, help="Print the figures as JSON."),
+    click.option(
+        "--plot",
+        type=click.Path(path_type=Path, dir_okay=False),
+        default=None,
+        metavar="FILE",
+        help="Draw a plot, .png, .svg or .pdf by the name's ending.",
+    ),
+]
+
+
+def outputs(command: Any) -> Any:
+    """Add the options that say how the answer is shown."""
+    for option in reversed(OUTPUTS):
+        command = option(command)
+    return command
+
+
+def show(
+    report: Any,
+    page: Callable[[Any], str],
+    panels: Callable[[], tuple[Any, ...]],
+    how: dict[str, Any],
+) -> None:
+    """Draw the plot that is asked for and print ``report`` as a page or as JSON."""
+    import json  # noqa: PLC0415
+    from dataclasses import asdict  # noqa: PLC0415
+
+    if how["plot"]:
+        from trainer.analysis.report.plots import draw  # noqa: PLC0415
+
+        draw(panels(), how["plot"])
+    click.echo(json.dumps(asdict(report), indent=1) if how["as_json"] else page(report))

@@ -1,0 +1,101 @@
+"""The command that makes machine code for other programs."""
+
+import sys
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+import click
+
+from trainer.cli.shared_options import FILE, VESSEL_HELP, method_options, together
+
+CPUS = ("x86-64-v2", "x86-64-v3", "x86-64-v4", "native")
+
+boat_options = together(
+    click.option("--vessel", default="bb2", show_default=True, help=VESSEL_HELP),
+    method_options,
+    click.option(
+        "--integrator",
+        default="adams2",
+        show_default=True,
+        help="As for trainer run.",
+    ),
+    click.option("--step", type=float, default=None, help="Step in s. [default: the vessel's]"),
+    click.option("--unsafe-step", is_flag=True, help="Export even where the step is not stable."),
+    click.option(
+        "--sea", default="calm", metavar="NAME|PATH", help="Of the start. [default: calm]"
+    ),
+    click.option(
+        "--seed",
+        type=click.IntRange(0, 2**53 - 1),
+        default=1,
+        show_default=True,
+        help="Of everything random.",
+    ),
+)
+
+
+@click.command(name="export-core")
+@click.argument("directory", type=FILE)
+@boat_options
+@click.option(
+    "--cpu",
+    type=click.Choice(CPUS),
+    default=CPUS[0],
+    show_default=True,
+    help="Processors that the code is for: any of the last 15 years, with AVX2, with AVX-512, "
+    "or this machine's.",
+)
+@click.option("--json", "as_json", is_flag=True, help="Print what was written as JSON.")
+def export_core(directory: Path, *, as_json: bool, **options: Any) -> None:
+    """Write the compiled tick of a boat as a C library that needs no Python.
+
+    \b
+    Example:  trainer export-core core --vessel bb2
+              cc -O2 -o host core/host.c core/trainer_core.o && ./host 7200
+              trainer run --headless --core core/libtrainer_core.so --duration 1h --speed max
+
+    DIRECTORY gets trainer_core.o, libtrainer_core.so, trainer_core.h and host.c, a host to begin
+    with. The bits are the trainer's. Exit code 1 when no C compiler could link the library.
+    """
+    import json  # noqa: PLC0415
+
+    from trainer.boat.export.library import (  # noqa: PLC0415
+        LIBRARY,
+        add_library,
+        export,
+        render,
+    )
+    from trainer.boat.export.targets import NoCompilerError  # noqa: PLC0415
+
+    exported = export(boat_at_start(options), directory, options["cpu"])
+    missing = ""
+    try:
+        add_library(directory)
+    except NoCompilerError as error:
+        missing = str(error)
+    files = (*exported.files, *(() if missing else (LIBRARY,)))
+    figures = {**asdict(exported), "files": files}
+    click.echo(json.dumps(figures, indent=1) if as_json else render(exported, directory, files))
+    if missing:
+        click.echo(f"trainer: {missing}", err=True)
+        sys.exit(1)
+
+
+def boat_at_start(options: dict[str, Any]) -> Any:
+    """Return the boat of the command line's ``options`` at its start; ConfigError if she cannot."""
+    from trainer.boat.boat import Boat  # noqa: PLC0415
+    from trainer.config.sea import load_sea  # noqa: PLC0415
+    from trainer.config.vessel import load_vessel  # noqa: PLC0415
+    from trainer.session.plan import chosen_method  # noqa: PLC0415
+    from trainer.session.warm_up import refuse_unstable  # noqa: PLC0415
+    from trainer.units import KNOT  # noqa: PLC0415
+
+    file = load_vessel(options["vessel"])
+    sea = load_sea(options["sea"])
+    boat = Boat(file, chosen_method(file, options))
+    if not options["unsafe_step"]:
+        refuse_unstable(boat)
+    boat.start(file.run.start_speed_kn * KNOT, file.run.start_depth_m, 0.0, options["seed"])
+    boat.put_to_sea(sea)
+    return boat

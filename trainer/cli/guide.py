@@ -1,0 +1,200 @@
+"""Commands that fly manoeuvres: one of them, or all that a boat is qualified by."""
+
+import json
+import sys
+from dataclasses import asdict
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import Any, Final
+
+import click
+
+from trainer.cli.answers import AHEAD, Number, outputs, show
+from trainer.cli.run import given
+from trainer.cli.shared_options import FILE
+from trainer.config.method import EQUATIONS
+
+OF_BOATS: Final = ("equations", "rates", "trig", "integrator", "controls", "trim", "law")
+
+
+def print_list(ctx: click.Context, _param: click.Parameter, value: bool) -> None:  # noqa: FBT001
+    """Print the manoeuvres and leave."""
+    if not value or ctx.resilient_parsing:
+        return
+    from trainer.analysis.manoeuvres.catalogue import MANOEUVRES, parameters  # noqa: PLC0415
+    from trainer.analysis.report.text import table  # noqa: PLC0415
+
+    rows = []
+    for name, manoeuvre in MANOEUVRES.items():
+        words = ", ".join(f"{key} {value:g}" for key, value in parameters(manoeuvre).items())
+        rows.append((name, words))
+    click.echo("\n".join(table(("", "degrees and seconds unless told otherwise"), rows, "")))
+    ctx.exit()
+
+
+@click.command()
+@click.argument("name")
+@click.argument("vessel")
+@click.option(
+    "--list",
+    is_flag=True,
+    is_eager=True,
+    expose_value=False,
+    callback=print_list,
+    help="Print the manoeuvres and their parameters, and leave.",
+)
+@click.option("--speed", type=AHEAD, default=None, metavar="KN", help="[default: the boat's]")
+@click.option("--angle", type=Number(0.0, 90.0), default=None, help="Of the control, in degrees.")
+@click.option("--execute", type=Number(0.0, 180.0), default=None, help="Mark, in degrees.")
+@click.option("--duration", type=Number(1.0, 1e5), default=None, help="In seconds.")
+@click.option("--equations", type=click.Choice(EQUATIONS), default="full", show_default=True)
+@click.option("--rates", type=click.Choice(("exact", "lagged")), default=None)
+@click.option("--trig", type=click.Choice(("exact", "report")), default="exact", show_default=True)
+@click.option("--integrator", default="adams2", show_default=True, help="As for trainer run.")
+@click.option("--step", type=Number(1e-3, 10.0), default=None, help="[default: the boat's]")
+@click.option(
+    "--controls",
+    type=click.Choice(("own", "once")),
+    default="own",
+    show_default=True,
+    help="The boat's own rates, lags and dead times, or none, as in 1969.",
+)
+@click.option(
+    "--trim",
+    type=click.Choice(("own", "full")),
+    default="own",
+    show_default=True,
+    help="Start in the trim of the equations flown, or of the full set.",
+)
+@click.option(
+    "--law",
+    type=click.Choice(("trainer", "report", "literal")),
+    default="trainer",
+    show_default=True,
+    help="Of depth keeping, as the order autopilot has them.",
+)
+@click.option("--csv", type=FILE, default=None, metavar="FILE", help="Write the flight, SI, rad.")
+@outputs
+def manoeuvre(name: str, vessel: str, **options: Any) -> None:
+    """Fly a manoeuvre and measure it (CONTR).
+
+    VESSEL is a name, a vessel file, or the Nomoto file of a ship that was identified.
+
+    \b
+    Example:  trainer manoeuvre turning-circle bb2 --angle 20
+    Example:  trainer manoeuvre meander bb2 --speed 15 --equations modified --plot m.svg
+    Example:  trainer manoeuvre zigzag-10 ship.toml
+
+    Exit code 1 when the boat is lost on the way.
+    """
+    from trainer.analysis.manoeuvres import page  # noqa: PLC0415
+    from trainer.analysis.manoeuvres.catalogue import named  # noqa: PLC0415
+
+    report, flight = _flown(vessel, name, options)
+    if options["csv"]:
+        page.write_csv(flight, options["csv"])
+    show(report, page.render, lambda: page.panels(named(name), flight), options)
+    sys.exit(1 if report.lost else 0)
+
+
+def _flown(vessel: str, name: str, options: dict[str, Any]) -> tuple[Any, Any]:
+    """Return report and flight of a boat, or of a Nomoto ship."""
+    from trainer.analysis.manoeuvres import page  # noqa: PLC0415
+    from trainer.config.vessel import load_vessel  # noqa: PLC0415
+    from trainer.identify.nomoto import is_nomoto  # noqa: PLC0415
+
+    path = Path(vessel)
+    if path.suffix != ".toml" or not is_nomoto(path):
+        return page.flown(load_vessel(vessel), name, options)
+    from trainer.identify.steering import steered  # noqa: PLC0415
+
+    unknown = [f"--{option}" for option in OF_BOATS if option in given()]
+    if unknown:
+        raise click.UsageError(f"{vessel} is a Nomoto ship: {', '.join(unknown)} are for boats")
+    ship = steered(path, options["step"])
+    return page.sailed(ship, name, options, ship.speed_kn)
+
+
+@click.command()
+@click.argument("vessel")
+@click.option("--html", type=FILE, default=None, metavar="FILE", help="Write one HTML page.")
+@click.option("--pdf", type=FILE, default=None, metavar="FILE", help="Print it by a browser.")
+@click.option("--json", "as_json", is_flag=True, help="Print the figures as JSON.")
+@click.option(
+    "--baseline",
+    type=FILE,
+    default=None,
+    metavar="FILE",
+    help="An earlier guide, JSON or HTML: name what moved since.",
+)
+@click.option(
+    "--cores",
+    type=click.IntRange(1, 256),
+    default=None,
+    help="Processors to use. [default: all]",
+)
+def guide(vessel: str, **options: Any) -> None:
+    """Write the qualification test guide of a boat.
+
+    All manoeuvres by the full, modified and basic sets, judged; neutral angles, modes, thrust,
+    steps, findings of 1969 and published results.
+
+    \b
+    Example:  trainer guide bb2 --html bb2.html --pdf bb2.pdf
+
+    VESSEL is bb2, sdv-mk9, remus100, or the path of a vessel file. Exit code 1 when the modified
+    set is out of tolerance; trainer reduce finds one that is not.
+    """
+    from trainer.analysis.guide import baseline, document, summary  # noqa: PLC0415
+    from trainer.config.vessel import load_vessel  # noqa: PLC0415
+
+    file = load_vessel(vessel)
+    earlier = None
+    if options["baseline"]:
+        earlier = baseline.load_earlier(options["baseline"], file.name)
+    made = datetime.now(UTC).strftime("%Y-%m-%d %H:%M:%S UTC")
+    book = written(file, made, options["cores"])
+    now = json.loads(json.dumps(document.as_json(book.guide)))
+    moves = None if earlier is None else baseline.moved(earlier, now)
+    write_document(document.render(book, moves), options["html"], options["pdf"])
+    if options["as_json"]:
+        told = {} if moves is None else {"moved": [asdict(one) for one in moves]}
+        click.echo(json.dumps({**now, **told}, indent=1))
+    else:
+        click.echo(summary.render(book.guide, moves))
+    sys.exit(0 if book.guide.passed else 1)
+
+
+def written(file: Any, made: str, cores: int | None) -> Any:
+    """Return the guide's book, with a progress bar on a terminal."""
+    from trainer.analysis.guide import contents  # noqa: PLC0415
+    from trainer.analysis.guide.programme import processors  # noqa: PLC0415
+
+    count = len(contents.tasks(file))
+    with click.progressbar(
+        length=count, label="flying", file=sys.stderr, hidden=not sys.stderr.isatty()
+    ) as bar:
+        return contents.write(file, made, cores or processors(), lambda: bar.update(1))
+
+
+def write_document(text: str, html: Path | None, pdf: Path | None) -> None:
+    """Write the page and print it, where asked for; ConfigError if that cannot be."""
+    import tempfile  # noqa: PLC0415
+
+    from trainer.analysis.report.pdf import print_pdf  # noqa: PLC0415
+    from trainer.config.files import ConfigError  # noqa: PLC0415
+    from trainer.io.atomic_write import write_whole  # noqa: PLC0415
+
+    if html is None and pdf is None:
+        return
+    with tempfile.TemporaryDirectory() as folder:
+        path = html or Path(folder) / "guide.html"
+        try:
+            write_whole(path, text)
+        except OSError as error:
+            raise ConfigError(f"--html {path}: cannot be written: {error.strerror}") from None
+        if pdf is not None:
+            print_pdf(path, pdf)
+
+
+GUIDING: Final = [manoeuvre, guide]

@@ -1,0 +1,278 @@
+"""The analyst's programs: experiments designed, ships identified, lanes made into tracks."""
+
+import contextlib
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any, Final
+
+import click
+
+from trainer.cli.answers import AHEAD, Number, outputs, show
+from trainer.cli.shared_options import FILE, VESSEL_HELP, together
+
+MODELS: Final = ("1", "2", "3", "nomoto1", "nomoto2")
+CHANNELS: Final = ("sway", "yaw_rate", "heading")
+POSITIVE: Final = Number(0.0, 1e6, min_open=True)
+
+
+class Angles(click.ParamType[tuple[float, float]]):
+    """Helm and heading of a zig-zag: 10/10."""
+
+    name = "angles"
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        """Return helm and heading [deg]."""
+        if isinstance(value, tuple):
+            return value
+        helm, _, heading = str(value).partition("/")
+        try:
+            angles = float(helm), float(heading or helm)
+        except ValueError:
+            angles = (0.0, 0.0)
+        if not (0.0 < angles[0] <= 90.0 and 0.0 < angles[1] <= 90.0):
+            self.fail(f"{value!r} is not helm and heading in degrees, such as 10/10", param, ctx)
+        return angles
+
+
+def sensor(name: str, default: float, text: str) -> Any:
+    """Return an option for the standard deviation of a sensor."""
+    limits = Number(0.0, 100.0)
+    flag = f"--noise-{name.replace('_', '-')}"
+    return click.option(flag, name, type=limits, default=default, show_default=True, help=text)
+
+
+sensor_options = together(
+    sensor("sway", 0.05, "Standard deviation of the log, knots."),
+    sensor("yaw_rate", 0.02, "Of the rate gyro, deg/s."),
+    sensor("heading", 0.1, "Of the compass, degrees."),
+)
+
+sequence_options = together(
+    click.option("--amplitude", type=POSITIVE, default=5.0, show_default=True, help="Degrees."),
+    click.option("--bits", type=click.IntRange(2, 12), default=None, help="Of the register."),
+    click.option("--hold", type=POSITIVE, default=None, help="Seconds of a bit. [default: T1/3]"),
+    click.option("--periods", type=click.IntRange(1, 50), default=1, show_default=True),
+    click.option("--seed", type=click.IntRange(1, 4095), default=1, show_default=True),
+    click.option(
+        "--by",
+        type=click.Choice(("rudder", "course")),
+        default="rudder",
+        show_default=True,
+        help="Order rudder angles, or courses that the autopilot steers: she keeps near north.",
+    ),
+    click.option("--zigzag", type=Angles(), default=None, metavar="HELM/HEADING", help="Instead."),
+    click.option(
+        "--seconds", type=POSITIVE, default=600.0, show_default=True, help="Of a zig-zag."
+    ),
+)
+
+
+@click.command()
+@click.argument("vessel")
+@click.option("--speed", type=AHEAD, default=None, metavar="KN", help="[default: the vessel's]")
+@click.option("--depth", type=POSITIVE, default=None, help="Metres. [default: the vessel's]")
+@sequence_options
+@click.option("--interval", type=POSITIVE, default=None, help="Seconds between samples.")
+@click.option(
+    "--output",
+    "outputs",
+    type=click.Choice(CHANNELS),
+    multiple=True,
+    help="What will be read, may be repeated. [default: all three]",
+)
+@sensor_options
+@click.option(
+    "--unrest",
+    type=Number(0.0, 10.0),
+    default=0.02,
+    show_default=True,
+    help="Yaw rate that the sea alone makes, rms deg/s.",
+)
+@click.option("--sea", default=None, metavar="NAME", help="Sea of the exercise written.")
+@click.option("--write", type=FILE, default=None, metavar="FILE", help="Write the exercise.")
+@outputs
+def prbs(vessel: str, write: Path | None, **options: Any) -> None:
+    """Design a rudder experiment and say what it will tell.
+
+    VESSEL is a name or the path of a vessel file.
+
+    \b
+    Example:  trainer prbs bb2 --amplitude 3 --sea sea-state-3 --write trial.toml
+              trainer run trial.toml --headless --speed max --record trial.trainer
+              trainer identify trial.trainer --model 1 --vessel bb2
+              trainer prbs bb2 --zigzag 10/10
+    """
+    from trainer.config.vessel import load_vessel  # noqa: PLC0415
+    from trainer.identify.pages import experiment as page  # noqa: PLC0415
+
+    found = page.design(load_vessel(vessel), {**options, "vessel": vessel})
+    if write is not None:
+        _write(write, found.exercise)
+    show(found.report, page.render, lambda: page.panels(found), options)
+
+
+@click.command()
+@click.argument("file", type=FILE)
+@click.option("--smooth", is_flag=True, help="Smooth the track by Spencer's 15 points first.")
+@click.option("--csv", type=FILE, default=None, metavar="FILE", help="Write the track as a record.")
+@outputs
+def decca(file: Path, csv: Path | None, smooth: bool, **options: Any) -> None:  # noqa: FBT001
+    """Lanes to position to sway velocity (DECCON).
+
+    FILE is a Decca study: the chain, the antenna, and the CSV file of lanes and heading.
+
+    \b
+    Example:  trainer decca run.toml --csv sway.csv --plot track.png
+    """
+    from trainer.identify.decca_study import load_decca, load_readings, sail, write_track  # noqa: PLC0415  # noqa: PLC0415
+    from trainer.identify.pages import decca as page  # noqa: PLC0415
+
+    study = load_decca(file)
+    sailed = sail(study, load_readings(study), smooth=smooth)
+    if csv is not None:
+        write_track(sailed, csv)
+    report = page.report_of(sailed, smooth=smooth)
+    show(report, page.render, lambda: page.panels(sailed), options)
+
+
+model_options = together(
+    click.option(
+        "--model",
+        type=click.Choice(MODELS),
+        default=None,
+        help="1 sway and yaw, 2 sway, 3 yaw, or Nomoto's. [default: the study's]",
+    ),
+    click.option("--vessel", default=None, help=VESSEL_HELP),
+    click.option("--length", type=POSITIVE, default=None, help="Of the ship, metres."),
+    click.option("--at", "knots", type=AHEAD, default=None, help="Speed, knots."),
+    click.option(
+        "--output",
+        "channels",
+        type=click.Choice((*CHANNELS, "bow_sway", "stern_sway")),
+        multiple=True,
+        help="What to fit, may be repeated. [default: all the model has]",
+    ),
+    click.option(
+        "--noise",
+        type=click.Choice(("output-error", "innovations", "covariance")),
+        default=None,
+        help="[default: covariance]",
+    ),
+    click.option(
+        "--method",
+        type=click.Choice(("scoring", "bfgs", "direct")),
+        default=None,
+        help="Minimiser. [default: scoring, by BFGS where it gets no further]",
+    ),
+    click.option("--exact", is_flag=True, help="Add no sensor noise to a recording's exact state."),
+    click.option("--every", type=click.IntRange(1, 1000), default=None, help="Thin the record."),
+    click.option("--from", "begin", type=Number(), default=None, help="First second."),
+    click.option("--to", "end", type=Number(), default=None, help="Last second."),
+)
+
+
+@click.command()
+@click.argument("file", type=FILE, required=False)
+@model_options
+@click.option("--armax", is_flag=True, help="ARMAX models of rising order instead.")
+@click.option("--most", type=click.IntRange(1, 10), default=None, help="Highest ARMAX order.")
+@click.option("--against", type=click.Choice(MODELS), help="Test it against a simpler model.")
+@click.option("--without", multiple=True, metavar="NAME", help="Test it without this parameter.")
+@click.option("--check", type=FILE, default=None, help="Another record to predict, as a test.")
+@click.option("--kappa", type=FILE, default=None, help="A record of large manoeuvres, for kappa.")
+@click.option("--checkpoint", type=FILE, default=None, help="Keep the search in this file.")
+@click.option("--write-nomoto", type=FILE, default=None, help="Write the ship in few numbers.")
+@click.option("--write-vessel", type=FILE, default=None, help="Write the vessel file changed.")
+@click.option("--html", type=FILE, default=None, metavar="FILE", help="Write one HTML page.")
+@click.option("--selftest", is_flag=True, help="Run the acceptance tests of identification.")
+@outputs
+def identify(file: Path | None, selftest: bool, **options: Any) -> None:  # noqa: FBT001
+    """Identify a ship from a record of helm and motion (LISPID).
+
+    FILE is a study (.toml), a recording, or a CSV file as `trainer run --csv` writes it.
+
+    \b
+    Example:  trainer identify study.toml --plot fit.png
+              trainer identify trial.trainer --model 1 --vessel bb2 --write-vessel bb2-found.toml
+              trainer identify trial.csv --armax --most 5
+
+    Exit code 1 when the fit does not settle, or an acceptance test fails.
+    """
+    if selftest:
+        from trainer.verify.cases.selftest import run_selftest  # noqa: PLC0415
+
+        sys.exit(0 if run_selftest(click.echo) else 1)
+    if file is None:
+        raise click.UsageError("identify what? give a study, a recording or a CSV file")
+    from trainer.identify.options import study_of  # noqa: PLC0415
+
+    study = study_of(file, options)
+    if options["armax"]:
+        sys.exit(_armax(study, options))
+    with _announced():
+        code = _model(study, options)
+    sys.exit(code)
+
+
+@contextlib.contextmanager
+def _announced() -> Iterator[None]:
+    """Say that the kernels of a fit are compiled in the block, where they have not been before."""
+    from trainer.boat import compilation  # noqa: PLC0415
+
+    compiled = compilation.mark("fits", "identify/kernels")
+    if not compiled.exists() and not compilation.done_without():
+        click.echo("compiling the kernels of fits, once (up to a minute) ...", err=True)
+    yield
+    with contextlib.suppress(OSError):
+        compiled.touch()
+
+
+def _armax(study: Any, options: dict[str, Any]) -> int:
+    """Fit ARMAX models and show them; return the exit code."""
+    from trainer.identify.pages import armax as page  # noqa: PLC0415
+
+    report, orders = page.carried_out(study)
+    if options["html"]:
+        from trainer.identify.pages.sheet import sheet  # noqa: PLC0415
+
+        text = sheet(report.study, page.render(report), page.panels(report, orders), report)
+        _write(options["html"], text)
+    show(report, page.render, lambda: page.panels(report, orders), options)
+    return 0
+
+
+def _model(study: Any, options: dict[str, Any]) -> int:
+    """Fit a ship model and show it; return the exit code."""
+    from trainer.identify.outcome import nomoto_text, vessel_text  # noqa: PLC0415
+    from trainer.identify.pages import identify as page  # noqa: PLC0415
+    from trainer.identify.pages.sheet import sheet  # noqa: PLC0415
+
+    found = page.carried_out(study, options, _progress)
+    report = found.report
+    if options["write_nomoto"]:
+        _write(options["write_nomoto"], nomoto_text(found.fitted, report.bend))
+    if options["write_vessel"]:
+        _write(options["write_vessel"], vessel_text(found.fitted))
+    if options["html"]:
+        text = sheet(report.study, page.render(report), page.panels(found), report)
+        _write(options["html"], text)
+    show(report, page.render, lambda: page.panels(found), options)
+    return 0 if report.converged else 1
+
+
+def _progress(step: int, cost: float) -> None:
+    """Show how far a fit is, on a terminal."""
+    if sys.stderr.isatty():
+        click.echo(f"\rstep {step}, -log L {cost:.4f}  ", nl=False, err=True)
+
+
+def _write(path: Path, text: str) -> None:
+    """Write a text; ConfigError if it cannot be."""
+    from trainer.config.files import ConfigError  # noqa: PLC0415
+    from trainer.io.atomic_write import write_whole  # noqa: PLC0415
+
+    try:
+        write_whole(path, text)
+    except OSError as error:
+        raise ConfigError(f"{path}: cannot be written: {error.strerror}") from error

@@ -1,0 +1,112 @@
+"""The command line: its commands, its versions, and how it tells what is wrong."""
+
+import os
+import sys
+from typing import Final, NoReturn
+
+import click
+
+from trainer import __version__
+from trainer.cli import (
+    export,
+    guide,
+    identify,
+    listings,
+    programs,
+    recordings,
+    run,
+    sweep,
+    verify,
+    vessel,
+)
+from trainer.cli.types import Commands
+from trainer.config.files import ConfigError
+
+LIBRARIES = ("numpy", "numba", "pyserial", "click", "textual")
+
+
+def versions() -> str:
+    """Return this version and those of the libraries underneath."""
+    from importlib import metadata  # noqa: PLC0415  only here, and it takes its time
+
+    libraries = [f"{name} {metadata.version(name)}" for name in LIBRARIES]
+    return "\n".join([f"trainer {__version__}", f"python {sys.version.split()[0]}", *libraries])
+
+
+def print_versions(ctx: click.Context, _param: click.Parameter, value: bool) -> None:  # noqa: FBT001
+    """Print the versions and leave."""
+    if value and not ctx.resilient_parsing:
+        click.echo(versions())
+        ctx.exit()
+
+
+@click.group(cls=Commands, context_settings={"help_option_names": ["-h", "--help"]})
+@click.option(
+    "--version",
+    is_flag=True,
+    is_eager=True,
+    expose_value=False,
+    callback=print_versions,
+    help="Print the versions and leave.",
+)
+def cli() -> None:
+    """Train the crew of a simulated submarine, in real time.
+
+    \b
+    trainer run                      take a 70 m submarine to sea, now
+    trainer run periscope-depth      an exercise; `trainer exercises` lists them
+    trainer run --headless --duration 1h --speed max --csv out.csv
+    trainer check bb2                what a vessel file is worth, and at which step
+    """
+
+
+SECTIONS: Final = {
+    "Train": (run.run, run.serve, run.attach, run.station),
+    "Exercises": (listings.exercises, listings.exercise, listings.casualties),
+    "Recordings": (recordings.debrief, run.resume, recordings.replay, recordings.export),
+    "A boat": (vessel.check, *guide.GUIDING, vessel.reduce, vessel.gains),
+    "The programs of 1969": programs.PROGRAMS,
+    "Many boats": (sweep.sweep,),
+    "A ship from her recordings": (identify.identify, identify.prbs, identify.decca),
+    "Proofs": (verify.soak, verify.fuzz),
+    "This machine, and others": (
+        verify.bench,
+        vessel.evaluate,
+        listings.instruments,
+        export.export_core,
+    ),
+}
+for title, commands in SECTIONS.items():
+    cli.add_section(title, commands)
+
+
+def keep_standard_streams() -> None:
+    """Put the null device where one is closed, or the next file opened would take its number."""
+    while (descriptor := os.open(os.devnull, os.O_RDWR)) <= 2:
+        pass
+    os.close(descriptor)
+
+
+def fail(code: int, *lines: str) -> NoReturn:
+    """Say why on stderr and leave with that exit code."""
+    from trainer.io.lines import plain  # noqa: PLC0415  not for help
+
+    for line in lines:
+        click.echo(f"trainer: {plain(line)}", err=True)
+    sys.exit(code)
+
+
+def main() -> None:
+    """Run the command line; what the user got wrong is told on stderr, exit code 2."""
+    keep_standard_streams()
+    try:
+        sys.exit(cli(prog_name="trainer", standalone_mode=False))
+    except ConfigError as wrong:
+        fail(2, *str(wrong).splitlines())
+    except click.UsageError as wrong:
+        path = wrong.ctx.command_path if wrong.ctx else "trainer"
+        fail(2, f"{wrong.format_message()} ({path} --help says more)")
+    except click.Abort:
+        fail(130, "interrupted")
+    except OSError as lost:  # the disk behind the output is full; click handles a closed pipe
+        fail(1, str(lost.strerror))

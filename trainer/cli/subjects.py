@@ -1,0 +1,21 @@
+"""Whatever the members of a study are, made ready to be flown."""
+
+from collections.abc import Callable, Mapping
+from typing import Final
+
+from trainer.analysis.sweep.batch import Subject
+from trainer.analysis.sweep.exercises import Exercising
+from trainer.analysis.sweep.manoeuvres import Manoeuvring
+from trainer.analysis.sweep.study import EXERCISE, IDENTIFICATION, MANOEUVRE, Study
+from trainer.identify.monte_carlo import Identifying
+
+SUBJECTS: Final[Mapping[str, Callable[[Study], Subject]]] = {
+    MANOEUVRE: Manoeuvring,
+    EXERCISE: Exercising,
+    IDENTIFICATION: Identifying,
+}
+
+
+def subject_of(study: Study) -> Subject:
+    """Return what every member is; ConfigError if its middle member cannot be."""
+    return SUBJECTS[study.kind](study)

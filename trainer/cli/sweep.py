@@ -1,0 +1,109 @@
+"""The command ``trainer sweep``: a study of many members."""
+
+import sys
+from pathlib import Path
+from typing import Any
+
+import click
+
+from trainer.cli.answers import outputs, show
+from trainer.cli.shared_options import FILE
+
+
+@click.command()
+@click.argument("study")
+@click.option(
+    "--out",
+    type=FILE,
+    default=None,
+    metavar="FILE",
+    help="Parquet file of the result. [default: the study's name, here]",
+)
+@click.option(
+    "--members", type=click.IntRange(1), default=None, help="How many. [default: the study's]"
+)
+@click.option(
+    "--member",
+    type=click.IntRange(0),
+    default=None,
+    metavar="NUMBER",
+    help="Fly this one alone and print it; no file.",
+)
+@click.option(
+    "--jobs", type=click.IntRange(1, 256), default=None, help="Processes. [default: all processors]"
+)
+@click.option(
+    "--scheduler",
+    default=None,
+    metavar="ADDRESS",
+    help="Fly on the workers of this Dask scheduler, such as tcp://10.0.0.1:8786.",
+)
+@click.option("--measure", default=None, metavar="NAME", help="What to plot. [default: the first]")
+@outputs
+def sweep(study: str, member: int | None, **options: Any) -> None:
+    """Fly a study: one boat many times, some of her numbers varied.
+
+    STUDY is the name of a shipped study or the path of a file. The result has a row for each
+    member. What is finished is kept: after an interruption the same command goes on.
+
+    \b
+    Example:  trainer sweep turn-uncertainty --plot turn.svg
+              trainer sweep turn-uncertainty --member 17
+              trainer sweep ./study.toml --scheduler tcp://127.0.0.1:8786
+    """
+    from trainer.analysis.sweep.job import job_of, opened  # noqa: PLC0415
+    from trainer.cli.subjects import subject_of  # noqa: PLC0415
+
+    job = job_of(study, options["members"], subject_of)
+    if member is not None:
+        _show_member(opened(job), job, member, as_json=options["as_json"])
+        return
+    from trainer.analysis.sweep.parquet import check_pyarrow  # noqa: PLC0415
+    from trainer.analysis.sweep.report import (  # noqa: PLC0415
+        panels,
+        render,
+        report_of,
+    )
+
+    check_pyarrow()
+    out = options["out"] or Path(f"{Path(study).stem}.parquet")
+    result = _flown(job, out, options)
+    report = report_of(opened(job), result, str(out))
+    show(report, render, lambda: panels(report, result, options["measure"]), options)
+
+
+def _flown(job: Any, out: Path, options: dict[str, Any]) -> Any:
+    """Return the result, with a progress bar on a terminal."""
+    from trainer.analysis.guide.programme import processors  # noqa: PLC0415
+    from trainer.analysis.sweep.job import opened  # noqa: PLC0415
+    from trainer.analysis.sweep.sweep import carried_out  # noqa: PLC0415
+    from trainer.analysis.sweep.workers import AGAIN, cluster, processes  # noqa: PLC0415
+
+    crew = processes(options["jobs"] or processors())
+    if options["scheduler"] is not None:
+        crew = cluster(options["scheduler"])
+    length = opened(job).members
+    try:
+        with click.progressbar(
+            length=length, label="flying", file=sys.stderr, hidden=not sys.stderr.isatty()
+        ) as bar:
+            return carried_out(job, crew, out, bar.update)
+    except KeyboardInterrupt:
+        click.echo(f"trainer: {AGAIN}", err=True)
+        raise
+
+
+def _show_member(ready: Any, job: Any, member: int, *, as_json: bool) -> None:
+    """Fly one member alone and print it; ConfigError if there is no such."""
+    import json  # noqa: PLC0415
+
+    from trainer.analysis.sweep.report import member_page  # noqa: PLC0415
+    from trainer.config.files import ConfigError, recorded  # noqa: PLC0415
+
+    if member >= ready.members:
+        raise ConfigError(f"--member {member}: members are 0 to {ready.members - 1}")
+    with recorded(dict(job.texts)):
+        batch = ready.subject.batch(member, 1)
+    told = batch.told(0, [output.name for output in ready.subject.outputs])
+    page = member_page(ready.study.heading.name, member, told, ready.subject.outputs)
+    click.echo(json.dumps(told, indent=1) if as_json else page)

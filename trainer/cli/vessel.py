@@ -1,0 +1,171 @@
+"""Commands that examine a vessel file.
+
+The command that finds a boat's compact set.
+"""
+
+import json
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+import click
+
+from trainer.cli.shared_options import FILE, method_options
+
+
+@click.command()
+@click.argument("vessel")
+@method_options
+def evaluate(vessel: str, equations: str, rates: str | None, trig: str) -> None:
+    """Accelerations for states read as JSON lines: the check interface.
+
+    \b
+    Example:  trainer evaluate bb2 --equations full --rates exact < states.jsonl
+
+    Each line of input is an object with u v w p q r phi theta psi delta_r delta_s delta_b u_c
+    (SI, rad), optionally x_g y_g z_g weight and last_udot ... last_rdot; each line of output
+    the twelve rates.
+    """
+    from trainer.analysis.evaluate import evaluate as rates_of  # noqa: PLC0415
+    from trainer.config.vessel import load_vessel  # noqa: PLC0415
+
+    file = load_vessel(vessel)
+    for line in rates_of(file, equations, rates or "exact", trig, sys.stdin or ()):
+        click.echo(line)
+
+
+@click.command()
+@click.argument("vessel")
+@click.option("--json", "as_json", is_flag=True, help="Print the figures as JSON.")
+def check(vessel: str, *, as_json: bool) -> None:
+    """Say what a vessel file lacks, how the boat behaves, and which step is stable.
+
+    \b
+    Example:  trainer check bb2
+
+    Exit code 1 when a step of 0.5 s or 1 s makes a boat unstable that is stable by nature.
+    """
+    import json  # noqa: PLC0415
+    from dataclasses import asdict  # noqa: PLC0415
+
+    from trainer.analysis.check import check as examine  # noqa: PLC0415
+    from trainer.analysis.check_page import render  # noqa: PLC0415
+    from trainer.config.vessel import load_vessel  # noqa: PLC0415
+
+    report = examine(load_vessel(vessel))
+    click.echo(json.dumps(asdict(report), indent=1) if as_json else render(report))
+    sys.exit(0 if report.stable else 1)
+
+
+@click.command()
+@click.argument("vessel")
+def gains(vessel: str) -> None:
+    """Design the autopilot of a boat and print the table for its vessel file.
+
+    \b
+    Example:  trainer gains my-boat.toml >> my-boat.toml
+    """
+    from trainer.analysis.gains import design_text  # noqa: PLC0415
+    from trainer.config.vessel import load_vessel  # noqa: PLC0415
+
+    click.echo(design_text(load_vessel(vessel)))
+
+
+@contextmanager
+def bar(length: int, label: str) -> Iterator[Callable[[int], None]]:
+    """Show a progress bar on a terminal, on stderr; give what moves it on."""
+    hidden = not sys.stderr.isatty()
+    with click.progressbar(length=length, label=label, file=sys.stderr, hidden=hidden) as shown:
+        yield shown.update
+
+
+@click.command()
+@click.argument("vessel")
+@click.option("-o", "--output", type=FILE, default=None, metavar="FILE", help="Write the boat so.")
+@click.option("--write", is_flag=True, help="Write it into the vessel file itself.")
+@click.option("--check", is_flag=True, help="Judge the set that the file has; no search.")
+@click.option("--table", is_flag=True, help="Only the table of sensitivities.")
+@click.option("--json", "as_json", is_flag=True, help="Print the figures as JSON.")
+@click.option(
+    "--cores",
+    type=click.IntRange(1, 256),
+    default=None,
+    help="Processors to use. [default: all]",
+)
+def reduce(vessel: str, **options: Any) -> None:
+    """Find the compact set of a boat: the fewest terms that pass the guide.
+
+    Each coefficient put to zero, then terms dropped one after the other and the factors of the rest
+    fitted, down to where the guide would fail; judged by the guide, by steady turns, and at 10 % by
+    manoeuvres that neither the fit nor the choice has seen.
+
+    \b
+    Example:  trainer reduce bb2 --check
+              trainer reduce ./boat.toml -o boat-compact.toml
+
+    VESSEL is bb2, sdv-mk9, remus100, or the path of a vessel file. With -o or --write an
+    interrupted search goes on where it was. Nothing in it is random. Exit code 1 when the set is
+    out of tolerance.
+    """
+    from trainer.analysis.guide.programme import processors  # noqa: PLC0415
+    from trainer.analysis.reduce import page, verdict  # noqa: PLC0415
+    from trainer.config.files import ConfigError  # noqa: PLC0415
+    from trainer.config.vessel import load_vessel  # noqa: PLC0415
+
+    chosen = [name for name in ("check", "table", "write") if options[name]]
+    chosen += ["output"] if options["output"] else []
+    if len(chosen) > 1:
+        flags = " and ".join(f"--{name}" for name in chosen)
+        raise click.UsageError(f"{flags} exclude one another; give one of them")
+    file = load_vessel(vessel)
+    cores = options["cores"] or processors()
+    if options["check"]:
+        found = _checked(file)
+    else:
+        with bar(verdict.flights(file), "putting to zero") as step:
+            drops = verdict.table(file, cores, lambda: step(1))
+        if options["table"]:
+            lines = page.sensitivity(drops)
+            told = json.dumps([asdict(one) for one in drops], indent=1)
+            click.echo(told if options["as_json"] else "\n".join(lines))
+            return
+        result = file.path if options["write"] else options["output"]
+        if result and not result.parent.is_dir():
+            raise ConfigError(f"{result}: there is no folder {result.parent}")
+        found = _searched(file, cores, result, drops)
+    click.echo(json.dumps(asdict(found), indent=1) if options["as_json"] else page.render(found))
+    sys.exit(0 if found.passed else 1)
+
+
+def _checked(file: Any) -> Any:
+    """Return the reduction that the file has."""
+    from trainer.analysis.reduce import reduction  # noqa: PLC0415
+
+    return reduction.report(file, reduction.as_filed(file), (), ())
+
+
+def _searched(file: Any, cores: int, result: Path | None, drops: Any) -> Any:
+    """Return the reduction that a search finds, written to ``result`` if there is one."""
+    from trainer.analysis.reduce import checkpoint, reduction, write_back  # noqa: PLC0415
+    from trainer.analysis.reduce.objective import terms  # noqa: PLC0415
+    from trainer.config.files import ConfigError  # noqa: PLC0415
+    from trainer.io.atomic_write import write_whole  # noqa: PLC0415
+
+    partial = checkpoint.place(result) if result else None
+    length = reduction.SEARCHES * len(terms(file, "modified"))
+    with bar(length, "dropping terms") as step:
+        found = reduction.search(file, cores, partial, step)
+    report = reduction.report(file, found.factors["modified"], found.needs, drops)
+    if result is None:
+        return report
+    notes = {"kept": len(report.kept), "of": report.hull_terms}
+    tables = write_back.tables(found.factors, found.needs, notes)
+    try:
+        write_whole(result, write_back.rewritten(file.text, tables))
+    except OSError as error:
+        raise ConfigError(f"{result}: cannot be written: {error.strerror}") from None
+    checkpoint.discard(checkpoint.place(result))
+    return report

@@ -1,0 +1,202 @@
+"""What the table [ballast] of a vessel file holds, and whether it fits together.
+
+Units are those of the file. Every boat has the same named places; one that it lacks is left out.
+"""
+
+from dataclasses import dataclass
+from typing import Any, Final
+
+from trainer.config.files import Place
+from trainer.config.schema import (
+    Choice,
+    Quantities,
+    Quantity,
+    Rows,
+    of,
+    read_record,
+    tables_of,
+    within,
+)
+from trainer.core.ballast.tanks import BANKS, BLOWN, COMPARTMENTS, LAYERS, PUMPED
+
+
+@dataclass(frozen=True)
+class Table:
+    """One table inside another, described by a record."""
+
+    record: type[Any]
+    meaning: str
+
+    @property
+    def cells(self) -> tuple[str, str, str]:
+        """Return unit, range and meaning."""
+        return "table", "1", self.meaning
+
+    def read(self, key: str, value: object, place: Place) -> Any:
+        """Return the record; ConfigError with all that is wrong."""
+        return read_record(self.record, value, place.inside(key), ("note",))
+
+
+def _centre() -> Any:
+    """Return a point x, y, z [m] in body axes."""
+    point = Quantity("m", within(-200, 200), "centre of its volume, x y z from the body's origin")
+    return of(Quantities(point, 3, 3))
+
+
+def _volume(meaning: str) -> Any:
+    """Return a volume [m3]."""
+    return of(Quantity("m3", within(1e-7, 1e5), meaning))
+
+
+def _share(meaning: str) -> Any:
+    """Return a filling [-]."""
+    return of(Quantity("-", within(0, 1), meaning))
+
+
+def _area(unit: str, meaning: str) -> Any:
+    """Return an effective area [unit], discharge coefficient included."""
+    return of(Quantity(unit, within(0, 1e6), f"effective area of {meaning}"))
+
+
+@dataclass(frozen=True, kw_only=True)
+class BlownTank:
+    """A tank open to the sea at its foot, emptied by air."""
+
+    name: str = of(Choice(BLOWN, "which"))
+    capacity_m3: float = _volume("what it holds")
+    centre_m: tuple[float, float, float] = _centre()
+    height_m: float = of(Quantity("m", within(1e-3, 50), "flood port to vent"))
+    start_fill: float = _share("filling at which weight and cg of [vessel] hold")
+    flood_port_m2: float = _area("m2", "its flood ports")
+    vent_cm2: float = _area("cm2", "its vent")
+    blow_mm2: float = _area("mm2", "its blow valve")
+    emergency_blow_mm2: float = _area("mm2", "its emergency blow valve")
+
+
+@dataclass(frozen=True, kw_only=True)
+class PumpedTank:
+    """A tank within the hull, vented inboard."""
+
+    name: str = of(Choice(PUMPED, "which"))
+    capacity_m3: float = _volume("what it holds")
+    centre_m: tuple[float, float, float] = _centre()
+    start_fill: float = _share("filling at which weight and cg of [vessel] hold")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Compartment:
+    """A part of the pressure hull that may be flooded."""
+
+    name: str = of(Choice(COMPARTMENTS, "which"))
+    capacity_m3: float = _volume("water that it takes")
+    centre_m: tuple[float, float, float] = _centre()
+
+
+@dataclass(frozen=True, kw_only=True)
+class Bank:
+    """Bottles of compressed air."""
+
+    name: str = of(Choice(BANKS, "which"))
+    volume_m3: float = _volume("of its bottles")
+    pressure_mpa: float = of(Quantity("MPa", within(0, 100), "absolute pressure at the start"))
+
+
+@dataclass(frozen=True, kw_only=True)
+class Air:
+    """The air itself, and what compresses it."""
+
+    temperature_c: float = of(Quantity("degC", within(-5, 40), "of the air throughout"))
+    compressor_kg_s: float = of(Quantity("kg/s", within(0, 100), "charging rate; 0: none"))
+
+
+@dataclass(frozen=True, kw_only=True)
+class Pumps:
+    """Rates of the pumps."""
+
+    trim_kg_s: float = of(Quantity("kg/s", within(0, 1e4), "trim transfer, either way"))
+    drain_kg_s: float = of(Quantity("kg/s", within(0, 1e4), "trim-and-drain, at the surface"))
+    depth_control_kg_s: float = of(Quantity("kg/s", within(0, 1e4), "depth control, likewise"))
+    shutoff_depth_m: float = of(Quantity("m", within(0.1, 12000), "deepest they pump out against"))
+
+
+@dataclass(frozen=True, kw_only=True)
+class Hover:
+    """How the depth-control tank keeps depth by itself."""
+
+    frequency_rad_s: float = of(Quantity("rad/s", within(1e-4, 1), "natural frequency"))
+    depth_rate_m_s: float = of(Quantity("m/s", within(1e-4, 10), "largest depth rate it asks for"))
+
+
+@dataclass(frozen=True, kw_only=True)
+class Sea:
+    """How the hull's buoyancy changes with depth; all of it may be zero."""
+
+    compressibility_kg_m: float = of(Quantity("kg/m", within(0, 1e5), "buoyancy lost with depth"))
+    reference_depth_m: float = of(
+        Quantity("m", within(0, 12000), "where the buoyancy of [vessel] holds")
+    )
+    layer_depth_m: tuple[float, ...] = of(
+        Quantities(Quantity("m", within(0, 12000), "depths of layer_kg_m3, ascending"), 0, LAYERS)
+    )
+    layer_kg_m3: tuple[float, ...] = of(
+        Quantities(Quantity("kg/m3", within(-50, 50), "density less rho of [fluid]"), 0, LAYERS)
+    )
+
+
+@dataclass(frozen=True, kw_only=True)
+class Ballast:
+    """All of a boat's tanks and air."""
+
+    blown: tuple[BlownTank, ...] = of(
+        Rows(BlownTank, ("note",), 0, len(BLOWN), "tanks emptied by air, below")
+    )
+    pumped: tuple[PumpedTank, ...] = of(
+        Rows(PumpedTank, ("note",), 0, len(PUMPED), "tanks with pumps, below")
+    )
+    compartments: tuple[Compartment, ...] = of(
+        Rows(Compartment, ("note",), 0, len(COMPARTMENTS), "what may be flooded, below")
+    )
+    banks: tuple[Bank, ...] = of(Rows(Bank, ("note",), 0, len(BANKS), "air, below"))
+    air: Air = of(Table(Air, "below"))  # noqa: RUF009  (a frozen description)
+    pumps: Pumps = of(Table(Pumps, "below"))  # noqa: RUF009  (a frozen description)
+    hover: Hover = of(Table(Hover, "below"))  # noqa: RUF009  (a frozen description)
+    sea: Sea = of(Table(Sea, "below"))  # noqa: RUF009  (a frozen description)
+
+
+def ballast_problems(ballast: Ballast) -> list[str]:
+    """Return what does not fit among checked tables."""
+    problems = []
+    for key in ("blown", "pumped", "compartments", "banks"):
+        names = [row.name for row in getattr(ballast, key)]
+        problems += [
+            f"{key}: {name} is given twice"
+            for name in dict.fromkeys(names)
+            if names.count(name) > 1
+        ]
+    depths = ballast.sea.layer_depth_m
+    if len(depths) != len(ballast.sea.layer_kg_m3):
+        problems.append(
+            f"sea.layer_kg_m3 = {list(ballast.sea.layer_kg_m3)}: has "
+            f"{len(ballast.sea.layer_kg_m3)} entries, layer_depth_m has {len(depths)}"
+        )
+    if list(depths) != sorted(set(depths)):
+        problems.append(f"sea.layer_depth_m = {list(depths)}: must ascend, none twice")
+    return problems
+
+
+RECORDS: Final = {
+    "ballast": Ballast,
+    "[ballast.blown]": BlownTank,
+    "[ballast.pumped]": PumpedTank,
+    "[ballast.compartments]": Compartment,
+    "[ballast.banks]": Bank,
+    "ballast.air": Air,
+    "ballast.pumps": Pumps,
+    "ballast.hover": Hover,
+    "ballast.sea": Sea,
+}
+
+
+def key_tables() -> str:
+    """Return the Markdown tables of every key, as docs/ballast.md shows them."""
+    return tables_of(RECORDS)

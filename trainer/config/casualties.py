@@ -1,0 +1,328 @@
+"""Tables of casualties: what can break, how badly, how fast; the shipped one and the user's own.
+
+What an entry of a user's table leaves out comes from the shipped entry of the same kind.
+
+What the severity of each kind of casualty is, and within which limits.
+"""
+
+import math
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+from typing import Any, Final
+
+from trainer.config.files import (
+    ConfigError,
+    Place,
+    as_table,
+    collecting,
+    nearest,
+    parse_toml,
+    read_text,
+    shipped,
+)
+from trainer.config.schema import Kind as FieldKind
+from trainer.config.schema import (
+    Limits,
+    Quantity,
+    Text,
+    above,
+    key_rows,
+    of,
+    optional,
+    read_record,
+    within,
+)
+from trainer.core.casualties import CODES, GAUGES, KINDS, SURFACES
+from trainer.core.state import VALVES
+from trainer.units import KNOT
+
+SHARE: Final = above(0, 1)
+SWITCH: Final = within(1, 1)  # there or not, at once
+SIDE: Final = within(-1, 1)
+TIMES: Final = above(0, 10)
+SIGNED_TIMES: Final = within(-10, 10)
+
+
+@dataclass(frozen=True)
+class Measure:
+    """What the severity of a kind is."""
+
+    limits: Limits
+    meaning: str
+    parameter: str = ""  # key of what severity 1 is
+    factor: float = 1.0  # [SI] of the parameter's unit
+
+    @property
+    def sudden(self) -> bool:
+        """Return whether it is there or not, so that it has neither degrees nor ramps."""
+        return self.limits == SWITCH
+
+
+def _measures() -> dict[str, Measure]:
+    """Return the measure of each kind."""
+    stuck = Measure(SWITCH, "none: held as it stood")
+    taken = Measure(SHARE, "share of the rate lost")
+    found = {
+        "propulsion-lost": Measure(SHARE, "share of turns lost"),
+        "propulsion-stuck": stuck,
+        "autopilot-failed": Measure(SWITCH, "none: its commands stay"),
+    }
+    for surface in SURFACES:
+        side = "right" if surface == "rudder" else "rise"
+        found |= {
+            f"{surface}-slow": taken,
+            f"{surface}-follow-up-lost": Measure(SWITCH, "none: on or off"),
+            f"{surface}-free": Measure(SHARE, "share of its rate"),
+            f"{surface}-hard-over": Measure(SIDE, f"of its limit, + {side}"),
+            f"{surface}-stuck": stuck,
+        }
+    units = (("m", 1.0), ("deg", math.radians(1.0)), ("kn", KNOT))
+    for gauge, (unit, factor) in zip(GAUGES, units, strict=True):
+        found |= {
+            f"{gauge}-noisy": Measure(TIMES, f"times noise_{unit}", f"noise_{unit}", factor),
+            f"{gauge}-biased": Measure(SIGNED_TIMES, f"times bias_{unit}", f"bias_{unit}", factor),
+            f"{gauge}-stuck": stuck,
+        }
+    hole = Measure(TIMES, "times hole_m2", "hole_m2")
+    starts = {
+        **dict.fromkeys(("leak-", "flooding-"), hole),
+        **dict.fromkeys(("pump-", "bank-"), taken),
+        "blow-": Measure(SHARE, "share of the opening lost"),
+        "vent-": Measure(SHARE, "share of the opening lost"),
+    }
+    for name in KINDS:
+        for start, measure in starts.items():
+            if name.startswith(start):
+                found[name] = measure
+    for valve in VALVES:
+        found[f"vent-{valve}-open"] = Measure(SHARE, "opening it is stuck at")
+    return found
+
+
+MEASURES: Final[Mapping[str, Measure]] = _measures()
+
+
+def severity_rule(kind: str) -> str:
+    """Return what the severity of a kind must be, in words."""
+    measure = MEASURES[kind]
+    if measure.sudden:
+        return f"{kind} has no degrees: its severity is 1"
+    return f"must be {measure.limits} for {kind} ({measure.meaning})"
+
+
+HEADING: Final[Mapping[str, FieldKind]] = {
+    "schema": Text(20, "form of the file: casualties/1"),
+    "name": Text(200, "name shown"),
+    "note": Text(1000, "for the reader"),
+}
+KNOWN: Final = (*HEADING, "casualty")
+STANDARD: Final = "standard"
+NAME: Final = re.compile(r"[a-z][a-z0-9-]{0,39}")
+
+
+@dataclass(frozen=True)
+class KindWord:
+    """One of the kinds of casualty."""
+
+    @property
+    def cells(self) -> tuple[str, str, str]:
+        """Return unit, range and meaning."""
+        return "word", "a kind below", "what breaks, and how"
+
+    def read(self, key: str, value: object, place: Place) -> str:
+        """Return the kind; ConfigError naming the nearest if there is none of that name."""
+        if not isinstance(value, str) or value not in CODES:
+            guess = nearest(value, KINDS) if isinstance(value, str) else ""
+            raise ConfigError(place.wrong(key, value, f"no such kind of casualty{guess}"))
+        return value
+
+
+@dataclass(frozen=True, kw_only=True)
+class Entry:
+    """One casualty as its table says it, in the table's units."""
+
+    kind: str = of(KindWord())
+    severity: float = of(Quantity("-", within(-10, 10), "unless ordered otherwise"))
+    ramp_s: float = of(Quantity("s", within(0, 3600), "time to come on"))
+    clear_ramp_s: float = of(Quantity("s", within(0, 3600), "time to go when cleared"))
+    description: str = of(Text(75, "for the list"))
+    hole_m2: float | None = optional(Quantity("m2", above(0, 10), "flooding, leak: the hole"))
+    noise_m: float | None = optional(Quantity("m", above(0, 1000), "depth-gauge-noisy: deviation"))
+    noise_deg: float | None = optional(Quantity("deg", above(0, 180), "gyro-noisy"))
+    noise_kn: float | None = optional(Quantity("kn", above(0, 50), "log-noisy"))
+    bias_m: float | None = optional(
+        Quantity("m", within(-1000, 1000), "depth-gauge-biased: reads so much more")
+    )
+    bias_deg: float | None = optional(Quantity("deg", within(-180, 180), "gyro-biased"))
+    bias_kn: float | None = optional(Quantity("kn", within(-50, 50), "log-biased"))
+
+
+PARAMETERS: Final = ("hole_m2", "noise_m", "noise_deg", "noise_kn", "bias_m", "bias_deg", "bias_kn")
+
+
+@dataclass(frozen=True)
+class Casualty:
+    """One casualty that can be ordered by its name."""
+
+    name: str
+    kind: str
+    severity: float  # [-] unless ordered otherwise
+    ramp_s: float
+    clear_ramp_s: float
+    description: str
+    full: float  # [SI] at severity 1, for a hard-over surface a share of its limit
+
+    @property
+    def code(self) -> int:
+        """Return the core's number of its kind."""
+        return CODES[self.kind]
+
+    @property
+    def measure(self) -> Measure:
+        """Return what its severity is."""
+        return MEASURES[self.kind]
+
+
+def load_casualties(*paths: str) -> Mapping[str, Casualty]:
+    """Return the casualties of the shipped table and of the user's files, by name.
+
+    ConfigError if a file is wrong or has a name that is already taken.
+    """
+    shipped_table = shipped("casualties", STANDARD)
+    found = dict(_standard(read_text(shipped_table), shipped_table))
+    for path in map(Path, paths):
+        for name, casualty in parse_casualties(read_text(path), path, found).items():
+            if name in found:
+                place = Place(path.name, f"casualty.{name}")
+                raise ConfigError(place.problem("is already in another table; give it a new name"))
+            found[name] = casualty
+    return found
+
+
+@cache
+def _standard(text: str, path: Path) -> Mapping[str, Casualty]:
+    """Return the casualties of the shipped table; an exercise after the other asks for them."""
+    return parse_casualties(text, path, {})
+
+
+def parse_casualties(
+    text: str, path: Path, standard: Mapping[str, Casualty]
+) -> dict[str, Casualty]:
+    """Return the casualties written in ``text`` from ``path``; ConfigError with all that is wrong.
+
+    ``standard`` has what they may leave out, under the names of the kinds.
+    """
+    place = Place(path.name, "")
+    table = parse_toml(text, path.name)
+    problems: list[str] = []
+    found: dict[str, Casualty] = {}
+    for key, value in table.items():
+        with collecting(problems):
+            if key in HEADING:
+                HEADING[key].read(key, value, place)
+            elif key != "casualty":
+                advice = nearest(key, KNOWN) or "; write [casualty.NAME]"
+                raise ConfigError(place.wrong(key, value, f"no such key{advice}"))
+    with collecting(problems):
+        if "casualty" not in table:
+            raise ConfigError(place.problem("has no table [casualty.NAME]"))
+        within_file = place.inside("casualty")
+        for name, entry in as_table(table["casualty"], within_file).items():
+            with collecting(problems):
+                found[name] = read_casualty(name, entry, within_file.inside(name), standard)
+    if problems:
+        raise ConfigError(*problems)
+    return found
+
+
+def read_casualty(
+    name: str, table: object, place: Place, standard: Mapping[str, Casualty]
+) -> Casualty:
+    """Return one casualty from its table; ConfigError with all that is wrong."""
+    given = as_table(table, place)
+    if not NAME.fullmatch(name) or name == "all":
+        text = "a name is 1 to 40 of a to z, 0 to 9 and -, a letter first, and not all"
+        raise ConfigError(place.problem(text))
+    entry = read_record(Entry, {**_filler(given, standard), **given}, place, ("note",))
+    measure = MEASURES[entry.kind]
+    problems = [
+        place.problem(f"{key} means nothing to {entry.kind}")
+        for key in PARAMETERS
+        if key in given and key != measure.parameter
+    ]
+    full = getattr(entry, measure.parameter) if measure.parameter else 1.0
+    if full is None:
+        problems.append(place.problem(f"lacks {measure.parameter}, which {entry.kind} needs"))
+    if entry.severity not in measure.limits:
+        problems.append(place.wrong("severity", entry.severity, severity_rule(entry.kind)))
+    if measure.sudden and (entry.ramp_s or entry.clear_ramp_s):
+        problems.append(place.problem(f"{entry.kind} comes and goes at once: ramps must be 0"))
+    if problems:
+        raise ConfigError(*problems)
+    return Casualty(
+        name=name,
+        kind=entry.kind,
+        severity=entry.severity,
+        ramp_s=entry.ramp_s,
+        clear_ramp_s=entry.clear_ramp_s,
+        description=entry.description,
+        full=full * measure.factor,
+    )
+
+
+def _filler(given: Mapping[str, Any], standard: Mapping[str, Casualty]) -> dict[str, Any]:
+    """Return what the standard entry of the same kind says, in the table's units."""
+    kind = given.get("kind")
+    usual = standard.get(kind) if isinstance(kind, str) else None
+    if usual is None:
+        return {}
+    keys = ("severity", "ramp_s", "clear_ramp_s", "description")
+    filler: dict[str, Any] = {key: getattr(usual, key) for key in keys}
+    if usual.measure.parameter:
+        filler[usual.measure.parameter] = usual.full / usual.measure.factor
+    return filler
+
+
+def listing(casualties: Mapping[str, Casualty]) -> str:
+    """Return the casualties as a table of at most 79 columns, two lines for each."""
+    lines = [f"{'name':27}{'severity':>9}{'ramp':>8}{'clear':>8}  severity is"]
+    for entry in casualties.values():
+        times = f"{entry.ramp_s:>6g} s{entry.clear_ramp_s:>6g} s"
+        lines.append(f"{entry.name:27}{entry.severity:>9g}{times}  {entry.measure.meaning}")
+        lines.append(f"    {entry.description}")
+    return "\n".join(lines)
+
+
+def as_json(casualties: Mapping[str, Casualty]) -> list[dict[str, Any]]:
+    """Return the casualties as JSON-able tables, ``full`` in SI."""
+    return [
+        {
+            "name": entry.name,
+            "kind": entry.kind,
+            "severity": entry.severity,
+            "severity_is": entry.measure.meaning,
+            "ramp_s": entry.ramp_s,
+            "clear_ramp_s": entry.clear_ramp_s,
+            "full": entry.full,
+            "description": entry.description,
+        }
+        for entry in casualties.values()
+    ]
+
+
+def key_table() -> str:
+    """Return the Markdown table of every key, as docs/casualties.md shows it."""
+    return "\n".join(key_rows(Entry, "casualty.NAME")) + "\n"
+
+
+def kind_table() -> str:
+    """Return the Markdown table of every kind, as docs/casualties.md shows it."""
+    rows = ["| kind | severity | is |", "|---|---|---|"]
+    for kind in KINDS:
+        measure = MEASURES[kind]
+        limits = "1" if measure.sudden else str(measure.limits)
+        rows.append(f"| `{kind}` | {limits} | {measure.meaning} |")
+    return "\n".join(rows) + "\n"

@@ -1,0 +1,163 @@
+"""The 131 coefficients of NSRDC Report 2510, and reading a boat's own from a vessel file."""
+
+from collections.abc import Mapping
+from functools import cache
+from typing import NamedTuple
+
+from trainer.config.files import (
+    ConfigError,
+    Place,
+    as_table,
+    collecting,
+    nearest,
+    parse_toml,
+    read_text,
+    shipped,
+)
+from trainer.config.schema import Quantity, within
+
+AXES = ("X", "Y", "Z", "K", "M", "N")
+COEFFICIENT = Quantity("-", within(-10, 10), "coefficient, prime system, per radian")
+FACTOR = Quantity("-", within(-100, 100), "factor on a coefficient of the compact set")
+# What BB2 proves to need beyond the 60 kept ones; zero elsewhere.
+EXTRA_TERMS = (
+    *("X_vr", "X_qq", "X_rr", "X_rp", "X_wq", "X_vv", "X_ww"),
+    *("Y_pq", "Y_qr", "Y_vq", "Y_wp", "Y_wr", "Y_vw"),
+    *("Z_pp", "Z_rp", "Z_vp"),
+    *("K_pap", "K_qr", "K_pq", "K_r", "K_vq", "K_wp", "K_wr", "K_vw", "K_star"),
+    *("M_pp", "M_qaq", "M_vp"),
+    *("N_rar", "N_avr", "N_qr", "N_wr", "N_wp", "N_vq", "N_vw"),
+)
+EQUATION_SETS = ("modified", "basic")
+
+
+class Term(NamedTuple):
+    """One coefficient: its equation, key, power of L [-], what it multiplies, its 1969 name."""
+
+    equation: str
+    key: str
+    L_power: int
+    multiplies: str
+    mnemonic: str
+    kept: bool  # in the compact set (68-C-0050-1, Table 18)
+
+
+def terms() -> tuple[Term, ...]:
+    """Return the 131 terms in the order of the equations, from the shipped list."""
+    path = shipped("", "terms_2510")
+    return _terms(read_text(path), path.name)
+
+
+@cache
+def _terms(text: str, file: str) -> tuple[Term, ...]:
+    """Return the terms listed in ``text``; ConfigError if it is no such list."""
+    try:
+        return tuple(
+            Term(
+                equation=str(row["equation"]),
+                key=str(row["key"]),
+                L_power=int(row["L_power"]),
+                multiplies=str(row["multiplies"]),
+                mnemonic=str(row["mnemonic"]),
+                kept=bool(row["kept_in_compact"]),
+            )
+            for row in parse_toml(text, file)["term"]
+        )
+    except (KeyError, TypeError, ValueError, OverflowError):
+        raise ConfigError(f"{file}: is not the list of the 131 coefficients") from None
+
+
+def coefficient_terms() -> tuple[Term, ...]:
+    """Return the 122 terms that [coefficients] may give: all but the nine of the thrust rows."""
+    path = shipped("", "terms_2510")
+    return _coefficient_terms(read_text(path), path.name)
+
+
+@cache
+def _coefficient_terms(text: str, file: str) -> tuple[Term, ...]:
+    """Return those of the terms listed in ``text``."""
+    return tuple(term for term in _terms(text, file) if term.key.startswith(f"{term.equation}_"))
+
+
+def read_coefficients(table: object, place: Place) -> dict[str, float]:
+    """Return the coefficients given under [coefficients] or its axes; ConfigError with all faults.
+
+    Those not given are left out.
+    """
+    given, problems = _flattened(as_table(table, place), place)
+    known = [term.key for term in coefficient_terms()]
+    values: dict[str, float] = {}
+    for axis, key, value in given:
+        with collecting(problems):
+            values[key] = _coefficient(key, value, place.inside(axis) if axis else place, known)
+    keys = [key for _, key, _ in given]
+    problems += [place.problem(f"{key} is given twice") for key in values if keys.count(key) > 1]
+    if problems:
+        raise ConfigError(*problems)
+    return values
+
+
+def _coefficient(key: str, value: object, place: Place, known: list[str]) -> float:
+    """Return the value [-] of one coefficient; ConfigError if it, or its axis, is wrong."""
+    if key not in known:
+        raise ConfigError(place.wrong(key, value, f"no such coefficient{nearest(key, known)}"))
+    root, _, axis = place.table.rpartition(".")
+    if root and axis != key[0]:
+        raise ConfigError(place.wrong(key, value, f"belongs under [{root}.{key[0]}]"))
+    return COEFFICIENT.read(key, value, place)
+
+
+def _flattened(
+    table: Mapping[str, object],
+    place: Place,
+) -> tuple[list[tuple[str, str, object]], list[str]]:
+    """Return (axis or '', key, value) of each entry, and what is wrong with the axes."""
+    given: list[tuple[str, str, object]] = []
+    problems = []
+    for name, value in table.items():
+        if name in AXES and isinstance(value, Mapping):
+            given.extend((name, key, item) for key, item in value.items())
+        elif name in AXES or isinstance(value, Mapping):
+            text = f"must be one of the tables {', '.join(AXES)}, or a coefficient"
+            problems.append(place.wrong(name, value, text))
+        else:
+            given.append(("", name, value))
+    return given, problems
+
+
+def read_compensation(
+    table: object,
+    place: Place,
+    extra: tuple[str, ...],
+) -> dict[str, dict[str, float]]:
+    """Return factor [-] by coefficient for each compact equation set; ConfigError with all faults.
+
+    Only coefficients the compact set keeps, or this hull adds (``extra``), can have a factor.
+    """
+    sets = as_table(table, place)
+    problems = [
+        place.wrong(name, value, f"no such equation set{nearest(name, EQUATION_SETS)}")
+        for name, value in sets.items()
+        if name not in EQUATION_SETS
+    ]
+    factors: dict[str, dict[str, float]] = {name: {} for name in EQUATION_SETS}
+    for name in EQUATION_SETS:
+        with collecting(problems):
+            factors[name] = _factors(sets.get(name, {}), place.inside(name), extra)
+    if problems:
+        raise ConfigError(*problems)
+    return factors
+
+
+def _factors(table: object, place: Place, extra: tuple[str, ...]) -> dict[str, float]:
+    """Return factor [-] by coefficient; ConfigError with all that is wrong."""
+    given = as_table(table, place)
+    kept = [term.key for term in coefficient_terms() if term.kept or term.key in extra]
+    problems = [
+        place.wrong(key, value, f"the compact set keeps no such coefficient{nearest(key, kept)}")
+        for key, value in given.items()
+        if key not in kept
+    ]
+    if problems:
+        raise ConfigError(*problems)
+    return {key: FACTOR.read(key, value, place) for key, value in given.items()}

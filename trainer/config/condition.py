@@ -1,0 +1,157 @@
+"""Conditions on the state, such as ``depth > 100`` or ``speed_kn < 4``, read from their text."""
+
+import math
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Final
+
+from trainer.config.files import ConfigError, Place, nearest, shown
+from trainer.core.ballast.tanks import BANKS, BLOWN, COMPARTMENTS, PUMPED
+
+NUMBER: Final = r"[-+]?[\d.]+(?:[eE][-+]?\d+)?"
+FORM: Final = re.compile(rf"\s*([A-Za-z]\w*)\s*(<=|>=|<|>)\s*({NUMBER})\s*(\S*)\s*")
+
+# Units of a quantity [SI], its own first.
+LENGTH: Final = {"m": 1.0, "ft": 0.3048}
+RATE: Final = {"m_s": 1.0}
+SPEED: Final = {"kn": 1852.0 / 3600.0, "m_s": 1.0}
+ANGLE: Final = {"deg": math.radians(1.0)}
+TURN: Final = {"deg_s": math.radians(1.0)}
+MASS: Final = {"t": 1000.0, "kg": 1.0}
+PRESSURE: Final = {"mpa": 1e6, "bar": 1e5}
+TIME: Final = {"s": 1.0, "min": 60.0}
+TURNS: Final = {"rpm": 1.0 / 60.0}
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """What a condition may be about: its place in the state, its units, and what it is."""
+
+    place: str
+    units: Mapping[str, float]
+    meaning: str
+
+
+QUANTITIES: Final[Mapping[str, Quantity]] = {
+    "time": Quantity("tick", TIME, "since the start of the run"),
+    "depth": Quantity("z", LENGTH, "of the boat's origin"),
+    "depth_rate": Quantity("zdot", RATE, "positive going down"),
+    "speed": Quantity("u", SPEED, "ahead through the water"),
+    "pitch": Quantity("theta", ANGLE, "positive bow up"),
+    "heel": Quantity("phi", ANGLE, "positive to starboard"),
+    "turn_rate": Quantity("r", TURN, "positive to starboard"),
+    "rudder": Quantity("delta_r", ANGLE, "positive right"),
+    "stern": Quantity("delta_s", ANGLE, "stern planes, positive rise"),
+    "bow": Quantity("delta_b", ANGLE, "bow planes, positive rise"),
+    "turns": Quantity("u_c", TURNS, "propeller revolutions"),
+    "wave": Quantity("eta_wave", LENGTH, "surface elevation above the boat"),
+    **{
+        f"water_{name}": Quantity(f"water_{name}", MASS, "water in that tank")
+        for name in (*BLOWN, *PUMPED)
+    },
+    **{
+        name.replace("compartment", "flood"): Quantity(
+            name.replace("compartment", "flood"), MASS, "water in that compartment"
+        )
+        for name in COMPARTMENTS
+    },
+    **{
+        f"bank_{name}": Quantity(f"bank_{name}", PRESSURE, "absolute pressure in that air bank")
+        for name in BANKS
+    },
+}
+
+
+@dataclass(frozen=True)
+class Condition:
+    """A comparison of one quantity with a threshold [SI], and where it was written."""
+
+    quantity: str
+    sense: float  # 1 above, -1 below the threshold
+    strict: bool
+    threshold: float
+    text: str
+    place: Place
+
+
+def compile_condition(text: str, place: Place) -> Condition:
+    """Return the condition written in ``text``; ConfigError if it is none, naming the nearest."""
+    found = FORM.fullmatch(text)
+    if found is None:
+        raise ConfigError(
+            place.problem(f"condition {shown(text)}: write it as depth > 100 or speed_kn <= 4.5")
+        )
+    words, comparison, number, unit = found.groups()
+    name, suffix = _split(words, text, place)
+    units = QUANTITIES[name].units
+    if suffix and unit and suffix != unit:
+        raise ConfigError(place.problem(f"condition {shown(text)}: has two units"))
+    given = (suffix or unit or next(iter(units))).lower().replace("/", "_")
+    if given not in units:
+        raise ConfigError(
+            place.problem(
+                f"condition {shown(text)}: {name} is in {' or '.join(units)}, not {shown(given)}"
+            )
+        )
+    return Condition(
+        quantity=name,
+        sense=1.0 if comparison.startswith(">") else -1.0,
+        strict="=" not in comparison,
+        threshold=_number(number, text, place) * units[given],
+        text=text.strip(),
+        place=place,
+    )
+
+
+def named(words: str) -> tuple[str, str] | None:
+    """Return the quantity and the unit in ``speed_kn``, the unit '' if there is none.
+
+    None if there is no such quantity in such a unit.
+    """
+    words = words.lower()
+    if words in QUANTITIES:
+        return words, ""
+    for name, quantity in QUANTITIES.items():
+        for unit in quantity.units:
+            if words == f"{name}_{unit}":
+                return name, unit
+    return None
+
+
+def nearest_quantity(words: str) -> str:
+    """Return '; nearest is ...' for the quantity most like ``words``, or '' if none is."""
+    return nearest(words, [*QUANTITIES, *_with_units()])
+
+
+def _split(words: str, text: str, place: Place) -> tuple[str, str]:
+    """Return the quantity and the unit in ``speed_kn``, which may be a wrong one."""
+    found = named(words)
+    if found is not None:
+        return found
+    words = words.lower()
+    for name in sorted(QUANTITIES, key=len, reverse=True):
+        if words.startswith(f"{name}_") and "_" not in words.removeprefix(f"{name}_"):
+            return name, words.removeprefix(f"{name}_")  # a wrong unit
+    guess = nearest_quantity(words)
+    raise ConfigError(place.problem(f"condition {shown(text)}: no quantity {words!r}{guess}"))
+
+
+def _with_units() -> list[str]:
+    return [f"{name}_{unit}" for name, q in QUANTITIES.items() for unit in q.units]
+
+
+def _number(text: str, whole: str, place: Place) -> float:
+    try:
+        return float(text)
+    except ValueError:
+        raise ConfigError(
+            place.problem(f"condition {shown(whole)}: {shown(text)} is no number")
+        ) from None
+
+
+def quantity_table() -> str:
+    """Return the Markdown table of every quantity, as docs/casualties.md shows it."""
+    rows = ["| quantity | units | is |", "|---|---|---|"]
+    rows += [f"| `{name}` | {', '.join(q.units)} | {q.meaning} |" for name, q in QUANTITIES.items()]
+    return "\n".join(rows) + "\n"

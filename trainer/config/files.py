@@ -1,0 +1,265 @@
+"""Configuration files: finding, reading and parsing them, and the messages when they are wrong.
+
+A message is one line: file, table, key, value, and what is wrong with it.
+
+What is read can be remembered, and read again later when the files have changed or gone: by a key,
+which is ``configs/...`` for a shipped file wherever it lies, and for others the path given.
+"""
+
+import json
+import re
+import tomllib
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import contextmanager
+from contextvars import ContextVar
+from difflib import get_close_matches
+from functools import cache
+from importlib import resources
+from pathlib import Path
+from typing import Any, Final, NamedTuple, NoReturn
+
+SIZE_LIMIT = 1_000_000  # [byte]
+# tomllib takes minutes over one dotted key of a hundred thousand parts.
+LINE_LIMIT = 10_000  # [characters]
+SHOWN_LIMIT = 60  # [characters] of a value in a message
+TOLD_LIMIT = 20  # problems of one file that are told
+SHIPPED: Final = "configs/"  # what the keys of shipped files begin with
+OWN: Final = {  # what one of a kind is called, and an example of the user's own
+    "exercises": ("exercise", "./drill.toml"),
+    "seas": ("sea", "./storm.toml"),
+    "studies": ("study", "./study.toml"),
+    "vessels": ("vessel", "./boat.toml"),
+}
+
+_remembered: ContextVar[dict[str, str] | None] = ContextVar("remembered", default=None)
+_recorded: ContextVar[Mapping[str, str] | None] = ContextVar("recorded", default=None)
+
+
+class ConfigError(ValueError):
+    """The user's file or name is wrong; ``problems`` holds one line each, the text the first."""
+
+    def __init__(self, *problems: str) -> None:
+        more = len(problems) - TOLD_LIMIT
+        rest = [f"... and {more} more"] if more > 0 else []
+        super().__init__("\n".join([*problems[:TOLD_LIMIT], *rest]))
+        self.problems = problems
+
+
+@contextmanager
+def collecting(problems: list[str]) -> Iterator[None]:
+    """Add the problems of a ConfigError raised inside to ``problems`` and go on after the block."""
+    try:
+        yield
+    except ConfigError as error:
+        problems.extend(error.problems)
+
+
+class Place(NamedTuple):
+    """Where a value stands: file name, and table ('' at the top level)."""
+
+    file: str
+    table: str
+
+    def inside(self, name: str) -> "Place":
+        """Return the place of the table ``name`` within this one."""
+        return Place(self.file, f"{self.table}.{name}" if self.table else name)
+
+    def problem(self, text: str) -> str:
+        """Return the one-line message ``text`` about this table."""
+        return f"{self.file}: [{self.table}] {text}" if self.table else f"{self.file}: {text}"
+
+    def wrong(self, key: str, value: object, text: str) -> str:
+        """Return the one-line message ``text`` about ``key = value``."""
+        return self.problem(f"{shown_key(key)} = {shown(value)}: {text}")
+
+
+def as_table(value: object, place: Place) -> Mapping[str, Any]:
+    """Return ``value``; ConfigError if it is no table."""
+    if not isinstance(value, Mapping):
+        raise ConfigError(place.problem(f"must be a table, not {shown(value)}"))
+    return value
+
+
+def shown_key(key: str) -> str:
+    """Return ``key`` as TOML writes it, on one line."""
+    return key if re.fullmatch(r"[\w\[\].-]+", key) else shown(key)
+
+
+def shown(value: object) -> str:
+    """Return ``value`` about as TOML writes it, on one line and not longer than is readable."""
+    try:
+        text = repr(value) if isinstance(value, float) else json.dumps(value, default=str)
+    except ValueError:  # Python refuses to print integers of thousands of digits
+        text = "(too long to show)"
+    return text if len(text) <= SHOWN_LIMIT else text[: SHOWN_LIMIT - 3] + "..."
+
+
+def nearest(name: str, known: Iterable[str]) -> str:
+    """Return '; nearest is ...' for the known name most like ``name``, or '' if none is."""
+    by_fold = {word.casefold(): word for word in known}
+    match = get_close_matches(name.casefold(), by_fold, n=1, cutoff=0.6)
+    return f"; nearest is {by_fold[match[0]]}" if match else ""
+
+
+@contextmanager
+def remembering() -> Iterator[dict[str, str]]:
+    """Yield the texts by their keys, as this thread reads them inside the block."""
+    texts: dict[str, str] = {}
+    before = _remembered.set(texts)
+    try:
+        yield texts
+    finally:
+        _remembered.reset(before)
+
+
+@contextmanager
+def recorded(texts: Mapping[str, str]) -> Iterator[None]:
+    """Let this thread read ``texts`` inside the block, as remembered, and no file on disk."""
+    before = _recorded.set(texts)
+    try:
+        yield
+    finally:
+        _recorded.reset(before)
+
+
+def key_of(path: Path) -> str:
+    """Return the key under which the text of a file is remembered."""
+    folder = _shipped_folder("")
+    if path.is_relative_to(folder):
+        return SHIPPED + path.relative_to(folder).as_posix()
+    key = str(path)
+    return f"./{key}" if key.startswith(SHIPPED) else key  # a file of the user's own
+
+
+def path_of(key: str) -> Path:
+    """Return where the file of that key is on this machine, if it is."""
+    return _shipped_folder("") / key.removeprefix(SHIPPED) if _ships(key) else Path(key)
+
+
+def _ships(key: str) -> bool:
+    return key.startswith(SHIPPED)
+
+
+def shipped_names(kind: str) -> tuple[str, ...]:
+    """Return the names of the shipped files of ``kind``, such as 'vessels', sorted."""
+    texts = _recorded.get()
+    if texts is None:
+        return tuple(sorted(path.stem for path in _shipped_folder(kind).glob("*.toml")))
+    folder = f"{SHIPPED}{kind}/" if kind else SHIPPED
+    names = (key.removeprefix(folder) for key in texts if key.startswith(folder))
+    return tuple(sorted(name.removesuffix(".toml") for name in names if "/" not in name))
+
+
+def shipped(kind: str, name: str) -> Path:
+    """Return the path of a shipped file, '' being the top folder's kind; ConfigError if none is."""
+    names = shipped_names(kind)
+    if name not in names:
+        raise ConfigError(
+            f"no shipped file {name!r} among {kind or 'configs'}{nearest(name, names)}; "
+            f"there are: {', '.join(names)}",
+        )
+    return _shipped_folder(kind) / f"{name}.toml"
+
+
+def is_path(name: str) -> bool:
+    """Return whether a name is that of a file of the user's: with a separator, or .toml."""
+    return name.endswith(".toml") or "/" in name or "\\" in name
+
+
+def path_named(name_or_path: str, kind: str) -> Path:
+    """Return where a file of ``kind`` is, a shipped one by its name; ConfigError if none is."""
+    if is_path(name_or_path):
+        return Path(name_or_path)
+    names = shipped_names(kind)
+    if name_or_path not in names:
+        one, own = OWN[kind]
+        raise ConfigError(
+            f"no {one} {shown(name_or_path)}{nearest(name_or_path, names)}; "
+            f"shipped: {', '.join(names)}; give a file of your own as a path, such as {own}"
+        )
+    return shipped(kind, name_or_path)
+
+
+def beside(path: Path, name: str) -> str:
+    """Return a shipped file's name as it is, and a path as seen from the folder of ``path``."""
+    return str(path.parent / name) if is_path(name) else name
+
+
+@cache
+def _shipped_folder(kind: str) -> Path:
+    """Return the folder inside the installed package, or the one of a source tree."""
+    installed = Path(str(resources.files("trainer").joinpath("configs")))
+    source = Path(__file__).parents[2] / "configs"
+    return (installed if installed.is_dir() else source) / kind
+
+
+def read_text(path: Path) -> str:
+    """Return the text of a file; ConfigError if it is no readable, small UTF-8 text."""
+    key, texts = key_of(path), _recorded.get()
+    if texts is None:
+        text = _text_on_disk(path)
+    else:
+        key = key if key in texts else _shipped_key(path, texts)
+        text = texts[key]
+    remembered = _remembered.get()
+    if remembered is not None:
+        remembered[key] = text
+    return text
+
+
+def _shipped_key(path: Path, texts: Mapping[str, str]) -> str:
+    """Return the key of a shipped file by its path on another machine; ConfigError if none is."""
+    for key in filter(_ships, texts):
+        if path.as_posix().endswith(f"/{key}"):
+            return key
+    raise ConfigError(f"{path}: is not among the files recorded: {', '.join(texts)}")
+
+
+def _text_on_disk(path: Path) -> str:
+    try:
+        with path.open("rb") as file:
+            data = file.read(SIZE_LIMIT + 1)
+    except IsADirectoryError as error:
+        raise ConfigError(f"{path}: is a directory, not a file") from error
+    except FileNotFoundError as error:
+        raise ConfigError(f"{path}: there is no such file") from error
+    except (OSError, ValueError) as error:  # ValueError: a NUL character in the path
+        reason = getattr(error, "strerror", None) or error
+        raise ConfigError(f"{shown(str(path))}: cannot be read: {reason}") from error
+    if len(data) > SIZE_LIMIT:
+        raise ConfigError(f"{path}: is larger than the limit of {SIZE_LIMIT} bytes; not read")
+    try:
+        return data.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        raise ConfigError(f"{path}: is not UTF-8 text (byte {error.start} is wrong)") from error
+
+
+def no_constant(name: str) -> NoReturn:
+    """Refuse NaN and the infinities, which Python's JSON takes; to be its ``parse_constant``."""
+    raise ValueError(f"{name} is no number")
+
+
+def parse_toml(text: str, file: str) -> dict[str, Any]:
+    """Return the tables of a TOML text; ConfigError with file and line if it is none."""
+    for number, line in enumerate(text.split("\n"), start=1):
+        if len(line) > LINE_LIMIT:
+            raise ConfigError(f"{file}: line {number}: is longer than {LINE_LIMIT} characters")
+    try:
+        return tomllib.loads(text)
+    except RecursionError as error:
+        raise ConfigError(f"{file}: is nested too deeply") from error
+    except ValueError as error:
+        raise ConfigError(f"{file}: {_toml_reason(str(error), text)}") from error
+
+
+def _toml_reason(message: str, text: str) -> str:
+    """Return tomllib's complaint with the line first, and duplicates in plain words."""
+    found = re.fullmatch(r"(.*) \(at line (\d+), column \d+\)", message, re.DOTALL)
+    if found is None:
+        return f"is not valid TOML: {message}"
+    # Splitting at "\n" only, as tomllib counts; str.splitlines knows more separators.
+    line = text.split("\n")[int(found[2]) - 1].strip()
+    if found[1].startswith(("Cannot overwrite", "Cannot declare")):
+        given = line if line.startswith("[") else line.split("=")[0].strip()
+        return f"line {found[2]}: {shown_key(given)} is given twice"
+    return f"line {found[2]}: is not valid TOML: {found[1]}"

@@ -1,0 +1,231 @@
+"""Whether the numbers of a vessel file fit together; each function returns texts, none if well.
+
+The limits are wide: they catch feet, pounds and misplaced points, not poor boats.
+"""
+
+import math
+from collections.abc import Mapping
+from itertools import pairwise
+
+from trainer.config.vessel_records import (
+    Autopilot,
+    Fluid,
+    FreeSurface,
+    Hull,
+    Propulsion,
+    Run,
+    ThrustSet,
+)
+
+FEET_PER_METRE = 3.2808
+POUNDS_PER_KILOGRAM = 2.2046
+POUNDS_FORCE_PER_NEWTON = 0.22481
+MASS_PRIME = (0.003, 0.3)  # m' = mass/(rho/2 L^3) [-]; known submarines and AUVs: 0.013 to 0.08
+GYRADIUS_ROLL = (0.01, 0.5)  # sqrt(Ix/mass)/L [-]; known boats: 0.04 to 0.12
+GYRADIUS = (0.1, 0.5)  # of pitch and yaw [-]; known boats: 0.24 to 0.30; 0.5: all mass at the ends
+WEIGHT_SLACK = 0.05
+INERTIA_SLACK = 0.05
+
+
+def hull_problems(hull: Hull, fluid: Fluid) -> list[str]:
+    """Return what is implausible about size, mass and centres in this water."""
+    return [
+        *_mass_problems(hull, fluid),
+        *_inertia_problems(hull),
+        *(
+            f"{name} = {list(point)}: lies further than L = {hull.length:g} m from the origin"
+            for name, point in (("cg", hull.cg), ("cb", hull.cb))
+            if math.hypot(*point) > hull.length
+        ),
+    ]
+
+
+def _mass_problems(hull: Hull, fluid: Fluid) -> list[str]:
+    """Return what is implausible about mass, weight and buoyancy."""
+    problems = []
+    mass_prime = hull.mass / (0.5 * fluid.rho * hull.length**3)
+    low, high = MASS_PRIME
+    if not low <= mass_prime <= high:
+        in_metres = mass_prime * FEET_PER_METRE**3
+        hint = "; are these feet?" if low <= in_metres <= high else ""
+        problems.append(
+            f"length = {hull.length:g} m, mass = {hull.mass:g} kg: mass/(rho/2 L^3) is "
+            f"{mass_prime:.3g}, must be {low:g} to {high:g}{hint}",
+        )
+    ratio = hull.weight / (hull.mass * fluid.g)
+    if abs(ratio - 1) > WEIGHT_SLACK:
+        problems.append(
+            f"weight = {hull.weight:g} N: must be mass times g = {hull.mass * fluid.g:g} N within "
+            f"{WEIGHT_SLACK:.0%}{_weight_hint(ratio, fluid.g)}",
+        )
+    if not 0.5 <= hull.buoyancy / hull.weight <= 2:
+        problems.append(
+            f"buoyancy = {hull.buoyancy:g} N: must be weight = {hull.weight:g} N within a factor 2",
+        )
+    return problems
+
+
+def _weight_hint(ratio: float, g: float) -> str:
+    """Return a question if weight/(mass g) is that of a usual slip of units."""
+    slips = {
+        "is the mass in pounds?": 1 / POUNDS_PER_KILOGRAM,
+        "is the weight in pounds?": POUNDS_FORCE_PER_NEWTON,
+        "is the weight in kilograms?": 1 / g,
+        "is the weight in kilonewtons?": 1e-3,
+        "is the mass in tonnes?": 1e3,
+    }
+    for question, expected in slips.items():
+        if abs(ratio / expected - 1) <= WEIGHT_SLACK:
+            return f"; {question}"
+    return ""
+
+
+def _inertia_problems(hull: Hull) -> list[str]:
+    """Return what no body of this mass and length can have for inertia."""
+    problems = []
+    inertias = {"Ix": hull.Ix, "Iy": hull.Iy, "Iz": hull.Iz}
+    for name, inertia in inertias.items():
+        low, high = GYRADIUS_ROLL if name == "Ix" else GYRADIUS
+        gyradius = math.sqrt(inertia / hull.mass) / hull.length
+        if not low <= gyradius <= high:
+            problems.append(
+                f"{name} = {inertia:g} kg m2: sqrt({name}/mass)/L is {gyradius:.3g}, "
+                f"must be {low:g} to {high:g}",
+            )
+        others = sum(inertias.values()) - inertia
+        if inertia > others * (1 + INERTIA_SLACK):
+            problems.append(
+                f"{name} = {inertia:g} kg m2: must not exceed the sum of the other two, "
+                f"{others:g} kg m2, by more than {INERTIA_SLACK:.0%}",
+            )
+    for pair in ("xy", "yz", "xz"):
+        product: float = getattr(hull, f"I{pair}")
+        limit = math.sqrt(inertias[f"I{pair[0]}"] * inertias[f"I{pair[1]}"])
+        if abs(product) >= limit:
+            problems.append(
+                f"I{pair} = {product:g} kg m2: must be below {limit:.4g} kg m2 either way, "
+                f"the root of I{pair[0]} I{pair[1]}",
+            )
+    return problems
+
+
+def added_mass_problems(
+    coefficients: Mapping[str, float],
+    hull: Hull,
+    fluid: Fluid,
+) -> list[str]:
+    """Return the accelerations whose own virtual mass or inertia is not positive."""
+    mass = hull.mass / (0.5 * fluid.rho * hull.length**3)
+    per_inertia = 1 / (0.5 * fluid.rho * hull.length**5)
+    own = {
+        "X_udot": mass,
+        "Y_vdot": mass,
+        "Z_wdot": mass,
+        "K_pdot": hull.Ix * per_inertia,
+        "M_qdot": hull.Iy * per_inertia,
+        "N_rdot": hull.Iz * per_inertia,
+    }
+    return [
+        f"{key} = {coefficients[key]!r}: must be below the boat's own {limit:.4g}; "
+        "an added mass is negative here"
+        for key, limit in own.items()
+        if coefficients[key] >= limit
+    ]
+
+
+def propulsion_problems(propulsion: Propulsion) -> list[str]:
+    """Return what does not fit among thrust rows, bells and the largest command speed."""
+    starts = [row.eta_min for row in propulsion.sets]
+    problems = [
+        f"sets: eta_min = {eta:g} is given twice"
+        for eta in dict.fromkeys(starts)
+        if starts.count(eta) > 1
+    ]
+    bells = propulsion.bells_kn
+    largest = propulsion.max_ordered_speed_kn
+    problems += [
+        f"bells_kn.{name} = {speed:g} kn: must be within max_ordered_speed_kn = {largest:g} kn"
+        for name, speed in bells.items()
+        if abs(speed) > largest
+    ]
+    for way, sign in (("ahead", 1), ("astern", -1)):
+        rising = [("rest", 0.0)] + [(n, sign * s) for n, s in bells.items() if n.startswith(way)]
+        problems += [
+            f"bells_kn.{name} = {sign * speed:g} kn: must be further {way} than {slower}"
+            for (slower, least), (name, speed) in pairwise(rising)
+            if speed <= least
+        ]
+    return problems
+
+
+def run_problems(run: Run, hull: Hull) -> list[str]:
+    """Return what does not fit about the start of a run."""
+    slowest, fastest = run.speed_range_kn
+    problems = []
+    if slowest >= fastest:
+        problems.append(f"speed_range_kn = {[slowest, fastest]}: must ascend")
+    elif not slowest <= run.start_speed_kn <= fastest:
+        problems.append(
+            f"start_speed_kn = {run.start_speed_kn:g} kn: must be within speed_range_kn, "
+            f"{slowest:g} to {fastest:g} kn",
+        )
+    if hull.max_depth_m is not None and run.start_depth_m > hull.max_depth_m:
+        problems.append(
+            f"start_depth_m = {run.start_depth_m:g} m: must be at most max_depth_m = "
+            f"{hull.max_depth_m:g} m of [vessel]",
+        )
+    return problems
+
+
+def autopilot_problems(autopilot: Autopilot) -> list[str]:
+    """Return which gain lists do not fit the list of speeds."""
+    speeds = autopilot.speed_kn
+    problems = [
+        f"{name} = {list(values)}: has {len(values)} entries, speed_kn has {len(speeds)}"
+        for name, values in vars(autopilot).items()
+        if isinstance(values, tuple) and len(values) != len(speeds)
+    ]
+    if any(slower >= faster for slower, faster in pairwise(speeds)):
+        problems.append(f"speed_kn = {list(speeds)}: must ascend, none twice")
+    return problems
+
+
+def free_surface_problems(table: FreeSurface) -> list[str]:
+    """Return which rows do not fit the depths, or do not end with nothing at the deepest."""
+    depths, speeds = list(table.depth_m), [row.speed_kn for row in table.rows]
+    lists = [
+        (f"rows[{i}]: {name}", list(getattr(row, name)))
+        for i, row in enumerate(table.rows)
+        for name in ("Z_star", "M_star")
+    ]
+    problems = [
+        f"{name} = {values}: has {len(values)} entries, depth_m has {len(depths)}"
+        for name, values in lists
+        if len(values) != len(depths)
+    ]
+    problems += [
+        f"{name} = {values}: must end with 0, the effect ends at the last depth"
+        for name, values in lists
+        if values[-1] != 0.0
+    ]
+    for name, values in (("depth_m", depths), ("rows: speed_kn", speeds)):
+        if any(lower >= higher for lower, higher in pairwise(values)):
+            problems.append(f"{name} = {values}: must ascend, none twice")
+    return problems
+
+
+def thrust_remarks(sets: tuple[ThrustSet, ...]) -> list[str]:
+    """Return what is unusual, not wrong, about thrust rows sorted by falling eta_min."""
+    at_self_propulsion = [row for row in sets if row.eta_min <= 1]
+    remarks = []
+    if at_self_propulsion:
+        row = at_self_propulsion[0]
+        total = row.a + row.b + row.c
+        if abs(total) > 1e-6:
+            remarks.append(
+                f"sets: a + b + c = {total:.3g} in the row of eta = 1, not 0: "
+                "command speed is not the speed reached",
+            )
+    if sets[-1].eta_min > 0:
+        remarks.append(f"sets: no row for eta below {sets[-1].eta_min:g}")
+    return remarks

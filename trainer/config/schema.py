@@ -1,0 +1,302 @@
+"""Records described by their fields: unit, limits and meaning, and reading one from a table.
+
+A record is a frozen, keyword-only dataclass whose fields carry their kind as metadata.
+"""
+
+import math
+import sys
+from collections.abc import Iterable, Mapping
+from dataclasses import MISSING, Field, asdict, dataclass, field, fields, make_dataclass
+from functools import cache
+from typing import Any, Protocol, TypeVar
+
+from trainer.config.files import ConfigError, Place, as_table, collecting, nearest
+
+Record = TypeVar("Record")
+SMALLEST = 1e-12  # of a number that is not 0, in any unit
+DEEPEST = 20  # of tables within tables that nobody reads
+
+
+@dataclass(frozen=True)
+class Limits:
+    """An interval of numbers; the lower end itself is outside when ``open_below``."""
+
+    low: float
+    high: float
+    open_below: bool
+
+    def __contains__(self, value: float) -> bool:
+        return (self.low < value if self.open_below else self.low <= value) and value <= self.high
+
+    def __str__(self) -> str:
+        if not self.open_below:
+            return f"{self.low:g} to {self.high:g}"
+        return f"above {self.low:g}" + (f" to {self.high:g}" if self.high < math.inf else "")
+
+
+def within(low: float, high: float) -> Limits:
+    """Return the interval from ``low`` to ``high``, ends included."""
+    return Limits(low, high, open_below=False)
+
+
+def above(low: float, high: float = math.inf) -> Limits:
+    """Return the interval above ``low``, to ``high`` included."""
+    return Limits(low, high, open_below=True)
+
+
+class Kind(Protocol):
+    """What a field holds: how it is checked, and its cells in the table of keys."""
+
+    @property
+    def cells(self) -> tuple[str, str, str]:
+        """Return unit, range and meaning."""
+
+    def read(self, key: str, value: object, place: Place) -> object:
+        """Return the checked value; ConfigError if it is wrong."""
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """One finite number in a unit, within limits."""
+
+    unit: str
+    limits: Limits
+    meaning: str
+
+    @property
+    def cells(self) -> tuple[str, str, str]:
+        """Return unit, range and meaning."""
+        return self.unit, str(self.limits), self.meaning
+
+    def read(self, key: str, value: object, place: Place) -> float:
+        """Return the number [unit]; ConfigError if it is none or outside the limits."""
+        unit = "" if self.unit == "-" else f" {self.unit}"
+        if isinstance(value, bool) or not isinstance(value, int | float):
+            raise ConfigError(place.wrong(key, value, f"must be a number, {self.limits}{unit}"))
+        number = float(value) if abs(value) <= sys.float_info.max else math.inf
+        if not math.isfinite(number):
+            raise ConfigError(place.wrong(key, value, f"must be finite, {self.limits}{unit}"))
+        if number not in self.limits:
+            raise ConfigError(place.wrong(key, value, f"must be {self.limits}{unit}"))
+        if 0.0 < abs(number) < SMALLEST:
+            least = f"must be 0, or {SMALLEST:g}{unit} or more in size, {self.limits}{unit}"
+            raise ConfigError(place.wrong(key, value, least))
+        return number
+
+
+@dataclass(frozen=True)
+class Quantities:
+    """A list of ``fewest`` to ``most`` numbers of one kind."""
+
+    each: Quantity
+    fewest: int
+    most: int
+
+    @property
+    def cells(self) -> tuple[str, str, str]:
+        """Return unit, range and meaning."""
+        unit, limits, meaning = self.each.cells
+        return unit, f"{self._count} numbers, {limits}", meaning
+
+    @property
+    def _count(self) -> str:
+        return f"{self.fewest}" if self.fewest == self.most else f"{self.fewest} to {self.most}"
+
+    def read(self, key: str, value: object, place: Place) -> tuple[float, ...]:
+        """Return the numbers; ConfigError naming the first that is wrong."""
+        if not isinstance(value, list) or not self.fewest <= len(value) <= self.most:
+            raise ConfigError(place.wrong(key, value, f"must be a list of {self._count} numbers"))
+        return tuple(self.each.read(f"{key}[{i}]", item, place) for i, item in enumerate(value))
+
+
+@dataclass(frozen=True)
+class Text:
+    """One printable line, not empty."""
+
+    longest: int
+    meaning: str
+
+    @property
+    def cells(self) -> tuple[str, str, str]:
+        """Return unit, range and meaning."""
+        return "text", f"1 to {self.longest} characters", self.meaning
+
+    def read(self, key: str, value: object, place: Place) -> str:
+        """Return the line; ConfigError if it is empty, too long or not printable."""
+        if not isinstance(value, str) or not value.isprintable():
+            raise ConfigError(place.wrong(key, value, "must be one line of text"))
+        if not 1 <= len(value) <= self.longest:
+            raise ConfigError(place.wrong(key, value, f"must have 1 to {self.longest} characters"))
+        return value
+
+
+@dataclass(frozen=True)
+class Choice:
+    """One of a few words."""
+
+    words: tuple[str, ...]
+    meaning: str
+
+    @property
+    def cells(self) -> tuple[str, str, str]:
+        """Return unit, range and meaning."""
+        return "word", " or ".join(self.words), self.meaning
+
+    def read(self, key: str, value: object, place: Place) -> str:
+        """Return the word; ConfigError if it is none of them."""
+        if not isinstance(value, str) or value not in self.words:
+            raise ConfigError(place.wrong(key, value, f"must be {' or '.join(self.words)}"))
+        return value
+
+
+@dataclass(frozen=True)
+class Choices:
+    """A list of some of a few words, each at most once."""
+
+    words: tuple[str, ...]
+    meaning: str
+
+    @property
+    def cells(self) -> tuple[str, str, str]:
+        """Return unit, range and meaning."""
+        return "words", "some of " + ", ".join(self.words), self.meaning
+
+    def read(self, key: str, value: object, place: Place) -> tuple[str, ...]:
+        """Return the words; ConfigError if one is unknown or given twice."""
+        if not isinstance(value, list) or any(item not in self.words for item in value):
+            raise ConfigError(place.wrong(key, value, f"must list some of {', '.join(self.words)}"))
+        if len(set(value)) < len(value):
+            raise ConfigError(place.wrong(key, value, "must not name one twice"))
+        return tuple(value)
+
+
+@dataclass(frozen=True)
+class Named:
+    """A table of numbers of one kind under given names, all of them necessary."""
+
+    each: Quantity
+    names: tuple[str, ...]
+
+    @property
+    def cells(self) -> tuple[str, str, str]:
+        """Return unit, range and meaning."""
+        unit, limits, meaning = self.each.cells
+        return unit, limits, f"{meaning}: {', '.join(self.names)}"
+
+    def read(self, key: str, value: object, place: Place) -> dict[str, float]:
+        """Return number by name; ConfigError if a name is unknown or lacking."""
+        record = _named(key, self)
+        return asdict(read_record(record, value, place.inside(key), ()))
+
+
+@cache
+def _named(key: str, kind: Named) -> type[Any]:
+    """Return a record of the numbers of such a table; to make one takes as long as a file."""
+    return make_dataclass(
+        key,
+        [(name, float, field(metadata={"kind": kind.each})) for name in kind.names],
+        frozen=True,
+        kw_only=True,
+    )
+
+
+@dataclass(frozen=True)
+class Rows:
+    """An array of ``fewest`` to ``most`` tables, each one record."""
+
+    record: type[Any]
+    documentary: tuple[str, ...]
+    fewest: int
+    most: int
+    meaning: str
+
+    @property
+    def cells(self) -> tuple[str, str, str]:
+        """Return unit, range and meaning."""
+        return "tables", f"{self.fewest} to {self.most}", self.meaning
+
+    def read(self, key: str, value: object, place: Place) -> tuple[Any, ...]:
+        """Return the records in the order of the file; ConfigError with all that is wrong."""
+        if not isinstance(value, list) or not self.fewest <= len(value) <= self.most:
+            text = f"must be {self.fewest} to {self.most} tables [[{place.inside(key).table}]]"
+            raise ConfigError(place.wrong(key, value, text))
+        return tuple(
+            read_record(self.record, row, place.inside(f"{key}[{i}]"), self.documentary)
+            for i, row in enumerate(value)
+        )
+
+
+def of(kind: Kind) -> Any:
+    """Return a necessary dataclass field holding ``kind``."""
+    return field(metadata={"kind": kind})
+
+
+def optional(kind: Kind) -> Any:
+    """Return a dataclass field holding ``kind``, or None where the file does not say."""
+    return field(default=None, metadata={"kind": kind})
+
+
+def kind_of(item: Field[Any]) -> Kind:
+    """Return what a field made by ``of`` or ``optional`` holds."""
+    kind: Kind = item.metadata["kind"]
+    return kind
+
+
+def infinite(value: object, key: str, place: Place, depth: int = 0) -> list[str]:
+    """Return where a value that nobody reads holds a number that is none: nan or infinite."""
+    if isinstance(value, float) and not math.isfinite(value):
+        return [place.wrong(key, value, "must be finite")]
+    inner: Iterable[tuple[str, object]] = ()
+    if isinstance(value, Mapping):
+        inner = ((f"{key}.{name}", item) for name, item in value.items())
+    elif isinstance(value, list):
+        inner = ((f"{key}[{i}]", item) for i, item in enumerate(value))
+    if inner and depth > DEEPEST:
+        return [place.problem(f"{key}: is nested too deeply")]
+    return [wrong for name, item in inner for wrong in infinite(item, name, place, depth + 1)]
+
+
+def read_record(
+    record: type[Record],
+    table: object,
+    place: Place,
+    documentary: Iterable[str],
+) -> Record:
+    """Return ``table`` as a ``record``, leaving out documentary keys; ConfigError with all faults.
+
+    ``record`` is a dataclass with keyword-only fields, each with a kind.
+    """
+    given = as_table(table, place)
+    items: tuple[Field[Any], ...] = fields(record)  # type: ignore[arg-type]
+    known = [item.name for item in items]
+    problems = [
+        place.wrong(key, value, f"no such key{nearest(key, known)}")
+        for key, value in given.items()
+        if key not in known and key not in documentary
+    ]
+    for key in documentary:
+        problems += infinite(given.get(key), key, place)
+    lacking = [item.name for item in items if item.default is MISSING and item.name not in given]
+    if lacking:
+        problems.append(place.problem(f"lacks {', '.join(lacking)}"))
+    values = {}
+    for item in items:
+        if item.name in given:
+            with collecting(problems):
+                values[item.name] = kind_of(item).read(item.name, given[item.name], place)
+    if problems:
+        raise ConfigError(*problems)
+    return record(**values)
+
+
+def tables_of(records: Mapping[str, type[Any]]) -> str:
+    """Return the Markdown tables that document each key of each record; "" is above all tables."""
+    text = "\n\n".join("\n".join(key_rows(record, name)) for name, record in records.items())
+    return text.replace("### `[]`", "### Above all tables") + "\n"
+
+
+def key_rows(record: type[Any], table: str) -> list[str]:
+    """Return the lines of a Markdown table that document each key of ``record``."""
+    items: tuple[Field[Any], ...] = fields(record)
+    rows = [f"| `{item.name}` | {' | '.join(kind_of(item).cells)} |" for item in items]
+    return [f"### `[{table}]`", "", "| key | unit | range | meaning |", "|---|---|---|---|", *rows]

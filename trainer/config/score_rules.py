@@ -1,0 +1,182 @@
+"""The tables ``[[scores]]`` of an exercise file, read and checked against their measures."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Final
+
+from trainer.config.casualties import Casualty
+from trainer.config.condition import ANGLE, QUANTITIES, Condition, compile_condition, named
+from trainer.config.condition import nearest_quantity as guess
+from trainer.config.files import ConfigError, Place, collecting, nearest
+from trainer.config.measures import COURSE, MEASURES, ORDERED, TIMELESS, WINDOW
+from trainer.config.schema import Choices, Quantity, Rows, Text, above, of, optional, within
+from trainer.io.orders.schedule import LATEST
+from trainer.io.orders.table import BOAT_ORDERS
+
+ENOUGH: Final = within(-1e9, 1e9)
+# orders of the instructor, which answer no casualty
+INSTRUCTING: Final = frozenset({"casualty", "clear", "sea", "hold", "release"})
+ANSWERS: Final = tuple(sorted(BOAT_ORDERS - INSTRUCTING))
+
+
+@dataclass(frozen=True, kw_only=True)
+class Score:
+    """One rule as it stands in the file."""
+
+    name: str = of(Text(60, "what is judged, for the debrief"))
+    measure: str = of(Text(30, "one of the measures of docs/debrief.md"))
+    quantity: str | None = optional(Text(40, "what is measured, its unit after it: depth_m"))
+    target: float | None = optional(
+        Quantity("its own", ENOUGH, "where it should be; else as ordered at each moment")
+    )
+    band: float | None = optional(Quantity("its own", above(0, 1e9), "how far off it may be"))
+    casualty: str | None = optional(Text(40, "what is to be answered"))
+    orders: tuple[str, ...] | None = optional(
+        Choices(ANSWERS, "which orders answer it, by docs/orders.md; else any")
+    )
+    from_s: float | None = optional(Quantity("s", within(0, LATEST), "first moment looked at"))
+    to_s: float | None = optional(Quantity("s", within(0, LATEST), "last moment looked at"))
+    when: str | None = optional(Text(79, "condition: only moments at which it holds"))
+    full: float = of(Quantity("measure's", ENOUGH, "value that earns full marks"))
+    zero: float = of(Quantity("measure's", ENOUGH, "value that earns none; between, in proportion"))
+    weight: float | None = optional(Quantity("-", above(0, 1000), "in the total; else 1"))
+
+
+SCORES: Final = Rows(Score, ("note",), 0, 50, "how the crew is judged, below")
+
+
+@dataclass(frozen=True)
+class Measured:
+    """A quantity in a unit; ``size`` is the unit's [SI]."""
+
+    name: str
+    unit: str
+    size: float
+
+    def __str__(self) -> str:
+        return self.name.replace("_", " ")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Rule:
+    """One rule, its names understood."""
+
+    score: Score
+    measured: Measured | None
+    condition: Condition | None
+    casualty: Casualty | None
+
+    @property
+    def weight(self) -> float:
+        """Return the weight in the total."""
+        return 1.0 if self.score.weight is None else self.score.weight
+
+
+def understood(score: Score, place: Place, known: Mapping[str, Casualty]) -> Rule:
+    """Return the rule of a table; ConfigError with all that is wrong in it."""
+    problems: list[str] = []
+    measured, condition, casualty = None, None, None
+    with collecting(problems):
+        measured = score.quantity and measured_in(score.quantity, place)
+    with collecting(problems):
+        condition = score.when and compile_condition(score.when, place)
+    if score.casualty is not None:
+        casualty = known.get(score.casualty)
+        if casualty is None:
+            told = f"no such casualty{nearest(score.casualty, known)}"
+            problems.append(place.wrong("casualty", score.casualty, told))
+    if score.full == score.zero:
+        problems.append(place.wrong("zero", score.zero, "must not be the value of full"))
+    if score.to_s is not None and score.to_s < (score.from_s or 0.0):
+        problems.append(place.wrong("to_s", score.to_s, "is before from_s"))
+    if problems:
+        raise ConfigError(*problems)
+    return Rule(
+        score=score, measured=measured or None, condition=condition or None, casualty=casualty
+    )
+
+
+def measured_in(text: str, place: Place) -> Measured:
+    """Return the quantity that is named, in its unit or else its own; ConfigError if none is."""
+    if text.lower() in (COURSE, f"{COURSE}_deg"):
+        return Measured(COURSE, "deg", ANGLE["deg"])
+    found = named(text)
+    if found is None:
+        raise ConfigError(place.wrong("quantity", text, f"no such quantity{guess(text)}"))
+    name, unit = found
+    units = QUANTITIES[name].units
+    unit = unit or next(iter(units))
+    return Measured(name, unit.replace("_", "/").replace("mpa", "MPa"), units[unit])
+
+
+# what a rule may say for some measures only
+OPTIONAL: Final = ("quantity", "target", "band", "casualty", "orders", *WINDOW)
+
+
+def read_rules(
+    table: Mapping[str, object], place: Place, known: Mapping[str, Casualty]
+) -> tuple[Rule, ...]:
+    """Return the rules of an exercise file; ConfigError with all that is wrong in them."""
+    problems: list[str] = []
+    rules: list[Rule] = []
+    for i, score in enumerate(SCORES.read("scores", table.get("scores", []), place)):
+        inside = place.inside(f"scores[{i}]")
+        with collecting(problems):
+            rules.append(_read_rule(score, inside, known))
+    names = [rule.score.name for rule in rules]
+    problems += [
+        place.problem(f'two [[scores]] have the name "{name}"')
+        for name in dict.fromkeys(names)
+        if names.count(name) > 1
+    ]
+    if problems:
+        raise ConfigError(*problems)
+    return tuple(rules)
+
+
+def _read_rule(score: Score, place: Place, known: Mapping[str, Casualty]) -> Rule:
+    """Return one rule; ConfigError with all that is wrong in it."""
+    problems: list[str] = []
+    with collecting(problems):
+        rule = understood(score, place, known)
+    if score.measure not in MEASURES:
+        guess = nearest(score.measure, MEASURES) or f"; there are: {', '.join(MEASURES)}"
+        problems.append(place.wrong("measure", score.measure, f"no such measure{guess}"))
+    else:
+        problems += _unfit(score, place)
+    if not problems:
+        problems += _misaimed(rule, place)
+    if problems:
+        raise ConfigError(*problems)
+    return rule
+
+
+def _unfit(score: Score, place: Place) -> list[str]:
+    """Return which keys the measure has no use for, and which it lacks."""
+    measure = MEASURES[score.measure]
+    timed = () if score.measure in TIMELESS else WINDOW
+    taken = (*measure.needs, *measure.may, *timed)
+    given = [key for key in OPTIONAL if getattr(score, key) is not None]
+    found = [
+        place.wrong(key, getattr(score, key), f"{score.measure} has no use for it")
+        for key in given
+        if key not in taken
+    ]
+    lacking = [key for key in measure.needs if key not in given]
+    if lacking:
+        found.append(place.problem(f"{score.measure} lacks {', '.join(lacking)}"))
+    return found
+
+
+def _misaimed(rule: Rule, place: Place) -> list[str]:
+    """Return what is wrong with the quantity, or with the lack of its target."""
+    measure, measured, score = MEASURES[rule.score.measure], rule.measured, rule.score
+    if measured is None:
+        return []
+    if measure.quantities and measured.name not in measure.quantities:
+        told = f"{score.measure} is of {' or '.join(measure.quantities)}"
+        return [place.wrong("quantity", score.quantity, told)]
+    if score.target is None and "target" in measure.may and measured.name not in ORDERED:
+        told = f"nobody orders it as such ({', '.join(ORDERED)} are): give a target"
+        return [place.wrong("quantity", score.quantity, told)]
+    return []

@@ -1,0 +1,211 @@
+"""A sea from its file: name or path to a checked, complete, immutable record.
+
+What a file leaves out comes from the shipped sea-defaults file; nothing is defaulted in code.
+"""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, fields
+from pathlib import Path
+from typing import Final
+
+import numpy as np
+
+from trainer.config.files import (
+    ConfigError,
+    Place,
+    as_table,
+    collecting,
+    nearest,
+    parse_toml,
+    path_named,
+    read_text,
+    shipped,
+    shown,
+)
+from trainer.config.schema import (
+    Choice,
+    Kind,
+    Quantity,
+    Text,
+    key_rows,
+    of,
+    optional,
+    read_record,
+    within,
+)
+from trainer.core.kernel import Numbers
+from trainer.core.sea.wave_filter import PEAK
+from trainer.units import KNOT
+
+HEADING: Final[Mapping[str, Kind]] = {
+    "schema": Choice(("sea/1",), "form of the file"),
+    "name": Text(200, "name shown"),
+    "note": Text(1000, "for the reader"),
+}
+KNOWN: Final = (*HEADING, "sea")
+# Significant height [m] by degree of the sea, the middle of each in WMO code table 3700.
+SEA_STATE_HEIGHT: Final = (0.0, 0.05, 0.3, 0.875, 1.875, 3.25, 5.0, 7.5, 11.5)
+HEIGHT_FACTOR: Final = 4.0 * math.sqrt(8.1e-3 / (4.0 * 0.74))  # [-] Hs g/U^2 of Pierson-Moskowitz
+STEEPEST: Final = 0.1  # [-] Hs over the peak's wavelength; fully developed seas have 0.026
+MEASURES: Final = ("sea_state", "wind_kn", "height_m")
+ON_OFF: Final = ("off", "on")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Sea:
+    """How high, how long, from where, and how it is made. One of the first three keys is given."""
+
+    sea_state: float | None = optional(
+        Quantity("-", within(0, 8), "degree of the sea by WMO code 3700; 0: calm")
+    )
+    wind_kn: float | None = optional(
+        Quantity("kn", within(0.01, 100), "wind that has fully raised the sea")
+    )
+    height_m: float | None = optional(Quantity("m", within(0, 25), "significant height"))
+    period_s: float | None = optional(
+        Quantity("s", within(0.1, 30), "period of the peak; not with pierson-moskowitz")
+    )
+    spectrum: str = of(
+        Choice(("pierson-moskowitz", "bretschneider", "jonswap"), "how energy lies over frequency")
+    )
+    gamma: float = of(Quantity("-", within(1, 10), "how much jonswap's peak is raised"))
+    direction_deg: float = of(Quantity("deg", within(0, 360), "true, where the waves come from"))
+    generator: str = of(
+        Choice(("filter", "cosines"), "filtered noise, or a sum of cosines from five directions")
+    )
+    suction: str = of(Choice(ON_OFF, "second-order upward force"))
+    taper: str = of(Choice(ON_OFF, "no waves below five hull diameters"))
+    ramp_s: float = of(Quantity("s", within(0, 3600), "time in which a change comes about"))
+
+
+KEYS: Final = tuple(item.name for item in fields(Sea))
+
+
+@dataclass(frozen=True, kw_only=True)
+class SeaFile:
+    """Everything a sea file says, in its own units."""
+
+    path: Path
+    text: str
+    name: str
+    sea: Sea
+
+
+def load_sea(name_or_path: str) -> SeaFile:
+    """Return the shipped sea of that name or the one in that file; ConfigError if it is wrong.
+
+    Whatever has a path separator or ends in .toml is a path.
+    """
+    path = path_named(name_or_path, "seas")
+    return parse_sea(read_text(path), path)
+
+
+def parse_sea(text: str, path: Path) -> SeaFile:
+    """Return the sea written in ``text``, which came from ``path``; ConfigError if it is wrong."""
+    place = Place(path.name, "")
+    table = parse_toml(text, path.name)
+    problems: list[str] = []
+    for key, value in table.items():
+        with collecting(problems):
+            if key in HEADING:
+                HEADING[key].read(key, value, place)
+            elif key != "sea":
+                text = "belongs under [sea]" if key in KEYS else f"no such key{nearest(key, KNOWN)}"
+                raise ConfigError(place.wrong(key, value, text))
+    with collecting(problems):
+        if "sea" not in table:
+            raise ConfigError(place.problem("lacks the table [sea]"))
+        sea = read_sea(table["sea"], place.inside("sea"))
+    if problems:
+        raise ConfigError(*problems)
+    return SeaFile(path=path, text=text, name=table.get("name", path.stem), sea=sea)
+
+
+def read_sea(table: object, place: Place) -> Sea:
+    """Return the sea of one table, such as an exercise's; ConfigError with all that is wrong."""
+    defaults = shipped("", "sea-defaults")
+    filler = as_table(
+        parse_toml(read_text(defaults), defaults.name).get("sea"), Place(defaults.name, "sea")
+    )
+    sea = read_record(Sea, {**filler, **as_table(table, place)}, place, ("note",))
+    problems = _problems(sea)
+    if problems:
+        raise ConfigError(*(place.problem(text) for text in problems))
+    return sea
+
+
+def _problems(sea: Sea) -> list[str]:
+    """Return what does not fit together."""
+    given = [name for name in MEASURES if getattr(sea, name) is not None]
+    if len(given) != 1:
+        have = f"has {', '.join(given)}" if given else "has none of them"
+        return [f"{have}: give one of {', '.join(MEASURES)}"]
+    problems = []
+    if sea.sea_state is not None and sea.sea_state != math.floor(sea.sea_state):
+        problems.append(f"sea_state = {sea.sea_state:g}: must be a whole number; or give height_m")
+    standard = sea.spectrum == "pierson-moskowitz"
+    if standard and sea.period_s is not None:
+        problems.append(
+            f"period_s = {sea.period_s:g}: pierson-moskowitz has its own; "
+            'leave it out or set spectrum = "bretschneider"'
+        )
+    if not standard and sea.period_s is None:
+        problems.append(f"lacks period_s, which spectrum = {shown(sea.spectrum)} needs")
+    if sea.spectrum == "jonswap" and sea.generator == "filter":
+        problems.append(
+            'generator = "filter": makes no jonswap spectrum; set generator = "cosines"'
+        )
+    if sea.period_s is not None and not problems:
+        problems += _steep(significant_height(sea, 9.81), sea.period_s)
+    return problems
+
+
+def _steep(height: float, period: float) -> list[str]:
+    """Return a problem if waves of this height [m] and peak period [s] would break."""
+    shortest = math.sqrt(2.0 * math.pi * height / (9.81 * STEEPEST))
+    if period >= shortest:
+        return []
+    return [
+        f"period_s = {period:g}: waves of {height:g} m break; must be at least {shortest:.1f} s"
+    ]
+
+
+def significant_height(sea: Sea, g: float) -> float:
+    """Return the significant height [m] with gravity ``g`` [m/s2]."""
+    if sea.sea_state is not None:
+        return SEA_STATE_HEIGHT[int(sea.sea_state)]
+    if sea.wind_kn is not None:
+        return HEIGHT_FACTOR * (sea.wind_kn * KNOT) ** 2 / g
+    return float(sea.height_m or 0.0)
+
+
+def peak_frequency(sea: Sea, g: float) -> float:
+    """Return the frequency of the peak [rad/s], of a calm that of the lowest swell of a knot."""
+    if sea.period_s is not None:
+        return 2.0 * math.pi / sea.period_s
+    height = significant_height(sea, g)
+    wind = math.sqrt(g * height / HEIGHT_FACTOR) if height > 0.0 else KNOT
+    return PEAK * g / wind
+
+
+def sea_settings(file: SeaFile, g: float) -> Numbers:
+    """Return the sea [SI] by SEA_QUANTITIES, and the taper: what ``order_sea`` takes."""
+    sea = file.sea
+    towards = math.radians((sea.direction_deg + 180.0) % 360.0)
+    return np.array(
+        [
+            significant_height(sea, g),
+            peak_frequency(sea, g),
+            sea.gamma if sea.spectrum == "jonswap" else 1.0,
+            towards,
+            float(sea.generator == "cosines"),
+            float(sea.suction == "on"),
+            float(sea.taper == "on"),
+        ]
+    )
+
+
+def key_table() -> str:
+    """Return the Markdown table of every key, as docs/seas.md shows it."""
+    return "\n".join(key_rows(Sea, "sea")) + "\n"

@@ -1,0 +1,298 @@
+"""A boat from its file: name or path to a checked, complete, immutable record.
+
+What a file leaves out comes from the shipped defaults file; nothing is defaulted in code.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+from trainer.config import plausibility
+from trainer.config.ballast_records import Ballast, ballast_problems
+from trainer.config.coefficients import (
+    EXTRA_TERMS,
+    coefficient_terms,
+    read_coefficients,
+    read_compensation,
+)
+from trainer.config.files import (
+    ConfigError,
+    Place,
+    collecting,
+    nearest,
+    parse_toml,
+    path_named,
+    read_text,
+    shipped,
+    shown_key,
+)
+from trainer.config.schema import Choice, Kind, Text, infinite, read_record
+from trainer.config.vessel_records import (
+    Autopilot,
+    Compact,
+    Fluid,
+    FreeSurface,
+    Hull,
+    Propulsion,
+    Run,
+    Surfaces,
+)
+
+SCHEMA = Choice(("gertler-hagen-2510/1",), "form of the coefficients")
+HEADING: Mapping[str, Kind] = {
+    "name": Text(200, "name shown"),
+    "kind": Text(200, "submarine, auv, ..."),
+    "scale": Text(200, "full, or that of a model"),
+}
+# Keys and tables that tell where numbers come from; the program reads none of them.
+DOCUMENTARY_TABLES = (
+    "source",
+    "nondimensional",
+    "calibration",
+    "derived",
+    "reduction",
+    "terms",
+    "validity",
+    "errata",
+    "extra",
+    "equivalent_2510_nonlinear",
+    "notes",
+)
+DOCUMENTARY_KEYS: Mapping[str, tuple[str, ...]] = {
+    "vessel": (
+        "displaced_volume",
+        "m_prime",
+        "Ix_prime",
+        "Iy_prime",
+        "Iz_prime",
+        "body_height",
+        "body_width",
+        "note",
+    ),
+    "propulsion": (
+        "model",
+        "propeller",
+        "propeller_diameter",
+        "KT",
+        "KQ",
+        "thrust_deduction_deep",
+        "wake_fraction",
+        "rps_limit",
+        "Cd0",
+        "Ct",
+        "eta_constant",
+        "max_rpm",
+        "thrust_N_at_1500rpm",
+        "torque_Nm_at_1500rpm",
+        "axial_drag_dim",
+        "note",
+    ),
+    "control_surfaces": (
+        "x_plane_mix",
+        "stern_plane_position",
+        "sail_plane_position",
+        "stern_plane_area_each",
+        "sail_plane_span_total",
+        "stall_effective_deg",
+        "ballast",
+        "trim",
+        "note",
+    ),
+    "run": ("note",),
+    "autopilot": ("note",),
+    "ballast": ("note",),
+    "free_surface": ("note",),
+}
+RECORDS: Mapping[str, type[Any]] = {
+    "fluid": Fluid,
+    "vessel": Hull,
+    "propulsion": Propulsion,
+    "control_surfaces": Surfaces,
+    "compact": Compact,
+    "run": Run,
+    "autopilot": Autopilot,
+    "ballast": Ballast,
+    "free_surface": FreeSurface,
+}
+OPTIONAL_TABLES = ("autopilot", "ballast", "free_surface")
+WHOLE_TABLES = ("compensation.modified", "compensation.basic")  # never filled key by key
+KNOWN = (
+    "schema",
+    *HEADING,
+    *RECORDS,
+    "coefficients",
+    "compensation",
+    *DOCUMENTARY_TABLES,
+)
+
+
+@dataclass(frozen=True, kw_only=True)
+class VesselFile:
+    """Everything a vessel file says, in its own units, and what it left to the defaults."""
+
+    path: Path
+    text: str
+    name: str
+    kind: str
+    fluid: Fluid
+    hull: Hull
+    propulsion: Propulsion
+    surfaces: Surfaces
+    coefficients: Mapping[str, float]  # [-] all 122, prime system, zero where absent
+    absent: tuple[str, ...]  # coefficients the file does not give
+    compensation: Mapping[str, Mapping[str, float]]  # [-] by equation set, by coefficient
+    compact: Compact
+    run: Run
+    autopilot: Autopilot | None
+    ballast: Ballast | None
+    free_surface: FreeSurface | None
+    defaulted: tuple[str, ...]  # tables, or table.key, taken from the defaults file
+    remarks: tuple[str, ...]  # unusual, not wrong
+
+
+def load_vessel(name_or_path: str) -> VesselFile:
+    """Return the shipped vessel of that name or the one in that file; ConfigError if it is wrong.
+
+    Whatever has a path separator or ends in .toml is a path.
+    """
+    path = path_named(name_or_path, "vessels")
+    return parse_vessel(read_text(path), path)
+
+
+def parse_vessel(text: str, path: Path) -> VesselFile:
+    """Return the vessel written in ``text``, which came from ``path``; ConfigError if it is wrong.
+
+    All wrong values are told at once; misfits among them once each value by itself is right.
+    """
+    return read_vessel(parse_toml(text, path.name), text, path)
+
+
+def with_defaults(table: Mapping[str, Any]) -> tuple[dict[str, Any], list[str]]:
+    """Return the tables of a vessel with what they lack, and the names of that."""
+    defaults = shipped("", "defaults")
+    return _filled(table, _defaults(read_text(defaults), defaults.name), "")
+
+
+@cache
+def _defaults(text: str, file: str) -> Mapping[str, Any]:
+    """Return the tables of the defaults file, which nobody changes."""
+    return parse_toml(text, file)
+
+
+def read_vessel(given: Mapping[str, Any], text: str, path: Path) -> VesselFile:
+    """Return the vessel of parsed tables, which came from ``text``; ConfigError as above."""
+    place = Place(path.name, "")
+    table, defaulted = with_defaults(given)
+    parts = _read_parts(table, place)
+    absent = tuple(
+        term.key for term in coefficient_terms() if term.key not in parts["coefficients"]
+    )
+    parts["coefficients"] = dict.fromkeys(absent, 0.0) | parts["coefficients"]
+    problems = _fit_problems(parts, place)
+    if problems:
+        raise ConfigError(*problems)
+    rows = sorted(parts["propulsion"].sets, key=lambda row: -row.eta_min)
+    parts["propulsion"] = replace(parts["propulsion"], sets=tuple(rows))
+    remarks = plausibility.thrust_remarks(parts["propulsion"].sets)
+    return VesselFile(
+        path=path,
+        text=text,
+        name=table.get("name", path.stem),
+        kind=str(table.get("kind", "")),
+        fluid=parts["fluid"],
+        hull=parts["vessel"],
+        propulsion=parts["propulsion"],
+        surfaces=parts["control_surfaces"],
+        coefficients={term.key: parts["coefficients"][term.key] for term in coefficient_terms()},
+        absent=absent,
+        compensation=parts["compensation"],
+        compact=parts["compact"],
+        run=parts["run"],
+        autopilot=parts.get("autopilot"),
+        ballast=parts.get("ballast"),
+        free_surface=parts.get("free_surface"),
+        defaulted=tuple(defaulted),
+        remarks=tuple(place.inside("propulsion").problem(remark) for remark in remarks),
+    )
+
+
+def _filled(
+    given: Mapping[str, Any],
+    defaults: Mapping[str, Any],
+    inside: str,
+) -> tuple[dict[str, Any], list[str]]:
+    """Return ``given`` with what it lacks from ``defaults``, and the names of that."""
+    table = dict(given)
+    names = []
+    for key, default in defaults.items():
+        if key not in given:
+            table[key] = default
+            names.append(inside + key)
+        elif inside + key in WHOLE_TABLES:
+            continue
+        elif isinstance(default, Mapping) and isinstance(given[key], Mapping):
+            table[key], deeper = _filled(given[key], default, f"{inside}{key}.")
+            names += deeper
+    return table, names
+
+
+def _read_parts(table: Mapping[str, Any], place: Place) -> dict[str, Any]:
+    """Return the checked tables by name; ConfigError with all that is wrong in any of them."""
+    problems = _heading_problems(table, place)
+    parts: dict[str, Any] = {}
+    for name, record in RECORDS.items():
+        if name in table or name not in OPTIONAL_TABLES:
+            with collecting(problems):
+                known = DOCUMENTARY_KEYS.get(name, ())
+                parts[name] = read_record(record, table.get(name, {}), place.inside(name), known)
+    with collecting(problems):
+        if "coefficients" not in table:
+            raise ConfigError(place.problem("lacks the table [coefficients]"))
+        here = place.inside("coefficients")
+        parts["coefficients"] = read_coefficients(table["coefficients"], here)
+    with collecting(problems):
+        extra = parts["compact"].extra_terms if "compact" in parts else EXTRA_TERMS
+        here = place.inside("compensation")
+        parts["compensation"] = read_compensation(table.get("compensation", {}), here, extra)
+    if problems:
+        raise ConfigError(*problems)
+    return parts
+
+
+def _heading_problems(table: Mapping[str, Any], place: Place) -> list[str]:
+    """Return what is wrong at the top level; ConfigError at once if the file is of another form."""
+    if "schema" in table:
+        SCHEMA.read("schema", table["schema"], place)
+    problems: list[str] = []
+    for key, value in table.items():
+        if key in HEADING:
+            with collecting(problems):
+                HEADING[key].read(key, value, place)
+        elif key in DOCUMENTARY_TABLES:
+            problems += infinite(value, key, place)
+        elif key not in KNOWN and isinstance(value, Mapping):
+            text = f"[{shown_key(key)}]: no such table{nearest(key, KNOWN)}"
+            problems.append(place.problem(text))
+        elif key not in KNOWN:
+            problems.append(place.wrong(key, value, f"no such key{nearest(key, KNOWN)}"))
+    return problems
+
+
+def _fit_problems(parts: Mapping[str, Any], place: Place) -> list[str]:
+    """Return what does not fit together among checked tables, with file and table."""
+    fluid, hull = parts["fluid"], parts["vessel"]
+    found = {
+        "vessel": plausibility.hull_problems(hull, fluid),
+        "coefficients": plausibility.added_mass_problems(parts["coefficients"], hull, fluid),
+        "propulsion": plausibility.propulsion_problems(parts["propulsion"]),
+        "run": plausibility.run_problems(parts["run"], hull),
+    }
+    if "autopilot" in parts:
+        found["autopilot"] = plausibility.autopilot_problems(parts["autopilot"])
+    if "ballast" in parts:
+        found["ballast"] = ballast_problems(parts["ballast"])
+    if "free_surface" in parts:
+        found["free_surface"] = plausibility.free_surface_problems(parts["free_surface"])
+    return [place.inside(name).problem(text) for name, texts in found.items() for text in texts]

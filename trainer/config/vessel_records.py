@@ -1,0 +1,228 @@
+"""What a vessel file holds: one record per table, each key with its unit, limits and meaning.
+
+Units are those of the file. The coefficients are in trainer.config.coefficients.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from trainer.config.coefficients import EXTRA_TERMS
+from trainer.config.schema import (
+    Choice,
+    Choices,
+    Named,
+    Quantities,
+    Quantity,
+    Rows,
+    of,
+    optional,
+    tables_of,
+    within,
+)
+
+BELLS = (
+    "ahead_one_third",
+    "ahead_two_thirds",
+    "ahead_standard",
+    "ahead_full",
+    "ahead_flank",
+    "astern_one_third",
+    "astern_two_thirds",
+    "astern_full",
+)
+MOST_SPEEDS = 12  # entries of a gain table
+MOST_DEPTHS, MOST_ROWS = 8, 6  # of the tables of the calm surface
+
+
+def _gain(unit: str, meaning: str) -> Quantities:
+    """Return a list of gains [unit], one for each entry of speed_kn."""
+    return Quantities(Quantity(unit, within(-1e4, 1e4), meaning), 2, MOST_SPEEDS)
+
+
+def _positive(unit: str, meaning: str) -> Quantities:
+    """Return a list of limits [unit] above zero, one for each entry of speed_kn."""
+    return Quantities(Quantity(unit, within(1e-6, 1e4), meaning), 2, MOST_SPEEDS)
+
+
+def _centre(meaning: str) -> Quantities:
+    """Return a point x, y, z [m] in body axes."""
+    return Quantities(Quantity("m", within(-200, 200), meaning), 3, 3)
+
+
+def _size(meaning: str) -> Quantity:
+    """Return a dimension [m] of the hull."""
+    return Quantity("m", within(0.01, 500), meaning)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Fluid:
+    """The water, and gravity."""
+
+    rho: float = of(Quantity("kg/m3", within(900, 1100), "water density"))
+    g: float = of(Quantity("m/s2", within(9.7, 9.9), "gravity"))
+
+
+@dataclass(frozen=True, kw_only=True)
+class Hull:
+    """Size, mass and centres; x forward, y starboard, z down from the body's origin."""
+
+    length: float = of(Quantity("m", within(0.3, 400), "reference length L of the coefficients"))
+    mass: float = of(Quantity("kg", within(1e-3, 1e9), "mass, with water in free-flooding spaces"))
+    weight: float = of(Quantity("N", within(1e-2, 1e10), "weight"))
+    buoyancy: float = of(Quantity("N", within(1e-2, 1e10), "buoyancy"))
+    cg: tuple[float, float, float] = of(_centre("centre of gravity"))
+    cb: tuple[float, float, float] = of(_centre("centre of buoyancy"))
+    Ix: float = of(Quantity("kg m2", within(1e-9, 1e13), "moment of inertia in roll"))
+    Iy: float = of(Quantity("kg m2", within(1e-9, 1e13), "moment of inertia in pitch"))
+    Iz: float = of(Quantity("kg m2", within(1e-9, 1e13), "moment of inertia in yaw"))
+    Ixy: float = of(Quantity("kg m2", within(-1e12, 1e12), "integral of x y dm"))
+    Iyz: float = of(Quantity("kg m2", within(-1e12, 1e12), "integral of y z dm"))
+    Ixz: float = of(Quantity("kg m2", within(-1e12, 1e12), "integral of x z dm"))
+    max_depth_m: float | None = optional(Quantity("m", within(0.1, 12000), "deepest allowed depth"))
+    beam: float | None = optional(_size("greatest breadth"))
+    diameter: float | None = optional(_size("diameter of a round hull"))
+    height_to_deck: float | None = optional(_size("keel to deck"))
+    height_to_sail_top: float | None = optional(_size("keel to top of sail"))
+    cg_below_sail_top: float | None = optional(_size("top of sail to centre of gravity"))
+    cg_from_nose: float | None = optional(_size("nose to centre of gravity"))
+    sail_from_nose: float | None = optional(_size("nose to middle of sail"))
+
+
+@dataclass(frozen=True, kw_only=True)
+class ThrustSet:
+    """One row of thrust minus drag: rho/2 L^2 (a u^2 + b u uc + c uc^2)."""
+
+    eta_min: float = of(Quantity("-", within(-100, 100), "used from eta = uc/u of this"))
+    a: float = of(Quantity("-", within(-10, 10), "factor of u^2"))
+    b: float = of(Quantity("-", within(-10, 10), "factor of u uc"))
+    c: float = of(Quantity("-", within(-10, 10), "factor of uc^2"))
+
+
+@dataclass(frozen=True, kw_only=True)
+class Propulsion:
+    """Thrust, the engine's answer to an order, and the bells; uc is command speed."""
+
+    sets: tuple[ThrustSet, ...] = of(
+        Rows(ThrustSet, ("status",), 1, 3, "thrust rows, below; sorted by falling eta_min"),
+    )
+    rps_per_mps: float = of(Quantity("1/m", within(1e-3, 1000), "turns a second per m/s of uc"))
+    dead_time_s: float = of(Quantity("s", within(0, 600), "order to first change of uc"))
+    time_constant_s: float = of(Quantity("s", within(0, 600), "of uc's approach to the order"))
+    max_ordered_speed_kn: float = of(Quantity("kn", within(0.01, 60), "largest command speed"))
+    bells_kn: Mapping[str, float] = of(
+        Named(Quantity("kn", within(-60, 60), "command speed of each bell"), BELLS),
+    )
+
+
+@dataclass(frozen=True, kw_only=True)
+class Surfaces:
+    """Rudder and planes."""
+
+    rudder_limit_deg: float = of(Quantity("deg", within(0.1, 90), "rudder either way"))
+    stern_plane_limit_deg: float = of(Quantity("deg", within(0.1, 90), "stern planes either way"))
+    bow_plane_limit_deg: float = of(Quantity("deg", within(0, 90), "bow planes; 0: has none"))
+    rate_deg_s: float = of(Quantity("deg/s", within(0.01, 1000), "fastest movement of each"))
+    time_constant_s: float = of(Quantity("s", within(0, 60), "lag of each; 0: none"))
+    tail: str = of(Choice(("x", "cruciform"), "x: rudder and stern planes share one limit"))
+
+
+@dataclass(frozen=True, kw_only=True)
+class Compact:
+    """What this hull's compact set keeps beyond the 60 terms of the report."""
+
+    extra_terms: tuple[str, ...] = of(Choices(EXTRA_TERMS, "terms kept besides"))
+
+
+@dataclass(frozen=True, kw_only=True)
+class Run:
+    """How a run starts unless the command says otherwise."""
+
+    step_s: float = of(Quantity("s", within(0.001, 2), "time step"))
+    start_speed_kn: float = of(Quantity("kn", within(0.01, 60), "speed at the start"))
+    start_depth_m: float = of(Quantity("m", within(0, 12000), "depth at the start"))
+    speed_range_kn: tuple[float, float] = of(
+        Quantities(
+            Quantity("kn", within(0.01, 60), "slowest and fastest speed to be controlled"), 2, 2
+        ),
+    )
+    periscope_depth_m: float | None = optional(
+        Quantity("m", within(0.05, 100), "depth kept by `periscope depth`; may be left out")
+    )
+
+
+@dataclass(frozen=True, kw_only=True)
+class Autopilot:
+    """Gains as lists over speed, and what does not depend on it; angles in rad unless named."""
+
+    speed_kn: tuple[float, ...] = of(
+        Quantities(Quantity("kn", within(0, 60), "speeds of the lists, ascending"), 2, MOST_SPEEDS),
+    )
+    stern_depth: tuple[float, ...] = of(_gain("rad/m", "stern planes per depth error"))
+    stern_depth_rate: tuple[float, ...] = of(_gain("rad s/m", "... per depth rate"))
+    stern_pitch: tuple[float, ...] = of(_gain("-", "... per pitch"))
+    stern_pitch_rate: tuple[float, ...] = of(_gain("s", "... per pitch rate"))
+    stern_integral: tuple[float, ...] = of(_gain("rad/(m s)", "... per integral of depth error"))
+    stern_relief: tuple[float, ...] = of(_gain("1/s", "... per integral of the bow planes' angle"))
+    bow_depth: tuple[float, ...] = of(_gain("rad/m", "bow planes per depth error"))
+    bow_depth_rate: tuple[float, ...] = of(_gain("rad s/m", "... per depth rate"))
+    bow_pitch: tuple[float, ...] = of(_gain("-", "... per pitch"))
+    bow_pitch_rate: tuple[float, ...] = of(_gain("s", "... per pitch rate"))
+    bow_integral: tuple[float, ...] = of(_gain("rad/(m s)", "... per integral of depth error"))
+    bow_relief: tuple[float, ...] = of(_gain("1/s", "... per integral of their own angle"))
+    rudder_course: tuple[float, ...] = of(_gain("-", "rudder per course error"))
+    rudder_yaw_rate: tuple[float, ...] = of(_gain("s", "... per yaw rate"))
+    rudder_sway: tuple[float, ...] = of(_gain("rad s/m", "... per sway speed"))
+    rudder_integral: tuple[float, ...] = of(_gain("1/s", "... per integral of course error"))
+    depth_rate_m_s: tuple[float, ...] = of(_positive("m/s", "depth rate allowed"))
+    depth_acceleration_m_s2: tuple[float, ...] = of(_positive("m/s2", "its change allowed"))
+    course_rate_deg_s: tuple[float, ...] = of(_positive("deg/s", "course rate allowed"))
+    course_acceleration_deg_s2: tuple[float, ...] = of(_positive("deg/s2", "its change allowed"))
+    speed_integral: float = of(
+        Quantity("1/s", within(0, 10), "surge rate at the slowest of these speeds; learns trim")
+    )
+    turning_rate_deg_s: float = of(Quantity("deg/s", within(1e-3, 90), "a turn from this rate on"))
+
+
+def _differences(meaning: str) -> Quantities:
+    """Return a list of differences [-] of a coefficient, one for each entry of depth_m."""
+    return Quantities(Quantity("-", within(-1, 1), meaning), 2, MOST_DEPTHS)
+
+
+@dataclass(frozen=True, kw_only=True)
+class SurfaceRow:
+    """What the calm surface adds to two coefficients at one speed."""
+
+    speed_kn: float = of(Quantity("kn", within(0, 60), "speed of the row, ascending"))
+    Z_star: tuple[float, ...] = of(_differences("Z_star less that in deep water, by depth_m"))
+    M_star: tuple[float, ...] = of(_differences("M_star less that in deep water, by depth_m"))
+
+
+@dataclass(frozen=True, kw_only=True)
+class FreeSurface:
+    """The calm surface's effect as tables of depth and speed, bilinear between."""
+
+    depth_m: tuple[float, ...] = of(
+        Quantities(
+            Quantity("m", within(0, 12000), "depths of the origin, ascending; none below the last"),
+            2,
+            MOST_DEPTHS,
+        ),
+    )
+    rows: tuple[SurfaceRow, ...] = of(Rows(SurfaceRow, ("note",), 2, MOST_ROWS, "rows, below"))
+
+
+def key_tables() -> str:
+    """Return the Markdown tables of every key, as docs/vessel-files.md shows them."""
+    records = {
+        "fluid": Fluid,
+        "vessel": Hull,
+        "propulsion": Propulsion,
+        "[propulsion.sets]": ThrustSet,
+        "control_surfaces": Surfaces,
+        "compact": Compact,
+        "run": Run,
+        "autopilot": Autopilot,
+        "free_surface": FreeSurface,
+        "[free_surface.rows]": SurfaceRow,
+    }
+    return tables_of(records)

@@ -1,0 +1,306 @@
+"""The screen of one role: drawings in rows, a line for orders, keys, and dialogs above them.
+
+Surfaces moved by keys: each press adds to what has been ordered, seen or not yet seen.
+"""
+
+import re
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import partial
+from typing import ClassVar, Final
+
+from textual import events
+from textual.app import App, ComposeResult
+from textual.binding import BindingType
+from textual.containers import Horizontal, Vertical
+from textual.css.query import NoMatches
+from textual.screen import Screen
+from textual.widgets import Input
+
+from trainer.console.choice import Done, casualty_choice, sea_choice
+from trainer.console.dialogs import Dialog, Subject, emergency, leaving
+from trainer.console.drawing.chart import strip
+from trainer.console.drawing.event_log import log, time_line
+from trainer.console.drawing.panels import foot, top
+from trainer.console.entry import Entry, Names, hint
+from trainer.console.guide import Guide
+from trainer.console.keys import (
+    Act,
+    Again,
+    Give,
+    Hasten,
+    Leave,
+    Move,
+    Open,
+    Scroll,
+    Toggle,
+    Widen,
+    Write,
+    by_name,
+    footer,
+)
+from trainer.console.layouts import POSTS, Place
+from trainer.console.model import Sight
+from trainer.console.pane import Lines, Pane, fit, line
+from trainer.console.timeline import Moments
+
+FORGET: Final = 1.5  # [s] after which what the boat shows counts again
+CHANNEL: Final = {"rudder": "steering", "stern": "diving", "bow": "diving"}
+WORDS: Final = {
+    "rudder": ("rudder left", "rudder right"),
+    "stern": ("stern planes dive", "stern planes rise"),
+    "bow": ("bow planes dive", "bow planes rise"),
+}
+
+
+@dataclass
+class Levers:
+    """What was last asked of each surface [deg], and when."""
+
+    asked: dict[str, tuple[float, float]] = field(default_factory=dict)
+    refused: int = 0
+
+    def move(self, surface: str, by: int, sight: Sight) -> str:
+        """Return the order that moves a surface ``by`` degrees, "" where the boat has none."""
+        shown = sight.picture.number(CHANNEL[surface], f"ordered_{surface}")
+        if shown is None:
+            return ""
+        if sight.refused != self.refused:  # beyond its limit, most likely
+            self.refused = sight.refused
+            self.asked.clear()
+        angle, when = self.asked.get(surface, (shown, float("-inf")))
+        now = sight.clock()
+        wanted = round(angle if now - when < FORGET else shown) + by
+        self.asked[surface] = wanted, now
+        return f"{WORDS[surface][wanted > 0]} {abs(wanted)}"
+
+
+RATE: Final = 10.0  # [Hz] of looking
+SOON: Final = 0.004  # [s] between looks for the first figures
+FUNCTION: Final = re.compile(r"f\d+|ctrl\+c")  # keys that are no part of an order
+SPANS: Final = (60.0, 120.0, 300.0, 600.0, 1200.0)  # [s] of the charts
+PACES: Final = (0.1, 0.2, 0.5, 1.0, 2.0, 4.0, 8.0, 16.0, 32.0, 64.0, 100.0)  # of time
+PROMPTS: Final = {"instructor": "type an order, such as depth 80; F1 helps"}
+PROMPT: Final = "keys move your controls; Enter to type an order"
+DIALOGS: Final[Mapping[str, Callable[[Sight], Subject]]] = {
+    "help": Guide,
+    "casualties": casualty_choice,
+    "sea": sea_choice,
+    "moments": lambda sight: Moments(sight, replays=False),
+    "emergency": lambda _sight: emergency(),
+}
+
+
+class Console(App[str], inherit_bindings=False):
+    """One station's screen; it ends with "" or with what is to be told on the terminal."""
+
+    CSS_PATH = "console.tcss"
+    TITLE = "trainer"
+    ENABLE_COMMAND_PALETTE = False
+    AUTO_FOCUS = ""  # a station's keys are its controls
+    HORIZONTAL_BREAKPOINTS = [  # noqa: RUF012  as the library has it
+        (0, "-tiny"),
+        (60, "-narrow"),
+        (126, "-wide"),
+    ]
+    VERTICAL_BREAKPOINTS = [  # noqa: RUF012
+        (0, "-flat"),
+        (20, "-low"),
+        (36, "-tall"),
+    ]
+    # not those of the library: Ctrl-Q is what wakes a terminal that Ctrl-S has stopped
+    BINDINGS: ClassVar[list[BindingType]] = []
+
+    def __init__(self, sight: Sight, *, own: bool = False) -> None:
+        """Show ``sight``; a session that is the console's ``own`` ends with it."""
+        super().__init__()
+        self.sight = sight
+        self.own = own
+        self.span = 1  # of SPANS
+        self._post = POSTS[sight.role]
+        self._keys = by_name(sight.role)
+        self._levers = Levers()
+        self._names = Names(sight)
+        self._seen: tuple[object, ...] = ()
+
+    def get_default_screen(self) -> Screen[None]:
+        """Return a screen that is styled for the role from the beginning."""
+        return Screen(id="_default", classes=self.sight.role)
+
+    def compose(self) -> ComposeResult:
+        """Lay the drawings out; the style sheet says which are shown at which size."""
+        yield Pane(partial(top, self.sight), "top", moving=True)
+        yield Horizontal(*map(self._pane, self._post.upper), id="upper")
+        if self._post.lower:
+            yield Horizontal(*map(self._pane, self._post.lower), id="lower")
+        yield Horizontal(*self._charts(range(3)), id="first", classes="charts")
+        if len(self._post.charts) > 3:
+            yield Horizontal(*self._charts(range(3, 6)), id="second", classes="charts")
+        with Horizontal(id="record"):
+            yield Pane(partial(log, self.sight), "log")
+            if self._post.aside:
+                yield Vertical(*map(self._pane, self._post.aside), id="aside")
+        yield Pane(self._line, "line", moving=True)
+        yield Entry(self._names, self._quick(), PROMPTS.get(self.sight.role, PROMPT))
+        yield Pane(lambda width, _: foot(footer(self.sight.role), width), "foot")
+
+    def on_mount(self) -> None:
+        """Begin to look; end in good order when asked to from outside."""
+        self.sight.hear()  # what has come by now is in the first drawing
+        self._expecting = self.set_interval(SOON, self._expect)
+        self.set_interval(1.0 / RATE, self._look)
+        if self.sight.instructs:
+            self.query_one(Entry).focus()
+        else:
+            self.set_focus(None)
+
+    def on_key(self, event: events.Key) -> None:
+        """Do what a key does, unless a dialog has it or an order is being typed.
+
+        An instructor's line is always open: before it is, what was typed ahead is not obeyed.
+        """
+        if len(self.screen_stack) > 1:
+            return
+        if (self.focused is not None) is not self.sight.instructs:
+            if event.key == "escape":
+                self.set_focus(None)
+            if not FUNCTION.fullmatch(event.key):
+                return
+        key = self._keys.get(event.key)
+        if key is not None:
+            event.stop()
+            event.prevent_default()
+            self.act(key.act)
+
+    def on_input_submitted(self, message: Input.Submitted) -> None:
+        """Send what has been typed."""
+        words = message.value.strip()
+        entry = self.query_one(Entry)
+        entry.keep(words)
+        if not self.sight.instructs:
+            self.set_focus(None)
+        if words in ("detach", "bye"):
+            self.exit("")
+        elif words:
+            self.sight.order(words)
+            self._look()
+
+    def act(self, act: Act) -> None:
+        """Carry out what a key does."""
+        words = self._ordered(act)
+        if words:
+            self.sight.order(words)
+        match act:
+            case Again() if not words:
+                self._open(Moments(self.sight, replays=True))
+            case Open(dialog):
+                self._open(DIALOGS[dialog](self.sight))
+            case Write(text):
+                self.query_one(Entry).begin(text)
+            case Widen(steps):
+                self.span = min(max(self.span + steps, 0), len(SPANS) - 1)
+            case Scroll(lines):
+                self.sight.journal.look_back(lines)
+            case Leave():
+                self._leave()
+        self._look()
+
+    def _ordered(self, act: Act) -> str:
+        """Return the order that a key gives by itself, "" for none."""
+        picture = self.sight.picture
+        match act:
+            case Give(words):
+                return words
+            case Toggle():
+                return "run" if picture.frozen else "freeze"
+            case Hasten(steps):
+                return f"time {nearest(PACES, picture.pace, steps):g}"
+            case Move(surface, by):
+                return self._levers.move(surface, by, self.sight)
+            case Again() if picture.word("time", "replay") == "yes":
+                return "take over"
+        return ""
+
+    # looking
+
+    def _expect(self) -> None:
+        """Show the first figures as soon as they come."""
+        self.sight.hear()
+        if self.sight.picture.changes:
+            self._expecting.stop()
+            self._look()
+
+    def _look(self) -> None:
+        """Take what has come, and have drawn anew what has changed."""
+        sight = self.sight
+        sight.hear()
+        if not self.screen_stack:  # it is being closed
+            return
+        if sight.barred or (sight.over and sight.ended):
+            self.exit(sight.barred)
+            return
+        seen = (sight.picture.changes, sight.journal.changes, sight.joined, sight.over, self.span)
+        changed, self._seen = seen != self._seen, seen
+        for pane in self.screen.query(Pane):
+            if changed or pane.moving:
+                pane.look()
+        if len(self.screen_stack) > 1 and changed:
+            for pane in self.screen_stack[0].query(Pane):
+                pane.look()
+
+    def _pane(self, place: Place) -> Pane:
+        return Pane(partial(place.draw, self.sight), place.name, moving=place.moving)
+
+    def _charts(self, places: Sequence[int]) -> list[Pane]:
+        """Return the panes of charts, those that the role has."""
+        return [
+            Pane(partial(self._chart, place), f"chart{place}")
+            for place in places
+            if place < len(self._post.charts)
+        ]
+
+    def _chart(self, place: int, width: int, height: int) -> Lines:
+        return strip(place, self.sight, SPANS[self.span], width, height)
+
+    def _line(self, width: int, height: int) -> Lines:
+        """Return what may be typed next, or the line of time."""
+        try:
+            typed = self.screen_stack[0].query_one(Entry).value
+        except NoMatches:
+            return []
+        if typed:
+            return [fit(line((f"   {hint(typed, self._names)}", "dim")), width)]
+        return time_line(self.sight, width, height)
+
+    def _quick(self) -> frozenset[str]:
+        """Return the keys that are no letters while nothing has been typed."""
+        if not self.sight.instructs:
+            return frozenset()
+        return frozenset(name for name in self._keys if len(name) > 1)
+
+    # dialogs
+
+    def _open(self, subject: Subject) -> None:
+        self.push_screen(Dialog(subject), self._finish)
+
+    def _finish(self, done: Done | None) -> None:
+        """Send what a dialog has ended with."""
+        if done is None:
+            return
+        for words in done.orders:
+            self.sight.order(words)
+        if done.leave:
+            self.exit("")
+
+    def _leave(self) -> None:
+        """Leave; the instructor is asked whether the run ends too."""
+        if self.sight.instructs and self.sight.joined and not self.sight.over:
+            self._open(leaving(own=self.own))
+        else:
+            self.exit("")
+
+
+def nearest(steps: Sequence[float], value: float, by: int) -> float:
+    """Return the step ``by`` places beside the one that is nearest to a value."""
+    place = min(range(len(steps)), key=lambda i: abs(steps[i] - value))
+    return steps[min(max(place + by, 0), len(steps) - 1)]

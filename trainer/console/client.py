@@ -1,0 +1,184 @@
+"""The line to a session, kept open: dialled again when it is lost, role and wishes said again.
+
+A thread of its own does it. What comes is kept, at most so much of it, until the screen takes it:
+a screen that is held up loses the oldest and holds up nobody.
+"""
+
+import itertools
+import threading
+from collections import deque
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Final
+
+from trainer.io.client import dial
+from trainer.io.line import Line
+from trainer.io.lines import Overlong
+from trainer.io.orders import sentences
+from trainer.io.orders.grammar import LONGEST
+from trainer.io.orders.sentences import Sentence
+from trainer.io.serial_line import LinkError
+
+FIRST: Final = 0.25  # [s] until a lost line is dialled again, twice as long each time after
+LONGEST_WAIT: Final = 4.0  # [s]
+KEPT: Final = 2000  # of what has come and nobody has taken
+AT_A_TIME: Final = 200  # [lines]
+ROLE: Final = "1"  # tags of what the client says of itself
+WISH: Final = "2"
+LONGEST_ORDER: Final = LONGEST - len(sentences.order_sentence("", "999999"))  # [characters]
+
+
+@dataclass(frozen=True)
+class Joined:
+    """The session has taken the role."""
+
+
+@dataclass(frozen=True)
+class Lost:
+    """There is no line now; it is dialled again."""
+
+    why: str
+
+
+@dataclass(frozen=True)
+class Barred:
+    """The session does not take the role, and will not."""
+
+    why: str
+
+
+@dataclass(frozen=True)
+class Greeting:
+    """A line that the session sends to whoever comes."""
+
+    text: str
+
+
+class NeverBegunError(Exception):
+    """There is no session and there will be none."""
+
+
+Item = Joined | Lost | Barred | Greeting | Sentence
+Reach = Callable[[str, threading.Event], Line]
+
+
+class Client:
+    """One station's line to its session."""
+
+    def __init__(
+        self,
+        url: Callable[[], str],
+        role: str,
+        wishes: Mapping[str, str],
+        *,
+        reach: Reach = dial,
+    ) -> None:
+        """Keep a line to ``url()``; ``role`` is said with its token, ``wishes`` are channels.
+
+        A wish is a channel and how often it is wanted, such as ``at 10 hz``. ``url`` may wait for
+        the session, and raise NeverBegunError.
+        """
+        self._url = url
+        self._role = role
+        self._wishes = wishes
+        self._reach = reach
+        self._items: deque[Item] = deque(maxlen=KEPT)
+        self._wake = threading.Event()
+        self._closing = threading.Event()
+        self._first: Line | None = None
+        self._line: Line | None = None
+        self._tags = itertools.cycle(range(10, 1_000_000))
+        self._thread = threading.Thread(target=self._run, name="client", daemon=True)
+
+    def dial(self) -> None:
+        """Have the first line; LinkError if nobody answers."""
+        self._first = self._reach(self._url(), self._wake)
+
+    def start(self) -> None:
+        """Keep a line in a thread, beginning with that of ``dial`` if there is one."""
+        self._thread.start()
+
+    def take(self) -> list[Item]:
+        """Return what has come since the last call."""
+        taken = []
+        while self._items:
+            taken.append(self._items.popleft())
+        return taken
+
+    def order(self, words: str) -> str:
+        """Send an order; return the tag of its answer, "" when there is no line."""
+        open_line = self._line
+        if open_line is None:
+            return ""
+        tag = str(next(self._tags))
+        open_line.send(sentences.order_sentence(words, tag))
+        return tag
+
+    def close(self, patience: float) -> None:
+        """Leave the session, waiting at most ``patience`` [s]."""
+        self._closing.set()
+        self._wake.set()
+        self._thread.join(patience)
+
+    def _run(self) -> None:
+        wait = FIRST
+        while not self._closing.is_set():
+            try:
+                open_line = self._first or self._reach(self._url(), self._wake)
+                self._first = None
+            except NeverBegunError as error:
+                self._items.append(Barred(str(error)))
+                return
+            except LinkError as error:
+                self._items.append(Lost(str(error)))
+            else:
+                taken = self._attend(open_line)
+                wait = FIRST if taken else wait
+            self._closing.wait(wait)
+            wait = min(2.0 * wait, LONGEST_WAIT)
+
+    def _attend(self, open_line: Line) -> bool:
+        """Listen on a line to its end; return whether the session took the role."""
+        open_line.send(sentences.order_sentence(f"role {self._role}", ROLE))
+        taken = False
+        while not (open_line.ended or self._closing.is_set()):
+            self._wake.wait()
+            self._wake.clear()
+            while lines := open_line.take(AT_A_TIME):
+                for said in lines:
+                    taken = self._hear(open_line, said) or taken
+        self._line = None
+        if not self._closing.is_set():
+            self._items.append(Lost(open_line.trouble or "the session has closed the line"))
+        else:
+            open_line.send(sentences.order_sentence("detach"))
+        open_line.close(FIRST)
+        return taken
+
+    def _hear(self, open_line: Line, said: str | Overlong) -> bool:
+        """Take one line; return whether it says that the role is taken."""
+        if isinstance(said, Overlong):
+            return False
+        sentence = sentences.read(said)
+        if sentence is None:
+            if not said.startswith("$"):
+                self._items.append(Greeting(said))
+            return False
+        if sentence.tag != ROLE:
+            self._items.append(sentence)
+            return False
+        return self._enter(open_line, sentence)
+
+    def _enter(self, open_line: Line, answer: Sentence) -> bool:
+        """Hear whether the role is taken; say what is wanted if it is."""
+        kind, text = answer.fields
+        if kind == "no":
+            self._closing.set()
+            self._items.append(Barred(text))
+        if kind != "ok":
+            return False
+        for channel, often in self._wishes.items():
+            open_line.send(sentences.order_sentence(f"subscribe {channel} {often}".rstrip(), WISH))
+        self._line = open_line
+        self._items.append(Joined())
+        return True

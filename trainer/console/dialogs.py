@@ -1,0 +1,95 @@
+"""A dialog over the console: drawn, and ended by a key.
+
+Questions before what cannot be undone.
+"""
+
+from dataclasses import dataclass
+from typing import ClassVar, Final, Protocol
+
+from textual import events
+from textual.app import ComposeResult
+from textual.binding import BindingType
+from textual.screen import ModalScreen
+
+from trainer.console.choice import NOTHING, Done
+from trainer.console.pane import Lines, Pane, fit, line
+
+
+class Subject(Protocol):
+    """What a dialog is about, and the columns and rows it wants at most."""
+
+    size: tuple[int, int]
+
+    def press(self, key: str, character: str | None) -> Done | None:
+        """Take a key; return how the dialog ends, None while it goes on."""
+        ...
+
+    def draw(self, width: int, height: int) -> Lines:
+        """Return it as lines."""
+        ...
+
+
+FRAME: Final = 2  # [rows]
+
+
+class Dialog(ModalScreen[Done]):
+    """One subject, until a key ends it."""
+
+    BINDINGS: ClassVar[list[BindingType]] = []
+
+    def __init__(self, subject: Subject) -> None:
+        super().__init__()
+        self._subject = subject
+
+    def compose(self) -> ComposeResult:
+        """Show the subject."""
+        pane = Pane(self._subject.draw, "dialog", moving=True)
+        columns, rows = self._subject.size
+        pane.styles.width, pane.styles.height = columns, rows + FRAME
+        yield pane
+
+    def on_key(self, event: events.Key) -> None:
+        """Hand the key to the subject."""
+        event.stop()
+        event.prevent_default()
+        done = self._subject.press(event.key, event.character)
+        if done is None:
+            self.query_one(Pane).look()
+        else:
+            self.dismiss(done)
+
+
+@dataclass
+class Question:
+    """A question, and the answers by their keys."""
+
+    asks: str
+    answers: dict[str, tuple[str, Done]]  # key: what it does in words, and how the dialog ends
+    size: tuple[int, int] = (60, 7)
+
+    def press(self, key: str, _character: str | None) -> Done | None:
+        """Take a key; return how the dialog ends, None while it goes on."""
+        if key in ("escape", "n"):
+            return NOTHING
+        return self.answers[key][1] if key in self.answers else None
+
+    def draw(self, width: int, height: int) -> Lines:
+        """Return the dialog."""
+        lines = [line((f" {self.asks}", "title")), line()]
+        for key, (says, _) in self.answers.items():
+            lines.append(line((f"   {key.upper():<5}", "value"), says))
+        lines.append(line(("   Esc  ", "value"), "neither"))
+        return [fit(each, width) for each in lines[:height]]
+
+
+def leaving(*, own: bool) -> Question:
+    """Return the question whether the instructor ends the run or only leaves it."""
+    end = ("end the run: its recording is complete", Done(("quit",)))
+    goes = "leave; it ends unless others are attached" if own else "leave; the session goes on"
+    return Question("Leave?", {"q": end, "l": (goes, Done(leave=True))})
+
+
+def emergency() -> Question:
+    """Return the question before all main ballast is blown."""
+    blow = ("blow all main ballast from both banks", Done(("emergency blow",)))
+    return Question("Emergency blow?", {"e": blow})

@@ -1,0 +1,222 @@
+"""Strip charts: what was ordered as a dashed line, what became of it as a drawn one.
+
+A sheet of dots, four by two in a column, that becomes text.
+"""
+
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, field
+from typing import Final
+
+from trainer.console.drawing.values import NONE, course, number
+from trainer.console.journal import Sample
+from trainer.console.model import Quantity, Sight
+from trainer.console.pane import Line, Lines, Run, beside, line
+from trainer.console.readings import ROUND
+
+ACROSS: Final = 2  # dots in a character
+DOWN: Final = 4
+BITS: Final = ((0x01, 0x08), (0x02, 0x10), (0x04, 0x20), (0x40, 0x80))
+EMPTY: Final = 0x2800
+
+
+@dataclass
+class Sheet:
+    """Dots on ``width`` by ``height`` characters; those beyond it are not drawn."""
+
+    width: int
+    height: int
+    cells: list[list[int]] = field(init=False)
+
+    def __post_init__(self) -> None:
+        self.cells = [[0] * self.width for _ in range(self.height)]
+
+    @property
+    def across(self) -> int:
+        """Return the number of dots in a row."""
+        return self.width * ACROSS
+
+    @property
+    def down(self) -> int:
+        """Return the number of dots in a column."""
+        return self.height * DOWN
+
+    def dot(self, x: float, y: float) -> None:
+        """Put a dot at a place counted from the upper left."""
+        column, row = round(x), round(y)
+        if 0 <= column < self.across and 0 <= row < self.down:
+            self.cells[row // DOWN][column // ACROSS] |= BITS[row % DOWN][column % ACROSS]
+
+    def stroke(self, points: Iterable[tuple[float, float]]) -> None:
+        """Draw from each point to the next."""
+        before: tuple[float, float] | None = None
+        for x, y in points:
+            x0, y0 = before or (x, y)
+            steps = max(round(abs(x - x0)), round(abs(y - y0)), 1)
+            if steps > ACROSS * self.width + DOWN * self.height:
+                steps = 1
+            for step in range(steps + 1):
+                self.dot(x0 + (x - x0) * step / steps, y0 + (y - y0) * step / steps)
+            before = x, y
+
+    def text(self, row: int) -> str:
+        """Return a row as characters, a blank where there is no dot."""
+        return "".join(chr(EMPTY + cell) if cell else " " for cell in self.cells[row])
+
+
+SCALE: Final = 6  # [columns] for the numbers at the side
+DASH: Final = "╌"
+STEPS: Final = (1.0, 2.0, 5.0)
+LEAST: Final = 10  # [columns]
+
+
+def strip(quantity: int, sight: Sight, span: float, width: int, height: int) -> Lines:
+    """Return the chart of a quantity over the last ``span`` [s], its title above it."""
+    drawn = sight.charts[quantity]
+    title = headline(drawn, sight, span, width)
+    columns, rows = width - SCALE - 1, height - 1
+    if rows < 1 or columns < LEAST:
+        return [title][:height]
+    series = sight.trace.series(quantity, span, columns * ACROSS)
+    whole = unturned if drawn.actual[1] in ROUND else as_it_is
+    actual = whole([each.actual if each else None for each in series], series)
+    ordered = whole([each.ordered if each else None for each in series], series)
+    low, high = limits([*actual, *ordered], drawn.least)
+    plot = Plot(low, high, columns, rows)
+    return [title, *plot.lines(actual, ordered, drawn)]
+
+
+def headline(drawn: Quantity, sight: Sight, span: float, width: int) -> Line:
+    """Return the name of the chart, its value and what is ordered."""
+    says = said(drawn)
+    actual = says(sight.picture.number(*drawn.actual))
+    ordered = says(sight.picture.number(*drawn.ordered)) if drawn.ordered else NONE
+    told = "" if ordered == NONE else f" {DASH}{DASH} {ordered}"
+    name = drawn.name if width > 34 else drawn.name[:7]
+    inks = ("heading", "heading-value", "heading-ordered")
+    left = line(*zip((f" {name} ", actual, told), inks, strict=True))
+    right = line((f"{drawn.unit}  {minutes(span)} ", "heading-dim"))
+    return beside(left, right, width, "heading")
+
+
+def minutes(span: float) -> str:
+    """Return a span of time in words."""
+    return f"{span / 60.0:g} min"
+
+
+def said(drawn: Quantity) -> Callable[[float | None], str]:
+    """Return how values of a quantity are written."""
+    if drawn.actual[1] in ROUND:
+        return course
+    if drawn.signs == ("", ""):
+        return number
+
+    def with_side(value: float | None) -> str:
+        if value is None:
+            return NONE
+        side = "" if abs(value) < 0.05 else drawn.signs[value < 0.0]
+        return f"{side}{abs(value):.1f}"
+
+    return with_side
+
+
+def as_it_is(
+    values: Sequence[float | None], _series: Sequence[Sample | None]
+) -> list[float | None]:
+    """Return the values."""
+    return list(values)
+
+
+def unturned(values: Sequence[float | None], series: Sequence[Sample | None]) -> list[float | None]:
+    """Return courses beside the latest one, so that none jumps from 359 to 000."""
+    known = [each.actual for each in series if each and each.actual is not None]
+    last = known[-1] if known else 0.0
+    return [v if v is None else last + (v - last + 180.0) % 360.0 - 180.0 for v in values]
+
+
+def limits(values: Sequence[float | None], least: float) -> tuple[float, float]:
+    """Return the range shown: round numbers about the values, ``least`` apart at least."""
+    known = [value for value in values if value is not None] or [0.0]
+    low, high = min(known), max(known)
+    wide = max(high - low, least) * 1.1
+    middle = (low + high) / 2.0
+    step = next(
+        size * 10.0**power
+        for power in range(-3, 11)
+        for size in STEPS
+        if size * 10.0**power * 4.0 >= wide
+    )
+    bottom = (middle - wide / 2.0) // step * step
+    while bottom + 4.0 * step < high + wide / 40.0:
+        step *= 2.0
+        bottom = (middle - wide / 2.0) // step * step
+    return bottom, bottom + 4.0 * step
+
+
+class Plot:
+    """The area of a chart, from ``low`` to ``high`` on so many columns and rows.
+
+    Depth grows downwards, as everywhere at sea.
+    """
+
+    def __init__(self, low: float, high: float, columns: int, rows: int) -> None:
+        self._low, self._high = low, high
+        self._columns, self._rows = columns, rows
+
+    def lines(
+        self, actual: Sequence[float | None], ordered: Sequence[float | None], drawn: Quantity
+    ) -> Lines:
+        """Return the rows, numbers at the side."""
+        down = drawn.name == "depth"
+        sheet = Sheet(self._columns, self._rows)
+        self._trace(sheet, actual, down=down)
+        dashed = self._dashes(ordered, down=down)
+        return [
+            (*self._scale(row, drawn, down=down), *merged(sheet.text(row), dashed[row]))
+            for row in range(self._rows)
+        ]
+
+    def _place(self, value: float, dots: int, *, down: bool) -> float:
+        """Return how far down a value lies."""
+        share = (value - self._low) / (self._high - self._low)
+        return (share if down else 1.0 - share) * (dots - 1)
+
+    def _trace(self, sheet: Sheet, values: Sequence[float | None], *, down: bool) -> None:
+        points: list[tuple[float, float]] = []
+        for x, value in enumerate(values):
+            if value is None:
+                sheet.stroke(points)
+                points = []
+            else:
+                points.append((x, self._place(value, sheet.down, down=down)))
+        sheet.stroke(points)
+
+    def _dashes(self, values: Sequence[float | None], *, down: bool) -> list[list[bool]]:
+        """Return where the dashes of the ordered value go."""
+        rows = [[False] * self._columns for _ in range(self._rows)]
+        for column in range(self._columns):
+            value = values[column * ACROSS]
+            if value is not None:
+                place = round(self._place(value, self._rows * DOWN, down=down)) // DOWN
+                rows[min(max(place, 0), self._rows - 1)][column] = True
+        return rows
+
+    def _scale(self, row: int, drawn: Quantity, *, down: bool) -> Line:
+        """Return the number at the side of a row: the ends of the range."""
+        if row not in (0, self._rows - 1):
+            return line((f"{'':>{SCALE}}┊", "dim"))
+        top = self._low if down else self._high
+        value = top if row == 0 else self._low + self._high - top
+        text = course(value) if drawn.actual[1] in ROUND else f"{value:g}"
+        return line((f"{text:>{SCALE}}┊", "dim"))
+
+
+def merged(dots: str, dashes: Sequence[bool]) -> tuple[Run, ...]:
+    """Return a row of dots with dashes where there is no dot."""
+    runs: list[Run] = []
+    for dot, dash in zip(dots, dashes, strict=True):
+        text, ink = (DASH, "ordered") if dash and dot == " " else (dot, "plain")
+        if runs and runs[-1][1] == ink:
+            runs[-1] = runs[-1][0] + text, ink
+        else:
+            runs.append((text, ink))
+    return tuple(runs)

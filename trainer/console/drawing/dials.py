@@ -1,0 +1,163 @@
+"""The instruments of the stations: large numbers, scales of surfaces, the engine telegraph."""
+
+from typing import Final
+
+from trainer.console.drawing.gauges import moved
+from trainer.console.drawing.values import (
+    NONE,
+    SHORT_BELLS,
+    attitude,
+    course,
+    number,
+    surface,
+    without,
+)
+from trainer.console.model import Sight
+from trainer.console.pane import Line, Lines, Run, fit, line
+
+DIGITS: Final = {
+    "0": ("┏━┓", "┃ ┃", "┗━┛"),
+    "1": (" ╻ ", " ┃ ", " ╹ "),
+    "2": ("╺━┓", "┏━┛", "┗━╸"),
+    "3": ("╺━┓", "╺━┫", "╺━┛"),
+    "4": ("╻ ╻", "┗━┫", "  ╹"),
+    "5": ("┏━╸", "┗━┓", "╺━┛"),
+    "6": ("┏━╸", "┣━┓", "┗━┛"),
+    "7": ("╺━┓", "  ┃", "  ╹"),
+    "8": ("┏━┓", "┣━┫", "┗━┛"),
+    "9": ("┏━┓", "┗━┫", "╺━┛"),
+    ".": (" ", " ", "▪"),
+    "-": ("   ", "╺━╸", "   "),
+}
+SCALE: Final = 35.0  # [deg] at the ends
+ENDS: Final = {"rudder": ("left", "right"), "stern": ("dive", "rise"), "bow": ("dive", "rise")}
+AHEAD: Final = ("one-third", "two-thirds", "standard", "full", "flank")
+ASTERN: Final = ("full", "two-thirds", "one-third")
+LEAST: Final = 24  # [columns] of a scale
+
+
+def large(text: str) -> tuple[str, str, str]:
+    """Return a number in three lines."""
+    drawn = [DIGITS.get(character, ("", "", "")) for character in text]
+    upper, middle, lower = (" ".join(rows[i] for rows in drawn) for i in range(3))
+    return upper, middle, lower
+
+
+def dial(label: str, text: str, ordered: str, unit: str) -> Lines:
+    """Return a large number with its label, and what is ordered below it."""
+    told = "" if ordered == NONE else f"ordered {ordered}"
+    heading = line((f" {label}", "heading"), (f"  {unit}", "heading-dim"))
+    return [
+        heading,
+        *(line((f" {row}", "value")) for row in large(text)),
+        line((f" {told}", "ordered")),
+    ]
+
+
+def side_by_side(dials: list[Lines], width: int) -> Lines:
+    """Return drawings beside each other, as many as there is room for."""
+    room = width // max(len(dials), 1)
+    rows = max(map(len, dials))
+    return [
+        fit(
+            tuple(
+                run
+                for drawn in dials
+                for run in fit(
+                    drawn[row] if row < len(drawn) else line(), room, "plain" if row else "heading"
+                )
+            ),
+            width,
+            "plain" if row else "heading",
+        )
+        for row in range(rows)
+    ]
+
+
+def depth_dial(sight: Sight) -> Lines:
+    """Return the depth gauge."""
+    ordered = number(sight.picture.number("diving", "ordered_depth"))
+    return dial("depth", number(moved(sight, "depth")), ordered, "m")
+
+
+def course_dial(sight: Sight) -> Lines:
+    """Return the compass."""
+    ordered = course(sight.picture.number("steering", "ordered_course"))
+    return dial("course", course(moved(sight, "heading"), 1), ordered, "deg")
+
+
+def speed_dial(sight: Sight) -> Lines:
+    """Return the log."""
+    ordered = number(sight.picture.number("engine", "ordered_speed"))
+    return dial("speed", number(moved(sight, "speed")), ordered, "kn")
+
+
+def angles(sight: Sight) -> Line:
+    """Return pitch and heel in words."""
+    return line(
+        (" pitch ", "dim"),
+        (f"{attitude(moved(sight, 'pitch'), 'up', 'down'):<11}", "value"),
+        ("heel ", "dim"),
+        (attitude(moved(sight, "heel"), "stbd", "port"), "value"),
+    )
+
+
+def scale(sight: Sight, name: str, channel: str, width: int) -> Line:
+    """Return a surface on its scale: where it is as a block, what it is told as a diamond."""
+    picture = sight.picture
+    actual = picture.smooth(channel, name, sight.clock())
+    ordered = picture.number(channel, f"ordered_{name}")
+    if actual is None:
+        lacking = without(picture, channel, "this boat has none")
+        return line((f" {name:<7}", "dim"), (lacking, "dim"))
+    left, right = ENDS[name]
+    mode = picture.word(channel, f"{name}_mode")
+    ends = line((f" {name:<7}{left} ", "dim")), line((f" {right}  ", "dim"))
+    told = line(
+        (surface(name, actual), "value"),
+        (f" > {surface(name, ordered)}", "ordered"),
+        (f" {mode:<4} ", "warning" if mode == "hand" else "dim"),
+    )
+    room = width - sum(len(text) for part in (*ends, told) for text, _ in part)
+    drawn = marks(actual, ordered, room) if room >= LEAST // 2 else ()
+    return (*ends[0], *drawn, *ends[1], *told)
+
+
+def marks(actual: float, ordered: float | None, room: int) -> tuple[Run, ...]:
+    """Return the scale itself in ``room`` columns."""
+
+    def column(angle: float) -> int:
+        share = (min(max(angle, -SCALE), SCALE) + SCALE) / (2.0 * SCALE)
+        return round(share * (room - 1))
+
+    middle, block = column(0.0), column(actual)
+    signs = ["·"] * room
+    for place in range(min(middle, block), max(middle, block) + 1):
+        signs[place] = "━"
+    signs[middle], signs[block] = "┼", "█"
+    inks = ["value" if sign in "━█" else "dim" for sign in signs]
+    if ordered is not None:
+        signs[column(ordered)], inks[column(ordered)] = "◆", "ordered"
+    return tuple(zip(signs, inks, strict=True))
+
+
+def telegraph(sight: Sight, width: int) -> Lines:
+    """Return the engine telegraph, the bell that is rung in brackets, and the revolutions."""
+    picture = sight.picture
+    rung = picture.word("engine", "bell")
+    parts: list[Run] = [(" astern ", "dim")]
+    for way, bells in (("astern", ASTERN), ("", ("stop",)), ("ahead", AHEAD)):
+        parts += [("ahead ", "dim")] if way == "ahead" else []
+        for name in bells:
+            here = rung == (f"{way}-{name}" if way else name)
+            says = SHORT_BELLS.get(name, name)
+            parts.append((f"[{says}]" if here else f" {says} ", "chosen" if here else "plain"))
+    rpm, ordered = (picture.number("engine", name) for name in ("rpm", "ordered_rpm"))
+    kept = "speed kept automatically" if picture.word("engine", "speed_mode") == "auto" else ""
+    turns = line(
+        (" rpm ", "dim"),
+        (number(rpm, 0), "value"),
+        (f" > {number(ordered, 0)}  ", "ordered"),
+        (kept, "dim"),
+    )
+    return [fit(tuple(parts), width), fit(turns, width)]

@@ -1,0 +1,101 @@
+"""The log of what was said and done, the line of time, and the ledger."""
+
+from trainer.console.drawing.values import number, without
+from trainer.console.journal import clock, wrapped
+from trainer.console.model import Kept, Sight
+from trainer.console.pane import Line, Lines, Run, fit, line
+
+LEAST = 24  # [columns] of a time line
+
+
+def log(sight: Sight, width: int, height: int) -> Lines:
+    """Return the last entries, the newest at the bottom."""
+    journal = sight.journal
+    found: list[tuple[str, str, str]] = []
+    for entry in reversed(journal.entries):
+        found[:0] = wrapped(entry, width)
+        if len(found) >= height + journal.back:
+            break
+    back = min(journal.back, max(len(found) - height, 0))
+    shown = found[max(len(found) - height - back, 0) : len(found) - back]
+    lines = [line((f" {when} ", "dim"), (text, ink)) for when, text, ink in shown]
+    if back and lines:
+        lines[-1] = line((f" ... {back} more lines below: Page Down", "warning"))
+    return [*(fit(each, width) for each in lines), *[fit(line(), width)] * (height - len(lines))]
+
+
+def time_line(sight: Sight, width: int, _height: int) -> Lines:
+    """Return all of the run in one line: moments kept by their signs, the present as a bar."""
+    now = sight.picture.seconds
+    end = max(now, sight.furthest, 1.0)
+    left = line((" 00:00 ", "dim"))
+    right = line((f" {clock(end)} ", "dim"))
+    room = width - sum(len(text) for text, _ in (*left, *right))
+    if room < LEAST:
+        return [fit(line((f" {clock(now)}", "dim")), width)]
+    return [(*left, *scale(sight, now, end, room), *right)]
+
+
+def moments(sight: Sight) -> list[Kept]:
+    """Return what is on the time line, oldest first."""
+    return sorted([*sight.snapshots, *sight.marks], key=lambda kept: kept.seconds)
+
+
+def scale(sight: Sight, now: float, end: float, room: int) -> tuple[Run, ...]:
+    """Return the line from the start to the end in ``room`` columns."""
+
+    def column(seconds: float) -> int:
+        return min(max(round(seconds / end * (room - 1)), 0), room - 1)
+
+    signs = ["━" if place <= column(now) else "╌" for place in range(room)]
+    for kept in moments(sight):
+        signs[column(kept.seconds)] = kept.sign
+    signs[column(now)] = "┃"
+    return tuple(
+        (sign, "value" if sign == "┃" else "warning" if sign.isalpha() else "dim") for sign in signs
+    )
+
+
+def ledger(sight: Sight, width: int, height: int) -> Lines:
+    """Return what became of the ticks."""
+    picture = sight.picture
+
+    def told(name: str, decimals: int = 0) -> str:
+        return number(picture.number("ledger", name), decimals)
+
+    lines = [
+        line(
+            (" ledger   ", "heading"),
+            (f"{told('ticks')} ticks, duty {told('duty_cycle', 3)} %", "plain"),
+        ),
+        row("overruns", f"{told('overruns')}, caught up {told('caught_up')}"),
+        row("slipped", f"{told('slipped')}, gaps {told('gaps')}"),
+        row("work", f"{told('work_p50')} us, at most {told('work_most')} us"),
+        row("late", f"{told('late_p50')} us, at most {told('late_most')} us"),
+    ]
+    return [fit(each, width) for each in lines[:height]]
+
+
+def row(label: str, text: str) -> Line:
+    """Return a labelled line."""
+    return line((f" {label:<9}", "dim"), (text, "plain"))
+
+
+def suffering(sight: Sight, width: int, height: int) -> Lines:
+    """Return the casualties: kind, how much of what it will be, and when."""
+    picture = sight.picture
+    lines = [fit(line((" casualties", "heading")), width, "heading")]
+    for name in picture.rows("casualties", "casualty_"):
+        if not name[-1].isdigit():
+            continue
+        amount, target, left = (
+            picture.number("casualties", f"{name}_{part}") for part in ("amount", "target", "left")
+        )
+        going = f" > {target:g} in {left:.0f} s" if left else ""
+        lines.append(
+            line((f" {picture.word('casualties', name)} ", "alarm"), f" {amount or 0.0:g}{going}")
+        )
+    if len(lines) == 1:
+        told = without(picture, "casualties", "none; F4 lists what can break")
+        lines.append(line((f" {told}", "dim")))
+    return [fit(each, width) for each in lines[:height]]

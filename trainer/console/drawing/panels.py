@@ -1,0 +1,137 @@
+"""The first line: what session this is, the time, how it runs, and whether the line holds.
+
+What each station's screen shows above its charts.
+"""
+
+from typing import Final
+
+from trainer.console.drawing.dials import (
+    angles,
+    course_dial,
+    depth_dial,
+    scale,
+    side_by_side,
+    speed_dial,
+    telegraph,
+)
+from trainer.console.journal import clock
+from trainer.console.model import Sight
+from trainer.console.pane import Line, Lines, beside, fit, length, line
+
+SILENCE: Final = 2.0  # [s] of a session that runs, after which it is called out
+
+
+def top(sight: Sight, width: int, _height: int) -> Lines:
+    """Return the first line, or what is wrong with the line to the session."""
+    wrong = trouble(sight)
+    if wrong:
+        return [fit(line((f" {wrong} ", "alarm")), width, "alarm")]
+    if not sight.greeted:
+        return [fit(line((f" {sight.role} ", "bright"), ("making ready", "bar")), width, "bar")]
+    clockwork = f"{clock(sight.picture.seconds)} "
+    left = (*line((f" {sight.role} ", "bright"), (clockwork, "bright")), *pace(sight))
+    told = title(sight)
+    room = width - length(left)
+    return [beside(left, line((told if len(told) <= room else "", "bar")), width, "bar")]
+
+
+def trouble(sight: Sight) -> str:
+    """Return what is wrong with the line or with what comes on it, "" while nothing is."""
+    if sight.over:
+        return "THE SESSION IS OVER: F10 leaves"
+    if not sight.joined:
+        return f"NO LINE: {sight.trouble}; trying again" if sight.trouble else ""
+    picture = sight.picture
+    last = picture.reading(sight.gauges)
+    step = last.seconds / last.tick if last.tick else 0.0
+    silent = sight.clock() - last.arrived
+    if picture.frozen or not picture.pace or silent < SILENCE + 2.0 * step / picture.pace:
+        return ""
+    return f"NO DATA for {silent:.0f} s: the session does not answer"
+
+
+def pace(sight: Sight) -> Line:
+    """Return how time runs."""
+    picture = sight.picture
+    factor = picture.word("time", "speed")
+    speed = "as fast as it goes" if factor == "max" else f"x{picture.pace:g}"
+    parts = [(" FROZEN ", "alarm")] if picture.frozen else [("RUNNING", "running")]
+    parts.append((f" {speed}", "bar"))
+    if picture.word("time", "replay") == "yes":
+        parts.append(("  REPLAY", "key"))
+    held = picture.word("time", "held")
+    if held:
+        parts.append((f"  HELD: {held}", "key"))
+    if sight.instructs and picture.pace:
+        parts.append((f"  branch {picture.word('time', 'branch')}", "bar"))
+    return line(*parts)
+
+
+def title(sight: Sight) -> str:
+    """Return what the session calls itself."""
+    return f" {sight.briefing[0]} " if sight.briefing else ""
+
+
+def foot(keys: tuple[tuple[str, str], ...], width: int) -> Lines:
+    """Return the keys in a line; where there is no room the last but one go first."""
+    shown, gap = list(keys), 2
+    while len(shown) > 1 and taken(shown, gap) > width:
+        if gap > 1:
+            gap = 1
+        else:
+            del shown[-2]
+    parts: list[tuple[str, str]] = [(" ", "bar")]
+    for label, says in shown:
+        parts += [(label, "key"), (f" {says}{' ' * gap}", "bar")]
+    return [fit(line(*parts), width, "bar")]
+
+
+def taken(keys: list[tuple[str, str]], gap: int) -> int:
+    """Return the columns that keys take with so many blanks after each."""
+    return 1 + sum(len(label) + 1 + len(says) + gap for label, says in keys) - gap
+
+
+def helm(sight: Sight, width: int, height: int) -> Lines:
+    """Return the helm's panel: course, speed, depth, the rudder and the telegraph."""
+    lines = [
+        *side_by_side([course_dial(sight), speed_dial(sight), depth_dial(sight)], width),
+        scale(sight, "rudder", "steering", width),
+        line(),
+        *telegraph(sight, width),
+        angles(sight),
+    ]
+    return [fit(each, width) for each in lines[:height]]
+
+
+def planes(sight: Sight, width: int, height: int) -> Lines:
+    """Return the planes' panel: depth, course and speed, attitude and both pairs of planes."""
+    lines = [
+        *side_by_side([depth_dial(sight), course_dial(sight), speed_dial(sight)], width),
+        scale(sight, "stern", "diving", width),
+        scale(sight, "bow", "diving", width),
+        line(),
+        angles(sight),
+    ]
+    return [fit(each, width) for each in lines[:height]]
+
+
+def gauges(sight: Sight, width: int, height: int) -> Lines:
+    """Return the repeaters: depth, course, speed and attitude."""
+    lines = [
+        *side_by_side([depth_dial(sight), course_dial(sight), speed_dial(sight)], width),
+        angles(sight),
+    ]
+    return [fit(each, width) for each in lines[:height]]
+
+
+def lookout(sight: Sight, width: int, height: int) -> Lines:
+    """Return what an observer sees: the repeaters, every surface and the telegraph."""
+    lines = [
+        *side_by_side([depth_dial(sight), course_dial(sight), speed_dial(sight)], width),
+        scale(sight, "rudder", "steering", width),
+        scale(sight, "stern", "diving", width),
+        scale(sight, "bow", "diving", width),
+        *telegraph(sight, width),
+        angles(sight),
+    ]
+    return [fit(each, width) for each in lines[:height]]

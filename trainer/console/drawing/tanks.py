@@ -1,0 +1,127 @@
+"""Tanks as bars, the air banks, and how the levers of the valves stand."""
+
+from typing import Final
+
+from trainer.console.drawing.values import number, without
+from trainer.console.model import Sight
+from trainer.console.pane import Line, Lines, fit, line
+
+TANKS: Final = (
+    ("forward", "main forward"),
+    ("mid", "main mid"),
+    ("aft", "main aft"),
+    ("negative", "negative"),
+    ("trim_forward", "trim forward"),
+    ("trim_aft", "trim aft"),
+    ("auxiliary", "auxiliary"),
+    ("depth_control", "depth control"),
+)
+MOVED: Final = {
+    "trim_forward": "moving_trim",
+    "auxiliary": "moving_auxiliary",
+    "depth_control": "moving_depth_control",
+}
+FLOODED: Final = ("flood_forward", "flood_centre", "flood_aft")
+BANKS: Final = (("main", "main bank"), ("emergency", "emergency"))
+VALVES: Final = ("forward", "mid", "aft", "negative")
+NAMES: Final = 15  # [columns]
+NUMBERS: Final = 21
+
+
+def bar(share: float | None, width: int) -> str:
+    """Return a bar filled to a share [%]."""
+    if share is None or width < 3:
+        return ""
+    filled = round(min(max(share, 0.0), 100.0) / 100.0 * (width - 2))
+    return f"[{'█' * filled}{'·' * (width - 2 - filled)}]"
+
+
+def levels(sight: Sight, width: int, height: int) -> Lines:
+    """Return the tanks, what is moved, and what has flooded."""
+    picture = sight.picture
+    if not picture.word("tanks", "auxiliary"):
+        told = without(picture, "tanks", "this boat has no tanks")
+        return [fit(line((f" {told}", "dim")), width)]
+    lines = [fit(pumping(sight), width, "heading")]
+    for name, says in TANKS:
+        mass, share = picture.number("tanks", name), picture.number("tanks", f"{name}_full")
+        if mass is None:
+            continue
+        room = max(width - NAMES - NUMBERS, 0)
+        moving = picture.number("tanks", MOVED.get(name, "")) or 0.0
+        told = f" {number(mass):>6} t {number(share, 0):>3} %"
+        lines.append(
+            line(
+                (f" {says:<{NAMES - 1}}", "dim"),
+                (bar(share, room), "ordered"),
+                (told, "value"),
+                (f" {moving:+.1f}" if moving else "", "warning"),
+            )
+        )
+    lines.append(flooded(sight))
+    return [fit(each, width) for each in lines[:height]]
+
+
+def flooded(sight: Sight) -> Line:
+    """Return what has come in where none belongs."""
+    found = [
+        f"{name.removeprefix('flood_')} {number(mass)} t"
+        for name in FLOODED
+        if (mass := sight.picture.number("tanks", name))
+    ]
+    if not found:
+        return line((" flooded        ", "dim"), "no compartment")
+    return line((" FLOODED        ", "alarm"), (f" {', '.join(found)}", "warning"))
+
+
+def pumping(sight: Sight) -> Line:
+    """Return the heading: whether the boat hovers, and what is drained."""
+    picture = sight.picture
+    drained = picture.word("tanks", "draining") or "nothing"
+    return line(
+        (" tanks", "heading"),
+        ("   hover ", "heading-dim"),
+        (picture.word("tanks", "hover") or "-", "heading-value"),
+        ("  draining ", "heading-dim"),
+        (drained, "heading-value"),
+    )
+
+
+def banks(sight: Sight, width: int, height: int) -> Lines:
+    """Return the air banks and the compressor."""
+    picture = sight.picture
+    compressor = picture.word("air", "compressor") or "-"
+    heading = line((" air", "heading"), (f"            compressor {compressor}", "heading-dim"))
+    lines = [fit(heading, width, "heading")]
+    for name, says in BANKS:
+        pressure, share = picture.number("air", name), picture.number("air", f"{name}_full")
+        if pressure is None:
+            continue
+        told = f" {number(pressure):>6} MPa {number(share, 0):>3} %"
+        drawn = bar(share, max(width - NAMES - NUMBERS, 0))
+        lines.append(line((f" {says:<{NAMES - 1}}", "dim"), (drawn, "ordered"), (told, "value")))
+    return [fit(each, width) for each in lines[:height]]
+
+
+def fittings(sight: Sight, width: int, height: int) -> Lines:
+    """Return the valves above the air banks."""
+    return [*valves(sight, width, height), *banks(sight, width, height)][:height]
+
+
+def valves(sight: Sight, width: int, height: int) -> Lines:
+    """Return how the levers stand, a row for each group."""
+    picture = sight.picture
+    lines = [fit(line((" valves         vent     blow", "heading")), width, "heading")]
+    for name in VALVES:
+        vent, blow = (picture.word("valves", f"{what}_{name}") for what in ("vent", "blow"))
+        lines.append(line((f" {name:<{NAMES - 1}}", "dim"), *lever(vent), *lever(blow)))
+    flood = picture.word("valves", "negative_flood")
+    lines.append(line((" negative flood ", "dim"), *lever(flood)))
+    return [fit(each, width) for each in lines[:height]]
+
+
+def lever(stands: str) -> Line:
+    """Return how a lever stands: what is open in capitals."""
+    if stands in ("", "shut"):
+        return line((f"{stands or '-':<9}", "dim"))
+    return line((f"{stands.upper():<9}", "warning"))

@@ -1,0 +1,54 @@
+"""Values in words and signs, as a control room says them."""
+
+from typing import Final
+
+from trainer.console.readings import Picture
+
+NONE: Final = "-"
+SIDES: Final = {"rudder": "LR", "stern": "DR", "bow": "DR"}  # negative, positive
+RESTS: Final = 0.05  # [deg] less is zero, on no side
+SHORT_BELLS: Final = {"one-third": "1/3", "two-thirds": "2/3", "standard": "std"}
+
+
+def number(value: float | None, decimals: int = 1, sign: str = "-") -> str:
+    """Return a number with its decimals, a dash for none; never a negative zero."""
+    if value is None:
+        return NONE
+    return f"{round(value, decimals) + 0.0:{sign}.{decimals}f}"
+
+
+def without(picture: Picture, channel: str, says: str) -> str:
+    """Return what the boat's having none means, a dash while nothing has come of a channel."""
+    return says if channel in picture.last else NONE
+
+
+def course(value: float | None, decimals: int = 0) -> str:
+    """Return a course with three digits before the point."""
+    if value is None:
+        return NONE
+    turned = round(value, decimals) % 360.0
+    return f"{turned:0{3 if not decimals else 4 + decimals}.{decimals}f}"
+
+
+def surface(name: str, angle: float | None) -> str:
+    """Return the angle of a surface with its side, such as R15.0."""
+    if angle is None:
+        return NONE
+    side = " " if abs(angle) < RESTS else SIDES[name][angle > 0.0]
+    return f"{side}{abs(angle):4.1f}"
+
+
+def attitude(value: float | None, positive: str, negative: str) -> str:
+    """Return an angle of the boat with its side in words."""
+    if value is None:
+        return NONE
+    side = "" if abs(value) < RESTS else f" {positive if value > 0.0 else negative}"
+    return f"{abs(value):.1f}{side}"
+
+
+def bell(given: str) -> str:
+    """Return a bell in few letters: ahead std, astern full, stop."""
+    way, _, rest = given.partition("-")
+    if way not in ("ahead", "astern"):
+        return given
+    return f"{way} {SHORT_BELLS.get(rest, rest)}"

@@ -1,0 +1,194 @@
+"""The line at the bottom where orders are typed: completion, history, and keys when it is empty.
+
+What may come next in an order that is being typed.
+
+Names by what the grammar calls them, as far as the session has told them.
+"""
+
+from collections.abc import Iterator, Mapping, Sequence
+from typing import ClassVar, Final, NamedTuple
+
+from textual import events
+from textual.binding import BindingType
+from textual.suggester import Suggester
+from textual.widgets import Input
+
+from trainer.console.client import LONGEST_ORDER
+from trainer.console.model import Sight
+from trainer.io.orders.grammar import READINGS, match, tokenise
+from trainer.io.orders.quantities import Number
+from trainer.io.orders.table import NAMES, Name, Place, UnitWord, Word
+
+
+class Offer(NamedTuple):
+    """Whole words that fit, and what else would, in words."""
+
+    words: tuple[str, ...]
+    hints: tuple[str, ...]
+
+
+def offer(text: str, known: Mapping[str, Sequence[str]]) -> Offer:
+    """Return what fits after the whole words of ``text``, the last one perhaps begun.
+
+    ``known`` are names by what they are, as the grammar says it: "the name of a casualty".
+    """
+    begun = "" if not text or text[-1].isspace() else text.rsplit(maxsplit=1)[-1].lower()
+    said = tokenise(text[: len(text) - len(begun)])
+    words: dict[str, None] = {}
+    hints: dict[str, None] = {}
+    for place in following(said):
+        for word in fitting(place, begun, known):
+            words[word] = None
+        if not isinstance(place, Word | UnitWord) and not begun:
+            hints[says(place)] = None
+    return Offer(tuple(words), tuple(hints))
+
+
+def following(said: Sequence[str]) -> list[Place]:
+    """Return the places that may follow the words said."""
+    found = []
+    for reading in READINGS:
+        places = reading.places
+        if reading.form.refusal or len(places) <= len(said):
+            continue
+        if all(any(True for _ in match(place, word)) for place, word in zip(places, said)):  # noqa: B905
+            found.append(places[len(said)])
+    return found
+
+
+def fitting(place: Place, begun: str, known: Mapping[str, Sequence[str]]) -> list[str]:
+    """Return the words of a place that begin so; of several spellings the first."""
+    if isinstance(place, Word):
+        found = {word: said for said, word in reversed(place.spellings) if said.startswith(begun)}
+        return [said if not word.startswith(begun) else word for word, said in found.items()]
+    if isinstance(place, Name):
+        return [name for name in known.get(place.says, ()) if name.startswith(begun)]
+    return []
+
+
+def says(place: Place) -> str:
+    """Return what a place wants."""
+    if isinstance(place, Number):
+        return f"{place.says} ({place.limits})"
+    return place.says if isinstance(place, Name) else "a token"
+
+
+def completed(text: str, known: Mapping[str, Sequence[str]]) -> str:
+    """Return ``text`` with its last word made whole as far as that is in no doubt."""
+    words = offer(text, known).words
+    begun = "" if not text or text[-1].isspace() else text.rsplit(maxsplit=1)[-1]
+    if not words or (not begun and len(words) > 1):
+        return text
+    shared = words[0]
+    for word in words[1:]:
+        while not word.startswith(shared):
+            shared = shared[:-1]
+    ending = " " if len(words) == 1 else ""
+    return text[: len(text) - len(begun)] + shared + ending
+
+
+def hint(text: str, known: Mapping[str, Sequence[str]]) -> str:
+    """Return what may come next, in words."""
+    offered = offer(text, known)
+    return "   ".join((*offered.words, *(f"<{each}>" for each in offered.hints)))
+
+
+Known = Mapping[str, Sequence[str]]
+
+
+class Ghost(Suggester):
+    """The rest of the word that is being typed, shown behind it."""
+
+    def __init__(self, known: Known) -> None:
+        super().__init__(use_cache=False, case_sensitive=True)
+        self._known = known
+
+    async def get_suggestion(self, value: str) -> str | None:
+        """Return the line with its last word whole, None where nothing has been begun."""
+        begun = "" if not value or value[-1].isspace() else value.rsplit(maxsplit=1)[-1]
+        words = offer(value, self._known).words if begun else ()
+        return value[: len(value) - len(begun)] + words[0] if words else None
+
+
+class Entry(Input):
+    """One line of order; when it is empty, ``quick`` keys are not letters but keys."""
+
+    BINDINGS: ClassVar[list[BindingType]] = []
+
+    def __init__(self, known: Known, quick: frozenset[str], prompt: str) -> None:
+        super().__init__(
+            placeholder=prompt,
+            suggester=Ghost(known),
+            max_length=LONGEST_ORDER,
+            compact=True,
+            select_on_focus=False,
+            id="entry",
+        )
+        self._known = known
+        self._quick = quick
+        self._history: list[str] = []
+        self._place = 0
+
+    def begin(self, text: str) -> None:
+        """Let an order begin so."""
+        self.value = text
+        self.cursor_position = len(text)
+        self.focus()
+
+    def keep(self, words: str) -> None:
+        """Keep a line for those that want it again, and clear it."""
+        if words and self._history[-1:] != [words]:
+            self._history.append(words)
+        self._place = len(self._history)
+        self.value = ""
+
+    def on_key(self, event: events.Key) -> None:
+        """Complete, look back, clear; leave the quick keys to the console."""
+        if not self.value and event.key in self._quick:
+            event.prevent_default()
+            return
+        if event.key in ("tab", "up", "down", "escape"):
+            if event.key == "escape" and not self.value:
+                return
+            event.prevent_default()
+            event.stop()
+            self._edit(event.key)
+
+    def _edit(self, key: str) -> None:
+        if key == "escape":
+            self.value = ""
+        elif key == "tab":
+            self.value = completed(self.value, self._known)
+            self.cursor_position = len(self.value)
+        else:
+            self._look(-1 if key == "up" else 1)
+
+    def _look(self, way: int) -> None:
+        """Show the order before or after the one shown."""
+        self._place = min(max(self._place + way, 0), len(self._history))
+        self.value = "" if self._place == len(self._history) else self._history[self._place]
+        self.cursor_position = len(self.value)
+
+
+CASUALTY: Final = NAMES["NAME"].says
+MOMENT: Final = NAMES["LABEL"].says
+
+
+class Names(Mapping[str, Sequence[str]]):
+    """The names that an order may hold at this moment."""
+
+    def __init__(self, sight: Sight) -> None:
+        self._sight = sight
+
+    def __getitem__(self, says: str) -> Sequence[str]:
+        if says == CASUALTY:
+            return [each.name for each in self._sight.casualties]
+        if says == MOMENT:
+            return [kept.text for kept in self._sight.snapshots]
+        raise KeyError(says)
+
+    def __iter__(self) -> Iterator[str]:
+        return iter((CASUALTY, MOMENT))
+
+    def __len__(self) -> int:
+        return 2

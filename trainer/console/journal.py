@@ -1,0 +1,113 @@
+"""What was ordered here, what was answered, and what has happened elsewhere, by time.
+
+What has been ordered and what has become of it over the last minutes, for strip charts.
+"""
+
+import bisect
+import textwrap
+from collections import deque
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import Final, NamedTuple
+
+KEPT: Final = 1000
+# by kind: the sign before the text, and the ink
+SIGNS: Final = {
+    "sent": (">", "value"),
+    "answer": (" ", "plain"),
+    "refused": ("?", "warning"),
+    "watch": ("!", "alarm"),
+    "trouble": ("!", "alarm"),
+    "lost": ("!", "alarm"),
+    "moment": ("<", "title"),
+    "time": ("=", "plain"),
+    "mark": ("*", "good"),
+    "order": ("-", "plain"),
+    "exercise": ("-", "ordered"),
+    "station": ("-", "dim"),
+    "briefing": (" ", "plain"),
+}
+OTHER: Final = ("-", "plain")
+
+
+class Entry(NamedTuple):
+    """One thing said or done."""
+
+    seconds: float | None  # None: at no time of the boat's
+    kind: str
+    text: str
+
+
+@dataclass
+class Journal:
+    """The entries, oldest first, and how far back the screen looks."""
+
+    entries: deque[Entry] = field(default_factory=lambda: deque(maxlen=KEPT))
+    changes: int = 0
+    back: int = 0  # lines
+
+    def add(self, seconds: float | None, kind: str, text: str) -> None:
+        """Enter something; the screen shows it."""
+        self.entries.append(Entry(seconds, kind, text))
+        self.changes += 1
+        self.back = 0
+
+    def look_back(self, lines: int) -> None:
+        """Look further back, or less far."""
+        self.back = max(self.back + lines, 0)
+        self.changes += 1
+
+
+def clock(seconds: float) -> str:
+    """Return a time as HH:MM:SS."""
+    whole = int(max(seconds, 0.0))
+    return f"{whole // 3600:02}:{whole // 60 % 60:02}:{whole % 60:02}"
+
+
+def wrapped(entry: Entry, width: int) -> list[tuple[str, str, str]]:
+    """Return an entry in lines of a time, a text and an ink."""
+    sign, ink = SIGNS.get(entry.kind, OTHER)
+    when = " " * 8 if entry.seconds is None else clock(entry.seconds)
+    room = max(width - len(when) - 5, 8)
+    texts = textwrap.wrap(entry.text, room) or [""]
+    first, *rest = texts
+    return [(when, f"{sign} {first}", ink), *((" " * 8, f"  {text}", ink) for text in rest)]
+
+
+TRACED: Final = 4800  # ticks: 40 minutes at half a second
+
+
+class Sample(NamedTuple):
+    """A quantity at one time; None where nothing is ordered, or the boat lacks it."""
+
+    actual: float | None
+    ordered: float | None
+
+
+@dataclass
+class Trace:
+    """Samples of some quantities, by time."""
+
+    quantities: int
+    times: list[float] = field(default_factory=list)  # [s]
+    samples: list[Sequence[Sample]] = field(default_factory=list)
+
+    def add(self, seconds: float, samples: Sequence[Sample]) -> None:
+        """Add what there is at a time; what was later is forgotten: time has gone back."""
+        place = bisect.bisect_left(self.times, seconds)
+        del self.times[place:], self.samples[place:]
+        self.times.append(seconds)
+        self.samples.append(tuple(samples))
+        if len(self.times) > TRACED + TRACED // 4:
+            del self.times[:-TRACED], self.samples[:-TRACED]
+
+    def series(self, quantity: int, span: float, columns: int) -> list[Sample | None]:
+        """Return a quantity over the last ``span`` [s] at so many times, None before the first."""
+        if not self.times:
+            return [None] * columns
+        end, found = self.times[-1], []
+        for column in range(columns):
+            when = end - span * (columns - 1 - column) / max(columns - 1, 1)
+            place = bisect.bisect_right(self.times, when + 1e-9) - 1
+            found.append(self.samples[place][quantity] if place >= 0 else None)
+        return found

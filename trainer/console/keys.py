@@ -1,0 +1,234 @@
+"""The keys of each role, once: the screens obey them, help and documents list them.
+
+What a key does, as plain records: the console carries them out.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Final
+
+
+@dataclass(frozen=True)
+class Give:
+    """Give this order."""
+
+    words: str
+
+
+@dataclass(frozen=True)
+class Toggle:
+    """Freeze time, or let it go on."""
+
+
+@dataclass(frozen=True)
+class Hasten:
+    """Make time faster or slower by so many steps."""
+
+    steps: int
+
+
+@dataclass(frozen=True)
+class Move:
+    """Move a surface by an angle [deg], right and rise positive."""
+
+    surface: str
+    by: int
+
+
+@dataclass(frozen=True)
+class Open:
+    """Open a dialog."""
+
+    dialog: str
+
+
+@dataclass(frozen=True)
+class Write:
+    """Begin an order in the line at the bottom."""
+
+    text: str
+
+
+@dataclass(frozen=True)
+class Widen:
+    """Let the charts go back further, or less far."""
+
+    steps: int
+
+
+@dataclass(frozen=True)
+class Scroll:
+    """Look further back in the log by so many lines."""
+
+    lines: int
+
+
+@dataclass(frozen=True)
+class Again:
+    """Replay, or end the replay that runs."""
+
+
+@dataclass(frozen=True)
+class Leave:
+    """Leave the session, or end one's own."""
+
+
+Act = Give | Toggle | Hasten | Move | Open | Write | Widen | Scroll | Again | Leave
+
+
+@dataclass(frozen=True)
+class Key:
+    """A key: its names for the terminal, for people, in the footer, and what it does in words."""
+
+    names: tuple[str, ...]
+    label: str
+    says: str  # "" keeps it out of the footer
+    does: str
+    act: Act
+
+
+PAGE: Final = 8  # [lines] of the log
+
+HELP: Final = Key(("f1", "question_mark"), "F1", "help", "help, this page", Open("help"))
+LEAVE: Final = Key(("f10", "ctrl+c"), "F10", "leave", "leave; the session goes on", Leave())
+END: Final = Key(("f10", "ctrl+c"), "F10", "quit", "end the run, or leave it", Leave())
+LOG: Final = (
+    Key(("pageup",), "Page Up", "", "look back in the log", Scroll(PAGE)),
+    Key(("pagedown",), "Page Down", "", "and down again", Scroll(-PAGE)),
+)
+SPAN: Final = (
+    Key(("right_square_bracket",), "]", "", "charts over a longer time", Widen(1)),
+    Key(("left_square_bracket",), "[", "", "charts over a shorter time", Widen(-1)),
+)
+TYPE: Final = Key(("enter", "colon"), "Enter", "type", "type an order; Esc comes back", Write(""))
+
+INSTRUCTOR: Final = (
+    HELP,
+    Key(("f2", "space"), "F2", "freeze", "stop time, or let it go on", Toggle()),
+    Key(("f3", "full_stop"), "F3", "step", "one tick, then frozen again", Give("step")),
+    Key(("f4",), "F4", "break", "break something, or clear it", Open("casualties")),
+    Key(("f5",), "F5", "sea", "change the sea", Open("sea")),
+    Key(("f6",), "F6", "back", "go back in time, by the time line", Open("moments")),
+    Key(("f7",), "F7", "replay", "watch it again; ends a replay that runs", Again()),
+    Key(("f8",), "F8", "keep", "keep this moment under a name", Write("snapshot ")),
+    Key(("f9",), "F9", "mark", "mark this moment, with a remark", Write("mark ")),
+    END,
+    Key(("plus", "equals_sign"), "+", "", "time faster", Hasten(1)),
+    Key(("minus",), "-", "", "time slower", Hasten(-1)),
+    *SPAN,
+    *LOG,
+)
+
+
+def steering(
+    surface: str, pair: tuple[str, str], labels: tuple[str, str], sides: tuple[str, str]
+) -> tuple[Key, ...]:
+    """Return the keys that move a surface, the second of each pair to the positive side."""
+    found = []
+    for key, label, side, sign in zip(pair, labels, sides, (-1, 1), strict=True):
+        says = f"{labels[1]}: {surface}" if sign < 0 else ""
+        found += [
+            Key((key,), label, says, f"{surface} 1 degree {side}", Move(surface, sign)),
+            Key(
+                (f"shift+{key}", f"ctrl+{key}"),
+                f"Shift {label}",
+                "",
+                f"{surface} 5 degrees {side}; Ctrl does the same",
+                Move(surface, 5 * sign),
+            ),
+        ]
+    return tuple(found)
+
+
+def given(key: str, says: str, words: str) -> Key:
+    """Return a key that gives an order."""
+    return Key((key,), key.upper() if len(key) == 1 else key, says, words, Give(words))
+
+
+RUDDER: Final = (
+    *steering("rudder", ("left", "right"), ("Left", "Right"), ("left", "right")),
+    given("m", "amidships", "rudder amidships"),
+    given("a", "auto", "rudder auto"),
+)
+BELLS: Final = (
+    given("0", "to 8: bells", "bell stop"),
+    given("1", "", "bell ahead one-third"),
+    given("2", "", "bell ahead two-thirds"),
+    given("3", "", "bell ahead standard"),
+    given("4", "", "bell ahead full"),
+    given("5", "", "bell ahead flank"),
+    given("6", "", "bell astern one-third"),
+    given("7", "", "bell astern two-thirds"),
+    given("8", "", "bell astern full"),
+)
+PLANES: Final = (
+    *steering("stern", ("down", "up"), ("Down", "Up"), ("dive", "rise")),
+    *steering("bow", ("left", "right"), ("Left", "Right"), ("dive", "rise")),
+    given("z", "stern 0", "stern planes zero"),
+    given("x", "bow 0", "bow planes zero"),
+    given("a", "auto", "planes auto"),
+    given("p", "periscope", "periscope depth"),
+)
+VALVES: Final = (
+    given("1", "to 4: blow F M A all", "blow forward"),
+    given("2", "", "blow mid"),
+    given("3", "", "blow aft"),
+    given("4", "", "blow all"),
+    given("0", "no blow", "blow stop"),
+    given("v", "vent", "vent all open"),
+    given("s", "shut", "vent all shut"),
+    Key(("e",), "E", "EMERGENCY", "emergency blow, once more asked", Open("emergency")),
+)
+WATER: Final = (
+    given("n", "neg. flood", "negative flood"),
+    given("b", "neg. blow", "negative blow"),
+    given("f", "flood aux 1 t", "flood auxiliary 1"),
+    given("g", "pump aux 1 t", "pump auxiliary 1"),
+    given("t", "trim aft 1 t", "pump trim aft 1"),
+    given("y", "trim fwd 1 t", "pump trim forward 1"),
+    given("u", "", "flood depth-control 1"),
+    given("i", "", "pump depth-control 1"),
+    given("h", "hover", "hover on"),
+    given("j", "no hover", "hover off"),
+    given("c", "compressor", "compressor on"),
+    given("k", "off", "compressor off"),
+)
+COMMON: Final = (*SPAN, *LOG)
+
+KEYS: Final[Mapping[str, tuple[Key, ...]]] = {
+    "instructor": INSTRUCTOR,
+    "helm": (HELP, TYPE, *RUDDER, *BELLS, LEAVE, *COMMON),
+    "planes": (HELP, TYPE, *PLANES, LEAVE, *COMMON),
+    "ballast": (HELP, TYPE, *VALVES, *WATER, LEAVE, *COMMON),
+    "diving": (HELP, TYPE, *PLANES, *VALVES, *WATER, LEAVE, *COMMON),
+    "observer": (
+        HELP,
+        TYPE,
+        Key(("m",), "M", "mark", "mark this moment, with a remark", Write("mark ")),
+        LEAVE,
+        *COMMON,
+    ),
+}
+
+
+def footer(role: str) -> tuple[tuple[str, str], ...]:
+    """Return the keys that the last line names."""
+    return tuple((key.label, key.says) for key in KEYS[role] if key.says)
+
+
+def by_name(role: str) -> dict[str, Key]:
+    """Return the keys of a role by the names that a terminal gives them."""
+    return {name: key for key in KEYS[role] for name in key.names}
+
+
+def key_table(role: str) -> str:
+    """Return the Markdown table of a role's keys, as docs/instructor.md shows it."""
+    rows = [f"| `{key.label}` | {key.does} |" for key in KEYS[role]]
+    return "\n".join(["| key | does |", "|---|---|", *rows]) + "\n"
+
+
+def key_tables() -> str:
+    """Return the tables of all roles but the observer."""
+    return "\n".join(
+        f"#### {role.capitalize()}\n\n{key_table(role)}" for role in KEYS if role != "observer"
+    )

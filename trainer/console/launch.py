@@ -1,0 +1,91 @@
+"""A screen opened from the command line on a session that runs."""
+
+import gc
+import os
+import signal
+import threading
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Final
+
+from trainer.config.files import ConfigError
+from trainer.console.app import Console
+from trainer.console.client import Client
+from trainer.console.layouts import POSTS, wishes
+from trainer.console.model import Sight
+from trainer.io import paths
+from trainer.io.serial_line import LinkError
+
+PATIENCE: Final = 2.0  # [s] for the line to be closed
+LEAVING: Final = 3.0  # [s] for a screen that is asked to end
+
+
+def attend(url: str | None, role: str, token: str | None) -> int:
+    """Show the screen of a role until its user leaves; return the exit code."""
+    visit = Visit.prepare(lambda: url or paths.nearest_session(), role, token)
+    try:
+        visit.client.dial()
+    except LinkError as error:
+        raise ConfigError(str(error)) from None
+    why = visit.show()
+    if why:
+        raise ConfigError(why)
+    return 0 if visit.sight.joined or visit.sight.over else 1
+
+
+@dataclass(frozen=True)
+class Visit:
+    """A screen and its line to a session, ready before there need be one."""
+
+    client: Client
+    sight: Sight
+    console: Console
+
+    @classmethod
+    def prepare(
+        cls, url: Callable[[], str], role: str, token: str | None, *, own: bool = False
+    ) -> "Visit":
+        """Return the screen of a role at ``url()``; a session of its ``own`` ends with it."""
+        post = POSTS[role]
+        client = Client(url, f"{role} {token or ''}".rstrip(), wishes(post))
+        sight = Sight(client, role, post.charts)
+        forget_size()
+        return cls(client, sight, Console(sight, own=own))
+
+    def show(self) -> str:
+        """Show the screen until its user leaves; return why the session did not let it in."""
+        self.client.start()
+        console = self.console
+        gc.freeze()  # the first picture waits for nobody to look through what draws it
+        # With its terminal gone the screen may wait for ever to write what ends it.
+        last = threading.Timer(LEAVING, os._exit, (1,))
+        last.daemon = True
+
+        def end(*_: object) -> None:
+            console.exit("")
+            if not last.ident:
+                last.start()
+
+        kept = {number: signal.signal(number, end) for number in endings()}
+        try:
+            why = console.run()
+        finally:
+            last.cancel()
+            for number, handler in kept.items():
+                signal.signal(number, handler)
+            self.client.close(PATIENCE)
+        return why or ""
+
+
+def forget_size() -> None:
+    """Take no size from the environment: it may be that of another window, or of this one before.
+
+    Shells, and whoever reads lines typed, leave it there for the programs that they start.
+    """
+    for name in ("COLUMNS", "LINES"):
+        os.environ.pop(name, None)
+
+
+def endings() -> tuple[int, ...]:
+    """Return the signals that ask the console to end."""
+    return tuple(getattr(signal, name) for name in ("SIGTERM", "SIGHUP") if hasattr(signal, name))

@@ -1,0 +1,125 @@
+"""What the screen of each role is made of: its channels, its charts and its drawings, in rows."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Final
+
+from trainer.console.drawing import event_log, gauges, panels, tanks
+from trainer.console.drawing.hull import hull
+from trainer.console.model import Quantity, Sight
+from trainer.console.pane import Lines
+
+Drawing = Callable[[Sight, int, int], Lines]
+
+SMOOTH: Final = "at 10 hz"
+OFTEN: Final = "at 5 hz"
+SELDOM: Final = "at 1 hz"
+
+
+@dataclass(frozen=True)
+class Place:
+    """A drawing at its place on the screen, by which the style sheet finds it."""
+
+    name: str
+    draw: Drawing
+    moving: bool = False  # between ticks
+
+
+@dataclass(frozen=True)
+class Post:
+    """The screen of a role."""
+
+    role: str
+    channels: tuple[str, ...]
+    charts: tuple[Quantity, ...]
+    upper: tuple[Place, ...]
+    lower: tuple[Place, ...] = ()
+    aside: tuple[Place, ...] = ()
+
+
+def quantities(gauge: str) -> dict[str, Quantity]:
+    """Return what charts can show, depth and so on from that channel."""
+    sides = ("R", "L")
+    tilts = ("R", "D")
+    shown = (
+        Quantity("depth", "m", (gauge, "depth"), ("diving", "ordered_depth"), 4.0),
+        Quantity("course", "deg", (gauge, "heading"), ("steering", "ordered_course"), 4.0),
+        Quantity("speed", "kn", (gauge, "speed"), ("engine", "ordered_speed"), 2.0),
+        Quantity("pitch", "deg", (gauge, "pitch"), None, 4.0, ("+", "-")),
+        Quantity("stern", "deg", ("diving", "stern"), ("diving", "ordered_stern"), 10.0, tilts),
+        Quantity("bow", "deg", ("diving", "bow"), ("diving", "ordered_bow"), 10.0, tilts),
+        Quantity(
+            "rudder", "deg", ("steering", "rudder"), ("steering", "ordered_rudder"), 10.0, sides
+        ),
+    )
+    return {each.name: each for each in shown}
+
+
+def charted(gauge: str, *names: str) -> tuple[Quantity, ...]:
+    """Return quantities by name."""
+    known = quantities(gauge)
+    return tuple(known[name] for name in names)
+
+
+VATS: Final = (
+    Place("levels", tanks.levels),
+    Place("fittings", tanks.fittings),
+)
+
+POSTS: Final[Mapping[str, Post]] = {
+    post.role: post
+    for post in (
+        Post(
+            "instructor",
+            (
+                *("time", "gauges", "steering", "engine", "diving", "tanks", "air", "valves"),
+                *("sea", "casualties", "ledger", "motion"),
+            ),
+            charted("motion", "depth", "course", "speed", "stern", "rudder", "pitch"),
+            (
+                Place("state", gauges.state, moving=True),
+                Place("hull", hull, moving=True),
+                Place("levels", tanks.levels),
+            ),
+            aside=(Place("broken", event_log.suffering), Place("ledger", event_log.ledger)),
+        ),
+        Post(
+            "helm",
+            ("time", "steering", "engine", "gauges"),
+            charted("gauges", "course", "rudder"),
+            (Place("panel", panels.helm, moving=True),),
+        ),
+        Post(
+            "planes",
+            ("time", "diving", "gauges"),
+            charted("gauges", "depth", "pitch"),
+            (Place("panel", panels.planes, moving=True),),
+        ),
+        Post(
+            "ballast",
+            ("time", "tanks", "air", "valves", "gauges"),
+            charted("gauges", "depth", "pitch"),
+            (Place("panel", panels.gauges, moving=True),),
+            VATS,
+        ),
+        Post(
+            "diving",
+            ("time", "diving", "engine", "tanks", "air", "valves", "gauges"),
+            charted("gauges", "depth", "pitch"),
+            (Place("panel", panels.planes, moving=True),),
+            VATS,
+        ),
+        Post(
+            "observer",
+            ("time", "steering", "engine", "diving", "tanks", "air", "valves", "gauges"),
+            charted("gauges", "depth", "course"),
+            (Place("panel", panels.lookout, moving=True),),
+        ),
+    )
+}
+
+
+def wishes(post: Post) -> dict[str, str]:
+    """Return how often each channel is wanted; the one that charts are drawn at comes last."""
+    often = {"motion": SMOOTH, "gauges": SMOOTH, "ledger": SELDOM}
+    return {channel: often.get(channel, OFTEN) for channel in post.channels}

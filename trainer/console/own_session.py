@@ -1,0 +1,176 @@
+"""A session of one's own, and its console: `trainer run` on a terminal.
+
+The session, which takes longest to start, is begun before anything of the screen is imported.
+
+A process forked from this one: out of reach of the terminal's keys, its words kept for us.
+
+It begins with all that is imported here, and so a tenth of a second sooner than a new one would.
+"""
+
+import gc
+import os
+import signal
+import socket
+import sys
+import tempfile
+import threading
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Final, NoReturn
+
+import click
+
+from trainer.config.files import ConfigError
+from trainer.io import paths
+
+LOOK = 0.004  # [s] between looks at whether it has ended
+
+
+class Child:
+    """A process of our own at some work."""
+
+    def __init__(self, work: Callable[[], NoReturn]) -> None:
+        """Begin; in the child this does not return: ``work`` leaves by SystemExit, as programs do.
+
+        To be called before there are threads.
+        """
+        self._out, self._err = tempfile.TemporaryFile(), tempfile.TemporaryFile()  # noqa: SIM115
+        self._code: int | None = None
+        self._asking = threading.Lock()
+        sys.stdout.flush()
+        sys.stderr.flush()
+        self._process = os.fork()
+        if not self._process:
+            self._leave_home()
+            work()
+
+    @property
+    def out(self) -> str:
+        """Return what it has written to its standard output."""
+        return _text(self._out.fileno())
+
+    @property
+    def err(self) -> str:
+        """Return what it has written to its standard error."""
+        return _text(self._err.fileno())
+
+    def ended(self) -> int | None:
+        """Return its exit code, of a signal negative; None while it is at work."""
+        with self._asking:
+            if self._code is None:
+                process, status = os.waitpid(self._process, os.WNOHANG)
+                if process:
+                    self._code = os.waitstatus_to_exitcode(status)
+        return self._code
+
+    def wait(self, patience: float) -> int | None:
+        """Return its exit code once it has ended; None if it has not in ``patience`` [s]."""
+        end = time.monotonic() + patience
+        while self.ended() is None and time.monotonic() < end:
+            time.sleep(LOOK)
+        return self._code
+
+    def terminate(self) -> None:
+        """Ask it to end."""
+        if self.ended() is None:
+            os.kill(self._process, signal.SIGTERM)
+
+    def _leave_home(self) -> None:
+        """Let go of the terminal."""
+        os.setsid()
+        nothing = os.open(os.devnull, os.O_RDWR)
+        for ours, theirs in enumerate((nothing, self._out.fileno(), self._err.fileno())):
+            os.dup2(theirs, ours)
+        os.close(nothing)
+
+
+def _text(descriptor: int) -> str:
+    """Return what a file holds; the place where it is written next stays where it is."""
+    size = os.fstat(descriptor).st_size
+    return os.pread(descriptor, size, 0).decode("utf-8", errors="replace")
+
+
+PATIENCE: Final = 2.0  # [s] for a session that goes on to end all the same
+SUMMARY: Final = 30.0  # [s] for a session that was ended to say its last words
+SOON: Final = (paths.MAKING_READY, paths.LISTENING)  # a session's first words, if it is to be
+
+
+def sail(serve: Callable[[str], NoReturn], path: str | None, token: str | None) -> int:
+    """Show the console of a session of one's own, which ``serve`` runs at a socket.
+
+    It listens at ``path``, None for where stations look for it. It goes on only while somebody is
+    attached. Return its exit code.
+    """
+    where = path or str(free_socket())
+    voyage = Voyage(Child(lambda: serve(where)))
+    gc.disable()  # what is imported is no garbage; the session wants the processor
+    try:
+        from trainer.console.launch import Visit  # noqa: PLC0415  while the session starts
+
+        visit = Visit.prepare(lambda: voyage.address(where), "instructor", token, own=True)
+        gc.freeze()
+        gc.enable()
+        why = visit.show() if voyage.await_word(*SOON) else ""
+    except BaseException:
+        voyage.session.terminate()
+        raise
+    begun = visit.sight.greeted
+    if not begun and voyage.session.ended() is None:
+        voyage.session.terminate()
+        raise ConfigError(why) if why else click.Abort
+    return voyage.account(PATIENCE if begun and not visit.sight.over else SUMMARY)
+
+
+@dataclass
+class Voyage:
+    """A session of one's own, and what it says while the screen has the terminal."""
+
+    session: Child
+    passed: int = 0  # lines that have been passed on
+
+    def await_word(self, *words: str) -> bool:
+        """Pass on what the session says until a line begins so; return whether one did."""
+        while self.session.ended() is None:
+            if any(text.startswith(words) for text in self.pass_on()):
+                return True
+            time.sleep(LOOK)
+        return False
+
+    def address(self, where: str) -> str:
+        """Return ``where`` the session listens, once it does; NeverBegunError if it has ended."""
+        while f"{paths.LISTENING} {where}" not in self.session.err.splitlines():
+            if self.session.ended() is not None:
+                from trainer.console.client import NeverBegunError  # noqa: PLC0415  long imported
+
+                raise NeverBegunError("the session has ended")
+            time.sleep(LOOK)
+        return where
+
+    def pass_on(self) -> list[str]:
+        """Pass on what the session complains of; return all that it has said there."""
+        said = self.session.err.splitlines()
+        for text in said[self.passed :]:
+            if not text.startswith(SOON):
+                click.echo(text, err=True)
+        self.passed = len(said)
+        return said
+
+    def account(self, patience: float) -> int:
+        """Say how the session ended, or that it goes on; return the exit code."""
+        code = self.session.wait(patience)
+        if code is None:
+            click.echo("the session goes on for the others; trainer attach comes back to it")
+            return 0
+        click.echo(self.session.out, nl=False)
+        self.pass_on()
+        return code
+
+
+def free_socket() -> Path:
+    """Return where stations look for a session, or beside it where another one listens there."""
+    usual = paths.socket_path()
+    with socket.socket(socket.AF_UNIX, socket.SOCK_STREAM) as end:
+        taken = end.connect_ex(str(usual)) == 0
+    return usual.with_name(f"session-{os.getpid()}.sock") if taken else usual

@@ -1,0 +1,162 @@
+"""A drawing on the screen: what has not changed since the last look is not drawn again.
+
+What a screen is drawn with: lines of text in inks, and the colours that the inks stand for.
+
+Every drawing is a function to lines. An ink is a name; what is said by an ink is said by a word or
+a sign as well, so that a screen without colour lacks nothing.
+"""
+
+from collections.abc import Callable, Iterable, Mapping
+from typing import Final, NamedTuple
+
+from rich.segment import Segment
+from rich.style import Style
+from textual.geometry import Region
+from textual.strip import Strip
+from textual.widget import Widget
+
+Run = tuple[str, str]  # text and the name of its ink
+Line = tuple[Run, ...]
+Lines = list[Line]
+
+
+class Ink(NamedTuple):
+    """A colour on a colour, as #rrggbb."""
+
+    colour: str
+    ground: str
+    bold: bool = False
+
+
+GROUND: Final = "#0c1419"
+RAISED: Final = "#16222a"
+INKS: Final[Mapping[str, Ink]] = {
+    "plain": Ink("#d7e0e4", GROUND),
+    "dim": Ink("#8ea4af", GROUND),
+    "title": Ink("#8fd0ff", GROUND, bold=True),
+    "value": Ink("#ffffff", GROUND, bold=True),
+    "ordered": Ink("#5cc8f2", GROUND),
+    "good": Ink("#7fd992", GROUND),
+    "warning": Ink("#ffc95c", GROUND, bold=True),
+    "alarm": Ink("#0c1419", "#ff8f85", bold=True),
+    "heading": Ink("#8fd0ff", RAISED, bold=True),
+    "heading-value": Ink("#ffffff", RAISED, bold=True),
+    "heading-ordered": Ink("#6fd0f5", RAISED),
+    "heading-dim": Ink("#9fb4be", RAISED),
+    "heading-warning": Ink("#ffc95c", RAISED, bold=True),
+    "bar": Ink("#d7e0e4", RAISED),
+    "key": Ink("#ffd479", RAISED, bold=True),
+    "bright": Ink("#ffffff", RAISED, bold=True),
+    "running": Ink("#8fe3a0", RAISED, bold=True),
+    "chosen": Ink("#ffffff", "#1f5377", bold=True),
+}
+
+
+def line(*parts: str | Run) -> Line:
+    """Return a line of parts; a part without an ink is plain."""
+    return tuple((part, "plain") if isinstance(part, str) else part for part in parts)
+
+
+def length(drawn: Line) -> int:
+    """Return how many columns a line takes."""
+    return sum(len(text) for text, _ in drawn)
+
+
+def cut(drawn: Line, width: int) -> Line:
+    """Return the line, at most ``width`` columns of it."""
+    kept: list[Run] = []
+    for text, ink in drawn:
+        if width <= 0:
+            break
+        kept.append((text[:width], ink))
+        width -= len(text)
+    return tuple(kept)
+
+
+def fit(drawn: Line, width: int, ink: str = "plain") -> Line:
+    """Return the line in exactly ``width`` columns."""
+    short = width - length(drawn)
+    return (*drawn, (" " * short, ink)) if short > 0 else cut(drawn, width)
+
+
+def beside(left: Line, right: Line, width: int, ink: str = "plain") -> Line:
+    """Return two lines in one of ``width`` columns; the left one gives way."""
+    room = max(width - length(right), 0)
+    return cut((*fit(left, room, ink), *right), width)
+
+
+def plain(lines: Iterable[Line]) -> str:
+    """Return lines as text alone."""
+    return "\n".join("".join(text for text, _ in drawn).rstrip() for drawn in lines)
+
+
+def contrast(one: str, other: str) -> float:
+    """Return the contrast [-] of two colours, 1 to 21, as WCAG 2 defines it."""
+    light, dark = sorted((luminance(one), luminance(other)), reverse=True)
+    return (light + 0.05) / (dark + 0.05)
+
+
+def luminance(colour: str) -> float:
+    """Return the relative luminance [-] of #rrggbb, as WCAG 2 defines it."""
+    parts = (int(colour[i : i + 2], 16) / 255.0 for i in (1, 3, 5))
+    linear = [p / 12.92 if p <= 0.04045 else ((p + 0.055) / 1.055) ** 2.4 for p in parts]
+    return 0.2126 * linear[0] + 0.7152 * linear[1] + 0.0722 * linear[2]
+
+
+Draw = Callable[[int, int], Lines]  # takes columns and rows
+
+STYLES: Final = {
+    name: Style(color=ink.colour, bgcolor=ink.ground, bold=ink.bold) for name, ink in INKS.items()
+}
+BARE: Final = Style(color=INKS["plain"].colour, bgcolor=GROUND)
+
+
+class Pane(Widget):
+    """A function to lines, shown."""
+
+    DEFAULT_CSS = "Pane { height: 1; width: 1fr; }"
+    ALLOW_SELECT = False
+    can_focus = False
+
+    def __init__(self, draw: Draw, place: str, *, moving: bool = False) -> None:
+        """Show what ``draw`` makes; one that is ``moving`` changes between ticks too."""
+        super().__init__(id=place)
+        self.moving = moving
+        self._draw = draw
+        self.lines: Lines = []
+        self._drawn_for = self.size
+
+    def look(self) -> None:
+        """Draw, and have shown what has changed."""
+        width, height = self.size
+        if not (width and height and self.display):
+            return
+        before, lines = self.lines, self._drawn()
+        for row in range(max(len(lines), len(before))):
+            if lines[row : row + 1] != before[row : row + 1]:
+                self.refresh(Region(0, row, width, 1))
+
+    def on_resize(self) -> None:
+        """Draw anew for another size, unless that was shown before this was told."""
+        if self._drawn_for != self.size:
+            self.look()
+
+    def render_line(self, y: int) -> Strip:
+        """Return one line as the screen wants it."""
+        if self._drawn_for != self.size:
+            self._drawn()
+        width = self.size.width
+        if y >= len(self.lines):
+            return Strip.blank(width, BARE)
+        return Strip(segments(fit(self.lines[y], width)), width)
+
+    def _drawn(self) -> Lines:
+        """Draw for the size that there is; return the lines."""
+        self._drawn_for = self.size
+        self.lines = self._draw(*self.size)[: self.size.height]
+        return self.lines
+
+
+def segments(drawn: Line) -> list[Segment]:
+    """Return a line in the screen's own terms."""
+    return [Segment(text, STYLES[ink]) for text, ink in drawn if text]

@@ -1,0 +1,134 @@
+"""The latest values of the channels, and where they are between two ticks.
+
+A channel with rates is carried on from its tick, no further than the next one. One without is moved
+from its last reading but one to its last, so that it shows the boat one tick late.
+"""
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from typing import Final
+
+from trainer.io.orders.sentences import Sentence
+
+# the field of a channel's rate [unit/s], by that of the value
+RATES: Final = {
+    "depth": "depth_rate",
+    "heading": "turn_rate",
+    "speed": "speed_rate",
+    "pitch": "pitch_rate",
+    "heel": "heel_rate",
+}
+ROUND: Final = frozenset({"heading"})  # [deg] 360 is 0
+LARGEST: Final = 1e9  # of a number, in any unit
+SLOWEST: Final = 1.0  # [s] between readings; later ones are shown at once
+
+
+@dataclass(frozen=True)
+class Reading:
+    """A channel at one tick."""
+
+    tick: int
+    seconds: float
+    arrived: float  # [s] on the console's clock
+    values: dict[str, str]
+
+    def number(self, name: str) -> float | None:
+        """Return a value as a number, None where there is none that could be a boat's."""
+        try:
+            value = float(self.values.get(name, ""))
+        except ValueError:
+            return None
+        return value if abs(value) <= LARGEST else None
+
+
+NOTHING: Final = Reading(0, 0.0, -math.inf, {})
+
+
+@dataclass
+class Picture:
+    """What the session has sent of each channel, by its name."""
+
+    names: dict[str, list[str]] = field(default_factory=dict)
+    last: dict[str, Reading] = field(default_factory=dict)
+    before: dict[str, Reading] = field(default_factory=dict)
+    changes: int = 0  # grows with everything that has come
+
+    def take(self, sentence: Sentence, now: float) -> str:
+        """Take names or values; return the channel whose values they are, "" for names."""
+        channel, *rest = sentence.fields
+        self.changes += 1
+        if sentence.kind == "TRN":
+            self.names[channel] = [each.partition(":")[0] for each in rest]
+            return ""
+        values = dict(zip(self.names.get(channel, ()), rest[2:], strict=False))
+        self.before[channel] = self.last.get(channel, NOTHING)
+        self.last[channel] = Reading(int(rest[0]), float(rest[1]), now, values)
+        return channel
+
+    def forget(self) -> None:
+        """Take nothing that has come as present: the line is lost."""
+        self.before.clear()
+        self.changes += 1
+
+    def reading(self, channel: str) -> Reading:
+        """Return the latest of a channel, an empty one where nothing has come."""
+        return self.last.get(channel, NOTHING)
+
+    def number(self, channel: str, name: str) -> float | None:
+        """Return a value, None where there is none."""
+        return self.reading(channel).number(name)
+
+    def word(self, channel: str, name: str) -> str:
+        """Return a value as it is written, "" where there is none."""
+        return self.reading(channel).values.get(name, "")
+
+    def rows(self, channel: str, prefix: str) -> Iterator[str]:
+        """Yield the fields of a channel that begin so and hold something."""
+        values = self.reading(channel).values
+        return (name for name in values if name.startswith(prefix) and values[name])
+
+    @property
+    def seconds(self) -> float:
+        """Return the time [s] of the latest tick."""
+        return self.reading("time").seconds
+
+    @property
+    def frozen(self) -> bool:
+        """Return whether time stands still."""
+        return self.word("time", "time") == "frozen"
+
+    @property
+    def pace(self) -> float:
+        """Return how many times faster than the clock time runs, 0 for as fast as it can."""
+        return self.number("time", "speed") or 0.0
+
+    def smooth(self, channel: str, name: str, now: float) -> float | None:
+        """Return where a value is at a moment [s] of the console's clock."""
+        last = self.reading(channel)
+        value = last.number(name)
+        if value is None or self.frozen:
+            return value
+        rate = last.number(RATES.get(name, ""))
+        if rate is not None:
+            return self._wrapped(name, value + rate * self._since(last, now))
+        return self._between(channel, name, value, now)
+
+    def _since(self, last: Reading, now: float) -> float:
+        """Return the time [s] of the boat since a reading, at most a tick's."""
+        step = last.seconds / last.tick if last.tick else 0.0
+        return min(max(now - last.arrived, 0.0) * self.pace, step)
+
+    def _between(self, channel: str, name: str, value: float, now: float) -> float:
+        """Return where a value is on its way from the reading before to the last one."""
+        last, before = self.reading(channel), self.before.get(channel, NOTHING)
+        start, took = before.number(name), last.arrived - before.arrived
+        if start is None or not 0.0 < took < SLOWEST or before.tick >= last.tick:
+            return value
+        way = value - start
+        if name in ROUND:
+            way = (way + 180.0) % 360.0 - 180.0
+        return self._wrapped(name, start + way * min(max(now - last.arrived, 0.0) / took, 1.0))
+
+    def _wrapped(self, name: str, value: float) -> float:
+        return value % 360.0 if name in ROUND else value

@@ -1,0 +1,99 @@
+"""Going back in time: a place on the time line is chosen, and gone back to or replayed from."""
+
+from dataclasses import dataclass
+from typing import Final
+
+from trainer.console.choice import NOTHING, Done
+from trainer.console.drawing.event_log import moments, time_line
+from trainer.console.journal import clock
+from trainer.console.model import Kept, Sight
+from trainer.console.pane import Lines, fit, line
+
+STEPS: Final = {"left": 5.0, "right": -5.0, "shift+left": 60.0, "shift+right": -60.0}  # [s]
+LIST: Final = 8  # moments shown
+CLOSE: Final = 0.26  # [s] within which a place is that of a moment kept
+SIGNS: Final = {"S": "snapshot", "C": "broken", "M": "mark"}
+
+
+@dataclass
+class Moments:
+    """How far back is looked [s], and what Enter does there."""
+
+    sight: Sight
+    replays: bool
+    lapse: float = 30.0
+    size: tuple[int, int] = (78, 20)
+
+    @property
+    def there(self) -> float:
+        """Return the time [s] that is looked at."""
+        return max(self.sight.picture.seconds - self.lapse, 0.0)
+
+    @property
+    def snapshot(self) -> str:
+        """Return the snapshot at that time, "" for none."""
+        kept = [s for s in self.sight.snapshots if abs(s.seconds - self.there) < CLOSE]
+        return kept[-1].text if kept else ""
+
+    def order(self, *, replay: bool) -> str:
+        """Return the order that goes there."""
+        if replay:
+            return f"replay {max(self.lapse, 0.5):g} s"
+        if self.there <= 0.0:
+            return "reset"
+        return f"restore {self.snapshot}" if self.snapshot else f"backtrack {self.lapse:g} s"
+
+    def press(self, key: str, character: str | None) -> Done | None:
+        """Take a key; return how the dialog ends, None while it goes on."""
+        if key == "escape":
+            return NOTHING
+        if key in ("enter", "r", "b"):
+            replay = key == "r" or (key == "enter" and self.replays)
+            return Done((self.order(replay=replay),))
+        if key in ("up", "down"):
+            self._jump(earlier=key == "up")
+        elif key == "home":
+            self.lapse = self.sight.picture.seconds
+        elif character and character in "123456789":
+            self.lapse = 60.0 * int(character)
+        self.lapse += STEPS.get(key, 0.0)
+        self.lapse = min(max(self.lapse, 0.5), max(self.sight.picture.seconds, 0.5))
+        return None
+
+    def _jump(self, *, earlier: bool) -> None:
+        """Go to the moment kept before or after the one that is looked at."""
+        times = sorted({0.0, *(kept.seconds for kept in moments(self.sight))})
+        side = [
+            t for t in times if (t < self.there - CLOSE) == earlier and abs(t - self.there) > CLOSE
+        ]
+        if side:
+            self.lapse = self.sight.picture.seconds - (side[-1] if earlier else side[0])
+
+    def draw(self, width: int, height: int) -> Lines:
+        """Return the dialog."""
+        verb = "Replay from" if self.replays else "Go back to"
+        kept = [line((f"   {self._said(each)}", "plain")) for each in moments(self.sight)[-LIST:]]
+        lines = [
+            line((f" {verb}", "title")),
+            line(),
+            line((f"   {clock(self.there)}", "value"), f"   {self.lapse:g} s ago"),
+            *time_line(self.sight, width, 1),
+            self._pointer(width),
+            *(kept or [line(("   no snapshots, marks or casualties yet", "dim"))]),
+            line(),
+            line((" 1 to 9: minutes ago    Left, Right: 5 s    Shift with them: 1 min", "dim")),
+            line((" Up, Down: from one moment to the next    Home: the start", "dim")),
+            line((" B goes back there    R replays from there    Esc stays", "dim")),
+            line((" Enter sends: ", "dim"), (self.order(replay=self.replays), "ordered")),
+        ]
+        return [fit(each, width) for each in lines[:height]]
+
+    def _said(self, kept: Kept) -> str:
+        """Return a moment in words."""
+        return f"{clock(kept.seconds)}  {SIGNS[kept.sign]}: {kept.text}"
+
+    def _pointer(self, width: int) -> tuple[tuple[str, str], ...]:
+        """Return an arrow under the place on the time line."""
+        end = max(self.sight.picture.seconds, self.sight.furthest, 1.0)
+        room = width - 7 - 10
+        return line((" " * (7 + round(self.there / end * max(room - 1, 0))) + "▲", "value"))

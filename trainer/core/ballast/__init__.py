@@ -1,0 +1,1 @@
+"""Tanks, air, pumps, and the buoyancy that follows from them."""

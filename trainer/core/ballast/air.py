@@ -1,0 +1,206 @@
+"""Compressed air: banks, blow valves, vents, and the tanks whose water it drives out.
+
+Gas law: air is isothermal at sea temperature, in the banks and in the tanks. A bank that empties
+within a minute really cools, so this gives a fast blow some 15 % more pressure at its end than an
+adiabatic bank has, and the same once the heat is back.
+
+A tank is a box, flood port at its foot and vent at its top, both at the pressure of the sea. Its
+air seeks the volume at which it balances the water outside; the ports limit how fast.
+"""
+
+import math
+from typing import Final
+
+from trainer.core.ballast.tanks import (
+    ATMOSPHERE,
+    EMERGENCY_BANK,
+    MAIN_BANK,
+    NEGATIVE,
+    admit,
+    sea_pressure,
+    through_hole,
+)
+from trainer.core.kernel import Record, kernel, part
+
+THINNEST: Final = 0.5 * ATMOSPHERE  # [Pa] in a tank high out of the water, whose ports draw air
+CRITICAL: Final = 0.528  # [-] pressure ratio above which the flow of air is not choked
+
+
+@part
+def sonic_share(ratio: float) -> float:
+    """Return the mass flow [-] as a share of the choked one, by the ratio of the pressures.
+
+    ISO 6358's quarter ellipse, within 2 % of St. Venant's equation and free of powers.
+    """
+    if ratio <= CRITICAL:
+        return 1.0
+    if ratio >= 1.0:
+        return 0.0
+    beyond = (ratio - CRITICAL) / (1.0 - CRITICAL)
+    return math.sqrt(1.0 - beyond * beyond)
+
+
+@part
+def drawn(ballast: Record, bank: int, area: float, pressure: float, state: Record) -> float:
+    """Return the air [kg/s] that a bank gives through ``area`` [m2] against ``pressure`` [Pa]."""
+    b = ballast[0]
+    held = state[0].bank[bank]
+    if held <= 0.0 or area <= 0.0:
+        return 0.0
+    own = held * b.gas / b.bank_volume[bank]
+    flow = b.choked * area * own * sonic_share(pressure / own)
+    return flow * (1.0 - min(max(state[0].bank_fault[bank], 0.0), 1.0))
+
+
+@part
+def pass_air(
+    ballast: Record, bank: int, tank: int, flow: float, pressure: float, state: Record
+) -> None:
+    """Move ``flow`` [kg] of air from a bank to a tank, not beyond equal pressure [Pa]."""
+    b = ballast[0]
+    s = state[0]
+    spare = s.bank[bank] - pressure * b.bank_volume[bank] / b.gas
+    before = s.bank[bank]
+    s.bank[bank] = max(before - max(min(flow, spare), 0.0), 0.0)
+    s.tank_air[tank] += before - s.bank[bank]
+
+
+@part
+def blow(ballast: Record, tank: int, pressure: float, h: float, state: Record) -> None:
+    """Blow a tank against ``pressure`` [Pa] for ``h`` [s], as its valves stand.
+
+    The main bank serves the blow valves, the emergency bank the emergency valves, which are open
+    as far as the order exceeds 1.
+    """
+    b = ballast[0]
+    order = state[0].blow[tank]
+    sound = 1.0 - min(max(state[0].blow_fault[tank], 0.0), 1.0)
+    area = b.blow_area[tank] * min(order, 1.0) * sound
+    flow = drawn(ballast, MAIN_BANK, area, pressure, state)
+    pass_air(ballast, MAIN_BANK, tank, flow * h, pressure, state)
+    if order > 1.0:
+        area = b.emergency_area[tank] * min(order - 1.0, 1.0) * sound
+        flow = drawn(ballast, EMERGENCY_BANK, area, pressure, state)
+        pass_air(ballast, EMERGENCY_BANK, tank, flow * h, pressure, state)
+
+
+@part
+def vent_opening(tank: int, state: Record) -> float:
+    """Return how far [-] a vent is open: as ordered, less what its fault takes, or stuck open."""
+    fault = state[0].vent_fault[tank]
+    if fault < 0.0:
+        return min(-fault, 1.0)
+    return min(state[0].vent[tank], 1.0) * (1.0 - min(fault, 1.0))
+
+
+@part
+def vent(vessel: Record, ballast: Record, tank: int, top: float, h: float, state: Record) -> None:
+    """Let air out of a tank whose vent is at depth ``top`` [m], or in where that is in the air.
+
+    What drives it is the head between the water inside and the sea at the vent; incompressible
+    orifice flow, since that head is a small part of the pressure.
+    """
+    c, b = vessel[0], ballast[0]
+    s = state[0]
+    area = b.vent_area[tank] * vent_opening(tank, state)
+    volume, space = (b.capacity[tank] - s.water[tank]) / c.rho, b.capacity[tank] / c.rho
+    head = min(top, 0.0) + b.height[tank] * volume / space  # [m] negative only in the open air
+    pressure = ATMOSPHERE + c.rho * c.g * (head + max(top, 0.0))
+    density = max(pressure, THINNEST) / b.gas
+    flow = through_hole(density, area, c.rho * c.g * abs(head)) * h
+    passed = min(flow, abs(head) / b.height[tank] * space * density)
+    passed = min(passed, s.tank_air[tank]) if head > 0.0 else -passed
+    if volume <= 0.0 <= top:  # the last bubbles, too small to show in the water's mass
+        passed = s.tank_air[tank]
+    s.tank_air[tank] -= passed
+    s.air_taken -= passed
+
+
+@part
+def settle(vessel: Record, ballast: Record, tank: int, top: float, h: float, state: Record) -> None:
+    """Let the water in a tank follow its air towards balance with the sea through open ports.
+
+    The air's volume V in balance: air gas/V = p_top + rho g height V/volume. What a tank empty of
+    water cannot hold bubbles out through its ports.
+    """
+    c, b = vessel[0], ballast[0]
+    s = state[0]
+    space = b.capacity[tank] / c.rho
+    volume = (b.capacity[tank] - s.water[tank]) / c.rho
+    p_top = max(ATMOSPHERE + c.rho * c.g * top, THINNEST)
+    slope = c.rho * c.g * b.height[tank] / space
+    content = s.tank_air[tank] * b.gas
+    balance = 2.0 * content / (p_top + math.sqrt(p_top * p_top + 4.0 * slope * content))
+    inward = b.capacity[tank] - c.rho * balance - s.water[tank]  # [kg]
+    if volume > 0.0:
+        excess = abs(content / volume - p_top - slope * volume)
+        reach = through_hole(c.rho, b.port[tank], excess) * h
+        inward = min(max(inward, -reach), reach)
+    admit(ballast, tank, inward, state)
+    if s.water[tank] == 0.0:
+        surplus = s.tank_air[tank] - (p_top + slope * space) * space / b.gas
+        if surplus > 0.0:
+            s.tank_air[tank] -= surplus
+            s.air_taken -= surplus
+
+
+@part
+def at_work(ballast: Record, tank: int, state: Record) -> bool:
+    """Return whether anything can happen in a blown tank.
+
+    Nothing does in one that is full and shut. Main ballast ports stand open; the
+    negative tank's flood valve seals it, and its other valves work only with that one open.
+    """
+    b = ballast[0]
+    s = state[0]
+    if tank == NEGATIVE and s.negative_flood <= 0.0:
+        return False
+    if s.tank_air[tank] > 0.0 or s.water[tank] < b.capacity[tank]:
+        return True
+    opened = s.blow[tank] > 0.0 or vent_opening(tank, state) > 0.0
+    return opened and b.capacity[tank] > 0.0
+
+
+@part
+def work_blown_tank(
+    vessel: Record, ballast: Record, tank: int, depth: float, h: float, state: Record
+) -> None:
+    """Advance a tank with open flood ports, its centre at ``depth`` [m], by ``h`` [s]."""
+    c, b = vessel[0], ballast[0]
+    s = state[0]
+    top = depth - 0.5 * b.height[tank]
+    if s.blow[tank] > 0.0:
+        level = top + b.height[tank] * (1.0 - s.water[tank] / b.capacity[tank])
+        blow(ballast, tank, sea_pressure(c.rho * c.g, level), h, state)
+    if vent_opening(tank, state) > 0.0:
+        vent(vessel, ballast, tank, top, h, state)
+    settle(vessel, ballast, tank, top, h, state)
+
+
+@kernel
+def fill_with_air(vessel: Record, ballast: Record, tank: int, depth: float, state: Record) -> None:
+    """Give a blown tank the air that balances its water at ``depth`` [m] of its centre.
+
+    The negative tank, sealed, starts at atmospheric pressure.
+    """
+    c, b = vessel[0], ballast[0]
+    s = state[0]
+    if b.capacity[tank] <= 0.0:
+        return
+    empty = 1.0 - s.water[tank] / b.capacity[tank]
+    level = depth + b.height[tank] * (empty - 0.5)
+    pressure = ATMOSPHERE if tank == NEGATIVE else ATMOSPHERE + c.rho * c.g * level
+    s.tank_air[tank] = pressure * empty * b.capacity[tank] / (c.rho * b.gas)
+
+
+@part
+def compress(ballast: Record, h: float, state: Record) -> None:
+    """Charge the banks for ``h`` [s], the first not yet full."""
+    b = ballast[0]
+    s = state[0]
+    left = b.compressor_rate * h
+    for i in range(2):
+        before = s.bank[i]
+        s.bank[i] = min(before + left, max(b.bank_full[i], before))
+        s.air_taken += s.bank[i] - before
+        left -= s.bank[i] - before

@@ -1,0 +1,109 @@
+"""One tick of tanks and air, and the weight and balance that come of it.
+
+Program EC430 [ASSES] with erratum F6: x_G = (W0 x0 + sum Wi xi)/W, likewise y_G, z_G, and
+W = W0 + sum Wi, W0 being the boat with all of these tanks empty. It is summed here as departures
+from the vessel's own weight and balance, which hold at the start fillings: the same sum, and exact
+to the bit there. Water counts at the tank's centre; air counts nothing; inertias stay, as in the
+report.
+"""
+
+from trainer.core.ballast.air import at_work, compress, fill_with_air, work_blown_tank
+from trainer.core.ballast.pumps import work_pumps
+from trainer.core.ballast.tanks import (
+    ATMOSPHERE,
+    DEPTH_CONTROL,
+    DISCHARGE,
+    END,
+    FIRST_DRY,
+    NEGATIVE,
+    TRIM_FORWARD,
+    admit,
+    sea_pressure,
+    through_hole,
+)
+from trainer.core.elementary import cosine_and_sine
+from trainer.core.kernel import Record, kernel, part
+
+
+@part
+def balance(vessel: Record, ballast: Record, state: Record) -> None:
+    """Write weight [N] and centre of gravity [m] from the water aboard."""
+    c, b = vessel[0], ballast[0]
+    s = state[0]
+    weight, x, y, z = 0.0, 0.0, 0.0, 0.0
+    for i in range(END):
+        more = (s.water[i] - b.start[i]) * c.g
+        weight += more
+        x += more * (b.x[i] - c.x_g)
+        y += more * (b.y[i] - c.y_g)
+        z += more * (b.z[i] - c.z_g)
+    s.weight = c.weight + weight
+    s.x_g = c.x_g + x / s.weight
+    s.y_g = c.y_g + y / s.weight
+    s.z_g = c.z_g + z / s.weight
+
+
+@part
+def breached(
+    vessel: Record, ballast: Record, tank: int, depth: float, h: float, state: Record
+) -> None:
+    """Let the sea through the hole in a tank or compartment at ``depth`` [m] for ``h`` [s].
+
+    Orifice law. A pumped tank is vented inboard and fills up; a compartment is sealed, and the
+    sea enters until the air in it has come to the sea's pressure.
+    """
+    c, b = vessel[0], ballast[0]
+    s = state[0]
+    outside = sea_pressure(c.rho * c.g, depth)
+    limit, inside = b.capacity[tank], ATMOSPHERE
+    if tank >= FIRST_DRY:
+        limit *= 1.0 - ATMOSPHERE / outside
+        inside = ATMOSPHERE / (1.0 - min(s.water[tank], limit) / b.capacity[tank])
+    area = DISCHARGE * s.breach[tank - TRIM_FORWARD]
+    amount = min(through_hole(c.rho, area, outside - inside) * h, limit - s.water[tank])
+    if amount > 0.0:
+        admit(ballast, tank, amount, state)
+
+
+@part
+def advance_ballast(vessel: Record, ballast: Record, h: float, state: Record) -> None:
+    """Advance pumps, leaks, air and water by ``h`` [s] as ordered; then weight and balance.
+
+    Orders and faults are read where the state has them; depth and attitude are the present ones.
+    """
+    b = ballast[0]
+    s = state[0]
+    if b.fitted == 0.0:
+        return
+    cos_th, sin_th = cosine_and_sine(s.theta)
+    cos_phi, sin_phi = cosine_and_sine(s.phi)
+    down_x, down_y, down_z = -sin_th, cos_th * sin_phi, cos_th * cos_phi
+    work_pumps(vessel, ballast, h, state)
+    for i in range(TRIM_FORWARD, END):
+        if s.breach[i - TRIM_FORWARD] > 0.0 and b.capacity[i] > 0.0:
+            depth = s.z + down_x * b.x[i] + down_y * b.y[i] + down_z * b.z[i]
+            breached(vessel, ballast, i, depth, h, state)
+    for i in range(NEGATIVE + 1):
+        if at_work(ballast, i, state):
+            depth = s.z + down_x * b.x[i] + down_y * b.y[i] + down_z * b.z[i]
+            work_blown_tank(vessel, ballast, i, depth, h, state)
+    if s.compressor > 0.0:
+        compress(ballast, h, state)
+    balance(vessel, ballast, state)
+
+
+@kernel
+def start_ballast(vessel: Record, ballast: Record, state: Record) -> None:
+    """Write start fillings, full banks, and weight and balance for a boat level at its depth."""
+    b = ballast[0]
+    s = state[0]
+    if b.fitted == 0.0:
+        return
+    for i in range(END):
+        s.water[i] = b.start[i]
+    for i in range(NEGATIVE + 1):
+        fill_with_air(vessel, ballast, i, s.z + b.z[i], state)
+    for i in range(b.bank_full.size):
+        s.bank[i] = b.bank_full[i]
+    s.hover_integral = s.water[DEPTH_CONTROL]
+    balance(vessel, ballast, state)

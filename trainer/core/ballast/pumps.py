@@ -1,0 +1,125 @@
+"""Pumps: trim transfer, trim-and-drain, depth control, and hovering by the last.
+
+An order is what is still to be moved [kg]; it counts down to zero, so that a leak is nobody's
+order. Sea water is let in at the pump's rate at any depth; out, the rate falls with depth.
+"""
+
+import math
+from typing import Final
+
+from trainer.core.ballast.tanks import (
+    AUXILIARY,
+    DEPTH_CONTROL,
+    DEPTH_CONTROL_PUMP,
+    DRAIN_PUMP,
+    END,
+    FIRST_DRY,
+    TRIM_AFT,
+    TRIM_FORWARD,
+    TRIM_PUMP,
+    admit,
+)
+from trainer.core.kernel import Record, part
+
+DAMPING: Final = 1.0  # [-] of hovering
+INTEGRAL: Final = 0.4  # [-] times frequency^2, of the integral
+
+
+@part
+def delivery(ballast: Record, depth: float) -> float:
+    """Return the share [-] of its rate that a pump delivers to the sea at ``depth`` [m].
+
+    A centrifugal pump, whose head falls with the square of its flow.
+    """
+    left = 1.0 - max(depth, 0.0) / ballast[0].shutoff_depth
+    return math.sqrt(left) if left > 0.0 else 0.0
+
+
+@part
+def sound_rate(ballast: Record, pump: int, state: Record) -> float:
+    """Return the rate [kg/s] of a pump less what its fault takes."""
+    return ballast[0].pump_rate[pump] * (1.0 - min(max(state[0].pump_fault[pump], 0.0), 1.0))
+
+
+@part
+def pump_tank(ballast: Record, pump: int, tank: int, h: float, state: Record) -> None:
+    """Move what is ordered between a tank and the sea; an order that cannot be done lapses."""
+    s = state[0]
+    order = s.to_move[pump]
+    most = sound_rate(ballast, pump, state) * h
+    amount = min(max(order, -most * delivery(ballast, s.z)), most)
+    admit(ballast, tank, amount, state)
+    s.to_move[pump] = order - amount
+    full = order > 0.0 and s.water[tank] >= ballast[0].capacity[tank]
+    if full or (order < 0.0 and s.water[tank] <= 0.0):
+        s.to_move[pump] = 0.0
+
+
+@part
+def transfer_trim(ballast: Record, h: float, state: Record) -> None:
+    """Move trim water forward as ordered, aft if negative."""
+    b = ballast[0]
+    s = state[0]
+    order = s.to_move[TRIM_PUMP]
+    most = sound_rate(ballast, TRIM_PUMP, state) * h
+    amount = min(max(order, -most), most)
+    forward, aft = s.water[TRIM_FORWARD], s.water[TRIM_AFT]
+    possible = min(amount, aft, b.capacity[TRIM_FORWARD] - forward)
+    possible = max(possible, -forward, aft - b.capacity[TRIM_AFT])
+    s.water[TRIM_FORWARD] = min(max(forward + possible, 0.0), b.capacity[TRIM_FORWARD])
+    s.water[TRIM_AFT] = min(max(aft - possible, 0.0), b.capacity[TRIM_AFT])
+    s.to_move[TRIM_PUMP] = order - amount if possible == amount else 0.0
+
+
+@part
+def drain(ballast: Record, h: float, state: Record) -> None:
+    """Pump out the compartment ordered."""
+    s = state[0]
+    place = FIRST_DRY - 1 + int(s.drained)
+    if FIRST_DRY <= place < END:
+        most = sound_rate(ballast, DRAIN_PUMP, state) * h
+        admit(ballast, place, -most * delivery(ballast, s.z), state)
+
+
+@part
+def hover(vessel: Record, ballast: Record, h: float, state: Record) -> None:
+    """Order the depth-control tank so as to keep the ordered depth.
+
+    A depth error asks for a depth rate, within limits; an error in that for an acceleration, and
+    so for water, at the natural frequency and damping ratio of the vessel file and DAMPING. The
+    integral of the same takes up what the boat is out of trim; it rests while the tank cannot
+    hold what is wanted.
+    """
+    c, b = vessel[0], ballast[0]
+    s = state[0]
+    frequency = b.hover_frequency
+    per_acceleration = (c.mass - c.Z_wdot) / c.g  # [kg s2/m] of water
+    rate = (s.ordered_depth - s.z) * frequency / (2.0 * DAMPING)
+    lack = min(max(rate, -b.hover_rate), b.hover_rate) - s.zdot
+    wanted = s.hover_integral + per_acceleration * 2.0 * DAMPING * frequency * lack
+    possible = min(max(wanted, 0.0), b.capacity[DEPTH_CONTROL])
+    if wanted == possible:
+        s.hover_integral += per_acceleration * INTEGRAL * frequency * frequency * lack * h
+    s.to_move[DEPTH_CONTROL_PUMP] = possible - s.water[DEPTH_CONTROL]
+
+
+@part
+def work_pumps(vessel: Record, ballast: Record, h: float, state: Record) -> None:
+    """Advance all pumped tanks by ``h`` [s].
+
+    One pump serves the auxiliary tank and the compartments, these first. While hovering is off its
+    integral follows the tank, so that it starts without a bump.
+    """
+    s = state[0]
+    if s.hover > 0.0:
+        hover(vessel, ballast, h, state)
+    else:
+        s.hover_integral = s.water[DEPTH_CONTROL]
+    if s.to_move[TRIM_PUMP] != 0.0:
+        transfer_trim(ballast, h, state)
+    if s.drained > 0.0:
+        drain(ballast, h, state)
+    elif s.to_move[DRAIN_PUMP] != 0.0:
+        pump_tank(ballast, DRAIN_PUMP, AUXILIARY, h, state)
+    if s.to_move[DEPTH_CONTROL_PUMP] != 0.0:
+        pump_tank(ballast, DEPTH_CONTROL_PUMP, DEPTH_CONTROL, h, state)

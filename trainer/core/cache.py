@@ -1,0 +1,176 @@
+"""Where the core's machine code is kept, and what it is the code of.
+
+Numba stamps a cached kernel with the source of its own file only, so that a changed callee in
+another file would otherwise go on serving the old physics: the cache therefore lies in a folder
+named by a hash of the core's sources. Importing this module points numba there; the core does so
+before its first kernel.
+
+A file of machine code has a digest beside it. One that does not fit, or has none, is set aside
+before numba reads it: numba then finds nothing, and compiles. This is against damage; who may write
+there may as well change the program. Python tells of every file that is opened and renamed (its
+audit events), so that nothing of numba's own is touched.
+"""
+
+import contextlib
+import hashlib
+import os
+import sys
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+_PREFIX = "submarine-trainer-"
+_PRIVATE = "trainer-private-"
+KERNELS = ("core", "identify/kernels", "analysis/fleet", "analysis/sweep")  # folders that have any
+# Digests of earlier cores, whose standard hour ended in the bits of this one's.
+SAME_BITS = frozenset({"471ee82eb3e4b82a"})
+
+
+@cache
+def core_digest() -> str:
+    """Return a short hash of the core's sources: what the boat is computed by."""
+    return _digest("core")
+
+
+def sources(*folders: str) -> list[Path]:
+    """Return the sources in folders of the package, and in the folders within them."""
+    here = Path(__file__).parents[1]
+    return [
+        here / "units.py",
+        *(path for each in folders for path in sorted((here / each).rglob("*.py"))),
+    ]
+
+
+def _digest(*folders: str) -> str:
+    """Return a short hash of the sources in folders of the package."""
+    digest = hashlib.sha256()
+    for path in sources(*folders):
+        digest.update(path.name.encode() + b"\0" + path.read_bytes())
+    return digest.hexdigest()[:16]
+
+
+def same_core(digest: object) -> bool:
+    """Return whether a core of that digest computes the bits of this one."""
+    return digest == core_digest() or digest in SAME_BITS
+
+
+def _cache_root() -> Path:
+    """Return the folder that machine code of any version goes into."""
+    chosen = os.environ.get("NUMBA_CACHE_DIR")
+    if chosen:
+        path = Path(chosen)
+        return path.parent if path.name.startswith(_PREFIX) else path
+    if os.name == "nt" and "LOCALAPPDATA" in os.environ:
+        return Path(os.environ["LOCALAPPDATA"])
+    return Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
+
+
+def _claim_cache() -> Path:
+    """Return this version's cache folder; where home is read-only one that lasts for this run."""
+    checked = os.environ.get("NUMBA_BOUNDSCHECK", "0") not in ("", "0")  # other machine code
+    name = _PREFIX + _digest(*KERNELS) + "-checked" * checked
+    path = _cache_root() / name
+    try:
+        path.mkdir(parents=True, exist_ok=True)
+        writable = os.access(path, os.W_OK)
+    except OSError:
+        writable = False
+    if writable:
+        return path
+    path = _claim_private() / name
+    path.mkdir()
+    return path
+
+
+def _claim_private() -> Path:
+    """Return a new folder that goes when this process ends.
+
+    It is not the shared temporary folder itself: numba runs what it finds in its cache.
+    """
+    import atexit  # noqa: PLC0415  rarely needed
+    import shutil  # noqa: PLC0415
+    import tempfile  # noqa: PLC0415
+
+    private = Path(tempfile.mkdtemp(prefix=_PRIVATE))
+    atexit.register(shutil.rmtree, private, ignore_errors=True)
+    return private
+
+
+os.environ["NUMBA_CACHE_DIR"] = str(_claim_cache())
+if "numba" in sys.modules:  # it has read the environment already
+    sys.modules["numba"].config.CACHE_DIR = os.environ["NUMBA_CACHE_DIR"]
+
+
+CODE = (".nbi", ".nbc")  # numba's index of a kernel, and the code itself
+DIGEST = ".digest"
+DAMAGED = ".damaged"
+
+
+def _digest_of(path: str) -> bytes:
+    """Return the digest of a file; OSError if it cannot be read."""
+    descriptor = os.open(path, os.O_RDONLY)
+    with contextlib.closing(os.fdopen(descriptor, "rb")) as file:
+        return hashlib.blake2b(file.read(), digest_size=16).hexdigest().encode()
+
+
+def _keep_digest(made: str, path: str) -> None:
+    """Put the digest of what is about to be renamed to ``path`` beside it."""
+    with contextlib.suppress(OSError):
+        descriptor = os.open(path + DIGEST, os.O_WRONLY | os.O_CREAT | os.O_TRUNC, 0o666)
+        try:
+            os.write(descriptor, _digest_of(made))
+        finally:
+            os.close(descriptor)
+
+
+def _check(path: str) -> None:
+    """Set a file aside that is not what was written; say so."""
+    try:
+        found = _digest_of(path)
+    except FileNotFoundError:
+        return
+    except OSError:
+        found = b""
+    with contextlib.suppress(OSError):
+        descriptor = os.open(path + DIGEST, os.O_RDONLY)
+        try:
+            if os.read(descriptor, len(found) + 1) == found:
+                return
+        finally:
+            os.close(descriptor)
+    with contextlib.suppress(OSError):
+        os.rename(path, path + DAMAGED)  # noqa: PTH104  it is done for every file that is opened
+        for mark in cache_folder().glob("complete-*"):
+            mark.unlink(missing_ok=True)
+    _tell_damage()
+
+
+@cache
+def _tell_damage() -> None:
+    """Say once that code is damaged: what is set aside bears its name."""
+    print("trainer: compiled code was damaged, and is compiled again", file=sys.stderr)
+
+
+def _attend(event: str, told: tuple[Any, ...]) -> None:
+    """Check what numba is about to read, and keep a digest of what it is about to write."""
+    if event == "open":
+        path, mode, _ = told
+        if mode == "r" and isinstance(path, str) and path.endswith(CODE):
+            _check(path)
+    elif event == "os.rename":
+        made, path = str(told[0]), str(told[1])
+        if path.endswith(CODE):
+            _keep_digest(made, path)
+
+
+sys.addaudithook(_attend)
+
+
+def cache_folder() -> Path:
+    """Return the folder of this version's machine code."""
+    return Path(os.environ["NUMBA_CACHE_DIR"])
+
+
+def cache_lasts() -> bool:
+    """Return whether what is put into the cache is there at the next start."""
+    return not cache_folder().parent.name.startswith(_PRIVATE)

@@ -1,0 +1,1 @@
+"""Waves, their forces, and the free surface."""

@@ -1,1 +1,0 @@
-"""Vessels, seas, casualties and exercises: from their files to checked records."""

@@ -1,0 +1,170 @@
+"""A record of a ship under helm: times, rudder and what was measured, SI and radians.
+
+The rudder is positive when it turns the ship to port (trailing edge to port), as in the report and
+in the trainer; a source with the other sign says so in the study file.
+
+A record as the models read it: knots and degrees, one row a sample, and what lies between.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, fields, replace
+from functools import cached_property
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from trainer.config.files import ConfigError
+from trainer.core.kernel import Numbers
+from trainer.identify.models import UNITS
+from trainer.units import DEGREE
+
+CHANNELS: Final = {  # what may be recorded beside time, and its unit
+    "rudder": "rad",
+    "heading": "rad",
+    "yaw_rate": "rad/s",
+    "sway": "m/s",
+    "bow_sway": "m/s",
+    "stern_sway": "m/s",
+    "speed": "m/s",
+}
+OUTPUTS: Final = tuple(name for name in CHANNELS if name != "rudder")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Record:
+    """Columns of one length; NaN is a missing value, None a channel that was not recorded.
+
+    ``rudder[k]`` acts from ``t[k]`` to ``t[k+1]``. The heading is not wrapped. ``rows`` is the
+    place of each sample in its source, as people count, and ``names`` the source's own word for
+    each channel, for messages.
+    """
+
+    source: str
+    t: Numbers  # [s] rising
+    rudder: Numbers | None = None  # [rad] positive turns to port
+    heading: Numbers | None = None  # [rad]
+    yaw_rate: Numbers | None = None  # [rad/s]
+    sway: Numbers | None = None  # [m/s] at the centre of mass, positive to starboard
+    bow_sway: Numbers | None = None  # [m/s] at the forward log
+    stern_sway: Numbers | None = None  # [m/s] at the aft log
+    speed: Numbers | None = None  # [m/s]
+    rows: NDArray[np.int64]
+    names: Mapping[str, str]
+
+    @property
+    def channels(self) -> tuple[str, ...]:
+        """Return the channels that were recorded."""
+        return tuple(name for name in CHANNELS if getattr(self, name) is not None)
+
+    @property
+    def interval(self) -> float:
+        """Return the usual time [s] from sample to sample."""
+        return float(np.median(np.diff(self.t)))
+
+    def column(self, channel: str) -> Numbers:
+        """Return a channel; ConfigError if it was not recorded."""
+        values: Numbers | None = getattr(self, channel)
+        if values is None:
+            has = ", ".join(self.channels) or "nothing"
+            raise ConfigError(f"{self.source}: no {channel} was recorded; there is {has}")
+        return values
+
+    def name(self, channel: str) -> str:
+        """Return the source's word for a channel."""
+        return self.names.get(channel, channel)
+
+    def row(self, place: int) -> int:
+        """Return the source's row of a sample, as people count."""
+        return int(self.rows[place])
+
+    def part(self, places: Any) -> "Record":
+        """Return the samples at ``places``, a slice or a mask."""
+        columns = {
+            item.name: value[places]
+            for item in fields(self)
+            if isinstance(value := getattr(self, item.name), np.ndarray)
+        }
+        return replace(self, **columns)
+
+    def between(self, begin: float, end: float) -> "Record":
+        """Return the samples from ``begin`` to ``end`` [s]; ConfigError if fewer than two are."""
+        inside = (self.t >= begin) & (self.t <= end)
+        if np.count_nonzero(inside) < 2:
+            raise ConfigError(
+                f"{self.source}: fewer than two rows from {begin:g} s to {end:g} s; "
+                f"it has {self.t[0]:g} s to {self.t[-1]:g} s"
+            )
+        return self.part(inside)
+
+    def every(self, count: int) -> "Record":
+        """Return each ``count``-th sample, the rudder as its mean until the next one.
+
+        The mean keeps what a rudder did that moved between the samples taken.
+        """
+        if count == 1:
+            return self
+        thin = self.part(slice(None, None, count))
+        if self.rudder is None:
+            return thin
+        starts = np.arange(0, len(self.t), count)
+        held = np.add.reduceat(self.rudder, starts)
+        sizes = np.diff([*starts, len(self.t)])
+        return replace(thin, rudder=held / sizes)
+
+
+Places = NDArray[np.int64]
+
+
+@dataclass(frozen=True)
+class Samples:
+    """Readings and inputs at each time; NaN is a missing reading.
+
+    ``inputs[k]`` acts from ``t[k]`` to ``t[k+1]``; before the first sample it acted as at it.
+    """
+
+    t: Numbers  # (n,) [s] rising
+    outputs: Numbers  # (n, y)
+    inputs: Numbers  # (n, u)
+
+    @cached_property
+    def steps(self) -> tuple[Numbers, Places]:
+        """Return the different intervals (m,) [s] and which of them follows each sample (n,).
+
+        After the last sample comes an interval like the one before it.
+        """
+        if len(self.t) < 2:
+            raise ConfigError("a record of fewer than two samples has no interval")
+        gaps = np.diff(self.t)
+        usual = float(np.median(gaps))
+        intervals, which = np.unique(np.round(gaps / usual, 9), return_inverse=True)
+        return intervals * usual, np.append(which, which[-1]).astype(np.int64)
+
+    @cached_property
+    def table(self) -> Numbers:
+        """Return readings, inputs of the sample before, inputs (n, y+2u)."""
+        before = np.vstack([self.inputs[:1], self.inputs[:-1]])
+        return np.ascontiguousarray(np.hstack([self.outputs, before, self.inputs]))
+
+    @property
+    def counted(self) -> int:
+        """Return how many samples have a reading."""
+        return int(np.count_nonzero(~np.all(np.isnan(self.outputs), axis=1)))
+
+    @property
+    def whole(self) -> bool:
+        """Return whether no reading is missing."""
+        return not np.isnan(self.outputs).any()
+
+    def without(self, excluded: NDArray[np.bool_]) -> "Samples":
+        """Return the samples with the readings of some (n,), or single readings (n, y), missing."""
+        outputs = self.outputs.copy()
+        outputs[excluded] = np.nan
+        return replace(self, outputs=outputs)
+
+
+def samples_of(record: Record, outputs: tuple[str, ...]) -> Samples:
+    """Return the channels ``outputs`` of a record and its rudder, in the models' units."""
+    columns = [UNITS[channel][1] * record.column(channel) for channel in outputs]
+    rudder = record.column("rudder") / DEGREE
+    return Samples(record.t, np.column_stack(columns), rudder[:, None])

@@ -1,0 +1,216 @@
+"""Whether the intervals are honest: simulate, estimate, and count how often the truth is inside.
+
+Members that are experiments: a record simulated, identified, and held against the truth.
+"""
+
+import math
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any, Final
+
+import numpy as np
+
+from trainer.analysis.sweep.batch import Batch, member
+from trainer.analysis.sweep.outputs import COVERED, DEVIATION, Output
+from trainer.analysis.sweep.records import PARAMETERS, IdentificationTable, Parameter
+from trainer.analysis.sweep.study import Study
+from trainer.config.files import ConfigError, Place, nearest, shown
+from trainer.config.schema import read_record
+from trainer.core.kernel import Numbers
+from trainer.identify.estimate import estimate
+from trainer.identify.experiment import held, prbs
+from trainer.identify.likelihood import Likelihood
+from trainer.identify.minimise import Search
+from trainer.identify.models import MODELS, Ship
+from trainer.identify.problem import Problem
+from trainer.identify.reference_ships import Rehearsal
+from trainer.identify.uncertainty import uncertainty
+from trainer.identify.validation import drawn
+from trainer.units import KNOT
+
+WIDTH: Final = 1.959963984540054  # [standard deviations] of half a 95 % interval
+
+
+@dataclass(frozen=True)
+class Run:
+    """One simulated record and what was found from it."""
+
+    seed: int
+    theta: Numbers  # (f,)
+    deviations: Numbers  # (f,) NaN where the information was singular
+    cost: float
+    cost_at_truth: float
+    converged: bool
+
+
+@dataclass(frozen=True)
+class Coverage:
+    """Many runs and the truth behind them."""
+
+    names: tuple[str, ...]
+    truth: Numbers  # (f,)
+    runs: tuple[Run, ...]
+
+    @property
+    def estimates(self) -> Numbers:
+        """Return the estimates (runs, f)."""
+        return np.array([run.theta for run in self.runs])
+
+    @property
+    def deviations(self) -> Numbers:
+        """Return their standard deviations (runs, f)."""
+        return np.array([run.deviations for run in self.runs])
+
+    @property
+    def inside(self) -> Numbers:
+        """Return of each parameter the share of 95 % intervals that hold the truth (f,)."""
+        away = np.abs(self.estimates - self.truth) <= WIDTH * self.deviations
+        return np.asarray(away.mean(axis=0))
+
+    @property
+    def pooled(self) -> float:
+        """Return the share of all intervals that hold the truth."""
+        return float(self.inside.mean())
+
+    @property
+    def converged(self) -> float:
+        """Return the share of runs whose minimiser came to its end."""
+        return float(np.mean([run.converged for run in self.runs]))
+
+
+def one_run(problem: Problem, truth: Numbers, seed: int) -> Run:
+    """Return what is found from the record of ``seed``, estimated from the problem's values."""
+    stream = np.random.Generator(np.random.PCG64(seed))
+    cost = Likelihood(problem.on(drawn(problem, truth, stream)))
+    found = estimate(cost, problem.start, "auto", Search())
+    known = uncertainty(problem.names, cost.information(found.theta))
+    return Run(
+        seed,
+        found.theta,
+        known.deviations,
+        found.cost,
+        cost.value(truth),
+        converged=found.converged,
+    )
+
+
+def study(
+    problem: Problem, truth: Numbers, seeds: range, each: Callable[[Iterator[Run]], Iterator[Run]]
+) -> Coverage:
+    """Return the runs of ``seeds``; ``each`` passes them on and may show how far it is."""
+    runs = each(one_run(problem, truth, seed) for seed in seeds)
+    return Coverage(problem.names, truth, tuple(runs))
+
+
+CHUNK: Final = 25
+CONVERGED, GAIN = "converged", "likelihood gained"
+
+
+def rehearsal_of(study: Study, drawn: Mapping[str, Any]) -> tuple[Rehearsal, IdentificationTable]:
+    """Return ship, experiment and start of the search; ConfigError if the model has no such."""
+    tables = study.varied(drawn)
+    place = Place(study.path.name, "identification")
+    table = read_record(IdentificationTable, tables["identification"], place, ("note",))
+    rows = PARAMETERS.read("parameters", tables["parameters"], Place(study.path.name, ""))
+    _check(rows, table, study.path.name)
+    logs = table.bow_log_m or 0.0, table.stern_log_m or 0.0
+    ship = Ship(table.length_m, table.speed_kn * KNOT, *logs)
+    free = tuple(row.name for row in rows if row.free is not False)
+    truth = {row.name: row.truth for row in rows}
+    begin = {row.name: row.start for row in rows if row.start is not None}
+    rehearsal = Rehearsal(table.model, ship, table.outputs, table.interval_s, truth, free, begin)
+    return rehearsal, table
+
+
+def _check(rows: tuple[Parameter, ...], table: IdentificationTable, file: str) -> None:
+    """Check names against the model; ConfigError with all faults."""
+    model, problems = MODELS[table.model], []
+    names = [row.name for row in rows]
+    for i, name in enumerate(names):
+        place = Place(file, f"parameters[{i}]")
+        if name not in model.names:
+            text = f"model {table.model} has no such parameter{nearest(name, model.names)}"
+            problems.append(place.wrong("name", name, text))
+        if name in names[:i]:
+            problems.append(place.wrong("name", name, "is given twice"))
+    for channel in table.outputs:
+        if channel not in model.outputs:
+            text = f"model {table.model} has {', '.join(model.outputs)}"
+            problems.append(Place(file, "identification").wrong("outputs", channel, text))
+    if all(row.free is False for row in rows):
+        problems.append(Place(file, "").problem("[[parameters]] has none that is free"))
+    if problems:
+        raise ConfigError(*problems)
+
+
+def experiment(rehearsal: Rehearsal, table: IdentificationTable) -> tuple[Problem, Numbers]:
+    """Return the problem at the start of its search, and the true values (f,) of what is free."""
+    bit = max(1, round(table.bit_s / table.interval_s))
+    sequence = held(prbs(table.register_bits), table.amplitude_deg, bit)
+    problem = rehearsal.problem(np.resize(sequence, table.samples))
+    return replace(problem, values=problem.whole(rehearsal.start())), problem.start
+
+
+class Identifying:
+    """The members of a study that are experiments."""
+
+    chunk = CHUNK
+
+    def __init__(self, study: Study) -> None:
+        """Take the study; ConfigError if its middle member is no experiment."""
+        self.study = study
+        self.middle = experiment(*rehearsal_of(study, study.draws.middle()))
+
+    @cached_property
+    def outputs(self) -> tuple[Output, ...]:
+        """Return what is kept: estimates, deviations and whether the truth is covered."""
+        model = self.middle[0].plant.model
+        units = {one.name: one.unit for one in model.parameters}
+        found = []
+        for name in self.middle[0].names:
+            found += [Output(name, units[name]), Output(DEVIATION.format(name), units[name])]
+            found.append(Output(COVERED.format(name), "-"))
+        every = (*found, Output(CONVERGED, "-"), Output(GAIN, "-"))
+        return kept(self.study, every)
+
+    def batch(self, first: int, count: int) -> Batch:
+        """Return what becomes of ``count`` members from ``first`` on."""
+        draws = self.study.draws
+        drawn, seeds = draws.drawn(first, count), draws.seeds(first, count)
+        outputs = np.full((count, len(self.outputs)), np.nan)
+        troubles: list[str | None] = [None] * count
+        for i in range(count):
+            numbers = member(drawn, i)
+            try:
+                found = self._found(numbers, int(seeds[i]))
+            except ConfigError as wrong:
+                troubles[i] = wrong.problems[0]
+                continue
+            outputs[i] = [found.get(output.name, math.nan) for output in self.outputs]
+        return Batch(np.arange(first, first + count), seeds, drawn, outputs, tuple(troubles))
+
+    def _found(self, drawn: Mapping[str, Any], seed: int) -> dict[str, float]:
+        """Return what one experiment tells, by output."""
+        same = not self.study.variables
+        problem, truth = self.middle if same else experiment(*rehearsal_of(self.study, drawn))
+        run = one_run(problem, truth, seed)
+        found = {CONVERGED: float(run.converged), GAIN: run.cost_at_truth - run.cost}
+        each = zip(problem.names, truth, run.theta, run.deviations, strict=True)
+        for name, true, value, deviation in each:
+            found[name], found[DEVIATION.format(name)] = float(value), float(deviation)
+            inside = abs(value - true) <= WIDTH * deviation
+            found[COVERED.format(name)] = float(inside)
+        return found
+
+
+def kept(study: Study, every: tuple[Output, ...]) -> tuple[Output, ...]:
+    """Return the outputs that a study asks for; ConfigError if one is none."""
+    asked, known = study.heading.measures, {one.name: one for one in every}
+    if asked is None:
+        return every
+    for name in asked:
+        if name not in known:
+            text = f"no measure {shown(name)}{nearest(name, known)}; there are {', '.join(known)}"
+            raise ConfigError(f"{study.path.name}: {text}")
+    return tuple(known[name] for name in asked)

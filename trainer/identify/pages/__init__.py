@@ -1,0 +1,1 @@
+"""What identification found, for terminal, plot and browser."""

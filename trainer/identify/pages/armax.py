@@ -1,0 +1,238 @@
+"""ARMAX models of rising order, as a page for a terminal and as a plot."""
+
+import math
+from dataclasses import dataclass
+from typing import Final
+
+from trainer.analysis.report.plots import Panel
+from trainer.analysis.report.text import INDENT, cut, figure, table, wrapped
+from trainer.config.files import ConfigError
+from trainer.identify.armax_orders import (
+    FirstOrder,
+    Orders,
+    delayed,
+    rounding_poles,
+    treated,
+    try_orders,
+    without_wind,
+)
+from trainer.identify.measurements import samples_of
+from trainer.identify.models import UNITS
+from trainer.identify.pages.identify import correlation_panels, residual_table
+from trainer.identify.residuals import Residuals, verdicts
+from trainer.identify.study import Study, observe
+
+MOST: Final = 4  # orders
+LAGS: Final = 10
+
+
+@dataclass(frozen=True)
+class Coefficient:
+    """One coefficient and its standard deviation, None where the record does not tell."""
+
+    name: str
+    value: float
+    deviation: float | None
+
+
+@dataclass(frozen=True)
+class Row:
+    """One order tried."""
+
+    order: int
+    parameters: int
+    loss: float  # V
+    deviation: float  # lambda, in the unit of the output
+    aic: float
+    bic: float
+    f: float | None  # against the order before
+    f_probability: float | None
+    converged: bool
+    coefficients: tuple[Coefficient, ...]
+    poles: tuple[tuple[float, float], ...]  # real and imaginary part
+    zeros: tuple[tuple[float, float], ...]
+    rounding: tuple[tuple[float, float], ...]  # negative poles that a zero cancels
+    inseparable: tuple[str, ...]
+    residuals: Residuals
+
+
+@dataclass(frozen=True)
+class Report:
+    """All that ``trainer identify --armax`` says."""
+
+    study: str
+    source: str
+    output: str
+    unit: str
+    samples: int
+    interval_s: float
+    removed: str
+    dead_time: int
+    findings: tuple[str, ...]
+    orders: tuple[Row, ...]
+    by_aic: int
+    by_bic: int
+    by_test: int
+    first_order: FirstOrder | None  # of heading, from order 2
+    verdicts: tuple[str, ...]  # on the order of least AIC
+
+
+def carried_out(study: Study) -> tuple[Report, Orders]:
+    """Return the models of a study; ConfigError if its record has gaps or is too short."""
+    asked = study.armax
+    if asked is None:
+        raise ConfigError(f"{study.path.name}: lacks [armax]")
+    observed = observe(study)
+    record = observed.record
+    samples = samples_of(record, (asked.output,))
+    if len(samples.steps[0]) > 1:
+        raise ConfigError(f"{record.source}: ARMAX needs one interval; this record has more")
+    how, dead = asked.remove or "mean", int(asked.dead_time or 0)
+    if not samples.whole:
+        raise ConfigError(f"{record.source}: ARMAX needs a record without missing values; cut it")
+    y, u = delayed(treated(samples.outputs[:, 0], how), treated(samples.inputs[:, 0], how), dead)
+    orders = try_orders(
+        y,
+        u,
+        int(asked.most or MOST),
+        initial=asked.initial != "no",
+        lags=int(asked.lags or LAGS),
+    )
+    report = Report(
+        study=study.heading.name,
+        source=record.source,
+        output=asked.output,
+        unit=UNITS[asked.output][0],
+        samples=len(y),
+        interval_s=record.interval,
+        removed=how,
+        dead_time=dead,
+        findings=tuple(map(str, observed.findings)),
+        orders=_rows(orders),
+        by_aic=orders.by_aic.fit.model.order,
+        by_bic=orders.by_bic.fit.model.order,
+        by_test=orders.by_test.fit.model.order,
+        first_order=_first_order(orders, asked.output, record.interval),
+        verdicts=tuple(verdicts(orders.by_aic.residuals)),
+    )
+    return report, orders
+
+
+def _rows(orders: Orders) -> tuple[Row, ...]:
+    found = []
+    for order in orders.tried:
+        fit = order.fit
+        numbers = dict(zip(fit.names, _values(fit.model, fit.names), strict=True))
+        known = zip(numbers.items(), fit.deviations, strict=True)
+        coefficients = (
+            Coefficient(name, value, s if math.isfinite(s) else None) for (name, value), s in known
+        )
+        found.append(
+            Row(
+                order=fit.model.order,
+                parameters=fit.parameters,
+                loss=fit.loss,
+                deviation=fit.deviation,
+                aic=order.aic,
+                bic=order.bic,
+                f=order.better and order.better.statistic,
+                f_probability=order.better and order.better.probability,
+                converged=fit.converged,
+                coefficients=tuple(coefficients),
+                poles=tuple((root.real, root.imag) for root in fit.model.poles),
+                zeros=tuple((root.real, root.imag) for root in fit.model.zeros),
+                rounding=rounding_poles(fit.model),
+                inseparable=fit.inseparable,
+                residuals=order.residuals,
+            )
+        )
+    return tuple(found)
+
+
+def _values(model: object, names: tuple[str, ...]) -> list[float]:
+    """Return the coefficients of these names."""
+    return [getattr(model, name[0])[int(name[1:]) - 1] for name in names]
+
+
+def _first_order(orders: Orders, output: str, interval: float) -> FirstOrder | None:
+    """Return the first-order ship in a heading's model of order 2; None if there is none."""
+    if output != "heading" or len(orders.tried) < 2:
+        return None
+    try:
+        return without_wind(orders.tried[1].fit.model, interval)
+    except ConfigError:
+        return None
+
+
+def render(report: Report) -> str:
+    """Return the report as text."""
+    lines = [
+        f"ARMAX MODELS of {report.output} by rudder (IDPAC)",
+        f"{INDENT}{cut(report.study, 70)}",
+        f"{INDENT}{cut(report.source, 75)}",
+        f"{INDENT}{report.samples} samples every {report.interval_s:g} s",
+        f"{INDENT}removed: {report.removed}; dead time {report.dead_time} samples",
+    ]
+    if report.findings:
+        lines += ["", *(line for text in report.findings for line in wrapped(f"- {text}"))]
+    rows = [
+        (
+            str(row.order),
+            str(row.parameters),
+            f"{row.loss:.6g}",
+            f"{row.deviation:.4g}",
+            f"{row.aic:.2f}",
+            f"{row.bic:.2f}",
+            figure(row.f, ".2f"),
+            figure(row.f_probability, ".3f"),
+            f"{row.residuals.whiteness.probability:.3f}",
+            f"{row.residuals.feedback.probability:.3f}",
+        )
+        for row in report.orders
+    ]
+    heads = ("order", "p", "V", "lambda", "AIC", "BIC", "F", "p(F)", "white\np", "feedback\np")
+    lines += ["", *table(heads, rows)]
+    lines += [
+        "",
+        f"{INDENT}Order by AIC {report.by_aic}, by BIC {report.by_bic}, by F {report.by_test}",
+    ]
+    chosen = next(row for row in report.orders if row.order == report.by_aic)
+    lines += ["", *_coefficient_table(chosen), "", *_root_lines(chosen)]
+    if report.first_order is not None:
+        ship = report.first_order
+        lines += ["", f"{INDENT}Order 2 without wind: K {ship.K:.4g} 1/s, T {ship.T:.4g} s"]
+    lines += ["", *residual_table((chosen.residuals,))]
+    lines += [line for text in report.verdicts for line in wrapped(f"- {text}")]
+    return "\n".join(lines)
+
+
+def _coefficient_table(row: Row) -> list[str]:
+    rows = [
+        (one.name, f"{one.value:.5g}", figure(one.deviation, ".2g")) for one in row.coefficients
+    ]
+    return table((f"order {row.order}", "estimate", "std dev"), rows)
+
+
+def _root_lines(row: Row) -> list[str]:
+    """Return poles and zeros in the z plane."""
+    lines = wrapped(f"Poles {_roots(row.poles)}", INDENT, 2 * INDENT)
+    lines += wrapped(f"Zeros {_roots(row.zeros)}", INDENT, 2 * INDENT)
+    for pole, zero in row.rounding:
+        text = f"the pole {pole:.2f} beside the zero {zero:.2f} is of rounded readings, not a ship"
+        lines += wrapped(f"- {text}")
+    if row.inseparable:
+        lines += wrapped(f"- the record cannot separate {', '.join(row.inseparable)}")
+    return lines
+
+
+def _roots(roots: tuple[tuple[float, float], ...]) -> str:
+    """Return roots as text, of a pair the one above the axis."""
+    shown = [(real, imag) for real, imag in roots if imag >= 0.0]
+    texts = (f"{real:+.3f}" + (f" +-{imag:.3f}i" if imag else "") for real, imag in shown)
+    return ", ".join(texts) or "none"
+
+
+def panels(report: Report, orders: Orders) -> tuple[Panel, ...]:
+    """Return the correlations of the residuals of the order of least AIC."""
+    del report
+    return correlation_panels((orders.by_aic.residuals,))

@@ -1,0 +1,220 @@
+"""A rudder experiment as a page for a terminal and as a plot."""
+
+import math
+from dataclasses import dataclass
+from typing import Any, Final
+
+import numpy as np
+
+from trainer.analysis.report.plots import Curve, Panel
+from trainer.analysis.report.text import INDENT, cut, figure, table, wrapped
+from trainer.config.vessel import VesselFile
+from trainer.identify.derived import QUANTITIES
+from trainer.identify.design import Prospect, Reading, prospect
+from trainer.identify.experiment import (
+    LEAD,
+    Sequence,
+    exercise_text,
+    flown,
+    remarks,
+    scheduled,
+    suggested_bits,
+    suggested_hold,
+    suggested_interval,
+    zigzag_flight,
+    zigzag_orders,
+    zigzag_told,
+)
+from trainer.identify.measurements import Record
+from trainer.identify.nomoto import Nomoto
+from trainer.identify.sources import Sensors
+from trainer.identify.steering import steering
+from trainer.units import KNOT
+
+UNMOVED: Final = ("T_imag",)  # shown with T1 if it is not zero
+
+
+@dataclass(frozen=True)
+class Report:
+    """All that ``trainer prbs`` says about an experiment."""
+
+    vessel: str
+    speed_kn: float
+    kind: str  # "prbs" or "zigzag"
+    settings: dict[str, Any]
+    seconds: float
+    orders: tuple[tuple[float, str], ...]
+    largest_heading_deg: float  # in a calm
+    largest_rate_deg_s: float
+    lowest_speed_kn: float
+    reach_s: float | None  # of a zig-zag
+    period_s: float | None
+    overshoots_deg: tuple[float, ...]
+    remarks: tuple[str, ...]
+    outputs: tuple[str, ...]
+    prospect: Prospect
+
+
+@dataclass(frozen=True)
+class Design:
+    """A report, the record the boat would make in a calm, and the exercise that makes it."""
+
+    report: Report
+    record: Record
+    exercise: str
+
+
+def design(file: VesselFile, options: dict[str, Any]) -> Design:
+    """Return the experiment that the options of ``trainer prbs`` ask for.
+
+    ConfigError if the boat cannot fly it or it would tell nothing.
+    """
+    speed_kn = options["speed"] or file.run.start_speed_kn
+    speed, step = speed_kn * KNOT, file.run.step_s
+    ship = steering(file, speed)
+    interval = options["interval"] or suggested_interval(ship.nomoto, step)
+    depth = options["depth"] or file.run.start_depth_m
+    if options["zigzag"]:
+        kind, orders, seconds, told = _zigzag(file, speed, options)
+    else:
+        kind, orders, seconds, told = _sequence(ship.nomoto, interval, options)
+    flight = flown(file, scheduled(orders), speed, depth, seconds)
+    record = flight.every(max(1, round(interval / step)))
+    sensors = Sensors(
+        sway_kn=options["sway"],
+        yaw_rate_deg_s=options["yaw_rate"],
+        heading_deg=options["heading"],
+    )
+    outputs = tuple(options["outputs"]) or ("sway", "yaw_rate", "heading")
+    place = {"vessel": options["vessel"], "speed_kn": speed_kn, "depth_m": depth}
+    place |= {"duration_s": seconds} | ({"sea": options["sea"]} if options["sea"] else {})
+    exercise = exercise_text(orders, f"{kind} for identification at {speed_kn:g} kn", place)
+    report = Report(
+        vessel=file.name,
+        speed_kn=speed_kn,
+        kind=kind,
+        seconds=seconds,
+        orders=orders,
+        largest_heading_deg=_largest(flight.heading),
+        largest_rate_deg_s=_largest(flight.yaw_rate),
+        lowest_speed_kn=float(np.min(flight.column("speed"))) / KNOT,
+        outputs=outputs,
+        prospect=prospect(ship, record, outputs, Reading(sensors, options["unrest"])),
+        **told,
+    )
+    return Design(report, flight, exercise)
+
+
+def _largest(values: Any) -> float:
+    """Return the largest angle [deg] of values [rad]."""
+    return math.degrees(float(np.max(np.abs(values))))
+
+
+def _sequence(ship: Nomoto, interval: float, options: dict[str, Any]) -> Any:
+    """Return kind, orders, duration [s] and what is told of a binary sequence."""
+    hold = options["hold"] or suggested_hold(ship, interval)
+    sequence = Sequence(
+        bits=options["bits"] or suggested_bits(ship, hold),
+        amplitude_deg=options["amplitude"],
+        hold_s=hold,
+        periods=options["periods"],
+        by=options["by"],
+        seed=options["seed"],
+    )
+    told = {
+        "settings": {
+            "bits": sequence.bits,
+            "amplitude_deg": sequence.amplitude_deg,
+            "hold_s": sequence.hold_s,
+            "periods": sequence.periods,
+            "by": sequence.by,
+            "seed": sequence.seed,
+        },
+        "reach_s": None,
+        "period_s": None,
+        "overshoots_deg": (),
+        "remarks": tuple(remarks(sequence, ship, interval)),
+    }
+    return "PRBS", sequence.orders(), sequence.seconds, told
+
+
+def _zigzag(file: VesselFile, speed: float, options: dict[str, Any]) -> Any:
+    """Return kind, orders, duration [s] and what is told of a zig-zag."""
+    helm, execute = options["zigzag"]
+    flight = zigzag_flight(file, speed, (helm, execute), options["seconds"])
+    orders = zigzag_orders(flight, helm)
+    shown = zigzag_told(flight, execute)
+    told = {
+        "settings": {"helm_deg": helm, "execute_deg": execute},
+        "reach_s": shown.reach_s,
+        "period_s": shown.period_s,
+        "overshoots_deg": shown.overshoots_deg,
+        "remarks": (f"she reaches {execute:g} deg only in a calm at just these times",),
+    }
+    return "zig-zag", orders, orders[-1][0] + LEAD, told
+
+
+def render(report: Report) -> str:
+    """Return the report as text."""
+    settings = ", ".join(f"{name} {_word(value)}" for name, value in report.settings.items())
+    lines = [
+        f"RUDDER EXPERIMENT: {report.kind}",
+        f"{INDENT}{cut(report.vessel, 70)}, {report.speed_kn:g} kn",
+        *wrapped(settings, INDENT, INDENT),
+        f"{INDENT}{report.seconds:g} s, {len(report.orders)} orders",
+        "",
+        f"{INDENT}In a calm she swings to {report.largest_heading_deg:.0f} deg, {_pace(report)}.",
+    ]
+    if report.overshoots_deg:
+        overshoots = ", ".join(f"{one:.1f}" for one in report.overshoots_deg)
+        lines.append(
+            f"{INDENT}Reach {figure(report.reach_s, '.1f')} s, period "
+            f"{figure(report.period_s, '.1f')} s, overshoots {overshoots} deg."
+        )
+    told = report.prospect
+    head = f"{INDENT}Expected from {told.samples} samples at {told.interval_s:g} s of "
+    lines += ["", f"{head}{', '.join(report.outputs)}:", ""]
+    rows = [
+        (
+            name,
+            QUANTITIES.get(name, "prime"),
+            f"{value:.5g}",
+            f"{told.deviations[name]:.2g}",
+            _percent(value, told.deviations[name]),
+        )
+        for name, value in told.values.items()
+        if name not in UNMOVED and (value or told.deviations[name])
+    ]
+    lines += table(("quantity", "unit", "value", "std dev", "%"), rows)
+    if report.remarks:
+        lines += ["", *(line for one in report.remarks for line in wrapped(f"- {one}"))]
+    return "\n".join(lines)
+
+
+def _pace(report: Report) -> str:
+    rate, speed = report.largest_rate_deg_s, report.lowest_speed_kn
+    return f"turns at {rate:.2f} deg/s and slows to {speed:.1f} kn"
+
+
+def _word(value: object) -> str:
+    return f"{value:g}" if isinstance(value, int | float) else str(value)
+
+
+def _percent(value: float, deviation: float) -> str:
+    return f"{100.0 * deviation / abs(value):.1f}" if value else "-"
+
+
+def panels(design_: Design) -> tuple[Panel, ...]:
+    """Return rudder, heading and yaw rate of the experiment in a calm."""
+    record = design_.record
+    t = record.t
+
+    def panel(title: str, unit: str, channel: str) -> Panel:
+        curve = Curve(channel, t, np.degrees(record.column(channel)))
+        return Panel(title, "time [s]", unit, (curve,), levels=(0.0,))
+
+    return (
+        panel("rudder, positive to port", "[deg]", "rudder"),
+        panel("heading in a calm", "[deg]", "heading"),
+        panel("yaw rate in a calm", "[deg/s]", "yaw_rate"),
+    )

@@ -1,0 +1,333 @@
+"""What a fit amounts to, for page, JSON and plot: parameters, ship, losses, residuals.
+
+All that ``trainer identify`` says about a model, as records that become page, JSON and sheet.
+"""
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import Any, Final
+
+import numpy as np
+
+from trainer.config.files import ConfigError
+from trainer.config.vessel import load_vessel
+from trainer.identify.alternatives import PAIRED, Allowed, Rival, allowed, rivals_of
+from trainer.identify.derived import DERIVATIVES, QUANTITIES
+from trainer.identify.fitting import Fitted, fit, settings, table_of
+from trainer.identify.innovations import Shown, losses, shown, unlimited
+from trainer.identify.nonlinear import Bend
+from trainer.identify.prediction_error import Innovations
+from trainer.identify.residuals import Residuals, aic_of_likelihood, examine_residuals, verdicts
+from trainer.identify.study import Study, observe
+from trainer.identify.study_records import Ship
+from trainer.identify.validation import Check, bend_of, check_of, loss_alone
+from trainer.units import KNOT
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """One number and its standard deviation, None where the record does not tell."""
+
+    name: str
+    unit: str
+    value: float
+    deviation: float | None
+
+
+@dataclass(frozen=True)
+class ShipNumber:
+    """A gain or time constant, its standard deviation, and its 95 % interval by draws.
+
+    None where the record does not tell. Where the two differ the interval is right: the number
+    bends with the parameters.
+    """
+
+    name: str
+    unit: str
+    value: float
+    deviation: float | None
+    low: float | None
+    high: float | None
+
+
+@dataclass(frozen=True)
+class MonteCarlo:
+    """Ships drawn from what the record leaves open (8.5)."""
+
+    draws: int
+    paired: float  # [-] share whose T1 and T2 are a complex pair
+
+
+@dataclass(frozen=True)
+class Derivative:
+    """A derivative in the study's system, and in the other one where the mass is known."""
+
+    name: str
+    prime: float | None
+    bis: float | None
+    deviation: float | None  # in the study's system
+
+
+@dataclass(frozen=True)
+class Direction:
+    """An eigenvalue of the scaled second derivatives, and the parameters of its direction."""
+
+    eigenvalue: float
+    parts: dict[str, float]  # [-] of the unit vector, those above a tenth of the largest
+
+
+@dataclass(frozen=True)
+class Report:
+    """All that ``trainer identify`` says about a model."""
+
+    study: str
+    source: str
+    model: str
+    settings: dict[str, Any]
+    length_m: float
+    speed_kn: float
+    outputs: tuple[str, ...]
+    samples: int
+    interval_s: float
+    findings: tuple[str, ...]
+    converged: bool
+    steps: int
+    log_likelihood: float
+    aic: float
+    loss_1: float  # V1 of the one-step errors
+    loss_1_alone: float  # V1 of the model by rudder alone
+    screened: int
+    parameters: tuple[Estimate, ...]
+    ship: tuple[ShipNumber, ...]
+    monte_carlo: MonteCarlo
+    derivatives: tuple[Derivative, ...]
+    stability: str
+    eigenvalue: float  # smallest of the scaled information
+    weakest: tuple[str, ...]  # parameters of that direction
+    eigenvalues: tuple[Direction, ...]  # all, smallest first
+    collapsed: tuple[str, ...]  # errors of readings that went to their floor
+    residuals: tuple[Residuals, ...]
+    verdicts: tuple[str, ...]
+    rivals: tuple[Rival, ...] = ()
+    check: Check | None = None
+    bend: Bend | None = None
+
+
+LAGS: Final = 10
+
+
+@dataclass(frozen=True, eq=False)
+class Identified:
+    """A study carried out: the fit, what is said of it, and the ships that the record allows."""
+
+    fitted: Fitted
+    report: Report
+    others: Allowed
+
+
+def carried_out(
+    study: Study, options: dict[str, Any], heard: Callable[[int, float], None]
+) -> Identified:
+    """Return the fit of a study and its report; ConfigError for what cannot be.
+
+    ``options`` has other records to check it on and to find kappa from, a checkpoint, and what
+    simpler models to test it against.
+    """
+    observed = observe(study)
+    try:
+        fitted = fit(
+            study,
+            observed.record,
+            lambda found: heard(found.steps, found.cost),
+            options["checkpoint"],
+        )
+    except ConfigError as error:  # what is odd about the record may be why
+        source = observed.record.source
+        odd = (f"{source}: {finding}" for finding in observed.findings)
+        raise ConfigError(*error.problems, *odd) from None
+    others = allowed(fitted)
+    report = report_of(fitted, tuple(map(str, observed.findings)), others)
+    tests = rivals_of(fitted, options["against"], options["without"])
+    report = replace(report, rivals=tests)
+    if options["check"] is not None:
+        report = replace(report, check=check_of(fitted, options["check"]))
+    if options["kappa"] is not None:
+        report = replace(report, bend=bend_of(fitted, options["kappa"]))
+    return Identified(fitted, report, others)
+
+
+def report_of(fitted: Fitted, findings: tuple[str, ...], others: Allowed) -> Report:
+    """Return what a fit amounts to; ``others`` are the ships that the record allows beside it."""
+    problem, study, plant = fitted.problem, fitted.study, fitted.problem.plant
+    run = errors_of(fitted)
+    residuals = _residuals(fitted, run)
+    return Report(
+        study=study.heading.name,
+        source=fitted.record.source,
+        model=plant.model.name,
+        settings=settings(table_of(study)),
+        length_m=plant.ship.length,
+        speed_kn=plant.ship.speed / KNOT,
+        outputs=plant.outputs,
+        samples=problem.samples.counted,
+        interval_s=plant.period,
+        findings=findings,
+        converged=bool(fitted.found.converged),
+        steps=fitted.found.steps,
+        log_likelihood=fitted.log_likelihood,
+        aic=aic_of_likelihood(fitted.log_likelihood, len(problem.free)),
+        loss_1=losses(run).V1,
+        loss_1_alone=loss_alone(fitted),
+        screened=fitted.rejected,
+        parameters=_parameters(fitted),
+        ship=_ship(fitted, others),
+        monte_carlo=MonteCarlo(len(others.draws), others.paired),
+        derivatives=_derivatives(fitted),
+        stability=_stability(fitted),
+        eigenvalue=float(fitted.known.eigenvalues[0]),
+        weakest=_weakest(fitted),
+        eigenvalues=_directions(fitted),
+        collapsed=problem.collapsed(fitted.found.theta),
+        residuals=residuals,
+        verdicts=(
+            *_doubts(fitted, others),
+            *(text for one in residuals for text in verdicts(one)),
+        ),
+    )
+
+
+def errors_of(fitted: Fitted) -> Shown:
+    """Return the one-step errors of a fit, by the predictor that was fitted."""
+    cost, theta = fitted.cost, fitted.found.theta
+    run = shown(fitted.problem, theta, unlimited(len(fitted.problem.plant.outputs)))
+    if not isinstance(cost, Innovations):
+        return run
+    errors = cost.errors(theta)
+    whole = errors[~np.isnan(errors).any(axis=1)]
+    R = whole.T @ whole / len(whole)
+    return replace(
+        run,
+        predictions=fitted.problem.samples.outputs - errors,
+        errors=errors,
+        spreads=np.tile(R, (len(errors), 1, 1)),
+        squares=np.einsum("ki,ij,kj->k", errors, np.linalg.inv(R), errors),
+    )
+
+
+def _finite(value: float) -> float | None:
+    return float(value) if math.isfinite(value) else None
+
+
+def _parameters(fitted: Fitted) -> tuple[Estimate, ...]:
+    """Return the estimated parameters, unscaled."""
+    parameters, problem = fitted.problem.plant.model.parameters, fitted.problem
+    numbers = zip(
+        problem.free, fitted.found.theta, fitted.known.deviations, problem.scale, strict=True
+    )
+    return tuple(
+        Estimate(parameters[i].name, parameters[i].unit, float(x * by), _finite(s * by))
+        for i, x, s, by in numbers
+    )
+
+
+def _ship(fitted: Fitted, others: Allowed) -> tuple[ShipNumber, ...]:
+    """Return gains and time constants that the model has, SI."""
+    names, told = fitted.quantity_names, fitted.told
+    rows = zip(names, told.values, told.deviations, *others.spans, strict=True)
+    return tuple(
+        ShipNumber(name, QUANTITIES[name], float(x), *map(_finite, (s, low, high)))
+        for name, x, s, low, high in rows
+        if name in QUANTITIES and x != 0.0 and math.isfinite(x)
+    )
+
+
+def _derivatives(fitted: Fitted) -> tuple[Derivative, ...]:
+    """Return the derivatives of Model 1 in both systems, theta'' = theta'/m' (3.6)."""
+    table, ship = fitted.study.model, fitted.study.ship
+    bis = table is not None and table.system == "bis"
+    mass = _mass(ship)
+    told = zip(fitted.quantity_names, fitted.told.values, fitted.told.deviations, strict=True)
+    found = []
+    for name, value, deviation in told:
+        if name not in DERIVATIVES:
+            continue
+        own = float(value)
+        other = None if mass is None else own * mass if bis else own / mass
+        prime, both = (other, own) if bis else (own, other)
+        found.append(Derivative(name, prime, both, _finite(deviation)))
+    return tuple(found)
+
+
+def _mass(ship: Ship | None) -> float | None:
+    """Return m' = 2 volume/L^3 [-], by the study's displacement or the vessel file's mass."""
+    if ship is None or (ship.displacement_m3 is None and ship.vessel is None):
+        return None
+    if ship.displacement_m3 is not None:
+        return 2.0 * ship.displacement_m3 / ship.length_m**3
+    file = load_vessel(str(ship.vessel))
+    return 2.0 * file.hull.mass / (file.fluid.rho * ship.length_m**3)
+
+
+def _doubts(fitted: Fitted, others: Allowed) -> list[str]:
+    """Return what must not be taken at its word."""
+    found = []
+    if others.paired > PAIRED:
+        found.append(
+            f"T1 and T2: {others.paired:.0%} of the ships that this record allows have a complex "
+            "pair; they cannot be told apart: trust T1 + T2, T1 T2, and the intervals"
+        )
+    found += [
+        f"{name}: the error went to its floor; another reading or the initial state stands for "
+        "this one: drop one of them, or fix it"
+        for name in fitted.problem.collapsed(fitted.found.theta)
+    ]
+    return found
+
+
+def _stability(fitted: Fitted) -> str:
+    """Return in words whether she keeps a straight course, and how surely."""
+    told = dict(zip(fitted.quantity_names, fitted.told.values, strict=True))
+    known = dict(zip(fitted.quantity_names, fitted.told.deviations, strict=True))
+    value, deviation = float(told["1/T1"]), float(known["1/T1"])
+    word = "stable" if value > 0.0 else "unstable"
+    if not math.isfinite(deviation) or deviation == 0.0:
+        return f"{word}: 1/T1 = {value:.4g} 1/s"
+    sure = abs(value) / deviation
+    doubt = "" if sure > 2.0 else ", which this record does not settle"
+    return f"{word}: 1/T1 = {value:.4g} +- {deviation:.2g} 1/s, {sure:.1f} deviations from 0{doubt}"
+
+
+def _directions(fitted: Fitted) -> tuple[Direction, ...]:
+    """Return the eigenvalues of the scaled second derivatives with what each is made of."""
+    known = fitted.known
+    found = []
+    for value, direction in zip(known.eigenvalues, known.directions.T, strict=True):
+        least = 0.1 * np.max(np.abs(direction))
+        named = zip(known.names, map(float, direction), strict=True)
+        parts = {name: part for name, part in named if abs(part) >= least}
+        found.append(Direction(float(value), parts))
+    return tuple(found)
+
+
+def _weakest(fitted: Fitted) -> tuple[str, ...]:
+    """Return the parameters of the direction that the record tells least of."""
+    direction = np.abs(fitted.known.directions[:, 0])
+    names = fitted.known.names
+    return tuple(
+        name for name, part in zip(names, direction, strict=True) if part > 0.3 * direction.max()
+    )
+
+
+def _residuals(fitted: Fitted, run: Shown) -> tuple[Residuals, ...]:
+    """Return the examination of each output's residuals, as far as there are enough."""
+    rudder = fitted.problem.samples.inputs[:, 0]
+    lags = min(LAGS, (int(run.counted.sum()) - 2) // 2)
+    if lags < 1:
+        return ()
+    outputs, standard = enumerate(fitted.problem.plant.outputs), run.standardised
+    return tuple(
+        examine_residuals(name, standard[:, i], rudder, lags)
+        for i, name in outputs
+        if np.count_nonzero(~np.isnan(standard[:, i])) >= 2 * lags + 2
+    )

@@ -1,0 +1,187 @@
+"""Losses of predictors: output error, innovations with a gain, several steps ahead (MI 6.2-6.4).
+
+Every cost is minus a log-likelihood, with the errors' covariance concentrated out where the model
+does not give it: its second derivatives are the inverse covariance of the estimates (MI 8.3).
+"""
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+
+from trainer.config.files import ConfigError
+from trainer.core.kernel import Numbers
+from trainer.identify.kernels.prediction import multi_step, run_with_gain, settle
+from trainer.identify.kernels.sampling import Complexes
+from trainer.identify.likelihood import LOG_2_PI, Likelihood, possible
+from trainer.identify.problem import Problem
+from trainer.identify.sampled import STEP, Sampled
+
+Gains = Callable[[Problem, Sampled], Complexes | None]
+
+MOST_STEPS: Final = 5000  # of the iteration for the settled gain
+SETTLED: Final = 1e-13  # [-] relative change of P at which it has settled
+
+
+def no_gain(problem: Problem, sampled: Sampled) -> Complexes:
+    """Return zero gains (b, x, y): the model runs alone, all error is in the readings."""
+    batch, states = sampled.start.shape[:2]
+    return np.zeros((batch, states, problem.samples.outputs.shape[1]), complex)
+
+
+def settled_gain(problem: Problem, sampled: Sampled) -> Complexes | None:
+    """Return the gains (b, x, y) that the filter settles at; None if it does not.
+
+    ConfigError if the interval varies: there is no such gain then.
+    """
+    if sampled.mean.shape[1] != 1:
+        raise ConfigError(
+            "a stationary gain needs one interval; this record has "
+            f"{sampled.mean.shape[1]}: take the covariance form"
+        )
+    sampled, gains = sampled.as_complex(), no_gain(problem, sampled)
+    for row, gain in enumerate(gains):
+        P = np.ascontiguousarray(sampled.start[row, :, 1:])
+        system = sampled.mean[row, 0], sampled.noise[row, 0]
+        if settle(*system, P, SETTLED, MOST_STEPS, gain) <= 0:
+            return None
+    return gains
+
+
+@dataclass(frozen=True, eq=False)
+class Innovations:
+    """The cost of a predictor with a gain: ``no_gain`` (output error) or ``settled_gain``.
+
+    ``gains`` may also be a function of one's own; imaginary parts are derivatives.
+    """
+
+    problem: Problem
+    gains: Gains
+
+    def value(self, theta: Numbers) -> float:
+        """Return (n/2) log det(S/n) + n y (1 + log 2 pi)/2, S the sum of error error'."""
+        errors = self._errors(self.problem.sampled(theta).as_complex())
+        return math.inf if errors is None else _concentrated(errors[0].real)
+
+    def slope(self, theta: Numbers) -> tuple[float, Numbers]:
+        """Return the cost and its exact gradient (f,)."""
+        errors = self._errors(self.problem.sloped(theta))
+        if errors is None:
+            return math.inf, np.full(len(theta), math.nan)
+        value, weighted, slopes = errors[0].real, *self._weighted(errors)
+        gradient = np.einsum("kc,pkc->p", weighted, slopes)
+        return _concentrated(value), gradient * self.problem.scale
+
+    def information(self, theta: Numbers) -> Numbers:
+        """Return n sum error_i' S^-1 error_j (f, f): the expected second derivatives."""
+        errors = self._errors(self.problem.sloped(theta))
+        if errors is None:
+            return np.full((len(theta), len(theta)), math.nan)
+        value = errors[0].real
+        spread = np.linalg.cholesky(value.T @ value / len(value))
+        _, slopes = self._weighted(errors)
+        standard = np.linalg.solve(spread, np.moveaxis(slopes, 2, 1)).reshape(len(theta), -1)
+        scale = self.problem.scale
+        return np.asarray(standard @ standard.T * np.outer(scale, scale))
+
+    def errors(self, theta: Numbers) -> Numbers:
+        """Return the prediction errors (n, y); NaN where a reading is missing."""
+        sampled = self.problem.sampled(theta).as_complex()
+        gains = self.gains(self.problem, sampled)
+        if gains is None:
+            raise ConfigError("the filter does not settle: its gain is not known")
+        return np.asarray(self._run(sampled, gains, 0).real)
+
+    def _weighted(self, errors: Complexes) -> tuple[Numbers, Numbers]:
+        """Return n S^-1 error (n, y) and the errors' slopes (f, n, y)."""
+        value = errors[0].real
+        weighted = len(value) * np.linalg.solve(value.T @ value, value.T).T
+        return weighted, errors[1:].imag / STEP
+
+    def _errors(self, sampled: Sampled) -> Complexes | None:
+        """Return the errors of whole samples (b, k, y); None if the model is impossible."""
+        if not possible(sampled):
+            return None
+        gains = self.gains(self.problem, sampled)
+        if gains is None:
+            return None
+        errors = np.stack([self._run(sampled, gains, row) for row in range(len(gains))])
+        errors = errors[:, ~np.isnan(self.problem.samples.outputs).any(axis=1)]
+        return errors if np.isfinite(errors).all() and errors.shape[1] else None
+
+    def _run(self, sampled: Sampled, gains: Complexes, row: int) -> Complexes:
+        """Return the errors (n, y) of one row."""
+        samples = self.problem.samples
+        errors = np.empty(samples.outputs.shape, complex)
+        first = np.ascontiguousarray(sampled.start[row, :, 0])
+        run_with_gain(sampled.mean[row], gains[row], first, samples.table, samples.steps[1], errors)
+        return errors
+
+
+def _concentrated(errors: Numbers) -> float:
+    """Return minus the log-likelihood of ``errors`` (n, y) with the covariance that fits best.
+
+    Infinite where errors are one another's multiples, or too large to be squared.
+    """
+    count, readings = errors.shape
+    with np.errstate(over="ignore"):
+        covariance = errors.T @ errors / count
+    if not np.isfinite(covariance).all():
+        return math.inf
+    sign, determinant = np.linalg.slogdet(covariance)
+    if sign <= 0.0:
+        return math.inf
+    return float(0.5 * count * (determinant + readings * (1.0 + LOG_2_PI)))
+
+
+@dataclass(frozen=True, eq=False)
+class MultiStep:
+    """The cost of predictions ``first`` to ``last`` samples ahead, pooled (MI 6.4).
+
+    Standard deviations follow from it only if both are 1: then it is the likelihood.
+    """
+
+    problem: Problem
+    first: int
+    last: int
+
+    def value(self, theta: Numbers) -> float:
+        """Return n V2, n the samples that have a reading."""
+        cost, _ = self._cost(self.problem.sampled(theta).as_complex(), 0)
+        return float(cost.real)
+
+    def slope(self, theta: Numbers) -> tuple[float, Numbers]:
+        """Return n V2 and its exact gradient (f,)."""
+        sampled = self.problem.sloped(theta)
+        costs = np.array([self._cost(sampled, row)[0] for row in range(len(sampled.start))])
+        return float(costs[0].real), costs[1:].imag / STEP * self.problem.scale
+
+    def information(self, theta: Numbers) -> Numbers:
+        """Return the information of one step: a metric for minimisers, not for deviations."""
+        return Likelihood(self.problem).information(theta)
+
+    def losses(self, theta: Numbers) -> tuple[float, float]:
+        """Return V1 = log det(pooled S)/count and V2."""
+        cost, pooled = self._cost(self.problem.sampled(theta).as_complex(), 0)
+        readings = self.problem.samples.outputs.shape[1]
+        sign, determinant = np.linalg.slogdet(pooled[1:].reshape(readings, readings))
+        first = float(determinant) / pooled[0] if sign > 0.0 and pooled[0] else math.nan
+        return first, cost.real / self.problem.samples.counted
+
+    def _cost(self, sampled: Sampled, row: int) -> tuple[complex, Numbers]:
+        """Return n V2 of a row, and whole samples and pooled S (1 + y*y,)."""
+        samples = self.problem.samples
+        readings = samples.outputs.shape[1]
+        sums = np.empty(3 + readings * readings, complex)
+        if not possible(sampled):
+            return complex(math.inf), sums[2:].real
+        system = sampled.mean[row], sampled.noise[row]
+        steps = self.first, self.last
+        start = np.ascontiguousarray(sampled.start[row])
+        count = multi_step(system, start, samples.table, samples.steps[1], steps, sums)
+        if count <= 0:
+            return complex(math.inf), sums[2:].real
+        mean = 0.5 * (sums[0] + sums[1] * LOG_2_PI) / count
+        return complex(mean * samples.counted), np.asarray(sums[2:].real)

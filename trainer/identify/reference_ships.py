@@ -1,0 +1,185 @@
+"""Ships whose numbers are known, under experiments: what estimation is rehearsed on.
+
+The ships are those of the report's sections 6 to 10 as its tables have them, bis system, the rudder
+positive to port. Where the tables' errors and disturbances are not legible they are of the size
+that makes the documented scatter.
+"""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import Final
+
+import numpy as np
+
+from trainer.core.kernel import Numbers
+from trainer.identify.experiment import held, prbs
+from trainer.identify.measurements import Samples
+from trainer.identify.models import MODELS, Plant, Ship
+from trainer.identify.problem import Problem, problem_of
+from trainer.units import DEGREE, KNOT
+
+SHIP_DERIVATIVES: Final = ("Y_v", "Y_r", "N_v", "N_r", "Y_delta", "l_delta")
+STATE: Final = ("x1_0", "x2_0", "x3_0")
+
+
+@dataclass(frozen=True)
+class Rehearsal:
+    """A ship, how she is read, what she truly is, and from where an analyst would start.
+
+    ``begin`` has the free parameters that do not start at the truth.
+    """
+
+    kind: str
+    ship: Ship
+    outputs: tuple[str, ...]
+    period: float  # [s]
+    truth: Mapping[str, float]
+    free: tuple[str, ...]
+    begin: Mapping[str, float]
+
+    def problem(self, rudder: Numbers, missing: float = 0.0) -> Problem:
+        """Return the problem at its truth, ``rudder`` (n,) [deg]; a share of readings missing."""
+        count = len(rudder)
+        outputs = np.zeros((count, len(self.outputs)))
+        outputs[np.random.default_rng(5).random(outputs.shape) < missing] = np.nan
+        t = np.arange(count, dtype=float) * self.period
+        samples = Samples(t, outputs, rudder[:, None])
+        model = MODELS[self.kind]
+        plant = Plant(model, self.ship, self.outputs, self.period)
+        return problem_of(plant, samples, model.vector(**self.truth), self.free)
+
+    def start(self) -> Numbers:
+        """Return where the free parameters start (f,)."""
+        told = {**self.truth, **self.begin}
+        return np.array([told.get(name, 0.0) for name in self.free])
+
+    def freed(self, *names: str, **truth: float) -> "Rehearsal":
+        """Return the rehearsal with more free parameters, at values ``truth``."""
+        return replace(self, free=(*self.free, *names), truth={**self.truth, **truth})
+
+
+def sequence(count: int, bit: float, amplitude: float, period: float) -> Numbers:
+    """Return rudder angles (count,) [deg]: a binary sequence with bits of ``bit`` [s]."""
+    return np.resize(held(prbs(7), amplitude, max(1, round(bit / period))), count)
+
+
+TANKER_SHIP: Final = {
+    "m11": 1.7,
+    "m22": 0.105,
+    "Y_v": -1.59,
+    "Y_r": -0.616,
+    "N_v": -0.183,
+    "N_r": -0.125,
+    "Y_delta": 0.199,
+    "l_delta": 0.065 / 0.199,
+}
+TANKER_BEGIN: Final = {
+    "Y_v": -1.23,
+    "Y_r": -0.525,
+    "N_v": -0.2,
+    "N_r": -0.26,
+    "Y_delta": 0.197,
+    "l_delta": 0.094 / 0.197,
+}
+
+# Sea Splendour, Table 9.1, read every 5 s at the centre of mass: the ship of speed and coverage
+TANKER: Final = Rehearsal(
+    "1",
+    Ship(329.0, 15.9 * KNOT, 120.0, 130.0),
+    ("sway", "yaw_rate", "heading"),
+    5.0,
+    {
+        **TANKER_SHIP,
+        "Y_0": 1e-4,
+        "N_0": 1e-5,
+        "r_0": 1e-3,
+        "R1_Y": 2e-3,
+        "R1_N": 1.2e-5,
+        "R1_YN": 0.3,
+        "R2_v1": 0.01,
+        "R2_r": 1e-4,
+        "R2_psi": 0.01,
+        "lag": 0.3,
+        "x1_0": 0.1,
+        "x2_0": 0.01,
+        "x3_0": 1.0,
+    },
+    (
+        *(*SHIP_DERIVATIVES, "Y_0", "N_0", "r_0", "R1_Y", "R1_N", "R1_YN"),
+        *("R2_v1", "R2_r", "R2_psi", *STATE, "lag"),
+    ),
+    {
+        **TANKER_BEGIN,
+        "Y_0": 0.0,
+        "N_0": 0.0,
+        "r_0": 0.0,
+        "R1_Y": 1e-3,
+        "R1_N": 1e-5,
+        "R1_YN": 0.0,
+        "R2_v1": 0.02,
+        "R2_r": 2e-4,
+        "R2_psi": 0.02,
+        "lag": 0.1,
+        "x1_0": 0.0,
+        "x2_0": 0.0,
+        "x3_0": 0.0,
+    },
+)
+TANKER_RUDDER: Final = sequence(2000, 30.0, 5.0, 5.0)
+
+# Compass Island, Tables 10.2 and 10.4
+ISLAND: Final = Rehearsal(
+    "1",
+    Ship(160.93, 8.74 * KNOT),
+    ("sway", "yaw_rate", "heading"),
+    6.0,
+    {
+        "m11": 1.935,
+        "m12": 0.033,
+        "m21": 0.015,
+        "m22": 0.104,
+        "Y_v": -1.105,
+        "Y_r": -0.558,
+        "N_v": -0.004,
+        "N_r": -0.129,
+        "Y_delta": 0.544,
+        "l_delta": 0.13 / 0.544,
+        "R1_Y": 2e-3,
+        "R1_N": 1e-5,
+        "R2_v1": 0.01,
+        "R2_r": 1e-4,
+        "R2_psi": 0.04,
+        "lag": math.asin(5.35 / 6.0),
+    },
+    (
+        *("Y_v", "Y_r", "N_v", "N_r", "Y_delta", "l_delta", "Y_0", "N_0", "r_0"),
+        *("R1_Y", "R1_N", "R2_v1", "R2_r", "R2_psi", *STATE, "lag"),
+    ),
+    {
+        "Y_v": -1.452,
+        "Y_r": -0.658,
+        "N_v": -0.364,
+        "N_r": -0.23,
+        "Y_delta": 0.348,
+        "l_delta": 0.166 / 0.348,
+        "R1_Y": 4e-3,
+        "R1_N": 2e-5,
+        "lag": 0.5,
+    },
+)
+
+
+def helmed(rehearsal: Rehearsal, angle: float, count: int) -> Numbers:
+    """Return the rudder (n,) [deg] of a zig-zag angle/angle of the model without any noise."""
+    problem = rehearsal.problem(np.zeros(count))
+    mean, _, start = problem.sampled(problem.start).at(0)
+    z = np.array([*start[:, 0], 0.0, 0.0, 1.0])
+    rudder, side = np.empty(count), 1.0
+    for k in range(count):
+        if -side * z[2] / DEGREE >= angle:
+            side = -side
+        z[3], z[4] = rudder[k - 1] if k else side * angle, side * angle
+        rudder[k] = side * angle
+        z[:3] = (mean[0] @ z)[:3]
+    return rudder

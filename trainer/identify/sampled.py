@@ -1,0 +1,97 @@
+"""Continuous systems sampled exactly, at one interval or many (MI 7).
+
+Derivatives by an imaginary step: exact to the last digits, since nothing is subtracted.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any, Final
+
+import numpy as np
+
+from trainer.config.files import ConfigError
+from trainer.core.kernel import Numbers
+from trainer.identify.kernels.kernel import Entries
+from trainer.identify.kernels.sampling import Complexes, sample_instants, sample_integrals
+from trainer.identify.models import Blocks
+
+STEP: Final = 1e-100  # imaginary part that carries a derivative without rounding
+
+
+def aside(theta: Numbers, free: Sequence[int]) -> Complexes:
+    """Return ``theta`` (n,) and, below it, one row for each place in ``free`` a step aside."""
+    rows = np.empty((1 + len(free), len(theta)), complex)
+    rows[:] = theta
+    for row, place in enumerate(free, 1):
+        rows[row, place] += 1j * STEP
+    return rows
+
+
+def _as_given(
+    drift: Entries,
+    noise: Entries,
+    lag: Entries,
+    intervals: Numbers,
+    mean: Entries,
+    covariance: Entries,
+) -> None:
+    """Write systems that are discrete already, for any interval."""
+    del lag, intervals
+    inputs = mean.shape[3] - drift.shape[2]
+    states = drift.shape[2] - inputs - 1
+    mean[:] = 0.0
+    mean[..., :states] = drift[:, None, :, :states]
+    mean[..., states + inputs :] = drift[:, None, :, states:]
+    covariance[:] = noise[:, None]
+
+
+SAMPLINGS: Final[dict[str, Callable[..., Any]]] = {
+    "instantaneous": sample_instants,  # readings at the instant
+    "integrating": sample_integrals,  # readings summed over the interval that follows
+    "discrete": _as_given,  # the matrices are those of one step
+}
+
+
+@dataclass(frozen=True)
+class Sampled:
+    """Systems from sample to sample and their start, for each of a batch of parameters.
+
+    Rows are (next state, reading), columns (state, old input, input, 1). Imaginary parts, where
+    there are any, are derivatives times STEP.
+    """
+
+    mean: Entries  # (b, m, x+y, x+2u+1)
+    noise: Entries  # (b, m, x+y, x+y)
+    start: Entries  # (b, x, 1+x)
+
+    def at(self, row: int) -> tuple[Numbers, Numbers, Numbers]:
+        """Return mean, noise and start of one row, real."""
+        parts = (self.mean[row], self.noise[row], self.start[row])
+        mean, noise, start = (np.ascontiguousarray(part.real) for part in parts)
+        return mean, noise, start
+
+    def as_complex(self) -> "Sampled":
+        """Return the same numbers, complex: kernels of predictors take no others."""
+        parts = (self.mean, self.noise, self.start)
+        return Sampled(*(part.astype(complex, copy=False) for part in parts))
+
+    def slopes(self) -> tuple[Numbers, Numbers, Numbers]:
+        """Return the derivatives of mean, noise and start, parameters last, from rows 1 on."""
+        parts = (self.mean[1:], self.noise[1:], self.start[1:])
+        mean, noise, start = (
+            np.ascontiguousarray(np.moveaxis(part.imag, 0, -1)) / STEP for part in parts
+        )
+        return mean, noise, start
+
+
+def sample(blocks: Blocks, intervals: Numbers, sampling: str) -> Sampled:
+    """Return ``blocks`` sampled at ``intervals`` (m,) [s], by one of SAMPLINGS."""
+    if not np.all(intervals > 0.0):
+        raise ConfigError("times: each must be later than the one before")
+    batch, rows, columns = blocks.drift.shape
+    states = blocks.start.shape[1]
+    inputs = columns - states - 1
+    mean = np.empty((batch, intervals.size, rows, columns + inputs), blocks.drift.dtype)
+    noise = np.empty((batch, intervals.size, rows, rows), blocks.drift.dtype)
+    SAMPLINGS[sampling](blocks.drift, blocks.noise, blocks.lag, intervals, mean, noise)
+    return Sampled(mean, noise, blocks.start)

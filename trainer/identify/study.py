@@ -1,0 +1,217 @@
+"""An identification study from its file: record, ship, model and parameters, checked at load."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, fields, replace
+from pathlib import Path
+from typing import Any, Final
+
+import numpy as np
+
+from trainer.config.files import ConfigError, Place, collecting, nearest, parse_toml, read_text
+from trainer.config.schema import read_record
+from trainer.identify.findings import Finding, examine, unwrapped
+from trainer.identify.measurements import Record
+from trainer.identify.sources import (
+    USUAL,
+    Column,
+    Sensors,
+    factor,
+    load_record,
+    own_columns,
+    read_by,
+)
+from trainer.identify.study_records import (
+    COLUMNS,
+    PARAMETERS,
+    ArmaxTable,
+    ColumnRow,
+    Heading,
+    ModelTable,
+    ParameterRow,
+    Ship,
+)
+from trainer.io.paths import SUFFIX
+from trainer.units import KNOT
+
+TABLES: Final = ("columns", "ship", "sensors", "model", "parameters", "armax")
+KNOWN: Final = (*(item.name for item in fields(Heading)), "note", *TABLES)
+OPTIONAL: Final = {"ship": Ship, "sensors": Sensors, "model": ModelTable, "armax": ArmaxTable}
+
+
+@dataclass(frozen=True, kw_only=True)
+class Study:
+    """Everything a study says; tables that it lacks are None."""
+
+    path: Path
+    heading: Heading
+    columns: Mapping[str, Column]
+    ship: Ship | None
+    sensors: Sensors | None
+    model: ModelTable | None
+    parameters: tuple[ParameterRow, ...]
+    armax: ArmaxTable | None
+
+    @property
+    def data(self) -> Path:
+        """Return the path of the record."""
+        return self.path.parent / self.heading.data
+
+
+def load_study(path: Path) -> Study:
+    """Return the study in a TOML file; ConfigError with all that is wrong."""
+    return parse_study(read_text(path), path)
+
+
+def plain_study(data: Path) -> Study:
+    """Return the study of a record of the trainer's own, whose columns are known.
+
+    A recording is exact, and is read by usual sensors.
+    """
+    heading = Heading(schema="identify/1", name=data.stem, data=data.name)
+    return Study(
+        path=data.parent / "study.toml",
+        heading=heading,
+        columns=own_columns(),
+        ship=None,
+        sensors=USUAL if data.suffix == SUFFIX else None,
+        model=None,
+        parameters=(),
+        armax=None,
+    )
+
+
+def parse_study(text: str, path: Path) -> Study:
+    """Return the study in ``text``, which came from ``path``; ConfigError with all faults."""
+    place = Place(path.name, "")
+    table = parse_toml(text, path.name)
+    problems = [
+        place.wrong(key, value, f"no such key{nearest(key, KNOWN)}")
+        for key, value in table.items()
+        if key not in KNOWN
+    ]
+    parts: dict[str, Any] = {"parameters": ()}
+    with collecting(problems):
+        own = {key: value for key, value in table.items() if key in KNOWN and key not in TABLES}
+        parts["heading"] = _heading(own, place)
+    for name, record in OPTIONAL.items():
+        parts[name] = None
+        with collecting(problems):
+            if name in table:
+                parts[name] = read_record(record, table[name], place.inside(name), ("note",))
+    with collecting(problems):
+        rows = COLUMNS.read("columns", table.get("columns", []), place)
+        parts["columns"] = _columns(rows, place)
+    with collecting(problems):
+        parts["parameters"] = PARAMETERS.read("parameters", table.get("parameters", []), place)
+        _check_once([row.name for row in parts["parameters"]], place, "parameters")
+    with collecting(problems):
+        _check_whole(parts, place)
+    if problems:
+        raise ConfigError(*problems)
+    study = Study(path=path, **parts)
+    if not study.columns:
+        return replace(study, columns=_own(study, place))
+    return study
+
+
+def _heading(table: Mapping[str, Any], place: Place) -> Heading:
+    """Return the keys above all tables; ConfigError with all faults."""
+    heading = read_record(Heading, table, place, ("note",))
+    begin, end = heading.from_s, heading.to_s
+    if begin is not None and end is not None and end <= begin:
+        raise ConfigError(place.wrong("to_s", end, f"must be after from_s = {begin:g}"))
+    return heading
+
+
+def _columns(rows: tuple[ColumnRow, ...], place: Place) -> dict[str, Column]:
+    """Return the columns by channel; ConfigError if one is given twice or in a wrong unit."""
+    _check_once([row.channel for row in rows], place, "columns")
+    problems: list[str] = []
+    found = {}
+    for i, row in enumerate(rows):
+        try:
+            found[row.channel] = Column(row.column, factor(row.channel, row.unit))
+        except ConfigError as wrong:
+            problems.append(place.inside(f"columns[{i}]").problem(str(wrong)))
+    if found and "rudder" not in found and not problems:
+        problems.append(place.inside("columns").problem("no column is the rudder"))
+    if problems:
+        raise ConfigError(*problems)
+    return found
+
+
+def _check_once(names: list[str], place: Place, table: str) -> None:
+    twice = [name for name in dict.fromkeys(names) if names.count(name) > 1]
+    if twice:
+        raise ConfigError(place.inside(table).problem(f"{twice[0]} is given twice"))
+
+
+def _check_whole(parts: Mapping[str, Any], place: Place) -> None:
+    """Check what is said in counts, and what goes together; ConfigError with all faults."""
+    problems: list[str] = []
+    counts = {"": ("heading", ("every",)), "armax": ("armax", ("most", "dead_time", "lags"))}
+    counts["model"] = ("model", ("restarts", "predict_from", "predict_to"))
+    for table, (part, keys) in counts.items():
+        for key in keys:
+            value = getattr(parts.get(part), key, None)
+            if value is not None and value != int(value):
+                inside = place.inside(table) if table else place
+                problems.append(inside.wrong(key, value, "must be a whole number"))
+    model, ship = parts.get("model"), parts.get("ship")
+    if model is not None and ship is None:
+        problems.append(place.problem("[model] needs a [ship] with its length_m"))
+    if model is not None and ship is not None:
+        for channel, key in (("bow_sway", "bow_log_m"), ("stern_sway", "stern_log_m")):
+            if channel in model.outputs and getattr(ship, key) is None:
+                problems.append(place.inside("ship").problem(f"output {channel} needs {key}"))
+    if problems:
+        raise ConfigError(*problems)
+
+
+def _own(study: Study, place: Place) -> dict[str, Column]:
+    """Return the columns of a recording of the trainer; ConfigError if the data are none."""
+    if study.data.suffix != SUFFIX:
+        raise ConfigError(
+            place.problem("lacks [[columns]]: only a recording of the trainer needs none")
+        )
+    return own_columns()
+
+
+@dataclass(frozen=True)
+class Observed:
+    """A record made ready for a study, and what there is to say about it."""
+
+    record: Record
+    findings: tuple[Finding, ...]
+
+
+def observe(study: Study) -> Observed:
+    """Return the record of a study: signs and units as here, thinned, cut, examined.
+
+    ConfigError with what forbids its use.
+    """
+    heading = study.heading
+    record = load_record(study.data, study.columns)
+    if "t" not in study.columns:
+        record = replace(record, t=record.t * (heading.interval_s or 1.0))
+    if heading.positive_rudder == "starboard" and record.rudder is not None:
+        record = replace(record, rudder=-record.rudder)
+    findings = examine(record)
+    record = unwrapped(record).every(int(heading.every or 1))
+    if study.sensors is not None:
+        record = read_by(record, study.sensors)
+    record = record.between(
+        -np.inf if heading.from_s is None else heading.from_s,
+        np.inf if heading.to_s is None else heading.to_s,
+    )
+    return Observed(record, tuple(findings))
+
+
+def speed_of(study: Study, record: Record) -> float:
+    """Return the ship's speed [m/s]; ConfigError if neither study nor record says it."""
+    if study.ship is not None and study.ship.speed_kn is not None:
+        return study.ship.speed_kn * KNOT
+    if record.speed is None:
+        place = Place(study.path.name, "ship")
+        raise ConfigError(place.problem("lacks speed_kn, and no speed was recorded"))
+    return float(np.nanmean(record.speed))

@@ -1,0 +1,165 @@
+"""A fitted model by rudder alone: on its own record, and on another that it has not seen.
+
+Records that a model would give: what Monte-Carlo studies are made of (MI 8.5).
+"""
+
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+
+from trainer.config.files import ConfigError
+from trainer.core.kernel import Numbers
+from trainer.identify.derived import nomoto_of
+from trainer.identify.fitting import Fitted
+from trainer.identify.kernels.simulation import simulate
+from trainer.identify.likelihood import possible
+from trainer.identify.measurements import Record, Samples, samples_of
+from trainer.identify.nonlinear import Bend, Bent, kappa_from_record
+from trainer.identify.problem import Problem
+from trainer.identify.start_values import STATES
+from trainer.identify.study import observe
+
+
+def root(covariance: Numbers) -> Numbers:
+    """Return C with C C' = ``covariance`` (..., n, n), which may be singular.
+
+    Rounding counts as nothing: units differ by many powers of ten, so each is taken by its own.
+    """
+    width = np.sqrt(np.maximum(np.einsum("...ii->...i", covariance), 0.0))
+    unit = np.where(width > 0.0, width, 1.0)
+    sizes, vectors = np.linalg.eigh(covariance / (unit[..., None] * unit[..., None, :]))
+    return np.asarray(
+        width[..., None] * vectors * np.sqrt(np.maximum(sizes, 0.0))[..., None, :], float
+    )
+
+
+def deterministic(problem: Problem, theta: Numbers) -> Numbers:
+    """Return states and outputs (n, x+y) of the model left alone from its start: no noise at all.
+
+    The states are SI, the outputs in knots and degrees.
+    """
+    mean, _, start = problem.sampled(theta).at(0)
+    samples = problem.samples
+    out = np.empty((len(samples.t), mean.shape[1]))
+    still = np.zeros_like(out)
+    inputs = samples.table[:, samples.outputs.shape[1] :]
+    simulate(mean, start[:, 0], np.ascontiguousarray(inputs), samples.steps[1], still, out)
+    return out
+
+
+def drawn(problem: Problem, theta: Numbers, stream: np.random.Generator) -> Samples:
+    """Return the samples with outputs drawn from the model; missing readings stay missing."""
+    sampled = problem.sampled(theta)
+    if not possible(sampled):
+        raise ConfigError("these parameters are no model: a covariance is not positive")
+    mean, noise, start = sampled.at(0)
+    samples = problem.samples
+    states, rows = len(start), mean.shape[1]
+    _, which = samples.steps
+    white = stream.standard_normal((len(which), rows))
+    disturbed = np.einsum("kij,kj->ki", root(noise)[which], white)
+    first = start[:, 0] + root(start[:, 1:]) @ stream.standard_normal(states)
+    out = np.empty((len(which), rows))
+    inputs = np.ascontiguousarray(samples.table[:, samples.outputs.shape[1] :])
+    simulate(mean, first, inputs, which, disturbed, out)
+    readings = np.where(np.isnan(samples.outputs), np.nan, out[:, states:])
+    return replace(samples, outputs=readings)
+
+
+@dataclass(frozen=True)
+class Check:
+    """How well a record is predicted by rudder alone, from the best initial state."""
+
+    source: str
+    outputs: tuple[str, ...]
+    rms: tuple[float, ...]  # of the model's error [kn, deg/s, deg]
+    share: tuple[float, ...]  # [-] of the output's own rms about its mean
+    own: tuple[float, ...]  # [-] the same for the record fitted
+
+
+def alone(problem: Problem, theta: Numbers) -> Numbers:
+    """Return the outputs (n, y) of the model by rudder alone, from its initial state."""
+    return deterministic(problem, theta)[:, problem.plant.model.states :]
+
+
+def loss_alone(fitted: Fitted) -> float:
+    """Return V1 = (1/n) log det of the errors of the model by rudder alone (6.3)."""
+    left = fitted.problem.samples.outputs - alone(fitted.problem, fitted.found.theta)
+    whole = left[~np.isnan(left).any(axis=1)]
+    if not len(whole):
+        return float("nan")
+    return float(np.linalg.slogdet(whole.T @ whole)[1]) / len(whole)
+
+
+def check_of(fitted: Fitted, path: Path) -> Check:
+    """Return how well another record of the same columns is predicted; ConfigError if it cannot."""
+    problem = other_problem(fitted, path)
+    there, own = (_errors(one) for one in (problem, replace(fitted.problem, values=fitted.values)))
+    return Check(
+        source=str(path),
+        outputs=problem.plant.outputs,
+        rms=tuple(map(float, there)),
+        share=tuple(map(float, there / _spread(problem))),
+        own=tuple(map(float, own / _spread(fitted.problem))),
+    )
+
+
+def other_record(fitted: Fitted, path: Path) -> Record:
+    """Return another record of the columns of the one that was fitted, the whole of it."""
+    heading = replace(fitted.study.heading, data=path.name, from_s=None, to_s=None)
+    beside = path.parent / fitted.study.path.name
+    return observe(replace(fitted.study, path=beside, heading=heading)).record
+
+
+def bend_of(fitted: Fitted, path: Path) -> Bend:
+    """Return the kappa by which the fitted ship follows a large manoeuvre best (12).
+
+    ConfigError if the model has no yaw, or a pair of complex roots.
+    """
+    plant = fitted.problem.plant
+    form = nomoto_of(plant.model, fitted.values, plant.ship)
+    if not form.K or form.T1.imag or not form.T2.real:
+        raise ConfigError("kappa goes with K, T1, T2 and T3: fit model 1, 3 or nomoto2")
+    record = other_record(fitted, path)
+    # a bend that halves the gain at the fastest turn: where the search begins
+    bend = 1.0 / (abs(form.K) * float(np.nanmax(np.abs(record.column("yaw_rate")))))
+    ship = Bent(form.K, form.T1.real, form.T2.real, form.T3, bend)
+    return kappa_from_record(ship, record)
+
+
+def other_problem(fitted: Fitted, path: Path) -> Problem:
+    """Return the fitted model on another record, from the initial state that fits it best.
+
+    By rudder alone the outputs are linear in that state.
+    """
+    plant = fitted.problem.plant
+    samples = samples_of(other_record(fitted, path), plant.outputs)
+    values = fitted.values
+    places = [plant.model.place(name) for name, _ in STATES[plant.model.name]]
+    values[places] = 0.0
+    problem = replace(fitted.problem, samples=samples, values=values)
+    still = alone(problem, problem.start)
+    columns = [alone(_from(problem, place), _from(problem, place).start) for place in places]
+    known = ~np.isnan(samples.outputs)
+    free = np.column_stack([(column - still)[known] for column in columns])
+    values[places] = np.linalg.lstsq(free, (samples.outputs - still)[known], rcond=None)[0]
+    return replace(problem, values=values)
+
+
+def _from(problem: Problem, place: int) -> Problem:
+    """Return the problem with one parameter at 1."""
+    values = problem.values.copy()
+    values[place] = 1.0
+    return replace(problem, values=values)
+
+
+def _errors(problem: Problem) -> Numbers:
+    """Return the rms of the errors by rudder alone (y,)."""
+    left = problem.samples.outputs - alone(problem, problem.start)
+    return np.asarray(np.sqrt(np.nanmean(left**2, axis=0)))
+
+
+def _spread(problem: Problem) -> Numbers:
+    """Return the standard deviations of the outputs (y,), never nothing."""
+    return np.asarray(np.maximum(np.nanstd(problem.samples.outputs, axis=0), 1e-300))

@@ -1,0 +1,137 @@
+"""The far end of a session: a line to it over TCP, a local socket or a serial line."""
+
+import contextlib
+import errno
+import os
+import re
+import socket
+import struct
+import threading
+from pathlib import Path
+
+from trainer.io.line import CHUNK, Inbox, Joined, Line, Outbox
+from trainer.io.orders.sentences import LONGEST_ANSWER
+from trainer.io.serial_line import LinkError, SerialLine
+
+PATIENCE = 5.0  # [s]  for a session to answer
+TCP = re.compile(r"(?:tcp|socket)://(?:\[([^\]]+)\]|([^:/]+)):([0-9]{1,5})/?")
+HIGHEST = 65535
+LOCAL = "local:"
+PEER = struct.Struct("3i")  # process, user and group at the far end
+OTHERS = "that session is another user's; ask for a port of it"
+NOBODY = "no session listens there; start one with trainer serve"
+ABSENT = frozenset({errno.ECONNREFUSED, errno.ENOENT, errno.ENOTSOCK})
+
+
+def dial(url: str, arrived: threading.Event, baud: int = 9600) -> Line:
+    """Return a line to the session at `url`; raises LinkError with the next step.
+
+    `tcp://HOST:PORT` or `socket://HOST:PORT`, `local:PATH` or the path of a socket, any other
+    pyserial URL or device. `arrived` is set whenever lines have come, and at the end.
+    """
+    address = TCP.fullmatch(url)
+    if address:
+        return wired(url, reached(url, address[1] or address[2], int(address[3])), arrived)
+    if url.startswith(("tcp:", "socket:")):
+        raise LinkError(f"{url}: say tcp://HOST:PORT")
+    path = Path(url.removeprefix(LOCAL))
+    if url.startswith(LOCAL) or path.is_socket():
+        return wired(url, reached_here(path), arrived)
+    if path.is_absolute() and not path.exists() and path.parts[1:2] != ("dev",):
+        raise LinkError(f"{url}: {NOBODY}")
+    return over_serial(url, SerialLine(url, baud), arrived, LONGEST_ANSWER)
+
+
+def over_serial(name: str, port: SerialLine, arrived: threading.Event, longest: int) -> Line:
+    """Return an open serial line as a line; those that come have `longest` characters at most."""
+    return Joined(name, Inbox(port.read, arrived, longest=longest), Outbox(port.write), port)
+
+
+def wired(name: str, end: socket.socket, arrived: threading.Event) -> Line:
+    """Return a connected socket as a line."""
+    wire = Wire(end)
+    inbox = Inbox(wire.read, arrived, longest=LONGEST_ANSWER)
+    return Joined(name, inbox, Outbox(wire.write), wire)
+
+
+def reached(url: str, host: str, port: int) -> socket.socket:
+    """Return a socket connected to a TCP port."""
+    if not 0 < port <= HIGHEST:
+        raise LinkError(f"{url}: a port is 1 to {HIGHEST}")
+    try:
+        end = socket.create_connection((host, port), timeout=PATIENCE)
+    except (OSError, UnicodeError) as error:
+        raise LinkError(f"{url}: {why_not(error)}") from error
+    end.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+    end.settimeout(None)
+    return end
+
+
+def reached_here(path: Path) -> socket.socket:
+    """Return a socket connected to the one at `path`."""
+    if not hasattr(socket, "AF_UNIX"):
+        raise LinkError(f"{path}: this system has no local sockets; say tcp://HOST:PORT")
+    end = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
+    end.settimeout(PATIENCE)
+    try:
+        end.connect(str(path))
+        refuse_another(end, path)
+    except OSError as error:
+        end.close()
+        raise LinkError(f"{path}: {why_not(error)}") from error
+    except LinkError:
+        end.close()
+        raise
+    end.settimeout(None)
+    return end
+
+
+def refuse_another(end: socket.socket, path: Path) -> None:
+    """Raise LinkError if another user's program is at the far end: it gets no token, no order."""
+    if not hasattr(os, "geteuid"):
+        return
+    owners = {path.stat().st_uid}
+    if hasattr(socket, "SO_PEERCRED"):
+        credentials = end.getsockopt(socket.SOL_SOCKET, socket.SO_PEERCRED, PEER.size)
+        owners.add(PEER.unpack(credentials)[1])
+    if owners != {os.geteuid()}:
+        raise LinkError(f"{path}: {OTHERS}")
+
+
+def why_not(error: Exception) -> str:
+    """Return why a session cannot be reached, and the next step."""
+    if isinstance(error, socket.gaierror | UnicodeError):
+        return "no such host; 127.0.0.1 is this machine"
+    if isinstance(error, TimeoutError):
+        return "no answer; is the address right, and nothing between that stops it?"
+    if getattr(error, "errno", None) in ABSENT:
+        return NOBODY
+    if getattr(error, "errno", None) == errno.EACCES:
+        return OTHERS
+    return str(getattr(error, "strerror", None) or error)
+
+
+class Wire:
+    """A connected socket as an inbox and an outbox want it: either of them may wait."""
+
+    unsent = 0  # a write that fails ends the outbox, which counts
+
+    def __init__(self, end: socket.socket) -> None:
+        self._end = end
+
+    def read(self) -> bytes | None:
+        """Return what has come, None at the end; raises OSError when the line is lost."""
+        return self._end.recv(CHUNK) or None
+
+    def write(self, data: bytes) -> None:
+        """Write all of `data`."""
+        self._end.sendall(data)
+
+    def close(self) -> None:
+        """End both directions; a read that waits returns."""
+        with contextlib.suppress(OSError):
+            self._end.shutdown(socket.SHUT_RDWR)
+
+    def release(self) -> None:
+        """Give the socket back."""
+        self._end.close()

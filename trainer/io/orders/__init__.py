@@ -1,0 +1,1 @@
+"""Orders as lines of words: their table, their grammar, their help, their files."""

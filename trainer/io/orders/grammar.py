@@ -1,0 +1,332 @@
+"""The order grammar: one line of words to one order.
+
+    line      = [ words ] [ "#" comment ]
+    words     = an order of trainer.io.orders.table, any word of it cut short if no doubt arises
+
+A line knows words and units, not the boat: whether it can be obeyed is decided elsewhere. How a
+program frames the words is that of trainer.io.orders.sentences.
+
+The token that a line may give with a role, kept out of all that is told or logged.
+
+It is found by its place in the line, before anything is understood, so that no answer repeats it
+where the words before it are misspelt.
+
+What an order is answered: what now holds, or why nothing changed.
+"""
+
+import difflib
+import re
+from collections.abc import Iterable
+from dataclasses import dataclass, field, replace
+from typing import NamedTuple
+
+from trainer.io.orders.quantities import Number, RefusedError, Unit, quantity
+from trainer.io.orders.table import (
+    FORMS,
+    SETS,
+    SIGNS,
+    Form,
+    Name,
+    Place,
+    Secret,
+    UnitWord,
+    Word,
+    heading_word,
+    spellings,
+    variants,
+)
+
+HIDDEN = "***"
+BEGINNINGS = "|".join(sorted({said[:2] for said, _ in spellings(SETS["ROLE"])}))
+TOKEN = re.compile(
+    rf"((?:^|,)\s*r(?:o\S*\s+\S+|\S*\s+(?:{BEGINNINGS})\S*)\s+)(\S.*?)\s*$", re.IGNORECASE
+)
+
+
+def hide(text: str) -> str:
+    """Return `text` with a token in it hidden."""
+    return TOKEN.sub(rf"\1{HIDDEN}", text)
+
+
+def hidden(text: str) -> str:
+    """Return the token in `text`, "" when there is none."""
+    found = TOKEN.search(text)
+    return found[2] if found else ""
+
+
+LONGEST = 80  # [characters]  of a line, its comment included
+
+PRINTABLE = re.compile(r"[\t -~]*")
+SAID_IN_TWO = (
+    (re.compile(r"\b(one|two)\s+third", re.IGNORECASE), r"\1-third"),
+    (re.compile(r"\bdiving\s+officer\b", re.IGNORECASE), "diving"),
+)
+GLUED = re.compile(r"([+-]?[0-9.]+)([a-z][a-z/]*)")
+NAME = re.compile(r"[a-z][a-z0-9-]*")
+DECIMAL = re.compile(r"[+-]?(?:[0-9]{1,9}(?:\.[0-9]*)?|\.[0-9]+)")
+
+
+@dataclass(frozen=True)
+class Order:
+    """An order understood.
+
+    `value` is in SI and radians (rpm in revolutions a second), starboard and rise positive, 0 when
+    there is none; `word` is the keyword the order turns on, "" when the value says it all; `text`
+    is the full wording, which reads back as the same order; `numbers` are all that were
+    given, in SI and unsigned, and `subject` is the name given. A token given with a role is the
+    `subject` too, and never in `text`.
+    """
+
+    name: str
+    value: float
+    word: str
+    text: str
+    numbers: tuple[float, ...] = ()
+    subject: str = field(default="", repr=False)  # no token in a traceback
+
+
+@dataclass(frozen=True)
+class BadOrder:
+    """A line that is no order: the line made printable, and why, naming what would be.
+
+    Neither tells a token that the line held.
+    """
+
+    text: str
+    reason: str
+
+
+class Said(NamedTuple):
+    """One token as one reading takes it."""
+
+    spelling: str
+    word: str
+
+
+class Reading(NamedTuple):
+    """One way to understand the tokens so far."""
+
+    form: Form
+    places: tuple[Place, ...]
+    said: tuple[Said, ...]
+
+
+READINGS = tuple(Reading(form, places, ()) for form in FORMS for places in variants(form))
+
+
+REMARK = re.compile(r"\s*mark\s+(\S.*?)\s*", re.IGNORECASE)
+
+
+def openings() -> dict[str, list[Reading]]:
+    """Return the readings that a line may begin with, by its first letter."""
+    found: dict[str, list[Reading]] = {}
+    for reading in READINGS:
+        first = reading.places[0]
+        heads = first.spellings if isinstance(first, Word) else ()
+        for letter in {said[0] for said, _ in heads}:
+            found.setdefault(letter, []).append(reading)
+    return found
+
+
+OPENINGS = openings()
+
+
+def parse(line: str) -> Order | BadOrder | None:
+    """Return the order on `line`, None when it is blank or a comment; never raises."""
+    text = line.strip()
+    try:
+        refuse_unreadable(text)
+        said = text.partition("#")[0]
+        if remark := REMARK.fullmatch(said):
+            return Order("mark", 0.0, "", f"mark {remark[1]}", (), remark[1])
+        words = as_one(said)
+        tokens = tokenise(hide(words))
+        return with_token(order(read(tokens)), hidden(words)) if tokens else None
+    except RefusedError as refused:
+        return BadOrder(printable(text), str(refused))
+
+
+def refuse_unreadable(text: str) -> None:
+    """Refuse a line that is too long or not plain ASCII."""
+    if len(text) > LONGEST:
+        raise RefusedError(f"line of {len(text)} characters; the longest is {LONGEST}")
+    readable = PRINTABLE.match(text)
+    end = readable.end() if readable else 0
+    if end < len(text):
+        code = ord(text[end])
+        raise RefusedError(f"unreadable character U+{code:04X} at column {end + 1}")
+
+
+def printable(text: str) -> str:
+    """Return `text` as a log may hold it: short, plain ASCII, a token in it hidden."""
+    return hide("".join(c if " " <= c <= "~" else "?" for c in text[:LONGEST]))
+
+
+def as_one(text: str) -> str:
+    """Return `text` with what the table has as one word and people say as two joined."""
+    for pattern, whole in SAID_IN_TWO:
+        text = pattern.sub(whole, text)
+    return text
+
+
+def with_token(order: Order, token: str) -> Order:
+    """Return the order with the token that was hidden as its subject."""
+    if len(token.split()) > 1:
+        raise RefusedError("a token is one word, the last of the line")
+    return replace(order, subject=token) if token else order
+
+
+def tokenise(text: str) -> list[str]:
+    """Return the words in lower case, units split from their numbers."""
+    words = text.lower().split()
+    split = [glued.groups() if (glued := GLUED.fullmatch(word)) else (word,) for word in words]
+    return [token for tokens in split for token in tokens]
+
+
+def read(tokens: list[str]) -> Reading:
+    """Return the one reading of the tokens; refuses where there is none, or more than one."""
+    alive = OPENINGS.get(tokens[0][0]) or list(READINGS)
+    for i, token in enumerate(tokens):
+        reached = [reading for reading in alive if len(reading.places) > i]
+        alive = [
+            Reading(form, places, (*before, said))
+            for form, places, before in reached
+            for said in match(places[i], token)
+        ]
+        if not alive:
+            raise RefusedError(unexpected(tokens, i, offered(reached if i else list(READINGS), i)))
+        alive = in_full(alive, i, token)
+    refuse_doubt(tokens, alive)
+    whole = [reading for reading in alive if len(reading.places) == len(tokens)]
+    if not whole:
+        expected = either(wanted(offered(alive, len(tokens))))
+        raise RefusedError(f"{' '.join(tokens)} what? expected {expected}")
+    if whole[0].form.refusal:
+        raise RefusedError(whole[0].form.refusal)
+    return whole[0]
+
+
+def in_full(alive: list[Reading], i: int, token: str) -> list[Reading]:
+    """Return the readings, without those that take a word typed in full for a longer one."""
+    words = [reading for reading in alive if isinstance(reading.places[i], Word)]
+    if not any(reading.said[i].spelling == token for reading in words):
+        return alive
+    return [
+        reading
+        for reading in alive
+        if reading.said[i].spelling == token or not isinstance(reading.places[i], Word)
+    ]
+
+
+def offered(readings: list[Reading], i: int) -> list[Place]:
+    """Return what may stand at `i`; what would be refused only where nothing else may."""
+    good = [reading for reading in readings if not reading.form.refusal]
+    return [reading.places[i] for reading in good or readings]
+
+
+def match(place: Place, token: str) -> Iterable[Said]:
+    """Return the ways `token` fits the place: none, itself, or every word it is short for."""
+    if isinstance(place, Number):
+        digits = token.removeprefix(place.prefix)
+        return (Said(token, digits),) if DECIMAL.fullmatch(digits) else ()
+    if isinstance(place, Name):
+        return (Said(token, token),) if NAME.fullmatch(token) else ()
+    if isinstance(place, Secret):
+        return (Said(token, token),) if token == HIDDEN else ()
+    if isinstance(place, UnitWord):
+        fits = any(token in unit.names for unit in place.number.units)
+        return (Said(token, token),) if fits else ()
+    if not token[0].isalpha():
+        return (Said(token, word) for said, word in place.spellings if said == token)
+    return (Said(said, word) for said, word in place.spellings if said.startswith(token))
+
+
+def refuse_doubt(tokens: list[str], alive: list[Reading]) -> None:
+    """Refuse a token that is short for different words, naming them."""
+    for i, token in enumerate(tokens):
+        meant = {reading.said[i].word: reading.said[i].spelling for reading in alive}
+        if len(meant) > 1:
+            raise RefusedError(f'"{token}" may be {either(sorted(meant.values()))}')
+
+
+def unexpected(tokens: list[str], i: int, places: list[Place]) -> str:
+    """Return why token `i` fits none of the places, with the nearest word that would."""
+    token, before = tokens[i], " ".join(tokens[:i])
+    if not places:
+        return f'"{token}" is too much after "{before}"'
+    if token[0] in "+-.0123456789" and any(isinstance(place, Number) for place in places):
+        return f'"{token}" is not a plain decimal number'
+    spelled = {said for place in places if isinstance(place, Word) for said, _ in place.spellings}
+    near = difflib.get_close_matches(token, sorted(spelled), n=1)
+    hint = f"; did you mean {near[0]}?" if near else ""
+    if not before:
+        return f'"{token}" is no order{hint or "; help lists them"}'
+    return f'"{token}" after "{before}"{hint or f": expected {either(wanted(places))}"}'
+
+
+def wanted(places: list[Place]) -> list[str]:
+    """Return what fits the places, in words, once each."""
+    found: dict[str, None] = {}
+    for place in places:
+        if isinstance(place, Word):
+            found |= dict.fromkeys(word for _, word in place.spellings)
+        elif isinstance(place, Number):
+            found[f"{place.says} ({place.limits})"] = None
+        elif isinstance(place, Name):
+            found[place.says] = None
+        elif isinstance(place, Secret):
+            found["a token"] = None
+        else:
+            found |= dict.fromkeys(unit.names[0] for unit in place.number.units)
+    return list(found)
+
+
+def either(names: list[str]) -> str:
+    """Return the names as `a, b or c`."""
+    return " or ".join(filter(None, (", ".join(names[:-1]), names[-1])))
+
+
+def order(reading: Reading) -> Order:
+    """Return the order of a whole reading; refuses a number beyond the limits of the grammar."""
+    form, places, said = reading
+    head = heading_word(form)
+    optional = [item.strip("[]") for item in form.pattern.split()[1:] if item.startswith("[")]
+    sign, text, words, rest, subject = 1.0, [head, *optional], [], [], ""
+    numbers: list[float] = []
+    for i, (place, token) in enumerate(zip(places, said, strict=True)):
+        if isinstance(place, Number):
+            value, wording = quantity(place, token.word, unit_after(place, said[i + 1 :]))
+            numbers.append(value)
+            rest.append(wording)
+        elif isinstance(place, Name):
+            subject = token.word
+            rest.append(subject)
+        elif isinstance(place, UnitWord | Secret) or token.word in (optional if i else [head]):
+            continue
+        elif token.word in SIGNS:
+            sign = SIGNS[token.word]
+            text.append(token.word)
+        else:
+            words.append(token.word)
+            rest.append(token.word)
+    word = "_".join(words).replace("-", "_")
+    # Adding zero turns -0.0 into 0.0, so that "left 0" and "right 0" steer alike.
+    value = sign * (numbers[-1] if numbers else form.value) + 0.0
+    whole = " ".join((*text, *rest))
+    return Order(form.name or head, value, word, whole, tuple(numbers), subject)
+
+
+def unit_after(number: Number, rest: tuple[Said, ...]) -> Unit:
+    """Return the unit that follows a number, or the one understood."""
+    named = [unit for unit in number.units if rest and rest[0].word in unit.names]
+    return (named or list(number.units))[0]
+
+
+@dataclass(frozen=True)
+class Refused:
+    """Why an order changed nothing."""
+
+    reason: str
+
+
+Reply = str | Refused

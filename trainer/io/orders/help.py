@@ -1,0 +1,177 @@
+"""The order table as help on a terminal and as the page docs/orders.md."""
+
+import difflib
+import re
+from collections.abc import Sequence
+
+from trainer.io.orders import sentences
+from trainer.io.orders.grammar import LONGEST
+from trainer.io.orders.quantities import NUMBERS, Number
+from trainer.io.orders.table import (
+    BOAT_TOPICS,
+    FORMS,
+    SESSION,
+    SESSION_TOPICS,
+    SETS,
+    TOPICS,
+    Form,
+    Topic,
+    heading_word,
+)
+
+WIDTH = 79  # [characters]
+SESSION_IS = "time, moments and stations"
+
+INTRODUCTION = f"""# Orders
+
+<!-- Made by trainer.io.orders.help.page() of the table beside it; a test compares them. -->
+
+An order is one line of at most {LONGEST} characters: plain words, in capitals or not. Any word may
+be cut short as long as the line allows one meaning (`ru r 15` is `rudder right 15`); a doubtful or
+unknown word is refused with the words it could be, and changes nothing. Numbers are plain decimals.
+What follows a `#` is ignored. `[word]` may be left out, `a|b` is one or the other; NAME, LABEL and
+CHANNEL are a word of letters, digits and dashes; TOKEN is a word of any characters but `#`, `$`,
+`*` and commas.
+
+A file of orders (`--orders FILE`) has lines of `SECONDS ORDER`, for example `600 rudder right 15`.
+"""
+
+
+PROGRAMS = f"""## Lines of programs
+
+A program sends the same words in a frame, and is answered in frames. The two hexadecimal digits
+after `*` are the exclusive or of all characters between `$` and `*`. A tag of one to six digits may
+stand before the words; every answer to that order carries it. A damaged line is answered without
+a tag, which cannot be trusted either. A line in has at most {LONGEST} characters, a line out
+{sentences.LONGEST_ANSWER}.
+
+The text is the last field and may hold commas; a `$`, a `*` or a character beyond ASCII in it is
+sent as `?`.
+"""
+
+EXAMPLES = (
+    ("$TRO,[tag,]words*HH", "an order", sentences.order_sentence("rudder left 15")),
+    ("$TRO,[tag,]words*HH", "one with a tag", sentences.order_sentence("rudder left 15", "7")),
+    (
+        "$TRA,[tag,]ok,text*HH",
+        "done, and what holds now",
+        sentences.answer("7", accepted=True, text="rudder left 15, by hand"),
+    ),
+    (
+        "$TRA,[tag,]no,text*HH",
+        "not done, and why",
+        sentences.answer("7", accepted=False, text="this boat has no rudder"),
+    ),
+    (
+        "$TRA,[tag,]say,text*HH",
+        "a line of a long answer, before the last",
+        sentences.say("7", "pitch +0.10   heel +0.00 degrees"),
+    ),
+    (
+        "$TRN,channel,name:unit,...*HH",
+        "names and units on a channel",
+        sentences.names("example", [("depth", "m"), ("course", "deg")]),
+    ),
+    (
+        "$TRS,channel,tick,seconds,value,...*HH",
+        "its values",
+        sentences.state("example", 120, 60.0, ["60.02", "089.9"]),
+    ),
+    (
+        "$TRE,tick,seconds,kind,text*HH",
+        "something that happened",
+        sentences.event(120, 60.0, "order", "helm: rudder left 15"),
+    ),
+)
+
+
+def help_text(topic: str) -> list[str]:
+    """Return the lines of help on a topic, at most 79 columns; "" is the list of orders."""
+    if not topic:
+        first = "Orders; words may be cut short, and # starts a comment:"
+        return [*overview(first, BOAT_TOPICS), f"help {SESSION} lists the rest: {SESSION_IS}."]
+    if topic == SESSION:
+        return overview(f"Orders about {SESSION_IS}:", SESSION_TOPICS)
+    topics = [head for entry in TOPICS for head in entry.heads]
+    if topic not in topics:
+        near = difflib.get_close_matches(topic, topics, n=1)
+        return [f'no order "{topic}"' + (f"; did you mean {near[0]}?" if near else "")]
+    forms = [form for form in FORMS if heading_word(form) == topic and not form.refusal]
+    lines = [f"{topic}, in full:"]
+    for form in forms:
+        line = f"  {usage(form):<34}  {form.says}"
+        lines += [line] if len(line) <= WIDTH else [f"  {usage(form)}", f"      {form.says}"]
+    patterns = " ".join(form.pattern for form in forms).split()
+    lines += [
+        f"  {name} is {limits_and_units(number)}"
+        for name, number in NUMBERS.items()
+        if name in patterns
+    ]
+    return lines + [f"  {same}" for same in synonyms(patterns)]
+
+
+def overview(first: str, topics: Sequence[Topic]) -> list[str]:
+    """Return the list of some orders, at most 24 lines."""
+    lines = (f"  {entry.example:<36} {entry.says}" for entry in topics)
+    return [first, *lines, "help ORDER says more about one of them, such as: help rudder"]
+
+
+def usage(form: Form) -> str:
+    """Return the pattern of a form without its second spellings."""
+    items = (SETS.get(item, item) for item in form.pattern.split() if item != "TOPIC")
+    shown = " ".join(re.sub(r"=[^|]*", "", item) for item in items)
+    return f"{shown} ORDER" if "TOPIC" in form.pattern else shown
+
+
+def limits_and_units(number: Number) -> str:
+    """Return what a number means, its limits and its units, the understood one first."""
+    units = " or ".join(unit.names[0] for unit in number.units if unit.names)
+    return f"{number.says}, {number.limits}" + (f" (in {units})" if len(number.units) > 1 else "")
+
+
+def synonyms(patterns: list[str]) -> list[str]:
+    """Return `word: other spellings` for the words of the patterns that have any, once each."""
+    found = {}
+    for item in patterns:
+        for alternative in SETS.get(item.strip("[]"), item.strip("[]")).split("|"):
+            word, *others = alternative.split("=")
+            if others:
+                found[word] = f"{word}: also {', '.join(others)}"
+    return list(found.values())
+
+
+def page() -> str:
+    """Return docs/orders.md."""
+    escaped = [
+        (usage(form).replace("|", "\\|"), form.name or heading_word(form), form.says)
+        for form in FORMS
+        if not form.refusal
+    ]
+    refused = [(usage(form).replace("|", "\\|"), form.refusal) for form in FORMS if form.refusal]
+    return "\n".join(
+        [
+            INTRODUCTION,
+            *table(("wording", "order", "what it does"), escaped),
+            "## Numbers\n",
+            *table(
+                ("in the table", "is"), [(name, limits_and_units(n)) for name, n in NUMBERS.items()]
+            ),
+            "The boat's own limits are narrower, and are applied later.\n",
+            "## Other spellings\n",
+            *(f"- {same}" for same in synonyms(" ".join(f.pattern for f in FORMS).split())),
+            "",
+            PROGRAMS,
+            *table(
+                ("line", "what it is", "example"),
+                [(line, says, f"`{example}`") for line, says, example in EXAMPLES],
+            ),
+            "## Refused with advice\n",
+            *table(("wording", "answer"), refused),
+        ]
+    )
+
+
+def table(head: tuple[str, ...], rows: Sequence[tuple[str, ...]]) -> list[str]:
+    """Return a Markdown table, its first column as code, and a blank line."""
+    lines = [f"| {' | '.join(head)} |", f"|{' --- |' * len(head)}"]
+    return [*lines, *(f"| `{row[0]}` | {' | '.join(row[1:])} |" for row in rows), ""]

@@ -1,0 +1,167 @@
+"""Lines of programs: words and numbers framed with a checksum, both ways.
+
+    order     = "$TRO," [ tag "," ] words "*" checksum          to the session
+    answer    = "$TRA," [ tag "," ] ( "ok" | "no" | "say" ) "," text "*" checksum
+    names     = "$TRN," channel { "," name ":" unit } "*" checksum
+    state     = "$TRS," channel "," tick "," seconds { "," value } "*" checksum
+    event     = "$TRE," tick "," seconds "," kind "," text "*" checksum
+    tag       = one to six digits, chosen by the sender, returned with every answer to that order
+    checksum  = two hexadecimal digits, the exclusive or of every character between "$" and "*"
+
+An answer is any number of "say" lines and then one "ok" or "no". `text` is always last and may hold
+commas. People type the words alone (``grammar``). Neither side is answered in kind when its line is
+damaged: its tag cannot be trusted either.
+"""
+
+import functools
+import operator
+import re
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+from trainer.io.orders.grammar import LONGEST, BadOrder, Order, parse, printable
+
+LONGEST_ANSWER = 2000  # [characters]  of a line from the session; NMEA's 82 would cut states apart
+
+FRAME = re.compile(r"\$([^$*]*)\*([0-9A-Fa-f]{2})")
+TAG = re.compile(r"[0-9]{1,6}")
+UNSAFE = re.compile(r"[^ -~]|[$*]")
+UNSAFE_FIELD = re.compile(r"[^ -~]|[$*,]")
+# Of each kind: the commas after which they belong to the text, and the fields it has at least.
+KINDS = {"TRA": (1, 2), "TRN": (-1, 1), "TRS": (-1, 3), "TRE": (3, 4)}
+# Of those that tell when: where the tick stands, and after it the seconds.
+TIMED = {"TRS": 1, "TRE": 0}
+TICK = re.compile(r"[0-9]{1,18}")
+SECONDS = re.compile(r"[0-9]{1,18}(?:\.[0-9]{1,9})?")
+
+
+@dataclass(frozen=True)
+class Heard:
+    """What a line holds; the answer goes back framed if it came so, with its tag."""
+
+    order: Order | BadOrder
+    machine: bool = False
+    tag: str = ""
+
+
+@dataclass(frozen=True)
+class Sentence:
+    """A line from the session, its checksum right: its kind, such as TRS, and what it holds."""
+
+    kind: str
+    tag: str
+    fields: tuple[str, ...]
+
+
+def hear(line: str) -> Heard | None:
+    """Return what `line` holds, None when it is blank or a comment; never raises."""
+    if line.lstrip().startswith("$"):
+        return hear_machine(line.strip())
+    order = parse(line)
+    return Heard(order) if order else None
+
+
+def hear_machine(line: str) -> Heard:
+    """Return what a program's line holds."""
+
+    def bad(reason: str, tag: str = "") -> Heard:
+        return Heard(BadOrder(printable(line), reason), machine=True, tag=tag)
+
+    if len(line) > LONGEST:
+        return bad(f"line of {len(line)} characters; the longest is {LONGEST}")
+    body, trouble = opened(line)
+    head, comma, rest = body.partition(",")
+    if trouble or head != "TRO" or not comma:
+        return bad(trouble or "a program's line is $TRO,[tag,]order*checksum")
+    first, comma, words = rest.partition(",")
+    if not comma:
+        first, words = "", rest
+    elif not TAG.fullmatch(first):
+        return bad("a tag is one to six digits")
+    order = parse(words)
+    if order is None:
+        return bad("a sentence without an order", first)
+    return Heard(order, machine=True, tag=first)
+
+
+def opened(line: str) -> tuple[str, str]:
+    """Return what a sentence frames and "", or "" and why it is none."""
+    found = FRAME.fullmatch(line)
+    if not found:
+        return "", "a program's line ends in * and the two digits of its checksum"
+    if not (line.isascii() and line.isprintable()):
+        return "", "a program's line is plain ASCII"
+    body, given = found.groups()
+    if int(given, 16) != checksum(body):
+        return "", f"wrong checksum {given.upper()}; this line's is {checksum(body):02X}"
+    return body, ""
+
+
+def read(line: str) -> Sentence | None:
+    """Return the sentence on `line`, None when it is damaged or no sentence; never raises."""
+    body, _ = opened(line.strip())
+    kind, _, content = body.partition(",")
+    if kind not in KINDS:
+        return None
+    tag, _, rest = content.partition(",")
+    if kind != "TRA" or not TAG.fullmatch(tag):
+        tag, rest = "", content
+    commas, least = KINDS[kind]
+    fields = tuple(rest.split(",", commas))
+    whole = rest and len(fields) >= least and tells_when(kind, fields)
+    return Sentence(kind, tag, fields) if whole else None
+
+
+def tells_when(kind: str, fields: tuple[str, ...]) -> bool:
+    """Return whether the fields that tell a tick and its time are numbers, if there are such."""
+    if kind not in TIMED:
+        return True
+    tick, seconds = fields[TIMED[kind] : TIMED[kind] + 2]
+    return bool(TICK.fullmatch(tick) and SECONDS.fullmatch(seconds))
+
+
+def order_sentence(words: str, tag: str = "") -> str:
+    """Return an order as a program sends it."""
+    return framed("TRO", tag, words)
+
+
+def answer(tag: str, *, accepted: bool, text: str) -> str:
+    """Return the last line of an answer: whether it was done, and what holds now, or why not."""
+    return framed("TRA", tag, f"{'ok' if accepted else 'no'},{safe(text)}")
+
+
+def say(tag: str, text: str) -> str:
+    """Return a line of a long answer, before the last."""
+    return framed("TRA", tag, f"say,{safe(text)}")
+
+
+def names(channel: str, fields: Iterable[tuple[str, str]]) -> str:
+    """Return the names and units of a channel's values, in their order."""
+    return framed("TRN", "", ",".join([channel, *(f"{name}:{unit}" for name, unit in fields)]))
+
+
+def state(channel: str, tick: int, seconds: float, values: Iterable[str]) -> str:
+    """Return the values of a channel at a tick [-], a time [s]."""
+    fields = (UNSAFE_FIELD.sub("?", value) for value in values)
+    return framed("TRS", "", ",".join([channel, f"{tick}", f"{seconds:.3f}", *fields]))
+
+
+def event(tick: int, seconds: float, kind: str, text: str) -> str:
+    """Return something that happened at a tick [-], a time [s]."""
+    return framed("TRE", "", f"{tick},{seconds:.3f},{UNSAFE_FIELD.sub('?', kind)},{safe(text)}")
+
+
+def framed(kind: str, tag: str, content: str) -> str:
+    """Return a sentence with its checksum; the content holds no character that frames."""
+    body = ",".join(filter(None, (kind, tag, content)))
+    return f"${body}*{checksum(body):02X}"
+
+
+def checksum(body: str) -> int:
+    """Return the exclusive or of the characters, as NMEA 0183 has it."""
+    return functools.reduce(operator.xor, body.encode("ascii"), 0)
+
+
+def safe(text: str) -> str:
+    """Return `text` without what would end a sentence or is not plain ASCII."""
+    return UNSAFE.sub("?", text)

@@ -1,0 +1,309 @@
+"""The table of orders: every word, number and unit that an order line may hold.
+
+The parser, the help text and docs/orders.md are all read from the tables below. A pattern is a row
+of places: `a|b` one of these words, `a=b` the spelling b stands for a, `[a]` may be left out,
+CAPITALS are a number (``quantities``), a set of words (SETS), any name (NAMES) or a secret
+(TOKEN). The first word heads the order.
+"""
+
+import itertools
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from trainer.io.orders.quantities import NUMBERS, Number
+from trainer.units import DEGREE
+
+# Starboard and rising are positive, as everywhere outside the core.
+SIGNS = {"left": -1.0, "right": 1.0, "dive": -1.0, "rise": 1.0}
+
+
+@dataclass(frozen=True)
+class Word:
+    """A place for one word: pairs of a spelling and the word it stands for."""
+
+    spellings: tuple[tuple[str, str], ...]
+
+
+@dataclass(frozen=True)
+class UnitWord:
+    """A place for the unit of the number before it."""
+
+    number: Number
+
+
+@dataclass(frozen=True)
+class Name:
+    """A place for a name that the grammar does not know, such as a casualty's."""
+
+    says: str
+
+
+@dataclass(frozen=True)
+class Secret:
+    """A place for a word that is taken as it is typed and never told again."""
+
+
+Place = Word | Number | UnitWord | Name | Secret
+
+
+@dataclass(frozen=True)
+class Form:
+    """One wording of an order; a refusal answers a tempting wrong one with the right one."""
+
+    pattern: str
+    says: str = ""
+    name: str = ""  # of the order, where it is not the head
+    value: float = 0.0  # [SI, rad]  where the wording has no number
+    refusal: str = ""
+
+
+@dataclass(frozen=True)
+class Topic:
+    """One line of the overview: the heads of its orders, how to type them, what they do."""
+
+    heads: tuple[str, ...]
+    example: str
+    says: str
+
+
+# A "full" rudder is worth the largest angle of the grammar; the boat's own limit is applied later.
+FULL_RUDDER = 90.0 * DEGREE
+
+SETS = {
+    "SIDE": "left=port|right=starboard",
+    "TILT": "dive|rise",
+    "MODE": "manual|auto",
+    "BOW": "bow=fairwater=sail",
+    "AHEAD": "one-third=1/3|two-thirds=2/3|standard|full|flank",
+    "ASTERN": "one-third=1/3|two-thirds=2/3|full",
+    "GROUP": "forward|mid|aft|all",
+    "TANK": "auxiliary|depth-control",
+    "SPACE": "forward|centre=center|aft",
+    "PART": "depth|position|tanks",
+    "ROLE": "instructor|helm|planes|ballast|diving=officer|observer",
+}
+NAMES = {
+    "NAME": Name("the name of a casualty"),
+    "LABEL": Name("a name for a moment"),
+    "CHANNEL": Name("the name of a channel"),
+    "REMARK": Name("a remark"),  # of any words: see trainer.io.orders.grammar
+}
+
+# One line each in an overview, which must fit in 24 lines of 79 columns.
+BOAT_TOPICS = (
+    Topic(("depth",), "depth 80 | 260 ft | auto", "keep a depth"),
+    Topic(("course",), "course 090 | left 30 | auto", "keep a course, or change it"),
+    Topic(("speed",), "speed 12 | 6 m/s | auto", "keep a speed, in knots"),
+    Topic(("turns", "rpm"), "turns 12 | rpm 80", "revolutions, held constant"),
+    Topic(("bell",), "bell ahead standard | stop", "engine order; `ahead 2/3` is enough"),
+    Topic(("rudder",), "rudder left 15 | amidships", "also right, full, manual, auto"),
+    Topic(("stern",), "stern planes dive 10", "also rise, zero, manual, auto"),
+    Topic(("bow",), "bow planes rise 10", "also dive, zero, manual, auto"),
+    Topic(("planes",), "planes manual | auto", "both pairs of planes at once"),
+    Topic(("autopilot",), "autopilot on | off | report", "switch it, or choose its law"),
+    Topic(
+        ("surface", "dive", "periscope"),
+        "surface | dive | periscope depth",
+        "blow and come up; flood; periscope",
+    ),
+    Topic(("blow", "emergency"), "blow all | stop | emergency blow", "main ballast; also mid, aft"),
+    Topic(("vent", "negative"), "vent all open | negative flood", "air out; the negative tank"),
+    Topic(
+        ("flood", "pump", "drain"), "flood auxiliary 5 | pump | drain", "trim: tonnes to be moved"
+    ),
+    Topic(("hover", "compressor"), "hover on | compressor on", "keep depth stopped; charge air"),
+    Topic(("sea",), "sea state 5 | wind 30 | calm", "also height 3 m, from 045"),
+    Topic(
+        ("casualty", "clear", "casualties"),
+        "casualty NAME | clear all",
+        "also NAME 0.5 ramp 30; casualties",
+    ),
+    Topic(("freeze", "run", "step"), "freeze | run | step 10", "stop time, let it go on, 10 ticks"),
+    Topic(("status",), "status", "everything about the boat, once"),
+    Topic(("help",), "help rudder", "all about one order"),
+    Topic(("quit",), "quit", "end the session"),
+)
+SESSION = "session"  # what `help` is asked for the other overview
+SESSION_TOPICS = (
+    Topic(("time",), "time x2 | max", "speed of time"),
+    Topic(("release",), "freeze depth | release all", "hold depth, position or tanks"),
+    Topic(("snapshot", "snapshots"), "snapshot before-jam | snapshots", "keep a moment; list them"),
+    Topic(("restore", "reset"), "restore before-jam | reset", "back to it, or to the start"),
+    Topic(("backtrack",), "backtrack 2 min", "back by so much, and on from there"),
+    Topic(("replay", "take"), "replay 90 s | take over", "watch it again; go on from here"),
+    Topic(("role",), "role helm | role helm TOKEN", "what this line may do"),
+    Topic(("mark",), "mark good recovery", "mark this moment, with a remark"),
+    Topic(("log",), "log 20", "what has happened lately"),
+    Topic(("briefing",), "briefing", "what the exercise is about"),
+    Topic(("who",), "who", "the stations attached"),
+    Topic(("subscribe",), "subscribe diving | diving at 2 hz", "have a channel sent"),
+    Topic(("unsubscribe",), "unsubscribe diving | all", "no longer"),
+    Topic(("detach",), "detach", "leave; the session goes on"),
+)
+TOPICS = BOAT_TOPICS + SESSION_TOPICS
+
+WHICH_WAY = "say which way: {} or {}"
+WHICH_PLANES = "which planes? say stern planes or bow planes"
+
+FORMS = (
+    Form("depth DEPTH", "keep this depth"),
+    Form("depth auto", "depth keeping automatic again"),
+    Form("course=heading COURSE", "keep this course; 360 is 000"),
+    Form("course=heading SIDE CHANGE", "change course by so much", name="course-by"),
+    Form("course=heading auto", "course keeping automatic again"),
+    Form("speed SPEED", "keep this speed through the water"),
+    Form("speed auto", "speed keeping automatic again"),
+    Form("turns TURNS", "revolutions that give this speed, held constant"),
+    Form("rpm RPM", "revolutions a minute, held constant"),
+    Form("[bell] ahead AHEAD", "engine order ahead"),
+    Form("bell stop", "propeller stopped"),
+    Form("[bell] astern ASTERN", "engine order astern"),
+    Form("stop", refusal="stop what? say bell stop, freeze or quit"),
+    Form("rudder SIDE ANGLE", "rudder by hand, to this angle"),
+    Form("rudder SIDE full=hard", "rudder by hand, hard over", value=FULL_RUDDER),
+    Form("[rudder] full=hard SIDE", "the same", value=FULL_RUDDER),
+    Form("rudder amidships=midships=zero", "rudder by hand, to zero"),
+    Form("rudder MODE", "by hand, or automatic"),
+    Form("rudder ANGLE", refusal=WHICH_WAY.format("rudder left", "rudder right")),
+    Form("stern [planes] TILT ANGLE", "stern planes by hand, to this angle"),
+    Form("stern [planes] zero", "stern planes by hand, to zero"),
+    Form("stern [planes] MODE", "by hand, or automatic"),
+    Form(
+        "stern [planes] ANGLE", refusal=WHICH_WAY.format("stern planes dive", "stern planes rise")
+    ),
+    Form("BOW [planes] TILT ANGLE", "bow planes by hand, to this angle"),
+    Form("BOW [planes] zero", "bow planes by hand, to zero"),
+    Form("BOW [planes] MODE", "by hand, or automatic"),
+    Form("BOW [planes] ANGLE", refusal=WHICH_WAY.format("bow planes dive", "bow planes rise")),
+    Form("planes MODE", "both pairs by hand, or automatic"),
+    Form("planes TILT ANGLE", refusal=WHICH_PLANES),
+    Form("planes zero", refusal=WHICH_PLANES),
+    Form("autopilot on|off", "everything automatic, or by hand"),
+    Form("autopilot trainer|report|literal", "which law of control it follows"),
+    Form("surface", "blow main ballast and come up"),
+    Form("dive", "open the main vents, blows shut"),
+    Form("periscope [depth]", "keep the boat's periscope depth"),
+    Form("blow GROUP", "blow main ballast, its vents shut"),
+    Form("blow stop", "shut all blow valves and the negative tank"),
+    Form("emergency blow", "blow all main ballast from both banks"),
+    Form("vent GROUP open|shut", "main vents"),
+    Form("negative flood|blow", "fill the negative tank, or empty it by air"),
+    Form("flood TANK AMOUNT", "let in so much from the sea"),
+    Form("pump TANK AMOUNT", "pump so much out to the sea"),
+    Form("pump trim forward|aft AMOUNT", "move trim water that way"),
+    Form("drain SPACE", "pump a flooded compartment out"),
+    Form("drain stop", "stop draining"),
+    Form("hover on|off", "keep the present depth by the depth-control tank"),
+    Form("compressor on|off", "charge the air banks"),
+    Form("sea state DEGREE", "raise the sea of this degree"),
+    Form("sea wind WIND", "raise the sea of this wind"),
+    Form("sea height HEIGHT", "raise a sea of this significant height"),
+    Form("sea from COURSE", "turn the sea, to come from there"),
+    Form("sea calm", "let the sea go down"),
+    Form("casualty NAME", "as severe and sudden as its table says"),
+    Form("casualty NAME SEVERITY", "as severe as this"),
+    Form("casualty NAME ramp SECONDS", "growing over this time"),
+    Form("casualty NAME SEVERITY ramp SECONDS", "both"),
+    Form("clear NAME", "clear a casualty, or all"),
+    Form("casualties", "what can break: name, severity and ramp unless ordered"),
+    Form("freeze", "stop time; orders are still taken"),
+    Form("freeze PART", "hold this still, while time goes on", name="hold"),
+    Form("release PART", "let this move again"),
+    Form("release all", "let everything move again"),
+    Form("run", "let time go on"),
+    Form("step COUNT", "so many ticks, then frozen again"),
+    Form("step", "one tick, then frozen again", value=1.0),
+    Form("time FACTOR", "time so many times faster than the clock"),
+    Form("time max", "time as fast as the machine can"),
+    Form("snapshot LABEL", "keep this moment under this name"),
+    Form("snapshots", "the moments kept"),
+    Form("restore LABEL", "go back to a moment kept"),
+    Form("reset", "go back to the start"),
+    Form("backtrack LAPSE", "go back by so much"),
+    Form("replay LAPSE", "go back by so much, and give the orders again as they were given"),
+    Form("take over", "end the replay here, and go on"),
+    Form("role ROLE", "what this line may do: say it once"),
+    Form("role ROLE TOKEN", "the same, where the session asks for a token"),
+    Form("subscribe CHANNEL", "have what it shows sent whenever it changes"),
+    Form("subscribe CHANNEL at RATE", "at most so many times a second"),
+    Form("unsubscribe CHANNEL", "no longer, or none at all: unsubscribe all"),
+    Form("mark", "mark this moment in the record"),
+    Form("mark REMARK", "the same, with a remark of any words"),
+    Form("log", "the last of what has happened", value=10.0),
+    Form("log COUNT", "so many of them"),
+    Form("briefing", "what the exercise is about"),
+    Form("who", "the stations attached"),
+    Form("detach=bye", "leave the session, which goes on"),
+    Form("status", "everything about the boat, once"),
+    Form("help", "the list of orders"),
+    Form("help TOPIC", "all about one order"),
+    Form("quit=exit", "end the session"),
+)
+
+# What the boat obeys, by the names of the orders; all else is the session's.
+BOAT_ORDERS = frozenset(
+    (
+        *(
+            "depth",
+            "course",
+            "course-by",
+            "speed",
+            "turns",
+            "rpm",
+            "bell",
+            "rudder",
+            "stern",
+            "bow",
+        ),
+        *("planes", "autopilot", "periscope", "surface", "dive", "blow", "emergency", "vent"),
+        *("negative", "flood", "pump", "drain", "hover", "compressor"),
+        *("sea", "casualty", "clear", "hold", "release"),
+    )
+)
+
+
+def place(text: str) -> Word | Number | Name | Secret:
+    """Return the place that one item of a pattern stands for."""
+    if text in NUMBERS:
+        return NUMBERS[text]
+    if text in NAMES:
+        return NAMES[text]
+    if text == "TOKEN":
+        return Secret()
+    return topic_place() if text == "TOPIC" else Word(tuple(spellings(SETS.get(text, text))))
+
+
+def topic_place() -> Word:
+    """Return the place for what help may be asked about."""
+    heads = (form.pattern.split()[0].strip("[]") for form in FORMS if not form.refusal)
+    names = {head for topic in TOPICS for head in topic.heads}
+    words = dict(pair for head in heads for pair in spellings(SETS.get(head, head)))
+    known = tuple((said, word) for said, word in words.items() if word in names)
+    return Word((*known, (SESSION, SESSION)))
+
+
+def spellings(text: str) -> Iterator[tuple[str, str]]:
+    """Yield each spelling in `a=b|c` with the word it stands for."""
+    for alternative in text.split("|"):
+        names = alternative.split("=")
+        yield from ((name, names[0]) for name in names)
+
+
+def variants(form: Form) -> Iterator[tuple[Place, ...]]:
+    """Yield every row of places that the form allows, with and without what may be left out."""
+    items: list[list[tuple[Place, ...]]] = []
+    for text in form.pattern.split():
+        item = place(text.strip("[]"))
+        items.append([(item,)])
+        if text.startswith("["):
+            items[-1].append(())
+        if isinstance(item, Number) and item.units[0].names:
+            items.append([(), (UnitWord(item),)])
+    for row in itertools.product(*items):
+        yield tuple(itertools.chain.from_iterable(row))
+
+
+def heading_word(form: Form) -> str:
+    """Return the word that heads the form, also where it may be left out."""
+    first = form.pattern.split()[0].strip("[]")
+    return next(word for _, word in spellings(SETS.get(first, first)))

@@ -1,0 +1,99 @@
+"""The thread of a recording: it commits what waits, and brings home what is written ahead.
+
+A checkpoint waits for the disk (fsync); in the thread that ticks it would make ticks late. But what
+is written without a pause, by a run that keeps no time, is never all brought home by another thread
+and would be written ahead without end: such a writer has to wait now and then.
+"""
+
+import contextlib
+import functools
+import sqlite3
+import threading
+from collections.abc import Callable
+from pathlib import Path
+from typing import Final
+
+from trainer.io.recording.file import TOUCH, connect
+
+WORTHWHILE: Final = 4_000_000  # [bytes] written ahead
+EVERY: Final = 0.8  # [s] between looks at how much that is, and at what waits
+LONGEST: Final = 20.0  # [s] for a checkpoint under way at the end
+FAR: Final = 64_000_000  # [bytes] written ahead before the writer waits: hours, where time is kept
+
+BRING_HOME: Final = "PRAGMA wal_checkpoint(PASSIVE)"
+
+
+class Checkpointer:
+    """A thread that moves what is written ahead into the database once it is worthwhile."""
+
+    def __init__(self, path: Path) -> None:
+        self._path = path
+        self._written_ahead = path.with_name(path.name + "-wal")
+        self._file = _identity(path)
+        self._bound = FAR  # [bytes] written ahead at which the writer waits
+        self._bringing = threading.Lock()  # two at a time SQLite refuses
+        self._closing = threading.Event()
+        self._thread = threading.Thread(name="checkpoints")
+
+    def start(self, tend: Callable[[], None]) -> None:
+        """Begin the thread, which also calls `tend` every EVERY seconds."""
+        run = functools.partial(self._run, tend)
+        self._thread = threading.Thread(target=run, name="checkpoints", daemon=True)
+        self._thread.start()
+
+    def close(self) -> None:
+        """End the thread after its checkpoint; one whose disk hangs is left to itself."""
+        self._closing.set()
+        if self._thread.ident:
+            self._thread.join(LONGEST)
+
+    @property
+    def gone(self) -> bool:
+        """Return whether the file is not found any more where it was begun."""
+        return _identity(self._path) != self._file
+
+    def relieve(self, writing: sqlite3.Connection) -> None:
+        """Bring all home with the writer's own connection, between two commits, if it is too much.
+
+        What the thread is bringing home is waited for, or it would grow by all that is written in
+        the meantime. What a reader still looks at has to stay ahead; it is tried again after as
+        much again.
+        """
+        with contextlib.suppress(OSError, sqlite3.Error):  # it is all there, if not at home
+            ahead = self._written_ahead.stat().st_size
+            if ahead < self._bound:
+                return
+            with self._bringing:
+                _, written, brought_home = writing.execute(BRING_HOME).fetchone()
+            self._bound = FAR if written == brought_home else ahead + FAR
+
+    def _run(self, tend: Callable[[], None]) -> None:
+        connection = None
+        with contextlib.suppress(sqlite3.Error):  # else it is all brought home at the end
+            connection = connect(self._path, "mode=rw")
+            connection.execute("PRAGMA journal_size_limit = 0")
+        while not self._closing.wait(EVERY):
+            tend()
+            if connection:
+                self._look(connection)
+        if connection:
+            connection.close()
+
+    def _look(self, connection: sqlite3.Connection) -> None:
+        with contextlib.suppress(OSError, sqlite3.Error):  # the next look may do better
+            if self._written_ahead.stat().st_size < WORTHWHILE:
+                return
+            with self._bringing:
+                _, written, brought_home = connection.execute(BRING_HOME).fetchone()
+            if written == brought_home:
+                # Whoever writes next begins the file anew and waits for the disk: be that one.
+                connection.execute(TOUCH)
+
+
+def _identity(path: Path) -> tuple[int, int]:
+    """Return what tells a file from every other, (0, 0) if there is none."""
+    try:
+        found = path.stat()
+    except OSError:
+        return 0, 0
+    return found.st_dev, found.st_ino

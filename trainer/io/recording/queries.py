@@ -1,0 +1,328 @@
+"""What a recording tells of the past, through the branches that led to a moment.
+
+Tick numbers go back when a run is wound back; what is flown from there is a new branch, and its
+past is its parent's up to the moment where it began. State k of a branch is what stood at the end
+of tick k, before the orders given at tick k; only the state that a branch begins with may include
+orders of its own tick.
+"""
+
+import sqlite3
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import Any, Final, NamedTuple
+
+from trainer.io.recording.file import RecordingError, understanding
+
+ENDLESS: Final = 2**62  # beyond any tick or order
+LEEWAY: Final = 1000  # [ticks] that an order may be beyond the last state of its branch
+LARGEST: Final = 100_000_000  # [bytes] of an answer that is held as a whole
+ROW: Final = 300  # [bytes] of a row beside its texts
+
+
+class Kind(NamedTuple):
+    """What a column of an answer holds: a number within bounds, or a text or blob of a length."""
+
+    kind: type
+    least: int
+    most: int
+    perhaps: bool = False  # it may be missing
+
+    def holds(self, value: object) -> bool:
+        """Return whether a value is such a one."""
+        if value is None:
+            return self.perhaps
+        if not isinstance(value, self.kind):
+            return False
+        size = value if isinstance(value, int) else len(value)  # type: ignore[arg-type]
+        return self.least <= size <= self.most
+
+
+# What the columns of an answer hold. SQLite itself takes anything, and a damaged page may be that.
+COUNT: Final = Kind(int, 0, 2**53)
+PLACE: Final = Kind(int, 0, 2**31)
+TIME: Final = Kind(int, -(2**62), 2**62, perhaps=True)  # [ns]
+TEXT: Final = Kind(str, 0, 10_000)
+KINDS: Final[Mapping[str, Kind]] = {
+    **dict.fromkeys(("id", "branch", "tick", "after", "last"), COUNT),
+    **dict.fromkeys(("parent", "latest"), COUNT._replace(perhaps=True)),
+    **dict.fromkeys(("key", "name", "who", "text", "answer", "kind", "why", "wall"), TEXT),
+    **dict.fromkeys(("scheduled", "done"), PLACE._replace(perhaps=True)),
+    **dict.fromkeys(("lateness_ns", "work_ns"), TIME),
+    "place": PLACE,
+    "accepted": Kind(int, 0, 1, perhaps=True),
+    "value": Kind(str, 0, LARGEST),
+    "state": Kind(bytes, 0, 65_536),
+}
+
+
+@dataclass(frozen=True, slots=True)
+class Moment:
+    """All that there is to go back to."""
+
+    branch: int
+    tick: int
+    state: bytes
+    after: int  # the last order that the state includes, 0 for none
+    place: int  # of the next entry of the schedule
+
+
+@dataclass(frozen=True, slots=True)
+class Journalled:
+    """An order as it was recorded; it acted after `tick` ticks."""
+
+    id: int
+    branch: int
+    tick: int
+    who: str
+    text: str
+    place: int | None  # in the schedule; None when somebody gave it
+    accepted: bool | None  # None when the program ended before the answer was written
+    answer: str
+
+
+@dataclass(frozen=True)
+class Branch:
+    """A stretch flown in one go, from a moment of its parent on."""
+
+    id: int
+    parent: int | None
+    tick: int
+    after: int
+    place: int
+    why: str
+    state: bytes
+
+
+@dataclass(frozen=True)
+class Noted:
+    """Something that happened, beside orders and states."""
+
+    branch: int
+    tick: int
+    kind: str
+    who: str
+    text: str
+    wall: str  # time of day, UTC
+
+
+@dataclass(frozen=True, slots=True)
+class Flown:
+    """One tick of a branch; its times [ns] are None where nobody measured them."""
+
+    branch: int
+    tick: int
+    state: bytes
+    lateness: int | None
+    work: int | None
+
+
+DAMAGED: Final = "a value is of another kind than is written there"
+Row = tuple[Any, ...]
+
+
+class Past:
+    """Questions to a recording; RecordingError if it is damaged."""
+
+    def __init__(self, connection: sqlite3.Connection, name: str) -> None:
+        self._connection = connection
+        self._name = name
+
+    def header(self) -> dict[str, str]:
+        """Return what was written when the recording was made."""
+        return dict(self._all("SELECT key, value FROM header"))
+
+    def branches(self) -> list[Branch]:
+        """Return all branches, oldest first."""
+        found = "SELECT id, parent, tick, after, place, why, state FROM branches ORDER BY id"
+        branches = [self._begun(row) for row in self._all(found)]
+        if not branches:
+            raise self._damaged("it has no branch")
+        return branches
+
+    def last_branch(self) -> int:
+        """Return the number of the latest branch."""
+        return int(self._row("SELECT coalesce(max(id), 0) AS last FROM branches")[0])
+
+    def last_order(self) -> int:
+        """Return the number of the latest order, 0 for none."""
+        return int(self._row("SELECT coalesce(max(id), 0) AS last FROM orders")[0])
+
+    def last_tick(self, branch: int) -> int:
+        """Return the tick of the last state of a branch, its start at least."""
+        found = "SELECT max(tick) AS latest FROM states WHERE branch = ?"
+        (tick,) = self._row(found, branch)
+        return max(self._branch(branch).tick, -1 if tick is None else int(tick))
+
+    def owner(self, branch: int, tick: int, after: int) -> int:
+        """Return which branch of the ancestry a moment belongs to."""
+        here = self._branch(branch)
+        while here.parent is not None and (tick, after) < (here.tick, here.after):
+            here = self._branch(here.parent)
+        return here.id
+
+    def moment(self, branch: int, tick: int) -> Moment | None:
+        """Return the end of a tick in a branch or its ancestry; None if it is not recorded."""
+        here = self._find(branch)
+        while here and here.parent is not None and tick < here.tick:
+            here = self._find(here.parent)
+        if here is None:  # it could not be written
+            return None
+        if tick == here.tick:
+            return Moment(here.id, tick, here.state, here.after, here.place)
+        state = self._row("SELECT state FROM states WHERE branch = ? AND tick = ?", here.id, tick)
+        if not state:
+            return None
+        given = (
+            "SELECT max(id) AS latest, max(place) AS done FROM orders WHERE branch = ? AND tick < ?"
+        )
+        after, place = self._row(given, here.id, tick)
+        return Moment(
+            *(here.id, tick, state[0]),
+            after=here.after if after is None else after,
+            place=here.place if place is None else place + 1,
+        )
+
+    def orders(self, branch: int, after: int) -> list[Journalled]:
+        """Return the orders after number `after` that a branch includes, in order."""
+        found = (
+            "SELECT id, branch, tick, who, text, place AS scheduled, accepted, answer FROM orders "
+            "WHERE branch = ? AND id > ? AND id <= ? ORDER BY id"
+        )
+        stretches: list[list[Journalled]] = []
+        here, last = self._branch(branch), self.last_order()
+        while True:
+            rows = self._all(found, here.id, after, last)
+            stretches.append(self._journalled(here, rows))
+            if here.parent is None or here.after <= after:
+                break
+            here, last = self._branch(here.parent), here.after
+        return [order for stretch in reversed(stretches) for order in stretch]
+
+    def snapshots(self, branch: int) -> list[tuple[str, Moment]]:
+        """Return the named moments, the latest of each name.
+
+        What was kept in the past of the branch goes before what was kept elsewhere.
+        """
+        found = "SELECT name, branch, tick, state, after, place FROM snapshots ORDER BY id"
+        kept = [(str(name), Moment(*fields)) for name, *fields in self._all(found)]
+        begun = dict(self._ancestry(branch))
+        past: dict[str, Moment] = {}
+        elsewhere: dict[str, Moment] = {}
+        for name, moment in kept:
+            end = begun.get(moment.branch)
+            own = end is not None and (moment.tick, moment.after) <= end
+            (past if own else elsewhere)[name] = moment
+        return list((elsewhere | past).items())
+
+    def flown(self, branch: int) -> Iterator[Flown]:
+        """Yield every tick from the first of all to the last of a branch."""
+        self._branch(branch)  # there is such a one
+        ancestry = list(self._ancestry(branch))
+        for number, (end, _) in reversed(ancestry):
+            begun = self._branch(number)
+            if begun.tick < end:
+                yield Flown(number, begun.tick, begun.state, None, None)
+            found = (
+                "SELECT branch, tick, state, lateness_ns, work_ns "
+                "FROM states LEFT JOIN ledger USING (branch, tick) "
+                "WHERE branch = ? AND tick > ? AND tick < ? ORDER BY tick"
+            )
+            for tick, row in enumerate(self._rows(found, number, begun.tick, end), begun.tick + 1):
+                yield Flown(*self._next(row, number, tick, row[1]))
+
+    def states(self, branch: int) -> Iterator[tuple[int, bytes]]:
+        """Yield tick and state of what a branch itself recorded, its start first."""
+        begun = self._branch(branch)
+        yield begun.tick, begun.state
+        found = "SELECT tick, state FROM states WHERE branch = ? AND tick > ? ORDER BY tick"
+        for tick, row in enumerate(self._rows(found, branch, begun.tick), begun.tick + 1):
+            yield self._next(row, branch, tick, row[0])
+
+    def events(self) -> Iterator[Noted]:
+        """Yield what was noted, in order."""
+        for row in self._rows("SELECT branch, tick, kind, who, text, wall FROM events ORDER BY id"):
+            yield Noted(*row)
+
+    def ledger(self, branch: int) -> Iterator[tuple[int, int, int]]:
+        """Yield tick, lateness and work [ns] of what a branch itself recorded."""
+        found = "SELECT tick, lateness_ns, work_ns FROM ledger WHERE branch = ? ORDER BY tick"
+        yield from self._rows(found, branch)
+
+    def _ancestry(self, branch: int) -> Iterator[tuple[int, tuple[int, int]]]:
+        """Yield a branch and its forebears, each with the (tick, order) where the next began."""
+        here, end = self._find(branch), (ENDLESS, ENDLESS)
+        while here:
+            yield here.id, end
+            end = here.tick, here.after
+            here = None if here.parent is None else self._find(here.parent)
+
+    def _branch(self, branch: int) -> Branch:
+        found = self._find(branch)
+        if found is None:
+            raise RecordingError(
+                f"{self._name} has no branch {branch}; the latest is {self.last_branch()}"
+            )
+        return found
+
+    def _find(self, branch: int) -> Branch | None:
+        found = "SELECT id, parent, tick, after, place, why, state FROM branches WHERE id = ?"
+        row = self._row(found, branch)
+        return self._begun(row) if row else None
+
+    def _begun(self, row: Row) -> Branch:
+        """Return a branch; RecordingError if it begins in itself or a later one."""
+        branch = Branch(*row)
+        if branch.parent is not None and branch.parent >= branch.id:
+            raise self._damaged(f"branch {branch.id} begins in a later one")
+        return branch
+
+    def _row(self, question: str, *values: int) -> Row:
+        """Return the first row of the answer, () if there is none."""
+        return next(self._rows(question, *values), ())
+
+    def _all(self, question: str, *values: int) -> list[Row]:
+        """Return all rows of an answer; RecordingError if they are too much to be held at once."""
+        rows, held = [], 0
+        for row in self._rows(question, *values):
+            held += ROW + sum(len(value) for value in row if isinstance(value, str | bytes))
+            if held > LARGEST:
+                raise self._damaged(f"more is to be read at once than {LARGEST // 10**6} MB")
+            rows.append(row)
+        return rows
+
+    def _rows(self, question: str, *values: int) -> Iterator[Row]:
+        try:
+            with understanding(self._name):
+                answer = self._connection.execute(question, values)
+                kinds = [KINDS[column] for column, *_ in answer.description]
+                for row in answer:
+                    for value, kind in zip(row, kinds, strict=True):
+                        if not kind.holds(value):
+                            raise self._damaged(DAMAGED)
+                    yield row
+        except sqlite3.OperationalError as error:
+            raise RecordingError(f"{self._name} cannot be read: {error}") from None
+
+    def _next(self, row: Row, branch: int, due: int, tick: int) -> Row:
+        """Return the row of a tick if that is the one due: every tick of a branch is recorded."""
+        if tick != due:
+            raise self._damaged(f"tick {due} of branch {branch} is missing before tick {tick}")
+        return row
+
+    def _journalled(self, branch: Branch, rows: list[Row]) -> list[Journalled]:
+        """Return orders of a branch; RecordingError for one where nothing was flown."""
+        last = self.last_tick(branch.id) + LEEWAY
+        orders = [_journalled(row) for row in rows]
+        for order in orders:
+            if not branch.tick <= order.tick <= last:
+                raise self._damaged(f"order {order.id} was given at tick {order.tick}")
+        return orders
+
+    def _damaged(self, why: str) -> RecordingError:
+        return RecordingError(f"{self._name} is damaged: {why}")
+
+
+def _journalled(row: tuple[Any, ...]) -> Journalled:
+    number, branch, tick, who, text, place, accepted, answer = row
+    known = None if accepted is None else bool(accepted)
+    return Journalled(number, branch, tick, who, text, place, known, answer)

@@ -1,0 +1,486 @@
+"""A recording: one file of a run, its orders before they act, its states, and what happened.
+
+It knows bytes, text and numbers; what they mean is its caller's affair. Orders, snapshots and
+forks are committed when the call returns; the rest is gathered, and a thread commits it within a
+second. A process that is killed loses nothing that is committed; one whose machine loses power may
+lose the last seconds, never the whole.
+
+A recording may go out of reach: another program has it locked, its disk is full. Then what is
+recorded waits, up to ROOM bytes, and the thread tries again. What is beyond is lost and counted,
+and the recording goes on in a new branch, whose start lies beyond the end of its parent.
+
+A recording that keeps nothing: a run needs no ``if``.
+"""
+
+import contextlib
+import sqlite3
+import threading
+import time
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Final
+
+from trainer.io.recording import file
+from trainer.io.recording.checkpoint import BRING_HOME, Checkpointer
+from trainer.io.recording.file import FORMAT, TOUCH, RecordingError, wall_time
+from trainer.io.recording.queries import Branch, Flown, Journalled, Moment, Noted, Past
+
+__all__ = [
+    "FORMAT",
+    "Branch",
+    "Flown",
+    "Journalled",
+    "Moment",
+    "Noted",
+    "Recording",
+    "RecordingError",
+]
+
+BATCH: Final = 256  # [rows] of a kind gathered at most
+BRIEFLY: Final = 0.05  # [s] that the caller waits for another program, or for the thread
+PATIENCE: Final = 2.0  # [s] where it writes faster than the thread, and at the end
+AGAIN: Final = 2.0  # [s] between tries to reach it
+ROOM: Final = 64_000_000  # [bytes] that wait at most while it is out of reach
+ROW: Final = 200  # [bytes] of a row beside what is in it
+LOOK: Final = 0.002  # [s] between looks at a recording that another program has locked
+
+Row = tuple[int | str | bytes | None, ...]
+
+BRANCH: Final = (
+    "INSERT INTO branches (id, parent, tick, after, place, why, state, wall) "
+    "VALUES (?, ?, ?, ?, ?, ?, ?, ?)"
+)
+ORDER: Final = (
+    "INSERT INTO orders (id, branch, tick, who, text, place, wall) VALUES (?, ?, ?, ?, ?, ?, ?)"
+)
+ANSWER: Final = "UPDATE orders SET answer = ?, accepted = ? WHERE id = ?"
+# a tick flown again on its own branch is the same tick
+STATE: Final = "INSERT OR IGNORE INTO states (branch, tick, state) VALUES (?, ?, ?)"
+TIMING: Final = (
+    "INSERT OR IGNORE INTO ledger (branch, tick, lateness_ns, work_ns) VALUES (?, ?, ?, ?)"
+)
+EVENT: Final = "INSERT INTO events (branch, tick, kind, who, text, wall) VALUES (?, ?, ?, ?, ?, ?)"
+SNAPSHOT: Final = (
+    "INSERT INTO snapshots (name, branch, tick, state, after, place, wall) "
+    "VALUES (?, ?, ?, ?, ?, ?, ?)"
+)
+STATEMENTS: Final = (BRANCH, ORDER, ANSWER, STATE, TIMING, EVENT, SNAPSHOT)  # in this order
+COUNTED: Final = {STATE: "ticks", ORDER: "orders", EVENT: "events", SNAPSHOT: "snapshots"}
+
+
+class Recording:
+    """A recording being written, or looked at; for one thread, beside its own."""
+
+    trouble: str  # why nothing is written at present; "" while all is well
+    branch: int  # the present one
+    reachable: bool  # it can be gone on with after a gap, in a branch from a moment on
+    absences: int  # how often it was out of reach
+
+    def __init__(
+        self, connection: sqlite3.Connection, name: str, checkpointer: Checkpointer | None
+    ) -> None:
+        """Take an open file; `create`, `reopen` and `look` open them."""
+        self.trouble = ""
+        self.reachable = False
+        self.absences = 0
+        self._name = name
+        self._connection = connection
+        self._checkpointer = checkpointer
+        self._past = Past(connection, name)
+        self.branch = self._branches = self._past.last_branch()
+        self._order = self._past.last_order()
+        self._tick = self._kept = self._past.last_tick(self.branch)
+        self._waiting: dict[str, list[Row]] = {statement: [] for statement in STATEMENTS}
+        self._states, self._timings = self._waiting[STATE], self._waiting[TIMING]
+        self._writing_it = threading.Lock()  # held by who uses the connection to write
+        self._rows = threading.Lock()  # held for a moment where what waits grows shorter
+        self._held = 0  # [bytes] that wait while it is out of reach
+        self._gap = False  # more than there is room for has come: from then on it is only counted
+        self._lost = dict.fromkeys(COUNTED, 0)  # in this gap
+        self._missing = dict.fromkeys(COUNTED, 0)  # in all
+        self._tried = 0.0  # [s] when it was last tried to be reached
+        if checkpointer:
+            checkpointer.start(self._tend)
+
+    @classmethod
+    def create(cls, path: Path | None, header: Mapping[str, str], state: bytes) -> "Recording":
+        """Begin a recording at tick 0 with `state`; without a path one that is gone when closed.
+
+        RecordingError if there is such a file already, or it cannot be made.
+        """
+        if path is None:
+            return cls(file.temporary(header, state), "the temporary recording", None)
+        return cls._writing(file.create(path, header, state), path)
+
+    @classmethod
+    def reopen(cls, path: Path) -> "Recording":
+        """Go on with the latest branch of a recording; RecordingError if another program has it."""
+        return cls._writing(file.reopen(path), path)
+
+    @classmethod
+    def look(cls, path: Path) -> "Recording":
+        """Open a recording for reading, while it is written or afterwards."""
+        return cls._opened(file.look(path), str(path), None)
+
+    @classmethod
+    def _writing(cls, connection: sqlite3.Connection, path: Path) -> "Recording":
+        return cls._opened(connection, str(path), Checkpointer(path))
+
+    @classmethod
+    def _opened(
+        cls, connection: sqlite3.Connection, name: str, checkpointer: Checkpointer | None
+    ) -> "Recording":
+        """Return the recording; what is open is closed if it turns out to be damaged."""
+        with contextlib.ExitStack() as unless_good:
+            unless_good.callback(connection.close)
+            if checkpointer:
+                unless_good.callback(checkpointer.close)
+            recording = cls(connection, name, checkpointer)
+            unless_good.pop_all()
+        return recording
+
+    # Writing
+
+    def order(self, tick: int, who: str, text: str, place: int | None = None) -> int:
+        """Write an order that is about to act, at once; return its number."""
+        self._order += 1
+        self._tick = tick
+        self._put(ORDER, (self._order, self.branch, tick, who, text, place, wall_time()))
+        self.flush()
+        return self._order
+
+    def answered(self, order: int, answer: str, accepted: bool) -> None:  # noqa: FBT001
+        """Take what became of an order."""
+        self._put(ANSWER, (answer, int(accepted), order))
+
+    def state(self, tick: int, state: bytes) -> None:
+        """Take what stands at the end of a tick; of a tick taken already the first stands."""
+        self._tick = tick
+        if self.trouble:
+            self._put(STATE, (self.branch, tick, state))
+            return
+        self._states.append((self.branch, tick, state))
+        if len(self._states) >= BATCH:
+            self.flush(PATIENCE)
+
+    def timing(self, tick: int, lateness: int, work: int) -> None:
+        """Take how late [ns] a tick began and how long [ns] it worked."""
+        if not self._gap:
+            self._timings.append((self.branch, tick, lateness, work))
+
+    def event(self, tick: int, kind: str, who: str, text: str) -> None:
+        """Take something that happened; it is given the time of day."""
+        self._put(EVENT, (self.branch, tick, kind, who, text, wall_time()))
+
+    def snapshot(self, name: str, moment: Moment) -> None:
+        """Write a moment under a name, at once."""
+        branch = self._owner(moment)
+        kept = (branch, moment.tick, moment.state, moment.after, moment.place)
+        self._put(SNAPSHOT, (name, *kept, wall_time()))
+        self.flush()
+
+    def fork(self, moment: Moment, why: str) -> int:
+        """Begin a new branch at a moment, at once; return its number, from now on the present."""
+        parent = self._owner(moment)
+        begun = (parent, moment.tick, moment.after, moment.place, why, moment.state)
+        self._branches += 1
+        self._put(BRANCH, (self._branches, *begun, wall_time()))
+        self.flush()
+        self.branch, self._tick = self._branches, moment.tick
+        return self.branch
+
+    def go_on(self, moment: Moment) -> None:
+        """Go on after a gap, at a moment, in a new branch that tells what is missing."""
+        parent = self._past.last_branch()
+        last = self._past.last_tick(parent)
+        self._gap = self.reachable = False
+        self.trouble = ""
+        why = f"not recorded after tick {last}: {_counts(self._lost)} lost"
+        self._lost = dict.fromkeys(COUNTED, 0)
+        self._branches += 1
+        begun = (parent, moment.tick, moment.after, moment.place, why, moment.state)
+        self._put(BRANCH, (self._branches, *begun, wall_time()))
+        self.branch, self._tick = self._branches, moment.tick
+        self.flush()
+
+    @property
+    def missing(self) -> str:
+        """Return what has not been recorded and never will be, "" for nothing."""
+        return _counts(self._missing) if any(self._missing.values()) else ""
+
+    def flush(self, patience: float = BRIEFLY) -> None:
+        """Write what waits, all or nothing; what cannot be written is told in `trouble`."""
+        if not self.trouble and any(self._waiting.values()):
+            self._write(patience)
+
+    def close(self) -> None:
+        """Write what waits, bring all of it into the one file, and close."""
+        if self._checkpointer:
+            self._checkpointer.close()
+        self.flush(PATIENCE)
+        end = time.monotonic() + PATIENCE
+        while self.trouble and self._checkpointer and not self._gap and time.monotonic() < end:
+            self._reach()
+            time.sleep(BRIEFLY)
+        if self._checkpointer:
+            with contextlib.suppress(sqlite3.Error):  # it is all there, if not at home
+                self._connection.execute(BRING_HOME)
+        if self.trouble:
+            self._drop()
+        self._connection.close()
+
+    # Reading: what waits is written first, so that it is seen
+
+    def header(self) -> dict[str, str]:
+        """Return what the recording was begun with."""
+        return self._past.header()
+
+    def branches(self) -> list[Branch]:
+        """Return all branches, oldest first."""
+        return self._seen().branches()
+
+    def state_at(self, branch: int, tick: int) -> bytes | None:
+        """Return the state at the end of a tick in a branch or its ancestry."""
+        moment = self.moment(branch, tick)
+        return None if moment is None else moment.state
+
+    def latest(self) -> Moment:
+        """Return the end of the last recorded tick of the latest branch."""
+        past = self._seen()
+        branch = past.last_branch()
+        moment = past.moment(branch, past.last_tick(branch))
+        if moment is None:
+            raise RecordingError(f"{self._name} cannot be read: its last state is missing")
+        return moment
+
+    def moment(self, branch: int, tick: int) -> Moment | None:
+        """Return the end of a tick in a branch or its ancestry; None if it is not recorded."""
+        return self._seen().moment(branch, tick)
+
+    def orders(self, branch: int, after: int = 0) -> list[Journalled]:
+        """Return the orders after number `after` of a branch and its past, in order."""
+        return self._seen().orders(branch, after)
+
+    def snapshots(self) -> list[tuple[str, Moment]]:
+        """Return the named moments: the latest of each name in the present branch's past.
+
+        What was kept on other branches only is there too, before them.
+        """
+        return self._seen().snapshots(self.branch)
+
+    def flown(self, branch: int) -> Iterator[Flown]:
+        """Yield every tick of a branch and of the ancestry that led to it."""
+        return self._seen().flown(branch)
+
+    def states(self, branch: int) -> Iterator[tuple[int, bytes]]:
+        """Yield tick and state of the branch alone, the state that it begins with first."""
+        return self._seen().states(branch)
+
+    def events(self) -> Iterator[Noted]:
+        """Yield what was noted on all branches, in order of time."""
+        return self._seen().events()
+
+    def ledger(self, branch: int) -> Iterator[tuple[int, int, int]]:
+        """Yield tick, lateness [ns] and work [ns] of the branch alone."""
+        return self._seen().ledger(branch)
+
+    def _put(self, statement: str, row: Row) -> None:
+        """Let a row wait; out of reach only as long as there is room."""
+        if self._gap:
+            self._count(statement, 1)
+            return
+        rows = self._waiting[statement]
+        rows.append(row)
+        if self.trouble:
+            self._held += ROW + sum(len(part) for part in row if isinstance(part, str | bytes))
+            if self._held > ROOM:
+                self._drop()
+        elif len(rows) >= BATCH:
+            self.flush(PATIENCE)
+
+    def _drop(self) -> None:
+        """Give up what waits, and count it."""
+        with self._rows:
+            self._gap = True
+            for statement, rows in self._waiting.items():
+                self._count(statement, len(rows))
+                rows.clear()
+
+    def _count(self, statement: str, number: int) -> None:
+        for counts in (self._lost, self._missing):
+            if statement in counts:
+                counts[statement] += number
+
+    def _write(self, patience: float) -> None:
+        """Write what waits, or go without; nobody is waited for longer than `patience` [s]."""
+        if not self._writing_it.acquire(timeout=patience):
+            self._lose("its disk does not answer")
+            return
+        try:
+            self._commit(patience)
+        except sqlite3.Error as error:
+            self._lose(error)
+        finally:
+            self._writing_it.release()
+
+    def _commit(self, patience: float) -> None:
+        """Write what waits in one transaction; sqlite3.Error if it cannot be, and all waits on."""
+        tick = self._tick
+        # a row may rest on one of a kind before its own, which is therefore counted after it
+        counts = {each: len(self._waiting[each]) for each in reversed(STATEMENTS)}
+        try:
+            _begin(self._connection, time.monotonic() + patience)
+            for statement in STATEMENTS:
+                if counts[statement]:
+                    rows = self._waiting[statement][: counts[statement]]
+                    self._connection.executemany(statement, rows)
+            self._connection.execute("COMMIT")
+        except sqlite3.Error:
+            with contextlib.suppress(sqlite3.Error):
+                if self._connection.in_transaction:
+                    self._connection.execute("ROLLBACK")
+            raise
+        with self._rows:
+            for statement, count in counts.items():
+                del self._waiting[statement][:count]
+        self._kept = tick
+        if self._checkpointer and self._checkpointer.gone:
+            self._lose("is not there any more: removed, or its disk is; write to another")
+        elif self._checkpointer:
+            self._checkpointer.relieve(self._connection)
+
+    def _tend(self) -> None:
+        """Commit what waits, or try to reach the recording again; in the thread of its own."""
+        if not self.trouble:
+            self.flush()
+        elif not self.reachable and time.monotonic() > self._tried + AGAIN:
+            self._reach()
+
+    def _reach(self) -> None:
+        """Try to write again; after a gap only whether it could be."""
+        self._tried = time.monotonic()
+        if self._checkpointer and self._checkpointer.gone:
+            return
+        if not self._writing_it.acquire(timeout=BRIEFLY):
+            return
+        try:
+            self._try()
+        except sqlite3.Error:
+            return
+        finally:
+            self._writing_it.release()
+
+    def _try(self) -> None:
+        """Write what waits, after a gap the least that is a write; sqlite3.Error."""
+        if self._gap:
+            _begin(self._connection, 0.0)
+            self._connection.execute(TOUCH)
+            self._connection.execute("COMMIT")
+            self.reachable = True
+            return
+        self._commit(0.0)
+        with self._rows:
+            self._held = 0
+            if not self._gap:
+                self.trouble = ""
+
+    def _seen(self) -> Past:
+        self.flush()
+        return self._past
+
+    def _owner(self, moment: Moment) -> int:
+        """Return the branch that a moment is of: a replay may stand before its branch's start."""
+        if self.trouble:
+            return moment.branch
+        return self._past.owner(moment.branch, moment.tick, moment.after)
+
+    def _lose(self, error: sqlite3.Error | str) -> None:
+        """Note that the recording is out of reach."""
+        if self.trouble:
+            return
+        self._held = 0
+        self._tried = time.monotonic()
+        self.absences += 1
+        self.trouble = (
+            f"{self._name}: {error}; all up to tick {self._kept} of branch {self.branch} is kept"
+        )
+
+
+def _begin(connection: sqlite3.Connection, end: float) -> None:
+    """Begin to write, waiting for another program until `end` [s]; sqlite3.Error beyond it."""
+    while True:
+        try:
+            connection.execute("BEGIN IMMEDIATE")
+        except sqlite3.OperationalError as error:
+            busy = error.sqlite_errorcode & 0xFF == sqlite3.SQLITE_BUSY
+            if not busy or time.monotonic() > end:
+                raise
+            time.sleep(LOOK)
+        else:
+            return
+
+
+def _counts(lost: Mapping[str, int]) -> str:
+    """Return in words how many of each kind were lost."""
+    return ", ".join(f"{number} {COUNTED[each]}" for each, number in lost.items() if number)
+
+
+class NoRecording:
+    """What a recording takes is dropped; there is nothing to go back to."""
+
+    def __init__(self) -> None:
+        self.trouble = self.missing = ""
+        self.reachable = False
+        self.absences = 0
+        self.branch = 1
+        self._order = 0
+
+    def order(self, _tick: int, _who: str, _text: str, _place: int | None = None) -> int:
+        """Return the number of an order."""
+        self._order += 1
+        return self._order
+
+    def answered(self, _order: int, _answer: str, _accepted: bool) -> None:  # noqa: FBT001
+        """Drop it."""
+
+    def state(self, _tick: int, _state: bytes) -> None:
+        """Drop it."""
+
+    def timing(self, _tick: int, _lateness: int, _work: int) -> None:
+        """Drop it."""
+
+    def event(self, _tick: int, _kind: str, _who: str, _text: str) -> None:
+        """Drop it."""
+
+    def snapshot(self, _name: str, _moment: Moment) -> None:
+        """Drop it."""
+
+    def fork(self, _moment: Moment, _why: str) -> int:
+        """Return the number of the branch that begins."""
+        self.branch += 1
+        return self.branch
+
+    def go_on(self, _moment: Moment) -> None:
+        """Drop it."""
+
+    def flush(self) -> None:
+        """Do nothing."""
+
+    def state_at(self, _branch: int, _tick: int) -> bytes | None:
+        """Return nothing."""
+        return None
+
+    def moment(self, _branch: int, _tick: int) -> Moment | None:
+        """Return nothing."""
+        return None
+
+    def orders(self, _branch: int, _after: int = 0) -> list[Journalled]:
+        """Return none."""
+        return []
+
+    def snapshots(self) -> list[tuple[str, Moment]]:
+        """Return none."""
+        return []
+
+    def close(self) -> None:
+        """Do nothing."""

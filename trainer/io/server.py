@@ -1,0 +1,366 @@
+"""All sockets of a session in one thread, which waits for none of them.
+
+A client that does not read loses its own lines, one that sends too much is read slowly, one that
+vanishes is noticed by the system's keepalive; none of them delays another.
+
+Sockets that listen, at a TCP port or at a path of this machine.
+"""
+
+import contextlib
+import errno
+import functools
+import math
+import os
+import selectors
+import socket
+import stat
+import threading
+import time
+from collections import deque
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Protocol
+
+from trainer.io.connection import CHUNK, MOST_BYTES, READ, Connection
+from trainer.io.serial_line import LinkError
+
+WAITING = 128  # connections that the system keeps until they are taken
+KNOCK = 1.0  # [s]  for a session that listens at a path to answer
+HIGHEST = 65535
+
+
+def listen_at(host: str, port: int) -> socket.socket:
+    """Return a socket that listens at a TCP port, 0 for any free one; raises LinkError."""
+    where = f"{host}:{port}"
+    if not 0 <= port <= HIGHEST:
+        raise LinkError(f"{where}: a port is 1 to {HIGHEST}, or 0 for any that is free")
+    try:
+        found = socket.getaddrinfo(host, port, type=socket.SOCK_STREAM, flags=socket.AI_PASSIVE)
+        family, _, _, _, address = found[0]
+        return socket.create_server(address[:2], family=family, backlog=WAITING)
+    except (OSError, UnicodeError) as error:
+        raise LinkError(f"{where}: {why_not(error)}") from error
+
+
+def why_not(error: Exception) -> str:
+    """Return why a port cannot be listened at, and the next step."""
+    if isinstance(error, socket.gaierror | UnicodeError):
+        return "no such host; say 127.0.0.1 for this machine alone"
+    number = getattr(error, "errno", None)
+    if number == errno.EADDRINUSE:
+        return "in use already; give another port, or 0 for any that is free"
+    if number == errno.EADDRNOTAVAIL:
+        return "not an address of this machine; say 127.0.0.1, or 0.0.0.0 for all it has"
+    if number == errno.EACCES:
+        return "this port is the system's; give one above 1023"
+    return told(error)
+
+
+def told(error: Exception) -> str:
+    """Return what the system said."""
+    return str(getattr(error, "strerror", None) or error)
+
+
+@dataclass(frozen=True)
+class LocalSocket:
+    """A socket that listens at a path, and which file there is its own."""
+
+    socket: socket.socket
+    path: Path
+    file: tuple[int, int]  # device and number
+
+    def close(self) -> None:
+        """Stop listening, and take the file away unless another has replaced it.
+
+        The file goes first: who finds a dead one replaces it, and may be given its number.
+        """
+        with contextlib.suppress(OSError):
+            if identity(self.path) == self.file:
+                self.path.unlink()
+        self.socket.close()
+
+
+def listen_here(path: Path) -> LocalSocket:
+    """Return a socket that listens at `path`, for its owner only; raises LinkError."""
+    if not hasattr(socket, "AF_UNIX"):
+        raise LinkError(f"{path}: this system has no local sockets; listen at 127.0.0.1 instead")
+    make_room(path)
+    listener = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
+    try:
+        listener.bind(str(path))
+        path.chmod(0o600)  # before it listens: until then nobody can connect
+        listener.listen(WAITING)
+        return LocalSocket(listener, path, identity(path))
+    except OSError as error:
+        listener.close()
+        raise LinkError(f"{path}: {why_not_here(error)}") from error
+
+
+def private_folder(folder: Path) -> None:
+    """Make a folder of this user's own; LinkError if what is there could be another's.
+
+    In a folder shared by all, whoever comes first owns the name, and a link leads elsewhere.
+    """
+    try:
+        folder.mkdir(mode=0o700, parents=True, exist_ok=True)
+        refuse_shared(folder)
+    except OSError as error:
+        raise LinkError(f"{folder}: {told(error)}") from None
+
+
+def refuse_shared(folder: Path) -> None:
+    """Raise LinkError unless a folder, and who could replace it, is this user's or the system's."""
+    if not hasattr(os, "geteuid"):
+        return
+    found, above = os.lstat(folder), folder.parent.stat()
+    own = stat.S_ISDIR(found.st_mode) and found.st_uid == os.geteuid()
+    if not own or found.st_mode & (stat.S_IRWXG | stat.S_IRWXO):
+        raise LinkError(
+            f"{folder}: is not a folder of yours alone; remove it, or set XDG_RUNTIME_DIR to a "
+            "folder that is"
+        )
+    shared = above.st_mode & stat.S_IWOTH and not above.st_mode & stat.S_ISVTX
+    if shared or above.st_uid not in (0, os.geteuid()):
+        raise LinkError(
+            f"{folder.parent}: belongs to another user, or anybody may write there; set "
+            "XDG_RUNTIME_DIR to a folder of yours"
+        )
+
+
+def make_room(path: Path) -> None:
+    """Take away the socket of a dead session; refuse where something else is at `path`."""
+    try:
+        kind = path.lstat().st_mode
+    except OSError:
+        return  # nothing there, or bind will say what
+    if not stat.S_ISSOCK(kind):
+        raise LinkError(f"{path}: is there and is no socket; give another path")
+    if answers(path):
+        raise LinkError(
+            f"{path}: a session listens there; attach to it, or give this one another path"
+        )
+    with contextlib.suppress(OSError):
+        path.unlink()
+
+
+def answers(path: Path) -> bool:
+    """Return whether anything listens at the socket `path`."""
+    with socket.socket(socket.AF_UNIX, socket.SOCK_STREAM) as knock:
+        knock.settimeout(KNOCK)
+        try:
+            knock.connect(str(path))
+        except (ConnectionRefusedError, FileNotFoundError):
+            return False
+        except OSError:
+            return True  # too busy to answer, or another user's
+        return True
+
+
+def why_not_here(error: OSError) -> str:
+    """Return why a path cannot be listened at, and the next step."""
+    if error.errno is None:  # Python's own check of its length
+        return "the path is too long for a socket; give a shorter one, of 100 bytes at most"
+    if error.errno == errno.ENOENT:
+        return "no such folder; make it, or give another path"
+    return f"{told(error)}; give another path"
+
+
+def identity(path: Path) -> tuple[int, int]:
+    """Return which file is at `path`."""
+    found = os.lstat(path)
+    return found.st_dev, found.st_ino
+
+
+ROOM = 32  # connections
+KEPT = 8  # more, for lines of this machine and user
+STRANGERS = 24  # that come by TCP and have not said who they are; the oldest gives way
+TURNED_AWAY = 8  # more that are being told so; beyond it they are cut off
+LAST_WORDS = 1.0  # [s]  for those
+DEAF = 1.0  # [s]  without new connections after the system had no room for one
+GRACE = 1.0  # [s]  beyond the patience, for the thread to end
+
+NO_ROOM = frozenset({errno.EMFILE, errno.ENFILE, errno.ENOBUFS, errno.ENOMEM})
+# A client whose machine has died is noticed after 30 + 3 * 10 s.
+KEEPALIVE = (("TCP_KEEPIDLE", 30), ("TCP_KEEPINTVL", 10), ("TCP_KEEPCNT", 3))
+
+
+class Watched(Protocol):
+    """What the selector waits for."""
+
+    def fileno(self) -> int:
+        """Return its descriptor."""
+        ...
+
+
+class Listener(Protocol):
+    """A socket that listens, and what closes it."""
+
+    def close(self) -> None:
+        """Stop listening."""
+        ...
+
+
+class Hub:
+    """The sockets of a session: those that listen and those connected."""
+
+    def __init__(self, wake: threading.Event, introduction: float = math.inf) -> None:
+        """Let newcomers be silent for at most ``introduction`` [s] until it is known who they are.
+
+        ``wake`` is set at every newcomer, and whenever a connection has news.
+        """
+        self._wake = wake
+        self._introduction = introduction
+        self._selector = selectors.DefaultSelector()
+        self._bell, self._ear = socket.socketpair()
+        for end in (self._bell, self._ear):
+            end.settimeout(0.0)
+        self._rung = False
+        self._doors: deque[tuple[socket.socket, Listener]] = deque()
+        self._connections: list[Connection] = []
+        self._newcomers: deque[Connection] = deque()
+        self._count = 0  # of local connections ever, for their names
+        self._deaf_until = 0.0  # [s]
+        self._leave_at = math.inf  # [s]
+        self._thread = threading.Thread(target=self._run, name="hub", daemon=True)
+        self._thread.start()
+
+    def listen(self, host: str, port: int) -> int:
+        """Listen at a TCP port, 0 for any free one; return which, or raise LinkError."""
+        door = listen_at(host, port)
+        self._open(door, door)
+        return int(door.getsockname()[1])
+
+    def listen_here(self, path: Path) -> None:
+        """Listen at a path of this machine, for its owner only; raises LinkError."""
+        local: LocalSocket = listen_here(path)
+        self._open(local.socket, local)
+
+    def newcomers(self) -> list[Connection]:
+        """Return the connections made since the last call."""
+        return [self._newcomers.popleft() for _ in range(len(self._newcomers))]
+
+    def close(self, patience: float) -> None:
+        """Stop listening, send what is queued for at most `patience` [s], close all."""
+        self._leave_at = time.monotonic() + patience
+        self._stir()
+        self._thread.join(patience + GRACE)
+
+    def _open(self, door: socket.socket, listener: Listener) -> None:
+        door.settimeout(0.0)
+        self._doors.append((door, listener))
+        self._stir()
+
+    def _stir(self) -> None:
+        """Make the thread look again at what there is to do; from any thread."""
+        if not self._rung:
+            self._rung = True
+            with contextlib.suppress(OSError):  # closed: nothing is left to do
+                self._bell.send(b"!")
+
+    def _run(self) -> None:
+        self._selector.register(self._ear, READ, self._hear_bell)
+        while self._connections or math.isinf(self._leave_at):
+            now = time.monotonic()
+            self._tend_doors(now)
+            self._tend_connections(now)
+            for key, ready in self._selector.select(self._pause(now)):
+                key.data(ready)
+        while self._doors:
+            self._doors.popleft()[1].close()
+        self._selector.close()
+        self._bell.close()
+        self._ear.close()
+
+    def _hear_bell(self, _ready: int) -> None:
+        self._ear.recv(CHUNK)
+        self._rung = False
+
+    def _tend_doors(self, now: float) -> None:
+        opened = now >= self._deaf_until and math.isinf(self._leave_at)
+        for door, _ in self._doors:
+            self._watch(door, READ * opened, functools.partial(self._admit, door))
+
+    def _tend_connections(self, now: float) -> None:
+        for connection in list(self._connections):
+            if self._leave_at < math.inf:
+                connection.close(self._leave_at - now)
+            if connection.overdue(now):
+                connection.send("? closed: it was not said who is here, with role NAME TOKEN")
+                connection.close(LAST_WORDS)
+            if connection.finished(now):
+                self._watch(connection, 0, connection.serve)
+                connection.dispose()
+                self._connections.remove(connection)
+            else:
+                self._watch(connection, connection.wants(now), connection.serve)
+
+    def _watch(self, end: Watched, events: int, call: Callable[[int], None]) -> None:
+        """Have `call` called at these events, or not at all when there are none."""
+        key = self._selector.get_map().get(end)
+        if key is None and events:
+            self._selector.register(end, events, call)
+        elif key is not None and not events:
+            self._selector.unregister(end)
+        elif key is not None and key.events != events:
+            self._selector.modify(end, events, call)
+
+    def _pause(self, now: float) -> float | None:
+        """Return how long [s] nothing needs to be done unless something happens, None for ever."""
+        due = [connection.due(now) for connection in self._connections]
+        due += [self._deaf_until] if self._deaf_until > now else []
+        earliest = min(due, default=math.inf)
+        return max(earliest - now, 0.0) if earliest < math.inf else None
+
+    def _admit(self, door: socket.socket, _ready: int) -> None:
+        try:
+            end, address = door.accept()
+        except OSError as error:  # gone again, or the system has no room for it
+            if error.errno in NO_ROOM:
+                self._deaf_until = time.monotonic() + DEAF
+            return
+        local = end.family not in (socket.AF_INET, socket.AF_INET6)
+        room = ROOM + KEPT * local
+        if len(self._connections) >= room + TURNED_AWAY:
+            end.close()
+            return
+        if not local:
+            self._make_room()
+        full = sum(not connection.leaving for connection in self._connections) >= room
+        prepare(end)
+        connection = Connection(end, self._name(address), self._wake, self._stir)
+        connection.local = local
+        connection.introduce_by = time.monotonic() + self._introduction
+        self._connections.append(connection)
+        if full:
+            connection.send(f"? no room: {room} stations are attached; one of them must detach")
+            connection.close(LAST_WORDS)
+            return
+        self._newcomers.append(connection)
+        self._wake.set()
+
+    def _make_room(self) -> None:
+        """Let the oldest stranger go if there are too many: places are kept for those known."""
+        strangers = [each for each in self._connections if each.stranger and not each.leaving]
+        if len(strangers) >= STRANGERS:
+            strangers[0].send("? your place is needed: say who you are at once when you come")
+            strangers[0].close(LAST_WORDS)
+
+    def _name(self, address: tuple[str, int] | str) -> str:
+        if isinstance(address, tuple):
+            return f"tcp {address[0]}:{address[1]}"
+        self._count += 1
+        return f"local {self._count}"
+
+
+def prepare(end: socket.socket) -> None:
+    """Set the options of a new connection."""
+    end.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, MOST_BYTES)
+    if end.family not in (socket.AF_INET, socket.AF_INET6):
+        return
+    with contextlib.suppress(OSError):  # gone already: the first read tells
+        end.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+        end.setsockopt(socket.SOL_SOCKET, socket.SO_KEEPALIVE, 1)
+        for name, value in KEEPALIVE:
+            if hasattr(socket, name):
+                end.setsockopt(socket.IPPROTO_TCP, getattr(socket, name), value)

@@ -1,0 +1,241 @@
+"""A recording as tables for other programs: CSV, or Parquet where pyarrow is installed.
+
+Three files: the states at the path given, orders and events beside it, as in `out.csv`,
+`out.orders.csv`, `out.events.csv`. States and orders are those of one branch and the ancestry that
+led to it; events are those of all branches. What a state means is told by its `Layout`.
+
+The state of each tick as a row of a CSV file: SI and radians, every digit that counts.
+"""
+
+import csv
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from itertools import islice
+from pathlib import Path
+from typing import Any, Final, Protocol
+
+from trainer.io.atomic_write import replacing
+from trainer.io.recording.recording import Recording, RecordingError
+
+ROWS: Final = 5000  # of a Parquet file written at once
+
+FORMULAS: Final = ("=", "+", "-", "@", "\t", "\r")  # how they begin
+
+Cell = int | float | str | bool | None
+
+PLACED: Final = {"branch": int, "tick": int, "t": float}  # where in the run; t [s]
+TIMINGS: Final = {"lateness_ns": int, "work_ns": int}
+ORDERS: Final = {"who": str, "text": str, "place": int, "accepted": bool, "answer": str}
+EVENTS: Final = {"wall": str, "kind": str, "who": str, "text": str}
+
+
+@dataclass(frozen=True)
+class Layout:
+    """How a state is read."""
+
+    columns: tuple[str, ...]
+    numbers: Callable[[bytes], Sequence[float]]  # one for each column
+    step: float  # [s] from tick to tick
+
+
+@dataclass(frozen=True)
+class Table:
+    """Rows on their way out, each with a cell for every column; any cell may be missing."""
+
+    columns: dict[str, type]
+    rows: Iterator[Sequence[Cell]]
+
+
+def export_csv(
+    recording: Recording, layout: Layout, path: Path, branch: int | None = None
+) -> list[Path]:
+    """Write a branch, by default the latest, as CSV; return the files written.
+
+    Files of these names are replaced. RecordingError if one cannot be written.
+    """
+    return _export(recording, layout, path, branch, _write_csv)
+
+
+def export_parquet(
+    recording: Recording, layout: Layout, path: Path, branch: int | None = None
+) -> list[Path]:
+    """Write a branch, by default the latest, as Parquet; return the files written.
+
+    Files of these names are replaced. RecordingError if one cannot be written, or pyarrow is
+    missing.
+    """
+    try:
+        import pyarrow.parquet  # noqa: F401, PLC0415 - half a second, and not always there
+    except ImportError:
+        raise RecordingError(
+            "Parquet needs pyarrow: pip install 'submarine-trainer[parquet]'"
+        ) from None
+    return _export(recording, layout, path, branch, _write_parquet)
+
+
+def states_table(recording: Recording, layout: Layout, branch: int) -> Table:
+    """Return one row for each tick, SI and radians; timings [ns] where they were measured."""
+    columns = {**PLACED, **dict.fromkeys(layout.columns, float), **TIMINGS}
+
+    def rows() -> Iterator[Sequence[Cell]]:
+        for tick in recording.flown(branch):
+            numbers = layout.numbers(tick.state)
+            time = tick.tick * layout.step
+            yield (tick.branch, tick.tick, time, *numbers, tick.lateness, tick.work)
+
+    return Table(columns, rows())
+
+
+def orders_table(recording: Recording, layout: Layout, branch: int) -> Table:
+    """Return one row for each order; `place` is that in the schedule of the exercise."""
+    rows = (
+        (
+            *(each.id, each.branch, each.tick, each.tick * layout.step),
+            *(each.who, each.text, each.place, each.accepted, each.answer),
+        )
+        for each in recording.orders(branch)
+    )
+    return Table({"id": int, **PLACED, **ORDERS}, rows)
+
+
+def events_table(recording: Recording, layout: Layout) -> Table:
+    """Return one row for each event of any branch; `wall` is the time of day, UTC."""
+    rows = (
+        (each.branch, each.tick, each.tick * layout.step, each.wall, each.kind, each.who, each.text)
+        for each in recording.events()
+    )
+    return Table({**PLACED, **EVENTS}, rows)
+
+
+def _export(
+    recording: Recording,
+    layout: Layout,
+    path: Path,
+    branch: int | None,
+    write: Callable[[Table, Path], None],
+) -> list[Path]:
+    chosen = recording.branch if branch is None else branch
+    tables = {path: states_table(recording, layout, chosen)}
+    if path.is_file() or not path.exists():  # a pipe has nothing beside it
+        tables[_beside(path, "orders")] = orders_table(recording, layout, chosen)
+        tables[_beside(path, "events")] = events_table(recording, layout)
+    for name, table in tables.items():
+        try:
+            with replacing(name) as made:
+                write(table, made)
+        except OSError as error:
+            reason = error.strerror or str(error)
+            raise RecordingError(f"{name} cannot be written whole: {reason}") from None
+    return list(tables)
+
+
+def _beside(path: Path, noun: str) -> Path:
+    return path.with_name(f"{path.stem}.{noun}{path.suffix}")
+
+
+def _write_csv(table: Table, path: Path) -> None:
+    with path.open("w", encoding="utf-8", newline="") as file:
+        writer = csv.writer(file, lineterminator="\n")
+        writer.writerow(table.columns)
+        writer.writerows([_inert(cell) for cell in row] for row in table.rows)
+
+
+def _inert(cell: Cell) -> Cell:
+    """Return a cell that no spreadsheet takes for a formula: an apostrophe is put before it."""
+    if not (isinstance(cell, str) and cell.startswith(FORMULAS)):
+        return cell
+    try:
+        float(cell)
+    except ValueError:
+        return f"'{cell}"
+    return cell
+
+
+def _write_parquet(table: Table, path: Path) -> None:
+    """Write some rows at a time: a recording may be longer than the memory."""
+    import pyarrow as pa  # noqa: PLC0415
+    import pyarrow.parquet as pq  # noqa: PLC0415
+
+    kinds: dict[type, Any] = {int: pa.int64(), float: pa.float64(), str: pa.string()}
+    kinds[bool] = pa.bool_()
+    schema = pa.schema([(name, kinds[kind]) for name, kind in table.columns.items()])
+    with pq.ParquetWriter(path, schema) as file:
+        while rows := list(islice(table.rows, ROWS)):
+            columns = [
+                pa.array(cells, field.type)
+                for cells, field in zip(zip(*rows, strict=True), schema, strict=True)
+            ]
+            file.write_table(pa.table(columns, schema=schema))
+
+
+COLUMNS: Final = (
+    *("tick", "t", "u", "v", "w", "p", "q", "r", "x", "y", "z", "phi", "theta", "psi"),
+    *("delta_r", "delta_s", "delta_b", "u_c", "weight", "x_g", "z_g", "eta_wave"),
+)
+
+
+class Columns(Protocol):
+    """Where each tick's columns go."""
+
+    trouble: str
+
+    def row(self, values: Sequence[float]) -> None:
+        """Take the columns of one tick."""
+        ...
+
+
+class CsvFile:
+    """Rows on their way to a file; trouble with the disk is kept, not raised."""
+
+    def __init__(self, path: Path, batch: int = 1) -> None:
+        """Open ``path``, to be written ``batch`` rows at once; OSError if it cannot be."""
+        self.path = path
+        self.trouble = ""  # why no more are written
+        self._batch = batch
+        self._file = path.open("wb", buffering=0)
+        self._lines = [",".join(COLUMNS) + "\n"]
+        self._written = 0  # lines on disk, the heading among them
+
+    def row(self, values: Sequence[float]) -> None:
+        """Take one row: the tick, then the other columns."""
+        numbers = ",".join(map(repr, values[1:]))
+        self._lines.append(f"{values[0]:.0f},{numbers}\n")
+        if len(self._lines) >= self._batch:
+            self.flush()
+
+    def flush(self) -> None:
+        """Write what has been taken."""
+        data = "".join(self._lines).encode("ascii")
+        self._lines.clear()
+        if self.trouble:
+            return
+        done = 0
+        try:
+            while done < len(data):
+                done += self._file.write(data[done:])
+        except OSError as error:
+            self._written += data.count(b"\n", 0, done)
+            rows = max(self._written - 1, 0)
+            self.trouble = f"{self.path}: {error.strerror}; {rows} rows are whole"
+        else:
+            self._written += data.count(b"\n")
+
+    def close(self) -> None:
+        """Write what is left and close."""
+        self.flush()
+        self._file.close()
+
+
+class NoFile:
+    """Keeps nothing: a run needs no ``if``."""
+
+    trouble = ""
+
+    def row(self, values: Sequence[float]) -> None:
+        """Drop it."""
+
+    def flush(self) -> None:
+        """Do nothing."""
+
+    def close(self) -> None:
+        """Do nothing."""

@@ -1,0 +1,43 @@
+"""Lines as UDP datagrams, one each, to a host or to all of a network; nobody has to be there."""
+
+import socket
+from typing import Final
+
+from trainer.io.lines import line_bytes
+from trainer.io.serial_line import LinkError
+
+HIGHEST: Final = 65535
+
+
+class Datagrams:
+    """Somewhere that lines go, of trainer.io.line; sending never waits."""
+
+    def __init__(self, host: str, port: int) -> None:
+        """Find the host, once; LinkError if there is none or the port is none."""
+        self.dropped = 0
+        self.trouble = ""  # of the last datagram
+        if not 0 < port <= HIGHEST:
+            raise LinkError(f"a port is 1 to {HIGHEST}")
+        try:
+            found = socket.getaddrinfo(host, port, type=socket.SOCK_DGRAM)
+        except (OSError, UnicodeError) as error:
+            raise LinkError("no such host; say an address, such as 127.0.0.1") from error
+        family, kind, protocol, _, to = found[0]
+        self._to: tuple[str | int | bytes, ...] = to
+        self._end = socket.socket(family, kind, protocol)
+        self._end.setblocking(False)  # noqa: FBT003
+        self._end.setsockopt(socket.SOL_SOCKET, socket.SO_BROADCAST, 1)
+
+    def send(self, line: str) -> None:
+        """Send one line with its end, or count it when the system has no way or room for it."""
+        try:
+            self._end.sendto(line_bytes(line) + b"\r\n", self._to)
+        except OSError as error:
+            self.dropped += 1
+            self.trouble = error.strerror or str(error)
+        else:
+            self.trouble = ""
+
+    def close(self, _patience: float) -> None:
+        """Close the socket; what was sent is on its way. Once is enough."""
+        self._end.close()

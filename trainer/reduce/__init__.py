@@ -1,1 +1,0 @@
-"""The reduction of the full set to a compact one as a computation."""

@@ -1,1 +1,0 @@
-"""Drawings: functions from what is known of the session to lines in inks."""

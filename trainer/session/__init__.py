@@ -1,0 +1,1 @@
+"""The real-time executive: a run from its plan to its summary."""

@@ -1,0 +1,139 @@
+"""The instructor's orders about time and moments."""
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from trainer.boat.boat import Boat
+from trainer.io.orders.grammar import Order, Refused, Reply
+from trainer.io.recording.recording import Moment
+from trainer.session.history import History
+from trainer.session.time.timekeeping import Timekeeping
+
+Duty = Callable[[Order, str], Reply]  # takes who orders it
+
+
+@dataclass
+class Desk:
+    """What the instructor has a hand on, beside the boat."""
+
+    boat: Boat
+    time: Timekeeping
+    history: History
+    steps: int = 0  # ticks that a single-step order still allows
+    ended: bool = False
+    failure: str = ""  # where the numbers were lost
+
+    def obey(self, order: Order, who: str) -> Reply:
+        """Carry out an order; return what now holds, or why it was refused."""
+        duties: dict[str, Duty] = {
+            "freeze": self._freeze,
+            "run": self._run,
+            "step": self._step,
+            "time": self._change_time,
+            "quit": self._quit,
+            "snapshot": self._snapshot,
+            "snapshots": self._snapshots,
+            "restore": self._restore,
+            "reset": self._reset,
+            "backtrack": self._backtrack,
+            "replay": self._replay,
+            "take": self._take_over,
+        }
+        duty = duties.get(order.name)
+        if duty is None:
+            return Refused(f"{order.text} has no place in a schedule")
+        return duty(order, who)
+
+    def _freeze(self, _order: Order, _who: str) -> Reply:
+        self.time.pacer.freeze()
+        return "frozen"
+
+    def _run(self, _order: Order, _who: str) -> Reply:
+        if self.failure:
+            return self._lost()
+        self.time.pacer.run()
+        self.steps = 0
+        return "running"
+
+    def _step(self, order: Order, _who: str) -> Reply:
+        if self.failure:
+            return self._lost()
+        self.time.pacer.freeze()
+        self.steps += int(order.value)
+        return f"{int(order.value)} tick{'s' if order.value > 1.0 else ''}, then frozen"
+
+    def _lost(self) -> Refused:
+        return Refused(f"this boat cannot go on: {self.failure}; backtrack or reset")
+
+    def _change_time(self, order: Order, _who: str) -> Reply:
+        fastest = order.word == "max"
+        self.time.change(math.inf if fastest else order.value)
+        return "time as fast as it goes" if fastest else order.text
+
+    def _quit(self, _order: Order, _who: str) -> Reply:
+        self.ended = True
+        return "ending"
+
+    def _snapshot(self, order: Order, _who: str) -> Reply:
+        return self.history.keep(order.subject)
+
+    def _snapshots(self, _order: Order, _who: str) -> Reply:
+        step = self.boat.method.step
+        kept = [
+            f"{name} ({moment.tick * step:g} s)"
+            for name, moment in self.history.snapshots().items()
+        ]
+        return f"snapshots: {', '.join(kept) or 'none by name'}; backtrack reaches any tick"
+
+    def _restore(self, order: Order, who: str) -> Reply:
+        kept = self.history.snapshots()
+        if order.subject not in kept:
+            return Refused(f"no snapshot {order.subject}; there are {', '.join(kept) or 'none'}")
+        return self._go_back(kept[order.subject], f"restore {order.subject}, by {who}")
+
+    def _reset(self, _order: Order, who: str) -> Reply:
+        return self._go_back(self.history.start(), f"reset, by {who}")
+
+    def _backtrack(self, order: Order, who: str) -> Reply:
+        return self._go_back(self.history.before(order.value), f"{order.text}, by {who}")
+
+    def _go_back(self, moment: Moment | Refused, why: str) -> Reply:
+        """Go back to a moment, frozen: a new branch begins."""
+        if isinstance(moment, Refused):
+            return moment
+        left = self.boat.time
+        self.history.go_to(moment, why)
+        self._begin_again()
+        self.time.pacer.freeze()
+        return f"back from {left:g} s to {self.boat.time:g} s, frozen; {self._branch}"
+
+    def _replay(self, order: Order, _who: str) -> Reply:
+        if self.history.recording.trouble:
+            return Refused(f"nothing to replay from: {self.history.recording.trouble}")
+        moment = self.history.before(order.value)
+        if isinstance(moment, Refused):
+            return moment
+        orders = self.history.show_again(moment)
+        self._begin_again()
+        self.time.pacer.run()
+        rerun = self.history.rerun
+        until = rerun.end.tick * self.boat.method.step if rerun else 0.0
+        return (
+            f"replay from {self.boat.time:g} s to {until:g} s, {orders} orders; "
+            "take over ends it anywhere"
+        )
+
+    def _take_over(self, _order: Order, who: str) -> Reply:
+        if self.history.rerun is None:
+            return Refused("no replay is running")
+        self.history.take_over(f"take over, by {who}")
+        return f"taken over at {self.boat.time:g} s; {self._branch}"
+
+    @property
+    def _branch(self) -> str:
+        return f"branch {self.history.recording.branch} begins"
+
+    def _begin_again(self) -> None:
+        self.failure = ""
+        self.steps = 0

@@ -1,0 +1,95 @@
+"""The first start of a version: at once and interpreted, while another process compiles.
+
+Compiling takes some twenty seconds, a tick by the interpreter some milliseconds, with the same
+bits. A run in real time therefore begins without machine code, and a process of low priority puts
+it where the next start finds it. A run that wants ticks faster than the interpreter makes them is
+compiled for first. It is all decided before a kernel is imported.
+"""
+
+import math
+import os
+import subprocess
+import sys
+import threading
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any, Final
+
+from trainer.boat import compilation
+from trainer.config.files import ConfigError, is_path, parse_toml, read_text, shipped
+from trainer.core.cache import cache_folder, cache_lasts
+
+EVALUATION: Final = 0.02  # [s] of the clock for an evaluation of the rates: ten of them
+EVALUATIONS: Final = {"rk4": 4.0, "rkv": math.inf}  # in a tick; one with other methods
+INTERPRETED: Final = "interpreted: 100 times slower, with the same bits, and on time"
+
+
+def prepare(options: Mapping[str, Any], given: frozenset[str]) -> str:
+    """Settle how the core of a run runs; return what its user is to be told, "" for nothing.
+
+    ``options`` are the command line's, those in ``given`` by the user.
+    """
+    if os.name != "posix" or compilation.settled() or compilation.done_without():
+        return ""
+    if compilation.kept() or hurried(options, given) or complaints():
+        return ""
+    compilation.do_without()
+    if not cache_lasts():
+        return (
+            f"this run is {INTERPRETED}, since there is no folder to keep machine code in: "
+            "NUMBA_CACHE_DIR names one that can be written to"
+        )
+    with compilation.compiling() as free:
+        begun = "is being" if free else "is still being"
+    if free:
+        compile_beside()
+    return f"first start: the core {begun} compiled beside; until then runs are {INTERPRETED}"
+
+
+def hurried(options: Mapping[str, Any], given: frozenset[str]) -> bool:
+    """Return whether ticks are to come faster than the interpreter surely makes them."""
+    exercise = table("exercises", options["exercise"])
+    said = {"step": "step_s", "vessel": "vessel", "integrator": "integrator"}
+    chosen = {
+        name: options[name] if name in given else exercise.get(key, options[name])
+        for name, key in said.items()
+    }
+    step = chosen["step"] or table("vessels", chosen["vessel"]).get("run", {}).get("step_s")
+    if not isinstance(step, int | float):
+        return True
+    least = EVALUATION * EVALUATIONS.get(str(chosen["integrator"]), 1.0)
+    return bool(step / options["speed"] < least)
+
+
+def table(kind: str, name: Any) -> Mapping[str, Any]:
+    """Return what a shipped file or one of the user's says, {} if it cannot be read.
+
+    What is wrong with it is told by who reads it in earnest.
+    """
+    if name is None:
+        return {}
+    try:
+        text = read_text(Path(name) if is_path(str(name)) else shipped(kind, str(name)))
+        return parse_toml(text, str(name))
+    except ConfigError:
+        return {}
+
+
+def complaints() -> bool:
+    """Return whether compiling beside a run has failed: then it is done where its user sees why."""
+    path = cache_folder() / compilation.COMPLAINTS
+    with compilation.compiling() as free:
+        return free and path.exists() and path.stat().st_size > 0
+
+
+def compile_beside() -> None:
+    """Start a process that fills the cache; it may outlive this one, and ends by itself."""
+    with (cache_folder() / compilation.COMPLAINTS).open("wb") as said:
+        process = subprocess.Popen(
+            [sys.executable, "-m", "trainer.session.precompilation"],
+            stdin=subprocess.DEVNULL,
+            stdout=subprocess.DEVNULL,
+            stderr=said,
+            start_new_session=True,  # the terminal's keys are for the run
+        )
+    threading.Thread(target=process.wait, name="compiling", daemon=True).start()

@@ -1,0 +1,245 @@
+"""The header of a recording: all that its run was made of, read back, and compared with today's.
+
+What a header holds, a text each: ``plan``, the form of the header; ``trainer``, ``core``,
+``python``, ``numpy``, ``numba`` and ``machine``, what computed it; ``started``, when; and as JSON
+``options``, those of the command line that a plan depends on; ``texts``, every file read, by its
+key; ``method``; ``layout``, the name of each number of a state; ``vessel``, its key, and ``seed``.
+"""
+
+import json
+import platform
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import closing, contextmanager
+from dataclasses import asdict, fields
+from datetime import UTC, datetime
+from functools import cache
+from importlib import metadata
+from pathlib import Path
+from types import MappingProxyType
+from typing import Any, Final
+
+from trainer import __version__
+from trainer.boat.assemble import Method
+from trainer.boat.boat import Boat
+from trainer.config.coefficients import coefficient_terms
+from trainer.config.files import (
+    ConfigError,
+    collecting,
+    key_of,
+    no_constant,
+    path_of,
+    read_text,
+    recorded,
+    remembering,
+    shown,
+)
+from trainer.config.vessel import load_vessel
+from trainer.core.cache import core_digest, same_core
+from trainer.core.vessel import TERMS
+from trainer.io.recording.recording import Recording, RecordingError
+from trainer.session.layout import LAYOUT, changes
+from trainer.session.plan import Plan, plan_run
+
+PLAN: Final = "1"
+OPTIONS: Final[Mapping[str, Any]] = {  # of the command line, that a plan depends on; their kind
+    **dict.fromkeys(("exercise", "sea", "orders_file", "rates"), str | None),
+    **dict.fromkeys(("vessel", "equations", "trig", "integrator"), str),
+    **dict.fromkeys(("duration", "step"), int | float | None),
+    "seed": int,
+}
+
+
+def _are_texts(found: object) -> bool:
+    return isinstance(found, list) and all(isinstance(each, str) for each in found)
+
+
+# The parts of a header that are JSON, and what they have to be.
+PARTS: Final[Mapping[str, Callable[[Any], bool]]] = {
+    "options": lambda found: isinstance(found, dict),
+    "texts": lambda found: isinstance(found, dict) and _are_texts(list(found.values())),
+    "method": lambda found: isinstance(found, dict),
+    "layout": _are_texts,
+    "vessel": lambda found: isinstance(found, str),
+    "seed": lambda found: isinstance(found, int),
+}
+LARGEST: Final = 2.0**63  # of a number among the options
+LIBRARIES: Final = ("numpy", "numba")
+NOTHING: Final[Mapping[str, Any]] = MappingProxyType({})
+
+
+@contextmanager
+def reading(path: Path) -> Iterator[Recording]:
+    """Yield a recording to be read inside the block; ConfigError where it cannot be."""
+    with refusing_damage(), closing(Recording.look(path)) as recording:
+        yield recording
+
+
+@contextmanager
+def refusing_damage() -> Iterator[None]:
+    """Raise ConfigError for a recording that cannot be opened or read inside the block."""
+    try:
+        yield
+    except RecordingError as error:
+        raise ConfigError(str(error)) from None
+
+
+def header_of(options: Mapping[str, Any], texts: Mapping[str, str], boat: Boat) -> dict[str, str]:
+    """Return the header of a run that ``options`` planned from ``texts``, its boat just started."""
+    planned = {name: options[name] for name in OPTIONS}
+    planned["given"] = sorted(options["given"] & planned.keys())
+    return {
+        "plan": PLAN,
+        "trainer": __version__,
+        "core": core_digest(),
+        **_surroundings(),
+        "started": datetime.now(UTC).isoformat(timespec="seconds"),
+        "options": json.dumps(planned, default=str),  # a path is a text
+        "texts": json.dumps(texts),
+        "method": json.dumps(asdict(boat.method)),
+        "layout": json.dumps(LAYOUT),
+        "vessel": json.dumps(key_of(boat.file.path)),
+        "seed": json.dumps(int(boat.state.seed)),
+    }
+
+
+def plan_of(header: Mapping[str, str], otherwise: Mapping[str, Any] = NOTHING) -> Plan:
+    """Return the plan of the run, from what was recorded alone.
+
+    ``otherwise`` has options to be taken instead of the recorded; a vessel among them is read from
+    its file of today. ConfigError if the header is of another form, or this version cannot read
+    what the files say.
+    """
+    options, texts = _part(header, "options"), _part(header, "texts")
+    _check_options(options)
+    options["given"] = frozenset(options["given"]) | otherwise.keys()
+    options["orders_file"] = options["orders_file"] and Path(options["orders_file"])
+    with remembering() as today:
+        if "vessel" in otherwise:
+            load_vessel(otherwise["vessel"])
+    with recorded({**today, **texts}):
+        if {term.key for term in coefficient_terms()} != TERMS.keys():
+            raise ConfigError("recording: its coefficients are another version's, or nobody's")
+        return plan_run({**options, **otherwise})
+
+
+def method_of(header: Mapping[str, str]) -> Method:
+    """Return how the recorded boat was computed; ConfigError if the header does not say."""
+    found = _part(header, "method")
+    kinds = {field.name: str if field.name != "step" else int | float for field in fields(Method)}
+    if found.keys() != kinds.keys() or not all(
+        isinstance(found[name], kind) for name, kind in kinds.items()
+    ):
+        raise ConfigError(f"recording: method = {shown(found)}: is no method of this version")
+    return Method(**found)
+
+
+def layout_of(header: Mapping[str, str]) -> tuple[str, ...]:
+    """Return the name of each number of a recorded state; ConfigError if it does not say."""
+    return tuple(_part(header, "layout"))
+
+
+def differences(header: Mapping[str, str], otherwise: Mapping[str, Any] = NOTHING) -> list[str]:
+    """Return what would be computed from now and was not then, a line each; none: the same bits."""
+    found: list[str] = []
+    for part in (_other_program(header), _other_texts(header), _other_plan(header, otherwise)):
+        with collecting(found):
+            for text in part:
+                found.append(text)  # noqa: PERF402 (those before an error are kept)
+    return list(dict.fromkeys(found))
+
+
+def notes(header: Mapping[str, str]) -> list[str]:
+    """Return what else is not as it was, and should make no difference."""
+    return [
+        f"{name} {now}, recorded {header.get(name, 'none')}"
+        for name, now in _surroundings().items()
+        if header.get(name) != now
+    ]
+
+
+@cache
+def _surroundings() -> Mapping[str, str]:
+    """Return what a run is computed by, beside the trainer."""
+    libraries = {name: metadata.version(name) for name in LIBRARIES}
+    machine = f"{platform.machine()} {platform.system()}"
+    return {"python": platform.python_version(), **libraries, "machine": machine}
+
+
+def _part(header: Mapping[str, str], name: str) -> Any:
+    """Return a part of the header; ConfigError if it is missing or of another form."""
+    if header.get("plan") != PLAN:
+        form = shown(header.get("plan", "none"))
+        raise ConfigError(f"recording: plan = {form}: this version reads plan {shown(PLAN)}")
+    try:
+        found = json.loads(header[name], parse_constant=no_constant)
+    except (KeyError, ValueError, RecursionError):
+        raise ConfigError(f"recording: its header has no readable {name}") from None
+    if not PARTS[name](found):
+        raise ConfigError(f"recording: {name} = {shown(found)}: is of another form")
+    return found
+
+
+def _check_options(options: Mapping[str, Any]) -> None:
+    """Check that they are all there and of their kind; ConfigError naming the first that is not."""
+    for name, kind in {**OPTIONS, "given": list}.items():
+        if name not in options:
+            raise ConfigError(f"recording: its header has no option {name}")
+        if not isinstance(options[name], kind) or isinstance(options[name], bool):
+            wrong = shown(options[name])
+            raise ConfigError(f"recording: option {name} = {wrong}: is of another kind")
+        if isinstance(options[name], int | float) and not abs(options[name]) <= LARGEST:
+            wrong = shown(options[name])
+            raise ConfigError(f"recording: option {name} = {wrong}: must be {LARGEST:g} at most")
+    if not _are_texts(options["given"]):
+        raise ConfigError(f"recording: option given = {shown(options['given'])}: must be names")
+
+
+def _other_program(header: Mapping[str, str]) -> Iterator[str]:
+    """Yield what computes boats otherwise than then."""
+    if header.get("trainer") != __version__:
+        yield f"trainer {__version__}, recorded {header.get('trainer', 'none')}"
+    if not same_core(header.get("core")):
+        yield f"core {core_digest()}, recorded {header.get('core', 'none')}: other equations"
+    layout = layout_of(header)
+    if layout != LAYOUT:
+        new = [name for name in LAYOUT if name not in layout]
+        gone = [name for name in layout if name not in LAYOUT]
+        yield (
+            f"state of {len(LAYOUT)} numbers, recorded {len(layout)}; "
+            f"new: {_few(new)}; gone: {_few(gone)}"
+        )
+
+
+def _few(names: list[str]) -> str:
+    more = f" and {len(names) - 5} more" if len(names) > 5 else ""
+    return (", ".join(names[:5]) or "none") + more
+
+
+def _other_texts(header: Mapping[str, str]) -> Iterator[str]:
+    """Yield what today's files say otherwise, or that they are gone."""
+    for key, was in _part(header, "texts").items():
+        try:
+            now = read_text(path_of(key))
+        except ConfigError as wrong:
+            yield f"{wrong}; it was read when this was recorded"
+        else:
+            yield from changes(key, now, was)
+
+
+def _other_plan(header: Mapping[str, str], otherwise: Mapping[str, Any]) -> Iterator[str]:
+    """Yield in what the plan wanted is not the one recorded."""
+    plan = plan_of(header, otherwise)
+    now = {**asdict(plan.method), "seed": plan.seed}
+    was = {**asdict(method_of(header)), "seed": _part(header, "seed")}
+    for name, value in now.items():
+        if value != was[name]:
+            yield f"{name} {_told(name, value)}, recorded {_told(name, was[name])}"
+    key, vessel = key_of(plan.file.path), _part(header, "vessel")
+    if "vessel" in otherwise and key != vessel:
+        yield f"vessel {key}, recorded {vessel}"
+        yield from changes(key, plan.file.text, _part(header, "texts").get(vessel, ""))
+
+
+def _told(name: str, value: object) -> str:
+    """Return a part of the method as it is told, a step with its unit."""
+    return f"{value:g} s" if name == "step" else str(value)

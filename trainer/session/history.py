@@ -1,0 +1,264 @@
+"""Where a run has been: its orders journalled, its moments kept, and going back to one of them.
+
+A moment is everything that there is to go back to: the whole state, the orders it includes, and
+what of the exercise's schedule is done. From a moment gone back to a new branch of the recording
+begins; the old one stays. A replay flies the old branch again and begins a new one only where
+somebody takes over.
+
+The latest moments of a branch, in memory that is taken once and for all at the start.
+"""
+
+import math
+import struct
+from collections import deque
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field
+from typing import Final
+
+import numpy as np
+
+from trainer.boat.boat import Boat
+from trainer.core.state import STATE
+from trainer.io.orders.grammar import Order, Refused, Reply, parse
+from trainer.io.orders.schedule import Scheduled
+from trainer.io.recording.recording import (
+    Journalled,
+    Moment,
+    NoRecording,
+    Recording,
+    RecordingError,
+)
+
+TOUCHED: Final = b"\xff"  # written everywhere at first, so that the memory is really there
+
+
+class Moments:
+    """A ring of moments in the order of their ticks; the oldest gives way to a new one."""
+
+    def __init__(self, most: int, size: int) -> None:
+        """Take room for so many moments, each with a state of so many bytes."""
+        self._most = most
+        self._row = struct.Struct(f"=4q{size}s")  # branch, tick, after, place and state
+        self._rows = bytearray(TOUCHED * (most * self._row.size))
+        self._begin = 0
+        self._count = 0
+
+    def __len__(self) -> int:
+        """Return how many are kept."""
+        return self._count
+
+    def append(self, moment: Moment) -> None:
+        """Keep a moment, later than all that are kept."""
+        numbers = moment.branch, moment.tick, moment.after, moment.place
+        self._row.pack_into(self._rows, self._place(self._count), *numbers, moment.state)
+        if self._count < self._most:
+            self._count += 1
+        else:
+            self._begin = (self._begin + 1) % self._most
+
+    def before(self, tick: int) -> Moment | None:
+        """Return the last moment at a tick or before it, None if none is kept."""
+        for back in range(self._count - 1, -1, -1):
+            moment = self._at(back)
+            if moment.tick <= tick:
+                return moment
+        return None
+
+    def forget_after(self, tick: int) -> None:
+        """Drop those that are later than a tick."""
+        while self._count and self._at(self._count - 1).tick > tick:
+            self._count -= 1
+
+    def clear(self) -> None:
+        """Drop them all."""
+        self._count = 0
+
+    def _place(self, index: int) -> int:
+        return (self._begin + index) % self._most * self._row.size
+
+    def _at(self, index: int) -> Moment:
+        row = self._row.unpack_from(self._rows, self._place(index))
+        branch, tick, after, place, state = row
+        return Moment(branch, tick, state, after, place)
+
+
+FIRST: Final = 1  # the branch that begins with the run
+AUTOMATIC_EVERY: Final = 10.0  # [s] between moments kept in memory beside the recording
+AUTOMATIC_KEPT: Final = 360  # of them: one hour
+
+
+def order_of(entry: Journalled, schedule: Sequence[Scheduled]) -> Order | None:
+    """Return the order that was journalled, None if this version does not understand it.
+
+    That of a schedule is taken from there: a casualty's has more to it than its words.
+    """
+    if entry.place is not None and 0 <= entry.place < len(schedule):
+        return schedule[entry.place].order
+    order = parse(entry.text)
+    return order if isinstance(order, Order) else None
+
+
+@dataclass
+class Rerun:
+    """A replay under way: the orders still to be given again, and the moment it leads to."""
+
+    orders: deque[Journalled]
+    end: Moment
+    began: float  # [s]
+    different: str = ""  # where it first left its recording
+
+
+@dataclass
+class History:
+    """The past of one run."""
+
+    boat: Boat
+    recording: Recording | NoRecording
+    after: int = 0  # the last order that the present state includes
+    place: int = 0  # of the schedule's next entry
+    rerun: Rerun | None = None
+    automatic: Moments = field(
+        default_factory=lambda: Moments(AUTOMATIC_KEPT, STATE.itemsize), repr=False
+    )
+    _period: int = field(init=False)  # [ticks] between the automatic moments
+
+    def __post_init__(self) -> None:
+        self._period = max(round(AUTOMATIC_EVERY / self.boat.method.step), 1)
+
+    @property
+    def tick(self) -> int:
+        """Return the number of ticks done."""
+        return self.boat.ticks
+
+    def now(self) -> Moment:
+        """Return the present moment."""
+        branch = self.recording.branch
+        return Moment(branch, self.tick, self._state(), self.after, self.place)
+
+    def order(self, who: str, order: Order, place: int | None = None) -> int:
+        """Journal an order that is about to act; return its number."""
+        if self.recording.reachable:
+            self.recording.go_on(self.now())
+        self.after = self.recording.order(self.tick, who, order.text, place)
+        if place is not None:
+            self.place = place + 1
+        return self.after
+
+    def answered(self, number: int, answer: Reply) -> None:
+        """Journal what became of an order."""
+        refused = isinstance(answer, Refused)
+        text = answer.reason if isinstance(answer, Refused) else answer
+        self.recording.answered(number, text, not refused)
+
+    def ticked(self, tick: int) -> bytes:
+        """Keep the state after a tick; return it."""
+        state = self.boat.plain.tobytes()
+        if self.rerun is None:
+            if self.recording.reachable:  # its new branch begins with this state
+                self.recording.go_on(self.now())
+            else:
+                self.recording.state(tick, state)
+            if tick % self._period == 0:
+                branch = self.recording.branch
+                self.automatic.append(Moment(branch, tick, state, self.after, self.place))
+        elif not self.rerun.different:
+            self._compare(self.rerun, state)
+        return state
+
+    def keep(self, name: str) -> Reply:
+        """Keep the present moment under a name."""
+        if self.recording.trouble:
+            return Refused(f"not kept: {self.recording.trouble}")
+        known = name in self.snapshots()
+        self.recording.snapshot(name, self.now())
+        if self.recording.trouble:
+            return Refused(f"not kept: {self.recording.trouble}")
+        return f"snapshot {name} {'kept anew' if known else 'kept'} at {self.boat.time:g} s"
+
+    def snapshots(self) -> dict[str, Moment]:
+        """Return the named moments."""
+        return dict(self.recording.snapshots())
+
+    def before(self, seconds: float) -> Moment | Refused:
+        """Return the moment so long [s] ago, the start if that is later.
+
+        Where the recording cannot reach it, the automatic one before it.
+        """
+        ticks = math.ceil(seconds / self.boat.method.step - 1e-9)
+        wanted = max(self.tick - ticks, 0)
+        found = self.recording.moment(self.recording.branch, wanted)
+        if found is not None:
+            return found
+        return self.automatic.before(wanted) or Refused("nothing is kept from so long ago")
+
+    def start(self) -> Moment | Refused:
+        """Return the initial conditions, whatever was ordered in a freeze there."""
+        return self.recording.moment(FIRST, 0) or self.before(self.boat.time)
+
+    def go_to(self, moment: Moment, why: str) -> None:
+        """Go back to a moment, and begin a new branch there."""
+        if moment.branch != self.recording.branch:
+            self.automatic.clear()  # the past of another branch
+        self._restore(moment)
+        self.recording.fork(moment, why)
+        self.rerun = None
+        self.automatic.forget_after(self.tick)
+
+    def show_again(self, moment: Moment) -> int:
+        """Go back to a moment, to fly on from there as it was recorded; return the orders."""
+        end = self.rerun.end if self.rerun else self.now()
+        orders = self.recording.orders(self.recording.branch, moment.after)
+        again = deque(each for each in orders if each.id <= end.after)
+        self._restore(moment)
+        self.rerun = Rerun(again, end, self.boat.time)
+        return len(again)
+
+    def take_over(self, why: str) -> None:
+        """End a replay here: what follows is a new branch."""
+        self.rerun = None
+        self.recording.fork(self.now(), why)
+        self.automatic.forget_after(self.tick)
+
+    def due(self, schedule: Sequence[Scheduled]) -> Iterator[Order]:
+        """Yield the orders that a replay gives again at this tick."""
+        rerun = self.rerun
+        while rerun and rerun.orders and rerun.orders[0].tick <= self.tick:
+            entry = rerun.orders.popleft()
+            self.after = entry.id
+            if entry.place is not None:
+                self.place = entry.place + 1
+            order = order_of(entry, schedule)
+            if order is not None:
+                yield order
+
+    def arrive(self) -> str:
+        """End a replay that has arrived where it led to; return what became of it."""
+        rerun, self.rerun = self.rerun, None
+        told = "the same to the last bit"
+        if rerun and (rerun.different or rerun.end.state != self._state()):
+            told = rerun.different or "it did not end in the state that it led to"
+        return f"replay over at {self.boat.time:g} s: {told}; run goes on from here"
+
+    @property
+    def caught_up(self) -> bool:
+        """Return whether a replay has arrived where it led to; the branch then goes on."""
+        rerun = self.rerun
+        return rerun is not None and self.tick >= rerun.end.tick and not rerun.orders
+
+    def _restore(self, moment: Moment) -> None:
+        self.boat.restore(np.frombuffer(moment.state, STATE))
+        self.after, self.place = moment.after, moment.place
+
+    def _state(self) -> bytes:
+        return self.boat.plain.tobytes()
+
+    def _compare(self, rerun: Rerun, state: bytes) -> None:
+        """Note where the replay's state is not the one recorded."""
+        try:
+            recorded = self.recording.moment(self.recording.branch, self.tick)
+        except RecordingError as error:
+            rerun.different = str(error)
+            return
+        # a branch may begin with orders of its own tick, which the replay gives only now
+        if recorded and recorded.after == self.after and recorded.state != state:
+            rerun.different = f"the replay left its recording at tick {self.tick}"

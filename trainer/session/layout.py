@@ -1,0 +1,124 @@
+"""Which number of a state record is what: here, and in a recording made by another version.
+
+What has changed from one text to another, line by line, for a reader.
+"""
+
+import re
+from collections.abc import Iterator, Sequence
+from difflib import SequenceMatcher
+from itertools import zip_longest
+from typing import Final, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from trainer.config.files import ConfigError
+from trainer.core.kernel import Record
+from trainer.core.state import STATE
+
+
+class Unlike(NamedTuple):
+    """How two states differ: the first number that does, its two values, and how many do."""
+
+    name: str
+    recorded: float
+    flown: float
+    numbers: int
+
+
+def _layout() -> tuple[str, ...]:
+    """Return the name of each number of the state: its own, or its block's with the place in it."""
+    names = [""] * (STATE.itemsize // 8)
+    single: dict[str, int] = {}
+    for name, place in (STATE.fields or {}).items():
+        shape, first = place[0].shape, place[1] // 8
+        if not shape:
+            single[name] = first
+        elif name != "whole":
+            for i, index in enumerate(np.ndindex(*shape)):
+                names[first + i] = f"{name}[{','.join(map(str, index))}]"
+    for name, first in single.items():
+        names[first] = name
+    return tuple(names)
+
+
+LAYOUT: Final = _layout()
+
+
+def numbers_of(state: bytes, layout: Sequence[str]) -> NDArray[np.float64]:
+    """Return the numbers of a recorded state; ConfigError if it is not of that layout."""
+    if len(state) != 8 * len(layout):
+        raise ConfigError(f"a state of {len(state)} bytes, not of {8 * len(layout)}: damaged")
+    return np.frombuffer(state, dtype=np.float64)
+
+
+def read_state(state: bytes, layout: Sequence[str], standing: Record) -> Record:
+    """Return the state that ``layout`` describes as a record of this version.
+
+    Numbers that it lacks are as in ``standing``. ConfigError if it is not of that layout.
+    """
+    numbers = numbers_of(state, layout)
+    places = {name: i for i, name in enumerate(LAYOUT)}
+    record = standing.copy()
+    for name, number in zip(layout, numbers, strict=True):
+        if name in places:
+            record["whole"][0, places[name]] = number
+    return record
+
+
+def unlike(recorded: bytes, flown: bytes) -> Unlike | None:
+    """Return how two states of this version differ, bit by bit; None if they do not."""
+    bits = [np.frombuffer(state, dtype=np.uint64) for state in (recorded, flown)]
+    places = np.flatnonzero(bits[0] != bits[1])
+    if not places.size:
+        return None
+    first = int(places[0])
+    values = [float(np.frombuffer(state, dtype=np.float64)[first]) for state in (recorded, flown)]
+    return Unlike(LAYOUT[first], values[0], values[1], int(places.size))
+
+
+MOST: Final = 10  # lines of one file that are told
+LONGEST: Final = 60  # [characters] of a line or value shown
+SETTING: Final = re.compile(r"\s*([\w.\"-]+)\s*=\s*(.*)")
+
+
+def changes(file: str, now: str, was: str) -> list[str]:
+    """Return a line for each changed one, with the file's name and its number in it."""
+    told = [f"{file} {text}" for text in _changes(now.split("\n"), was.split("\n"))]
+    more = len(told) - MOST
+    return [*told[:MOST], f"{file}: and {more} more lines"] if more > 0 else told
+
+
+def _changes(now: list[str], was: list[str]) -> Iterator[str]:
+    """Yield each change in words, beginning with the number of its line."""
+    for what, i, i_end, k, k_end in SequenceMatcher(None, was, now).get_opcodes():
+        if what == "equal":
+            continue
+        numbered = enumerate(now[k:k_end], start=k + 1)
+        gone = enumerate(was[i:i_end], start=i + 1)
+        for new, old in zip_longest(numbered, gone):
+            if new is None:
+                yield f"line {old[0]} as recorded is gone: {_short(old[1])}"
+            elif old is None:
+                yield f"line {new[0]} is new: {_short(new[1])}"
+            else:
+                yield f"line {new[0]}: {_changed(new[1], old[1])}"
+
+
+def _changed(new: str, old: str) -> str:
+    """Return how one line differs from what it was."""
+    if new.split() == old.split():
+        return "differs in blanks only"
+    ends = new.rpartition("#"), old.rpartition("#")
+    if ends[0][1:] == ends[1][1:] and ends[0][1]:  # the same comment
+        new, old = ends[0][0], ends[1][0]
+    settings = SETTING.fullmatch(new), SETTING.fullmatch(old)
+    if settings[0] and settings[1] and settings[0][1] == settings[1][1]:
+        return f"{settings[0][1]} = {_short(settings[0][2])} was {_short(settings[1][2])}"
+    return f"{_short(new)} was {_short(old)}"
+
+
+def _short(text: str) -> str:
+    """Return a line in printable ASCII and not longer than is readable."""
+    plain = text.strip().encode("unicode_escape").decode("ascii") or "an empty line"
+    return plain if len(plain) <= LONGEST else plain[: LONGEST - 3] + "..."

@@ -1,0 +1,295 @@
+"""Sentences of NMEA 0183 that order: what a heading controller, a wheel or a telegraph sends.
+
+    HTC  heading/track control command: rudder in steering modes R and M, heading in H and S
+    HSC  heading steering command: a true heading
+    ROR  rudder order, starboard or single
+    ETL  engine telegraph, an order (O)
+    PRC  propulsion remote control: revolutions a minute (R)
+
+They become the words of the same orders typed at a station. Fields as IEC 61162-1 has them.
+
+Lines of NMEA 0183 as a station has them: sentences that order become words, others are counted.
+
+What a station is answered and told is not sent: instruments would not understand it. The sets of
+sentences go to the line underneath, by a subscription.
+"""
+
+import re
+import threading
+import time
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Final
+
+from trainer.io import nmea
+from trainer.io.line import Line
+from trainer.io.lines import Overlong
+from trainer.io.nmea import Sentence
+from trainer.io.server import Hub
+
+if TYPE_CHECKING:
+    from trainer.io.connection import Connection
+
+# Positions of the standard's telegraph and the bells of ours. The standard has more astern.
+TELEGRAPH: Final[Mapping[str, str]] = {
+    "00": "stop",
+    "01": "ahead one-third",  # dead slow
+    "02": "ahead two-thirds",  # slow
+    "03": "ahead standard",  # half
+    "04": "ahead full",
+    "05": "ahead flank",  # navigation full
+    "11": "astern one-third",  # dead slow
+    "12": "astern one-third",  # slow
+    "13": "astern two-thirds",  # half
+    "14": "astern full",
+    "15": "astern full",  # crash
+}
+POSITIONS: Final = {
+    **{bell: position for position, bell in TELEGRAPH.items()},
+    "astern full": "14",
+    "astern one-third": "12",
+}
+
+PLAIN: Final = re.compile(r"[+-]?[0-9]{1,6}(?:\.[0-9]*)?", re.ASCII)
+STEERING, ENGINE = "steering", "engine"
+
+
+@dataclass(frozen=True)
+class Command:
+    """An order in words, and what it is for: a later one for the same takes its place."""
+
+    control: str
+    words: str
+
+
+@dataclass(frozen=True)
+class Useless:
+    """Why a sentence orders nothing; the same words for the same fault."""
+
+    reason: str
+
+
+Meaning = Command | Useless
+
+
+def meaning(sentence: Sentence) -> Meaning | None:
+    """Return what a sentence orders, why it does not, or None when its kind never does."""
+    reader = READERS.get(sentence.formatter)
+    if reader is None or sentence.talker == "P":
+        return None
+    needed, read = reader
+    if len(sentence.fields) < needed:
+        return Useless(f"{sentence.formatter} with less than {needed} fields")
+    return read(sentence.fields)
+
+
+def heading_control(fields: tuple[str, ...]) -> Meaning:
+    """Return what HTC orders: override and modes R, M the rudder, modes H, S the heading."""
+    if len(fields) > 13 and fields[13] != "C":
+        return Useless("HTC that is a report, not a command (C)")
+    override, angle, side, mode = fields[:4]
+    if override == "A" or mode in ("R", "M"):
+        sides = {"L": "left", "R": "right"}
+        if side not in sides or not PLAIN.fullmatch(angle):
+            return Useless("HTC of the rudder without its angle and L or R")
+        return Command(STEERING, f"rudder {sides[side]} {angle}")
+    if mode in ("H", "S"):
+        return heading("HTC", fields[9], fields[12])
+    return Useless("HTC in a mode other than R, M (rudder) and H, S (heading)")
+
+
+def heading_steering(fields: tuple[str, ...]) -> Meaning:
+    """Return what HSC orders."""
+    if len(fields) > 4 and fields[4] != "C":
+        return Useless("HSC that is a report, not a command (C)")
+    return heading("HSC", fields[0], fields[1])
+
+
+def heading(formatter: str, degrees: str, reference: str) -> Meaning:
+    """Return the order to steer a heading, which must be a true one."""
+    if not PLAIN.fullmatch(degrees):
+        return Useless(f"{formatter} without a heading")
+    if reference != "T":
+        return Useless(f"{formatter} by magnetic north: only true headings (T) are steered")
+    return Command(STEERING, f"course {degrees}")
+
+
+def rudder(fields: tuple[str, ...]) -> Meaning:
+    """Return what ROR orders; minus turns the bow to port."""
+    angle, status = fields[:2]
+    if status != "A" or not PLAIN.fullmatch(angle):
+        return Useless("ROR without a valid starboard or single rudder order")
+    side = "left" if angle.startswith("-") else "right"
+    return Command(STEERING, f"rudder {side} {angle.lstrip('+-')}")
+
+
+def telegraph(fields: tuple[str, ...]) -> Meaning:
+    """Return what ETL orders."""
+    if fields[1] != "O":
+        return Useless("ETL that is no order (O)")
+    if fields[2] not in TELEGRAPH:
+        return Useless("ETL of no position of the telegraph, 00 to 05 and 11 to 15")
+    return Command(ENGINE, f"bell {TELEGRAPH[fields[2]]}")
+
+
+def propulsion(fields: tuple[str, ...]) -> Meaning:
+    """Return what PRC orders."""
+    turns, how = fields[2:4]
+    if how != "R" or not PLAIN.fullmatch(turns):
+        return Useless("PRC without revolutions a minute (R)")
+    return Command(ENGINE, f"rpm {turns}")
+
+
+# By formatter: the least number of fields, and who reads them.
+READERS: Final[Mapping[str, tuple[int, Callable[[tuple[str, ...]], Meaning]]]] = {
+    "HTC": (13, heading_control),
+    "HSC": (2, heading_steering),
+    "ROR": (2, rudder),
+    "ETL": (3, telegraph),
+    "PRC": (4, propulsion),
+}
+
+
+AGAIN: Final = 10.0  # [s] after which the same command, sent all the time, is given anew
+KINDS_TOLD: Final = 16  # of sentences ignored: the others are only counted
+OWN: Final = frozenset({"ROR", "ETL"})  # sent here too: an echo of them is no order
+
+Log = Callable[[str, str], None]  # takes a kind of trainer.session.stations.roles.KINDS and a text
+
+
+class NmeaLine:
+    """A line of sentences, for a station."""
+
+    def __init__(
+        self,
+        line: Line,
+        wake: threading.Event,
+        log: Log,
+        clock: Callable[[], float] = time.monotonic,
+    ) -> None:
+        """Hear ``line``; ``wake`` is set when it has more to take than was asked for."""
+        self.name = line.name
+        self.ignored = 0  # sentences that are no order
+        self._line = line
+        self._wake = wake
+        self._log = log
+        self._clock = clock
+        self._told: set[str] = set()
+        self._given: dict[str, tuple[str, float]] = {}  # words and time [s], by what they control
+
+    @property
+    def ended(self) -> bool:
+        """Return whether all that came has been taken, and nothing more can come."""
+        return self._line.ended
+
+    @property
+    def trouble(self) -> str:
+        """Return why the line is dead."""
+        return self._line.trouble
+
+    @property
+    def dropped(self) -> int:
+        """Return how many sentences did not get out."""
+        return self._line.dropped
+
+    def take(self, most: int) -> list[str | Overlong]:
+        """Return the orders among the oldest lines that have come, and lines that are damaged."""
+        lines = self._line.take(most)
+        if len(lines) == most:
+            self._wake.set()
+        return [heard for line in lines if (heard := self._hear(line)) is not None]
+
+    def send(self, line: str) -> None:
+        """Drop what is for people."""
+
+    def close(self, patience: float) -> None:
+        """Get out what was sent, for at most `patience` [s], and end the line."""
+        self._line.close(patience)
+
+    def _hear(self, line: str | Overlong) -> str | Overlong | None:
+        """Return the words of an order, a line that is damaged as it is, or None."""
+        if isinstance(line, Overlong):
+            return line
+        heard = nmea.hear(line)
+        if isinstance(heard, nmea.Damaged):
+            return line
+        if heard is None:
+            self._ignore("what is no sentence")
+            return None
+        ordered = meaning(heard)
+        if isinstance(ordered, Command) and not (heard.talker == "IN" and heard.formatter in OWN):
+            return self._give(ordered)
+        kind = f"{heard.talker}{heard.formatter}"
+        self._ignore(ordered.reason if isinstance(ordered, Useless) else kind)
+        return None
+
+    def _give(self, command: Command) -> str | None:
+        """Return the words of a command, None while it is the one given last."""
+        now = self._clock()
+        words, given = self._given.get(command.control, ("", now))
+        if words == command.words and now - given < AGAIN:
+            return None
+        self._given[command.control] = command.words, now
+        return command.words
+
+    def _ignore(self, what: str) -> None:
+        """Count a sentence; tell of the first of its kind."""
+        self.ignored += 1
+        if what not in self._told and len(self._told) < KINDS_TOLD:
+            self._told.add(what)
+            self._log("refused", f"{self.name}: {what}: ignored, as all of them will be")
+
+
+class Readers:
+    """All that are connected to a port, as one line: each is sent everything, any may order.
+
+    ``take`` is for one thread, ``send`` for any.
+    """
+
+    ended = False
+    trouble = ""
+
+    def __init__(self, name: str, hub: Hub, log: Log) -> None:
+        self.name = name
+        self._hub = hub
+        self._log = log
+        self._readers: tuple[Connection, ...] = ()  # replaced, never altered
+        self._lost = 0  # by those that have gone
+
+    @property
+    def dropped(self) -> int:
+        """Return how many sentences did not get out, over all readers."""
+        return self._lost + sum(reader.dropped for reader in self._readers)
+
+    def take(self, most: int) -> list[str | Overlong]:
+        """Return the oldest lines that have come, at most so many, and see who comes and goes."""
+        self._see_who_is_there()
+        lines: list[str | Overlong] = []
+        for reader in self._readers:
+            lines += reader.take(most - len(lines))
+        self._readers = (*self._readers[1:], *self._readers[:1])  # another is first next time
+        return lines
+
+    def send(self, line: str) -> None:
+        """Send one line to all; a slow reader loses its own."""
+        for reader in self._readers:
+            reader.send(line)
+
+    def close(self, patience: float) -> None:
+        """Stop listening, get out what was sent, for at most `patience` [s], and close all."""
+        self._hub.close(patience)
+
+    def _see_who_is_there(self) -> None:
+        """Let newcomers read; forget those whose connection has failed.
+
+        One that has only ended its own side still reads, as a program without a keyboard does.
+        """
+        for newcomer in self._hub.newcomers():
+            self._readers = (*self._readers, newcomer)
+            self._log("station", f"{newcomer.name} reads {self.name}")
+        for reader in self._readers:
+            if reader.trouble:
+                self._readers = tuple(each for each in self._readers if each is not reader)
+                self._lost += reader.dropped
+                reader.close(0.0)
+                self._log("station", f"{reader.name} no longer reads {self.name}: {reader.trouble}")

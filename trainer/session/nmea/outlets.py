@@ -1,0 +1,229 @@
+"""Outlets of NMEA 0183, opened as the command line asks: serial lines, UDP, TCP ports, a file.
+
+Each is a subscription, so that no tick waits for it, and a station, so that it is listed with what
+it has ordered and lost. Orders are taken on serial lines and at ports of this machine alone, as the
+helm's: the sentences have no room for a token.
+"""
+
+import contextlib
+import ipaddress
+import math
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import Any, Final
+
+import click
+
+from trainer.config.files import ConfigError, nearest
+from trainer.io.line import Direct, Inbox, Joined, Line, Outbox, writer
+from trainer.io.nmea import LONGEST
+from trainer.io.recording.recording import NoRecording, Recording
+from trainer.io.serial_line import SCHEMES, LinkError, SerialLine
+from trainer.io.server import Hub
+from trainer.io.udp import Datagrams
+from trainer.session.nmea.orders import NmeaLine, Readers
+from trainer.session.nmea.position import Chart, chart_at
+from trainer.session.nmea.sentences import NAMES, Instrument, InstrumentSet, Sampled, chosen, widest
+from trainer.session.ports import PATIENCE, Ports
+from trainer.session.stations.access import Door
+from trainer.session.stations.station import Station
+from trainer.session.stations.subscriptions import Subscription
+from trainer.session.stations.view import Picture
+
+PORT: Final = 10110  # the customary one
+SILENCE: Final = 1.0  # [s] at most: displays blank what they do not hear of
+BITS: Final = 10  # of a byte on a serial line
+FEWEST: Final = 2  # sets that may wait for a serial line; more, if a second has more
+UNTIMED: Final = ("socket",)  # kinds of serial line that have no baud rate
+PLACE: Final = re.compile(r"(?:\[([^\]]+)\]|([^:\[\]]*))(?::([0-9]{1,5}))?", re.ASCII)
+
+
+class Steady(Subscription):
+    """A subscription that is sent to all the time, also while time is frozen."""
+
+    def wait(self, picture: Picture, now: float) -> float:
+        """Return the time [s] until the picture may be sent, seen before or not."""
+        if self.seen is None:
+            return 0.0
+        fresh = self.seen is not picture and self.seen != picture
+        period = 1.0 / self.rate
+        late = 0.0 if fresh else max(SILENCE - period, 0.0)
+        return max(self.due + late - now, 0.0)
+
+
+@dataclass(frozen=True)
+class Outlets:
+    """What is sent everywhere: which instruments, how often, and where and when the boat began."""
+
+    instruments: tuple[Instrument, ...]
+    rate: float  # [Hz]
+    chart: Chart
+    start: datetime
+    orders: bool = True  # are taken at TCP ports of this machine
+
+    @property
+    def backlog(self) -> int:
+        """Return how many sentences may wait for a line: what is older is of no use."""
+        return max(FEWEST, math.ceil(self.rate)) * len(self.instruments)
+
+    @property
+    def shown(self) -> InstrumentSet:
+        """Return the display of the instruments."""
+        return InstrumentSet(self.instruments, self.chart, self.start)
+
+
+def open_outlets(
+    ports: Ports, recording: Recording | NoRecording, options: dict[str, Any]
+) -> list[Station]:
+    """Return the stations of the outlets that ``options`` ask for; ConfigError."""
+    urls, path = options["nmea"], options["nmea_record"]
+    if not urls and path is None:
+        return []
+    outlets = Outlets(
+        chosen(named(options["nmea_sentences"])),
+        options["nmea_rate"],
+        origin(options["origin"]),
+        start_of(recording),
+    )
+    outlets = replace(outlets, orders=options["nmea_orders"] or not options["token"])
+    stations = [open_outlet(ports, outlets, url, options["nmea_baud"]) for url in urls]
+    if path is not None:
+        stations.append(open_file(ports, outlets, path))
+    return stations
+
+
+def open_outlet(ports: Ports, outlets: Outlets, url: str, baud: int) -> Station:
+    """Return the station of one outlet; ConfigError naming what is wrong with it."""
+    scheme, separator, rest = url.partition("://")
+    kinds = {"udp": open_datagrams, "tcp": open_readers}
+    kind = kinds.get(scheme.lower()) if separator else None
+    if separator and kind is None and scheme.lower() not in SCHEMES:
+        hint = nearest(scheme, (*kinds, *SCHEMES))
+        raise ConfigError(f"--nmea {url}: no such kind of outlet{hint}")
+    try:
+        if kind is not None:
+            return kind(ports, outlets, url, *place(rest))
+        refuse_crowded(outlets, url, baud)
+        return open_serial(ports, outlets, url, baud)
+    except LinkError as error:
+        raise ConfigError(f"--nmea {url}: {str(error).removeprefix(f'{url}: ')}") from None
+
+
+def open_datagrams(ports: Ports, outlets: Outlets, url: str, host: str, port: int) -> Station:
+    """Return the station of an outlet by UDP, which hears nothing."""
+    sender = Datagrams(host, port)
+    ports.stack.callback(sender.close, 0.0)
+    return send_to(ports, outlets, Joined(f"nmea {url}", None, sender), "observer")
+
+
+def open_readers(ports: Ports, outlets: Outlets, url: str, host: str, port: int) -> Station:
+    """Return the station of all that come to a TCP port."""
+    hub = Hub(ports.wake)
+    ports.stack.callback(hub.close, PATIENCE)
+    found = hub.listen(host, port)
+    role = "helm" if local(host) and outlets.orders else "observer"
+    why = "" if outlets.orders else "; no orders are taken without --nmea-orders: a token is asked"
+    why = why if local(host) else "; no orders are taken from beyond this machine"
+    click.echo(f"nmea at tcp://{host}:{found}{why}", err=True)
+    return send_to(ports, outlets, Readers(f"nmea {url}", hub, ports.log), role)
+
+
+def open_serial(ports: Ports, outlets: Outlets, url: str, baud: int) -> Station:
+    """Return the station of an outlet on a serial line."""
+    port = SerialLine(url, baud)
+    ports.stack.callback(port.close)
+    outbox = Outbox(port.write, outlets.backlog)
+    inbox = Inbox(port.read, ports.wake, longest=LONGEST)
+    return send_to(ports, outlets, Joined(f"nmea {url}", inbox, outbox, port), "helm")
+
+
+def open_file(ports: Ports, outlets: Outlets, path: Path) -> Station:
+    """Return the station of a file, which has a set at the rate of the boat's own time."""
+    try:
+        file = path.open("xb", buffering=0)
+    except FileExistsError:
+        raise ConfigError(f"--nmea-record {path}: is there already; give another name") from None
+    except OSError as error:
+        raise ConfigError(f"--nmea-record {path}: {error.strerror}") from None
+    ports.stack.callback(file.close)
+    line = Joined(f"nmea {path}", None, Direct(writer(file.fileno()), b"\r\n"))
+    display = Sampled(outlets.shown, 1.0 / outlets.rate)
+    return attend(ports, line, Subscription(line, "nmea", 0.0, display), "observer")
+
+
+def send_to(ports: Ports, outlets: Outlets, line: Line, role: str) -> Station:
+    """Return the station of a line that the sets are sent to from now on."""
+    return attend(ports, line, Steady(line, "nmea", outlets.rate, outlets.shown), role)
+
+
+def attend(ports: Ports, line: Line, subscription: Subscription, role: str) -> Station:
+    """Return the station of a line with a subscription of its own."""
+    ports.sending.add(subscription)
+    return Station(NmeaLine(line, ports.wake, ports.log), Door(role), ports.sending, ports.log)
+
+
+def refuse_crowded(outlets: Outlets, url: str, baud: int) -> None:
+    """Raise ConfigError if a serial line cannot carry the sets at their rate."""
+    if url.partition("://")[0].lower() in UNTIMED:
+        return
+    size, capacity = widest(outlets.instruments), baud // BITS
+    if size * outlets.rate > capacity:
+        raise ConfigError(
+            f"--nmea {url}: {len(outlets.instruments)} sentences of {size} bytes at "
+            f"{outlets.rate:g} Hz are {size * outlets.rate:.0f} bytes a second; the line carries "
+            f"{capacity} at {baud} baud: give --nmea-rate {most(capacity / size):g} or less, fewer "
+            f"--nmea-sentences or a faster --nmea-baud"
+        )
+
+
+def most(rate: float) -> float:
+    """Return a rate [Hz] rounded down, to be given as an option."""
+    return int(rate * 100.0) / 100.0
+
+
+def place(text: str) -> tuple[str, int]:
+    """Return host and port of ``HOST[:PORT]``; LinkError."""
+    found = PLACE.fullmatch(text.rstrip("/"))
+    if found is None or not (found[1] or found[2]):
+        raise LinkError("say HOST or HOST:PORT after the ://")
+    return found[1] or found[2], int(found[3] or PORT)
+
+
+def local(host: str) -> bool:
+    """Return whether only this machine can come in at an address."""
+    with contextlib.suppress(ValueError):
+        return ipaddress.ip_address(host).is_loopback
+    return host == "localhost"
+
+
+def named(text: str | None) -> Sequence[str]:
+    """Return the names of a list with commas, all for none; ConfigError naming the nearest."""
+    if text is None:
+        return NAMES
+    names = [name.strip().upper() for name in text.split(",")]
+    for name in names:
+        if name not in NAMES:
+            hint = nearest(name, NAMES) or f"; there are {','.join(NAMES)}"
+            raise ConfigError(f"--nmea-sentences {text}: no sentence {name!r}{hint}")
+    return names
+
+
+def origin(text: str) -> Chart:
+    """Return the chart with that origin; ConfigError."""
+    try:
+        return chart_at(text)
+    except ValueError as error:
+        raise ConfigError(f"--origin {text}: {error}") from None
+
+
+def start_of(recording: Recording | NoRecording) -> datetime:
+    """Return when the session began: what was recorded, or now, to the second."""
+    if isinstance(recording, Recording):
+        try:
+            return datetime.fromisoformat(recording.header().get("started", ""))
+        except ValueError:
+            raise ConfigError("recording: its header does not say when it started") from None
+    return datetime.now(UTC).replace(microsecond=0)

@@ -1,0 +1,63 @@
+"""The sentences of NMEA 0183 as a table for people, and one set of them as a sample."""
+
+from datetime import UTC, datetime
+from typing import Any, Final
+
+from trainer.boat.assemble import Method
+from trainer.boat.boat import Boat
+from trainer.config.vessel import VesselFile
+from trainer.session.nmea.position import DEFAULT
+from trainer.session.nmea.sentences import INSTRUMENTS, Instrument, InstrumentSet
+from trainer.session.stations.view import Lookout, Pace, Picture
+from trainer.session.time.ledger import Ledger
+from trainer.units import KNOT
+
+NOON: Final = datetime(2026, 1, 1, 12, tzinfo=UTC)  # of the sample
+
+
+def markdown() -> str:
+    """Return the table of the sentences, as docs/nmea.md shows it."""
+    rows = ["| sentence | tells | fields | source |", "|---|---|---|---|"]
+    rows += [
+        f"| `{heading(each)}` | {each.says} | {'; '.join(each.fields)} | {each.source} |"
+        for each in INSTRUMENTS
+    ]
+    return "\n".join(rows) + "\n"
+
+
+def page() -> str:
+    """Return the sentences for a terminal, a paragraph each."""
+    blocks = []
+    for each in INSTRUMENTS:
+        fields = (f"{place:>4}  {field}" for place, field in enumerate(each.fields, 1))
+        blocks.append("\n".join([f"{heading(each)}: {each.says} ({each.source})", *fields]))
+    return "\n\n".join(blocks)
+
+
+def heading(instrument: Instrument) -> str:
+    """Return the address of a sentence, with its page where there are several."""
+    page_letter = f",{instrument.fields[0]}" if instrument.name == "PXSC" else ""
+    return f"${instrument.address}{page_letter}"
+
+
+def as_json() -> list[dict[str, Any]]:
+    """Return the table as plain records."""
+    return [
+        {
+            "sentence": heading(each),
+            "name": each.name,
+            "tells": each.says,
+            "fields": list(each.fields),
+            "source": each.source,
+        }
+        for each in INSTRUMENTS
+    ]
+
+
+def sample(file: VesselFile) -> list[str]:
+    """Return the set of a boat in trim as she starts, at noon on the first day of 2026."""
+    boat = Boat(file, Method("modified", "lagged", "exact", "adams2", file.run.step_s))
+    boat.start(file.run.start_speed_kn * KNOT, file.run.start_depth_m, 0.0)
+    lookout = Lookout(boat, Ledger(boat.method.step).summary)
+    frame = lookout.frame(Picture(0, boat.records.state.tobytes(), Pace()))
+    return InstrumentSet(INSTRUMENTS, DEFAULT, NOON).lines(frame)

@@ -1,0 +1,165 @@
+"""What the sentences of NMEA 0183 say of one tick, in the units that they say it in.
+
+Depth, heading and speed through the water are read off the gauges, as wrong as these are. Position,
+track and speed over the ground are the navigation system's, which has no casualty; nor have rate
+of turn, attitude, surfaces and turns.
+"""
+
+import math
+from collections.abc import Callable
+from datetime import UTC, datetime, timedelta
+from typing import Final, NamedTuple
+
+from trainer.core.ballast.tanks import BANKS, TANKS
+from trainer.session.nmea.position import Chart
+from trainer.session.stations.panels import (
+    bank_fields,
+    bell,
+    compass,
+    ordered_course,
+    ordered_depth,
+    ordered_speed,
+    ordered_turns,
+    rpm,
+    surface_fields,
+    tank_fields,
+)
+from trainer.session.stations.view import Frame
+from trainer.units import KNOT
+
+SURFACES: Final = ("rudder", "stern", "bow")
+BALLAST: Final = TANKS[:8]  # those that are not compartments
+
+Number = float | None  # None: the boat lacks it, or nothing is ordered
+
+
+class Surface(NamedTuple):
+    """A control surface [deg], right and rising positive."""
+
+    angle: Number
+    ordered: Number
+
+
+class Sight(NamedTuple):
+    """One tick; angles in degrees, speeds in knots, unless said otherwise."""
+
+    tick: int
+    at: datetime  # UTC
+    north: float  # [m] of the origin
+    east: float  # [m]
+    latitude: float
+    longitude: float
+    track: float  # over the ground
+    over_ground: float
+    depth: float  # [m] by the gauge
+    heading: float  # by the compass
+    speed: float  # by the log
+    pitch: float  # bow up positive
+    heel: float  # to starboard positive
+    turn: float  # [deg/min] to starboard positive
+    rudder: Surface
+    stern: Surface
+    bow: Surface
+    rpm: float  # [1/min]
+    ordered_rpm: float
+    bell: str  # "" when none is rung
+    ordered_course: Number
+    ordered_depth: Number  # [m]
+    ordered_speed: Number
+    full: tuple[Number, ...]  # [%] of each tank of BALLAST
+    air: tuple[Number, ...]  # [MPa] of each bank
+
+
+def reading(read: Callable[[Frame], object], frame: Frame) -> Number:
+    """Return a field of a panel that is a number."""
+    value = read(frame)
+    return float(value) if isinstance(value, float | int) else None
+
+
+SURFACE_FIELDS: Final = {name: surface_fields(name)[:2] for name in SURFACES}
+TANK_FIELDS: Final = tuple(tank_fields(place, name)[1] for place, name in enumerate(BALLAST))
+BANK_FIELDS: Final = tuple(bank_fields(place, name)[0] for place, name in enumerate(BANKS))
+
+
+def sight(frame: Frame, chart: Chart, start: datetime) -> Sight:
+    """Return what is seen at a tick of a session that began at ``start``."""
+    north, east = frame["x"], frame["y"]
+    latitude, longitude = chart.position(north, east)
+    track, over_ground = way_made(frame)
+    return Sight(
+        tick=frame.tick,
+        at=start + timedelta(seconds=frame.seconds),
+        north=north,
+        east=east,
+        latitude=latitude,
+        longitude=longitude,
+        track=track,
+        over_ground=over_ground,
+        depth=frame.readings.depth,
+        heading=compass(frame.readings.heading, 2),
+        speed=frame.readings.speed / KNOT,
+        pitch=math.degrees(frame["theta"]),
+        heel=math.degrees(frame["phi"]),
+        turn=math.degrees(frame["psidot"]) * 60.0,
+        rudder=surface("rudder", frame),
+        stern=surface("stern", frame),
+        bow=surface("bow", frame),
+        rpm=rpm(frame, frame["u_c"]),
+        ordered_rpm=rpm(frame, ordered_turns(frame)),
+        bell=str(bell(frame) or ""),
+        ordered_course=reading(ordered_course, frame),
+        ordered_depth=reading(ordered_depth, frame),
+        ordered_speed=reading(ordered_speed, frame),
+        full=tuple(reading(field.read, frame) for field in TANK_FIELDS),
+        air=tuple(reading(field.read, frame) for field in BANK_FIELDS),
+    )
+
+
+def surface(name: str, frame: Frame) -> Surface:
+    """Return a control surface as it is and as it is ordered."""
+    angle, ordered = SURFACE_FIELDS[name]
+    return Surface(reading(angle.read, frame), reading(ordered.read, frame))
+
+
+def way_made(frame: Frame) -> tuple[float, float]:
+    """Return track [deg] and speed [kn] over the ground; at rest the track is the heading."""
+    if frame["held_position"]:
+        return compass(frame["psi"], 2), 0.0
+    north, east = frame["xdot"], frame["ydot"]
+    speed = math.hypot(north, east) / KNOT
+    angle = math.atan2(east, north) if speed >= SLOWEST else frame["psi"]
+    return compass(angle, 2), speed
+
+
+SLOWEST: Final = 0.005  # [kn] that is not written as nought
+
+_FAR: Final = -9_999_999.9
+_ANGLE: Final = Surface(-99.99, -99.99)
+# As wide as every field can be: what a line has to have room for.
+WIDEST: Final = Sight(
+    tick=99_999_999,
+    at=datetime(2099, 12, 31, 23, 59, 59, tzinfo=UTC),
+    north=_FAR,
+    east=_FAR,
+    latitude=-89.99,
+    longitude=-179.99,
+    track=359.99,
+    over_ground=99.99,
+    depth=9999.99,
+    heading=359.99,
+    speed=-99.99,
+    pitch=-99.99,
+    heel=-179.99,
+    turn=-9999.9,
+    rudder=_ANGLE,
+    stern=_ANGLE,
+    bow=_ANGLE,
+    rpm=-9999.9,
+    ordered_rpm=-9999.9,
+    bell="ahead-flank",
+    ordered_course=359.99,
+    ordered_depth=9999.99,
+    ordered_speed=-99.99,
+    full=(100.0,) * len(BALLAST),
+    air=(99.99,) * len(BANKS),
+)

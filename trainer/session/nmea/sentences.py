@@ -1,0 +1,275 @@
+"""The set of NMEA 0183 sentences that tells of one tick: which, in what order, from what.
+
+The order is the one that gpsd answers whole reports to: position, way, depth, attitude, heading.
+The talker is IN, integrated navigation, which every reader takes.
+"""
+
+import math
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from datetime import datetime
+from typing import Final
+
+from trainer.io.nmea import LINE_END, number, sentence
+from trainer.session.nmea import fields as tell
+from trainer.session.nmea.fields import DILUTION, SATELLITES
+from trainer.session.nmea.position import Chart
+from trainer.session.nmea.readings import WIDEST, Sight, sight
+from trainer.session.stations.view import Frame
+
+TALKER: Final = "IN"
+GAUGES: Final = "as the gauges show it"
+TRUE: Final = "navigation system: true"
+
+
+@dataclass(frozen=True)
+class Instrument:
+    """One sentence: its address, what it tells, its fields with their units, and from where."""
+
+    address: str
+    says: str
+    fields: tuple[str, ...]
+    source: str
+    read: Callable[[Sight], tuple[str, ...]]
+
+    @property
+    def name(self) -> str:
+        """Return what the sentence is chosen by: its formatter, or a maker's whole address."""
+        return self.address.removeprefix(TALKER)
+
+    def sentence(self, seen: Sight) -> str:
+        """Return the sentence of a tick."""
+        return sentence(self.address, *self.read(seen))
+
+
+UTC_TIME: Final = "UTC hhmmss.ss"
+WHERE: Final = ("latitude ddmm.mmmmm", "N or S", "longitude dddmm.mmmmm", "E or W")
+
+INSTRUMENTS: Final = (
+    Instrument(
+        "INRMC",
+        "recommended minimum: time, position, way, date",
+        (
+            *(UTC_TIME, "A", *WHERE, "speed over the ground [kn]", "track [deg true]"),
+            *("date ddmmyy", "-", "-", "E, dead reckoning"),
+        ),
+        TRUE,
+        tell.recommended,
+    ),
+    Instrument(
+        "INGGA",
+        "fix, with the depth as altitude",
+        (
+            *(UTC_TIME, *WHERE, "6, dead reckoning", f"{SATELLITES} satellites"),
+            *(f"dilution {DILUTION}", "altitude [m], less than nought when submerged", "M"),
+            *("0.0", "M", "-", "-"),
+        ),
+        f"position true, altitude {GAUGES}",
+        tell.fix,
+    ),
+    Instrument(
+        "INVTG",
+        "way made over the ground",
+        ("track [deg true]", "T", "-", "M", "speed [kn]", "N", "speed [km/h]", "K", "E"),
+        TRUE,
+        tell.way,
+    ),
+    Instrument(
+        "INDBT",
+        "the boat's depth",
+        ("depth [ft]", "f", "depth [m]", "M", "depth [fathom]", "F"),
+        GAUGES,
+        tell.depth,
+    ),
+    Instrument(
+        "PASHR",
+        "attitude",
+        (
+            *("UTC hhmmss.sss", "heading [deg]", "T", "heel [deg], to starboard positive"),
+            *("pitch [deg], bow up positive", "-", "-", "-", "-", "0", "0"),
+        ),
+        f"heading {GAUGES}, heel and pitch true",
+        tell.attitude,
+    ),
+    Instrument(
+        "INHDT",
+        "heading",
+        ("heading [deg true]", "T"),
+        GAUGES,
+        lambda s: (number(s.heading, 2), "T"),
+    ),
+    Instrument(
+        "INDPT",
+        "the boat's depth",
+        ("depth [m]", "0.0", "-"),
+        GAUGES,
+        lambda s: (number(max(s.depth, 0.0), 2), "0.0", ""),
+    ),
+    Instrument(
+        "INROT",
+        "rate of turn",
+        ("rate [deg/min], to starboard positive", "A"),
+        "true",
+        lambda s: (number(s.turn, 1), "A"),
+    ),
+    Instrument(
+        "INVHW",
+        "heading and speed through the water",
+        ("heading [deg true]", "T", "-", "M", "speed [kn]", "N", "speed [km/h]", "K"),
+        GAUGES,
+        tell.water_speed,
+    ),
+    Instrument(
+        "INRSA",
+        "rudder angle",
+        ("angle [deg], right positive", "A", "-", "V"),
+        "as it is",
+        lambda s: tell.starboard(s.rudder.angle),
+    ),
+    Instrument(
+        "INROR",
+        "rudder ordered, by hand or by the autopilot",
+        ("angle [deg], right positive", "A", "-", "V", "B, bridge"),
+        "as ordered",
+        tell.ordered_rudder,
+    ),
+    Instrument(
+        "INRPM",
+        "revolutions of the shaft",
+        ("S, shaft", "0, single", "revolutions [1/min]", "-", "A"),
+        "as it is",
+        lambda s: ("S", "0", number(s.rpm, 1), "", "A"),
+    ),
+    Instrument(
+        "INETL",
+        "engine telegraph",
+        (
+            *(UTC_TIME, "O, order", "position 00 to 05 ahead, 12 to 14 astern"),
+            *("-", "B, bridge", "0, single"),
+        ),
+        "as rung; empty when speed is kept or turns are ordered",
+        tell.telegraph,
+    ),
+    Instrument(
+        "INXDR",
+        "attitude",
+        (
+            *("A", "angle [deg], bow up positive", "D", "PITCH"),
+            *("A", "angle [deg], to starboard positive", "D", "ROLL"),
+        ),
+        "true",
+        lambda s: tell.angles(pitch=s.pitch, roll=s.heel),
+    ),
+    Instrument(
+        "INXDR",
+        "planes",
+        (
+            *("A", "angle [deg], rising positive", "D", "STERN"),
+            *("A", "angle [deg], rising positive", "D", "BOW"),
+        ),
+        "as they are",
+        lambda s: tell.angles(stern=s.stern.angle, bow=s.bow.angle),
+    ),
+    Instrument(
+        "PXSC",
+        "own: motion",
+        (
+            *("M", "tick", "depth [m]", "heading [deg]", "speed through the water [kn]"),
+            *("pitch [deg]", "heel [deg]", "rate of turn [deg/s]"),
+        ),
+        f"depth, heading and speed {GAUGES}, the rest true",
+        tell.motion,
+    ),
+    Instrument(
+        "PXSC",
+        "own: place",
+        (
+            *("P", "tick", "north of the origin [m]", "east of it [m]", "track [deg]"),
+            "speed over the ground [kn]",
+        ),
+        TRUE,
+        tell.place,
+    ),
+    Instrument(
+        "PXSC",
+        "own: surfaces, right and rising positive",
+        (
+            *("C", "tick", "rudder [deg]", "ordered [deg]", "stern planes [deg]"),
+            *("ordered [deg]", "bow planes [deg]", "ordered [deg]"),
+        ),
+        "as they are and as ordered",
+        tell.controls,
+    ),
+    Instrument(
+        "PXSC",
+        "own: engine, and what the autopilot keeps",
+        (
+            *("E", "tick", "revolutions [1/min]", "ordered [1/min]", "depth kept [m]"),
+            *("course kept [deg]", "speed kept [kn]"),
+        ),
+        "as they are and as ordered",
+        tell.engine,
+    ),
+    Instrument(
+        "PXSC",
+        "own: ballast",
+        (
+            *("B", "tick", "tanks [% full]: forward", "mid", "aft", "negative", "trim forward"),
+            *("trim aft", "auxiliary", "depth control"),
+        ),
+        "as they are",
+        tell.ballast,
+    ),
+    Instrument(
+        "PXSC",
+        "own: air banks",
+        ("A", "tick", "main [MPa]", "emergency [MPa]"),
+        "as they are",
+        tell.air,
+    ),
+)
+NAMES: Final = tuple(dict.fromkeys(instrument.name for instrument in INSTRUMENTS))
+
+
+def chosen(names: Iterable[str]) -> tuple[Instrument, ...]:
+    """Return the instruments of those names, in the order that they are sent."""
+    wanted = frozenset(names)
+    return tuple(instrument for instrument in INSTRUMENTS if instrument.name in wanted)
+
+
+def widest(instruments: Iterable[Instrument]) -> int:
+    """Return the size [bytes] of the longest set that they can make, line ends included."""
+    return sum(len(each.sentence(WIDEST)) + LINE_END for each in instruments)
+
+
+class InstrumentSet:
+    """A display of frames: one set of sentences for each."""
+
+    def __init__(self, instruments: tuple[Instrument, ...], chart: Chart, start: datetime) -> None:
+        """Show those instruments of a session that began at ``start``, UTC."""
+        self._instruments = instruments
+        self._chart = chart
+        self._start = start
+
+    def lines(self, frame: Frame) -> list[str]:
+        """Return the set of one tick."""
+        seen = sight(frame, self._chart, self._start)
+        return [instrument.sentence(seen) for instrument in self._instruments]
+
+
+class Sampled:
+    """A display at a rate of the boat's own time, however fast that goes."""
+
+    def __init__(self, shown: InstrumentSet, period: float) -> None:
+        """Show frames at least ``period`` [s] apart."""
+        self._shown = shown
+        self._period = period
+        self._last = -math.inf  # [s]
+
+    def lines(self, frame: Frame) -> list[str]:
+        """Return the set if it is due, as it is when time has gone back."""
+        passed = frame.seconds - self._last
+        if 0.0 <= passed < self._period * (1.0 - 1e-9):
+            return []
+        self._last = frame.seconds
+        return self._shown.lines(frame)

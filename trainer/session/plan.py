@@ -1,0 +1,137 @@
+"""What a run is made of: the exercise's word, the command line's over it, the vessel's below."""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, fields
+from pathlib import Path
+from typing import Any, Final
+
+from trainer.boat import casualties as casualties_module
+from trainer.boat.assemble import Method
+from trainer.boat.boat import Boat
+from trainer.config.casualties import Casualty, load_casualties
+from trainer.config.exercise import UNSCHEDULED, Armed, Exercise, Initial, Limits, load_exercise
+from trainer.config.files import ConfigError, read_text
+from trainer.config.score_rules import Rule
+from trainer.config.sea import SeaFile, load_sea
+from trainer.config.vessel import VesselFile, load_vessel
+from trainer.core.scheme import RUNGE_KUTTAS
+from trainer.io.orders.schedule import BadSchedule, Scheduled, parse_schedule
+from trainer.units import KNOT
+
+STEP_LIMITS = 0.001, 2.0  # [s]
+# what an exercise may set, by the option that overrules it
+OVERRULED: Final = {
+    "vessel": "vessel",
+    "equations": "equations",
+    "rates": "rates",
+    "integrator": "integrator",
+    "step": "step_s",
+    "seed": "seed",
+    "duration": "duration_s",
+}
+
+
+@dataclass(frozen=True, kw_only=True)
+class Plan:
+    """Everything that is settled before a run."""
+
+    file: VesselFile
+    method: Method
+    sea: SeaFile
+    seed: int
+    duration: float | None  # [s]
+    title: str  # "" without an exercise
+    briefing: str
+    initial: Initial
+    schedule: list[Scheduled]
+    casualties: Mapping[str, Casualty]
+    armed: tuple[Armed, ...]
+    limits: Limits
+    scores: tuple[Rule, ...]
+
+    @property
+    def hides(self) -> bool:
+        """Return whether something is to break that the crew is not to know before."""
+        return bool(self.armed) or any(each.order.name == "casualty" for each in self.schedule)
+
+    def start(self, boat: Boat) -> None:
+        """Start the boat as planned; ConfigError if it cannot."""
+        run = self.file.run
+        speed = run.start_speed_kn if self.initial.speed_kn is None else self.initial.speed_kn
+        depth = run.start_depth_m if self.initial.depth_m is None else self.initial.depth_m
+        course = math.radians(self.initial.course_deg or 0.0)
+        boat.start(speed * KNOT, depth, course, self.seed)
+        boat.put_to_sea(self.sea)
+        boat.casualties = self.casualties
+        for entry in self.armed:
+            casualties_module.arm(boat, entry.condition, entry.casualty, entry.rule)
+
+
+def plan_run(options: dict[str, Any]) -> Plan:
+    """Return the plan of the command line's ``options``; ConfigError on what is wrong.
+
+    ``options["given"]`` names those that the user gave; they overrule the exercise.
+    """
+    exercise = None if options["exercise"] is None else load_exercise(options["exercise"])
+    chosen = dict(options)
+    if exercise:
+        chosen |= overruled(exercise, options["given"])
+    file = load_vessel(chosen["vessel"])
+    sea = exercise.sea if exercise and options["sea"] is None else None
+    schedule = [*(exercise.schedule if exercise else ()), *read_schedule(options["orders_file"])]
+    return Plan(
+        file=file,
+        method=chosen_method(file, chosen),
+        sea=sea or load_sea(options["sea"] or "calm"),
+        seed=int(chosen["seed"]),
+        duration=chosen["duration"],
+        title=exercise.heading.name if exercise else "",
+        briefing=exercise.heading.briefing if exercise else "",
+        initial=exercise.initial if exercise else Initial(),
+        schedule=sorted(schedule, key=lambda entry: entry.seconds),
+        casualties=exercise.casualties if exercise else load_casualties(),
+        armed=exercise.armed if exercise else (),
+        limits=exercise.limits if exercise else Limits(),
+        scores=exercise.scores if exercise else (),
+    )
+
+
+def overruled(exercise: Exercise, given: frozenset[str]) -> dict[str, Any]:
+    """Return the options that the exercise sets and the user has not given."""
+    said = {item.name: getattr(exercise.heading, item.name) for item in fields(exercise.heading)}
+    return {
+        option: said[key]
+        for option, key in OVERRULED.items()
+        if said[key] is not None and option not in given
+    }
+
+
+def chosen_method(file: VesselFile, options: dict[str, Any]) -> Method:
+    """Return how the boat is to be computed; ConfigError on a step that is none."""
+    step = file.run.step_s if options["step"] is None else options["step"]
+    low, high = STEP_LIMITS
+    if not low <= step <= high:
+        raise ConfigError(f"--step {step:g}: a step is {low:g} to {high:g} s")
+    integrator = options["integrator"]
+    rates = options["rates"] or ("exact" if integrator in RUNGE_KUTTAS else "lagged")
+    return Method(options["equations"], rates, options["trig"], integrator, step)
+
+
+def read_schedule(path: Path | None) -> list[Scheduled]:
+    """Return the scheduled orders in that file; ConfigError naming the line that is wrong."""
+    if path is None:
+        return []
+    try:
+        text = read_text(path)
+    except ConfigError as wrong:
+        raise ConfigError(f"--orders {wrong}") from None
+    schedule = parse_schedule(text, path.name)
+    if isinstance(schedule, BadSchedule):
+        raise ConfigError(str(schedule))
+    for entry in schedule:
+        if entry.order.name in UNSCHEDULED:
+            raise ConfigError(
+                f"{path.name}:{entry.line_number}: {entry.order.text} has no place in a schedule"
+            )
+    return schedule

@@ -1,0 +1,179 @@
+"""The lines of a session, opened as the command line asks: terminal, serial lines, sockets."""
+
+import contextlib
+import ipaddress
+import math
+import os
+import threading
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, Final
+
+import click
+
+from trainer.config.files import ConfigError, nearest
+from trainer.io import paths
+from trainer.io.connection import Connection
+from trainer.io.line import Direct, Inbox, Joined, Line, Outbox, reader, writer
+from trainer.io.serial_line import LinkError, SerialLine
+from trainer.io.server import Hub, private_folder
+from trainer.session.stations.access import Door, read_tokens
+from trainer.session.stations.roles import ROLES
+from trainer.session.stations.station import Log, Station
+from trainer.session.stations.subscriptions import Sending
+
+INTRODUCTION: Final = 10.0  # [s] for a line to give its role, where a token is asked for
+PATIENCE: Final = 0.5  # [s] for ports at the end, and for a pipe at the start
+
+
+@dataclass
+class Lobby:
+    """Where lines come in by themselves: the sockets of a hub."""
+
+    hub: Hub
+    admit: Callable[[Connection], Station]
+    awaited: bool  # a run that nobody attends to goes on for whoever may come
+
+    def newcomers(self) -> list[Station]:
+        """Return those that have come since the last call."""
+        return [self.admit(line) for line in self.hub.newcomers()]
+
+
+@dataclass
+class Ports:
+    """What a session is reached by; each part is closed with the stack."""
+
+    wake: threading.Event
+    sending: Sending
+    log: Log
+    stack: contextlib.ExitStack
+    stations: list[Station] = field(default_factory=list)
+
+    def terminal(self, *, unhurried: bool) -> Station:
+        """Return the station of the terminal: a person, who instructs."""
+        out = writer(1)
+        sender = Direct(out, b"\n") if unhurried else Outbox(out, line_end=b"\n")
+        inbox = Inbox(reader(0), self.wake)
+        if unhurried and not os.isatty(0):
+            await_pipe(inbox)
+        return self._person(Joined("console", inbox, sender))
+
+    def console_line(self, url: str, baud: int) -> Station:
+        """Return the station of a person at a serial line; ConfigError if it cannot be opened."""
+        return self._person(self._serial("--serial", url, baud))
+
+    def panel(self, given: str, baud: int) -> Station:
+        """Return the station of ``ROLE=URL``, a serial line with that role; ConfigError."""
+        role, equals, url = given.partition("=")
+        if role not in ROLES or not equals or not url:
+            wrong = nearest(role, ROLES) if role not in ROLES else ""
+            raise ConfigError(f"--line {given}: say ROLE=URL, such as helm=/dev/ttyUSB0{wrong}")
+        return self._station(self._serial("--line", url, baud), Door(role))
+
+    def lobby(self, options: dict[str, Any]) -> Lobby | None:
+        """Return where lines come in at the sockets asked for, None for none; ConfigError."""
+        address, path = wanted(options["listen"]), wanted(options["socket"])
+        tokens = read_tokens(options["token"])
+        if address is not None:
+            host, port = parse_address(address)
+            refuse_open_door(host, tokens)
+        at_home = path is None and options["socket"] is None and joinable(options)
+        if address is None and path is None and not at_home:
+            return None
+        hub = Hub(self.wake, INTRODUCTION if tokens else math.inf)
+        self.stack.callback(hub.close, PATIENCE)
+        if address is not None:
+            with refusing("--listen"):
+                there = f"tcp://{host}:{hub.listen(host, port)}"
+                click.echo(f"{paths.LISTENING} {there}", err=True)
+        if path is not None:
+            with refusing("--socket"):
+                Path(path).parent.mkdir(mode=0o700, parents=True, exist_ok=True)
+                listen_here(hub, Path(path))
+        if at_home:
+            try:
+                private_folder(paths.socket_path().parent)
+                listen_here(hub, paths.socket_path())
+            except (LinkError, OSError) as error:
+                click.echo(f"trainer: stations cannot join by themselves: {error}", err=True)
+        asked = address is not None or path is not None
+
+        def admit(line: Connection) -> Station:
+            return self._station(line, Door(tokens=tokens, entered=line.introduce))
+
+        return Lobby(hub, admit, asked)
+
+    def _serial(self, option: str, url: str, baud: int) -> Joined:
+        try:
+            line = SerialLine(url, baud)
+        except LinkError as error:
+            raise ConfigError(f"{option} {error}") from None
+        self.stack.callback(line.close)
+        return Joined(url, Inbox(line.read, self.wake), Outbox(line.write), line)
+
+    def _person(self, line: Line) -> Station:
+        station = self._station(line, Door("instructor"))
+        station.type_out()
+        return station
+
+    def _station(self, line: Line, door: Door) -> Station:
+        return Station(line, door, self.sending, self.log)
+
+
+def await_pipe(inbox: Inbox) -> None:
+    """Wait for a pipe to end, or to pause: at full speed its orders act before the first tick."""
+    while not inbox.ended:
+        inbox.arrived.clear()
+        if not inbox.ended and not inbox.arrived.wait(PATIENCE):
+            break
+    inbox.arrived.set()
+
+
+def parse_address(text: str) -> tuple[str, int]:
+    """Return host and port of ``HOST:PORT`` or ``PORT``; ConfigError if it is neither."""
+    host, _, port = text.rpartition(":")
+    if not port.isdecimal():
+        raise ConfigError(f"--listen {text}: say HOST:PORT, such as {paths.HOST}:{paths.PORT}")
+    return host.strip("[]") or paths.HOST, int(port)
+
+
+def refuse_open_door(host: str, tokens: Mapping[str, str]) -> None:
+    """Raise ConfigError if others than this machine could come in without a token."""
+    if tokens or host == "localhost":
+        return
+    with contextlib.suppress(ValueError):
+        if ipaddress.ip_address(host).is_loopback:
+            return
+    raise ConfigError(f"--listen {host}: beyond this machine only with --token WORD")
+
+
+def wanted(text: str | None) -> str | None:
+    """Return an address or path, None for none."""
+    return None if text in (None, "none") else text
+
+
+@contextlib.contextmanager
+def refusing(option: str) -> Iterator[None]:
+    """Raise ConfigError naming the option for what cannot be opened inside the block."""
+    try:
+        yield
+    except (LinkError, OSError) as error:
+        raise ConfigError(f"{option} {error}") from None
+
+
+def listen_here(hub: Hub, path: Path) -> None:
+    """Listen at a local socket, and say so."""
+    hub.listen_here(path)
+    click.echo(f"{paths.LISTENING} {path}", err=True)
+
+
+def joinable(options: dict[str, Any]) -> bool:
+    """Return whether stations may join without having been asked for: where time is kept."""
+    return math.isfinite(options["speed"]) and not (options["headless"] and not options["serve"])
+
+
+def unhurried(options: dict[str, Any]) -> bool:
+    """Return whether the run keeps no time and nobody can join it."""
+    sockets = wanted(options["listen"]), wanted(options["socket"])
+    return math.isinf(options["speed"]) and sockets == (None, None)

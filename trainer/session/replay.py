@@ -1,0 +1,144 @@
+"""A recording flown again: its orders given at their ticks, its states compared bit by bit."""
+
+import math
+from collections import deque
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from trainer.boat.boat import Boat
+from trainer.boat.helm import obey
+from trainer.config.files import ConfigError, collecting
+from trainer.core.kernel import Record
+from trainer.io.orders.grammar import Refused
+from trainer.io.orders.table import BOAT_ORDERS
+from trainer.io.recording.recording import Branch, Journalled, Recording
+from trainer.session.header import NOTHING, layout_of, method_of, plan_of
+from trainer.session.history import order_of
+from trainer.session.layout import Unlike, read_state, unlike
+from trainer.session.plan import Plan
+
+
+@dataclass(frozen=True)
+class Parting:
+    """Where a flight first left its recording."""
+
+    tick: int  # of the recording
+    unlike: Unlike
+
+    def __str__(self) -> str:
+        name, recorded, flown, numbers = self.unlike
+        others = f", and {numbers - 1} numbers more" if numbers > 1 else ""
+        return f"tick {self.tick}: {name} was {recorded!r}, is now {flown!r}{others}"
+
+
+@dataclass
+class Flight:
+    """One branch flown again."""
+
+    branch: Branch
+    compared: int = 0  # states
+    unequal: int = 0  # of them
+    parting: Parting | None = None
+    answers: list[str] = field(default_factory=list)  # that are not the recorded ones
+    trouble: str = ""  # why it could not be flown, or not to its end
+
+    @property
+    def same(self) -> bool:
+        """Return whether everything was as recorded."""
+        return not (self.unequal or self.answers or self.trouble)
+
+
+@dataclass(frozen=True)
+class Course:
+    """What the branches of a recording are flown with."""
+
+    plan: Plan
+    boat: Boat
+    layout: tuple[str, ...]  # of the recorded states
+    pace: float  # [-] ticks flown for one recorded
+    afresh: bool  # from the plan's start, not from the states recorded
+
+
+def replay_anyway(recording: Recording, otherwise: Mapping[str, Any] = NOTHING) -> list[Flight]:
+    """Fly every branch again by this version, from the recorded texts, whatever differs today.
+
+    What does, and whether the bits can be the same at all, is told by ``log_book.differences``.
+    ``otherwise`` has options, such as a step or a vessel, to be taken instead of the recorded:
+    then each branch is flown from the plan's start, with all the orders of its past.
+    """
+    header = recording.header()
+    plan = plan_of(header, otherwise)
+    boat = Boat(plan.file, plan.method)
+    pace = method_of(header).step / plan.method.step
+    course = Course(plan, boat, layout_of(header), pace, bool(otherwise))
+    with np.errstate(all="ignore"):
+        return [fly(recording, branch, course) for branch in recording.branches()]
+
+
+def fly(recording: Recording, branch: Branch, course: Course) -> Flight:
+    """Fly one branch again."""
+    flight = Flight(branch)
+    troubles: list[str] = []
+    with collecting(troubles):
+        _fly(recording, flight, course)
+    flight.trouble = "; ".join(troubles)
+    return flight
+
+
+def _fly(recording: Recording, flight: Flight, course: Course) -> None:
+    """Fly a branch to its end; ConfigError where it cannot be flown further."""
+    branch, boat = flight.branch, course.boat
+    course.plan.start(boat)  # also what no state holds: the triggers armed
+    if branch.parent is None:
+        compare(flight, branch.tick, branch.state, course)
+    flown, after = 0, 0
+    if not course.afresh:
+        boat.restore(recorded_state(branch.state, course))
+        flown, after = branch.tick, branch.after
+    orders = deque(recording.orders(branch.id, after))
+    for tick, state in recording.states(branch.id):
+        while flown < tick * course.pace - 1e-9:
+            give(orders, flown, flight, course)
+            if status := boat.tick():
+                raise ConfigError(boat.failure(status))
+            flown += 1
+        if tick > branch.tick and abs(flown - tick * course.pace) < 1e-9:
+            compare(flight, tick, state, course)
+    give(orders, math.inf, flight, course)
+
+
+def give(orders: deque[Journalled], flown: float, flight: Flight, course: Course) -> None:
+    """Give the boat the orders that were given by the tick that stands at ``flown`` ticks now."""
+    while orders and orders[0].tick * course.pace <= flown + 1e-9:
+        entry = orders.popleft()
+        order = order_of(entry, course.plan.schedule)
+        if order is None or order.name not in BOAT_ORDERS:
+            continue
+        answer = obey(course.boat, order)
+        refused = isinstance(answer, Refused)
+        if entry.accepted is refused:
+            text = answer.reason if isinstance(answer, Refused) else answer
+            flight.answers.append(f"tick {entry.tick}: {entry.text}: {entry.answer}; now: {text}")
+
+
+def compare(flight: Flight, tick: int, recorded: bytes, course: Course) -> None:
+    """Compare the boat as she is with the state recorded at ``tick``."""
+    flown = course.boat.records.state.tobytes()
+    flight.compared += 1
+    if recorded == flown:
+        return
+    then = recorded_state(recorded, course)
+    if course.pace != 1.0:
+        then["tick"] = course.boat.state.tick
+    found = unlike(then.tobytes(), flown)
+    if found:
+        flight.unequal += 1
+        flight.parting = flight.parting or Parting(tick, found)
+
+
+def recorded_state(state: bytes, course: Course) -> Record:
+    """Return a recorded state as a record of this version."""
+    return read_state(state, course.layout, course.boat.records.state)

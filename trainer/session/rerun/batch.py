@@ -1,0 +1,107 @@
+"""A batch: what happened over some ticks, as columns, on its way to the viewer.
+
+Changes: of what seldom changes, the rows at which it does.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Final, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from trainer.core.kernel import Numbers
+from trainer.session.layout import LAYOUT
+
+Whole = NDArray[np.int64]
+
+PLACES: Final[Mapping[str, int]] = {name: i for i, name in enumerate(LAYOUT)}
+
+
+class Times(NamedTuple):
+    """When each row was."""
+
+    ticks: Whole  # [-] of the run: they go back where it is wound back
+    seconds: Numbers  # [s] these never do
+
+    @classmethod
+    def of(cls, ticks: Sequence[int], seconds: Sequence[float]) -> "Times":
+        """Return the times of rows of these ticks and times [s]."""
+        return cls(np.array(ticks, np.int64), np.array(seconds, np.float64))
+
+    def at(self, rows: NDArray[np.bool_]) -> "Times":
+        """Return the times of some of the rows."""
+        return Times(self.ticks[rows], self.seconds[rows])
+
+
+@dataclass(frozen=True, eq=False)
+class Block:
+    """The states of some ticks, one row each."""
+
+    times: Times
+    whole: Numbers  # [SI] by row and by place of LAYOUT
+    branch: Whole  # [-] of the recording
+    replaying: NDArray[np.bool_]
+
+    def __getitem__(self, name: str) -> Numbers:
+        """Return a number of the state [SI], by its name in the layout, for each row."""
+        return self.whole[:, PLACES[name]]
+
+    def several(self, *names: str) -> Numbers:
+        """Return numbers of the state [SI], a row for each tick and a column for each name."""
+        return self.whole[:, [PLACES[name] for name in names]]
+
+
+class Worked(NamedTuple):
+    """What became of ticks that were timed."""
+
+    times: Times
+    lateness: Numbers  # [ns]
+    work: Numbers  # [ns]
+
+
+class Told(NamedTuple):
+    """Things that happened, one kind and text for each row."""
+
+    times: Times
+    kinds: tuple[str, ...]
+    texts: tuple[str, ...]
+
+
+class Batch(NamedTuple):
+    """All of some ticks; any part may be empty."""
+
+    block: Block
+    worked: Worked
+    told: Told
+
+
+def states(parts: list[bytes], layout: tuple[str, ...]) -> Numbers:
+    """Return states of a layout as rows of this version's; what that layout lacks is zero.
+
+    ValueError if one of them is not of the layout's length.
+    """
+    read = np.frombuffer(b"".join(parts)).reshape(len(parts), len(layout))
+    if layout == LAYOUT:
+        return read
+    whole = np.zeros((len(parts), len(LAYOUT)))
+    for i, name in enumerate(layout):
+        if name in PLACES:
+            whole[:, PLACES[name]] = read[:, i]
+    return whole
+
+
+class Changes:
+    """The last value of each thing, from block to block."""
+
+    def __init__(self) -> None:
+        self._last: dict[str, NDArray[np.generic]] = {}
+
+    def of(self, name: str, values: NDArray[np.generic]) -> NDArray[np.bool_]:
+        """Return at which rows, one at least, a thing is not what it was in the row before."""
+        last = self._last.get(name)
+        before = np.concatenate((values[:1] if last is None else last[None], values[:-1]))
+        rows: NDArray[np.bool_] = (before != values).reshape(len(values), -1).any(axis=1)
+        rows[0] |= last is None
+        self._last[name] = values[-1].copy()
+        return rows

@@ -1,0 +1,186 @@
+"""Time series: what each chart shows of a block, in the units that people read."""
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+
+from trainer.boat.boat import Boat
+from trainer.core.ballast.tanks import BANKS, BLOWN, COMPARTMENTS, PUMPED, TANKS
+from trainer.core.kernel import Numbers
+from trainer.session.rerun.batch import Block, Worked
+from trainer.units import KNOT
+
+TONNE: Final = 1000.0  # [kg]
+MICROSECOND: Final = 1000.0  # [ns]
+SURFACES: Final = {"rudder": "r", "stern": "s", "bow": "b"}
+UNITS: Final = {"%": "percent"}  # in a path
+
+# Okabe and Ito (2008), in the order of their contrast with a dark ground
+COLOURS: Final = (
+    *((86, 180, 233), (230, 159, 0), (0, 158, 115), (240, 228, 66)),
+    *((204, 121, 167), (213, 94, 0), (240, 240, 240), (0, 114, 178)),
+)
+
+
+@dataclass(frozen=True)
+class Series:
+    """One line of a chart."""
+
+    name: str
+    read: Callable[[Block], Numbers]
+
+
+@dataclass(frozen=True)
+class Chart:
+    """Lines over the same time, in one unit; NaN leaves a gap."""
+
+    name: str
+    unit: str
+    series: tuple[Series, ...]
+
+    @property
+    def path(self) -> str:
+        """Return its place among the entities, which tells the unit."""
+        return f"charts/{self.name}_{UNITS.get(self.unit, self.unit)}"
+
+    @property
+    def title(self) -> str:
+        """Return its name with the unit."""
+        return f"{self.name} [{self.unit}]"
+
+    @property
+    def labels(self) -> list[str]:
+        """Return the name of each line."""
+        return [each.name for each in self.series]
+
+    def columns(self, block: Block) -> Numbers:
+        """Return one column for each line."""
+        return np.stack([each.read(block) for each in self.series], axis=1)
+
+
+# what became of the ticks, which no state tells
+LEDGER: Final = "charts/ticks_us"
+LEDGER_LABELS: Final = ["work", "lateness"]
+
+
+def ledger_columns(worked: Worked) -> Numbers:
+    """Return work and lateness [us] of the ticks that were timed."""
+    return np.stack((worked.work, worked.lateness), axis=1) / MICROSECOND
+
+
+def charts_of(boat: Boat) -> tuple[Chart, ...]:
+    """Return the charts that the boat has something to show in."""
+    return tuple(chart for chart in (*_motion(boat), *_ballast(boat)) if chart.series)
+
+
+def _place(name: str, place: str, unit: float = 1.0) -> Series:
+    """Return a number of the state, in a unit of that size [SI]."""
+    return Series(name, lambda block: block[place] / unit)
+
+
+def _kept(name: str, place: str, unit: float, kept: Callable[[Block], Numbers]) -> Series:
+    """Return a standing order, where it is kept."""
+    return Series(name, lambda block: np.where(kept(block) > 0.0, block[place] / unit, np.nan))
+
+
+def depth_kept(block: Block) -> Numbers:
+    """Return 1 where the boat keeps the depth that is ordered, by her planes or hovering."""
+    by_planes = block["stern_by_hand"] * block["bow_by_hand"] == 0.0
+    return np.where(by_planes | (block["hover"] > 0.0), 1.0, 0.0)
+
+
+def _motion(boat: Boat) -> Iterator[Chart]:
+    """Yield the charts of how she moves and is steered."""
+    degree = np.pi / 180.0
+    yield Chart(
+        "depth", "m", (_place("true", "z"), _kept("ordered", "ordered_depth", 1.0, depth_kept))
+    )
+    yield Chart(
+        "course",
+        "deg",
+        (
+            _place("true", "psi", degree),
+            _kept("ordered", "ordered_psi", degree, lambda block: 1.0 - block["rudder_by_hand"]),
+        ),
+    )
+    yield Chart(
+        "speed",
+        "kn",
+        (
+            _place("true", "u", KNOT),
+            _kept("ordered", "ordered_speed", KNOT, lambda block: 1.0 - block["speed_by_hand"]),
+            _place("turns make", "u_c", KNOT),
+        ),
+    )
+    yield Chart(
+        "attitude", "deg", (_place("pitch", "theta", degree), _place("heel", "phi", degree))
+    )
+    yield Chart("surfaces", "deg", tuple(_surfaces(boat, degree)))
+    yield Chart("sea", "m", (_place("above the boat", "eta_wave"), _place("height", "sea_height")))
+
+
+def _surfaces(boat: Boat, degree: float) -> Iterator[Series]:
+    """Yield each surface as it is and as it is told; right and rise are positive."""
+    for surface, letter in SURFACES.items():
+        toward = boat.toward[surface]
+        if not toward:
+            continue
+        yield _place(surface, f"delta_{letter}", toward * degree)
+        by_hand = f"{surface}_by_hand"
+        told = f"ordered_{letter}", f"command_{letter}"
+
+        def ordered(
+            block: Block,
+            unit: float = toward * degree,
+            by: str = by_hand,
+            names: tuple[str, str] = told,
+        ) -> Numbers:
+            return np.where(block[by] > 0.0, block[names[0]], block[names[1]]) / unit
+
+        yield Series(f"{surface} ordered", ordered)
+
+
+def _ballast(boat: Boat) -> Iterator[Chart]:
+    """Yield the charts of weight, tanks and air."""
+    c = boat.vessel
+    weight = float(c.g) * TONNE
+
+    def heavy(block: Block) -> Numbers:
+        return (block["weight"] - float(c.buoyancy)) / weight
+
+    yield Chart("weight", "t", (Series("heavier than at rest", heavy),))
+    capacity = dict(zip(TANKS, c.capacity.tolist(), strict=True))
+    full = dict(zip(BANKS, c.bank_full.tolist(), strict=True))
+    yield Chart(
+        "ballast",
+        "%",
+        tuple(
+            _place(_words(tank), f"water_{tank}", 0.01 * capacity[tank])
+            for tank in BLOWN
+            if capacity[tank]
+        ),
+    )
+    yield Chart("trim", "t", tuple(_tonnes(PUMPED, capacity)))
+    yield Chart("flooding", "t", tuple(_tonnes(COMPARTMENTS, capacity)))
+    yield Chart(
+        "air",
+        "%",
+        tuple(
+            _place(_words(bank), f"bank_{bank}", 0.01 * full[bank]) for bank in BANKS if full[bank]
+        ),
+    )
+
+
+def _tonnes(tanks: tuple[str, ...], capacity: dict[str, float]) -> Iterator[Series]:
+    """Yield the water in each tank or compartment that she has."""
+    for tank in tanks:
+        if capacity[tank]:
+            flooded = tank.replace("compartment_", "flood_")
+            place = flooded if flooded != tank else f"water_{tank}"
+            yield _place(_words(tank.removeprefix("compartment_")), place, TONNE)
+
+
+def _words(name: str) -> str:
+    return name.replace("_", " ")

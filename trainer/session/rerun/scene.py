@@ -1,0 +1,243 @@
+"""The scene: the boat with her moving surfaces, her track, the sea above, the depths that count.
+
+The world is north, east and down [m], with its origin where the run's is. What surrounds the boat
+follows her in whole squares of its grid, so that she is seen to move through it.
+
+The track: straight pieces between places that the boat has come by.
+"""
+
+from collections.abc import Iterator
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from trainer.core.kernel import Numbers
+from trainer.session.rerun.batch import Block, Changes, Times
+from trainer.session.rerun.charts import depth_kept
+from trainer.session.rerun.outlet import Outlet
+from trainer.session.rerun.sdk import rr
+from trainer.session.rerun.shape import Mesh, fins_of, hull_mesh, sail_mesh, size_of
+from trainer.session.rerun.subject import Subject
+
+
+class Track:
+    """Where the last piece ended, from block to block."""
+
+    def __init__(self, spacing: float) -> None:
+        """Take the distance [m] from place to place."""
+        self._spacing = spacing
+        self._kept: Numbers = np.zeros(3)  # the last place
+        self._tick = self._branch = -1  # of the last row, which may be beyond it; none yet
+
+    def pieces(self, block: Block) -> Iterator[tuple[Times, NDArray[np.float32]]]:
+        """Yield the new pieces, two ends each, with the times at which they were finished.
+
+        A new line begins where the run was wound back, or went on from elsewhere.
+        """
+        places, ticks = block.several("x", "y", "z"), block.times.ticks
+        broken = np.diff(ticks, prepend=self._tick) <= 0
+        broken |= np.diff(block.branch, prepend=self._branch) != 0
+        for rows in np.split(np.arange(ticks.size), np.flatnonzero(broken)):
+            if not rows.size:
+                continue
+            if broken[rows[0]]:
+                self._kept = places[rows[0]]
+            ends, strips = self._follow(places[rows])
+            if ends.size:
+                yield Times(ticks[rows[ends]], block.times.seconds[rows[ends]]), strips
+        self._tick, self._branch = int(ticks[-1]), int(block.branch[-1])
+
+    def _follow(self, places: Numbers) -> tuple[NDArray[np.intp], NDArray[np.float32]]:
+        """Return at which places pieces end, and the pieces."""
+        line = np.concatenate((self._kept[None], places))
+        run = np.cumsum(np.linalg.norm(np.diff(line, axis=0), axis=1)) // self._spacing
+        ends = np.flatnonzero(np.diff(run, prepend=0.0) > 0.0)
+        corners = np.concatenate((line[:1], places[ends])).astype(np.float32)
+        self._kept = places[ends[-1]] if ends.size else self._kept
+        return ends, np.stack((corners[:-1], corners[1:]), axis=1)
+
+
+WORLD, BOAT, FOLLOWER, TRACK = "world", "world/boat", "world/follower", "world/track"
+NEAR, SEA, ORDERED = "world/near", "world/near/sea", "world/near/ordered"
+SQUARES: Final = 6  # of the grid, from the boat to the end of the sea
+FINE: Final = 8  # pieces of the track to a length of the boat
+Colour = tuple[int, int, int, int]
+HULL: Final[Colour] = (96, 104, 112, 255)
+SAIL: Final[Colour] = (80, 88, 96, 255)
+MOVING: Final[Colour] = (213, 94, 0, 255)
+WATER: Final[Colour] = (86, 180, 233, 40)
+GRID: Final[Colour] = (86, 180, 233, 110)
+ASKED: Final[Colour] = (230, 159, 0, 255)
+FORBIDDEN: Final[Colour] = (204, 121, 167, 255)
+WAKE: Final[Colour] = (240, 228, 66, 255)
+
+
+class Scene:
+    """The boat in her world, written block by block."""
+
+    def __init__(self, subject: Subject, outlet: Outlet) -> None:
+        """Take what is shown and where; nothing is written yet."""
+        self._subject, self._outlet = subject, outlet
+        self._size = size_of(subject.boat)
+        self._fins = fins_of(subject.boat, self._size)
+        self._square = self._size.length
+        self._changes = Changes()
+        self._track = Track(self._size.length / FINE)
+
+    def begin(self) -> None:
+        """Write what is the same at all times."""
+        fix, size = self._outlet.fix, self._size
+        fix(WORLD, rr.ViewCoordinates.FRD)
+        fix(FOLLOWER, rr.ViewCoordinates.FRD)
+        fix(f"{BOAT}/hull", drawn(hull_mesh(size), HULL))
+        if size.sail is not None:
+            fix(f"{BOAT}/sail", drawn(sail_mesh(size, size.sail), SAIL))
+        for fin in self._fins:
+            fix(f"{BOAT}/{fin.name}/shape", drawn(fin.mesh, MOVING))
+        self._begin_surroundings()
+
+    def write(self, block: Block) -> None:
+        """Write a block."""
+        send, times = self._outlet.send, block.times
+        place = block.several("x", "y", "z")
+        turned = quaternions(block["phi"], block["theta"], block["psi"])
+        send(FOLLOWER, times, rr.Transform3D.columns(translation=place))
+        send(BOAT, times, rr.Transform3D.columns(translation=place, quaternion=turned))
+        for fin in self._fins:
+            angle = fin.angle(block)
+            rows = self._changes.of(fin.name, angle)
+            columns = rr.Transform3D.columns(
+                translation=np.tile(fin.stock, (int(rows.sum()), 1)),
+                quaternion=half_turned(fin.outward, angle[rows]),
+            )
+            self._send(f"{BOAT}/{fin.name}", block, rows, columns)
+        for times, strips in self._track.pieces(block):
+            colours = np.full(len(strips), colour_code(WAKE), np.uint32)
+            radii = np.full(len(strips), 0.004 * self._size.length)
+            columns = rr.LineStrips3D.columns(strips=strips, colors=colours, radii=radii)
+            send(TRACK, times, columns)
+        self._write_surroundings(block, place)
+
+    def _send(self, path: str, block: Block, rows: Any, columns: Any) -> None:
+        if rows.any():
+            self._outlet.send(path, block.times.at(rows), columns)
+
+    def _begin_surroundings(self) -> None:
+        """Write the sea about the boat, and the depths that are not to be passed."""
+        fix, reach = self._outlet.fix, SQUARES * self._square
+        fix(f"{SEA}/surface", drawn(square(reach), WATER))
+        lines = grid(reach, self._square)
+        fix(f"{SEA}/grid", rr.LineStrips3D(lines, colors=GRID, radii=0.0015 * self._square))
+        for name, depth in depths(self._subject).items():
+            frame = rr.LineStrips3D(
+                [outline(reach, depth)],
+                colors=FORBIDDEN,
+                radii=0.006 * self._square,
+                labels=f"{name} {depth:g} m",
+            )
+            fix(f"{NEAR}/{name.replace(' ', '_')}", frame)
+
+    def _write_surroundings(self, block: Block, place: Numbers) -> None:
+        """Let the surroundings follow her, the sea rise and fall, and the ordered depth show."""
+        near = np.zeros_like(place)
+        near[:, :2] = self._square * np.round(place[:, :2] / self._square)
+        rows = self._changes.of(NEAR, near)
+        self._send(NEAR, block, rows, rr.Transform3D.columns(translation=near[rows]))
+
+        level = np.zeros_like(place)
+        level[:, 2] = -block["eta_wave"]
+        rows = self._changes.of(SEA, level)
+        self._send(SEA, block, rows, rr.Transform3D.columns(translation=level[rows]))
+
+        depth = np.where(depth_kept(block) > 0.0, block["ordered_depth"], -np.inf)
+        rows = self._changes.of(ORDERED, depth)
+        if rows.any():
+            self._send(ORDERED, block, rows, self._ordered(depth[rows]))
+
+    def _ordered(self, depths: Numbers) -> Any:
+        """Return the columns of the ordered depth, empty where none is kept."""
+        kept = np.isfinite(depths)
+        reach = 0.5 * SQUARES * self._square
+        strips = [outline(reach, float(depth)) for depth in depths[kept]]
+        words = [f"ordered {depth:g} m" for depth in depths[kept]]
+        count = len(strips)
+        columns = rr.LineStrips3D.columns(
+            strips=strips,
+            labels=words,
+            colors=np.full(count, colour_code(ASKED), np.uint32),
+            radii=np.full(count, 0.006 * self._square),
+        )
+        return columns.partition(kept.astype(np.int32))
+
+
+def depths(subject: Subject) -> dict[str, float]:
+    """Return the depths [m] that are not to be passed, by what they are."""
+    named = {
+        "limit": subject.limits.depth_m_max,
+        "upper limit": subject.limits.depth_m_min,
+        "deepest allowed": subject.boat.file.hull.max_depth_m,
+    }
+    return {name: depth for name, depth in named.items() if depth is not None}
+
+
+def drawn(mesh: Mesh, colour: Colour) -> Any:
+    """Return a mesh in a colour."""
+    return rr.Mesh3D(
+        vertex_positions=mesh.points,
+        triangle_indices=mesh.triangles,
+        vertex_normals=mesh.normals(),
+        albedo_factor=colour,
+    )
+
+
+def square(reach: float) -> Mesh:
+    """Return a level square about the origin, so far [m] to each side."""
+    corners = [
+        (-reach, -reach, 0.0),
+        (reach, -reach, 0.0),
+        (reach, reach, 0.0),
+        (-reach, reach, 0.0),
+    ]
+    return Mesh(np.array(corners, np.float32), np.array([(0, 1, 2), (0, 2, 3)], np.uint32))
+
+
+def outline(reach: float, depth: float) -> Numbers:
+    """Return the outline of a level square at a depth [m]."""
+    sides = np.array([(-1, -1), (1, -1), (1, 1), (-1, 1), (-1, -1)]) * reach
+    return np.column_stack((sides, np.full(len(sides), depth)))
+
+
+def grid(reach: float, step: float) -> NDArray[np.float32]:
+    """Return the lines of a level grid about the origin."""
+    offsets = np.arange(-reach, reach + 0.5 * step, step)
+    ends = np.array([-reach, reach])
+    along = np.zeros((offsets.size, 2, 3), np.float32)
+    along[:, :, 0], along[:, :, 1] = ends, offsets[:, None]
+    return np.concatenate((along, along[:, :, [1, 0, 2]]))
+
+
+def quaternions(phi: Numbers, theta: Numbers, psi: Numbers) -> Numbers:
+    """Return the attitude as quaternions x, y, z, w: heading, then pitch, then heel [rad]."""
+    c_r, s_r = np.cos(0.5 * phi), np.sin(0.5 * phi)
+    c_p, s_p = np.cos(0.5 * theta), np.sin(0.5 * theta)
+    c_y, s_y = np.cos(0.5 * psi), np.sin(0.5 * psi)
+    return np.stack(
+        (
+            s_r * c_p * c_y - c_r * s_p * s_y,
+            c_r * s_p * c_y + s_r * c_p * s_y,
+            c_r * c_p * s_y - s_r * s_p * c_y,
+            c_r * c_p * c_y + s_r * s_p * s_y,
+        ),
+        axis=1,
+    )
+
+
+def half_turned(axis: tuple[float, float, float], angle: Numbers) -> Numbers:
+    """Return turns [rad] about a unit axis as quaternions x, y, z, w."""
+    return np.column_stack((np.outer(np.sin(0.5 * angle), axis), np.cos(0.5 * angle)))
+
+
+def colour_code(colour: Colour) -> int:
+    """Return a colour as Rerun's columns take it."""
+    return int.from_bytes(bytes(colour), "big")

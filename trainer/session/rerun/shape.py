@@ -1,0 +1,224 @@
+"""The boat as a shape: hull, sail and moving surfaces, from the sizes in her vessel file.
+
+A picture, not a drawing: lengths and heights are the file's; where it gives none the displacement
+does. Surfaces stand where the coefficients say that their lift acts. Body axes: x forward, y
+starboard, z down, from the body's origin [m].
+"""
+
+import math
+from dataclasses import dataclass
+from typing import Final, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from trainer.boat.boat import Boat
+from trainer.core.kernel import Numbers
+from trainer.session.rerun.batch import Block
+
+RINGS, AROUND = 33, 32  # of the hull's mesh
+NOSE, TAIL = 0.17, 0.36  # [-] of the length: the rounded nose, the tapering tail
+PRISMATIC: Final = 0.8  # [-] volume of a hull over that of its cylinder
+SAIL_CHORD, SAIL_BREADTH = 0.15, 0.25  # [-] of the length, of the beam
+FIN_CHORD, FIN_THICKNESS = 0.055, 0.12  # [-] of the length, of the chord
+FOIL: Final = 12  # points along each side of a foil
+SQRT_HALF: Final = math.sqrt(0.5)
+# where each fin of a tail points to, outward
+CRUCIFORM: Final = {
+    "rudder_upper": (0.0, 0.0, -1.0),
+    "rudder_lower": (0.0, 0.0, 1.0),
+    "stern_port": (0.0, -1.0, 0.0),
+    "stern_starboard": (0.0, 1.0, 0.0),
+}
+CROSSED: Final = {
+    f"tail_{height}_{side}": (0.0, y * SQRT_HALF, z * SQRT_HALF)
+    for height, z in (("upper", -1.0), ("lower", 1.0))
+    for side, y in (("port", -1.0), ("starboard", 1.0))
+}
+BOW: Final = {"bow_port": (0.0, -1.0, 0.0), "bow_starboard": (0.0, 1.0, 0.0)}
+
+
+class Mesh(NamedTuple):
+    """A surface of triangles."""
+
+    points: NDArray[np.float32]  # [m] three to a point
+    triangles: NDArray[np.uint32]  # three points to a triangle
+
+    def normals(self) -> NDArray[np.float32]:
+        """Return at each point the mean direction outward of the triangles that meet there."""
+        corner = self.points[self.triangles]
+        across = np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0])
+        total = np.zeros_like(self.points)
+        for place in range(3):
+            np.add.at(total, self.triangles[:, place], across)
+        length = np.linalg.norm(total, axis=1, keepdims=True)
+        return (total / np.where(length > 0.0, length, 1.0)).astype(np.float32)
+
+
+@dataclass(frozen=True)
+class Sail:
+    """Where the sail is [m]."""
+
+    x: float  # of its middle
+    top: float  # z
+    chord: float
+    breadth: float
+
+
+@dataclass(frozen=True)
+class Size:
+    """How large the hull is and where it lies [m]."""
+
+    length: float
+    beam: float
+    height: float
+    nose: float  # x
+    axis: float  # z
+    sail: Sail | None
+
+    @property
+    def stern(self) -> float:
+        """Return x of the end of the tail."""
+        return self.nose - self.length
+
+
+@dataclass(frozen=True, eq=False)
+class Fin:
+    """A moving surface: its shape about its own stock, and where that stands."""
+
+    name: str
+    mesh: Mesh
+    stock: tuple[float, float, float]  # [m]
+    outward: tuple[float, float, float]
+    turn: tuple[float, float]  # trailing edge to port and down, a unit of delta_r and of the plane
+    plane: str  # whose deflection turns it beside the rudder's
+
+    def angle(self, block: Block) -> Numbers:
+        """Return how far [rad] it is turned about its outward axis."""
+        port, down = self.turn
+        _, y, z = np.sign(self.outward)
+        turned: Numbers = z * port * block["delta_r"] + y * down * block[self.plane]
+        return turned
+
+
+def size_of(boat: Boat) -> Size:
+    """Return the size of the boat."""
+    hull, c = boat.file.hull, boat.vessel
+    displaced = float(c.buoyancy / (c.rho * c.g))
+    round_hull = math.sqrt(4.0 * displaced / (math.pi * PRISMATIC * hull.length))
+    beam = hull.beam or hull.diameter or round_hull
+    height = hull.height_to_deck or hull.diameter or beam
+    nose = hull.cg[0] + (hull.cg_from_nose or 0.5 * hull.length)
+    if hull.height_to_sail_top is None or hull.cg_below_sail_top is None:
+        return Size(hull.length, beam, height, nose, 0.0, None)
+    top = float(c.z_sail)
+    axis = top + hull.height_to_sail_top - 0.5 * height
+    chord = SAIL_CHORD * hull.length
+    sail = Sail(float(c.x_sail), top, chord, SAIL_BREADTH * beam)
+    return Size(hull.length, beam, height, nose, axis, sail)
+
+
+def hull_mesh(size: Size) -> Mesh:
+    """Return the hull: elliptical sections, a rounded nose, a tail that tapers to a point."""
+    along = 0.5 * (1.0 - np.cos(np.linspace(0.0, np.pi, RINGS)))  # [-] from nose to stern
+    ahead = np.clip(1.0 - along / NOSE, 0.0, 1.0)
+    aft = np.clip((along - (1.0 - TAIL)) / TAIL, 0.0, 1.0)
+    fullness = np.sqrt(1.0 - ahead**2) * (1.0 - aft**2)
+    round_about = np.linspace(0.0, 2.0 * np.pi, AROUND, endpoint=False)
+    points = np.empty((RINGS, AROUND, 3), np.float32)
+    points[:, :, 0] = (size.nose - along * size.length)[:, None]
+    points[:, :, 1] = 0.5 * size.beam * fullness[:, None] * np.cos(round_about)
+    points[:, :, 2] = size.axis + 0.5 * size.height * fullness[:, None] * np.sin(round_about)
+    return Mesh(points.reshape(-1, 3), _tube(RINGS, AROUND))
+
+
+def sail_mesh(size: Size, sail: Sail) -> Mesh:
+    """Return the sail, its foot inside the hull."""
+    return _foil(sail.chord, sail.breadth, size.axis - sail.top, sail.x, (0.0, 0.0, sail.top))
+
+
+def fins_of(boat: Boat, size: Size) -> tuple[Fin, ...]:
+    """Return the moving surfaces that the boat has."""
+    toward, limit = boat.toward, boat.vessel.limit
+    # a surface that turns her right has its trailing edge to starboard; one that makes her bow
+    # rise from aft has it up, one that lifts her bow has it down
+    tail = -toward["rudder"], -toward["stern"]
+    outward = CROSSED if boat.file.surfaces.tail == "x" else CRUCIFORM
+    fins = [_tail_fin(boat, size, name, axis, tail) for name, axis in outward.items()]
+    if toward["bow"] and limit[2] > 0.0:
+        fins += [_bow_fin(boat, size, name, toward["bow"]) for name in BOW]
+    return tuple(fins)
+
+
+def _tail_fin(
+    boat: Boat,
+    size: Size,
+    name: str,
+    outward: tuple[float, float, float],
+    turn: tuple[float, float],
+) -> Fin:
+    """Return a fin of the tail; it reaches as far out as the hull amidships."""
+    chord = FIN_CHORD * size.length
+    coefficient = boat.file.coefficients
+    x = _lever(coefficient["N_dr"], coefficient["Y_dr"], size)
+    x = min(max(x, size.stern + chord), size.stern + TAIL * size.length)
+    mesh = _fin_mesh(chord, 0.5 * size.height, outward)
+    return Fin(name, mesh, (x, 0.0, size.axis), outward, turn, "delta_s")
+
+
+def _bow_fin(boat: Boat, size: Size, name: str, down: float) -> Fin:
+    """Return a bow plane, on the sail where its lift acts there."""
+    chord = FIN_CHORD * size.length
+    coefficient = boat.file.coefficients
+    x = _lever(-coefficient["M_db"], coefficient["Z_db"], size)
+    x = min(max(x, 0.0), size.nose - NOSE * size.length)
+    z, span = size.axis, 0.75 * size.beam
+    sail = size.sail
+    if sail is not None and abs(x - sail.x) < sail.chord:
+        x = min(max(x, sail.x - 0.25 * sail.chord), sail.x + 0.25 * sail.chord)
+        z = 0.5 * (sail.top + size.axis - 0.5 * size.height)
+        span = 0.45 * size.beam
+    outward = BOW[name]
+    return Fin(name, _fin_mesh(chord, span, outward), (x, 0.0, z), outward, (0.0, down), "delta_b")
+
+
+def _lever(moment: float, force: float, size: Size) -> float:
+    """Return x [m] where a surface's lift acts, by its two coefficients; the stern without any."""
+    return moment / force * size.length if force else size.stern
+
+
+def _fin_mesh(chord: float, span: float, outward: tuple[float, float, float]) -> Mesh:
+    """Return a fin from its foot on the axis out to its tip."""
+    tip = tuple(span * part for part in outward)
+    return _foil(chord, FIN_THICKNESS * chord, span, 0.0, (0.0, tip[1], tip[2]))
+
+
+def _foil(
+    chord: float, breadth: float, span: float, x: float, tip: tuple[float, float, float]
+) -> Mesh:
+    """Return a straight foil with its tip at y, z and its foot one span [m] inward, capped."""
+    outward = np.array([0.0, tip[1], tip[2]])
+    outward /= np.linalg.norm(outward) or 1.0
+    across = np.array([0.0, -outward[2], outward[1]])
+    turned = np.linspace(0.0, 2.0 * np.pi, 2 * FOIL, endpoint=False)
+    fore, side = 0.5 * np.cos(turned), 0.5 * np.sin(turned)
+    taper = np.sqrt(0.5 + fore)  # round in front, sharp behind
+    section = np.outer(breadth * side * taper, across)
+    section[:, 0] = x + chord * fore
+    outer = section + np.array([0.0, tip[1], tip[2]])
+    inner = outer - span * outward
+    middle = outer.mean(axis=0, keepdims=True)
+    points = np.concatenate((inner, outer, middle)).astype(np.float32)
+    count = 2 * FOIL
+    rim = np.arange(count, dtype=np.uint32)
+    cap = np.stack((count + rim, count + (rim + 1) % count, np.full(count, 2 * count)), axis=1)
+    return Mesh(points, np.concatenate((_tube(2, count), cap.astype(np.uint32))))
+
+
+def _tube(rings: int, around: int) -> NDArray[np.uint32]:
+    """Return the triangles between rings of points that follow one another."""
+    ring, place = np.meshgrid(np.arange(rings - 1), np.arange(around), indexing="ij")
+    here, beside = ring * around + place, ring * around + (place + 1) % around
+    one = np.stack((here, here + around, beside), axis=-1)
+    other = np.stack((beside, here + around, beside + around), axis=-1)
+    return np.concatenate((one.reshape(-1, 3), other.reshape(-1, 3))).astype(np.uint32)

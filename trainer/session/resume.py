@@ -1,0 +1,82 @@
+"""A recorded run gone on with: the boat brought to its last order, then as in any other run."""
+
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import click
+import numpy as np
+
+from trainer.boat.boat import Boat
+from trainer.boat.helm import obey
+from trainer.config.files import ConfigError
+from trainer.io.orders.table import BOAT_ORDERS
+from trainer.io.recording.recording import Recording
+from trainer.session.header import differences, layout_of, plan_of, refusing_damage
+from trainer.session.history import History, order_of
+from trainer.session.layout import read_state
+from trainer.session.plan import Plan
+from trainer.session.run import Voyage, fly
+from trainer.session.warm_up import warm
+
+
+def resume_boat(path: Path, options: dict[str, Any], *, anyway: bool) -> int:
+    """Go on with the recording at ``path``; return the exit code."""
+    with refusing_damage():
+        recording = Recording.reopen(path)
+    try:
+        with refusing_damage():
+            header = recording.header()
+            refuse_other(path, differences(header), anyway=anyway)
+            plan = plan_of(header)
+            boat = Boat(plan.file, plan.method)
+            warm(boat)
+            history = bring_up(recording, plan, boat, layout_of(header))
+    except BaseException:
+        recording.close()
+        raise
+    seconds = options["duration"]
+    if seconds is not None and seconds <= boat.time:
+        recording.close()
+        raise ConfigError(f"--duration {seconds:g} s: this run is at {boat.time:g} s already")
+    how = "time is frozen: say run" if options["frozen"] else "going on"
+    if seconds is None and plan.duration is not None and plan.duration <= boat.time:
+        how = "at its end; --duration goes on beyond it"
+    click.echo(f"{path}: branch {recording.branch}, {boat.time:g} s; {how}", err=True)
+    plan = plan if seconds is None else replace(plan, duration=seconds)
+    return fly(Voyage(plan, boat, history, str(path)), options)
+
+
+def refuse_other(path: Path, found: list[str], *, anyway: bool) -> None:
+    """Raise ConfigError with what differs from the recording, unless it is to be done anyway."""
+    if found and not anyway:
+        raise ConfigError(
+            *(f"{path.name}: {each}" for each in found),
+            f"{path.name}: would not be the same run; --anyway goes on all the same",
+        )
+
+
+def bring_up(recording: Recording, plan: Plan, boat: Boat, layout: tuple[str, ...]) -> History:
+    """Return the history of a boat brought to where its recording ends.
+
+    The last recorded state, then every order journalled since at its tick: no order is lost.
+    """
+    plan.start(boat)  # also what no state holds: the triggers armed
+    latest = recording.latest()
+    boat.restore(read_state(latest.state, layout, boat.records.state))
+    if boat.ticks != latest.tick:
+        raise ConfigError(f"recording: its state of tick {latest.tick} is of another: damaged")
+    history = History(boat, recording, latest.after, latest.place)
+    with np.errstate(all="ignore"):
+        for entry in recording.orders(recording.branch, latest.after):
+            while history.tick < entry.tick:
+                if status := boat.tick():
+                    raise ConfigError(f"cannot be brought up: {boat.failure(status)}")
+                history.ticked(history.tick)
+            order = order_of(entry, plan.schedule)
+            if order is not None and order.name in BOAT_ORDERS:
+                history.answered(entry.id, obey(boat, order))
+            history.after = entry.id
+            if entry.place is not None:
+                history.place = entry.place + 1
+    return history

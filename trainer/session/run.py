@@ -1,0 +1,323 @@
+"""A run from its plan to its account: everything joined, started, and accounted for at the end.
+
+The account of a run that is over.
+"""
+
+import contextlib
+import math
+import signal
+import sys
+import threading
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from itertools import islice
+from pathlib import Path
+from typing import Any
+
+import click
+import numpy as np
+
+from trainer.boat import compilation
+from trainer.boat.boat import Boat
+from trainer.boat.limits import Watch
+from trainer.config.files import ConfigError, remembering
+from trainer.io import paths as paths_module
+from trainer.io.recording.file import TakenError
+from trainer.io.recording.recording import NoRecording, Recording, RecordingError
+from trainer.io.status_line import course
+from trainer.io.tables import COLUMNS, CsvFile, NoFile
+from trainer.session.header import header_of
+from trainer.session.history import History
+from trainer.session.plan import Plan, plan_run
+from trainer.session.ports import PATIENCE, Ports, unhurried
+from trainer.session.rerun.sinks import open_log
+from trainer.session.rerun.subject import Subject
+from trainer.session.session import Session
+from trainer.session.stations.reception import Closed
+from trainer.session.stations.subscriptions import Promptly, Publisher, Roster
+from trainer.session.stations.view import Lookout
+from trainer.session.time.ledger import SECOND, Summary
+from trainer.session.time.pacer import Clock, MonotonicClock, Policy
+from trainer.session.time.timekeeping import Punctuality, Timekeeping
+from trainer.session.warm_up import refuse_unstable, warm
+from trainer.units import KNOT
+
+SEE_IT = "trainer debrief FILE shows how it went, trainer replay FILE flies it again"
+SECONDS_1969 = "1969: 38 % at 0.5 s, 19 % at 1 s"
+
+
+def account(session: Session, wall: float, kept: str, *, aside: bool) -> int:
+    """Print the summary of a run of ``wall`` [s] and what went wrong; return the exit code.
+
+    ``kept`` is the path of its recording, "" if it has none; ``aside`` prints on stderr, where a
+    console has stdout.
+    """
+    summary = summary_text(session.boat, session.time.ledger.summary(), wall)
+    if granted := session.time.punctuality.granted:
+        summary += f"\nthe clock   {granted.line()}"
+    if session.watch.times:
+        summary += f"\nevents      {session.watch.account()}"
+    if kept:
+        absences = session.history.recording.absences
+        whole = absences and not session.history.recording.missing
+        again = f"; it was out of reach {absences} times, and is whole" if whole else ""
+        summary += f"\nrecorded    {kept}{again}\n            {SEE_IT}"
+    click.echo(summary, err=aside)
+    failure = session.desk.failure and f"frozen: {session.desk.failure}"
+    recording = unrecorded(session.history.recording) if kept else ""
+    troubles = [failure, session.deserted, session.recorder.trouble, recording]
+    for station in session.board.stations:
+        if station.line.dropped:
+            name = station.line.name
+            click.echo(f"trainer: {name}: {station.line.dropped} lines dropped", err=True)
+    for trouble in filter(None, troubles):
+        click.echo(f"trainer: {trouble}", err=True)
+    return 1 if any(troubles) else 0
+
+
+def unrecorded(recording: Recording | NoRecording) -> str:
+    """Return what a recording that has been closed lacks and why, "" if it is whole."""
+    if not (recording.missing or recording.trouble):
+        return ""
+    why = f"; {recording.trouble}" if recording.trouble else ""
+    return f"NOT RECORDED: {recording.missing or 'nothing more'}{why}"
+
+
+def summary_text(boat: Boat, ledger: Summary, wall: float) -> str:
+    """Return the one-screen account of a run that took ``wall`` [s]."""
+    s = boat.state
+    step = boat.method.step
+    how = ", interpreted" if compilation.done_without() else ""
+    return "\n".join(
+        (
+            boat.file.name,
+            f"computed    {boat.method.equations} set, {boat.method.integrator} at {step:g} s{how}",
+            f"simulated   {boat.time:.1f} s in {ledger.ticks} ticks; {wall:.2f} s on the clock",
+            f"duty cycle  {100 * ledger.duty_cycle:.4f} %   ({SECONDS_1969})",
+            (
+                f"work a tick median {ledger.work.p50_ns / 1e3:.1f} us, "
+                f"99 % {ledger.work.p99_ns / 1e3:.1f} us, most {ledger.work.max_ns / 1e3:.1f} us"
+            ),
+            (
+                f"on time     overruns {ledger.overruns}, caught up {ledger.caught_up}, "
+                f"slipped {ledger.skipped}, gaps {ledger.gaps} ({ledger.gap_ns / 1e9:.1f} s)"
+            ),
+            (
+                f"the boat    {s.z:.5g} m, course {course(math.degrees(s.psi), 1)}, "
+                f"{s.u / KNOT:.4g} kn, pitch {math.degrees(s.theta):+.2f}, "
+                f"heel {math.degrees(s.phi):+.2f} degrees"
+            ),
+        )
+    )
+
+
+OVER = "the session is over"
+NAMES = 100  # that a new recording is tried under
+BATCH = 200  # [rows] of a CSV file written at once by a run that keeps no time
+
+
+@dataclass(frozen=True)
+class Voyage:
+    """What is settled before the ports open."""
+
+    plan: Plan
+    boat: Boat
+    history: History
+    kept: str  # path of the recording, "" for none
+    clock: Clock = field(default_factory=MonotonicClock)
+
+
+def run_boat(options: dict[str, Any], clock: Clock | None = None) -> int:
+    """Run as the command line's ``options`` say, by the machine's clock; return the exit code."""
+    with remembering() as texts:
+        plan = plan_run(options)
+    boat = ready(plan, options)
+    kept: Path | None = None
+    state = boat.records.state.tobytes()
+    recording: Recording | NoRecording = NoRecording()
+    paths = recording_paths(plan, options)
+    if paths or options["serve"] or not options["headless"]:
+        kept, recording = create_recording(paths, header_of(options, texts, boat), state)
+    history = History(boat, recording)
+    return fly(Voyage(plan, boat, history, str(kept or ""), clock or MonotonicClock()), options)
+
+
+def ready(plan: Plan, options: dict[str, Any]) -> Boat:
+    """Return the boat as the plan starts her; ConfigError if she cannot be."""
+    boat = Boat(plan.file, plan.method)
+    if options["serve"] and not compilation.needed():
+        click.echo(f"{paths_module.MAKING_READY} {plan.title or plan.file.name}", err=True)
+    warm(boat)
+    if not options["unsafe_step"]:
+        refuse_unstable(boat)
+    plan.start(boat)
+    return boat
+
+
+def create_recording(
+    paths: Sequence[Path], header: Mapping[str, str], state: bytes
+) -> tuple[Path | None, Recording]:
+    """Make the first recording whose name nobody takes before; a passing one if there is no name.
+
+    ConfigError if it cannot be made.
+    """
+    for path in paths or (None,):
+        try:
+            return path, Recording.create(path, header, state)
+        except TakenError as error:
+            taken = error
+        except RecordingError as error:
+            raise ConfigError(f"--record {error}") from None
+    raise ConfigError(f"--record {taken}")
+
+
+def recording_paths(plan: Plan, options: dict[str, Any]) -> tuple[Path, ...]:
+    """Return where the run is recorded: where told, by default if somebody is there to train."""
+    if options["record"] is not None or options["no_record"]:
+        return () if options["no_record"] else (Path(options["record"]),)
+    alone = options["headless"] and not options["serve"]
+    if alone or math.isinf(options["speed"]):
+        return ()
+    return tuple(
+        islice(paths_module.recording_paths(options["exercise"] or plan.file.path.stem), NAMES)
+    )
+
+
+def fly(voyage: Voyage, options: dict[str, Any]) -> int:
+    """Open the ports, run the session to its end, account for it; return the exit code."""
+    boat, history, plan = voyage.boat, voyage.history, voyage.plan
+    method = boat.method
+    recorder = open_csv(options["csv_path"], 1 if math.isfinite(options["speed"]) else BATCH)
+    last_tick = math.inf if plan.duration is None else round(plan.duration / method.step)
+    time = Timekeeping.at(voyage.clock, method.step, options["speed"], Policy(options["overrun"]))
+    time.punctuality = Punctuality(realtime=options["priority"] == "realtime")
+    publisher = open_publisher(boat, time, options)
+    log = open_log(publisher, time.ledger, Subject.of(plan, boat), options)
+    sending = log or publisher
+    wake = threading.Event()
+    with contextlib.closing(history.recording), contextlib.ExitStack() as stack:
+        stack.callback(publisher.close, PATIENCE)  # also where a port cannot be opened
+        session = Session(
+            boat,
+            time,
+            history,
+            recorder,
+            COLUMNS if options["csv_path"] else (),
+            sending,
+            schedule=plan.schedule,
+            watch=Watch.over(boat, plan.limits),
+            last_tick=last_tick,
+            wake=wake,
+            briefing=(*heading(plan), *situation(plan, boat, options["note"])),
+            crew_briefing=(
+                *(() if plan.hides else heading(plan)),
+                *situation(plan, boat, options["note"]),
+            ),
+            until_left=bool(options.get("until_left")),
+        )
+        if log:
+            session.board.hearers.append(log.hear)
+        open_ports(Ports(wake, sending, session.board.log, stack), session, options)
+        shown = progress_bar(last_tick) if options["headless"] else contextlib.nullcontext()
+        started = time.clock.now()
+        quiet = np.errstate(all="ignore")
+        with interrupts(session), quiet, shown as session.progress, time.attended():
+            session.run(frozen=options["frozen"])
+        wall = (time.clock.now() - started) / SECOND
+        session.board.tell("time", OVER)
+        sending.close(PATIENCE)
+        for station in session.board.stations:
+            station.close(PATIENCE)
+        recorder.close()
+        history.recording.close()
+        code = account(session, wall, voyage.kept, aside=not options["headless"])
+        return max(code, log.account()) if log else code
+
+
+def open_ports(ports: Ports, session: Session, options: dict[str, Any]) -> None:
+    """Open what the command line asks for, and greet whoever is there."""
+    baud = options["baud"]
+    session.board.stations += [ports.panel(given, baud) for given in options["lines"]]
+    if options["url"] is not None:
+        session.board.stations.append(ports.console_line(options["url"], baud))
+    elif not options["headless"]:
+        quick = unhurried(options)
+        session.board.stations.append(ports.terminal(unhurried=quick))
+    if options["nmea"] or options["nmea_record"] is not None:
+        from trainer.session.nmea.outlets import open_outlets  # noqa: PLC0415  what runs seldom have
+
+        session.board.stations += open_outlets(ports, session.history.recording, options)
+    session.reception = ports.lobby(options) or Closed()
+    for station in session.board.stations:
+        session.greet(station)
+
+
+def open_publisher(boat: Boat, time: Timekeeping, options: dict[str, Any]) -> Publisher | Promptly:
+    """Return what sends to the stations: at once where no time is kept."""
+    roster = Roster(Lookout(boat, time.ledger.summary))
+    return Promptly(roster) if unhurried(options) else Publisher(roster)
+
+
+def open_csv(path: Path | None, batch: int) -> CsvFile | NoFile:
+    """Return the file of each tick's columns; ConfigError if it cannot be written."""
+    if path is None:
+        return NoFile()
+    try:
+        return CsvFile(path, batch)
+    except OSError as error:
+        raise ConfigError(f"--csv {path}: {error.strerror}") from None
+
+
+def heading(plan: Plan) -> tuple[str, ...]:
+    """Return what the exercise is about."""
+    return tuple(filter(None, (plan.title, *plan.briefing.splitlines())))
+
+
+def situation(plan: Plan, boat: Boat, note: str) -> tuple[str, ...]:
+    """Return what whoever comes is told: the boat, where she is, and a note."""
+    s = boat.state
+    sea = f"; sea: {plan.sea.name}" if s.sea_height > 0.0 else ""
+    return (
+        boat.file.name,
+        (
+            f"{s.u / KNOT:.3g} kn, {s.z:g} m, course {course(math.degrees(s.psi), 0)}; "
+            f"{boat.method.equations} set, step {boat.method.step:g} s{sea}"
+        ),
+        *filter(None, (note,)),
+    )
+
+
+@contextlib.contextmanager
+def progress_bar(last_tick: float) -> Iterator[Any]:
+    """Yield a function that takes the ticks done and shows them on a terminal's stderr."""
+    if not (math.isfinite(last_tick) and sys.stderr.isatty()):
+        yield None
+        return
+    with click.progressbar(
+        length=int(last_tick), label="simulating", file=sys.stderr, update_min_steps=200
+    ) as bar:
+        yield lambda tick: bar.update(tick - bar.pos - bar._completed_intervals)  # noqa: SLF001
+
+
+@contextlib.contextmanager
+def interrupts(session: Session) -> Iterator[None]:
+    """Let Ctrl-C and a request to terminate end the run after the tick at hand."""
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+
+    def stop(*_: object) -> None:
+        # In a thread of its own: the event that wakes the run may be locked by the very call that
+        # the signal interrupts, and would be waited for until the end of days.
+        threading.Thread(target=session.stop).start()
+
+    kept = {}
+    for name in ("SIGINT", "SIGTERM", "SIGHUP"):
+        number = getattr(signal, name, None)
+        if number is not None:
+            kept[number] = signal.signal(number, stop)
+    try:
+        yield
+    finally:
+        for number, handler in kept.items():
+            signal.signal(number, handler)

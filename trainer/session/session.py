@@ -1,0 +1,397 @@
+"""A run: the boat, the clock, the recording and the stations, joined in the thread that ticks.
+
+What has happened: recorded, told to whoever hears of such things, and kept for latecomers.
+"""
+
+import math
+import threading
+import time
+from collections import deque
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from typing import Final
+
+from trainer.boat.boat import TICK, Boat
+from trainer.boat.casualties import listing
+from trainer.boat.helm import obey
+from trainer.boat.limits import Watch
+from trainer.io.orders.grammar import Order, Refused, Reply
+from trainer.io.orders.schedule import Scheduled
+from trainer.io.orders.table import BOAT_ORDERS
+from trainer.io.recording.recording import RecordingError
+from trainer.io.status_line import clock
+from trainer.io.tables import Columns
+from trainer.session.control import Desk
+from trainer.session.history import History
+from trainer.session.stations.access import NoiseLog
+from trainer.session.stations.display import panel
+from trainer.session.stations.reception import Closed, Reception
+from trainer.session.stations.roles import INSTRUCTOR, STRANGER, Role, hears
+from trainer.session.stations.station import Asked, News, Station
+from trainer.session.stations.subscriptions import Sending
+from trainer.session.stations.view import Lookout, Pace, Picture
+from trainer.session.status import status_lines
+from trainer.session.time.ledger import SECOND
+from trainer.session.time.pacer import WOKEN, Event
+from trainer.session.time.timekeeping import Timekeeping
+
+KEPT: Final = 500  # of what has happened, for who comes late
+
+
+@dataclass
+class Board:
+    """The news of one run."""
+
+    history: History
+    stations: list[Station] = field(default_factory=list)
+    news: deque[News] = field(default_factory=lambda: deque(maxlen=KEPT))
+    heard: Station | None = None  # who is listened to
+    hearers: list[Callable[[News], None]] = field(default_factory=list)  # of all; they never wait
+
+    def tell(self, kind: str, text: str, by: Station | None = None) -> None:
+        """Record what has happened, and tell whose role hears of such things but ``by``."""
+        boat = self.history.boat
+        # a remark is anybody's words: who hears it hears whose
+        said = f"mark by {by.role.name}: {text}" if kind == "mark" and by else text
+        news = News(self.history.tick, boat.time, kind, said)
+        self.news.append(news)
+        self.history.recording.event(news.tick, kind, by.who if by else "", text)
+        for hear in self.hearers:
+            hear(news)
+        for station in self.stations:
+            if station is not by:
+                station.tell(news)
+
+    def log(self, kind: str, text: str) -> None:
+        """Tell what the station that is listened to has to say of itself."""
+        self.tell(kind, text, self.heard)
+
+    def lately(self, role: Role, count: int) -> list[str]:
+        """Return the last of what ``role`` hears of."""
+        heard = [news for news in self.news if hears(role, news.kind)]
+        return [f"{clock(news.seconds)} {news.text}" for news in heard[-count:]]
+
+
+HINT: Final = "type an order, such as: depth 80   course 090   rudder left 15   help   quit"
+AT_A_TIME: Final = SECOND // 20  # [ns] of single steps before the stations are heard again
+LINES_AT_A_TIME: Final = 32  # of one station before the clock is looked at again
+PATIENCE: Final = 0.5  # [s] for a line to get out what it was sent before it is closed
+# orders by which everybody can tell that something has been done with time
+MOMENTS: Final = frozenset({"restore", "reset", "backtrack", "replay", "take"})
+TIME: Final = frozenset({"freeze", "run", "step", "time", "quit"})
+
+
+@dataclass
+class Session:
+    """One run from its first tick to its end."""
+
+    boat: Boat
+    time: Timekeeping
+    history: History
+    recorder: Columns
+    columns: tuple[str, ...]
+    sending: Sending
+    reception: Reception = field(default_factory=Closed)
+    schedule: Sequence[Scheduled] = ()
+    watch: Watch = field(default_factory=Watch)
+    last_tick: float = math.inf
+    progress: Callable[[int], None] | None = None
+    wake: threading.Event = field(default_factory=threading.Event)
+    briefing: tuple[str, ...] = ()  # what the instructor is told
+    crew_briefing: tuple[str, ...] = ()  # what everybody else is
+    until_left: bool = False  # it ends when the last of those who came by themselves has gone
+    deserted: str = ""  # why it ended before its time
+    unrecorded: str = ""  # why nothing more is recorded, once that has been told
+    board: Board = field(init=False)
+    desk: Desk = field(init=False)
+
+    def __post_init__(self) -> None:
+        self.board = Board(self.history)
+        self.desk = Desk(self.boat, self.time, self.history)
+        self._visits = NoiseLog(self.board.tell, time.monotonic)
+        self._lookout = Lookout(self.boat, self.time.ledger.summary)
+        self._pace = Pace()  # as it was last shown: whatever changes it has it shown
+
+    def run(self, *, frozen: bool = False) -> None:
+        """Run to the last tick, an order to quit, or until nobody can ever say run again."""
+        if self.columns:
+            self._row()
+        if not frozen:
+            self.time.pacer.run()
+        self._show()
+        while not self._over:
+            if self.time.pacer.frozen and self._deserted():
+                self.deserted = f"frozen at {self.boat.time:g} s, and nobody is left to say run"
+                self.board.tell("time", self.deserted)
+                return
+            if self.time.pacer.wait(self.wake) is WOKEN:
+                self.wake.clear()
+                self.listen()
+            else:
+                self._tick()
+            if self.desk.steps:
+                self._take_steps()  # those of the schedule, and those still to be taken
+
+    def stop(self) -> None:
+        """End the run after the present tick; may be called from another thread."""
+        self.desk.ended = True
+        self.wake.set()
+
+    def greet(self, station: Station) -> None:
+        """Tell whoever comes what this is."""
+        for line in (*self._briefed(station), HINT):
+            station.line.send(line)
+
+    def _briefed(self, station: Station) -> tuple[str, ...]:
+        """Return what a station is told of the exercise."""
+        return self.briefing if station.role is INSTRUCTOR else self.crew_briefing
+
+    def listen(self) -> None:
+        """Let newcomers in, take what the stations say, and see out who has left."""
+        self._visits.settle()
+        for station in self.reception.newcomers():
+            if station.role is not STRANGER:  # who has to say who it is, is told nothing before
+                self.greet(station)
+            self.board.stations.append(station)
+            self._visits.log("station", f"{station.line.name} has come")
+        for station in list(self.board.stations):
+            self.board.heard = station
+            stranger = station.role is STRANGER
+            for asked in station.take(LINES_AT_A_TIME):
+                self._hear(asked)
+                self._take_steps()
+            if stranger and station.role is not STRANGER:
+                self.greet(station)
+            if station.held_up:
+                self._listen_again(station.held_up)
+            elif station.waiting:
+                self.wake.set()  # others, and the clock, have their turn before the rest
+            elif station.leaving or station.line.ended:
+                self._see_out(station)
+        self.board.heard = None
+
+    def _listen_again(self, after: float) -> None:
+        """Listen again after a time [s]: what was not taken waits with no word of its own."""
+        again = threading.Timer(after, self.wake.set)
+        again.daemon = True
+        again.start()
+
+    @property
+    def _over(self) -> bool:
+        """Return whether the run has been ended or has reached its last tick."""
+        return self.desk.ended or self.boat.plain[TICK] >= self.last_tick
+
+    def _see_out(self, station: Station) -> None:
+        """Let a line go: it is closed by a thread of its own, since that may wait."""
+        if not station.visits:
+            return  # a line that the run was begun with is there to its end
+        station.leave()
+        self.board.stations.remove(station)
+        tell = self.board.tell if station.settled else self._visits.log
+        tell("station", f"{station.account()}: {station.leaving or 'gone'}")
+        threading.Thread(target=station.close, args=(PATIENCE,), daemon=True).start()
+        if self.until_left and not any(each.visits for each in self.board.stations):
+            self.board.tell("time", f"ended at {self.boat.time:g} s: the last station has left")
+            self.desk.ended = True
+
+    def _take_steps(self) -> None:
+        """Take the single steps that were ordered, as long as time stands still.
+
+        Where they take long, what the stations say is heard between them.
+        """
+        until = self.time.clock.now() + AT_A_TIME
+        while self.desk.steps and self.time.frozen and not self._over:
+            if self.time.clock.now() > until:
+                self.wake.set()
+                return
+            self.desk.steps -= 1
+            self._tick()
+
+    def _deserted(self) -> bool:
+        """Return whether nobody can let time, which stands still, go on."""
+        if self.reception.awaited:
+            return False
+        silent = all(station.line.ended for station in self.board.stations)
+        self.listen()  # what came before the silence
+        return silent and self.time.frozen and not self._over and not self.desk.steps
+
+    # Orders
+
+    def _hear(self, asked: Asked) -> None:
+        """Carry out an order from a station and answer it there."""
+        order, station = asked.order, asked.station
+        if order.name == "status":
+            station.answer(asked, "", *self._status(station))
+        elif order.name == "who":
+            station.answer(asked, "", *(each.account() for each in self.board.stations))
+        elif order.name == "briefing":
+            station.answer(asked, "", *self._briefed(station))
+        elif order.name == "casualties":
+            station.answer(asked, "", *listing(self.boat))
+        elif order.name == "log":
+            station.answer(asked, "", *self.board.lately(station.role, int(order.value)))
+        elif order.name == "mark":
+            self.board.tell("mark", order.subject or "marked", station)
+            self.history.recording.flush()
+            station.answer(asked, self._as_kept(f"marked at {self.boat.time:g} s"))
+            self._tell_trouble()
+        else:
+            try:
+                answer = self._carry_out(order, station.who)
+            except RecordingError as error:  # its past cannot be read at present
+                answer = Refused(str(error))
+            station.answer(asked, self._as_kept(answer))
+            self._pass_on(order, answer, station)
+            self._tell_trouble()
+
+    def _status(self, station: Station) -> list[str]:
+        """Return all about the boat that a station may know."""
+        if station.role is INSTRUCTOR:
+            return status_lines(self.boat, self.time.ledger.summary())
+        picture = Picture(self.history.tick, self.history.now().state, self._pace)
+        return panel(station.role.channels, self._lookout.frame(picture))
+
+    def _carry_out(self, order: Order, who: str, place: int | None = None) -> Reply:
+        """Carry out an order, to the boat once it is journalled; return the answer."""
+        if order.name not in BOAT_ORDERS:
+            number = None if place is None else self.history.order(who, order, place)
+            answer = self.desk.obey(order, who)
+            if number is not None:
+                self.history.answered(number, answer)
+            self._after_time(order)
+            return answer
+        if self.history.rerun:
+            return Refused("a replay is running: take over first")
+        number = self.history.order(who, order, place)
+        answer = obey(self.boat, order)
+        self.history.answered(number, answer)
+        return answer
+
+    def _after_time(self, order: Order) -> None:
+        """Show what an order about time has changed."""
+        if order.name in MOMENTS:
+            self.watch.settle(self.boat)
+        if order.name in MOMENTS or order.name in TIME:
+            self._show()
+
+    def _pass_on(self, order: Order, answer: Reply, station: Station) -> None:
+        """Record an order about time, and tell the others what was ordered."""
+        text = f"refused: {answer.reason}" if isinstance(answer, Refused) else answer
+        kind = "order" if station.role is not INSTRUCTOR else "exercise"
+        if not isinstance(answer, Refused):
+            kind = "moment" if order.name in MOMENTS else "time" if order.name in TIME else kind
+        self.board.tell(kind, f"{station.role.name}: {order.text}: {text}", station)
+
+    def _obey_due(self) -> bool:
+        """Carry out the orders that are due; return whether they stop time before a tick."""
+        was_frozen = self.time.frozen
+        if self.history.place < len(self.schedule):
+            self._obey_schedule()
+        if self.history.rerun and self._obey_replay():
+            return True
+        return self.desk.ended or (self.time.frozen and not was_frozen)
+
+    def _obey_schedule(self) -> None:
+        """Carry out what is due by now: an order acts on the first tick not before its time."""
+        while self.history.rerun is None and self.history.place < len(self.schedule):
+            entry = self.schedule[self.history.place]
+            if math.ceil(entry.seconds / self.boat.method.step - 1e-9) > self.boat.ticks:
+                return
+            answer = self._carry_out(entry.order, "schedule", self.history.place)
+            text = f"refused: {answer.reason}" if isinstance(answer, Refused) else answer
+            self.board.tell("exercise", f"[{entry.seconds:g} s] {entry.order.text}: {text}")
+
+    def _obey_replay(self) -> bool:
+        """Give again what was given at this tick; return whether a replay ends here, told so."""
+        for order in self.history.due(self.schedule):
+            if order.name in BOAT_ORDERS:
+                obey(self.boat, order)
+        if not self.history.caught_up:
+            return False
+        self.board.tell("moment", self.history.arrive())
+        self.time.pacer.freeze()
+        self.desk.steps = 0
+        self._show()
+        return True
+
+    # Ticks
+
+    def _tick(self) -> None:
+        """Carry out the orders that are due, and unless they stop time take a tick."""
+        history = self.history
+        if (history.rerun or history.place < len(self.schedule)) and self._obey_due():
+            return
+        pacer = self.time.pacer
+        was_frozen = pacer.frozen
+        pacer.begin()
+        status = self.boat.tick()
+        tick = int(self.boat.plain[TICK])
+        if status:
+            self.desk.failure = self.boat.failure(status)
+            self.board.tell("trouble", f"FROZEN: {self.desk.failure}")
+        else:
+            self._after_tick(tick)
+        events = pacer.end()
+        if history.rerun is None:
+            ledger = self.time.ledger
+            history.recording.timing(tick, ledger.lateness, ledger.work)
+        if status:
+            pacer.freeze()
+            self.desk.steps = 0
+        if pacer.frozen and not was_frozen:
+            self._show()
+        if events:
+            self._tell_late(events)
+        if self.progress:
+            self.progress(tick)
+
+    def _tell_late(self, events: tuple[Event, ...]) -> None:
+        """Tell of a tick that was late, and show the speed if it had to fall."""
+        speed = self.time.speed
+        for kind, text in self.time.judge(events):
+            self.board.tell(kind, text)
+        if self.time.speed != speed:
+            self._show()
+
+    def _after_tick(self, tick: int) -> None:
+        """Keep the state, show it, and call out what it means."""
+        state = self.history.ticked(tick)
+        if self.history.recording.trouble != self.unrecorded:
+            self._tell_trouble()
+        if self.columns and self.history.rerun is None:
+            self._row()
+        self.sending.offer(tick, state, self._pace)
+        for text in self.watch.look(self.boat):
+            self.board.tell("watch", text)
+        while self.sending.troubles:
+            self.board.tell("trouble", self.sending.troubles.popleft())
+
+    def _as_kept(self, answer: Reply) -> Reply:
+        """Return an answer with a word on it if what it answers is not recorded."""
+        if self.history.recording.trouble and not isinstance(answer, Refused):
+            return f"{answer} (not recorded)"
+        return answer
+
+    def _tell_trouble(self) -> None:
+        """Tell once that the recording is out of reach, and once that it is back."""
+        recording = self.history.recording
+        if recording.trouble == self.unrecorded:
+            return
+        self.unrecorded = recording.trouble
+        lost = f"lost in all: {recording.missing}" if recording.missing else "nothing is lost"
+        back = f"recorded again in branch {recording.branch}; {lost}"
+        told = f"NOT RECORDED: {recording.trouble}" if recording.trouble else back
+        self.board.tell("trouble", told)
+
+    def _row(self) -> None:
+        """Hand the state to the columns' file; tell at once when it is in trouble."""
+        before = self.recorder.trouble
+        self.recorder.row(self.boat.numbers(self.columns))
+        if self.recorder.trouble != before:
+            self.board.tell("trouble", f"NOT RECORDED: {self.recorder.trouble}")
+
+    def _show(self) -> None:
+        """Let the present moment be seen, and how time runs from here on."""
+        now, time = self.history.now(), self.time
+        self._pace = Pace(time.frozen, time.speed, now.branch, self.history.rerun is not None)
+        self.sending.offer(now.tick, now.state, self._pace)

@@ -1,0 +1,162 @@
+"""What only the instructor sees: the boat as she is, the sea, what is broken, and the ledger.
+
+All channels by name, and what else may be subscribed to.
+"""
+
+import math
+from collections.abc import Callable, Mapping
+from typing import Final
+
+from trainer.core.casualties import KINDS
+from trainer.core.sea.sea import DIRECTION, HEIGHT, OMEGA
+from trainer.core.state import CASUALTIES
+from trainer.session.stations import panels
+from trainer.session.stations.panels import (
+    TONNE,
+    Channel,
+    Field,
+    Value,
+    compass,
+    degrees,
+    knots,
+    metres,
+    word,
+)
+from trainer.session.stations.view import Frame
+from trainer.units import KNOT
+
+
+def unless(held: str, rate: str) -> Callable[[Frame], Value]:
+    """Return how a rate [SI] is read, which is none while its part stands still."""
+    return lambda frame: 0.0 if frame[held] else frame[rate]
+
+
+def heavy(frame: Frame) -> Value:
+    """Return how much heavier [t] than her displacement she is."""
+    return (frame["weight"] - frame.fittings.buoyancy) / frame.fittings.g / TONNE
+
+
+def sea_fields(block: str, before: str) -> tuple[Field, ...]:
+    """Return height, period of the peak and origin of a sea."""
+
+    def period(frame: Frame) -> Value:
+        return math.tau / frame.at(block, OMEGA) if frame.at(block, HEIGHT) else None
+
+    def origin(frame: Frame) -> Value:
+        towards = frame.at(block, DIRECTION)
+        return compass(towards + math.pi, 0) if frame.at(block, HEIGHT) else None
+
+    return (
+        Field(f"{before}height", "m", 2, lambda frame: frame.at(block, HEIGHT)),
+        Field(f"{before}period", "s", 1, period),
+        Field(f"{before}from", "deg", 0, origin),
+    )
+
+
+def slot_fields(slot: int) -> tuple[Field, ...]:
+    """Return what one slot for casualties holds."""
+
+    def held(frame: Frame, block: str) -> float | None:
+        return frame.at(block, slot) if frame.at("casualty", slot) else None
+
+    def kind(frame: Frame) -> Value:
+        code = int(held(frame, "casualty") or 0.0)
+        return KINDS[code - 1] if code else None
+
+    def ticks(frame: Frame) -> float | None:
+        return held(frame, "casualty_ticks")
+
+    def target(frame: Frame) -> Value:
+        left = ticks(frame)
+        return None if left is None else (0.0 if left < 0.0 else held(frame, "casualty_target"))
+
+    def seconds(frame: Frame) -> Value:
+        left = ticks(frame)
+        return None if left is None else abs(left) * frame.boat.method.step
+
+    name = f"casualty_{slot + 1}"
+    return (
+        word(name, kind),
+        Field(f"{name}_amount", "si", 5, lambda frame: held(frame, "casualty_amount")),
+        Field(f"{name}_target", "si", 5, target),
+        Field(f"{name}_left", "s", 1, seconds),
+    )
+
+
+INSTRUCTOR: Final = (
+    Channel(
+        "motion",
+        "the truth and its rates, for displays that move between ticks",
+        (
+            Field("depth", "m", 2, lambda frame: frame.truth.depth),
+            Field("heading", "deg", 2, lambda frame: compass(frame.truth.heading, 2)),
+            Field("speed", "kn", 2, lambda frame: frame.truth.speed / KNOT),
+            degrees("pitch", "theta", decimals=2),
+            degrees("heel", "phi", decimals=2),
+            metres("north", "x"),
+            metres("east", "y"),
+            Field("depth_rate", "m/s", 3, unless("held_depth", "zdot")),
+            degrees("turn_rate", "psidot", "deg/s", 3),
+            knots("speed_rate", "udot", "kn/s", 4),
+            degrees("pitch_rate", "thetadot", "deg/s", 3),
+            degrees("heel_rate", "phidot", "deg/s", 3),
+            Field("north_rate", "m/s", 2, unless("held_position", "xdot")),
+            Field("east_rate", "m/s", 2, unless("held_position", "ydot")),
+            Field("heavy", "t", 1, heavy),
+        ),
+    ),
+    Channel(
+        "sea",
+        "the sea in force, the one it is becoming, and the surface above the boat",
+        (
+            *sea_fields("sea", ""),
+            *sea_fields("sea_target", "ordered_"),
+            metres("ramp", "sea_ramp", "s"),
+            metres("elevation", "eta_wave", decimals=2),
+        ),
+    ),
+    Channel(
+        "casualties",
+        "what is broken: kind, amount in SI units now and in the end, and the time until then",
+        tuple(field for slot in range(CASUALTIES) for field in slot_fields(slot)),
+    ),
+    Channel(
+        "ledger",
+        "what became of the ticks",
+        (
+            Field("ticks", "-", 0, lambda frame: frame.ledger.ticks),
+            Field("duty_cycle", "%", 3, lambda frame: 100.0 * frame.ledger.duty_cycle),
+            Field("overruns", "-", 0, lambda frame: frame.ledger.overruns),
+            Field("caught_up", "-", 0, lambda frame: frame.ledger.caught_up),
+            Field("slipped", "-", 0, lambda frame: frame.ledger.skipped),
+            Field("gaps", "-", 0, lambda frame: frame.ledger.gaps),
+            Field("work_p50", "us", 1, lambda frame: frame.ledger.work.p50_ns / 1e3),
+            Field("work_p99", "us", 1, lambda frame: frame.ledger.work.p99_ns / 1e3),
+            Field("work_most", "us", 1, lambda frame: frame.ledger.work.max_ns / 1e3),
+            Field("late_p50", "us", 1, lambda frame: frame.ledger.lateness.p50_ns / 1e3),
+            Field("late_p99", "us", 1, lambda frame: frame.ledger.lateness.p99_ns / 1e3),
+            Field("late_most", "us", 1, lambda frame: frame.ledger.lateness.max_ns / 1e3),
+        ),
+    ),
+)
+
+
+CHANNELS: Final[Mapping[str, Channel]] = {
+    channel.name: channel for channel in (*panels.CHANNELS, *INSTRUCTOR)
+}
+TELETYPE: Final = "teletype"  # the state in one line of 79 columns, under headings
+EVENTS: Final = "events"  # what happens, when it happens
+
+
+def tables() -> str:
+    """Return the Markdown tables of the channels, as docs/stations.md shows them."""
+    return "\n".join(f"{table(channel)}\n" for channel in CHANNELS.values())
+
+
+def table(channel: Channel) -> str:
+    """Return the table of one channel."""
+    rows = [f"### `{channel.name}`", "", f"{channel.says[0].upper()}{channel.says[1:]}.", ""]
+    rows += ["| field | unit |", "|---|---|"]
+    return "\n".join(
+        [*rows, *(f"| `{field.name}` | {field.unit or 'word'} |" for field in channel.fields)]
+    )

@@ -1,0 +1,115 @@
+"""Frames as lines: sentences for a program, words for a reader, the teletype's columns."""
+
+import math
+import textwrap
+from collections.abc import Callable
+from typing import Final, Protocol
+
+from trainer.boat.casualties import Readings
+from trainer.io.orders import sentences
+from trainer.io.status_line import View, header, state_line
+from trainer.session.stations.channels import CHANNELS
+from trainer.session.stations.panels import Channel
+from trainer.session.stations.view import Frame
+from trainer.units import KNOT
+
+WIDTH: Final = 79  # [characters]
+HEADING_EVERY: Final = 20  # [lines]
+
+
+class Display(Protocol):
+    """One way to show frames, one after another."""
+
+    def lines(self, frame: Frame) -> list[str]:
+        """Return what is to be sent for this frame."""
+        ...
+
+
+class Sentences:
+    """A channel for a program: its names and units once, then its values."""
+
+    def __init__(self, channel: Channel) -> None:
+        self._channel = channel
+        self._named = False
+
+    def lines(self, frame: Frame) -> list[str]:
+        """Return the values, under their names if these have not been sent."""
+        name, fields = self._channel.name, self._channel.fields
+        values = sentences.state(name, frame.tick, frame.seconds, self._channel.values(frame))
+        if self._named:
+            return [values]
+        self._named = True
+        return [sentences.names(name, [(each.name, each.unit) for each in fields]), values]
+
+
+class Words:
+    """A channel for a reader: name, value and unit of every field that has one."""
+
+    def __init__(self, channel: Channel) -> None:
+        self._channel = channel
+
+    def lines(self, frame: Frame) -> list[str]:
+        """Return the values in at most 79 columns."""
+        return in_words(self._channel, frame)
+
+
+class Teletype:
+    """The state in one line, under headings every so often."""
+
+    def __init__(self, shown: Callable[[Frame], Readings]) -> None:
+        """Show depth, heading and speed as ``shown``: by the gauges, or as they are."""
+        self._shown = shown
+        self._since_heading = HEADING_EVERY  # [lines]
+
+    def lines(self, frame: Frame) -> list[str]:
+        """Return the line of state, under headings if they are due."""
+        line = state_line(view(frame, self._shown(frame)))
+        if self._since_heading < HEADING_EVERY:
+            self._since_heading += 1
+            return [line]
+        self._since_heading = 1
+        return [header(), line]
+
+
+def in_words(channel: Channel, frame: Frame) -> list[str]:
+    """Return a channel as words, in at most 79 columns."""
+    shown = (
+        f"{field.name} {text} {field.unit.strip('-')}".rstrip().replace(" ", "\0")
+        for field, text in zip(channel.fields, channel.values(frame), strict=True)
+        if text
+    )
+    told = f"{channel.name}, {frame.seconds:g} s: {', '.join(shown) or 'nothing'}"
+    wrapped = textwrap.wrap(told, WIDTH, subsequent_indent="  ", break_on_hyphens=False)
+    return [line.replace("\0", " ") for line in wrapped]
+
+
+def panel(channels: tuple[str, ...], frame: Frame) -> list[str]:
+    """Return the instruments of some channels in words, for the order ``status``."""
+    shown = (CHANNELS[name] for name in channels if name in CHANNELS)
+    return [line for channel in shown for line in in_words(channel, frame)]
+
+
+def view(frame: Frame, shown: Readings) -> View:
+    """Return the line of state in display units, with depth, heading and speed as ``shown``."""
+    toward, propulsion = frame.boat.toward, frame.boat.file.propulsion
+    planes_by_hand = frame["stern_by_hand"] and frame["bow_by_hand"]
+    return View(
+        time_s=frame.seconds,
+        depth_m=shown.depth,
+        course_deg=math.degrees(shown.heading) % 360.0,
+        speed_kn=shown.speed / KNOT,
+        pitch_deg=math.degrees(frame["theta"]),
+        heel_deg=math.degrees(frame["phi"]),
+        rudder_deg=math.degrees(frame["delta_r"]) * toward["rudder"],
+        stern_deg=math.degrees(frame["delta_s"]) * toward["stern"],
+        bow_deg=math.degrees(frame["delta_b"]) * toward["bow"],
+        rpm=frame["u_c"] * propulsion.rps_per_mps * 60.0,
+        ordered_depth_m=None if planes_by_hand else frame["ordered_depth"],
+        ordered_course_deg=(
+            None if frame["rudder_by_hand"] else math.degrees(frame["ordered_psi"]) % 360.0
+        ),
+        frozen=frame.pace.frozen,
+        rudder_manual=bool(frame["rudder_by_hand"]),
+        stern_manual=bool(frame["stern_by_hand"]),
+        bow_manual=bool(frame["bow_by_hand"]),
+    )

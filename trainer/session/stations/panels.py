@@ -1,0 +1,295 @@
+"""What the stations of the control room show: gauges, panels, tanks, air and valves.
+
+Depth, heading and speed are read off their gauges, so that they are as wrong as these are. Angles
+of surfaces, attitude, turns, levels and pressures have no casualty: they are shown as they are.
+
+A field of a channel: its name, its unit, and how it is read off a frame and written.
+"""
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Final
+
+from trainer.boat.sea_orders import PARTS
+from trainer.core.ballast.tanks import BANKS, COMPARTMENTS, TANKS
+from trainer.core.state import VALVES
+from trainer.session.stations.view import Frame
+from trainer.units import KNOT
+
+Value = float | str | None  # None: the boat lacks it, or it stands for nothing at present
+
+
+@dataclass(frozen=True)
+class Field:
+    """One thing shown; ``unit`` is "" for a word, "-" for a plain number."""
+
+    name: str
+    unit: str
+    decimals: int
+    read: Callable[[Frame], Value]
+
+    def text(self, frame: Frame) -> str:
+        """Return the value with its decimals, "" for none."""
+        value = self.read(frame)
+        if value is None:
+            return ""
+        if isinstance(value, str):
+            return value
+        return f"{round(value, self.decimals) + 0.0:.{self.decimals}f}"
+
+
+@dataclass(frozen=True)
+class Channel:
+    """Fields that are sent together."""
+
+    name: str
+    says: str
+    fields: tuple[Field, ...]
+
+    def values(self, frame: Frame) -> list[str]:
+        """Return the fields of one tick."""
+        return [field.text(frame) for field in self.fields]
+
+
+def word(name: str, read: Callable[[Frame], Value]) -> Field:
+    """Return a field that is a word."""
+    return Field(name, "", 0, read)
+
+
+def compass(angle: float, decimals: int = 1) -> float:
+    """Return an angle [rad] as a course [deg] that is below 360 when written."""
+    return round(math.degrees(angle), decimals) % 360.0
+
+
+def degrees(name: str, place: str, unit: str = "deg", decimals: int = 1) -> Field:
+    """Return a field of an angle, or of its rate, at a place of the state."""
+    return Field(name, unit, decimals, lambda frame: math.degrees(frame[place]))
+
+
+def metres(name: str, place: str, unit: str = "m", decimals: int = 1) -> Field:
+    """Return a field of a length, or of its rate, at a place of the state."""
+    return Field(name, unit, decimals, lambda frame: frame[place])
+
+
+def knots(name: str, place: str, unit: str = "kn", decimals: int = 1) -> Field:
+    """Return a field of a speed, or of its rate, at a place of the state."""
+    return Field(name, unit, decimals, lambda frame: frame[place] / KNOT)
+
+
+TONNE: Final = 1000.0  # [kg]
+
+
+HEADING: Final = Field("heading", "deg", 1, lambda frame: compass(frame.readings.heading))
+DEPTH: Final = Field("depth", "m", 1, lambda frame: frame.readings.depth)
+SPEED: Final = Field("speed", "kn", 1, lambda frame: frame.readings.speed / KNOT)
+PITCH: Final = degrees("pitch", "theta")
+HEEL: Final = degrees("heel", "phi")
+
+POSITIONS: Final = ("shut", "open", "emergency")  # of a valve's lever
+LETTERS: Final = {"rudder": "r", "stern": "s", "bow": "b"}
+
+
+def surface_fields(surface: str) -> tuple[Field, ...]:
+    """Return the angle of a surface, the one it is told to take, and who tells it."""
+    letter = LETTERS[surface]
+
+    def angle(place: str, frame: Frame) -> float | None:
+        toward = frame.boat.toward[surface]
+        return math.degrees(frame[place]) * toward if toward else None
+
+    def ordered(frame: Frame) -> float | None:
+        by_hand = frame[f"{surface}_by_hand"]
+        return angle(f"ordered_{letter}" if by_hand else f"command_{letter}", frame)
+
+    return (
+        Field(surface, "deg", 1, lambda frame: angle(f"delta_{letter}", frame)),
+        Field(f"ordered_{surface}", "deg", 1, ordered),
+        mode_field(surface),
+    )
+
+
+def mode_field(what: str) -> Field:
+    """Return whether something is steered by hand or by the autopilot."""
+    return word(f"{what}_mode", lambda frame: "hand" if frame[f"{what}_by_hand"] else "auto")
+
+
+def ordered_course(frame: Frame) -> Value:
+    """Return the course kept [deg]."""
+    return None if frame["rudder_by_hand"] else compass(frame["ordered_psi"])
+
+
+def ordered_depth(frame: Frame) -> Value:
+    """Return the depth kept [m], by the planes or hovering."""
+    kept = not (frame["stern_by_hand"] and frame["bow_by_hand"]) or frame["hover"]
+    return frame["ordered_depth"] if kept else None
+
+
+def ordered_speed(frame: Frame) -> Value:
+    """Return the speed kept [kn]."""
+    return None if frame["speed_by_hand"] else frame["ordered_speed"] / KNOT
+
+
+def rpm(frame: Frame, u_c: float) -> float:
+    """Return the revolutions a minute of a command speed [m/s]."""
+    return u_c * frame.boat.file.propulsion.rps_per_mps * 60.0
+
+
+def ordered_turns(frame: Frame) -> float:
+    """Return the command speed [m/s] that is asked for, by hand or by the autopilot."""
+    return frame["ordered_u_c"] if frame["speed_by_hand"] else frame["command_u_c"]
+
+
+def bell(frame: Frame) -> Value:
+    """Return the bell that is rung, if the turns ordered are those of one."""
+    if not frame["speed_by_hand"]:
+        return None
+    ordered = frame["ordered_u_c"]
+    bells = {"stop": 0.0, **frame.boat.file.propulsion.bells_kn}
+    rung = [name for name, speed in bells.items() if abs(speed * KNOT - ordered) < 1e-9]
+    return rung[0].replace("_", "-") if rung else None
+
+
+def tonnes(name: str, place: str) -> Field:
+    """Return a field of a mass."""
+    return Field(name, "t", 1, lambda frame: frame[place] / TONNE)
+
+
+def tank_fields(place: int, tank: str) -> tuple[Field, ...]:
+    """Return what is in a tank or compartment, and for a tank how full it is."""
+    name = tank.replace("compartment_", "flood_")
+
+    def water(frame: Frame) -> float | None:
+        return frame.at("water", place) / TONNE if frame.fittings.capacity[place] else None
+
+    def share(frame: Frame) -> float | None:
+        whole = frame.fittings.capacity[place]
+        return 100.0 * frame.at("water", place) / whole if whole else None
+
+    mass = Field(name, "t", 1, water)
+    return (mass,) if tank in COMPARTMENTS else (mass, Field(f"{name}_full", "%", 1, share))
+
+
+def bank_fields(place: int, bank: str) -> tuple[Field, ...]:
+    """Return the pressure of a bank, and how full it is."""
+
+    def share(frame: Frame, whole: float, unit: float) -> float | None:
+        return frame[f"bank_{bank}"] * unit / whole if whole else None
+
+    def pressure(frame: Frame) -> float | None:
+        return share(frame, frame.fittings.bank_volume[place], frame.fittings.gas / 1e6)
+
+    def full(frame: Frame) -> float | None:
+        return share(frame, frame.fittings.bank_full[place], 100.0)
+
+    return Field(bank, "MPa", 1, pressure), Field(f"{bank}_full", "%", 1, full)
+
+
+def valve_fields(valve: str) -> tuple[Field, ...]:
+    """Return how the levers of a vent and a blow valve stand."""
+
+    def vent(frame: Frame) -> Value:
+        return POSITIONS[int(frame[f"vent_{valve}"])]
+
+    def blow(frame: Frame) -> Value:
+        return POSITIONS[int(frame[f"blow_{valve}"])]
+
+    return word(f"vent_{valve}", vent), word(f"blow_{valve}", blow)
+
+
+def on(name: str) -> Field:
+    """Return whether something works."""
+    return word(name, lambda frame: "on" if frame[name] else "off")
+
+
+def draining(frame: Frame) -> Value:
+    """Return the compartment that is pumped out."""
+    place = int(frame["drained"])
+    return COMPARTMENTS[place - 1].removeprefix("compartment_") if place else None
+
+
+def held(frame: Frame) -> Value:
+    """Return the parts that stand still while time goes on."""
+    return "+".join(part for part in PARTS if frame[f"held_{part}"]) or None
+
+
+def speed_of_time(frame: Frame) -> Value:
+    """Return how many times faster than the clock time runs."""
+    return "max" if math.isinf(frame.pace.speed) else frame.pace.speed
+
+
+CHANNELS: Final = (
+    Channel("gauges", "the repeaters at every station", (DEPTH, HEADING, SPEED, PITCH, HEEL)),
+    Channel(
+        "steering",
+        "the helm's panel",
+        (
+            HEADING,
+            Field("ordered_course", "deg", 1, ordered_course),
+            *surface_fields("rudder"),
+        ),
+    ),
+    Channel(
+        "engine",
+        "log, telegraph and turns",
+        (
+            SPEED,
+            Field("ordered_speed", "kn", 1, ordered_speed),
+            Field("rpm", "rpm", 1, lambda frame: rpm(frame, frame["u_c"])),
+            Field("ordered_rpm", "rpm", 1, lambda frame: rpm(frame, ordered_turns(frame))),
+            word("bell", bell),
+            mode_field("speed"),
+        ),
+    ),
+    Channel(
+        "diving",
+        "the planes' panel",
+        (
+            DEPTH,
+            Field("ordered_depth", "m", 1, ordered_depth),
+            PITCH,
+            HEEL,
+            *surface_fields("stern"),
+            *surface_fields("bow"),
+        ),
+    ),
+    Channel(
+        "tanks",
+        "water aboard, and what is being moved: forward and inward positive",
+        (
+            *(field for i, tank in enumerate(TANKS) for field in tank_fields(i, tank)),
+            tonnes("moving_trim", "move_trim"),
+            tonnes("moving_auxiliary", "move_auxiliary"),
+            tonnes("moving_depth_control", "move_depth_control"),
+            word("draining", draining),
+            on("hover"),
+        ),
+    ),
+    Channel(
+        "air",
+        "the air banks",
+        (
+            *(field for i, bank in enumerate(BANKS) for field in bank_fields(i, bank)),
+            on("compressor"),
+        ),
+    ),
+    Channel(
+        "valves",
+        "how their levers stand, whatever the valves do",
+        (
+            *(field for valve in VALVES for field in valve_fields(valve)),
+            word("negative_flood", lambda frame: "open" if frame["negative_flood"] else "shut"),
+        ),
+    ),
+    Channel(
+        "time",
+        "how time runs",
+        (
+            word("time", lambda frame: "frozen" if frame.pace.frozen else "running"),
+            Field("speed", "x", 1, speed_of_time),
+            word("held", held),
+            Field("branch", "-", 0, lambda frame: float(frame.pace.branch)),
+            word("replay", lambda frame: "yes" if frame.pace.replaying else "no"),
+        ),
+    ),
+)

@@ -1,0 +1,156 @@
+"""Who may order what, see what and hear of what: the one place where that is decided.
+
+The instructor may order and see everything. Everybody else has the controls and channels of one
+place in the control room, sees depth, heading and speed as the gauges show them, and does not hear
+what would give away the truth behind them or what the exercise has in store.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Final
+
+from trainer.io.orders.grammar import Order
+from trainer.io.orders.table import FORMS, heading_word
+
+ORDERS: Final = frozenset(
+    form.name or heading_word(form) for form in FORMS if not form.refusal
+)  # every order of the grammar
+COMMON: Final = frozenset(
+    {"role", "help", "status", "briefing", "log", "subscribe", "unsubscribe", "detach", "who"}
+)
+
+
+@dataclass(frozen=True)
+class Control:
+    """What may be ordered as one thing: in words, by which orders, and by whom but the instructor.
+
+    The words end in the verb, as in "the rudder is".
+    """
+
+    says: str
+    orders: tuple[str, ...]
+    roles: tuple[str, ...]
+
+
+CONTROLS: Final = (
+    Control("the rudder is", ("rudder",), ("helm",)),
+    Control("the course is", ("course", "course-by"), ("helm",)),
+    Control("the engine is", ("speed", "turns", "rpm", "bell"), ("helm",)),
+    Control("the planes are", ("stern", "bow", "planes"), ("planes", "diving")),
+    Control("the depth is", ("depth", "periscope"), ("planes", "diving")),
+    Control("main ballast is", ("blow", "emergency", "vent"), ("ballast", "diving")),
+    Control("the negative tank is", ("negative",), ("ballast", "diving")),
+    Control("trim water is", ("flood", "pump", "drain"), ("ballast", "diving")),
+    Control("hovering is", ("hover",), ("ballast", "diving")),
+    Control("the compressor is", ("compressor",), ("ballast", "diving")),
+    Control("surfacing and diving are", ("surface", "dive"), ("diving",)),
+    Control("the record is", ("mark",), ("observer",)),
+    Control("the autopilot as a whole is", ("autopilot",), ()),
+)
+
+# What happens, by kind: in words, and which roles hear of it; () is the instructor alone.
+EVERYBODY: Final = ("helm", "planes", "ballast", "diving", "observer")
+KINDS: Final[Mapping[str, tuple[str, tuple[str, ...]]]] = {
+    "time": ("time stopped, let go on or made faster; the end", EVERYBODY),
+    "moment": ("gone back to a moment, replayed, taken over", EVERYBODY),
+    "station": ("a line attached, took a role, went away", EVERYBODY),
+    "order": ("an order given at a station, and its answer", ("observer",)),
+    "exercise": ("the instructor's orders, the schedule's, casualties and the sea", ()),
+    "mark": ("a moment marked, with a remark", ("observer",)),
+    "watch": ("a limit passed, the surface broken", ()),
+    "refused": ("an order outside a role, a wrong token, a line that is no order", ()),
+    "trouble": ("late ticks, a port or the recording in trouble", ()),
+}
+
+
+@dataclass(frozen=True)
+class Role:
+    """One part in the session; ``title`` is whose a thing is, as in "the helm's"."""
+
+    name: str
+    title: str
+    commands: frozenset[str]
+    channels: tuple[str, ...]
+    events: frozenset[str]
+
+
+def _role(name: str, title: str, *channels: str) -> Role:
+    """Return a role with its controls and what it hears, beside the channels everybody has."""
+    own = {order for control in CONTROLS if name in control.roles for order in control.orders}
+    heard = frozenset(kind for kind, (_, roles) in KINDS.items() if name in roles)
+    return Role(name, title, COMMON | own, ("teletype", "gauges", *channels, "time"), heard)
+
+
+PANELS: Final = ("steering", "engine", "diving", "tanks", "air", "valves")
+TRUTH: Final = ("motion", "sea", "casualties", "ledger")  # what only the instructor sees
+
+INSTRUCTOR: Final = Role(
+    "instructor",
+    "the instructor's",
+    COMMON | ORDERS,
+    ("teletype", "gauges", *PANELS, "time", *TRUTH),
+    frozenset(KINDS),
+)
+ROLES: Final[Mapping[str, Role]] = {
+    role.name: role
+    for role in (
+        INSTRUCTOR,
+        _role("helm", "the helm's", "steering", "engine"),
+        _role("planes", "the planes station's", "diving"),
+        _role("ballast", "the ballast station's", "tanks", "air", "valves"),
+        _role("diving", "the diving officer's", "diving", "engine", "tanks", "air", "valves"),
+        _role("observer", "an observer's", *PANELS),
+    )
+}
+
+# A line that has to say a token and has not: it sees and orders nothing.
+STRANGER: Final = Role(
+    "stranger", "nobody's", frozenset({"role", "help", "detach"}), (), frozenset()
+)
+
+
+def refusal(role: Role, order: Order) -> str | None:
+    """Return why ``role`` may not give ``order``, naming whose it is; None when it may."""
+    if order.name in role.commands:
+        return None
+    if role is STRANGER:
+        return "say who you are first: role NAME TOKEN"
+    control = next((each for each in CONTROLS if order.name in each.orders), None)
+    says = control.says if control else f'"{order.text}" is'
+    owners = [ROLES[name].title for name in control.roles] if control else []
+    whose = " or ".join(owners or [INSTRUCTOR.title])
+    return f"{says} {whose}; this line is {role.title}"
+
+
+def blind(role: Role, channel: str) -> str | None:
+    """Return why ``role`` may not see ``channel``, naming what it has; None when it may."""
+    if channel in role.channels:
+        return None
+    if role is STRANGER:
+        return "say who you are first: role NAME TOKEN"
+    return f"{channel} is not on this line, {role.title}; it has {', '.join(role.channels)}, events"
+
+
+def hears(role: Role, kind: str) -> bool:
+    """Return whether ``role`` is told of what happens of that kind; the instructor of all."""
+    return role is INSTRUCTOR or kind in role.events
+
+
+def role_table() -> str:
+    """Return the Markdown table of the roles, as docs/stations.md shows it."""
+    lines = ["| role | orders | sees |", "|---|---|---|"]
+    for role in ROLES.values():
+        own = sorted(role.commands - COMMON)
+        orders = "all" if role is INSTRUCTOR else ", ".join(f"`{name}`" for name in own) or "none"
+        lines.append(f"| {role.name} | {orders} | {', '.join(role.channels)} |")
+    common = ", ".join(f"`{name}`" for name in sorted(COMMON))
+    return "\n".join([*lines, "", f"Every line may say {common}."]) + "\n"
+
+
+def event_table() -> str:
+    """Return the Markdown table of what happens and who hears of it, as docs/stations.md does."""
+    lines = ["| kind | is | heard by the instructor and |", "|---|---|---|"]
+    for kind, (says, roles) in KINDS.items():
+        heard = "everybody" if roles == EVERYBODY else ", ".join(roles) or "nobody else"
+        lines.append(f"| `{kind}` | {says} | {heard} |")
+    return "\n".join(lines) + "\n"

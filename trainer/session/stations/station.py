@@ -1,0 +1,293 @@
+"""A station: one attached line, what it may do, what it has subscribed to, and its counts.
+
+What concerns the line alone is answered here: its role, its subscriptions, help, lines that are no
+order, orders that are not its to give. The rest is handed on, and answered by whoever obeys it.
+"""
+
+import textwrap
+import time
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from typing import Final, NamedTuple
+
+from trainer.io.line import Line
+from trainer.io.lines import Overlong
+from trainer.io.orders import sentences
+from trainer.io.orders.grammar import BadOrder, Order, Refused, Reply
+from trainer.io.orders.help import help_text
+from trainer.io.orders.sentences import Heard, hear
+from trainer.session.stations.access import GUESSES, Door, NoiseLog
+from trainer.session.stations.channels import EVENTS, TELETYPE
+from trainer.session.stations.display import WIDTH
+from trainer.session.stations.roles import COMMON, INSTRUCTOR, ROLES, Role, hears, refusal
+from trainer.session.stations.subscriptions import Sending, Wishes, barred, unknown
+
+ORDERS_A_SECOND: Final = 20  # of a line that came by itself; more wait
+ORDERS_AT_ONCE: Final = 100
+
+
+class News(NamedTuple):
+    """Something that happened; ``kind`` is one of roles.KINDS, and decides who is told."""
+
+    tick: int
+    seconds: float
+    kind: str
+    text: str
+
+
+@dataclass(frozen=True)
+class Asked:
+    """An order that a line may give, to be obeyed and then answered there."""
+
+    order: Order
+    heard: Heard
+    station: "Station"
+
+
+@dataclass
+class Counts:
+    """What a line has sent."""
+
+    orders: int = 0  # handed on
+    refused: int = 0  # not its to give
+    bad: int = 0  # no orders
+    guesses: int = 0  # wrong tokens
+
+
+Log = Callable[[str, str], None]  # takes a kind of roles.KINDS and a text
+
+
+def quietly(log: Log, door: Door) -> Log:
+    """Return a log of what a line has said, the token not.
+
+    It knows nothing of the station, which is therefore gone as soon as it is dropped.
+    """
+    return lambda kind, text: log(kind, door.hide(text))
+
+
+class Station:
+    """One attached line, from its coming to its going."""
+
+    def __init__(
+        self,
+        line: Line,
+        door: Door,
+        sending: Sending,
+        log: Log,
+        clock: Callable[[], float] = time.monotonic,
+    ) -> None:
+        self.line = line
+        self.role = door.first
+        self.counts = Counts()
+        self.wishes = Wishes(line, sending)
+        self.leaving = ""  # why the line is to be closed, "" while it stays
+        self.waiting = False  # there may be more to take
+        self.held_up = 0.0  # [s] until more is taken, 0 where nothing waits
+        self._door = door
+        self._settled = door.role is not None  # the role is not to be changed
+        self._log = log
+        self._clock = clock
+        self._refilled = clock()
+        self._orders_left = float(ORDERS_AT_ONCE)
+        self._flooding = False  # has been told
+        self._noise = NoiseLog(quietly(log, door), clock)
+        self._machine = False  # a program spoke last
+
+    @property
+    def visits(self) -> bool:
+        """Return whether the line came by itself, and may go."""
+        return self._door.role is None
+
+    @property
+    def settled(self) -> bool:
+        """Return whether it is known for good what the line is."""
+        return self._settled
+
+    @property
+    def who(self) -> str:
+        """Return who gives an order here, for the record."""
+        return f"{self.role.name} at {self.line.name}"
+
+    def account(self) -> str:
+        """Return what there is to say of the line, for the order ``who``."""
+        c = self.counts
+        told = f"{self.who}: {c.orders} orders, {c.refused} refused, {c.bad} bad lines"
+        lost = f", {self.line.dropped} lines lost" if self.line.dropped else ""
+        trouble = f"; {self.line.trouble}" if self.line.trouble else ""
+        return f"{told}{lost}{trouble}"
+
+    def take(self, most: int) -> Iterator[Asked]:
+        """Yield the orders to be obeyed among the next lines, at most so many, one at a time.
+
+        What comes after an order is heard once that has been answered.
+        """
+        self._noise.settle()
+        self._refill()
+        allowed = min(most, int(self._orders_left))
+        lines = self.line.take(allowed) if allowed else []
+        self.waiting = len(lines) == allowed
+        if not allowed:
+            self._hold()
+        for line in lines:
+            if self.leaving:
+                break
+            yield from self._hear(line)
+
+    def answer(self, asked: Asked, reply: Reply, *lines: str) -> None:
+        """Answer an order: the lines of a long answer, then what now holds, or why not."""
+        self._answer(asked.heard, reply, *lines)
+
+    def tell(self, news: News) -> None:
+        """Tell of something that happened, if it is for this role and wanted."""
+        if not (self.wishes.events and hears(self.role, news.kind)):
+            return
+        self.line.send(sentences.event(*news) if self._machine else news.text)
+
+    def type_out(self) -> None:
+        """Have the teletype line sent at every tick, as a line for people begins."""
+        self.wishes.begin(TELETYPE, 0.0, self.role, machine=False)
+
+    def leave(self) -> None:
+        """Have nothing more sent, and log how many bad lines were not written one by one."""
+        self._noise.close()
+        self.wishes.end(*self.wishes.channels)
+
+    def close(self, patience: float) -> None:
+        """Leave, and close the line; after ``leave`` any thread may do it, since it may wait."""
+        self.leave()
+        self.line.close(patience)
+
+    def _hear(self, line: str | Overlong) -> list[Asked]:
+        """Return the order to be obeyed on a line, if there is one; answer the rest."""
+        if isinstance(line, Overlong):
+            reason = f"longer than {line.limit} characters; nothing done"
+            self._bad(Heard(BadOrder("", reason), self._machine), reason)
+            return []
+        heard = hear(line)
+        if heard is None:
+            return []
+        self._machine = heard.machine
+        if isinstance(heard.order, BadOrder):
+            self._bad(heard, heard.order.reason)
+            return []
+        return self._obey(heard, heard.order)
+
+    def _bad(self, heard: Heard, reason: str) -> None:
+        """Answer a line that is no order."""
+        self.counts.bad += 1
+        self._noise.log("refused", f"{self.who}: {heard.order.text or 'a line'}: {reason}")
+        self._answer(heard, Refused(reason))
+
+    def _obey(self, heard: Heard, order: Order) -> list[Asked]:
+        """Answer what concerns the line alone or is not its to order; return the rest."""
+        why = refusal(self.role, order)
+        if why is not None:
+            self._refuse(heard, order, why)
+            return []
+        duties: dict[str, Callable[[Heard, Order], None]] = {
+            "role": self._take_role,
+            "help": self._help,
+            "subscribe": self._subscribe,
+            "unsubscribe": self._unsubscribe,
+            "detach": self._detach,
+        }
+        if order.name in duties:
+            duties[order.name](heard, order)
+            return []
+        self.counts.orders += 1
+        self._orders_left -= self.visits
+        return [Asked(order, heard, self)]
+
+    def _refill(self) -> None:
+        """Let as many orders more be taken as the time since the last call is worth."""
+        now = self._clock()
+        worth = (now - self._refilled) * ORDERS_A_SECOND
+        self._orders_left = min(self._orders_left + worth, ORDERS_AT_ONCE)
+        self._refilled = now
+        self.held_up = 0.0
+
+    def _hold(self) -> None:
+        """Take no more for a while: what is sent waits at its sender."""
+        self.held_up = (1.0 - self._orders_left) / ORDERS_A_SECOND
+        if not self._flooding:
+            self._flooding = True
+            self._log("refused", f"{self.who}: more than {ORDERS_A_SECOND} orders a second wait")
+
+    def _refuse(self, heard: Heard, order: Order, why: str) -> None:
+        """Refuse an order that is not this line's to give."""
+        self.counts.refused += 1
+        self._noise.log("refused", f"{self.who}: {order.text}: {why}")
+        self._answer(heard, Refused(why))
+
+    def _answer(self, heard: Heard, reply: Reply, *lines: str) -> None:
+        """Send an answer in the manner that the order came."""
+        accepted = not isinstance(reply, Refused)
+        text = self._door.hide(reply.reason) if isinstance(reply, Refused) else reply
+        if heard.machine:
+            for each in lines:
+                self.line.send(sentences.say(heard.tag, each))
+            self.line.send(sentences.answer(heard.tag, accepted=accepted, text=text))
+            return
+        for each in lines:
+            self.line.send(each)
+        if text:
+            self.line.send(text if accepted else f"? {text}")
+
+    def _help(self, heard: Heard, order: Order) -> None:
+        self._answer(heard, "", *help_text(order.word))
+
+    def _detach(self, heard: Heard, _order: Order) -> None:
+        self.leaving = "detached"
+        self._answer(heard, "bye")
+
+    def _take_role(self, heard: Heard, order: Order) -> None:
+        """Let the line be what it says it is, once, if it has the token."""
+        if self._settled:
+            self._refuse(heard, order, f"this line is {self.role.title}, and stays so")
+            return
+        wrong = self._wrong_token(order.word, order.subject)
+        if wrong:
+            self._refuse(heard, order, wrong)
+            return
+        self.role, self._settled = ROLES[order.word], True
+        self._door.entered()
+        self._log("station", f"{self.line.name} is {self.role.title}")
+        self._answer(heard, f"this line is {self.role.title}", *powers(self.role))
+        self.wishes.keep_for(self.role)
+
+    def _wrong_token(self, role: str, given: str) -> str:
+        """Return why a token does not do, "" when it does; the line goes at the third that is."""
+        if self._door.admits(role, given):
+            return ""
+        if not given:
+            return "this session asks for a token: role NAME TOKEN"
+        self.counts.guesses += 1
+        if self.counts.guesses >= GUESSES:
+            self.leaving = f"{GUESSES} wrong tokens"
+            return f"wrong token, the {GUESSES}rd: this line is closed"
+        return "wrong token"
+
+    def _subscribe(self, heard: Heard, order: Order) -> None:
+        """Have a channel sent from now on, the answer before it."""
+        channel = order.subject
+        unheard_of = unknown(channel, self.role)
+        if unheard_of:
+            self._answer(heard, Refused(unheard_of))
+            return
+        why = barred(channel, self.role)
+        if why is not None:
+            self._refuse(heard, order, why)
+            return
+        often = f"at most {order.value:g} a second" if order.value else "every tick"
+        self._answer(heard, f"{channel}: {'as they happen' if channel == EVENTS else often}")
+        self.wishes.begin(channel, order.value, self.role, machine=heard.machine)
+
+    def _unsubscribe(self, heard: Heard, order: Order) -> None:
+        self._answer(heard, self.wishes.cancel(order.subject))
+
+
+def powers(role: Role) -> list[str]:
+    """Return what a role may order and see, in words of at most 79 columns."""
+    own = "everything" if role is INSTRUCTOR else ", ".join(sorted(role.commands - COMMON))
+    told = f"it orders {own or 'nothing'}; it sees {', '.join(role.channels)}, {EVENTS}"
+    return textwrap.wrap(told, WIDTH)

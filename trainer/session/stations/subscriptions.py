@@ -1,0 +1,291 @@
+"""What is subscribed, sent: by a thread of its own, or promptly where no time is kept.
+
+The tick hands out a picture and goes on. Whoever has seen an older one gets the latest when the
+rate allows; the ones between are passed over.
+
+What one line wants to be sent: its channels, and whether it hears of events.
+"""
+
+import math
+import threading
+import time
+from collections import deque
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from operator import attrgetter
+from typing import Final, Protocol
+
+from trainer.config.files import nearest
+from trainer.io.orders.grammar import Refused, Reply
+from trainer.session.stations.channels import CHANNELS, EVENTS, TELETYPE
+from trainer.session.stations.display import Display, Sentences, Teletype, Words
+from trainer.session.stations.roles import INSTRUCTOR, STRANGER, Role, blind
+from trainer.session.stations.view import Frame, Lookout, Pace, Picture
+
+FASTEST: Final = 100.0  # [Hz] rounds at most, however fast the ticks come
+TROUBLES: Final = 64  # kept until somebody asks
+
+
+class Recipient(Protocol):
+    """Where lines go; it never waits."""
+
+    def send(self, line: str) -> None:
+        """Take one line."""
+        ...
+
+
+@dataclass(eq=False)
+class Subscription:
+    """One channel on one line, at most ``rate`` times a second; 0: every picture."""
+
+    to: Recipient
+    channel: str
+    rate: float  # [Hz]
+    display: Display
+    seen: Picture | None = field(default=None, repr=False)
+    due: float = -math.inf  # [s] on the clock
+
+    def wait(self, picture: Picture, now: float) -> float:
+        """Return the time [s] until the picture may be sent, infinity when it has been.
+
+        The first comes at once, and so does a change in how time runs.
+        """
+        if self.seen is picture or self.seen == picture:
+            return math.inf
+        if self.seen is None or self.seen.pace != picture.pace:
+            return 0.0
+        return max(self.due - now, 0.0)
+
+    def show(self, frame: Frame, picture: Picture, now: float) -> None:
+        """Send a frame; the next is due a period after this one was."""
+        self.seen = picture
+        period = 1.0 / self.rate if self.rate else 0.0
+        self.due = self.due + period if self.due > now - period else now + period
+        for line in self.display.lines(frame):
+            self.to.send(line)
+
+
+class Roster:
+    """Who is subscribed to what."""
+
+    def __init__(self, lookout: Lookout) -> None:
+        self.troubles: deque[str] = deque(maxlen=TROUBLES)
+        self._lookout = lookout
+        self._change = threading.Lock()  # of the list, which is replaced and never altered
+        # no tuple: one made of what is left over is hoarded by Python when it is dropped
+        self._subscriptions: list[Subscription] = []
+
+    @property
+    def empty(self) -> bool:
+        """Return whether nobody is."""
+        return not self._subscriptions
+
+    def add(self, subscription: Subscription) -> None:
+        """Enter a subscription."""
+        with self._change:
+            self._subscriptions = [*self._subscriptions, subscription]
+
+    def strike(self, subscription: Subscription) -> None:
+        """Take a subscription off; it need not be there any more."""
+        with self._change:
+            self._subscriptions = [s for s in self._subscriptions if s is not subscription]
+
+    def serve(self, picture: Picture, now: float) -> float:
+        """Send the picture to all that may have it; return the time [s] until the next may."""
+        frame: Frame | None = None
+        soonest = math.inf
+        for subscription in self._subscriptions:
+            wait = subscription.wait(picture, now)
+            if wait > 0.0:
+                soonest = min(soonest, wait)
+                continue
+            try:
+                frame = frame or self._lookout.frame(picture)
+                subscription.show(frame, picture, now)
+            except Exception as error:  # noqa: BLE001 one display's bug must not blind the others
+                self._end(subscription, error)
+        return soonest
+
+    def _end(self, subscription: Subscription, error: Exception) -> None:
+        self.strike(subscription)
+        self.troubles.append(
+            f"{subscription.channel} ended on one line: {type(error).__name__}: {error}"
+        )
+
+
+class Publisher:
+    """Send pictures from a thread; the tick that offers one never waits for it."""
+
+    def __init__(self, roster: Roster, clock: Callable[[], float] = time.monotonic) -> None:
+        self.roster = roster
+        self.troubles = roster.troubles
+        self._clock = clock
+        self._offered: tuple[int, bytes, Pace] | None = None  # a picture when somebody looks
+        # free: a call waits to be heard; an event would take the tick several times as long
+        self._called = threading.Lock()
+        self._called.acquire()
+        self._closing = threading.Event()
+        self._thread = threading.Thread(target=self._run, name="publisher", daemon=True)
+        self._thread.start()
+
+    def offer(self, tick: int, state: bytes, pace: Pace) -> None:
+        """Let this be the picture to send from now on."""
+        self._offered = tick, state, pace
+        if not self.roster.empty:
+            self._call()
+
+    def add(self, subscription: Subscription) -> None:
+        """Send to a subscription from now on, the present picture at once."""
+        self.roster.add(subscription)
+        self._call()
+
+    def strike(self, subscription: Subscription) -> None:
+        """Send to a subscription no more; at most what is being sent at this moment."""
+        self.roster.strike(subscription)
+
+    def close(self, patience: float) -> None:
+        """Send what is due and end the thread, waiting at most ``patience`` [s]."""
+        self._closing.set()
+        self._call()
+        self._thread.join(patience)
+
+    def _call(self) -> None:
+        """Have the thread look; calls that it has not heard yet are one."""
+        try:
+            self._called.release()
+        except RuntimeError:  # somebody has called already
+            return
+
+    def _run(self) -> None:
+        wait = math.inf
+        while True:
+            self._called.acquire(timeout=-1 if math.isinf(wait) else wait)
+            closing = self._closing.is_set()
+            if self._offered is not None:
+                wait = self.roster.serve(Picture(*self._offered), self._clock())
+            if closing:
+                return
+            if not self.roster.empty:  # the first to come is served at once
+                self._closing.wait(1.0 / FASTEST)
+
+
+class Promptly:
+    """Send pictures in the caller's thread, every one: for runs that keep no time."""
+
+    def __init__(self, roster: Roster, clock: Callable[[], float] = time.monotonic) -> None:
+        self.roster = roster
+        self.troubles = roster.troubles
+        self._clock = clock
+        self._picture: Picture | None = None
+
+    def offer(self, tick: int, state: bytes, pace: Pace) -> None:
+        """Send this picture to all that may have it now."""
+        self._picture = Picture(tick, state, pace)
+        self.roster.serve(self._picture, self._clock())
+
+    def add(self, subscription: Subscription) -> None:
+        """Send to a subscription from now on, the present picture at once."""
+        self.roster.add(subscription)
+        if self._picture is not None:
+            self.roster.serve(self._picture, self._clock())
+
+    def strike(self, subscription: Subscription) -> None:
+        """Send to a subscription no more."""
+        self.roster.strike(subscription)
+
+    def close(self, _patience: float) -> None:
+        """Do nothing: all has been sent."""
+
+
+class Sending(Protocol):
+    """Whoever sends what is subscribed: a publisher, or one that does so promptly."""
+
+    @property
+    def troubles(self) -> deque[str]:
+        """Return what has ended subscriptions, for somebody to tell."""
+        ...
+
+    def offer(self, tick: int, state: bytes, pace: Pace) -> None:
+        """Let this be the picture to send from now on."""
+        ...
+
+    def add(self, subscription: Subscription) -> None:
+        """Send to a subscription from now on, the present picture at once."""
+        ...
+
+    def strike(self, subscription: Subscription) -> None:
+        """Send to it no more."""
+        ...
+
+
+class Wishes:
+    """The subscriptions of one line; a channel is there once, the later wish holds."""
+
+    def __init__(self, to: Recipient, sending: Sending) -> None:
+        self.events = True
+        self._to = to
+        self._sending = sending
+        self._subscriptions: dict[str, tuple[Subscription, bool]] = {}  # and: for a program
+
+    @property
+    def channels(self) -> tuple[str, ...]:
+        """Return what is wanted, by name."""
+        return (*self._subscriptions, *((EVENTS,) if self.events else ()))
+
+    def begin(self, channel: str, rate: float, role: Role, *, machine: bool) -> None:
+        """Have a channel sent, at most ``rate`` [Hz] or 0 at every tick."""
+        self.end(channel)
+        if channel == EVENTS:
+            self.events = True
+            return
+        subscription = Subscription(
+            self._to, channel, rate, display(channel, role, machine=machine)
+        )
+        self._subscriptions[channel] = subscription, machine
+        self._sending.add(subscription)
+
+    def end(self, *channels: str) -> None:
+        """Have channels sent no more."""
+        for channel in channels:
+            self.events = self.events and channel != EVENTS
+            if channel in self._subscriptions:
+                self._sending.strike(self._subscriptions.pop(channel)[0])
+
+    def keep_for(self, role: Role) -> None:
+        """Have what ``role`` may see shown as it sees it, and the rest no more."""
+        for channel, (old, machine) in tuple(self._subscriptions.items()):
+            self.end(channel)
+            if blind(role, channel) is None:
+                self.begin(channel, old.rate, role, machine=machine)
+
+    def cancel(self, given: str) -> Reply:
+        """Carry out the order to send a channel, or ``all``, no more."""
+        there = self.channels
+        if given not in (*there, "all"):
+            named = ", ".join(there) or "nothing"
+            return Refused(f"{given} is not subscribed here; there is {named}")
+        ended = there if given == "all" else (given,)
+        self.end(*ended)
+        return f"no more {', '.join(ended)}" if ended else "nothing was subscribed"
+
+
+def unknown(channel: str, role: Role) -> str:
+    """Return why there is no such channel, naming the nearest that ``role`` has; "" if there is."""
+    if channel in (*CHANNELS, TELETYPE, EVENTS):
+        return ""
+    there = (*role.channels, EVENTS)
+    return f"no channel {channel}{nearest(channel, there) or '; there is ' + ', '.join(there)}"
+
+
+def barred(channel: str, role: Role) -> str | None:
+    """Return why a channel, events among them, is not for ``role``; None when it is."""
+    if channel == EVENTS and role is not STRANGER:
+        return None
+    return blind(role, channel)
+
+
+def display(channel: str, role: Role, *, machine: bool) -> Display:
+    """Return how a channel is shown to a program or a reader of that role."""
+    if channel == TELETYPE:
+        return Teletype(attrgetter("truth" if role is INSTRUCTOR else "readings"))
+    return Sentences(CHANNELS[channel]) if machine else Words(CHANNELS[channel])

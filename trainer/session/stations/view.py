@@ -1,0 +1,122 @@
+"""One tick as a display sees it: made of a state's bytes, apart from the boat under way."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Final, NamedTuple
+
+import numpy as np
+
+from trainer.boat.boat import PLACES, Boat
+from trainer.boat.casualties import Readings
+from trainer.core.casualties import instruments
+from trainer.core.state import new_scratch, new_state
+from trainer.session.time.ledger import Summary
+
+
+class Pace(NamedTuple):
+    """How time runs."""
+
+    frozen: bool = False
+    speed: float = 1.0  # [-] infinity: as fast as it goes
+    branch: int = 1  # of the recording
+    replaying: bool = False
+
+
+class Picture(NamedTuple):
+    """What the tick hands out: the whole state as bytes, and how time runs."""
+
+    tick: int
+    state: bytes
+    pace: Pace
+
+
+class Fittings(NamedTuple):
+    """What tanks, banks and weight are measured by: the vessel's constants as plain numbers."""
+
+    capacity: tuple[float, ...]  # [kg] by tank
+    bank_volume: tuple[float, ...]  # [m3]
+    bank_full: tuple[float, ...]  # [kg]
+    gas: float  # [J/kg]
+    buoyancy: float  # [N]
+    g: float  # [m/s2]
+
+    @classmethod
+    def of(cls, boat: Boat) -> "Fittings":
+        """Return those of a boat; a field of her record takes microseconds to reach."""
+        c = boat.vessel
+        return cls(
+            tuple(c.capacity.tolist()),
+            tuple(c.bank_volume.tolist()),
+            tuple(c.bank_full.tolist()),
+            float(c.gas),
+            float(c.buoyancy),
+            float(c.g),
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class Frame:
+    """One tick: ``frame[name]`` is a place of the state [SI], by its name in the core.
+
+    ``boat`` is there for what she is: nothing of it that moves is looked at.
+    """
+
+    boat: Boat
+    fittings: Fittings
+    numbers: list[float]
+    readings: Readings
+    pace: Pace
+    summary: Callable[[], Summary]
+
+    def __getitem__(self, name: str) -> float:
+        return self.numbers[PLACES[name]]
+
+    def at(self, block: str, place: int) -> float:
+        """Return the number at a place of a block of the state [SI]."""
+        return self.numbers[PLACES[block] + place]
+
+    @cached_property
+    def ledger(self) -> Summary:
+        """Return what became of the ticks."""
+        return self.summary()
+
+    @property
+    def tick(self) -> int:
+        """Return the number of ticks done."""
+        return int(self["tick"])
+
+    @property
+    def seconds(self) -> float:
+        """Return the time [s] since the start."""
+        return self["tick"] * self.boat.method.step
+
+    @property
+    def truth(self) -> Readings:
+        """Return depth [m], heading [rad] and speed [m/s] as they are."""
+        return Readings(self["z"], self["psi"], self["u"])
+
+
+BYTES: Final = new_state().nbytes
+
+
+class Lookout:
+    """Make frames; each thread that needs them has one, since its records are its own."""
+
+    def __init__(self, boat: Boat, summary: Callable[[], Summary]) -> None:
+        """Look at ``boat``; ``summary`` is that of the session's ledger, asked for when shown."""
+        self._boat = boat
+        self._fittings = Fittings.of(boat)
+        self._summary = summary
+        self._state, self._scratch = new_state(), new_scratch()
+
+    def frame(self, picture: Picture) -> Frame:
+        """Return the frame of a picture; ValueError unless its state is of this core's layout."""
+        if len(picture.state) != BYTES:
+            raise ValueError(f"a state of {len(picture.state)} bytes; this core's has {BYTES}")
+        whole = np.frombuffer(picture.state)
+        self._state["whole"][0] = whole
+        instruments(self._state, self._scratch)
+        readings = Readings(*self._scratch["reading"][0].tolist())
+        numbers = whole.tolist()
+        return Frame(self._boat, self._fittings, numbers, readings, picture.pace, self._summary)

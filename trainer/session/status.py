@@ -1,0 +1,129 @@
+"""Everything about the boat in words, for the instructor's order ``status``."""
+
+import math
+import textwrap
+
+import numpy as np
+
+from trainer.boat import casualties
+from trainer.boat.boat import Boat
+from trainer.boat.sea_orders import held_text, sea_text
+from trainer.core.ballast.tanks import COMPARTMENTS, TANKS
+from trainer.io.status_line import course
+from trainer.session.stations.display import view
+from trainer.session.stations.view import Lookout, Pace, Picture
+from trainer.session.time.ledger import Summary
+from trainer.units import KNOT
+
+WIDTH = 79  # [characters]
+
+
+def status_lines(boat: Boat, ledger: Summary) -> list[str]:
+    """Return everything about the boat."""
+    s = boat.state
+    state = boat.records.state.tobytes()
+    frame = Lookout(boat, lambda: ledger).frame(Picture(int(s.tick), state, Pace()))
+    seen = view(frame, frame.truth)
+    method = boat.method
+
+    def mode(by_hand: float) -> str:
+        return "by hand" if by_hand else "automatic"
+
+    turns = f"{seen.rpm:.1f} rpm, turns for {float(s.u_c) / KNOT:.1f} kn"
+    return [
+        boat.file.name,
+        (
+            f"{method.equations} set, {method.rates} rates, {method.integrator}, "
+            f"step {method.step:g} s, tick {int(s.tick)}"
+        ),
+        (
+            f"depth   {seen.depth_m:8.2f} m   ordered {s.ordered_depth:.1f}   "
+            f"rate {s.zdot:+.2f} m/s down"
+        ),
+        (
+            f"course  {course(seen.course_deg, 2):>8}     "
+            f"ordered {course(math.degrees(s.ordered_psi), 1)}   "
+            f"rate {math.degrees(s.psidot):+.2f} deg/s"
+        ),
+        (
+            f"speed   {seen.speed_kn:8.2f} kn  ordered {s.ordered_speed / KNOT:.1f}   {turns}, "
+            f"{mode(s.speed_by_hand)}"
+        ),
+        f"pitch {seen.pitch_deg:+.2f}   heel {seen.heel_deg:+.2f} degrees",
+        (
+            f"stern planes {seen.stern_deg:+.2f} {mode(s.stern_by_hand)}, "
+            f"bow planes {seen.bow_deg:+.2f} {mode(s.bow_by_hand)} (rise +)"
+        ),
+        f"rudder {seen.rudder_deg:+.2f} {mode(s.rudder_by_hand)} (right +)",
+        f"position {s.x:.0f} m north, {s.y:.0f} m east of the start",
+        *sea_lines(boat),
+        *(ballast_lines(boat) if boat.vessel.fitted else ()),
+        *casualty_lines(boat),
+        *held_lines(boat),
+        ledger_line(ledger),
+    ]
+
+
+def ledger_line(ledger: Summary) -> str:
+    """Return how the ticks have been kept."""
+    return (
+        f"ticks {ledger.ticks}, duty cycle {100 * ledger.duty_cycle:.3f} %, "
+        f"overruns {ledger.overruns}, gaps {ledger.gaps}"
+    )
+
+
+def casualty_lines(boat: Boat) -> list[str]:
+    """Return what a station's instruments show, and the casualties there are."""
+    shown = casualties.readings(boat)
+    instruments = (
+        f"instruments: depth {shown.depth:.1f} m, "
+        f"course {course(math.degrees(shown.heading), 1)}, log {shown.speed / KNOT:.1f} kn"
+    )
+    kinds = ", ".join(f"{each.kind} {each.amount:.3g}" for each in casualties.active(boat))
+    if not kinds:
+        return [instruments]
+    return [instruments, *textwrap.wrap(f"casualties: {kinds}", WIDTH, subsequent_indent="  ")]
+
+
+def held_lines(boat: Boat) -> list[str]:
+    """Return what stands still while time goes on, if anything does."""
+    held = held_text(boat)
+    return textwrap.wrap(f"frozen: {held}", WIDTH, subsequent_indent="  ") if held else []
+
+
+def sea_lines(boat: Boat) -> list[str]:
+    """Return the sea in force, and the one ordered if it is another."""
+    s = boat.state
+    coming = [f"sea ordered {sea_text(s.sea_target)}, in {s.sea_ramp:.0f} s"]
+    return [f"sea {sea_text(s.sea)}", *(coming if s.sea_ramp > 0.0 else [])]
+
+
+def ballast_lines(boat: Boat) -> list[str]:
+    """Return what is aboard as water and air."""
+    s, c = boat.state, boat.vessel
+    tonnes = dict(zip(TANKS, s.water / 1000.0, strict=True))
+    with np.errstate(all="ignore"):  # a bank or a tank that the boat lacks
+        filled = np.nan_to_num(100.0 * s.water / c.capacity)
+        pressure = np.nan_to_num(s.bank * c.gas / c.bank_volume) / 1e6
+    weight = float(s.weight - c.buoyancy) / float(c.g) / 1000.0
+    working = [name for name in ("hover", "compressor") if s[name]]
+    lines = [
+        (
+            f"main ballast forward {filled[0]:.0f}, mid {filled[1]:.0f}, "
+            f"aft {filled[2]:.0f}, negative {filled[3]:.0f} %; weight {weight:+.1f} t"
+        ),
+        (
+            f"trim forward {tonnes['trim_forward']:.1f}, aft {tonnes['trim_aft']:.1f}, "
+            f"auxiliary {tonnes['auxiliary']:.1f}, depth control {tonnes['depth_control']:.1f} t"
+        ),
+        (
+            f"air banks main {pressure[0]:.1f}, emergency {pressure[1]:.1f} MPa"
+            f"{'; on: ' + ', '.join(working) if working else ''}"
+        ),
+    ]
+    flooded = [
+        f"{name.removeprefix('compartment_')} {tonnes[name]:.1f} t"
+        for name in COMPARTMENTS
+        if tonnes[name] > 0.0
+    ]
+    return [*lines, f"flooded {', '.join(flooded)}"] if flooded else lines

@@ -1,0 +1,264 @@
+"""What paces the ticks, and may be changed while they run.
+
+What a system grants a process that has to be on time: asked for, reported, and given back.
+
+All threads are raised, not the one that ticks alone: a raised thread that waits for the interpreter
+held by one that is not would wait for whoever keeps that one off the processor. New threads inherit
+what the one that starts them has.
+"""
+
+import contextlib
+import ctypes
+import math
+import os
+import sys
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Final
+
+from trainer.session.time.ledger import SECOND, Ledger
+from trainer.session.time.pacer import (
+    MAX_CATCH_UP,
+    SLOWEST,
+    Clock,
+    Event,
+    Happening,
+    Pacer,
+    Policy,
+    Unpaced,
+)
+
+SWITCH: Final = 120e-6  # [s] after which a thread may ask another for the interpreter
+FIRST: Final = 20  # real-time priority of the thread that ticks
+REST: Final = 10  # and of the others
+THREADS: Final = Path("/proc/self/task")
+SET_TIMER_SLACK: Final = 29  # of prctl
+IN_USE: Final = 1 | 2 | 4  # of mlockall: now and later, but nothing that is merely set aside
+REFUSED: Final = "not permitted"
+ABSENT: Final = "not on this system"
+
+
+@dataclass(frozen=True)
+class Granted:
+    """What came of asking, in words."""
+
+    priority: str = "normal"
+    memory: str = "not locked"
+    timer: str = "usual"
+
+    def line(self) -> str:
+        """Return it in one line."""
+        return f"priority {self.priority}, memory {self.memory}, timer slack {self.timer}"
+
+
+class Unasked:
+    """Asks for nothing: for runs that are on time by the way, and for tests."""
+
+    granted: Granted | None = None
+
+    def keep(self) -> None:
+        """Do nothing."""
+
+    def relax(self) -> None:
+        """Do nothing."""
+
+
+class Punctuality:
+    """What the thread that ticks, and its process, ask for while time is kept."""
+
+    def __init__(self, *, realtime: bool) -> None:
+        """``realtime``: also what can slow down others, a real-time priority and locked memory."""
+        self.granted: Granted | None = None  # at the last time it was asked for
+        self._realtime = realtime
+        self._interval = 0.0  # [s] what it was; 0 while nothing has been asked for
+
+    def keep(self) -> None:
+        """Ask for everything, unless that has been done; for the calling thread's waits."""
+        if self._interval:
+            return
+        self._interval = sys.getswitchinterval()
+        sys.setswitchinterval(SWITCH)
+        timer = "1 ns" if _timer_slack(1) else f"usual ({ABSENT})"
+        more = self._realtime
+        self.granted = Granted(_raise(), _lock(), timer) if more else Granted(timer=timer)
+
+    def relax(self) -> None:
+        """Give everything back, if it has been asked for."""
+        if not self._interval:
+            return
+        sys.setswitchinterval(self._interval)
+        self._interval = 0.0
+        _timer_slack(0)  # what it was
+        if self._realtime and sys.platform == "linux":
+            with contextlib.suppress(PermissionError):
+                _schedule(os.SCHED_OTHER, 0, 0)
+            ctypes.CDLL(None).munlockall()
+
+
+def _raise() -> str:
+    """Give every thread a real-time priority; return what came of it."""
+    if sys.platform != "linux":
+        return f"normal (real-time: {ABSENT})"
+    try:
+        _schedule(os.SCHED_FIFO, FIRST, REST)
+    except PermissionError:
+        return f"normal (real-time: {REFUSED})"
+    return "real-time"
+
+
+def _schedule(policy: int, first: int, rest: int) -> None:
+    """Put all threads under a policy, the first with its own priority; PermissionError."""
+    if sys.platform != "linux":
+        return
+    for thread in (int(path.name) for path in THREADS.iterdir()):
+        level = os.sched_param(first if thread == os.getpid() else rest)
+        with contextlib.suppress(ProcessLookupError):  # it has ended meanwhile
+            os.sched_setscheduler(thread, policy, level)
+
+
+def _lock() -> str:
+    """Keep the memory of the process from being paged out; return what came of it."""
+    if sys.platform != "linux":
+        return f"not locked ({ABSENT})"
+    done = ctypes.CDLL(None).mlockall(IN_USE)
+    return "locked" if done == 0 else f"not locked ({REFUSED})"
+
+
+def _timer_slack(nanoseconds: int) -> bool:
+    """Let the waits of this thread end that late at most, 0 for what is usual; return if it can."""
+    if sys.platform != "linux":
+        return False
+    return bool(ctypes.CDLL(None).prctl(SET_TIMER_SLACK, nanoseconds, 0, 0, 0) == 0)
+
+
+QUIET: Final = 10 * SECOND  # [ns] without a slip, after which the next one is told
+SUSTAINED: Final = SECOND  # [ns] of slipping until the speed falls
+FEWEST: Final = (
+    5  # [-] overruns in that time; a machine that stumbles once or twice keeps its speed
+)
+SHARE: Final = 0.8  # [-] of the clock that ticks take at the speed that is fallen to
+
+
+@dataclass(frozen=True)
+class Mark:
+    """Where the ledger stood at a moment of the clock."""
+
+    now: int  # [ns]
+    ticks: int
+    overruns: int
+
+
+class Slips:
+    """Slips of the schedule that follow each other: told once, and judged as a whole."""
+
+    def __init__(self) -> None:
+        self._begun: Mark | None = None  # of those at the present speed
+        self._latest: Mark | None = None
+
+    def begin(self, mark: Mark) -> bool:
+        """Take a slip; return whether it is the first after a quiet time."""
+        latest, self._latest = self._latest, mark
+        first = latest is None or (
+            mark.now - latest.now > QUIET and mark.ticks - latest.ticks > MAX_CATCH_UP + 1
+        )
+        if first or self._begun is None:
+            self._begun = mark
+        return first
+
+    def change(self) -> None:
+        """Judge what slips from now on alone: the speed has changed."""
+        self._begun = None
+
+    def cost(self, mark: Mark) -> float:
+        """Return how long [ns] a tick takes where ticks cannot keep up for good, 0 where they can.
+
+        Half of the ticks at least overran: what slips now and then is held up by others.
+        """
+        begun = self._begun
+        if begun is None or mark.now - begun.now < SUSTAINED:
+            return 0.0
+        ticks, overruns = mark.ticks - begun.ticks, mark.overruns - begun.overruns
+        return (mark.now - begun.now) / ticks if overruns >= max(FEWEST, ticks / 2) else 0.0
+
+
+def keeper(clock: Clock, ledger: Ledger, speed: float, policy: Policy) -> Pacer | Unpaced:
+    """Return what paces ticks at ``speed``; an infinite speed is as fast as the machine allows."""
+    if math.isinf(speed):
+        return Unpaced(clock, ledger)
+    return Pacer(clock, ledger, speed, policy)
+
+
+@dataclass
+class Timekeeping:
+    """The clock, the ledger, and the pacer of the moment."""
+
+    clock: Clock
+    ledger: Ledger
+    policy: Policy
+    pacer: Pacer | Unpaced
+    speed: float  # [-]
+    punctuality: Punctuality | Unasked = field(default_factory=Unasked)
+    slips: Slips = field(default_factory=Slips)
+
+    @classmethod
+    def at(cls, clock: Clock, step: float, speed: float, policy: Policy) -> "Timekeeping":
+        """Return the keeping of time at ``speed``, infinity for as fast as it goes."""
+        ledger = Ledger(step)
+        return cls(clock, ledger, policy, keeper(clock, ledger, speed, policy), speed)
+
+    @property
+    def frozen(self) -> bool:
+        """Return whether time stands still."""
+        return self.pacer.frozen
+
+    @contextlib.contextmanager
+    def attended(self) -> Iterator[None]:
+        """Have from the system what time is kept by, inside the block, in the thread that ticks."""
+        self._attend()
+        try:
+            yield
+        finally:
+            self.punctuality.relax()
+
+    def change(self, speed: float) -> None:
+        """Let time go ``speed`` times as fast from now on."""
+        self.speed = speed
+        self.slips.change()
+        self._attend()
+        if math.isfinite(speed) and isinstance(self.pacer, Pacer):
+            self.pacer.set_speed(speed)
+            return
+        frozen = self.pacer.frozen
+        self.pacer = keeper(self.clock, self.ledger, speed, self.policy)
+        if not frozen:
+            self.pacer.run()
+
+    def judge(self, events: tuple[Event, ...]) -> list[tuple[str, str]]:
+        """Return what there is to tell of a tick's events, each with its kind.
+
+        Slips are told once as long as they follow each other. Where ticks take longer than the
+        clock gives them, the speed falls to what the machine holds.
+        """
+        told = []
+        for event in events:
+            if event.what is not Happening.SLIPPED:
+                told.append(("trouble", str(event)))
+                continue
+            mark = Mark(self.clock.now(), self.ledger.ticks, self.ledger.overruns)
+            if self.slips.begin(mark):
+                told.append(("trouble", str(event)))
+            elif cost := self.slips.cost(mark):
+                told.append(("time", self._fall(cost)))
+        return told
+
+    def _fall(self, cost: float) -> str:
+        """Let time go no faster than ticks that cost so much [ns] allow; return it in words."""
+        asked = self.speed
+        held = SHARE * float(self.ledger.step) * SECOND / cost
+        self.change(max(float(f"{min(held, SHARE * asked):.2g}"), SLOWEST))
+        return f"time x{asked:g} is more than this machine holds: x{self.speed:g} from here on"
+
+    def _attend(self) -> None:
+        """Ask for it where time is kept; as fast as it goes needs no precedence over others."""
+        (self.punctuality.keep if math.isfinite(self.speed) else self.punctuality.relax)()

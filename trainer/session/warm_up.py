@@ -1,0 +1,62 @@
+"""A boat made ready for sea: compiled before the clock starts, at a step that is stable."""
+
+import contextlib
+import gc
+
+import click
+
+from trainer.boat import casualties, compilation
+from trainer.boat.boat import Boat
+from trainer.boat.limits import Watch
+from trainer.config.exercise import Limits
+from trainer.config.files import ConfigError
+from trainer.session.stations.view import Lookout, Pace, Picture
+from trainer.session.time.ledger import Ledger
+from trainer.units import KNOT
+
+
+def warm(boat: Boat) -> None:
+    """Try the boat out, compiling her if need be: nothing compiles once the clock runs."""
+    compiling = compilation.needed()
+    if compiling:
+        click.echo("compiling the boat, this once (some 20 seconds) ...", err=True)
+    with compilation.interruptible() if compiling else contextlib.nullcontext():
+        try_out(boat)
+    if compiling:
+        compilation.keep()
+    if gc.isenabled():  # else this process has just begun, and has no garbage to speak of
+        gc.collect()
+    gc.freeze()  # a full collection with numba loaded takes 0.1 s
+    gc.enable()
+
+
+def try_out(boat: Boat) -> None:
+    """Take a tick and a casualty on a throw-away state: all that a run needs is done once."""
+    before = boat.snapshot()
+    boat.state.u = 1.0
+    boat.trimmed(1.0)
+    boat.stand_by()
+    boat.put_to_sea(boat.sea)
+    casualties.insert(boat, "propulsion-lost")
+    boat.tick()
+    casualties.readings(boat)
+    casualties.clear(boat, "all")
+    Watch.over(boat, Limits())
+    state = boat.records.state.tobytes()
+    Lookout(boat, Ledger(boat.method.step).summary).frame(Picture(0, state, Pace()))
+    boat.restore(before)
+
+
+def refuse_unstable(boat: Boat) -> None:
+    """Raise ConfigError if the step makes the boat unstable, naming the largest that does not."""
+    from trainer.boat import stability  # noqa: PLC0415
+
+    low, high = boat.file.run.speed_range_kn
+    flights = stability.responses(boat, (low * KNOT, 0.5 * (low + high) * KNOT, high * KNOT))
+    if not stability.stable_at(flights.values(), boat.records.scheme, boat.method.step):
+        verdict = stability.stable_step(boat, flights)
+        raise ConfigError(
+            f"--step {boat.method.step:g} s is not stable with {boat.method.integrator}: "
+            f"{verdict.worst}; the largest stable step is {verdict.largest:.3g} s "
+            "(--unsafe-step runs it all the same)"
+        )

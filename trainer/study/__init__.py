@@ -1,1 +1,0 @@
-"""The engineer's programs, one module each."""

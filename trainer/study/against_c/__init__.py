@@ -1,1 +1,0 @@
-"""The same tick in plain C, compiled on this machine: what the compiled Python is held against."""

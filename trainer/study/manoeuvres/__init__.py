@@ -1,1 +1,0 @@
-"""Manoeuvres: schedules of controls flown by any vehicle, and what they are measured by."""

@@ -1,1 +1,0 @@
-"""What a sweep compiles: its random numbers, and the start of many boats."""

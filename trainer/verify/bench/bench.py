@@ -1,0 +1,189 @@
+"""What a tick costs on this machine, and what the boat's records take: ``trainer bench``.
+
+A tick in real time is measured by the ledger of the session itself, without the waiting. It finds
+caches and processor as half a second of sleep leaves them. The hot figures are the same work back
+to back: medians of batches, each long against the clock that times it.
+"""
+
+import math
+import os
+import platform
+import re
+import sys
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Final
+
+import click
+import numba
+import numpy as np
+from llvmlite import binding  # type: ignore[import-untyped]
+
+from trainer.boat.boat import Boat
+from trainer.config.vessel import VesselFile
+from trainer.core.scheme import SCHEME
+from trainer.core.state import SCRATCH, STATE
+from trainer.core.vessel import COMPACT, VESSEL
+from trainer.io.recording.recording import NoRecording, Recording
+from trainer.session.time.ledger import Spread, Summary
+from trainer.verify.bench.latency import SPEED, Latency, time_orders
+from trainer.verify.bench.session_tick import Attended, run_to, session_of, temporary, time_attended
+from trainer.verify.bench.tick import STANDARD, Troubled, Update, ready, time_troubled, time_update
+
+DUTY_1969: Final = {0.5: 38.0, 1.0: 19.0}  # [%] by step [s], of the modified set in 1969
+WORDS_1969: Final = 8192  # [16-bit words] the memory of 1969
+RECORDS: Final = {
+    "state": STATE,
+    "vessel": VESSEL,
+    "compact": COMPACT,
+    "scheme": SCHEME,
+    "scratch": SCRATCH,
+}
+HOT: Final = (
+    STANDARD,
+    ("full", "exact", "adams2"),
+    ("full", "exact", "rk4"),
+)
+
+
+@dataclass(frozen=True)
+class Machine:
+    """What the figures hold for."""
+
+    cpu_model: str
+    cpu_target: str  # the compiler's name of its kind
+    cpu_count: int
+    system: str
+    python: str
+    numpy: str
+    numba: str
+
+
+@dataclass(frozen=True)
+class Paced:
+    """Ticks in real time, recorded, with a console attached; the waiting excluded."""
+
+    step_s: float
+    ticks: int
+    duty_cycle_percent: float
+    duty_cycle_1969_percent: float
+    times_less_than_1969: float
+    unrecorded_percent: float  # the duty cycle of as many ticks more, without a recording
+    work: Spread
+    lateness: Spread
+    samples_from_p99_up: int  # so few ticks each percentile rests on
+    samples_from_p999_up: int
+    overruns: int
+    caught_up: int
+    skipped: int
+    gaps: int
+
+
+@dataclass(frozen=True)
+class Size:
+    """The size of a record."""
+
+    bytes: int
+    words_of_16_bits: int
+
+
+@dataclass(frozen=True)
+class Figures:
+    """Everything that was measured."""
+
+    vessel: str
+    machine: Machine
+    real_time: tuple[Paced, ...]
+    updates: tuple[Update, ...]
+    troubled: Troubled
+    attended: Attended
+    latency: Latency
+    sizes: dict[str, Size]
+    memory_1969_words_of_16_bits: int
+
+
+def bench(file: VesselFile, seconds: int) -> Figures:
+    """Return the figures of a boat, after twice ``seconds`` [s] of real time at each step of 1969.
+
+    For as long it is steered over TCP. ConfigError if the boat cannot fly straight, or loses its
+    numbers at such a step.
+    """
+    ordered = ready(file, HOT[0], file.run.step_s)
+    twice = (*DUTY_1969, *DUTY_1969, file.run.step_s / SPEED)  # recorded, and not
+    length = sum(round(seconds / step) for step in twice)
+    quiet = not sys.stderr.isatty()
+    with click.progressbar(length=length, label="ticking", file=sys.stderr, hidden=quiet) as bar:
+        paced = tuple(
+            pace(ready(file, HOT[0], step), seconds, lambda _tick: bar.update(1))
+            for step in DUTY_1969
+        )
+        latency = time_orders(ordered, seconds, lambda _tick: bar.update(1))
+    return Figures(
+        vessel=file.name,
+        machine=this_machine(),
+        real_time=paced,
+        updates=tuple(time_update(ready(file, way, file.run.step_s)) for way in HOT),
+        troubled=time_troubled(file, HOT[0]),
+        attended=time_attended(lambda: ready(file, HOT[0], file.run.step_s)),
+        latency=latency,
+        sizes={name: Size(kind.itemsize, kind.itemsize // 2) for name, kind in RECORDS.items()},
+        memory_1969_words_of_16_bits=WORDS_1969,
+    )
+
+
+def pace(boat: Boat, seconds: int, progress: Callable[[int], None]) -> Paced:
+    """Return what became of the ticks of ``seconds`` [s] of real time."""
+    step = boat.method.step
+    ticks = round(seconds / step)
+
+    def kept(recording: Recording | NoRecording, last_tick: int) -> Summary:
+        with session_of(boat, 1.0, recording, ("teletype",)) as session:
+            session.progress = progress
+            run_to(session, last_tick)
+        return session.time.ledger.summary()
+
+    ledger = kept(temporary(boat), ticks)
+    unrecorded = kept(NoRecording(), 2 * ticks)
+    percent = 100.0 * ledger.duty_cycle
+    return Paced(
+        step_s=step,
+        ticks=ledger.ticks,
+        duty_cycle_percent=percent,
+        duty_cycle_1969_percent=DUTY_1969[step],
+        times_less_than_1969=DUTY_1969[step] / percent,
+        unrecorded_percent=100.0 * unrecorded.duty_cycle,
+        work=ledger.work,
+        lateness=ledger.lateness,
+        samples_from_p99_up=samples_up(ledger.ticks, 990),
+        samples_from_p999_up=samples_up(ledger.ticks, 999),
+        overruns=ledger.overruns,
+        caught_up=ledger.caught_up,
+        skipped=ledger.skipped,
+        gaps=ledger.gaps,
+    )
+
+
+def samples_up(samples: int, permille: int) -> int:
+    """Return how many of so many samples are not below the percentile: what it rests on."""
+    return samples - math.ceil(samples * permille / 1000) + 1
+
+
+def this_machine() -> Machine:
+    """Return what the figures hold for."""
+    return Machine(
+        cpu_model=cpu_model(Path("/proc/cpuinfo")),
+        cpu_target=binding.get_host_cpu_name(),
+        cpu_count=os.cpu_count() or 1,
+        system=platform.platform(terse=True),
+        python=platform.python_version(),
+        numpy=np.__version__,
+        numba=numba.__version__,
+    )
+
+
+def cpu_model(listing: Path) -> str:
+    """Return the processor's name as the ``listing`` of a Linux kernel has it, or the next best."""
+    text = listing.read_text(encoding="utf-8") if listing.exists() else ""
+    found = re.search(r"^model name\s*:\s*(.+)$", text, re.MULTILINE)
+    return found[1].strip() if found else platform.processor() or platform.machine()

@@ -1,0 +1,194 @@
+"""From the helm to the instrument: an order typed at one serial line, its effect read at another.
+
+A session of its own process has a helmsman at a serial line, and sends the angle of the rudder by
+NMEA 0183 to another. He orders the rudder the other way at instants that are spread evenly over a
+tick; what is timed is from his first byte to the last of the sentence that shows the rudder on its
+way there.
+
+A terminal or serial line of the bench's own, with a program at its other end.
+"""
+
+import contextlib
+import itertools
+import math
+import os
+import re
+import select
+import statistics
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from re import Match, Pattern
+from typing import Final
+
+from trainer.config.files import ConfigError
+from trainer.config.vessel import VesselFile
+from trainer.session.time.ledger import SECOND, Histogram, Spread
+
+SIZE: Final = 40, 120  # rows and columns
+TRAINER: Final = (sys.executable, "-m", "trainer")
+
+
+@dataclass
+class Line:
+    """Our end of a line, and the name of the other."""
+
+    descriptor: int
+    name: str
+    said: bytes = b""  # what has come and has not been taken
+
+    def say(self, words: str) -> None:
+        """Write a line."""
+        os.write(self.descriptor, f"{words}\r".encode("ascii"))
+
+    def hear(self, until: float) -> bool:
+        """Take what comes by ``until`` [s] of the monotonic clock; return whether anything did."""
+        wait = max(until - time.monotonic(), 0.0)
+        if not select.select([self.descriptor], [], [], wait)[0]:
+            return False
+        with contextlib.suppress(OSError):  # the other end has gone
+            self.said += os.read(self.descriptor, 65536)
+            return True
+        return False
+
+    def find(self, pattern: Pattern[bytes], until: float) -> Match[bytes] | None:
+        """Return the next match, and take it and what is before it; None if none comes in time."""
+        while True:
+            found = pattern.search(self.said)
+            if found:
+                self.said = self.said[found.end() :]
+                return found
+            if not self.hear(until):
+                return None
+
+
+@contextlib.contextmanager
+def line() -> Iterator[Line]:
+    """Yield a line whose other end a program can open; the system must have such."""
+    import fcntl  # noqa: PLC0415  not everywhere
+    import struct  # noqa: PLC0415
+    import termios  # noqa: PLC0415
+
+    ours, theirs = os.openpty()
+    try:
+        fcntl.ioctl(theirs, termios.TIOCSWINSZ, struct.pack("HHHH", *SIZE, 0, 0))
+        yield Line(ours, os.ttyname(theirs))
+    finally:
+        os.close(theirs)
+        os.close(ours)
+
+
+ORDERS: Final = (("rudder left full", -1.0), ("rudder right full", 1.0))
+RATE: Final = "20"  # [Hz] of the sentences, at most: there is one for each tick
+ANGLE: Final = re.compile(rb"\$INRSA,(-?[0-9]+\.[0-9]+),A[^\n]*\n")
+A_SECOND: Final = 4  # orders, for a second asked for
+GOLDEN: Final = 0.5 * (math.sqrt(5.0) - 1.0)  # of whose multiples any number are spread evenly
+PATIENCE: Final = 30.0  # [s] a first start
+BINS: Final = 10  # of the histogram, to a step
+ALLOWED: Final = 0.020  # [s] beyond half a step
+WIDEST: Final = 40  # [characters] of its bars
+
+
+@dataclass(frozen=True)
+class EndToEnd:
+    """How long it took an order to be seen at an instrument."""
+
+    step_s: float
+    orders: int
+    latency: Spread
+    allowed_median_ms: float  # half a step, and what lines and programs may take
+    bin_ms: float
+    histogram: tuple[int, ...]  # orders by bin
+
+
+def time_helm(file: VesselFile, seconds: float) -> EndToEnd:
+    """Return the latency of A_SECOND orders for each of ``seconds``; ConfigError if none acts."""
+    step = file.run.step_s
+    with line() as helm, line() as instrument:
+        words = ("serve", "--vessel", str(file.path), "--line", f"helm={helm.name}")
+        nmea = ("--nmea", instrument.name, "--nmea-sentences", "RSA", "--nmea-rate", RATE)
+        alone = ("--listen", "none", "--socket", "none", "--no-record")
+        with subprocess.Popen(  # noqa: S603  our own program
+            [*TRAINER, *words, *nmea, *alone],
+            stdin=subprocess.DEVNULL,
+            stdout=subprocess.DEVNULL,
+            stderr=subprocess.PIPE,
+        ) as process:
+            try:
+                taken = list(steer(helm, instrument, step, round(A_SECOND * seconds)))
+            finally:
+                process.terminate()
+            complaint = process.stderr.read().decode() if process.stderr else ""
+    if not taken:
+        raise ConfigError(f"{file.path.name}: the rudder is not seen to move; {complaint.strip()}")
+    return summed(taken, step)
+
+
+def steer(helm: Line, instrument: Line, step: float, orders: int) -> Iterator[int]:
+    """Order the rudder about so often; yield how long [ns] each order took to be seen."""
+    angle = reading(instrument, time.monotonic() + PATIENCE)
+    for number, (words, sense) in zip(range(orders), itertools.cycle(ORDERS), strict=False):
+        pause = time.monotonic() + step * phase(number)
+        while angle is not None and (shown := reading(instrument, pause)) is not None:
+            angle = shown
+        begun = time.monotonic_ns()
+        helm.say(words)
+        while angle is not None:
+            before, angle = angle, reading(instrument, time.monotonic() + PATIENCE)
+            if angle is not None and sense * (angle - before) > 0.0:
+                break
+        if angle is None:
+            return
+        yield time.monotonic_ns() - begun
+
+
+def phase(number: int) -> float:
+    """Return the share of a tick [-] that an order is given after one was seen."""
+    return (number + 0.5) * GOLDEN % 1.0
+
+
+def reading(instrument: Line, until: float) -> float | None:
+    """Return the next angle of the rudder [deg] to starboard, None if none comes in time."""
+    found = instrument.find(ANGLE, until)
+    return float(found[1]) if found else None
+
+
+def summed(taken: list[int], step: float) -> EndToEnd:
+    """Return the figures of times [ns] from order to instrument."""
+    histogram, width = Histogram(), step / BINS
+    counts = [0] * (int(max(taken) / SECOND / width) + 1)
+    for each in taken:
+        histogram.add(each)
+        counts[int(each / SECOND / width)] += 1
+    median = round(statistics.median(taken))  # itself: a bin is wider than what lines may take
+    return EndToEnd(
+        step_s=step,
+        orders=len(taken),
+        latency=replace(histogram.spread(), p50_ns=median),
+        allowed_median_ms=1e3 * (0.5 * step + ALLOWED),
+        bin_ms=1e3 * width,
+        histogram=tuple(counts),
+    )
+
+
+def lines(figures: EndToEnd) -> list[str]:
+    """Return the figures as lines of a page."""
+    spread, most = figures.latency, max(figures.histogram)
+    allowed = f"at most {figures.allowed_median_ms:.0f}: half a step and 20 ms"
+    found = f"median {spread.p50_ns / 1e6:.0f} ms ({allowed}), most {spread.max_ns / 1e6:.0f} ms"
+    return [
+        "",
+        f"FROM HELM TO INSTRUMENT (two serial lines, ticks {figures.step_s:g} s apart)",
+        f"  {figures.orders} orders: {found}",
+        *(
+            f"  {place * figures.bin_ms:6.0f} ms {count:4} {bar(count / most)}".rstrip()
+            for place, count in enumerate(figures.histogram)
+        ),
+    ]
+
+
+def bar(share: float) -> str:
+    """Return a bar of a histogram as long as a ``share`` [-] of the longest."""
+    return "#" * math.ceil(WIDEST * share)

@@ -1,0 +1,230 @@
+"""The size of the tick's machine code in words of 16 bits, beside that of the program of 1969.
+
+It is compiled for size in processes of their own: every kernel once, then the compiler's choice of
+what to join; the shorter of two orders of the instructions counts. The report's trigonometry is
+used, as in 1969.
+
+What the machine code of 1969 did, put together from the core's kernels: for counting its words.
+
+The program UPDATE of 1969 was one cycle of the modified set: forces, accelerations, attitude,
+integration. The whole tick had autopilot, control surfaces, propulsion, tanks and the sea's noise
+besides. Neither had casualties, orders by hand, air, pumps, holds or the surface.
+"""
+
+import json
+import os
+import re
+import subprocess
+import sys
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, Final
+
+from llvmlite import binding  # type: ignore[import-untyped]
+from numba import carray  # type: ignore[attr-defined]
+
+from trainer.boat.export.targets import processor
+from trainer.config.files import ConfigError
+from trainer.core.actuators import moved
+from trainer.core.autopilot import (
+    BOW,
+    PLANE_GAINS,
+    RUDDER,
+    RUDDER_GAINS,
+    STERN,
+    course_law,
+    depth_error,
+    drive,
+    plane_law,
+    scheduled_gains,
+    steer,
+)
+from trainer.core.ballast.ballast import balance
+from trainer.core.compact import forces, lagged
+from trainer.core.integrators import adams
+from trainer.core.kinematics import kinematics
+from trainer.core.noise import SEA_FILTER, gaussian
+from trainer.core.reference import COURSE, DEPTH, move_reference
+from trainer.core.sea.wave_filter import filter_noise
+from trainer.core.state import STATE
+from trainer.core.vessel import COMPACT, EXTRA_TERMS
+
+CPUS: Final = ("x86-64-v3", "x86-64-v4")
+WORDS_1969: Final = {"update": 1253, "tick": 2632}  # [16-bit words] program and constants
+MEMORY: Final = 4096  # [16-bit words] for a tick with its constants and its state
+VESSEL: Final = "bb2"
+ORDERS: Final = ("source", "list-burr")  # of the instructions: as written, for few registers
+CALLED: Final = re.compile(r"call [^\n]*@(?:llvm\.)?mem(?:set|cpy)\b")
+HELD: Final = re.compile(r"^@llvm\.compiler\.used = .*\n", re.MULTILINE)  # memset, memcpy
+DEFINED: Final = re.compile(r"^(define [^\n]*?) \{$", re.MULTILINE)
+CHILD: Final = """
+import json, sys
+from llvmlite import binding
+binding.set_option("", "--pre-RA-sched=" + sys.argv[1])
+from trainer.core import kernel
+kernel.part = kernel.kernel = kernel.njit(error_model="numpy", _nrt=False)
+from trainer.study import footprint, small_ticks
+ticks = {"update": small_ticks.update_of_1969, "tick": small_ticks.tick_of_1969}
+print(json.dumps({name: footprint.sections(tick) for name, tick in ticks.items()}))
+"""
+
+
+@dataclass(frozen=True)
+class Code:
+    """What one program takes on one processor, in words of 16 bits."""
+
+    program: str
+    cpu: str
+    code_words: int
+    constant_words: int
+    code_words_1969: int
+
+
+@dataclass(frozen=True)
+class Footprint:
+    """What the tick takes."""
+
+    codes: tuple[Code, ...]
+    state_words: int
+    compact_words: int  # without the terms that 1969 had not
+    least_whole_words: int  # a tick's code and constants, the compact record and the state
+    whole_words_wanted: int
+
+
+def sections(function: Callable[..., int]) -> dict[str, tuple[int, int]]:
+    """Return by processor how many bytes of code and of constants ``function`` takes."""
+    from trainer.boat.assemble import Method, fit_out  # noqa: PLC0415
+    from trainer.boat.export.lowering import freestanding_module  # noqa: PLC0415  kernels are settled
+    from trainer.config.vessel import load_vessel  # noqa: PLC0415
+
+    method = Method("modified", "lagged", "report", "adams2", 0.5)
+    module = freestanding_module(function, fit_out(load_vessel(VESSEL), method).scheme, {})
+    return {cpu: sizes(small_object(str(module), cpu)) for cpu in CPUS}
+
+
+def small_object(text: str, cpu: str) -> bytes:
+    """Return LLVM text compiled for size."""
+    target = processor(cpu)
+    machine = binding.Target.from_triple(binding.get_process_triple()).create_target_machine(
+        cpu=target.name, features=target.features, opt=2, reloc="pic", codemodel="small"
+    )
+    tuning = binding.create_pipeline_tuning_options(speed_level=2)
+    tuning.size_level = 1
+    tuning.loop_vectorization = tuning.slp_vectorization = tuning.loop_unrolling = False
+    builder = binding.create_pass_builder(machine, tuning)
+    module = binding.parse_assembly(text)
+    builder.getModulePassManager().run(module, builder)
+    return bytes(machine.emit_object(stripped(str(module), builder)))
+
+
+def stripped(text: str, builder: Any) -> Any:
+    """Return the module of optimised LLVM text, marked as small, without what nothing calls."""
+    if not CALLED.search(text):
+        text = HELD.sub("", text)
+    module = binding.parse_assembly(DEFINED.sub(r"\1 optsize {", text))
+    passes = binding.create_new_module_pass_manager()
+    passes.add_global_dead_code_eliminate_pass()
+    passes.run(module, builder)
+    return module
+
+
+def sizes(code: bytes) -> tuple[int, int]:
+    """Return the bytes of an object's code and of its constants."""
+    whole = binding.ObjectFileRef.from_data(code)
+    texts = constants = 0
+    for part in whole.sections():  # each is gone when the next comes
+        size = int(part.size())
+        texts += size * bool(part.is_text())
+        constants += size * (part.name() or b"").startswith(b".rodata")
+    return texts, constants
+
+
+def footprint() -> Footprint:
+    """Return what the tick takes on processors of today; ConfigError if it cannot be compiled."""
+    compiled = [compiled_in_order(order) for order in ORDERS]
+    codes = tuple(
+        Code(name, cpu, *min(found[name][cpu] for found in compiled), WORDS_1969[name])
+        for name, by_cpu in compiled[0].items()
+        for cpu in by_cpu
+    )
+    state, compact = STATE.itemsize // 2, COMPACT.itemsize // 2 - 4 * len(EXTRA_TERMS)
+    ticks = [code.code_words + code.constant_words for code in codes if code.program == "tick"]
+    return Footprint(codes, state, compact, min(ticks) + compact + state, MEMORY)
+
+
+def compiled_in_order(order: str) -> dict[str, dict[str, tuple[int, int]]]:
+    """Return the words of code and of constants, by program and processor, in one of ORDERS."""
+    environment = os.environ | {"NUMBA_OPT": "0", "NUMBA_DISABLE_JIT": "0"}
+    words = [sys.executable, "-W", "ignore", "-c", CHILD, order]
+    done = subprocess.run(words, env=environment, capture_output=True, text=True, check=False)  # noqa: S603
+    if done.returncode != 0:
+        raise ConfigError(f"the tick was not compiled for size: {done.stderr.strip()}")
+    return {
+        name: {cpu: (code // 2, constants // 2) for cpu, (code, constants) in by_cpu.items()}
+        for name, by_cpu in json.loads(done.stdout).items()
+    }
+
+
+def lines(figures: Footprint) -> list[str]:
+    """Return the figures as lines of a page."""
+    rows = [
+        f"  {code.program:<8}{code.cpu:<12}{code.code_words:>8}{code.constant_words:>11}"
+        f"{code.code_words_1969:>8}{code.code_words / code.code_words_1969:>8.2f}"
+        for code in figures.codes
+    ]
+    half = f"half the memory of 1969: {figures.whole_words_wanted}"
+    return [
+        "",
+        "FOOTPRINT ([16-bit words], compiled for size; modified set, the report's trigonometry)",
+        f"  {'program':<8}{'processor':<12}{'code':>8}{'constants':>11}{'1969':>8}{'times':>8}",
+        *rows,
+        f"  state {figures.state_words}, constants of the boat {figures.compact_words}",
+        f"  the tick with all of it {figures.least_whole_words}; {half}",
+    ]
+
+
+def update_of_1969(vessel: Any, compact: Any, scheme: Any, state: Any, scratch: Any) -> int:  # noqa: ARG001 as all
+    """Advance the motion at these addresses by one cycle, controls held; return 0."""
+    few, how, now, work = (
+        carray(compact, 1),
+        carray(scheme, 1),
+        carray(state, 1),
+        carray(scratch, 1),
+    )
+    forces(few, how[0].trig, now, work[0].force)
+    lagged(few, work[0].force, now)
+    kinematics(how[0].trig, now)
+    adams(how, now)
+    return 0
+
+
+def tick_of_1969(vessel: Any, compact: Any, scheme: Any, state: Any, scratch: Any) -> int:
+    """Advance boat, autopilot, surfaces, propeller, tanks and noise by one cycle; return 0."""
+    boat, few, how = carray(vessel, 1), carray(compact, 1), carray(scheme, 1)
+    now, work = carray(state, 1), carray(scratch, 1)
+    c, s, gains, h = boat[0], now[0], work[0].gains, how[0].h
+    filter_noise(work, gaussian(int(s.seed), SEA_FILTER, int(s.tick)), now)
+    scheduled_gains(boat, s.u, gains)
+    for axis in range(COURSE + 1):
+        here = s.z if axis == DEPTH else s.psi
+        move_reference(axis, here, h, gains, now)
+    for surface in range(BOW + 1):
+        if surface == RUDDER:
+            law = course_law(now, gains)
+            step = h * gains[RUDDER_GAINS + 3] * (s.psi_reference - s.psi)
+        else:
+            first = PLANE_GAINS * (surface - STERN)
+            law = plane_law(now, gains, first)
+            step = h * gains[first + 4] * depth_error(gains, now)
+        steer(boat, now, surface, law, step)
+    drive(boat, h, now)
+    balance(boat, boat, now)
+    forces(few, how[0].trig, now, work[0].force)
+    lagged(few, work[0].force, now)
+    kinematics(how[0].trig, now)
+    adams(how, now)
+    for i in range(3):
+        s.surface[i] = moved(s.surface[i], s.command[i], c.limit[i], c.surface_rate * h, 1.0)
+    s.u_c += h / c.propulsion_lag * (s.command_u_c - s.u_c)
+    s.tick += 1.0
+    return 0

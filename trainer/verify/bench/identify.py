@@ -1,0 +1,249 @@
+"""How fast a ship is identified, beside statsmodels and plain C: ``trainer bench --identify``.
+
+Everything is the tanker of the rehearsals: Model 1, 19 free parameters, three outputs. Ratios are
+medians over short batches in turn. Times are the processor's, which others hardly lengthen.
+
+The likelihood of a problem by statsmodels, and what a fit by its minimiser asks for.
+"""
+
+import textwrap
+import time
+import warnings
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from functools import partial
+from typing import Any, Final
+
+import numpy as np
+
+from trainer.boat.export.targets import NoCompilerError
+from trainer.core.kernel import Numbers
+from trainer.identify.estimate import estimate
+from trainer.identify.likelihood import Likelihood
+from trainer.identify.measurements import Samples
+from trainer.identify.minimise import Search, stretched
+from trainer.identify.monte_carlo import one_run
+from trainer.identify.problem import Problem
+from trainer.identify.reference_ships import TANKER, TANKER_RUDDER
+from trainer.identify.validation import deterministic, drawn
+from trainer.verify.bench.paired_timing import timed
+from trainer.verify.c_reference.filter import likelihood_in_c
+
+Value = Callable[[], float]
+
+MOST: Final = 200  # steps of its minimiser
+
+
+def filters() -> Any:
+    """Return statsmodels' module of Kalman filters; ImportError where it is not installed."""
+    from statsmodels.tsa.statespace import kalman_filter  # noqa: PLC0415  slow, and optional
+
+    return kalman_filter
+
+
+def by_statsmodels(kalman: Any, problem: Problem, theta: Numbers) -> Value:
+    """Return minus the log-likelihood as ``kalman``, statsmodels' filter, has it, one interval.
+
+    It is asked in the way that it is quickest in: what the rudder and the start do is taken off
+    before, so that its system does not change from sample to sample and its gain may settle.
+    """
+    outputs = problem.samples.outputs
+    states, readings = problem.plant.model.states, outputs.shape[1]
+    model = kalman.KalmanFilter(k_endog=readings, k_states=states, k_posdef=states)
+    model["selection"] = np.eye(states)
+    unmoved = np.zeros(states)
+
+    def value() -> float:
+        mean, noise, start = problem.sampled(theta).at(0)
+        model["transition"], model["design"] = mean[0, :states, :states], mean[0, states:, :states]
+        model["state_cov"] = noise[0, :states, :states]
+        model["obs_cov"] = noise[0, states:, states:]
+        left = outputs - deterministic(problem, theta)[:, states:]
+        model.bind(np.ascontiguousarray(left))
+        model.initialize_known(unmoved, start[:, 1:])
+        return -float(model.loglike())
+
+    return value
+
+
+def likelihoods_of_a_fit(cost: Likelihood, theta: Numbers) -> int:
+    """Return how many likelihoods statsmodels' minimiser, scipy's BFGS by differences, asks for.
+
+    It is given parameters without bounds, as statsmodels' own models give it; ours are counted,
+    which have the same values.
+    """
+    from scipy.optimize import minimize  # noqa: PLC0415  optional
+
+    problem = stretched(cost, theta)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # differences between impossible models
+        found = minimize(
+            lambda eta: cost.value(problem.theta(eta)),
+            np.zeros(len(theta)),
+            method="BFGS",
+            options={"maxiter": MOST},
+        )
+    return int(found.nfev)
+
+
+Maker = Callable[[Problem, Numbers], Callable[[], float]]
+
+MISSING: Final = 0.1  # [-] share of readings
+FITS: Final = 50
+
+
+@dataclass(frozen=True)
+class Row:
+    """One figure and the most it is wanted to be; None where it cannot be had here, and why."""
+
+    name: str
+    figure: float | None
+    at_most: float
+    note: str = ""
+
+    @property
+    def word(self) -> str:
+        """Return how the figure stands to what is wanted."""
+        if self.figure is None:
+            return "left out"
+        return "holds" if self.figure <= self.at_most else "MISSED"
+
+
+@dataclass(frozen=True)
+class Speed:
+    """What was measured."""
+
+    samples: int
+    parameters: int
+    likelihood_us: float  # at one interval, nothing missing
+    rows: tuple[Row, ...]
+
+
+@dataclass(frozen=True)
+class Other:
+    """Another way to the same likelihood; ``make`` is None where it is not here, and why."""
+
+    name: str
+    make: Maker | None
+    why: str = ""
+
+
+def in_c() -> Other:
+    """Return the likelihood in plain C."""
+    try:
+        return Other("C", likelihood_in_c())
+    except NoCompilerError as error:
+        return Other("C", None, str(error))
+
+
+def in_statsmodels() -> Other:
+    """Return the likelihood by statsmodels."""
+    try:
+        kalman = filters()
+    except ImportError:
+        return Other("statsmodels", None, "statsmodels is not installed")
+    return Other("statsmodels", partial(by_statsmodels, kalman))
+
+
+def recorded(problem: Problem) -> Problem:
+    """Return the problem with a record drawn from it."""
+    return problem.on(drawn(problem, problem.start, np.random.default_rng(1)))
+
+
+def varied(problem: Problem) -> Problem:
+    """Return the problem with no two intervals alike."""
+    samples, period = problem.samples, problem.plant.period
+    steps = np.random.default_rng(2).uniform(0.5, 1.5, len(samples.t))
+    return problem.on(Samples(np.cumsum(steps) * period, samples.outputs, samples.inputs))
+
+
+def beside(record: str, problem: Problem, wanted: Sequence[tuple[Other, float]]) -> list[Row]:
+    """Return the likelihood's time by that of each other, with the most that is wanted of it."""
+    theta = problem.start
+    here = [other.make(problem, theta) for other, _ in wanted if other.make]
+    paces = timed([partial(Likelihood(problem).value, theta), *here])
+    rows, place = [], 0
+    for other, at_most in wanted:
+        name = f"likelihood, {record}, of {other.name}"
+        place += other.make is not None
+        figure = paces.ratio(0, place) if other.make else None
+        rows.append(Row(name, figure, at_most, other.why))
+    return rows
+
+
+def slopes(problem: Problem) -> tuple[float, list[Row]]:
+    """Return the likelihood's time [s], and in likelihoods that of gradient and information."""
+    cost = Likelihood(problem)
+    works = [partial(work, problem.start) for work in (cost.value, cost.slope, cost.information)]
+    paces = timed(works)
+    gradient, information = paces.ratio(1, 0), paces.ratio(2, 0)
+    return paces.median(0), [
+        Row("gradient, likelihoods", gradient, 10.0),
+        Row("gradient and information, likelihoods", gradient + information, 40.0),
+    ]
+
+
+def fit(problem: Problem, other: Other) -> list[Row]:
+    """Return the time [s] of a fit from where an analyst starts, and by that of statsmodels' BFGS.
+
+    The latter's is the likelihoods that its minimiser asks for, at what one takes it.
+    """
+    cost, begin = Likelihood(problem), TANKER.start()
+    works: list[Callable[[], object]] = [lambda: estimate(cost, begin, "auto", Search())]
+    asked, name = 0, "fit, of statsmodels' BFGS"
+    if other.make:
+        works.append(other.make(problem, begin))
+        asked = likelihoods_of_a_fit(cost, begin)
+    paces = timed(works)
+    ratio = paces.ratio(0, 1) / asked if asked else None
+    note = f"which asks for {asked} likelihoods" if asked else other.why
+    return [Row("fit, s", paces.median(0), 0.3), Row(name, ratio, 1.0 / 50.0, note)]
+
+
+def many_fits(problem: Problem) -> Row:
+    """Return the processor's time [s] of records simulated, fitted, and given intervals."""
+    begin = replace(problem, values=problem.whole(TANKER.start()))
+    begun = time.process_time()
+    for seed in range(FITS):
+        one_run(begin, problem.start, seed)
+    spent = time.process_time() - begun
+    return Row(f"{FITS} ships drawn, fitted, with intervals, s", spent, 5.0)
+
+
+def identify_speed(samples: int) -> Speed:
+    """Return how fast a ship is identified from records of so many samples."""
+    rudder = TANKER_RUDDER[:samples]
+    whole, missing = (recorded(TANKER.problem(rudder, share)) for share in (0.0, MISSING))
+    changing = recorded(varied(TANKER.problem(rudder)))
+    c, statsmodels = in_c(), in_statsmodels()
+    alone, gradients = slopes(whole)
+    rows = [
+        *beside("one interval", whole, [(statsmodels, 1.0 / 20.0), (c, 1.5)]),
+        *beside("readings missing", missing, [(statsmodels, 1.0 / 6.0), (c, 1.5)]),
+        *beside("intervals differ", changing, [(c, 1.5)]),
+        *gradients,
+        *fit(whole, statsmodels),
+        many_fits(whole),
+    ]
+    return Speed(samples, len(whole.free), 1e6 * alone, tuple(rows))
+
+
+def lines(figures: Speed) -> list[str]:
+    """Return the figures as lines of a page."""
+    page = [
+        "",
+        f"IDENTIFICATION (Model 1, {figures.parameters} parameters, {figures.samples} samples)",
+        f"  one likelihood, one interval {figures.likelihood_us:.0f} us",
+        f"  {'':<44}{'figure':>10}{'at most':>10}",
+    ]
+    for row in figures.rows:
+        figure = "-" if row.figure is None else told(row.figure, row.at_most)
+        limit = told(row.at_most, row.at_most)
+        page.append(f"  {row.name:<44}{figure:>10}{limit:>10}  {row.word}")
+        page += textwrap.wrap(row.note, 75, initial_indent="    ", subsequent_indent="    ")
+    return page
+
+
+def told(figure: float, at_most: float) -> str:
+    """Return a figure as it is wanted: as a fraction where that is one."""
+    return f"1/{1.0 / figure:.3g}" if 0.0 < at_most < 0.2 else f"{figure:.3g}"

@@ -1,0 +1,111 @@
+"""What a tick of a session costs: bare, recorded, and recorded with five subscribers."""
+
+import contextlib
+import math
+import os
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Final
+
+from trainer.boat.boat import Boat
+from trainer.config.files import ConfigError
+from trainer.io.line import Joined, Outbox, writer
+from trainer.io.recording.recording import NoRecording, Recording
+from trainer.io.tables import COLUMNS, CsvFile, NoFile
+from trainer.session.history import History
+from trainer.session.session import Session
+from trainer.session.stations.access import Door
+from trainer.session.stations.station import Station
+from trainer.session.stations.subscriptions import Publisher, Roster
+from trainer.session.stations.view import Lookout
+from trainer.session.time.pacer import MonotonicClock, Policy
+from trainer.session.time.timekeeping import Timekeeping
+from trainer.verify.bench.tick import Batches, time_batches
+
+SUBSCRIBERS: Final = ("steering", "diving", "tanks", "motion", "gauges")
+RATE: Final = 10.0  # [Hz]
+PATIENCE: Final = 0.5  # [s] for the last lines
+
+
+@dataclass(frozen=True)
+class Attended:
+    """The cost of a tick at full speed, by what attends to it."""
+
+    boat: Batches  # the core alone
+    bare: Batches  # a session with nothing attached
+    csv_row: Batches  # and so much more for a row of a CSV file
+    recorded: Batches
+    subscribed: Batches  # recorded, and five subscribers at 10 Hz
+    times_the_bare: float  # least over least: interference only adds
+
+
+@contextlib.contextmanager
+def session_of(
+    boat: Boat, speed: float, recording: Recording | NoRecording, channels: tuple[str, ...]
+) -> Iterator[Session]:
+    """Yield a session whose stations, one for each channel, are told to nobody."""
+    keeping = Timekeeping.at(MonotonicClock(), boat.method.step, speed, Policy.CATCH_UP)
+    publisher = Publisher(Roster(Lookout(boat, keeping.ledger.summary)))
+    session = Session(boat, keeping, History(boat, recording), NoFile(), (), publisher)
+    with Path(os.devnull).open("wb", buffering=0) as sink, contextlib.closing(recording):
+        for channel in channels:
+            out = Outbox(writer(sink.fileno()))
+            line = Joined(channel, None, out)
+            station = Station(line, Door("instructor"), publisher, session.board.log)
+            station.wishes.begin(channel, RATE, station.role, machine=channel != "teletype")
+            session.board.stations.append(station)
+        try:
+            yield session
+        finally:
+            publisher.close(PATIENCE)
+            for station in session.board.stations:
+                station.close(PATIENCE)
+
+
+def run_to(session: Session, tick: int) -> None:
+    """Run up to ``tick``; ConfigError if the boat loses its numbers before."""
+    session.last_tick = tick
+    session.run()
+    if session.desk.failure:
+        method = session.boat.method
+        raise ConfigError(
+            f"{session.boat.file.path.name} has no place in a benchmark at a step of "
+            f"{method.step:g} s with {method.integrator}: {session.desk.failure}"
+        )
+
+
+def temporary(boat: Boat) -> Recording:
+    """Return a recording that is gone when closed."""
+    return Recording.create(None, {}, boat.records.state.tobytes())
+
+
+def time_attended(make: Callable[[], Boat]) -> Attended:
+    """Return the cost of a tick of boats under way, by what attends to it."""
+    alone, bare, recorded, subscribed = (make() for _ in range(4))
+    rows = CsvFile(Path(os.devnull), 1)  # each row at once, as in real time
+
+    def whole(session: Session) -> Callable[[int], None]:
+        return lambda count: run_to(session, int(session.boat.state.tick) + count)
+
+    def tick(count: int) -> None:
+        for _ in range(count):
+            alone.tick()
+
+    def row(count: int) -> None:
+        for _ in range(count):
+            rows.row(alone.numbers(COLUMNS))
+
+    with contextlib.closing(rows), contextlib.ExitStack() as stack:
+        sessions = [
+            stack.enter_context(session_of(boat, math.inf, recording, channels))
+            for boat, recording, channels in (
+                (bare, NoRecording(), ()),
+                (recorded, temporary(recorded), ()),
+                (subscribed, temporary(subscribed), SUBSCRIBERS),
+            )
+        ]
+        costs = time_batches([tick, row, *(whole(session) for session in sessions)])
+    boat_cost, row_cost, *rest = costs
+    ratio = rest[2].least_ns / rest[0].least_ns
+    return Attended(boat_cost, rest[0], row_cost, rest[1], rest[2], ratio)

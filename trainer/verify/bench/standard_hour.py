@@ -1,0 +1,100 @@
+"""One hour that is the same everywhere: a boat in a sea, under orders, with things that break.
+
+However the tick is computed, compiled or interpreted, for whatever processor, in C or in an
+ensemble, the hour ends in the same bits; ``digest`` is their name. Orders are carried out by the
+helm, between ticks, on the records themselves.
+"""
+
+import hashlib
+from collections.abc import Callable
+from pathlib import Path
+from typing import Final
+
+from trainer.boat.assemble import Method, Records
+from trainer.boat.boat import Boat
+from trainer.boat.helm import obey
+from trainer.config.sea import load_sea
+from trainer.config.vessel import load_vessel
+from trainer.io.orders.grammar import Refused
+from trainer.io.orders.schedule import BadSchedule, Scheduled, parse_schedule
+from trainer.units import KNOT
+
+VESSEL: Final = Path(__file__).with_name("standard_boat.toml")
+METHOD: Final = Method("modified", "lagged", "exact", "adams2", 0.5)
+SPEED: Final = 10.0  # [kn]
+DEPTH: Final = 60.0  # [m]
+SEA: Final = "sea-state-5"
+SEED: Final = 1969
+TICKS: Final = 7200
+ORDERS: Final = """
+60 depth 90
+120 course 075
+300 pump trim forward 4
+400 speed 14
+500 casualty rudder-slow 0.7 ramp 30
+600 course left 120
+800 clear rudder-slow
+900 casualty stern-stuck
+1000 clear stern-stuck
+1100 sea state 3
+1200 casualty leak-auxiliary ramp 20
+1300 pump auxiliary 3
+1400 clear leak-auxiliary
+1500 rudder right 5
+1530 course 030
+1600 speed 5
+1700 depth 40
+1800 hover on
+2000 flood depth-control 2
+2100 hover off
+2200 speed 8
+2300 casualty gyro-biased
+2400 periscope depth
+2700 surface
+3000 compressor on
+3100 dive
+3200 depth 50
+3400 planes manual
+3450 planes auto
+"""
+
+Ticks = Callable[[Records, int], int]  # so many ticks of a boat; the status of the last
+
+
+def orders() -> list[Scheduled]:
+    """Return what is ordered in the hour, by time."""
+    found = parse_schedule(ORDERS, "the standard hour")
+    if isinstance(found, BadSchedule):
+        raise TypeError(str(found))
+    return found
+
+
+def standard_boat() -> Boat:
+    """Return the boat at the start of the hour."""
+    boat = Boat(load_vessel(str(VESSEL)), METHOD)
+    boat.start(SPEED * KNOT, DEPTH, 0.0, SEED)
+    boat.put_to_sea(load_sea(SEA))
+    return boat
+
+
+def fly_standard_hour(take: Ticks, last: int = TICKS) -> Boat:
+    """Return the boat after the hour, its ticks taken by ``take``; up to tick ``last`` if sooner.
+
+    RuntimeError if an order is refused or the boat loses its numbers.
+    """
+    boat = standard_boat()
+    for entry in (*orders(), None):
+        until = last if entry is None else min(round(entry.seconds / METHOD.step), last)
+        status = take(boat.records, until - int(boat.state.tick))
+        if status:
+            raise RuntimeError(boat.failure(status))
+        if entry is not None and until < last:
+            answer = obey(boat, entry.order)
+            if isinstance(answer, Refused):
+                raise RuntimeError(f"{entry.order.text}: {answer.reason}")
+    return boat
+
+
+def digest(boat: Boat) -> str:
+    """Return the SHA-256 of the whole state."""
+    return hashlib.sha256(boat.records.state.tobytes()).hexdigest()

@@ -1,0 +1,176 @@
+"""The core's tick back to back: called, in a compiled loop, and with everything going on.
+
+The cost of short work, measured over batches long enough for the clock.
+"""
+
+import gc
+import statistics
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Final
+
+from trainer.boat import casualties
+from trainer.boat.assemble import Method, Records
+from trainer.boat.boat import Boat
+from trainer.boat.limits import showing
+from trainer.config.sea import load_sea
+from trainer.config.vessel import VesselFile
+from trainer.core.kernel import Record, kernel
+from trainer.core.update import update
+from trainer.units import KNOT
+
+BATCHES: Final = 21
+BATCH_NS: Final = 10_000_000  # [ns] a batch takes at least; the clock resolves far better
+
+
+@dataclass(frozen=True)
+class Batches:
+    """The cost of one repetition: over batches of equal length, the median and the least."""
+
+    median_ns: float
+    least_ns: float
+    batches: int
+    repetitions: int  # in a batch
+
+
+def time_batches(works: Sequence[Callable[[int], None]]) -> list[Batches]:
+    """Return the cost of one repetition of each of ``works``, called with how many to do.
+
+    Their batches take turns, so that a change of the machine's pace meets them all.
+    """
+    counts = [long_enough(work) for work in works]
+    costs = [
+        [clocked(work, count) / count for work, count in zip(works, counts, strict=True)]
+        for _ in range(BATCHES)
+    ]
+    return [
+        Batches(statistics.median(cost), min(cost), BATCHES, count)
+        for cost, count in zip(zip(*costs, strict=True), counts, strict=True)
+    ]
+
+
+def long_enough(work: Callable[[int], None]) -> int:
+    """Return a number of repetitions that takes at least a batch's time, also undisturbed.
+
+    The best of three tells: neither the compiling of a first call nor an interruption counts.
+    """
+    count = 1
+    while min(clocked(work, count) for _ in range(3)) < BATCH_NS:
+        count *= 2
+    return count
+
+
+def clocked(work: Callable[[int], None], count: int) -> int:
+    """Return the time [ns] that ``count`` repetitions take."""
+    start = time.perf_counter_ns()
+    work(count)
+    return time.perf_counter_ns() - start
+
+
+STANDARD: Final = ("modified", "lagged", "adams2")
+SEA: Final = "sea-state-5"
+CASUALTIES: Final = (
+    *("rudder-slow", "stern-slow", "bow-slow"),
+    *("depth-gauge-noisy", "gyro-biased", "log-noisy"),
+)
+
+
+@dataclass(frozen=True)
+class Update:
+    """One way to compute the boat: a tick called from Python, and inside a compiled loop."""
+
+    equations: str
+    rates: str
+    integrator: str
+    step_s: float
+    called: Batches
+    in_kernel: Batches
+    crossing_ns: float  # the least of called less the least of in_kernel: interference only adds
+
+
+@dataclass(frozen=True)
+class Troubled:
+    """A tick in the compiled loop, in a calm and with a sea, tanks at work and six casualties."""
+
+    calm: Batches
+    troubled: Batches
+    times_the_calm: float  # least over least: interference only adds
+
+
+@kernel
+def take_ticks(
+    vessel: Record, compact: Record, scheme: Record, count: int, state: Record, scratch: Record
+) -> int:
+    """Advance ``state`` by ``count`` ticks without Python between them; return the last status."""
+    status = 0
+    for _ in range(count):
+        status = update(vessel, compact, scheme, state, scratch)
+    return status
+
+
+def in_a_loop(records: Records, count: int) -> int:
+    """Take ``count`` ticks of a boat in the compiled loop; return the status of the last."""
+    vessel, compact, scheme, state, scratch = records
+    return int(take_ticks(vessel, compact, scheme, count, state, scratch))
+
+
+def ready(file: VesselFile, way: tuple[str, str, str], step: float) -> Boat:
+    """Return a boat under way in trim, its tick compiled and the garbage out of the way."""
+    equations, rates, integrator = way
+    boat = Boat(file, Method(equations, rates, "exact", integrator, step))
+    boat.start(file.run.start_speed_kn * KNOT, file.run.start_depth_m, 0.0)
+    start = boat.snapshot()
+    boat.tick()
+    showing(boat)
+    boat.restore(start)
+    gc.collect()
+    gc.freeze()  # as a run does: a full collection with numba loaded takes 0.1 s
+    return boat
+
+
+def time_update(boat: Boat) -> Update:
+    """Return the cost of a tick of the core, with and without a call from Python around it."""
+    vessel, compact, scheme, state, scratch = boat.records
+    tick = boat.tick
+
+    def call(count: int) -> None:
+        for _ in range(count):
+            tick()
+
+    def loop(count: int) -> None:
+        take_ticks(vessel, compact, scheme, count, state, scratch)
+
+    called, in_kernel = time_batches([call, loop])
+    method = boat.method
+    return Update(
+        equations=method.equations,
+        rates=method.rates,
+        integrator=method.integrator,
+        step_s=method.step,
+        called=called,
+        in_kernel=in_kernel,
+        crossing_ns=called.least_ns - in_kernel.least_ns,
+    )
+
+
+def time_troubled(file: VesselFile, way: tuple[str, str, str]) -> Troubled:
+    """Return what sea, tanks (where the boat has any) and casualties add to a tick."""
+    boats = [ready(file, way, file.run.step_s) for _ in range(2)]
+    troubled = boats[1]
+    troubled.put_to_sea(load_sea(SEA))
+    troubled.state.hover = troubled.vessel.fitted
+    troubled.state.move_trim = 1e9 * troubled.vessel.fitted
+    for name in CASUALTIES:
+        casualties.insert(troubled, name)
+
+    def loop(boat: Boat) -> Callable[[int], None]:
+        vessel, compact, scheme, state, scratch = boat.records
+
+        def run(count: int) -> None:
+            take_ticks(vessel, compact, scheme, count, state, scratch)
+
+        return run
+
+    calm, worst = time_batches([loop(boat) for boat in boats])
+    return Troubled(calm, worst, worst.least_ns / calm.least_ns)

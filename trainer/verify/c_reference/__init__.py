@@ -1,0 +1,1 @@
+"""The same computations in plain C, to be compared with."""

@@ -1,0 +1,268 @@
+/* Tanks, air, pumps, and weight and balance: trainer/core/ballast/tanks.py, air.py, pumps.py, ballast.py. */
+
+static double sea_pressure(double specific, double depth)
+{
+    return ATMOSPHERE + specific * most(depth, 0.0);
+}
+
+static void admit(const struct vessel *c, int tank, double wanted, struct state *s)
+{
+    double before = s->water[tank];
+    s->water[tank] = clamped(before + wanted, 0.0, c->capacity[tank]);
+    s->water_taken += s->water[tank] - before;
+}
+
+static double through_hole(double rho, double area, double pressure)
+{
+    return pressure > 0.0 ? area * sqrt(2.0 * rho * pressure) : 0.0;
+}
+
+static double sonic_share(double ratio)
+{
+    if (ratio <= CRITICAL)
+        return 1.0;
+    if (ratio >= 1.0)
+        return 0.0;
+    double beyond = (ratio - CRITICAL) / (1.0 - CRITICAL);
+    return sqrt(1.0 - beyond * beyond);
+}
+
+static double drawn(
+    const struct vessel *c, int bank, double area, double pressure, const struct state *s)
+{
+    double held = s->bank[bank];
+    if (held <= 0.0 || area <= 0.0)
+        return 0.0;
+    double own = held * c->gas / c->bank_volume[bank];
+    double flow = c->choked * area * own * sonic_share(pressure / own);
+    return flow * (1.0 - clamped(s->bank_fault[bank], 0.0, 1.0));
+}
+
+static void pass_air(
+    const struct vessel *c, int bank, int tank, double flow, double pressure, struct state *s)
+{
+    double spare = s->bank[bank] - pressure * c->bank_volume[bank] / c->gas;
+    double before = s->bank[bank];
+    s->bank[bank] = most(before - most(least(flow, spare), 0.0), 0.0);
+    s->tank_air[tank] += before - s->bank[bank];
+}
+
+static void blow(const struct vessel *c, int tank, double pressure, double h, struct state *s)
+{
+    double order = s->blow[tank];
+    double sound = 1.0 - clamped(s->blow_fault[tank], 0.0, 1.0);
+    double area = c->blow_area[tank] * least(order, 1.0) * sound;
+    double flow = drawn(c, MAIN_BANK, area, pressure, s);
+    pass_air(c, MAIN_BANK, tank, flow * h, pressure, s);
+    if (order > 1.0) {
+        area = c->emergency_area[tank] * least(order - 1.0, 1.0) * sound;
+        flow = drawn(c, EMERGENCY_BANK, area, pressure, s);
+        pass_air(c, EMERGENCY_BANK, tank, flow * h, pressure, s);
+    }
+}
+
+static double vent_opening(int tank, const struct state *s)
+{
+    double fault = s->vent_fault[tank];
+    if (fault < 0.0)
+        return least(-fault, 1.0);
+    return least(s->vent[tank], 1.0) * (1.0 - least(fault, 1.0));
+}
+
+static void vent(const struct vessel *c, int tank, double top, double h, struct state *s)
+{
+    double area = c->vent_area[tank] * vent_opening(tank, s);
+    double volume = (c->capacity[tank] - s->water[tank]) / c->rho;
+    double space = c->capacity[tank] / c->rho;
+    double head = least(top, 0.0) + c->height[tank] * volume / space;
+    double pressure = ATMOSPHERE + c->rho * c->g * (head + most(top, 0.0));
+    double density = most(pressure, THINNEST) / c->gas;
+    double flow = through_hole(density, area, c->rho * c->g * fabs(head)) * h;
+    double passed = least(flow, fabs(head) / c->height[tank] * space * density);
+    passed = head > 0.0 ? least(passed, s->tank_air[tank]) : -passed;
+    if (volume <= 0.0 && 0.0 <= top)
+        passed = s->tank_air[tank];
+    s->tank_air[tank] -= passed;
+    s->air_taken -= passed;
+}
+
+static void settle(const struct vessel *c, int tank, double top, double h, struct state *s)
+{
+    double space = c->capacity[tank] / c->rho;
+    double volume = (c->capacity[tank] - s->water[tank]) / c->rho;
+    double p_top = most(ATMOSPHERE + c->rho * c->g * top, THINNEST);
+    double slope = c->rho * c->g * c->height[tank] / space;
+    double content = s->tank_air[tank] * c->gas;
+    double balance = 2.0 * content / (p_top + sqrt(p_top * p_top + 4.0 * slope * content));
+    double inward = c->capacity[tank] - c->rho * balance - s->water[tank];
+    if (volume > 0.0) {
+        double excess = fabs(content / volume - p_top - slope * volume);
+        double reach = through_hole(c->rho, c->port[tank], excess) * h;
+        inward = clamped(inward, -reach, reach);
+    }
+    admit(c, tank, inward, s);
+    if (s->water[tank] == 0.0) {
+        double surplus = s->tank_air[tank] - (p_top + slope * space) * space / c->gas;
+        if (surplus > 0.0) {
+            s->tank_air[tank] -= surplus;
+            s->air_taken -= surplus;
+        }
+    }
+}
+
+static int at_work(const struct vessel *c, int tank, const struct state *s)
+{
+    if (tank == NEGATIVE && s->negative_flood <= 0.0)
+        return 0;
+    if (s->tank_air[tank] > 0.0 || s->water[tank] < c->capacity[tank])
+        return 1;
+    return (s->blow[tank] > 0.0 || vent_opening(tank, s) > 0.0) && c->capacity[tank] > 0.0;
+}
+
+static void work_blown_tank(
+    const struct vessel *c, int tank, double depth, double h, struct state *s)
+{
+    double top = depth - 0.5 * c->height[tank];
+    if (s->blow[tank] > 0.0) {
+        double level = top + c->height[tank] * (1.0 - s->water[tank] / c->capacity[tank]);
+        blow(c, tank, sea_pressure(c->rho * c->g, level), h, s);
+    }
+    if (vent_opening(tank, s) > 0.0)
+        vent(c, tank, top, h, s);
+    settle(c, tank, top, h, s);
+}
+
+static void compress(const struct vessel *c, double h, struct state *s)
+{
+    double left = c->compressor_rate * h;
+    for (int i = 0; i < 2; i++) {
+        double before = s->bank[i];
+        s->bank[i] = least(before + left, most(c->bank_full[i], before));
+        s->air_taken += s->bank[i] - before;
+        left -= s->bank[i] - before;
+    }
+}
+
+static double delivery(const struct vessel *c, double depth)
+{
+    double left = 1.0 - most(depth, 0.0) / c->shutoff_depth;
+    return left > 0.0 ? sqrt(left) : 0.0;
+}
+
+static double sound_rate(const struct vessel *c, int pump, const struct state *s)
+{
+    return c->pump_rate[pump] * (1.0 - clamped(s->pump_fault[pump], 0.0, 1.0));
+}
+
+static void pump_tank(const struct vessel *c, int pump, int tank, double h, struct state *s)
+{
+    double order = s->to_move[pump];
+    double furthest = sound_rate(c, pump, s) * h;
+    double amount = least(most(order, -furthest * delivery(c, s->z)), furthest);
+    admit(c, tank, amount, s);
+    s->to_move[pump] = order - amount;
+    int full = order > 0.0 && s->water[tank] >= c->capacity[tank];
+    if (full || (order < 0.0 && s->water[tank] <= 0.0))
+        s->to_move[pump] = 0.0;
+}
+
+static void transfer_trim(const struct vessel *c, double h, struct state *s)
+{
+    double order = s->to_move[TRIM_PUMP];
+    double furthest = sound_rate(c, TRIM_PUMP, s) * h;
+    double amount = least(most(order, -furthest), furthest);
+    double forward = s->water[TRIM_FORWARD], aft = s->water[TRIM_AFT];
+    double possible = least(least(amount, aft), c->capacity[TRIM_FORWARD] - forward);
+    possible = most(most(possible, -forward), aft - c->capacity[TRIM_AFT]);
+    s->water[TRIM_FORWARD] = clamped(forward + possible, 0.0, c->capacity[TRIM_FORWARD]);
+    s->water[TRIM_AFT] = clamped(aft - possible, 0.0, c->capacity[TRIM_AFT]);
+    s->to_move[TRIM_PUMP] = possible == amount ? order - amount : 0.0;
+}
+
+static void drain(const struct vessel *c, double h, struct state *s)
+{
+    int place = FIRST_DRY - 1 + (int)s->drained;
+    if (FIRST_DRY <= place && place < END)
+        admit(c, place, -sound_rate(c, DRAIN_PUMP, s) * h * delivery(c, s->z), s);
+}
+
+static void hover(const struct vessel *c, double h, struct state *s)
+{
+    double frequency = c->hover_frequency;
+    double per_acceleration = (c->mass - c->Z_wdot) / c->g;
+    double rate = (s->ordered_depth - s->z) * frequency / (2.0 * DAMPING);
+    double lack = clamped(rate, -c->hover_rate, c->hover_rate) - s->zdot;
+    double wanted = s->hover_integral + per_acceleration * 2.0 * DAMPING * frequency * lack;
+    double possible = clamped(wanted, 0.0, c->capacity[DEPTH_CONTROL]);
+    if (wanted == possible)
+        s->hover_integral += per_acceleration * INTEGRAL * frequency * frequency * lack * h;
+    s->to_move[DEPTH_CONTROL_PUMP] = possible - s->water[DEPTH_CONTROL];
+}
+
+static void work_pumps(const struct vessel *c, double h, struct state *s)
+{
+    if (s->hover > 0.0)
+        hover(c, h, s);
+    else
+        s->hover_integral = s->water[DEPTH_CONTROL];
+    if (s->to_move[TRIM_PUMP] != 0.0)
+        transfer_trim(c, h, s);
+    if (s->drained > 0.0)
+        drain(c, h, s);
+    else if (s->to_move[DRAIN_PUMP] != 0.0)
+        pump_tank(c, DRAIN_PUMP, AUXILIARY, h, s);
+    if (s->to_move[DEPTH_CONTROL_PUMP] != 0.0)
+        pump_tank(c, DEPTH_CONTROL_PUMP, DEPTH_CONTROL, h, s);
+}
+
+static void balance(const struct vessel *c, struct state *s)
+{
+    double weight = 0.0, x = 0.0, y = 0.0, z = 0.0;
+    for (int i = 0; i < END; i++) {
+        double more = (s->water[i] - c->start[i]) * c->g;
+        weight += more;
+        x += more * (c->x[i] - c->x_g);
+        y += more * (c->y[i] - c->y_g);
+        z += more * (c->z[i] - c->z_g);
+    }
+    s->weight = c->weight + weight;
+    s->x_g = c->x_g + x / s->weight;
+    s->y_g = c->y_g + y / s->weight;
+    s->z_g = c->z_g + z / s->weight;
+}
+
+static void breached(const struct vessel *c, int tank, double depth, double h, struct state *s)
+{
+    double outside = sea_pressure(c->rho * c->g, depth);
+    double limit = c->capacity[tank], inside = ATMOSPHERE;
+    if (tank >= FIRST_DRY) {
+        limit *= 1.0 - ATMOSPHERE / outside;
+        inside = ATMOSPHERE / (1.0 - least(s->water[tank], limit) / c->capacity[tank]);
+    }
+    double area = DISCHARGE * s->breach[tank - TRIM_FORWARD];
+    double amount =
+        least(through_hole(c->rho, area, outside - inside) * h, limit - s->water[tank]);
+    if (amount > 0.0)
+        admit(c, tank, amount, s);
+}
+
+static void advance_ballast(const struct vessel *c, double h, struct state *s)
+{
+    if (c->fitted == 0.0)
+        return;
+    double cos_th, sin_th, cos_phi, sin_phi;
+    cosine_and_sine(s->theta, &cos_th, &sin_th);
+    cosine_and_sine(s->phi, &cos_phi, &sin_phi);
+    double down_x = -sin_th, down_y = cos_th * sin_phi, down_z = cos_th * cos_phi;
+    work_pumps(c, h, s);
+    for (int i = TRIM_FORWARD; i < END; i++)
+        if (s->breach[i - TRIM_FORWARD] > 0.0 && c->capacity[i] > 0.0)
+            breached(c, i, s->z + down_x * c->x[i] + down_y * c->y[i] + down_z * c->z[i], h, s);
+    for (int i = 0; i <= NEGATIVE; i++)
+        if (at_work(c, i, s))
+            work_blown_tank(
+                c, i, s->z + down_x * c->x[i] + down_y * c->y[i] + down_z * c->z[i], h, s);
+    if (s->compressor > 0.0)
+        compress(c, h, s);
+    balance(c, s);
+}

@@ -1,0 +1,215 @@
+"""The plain C tick compiled by whatever C compiler there is, and loaded.
+
+The trainer's records and constants as a C header, so that C works on the very same memory.
+"""
+
+import ctypes
+import os
+import shlex
+import shutil
+import subprocess
+import tempfile
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from types import ModuleType
+from typing import Final, NamedTuple
+
+import numpy as np
+
+from trainer.boat.assemble import Records
+from trainer.boat.export.targets import NoCompilerError
+from trainer.core import (
+    actuators,
+    autopilot,
+    casualties,
+    kinematics,
+    noise,
+    reference,
+    state,
+    update,
+    vessel,
+)
+from trainer.core.ballast import air, pumps, tanks
+from trainer.core.ballast import buoyancy as hull
+from trainer.core.scheme import SCHEME
+from trainer.core.sea import forces, wave_filter
+from trainer.core.sea import sea as sea_module
+from trainer.core.state import SCRATCH, STATE
+
+RECORDS: Final = {
+    "vessel": vessel.VESSEL,
+    "compact": vessel.COMPACT,
+    "scheme": SCHEME,
+    "state": STATE,
+    "scratch": SCRATCH,
+}
+TYPES: Final = {"f8": "double", "i8": "int64_t"}
+CONSTANTS: Final[tuple[tuple[ModuleType, str], ...]] = (
+    (actuators, "AMIDSHIPS"),
+    (air, "CRITICAL THINNEST"),
+    (autopilot, "BOW FAR GAIN_COUNT HANDOVER PLANE_GAINS RUDDER RUDDER_GAINS SETTLED SLOWEST"),
+    (autopilot, "SPEED_BAND STANDS STERN"),
+    (casualties, "AUTOPILOT_FAILED BIASED BREACH FIRST_FAULT FIRST_GAUGE FIRST_OPEN"),
+    (casualties, "FOLLOW_UP_LOST FREE GAUGE_STUCK HARD_OVER PROPULSION_LOST PROPULSION_STUCK SLOW"),
+    (casualties, "STUCK VENT_FAULT"),
+    (hull, "SEGMENT_SLOPE SMALL_SEGMENT"),
+    (casualties, "GYRO LOG"),
+    (kinematics, "LINEAR POLYNOMIAL STEEPEST"),
+    (noise, "PARITY SEA_FILTER"),
+    (casualties, "SURFACE_KINDS"),
+    (pumps, "DAMPING INTEGRAL"),
+    (reference, "APPROACH COURSE DEPTH DEPTH_SLEW LEASH"),
+    (state, "DEGREE"),
+    (sea_module, "OMEGA"),
+    (tanks, "ATMOSPHERE AUXILIARY DEPTH_CONTROL DEPTH_CONTROL_PUMP DISCHARGE DRAIN_PUMP"),
+    (tanks, "EMERGENCY_BANK END FIRST_DRY MAIN_BANK NEGATIVE STATIONS TRIM_AFT TRIM_FORWARD"),
+    (tanks, "TRIM_PUMP"),
+    (update, "FASTEST FASTEST_RATE FURTHEST"),
+    (vessel, "SURFACE_DEPTHS"),
+    (wave_filter, "G_OF_TABLE HIGH_DAMPING KNOT LOW_DAMPING PEAK WIDEST"),
+)
+
+
+def header() -> str:
+    """Return the text of records.h."""
+    lines = ["/* Written from the layout of the trainer's records. */"]
+    lines += ["#include <stddef.h>", "#include <stdint.h>"]
+    for module, names in CONSTANTS:
+        lines += [f"#define {name} {getattr(module, name)!r}" for name in names.split()]
+    lines += [
+        f"#define SURFACE_FAULTS {len(casualties.SURFACE_FAULTS)}",
+        f"#define GAUGE_FAULTS {len(casualties.GAUGE_FAULTS)}",
+        _table("SIMILAR", np.array(wave_filter.SIMILAR)),
+        _table("TAPER", np.array(forces.TAPER)),
+        _table("TABLE", wave_filter.TABLE),
+    ]
+    for name, dtype in RECORDS.items():
+        lines += _struct(name, dtype)
+    return "\n".join(lines) + "\n"
+
+
+def _table(name: str, values: np.ndarray) -> str:
+    """Return an array of constants."""
+    text = str(values.tolist()).replace("[", "{").replace("]", "}")
+    return f"static const double {name}{_shape(values.shape)} = {text};"
+
+
+def _shape(shape: tuple[int, ...]) -> str:
+    """Return the extents of an array in C."""
+    return "".join(f"[{extent}]" for extent in shape)
+
+
+class Place(NamedTuple):
+    """A field of a record: its name, what it is, and where [bytes]."""
+
+    name: str
+    kind: np.dtype
+    offset: int
+
+    @property
+    def declared(self) -> str:
+        """Return the field as a member in C."""
+        return f"{TYPES[self.kind.base.str[1:]]} {self.name}{_shape(self.kind.shape)};"
+
+
+def _places(dtype: np.dtype) -> list[Place]:
+    """Return the fields as they lie, a block before the numbers that it is made of."""
+    fields = (dtype.fields or {}).items()
+    places = [Place(name, at[0], at[1]) for name, at in fields if name != "whole"]
+    return sorted(places, key=lambda place: (place.offset, -place.kind.itemsize))
+
+
+def _struct(name: str, dtype: np.dtype) -> list[str]:
+    """Return a record as a struct; blocks lie over the numbers that they are made of.
+
+    The compiler refuses it where it is not laid out like the record.
+    """
+    places, block_ends = _places(dtype), 0
+    lines = [f"struct {name} {{", "union { struct {"]
+    for place, after in zip(places, [*places[1:], None], strict=True):
+        follows = after.offset if after else dtype.itemsize
+        if place.kind.shape and follows == place.offset:
+            block_ends = place.offset + place.kind.itemsize
+            lines.append(f"union {{ {place.declared} struct {{")
+        else:
+            lines.append(place.declared)
+        if block_ends and follows >= block_ends:
+            lines.append("}; };")
+            block_ends = 0
+    whole = f"double whole[{dtype.itemsize // 8}];" if "whole" in (dtype.names or ()) else ""
+    lines += [f"}}; {whole} }};", "};", _asserted(f"sizeof(struct {name})", dtype.itemsize)]
+    return lines + [_asserted(f"offsetof(struct {name}, {p.name})", p.offset) for p in places]
+
+
+def _asserted(expression: str, value: int) -> str:
+    """Return what makes the compiler refuse another value [bytes]."""
+    return f'_Static_assert({expression} == {value}, "not laid out like the record");'
+
+
+SOURCES: Final = Path(__file__).parent
+COMMON: Final = ("-std=gnu11", "-fPIC", "-shared")
+
+Ticks = Callable[[Records, int], int]  # so many ticks of a boat; the status of the last
+
+
+class Build(NamedTuple):
+    """One way to compile it."""
+
+    name: str
+    flags: tuple[str, ...]
+
+
+# gcc 12 fuses a product and a sum in pairs that it finds by SLP, also where it is told not to
+STRICT: Final = ("-O3", "-march=native", "-ffp-contract=off", "-fno-tree-slp-vectorize")
+BUILDS: Final = (
+    Build("gcc -O3", ("-O3",)),
+    Build("strict, for this processor", STRICT),
+    Build("contracted, for this processor", ("-O3", "-march=native", "-ffp-contract=fast")),
+)
+SAME_BITS: Final = BUILDS[:2]  # the third is another arithmetic
+
+
+def compiler() -> list[str]:
+    """Return the C compiler's command, CC or gcc or cc; NoCompilerError without one."""
+    asked = os.environ.get("CC")
+    for command in [asked] if asked else ["gcc", "cc"]:
+        words = shlex.split(command)
+        if words and shutil.which(words[0]):
+            return words
+    named = f"CC is {asked!r}, which is not here" if asked else "neither gcc nor cc is here"
+    raise NoCompilerError(f"no C was compiled: {named}; install one, or name it by CC")
+
+
+def version() -> str:
+    """Return what the compiler calls itself."""
+    done = subprocess.run(  # noqa: S603
+        [*compiler(), "--version"], capture_output=True, text=True, check=False
+    )
+    return done.stdout.partition("\n")[0] or compiler()[0]
+
+
+def compiled(source: Path, flags: Sequence[str]) -> ctypes.CDLL:
+    """Return ``source`` compiled and loaded; NoCompilerError if that cannot be done."""
+    with tempfile.TemporaryDirectory(prefix="trainer-") as folder:
+        library = Path(folder) / "compiled.so"
+        words = [*compiler(), *COMMON, *flags, str(source), "-o", str(library), "-lm"]
+        done = subprocess.run(words, capture_output=True, text=True, check=False)  # noqa: S603
+        if done.returncode != 0:
+            raise NoCompilerError(f"{source.name} was not compiled: {done.stderr.strip()}")
+        return ctypes.CDLL(str(library))  # which stays when its file goes
+
+
+def build(way: Build) -> Ticks:
+    """Return the tick in C, compiled and loaded; NoCompilerError if that cannot be done."""
+    with tempfile.TemporaryDirectory(prefix="trainer-") as folder:
+        (Path(folder) / "records.h").write_text(header(), encoding="ascii")
+        take_ticks = compiled(SOURCES / "tick.c", [*way.flags, f"-I{folder}"]).take_ticks
+    address, number = ctypes.c_void_p, ctypes.c_int64
+    take_ticks.argtypes = [address, address, address, number, address, address]
+    take_ticks.restype = number
+
+    def ticks(records: Records, count: int) -> int:
+        vessel, compact, scheme, state, scratch = (each.ctypes.data for each in records)
+        return int(take_ticks(vessel, compact, scheme, count, state, scratch))
+
+    return ticks

@@ -1,0 +1,96 @@
+/* The boat near the surface: trainer/core/sea/free_surface.py, buoyancy.py. */
+
+static int cell(const double *grid, int count, double value, double *where)
+{
+    int low = 0;
+    while (low < count - 2 && value >= grid[low + 1])
+        low++;
+    *where = clamped((value - grid[low]) / (grid[low + 1] - grid[low]), 0.0, 1.0);
+    return low;
+}
+
+static double between(const double *row, const double *next, double along, double across)
+{
+    double first = row[0] + across * (row[1] - row[0]);
+    double second = next[0] + across * (next[1] - next[0]);
+    return first + along * (second - first);
+}
+
+static void surface_forces(const struct vessel *c, const struct state *s, double *force)
+{
+    int speeds = (int)c->surface_speeds, depths = (int)c->surface_depths;
+    if (depths == 0 || s->z >= c->surface_depth[depths - 1])
+        return;
+    double along, across;
+    int row = cell(c->surface_speed, speeds, fabs(s->u), &along);
+    int column = cell(c->surface_depth, depths, s->z, &across);
+    double square = s->u * s->u;
+    const double(*Z)[SURFACE_DEPTHS] = c->surface_Z, (*M)[SURFACE_DEPTHS] = c->surface_M;
+    force[2] += square * between(&Z[row][column], &Z[row + 1][column], along, across);
+    force[4] += square * between(&M[row][column], &M[row + 1][column], along, across);
+}
+
+static double segment(double height)
+{
+    double t = clamped(height, 0.0, 1.0);
+    double part = least(t, 1.0 - t);
+    double share = SMALL_SEGMENT * part * sqrt(part) * (1.0 - SEGMENT_SLOPE * part);
+    return t <= 0.5 ? share : 1.0 - share;
+}
+
+static double excess_density(const struct vessel *c, double depth)
+{
+    int last = (int)c->layers - 1;
+    if (last < 0)
+        return 0.0;
+    const double *at = c->layer_depth, *density = c->layer_density;
+    if (depth <= at[0])
+        return density[0];
+    for (int i = 0; i < last; i++)
+        if (depth < at[i + 1]) {
+            double share = (depth - at[i]) / (at[i + 1] - at[i]);
+            return density[i] + share * (density[i + 1] - density[i]);
+        }
+    return density[last];
+}
+
+static double submerged_change(const struct vessel *c, double depth)
+{
+    double squeezed = c->g * c->compressibility * (most(depth, 0.0) - c->reference_depth);
+    return c->buoyancy * excess_density(c, depth) / c->rho - squeezed;
+}
+
+static void buoyancy_forces(const struct vessel *c, const struct state *s, double *force)
+{
+    double foremost = c->station_x[STATIONS - 1], aftmost = c->station_x[0];
+    int deep = s->z > most(foremost, -aftmost) + c->hull_diameter;
+    int changes = c->compressibility != 0.0 || c->layers != 0.0;
+    if (deep && !changes)
+        return;
+    double cos_th, sin_th, cos_phi, sin_phi;
+    cosine_and_sine(s->theta, &cos_th, &sin_th);
+    cosine_and_sine(s->phi, &cos_phi, &sin_phi);
+    double down_x = -sin_th, down_y = cos_th * sin_phi, down_z = cos_th * cos_phi;
+    double heavy = 0.0, x = 0.0, z = 0.0;
+    if (changes) {
+        heavy = -submerged_change(c, s->z);
+        x = heavy * c->x_b;
+        z = heavy * c->z_b;
+    }
+    for (int i = 0; !deep && i < STATIONS; i++) {
+        double axis = s->z + c->station_x[i] * down_x + c->hull_axis * down_z;
+        if (axis < 0.5 * c->hull_diameter) {
+            double lost =
+                c->station_share[i] * c->buoyancy * segment(0.5 - axis / c->hull_diameter);
+            heavy += lost;
+            x += lost * c->station_x[i];
+            z += lost * c->hull_axis;
+        }
+    }
+    force[0] += heavy * down_x;
+    force[1] += heavy * down_y;
+    force[2] += heavy * down_z;
+    force[3] -= z * down_y;
+    force[4] += z * down_x - x * down_z;
+    force[5] += x * down_y;
+}

@@ -1,0 +1,1 @@
+"""Acceptance cases of identification: ships whose numbers are known."""

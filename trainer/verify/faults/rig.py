@@ -1,0 +1,158 @@
+"""Where faults are tried: sessions by the nursery, orders given to them, and what came of it."""
+
+import random
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Final
+
+from trainer.io.orders.grammar import Order, parse
+from trainer.io.recording.recording import Recording
+from trainer.session.stations.roles import INSTRUCTOR, Role
+from trainer.verify.faults.fork_server import Job, Nursery
+from trainer.verify.soak.audit import Answered, Check, journal, lost_marks
+from trainer.verify.soak.operators import Orders
+from trainer.verify.soak.session_process import Caller, GoneError
+
+LOOK: Final = 0.005  # [s]
+MARKS: Final = 0.2  # [-] of a mark after an order
+PATIENCE: Final = 30.0  # [s]
+
+
+@dataclass
+class Tried:
+    """What came of one kind of fault."""
+
+    fault: str
+    promise: str
+    times: int = 0
+    orders: int = 0  # answered before, between and after
+    wrong: list[str] = field(default_factory=list)
+    seen: dict[str, int] = field(default_factory=dict)  # how it ended, and how often
+
+    def note(self, how: str) -> None:
+        """Count one way that it ended."""
+        self.seen[how] = self.seen.get(how, 0) + 1
+
+    def must(self, held: object, otherwise: str) -> None:
+        """Note what is wrong unless it held."""
+        if not held:
+            self.wrong.append(f"{self.times}: {otherwise}")
+
+
+@dataclass(frozen=True)
+class Bench:
+    """A nursery, a folder to work in, and the dice."""
+
+    nursery: Nursery
+    folder: Path
+    dice: random.Random
+
+    def told(self) -> str:
+        """Return what programs have told since the last call."""
+        path = self.folder / "told.txt"
+        text = path.read_text(encoding="utf-8", errors="replace") if path.exists() else ""
+        path.unlink(missing_ok=True)
+        return text
+
+    def run(self, *words: str) -> int:
+        """Let a program of `trainer` run to its end; return its exit code."""
+        return self.nursery.done(Job(words, str(self.folder / "told.txt")))
+
+    def serve(self, path: Path, *words: str, largest_file: int = 0) -> "Session":
+        """Start a session that records to ``path`` and listens in the folder."""
+        door = self.folder / "door.sock"
+        door.unlink(missing_ok=True)
+        ports = ("--listen", "none", "--socket", str(door))
+        job = Job(
+            ("serve", *words, *ports, "--record", str(path)),
+            str(self.folder / "told.txt"),
+            largest_file,
+        )
+        return Session(self.nursery.start(job), path, door)
+
+
+@dataclass
+class Session:
+    """A session under a fault."""
+
+    process: int
+    path: Path
+    door: Path
+    answered: list[Answered] = field(default_factory=list)
+
+    @contextmanager
+    def instructed(self) -> Iterator[Caller]:
+        """Yield a line of the instructor, once the session listens; GoneError if it does not."""
+        end = time.monotonic() + PATIENCE
+        by = None
+        while by is None:
+            try:
+                by = Caller(self.door)
+            except GoneError:
+                if time.monotonic() > end:
+                    raise
+                time.sleep(LOOK)
+        try:
+            by.ask("role instructor")
+            yield by
+        finally:
+            by.hang_up()
+
+    def order(self, by: Caller, words: str) -> str:
+        """Give an order to the boat and note that it was answered; return the answer."""
+        _, answer = by.ask(words)
+        order = parse(words)
+        if isinstance(order, Order):
+            self.answered.append(Answered("", order.text))
+        return answer
+
+    def order_some(
+        self, by: Caller, dice: random.Random, count: int, role: Role = INSTRUCTOR
+    ) -> None:
+        """Give random orders, of those that a role may give."""
+        orders = Orders(role, dice)
+        for _ in range(count):
+            self.order(by, orders.next())
+            if dice.random() < MARKS:
+                self.mark(by, f"mark-{dice.randrange(10**9)}")
+
+    def mark(self, by: Caller, remark: str) -> None:
+        """Mark a moment and note that it was answered."""
+        if by.ask(f"mark {remark}")[0]:
+            self.answered.append(Answered("", remark, mark=True))
+
+
+def kept(recording: Recording, session: Session) -> Check:
+    """Return whether what was answered is in the journal, beside what was scheduled."""
+    written = [order.text for order in journal(recording) if order.place is None]
+    wanted = [order.text for order in session.answered if not order.mark]
+    missing = lost_marks(recording, session.answered)
+    held = written[: len(wanted)] == wanted and not missing
+    told = f"{len(written)} written, {len(wanted)} answered, {len(missing)} marks lost"
+    return Check("answered orders", held, told)
+
+
+def heard(by: Caller, words: str) -> bool:
+    """Return whether the session tells of it before long; what it has told is then forgotten."""
+    end = time.monotonic() + PATIENCE
+    while time.monotonic() < end:
+        by.ask("snapshots")  # brings what has been told meanwhile
+        if any(words in news.fields[3] for news in by.news):
+            by.news.clear()
+            return True
+        time.sleep(LOOK)
+    return False
+
+
+def logged(by: Caller, words: str) -> bool:
+    """Return whether it is in the session's log before long, be it from before the line came."""
+    end = time.monotonic() + PATIENCE
+    while time.monotonic() < end:
+        by.ask("log 100")
+        if any(words in text for text in by.said):
+            return True
+        time.sleep(LOOK)
+    return False

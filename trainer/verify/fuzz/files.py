@@ -1,0 +1,325 @@
+"""What comes as files: vessels, seas, exercises, studies, tables, JSON lines.
+
+Small files of each kind, for a fuzzer to begin with.
+"""
+
+import functools
+import re
+from collections.abc import Callable, Mapping
+from contextlib import suppress
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any, Final
+
+import numpy as np
+
+from trainer.analysis.evaluate import answers
+from trainer.analysis.guide.baseline import load_earlier
+from trainer.analysis.guide.trials import load_trials
+from trainer.analysis.series import load_series
+from trainer.boat.assemble import Method, Records, fit_out
+from trainer.config.casualties import parse_casualties
+from trainer.config.condition import compile_condition
+from trainer.config.exercise import parse_exercise
+from trainer.config.files import ConfigError, Place, read_text
+from trainer.config.sea import parse_sea
+from trainer.config.vessel import load_vessel, parse_vessel
+from trainer.core.kernel import Record
+from trainer.identify.decca_study import load_decca, load_readings
+from trainer.identify.estimate import resume
+from trainer.identify.nomoto import load_nomoto
+from trainer.identify.sources import Column, load_record
+from trainer.identify.study import load_study
+from trainer.verify.fuzz.lines import GRAMMAR
+from trainer.verify.fuzz.target import (
+    TABLE,
+    Target,
+    filed,
+    only,
+    pieces,
+    shipped_seeds,
+    shipped_texts,
+    text_of,
+)
+
+CONDITIONS: Final = (
+    "depth > 100",
+    "speed < 4 kn",
+    "pitch >= -1.5e1 deg",
+    "flood_aft > 20 t",
+    "bank_main<= 9 mpa",
+)
+STUDY: Final = b"""schema = "identify/1"
+name = "A zig-zag"
+data = "proof.csv"
+from_s = 1.0
+
+[ship]
+length_m = 100.0
+
+[model]
+name = "nomoto-1"
+
+[[columns]]
+channel = "heading"
+name = "psi"
+unit = "deg"
+
+[[parameters]]
+name = "K"
+value = 0.1
+"""
+NOMOTO: Final = b"""schema = "nomoto/1"
+name = "A ship"
+speed_m_s = 8.0
+K_1_s = 0.05
+T_s = 20.0
+rudder_limit_deg = 35
+rudder_rate_deg_s = 3
+step_s = 0.5
+"""
+DECCA: Final = b"""schema = "decca/1"
+name = "A turn"
+data = "proof.csv"
+start_east_m = 1000
+start_north_m = 2000
+
+[[slaves]]
+colour = "red"
+east_m = 50000
+north_m = 0
+lane_m = 420.5
+
+[[slaves]]
+colour = "green"
+east_m = 0
+north_m = 60000
+frequency_khz = 255
+
+[columns]
+t_s = "t"
+yaw_rate_deg_s = "r"
+"""
+READINGS: Final = (
+    b"t,rudder,heading,red,green,purple\n0,0,1,A12.5,B30.25,\n1,5,2.5,A12.75,B30.5,C51\n"
+)
+STATE: Final = (
+    b'{"u": 5, "v": 0, "w": 0, "p": 0, "q": 0, "r": 0, "phi": 0, "theta": 0, "psi": 0, '
+    b'"delta_r": 0.1, "delta_s": 0, "delta_b": 0, "u_c": 5, "last_udot": 0, "weight": 4e7}\n'
+)
+GUIDE: Final = (
+    b'{"vessel": "bb2", "sheets": [{"title": "Turn", "judgements": {"modified": [{"quantity": "d",'
+    b' "unit": "m", "full": 1.0, "other": 1.1, "verdict": "passed"}]}}], "findings": [{"title": "a"'
+    b', "verdict": "b"}], "steps": []}'
+)
+CHECKPOINT: Final = b'{"model": "nomoto", "cost": 1.5, "parameters": {"K": 0.1, "T": 20.0}}'
+BOAT: Final = """schema = "gertler-hagen-2510/1"
+[fluid]
+rho = 1025
+g = 9.81
+[vessel]
+length = 5.3
+mass = 5443.4
+weight = 53400
+buoyancy = 53400
+cg = [0, 0, 0.061]
+cb = [0, 0, 0]
+Ix = 2038
+Iy = 13587
+Iz = 13587
+[[propulsion.sets]]
+eta_min = 0
+a = -0.004
+b = 0
+c = 0.004
+[[propulsion.sets]]
+eta_min = -99
+a = -0.004
+b = 0
+c = -0.004
+[coefficients]
+"""
+
+
+Loader = Callable[[Path], Any]
+FILE: Final = "proof.toml"
+COLUMNS: Final = {
+    "t": Column("t", 1.0),
+    "rudder": Column("rudder", 1.0),
+    "heading": Column("heading", 1.0),
+}
+
+
+BRIEFING: Final = re.compile(rb'^briefing = """.*?"""\n', re.DOTALL | re.MULTILINE)
+SHORTER: Final = b'briefing = "Go."\n'
+
+
+def text(parse: Callable[[str, Path], Any]) -> Callable[[bytes], None]:
+    """Return the proof of a reader of a file's text, with nothing but shipped files beside it."""
+
+    def take(data: bytes) -> None:
+        with suppress(ConfigError), only(FILE, text_of(data)) as path:
+            parse(read_text(path), path)
+
+    return take
+
+
+def loaded(load: Loader) -> Callable[[bytes], None]:
+    """Return the proof of a reader of a TOML file."""
+    return text(lambda _text, path: load(path))
+
+
+def opened(load: Loader, name: str) -> Callable[[bytes], None]:
+    """Return the proof of a reader that opens a file itself."""
+
+    def take(data: bytes) -> None:
+        with suppress(ConfigError):
+            load(filed(name, data))
+
+    return take
+
+
+def exercise(text: str, path: Path) -> None:
+    """Read an exercise, with the vessel that it names."""
+    found = parse_exercise(text, path)
+    if found.heading.vessel:
+        _named_vessel(found.heading.vessel)
+
+
+@functools.cache
+def _named_vessel(name: str) -> Any:
+    return load_vessel(name)
+
+
+def vessel(text: str, path: Path) -> None:
+    """Read a vessel and fit her out: what is accepted has to be computable."""
+    records = fit_out(parse_vessel(text, path), Method("full", "lagged", "exact", "adams2", 0.5))
+    for record in records:
+        if np.isnan(record.view(np.float64)).any():
+            raise AssertionError("something in her records is no number")
+
+
+def condition(data: bytes) -> None:
+    """Read a condition on the state."""
+    with suppress(ConfigError):
+        compile_condition(text_of(data), Place(FILE, ""))
+
+
+def states(data: bytes) -> None:
+    """Read states as `trainer evaluate` does, and compute what they lead to."""
+    records, at_rest = _bb2()
+    records.state[:] = at_rest
+    with suppress(ConfigError):
+        for answer in answers(records, text_of(data).splitlines()):
+            if "nan" in answer or "inf" in answer:
+                raise AssertionError(f"no number: {answer}")
+
+
+@functools.cache
+def _bb2() -> tuple[Records, Record]:
+    """Return a boat's records, and her state at rest."""
+    records = fit_out(load_vessel("bb2"), Method("modified", "lagged", "exact", "adams2", 0.5))
+    return records, records.state.copy()
+
+
+def lanes(path: Path) -> None:
+    """Read the lanes of a Decca study."""
+    load_readings(_decca(path))
+
+
+@functools.cache
+def _decca(readings: Path) -> Any:
+    """Return a study of these readings."""
+    study = filed("decca.toml", DECCA.replace(b"proof.csv", readings.name.encode()))
+    return load_decca(study)
+
+
+# What a checkpoint is asked about: a search for two parameters.
+SEARCH: Final[Any] = SimpleNamespace(
+    names=("K", "T"), scale=1.0, plant=SimpleNamespace(model=SimpleNamespace(name="nomoto"))
+)
+
+
+def vessels() -> list[bytes]:
+    """Return a small boat by herself, and with each table of the shipped ones that she lacks."""
+    found = [BOAT]
+    for key, text in shipped_texts().items():
+        if key.startswith("configs/vessels/"):
+            tables = {TABLE.findall(piece)[0]: piece for piece in pieces(text)[1:]}
+            found += [BOAT + _with_terms(name, tables) for name in tables if f"[{name}" not in BOAT]
+    return [text.encode() for text in found]
+
+
+def _with_terms(name: str, tables: Mapping[str, str]) -> str:
+    """Return a table, one of compensation after the table of what a hull adds to the set."""
+    return tables["compact"] * name.startswith("compensation.") + tables[name]
+
+
+def cut(name: str) -> Callable[[], list[bytes]]:
+    """Return a function that returns a shipped file in pieces, its heading before each."""
+
+    def seeds() -> list[bytes]:
+        heading, *tables = pieces(shipped_texts()[f"configs/{name}.toml"])
+        return [(heading + table).encode() for table in tables]
+
+    return seeds
+
+
+def exercises() -> list[bytes]:
+    """Return the shipped exercises, their briefings short: they are most of each."""
+    return [BRIEFING.sub(SHORTER, seed) for seed in shipped_seeds("exercises")]
+
+
+TARGETS: Final = (
+    Target("vessel", "a vessel file, fitted out", text(vessel), vessels, 3000),
+    Target("sea", "a sea file", text(parse_sea), lambda: shipped_seeds("seas"), spared=()),
+    Target(
+        "casualties",
+        "a table of casualties",
+        text(lambda text, path: parse_casualties(text, path, {})),
+        cut("casualties/standard"),
+        640,
+    ),
+    Target("exercise", "an exercise file", text(exercise), exercises, 1200, GRAMMAR),
+    Target("trials", "published results of a boat", loaded(load_trials), cut("trials/bb2"), 1200),
+    Target(
+        "condition",
+        "a condition on the state",
+        condition,
+        lambda: [c.encode() for c in CONDITIONS],
+        64,
+    ),
+    Target("study", "a study of a ship from her record", loaded(load_study), lambda: [STUDY], 512),
+    Target(
+        "nomoto",
+        "a ship of a few parameters",
+        loaded(load_nomoto),
+        lambda: [NOMOTO],
+        spared=(),
+    ),
+    Target("decca", "a chain of Decca stations", loaded(load_decca), lambda: [DECCA], 512),
+    Target("lanes", "readings of Decca lanes, CSV", opened(lanes, "lanes.csv"), lambda: [READINGS]),
+    Target(
+        "record",
+        "a record of a ship, CSV",
+        opened(lambda path: load_record(path, COLUMNS), "record.csv"),
+        lambda: [READINGS],
+    ),
+    Target(
+        "series", "a series to be fitted, CSV", opened(load_series, "t.csv"), lambda: [READINGS]
+    ),
+    Target("evaluate", "states to be evaluated, JSON lines", states, lambda: [STATE], 512),
+    Target(
+        "baseline",
+        "an earlier guide, JSON or HTML",
+        opened(lambda path: load_earlier(path, "bb2"), "guide.json"),
+        lambda: [GUIDE],
+        512,
+    ),
+    Target(
+        "checkpoint",
+        "a search that was left, JSON",
+        opened(lambda path: resume(path, SEARCH), "search.json"),
+        lambda: [CHECKPOINT],
+    ),
+)

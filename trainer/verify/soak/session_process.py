@@ -1,0 +1,190 @@
+"""A session in a process of its own, as a proof needs it: its port, its memory, its end.
+
+A program at a session's socket: it gives orders, and gets on when they are answered.
+"""
+
+import contextlib
+import itertools
+import re
+import socket
+import subprocess
+import sys
+import threading
+from pathlib import Path
+from typing import Final
+
+from trainer.io.orders.sentences import Sentence, order_sentence, read
+from trainer.verify.soak.clock_check import PROGRAM
+
+ANSWER: Final = 30.0  # [s] for an answer
+RESET: Final = b"\1\0\0\0\0\0\0\0"  # linger 0: the line is cut, not closed
+
+
+class GoneError(Exception):
+    """The session has closed the line, or does not answer."""
+
+
+class Caller:
+    """One line to a session on this machine."""
+
+    def __init__(self, at: int | Path, patience: float = ANSWER) -> None:
+        """Dial a port of this machine, or a local socket; GoneError if nobody answers."""
+        self.shown: dict[str, tuple[str, ...]] = {}  # the latest values of each channel
+        self.said: list[str] = []  # the lines of the last long answer
+        self.news: list[Sentence] = []  # what has happened, until somebody takes it
+        self._tags = itertools.cycle(range(1, 1_000_000))
+        try:
+            self._line = _dialled(at, patience)
+        except OSError as error:
+            raise GoneError(str(error)) from None
+        self._lines = self._line.makefile(encoding="ascii", errors="replace")
+
+    @property
+    def name(self) -> str:
+        """Return what the session calls the line."""
+        host, port = self._line.getsockname()
+        return f"tcp {host}:{port}"
+
+    def ask(self, words: str) -> tuple[bool, str]:
+        """Give an order; return whether it was obeyed, and the answer."""
+        tag = str(next(self._tags))
+        self.said = []
+        try:
+            self._line.sendall(f"{order_sentence(words, tag)}\n".encode("ascii"))
+            for text in self._lines:
+                said = read(text)
+                if said and (said.kind, said.tag) == ("TRA", tag) and said.fields[0] != "say":
+                    return said.fields[0] == "ok", said.fields[1]
+                self._take(said, tag)
+        except OSError as error:
+            raise GoneError(str(error)) from None
+        raise GoneError("the session has closed the line")
+
+    @property
+    def tick(self) -> int:
+        """Return the latest tick that the session has told."""
+        return max((int(values[0]) for values in self.shown.values()), default=0)
+
+    def hang_up(self) -> None:
+        """Leave without a word."""
+        self._lines.close()
+        self._line.close()
+
+    def cut(self) -> None:
+        """Leave as a machine does that loses power: what is under way is lost."""
+        with contextlib.suppress(OSError):
+            self._line.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, RESET)
+        self.hang_up()
+
+    def _take(self, said: Sentence | None, tag: str) -> None:
+        """Keep what the session says by itself, and the lines of the answer that is awaited."""
+        if said and (said.kind, said.tag) == ("TRA", tag):
+            self.said.append(said.fields[1])
+        elif said and said.kind == "TRS":
+            self.shown[said.fields[0]] = said.fields[1:]
+        elif said and said.kind == "TRE":
+            self.news.append(said)
+
+
+def _dialled(at: int | Path, patience: float) -> socket.socket:
+    if isinstance(at, int):
+        return socket.create_connection(("127.0.0.1", at), timeout=patience)
+    line = socket.socket(socket.AF_UNIX)
+    line.settimeout(patience)
+    try:
+        line.connect(str(at))
+    except OSError:
+        line.close()
+        raise
+    return line
+
+
+PATIENCE: Final = 120.0  # [s] to listen: a first start compiles
+STATUS: Final = re.compile(r"VmRSS:\s+(\d+) kB")
+
+
+class StartError(Exception):
+    """A session that does not listen; the text is what it said."""
+
+
+class Served:
+    """One session, that is recorded and listens at a port of this machine."""
+
+    def __init__(self, *words: str) -> None:
+        """Start `trainer serve` with these words and wait until it listens; StartError."""
+        listening = ("--listen", "127.0.0.1:0", "--socket", "none")
+        self.process = subprocess.Popen(  # noqa: S603  our own program
+            [sys.executable, "-c", PROGRAM, *words, *listening],
+            stdin=subprocess.DEVNULL,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            text=True,
+        )
+        self.told: list[str] = []  # on stderr
+        self.account: list[str] = []  # on stdout
+        self.port = 0
+        self._heard = threading.Event()
+        self._readers = [
+            threading.Thread(target=read, daemon=True) for read in (self._listen, self._keep)
+        ]
+        for reader in self._readers:
+            reader.start()
+        if not self._heard.wait(PATIENCE) or not self.port:
+            code = self.process.poll()
+            self.kill()
+            raise StartError(
+                "\n".join(self.told) or f"the session does not listen, exit code {code}"
+            )
+
+    def caller(self, role: str) -> Caller:
+        """Return a line to it that has taken a role; GoneError if it has gone."""
+        caller = Caller(self.port)
+        with contextlib.ExitStack() as unless_good:
+            unless_good.callback(caller.hang_up)
+            caller.ask(f"role {role}")
+            unless_good.pop_all()
+        return caller
+
+    @property
+    def running(self) -> bool:
+        """Return whether it has not ended."""
+        return self.process.poll() is None
+
+    def memory(self) -> int:
+        """Return what it has in memory [kB], 0 where the system does not tell or it has ended."""
+        try:
+            text = Path(f"/proc/{self.process.pid}/status").read_text(encoding="ascii")
+        except OSError:
+            return 0
+        found = STATUS.search(text)
+        return int(found[1]) if found else 0
+
+    def ended(self, patience: float) -> int:
+        """Wait for its end; return its exit code, TimeoutExpired if it does not come."""
+        code = self.process.wait(patience)
+        for reader in self._readers:
+            reader.join()
+        self._close()
+        return code
+
+    def kill(self) -> None:
+        """End it at this instant."""
+        self.process.kill()
+        self.ended(PATIENCE)
+
+    def _close(self) -> None:
+        for stream in (self.process.stdout, self.process.stderr):
+            if stream:
+                stream.close()
+
+    def _listen(self) -> None:
+        for line in self.process.stderr or ():
+            self.told.append(line.rstrip())
+            if "listening at tcp" in line:
+                self.port = int(line.rpartition(":")[2])
+                self._heard.set()
+        self._heard.set()
+
+    def _keep(self) -> None:
+        for line in self.process.stdout or ():
+            self.account.append(line.rstrip())
