@@ -39,6 +39,7 @@ from trainer.io.recording.recording import Recording
 from trainer.io.tables import NoFile
 from trainer.session.header import header_of
 from trainer.session.history import History
+from trainer.session.options import RunOptions
 from trainer.session.plan import plan_run
 from trainer.session.session import Session
 from trainer.session.stations.access import Door
@@ -49,20 +50,6 @@ from trainer.session.time.pacer import MonotonicClock, Policy
 from trainer.session.time.timekeeping import Timekeeping
 
 ROOT = Path(__file__).parent.parent
-OPTIONS: dict[str, Any] = {
-    "exercise": None,
-    "given": frozenset(),
-    "vessel": "bb2",
-    "equations": "modified",
-    "rates": None,
-    "trig": "exact",
-    "integrator": "adams2",
-    "step": None,
-    "seed": 1,
-    "sea": None,
-    "orders_file": None,
-    "duration": None,
-}
 BROWSER = pdf.find_browser()
 browsing = pytest.mark.skipif(BROWSER is None, reason="no Chromium, Chrome or Edge here")
 
@@ -110,7 +97,7 @@ class Voyage:
 
 def fly(path: Path | None, crews: dict[str, str], **options: Any) -> Voyage:
     """Fly a run at full speed; ``crews`` has lines of SECONDS ORDER by the role of their panel."""
-    chosen = OPTIONS | options | {"given": frozenset(options) - {"exercise"}}
+    chosen = RunOptions(**options, given=frozenset(options) - {"exercise"})
     with remembering() as texts:
         plan = plan_run(chosen)
     boat = Boat(plan.file, plan.method)

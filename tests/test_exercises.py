@@ -25,6 +25,7 @@ from trainer.io.orders.grammar import Order, Refused, parse
 from trainer.io.orders.schedule import Scheduled
 from trainer.io.recording.recording import NoRecording
 from trainer.session.history import History
+from trainer.session.options import RunOptions
 from trainer.session.plan import plan_run
 from trainer.session.session import Session
 from trainer.session.stations.access import Door
@@ -42,20 +43,7 @@ NAMES = (
     *("steering-jam", "stern-plane-jam"),
 )
 SHORTEST = 'schema = "exercise/1"\nname = "Drill"\nbriefing = "Steer."\n'
-OPTIONS: dict[str, Any] = {
-    "exercise": None,
-    "given": frozenset(),
-    "vessel": "bb2",
-    "equations": "modified",
-    "rates": None,
-    "trig": "exact",
-    "integrator": "adams2",
-    "step": None,
-    "seed": 1,
-    "sea": None,
-    "orders_file": None,
-    "duration": None,
-}
+OPTIONS = RunOptions()
 COLUMNS = ("t", "z", "psi", "u", "theta", "phi", "delta_s", "delta_b", "weight")
 
 
@@ -101,7 +89,7 @@ class Played:
 
 def play(name: str, crew: str = "") -> Played:
     """Play an exercise at full speed with the orders of a crew, lines of SECONDS ORDER."""
-    plan = plan_run(OPTIONS | {"exercise": name})
+    plan = plan_run(RunOptions(exercise=name))
     boat = Boat(plan.file, plan.method)
     plan.start(boat)
     watch = Watch.over(boat, plan.limits)
@@ -446,15 +434,15 @@ def test_the_command_line_overrules_the_exercise_and_the_exercise_the_vessel(
         f'{SHORTEST}vessel = "sdv-mk9"\nequations = "full"\nstep_s = 0.1\nseed = 9\n'
         'duration_s = 60\nintegrator = "rk4"\n[initial]\nspeed_kn = 4\n[sea]\nsea_state = 2\n'
     )
-    said = OPTIONS | {"exercise": str(path)}
+    said = RunOptions(exercise=str(path))
     plan = plan_run(said)
     assert plan.file.path.stem == "sdv-mk9"
     assert (plan.method.equations, plan.method.step, plan.method.rates) == ("full", 0.1, "exact")
     assert (plan.seed, plan.duration, plan.sea.sea.sea_state) == (9, 60.0, 2.0)
 
-    given = {"vessel": "remus100", "equations": "basic", "step": 0.05, "seed": 2}
+    given: dict[str, Any] = {"vessel": "remus100", "equations": "basic", "step": 0.05, "seed": 2}
     given |= {"duration": 5.0, "integrator": "euler"}
-    plan = plan_run(said | given | {"given": frozenset(given), "sea": "sea-state-1"})
+    plan = plan_run(replace(said, **given, given=frozenset(given), sea="sea-state-1"))
     assert plan.file.path.stem == "remus100"
     assert (plan.method.equations, plan.method.step, plan.method.rates) == ("basic", 0.05, "lagged")
     assert (plan.seed, plan.duration, plan.sea.sea.sea_state) == (2, 5.0, 1.0)

@@ -12,6 +12,7 @@ import struct
 import subprocess
 import sys
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -40,20 +41,11 @@ from trainer.config.files import ConfigError
 from trainer.core.state import STATE
 from trainer.core.vessel import COMPACT, VESSEL
 from trainer.io.orders.grammar import Order, Refused, parse
+from trainer.session.options import RunOptions
 from trainer.verify.bench.exported import lines, measure_exported
 
 HOUR = 7200  # [ticks] of 0.5 s
-OPTIONS = {
-    "vessel": "bb2",
-    "equations": "modified",
-    "rates": None,
-    "trig": "exact",
-    "integrator": "adams2",
-    "step": None,
-    "unsafe_step": False,
-    "sea": "sea-state-4",
-    "seed": 7,
-}
+OPTIONS = RunOptions(sea="sea-state-4", seed=7)
 COMPILER = shutil.which("cc")
 needs_compiler = pytest.mark.skipif(not COMPILER, reason="no C compiler here")
 needs_linux = pytest.mark.skipif(not sys.platform.startswith("linux"), reason="ELF symbols")
@@ -138,7 +130,7 @@ def test_every_processor_and_method_gives_the_trainers_bits(
     cpu: str, equations: str, integrator: str, vessel: str, tmp_path: Path
 ) -> None:
     how = {"vessel": vessel, "equations": equations, "integrator": integrator}
-    boat = boat_at_start(OPTIONS | how | {"sea": "calm"})
+    boat = boat_at_start(replace(OPTIONS, **how, sea="calm"))
     export(boat, tmp_path, cpu)
     add_library(tmp_path)
     try:

@@ -8,6 +8,7 @@ import re
 import subprocess
 import sys
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -18,9 +19,10 @@ from trainer.boat import compilation
 from trainer.config.files import shipped_names
 from trainer.core.cache import cache_folder
 from trainer.session import first_start
+from trainer.session.options import RunOptions
 
 HERE = Path(trainer.__file__).parents[1]
-OPTIONS = {"exercise": None, "vessel": "bb2", "step": None, "integrator": "adams2", "speed": 1.0}
+OPTIONS = RunOptions()
 BEHIND = (
     "import sys; from trainer.cli.main import main; sys.argv = ['trainer', *{words}]\ntry: main()\n"
 )
@@ -90,7 +92,7 @@ def test_the_note_is_among_what_whoever_comes_is_told(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("exercise", [None, *shipped_names("exercises")])
 def test_a_shipped_exercise_in_real_time_need_not_be_compiled_first(exercise: str | None) -> None:
-    assert not first_start.hurried({**OPTIONS, "exercise": exercise}, frozenset())
+    assert not first_start.hurried(RunOptions(exercise=exercise))
 
 
 @pytest.mark.parametrize(
@@ -108,16 +110,16 @@ def test_a_shipped_exercise_in_real_time_need_not_be_compiled_first(exercise: st
 def test_ticks_that_the_interpreter_cannot_make_in_time_are_compiled_for(
     said: dict[str, Any],
 ) -> None:
-    assert first_start.hurried({**OPTIONS, **said}, frozenset(said))
+    assert first_start.hurried(RunOptions(**said, given=frozenset(said)))
 
 
 def test_what_an_exercise_says_counts_unless_the_user_says_otherwise(tmp_path: Path) -> None:
     path = tmp_path / "quick.toml"
     path.write_text('schema = "exercise/1"\nname = "n"\nbriefing = "b"\nstep_s = 0.01\n')
-    options = {**OPTIONS, "exercise": str(path)}
+    options = RunOptions(exercise=str(path))
 
-    assert first_start.hurried(options, frozenset())
-    assert not first_start.hurried({**options, "step": 0.5}, frozenset({"step"}))
+    assert first_start.hurried(options)
+    assert not first_start.hurried(replace(options, step=0.5, given=frozenset({"step"})))
 
 
 @pytest.fixture
@@ -133,9 +135,9 @@ def started(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> list[str]:
 
 
 def test_one_process_compiles_however_many_are_started(started: list[str]) -> None:
-    first = first_start.prepare(OPTIONS, frozenset())
+    first = first_start.prepare(OPTIONS)
     with compilation.compiling():
-        second = first_start.prepare(OPTIONS, frozenset())
+        second = first_start.prepare(OPTIONS)
 
     assert "is being compiled" in first
     assert "is still being compiled" in second
@@ -145,7 +147,7 @@ def test_one_process_compiles_however_many_are_started(started: list[str]) -> No
 def test_a_run_after_the_cache_is_full_says_nothing(started: list[str]) -> None:
     compilation.keep()
 
-    assert first_start.prepare(OPTIONS, frozenset()) == ""
+    assert first_start.prepare(OPTIONS) == ""
     assert started == []
 
 
@@ -154,7 +156,7 @@ def test_what_went_wrong_beside_is_done_again_where_it_is_seen(
 ) -> None:
     (tmp_path / compilation.COMPLAINTS).write_text("OSError: no space left")
 
-    assert first_start.prepare(OPTIONS, frozenset()) == ""
+    assert first_start.prepare(OPTIONS) == ""
     assert started == []
 
 
@@ -163,7 +165,7 @@ def test_without_a_folder_that_lasts_nothing_is_compiled_for_later(
 ) -> None:
     monkeypatch.setattr(first_start, "cache_lasts", lambda: False)
 
-    assert "NUMBA_CACHE_DIR" in first_start.prepare(OPTIONS, frozenset())
+    assert "NUMBA_CACHE_DIR" in first_start.prepare(OPTIONS)
     assert started == ["interpreted"]
 
 

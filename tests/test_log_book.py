@@ -3,6 +3,7 @@
 import json
 import math
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -24,6 +25,7 @@ from trainer.config.sea import load_sea
 from trainer.session import header as header_module
 from trainer.session.header import differences, header_of, layout_of, method_of, notes, plan_of
 from trainer.session.layout import LAYOUT, read_state, unlike
+from trainer.session.options import RunOptions
 from trainer.session.plan import Plan, plan_run
 
 PLAIN: dict[str, Any] = {
@@ -73,7 +75,7 @@ severity = 0.5
 SWELL = "[sea]\nheight_m = 2.5\nperiod_s = 9\nspectrum = 'bretschneider'\n"
 
 
-def recorded_run(options: dict[str, Any]) -> tuple[Plan, Boat, dict[str, str]]:
+def recorded_run(options: RunOptions) -> tuple[Plan, Boat, dict[str, str]]:
     """Return the plan of the options, its boat started, and the header of its recording."""
     with remembering() as texts:
         plan = plan_run(options)
@@ -83,7 +85,7 @@ def recorded_run(options: dict[str, Any]) -> tuple[Plan, Boat, dict[str, str]]:
 
 
 @pytest.fixture
-def drill(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> dict[str, Any]:
+def drill(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> RunOptions:
     """Return options of an exercise in the present folder, every file of it the user's own."""
     monkeypatch.chdir(tmp_path)
     bb2 = shipped("vessels", "bb2").read_text(encoding="utf-8")
@@ -95,14 +97,14 @@ def drill(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> dict[str, Any]:
         ("orders.txt", "7.5 rudder right 10  # by hand\n"),
     ):
         (tmp_path / name).write_text(text, encoding="utf-8")
-    return PLAIN | {"exercise": "drill.toml", "orders_file": Path("orders.txt")}
+    return RunOptions(equations="full", exercise="drill.toml", orders_file=Path("orders.txt"))
 
 
 # What is read, remembered
 
 
 def test_what_is_read_is_remembered_under_a_key_that_no_machine_s_paths_are_in(
-    drill: dict[str, Any],
+    drill: RunOptions,
 ) -> None:
     plan_run(drill)  # what has been read before is read again
     with remembering() as texts:
@@ -177,7 +179,7 @@ def test_a_shipped_file_given_by_its_path_is_found_on_another_machine() -> None:
     ],
 )
 def test_a_header_gives_back_the_very_same_plan(options: dict[str, Any]) -> None:
-    plan, boat, header = recorded_run(PLAIN | options)
+    plan, boat, header = recorded_run(RunOptions(**{"equations": "full", **options}))
 
     again = plan_of(header)
 
@@ -193,9 +195,9 @@ def test_a_header_gives_back_the_very_same_plan(options: dict[str, Any]) -> None
 
 
 def test_a_plan_is_made_again_with_none_of_its_files_left(
-    drill: dict[str, Any], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    drill: RunOptions, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    plan, _, header = recorded_run(drill | {"seed": 5, "given": frozenset({"seed"})})
+    plan, _, header = recorded_run(replace(drill, seed=5, given=frozenset({"seed"})))
     for path in tmp_path.iterdir():
         path.unlink()
     monkeypatch.setattr(files, "_text_on_disk", lambda path: pytest.fail(f"{path} was read"))
@@ -211,7 +213,7 @@ def test_a_plan_is_made_again_with_none_of_its_files_left(
 
 
 def test_a_header_is_texts_only_and_says_what_computed_the_run() -> None:
-    _, _, header = recorded_run(PLAIN)
+    _, _, header = recorded_run(RunOptions(equations="full"))
     assert all(isinstance(text, str) for text in header.values())
     assert {"trainer", "core", "python", "numpy", "numba", "machine", "started"} <= set(header)
     assert header["started"].endswith("+00:00")
@@ -220,9 +222,7 @@ def test_a_header_is_texts_only_and_says_what_computed_the_run() -> None:
 # What differs today
 
 
-def test_a_changed_vessel_file_is_told_by_line_and_key(
-    drill: dict[str, Any], tmp_path: Path
-) -> None:
+def test_a_changed_vessel_file_is_told_by_line_and_key(drill: RunOptions, tmp_path: Path) -> None:
     _, _, header = recorded_run(drill)
     path = tmp_path / "boat.toml"
     lines = path.read_text(encoding="utf-8").split("\n")
@@ -237,7 +237,7 @@ def test_a_changed_vessel_file_is_told_by_line_and_key(
     ]
 
 
-def test_a_file_that_is_gone_is_told_by_its_name(drill: dict[str, Any], tmp_path: Path) -> None:
+def test_a_file_that_is_gone_is_told_by_its_name(drill: RunOptions, tmp_path: Path) -> None:
     _, _, header = recorded_run(drill)
     (tmp_path / "swell.toml").unlink()
     assert differences(header) == [
@@ -267,7 +267,7 @@ def test_of_many_changed_lines_the_first_are_told_and_the_others_counted() -> No
 
 
 def test_another_version_core_or_state_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
-    _, _, header = recorded_run(PLAIN)
+    _, _, header = recorded_run(RunOptions(equations="full"))
     digest = header["core"]
     monkeypatch.setattr(header_module, "__version__", "9.9.9")
     monkeypatch.setattr(header_module, "core_digest", lambda: "0123456789abcdef")
@@ -281,16 +281,14 @@ def test_another_version_core_or_state_is_told(monkeypatch: pytest.MonkeyPatch) 
 
 
 def test_other_libraries_are_noted_and_are_no_difference() -> None:
-    _, _, header = recorded_run(PLAIN)
+    _, _, header = recorded_run(RunOptions(equations="full"))
     now = header["numpy"]
     header["numpy"] = "1.0"
     assert differences(header) == []
     assert notes(header) == [f"numpy {now}, recorded 1.0"]
 
 
-def test_a_step_vessel_or_method_given_otherwise_is_told(
-    drill: dict[str, Any], tmp_path: Path
-) -> None:
+def test_a_step_vessel_or_method_given_otherwise_is_told(drill: RunOptions, tmp_path: Path) -> None:
     _, _, header = recorded_run(drill)
     text = (tmp_path / "boat.toml").read_text(encoding="utf-8")
     (tmp_path / "longer.toml").write_text(text.replace("length = 70.2", "length = 71"))
@@ -318,7 +316,7 @@ def test_a_step_vessel_or_method_given_otherwise_is_told(
     ],
 )
 def test_a_header_of_another_form_is_told_not_guessed_at(spoilt: dict[str, str], told: str) -> None:
-    _, _, header = recorded_run(PLAIN)
+    _, _, header = recorded_run(RunOptions(equations="full"))
     with pytest.raises(ConfigError) as wrong:
         plan_of(header | spoilt)
     assert str(wrong.value) == told
@@ -384,7 +382,7 @@ def test_two_states_are_unlike_at_the_first_bit_that_differs(
 def test_a_header_of_anybody_s_making_is_refused_by_name(
     part: str, value: object, told: str
 ) -> None:
-    _, _, header = recorded_run(PLAIN)
+    _, _, header = recorded_run(RunOptions(equations="full"))
     header[part] = json.dumps(value).replace("Infinity", "1e999")
     read = {"options": plan_of, "texts": plan_of, "layout": layout_of, "method": method_of}[part]
 

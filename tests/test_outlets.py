@@ -34,6 +34,7 @@ from trainer.session.history import History
 from trainer.session.nmea.outlets import Steady, open_outlets
 from trainer.session.nmea.position import DEFAULT
 from trainer.session.nmea.sentences import INSTRUMENTS
+from trainer.session.options import RunOptions
 from trainer.session.ports import Ports
 from trainer.session.session import Session
 from trainer.session.stations.subscriptions import Promptly, Publisher, Roster
@@ -102,24 +103,14 @@ def under_way() -> Boat:
     return boat
 
 
-def options(*urls: str, **others: Any) -> dict[str, Any]:
-    return {
-        "nmea": urls,
-        "nmea_baud": 115200,
-        "nmea_rate": 10.0,
-        "nmea_orders": False,
-        "token": (),
-        "nmea_sentences": None,
-        "nmea_record": None,
-        "origin": "25,-45",
-        **others,
-    }
+def options(*urls: str, **others: Any) -> RunOptions:
+    return RunOptions(**{"nmea": urls, "nmea_baud": 115200, "nmea_rate": 10.0, **others})
 
 
 class Deck:
     """A session with outlets, ticked by the test."""
 
-    def __init__(self, stack: contextlib.ExitStack, given: dict[str, Any]) -> None:
+    def __init__(self, stack: contextlib.ExitStack, given: RunOptions) -> None:
         self.boat = under_way()
         wake = threading.Event()
         self.publisher = Publisher(Roster(Lookout(self.boat, Ledger(0.5).summary)))
@@ -670,7 +661,7 @@ def test_time_and_date_go_on_from_when_the_recording_was_begun(
 # What is refused
 
 
-def refused(given: dict[str, Any]) -> str:
+def refused(given: RunOptions) -> str:
     boat = under_way()
     with contextlib.ExitStack() as stack:
         publisher = Promptly(Roster(Lookout(boat, Ledger(0.5).summary)))
@@ -721,7 +712,7 @@ def test_the_rate_that_is_advised_fits() -> None:
         (options(nmea_record=Path(__file__)), "is there already; give another name"),
     ],
 )
-def test_what_cannot_be_opened_says_what_to_do(given: dict[str, Any], reason: str) -> None:
+def test_what_cannot_be_opened_says_what_to_do(given: RunOptions, reason: str) -> None:
     assert reason in refused(given)
 
 

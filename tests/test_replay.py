@@ -25,6 +25,7 @@ from trainer.io.orders.table import BOAT_ORDERS
 from trainer.io.recording.recording import Moment, Recording
 from trainer.session.header import differences, header_of
 from trainer.session.layout import LAYOUT
+from trainer.session.options import RunOptions
 from trainer.session.plan import Plan, plan_run
 from trainer.session.replay import Flight, replay_anyway
 
@@ -72,7 +73,7 @@ LAST = 160
 class Run:
     """A boat recorded as a session records one."""
 
-    def __init__(self, folder: Path, options: dict[str, Any]) -> None:
+    def __init__(self, folder: Path, options: RunOptions) -> None:
         with remembering() as texts:
             self.plan: Plan = plan_run(options)
         self.boat = Boat(self.plan.file, self.plan.method)
@@ -136,11 +137,9 @@ def run(tmp_path: Path) -> Iterator[Run]:
     made.recording.close()
 
 
-def options(**given: Any) -> dict[str, Any]:
+def options(**given: Any) -> RunOptions:
     """Return the command line's options with those given."""
-    plain = dict.fromkeys(("exercise", "sea", "orders_file", "rates", "step", "duration"))
-    method = {"equations": "full", "trig": "exact", "integrator": "adams2"}
-    return {**plain, **method, "vessel": "bb2", "seed": 1, **given, "given": frozenset(given)}
+    return RunOptions(**{"equations": "full", **given}, given=frozenset(given))
 
 
 def spoil(path: Path, tick: int, field: str, change: float) -> None:

@@ -4,6 +4,7 @@ import math
 import threading
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -13,6 +14,7 @@ from trainer.config.exercise import Limits
 from trainer.config.files import ConfigError
 from trainer.core.kernel import Numbers
 from trainer.session.layout import LAYOUT
+from trainer.session.options import RunOptions
 from trainer.session.rerun import feed as feeds
 from trainer.session.rerun import sinks as sinks_module
 from trainer.session.rerun.batch import Batch, Block, Changes, Times, states
@@ -475,10 +477,10 @@ def subject(make_boat: Make) -> Subject:
     return Subject(make_boat("bb2"), Limits(), "a drill")
 
 
-def asked(subject: Subject, **options: object) -> Log | None:
+def asked(subject: Subject, **options: Any) -> Log | None:
     ledger = Ledger(0.5)
     publisher = Promptly(Roster(Lookout(subject.boat, ledger.summary)))
-    return open_log(publisher, ledger, subject, options)
+    return open_log(publisher, ledger, subject, RunOptions(**options))
 
 
 def test_nothing_asked_for_is_nothing_opened(subject: Subject) -> None:

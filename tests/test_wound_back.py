@@ -20,6 +20,7 @@ from trainer.io.recording.recording import Recording
 from trainer.io.tables import COLUMNS, NoFile
 from trainer.session.header import header_of, layout_of
 from trainer.session.history import History
+from trainer.session.options import RunOptions
 from trainer.session.plan import plan_run
 from trainer.session.replay import replay_anyway
 from trainer.session.resume import bring_up
@@ -127,16 +128,9 @@ class Ship:
     """A session of the exercise, recorded, frozen at its start."""
 
     def __init__(self, exercise: Path) -> None:
-        options = {
-            **dict.fromkeys(("sea", "orders_file", "rates", "step", "duration")),
-            "exercise": str(exercise),
-            "vessel": "bb2",
-            "seed": 1,
-            "equations": "full",
-            "trig": "exact",
-            "integrator": "adams2",
-            "given": frozenset(("equations",)),
-        }
+        options = RunOptions(
+            exercise=str(exercise), equations="full", given=frozenset(("equations",))
+        )
         with remembering() as texts:
             self.plan = plan_run(options)
         self.boat = self.new_boat()

@@ -7,7 +7,9 @@ from typing import Any
 
 import click
 
+from trainer.cli.options import run_options
 from trainer.cli.shared_options import FILE, VESSEL_HELP, method_options, together
+from trainer.session.options import RunOptions
 
 CPUS = ("x86-64-v2", "x86-64-v3", "x86-64-v4", "native")
 
@@ -47,7 +49,7 @@ boat_options = together(
     "or this machine's.",
 )
 @click.option("--json", "as_json", is_flag=True, help="Print what was written as JSON.")
-def export_core(directory: Path, *, as_json: bool, **options: Any) -> None:
+def export_core(directory: Path, *, cpu: str, as_json: bool, **options: Any) -> None:
     """Write the compiled tick of a boat as a C library that needs no Python.
 
     \b
@@ -68,7 +70,7 @@ def export_core(directory: Path, *, as_json: bool, **options: Any) -> None:
     )
     from trainer.boat.export.targets import NoCompilerError  # noqa: PLC0415
 
-    exported = export(boat_at_start(options), directory, options["cpu"])
+    exported = export(boat_at_start(run_options(options)), directory, cpu)
     missing = ""
     try:
         add_library(directory)
@@ -82,7 +84,7 @@ def export_core(directory: Path, *, as_json: bool, **options: Any) -> None:
         sys.exit(1)
 
 
-def boat_at_start(options: dict[str, Any]) -> Any:
+def boat_at_start(options: RunOptions) -> Any:
     """Return the boat of the command line's ``options`` at its start; ConfigError if she cannot."""
     from trainer.boat.boat import Boat  # noqa: PLC0415
     from trainer.config.sea import load_sea  # noqa: PLC0415
@@ -91,11 +93,11 @@ def boat_at_start(options: dict[str, Any]) -> Any:
     from trainer.session.warm_up import refuse_unstable  # noqa: PLC0415
     from trainer.units import KNOT  # noqa: PLC0415
 
-    file = load_vessel(options["vessel"])
-    sea = load_sea(options["sea"])
+    file = load_vessel(options.vessel)
+    sea = load_sea(options.sea or "calm")
     boat = Boat(file, chosen_method(file, options))
-    if not options["unsafe_step"]:
+    if not options.unsafe_step:
         refuse_unstable(boat)
-    boat.start(file.run.start_speed_kn * KNOT, file.run.start_depth_m, 0.0, options["seed"])
+    boat.start(file.run.start_speed_kn * KNOT, file.run.start_depth_m, 0.0, options.seed)
     boat.put_to_sea(sea)
     return boat

@@ -10,7 +10,7 @@ from typing import Any, Final
 import click
 
 from trainer.cli.answers import AHEAD, Number, outputs, show
-from trainer.cli.run import given
+from trainer.cli.options import given
 from trainer.cli.shared_options import FILE
 from trainer.config.method import EQUATIONS
 

@@ -4,7 +4,6 @@ The command that tells what is sent to instruments.
 """
 
 from pathlib import Path
-from typing import Any
 
 import click
 
@@ -60,11 +59,10 @@ def check(file: str) -> None:
     FILE is a path, or the name of a shipped exercise. Exit code 2 when something is wrong.
     """
     from trainer.analysis.exercise_page import summary  # noqa: PLC0415
-    from trainer.cli.run import run  # noqa: PLC0415
+    from trainer.session.options import RunOptions  # noqa: PLC0415
     from trainer.session.plan import plan_run  # noqa: PLC0415
 
-    options: dict[str, Any] = {each.name or "": each.default for each in run.params}
-    click.echo("\n".join(summary(plan_run({**options, "exercise": file, "given": frozenset()}))))
+    click.echo("\n".join(summary(plan_run(RunOptions(exercise=file)))))
 
 
 @click.command()

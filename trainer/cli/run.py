@@ -4,11 +4,13 @@ Commands that attach to a running session.
 """
 
 import sys
+from dataclasses import replace
 from pathlib import Path
-from typing import Any, Final, NoReturn
+from typing import Any, NoReturn
 
 import click
 
+from trainer.cli.options import run_options, served
 from trainer.cli.shared_options import (
     FILE,
     connect_options,
@@ -22,18 +24,7 @@ from trainer.cli.shared_options import (
     time_options,
 )
 from trainer.io.paths import HOST, PORT
-
-# what a session without a console of its own is told, beside what its user says
-SERVED: Final[dict[str, Any]] = {"headless": True, "url": None, "serve": True}
-
-
-def given() -> frozenset[str]:
-    """Return the options that the user gave, by name."""
-    from click.core import ParameterSource  # noqa: PLC0415
-
-    context = click.get_current_context()
-    source = context.get_parameter_source
-    return frozenset(name for name in context.params if source(name) is not ParameterSource.DEFAULT)
+from trainer.session.options import RunOptions
 
 
 @click.command()
@@ -68,35 +59,36 @@ def run(*, teletype: bool, core: Path | None, state: Path | None, **options: Any
         sys.exit(run_core(sys.argv[sys.argv.index("run") + 1 :]))
     from trainer.console.terminal import has_terminal  # noqa: PLC0415
 
-    elsewhere = options["headless"] or options["url"] is not None
+    asked = run_options(options)
+    elsewhere = asked.headless or asked.url is not None
     if not (teletype or elsewhere) and has_terminal():
         from trainer.console.own_session import sail  # noqa: PLC0415
 
         def serve_at(where: str) -> NoReturn:
-            take_to_sea({**options, **SERVED, "socket": where, "until_left": True})
+            take_to_sea(replace(served(asked), socket=where, until_left=True))
 
         from trainer.session.stations.access import ANY, read_tokens  # noqa: PLC0415
 
-        tokens = read_tokens(options["token"])
+        tokens = read_tokens(asked.token)
         token = tokens.get("instructor", tokens.get(ANY))
-        sys.exit(sail(serve_at, options["socket"], token))
-    take_to_sea({**options, "serve": False})
+        sys.exit(sail(serve_at, asked.socket, token))
+    take_to_sea(asked)
 
 
-def take_to_sea(options: dict[str, Any]) -> NoReturn:
+def take_to_sea(options: RunOptions) -> NoReturn:
     """Run a boat as the command line's ``options`` say, and leave with the exit code."""
     import gc  # noqa: PLC0415
 
     gc.disable()  # until the boat is ready: looking for garbage is a tenth of the start
     from trainer.session.first_start import prepare  # noqa: PLC0415
 
-    note = prepare(options, given())  # before anything imports a kernel
+    note = prepare(options)  # before anything imports a kernel
     if note:
         click.echo(note, err=True)
     from trainer.session.run import run_boat  # noqa: PLC0415
 
     try:
-        sys.exit(run_boat({**options, "given": given(), "note": note}))
+        sys.exit(run_boat(replace(options, note=note)))
     finally:
         gc.enable()
 
@@ -120,7 +112,7 @@ def serve(**options: Any) -> None:
 
     It ends at --duration, by the instructor's `quit`, or by Ctrl-C, its recording complete.
     """
-    take_to_sea({**options, **SERVED})
+    take_to_sea(served(run_options(options)))
 
 
 @click.command()
@@ -143,7 +135,7 @@ def resume(file: Path, *, anyway: bool, **options: Any) -> None:
     from trainer.session.resume import resume_boat  # noqa: PLC0415
 
     options["frozen"] = options["frozen"] or not options["headless"]
-    sys.exit(resume_boat(file, {**options, "serve": False, "note": ""}, anyway=anyway))
+    sys.exit(resume_boat(file, run_options(options), anyway=anyway))
 
 
 ROLES = (

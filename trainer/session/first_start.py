@@ -18,20 +18,18 @@ from typing import Any, Final
 from trainer.boat import compilation
 from trainer.config.files import ConfigError, is_path, parse_toml, read_text, shipped
 from trainer.core.cache import cache_folder, cache_lasts
+from trainer.session.options import RunOptions
 
 EVALUATION: Final = 0.02  # [s] of the clock for an evaluation of the rates: ten of them
 EVALUATIONS: Final = {"rk4": 4.0, "rkv": math.inf}  # in a tick; one with other methods
 INTERPRETED: Final = "interpreted: 100 times slower, with the same bits, and on time"
 
 
-def prepare(options: Mapping[str, Any], given: frozenset[str]) -> str:
-    """Settle how the core of a run runs; return what its user is to be told, "" for nothing.
-
-    ``options`` are the command line's, those in ``given`` by the user.
-    """
+def prepare(options: RunOptions) -> str:
+    """Settle how the core of a run runs; return what its user is to be told, "" for nothing."""
     if os.name != "posix" or compilation.settled() or compilation.done_without():
         return ""
-    if compilation.kept() or hurried(options, given) or complaints():
+    if compilation.kept() or hurried(options) or complaints():
         return ""
     compilation.do_without()
     if not cache_lasts():
@@ -46,19 +44,21 @@ def prepare(options: Mapping[str, Any], given: frozenset[str]) -> str:
     return f"first start: the core {begun} compiled beside; until then runs are {INTERPRETED}"
 
 
-def hurried(options: Mapping[str, Any], given: frozenset[str]) -> bool:
+def hurried(options: RunOptions) -> bool:
     """Return whether ticks are to come faster than the interpreter surely makes them."""
-    exercise = table("exercises", options["exercise"])
+    exercise = table("exercises", options.exercise)
     said = {"step": "step_s", "vessel": "vessel", "integrator": "integrator"}
     chosen = {
-        name: options[name] if name in given else exercise.get(key, options[name])
+        name: getattr(options, name)
+        if name in options.given
+        else exercise.get(key, getattr(options, name))
         for name, key in said.items()
     }
     step = chosen["step"] or table("vessels", chosen["vessel"]).get("run", {}).get("step_s")
     if not isinstance(step, int | float):
         return True
     least = EVALUATION * EVALUATIONS.get(str(chosen["integrator"]), 1.0)
-    return bool(step / options["speed"] < least)
+    return bool(step / options.speed < least)
 
 
 def table(kind: str, name: Any) -> Mapping[str, Any]:

@@ -10,7 +10,7 @@ import json
 import platform
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import closing, contextmanager
-from dataclasses import asdict, fields
+from dataclasses import asdict, fields, replace
 from datetime import UTC, datetime
 from functools import cache
 from importlib import metadata
@@ -38,6 +38,7 @@ from trainer.core.cache import core_digest, same_core
 from trainer.core.vessel import TERMS
 from trainer.io.recording.recording import Recording, RecordingError
 from trainer.session.layout import LAYOUT, changes
+from trainer.session.options import RunOptions
 from trainer.session.plan import Plan, plan_run
 
 PLAN: Final = "1"
@@ -83,10 +84,10 @@ def refusing_damage() -> Iterator[None]:
         raise ConfigError(str(error)) from None
 
 
-def header_of(options: Mapping[str, Any], texts: Mapping[str, str], boat: Boat) -> dict[str, str]:
+def header_of(options: RunOptions, texts: Mapping[str, str], boat: Boat) -> dict[str, str]:
     """Return the header of a run that ``options`` planned from ``texts``, its boat just started."""
-    planned = {name: options[name] for name in OPTIONS}
-    planned["given"] = sorted(options["given"] & planned.keys())
+    planned = {name: getattr(options, name) for name in OPTIONS}
+    planned["given"] = sorted(options.given & planned.keys())
     return {
         "plan": PLAN,
         "trainer": __version__,
@@ -109,17 +110,20 @@ def plan_of(header: Mapping[str, str], otherwise: Mapping[str, Any] = NOTHING) -
     its file of today. ConfigError if the header is of another form, or this version cannot read
     what the files say.
     """
-    options, texts = _part(header, "options"), _part(header, "texts")
-    _check_options(options)
-    options["given"] = frozenset(options["given"]) | otherwise.keys()
-    options["orders_file"] = options["orders_file"] and Path(options["orders_file"])
+    found, texts = _part(header, "options"), _part(header, "texts")
+    _check_options(found)
+    options = RunOptions(
+        **{name: found[name] for name in OPTIONS if name != "orders_file"},
+        orders_file=found["orders_file"] and Path(found["orders_file"]),
+        given=frozenset(found["given"]) | otherwise.keys(),
+    )
     with remembering() as today:
         if "vessel" in otherwise:
             load_vessel(otherwise["vessel"])
     with recorded({**today, **texts}):
         if {term.key for term in coefficient_terms()} != TERMS.keys():
             raise ConfigError("recording: its coefficients are another version's, or nobody's")
-        return plan_run({**options, **otherwise})
+        return plan_run(replace(options, **otherwise))
 
 
 def method_of(header: Mapping[str, str]) -> Method:

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from pathlib import Path
 from typing import Any, Final
 
@@ -17,6 +17,7 @@ from trainer.config.sea import SeaFile, load_sea
 from trainer.config.vessel import VesselFile, load_vessel
 from trainer.core.scheme import RUNGE_KUTTAS
 from trainer.io.orders.schedule import BadSchedule, Scheduled, parse_schedule
+from trainer.session.options import RunOptions
 from trainer.units import KNOT
 
 STEP_LIMITS = 0.001, 2.0  # [s]
@@ -68,24 +69,22 @@ class Plan:
             casualties_module.arm(boat, entry.condition, entry.casualty, entry.rule)
 
 
-def plan_run(options: dict[str, Any]) -> Plan:
+def plan_run(options: RunOptions) -> Plan:
     """Return the plan of the command line's ``options``; ConfigError on what is wrong.
 
-    ``options["given"]`` names those that the user gave; they overrule the exercise.
+    ``options.given`` names those that the user gave; they overrule the exercise.
     """
-    exercise = None if options["exercise"] is None else load_exercise(options["exercise"])
-    chosen = dict(options)
-    if exercise:
-        chosen |= overruled(exercise, options["given"])
-    file = load_vessel(chosen["vessel"])
-    sea = exercise.sea if exercise and options["sea"] is None else None
-    schedule = [*(exercise.schedule if exercise else ()), *read_schedule(options["orders_file"])]
+    exercise = None if options.exercise is None else load_exercise(options.exercise)
+    chosen = replace(options, **overruled(exercise, options.given)) if exercise else options
+    file = load_vessel(chosen.vessel)
+    sea = exercise.sea if exercise and options.sea is None else None
+    schedule = [*(exercise.schedule if exercise else ()), *read_schedule(options.orders_file)]
     return Plan(
         file=file,
         method=chosen_method(file, chosen),
-        sea=sea or load_sea(options["sea"] or "calm"),
-        seed=int(chosen["seed"]),
-        duration=chosen["duration"],
+        sea=sea or load_sea(options.sea or "calm"),
+        seed=int(chosen.seed),
+        duration=chosen.duration,
         title=exercise.heading.name if exercise else "",
         briefing=exercise.heading.briefing if exercise else "",
         initial=exercise.initial if exercise else Initial(),
@@ -107,15 +106,15 @@ def overruled(exercise: Exercise, given: frozenset[str]) -> dict[str, Any]:
     }
 
 
-def chosen_method(file: VesselFile, options: dict[str, Any]) -> Method:
+def chosen_method(file: VesselFile, options: RunOptions) -> Method:
     """Return how the boat is to be computed; ConfigError on a step that is none."""
-    step = file.run.step_s if options["step"] is None else options["step"]
+    step = file.run.step_s if options.step is None else options.step
     low, high = STEP_LIMITS
     if not low <= step <= high:
         raise ConfigError(f"--step {step:g}: a step is {low:g} to {high:g} s")
-    integrator = options["integrator"]
-    rates = options["rates"] or ("exact" if integrator in RUNGE_KUTTAS else "lagged")
-    return Method(options["equations"], rates, options["trig"], integrator, step)
+    integrator = options.integrator
+    rates = options.rates or ("exact" if integrator in RUNGE_KUTTAS else "lagged")
+    return Method(options.equations, rates, options.trig, integrator, step)
 
 
 def read_schedule(path: Path | None) -> list[Scheduled]:

@@ -8,7 +8,7 @@ import threading
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, Final
+from typing import Final
 
 import click
 
@@ -18,6 +18,7 @@ from trainer.io.connection import Connection
 from trainer.io.line import Direct, Inbox, Joined, Line, Outbox, reader, writer
 from trainer.io.serial_line import LinkError, SerialLine
 from trainer.io.server import Hub, private_folder
+from trainer.session.options import RunOptions
 from trainer.session.stations.access import Door, read_tokens
 from trainer.session.stations.roles import ROLES
 from trainer.session.stations.station import Log, Station
@@ -71,14 +72,14 @@ class Ports:
             raise ConfigError(f"--line {given}: say ROLE=URL, such as helm=/dev/ttyUSB0{wrong}")
         return self._station(self._serial("--line", url, baud), Door(role))
 
-    def lobby(self, options: dict[str, Any]) -> Lobby | None:
+    def lobby(self, options: RunOptions) -> Lobby | None:
         """Return where lines come in at the sockets asked for, None for none; ConfigError."""
-        address, path = wanted(options["listen"]), wanted(options["socket"])
-        tokens = read_tokens(options["token"])
+        address, path = wanted(options.listen), wanted(options.socket)
+        tokens = read_tokens(options.token)
         if address is not None:
             host, port = parse_address(address)
             refuse_open_door(host, tokens)
-        at_home = path is None and options["socket"] is None and joinable(options)
+        at_home = path is None and options.socket is None and joinable(options)
         if address is None and path is None and not at_home:
             return None
         hub = Hub(self.wake, INTRODUCTION if tokens else math.inf)
@@ -168,12 +169,12 @@ def listen_here(hub: Hub, path: Path) -> None:
     click.echo(f"{paths.LISTENING} {path}", err=True)
 
 
-def joinable(options: dict[str, Any]) -> bool:
+def joinable(options: RunOptions) -> bool:
     """Return whether stations may join without having been asked for: where time is kept."""
-    return math.isfinite(options["speed"]) and not (options["headless"] and not options["serve"])
+    return math.isfinite(options.speed) and not (options.headless and not options.serve)
 
 
-def unhurried(options: dict[str, Any]) -> bool:
+def unhurried(options: RunOptions) -> bool:
     """Return whether the run keeps no time and nobody can join it."""
-    sockets = wanted(options["listen"]), wanted(options["socket"])
-    return math.isinf(options["speed"]) and sockets == (None, None)
+    sockets = wanted(options.listen), wanted(options.socket)
+    return math.isinf(options.speed) and sockets == (None, None)

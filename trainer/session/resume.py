@@ -2,7 +2,6 @@
 
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 import click
 import numpy as np
@@ -15,12 +14,13 @@ from trainer.io.recording.recording import Recording
 from trainer.session.header import differences, layout_of, plan_of, refusing_damage
 from trainer.session.history import History, order_of
 from trainer.session.layout import read_state
+from trainer.session.options import RunOptions
 from trainer.session.plan import Plan
 from trainer.session.run import Voyage, fly
 from trainer.session.warm_up import warm
 
 
-def resume_boat(path: Path, options: dict[str, Any], *, anyway: bool) -> int:
+def resume_boat(path: Path, options: RunOptions, *, anyway: bool) -> int:
     """Go on with the recording at ``path``; return the exit code."""
     with refusing_damage():
         recording = Recording.reopen(path)
@@ -35,11 +35,11 @@ def resume_boat(path: Path, options: dict[str, Any], *, anyway: bool) -> int:
     except BaseException:
         recording.close()
         raise
-    seconds = options["duration"]
+    seconds = options.duration
     if seconds is not None and seconds <= boat.time:
         recording.close()
         raise ConfigError(f"--duration {seconds:g} s: this run is at {boat.time:g} s already")
-    how = "time is frozen: say run" if options["frozen"] else "going on"
+    how = "time is frozen: say run" if options.frozen else "going on"
     if seconds is None and plan.duration is not None and plan.duration <= boat.time:
         how = "at its end; --duration goes on beyond it"
     click.echo(f"{path}: branch {recording.branch}, {boat.time:g} s; {how}", err=True)

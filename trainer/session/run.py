@@ -28,6 +28,7 @@ from trainer.io.status_line import course
 from trainer.io.tables import COLUMNS, CsvFile, NoFile
 from trainer.session.header import header_of
 from trainer.session.history import History
+from trainer.session.options import RunOptions
 from trainer.session.plan import Plan, plan_run
 from trainer.session.ports import PATIENCE, Ports, unhurried
 from trainer.session.rerun.sinks import open_log
@@ -127,7 +128,7 @@ class Voyage:
     clock: Clock = field(default_factory=MonotonicClock)
 
 
-def run_boat(options: dict[str, Any], clock: Clock | None = None) -> int:
+def run_boat(options: RunOptions, clock: Clock | None = None) -> int:
     """Run as the command line's ``options`` say, by the machine's clock; return the exit code."""
     with remembering() as texts:
         plan = plan_run(options)
@@ -136,19 +137,19 @@ def run_boat(options: dict[str, Any], clock: Clock | None = None) -> int:
     state = boat.records.state.tobytes()
     recording: Recording | NoRecording = NoRecording()
     paths = recording_paths(plan, options)
-    if paths or options["serve"] or not options["headless"]:
+    if paths or options.serve or not options.headless:
         kept, recording = create_recording(paths, header_of(options, texts, boat), state)
     history = History(boat, recording)
     return fly(Voyage(plan, boat, history, str(kept or ""), clock or MonotonicClock()), options)
 
 
-def ready(plan: Plan, options: dict[str, Any]) -> Boat:
+def ready(plan: Plan, options: RunOptions) -> Boat:
     """Return the boat as the plan starts her; ConfigError if she cannot be."""
     boat = Boat(plan.file, plan.method)
-    if options["serve"] and not compilation.needed():
+    if options.serve and not compilation.needed():
         click.echo(f"{paths_module.MAKING_READY} {plan.title or plan.file.name}", err=True)
     warm(boat)
-    if not options["unsafe_step"]:
+    if not options.unsafe_step:
         refuse_unstable(boat)
     plan.start(boat)
     return boat
@@ -171,26 +172,28 @@ def create_recording(
     raise ConfigError(f"--record {taken}")
 
 
-def recording_paths(plan: Plan, options: dict[str, Any]) -> tuple[Path, ...]:
+def recording_paths(plan: Plan, options: RunOptions) -> tuple[Path, ...]:
     """Return where the run is recorded: where told, by default if somebody is there to train."""
-    if options["record"] is not None or options["no_record"]:
-        return () if options["no_record"] else (Path(options["record"]),)
-    alone = options["headless"] and not options["serve"]
-    if alone or math.isinf(options["speed"]):
+    if options.no_record:
+        return ()
+    if options.record is not None:
+        return (options.record,)
+    alone = options.headless and not options.serve
+    if alone or math.isinf(options.speed):
         return ()
     return tuple(
-        islice(paths_module.recording_paths(options["exercise"] or plan.file.path.stem), NAMES)
+        islice(paths_module.recording_paths(options.exercise or plan.file.path.stem), NAMES)
     )
 
 
-def fly(voyage: Voyage, options: dict[str, Any]) -> int:
+def fly(voyage: Voyage, options: RunOptions) -> int:
     """Open the ports, run the session to its end, account for it; return the exit code."""
     boat, history, plan = voyage.boat, voyage.history, voyage.plan
     method = boat.method
-    recorder = open_csv(options["csv_path"], 1 if math.isfinite(options["speed"]) else BATCH)
+    recorder = open_csv(options.csv_path, 1 if math.isfinite(options.speed) else BATCH)
     last_tick = math.inf if plan.duration is None else round(plan.duration / method.step)
-    time = Timekeeping.at(voyage.clock, method.step, options["speed"], Policy(options["overrun"]))
-    time.punctuality = Punctuality(realtime=options["priority"] == "realtime")
+    time = Timekeeping.at(voyage.clock, method.step, options.speed, Policy(options.overrun))
+    time.punctuality = Punctuality(realtime=options.priority == "realtime")
     publisher = open_publisher(boat, time, options)
     log = open_log(publisher, time.ledger, Subject.of(plan, boat), options)
     sending = log or publisher
@@ -202,27 +205,27 @@ def fly(voyage: Voyage, options: dict[str, Any]) -> int:
             time,
             history,
             recorder,
-            COLUMNS if options["csv_path"] else (),
+            COLUMNS if options.csv_path else (),
             sending,
             schedule=plan.schedule,
             watch=Watch.over(boat, plan.limits),
             last_tick=last_tick,
             wake=wake,
-            briefing=(*heading(plan), *situation(plan, boat, options["note"])),
+            briefing=(*heading(plan), *situation(plan, boat, options.note)),
             crew_briefing=(
                 *(() if plan.hides else heading(plan)),
-                *situation(plan, boat, options["note"]),
+                *situation(plan, boat, options.note),
             ),
-            until_left=bool(options.get("until_left")),
+            until_left=options.until_left,
         )
         if log:
             session.board.hearers.append(log.hear)
         open_ports(Ports(wake, sending, session.board.log, stack), session, options)
-        shown = progress_bar(last_tick) if options["headless"] else contextlib.nullcontext()
+        shown = progress_bar(last_tick) if options.headless else contextlib.nullcontext()
         started = time.clock.now()
         quiet = np.errstate(all="ignore")
         with interrupts(session), quiet, shown as session.progress, time.attended():
-            session.run(frozen=options["frozen"])
+            session.run(frozen=options.frozen)
         wall = (time.clock.now() - started) / SECOND
         session.board.tell("time", OVER)
         sending.close(PATIENCE)
@@ -230,20 +233,20 @@ def fly(voyage: Voyage, options: dict[str, Any]) -> int:
             station.close(PATIENCE)
         recorder.close()
         history.recording.close()
-        code = account(session, wall, voyage.kept, aside=not options["headless"])
+        code = account(session, wall, voyage.kept, aside=not options.headless)
         return max(code, log.account()) if log else code
 
 
-def open_ports(ports: Ports, session: Session, options: dict[str, Any]) -> None:
+def open_ports(ports: Ports, session: Session, options: RunOptions) -> None:
     """Open what the command line asks for, and greet whoever is there."""
-    baud = options["baud"]
-    session.board.stations += [ports.panel(given, baud) for given in options["lines"]]
-    if options["url"] is not None:
-        session.board.stations.append(ports.console_line(options["url"], baud))
-    elif not options["headless"]:
+    baud = options.baud
+    session.board.stations += [ports.panel(given, baud) for given in options.lines]
+    if options.url is not None:
+        session.board.stations.append(ports.console_line(options.url, baud))
+    elif not options.headless:
         quick = unhurried(options)
         session.board.stations.append(ports.terminal(unhurried=quick))
-    if options["nmea"] or options["nmea_record"] is not None:
+    if options.nmea or options.nmea_record is not None:
         from trainer.session.nmea.outlets import open_outlets  # noqa: PLC0415  what runs seldom have
 
         session.board.stations += open_outlets(ports, session.history.recording, options)
@@ -252,7 +255,7 @@ def open_ports(ports: Ports, session: Session, options: dict[str, Any]) -> None:
         session.greet(station)
 
 
-def open_publisher(boat: Boat, time: Timekeeping, options: dict[str, Any]) -> Publisher | Promptly:
+def open_publisher(boat: Boat, time: Timekeeping, options: RunOptions) -> Publisher | Promptly:
     """Return what sends to the stations: at once where no time is kept."""
     roster = Roster(Lookout(boat, time.ledger.summary))
     return Promptly(roster) if unhurried(options) else Publisher(roster)

@@ -13,7 +13,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from datetime import UTC, datetime
 from pathlib import Path
-from typing import Any, Final
+from typing import Final
 
 import click
 
@@ -27,6 +27,7 @@ from trainer.io.udp import Datagrams
 from trainer.session.nmea.orders import NmeaLine, Readers
 from trainer.session.nmea.position import Chart, chart_at
 from trainer.session.nmea.sentences import NAMES, Instrument, InstrumentSet, Sampled, chosen, widest
+from trainer.session.options import RunOptions
 from trainer.session.ports import PATIENCE, Ports
 from trainer.session.stations.access import Door
 from trainer.session.stations.station import Station
@@ -76,20 +77,20 @@ class Outlets:
 
 
 def open_outlets(
-    ports: Ports, recording: Recording | NoRecording, options: dict[str, Any]
+    ports: Ports, recording: Recording | NoRecording, options: RunOptions
 ) -> list[Station]:
     """Return the stations of the outlets that ``options`` ask for; ConfigError."""
-    urls, path = options["nmea"], options["nmea_record"]
+    urls, path = options.nmea, options.nmea_record
     if not urls and path is None:
         return []
     outlets = Outlets(
-        chosen(named(options["nmea_sentences"])),
-        options["nmea_rate"],
-        origin(options["origin"]),
+        chosen(named(options.nmea_sentences)),
+        options.nmea_rate,
+        origin(options.origin),
         start_of(recording),
     )
-    outlets = replace(outlets, orders=options["nmea_orders"] or not options["token"])
-    stations = [open_outlet(ports, outlets, url, options["nmea_baud"]) for url in urls]
+    outlets = replace(outlets, orders=options.nmea_orders or not options.token)
+    stations = [open_outlet(ports, outlets, url, options.nmea_baud) for url in urls]
     if path is not None:
         stations.append(open_file(ports, outlets, path))
     return stations

@@ -9,15 +9,15 @@ import socket
 import subprocess
 import sys
 import time
-from collections.abc import Mapping
 from importlib.util import find_spec
 from pathlib import Path
-from typing import Any, Final
+from typing import Final
 
 import click
 
 from trainer.config.files import ConfigError
 from trainer.io.paths import HOST
+from trainer.session.options import RunOptions
 from trainer.session.rerun.batch import Batch
 from trainer.session.rerun.blueprint import blueprint
 from trainer.session.rerun.charts import charts_of
@@ -36,15 +36,15 @@ LOOK: Final = 0.1  # [s] between looks whether it has
 
 
 def open_log(
-    sending: Publisher | Promptly, ledger: Ledger, subject: Subject, options: Mapping[str, Any]
+    sending: Publisher | Promptly, ledger: Ledger, subject: Subject, options: RunOptions
 ) -> Log | None:
     """Return what feeds the file and the viewer asked for, None if there is neither.
 
     What is missing is told in a line. ConfigError for an address that is none, or a file that
     cannot be written.
     """
-    path, wanted = options.get("rrd"), options.get("rerun") or options.get("rerun_at")
-    host, port = parse_place(options.get("rerun_at") or "")
+    path, wanted = options.rrd, options.rerun or options.rerun_at
+    host, port = parse_place(options.rerun_at or "")
     if path is None and not wanted:
         return None
     if find_spec("rerun") is None:

@@ -10,10 +10,11 @@ import sys
 import threading
 from dataclasses import asdict, dataclass
 from fractions import Fraction
-from typing import Any, Final
+from typing import Final
 
 import click
 
+from trainer.session.options import RunOptions
 from trainer.session.plan import plan_run
 from trainer.session.run import run_boat
 from trainer.session.time.ledger import SECOND
@@ -72,14 +73,13 @@ attest(serve)
 """
 
 
-def options_of(serve: click.Command, words: list[str]) -> dict[str, Any]:
+def options_of(serve: click.Command, words: list[str]) -> RunOptions:
     """Return the options that `trainer serve` makes of its words."""
     context = serve.make_context("serve", words)
     source = context.get_parameter_source
     default = click.core.ParameterSource.DEFAULT
     given = frozenset(name for name in context.params if source(name) is not default)
-    served = {"headless": True, "url": None, "serve": True, "note": ""}
-    return {**context.params, "given": given, **served}
+    return RunOptions(**context.params, given=given, headless=True, serve=True)
 
 
 def attest(serve: click.Command) -> None:

@@ -1,0 +1,58 @@
+"""What a run is asked for: the options of the command line, by name, checked by their types."""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+
+@dataclass(frozen=True, kw_only=True)
+class RunOptions:
+    """The options of ``trainer run``, ``serve`` and ``resume``; docs say what each means.
+
+    ``given`` names those that the user gave: they overrule what an exercise sets.
+    """
+
+    # what is run
+    exercise: str | None = None  # name or path
+    vessel: str = "bb2"
+    equations: str = "modified"
+    rates: str | None = None
+    trig: str = "exact"
+    sea: str | None = None
+    integrator: str = "adams2"
+    step: float | None = None  # [s]
+    unsafe_step: bool = False
+    seed: int = 1
+    orders_file: Path | None = None
+    # its time
+    duration: float | None = None  # [s]
+    speed: float = 1.0  # of time; infinite at full speed
+    overrun: str = "catch-up"
+    priority: str = "realtime"
+    frozen: bool = False
+    until_left: bool = False
+    # what is kept
+    csv_path: Path | None = None
+    record: Path | None = None
+    no_record: bool = False
+    rerun: bool = False
+    rerun_at: str | None = None
+    rrd: Path | None = None
+    # who attends
+    headless: bool = False
+    serve: bool = False  # stations are let in though there is no console
+    url: str | None = None  # of the console
+    lines: tuple[str, ...] = ()
+    baud: int = 9600
+    listen: str | None = None
+    socket: str | None = None
+    token: tuple[str, ...] = ()
+    nmea: tuple[str, ...] = ()
+    nmea_baud: int = 38400
+    nmea_rate: float = 2.0  # [Hz]
+    nmea_sentences: str | None = None
+    nmea_orders: bool = False
+    nmea_record: Path | None = None
+    origin: str = "25,-45"
+    # beside the options
+    given: frozenset[str] = frozenset()
+    note: str = ""  # what the crew is told of how the boat is computed
