@@ -71,6 +71,7 @@ class Tape:
     given: list[str] = field(default_factory=list)
     items: list[Item] = field(default_factory=list)
     answers: dict[str, list[str]] = field(default_factory=dict)
+    facts: dict[str, list[tuple[str, str]]] = field(default_factory=dict)  # before an answer
     refuses: frozenset[str] = frozenset()
     connected: bool = True
 
@@ -96,6 +97,7 @@ class Tape:
         self.given.append(words)
         tag = str(next(self._tags))
         self.say(*(sentences.say(tag, text) for text in self.answers.get(words, [])))
+        self.say(*(sentences.fact(0, 0.0, *fact) for fact in self.facts.get(words, [])))
         accepted = words not in self.refuses
         text = f"{words}: done" if accepted else "beyond the limit of 30"
         self.say(sentences.answer(tag, accepted=accepted, text=text))
@@ -113,13 +115,10 @@ class Tape:
 
 def tape(role: str = "instructor") -> Tape:
     found = Tape(POSTS[role].channels)
-    found.answers["casualties"] = [
-        "stern-stuck",
-        "    The stern planes stay where they are",
-        "stern-hard-over -1 ramp 0",
-        "    The stern planes run to this angle and jam",
-        "flooding-aft 1 ramp 5",
-        "    The sea enters the aft compartment",
+    found.facts["casualties"] = [
+        ("casualty", "stern-stuck,,The stern planes stay where they are"),
+        ("casualty", "stern-hard-over,-1 ramp 0,The stern planes run to this angle and jam"),
+        ("casualty", "flooding-aft,1 ramp 5,The sea enters the aft compartment"),
     ]
     return found
 
@@ -578,19 +577,13 @@ def test_the_drawn_boat_pitches_her_bow_up() -> None:
 def test_the_time_line_keeps_casualties_marks_and_snapshots_until_they_are_undone() -> None:
     talk = tape()
     talk.answers["snapshots"] = []
-    talk.say(
-        sentences.event(40, 20.0, "exercise", "[20 s] casualty stern-stuck: casualty stern-stuck")
-    )
-    talk.say(sentences.event(100, 50.0, "mark", "mark by observer: good recovery"))
+    talk.say(sentences.fact(40, 20.0, "order", "casualty stern-stuck"))
+    talk.say(sentences.fact(100, 50.0, "mark", "good recovery"))
     sight = sight_of(talk)
     sight.hear()
     assert [(kept.sign, kept.seconds) for kept in sight.marks] == [("C", 20.0), ("M", 50.0)]
 
-    talk.say(
-        sentences.event(
-            60, 30.0, "moment", "instructor: backtrack 30 s: back from 60 s to 30 s, frozen"
-        )
-    )
+    talk.say(sentences.fact(60, 30.0, "back", "backtrack 30 s"))
     sight.hear()
     assert [kept.sign for kept in sight.marks] == ["C"]
     assert sight.furthest == 30.0
@@ -607,7 +600,8 @@ def test_the_time_line_keeps_casualties_marks_and_snapshots_until_they_are_undon
 )
 def test_no_remark_can_wipe_the_time_line_or_look_like_the_session(remark: str) -> None:
     talk = tape()
-    talk.say(sentences.event(40, 20.0, "mark", "mark by helm: first"))
+    talk.say(sentences.fact(40, 20.0, "mark", "first"))
+    talk.say(sentences.fact(100, 50.0, "mark", remark))
     talk.say(sentences.event(100, 50.0, "mark", f"mark by helm: {remark}"))
     talk.say(sentences.event(110, 55.0, "order", f"helm: rudder left 5: {remark}"))
     sight = sight_of(talk)
@@ -621,6 +615,7 @@ def test_a_remark_of_one_s_own_does_not_wipe_the_time_line_either() -> None:
     talk = tape()
     sight = sight_of(talk)
     sight.marks.append(Kept(20.0, "M", "before"))
+    talk.facts["mark back from 60 s to 0 s"] = [("mark", "back from 60 s to 0 s")]
     sight.order("mark back from 60 s to 0 s")
     sight.hear()
     assert [kept.text for kept in sight.marks] == ["before", "back from 60 s to 0 s"]
@@ -724,7 +719,7 @@ def test_a_console_that_is_not_let_in_says_why_and_ends() -> None:
 
 
 def test_the_end_of_the_session_is_shown_and_ends_the_console_that_ordered_it() -> None:
-    over = sentences.event(120, 60.0, "time", "the session is over")
+    over = sentences.fact(120, 60.0, "over", "")
     talk = tape()
 
     async def end(pilot: Pilot[str], app: Console) -> None:

@@ -98,12 +98,22 @@ def active(boat: Boat) -> list[Active]:
 def listing(boat: Boat) -> list[str]:
     """Return what the boat can suffer: each as the order ``casualty`` takes it, then in words."""
     lines = []
-    for each in boat.casualties.values():
-        if not _carried(boat, each.kind):
-            continue
-        degree = "" if each.measure.sudden else f" {each.severity:g} ramp {each.ramp_s:g}"
-        lines += [f"{each.name}{degree}", f"    {each.description}"]
+    for name, degree, says in available(boat):
+        lines += [f"{name} {degree}".rstrip(), f"    {says}"]
     return lines
+
+
+def available(boat: Boat) -> list[tuple[str, str, str]]:
+    """Return name, degree as it is ordered, and meaning of each that the boat can suffer."""
+    return [
+        (
+            each.name,
+            "" if each.measure.sudden else f"{each.severity:g} ramp {each.ramp_s:g}",
+            each.description,
+        )
+        for each in boat.casualties.values()
+        if _carried(boat, each.kind)
+    ]
 
 
 def readings(boat: Boat) -> Readings:

@@ -1,6 +1,5 @@
 """All that a screen knows of its session: what it shows, what was said, what was asked."""
 
-import re
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, field
@@ -11,11 +10,6 @@ from trainer.console.journal import Journal, Sample, Trace
 from trainer.console.readings import Picture
 from trainer.io.orders.sentences import Sentence
 
-NUMBER: Final = r"[0-9]+(?:\.[0-9]+)?(?:e\+[0-9]{1,3})?"  # as Python's "g" writes it
-KEPT_MOMENT: Final = re.compile(rf"([a-z][a-z0-9-]*) \(({NUMBER}) s\)")
-BACK: Final = re.compile(rf"back from {NUMBER} s to ({NUMBER}) s")
-GOING_BACK: Final = ("backtrack", "restore", "reset")
-OVER: Final = "the session is over"  # its last words
 WIDELY_KNOWN: Final = ("snapshots", "casualties")  # asked for on joining, by the instructor
 
 
@@ -94,6 +88,8 @@ class Sight:
     def __post_init__(self) -> None:
         self.trace = Trace(len(self.charts))
         self._asked: dict[str, Asked] = {}
+        self._snapshots: list[Kept] = []  # told so far, of an answer that is to come
+        self._casualties: list[Broken] = []
 
     @property
     def instructs(self) -> bool:
@@ -174,6 +170,8 @@ class Sight:
             self._answered(sentence)
         elif sentence.kind == "TRE":
             self._happened(sentence)
+        elif sentence.kind == "TRF":
+            self._note(sentence)
         elif self.picture.take(sentence, self.clock()) == self.gauges:
             self._sample()
 
@@ -192,14 +190,24 @@ class Sight:
     def _happened(self, sentence: Sentence) -> None:
         _, seconds, kind, text = sentence.fields
         self.journal.add(float(seconds), kind, text)
-        _, _, said = text.partition(": ")  # who has ordered, or remarked, it
-        if kind == "mark":
-            self._mark(float(seconds), said)
-        else:
-            words, _, answer = said.partition(": ")
-            self._remember(float(seconds), kind, words, answer)
-        if kind == "time" and text == OVER:
+
+    def _note(self, sentence: Sentence) -> None:
+        """Take a fact: what has happened, or what there is, in fields."""
+        _, told, what, subject = sentence.fields
+        seconds = float(told)
+        if what == "over":
             self.over = True
+        elif what == "back":
+            self._go_back(seconds)
+        elif what == "mark":
+            self.marks.append(Kept(seconds, "M", subject or "marked"))
+        elif what == "order":
+            self._remember(seconds, subject)
+        elif what == "snapshot":
+            self._snapshots.append(Kept(seconds, "S", subject))
+        elif what == "casualty":
+            name, degree, says = (*subject.split(",", 2), "", "")[:3]
+            self._casualties.append(Broken(name, degree, says))
 
     def _answered(self, sentence: Sentence) -> None:
         kind, text = sentence.fields
@@ -216,7 +224,7 @@ class Sight:
             self._show_answer(asked, kind, text)
         if kind == "ok":
             self.ended = self.ended or asked.words == "quit"
-            self._learn(asked, text)
+            self._learn(asked)
         else:
             self.refused += 1
 
@@ -226,32 +234,16 @@ class Sight:
         if text:
             self.journal.add(None, "answer" if kind == "ok" else "refused", text)
 
-    def _learn(self, asked: Asked, text: str) -> None:
-        """Keep what an answer tells for good."""
+    def _learn(self, asked: Asked) -> None:
+        """Keep what was told in fields before this answer."""
         if asked.words == "snapshots":
-            self.snapshots = [Kept(float(s), "S", n) for n, s in KEPT_MOMENT.findall(text)]
+            self.snapshots, self._snapshots = self._snapshots, []
         elif asked.words == "casualties":
-            self.casualties = suffered(asked.lines)
-        elif asked.words.startswith("mark"):
-            self._mark(self.picture.seconds, asked.words.removeprefix("mark").strip())
-        elif not asked.quiet:
-            kind = "moment" if asked.words.startswith(GOING_BACK) else "exercise"
-            self._remember(self.picture.seconds, kind, asked.words, text)
+            self.casualties, self._casualties = self._casualties, []
 
-    def _mark(self, seconds: float, remark: str) -> None:
-        self.marks.append(Kept(seconds, "M", remark or "marked"))
-
-    def _remember(self, seconds: float, kind: str, words: str, answer: str) -> None:
-        """Keep on the time line what is worth going back to.
-
-        Only what the session says of an order to go back takes anything from it.
-        """
-        back = BACK.match(answer) if kind == "moment" else None
-        if back:
-            self._go_back(float(back[1]))
-        elif answer.startswith("refused: "):
-            return
-        elif words.startswith("snapshot ") and self.instructs:
+    def _remember(self, seconds: float, words: str) -> None:
+        """Keep on the time line what is worth going back to."""
+        if words.startswith("snapshot ") and self.instructs:
             self.ask("snapshots")
         elif words.startswith("casualty "):
             self.marks.append(Kept(seconds, "C", words))
@@ -262,15 +254,3 @@ class Sight:
         self.furthest = seconds
         if self.instructs:
             self.ask("snapshots")
-
-
-def suffered(lines: list[str]) -> list[Broken]:
-    """Return the casualties that the session lists: a line as it is ordered, then one in words."""
-    found: list[Broken] = []
-    for text in lines:
-        if text.startswith(" ") and found:
-            found[-1] = found[-1]._replace(says=text.strip())
-        else:
-            name, _, degree = text.partition(" ")
-            found.append(Broken(name, degree, ""))
-    return found

@@ -12,10 +12,11 @@ from trainer.io import paths
 from trainer.io.client import dial
 from trainer.io.line import Inbox, Line, Outbox, reader, writer
 from trainer.io.lines import Overlong
+from trainer.io.orders import sentences
+from trainer.io.orders.sentences import Sentence
 from trainer.io.serial_line import LinkError
 
-OVER: Final = "the session is over"  # its last words
-BYE: Final = "bye"  # its last words to one that detaches
+ENDS: Final = ("over", "left")  # facts after which the line is to be gone
 PATIENCE: Final = 2.0  # [s] for what is still to be said at the end
 
 
@@ -26,28 +27,26 @@ def attach_to(url: str | None, role: str, token: str | None) -> int:
         line = dial(url or paths.nearest_session(), wake)
     except LinkError as error:
         raise ConfigError(str(error)) from None
-    first = [f"role {role}{f' {token}' if token else ''}"]
+    # said as a program, which is told facts; what is typed is answered in words
+    line.send(sentences.order_sentence(f"role {role}{f' {token}' if token else ''}"))
     if os.isatty(0):
-        first.append("subscribe teletype")
-    for words in first:
-        line.send(words)
+        line.send("subscribe teletype")
     inbox, out = Inbox(reader(0), wake), Outbox(writer(1), line_end=b"\n")
-    last = carry(line, inbox, out, wake)
+    properly = carry(line, inbox, out, wake)
     line.close(PATIENCE)
     out.close(PATIENCE)
-    if last in (OVER, BYE):
+    if properly:
         return 0
     click.echo(f"trainer: {line.name}: the session is gone: {line.trouble or 'closed'}", err=True)
     return 1
 
 
-def carry(line: Line, inbox: Inbox, out: Outbox, wake: threading.Event) -> str:
-    """Carry lines both ways until the session closes; return the last that it said.
+def carry(line: Line, inbox: Inbox, out: Outbox, wake: threading.Event) -> bool:
+    """Carry lines both ways until the session closes; return whether it has said that it would.
 
     Ctrl-C, and the end of an input that nobody types, leave the session.
     """
-    last = ""
-    left = False
+    properly = left = False
     kept = signal.signal(signal.SIGINT, lambda *_: line.send("detach"))
     try:
         while not line.ended:
@@ -60,9 +59,21 @@ def carry(line: Line, inbox: Inbox, out: Outbox, wake: threading.Event) -> str:
                 left = True
                 line.send("detach")
             for said in line.take(1000):
-                if not isinstance(said, Overlong):
-                    out.send(said)
-                    last = said
+                if isinstance(said, Overlong):
+                    continue
+                sentence = sentences.read(said)
+                if sentence and sentence.kind == "TRF":
+                    properly = properly or sentence.fields[2] in ENDS
+                elif text := in_words(said, sentence):
+                    out.send(text)
     finally:
         signal.signal(signal.SIGINT, kept)
-    return last
+    return properly
+
+
+def in_words(said: str, sentence: Sentence | None) -> str:
+    """Return what a line of the session says to people."""
+    if sentence is None or sentence.kind not in {"TRA", "TRE"}:
+        return said
+    text = sentence.fields[-1]
+    return f"? {text}" if sentence.kind == "TRA" and sentence.fields[0] == "no" else text

@@ -35,6 +35,7 @@ from trainer.session.rerun.sinks import open_log
 from trainer.session.rerun.subject import Subject
 from trainer.session.session import Session
 from trainer.session.stations.reception import Closed
+from trainer.session.stations.station import Fact
 from trainer.session.stations.subscriptions import Promptly, Publisher, Roster
 from trainer.session.stations.view import Lookout
 from trainer.session.time.ledger import SECOND, Summary
@@ -227,7 +228,7 @@ def fly(voyage: Voyage, options: RunOptions) -> int:
         with interrupts(session), quiet, shown as session.progress, time.attended():
             session.run(frozen=options.frozen)
         wall = (time.clock.now() - started) / SECOND
-        session.board.tell("time", OVER)
+        session.board.tell("time", OVER, fact=Fact("over"))
         sending.close(PATIENCE)
         for station in session.board.stations:
             station.close(PATIENCE)

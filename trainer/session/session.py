@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 from typing import Final
 
 from trainer.boat.boat import TICK, Boat
-from trainer.boat.casualties import listing
+from trainer.boat.casualties import available, listing
 from trainer.boat.helm import obey
 from trainer.boat.limits import Watch
 from trainer.io.orders.grammar import Order, Refused, Reply
@@ -27,7 +27,7 @@ from trainer.session.stations.access import NoiseLog
 from trainer.session.stations.display import panel
 from trainer.session.stations.reception import Closed, Reception
 from trainer.session.stations.roles import INSTRUCTOR, STRANGER, Role, hears
-from trainer.session.stations.station import Asked, News, Station
+from trainer.session.stations.station import Asked, Fact, News, Station
 from trainer.session.stations.subscriptions import Sending
 from trainer.session.stations.view import Lookout, Pace, Picture
 from trainer.session.status import status_lines
@@ -48,12 +48,17 @@ class Board:
     heard: Station | None = None  # who is listened to
     hearers: list[Callable[[News], None]] = field(default_factory=list)  # of all; they never wait
 
-    def tell(self, kind: str, text: str, by: Station | None = None) -> None:
-        """Record what has happened, and tell whose role hears of such things but ``by``."""
+    def tell(
+        self, kind: str, text: str, by: Station | None = None, fact: Fact | None = None
+    ) -> None:
+        """Record what has happened, and tell whose role hears of such things but ``by``.
+
+        ``by`` has its answer; it is told the fact all the same.
+        """
         boat = self.history.boat
         # a remark is anybody's words: who hears it hears whose
         said = f"mark by {by.role.name}: {text}" if kind == "mark" and by else text
-        news = News(self.history.tick, boat.time, kind, said)
+        news = News(self.history.tick, boat.time, kind, said, fact)
         self.news.append(news)
         self.history.recording.event(news.tick, kind, by.who if by else "", text)
         for hear in self.hearers:
@@ -61,6 +66,8 @@ class Board:
         for station in self.stations:
             if station is not by:
                 station.tell(news)
+            else:
+                station.note(news)
 
     def log(self, kind: str, text: str) -> None:
         """Tell what the station that is listened to has to say of itself."""
@@ -78,6 +85,7 @@ LINES_AT_A_TIME: Final = 32  # of one station before the clock is looked at agai
 PATIENCE: Final = 0.5  # [s] for a line to get out what it was sent before it is closed
 # orders by which everybody can tell that something has been done with time
 MOMENTS: Final = frozenset({"restore", "reset", "backtrack", "replay", "take"})
+GOING_BACK: Final = ("backtrack", "restore", "reset")
 TIME: Final = frozenset({"freeze", "run", "step", "time", "quit"})
 
 
@@ -227,11 +235,12 @@ class Session:
         elif order.name == "briefing":
             station.answer(asked, "", *self._briefed(station))
         elif order.name == "casualties":
+            self._note(station, [Fact("casualty", ",".join(each)) for each in available(self.boat)])
             station.answer(asked, "", *listing(self.boat))
         elif order.name == "log":
             station.answer(asked, "", *self.board.lately(station.role, int(order.value)))
         elif order.name == "mark":
-            self.board.tell("mark", order.subject or "marked", station)
+            self.board.tell("mark", order.subject or "marked", station, Fact("mark", order.subject))
             self.history.recording.flush()
             station.answer(asked, self._as_kept(f"marked at {self.boat.time:g} s"))
             self._tell_trouble()
@@ -240,9 +249,23 @@ class Session:
                 answer = self._carry_out(order, station.who)
             except RecordingError as error:  # its past cannot be read at present
                 answer = Refused(str(error))
+            if order.name == "snapshots":
+                self._note_snapshots(station)
             station.answer(asked, self._as_kept(answer))
             self._pass_on(order, answer, station)
             self._tell_trouble()
+
+    def _note(self, station: Station, facts: Sequence[Fact]) -> None:
+        """Tell a station facts of now, if it is a program."""
+        for fact in facts:
+            station.note(News(self.history.tick, self.boat.time, "exercise", "", fact))
+
+    def _note_snapshots(self, station: Station) -> None:
+        """Tell a station the moments kept, if it is a program."""
+        step = self.boat.method.step
+        for name, moment in self.history.snapshots().items():
+            kept = Fact("snapshot", name)
+            station.note(News(moment.tick, moment.tick * step, "moment", "", kept))
 
     def _status(self, station: Station) -> list[str]:
         """Return all about the boat that a station may know."""
@@ -278,9 +301,11 @@ class Session:
         """Record an order about time, and tell the others what was ordered."""
         text = f"refused: {answer.reason}" if isinstance(answer, Refused) else answer
         kind = "order" if station.role is not INSTRUCTOR else "exercise"
+        fact = None
         if not isinstance(answer, Refused):
             kind = "moment" if order.name in MOMENTS else "time" if order.name in TIME else kind
-        self.board.tell(kind, f"{station.role.name}: {order.text}: {text}", station)
+            fact = Fact("back" if order.name in GOING_BACK else "order", order.text)
+        self.board.tell(kind, f"{station.role.name}: {order.text}: {text}", station, fact)
 
     def _obey_due(self) -> bool:
         """Carry out the orders that are due; return whether they stop time before a tick."""
@@ -299,7 +324,9 @@ class Session:
                 return
             answer = self._carry_out(entry.order, "schedule", self.history.place)
             text = f"refused: {answer.reason}" if isinstance(answer, Refused) else answer
-            self.board.tell("exercise", f"[{entry.seconds:g} s] {entry.order.text}: {text}")
+            fact = None if isinstance(answer, Refused) else Fact("order", entry.order.text)
+            told = f"[{entry.seconds:g} s] {entry.order.text}: {text}"
+            self.board.tell("exercise", told, fact=fact)
 
     def _obey_replay(self) -> bool:
         """Give again what was given at this tick; return whether a replay ends here, told so."""

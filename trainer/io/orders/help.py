@@ -82,6 +82,11 @@ EXAMPLES = (
         "something that happened",
         sentences.event(120, 60.0, "order", "helm: rudder left 15"),
     ),
+    (
+        "$TRF,tick,seconds,what,subject*HH",
+        "a fact of it, for programs",
+        sentences.fact(120, 60.0, "order", "rudder left 15"),
+    ),
 )
 
 

@@ -5,12 +5,14 @@
     names     = "$TRN," channel { "," name ":" unit } "*" checksum
     state     = "$TRS," channel "," tick "," seconds { "," value } "*" checksum
     event     = "$TRE," tick "," seconds "," kind "," text "*" checksum
+    fact      = "$TRF," tick "," seconds "," what "," subject "*" checksum
     tag       = one to six digits, chosen by the sender, returned with every answer to that order
     checksum  = two hexadecimal digits, the exclusive or of every character between "$" and "*"
 
 An answer is any number of "say" lines and then one "ok" or "no". `text` is always last and may hold
-commas. People type the words alone (``grammar``). Neither side is answered in kind when its line is
-damaged: its tag cannot be trusted either.
+commas. Facts are for programs, since texts may be reworded: FACTS has them. Kinds of line that a
+program does not know are to be ignored. People type the words alone (``grammar``). Neither side is
+answered in kind when its line is damaged: its tag cannot be trusted either.
 """
 
 import functools
@@ -28,11 +30,21 @@ TAG = re.compile(r"[0-9]{1,6}")
 UNSAFE = re.compile(r"[^ -~]|[$*]")
 UNSAFE_FIELD = re.compile(r"[^ -~]|[$*,]")
 # Of each kind: the commas after which they belong to the text, and the fields it has at least.
-KINDS = {"TRA": (1, 2), "TRN": (-1, 1), "TRS": (-1, 3), "TRE": (3, 4)}
+KINDS = {"TRA": (1, 2), "TRN": (-1, 1), "TRS": (-1, 3), "TRE": (3, 4), "TRF": (3, 4)}
 # Of those that tell when: where the tick stands, and after it the seconds.
-TIMED = {"TRS": 1, "TRE": 0}
+TIMED = {"TRS": 1, "TRE": 0, "TRF": 0}
 TICK = re.compile(r"[0-9]{1,18}")
 SECONDS = re.compile(r"[0-9]{1,18}(?:\.[0-9]{1,9})?")
+
+FACTS = {  # what the subject of each is; texts are for people, and may be reworded
+    "order": "an order that was obeyed, in the grammar's words",
+    "mark": "the remark of a mark",
+    "back": "the order that has brought time back, to this tick",
+    "snapshot": "the name of a moment kept; all of them come before the answer to `snapshots`",
+    "casualty": "name, degree and meaning of one that can be had; before that to `casualties`",
+    "over": "nothing: the session has ended",
+    "left": "nothing: this line has been let go, as it asked",
+}
 
 
 @dataclass(frozen=True)
@@ -149,6 +161,11 @@ def state(channel: str, tick: int, seconds: float, values: Iterable[str]) -> str
 def event(tick: int, seconds: float, kind: str, text: str) -> str:
     """Return something that happened at a tick [-], a time [s]."""
     return framed("TRE", "", f"{tick},{seconds:.3f},{UNSAFE_FIELD.sub('?', kind)},{safe(text)}")
+
+
+def fact(tick: int, seconds: float, what: str, subject: str) -> str:
+    """Return a fact for programs, one of FACTS, of a tick [-], a time [s]."""
+    return framed("TRF", "", f"{tick},{seconds:.3f},{what},{safe(subject)}")
 
 
 def framed(kind: str, tag: str, content: str) -> str:

@@ -26,13 +26,21 @@ ORDERS_A_SECOND: Final = 20  # of a line that came by itself; more wait
 ORDERS_AT_ONCE: Final = 100
 
 
+class Fact(NamedTuple):
+    """Something that programs are told in fields: one of sentences.FACTS, and its subject."""
+
+    what: str
+    subject: str = ""
+
+
 class News(NamedTuple):
     """Something that happened; ``kind`` is one of roles.KINDS, and decides who is told."""
 
     tick: int
     seconds: float
     kind: str
-    text: str
+    text: str  # for people
+    fact: Fact | None = None  # for programs
 
 
 @dataclass(frozen=True)
@@ -92,6 +100,7 @@ class Station:
         self._flooding = False  # has been told
         self._noise = NoiseLog(quietly(log, door), clock)
         self._machine = False  # a program spoke last
+        self._program = False  # one has spoken
 
     @property
     def visits(self) -> bool:
@@ -141,7 +150,13 @@ class Station:
         """Tell of something that happened, if it is for this role and wanted."""
         if not (self.wishes.events and hears(self.role, news.kind)):
             return
-        self.line.send(sentences.event(*news) if self._machine else news.text)
+        self.note(news)
+        self.line.send(sentences.event(*news[:4]) if self._machine else news.text)
+
+    def note(self, news: News) -> None:
+        """Tell a program the fact of the news, if there is one."""
+        if news.fact and self._program:
+            self.line.send(sentences.fact(news.tick, news.seconds, *news.fact))
 
     def type_out(self) -> None:
         """Have the teletype line sent at every tick, as a line for people begins."""
@@ -167,6 +182,7 @@ class Station:
         if heard is None:
             return []
         self._machine = heard.machine
+        self._program = self._program or heard.machine
         if isinstance(heard.order, BadOrder):
             self._bad(heard, heard.order.reason)
             return []
@@ -238,6 +254,8 @@ class Station:
 
     def _detach(self, heard: Heard, _order: Order) -> None:
         self.leaving = "detached"
+        if self._program:
+            self.line.send(sentences.fact(0, 0.0, "left", ""))
         self._answer(heard, "bye")
 
     def _take_role(self, heard: Heard, order: Order) -> None:

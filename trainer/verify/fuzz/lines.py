@@ -240,6 +240,10 @@ def framed() -> list[bytes]:
         sentences.state("motion", 3, 1.5, ["41.5", "60"]),
         sentences.event(3, 1.5, "time", "the session is over"),
         sentences.event(3, 1.5, "mark", "helm: mark here: marked at 2 s"),
+        sentences.fact(3, 1.5, "casualty", "flooding-aft,0.1 ramp 5,The sea enters"),
+        sentences.fact(3, 1.5, "back", "backtrack 2 min"),
+        sentences.fact(3, 1.5, "snapshot", "before-jam"),
+        sentences.fact(3, 1.5, "over", ""),
     ]
     return [text.encode() for text in said]
 
