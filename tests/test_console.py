@@ -35,7 +35,7 @@ from trainer.session.stations.channels import CHANNELS
 from trainer.session.stations.roles import ROLES, refusal
 
 ROOT = Path(__file__).parent.parent
-STYLE = ROOT / "trainer" / "screen" / "console.tcss"
+STYLE = ROOT / "trainer" / "console" / "console.tcss"
 PATIENCE = 10.0  # [s]
 SIZES = ((80, 24), (20, 5), (300, 100), (160, 48), (1, 1))
 CREW = ("helm", "planes", "ballast", "diving", "observer")

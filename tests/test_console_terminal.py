@@ -311,13 +311,13 @@ def test_what_a_session_fails_of_as_it_begins_is_told_once_the_screen_is_gone(
 
 ENDLESS = """
 import sys, time
-from trainer import places
+from trainer.io import paths
 from trainer.cli.main import fail
 from trainer.console.own_session import sail
 import click
 
 def serve(where):
-    print(places.MAKING_READY, "a boat that never is", file=sys.stderr, flush=True)
+    print(paths.MAKING_READY, "a boat that never is", file=sys.stderr, flush=True)
     time.sleep(60)
 
 try:

@@ -68,9 +68,10 @@ ORDERS = (  # as they are journalled
 # after a time, or once SQLite has taken so many instructions for the run, in the midst of a write.
 NURSERY = """
 import json, os, signal, sys, time
-from trainer import cli
-from trainer.records import exporting, replay_page, resume
-from trainer.io import checkpoint, recording, recording_file
+from trainer.analysis import recording_export, replay_page
+from trainer.cli import main as cli
+from trainer.io.recording import checkpoint, file as recording_file, recording
+from trainer.session import resume
 
 checkpoint.WORTHWHILE, checkpoint.EVERY = 200_000, 0.005  # a kill may hit these too
 recording.BATCH = 20  # and there is something after the last order more often

@@ -518,7 +518,7 @@ def test_words_for_people_are_not_sent_to_instruments() -> None:
 def test_the_documents_table_is_the_one_that_is_sent() -> None:
     page = (Path(__file__).parent.parent / "docs" / "nmea.md").read_text(encoding="utf-8")
     assert nmea_page.markdown() in page, (
-        "renew: python -c 'from trainer import nmea_page as n; print(n.markdown())'"
+        "renew: python -c 'from trainer.session.nmea import page; print(page.markdown())'"
     )
     for line in nmea_page.sample(load_vessel("bb2")):
         assert line in page, "renew: trainer instruments --sample"

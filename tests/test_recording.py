@@ -473,7 +473,8 @@ def test_one_program_alone_may_go_on_with_a_recording(
     if open_it is begin:
         path.unlink()
     again = (
-        "import sys; from pathlib import Path; from trainer.io import recording_file\n"
+        "import sys; from pathlib import Path\n"
+        "from trainer.io.recording import file as recording_file\n"
         "from trainer.io.recording.recording import Recording, RecordingError\n"
         "recording_file.PATIENCE = 0.1\n"
         "try: Recording.reopen(Path(sys.argv[1]))\n"

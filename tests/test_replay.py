@@ -466,7 +466,7 @@ def test_a_recording_takes_a_bounded_memory_whatever_is_in_it(run: Run, what: st
 def test_ctrl_c_ends_a_long_question_to_a_recording(tmp_path: Path) -> None:
     code = (
         "import sqlite3, sys; from pathlib import Path\n"
-        "from trainer.io import recording_file as f\n"
+        "from trainer.io.recording import file as f\n"
         "f.create(Path(sys.argv[1]), {}, b'').close()\n"
         "with f.understanding('it'):\n"
         "    c = f.connect(Path(sys.argv[1]), 'mode=rw'); print('now', flush=True)\n"

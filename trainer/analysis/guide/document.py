@@ -10,7 +10,7 @@ from trainer.analysis.guide import chapters
 from trainer.analysis.guide.baseline import Moved
 from trainer.analysis.guide.contents import Book, Guide
 
-STYLE: Final = Path(__file__).with_name("style.css")
+STYLE: Final = Path(__file__).parents[1] / "report" / "style.css"
 CONTENTS: Final = {
     "overview": "Overview",
     "findings": "What was found in 1969",

@@ -63,8 +63,8 @@ from llvmlite import binding
 binding.set_option("", "--pre-RA-sched=" + sys.argv[1])
 from trainer.core import kernel
 kernel.part = kernel.kernel = kernel.njit(error_model="numpy", _nrt=False)
-from trainer.study import footprint, small_ticks
-ticks = {"update": small_ticks.update_of_1969, "tick": small_ticks.tick_of_1969}
+from trainer.verify.bench import footprint
+ticks = {"update": footprint.update_of_1969, "tick": footprint.tick_of_1969}
 print(json.dumps({name: footprint.sections(tick) for name, tick in ticks.items()}))
 """
 
