@@ -22,6 +22,7 @@ from trainer.config.files import (
     shipped_names,
 )
 from trainer.config.sea import load_sea
+from trainer.core.cache import SAME_BITS
 from trainer.session import header as header_module
 from trainer.session.header import differences, header_of, layout_of, method_of, notes, plan_of
 from trainer.session.layout import LAYOUT, read_state, unlike
