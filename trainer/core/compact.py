@@ -66,9 +66,7 @@ def forces(compact: Record, trig: int, state: Record, force: Numbers) -> None:
         + heavy * below
     )
     force[3] = (
-        u * (c.K_p * p + c.K_v * v)
-        + c.K_vav * v_cross
-        - c.K_pdot * (m_z * aside + righting * athwart)
+        u * (c.K_p * p + c.K_v * v) + c.K_vav * v_cross - c.T4 * (m_z * aside + righting * athwart)
     )
     force[4] = (
         u * (c.M_q * q + c.M_w * w)
@@ -76,13 +74,13 @@ def forces(compact: Record, trig: int, state: Record, force: Numbers) -> None:
         + r * (c.M_rp * p + c.M_rr * r + c.M_vr * v)
         + c.M_vv * v * v
         + cross * (c.M_awq * q + c.M_waw * w)
-        + c.M_qdot * (m_z * ahead - m_x * down - tilting * below - righting * sin_th)
+        + c.T5 * (m_z * ahead - m_x * down - tilting * below - righting * sin_th)
     )
     force[5] = (
         u * (c.N_p * p + c.N_r * r + c.N_v * v + c.N_dr * u_dr)
         + c.N_pq * p * q
         + c.N_vav * v_cross
-        + c.N_rdot * (m_x * aside + tilting * athwart)
+        + c.T6 * (m_x * aside + tilting * athwart)
     )
 
 
@@ -119,14 +117,14 @@ def further_forces(compact: Record, state: Record, force: Numbers) -> None:
 
 @part
 def add_external(compact: Record, external: Numbers, force: Numbers) -> None:
-    """Add forces [N] and moments [N m] from outside; K_pdot, M_qdot, N_rdot are T4 to T6."""
+    """Add forces [N] and moments [N m] from outside."""
     c = compact[0]
     force[0] += external[0]
     force[1] += external[1]
     force[2] += external[2]
-    force[3] += external[3] * c.K_pdot
-    force[4] += external[4] * c.M_qdot
-    force[5] += external[5] * c.N_rdot
+    force[3] += external[3] * c.T4
+    force[4] += external[4] * c.T5
+    force[5] += external[5] * c.T6
 
 
 @part
@@ -142,9 +140,9 @@ def lagged(compact: Record, force: Numbers, state: Record) -> None:
     s.udot = (force[0] - m_z * s.qdot) / (m - c.X_udot)
     s.vdot = (force[1] + (m_z + c.Y_pdot) * s.pdot + (c.Y_rdot - m_x) * s.rdot) / (m - c.Y_vdot)
     s.wdot = (force[2] + (m_x + c.Z_qdot) * s.qdot) / (m - c.Z_wdot)
-    s.pdot = force[3] + (m_z * c.K_pdot + c.K_vdot) * s.vdot + c.K_rdot * s.rdot
-    s.qdot = force[4] + (m_x * c.M_qdot + c.M_wdot) * s.wdot - m_z * c.M_qdot * s.udot
-    s.rdot = force[5] + (c.N_vdot - m_x * c.N_rdot) * s.vdot + c.N_pdot * s.pdot
+    s.pdot = force[3] + (m_z * c.T4 + c.K_vdot) * s.vdot + c.K_rdot * s.rdot
+    s.qdot = force[4] + (m_x * c.T5 + c.M_wdot) * s.wdot - m_z * c.T5 * s.udot
+    s.rdot = force[5] + (c.N_vdot - m_x * c.T6) * s.vdot + c.N_pdot * s.pdot
 
 
 @kernel
@@ -161,6 +159,6 @@ def inertia(compact: Record, state: Record, out: Numbers) -> None:
     out[0, 0], out[0, 4] = m - c.X_udot, m_z
     out[1, 1], out[1, 3], out[1, 5] = m - c.Y_vdot, -(m_z + c.Y_pdot), m_x - c.Y_rdot
     out[2, 2], out[2, 4] = m - c.Z_wdot, -(m_x + c.Z_qdot)
-    out[3, 1], out[3, 5] = -(m_z * c.K_pdot + c.K_vdot), -c.K_rdot
-    out[4, 0], out[4, 2] = m_z * c.M_qdot, -(m_x * c.M_qdot + c.M_wdot)
-    out[5, 1], out[5, 3] = m_x * c.N_rdot - c.N_vdot, -c.N_pdot
+    out[3, 1], out[3, 5] = -(m_z * c.T4 + c.K_vdot), -c.K_rdot
+    out[4, 0], out[4, 2] = m_z * c.T5, -(m_x * c.T5 + c.M_wdot)
+    out[5, 1], out[5, 3] = m_x * c.T6 - c.N_vdot, -c.N_pdot

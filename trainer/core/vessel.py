@@ -55,6 +55,7 @@ KEPT: Final = (
     *("M_rr", "M_vr", "M_vv", "M_rp"),
     *("N_rdot", "N_pdot", "N_vdot", "N_r", "N_p", "N_v", "N_vav", "N_pq", "N_dr"),
 )
+INVERTED: Final = {"K_pdot": "T4", "M_qdot": "T5", "N_rdot": "T6"}  # as [ASSES] (18) has them
 BASIC_DROPS: Final = ("Z_waw", "M_waw", "M_awq")
 # What a vessel file may keep besides.
 EXTRA_TERMS: Final = (
@@ -156,7 +157,7 @@ def vessel_record(body: Mapping[str, float], prime: Prime, eta: tuple[float, flo
 COMPACT: Final = record_dtype(
     *("rho", "g", "mass", "weight", "buoyancy", "eta_1", "eta_2"),
     *THRUST,
-    *KEPT,
+    *(INVERTED.get(name, name) for name in KEPT),
     "ZB",  # [N m] buoyancy times z_b
     "extended",  # [-] 1: some of the following are kept
     *EXTRA_TERMS,
@@ -166,9 +167,8 @@ COMPACT: Final = record_dtype(
 def compact_record(body: Mapping[str, float], prime: Prime, eta: tuple[float, float]) -> Record:
     """Return the compact constants, [ASSES] (18).
 
-    ``prime`` holds what the set keeps, compensation factors applied. K_pdot, M_qdot and N_rdot
-    carry T4, T5 and T6. The mass is left out of Y_r (there as -m), since tanks change it. Arrays
-    make a record for each of their numbers.
+    ``prime`` holds what the set keeps, compensation factors applied. The mass is left out of Y_r
+    (there as -m), since tanks change it. Arrays make a record for each of their numbers.
     """
     compact = np.zeros(_members(prime), COMPACT)
     for name in ("rho", "g", "mass", "weight", "buoyancy"):
@@ -184,8 +184,8 @@ def compact_record(body: Mapping[str, float], prime: Prime, eta: tuple[float, fl
     inverse = {"K": t4, "M": t5, "N": t6}
     for name in (*KEPT, *EXTRA_TERMS):
         scale = _scale(body, TERMS[name]) * inverse.get(name[0], 1.0)
-        compact[name] = scale * prime.get(name, 0.0)
-    compact["K_pdot"], compact["M_qdot"], compact["N_rdot"] = t4, t5, t6
+        compact[INVERTED.get(name, name)] = scale * prime.get(name, 0.0)
+    compact["T4"], compact["T5"], compact["T6"] = t4, t5, t6
     compact["M_rp"] = (body["I_z"] - body["I_x"] + k5 * prime.get("M_rp", 0.0)) * t5
     compact["N_pq"] = (body["I_x"] - body["I_y"] + k5 * prime.get("N_pq", 0.0)) * t6
     compact["ZB"] = body["buoyancy"] * body["z_b"]

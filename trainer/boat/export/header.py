@@ -68,6 +68,8 @@ int trainer_tick(const struct trainer_vessel *vessel, const struct trainer_compa
 
 #endif
 """
+# Names that hosts were written for, of places that the core calls otherwise.
+PUBLISHED: Final = {place: name for name, place in vessel.INVERTED.items()}
 COMMENT: Final = re.compile(r'^\s*(?:\*?\()?"(\w+)"[^#\n]*#\s*(.+)$', re.MULTILINE)
 
 
@@ -130,7 +132,8 @@ def structure(name: str, kind: np.dtype, said: dict[str, str], title: str) -> st
     for member, offset, shape in members(kind):
         extent = "".join(f"[{count}]" for count in shape)
         remark = said.get(member, blocks.get(offset, "")).replace("*/", "* /")
-        lines.append(f"    double {member}{extent};  /* {offset // 8} {remark}".rstrip() + " */")
+        published = PUBLISHED.get(member, member)
+        lines.append(f"    double {published}{extent};  /* {offset // 8} {remark}".rstrip() + " */")
     size = f"sizeof(struct {name}) == {kind.itemsize}"
     check = f"typedef char {name}_has_its_size[{size} ? 1 : -1];"
     return "\n".join([*lines, "};", check, ""])

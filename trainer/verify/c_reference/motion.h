@@ -60,17 +60,17 @@ static void forces(const struct compact *c, int64_t trig, const struct state *s,
         + heavy * below;
     force[3] = u * (c->K_p * p + c->K_v * v)
         + c->K_vav * v_cross
-        - c->K_pdot * (m_z * aside + righting * athwart);
+        - c->T4 * (m_z * aside + righting * athwart);
     force[4] = u * (c->M_q * q + c->M_w * w)
         + u * u * (c->M_star + c->M_ds * ds + c->M_db * db)
         + r * (c->M_rp * p + c->M_rr * r + c->M_vr * v)
         + c->M_vv * v * v
         + cross * (c->M_awq * q + c->M_waw * w)
-        + c->M_qdot * (m_z * ahead - m_x * down - tilting * below - righting * sin_th);
+        + c->T5 * (m_z * ahead - m_x * down - tilting * below - righting * sin_th);
     force[5] = u * (c->N_p * p + c->N_r * r + c->N_v * v + c->N_dr * u_dr)
         + c->N_pq * p * q
         + c->N_vav * v_cross
-        + c->N_rdot * (m_x * aside + tilting * athwart);
+        + c->T6 * (m_x * aside + tilting * athwart);
 }
 
 static void further_forces(const struct compact *c, const struct state *s, double *force)
@@ -99,9 +99,9 @@ static void add_external(const struct compact *c, const double *external, double
     force[0] += external[0];
     force[1] += external[1];
     force[2] += external[2];
-    force[3] += external[3] * c->K_pdot;
-    force[4] += external[4] * c->M_qdot;
-    force[5] += external[5] * c->N_rdot;
+    force[3] += external[3] * c->T4;
+    force[4] += external[4] * c->T5;
+    force[5] += external[5] * c->T6;
 }
 
 static void lagged(const struct compact *c, const double *force, struct state *s)
@@ -112,9 +112,9 @@ static void lagged(const struct compact *c, const double *force, struct state *s
     s->vdot = (force[1] + (m_z + c->Y_pdot) * s->pdot + (c->Y_rdot - m_x) * s->rdot)
         / (m - c->Y_vdot);
     s->wdot = (force[2] + (m_x + c->Z_qdot) * s->qdot) / (m - c->Z_wdot);
-    s->pdot = force[3] + (m_z * c->K_pdot + c->K_vdot) * s->vdot + c->K_rdot * s->rdot;
-    s->qdot = force[4] + (m_x * c->M_qdot + c->M_wdot) * s->wdot - m_z * c->M_qdot * s->udot;
-    s->rdot = force[5] + (c->N_vdot - m_x * c->N_rdot) * s->vdot + c->N_pdot * s->pdot;
+    s->pdot = force[3] + (m_z * c->T4 + c->K_vdot) * s->vdot + c->K_rdot * s->rdot;
+    s->qdot = force[4] + (m_x * c->T5 + c->M_wdot) * s->wdot - m_z * c->T5 * s->udot;
+    s->rdot = force[5] + (c->N_vdot - m_x * c->T6) * s->vdot + c->N_pdot * s->pdot;
 }
 
 static double guarded(double cos_theta)
