@@ -22,7 +22,7 @@ from click.testing import CliRunner
 from llvmlite import binding
 
 from trainer.boat.boat import PLACES, Boat
-from trainer.boat.export.header import members
+from trainer.boat.export.header import PUBLISHED, members
 from trainer.boat.export.library import HEADER, HOST, LIBRARY, OBJECT, add_library, export
 from trainer.boat.export.lowering import FREESTANDING
 from trainer.boat.export.orders import rows
@@ -248,7 +248,7 @@ def test_places_in_c_are_the_records_places(
     kind: np.dtype, name: str, folder: Path, tmp_path: Path
 ) -> None:
     prints = "\n".join(
-        f'printf("%zu\\n", offsetof(struct trainer_{name}, {member}));'
+        f'printf("%zu\\n", offsetof(struct trainer_{name}, {PUBLISHED.get(member, member)}));'
         for member, _, _ in members(kind)
     )
     program = f'#include <stddef.h>\n#include <stdio.h>\n#include "{HEADER}"\n'

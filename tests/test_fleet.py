@@ -2,14 +2,17 @@
 
 import hashlib
 import re
+import sys
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 
+import numba
 import numpy as np
 import pytest
 from numba import config, float64, int64
 from numba.types import Type
 
+from trainer.analysis.fleet import ensemble
 from trainer.analysis.fleet import tick as tick_module
 from trainer.analysis.fleet.block import follows, ordinary, tanks_rest
 from trainer.analysis.fleet.ensemble import (
@@ -17,10 +20,10 @@ from trainer.analysis.fleet.ensemble import (
     Fleet,
     Schedule,
     fly_members,
-    new_work,
     orders,
 )
 from trainer.analysis.fleet.lanes import BLOCK, LANES, relaid
+from trainer.analysis.fleet.side_by_side import new_work
 from trainer.boat.boat import PLACES, Boat
 from trainer.core.elementary import cosine, exponential, sine
 from trainer.core.kernel import inlined
@@ -148,7 +151,7 @@ def test_every_number_of_a_member_is_that_of_the_boat_flown_alone(
 @compiled
 def test_ordinary_members_are_not_flown_alone(boat: Boat, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(
-        "trainer.analysis.fleet.ensemble.new_work", lambda: works.append(new_work()) or works[0]
+        "trainer.analysis.fleet.side_by_side.new_work", lambda: works.append(new_work()) or works[0]
     )
     works: list = []
 
@@ -362,3 +365,32 @@ def test_elementary_functions_have_the_same_bits_in_a_lane(function: Callable) -
 
     for x in arguments:
         assert np.float64(in_lane(x)).tobytes() == np.float64(function(x)).tobytes()
+
+
+def test_a_fleet_without_vector_code_is_flown_to_the_same_bits(
+    boat: Boat, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    fleets = [random_fleet(boat, 11) for _ in range(2)]
+    schedule = orders(
+        [3, 40, 40],
+        [PLACES["ordered_depth"], PLACES["ordered_r"], PLACES["ordered_psi"]],
+        [90.0, 0.2, 0.0],
+    )
+    first = fly_members(fleets[0], schedule, TICKS, 2, ("u", "z", "psi"))
+
+    monkeypatch.setattr(ensemble, "TESTED", ((9, 0), (9, 1)))
+    assert not ensemble.vector_code()
+    monkeypatch.setitem(sys.modules, "trainer.analysis.fleet.side_by_side", None)
+    second = fly_members(fleets[1], schedule, TICKS, 2, ("u", "z", "psi"))
+
+    assert digest(fleets[0].states) == digest(fleets[1].states)
+    assert np.array_equal(first.rows, second.rows, equal_nan=True)
+    assert np.array_equal(first.lost, second.lost)
+
+
+@compiled
+def test_the_compiler_is_one_that_vector_code_was_tested_with() -> None:
+    assert ensemble.vector_code(), (
+        f"numba {numba.__version__} is not within TESTED of analysis/fleet/ensemble.py: fleets fly "
+        "one by one with it. Run this file with TESTED extended, and extend it if all pass."
+    )

@@ -342,7 +342,7 @@ def test_both_branches_stay_in_the_file(path: Path) -> None:
 KILLED = """
 import json, os, random, signal, sys, time
 from pathlib import Path
-from trainer.io import checkpoint, recording
+from trainer.io.recording import checkpoint, recording
 from trainer.io.recording.recording import Moment, Recording
 
 checkpoint.WORTHWHILE, checkpoint.EVERY, recording.BATCH = 100_000, 0.002, 20

@@ -16,15 +16,15 @@ from trainer.core.kernel import Numbers
 from trainer.session.layout import LAYOUT
 from trainer.session.options import RunOptions
 from trainer.session.rerun import feed as feeds
-from trainer.session.rerun import sinks as sinks_module
+from trainer.session.rerun import request
 from trainer.session.rerun.batch import Batch, Block, Changes, Times, states
 from trainer.session.rerun.charts import charts_of, ledger_columns
 from trainer.session.rerun.collector import Gathering, Heard, Taken
 from trainer.session.rerun.feed import CHUNK, ROOM, Feed
 from trainer.session.rerun.log import Log
+from trainer.session.rerun.request import MISSING, PORT, open_log, parse_place
 from trainer.session.rerun.scene import Track
 from trainer.session.rerun.shape import Fin, fins_of, hull_mesh, sail_mesh, size_of
-from trainer.session.rerun.sinks import MISSING, PORT, open_log, parse_place
 from trainer.session.rerun.states import casualty_lanes, lanes_of
 from trainer.session.rerun.subject import Subject
 from trainer.session.stations.station import News
@@ -493,7 +493,7 @@ def test_a_missing_library_is_one_line_and_the_run_goes_on(
     capsys: pytest.CaptureFixture[str],
     tmp_path: Path,
 ) -> None:
-    monkeypatch.setattr(sinks_module, "find_spec", lambda _: None)
+    monkeypatch.setattr(request, "find_spec", lambda _: None)
 
     logs = [asked(subject, rerun=True), asked(subject, rrd=tmp_path / "run.rrd")]
 

@@ -46,11 +46,11 @@ EVIL_MODULES = {
 TOKEN = "a-word"  # noqa: S105 not a secret
 EVIL_CALLS = {"eval", "exec", "compile", "__import__", "system", "popen", "mktemp"}
 TOLD = {
-    "io/recording_file.py",  # when it happened, beside the tick
-    "records/log_book.py",  # when it was begun
-    "places.py",  # a recording's name
-    "nmea/outlets.py",  # when the boat's own clock, sent to instruments, begins
-    "commands/guiding.py",  # when a guide was made
+    "io/recording/file.py",  # when it happened, beside the tick
+    "session/header.py",  # when it was begun
+    "io/paths.py",  # a recording's name
+    "session/nmea/outlets.py",  # when the boat's own clock, sent to instruments, begins
+    "cli/guide.py",  # when a guide was made
 }
 TIME_OF_DAY = {"now", "utcnow", "today", "time", "time_ns"}  # of datetime, date and time
 
@@ -101,7 +101,7 @@ def test_a_shell_is_started_by_the_proofs_alone() -> None:
         for node in ast.walk(tree)
         if isinstance(node, ast.Constant) and node.value in ("/bin/sh", "sh", "bash", "cmd")
     }
-    assert shells <= {"process_faults.py"}
+    assert shells <= {"processes.py"}
 
 
 # Who may come in
@@ -239,9 +239,9 @@ def test_one_module_alone_decides_what_a_role_may() -> None:
         if ast.unparse(node.value).endswith("role")
     }
     assert elsewhere <= {
-        "stations/roles.py",
-        "stations/station.py",  # tells a role what it may order
-        "proving/random_orders.py",  # says what it may
+        "session/stations/roles.py",
+        "session/stations/station.py",  # tells a role what it may order
+        "verify/soak/operators.py",  # says what it may
     }
 
 

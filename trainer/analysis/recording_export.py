@@ -12,7 +12,7 @@ from trainer.io.recording.recording import Recording
 from trainer.io.tables import Layout, export_csv, export_parquet
 from trainer.session.header import layout_of, method_of, reading
 from trainer.session.layout import numbers_of
-from trainer.session.rerun.sinks import MISSING
+from trainer.session.rerun.request import MISSING
 
 
 def export_file(path: Path, wanted: Mapping[str, Path | None], branch: int | None) -> None:

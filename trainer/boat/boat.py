@@ -9,7 +9,6 @@ from typing import Any
 import numpy as np
 
 from trainer.boat.assemble import Method, fit_out
-from trainer.boat.call import bound
 from trainer.config.casualties import load_casualties
 from trainer.config.files import ConfigError
 from trainer.config.sea import SeaFile, load_sea, sea_settings
@@ -22,7 +21,7 @@ from trainer.core.sea.free_surface import DECK_REACH
 from trainer.core.sea.sea import order_sea
 from trainer.core.state import STATE
 from trainer.core.trim import BOTH, STERN, trim
-from trainer.core.update import WATCHED
+from trainer.core.update import WATCHED, update
 from trainer.units import KNOT
 
 PLACES = {name: place[1] // 8 for name, place in (STATE.fields or {}).items()}
@@ -172,7 +171,7 @@ class Boat:
     @functools.cached_property
     def tick(self) -> Callable[[], int]:
         """Advance by one step; return 0, or a status for ``failure`` with the state as it was."""
-        return bound(tuple(self.records))
+        return functools.partial(update, *self.records)
 
     def failure(self, status: int) -> str:
         """Return where and when a failing tick lost its numbers, in words."""

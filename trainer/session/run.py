@@ -31,7 +31,7 @@ from trainer.session.history import History
 from trainer.session.options import RunOptions
 from trainer.session.plan import Plan, plan_run
 from trainer.session.ports import PATIENCE, Ports, unhurried
-from trainer.session.rerun.sinks import open_log
+from trainer.session.rerun.request import open_log
 from trainer.session.rerun.subject import Subject
 from trainer.session.session import Session
 from trainer.session.stations.reception import Closed

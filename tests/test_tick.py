@@ -1,4 +1,4 @@
-"""The tick with its records bound once: the same tick."""
+"""The tick of a boat: the tick of its records."""
 
 from collections.abc import Callable
 
@@ -11,7 +11,7 @@ from trainer.core.update import update
 pytestmark = pytest.mark.core
 
 
-def test_a_bound_tick_is_the_tick_of_the_records(make_boat: Callable[..., Boat]) -> None:
+def test_a_boat_s_tick_is_the_tick_of_its_records(make_boat: Callable[..., Boat]) -> None:
     bound, called = make_boat(), make_boat()
     for boat in (bound, called):
         boat.start(5.0, 60.0, 0.0)

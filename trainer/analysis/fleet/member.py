@@ -1,0 +1,124 @@
+"""One member of a fleet: flown by ``update`` from order to order, as its boat would be alone."""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from trainer.core.kernel import Record, kernel, unlocked
+from trainer.core.update import update
+
+Places = NDArray[np.int64]
+
+
+class Fleet(NamedTuple):
+    """What the members are: one record for all or one for each, but states for each."""
+
+    vessels: Record
+    compacts: Record
+    scheme: Record  # of one element
+    states: Record
+
+
+class Schedule(NamedTuple):
+    """Orders by member, or one row for all; by tick ascending.
+
+    Before tick ``tick``, counted from the start of the flight, the place is given the value.
+    """
+
+    tick: Places
+    place: Places
+    value: NDArray[np.float64]
+
+
+class Track(NamedTuple):
+    """What is kept of a flight: places of the state, every so many ticks, the start first."""
+
+    every: int
+    places: Places
+    rows: NDArray[np.float64]  # [member, row, place]
+    lost: Places  # [ticks] done when a member's numbers were lost, -1: never
+
+
+@kernel
+def span(records: Record, member: int) -> slice:
+    """Return where a member's record is; the last serves all beyond it."""
+    place = min(member, records.size - 1)
+    return slice(place, place + 1)
+
+
+@kernel
+def note(out: Track, member: int, row: int, state: Record) -> None:
+    """Write a row of the track."""
+    for i in range(out.places.size):
+        out.rows[member, row, i] = state[0].whole[out.places[i]]
+
+
+@kernel
+def forget(out: Track, member: int, start: int, end: int) -> None:
+    """Write that from tick ``start`` up to ``end`` there is nothing to tell."""
+    for row in range(start // out.every + 1, end // out.every + 1):
+        for i in range(out.places.size):
+            out.rows[member, row, i] = np.nan
+
+
+@kernel
+def fly_alone(fleet: Fleet, member: int, start: int, end: int, scratch: Record, out: Track) -> None:
+    """Advance a member from tick ``start`` to ``end``, or to where its numbers are lost."""
+    vessel = fleet.vessels[span(fleet.vessels, member)]
+    compact = fleet.compacts[span(fleet.compacts, member)]
+    state = fleet.states[span(fleet.states, member)]
+    if out.lost[member] >= 0:
+        return
+    for i in range(scratch[0].gains.size):
+        scratch[0].gains[i] = 0.0  # where there is no schedule nobody writes them
+    for tick in range(start, end):
+        if update(vessel, compact, fleet.scheme, state, scratch) != 0:
+            out.lost[member] = tick
+            forget(out, member, tick, end)
+            return
+        if (tick + 1) % out.every == 0:
+            note(out, member, (tick + 1) // out.every, state)
+
+
+@kernel
+def obey(schedule: Schedule, member: int, tick: int, next_order: int, state: Record) -> int:
+    """Carry out the orders due before ``tick``, from ``next_order`` on; return the next one."""
+    row = min(member, schedule.tick.shape[0] - 1)
+    place = next_order
+    while place < schedule.tick.shape[1] and schedule.tick[row, place] <= tick:
+        state[0].whole[schedule.place[row, place]] = schedule.value[row, place]
+        place += 1
+    return place
+
+
+@kernel
+def due(schedule: Schedule, member: int, next_order: int, end: int) -> int:
+    """Return the tick before which the next order acts, ``end`` if none does until then."""
+    if next_order == schedule.tick.shape[1]:
+        return end
+    return min(schedule.tick[min(member, schedule.tick.shape[0] - 1), next_order], end)
+
+
+@kernel
+def fly_member(
+    fleet: Fleet, schedule: Schedule, ticks: int, member: int, scratch: Record, out: Track
+) -> None:
+    """Advance a member by ``ticks``, its orders obeyed."""
+    state = fleet.states[span(fleet.states, member)]
+    note(out, member, 0, state)
+    tick, given = min(ticks, 0), 0  # as a literal 0 it would have all below compiled twice
+    while tick < ticks and out.lost[member] < 0:
+        given = obey(schedule, member, tick, given, state)
+        end = due(schedule, member, given, ticks)
+        fly_alone(fleet, member, tick, end, scratch, out)
+        tick = end
+
+
+@unlocked
+def fly_one_by_one(
+    fleet: Fleet, schedule: Schedule, ticks: int, scratch: Record, out: Track
+) -> None:
+    """Advance every member by ``ticks``; the interpreter is free meanwhile."""
+    for member in range(fleet.states.size):
+        fly_member(fleet, schedule, ticks, member, scratch, out)
