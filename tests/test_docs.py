@@ -77,7 +77,7 @@ def runs(
     tested = [item for item in items if item.originalname == "test_a_documented_command_works"]
     lines = dict.fromkeys(item.callspec.params["line"] for item in tested)
     pool = ThreadPoolExecutor(AT_ONCE)
-    yield {line: pool.submit(ran, line, tmp_path_factory.mktemp("docs")) for line in lines}
+    yield {line: pool.submit(ran, line, tmp_path_factory.mktemp("docs")) for line in lines}  # type: ignore[arg-type, misc]
     pool.shutdown(cancel_futures=True)
 
 

@@ -222,7 +222,7 @@ def test_a_token_is_compared_in_constant_time(monkeypatch: pytest.MonkeyPatch) -
         compared.append((given, wanted))
         return compare(given, wanted)
 
-    monkeypatch.setattr(access.hmac, "compare_digest", watched)
+    monkeypatch.setattr(access.hmac, "compare_digest", watched)  # type: ignore[attr-defined]
     assert not Door(tokens={"": TOKEN}).admits("helm", "another")
     assert Door(tokens={"": TOKEN}).admits("helm", TOKEN)
     assert len(compared) == 2

@@ -1,0 +1,527 @@
+"""What ``trainer check`` finds in a boat, and that its verdict on a step is what then happens."""
+
+import json
+import math
+import time
+from dataclasses import asdict, replace
+
+import numpy as np
+import pytest
+from helpers.places import DATA
+
+from trainer.analysis import check as check_module
+from trainer.analysis.check import Report, check, flights, round_speeds
+from trainer.analysis.check_page import render
+from trainer.analysis.steady_turn import compare_turns
+from trainer.boat.assemble import Method, scheme_record
+from trainer.boat.boat import Boat
+from trainer.boat.linear import bring_to, modes, respond
+from trainer.boat.stability import (
+    Step,
+    culprit,
+    growth,
+    largest_flown,
+    largest_step,
+    responses,
+    stable_step,
+    tick_map,
+)
+from trainer.config.vessel import VesselFile, load_vessel
+from trainer.core.integrators import advance
+from trainer.core.kernel import Record
+from trainer.core.state import HISTORY, MOTION
+from trainer.units import KNOT
+
+INTEGRATION = json.loads((DATA / "integration.json").read_text())
+FOOT = 0.3048
+REMUS_SPEEDS = [speed * KNOT for speed in (2.0, 2.5, 3.0, 3.5, 4.0, 4.5)]
+
+
+def scheme(integrator: str) -> Record:
+    return scheme_record(Method("full", "lagged", "exact", integrator, 0.5))
+
+
+def flown(
+    name: str, integrator: str, step: float, equations: str = "full", rates: str = "lagged"
+) -> Boat:
+    return Boat(load_vessel(name), Method(equations, rates, "exact", integrator, step))
+
+
+def refsub() -> VesselFile:
+    return load_vessel(str(DATA / "vectors" / "full-refsub.vessel.toml"))
+
+
+@pytest.fixture(scope="module")
+def bb2() -> Report:
+    return check(load_vessel("bb2"))
+
+
+@pytest.fixture(scope="module")
+def remus() -> Report:
+    return check(load_vessel("remus100"))
+
+
+# --- stability regions
+
+
+@pytest.mark.parametrize("case", INTEGRATION["max_h"], ids=lambda case: str(case["lam"]))
+@pytest.mark.parametrize(("integrator", "key"), [("adams2", "ab2"), ("euler", "euler")])
+def test_largest_steps_are_those_of_an_independent_program(
+    case: dict[str, list[float]], integrator: str, key: str
+) -> None:
+    assert largest_step(scheme(integrator), complex(*case["lam"])) == pytest.approx(
+        case[key], rel=1e-9
+    )
+
+
+@pytest.mark.parametrize(
+    ("integrator", "key"),
+    [("euler", "euler"), ("adams2", "ab2"), ("best2", "best12"), ("rk4", "rk4")],
+)
+def test_a_real_mode_has_the_published_interval(integrator: str, key: str) -> None:
+    assert largest_step(scheme(integrator), -2.0 + 0.0j) == pytest.approx(
+        -0.5 * INTEGRATION["real_interval"][key], rel=1e-9
+    )
+
+
+@pytest.mark.parametrize("point", INTEGRATION["ab2_boundary"], ids=lambda p: f"{p['theta']:.2f}")
+def test_the_boundary_of_adams_2_is_where_it_should_be(point: dict[str, list[float]]) -> None:
+    mu = complex(*point["mu"])
+
+    assert growth(scheme("adams2"), np.array([mu]))[0] == pytest.approx(1.0, abs=1e-10)
+    assert largest_step(scheme("adams2"), mu) == pytest.approx(1.0, abs=1e-7)
+
+
+@pytest.mark.parametrize(("ratio", "frequency"), [(0.1, 0.5), (0.5, 3.0), (0.9, 0.1)])
+def test_euler_takes_an_oscillator_up_to_twice_its_damping(ratio: float, frequency: float) -> None:
+    # |1 + h lambda| = 1 at h = -2 Re lambda/|lambda|^2 = 2 ratio/frequency
+    root = frequency * complex(-ratio, math.sqrt(1.0 - ratio * ratio))
+
+    assert largest_step(scheme("euler"), root) == pytest.approx(2.0 * ratio / frequency, rel=1e-9)
+
+
+def test_a_multistep_method_of_the_users_own_has_its_own_region() -> None:
+    assert largest_step(scheme("a=1;b=1.5,-0.5"), -1.0 + 0j) == pytest.approx(1.0, rel=1e-9)
+    # leap-frog (a = 0, 1; b = 2) damps nothing at any step
+    assert largest_step(scheme("a=0,1;b=2"), -1.0 + 0j) == pytest.approx(0.0, abs=1e-9)
+
+
+# --- the boat's own modes
+
+
+def test_roots_are_those_of_the_published_determinants() -> None:
+    # vectors/roots.json, refsub at 5 kn, w = theta = 0 and u frozen
+    boat = Boat(refsub(), Method("full", "lagged", "exact", "adams2", 0.5))
+    boat.state.u = boat.state.u_c = 8.4390493 * FOOT
+    response = respond(boat)
+
+    def part(*names: str) -> list[tuple[str, complex]]:
+        places = [response.names.index(name) for name in names]
+        found = modes(response.nature[np.ix_(places, places)], names)
+        return [(mode.name, mode.eigenvalue) for mode in found]
+
+    for found, expected in (
+        (
+            part("v", "p", "r", "phi"),
+            [
+                ("sway-yaw", -0.107775433902 + 0j),
+                ("spiral", -0.0148240472743 + 0j),
+                ("roll", -0.0532878504613 + 0.433854883633j),
+            ],
+        ),
+        (
+            part("w", "q", "theta"),
+            [
+                ("heave", -0.0251746028617 + 0j),
+                ("pitch", -0.0372048581534 + 0.032796135515j),
+            ],
+        ),
+    ):
+        assert [name for name, _ in found] == [name for name, _ in expected]
+        for (_, root), (_, wanted) in zip(found, expected, strict=True):
+            # the difference quotient sees 1e-5 m/s of v|v|
+            assert root == pytest.approx(wanted, rel=5e-5)
+
+
+@pytest.mark.parametrize("equations", ["full", "modified", "basic", "longitudinal"])
+def test_lagging_the_accelerations_does_not_change_the_boats_nature(equations: str) -> None:
+    exact, lagged = (
+        responses(flown("bb2", "adams2", 0.5, equations, rates), [5.0])[5.0]
+        for rates in ("exact", "lagged")
+    )
+
+    assert not exact.G.any()
+    # BB2's compact sets have dropped every acceleration that would be last cycle's
+    assert lagged.G.any() == (equations in {"full", "longitudinal"})
+    assert lagged.nature == pytest.approx(exact.nature, rel=1e-6, abs=1e-8)
+
+
+def test_bb2_damps_every_mode_and_rolls_in_13_4_seconds(bb2: Report) -> None:
+    at_10 = next(flight for flight in bb2.flights if flight.speed_kn == 10.0)
+    roll = next(row for row in at_10.modes if row.name == "roll")
+
+    assert all(row.stable for flight in bb2.flights for row in flight.modes)
+    assert roll.period_s == pytest.approx(13.4, abs=0.1)
+    # root -0.081 +- 0.468 i
+    assert roll.damping_ratio == pytest.approx(0.17, abs=0.005)
+    assert {row.name for row in at_10.modes} == {"surge", "pitch", "sway-yaw", "spiral", "roll"}
+
+
+def test_remus_is_unstable_by_nature_and_no_step_is_given_for_that(remus: Report) -> None:
+    for flight in remus.flights:
+        spiral = next(row for row in flight.modes if row.name == "spiral")
+        assert spiral.real > 0.4
+        assert not spiral.stable
+        assert spiral.largest_s == {}
+    assert "UNSTABLE BY NATURE" in render(remus)
+    assert "UNSTABLE BY NATURE" not in render(check(refsub()))
+
+
+def test_modes_of_a_speed_without_trim_are_marked() -> None:
+    slow, fast = flights(load_vessel("remus100"), [2.0, 3.0])
+
+    assert (slow.trimmed, fast.trimmed) == (False, True)
+
+
+def test_without_trim_a_boat_is_put_into_level_flight() -> None:
+    boat = flown("remus100", "adams2", 0.05)
+
+    assert not bring_to(boat, 2.0 * KNOT)
+
+    s = boat.state
+    assert s.u == s.u_c == 2.0 * KNOT
+    assert not any(s[name] for name in ("v", "w", "phi", "theta", "delta_r", "delta_s", "delta_b"))
+
+
+# --- what a tick does
+
+
+@pytest.mark.parametrize("equations", ["full", "modified"])
+@pytest.mark.parametrize(
+    "integrator", ["euler", "adams2", "adams3", "best2", "rk4", "a=0.5,0.5;b=1.5"]
+)
+def test_the_map_is_what_the_core_does_to_a_small_disturbance(
+    equations: str, integrator: str
+) -> None:
+    boat = flown("bb2", integrator, 0.7, equations)
+    assert bring_to(boat, 6.0)
+    response = respond(boat)
+    places = [MOTION.index(name) for name in response.names]
+    s = boat.state
+    trim = np.array(s.motion)
+    s.rates[:] = s.past_rates[:] = 0.0
+    s.past_motion[:] = trim
+    s.history = float(HISTORY)
+    tick = tick_map(response, boat.records.scheme, 0.7)
+    disturbance = np.zeros(len(tick))
+    disturbance[:8] = 1e-6 * np.array([1.0, -2.0, 1.5, 0.2, 0.1, -0.1, 0.3, -0.2])
+    s.motion[places] += disturbance[:8]
+
+    for _ in range(6):
+        advance(*boat.records)
+        disturbance = tick @ disturbance
+
+    assert (s.motion - trim)[places] == pytest.approx(disturbance[:8], rel=1e-3, abs=1e-10)
+
+
+@pytest.mark.parametrize(
+    ("name", "integrator", "speed"),
+    [
+        ("bb2", "adams2", 3.0),
+        ("bb2", "euler", 3.0),
+        ("sdv-mk9", "adams2", 6.0),
+    ],
+)
+def test_roll_decays_just_below_the_largest_step_and_grows_just_above(
+    name: str, integrator: str, speed: float
+) -> None:
+    file = load_vessel(name)
+    limit = stable_step(flown(name, integrator, 0.1), [speed * KNOT]).largest
+
+    def late_over_early(step: float) -> float:
+        boat = Boat(file, Method("full", "lagged", "exact", integrator, step))
+        assert bring_to(boat, speed * KNOT)
+        boat.state.rates[:] = 0.0
+        upright = float(boat.state.phi)
+        boat.state.phi += 1e-7
+        heel = []
+        for _ in range(600):
+            advance(*boat.records)
+            heel.append(abs(float(boat.state.phi) - upright))
+        return max(heel[-100:]) / max(heel[200:300])
+
+    assert late_over_early(0.96 * limit) < 0.97
+    assert late_over_early(1.04 * limit) > 1.03
+
+
+def test_bb2_flies_at_half_and_one_second_by_adams_and_not_by_euler(bb2: Report) -> None:
+    assert bb2.stable
+    assert {(v.step_s, v.stable) for v in bb2.verdicts} == {(0.5, True), (1.0, True)}
+    assert not stable_step(flown("bb2", "euler", 0.5), [5.0 * KNOT]).ok
+
+
+def test_remus_flies_at_a_twentieth_of_a_second_but_not_at_half(remus: Report) -> None:
+    for equations in ("full", "modified"):
+        short = stable_step(flown("remus100", "adams2", 0.05, equations), REMUS_SPEEDS)
+        long = stable_step(flown("remus100", "adams2", 0.5, equations), REMUS_SPEEDS)
+
+        assert short.ok
+        assert not long.ok
+        assert long.worst.startswith("roll at ")
+        assert 0.05 < short.largest == long.largest < 0.1
+    assert not remus.stable
+    assert all(verdict.stable == (verdict.step_s < 0.1) for verdict in remus.verdicts)
+
+
+def test_a_stiff_roll_makes_one_second_unstable() -> None:
+    file = load_vessel("bb2")
+    # 30 times the roll damping: its fast root at 10 kn is near -3 /s, and Adams wants h < 1/3 s
+    stiff = replace(
+        file, coefficients={**file.coefficients, "K_p": 30.0 * file.coefficients["K_p"]}
+    )
+
+    report = check(stiff)
+
+    assert not report.stable
+    failing = [v for v in report.verdicts if not v.stable]
+    assert {v.step_s for v in failing} >= {1.0}
+    assert all(v.worst.startswith("roll") for v in failing)
+    assert "NOT STABLE" in render(report)
+
+
+def test_the_vessels_own_step_is_judged_too() -> None:
+    file = load_vessel("bb2")
+    slow = replace(file, run=replace(file.run, step_s=2.0))
+
+    report = check(slow)
+
+    assert not report.stable
+    assert {v.step_s for v in report.verdicts if not v.stable} == {2.0}
+
+
+def test_an_undamped_swing_may_grow_a_little_and_not_much() -> None:
+    # REMUS's roll at 2 kn has a damping ratio of 0.0014: Adams turns it beyond h = 0.036 s
+    boat = flown("remus100", "adams2", 0.05, rates="exact")
+    response = responses(boat, [2.0 * KNOT])[2.0 * KNOT]
+    roots = np.linalg.eigvals(tick_map(response, boat.records.scheme, 0.05))
+    roll = max(abs(root) for root in roots if root.imag > 0.2)
+
+    assert 1.0 < roll < 1.001
+    assert 0.05 < largest_flown([response], boat.records.scheme) < 0.08
+
+
+def test_the_root_to_blame_is_called_by_its_motion() -> None:
+    boat = flown("bb2", "adams2", 0.5)
+    response = responses(boat, [10.0 * KNOT])[10.0 * KNOT]
+    tick = tick_map(response, boat.records.scheme, 0.5)
+    roots = np.linalg.eigvals(tick)
+    groups = {"heave": "pitch", "spiral": "sway-yaw"}
+
+    for mode in modes(response.nature, response.names):
+        root = roots[np.argmin(abs(roots - np.exp(0.5 * mode.eigenvalue)))]
+        assert culprit(response, tick, root) == groups.get(mode.name, mode.name)
+
+
+def test_the_variable_method_is_stable_at_any_step() -> None:
+    answer = stable_step(flown("bb2", "rkv", 1.5), [3.0 * KNOT, 20.0 * KNOT])
+
+    assert answer == Step(ok=True, largest=math.inf, worst="nothing")
+
+
+def test_the_longitudinal_set_has_no_roll_to_fear() -> None:
+    boat = flown("bb2", "adams2", 1.5, "longitudinal")
+    answer = stable_step(boat, [3.0 * KNOT, 20.0 * KNOT])
+
+    assert respond(boat).names == ("u", "w", "q", "theta")
+    assert answer.ok
+    assert answer.largest > 2.0
+
+
+def test_asking_leaves_the_boat_as_it_was_and_takes_no_time() -> None:
+    boat = flown("bb2", "adams2", 0.5, "modified")
+    boat.start(10.0 * KNOT, 60.0, 0.3)
+    before = boat.snapshot()
+    speeds = [speed * KNOT for speed in (3.0, 5.0, 10.0, 15.0, 20.0)]
+    stable_step(boat, speeds)
+
+    start = time.perf_counter()
+    stable_step(boat, speeds)
+
+    assert time.perf_counter() - start < 0.5  # 10 ms on an ordinary machine
+    assert boat.snapshot().tobytes() == before.tobytes()
+
+
+# --- the hull
+
+
+def test_bb2_has_its_margins_of_stability(bb2: Report) -> None:
+    assert bb2.margins["Gv"] == pytest.approx(0.452, rel=0.01)
+    assert bb2.margins["Gh"] == pytest.approx(0.414, rel=0.01)
+
+
+def test_margins_follow_suboffs_convention() -> None:
+    # Gv = 1 - .01 (-.005 + m')/(-.02 * -.004), Gh = 1 - (-.01) (.005 - m')/(-.02 * -.004), m' = .02
+    file = refsub()
+    given = {"M_w": 0.01, "Z_q": -0.005, "Z_w": -0.02, "M_q": -0.004}
+    given |= {"N_v": -0.01, "Y_r": 0.005, "Y_v": -0.02, "N_r": -0.004}
+    mass = 0.02 * 0.5 * file.fluid.rho * file.hull.length**3
+    boat = replace(
+        file,
+        coefficients={**file.coefficients, **given},
+        hull=replace(file.hull, mass=mass),
+    )
+
+    assert check_module.margins(boat) == pytest.approx({"Gv": -0.875, "Gh": -0.875})
+
+
+def test_a_boat_without_damping_has_no_margins() -> None:
+    file = refsub()
+    boat = replace(file, coefficients={**file.coefficients, "M_q": 0.0, "N_r": 0.0})
+
+    assert check_module.margins(boat) == {"Gv": None, "Gh": None}
+
+
+def test_critical_speeds_are_those_of_an_independent_program() -> None:
+    # vectors/neutral.json, refsub, in ft/s
+    assert check_module.critical_speed(refsub(), "stern") == pytest.approx(
+        6.29194599167 * FOOT, rel=1e-10
+    )
+    assert check_module.critical_speed(refsub(), "bow") == pytest.approx(
+        20.451454716 * FOOT, rel=1e-10
+    )
+
+
+def test_bb2_reverses_its_stern_planes_at_4_8_knots(bb2: Report) -> None:
+    assert bb2.critical_speed_kn["stern"] == pytest.approx(4.8, abs=0.05)
+
+
+def test_a_boat_without_bow_planes_has_no_critical_speed_of_them(remus: Report) -> None:
+    assert remus.critical_speed_kn["bow"] is None
+
+
+def test_absent_coefficients_are_told_apart_by_what_the_compact_set_keeps(remus: Report) -> None:
+    assert "K_p" in remus.absent_but_kept["K"]
+    assert "N_avr" in remus.absent_and_dropped["N"]
+    assert "K_p" not in remus.absent_and_dropped["K"]
+    assert "N_v" not in remus.absent_but_kept["N"]
+    assert "a1" not in json.dumps(asdict(remus))
+
+
+def test_what_differs_between_port_and_starboard_is_listed(bb2: Report) -> None:
+    assert bb2.asymmetries == {"K_star": -2e-5, "K_star_eta": -2e-5}
+    file = refsub()
+    tilted = replace(file, hull=replace(file.hull, cg=(0.0, 0.1, 0.3), Ixy=5.0))
+    assert check_module.asymmetries(tilted) == {"y_G": 0.1, "I_xy": 5.0}
+
+
+def test_an_impossible_mass_matrix_is_called_so() -> None:
+    file = refsub()
+    odd = replace(file, coefficients={**file.coefficients, "N_vdot": 0.05, "Y_rdot": 0.05})
+
+    assert check_module.inertia(file, 0.5).definite
+    assert not check_module.inertia(odd, 0.5).definite
+
+
+def test_the_lagged_sweep_forgets_at_the_rate_given() -> None:
+    # contraction: the error of the lagged accelerations after ten more sweeps, per sweep
+    boat = flown("bb2", "adams2", 0.5)
+    response = responses(boat, [5.0])[5.0]
+    rate = check_module.inertia(load_vessel("bb2"), 0.5).contraction["full"]
+    error = np.ones(8)
+    sizes = []
+    for _ in range(6):
+        error = response.G @ error
+        sizes.append(float(np.linalg.norm(error)))
+
+    assert sizes[-1] / sizes[-2] == pytest.approx(rate, rel=0.01)
+    assert rate < 0.1
+
+
+# --- the turn, the speeds and the page
+
+
+def test_bb2_turns_as_published_by_the_full_set_and_tighter_by_the_compact(bb2: Report) -> None:
+    turn = bb2.turn
+    assert turn.full is not None
+    assert turn.modified is not None
+    assert turn.full.diameter_m == pytest.approx(255.0, rel=0.02)
+    assert turn.full.speed_kn == pytest.approx(6.18, rel=0.02)
+    assert turn.full.yaw_rate_deg_s == pytest.approx(1.428, rel=0.02)
+    assert turn.full.heel_deg == pytest.approx(2.1, rel=0.05)
+    change = 100.0 * (turn.modified.diameter_m / turn.full.diameter_m - 1.0)
+    assert turn.percent["diameter_m"] == pytest.approx(change)
+
+
+def test_a_turn_that_cannot_be_flown_says_why() -> None:
+    file = load_vessel("remus100")  # 2 kn do not hold its buoyancy down
+    turn = compare_turns(replace(file, run=replace(file.run, start_speed_kn=2.0)))
+
+    assert turn.full is None
+    assert "no straight level flight at 2 kn" in turn.problem
+
+
+def test_a_turn_that_loses_its_numbers_says_where() -> None:
+    file = load_vessel("sdv-mk9")  # at 1 s its roll grows fourfold per tick
+    turn = compare_turns(replace(file, run=replace(file.run, step_s=1.0, start_speed_kn=6.0)))
+
+    assert turn.full is None
+    assert "out of all bounds" in turn.problem
+
+
+def test_a_turn_that_never_settles_is_given_up(bb2: Report) -> None:
+    file = refsub()
+    crawling = compare_turns(replace(file, run=replace(file.run, start_speed_kn=0.1)))
+
+    assert "not steady after 10000 s" in crawling.problem
+    assert "cannot be compared" in render(replace(bb2, turn=crawling))
+
+
+@pytest.mark.parametrize(
+    ("ends", "speeds"),
+    [
+        ((3.0, 20.0), (3.0, 5.0, 10.0, 15.0, 20.0)),
+        ((1.0, 6.0), (1.0, 2.0, 3.0, 4.0, 5.0, 6.0)),
+        ((2.2, 4.5), (2.2, 2.5, 3.0, 3.5, 4.0, 4.5)),
+        ((0.1, 60.0), (0.1, 10.0, 20.0, 30.0, 40.0, 50.0, 60.0)),
+    ],
+)
+def test_speeds_are_round_between_the_ends(
+    ends: tuple[float, float], speeds: tuple[float, ...]
+) -> None:
+    assert round_speeds(*ends) == pytest.approx(speeds)
+
+
+@pytest.mark.parametrize("name", ["bb2", "sdv-mk9", "remus100"])
+def test_the_page_is_ascii_and_fits_the_terminal(name: str) -> None:
+    page = render(check(load_vessel(name)))
+
+    assert page.isascii()
+    assert max(map(len, page.splitlines())) <= 79
+    for heading in ("COEFFICIENTS", "HULL", "MODES", "STEPS", "TURN"):
+        assert f"\n{heading} " in page or f"\n{heading}\n" in page
+
+
+def test_a_body_that_nothing_damps_may_take_any_step() -> None:
+    file = refsub()
+    still = tuple(replace(row, a=0.0, b=0.0, c=0.0) for row in file.propulsion.sets)
+    brick = replace(
+        file,
+        coefficients=dict.fromkeys(file.coefficients, 0.0),
+        propulsion=replace(file.propulsion, sets=still),
+        hull=replace(file.hull, cg=(0.0, 0.0, 0.0), cb=(0.0, 0.0, 0.0)),
+    )
+
+    report = check(brick)
+
+    assert report.stable
+    assert report.largest_flown_s["full"]["adams2"] is None
+    assert "largest: Adams 2 any, Euler any" in render(report)
+    assert json.dumps(asdict(report), allow_nan=False)
+
+
+def test_the_report_is_json(bb2: Report, remus: Report) -> None:
+    for report in (bb2, remus):
+        table = json.loads(json.dumps(asdict(report), allow_nan=False))
+
+        assert table["stable"] is report.stable
+        assert table["flights"][0]["speed_kn"] == report.flights[0].speed_kn

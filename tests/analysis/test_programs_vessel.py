@@ -1,0 +1,466 @@
+"""The engineer's programs that ask a vessel file, against an independent implementation."""
+
+import json
+import math
+from collections.abc import Iterable
+from dataclasses import replace
+from itertools import product
+from typing import Any
+
+import numpy as np
+import pytest
+from helpers.places import DATA
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from trainer.analysis import characteristic, check, tanks, thrust
+from trainer.analysis.characteristic import Law, Linear, Means, depth_loop, horizontal, vertical
+from trainer.analysis.neutral import (
+    STEEPEST,
+    fold_speeds,
+    level_flight,
+    needed,
+    neutral,
+    sides,
+    trim_at,
+)
+from trainer.boat.assemble import Method, fit_out
+from trainer.boat.boat import Boat
+from trainer.config.coefficients import coefficient_terms, terms
+from trainer.config.files import ConfigError
+from trainer.config.vessel import VesselFile, load_vessel
+from trainer.config.vessel_records import Fluid
+from trainer.core import propulsion
+from trainer.core.kernel import Numbers
+from trainer.core.rates import rates
+from trainer.units import KNOT
+
+VECTORS = DATA / "vectors"
+NEUTRAL, ROOTS, TOOLS = (
+    json.loads((VECTORS / f"{name}.json").read_text()) for name in ("neutral", "roots", "tools")
+)
+FOOT = 0.3048
+KNOT_FT = 1.68780986  # [ft/s] as the vectors have it
+PLANES = {"s": "stern", "b": "bow"}
+REPORT_LAW = Law(0.008, 3.5, 0.012, 2.0)  # in feet
+SI_REFSUB = load_vessel(str(VECTORS / "full-refsub.vessel.toml"))
+
+
+def in_own_units(coefficients: dict[str, float], body: dict[str, float]) -> VesselFile:
+    """Return a boat of the vectors in the units they have: the programs ask for no others."""
+    keys = {term.mnemonic: term.key for term in terms()}
+    by_key = {keys[name]: value for name, value in coefficients.items()}
+    hull = replace(
+        SI_REFSUB.hull,
+        length=body["L"],
+        mass=body["MASS"],
+        weight=body["W"],
+        buoyancy=body["B"],
+        cg=(body["XG"], body["YG"], body["ZG"]),
+        cb=(body["XB"], body["YB"], body["ZB"]),
+        Ix=body["IX"],
+        Iy=body["IY"],
+        Iz=body["IZ"],
+        Ixy=body["IXY"],
+        Iyz=body["IYZ"],
+        Ixz=body["IXZ"],
+    )
+    return replace(
+        SI_REFSUB,
+        fluid=Fluid(rho=body["RHO"], g=body["G"]),
+        hull=hull,
+        coefficients={term.key: by_key[term.key] for term in coefficient_terms()},
+    )
+
+
+def boat_of(vectors: dict[str, Any], name: str) -> VesselFile:
+    return in_own_units(vectors["sets"][name]["coef"], vectors["sets"][name]["phys"])
+
+
+REFSUB = boat_of(NEUTRAL, "refsub")
+
+
+def in_order(values: Iterable[complex]) -> list[complex]:
+    return sorted(values, key=lambda s: (round(s.real, 10), s.imag))
+
+
+def roots_of(modes: list[dict[str, float]]) -> list[complex]:
+    return in_order(complex(mode["re"], mode["im"]) for mode in modes)
+
+
+# --- neutral: EC470
+
+
+@pytest.mark.parametrize("case", NEUTRAL["ec470"], ids=lambda case: f"{case['plane']}{case['u']}")
+def test_the_flattest_neutral_flight_is_that_of_the_reference(case: dict[str, Any]) -> None:
+    slope, angle = level_flight(REFSUB, PLANES[case["plane"]], case["u"])[0]
+
+    assert slope * case["u"] == pytest.approx(case["w"], rel=1e-8)
+    assert math.atan(slope) == pytest.approx(case["theta"], rel=1e-8)
+    assert angle == pytest.approx(case["delta"], rel=1e-8)
+
+
+@pytest.mark.parametrize("case", NEUTRAL["full_trim"], ids=lambda case: f"{case['knots']:g} kn")
+def test_the_trim_of_the_boats_own_equations_is_that_of_the_reference(
+    case: dict[str, Any],
+) -> None:
+    boat = Boat(SI_REFSUB, Method("full", "exact", "exact", "adams2", 0.5))
+
+    found = trim_at(boat, case["u"] * FOOT)
+
+    assert found is not None
+    assert found.w_m_s == pytest.approx(case["w"] * FOOT, rel=1e-8)
+    assert math.radians(found.pitch_deg) == pytest.approx(case["theta"], rel=1e-8)
+    assert math.radians(found.stern_planes_deg) == pytest.approx(case["ds"], rel=1e-8)
+    assert found.u_c_m_s == pytest.approx(case["uc"] * FOOT, rel=1e-8)
+
+
+@pytest.mark.parametrize(("letter", "plane"), PLANES.items())
+def test_the_critical_speed_is_that_of_the_reference(letter: str, plane: str) -> None:
+    expected = NEUTRAL["critical_speed"]["refsub"][letter]
+
+    assert check.critical_speed(REFSUB, plane) == pytest.approx(expected, rel=1e-8)
+
+
+def normal_force_and_moment(
+    file: VesselFile, plane: str, t: float, angle: float, speed: float
+) -> tuple[float, float]:
+    """Return both lines of EC470 over u^2, as printed in the model document."""
+    c, hull = file.coefficients, file.hull
+    R2 = 2.0 * (hull.cb[2] * hull.buoyancy - hull.cg[2] * hull.weight)
+    R2 /= file.fluid.rho * hull.length**3
+
+    def line(axis: str) -> float:
+        return (
+            c[f"{axis}_waw"] * t * abs(t)
+            + c[f"{axis}_ww"] * t * t
+            + c[f"{axis}_w"] * t
+            + c[f"{axis}_aw"] * abs(t)
+            + c[f"{axis}_star"]
+            + c[f"{axis}_d{plane[0]}"] * angle
+        )
+
+    return line("Z"), line("M") + R2 * math.sin(math.atan(t)) / speed**2
+
+
+coefficient = st.floats(-0.05, 0.05).filter(lambda x: abs(x) > 1e-4)
+
+
+@settings(deadline=None, max_examples=60)
+@given(
+    st.fixed_dictionaries(
+        dict.fromkeys(("Z_waw", "M_waw", "Z_ww", "M_aw", "Z_w", "M_w", "M_ds"), coefficient)
+    ),
+    st.floats(1e-5, 1e-3),
+    st.floats(3.0, 30.0),
+)
+def test_every_neutral_flight_of_any_hull_is_found_and_none_else(
+    given_: dict[str, float], lift: float, speed: float
+) -> None:
+    hull = replace(REFSUB, coefficients={**REFSUB.coefficients, **given_, "Z_star": lift})
+
+    found = level_flight(hull, "stern", speed)
+
+    for t, angle in found:
+        force, moment = normal_force_and_moment(hull, "stern", t, angle, speed)
+        assert abs(force) + abs(moment) < 1e-12 * (1.0 + t * t)
+    # a fine search for changes of sign misses only pairs that lie closer than it looks
+    expected = 0
+    for side in sides(hull, "stern"):
+        grid = np.geomspace(1e-7, STEEPEST, 20001)
+        excess = np.array([needed(side, t) for t in grid]) - side.couple / speed**2
+        expected += int(np.count_nonzero(np.diff(np.sign(excess))))
+    assert len(found) in (expected, expected + 2)
+    assert [abs(t) for t, _ in found] == sorted(abs(t) for t, _ in found)
+
+
+@pytest.mark.parametrize("plane", PLANES.values())
+def test_two_neutral_flights_meet_and_vanish_at_the_fold_speed(plane: str) -> None:
+    (fold,) = fold_speeds(REFSUB, plane)
+
+    below, above = (len(level_flight(REFSUB, plane, fold * near)) for near in (0.999, 1.001))
+
+    assert {below, above} == {1, 3}
+
+
+def test_the_planes_reverse_between_the_two_branches() -> None:
+    critical = check.critical_speed(REFSUB, "stern")
+    assert critical is not None
+
+    (_, low), (_, high) = (level_flight(REFSUB, "stern", critical * near)[0] for near in (0.7, 1.3))
+
+    assert low < 0.0 < high  # the angle that holds this hull level changes its sign
+
+
+def test_a_hull_the_same_above_and_below_flies_level_with_planes_at_zero() -> None:
+    assert (0.0, 0.0) in level_flight(load_vessel("remus100"), "stern", 1.5)
+
+
+def test_a_boat_without_bow_planes_has_no_level_flight_by_them() -> None:
+    file = load_vessel("remus100")
+
+    assert level_flight(file, "bow", 1.5) == []
+    assert any("-2.3" in remark for remark in neutral(file, [3.0]).remarks)
+
+
+# --- modes: EC140, EC200, EC320
+
+
+@pytest.mark.parametrize("case", ROOTS["cases"], ids=lambda case: f"{case['u']:.1f} ft/s")
+@pytest.mark.parametrize(("plane", "key"), [(vertical, "longitudinal"), (horizontal, "lateral")])
+def test_polynomials_and_roots_are_those_of_the_reference(
+    case: dict[str, Any], plane: Any, key: str
+) -> None:
+    linear = plane(boat_of(ROOTS, case["set"]), case["u"])
+
+    assert linear.polynomial == pytest.approx(case[key]["poly"], rel=1e-8)
+    assert in_order(linear.eigenvalues) == pytest.approx(roots_of(case[key]["modes"]), rel=1e-8)
+
+
+@pytest.mark.parametrize("case", ROOTS["cases"], ids=lambda case: f"{case['u']:.1f} ft/s")
+def test_a_mean_angle_of_attack_changes_the_cubic_as_in_the_reference(
+    case: dict[str, Any],
+) -> None:
+    wanted = case["longitudinal_wbar"]
+
+    linear = vertical(boat_of(ROOTS, case["set"]), case["u"], Means(w=wanted["wbar"]))
+
+    assert linear.polynomial == pytest.approx(wanted["poly"], rel=1e-8)
+
+
+def test_the_rescue_vehicle_in_its_own_system_of_units_has_the_published_roots() -> None:
+    case = ROOTS["dsrv"]
+    linear = vertical(in_own_units(case["coef"], case["phys"]), case["u"])
+
+    assert linear.polynomial == pytest.approx(case["poly"], rel=1e-8)
+    assert in_order(linear.eigenvalues) == pytest.approx(roots_of(case["modes"]), rel=1e-8)
+
+
+def rates_in_the_loop(case: dict[str, Any], motion: Numbers) -> Numbers:
+    """Return w', q', theta', z' of the full set, planes by the law of 1969 at its signs."""
+    speed = case["knots"] * KNOT_FT
+    records = fit_out(boat_of(ROOTS, case["set"]), Method("full", "exact", "exact", "adams2", 1.0))
+    s = records.state[0]
+    s.u = s.u_c = speed
+    s.w, s.q, s.theta, s.z = motion
+    climb = s.u * math.sin(s.theta) - s.w * math.cos(s.theta)
+    angle = -REPORT_LAW.depth * s.z + REPORT_LAW.pitch * s.theta
+    angle += REPORT_LAW.climb * climb + REPORT_LAW.pitch_rate * s.q
+    s.delta_s, s.delta_b = case["sign_ds"] * angle, case["sign_db"] * angle
+    rates(*records)
+    return np.array([s.wdot, s.qdot, s.thetadot, s.zdot])
+
+
+def differentiated(case: dict[str, Any], step: float) -> Numbers:
+    """Return the loop's matrix by central differences about straight level flight."""
+    steps = step * np.eye(4)
+    changes = [rates_in_the_loop(case, x) - rates_in_the_loop(case, -x) for x in steps]
+    return np.transpose(changes) / (2.0 * step)
+
+
+def depth_loop_of(case: dict[str, Any]) -> Linear:
+    """Return the depth loop of a case of the vectors."""
+    file, speed = boat_of(ROOTS, case["set"]), case["knots"] * KNOT_FT
+    return depth_loop(file, speed, case["sign_ds"], case["sign_db"], REPORT_LAW)
+
+
+def loop_name(case: dict[str, Any]) -> str:
+    """Return what a case of the depth loop is called."""
+    return f"{case['knots']}{case['sign_ds']}{case['sign_db']}"
+
+
+# The reference differentiates by central steps of 1e-6 ft/s and rad. A kink at zero comes through
+# such a step as its slope there: w|w| as 1e-6 w, |q| delta_s as 1e-6 delta_s. Differentiated in
+# that way our full set gives the reference's roots; what is exact differs from both.
+@pytest.mark.parametrize("case", ROOTS["autopilot_closed_loop"], ids=loop_name)
+def test_the_depth_loop_of_1969_by_the_steps_of_the_reference_has_its_roots(
+    case: dict[str, Any],
+) -> None:
+    expected = in_order(complex(*pair) for pair in case["eig"])
+
+    by_steps = in_order(np.linalg.eigvals(differentiated(case, 1e-6)))
+
+    assert by_steps == pytest.approx(expected, rel=1e-9)
+
+
+@pytest.mark.parametrize("case", ROOTS["autopilot_closed_loop"], ids=loop_name)
+def test_the_depth_loop_of_1969_has_the_roots_of_the_reference_but_for_its_steps(
+    case: dict[str, Any],
+) -> None:
+    expected = in_order(complex(*pair) for pair in case["eig"])
+
+    assert in_order(depth_loop_of(case).eigenvalues) == pytest.approx(expected, rel=2e-6)
+
+
+@pytest.mark.parametrize("case", ROOTS["autopilot_closed_loop"], ids=loop_name)
+def test_the_depth_loop_of_1969_is_what_differences_tend_to(case: dict[str, Any]) -> None:
+    exact = in_order(depth_loop_of(case).eigenvalues)
+    near, far = (in_order(np.linalg.eigvals(differentiated(case, h))) for h in (5e-5, 1e-4))
+
+    extrapolated = [2.0 * a - b for a, b in zip(near, far, strict=True)]  # the kink is of order h
+
+    assert extrapolated == pytest.approx(exact, rel=1e-8)
+
+
+def test_the_quasi_linear_coefficients_are_those_of_the_polynomials() -> None:
+    file, speed = load_vessel("bb2"), 5.0
+    means = Means(v=0.4, w=0.2, q=0.01, r=0.02)
+    stand_in = replace(
+        file,
+        coefficients={**file.coefficients, **characteristic.adjusted(file, speed, means)},
+    )
+
+    for plane in (vertical, horizontal):
+        assert plane(stand_in, speed).polynomial == pytest.approx(
+            plane(file, speed, means).polynomial, rel=1e-12
+        )
+        assert plane(file, speed).polynomial != pytest.approx(
+            plane(file, speed, means).polynomial, rel=1e-3
+        )
+
+
+def test_stern_planes_alone_keep_depth_above_their_critical_speed_only() -> None:
+    file = load_vessel("bb2")
+    critical = check.critical_speed(file, "stern")
+    assert critical is not None
+
+    slow, fast = (
+        max(depth_loop(file, critical * near, 1.0, 0.0).eigenvalues.real) for near in (0.9, 1.1)
+    )
+
+    assert slow > 0.0 > fast
+
+
+def test_roots_are_named_and_measured() -> None:
+    (at_10,) = characteristic.characteristic(load_vessel("bb2"), [10.0], Means()).speeds
+
+    assert [root.name for root in at_10.horizontal.roots] == ["sway-yaw", "spiral", "roll"]
+    roll = at_10.horizontal.roots[-1]
+    assert roll.frequency_rad_s == pytest.approx(abs(complex(roll.real, roll.imaginary)))
+    assert roll.damping_ratio == pytest.approx(-roll.real / roll.frequency_rad_s)
+    assert roll.period_s == pytest.approx(2.0 * math.pi / roll.imaginary)
+    assert all(root.stable for root in at_10.depth_loop.roots)
+
+
+# --- thrust: ZC300
+
+
+@pytest.mark.parametrize("case", TOOLS["thrust"], ids=lambda case: f"{case['u']} {case['uc']}")
+def test_thrust_and_acceleration_are_those_of_the_reference(case: dict[str, Any]) -> None:
+    file = boat_of(TOOLS, "refsub")
+    small = 1e-10 * 0.5 * file.fluid.rho * file.hull.length**2  # where thrust equals drag
+
+    found = thrust.at(file, case["u"], case["uc"])
+
+    assert found.row == case["row"]
+    assert found.thrust_N == pytest.approx(case["thrust"], rel=1e-10, abs=small)
+    assert found.acceleration_m_s2 == pytest.approx(case["accel"], rel=1e-10, abs=1e-12)
+    assert found.as_flown_m_s2 == pytest.approx(case["accel_added_mass"], rel=1e-10, abs=1e-12)
+
+
+@pytest.mark.parametrize("name", ["bb2", "sdv-mk9", "remus100", "refsub"])
+def test_the_thrust_of_the_table_is_the_one_that_is_flown(name: str) -> None:
+    file = SI_REFSUB if name == "refsub" else load_vessel(name)
+    boat = Boat(file, Method("full", "exact", "exact", "adams2", 0.5))
+
+    for u, u_c in product((-2.0, 0.0, 0.5, 3.0, 8.0), (-6.0, -0.1, 0.0, 0.2, 1.5, 4.0, 9.0)):
+        boat.state.u, boat.state.u_c = u, u_c
+        flown = propulsion.thrust(boat.records.vessel, boat.records.state)
+        assert thrust.thrust(file, u, u_c) == pytest.approx(flown, rel=1e-12, abs=1e-9)
+
+
+def test_rows_that_join_are_said_to_join_and_others_by_how_much_they_do_not() -> None:
+    assert [one.jump for one in thrust.breaks(SI_REFSUB)] == pytest.approx([0.0, 0.0], abs=1e-15)
+    sets = SI_REFSUB.propulsion.sets
+    apart = replace(sets[0], a=sets[0].a + 1e-3)
+    other = replace(SI_REFSUB.propulsion, sets=(apart, *sets[1:]))
+
+    broken = thrust.breaks(replace(SI_REFSUB, propulsion=other))[0]
+
+    assert (broken.eta, broken.jump) == (0.5, pytest.approx(1e-3))  # type: ignore[comparison-overlap]
+
+
+# --- tanks: EC430
+
+
+def test_the_reference_tanks_have_the_reference_balance_through_any_filling() -> None:
+    case = TOOLS["tanks"]
+    hull = tanks.Weight(case["W0"], *case["r0"])
+    found = tanks.limits(hull, [tanks.Weight(*row) for row in case["tanks"]])
+
+    for name, limit in (
+        ("W", found.weight),
+        ("xG", found.x_g),
+        ("yG", found.y_g),
+        ("zG", found.z_g),
+    ):
+        assert limit == pytest.approx(case["limits"][name], rel=1e-10, abs=1e-12)
+
+
+def test_as_filled_at_the_start_a_boat_has_the_weight_and_centre_of_its_file() -> None:
+    file = load_vessel("bb2")
+
+    now = tanks.fillings(file, {}).now
+
+    assert now.weight == pytest.approx(file.hull.weight, rel=1e-14)
+    assert now.centre == pytest.approx(file.hull.cg, abs=1e-14)
+
+
+def test_a_tonne_pumped_into_a_tank_weighs_a_tonne_there() -> None:
+    file = load_vessel("bb2")
+    share = 1000.0 / (60.0 * file.fluid.rho)  # of the auxiliary tank's 60 m3, at x = -1 m
+
+    before, after = (tanks.fillings(file, {"auxiliary": fill}).now for fill in (0.5, 0.5 + share))
+
+    assert after.weight - before.weight == pytest.approx(1000.0 * file.fluid.g)
+    assert after.moments[0] - before.moments[0] == pytest.approx(-1000.0 * file.fluid.g)
+
+
+def test_every_filling_lies_within_the_outline_and_every_corner_is_a_filling() -> None:
+    file = load_vessel("bb2")
+    report = tanks.fillings(file, {})
+    pumped = [tank.full for tank in report.tanks if tank.kind == "pumped"]
+    kept = [tank.contents for tank in report.tanks if tank.kind != "pumped"]
+    corners = np.array(report.ranges[0].outline)
+    edges = np.diff(corners, axis=0)
+    whole = []
+    for fill in product((0.0, 0.3, 1.0), repeat=len(pumped)):
+        full = [
+            tank._replace(weight=share * tank.weight)
+            for tank, share in zip(pumped, fill, strict=True)
+        ]
+        now = tanks.balance(report.hull, [*kept, *full])
+        whole.append((now.weight - file.hull.buoyancy, now.moments[0]))
+    places = np.array(whole)
+
+    # the outline runs round anticlockwise: inside is to the left of every edge
+    for corner, (dx, dy) in zip(corners, edges, strict=False):
+        left = dx * (places[:, 1] - corner[1]) - dy * (places[:, 0] - corner[0])
+        assert left.min() > -1.0  # [N2 m] of 1e11
+    for corner in corners:
+        assert np.hypot(*(places - corner).T).min() < 1e-3
+
+
+@pytest.mark.parametrize(
+    ("fills", "said"),
+    [
+        ({"auxilary": 0.5}, "no such tank; nearest is auxiliary; this boat has trim_forward"),
+        ({"auxiliary": 1.5}, "auxiliary=1.5: must be within 0"),
+        ({"auxiliary": math.nan}, "auxiliary=nan: must be within 0"),
+    ],
+)
+def test_a_filling_that_cannot_be_is_refused_by_name(fills: dict[str, float], said: str) -> None:
+    with pytest.raises(ConfigError, match=said):
+        tanks.fillings(load_vessel("bb2"), fills)
+
+
+def test_a_boat_without_tanks_is_said_to_have_none() -> None:
+    with pytest.raises(ConfigError, match=r"remus100.toml: has no table \[ballast\]"):
+        tanks.fillings(load_vessel("remus100"), {})
+
+
+def test_speeds_are_in_knots_on_the_page() -> None:
+    (point,) = thrust.survey(load_vessel("bb2"), [10.0], [15.0]).points
+
+    assert (point.u_kn, point.u_c_kn) == (pytest.approx(10.0), pytest.approx(15.0))  # type: ignore[comparison-overlap]
+    assert point.thrust_N == thrust.thrust(load_vessel("bb2"), 10.0 * KNOT, 15.0 * KNOT)

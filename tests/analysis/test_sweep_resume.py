@@ -1,0 +1,282 @@
+"""What is finished of a study stays finished, and the result is the same however it was flown."""
+
+import json
+import os
+import random
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from pathlib import Path
+
+import pyarrow.parquet as pq
+import pytest
+from helpers.places import ROOT
+
+from trainer.analysis.sweep.batch import Batch
+from trainer.analysis.sweep.job import Job, fly_chunk, job_of
+from trainer.analysis.sweep.parts import folder_of
+from trainer.analysis.sweep.sweep import carried_out
+from trainer.analysis.sweep.workers import Chunks, alone, processes
+from trainer.cli.subjects import subject_of
+from trainer.config.files import ConfigError
+
+TURNS = """
+schema = "sweep/1"
+name = "Short turns"
+measures = ["advance", "steady speed"]
+[manoeuvre]
+name = "turn"
+duration_s = {seconds}
+[sample]
+plan = "latin-hypercube"
+members = {members}
+seed = 3
+[[vary]]
+name = "N_v"
+key = "vessel.coefficients.N_v"
+distribution = "normal"
+mean = 1.0
+std = 0.1
+relative = true
+"""
+
+
+def study(folder: Path, members: int = 1600, seconds: float = 20.0) -> Path:
+    """Write a study of short turns, 512 members a chunk."""
+    path = folder / "turns.toml"
+    path.write_text(TURNS.format(members=members, seconds=seconds))
+    return path
+
+
+def nothing(count: int) -> None:
+    """Take the progress."""
+
+
+def fly(name: Path, out: Path, crew: object = alone) -> list[int]:
+    """Carry a study out; return the chunks that were flown for it."""
+    flown: list[int] = []
+
+    def counting(job: Job, places: list[int]) -> Chunks:
+        for place, batch in crew(job, places):  # type: ignore[operator]
+            flown.append(place)
+            yield place, batch
+
+    carried_out(job_of(str(name), None, subject_of), counting, out, nothing)
+    return sorted(flown)
+
+
+def breaking(after: int) -> object:
+    """Return a crew that goes down after so many chunks."""
+
+    def crew(job: Job, places: list[int]) -> Iterator[tuple[int, Batch]]:
+        for place in reversed(places):
+            if len(places) - place > after:
+                raise InterruptedError
+            yield place, fly_chunk(job, place)
+
+    return crew
+
+
+def test_members_finished_before_an_interruption_are_not_flown_again(tmp_path: Path) -> None:
+    path, out, whole = study(tmp_path), tmp_path / "a.parquet", tmp_path / "b.parquet"
+    with pytest.raises(ConfigError):
+        fly(path, out, breaking(2))
+    assert sorted(file.name for file in folder_of(out).glob("*.parquet")) == [
+        "000002.parquet",
+        "000003.parquet",
+    ]
+
+    assert fly(path, out) == [0, 1]
+    assert fly(path, whole) == [0, 1, 2, 3]
+    assert out.read_bytes() == whole.read_bytes()
+    assert not folder_of(out).exists()
+    assert fly(path, out) == []  # the result is there
+
+
+def test_processes_in_any_order_give_the_file_of_one(tmp_path: Path) -> None:
+    path, one, two = study(tmp_path), tmp_path / "one.parquet", tmp_path / "two.parquet"
+    fly(path, one)
+
+    assert fly(path, two, processes(2)) == [0, 1, 2, 3]
+    assert two.read_bytes() == one.read_bytes()
+
+
+def test_a_chunk_half_written_is_flown_again(tmp_path: Path) -> None:
+    path, out = study(tmp_path), tmp_path / "a.parquet"
+    with pytest.raises(ConfigError):
+        fly(path, out, breaking(1))
+    half = folder_of(out) / "000002.parquet.77.part"
+    half.write_bytes(b"PAR1")
+
+    assert fly(path, out) == [0, 1, 2]
+    assert pq.read_table(out).column("member").to_pylist() == list(range(1600))
+
+
+def test_a_changed_study_is_refused_with_what_differs(tmp_path: Path) -> None:
+    path, out = study(tmp_path), tmp_path / "a.parquet"
+    with pytest.raises(ConfigError):
+        fly(path, out, breaking(1))
+    path.write_text(path.read_text().replace("std = 0.1", "std = 0.2"))
+
+    with pytest.raises(ConfigError) as refused:
+        fly(path, out)
+    assert refused.value.problems[0].startswith(f"{folder_of(out)}: is of another study")
+    assert refused.value.problems[1:] == (f"{path}, line 17: 'std = 0.1' then, 'std = 0.2' now",)
+
+
+def test_another_core_is_refused_and_told(tmp_path: Path) -> None:
+    path, out = study(tmp_path), tmp_path / "a.parquet"
+    with pytest.raises(ConfigError):
+        fly(path, out, breaking(1))
+    manifest = folder_of(out) / "manifest.json"
+    facts = json.loads(manifest.read_text())
+    manifest.write_text(json.dumps({**facts, "core": "0123456789abcdef"}))
+
+    with pytest.raises(ConfigError, match="core: '0123456789abcdef' then, "):
+        fly(path, out)
+
+
+def test_a_result_of_another_study_is_not_written_over(tmp_path: Path) -> None:
+    path, out = study(tmp_path), tmp_path / "a.parquet"
+    fly(path, out)
+    before = out.read_bytes()
+    path.write_text(path.read_text().replace("seed = 3", "seed = 4"))
+
+    with pytest.raises(ConfigError, match="is the result of another study: delete it"):
+        fly(path, out)
+    assert out.read_bytes() == before
+    out.write_text("my notes")
+    with pytest.raises(ConfigError, match="no result of a study"):
+        fly(path, out)
+    assert out.read_text() == "my notes"
+
+
+def test_a_result_tells_all_it_follows_from(tmp_path: Path) -> None:
+    path, out = study(tmp_path, members=10), tmp_path / "a.parquet"
+    fly(path, out)
+    schema = pq.read_schema(out)
+
+    facts = json.loads(schema.metadata[b"trainer.sweep"])
+    assert facts["files"][str(path)] == path.read_text()
+    assert "configs/vessels/bb2.toml" in facts["files"]
+    assert schema.names == ["member", "seed", "N_v", "advance", "steady speed", "trouble"]
+    assert schema.field("steady speed").metadata == {b"unit": b"m/s"}
+
+
+def test_a_study_is_flown_from_what_was_read_and_no_file_else(tmp_path: Path) -> None:
+    path = study(tmp_path, members=10)
+    job = job_of(str(path), None, subject_of)
+    path.unlink()
+
+    assert fly_chunk(job, 0).troubles == (None,) * 10
+
+
+def test_another_machines_core_does_not_fly_along(tmp_path: Path) -> None:
+    job = job_of(str(study(tmp_path, members=10)), None, subject_of)
+    other = Job(job.name, job.members, job.texts, job.version, "0123456789abcdef", job.make)
+
+    with pytest.raises(ConfigError, match="update it"):
+        fly_chunk(other, 0)
+
+
+def start(path: Path, out: Path, jobs: int) -> subprocess.Popen[bytes]:
+    """Start the program."""
+    words = [sys.executable, "-m", "trainer", "sweep", str(path), "--out", str(out)]
+    return subprocess.Popen(
+        [*words, "--jobs", str(jobs)],
+        cwd=path.parent,
+        env=os.environ | {"PYTHONPATH": str(ROOT)},
+        stdout=subprocess.DEVNULL,
+    )
+
+
+def children(pid: int) -> set[int]:
+    """Return the processes that a process has started, by Linux."""
+    found = set()
+    for stat in Path("/proc").glob("[0-9]*/stat"):
+        try:
+            fields = stat.read_text().rpartition(")")[2].split()
+        except OSError:
+            continue
+        if int(fields[1]) == pid and fields[0] != "Z":
+            found.add(int(stat.parent.name))
+    return found
+
+
+def kept(out: Path) -> dict[str, int]:
+    """Return the finished chunks and when they were written."""
+    return {file.name: file.stat().st_mtime_ns for file in folder_of(out).glob("*.parquet")}
+
+
+@pytest.mark.long
+def test_killed_at_any_instant_and_run_again_no_finished_member_is_lost(tmp_path: Path) -> None:
+    path = study(tmp_path, members=6000, seconds=40.0)
+    out, dice = tmp_path / "killed.parquet", random.Random(8)  # noqa: S311
+    before: dict[str, int] = {}
+    for _ in range(int(os.environ.get("TRAINER_KILLS", "3"))):
+        program = start(path, out, jobs=2)
+        while len(kept(out)) <= len(before) and program.poll() is None:
+            time.sleep(0.005)
+        time.sleep(dice.uniform(0.0, 0.2))  # any instant of what comes then
+        crew = children(program.pid)
+        program.kill()
+        program.wait()
+        if out.exists():
+            break
+        after = kept(out)
+        assert before.items() <= after.items()
+        before = after
+        deadline = time.monotonic() + 20.0
+        while any(Path(f"/proc/{pid}").exists() for pid in crew):  # the crew goes with its captain
+            assert time.monotonic() < deadline
+            time.sleep(0.01)
+    assert before
+
+    program = start(path, out, jobs=1)
+    assert program.wait() == 0
+    whole = tmp_path / "whole.parquet"
+    fly(path, whole)
+    assert out.read_bytes() == whole.read_bytes()
+
+
+@pytest.mark.long
+def test_an_interrupt_says_how_to_go_on(tmp_path: Path) -> None:
+    path, out = study(tmp_path, members=6000, seconds=40.0), tmp_path / "a.parquet"
+    program = subprocess.Popen(
+        [sys.executable, "-m", "trainer", "sweep", str(path), "--out", str(out), "--jobs", "2"],
+        env=os.environ | {"PYTHONPATH": str(ROOT)},
+        stderr=subprocess.PIPE,
+        stdout=subprocess.DEVNULL,
+        text=True,
+    )
+    while not kept(out) and program.poll() is None:
+        time.sleep(0.005)
+    program.send_signal(signal.SIGINT)
+    _, said = program.communicate(timeout=60)
+
+    assert program.returncode == 130
+    assert "what is finished is kept: run the same command again" in said
+    assert "Traceback" not in said
+    assert kept(out)
+
+
+def test_a_chunk_whose_writing_fails_does_not_count(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path, out = study(tmp_path, members=600), tmp_path / "a.parquet"
+    job = job_of(str(path), None, subject_of)
+    job_folder = folder_of(out)
+
+    def full(_descriptor: int) -> None:
+        raise OSError(28, "No space left on device")
+
+    with pytest.raises(ConfigError):
+        fly(path, out, breaking(0))  # the manifest is there
+    with monkeypatch.context() as disk:
+        disk.setattr("trainer.analysis.sweep.parquet.os.fsync", full)
+        with pytest.raises(ConfigError, match="cannot be written: No space left on device"):
+            carried_out(job, alone, out, nothing)
+    assert not list(job_folder.glob("*.parquet"))
+    assert fly(path, out) == [0, 1]

@@ -1,0 +1,124 @@
+"""Processes that work for another: none outlives it."""
+
+import ast
+import contextlib
+import os
+import select
+import signal
+import subprocess
+import sys
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+
+import pytest
+from helpers.places import ROOT
+
+from trainer.analysis.workers import workers
+
+POOL = """
+import multiprocessing, sys, time
+from trainer.analysis.workers import workers
+
+if __name__ == "__main__":
+    with workers(2) as pool:
+        started = pool.map(abs, range(2))
+        list(started)
+        for _ in range(2):
+            pool.submit(time.sleep, 600)
+        print(*(child.pid for child in multiprocessing.active_children()), flush=True)
+        sys.stdin.read()
+"""
+SEARCH = """
+import multiprocessing, sys
+from pathlib import Path
+from trainer.analysis.reduce.workers import Crew
+
+if __name__ == "__main__":
+    with Crew(Path("nowhere.toml"), "modified", (), 2) as crew:
+        try:
+            crew.differences([[1.0], [1.0]])
+        except Exception:
+            pass  # that they were asked is enough
+        print(*(child.pid for child in multiprocessing.active_children()), flush=True)
+        sys.stdin.read()
+"""
+pytestmark = pytest.mark.skipif(not hasattr(os, "pidfd_open"), reason="needs handles of processes")
+
+
+@contextmanager
+def handles(script: str, folder: Path) -> Iterator[tuple[subprocess.Popen[str], Sequence[int]]]:
+    """Run a script that prints its workers' numbers; give it, and handles of the workers."""
+    path = folder / "captain.py"
+    path.write_text(script, encoding="utf-8")
+    program = subprocess.Popen(
+        [sys.executable, str(path)],
+        env=os.environ | {"PYTHONPATH": str(ROOT)},
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        text=True,
+    )
+    assert program.stdout
+    pids = [int(word) for word in program.stdout.readline().split()]
+    found = [os.pidfd_open(pid) for pid in pids]
+    try:
+        yield program, found
+    finally:
+        for handle in found:
+            with contextlib.suppress(ProcessLookupError):
+                signal.pidfd_send_signal(handle, signal.SIGKILL)
+            os.close(handle)
+        program.kill()
+        program.communicate()
+
+
+def ended(several: Sequence[int], seconds: float) -> int:
+    """Return how many processes end within so many seconds."""
+    waiting, poll = set(several), select.poll()
+    for handle in several:
+        poll.register(handle, select.POLLIN)
+    while waiting:
+        events = poll.poll(1000.0 * seconds)
+        if not events:
+            break
+        for handle, _ in events:
+            poll.unregister(handle)
+            waiting.discard(handle)
+    return len(several) - len(waiting)
+
+
+@pytest.mark.parametrize("script", [POOL, SEARCH], ids=["at work", "of a search"])
+def test_workers_end_with_the_process_that_started_them_though_it_is_killed(
+    script: str, tmp_path: Path
+) -> None:
+    with handles(script, tmp_path) as (program, several):
+        assert len(several) == 2
+        assert ended(several, 0.0) == 0
+
+        program.kill()
+
+        assert ended(several, 10.0) == 2
+
+
+def test_an_interrupt_is_left_to_the_process_that_started_them() -> None:
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)  # none inherits another
+    try:
+        with workers(1) as pool:
+            number = pool.submit(os.getpid).result()
+            os.kill(number, signal.SIGINT)
+
+            assert pool.submit(os.getpid).result() == number
+    finally:
+        signal.signal(signal.SIGINT, before)
+
+
+def test_every_pool_of_processes_is_made_in_the_one_place() -> None:
+    makers = {
+        str(path.relative_to(ROOT))
+        for path in (ROOT / "trainer").rglob("*.py")
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
+        if isinstance(node, ast.Call)
+        and ast.unparse(node.func).endswith(("ProcessPoolExecutor", "Pool"))
+    }
+
+    assert makers == {"trainer/analysis/workers.py"}

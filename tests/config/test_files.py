@@ -1,0 +1,549 @@
+"""What a configuration file may say, and what its author is told when it is wrong."""
+
+import tomllib
+from collections.abc import Callable
+from dataclasses import fields
+from pathlib import Path
+
+import pytest
+from helpers.places import ROOT
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from trainer.config.coefficients import coefficient_terms, terms
+from trainer.config.files import ConfigError, collecting, read_text, shipped, shipped_names
+from trainer.config.schema import Quantities, kind_of
+from trainer.config.vessel import VesselFile, load_vessel, parse_vessel
+from trainer.config.vessel_records import Autopilot, key_tables
+
+PLACE = Path("boat.toml")
+
+# BB2's size and mass, nothing else: enough to evaluate.
+SMALL = """
+[fluid]
+rho = 1025.0
+g = 9.81
+
+[vessel]
+length = 70.2
+mass = 4418825.0
+weight = 43348676.0
+buoyancy = 43348676.0
+cg = [0, 0, 0]
+cb = [0.0, 0.0, -0.44]
+Ix = 5.23e7
+Iy = 1.375e9
+Iz = 1.367e9
+
+[propulsion]
+[[propulsion.sets]]
+eta_min = -99.0
+a = -0.001
+b = -0.002
+c = 0.003
+
+[coefficients.X]
+X_udot = -1.2e-3
+
+[coefficients.N]
+N_dr = -7.0e-3
+"""
+
+AUTOPILOT_LISTS = [
+    item.name
+    for item in fields(Autopilot)
+    if isinstance(kind_of(item), Quantities) and item.name != "speed_kn"
+]
+AUTOPILOT = "\n".join(
+    [
+        "\n[autopilot]",
+        "speed_kn = [3, 10, 20]",
+        *(f"{name} = [0.3, 0.2, 0.1]" for name in AUTOPILOT_LISTS),
+        "speed_integral = 0.01",
+        "turning_rate_deg_s = 0.1",
+    ],
+)
+
+
+def small(*replacements: tuple[str, str]) -> VesselFile:
+    """Return the vessel of SMALL after replacing pieces of its text that are there once."""
+    text = SMALL
+    for old, new in replacements:
+        assert text.count(old) == 1, old
+        text = text.replace(old, new)
+    return parse_vessel(text, PLACE)
+
+
+def complaint(load: Callable[[], object]) -> str:
+    """Return the whole message of the ConfigError that ``load`` raises."""
+    with pytest.raises(ConfigError) as caught:
+        load()
+    assert all(text.isprintable() for text in caught.value.problems), "each on one line"
+    return str(caught.value)
+
+
+def small_complaint(*replacements: tuple[str, str]) -> str:
+    """Return what is said of SMALL after the replacements."""
+    return complaint(lambda: small(*replacements))
+
+
+# What is shipped
+
+
+def test_the_shipped_boats_load_and_say_everything_a_run_needs() -> None:
+    assert shipped_names("vessels") == ("bb2", "remus100", "sdv-mk9")
+    for name in shipped_names("vessels"):
+        boat = load_vessel(name)
+        used = [item for item in boat.defaulted if not item.startswith(("compact", "comp"))]
+
+        assert boat.remarks == ()
+        assert [item for item in used if not item.startswith("vessel.I")] == []
+
+
+def test_bb2_has_the_numbers_of_its_source() -> None:
+    boat = load_vessel("bb2")
+
+    assert boat.hull.length == 70.2
+    assert boat.coefficients["N_dr"] == -7.22e-3
+    assert boat.surfaces.tail == "x"
+    assert boat.propulsion.bells_kn["astern_full"] == -8.0
+    assert (boat.run.start_speed_kn, boat.run.start_depth_m) == (10.0, 60.0)
+    assert "Z_vr" not in boat.absent  # given as zero, so not absent
+
+
+def test_sdv_takes_its_cross_flow_from_the_equivalent_table() -> None:
+    boat = load_vessel("sdv-mk9")
+    table = tomllib.loads(boat.text)["equivalent_2510_nonlinear"]
+
+    assert set(table) == {"Y_vav", "Z_waw", "N_rar", "M_qaq"}
+    assert {key: boat.coefficients[key] for key in table} == table
+
+
+def test_there_are_131_terms_of_which_the_compact_set_keeps_60() -> None:
+    # 68-C-0050-1, Tables 2 to 4 and 18: 131 less the 71 dropped. Nine of both are thrust rows.
+    assert len(terms()) == len({term.key for term in terms()}) == 131
+    assert sum(term.kept for term in terms()) == 60
+    assert len(coefficient_terms()) == 122
+    assert sum(term.kept for term in coefficient_terms()) == 51
+
+
+def test_a_path_and_a_name_load_the_same_boat() -> None:
+    path = shipped("vessels", "bb2")
+
+    assert load_vessel(str(path)).coefficients == load_vessel("bb2").coefficients
+    assert load_vessel("bb2").text == path.read_text(encoding="utf-8")
+
+
+def test_an_unknown_boat_is_told_the_nearest_and_all_names() -> None:
+    text = complaint(lambda: load_vessel("remus"))
+
+    assert "nearest is remus100" in text
+    assert "bb2, remus100, sdv-mk9" in text
+
+
+def test_the_document_shows_the_keys_the_program_reads() -> None:
+    assert key_tables() in (ROOT / "docs" / "vessel-files.md").read_text(encoding="utf-8")
+
+
+# What may be left out
+
+
+def test_four_tables_are_enough_and_the_rest_is_named_as_defaulted() -> None:
+    boat = small()
+
+    assert boat.name == "boat"
+    assert boat.coefficients["N_dr"] == -7.0e-3
+    assert len(boat.coefficients) == 122
+    assert len(boat.absent) == 120
+    assert boat.coefficients["Z_w"] == 0.0
+    assert {"run", "control_surfaces", "propulsion.bells_kn", "vessel.Ixy"} <= set(boat.defaulted)
+    assert boat.compensation == {"modified": {}, "basic": {"Z_w": 1.75, "M_w": 0.89}}
+    assert boat.compact.extra_terms == ()
+    assert boat.autopilot is None
+
+
+def test_a_table_given_in_part_is_completed() -> None:
+    boat = small(("[propulsion]\n", "[control_surfaces]\nrate_deg_s = 3\n\n[propulsion]\n"))
+
+    assert boat.surfaces.rate_deg_s == 3.0
+    assert "control_surfaces.rudder_limit_deg" in boat.defaulted
+    assert "control_surfaces.rate_deg_s" not in boat.defaulted
+
+
+def test_coefficients_may_stand_in_one_table() -> None:
+    boat = small(("[coefficients.X]", "[coefficients]"), ("[coefficients.N]", ""))
+
+    assert boat.coefficients == small().coefficients
+
+
+def test_thrust_rows_are_sorted_by_falling_eta() -> None:
+    row = "[[propulsion.sets]]\neta_min = 0.5\na = -0.1\nb = 0\nc = 0.1\n\n[coefficients.X]"
+    boat = small(("[coefficients.X]", row))
+
+    assert [row.eta_min for row in boat.propulsion.sets] == [0.5, -99.0]
+    assert boat.remarks == ()
+
+
+def test_thrust_that_does_not_balance_at_self_propulsion_is_remarked() -> None:
+    (remark,) = small(("c = 0.003", "c = 0.0031")).remarks
+
+    assert remark.startswith("boat.toml: [propulsion] sets: a + b + c = 0.0001")
+
+
+def test_thrust_without_a_row_for_going_astern_is_remarked() -> None:
+    (remark,) = small(("eta_min = -99.0", "eta_min = 0.5")).remarks
+
+    assert remark == "boat.toml: [propulsion] sets: no row for eta below 0.5"
+
+
+def test_documentary_tables_and_keys_may_say_anything() -> None:
+    free = 'note = "x"\n[[propulsion.sets]]\nstatus = "y"'
+    boat = small(
+        ("[[propulsion.sets]]", free),
+        ("[fluid]", "[source]\nany = [1, {b = 2}]\n\n[fluid]"),
+    )
+
+    assert boat.coefficients == small().coefficients
+
+
+def test_autopilot_lists_are_read() -> None:
+    autopilot = parse_vessel(SMALL + AUTOPILOT, PLACE).autopilot
+
+    assert autopilot is not None
+    assert autopilot.speed_kn == (3.0, 10.0, 20.0)
+    assert autopilot.bow_integral == (0.3, 0.2, 0.1)
+    assert autopilot.turning_rate_deg_s == 0.1
+
+
+def test_compensation_and_extra_terms_are_read() -> None:
+    text = (
+        "\n[compact]\nextra_terms = ['N_rar']\n"
+        "[compensation.modified]\nN_dr = 0.8\n[compensation.basic]\nZ_w = 1.75\nN_rar = 2\n"
+    )
+    boat = parse_vessel(SMALL + text, PLACE)
+
+    assert boat.compact.extra_terms == ("N_rar",)
+    assert boat.compensation == {"modified": {"N_dr": 0.8}, "basic": {"Z_w": 1.75, "N_rar": 2.0}}
+
+
+def test_an_empty_compensation_table_is_not_filled_from_the_defaults() -> None:
+    boat = parse_vessel(SMALL + "\n[compensation.basic]\n", PLACE)
+
+    assert boat.compensation == {"modified": {}, "basic": {}}
+
+
+# What is refused: (old text, new text, the whole message)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        (
+            "X_udot = -1.2e-3",
+            "X_udto = -0.0012",
+            "[coefficients.X] X_udto = -0.0012: no such coefficient; nearest is X_udot",
+        ),
+        (
+            "X_udot = -1.2e-3",
+            "Y_vdot = -0.01",
+            "[coefficients.X] Y_vdot = -0.01: belongs under [coefficients.Y]",
+        ),
+        ("X_udot = -1.2e-3", "X_uu = 11", "[coefficients.X] X_uu = 11: must be -10 to 10"),
+        ("length =", "lenth = 1\nlength =", "[vessel] lenth = 1: no such key; nearest is length"),
+        ("X_udot = -1.2e-3", "a1 = 0.1", "[coefficients.X] a1 = 0.1: no such coefficient"),
+        ("[fluid]", "[flud]\n[fluid]", "[flud]: no such table; nearest is fluid"),
+        ("[fluid]", "knid = 1\n[fluid]", "knid = 1: no such key; nearest is kind"),
+        ("rho = 1025.0", 'rho = "x"', '[fluid] rho = "x": must be a number, 900 to 1100 kg/m3'),
+        ("rho = 1025.0", "rho = true", "[fluid] rho = true: must be a number, 900 to 1100 kg/m3"),
+        ("rho = 1025.0", "rho = nan", "[fluid] rho = nan: must be finite, 900 to 1100 kg/m3"),
+        ("rho = 1025.0", "rho = 1.99", "[fluid] rho = 1.99: must be 900 to 1100 kg/m3"),
+        ("g = 9.81", "g = 32.2", "[fluid] g = 32.2: must be 9.7 to 9.9 m/s2"),
+        ("length = 70.2", "length = 0", "[vessel] length = 0: must be 0.3 to 400 m"),
+        ("mass = 4418825.0", "mass = -5", "[vessel] mass = -5: must be 0.001 to 1e+09 kg"),
+        ("Ix = 5.23e7", "Ix = 0", "[vessel] Ix = 0: must be 1e-09 to 1e+13 kg m2"),
+        ("mass = 4418825.0", "", "[vessel] lacks mass"),
+        ("cg = [0, 0, 0]", "cg = [0, 0]", "[vessel] cg = [0, 0]: must be a list of 3 numbers"),
+        (
+            "cg = [0, 0, 0]",
+            "cg = [0, 0, inf]",
+            "[vessel] cg[2] = inf: must be finite, -200 to 200 m",
+        ),
+        (
+            "cg = [0, 0, 0]",
+            "cg = [71, 0, 0]",
+            "[vessel] cg = [71.0, 0.0, 0.0]: lies further than L = 70.2 m from the origin",
+        ),
+        ("a = -0.001", "", "[propulsion.sets[0]] lacks a"),
+        (
+            "[[propulsion.sets]]",
+            "[propulsion.sets]",
+            '[propulsion] sets = {"eta_min": -99.0, "a": -0.001, "b": -0.002, "c": 0.003}: must',
+        ),
+        (
+            "X_udot = -1.2e-3",
+            "X_udot = 0.03",
+            "[coefficients] X_udot = 0.03: must be below the boat's own 0.02492; an added",
+        ),
+        (
+            "Ix = 5.23e7",
+            "Ix = 5.23e7\nIxz = 3e8",
+            "[vessel] Ixz = 3e+08 kg m2: must be below 2.674e+08 kg m2 either way, the root",
+        ),
+        ("[fluid]", "fluid = 3\n[notes]", "[fluid] must be a table, not 3"),
+        ("[fluid]", 'kind = ""\n[fluid]', 'kind = "": must have 1 to 200 characters'),
+        ("[fluid]", 'name = "a\\nb"\n[fluid]', 'name = "a\\nb": must be one line of text'),
+        (
+            "[fluid]",
+            'schema = "abkowitz-3dof/1"\n[X]\n[fluid]',
+            'schema = "abkowitz-3dof/1": must be gertler-hagen-2510/1',
+        ),
+        ("length = 70.2", "length = 70.2\nlength = 71", "line 8: length is given twice"),
+        ("[coefficients.X]", "[fluid]", "line 24: [fluid] is given twice"),
+        ("g = 9.81", "g = ", "line 4: is not valid TOML: Invalid value"),
+    ],
+)
+def test_one_wrong_thing_gets_one_line(old: str, new: str, message: str) -> None:
+    text = small_complaint((old, new))
+
+    assert text.startswith(f"boat.toml: {message}")
+    assert "\n" not in text
+
+
+@pytest.mark.parametrize(
+    ("added", "message"),
+    [
+        (
+            "[control_surfaces]\nrudder_limit_deg = 0",
+            "rudder_limit_deg = 0: must be 0.1 to 90 deg",
+        ),
+        ("[control_surfaces]\nrate_deg_s = -1", "rate_deg_s = -1: must be 0.01 to 1000 deg/s"),
+        ("[control_surfaces]\ntail = 'y'", 'tail = "y": must be x or cruciform'),
+        ("[run]\nstep_s = 0", "step_s = 0: must be 0.001 to 2 s"),
+        ("[run]\nstep_s = 3", "step_s = 3: must be 0.001 to 2 s"),
+        ("[run]\nstart_speed_kn = 0", "start_speed_kn = 0: must be 0.01 to 60 kn"),
+        (
+            "[run]\nstart_speed_kn = 2",
+            "start_speed_kn = 2 kn: must be within speed_range_kn, 3 to 20",
+        ),
+        ("[run]\nspeed_range_kn = [9, 4]", "speed_range_kn = [9.0, 4.0]: must ascend"),
+        ("[compact]\nextra_terms = ['Z_vv']", 'extra_terms = ["Z_vv"]: must list some of X_vr'),
+        ("[compact]\nextra_terms = ['X_vr', 'X_vr']", "must not name one twice"),
+        (
+            "[compensation.basic]\nN_rar = 2",
+            "[compensation.basic] N_rar = 2: the compact set keeps no",
+        ),
+        ("[compensation.basic]\nN_dr = inf", "[compensation.basic] N_dr = inf: must be finite"),
+        ("[compensation.modfied]\nN_dr = 1", "no such equation set; nearest is modified"),
+        ("[coefficients]\nX_udot = 0.1", "[coefficients] X_udot is given twice"),
+        ("[coefficients.Q]\nX_uu = 0", "must be one of the tables X, Y, Z, K, M, N"),
+    ],
+)
+def test_one_wrong_addition_gets_one_line(added: str, message: str) -> None:
+    text = complaint(lambda: parse_vessel(f"{SMALL}\n{added}\n", PLACE))
+
+    assert text.startswith("boat.toml: ")
+    assert message in text
+    assert "\n" not in text
+
+
+@pytest.mark.parametrize(
+    ("bell", "message"),
+    [
+        ("ahead_flank = 21", "ahead_flank = 21 kn: must be within max_ordered_speed_kn = 20 kn"),
+        ("ahead_full = 9", "ahead_full = 9 kn: must be further ahead than ahead_standard"),
+        ("astern_full = 8", "astern_full = 8 kn: must be further astern than astern_two_thirds"),
+        ("ahead_slow = 1", "ahead_slow = 1: no such key"),
+    ],
+)
+def test_bells_must_follow_one_another(bell: str, message: str) -> None:
+    addition = f"[propulsion.bells_kn]\n{bell}\n[[propulsion.sets]]"
+
+    assert message in small_complaint(("[[propulsion.sets]]", addition))
+
+
+def test_two_thrust_rows_must_not_start_at_the_same_eta() -> None:
+    row = "[[propulsion.sets]]\neta_min = -99\na = 0\nb = 0\nc = 0\n\n[coefficients.X]"
+
+    assert "eta_min = -99 is given twice" in small_complaint(("[coefficients.X]", row))
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        ("[3, 10, 20]", "[3, 10, 10]", "speed_kn = [3.0, 10.0, 10.0]: must ascend, none twice"),
+        ("[3, 10, 20]", "[3, 10]", "stern_depth = [0.3, 0.2, 0.1]: has 3 entries, speed_kn has 2"),
+        ("[3, 10, 20]", "[3]", "speed_kn = [3]: must be a list of 2 to 12 numbers"),
+        ("bow_pitch = [0.3", "bow_pitch = ['a'", 'bow_pitch[0] = "a": must be a number'),
+        (
+            "bow_pitch = ",
+            "bow_pich = ",
+            "bow_pich = [0.3, 0.2, 0.1]: no such key; nearest is bow_pitch",
+        ),
+        (
+            "course_rate_deg_s = [0.3",
+            "course_rate_deg_s = [0",
+            "course_rate_deg_s[0] = 0: must be 1e-06 to 10000",
+        ),
+        ("speed_integral = 0.01\n", "", "[autopilot] lacks speed_integral"),
+    ],
+)
+def test_wrong_gain_lists_are_refused(old: str, new: str, message: str) -> None:
+    assert old in AUTOPILOT
+    text = SMALL + AUTOPILOT.replace(old, new)
+
+    assert message in complaint(lambda: parse_vessel(text, PLACE))
+
+
+def test_a_misspelt_necessary_key_is_both_unknown_and_missing() -> None:
+    assert small_complaint(("length =", "lenght =")).splitlines() == [
+        "boat.toml: [vessel] lenght = 70.2: no such key; nearest is length",
+        "boat.toml: [vessel] lacks length",
+    ]
+
+
+def test_all_that_is_missing_is_told_at_once() -> None:
+    text = complaint(lambda: parse_vessel("[vessel]\nlength = 5.0\n[propulsion]\n", PLACE))
+
+    assert text.splitlines() == [
+        "boat.toml: [fluid] lacks rho, g",
+        "boat.toml: [vessel] lacks mass, weight, buoyancy, cg, cb, Ix, Iy, Iz",
+        "boat.toml: [propulsion] lacks sets",
+        "boat.toml: lacks the table [coefficients]",
+    ]
+
+
+# Whether the numbers fit together
+
+
+def test_a_length_in_feet_is_suspected() -> None:
+    # 70.2 m is 230.3 ft
+    assert "length = 230.3 m, mass = 4.41882e+06 kg" in small_complaint(("70.2", "230.3"))
+    assert "are these feet?" in small_complaint(("70.2", "230.3"))
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "question"),
+    [
+        ("mass = 4418825.0", "mass = 9741741.0", "is the mass in pounds?"),
+        ("weight = 43348676.0", "weight = 9745217.0", "is the weight in pounds?"),
+        ("weight = 43348676.0", "weight = 4418825.0", "is the weight in kilograms?"),
+        ("weight = 43348676.0", "weight = 43348.0", "is the weight in kilonewtons?"),
+        ("mass = 4418825.0", "mass = 4418.0", "is the mass in tonnes?"),
+    ],
+)
+def test_a_slip_of_units_in_weight_or_mass_is_suspected(old: str, new: str, question: str) -> None:
+    assert question in small_complaint((old, new))
+
+
+def test_weight_may_differ_from_mass_by_5_percent_and_not_by_6() -> None:
+    assert small(("weight = 43348676.0", "weight = 45.4e6")).hull.weight == 45.4e6
+    assert "within 5%" in small_complaint(("weight = 43348676.0", "weight = 45.95e6"))
+
+
+def test_buoyancy_must_be_within_a_factor_two_of_weight() -> None:
+    text = small_complaint(("buoyancy = 43348676.0", "buoyancy = 20e6"))
+
+    assert "buoyancy = 2e+07 N: must be weight = 4.33487e+07 N within a factor 2" in text
+
+
+def test_inertia_must_be_that_of_a_body_of_this_length() -> None:
+    # sqrt(1e8/4418825)/70.2 = 0.0678
+    assert "sqrt(Iz/mass)/L is 0.0678, must be 0.1 to 0.5" in small_complaint(("1.367e9", "1e8"))
+
+
+def test_no_inertia_exceeds_the_sum_of_the_others() -> None:
+    # Ix + Iz = 1.4193e9; 5 % more is 1.4903e9
+    assert small(("Iy = 1.375e9", "Iy = 1.49e9")).hull.Iy == 1.49e9
+    assert "Iy = 1.491e+09 kg m2: must not exceed" in small_complaint(("1.375e9", "1.491e9"))
+
+
+def test_a_run_must_not_start_below_the_deepest_depth() -> None:
+    text = small_complaint(("length = 70.2", "length = 70.2\nmax_depth_m = 50"))
+
+    assert "[run] start_depth_m = 60 m: must be at most max_depth_m = 50 m" in text
+
+
+# Files that are no configuration at all
+
+
+def test_a_file_over_the_limit_is_refused_unread(tmp_path: Path) -> None:
+    path = tmp_path / "large.toml"
+    path.write_bytes(b"# " + b"x" * 10_000_000)
+
+    assert "larger than the limit of 1000000 bytes" in complaint(lambda: load_vessel(str(path)))
+
+
+def test_a_file_at_the_limit_is_read(tmp_path: Path) -> None:
+    path = tmp_path / "full.toml"
+    path.write_bytes(b"#" * 1_000_000)
+
+    assert len(read_text(path)) == 1_000_000
+
+
+def test_a_binary_file_is_refused(tmp_path: Path) -> None:
+    path = tmp_path / "binary.toml"
+    path.write_bytes(b"\x7fELF\xff\xfe\x00")
+
+    assert "is not UTF-8 text (byte 4 is wrong)" in complaint(lambda: load_vessel(str(path)))
+
+
+def test_a_byte_order_mark_is_no_harm(tmp_path: Path) -> None:
+    path = tmp_path / "windows.toml"
+    path.write_bytes(b"\xef\xbb\xbf" + SMALL.replace("\n", "\r\n").encode())
+
+    assert load_vessel(str(path)).coefficients == small().coefficients
+
+
+def test_what_is_no_file_is_refused(tmp_path: Path) -> None:
+    assert "is a directory" in complaint(lambda: load_vessel(f"{tmp_path}/"))
+    assert "there is no such file" in complaint(lambda: load_vessel(str(tmp_path / "no.toml")))
+    assert "cannot be read" in complaint(lambda: load_vessel("./a\0.toml"))
+    assert "cannot be read" in complaint(lambda: load_vessel(f"./{'a' * 5000}.toml"))
+
+
+def test_a_line_too_long_for_the_parser_is_refused_unparsed() -> None:
+    text = f"{SMALL}\na{'.a' * 100_000} = 1"
+
+    assert "line 30: is longer than 10000 characters" in complaint(
+        lambda: parse_vessel(text, PLACE)
+    )
+
+
+def test_of_very_many_faults_only_the_first_are_told() -> None:
+    text = "".join(f"k{i} = 1\n" for i in range(1000)) + SMALL
+    lines = complaint(lambda: parse_vessel(text, PLACE)).splitlines()
+
+    assert lines[0] == "boat.toml: k0 = 1: no such key"
+    assert lines[-1] == "... and 980 more"
+    assert len(lines) == 21
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "a = " + "[\n" * 50_000,
+        "a = " + "1" * 5000,
+        "[fluid]\nrho = 0x" + "f" * 9_000,
+        "[vessel]\ncg = [0x" + "f" * 9_000 + "]",
+        '"\\u0007\\n" = 1',
+        "[fluid]\nrho = 2020-01-01",
+        "kind = 'a",
+        "\r",
+        "\0",
+    ],
+    ids=["deep", "long", "hexadecimal", "in a list", "control", "date", "open", "return", "nul"],
+)
+def test_odd_text_is_refused_in_readable_lines(text: str) -> None:
+    for line in complaint(lambda: parse_vessel(text, PLACE)).splitlines():
+        assert line.startswith("boat.toml: ")
+        assert len(line) < 250
+
+
+@settings(deadline=None, max_examples=100)
+@given(st.text(alphabet="[]{}=.,'\"#\n\\ abX_1e+-", max_size=60), st.integers(0, len(SMALL)))
+def test_a_file_with_noise_in_it_loads_or_is_refused(noise: str, at: int) -> None:
+    problems: list[str] = []
+    with collecting(problems):
+        assert len(parse_vessel(SMALL[:at] + noise + SMALL[at:], PLACE).coefficients) == 122
+
+    assert all(text.startswith("boat.toml: ") and text.isprintable() for text in problems)

@@ -1,0 +1,140 @@
+"""What a sea file may say, and what its author is told when it is wrong."""
+
+import re
+import tomllib
+from pathlib import Path
+
+import numpy as np
+import pytest
+from helpers.places import ROOT
+
+from trainer.config.files import ConfigError, shipped, shipped_names
+from trainer.config.sea import key_table, load_sea, parse_sea, sea_settings
+
+G = 9.81
+
+
+def settings_of(text: str) -> list[float]:
+    """Return the settings of the sea whose [sea] table is ``text``."""
+    return sea_settings(parse_sea(f"[sea]\n{text}", Path("my.toml")), G).tolist()  # type: ignore[no-any-return]
+
+
+@pytest.mark.parametrize("name", shipped_names("seas"))
+def test_every_shipped_sea_loads(name: str) -> None:
+    file = load_sea(name)
+
+    assert file.name
+    assert np.all(np.isfinite(sea_settings(file, G)))
+
+
+@pytest.mark.parametrize(
+    ("degree", "height"),
+    [(0, 0.0), (1, 0.05), (2, 0.3), (3, 0.875), (4, 1.875), (5, 3.25), (6, 5.0)],
+)
+def test_a_sea_state_has_the_middle_height_of_its_degree(degree: int, height: float) -> None:
+    name = f"sea-state-{degree}" if degree else "calm"
+
+    assert sea_settings(load_sea(name), G)[0] == height
+
+
+def test_a_wind_raises_the_sea_of_pierson_and_moskowitz() -> None:
+    height, omega, gamma, *_ = settings_of("wind_kn = 40")
+    wind = 40.0 * 1852.0 / 3600.0
+
+    assert height == pytest.approx(0.2092 * wind**2 / G, rel=3e-4)
+    assert omega == pytest.approx(0.877 * G / wind, rel=3e-4)
+    assert gamma == 1.0
+    assert settings_of(f"height_m = {height}")[1] == pytest.approx(omega, rel=1e-12)
+
+
+def test_height_and_period_are_taken_as_given() -> None:
+    text = 'height_m = 3\nperiod_s = 10\ngenerator = "cosines"\n'
+
+    assert settings_of(text + 'spectrum = "bretschneider"')[:3] == pytest.approx(
+        [3.0, 0.2 * np.pi, 1.0]
+    )
+    assert settings_of(text + 'spectrum = "jonswap"\ngamma = 2')[:3] == pytest.approx(
+        [3.0, 0.2 * np.pi, 2.0]
+    )
+
+
+@pytest.mark.parametrize(("comes_from", "goes_to"), [(0, 180.0), (90, 270.0), (315, 135.0)])
+def test_waves_travel_away_from_where_they_come_from(comes_from: int, goes_to: float) -> None:
+    direction = settings_of(f"sea_state = 4\ndirection_deg = {comes_from}")[3]
+
+    assert np.degrees(direction) == pytest.approx(goes_to)
+
+
+def test_options_are_off_unless_asked_for() -> None:
+    assert settings_of("sea_state = 4")[4:] == [0.0, 0.0, 0.0]
+    asked = 'sea_state = 4\ngenerator = "cosines"\nsuction = "on"\ntaper = "on"'
+    assert settings_of(asked)[4:] == [1.0, 1.0, 1.0]
+
+
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        ("", "my.toml: [sea] has none of them: give one of sea_state, wind_kn, height_m"),
+        ("sea_state = 4\nwind_kn = 20", "has sea_state, wind_kn: give one of"),
+        ("sea_state = 4.5", "sea_state = 4.5: must be a whole number"),
+        ("sea_state = 9", "sea_state = 9: must be 0 to 8"),
+        ("wind_kn = nan", "wind_kn = nan: must be finite"),
+        ("wind_kt = 20", "wind_kt = 20: no such key; nearest is wind_kn"),
+        ("wind_kn = 20\nperiod_s = 9", "period_s = 9: pierson-moskowitz has its own"),
+        ('height_m = 3\nspectrum = "jonswap"', "lacks period_s"),
+        (
+            'height_m = 3\nperiod_s = 9\nspectrum = "jonswap"',
+            'generator = "filter": makes no jonswap spectrum',
+        ),
+        (
+            'height_m = 9\nperiod_s = 5\nspectrum = "bretschneider"',
+            "period_s = 5: waves of 9 m break; must be at least 7.6 s",
+        ),
+        ('sea_state = 4\ngenerator = "cosine"', "must be filter or cosines"),
+        ("sea_state = 4\ndirection_deg = -10", "direction_deg = -10: must be 0 to 360 deg"),
+        ("sea_state = 4\nramp_s = true", "ramp_s = true: must be a number"),
+    ],
+)
+def test_a_wrong_sea_is_refused_with_the_reason(text: str, told: str) -> None:
+    with pytest.raises(ConfigError) as caught:
+        settings_of(text)
+
+    assert told in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        ("sea_state = 4", "my.toml: sea_state = 4: belongs under [sea]"),
+        ("nmae = 'x'\n[sea]\nsea_state = 4", 'nmae = "x": no such key; nearest is name'),
+        ("name = 'x'", "my.toml: lacks the table [sea]"),
+        ("schema = 'sea/2'\n[sea]\nsea_state = 4", "must be sea/1"),
+        ("name = 4\n[sea]\nsea_state = 4", "name = 4: must be one line of text"),
+        ("[[sea]]\nsea_state = 4", "[sea] must be a table"),
+    ],
+)
+def test_a_wrong_file_is_refused_with_the_reason(text: str, told: str) -> None:
+    with pytest.raises(ConfigError) as caught:
+        parse_sea(text, Path("my.toml"))
+
+    assert told in str(caught.value)
+
+
+def test_an_unknown_name_is_answered_with_the_nearest() -> None:
+    with pytest.raises(ConfigError, match="nearest is sea-state-5"):
+        load_sea("seastate-5")
+    with pytest.raises(ConfigError, match="there is no such file"):
+        load_sea("./storm.toml")
+
+
+def test_the_manual_lists_every_key_and_its_examples_load() -> None:
+    manual = (ROOT / "docs" / "seas.md").read_text(encoding="utf-8")
+    examples = re.findall(r"```toml\n(.*?)```", manual, re.DOTALL)
+    defaults = tomllib.loads(shipped("", "sea-defaults").read_text(encoding="utf-8"))["sea"]
+
+    assert key_table() in manual
+    assert len(examples) >= 2
+    for example in examples:
+        parse_sea(example, Path("example.toml"))
+    for key, value in defaults.items():
+        assert f"`{key}` {value if isinstance(value, str) else f'{value:g}'}" in manual

@@ -1,0 +1,867 @@
+"""The screens: drawn, typed at, resized, cut off and brought back, without a terminal."""
+
+import asyncio
+import itertools
+import math
+import re
+import socket
+import subprocess
+import sys
+import threading
+import time
+from collections.abc import Awaitable, Callable, Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import pytest
+from helpers.places import ROOT
+from textual.pilot import Pilot
+from textual.strip import Strip
+
+from trainer.console.app import Console
+from trainer.console.client import Barred, Client, Greeting, Item, Joined, Lost
+from trainer.console.drawing.chart import limits
+from trainer.console.drawing.hull import turned
+from trainer.console.entry import Entry, completed, hint, offer
+from trainer.console.journal import Sample, Trace
+from trainer.console.keys import KEYS, Give, Move, key_tables
+from trainer.console.layouts import POSTS, wishes
+from trainer.console.model import Broken, Kept, Sight
+from trainer.console.pane import GROUND, INKS, Pane, contrast, plain
+from trainer.console.readings import Picture
+from trainer.io.orders import sentences
+from trainer.io.orders.grammar import Order, parse
+from trainer.io.orders.sentences import order_sentence, read
+from trainer.session.stations.channels import CHANNELS
+from trainer.session.stations.roles import ROLES, refusal
+
+STYLE = ROOT / "trainer" / "console" / "console.tcss"
+PATIENCE = 10.0  # [s]
+SIZES = ((80, 24), (20, 5), (300, 100), (160, 48), (1, 1))
+CREW = ("helm", "planes", "ballast", "diving", "observer")
+VALUES = {
+    "depth": "60.0", "heading": "359.5", "speed": "10.0", "pitch": "-2.0", "heel": "1.0",
+    "depth_rate": "0.5", "turn_rate": "1.0", "speed_rate": "0.0", "pitch_rate": "0.0",
+    "heel_rate": "0.0", "ordered_depth": "80.0", "ordered_course": "90.0", "rudder": "5.0",
+    "ordered_rudder": "5.0", "rudder_mode": "auto", "stern": "-3.0", "ordered_stern": "-3.0",
+    "stern_mode": "auto", "bow": "0.0", "ordered_bow": "0.0", "bow_mode": "hand",
+    "rpm": "71", "ordered_rpm": "71", "bell": "ahead-standard", "speed_mode": "hand",
+    "time": "running", "branch": "1", "replay": "no", "auxiliary": "30.8", "auxiliary_full": "50",
+    "forward": "184", "forward_full": "100", "main": "25.0", "main_full": "100",
+    "emergency": "25.0", "emergency_full": "100", "compressor": "off", "blow_forward": "open",
+    "height": "1.9", "period": "7.0", "from": "0", "heavy": "2.0", "ticks": "120",
+}  # fmt: skip
+
+
+def values(channel: str, **changed: str) -> list[str]:
+    """Return a line of values for a channel, as a session would send them."""
+    told = VALUES | ({"speed": "1"} if channel == "time" else {}) | changed
+    return [told.get(each.name, "") for each in CHANNELS[channel].fields]
+
+
+def names(channel: str) -> str:
+    return sentences.names(channel, [(each.name, each.unit) for each in CHANNELS[channel].fields])
+
+
+@dataclass
+class Tape:
+    """A session that says what it is told to, and takes every order but those of ``refuses``."""
+
+    channels: tuple[str, ...]
+    given: list[str] = field(default_factory=list)
+    items: list[Item] = field(default_factory=list)
+    answers: dict[str, list[str]] = field(default_factory=dict)
+    facts: dict[str, list[tuple[str, str]]] = field(default_factory=dict)  # before an answer
+    refuses: frozenset[str] = frozenset()
+    connected: bool = True
+
+    def __post_init__(self) -> None:
+        self._tags = itertools.count(10)
+        self.items = [Greeting("Periscope depth"), Joined()]
+        self.say(*(names(channel) for channel in self.channels))
+        self.tick(120)
+
+    def say(self, *lines: str) -> None:
+        for text in lines:
+            sentence = read(text)
+            assert sentence, text
+            self.items.append(sentence)
+
+    def tick(self, tick: int, **changed: str) -> None:
+        for channel in self.channels:
+            self.say(sentences.state(channel, tick, tick / 2.0, values(channel, **changed)))
+
+    def order(self, words: str) -> str:
+        if not self.connected:
+            return ""
+        self.given.append(words)
+        tag = str(next(self._tags))
+        self.say(*(sentences.say(tag, text) for text in self.answers.get(words, [])))
+        self.say(*(sentences.fact(0, 0.0, *fact) for fact in self.facts.get(words, [])))
+        accepted = words not in self.refuses
+        text = f"{words}: done" if accepted else "beyond the limit of 30"
+        self.say(sentences.answer(tag, accepted=accepted, text=text))
+        return tag
+
+    def take(self) -> list[Item]:
+        taken, self.items = self.items, []
+        return taken
+
+    @property
+    def orders(self) -> list[str]:
+        """Return what was ordered, without what a console asks by itself."""
+        return [words for words in self.given if words not in ("snapshots", "casualties")]
+
+
+def tape(role: str = "instructor") -> Tape:
+    found = Tape(POSTS[role].channels)
+    found.facts["casualties"] = [
+        ("casualty", "stern-stuck,,The stern planes stay where they are"),
+        ("casualty", "stern-hard-over,-1 ramp 0,The stern planes run to this angle and jam"),
+        ("casualty", "flooding-aft,1 ramp 5,The sea enters the aft compartment"),
+    ]
+    return found
+
+
+def sight_of(talk: Tape, role: str = "instructor", clock: float = 100.0) -> Sight:
+    return Sight(talk, role, POSTS[role].charts, clock=lambda: clock)
+
+
+Act = Callable[[Pilot[str], Console], Awaitable[None]]
+
+
+def at_the_console(
+    act: Act, talk: Tape | None = None, role: str = "instructor", size: tuple[int, int] = (80, 24)
+) -> tuple[Console, Tape]:
+    """Do something at a console; return it as it was left."""
+    talk = talk or tape(role)
+    app = Console(sight_of(talk, role))
+
+    async def run() -> None:
+        async with app.run_test(size=size) as pilot:
+            while not app.sight.joined or (app.sight.instructs and not app.sight.casualties):
+                await pilot.pause(0.02)
+            await act(pilot, app)
+
+    asyncio.run(run())
+    return app, talk
+
+
+def shown(app: Console) -> str:
+    """Return the text of every drawing that is on the screen."""
+    return "\n".join(plain(p.lines) for p in app.screen.query(Pane) if p.display and p.size.height)
+
+
+async def seen(pilot: Pilot[str], app: Console, text: str) -> None:
+    """Wait until a text is on the screen."""
+    end = time.monotonic() + PATIENCE
+    while text not in shown(app):
+        assert time.monotonic() < end, f"{text!r} is not shown:\n{shown(app)}"
+        await pilot.pause(0.02)
+
+
+def pressed(keys: tuple[str, ...], role: str = "instructor", talk: Tape | None = None) -> list[str]:
+    """Return what is ordered by pressing keys."""
+
+    async def press(pilot: Pilot[str], _app: Console) -> None:
+        for key in keys:
+            await pilot.press(key)
+
+    return at_the_console(press, talk, role)[1].orders
+
+
+def typed(text: str) -> tuple[str, ...]:
+    special = {" ": "space", "-": "minus", ".": "full_stop"}
+    return tuple(special.get(character, character) for character in text)
+
+
+# Orders by keys
+
+KEYSTROKES = (
+    (("f2",), "freeze"),
+    (("space",), "freeze"),
+    (("f3",), "step"),
+    (("full_stop",), "step"),
+    (("plus",), "time 2"),
+    (("minus",), "time 0.5"),
+    ((*typed("depth 70"), "enter"), "depth 70"),
+    (("f8", *typed("here"), "enter"), "snapshot here"),
+    (("f9", *typed("good recovery"), "enter"), "mark good recovery"),
+    (("f4", *typed("stern-h -0.5 ramp 20"), "enter"), "casualty stern-hard-over -0.5 ramp 20"),
+    (("f4", *typed("fl"), "enter"), "casualty flooding-aft 1 ramp 5"),
+    (("f4", "down", "enter"), "casualty stern-hard-over -1 ramp 0"),
+    (("f4", "down", "delete"), "clear stern-hard-over"),
+    (("f4", "ctrl+x"), "clear all"),
+    (("f5", *typed("state 5"), "enter"), "sea state 5"),
+    (("f5", *typed("wind 30"), "enter"), "sea wind 30"),
+    (("f5", "enter"), "sea calm"),
+    (("f6", "enter"), "backtrack 30 s"),
+    (("f6", "left", "enter"), "backtrack 35 s"),
+    (("f6", "shift+right", "shift+left", "r"), "replay 60 s"),
+    (("f6", "2", "enter"), "reset"),
+    (("f7", "1", "left", "right", "right", "enter"), "replay 50 s"),
+    (("f10", "q"), "quit"),
+)
+
+
+def test_every_key_gives_an_order_that_its_role_may_give() -> None:
+    for role, keys in KEYS.items():
+        for key in keys:
+            if isinstance(key.act, Give):
+                order = parse(key.act.words)
+                assert isinstance(order, Order), key
+                assert refusal(ROLES[role], order) is None, key
+            if isinstance(key.act, Move):
+                order = parse(
+                    f"{key.act.surface} {'right' if key.act.surface == 'rudder' else 'rise'} 1"
+                )
+                assert isinstance(order, Order)
+                assert refusal(ROLES[role], order) is None, key
+
+
+def test_no_key_does_two_things() -> None:
+    for keys in KEYS.values():
+        found = [name for key in keys for name in key.names]
+        assert len(found) == len(set(found))
+
+
+@pytest.mark.parametrize("role", CREW)
+def test_every_key_of_a_station_sends_its_order(role: str) -> None:
+    giving = [
+        (name, key.act.words)
+        for key in KEYS[role]
+        if isinstance(key.act, Give)
+        for name in key.names
+    ]
+    assert pressed(tuple(name for name, _ in giving), role) == [words for _, words in giving]
+
+
+def test_every_key_of_the_instructor_sends_its_order() -> None:
+    async def press(pilot: Pilot[str], _app: Console) -> None:
+        for keys, _ in KEYSTROKES:
+            await pilot.press(*keys)
+
+    _, talk = at_the_console(press)
+    assert talk.orders == [order for _, order in KEYSTROKES]
+
+
+def test_what_is_typed_before_the_order_line_is_open_is_not_obeyed() -> None:
+    async def press(pilot: Pilot[str], app: Console) -> None:
+        app.set_focus(None)
+        await pilot.press(*typed("depth -5"))
+
+    _, talk = at_the_console(press)
+    assert talk.orders == []
+
+
+def test_the_keys_that_stop_and_wake_a_terminal_do_nothing_and_ctrl_c_asks() -> None:
+    async def press(pilot: Pilot[str], app: Console) -> None:
+        await pilot.press("ctrl+s", "ctrl+q", "ctrl+p")
+        assert len(app.screen_stack) == 1
+        await pilot.press("ctrl+c")
+        assert "Leave?" in shown(app)
+
+    app, talk = at_the_console(press)
+    assert app.return_value is None
+    assert talk.orders == []
+
+
+def test_escape_leaves_every_dialog_and_orders_nothing() -> None:
+    dialogs = ("f1", "f4", "f5", "f6", "f7", "f10")
+    keys = itertools.chain.from_iterable((key, "escape", "f3") for key in dialogs)
+    assert pressed(tuple(keys)) == ["step"] * len(dialogs)
+
+
+def test_a_frozen_boat_is_let_go_by_the_same_key() -> None:
+    talk = tape()
+    talk.tick(121, time="frozen")
+    assert pressed(("f2",), talk=talk) == ["run"]
+
+
+def test_the_replay_key_ends_a_replay_that_runs() -> None:
+    talk = tape()
+    talk.tick(121, replay="yes")
+    assert pressed(("f7",), talk=talk) == ["take over"]
+
+
+def test_presses_add_up_before_the_boat_has_shown_the_first() -> None:
+    assert pressed(("right", "right", "shift+left"), "helm") == [
+        "rudder right 6",
+        "rudder right 7",
+        "rudder right 2",
+    ]
+    assert pressed(("up", "ctrl+down", "right"), "planes") == [
+        "stern planes dive 2",
+        "stern planes dive 7",
+        "bow planes rise 1",
+    ]
+
+
+def test_after_a_refusal_the_keys_start_from_where_the_surface_is() -> None:
+    talk = tape("helm")
+    talk.refuses = frozenset({"rudder right 10"})
+
+    async def press(pilot: Pilot[str], _app: Console) -> None:
+        await pilot.press("shift+right")
+        await pilot.pause(0.15)
+        await pilot.press("right")
+
+    assert at_the_console(press, talk, "helm")[1].orders == ["rudder right 10", "rudder right 6"]
+
+
+def test_an_emergency_blow_is_asked_for_twice() -> None:
+    assert pressed(("e", "escape"), "ballast") == []
+    assert pressed(("e", "e"), "ballast") == ["emergency blow"]
+
+
+def test_the_same_words_can_be_typed_at_a_station_whose_keys_are_controls() -> None:
+    typing = ("enter", *typed("rudder right 9"), "enter", "m")
+    assert pressed(typing, "helm") == ["rudder right 9", "rudder amidships"]
+
+
+# The order line
+
+
+@pytest.mark.parametrize("role", sorted(KEYS))
+def test_the_brackets_change_the_time_of_the_charts_on_every_screen(role: str) -> None:
+    async def press(pilot: Pilot[str], app: Console) -> None:
+        for key, minutes in (
+            *(("left_square_bracket", 1), ("left_square_bracket", 1)),
+            *(("right_square_bracket", 2), ("right_square_bracket", 5)),
+        ):
+            await pilot.press(key)
+            await pilot.pause(0.15)
+            if POSTS[role].charts:
+                assert f"{minutes} min" in shown(app)
+
+    assert at_the_console(press, tape(role), role, (160, 48))[1].orders == []
+
+
+def test_page_up_looks_back_in_the_log_and_page_down_returns() -> None:
+    talk = tape()
+    for k in range(60):
+        talk.say(sentences.event(k, k / 2.0, "exercise", f"happening {k}"))
+
+    async def press(pilot: Pilot[str], app: Console) -> None:
+        await pilot.pause(0.15)
+        newest = "happening 59"
+        assert newest in shown(app)
+        await pilot.press("pageup", "pageup")
+        await pilot.pause(0.15)
+        assert newest not in shown(app)
+        await pilot.press("pagedown", "pagedown")
+        await seen(pilot, app, newest)
+
+    assert at_the_console(press, talk)[1].orders == []
+
+
+@pytest.mark.parametrize("role", CREW)
+def test_every_key_that_moves_a_surface_orders_it_by_its_step(role: str) -> None:
+    moves = [
+        (key.act, name) for key in KEYS[role] if isinstance(key.act, Move) for name in key.names
+    ]
+    for act, name in moves:
+        (order,) = pressed((name,), role)
+        found, start = parse(order), parse(pressed((opposite(moves, act),), role)[0])
+        assert isinstance(found, Order)
+        assert isinstance(start, Order)
+        assert found.name == act.surface
+        assert math.degrees(found.value - start.value) == pytest.approx(2 * act.by)
+
+
+def opposite(moves: list[tuple[Move, str]], act: Move) -> str:
+    """Return a key that moves the same surface as far the other way."""
+    return next(
+        name for other, name in moves if (other.surface, other.by) == (act.surface, -act.by)
+    )
+
+
+def test_what_is_sent_and_answered_stands_in_the_log() -> None:
+    talk = tape()
+    talk.refuses = frozenset({"rudder left 90"})
+
+    async def order(pilot: Pilot[str], app: Console) -> None:
+        await pilot.press(*typed("depth 70"), "enter", *typed("rudder left 90"), "enter")
+        await seen(pilot, app, "> depth 70\n")
+        assert "depth 70: done" in shown(app)
+        assert "? beyond the limit of 30" in shown(app)
+
+    at_the_console(order, talk)
+
+
+def test_tab_completes_and_the_arrows_bring_orders_back() -> None:
+    async def order(pilot: Pilot[str], app: Console) -> None:
+        entry = app.query_one(Entry)
+        await pilot.press(*typed("casu"), "tab")
+        assert entry.value == "casualt"  # casualty or casualties
+        await pilot.press(*typed("y st"), "tab", *typed("s"), "tab")
+        assert entry.value == "casualty stern-stuck "
+        await pilot.press("enter", *typed("step"), "enter", "up", "up")
+        assert entry.value == "casualty stern-stuck"
+        await pilot.press("down", "down")
+        assert entry.value == ""
+        await pilot.press("up", "escape")
+        assert entry.value == ""
+
+    at_the_console(order)
+
+
+def test_completion_offers_what_the_grammar_has() -> None:
+    known = {"the name of a casualty": ["stern-stuck", "rudder-slow"]}
+
+    assert set(offer("ru", known).words) == {"rudder", "run"}
+    assert "left" in offer("rudder ", known).words
+    assert completed("rudder le", known) == "rudder left "
+    assert offer("casualty ", known).words == ("stern-stuck", "rudder-slow")
+    assert "a depth (0 to 2000 m)" in hint("depth ", known)
+    assert offer("no such order", known) == ((), ())
+    assert completed("", known) == ""
+
+
+def test_digits_and_letters_are_typed_and_only_an_empty_line_has_keys() -> None:
+    keys = (*typed("step 5"), "enter", *typed("casualty stern-stuck -0.5"), "enter", "full_stop")
+    assert pressed(keys) == ["step 5", "casualty stern-stuck -0.5", "step"]
+
+
+# The pictures
+
+
+@pytest.mark.parametrize("role", POSTS)
+def test_every_screen_keeps_to_its_size_and_shows_what_matters(role: str) -> None:
+    async def resize(pilot: Pilot[str], app: Console) -> None:
+        for width, height in SIZES:
+            await pilot.resize_terminal(width, height)
+            await pilot.pause(0.12)
+            for pane in app.screen.query(Pane):
+                size = pane.size
+                assert all(len(plain([row])) <= size.width for row in pane.lines[: size.height])
+            if width >= 20:
+                assert "00:01:00" in shown(app).splitlines()[0]
+                assert app.query_one(Entry).region.bottom <= height
+                assert app.query_one(Entry).region.height == 1
+        await pilot.resize_terminal(80, 24)
+        await pilot.pause(0.12)
+        assert "60.0" in shown(app) or role not in ("instructor", "observer")
+
+    at_the_console(resize, role=role)
+
+
+def test_the_first_screen_says_the_state_at_a_glance() -> None:
+    async def look(_pilot: Pilot[str], app: Console) -> None:
+        text = shown(app)
+        for words in (
+            "RUNNING x1", "depth    60.0 > 80.0 m", "> 090", "pitch   2.0 down",
+            "heel    1.0 stbd",
+            "R 5.0 > R 5.0 auto", "D 3.0", "hand", "ahead std", "rpm 71 > 71", "2.0 t heavy",
+            "main 25.0", "BLOWING forward", "1.9 m, 7 s, from 000", "F1 help", "F10 quit",
+            "nothing; F4",
+        ):  # fmt: skip
+            assert words in text, words
+
+    at_the_console(look)
+
+
+def test_the_ballast_station_has_tanks_valves_and_air_on_a_small_screen() -> None:
+    async def look(_pilot: Pilot[str], app: Console) -> None:
+        text = shown(app)
+        for words in ("auxiliary", "30.8 t", "main bank", "25.0 MPa 100 %", "OPEN", "compressor"):
+            assert words in text, words
+
+    for role in ("ballast", "diving"):
+        at_the_console(look, role=role)
+
+
+def test_nothing_is_said_by_colour_alone(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("NO_COLOR", "1")
+    talk = tape()
+    talk.tick(121, time="frozen", casualty_1="stern-stuck", replay="yes", held="depth")
+
+    async def look(pilot: Pilot[str], app: Console) -> None:
+        assert app.no_color
+        text = shown(app)
+        for words in ("FROZEN", "REPLAY", "HELD: depth", "broken  stern-stuck", "BLOWING"):
+            assert words in text, words
+        await pilot.press("f4")
+        await seen(pilot, app, "> stern-stuck                ACTIVE")
+
+    at_the_console(look, talk)
+
+
+def test_a_false_gauge_is_called_out_to_the_instructor_alone() -> None:
+    talk = tape()
+    for channel, depth in (("motion", "60.0"), ("gauges", "72.5")):
+        talk.say(sentences.state(channel, 121, 60.5, values(channel, depth=depth)))
+
+    async def look(_pilot: Pilot[str], app: Console) -> None:
+        assert "depth     60.3  GAUGE 72.5" in shown(app) or "60.0  GAUGE 72.5" in shown(app)
+
+    at_the_console(look, talk)
+
+
+def test_colours_stand_out_from_what_is_behind_them() -> None:
+    for name, ink in INKS.items():
+        assert contrast(ink.colour, ink.ground) >= 4.5, name
+    for block in re.findall(r"\{([^}]*)\}", STYLE.read_text(encoding="utf-8")):
+        ground = re.search(r"background: (#\w{6})", block)
+        for colour in re.findall(r"(?<![\w-])color: (#\w{6})", block):
+            for behind in [ground[1]] if ground else (GROUND, "#16222a", "#1d2f3a"):
+                assert contrast(colour, behind) >= 4.5, block
+    assert contrast("#ffffff", "#000000") == pytest.approx(21.0)
+
+
+def test_pointers_move_between_ticks_and_no_further_than_the_next() -> None:
+    picture, now = Picture(), 100.0
+    for text in (
+        names("time"), names("motion"),
+        sentences.state("time", 120, 60.0, values("time")),
+        sentences.state("motion", 120, 60.0, values("motion")),
+    ):  # fmt: skip
+        sentence = read(text)
+        assert sentence
+        picture.take(sentence, now)
+
+    assert picture.smooth("motion", "depth", now) == 60.0
+    assert picture.smooth("motion", "depth", now + 0.2) == pytest.approx(60.1)
+    assert picture.smooth("motion", "depth", now + 9.0) == pytest.approx(60.25)
+    assert picture.smooth("motion", "heading", now + 9.0) == pytest.approx(0.0)
+
+    frozen = read(sentences.state("time", 120, 60.0, values("time", time="frozen")))
+    assert frozen
+    picture.take(frozen, now)
+    assert picture.smooth("motion", "depth", now + 0.2) == 60.0
+
+
+def test_gauges_without_rates_move_from_one_reading_to_the_next() -> None:
+    picture = Picture()
+    for text, when in (
+        (names("gauges"), 0.0),
+        (sentences.state("gauges", 1, 0.5, values("gauges", heading="359.0")), 10.0),
+        (sentences.state("gauges", 2, 1.0, values("gauges", heading="1.0")), 10.5),
+    ):
+        sentence = read(text)
+        assert sentence
+        picture.take(sentence, when)
+
+    assert picture.smooth("gauges", "heading", 10.5) == pytest.approx(359.0)
+    assert picture.smooth("gauges", "heading", 10.75) == pytest.approx(0.0)
+    assert picture.smooth("gauges", "heading", 12.0) == pytest.approx(1.0)
+
+
+def test_a_chart_forgets_what_lies_after_a_moment_gone_back_to() -> None:
+    trace = Trace(1)
+    for second in range(10):
+        trace.add(float(second), [Sample(float(second), None)])
+    trace.add(4.0, [Sample(40.0, None)])
+
+    found = trace.series(0, 4.0, 5)
+    assert [each.actual if each else None for each in found] == [0.0, 1.0, 2.0, 3.0, 40.0]
+    assert trace.series(0, 8.0, 3)[0] is None
+
+
+def test_a_chart_shows_round_limits_about_all_there_is() -> None:
+    for values_ in ([60.0, 80.0], [50.0, 68.0], [0.0, 0.0], [-359.0, 12.0], [1e4, 1e4 + 1.0]):
+        low, high = limits(values_, 4.0)
+        assert low <= min(values_) <= max(values_) <= high
+        assert high - low >= 4.0
+    assert limits([None], 4.0)[0] <= 0.0
+
+
+def test_the_drawn_boat_pitches_her_bow_up() -> None:
+    bow = turned([(1.0, 0.0)], 0.2, 10.0, (0.0, 0.0))[0]
+    assert bow[1] < 0.0  # towards the top of the screen
+
+
+# The session's news
+
+
+def test_the_time_line_keeps_casualties_marks_and_snapshots_until_they_are_undone() -> None:
+    talk = tape()
+    talk.answers["snapshots"] = []
+    talk.say(sentences.fact(40, 20.0, "order", "casualty stern-stuck"))
+    talk.say(sentences.fact(100, 50.0, "mark", "good recovery"))
+    sight = sight_of(talk)
+    sight.hear()
+    assert [(kept.sign, kept.seconds) for kept in sight.marks] == [("C", 20.0), ("M", 50.0)]
+
+    talk.say(sentences.fact(60, 30.0, "back", "backtrack 30 s"))
+    sight.hear()
+    assert [kept.sign for kept in sight.marks] == ["C"]
+    assert sight.furthest == 30.0
+
+
+@pytest.mark.parametrize(
+    "remark",
+    [
+        "back from 60 s to 0 s",
+        "instructor: backtrack 60 s: back from 60 s to 0 s, frozen",
+        "the session is over",
+        "casualty stern-stuck: casualty stern-stuck",
+    ],
+)
+def test_no_remark_can_wipe_the_time_line_or_look_like_the_session(remark: str) -> None:
+    talk = tape()
+    talk.say(sentences.fact(40, 20.0, "mark", "first"))
+    talk.say(sentences.fact(100, 50.0, "mark", remark))
+    talk.say(sentences.event(100, 50.0, "mark", f"mark by helm: {remark}"))
+    talk.say(sentences.event(110, 55.0, "order", f"helm: rudder left 5: {remark}"))
+    sight = sight_of(talk)
+    sight.hear()
+    assert [kept.text for kept in sight.marks] == ["first", remark]
+    assert [kept.sign for kept in sight.marks] == ["M", "M"]
+    assert not sight.over
+
+
+def test_a_remark_of_one_s_own_does_not_wipe_the_time_line_either() -> None:
+    talk = tape()
+    sight = sight_of(talk)
+    sight.marks.append(Kept(20.0, "M", "before"))
+    talk.facts["mark back from 60 s to 0 s"] = [("mark", "back from 60 s to 0 s")]
+    sight.order("mark back from 60 s to 0 s")
+    sight.hear()
+    assert [kept.text for kept in sight.marks] == ["before", "back from 60 s to 0 s"]
+
+
+WILD = ("1e308", "-1e308", "1e-308", "9" * 300, "-0", "5e-324", "1e9", "-1e9", "nan", "-inf")
+
+
+@pytest.mark.parametrize("role", POSTS)
+def test_no_number_that_a_session_sends_ends_a_screen(role: str) -> None:
+    async def act(pilot: Pilot[str], app: Console) -> None:
+        for tick, number in enumerate(WILD, start=200):
+            for channel in talk.channels:
+                told = [number if value[-1:].isdigit() else value for value in values(channel)]
+                talk.say(sentences.state(channel, tick, tick / 2.0, told))
+            app.sight.clock = lambda now=float(tick): now  # type: ignore[misc]
+            await pilot.pause(0.15)
+        assert app.is_running
+        assert app._exception is None  # noqa: SLF001  what ended it
+
+    talk = tape(role)
+    at_the_console(act, talk, role, size=(160, 48))
+
+
+def test_what_can_break_is_asked_of_the_session() -> None:
+    sight = sight_of(tape())
+    sight.hear()
+    sight.hear()
+    assert sight.casualties[0] == Broken("stern-stuck", "", "The stern planes stay where they are")
+    assert sight.casualties[1].degree == "-1 ramp 0"
+
+
+# The line
+
+
+@pytest.mark.parametrize("role", ["instructor", *CREW])
+def test_before_the_session_is_there_nothing_is_said_of_the_boat_and_at_once_then(
+    role: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("trainer.console.app.RATE", 0.01)  # no other look is in time
+    talk = tape(role)
+    held, talk.items = talk.items, []
+    app = Console(sight_of(talk, role))
+
+    async def run() -> None:
+        async with app.run_test(size=(160, 48)) as pilot:
+            await seen(pilot, app, "making ready")
+            early = shown(app)
+            for claim in ("NO LINE", "this boat has", "calm", "none;", "nothing;", "RUNNING"):
+                assert claim not in early
+            talk.items.extend(held)
+            await seen(pilot, app, "RUNNING")
+            assert "making ready" not in shown(app)
+
+    asyncio.run(run())
+
+
+def test_a_lost_line_is_shown_and_orders_are_not_swallowed() -> None:
+    talk = tape()
+
+    async def lose(pilot: Pilot[str], app: Console) -> None:
+        talk.connected = False
+        talk.items.append(Lost("the session has closed the line"))
+        await seen(pilot, app, "NO LINE: the session has closed the line; trying again")
+        await pilot.press("f3")
+        await seen(pilot, app, "? not sent")
+        talk.connected = True
+        talk.items.append(Joined())
+        await pilot.pause(0.15)
+        assert "NO LINE" not in shown(app)
+        assert "the line is back" in shown(app)
+
+    at_the_console(lose, talk)
+    assert talk.orders == []
+
+
+def test_a_session_that_says_nothing_more_is_called_out() -> None:
+    talk = tape()
+    now = [100.0]
+    sight = Sight(talk, "instructor", POSTS["instructor"].charts, clock=lambda: now[0])
+    app = Console(sight)
+
+    async def wait() -> None:
+        async with app.run_test(size=(80, 24)) as pilot:
+            await pilot.pause(0.15)
+            assert "NO DATA" not in shown(app)
+            now[0] += 7.0
+            await seen(pilot, app, "NO DATA for 7 s")
+
+    asyncio.run(wait())
+
+
+def test_a_console_that_is_not_let_in_says_why_and_ends() -> None:
+    talk = tape()
+
+    async def bar(pilot: Pilot[str], _app: Console) -> None:
+        talk.items.append(Barred("wrong token"))
+        await pilot.pause(0.2)
+
+    assert at_the_console(bar, talk)[0].return_value == "wrong token"
+
+
+def test_the_end_of_the_session_is_shown_and_ends_the_console_that_ordered_it() -> None:
+    over = sentences.fact(120, 60.0, "over", "")
+    talk = tape()
+
+    async def end(pilot: Pilot[str], app: Console) -> None:
+        talk.say(over)
+        await seen(pilot, app, "THE SESSION IS OVER")
+        await pilot.press("f10")
+
+    assert at_the_console(end, talk)[0].return_value == ""
+
+    other = tape()
+
+    async def quits(pilot: Pilot[str], _app: Console) -> None:
+        await pilot.press("f10", "q")
+        await pilot.pause(0.15)
+        other.say(over)
+        await pilot.pause(0.2)
+
+    assert at_the_console(quits, other)[0].return_value == ""
+
+
+class Harbour:
+    """A session's end of a socket that takes roles, and can be closed and opened again."""
+
+    def __init__(self, path: Path) -> None:
+        self.heard: list[str] = []
+        self.last = ""  # what a client says last
+        self.admits = True
+        self._listener = socket.socket(socket.AF_UNIX)
+        self._listener.bind(str(path))
+        self._listener.listen()
+        self._end: socket.socket | None = None
+        self.attended = threading.Semaphore(0)
+        self._thread = threading.Thread(target=self._serve, daemon=True)
+        self._thread.start()
+
+    def _serve(self) -> None:
+        while True:
+            try:
+                end, _ = self._listener.accept()
+            except OSError:
+                return
+            self._end = end
+            with end, end.makefile("r", encoding="ascii", newline="\n") as lines:
+                for text in lines:
+                    self.heard.append(text.strip())
+                    if "role" in text:
+                        answer = sentences.answer("1", accepted=self.admits, text="wrong token")
+                        end.sendall(f"{answer}\n".encode())
+                    if text.strip() == self.last or not self.admits:
+                        self.attended.release()
+
+    def hang_up(self) -> None:
+        assert self._end
+        self._end.shutdown(socket.SHUT_RDWR)
+
+    def close(self) -> None:
+        self._listener.shutdown(socket.SHUT_RDWR)
+        self._listener.close()
+        self._thread.join(5.0)
+
+
+@pytest.fixture
+def harbour(tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[Harbour, Path]]:
+    path = tmp_path_factory.mktemp("h") / "s"
+    found = Harbour(path)
+    yield found, path
+    found.close()
+
+
+def test_a_broken_line_is_dialled_again_and_says_its_role_and_wishes_again(
+    harbour: tuple[Harbour, Path],
+) -> None:
+    session, path = harbour
+    wanted = wishes(POSTS["helm"])
+    said = [order_sentence("role helm WORD", "1")]
+    said += [order_sentence(f"subscribe {name} {often}", "2") for name, often in wanted.items()]
+    session.last = said[-1]
+
+    client = Client(lambda: str(path), "helm WORD", wanted)
+    client.start()
+    assert session.attended.acquire(timeout=10.0)
+    session.hang_up()
+    assert session.attended.acquire(timeout=10.0)
+    client.close(5.0)
+
+    assert [type(item) for item in client.take()] == [Joined, Lost, Joined]
+    assert session.heard[: 2 * len(said)] == said * 2
+
+
+def test_a_wrong_token_is_told_and_not_tried_again(harbour: tuple[Harbour, Path]) -> None:
+    session, path = harbour
+    session.admits = False
+    client = Client(lambda: str(path), "helm", {})
+    client.start()
+    told: list[Item] = []
+    waited = threading.Event()
+    for _ in range(200):
+        told += client.take()
+        if told or waited.wait(0.05):
+            break
+    client.close(5.0)
+
+    assert told == [Barred("wrong token")]
+    assert session.heard.count(order_sentence("role helm", "1")) == 1
+
+
+def test_the_first_drawing_of_a_screen_has_what_had_come_by_then(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    first: dict[str | None, str] = {}
+    render = Pane.render_line
+
+    def noting(pane: Pane, y: int) -> Strip:
+        strip = render(pane, y)
+        if y == 0:
+            first.setdefault(pane.id, strip.text)
+        return strip
+
+    async def look(pilot: Pilot[str], _app: Console) -> None:
+        await pilot.pause()
+
+    monkeypatch.setattr(Pane, "render_line", noting)
+    at_the_console(look)
+
+    assert "00:01:00 RUNNING" in first["top"]  # a boat, not an empty screen and one a moment later
+
+
+# What it is made of
+
+
+def test_the_screens_load_neither_numbers_nor_boats() -> None:
+    code = (
+        "import sys, trainer.console.launch; "
+        "bad = {'numpy', 'numba', 'trainer.core', 'trainer.boat.boat', 'trainer.session.session'}; "
+        "print(sorted(bad & set(sys.modules)))"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout == "[]\n"
+
+
+def test_the_documents_list_the_keys() -> None:
+    page = (ROOT / "docs" / "instructor.md").read_text(encoding="utf-8")
+    assert key_tables() in page, (
+        'renew it: python -c "from trainer.console.keys import key_tables; print(key_tables())"'
+    )

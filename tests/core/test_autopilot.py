@@ -1,0 +1,522 @@
+"""What the autopilot promises of depth, course and speed.
+
+Figures without another source are this project's own limits.
+"""
+
+import json
+import math
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+from helpers.places import DATA
+from numpy.typing import NDArray
+
+from trainer.boat.boat import Boat
+from trainer.core.autopilot import REPORT, REPORT_LITERAL, report_angle, report_law
+from trainer.core.reference import slewed_rate
+from trainer.core.state import new_state
+from trainer.core.vessel import VESSEL
+from trainer.units import KNOT
+
+pytestmark = pytest.mark.core
+
+Make = Callable[..., Boat]
+STEPS = {"bb2": 0.5, "sdv-mk9": 0.1, "remus100": 0.05}
+DEGREE = math.radians(1.0)
+
+
+def cases(first: float | str, *others: float | str) -> list[Any]:
+    """Return parameters of which the first alone is run again without JIT."""
+    return [first, *(pytest.param(each, marks=pytest.mark.long) for each in others)]
+
+
+@pytest.fixture
+def started(make_boat: Make) -> Callable[..., Boat]:
+    """Return a function that starts a boat on autopilot, 100 m deep, course north."""
+
+    def start(knots: float, equations: str = "full", vessel: str = "bb2") -> Boat:
+        boat = make_boat(vessel, equations, "lagged", "adams2", STEPS[vessel])
+        boat.start(knots * KNOT, 100.0, 0.0)
+        return boat
+
+    return start
+
+
+def sail(boat: Boat, seconds: float) -> dict[str, NDArray[np.float64]]:
+    """Return depth below 100 m [m], pitch, course and heel [deg] after each tick, as columns."""
+    s = boat.state
+    rows = []
+    for _ in range(round(seconds / boat.method.step)):
+        assert boat.tick() == 0
+        assert np.all(np.abs(s.command) <= boat.vessel.limit)
+        rows.append((s.z - 100.0, s.theta / DEGREE, s.psi / DEGREE, s.phi / DEGREE))
+    return dict(zip(("depth", "pitch", "course", "heel"), np.array(rows).T, strict=True))
+
+
+def last(column: NDArray[np.float64], share: float = 0.2) -> NDArray[np.float64]:
+    """Return the end of a column."""
+    return column[-int(share * len(column)) :]
+
+
+def turn_by_hand(boat: Boat, degrees: float) -> None:
+    """Order right rudder and constant revolutions, depth still automatic."""
+    s = boat.state
+    s.speed_by_hand = s.rudder_by_hand = 1.0
+    s.ordered_r = -degrees * DEGREE
+
+
+# --- turns
+
+
+@pytest.mark.parametrize("equations", cases("full", "modified"))
+def test_depth_holds_in_a_15_degree_turn_at_10_knots(
+    started: Callable[..., Boat], equations: str
+) -> None:
+    boat = started(10.0, equations)
+    turn_by_hand(boat, 15.0)
+    run = sail(boat, 900.0)
+
+    assert np.abs(run["depth"]).max() < 5.0
+    assert np.abs(last(run["depth"])).max() < 0.5
+
+
+def test_the_turn_is_that_of_the_vessel_data(started: Callable[..., Boat]) -> None:
+    # validation of the BB2 set: 15 deg rudder, 10 kn, revolutions constant, depth held
+    boat = started(10.0)
+    turn_by_hand(boat, 15.0)
+    heel = sail(boat, 900.0)["heel"]
+    s = boat.state
+
+    assert 2.0 * math.hypot(s.xdot, s.ydot) / s.psidot == pytest.approx(255.0, rel=0.02)
+    assert math.sqrt(s.u**2 + s.v**2 + s.w**2) / KNOT == pytest.approx(6.18, rel=0.02)
+    assert s.psidot / DEGREE == pytest.approx(1.43, rel=0.02)
+    assert heel[-1] == pytest.approx(2.1, rel=0.02)
+    assert heel.max() == pytest.approx(3.4, rel=0.05)
+
+
+@pytest.mark.parametrize("knots", [6.0, 10.0, 15.0, 20.0])
+@pytest.mark.parametrize("degrees", [10.0, 30.0])
+@pytest.mark.long
+def test_depth_comes_back_in_every_turn(
+    started: Callable[..., Boat], knots: float, degrees: float
+) -> None:
+    # hard over, the X-tail leaves the stern planes only what they wrest from the rudder
+    boat = started(knots)
+    turn_by_hand(boat, degrees)
+    run = sail(boat, 900.0)
+
+    assert np.abs(run["depth"]).max() < (4.0 if degrees < 20.0 else 20.0)
+    assert np.abs(last(run["depth"])).max() < 1.0
+    assert np.abs(run["pitch"]).max() < 13.0
+
+
+def test_in_a_hard_turn_the_bow_planes_leave_the_tail_to_the_rudder(
+    started: Callable[..., Boat],
+) -> None:
+    # the stern planes, out of room on the X-tail, do not relieve the bow planes
+    boat = started(15.0)
+    turn_by_hand(boat, 30.0)
+    sail(boat, 600.0)
+
+    assert abs(boat.state.delta_r) > 25.0 * DEGREE
+    assert abs(boat.state.delta_b) > 10.0 * DEGREE
+
+
+def test_lasting_angles_go_to_the_stern_planes(started: Callable[..., Boat]) -> None:
+    boat = started(12.0)
+    turn_by_hand(boat, 10.0)
+    sail(boat, 30.0)
+    soon = abs(boat.state.delta_b)
+    sail(boat, 600.0)
+
+    assert soon > 2.0 * DEGREE
+    assert abs(boat.state.delta_b) < 0.1 * DEGREE
+    assert abs(boat.state.delta_s) > 0.5 * DEGREE
+
+
+def test_the_reports_law_leaves_the_boat_12_metres_deep(started: Callable[..., Boat]) -> None:
+    # known of BB2 and this law: it has no integral (errata G4)
+    boat = started(10.0)
+    turn_by_hand(boat, 15.0)
+    boat.state.depth_law = REPORT
+    run = sail(boat, 900.0)
+
+    assert last(run["depth"]).mean() == pytest.approx(12.0, abs=1.5)
+
+
+# --- depth changes
+
+
+@pytest.mark.parametrize("equations", cases("full", "modified"))
+@pytest.mark.parametrize("knots", cases(6.0, 8.0, 10.0, 15.0, 20.0))
+@pytest.mark.parametrize("change", cases(50.0, -50.0))
+def test_a_50_metre_depth_change_overshoots_by_less_than_a_metre(
+    started: Callable[..., Boat], equations: str, knots: float, change: float
+) -> None:
+    boat = started(knots, equations)
+    boat.state.ordered_depth = 100.0 + change
+    run = sail(boat, 4200.0 / knots)
+    beyond = run["depth"] * math.copysign(1.0, change) - 50.0
+
+    assert beyond.max() < 1.0
+    assert np.abs(last(beyond)).max() < 0.3
+    assert np.abs(run["pitch"]).max() < 12.0
+
+
+@pytest.mark.parametrize("knots", cases(3.0, 4.0, 4.8, 10.0))
+@pytest.mark.parametrize("change", cases(2.0, -10.0))
+def test_small_depth_changes_arrive_below_the_critical_speed_too(
+    started: Callable[..., Boat], knots: float, change: float
+) -> None:
+    boat = started(knots)
+    boat.state.ordered_depth = 100.0 + change
+    run = sail(boat, 600.0)
+    gone = run["depth"] * math.copysign(1.0, change)
+
+    assert gone.min() > -0.05
+    assert gone.max() < abs(change) + 0.5
+    assert np.abs(last(gone) - abs(change)).max() < 0.3
+
+
+# --- steady flight
+
+
+@pytest.mark.parametrize("knots", [3.0, 4.8, 10.0, 20.0])
+@pytest.mark.long
+def test_an_hour_from_trim_keeps_depth_and_course(
+    started: Callable[..., Boat], knots: float
+) -> None:
+    boat = started(knots, "modified")
+    run = sail(boat, 3600.0)
+
+    assert np.abs(run["depth"]).max() < 0.1
+    assert np.abs(run["course"]).max() < 0.1
+    assert boat.state.u / KNOT == pytest.approx(knots, abs=0.01)
+
+
+def test_a_boat_heavier_than_its_trim_finds_a_new_one(started: Callable[..., Boat]) -> None:
+    boat = started(8.0)
+    boat.state.water_auxiliary += 0.002 * boat.vessel.mass
+    run = sail(boat, 900.0)
+
+    assert np.abs(run["depth"]).max() > 0.05
+    assert np.abs(last(run["depth"])).max() < 0.05
+
+
+# --- course changes
+
+
+@pytest.mark.parametrize("knots", cases(5.0, 10.0, 20.0))
+@pytest.mark.parametrize("change", cases(5.0, 30.0, -90.0, 179.0))
+def test_a_course_change_neither_overshoots_nor_loses_depth(
+    started: Callable[..., Boat], knots: float, change: float
+) -> None:
+    boat = started(knots, "modified")
+    boat.state.ordered_psi = change * DEGREE
+    run = sail(boat, 5000.0 / knots)
+    turned = run["course"] * math.copysign(1.0, change)
+
+    assert turned.max() < abs(change) + 2.0
+    assert np.abs(last(turned) - abs(change)).max() < 0.1
+    assert np.abs(run["depth"]).max() < 2.0
+
+
+def test_a_boat_shoved_off_course_returns_without_hard_rudder(
+    started: Callable[..., Boat],
+) -> None:
+    boat = started(10.0)
+    boat.state.psi = -60.0 * DEGREE
+    most = 0.0
+    for _ in range(600):
+        assert boat.tick() == 0
+        most = max(most, abs(boat.state.delta_r))
+
+    assert most < 25.0 * DEGREE
+    assert abs(boat.state.psi) < 0.1 * DEGREE
+
+
+# --- hands on and off
+
+
+@pytest.mark.parametrize("surface", ["rudder", "stern", "bow"])
+def test_taking_over_in_settled_flight_moves_no_surface(
+    started: Callable[..., Boat], surface: str
+) -> None:
+    boat = started(7.0)
+    letter = {"rudder": "r", "stern": "s", "bow": "b"}[surface]
+    s = boat.state
+    sail(boat, 20.0)
+    for by_hand in (1.0, 0.0, 1.0):
+        s[f"ordered_{letter}"] = before = float(s[f"delta_{letter}"])
+        s[f"{surface}_by_hand"] = by_hand
+        assert boat.tick() == 0
+        assert abs(float(s[f"command_{letter}"]) - before) < 0.5 * DEGREE
+        sail(boat, 20.0)
+
+
+def test_taking_over_in_a_dive_starts_from_the_present_angle(
+    started: Callable[..., Boat],
+) -> None:
+    boat = started(10.0)
+    s = boat.state
+    s.stern_by_hand, s.ordered_s = 1.0, s.delta_s + 8.0 * DEGREE
+    sail(boat, 20.0)
+    s.stern_by_hand = 0.0
+    before = s.delta_s
+    assert boat.tick() == 0
+
+    # the law moves on by what one tick changes; the angle itself is taken over
+    assert abs(s.command_s - before) < 3.0 * DEGREE
+    assert np.abs(last(sail(boat, 300.0)["depth"])).max() < 0.5
+
+
+@pytest.mark.parametrize("knots", cases(6.0, 10.0, 20.0))
+def test_stern_planes_stuck_for_10_seconds_are_recovered(
+    started: Callable[..., Boat], knots: float
+) -> None:
+    boat = started(knots)
+    s = boat.state
+    s.stern_by_hand, s.ordered_s = 1.0, 15.0 * DEGREE
+    sail(boat, 10.0)
+    s.stern_by_hand = 0.0
+    run = sail(boat, 300.0)
+
+    assert run["depth"].min() > -3.0
+    assert np.abs(last(run["depth"])).max() < 0.2
+
+
+@pytest.mark.parametrize(
+    ("knots", "surface"),
+    [
+        (10.0, "s"),
+        pytest.param(6.0, "b", marks=pytest.mark.long),
+        pytest.param(20.0, "b", marks=pytest.mark.long),
+    ],
+)
+def test_planes_held_against_it_for_a_minute_do_not_wind_it_up(
+    started: Callable[..., Boat], knots: float, surface: str
+) -> None:
+    boat = started(knots)
+    s = boat.state
+    name = {"b": "bow", "s": "stern"}[surface]
+    held = {"b": -30.0, "s": 10.0}[surface]
+    s[f"{name}_by_hand"], s[f"ordered_{surface}"] = 1.0, held * DEGREE
+    away = sail(boat, 60.0)["depth"][-1]
+    s[f"{name}_by_hand"] = 0.0
+    back = sail(boat, 600.0)["depth"] * math.copysign(1.0, away)
+
+    assert abs(away) > 2.0
+    assert back.min() > -3.0
+    assert np.abs(last(back)).max() < 0.3
+
+
+@pytest.mark.long
+def test_planes_at_their_limits_for_ten_minutes_do_not_wind_it_up(
+    started: Callable[..., Boat],
+) -> None:
+    # a hard turn at 8 kn is more than BB2's bow planes can hold up
+    boat = started(8.0, "modified")
+    turn_by_hand(boat, 30.0)
+    deep = sail(boat, 600.0)["depth"][-1]
+    assert boat.state.delta_b == pytest.approx(30.0 * DEGREE)
+    boat.state.ordered_r = 0.0
+    run = sail(boat, 900.0)
+
+    assert deep > 10.0
+    assert run["depth"].min() > -3.0
+    assert np.abs(last(run["depth"])).max() < 0.3
+
+
+@pytest.mark.long
+def test_an_impossible_depth_order_does_not_wind_it_up(started: Callable[..., Boat]) -> None:
+    boat = started(3.0)
+    # so light that its planes cannot take it down at this speed
+    boat.state.water_auxiliary -= 0.002 * boat.vessel.mass
+    boat.state.ordered_depth = 300.0
+    risen = sail(boat, 60.0)["depth"][-1]
+    boat.state.water_auxiliary += 0.002 * boat.vessel.mass
+    boat.state.ordered_depth = 100.0
+    run = sail(boat, 900.0)
+
+    assert risen < -0.5
+    assert run["depth"].max() < 3.0
+    assert np.abs(last(run["depth"])).max() < 0.3
+
+
+def test_bow_planes_hold_depth_alone_when_the_stern_planes_are_in_hand(
+    started: Callable[..., Boat],
+) -> None:
+    boat = started(8.0)
+    s = boat.state
+    s.stern_by_hand, s.ordered_s = 1.0, s.delta_s + DEGREE
+    run = sail(boat, 900.0)
+
+    assert np.abs(run["depth"]).max() < 2.0
+    assert np.abs(last(run["depth"])).max() < 0.05
+    assert abs(s.delta_b) > 2.0 * DEGREE
+
+
+def test_with_the_rudder_in_hand_the_heading_reference_is_the_boats(
+    started: Callable[..., Boat],
+) -> None:
+    boat = started(10.0)
+    turn_by_hand(boat, 10.0)
+    sail(boat, 60.0)
+    psi, r = boat.state.psi, boat.state.r
+    boat.tick()
+
+    assert psi > 20.0 * DEGREE
+    assert (boat.state.psi_reference, boat.state.psi_reference_rate) == (psi, r)
+
+
+# --- speed
+
+
+@pytest.mark.long
+def test_ordered_speeds_are_reached_and_kept(started: Callable[..., Boat]) -> None:
+    boat = started(10.0)
+    for knots in (6.0, 12.0, 18.0):
+        boat.state.ordered_speed = knots * KNOT
+        sail(boat, 600.0)
+        assert boat.state.u / KNOT == pytest.approx(knots, abs=0.05)
+        assert boat.state.speed_trim / KNOT == pytest.approx(0.0, abs=0.02), "nothing to learn"
+
+
+@pytest.mark.long
+def test_a_long_run_down_in_speed_is_not_mistaken_for_a_wrong_trim(
+    started: Callable[..., Boat],
+) -> None:
+    boat = started(20.0)
+    boat.state.ordered_speed = 3.0 * KNOT
+    sail(boat, 1500.0)
+
+    assert boat.state.u / KNOT == pytest.approx(3.0, abs=0.01)
+
+
+def test_a_wrong_speed_trim_is_unlearnt(started: Callable[..., Boat]) -> None:
+    boat = started(10.0)
+    boat.state.speed_trim += 0.4 * KNOT
+    sail(boat, 60.0)
+    after_a_minute = boat.state.u / KNOT
+    sail(boat, 600.0)
+
+    assert after_a_minute > 10.05
+    assert boat.state.u / KNOT == pytest.approx(10.0, abs=0.01)
+
+
+@pytest.mark.long
+def test_speed_trim_does_not_wind_up_at_the_engines_limit(started: Callable[..., Boat]) -> None:
+    # its own limit is 4.5 kn of command speed, and control surfaces drag
+    boat = started(4.5, "full", "remus100")
+    sail(boat, 300.0)
+    s = boat.state
+
+    assert s.command_u_c <= boat.vessel.u_c_ahead
+    assert s.ordered_speed + s.speed_trim < boat.vessel.u_c_ahead + 0.03
+
+
+def test_speed_trim_is_learnt_in_straight_flight_only(started: Callable[..., Boat]) -> None:
+    boat = started(10.0)
+    s = boat.state
+    s.speed_trim += 0.1
+    s.rudder_by_hand, s.ordered_r = 1.0, -15.0 * DEGREE
+    sail(boat, 20.0)
+    in_turn = s.speed_trim
+    sail(boat, 200.0)
+
+    assert s.speed_trim == in_turn
+    assert s.command_u_c == s.ordered_speed + in_turn
+
+
+# --- the small boats
+
+
+@pytest.mark.parametrize(
+    ("vessel", "knots"), [("sdv-mk9", 1.5), ("sdv-mk9", 4.0), ("remus100", 3.0), ("remus100", 4.0)]
+)
+@pytest.mark.long
+def test_the_small_boats_obey_too(started: Callable[..., Boat], vessel: str, knots: float) -> None:
+    boat = started(knots, "full", vessel)
+    hold = sail(boat, 60.0)
+    boat.state.ordered_depth = 110.0
+    dive = sail(boat, 240.0)
+    boat.state.ordered_psi = 90.0 * DEGREE
+    turn = sail(boat, 200.0)
+    turn_by_hand(boat, 10.0)
+    circle = sail(boat, 60.0)
+
+    assert np.abs(hold["depth"]).max() < 0.01
+    assert np.abs(hold["course"]).max() < 0.01
+    assert dive["depth"].max() < 10.3
+    assert np.abs(last(dive["depth"]) - 10.0).max() < 0.1
+    assert turn["course"].max() < 92.0
+    assert np.abs(last(turn["course"]) - 90.0).max() < 0.1
+    assert np.abs(turn["depth"] - 10.0).max() < 0.5
+    assert np.abs(circle["depth"] - 10.0).max() < 0.5
+    assert circle["course"][-1] > 150.0
+
+
+def test_a_boat_without_bow_planes_has_no_gains_for_them(started: Callable[..., Boat]) -> None:
+    table = started(3.0, "full", "remus100").file.autopilot
+    assert table is not None
+    for gain in ("depth", "depth_rate", "pitch", "pitch_rate", "integral", "relief"):
+        assert not any(getattr(table, f"bow_{gain}"))
+        assert gain == "relief" or any(getattr(table, f"stern_{gain}"))
+
+
+# --- laws
+
+
+def test_the_reports_law_is_the_reference_boats_law() -> None:
+    # independent implementation, trajectory 1: feet and seconds, DB = DS literally, depth 400 ft
+    data = json.loads((DATA / "trajectories.json").read_text())
+    known = data["trajectories"][0]
+    state, vessel = new_state(), np.zeros(1, VESSEL)
+    s = state[0]
+    vessel["Z_db"], s.ordered_depth = -1.0, 400.0 * 0.3048
+    every = known["output_every"]
+    for motion, (_, stern, bow, _) in zip(
+        known["states"], known["control_per_step"][::every], strict=False
+    ):
+        s.motion[:] = motion
+        for length in ("u", "v", "w", "x", "y", "z"):
+            s[length] *= 0.3048
+        s.depth_law = REPORT_LITERAL
+        assert report_law(state) == pytest.approx(stern, abs=1e-9)
+        assert report_angle(vessel, state, 2) == pytest.approx(bow, abs=1e-9)
+        s.depth_law = REPORT  # errata G3: bow planes the other way where Z_db < 0
+        assert report_angle(vessel, state, 2) == pytest.approx(-bow, abs=1e-9)
+
+
+def test_port_and_starboard_are_mirror_images_to_the_bit(started: Callable[..., Boat]) -> None:
+    one, other = started(10.0), started(10.0)
+    for boat, side in ((one, 1.0), (other, -1.0)):
+        boat.vessel.K_star = boat.vessel.K_star_eta = 0.0  # the propeller is no mirror image
+        for name in ("v", "phi", "delta_r"):
+            boat.state[name] = 0.0
+        boat.state.integral[0] = 0.0
+        boat.state.p, boat.state.ordered_psi = side * 0.01, side * 40.0 * DEGREE
+        boat.state.ordered_depth = 110.0
+    for _ in range(400):
+        one.tick()
+        other.tick()
+        assert one.state.command_r == -other.state.command_r
+        assert one.state.command_s == other.state.command_s
+        assert one.state.command_b == other.state.command_b
+    assert one.state.psi > 30.0 * DEGREE
+
+
+def test_a_reference_obeys_its_rate_and_acceleration_and_stops() -> None:
+    rate = place = 0.0
+    rates = []
+    for _ in range(600):
+        rate = slewed_rate(50.0 - place, rate, 0.5, 0.02, 0.5)
+        place += 0.5 * rate
+        rates.append(rate)
+
+    assert max(rates) == 0.5
+    assert np.abs(np.diff(rates)).max() <= 0.02 * 0.5 + 1e-12
+    assert place == pytest.approx(50.0, abs=1e-6)
+    assert min(rates) > -1e-9

@@ -1,0 +1,874 @@
+"""What breaks: how it comes on, what it does, how it is cleared, and what sets it off."""
+
+import json
+import math
+import re
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+from helpers.places import ROOT
+
+from trainer.boat.boat import Boat
+from trainer.boat.casualties import active, arm, clear, insert, readings
+from trainer.config.casualties import (
+    as_json,
+    key_table,
+    kind_table,
+    listing,
+    load_casualties,
+    parse_casualties,
+)
+from trainer.config.condition import QUANTITIES, compile_condition, quantity_table
+from trainer.config.files import ConfigError, Place
+from trainer.core.casualties import KINDS, SURFACES
+from trainer.core.state import CASUALTIES
+from trainer.io.orders.grammar import Refused
+from trainer.session.status import status_lines
+from trainer.session.time.ledger import Ledger
+
+KNOT = 1852.0 / 3600.0
+DEGREE = math.pi / 180.0
+HERE = Place("my.toml", "casualties[0]")
+FIELD = {"rudder": "r", "stern": "s", "bow": "b"}
+
+
+@pytest.fixture(scope="module")
+def bb2(make_boat: Callable[..., Boat]) -> Boat:
+    """Return one BB2 for all tests; ``at_sea`` starts it afresh."""
+    return make_boat("bb2")
+
+
+@pytest.fixture
+def boat(bb2: Boat) -> Boat:
+    """Return a BB2 at 10 knots and 60 m."""
+    return at_sea(bb2)
+
+
+def at_sea(boat: Boat, knots: float = 10.0, depth: float = 60.0) -> Boat:
+    """Return ``boat`` started anew."""
+    boat.start(knots * KNOT, depth, 0.0)
+    return boat
+
+
+def run(boat: Boat, seconds: float) -> None:
+    """Let time pass."""
+    for _ in range(round(seconds / boat.method.step)):
+        assert boat.tick() == 0
+
+
+def begun(boat: Boat, name: str, *numbers: float | None) -> None:
+    """Insert a casualty that must not be refused."""
+    answer = insert(boat, name, *numbers)
+    assert not isinstance(answer, Refused), answer.reason
+
+
+def reason(answer: str | Refused) -> str:
+    """Return why an order was refused."""
+    assert isinstance(answer, Refused), answer
+    return answer.reason
+
+
+# How a casualty comes and goes
+
+
+@pytest.mark.core
+def test_severity_ramps_on_whole_ticks_and_arrives_exactly(boat: Boat) -> None:
+    begun(boat, "flooding-aft", 2.0, 2.0)
+    holes = []
+    for _ in range(6):
+        boat.tick()
+        holes.append(float(boat.state.breach_aft))
+
+    assert holes == pytest.approx([0.0025, 0.005, 0.0075, 0.01, 0.01, 0.01], rel=1e-12)
+    assert holes[3] == holes[5] == 0.01
+
+
+@pytest.mark.core
+def test_a_cleared_casualty_ramps_back_and_leaves_its_slot(boat: Boat) -> None:
+    begun(boat, "propulsion-lost", 1.0, 0.0)
+    boat.tick()
+    clear(boat, "propulsion-lost")  # in 30 s
+    left = []
+    for _ in range(61):
+        boat.tick()
+        left.append([each.amount for each in active(boat)])
+
+    assert left[29] == pytest.approx([0.5])
+    assert left[58] == pytest.approx([1 / 60])
+    assert left[59] == []
+    assert not boat.state.casualty.any()
+
+
+def test_a_casualty_in_half_its_ramp_is_cleared_from_there(boat: Boat) -> None:
+    begun(boat, "flooding-aft", 1.0, 10.0)
+    run(boat, 5.0)
+    clear(boat, "flooding-aft")  # in 30 s
+    run(boat, 15.0)
+
+    assert boat.state.breach_aft == pytest.approx(0.00125)
+
+
+def test_the_same_casualty_again_gets_a_new_severity(boat: Boat) -> None:
+    begun(boat, "flooding-aft", 1.0, 0.0)
+    run(boat, 1.0)
+    begun(boat, "flooding-aft", 3.0, 1.0)
+    boat.tick()
+    half_way = float(boat.state.breach_aft)
+    boat.tick()
+
+    assert half_way == pytest.approx(0.01)
+    assert boat.state.breach_aft == pytest.approx(0.015)
+    assert len(active(boat)) == 1
+
+
+def test_a_ninth_casualty_is_refused_and_changes_nothing(boat: Boat) -> None:
+    for name in KINDS[:CASUALTIES]:
+        begun(boat, name)
+    before = boat.snapshot().tobytes()
+
+    told = reason(insert(boat, KINDS[CASUALTIES]))
+
+    assert told.startswith("8 casualties at most: clear one of rudder-slow, ")
+    assert boat.snapshot().tobytes() == before
+    begun(boat, KINDS[0], 0.5)  # one that is there has its slot
+
+
+def test_clearing_one_casualty_leaves_the_others_on_their_way(boat: Boat) -> None:
+    begun(boat, "flooding-forward", 1.0, 10.0)
+    begun(boat, "rudder-stuck")
+    begun(boat, "flooding-aft", 1.0, 10.0)
+    boat.tick()
+    clear(boat, "rudder-stuck")
+    run(boat, 4.5)
+
+    assert [each.kind for each in active(boat)] == ["flooding-forward", "flooding-aft"]
+    assert boat.state.breach_forward == pytest.approx(0.0025)
+    assert boat.state.breach_aft == pytest.approx(0.0025)
+
+
+def test_all_casualties_are_cleared_by_one_order(boat: Boat) -> None:
+    for name in ("rudder-stuck", "flooding-aft", "gyro-stuck"):
+        begun(boat, name)
+    run(boat, 1.0)
+
+    assert clear(boat, "all") == "clearing rudder-stuck, flooding-aft, gyro-stuck"
+    run(boat, 31.0)
+    assert active(boat) == []
+
+
+def test_a_sound_boat_has_nothing_to_clear(boat: Boat) -> None:
+    assert clear(boat, "all") == "there is nothing to clear"
+
+
+@pytest.mark.core
+@pytest.mark.parametrize("name", KINDS)
+def test_a_casualty_goes_on_from_a_snapshot_to_the_bit(
+    bb2: Boat, make_boat: Callable[..., Boat], name: str
+) -> None:
+    boat = at_sea(bb2)
+    s = boat.state
+    s.ordered_psi, s.ordered_depth, s.blow[:], s.negative_flood = 0.5, 80.0, 1.0, 1.0
+    begun(boat, name, None, None if boat.casualties[name].measure.sudden else 4.0)
+    run(boat, 2.0)
+    snapshot = boat.snapshot()
+    run(boat, 4.0)
+    read, end = readings(boat), boat.snapshot().tobytes()
+
+    if name == KINDS[0]:
+        boat = make_boat("bb2")  # nothing hides elsewhere
+    boat.restore(snapshot)
+    run(boat, 4.0)
+
+    assert boat.snapshot().tobytes() == end
+    assert readings(boat) == read
+
+
+# Control surfaces, rudder and planes each ordered to 10 degrees by hand
+
+
+def steered(boat: Boat, surface: str) -> Callable[[], float]:
+    """Order a surface to 10 degrees right or rise; return what tells its angle [deg] that way."""
+    letter, sign = FIELD[surface], boat.toward[surface]
+    boat.state[f"{surface}_by_hand"] = 1.0
+    boat.state[f"ordered_{letter}"] = sign * 10.0 * DEGREE
+    return lambda: float(boat.state[f"delta_{letter}"]) * sign / DEGREE
+
+
+@pytest.mark.parametrize("surface", SURFACES)
+def test_a_stuck_surface_stays_until_it_is_cleared(boat: Boat, surface: str) -> None:
+    angle = steered(boat, surface)
+    stands = angle()
+    begun(boat, f"{surface}-stuck")
+    run(boat, 20.0)
+    stuck = angle()
+    clear(boat, f"{surface}-stuck")
+    run(boat, 10.0)
+
+    assert stuck == pytest.approx(stands, abs=1e-9)
+    assert angle() == pytest.approx(10.0)
+
+
+@pytest.mark.parametrize("surface", SURFACES)
+@pytest.mark.parametrize("severity", [1.0, -0.5, 0.0])
+def test_a_surface_hard_over_runs_to_its_angle_at_its_own_rate(
+    boat: Boat, surface: str, severity: float
+) -> None:
+    angle = steered(boat, surface)
+    start = angle()
+    limit = float(boat.vessel[f"limit_{FIELD[surface]}"]) / DEGREE
+    begun(boat, f"{surface}-hard-over", severity)
+    boat.tick()
+    first = angle() - start
+    run(boat, 20.0)
+    jammed = angle()
+    clear(boat, f"{surface}-hard-over")
+    run(boat, 10.0)
+
+    assert abs(first) <= float(boat.vessel.surface_rate) * 0.5 / DEGREE + 1e-9
+    assert jammed == pytest.approx(severity * limit)
+    assert angle() == pytest.approx(10.0)
+
+
+@pytest.mark.parametrize("surface", SURFACES)
+def test_a_free_surface_trails_to_zero_slowly(boat: Boat, surface: str) -> None:
+    angle = steered(boat, surface)
+    run(boat, 10.0)
+    begun(boat, f"{surface}-free")
+    boat.tick()
+    first = angle()
+    run(boat, 30.0)
+
+    rate = float(boat.vessel.surface_rate) / DEGREE
+    assert first == pytest.approx(10.0 - 0.1 * rate * 0.5)
+    assert angle() == pytest.approx(0.0, abs=1e-9)
+
+
+@pytest.mark.parametrize("surface", SURFACES)
+def test_a_slow_surface_moves_at_what_is_left_of_its_rate(boat: Boat, surface: str) -> None:
+    angle = steered(boat, surface)
+    start = angle()
+    begun(boat, f"{surface}-slow", 0.9, 0.0)
+    run(boat, 2.0)
+
+    assert angle() - start == pytest.approx(0.1 * 2.0 * boat.vessel.surface_rate / DEGREE)
+    run(boat, 40.0)
+    assert angle() == pytest.approx(10.0)
+
+
+@pytest.mark.parametrize("surface", SURFACES)
+def test_without_follow_up_a_surface_runs_on_until_zero_is_ordered(
+    boat: Boat, surface: str
+) -> None:
+    angle = steered(boat, surface)
+    begun(boat, f"{surface}-follow-up-lost")
+    run(boat, 4.0)
+    boat.state[f"ordered_{FIELD[surface]}"] = 0.0
+    boat.tick()
+    left_at = angle()
+    run(boat, 5.0)
+    stays = angle()
+    boat.state[f"ordered_{FIELD[surface]}"] = -boat.toward[surface] * DEGREE
+    run(boat, 30.0)
+
+    assert left_at > 11.0
+    assert stays == pytest.approx(left_at)
+    limit = float(boat.vessel[f"limit_{FIELD[surface]}"]) / DEGREE
+    assert angle() == pytest.approx(-limit)
+
+
+def test_on_an_x_tail_the_sound_pair_has_what_the_jammed_one_leaves(boat: Boat) -> None:
+    rudder, stern = steered(boat, "rudder"), steered(boat, "stern")
+    limit = float(boat.vessel.limit_s) / DEGREE
+    begun(boat, "rudder-hard-over", 0.8)
+    run(boat, 20.0)
+
+    assert rudder() == pytest.approx(0.8 * limit)
+    assert stern() == pytest.approx(0.2 * limit)
+
+
+def test_of_two_casualties_on_a_surface_the_jam_counts(boat: Boat) -> None:
+    angle = steered(boat, "bow")
+    begun(boat, "bow-stuck")
+    begun(boat, "bow-hard-over", 1.0)
+    stands = angle()
+    run(boat, 10.0)
+    assert angle() == pytest.approx(stands)
+
+    clear(boat, "bow-stuck")
+    run(boat, 10.0)
+    assert angle() > 15.0
+
+
+@pytest.mark.core
+@pytest.mark.parametrize("fault", ["hard-over", "free", "slow"])
+def test_rudder_casualties_to_port_mirror_those_to_starboard(
+    make_boat: Callable[..., Boat], fault: str
+) -> None:
+    symmetric = make_boat("bb2")
+    symmetric.vessel.K_star = symmetric.vessel.K_star_eta = 0.0
+    ends = []
+    for side in (1.0, -1.0):
+        boat = at_sea(symmetric)
+        boat.state.rudder_by_hand, boat.state.ordered_r = 1.0, side * 0.2
+        run(boat, 5.0)
+        begun(boat, f"rudder-{fault}", side if fault == "hard-over" else 0.5, 0.0)
+        boat.state.ordered_r = side * -0.2
+        run(boat, 60.0)
+        ends.append(boat.snapshot()[0])
+
+    starboard, port = ends
+    assert abs(starboard.psi) > 0.1
+    for name in ("y", "psi", "v", "r", "phi", "delta_r"):
+        assert port[name] == -starboard[name], name
+    for name in ("x", "z", "u", "theta", "delta_s"):
+        assert port[name] == starboard[name], name
+
+
+def test_stern_planes_jammed_hard_to_dive_sink_the_boat_unless_it_is_recovered(bb2: Boat) -> None:
+    deepest = []
+    for recovered in (False, True):
+        boat = at_sea(bb2, knots=15.0, depth=100.0)
+        begun(boat, "stern-hard-over", -1.0)
+        depths = []
+        for tick in range(300):
+            if recovered and tick == 20:
+                s = boat.state
+                s.speed_by_hand, s.ordered_u_c = 1.0, boat.vessel.u_c_astern
+                s.blow[:3] = 2.0
+            if recovered and tick == 80:
+                clear(boat, "all")
+            assert boat.tick() == 0
+            depths.append(float(boat.state.z))
+        deepest.append(max(depths))
+
+    assert deepest[0] > 500.0
+    assert deepest[1] < 150.0
+
+
+# Propulsion and autopilot
+
+
+def test_lost_propulsion_stops_the_boat_and_clearing_it_brings_the_way_back(boat: Boat) -> None:
+    begun(boat, "propulsion-lost")
+    run(boat, 120.0)
+    turns, slow = float(boat.state.u_c), float(boat.state.u)
+    clear(boat, "propulsion-lost")
+    run(boat, 300.0)
+
+    assert abs(turns) < 0.05
+    assert slow < 7.0 * KNOT
+    assert boat.state.u == pytest.approx(10.0 * KNOT, abs=0.3)
+
+
+def test_stuck_revolutions_do_not_answer_the_telegraph(boat: Boat) -> None:
+    before = float(boat.state.u_c)
+    boat.state.speed_by_hand = 1.0
+    begun(boat, "propulsion-stuck")
+    boat.state.ordered_u_c = 0.0
+    run(boat, 60.0)
+    stuck = float(boat.state.u_c)
+    begun(boat, "propulsion-lost", 0.5, 0.0)
+    run(boat, 120.0)
+    halved = float(boat.state.u_c)
+    clear(boat, "all")
+    run(boat, 200.0)
+
+    assert stuck == before
+    assert halved == pytest.approx(0.5 * before, rel=1e-3)
+    assert boat.state.u_c == pytest.approx(0.0, abs=0.01)
+
+
+def test_a_failed_autopilot_leaves_its_commands_and_hands_still_steer(boat: Boat) -> None:
+    s = boat.state
+    s.ordered_psi, s.ordered_depth = math.radians(30.0), 70.0
+    run(boat, 10.0)
+    begun(boat, "autopilot-failed")
+    held = s.command.tolist()
+    run(boat, 20.0)
+    assert s.command.tolist() == held
+
+    s.rudder_by_hand, s.ordered_r = 1.0, 0.1
+    run(boat, 5.0)
+    assert s.delta_r == pytest.approx(0.1)
+    assert s.command[1:].tolist() == held[1:]
+
+
+def test_a_repaired_autopilot_takes_over_without_a_bump_and_holds_its_orders(boat: Boat) -> None:
+    s = boat.state
+    s.ordered_depth = 70.0
+    run(boat, 10.0)
+    begun(boat, "autopilot-failed")
+    run(boat, 15.0)
+    clear(boat, "autopilot-failed")
+    held = s.command.copy()
+    boat.tick()
+    assert np.all(abs(s.command - held) < 0.5 * DEGREE)
+
+    run(boat, 400.0)
+    assert s.z == pytest.approx(70.0, abs=0.5)
+    assert s.psi == pytest.approx(0.0, abs=0.5 * DEGREE)
+
+
+# Tanks and air: each against a sound boat under the same orders, and after clearing
+
+BLOWN = ("forward", "mid", "aft", "negative")
+WITNESSES = [  # kind, witness, sign of the difference it makes
+    *[
+        (f"leak-{name}", f"water_{name.replace('-', '_')}", 1)
+        for name in ("trim-forward", "trim-aft", "auxiliary", "depth-control")
+    ],
+    *[(f"flooding-{name}", f"flood_{name}", 1) for name in ("forward", "centre", "aft")],
+    ("pump-trim-failed", "water_trim_forward", -1),
+    ("pump-drain-failed", "water_auxiliary", -1),
+    ("pump-depth-control-failed", "water_depth_control", -1),
+    ("bank-main-failed", "bank_main", 1),
+    ("bank-emergency-failed", "bank_emergency", 1),
+    *[(f"blow-{name}-shut", f"air_{name}", -1) for name in BLOWN],
+    *[(f"vent-{name}-shut", f"air_{name}", 1) for name in BLOWN],
+    *[(f"vent-{name}-open", f"air_{name}", -1) for name in BLOWN],
+]
+
+
+def at_work(bb2: Boat, kind: str) -> Boat:
+    """Return a stopped boat with air in its tanks and everything ordered that moves water or air.
+
+    For a vent that does not open, the vents are ordered open; for the others, everything blows.
+    """
+    boat = at_sea(bb2, knots=10.0, depth=40.0)
+    s = boat.state
+    s.negative_flood = 1.0
+    s.blow[:] = 2.0
+    s.blow_negative = 1.0
+    run(boat, 10.0)
+    if kind.startswith("vent") and kind.endswith("shut"):
+        s.blow[:], s.vent[:] = 0.0, 1.0
+    s.to_move[:] = 5000.0
+    return boat
+
+
+@pytest.mark.parametrize(("kind", "witness", "sign"), WITNESSES)
+def test_tanks_and_air_feel_a_casualty_and_recover_when_it_is_cleared(
+    bb2: Boat, kind: str, witness: str, sign: int
+) -> None:
+    sound = at_work(bb2, kind)
+    run(sound, 4.0)
+    expected = float(sound.state[witness])
+
+    boat = at_work(bb2, kind)
+    start = float(boat.state[witness])
+    orders = boat.state.vent.tolist(), boat.state.blow.tolist()
+    begun(boat, kind, None, None if boat.casualties[kind].measure.sudden else 0.0)
+    run(boat, 4.0)
+    suffered = float(boat.state[witness])
+    clear(boat, kind)
+    run(boat, boat.casualties[kind].clear_ramp_s + 0.5)
+
+    assert sign * (suffered - expected) > 1e-3 * max(abs(expected - start), 1.0)
+    assert (boat.state.vent.tolist(), boat.state.blow.tolist()) == orders
+    for fault in ("breach", "pump_fault", "bank_fault", "blow_fault", "vent_fault"):
+        assert not boat.state[fault].any(), fault
+    assert active(boat) == []
+
+
+def test_a_vent_stuck_open_gives_its_order_back_when_it_is_cleared(bb2: Boat) -> None:
+    boat = at_work(bb2, "vent-mid-open")
+    begun(boat, "vent-mid-open")
+    run(boat, 5.0)
+    lost = float(boat.state.air_mid)
+    clear(boat, "vent-mid-open")
+    run(boat, 5.0)
+
+    assert boat.state.vent_mid == 0.0
+    assert float(boat.state.air_mid) > lost + 10.0  # it holds what is blown in
+
+
+def test_a_closed_breach_lets_no_more_water_in(boat: Boat) -> None:
+    begun(boat, "flooding-centre", 1.0, 0.0)
+    run(boat, 30.0)
+    clear(boat, "flooding-centre")
+    run(boat, 30.0)
+    flooded = float(boat.state.flood_centre)
+    run(boat, 30.0)
+
+    assert flooded > 1000.0
+    assert boat.state.flood_centre == flooded
+    assert boat.state.water_taken == pytest.approx(flooded, rel=1e-9)
+
+
+@pytest.mark.parametrize(("hole", "end"), [(2.0, "up"), (4.0, "up"), (10.0, "lost")])
+def test_an_emergency_blow_with_the_stern_flooding_surfaces_the_boat_or_does_not(
+    bb2: Boat, hole: float, end: str
+) -> None:
+    boat = at_sea(bb2, knots=5.0, depth=200.0)
+    begun(boat, "flooding-aft", hole, 0.0)
+    run(boat, 60.0)
+    boat.state.blow[:3] = 2.0
+    depths = []
+    for _ in range(900):
+        assert boat.tick() == 0
+        assert np.all(np.isfinite(boat.state.whole))
+        depths.append(float(boat.state.z))
+        if depths[-1] > 600.0:
+            break
+
+    assert (min(depths) < 8.0) == (end == "up")
+    assert (max(depths) > 600.0) == (end == "lost")
+
+
+# Instruments
+
+
+def test_instruments_of_a_sound_boat_tell_the_truth(boat: Boat) -> None:
+    run(boat, 5.0)
+    s = boat.state
+    assert readings(boat) == (s.z, s.psi, s.u)
+
+
+@pytest.mark.parametrize(("gauge", "place"), [("depth-gauge", 0), ("gyro", 1), ("log", 2)])
+def test_a_stuck_gauge_stays_at_its_reading_while_the_boat_moves_on(
+    boat: Boat, gauge: str, place: int
+) -> None:
+    s = boat.state
+    s.ordered_depth, s.ordered_psi, s.ordered_speed = 90.0, 0.6, 4.0
+    begun(boat, f"{gauge}-biased", 1.0, 0.0)
+    at_onset = readings(boat)
+    begun(boat, f"{gauge}-stuck")
+    run(boat, 60.0)
+    truth = (float(s.z), float(s.psi), float(s.u))
+
+    assert readings(boat)[place] == at_onset[place]
+    assert abs(truth[place] - at_onset[place]) > 0.2
+    clear(boat, f"{gauge}-stuck")
+    clear(boat, f"{gauge}-biased")
+    run(boat, 1.0)
+    assert readings(boat) == (s.z, s.psi, s.u)
+
+
+def test_a_biased_gauge_reads_too_much_by_severity_times_its_table(boat: Boat) -> None:
+    begun(boat, "depth-gauge-biased", -0.5, 0.0)
+    begun(boat, "gyro-biased", 1.0, 0.0)
+    begun(boat, "log-biased", 2.0, 0.0)
+    s = boat.state
+
+    assert readings(boat) == pytest.approx((s.z - 5.0, s.psi + 10.0 * DEGREE, s.u + 4.0 * KNOT))
+
+
+def test_a_noisy_gauge_scatters_as_told_and_the_same_each_time(boat: Boat) -> None:
+    def errors() -> list[float]:
+        boat = at_sea(bb2_boat)
+        begun(boat, "depth-gauge-noisy", 1.5)
+        found = []
+        for _ in range(2000):
+            boat.state.tick += 1.0
+            found.append(readings(boat).depth - float(boat.state.z))
+        return found
+
+    bb2_boat = boat
+    once = errors()
+
+    assert once == errors()
+    assert np.std(once) == pytest.approx(3.0, rel=0.1)
+    assert abs(np.mean(once)) < 0.3
+
+
+def test_a_failed_sensor_changes_nothing_but_what_stations_read(bb2: Boat) -> None:
+    ends = []
+    for broken in (False, True):
+        boat = at_sea(bb2)
+        boat.state.ordered_depth = 80.0
+        if broken:
+            for gauge in ("depth-gauge", "gyro", "log"):
+                begun(boat, f"{gauge}-biased")
+                begun(boat, f"{gauge}-noisy")
+        run(boat, 30.0)
+        ends.append(boat.state.motion.tolist())
+
+    assert ends[0] == ends[1]
+
+
+# Triggers
+
+
+def armed(boat: Boat, text: str, name: str = "rudder-stuck", rule: str = "once") -> None:
+    """Arm a trigger of the boat."""
+    arm(boat, compile_condition(text, HERE), boat.casualties[name], rule)
+
+
+@pytest.mark.core
+@pytest.mark.parametrize(("text", "tick"), [("time >= 5", 11), ("time_s > 5", 12)])
+def test_a_trigger_fires_on_the_first_tick_whose_last_state_meets_it(
+    boat: Boat, text: str, tick: int
+) -> None:
+    armed(boat, text)
+    for _ in range(tick - 1):
+        boat.tick()
+    assert active(boat) == []
+    boat.tick()
+    assert [each.kind for each in active(boat)] == ["rudder-stuck"]
+
+
+@pytest.mark.parametrize(("rule", "times"), [("once", 1), ("again", 2)])
+def test_a_trigger_fires_once_or_each_time_its_condition_comes_true(
+    boat: Boat, rule: str, times: int
+) -> None:
+    armed(boat, "depth > 100", "gyro-stuck", rule)
+    fired = 0
+    for depth in (90.0, 110.0, 120.0, 90.0, 110.0, 110.0):
+        boat.state.z = depth
+        boat.tick()
+        fired += len(active(boat))
+        clear(boat, "all")
+        boat.state.z = depth
+        boat.tick()
+        assert active(boat) == []
+
+    assert fired == times
+
+
+def test_a_trigger_waits_for_a_free_slot(boat: Boat) -> None:
+    for name in KINDS[5 : 5 + CASUALTIES]:
+        begun(boat, name)
+    armed(boat, "depth > 10")
+    boat.tick()
+    assert len(active(boat)) == CASUALTIES
+    clear(boat, "stern-stuck")
+    run(boat, 1.0)
+    assert "rudder-stuck" in [each.kind for each in active(boat)]
+
+
+@pytest.mark.core
+def test_what_triggers_remember_is_part_of_a_snapshot(boat: Boat) -> None:
+    armed(boat, "time >= 3", "flooding-aft")
+    run(boat, 1.0)
+    before = boat.snapshot()
+    run(boat, 5.0)
+    fired, end = boat.snapshot(), boat.snapshot().tobytes()
+    assert boat.state.breach_aft > 0.0
+
+    boat.restore(before)
+    assert active(boat) == []
+    run(boat, 5.0)
+    assert boat.snapshot().tobytes() == end
+
+    boat.restore(fired)
+    clear(boat, "all")
+    run(boat, 40.0)
+    assert active(boat) == []  # spent
+
+
+@pytest.mark.parametrize(
+    ("text", "field", "value"),
+    [
+        ("depth > 100", "z", 100.0),
+        ("depth_ft > 328.084", "z", 100.0),
+        ("depth > 328.084 ft", "z", 100.0),
+        ("depth_rate < -0.5", "zdot", -0.5),
+        ("speed_kn < 4", "u", 4 * KNOT),
+        ("speed <= 4 m/s", "u", 4.0),
+        ("pitch_deg > 10", "theta", 10 * DEGREE),
+        ("heel > -3 deg", "phi", -3 * DEGREE),
+        ("turn_rate > 1", "r", DEGREE),
+        ("rudder > 15", "delta_r", 15 * DEGREE),
+        ("stern < -15", "delta_s", 15 * DEGREE),
+        ("bow_deg >= 5", "delta_b", 5 * DEGREE),
+        ("turns < 20", "u_c", 0.0),
+        ("water_aft_t < 50", "water_aft", 50e3),
+        ("flood_aft > 5", "flood_aft", 5e3),
+        ("bank_main_mpa < 10", "bank_main", 0.0),
+        ("bank_main < 100 bar", "bank_main", 0.0),
+        ("wave > 2", "eta_wave", 2.0),
+        ("time > 2 min", "tick", 240.0),
+    ],
+)
+def test_a_condition_holds_beyond_its_threshold_only(
+    boat: Boat, text: str, field: str, value: float
+) -> None:
+    if field == "u_c":
+        value = 20.0 / 60.0 / boat.file.propulsion.rps_per_mps
+    if field == "bank_main":
+        value = 10e6 * float(boat.vessel.bank_volume[0] / boat.vessel.gas)
+    if field in ("delta_r", "delta_s", "delta_b"):
+        surface = {"r": "rudder", "s": "stern", "b": "bow"}[field[-1]]
+        value = abs(value) * boat.toward[surface] * (-1.0 if "-" in text else 1.0)
+    armed(boat, text)
+    place = boat.state.dtype.fields[field][1] // 8
+    m = boat.records.scheme[0]
+
+    assert m.trigger_place[0] == place
+    assert m.trigger_threshold[0] == pytest.approx(value, rel=1e-6)
+    mirrored = field.startswith("delta") and boat.toward[surface] < 0.0
+    assert m.trigger_sense[0] == (1.0 if (">" in text) is not mirrored else -1.0)
+
+
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        ("dept > 100", "no quantity 'dept'; nearest is depth"),
+        ("speed_kt < 4", 'speed is in kn or m_s, not "kt"'),
+        ("depth > 100 fathoms", 'depth is in m or ft, not "fathoms"'),
+        ("depth_m > 100 ft", "has two units"),
+        ("depth = 100", "write it as depth > 100"),
+        ("depth > deep", "write it as depth > 100"),
+        ("depth > 1.2.3", '"1.2.3" is no number'),
+        ("", "write it as depth > 100"),
+        ("depth > 1 and speed < 2", "write it as depth > 100"),
+        ("water_ftorward > 1", "nearest is water_forward"),
+    ],
+)
+def test_a_wrong_condition_is_refused_at_load_with_its_place(text: str, told: str) -> None:
+    with pytest.raises(ConfigError) as caught:
+        compile_condition(text, HERE)
+
+    assert str(caught.value).startswith("my.toml: [casualties[0]] condition ")
+    assert told in str(caught.value)
+
+
+def test_a_trigger_about_what_the_boat_lacks_is_refused(make_boat: Callable[..., Boat]) -> None:
+    remus = make_boat("remus100")
+    remus.start(1.5, 10.0, 0.0)
+
+    with pytest.raises(ConfigError, match=r"remus100.toml has no water_aft"):
+        armed(remus, "water_aft > 1")
+    with pytest.raises(ConfigError, match="nothing for flooding-aft to act on"):
+        armed(remus, "depth > 10", "flooding-aft")
+    assert "nothing for leak-trim-aft" in reason(insert(remus, "leak-trim-aft"))
+
+
+def test_triggers_have_a_rule_and_are_eight_at_most(boat: Boat) -> None:
+    with pytest.raises(ConfigError, match='rule = "twice": must be once or again'):
+        armed(boat, "depth > 1", rule="twice")
+    for _ in range(8):
+        armed(boat, "depth > 500")
+    with pytest.raises(ConfigError, match="more than 8 triggers"):
+        armed(boat, "depth > 500")
+    at_sea(boat)
+    armed(boat, "depth > 500")  # a new start has none
+
+
+# Tables
+
+
+def test_the_shipped_table_has_every_kind_under_its_name() -> None:
+    casualties = load_casualties()
+
+    assert set(casualties) == set(KINDS)
+    assert all(name == entry.kind for name, entry in casualties.items())
+
+
+def test_a_table_of_ones_own_adds_names_and_inherits_the_rest(tmp_path: Path, boat: Boat) -> None:
+    path = tmp_path / "mine.toml"
+    path.write_text(
+        '[casualty.torpedo-room]\nkind = "flooding-forward"\nhole_m2 = 0.02\nramp_s = 0\n'
+        '[casualty.steering-jam-left]\nkind = "rudder-hard-over"\nseverity = -0.5\n'
+    )
+    boat.casualties = load_casualties(str(path))
+    begun(boat, "Torpedo Room")
+    begun(boat, "steering_jam_left")
+    run(boat, 20.0)
+
+    assert boat.state.breach_forward == 0.02
+    assert boat.state.delta_r == pytest.approx(
+        -0.5 * boat.toward["rudder"] * float(boat.vessel.limit_r)
+    )
+    assert boat.casualties["torpedo-room"].clear_ramp_s == 30.0
+    assert clear(boat, "torpedo-room") == "clearing torpedo-room within 30 s"
+    boat.casualties = load_casualties()
+
+
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        ('[casualty.x]\nkind = "rudder-stuk"', "no such kind of casualty; nearest is rudder-stuck"),
+        ("[casualty.x]\nseverity = 1", "mine.toml: [casualty.x] lacks kind"),
+        ('[casualty.x]\nkind = "flooding-aft"\nhole = 1', "no such key; nearest is hole_m2"),
+        ('[casualty.x]\nkind = "rudder-slow"\nhole_m2 = 1', "hole_m2 means nothing to rudder-slow"),
+        (
+            '[casualty.x]\nkind = "rudder-slow"\nseverity = 2',
+            "severity = 2.0: must be above 0",
+        ),
+        (
+            '[casualty.x]\nkind = "gyro-stuck"\nramp_s = 5',
+            "comes and goes at once",
+        ),
+        ('[casualty.x]\nkind = "gyro-stuck"\nseverity = 0.5', "has no degrees: its severity is 1"),
+        ('[casualty.X_1]\nkind = "rudder-slow"', "a name is 1 to 40 of a to z"),
+        ('[casualty.all]\nkind = "rudder-slow"', "and not all"),
+        ('[casualty.rudder-slow]\nkind = "rudder-slow"', "is already in another table"),
+        ('[casualty.x]\nkind = "flooding-aft"\nramp_s = nan', "ramp_s = nan: must be finite"),
+        ("[casualty]\nx = 3", "[casualty.x] must be a table, not 3"),
+        ("[casulty.x]", "no such key; nearest is casualty"),
+        ("name = 'x'", "has no table [casualty.NAME]"),
+    ],
+)
+def test_a_wrong_table_is_refused_with_the_reason(tmp_path: Path, text: str, told: str) -> None:
+    path = tmp_path / "mine.toml"
+    path.write_text(text)
+    with pytest.raises(ConfigError) as caught:
+        load_casualties(str(path))
+
+    assert str(caught.value).startswith("mine.toml: ")
+    assert told in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("order", "told"),
+    [
+        (("ruder-stuck",), "no casualty 'ruder-stuck'; nearest is rudder-stuck"),
+        (("rudder-slow", 2.0), "severity 2: must be above 0 to 1 for rudder-slow"),
+        (("rudder-slow", math.nan), "severity nan: must be"),
+        (("rudder-slow", 0.5, -1.0), "ramp -1 s: must be 0 to 3600 s"),
+        (("rudder-stuck", None, 5.0), "rudder-stuck comes at once: it has no ramp"),
+        (("rudder-stuck", 0.5), "rudder-stuck has no degrees: its severity is 1"),
+    ],
+)
+def test_a_wrong_order_is_refused_and_changes_nothing(
+    boat: Boat, order: tuple[str, *tuple[float, ...]], told: str
+) -> None:
+    before = boat.snapshot().tobytes()
+
+    assert told in reason(insert(boat, *order))
+    assert reason(clear(boat, "gyro-stuck")) == "there is no gyro-stuck; active: none"
+    assert boat.snapshot().tobytes() == before
+
+
+def test_the_list_is_narrow_and_complete() -> None:
+    casualties = load_casualties()
+    text = listing(casualties)
+
+    assert max(map(len, text.splitlines())) <= 79
+    assert all(name in text for name in KINDS)
+    assert len(json.loads(json.dumps(as_json(casualties)))) == len(KINDS)
+
+
+def test_the_manual_has_every_key_kind_and_quantity_and_its_examples_load() -> None:
+    manual = (ROOT / "docs" / "casualties.md").read_text(encoding="utf-8")
+    examples = re.findall(r"```toml\n(\[casualty.*?)```", manual, re.DOTALL)
+    conditions = re.findall(r"`([a-z_]+ [<>]=? [^`]+)`", manual)
+
+    assert key_table() in manual
+    assert kind_table() in manual
+    assert quantity_table() in manual
+    assert len(examples) >= 1
+    for example in examples:
+        parse_casualties(example, Path("example.toml"), load_casualties())
+    assert len(conditions) >= 3
+    for condition in conditions:
+        assert compile_condition(condition, HERE).quantity in QUANTITIES
+
+
+def test_status_tells_a_failed_instrument_s_reading_beside_the_truth_and_names_the_casualty(
+    make_boat: Callable[..., Boat],
+) -> None:
+    boat = make_boat("bb2")
+    boat.start(10 * KNOT, 60.0, 0.0)
+    insert(boat, "depth-gauge-biased", 0.7, 0.0)
+    boat.tick()
+    boat.tick()
+    lines = status_lines(boat, Ledger(0.5).summary())
+
+    assert any(line.startswith("depth      60.00 m") for line in lines)
+    assert any(line.startswith("instruments: depth 67.0 m, course 000.0") for line in lines)
+    assert "casualties: depth-gauge-biased 7" in lines
+    assert max(map(len, lines)) <= 79

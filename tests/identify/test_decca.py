@@ -1,0 +1,238 @@
+"""Decca: lanes to places, places to sway velocity, against the golden vectors."""
+
+import json
+import math
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+from helpers.places import DATA
+
+from trainer.cli.identify import decca
+from trainer.config.files import ConfigError
+from trainer.identify.decca import (
+    SPENCER,
+    Point,
+    Slave,
+    convergence,
+    derivative,
+    even_interval,
+    fixes,
+    lane_at,
+    lane_number,
+    resolved,
+    smoothed,
+    sway_of_track,
+    track,
+)
+from trainer.identify.decca_study import load_decca, load_readings, sail, write_track
+from trainer.identify.sources import Column, load_record
+
+CASES = json.loads((DATA / "identification" / "decca.json").read_text())
+CHAIN = {
+    colour: Slave(Point(*place), CASES["chain"]["lane_width"][colour])
+    for colour, place in CASES["chain"]["slaves"].items()
+}
+TRACK = CASES["track"]
+
+FILE = """
+schema = "decca/1"
+name = "a run off the coast"
+data = "lanes.csv"
+start_east_m = {east}
+start_north_m = {north}
+
+[[slaves]]
+colour = "red"
+east_m = 60000
+north_m = 70000
+lane_m = 881.3235294117648
+
+[[slaves]]
+colour = "green"
+east_m = 95000
+north_m = -20000
+lane_m = 1175.0980392156862
+
+[[slaves]]
+colour = "purple"
+east_m = -40000
+north_m = -80000
+lane_m = 705.0588235294117
+"""
+
+
+@pytest.mark.parametrize("case", CASES["lanes"], ids=lambda case: case["colour"])
+def test_a_reading_counts_the_lanes_from_zone_a(case: Any) -> None:
+    text = f"{case['zone']}{case['lane']}"
+    assert lane_number(case["colour"], text) == pytest.approx(case["numerical"], abs=1e-9)
+
+
+def test_a_lane_that_the_zone_does_not_have_is_refused() -> None:
+    with pytest.raises(ConfigError, match="zones of green have lanes 30 to 47"):
+        lane_number("green", "B12.5")
+    with pytest.raises(ConfigError, match="must be a zone A to J"):
+        lane_number("red", "K3")
+
+
+def test_names_that_come_again_are_told_apart_by_the_place() -> None:
+    assert resolved("red", 84.34, 330.0) == pytest.approx(84.34 + 240.0)
+    assert resolved("red", 84.34, 80.0) == pytest.approx(84.34)
+
+
+@pytest.mark.parametrize("case", CASES["points"])
+def test_places_have_the_lanes_and_lanes_the_places(case: Any) -> None:
+    ship = Point(*case["P"])
+    lanes = {colour: lane_at(slave, ship) for colour, slave in CHAIN.items()}
+    assert lanes == pytest.approx(case["lanes"], abs=1e-9)
+    found = fixes(CHAIN["red"], CHAIN["green"], (lanes["red"], lanes["green"]))
+    expected = [Point(*place) for place in case["from_red_green"]]
+    assert len(found) == len(expected)
+    for place in expected:
+        assert min(math.dist(place, one) for one in found) < 1e-6
+
+
+def test_stations_in_a_line_give_no_fix() -> None:
+    line = Slave(Point(1000.0, 2000.0), 800.0), Slave(Point(-2000.0, -4000.0), 800.0)
+    with pytest.raises(ConfigError, match="in one line"):
+        fixes(*line, (1.0, 1.0))
+
+
+def test_a_track_takes_the_nearer_of_two_places_and_the_colours_that_cross_best() -> None:
+    near = Point(-49722.1, -31582.7)
+    readings = [
+        {c: lane_at(s, Point(near.x + 50.0 * i, near.y)) for c, s in CHAIN.items()}
+        for i in range(5)
+    ]
+    found = track(CHAIN, readings, near)
+    for i, fix in enumerate(found):
+        assert math.dist(fix.place, (near.x + 50.0 * i, near.y)) < 1e-3  # type: ignore[union-attr]
+    # red and green cross at a small angle there: another pair is taken
+    assert set(found[0].colours) != {"red", "green"}  # type: ignore[union-attr]
+
+
+def test_a_missing_colour_leaves_the_other_two_and_one_alone_leaves_no_fix() -> None:
+    ship = Point(20000.0, 15000.0)
+    lanes = {c: lane_at(s, ship) for c, s in CHAIN.items()}
+    found = track(CHAIN, [lanes | {"red": math.nan}, {"green": lanes["green"]}], ship)
+    assert math.dist(found[0].place, ship) < 1e-6  # type: ignore[union-attr]
+    assert found[1] is None
+
+
+def test_sway_of_a_known_track_is_found_by_five_points() -> None:
+    x, y, psi = (np.array(TRACK[key]) for key in ("x0", "y0", "psi"))
+    found = sway_of_track(x, y, psi, TRACK["h"])
+    expected = np.array(TRACK["v_five_point"], float)
+    assert found == pytest.approx(expected, abs=1e-12, nan_ok=True)
+    assert found[2:-2] == pytest.approx(np.array(TRACK["v_true"])[2:-2], abs=5e-5)
+
+
+def test_spencers_points_smooth_as_published_and_keep_cubics() -> None:
+    x, y, psi = (np.array(TRACK[key]) for key in ("x0", "y0", "psi"))
+    found = sway_of_track(smoothed(x), smoothed(y), psi, TRACK["h"])
+    assert found == pytest.approx(np.array(TRACK["v_smoothed"], float), abs=1e-12, nan_ok=True)
+    t = np.linspace(-3.0, 3.0, 40)
+    cubic = 1.0 + t - 2.0 * t**2 + 0.5 * t**3
+    assert smoothed(cubic)[7:-7] == pytest.approx(cubic[7:-7], abs=1e-12)
+    assert SPENCER.tolist() == pytest.approx(CASES["spencer"]["weights"])
+
+
+def test_the_derivative_is_of_fourth_order() -> Any:
+    def error(h: Any) -> Any:
+        t = np.arange(0.0, 4.0 + h / 2, h)
+        return np.nanmax(np.abs(derivative(np.sin(t), h) - np.cos(t)))
+
+    assert np.log2(error(0.1) / error(0.05)) == pytest.approx(4.0, abs=0.1)
+
+
+def test_uneven_times_have_no_derivative() -> None:
+    with pytest.raises(ConfigError, match=r"a\.csv: sample 4: 2 s after the one before"):
+        even_interval(np.array([0.0, 1.0, 2.0, 4.0, 5.0]), "a.csv")
+
+
+def test_convergence_grows_with_latitude() -> None:
+    assert convergence(0.02, 0.01, math.radians(30.0)) == pytest.approx(0.005)
+
+
+def run(tmp_path: Path, antenna: Any = 0.0, extra: Any = "") -> Any:
+    """Write lanes of the known track and its study; return the study."""
+    x, y, psi = (np.array(TRACK[key]) for key in ("x0", "y0", "psi"))
+    east, north = 30000.0 + y, 20000.0 + x  # the axis x0 is north
+    east, north = east + antenna * np.sin(psi), north + antenna * np.cos(psi)
+    lines = ["t,heading,red,green,purple"]
+    for i, place in enumerate(map(Point, east, north)):
+        lanes = (repr(float(lane_at(CHAIN[c], place))) for c in ("red", "green", "purple"))
+        lines.append(f"{5.0 * i},{math.degrees(psi[i])!r},{','.join(lanes)}")
+    (tmp_path / "lanes.csv").write_text("\n".join(lines) + "\n")
+    text = FILE.format(east=float(east[0]), north=float(north[0])) + extra
+    (tmp_path / "run.toml").write_text(text)
+    return load_decca(tmp_path / "run.toml")
+
+
+def test_lanes_of_a_known_track_give_its_sway_velocity(tmp_path: Path) -> None:
+    file = run(tmp_path)
+    sailed = sail(file, load_readings(file), smooth=False)
+    true = np.array(TRACK["v_true"])
+    assert sailed.fixed == len(true)
+    assert sailed.sway[2:-2] == pytest.approx(true[2:-2], abs=1e-4)
+    assert sailed.ahead[2:-2] == pytest.approx(np.full(len(true) - 4, TRACK["u"]), abs=1e-2)
+
+
+def test_an_antenna_ahead_feels_the_yaw_and_is_corrected(tmp_path: Path) -> None:
+    file = run(tmp_path, antenna=40.0, extra="\n[ship]\nantenna_m = 40\n")
+    sailed = sail(file, load_readings(file), smooth=False)
+    true = np.array(TRACK["v_true"])
+    assert sailed.sway[4:-4] == pytest.approx(true[4:-4], abs=2e-4)
+
+
+def test_a_current_is_taken_off(tmp_path: Path) -> None:
+    file = run(tmp_path)
+    still = sail(file, load_readings(file), smooth=False)
+    text = (tmp_path / "run.toml").read_text()
+    head = "current_east_kn = 1\n\n[[slaves]]"
+    (tmp_path / "run.toml").write_text(text.replace("[[slaves]]", head, 1))
+    moved = load_decca(tmp_path / "run.toml")
+    found = sail(moved, load_readings(moved), smooth=False)
+    knot = 1852.0 / 3600.0
+    # a current to the east sets a ship heading north to starboard
+    assert still.sway[2] - found.sway[2] == pytest.approx(knot * math.cos(still.heading[2]))
+
+
+def test_the_track_is_written_as_a_record(tmp_path: Path) -> None:
+    file = run(tmp_path)
+    sailed = sail(file, load_readings(file), smooth=False)
+    write_track(sailed, tmp_path / "sway.csv")
+    record = load_record(
+        tmp_path / "sway.csv",
+        {"t": Column("t", 1.0), "sway": Column("v", 1.0), "heading": Column("psi", 1.0)},
+    )
+    assert record.sway == pytest.approx(sailed.sway, nan_ok=True)
+
+
+def test_a_wrong_lane_is_refused_by_row(tmp_path: Path) -> None:
+    file = run(tmp_path)
+    data = tmp_path / "lanes.csv"
+    lines = data.read_text().split("\n")
+    lines[4] = "15.0,1.0,D99.0,10.0,10.0"
+    data.write_text("\n".join(lines))
+    with pytest.raises(ConfigError, match=r"lanes\.csv: row 5: red lane \"D99.0\""):
+        load_readings(file)
+
+
+def test_a_study_without_width_or_with_one_slave_is_refused(tmp_path: Path) -> None:
+    run(tmp_path)
+    path = tmp_path / "run.toml"
+    path.write_text(path.read_text().replace("lane_m = 881.3235294117648\n", ""))
+    with pytest.raises(ConfigError, match="give one of lane_m, frequency_khz"):
+        load_decca(path)
+
+
+def test_the_command_tells_how_many_rows_have_a_fix(tmp_path: Path) -> None:
+    run(tmp_path)
+    arguments = [str(tmp_path / "run.toml"), "--csv", str(tmp_path / "sway.csv")]
+    result = CliRunner().invoke(decca, arguments)
+    assert result.exit_code == 0
+    assert "121 of 121 rows have a fix; not smoothed" in result.stdout
+    assert (tmp_path / "sway.csv").read_text().startswith("t,east,north,psi,r,v,u")

@@ -1,0 +1,291 @@
+"""Estimates, what is known of them, and what cannot be told apart."""
+
+import json
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+from trainer.config.files import ConfigError
+from trainer.identify.estimate import MINIMISERS, Starts, estimate, keep, resume
+from trainer.identify.likelihood import Likelihood
+from trainer.identify.minimise import Found, Search, unheard
+from trainer.identify.models import MODELS, Ship
+from trainer.identify.monte_carlo import study
+from trainer.identify.prediction_error import Innovations, MultiStep, settled_gain
+from trainer.identify.problem import Problem
+from trainer.identify.reference_ships import TANKER, TANKER_RUDDER, Rehearsal
+from trainer.identify.uncertainty import hessian, inseparable, uncertainty
+from trainer.identify.validation import drawn
+
+
+def recorded(rehearsal: Any, count: Any, seed: Any = 1) -> Any:
+    problem = rehearsal.problem(TANKER_RUDDER[:count])
+    return problem.on(drawn(problem, problem.start, np.random.default_rng(seed)))
+
+
+@pytest.fixture(scope="module")
+def cost() -> Any:
+    return Likelihood(recorded(TANKER, 600))
+
+
+@pytest.fixture(scope="module")
+def best(cost: Any) -> Any:
+    return estimate(cost, TANKER.start(), "bfgs", Search(most=500))
+
+
+@pytest.mark.parametrize("method", MINIMISERS)
+def test_every_minimiser_comes_to_the_same_minimum(cost: Any, best: Any, method: Any) -> None:
+    if method == "powell":
+        pytest.importorskip("scipy")
+    found = estimate(cost, TANKER.start(), method, Search(most=60))
+    assert found.converged
+    assert found.cost == pytest.approx(best.cost, abs=1e-3)
+
+
+def test_the_minimum_is_one(cost: Any, best: Any) -> None:
+    value, slope = cost.slope(best.theta)
+    known = uncertainty(cost.problem.names, hessian(cost, best.theta))
+    assert known.eigenvalues[0] > 0.0
+    assert 0.5 * slope @ known.covariance @ slope < 1e-4
+    assert value == best.cost < cost.value(cost.problem.start)
+
+
+def test_the_truth_is_within_four_standard_deviations(cost: Any, best: Any) -> None:
+    known = uncertainty(cost.problem.names, cost.information(best.theta))
+    # small disturbances and their correlation have no normal scatter near their ends
+    usual = np.array([not name.startswith("R1") for name in known.names])
+    away = (np.abs(best.theta - cost.problem.start) / known.deviations)[usual]
+    assert np.max(away) < 4.0
+    assert np.mean(away < 2.0) > 0.8
+
+
+def test_the_hessian_is_near_the_information(cost: Any, best: Any) -> None:
+    # they differ by the record's own luck only
+    ratio = np.diag(hessian(cost, best.theta)) / np.diag(cost.information(best.theta))
+    assert np.all((ratio > 0.5) & (ratio < 2.0))
+
+
+def test_innovations_and_longer_predictions_find_the_ship_too() -> None:
+    held = tuple(n for n in TANKER.free if not n.startswith(("R2", "x", "R1_YN")))
+    problem = recorded(replace(TANKER, free=held), 800)
+    known = uncertainty(problem.names, Likelihood(problem).information(problem.start))
+    for cost in (Innovations(problem, settled_gain), MultiStep(problem, 1, 2)):
+        found = estimate(cost, problem.start * 1.1, "bfgs", Search(most=60))
+        # their deviations are larger than the likelihood's, but not by much
+        assert np.max(np.abs(found.theta - problem.start) / known.deviations) < 6.0
+
+
+def test_scale_changes_nothing_but_the_numbers_moved(cost: Any, best: Any) -> None:
+    scale = np.geomspace(1e-3, 1e3, len(best.theta))
+    scaled = Likelihood(replace(cost.problem, scale=scale))
+    found = estimate(scaled, TANKER.start() / scale, "auto", Search())
+    assert found.cost == pytest.approx(best.cost, abs=1e-4)
+    assert_allclose(found.theta * scale, best.theta, rtol=2e-2, atol=2e-3)
+
+
+def test_a_parameter_that_is_not_free_stays(cost: Any) -> None:
+    problem = replace(TANKER, free=tuple(n for n in TANKER.free if n != "N_v"))
+    problem = problem.problem(TANKER_RUDDER[:600]).on(cost.problem.samples)  # type: ignore[assignment]
+    start = np.delete(TANKER.start(), TANKER.free.index("N_v"))
+    found = estimate(Likelihood(problem), start, "auto", Search())  # type: ignore[arg-type]
+    place = MODELS["1"].place("N_v")
+    assert problem.whole(found.theta)[place] == TANKER.truth["N_v"]  # type: ignore[attr-defined]
+
+
+@dataclass(frozen=True)
+class Wells:
+    """A cost of one parameter with a shallow minimum at 1 and a deep one at -1.1."""
+
+    problem: Problem
+
+    def value(self, theta: Any) -> Any:
+        x = float(theta[0])
+        return 5.0 * (x * x - 1.0) ** 2 + 2.0 * x
+
+    def slope(self, theta: Any) -> Any:
+        x = float(theta[0])
+        return self.value(theta), np.array([20.0 * x * (x * x - 1.0) + 2.0])
+
+    def information(self, theta: Any) -> Any:
+        return np.full((1, 1), 4.0) + 0.0 * theta  # far too flat: whole steps overshoot
+
+
+@pytest.fixture
+def wells() -> Any:
+    return Wells(replace(TANKER, free=("Y_v",)).problem(TANKER_RUDDER[:10]))
+
+
+@pytest.mark.parametrize("method", ["scoring", "bfgs"])
+def test_steps_that_overshoot_are_shortened_until_the_cost_falls(wells: Any, method: Any) -> None:
+    found = estimate(wells, np.array([1.3]), method, Search(200))
+    assert found.converged
+    assert wells.slope(found.theta)[1] == pytest.approx([0.0], abs=1e-3)
+
+
+def test_restarts_leave_a_shallow_minimum(wells: Any) -> None:
+    shallow = estimate(wells, np.array([0.94]), "bfgs", Search(200))
+    deep = estimate(wells, np.array([0.94]), "bfgs", Search(200), Starts(restarts=8, seed=3))
+    assert shallow.theta[0] > 0.5
+    assert deep.theta[0] == pytest.approx(-1.047, abs=0.01)
+    assert deep.cost < shallow.cost
+
+
+def test_progress_is_told_and_a_search_resumes_where_it_stopped(
+    cost: Any, best: Any, tmp_path: Path
+) -> None:
+    path = tmp_path / "search.json"
+    short = estimate(cost, TANKER.start(), "scoring", Search(3, keep(path, cost.problem)))
+    assert not short.converged
+    assert_allclose(resume(path, cost.problem), short.theta, rtol=1e-15)
+
+    found = estimate(cost, resume(path, cost.problem), "scoring", Search())
+    assert found.converged
+    assert found.cost == pytest.approx(best.cost, abs=1e-5)
+
+
+def test_a_checkpoint_of_something_else_is_refused(cost: Any, tmp_path: Path) -> None:
+    path = tmp_path / "search.json"
+    keep(path, cost.problem)(Found(cost.problem.start, 1.0, 1, converged=False))
+    more = TANKER.freed("v2_0").problem(TANKER_RUDDER[:600])
+    with pytest.raises(ConfigError, match="lacks v2_0"):
+        resume(path, more)
+    for text in ("{", "[" * 100_000, '{"model": "x", "parameters": 1}'):
+        path.write_text(text)
+        with pytest.raises(ConfigError, match="no checkpoint"):
+            resume(path, cost.problem)
+
+
+@pytest.mark.parametrize("value", ["null", '"x"', "true", "1e999", "NaN"])
+def test_a_checkpoint_s_parameter_that_is_no_number_is_refused_by_name(
+    cost: Any, tmp_path: Path, value: Any
+) -> None:
+    path = tmp_path / "search.json"
+    keep(path, cost.problem)(Found(cost.problem.start, 1.0, 1, converged=False))
+    name = cost.problem.names[0]
+    told = json.loads(path.read_text())
+    told["parameters"][name] = "here"
+    path.write_text(json.dumps(told).replace('"here"', value))
+    with pytest.raises(ConfigError, match=f"{name} = .*: must be a number"):
+        resume(path, cost.problem)
+
+
+@pytest.mark.parametrize(
+    ("more", "group"),
+    [
+        # a shift of the sway velocity
+        (("v1_0",), {"Y_0", "N_0", "v1_0", "x1_0"}),
+        # no stern log is read
+        (("v2_0",), {"v2_0"}),
+        # rows may be mixed at will
+        (
+            ("m11", "m12", "m21", "m22"),
+            {"m11", "m12", "m21", "m22", "Y_v", "Y_r", "N_v", "N_r", "Y_delta", "l_delta"},
+        ),
+        (("P33",), {"x3_0", "P33"}),
+    ],
+)
+def test_what_cannot_be_told_apart_is_named_before_fitting(more: Any, group: Any) -> None:
+    problem = recorded(TANKER.freed(*more, **({"P33": 1e-3} if "P33" in more else {})), 300)
+    found = inseparable(problem)
+    assert len(found) == 1
+    assert group <= set(found[0])
+    assert len(group) > 8 or group == set(found[0])
+
+
+def test_without_a_heading_the_bias_of_the_rate_is_not_told_apart() -> None:
+    free = tuple(n for n in TANKER.free if n not in ("R2_psi", "x3_0"))
+    blind = replace(TANKER, outputs=("sway", "yaw_rate"), free=free)
+    ((*names,),) = inseparable(recorded(blind, 300))
+    assert {"Y_0", "N_0", "r_0"} <= set(names)
+
+
+@pytest.mark.parametrize(
+    ("kind", "outputs", "truth", "group"),
+    [
+        ("2", ("sway",), {"a1": 2.0, "a2": 1.0, "c1": 0.4, "c2": 1.0}, ("f1", "x2_0")),
+        (
+            "2",
+            ("sway",),
+            {"a1": 2.0, "a2": 1.0, "c1": 0.4, "c2": 1.0},
+            ("f2", "v_0", "x1_0", "x2_0"),
+        ),
+        ("3", ("yaw_rate",), {"a1": 2.0, "a2": 1.0, "b1": -1.0, "b2": -0.9}, ("f2", "x1_0")),
+    ],
+)
+def test_flat_directions_of_the_other_models_are_found(
+    kind: Any, outputs: Any, truth: Any, group: Any
+) -> None:
+    noise = {"R1_1": 1e-8, "R1_2": 1e-9, "R2_v": 0.01, "R2_r": 1e-4}
+    names = MODELS[kind].names
+    truth = truth | {name: value for name, value in noise.items() if name in names}
+    free = (*(n for n in truth if n[0] in "abc"), *group)
+    free = tuple(name for name in names if name in free)
+    rehearsal = Rehearsal(kind, Ship(160.0, 4.5), outputs, 6.0, truth, free, {})
+    problem = rehearsal.problem(TANKER_RUDDER[:300])
+    assert inseparable(problem) == (tuple(name for name in problem.names if name in group),)
+
+
+def test_a_good_question_has_nothing_to_name(cost: Any) -> None:
+    assert inseparable(cost.problem) == ()
+
+
+def test_the_eigenvalues_of_a_flat_direction_are_reported() -> None:
+    curvature = np.array([[4.0, 2.0, 0.0], [2.0, 1.0, 0.0], [0.0, 0.0, 9.0]])
+    known = uncertainty(("a", "b", "c"), curvature)
+    assert known.eigenvalues == pytest.approx([0.0, 1.0, 2.0], abs=1e-12)
+    assert known.flat == (("a", "b"),)
+    assert np.isnan(known.covariance).all()
+
+
+def test_deviations_and_correlations_by_hand() -> None:
+    known = uncertainty(("a", "b"), np.linalg.inv([[4.0, 3.0], [3.0, 9.0]]))  # type: ignore[arg-type]
+    assert known.deviations == pytest.approx([2.0, 3.0])
+    assert known.correlations[0, 1] == pytest.approx(0.5)
+    assert known.flat == ()
+
+
+def test_a_free_variance_that_starts_at_nothing_is_refused(cost: Any) -> None:
+    start = TANKER.start()
+    start[TANKER.free.index("R2_r")] = 0.0
+    with pytest.raises(ConfigError, match="R2_r: a free variance cannot start at 0"):
+        estimate(cost, start, "auto", Search())
+
+
+def test_a_start_that_is_no_model_and_an_unknown_method_are_refused(cost: Any) -> None:
+    hopeless = recorded(TANKER, 50)
+    values = hopeless.values.copy()
+    values[MODELS["1"].place("P12")] = 1.0
+    hopeless = Likelihood(replace(hopeless, values=values))
+    with pytest.raises(ConfigError, match="start values are no model"):
+        estimate(hopeless, TANKER.start(), "auto", Search())
+    with pytest.raises(ConfigError, match="must be one of auto, scoring, bfgs, powell"):
+        estimate(cost, TANKER.start(), "newton", Search())
+
+
+def test_runs_are_their_seeds_own() -> None:
+    problem = TANKER.problem(TANKER_RUDDER[:300])
+    begin = replace(problem, values=problem.whole(TANKER.start()))
+    one = study(begin, problem.start, range(2), lambda runs: runs)
+    other = study(begin, problem.start, range(1, 2), lambda runs: runs)
+    assert_allclose(one.runs[1].theta, other.runs[0].theta, rtol=0.0, atol=0.0)
+    assert one.names == TANKER.free
+    assert 0.5 < one.pooled <= 1.0
+
+
+def test_angles_and_variances_that_mean_the_same_are_folded_together() -> None:
+    problem = recorded(TANKER, 50)
+    theta = problem.start
+    same = theta.copy()
+    for name, value in (("lag", np.pi - 0.3), ("R1_YN", np.pi - 0.3), ("R2_r", -1e-4)):
+        same[problem.names.index(name)] = value
+    assert_allclose(problem.folded(same), theta, rtol=1e-12)
+    cost = Likelihood(problem)
+    assert cost.value(same) == pytest.approx(cost.value(theta), rel=1e-12)
+
+
+def test_nobody_need_listen(best: Any) -> None:
+    assert unheard(best) is None  # type: ignore[func-returns-value]

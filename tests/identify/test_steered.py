@@ -1,0 +1,148 @@
+"""A Nomoto ship sails: steady turns, time constants, manoeuvres, and its file."""
+
+import json
+import math
+from pathlib import Path
+from typing import Any
+
+import pytest
+from click.testing import CliRunner
+
+from trainer.analysis.manoeuvres.catalogue import named
+from trainer.analysis.manoeuvres.flight import fly
+from trainer.analysis.manoeuvres.vehicle import LostError
+from trainer.analysis.manoeuvres.zigzag import ZigZag
+from trainer.cli.guide import manoeuvre
+from trainer.config.files import ConfigError
+from trainer.identify.nomoto import NomotoFile, is_nomoto, key_table, load_nomoto, written
+from trainer.identify.steering import Steered
+from trainer.units import KNOT
+
+SPEED = 10.0 * KNOT
+
+
+def nomoto_file(**changes: Any) -> Any:
+    numbers = {
+        "schema": "nomoto/1",
+        "name": "a ship",
+        "length_m": 100.0,
+        "speed_kn": 10.0,
+        "K_per_s": -0.05,
+        "T1_s": 30.0,
+        "T2_s": 5.0,
+        "T3_s": 8.0,
+        "rudder_limit_deg": 35.0,
+        "rudder_rate_deg_s": 1e3,
+        "step_s": 0.5,
+    }
+    return NomotoFile(**{**numbers, **changes})
+
+
+def test_a_nomoto_ship_turns_at_its_gain_after_long() -> None:
+    ship = Steered(nomoto_file(K_v_m_s=2.0, T3v_s=3.0))
+    ship.start(SPEED)
+    ship.order("rudder", math.radians(10.0))
+    for _ in range(1200):
+        ship.advance()
+    seen = dict(zip(ship.columns, ship.observe(), strict=True))
+    # starboard rudder is negative: r = K delta, v = K_v delta
+    assert seen["r"] == pytest.approx(0.05 * math.radians(10.0), rel=1e-6)
+    assert seen["v"] == pytest.approx(-2.0 * math.radians(10.0), rel=1e-6)
+    assert seen["t"] == 600.0
+
+
+@pytest.mark.parametrize("second", [{}, {"T2_s": 0.0, "T3_s": 0.0}])
+def test_a_bent_ship_turns_as_its_steady_equation_says(second: Any) -> None:
+    # r - kappa K |r| r = K delta with K = -0.05, kappa = 400, delta = -0.2: r + 20 r^2 = 0.01
+    ship = Steered(nomoto_file(kappa_s2=400.0, **second))
+    ship.start(SPEED)
+    ship.order("rudder", 0.2)
+    for _ in range(2000):
+        ship.advance()
+    r = (-1.0 + math.sqrt(1.0 + 4.0 * 20.0 * 0.01)) / 40.0
+    assert dict(zip(ship.columns, ship.observe(), strict=True))["r"] == pytest.approx(r, rel=1e-9)
+
+
+def test_a_first_order_ship_follows_its_exponential() -> None:
+    ship = Steered(nomoto_file(T2_s=0.0, T3_s=0.0, rudder_rate_deg_s=1000.0))
+    ship.start(SPEED)
+    ship.order("rudder", 0.1)
+    for _ in range(60):
+        ship.advance()
+    # after T1 = 30 s, less the step in which the rudder moves
+    rate = dict(zip(ship.columns, ship.observe(), strict=True))["r"]
+    assert rate == pytest.approx(0.05 * 0.1 * (1.0 - math.exp(-1.0)), rel=0.02)
+
+
+def test_a_nomoto_ship_flies_a_zigzag_like_any_vehicle() -> None:
+    flight = fly(Steered(nomoto_file()), ZigZag(angle_deg=10.0, execute_deg=10.0), SPEED)
+    assert len([mark for mark in flight.marks if mark.name == "execute"]) > 2
+    assert flight.lost == ""
+
+
+def spin(ship: Any) -> None:
+    for _ in range(2000):
+        ship.advance()
+
+
+def test_an_unstable_ship_is_lost_and_another_speed_refused() -> None:
+    ship = Steered(nomoto_file(T1_s=-5.0, K_per_s=0.05))
+    ship.start(SPEED)
+    ship.order("rudder", 0.3)
+    with pytest.raises(LostError, match="spins"):
+        spin(ship)
+    with pytest.raises(ConfigError, match="identified at 10 kn, not at 15 kn"):
+        ship.start(15.0 * KNOT)
+
+
+def test_a_nomoto_file_is_read_as_it_was_written(tmp_path: Path) -> None:
+    ship = nomoto_file(kappa_s2=120.0, K_per_s=-0.0512345)
+    path = tmp_path / "ship.toml"
+    path.write_text(written(ship, "model nomoto2 fitted to x.csv", {"K": 0.001}))
+    assert load_nomoto(path) == ship
+    assert is_nomoto(path)
+    assert "kappa_s2" in key_table()
+    path.write_text(path.read_text().replace("T1_s", "T1"))
+    with pytest.raises(ConfigError, match=r"no such key; nearest is T1_s"):
+        load_nomoto(path)
+
+
+def sailed(tmp_path: Path, *arguments: Any) -> Any:
+    path = tmp_path / "ship.toml"
+    path.write_text(written(nomoto_file(), "model nomoto2 fitted to x.csv", {}))
+    name, *options = arguments
+    return CliRunner().invoke(manoeuvre, [name, str(path), *options])
+
+
+def test_the_file_of_an_identified_ship_flies_a_manoeuvre(tmp_path: Path) -> None:
+    result = sailed(tmp_path, "zigzag-10", "--json", "--step", "0.25")
+    report = json.loads(result.stdout)
+    measures = {one["name"]: one["value"] for one in report["measures"]}
+    flight = fly(Steered(nomoto_file(step_s=0.25)), named("zigzag-10"), SPEED)
+    assert report["speed_kn"] == pytest.approx(10.0)
+    assert measures["heading peak 1"] == pytest.approx(
+        next(one.value for one in named("zigzag-10").measures(flight) if "peak 1" in one.name)
+    )
+    assert "a ship: zigzag-10" in sailed(tmp_path, "zigzag-10").stdout
+
+
+@pytest.mark.parametrize(
+    ("arguments", "told"),
+    [
+        (("zigzag-10", "--equations", "basic"), "--equations are for boats"),
+        (("crash-stop",), "needs a control 'engine'"),
+        (("rudder-impulse",), "is measured by phi"),
+        (("turn", "--speed", "20"), "was identified at 10 kn, not at 20 kn"),
+    ],
+)
+def test_what_a_nomoto_ship_cannot_do_is_told(tmp_path: Path, arguments: Any, told: Any) -> None:
+    result = sailed(tmp_path, *arguments)
+    assert result.exit_code != 0
+    assert told in f"{result.exception} {result.output}"
+
+
+def test_a_plot_of_a_nomoto_ship_leaves_out_what_she_has_not(tmp_path: Path) -> None:
+    pytest.importorskip("matplotlib")
+    plot = tmp_path / "z.svg"
+    assert sailed(tmp_path, "zigzag-10", "--plot", str(plot)).exit_code == 0
+    assert plot.stat().st_size > 0

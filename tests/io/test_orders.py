@@ -1,0 +1,397 @@
+"""The order grammar: words and units in, orders or reasons out."""
+
+import math
+import re
+
+import pytest
+from helpers.places import ROOT
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from trainer.io.lines import LineDecoder
+from trainer.io.orders.grammar import LONGEST, BadOrder, Order, parse
+from trainer.io.orders.help import WIDTH, help_text, page
+from trainer.io.orders.schedule import BadSchedule, Scheduled, parse_schedule
+from trainer.io.orders.table import FORMS, SESSION, TOPICS, Word, heading_word, place
+
+KNOT = 1852 / 3600
+DEG = math.pi / 180
+
+UNDERSTOOD = [
+    ("depth 80", "depth", 80.0, "", "depth 80 m"),
+    ("DEPTH 80 Metres", "depth", 80.0, "", "depth 80 m"),
+    ("depth 260 ft", "depth", 79.248, "", "depth 260 ft"),
+    ("dep 80m", "depth", 80.0, "", "depth 80 m"),
+    ("depth auto", "depth", 0.0, "auto", "depth auto"),
+    ("course 090", "course", 90 * DEG, "", "course 090"),
+    ("heading 45.5", "course", 45.5 * DEG, "", "course 045.5"),
+    ("course 360", "course", 0.0, "", "course 000"),
+    ("course left 30", "course-by", -30 * DEG, "", "course left 30"),
+    ("co starboard 30", "course-by", 30 * DEG, "", "course right 30"),
+    ("course auto", "course", 0.0, "auto", "course auto"),
+    ("speed 12", "speed", 12 * KNOT, "", "speed 12 kn"),
+    ("speed 6 m/s", "speed", 6.0, "", "speed 6 m/s"),
+    ("turns -4", "turns", -4 * KNOT, "", "turns -4 kn"),
+    ("rpm -80", "rpm", -80 / 60, "", "rpm -80"),
+    ("bell ahead one-third", "bell", 0.0, "ahead_one_third", "bell ahead one-third"),
+    ("ahead 2/3", "bell", 0.0, "ahead_two_thirds", "bell ahead two-thirds"),
+    ("ahead one third", "bell", 0.0, "ahead_one_third", "bell ahead one-third"),
+    ("ahead full", "bell", 0.0, "ahead_full", "bell ahead full"),
+    ("bell astern 1/3", "bell", 0.0, "astern_one_third", "bell astern one-third"),
+    ("bell stop", "bell", 0.0, "stop", "bell stop"),
+    ("rudder left 15", "rudder", -15 * DEG, "", "rudder left 15"),
+    ("rudder port 15 deg", "rudder", -15 * DEG, "", "rudder left 15"),
+    ("ru r 15", "rudder", 15 * DEG, "", "rudder right 15"),
+    ("rudder midships", "rudder", 0.0, "amidships", "rudder amidships"),
+    ("rudder zero", "rudder", 0.0, "amidships", "rudder amidships"),
+    ("rudder manual", "rudder", 0.0, "manual", "rudder manual"),
+    ("rudder left full", "rudder", -90 * DEG, "full", "rudder left full"),
+    ("hard right", "rudder", 90 * DEG, "full", "rudder right full"),
+    ("sea state 5", "sea", 5.0, "state", "sea state 5"),
+    ("sea wind 30", "sea", 30 * KNOT, "wind", "sea wind 30 kn"),
+    ("sea height 10 ft", "sea", 3.048, "height", "sea height 10 ft"),
+    ("sea from 45", "sea", 45 * DEG, "from", "sea from 045"),
+    ("sea calm", "sea", 0.0, "calm", "sea calm"),
+    ("surface", "surface", 0.0, "", "surface"),
+    ("dive", "dive", 0.0, "", "dive"),
+    ("periscope", "periscope", 0.0, "", "periscope depth"),
+    ("blow forward", "blow", 0.0, "forward", "blow forward"),
+    ("em blow", "emergency", 0.0, "blow", "emergency blow"),
+    ("vent all open", "vent", 0.0, "all_open", "vent all open"),
+    ("negative flood", "negative", 0.0, "flood", "negative flood"),
+    ("flood depth-control 2 t", "flood", 2000.0, "depth_control", "flood depth-control 2 t"),
+    ("pump aux 1.5", "pump", 1500.0, "auxiliary", "pump auxiliary 1.5 t"),
+    ("pump trim forward 3", "pump", 3000.0, "trim_forward", "pump trim forward 3 t"),
+    ("drain center", "drain", 0.0, "centre", "drain centre"),
+    ("hover on", "hover", 0.0, "on", "hover on"),
+    ("compressor off", "compressor", 0.0, "off", "compressor off"),
+    ("stern planes dive 10", "stern", -10 * DEG, "", "stern planes dive 10"),
+    ("stern rise 2.50", "stern", 2.5 * DEG, "", "stern planes rise 2.5"),
+    ("stern planes zero", "stern", 0.0, "zero", "stern planes zero"),
+    ("fairwater planes rise 5", "bow", 5 * DEG, "", "bow planes rise 5"),
+    ("sail auto", "bow", 0.0, "auto", "bow planes auto"),
+    ("planes manual", "planes", 0.0, "manual", "planes manual"),
+    ("autopilot literal", "autopilot", 0.0, "literal", "autopilot literal"),
+    ("autopilot off", "autopilot", 0.0, "off", "autopilot off"),
+    ("freeze", "freeze", 0.0, "", "freeze"),
+    ("run", "run", 0.0, "", "run"),
+    ("step", "step", 1.0, "", "step"),
+    ("step 20", "step", 20.0, "", "step 20"),
+    ("time x2", "time", 2.0, "", "time 2"),
+    ("time 0.5", "time", 0.5, "", "time 0.5"),
+    ("time max", "time", 0.0, "max", "time max"),
+    ("status", "status", 0.0, "", "status"),
+    ("help", "help", 0.0, "", "help"),
+    ("help heading", "help", 0.0, "course", "help course"),
+    ("help help", "help", 0.0, "help", "help help"),
+    ("exit", "quit", 0.0, "", "quit"),
+    ("depth 80 # for the exercise", "depth", 80.0, "", "depth 80 m"),
+    ("freeze tanks", "hold", 0.0, "tanks", "freeze tanks"),
+    ("release pos", "release", 0.0, "position", "release position"),
+    ("release all", "release", 0.0, "all", "release all"),
+    ("snapshots", "snapshots", 0.0, "", "snapshots"),
+    ("reset", "reset", 0.0, "", "reset"),
+    ("backtrack 90", "backtrack", 90.0, "", "backtrack 90 s"),
+    ("backtrack 2 minutes", "backtrack", 120.0, "", "backtrack 2 min"),
+    ("replay 0.5 min", "replay", 30.0, "", "replay 0.5 min"),
+    ("take over", "take", 0.0, "over", "take over"),
+    ("role helm", "role", 0.0, "helm", "role helm"),
+    ("role diving officer", "role", 0.0, "diving", "role diving"),
+    ("role officer", "role", 0.0, "diving", "role diving"),
+    ("who", "who", 0.0, "", "who"),
+    ("bye", "detach", 0.0, "", "detach"),
+    ("help session", "help", 0.0, "session", "help session"),
+    ("help snapshot", "help", 0.0, "snapshot", "help snapshot"),
+]
+
+
+@pytest.mark.parametrize(("line", "name", "value", "word", "text"), UNDERSTOOD)
+def test_an_order_is_understood(line: str, name: str, value: float, word: str, text: str) -> None:
+    order = parse(line)
+
+    assert isinstance(order, Order)
+    assert (order.name, order.word, order.text) == (name, word, text)
+    assert order.value == pytest.approx(value, rel=1e-15)
+
+
+@pytest.mark.parametrize(
+    ("line", "reason"),
+    [
+        ("dpeth 80", "did you mean depth?"),
+        ("xyzzy", "help lists them"),
+        ("sea wind 101", "0 to 100 kn"),
+        ("sea state 5.5", "has no decimals"),
+        ("sea sideways", "expected state, wind, height, from or calm"),
+        ("casualty 5", "expected the name of a casualty"),
+        ("flood auxiliary -5", "takes no sign"),
+        ("dive 80", '"80" is too much after "dive"'),
+        ("vent a open", '"a" may be aft or all'),
+        ("c auto", '"c" may be casualty, clear or course'),
+        ("rudder lefy 15", "did you mean left?"),
+        ("rudder 15", "rudder left or rudder right"),
+        ("rudder", "expected left, right, full, amidships, manual or auto"),
+        ("rudder right -15", "takes no sign"),
+        ("rudder right 91", "91: an angle is 0 to 90 deg"),
+        ("stern 10", "stern planes dive or stern planes rise"),
+        ("planes dive 10", "say stern planes or bow planes"),
+        ("stop", "bell stop, freeze or quit"),
+        ("ru", '"ru" may be rudder or run'),
+        ("r 80", '"r" may be replay, rpm or rudder'),
+        ("snap", '"snap" may be snapshot or snapshots'),
+        ("snapshot", "snapshot what? expected a name for a moment"),
+        ("snapshots first", '"first" is too much after "snapshots"'),
+        ("restore 5", "expected a name for a moment"),
+        ("backtrack 25 h", "expected s or min"),
+        ("backtrack 0", "0 s: a time back is 0.1 to 86400 s"),
+        ("replay 1441 min", "1441 min: a time back is 0.1 to 86400 s"),
+        ("subscribe diving at 51", "a rate is 0.1 to 50 hz"),
+        ("subscribe diving 5", "expected at"),
+        ("release", "expected depth, position, tanks or all"),
+        ("role captain", "expected instructor, helm, planes, ballast, diving or observer"),
+        ("s d 10", '"s" may be sail or stern'),
+        ("a f", '"a" may be ahead or astern'),
+        ("autopilot o", '"o" may be off or on'),
+        ("depth 80 fathoms", "expected m or ft"),
+        ("depth 7000 ft", "7000 ft: a depth is 0 to 2000 m"),
+        ("depth -5", "takes no sign"),
+        ("depth nan", "expected a depth (0 to 2000 m) or auto"),
+        ("depth inf", "expected a depth"),
+        ("depth 1e9", "not a plain decimal number"),
+        ("depth 0x50", "not a plain decimal number"),
+        ("depth 1_0", "not a plain decimal number"),
+        ("depth 1.0000000001", "at most 9 decimals"),
+        ("course 361", "361: a course is 0 to 360 deg"),
+        ("speed 61", "0 to 60 kn"),
+        ("rpm 2001", "-2000 to 2000 rpm"),
+        ("step 2.5", "has no decimals"),
+        ("step 20 m", '"m" is too much after "step 20"'),
+        ("step 0", "1 to 1000"),
+        ("step 1001", "1 to 1000"),
+        ("time 0", "0.1 to 100"),
+        ("time 101", "0.1 to 100"),
+        ("quit now", '"now" is too much after "quit"'),
+        ("depth 80\x1b[A", "unreadable character U+001B at column 9"),
+        ("depth 80°", "unreadable character U+00B0 at column 9"),
+        ("depth ٨٠", "unreadable character U+0668 at column 7"),
+        ("d" * 81, "81 characters; the longest is 80"),
+    ],
+)
+def test_a_bad_order_says_why(line: str, reason: str) -> None:
+    bad = parse(line)
+
+    assert isinstance(bad, BadOrder)
+    assert reason in bad.reason
+    assert bad.text.isascii()
+    assert bad.text.isprintable()
+
+
+@pytest.mark.parametrize("line", ["", "   \t", "# only a comment", "\r\n"])
+def test_a_blank_line_is_no_order_and_no_error(line: str) -> None:
+    assert parse(line) is None
+
+
+def test_a_line_of_the_longest_length_is_read() -> None:
+    assert isinstance(parse("depth 80 #".ljust(LONGEST, "x")), Order)
+
+
+@given(st.text(max_size=100) | st.text(alphabet=" $*#.,-+1/3adehopstu", max_size=100))
+def test_no_text_makes_the_parser_raise(text: str) -> None:
+    assert isinstance(parse(text), Order | BadOrder | None)
+
+
+@given(st.binary(max_size=300))
+def test_no_bytes_make_the_parser_raise(data: bytes) -> None:
+    for line in LineDecoder().feed(data + b"\n"):
+        assert not isinstance(line, str) or isinstance(parse(line), Order | BadOrder | None)
+
+
+def test_bytes_that_are_no_text_are_refused() -> None:
+    (line,) = LineDecoder().feed(b"depth\xc3 80\n")
+
+    assert isinstance(line, str)
+    assert "U+FFFD" in getattr(parse(line), "reason", "")
+
+
+NUMBERS = st.decimals(min_value=-60, max_value=2000, places=3).map(str)
+WORDS = st.sampled_from(
+    sorted({word for line, *_ in UNDERSTOOD for word in line.split()} | {"m", "ft", "kn"})
+)
+
+
+@given(st.lists(WORDS | NUMBERS, min_size=1, max_size=5), st.sampled_from(UNDERSTOOD), NUMBERS)
+@settings(max_examples=300)
+def test_the_full_wording_reads_back_as_the_same_order(
+    words: list[str], row: tuple[str, ...], number: str
+) -> None:
+    head = row[0].split("#")[0].split()
+    for line in (" ".join(words), " ".join([*head[:-1], number]), row[0]):
+        order = parse(line)
+        if isinstance(order, Order) and not (order.name == "role" and order.subject):
+            assert parse(order.text) == order
+
+
+def test_no_order_typed_in_full_is_in_doubt() -> None:
+    topics = place("TOPIC")
+    assert isinstance(topics, Word)
+    heads = [said for said, _ in topics.spellings] + ["ahead", "astern", "full", "hard"]
+
+    for head in heads:
+        assert "may be" not in getattr(parse(head), "reason", ""), head
+
+
+@given(st.sampled_from(UNDERSTOOD), st.data())
+def test_a_shortened_order_means_the_same_or_is_refused(
+    row: tuple[str, ...], data: st.DataObject
+) -> None:
+    whole = row[4]
+    cut = " ".join(
+        word[: data.draw(st.integers(1, len(word)))] if word[0].isalpha() else word
+        for word in whole.split()
+    )
+
+    short = parse(cut)
+
+    # Units cannot be cut: "k" is no knot and "m" is no m/s, so both may be refused; nothing else is
+    # ever understood instead.
+    assert short == parse(whole) or isinstance(short, BadOrder)
+
+
+def test_the_page_of_orders_is_that_of_the_table() -> None:
+    path = ROOT / "docs" / "orders.md"
+
+    assert path.read_text(encoding="utf-8") == page()
+
+
+@pytest.mark.parametrize("topic", ["", SESSION])
+def test_a_list_of_orders_fits_a_small_screen(topic: str) -> None:
+    assert len(help_text(topic)) <= 24
+
+
+def test_every_order_is_in_one_of_the_two_lists() -> None:
+    listed = {head for topic in TOPICS for head in topic.heads}
+
+    assert {heading_word(form) for form in FORMS if not form.refusal} <= listed
+
+
+@pytest.mark.parametrize(
+    "topic", ["", SESSION, *(head for topic in TOPICS for head in topic.heads)]
+)
+def test_help_is_narrow_and_shows_every_wording(topic: str) -> None:
+    lines = help_text(topic)
+
+    assert max(map(len, lines)) <= WIDTH
+    assert all(line.isascii() for line in lines)
+    for form in FORMS:
+        if heading_word(form) == topic and not form.refusal:
+            assert any(form.says in line for line in lines)
+
+
+def test_help_on_an_unknown_order_names_the_nearest() -> None:
+    assert help_text("ruder") == ['no order "ruder"; did you mean rudder?']
+
+
+@pytest.mark.parametrize(
+    ("line", "subject", "word", "numbers"),
+    [
+        ("casualty stern-jam", "stern-jam", "", ()),
+        ("CASUALTY stern-jam 0.50", "stern-jam", "", (0.5,)),
+        ("casualty stern-jam ramp 30 s", "stern-jam", "ramp", (30.0,)),
+        ("casualty stern-jam -1 ramp 30", "stern-jam", "ramp", (-1.0, 30.0)),
+        ("clear all", "all", "", ()),
+        ("subscribe diving", "diving", "", ()),
+        ("subscribe diving at 2.5", "diving", "at", (2.5,)),
+        ("subscribe diving at 10hz", "diving", "at", (10.0,)),
+        ("unsubscribe all", "all", "", ()),
+        ("snapshot before-jam", "before-jam", "", ()),
+        ("snap before-jam", "before-jam", "", ()),
+        ("restore before-jam", "before-jam", "", ()),
+    ],
+)
+def test_an_order_with_a_name_holds_it_and_its_numbers(
+    line: str, subject: str, word: str, numbers: tuple[float, ...]
+) -> None:
+    order = parse(line)
+
+    assert isinstance(order, Order)
+    assert (order.subject, order.word, order.numbers) == (subject, word, numbers)
+    assert parse(order.text) == order
+
+
+def test_a_rate_is_the_value_of_a_subscription() -> None:
+    assert getattr(parse("subscribe diving at 2"), "value", None) == 2.0
+    assert getattr(parse("subscribe diving"), "value", None) == 0.0
+
+
+@pytest.mark.parametrize("words", ["role helm", "ROLE Helm", "ro h", "role diving officer"])
+@pytest.mark.parametrize("token", ["Se-cRet1", "12ab", "0x", "***", "role", "helm"])
+def test_a_token_is_kept_as_it_was_typed_and_told_nowhere(words: str, token: str) -> None:
+    order = parse(f"{words} {token}  # mine")
+
+    assert isinstance(order, Order)
+    assert order.name == "role"
+    assert order.subject == token
+    assert order.text in ("role helm", "role diving")
+    assert "subject" not in repr(order)
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        "role hlem Se-cRet1",
+        "rolle helm Se-cRet1",
+        "roel diving Se-cRet1",
+        "role helm Se-cRet1 Se-cRet1",
+        "role helm Se-cRet1\x01",
+        "r hell Se-cRet1",
+        f"role helm Se-cRet1{' ' * 80}.",
+    ],
+)
+def test_a_token_in_a_line_that_is_no_order_is_told_nowhere(line: str) -> None:
+    bad = parse(line)
+
+    assert isinstance(bad, BadOrder)
+    assert "se-cret1" not in f"{bad.text} {bad.reason}".lower()
+
+
+def test_every_example_of_the_overview_is_an_order() -> None:
+    for topic in TOPICS:
+        assert isinstance(parse(topic.example.partition("|")[0]), Order), topic
+
+
+def test_a_schedule_is_sorted_by_time_and_keeps_the_order_of_the_file() -> None:
+    text = "\ufeff# test\r\n600 rudder right 15\n\n0.5 depth 80 # first\n600 freeze\n"
+
+    schedule = parse_schedule(text, "orders.txt")
+
+    assert isinstance(schedule, list)
+    assert all(isinstance(entry, Scheduled) for entry in schedule)
+    assert [(e.seconds, e.order.text, e.line_number) for e in schedule] == [
+        (0.5, "depth 80 m", 4),
+        (600.0, "rudder right 15", 2),
+        (600.0, "freeze", 5),
+    ]
+
+
+@pytest.mark.parametrize(
+    ("line", "reason"),
+    [
+        ("12 rudder lefy 3", "orders.txt:2: .*did you mean left"),
+        ("rudder left 3", "orders.txt:2: a line is SECONDS ORDER"),
+        ("-1 freeze", "SECONDS ORDER"),
+        ("nan freeze", "SECONDS ORDER"),
+        ("1e3 freeze", "SECONDS ORDER"),
+        ("12", "SECONDS ORDER"),
+        ("1000001 freeze", "latest time is 1000000 s"),
+        (f"12 {'d' * 81}", "longest is 80"),
+    ],
+)
+def test_a_bad_schedule_names_file_line_and_reason(line: str, reason: str) -> None:
+    bad = parse_schedule(f"1 freeze\n{line}\n2 run\n", "orders.txt")
+
+    assert isinstance(bad, BadSchedule)
+    assert re.search(reason, str(bad))
+
+
+@given(st.text())
+def test_no_text_makes_the_schedule_raise(text: str) -> None:
+    assert isinstance(parse_schedule(text, "x"), list | BadSchedule)

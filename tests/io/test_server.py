@@ -1,0 +1,728 @@
+"""Sockets of a session: many clients, none of which can harm another or the boat."""
+
+import os
+import random
+import select
+import socket
+import struct
+import threading
+import time
+import tracemalloc
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack, contextmanager, suppress
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from trainer.io import connection
+from trainer.io import server as server_module
+from trainer.io.client import dial, over_serial
+from trainer.io.connection import MOST_BYTES, MOST_HEARD, MOST_SAID, Connection
+from trainer.io.line import Direct, Joined, Line
+from trainer.io.lines import Overlong
+from trainer.io.orders.grammar import LONGEST
+from trainer.io.serial_line import LinkError, SerialLine
+from trainer.io.server import ROOM, STRANGERS, TURNED_AWAY, Hub
+
+PATIENCE = 10.0  # [s]  far beyond what any wait here needs
+needs_local = pytest.mark.skipif(not hasattr(socket, "AF_UNIX"), reason="no local sockets here")
+needs_pty = pytest.mark.skipif(not hasattr(os, "openpty"), reason="no pseudo-terminals here")
+
+
+class Desk:
+    """A hub with its port, and all the lines its clients have said."""
+
+    def __init__(self) -> None:
+        self.wake = threading.Event()
+        self.hub = Hub(self.wake)
+        self.port = self.hub.listen("127.0.0.1", 0)
+        self.attached: list[Connection] = []
+
+    def wait(self, happened: Callable[[], object]) -> bool:
+        """Return whether it happens within the patience, looking whenever the hub wakes us."""
+        end = time.monotonic() + PATIENCE
+        while not (found := happened()) and time.monotonic() < end:
+            self.wake.wait(0.05)
+            self.wake.clear()
+        return bool(found)
+
+    def arrivals(self, count: int) -> list[Connection]:
+        """Return the next clients to arrive."""
+        found: list[Connection] = []
+
+        def enough() -> bool:
+            found.extend(self.hub.newcomers())
+            return len(found) >= count
+
+        assert self.wait(enough)
+        self.attached += found
+        return found
+
+    def heard(self, line: Line, count: int) -> list[str | Overlong]:
+        """Return so many lines that a client says."""
+        found: list[str | Overlong] = []
+
+        def enough() -> bool:
+            found.extend(line.take(count - len(found)))
+            return len(found) >= count
+
+        assert self.wait(enough)
+        return found
+
+
+@contextmanager
+def desk() -> Iterator[Desk]:
+    made = Desk()
+    try:
+        yield made
+    finally:
+        made.hub.close(1.0)
+
+
+@contextmanager
+def client(to: Desk) -> Iterator[tuple[socket.socket, Connection]]:
+    with socket.create_connection(("127.0.0.1", to.port), timeout=PATIENCE) as far:
+        yield far, to.arrivals(1)[0]
+
+
+def read_lines(far: socket.socket, count: int) -> list[bytes]:
+    data = b""
+    while data.count(b"\n") < count:
+        more = far.recv(65536)
+        assert more, data
+        data += more
+    return data.split(b"\r\n")[:-1]
+
+
+# Lines both ways
+
+
+def test_lines_go_both_ways_and_an_order_wakes_whoever_waits() -> None:
+    with desk() as here, client(here) as (far, line):
+        assert line.name == f"tcp 127.0.0.1:{far.getsockname()[1]}"
+        here.wake.clear()
+        far.sendall(b"depth 80\r\nrudder left 15\nhal")
+        assert here.wake.wait(PATIENCE)
+
+        assert here.heard(line, 2) == ["depth 80", "rudder left 15"]
+        far.sendall(b"f\n")
+        assert here.heard(line, 1) == ["half"]
+        line.send("keeping depth 80 m")
+        line.send("caf\N{LATIN SMALL LETTER E WITH ACUTE}")
+        assert read_lines(far, 2) == [b"keeping depth 80 m", b"caf?"]
+        assert (line.ended, line.trouble, line.dropped) == (False, "", 0)
+
+
+def test_a_newcomer_wakes_whoever_waits() -> None:
+    with desk() as here:
+        here.wake.clear()
+        with socket.create_connection(("127.0.0.1", here.port), timeout=PATIENCE):
+            assert here.wake.wait(PATIENCE)
+            assert len(here.hub.newcomers()) == 1
+
+
+def test_lines_are_taken_oldest_first_and_no_more_than_asked_for() -> None:
+    with desk() as here, client(here) as (far, line):
+        far.sendall(b"a\nb\nc\nd\n" + b"x" * (LONGEST + 1) + b"\n")
+        assert here.wait(lambda: len(line._heard) == 5)  # noqa: SLF001  take() would empty it
+
+        assert line.take(2) == ["a", "b"]
+        assert line.take(10) == ["c", "d", Overlong(LONGEST)]
+        assert line.take(10) == []
+
+
+def test_a_client_that_hangs_up_has_ended_once_its_lines_are_taken() -> None:
+    with desk() as here, client(here) as (far, line):
+        far.sendall(b"run\nrudder le")
+        far.shutdown(socket.SHUT_WR)
+
+        assert here.wait(lambda: line._over)  # noqa: SLF001  ended waits for take()
+        assert not line.ended
+        assert line.take(10) == ["run"]  # and not the half order
+        assert line.ended
+        assert line.trouble == ""
+        line.send("still heard")
+        assert read_lines(far, 1) == [b"still heard"]
+
+
+def test_a_closed_client_gets_what_was_sent_and_then_the_end() -> None:
+    with desk() as here, client(here) as (far, line):
+        far.sendall(b"unread\n" * 10)
+        for i in range(100):
+            line.send(f"line {i}")
+        line.close(1000.0)
+        line.send("too late")
+
+        assert read_lines(far, 100)[-1] == b"line 99"
+        assert far.recv(100) == b""
+        far.sendall(b"too late\n")
+        far.close()
+        assert here.wait(lambda: line.ended)
+        assert line.dropped == 1
+
+
+# Trouble
+
+
+def test_a_hung_client_loses_its_own_lines_only_and_they_are_counted() -> None:
+    with desk() as here, client(here) as (_, hung), client(here) as (far, other):
+        said = 20_000
+        seen: list[bytes] = []
+        for i in range(said):
+            hung.send(f"state {i} " + 60 * "x")
+            if i % 100 == 0:
+                other.send(f"state {i}")
+                seen += read_lines(far, 1)
+
+        assert seen == [b"state %d" % i for i in range(0, said, 100)]
+        assert other.dropped == 0
+        assert hung.dropped > said / 2
+        assert len(hung._said) <= MOST_SAID  # noqa: SLF001  the bound itself
+        assert hung._said_bytes <= MOST_BYTES  # noqa: SLF001
+
+
+def test_what_a_slow_client_does_get_is_whole_lines_in_order() -> None:
+    with desk() as here, client(here) as (far, line):
+        for i in range(20_000):
+            line.send(f"{i:060d}")
+        line.close(PATIENCE)
+        data = b""
+        while more := far.recv(1000):
+            data += more
+
+        numbers = [int(row) for row in data.split(b"\r\n")[:-1]]
+        assert numbers == sorted(numbers)
+        assert len(numbers) + line.dropped == 20_000
+        assert 0 < line.dropped < 20_000
+
+
+class Sipping:
+    """A socket whose client takes a few bytes at a time."""
+
+    def __init__(self) -> None:
+        self.taken = b""
+
+    def settimeout(self, seconds: float) -> None:
+        pass
+
+    def send(self, data: bytes) -> int:
+        self.taken += data[:7]
+        return min(len(data), 7)
+
+    def close(self) -> None:
+        pass
+
+
+def test_a_line_sent_in_parts_arrives_whole_and_one_cut_off_is_counted() -> None:
+    far: Any = Sipping()
+    line = Connection(far, "sipping", threading.Event(), lambda: None)
+    for i in range(10):
+        line.send(f"line {i}")
+
+    for _ in range(9):  # 63 of 80 bytes
+        line.serve(connection.WRITE)
+    assert far.taken == b"".join(b"line %d\r\n" % i for i in range(7)) + b"line 7\r"
+    line.dispose()
+    assert line.dropped == 3
+
+
+def test_a_flood_is_held_back_at_its_source_and_nothing_of_it_is_lost() -> None:
+    with desk() as here, client(here) as (far, line), client(here) as (calm, other):
+        count = 3000
+        flood = threading.Thread(target=far.sendall, args=(b"depth 80\n" * count,))
+        flood.start()
+        assert here.wait(lambda: len(line._heard) >= MOST_HEARD)  # noqa: SLF001
+        calm.sendall(b"run\n")
+        assert here.heard(other, 1) == ["run"]
+
+        assert len(line._heard) < MOST_HEARD + connection.CHUNK / 9  # noqa: SLF001
+        assert here.heard(line, count) == ["depth 80"] * count
+        flood.join(PATIENCE)
+
+
+def test_a_flood_is_read_no_faster_than_the_pace() -> None:
+    with desk() as here, client(here) as (far, line):
+        far.settimeout(0.0)
+        start = time.monotonic()
+        with suppress(BlockingIOError):
+            while True:
+                far.send(b"x" * 65536)
+        assert here.wait(lambda: line._read_until > start + connection.BURST / connection.PACE)  # noqa: SLF001
+
+        due = line._read_until - start  # noqa: SLF001  what was read, in seconds at the pace
+        assert (
+            due < time.monotonic() - start + (connection.BURST + connection.CHUNK) / connection.PACE
+        )
+        assert line.take(10) == [Overlong(LONGEST)]
+
+
+def test_noise_on_a_socket_keeps_memory_flat(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(connection, "PACE", 1e9)
+    source = random.Random(1967)  # noqa: S311  noise, not a secret
+
+    with desk() as here, client(here) as (far, line):
+
+        def babble(times: int) -> None:
+            for _ in range(times):
+                far.sendall(source.randbytes(9_999) + b"\n")
+                line.take(1000)
+                line.send("? no order")
+            far.sendall(b"\ndepth 80\n")
+            assert here.wait(lambda: "depth 80" in line.take(1000))
+
+        babble(20)
+        tracemalloc.start()
+        babble(200)
+        _, peak = tracemalloc.get_traced_memory()
+        tracemalloc.stop()
+
+    assert peak < 300_000
+
+
+def test_a_client_that_is_reset_is_let_go_with_its_reason() -> None:
+    with desk() as here, client(here) as (far, line), client(here) as (other_far, other):
+        far.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, struct.pack("ii", 1, 0))
+        far.close()  # with a reset
+
+        assert here.wait(lambda: line.ended)
+        assert "reset" in line.trouble.lower()
+        line.send("to nobody")
+        assert line.dropped == 1
+        other.send("still here")
+        assert read_lines(other_far, 1) == [b"still here"]
+
+
+def test_a_client_that_vanished_without_a_word_is_probed_by_the_system() -> None:
+    with desk() as here, client(here) as (_, line):
+        end = line._end  # noqa: SLF001  whether the system keeps it alive shows nowhere else
+
+        assert end.getsockopt(socket.SOL_SOCKET, socket.SO_KEEPALIVE)
+        assert end.getsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY)
+        if hasattr(socket, "TCP_KEEPIDLE"):
+            assert end.getsockopt(socket.IPPROTO_TCP, socket.TCP_KEEPIDLE) == 30
+
+
+def test_a_silent_client_costs_nothing_and_is_kept() -> None:
+    with desk() as here, client(here) as (far, line), client(here) as (other_far, other):
+        for i in range(100):
+            other_far.sendall(b"depth %d\n" % i)
+            assert here.heard(other, 1) == [f"depth {i}"]
+
+        assert not line.ended
+        far.sendall(b"run\n")
+        assert here.heard(line, 1) == ["run"]
+
+
+def guest(here: Desk, guests: ExitStack) -> tuple[socket.socket, Connection]:
+    """Return a client that has said something, and its line."""
+    far, line = guests.enter_context(client(here))
+    far.sendall(b"hello\n")
+    assert here.heard(line, 1) == ["hello"]
+    return far, line
+
+
+def test_silent_strangers_give_way_and_keep_nobody_out_of_the_local_socket(
+    tmp_path: Path,
+) -> None:
+    with desk() as here, ExitStack() as guests:
+        here.hub.listen_here(tmp_path / "s")
+        talking = guest(here, guests)
+        silent = [guests.enter_context(client(here)) for _ in range(STRANGERS + 5)]
+        for far, _ in silent[:5]:
+            assert b"your place is needed" in read_lines(far, 1)[0]
+        with socket.socket(socket.AF_UNIX) as own:
+            own.settimeout(PATIENCE)
+            own.connect(str(tmp_path / "s"))
+            own.sendall(b"freeze\n")
+            assert here.wait(lambda: bool(here.hub._newcomers))  # noqa: SLF001
+            (line,) = here.hub.newcomers()
+            assert here.heard(line, 1) == ["freeze"]
+        talking[0].sendall(b"run\n")
+        assert here.heard(talking[1], 1) == ["run"]
+
+
+def test_who_does_not_say_who_he_is_in_time_is_told_and_closed() -> None:
+    wake = threading.Event()
+    hub = Hub(wake, introduction=0.2)
+    with closing_hub(hub) as port, socket.create_connection(("127.0.0.1", port), PATIENCE) as far:
+        assert read_lines(far, 1) == [
+            b"? closed: it was not said who is here, with role NAME TOKEN"
+        ]
+        assert far.recv(100) == b""
+    hub = Hub(wake, introduction=0.2)
+    with closing_hub(hub) as port, socket.create_connection(("127.0.0.1", port), PATIENCE) as far:
+        while not (newcomers := hub.newcomers()):
+            wake.wait(PATIENCE)
+        newcomers[0].introduce()
+        time.sleep(0.5)
+        newcomers[0].send("welcome")
+        assert read_lines(far, 1) == [b"welcome"]
+
+
+@contextmanager
+def closing_hub(hub: Hub) -> Iterator[int]:
+    """Yield a port that a hub listens at, and close it."""
+    try:
+        yield hub.listen("127.0.0.1", 0)
+    finally:
+        hub.close(0.0)
+
+
+def test_one_client_too_many_is_told_so_and_room_is_made_when_one_leaves() -> None:
+    with desk() as here, ExitStack() as guests:
+        where = ("127.0.0.1", here.port)
+        first = guest(here, guests)
+        for _ in range(ROOM - 1):
+            guest(here, guests)
+        with socket.create_connection(where, timeout=PATIENCE) as late:
+            late.sendall(b"run\n")
+            assert read_lines(late, 1) == [
+                b"? no room: 32 stations are attached; one of them must detach"
+            ]
+            assert late.recv(100) == b""
+        assert here.hub.newcomers() == []
+
+        first[1].close(0.0)
+        with client(here) as (far, line):
+            far.sendall(b"run\n")
+            assert here.heard(line, 1) == ["run"]
+
+
+def test_a_crowd_at_the_door_is_cut_off_and_the_clients_are_still_served(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr("trainer.io.server.LAST_WORDS", PATIENCE)
+    with desk() as here, ExitStack() as guests:
+        far, line = guest(here, guests)
+        for _ in range(ROOM - 1):
+            guest(here, guests)
+        crowd = [
+            guests.enter_context(
+                socket.create_connection(("127.0.0.1", here.port), timeout=PATIENCE)
+            )
+            for _ in range(100)
+        ]
+
+        assert sum(late.recv(100) != b"" for late in crowd) == TURNED_AWAY
+        far.sendall(b"run\n")
+        assert here.heard(line, 1) == ["run"]
+        assert here.hub.newcomers() == []
+
+
+def test_a_page_in_a_browser_gives_no_orders() -> None:
+    with desk() as here, client(here) as (far, line):
+        far.sendall(b"POST /" + b"x" * 100 + b" HTTP/1.1\r\nHost: localhost\r\n\r\nblow all\r\n")
+
+        assert here.wait(lambda: line.ended)
+        assert line.take(10) == []
+        assert line.trouble == "a web browser, not a station"
+
+
+def test_a_system_without_room_for_a_connection_is_asked_again_later(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr("trainer.io.server.DEAF", 0.02)
+    asked: list[float] = []
+
+    class Full:
+        """A door that the system opens at the third knock."""
+
+        def __init__(self, door: socket.socket) -> None:
+            self.door, self.left = door, 2
+
+        def fileno(self) -> int:
+            return self.door.fileno()
+
+        def settimeout(self, seconds: float) -> None:
+            self.door.settimeout(seconds)
+
+        def getsockname(self) -> tuple[str, int]:
+            return self.door.getsockname()  # type: ignore[no-any-return]
+
+        def close(self) -> None:
+            self.door.close()
+
+        def accept(self) -> tuple[socket.socket, tuple[str, int]]:
+            asked.append(time.monotonic())
+            if self.left:
+                self.left -= 1
+                raise OSError(24, "Too many open files")
+            return self.door.accept()
+
+    real = server_module.listen_at
+    monkeypatch.setattr("trainer.io.server.listen_at", lambda *at: Full(real(*at)))
+    with desk() as here, client(here) as (far, line):
+        far.sendall(b"run\n")
+        assert here.heard(line, 1) == ["run"]
+    first, second, third = asked
+    assert min(second - first, third - second) > 0.019
+
+
+def test_a_closed_hub_has_sent_everything_and_leaves_no_thread_and_no_descriptor(
+    tmp_path: Path,
+) -> None:
+    def descriptors() -> int:
+        own = Path("/proc/self/fd")
+        return len(list(own.iterdir())) if own.exists() else 0
+
+    before, threads = descriptors(), set(threading.enumerate())
+    here = Desk()
+    if hasattr(socket, "AF_UNIX"):
+        here.hub.listen_here(tmp_path / "session")
+    with client(here) as (far, line), client(here):
+        for i in range(200):
+            line.send(f"line {i}")
+        reading = threading.Thread(target=lambda: far.recv(1) and far.close())  # type: ignore[func-returns-value]
+        reading.start()
+        here.hub.close(0.5)
+        reading.join(PATIENCE)
+
+    assert set(threading.enumerate()) == threads
+    assert descriptors() == before
+    assert not (tmp_path / "session").exists()
+    assert line.ended
+    line.send("after the end")
+    line.close(0.0)
+    with pytest.raises(ConnectionRefusedError):
+        socket.create_connection(("127.0.0.1", here.port), timeout=PATIENCE)
+
+
+def test_a_hub_that_closes_gets_out_what_is_queued() -> None:
+    here = Desk()
+    with client(here) as (far, line):
+        said = 0
+        while select.select([], [line], [], 0.1)[1]:  # until the client's side is full too
+            said += 1
+            line.send(f"{said:060d}")
+        for _ in range(100):
+            line.send("last")
+        said, dropped = said + 100, line.dropped
+        closing = threading.Thread(target=here.hub.close, args=(PATIENCE,))
+        closing.start()
+
+        data = b""
+        while more := far.recv(65536):
+            data += more
+        far.close()
+        closing.join(PATIENCE)
+        assert len(data.split()) == said - dropped
+        assert line.dropped == dropped
+
+
+# Where it listens
+
+
+def test_a_port_in_use_is_told_with_the_next_step() -> None:
+    with desk() as here, pytest.raises(LinkError, match=f"127.0.0.1:{here.port}: in use already"):
+        here.hub.listen("127.0.0.1", here.port)
+
+
+@pytest.mark.parametrize(
+    ("host", "port", "reason"),
+    [
+        ("127.0.0.1", 65536, "a port is 1 to 65535, or 0"),
+        ("127.0.0.1", -1, "a port is 1 to 65535, or 0"),
+        ("no.such.host.invalid", 0, "no such host; say 127.0.0.1"),
+        ("a" * 70 + ".example", 0, "no such host"),
+        ("203.0.113.7", 0, "not an address of this machine"),
+    ],
+)
+def test_an_impossible_place_to_listen_is_told(host: str, port: int, reason: str) -> None:
+    with pytest.raises(LinkError, match=reason):
+        server_module.listen_at(host, port)
+
+
+@needs_local
+def test_a_local_socket_carries_lines_for_its_owner_only(tmp_path: Path) -> None:
+    path = tmp_path / "session"
+    with desk() as here:
+        here.hub.listen_here(path)
+        assert path.stat().st_mode & 0o777 == 0o600
+        with socket.socket(socket.AF_UNIX) as far:
+            far.settimeout(PATIENCE)
+            far.connect(str(path))
+            (line,) = here.arrivals(1)
+            far.sendall(b"run\n")
+            assert here.heard(line, 1) == ["run"]
+            line.send("running")
+            assert read_lines(far, 1) == [b"running"]
+            assert line.name == "local 1"
+    assert not path.exists()
+
+
+@needs_local
+def test_the_socket_of_a_dead_session_is_replaced_and_that_of_a_live_one_refused(
+    tmp_path: Path,
+) -> None:
+    path = tmp_path / "session"
+    dead = socket.socket(socket.AF_UNIX)
+    dead.bind(str(path))
+    dead.listen()
+    dead.close()
+
+    with desk() as here, desk() as other:
+        here.hub.listen_here(path)
+        with pytest.raises(LinkError, match="a session listens there; attach to it, or give"):
+            other.hub.listen_here(path)
+        with socket.socket(socket.AF_UNIX) as far:
+            far.connect(str(path))
+            assert here.arrivals(2)  # the knock of the other, and this
+
+
+@needs_local
+def test_a_socket_that_another_session_has_taken_over_is_left_to_it(tmp_path: Path) -> None:
+    path = tmp_path / "session"
+    with desk() as here:
+        here.hub.listen_here(path)
+        path.unlink()
+        path.write_text("another's")
+
+    assert path.read_text() == "another's"
+
+
+@needs_local
+@pytest.mark.parametrize(
+    ("name", "reason"),
+    [
+        ("file", "is there and is no socket; give another path"),
+        ("missing/session", "no such folder; make it, or give another path"),
+        ("x" * 120, "too long for a socket; give a shorter one"),
+    ],
+)
+def test_an_impossible_path_is_told(tmp_path: Path, name: str, reason: str) -> None:
+    (tmp_path / "file").write_text("")
+
+    with pytest.raises(LinkError, match=reason):
+        server_module.listen_here(tmp_path / name)
+    assert (tmp_path / "file").exists()
+
+
+def test_a_system_without_local_sockets_says_so(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    monkeypatch.delattr(socket, "AF_UNIX", raising=False)
+
+    with pytest.raises(LinkError, match=r"no local sockets; listen at 127.0.0.1"):
+        server_module.listen_here(tmp_path / "session")
+    with pytest.raises(LinkError, match=r"no local sockets; say tcp://HOST:PORT"):
+        dial(f"local:{tmp_path}", threading.Event())
+
+
+# The far end
+
+
+@contextmanager
+def dialled(url: str) -> Iterator[tuple[Line, threading.Event]]:
+    arrived = threading.Event()
+    line = dial(url, arrived)
+    try:
+        yield line, arrived
+    finally:
+        line.close(1.0)
+
+
+def test_a_client_dials_a_port_and_a_long_line_reaches_it_whole() -> None:
+    threads = set(threading.enumerate())
+    with desk() as here:
+        for scheme in ("tcp", "socket"):
+            with dialled(f"{scheme}://127.0.0.1:{here.port}") as (far, arrived):
+                (line,) = here.arrivals(1)
+                far.send("subscribe diving")
+                assert here.heard(line, 1) == ["subscribe diving"]
+                line.send("$TRS," + 1000 * "x")
+                assert arrived.wait(PATIENCE)
+                assert here.heard(far, 1) == ["$TRS," + 1000 * "x"]
+            assert here.wait(lambda line=line: line.ended)  # type: ignore[misc]
+    assert set(threading.enumerate()) == threads
+
+
+def test_a_client_hears_that_the_session_is_gone() -> None:
+    with desk() as here, dialled(f"tcp://127.0.0.1:{here.port}") as (far, _):
+        (line,) = here.arrivals(1)
+        line.send("ending")
+        line.close(PATIENCE)
+        assert here.heard(far, 1) == ["ending"]
+        assert here.wait(lambda: far.ended)
+        assert far.trouble == ""
+
+
+@needs_local
+@pytest.mark.parametrize("prefix", ["", "local:"])
+def test_a_client_dials_a_local_socket(tmp_path: Path, prefix: str) -> None:
+    with desk() as here:
+        here.hub.listen_here(tmp_path / "session")
+        with dialled(f"{prefix}{tmp_path / 'session'}") as (far, _):
+            (line,) = here.arrivals(1)
+            far.send("run")
+            assert here.heard(line, 1) == ["run"]
+
+
+@pytest.mark.parametrize(
+    ("url", "reason"),
+    [
+        ("tcp://127.0.0.1:{free}", "no session listens there; start one with trainer serve"),
+        ("tcp://127.0.0.1:99999", "a port is 1 to 65535"),
+        ("tcp://127.0.0.1", r"say tcp://HOST:PORT"),
+        ("tcp://no.such.host.invalid:1", "no such host; 127.0.0.1 is this machine"),
+        ("/no/such/session", "no session listens there; start one with trainer serve"),
+        ("sokcet://localhost:1", "did you mean socket"),
+    ],
+)
+def test_a_session_that_cannot_be_reached_is_told_with_the_next_step(url: str, reason: str) -> None:
+    with socket.create_server(("127.0.0.1", 0)) as server:
+        free = server.getsockname()[1]
+    with pytest.raises(LinkError, match=reason) as caught:
+        dial(url.format(free=free), threading.Event())
+
+    assert str(caught.value).startswith(url.format(free=free))
+
+
+@needs_local
+def test_a_dead_local_socket_is_told(tmp_path: Path) -> None:
+    dead = socket.socket(socket.AF_UNIX)
+    dead.bind(str(tmp_path / "session"))
+    dead.close()
+
+    with pytest.raises(LinkError, match="no session listens there"):
+        dial(str(tmp_path / "session"), threading.Event())
+
+
+# Serial lines and terminals as lines
+
+
+@needs_pty
+def test_a_serial_line_is_a_line_whose_losses_are_counted() -> None:
+    import tty  # noqa: PLC0415  absent where there are no pseudo-terminals
+
+    near, far = os.openpty()
+    tty.setraw(far)
+    wake = threading.Event()
+    line = over_serial("panel", SerialLine(os.ttyname(far)), wake, LONGEST)
+    os.close(far)
+    os.write(near, b"rudder left 15\rrun\r" + b"x" * 81)
+    assert wake.wait(PATIENCE)
+    with desk() as here:
+        assert here.heard(line, 1) == ["rudder left 15"]
+        assert here.heard(line, 2) == ["run", Overlong(LONGEST)]
+        line.send("state")
+        assert os.read(near, 100) == b"state\r\n"
+
+        os.close(near)  # unplugged
+        line.send("lost")
+        line.send("lost")
+        assert here.wait(lambda: line.dropped == 2)
+        assert not line.ended
+        line.close(1.0)
+        assert line.ended
+
+
+def test_a_line_that_hears_nothing_has_ended_and_still_speaks() -> None:
+    said: list[bytes] = []
+    line = Joined("printer", None, Direct(said.append, b"\n"))
+
+    line.send("depth 80")
+    assert line.take(10) == []
+    line.close(0.0)
+    assert line.ended
+    assert said == [b"depth 80\n"]

@@ -1,0 +1,606 @@
+"""Time wound back: every way leads to the bits of a run that was never wound back."""
+
+import contextlib
+import math
+import threading
+from collections import deque
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from trainer.boat.boat import Boat
+from trainer.boat.casualties import active
+from trainer.config.files import remembering
+from trainer.io.recording.recording import Recording
+from trainer.io.tables import COLUMNS, NoFile
+from trainer.session.header import header_of, layout_of
+from trainer.session.history import History
+from trainer.session.options import RunOptions
+from trainer.session.plan import plan_run
+from trainer.session.replay import replay_anyway
+from trainer.session.resume import bring_up
+from trainer.session.session import Session
+from trainer.session.stations.access import Door
+from trainer.session.stations.station import Station
+from trainer.session.stations.subscriptions import Subscription
+from trainer.session.stations.view import Pace
+from trainer.session.time.pacer import MonotonicClock, Policy
+from trainer.session.time.timekeeping import Timekeeping
+
+STEP = 0.5  # [s]
+LAST = 160  # tick
+STOP = 100  # tick at which the exercise freezes time
+# A sea, noisy gauges, a ramp, a flooding, a trigger, tanks at work, the autopilot.
+EXERCISE = """
+schema = "exercise/1"
+name = "All at once"
+briefing = "A sea, things that break, and everything automatic."
+sea = "sea-state-5"
+seed = 23
+
+[initial]
+depth_m = 40
+speed_kn = 8
+
+[[orders]]
+at_s = 7.2
+order = "course right 60"
+
+[[orders]]
+at_s = 12.5
+order = "pump trim forward 3 t"
+
+[[orders]]
+at_s = 50
+order = "freeze"
+
+[[orders]]
+at_s = 61
+order = "sea state 3"
+
+[[casualties]]
+at_s = 5
+name = "depth-gauge-noisy"
+
+[[casualties]]
+at_s = 10
+name = "flooding-aft"
+severity = 0.2
+ramp_s = 25
+
+[[casualties]]
+when = "depth > 41"
+name = "rudder-slow"
+"""
+ENTRIES = 6  # of its schedule
+# What the instructor orders besides, and at which ticks.
+GIVEN = {
+    0: ["depth 60"],
+    30: ["flood auxiliary 2 t", "casualty gyro-noisy 2 ramp 9"],
+    44: ["hover on", "freeze tanks", "release tanks"],
+    110: ["drain aft", "clear flooding-aft", "speed 40"],
+    130: ["rudder left 10", "hover off"],
+}
+
+Lines = Iterator[str]
+
+
+@dataclass
+class Bridge:
+    """The instructor's line: what is typed comes from the test, each line once the last is done."""
+
+    typed: Lines = field(default_factory=lambda: iter(()))
+    wake: threading.Event = field(default_factory=threading.Event)
+    heard: list[str] = field(default_factory=list)
+    troubles: deque[str] = field(default_factory=deque)
+    shown: Callable[[int, bytes, Pace], None] = lambda _tick, _state, _pace: None
+    name: str = "bridge"
+    trouble: str = ""
+    dropped: int = 0
+    ended: bool = False
+
+    def take(self, _most: int) -> list[str]:
+        self.wake.set()
+        return [next(self.typed, "quit")]
+
+    def send(self, line: str) -> None:
+        self.heard.append(line)
+
+    def close(self, patience: float) -> None:
+        del patience
+
+    def offer(self, tick: int, state: bytes, pace: Pace) -> None:
+        self.shown(tick, state, pace)
+
+    def add(self, subscription: Subscription) -> None:
+        del subscription
+
+    def strike(self, subscription: Subscription) -> None:
+        del subscription
+
+
+class Ship:
+    """A session of the exercise, recorded, frozen at its start."""
+
+    def __init__(self, exercise: Path) -> None:
+        options = RunOptions(
+            exercise=str(exercise), equations="full", given=frozenset(("equations",))
+        )
+        with remembering() as texts:
+            self.plan = plan_run(options)
+        self.boat = self.new_boat()
+        header = header_of(options, texts, self.boat)
+        self.recording = Recording.create(None, header, self.state)
+        self.history = History(self.boat, self.recording)
+        self.bridge = Bridge()
+        time = Timekeeping.at(MonotonicClock(), STEP, math.inf, Policy.CATCH_UP)
+        self.session = Session(
+            *(self.boat, time, self.history, NoFile(), COLUMNS, self.bridge),
+            schedule=self.plan.schedule,
+            wake=self.bridge.wake,
+        )
+        self.session.board.stations.append(
+            Station(self.bridge, Door("instructor"), self.bridge, self.session.board.log)  # type: ignore[arg-type]
+        )
+
+    def new_boat(self) -> Boat:
+        boat = Boat(self.plan.file, self.plan.method)
+        self.plan.start(boat)
+        return boat
+
+    def sail(self, typed: Lines) -> None:
+        """Run the session, frozen at first, on what is typed; then quit."""
+        self.bridge.typed = typed
+        self.bridge.wake.set()
+        with np.errstate(all="ignore"):
+            self.session.run(frozen=True)
+
+    @property
+    def state(self) -> bytes:
+        return self.boat.records.state.tobytes()
+
+    @property
+    def tick(self) -> int:
+        return int(self.boat.state.tick)
+
+    @property
+    def frozen(self) -> bool:
+        return self.session.time.frozen
+
+    def flown(self) -> list[bytes]:
+        """Return the states at the ends of all ticks that led to the present."""
+        every = list(self.recording.flown(self.recording.branch))
+        assert [each.tick for each in every] == list(range(len(every)))
+        return [each.state for each in every]
+
+    def said(self, words: str) -> str:
+        """Return the last line that was said with these words."""
+        return next(line for line in reversed(self.bridge.heard) if words in line)
+
+
+@pytest.fixture(scope="module")
+def exercise(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    path = tmp_path_factory.mktemp("wound") / "all.toml"
+    path.write_text(EXERCISE)
+    return path
+
+
+@pytest.fixture
+def ship(exercise: Path) -> Iterator[Ship]:
+    made = Ship(exercise)
+    with contextlib.closing(made.recording):
+        yield made
+
+
+def onward(ship: Ship, until: int) -> Lines:
+    """Yield what brings the ship on to a tick, with the orders of the ticks on the way."""
+    while ship.tick < until:
+        yield from GIVEN.get(ship.tick, [])
+        following = min([tick for tick in GIVEN if tick > ship.tick] + [until])
+        yield f"step {min(following, until) - ship.tick}"
+
+
+def wait(happened: Callable[[], object]) -> Lines:
+    """Yield blank lines, a tick after each while time runs, until it has happened."""
+    while not happened():
+        yield ""
+
+
+@pytest.fixture(scope="module")
+def plain(exercise: Path) -> list[bytes]:
+    """Return the states of the run that is never wound back."""
+    ship = Ship(exercise)
+    with contextlib.closing(ship.recording):
+        ship.sail(onward(ship, LAST))
+        s = ship.boat.state
+        assert s.flood_aft > 100.0
+        assert s.casualty_amount.any()
+        assert "rudder-slow" in [each.kind for each in active(ship.boat)]
+        assert s.sea_height > 1.0
+        assert not s.stern_by_hand
+        return ship.flown()
+
+
+# The ways; each comes to the last tick in the end
+
+
+def snapshot_and_restore(ship: Ship) -> Lines:
+    yield from onward(ship, 50)
+    yield "snapshot middle"
+    yield from onward(ship, 120)
+    yield "restore middle"
+
+
+def restore_in_a_replay(ship: Ship) -> Lines:
+    yield from snapshot_and_restore(ship)
+    yield from onward(ship, 90)
+    yield "replay 30 s"
+    yield from wait(lambda: ship.tick > 60)
+    yield "restore middle"
+
+
+def restore_from_another_branch(ship: Ship) -> Lines:
+    yield from onward(ship, 80)
+    yield "snapshot other"
+    yield "backtrack 20 s"
+    yield "rudder right 20"
+    yield "step 70"
+    yield "restore other"
+
+
+def backtrack(ship: Ship) -> Lines:
+    yield from onward(ship, 120)
+    yield "backtrack 47.2 s"  # a tick further than 47 s: not later than asked for
+    assert ship.tick == 25  # where the schedule has an entry
+
+
+def backtrack_over_a_branch_point(ship: Ship) -> Lines:
+    yield from onward(ship, 100)
+    yield "backtrack 20 s"
+    yield from onward(ship, 80)
+    yield "backtrack 30 s"
+    assert ship.tick == 20
+
+
+def backtrack_in_a_replay(ship: Ship) -> Lines:
+    yield from onward(ship, 90)
+    yield "replay 30 s"
+    yield from wait(lambda: ship.tick > 60)
+    yield "backtrack 20 s"
+    assert ship.tick < 30
+
+
+def reset(ship: Ship) -> Lines:
+    yield from onward(ship, 75)
+    yield "reset"
+    assert ship.tick == 0
+
+
+def replay_to_its_end(ship: Ship) -> Lines:
+    yield from onward(ship, 90)
+    yield "replay 23 s"  # from tick 44, where orders were given
+    yield from wait(lambda: not ship.history.rerun)
+    assert (ship.tick, ship.frozen) == (90, True)
+
+
+def replay_over_a_branch_point(ship: Ship) -> Lines:
+    yield from backtrack_over_a_branch_point(ship)
+    yield from onward(ship, 60)
+    yield "replay 1 min"
+    assert "replay from 0 s to 30 s" in ship.bridge.heard[-1]
+    yield from wait(lambda: not ship.history.rerun)
+    assert ship.tick == 60
+
+
+def take_over(ship: Ship) -> Lines:
+    yield from onward(ship, 120)
+    yield "replay 1 min"
+    yield from wait(lambda: ship.tick == 44)
+    yield "freeze"
+    assert ship.tick == 44
+    yield "take over"
+
+
+def take_over_before_the_branch_point(ship: Ship) -> Lines:
+    yield from onward(ship, 100)
+    yield "backtrack 20 s"
+    yield from onward(ship, 80)
+    yield "replay 40 s"
+    yield "freeze"
+    yield f"step {20 - ship.tick}"
+    assert ship.tick == 20
+    yield "take over"
+
+
+def replay_anew_in_a_replay(ship: Ship) -> Lines:
+    yield from onward(ship, 90)
+    yield "replay 20 s"
+    yield from wait(lambda: ship.tick > 70)
+    yield "replay 30 s"
+    yield from wait(lambda: not ship.history.rerun)
+    assert ship.tick == 90
+
+
+def run_at_other_speeds(ship: Ship) -> Lines:
+    yield from onward(ship, 45)
+    yield from ("time 100", "run")
+    yield from wait(lambda: ship.tick > 60)
+    yield "time max"
+    yield from wait(lambda: ship.tick > 80)
+    yield "time x50"
+    yield from wait(lambda: ship.frozen)
+    assert ship.tick == STOP  # by the exercise
+    yield "time 0.1"
+
+
+def freeze_and_step(ship: Ship) -> Lines:
+    yield from onward(ship, 45)
+    for _ in range(5):
+        yield from ("run", "", "freeze", "step 2", "freeze", "")
+
+
+def partial_freezes_released_at_once(ship: Ship) -> Lines:
+    yield from onward(ship, 70)
+    yield from ("freeze depth", "freeze position", "freeze tanks", "release all")
+
+
+def partial_freezes_wound_back(ship: Ship) -> Lines:
+    yield from onward(ship, 70)
+    yield from ("freeze depth", "freeze tanks", "step 9", "release depth", "freeze position")
+    yield from ("step 9", "snapshot held", "release all", "step 9", "restore held")
+    assert [ship.boat.state[f"held_{part}"] for part in ("depth", "position", "tanks")] == [0, 1, 1]
+    yield "backtrack 9 s"
+
+
+def numbers_lost(ship: Ship) -> Lines:
+    yield from onward(ship, 70)
+    ship.boat.state.x = math.inf
+    yield "step 5"
+    assert "out of all bounds" in ship.session.desk.failure
+    yield "run"
+    assert "this boat cannot go on" in ship.bridge.heard[-1]
+    yield "backtrack 2 s"
+    assert (ship.tick, ship.session.desk.failure) == (66, "")
+
+
+WAYS = (
+    snapshot_and_restore,
+    restore_in_a_replay,
+    restore_from_another_branch,
+    backtrack,
+    backtrack_over_a_branch_point,
+    backtrack_in_a_replay,
+    reset,
+    replay_to_its_end,
+    replay_over_a_branch_point,
+    take_over,
+    take_over_before_the_branch_point,
+    replay_anew_in_a_replay,
+    run_at_other_speeds,
+    freeze_and_step,
+    partial_freezes_released_at_once,
+    partial_freezes_wound_back,
+    numbers_lost,
+)
+
+
+@pytest.mark.parametrize("way", WAYS, ids=lambda way: way.__name__)
+def test_every_way_leads_to_the_bits_of_the_plain_run(
+    ship: Ship, plain: list[bytes], way: Callable[[Ship], Lines]
+) -> None:
+    def typed() -> Lines:
+        yield from way(ship)
+        yield from onward(ship, LAST)
+
+    ship.sail(typed())
+
+    assert ship.flown() == plain
+    assert [
+        str(flight.parting) for flight in replay_anyway(ship.recording) if not flight.same
+    ] == []
+    told = [line for line in ship.bridge.heard if line.startswith("replay over")]
+    assert all("the same to the last bit" in line for line in told)
+    # what the schedule says has been given once, in what led to the present
+    orders = ship.recording.orders(ship.recording.branch)
+    assert [each.place for each in orders if each.place is not None] == list(range(ENTRIES))
+
+
+# What is kept of it
+
+
+def test_a_run_wound_back_keeps_every_branch_as_it_was(ship: Ship, plain: list[bytes]) -> None:
+    def typed() -> Lines:
+        yield from onward(ship, 120)
+        yield from ("snapshot late", "backtrack 30 s", "rudder right 20", "step 9")
+        yield from ("restore late", "step 3", "replay 5 s", "freeze", "take over", "reset")
+
+    ship.sail(typed())
+
+    first, *later = ship.recording.branches()
+    assert [state for _, state in ship.recording.states(first.id)] == plain[:121]
+    assert [(each.parent, each.why.partition(",")[0]) for each in later] == [
+        (1, "backtrack 30 s"),
+        (1, "restore late"),
+        (1, "take over"),  # before the branch point
+        (1, "reset"),
+    ]
+    assert [each.tick for each in later] == [60, 120, pytest.approx(113, abs=1), 0]
+    assert [len(list(ship.recording.states(each.id))) - 1 for each in later] == [9, 3, 0, 0]
+    assert all(flight.same for flight in replay_anyway(ship.recording))
+    kinds = {each.kind for each in ship.recording.events()}
+    assert {"moment", "exercise", "time"} <= kinds
+
+
+def test_a_moment_has_the_orders_given_in_its_freeze_before_it_and_no_later_ones(
+    ship: Ship,
+) -> None:
+    def typed() -> Lines:
+        yield from ("step 20", "rudder left 7", "snapshot here", "rudder right 9", "step 5")
+        yield "restore here"
+        assert ship.boat.state.ordered_r * ship.boat.toward["rudder"] < 0.0
+        yield from ("step 5", "backtrack 2.5 s")  # to where the branch begins, orders and all
+        assert ship.boat.state.ordered_r * ship.boat.toward["rudder"] < 0.0
+        yield "backtrack 0.5 s"
+        assert not ship.boat.state.rudder_by_hand
+        yield from ("reset", "depth 90", "snapshot deep", "step 5", "restore deep", "step 2")
+        yield "reset"  # to how the exercise begins
+        assert ship.boat.state.ordered_depth == 40.0
+
+    ship.sail(typed())
+
+    assert all(flight.same for flight in replay_anyway(ship.recording))
+
+
+def test_a_replay_over_orders_given_in_a_freeze_is_the_same_to_the_bit(ship: Ship) -> None:
+    def typed() -> Lines:
+        yield from ("step 20", "rudder left 7", "snapshot here", "step 5", "restore here")
+        yield from ("step 5", "replay 10 s")
+        yield from wait(lambda: not ship.history.rerun)
+
+    ship.sail(typed())
+
+    assert ship.said("replay over").endswith("the same to the last bit; run goes on from here")
+
+
+def test_nothing_is_ordered_in_a_replay_and_no_tick_of_it_is_kept_twice(ship: Ship) -> None:
+    def typed() -> Lines:
+        yield from onward(ship, 60)
+        yield from ("backtrack 10 s", "step 20", "replay 20 s", "rudder right 5")
+        assert "a replay is running: take over first" in ship.bridge.heard[-1]
+        yield from wait(lambda: not ship.history.rerun)
+
+    ship.sail(typed())
+
+    assert "take over first" in ship.said("? a replay")
+    branch = ship.recording.branch
+    kept = [tick for tick, _ in ship.recording.states(branch)]
+    assert kept == list(range(40, 61))
+    assert [tick for tick, _, _ in ship.recording.ledger(branch)] == kept[1:]
+
+
+# Anything at all
+
+FREE = (
+    "depth 55",
+    "course left 40",
+    "speed 12",
+    "rudder left 10",
+    "autopilot on",
+    "stern planes rise 5",
+    "casualty stern-slow 0.5 ramp 6",
+    "casualty depth-gauge-noisy 2",
+    "casualty flooding-centre 0.1 ramp 3",
+    "clear all",
+    "sea state 6",
+    "sea calm",
+    "flood auxiliary 3 t",
+    "hover on",
+    "blow forward",
+    "vent all open",
+    "compressor on",
+    "freeze depth",
+    "freeze tanks",
+    "release all",
+    "speed 50",
+)
+TYPED = st.one_of(
+    st.integers(1, 40).map(lambda count: f"step {count}"),
+    st.sampled_from(FREE),
+    st.sampled_from(("snapshot", "snapshot", "restore s1", "restore s2", "restore s3")),
+    st.integers(1, 80).map(lambda halves: f"backtrack {0.5 * halves:g}"),
+    st.integers(1, 80).map(lambda halves: f"replay {0.5 * halves:g}"),
+    st.sampled_from(("freeze", "run", "reset", "take over", "", "", "")),
+)
+
+
+class Witness:
+    """What has been seen of the states, by one who knows nothing of branches and recordings."""
+
+    def __init__(self, ship: Ship) -> None:
+        self.ship = ship
+        self.first = {0: ship.state}
+        self.past = dict(self.first)  # at the end of each tick of the present run
+        self.mixed: set[int] = set()  # where that may include orders of the tick itself
+        self.kept: dict[str, dict[int, bytes]] = {}
+        self.left = b""  # where a replay has to arrive
+        self.shown = 0  # tick
+        ship.bridge.shown = self.see
+
+    def see(self, tick: int, state: bytes, pace: Pace) -> None:
+        """Take the state at the end of a new tick, or check it in a replay."""
+        if not pace.replaying and tick == max(self.past) + 1:
+            self.past[tick] = state
+        elif pace.replaying and tick != self.shown and tick not in self.mixed:
+            assert state == self.past[tick]
+        self.shown = tick
+
+    def typed(self, lines: list[str]) -> Lines:
+        """Yield the lines, and check after each what it has done."""
+        for line in lines:
+            tick, state, said = self.ship.tick, self.ship.state, len(self.ship.bridge.heard)
+            replaying = self.ship.history.rerun is not None
+            if line == "take over" and replaying:
+                self.past, self.left = self.upto(tick) | {tick: state}, b""
+                self.mixed.add(tick)
+            yield f"snapshot s{len(self.kept) + 1}" if line == "snapshot" else line
+            if not any(each.startswith("? ") for each in self.ship.bridge.heard[said:]):
+                self.done(line, tick, state, again=replaying)
+            self.replayed()
+
+    def replayed(self) -> None:
+        """Check that a replay shows what has been, and arrives where it was begun."""
+        if self.ship.history.rerun is None and self.left:
+            assert self.ship.state == self.left
+            assert self.ship.frozen
+            self.left = b""
+
+    def done(self, line: str, tick: int, state: bytes, *, again: bool) -> None:
+        """Check what an order about moments has done, and do it to what was seen."""
+        word, _, rest = line.partition(" ")
+        if word == "snapshot":
+            self.kept[f"s{len(self.kept) + 1}"] = self.upto(tick) | {tick: state}
+            self.mixed.add(tick)
+        elif word == "restore":
+            self.back(dict(self.kept[rest]))
+        elif word == "backtrack":
+            self.back(self.upto(max(tick - round(float(rest) / STEP), 0)))
+        elif word == "reset":
+            self.back(dict(self.first))
+        elif word == "replay" and not again:
+            self.left = state
+
+    def upto(self, tick: int) -> dict[int, bytes]:
+        return {each: state for each, state in self.past.items() if each <= tick}
+
+    def back(self, past: dict[int, bytes]) -> None:
+        """Check that the ship has gone back to the end of a past, and take it for the present."""
+        assert self.ship.tick == max(past)
+        assert self.ship.state == past[max(past)]
+        self.past, self.left = past, b""
+
+
+@settings(deadline=None, max_examples=100, suppress_health_check=[HealthCheck.too_slow])
+@given(st.lists(TYPED, max_size=40))
+def test_whatever_an_instructor_does_is_recorded_so_that_it_can_be_flown_again(
+    exercise: Path, lines: list[str]
+) -> None:
+    ship = Ship(exercise)
+    with contextlib.closing(ship.recording):
+        ship.sail(Witness(ship).typed(lines))
+
+        flights = replay_anyway(ship.recording)
+        assert [each for each in flights if not each.same] == []
+        assert not [line for line in ship.bridge.heard if "left its recording" in line]
+        places = [each.place for each in ship.recording.orders(ship.recording.branch)]
+        assert sorted(set(places) - {None}) == [each for each in places if each is not None]  # type: ignore[type-var]
+        end = ship.state if ship.history.rerun is None else ship.history.rerun.end.state
+        boat = ship.new_boat()
+        header = ship.recording.header()
+        history = bring_up(ship.recording, ship.plan, boat, layout_of(header))
+        assert boat.records.state.tobytes() == end
+        assert (history.after, history.place) >= (0, 0)

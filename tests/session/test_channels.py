@@ -1,0 +1,456 @@
+"""What the channels show: the gauges to the stations, the truth to the instructor."""
+
+import math
+from collections.abc import Callable
+
+import pytest
+from helpers.places import ROOT
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from trainer.boat import casualties
+from trainer.boat.boat import PLACES, Boat
+from trainer.core.state import STATE
+from trainer.io.orders.sentences import read
+from trainer.session.stations.channels import CHANNELS, TELETYPE, tables
+from trainer.session.stations.display import Display, Sentences, Teletype, Words, panel
+from trainer.session.stations.roles import PANELS, ROLES
+from trainer.session.stations.subscriptions import display
+from trainer.session.stations.view import Frame, Lookout, Pace, Picture
+from trainer.session.time.ledger import Ledger, Summary
+
+KNOT = 1852.0 / 3600.0
+DEGREE = math.pi / 180.0
+STATIONS = sorted({c for r in ROLES.values() if r.name != "instructor" for c in r.channels})
+OBSERVER = ROLES["observer"]
+RUNNING = Pace()
+
+# What a station may see of the state beside the three gauges. Nothing else of it may show.
+SHOWN = (
+    *("tick", "phi", "theta", "delta_r", "delta_s", "delta_b", "u_c"),
+    *("ordered_depth", "ordered_psi", "ordered_speed", "ordered_u_c"),
+    *("ordered", "command", "command_u_c", "by_hand", "speed_by_hand"),
+    *("water", "bank", "vent", "blow", "negative_flood", "to_move", "drained"),
+    *("compressor", "hover", "held"),
+)
+# Those that decide what the gauges read are held still here: they are what the gauges test is for.
+GAUGES = ("casualty", "casualty_amount")
+
+
+@pytest.fixture(scope="module")
+def bb2(make_boat: Callable[..., Boat]) -> Boat:
+    """Return one BB2 for all tests; ``boat`` starts it afresh."""
+    return make_boat("bb2")
+
+
+@pytest.fixture
+def boat(bb2: Boat) -> Boat:
+    """Return a BB2 at 10 knots, 60 m and course 090, a minute on its way and turning."""
+    bb2.start(10.0 * KNOT, 60.0, math.pi / 2.0)
+    bb2.state.ordered_psi = 2.0
+    for _ in range(120):
+        assert bb2.tick() == 0
+    return bb2
+
+
+def lookout(boat: Boat) -> Lookout:
+    return Lookout(boat, Ledger(boat.method.step).summary)
+
+
+def frame_of(boat: Boat, pace: Pace = RUNNING) -> Frame:
+    state = boat.records.state
+    return lookout(boat).frame(Picture(int(boat.state.tick), state.tobytes(), pace))
+
+
+def values(frame: Frame, channel: str) -> dict[str, str]:
+    shown = CHANNELS[channel]
+    names = [field.name for field in shown.fields]
+    return dict(zip(names, shown.values(frame), strict=True))
+
+
+def everything_stations_get(frame: Frame) -> list[str]:
+    """Return the lines of every channel of every role but the instructor's, in every form."""
+    displays: list[Display] = [display(TELETYPE, OBSERVER, machine=False)]
+    for channel in STATIONS:
+        displays += [display(channel, OBSERVER, machine=machine) for machine in (False, True)]
+    lines = [line for each in displays for line in each.lines(frame)]
+    return [
+        *lines,
+        *(
+            line
+            for role in ROLES.values()
+            if role.name != "instructor"
+            for line in panel(role.channels, frame)
+        ),
+    ]
+
+
+def stick_gauges(boat: Boat) -> None:
+    for gauge in ("depth-gauge", "gyro", "log"):
+        assert isinstance(casualties.insert(boat, f"{gauge}-stuck"), str)
+    assert boat.tick() == 0
+
+
+@pytest.mark.parametrize("fault", ["stuck", "noisy", "biased"])
+@pytest.mark.parametrize(
+    ("gauge", "field"), [("depth-gauge", "depth"), ("gyro", "heading"), ("log", "speed")]
+)
+def test_a_casualty_of_a_gauge_shows_in_every_channel_that_has_it(
+    boat: Boat, gauge: str, field: str, fault: str
+) -> None:
+    # changed under the gauge, so that a stuck one differs too
+    severity = 1.0 if fault == "stuck" else 10.0
+    assert isinstance(casualties.insert(boat, f"{gauge}-{fault}", severity, 0.0), str)
+    assert boat.tick() == 0
+    boat.state.z += 7.0
+    boat.state.psi += 0.3
+    boat.state.u += 1.5
+    reading = casualties.readings(boat)
+    expected = {
+        "depth": reading.depth,
+        "heading": math.degrees(reading.heading) % 360.0,
+        "speed": reading.speed / KNOT,
+    }[field]
+
+    frame = frame_of(boat)
+
+    showing = [c for c in STATIONS if c in CHANNELS and field in values(frame, c) and c != "time"]
+    assert len(showing) >= 2
+    for channel in showing:
+        assert float(values(frame, channel)[field]) == pytest.approx(expected, abs=0.051)
+    truth = values(frame, "motion")[field]
+    assert abs(float(truth) - expected) > 0.2
+
+
+def test_the_teletype_of_a_station_shows_the_gauges_and_the_instructors_the_truth(
+    boat: Boat,
+) -> None:
+    stick_gauges(boat)
+    boat.state.z = 123.4
+    frame = frame_of(boat)
+
+    station = display(TELETYPE, ROLES["helm"], machine=False).lines(frame)[-1]
+    instructor = display(TELETYPE, ROLES["instructor"], machine=False).lines(frame)[-1]
+
+    assert f"{casualties.readings(boat).depth:.1f}>" in station
+    assert "123.4" not in station
+    assert "123.4>" in instructor
+
+
+@pytest.mark.parametrize("place", sorted(set(STATE.names or ()) - {"whole"}))
+def test_no_place_of_the_state_but_those_of_instruments_shows_at_a_station(
+    boat: Boat, place: str
+) -> None:
+    stick_gauges(boat)
+    before = everything_stations_get(frame_of(boat))
+    first = PLACES[place]
+    size = boat.records.state[place].size
+    whole = boat.records.state["whole"][0]
+    spared = {i for name in (*SHOWN, *GAUGES) for i in places(boat, name)}
+
+    for i in range(first, first + size):
+        if i not in spared:
+            whole[i] += 0.77
+
+    assert everything_stations_get(frame_of(boat)) == before
+
+
+def places(boat: Boat, name: str) -> range:
+    return range(PLACES[name], PLACES[name] + boat.records.state[name].size)
+
+
+@settings(deadline=None)
+@given(st.floats(-50.0, 50.0), st.floats(-3.0, 3.0), st.floats(-4.0, 4.0), st.floats(-1e3, 1e3))
+def test_two_states_with_the_same_readings_give_a_station_the_same_lines(
+    bb2: Boat, deeper: float, round_: float, faster: float, elsewhere: float
+) -> None:
+    bb2.start(10.0 * KNOT, 60.0, 1.0)
+    stick_gauges(bb2)
+    before = everything_stations_get(frame_of(bb2))
+    s = bb2.state
+
+    s.z, s.psi, s.u = s.z + deeper, s.psi + round_, s.u + faster
+    s.zdot, s.psidot, s.udot = deeper / 10.0, round_ / 10.0, faster / 10.0
+    s.x, s.y, s.weight = elsewhere, -elsewhere, s.weight + 100.0 * elsewhere
+
+    assert everything_stations_get(frame_of(bb2)) == before
+
+
+def test_a_biased_gauge_hides_the_depth_that_it_makes_up_for(boat: Boat) -> None:
+    assert isinstance(casualties.insert(boat, "depth-gauge-biased", 1.0), str)
+    assert boat.tick() == 0
+    before = everything_stations_get(frame_of(boat))
+
+    boat.state.z -= 4.0
+    boat.state.casualty_amount[0] += 4.0
+
+    assert everything_stations_get(frame_of(boat)) == before
+
+
+def test_a_frame_is_made_without_touching_the_boat(boat: Boat) -> None:
+    state, scratch = boat.records.state.copy(), boat.records.scratch.copy()
+    look = lookout(boat)
+    picture = Picture(int(boat.state.tick), boat.records.state.tobytes(), Pace())
+
+    for _ in range(3):
+        everything_stations_get(look.frame(picture))
+
+    assert boat.records.state.tobytes() == state.tobytes()
+    assert boat.records.scratch.tobytes() == scratch.tobytes()
+
+
+def test_a_frame_stays_what_it_was_when_the_boat_goes_on(boat: Boat) -> None:
+    frame = frame_of(boat)
+    before = everything_stations_get(frame)
+
+    for _ in range(20):
+        assert boat.tick() == 0
+
+    assert everything_stations_get(frame) == before
+
+
+def test_a_state_of_another_layout_is_told_from_this_cores(boat: Boat) -> None:
+    with pytest.raises(ValueError, match="a state of 16 bytes"):
+        lookout(boat).frame(Picture(0, b"\0" * 16, Pace()))
+
+
+def test_the_panels_show_what_is_ordered_who_steers_and_what_is_done(boat: Boat) -> None:
+    s = boat.state
+    s.rudder_by_hand, s.ordered_r = 1.0, boat.toward["rudder"] * -0.2
+    s.delta_r = boat.toward["rudder"] * -0.1
+    s.delta_s = boat.toward["stern"] * 0.15
+    s.speed_by_hand, s.ordered_u_c, s.u_c = 1.0, 15.0 * KNOT, 10.0 * KNOT
+    turns = boat.file.propulsion.rps_per_mps * 60.0 * KNOT  # [1/min] of a knot
+    frame = frame_of(boat)
+
+    steering, engine, diving = (values(frame, name) for name in ("steering", "engine", "diving"))
+
+    assert steering["ordered_course"] == ""
+    assert steering["rudder"] == f"{-0.1 / DEGREE:.1f}"  # left
+    assert steering["ordered_rudder"] == f"{-0.2 / DEGREE:.1f}"
+    assert steering["rudder_mode"] == "hand"
+    assert engine["bell"] == "ahead-full"
+    assert engine["rpm"] == f"{10.0 * turns:.1f}"
+    assert engine["ordered_rpm"] == f"{15.0 * turns:.1f}"
+    assert engine["ordered_speed"] == ""
+    assert diving["ordered_depth"] == "60.0"
+    assert diving["stern"] == f"{0.15 / DEGREE:.1f}"  # rise
+    assert diving["stern_mode"] == "auto"
+
+
+@pytest.mark.parametrize(
+    ("ordered", "bell"), [(0.0, "stop"), (-3.0 * KNOT, "astern-one-third"), (1.234, "")]
+)
+def test_the_bell_shown_is_the_one_whose_turns_are_ordered(
+    boat: Boat, ordered: float, bell: str
+) -> None:
+    boat.state.speed_by_hand, boat.state.ordered_u_c = 1.0, ordered
+
+    assert values(frame_of(boat), "engine")["bell"] == bell
+
+
+def test_tanks_air_and_valves_show_as_the_ballast_panel_has_them(boat: Boat) -> None:
+    s, c = boat.state, boat.vessel
+    s.water[4] = 0.25 * c.capacity[4]
+    s.water[8] = 12_345.0
+    s.bank[0] = 0.5 * c.bank_full[0]
+    s.vent_mid, s.blow_aft, s.negative_flood, s.drained, s.hover = 1.0, 2.0, 1.0, 3.0, 1.0
+    s.move_trim = -2000.0
+    frame = frame_of(boat)
+
+    tanks, air, valves = (values(frame, name) for name in ("tanks", "air", "valves"))
+
+    assert tanks["trim_forward_full"] == "25.0"
+    assert tanks["flood_forward"] == "12.3"
+    assert tanks["moving_trim"] == "-2.0"
+    assert (tanks["draining"], tanks["hover"]) == ("aft", "on")
+    assert air["main_full"] == "50.0"
+    assert air["main"] == f"{0.5 * c.bank_full[0] * c.gas / c.bank_volume[0] / 1e6:.1f}"
+    assert (valves["vent_mid"], valves["vent_aft"]) == ("open", "shut")
+    assert (valves["blow_aft"], valves["negative_flood"]) == ("emergency", "open")
+
+
+def test_a_boat_without_tanks_planes_or_air_shows_nothing_for_them(
+    make_boat: Callable[..., Boat],
+) -> None:
+    boat = make_boat("remus100", step=0.1)
+    boat.start(3.0 * KNOT, 10.0, 0.0)
+    frame = frame_of(boat)
+
+    assert values(frame, "tanks")["forward"] == ""
+    assert values(frame, "air")["main"] == ""
+    assert not any("forward" in line for line in panel(("tanks",), frame))
+
+
+def test_the_instructor_sees_motion_with_the_rates_that_move_it_on(boat: Boat) -> None:
+    s = boat.state
+    motion = values(frame_of(boat), "motion")
+
+    assert motion["depth"] == f"{s.z:.2f}"
+    assert motion["north"] == f"{s.x:.1f}"
+    assert float(motion["turn_rate"]) == pytest.approx(math.degrees(s.psidot), abs=6e-4)
+    assert float(motion["east_rate"]) == pytest.approx(s.ydot, abs=6e-3)
+    assert abs(float(motion["turn_rate"])) > 0.01
+
+
+def test_what_is_held_still_has_no_rate(boat: Boat) -> None:
+    boat.state.held_depth = boat.state.held_position = 1.0
+    frame = frame_of(boat)
+
+    motion = values(frame, "motion")
+
+    assert [motion[f"{name}_rate"] for name in ("depth", "north", "east")] == [
+        "0.000",
+        "0.00",
+        "0.00",
+    ]
+    assert values(frame, "time")["held"] == "depth+position"
+
+
+def test_the_instructor_sees_each_casualty_and_how_far_it_is(boat: Boat) -> None:
+    assert isinstance(casualties.insert(boat, "rudder-slow", 0.5, 10.0), str)
+    assert isinstance(casualties.insert(boat, "depth-gauge-stuck"), str)
+    for _ in range(10):
+        assert boat.tick() == 0
+    shown = values(frame_of(boat), "casualties")
+
+    assert shown["casualty_1"] == "rudder-slow"
+    assert float(shown["casualty_1_amount"]) == pytest.approx(0.25)
+    assert (shown["casualty_1_target"], shown["casualty_1_left"]) == ("0.50000", "5.0")
+    assert shown["casualty_2"] == "depth-gauge-stuck"
+    assert shown["casualty_3"] == shown["casualty_3_left"] == ""
+
+
+def test_a_casualty_being_cleared_is_on_its_way_to_nothing(boat: Boat) -> None:
+    assert isinstance(casualties.insert(boat, "flooding-aft", 1.0, 0.0), str)
+    assert boat.tick() == 0
+    assert isinstance(casualties.clear(boat, "flooding-aft"), str)
+    boat.state.casualty_ticks[0] = -8.0
+    shown = values(frame_of(boat), "casualties")
+
+    assert (shown["casualty_1_target"], shown["casualty_1_left"]) == ("0.00000", "4.0")
+
+
+def test_the_sea_is_shown_where_it_comes_from(boat: Boat) -> None:
+    s = boat.state
+    assert values(frame_of(boat), "sea")["from"] == ""
+    s.sea_height, s.sea_omega, s.sea_direction = 2.5, math.tau / 8.0, math.pi / 4.0
+
+    shown = values(frame_of(boat), "sea")
+
+    assert (shown["height"], shown["period"], shown["from"]) == ("2.50", "8.0", "225")
+
+
+@pytest.mark.parametrize(
+    ("pace", "expected"),
+    [
+        (Pace(), ("running", "1.0", "1", "no")),
+        (
+            Pace(frozen=True, speed=math.inf, branch=3, replaying=True),
+            ("frozen", "max", "3", "yes"),
+        ),
+    ],
+)
+def test_time_is_shown_as_it_runs(boat: Boat, pace: Pace, expected: tuple[str, ...]) -> None:
+    shown = values(frame_of(boat, pace), "time")
+
+    assert tuple(shown[name] for name in ("time", "speed", "branch", "replay")) == expected
+
+
+def test_the_ledger_is_asked_for_once_and_only_when_shown(boat: Boat) -> None:
+    asked = []
+    ledger = Ledger(0.5)
+    ledger.record(0, 1000, 5000)
+
+    def summary() -> Summary:
+        asked.append(1)
+        return ledger.summary()
+
+    picture = Picture(0, boat.records.state.tobytes(), Pace())
+    frame = Lookout(boat, summary).frame(picture)
+    everything_stations_get(frame)
+    assert not asked
+
+    shown = values(frame, "ledger")
+
+    assert len(asked) == 1
+    assert shown["ticks"] == "1"
+    assert shown["work_most"] == "5.0"
+
+
+def test_a_course_just_short_of_north_is_shown_as_north(boat: Boat) -> None:
+    boat.state.psi = math.radians(359.97)
+
+    assert values(frame_of(boat), "gauges")["heading"] == "0.0"
+
+
+def test_a_program_gets_names_and_units_once_and_then_values_in_their_order(boat: Boat) -> None:
+    shown = Sentences(CHANNELS["steering"])
+    frame = frame_of(boat)
+
+    first, second = shown.lines(frame), shown.lines(frame)
+
+    kinds = [sentence.kind for line in (*first, *second) if (sentence := read(line))]
+    assert kinds == ["TRN", "TRS", "TRS"]
+    names, state = read(first[0]), read(first[1])
+    assert names
+    assert state
+    assert names.fields[0] == state.fields[0] == "steering"
+    named = [name.partition(":")[0] for name in names.fields[1:]]
+    assert dict(zip(named, state.fields[3:], strict=True)) == values(frame, "steering")
+    assert state.fields[1:3] == ("120", "60.000")
+
+
+@pytest.mark.parametrize("channel", sorted(CHANNELS))
+def test_words_for_a_reader_fit_79_columns_and_keep_value_and_unit_together(
+    boat: Boat, channel: str
+) -> None:
+    frame = frame_of(boat)
+    told = [
+        f"{field.name} {value} {field.unit.strip('-')}".strip()
+        for field, value in zip(
+            CHANNELS[channel].fields, values(frame, channel).values(), strict=True
+        )
+        if value
+    ]
+
+    lines = Words(CHANNELS[channel]).lines(frame)
+
+    assert all(any(each in line for line in lines) for each in told)
+    assert lines[0].startswith(f"{channel}, 60 s: ")
+    assert all(len(line) <= 79 for line in lines)
+    assert all(line.isascii() for line in lines)
+
+
+def test_the_teletype_has_its_headings_every_twenty_lines(boat: Boat) -> None:
+    frame = frame_of(boat)
+    shown = Teletype(lambda frame: frame.readings)
+
+    lengths = [len(shown.lines(frame)) for _ in range(45)]
+
+    assert [i for i, length in enumerate(lengths) if length == 2] == [0, 20, 40]
+
+
+def test_a_stations_status_is_its_own_instruments(boat: Boat) -> None:
+    lines = panel(ROLES["ballast"].channels, frame_of(boat))
+
+    opened = [line.partition(",")[0] for line in lines if not line.startswith(" ")]
+    assert opened == ["gauges", "tanks", "air", "valves", "time"]
+
+
+def test_names_of_fields_are_plain_words_and_each_is_there_once() -> None:
+    for channel in CHANNELS.values():
+        names = [field.name for field in channel.fields]
+        assert len(set(names)) == len(names)
+        assert all(name.replace("_", "").isalnum() and name.islower() for name in names)
+
+
+def test_the_panels_cover_what_the_observer_sees() -> None:
+    assert set(PANELS) <= set(OBSERVER.channels)
+    assert set(PANELS) <= set(CHANNELS)
+
+
+def test_the_page_has_the_tables_of_the_channels() -> None:
+    page = (ROOT / "docs" / "stations.md").read_text(encoding="utf-8")
+
+    assert tables() in page, f"docs/stations.md lacks this, from channels.py:\n{tables()}"

@@ -1,0 +1,387 @@
+"""A session killed at any instant: no order is lost, and it goes on to the same bits."""
+
+import contextlib
+import csv
+import itertools
+import json
+import os
+import random
+import signal
+import socket
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+import trainer
+from trainer.io.orders.sentences import order_sentence, read
+from trainer.io.recording.recording import Journalled, Recording
+
+pytestmark = pytest.mark.skipif(os.name != "posix", reason="kills and forks of POSIX")
+
+PATIENCE = 20.0  # [s]
+SECONDS = 1800  # [s] of the exercise
+MAX = ("--headless", "--speed", "max")
+
+# Everything at work: a sea, tanks, casualties at set times and by a trigger, the autopilot.
+TROUBLED = """
+schema = "exercise/1"
+name = "All at once"
+briefing = "A sea, things that break, and everything automatic."
+sea = "sea-state-5"
+seed = 23
+
+[initial]
+depth_m = 40
+speed_kn = 8
+
+[[casualties]]
+when = "depth > 42"
+name = "rudder-slow"
+"""
+ORDERS = (  # as they are journalled
+    "casualty depth-gauge-noisy",
+    "course right 60",
+    "casualty flooding-aft 0.1 ramp 25 s",
+    "pump trim forward 3 t",
+    "depth 60 m",
+    "freeze tanks",
+    "casualty gyro-biased 0.5 ramp 40 s",
+    "release tanks",
+    "speed 50 kn",  # refused
+    "drain aft",
+    "clear flooding-aft",
+    "hover on",
+    "sea state 3",
+    "hover off",
+    "freeze depth",
+    "rudder left 10",
+    "release depth",
+    "course 010",
+    "clear all",
+)
+# Starts programs that are told to it, each with imports done and the boat loaded, and kills them:
+# after a time, or once SQLite has taken so many instructions for the run, in the midst of a write.
+NURSERY = """
+import json, os, signal, sys, time
+from trainer.analysis import recording_export, replay_page
+from trainer.cli import main as cli
+from trainer.io.recording import checkpoint, file as recording_file, recording
+from trainer.session import resume
+
+checkpoint.WORTHWHILE, checkpoint.EVERY = 200_000, 0.005  # a kill may hit these too
+recording.BATCH = 20  # and there is something after the last order more often
+connect = recording_file.connect
+
+def counting(most):
+    left = most
+
+    def count():
+        nonlocal left
+        left -= 1
+        if not left:
+            os.kill(os.getpid(), signal.SIGKILL)
+
+    def watched(path, options):
+        connection = connect(path, options)
+        connection.set_progress_handler(count, 1)
+        return connection
+
+    recording_file.connect = watched
+    return lambda: most - left
+
+def run(words):
+    sys.argv = ["trainer", *words]
+    try:
+        cli.main()
+    except SystemExit as left:
+        return left.code or 0
+
+def grow_up(job):
+    os.dup2(os.open(os.devnull, os.O_RDWR), 0)
+    told = os.open(job["told"], os.O_CREAT | os.O_APPEND | os.O_WRONLY)
+    os.dup2(told, 1), os.dup2(told, 2)
+    taken = counting(job["instructions"] or 2**60)
+    code = run(job["words"])
+    print("instructions", taken(), flush=True)
+    sys.stderr.flush()
+    os._exit(code)
+
+kept = os.dup(1)
+os.dup2(2, 1)
+run(sys.argv[1:])  # loads the compiled boat, once for all
+os.dup2(kept, 1)
+for line in sys.stdin:
+    job = json.loads(line)
+    child = os.fork()
+    if not child:
+        grow_up(job)
+    print(child, flush=True)
+    begun = time.monotonic()
+    if job["seconds"] is not None:
+        time.sleep(job["seconds"])
+        os.kill(child, signal.SIGKILL)
+    status = os.waitpid(child, 0)[1]
+    print(json.dumps([os.waitstatus_to_exitcode(status), time.monotonic() - begun]), flush=True)
+"""
+
+
+class Nursery:
+    """A process that has done the imports, and starts and kills the programs under test."""
+
+    def __init__(self, process: "subprocess.Popen[str]", folder: Path) -> None:
+        self._process = process
+        self._told = folder / "told.txt"
+
+    def start(self, *words: str, seconds: float | None = None, instructions: int = 0) -> int:
+        """Start a program, to be killed after a time or so many instructions; return its id."""
+        job = {
+            "words": words,
+            "seconds": seconds,
+            "instructions": instructions,
+            "told": str(self._told),
+        }
+        assert self._process.stdin
+        self._process.stdin.write(json.dumps(job) + "\n")
+        self._process.stdin.flush()
+        return int(self._line())
+
+    def ended(self) -> tuple[int, float]:
+        """Return the exit code of the program and how long [s] it ran."""
+        code, seconds = json.loads(self._line())
+        return code, seconds
+
+    def done(self, *words: str) -> float:
+        """Let a program run to its good end; return how long [s] it took."""
+        self._told.unlink(missing_ok=True)
+        self.start(*words)
+        code, seconds = self.ended()
+        assert code == 0, self._told.read_text()
+        return seconds
+
+    def instructions(self) -> int:
+        """Return how many instructions SQLite took for the last program."""
+        return int(self._told.read_text().rpartition("instructions ")[2])
+
+    def _line(self) -> str:
+        assert self._process.stdout
+        return self._process.stdout.readline()
+
+
+@pytest.fixture(scope="module")
+def nursery(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Nursery]:
+    here = [str(Path(trainer.__file__).parents[1]), os.environ.get("PYTHONPATH", "")]
+    folder = tmp_path_factory.mktemp("nursery")
+    first = folder / "first.toml"
+    first.write_text(TROUBLED)
+    words = ("run", str(first), *MAX, "--duration", "5", "--record", str(folder / "first.trainer"))
+    with subprocess.Popen(
+        [sys.executable, "-c", NURSERY, *words],
+        env=os.environ | {"PYTHONPATH": os.pathsep.join(filter(None, here))},
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        text=True,
+    ) as process:
+        yield Nursery(process, folder)
+        assert process.stdin
+        process.stdin.close()
+
+
+@pytest.fixture
+def exercise(tmp_path: Path) -> Path:
+    """Return an exercise under orders all the time."""
+    path = tmp_path / "all.toml"
+    seconds = itertools.chain(range(1, 20, 2), itertools.count(27.3, 29.0))
+    orders = itertools.islice(itertools.cycle(ORDERS), 60)
+    tables = [
+        f'[[orders]]\nat_s = {at:g}\norder = "{order}"\n'
+        for at, order in zip(seconds, orders, strict=False)
+    ]
+    path.write_text(TROUBLED + "\n".join(tables))
+    return path
+
+
+Told = tuple[list[tuple[int, bytes]], list[tuple[Any, ...]]]
+
+
+def story(path: Path) -> Told:
+    """Return what a recording tells: its states, and its orders with their answers."""
+    with contextlib.closing(Recording.look(path)) as recording:
+        assert recording.branch == 1
+        orders = [
+            (each.tick, each.who, each.text, each.place, each.accepted, each.answer)
+            for each in recording.orders(1)
+        ]
+        return list(recording.states(1)), orders
+
+
+def table(nursery: Nursery, path: Path) -> list[list[str]]:
+    """Return the states as they are exported, without the timings."""
+    out = path.with_suffix(".csv")
+    nursery.done("export", str(path), "--csv", str(out))
+    with out.open(newline="") as stream:
+        rows = list(csv.reader(stream))
+    assert rows[0][-2:] == ["lateness_ns", "work_ns"]
+    return [row[:-2] for row in rows]
+
+
+def kill_often(nursery: Nursery, exercise: Path, kills: int, speed: str = "max") -> None:
+    """Kill a run again and again, until so many kills have left something to go on with."""
+    folder, dice = exercise.parent, random.Random(1969)  # noqa: S311  instants, not secrets
+    seconds = SECONDS if speed == "max" else 20
+    duration = ("--duration", str(seconds))
+    run = ("run", str(exercise), "--headless", "--speed", speed, *duration, "--record")
+    whole = folder / "whole.trainer"
+    took = nursery.done(*run, str(whole))
+    instructions = nursery.instructions()
+    expected = story(whole)
+    assert len(expected[0]) == 2 * seconds + 1
+
+    inside = killed = 0
+    for number in itertools.count():
+        path = folder / f"{number}.trainer"
+        words = (*run, str(path))
+        while True:  # a run that has been gone on with is killed as well
+            where = dice.randrange(1, instructions) if speed == "max" and dice.random() < 0.5 else 0
+            nursery.start(
+                *words,
+                seconds=None if where else dice.uniform(0.0, took),
+                instructions=where,
+            )
+            code, _ = nursery.ended()
+            if not path.exists():
+                break
+            assert code in (0, -signal.SIGKILL)
+            killed += code != 0
+            inside += code != 0 and where > 0
+            words = ("resume", str(path), *MAX)  # type: ignore[assignment]
+            if code == 0 or dice.random() < 0.7:
+                break
+        if not path.exists():  # killed before it was begun
+            continue
+        nursery.done("resume", str(path), *MAX)
+        assert story(path) == expected
+        if killed >= kills:
+            break
+        path.unlink()
+    assert inside > 0 or speed != "max"
+    assert table(nursery, path) == table(nursery, whole)
+
+
+def test_a_run_killed_at_any_instant_goes_on_to_the_same_bits(
+    nursery: Nursery, exercise: Path
+) -> None:
+    kill_often(nursery, exercise, 8)
+
+
+def test_a_run_killed_in_real_time_goes_on_to_the_same_bits(
+    nursery: Nursery, exercise: Path
+) -> None:
+    kill_often(nursery, exercise, 2, speed="20")
+
+
+@pytest.mark.long
+@pytest.mark.skipif("TRAINER_KILLS" not in os.environ, reason="TRAINER_KILLS=200 asks for it")
+def test_many_kills_at_any_instant_lose_no_bit(nursery: Nursery, exercise: Path) -> None:
+    kill_often(nursery, exercise, int(os.environ["TRAINER_KILLS"]))
+
+
+# A session that an instructor drives
+
+
+def dialled(path: Path) -> socket.socket:
+    """Return a socket connected to a session that is about to listen there."""
+    end = time.monotonic() + PATIENCE
+    while True:
+        line = socket.socket(socket.AF_UNIX)
+        line.settimeout(PATIENCE)
+        try:
+            line.connect(str(path))
+        except OSError:
+            line.close()
+            assert time.monotonic() < end
+            time.sleep(0.01)
+        else:
+            return line
+
+
+def drive(line: socket.socket, answers: int, dice: random.Random) -> list[str]:
+    """Give orders, each when the one before has been answered; return those that were."""
+    orders = itertools.chain(["role instructor"], itertools.cycle([*ORDERS, "backtrack 8", "run"]))
+    answered: list[str] = []
+    lines = line.makefile(encoding="ascii")
+    for tag, words in zip(range(answers + 1), orders, strict=False):
+        line.sendall(f"{order_sentence(words, str(tag))}\n".encode("ascii"))
+        for text in lines:
+            said = read(text)
+            if said and (said.kind, said.tag) == ("TRA", str(tag)) and said.fields[0] != "say":
+                break
+        answered.append(words)
+        time.sleep(dice.uniform(0.0, 0.01))
+    return answered[1:]
+
+
+def journal(path: Path) -> tuple[list[Journalled], list[Journalled]]:
+    """Return all orders of a recording, and those of the past of its latest branch."""
+    with contextlib.closing(Recording.look(path)) as recording:
+        every = {o.id: o for b in recording.branches() for o in recording.orders(b.id)}
+        return [every[number] for number in sorted(every)], recording.orders(recording.branch)
+
+
+def flown(path: Path) -> list[tuple[int, bytes]]:
+    """Return every state of the latest branch and its past."""
+    with contextlib.closing(Recording.look(path)) as recording:
+        return [(each.tick, each.state) for each in recording.flown(recording.branch)]
+
+
+def kill_driven(nursery: Nursery, folder: Path, number: int, dice: random.Random) -> None:
+    """Kill a session that is being driven; no answered order is missing, and it can go on."""
+    exercise, path, door = (folder / f"{number}{end}" for end in (".toml", ".trainer", ".sock"))
+    exercise.write_text(TROUBLED)
+    ports = ("--listen", "none", "--socket", str(door))
+    child = nursery.start("serve", str(exercise), "--speed", "100", *ports, "--record", str(path))
+    with dialled(door) as line:
+        answered = drive(line, dice.randrange(1, 70), dice)
+        line.sendall(b"bell ahead full\n")  # which may act or not
+        time.sleep(dice.uniform(0.0, 0.01))
+        os.kill(child, signal.SIGKILL)
+    assert nursery.ended()[0] == -signal.SIGKILL
+
+    given, _ = journal(path)
+    wanted = [words for words in answered if words not in ("run", "backtrack 8")]
+    assert [each.text for each in given][: len(wanted)] == wanted
+    assert [each.text for each in given][len(wanted) :] in ([], ["bell ahead full"])
+    seconds = flown(path)[-1][0] // 2 + 60
+    nursery.done("resume", str(path), *MAX, "--duration", str(seconds))
+    nursery.done("replay", str(path))
+
+    every, past = journal(path)
+    assert [each.text for each in every] == [each.text for each in given]
+    assert None not in [each.accepted for each in past]
+    orders, straight = folder / f"{number}.txt", folder / f"{number}-straight.trainer"
+    orders.write_text("".join(f"{0.5 * each.tick} {each.text}\n" for each in past))
+    nursery.done(
+        *("run", str(exercise), *MAX, "--duration", str(seconds)),
+        *("--orders", str(orders), "--record", str(straight)),
+    )
+    assert flown(path) == flown(straight)
+
+
+def test_every_order_that_was_answered_is_kept_and_acts_again(
+    nursery: Nursery, tmp_path: Path
+) -> None:
+    dice = random.Random(1967)  # noqa: S311  instants, not secrets
+    for number in range(3):
+        kill_driven(nursery, tmp_path, number, dice)
+
+
+@pytest.mark.long
+@pytest.mark.skipif("TRAINER_KILLS" not in os.environ, reason="TRAINER_KILLS=200 asks for it")
+def test_many_driven_sessions_lose_no_answered_order(nursery: Nursery, tmp_path: Path) -> None:
+    dice = random.Random(1)  # noqa: S311  instants, not secrets
+    for number in range(int(os.environ["TRAINER_KILLS"]) // 4):
+        kill_driven(nursery, tmp_path, number, dice)

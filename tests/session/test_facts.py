@@ -1,0 +1,181 @@
+"""Facts: what programs are told in fields, so that every text of the session may be reworded."""
+
+import contextlib
+import re
+import socket
+import subprocess
+import sys
+import threading
+import time
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import pytest
+from helpers.places import ROOT
+
+from trainer.console.client import Client
+from trainer.console.layouts import POSTS, wishes
+from trainer.console.model import Sight
+from trainer.io.orders import sentences
+
+TRAINER = [sys.executable, "-m", "trainer"]
+PATIENCE = 20.0  # [s]
+OTHER = "in other words"
+
+
+def reworded(line: str) -> str:
+    """Return a line of a session, its text in other words."""
+    sentence = sentences.read(line)
+    if sentence is None:
+        return line if line.startswith("$") else OTHER
+    if sentence.kind == "TRA":
+        status, _ = sentence.fields
+        if status == "say":
+            return sentences.say(sentence.tag, OTHER)
+        return sentences.answer(sentence.tag, accepted=status == "ok", text=OTHER)
+    if sentence.kind == "TRE":
+        tick, seconds, kind, _ = sentence.fields
+        return sentences.event(int(tick), float(seconds), kind, OTHER)
+    return line
+
+
+class Rewording:
+    """A port before a session's, that passes all on, what the session says in other words."""
+
+    def __init__(self, session: Path) -> None:
+        self.session = session
+        self.listener = socket.create_server(("127.0.0.1", 0))
+        self.port = self.listener.getsockname()[1]
+        threading.Thread(target=self._accept, daemon=True).start()
+
+    def _accept(self) -> None:
+        with contextlib.suppress(OSError):
+            while True:
+                near, _ = self.listener.accept()
+                far = socket.socket(socket.AF_UNIX)
+                far.connect(str(self.session))
+                threading.Thread(target=self._pass, args=(near, far), daemon=True).start()
+                threading.Thread(target=self._reword, args=(far, near), daemon=True).start()
+
+    def _pass(self, near: socket.socket, far: socket.socket) -> None:
+        with contextlib.suppress(OSError):
+            while data := near.recv(4096):
+                far.sendall(data)
+            far.shutdown(socket.SHUT_WR)
+
+    def _reword(self, far: socket.socket, near: socket.socket) -> None:
+        with contextlib.suppress(OSError):
+            for line in far.makefile(encoding="ascii", newline="\n"):
+                near.sendall(reworded(line.rstrip("\r\n")).encode() + b"\r\n")
+            near.shutdown(socket.SHUT_WR)
+
+
+@pytest.fixture
+def port(tmp_path: Path) -> Iterator[Rewording]:
+    """Return a session of BB2, and a port at which all that it says is in other words."""
+    where = tmp_path / "s"
+    words = ["serve", "--socket", str(where), "--listen", "none", "--no-record", "--speed", "20"]
+    with subprocess.Popen(
+        [*TRAINER, *words], stderr=subprocess.PIPE, stdout=subprocess.DEVNULL, text=True
+    ) as session:
+        for line in session.stderr or ():
+            if "listening" in line:
+                break
+        yield Rewording(where)
+        session.terminate()
+        session.communicate()
+
+
+def until(sight: Sight, true: Callable[[], object]) -> None:
+    """Let a screen hear until something is true of it."""
+    end = time.monotonic() + PATIENCE
+    while not true():
+        assert time.monotonic() < end
+        sight.hear()
+        time.sleep(0.02)
+
+
+def test_a_screen_works_when_every_text_of_the_session_is_reworded(port: Rewording) -> None:
+    role = "instructor"
+    client = Client(lambda: f"tcp://127.0.0.1:{port.port}", role, wishes(POSTS[role]))
+    sight = Sight(client, role, POSTS[role].charts)
+    client.start()
+    try:
+        until(sight, lambda: sight.casualties)
+        names = {broken.name for broken in sight.casualties}
+        assert {"stern-stuck", "flooding-aft"} <= names
+        assert all(broken.says for broken in sight.casualties)
+
+        sight.order("snapshot before-jam")
+        until(sight, lambda: sight.snapshots)
+        assert [kept.text for kept in sight.snapshots] == ["before-jam"]
+
+        sight.order("casualty stern-stuck")
+        sight.order("mark here we go")
+        until(sight, lambda: len(sight.marks) == 2)
+        assert [(kept.sign, kept.text) for kept in sight.marks] == [
+            ("C", "casualty stern-stuck"),
+            ("M", "here we go"),
+        ]
+        assert OTHER in {entry.text for entry in sight.journal.entries}
+
+        sight.order("restore before-jam")
+        until(sight, lambda: not sight.marks)
+        assert sight.furthest == sight.snapshots[0].seconds
+
+        sight.order("rudder left 80")  # beyond the boat's limit
+        until(sight, lambda: sight.refused)
+        sight.order("quit")
+        until(sight, lambda: sight.over)
+        assert sight.ended
+    finally:
+        client.close(1.0)
+
+
+@pytest.mark.parametrize("words", ["detach\n", "quit\n", ""])
+def test_attach_leaves_properly_when_every_text_of_the_session_is_reworded(
+    port: Rewording, words: str
+) -> None:
+    attach = [*TRAINER, "attach", "--connect", f"tcp://127.0.0.1:{port.port}"]
+    done = subprocess.run(
+        attach, input=f"depth 80\n{words}", capture_output=True, text=True, timeout=60, check=False
+    )
+    assert done.returncode == 0, done.stderr
+    assert re.search(OTHER, done.stdout)
+
+
+def test_attach_tells_a_session_that_was_killed_from_one_that_ended(tmp_path: Path) -> None:
+    where = tmp_path / "s"
+    words = ["serve", "--socket", str(where), "--listen", "none", "--no-record"]
+    with (
+        subprocess.Popen(
+            [*TRAINER, *words], stderr=subprocess.PIPE, stdout=subprocess.DEVNULL, text=True
+        ) as session,
+        contextlib.ExitStack() as stack,
+    ):
+        for line in session.stderr or ():
+            if "listening" in line:
+                break
+        attach = stack.enter_context(
+            subprocess.Popen(
+                [*TRAINER, "attach", "--connect", str(where)],
+                stdin=subprocess.PIPE,
+                stdout=subprocess.PIPE,
+                stderr=subprocess.PIPE,
+                text=True,
+            )
+        )
+        for line in attach.stdout or ():
+            if "this line is" in line:
+                break
+        session.kill()
+        _, told = attach.communicate(timeout=60)
+        assert attach.returncode == 1
+        assert "the session is gone" in told
+        session.communicate()
+
+
+def test_every_fact_has_its_meaning_in_the_document() -> None:
+    page = (ROOT / "docs/stations.md").read_text(encoding="utf-8")
+    for what, subject in sentences.FACTS.items():
+        assert f"| `{what}` | {subject} |" in page

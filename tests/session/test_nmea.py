@@ -1,0 +1,532 @@
+"""NMEA 0183: sentences built and read, the set of one tick, and sentences that order."""
+
+import math
+import re
+import threading
+from datetime import UTC, datetime
+
+import pynmea2
+import pytest
+from helpers.places import ROOT
+from hypothesis import given
+from hypothesis import strategies as st
+
+from trainer.boat.assemble import Method
+from trainer.boat.boat import Boat
+from trainer.boat.helm import obey
+from trainer.config.vessel import load_vessel
+from trainer.io import nmea
+from trainer.io.lines import Overlong
+from trainer.io.orders.grammar import Order, parse
+from trainer.session.nmea import page as nmea_page
+from trainer.session.nmea.orders import (
+    AGAIN,
+    READERS,
+    TELEGRAPH,
+    Command,
+    NmeaLine,
+    Useless,
+    meaning,
+)
+from trainer.session.nmea.position import DEFAULT, Chart, chart_at
+from trainer.session.nmea.readings import WIDEST
+from trainer.session.nmea.sentences import INSTRUMENTS, InstrumentSet, Sampled, chosen, widest
+from trainer.session.stations.roles import ROLES, refusal
+from trainer.session.stations.view import Frame, Lookout, Pace, Picture
+from trainer.session.time.ledger import Ledger
+from trainer.units import KNOT
+
+START = datetime(2026, 12, 31, 23, 59, 58, tzinfo=UTC)
+
+
+def under_way(speed: float = 10.0, course: float = 0.0) -> Boat:
+    """Return BB2 at 60 m, everything automatic, at ``speed`` [kn] and ``course`` [deg]."""
+    boat = Boat(load_vessel("bb2"), Method("modified", "lagged", "exact", "adams2", 0.5))
+    boat.start(speed * KNOT, 60.0, math.radians(course))
+    return boat
+
+
+def give(boat: Boat, *lines: str) -> None:
+    for line in lines:
+        order = parse(line)
+        assert isinstance(order, Order)
+        assert isinstance(obey(boat, order), str)
+
+
+def seen(boat: Boat) -> Frame:
+    lookout = Lookout(boat, Ledger(boat.method.step).summary)
+    return lookout.frame(Picture(int(boat.state.tick), boat.records.state.tobytes(), Pace()))
+
+
+def told(boat: Boat, chart: Chart = DEFAULT) -> dict[str, tuple[str, ...]]:
+    """Return the fields of the set of a boat, by address and, of our own, page."""
+    fields = {}
+    for line in InstrumentSet(INSTRUMENTS, chart, START).lines(seen(boat)):
+        heard = nmea.hear(line)
+        assert isinstance(heard, nmea.Sentence)
+        name = heard.talker + heard.formatter
+        page = heard.fields[0] if name == "PXSC" else ""
+        fields[name + page if page or name not in fields else f"{name}2"] = heard.fields
+    return fields
+
+
+# Sentences
+
+
+def test_a_sentence_is_framed_as_the_worlds_best_known_example() -> None:
+    # the GGA that every description of NMEA 0183 shows, with its checksum 47
+    known = "$GPGGA,123519,4807.038,N,01131.000,E,1,08,0.9,545.4,M,46.9,M,,*47"
+    heard = nmea.hear(known)
+    assert isinstance(heard, nmea.Sentence)
+    assert (heard.talker, heard.formatter) == ("GP", "GGA")
+    assert nmea.sentence("GPGGA", *heard.fields) == known
+
+
+def test_a_sentence_of_80_characters_and_its_line_end_passes_and_one_more_is_refused() -> None:
+    assert len(nmea.sentence("INTXT", "x" * 70)) == 80
+    with pytest.raises(ValueError, match="81 characters; 80 at most"):
+        nmea.sentence("INTXT", "x" * 71)
+
+
+@pytest.mark.parametrize(
+    ("line", "reason"),
+    [
+        ("$HEHDT,90.0,T", "not framed"),
+        ("$HEHDT,90.0,T*00", "wrong checksum 00; this sentence's is 16"),
+        ("$HEHD,90.0,T*42", "no talker"),
+        ("$HEHDT,90.0\x7f,T*69", "not framed"),
+    ],
+)
+def test_a_damaged_sentence_says_what_is_wrong(line: str, reason: str) -> None:
+    heard = nmea.hear(line)
+    assert isinstance(heard, nmea.Damaged)
+    assert reason in heard.reason
+
+
+@given(st.text(max_size=90))
+def test_no_line_raises(text: str) -> None:
+    for line in (text, f"${text}", f"${text}*00"):
+        assert not isinstance(nmea.hear(line), nmea.Sentence) or "*" in line
+
+
+@pytest.mark.parametrize(
+    ("degrees", "written"),
+    [
+        (25.0, ("2500.00000", "N")),
+        (-0.5, ("0030.00000", "S")),
+        (24.9999999999, ("2500.00000", "N")),  # never 60 minutes
+        (80.123456789, ("8007.40741", "N")),
+    ],
+)
+def test_a_latitude_is_degrees_and_minutes(degrees: float, written: tuple[str, str]) -> None:
+    assert nmea.latitude(degrees) == written
+
+
+def test_a_longitude_has_three_digits_of_degrees_and_nought_has_no_sign() -> None:
+    assert nmea.longitude(-4.25) == ("00415.00000", "W")
+    assert nmea.number(-0.001, 2) == "0.00"
+    assert nmea.number(None, 2) == ""
+
+
+# The set
+
+
+def test_every_sentence_fits_with_the_widest_values_and_has_the_fields_it_is_said_to_have() -> None:
+    for instrument in INSTRUMENTS:
+        assert len(instrument.sentence(WIDEST)) <= 80
+        assert len(instrument.fields) == len(instrument.read(WIDEST))
+
+
+def test_no_set_of_a_wild_run_is_longer_than_the_widest() -> None:
+    boat = under_way(15.0)
+    give(boat, "rudder right full", "stern planes dive 25", "bell ahead flank")
+    shown = InstrumentSet(INSTRUMENTS, DEFAULT, START)
+    for _ in range(300):
+        if boat.tick():
+            break
+        lines = shown.lines(seen(boat))
+        assert sum(len(line) + 2 for line in lines) <= widest(INSTRUMENTS)
+
+
+def test_the_set_tells_of_the_state_in_the_units_of_its_sentences() -> None:
+    boat = under_way(course=200.0)
+    give(boat, "rudder right 10", "stern planes rise 4", "bell ahead full")
+    for _ in range(60):
+        boat.tick()
+    s, fields = boat.state, told(boat)
+    assert float(fields["INHDT"][0]) == pytest.approx(math.degrees(s.psi) % 360.0, abs=0.0051)
+    assert float(fields["INDPT"][0]) == pytest.approx(s.z, abs=0.0051)
+    assert float(fields["INDBT"][2]) == pytest.approx(s.z, abs=0.0051)
+    assert float(fields["INDBT"][0]) == pytest.approx(s.z / 0.3048, abs=0.051)
+    assert float(fields["INGGA"][8]) == pytest.approx(-s.z, abs=0.0051)
+    assert float(fields["INVHW"][4]) == pytest.approx(s.u / KNOT, abs=0.0051)
+    assert float(fields["INVHW"][6]) == pytest.approx(s.u * 3.6, abs=0.0051)
+    assert float(fields["INROT"][0]) == pytest.approx(math.degrees(s.psidot) * 60.0, abs=0.051)
+    assert float(fields["PASHR"][3]) == pytest.approx(math.degrees(s.phi), abs=0.0051)
+    assert float(fields["INXDR"][1]) == pytest.approx(math.degrees(s.theta), abs=0.0051)
+    assert float(fields["INRSA"][0]) == pytest.approx(10.0, abs=0.0051)
+    assert float(fields["INXDR2"][1]) == pytest.approx(4.0, abs=0.0051)
+    assert fields["INROR"] == ("10.00", "A", "", "V", "B")
+    assert fields["INETL"][1:3] == ("O", "04")
+    way = math.hypot(s.xdot, s.ydot) / KNOT
+    assert float(fields["INRMC"][6]) == pytest.approx(way, abs=0.0051)
+    track = math.degrees(math.atan2(s.ydot, s.xdot)) % 360.0
+    assert float(fields["INVTG"][0]) == pytest.approx(track, abs=0.0051)
+    assert fields["PXSCC"][1:3] == ("60", "10.00")
+
+
+def test_time_and_date_run_from_the_start_with_the_boats_own_time() -> None:
+    boat = under_way()
+    for _ in range(5):
+        boat.tick()
+    fields = told(boat)["INRMC"]  # 2.5 s after 23:59:58 on the last day of 2026
+    assert (fields[0], fields[8], fields[11]) == ("000000.50", "010127", "E")
+
+
+def test_a_casualty_of_a_gauge_is_seen_and_the_position_stays_true() -> None:
+    boat = under_way(course=90.0)
+    sound = told(boat)
+    give(boat, "casualty depth-gauge-biased 5", "casualty gyro-biased 4")
+    for _ in range(40):
+        boat.tick()
+    wrong, s = told(boat), boat.state
+    off = float(wrong["INDPT"][0]) - s.z
+    assert off > 1.0
+    assert float(wrong["INGGA"][8]) == pytest.approx(-s.z - off, abs=0.01)
+    assert float(wrong["INHDT"][0]) - math.degrees(s.psi) > 1.0
+    assert wrong["PASHR"][1] == wrong["INVHW"][0] == wrong["INHDT"][0]
+    position = DEFAULT.position(s.x, s.y)
+    assert wrong["INRMC"][2:4] == nmea.latitude(position[0])
+    assert wrong["INRMC"][4:6] == nmea.longitude(position[1])
+    assert sound["INHDT"][0] == "90.00"
+
+
+def test_a_boat_without_planes_has_empty_fields_for_them() -> None:
+    boat = under_way()
+    boat.toward["bow"] = 0.0
+    fields = told(boat)
+    assert fields["INXDR2"][4:] == ("A", "", "D", "BOW")
+    assert fields["PXSCC"][6:] == ("", "")
+
+
+def test_a_boat_at_rest_makes_no_way_and_keeps_her_heading_as_track() -> None:
+    boat = under_way(course=45.0)
+    boat.state.held_position = 1.0
+    assert told(boat)["INRMC"][6:8] == ("0.00", "45.00")
+
+
+def test_above_the_surface_depth_is_nought_and_altitude_is_not() -> None:
+    boat = under_way()
+    boat.state.z = -1.5
+    fields = told(boat)
+    assert (fields["INDPT"][0], fields["INDBT"][2], fields["INGGA"][8]) == ("0.00", "0.00", "1.50")
+
+
+def test_sentences_are_chosen_by_name_and_sent_in_their_order() -> None:
+    assert [each.address for each in chosen(["HDT", "RMC"])] == ["INRMC", "INHDT"]
+    assert len(chosen(["XDR"])) == 2
+
+
+def test_a_file_has_a_set_at_the_rate_of_the_boats_time_and_one_when_time_goes_back() -> None:
+    boat = under_way()
+    sampled = Sampled(InstrumentSet(chosen(["HDT"]), DEFAULT, START), 1.0)
+    start = boat.snapshot()
+    counts = []
+    for _ in range(5):
+        counts.append(len(sampled.lines(seen(boat))))
+        boat.tick()
+    boat.restore(start)
+    counts.append(len(sampled.lines(seen(boat))))
+    assert counts == [1, 0, 1, 0, 1, 1]
+
+
+# Where on the Earth
+
+
+def vincenty(chart: Chart, bearing: float, distance: float) -> tuple[float, float]:
+    """Return where a geodesic of WGS 84 leads, by Vincenty's direct formula of 1975."""
+    a, f = 6378137.0, 1.0 / 298.257223563
+    b = (1.0 - f) * a
+    alpha, phi = math.radians(bearing), math.radians(chart.latitude)
+    reduced = math.atan((1.0 - f) * math.tan(phi))
+    sigma_1 = math.atan2(math.tan(reduced), math.cos(alpha))
+    sine = math.cos(reduced) * math.sin(alpha)
+    u_2 = (1.0 - sine**2) * (a**2 - b**2) / b**2
+    big_a = 1.0 + u_2 / 16384.0 * (4096.0 + u_2 * (-768.0 + u_2 * (320.0 - 175.0 * u_2)))
+    big_b = u_2 / 1024.0 * (256.0 + u_2 * (-128.0 + u_2 * (74.0 - 47.0 * u_2)))
+    sigma = distance / (b * big_a)
+    for _ in range(20):
+        middle = math.cos(2.0 * sigma_1 + sigma)
+        inner = math.cos(sigma) * (-1.0 + 2.0 * middle**2) - big_b / 6.0 * middle * (
+            -3.0 + 4.0 * math.sin(sigma) ** 2
+        ) * (-3.0 + 4.0 * middle**2)
+        change = big_b * math.sin(sigma) * (middle + big_b / 4.0 * inner)
+        sigma = distance / (b * big_a) + change
+    across = math.sin(reduced) * math.sin(sigma) - math.cos(reduced) * math.cos(sigma) * math.cos(
+        alpha
+    )
+    latitude = math.atan2(
+        math.sin(reduced) * math.cos(sigma) + math.cos(reduced) * math.sin(sigma) * math.cos(alpha),
+        (1.0 - f) * math.hypot(sine, across),
+    )
+    turned = math.atan2(
+        math.sin(sigma) * math.sin(alpha),
+        math.cos(reduced) * math.cos(sigma) - math.sin(reduced) * math.sin(sigma) * math.cos(alpha),
+    )
+    c = f / 16.0 * (1.0 - sine**2) * (4.0 + f * (4.0 - 3.0 * (1.0 - sine**2)))
+    middle = math.cos(2.0 * sigma_1 + sigma)
+    west = (
+        (1.0 - c)
+        * f
+        * sine
+        * (sigma + c * math.sin(sigma) * (middle + c * math.cos(sigma) * (-1.0 + 2.0 * middle**2)))
+    )
+    return math.degrees(latitude), chart.longitude + math.degrees(turned - west)
+
+
+def metres_between(one: tuple[float, float], other: tuple[float, float]) -> float:
+    north = (one[0] - other[0]) * 111_000.0
+    east = (one[1] - other[1]) * 111_400.0 * math.cos(math.radians(one[0]))
+    return math.hypot(north, east)
+
+
+@pytest.mark.parametrize("course", [0.0, 63.0, 200.0])
+def test_after_an_hour_the_position_is_that_of_an_independent_geodesic(course: float) -> None:
+    boat, chart = under_way(18.0, course), Chart(51.0, 179.9)  # she crosses the date line
+    for _ in range(7200):
+        boat.tick()
+    run = math.hypot(boat.state.x, boat.state.y)
+    assert run > 30_000.0
+    bearing = math.degrees(math.atan2(boat.state.y, boat.state.x))
+    expected = vincenty(chart, bearing, run)
+    fix = pynmea2.parse(InstrumentSet(chosen(["RMC"]), chart, START).lines(seen(boat))[0])
+    longitude = fix.longitude + (360.0 if fix.longitude < 0.0 < expected[1] else 0.0)
+    assert metres_between((fix.latitude, longitude), expected) < 0.05
+
+
+def test_an_origin_is_two_numbers_within_bounds() -> None:
+    assert chart_at("-33.5, 18.25") == Chart(-33.5, 18.25)
+    for text, reason in (
+        ("25", "say LAT,LON"),
+        ("25N,45W", "say LAT,LON"),
+        ("nan,3", "say LAT,LON"),
+        ("81,0", "latitude 81 is not within -80 and 80"),
+        ("0,181", "longitude 181"),
+    ):
+        with pytest.raises(ValueError, match=reason):
+            chart_at(text)
+
+
+# Sentences that order
+
+
+def heard(address: str, fields: str) -> nmea.Sentence:
+    found = nmea.hear(nmea.sentence(address, *fields.split(",")))
+    assert isinstance(found, nmea.Sentence)
+    return found
+
+
+@pytest.mark.parametrize(
+    ("address", "fields", "order"),
+    [
+        ("AGHTC", "V,12.5,L,R,N,,,,,,,,T,C", ("rudder left 12.5", -12.5)),
+        ("AGHTC", "V,5.0,R,M,N,,,,,090,,,T", ("rudder right 5", 5.0)),
+        ("AGHTC", "A,7,L,H,N,,,,,090,,,T,C", ("rudder left 7", -7.0)),  # override
+        ("AGHTC", "V,,,H,R,20,,1.5,,271.5,,,T,C", ("course 271.5", 271.5)),
+        ("AGHTC", "V,,,S,N,,,,,5.0,,,T", ("course 005", 5.0)),
+        ("APHSC", "90.0,T,,", ("course 090", 90.0)),
+        ("APHSC", "360,T,,,C", ("course 000", 0.0)),
+        ("AGROR", "-35.0,A,,V,B", ("rudder left 35", -35.0)),
+        ("AGROR", "0.0,A,,", ("rudder right 0", 0.0)),
+        ("ECETL", "120000.00,O,03,,B,0", ("bell ahead standard", 0.0)),
+        ("ECETL", ",O,13", ("bell astern two-thirds", 0.0)),
+        ("ECPRC", "50.0,A,85.5,R,,V,B,0", ("rpm 85.5", 85.5 / 60.0)),
+        ("ECPRC", ",V,-30,R", ("rpm -30", -0.5)),
+    ],
+)
+def test_a_sentence_orders_what_the_helm_may_order(
+    address: str, fields: str, order: tuple[str, float]
+) -> None:
+    command = meaning(heard(address, fields))
+    assert isinstance(command, Command)
+    parsed = parse(command.words)
+    assert isinstance(parsed, Order)
+    assert parsed.text == order[0]
+    value = math.degrees(parsed.value) if parsed.name in ("rudder", "course") else parsed.value
+    assert value == pytest.approx(order[1])
+    assert refusal(ROLES["helm"], parsed) is None
+    assert refusal(ROLES["planes"], parsed) is not None
+
+
+@pytest.mark.parametrize(
+    ("address", "fields", "reason"),
+    [
+        ("AGHTC", "V,12.5,L,R,N,,,,,,,,T,R", "a report"),
+        ("AGHTC", "V,12.5,L,R,N", "less than 13 fields"),
+        ("AGHTC", "V,12.5,,R,N,,,,,,,,T,C", "without its angle and L or R"),
+        ("AGHTC", "V,1e1,L,R,N,,,,,,,,T,C", "without its angle and L or R"),
+        ("AGHTC", "V,,,T,N,,,,,,0.1,090,T,C", "other than R, M"),
+        ("AGHTC", "V,,,H,N,,,,,090,,,M,C", "magnetic"),
+        ("APHSC", ",,90.0,M", "without a heading"),
+        ("AGROR", "5.0,V,,V,B", "valid"),
+        ("ECETL", "120000,A,03,,B,0", "no order"),
+        ("ECETL", "120000,O,06,,B,0", "no position"),
+        ("ECPRC", "50,A,70,P,,V,B,0", "revolutions"),
+    ],
+)
+def test_a_sentence_that_orders_nothing_says_why(address: str, fields: str, reason: str) -> None:
+    found = meaning(heard(address, fields))
+    assert isinstance(found, Useless)
+    assert reason in found.reason
+
+
+def test_other_sentences_mean_nothing_here() -> None:
+    assert meaning(heard("GPRMC", "1,2,3")) is None
+    assert meaning(nmea.Sentence("P", "HTC", ("V",) * 14)) is None
+    assert set(READERS) == {"HTC", "HSC", "ROR", "ETL", "PRC"}
+
+
+@pytest.mark.parametrize("bell", sorted(set(TELEGRAPH.values())))
+def test_a_bell_rung_is_told_by_the_position_that_orders_it(bell: str) -> None:
+    boat = under_way()
+    give(boat, f"bell {bell}")
+    assert TELEGRAPH[told(boat)["INETL"][2]] == bell
+
+
+@given(st.sampled_from(sorted(READERS)), st.lists(st.text("0123456789.-+ALRMTCHOVS", max_size=5)))
+def test_no_fields_raise_and_every_command_is_an_order_or_refused(
+    formatter: str, fields: list[str]
+) -> None:
+    found = meaning(nmea.Sentence("AG", formatter, tuple(fields)))
+    assert found is not None
+    if isinstance(found, Command):
+        assert parse(found.words) is not None
+
+
+# A line of sentences
+
+
+class Wire:
+    """A line that brings what it is given."""
+
+    name, ended, trouble, dropped = "nmea wire", False, "", 3
+
+    def __init__(self, *lines: str | Overlong) -> None:
+        self.lines = list(lines)
+        self.sent: list[str] = []
+
+    def take(self, most: int) -> list[str | Overlong]:
+        taken, self.lines = self.lines[:most], self.lines[most:]
+        return taken
+
+    def send(self, line: str) -> None:
+        self.sent.append(line)
+
+    def close(self, patience: float) -> None:
+        raise AssertionError(patience)
+
+
+class Told:
+    """A clock that is set, and a log."""
+
+    def __init__(self) -> None:
+        self.now = 100.0
+        self.log: list[str] = []
+
+    def write(self, _kind: str, text: str) -> None:
+        self.log.append(text)
+
+
+def line_of(*lines: str | Overlong) -> tuple[NmeaLine, Wire, Told]:
+    wire, told_of = Wire(*lines), Told()
+    line = NmeaLine(wire, threading.Event(), told_of.write, lambda: told_of.now)
+    return line, wire, told_of
+
+
+LEFT = nmea.sentence("AGROR", "-5.0", "A", "", "V", "B")
+HALF = nmea.sentence("ECETL", "", "O", "03", "", "B", "0")
+GPS = nmea.sentence("GPGLL", "4916.45", "N", "12311.12", "W", "225444", "A")
+
+
+def test_a_command_sent_all_the_time_is_one_order_and_is_given_anew_after_a_while() -> None:
+    line, wire, told_of = line_of(LEFT, LEFT, HALF, LEFT)
+    assert line.take(10) == ["rudder left 5.0", "bell ahead standard"]
+    wire.lines = [LEFT, HALF]
+    told_of.now += AGAIN - 0.1
+    assert line.take(10) == []
+    wire.lines = [nmea.sentence("APHSC", "90", "T", "", ""), LEFT]  # the same control: both
+    assert line.take(10) == ["course 90", "rudder left 5.0"]
+    wire.lines = [HALF]
+    told_of.now += 0.2
+    assert line.take(10) == ["bell ahead standard"]
+    assert line.ignored == 0
+
+
+def test_what_is_no_order_is_counted_and_told_once_for_each_kind() -> None:
+    track = nmea.sentence("AGHTC,V,,,T,N,,,,,,0.1,090,T,C")
+    line, _, told_of = line_of(GPS, GPS, "chatter", track, track, "", GPS)
+    assert line.take(10) == []
+    assert line.ignored == 7
+    assert [text.split(": ")[1] for text in told_of.log] == [
+        "GPGLL",
+        "what is no sentence",
+        "HTC in a mode other than R, M (rudder) and H, S (heading)",
+    ]
+
+
+def test_the_log_of_ignored_sentences_is_bounded() -> None:
+    kinds = [nmea.sentence(f"GPA{i:02d}", "1") for i in range(50)]
+    line, _, told_of = line_of(*kinds)
+    line.take(50)
+    assert (line.ignored, len(told_of.log)) == (50, 16)
+
+
+def test_a_damaged_line_is_handed_on_to_be_counted_as_bad() -> None:
+    bad = LEFT.replace("5", "6", 1)
+    line, _, _ = line_of(bad, Overlong(82))
+    assert line.take(10) == [bad, Overlong(82)]
+    assert line.ignored == 0
+
+
+def test_an_echo_of_what_is_sent_here_is_no_order() -> None:
+    boat = under_way()
+    give(boat, "rudder left 5", "bell ahead full")
+    echo = InstrumentSet(INSTRUMENTS, DEFAULT, START).lines(seen(boat))
+    line, _, _ = line_of(*echo)
+    assert line.take(50) == []
+    assert line.ignored == len(echo)
+
+
+def test_more_than_is_asked_for_is_taken_later_and_somebody_is_woken_for_it() -> None:
+    wire, wake = Wire(GPS, GPS, LEFT), threading.Event()
+    line = NmeaLine(wire, wake, Told().write)
+    assert line.take(2) == []
+    assert wake.is_set()
+    assert line.take(2) == ["rudder left 5.0"]
+
+
+def test_words_for_people_are_not_sent_to_instruments() -> None:
+    line, wire, _ = line_of()
+    line.send("rudder left 5, by hand")
+    assert wire.sent == []
+    assert line.dropped == 3
+
+
+# The document
+
+
+def test_the_documents_table_is_the_one_that_is_sent() -> None:
+    page = (ROOT / "docs" / "nmea.md").read_text(encoding="utf-8")
+    assert nmea_page.markdown() in page, (
+        "renew: python -c 'from trainer.session.nmea import page; print(page.markdown())'"
+    )
+    for line in nmea_page.sample(load_vessel("bb2")):
+        assert line in page, "renew: trainer instruments --sample"
+
+
+def test_the_page_for_a_terminal_numbers_every_field() -> None:
+    page = nmea_page.page()
+    assert len(re.findall(r"^ +\d+  ", page, re.MULTILINE)) == sum(
+        len(each.fields) for each in INSTRUMENTS
+    )
+    assert [each["sentence"] for each in nmea_page.as_json()][:2] == ["$INRMC", "$INGGA"]

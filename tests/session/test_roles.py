@@ -1,0 +1,140 @@
+"""Who may order what, and who sees and hears what."""
+
+import pytest
+from helpers.places import ROOT
+
+from trainer.io.orders.grammar import Order, parse
+from trainer.io.orders.table import FORMS, heading_word
+from trainer.session.stations.channels import CHANNELS, TELETYPE
+from trainer.session.stations.roles import (
+    COMMON,
+    CONTROLS,
+    KINDS,
+    ROLES,
+    STRANGER,
+    blind,
+    event_table,
+    hears,
+    refusal,
+    role_table,
+)
+
+GRAMMAR = sorted({form.name or heading_word(form) for form in FORMS if not form.refusal})
+SHIP = {"stern", "bow", "planes", "depth", "periscope"}
+WATER = {"blow", "emergency", "vent", "negative", "flood", "pump", "drain", "hover", "compressor"}
+OWN = {
+    "instructor": set(GRAMMAR),
+    "helm": {"rudder", "course", "course-by", "speed", "turns", "rpm", "bell"},
+    "planes": SHIP,
+    "ballast": WATER,
+    "diving": SHIP | WATER | {"surface", "dive"},
+    "observer": {"mark"},
+}
+ALL = {
+    *("role", "help", "status", "briefing", "log"),
+    *("subscribe", "unsubscribe", "detach", "who"),
+}
+TRAINEES = sorted(set(ROLES) - {"instructor"})
+
+
+def order(line: str) -> Order:
+    found = parse(line)
+    assert isinstance(found, Order), line
+    return found
+
+
+@pytest.mark.parametrize("name", GRAMMAR)
+@pytest.mark.parametrize("role", sorted(OWN))
+def test_a_role_gives_the_orders_of_the_table_and_no_others(role: str, name: str) -> None:
+    given = Order(name, 0.0, "", name)
+
+    allowed = refusal(ROLES[role], given) is None
+
+    assert allowed is (name in OWN[role] | ALL)
+
+
+def test_every_order_that_a_control_or_everybody_has_is_in_the_grammar() -> None:
+    named = {name for control in CONTROLS for name in control.orders} | COMMON
+
+    assert named <= set(GRAMMAR)
+
+
+@pytest.mark.parametrize(
+    ("role", "line", "why"),
+    [
+        (
+            "ballast",
+            "rudder left 5",
+            "the rudder is the helm's; this line is the ballast station's",
+        ),
+        (
+            "helm",
+            "stern planes rise 5",
+            "the planes are the planes station's or the diving officer's; this line is the helm's",
+        ),
+        ("helm", "freeze", "\"freeze\" is the instructor's; this line is the helm's"),
+        (
+            "diving",
+            "autopilot on",
+            "the autopilot as a whole is the instructor's; this line is the diving officer's",
+        ),
+        ("observer", "bell stop", "the engine is the helm's; this line is an observer's"),
+        (
+            "planes",
+            "casualty rudder-stuck",
+            "is the instructor's; this line is the planes station's",
+        ),
+    ],
+)
+def test_a_refusal_says_whose_it_is(role: str, line: str, why: str) -> None:
+    assert (refusal(ROLES[role], order(line)) or "").endswith(why)
+
+
+@pytest.mark.parametrize("line", ["rudder auto", "stern auto", "bow planes auto", "course auto"])
+def test_the_autopilot_is_given_surfaces_one_by_one_by_whose_they_are(line: str) -> None:
+    role = "helm" if line.startswith(("rudder", "course")) else "planes"
+
+    assert refusal(ROLES[role], order(line)) is None
+
+
+def test_a_line_that_owes_a_token_may_only_say_who_it_is_ask_for_help_or_go() -> None:
+    free = {name for name in GRAMMAR if refusal(STRANGER, Order(name, 0.0, "", name)) is None}
+
+    assert free == {"role", "help", "detach"}
+    assert all(blind(STRANGER, channel) for channel in CHANNELS)
+    assert not any(hears(STRANGER, kind) for kind in KINDS)
+
+
+def test_every_channel_of_a_role_exists_and_the_instructor_has_all() -> None:
+    there = {*CHANNELS, TELETYPE}
+
+    assert set(ROLES["instructor"].channels) == there
+    assert all(set(role.channels) <= there for role in ROLES.values())
+
+
+@pytest.mark.parametrize("channel", ["motion", "sea", "casualties", "ledger"])
+def test_the_truth_is_for_the_instructor_alone(channel: str) -> None:
+    assert blind(ROLES["instructor"], channel) is None
+    assert all(channel in (blind(ROLES[role], channel) or "") for role in TRAINEES)
+
+
+@pytest.mark.parametrize("kind", ["exercise", "watch", "refused", "trouble", "never heard of"])
+def test_what_the_exercise_has_in_store_is_told_to_the_instructor_alone(kind: str) -> None:
+    assert hears(ROLES["instructor"], kind)
+    assert not any(hears(ROLES[role], kind) for role in TRAINEES)
+
+
+def test_orders_given_are_told_to_those_who_watch_and_not_to_the_other_stations() -> None:
+    assert {role for role in ROLES if hears(ROLES[role], "order")} == {"instructor", "observer"}
+
+
+@pytest.mark.parametrize("kind", ["time", "moment", "station"])
+def test_everybody_hears_when_time_stands_or_goes_back_and_who_comes_and_goes(kind: str) -> None:
+    assert all(hears(role, kind) for role in ROLES.values())
+
+
+def test_the_page_has_the_tables_of_roles_and_of_events() -> None:
+    page = (ROOT / "docs" / "stations.md").read_text(encoding="utf-8")
+
+    for table in (role_table(), event_table()):
+        assert table in page, f"docs/stations.md lacks this, from roles.py:\n{table}"

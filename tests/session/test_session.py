@@ -1,0 +1,410 @@
+"""A session: a boat, a clock, a recording and stations, in the thread that ticks."""
+
+import contextlib
+import math
+import sqlite3
+import threading
+from collections import deque
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import pytest
+
+from trainer.boat.assemble import Method
+from trainer.boat.boat import Boat
+from trainer.config.vessel import load_vessel
+from trainer.io.lines import Overlong
+from trainer.io.orders.grammar import LONGEST
+from trainer.io.orders.schedule import parse_schedule
+from trainer.io.recording.recording import Recording
+from trainer.io.tables import COLUMNS
+from trainer.session.history import History
+from trainer.session.session import Session
+from trainer.session.stations.access import Door
+from trainer.session.stations.station import Station
+from trainer.session.stations.subscriptions import Subscription
+from trainer.session.stations.view import Pace
+from trainer.session.time.pacer import MonotonicClock, Pacer, Policy, Unpaced
+from trainer.session.time.timekeeping import Timekeeping
+from trainer.units import KNOT
+
+DEGREE = math.pi / 180.0
+GONE = "this boat cannot go on: {}; backtrack or reset"
+
+
+def under_way() -> Boat:
+    """Return BB2 at 60 m and 10 knots, everything automatic."""
+    boat = Boat(load_vessel("bb2"), Method("modified", "lagged", "exact", "adams2", 0.5))
+    boat.start(10.0 * KNOT, 60.0, 0.0)
+    return boat
+
+
+@dataclass
+class Script:
+    """A line that types one batch each time it is asked, and keeps what it is sent."""
+
+    batches: list[list[str | Overlong]]
+    wake: threading.Event = field(default_factory=threading.Event)
+    heard: list[str] = field(default_factory=list)
+    shown: list[tuple[int, bool]] = field(default_factory=list)  # tick, frozen
+    name: str = "script"
+    trouble: str = ""
+    dropped: int = 0
+
+    @property
+    def ended(self) -> bool:
+        return not self.batches
+
+    def take(self, most: int) -> list[str | Overlong]:
+        assert most > 10
+        if len(self.batches) > 1:
+            self.wake.set()  # as an inbox does when there is more to take
+        return self.batches.pop(0) if self.batches else []
+
+    def send(self, line: str) -> None:
+        self.heard.append(line)
+
+    def close(self, patience: float) -> None:
+        del patience
+
+    # what is shown at each tick
+
+    troubles: deque[str] = field(default_factory=deque)
+
+    def offer(self, tick: int, state: bytes, pace: Pace) -> None:
+        assert len(state) > 1000
+        if tick > max([0, *(shown[0] for shown in self.shown)]):
+            self.shown.append((tick, pace.frozen))
+
+    def add(self, subscription: Subscription) -> None:
+        del subscription
+
+    def strike(self, subscription: Subscription) -> None:
+        del subscription
+
+
+class Rows:
+    """A recorder of ticks."""
+
+    trouble = ""
+
+    def __init__(self) -> None:
+        self.kept: list[tuple[float, ...]] = []
+
+    def row(self, values: Sequence[float]) -> None:
+        self.kept.append(tuple(values))
+
+
+OPENED: list[Recording] = []
+
+
+@pytest.fixture(autouse=True)
+def closed() -> Iterator[None]:
+    """Close the recordings that a test has begun."""
+    yield
+    while OPENED:
+        OPENED.pop().close()
+
+
+def session_of(
+    script: Script,
+    ticks: float = 10,
+    schedule: str = "",
+    boat: Boat | None = None,
+    recorder: Rows | None = None,
+) -> Session:
+    """Return a session whose console has something to say at once."""
+    time = Timekeeping.at(MonotonicClock(), 0.5, math.inf, Policy.CATCH_UP)
+    entries = parse_schedule(schedule, "orders.txt")
+    assert isinstance(entries, list)
+    script.wake.set()
+    boat = boat or under_way()
+    recording = Recording.create(None, {}, boat.records.state.tobytes())
+    OPENED.append(recording)
+    history = History(boat, recording)
+    session = Session(boat, time, history, recorder or Rows(), COLUMNS, script, schedule=entries)
+    session.board.stations.append(Station(script, Door("instructor"), script, session.board.log))
+    session.last_tick = ticks
+    session.wake = script.wake
+    return session
+
+
+def run(script: Script, ticks: float = 10, schedule: str = "") -> Session:
+    session = session_of(script, ticks, schedule)
+    session.run()
+    return session
+
+
+def test_a_session_runs_to_its_last_tick_and_records_each_and_the_start() -> None:
+    script = Script([])
+    session = run(script, 6)
+    assert script.shown == [(tick, False) for tick in range(1, 7)]
+    assert isinstance(session.recorder, Rows)
+    assert [row[:2] for row in session.recorder.kept] == [(k, 0.5 * k) for k in range(7)]
+
+
+def test_in_a_freeze_single_steps_go_on_and_are_shown_as_frozen() -> None:
+    script = Script([["freeze"], ["step 3"], ["step"], ["quit"]])
+    session = run(script)
+    assert script.shown == [(1, True), (2, True), (3, True), (4, True)]
+    assert script.heard == ["frozen", "3 ticks, then frozen", "1 tick, then frozen", "ending"]
+    assert session.boat.state.tick == 4
+
+
+def test_a_boat_that_loses_her_numbers_is_shown_frozen(monkeypatch: pytest.MonkeyPatch) -> None:
+    script, frozen = Script([]), list[bool]()
+    monkeypatch.setattr(script, "offer", lambda _tick, _state, pace: frozen.append(pace.frozen))
+    session = session_of(script)
+    session.boat.state.q = 1e4
+
+    session.run()
+
+    assert session.desk.failure
+    assert frozen == [False, True]
+
+
+def test_steps_are_taken_before_the_next_line_and_forgotten_by_run() -> None:
+    script = Script([["freeze", "step 3", "quit"]])
+    assert run(script).boat.state.tick == 3
+
+    script = Script([["freeze"], ["run"]])
+    session = session_of(script, 10, "2 step 100\n2 run\n4 freeze\n")
+    session.run()
+    assert session.boat.state.tick == 8
+    assert session.deserted
+
+
+def test_steps_end_with_the_last_tick() -> None:
+    script = Script([["freeze", "step 1000"]])
+    session = run(script, 6)
+    assert session.boat.state.tick == 6
+    assert not session.deserted
+
+
+def test_run_lets_a_frozen_boat_go_on() -> None:
+    script = Script([["freeze"], ["step 2", "run"]])
+    session = run(script)
+    assert session.boat.state.tick == 10
+    assert script.heard == ["frozen", "2 ticks, then frozen", "running"]
+    assert not session.deserted
+
+
+def test_a_frozen_session_nobody_can_run_again_ends_and_says_so() -> None:
+    script = Script([["freeze"]])
+    session = run(script)
+    assert session.boat.state.tick == 0
+    assert session.deserted == "frozen at 0 s, and nobody is left to say run"
+    assert script.heard[-1] == session.deserted
+
+
+def test_frozen_and_resumed_gives_the_same_bits() -> None:
+    schedule = "1 rudder right 15\n2 depth 70\n"
+    straight = run(Script([]), 40, schedule)
+    halting = run(Script([["freeze"], ["step 3"], ["step 7"], ["run"]]), 40, schedule)
+    assert isinstance(halting.recorder, Rows)
+    assert isinstance(straight.recorder, Rows)
+    assert halting.recorder.kept == straight.recorder.kept
+    assert halting.boat.records.state.tobytes() == straight.boat.records.state.tobytes()
+
+
+def test_a_last_quit_in_a_freeze_is_no_desertion() -> None:
+    class Gone(Script):
+        ended = True  # the line is closed, and all it said waits to be read
+
+    script = Gone([["freeze"], ["quit"]])
+    session = run(script)
+    assert script.heard == ["frozen", "ending"]
+    assert not session.deserted
+
+
+def test_quit_ends_the_session_with_what_was_typed_before_it_done() -> None:
+    script = Script([["depth 75", "quit"]])
+    session = run(script)
+    assert session.boat.state.tick == 0
+    assert session.boat.state.ordered_depth == 75.0
+    assert script.heard == ["keeping depth 75 m", "ending"]
+
+
+def test_time_is_paced_or_as_fast_as_it_goes_as_ordered() -> None:
+    session = session_of(Script([["time 100"]]), 4)
+    assert isinstance(session.time.pacer, Unpaced)
+    session.run()
+    assert isinstance(session.time.pacer, Pacer)
+    assert session.time.ledger.summary().ticks == 4
+    session.time.change(math.inf)
+    assert isinstance(session.time.pacer, Unpaced)
+    assert not session.time.pacer.frozen
+
+
+def test_a_change_of_time_in_a_freeze_stays_frozen() -> None:
+    script = Script([["freeze"], ["time x50"], ["time max"], ["step 2"], ["quit"]])
+    assert run(script).boat.state.tick == 2
+    assert script.heard[1:3] == ["time 50", "time as fast as it goes"]
+
+
+def test_garbage_and_an_overlong_line_are_answered_and_change_nothing() -> None:
+    script = Script([["depht 80", Overlong(LONGEST), "\x00\xff", "", "# a remark"]])
+    session = run(script, 1)
+    assert [line[0] for line in script.heard] == ["?"] * 3
+    assert "did you mean depth" in script.heard[0]
+    assert str(LONGEST) in script.heard[1]
+    untouched = run(Script([]), 1)
+    assert session.boat.records.state.tobytes() == untouched.boat.records.state.tobytes()
+
+
+def test_help_and_status_fit_a_screen_of_79_columns() -> None:
+    script = Script([["help", "help rudder", "status"]])
+    run(script, 1)
+    assert any("rudder left 15" in line for line in script.heard)
+    assert any(line.startswith("depth") and "60.00 m" in line for line in script.heard)
+    assert max(len(line) for line in script.heard) <= 79
+
+
+def test_a_scheduled_order_acts_on_the_first_tick_not_before_its_time() -> None:
+    script = Script([])
+    session = session_of(script, 6, "1.2 rudder right 10\n2 rudder left 40\n")
+    session.run()
+    assert isinstance(session.recorder, Rows)
+    rudder = [row[COLUMNS.index("delta_r")] for row in session.recorder.kept]
+    # 1.2 s is within the third tick: the order acts at the start of the fourth
+    assert rudder[:4] == [rudder[0]] * 4
+    assert rudder[4] == pytest.approx(rudder[0] - 3.55 * DEGREE)
+    assert script.heard == [
+        "[1.2 s] rudder right 10: rudder right 10, by hand",
+        "[2 s] rudder left 40: refused: the limit of the rudder is 30 degrees, not 40",
+    ]
+
+
+@pytest.mark.parametrize("order", ["freeze", "quit"])
+def test_a_scheduled_end_of_time_is_on_its_tick(order: str) -> None:
+    assert run(Script([]), 10, f"2 {order}\n").boat.state.tick == 4
+
+
+def test_a_boat_whose_numbers_are_lost_freezes_and_will_not_run_again() -> None:
+    boat = under_way()
+    script = Script([["freeze"], ["step 1"], ["run"], ["step 5"], ["rudder left 5"]])
+    session = session_of(script, 10, "", boat)
+    boat.state.x = math.inf
+    session.run()
+    assert "x is out of all bounds after tick 0 (0 s)" in session.desk.failure
+    assert f"FROZEN: {session.desk.failure}" in script.heard
+    assert script.heard.count(f"? {GONE.format(session.desk.failure)}") == 2
+    assert boat.state.tick == 0
+    assert isinstance(session.recorder, Rows)
+    assert len(session.recorder.kept) == 1
+
+
+def test_trouble_with_the_recording_is_told_at_once_and_only_once() -> None:
+    class FullDisk(Rows):
+        def row(self, values: Sequence[float]) -> None:
+            super().row(values)
+            self.trouble = "out.csv: full; 2 rows are whole" if len(self.kept) > 2 else ""
+
+    script = Script([])
+    session = session_of(script, 6, recorder=FullDisk())
+    session.run()
+    assert script.heard == ["NOT RECORDED: out.csv: full; 2 rows are whole"]
+    assert session.boat.state.tick == 6
+
+
+def test_trouble_that_an_order_meets_is_told_too() -> None:
+    script = Script([["rudder left 5", "rudder left 6"]])
+    session = session_of(script, 4)
+    recording = session.history.recording
+    assert isinstance(recording, Recording)
+    recording.order = lambda *_: setattr(recording, "trouble", "disk full") or 1  # type: ignore[method-assign,func-returns-value]
+    session.run()
+    assert script.heard.count("NOT RECORDED: disk full") == 1
+
+
+class OutOfReach:
+    """A session whose recording is locked by another program."""
+
+    def __init__(self, tmp_path: Path, batches: list[list[str]]) -> None:
+        self.script = Script(batches)  # type: ignore[arg-type]
+        self.session = session_of(self.script, 4)
+        path = tmp_path / "run.trainer"
+        state = self.session.boat.records.state.tobytes()
+        self.session.history.recording = Recording.create(path, {}, state)
+        OPENED.append(self.session.history.recording)
+        self.other = sqlite3.connect(path, isolation_level=None)
+        self.other.execute("BEGIN EXCLUSIVE")
+
+    def run(self) -> list[str]:
+        with contextlib.closing(self.other):
+            self.session.run()
+        return self.script.heard
+
+
+def test_while_the_recording_is_out_of_reach_every_answer_says_so(tmp_path: Path) -> None:
+    heard = OutOfReach(tmp_path, [["depth 75", "mark here", "snapshot a", "dpeth 80"]]).run()
+    assert heard[0] == "keeping depth 75 m (not recorded)"
+    assert heard[1].startswith("NOT RECORDED: ")
+    assert heard[2] == "marked at 0 s (not recorded)"
+    assert heard[3].startswith("? not kept: ")
+    assert "not recorded" not in heard[4]  # it is no order
+
+
+def test_a_mark_is_in_the_file_before_it_is_answered(tmp_path: Path) -> None:
+    class Looking(Script):
+        marks: list[str] = []  # noqa: RUF012
+
+        def send(self, line: str) -> None:
+            super().send(line)
+            if line.startswith("marked"):
+                with contextlib.closing(Recording.look(path)) as reader:
+                    self.marks += [each.text for each in reader.events() if each.kind == "mark"]
+
+    path = tmp_path / "run.trainer"
+    script = Looking([["freeze", "mark here", "mark there"]])
+    session = session_of(script, 1)
+    state = session.boat.records.state.tobytes()
+    session.history.recording = Recording.create(path, {}, state)
+    OPENED.append(session.history.recording)
+    session.run()
+    assert script.marks == ["here", "here", "there"]
+
+
+class Coming:
+    """A reception with one newcomer."""
+
+    awaited = False
+
+    def __init__(self, *stations: Station) -> None:
+        self.stations = list(stations)
+
+    def newcomers(self) -> list[Station]:
+        come, self.stations = self.stations, []
+        return come
+
+
+def test_nothing_of_the_exercise_is_told_before_the_token_nor_what_breaks_to_the_crew() -> None:
+    stranger = Script([["briefing", "status", "role helm WORD", "briefing"], ["detach"]])
+    alone = Script([["quit"]])
+    session = session_of(alone)
+    session.briefing = ("Stern planes jam", "At 30 s the stern planes stick.", "BB2")
+    session.crew_briefing = ("BB2",)
+    door = Door(tokens={"": "WORD"})
+    session.reception = Coming(Station(stranger, door, stranger, session.board.log))
+    session.listen()
+    heard = "\n".join(stranger.heard)
+    before, _, after = heard.partition("this line is the helm's")
+    assert "BB2" not in before
+    assert "say who you are first: role NAME TOKEN" in before
+    assert "BB2" in after
+    assert "stern planes" not in heard.casefold()
+
+
+def test_a_mark_says_who_made_it_and_cannot_look_like_the_session() -> None:
+    helm, other = Script([["mark the session is over"]]), Script([])
+    session = session_of(Script([]))
+    for line in (helm, other):
+        session.board.stations.append(Station(line, Door("observer"), line, session.board.log))
+    session.listen()
+    assert other.heard == ["mark by observer: the session is over"]
+    recording = session.history.recording
+    assert isinstance(recording, Recording)
+    (mark,) = [each for each in recording.events() if each.kind == "mark"]
+    assert mark.text == "the session is over"
+    assert mark.who.startswith("observer at")

@@ -1,0 +1,678 @@
+"""A station: what it may do on its line, what is answered there, what is handed on and logged."""
+
+import gc
+import re
+import threading
+import weakref
+from collections.abc import Callable
+
+import pytest
+from helpers.places import ROOT
+
+from trainer.boat.boat import Boat
+from trainer.io.lines import Overlong
+from trainer.io.orders.grammar import Order, Refused
+from trainer.io.orders.sentences import Heard, hear, order_sentence, read
+from trainer.io.server import Hub
+from trainer.session.stations.access import Door
+from trainer.session.stations.station import ORDERS_A_SECOND, ORDERS_AT_ONCE, News, Station
+from trainer.session.stations.subscriptions import Promptly, Roster
+from trainer.session.stations.view import Lookout, Pace
+from trainer.session.time.ledger import Ledger
+
+KNOT = 1852.0 / 3600.0
+TOKEN = "Kx7-quietly-9"  # noqa: S105 not a secret
+MANY = 10_000
+
+
+class FakeLine:
+    """A line typed by the test."""
+
+    name = "tcp 127.0.0.1:4711"
+    trouble = ""
+    dropped = 0
+
+    def __init__(self) -> None:
+        self.waiting: list[str | Overlong] = []
+        self.sent: list[str] = []
+        self.closed = False
+
+    @property
+    def ended(self) -> bool:
+        return self.closed
+
+    def take(self, most: int) -> list[str | Overlong]:
+        taken, self.waiting = self.waiting[:most], self.waiting[most:]
+        return taken
+
+    def send(self, line: str) -> None:
+        self.sent.append(line)
+
+    def close(self, patience: float) -> None:
+        assert patience >= 0.0
+        self.closed = True
+
+
+class Post:
+    """A station with its line, its log and a boat that stands still."""
+
+    def __init__(self, boat: Boat, door: Door) -> None:
+        self.now = 0.0
+        self.line = FakeLine()
+        self.log: list[tuple[str, str]] = []
+        self.boat = boat
+        self.sending = Promptly(Roster(Lookout(boat, Ledger(0.5).summary)), lambda: self.now)
+        self.station = Station(
+            self.line,
+            door,
+            self.sending,
+            lambda kind, text: self.log.append((kind, text)),
+            lambda: self.now,
+        )
+
+    def type(self, *lines: str | Overlong) -> list[str]:
+        """Type lines; return the texts of the orders handed on."""
+        self.line.waiting += lines
+        return [asked.order.text for asked in self.station.take(MANY)]
+
+    def said(self) -> list[str]:
+        """Return what the line was sent since the last time."""
+        said, self.line.sent = self.line.sent, []
+        return said
+
+    def answer_to(self, line: str) -> str:
+        """Return the one line that answers."""
+        self.said()
+        assert not self.type(line)
+        (answer,) = self.said()
+        return answer
+
+    def offer(self, tick: int) -> None:
+        state = self.boat.records.state.copy()
+        state["tick"] = tick
+        self.sending.offer(tick, state.tobytes(), Pace())
+
+
+@pytest.fixture(scope="module")
+def boat(make_boat: Callable[..., Boat]) -> Boat:
+    boat = make_boat("bb2")
+    boat.start(10.0 * KNOT, 60.0, 0.0)
+    return boat
+
+
+@pytest.fixture
+def post(boat: Boat) -> Callable[..., Post]:
+    return lambda role=None, token="": Post(boat, Door(role, {"": token} if token else {}))
+
+
+def test_a_station_and_its_line_are_gone_with_the_last_who_knows_them(boat: Boat) -> None:
+    sending = Promptly(Roster(Lookout(boat, Ledger(0.5).summary)))
+    line = FakeLine()
+    line.waiting = ["subscribe gauges", "nonsense", "role helm", "rudder left 5"]
+    station = Station(line, Door(), sending, lambda *_: None)
+    assert len(list(station.take(MANY))) == 1
+    station.leave()
+    gone = weakref.ref(station), weakref.ref(line)
+
+    gc.disable()
+    del station, line
+    left = [each() for each in gone]
+    gc.enable()
+
+    assert left == [None, None]
+
+
+# Orders
+
+
+def test_an_order_of_the_role_is_handed_on_and_answered_where_it_came_from(
+    post: Callable[..., Post],
+) -> None:
+    helm = post("helm")
+    helm.line.waiting += ["rudder left 5", "course 090"]
+
+    first, second = helm.station.take(MANY)
+    helm.station.answer(first, "left 5, by hand")
+    helm.station.answer(second, Refused("no autopilot"))
+
+    assert [first.order.name, second.order.name] == ["rudder", "course"]
+    assert helm.said() == ["left 5, by hand", "? no autopilot"]
+    assert helm.station.counts.orders == 2
+    assert first.station.who == "helm at tcp 127.0.0.1:4711"
+
+
+def test_an_order_outside_the_role_is_refused_logged_and_goes_no_further(
+    post: Callable[..., Post],
+) -> None:
+    ballast = post("ballast")
+
+    answer = ballast.answer_to("rudder left 5")
+
+    why = "the rudder is the helm's; this line is the ballast station's"
+    assert answer == f"? {why}"
+    assert ballast.log == [("refused", f"ballast at {FakeLine.name}: rudder left 5: {why}")]
+    assert (ballast.station.counts.refused, ballast.station.counts.orders) == (1, 0)
+
+
+def test_a_program_gets_its_tag_back_with_every_answer(post: Callable[..., Post]) -> None:
+    helm = post("helm")
+    helm.line.waiting += [
+        order_sentence("rudder left 5", "17"),
+        order_sentence("blow all", "18"),
+        order_sentence("bell stop"),
+    ]
+
+    first, last = helm.station.take(MANY)
+    helm.station.answer(first, "done", "one", "two")
+    helm.station.answer(last, "done")
+
+    heard = [(found.tag, *found.fields) for line in helm.said() if (found := read(line))]
+    whose = "main ballast is the ballast station's or the diving officer's; this line is the helm's"
+    assert heard == [
+        ("18", "no", whose),
+        ("17", "say", "one"),
+        ("17", "say", "two"),
+        ("17", "ok", "done"),
+        ("", "ok", "done"),
+    ]
+
+
+def test_a_line_that_is_no_order_is_answered_counted_and_logged(post: Callable[..., Post]) -> None:
+    helm = post("helm")
+
+    answer = helm.answer_to("ruder left 5")
+
+    assert answer.startswith('? "ruder" is no order')
+    assert helm.station.counts.bad == 1
+    assert helm.log[0][0] == "refused"
+    assert "ruder left 5" in helm.log[0][1]
+
+
+def test_a_damaged_sentence_is_answered_as_a_sentence(post: Callable[..., Post]) -> None:
+    found = read(post("helm").answer_to("$TRO,5,rudder left 5*00"))
+
+    assert found
+    assert (found.tag, found.fields[0]) == ("", "no")
+
+
+def test_an_overlong_line_is_told_so_and_the_next_is_heard(post: Callable[..., Post]) -> None:
+    helm = post("helm")
+
+    handed_on = helm.type(Overlong(80), "rudder left 5")
+
+    assert helm.said() == ["? longer than 80 characters; nothing done"]
+    assert handed_on == ["rudder left 5"]
+
+
+def test_blank_lines_and_comments_are_passed_over(post: Callable[..., Post]) -> None:
+    helm = post("helm")
+
+    assert not helm.type("", "   ", "# steady as she goes")
+    assert not helm.said()
+    assert helm.station.counts.bad == 0
+
+
+def test_a_flood_is_taken_in_portions(post: Callable[..., Post]) -> None:
+    helm = post("helm")
+    helm.line.waiting += ["rudder left 5"] * 100
+
+    assert len(list(helm.station.take(8))) == 8
+    assert len(helm.line.waiting) == 92
+
+
+def test_a_babbling_line_logs_twenty_entries_in_ten_seconds_and_then_their_number(
+    post: Callable[..., Post],
+) -> None:
+    helm = post("helm")
+    for _ in range(1000):
+        helm.type("blah")
+    assert len(helm.log) == 20
+
+    helm.now = 10.0
+    helm.type("rudder left 5")
+
+    assert helm.log[20:] == [("refused", "980 more of the same, not written one by one")]
+    helm.type("blah")
+    assert len(helm.log) == 22
+    assert helm.station.counts.bad == 1001
+
+
+def test_what_was_not_written_is_told_when_the_line_goes(post: Callable[..., Post]) -> None:
+    helm = post("helm")
+    helm.type(*["blah"] * 25)
+
+    helm.station.close(0.0)
+
+    assert helm.log[-1][1].startswith("5 more")
+
+
+def test_help_is_answered_at_the_station(post: Callable[..., Post]) -> None:
+    helm = post("helm")
+
+    assert not helm.type("help rudder")
+    assert helm.said()[0] == "rudder, in full:"
+    assert not helm.type(order_sentence("help rudder", "3"))
+    answers = [found.fields[0] for line in helm.said() if (found := read(line))]
+    assert answers[0] == "say"
+    assert answers[-1] == "ok"
+    assert set(answers[:-1]) == {"say"}
+
+
+def test_detach_says_goodbye_and_nothing_after_it_is_heard(post: Callable[..., Post]) -> None:
+    helm = post("helm")
+
+    assert not helm.type("detach", "rudder left 5")
+
+    assert helm.said() == ["bye"]
+    assert helm.station.leaving == "detached"
+
+
+def test_what_a_portion_leaves_over_is_known_to_wait(post: Callable[..., Post]) -> None:
+    helm = post("helm")
+    helm.line.waiting += ["rudder left 5"] * 9
+
+    waiting = [helm.station.waiting for _ in range(3) if list(helm.station.take(8)) is not None]
+
+    assert waiting == [True, False, False]
+
+
+def test_a_station_that_has_left_logs_nothing_when_its_line_is_closed(
+    post: Callable[..., Post],
+) -> None:
+    helm = post("helm")
+    helm.type(*["blah"] * 25)
+    helm.station.leave()
+    entries = len(helm.log)
+
+    helm.station.close(0.0)
+
+    assert entries == 21
+    assert len(helm.log) == entries
+
+
+# Roles and tokens
+
+
+def test_a_line_observes_until_it_says_what_it_is(post: Callable[..., Post]) -> None:
+    line = post()
+
+    assert line.answer_to("rudder left 5").endswith("this line is an observer's")
+    assert not line.type("role helm")
+    assert line.said()[-1] == "this line is the helm's"
+    assert len(line.type("rudder left 5")) == 1
+    assert ("station", f"{FakeLine.name} is the helm's") in line.log
+
+
+def test_a_role_is_told_what_it_may_order_and_see_in_79_columns(post: Callable[..., Post]) -> None:
+    line = post()
+    line.type("role diving")
+
+    *powers, last = line.said()
+
+    told = " ".join(powers)
+    assert last == "this line is the diving officer's"
+    assert "blow" in told
+    assert "tanks" in told
+    assert all(len(each) <= 79 for each in powers)
+
+
+def test_a_role_is_said_once(post: Callable[..., Post]) -> None:
+    line = post()
+    line.type("role helm")
+
+    assert line.answer_to("role instructor") == "? this line is the helm's, and stays so"
+    assert line.station.role.name == "helm"
+
+
+def test_a_fixed_role_stays(post: Callable[..., Post]) -> None:
+    serial = post("planes")
+
+    assert (
+        serial.answer_to("role instructor") == "? this line is the planes station's, and stays so"
+    )
+    assert serial.station.role.name == "planes"
+
+
+def test_where_a_token_is_asked_for_a_line_can_do_nothing_without(
+    post: Callable[..., Post],
+) -> None:
+    line = post(token=TOKEN)
+    line.offer(0)
+
+    for order in ("rudder left 5", "status", "subscribe gauges", "subscribe events", "who"):
+        assert line.answer_to(order) == "? say who you are first: role NAME TOKEN"
+    assert "asks for a token" in line.answer_to("role helm")
+    line.station.tell(News(0, 0.0, "station", "somebody came"))
+    assert not line.said()
+
+
+def test_the_right_token_lets_a_line_be_what_it_says(post: Callable[..., Post]) -> None:
+    line = post(token=TOKEN)
+
+    line.type(f"role instructor {TOKEN}")
+
+    assert line.said()[-1] == "this line is the instructor's"
+    assert len(line.type("freeze")) == 1
+
+
+@pytest.mark.parametrize("guess", [TOKEN.lower(), TOKEN[:-1], TOKEN + "0", "x"])
+def test_a_token_that_is_not_the_very_same_is_refused(
+    post: Callable[..., Post], guess: str
+) -> None:
+    line = post(token=TOKEN)
+
+    assert line.answer_to(f"role helm {guess}") == "? wrong token"
+    assert line.station.counts.guesses == 1
+    assert line.station.role.name == "stranger"
+
+
+def test_the_third_wrong_token_closes_the_line_and_the_right_one_comes_too_late(
+    post: Callable[..., Post],
+) -> None:
+    line = post(token=TOKEN)
+
+    line.type("role helm a", "role helm b", "role helm c", f"role helm {TOKEN}")
+
+    assert line.said()[-1] == "? wrong token, the 3rd: this line is closed"
+    assert line.station.leaving == "3 wrong tokens"
+    assert line.station.role.name == "stranger"
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        f"role helm {TOKEN}",
+        f"role helm {TOKEN} please",
+        f"role admiral {TOKEN}",
+        f"rolle helm {TOKEN}",
+        f"ROLE HELM {TOKEN}x",
+        order_sentence(f"role helm {TOKEN}", "5"),
+        f"$TRO,role helm {TOKEN}*00",
+    ],
+)
+def test_no_answer_log_or_account_repeats_a_token(post: Callable[..., Post], line: str) -> None:
+    station = post(token=TOKEN)
+
+    station.type(line, line)
+
+    told = [*station.said(), *(text for _, text in station.log), station.station.account()]
+    assert told
+    assert not [text for text in told if TOKEN.lower() in text.lower()]
+    assert TOKEN not in repr(station.station._door)  # noqa: SLF001 what a traceback would show
+
+
+# Channels
+
+
+def test_a_channel_is_answered_first_and_then_sent(post: Callable[..., Post]) -> None:
+    helm = post("helm")
+    helm.offer(0)
+
+    helm.type(order_sentence("subscribe steering at 5 hz", "9"))
+
+    kinds = [found.kind for line in helm.said() if (found := read(line))]
+    assert kinds == ["TRA", "TRN", "TRS"]
+
+
+def test_a_reader_gets_words_and_a_program_sentences(post: Callable[..., Post]) -> None:
+    helm = post("helm")
+    helm.offer(0)
+
+    helm.type("subscribe gauges")
+
+    answer, shown, *_ = helm.said()
+    assert answer == "gauges: every tick"
+    assert shown.startswith("gauges, 0 s: depth 60.0 m, heading 0.0 deg")
+
+
+def test_a_channel_that_is_not_the_roles_is_refused_and_logged(post: Callable[..., Post]) -> None:
+    helm = post("helm")
+
+    answer = helm.answer_to("subscribe motion")
+
+    assert answer.startswith("? motion is not on this line, the helm's; it has teletype, gauges")
+    assert helm.log[0][0] == "refused"
+
+
+def test_a_channel_that_there_is_not_is_answered_with_the_nearest(
+    post: Callable[..., Post],
+) -> None:
+    helm = post("helm")
+
+    assert helm.answer_to("subscribe stearing") == "? no channel stearing; nearest is steering"
+    assert "there is teletype, gauges" in helm.answer_to("subscribe xyz")
+
+
+def test_subscribing_again_changes_the_rate_and_sends_nothing_twice(
+    post: Callable[..., Post],
+) -> None:
+    helm = post("helm")
+    helm.offer(0)
+    helm.type("subscribe time", "subscribe time at 1 hz")
+    helm.said()
+
+    for tick in range(1, 21):
+        helm.now += 0.1
+        helm.offer(tick)
+
+    assert 2 <= len(helm.said()) <= 3
+
+
+def test_unsubscribed_a_channel_comes_no_more(post: Callable[..., Post]) -> None:
+    helm = post("helm")
+    helm.type("subscribe gauges", "subscribe engine")
+
+    assert helm.answer_to("unsubscribe gauges") == "no more gauges"
+    helm.offer(1)
+    assert all(line.startswith(("engine", "  ")) for line in helm.said())
+    assert helm.answer_to("unsubscribe gauges") == (
+        "? gauges is not subscribed here; there is engine, events"
+    )
+    assert helm.answer_to("unsubscribe all") == "no more engine, events"
+    helm.offer(2)
+    helm.station.tell(News(2, 1.0, "time", "frozen"))
+    assert not helm.said()
+
+
+def test_a_line_for_people_begins_with_the_teletype(post: Callable[..., Post]) -> None:
+    helm = post("helm")
+    helm.station.type_out()
+
+    helm.offer(1)
+    helm.offer(2)
+
+    assert [line[:8] for line in helm.said()] == ["time    ", "00:00:00", "00:00:01"]
+
+
+def test_with_a_role_a_line_keeps_the_channels_that_are_the_roles(
+    post: Callable[..., Post], boat: Boat
+) -> None:
+    line = post()
+    line.station.type_out()
+    line.type("subscribe tanks", "subscribe steering")
+
+    line.type("role helm")
+
+    assert line.station.wishes.channels == ("teletype", "steering", "events")
+    assert boat.state.z == 60.0
+
+
+def test_an_observer_that_turns_out_to_be_the_instructor_is_shown_the_truth(
+    post: Callable[..., Post], boat: Boat
+) -> None:
+    line = post()
+    line.station.type_out()
+    crippled = boat.records.state.copy()
+    crippled["casualty"][0][0], crippled["casualty_amount"][0][0] = code("depth-gauge-stuck"), 33.0
+    line.sending.offer(1, crippled.tobytes(), Pace())
+    assert " 33.0>" in line.said()[-1]
+
+    line.type("role instructor")
+
+    assert " 60.0>" in line.said()[-1]
+
+
+def code(kind: str) -> int:
+    from trainer.core.casualties import CODES  # noqa: PLC0415
+
+    return CODES[kind]
+
+
+# Events
+
+
+def test_events_reach_the_roles_that_they_are_for(post: Callable[..., Post]) -> None:
+    told = {}
+    for role in ("instructor", "helm", "observer"):
+        station = post(role)
+        for kind in ("time", "order", "exercise"):
+            station.station.tell(News(4, 2.0, kind, f"{kind} happened"))
+        told[role] = station.said()
+
+    assert told["instructor"] == ["time happened", "order happened", "exercise happened"]
+    assert told["helm"] == ["time happened"]
+    assert told["observer"] == ["time happened", "order happened"]
+
+
+def test_a_program_gets_events_as_sentences(post: Callable[..., Post]) -> None:
+    helm = post("helm")
+    helm.type(order_sentence("subscribe events", "1"))
+    helm.said()
+
+    helm.station.tell(News(4, 2.0, "time", "frozen"))
+
+    (line,) = helm.said()
+    found = read(line)
+    assert found
+    assert found.fields == ("4", "2.000", "time", "frozen")
+
+
+def test_no_more_is_sent_after_a_station_is_closed(post: Callable[..., Post]) -> None:
+    helm = post("helm")
+    helm.type("subscribe gauges")
+    helm.said()
+
+    helm.station.close(0.0)
+    helm.offer(1)
+    helm.station.tell(News(1, 0.5, "time", "frozen"))
+
+    assert helm.line.closed
+    assert not helm.said()
+
+
+def test_who_tells_of_a_line_what_it_did_and_lost(post: Callable[..., Post]) -> None:
+    helm = post("helm")
+    helm.type("rudder left 5", "blow all", "blah")
+    helm.line.dropped, helm.line.trouble = 12, "input/output error"
+
+    assert helm.station.account() == (
+        "helm at tcp 127.0.0.1:4711: 1 orders, 1 refused, 1 bad lines, 12 lines lost; "
+        "input/output error"
+    )
+
+
+# The page
+
+
+def page() -> str:
+    return (ROOT / "docs" / "stations.md").read_text(encoding="utf-8")
+
+
+def test_every_sentence_on_the_page_has_its_checksum_and_is_one() -> None:
+    lines = re.findall(r"^\$TR.*$", page(), re.MULTILINE)
+
+    assert len(lines) > 10
+    for line in lines:
+        found = hear(line) if line.startswith("$TRO") else read(line)
+        assert found, line
+        assert not isinstance(found, Heard) or isinstance(found.order, Order), line
+
+
+def test_the_client_on_the_page_takes_the_helm_and_shows_the_rudder(boat: Boat) -> None:
+    (client,) = re.findall(r"```python\n(.*?)```", page(), re.DOTALL)
+    wake, shown = threading.Event(), []
+    hub = Hub(wake)
+    port = hub.listen("127.0.0.1", 0)
+    names = {"print": lambda *values: shown.append(values)}
+    source = client.replace("17800", str(port))
+    program = threading.Thread(target=exec, args=(source, names), daemon=True)
+    program.start()
+
+    obeyed = tend(hub, wake, boat, program)
+
+    assert [order.text for order in obeyed] == ["rudder left 10"]
+    seconds, steering = shown[0]
+    assert float(seconds) >= 0.0
+    assert steering["rudder_mode"] in {"hand", "auto"}
+    assert next(iter(steering)) == "heading"
+
+
+def tend(hub: Hub, wake: threading.Event, boat: Boat, program: threading.Thread) -> list[Order]:
+    """Be a session until its client has given an order and gone; return its orders."""
+    sending = Promptly(Roster(Lookout(boat, Ledger(0.5).summary)))
+    sending.offer(0, boat.records.state.tobytes(), Pace())
+    obeyed: list[Order] = []
+    stations: list[Station] = []
+    while not obeyed:
+        assert wake.wait(10.0)
+        wake.clear()
+        stations += [Station(line, Door(), sending, print) for line in hub.newcomers()]
+        for asked in [asked for station in stations for asked in station.take(MANY)]:
+            asked.station.answer(asked, "done")
+            obeyed.append(asked.order)
+    for station in stations:
+        station.close(1.0)
+    hub.close(1.0)
+    program.join(10.0)
+    assert not program.is_alive()
+    return obeyed
+
+
+@pytest.mark.parametrize(
+    "line", [f"helm {TOKEN}", f"subscribe {TOKEN.lower()}", f"rudder left {TOKEN}", f"x {TOKEN}y"]
+)
+def test_a_token_is_not_logged_wherever_it_stands(post: Callable[..., Post], line: str) -> None:
+    stranger = post(None, TOKEN)
+    stranger.type(line, f"role helm {TOKEN}", line)
+
+    assert "***" in stranger.log[0][1]
+    assert TOKEN.casefold() not in str(stranger.log).casefold()
+
+
+# How often
+
+
+def test_orders_beyond_twenty_a_second_wait_and_that_is_told_once(
+    post: Callable[..., Post],
+) -> None:
+    helm = post()
+    helm.type("role helm")
+    helm.line.waiting += ["rudder left 5"] * 500
+    taken = 0
+    for second in range(11):
+        helm.now = float(second)
+        while asked := list(helm.station.take(MANY)):
+            taken += len(asked)
+        assert taken <= ORDERS_AT_ONCE + second * ORDERS_A_SECOND
+        assert 0.0 < helm.station.held_up <= 1.0 / ORDERS_A_SECOND
+    assert taken == ORDERS_AT_ONCE + 10 * ORDERS_A_SECOND
+    assert len(helm.line.waiting) == 500 - taken  # they wait, and none is lost
+    told = [text for _, text in helm.log if "orders a second wait" in text]
+    assert len(told) == 1
+
+
+def test_lines_that_are_no_orders_and_lines_of_the_user_s_own_are_not_held_up(
+    post: Callable[..., Post],
+) -> None:
+    noisy = post()
+    noisy.type("role helm", *["nonsense"] * 300)
+    while noisy.station.waiting:
+        assert not noisy.type()
+    assert noisy.line.waiting == []
+    assert not noisy.station.held_up
+    panel = post("helm")
+    taken = panel.type(*["rudder left 5"] * 300)
+    while panel.station.waiting:
+        taken += panel.type()
+    assert len(taken) == 300
+    assert not panel.station.held_up
