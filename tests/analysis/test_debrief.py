@@ -29,12 +29,12 @@ from trainer.analysis.debrief.measures import broached
 from trainer.analysis.debrief.page import beside, debrief_file, read_dossier, render
 from trainer.analysis.recording_export import export_file
 from trainer.analysis.report import pdf
-from trainer.analysis.report.html import STYLE
+from trainer.analysis.report.html import HERE
 from trainer.analysis.report.pdf import print_pdf
 from trainer.analysis.report.svg import clock, step_of, thinned, ticks
 from trainer.boat.boat import Boat
 from trainer.boat.limits import Watch
-from trainer.config.files import ConfigError, remembering, shipped_names
+from trainer.config.files import ConfigError, remembering, shipped, shipped_names
 from trainer.config.measures import MEASURES
 from trainer.io.recording.recording import Recording
 from trainer.io.tables import NoFile
@@ -50,6 +50,7 @@ from trainer.session.stations.view import Lookout
 from trainer.session.time.pacer import MonotonicClock, Policy
 from trainer.session.time.timekeeping import Timekeeping
 
+STYLE = (HERE / "debrief.css").read_text(encoding="utf-8")
 BROWSER = pdf.find_browser()
 browsing = pytest.mark.skipif(BROWSER is None, reason="no Chromium, Chrome or Edge here")
 
@@ -866,3 +867,36 @@ def test_a_thinned_line_keeps_its_extremes() -> None:
     assert kept_x.size <= 404
     assert {5.0, -7.0} <= set(kept_y.tolist())
     assert (kept_x[0], kept_x[-1]) == (0.0, 9999.0)
+
+
+EVIL = '<script>alert("x")</script>'
+
+
+def test_names_of_anybody_s_making_come_out_as_text(tmp_path: Path) -> None:
+    boat = shipped("vessels", "bb2").read_text(encoding="utf-8")
+    (tmp_path / "boat.toml").write_text(
+        re.sub(r'(?m)^name = ".*"', f"name = '{EVIL}'", boat, count=1)
+    )
+    (tmp_path / "drill.toml").write_text(
+        f"schema = 'exercise/1'\nname = '{EVIL}'\nbriefing = '''{EVIL}'''\nduration_s = 60\n"
+        "vessel = './boat.toml'\n"
+        f"[[scores]]\nname = '{EVIL}'\nmeasure = 'highest'\nquantity = 'depth'\n"
+        "full = 0\nzero = 99\n"
+        "[[casualties]]\nname = 'gyro-biased'\nat_s = 20\n"
+    )
+    path = tmp_path / "it.trainer"
+    orders = f"30 mark {EVIL}\n40 rudder left 5"
+    fly(path, {"helm": orders}, exercise=str(tmp_path / "drill.toml"))
+    with contextlib.closing(sqlite3.connect(path)) as file, file:
+        file.execute("UPDATE orders SET who = ?, text = text || ?, answer = ?", (EVIL, EVIL, EVIL))
+        file.execute("UPDATE branches SET why = ?", (EVIL,))
+        file.execute("UPDATE events SET who = ?", (EVIL,))
+
+    text = render(read_dossier(path, None))
+
+    elements = Elements()
+    elements.feed(text)
+    assert elements.opened == []
+    assert not [tag for tag, _ in elements.found if tag == "script"]
+    assert "".join(elements.words).count(EVIL) >= 8  # title, briefing, score, mark, order, who, ...
+    assert "alert" not in re.sub(r"&lt;script&gt;alert\(&#34;x&#34;\)&lt;/script&gt;", "", text)

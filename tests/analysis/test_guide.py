@@ -474,3 +474,14 @@ def test_a_page_that_cannot_be_written_is_told(book: Book, monkeypatch: pytest.M
 
     assert isinstance(done.exception, ConfigError)
     assert "--html /nowhere/guide.html: cannot be written" in str(done.exception)
+
+
+def test_names_of_anybody_s_making_come_out_as_text(book: Book) -> None:
+    evil = '<script>alert("x")</script>'
+    finding = replace(book.guide.findings[0], title=evil, claim=evil, words=evil)
+    named = replace(book.guide, vessel=evil, findings=(finding, *book.guide.findings[1:]))
+    text = document.render(replace(book, guide=named), None)
+    page, _, data = text.partition('<script type="application/json"')
+    assert "<script" not in page
+    assert page.count("&lt;script&gt;alert(&#34;x&#34;)&lt;/script&gt;") == 5
+    assert data.count("</script>") == 1  # its own end

@@ -2,7 +2,7 @@
 
 import json
 import re
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 
+from trainer.analysis.report.plots import Curve, Panel
 from trainer.cli.identify import identify
 from trainer.identify.alternatives import _drawn, allowed, pulse_of, step_of
 from trainer.identify.experiment import held, prbs
@@ -18,6 +19,7 @@ from trainer.identify.measurements import Samples
 from trainer.identify.minimise import unheard
 from trainer.identify.models import MODELS, Plant, Ship
 from trainer.identify.options import study_of
+from trainer.identify.pages.sheet import sheet
 from trainer.identify.problem import problem_of
 from trainer.identify.study import observe
 from trainer.identify.uncertainty import drawn as draws
@@ -266,3 +268,20 @@ def test_a_record_that_tells_nothing_is_refused_with_what_is_odd_about_it(
     result = CliRunner().invoke(identify, [str(tmp_path / "study.toml")])
     assert "tells nothing of" in str(result.exception)
     assert "rate: is the same in all rows" in str(result.exception)
+
+
+def test_names_of_anybody_s_making_come_out_as_text() -> None:
+    evil = '<script>alert("x")</script>'
+    panel = Panel(evil, evil, evil, (Curve(evil, np.arange(3.0), np.arange(3.0)),))
+    text = sheet(evil, f"{evil}\n{evil}", [panel], Named(evil))
+    page, _, data = text.partition('<script type="application/json"')
+    assert "<script" not in page
+    assert page.count("&lt;script&gt;alert(&#34;x&#34;)&lt;/script&gt;") >= 6
+    assert data.count("</script>") == 1  # its own end
+
+
+@dataclass(frozen=True)
+class Named:
+    """A report of nothing but a name."""
+
+    name: str

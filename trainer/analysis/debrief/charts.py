@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from typing import Final
 
 import numpy as np
+from markupsafe import Markup
 
 from trainer.analysis.debrief.data import Dossier
 from trainer.analysis.debrief.measures import LIMITED, limits_of
@@ -154,7 +155,7 @@ ROW, TOP, BOTTOM = 20.0, 8.0, 24.0  # [px]
 LABEL: Final = 24.0  # [px] that a score's label takes
 
 
-def draw_timeline(dossier: Dossier, ground: Ground) -> str:
+def draw_timeline(dossier: Dossier, ground: Ground) -> Markup:
     """Return the time line as an SVG element."""
     rows = [*_casualties(dossier, ground), _orders(dossier, ground)]
     rows += [_calls(dossier, ground), _marks(dossier, ground), *_scores(dossier, ground)]
@@ -163,7 +164,7 @@ def draw_timeline(dossier: Dossier, ground: Ground) -> str:
     parts = [*backdrop(ground, TOP, bottom), *time_axis(ground, bottom)]
     for i, row in enumerate(shown):
         parts.append(f'<g transform="translate(0 {TOP + i * ROW:g})">{row}</g>')
-    return svg("What happened when", bottom + BOTTOM, parts)
+    return svg("What happened when", (WIDTH, bottom + BOTTOM), parts)
 
 
 def _casualties(dossier: Dossier, ground: Ground) -> Iterator[str]:

@@ -6,42 +6,40 @@ The command ``trainer debrief``: a recording in, a page out.
 import json
 import tempfile
 from collections.abc import Iterator
-from html import escape
 from pathlib import Path
 from typing import Final
 
 import click
 import numpy as np
+from markupsafe import Markup
 
 from trainer import __version__
 from trainer.analysis.debrief import sections
 from trainer.analysis.debrief.charts import charts_of, draw_timeline, ground_of
 from trainer.analysis.debrief.data import Dossier, figures, gather
-from trainer.analysis.report.html import STYLE
+from trainer.analysis.report.html import page, paragraph, section
 from trainer.analysis.report.pdf import print_pdf
 from trainer.analysis.report.svg import clock, draw
 from trainer.config.files import ConfigError
 from trainer.io.atomic_write import write_whole
 from trainer.session.header import reading
 
-BADGE: Final = '<meta name="generator" content="trainer debrief">'  # by which a page is known
+BADGE: Final = Markup('<meta name="generator" content="trainer debrief">')  # a page of ours
 
 
 def render(dossier: Dossier) -> str:
     """Return the page; the same record gives the same bytes."""
-    title = escape(dossier.title)
-    return "\n".join(
-        (
-            "<!DOCTYPE html>",
-            f'<html lang="en"><head><meta charset="utf-8">{BADGE}',
-            '<meta name="viewport" content="width=device-width, initial-scale=1">',
-            f"<title>Debrief: {title}</title><style>{STYLE}</style></head><body>",
-            f"<header><h1>{title}</h1>{_under(dossier)}</header><main>",
-            *_body(dossier),
-            f"</main><footer>Made by trainer {__version__} from {escape(dossier.source.name)}.",
-            "</footer></body></html>",
-            "",
-        )
+    return page(
+        "debrief.html",
+        "debrief.css",
+        badge=BADGE,
+        title=dossier.title,
+        under=_under(dossier),
+        verdict=sections.verdict(dossier),
+        briefing=dossier.plan.briefing,
+        parts=list(_parts(dossier)),
+        version=__version__,
+        source=dossier.source.name,
     )
 
 
@@ -54,39 +52,33 @@ def _under(dossier: Dossier) -> str:
     ]
     if len(dossier.branches) > 1:
         told.append(f"branch {dossier.branch.id} of {len(dossier.branches)}")
-    return f'<p class="under">{escape(" - ".join(filter(None, told)))}</p>'
+    return " - ".join(filter(None, told))
 
 
-def _body(dossier: Dossier) -> Iterator[str]:
-    yield sections.verdict(dossier)
-    if dossier.plan.briefing:
-        yield f'<p class="briefing">{escape(dossier.plan.briefing)}</p>'
+def _parts(dossier: Dossier) -> Iterator[Markup]:
     if dossier.card.scores:
-        yield _section("Scores", sections.scores(dossier))
-    yield _section("Ordered and actual", _drawings(dossier))
-    told = sections.casualties(dossier) if dossier.casualties else "<p>Nothing broke.</p>"
-    yield _section("Casualties", told)
+        yield section("", "Scores", sections.scores(dossier))
+    yield section("", "Ordered and actual", _drawings(dossier))
+    told = sections.casualties(dossier) if dossier.casualties else paragraph("Nothing broke.")
+    yield section("", "Casualties", told)
     if dossier.of_kind("mark"):
-        yield _section("Marks", sections.marks(dossier))
+        yield section("", "Marks", sections.marks(dossier))
     if dossier.hands:
-        yield _section("Who gave orders", sections.hands(dossier))
-    yield _section("Orders and events", sections.log(dossier))
+        yield section("", "Who gave orders", sections.hands(dossier))
+    yield section("", "Orders and events", sections.log(dossier))
     if len(dossier.branches) > 1:
-        yield _section("Branches", sections.branches(dossier))
-    yield _section("Ticks", sections.ledger(dossier))
-    yield _section("What was flown", sections.made_of(dossier))
+        yield section("", "Branches", sections.branches(dossier))
+    yield section("", "Ticks", sections.ledger(dossier))
+    yield section("", "What was flown", sections.made_of(dossier))
 
 
-def _section(title: str, html: str) -> str:
-    return f"<section><h2>{title}</h2>{html}</section>"
-
-
-def _drawings(dossier: Dossier) -> str:
+def _drawings(dossier: Dossier) -> Markup:
     """Return the time line and the charts."""
     ground = ground_of(dossier)
     drawn = [draw(chart, ground) for chart in charts_of(dossier.passage)]
     told = "Shaded: a casualty. Dotted upright: a mark. Time from the start, minutes and seconds."
-    return "".join([f"<p><small>{told}</small></p>", draw_timeline(dossier, ground), *drawn])
+    head = Markup("<p><small>{}</small></p>").format(told)
+    return Markup().join([head, draw_timeline(dossier, ground), *drawn])
 
 
 HEAD = 2000  # [characters] in which a page of ours says that it is
@@ -106,13 +98,13 @@ def debrief_file(
         _refuse_other(html)
     with np.errstate(all="ignore"):  # a state may hold any number
         dossier = read_dossier(path, branch)
-        page = render(dossier) if html or pdf else ""
+        text = render(dossier) if html or pdf else ""
     written = []
     if html is not None:
-        _write(html, page)
+        _write(html, text)
         written.append(html)
     if pdf is not None:
-        _print(page, pdf)
+        _print(text, pdf)
         written.append(pdf)
     if as_json:
         click.echo(json.dumps(figures(dossier), indent=1))
@@ -150,15 +142,15 @@ def _refuse_other(html: Path) -> None:
         raise ConfigError(f"{html} is there and is no debrief: say --html FILE")
 
 
-def _write(path: Path, page: str) -> None:
+def _write(path: Path, text: str) -> None:
     try:
-        write_whole(path, page)
+        write_whole(path, text)
     except OSError as error:
         raise ConfigError(f"{path} cannot be written: {error.strerror}") from None
 
 
-def _print(page: str, pdf: Path) -> None:
+def _print(text: str, pdf: Path) -> None:
     with tempfile.TemporaryDirectory() as folder:
         html = Path(folder) / "debrief.html"
-        _write(html, page)
+        _write(html, text)
         print_pdf(html, pdf)

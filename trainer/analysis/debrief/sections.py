@@ -1,13 +1,15 @@
 """The tables of a debrief, as HTML."""
 
 import re
-from collections.abc import Iterable, Iterator, Sequence
-from html import escape
+from collections.abc import Iterator
 from typing import Final
+
+from markupsafe import Markup
 
 from trainer.analysis.debrief.data import Answered, Dossier
 from trainer.analysis.debrief.episodes import SCHEDULE
 from trainer.analysis.debrief.scoring import Scored
+from trainer.analysis.report.html import paragraph, table
 from trainer.analysis.report.svg import clock
 
 MOST: Final = 1000  # lines of the log
@@ -20,37 +22,26 @@ def number(value: float | None) -> str:
     return "-" if value is None else f"{value:.{TOLD}g}"
 
 
-def table(headings: Sequence[str], rows: Iterable[Sequence[str]], style: str = "") -> str:
-    """Return a table; cells are HTML already."""
-    head = "".join(f"<th scope='col'>{escape(each)}</th>" for each in headings)
-    body = "".join(f"<tr>{''.join(f'<td>{cell}</td>' for cell in row)}</tr>" for row in rows)
-    return (
-        f'<div class="wide"><table class="{style}"><thead><tr>{head}</tr></thead>'
-        f"<tbody>{body}</tbody></table></div>"
-    )
-
-
 def place(dossier: Dossier, tick: int | None) -> str:
     """Return a moment of the record as time and tick."""
     if tick is None:
         return "-"
-    return f"{clock(tick * dossier.step)} <small>tick {tick}</small>"
+    return Markup("{} <small>tick {}</small>").format(clock(tick * dossier.step), tick)
 
 
-def verdict(dossier: Dossier) -> str:
+def verdict(dossier: Dossier) -> Markup:
     """Return the marks of the whole, in words."""
     card = dossier.card
     if not card.scores:
-        return "<p>This run has no scoring rules.</p>"
+        return paragraph("This run has no scoring rules.")
     counted = sum(each.marks is not None for each in card.scores)
     total = "-" if card.total is None else f"{card.total:.0f}"
-    lines = [f'<p class="total"><b>{total}</b> of 100 marks</p>']
+    lines = [Markup('<p class="total"><b>{}</b> of 100 marks</p>').format(total)]
     if counted < len(card.scores):
-        lines.append(f"<p>{counted} of {len(card.scores)} rules count.</p>")
-    lacking = _unflown(dossier)
-    if lacking:
-        lines.append(f"<p>{lacking}</p>")
-    return "".join(lines)
+        lines.append(paragraph(f"{counted} of {len(card.scores)} rules count."))
+    if lacking := _unflown(dossier):
+        lines.append(paragraph(lacking))
+    return Markup().join(lines)
 
 
 def _unflown(dossier: Dossier) -> str:
@@ -61,7 +52,7 @@ def _unflown(dossier: Dossier) -> str:
     return f"The record ends at {clock(flown)}; the exercise lasts {clock(planned)}."
 
 
-def scores(dossier: Dossier) -> str:
+def scores(dossier: Dossier) -> Markup:
     """Return the table of the scores."""
     headings = ("", "score", "value", "full at", "none at", "marks", "weight", "place", "formula")
     rows = (_score(dossier, i, each) for i, each in enumerate(dossier.card.scores, start=1))
@@ -70,18 +61,19 @@ def scores(dossier: Dossier) -> str:
 
 def _score(dossier: Dossier, i: int, each: Scored) -> tuple[str, ...]:
     score, attained = each.rule.score, each.attained
-    unit = "" if each.unit == "-" else f"&nbsp;{each.unit}"
-    value = escape(attained.why) if attained.value is None else number(attained.value) + unit
+    unit = "" if each.unit == "-" else f"\N{NO-BREAK SPACE}{each.unit}"
+    value = (attained.why) if attained.value is None else number(attained.value) + unit
     marks = "not counted"
     if each.marks is not None:
-        marks = f'{each.marks:.0f} <i class="share"><i style="width:{each.marks:.0f}%"></i></i>'
+        bar = Markup('{0:.0f} <i class="share"><i style="width:{0:.0f}%"></i></i>')
+        marks = bar.format(each.marks)
     return (
-        *(f"S{i}", escape(each.name), value, number(score.full), number(score.zero), marks),
-        *(f"{each.rule.weight:g}", place(dossier, attained.tick), escape(each.formula)),
+        *(f"S{i}", (each.name), value, number(score.full), number(score.zero), marks),
+        *(f"{each.rule.weight:g}", place(dossier, attained.tick), (each.formula)),
     )
 
 
-def casualties(dossier: Dossier) -> str:
+def casualties(dossier: Dossier) -> Markup:
     """Return the table of the casualties and of what was done about them."""
     headings = (
         "",
@@ -94,7 +86,7 @@ def casualties(dossier: Dossier) -> str:
         "after",
     )
     rows = (_casualty(dossier, i, each) for i, each in enumerate(dossier.casualties, start=1))
-    return table(headings, rows)
+    return table(headings, rows, "")
 
 
 def _casualty(dossier: Dossier, i: int, each: Answered) -> tuple[str, ...]:
@@ -106,74 +98,76 @@ def _casualty(dossier: Dossier, i: int, each: Answered) -> tuple[str, ...]:
     return (
         *(f"C{i}", spell.kind, place(dossier, spell.begun)),
         "at the end still there" if spell.ended is None else place(dossier, spell.ended),
-        escape(f"{order.text} ({order.who})") if order else "none",
+        (f"{order.text} ({order.who})") if order else "none",
         after(order.tick) if order else "-",
         moved.surface if moved else "none",
         after(moved.tick) if moved else "-",
     )
 
 
-def marks(dossier: Dossier) -> str:
+def marks(dossier: Dossier) -> Markup:
     """Return the table of the marks with their remarks."""
     rows = (
-        (f"M{i}", place(dossier, each.tick), escape(each.text), escape(each.who))
+        (f"M{i}", place(dossier, each.tick), (each.text), (each.who))
         for i, each in enumerate(dossier.of_kind("mark"), start=1)
     )
-    return table(("", "moment", "remark", "by"), rows)
+    return table(("", "moment", "remark", "by"), rows, "")
 
 
-def hands(dossier: Dossier) -> str:
+def hands(dossier: Dossier) -> Markup:
     """Return the table of who gave orders."""
     rows = (
         (
-            "the exercise" if each.who == SCHEDULE else escape(each.who),
+            "the exercise" if each.who == SCHEDULE else (each.who),
             str(each.orders),
             str(each.refused),
         )
         for each in dossier.hands
     )
-    return table(("line", "orders", "refused"), rows)
+    return table(("line", "orders", "refused"), rows, "")
 
 
-def log(dossier: Dossier) -> str:
+def log(dossier: Dossier) -> Markup:
     """Return the table of orders and events, in the order in which they were."""
     entries = sorted(_entries(dossier), key=lambda entry: entry[0])
     rows = ((place(dossier, tick), *cells) for tick, *cells in entries[:MOST])
     more = len(entries) - MOST
-    rest = f"<p>{more} more are in the record: trainer export has all.</p>" if more > 0 else ""
-    return table(("moment", "who", "what", "answer"), rows, "log") + rest
+    shown = table(("moment", "who", "what", "answer"), rows, "log")
+    if more <= 0:
+        return shown
+    return shown + paragraph(f"{more} more are in the record: trainer export has all.")
 
 
 def _entries(dossier: Dossier) -> Iterator[tuple[int, str, str, str]]:
     """Yield tick, who, what and answer of orders and events."""
     for each in dossier.passage.orders:
         answer = (
-            escape(each.answer)
+            (each.answer)
             if each.accepted is not False
-            else (f"<strong>refused:</strong> {escape(each.answer)}")
+            else Markup("<strong>refused:</strong> {}").format(each.answer)
         )
-        yield each.tick, escape(each.who), escape(each.text), answer
+        yield each.tick, (each.who), (each.text), answer
     for event in dossier.events:
         words = PLACED.sub("", event.text)
-        yield event.tick, escape(event.who or event.kind), escape(words), ""
+        yield event.tick, (event.who or event.kind), (words), ""
 
 
-def branches(dossier: Dossier) -> str:
+def branches(dossier: Dossier) -> Markup:
     """Return the table of the branches."""
     rows = []
     for branch, last in dossier.branches:
         begun = "the start" if branch.parent is None else f"branch {branch.parent}"
-        here = " <b>debriefed here</b>" if branch.id == dossier.branch.id else ""
+        here = Markup(" <b>debriefed here</b>") if branch.id == dossier.branch.id else ""
         moments = place(dossier, branch.tick), place(dossier, last)
-        rows.append((f"{branch.id}{here}", begun, *moments, escape(branch.why)))
-    return table(("branch", "from", "at", "to", "why"), rows)
+        rows.append((Markup("{}{}").format(branch.id, here), begun, *moments, (branch.why)))
+    return table(("branch", "from", "at", "to", "why"), rows, "")
 
 
-def ledger(dossier: Dossier) -> str:
+def ledger(dossier: Dossier) -> Markup:
     """Return what became of the ticks, and every trouble with them."""
     ticks = dossier.ticks
     if not ticks.work or not ticks.lateness or ticks.duty_cycle is None:
-        return "<p>No tick was timed.</p>"
+        return paragraph("No tick was timed.")
     rows = [
         ("work", *(f"{value / 1e3:.1f} us" for value in ticks.work)),
         ("lateness", *(f"{value / 1e3:.1f} us" for value in ticks.lateness)),
@@ -183,27 +177,28 @@ def ledger(dossier: Dossier) -> str:
         f"{ticks.timed} ticks of {dossier.step:g} s timed, duty cycle "
         f"{100 * ticks.duty_cycle:.3f} %; {len(troubles)} troubles called out"
     )
-    listed = "".join(
-        f"<li>{place(dossier, each.tick)}: {escape(each.text)}</li>" for each in troubles[:50]
+    listed = Markup().join(
+        Markup("<li>{}: {}</li>").format(place(dossier, each.tick), each.text)
+        for each in troubles[:50]
     )
     return (
-        f"<p>{told}.</p>"
-        + table(("", "median", "99 %", "most"), rows)
-        + (f"<ul>{listed}</ul>" if listed else "")
+        paragraph(f"{told}.")
+        + table(("", "median", "99 %", "most"), rows, "")
+        + (Markup("<ul>{}</ul>").format(listed) if listed else "")
     )
 
 
-def made_of(dossier: Dossier) -> str:
+def made_of(dossier: Dossier) -> Markup:
     """Return what computed the run."""
     header, method = dossier.header, dossier.plan.method
     rows = [
-        ("boat", escape(dossier.plan.file.name)),
-        ("sea at the start", escape(dossier.plan.sea.name)),
+        ("boat", (dossier.plan.file.name)),
+        ("sea at the start", (dossier.plan.sea.name)),
         ("computed by", f"{method.equations} set, {method.rates} rates, {method.integrator}"),
         ("step", f"{method.step:g} s"),
         ("seed", str(dossier.plan.seed)),
-        ("recorded", escape(header.get("started", "-"))),
-        ("trainer", escape(f"{header.get('trainer', '-')}, core {header.get('core', '-')}")),
-        ("record", escape(dossier.source.name)),
+        ("recorded", (header.get("started", "-"))),
+        ("trainer", (f"{header.get('trainer', '-')}, core {header.get('core', '-')}")),
+        ("record", (dossier.source.name)),
     ]
     return table(("", ""), rows, "facts")

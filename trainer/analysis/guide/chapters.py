@@ -2,6 +2,8 @@
 
 from collections.abc import Iterator
 
+from markupsafe import Markup
+
 from trainer.analysis import characteristic, neutral_page, thrust
 from trainer.analysis.guide.baseline import Moved
 from trainer.analysis.guide.contents import REDUCED, Book, Guide, Sheet, tally
@@ -17,7 +19,12 @@ MOVES_SHOWN = 300
 LEAST = 0.05  # [%] shown
 
 
-def facts(guide: Guide) -> str:
+def anchor(title: str) -> str:
+    """Return where a link to a manoeuvre leads."""
+    return title.replace(" ", "-").replace(",", "")
+
+
+def facts(guide: Guide) -> Markup:
     """Return what the guide is made from."""
     rows = [("made", guide.made), ("step", f"{guide.step_s:g} s")]
     rows += [("versions", ", ".join(f"{name} {value}" for name, value in guide.versions.items()))]
@@ -25,7 +32,7 @@ def facts(guide: Guide) -> str:
     return table((), rows, "facts")
 
 
-def overview(guide: Guide) -> str:
+def overview(guide: Guide) -> Markup:
     """Return one line for each manoeuvre."""
     rows: list[tuple[str | Cell, ...]] = []
     for sheet in guide.sheets:
@@ -57,7 +64,7 @@ def overview(guide: Guide) -> str:
     return section("overview", "Overview", *totals, paragraph(words), table(heads, rows))
 
 
-def moves(found: tuple[Moved, ...]) -> str:
+def moves(found: tuple[Moved, ...]) -> Markup:
     """Return what moved since the baseline."""
     if not found:
         return section("moved", "Since the baseline", paragraph("Nothing moved."))
@@ -75,13 +82,15 @@ def moves(found: tuple[Moved, ...]) -> str:
     return section("moved", "Since the baseline", paragraph(words), table(heads, rows))
 
 
-def findings(guide: Guide) -> str:
+def findings(guide: Guide) -> Markup:
     """Return what 1969 found, and what this hull says to it."""
     parts = []
     for one in guide.findings:
         style = "good" if one.verdict == "holds" else "bad" if "not" in one.verdict else "soft"
         parts.append(
-            f'<h3>{one.title}: <span class="{style}">{one.verdict}</span></h3>\n'
+            Markup('<h3>{}: <span class="{}">{}</span></h3>\n').format(
+                one.title, style, one.verdict
+            )
             + paragraph(f"1969: {one.claim}.", "soft")
             + paragraph(f"Here: {one.words}.")
         )
@@ -90,7 +99,7 @@ def findings(guide: Guide) -> str:
     return section("findings", "What was found in 1969", *parts)
 
 
-def drops(guide: Guide) -> str:
+def drops(guide: Guide) -> Markup:
     """Return what each dropped coefficient does."""
     columns = list(guide.drops[-1].percent)
     heads = ("coefficient", "value", *(f"{name} [%]" for name in columns))
@@ -117,7 +126,7 @@ def _signed(value: float | None) -> str:
     return f"{value:+.1f}" if abs(value) >= LEAST else "0"
 
 
-def steps(guide: Guide) -> str:
+def steps(guide: Guide) -> Markup:
     """Return the step-size study."""
     sizes = sorted({run.step_s for run in guide.steps})
     rows: list[tuple[str | Cell, ...]] = []
@@ -146,7 +155,7 @@ def steps(guide: Guide) -> str:
     return section("steps", "Steps and methods", paragraph(words), table(heads, rows, "steps"))
 
 
-def trials(guide: Guide) -> str:
+def trials(guide: Guide) -> Markup:
     """Return published results beside ours."""
     if not guide.trials:
         words = "There is no file of published results for this boat."
@@ -160,7 +169,7 @@ def trials(guide: Guide) -> str:
     )
 
 
-def _trial(one: Compared) -> str:
+def _trial(one: Compared) -> Markup:
     """Return one published manoeuvre."""
     trial = one.trial
     heads = ["quantity", "unit", "ours"]
@@ -173,7 +182,8 @@ def _trial(one: Compared) -> str:
             cells += _beside(ours, value)
         rows.append(cells)
     source = ". ".join(filter(None, (trial.source, trial.note, one.problem)))
-    return f"<h3>{trial.title}</h3>\n" + paragraph(source + ".", "soft") + table(heads, rows)
+    heading = Markup("<h3>{}</h3>\n").format(trial.title)
+    return heading + paragraph(source + ".", "soft") + table(heads, rows)
 
 
 def _beside(ours: float | None, value: float | None) -> list[str]:
@@ -186,7 +196,7 @@ def _beside(ours: float | None, value: float | None) -> list[str]:
     return [f"{value:.4g}", f"{ours - value:+.3g}", percent]
 
 
-def programs(book: Book) -> str:
+def programs(book: Book) -> Markup:
     """Return neutral angles, modes and thrust."""
     guide = book.guide
     parts = []
@@ -207,30 +217,25 @@ def programs(book: Book) -> str:
             thrust.panels(book.file, guide.thrust),
         ),
     ):
-        parts.append(f"<h3>{name}</h3>\n")
+        parts.append(Markup("<h3>{}</h3>\n").format(name))
         parts.append(charts(_figure(panel) for panel in drawn))
-        parts.append(f"<pre>{_escaped(text)}</pre>\n")
+        parts.append(Markup("<pre>{}</pre>\n").format(text))
     return section("programs", "Neutral angles, modes, thrust", *parts)
 
 
-def _figure(panel: Panel) -> str:
+def _figure(panel: Panel) -> Markup:
     """Return a panel with its title and what its curves mean."""
-    caption = f"<figcaption>{_escaped(panel.title)}</figcaption>"
-    return f"<figure>{caption}{draw(panel)}{legend(panel.curves)}</figure>"
+    caption = Markup("<figcaption>{}</figcaption>").format(panel.title)
+    return Markup("<figure>{}{}{}</figure>").format(caption, draw(panel), legend(panel.curves))
 
 
-def _escaped(text: str) -> str:
-    """Return text for HTML."""
-    return text.replace("&", "&amp;").replace("<", "&lt;").replace(">", "&gt;")
-
-
-def manoeuvres(book: Book) -> Iterator[str]:
+def manoeuvres(book: Book) -> Iterator[Markup]:
     """Yield the chapter of every leg."""
     for leg, sheet in zip(book.legs, book.guide.sheets, strict=True):
         yield _leg(book, leg, sheet)
 
 
-def _leg(book: Book, leg: Leg, sheet: Sheet) -> str:
+def _leg(book: Book, leg: Leg, sheet: Sheet) -> Markup:
     """Return one manoeuvre: what was ordered, charts and numbers."""
     wanted = {each: book.flown[leg.task(book.file, each)] for each in SETS}
     flights = {each: flight for each, flight in wanted.items() if not isinstance(flight, str)}
@@ -246,7 +251,7 @@ def _leg(book: Book, leg: Leg, sheet: Sheet) -> str:
         parts.append(legend(pictures[0].curves) + charts(draw(panel) for panel in pictures))
     heads = ("quantity", "unit", "full", "modified", "difference", "", "basic", "difference", "")
     parts.append(table(heads, _rows(sheet)))
-    return section(leg.title.replace(" ", "-").replace(",", ""), leg.title, *parts)
+    return section(anchor(leg.title), leg.title, *parts)
 
 
 def _rows(sheet: Sheet) -> list[list[str | Cell]]:

@@ -1,15 +1,15 @@
 """Charts of the guide as SVG: the panels of the programs, drawn without any other library."""
 
 import math
-from html import escape
 from typing import Final
 
 import numpy as np
+from markupsafe import Markup
 
 from trainer.analysis.compare import unit
 from trainer.analysis.manoeuvres.flight import Flight
 from trainer.analysis.report.plots import Curve, Panel
-from trainer.analysis.report.svg import Axis, step_of, thinned, ticks
+from trainer.analysis.report.svg import Axis, rule, step_of, svg, text, thinned, ticks
 
 WIDTH, HEIGHT = 460.0, 230.0  # [px]
 LEFT, RIGHT, TOP, BOTTOM = 52.0, 12.0, 26.0, 40.0
@@ -65,37 +65,35 @@ def panels(shows: tuple[str, ...], flights: dict[str, Flight]) -> tuple[Panel, .
     return tuple(found)
 
 
-def draw(panel: Panel) -> str:
+def draw(panel: Panel) -> Markup:
     """Return a panel as an SVG element."""
     curves = [_finite(curve) for curve in panel.curves]
     xs = np.concatenate([x for x, _ in curves])
     ys = np.concatenate([y for _, y in curves])
     if not xs.size:
-        return ""
+        return Markup()
     across, up = _axes(panel, xs, ys)
-    parts = [_text("title", LEFT, 15.0, panel.y), *_grid(panel, across, up)]
+    parts = [text("title", LEFT, 15.0, panel.y), *_grid(panel, across, up)]
     for label, place in panel.marks:
         if across.low <= place <= across.high:
             parts += [
-                _rule("mark", across.at(place), TOP, across.at(place), HEIGHT - BOTTOM),
-                _text("tick", across.at(place) + 3.0, TOP + 9.0, label),
+                rule("mark", across.at(place), TOP, across.at(place), HEIGHT - BOTTOM),
+                text("tick", across.at(place) + 3.0, TOP + 9.0, label),
             ]
     for i, curve in enumerate(panel.curves):
         drawing = _dots if curve.points else _curve
         parts.append(drawing(curve, i, across, up))
-    label = escape(f"{panel.y} against {panel.x}")
-    size = f'viewBox="0 0 {WIDTH:g} {HEIGHT:g}"'
-    return f'<svg {size} role="img" aria-label="{label}">{"".join(parts)}</svg>'
+    return svg(f"{panel.y} against {panel.x}", (WIDTH, HEIGHT), parts)
 
 
-def legend(curves: tuple[Curve, ...]) -> str:
+def legend(curves: tuple[Curve, ...]) -> Markup:
     """Return what the curves mean, as an HTML paragraph with samples."""
-    samples = "".join(
-        f'<span class="key"><svg viewBox="0 0 36 8" aria-hidden="true">{_sample(curve, i)}</svg>'
-        f"{escape(curve.label)}</span>"
+    key = Markup('<span class="key"><svg viewBox="0 0 36 8" aria-hidden="true">{}</svg>{}</span>')
+    samples = Markup().join(
+        key.format(Markup(_sample(curve, i)), curve.label)  # noqa: S704  made here
         for i, curve in enumerate(curves)
     )
-    return f'<p class="legend">{samples}</p>'
+    return Markup('<p class="legend">{}</p>').format(samples)
 
 
 def _sample(curve: Curve, place: int) -> str:
@@ -139,15 +137,15 @@ def _grid(panel: Panel, across: Axis, up: Axis) -> list[str]:
     parts = []
     for value in ticks(up.low, up.high, step_of(up.high - up.low, 5)):
         y = up.at(value)
-        parts.append(_rule("grid", LEFT, y, WIDTH - RIGHT, y))
-        parts.append(_text("tick end", LEFT - 5.0, y + 3.5, f"{value + 0.0:.6g}"))
+        parts.append(rule("grid", LEFT, y, WIDTH - RIGHT, y))
+        parts.append(text("tick end", LEFT - 5.0, y + 3.5, f"{value + 0.0:.6g}"))
     for value in ticks(across.low, across.high, step_of(across.high - across.low, 7)):
         x = across.at(value)
-        parts.append(_rule("grid", x, TOP, x, HEIGHT - BOTTOM))
-        parts.append(_text("tick middle", x, HEIGHT - BOTTOM + 14.0, f"{value + 0.0:.6g}"))
-    parts.append(_text("tick middle", 0.5 * (LEFT + WIDTH - RIGHT), HEIGHT - 8.0, panel.x))
+        parts.append(rule("grid", x, TOP, x, HEIGHT - BOTTOM))
+        parts.append(text("tick middle", x, HEIGHT - BOTTOM + 14.0, f"{value + 0.0:.6g}"))
+    parts.append(text("tick middle", 0.5 * (LEFT + WIDTH - RIGHT), HEIGHT - 8.0, panel.x))
     inside = [up.at(value) for value in panel.levels if up.low <= value <= up.high]
-    return [*parts, *(_rule("mark", LEFT, y, WIDTH - RIGHT, y) for y in inside)]
+    return [*parts, *(rule("mark", LEFT, y, WIDTH - RIGHT, y) for y in inside)]
 
 
 def _curve(curve: Curve, place: int, across: Axis, up: Axis) -> str:
@@ -174,16 +172,6 @@ def _dot(place: int, x: float, y: float) -> str:
     """Return a mark, of one of several shapes."""
     shape = SHAPES[place % len(SHAPES)]
     return f'<path class="dot c{place % STYLES}" d="M{x:.1f} {y:.1f}{shape}"/>'
-
-
-def _rule(style: str, x: float, y: float, x_end: float, y_end: float) -> str:
-    """Return a straight line."""
-    return f'<path class="{style}" d="M{x:.1f} {y:.1f}L{x_end:.1f} {y_end:.1f}"/>'
-
-
-def _text(style: str, x: float, y: float, words: str) -> str:
-    """Return some words."""
-    return f'<text class="{style}" x="{x:.1f}" y="{y:.1f}">{escape(words)}</text>'
 
 
 def figure(value: float | None, of: str) -> str:
