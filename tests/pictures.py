@@ -13,8 +13,8 @@ from pathlib import Path
 
 from trainer.console.app import Console
 from trainer.console.client import Client
-from trainer.console.layouts import POSTS, wishes
-from trainer.console.model import Sight
+from trainer.console.layouts import LAYOUTS, wishes
+from trainer.console.model import SessionModel
 from trainer.console.pane import GROUND
 
 IMAGES = Path(__file__).parent.parent / "docs" / "images"
@@ -37,9 +37,9 @@ PICTURES = (
 
 async def look(role: str, size: tuple[int, int], where: str, seconds: float) -> None:
     """Look at a session until ``seconds`` of its time; keep what is seen."""
-    client = Client(lambda: where, role, wishes(POSTS[role]))
+    client = Client(lambda: where, role, wishes(LAYOUTS[role]))
     client.start()
-    app = Console(Sight(client, role, POSTS[role].charts))
+    app = Console(SessionModel(client, role, LAYOUTS[role].charts))
     async with app.run_test(size=size) as pilot:
         while app.sight.picture.seconds < seconds:
             await pilot.pause(0.1)

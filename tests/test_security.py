@@ -25,10 +25,10 @@ from trainer.io.client import dial
 from trainer.io.orders.grammar import BadOrder, Order, parse
 from trainer.io.paths import HOST, recording_paths
 from trainer.io.serial_line import LinkError
-from trainer.io.server import Hub, private_folder
+from trainer.io.server import Server, private_folder
 from trainer.session.ports import parse_address, refuse_open_door
 from trainer.session.stations import access
-from trainer.session.stations.access import Door, read_tokens
+from trainer.session.stations.access import Access, read_tokens
 
 HOME = Path(trainer.__file__).parent
 SOURCES = sorted(HOME.rglob("*.py"))
@@ -126,7 +126,7 @@ def test_beyond_this_machine_a_token_is_asked_for(host: str) -> None:
 @pytest.mark.skipif(not hasattr(socket, "AF_UNIX"), reason="no local sockets here")
 def test_a_local_socket_is_its_owner_s_alone(tmp_path: Path) -> None:
     path = tmp_path / "door.sock"
-    hub = Hub(threading.Event())
+    hub = Server(threading.Event())
     with contextlib.closing(contextlib.ExitStack()) as stack:
         stack.callback(hub.close, 0.0)
         hub.listen_here(path)
@@ -199,13 +199,13 @@ def test_nothing_is_said_to_a_session_of_another_user(shared: Path) -> None:
 
 
 def test_each_role_has_its_own_token_or_the_one_for_all() -> None:
-    asks = Door(tokens=read_tokens(("helm=anchor", "ballast=b=c", "mast")))
+    asks = Access(tokens=read_tokens(("helm=anchor", "ballast=b=c", "mast")))
     given = ("anchor", "b=c", "mast", "", "helm=anchor")
     assert [word for word in given if asks.admits("helm", word)] == ["anchor"]
     assert [word for word in given if asks.admits("ballast", word)] == ["b=c"]
     assert [word for word in given if asks.admits("instructor", word)] == ["mast"]
     assert "anchor" not in asks.hide("rloe helm Anchor")
-    only = Door(tokens=read_tokens(("helm=anchor",)))
+    only = Access(tokens=read_tokens(("helm=anchor",)))
     assert not any(only.admits("instructor", word) for word in given)
 
 
@@ -223,10 +223,10 @@ def test_a_token_is_compared_in_constant_time(monkeypatch: pytest.MonkeyPatch) -
         return compare(given, wanted)
 
     monkeypatch.setattr(access.hmac, "compare_digest", watched)  # type: ignore[attr-defined]
-    assert not Door(tokens={"": TOKEN}).admits("helm", "another")
-    assert Door(tokens={"": TOKEN}).admits("helm", TOKEN)
+    assert not Access(tokens={"": TOKEN}).admits("helm", "another")
+    assert Access(tokens={"": TOKEN}).admits("helm", TOKEN)
     assert len(compared) == 2
-    assert TOKEN not in repr(Door(tokens={"": TOKEN}))
+    assert TOKEN not in repr(Access(tokens={"": TOKEN}))
 
 
 def test_one_module_alone_decides_what_a_role_may() -> None:

@@ -24,7 +24,7 @@ import numpy as np
 import pytest
 from helpers.places import ROOT
 
-from trainer.analysis.debrief.data import Dossier, figures, gather
+from trainer.analysis.debrief.data import DebriefData, figures, gather
 from trainer.analysis.debrief.measures import broached
 from trainer.analysis.debrief.page import beside, debrief_file, read_dossier, render
 from trainer.analysis.recording_export import export_file
@@ -33,7 +33,7 @@ from trainer.analysis.report.html import HERE
 from trainer.analysis.report.pdf import print_pdf
 from trainer.analysis.report.svg import clock, step_of, thinned, ticks
 from trainer.boat.boat import Boat
-from trainer.boat.limits import Watch
+from trainer.boat.limits import LimitMonitor
 from trainer.config.files import ConfigError, remembering, shipped, shipped_names
 from trainer.config.measures import MEASURES
 from trainer.io.recording.recording import Recording
@@ -43,10 +43,10 @@ from trainer.session.history import History
 from trainer.session.options import RunOptions
 from trainer.session.plan import plan_run
 from trainer.session.session import Session
-from trainer.session.stations.access import Door
+from trainer.session.stations.access import Access
 from trainer.session.stations.station import Station
 from trainer.session.stations.subscriptions import Promptly, Roster
-from trainer.session.stations.view import Lookout
+from trainer.session.stations.view import StateReader
 from trainer.session.time.pacer import MonotonicClock, Policy
 from trainer.session.time.timekeeping import Timekeeping
 
@@ -91,8 +91,8 @@ class Panel:
 class Voyage:
     """How it went."""
 
-    dossier: Dossier
-    watch: Watch
+    dossier: DebriefData
+    watch: LimitMonitor
     heard: list[str]
 
 
@@ -105,7 +105,7 @@ def fly(path: Path | None, crews: dict[str, str], **options: Any) -> Voyage:
     plan.start(boat)
     recording = Recording.create(path, header_of(chosen, texts, boat), boat.records.state.tobytes())
     time = Timekeeping.at(MonotonicClock(), plan.method.step, math.inf, Policy.SLIP)
-    sending = Promptly(Roster(Lookout(boat, time.ledger.summary)))
+    sending = Promptly(Roster(StateReader(boat, time.ledger.summary)))
     session = Session(
         boat,
         time,
@@ -114,7 +114,7 @@ def fly(path: Path | None, crews: dict[str, str], **options: Any) -> Voyage:
         (),
         sending,
         schedule=plan.schedule,
-        watch=Watch.over(boat, plan.limits),
+        watch=LimitMonitor.over(boat, plan.limits),
         last_tick=round((plan.duration or 0.0) / plan.method.step),
     )
     panels = []
@@ -125,7 +125,7 @@ def fly(path: Path | None, crews: dict[str, str], **options: Any) -> Voyage:
         )
         panel = Panel(f"{role} panel", orders, session.wake)
         panels.append(panel)
-        session.board.stations.append(Station(panel, Door(role), sending, session.board.log))  # type: ignore[arg-type]
+        session.board.stations.append(Station(panel, Access(role), sending, session.board.log))  # type: ignore[arg-type]
 
     def after_tick(tick: int) -> None:
         for panel in panels:

@@ -13,7 +13,7 @@ from click.testing import CliRunner, Result
 
 from trainer.analysis.guide import document, programme, trials, verdicts
 from trainer.analysis.guide.baseline import load_earlier, moved
-from trainer.analysis.guide.contents import Book, assembled, write
+from trainer.analysis.guide.contents import GuideContents, assembled, write
 from trainer.analysis.guide.programme import Task, fly_all, legs
 from trainer.analysis.guide.summary import render
 from trainer.analysis.guide.verdicts import BEYOND, SHOWN, WITHIN, judged
@@ -33,13 +33,13 @@ MADE = "2026-01-01 00:00:00 UTC"
 
 
 @pytest.fixture(scope="module")
-def book() -> Book:
+def book() -> GuideContents:
     """Return the whole guide of BB2, flown in this process."""
     return write(load_vessel("bb2"), MADE, 1, lambda: None)
 
 
 @pytest.fixture(scope="module")
-def page(book: Book) -> str:
+def page(book: GuideContents) -> str:
     return document.render(book, None)
 
 
@@ -112,7 +112,9 @@ def test_a_flight_that_cannot_start_is_told_and_not_lost_silently() -> None:
 # --- BB2's own guide
 
 
-def test_the_modified_set_of_this_hull_passes_and_answers_for_the_guide(book: Book) -> None:
+def test_the_modified_set_of_this_hull_passes_and_answers_for_the_guide(
+    book: GuideContents,
+) -> None:
     modified = {sheet.title: sheet.passed("modified") for sheet in book.guide.sheets}
     basic = {sheet.title: sheet.passed("basic") for sheet in book.guide.sheets}
 
@@ -148,7 +150,7 @@ def without_reduction(text: str) -> str:
     return re.sub(tables, "", text, flags=re.MULTILINE)
 
 
-def test_the_guide_says_what_the_dropped_coefficients_do(book: Book) -> None:
+def test_the_guide_says_what_the_dropped_coefficients_do(book: GuideContents) -> None:
     effect = {
         drop.coefficient: drop.percent["turn: steady diameter"] or 0.0 for drop in book.guide.drops
     }
@@ -159,7 +161,7 @@ def test_the_guide_says_what_the_dropped_coefficients_do(book: Book) -> None:
     assert "M_star" in effect  # of the 60 of 1969, and dropped here
 
 
-def test_what_was_found_in_1969_is_judged_with_figures(book: Book) -> None:
+def test_what_was_found_in_1969_is_judged_with_figures(book: GuideContents) -> None:
     found = {one.title: one for one in book.guide.findings}
 
     verdict = {title: one.verdict for title, one in found.items()}
@@ -178,7 +180,7 @@ def test_what_was_found_in_1969_is_judged_with_figures(book: Book) -> None:
     assert rows["M_vv"] == "not in this hull's data"
 
 
-def test_adams_is_fine_at_its_own_step_and_euler_of_no_use_at_twice_it(book: Book) -> None:
+def test_adams_is_fine_at_its_own_step_and_euler_of_no_use_at_twice_it(book: GuideContents) -> None:
     worst: dict[tuple[str, float], float] = {}
     for run in book.guide.steps:
         if run.rates == "lagged":
@@ -190,7 +192,7 @@ def test_adams_is_fine_at_its_own_step_and_euler_of_no_use_at_twice_it(book: Boo
     assert worst["Euler", 1.0] > 100.0
 
 
-def test_published_results_stand_beside_ours(book: Book, page: str) -> None:
+def test_published_results_stand_beside_ours(book: GuideContents, page: str) -> None:
     assert len(book.guide.trials) == 5
     ours = {
         (one.trial.title, result.quantity): (value, result.values[0])
@@ -213,7 +215,7 @@ def test_published_results_stand_beside_ours(book: Book, page: str) -> None:
 # --- the document
 
 
-def test_the_same_guide_twice_is_the_same_page(book: Book, page: str) -> None:
+def test_the_same_guide_twice_is_the_same_page(book: GuideContents, page: str) -> None:
     later = assembled(book.file, "2026-01-01 00:00:01 UTC", book.flown)
 
     assert document.render(later, None).replace("00:00:01", "00:00:00") == page
@@ -234,7 +236,7 @@ def test_verdicts_are_words(page: str) -> None:
     assert '<td class="good">within</td>' in page
 
 
-def test_the_summary_fits_a_terminal(book: Book) -> None:
+def test_the_summary_fits_a_terminal(book: GuideContents) -> None:
     text = render(book.guide, None)
 
     assert max(map(len, text.splitlines())) <= 79
@@ -268,13 +270,15 @@ def test_a_browser_opens_the_page_without_complaint(page: str, tmp_path: Path) -
 # --- since a baseline
 
 
-def figures(book: Book) -> dict[str, Any]:
+def figures(book: GuideContents) -> dict[str, Any]:
     """Return the guide as its JSON is read back."""
     found: dict[str, Any] = json.loads(json.dumps(document.as_json(book.guide)))
     return found
 
 
-def test_nothing_moves_against_itself_by_either_file(book: Book, page: str, tmp_path: Path) -> None:
+def test_nothing_moves_against_itself_by_either_file(
+    book: GuideContents, page: str, tmp_path: Path
+) -> None:
     files = {"guide.json": json.dumps(figures(book)), "guide.html": page}
     for name, text in files.items():
         (tmp_path / name).write_text(text, encoding="utf-8")
@@ -283,7 +287,7 @@ def test_nothing_moves_against_itself_by_either_file(book: Book, page: str, tmp_
         assert moved(earlier, figures(book)) == ()
 
 
-def test_what_moved_is_named_and_verdicts_come_first(book: Book) -> None:
+def test_what_moved_is_named_and_verdicts_come_first(book: GuideContents) -> None:
     now = figures(book)
     row = now["sheets"][0]["judgements"]["modified"][1]
     row["other"] *= 1.01
@@ -448,7 +452,7 @@ def test_a_boat_that_is_lost_gives_exit_code_1() -> None:
 
 
 def test_the_guide_as_a_command_writes_moves_and_leaves_by_the_verdict(
-    book: Book, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    book: GuideContents, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("trainer.cli.guide.written", lambda *_: book)
     old, html = tmp_path / "old.json", tmp_path / "guide.html"
@@ -467,7 +471,9 @@ def test_the_guide_as_a_command_writes_moves_and_leaves_by_the_verdict(
     assert "Out of tolerance." in ask(guide, "bb2").output
 
 
-def test_a_page_that_cannot_be_written_is_told(book: Book, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_page_that_cannot_be_written_is_told(
+    book: GuideContents, monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.setattr("trainer.cli.guide.written", lambda *_: book)
 
     done = ask(guide, "bb2", "--html", "/nowhere/guide.html")
@@ -476,7 +482,7 @@ def test_a_page_that_cannot_be_written_is_told(book: Book, monkeypatch: pytest.M
     assert "--html /nowhere/guide.html: cannot be written" in str(done.exception)
 
 
-def test_names_of_anybody_s_making_come_out_as_text(book: Book) -> None:
+def test_names_of_anybody_s_making_come_out_as_text(book: GuideContents) -> None:
     evil = '<script>alert("x")</script>'
     finding = replace(book.guide.findings[0], title=evil, claim=evil, words=evil)
     named = replace(book.guide, vessel=evil, findings=(finding, *book.guide.findings[1:]))

@@ -19,7 +19,7 @@ from trainer.analysis.debrief.scoring import (  # type: ignore[attr-defined]
     score,
     unit_of,
 )
-from trainer.analysis.debrief.trajectory import COLUMNS, SLOTS, Passage
+from trainer.analysis.debrief.trajectory import COLUMNS, SLOTS, Trajectory
 from trainer.boat.assemble import Method
 from trainer.boat.boat import Boat
 from trainer.config.exercise import Limits, load_exercise, parse_exercise
@@ -41,7 +41,7 @@ def boat_of(vessel: str = "bb2") -> Boat:
 BB2 = boat_of()
 
 
-def passage(limits: Limits | None = None, orders: Any = (), **columns: Any) -> Passage:
+def passage(limits: Limits | None = None, orders: Any = (), **columns: Any) -> Trajectory:
     """Return a passage at 0.5 s a tick, whose columns but those given are zero."""
     given = {name: np.asarray(values, float) for name, values in columns.items()}
     count = max((values.size for values in given.values()), default=5)
@@ -50,7 +50,7 @@ def passage(limits: Limits | None = None, orders: Any = (), **columns: Any) -> P
     whole = dict.fromkeys(COLUMNS, flat) | given | {SLOTS[0]: slots * CODES["stern-stuck"]}
     untimed = np.full(count, np.nan)
     ticks = np.arange(count)
-    return Passage(BB2, limits or Limits(), tuple(orders), ticks, whole, untimed, untimed)
+    return Trajectory(BB2, limits or Limits(), tuple(orders), ticks, whole, untimed, untimed)
 
 
 def rules(text: str) -> tuple[Rule, ...]:
@@ -67,7 +67,7 @@ def rule(**keys: Any) -> Rule:
     return found
 
 
-def taken(flown: Passage, **keys: Any) -> tuple[float | None, int | None]:
+def taken(flown: Trajectory, **keys: Any) -> tuple[float | None, int | None]:
     """Return value and tick of a rule."""
     found = attain(flown, rule(**keys))
     return found.value, found.tick
@@ -191,7 +191,7 @@ def test_air_is_the_least_share_of_what_the_banks_hold_full() -> None:
 
 def test_a_boat_without_the_part_is_not_judged_by_it() -> None:
     went = passage()
-    lone = Passage(
+    lone = Trajectory(
         boat_of("remus100"),
         went.limits,
         (),

@@ -13,7 +13,7 @@ import trainer
 from trainer.boat.assemble import Method
 from trainer.boat.boat import Boat
 from trainer.boat.helm import obey
-from trainer.boat.limits import Watch
+from trainer.boat.limits import LimitMonitor
 from trainer.config.exercise import Limits
 from trainer.config.sea import SeaFile, load_sea, parse_sea
 from trainer.config.vessel import load_vessel
@@ -301,7 +301,7 @@ def test_a_run_with_sea_tanks_and_orders_gives_the_same_bits_at_any_pace_and_wit
 # What is called out
 
 
-def watched(boat: Boat, watch: Watch, seconds: float) -> list[str]:
+def watched(boat: Boat, watch: LimitMonitor, seconds: float) -> list[str]:
     said = []
     for _ in range(round(seconds / boat.method.step)):
         assert boat.tick() == 0
@@ -312,7 +312,7 @@ def watched(boat: Boat, watch: Watch, seconds: float) -> list[str]:
 def test_a_boat_thrown_up_by_the_sea_is_called_out_as_broached() -> None:
     boat = boat_at(17.5, 4.0)
     boat.put_to_sea(sea_of('sea_state = 5\nsuction = "on"'))
-    watch = Watch.over(boat, Limits())
+    watch = LimitMonitor.over(boat, Limits())
     said = watched(boat, watch, 300.0)
     assert any("BROACHED: she shows 0." in line for line in said)
     assert said[0].startswith("tick ")
@@ -321,7 +321,7 @@ def test_a_boat_thrown_up_by_the_sea_is_called_out_as_broached() -> None:
 
 def test_a_boat_that_is_blown_up_has_surfaced_and_not_broached_and_is_called_out_once() -> None:
     boat = boat_at(60.0, 10.0)
-    watch = Watch.over(boat, Limits())
+    watch = LimitMonitor.over(boat, Limits())
     told(boat, "surface")
     said = watched(boat, watch, 300.0)
     assert [line.partition(": ")[2] for line in said] == ["surfaced: the boat shows above the sea"]
@@ -333,7 +333,7 @@ def test_a_boat_that_is_blown_up_has_surfaced_and_not_broached_and_is_called_out
 
 def test_a_limit_is_called_out_at_each_crossing_and_only_then() -> None:
     boat = boat_at(60.0, 10.0)
-    watch = Watch.over(
+    watch = LimitMonitor.over(
         boat, Limits(depth_m_max=70.0, depth_m_min=65.0, speed_kn_max=10.0)
     )  # she starts above 65 m: no news
     assert watch.account() == ""
@@ -361,7 +361,7 @@ def test_a_limit_is_called_out_at_each_crossing_and_only_then() -> None:
 )
 def test_each_limit_watches_its_own_quantity(limits: Limits, place: str, value: float) -> None:
     boat = boat_at(60.0)
-    watch = Watch(limits)
+    watch = LimitMonitor(limits)
     assert watch.look(boat) == []
     boat.state[place] = value
     assert len(watch.look(boat)) == 1

@@ -18,7 +18,7 @@ from helpers.places import ROOT
 from trainer.boat.boat import Boat
 from trainer.boat.casualties import active
 from trainer.boat.helm import obey
-from trainer.boat.limits import Watch
+from trainer.boat.limits import LimitMonitor
 from trainer.config.exercise import Exercise, key_tables, load_exercise, parse_exercise
 from trainer.config.files import ConfigError, shipped_names
 from trainer.io.line import Joined
@@ -29,10 +29,10 @@ from trainer.session.history import History
 from trainer.session.options import RunOptions
 from trainer.session.plan import plan_run
 from trainer.session.session import Session
-from trainer.session.stations.access import Door
+from trainer.session.stations.access import Access
 from trainer.session.stations.station import Station
 from trainer.session.stations.subscriptions import Promptly, Roster
-from trainer.session.stations.view import Lookout
+from trainer.session.stations.view import StateReader
 from trainer.session.time.pacer import MonotonicClock, Policy
 from trainer.session.time.timekeeping import Timekeeping
 from trainer.units import KNOT
@@ -78,7 +78,7 @@ class Played:
     """How an exercise went."""
 
     boat: Boat
-    watch: Watch
+    watch: LimitMonitor
     said: list[str]
     trace: dict[str, np.ndarray]
 
@@ -92,7 +92,7 @@ def play(name: str, crew: str = "") -> Played:
     plan = plan_run(RunOptions(exercise=name))
     boat = Boat(plan.file, plan.method)
     plan.start(boat)
-    watch = Watch.over(boat, plan.limits)
+    watch = LimitMonitor.over(boat, plan.limits)
     schedule = list(plan.schedule)
     for line in crew.strip().splitlines():
         seconds, words = line.split(maxsplit=1)
@@ -104,12 +104,12 @@ def play(name: str, crew: str = "") -> Played:
     time = Timekeeping.at(MonotonicClock(), plan.method.step, math.inf, Policy.SLIP)
     assert plan.duration is not None
     last = round(plan.duration / plan.method.step)
-    sending = Promptly(Roster(Lookout(boat, time.ledger.summary)))
+    sending = Promptly(Roster(StateReader(boat, time.ledger.summary)))
     history = History(boat, NoRecording())
     session = Session(boat, time, history, trace, COLUMNS, sending, schedule=schedule, watch=watch)
     session.last_tick = last
     line = Joined("ear", None, ear)  # type: ignore[assignment]
-    session.board.stations.append(Station(line, Door("instructor"), sending, session.board.log))  # type: ignore[arg-type]
+    session.board.stations.append(Station(line, Access("instructor"), sending, session.board.log))  # type: ignore[arg-type]
     with np.errstate(all="ignore"):
         session.run()
     assert session.desk.failure == ""

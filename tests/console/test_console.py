@@ -25,10 +25,10 @@ from trainer.console.drawing.hull import turned
 from trainer.console.entry import Entry, completed, hint, offer
 from trainer.console.journal import Sample, Trace
 from trainer.console.keys import KEYS, Give, Move, key_tables
-from trainer.console.layouts import POSTS, wishes
-from trainer.console.model import Broken, Kept, Sight
+from trainer.console.layouts import LAYOUTS, wishes
+from trainer.console.model import Broken, Kept, SessionModel
 from trainer.console.pane import GROUND, INKS, Pane, contrast, plain
-from trainer.console.readings import Picture
+from trainer.console.readings import ChannelReadings
 from trainer.io.orders import sentences
 from trainer.io.orders.grammar import Order, parse
 from trainer.io.orders.sentences import order_sentence, read
@@ -114,7 +114,7 @@ class Tape:
 
 
 def tape(role: str = "instructor") -> Tape:
-    found = Tape(POSTS[role].channels)
+    found = Tape(LAYOUTS[role].channels)
     found.facts["casualties"] = [
         ("casualty", "stern-stuck,,The stern planes stay where they are"),
         ("casualty", "stern-hard-over,-1 ramp 0,The stern planes run to this angle and jam"),
@@ -123,8 +123,8 @@ def tape(role: str = "instructor") -> Tape:
     return found
 
 
-def sight_of(talk: Tape, role: str = "instructor", clock: float = 100.0) -> Sight:
-    return Sight(talk, role, POSTS[role].charts, clock=lambda: clock)
+def sight_of(talk: Tape, role: str = "instructor", clock: float = 100.0) -> SessionModel:
+    return SessionModel(talk, role, LAYOUTS[role].charts, clock=lambda: clock)
 
 
 Act = Callable[[Pilot[str], Console], Awaitable[None]]
@@ -331,7 +331,7 @@ def test_the_brackets_change_the_time_of_the_charts_on_every_screen(role: str) -
         ):
             await pilot.press(key)
             await pilot.pause(0.15)
-            if POSTS[role].charts:
+            if LAYOUTS[role].charts:
                 assert f"{minutes} min" in shown(app)
 
     assert at_the_console(press, tape(role), role, (160, 48))[1].orders == []
@@ -426,7 +426,7 @@ def test_digits_and_letters_are_typed_and_only_an_empty_line_has_keys() -> None:
 # The pictures
 
 
-@pytest.mark.parametrize("role", POSTS)
+@pytest.mark.parametrize("role", LAYOUTS)
 def test_every_screen_keeps_to_its_size_and_shows_what_matters(role: str) -> None:
     async def resize(pilot: Pilot[str], app: Console) -> None:
         for width, height in SIZES:
@@ -510,7 +510,7 @@ def test_colours_stand_out_from_what_is_behind_them() -> None:
 
 
 def test_pointers_move_between_ticks_and_no_further_than_the_next() -> None:
-    picture, now = Picture(), 100.0
+    picture, now = ChannelReadings(), 100.0
     for text in (
         names("time"), names("motion"),
         sentences.state("time", 120, 60.0, values("time")),
@@ -532,7 +532,7 @@ def test_pointers_move_between_ticks_and_no_further_than_the_next() -> None:
 
 
 def test_gauges_without_rates_move_from_one_reading_to_the_next() -> None:
-    picture = Picture()
+    picture = ChannelReadings()
     for text, when in (
         (names("gauges"), 0.0),
         (sentences.state("gauges", 1, 0.5, values("gauges", heading="359.0")), 10.0),
@@ -624,7 +624,7 @@ def test_a_remark_of_one_s_own_does_not_wipe_the_time_line_either() -> None:
 WILD = ("1e308", "-1e308", "1e-308", "9" * 300, "-0", "5e-324", "1e9", "-1e9", "nan", "-inf")
 
 
-@pytest.mark.parametrize("role", POSTS)
+@pytest.mark.parametrize("role", LAYOUTS)
 def test_no_number_that_a_session_sends_ends_a_screen(role: str) -> None:
     async def act(pilot: Pilot[str], app: Console) -> None:
         for tick, number in enumerate(WILD, start=200):
@@ -695,7 +695,7 @@ def test_a_lost_line_is_shown_and_orders_are_not_swallowed() -> None:
 def test_a_session_that_says_nothing_more_is_called_out() -> None:
     talk = tape()
     now = [100.0]
-    sight = Sight(talk, "instructor", POSTS["instructor"].charts, clock=lambda: now[0])
+    sight = SessionModel(talk, "instructor", LAYOUTS["instructor"].charts, clock=lambda: now[0])
     app = Console(sight)
 
     async def wait() -> None:
@@ -793,7 +793,7 @@ def test_a_broken_line_is_dialled_again_and_says_its_role_and_wishes_again(
     harbour: tuple[Harbour, Path],
 ) -> None:
     session, path = harbour
-    wanted = wishes(POSTS["helm"])
+    wanted = wishes(LAYOUTS["helm"])
     said = [order_sentence("role helm WORD", "1")]
     said += [order_sentence(f"subscribe {name} {often}", "2") for name, often in wanted.items()]
     session.last = said[-1]

@@ -24,8 +24,8 @@ from trainer.console.app import Console
 from trainer.console.client import Client
 from trainer.console.journal import Entry
 from trainer.console.keys import KEYS, Give, Move
-from trainer.console.layouts import POSTS, wishes
-from trainer.console.model import Sight
+from trainer.console.layouts import LAYOUTS, wishes
+from trainer.console.model import SessionModel
 from trainer.io import paths
 from trainer.io.orders.grammar import Order, parse
 from trainer.io.orders.sentences import order_sentence, read
@@ -414,10 +414,10 @@ def test_a_blocked_terminal_and_any_size_leave_the_session_undisturbed(
 
 def test_the_session_takes_every_key_of_the_crew_for_an_order_of_theirs(served: Path) -> None:
     for role in ("helm", "planes", "ballast", "diving"):
-        post = POSTS[role]
+        post = LAYOUTS[role]
         client = Client(lambda: str(served), role, wishes(post))
         client.start()
-        app = Console(Sight(client, role, post.charts))
+        app = Console(SessionModel(client, role, post.charts))
         keys = [key for key in KEYS[role] if isinstance(key.act, Give | Move)]
         log = asyncio.run(typed(app, [key.names[0] for key in keys]))
         client.close(5.0)
@@ -429,7 +429,7 @@ def test_the_session_takes_every_key_of_the_crew_for_an_order_of_theirs(served: 
 
 async def typed(app: Console, keys: list[str]) -> list[Entry]:
     """Return the log of a screen at which keys are pressed, once all is answered."""
-    wanted = set(POSTS[app.sight.role].channels)
+    wanted = set(LAYOUTS[app.sight.role].channels)
     async with app.run_test() as pilot:
         while not app.sight.picture.seconds or not wanted <= set(app.sight.picture.last):
             await pilot.pause(LOOK)
@@ -443,7 +443,7 @@ async def typed(app: Console, keys: list[str]) -> list[Entry]:
 def test_the_session_lists_what_can_break_as_it_is_ordered(served: Path) -> None:
     client = Client(lambda: str(served), "instructor", {})
     client.start()
-    sight = Sight(client, "instructor", ())
+    sight = SessionModel(client, "instructor", ())
     waited = threading.Event()
     while not sight.casualties:
         sight.hear()

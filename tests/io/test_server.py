@@ -23,7 +23,7 @@ from trainer.io.line import Direct, Joined, Line
 from trainer.io.lines import Overlong
 from trainer.io.orders.grammar import LONGEST
 from trainer.io.serial_line import LinkError, SerialLine
-from trainer.io.server import ROOM, STRANGERS, TURNED_AWAY, Hub
+from trainer.io.server import ROOM, STRANGERS, TURNED_AWAY, Server
 
 PATIENCE = 10.0  # [s]  far beyond what any wait here needs
 needs_local = pytest.mark.skipif(not hasattr(socket, "AF_UNIX"), reason="no local sockets here")
@@ -35,7 +35,7 @@ class Desk:
 
     def __init__(self) -> None:
         self.wake = threading.Event()
-        self.hub = Hub(self.wake)
+        self.hub = Server(self.wake)
         self.port = self.hub.listen("127.0.0.1", 0)
         self.attached: list[Connection] = []
 
@@ -344,13 +344,13 @@ def test_silent_strangers_give_way_and_keep_nobody_out_of_the_local_socket(
 
 def test_who_does_not_say_who_he_is_in_time_is_told_and_closed() -> None:
     wake = threading.Event()
-    hub = Hub(wake, introduction=0.2)
+    hub = Server(wake, introduction=0.2)
     with closing_hub(hub) as port, socket.create_connection(("127.0.0.1", port), PATIENCE) as far:
         assert read_lines(far, 1) == [
             b"? closed: it was not said who is here, with role NAME TOKEN"
         ]
         assert far.recv(100) == b""
-    hub = Hub(wake, introduction=0.2)
+    hub = Server(wake, introduction=0.2)
     with closing_hub(hub) as port, socket.create_connection(("127.0.0.1", port), PATIENCE) as far:
         while not (newcomers := hub.newcomers()):
             wake.wait(PATIENCE)
@@ -361,7 +361,7 @@ def test_who_does_not_say_who_he_is_in_time_is_told_and_closed() -> None:
 
 
 @contextmanager
-def closing_hub(hub: Hub) -> Iterator[int]:
+def closing_hub(hub: Server) -> Iterator[int]:
     """Yield a port that a hub listens at, and close it."""
     try:
         yield hub.listen("127.0.0.1", 0)

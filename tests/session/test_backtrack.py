@@ -25,7 +25,7 @@ from trainer.session.plan import plan_run
 from trainer.session.replay import replay_anyway
 from trainer.session.resume import bring_up
 from trainer.session.session import Session
-from trainer.session.stations.access import Door
+from trainer.session.stations.access import Access
 from trainer.session.stations.station import Station
 from trainer.session.stations.subscriptions import Subscription
 from trainer.session.stations.view import Pace
@@ -145,7 +145,7 @@ class Ship:
             wake=self.bridge.wake,
         )
         self.session.board.stations.append(
-            Station(self.bridge, Door("instructor"), self.bridge, self.session.board.log)  # type: ignore[arg-type]
+            Station(self.bridge, Access("instructor"), self.bridge, self.session.board.log)  # type: ignore[arg-type]
         )
 
     def new_boat(self) -> Boat:

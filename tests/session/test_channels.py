@@ -16,7 +16,7 @@ from trainer.session.stations.channels import CHANNELS, TELETYPE, tables
 from trainer.session.stations.display import Display, Sentences, Teletype, Words, panel
 from trainer.session.stations.roles import PANELS, ROLES
 from trainer.session.stations.subscriptions import display
-from trainer.session.stations.view import Frame, Lookout, Pace, Picture
+from trainer.session.stations.view import Frame, Pace, Picture, StateReader
 from trainer.session.time.ledger import Ledger, Summary
 
 KNOT = 1852.0 / 3600.0
@@ -53,8 +53,8 @@ def boat(bb2: Boat) -> Boat:
     return bb2
 
 
-def lookout(boat: Boat) -> Lookout:
-    return Lookout(boat, Ledger(boat.method.step).summary)
+def lookout(boat: Boat) -> StateReader:
+    return StateReader(boat, Ledger(boat.method.step).summary)
 
 
 def frame_of(boat: Boat, pace: Pace = RUNNING) -> Frame:
@@ -367,7 +367,7 @@ def test_the_ledger_is_asked_for_once_and_only_when_shown(boat: Boat) -> None:
         return ledger.summary()
 
     picture = Picture(0, boat.records.state.tobytes(), Pace())
-    frame = Lookout(boat, summary).frame(picture)
+    frame = StateReader(boat, summary).frame(picture)
     everything_stations_get(frame)
     assert not asked
 

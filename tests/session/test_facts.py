@@ -14,8 +14,8 @@ import pytest
 from helpers.places import ROOT
 
 from trainer.console.client import Client
-from trainer.console.layouts import POSTS, wishes
-from trainer.console.model import Sight
+from trainer.console.layouts import LAYOUTS, wishes
+from trainer.console.model import SessionModel
 from trainer.io.orders import sentences
 
 TRAINER = [sys.executable, "-m", "trainer"]
@@ -86,7 +86,7 @@ def port(tmp_path: Path) -> Iterator[Rewording]:
         session.communicate()
 
 
-def until(sight: Sight, true: Callable[[], object]) -> None:
+def until(sight: SessionModel, true: Callable[[], object]) -> None:
     """Let a screen hear until something is true of it."""
     end = time.monotonic() + PATIENCE
     while not true():
@@ -97,8 +97,8 @@ def until(sight: Sight, true: Callable[[], object]) -> None:
 
 def test_a_screen_works_when_every_text_of_the_session_is_reworded(port: Rewording) -> None:
     role = "instructor"
-    client = Client(lambda: f"tcp://127.0.0.1:{port.port}", role, wishes(POSTS[role]))
-    sight = Sight(client, role, POSTS[role].charts)
+    client = Client(lambda: f"tcp://127.0.0.1:{port.port}", role, wishes(LAYOUTS[role]))
+    sight = SessionModel(client, role, LAYOUTS[role].charts)
     client.start()
     try:
         until(sight, lambda: sight.casualties)

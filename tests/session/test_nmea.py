@@ -32,7 +32,7 @@ from trainer.session.nmea.position import DEFAULT, Chart, chart_at
 from trainer.session.nmea.readings import WIDEST
 from trainer.session.nmea.sentences import INSTRUMENTS, InstrumentSet, Sampled, chosen, widest
 from trainer.session.stations.roles import ROLES, refusal
-from trainer.session.stations.view import Frame, Lookout, Pace, Picture
+from trainer.session.stations.view import Frame, Pace, Picture, StateReader
 from trainer.session.time.ledger import Ledger
 from trainer.units import KNOT
 
@@ -54,7 +54,7 @@ def give(boat: Boat, *lines: str) -> None:
 
 
 def seen(boat: Boat) -> Frame:
-    lookout = Lookout(boat, Ledger(boat.method.step).summary)
+    lookout = StateReader(boat, Ledger(boat.method.step).summary)
     return lookout.frame(Picture(int(boat.state.tick), boat.records.state.tobytes(), Pace()))
 
 

@@ -38,7 +38,7 @@ from trainer.session.options import RunOptions
 from trainer.session.ports import Ports
 from trainer.session.session import Session
 from trainer.session.stations.subscriptions import Promptly, Publisher, Roster
-from trainer.session.stations.view import Lookout, Pace, Picture
+from trainer.session.stations.view import Pace, Picture, StateReader
 from trainer.session.time.ledger import Ledger
 from trainer.session.time.pacer import MonotonicClock, Policy
 from trainer.session.time.timekeeping import Timekeeping
@@ -113,7 +113,7 @@ class Deck:
     def __init__(self, stack: contextlib.ExitStack, given: RunOptions) -> None:
         self.boat = under_way()
         wake = threading.Event()
-        self.publisher = Publisher(Roster(Lookout(self.boat, Ledger(0.5).summary)))
+        self.publisher = Publisher(Roster(StateReader(self.boat, Ledger(0.5).summary)))
         stack.callback(self.publisher.close, 5.0)
         self.recording = Recording.create(
             None, {"started": "2026-11-20T08:00:00+00:00"}, self.boat.records.state.tobytes()
@@ -577,7 +577,7 @@ def test_a_panel_on_a_serial_line_steers_and_hears_and_is_not_missed_when_unplug
 def test_a_hung_line_never_holds_up_who_offers_a_tick_and_loses_what_is_too_much() -> None:
     boat, let_go = under_way(), threading.Event()
     outbox = Outbox(lambda _data: let_go.wait(30.0), capacity=4)
-    promptly = Promptly(Roster(Lookout(boat, Ledger(0.5).summary)), iter(range(1000)).__next__)
+    promptly = Promptly(Roster(StateReader(boat, Ledger(0.5).summary)), iter(range(1000)).__next__)
 
     class Twice:
         def lines(self, frame: object) -> list[str]:
@@ -664,7 +664,7 @@ def test_time_and_date_go_on_from_when_the_recording_was_begun(
 def refused(given: RunOptions) -> str:
     boat = under_way()
     with contextlib.ExitStack() as stack:
-        publisher = Promptly(Roster(Lookout(boat, Ledger(0.5).summary)))
+        publisher = Promptly(Roster(StateReader(boat, Ledger(0.5).summary)))
         ports = Ports(threading.Event(), publisher, lambda _kind, _text: None, stack)
         with pytest.raises(ConfigError) as wrong:
             open_outlets(ports, NoRecording(), given)
@@ -683,7 +683,7 @@ def test_the_rate_that_is_advised_fits() -> None:
     rate = float(said.partition("--nmea-rate ")[2].split()[0])
     with contextlib.ExitStack() as stack:
         boat = under_way()
-        publisher = Promptly(Roster(Lookout(boat, Ledger(0.5).summary)))
+        publisher = Promptly(Roster(StateReader(boat, Ledger(0.5).summary)))
         ports = Ports(threading.Event(), publisher, lambda _kind, _text: None, stack)
         given = options("loop://", nmea_baud=4800, nmea_rate=rate)
         stations = open_outlets(ports, NoRecording(), given)

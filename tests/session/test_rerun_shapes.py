@@ -29,7 +29,7 @@ from trainer.session.rerun.states import casualty_lanes, lanes_of
 from trainer.session.rerun.subject import Subject
 from trainer.session.stations.station import News
 from trainer.session.stations.subscriptions import Promptly, Roster
-from trainer.session.stations.view import Lookout, Pace
+from trainer.session.stations.view import Pace, StateReader
 from trainer.session.time.ledger import Ledger
 
 VESSELS = ("bb2", "remus100", "sdv-mk9")
@@ -448,7 +448,7 @@ def test_a_feed_that_hangs_at_the_end_is_left_behind() -> None:
 def log_to(boat: Boat, *sinks: Bucket) -> Log:
     """Return a log before a publisher that sends promptly."""
     ledger = Ledger(0.5)
-    publisher = Promptly(Roster(Lookout(boat, ledger.summary)))
+    publisher = Promptly(Roster(StateReader(boat, ledger.summary)))
     return Log(publisher, ledger, [Feed(sink, 0.5) for sink in sinks])
 
 
@@ -479,7 +479,7 @@ def subject(make_boat: Make) -> Subject:
 
 def asked(subject: Subject, **options: Any) -> Log | None:
     ledger = Ledger(0.5)
-    publisher = Promptly(Roster(Lookout(subject.boat, ledger.summary)))
+    publisher = Promptly(Roster(StateReader(subject.boat, ledger.summary)))
     return open_log(publisher, ledger, subject, RunOptions(**options))
 
 

@@ -21,7 +21,7 @@ from trainer.io.recording.recording import Recording
 from trainer.io.tables import COLUMNS
 from trainer.session.history import History
 from trainer.session.session import Session
-from trainer.session.stations.access import Door
+from trainer.session.stations.access import Access
 from trainer.session.stations.station import Station
 from trainer.session.stations.subscriptions import Subscription
 from trainer.session.stations.view import Pace
@@ -124,7 +124,7 @@ def session_of(
     OPENED.append(recording)
     history = History(boat, recording)
     session = Session(boat, time, history, recorder or Rows(), COLUMNS, script, schedule=entries)
-    session.board.stations.append(Station(script, Door("instructor"), script, session.board.log))
+    session.board.stations.append(Station(script, Access("instructor"), script, session.board.log))
     session.last_tick = ticks
     session.wake = script.wake
     return session
@@ -385,7 +385,7 @@ def test_nothing_of_the_exercise_is_told_before_the_token_nor_what_breaks_to_the
     session = session_of(alone)
     session.briefing = ("Stern planes jam", "At 30 s the stern planes stick.", "BB2")
     session.crew_briefing = ("BB2",)
-    door = Door(tokens={"": "WORD"})
+    door = Access(tokens={"": "WORD"})
     session.reception = Coming(Station(stranger, door, stranger, session.board.log))
     session.listen()
     heard = "\n".join(stranger.heard)
@@ -400,7 +400,7 @@ def test_a_mark_says_who_made_it_and_cannot_look_like_the_session() -> None:
     helm, other = Script([["mark the session is over"]]), Script([])
     session = session_of(Script([]))
     for line in (helm, other):
-        session.board.stations.append(Station(line, Door("observer"), line, session.board.log))
+        session.board.stations.append(Station(line, Access("observer"), line, session.board.log))
     session.listen()
     assert other.heard == ["mark by observer: the session is over"]
     recording = session.history.recording

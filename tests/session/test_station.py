@@ -13,11 +13,11 @@ from trainer.boat.boat import Boat
 from trainer.io.lines import Overlong
 from trainer.io.orders.grammar import Order, Refused
 from trainer.io.orders.sentences import Heard, hear, order_sentence, read
-from trainer.io.server import Hub
-from trainer.session.stations.access import Door
+from trainer.io.server import Server
+from trainer.session.stations.access import Access
 from trainer.session.stations.station import ORDERS_A_SECOND, ORDERS_AT_ONCE, News, Station
 from trainer.session.stations.subscriptions import Promptly, Roster
-from trainer.session.stations.view import Lookout, Pace
+from trainer.session.stations.view import Pace, StateReader
 from trainer.session.time.ledger import Ledger
 
 KNOT = 1852.0 / 3600.0
@@ -56,12 +56,12 @@ class FakeLine:
 class Post:
     """A station with its line, its log and a boat that stands still."""
 
-    def __init__(self, boat: Boat, door: Door) -> None:
+    def __init__(self, boat: Boat, door: Access) -> None:
         self.now = 0.0
         self.line = FakeLine()
         self.log: list[tuple[str, str]] = []
         self.boat = boat
-        self.sending = Promptly(Roster(Lookout(boat, Ledger(0.5).summary)), lambda: self.now)
+        self.sending = Promptly(Roster(StateReader(boat, Ledger(0.5).summary)), lambda: self.now)
         self.station = Station(
             self.line,
             door,
@@ -102,14 +102,14 @@ def boat(make_boat: Callable[..., Boat]) -> Boat:
 
 @pytest.fixture
 def post(boat: Boat) -> Callable[..., Post]:
-    return lambda role=None, token="": Post(boat, Door(role, {"": token} if token else {}))
+    return lambda role=None, token="": Post(boat, Access(role, {"": token} if token else {}))
 
 
 def test_a_station_and_its_line_are_gone_with_the_last_who_knows_them(boat: Boat) -> None:
-    sending = Promptly(Roster(Lookout(boat, Ledger(0.5).summary)))
+    sending = Promptly(Roster(StateReader(boat, Ledger(0.5).summary)))
     line = FakeLine()
     line.waiting = ["subscribe gauges", "nonsense", "role helm", "rudder left 5"]
-    station = Station(line, Door(), sending, lambda *_: None)
+    station = Station(line, Access(), sending, lambda *_: None)
     assert len(list(station.take(MANY))) == 1
     station.leave()
     gone = weakref.ref(station), weakref.ref(line)
@@ -591,7 +591,7 @@ def test_every_sentence_on_the_page_has_its_checksum_and_is_one() -> None:
 def test_the_client_on_the_page_takes_the_helm_and_shows_the_rudder(boat: Boat) -> None:
     (client,) = re.findall(r"```python\n(.*?)```", page(), re.DOTALL)
     wake, shown = threading.Event(), []
-    hub = Hub(wake)
+    hub = Server(wake)
     port = hub.listen("127.0.0.1", 0)
     names = {"print": lambda *values: shown.append(values)}
     source = client.replace("17800", str(port))
@@ -607,16 +607,16 @@ def test_the_client_on_the_page_takes_the_helm_and_shows_the_rudder(boat: Boat) 
     assert next(iter(steering)) == "heading"
 
 
-def tend(hub: Hub, wake: threading.Event, boat: Boat, program: threading.Thread) -> list[Order]:
+def tend(hub: Server, wake: threading.Event, boat: Boat, program: threading.Thread) -> list[Order]:
     """Be a session until its client has given an order and gone; return its orders."""
-    sending = Promptly(Roster(Lookout(boat, Ledger(0.5).summary)))
+    sending = Promptly(Roster(StateReader(boat, Ledger(0.5).summary)))
     sending.offer(0, boat.records.state.tobytes(), Pace())
     obeyed: list[Order] = []
     stations: list[Station] = []
     while not obeyed:
         assert wake.wait(10.0)
         wake.clear()
-        stations += [Station(line, Door(), sending, print) for line in hub.newcomers()]
+        stations += [Station(line, Access(), sending, print) for line in hub.newcomers()]
         for asked in [asked for station in stations for asked in station.take(MANY)]:
             asked.station.answer(asked, "done")
             obeyed.append(asked.order)

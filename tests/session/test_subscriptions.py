@@ -10,7 +10,7 @@ from trainer.boat.boat import Boat
 from trainer.session.stations.channels import CHANNELS
 from trainer.session.stations.display import Sentences
 from trainer.session.stations.subscriptions import Promptly, Publisher, Roster, Subscription
-from trainer.session.stations.view import Frame, Lookout, Pace, Picture
+from trainer.session.stations.view import Frame, Pace, Picture, StateReader
 from trainer.session.time.ledger import Ledger
 
 PATIENCE = 10.0  # [s] far beyond what any wait here needs
@@ -71,7 +71,7 @@ def boat(make_boat: Callable[..., Boat]) -> Boat:
 
 @pytest.fixture
 def roster(boat: Boat) -> Roster:
-    return Roster(Lookout(boat, Ledger(0.5).summary))
+    return Roster(StateReader(boat, Ledger(0.5).summary))
 
 
 @pytest.fixture

@@ -21,19 +21,19 @@ from trainer.io.orders.grammar import Order, parse
 from trainer.io.recording.recording import Recording
 from trainer.session.stations.roles import ROLES, refusal
 from trainer.verify.faults import faults, recordings
-from trainer.verify.faults.fork_server import Nursery
+from trainer.verify.faults.fork_server import ForkServer
 from trainer.verify.faults.rig import Bench, Tried
 from trainer.verify.fuzz.catalogue import TARGETS, chosen, corpus
 from trainer.verify.fuzz.fuzz import dictionary
 from trainer.verify.fuzz.target import Target
 from trainer.verify.soak.audit import Answered, complete, journalled
-from trainer.verify.soak.clock_check import Witness
+from trainer.verify.soak.clock_check import WatchedClock
 from trainer.verify.soak.operators import Orders, Watchbill, instruct
 from trainer.verify.soak.session_process import Caller, GoneError
 from trainer.verify.soak.soak import Plan, Sample, flat, page, soak
 
 if TYPE_CHECKING:
-    from trainer.verify.soak.session_process import Served
+    from trainer.verify.soak.session_process import SessionProcess
 
 CORPUS = TESTS / "corpus"
 posix = pytest.mark.skipif(os.name != "posix", reason="signals and forks of POSIX")
@@ -124,7 +124,7 @@ class Ticking:
 
 
 def test_a_witness_sees_a_deadline_that_is_a_nanosecond_off() -> None:
-    witness, wake = Witness(Ticking(), Fraction(500_000_000)), threading.Event()
+    witness, wake = WatchedClock(Ticking(), Fraction(500_000_000)), threading.Event()
     for deadline in (7, 7, 500_000_007, 1_500_000_007, 1_500_000_007):
         witness.wait_until(deadline, wake)
     assert (witness.deadlines.seen, witness.deadlines.adrift) == (3, 0)
@@ -194,7 +194,7 @@ class Ended:
 
 
 def test_an_instructor_who_comes_too_late_leaves_without_a_word() -> None:
-    bill = Watchbill(cast("Served", Ended()), pause=lambda _: 0.0)
+    bill = Watchbill(cast("SessionProcess", Ended()), pause=lambda _: 0.0)
     instruct(bill, 5, goes_back=True)
     assert not bill.answered
 
@@ -223,7 +223,7 @@ def test_a_soak_in_real_time_keeps_every_promise_and_does_not_drift() -> None:
 
 @pytest.fixture(scope="module")
 def bench(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Bench]:
-    with Nursery() as nursery:
+    with ForkServer() as nursery:
         dice = random.Random(1969)  # noqa: S311  instants, not secrets
         yield Bench(nursery, tmp_path_factory.mktemp("f"), dice)
 

@@ -45,7 +45,7 @@ def surfacing(boat: Boat) -> bool:
 
 
 @dataclass
-class Watch:
+class LimitMonitor:
     """What stands beyond its limit now, and how often and since when that has happened."""
 
     limits: Limits = field(default_factory=Limits)
@@ -59,7 +59,7 @@ class Watch:
         self._set = tuple((name, limit) for name, limit in every if limit is not None)
 
     @classmethod
-    def over(cls, boat: Boat, limits: Limits) -> "Watch":
+    def over(cls, boat: Boat, limits: Limits) -> "LimitMonitor":
         """Return the watch over a boat; what shows or is beyond its limit now is no news."""
         watch = cls(limits)
         watch.settle(boat)

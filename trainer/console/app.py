@@ -39,8 +39,8 @@ from trainer.console.keys import (
     by_name,
     footer,
 )
-from trainer.console.layouts import POSTS, Place
-from trainer.console.model import Sight
+from trainer.console.layouts import LAYOUTS, Place
+from trainer.console.model import SessionModel
 from trainer.console.pane import Lines, Pane, fit, line
 from trainer.console.timeline import Moments
 
@@ -60,7 +60,7 @@ class Levers:
     asked: dict[str, tuple[float, float]] = field(default_factory=dict)
     refused: int = 0
 
-    def move(self, surface: str, by: int, sight: Sight) -> str:
+    def move(self, surface: str, by: int, sight: SessionModel) -> str:
         """Return the order that moves a surface ``by`` degrees, "" where the boat has none."""
         shown = sight.picture.number(CHANNEL[surface], f"ordered_{surface}")
         if shown is None:
@@ -82,7 +82,7 @@ SPANS: Final = (60.0, 120.0, 300.0, 600.0, 1200.0)  # [s] of the charts
 PACES: Final = (0.1, 0.2, 0.5, 1.0, 2.0, 4.0, 8.0, 16.0, 32.0, 64.0, 100.0)  # of time
 PROMPTS: Final = {"instructor": "type an order, such as depth 80; F1 helps"}
 PROMPT: Final = "keys move your controls; Enter to type an order"
-DIALOGS: Final[Mapping[str, Callable[[Sight], Subject]]] = {
+DIALOGS: Final[Mapping[str, Callable[[SessionModel], Subject]]] = {
     "help": Guide,
     "casualties": casualty_choice,
     "sea": sea_choice,
@@ -111,13 +111,13 @@ class Console(App[str], inherit_bindings=False):
     # not those of the library: Ctrl-Q is what wakes a terminal that Ctrl-S has stopped
     BINDINGS: ClassVar[list[BindingType]] = []
 
-    def __init__(self, sight: Sight, *, own: bool = False) -> None:
+    def __init__(self, sight: SessionModel, *, own: bool = False) -> None:
         """Show ``sight``; a session that is the console's ``own`` ends with it."""
         super().__init__()
         self.sight = sight
         self.own = own
         self.span = 1  # of SPANS
-        self._post = POSTS[sight.role]
+        self._post = LAYOUTS[sight.role]
         self._keys = by_name(sight.role)
         self._levers = Levers()
         self._names = Names(sight)

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Final, NamedTuple
 
-from trainer.console.model import Sight
+from trainer.console.model import SessionModel
 from trainer.console.pane import Line, Lines, fit, line
 
 
@@ -132,7 +132,7 @@ def row_line(row: Row, *, chosen: bool, width: int) -> Line:
     return fit(line((text, "chosen" if chosen else "warning" if row.active else "plain")), width)
 
 
-def casualty_choice(sight: Sight) -> Choice:
+def casualty_choice(sight: SessionModel) -> Choice:
     """Return the list of what can break."""
     picture = sight.picture
     slots = [name for name in picture.rows("casualties", "casualty_") if name[-1].isdigit()]
@@ -150,7 +150,7 @@ def casualty_choice(sight: Sight) -> Choice:
     )
 
 
-def sea_choice(_sight: Sight) -> Choice:
+def sea_choice(_sight: SessionModel) -> Choice:
     """Return the list of seas."""
     rows = [Row("calm", "sea calm", "", "the sea goes down")]
     rows += [Row(f"state {n}", f"sea state {n}", "", says) for n, says in SEAS]

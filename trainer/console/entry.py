@@ -14,7 +14,7 @@ from textual.suggester import Suggester
 from textual.widgets import Input
 
 from trainer.console.client import LONGEST_ORDER
-from trainer.console.model import Sight
+from trainer.console.model import SessionModel
 from trainer.io.orders.grammar import READINGS, match, tokenise
 from trainer.io.orders.quantities import Number
 from trainer.io.orders.table import NAMES, Name, Place, UnitWord, Word
@@ -177,7 +177,7 @@ MOMENT: Final = NAMES["LABEL"].says
 class Names(Mapping[str, Sequence[str]]):
     """The names that an order may hold at this moment."""
 
-    def __init__(self, sight: Sight) -> None:
+    def __init__(self, sight: SessionModel) -> None:
         self._sight = sight
 
     def __getitem__(self, says: str) -> Sequence[str]:

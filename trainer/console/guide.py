@@ -5,7 +5,7 @@ from typing import Final
 
 from trainer.console.choice import NOTHING, Done
 from trainer.console.keys import KEYS
-from trainer.console.model import Sight
+from trainer.console.model import SessionModel
 from trainer.console.pane import Line, Lines, fit, line
 
 FIRST: Final = """
@@ -47,7 +47,7 @@ Signs
 class Guide:
     """The help of a role, from the line on that is at the top."""
 
-    sight: Sight
+    sight: SessionModel
     top: int = 0
     size: tuple[int, int] = (80, 60)
 

@@ -11,8 +11,8 @@ from typing import Final
 from trainer.config.files import ConfigError
 from trainer.console.app import Console
 from trainer.console.client import Client
-from trainer.console.layouts import POSTS, wishes
-from trainer.console.model import Sight
+from trainer.console.layouts import LAYOUTS, wishes
+from trainer.console.model import SessionModel
 from trainer.io import paths
 from trainer.io.serial_line import LinkError
 
@@ -38,7 +38,7 @@ class Visit:
     """A screen and its line to a session, ready before there need be one."""
 
     client: Client
-    sight: Sight
+    sight: SessionModel
     console: Console
 
     @classmethod
@@ -46,9 +46,9 @@ class Visit:
         cls, url: Callable[[], str], role: str, token: str | None, *, own: bool = False
     ) -> "Visit":
         """Return the screen of a role at ``url()``; a session of its ``own`` ends with it."""
-        post = POSTS[role]
+        post = LAYOUTS[role]
         client = Client(url, f"{role} {token or ''}".rstrip(), wishes(post))
-        sight = Sight(client, role, post.charts)
+        sight = SessionModel(client, role, post.charts)
         forget_size()
         return cls(client, sight, Console(sight, own=own))
 

@@ -6,10 +6,10 @@ from typing import Final
 
 from trainer.console.drawing import event_log, gauges, panels, tanks
 from trainer.console.drawing.hull import hull
-from trainer.console.model import Quantity, Sight
+from trainer.console.model import Quantity, SessionModel
 from trainer.console.pane import Lines
 
-Drawing = Callable[[Sight, int, int], Lines]
+Drawing = Callable[[SessionModel, int, int], Lines]
 
 SMOOTH: Final = "at 10 hz"
 OFTEN: Final = "at 5 hz"
@@ -26,7 +26,7 @@ class Place:
 
 
 @dataclass(frozen=True)
-class Post:
+class Layout:
     """The screen of a role."""
 
     role: str
@@ -66,10 +66,10 @@ VATS: Final = (
     Place("fittings", tanks.fittings),
 )
 
-POSTS: Final[Mapping[str, Post]] = {
+LAYOUTS: Final[Mapping[str, Layout]] = {
     post.role: post
     for post in (
-        Post(
+        Layout(
             "instructor",
             (
                 *("time", "gauges", "steering", "engine", "diving", "tanks", "air", "valves"),
@@ -83,33 +83,33 @@ POSTS: Final[Mapping[str, Post]] = {
             ),
             aside=(Place("broken", event_log.suffering), Place("ledger", event_log.ledger)),
         ),
-        Post(
+        Layout(
             "helm",
             ("time", "steering", "engine", "gauges"),
             charted("gauges", "course", "rudder"),
             (Place("panel", panels.helm, moving=True),),
         ),
-        Post(
+        Layout(
             "planes",
             ("time", "diving", "gauges"),
             charted("gauges", "depth", "pitch"),
             (Place("panel", panels.planes, moving=True),),
         ),
-        Post(
+        Layout(
             "ballast",
             ("time", "tanks", "air", "valves", "gauges"),
             charted("gauges", "depth", "pitch"),
             (Place("panel", panels.gauges, moving=True),),
             VATS,
         ),
-        Post(
+        Layout(
             "diving",
             ("time", "diving", "engine", "tanks", "air", "valves", "gauges"),
             charted("gauges", "depth", "pitch"),
             (Place("panel", panels.planes, moving=True),),
             VATS,
         ),
-        Post(
+        Layout(
             "observer",
             ("time", "steering", "engine", "diving", "tanks", "air", "valves", "gauges"),
             charted("gauges", "depth", "course"),
@@ -119,7 +119,7 @@ POSTS: Final[Mapping[str, Post]] = {
 }
 
 
-def wishes(post: Post) -> dict[str, str]:
+def wishes(post: Layout) -> dict[str, str]:
     """Return how often each channel is wanted; the one that charts are drawn at comes last."""
     often = {"motion": SMOOTH, "gauges": SMOOTH, "ledger": SELDOM}
     return {channel: often.get(channel, OFTEN) for channel in post.channels}

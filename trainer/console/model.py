@@ -7,7 +7,7 @@ from typing import Final, NamedTuple, Protocol
 
 from trainer.console.client import Barred, Greeting, Item, Joined, Lost
 from trainer.console.journal import Journal, Sample, Trace
-from trainer.console.readings import Picture
+from trainer.console.readings import ChannelReadings
 from trainer.io.orders.sentences import Sentence
 
 WIDELY_KNOWN: Final = ("snapshots", "casualties")  # asked for on joining, by the instructor
@@ -62,14 +62,14 @@ class Asked:
 
 
 @dataclass
-class Sight:
+class SessionModel:
     """The session as one station sees it."""
 
     talk: Talk
     role: str
     charts: tuple[Quantity, ...]
     clock: Callable[[], float] = time.monotonic
-    picture: Picture = field(default_factory=Picture)
+    picture: ChannelReadings = field(default_factory=ChannelReadings)
     journal: Journal = field(default_factory=Journal)
     greeted: bool = False  # the session has taken the role once
     joined: bool = False

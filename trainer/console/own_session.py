@@ -104,7 +104,7 @@ def sail(serve: Callable[[str], NoReturn], path: str | None, token: str | None) 
     attached. Return its exit code.
     """
     where = path or str(free_socket())
-    voyage = Voyage(Child(lambda: serve(where)))
+    voyage = OwnSession(Child(lambda: serve(where)))
     gc.disable()  # what is imported is no garbage; the session wants the processor
     try:
         from trainer.console.launch import Visit  # noqa: PLC0415  while the session starts
@@ -124,7 +124,7 @@ def sail(serve: Callable[[str], NoReturn], path: str | None, token: str | None) 
 
 
 @dataclass
-class Voyage:
+class OwnSession:
     """A session of one's own, and what it says while the screen has the terminal."""
 
     session: Child

@@ -46,7 +46,7 @@ NOTHING: Final = Reading(0, 0.0, -math.inf, {})
 
 
 @dataclass
-class Picture:
+class ChannelReadings:
     """What the session has sent of each channel, by its name."""
 
     names: dict[str, list[str]] = field(default_factory=dict)

@@ -6,7 +6,7 @@ from typing import Final
 from trainer.console.choice import NOTHING, Done
 from trainer.console.drawing.event_log import moments, time_line
 from trainer.console.journal import clock
-from trainer.console.model import Kept, Sight
+from trainer.console.model import Kept, SessionModel
 from trainer.console.pane import Lines, fit, line
 
 STEPS: Final = {"left": 5.0, "right": -5.0, "shift+left": 60.0, "shift+right": -60.0}  # [s]
@@ -19,7 +19,7 @@ SIGNS: Final = {"S": "snapshot", "C": "broken", "M": "mark"}
 class Moments:
     """How far back is looked [s], and what Enter does there."""
 
-    sight: Sight
+    sight: SessionModel
     replays: bool
     lapse: float = 30.0
     size: tuple[int, int] = (78, 20)

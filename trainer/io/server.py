@@ -201,7 +201,7 @@ class Listener(Protocol):
         ...
 
 
-class Hub:
+class Server:
     """The sockets of a session: those that listen and those connected."""
 
     def __init__(self, wake: threading.Event, introduction: float = math.inf) -> None:

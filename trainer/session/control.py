@@ -14,7 +14,7 @@ Duty = Callable[[Order, str], Reply]  # takes who orders it
 
 
 @dataclass
-class Desk:
+class Control:
     """What the instructor has a hand on, beside the boat."""
 
     boat: Boat

@@ -17,9 +17,9 @@ from trainer.io import paths
 from trainer.io.connection import Connection
 from trainer.io.line import Direct, Inbox, Joined, Line, Outbox, reader, writer
 from trainer.io.serial_line import LinkError, SerialLine
-from trainer.io.server import Hub, private_folder
+from trainer.io.server import Server, private_folder
 from trainer.session.options import RunOptions
-from trainer.session.stations.access import Door, read_tokens
+from trainer.session.stations.access import Access, read_tokens
 from trainer.session.stations.roles import ROLES
 from trainer.session.stations.station import Log, Station
 from trainer.session.stations.subscriptions import Sending
@@ -32,7 +32,7 @@ PATIENCE: Final = 0.5  # [s] for ports at the end, and for a pipe at the start
 class Lobby:
     """Where lines come in by themselves: the sockets of a hub."""
 
-    hub: Hub
+    hub: Server
     admit: Callable[[Connection], Station]
     awaited: bool  # a run that nobody attends to goes on for whoever may come
 
@@ -70,7 +70,7 @@ class Ports:
         if role not in ROLES or not equals or not url:
             wrong = nearest(role, ROLES) if role not in ROLES else ""
             raise ConfigError(f"--line {given}: say ROLE=URL, such as helm=/dev/ttyUSB0{wrong}")
-        return self._station(self._serial("--line", url, baud), Door(role))
+        return self._station(self._serial("--line", url, baud), Access(role))
 
     def lobby(self, options: RunOptions) -> Lobby | None:
         """Return where lines come in at the sockets asked for, None for none; ConfigError."""
@@ -82,7 +82,7 @@ class Ports:
         at_home = path is None and options.socket is None and joinable(options)
         if address is None and path is None and not at_home:
             return None
-        hub = Hub(self.wake, INTRODUCTION if tokens else math.inf)
+        hub = Server(self.wake, INTRODUCTION if tokens else math.inf)
         self.stack.callback(hub.close, PATIENCE)
         if address is not None:
             with refusing("--listen"):
@@ -101,7 +101,7 @@ class Ports:
         asked = address is not None or path is not None
 
         def admit(line: Connection) -> Station:
-            return self._station(line, Door(tokens=tokens, entered=line.introduce))
+            return self._station(line, Access(tokens=tokens, entered=line.introduce))
 
         return Lobby(hub, admit, asked)
 
@@ -114,11 +114,11 @@ class Ports:
         return Joined(url, Inbox(line.read, self.wake), Outbox(line.write), line)
 
     def _person(self, line: Line) -> Station:
-        station = self._station(line, Door("instructor"))
+        station = self._station(line, Access("instructor"))
         station.type_out()
         return station
 
-    def _station(self, line: Line, door: Door) -> Station:
+    def _station(self, line: Line, door: Access) -> Station:
         return Station(line, door, self.sending, self.log)
 
 
@@ -163,7 +163,7 @@ def refusing(option: str) -> Iterator[None]:
         raise ConfigError(f"{option} {error}") from None
 
 
-def listen_here(hub: Hub, path: Path) -> None:
+def listen_here(hub: Server, path: Path) -> None:
     """Listen at a local socket, and say so."""
     hub.listen_here(path)
     click.echo(f"{paths.LISTENING} {path}", err=True)

@@ -16,7 +16,7 @@ from trainer.session.history import History, order_of
 from trainer.session.layout import read_state
 from trainer.session.options import RunOptions
 from trainer.session.plan import Plan
-from trainer.session.run import Voyage, fly
+from trainer.session.run import PreparedRun, fly
 from trainer.session.warm_up import warm
 
 
@@ -44,7 +44,7 @@ def resume_boat(path: Path, options: RunOptions, *, anyway: bool) -> int:
         how = "at its end; --duration goes on beyond it"
     click.echo(f"{path}: branch {recording.branch}, {boat.time:g} s; {how}", err=True)
     plan = plan if seconds is None else replace(plan, duration=seconds)
-    return fly(Voyage(plan, boat, history, str(path)), options)
+    return fly(PreparedRun(plan, boat, history, str(path)), options)
 
 
 def refuse_other(path: Path, found: list[str], *, anyway: bool) -> None:

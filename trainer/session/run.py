@@ -19,7 +19,7 @@ import numpy as np
 
 from trainer.boat import compilation
 from trainer.boat.boat import Boat
-from trainer.boat.limits import Watch
+from trainer.boat.limits import LimitMonitor
 from trainer.config.files import ConfigError, remembering
 from trainer.io import paths as paths_module
 from trainer.io.recording.file import TakenError
@@ -37,7 +37,7 @@ from trainer.session.session import Session
 from trainer.session.stations.reception import Closed
 from trainer.session.stations.station import Fact
 from trainer.session.stations.subscriptions import Promptly, Publisher, Roster
-from trainer.session.stations.view import Lookout
+from trainer.session.stations.view import StateReader
 from trainer.session.time.ledger import SECOND, Summary
 from trainer.session.time.pacer import Clock, MonotonicClock, Policy
 from trainer.session.time.timekeeping import Punctuality, Timekeeping
@@ -119,7 +119,7 @@ BATCH = 200  # [rows] of a CSV file written at once by a run that keeps no time
 
 
 @dataclass(frozen=True)
-class Voyage:
+class PreparedRun:
     """What is settled before the ports open."""
 
     plan: Plan
@@ -141,7 +141,9 @@ def run_boat(options: RunOptions, clock: Clock | None = None) -> int:
     if paths or options.serve or not options.headless:
         kept, recording = create_recording(paths, header_of(options, texts, boat), state)
     history = History(boat, recording)
-    return fly(Voyage(plan, boat, history, str(kept or ""), clock or MonotonicClock()), options)
+    return fly(
+        PreparedRun(plan, boat, history, str(kept or ""), clock or MonotonicClock()), options
+    )
 
 
 def ready(plan: Plan, options: RunOptions) -> Boat:
@@ -187,7 +189,7 @@ def recording_paths(plan: Plan, options: RunOptions) -> tuple[Path, ...]:
     )
 
 
-def fly(voyage: Voyage, options: RunOptions) -> int:
+def fly(voyage: PreparedRun, options: RunOptions) -> int:
     """Open the ports, run the session to its end, account for it; return the exit code."""
     boat, history, plan = voyage.boat, voyage.history, voyage.plan
     method = boat.method
@@ -209,7 +211,7 @@ def fly(voyage: Voyage, options: RunOptions) -> int:
             COLUMNS if options.csv_path else (),
             sending,
             schedule=plan.schedule,
-            watch=Watch.over(boat, plan.limits),
+            watch=LimitMonitor.over(boat, plan.limits),
             last_tick=last_tick,
             wake=wake,
             briefing=(*heading(plan), *situation(plan, boat, options.note)),
@@ -258,7 +260,7 @@ def open_ports(ports: Ports, session: Session, options: RunOptions) -> None:
 
 def open_publisher(boat: Boat, time: Timekeeping, options: RunOptions) -> Publisher | Promptly:
     """Return what sends to the stations: at once where no time is kept."""
-    roster = Roster(Lookout(boat, time.ledger.summary))
+    roster = Roster(StateReader(boat, time.ledger.summary))
     return Promptly(roster) if unhurried(options) else Publisher(roster)
 
 

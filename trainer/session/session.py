@@ -14,14 +14,14 @@ from typing import Final
 from trainer.boat.boat import TICK, Boat
 from trainer.boat.casualties import available, listing
 from trainer.boat.helm import obey
-from trainer.boat.limits import Watch
+from trainer.boat.limits import LimitMonitor
 from trainer.io.orders.grammar import Order, Refused, Reply
 from trainer.io.orders.schedule import Scheduled
 from trainer.io.orders.table import BOAT_ORDERS
 from trainer.io.recording.recording import RecordingError
 from trainer.io.status_line import clock
 from trainer.io.tables import Columns
-from trainer.session.control import Desk
+from trainer.session.control import Control
 from trainer.session.history import History
 from trainer.session.stations.access import NoiseLog
 from trainer.session.stations.display import panel
@@ -29,7 +29,7 @@ from trainer.session.stations.reception import Closed, Reception
 from trainer.session.stations.roles import INSTRUCTOR, STRANGER, Role, hears
 from trainer.session.stations.station import Asked, Fact, News, Station
 from trainer.session.stations.subscriptions import Sending
-from trainer.session.stations.view import Lookout, Pace, Picture
+from trainer.session.stations.view import Pace, Picture, StateReader
 from trainer.session.status import status_lines
 from trainer.session.time.ledger import SECOND
 from trainer.session.time.pacer import WOKEN, Event
@@ -39,7 +39,7 @@ KEPT: Final = 500  # of what has happened, for who comes late
 
 
 @dataclass
-class Board:
+class EventLog:
     """The news of one run."""
 
     history: History
@@ -101,7 +101,7 @@ class Session:
     sending: Sending
     reception: Reception = field(default_factory=Closed)
     schedule: Sequence[Scheduled] = ()
-    watch: Watch = field(default_factory=Watch)
+    watch: LimitMonitor = field(default_factory=LimitMonitor)
     last_tick: float = math.inf
     progress: Callable[[int], None] | None = None
     wake: threading.Event = field(default_factory=threading.Event)
@@ -110,14 +110,14 @@ class Session:
     until_left: bool = False  # it ends when the last of those who came by themselves has gone
     deserted: str = ""  # why it ended before its time
     unrecorded: str = ""  # why nothing more is recorded, once that has been told
-    board: Board = field(init=False)
-    desk: Desk = field(init=False)
+    board: EventLog = field(init=False)
+    desk: Control = field(init=False)
 
     def __post_init__(self) -> None:
-        self.board = Board(self.history)
-        self.desk = Desk(self.boat, self.time, self.history)
+        self.board = EventLog(self.history)
+        self.desk = Control(self.boat, self.time, self.history)
         self._visits = NoiseLog(self.board.tell, time.monotonic)
-        self._lookout = Lookout(self.boat, self.time.ledger.summary)
+        self._lookout = StateReader(self.boat, self.time.ledger.summary)
         self._pace = Pace()  # as it was last shown: whatever changes it has it shown
 
     def run(self, *, frozen: bool = False) -> None:

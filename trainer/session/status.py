@@ -11,7 +11,7 @@ from trainer.boat.sea_orders import held_text, sea_text
 from trainer.core.ballast.tanks import COMPARTMENTS, TANKS
 from trainer.io.status_line import course
 from trainer.session.stations.display import view
-from trainer.session.stations.view import Lookout, Pace, Picture
+from trainer.session.stations.view import Pace, Picture, StateReader
 from trainer.session.time.ledger import Summary
 from trainer.units import KNOT
 
@@ -22,7 +22,7 @@ def status_lines(boat: Boat, ledger: Summary) -> list[str]:
     """Return everything about the boat."""
     s = boat.state
     state = boat.records.state.tobytes()
-    frame = Lookout(boat, lambda: ledger).frame(Picture(int(s.tick), state, Pace()))
+    frame = StateReader(boat, lambda: ledger).frame(Picture(int(s.tick), state, Pace()))
     seen = view(frame, frame.truth)
     method = boat.method
 

@@ -7,10 +7,10 @@ import click
 
 from trainer.boat import casualties, compilation
 from trainer.boat.boat import Boat
-from trainer.boat.limits import Watch
+from trainer.boat.limits import LimitMonitor
 from trainer.config.exercise import Limits
 from trainer.config.files import ConfigError
-from trainer.session.stations.view import Lookout, Pace, Picture
+from trainer.session.stations.view import Pace, Picture, StateReader
 from trainer.session.time.ledger import Ledger
 from trainer.units import KNOT
 
@@ -41,9 +41,9 @@ def try_out(boat: Boat) -> None:
     boat.tick()
     casualties.readings(boat)
     casualties.clear(boat, "all")
-    Watch.over(boat, Limits())
+    LimitMonitor.over(boat, Limits())
     state = boat.records.state.tobytes()
-    Lookout(boat, Ledger(boat.method.step).summary).frame(Picture(0, state, Pace()))
+    StateReader(boat, Ledger(boat.method.step).summary).frame(Picture(0, state, Pace()))
     boat.restore(before)
 
 

@@ -9,9 +9,9 @@ from typing import Final
 import numpy as np
 from markupsafe import Markup
 
-from trainer.analysis.debrief.data import Dossier
+from trainer.analysis.debrief.data import DebriefData
 from trainer.analysis.debrief.measures import LIMITED, limits_of
-from trainer.analysis.debrief.trajectory import Passage
+from trainer.analysis.debrief.trajectory import Trajectory
 from trainer.analysis.report.svg import (
     ANGLES,
     LEFT,
@@ -39,7 +39,7 @@ LETTERS: Final = {"rudder": "r", "stern": "s", "bow": "b"}
 USED: Final = 0.5  # [%] of air, from which on the banks are shown
 
 
-def ground_of(dossier: Dossier) -> Ground:
+def ground_of(dossier: DebriefData) -> Ground:
     """Return time, casualties and marks as every chart shows them."""
     seconds, step = dossier.passage.seconds, dossier.step
     last = float(seconds[-1])
@@ -50,7 +50,7 @@ def ground_of(dossier: Dossier) -> Ground:
     return Ground(seconds, spans, tuple(each.tick * step for each in dossier.of_kind("mark")))
 
 
-def charts_of(passage: Passage) -> Iterator[Chart]:
+def charts_of(passage: Trajectory) -> Iterator[Chart]:
     """Yield the charts, those of parts that the boat lacks left out."""
     yield _depth(passage)
     yield _pitch(passage)
@@ -63,7 +63,7 @@ def charts_of(passage: Passage) -> Iterator[Chart]:
     yield from _air(passage)
 
 
-def _depth(passage: Passage) -> Chart:
+def _depth(passage: Trajectory) -> Chart:
     lines = (
         Line("ordered", passage.columns["ordered_depth"], ORDERED),
         Line("actual", passage.columns["z"], ACTUAL),
@@ -71,7 +71,7 @@ def _depth(passage: Passage) -> Chart:
     return Chart("Depth", "m", lines, _limits(passage, "depth_m"), downwards=True, least=6.0)
 
 
-def _pitch(passage: Passage) -> Chart:
+def _pitch(passage: Trajectory) -> Chart:
     lines = (
         Line("heel, to starboard positive", np.degrees(passage.columns["phi"]), "second fine"),
         Line("pitch, bow up positive", np.degrees(passage.columns["theta"]), ACTUAL),
@@ -81,7 +81,7 @@ def _pitch(passage: Passage) -> Chart:
     return Chart("Pitch and heel", "deg", lines, both, least=4.0)
 
 
-def _planes(passage: Passage) -> Chart:
+def _planes(passage: Trajectory) -> Chart:
     styles = {"stern": (ORDERED, ACTUAL), "bow": (SECOND_ORDERED, SECOND)}
     lines = []
     for surface, (told, moved) in styles.items():
@@ -91,7 +91,7 @@ def _planes(passage: Passage) -> Chart:
     return Chart("Planes, rise positive", "deg", tuple(lines), least=10.0)
 
 
-def _course(passage: Passage) -> Chart:
+def _course(passage: Trajectory) -> Chart:
     heading = np.degrees(passage.columns["psi"])
     beside = np.degrees(passage.columns["ordered_psi"]) - heading
     ordered = heading + (beside + 180.0) % 360.0 - 180.0  # the short way round
@@ -103,7 +103,7 @@ def _bearing(angle: float) -> str:
     return f"{round(angle) % 360:03d}"
 
 
-def _rudder(passage: Passage) -> Chart:
+def _rudder(passage: Trajectory) -> Chart:
     lines = (
         Line("ordered", told_angle(passage, "rudder"), ORDERED),
         Line("actual", np.degrees(passage.series("rudder")), ACTUAL),
@@ -111,7 +111,7 @@ def _rudder(passage: Passage) -> Chart:
     return Chart("Rudder, right positive", "deg", lines, least=10.0)
 
 
-def _speed(passage: Passage) -> Chart:
+def _speed(passage: Trajectory) -> Chart:
     column = passage.columns
     kept = np.where(column["speed_by_hand"] == 0.0, column["ordered_speed"] / KNOT, np.nan)
     lines = (
@@ -122,7 +122,7 @@ def _speed(passage: Passage) -> Chart:
     return Chart("Speed", "kn", lines, _limits(passage, "speed_kn"), least=2.0)
 
 
-def _air(passage: Passage) -> Iterator[Chart]:
+def _air(passage: Trajectory) -> Iterator[Chart]:
     """Yield the air left, if any was used."""
     vessel = passage.boat.vessel
     lines = []
@@ -133,7 +133,7 @@ def _air(passage: Passage) -> Iterator[Chart]:
         yield Chart("Air banks, share of full", "%", tuple(lines), least=10.0)
 
 
-def told_angle(passage: Passage, surface: str) -> Numbers:
+def told_angle(passage: Trajectory, surface: str) -> Numbers:
     """Return the angle [deg] that a surface is told to take, by hand or by the autopilot."""
     column, letter = passage.columns, LETTERS[surface]
     by_hand = column[f"{surface}_by_hand"] != 0.0
@@ -141,7 +141,7 @@ def told_angle(passage: Passage, surface: str) -> Numbers:
     return np.degrees(told) * passage.boat.toward[surface]
 
 
-def _limits(passage: Passage, key: str) -> tuple[Level, ...]:
+def _limits(passage: Trajectory, key: str) -> tuple[Level, ...]:
     """Return the limits of the exercise that are about one thing."""
     unit = LIMITED[key].unit
     return tuple(
@@ -155,7 +155,7 @@ ROW, TOP, BOTTOM = 20.0, 8.0, 24.0  # [px]
 LABEL: Final = 24.0  # [px] that a score's label takes
 
 
-def draw_timeline(dossier: Dossier, ground: Ground) -> Markup:
+def draw_timeline(dossier: DebriefData, ground: Ground) -> Markup:
     """Return the time line as an SVG element."""
     rows = [*_casualties(dossier, ground), _orders(dossier, ground)]
     rows += [_calls(dossier, ground), _marks(dossier, ground), *_scores(dossier, ground)]
@@ -167,7 +167,7 @@ def draw_timeline(dossier: Dossier, ground: Ground) -> Markup:
     return svg("What happened when", (WIDTH, bottom + BOTTOM), parts)
 
 
-def _casualties(dossier: Dossier, ground: Ground) -> Iterator[str]:
+def _casualties(dossier: DebriefData, ground: Ground) -> Iterator[str]:
     """Yield a row for each casualty."""
     for i, each in enumerate(dossier.casualties):
         begin, end = (ground.across.at(second) for second in ground.spans[i])
@@ -180,24 +180,24 @@ def _casualties(dossier: Dossier, ground: Ground) -> Iterator[str]:
         yield bar + words + _heading("casualty" if i == 0 else "")
 
 
-def _orders(dossier: Dossier, ground: Ground) -> str:
+def _orders(dossier: DebriefData, ground: Ground) -> str:
     ticks = [ground.across.at(each.tick * dossier.step) for each in dossier.crew]
     drawn = "".join(rule("order", x, 4.0, x, ROW - 4.0) for x in ticks)
     return drawn and drawn + _heading("crew")
 
 
-def _calls(dossier: Dossier, ground: Ground) -> str:
+def _calls(dossier: DebriefData, ground: Ground) -> str:
     ticks = [ground.across.at(each.tick * dossier.step) for each in dossier.of_kind("watch")]
     drawn = "".join(text("call middle", x, 14.0, "x") for x in ticks)
     return drawn and drawn + _heading("called")
 
 
-def _marks(dossier: Dossier, ground: Ground) -> str:
+def _marks(dossier: DebriefData, ground: Ground) -> str:
     places = [ground.across.at(each.tick * dossier.step) for each in dossier.of_kind("mark")]
     return _labels(places, "M") and _labels(places, "M") + _heading("mark")
 
 
-def _scores(dossier: Dossier, ground: Ground) -> Iterator[str]:
+def _scores(dossier: DebriefData, ground: Ground) -> Iterator[str]:
     """Yield as many rows as it takes for no label to lie on another."""
     scores = enumerate(dossier.card.scores, start=1)
     left = sorted(

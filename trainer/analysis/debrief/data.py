@@ -12,14 +12,14 @@ import numpy as np
 
 from trainer.analysis.debrief.episodes import (
     Deflection,
-    Spell,
+    Episode,
     answer_to,
     crew_orders,
     deflection,
     spells,
 )
 from trainer.analysis.debrief.scoring import Scorecard, Scored, score
-from trainer.analysis.debrief.trajectory import Passage, read_passage
+from trainer.analysis.debrief.trajectory import Trajectory, read_passage
 from trainer.boat.boat import Boat
 from trainer.config.files import ConfigError
 from trainer.io.recording.recording import Branch, Journalled, Noted, Recording
@@ -33,7 +33,7 @@ ECHOES: Final = frozenset({"order", "exercise"})  # events that repeat an order 
 class Answered:
     """A casualty, and what the crew did about it."""
 
-    spell: Spell
+    spell: Episode
     order: Journalled | None
     deflection: Deflection | None
 
@@ -58,7 +58,7 @@ class Ticks:
 
 
 @dataclass(frozen=True)
-class Dossier:
+class DebriefData:
     """Everything about one branch of a recording with its past."""
 
     source: Path
@@ -66,7 +66,7 @@ class Dossier:
     plan: Plan
     branch: Branch
     branches: tuple[tuple[Branch, int], ...]  # each with its last tick
-    passage: Passage
+    passage: Trajectory
     card: Scorecard
     casualties: tuple[Answered, ...]
     crew: tuple[Journalled, ...]
@@ -89,7 +89,7 @@ class Dossier:
         return tuple(event for event in self.events if event.kind in kinds)
 
 
-def gather(recording: Recording, source: Path, number: int | None) -> Dossier:
+def gather(recording: Recording, source: Path, number: int | None) -> DebriefData:
     """Return the dossier of a branch, None for the latest.
 
     ConfigError if the header cannot be read or there is no such branch.
@@ -104,7 +104,7 @@ def gather(recording: Recording, source: Path, number: int | None) -> Dossier:
     plan = plan_of(header)
     boat = Boat(plan.file, plan.method)
     passage = read_passage(recording, wanted, layout_of(header), boat, plan.limits)
-    return Dossier(
+    return DebriefData(
         source=source,
         header=header,
         plan=plan,
@@ -125,13 +125,13 @@ def last_tick(recording: Recording, branch: Branch) -> int:
     return max((tick for tick, _ in recording.states(branch.id)), default=branch.tick)
 
 
-def answered(passage: Passage) -> Iterator[Answered]:
+def answered(passage: Trajectory) -> Iterator[Answered]:
     """Yield the casualties with what was done about them."""
     for spell in spells(passage):
         yield Answered(spell, answer_to(passage, spell), deflection(passage, spell))
 
 
-def hands(passage: Passage) -> tuple[Hand, ...]:
+def hands(passage: Trajectory) -> tuple[Hand, ...]:
     """Return who gave orders, in the order in which they began to."""
     found = []
     for who in dict.fromkeys(each.who for each in passage.orders):
@@ -158,7 +158,7 @@ def events_of(recording: Recording, branches: list[Branch], branch: Branch) -> I
             yield event
 
 
-def ticks_of(passage: Passage) -> Ticks:
+def ticks_of(passage: Trajectory) -> Ticks:
     """Return what became of the ticks."""
     timed = ~np.isnan(passage.work)
     count = int(timed.sum())
@@ -174,7 +174,7 @@ def _spread(values: np.ndarray) -> tuple[float, float, float]:
     return float(median), float(most_of_them), float(values.max())
 
 
-def figures(dossier: Dossier) -> dict[str, Any]:
+def figures(dossier: DebriefData) -> dict[str, Any]:
     """Return what the page tells in numbers; times in s, marks in per cent."""
     step = dossier.step
     return {

@@ -5,7 +5,7 @@ from typing import Final
 
 import numpy as np
 
-from trainer.analysis.debrief.trajectory import AMOUNTS, SLOTS, Passage
+from trainer.analysis.debrief.trajectory import AMOUNTS, SLOTS, Trajectory
 from trainer.config.files import ConfigError
 from trainer.config.score_rules import INSTRUCTING
 from trainer.core.casualties import KINDS, SURFACES
@@ -18,7 +18,7 @@ MOVED: Final = np.radians(2.0)  # [rad] by which a surface has been deflected
 
 
 @dataclass(frozen=True)
-class Spell:
+class Episode:
     """One casualty from the tick at which it began to that after which it was gone."""
 
     kind: str
@@ -35,7 +35,7 @@ class Deflection:
     tick: int
 
 
-def spells(passage: Passage) -> tuple[Spell, ...]:
+def spells(passage: Trajectory) -> tuple[Episode, ...]:
     """Return the casualties in the order in which they began; ConfigError if one is unheard of."""
     slots = np.array([passage.columns[name] for name in SLOTS])
     known = np.isin(slots, range(len(KINDS) + 1))
@@ -50,7 +50,9 @@ def spells(passage: Passage) -> tuple[Spell, ...]:
     return tuple(sorted(found, key=lambda spell: spell.begun))
 
 
-def _of_kind(passage: Passage, there: np.ndarray, amounts: np.ndarray, kind: str) -> list[Spell]:
+def _of_kind(
+    passage: Trajectory, there: np.ndarray, amounts: np.ndarray, kind: str
+) -> list[Episode]:
     """Return the spells of one kind, whose slots are those ``there``."""
     active = np.any(there, axis=0)
     edges = np.flatnonzero(np.diff(np.concatenate(([False], active, [False])).astype(int)))
@@ -61,11 +63,11 @@ def _of_kind(passage: Passage, there: np.ndarray, amounts: np.ndarray, kind: str
         lasted = after == passage.ticks.size
         # a state shows what acted in the tick that led to it
         begun = max(int(passage.ticks[first]) - 1, 0)
-        found.append(Spell(kind, begun, None if lasted else int(passage.ticks[after]), amount))
+        found.append(Episode(kind, begun, None if lasted else int(passage.ticks[after]), amount))
     return found
 
 
-def crew_orders(passage: Passage) -> tuple[Journalled, ...]:
+def crew_orders(passage: Trajectory) -> tuple[Journalled, ...]:
     """Return what the crew ordered and the boat accepted.
 
     The crew is everybody but schedule and instructor; when nobody else has ordered anything the
@@ -83,7 +85,7 @@ def name_of(entry: Journalled) -> str:
 
 
 def answer_to(
-    passage: Passage, spell: Spell, names: tuple[str, ...] | None = None
+    passage: Trajectory, spell: Episode, names: tuple[str, ...] | None = None
 ) -> Journalled | None:
     """Return the crew's first order after a casualty began, of ``names`` if given."""
     caused = [
@@ -100,7 +102,7 @@ def answer_to(
     return None
 
 
-def deflection(passage: Passage, spell: Spell) -> Deflection | None:
+def deflection(passage: Trajectory, spell: Episode) -> Deflection | None:
     """Return the first surface but the failed one to have moved by MOVED since it began."""
     start = passage.row(spell.begun)
     first: list[Deflection] = []

@@ -11,7 +11,7 @@ from typing import Final
 import numpy as np
 
 from trainer.analysis.debrief.episodes import answer_to, spells
-from trainer.analysis.debrief.trajectory import Passage, Rows
+from trainer.analysis.debrief.trajectory import Rows, Trajectory
 from trainer.boat.limits import COVERED, FULL
 from trainer.config.score_rules import Measured, Rule
 from trainer.core.ballast.tanks import BANKS
@@ -37,7 +37,7 @@ class Attained:
     counts: bool = True  # a value that lacks by the crew's own doing earns nothing
 
 
-def overshoot(passage: Passage, rows: Rows, rule: Rule) -> Attained:
+def overshoot(passage: Trajectory, rows: Rows, rule: Rule) -> Attained:
     """Return how far the quantity went beyond its target, seen from where it began."""
     beyond = _off(passage, rows, rule)
     beyond = -beyond if beyond[0] > 0.0 else beyond  # now from below
@@ -47,7 +47,7 @@ def overshoot(passage: Passage, rows: Rows, rule: Rule) -> Attained:
     return Attained(max(float(beyond[furthest]), 0.0), int(passage.ticks[rows][furthest]))
 
 
-def time_to(passage: Passage, rows: Rows, rule: Rule) -> Attained:
+def time_to(passage: Trajectory, rows: Rows, rule: Rule) -> Attained:
     """Return the time [s] until the quantity is in its band for good."""
     outside = np.flatnonzero(~_inside(passage, rows, rule))
     ticks = passage.ticks[rows]
@@ -58,36 +58,36 @@ def time_to(passage: Passage, rows: Rows, rule: Rule) -> Attained:
     return Attained(seconds, int(ticks[first]))
 
 
-def rms(passage: Passage, rows: Rows, rule: Rule) -> Attained:
+def rms(passage: Trajectory, rows: Rows, rule: Rule) -> Attained:
     """Return the root of the mean square distance from the target."""
     off = _off(passage, rows, rule)
     worst = int(np.argmax(np.abs(off)))
     return Attained(float(np.sqrt(np.mean(off * off))), int(passage.ticks[rows][worst]))
 
 
-def in_band(passage: Passage, rows: Rows, rule: Rule) -> Attained:
+def in_band(passage: Trajectory, rows: Rows, rule: Rule) -> Attained:
     """Return the share [%] of the ticks at which the quantity is in its band."""
     worst = int(np.argmax(np.abs(_off(passage, rows, rule))))
     share = 100.0 * float(np.mean(_inside(passage, rows, rule)))
     return Attained(share, int(passage.ticks[rows][worst]))
 
 
-def highest(passage: Passage, rows: Rows, rule: Rule) -> Attained:
+def highest(passage: Trajectory, rows: Rows, rule: Rule) -> Attained:
     """Return the greatest value of the quantity; of a depth the deepest."""
     return _extreme(passage, rows, _quantity(passage, rows, rule), np.argmax)
 
 
-def lowest(passage: Passage, rows: Rows, rule: Rule) -> Attained:
+def lowest(passage: Trajectory, rows: Rows, rule: Rule) -> Attained:
     """Return the smallest value of the quantity."""
     return _extreme(passage, rows, _quantity(passage, rows, rule), np.argmin)
 
 
-def largest(passage: Passage, rows: Rows, rule: Rule) -> Attained:
+def largest(passage: Trajectory, rows: Rows, rule: Rule) -> Attained:
     """Return the quantity at its largest either way, without its sign."""
     return _extreme(passage, rows, np.abs(_quantity(passage, rows, rule)), np.argmax)
 
 
-def activity(passage: Passage, rows: Rows, rule: Rule) -> Attained:
+def activity(passage: Trajectory, rows: Rows, rule: Rule) -> Attained:
     """Return how far the surfaces are moved [deg/min], both pairs of planes if none is named."""
     named = (rule.measured.name,) if rule.measured else PLANES
     moved = np.zeros(passage.ticks.size)
@@ -102,19 +102,19 @@ def activity(passage: Passage, rows: Rows, rule: Rule) -> Attained:
     return Attained(60.0 * float(moved[both].sum()) / seconds, int(passage.ticks[fastest]))
 
 
-def distance(passage: Passage, rows: Rows, _rule: Rule) -> Attained:
+def distance(passage: Trajectory, rows: Rows, _rule: Rule) -> Attained:
     """Return the distance [m] run over the ground."""
     run = np.hypot(np.diff(passage.columns["x"]), np.diff(passage.columns["y"]))
     return Attained(float(run[rows[1:] & rows[:-1]].sum()), int(passage.ticks[rows][-1]))
 
 
-def broaches(passage: Passage, rows: Rows, _rule: Rule) -> Attained:
+def broaches(passage: Trajectory, rows: Rows, _rule: Rule) -> Attained:
     """Return how often sail or deck came out of the sea without main ballast being blown."""
     found = [row for row in broached(passage) if rows[row]]
     return Attained(float(len(found)), int(passage.ticks[found[0]]) if found else None)
 
 
-def beyond_limits(passage: Passage, rows: Rows, _rule: Rule) -> Attained:
+def beyond_limits(passage: Trajectory, rows: Rows, _rule: Rule) -> Attained:
     """Return the time [s] at which any limit of the exercise was passed."""
     beyond = np.any([passed(passage, name) for name in limits_of(passage)], axis=0) & rows
     first = np.flatnonzero(beyond)
@@ -122,7 +122,7 @@ def beyond_limits(passage: Passage, rows: Rows, _rule: Rule) -> Attained:
     return Attained(seconds, int(passage.ticks[first[0]]) if first.size else None)
 
 
-def response(passage: Passage, _rows: Rows, rule: Rule) -> Attained:
+def response(passage: Trajectory, _rows: Rows, rule: Rule) -> Attained:
     """Return the time [s] from the casualty's first onset to the crew's answer."""
     kind = rule.casualty.kind if rule.casualty else ""
     spell = next((each for each in spells(passage) if each.kind == kind), None)
@@ -134,7 +134,7 @@ def response(passage: Passage, _rows: Rows, rule: Rule) -> Attained:
     return Attained((answer.tick - spell.begun) * passage.boat.method.step, answer.tick)
 
 
-def reserve_air(passage: Passage, rows: Rows, rule: Rule) -> Attained:
+def reserve_air(passage: Trajectory, rows: Rows, rule: Rule) -> Attained:
     """Return the least share [%] left in the bank named, or else in all together."""
     vessel = passage.boat.vessel
     names = (rule.measured.name,) if rule.measured else tuple(f"bank_{name}" for name in BANKS)
@@ -145,13 +145,13 @@ def reserve_air(passage: Passage, rows: Rows, rule: Rule) -> Attained:
     return _extreme(passage, rows, 100.0 * np.asarray(left)[rows], np.argmin)
 
 
-def limits_of(passage: Passage) -> list[str]:
+def limits_of(passage: Trajectory) -> list[str]:
     """Return the limits that the exercise sets, by their keys."""
     names = [item.name for item in fields(passage.limits)]
     return [name for name in names if getattr(passage.limits, name) is not None]
 
 
-def passed(passage: Passage, name: str) -> Rows:
+def passed(passage: Trajectory, name: str) -> Rows:
     """Return at which ticks a limit of the exercise is passed."""
     key, _, end = name.rpartition("_")
     value, limit = passage.measured(LIMITED[key]), getattr(passage.limits, name)
@@ -160,7 +160,7 @@ def passed(passage: Passage, name: str) -> Rows:
     return beyond
 
 
-def showing(passage: Passage) -> Numbers:
+def showing(passage: Trajectory) -> Numbers:
     """Return the height [m] of the highest part of sail and deck above the sea."""
     vessel, column = passage.boat.vessel, passage.columns
     sine, cosine = np.sin(column["theta"]), np.cos(column["theta"])
@@ -175,7 +175,7 @@ def showing(passage: Passage) -> Numbers:
     return lifted - column["z"] - column["eta_wave"]
 
 
-def surfacing(passage: Passage) -> Rows:
+def surfacing(passage: Trajectory) -> Rows:
     """Return at which ticks main ballast is being blown, or blown."""
     vessel, column = passage.boat.vessel, passage.columns
     if not vessel.fitted:
@@ -186,7 +186,7 @@ def surfacing(passage: Passage) -> Rows:
     return np.asarray((held < FULL * float(vessel.capacity[:3].sum())) | (np.asarray(blown) > 0.0))
 
 
-def broached(passage: Passage) -> list[int]:
+def broached(passage: Trajectory) -> list[int]:
     """Return the rows at which she broached, as the watch calls it out."""
     height, meant = showing(passage), surfacing(passage)
     shows, found = bool(height[0] > 0.0), []
@@ -197,22 +197,22 @@ def broached(passage: Passage) -> list[int]:
     return found
 
 
-def _quantity(passage: Passage, rows: Rows, rule: Rule) -> Numbers:
+def _quantity(passage: Trajectory, rows: Rows, rule: Rule) -> Numbers:
     assert rule.measured  # noqa: S101 (checked when the rule was read)
     return passage.measured(rule.measured)[rows]
 
 
-def _off(passage: Passage, rows: Rows, rule: Rule) -> Numbers:
+def _off(passage: Trajectory, rows: Rows, rule: Rule) -> Numbers:
     assert rule.measured  # noqa: S101
     return passage.off(rule.measured, rule.score.target)[rows]
 
 
-def _inside(passage: Passage, rows: Rows, rule: Rule) -> Rows:
+def _inside(passage: Trajectory, rows: Rows, rule: Rule) -> Rows:
     return np.abs(_off(passage, rows, rule)) <= (rule.score.band or 0.0)
 
 
 def _extreme(
-    passage: Passage, rows: Rows, values: Numbers, furthest: Callable[[Numbers], np.intp]
+    passage: Trajectory, rows: Rows, values: Numbers, furthest: Callable[[Numbers], np.intp]
 ) -> Attained:
     place = int(furthest(values))
     return Attained(float(values[place]), int(passage.ticks[rows][place]))

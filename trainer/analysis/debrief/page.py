@@ -16,7 +16,7 @@ from markupsafe import Markup
 from trainer import __version__
 from trainer.analysis.debrief import sections
 from trainer.analysis.debrief.charts import charts_of, draw_timeline, ground_of
-from trainer.analysis.debrief.data import Dossier, figures, gather
+from trainer.analysis.debrief.data import DebriefData, figures, gather
 from trainer.analysis.report.html import page, paragraph, section
 from trainer.analysis.report.pdf import print_pdf
 from trainer.analysis.report.svg import clock, draw
@@ -27,7 +27,7 @@ from trainer.session.header import reading
 BADGE: Final = Markup('<meta name="generator" content="trainer debrief">')  # a page of ours
 
 
-def render(dossier: Dossier) -> str:
+def render(dossier: DebriefData) -> str:
     """Return the page; the same record gives the same bytes."""
     return page(
         "debrief.html",
@@ -43,7 +43,7 @@ def render(dossier: Dossier) -> str:
     )
 
 
-def _under(dossier: Dossier) -> str:
+def _under(dossier: DebriefData) -> str:
     """Return what is below the title: the boat, the day, how long, and which branch."""
     told = [
         dossier.plan.file.name,
@@ -55,7 +55,7 @@ def _under(dossier: Dossier) -> str:
     return " - ".join(filter(None, told))
 
 
-def _parts(dossier: Dossier) -> Iterator[Markup]:
+def _parts(dossier: DebriefData) -> Iterator[Markup]:
     if dossier.card.scores:
         yield section("", "Scores", sections.scores(dossier))
     yield section("", "Ordered and actual", _drawings(dossier))
@@ -72,7 +72,7 @@ def _parts(dossier: Dossier) -> Iterator[Markup]:
     yield section("", "What was flown", sections.made_of(dossier))
 
 
-def _drawings(dossier: Dossier) -> Markup:
+def _drawings(dossier: DebriefData) -> Markup:
     """Return the time line and the charts."""
     ground = ground_of(dossier)
     drawn = [draw(chart, ground) for chart in charts_of(dossier.passage)]
@@ -112,7 +112,7 @@ def debrief_file(
         click.echo("\n".join(map(str, written)))
 
 
-def read_dossier(path: Path, branch: int | None) -> Dossier:
+def read_dossier(path: Path, branch: int | None) -> DebriefData:
     """Return the dossier of a recording; ConfigError if it cannot be read."""
     with reading(path) as recording:
         return gather(recording, path, branch)

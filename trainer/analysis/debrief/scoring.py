@@ -8,11 +8,11 @@ import numpy as np
 
 from trainer.analysis.debrief import measures
 from trainer.analysis.debrief.measures import Attained
-from trainer.analysis.debrief.trajectory import Passage, Rows, lacks
+from trainer.analysis.debrief.trajectory import Rows, Trajectory, lacks
 from trainer.config.measures import ITS_OWN, MEASURES, TIMELESS, WINDOW
 from trainer.config.score_rules import Rule
 
-TAKE: Final[Mapping[str, Callable[[Passage, Rows, Rule], Attained]]] = {
+TAKE: Final[Mapping[str, Callable[[Trajectory, Rows, Rule], Attained]]] = {
     "overshoot": measures.overshoot,
     "time-to": measures.time_to,
     "rms": measures.rms,
@@ -108,7 +108,7 @@ class Scorecard:
     total: float | None  # [%]
 
 
-def score(passage: Passage, rules: tuple[Rule, ...]) -> Scorecard:
+def score(passage: Trajectory, rules: tuple[Rule, ...]) -> Scorecard:
     """Return how each rule was met, and the marks of all, each by its weight."""
     scores = tuple(_scored(passage, rule) for rule in rules)
     counted = [each for each in scores if each.marks is not None]
@@ -117,13 +117,13 @@ def score(passage: Passage, rules: tuple[Rule, ...]) -> Scorecard:
     return Scorecard(scores, earned / weight if weight else None)
 
 
-def _scored(passage: Passage, rule: Rule) -> Scored:
+def _scored(passage: Trajectory, rule: Rule) -> Scored:
     attained = attain(passage, rule)
     marks = marks_of(rule, attained.value) if attained.counts else None
     return Scored(rule, attained, unit_of(rule), formula_of(rule), marks)
 
 
-def attain(passage: Passage, rule: Rule) -> Attained:
+def attain(passage: Trajectory, rule: Rule) -> Attained:
     """Return what the measure of a rule has come to in a passage."""
     if lacking := lacks(passage.boat, rule):
         return Attained(None, None, f"this boat has no {lacking[0]}", counts=False)

@@ -6,7 +6,7 @@ from typing import Final
 
 from markupsafe import Markup
 
-from trainer.analysis.debrief.data import Answered, Dossier
+from trainer.analysis.debrief.data import Answered, DebriefData
 from trainer.analysis.debrief.episodes import SCHEDULE
 from trainer.analysis.debrief.scoring import Scored
 from trainer.analysis.report.html import paragraph, table
@@ -22,14 +22,14 @@ def number(value: float | None) -> str:
     return "-" if value is None else f"{value:.{TOLD}g}"
 
 
-def place(dossier: Dossier, tick: int | None) -> str:
+def place(dossier: DebriefData, tick: int | None) -> str:
     """Return a moment of the record as time and tick."""
     if tick is None:
         return "-"
     return Markup("{} <small>tick {}</small>").format(clock(tick * dossier.step), tick)
 
 
-def verdict(dossier: Dossier) -> Markup:
+def verdict(dossier: DebriefData) -> Markup:
     """Return the marks of the whole, in words."""
     card = dossier.card
     if not card.scores:
@@ -44,7 +44,7 @@ def verdict(dossier: Dossier) -> Markup:
     return Markup().join(lines)
 
 
-def _unflown(dossier: Dossier) -> str:
+def _unflown(dossier: DebriefData) -> str:
     """Return that the record ends before the exercise, '' if it does not."""
     flown, planned = float(dossier.passage.seconds[-1]), dossier.plan.duration
     if planned is None or flown >= planned - dossier.step:
@@ -52,14 +52,14 @@ def _unflown(dossier: Dossier) -> str:
     return f"The record ends at {clock(flown)}; the exercise lasts {clock(planned)}."
 
 
-def scores(dossier: Dossier) -> Markup:
+def scores(dossier: DebriefData) -> Markup:
     """Return the table of the scores."""
     headings = ("", "score", "value", "full at", "none at", "marks", "weight", "place", "formula")
     rows = (_score(dossier, i, each) for i, each in enumerate(dossier.card.scores, start=1))
     return table(headings, rows, "scores")
 
 
-def _score(dossier: Dossier, i: int, each: Scored) -> tuple[str, ...]:
+def _score(dossier: DebriefData, i: int, each: Scored) -> tuple[str, ...]:
     score, attained = each.rule.score, each.attained
     unit = "" if each.unit == "-" else f"\N{NO-BREAK SPACE}{each.unit}"
     value = (attained.why) if attained.value is None else number(attained.value) + unit
@@ -73,7 +73,7 @@ def _score(dossier: Dossier, i: int, each: Scored) -> tuple[str, ...]:
     )
 
 
-def casualties(dossier: Dossier) -> Markup:
+def casualties(dossier: DebriefData) -> Markup:
     """Return the table of the casualties and of what was done about them."""
     headings = (
         "",
@@ -89,7 +89,7 @@ def casualties(dossier: Dossier) -> Markup:
     return table(headings, rows, "")
 
 
-def _casualty(dossier: Dossier, i: int, each: Answered) -> tuple[str, ...]:
+def _casualty(dossier: DebriefData, i: int, each: Answered) -> tuple[str, ...]:
     spell, order, moved = each.spell, each.order, each.deflection
 
     def after(tick: int) -> str:
@@ -105,7 +105,7 @@ def _casualty(dossier: Dossier, i: int, each: Answered) -> tuple[str, ...]:
     )
 
 
-def marks(dossier: Dossier) -> Markup:
+def marks(dossier: DebriefData) -> Markup:
     """Return the table of the marks with their remarks."""
     rows = (
         (f"M{i}", place(dossier, each.tick), (each.text), (each.who))
@@ -114,7 +114,7 @@ def marks(dossier: Dossier) -> Markup:
     return table(("", "moment", "remark", "by"), rows, "")
 
 
-def hands(dossier: Dossier) -> Markup:
+def hands(dossier: DebriefData) -> Markup:
     """Return the table of who gave orders."""
     rows = (
         (
@@ -127,7 +127,7 @@ def hands(dossier: Dossier) -> Markup:
     return table(("line", "orders", "refused"), rows, "")
 
 
-def log(dossier: Dossier) -> Markup:
+def log(dossier: DebriefData) -> Markup:
     """Return the table of orders and events, in the order in which they were."""
     entries = sorted(_entries(dossier), key=lambda entry: entry[0])
     rows = ((place(dossier, tick), *cells) for tick, *cells in entries[:MOST])
@@ -138,7 +138,7 @@ def log(dossier: Dossier) -> Markup:
     return shown + paragraph(f"{more} more are in the record: trainer export has all.")
 
 
-def _entries(dossier: Dossier) -> Iterator[tuple[int, str, str, str]]:
+def _entries(dossier: DebriefData) -> Iterator[tuple[int, str, str, str]]:
     """Yield tick, who, what and answer of orders and events."""
     for each in dossier.passage.orders:
         answer = (
@@ -152,7 +152,7 @@ def _entries(dossier: Dossier) -> Iterator[tuple[int, str, str, str]]:
         yield event.tick, (event.who or event.kind), (words), ""
 
 
-def branches(dossier: Dossier) -> Markup:
+def branches(dossier: DebriefData) -> Markup:
     """Return the table of the branches."""
     rows = []
     for branch, last in dossier.branches:
@@ -163,7 +163,7 @@ def branches(dossier: Dossier) -> Markup:
     return table(("branch", "from", "at", "to", "why"), rows, "")
 
 
-def ledger(dossier: Dossier) -> Markup:
+def ledger(dossier: DebriefData) -> Markup:
     """Return what became of the ticks, and every trouble with them."""
     ticks = dossier.ticks
     if not ticks.work or not ticks.lateness or ticks.duty_cycle is None:
@@ -188,7 +188,7 @@ def ledger(dossier: Dossier) -> Markup:
     )
 
 
-def made_of(dossier: Dossier) -> Markup:
+def made_of(dossier: DebriefData) -> Markup:
     """Return what computed the run."""
     header, method = dossier.header, dossier.plan.method
     rows = [

@@ -41,7 +41,7 @@ COLUMNS: Final = tuple(
 
 
 @dataclass(frozen=True, eq=False)
-class Passage:
+class Trajectory:
     """What was flown; every array has one number for each tick, the start first."""
 
     boat: Boat  # for what she is; nothing of it that moves is looked at
@@ -115,7 +115,7 @@ def lacks(boat: Boat, rule: Rule) -> list[str]:
 
 def read_passage(
     recording: Recording, branch: int, layout: Sequence[str], boat: Boat, limits: Limits
-) -> Passage:
+) -> Trajectory:
     """Return the passage that led to the end of a branch, its states read by ``layout``.
 
     ConfigError if that lacks a place that is needed.
@@ -133,7 +133,7 @@ def read_passage(
         states.append(np.array([numbers_of(each.state, layout)[places] for each in batch]))
         times.append(np.array([_times(each) for each in batch]))
     columns, timings = np.concatenate(states).T, np.concatenate(times).T
-    return Passage(
+    return Trajectory(
         boat=boat,
         limits=limits,
         orders=tuple(recording.orders(branch)),

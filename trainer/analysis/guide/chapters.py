@@ -6,7 +6,7 @@ from markupsafe import Markup
 
 from trainer.analysis import characteristic, neutral_page, thrust
 from trainer.analysis.guide.baseline import Moved
-from trainer.analysis.guide.contents import REDUCED, Book, Guide, Sheet, tally
+from trainer.analysis.guide.contents import REDUCED, Guide, GuideContents, Sheet, tally
 from trainer.analysis.guide.programme import SETS, Leg
 from trainer.analysis.guide.summary import told, word
 from trainer.analysis.guide.trials import Compared
@@ -196,7 +196,7 @@ def _beside(ours: float | None, value: float | None) -> list[str]:
     return [f"{value:.4g}", f"{ours - value:+.3g}", percent]
 
 
-def programs(book: Book) -> Markup:
+def programs(book: GuideContents) -> Markup:
     """Return neutral angles, modes and thrust."""
     guide = book.guide
     parts = []
@@ -229,13 +229,13 @@ def _figure(panel: Panel) -> Markup:
     return Markup("<figure>{}{}{}</figure>").format(caption, draw(panel), legend(panel.curves))
 
 
-def manoeuvres(book: Book) -> Iterator[Markup]:
+def manoeuvres(book: GuideContents) -> Iterator[Markup]:
     """Yield the chapter of every leg."""
     for leg, sheet in zip(book.legs, book.guide.sheets, strict=True):
         yield _leg(book, leg, sheet)
 
 
-def _leg(book: Book, leg: Leg, sheet: Sheet) -> Markup:
+def _leg(book: GuideContents, leg: Leg, sheet: Sheet) -> Markup:
     """Return one manoeuvre: what was ordered, charts and numbers."""
     wanted = {each: book.flown[leg.task(book.file, each)] for each in SETS}
     flights = {each: flight for each, flight in wanted.items() if not isinstance(flight, str)}

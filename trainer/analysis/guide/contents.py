@@ -68,7 +68,7 @@ class Guide:
 
 
 @dataclass(frozen=True)
-class Book:
+class GuideContents:
     """A guide, with the flights that it plots."""
 
     file: VesselFile
@@ -95,13 +95,13 @@ def _tasks(file: VesselFile) -> Iterator[Task]:
         yield trial.task(file)
 
 
-def write(file: VesselFile, made: str, cores: int, step: Callable[[], None]) -> Book:
+def write(file: VesselFile, made: str, cores: int, step: Callable[[], None]) -> GuideContents:
     """Return the guide of a boat; ``step`` is called after each flight."""
     flown = fly_all(file.path, tasks(file), cores, step)
     return assembled(file, made, flown)
 
 
-def assembled(file: VesselFile, made: str, flown: Flown) -> Book:
+def assembled(file: VesselFile, made: str, flown: Flown) -> GuideContents:
     """Return the guide from its flights."""
     flights = legs(file)
     sheets = tuple(_sheet(file, leg, flown) for leg in flights)
@@ -125,7 +125,7 @@ def assembled(file: VesselFile, made: str, flown: Flown) -> Book:
         thrust=thrust.survey(file, (0.0, *speeds), thrust.command_speeds(file)),
         passed=all(sheet.passed(ANSWERS) is not False for sheet in sheets),
     )
-    return Book(file, guide, flights, flown)
+    return GuideContents(file, guide, flights, flown)
 
 
 def _sheet(file: VesselFile, leg: Leg, flown: Flown) -> Sheet:

@@ -5,7 +5,7 @@ from typing import Any, Final
 
 from trainer.analysis.guide import chapters
 from trainer.analysis.guide.baseline import Moved
-from trainer.analysis.guide.contents import Book, Guide
+from trainer.analysis.guide.contents import Guide, GuideContents
 from trainer.analysis.report.html import Cell, embedded, page
 
 CONTENTS: Final = {
@@ -24,7 +24,7 @@ def as_json(guide: Guide) -> dict[str, Any]:
     return asdict(guide)
 
 
-def render(book: Book, moves: tuple[Moved, ...] | None) -> str:
+def render(book: GuideContents, moves: tuple[Moved, ...] | None) -> str:
     """Return the page; ``moves`` is what moved since a baseline, None without one."""
     guide = book.guide
     names = dict(CONTENTS)

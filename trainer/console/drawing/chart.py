@@ -9,7 +9,7 @@ from typing import Final
 
 from trainer.console.drawing.values import NONE, course, number
 from trainer.console.journal import Sample
-from trainer.console.model import Quantity, Sight
+from trainer.console.model import Quantity, SessionModel
 from trainer.console.pane import Line, Lines, Run, beside, line
 from trainer.console.readings import ROUND
 
@@ -69,7 +69,7 @@ STEPS: Final = (1.0, 2.0, 5.0)
 LEAST: Final = 10  # [columns]
 
 
-def strip(quantity: int, sight: Sight, span: float, width: int, height: int) -> Lines:
+def strip(quantity: int, sight: SessionModel, span: float, width: int, height: int) -> Lines:
     """Return the chart of a quantity over the last ``span`` [s], its title above it."""
     drawn = sight.charts[quantity]
     title = headline(drawn, sight, span, width)
@@ -85,7 +85,7 @@ def strip(quantity: int, sight: Sight, span: float, width: int, height: int) -> 
     return [title, *plot.lines(actual, ordered, drawn)]
 
 
-def headline(drawn: Quantity, sight: Sight, span: float, width: int) -> Line:
+def headline(drawn: Quantity, sight: SessionModel, span: float, width: int) -> Line:
     """Return the name of the chart, its value and what is ordered."""
     says = said(drawn)
     actual = says(sight.picture.number(*drawn.actual))

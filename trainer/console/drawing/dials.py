@@ -12,7 +12,7 @@ from trainer.console.drawing.values import (
     surface,
     without,
 )
-from trainer.console.model import Sight
+from trainer.console.model import SessionModel
 from trainer.console.pane import Line, Lines, Run, fit, line
 
 DIGITS: Final = {
@@ -74,25 +74,25 @@ def side_by_side(dials: list[Lines], width: int) -> Lines:
     ]
 
 
-def depth_dial(sight: Sight) -> Lines:
+def depth_dial(sight: SessionModel) -> Lines:
     """Return the depth gauge."""
     ordered = number(sight.picture.number("diving", "ordered_depth"))
     return dial("depth", number(moved(sight, "depth")), ordered, "m")
 
 
-def course_dial(sight: Sight) -> Lines:
+def course_dial(sight: SessionModel) -> Lines:
     """Return the compass."""
     ordered = course(sight.picture.number("steering", "ordered_course"))
     return dial("course", course(moved(sight, "heading"), 1), ordered, "deg")
 
 
-def speed_dial(sight: Sight) -> Lines:
+def speed_dial(sight: SessionModel) -> Lines:
     """Return the log."""
     ordered = number(sight.picture.number("engine", "ordered_speed"))
     return dial("speed", number(moved(sight, "speed")), ordered, "kn")
 
 
-def angles(sight: Sight) -> Line:
+def angles(sight: SessionModel) -> Line:
     """Return pitch and heel in words."""
     return line(
         (" pitch ", "dim"),
@@ -102,7 +102,7 @@ def angles(sight: Sight) -> Line:
     )
 
 
-def scale(sight: Sight, name: str, channel: str, width: int) -> Line:
+def scale(sight: SessionModel, name: str, channel: str, width: int) -> Line:
     """Return a surface on its scale: where it is as a block, what it is told as a diamond."""
     picture = sight.picture
     actual = picture.smooth(channel, name, sight.clock())
@@ -141,7 +141,7 @@ def marks(actual: float, ordered: float | None, room: int) -> tuple[Run, ...]:
     return tuple(zip(signs, inks, strict=True))
 
 
-def telegraph(sight: Sight, width: int) -> Lines:
+def telegraph(sight: SessionModel, width: int) -> Lines:
     """Return the engine telegraph, the bell that is rung in brackets, and the revolutions."""
     picture = sight.picture
     rung = picture.word("engine", "bell")

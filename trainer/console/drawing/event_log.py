@@ -2,13 +2,13 @@
 
 from trainer.console.drawing.values import number, without
 from trainer.console.journal import clock, wrapped
-from trainer.console.model import Kept, Sight
+from trainer.console.model import Kept, SessionModel
 from trainer.console.pane import Line, Lines, Run, fit, line
 
 LEAST = 24  # [columns] of a time line
 
 
-def log(sight: Sight, width: int, height: int) -> Lines:
+def log(sight: SessionModel, width: int, height: int) -> Lines:
     """Return the last entries, the newest at the bottom."""
     journal = sight.journal
     found: list[tuple[str, str, str]] = []
@@ -24,7 +24,7 @@ def log(sight: Sight, width: int, height: int) -> Lines:
     return [*(fit(each, width) for each in lines), *[fit(line(), width)] * (height - len(lines))]
 
 
-def time_line(sight: Sight, width: int, _height: int) -> Lines:
+def time_line(sight: SessionModel, width: int, _height: int) -> Lines:
     """Return all of the run in one line: moments kept by their signs, the present as a bar."""
     now = sight.picture.seconds
     end = max(now, sight.furthest, 1.0)
@@ -36,12 +36,12 @@ def time_line(sight: Sight, width: int, _height: int) -> Lines:
     return [(*left, *scale(sight, now, end, room), *right)]
 
 
-def moments(sight: Sight) -> list[Kept]:
+def moments(sight: SessionModel) -> list[Kept]:
     """Return what is on the time line, oldest first."""
     return sorted([*sight.snapshots, *sight.marks], key=lambda kept: kept.seconds)
 
 
-def scale(sight: Sight, now: float, end: float, room: int) -> tuple[Run, ...]:
+def scale(sight: SessionModel, now: float, end: float, room: int) -> tuple[Run, ...]:
     """Return the line from the start to the end in ``room`` columns."""
 
     def column(seconds: float) -> int:
@@ -56,7 +56,7 @@ def scale(sight: Sight, now: float, end: float, room: int) -> tuple[Run, ...]:
     )
 
 
-def ledger(sight: Sight, width: int, height: int) -> Lines:
+def ledger(sight: SessionModel, width: int, height: int) -> Lines:
     """Return what became of the ticks."""
     picture = sight.picture
 
@@ -81,7 +81,7 @@ def row(label: str, text: str) -> Line:
     return line((f" {label:<9}", "dim"), (text, "plain"))
 
 
-def suffering(sight: Sight, width: int, height: int) -> Lines:
+def suffering(sight: SessionModel, width: int, height: int) -> Lines:
     """Return the casualties: kind, how much of what it will be, and when."""
     picture = sight.picture
     lines = [fit(line((" casualties", "heading")), width, "heading")]

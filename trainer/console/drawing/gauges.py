@@ -1,7 +1,7 @@
 """The instructor's state at a glance: the boat, her surfaces, tanks, air, the sea, casualties."""
 
 from trainer.console.drawing.values import NONE, attitude, bell, course, number, surface, without
-from trainer.console.model import Sight
+from trainer.console.model import SessionModel
 from trainer.console.pane import Line, Lines, fit, line
 
 LEFT = 27  # [columns] of what she does; the rest is what she is told to
@@ -15,7 +15,7 @@ TANKS = (
 APART = 0.5  # [m, deg, kn] from which a gauge is said to be wrong
 
 
-def state(sight: Sight, width: int, _height: int) -> Lines:
+def state(sight: SessionModel, width: int, _height: int) -> Lines:
     """Return the state in nine lines."""
     rows = [
         (depth(sight), plane(sight, "rudder", "steering")),
@@ -28,12 +28,12 @@ def state(sight: Sight, width: int, _height: int) -> Lines:
     return [*(fit(each, width) for each in (*lines, *low(sight)))]
 
 
-def low(sight: Sight) -> Lines:
+def low(sight: SessionModel) -> Lines:
     """Return tanks, air, the sea and casualties, a line each."""
     return [tanks(sight), air(sight), sea(sight), broken(sight)]
 
 
-def moved(sight: Sight, name: str) -> float | None:
+def moved(sight: SessionModel, name: str) -> float | None:
     """Return a value of the gauges' channel where it is now."""
     return sight.picture.smooth(sight.gauges, name, sight.clock())
 
@@ -44,7 +44,7 @@ def pair(label: str, actual: str, ordered: str, unit: str) -> Line:
     return line((f" {label:<7}", "dim"), (f"{actual:>6}", "value"), told, (f" {unit}", "dim"))
 
 
-def false(sight: Sight, name: str) -> str:
+def false(sight: SessionModel, name: str) -> str:
     """Return what a gauge shows, "" where that is the truth."""
     shown, true = sight.picture.number("gauges", name), sight.picture.number("motion", name)
     if shown is None or true is None:
@@ -54,47 +54,47 @@ def false(sight: Sight, name: str) -> str:
     return f"  GAUGE {number(shown)}" if apart > APART else ""
 
 
-def depth(sight: Sight) -> Line:
+def depth(sight: SessionModel) -> Line:
     """Return depth and ordered depth."""
     ordered = number(sight.picture.number("diving", "ordered_depth"))
     told = pair("depth", number(moved(sight, "depth")), ordered, "m")
     return misread(sight, "depth", told)
 
 
-def heading(sight: Sight) -> Line:
+def heading(sight: SessionModel) -> Line:
     """Return heading and ordered course."""
     ordered = course(sight.picture.number("steering", "ordered_course"))
     told = pair("course", course(moved(sight, "heading"), 1), ordered, "")
     return misread(sight, "heading", told)
 
 
-def speed(sight: Sight) -> Line:
+def speed(sight: SessionModel) -> Line:
     """Return speed and ordered speed."""
     ordered = number(sight.picture.number("engine", "ordered_speed"))
     told = pair("speed", number(moved(sight, "speed")), ordered, "kn")
     return misread(sight, "speed", told)
 
 
-def misread(sight: Sight, name: str, told: Line) -> Line:
+def misread(sight: SessionModel, name: str, told: Line) -> Line:
     """Return a value with what the crew's gauge shows in place of the order, if that is false."""
     wrong = false(sight, name)
     return (*told[:2], (wrong, "warning")) if wrong else told
 
 
-def pitch(sight: Sight) -> Line:
+def pitch(sight: SessionModel) -> Line:
     """Return the pitch in words."""
     return line(
         (" pitch  ", "dim"), (f"{attitude(moved(sight, 'pitch'), 'up', 'down'):>9}", "value")
     )
 
 
-def heel(sight: Sight) -> Line:
+def heel(sight: SessionModel) -> Line:
     """Return the heel in words."""
     value = attitude(moved(sight, "heel"), "stbd", "port")
     return line((" heel   ", "dim"), (f"{value:>9}", "value"))
 
 
-def plane(sight: Sight, name: str, channel: str) -> Line:
+def plane(sight: SessionModel, name: str, channel: str) -> Line:
     """Return a surface, what it is told, and by whom."""
     picture = sight.picture
     actual = picture.smooth(channel, name, sight.clock())
@@ -108,7 +108,7 @@ def plane(sight: Sight, name: str, channel: str) -> Line:
     )
 
 
-def engine(sight: Sight) -> Line:
+def engine(sight: SessionModel) -> Line:
     """Return bell, or that speed is kept, and revolutions."""
     picture = sight.picture
     rung = bell(picture.word("engine", "bell"))
@@ -123,7 +123,7 @@ def engine(sight: Sight) -> Line:
     )
 
 
-def weight(sight: Sight) -> Line:
+def weight(sight: SessionModel) -> Line:
     """Return how heavy or light she is."""
     heavy = sight.picture.number("motion", "heavy")
     if heavy is None:
@@ -132,7 +132,7 @@ def weight(sight: Sight) -> Line:
     return line(("weight ", "dim"), (f"{abs(heavy):.1f}{side or ' t, in trim'}", "value"))
 
 
-def tanks(sight: Sight) -> Line:
+def tanks(sight: SessionModel) -> Line:
     """Return how full the tanks are [%]."""
     if sight.picture.number("tanks", "auxiliary") is None:
         return line((" tanks  ", "dim"), without(sight.picture, "tanks", "this boat has none"))
@@ -143,12 +143,12 @@ def tanks(sight: Sight) -> Line:
     return line(*parts, (" %", "dim"))
 
 
-def full(sight: Sight, tank: str) -> str:
+def full(sight: SessionModel, tank: str) -> str:
     """Return how full a tank is [%]."""
     return number(sight.picture.number("tanks", f"{tank}_full"), 0)
 
 
-def air(sight: Sight) -> Line:
+def air(sight: SessionModel) -> Line:
     """Return the pressures of the banks and what blows."""
     picture = sight.picture
     if not picture.word("air", "main"):
@@ -168,14 +168,14 @@ def air(sight: Sight) -> Line:
     )
 
 
-def sea(sight: Sight) -> Line:
+def sea(sight: SessionModel) -> Line:
     """Return the sea, and the one it is becoming."""
     now, then = swell(sight, ""), swell(sight, "ordered_")
     told = "" if now == then else f" > {then}"
     return line((" sea    ", "dim"), (now, "plain"), (told, "ordered"))
 
 
-def swell(sight: Sight, which: str) -> str:
+def swell(sight: SessionModel, which: str) -> str:
     """Return a sea in words."""
     height, period, origin = (
         sight.picture.number("sea", f"{which}{name}") for name in ("height", "period", "from")
@@ -185,7 +185,7 @@ def swell(sight: Sight, which: str) -> str:
     return f"{height:.1f} m, {number(period, 0)} s, from {course(origin)}"
 
 
-def broken(sight: Sight) -> Line:
+def broken(sight: SessionModel) -> Line:
     """Return the names of the casualties."""
     slots = [name for name in sight.picture.rows("casualties", "casualty_") if name[-1].isdigit()]
     names = [sight.picture.word("casualties", name) for name in slots]

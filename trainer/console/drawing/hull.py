@@ -7,7 +7,7 @@ from typing import Final
 from trainer.console.drawing.chart import Sheet
 from trainer.console.drawing.gauges import moved
 from trainer.console.drawing.values import attitude
-from trainer.console.model import Sight
+from trainer.console.model import SessionModel
 from trainer.console.pane import Lines, beside, fit, line
 
 Points = Sequence[tuple[float, float]]
@@ -32,7 +32,7 @@ LEAST: Final = 18  # [columns] of the view from the side
 WORDS: Final = 32  # [columns] with room for both angles
 
 
-def hull(sight: Sight, width: int, height: int) -> Lines:
+def hull(sight: SessionModel, width: int, height: int) -> Lines:
     """Return both views above a line with the angles in words."""
     if height < 3 or width < LEAST:
         return [fit(line(), width)] * height

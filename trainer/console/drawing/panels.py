@@ -15,13 +15,13 @@ from trainer.console.drawing.dials import (
     telegraph,
 )
 from trainer.console.journal import clock
-from trainer.console.model import Sight
+from trainer.console.model import SessionModel
 from trainer.console.pane import Line, Lines, beside, fit, length, line
 
 SILENCE: Final = 2.0  # [s] of a session that runs, after which it is called out
 
 
-def top(sight: Sight, width: int, _height: int) -> Lines:
+def top(sight: SessionModel, width: int, _height: int) -> Lines:
     """Return the first line, or what is wrong with the line to the session."""
     wrong = trouble(sight)
     if wrong:
@@ -35,7 +35,7 @@ def top(sight: Sight, width: int, _height: int) -> Lines:
     return [beside(left, line((told if len(told) <= room else "", "bar")), width, "bar")]
 
 
-def trouble(sight: Sight) -> str:
+def trouble(sight: SessionModel) -> str:
     """Return what is wrong with the line or with what comes on it, "" while nothing is."""
     if sight.over:
         return "THE SESSION IS OVER: F10 leaves"
@@ -50,7 +50,7 @@ def trouble(sight: Sight) -> str:
     return f"NO DATA for {silent:.0f} s: the session does not answer"
 
 
-def pace(sight: Sight) -> Line:
+def pace(sight: SessionModel) -> Line:
     """Return how time runs."""
     picture = sight.picture
     factor = picture.word("time", "speed")
@@ -67,7 +67,7 @@ def pace(sight: Sight) -> Line:
     return line(*parts)
 
 
-def title(sight: Sight) -> str:
+def title(sight: SessionModel) -> str:
     """Return what the session calls itself."""
     return f" {sight.briefing[0]} " if sight.briefing else ""
 
@@ -91,7 +91,7 @@ def taken(keys: list[tuple[str, str]], gap: int) -> int:
     return 1 + sum(len(label) + 1 + len(says) + gap for label, says in keys) - gap
 
 
-def helm(sight: Sight, width: int, height: int) -> Lines:
+def helm(sight: SessionModel, width: int, height: int) -> Lines:
     """Return the helm's panel: course, speed, depth, the rudder and the telegraph."""
     lines = [
         *side_by_side([course_dial(sight), speed_dial(sight), depth_dial(sight)], width),
@@ -103,7 +103,7 @@ def helm(sight: Sight, width: int, height: int) -> Lines:
     return [fit(each, width) for each in lines[:height]]
 
 
-def planes(sight: Sight, width: int, height: int) -> Lines:
+def planes(sight: SessionModel, width: int, height: int) -> Lines:
     """Return the planes' panel: depth, course and speed, attitude and both pairs of planes."""
     lines = [
         *side_by_side([depth_dial(sight), course_dial(sight), speed_dial(sight)], width),
@@ -115,7 +115,7 @@ def planes(sight: Sight, width: int, height: int) -> Lines:
     return [fit(each, width) for each in lines[:height]]
 
 
-def gauges(sight: Sight, width: int, height: int) -> Lines:
+def gauges(sight: SessionModel, width: int, height: int) -> Lines:
     """Return the repeaters: depth, course, speed and attitude."""
     lines = [
         *side_by_side([depth_dial(sight), course_dial(sight), speed_dial(sight)], width),
@@ -124,7 +124,7 @@ def gauges(sight: Sight, width: int, height: int) -> Lines:
     return [fit(each, width) for each in lines[:height]]
 
 
-def lookout(sight: Sight, width: int, height: int) -> Lines:
+def lookout(sight: SessionModel, width: int, height: int) -> Lines:
     """Return what an observer sees: the repeaters, every surface and the telegraph."""
     lines = [
         *side_by_side([depth_dial(sight), course_dial(sight), speed_dial(sight)], width),

@@ -3,7 +3,7 @@
 from typing import Final
 
 from trainer.console.drawing.values import number, without
-from trainer.console.model import Sight
+from trainer.console.model import SessionModel
 from trainer.console.pane import Line, Lines, fit, line
 
 TANKS: Final = (
@@ -36,7 +36,7 @@ def bar(share: float | None, width: int) -> str:
     return f"[{'█' * filled}{'·' * (width - 2 - filled)}]"
 
 
-def levels(sight: Sight, width: int, height: int) -> Lines:
+def levels(sight: SessionModel, width: int, height: int) -> Lines:
     """Return the tanks, what is moved, and what has flooded."""
     picture = sight.picture
     if not picture.word("tanks", "auxiliary"):
@@ -62,7 +62,7 @@ def levels(sight: Sight, width: int, height: int) -> Lines:
     return [fit(each, width) for each in lines[:height]]
 
 
-def flooded(sight: Sight) -> Line:
+def flooded(sight: SessionModel) -> Line:
     """Return what has come in where none belongs."""
     found = [
         f"{name.removeprefix('flood_')} {number(mass)} t"
@@ -74,7 +74,7 @@ def flooded(sight: Sight) -> Line:
     return line((" FLOODED        ", "alarm"), (f" {', '.join(found)}", "warning"))
 
 
-def pumping(sight: Sight) -> Line:
+def pumping(sight: SessionModel) -> Line:
     """Return the heading: whether the boat hovers, and what is drained."""
     picture = sight.picture
     drained = picture.word("tanks", "draining") or "nothing"
@@ -87,7 +87,7 @@ def pumping(sight: Sight) -> Line:
     )
 
 
-def banks(sight: Sight, width: int, height: int) -> Lines:
+def banks(sight: SessionModel, width: int, height: int) -> Lines:
     """Return the air banks and the compressor."""
     picture = sight.picture
     compressor = picture.word("air", "compressor") or "-"
@@ -103,12 +103,12 @@ def banks(sight: Sight, width: int, height: int) -> Lines:
     return [fit(each, width) for each in lines[:height]]
 
 
-def fittings(sight: Sight, width: int, height: int) -> Lines:
+def fittings(sight: SessionModel, width: int, height: int) -> Lines:
     """Return the valves above the air banks."""
     return [*valves(sight, width, height), *banks(sight, width, height)][:height]
 
 
-def valves(sight: Sight, width: int, height: int) -> Lines:
+def valves(sight: SessionModel, width: int, height: int) -> Lines:
     """Return how the levers stand, a row for each group."""
     picture = sight.picture
     lines = [fit(line((" valves         vent     blow", "heading")), width, "heading")]

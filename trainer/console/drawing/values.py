@@ -2,7 +2,7 @@
 
 from typing import Final
 
-from trainer.console.readings import Picture
+from trainer.console.readings import ChannelReadings
 
 NONE: Final = "-"
 SIDES: Final = {"rudder": "LR", "stern": "DR", "bow": "DR"}  # negative, positive
@@ -17,7 +17,7 @@ def number(value: float | None, decimals: int = 1, sign: str = "-") -> str:
     return f"{round(value, decimals) + 0.0:{sign}.{decimals}f}"
 
 
-def without(picture: Picture, channel: str, says: str) -> str:
+def without(picture: ChannelReadings, channel: str, says: str) -> str:
     """Return what the boat's having none means, a dash while nothing has come of a channel."""
     return says if channel in picture.last else NONE
 

@@ -4,7 +4,7 @@ from typing import Final
 
 from trainer.io.nmea import date, latitude, longitude, number, time_of_day
 from trainer.session.nmea.orders import POSITIONS
-from trainer.session.nmea.readings import Sight
+from trainer.session.nmea.readings import Readings
 from trainer.units import FOOT
 
 FATHOM: Final = 6.0 * FOOT  # [m]
@@ -13,7 +13,7 @@ SATELLITES, DILUTION = "08", "1.0"  # readers take no position without: not of t
 BELLS: Final = {bell.replace(" ", "-"): position for bell, position in POSITIONS.items()}
 
 
-def recommended(s: Sight) -> tuple[str, ...]:
+def recommended(s: Readings) -> tuple[str, ...]:
     """Return the fields of RMC."""
     way = number(s.over_ground, 2), number(s.track, 2), date(s.at)
     return (
@@ -28,20 +28,20 @@ def recommended(s: Sight) -> tuple[str, ...]:
     )
 
 
-def fix(s: Sight) -> tuple[str, ...]:
+def fix(s: Readings) -> tuple[str, ...]:
     """Return the fields of GGA."""
     where = *latitude(s.latitude), *longitude(s.longitude)
     altitude = number(-s.depth, 2), "M", "0.0", "M", "", ""
     return (time_of_day(s.at), *where, "6", SATELLITES, DILUTION, *altitude)
 
 
-def way(s: Sight) -> tuple[str, ...]:
+def way(s: Readings) -> tuple[str, ...]:
     """Return the fields of VTG."""
     speed = number(s.over_ground, 2), "N", number(s.over_ground * KILOMETRES, 2), "K"
     return (number(s.track, 2), "T", "", "M", *speed, "E")
 
 
-def depth(s: Sight) -> tuple[str, ...]:
+def depth(s: Readings) -> tuple[str, ...]:
     """Return the fields of DBT; above the surface there is no depth."""
     metres = max(s.depth, 0.0)
     return (
@@ -51,19 +51,19 @@ def depth(s: Sight) -> tuple[str, ...]:
     )
 
 
-def water_speed(s: Sight) -> tuple[str, ...]:
+def water_speed(s: Readings) -> tuple[str, ...]:
     """Return the fields of VHW."""
     speed = number(s.speed, 2), "N", number(s.speed * KILOMETRES, 2), "K"
     return (number(s.heading, 2), "T", "", "M", *speed)
 
 
-def attitude(s: Sight) -> tuple[str, ...]:
+def attitude(s: Readings) -> tuple[str, ...]:
     """Return the fields of PASHR."""
     angles = number(s.heading, 2), "T", number(s.heel, 2), number(s.pitch, 2)
     return (f"{time_of_day(s.at)}0", *angles, "", "", "", "", "0", "0")
 
 
-def ordered_rudder(s: Sight) -> tuple[str, ...]:
+def ordered_rudder(s: Readings) -> tuple[str, ...]:
     """Return the fields of ROR."""
     return (*starboard(s.rudder.ordered), "B")
 
@@ -73,7 +73,7 @@ def starboard(angle: float | None) -> tuple[str, ...]:
     return (number(angle, 2), "V" if angle is None else "A", "", "V")
 
 
-def telegraph(s: Sight) -> tuple[str, ...]:
+def telegraph(s: Readings) -> tuple[str, ...]:
     """Return the fields of ETL; the position is empty when no bell is rung."""
     return (time_of_day(s.at), "O", BELLS.get(s.bell, ""), "", "B", "0")
 
@@ -87,28 +87,28 @@ def angles(**measured: float | None) -> tuple[str, ...]:
     )
 
 
-def exactly(page: str, s: Sight, *values: tuple[float | None, int]) -> tuple[str, ...]:
+def exactly(page: str, s: Readings, *values: tuple[float | None, int]) -> tuple[str, ...]:
     """Return the fields of one of this trainer's own sentences: numbers with their decimals."""
     return (page, f"{s.tick}", *(number(value, decimals) for value, decimals in values))
 
 
-def motion(s: Sight) -> tuple[str, ...]:
+def motion(s: Readings) -> tuple[str, ...]:
     """Return the fields of PXSC,M."""
     shown = (s.depth, 2), (s.heading, 2), (s.speed, 2), (s.pitch, 2), (s.heel, 2)
     return exactly("M", s, *shown, (s.turn / 60.0, 3))
 
 
-def place(s: Sight) -> tuple[str, ...]:
+def place(s: Readings) -> tuple[str, ...]:
     """Return the fields of PXSC,P."""
     return exactly("P", s, (s.north, 1), (s.east, 1), (s.track, 2), (s.over_ground, 2))
 
 
-def controls(s: Sight) -> tuple[str, ...]:
+def controls(s: Readings) -> tuple[str, ...]:
     """Return the fields of PXSC,C."""
     return exactly("C", s, *((angle, 2) for each in (s.rudder, s.stern, s.bow) for angle in each))
 
 
-def engine(s: Sight) -> tuple[str, ...]:
+def engine(s: Readings) -> tuple[str, ...]:
     """Return the fields of PXSC,E."""
     turns = (s.rpm, 1), (s.ordered_rpm, 1)
     return exactly(
@@ -116,11 +116,11 @@ def engine(s: Sight) -> tuple[str, ...]:
     )
 
 
-def ballast(s: Sight) -> tuple[str, ...]:
+def ballast(s: Readings) -> tuple[str, ...]:
     """Return the fields of PXSC,B."""
     return exactly("B", s, *((full, 1) for full in s.full))
 
 
-def air(s: Sight) -> tuple[str, ...]:
+def air(s: Readings) -> tuple[str, ...]:
     """Return the fields of PXSC,A."""
     return exactly("A", s, *((pressure, 2) for pressure in s.air))

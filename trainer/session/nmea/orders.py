@@ -25,7 +25,7 @@ from trainer.io import nmea
 from trainer.io.line import Line
 from trainer.io.lines import Overlong
 from trainer.io.nmea import Sentence
-from trainer.io.server import Hub
+from trainer.io.server import Server
 
 if TYPE_CHECKING:
     from trainer.io.connection import Connection
@@ -249,7 +249,7 @@ class Readers:
     ended = False
     trouble = ""
 
-    def __init__(self, name: str, hub: Hub, log: Log) -> None:
+    def __init__(self, name: str, hub: Server, log: Log) -> None:
         self.name = name
         self._hub = hub
         self._log = log

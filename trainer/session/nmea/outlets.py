@@ -22,14 +22,14 @@ from trainer.io.line import Direct, Inbox, Joined, Line, Outbox, writer
 from trainer.io.nmea import LONGEST
 from trainer.io.recording.recording import NoRecording, Recording
 from trainer.io.serial_line import SCHEMES, LinkError, SerialLine
-from trainer.io.server import Hub
+from trainer.io.server import Server
 from trainer.io.udp import Datagrams
 from trainer.session.nmea.orders import NmeaLine, Readers
 from trainer.session.nmea.position import Chart, chart_at
 from trainer.session.nmea.sentences import NAMES, Instrument, InstrumentSet, Sampled, chosen, widest
 from trainer.session.options import RunOptions
 from trainer.session.ports import PATIENCE, Ports
-from trainer.session.stations.access import Door
+from trainer.session.stations.access import Access
 from trainer.session.stations.station import Station
 from trainer.session.stations.subscriptions import Subscription
 from trainer.session.stations.view import Picture
@@ -122,7 +122,7 @@ def open_datagrams(ports: Ports, outlets: Outlets, url: str, host: str, port: in
 
 def open_readers(ports: Ports, outlets: Outlets, url: str, host: str, port: int) -> Station:
     """Return the station of all that come to a TCP port."""
-    hub = Hub(ports.wake)
+    hub = Server(ports.wake)
     ports.stack.callback(hub.close, PATIENCE)
     found = hub.listen(host, port)
     role = "helm" if local(host) and outlets.orders else "observer"
@@ -163,7 +163,7 @@ def send_to(ports: Ports, outlets: Outlets, line: Line, role: str) -> Station:
 def attend(ports: Ports, line: Line, subscription: Subscription, role: str) -> Station:
     """Return the station of a line with a subscription of its own."""
     ports.sending.add(subscription)
-    return Station(NmeaLine(line, ports.wake, ports.log), Door(role), ports.sending, ports.log)
+    return Station(NmeaLine(line, ports.wake, ports.log), Access(role), ports.sending, ports.log)
 
 
 def refuse_crowded(outlets: Outlets, url: str, baud: int) -> None:

@@ -8,7 +8,7 @@ from trainer.boat.boat import Boat
 from trainer.config.vessel import VesselFile
 from trainer.session.nmea.position import DEFAULT
 from trainer.session.nmea.sentences import INSTRUMENTS, Instrument, InstrumentSet
-from trainer.session.stations.view import Lookout, Pace, Picture
+from trainer.session.stations.view import Pace, Picture, StateReader
 from trainer.session.time.ledger import Ledger
 from trainer.units import KNOT
 
@@ -58,6 +58,6 @@ def sample(file: VesselFile) -> list[str]:
     """Return the set of a boat in trim as she starts, at noon on the first day of 2026."""
     boat = Boat(file, Method("modified", "lagged", "exact", "adams2", file.run.step_s))
     boat.start(file.run.start_speed_kn * KNOT, file.run.start_depth_m, 0.0)
-    lookout = Lookout(boat, Ledger(boat.method.step).summary)
+    lookout = StateReader(boat, Ledger(boat.method.step).summary)
     frame = lookout.frame(Picture(0, boat.records.state.tobytes(), Pace()))
     return InstrumentSet(INSTRUMENTS, DEFAULT, NOON).lines(frame)

@@ -40,7 +40,7 @@ class Surface(NamedTuple):
     ordered: Number
 
 
-class Sight(NamedTuple):
+class Readings(NamedTuple):
     """One tick; angles in degrees, speeds in knots, unless said otherwise."""
 
     tick: int
@@ -81,12 +81,12 @@ TANK_FIELDS: Final = tuple(tank_fields(place, name)[1] for place, name in enumer
 BANK_FIELDS: Final = tuple(bank_fields(place, name)[0] for place, name in enumerate(BANKS))
 
 
-def sight(frame: Frame, chart: Chart, start: datetime) -> Sight:
+def sight(frame: Frame, chart: Chart, start: datetime) -> Readings:
     """Return what is seen at a tick of a session that began at ``start``."""
     north, east = frame["x"], frame["y"]
     latitude, longitude = chart.position(north, east)
     track, over_ground = way_made(frame)
-    return Sight(
+    return Readings(
         tick=frame.tick,
         at=start + timedelta(seconds=frame.seconds),
         north=north,
@@ -136,7 +136,7 @@ SLOWEST: Final = 0.005  # [kn] that is not written as nought
 _FAR: Final = -9_999_999.9
 _ANGLE: Final = Surface(-99.99, -99.99)
 # As wide as every field can be: what a line has to have room for.
-WIDEST: Final = Sight(
+WIDEST: Final = Readings(
     tick=99_999_999,
     at=datetime(2099, 12, 31, 23, 59, 59, tzinfo=UTC),
     north=_FAR,

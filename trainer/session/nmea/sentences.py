@@ -14,7 +14,7 @@ from trainer.io.nmea import LINE_END, number, sentence
 from trainer.session.nmea import fields as tell
 from trainer.session.nmea.fields import DILUTION, SATELLITES
 from trainer.session.nmea.position import Chart
-from trainer.session.nmea.readings import WIDEST, Sight, sight
+from trainer.session.nmea.readings import WIDEST, Readings, sight
 from trainer.session.stations.view import Frame
 
 TALKER: Final = "IN"
@@ -30,14 +30,14 @@ class Instrument:
     says: str
     fields: tuple[str, ...]
     source: str
-    read: Callable[[Sight], tuple[str, ...]]
+    read: Callable[[Readings], tuple[str, ...]]
 
     @property
     def name(self) -> str:
         """Return what the sentence is chosen by: its formatter, or a maker's whole address."""
         return self.address.removeprefix(TALKER)
 
-    def sentence(self, seen: Sight) -> str:
+    def sentence(self, seen: Readings) -> str:
         """Return the sentence of a tick."""
         return sentence(self.address, *self.read(seen))
 

@@ -19,7 +19,7 @@ ANY: Final = ""  # the role of a token that stands for all roles without their o
 
 
 @dataclass(frozen=True)
-class Door:
+class Access:
     """What is asked of a line; with neither role nor tokens it may say what role it likes."""
 
     role: str | None = None

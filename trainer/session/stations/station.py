@@ -16,11 +16,11 @@ from trainer.io.orders import sentences
 from trainer.io.orders.grammar import BadOrder, Order, Refused, Reply
 from trainer.io.orders.help import help_text
 from trainer.io.orders.sentences import Heard, hear
-from trainer.session.stations.access import GUESSES, Door, NoiseLog
+from trainer.session.stations.access import GUESSES, Access, NoiseLog
 from trainer.session.stations.channels import EVENTS, TELETYPE
 from trainer.session.stations.display import WIDTH
 from trainer.session.stations.roles import COMMON, INSTRUCTOR, ROLES, Role, hears, refusal
-from trainer.session.stations.subscriptions import Sending, Wishes, barred, unknown
+from trainer.session.stations.subscriptions import Sending, Subscriptions, barred, unknown
 
 ORDERS_A_SECOND: Final = 20  # of a line that came by itself; more wait
 ORDERS_AT_ONCE: Final = 100
@@ -65,7 +65,7 @@ class Counts:
 Log = Callable[[str, str], None]  # takes a kind of roles.KINDS and a text
 
 
-def quietly(log: Log, door: Door) -> Log:
+def quietly(log: Log, door: Access) -> Log:
     """Return a log of what a line has said, the token not.
 
     It knows nothing of the station, which is therefore gone as soon as it is dropped.
@@ -79,7 +79,7 @@ class Station:
     def __init__(
         self,
         line: Line,
-        door: Door,
+        door: Access,
         sending: Sending,
         log: Log,
         clock: Callable[[], float] = time.monotonic,
@@ -87,7 +87,7 @@ class Station:
         self.line = line
         self.role = door.first
         self.counts = Counts()
-        self.wishes = Wishes(line, sending)
+        self.wishes = Subscriptions(line, sending)
         self.leaving = ""  # why the line is to be closed, "" while it stays
         self.waiting = False  # there may be more to take
         self.held_up = 0.0  # [s] until more is taken, 0 where nothing waits

@@ -20,7 +20,7 @@ from trainer.io.orders.grammar import Refused, Reply
 from trainer.session.stations.channels import CHANNELS, EVENTS, TELETYPE
 from trainer.session.stations.display import Display, Sentences, Teletype, Words
 from trainer.session.stations.roles import INSTRUCTOR, STRANGER, Role, blind
-from trainer.session.stations.view import Frame, Lookout, Pace, Picture
+from trainer.session.stations.view import Frame, Pace, Picture, StateReader
 
 FASTEST: Final = 100.0  # [Hz] rounds at most, however fast the ticks come
 TROUBLES: Final = 64  # kept until somebody asks
@@ -68,7 +68,7 @@ class Subscription:
 class Roster:
     """Who is subscribed to what."""
 
-    def __init__(self, lookout: Lookout) -> None:
+    def __init__(self, lookout: StateReader) -> None:
         self.troubles: deque[str] = deque(maxlen=TROUBLES)
         self._lookout = lookout
         self._change = threading.Lock()  # of the list, which is replaced and never altered
@@ -218,7 +218,7 @@ class Sending(Protocol):
         ...
 
 
-class Wishes:
+class Subscriptions:
     """The subscriptions of one line; a channel is there once, the later wish holds."""
 
     def __init__(self, to: Recipient, sending: Sending) -> None:

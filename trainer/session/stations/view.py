@@ -100,7 +100,7 @@ class Frame:
 BYTES: Final = new_state().nbytes
 
 
-class Lookout:
+class StateReader:
     """Make frames; each thread that needs them has one, since its records are its own."""
 
     def __init__(self, boat: Boat, summary: Callable[[], Summary]) -> None:

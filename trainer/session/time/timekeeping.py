@@ -149,7 +149,7 @@ class Mark:
     overruns: int
 
 
-class Slips:
+class SlipJudge:
     """Slips of the schedule that follow each other: told once, and judged as a whole."""
 
     def __init__(self) -> None:
@@ -199,7 +199,7 @@ class Timekeeping:
     pacer: Pacer | Unpaced
     speed: float  # [-]
     punctuality: Punctuality | Unasked = field(default_factory=Unasked)
-    slips: Slips = field(default_factory=Slips)
+    slips: SlipJudge = field(default_factory=SlipJudge)
 
     @classmethod
     def at(cls, clock: Clock, step: float, speed: float, policy: Policy) -> "Timekeeping":
@@ -237,7 +237,7 @@ class Timekeeping:
     def judge(self, events: tuple[Event, ...]) -> list[tuple[str, str]]:
         """Return what there is to tell of a tick's events, each with its kind.
 
-        Slips are told once as long as they follow each other. Where ticks take longer than the
+        SlipJudge are told once as long as they follow each other. Where ticks take longer than the
         clock gives them, the speed falls to what the machine holds.
         """
         told = []

@@ -16,9 +16,9 @@ from trainer.boat.boat import Boat
 from trainer.core.state import STATE
 from trainer.io.orders.sentences import order_sentence, read
 from trainer.io.recording.recording import Recording
-from trainer.io.server import Hub
+from trainer.io.server import Server
 from trainer.session.session import Session
-from trainer.session.stations.access import Door
+from trainer.session.stations.access import Access
 from trainer.session.stations.station import Station
 from trainer.session.time.ledger import Histogram, Spread
 from trainer.verify.bench.session_tick import PATIENCE, SUBSCRIBERS, run_to, session_of, temporary
@@ -43,7 +43,7 @@ class Latency:
 class Callers:
     """Those who come in at a port."""
 
-    hub: Hub
+    hub: Server
     session: Session
     awaited: bool = True
 
@@ -51,7 +51,7 @@ class Callers:
         """Return those that have come since the last call."""
         log = self.session.board.log
         sending = self.session.sending
-        return [Station(line, Door(), sending, log) for line in self.hub.newcomers()]
+        return [Station(line, Access(), sending, log) for line in self.hub.newcomers()]
 
 
 def time_orders(boat: Boat, seconds: int, progress: Callable[[int], None]) -> Latency:
@@ -64,7 +64,7 @@ def time_orders(boat: Boat, seconds: int, progress: Callable[[int], None]) -> La
     recording, replies = temporary(boat), Histogram()
     with contextlib.ExitStack() as stack:
         session = stack.enter_context(session_of(boat, SPEED, recording, SUBSCRIBERS))
-        hub = Hub(session.wake)
+        hub = Server(session.wake)
         helmsman = stack.enter_context(ThreadPoolExecutor(1))
         stack.callback(hub.close, PATIENCE)
         session.reception = Callers(hub, session)

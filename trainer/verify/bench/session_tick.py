@@ -15,10 +15,10 @@ from trainer.io.recording.recording import NoRecording, Recording
 from trainer.io.tables import COLUMNS, CsvFile, NoFile
 from trainer.session.history import History
 from trainer.session.session import Session
-from trainer.session.stations.access import Door
+from trainer.session.stations.access import Access
 from trainer.session.stations.station import Station
 from trainer.session.stations.subscriptions import Publisher, Roster
-from trainer.session.stations.view import Lookout
+from trainer.session.stations.view import StateReader
 from trainer.session.time.pacer import MonotonicClock, Policy
 from trainer.session.time.timekeeping import Timekeeping
 from trainer.verify.bench.tick import Batches, time_batches
@@ -46,13 +46,13 @@ def session_of(
 ) -> Iterator[Session]:
     """Yield a session whose stations, one for each channel, are told to nobody."""
     keeping = Timekeeping.at(MonotonicClock(), boat.method.step, speed, Policy.CATCH_UP)
-    publisher = Publisher(Roster(Lookout(boat, keeping.ledger.summary)))
+    publisher = Publisher(Roster(StateReader(boat, keeping.ledger.summary)))
     session = Session(boat, keeping, History(boat, recording), NoFile(), (), publisher)
     with Path(os.devnull).open("wb", buffering=0) as sink, contextlib.closing(recording):
         for channel in channels:
             out = Outbox(writer(sink.fileno()))
             line = Joined(channel, None, out)
-            station = Station(line, Door("instructor"), publisher, session.board.log)
+            station = Station(line, Access("instructor"), publisher, session.board.log)
             station.wishes.begin(channel, RATE, station.role, machine=channel != "teletype")
             session.board.stations.append(station)
         try:

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Final
 
 from trainer.verify.faults.disk import damaged, full, full_disk, locked, relieved, vanished
-from trainer.verify.faults.fork_server import Nursery
+from trainer.verify.faults.fork_server import ForkServer
 from trainer.verify.faults.lines import unplugged
 from trainer.verify.faults.processes import clock_set, console_killed, killed, stopped
 from trainer.verify.faults.rig import Bench, Tried
@@ -31,7 +31,7 @@ SHARES: Final[tuple[tuple[Fault, int], ...]] = (
 
 def try_all(times: int, seed: int) -> Iterator[Tried]:
     """Yield what came of each fault; kills are tried ``times`` times, the others in proportion."""
-    with Nursery() as nursery, tempfile.TemporaryDirectory(prefix="trainer-f-") as folder:
+    with ForkServer() as nursery, tempfile.TemporaryDirectory(prefix="trainer-f-") as folder:
         bench = Bench(nursery, Path(folder), random.Random(seed))  # noqa: S311  no secrets
         for fault, share in SHARES:
             yield fault(bench, -(-times // share))

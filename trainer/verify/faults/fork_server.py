@@ -43,7 +43,7 @@ class Job:
     memory: int = 0  # [bytes] 0 for no limit
 
 
-class Nursery:
+class ForkServer:
     """The process that starts programs; a context."""
 
     def __init__(self) -> None:

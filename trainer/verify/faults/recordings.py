@@ -11,7 +11,7 @@ from typing import Final
 
 from trainer.io.recording.recording import Recording, RecordingError
 from trainer.verify.faults.disk import PAGE
-from trainer.verify.faults.fork_server import Job, Nursery
+from trainer.verify.faults.fork_server import ForkServer, Job
 from trainer.verify.faults.processes import remove
 from trainer.verify.faults.rig import Bench, Tried
 
@@ -150,7 +150,7 @@ DAMAGES: Final[tuple[Damage, ...]] = (
 
 def try_damage(times: int, seed: int) -> Iterator[Tried]:
     """Yield what came of ``times`` damaged recordings, a row for each way of damaging."""
-    with Nursery() as nursery, tempfile.TemporaryDirectory(prefix="trainer-d-") as folder:
+    with ForkServer() as nursery, tempfile.TemporaryDirectory(prefix="trainer-d-") as folder:
         bench = Bench(nursery, Path(folder), random.Random(seed))  # noqa: S311  no secrets
         good = recorded(bench)
         for number, damage in enumerate(DAMAGES):

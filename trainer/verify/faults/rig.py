@@ -11,7 +11,7 @@ from typing import Final
 from trainer.io.orders.grammar import Order, parse
 from trainer.io.recording.recording import Recording
 from trainer.session.stations.roles import INSTRUCTOR, Role
-from trainer.verify.faults.fork_server import Job, Nursery
+from trainer.verify.faults.fork_server import ForkServer, Job
 from trainer.verify.soak.audit import Answered, Check, journal, lost_marks
 from trainer.verify.soak.operators import Orders
 from trainer.verify.soak.session_process import Caller, GoneError
@@ -46,7 +46,7 @@ class Tried:
 class Bench:
     """A nursery, a folder to work in, and the dice."""
 
-    nursery: Nursery
+    nursery: ForkServer
     folder: Path
     dice: random.Random
 

@@ -14,7 +14,7 @@ from trainer.boat.boat import Boat
 from trainer.boat.helm import obey
 from trainer.config.vessel import load_vessel
 from trainer.console.client import Item
-from trainer.console.model import Quantity, Sight
+from trainer.console.model import Quantity, SessionModel
 from trainer.io import nmea
 from trainer.io.lines import LineDecoder, Overlong
 from trainer.io.orders import sentences
@@ -22,10 +22,10 @@ from trainer.io.orders.grammar import Order, parse
 from trainer.io.orders.schedule import parse_schedule
 from trainer.io.orders.table import BOAT_ORDERS, FORMS
 from trainer.session.nmea.orders import Command, NmeaLine, meaning
-from trainer.session.stations.access import Door
+from trainer.session.stations.access import Access
 from trainer.session.stations.station import Station
 from trainer.session.stations.subscriptions import Promptly, Roster
-from trainer.session.stations.view import Lookout, Pace
+from trainer.session.stations.view import Pace, StateReader
 from trainer.session.time.ledger import Ledger
 from trainer.units import KNOT
 from trainer.verify.fuzz.target import Target, text_of
@@ -148,9 +148,9 @@ def boat() -> tuple[Boat, NDArray[np.void]]:
     return made, made.snapshot()
 
 
-def attend(lines: list[str | Overlong], door: Door, one: Boat) -> Station:
+def attend(lines: list[str | Overlong], door: Access, one: Boat) -> Station:
     """Return a station that has these lines to say, and is sent what it asks for at once."""
-    sending = Promptly(Roster(Lookout(one, Ledger(one.method.step).summary)))
+    sending = Promptly(Roster(StateReader(one, Ledger(one.method.step).summary)))
     sending.offer(0, one.records.state.tobytes(), Pace())
     return Station(Wire(lines), door, sending, logged if door.tokens else unlogged, lambda: 0.0)
 
@@ -170,7 +170,7 @@ def station(data: bytes) -> None:
     lines = LineDecoder().feed(data)[:ENOUGH]
     one, start = boat()
     one.restore(start)
-    for door in (Door(tokens={"": TOKEN}), Door("instructor")):
+    for door in (Access(tokens={"": TOKEN}), Access("instructor")):
         attending = attend(lines, door, one)
         for asked in attending.take(ENOUGH):
             if asked.order.name in BOAT_ORDERS:
@@ -209,7 +209,9 @@ def session(data: bytes) -> None:
     """See what a session says as the instructor's screen does."""
     lines = LineDecoder(sentences.LONGEST_ANSWER).feed(data)[:ENOUGH]
     heard = [sentences.read(line) for line in lines if isinstance(line, str)]
-    sight = Sight(Said([each for each in heard if each]), "instructor", (CHART,), lambda: 1.0)
+    sight = SessionModel(
+        Said([each for each in heard if each]), "instructor", (CHART,), lambda: 1.0
+    )
     for words in ("snapshots", "casualties", "depth 80"):
         sight.ask(words)
     sight.hear()

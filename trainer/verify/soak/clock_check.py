@@ -30,7 +30,7 @@ class Deadlines:
     furthest_ns: int = 0
 
 
-class Witness:
+class WatchedClock:
     """A clock that notes every deadline it is asked to wait for; for one thread."""
 
     def __init__(self, clock: Clock, period: Fraction) -> None:
@@ -86,7 +86,7 @@ def attest(serve: click.Command) -> None:
     """Serve as the arguments say; print what the clock was asked for; leave with its exit code."""
     options = options_of(serve, sys.argv[1:])
     period = Fraction(str(plan_run(options).method.step)) * SECOND
-    witness = Witness(MonotonicClock(), period)
+    witness = WatchedClock(MonotonicClock(), period)
     code = run_boat(options, witness)
     click.echo(json.dumps(asdict(witness.deadlines)))
     sys.exit(code)

@@ -27,7 +27,7 @@ from trainer.io.orders.table import (
 )
 from trainer.session.stations.roles import INSTRUCTOR, ROLES, Role
 from trainer.verify.soak.audit import Answered
-from trainer.verify.soak.session_process import Caller, GoneError, Served
+from trainer.verify.soak.session_process import Caller, GoneError, SessionProcess
 
 LONGEST_WORDS: Final = LONGEST - len(order_sentence("", "999999"))  # [characters]
 
@@ -86,7 +86,7 @@ LOST: Final = "FROZEN: "
 class Watchbill:
     """What all operators share."""
 
-    session: Served
+    session: SessionProcess
     pause: Callable[[Random], float]  # [s] after an order
     over: threading.Event = field(default_factory=threading.Event)
     answered: list[Answered] = field(default_factory=list)

@@ -107,7 +107,7 @@ class StartError(Exception):
     """A session that does not listen; the text is what it said."""
 
 
-class Served:
+class SessionProcess:
     """One session, that is recorded and listens at a port of this machine."""
 
     def __init__(self, *words: str) -> None:

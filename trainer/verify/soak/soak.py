@@ -16,7 +16,7 @@ from typing import Any, Final
 
 from trainer.verify.soak.audit import Check, audit
 from trainer.verify.soak.operators import Watchbill, attend, instruct
-from trainer.verify.soak.session_process import Served
+from trainer.verify.soak.session_process import SessionProcess
 
 STEP: Final = 0.5  # [s]
 OPERATORS: Final = 8
@@ -103,7 +103,7 @@ def soak(plan: Plan, keep: Path | None, progress: Callable[[str, int], None]) ->
 
 def _soak(plan: Plan, exercise: Path, path: Path, progress: Callable[[str, int], None]) -> Soaked:
     pace = ("--speed", "1") if plan.real_time else ("--speed", "max", "--frozen")
-    session = Served(
+    session = SessionProcess(
         *(str(exercise), "--seed", str(plan.seed), "--record", str(path), *pace),
         *("--duration", f"{plan.seconds:g}"),
     )
@@ -172,7 +172,7 @@ def _size(path: Path) -> int:
         return 0
 
 
-def _ended(session: Served) -> Check:
+def _ended(session: SessionProcess) -> Check:
     """Return whether the session came to its own end; it is ended if it did not."""
     try:
         code = session.ended(PATIENCE)
@@ -185,7 +185,7 @@ def _ended(session: Served) -> Check:
     return Check("the session ends by itself", kept=code == 0, seen=seen)
 
 
-def _told(session: Served, plan: Plan) -> list[Check]:
+def _told(session: SessionProcess, plan: Plan) -> list[Check]:
     """Return what the session's own account and the witness of its clock say."""
     if not plan.real_time:
         return []
