@@ -41,7 +41,7 @@ async def look(role: str, size: tuple[int, int], where: str, seconds: float) -> 
     client.start()
     app = Console(SessionModel(client, role, LAYOUTS[role].charts))
     async with app.run_test(size=size) as pilot:
-        while app.sight.picture.seconds < seconds:
+        while app.model.picture.seconds < seconds:
             await pilot.pause(0.1)
         svg = app.export_screenshot(title=f"trainer: {role}")
     client.close(1.0)

@@ -91,8 +91,8 @@ class Panel:
 class Voyage:
     """How it went."""
 
-    dossier: DebriefData
-    watch: LimitMonitor
+    debrief: DebriefData
+    monitor: LimitMonitor
     heard: list[str]
 
 
@@ -114,7 +114,7 @@ def fly(path: Path | None, crews: dict[str, str], **options: Any) -> Voyage:
         (),
         sending,
         schedule=plan.schedule,
-        watch=LimitMonitor.over(boat, plan.limits),
+        monitor=LimitMonitor.over(boat, plan.limits),
         last_tick=round((plan.duration or 0.0) / plan.method.step),
     )
     panels = []
@@ -125,7 +125,9 @@ def fly(path: Path | None, crews: dict[str, str], **options: Any) -> Voyage:
         )
         panel = Panel(f"{role} panel", orders, session.wake)
         panels.append(panel)
-        session.board.stations.append(Station(panel, Access(role), sending, session.board.log))  # type: ignore[arg-type]
+        session.event_log.stations.append(
+            Station(panel, Access(role), sending, session.event_log.log)  # type: ignore[arg-type]
+        )
 
     def after_tick(tick: int) -> None:
         for panel in panels:
@@ -137,10 +139,10 @@ def fly(path: Path | None, crews: dict[str, str], **options: Any) -> Voyage:
     session.wake.set()
     with np.errstate(all="ignore"):
         session.run()
-    assert session.desk.failure == ""
-    dossier = gather(recording, path or Path("memory.trainer"), None)
+    assert session.control.failure == ""
+    debrief = gather(recording, path or Path("memory.trainer"), None)
     recording.close()
-    return Voyage(dossier, session.watch, [line for panel in panels for line in panel.heard])
+    return Voyage(debrief, session.monitor, [line for panel in panels for line in panel.heard])
 
 
 # The twelve, flown by a good crew and by nobody
@@ -209,11 +211,11 @@ def test_a_good_crew_wins_and_scores_more_than_nobody(name: str) -> None:
     crew = fly(None, {"instructor": CREWS[name]}, exercise=name)
 
     assert not [line for line in crew.heard if "refused" in line or "must be" in line]
-    assert set(crew.watch.times) <= CALLED.get(name, set())
-    totals = [went.dossier.card.total or 0.0 for went in (nobody, crew)]
+    assert set(crew.monitor.times) <= CALLED.get(name, set())
+    totals = [went.debrief.card.total or 0.0 for went in (nobody, crew)]
     assert totals[1] > 89.0
     assert totals[1] > totals[0] + 4.0
-    assert all(each.marks is not None for each in crew.dossier.card.scores)
+    assert all(each.marks is not None for each in crew.debrief.card.scores)
 
 
 # Numbers computed anew from the exported tables
@@ -326,8 +328,8 @@ class Anew:
     def __init__(self, kept: Kept) -> None:
         self.rows = kept.rows
         self.orders = kept.orders
-        passage = kept.voyage.dossier.passage
-        self.vessel, self.file = passage.boat.vessel, passage.boat.file
+        trajectory = kept.voyage.debrief.trajectory
+        self.vessel, self.file = trajectory.boat.vessel, trajectory.boat.file
 
     def value(self, row: dict[str, float], quantity: str) -> float:
         """Return a quantity in its unit; BB2's stern planes rise with a negative angle."""
@@ -476,7 +478,7 @@ def test_a_number_of_the_debrief_is_the_one_computed_anew_from_the_export(
     kept: Kept, i: int
 ) -> None:
     anew = Anew(kept).measure(RULES[i])
-    told = kept.voyage.dossier.card.scores[i].attained
+    told = kept.voyage.debrief.card.scores[i].attained
 
     if anew is None:
         assert told.value is None
@@ -487,32 +489,32 @@ def test_a_number_of_the_debrief_is_the_one_computed_anew_from_the_export(
 
 def test_every_measure_and_window_is_computed_anew(kept: Kept) -> None:
     assert {keys["measure"] for keys in RULES} == set(MEASURES)
-    values = [each.attained.value for each in kept.voyage.dossier.card.scores]
+    values = [each.attained.value for each in kept.voyage.debrief.card.scores]
     assert sum(value is not None and abs(value) > 1e-3 for value in values) >= 20
 
 
 def test_broaches_and_limits_are_those_that_were_called_out(kept: Kept) -> None:
-    called = kept.voyage.watch.times
-    passage = kept.voyage.dossier.passage
-    assert [passage.seconds[row] for row in broached(passage)] == called["broached"]
+    called = kept.voyage.monitor.times
+    trajectory = kept.voyage.debrief.trajectory
+    assert [trajectory.seconds[row] for row in broached(trajectory)] == called["broached"]
     assert len(called["broached"]) >= 2
     assert {"depth above 20 m", "pitch above 4 deg"} <= set(called)
 
 
 def test_the_place_of_a_score_is_where_its_value_stands_in_the_record(kept: Kept) -> None:
     anew = Anew(kept)
-    for keys, scored in zip(RULES, kept.voyage.dossier.card.scores, strict=True):
+    for keys, scored in zip(RULES, kept.voyage.debrief.card.scores, strict=True):
         if keys["measure"] in ("highest", "lowest"):
             row = kept.rows[scored.attained.tick or 0]
             assert anew.value(row, keys["quantity"]) == pytest.approx(scored.attained.value)
 
 
 def test_the_figures_for_programs_are_those_of_the_page(kept: Kept) -> None:
-    dossier = kept.voyage.dossier
-    told = json.loads(json.dumps(figures(dossier)))
-    assert told["total"] == dossier.card.total
+    debrief = kept.voyage.debrief
+    told = json.loads(json.dumps(figures(debrief)))
+    assert told["total"] == debrief.card.total
     assert [each["value"] for each in told["scores"]] == [
-        each.attained.value for each in dossier.card.scores
+        each.attained.value for each in debrief.card.scores
     ]
     (jam,) = told["casualties"]
     assert (jam["kind"], jam["begun_s"], jam["ended_s"]) == ("stern-hard-over", 100.0, 130.5)
@@ -526,11 +528,11 @@ def test_the_figures_for_programs_are_those_of_the_page(kept: Kept) -> None:
 
 
 def test_with_stations_manned_the_instructors_orders_are_not_the_crews(kept: Kept) -> None:
-    dossier = kept.voyage.dossier
-    given = [each.text for each in dossier.passage.orders]
+    debrief = kept.voyage.debrief
+    given = [each.text for each in debrief.trajectory.orders]
     assert "bow planes rise 5" in given
-    assert {each.who.split()[0] for each in dossier.crew} == {"helm", "ballast"}
-    assert [(hand.who.split()[0], hand.orders) for hand in dossier.hands] == [
+    assert {each.who.split()[0] for each in debrief.crew} == {"helm", "ballast"}
+    assert [(hand.who.split()[0], hand.orders) for hand in debrief.hands] == [
         ("schedule", 3),
         ("helm", 4),
         ("instructor", 2),
@@ -544,9 +546,9 @@ def test_alone_on_board_the_instructor_is_the_crew() -> None:
         {"instructor": "5 casualty rudder-stuck\n8 speed 12\n20 clear rudder-stuck"},
         duration=30.0,
     )
-    assert [each.text for each in went.dossier.crew] == ["speed 12 kn"]
-    (found,) = went.dossier.casualties
-    assert (found.spell.begun, found.spell.ended) == (10, 41)
+    assert [each.text for each in went.debrief.crew] == ["speed 12 kn"]
+    (found,) = went.debrief.casualties
+    assert (found.episode.begun, found.episode.ended) == (10, 41)
     assert found.order
     assert found.order.tick == 16
 
@@ -558,14 +560,14 @@ def test_a_casualty_that_waited_for_a_condition_is_told_like_any_other(tmp_path:
         "[[casualties]]\nname = 'rudder-stuck'\nwhen = 'depth > 62'\n"
         "[[casualties]]\nname = 'bow-stuck'\nat_s = 58\n"
     )
-    dossier = fly(None, {}, exercise=str(tmp_path / "drill.toml")).dossier
-    (rudder, bow) = dossier.casualties
-    passage = dossier.passage
-    onset = passage.row(rudder.spell.begun)
-    assert passage.columns["z"][onset] > 62.0
-    assert passage.columns["z"][onset - 1] <= 62.0
-    assert rudder.spell.ended is bow.spell.ended is None
-    assert (bow.spell.begun, rudder.order) == (116, None)
+    debrief = fly(None, {}, exercise=str(tmp_path / "drill.toml")).debrief
+    (rudder, bow) = debrief.casualties
+    trajectory = debrief.trajectory
+    onset = trajectory.row(rudder.episode.begun)
+    assert trajectory.columns["z"][onset] > 62.0
+    assert trajectory.columns["z"][onset - 1] <= 62.0
+    assert rudder.episode.ended is bow.episode.ended is None
+    assert (bow.episode.begun, rudder.order) == (116, None)
     assert rudder.deflection
     assert rudder.deflection.surface in ("stern", "bow")
 
@@ -587,12 +589,12 @@ def wound_back(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def test_each_branch_is_debriefed_with_its_own_past(wound_back: Path) -> None:
     latest, first = read_dossier(wound_back, None), read_dossier(wound_back, 1)
     assert (latest.branch.id, first.branch.id) == (2, 1)
-    assert [float(each.passage.seconds[-1]) for each in (first, latest)] == [40.5, 60.0]
+    assert [float(each.trajectory.seconds[-1]) for each in (first, latest)] == [40.5, 60.0]
     assert [[e.text for e in d.of_kind("mark")] for d in (first, latest)] == [
         ["first try"],
         ["second"],
     ]
-    assert np.array_equal(latest.passage.ticks, np.arange(121))
+    assert np.array_equal(latest.trajectory.ticks, np.arange(121))
     assert "branch 2 of 2" in render(latest)
     assert re.search(r"<td>2 <b>debriefed here</b></td><td>branch 1</td><td>0:20 ", render(latest))
 
@@ -631,7 +633,7 @@ class Elements(HTMLParser):
 
 @pytest.fixture(scope="module")
 def page(kept: Kept) -> str:
-    return render(kept.voyage.dossier)
+    return render(kept.voyage.debrief)
 
 
 def test_the_page_is_one_file_that_needs_nothing_else(page: str) -> None:
@@ -699,7 +701,7 @@ def test_the_same_record_gives_the_same_page(kept: Kept, page: str) -> None:
 
 def test_a_run_without_exercise_casualty_or_tanks_has_its_page_too(tmp_path: Path) -> None:
     went = fly(tmp_path / "small.trainer", {}, vessel="remus100", duration=20.0, sea="sea-state-2")
-    told = render(went.dossier)
+    told = render(went.debrief)
     assert "A run without an exercise" in told
     assert "This run has no scoring rules." in told
     assert "Nothing broke." in told

@@ -41,7 +41,7 @@ def boat_of(vessel: str = "bb2") -> Boat:
 BB2 = boat_of()
 
 
-def passage(limits: Limits | None = None, orders: Any = (), **columns: Any) -> Trajectory:
+def trajectory(limits: Limits | None = None, orders: Any = (), **columns: Any) -> Trajectory:
     """Return a passage at 0.5 s a tick, whose columns but those given are zero."""
     given = {name: np.asarray(values, float) for name, values in columns.items()}
     count = max((values.size for values in given.values()), default=5)
@@ -81,15 +81,15 @@ def order(number: int, tick: int, text: str, who: str = "diving at panel") -> Jo
 
 
 def test_overshoot_is_how_far_it_went_beyond_seen_from_where_it_began() -> None:
-    went = passage(z=[60, 90, 104, 101, 99])
+    went = trajectory(z=[60, 90, 104, 101, 99])
     depth = {"measure": "overshoot", "quantity": "depth_m", "target": 100}
     assert taken(went, **depth) == (4.0, 2)
-    upward = passage(z=[140, 120, 97, 99, 101])
+    upward = trajectory(z=[140, 120, 97, 99, 101])
     assert taken(upward, **depth) == (3.0, 2)
 
 
 def test_a_target_that_is_never_reached_has_no_overshoot_and_earns_nothing() -> None:
-    went = passage(z=[60, 90, 99, 98])
+    went = trajectory(z=[60, 90, 99, 98])
     met = score(went, (rule(measure="overshoot", quantity="depth", target=100),))
     assert met.scores[0].attained.why == "the target was never reached"
     assert met.scores[0].marks == 0.0
@@ -98,7 +98,7 @@ def test_a_target_that_is_never_reached_has_no_overshoot_and_earns_nothing() -> 
 
 
 def test_time_to_counts_from_the_window_to_where_it_stays_in_its_band() -> None:
-    went = passage(z=[60, 99, 90, 99, 101, 100])
+    went = trajectory(z=[60, 99, 90, 99, 101, 100])
     depth = {"measure": "time-to", "quantity": "depth", "target": 100, "band": 1}
     assert taken(went, **depth) == (1.5, 3)
     assert taken(went, **depth, from_s=1.0) == (0.5, 3)
@@ -107,12 +107,12 @@ def test_time_to_counts_from_the_window_to_where_it_stays_in_its_band() -> None:
 
 
 def test_rms_is_the_root_of_the_mean_square_and_its_place_the_worst() -> None:
-    went = passage(z=[100, 103, 96, 100])  # sqrt((9 + 16) / 4) = 2.5
+    went = trajectory(z=[100, 103, 96, 100])  # sqrt((9 + 16) / 4) = 2.5
     assert taken(went, measure="rms", quantity="depth", target=100) == (2.5, 2)
 
 
 def test_without_a_target_it_is_what_was_ordered_at_each_tick() -> None:
-    went = passage(z=[60, 62, 80], ordered_depth=[60, 60, 80])
+    went = trajectory(z=[60, 62, 80], ordered_depth=[60, 60, 80])
     assert taken(went, measure="in-band", quantity="depth", band=1) == (  # type: ignore[comparison-overlap]
         pytest.approx(200 / 3),
         1,
@@ -120,7 +120,7 @@ def test_without_a_target_it_is_what_was_ordered_at_each_tick() -> None:
 
 
 def test_a_course_goes_the_short_way_round() -> None:
-    went = passage(psi=np.radians([358, 362, 723]))
+    went = trajectory(psi=np.radians([358, 362, 723]))
     assert taken(went, measure="rms", quantity="course_deg", target=0)[0] == pytest.approx(
         np.sqrt((4 + 4 + 9) / 3)
     )
@@ -128,7 +128,7 @@ def test_a_course_goes_the_short_way_round() -> None:
 
 
 def test_extremes_have_their_value_and_their_tick() -> None:
-    went = passage(theta=np.radians([1, -7, 5]), u=np.array([2, 8, 5]) * KNOT)
+    went = trajectory(theta=np.radians([1, -7, 5]), u=np.array([2, 8, 5]) * KNOT)
     pitch = {"quantity": "pitch_deg"}
     assert taken(went, measure="highest", **pitch) == (pytest.approx(5.0), 2)  # type: ignore[comparison-overlap]
     assert taken(went, measure="lowest", **pitch) == (pytest.approx(-7.0), 1)  # type: ignore[comparison-overlap]
@@ -138,7 +138,7 @@ def test_extremes_have_their_value_and_their_tick() -> None:
 
 
 def test_planes_are_as_active_as_what_they_move_in_a_minute() -> None:
-    went = passage(delta_s=np.radians([0, 1, -1, 0]), delta_b=np.radians([0, 0, 0, 2]))
+    went = trajectory(delta_s=np.radians([0, 1, -1, 0]), delta_b=np.radians([0, 0, 0, 2]))
     # 1 + 2 + (1 + 2) degrees in 1.5 s
     assert taken(went, measure="activity") == (pytest.approx(240.0), 3)  # type: ignore[comparison-overlap]
     assert taken(went, measure="activity", quantity="bow") == (pytest.approx(80.0), 3)  # type: ignore[comparison-overlap]
@@ -147,16 +147,16 @@ def test_planes_are_as_active_as_what_they_move_in_a_minute() -> None:
 
 
 def test_distance_is_run_only_while_the_condition_holds() -> None:
-    went = passage(x=[0, 3, 6, 9], y=[0, 4, 8, 12], u=[5, 5, 5, 0])
+    went = trajectory(x=[0, 3, 6, 9], y=[0, 4, 8, 12], u=[5, 5, 5, 0])
     assert taken(went, measure="distance") == (15.0, 3)
     assert taken(went, measure="distance", when="speed_m_s > 1") == (10.0, 2)
 
 
 def test_limits_are_passed_for_as_long_as_they_are() -> None:
     limits = Limits(depth_m_max=100.0, pitch_deg_max=5.0)
-    went = passage(limits, z=[99, 101, 102, 99], theta=np.radians([0, 0, -6, -6]))
+    went = trajectory(limits, z=[99, 101, 102, 99], theta=np.radians([0, 0, -6, -6]))
     assert taken(went, measure="beyond-limits") == (1.5, 1)
-    assert taken(passage(), measure="beyond-limits") == (0.0, None)
+    assert taken(trajectory(), measure="beyond-limits") == (0.0, None)
 
 
 def test_an_answer_is_the_crews_next_order_after_the_onset() -> None:
@@ -167,30 +167,30 @@ def test_an_answer_is_the_crews_next_order_after_the_onset() -> None:
         order(4, 4, "bell astern full"),
         order(5, 5, "bow planes rise 9"),
     ]
-    went = passage(orders=given, jam=[0, 0, 1, 1, 1, 1])
+    went = trajectory(orders=given, jam=[0, 0, 1, 1, 1, 1])
     jam = {"measure": "response", "casualty": "stern-stuck"}
     assert taken(went, **jam) == (1.5, 4)
     assert taken(went, **jam, orders=["bow"]) == (2.0, 5)
     assert attain(went, rule(**jam, orders=["blow"])).why == "it was not answered"
-    assert attain(passage(), rule(**jam)).counts is False
+    assert attain(trajectory(), rule(**jam)).counts is False
 
 
 def test_in_a_freeze_an_answer_comes_at_the_tick_of_the_casualty_itself() -> None:
     given = [order(1, 1, "casualty stern-stuck", "instructor at x"), order(2, 1, "bell stop")]
-    went = passage(orders=given, jam=[0, 0, 1, 1])
+    went = trajectory(orders=given, jam=[0, 0, 1, 1])
     assert taken(went, measure="response", casualty="stern-stuck") == (0.0, 1)
 
 
 def test_air_is_the_least_share_of_what_the_banks_hold_full() -> None:
     main, emergency = (float(full) for full in BB2.vessel.bank_full)
-    went = passage(bank_main=[main, main / 2, main], bank_emergency=[emergency] * 3)
+    went = trajectory(bank_main=[main, main / 2, main], bank_emergency=[emergency] * 3)
     assert taken(went, measure="reserve-air", quantity="bank_main") == (pytest.approx(50.0), 1)  # type: ignore[comparison-overlap]
     both = 100.0 * (main / 2 + emergency) / (main + emergency)
     assert taken(went, measure="reserve-air") == (pytest.approx(both), 1)  # type: ignore[comparison-overlap]
 
 
 def test_a_boat_without_the_part_is_not_judged_by_it() -> None:
-    went = passage()
+    went = trajectory()
     lone = Trajectory(
         boat_of("remus100"),
         went.limits,
@@ -221,7 +221,7 @@ def test_marks_are_in_proportion_between_full_and_none(
 
 def test_the_total_is_by_weight_and_of_what_counts_only() -> None:
     card = score(
-        passage(z=[100, 105]),
+        trajectory(z=[100, 105]),
         rules(
             "[[scores]]\nname='a'\nmeasure='highest'\nquantity='depth'\nfull=100\nzero=110\n"
             "weight=3\n"
@@ -236,13 +236,13 @@ def test_the_total_is_by_weight_and_of_what_counts_only() -> None:
 
 
 def test_a_condition_that_is_never_met_earns_nothing() -> None:
-    card = score(passage(), (rule(measure="distance", when="depth > 50", full=9, zero=0),))
+    card = score(trajectory(), (rule(measure="distance", when="depth > 50", full=9, zero=0),))
     assert card.total == 0.0
     assert card.scores[0].attained.why == "never depth > 50"
 
 
 def test_a_run_without_rules_has_no_marks() -> None:
-    assert score(passage(), ()).total is None
+    assert score(trajectory(), ()).total is None
 
 
 # What a file may say

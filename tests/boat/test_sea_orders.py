@@ -301,53 +301,53 @@ def test_a_run_with_sea_tanks_and_orders_gives_the_same_bits_at_any_pace_and_wit
 # What is called out
 
 
-def watched(boat: Boat, watch: LimitMonitor, seconds: float) -> list[str]:
+def watched(boat: Boat, monitor: LimitMonitor, seconds: float) -> list[str]:
     said = []
     for _ in range(round(seconds / boat.method.step)):
         assert boat.tick() == 0
-        said += watch.look(boat)
+        said += monitor.look(boat)
     return said
 
 
 def test_a_boat_thrown_up_by_the_sea_is_called_out_as_broached() -> None:
     boat = boat_at(17.5, 4.0)
     boat.put_to_sea(sea_of('sea_state = 5\nsuction = "on"'))
-    watch = LimitMonitor.over(boat, Limits())
-    said = watched(boat, watch, 300.0)
+    monitor = LimitMonitor.over(boat, Limits())
+    said = watched(boat, monitor, 300.0)
     assert any("BROACHED: she shows 0." in line for line in said)
     assert said[0].startswith("tick ")
-    assert watch.account().startswith("broached ")
+    assert monitor.account().startswith("broached ")
 
 
 def test_a_boat_that_is_blown_up_has_surfaced_and_not_broached_and_is_called_out_once() -> None:
     boat = boat_at(60.0, 10.0)
-    watch = LimitMonitor.over(boat, Limits())
+    monitor = LimitMonitor.over(boat, Limits())
     told(boat, "surface")
-    said = watched(boat, watch, 300.0)
+    said = watched(boat, monitor, 300.0)
     assert [line.partition(": ")[2] for line in said] == ["surfaced: the boat shows above the sea"]
     told(boat, "dive", "depth 40")
-    assert watched(boat, watch, 300.0) == []
+    assert watched(boat, monitor, 300.0) == []
     told(boat, "surface")
-    assert len(watched(boat, watch, 300.0)) == 1
+    assert len(watched(boat, monitor, 300.0)) == 1
 
 
 def test_a_limit_is_called_out_at_each_crossing_and_only_then() -> None:
     boat = boat_at(60.0, 10.0)
-    watch = LimitMonitor.over(
+    monitor = LimitMonitor.over(
         boat, Limits(depth_m_max=70.0, depth_m_min=65.0, speed_kn_max=10.0)
     )  # she starts above 65 m: no news
-    assert watch.account() == ""
+    assert monitor.account() == ""
     told(boat, "depth 80")
-    down = watched(boat, watch, 240.0)
+    down = watched(boat, monitor, 240.0)
     told(boat, "depth 60")
-    up = watched(boat, watch, 240.0)
+    up = watched(boat, monitor, 240.0)
     assert [line.partition(": ")[2] for line in down if "depth" in line] == [
         "LIMIT: depth above 70 m"
     ]
     assert [line.partition(": ")[2] for line in up if "depth" in line] == [
         "LIMIT: depth below 65 m"
     ]
-    assert "depth above 70 m 1 time (first at " in watch.account()
+    assert "depth above 70 m 1 time (first at " in monitor.account()
 
 
 @pytest.mark.parametrize(
@@ -361,8 +361,8 @@ def test_a_limit_is_called_out_at_each_crossing_and_only_then() -> None:
 )
 def test_each_limit_watches_its_own_quantity(limits: Limits, place: str, value: float) -> None:
     boat = boat_at(60.0)
-    watch = LimitMonitor(limits)
-    assert watch.look(boat) == []
+    monitor = LimitMonitor(limits)
+    assert monitor.look(boat) == []
     boat.state[place] = value
-    assert len(watch.look(boat)) == 1
-    assert watch.look(boat) == []
+    assert len(monitor.look(boat)) == 1
+    assert monitor.look(boat) == []

@@ -139,7 +139,7 @@ def at_the_console(
 
     async def run() -> None:
         async with app.run_test(size=size) as pilot:
-            while not app.sight.joined or (app.sight.instructs and not app.sight.casualties):
+            while not app.model.joined or (app.model.instructs and not app.model.casualties):
                 await pilot.pause(0.02)
             await act(pilot, app)
 
@@ -579,14 +579,14 @@ def test_the_time_line_keeps_casualties_marks_and_snapshots_until_they_are_undon
     talk.answers["snapshots"] = []
     talk.say(sentences.fact(40, 20.0, "order", "casualty stern-stuck"))
     talk.say(sentences.fact(100, 50.0, "mark", "good recovery"))
-    sight = sight_of(talk)
-    sight.hear()
-    assert [(kept.sign, kept.seconds) for kept in sight.marks] == [("C", 20.0), ("M", 50.0)]
+    model = sight_of(talk)
+    model.hear()
+    assert [(kept.sign, kept.seconds) for kept in model.marks] == [("C", 20.0), ("M", 50.0)]
 
     talk.say(sentences.fact(60, 30.0, "back", "backtrack 30 s"))
-    sight.hear()
-    assert [kept.sign for kept in sight.marks] == ["C"]
-    assert sight.furthest == 30.0
+    model.hear()
+    assert [kept.sign for kept in model.marks] == ["C"]
+    assert model.furthest == 30.0
 
 
 @pytest.mark.parametrize(
@@ -604,21 +604,21 @@ def test_no_remark_can_wipe_the_time_line_or_look_like_the_session(remark: str) 
     talk.say(sentences.fact(100, 50.0, "mark", remark))
     talk.say(sentences.event(100, 50.0, "mark", f"mark by helm: {remark}"))
     talk.say(sentences.event(110, 55.0, "order", f"helm: rudder left 5: {remark}"))
-    sight = sight_of(talk)
-    sight.hear()
-    assert [kept.text for kept in sight.marks] == ["first", remark]
-    assert [kept.sign for kept in sight.marks] == ["M", "M"]
-    assert not sight.over
+    model = sight_of(talk)
+    model.hear()
+    assert [kept.text for kept in model.marks] == ["first", remark]
+    assert [kept.sign for kept in model.marks] == ["M", "M"]
+    assert not model.over
 
 
 def test_a_remark_of_one_s_own_does_not_wipe_the_time_line_either() -> None:
     talk = tape()
-    sight = sight_of(talk)
-    sight.marks.append(Kept(20.0, "M", "before"))
+    model = sight_of(talk)
+    model.marks.append(Kept(20.0, "M", "before"))
     talk.facts["mark back from 60 s to 0 s"] = [("mark", "back from 60 s to 0 s")]
-    sight.order("mark back from 60 s to 0 s")
-    sight.hear()
-    assert [kept.text for kept in sight.marks] == ["before", "back from 60 s to 0 s"]
+    model.order("mark back from 60 s to 0 s")
+    model.hear()
+    assert [kept.text for kept in model.marks] == ["before", "back from 60 s to 0 s"]
 
 
 WILD = ("1e308", "-1e308", "1e-308", "9" * 300, "-0", "5e-324", "1e9", "-1e9", "nan", "-inf")
@@ -631,7 +631,7 @@ def test_no_number_that_a_session_sends_ends_a_screen(role: str) -> None:
             for channel in talk.channels:
                 told = [number if value[-1:].isdigit() else value for value in values(channel)]
                 talk.say(sentences.state(channel, tick, tick / 2.0, told))
-            app.sight.clock = lambda now=float(tick): now  # type: ignore[misc]
+            app.model.clock = lambda now=float(tick): now  # type: ignore[misc]
             await pilot.pause(0.15)
         assert app.is_running
         assert app._exception is None  # noqa: SLF001  what ended it
@@ -641,11 +641,11 @@ def test_no_number_that_a_session_sends_ends_a_screen(role: str) -> None:
 
 
 def test_what_can_break_is_asked_of_the_session() -> None:
-    sight = sight_of(tape())
-    sight.hear()
-    sight.hear()
-    assert sight.casualties[0] == Broken("stern-stuck", "", "The stern planes stay where they are")
-    assert sight.casualties[1].degree == "-1 ramp 0"
+    model = sight_of(tape())
+    model.hear()
+    model.hear()
+    assert model.casualties[0] == Broken("stern-stuck", "", "The stern planes stay where they are")
+    assert model.casualties[1].degree == "-1 ramp 0"
 
 
 # The line
@@ -695,8 +695,8 @@ def test_a_lost_line_is_shown_and_orders_are_not_swallowed() -> None:
 def test_a_session_that_says_nothing_more_is_called_out() -> None:
     talk = tape()
     now = [100.0]
-    sight = SessionModel(talk, "instructor", LAYOUTS["instructor"].charts, clock=lambda: now[0])
-    app = Console(sight)
+    model = SessionModel(talk, "instructor", LAYOUTS["instructor"].charts, clock=lambda: now[0])
+    app = Console(model)
 
     async def wait() -> None:
         async with app.run_test(size=(80, 24)) as pilot:

@@ -429,29 +429,29 @@ def test_the_session_takes_every_key_of_the_crew_for_an_order_of_theirs(served: 
 
 async def typed(app: Console, keys: list[str]) -> list[Entry]:
     """Return the log of a screen at which keys are pressed, once all is answered."""
-    wanted = set(LAYOUTS[app.sight.role].channels)
+    wanted = set(LAYOUTS[app.model.role].channels)
     async with app.run_test() as pilot:
-        while not app.sight.picture.seconds or not wanted <= set(app.sight.picture.last):
+        while not app.model.picture.seconds or not wanted <= set(app.model.picture.last):
             await pilot.pause(LOOK)
         await pilot.press(*keys)
-        app.sight.order("who")
-        while app.sight.waiting:
+        app.model.order("who")
+        while app.model.waiting:
             await pilot.pause(LOOK)
-    return list(app.sight.journal.entries)
+    return list(app.model.journal.entries)
 
 
 def test_the_session_lists_what_can_break_as_it_is_ordered(served: Path) -> None:
     client = Client(lambda: str(served), "instructor", {})
     client.start()
-    sight = SessionModel(client, "instructor", ())
+    model = SessionModel(client, "instructor", ())
     waited = threading.Event()
-    while not sight.casualties:
-        sight.hear()
+    while not model.casualties:
+        model.hear()
         waited.wait(LOOK)
     client.close(5.0)
 
-    assert {"stern-stuck", "flooding-aft", "propulsion-lost"} <= {c.name for c in sight.casualties}
-    for each in sight.casualties:
+    assert {"stern-stuck", "flooding-aft", "propulsion-lost"} <= {c.name for c in model.casualties}
+    for each in model.casualties:
         assert isinstance(parse(f"casualty {each.name} {each.degree}"), Order)
         assert each.says
 

@@ -72,7 +72,7 @@ class Desk:
 
 
 @contextmanager
-def desk() -> Iterator[Desk]:
+def control() -> Iterator[Desk]:
     made = Desk()
     try:
         yield made
@@ -99,7 +99,7 @@ def read_lines(far: socket.socket, count: int) -> list[bytes]:
 
 
 def test_lines_go_both_ways_and_an_order_wakes_whoever_waits() -> None:
-    with desk() as here, client(here) as (far, line):
+    with control() as here, client(here) as (far, line):
         assert line.name == f"tcp 127.0.0.1:{far.getsockname()[1]}"
         here.wake.clear()
         far.sendall(b"depth 80\r\nrudder left 15\nhal")
@@ -115,7 +115,7 @@ def test_lines_go_both_ways_and_an_order_wakes_whoever_waits() -> None:
 
 
 def test_a_newcomer_wakes_whoever_waits() -> None:
-    with desk() as here:
+    with control() as here:
         here.wake.clear()
         with socket.create_connection(("127.0.0.1", here.port), timeout=PATIENCE):
             assert here.wake.wait(PATIENCE)
@@ -123,7 +123,7 @@ def test_a_newcomer_wakes_whoever_waits() -> None:
 
 
 def test_lines_are_taken_oldest_first_and_no_more_than_asked_for() -> None:
-    with desk() as here, client(here) as (far, line):
+    with control() as here, client(here) as (far, line):
         far.sendall(b"a\nb\nc\nd\n" + b"x" * (LONGEST + 1) + b"\n")
         assert here.wait(lambda: len(line._heard) == 5)  # noqa: SLF001  take() would empty it
 
@@ -133,7 +133,7 @@ def test_lines_are_taken_oldest_first_and_no_more_than_asked_for() -> None:
 
 
 def test_a_client_that_hangs_up_has_ended_once_its_lines_are_taken() -> None:
-    with desk() as here, client(here) as (far, line):
+    with control() as here, client(here) as (far, line):
         far.sendall(b"run\nrudder le")
         far.shutdown(socket.SHUT_WR)
 
@@ -147,7 +147,7 @@ def test_a_client_that_hangs_up_has_ended_once_its_lines_are_taken() -> None:
 
 
 def test_a_closed_client_gets_what_was_sent_and_then_the_end() -> None:
-    with desk() as here, client(here) as (far, line):
+    with control() as here, client(here) as (far, line):
         far.sendall(b"unread\n" * 10)
         for i in range(100):
             line.send(f"line {i}")
@@ -166,7 +166,7 @@ def test_a_closed_client_gets_what_was_sent_and_then_the_end() -> None:
 
 
 def test_a_hung_client_loses_its_own_lines_only_and_they_are_counted() -> None:
-    with desk() as here, client(here) as (_, hung), client(here) as (far, other):
+    with control() as here, client(here) as (_, hung), client(here) as (far, other):
         said = 20_000
         seen: list[bytes] = []
         for i in range(said):
@@ -183,7 +183,7 @@ def test_a_hung_client_loses_its_own_lines_only_and_they_are_counted() -> None:
 
 
 def test_what_a_slow_client_does_get_is_whole_lines_in_order() -> None:
-    with desk() as here, client(here) as (far, line):
+    with control() as here, client(here) as (far, line):
         for i in range(20_000):
             line.send(f"{i:060d}")
         line.close(PATIENCE)
@@ -228,7 +228,7 @@ def test_a_line_sent_in_parts_arrives_whole_and_one_cut_off_is_counted() -> None
 
 
 def test_a_flood_is_held_back_at_its_source_and_nothing_of_it_is_lost() -> None:
-    with desk() as here, client(here) as (far, line), client(here) as (calm, other):
+    with control() as here, client(here) as (far, line), client(here) as (calm, other):
         count = 3000
         flood = threading.Thread(target=far.sendall, args=(b"depth 80\n" * count,))
         flood.start()
@@ -242,7 +242,7 @@ def test_a_flood_is_held_back_at_its_source_and_nothing_of_it_is_lost() -> None:
 
 
 def test_a_flood_is_read_no_faster_than_the_pace() -> None:
-    with desk() as here, client(here) as (far, line):
+    with control() as here, client(here) as (far, line):
         far.settimeout(0.0)
         start = time.monotonic()
         with suppress(BlockingIOError):
@@ -261,7 +261,7 @@ def test_noise_on_a_socket_keeps_memory_flat(monkeypatch: pytest.MonkeyPatch) ->
     monkeypatch.setattr(connection, "PACE", 1e9)
     source = random.Random(1967)  # noqa: S311  noise, not a secret
 
-    with desk() as here, client(here) as (far, line):
+    with control() as here, client(here) as (far, line):
 
         def babble(times: int) -> None:
             for _ in range(times):
@@ -281,7 +281,7 @@ def test_noise_on_a_socket_keeps_memory_flat(monkeypatch: pytest.MonkeyPatch) ->
 
 
 def test_a_client_that_is_reset_is_let_go_with_its_reason() -> None:
-    with desk() as here, client(here) as (far, line), client(here) as (other_far, other):
+    with control() as here, client(here) as (far, line), client(here) as (other_far, other):
         far.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, struct.pack("ii", 1, 0))
         far.close()  # with a reset
 
@@ -294,7 +294,7 @@ def test_a_client_that_is_reset_is_let_go_with_its_reason() -> None:
 
 
 def test_a_client_that_vanished_without_a_word_is_probed_by_the_system() -> None:
-    with desk() as here, client(here) as (_, line):
+    with control() as here, client(here) as (_, line):
         end = line._end  # noqa: SLF001  whether the system keeps it alive shows nowhere else
 
         assert end.getsockopt(socket.SOL_SOCKET, socket.SO_KEEPALIVE)
@@ -304,7 +304,7 @@ def test_a_client_that_vanished_without_a_word_is_probed_by_the_system() -> None
 
 
 def test_a_silent_client_costs_nothing_and_is_kept() -> None:
-    with desk() as here, client(here) as (far, line), client(here) as (other_far, other):
+    with control() as here, client(here) as (far, line), client(here) as (other_far, other):
         for i in range(100):
             other_far.sendall(b"depth %d\n" % i)
             assert here.heard(other, 1) == [f"depth {i}"]
@@ -325,7 +325,7 @@ def guest(here: Desk, guests: ExitStack) -> tuple[socket.socket, Connection]:
 def test_silent_strangers_give_way_and_keep_nobody_out_of_the_local_socket(
     tmp_path: Path,
 ) -> None:
-    with desk() as here, ExitStack() as guests:
+    with control() as here, ExitStack() as guests:
         here.hub.listen_here(tmp_path / "s")
         talking = guest(here, guests)
         silent = [guests.enter_context(client(here)) for _ in range(STRANGERS + 5)]
@@ -370,7 +370,7 @@ def closing_hub(hub: Server) -> Iterator[int]:
 
 
 def test_one_client_too_many_is_told_so_and_room_is_made_when_one_leaves() -> None:
-    with desk() as here, ExitStack() as guests:
+    with control() as here, ExitStack() as guests:
         where = ("127.0.0.1", here.port)
         first = guest(here, guests)
         for _ in range(ROOM - 1):
@@ -393,7 +393,7 @@ def test_a_crowd_at_the_door_is_cut_off_and_the_clients_are_still_served(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     monkeypatch.setattr("trainer.io.server.LAST_WORDS", PATIENCE)
-    with desk() as here, ExitStack() as guests:
+    with control() as here, ExitStack() as guests:
         far, line = guest(here, guests)
         for _ in range(ROOM - 1):
             guest(here, guests)
@@ -411,7 +411,7 @@ def test_a_crowd_at_the_door_is_cut_off_and_the_clients_are_still_served(
 
 
 def test_a_page_in_a_browser_gives_no_orders() -> None:
-    with desk() as here, client(here) as (far, line):
+    with control() as here, client(here) as (far, line):
         far.sendall(b"POST /" + b"x" * 100 + b" HTTP/1.1\r\nHost: localhost\r\n\r\nblow all\r\n")
 
         assert here.wait(lambda: line.ended)
@@ -428,31 +428,31 @@ def test_a_system_without_room_for_a_connection_is_asked_again_later(
     class Full:
         """A door that the system opens at the third knock."""
 
-        def __init__(self, door: socket.socket) -> None:
-            self.door, self.left = door, 2
+        def __init__(self, access: socket.socket) -> None:
+            self.access, self.left = access, 2
 
         def fileno(self) -> int:
-            return self.door.fileno()
+            return self.access.fileno()
 
         def settimeout(self, seconds: float) -> None:
-            self.door.settimeout(seconds)
+            self.access.settimeout(seconds)
 
         def getsockname(self) -> tuple[str, int]:
-            return self.door.getsockname()  # type: ignore[no-any-return]
+            return self.access.getsockname()  # type: ignore[no-any-return]
 
         def close(self) -> None:
-            self.door.close()
+            self.access.close()
 
         def accept(self) -> tuple[socket.socket, tuple[str, int]]:
             asked.append(time.monotonic())
             if self.left:
                 self.left -= 1
                 raise OSError(24, "Too many open files")
-            return self.door.accept()
+            return self.access.accept()
 
     real = server_module.listen_at
     monkeypatch.setattr("trainer.io.server.listen_at", lambda *at: Full(real(*at)))
-    with desk() as here, client(here) as (far, line):
+    with control() as here, client(here) as (far, line):
         far.sendall(b"run\n")
         assert here.heard(line, 1) == ["run"]
     first, second, third = asked
@@ -514,7 +514,10 @@ def test_a_hub_that_closes_gets_out_what_is_queued() -> None:
 
 
 def test_a_port_in_use_is_told_with_the_next_step() -> None:
-    with desk() as here, pytest.raises(LinkError, match=f"127.0.0.1:{here.port}: in use already"):
+    with (
+        control() as here,
+        pytest.raises(LinkError, match=f"127.0.0.1:{here.port}: in use already"),
+    ):
         here.hub.listen("127.0.0.1", here.port)
 
 
@@ -536,7 +539,7 @@ def test_an_impossible_place_to_listen_is_told(host: str, port: int, reason: str
 @needs_local
 def test_a_local_socket_carries_lines_for_its_owner_only(tmp_path: Path) -> None:
     path = tmp_path / "session"
-    with desk() as here:
+    with control() as here:
         here.hub.listen_here(path)
         assert path.stat().st_mode & 0o777 == 0o600
         with socket.socket(socket.AF_UNIX) as far:
@@ -561,7 +564,7 @@ def test_the_socket_of_a_dead_session_is_replaced_and_that_of_a_live_one_refused
     dead.listen()
     dead.close()
 
-    with desk() as here, desk() as other:
+    with control() as here, control() as other:
         here.hub.listen_here(path)
         with pytest.raises(LinkError, match="a session listens there; attach to it, or give"):
             other.hub.listen_here(path)
@@ -573,7 +576,7 @@ def test_the_socket_of_a_dead_session_is_replaced_and_that_of_a_live_one_refused
 @needs_local
 def test_a_socket_that_another_session_has_taken_over_is_left_to_it(tmp_path: Path) -> None:
     path = tmp_path / "session"
-    with desk() as here:
+    with control() as here:
         here.hub.listen_here(path)
         path.unlink()
         path.write_text("another's")
@@ -624,7 +627,7 @@ def dialled(url: str) -> Iterator[tuple[Line, threading.Event]]:
 
 def test_a_client_dials_a_port_and_a_long_line_reaches_it_whole() -> None:
     threads = set(threading.enumerate())
-    with desk() as here:
+    with control() as here:
         for scheme in ("tcp", "socket"):
             with dialled(f"{scheme}://127.0.0.1:{here.port}") as (far, arrived):
                 (line,) = here.arrivals(1)
@@ -638,7 +641,7 @@ def test_a_client_dials_a_port_and_a_long_line_reaches_it_whole() -> None:
 
 
 def test_a_client_hears_that_the_session_is_gone() -> None:
-    with desk() as here, dialled(f"tcp://127.0.0.1:{here.port}") as (far, _):
+    with control() as here, dialled(f"tcp://127.0.0.1:{here.port}") as (far, _):
         (line,) = here.arrivals(1)
         line.send("ending")
         line.close(PATIENCE)
@@ -650,7 +653,7 @@ def test_a_client_hears_that_the_session_is_gone() -> None:
 @needs_local
 @pytest.mark.parametrize("prefix", ["", "local:"])
 def test_a_client_dials_a_local_socket(tmp_path: Path, prefix: str) -> None:
-    with desk() as here:
+    with control() as here:
         here.hub.listen_here(tmp_path / "session")
         with dialled(f"{prefix}{tmp_path / 'session'}") as (far, _):
             (line,) = here.arrivals(1)
@@ -702,7 +705,7 @@ def test_a_serial_line_is_a_line_whose_losses_are_counted() -> None:
     os.close(far)
     os.write(near, b"rudder left 15\rrun\r" + b"x" * 81)
     assert wake.wait(PATIENCE)
-    with desk() as here:
+    with control() as here:
         assert here.heard(line, 1) == ["rudder left 15"]
         assert here.heard(line, 2) == ["run", Overlong(LONGEST)]
         line.send("state")

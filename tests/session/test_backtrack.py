@@ -144,8 +144,8 @@ class Ship:
             schedule=self.plan.schedule,
             wake=self.bridge.wake,
         )
-        self.session.board.stations.append(
-            Station(self.bridge, Access("instructor"), self.bridge, self.session.board.log)  # type: ignore[arg-type]
+        self.session.event_log.stations.append(
+            Station(self.bridge, Access("instructor"), self.bridge, self.session.event_log.log)  # type: ignore[arg-type]
         )
 
     def new_boat(self) -> Boat:
@@ -361,11 +361,11 @@ def numbers_lost(ship: Ship) -> Lines:
     yield from onward(ship, 70)
     ship.boat.state.x = math.inf
     yield "step 5"
-    assert "out of all bounds" in ship.session.desk.failure
+    assert "out of all bounds" in ship.session.control.failure
     yield "run"
     assert "this boat cannot go on" in ship.bridge.heard[-1]
     yield "backtrack 2 s"
-    assert (ship.tick, ship.session.desk.failure) == (66, "")
+    assert (ship.tick, ship.session.control.failure) == (66, "")
 
 
 WAYS = (

@@ -340,11 +340,11 @@ def flown(path: Path) -> list[tuple[int, bytes]]:
 
 def kill_driven(nursery: Nursery, folder: Path, number: int, dice: random.Random) -> None:
     """Kill a session that is being driven; no answered order is missing, and it can go on."""
-    exercise, path, door = (folder / f"{number}{end}" for end in (".toml", ".trainer", ".sock"))
+    exercise, path, access = (folder / f"{number}{end}" for end in (".toml", ".trainer", ".sock"))
     exercise.write_text(TROUBLED)
-    ports = ("--listen", "none", "--socket", str(door))
+    ports = ("--listen", "none", "--socket", str(access))
     child = nursery.start("serve", str(exercise), "--speed", "100", *ports, "--record", str(path))
-    with dialled(door) as line:
+    with dialled(access) as line:
         answered = drive(line, dice.randrange(1, 70), dice)
         line.sendall(b"bell ahead full\n")  # which may act or not
         time.sleep(dice.uniform(0.0, 0.01))

@@ -124,9 +124,9 @@ class Deck:
         self.session = Session(
             self.boat, keeping, history, NoFile(), COLUMNS, self.publisher, wake=wake
         )
-        ports = Ports(wake, self.publisher, self.session.board.log, stack)
+        ports = Ports(wake, self.publisher, self.session.event_log.log, stack)
         self.stations = open_outlets(ports, self.recording, given)
-        self.session.board.stations += self.stations
+        self.session.event_log.stations += self.stations
         for station in self.stations:
             stack.callback(station.close, 0.5)
 
@@ -144,7 +144,7 @@ class Deck:
 
     @property
     def news(self) -> list[str]:
-        return [news.text for news in self.session.board.news]
+        return [news.text for news in self.session.event_log.news]
 
 
 @pytest.fixture

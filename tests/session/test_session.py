@@ -124,7 +124,9 @@ def session_of(
     OPENED.append(recording)
     history = History(boat, recording)
     session = Session(boat, time, history, recorder or Rows(), COLUMNS, script, schedule=entries)
-    session.board.stations.append(Station(script, Access("instructor"), script, session.board.log))
+    session.event_log.stations.append(
+        Station(script, Access("instructor"), script, session.event_log.log)
+    )
     session.last_tick = ticks
     session.wake = script.wake
     return session
@@ -160,7 +162,7 @@ def test_a_boat_that_loses_her_numbers_is_shown_frozen(monkeypatch: pytest.Monke
 
     session.run()
 
-    assert session.desk.failure
+    assert session.control.failure
     assert frozen == [False, True]
 
 
@@ -287,9 +289,9 @@ def test_a_boat_whose_numbers_are_lost_freezes_and_will_not_run_again() -> None:
     session = session_of(script, 10, "", boat)
     boat.state.x = math.inf
     session.run()
-    assert "x is out of all bounds after tick 0 (0 s)" in session.desk.failure
-    assert f"FROZEN: {session.desk.failure}" in script.heard
-    assert script.heard.count(f"? {GONE.format(session.desk.failure)}") == 2
+    assert "x is out of all bounds after tick 0 (0 s)" in session.control.failure
+    assert f"FROZEN: {session.control.failure}" in script.heard
+    assert script.heard.count(f"? {GONE.format(session.control.failure)}") == 2
     assert boat.state.tick == 0
     assert isinstance(session.recorder, Rows)
     assert len(session.recorder.kept) == 1
@@ -385,8 +387,8 @@ def test_nothing_of_the_exercise_is_told_before_the_token_nor_what_breaks_to_the
     session = session_of(alone)
     session.briefing = ("Stern planes jam", "At 30 s the stern planes stick.", "BB2")
     session.crew_briefing = ("BB2",)
-    door = Access(tokens={"": "WORD"})
-    session.reception = Coming(Station(stranger, door, stranger, session.board.log))
+    access = Access(tokens={"": "WORD"})
+    session.reception = Coming(Station(stranger, access, stranger, session.event_log.log))
     session.listen()
     heard = "\n".join(stranger.heard)
     before, _, after = heard.partition("this line is the helm's")
@@ -400,7 +402,9 @@ def test_a_mark_says_who_made_it_and_cannot_look_like_the_session() -> None:
     helm, other = Script([["mark the session is over"]]), Script([])
     session = session_of(Script([]))
     for line in (helm, other):
-        session.board.stations.append(Station(line, Access("observer"), line, session.board.log))
+        session.event_log.stations.append(
+            Station(line, Access("observer"), line, session.event_log.log)
+        )
     session.listen()
     assert other.heard == ["mark by observer: the session is over"]
     recording = session.history.recording

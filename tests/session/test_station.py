@@ -56,7 +56,7 @@ class FakeLine:
 class Post:
     """A station with its line, its log and a boat that stands still."""
 
-    def __init__(self, boat: Boat, door: Access) -> None:
+    def __init__(self, boat: Boat, access: Access) -> None:
         self.now = 0.0
         self.line = FakeLine()
         self.log: list[tuple[str, str]] = []
@@ -64,7 +64,7 @@ class Post:
         self.sending = Promptly(Roster(StateReader(boat, Ledger(0.5).summary)), lambda: self.now)
         self.station = Station(
             self.line,
-            door,
+            access,
             self.sending,
             lambda kind, text: self.log.append((kind, text)),
             lambda: self.now,

@@ -61,9 +61,9 @@ class LimitMonitor:
     @classmethod
     def over(cls, boat: Boat, limits: Limits) -> "LimitMonitor":
         """Return the watch over a boat; what shows or is beyond its limit now is no news."""
-        watch = cls(limits)
-        watch.settle(boat)
-        return watch
+        monitor = cls(limits)
+        monitor.settle(boat)
+        return monitor
 
     def settle(self, boat: Boat) -> None:
         """Take the boat as she is, after a jump in time: nothing of it is news."""

@@ -60,16 +60,16 @@ class Levers:
     asked: dict[str, tuple[float, float]] = field(default_factory=dict)
     refused: int = 0
 
-    def move(self, surface: str, by: int, sight: SessionModel) -> str:
+    def move(self, surface: str, by: int, model: SessionModel) -> str:
         """Return the order that moves a surface ``by`` degrees, "" where the boat has none."""
-        shown = sight.picture.number(CHANNEL[surface], f"ordered_{surface}")
+        shown = model.picture.number(CHANNEL[surface], f"ordered_{surface}")
         if shown is None:
             return ""
-        if sight.refused != self.refused:  # beyond its limit, most likely
-            self.refused = sight.refused
+        if model.refused != self.refused:  # beyond its limit, most likely
+            self.refused = model.refused
             self.asked.clear()
         angle, when = self.asked.get(surface, (shown, float("-inf")))
-        now = sight.clock()
+        now = model.clock()
         wanted = round(angle if now - when < FORGET else shown) + by
         self.asked[surface] = wanted, now
         return f"{WORDS[surface][wanted > 0]} {abs(wanted)}"
@@ -86,7 +86,7 @@ DIALOGS: Final[Mapping[str, Callable[[SessionModel], Subject]]] = {
     "help": Guide,
     "casualties": casualty_choice,
     "sea": sea_choice,
-    "moments": lambda sight: Moments(sight, replays=False),
+    "moments": lambda model: Moments(model, replays=False),
     "emergency": lambda _sight: emergency(),
 }
 
@@ -111,25 +111,25 @@ class Console(App[str], inherit_bindings=False):
     # not those of the library: Ctrl-Q is what wakes a terminal that Ctrl-S has stopped
     BINDINGS: ClassVar[list[BindingType]] = []
 
-    def __init__(self, sight: SessionModel, *, own: bool = False) -> None:
+    def __init__(self, model: SessionModel, *, own: bool = False) -> None:
         """Show ``sight``; a session that is the console's ``own`` ends with it."""
         super().__init__()
-        self.sight = sight
+        self.model = model
         self.own = own
         self.span = 1  # of SPANS
-        self._post = LAYOUTS[sight.role]
-        self._keys = by_name(sight.role)
+        self._post = LAYOUTS[model.role]
+        self._keys = by_name(model.role)
         self._levers = Levers()
-        self._names = Names(sight)
+        self._names = Names(model)
         self._seen: tuple[object, ...] = ()
 
     def get_default_screen(self) -> Screen[None]:
         """Return a screen that is styled for the role from the beginning."""
-        return Screen(id="_default", classes=self.sight.role)
+        return Screen(id="_default", classes=self.model.role)
 
     def compose(self) -> ComposeResult:
         """Lay the drawings out; the style sheet says which are shown at which size."""
-        yield Pane(partial(top, self.sight), "top", moving=True)
+        yield Pane(partial(top, self.model), "top", moving=True)
         yield Horizontal(*map(self._pane, self._post.upper), id="upper")
         if self._post.lower:
             yield Horizontal(*map(self._pane, self._post.lower), id="lower")
@@ -137,19 +137,19 @@ class Console(App[str], inherit_bindings=False):
         if len(self._post.charts) > 3:
             yield Horizontal(*self._charts(range(3, 6)), id="second", classes="charts")
         with Horizontal(id="record"):
-            yield Pane(partial(log, self.sight), "log")
+            yield Pane(partial(log, self.model), "log")
             if self._post.aside:
                 yield Vertical(*map(self._pane, self._post.aside), id="aside")
         yield Pane(self._line, "line", moving=True)
-        yield Entry(self._names, self._quick(), PROMPTS.get(self.sight.role, PROMPT))
-        yield Pane(lambda width, _: foot(footer(self.sight.role), width), "foot")
+        yield Entry(self._names, self._quick(), PROMPTS.get(self.model.role, PROMPT))
+        yield Pane(lambda width, _: foot(footer(self.model.role), width), "foot")
 
     def on_mount(self) -> None:
         """Begin to look; end in good order when asked to from outside."""
-        self.sight.hear()  # what has come by now is in the first drawing
+        self.model.hear()  # what has come by now is in the first drawing
         self._expecting = self.set_interval(SOON, self._expect)
         self.set_interval(1.0 / RATE, self._look)
-        if self.sight.instructs:
+        if self.model.instructs:
             self.query_one(Entry).focus()
         else:
             self.set_focus(None)
@@ -161,7 +161,7 @@ class Console(App[str], inherit_bindings=False):
         """
         if len(self.screen_stack) > 1:
             return
-        if (self.focused is not None) is not self.sight.instructs:
+        if (self.focused is not None) is not self.model.instructs:
             if event.key == "escape":
                 self.set_focus(None)
             if not FUNCTION.fullmatch(event.key):
@@ -177,37 +177,37 @@ class Console(App[str], inherit_bindings=False):
         words = message.value.strip()
         entry = self.query_one(Entry)
         entry.keep(words)
-        if not self.sight.instructs:
+        if not self.model.instructs:
             self.set_focus(None)
         if words in ("detach", "bye"):
             self.exit("")
         elif words:
-            self.sight.order(words)
+            self.model.order(words)
             self._look()
 
     def act(self, act: Act) -> None:
         """Carry out what a key does."""
         words = self._ordered(act)
         if words:
-            self.sight.order(words)
+            self.model.order(words)
         match act:
             case Again() if not words:
-                self._open(Moments(self.sight, replays=True))
+                self._open(Moments(self.model, replays=True))
             case Open(dialog):
-                self._open(DIALOGS[dialog](self.sight))
+                self._open(DIALOGS[dialog](self.model))
             case Write(text):
                 self.query_one(Entry).begin(text)
             case Widen(steps):
                 self.span = min(max(self.span + steps, 0), len(SPANS) - 1)
             case Scroll(lines):
-                self.sight.journal.look_back(lines)
+                self.model.journal.look_back(lines)
             case Leave():
                 self._leave()
         self._look()
 
     def _ordered(self, act: Act) -> str:
         """Return the order that a key gives by itself, "" for none."""
-        picture = self.sight.picture
+        picture = self.model.picture
         match act:
             case Give(words):
                 return words
@@ -216,7 +216,7 @@ class Console(App[str], inherit_bindings=False):
             case Hasten(steps):
                 return f"time {nearest(PACES, picture.pace, steps):g}"
             case Move(surface, by):
-                return self._levers.move(surface, by, self.sight)
+                return self._levers.move(surface, by, self.model)
             case Again() if picture.word("time", "replay") == "yes":
                 return "take over"
         return ""
@@ -225,21 +225,21 @@ class Console(App[str], inherit_bindings=False):
 
     def _expect(self) -> None:
         """Show the first figures as soon as they come."""
-        self.sight.hear()
-        if self.sight.picture.changes:
+        self.model.hear()
+        if self.model.picture.changes:
             self._expecting.stop()
             self._look()
 
     def _look(self) -> None:
         """Take what has come, and have drawn anew what has changed."""
-        sight = self.sight
-        sight.hear()
+        model = self.model
+        model.hear()
         if not self.screen_stack:  # it is being closed
             return
-        if sight.barred or (sight.over and sight.ended):
-            self.exit(sight.barred)
+        if model.barred or (model.over and model.ended):
+            self.exit(model.barred)
             return
-        seen = (sight.picture.changes, sight.journal.changes, sight.joined, sight.over, self.span)
+        seen = (model.picture.changes, model.journal.changes, model.joined, model.over, self.span)
         changed, self._seen = seen != self._seen, seen
         for pane in self.screen.query(Pane):
             if changed or pane.moving:
@@ -249,7 +249,7 @@ class Console(App[str], inherit_bindings=False):
                 pane.look()
 
     def _pane(self, place: Place) -> Pane:
-        return Pane(partial(place.draw, self.sight), place.name, moving=place.moving)
+        return Pane(partial(place.draw, self.model), place.name, moving=place.moving)
 
     def _charts(self, places: Sequence[int]) -> list[Pane]:
         """Return the panes of charts, those that the role has."""
@@ -260,7 +260,7 @@ class Console(App[str], inherit_bindings=False):
         ]
 
     def _chart(self, place: int, width: int, height: int) -> Lines:
-        return strip(place, self.sight, SPANS[self.span], width, height)
+        return strip(place, self.model, SPANS[self.span], width, height)
 
     def _line(self, width: int, height: int) -> Lines:
         """Return what may be typed next, or the line of time."""
@@ -270,11 +270,11 @@ class Console(App[str], inherit_bindings=False):
             return []
         if typed:
             return [fit(line((f"   {hint(typed, self._names)}", "dim")), width)]
-        return time_line(self.sight, width, height)
+        return time_line(self.model, width, height)
 
     def _quick(self) -> frozenset[str]:
         """Return the keys that are no letters while nothing has been typed."""
-        if not self.sight.instructs:
+        if not self.model.instructs:
             return frozenset()
         return frozenset(name for name in self._keys if len(name) > 1)
 
@@ -288,13 +288,13 @@ class Console(App[str], inherit_bindings=False):
         if done is None:
             return
         for words in done.orders:
-            self.sight.order(words)
+            self.model.order(words)
         if done.leave:
             self.exit("")
 
     def _leave(self) -> None:
         """Leave; the instructor is asked whether the run ends too."""
-        if self.sight.instructs and self.sight.joined and not self.sight.over:
+        if self.model.instructs and self.model.joined and not self.model.over:
             self._open(leaving(own=self.own))
         else:
             self.exit("")

@@ -132,14 +132,14 @@ def row_line(row: Row, *, chosen: bool, width: int) -> Line:
     return fit(line((text, "chosen" if chosen else "warning" if row.active else "plain")), width)
 
 
-def casualty_choice(sight: SessionModel) -> Choice:
+def casualty_choice(model: SessionModel) -> Choice:
     """Return the list of what can break."""
-    picture = sight.picture
+    picture = model.picture
     slots = [name for name in picture.rows("casualties", "casualty_") if name[-1].isdigit()]
     active = {picture.word("casualties", name) for name in slots}
     rows = [
         Row(each.name, f"casualty {each.name}", each.degree, each.says, each.name in active)
-        for each in sight.casualties
+        for each in model.casualties
     ]
     rows.sort(key=lambda row: not row.active)
     return Choice(

@@ -177,8 +177,8 @@ MOMENT: Final = NAMES["LABEL"].says
 class Names(Mapping[str, Sequence[str]]):
     """The names that an order may hold at this moment."""
 
-    def __init__(self, sight: SessionModel) -> None:
-        self._sight = sight
+    def __init__(self, model: SessionModel) -> None:
+        self._sight = model
 
     def __getitem__(self, says: str) -> Sequence[str]:
         if says == CASUALTY:

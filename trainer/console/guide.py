@@ -47,7 +47,7 @@ Signs
 class Guide:
     """The help of a role, from the line on that is at the top."""
 
-    sight: SessionModel
+    model: SessionModel
     top: int = 0
     size: tuple[int, int] = (80, 60)
 
@@ -69,11 +69,11 @@ class Guide:
 
     def _lines(self) -> list[Line]:
         """Return the whole page."""
-        text = FIRST if self.sight.role == "instructor" else STATION
-        keys = [(key.label, key.does) for key in KEYS[self.sight.role]]
+        text = FIRST if self.model.role == "instructor" else STATION
+        keys = [(key.label, key.does) for key in KEYS[self.model.role]]
         found = [titled(row) for row in text.strip("\n").splitlines()]
         found += [line(), line((" This session", "title")), line()]
-        found += [line(f"   {said}") for said in self.sight.briefing]
+        found += [line(f"   {said}") for said in self.model.briefing]
         found += [line(), line((" Keys", "title")), line()]
         found += [line((f"   {label:<14}", "value"), does) for label, does in keys]
         found += [line(), *(titled(row) for row in SIGNS.strip("\n").splitlines())]

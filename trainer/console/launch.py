@@ -30,7 +30,7 @@ def attend(url: str | None, role: str, token: str | None) -> int:
     why = visit.show()
     if why:
         raise ConfigError(why)
-    return 0 if visit.sight.joined or visit.sight.over else 1
+    return 0 if visit.model.joined or visit.model.over else 1
 
 
 @dataclass(frozen=True)
@@ -38,7 +38,7 @@ class Visit:
     """A screen and its line to a session, ready before there need be one."""
 
     client: Client
-    sight: SessionModel
+    model: SessionModel
     console: Console
 
     @classmethod
@@ -48,9 +48,9 @@ class Visit:
         """Return the screen of a role at ``url()``; a session of its ``own`` ends with it."""
         post = LAYOUTS[role]
         client = Client(url, f"{role} {token or ''}".rstrip(), wishes(post))
-        sight = SessionModel(client, role, post.charts)
+        model = SessionModel(client, role, post.charts)
         forget_size()
-        return cls(client, sight, Console(sight, own=own))
+        return cls(client, model, Console(model, own=own))
 
     def show(self) -> str:
         """Show the screen until its user leaves; return why the session did not let it in."""

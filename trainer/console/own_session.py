@@ -116,11 +116,11 @@ def sail(serve: Callable[[str], NoReturn], path: str | None, token: str | None) 
     except BaseException:
         voyage.session.terminate()
         raise
-    begun = visit.sight.greeted
+    begun = visit.model.greeted
     if not begun and voyage.session.ended() is None:
         voyage.session.terminate()
         raise ConfigError(why) if why else click.Abort
-    return voyage.account(PATIENCE if begun and not visit.sight.over else SUMMARY)
+    return voyage.account(PATIENCE if begun and not visit.model.over else SUMMARY)
 
 
 @dataclass

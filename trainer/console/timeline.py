@@ -19,7 +19,7 @@ SIGNS: Final = {"S": "snapshot", "C": "broken", "M": "mark"}
 class Moments:
     """How far back is looked [s], and what Enter does there."""
 
-    sight: SessionModel
+    model: SessionModel
     replays: bool
     lapse: float = 30.0
     size: tuple[int, int] = (78, 20)
@@ -27,12 +27,12 @@ class Moments:
     @property
     def there(self) -> float:
         """Return the time [s] that is looked at."""
-        return max(self.sight.picture.seconds - self.lapse, 0.0)
+        return max(self.model.picture.seconds - self.lapse, 0.0)
 
     @property
     def snapshot(self) -> str:
         """Return the snapshot at that time, "" for none."""
-        kept = [s for s in self.sight.snapshots if abs(s.seconds - self.there) < CLOSE]
+        kept = [s for s in self.model.snapshots if abs(s.seconds - self.there) < CLOSE]
         return kept[-1].text if kept else ""
 
     def order(self, *, replay: bool) -> str:
@@ -53,31 +53,31 @@ class Moments:
         if key in ("up", "down"):
             self._jump(earlier=key == "up")
         elif key == "home":
-            self.lapse = self.sight.picture.seconds
+            self.lapse = self.model.picture.seconds
         elif character and character in "123456789":
             self.lapse = 60.0 * int(character)
         self.lapse += STEPS.get(key, 0.0)
-        self.lapse = min(max(self.lapse, 0.5), max(self.sight.picture.seconds, 0.5))
+        self.lapse = min(max(self.lapse, 0.5), max(self.model.picture.seconds, 0.5))
         return None
 
     def _jump(self, *, earlier: bool) -> None:
         """Go to the moment kept before or after the one that is looked at."""
-        times = sorted({0.0, *(kept.seconds for kept in moments(self.sight))})
+        times = sorted({0.0, *(kept.seconds for kept in moments(self.model))})
         side = [
             t for t in times if (t < self.there - CLOSE) == earlier and abs(t - self.there) > CLOSE
         ]
         if side:
-            self.lapse = self.sight.picture.seconds - (side[-1] if earlier else side[0])
+            self.lapse = self.model.picture.seconds - (side[-1] if earlier else side[0])
 
     def draw(self, width: int, height: int) -> Lines:
         """Return the dialog."""
         verb = "Replay from" if self.replays else "Go back to"
-        kept = [line((f"   {self._said(each)}", "plain")) for each in moments(self.sight)[-LIST:]]
+        kept = [line((f"   {self._said(each)}", "plain")) for each in moments(self.model)[-LIST:]]
         lines = [
             line((f" {verb}", "title")),
             line(),
             line((f"   {clock(self.there)}", "value"), f"   {self.lapse:g} s ago"),
-            *time_line(self.sight, width, 1),
+            *time_line(self.model, width, 1),
             self._pointer(width),
             *(kept or [line(("   no snapshots, marks or casualties yet", "dim"))]),
             line(),
@@ -94,6 +94,6 @@ class Moments:
 
     def _pointer(self, width: int) -> tuple[tuple[str, str], ...]:
         """Return an arrow under the place on the time line."""
-        end = max(self.sight.picture.seconds, self.sight.furthest, 1.0)
+        end = max(self.model.picture.seconds, self.model.furthest, 1.0)
         room = width - 7 - 10
         return line((" " * (7 + round(self.there / end * max(room - 1, 0))) + "▲", "value"))

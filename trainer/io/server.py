@@ -227,9 +227,9 @@ class Server:
 
     def listen(self, host: str, port: int) -> int:
         """Listen at a TCP port, 0 for any free one; return which, or raise LinkError."""
-        door = listen_at(host, port)
-        self._open(door, door)
-        return int(door.getsockname()[1])
+        access = listen_at(host, port)
+        self._open(access, access)
+        return int(access.getsockname()[1])
 
     def listen_here(self, path: Path) -> None:
         """Listen at a path of this machine, for its owner only; raises LinkError."""
@@ -246,9 +246,9 @@ class Server:
         self._stir()
         self._thread.join(patience + GRACE)
 
-    def _open(self, door: socket.socket, listener: Listener) -> None:
-        door.settimeout(0.0)
-        self._doors.append((door, listener))
+    def _open(self, access: socket.socket, listener: Listener) -> None:
+        access.settimeout(0.0)
+        self._doors.append((access, listener))
         self._stir()
 
     def _stir(self) -> None:
@@ -278,8 +278,8 @@ class Server:
 
     def _tend_doors(self, now: float) -> None:
         opened = now >= self._deaf_until and math.isinf(self._leave_at)
-        for door, _ in self._doors:
-            self._watch(door, READ * opened, functools.partial(self._admit, door))
+        for access, _ in self._doors:
+            self._watch(access, READ * opened, functools.partial(self._admit, access))
 
     def _tend_connections(self, now: float) -> None:
         for connection in list(self._connections):
@@ -312,9 +312,9 @@ class Server:
         earliest = min(due, default=math.inf)
         return max(earliest - now, 0.0) if earliest < math.inf else None
 
-    def _admit(self, door: socket.socket, _ready: int) -> None:
+    def _admit(self, access: socket.socket, _ready: int) -> None:
         try:
-            end, address = door.accept()
+            end, address = access.accept()
         except OSError as error:  # gone again, or the system has no room for it
             if error.errno in NO_ROOM:
                 self._deaf_until = time.monotonic() + DEAF

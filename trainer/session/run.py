@@ -57,18 +57,18 @@ def account(session: Session, wall: float, kept: str, *, aside: bool) -> int:
     summary = summary_text(session.boat, session.time.ledger.summary(), wall)
     if granted := session.time.punctuality.granted:
         summary += f"\nthe clock   {granted.line()}"
-    if session.watch.times:
-        summary += f"\nevents      {session.watch.account()}"
+    if session.monitor.times:
+        summary += f"\nevents      {session.monitor.account()}"
     if kept:
         absences = session.history.recording.absences
         whole = absences and not session.history.recording.missing
         again = f"; it was out of reach {absences} times, and is whole" if whole else ""
         summary += f"\nrecorded    {kept}{again}\n            {SEE_IT}"
     click.echo(summary, err=aside)
-    failure = session.desk.failure and f"frozen: {session.desk.failure}"
+    failure = session.control.failure and f"frozen: {session.control.failure}"
     recording = unrecorded(session.history.recording) if kept else ""
     troubles = [failure, session.deserted, session.recorder.trouble, recording]
-    for station in session.board.stations:
+    for station in session.event_log.stations:
         if station.line.dropped:
             name = station.line.name
             click.echo(f"trainer: {name}: {station.line.dropped} lines dropped", err=True)
@@ -189,13 +189,13 @@ def recording_paths(plan: Plan, options: RunOptions) -> tuple[Path, ...]:
     )
 
 
-def fly(voyage: PreparedRun, options: RunOptions) -> int:
+def fly(prepared: PreparedRun, options: RunOptions) -> int:
     """Open the ports, run the session to its end, account for it; return the exit code."""
-    boat, history, plan = voyage.boat, voyage.history, voyage.plan
+    boat, history, plan = prepared.boat, prepared.history, prepared.plan
     method = boat.method
     recorder = open_csv(options.csv_path, 1 if math.isfinite(options.speed) else BATCH)
     last_tick = math.inf if plan.duration is None else round(plan.duration / method.step)
-    time = Timekeeping.at(voyage.clock, method.step, options.speed, Policy(options.overrun))
+    time = Timekeeping.at(prepared.clock, method.step, options.speed, Policy(options.overrun))
     time.punctuality = Punctuality(realtime=options.priority == "realtime")
     publisher = open_publisher(boat, time, options)
     log = open_log(publisher, time.ledger, Subject.of(plan, boat), options)
@@ -211,7 +211,7 @@ def fly(voyage: PreparedRun, options: RunOptions) -> int:
             COLUMNS if options.csv_path else (),
             sending,
             schedule=plan.schedule,
-            watch=LimitMonitor.over(boat, plan.limits),
+            monitor=LimitMonitor.over(boat, plan.limits),
             last_tick=last_tick,
             wake=wake,
             briefing=(*heading(plan), *situation(plan, boat, options.note)),
@@ -222,39 +222,39 @@ def fly(voyage: PreparedRun, options: RunOptions) -> int:
             until_left=options.until_left,
         )
         if log:
-            session.board.hearers.append(log.hear)
-        open_ports(Ports(wake, sending, session.board.log, stack), session, options)
+            session.event_log.hearers.append(log.hear)
+        open_ports(Ports(wake, sending, session.event_log.log, stack), session, options)
         shown = progress_bar(last_tick) if options.headless else contextlib.nullcontext()
         started = time.clock.now()
         quiet = np.errstate(all="ignore")
         with interrupts(session), quiet, shown as session.progress, time.attended():
             session.run(frozen=options.frozen)
         wall = (time.clock.now() - started) / SECOND
-        session.board.tell("time", OVER, fact=Fact("over"))
+        session.event_log.tell("time", OVER, fact=Fact("over"))
         sending.close(PATIENCE)
-        for station in session.board.stations:
+        for station in session.event_log.stations:
             station.close(PATIENCE)
         recorder.close()
         history.recording.close()
-        code = account(session, wall, voyage.kept, aside=not options.headless)
+        code = account(session, wall, prepared.kept, aside=not options.headless)
         return max(code, log.account()) if log else code
 
 
 def open_ports(ports: Ports, session: Session, options: RunOptions) -> None:
     """Open what the command line asks for, and greet whoever is there."""
     baud = options.baud
-    session.board.stations += [ports.panel(given, baud) for given in options.lines]
+    session.event_log.stations += [ports.panel(given, baud) for given in options.lines]
     if options.url is not None:
-        session.board.stations.append(ports.console_line(options.url, baud))
+        session.event_log.stations.append(ports.console_line(options.url, baud))
     elif not options.headless:
         quick = unhurried(options)
-        session.board.stations.append(ports.terminal(unhurried=quick))
+        session.event_log.stations.append(ports.terminal(unhurried=quick))
     if options.nmea or options.nmea_record is not None:
         from trainer.session.nmea.outlets import open_outlets  # noqa: PLC0415  what runs seldom have
 
-        session.board.stations += open_outlets(ports, session.history.recording, options)
+        session.event_log.stations += open_outlets(ports, session.history.recording, options)
     session.reception = ports.lobby(options) or Closed()
-    for station in session.board.stations:
+    for station in session.event_log.stations:
         session.greet(station)
 
 

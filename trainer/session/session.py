@@ -101,7 +101,7 @@ class Session:
     sending: Sending
     reception: Reception = field(default_factory=Closed)
     schedule: Sequence[Scheduled] = ()
-    watch: LimitMonitor = field(default_factory=LimitMonitor)
+    monitor: LimitMonitor = field(default_factory=LimitMonitor)
     last_tick: float = math.inf
     progress: Callable[[int], None] | None = None
     wake: threading.Event = field(default_factory=threading.Event)
@@ -110,13 +110,13 @@ class Session:
     until_left: bool = False  # it ends when the last of those who came by themselves has gone
     deserted: str = ""  # why it ended before its time
     unrecorded: str = ""  # why nothing more is recorded, once that has been told
-    board: EventLog = field(init=False)
-    desk: Control = field(init=False)
+    event_log: EventLog = field(init=False)
+    control: Control = field(init=False)
 
     def __post_init__(self) -> None:
-        self.board = EventLog(self.history)
-        self.desk = Control(self.boat, self.time, self.history)
-        self._visits = NoiseLog(self.board.tell, time.monotonic)
+        self.event_log = EventLog(self.history)
+        self.control = Control(self.boat, self.time, self.history)
+        self._visits = NoiseLog(self.event_log.tell, time.monotonic)
         self._lookout = StateReader(self.boat, self.time.ledger.summary)
         self._pace = Pace()  # as it was last shown: whatever changes it has it shown
 
@@ -130,19 +130,19 @@ class Session:
         while not self._over:
             if self.time.pacer.frozen and self._deserted():
                 self.deserted = f"frozen at {self.boat.time:g} s, and nobody is left to say run"
-                self.board.tell("time", self.deserted)
+                self.event_log.tell("time", self.deserted)
                 return
             if self.time.pacer.wait(self.wake) is WOKEN:
                 self.wake.clear()
                 self.listen()
             else:
                 self._tick()
-            if self.desk.steps:
+            if self.control.steps:
                 self._take_steps()  # those of the schedule, and those still to be taken
 
     def stop(self) -> None:
         """End the run after the present tick; may be called from another thread."""
-        self.desk.ended = True
+        self.control.ended = True
         self.wake.set()
 
     def greet(self, station: Station) -> None:
@@ -160,10 +160,10 @@ class Session:
         for station in self.reception.newcomers():
             if station.role is not STRANGER:  # who has to say who it is, is told nothing before
                 self.greet(station)
-            self.board.stations.append(station)
+            self.event_log.stations.append(station)
             self._visits.log("station", f"{station.line.name} has come")
-        for station in list(self.board.stations):
-            self.board.heard = station
+        for station in list(self.event_log.stations):
+            self.event_log.heard = station
             stranger = station.role is STRANGER
             for asked in station.take(LINES_AT_A_TIME):
                 self._hear(asked)
@@ -176,7 +176,7 @@ class Session:
                 self.wake.set()  # others, and the clock, have their turn before the rest
             elif station.leaving or station.line.ended:
                 self._see_out(station)
-        self.board.heard = None
+        self.event_log.heard = None
 
     def _listen_again(self, after: float) -> None:
         """Listen again after a time [s]: what was not taken waits with no word of its own."""
@@ -187,20 +187,20 @@ class Session:
     @property
     def _over(self) -> bool:
         """Return whether the run has been ended or has reached its last tick."""
-        return self.desk.ended or self.boat.plain[TICK] >= self.last_tick
+        return self.control.ended or self.boat.plain[TICK] >= self.last_tick
 
     def _see_out(self, station: Station) -> None:
         """Let a line go: it is closed by a thread of its own, since that may wait."""
         if not station.visits:
             return  # a line that the run was begun with is there to its end
         station.leave()
-        self.board.stations.remove(station)
-        tell = self.board.tell if station.settled else self._visits.log
+        self.event_log.stations.remove(station)
+        tell = self.event_log.tell if station.settled else self._visits.log
         tell("station", f"{station.account()}: {station.leaving or 'gone'}")
         threading.Thread(target=station.close, args=(PATIENCE,), daemon=True).start()
-        if self.until_left and not any(each.visits for each in self.board.stations):
-            self.board.tell("time", f"ended at {self.boat.time:g} s: the last station has left")
-            self.desk.ended = True
+        if self.until_left and not any(each.visits for each in self.event_log.stations):
+            self.event_log.tell("time", f"ended at {self.boat.time:g} s: the last station has left")
+            self.control.ended = True
 
     def _take_steps(self) -> None:
         """Take the single steps that were ordered, as long as time stands still.
@@ -208,20 +208,20 @@ class Session:
         Where they take long, what the stations say is heard between them.
         """
         until = self.time.clock.now() + AT_A_TIME
-        while self.desk.steps and self.time.frozen and not self._over:
+        while self.control.steps and self.time.frozen and not self._over:
             if self.time.clock.now() > until:
                 self.wake.set()
                 return
-            self.desk.steps -= 1
+            self.control.steps -= 1
             self._tick()
 
     def _deserted(self) -> bool:
         """Return whether nobody can let time, which stands still, go on."""
         if self.reception.awaited:
             return False
-        silent = all(station.line.ended for station in self.board.stations)
+        silent = all(station.line.ended for station in self.event_log.stations)
         self.listen()  # what came before the silence
-        return silent and self.time.frozen and not self._over and not self.desk.steps
+        return silent and self.time.frozen and not self._over and not self.control.steps
 
     # Orders
 
@@ -231,16 +231,18 @@ class Session:
         if order.name == "status":
             station.answer(asked, "", *self._status(station))
         elif order.name == "who":
-            station.answer(asked, "", *(each.account() for each in self.board.stations))
+            station.answer(asked, "", *(each.account() for each in self.event_log.stations))
         elif order.name == "briefing":
             station.answer(asked, "", *self._briefed(station))
         elif order.name == "casualties":
             self._note(station, [Fact("casualty", ",".join(each)) for each in available(self.boat)])
             station.answer(asked, "", *listing(self.boat))
         elif order.name == "log":
-            station.answer(asked, "", *self.board.lately(station.role, int(order.value)))
+            station.answer(asked, "", *self.event_log.lately(station.role, int(order.value)))
         elif order.name == "mark":
-            self.board.tell("mark", order.subject or "marked", station, Fact("mark", order.subject))
+            self.event_log.tell(
+                "mark", order.subject or "marked", station, Fact("mark", order.subject)
+            )
             self.history.recording.flush()
             station.answer(asked, self._as_kept(f"marked at {self.boat.time:g} s"))
             self._tell_trouble()
@@ -278,7 +280,7 @@ class Session:
         """Carry out an order, to the boat once it is journalled; return the answer."""
         if order.name not in BOAT_ORDERS:
             number = None if place is None else self.history.order(who, order, place)
-            answer = self.desk.obey(order, who)
+            answer = self.control.obey(order, who)
             if number is not None:
                 self.history.answered(number, answer)
             self._after_time(order)
@@ -293,7 +295,7 @@ class Session:
     def _after_time(self, order: Order) -> None:
         """Show what an order about time has changed."""
         if order.name in MOMENTS:
-            self.watch.settle(self.boat)
+            self.monitor.settle(self.boat)
         if order.name in MOMENTS or order.name in TIME:
             self._show()
 
@@ -305,7 +307,7 @@ class Session:
         if not isinstance(answer, Refused):
             kind = "moment" if order.name in MOMENTS else "time" if order.name in TIME else kind
             fact = Fact("back" if order.name in GOING_BACK else "order", order.text)
-        self.board.tell(kind, f"{station.role.name}: {order.text}: {text}", station, fact)
+        self.event_log.tell(kind, f"{station.role.name}: {order.text}: {text}", station, fact)
 
     def _obey_due(self) -> bool:
         """Carry out the orders that are due; return whether they stop time before a tick."""
@@ -314,7 +316,7 @@ class Session:
             self._obey_schedule()
         if self.history.rerun and self._obey_replay():
             return True
-        return self.desk.ended or (self.time.frozen and not was_frozen)
+        return self.control.ended or (self.time.frozen and not was_frozen)
 
     def _obey_schedule(self) -> None:
         """Carry out what is due by now: an order acts on the first tick not before its time."""
@@ -326,7 +328,7 @@ class Session:
             text = f"refused: {answer.reason}" if isinstance(answer, Refused) else answer
             fact = None if isinstance(answer, Refused) else Fact("order", entry.order.text)
             told = f"[{entry.seconds:g} s] {entry.order.text}: {text}"
-            self.board.tell("exercise", told, fact=fact)
+            self.event_log.tell("exercise", told, fact=fact)
 
     def _obey_replay(self) -> bool:
         """Give again what was given at this tick; return whether a replay ends here, told so."""
@@ -335,9 +337,9 @@ class Session:
                 obey(self.boat, order)
         if not self.history.caught_up:
             return False
-        self.board.tell("moment", self.history.arrive())
+        self.event_log.tell("moment", self.history.arrive())
         self.time.pacer.freeze()
-        self.desk.steps = 0
+        self.control.steps = 0
         self._show()
         return True
 
@@ -354,8 +356,8 @@ class Session:
         status = self.boat.tick()
         tick = int(self.boat.plain[TICK])
         if status:
-            self.desk.failure = self.boat.failure(status)
-            self.board.tell("trouble", f"FROZEN: {self.desk.failure}")
+            self.control.failure = self.boat.failure(status)
+            self.event_log.tell("trouble", f"FROZEN: {self.control.failure}")
         else:
             self._after_tick(tick)
         events = pacer.end()
@@ -364,7 +366,7 @@ class Session:
             history.recording.timing(tick, ledger.lateness, ledger.work)
         if status:
             pacer.freeze()
-            self.desk.steps = 0
+            self.control.steps = 0
         if pacer.frozen and not was_frozen:
             self._show()
         if events:
@@ -376,7 +378,7 @@ class Session:
         """Tell of a tick that was late, and show the speed if it had to fall."""
         speed = self.time.speed
         for kind, text in self.time.judge(events):
-            self.board.tell(kind, text)
+            self.event_log.tell(kind, text)
         if self.time.speed != speed:
             self._show()
 
@@ -388,10 +390,10 @@ class Session:
         if self.columns and self.history.rerun is None:
             self._row()
         self.sending.offer(tick, state, self._pace)
-        for text in self.watch.look(self.boat):
-            self.board.tell("watch", text)
+        for text in self.monitor.look(self.boat):
+            self.event_log.tell("watch", text)
         while self.sending.troubles:
-            self.board.tell("trouble", self.sending.troubles.popleft())
+            self.event_log.tell("trouble", self.sending.troubles.popleft())
 
     def _as_kept(self, answer: Reply) -> Reply:
         """Return an answer with a word on it if what it answers is not recorded."""
@@ -408,14 +410,14 @@ class Session:
         lost = f"lost in all: {recording.missing}" if recording.missing else "nothing is lost"
         back = f"recorded again in branch {recording.branch}; {lost}"
         told = f"NOT RECORDED: {recording.trouble}" if recording.trouble else back
-        self.board.tell("trouble", told)
+        self.event_log.tell("trouble", told)
 
     def _row(self) -> None:
         """Hand the state to the columns' file; tell at once when it is in trouble."""
         before = self.recorder.trouble
         self.recorder.row(self.boat.numbers(self.columns))
         if self.recorder.trouble != before:
-            self.board.tell("trouble", f"NOT RECORDED: {self.recorder.trouble}")
+            self.event_log.tell("trouble", f"NOT RECORDED: {self.recorder.trouble}")
 
     def _show(self) -> None:
         """Let the present moment be seen, and how time runs from here on."""

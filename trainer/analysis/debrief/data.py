@@ -33,7 +33,7 @@ ECHOES: Final = frozenset({"order", "exercise"})  # events that repeat an order 
 class Answered:
     """A casualty, and what the crew did about it."""
 
-    spell: Episode
+    episode: Episode
     order: Journalled | None
     deflection: Deflection | None
 
@@ -66,7 +66,7 @@ class DebriefData:
     plan: Plan
     branch: Branch
     branches: tuple[tuple[Branch, int], ...]  # each with its last tick
-    passage: Trajectory
+    trajectory: Trajectory
     card: Scorecard
     casualties: tuple[Answered, ...]
     crew: tuple[Journalled, ...]
@@ -103,20 +103,20 @@ def gather(recording: Recording, source: Path, number: int | None) -> DebriefDat
         raise ConfigError(f"{source}: --branch {wanted}: there are branches {there}")
     plan = plan_of(header)
     boat = Boat(plan.file, plan.method)
-    passage = read_passage(recording, wanted, layout_of(header), boat, plan.limits)
+    trajectory = read_passage(recording, wanted, layout_of(header), boat, plan.limits)
     return DebriefData(
         source=source,
         header=header,
         plan=plan,
         branch=branch,
         branches=tuple((each, last_tick(recording, each)) for each in branches),
-        passage=passage,
-        card=score(passage, plan.scores),
-        casualties=tuple(answered(passage)),
-        crew=crew_orders(passage),
-        hands=hands(passage),
+        trajectory=trajectory,
+        card=score(trajectory, plan.scores),
+        casualties=tuple(answered(trajectory)),
+        crew=crew_orders(trajectory),
+        hands=hands(trajectory),
         events=tuple(events_of(recording, branches, branch)),
-        ticks=ticks_of(passage),
+        ticks=ticks_of(trajectory),
     )
 
 
@@ -125,17 +125,17 @@ def last_tick(recording: Recording, branch: Branch) -> int:
     return max((tick for tick, _ in recording.states(branch.id)), default=branch.tick)
 
 
-def answered(passage: Trajectory) -> Iterator[Answered]:
+def answered(trajectory: Trajectory) -> Iterator[Answered]:
     """Yield the casualties with what was done about them."""
-    for spell in spells(passage):
-        yield Answered(spell, answer_to(passage, spell), deflection(passage, spell))
+    for episode in spells(trajectory):
+        yield Answered(episode, answer_to(trajectory, episode), deflection(trajectory, episode))
 
 
-def hands(passage: Trajectory) -> tuple[Hand, ...]:
+def hands(trajectory: Trajectory) -> tuple[Hand, ...]:
     """Return who gave orders, in the order in which they began to."""
     found = []
-    for who in dict.fromkeys(each.who for each in passage.orders):
-        own = [each for each in passage.orders if each.who == who]
+    for who in dict.fromkeys(each.who for each in trajectory.orders):
+        own = [each for each in trajectory.orders if each.who == who]
         found.append(Hand(who, len(own), sum(each.accepted is False for each in own)))
     return tuple(found)
 
@@ -158,14 +158,14 @@ def events_of(recording: Recording, branches: list[Branch], branch: Branch) -> I
             yield event
 
 
-def ticks_of(passage: Trajectory) -> Ticks:
+def ticks_of(trajectory: Trajectory) -> Ticks:
     """Return what became of the ticks."""
-    timed = ~np.isnan(passage.work)
+    timed = ~np.isnan(trajectory.work)
     count = int(timed.sum())
     if not count:
         return Ticks(0, None, None, None)
-    work, lateness = passage.work[timed], np.maximum(passage.lateness[timed], 0.0)
-    duty = float(work.sum()) / (count * passage.boat.method.step * 1e9)
+    work, lateness = trajectory.work[timed], np.maximum(trajectory.lateness[timed], 0.0)
+    duty = float(work.sum()) / (count * trajectory.boat.method.step * 1e9)
     return Ticks(count, duty, _spread(work), _spread(lateness))
 
 
@@ -174,28 +174,28 @@ def _spread(values: np.ndarray) -> tuple[float, float, float]:
     return float(median), float(most_of_them), float(values.max())
 
 
-def figures(dossier: DebriefData) -> dict[str, Any]:
+def figures(debrief: DebriefData) -> dict[str, Any]:
     """Return what the page tells in numbers; times in s, marks in per cent."""
-    step = dossier.step
+    step = debrief.step
     return {
-        "exercise": dossier.plan.title,
-        "vessel": dossier.plan.file.name,
-        "started": dossier.header.get("started"),
-        "branch": dossier.branch.id,
+        "exercise": debrief.plan.title,
+        "vessel": debrief.plan.file.name,
+        "started": debrief.header.get("started"),
+        "branch": debrief.branch.id,
         "branches": [
             {"branch": each.id, "parent": each.parent, "tick": each.tick, "last": last}
             | {"why": each.why}
-            for each, last in dossier.branches
+            for each, last in debrief.branches
         ],
-        "seconds": float(dossier.passage.seconds[-1]),
-        "total": dossier.card.total,
-        "scores": [_score(each, step) for each in dossier.card.scores],
-        "casualties": [_casualty(each, step) for each in dossier.casualties],
+        "seconds": float(debrief.trajectory.seconds[-1]),
+        "total": debrief.card.total,
+        "scores": [_score(each, step) for each in debrief.card.scores],
+        "casualties": [_casualty(each, step) for each in debrief.casualties],
         "marks": [
             {"seconds": each.tick * step, "remark": each.text, "by": each.who}
-            for each in dossier.of_kind("mark")
+            for each in debrief.of_kind("mark")
         ],
-        "ticks": asdict(dossier.ticks),
+        "ticks": asdict(debrief.ticks),
     }
 
 
@@ -222,9 +222,9 @@ def _score(each: Scored, step: float) -> dict[str, Any]:
 def _casualty(each: Answered, step: float) -> dict[str, Any]:
     """Return a casualty and what was done about it."""
     return {
-        "kind": each.spell.kind,
-        "begun_s": each.spell.begun * step,
-        "ended_s": _seconds(each.spell.ended, step),
+        "kind": each.episode.kind,
+        "begun_s": each.episode.begun * step,
+        "ended_s": _seconds(each.episode.ended, step),
         "order": each.order and each.order.text,
         "order_by": each.order and each.order.who,
         "order_s": each.order and each.order.tick * step,

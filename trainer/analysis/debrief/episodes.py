@@ -35,23 +35,23 @@ class Deflection:
     tick: int
 
 
-def spells(passage: Trajectory) -> tuple[Episode, ...]:
+def spells(trajectory: Trajectory) -> tuple[Episode, ...]:
     """Return the casualties in the order in which they began; ConfigError if one is unheard of."""
-    slots = np.array([passage.columns[name] for name in SLOTS])
+    slots = np.array([trajectory.columns[name] for name in SLOTS])
     known = np.isin(slots, range(len(KINDS) + 1))
     if not known.all():
         raise ConfigError(f"recording: casualty {slots[~known][0]:g}: is none; it is damaged")
-    amounts = np.array([passage.columns[name] for name in AMOUNTS])
+    amounts = np.array([trajectory.columns[name] for name in AMOUNTS])
     found = [
-        spell
+        episode
         for code in sorted({int(code) for code in np.unique(slots)} - {0})
-        for spell in _of_kind(passage, slots == code, amounts, KINDS[code - 1])
+        for episode in _of_kind(trajectory, slots == code, amounts, KINDS[code - 1])
     ]
-    return tuple(sorted(found, key=lambda spell: spell.begun))
+    return tuple(sorted(found, key=lambda episode: episode.begun))
 
 
 def _of_kind(
-    passage: Trajectory, there: np.ndarray, amounts: np.ndarray, kind: str
+    trajectory: Trajectory, there: np.ndarray, amounts: np.ndarray, kind: str
 ) -> list[Episode]:
     """Return the spells of one kind, whose slots are those ``there``."""
     active = np.any(there, axis=0)
@@ -60,20 +60,22 @@ def _of_kind(
     for first, after in edges.reshape(-1, 2):
         held = np.where(there, amounts, 0.0)[:, first:after]
         amount = float(held.ravel()[np.argmax(np.abs(held))])
-        lasted = after == passage.ticks.size
+        lasted = after == trajectory.ticks.size
         # a state shows what acted in the tick that led to it
-        begun = max(int(passage.ticks[first]) - 1, 0)
-        found.append(Episode(kind, begun, None if lasted else int(passage.ticks[after]), amount))
+        begun = max(int(trajectory.ticks[first]) - 1, 0)
+        found.append(Episode(kind, begun, None if lasted else int(trajectory.ticks[after]), amount))
     return found
 
 
-def crew_orders(passage: Trajectory) -> tuple[Journalled, ...]:
+def crew_orders(trajectory: Trajectory) -> tuple[Journalled, ...]:
     """Return what the crew ordered and the boat accepted.
 
     The crew is everybody but schedule and instructor; when nobody else has ordered anything the
     instructor is alone on board, and is the crew.
     """
-    given = [each for each in passage.orders if each.who != SCHEDULE and each.accepted is not False]
+    given = [
+        each for each in trajectory.orders if each.who != SCHEDULE and each.accepted is not False
+    ]
     stations = [each for each in given if not each.who.startswith(INSTRUCTOR)]
     return tuple(each for each in stations or given if name_of(each) not in INSTRUCTING)
 
@@ -85,32 +87,32 @@ def name_of(entry: Journalled) -> str:
 
 
 def answer_to(
-    passage: Trajectory, spell: Episode, names: tuple[str, ...] | None = None
+    trajectory: Trajectory, episode: Episode, names: tuple[str, ...] | None = None
 ) -> Journalled | None:
     """Return the crew's first order after a casualty began, of ``names`` if given."""
     caused = [
         each.id
-        for each in passage.orders
-        if each.tick == spell.begun and name_of(each) == "casualty"
+        for each in trajectory.orders
+        if each.tick == episode.begun and name_of(each) == "casualty"
     ]
-    for each in crew_orders(passage):
+    for each in crew_orders(trajectory):
         # at the tick itself only what was ordered after the casualty, in a freeze
-        later = each.tick > spell.begun
-        later = later or (each.tick == spell.begun and bool(caused) and each.id > caused[-1])
+        later = each.tick > episode.begun
+        later = later or (each.tick == episode.begun and bool(caused) and each.id > caused[-1])
         if later and (names is None or name_of(each) in names):
             return each
     return None
 
 
-def deflection(passage: Trajectory, spell: Episode) -> Deflection | None:
+def deflection(trajectory: Trajectory, episode: Episode) -> Deflection | None:
     """Return the first surface but the failed one to have moved by MOVED since it began."""
-    start = passage.row(spell.begun)
+    start = trajectory.row(episode.begun)
     first: list[Deflection] = []
     for surface in SURFACES:
-        if spell.kind.startswith(surface) or not passage.has(surface):
+        if episode.kind.startswith(surface) or not trajectory.has(surface):
             continue
-        angle = passage.series(surface)[start:]
+        angle = trajectory.series(surface)[start:]
         moved = np.flatnonzero(np.abs(angle - angle[0]) >= MOVED)
         if moved.size:
-            first.append(Deflection(surface, int(passage.ticks[start + moved[0]])))
+            first.append(Deflection(surface, int(trajectory.ticks[start + moved[0]])))
     return min(first, key=lambda each: each.tick, default=None)

@@ -27,58 +27,58 @@ from trainer.session.header import reading
 BADGE: Final = Markup('<meta name="generator" content="trainer debrief">')  # a page of ours
 
 
-def render(dossier: DebriefData) -> str:
+def render(debrief: DebriefData) -> str:
     """Return the page; the same record gives the same bytes."""
     return page(
         "debrief.html",
         "debrief.css",
         badge=BADGE,
-        title=dossier.title,
-        under=_under(dossier),
-        verdict=sections.verdict(dossier),
-        briefing=dossier.plan.briefing,
-        parts=list(_parts(dossier)),
+        title=debrief.title,
+        under=_under(debrief),
+        verdict=sections.verdict(debrief),
+        briefing=debrief.plan.briefing,
+        parts=list(_parts(debrief)),
         version=__version__,
-        source=dossier.source.name,
+        source=debrief.source.name,
     )
 
 
-def _under(dossier: DebriefData) -> str:
+def _under(debrief: DebriefData) -> str:
     """Return what is below the title: the boat, the day, how long, and which branch."""
     told = [
-        dossier.plan.file.name,
-        dossier.header.get("started", ""),
-        f"{clock(float(dossier.passage.seconds[-1]))} flown",
+        debrief.plan.file.name,
+        debrief.header.get("started", ""),
+        f"{clock(float(debrief.trajectory.seconds[-1]))} flown",
     ]
-    if len(dossier.branches) > 1:
-        told.append(f"branch {dossier.branch.id} of {len(dossier.branches)}")
+    if len(debrief.branches) > 1:
+        told.append(f"branch {debrief.branch.id} of {len(debrief.branches)}")
     return " - ".join(filter(None, told))
 
 
-def _parts(dossier: DebriefData) -> Iterator[Markup]:
-    if dossier.card.scores:
-        yield section("", "Scores", sections.scores(dossier))
-    yield section("", "Ordered and actual", _drawings(dossier))
-    told = sections.casualties(dossier) if dossier.casualties else paragraph("Nothing broke.")
+def _parts(debrief: DebriefData) -> Iterator[Markup]:
+    if debrief.card.scores:
+        yield section("", "Scores", sections.scores(debrief))
+    yield section("", "Ordered and actual", _drawings(debrief))
+    told = sections.casualties(debrief) if debrief.casualties else paragraph("Nothing broke.")
     yield section("", "Casualties", told)
-    if dossier.of_kind("mark"):
-        yield section("", "Marks", sections.marks(dossier))
-    if dossier.hands:
-        yield section("", "Who gave orders", sections.hands(dossier))
-    yield section("", "Orders and events", sections.log(dossier))
-    if len(dossier.branches) > 1:
-        yield section("", "Branches", sections.branches(dossier))
-    yield section("", "Ticks", sections.ledger(dossier))
-    yield section("", "What was flown", sections.made_of(dossier))
+    if debrief.of_kind("mark"):
+        yield section("", "Marks", sections.marks(debrief))
+    if debrief.hands:
+        yield section("", "Who gave orders", sections.hands(debrief))
+    yield section("", "Orders and events", sections.log(debrief))
+    if len(debrief.branches) > 1:
+        yield section("", "Branches", sections.branches(debrief))
+    yield section("", "Ticks", sections.ledger(debrief))
+    yield section("", "What was flown", sections.made_of(debrief))
 
 
-def _drawings(dossier: DebriefData) -> Markup:
+def _drawings(debrief: DebriefData) -> Markup:
     """Return the time line and the charts."""
-    ground = ground_of(dossier)
-    drawn = [draw(chart, ground) for chart in charts_of(dossier.passage)]
+    ground = ground_of(debrief)
+    drawn = [draw(chart, ground) for chart in charts_of(debrief.trajectory)]
     told = "Shaded: a casualty. Dotted upright: a mark. Time from the start, minutes and seconds."
     head = Markup("<p><small>{}</small></p>").format(told)
-    return Markup().join([head, draw_timeline(dossier, ground), *drawn])
+    return Markup().join([head, draw_timeline(debrief, ground), *drawn])
 
 
 HEAD = 2000  # [characters] in which a page of ours says that it is
@@ -97,8 +97,8 @@ def debrief_file(
         html = beside(path, branch)
         _refuse_other(html)
     with np.errstate(all="ignore"):  # a state may hold any number
-        dossier = read_dossier(path, branch)
-        text = render(dossier) if html or pdf else ""
+        debrief = read_dossier(path, branch)
+        text = render(debrief) if html or pdf else ""
     written = []
     if html is not None:
         _write(html, text)
@@ -107,7 +107,7 @@ def debrief_file(
         _print(text, pdf)
         written.append(pdf)
     if as_json:
-        click.echo(json.dumps(figures(dossier), indent=1))
+        click.echo(json.dumps(figures(debrief), indent=1))
     else:
         click.echo("\n".join(map(str, written)))
 

@@ -108,34 +108,34 @@ class Scorecard:
     total: float | None  # [%]
 
 
-def score(passage: Trajectory, rules: tuple[Rule, ...]) -> Scorecard:
+def score(trajectory: Trajectory, rules: tuple[Rule, ...]) -> Scorecard:
     """Return how each rule was met, and the marks of all, each by its weight."""
-    scores = tuple(_scored(passage, rule) for rule in rules)
+    scores = tuple(_scored(trajectory, rule) for rule in rules)
     counted = [each for each in scores if each.marks is not None]
     weight = sum(each.rule.weight for each in counted)
     earned = sum(each.rule.weight * (each.marks or 0.0) for each in counted)
     return Scorecard(scores, earned / weight if weight else None)
 
 
-def _scored(passage: Trajectory, rule: Rule) -> Scored:
-    attained = attain(passage, rule)
+def _scored(trajectory: Trajectory, rule: Rule) -> Scored:
+    attained = attain(trajectory, rule)
     marks = marks_of(rule, attained.value) if attained.counts else None
     return Scored(rule, attained, unit_of(rule), formula_of(rule), marks)
 
 
-def attain(passage: Trajectory, rule: Rule) -> Attained:
+def attain(trajectory: Trajectory, rule: Rule) -> Attained:
     """Return what the measure of a rule has come to in a passage."""
-    if lacking := lacks(passage.boat, rule):
+    if lacking := lacks(trajectory.boat, rule):
         return Attained(None, None, f"this boat has no {lacking[0]}", counts=False)
-    rows = passage.between(rule.score.from_s, rule.score.to_s)
+    rows = trajectory.between(rule.score.from_s, rule.score.to_s)
     if not np.any(rows):
-        told = f"the record ends at {passage.seconds[-1]:g} s"
+        told = f"the record ends at {trajectory.seconds[-1]:g} s"
         return Attained(None, None, told, counts=False)
     if rule.condition:
-        rows &= passage.holds(rule.condition)
+        rows &= trajectory.holds(rule.condition)
     if not np.any(rows):
         return Attained(None, None, f"never {rule.condition and rule.condition.text}")
-    return TAKE[rule.score.measure](passage, rows, rule)
+    return TAKE[rule.score.measure](trajectory, rows, rule)
 
 
 def marks_of(rule: Rule, value: float | None) -> float:

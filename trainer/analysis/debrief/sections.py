@@ -22,16 +22,16 @@ def number(value: float | None) -> str:
     return "-" if value is None else f"{value:.{TOLD}g}"
 
 
-def place(dossier: DebriefData, tick: int | None) -> str:
+def place(debrief: DebriefData, tick: int | None) -> str:
     """Return a moment of the record as time and tick."""
     if tick is None:
         return "-"
-    return Markup("{} <small>tick {}</small>").format(clock(tick * dossier.step), tick)
+    return Markup("{} <small>tick {}</small>").format(clock(tick * debrief.step), tick)
 
 
-def verdict(dossier: DebriefData) -> Markup:
+def verdict(debrief: DebriefData) -> Markup:
     """Return the marks of the whole, in words."""
-    card = dossier.card
+    card = debrief.card
     if not card.scores:
         return paragraph("This run has no scoring rules.")
     counted = sum(each.marks is not None for each in card.scores)
@@ -39,27 +39,27 @@ def verdict(dossier: DebriefData) -> Markup:
     lines = [Markup('<p class="total"><b>{}</b> of 100 marks</p>').format(total)]
     if counted < len(card.scores):
         lines.append(paragraph(f"{counted} of {len(card.scores)} rules count."))
-    if lacking := _unflown(dossier):
+    if lacking := _unflown(debrief):
         lines.append(paragraph(lacking))
     return Markup().join(lines)
 
 
-def _unflown(dossier: DebriefData) -> str:
+def _unflown(debrief: DebriefData) -> str:
     """Return that the record ends before the exercise, '' if it does not."""
-    flown, planned = float(dossier.passage.seconds[-1]), dossier.plan.duration
-    if planned is None or flown >= planned - dossier.step:
+    flown, planned = float(debrief.trajectory.seconds[-1]), debrief.plan.duration
+    if planned is None or flown >= planned - debrief.step:
         return ""
     return f"The record ends at {clock(flown)}; the exercise lasts {clock(planned)}."
 
 
-def scores(dossier: DebriefData) -> Markup:
+def scores(debrief: DebriefData) -> Markup:
     """Return the table of the scores."""
     headings = ("", "score", "value", "full at", "none at", "marks", "weight", "place", "formula")
-    rows = (_score(dossier, i, each) for i, each in enumerate(dossier.card.scores, start=1))
+    rows = (_score(debrief, i, each) for i, each in enumerate(debrief.card.scores, start=1))
     return table(headings, rows, "scores")
 
 
-def _score(dossier: DebriefData, i: int, each: Scored) -> tuple[str, ...]:
+def _score(debrief: DebriefData, i: int, each: Scored) -> tuple[str, ...]:
     score, attained = each.rule.score, each.attained
     unit = "" if each.unit == "-" else f"\N{NO-BREAK SPACE}{each.unit}"
     value = (attained.why) if attained.value is None else number(attained.value) + unit
@@ -69,11 +69,11 @@ def _score(dossier: DebriefData, i: int, each: Scored) -> tuple[str, ...]:
         marks = bar.format(each.marks)
     return (
         *(f"S{i}", (each.name), value, number(score.full), number(score.zero), marks),
-        *(f"{each.rule.weight:g}", place(dossier, attained.tick), (each.formula)),
+        *(f"{each.rule.weight:g}", place(debrief, attained.tick), (each.formula)),
     )
 
 
-def casualties(dossier: DebriefData) -> Markup:
+def casualties(debrief: DebriefData) -> Markup:
     """Return the table of the casualties and of what was done about them."""
     headings = (
         "",
@@ -85,19 +85,19 @@ def casualties(dossier: DebriefData) -> Markup:
         "first deflection",
         "after",
     )
-    rows = (_casualty(dossier, i, each) for i, each in enumerate(dossier.casualties, start=1))
+    rows = (_casualty(debrief, i, each) for i, each in enumerate(debrief.casualties, start=1))
     return table(headings, rows, "")
 
 
-def _casualty(dossier: DebriefData, i: int, each: Answered) -> tuple[str, ...]:
-    spell, order, moved = each.spell, each.order, each.deflection
+def _casualty(debrief: DebriefData, i: int, each: Answered) -> tuple[str, ...]:
+    episode, order, moved = each.episode, each.order, each.deflection
 
     def after(tick: int) -> str:
-        return f"{(tick - spell.begun) * dossier.step:g} s"
+        return f"{(tick - episode.begun) * debrief.step:g} s"
 
     return (
-        *(f"C{i}", spell.kind, place(dossier, spell.begun)),
-        "at the end still there" if spell.ended is None else place(dossier, spell.ended),
+        *(f"C{i}", episode.kind, place(debrief, episode.begun)),
+        "at the end still there" if episode.ended is None else place(debrief, episode.ended),
         (f"{order.text} ({order.who})") if order else "none",
         after(order.tick) if order else "-",
         moved.surface if moved else "none",
@@ -105,16 +105,16 @@ def _casualty(dossier: DebriefData, i: int, each: Answered) -> tuple[str, ...]:
     )
 
 
-def marks(dossier: DebriefData) -> Markup:
+def marks(debrief: DebriefData) -> Markup:
     """Return the table of the marks with their remarks."""
     rows = (
-        (f"M{i}", place(dossier, each.tick), (each.text), (each.who))
-        for i, each in enumerate(dossier.of_kind("mark"), start=1)
+        (f"M{i}", place(debrief, each.tick), (each.text), (each.who))
+        for i, each in enumerate(debrief.of_kind("mark"), start=1)
     )
     return table(("", "moment", "remark", "by"), rows, "")
 
 
-def hands(dossier: DebriefData) -> Markup:
+def hands(debrief: DebriefData) -> Markup:
     """Return the table of who gave orders."""
     rows = (
         (
@@ -122,15 +122,15 @@ def hands(dossier: DebriefData) -> Markup:
             str(each.orders),
             str(each.refused),
         )
-        for each in dossier.hands
+        for each in debrief.hands
     )
     return table(("line", "orders", "refused"), rows, "")
 
 
-def log(dossier: DebriefData) -> Markup:
+def log(debrief: DebriefData) -> Markup:
     """Return the table of orders and events, in the order in which they were."""
-    entries = sorted(_entries(dossier), key=lambda entry: entry[0])
-    rows = ((place(dossier, tick), *cells) for tick, *cells in entries[:MOST])
+    entries = sorted(_entries(debrief), key=lambda entry: entry[0])
+    rows = ((place(debrief, tick), *cells) for tick, *cells in entries[:MOST])
     more = len(entries) - MOST
     shown = table(("moment", "who", "what", "answer"), rows, "log")
     if more <= 0:
@@ -138,47 +138,47 @@ def log(dossier: DebriefData) -> Markup:
     return shown + paragraph(f"{more} more are in the record: trainer export has all.")
 
 
-def _entries(dossier: DebriefData) -> Iterator[tuple[int, str, str, str]]:
+def _entries(debrief: DebriefData) -> Iterator[tuple[int, str, str, str]]:
     """Yield tick, who, what and answer of orders and events."""
-    for each in dossier.passage.orders:
+    for each in debrief.trajectory.orders:
         answer = (
             (each.answer)
             if each.accepted is not False
             else Markup("<strong>refused:</strong> {}").format(each.answer)
         )
         yield each.tick, (each.who), (each.text), answer
-    for event in dossier.events:
+    for event in debrief.events:
         words = PLACED.sub("", event.text)
         yield event.tick, (event.who or event.kind), (words), ""
 
 
-def branches(dossier: DebriefData) -> Markup:
+def branches(debrief: DebriefData) -> Markup:
     """Return the table of the branches."""
     rows = []
-    for branch, last in dossier.branches:
+    for branch, last in debrief.branches:
         begun = "the start" if branch.parent is None else f"branch {branch.parent}"
-        here = Markup(" <b>debriefed here</b>") if branch.id == dossier.branch.id else ""
-        moments = place(dossier, branch.tick), place(dossier, last)
+        here = Markup(" <b>debriefed here</b>") if branch.id == debrief.branch.id else ""
+        moments = place(debrief, branch.tick), place(debrief, last)
         rows.append((Markup("{}{}").format(branch.id, here), begun, *moments, (branch.why)))
     return table(("branch", "from", "at", "to", "why"), rows, "")
 
 
-def ledger(dossier: DebriefData) -> Markup:
+def ledger(debrief: DebriefData) -> Markup:
     """Return what became of the ticks, and every trouble with them."""
-    ticks = dossier.ticks
+    ticks = debrief.ticks
     if not ticks.work or not ticks.lateness or ticks.duty_cycle is None:
         return paragraph("No tick was timed.")
     rows = [
         ("work", *(f"{value / 1e3:.1f} us" for value in ticks.work)),
         ("lateness", *(f"{value / 1e3:.1f} us" for value in ticks.lateness)),
     ]
-    troubles = dossier.of_kind("trouble")
+    troubles = debrief.of_kind("trouble")
     told = (
-        f"{ticks.timed} ticks of {dossier.step:g} s timed, duty cycle "
+        f"{ticks.timed} ticks of {debrief.step:g} s timed, duty cycle "
         f"{100 * ticks.duty_cycle:.3f} %; {len(troubles)} troubles called out"
     )
     listed = Markup().join(
-        Markup("<li>{}: {}</li>").format(place(dossier, each.tick), each.text)
+        Markup("<li>{}: {}</li>").format(place(debrief, each.tick), each.text)
         for each in troubles[:50]
     )
     return (
@@ -188,17 +188,17 @@ def ledger(dossier: DebriefData) -> Markup:
     )
 
 
-def made_of(dossier: DebriefData) -> Markup:
+def made_of(debrief: DebriefData) -> Markup:
     """Return what computed the run."""
-    header, method = dossier.header, dossier.plan.method
+    header, method = debrief.header, debrief.plan.method
     rows = [
-        ("boat", (dossier.plan.file.name)),
-        ("sea at the start", (dossier.plan.sea.name)),
+        ("boat", (debrief.plan.file.name)),
+        ("sea at the start", (debrief.plan.sea.name)),
         ("computed by", f"{method.equations} set, {method.rates} rates, {method.integrator}"),
         ("step", f"{method.step:g} s"),
-        ("seed", str(dossier.plan.seed)),
+        ("seed", str(debrief.plan.seed)),
         ("recorded", (header.get("started", "-"))),
         ("trainer", (f"{header.get('trainer', '-')}, core {header.get('core', '-')}")),
-        ("record", (dossier.source.name)),
+        ("record", (debrief.source.name)),
     ]
     return table(("", ""), rows, "facts")

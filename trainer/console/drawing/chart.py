@@ -69,14 +69,14 @@ STEPS: Final = (1.0, 2.0, 5.0)
 LEAST: Final = 10  # [columns]
 
 
-def strip(quantity: int, sight: SessionModel, span: float, width: int, height: int) -> Lines:
+def strip(quantity: int, model: SessionModel, span: float, width: int, height: int) -> Lines:
     """Return the chart of a quantity over the last ``span`` [s], its title above it."""
-    drawn = sight.charts[quantity]
-    title = headline(drawn, sight, span, width)
+    drawn = model.charts[quantity]
+    title = headline(drawn, model, span, width)
     columns, rows = width - SCALE - 1, height - 1
     if rows < 1 or columns < LEAST:
         return [title][:height]
-    series = sight.trace.series(quantity, span, columns * ACROSS)
+    series = model.trace.series(quantity, span, columns * ACROSS)
     whole = unturned if drawn.actual[1] in ROUND else as_it_is
     actual = whole([each.actual if each else None for each in series], series)
     ordered = whole([each.ordered if each else None for each in series], series)
@@ -85,11 +85,11 @@ def strip(quantity: int, sight: SessionModel, span: float, width: int, height: i
     return [title, *plot.lines(actual, ordered, drawn)]
 
 
-def headline(drawn: Quantity, sight: SessionModel, span: float, width: int) -> Line:
+def headline(drawn: Quantity, model: SessionModel, span: float, width: int) -> Line:
     """Return the name of the chart, its value and what is ordered."""
     says = said(drawn)
-    actual = says(sight.picture.number(*drawn.actual))
-    ordered = says(sight.picture.number(*drawn.ordered)) if drawn.ordered else NONE
+    actual = says(model.picture.number(*drawn.actual))
+    ordered = says(model.picture.number(*drawn.ordered)) if drawn.ordered else NONE
     told = "" if ordered == NONE else f" {DASH}{DASH} {ordered}"
     name = drawn.name if width > 34 else drawn.name[:7]
     inks = ("heading", "heading-value", "heading-ordered")

@@ -74,38 +74,38 @@ def side_by_side(dials: list[Lines], width: int) -> Lines:
     ]
 
 
-def depth_dial(sight: SessionModel) -> Lines:
+def depth_dial(model: SessionModel) -> Lines:
     """Return the depth gauge."""
-    ordered = number(sight.picture.number("diving", "ordered_depth"))
-    return dial("depth", number(moved(sight, "depth")), ordered, "m")
+    ordered = number(model.picture.number("diving", "ordered_depth"))
+    return dial("depth", number(moved(model, "depth")), ordered, "m")
 
 
-def course_dial(sight: SessionModel) -> Lines:
+def course_dial(model: SessionModel) -> Lines:
     """Return the compass."""
-    ordered = course(sight.picture.number("steering", "ordered_course"))
-    return dial("course", course(moved(sight, "heading"), 1), ordered, "deg")
+    ordered = course(model.picture.number("steering", "ordered_course"))
+    return dial("course", course(moved(model, "heading"), 1), ordered, "deg")
 
 
-def speed_dial(sight: SessionModel) -> Lines:
+def speed_dial(model: SessionModel) -> Lines:
     """Return the log."""
-    ordered = number(sight.picture.number("engine", "ordered_speed"))
-    return dial("speed", number(moved(sight, "speed")), ordered, "kn")
+    ordered = number(model.picture.number("engine", "ordered_speed"))
+    return dial("speed", number(moved(model, "speed")), ordered, "kn")
 
 
-def angles(sight: SessionModel) -> Line:
+def angles(model: SessionModel) -> Line:
     """Return pitch and heel in words."""
     return line(
         (" pitch ", "dim"),
-        (f"{attitude(moved(sight, 'pitch'), 'up', 'down'):<11}", "value"),
+        (f"{attitude(moved(model, 'pitch'), 'up', 'down'):<11}", "value"),
         ("heel ", "dim"),
-        (attitude(moved(sight, "heel"), "stbd", "port"), "value"),
+        (attitude(moved(model, "heel"), "stbd", "port"), "value"),
     )
 
 
-def scale(sight: SessionModel, name: str, channel: str, width: int) -> Line:
+def scale(model: SessionModel, name: str, channel: str, width: int) -> Line:
     """Return a surface on its scale: where it is as a block, what it is told as a diamond."""
-    picture = sight.picture
-    actual = picture.smooth(channel, name, sight.clock())
+    picture = model.picture
+    actual = picture.smooth(channel, name, model.clock())
     ordered = picture.number(channel, f"ordered_{name}")
     if actual is None:
         lacking = without(picture, channel, "this boat has none")
@@ -141,9 +141,9 @@ def marks(actual: float, ordered: float | None, room: int) -> tuple[Run, ...]:
     return tuple(zip(signs, inks, strict=True))
 
 
-def telegraph(sight: SessionModel, width: int) -> Lines:
+def telegraph(model: SessionModel, width: int) -> Lines:
     """Return the engine telegraph, the bell that is rung in brackets, and the revolutions."""
-    picture = sight.picture
+    picture = model.picture
     rung = picture.word("engine", "bell")
     parts: list[Run] = [(" astern ", "dim")]
     for way, bells in (("astern", ASTERN), ("", ("stop",)), ("ahead", AHEAD)):

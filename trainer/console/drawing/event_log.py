@@ -8,9 +8,9 @@ from trainer.console.pane import Line, Lines, Run, fit, line
 LEAST = 24  # [columns] of a time line
 
 
-def log(sight: SessionModel, width: int, height: int) -> Lines:
+def log(model: SessionModel, width: int, height: int) -> Lines:
     """Return the last entries, the newest at the bottom."""
-    journal = sight.journal
+    journal = model.journal
     found: list[tuple[str, str, str]] = []
     for entry in reversed(journal.entries):
         found[:0] = wrapped(entry, width)
@@ -24,31 +24,31 @@ def log(sight: SessionModel, width: int, height: int) -> Lines:
     return [*(fit(each, width) for each in lines), *[fit(line(), width)] * (height - len(lines))]
 
 
-def time_line(sight: SessionModel, width: int, _height: int) -> Lines:
+def time_line(model: SessionModel, width: int, _height: int) -> Lines:
     """Return all of the run in one line: moments kept by their signs, the present as a bar."""
-    now = sight.picture.seconds
-    end = max(now, sight.furthest, 1.0)
+    now = model.picture.seconds
+    end = max(now, model.furthest, 1.0)
     left = line((" 00:00 ", "dim"))
     right = line((f" {clock(end)} ", "dim"))
     room = width - sum(len(text) for text, _ in (*left, *right))
     if room < LEAST:
         return [fit(line((f" {clock(now)}", "dim")), width)]
-    return [(*left, *scale(sight, now, end, room), *right)]
+    return [(*left, *scale(model, now, end, room), *right)]
 
 
-def moments(sight: SessionModel) -> list[Kept]:
+def moments(model: SessionModel) -> list[Kept]:
     """Return what is on the time line, oldest first."""
-    return sorted([*sight.snapshots, *sight.marks], key=lambda kept: kept.seconds)
+    return sorted([*model.snapshots, *model.marks], key=lambda kept: kept.seconds)
 
 
-def scale(sight: SessionModel, now: float, end: float, room: int) -> tuple[Run, ...]:
+def scale(model: SessionModel, now: float, end: float, room: int) -> tuple[Run, ...]:
     """Return the line from the start to the end in ``room`` columns."""
 
     def column(seconds: float) -> int:
         return min(max(round(seconds / end * (room - 1)), 0), room - 1)
 
     signs = ["━" if place <= column(now) else "╌" for place in range(room)]
-    for kept in moments(sight):
+    for kept in moments(model):
         signs[column(kept.seconds)] = kept.sign
     signs[column(now)] = "┃"
     return tuple(
@@ -56,9 +56,9 @@ def scale(sight: SessionModel, now: float, end: float, room: int) -> tuple[Run, 
     )
 
 
-def ledger(sight: SessionModel, width: int, height: int) -> Lines:
+def ledger(model: SessionModel, width: int, height: int) -> Lines:
     """Return what became of the ticks."""
-    picture = sight.picture
+    picture = model.picture
 
     def told(name: str, decimals: int = 0) -> str:
         return number(picture.number("ledger", name), decimals)
@@ -81,9 +81,9 @@ def row(label: str, text: str) -> Line:
     return line((f" {label:<9}", "dim"), (text, "plain"))
 
 
-def suffering(sight: SessionModel, width: int, height: int) -> Lines:
+def suffering(model: SessionModel, width: int, height: int) -> Lines:
     """Return the casualties: kind, how much of what it will be, and when."""
-    picture = sight.picture
+    picture = model.picture
     lines = [fit(line((" casualties", "heading")), width, "heading")]
     for name in picture.rows("casualties", "casualty_"):
         if not name[-1].isdigit():

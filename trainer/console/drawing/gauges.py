@@ -15,27 +15,27 @@ TANKS = (
 APART = 0.5  # [m, deg, kn] from which a gauge is said to be wrong
 
 
-def state(sight: SessionModel, width: int, _height: int) -> Lines:
+def state(model: SessionModel, width: int, _height: int) -> Lines:
     """Return the state in nine lines."""
     rows = [
-        (depth(sight), plane(sight, "rudder", "steering")),
-        (heading(sight), plane(sight, "stern", "diving")),
-        (speed(sight), plane(sight, "bow", "diving")),
-        (pitch(sight), engine(sight)),
-        (heel(sight), weight(sight)),
+        (depth(model), plane(model, "rudder", "steering")),
+        (heading(model), plane(model, "stern", "diving")),
+        (speed(model), plane(model, "bow", "diving")),
+        (pitch(model), engine(model)),
+        (heel(model), weight(model)),
     ]
     lines = [(*fit(left, LEFT), *right) for left, right in rows]
-    return [*(fit(each, width) for each in (*lines, *low(sight)))]
+    return [*(fit(each, width) for each in (*lines, *low(model)))]
 
 
-def low(sight: SessionModel) -> Lines:
+def low(model: SessionModel) -> Lines:
     """Return tanks, air, the sea and casualties, a line each."""
-    return [tanks(sight), air(sight), sea(sight), broken(sight)]
+    return [tanks(model), air(model), sea(model), broken(model)]
 
 
-def moved(sight: SessionModel, name: str) -> float | None:
+def moved(model: SessionModel, name: str) -> float | None:
     """Return a value of the gauges' channel where it is now."""
-    return sight.picture.smooth(sight.gauges, name, sight.clock())
+    return model.picture.smooth(model.gauges, name, model.clock())
 
 
 def pair(label: str, actual: str, ordered: str, unit: str) -> Line:
@@ -44,9 +44,9 @@ def pair(label: str, actual: str, ordered: str, unit: str) -> Line:
     return line((f" {label:<7}", "dim"), (f"{actual:>6}", "value"), told, (f" {unit}", "dim"))
 
 
-def false(sight: SessionModel, name: str) -> str:
+def false(model: SessionModel, name: str) -> str:
     """Return what a gauge shows, "" where that is the truth."""
-    shown, true = sight.picture.number("gauges", name), sight.picture.number("motion", name)
+    shown, true = model.picture.number("gauges", name), model.picture.number("motion", name)
     if shown is None or true is None:
         return ""
     apart = abs(shown - true)
@@ -54,50 +54,50 @@ def false(sight: SessionModel, name: str) -> str:
     return f"  GAUGE {number(shown)}" if apart > APART else ""
 
 
-def depth(sight: SessionModel) -> Line:
+def depth(model: SessionModel) -> Line:
     """Return depth and ordered depth."""
-    ordered = number(sight.picture.number("diving", "ordered_depth"))
-    told = pair("depth", number(moved(sight, "depth")), ordered, "m")
-    return misread(sight, "depth", told)
+    ordered = number(model.picture.number("diving", "ordered_depth"))
+    told = pair("depth", number(moved(model, "depth")), ordered, "m")
+    return misread(model, "depth", told)
 
 
-def heading(sight: SessionModel) -> Line:
+def heading(model: SessionModel) -> Line:
     """Return heading and ordered course."""
-    ordered = course(sight.picture.number("steering", "ordered_course"))
-    told = pair("course", course(moved(sight, "heading"), 1), ordered, "")
-    return misread(sight, "heading", told)
+    ordered = course(model.picture.number("steering", "ordered_course"))
+    told = pair("course", course(moved(model, "heading"), 1), ordered, "")
+    return misread(model, "heading", told)
 
 
-def speed(sight: SessionModel) -> Line:
+def speed(model: SessionModel) -> Line:
     """Return speed and ordered speed."""
-    ordered = number(sight.picture.number("engine", "ordered_speed"))
-    told = pair("speed", number(moved(sight, "speed")), ordered, "kn")
-    return misread(sight, "speed", told)
+    ordered = number(model.picture.number("engine", "ordered_speed"))
+    told = pair("speed", number(moved(model, "speed")), ordered, "kn")
+    return misread(model, "speed", told)
 
 
-def misread(sight: SessionModel, name: str, told: Line) -> Line:
+def misread(model: SessionModel, name: str, told: Line) -> Line:
     """Return a value with what the crew's gauge shows in place of the order, if that is false."""
-    wrong = false(sight, name)
+    wrong = false(model, name)
     return (*told[:2], (wrong, "warning")) if wrong else told
 
 
-def pitch(sight: SessionModel) -> Line:
+def pitch(model: SessionModel) -> Line:
     """Return the pitch in words."""
     return line(
-        (" pitch  ", "dim"), (f"{attitude(moved(sight, 'pitch'), 'up', 'down'):>9}", "value")
+        (" pitch  ", "dim"), (f"{attitude(moved(model, 'pitch'), 'up', 'down'):>9}", "value")
     )
 
 
-def heel(sight: SessionModel) -> Line:
+def heel(model: SessionModel) -> Line:
     """Return the heel in words."""
-    value = attitude(moved(sight, "heel"), "stbd", "port")
+    value = attitude(moved(model, "heel"), "stbd", "port")
     return line((" heel   ", "dim"), (f"{value:>9}", "value"))
 
 
-def plane(sight: SessionModel, name: str, channel: str) -> Line:
+def plane(model: SessionModel, name: str, channel: str) -> Line:
     """Return a surface, what it is told, and by whom."""
-    picture = sight.picture
-    actual = picture.smooth(channel, name, sight.clock())
+    picture = model.picture
+    actual = picture.smooth(channel, name, model.clock())
     ordered = surface(name, picture.number(channel, f"ordered_{name}"))
     mode = picture.word(channel, f"{name}_mode") if actual is not None else "none"
     return line(
@@ -108,9 +108,9 @@ def plane(sight: SessionModel, name: str, channel: str) -> Line:
     )
 
 
-def engine(sight: SessionModel) -> Line:
+def engine(model: SessionModel) -> Line:
     """Return bell, or that speed is kept, and revolutions."""
-    picture = sight.picture
+    picture = model.picture
     rung = bell(picture.word("engine", "bell"))
     kept = "auto" if picture.word("engine", "speed_mode") == "auto" else "turns"
     rpm, ordered = (picture.number("engine", name) for name in ("rpm", "ordered_rpm"))
@@ -123,34 +123,34 @@ def engine(sight: SessionModel) -> Line:
     )
 
 
-def weight(sight: SessionModel) -> Line:
+def weight(model: SessionModel) -> Line:
     """Return how heavy or light she is."""
-    heavy = sight.picture.number("motion", "heavy")
+    heavy = model.picture.number("motion", "heavy")
     if heavy is None:
         return line(("weight ", "dim"), NONE)
     side = "" if abs(heavy) < 0.05 else (" t heavy" if heavy > 0.0 else " t light")
     return line(("weight ", "dim"), (f"{abs(heavy):.1f}{side or ' t, in trim'}", "value"))
 
 
-def tanks(sight: SessionModel) -> Line:
+def tanks(model: SessionModel) -> Line:
     """Return how full the tanks are [%]."""
-    if sight.picture.number("tanks", "auxiliary") is None:
-        return line((" tanks  ", "dim"), without(sight.picture, "tanks", "this boat has none"))
+    if model.picture.number("tanks", "auxiliary") is None:
+        return line((" tanks  ", "dim"), without(model.picture, "tanks", "this boat has none"))
     parts = [(" tanks ", "dim")]
     for says, names in TANKS:
-        shares = "/".join(full(sight, name) for name in names)
+        shares = "/".join(full(model, name) for name in names)
         parts += [(f" {says} ", "dim"), (shares, "plain")]
     return line(*parts, (" %", "dim"))
 
 
-def full(sight: SessionModel, tank: str) -> str:
+def full(model: SessionModel, tank: str) -> str:
     """Return how full a tank is [%]."""
-    return number(sight.picture.number("tanks", f"{tank}_full"), 0)
+    return number(model.picture.number("tanks", f"{tank}_full"), 0)
 
 
-def air(sight: SessionModel) -> Line:
+def air(model: SessionModel) -> Line:
     """Return the pressures of the banks and what blows."""
-    picture = sight.picture
+    picture = model.picture
     if not picture.word("air", "main"):
         return line((" air    ", "dim"), without(picture, "air", "this boat has none"))
     main, reserve = picture.number("air", "main"), picture.number("air", "emergency")
@@ -168,28 +168,28 @@ def air(sight: SessionModel) -> Line:
     )
 
 
-def sea(sight: SessionModel) -> Line:
+def sea(model: SessionModel) -> Line:
     """Return the sea, and the one it is becoming."""
-    now, then = swell(sight, ""), swell(sight, "ordered_")
+    now, then = swell(model, ""), swell(model, "ordered_")
     told = "" if now == then else f" > {then}"
     return line((" sea    ", "dim"), (now, "plain"), (told, "ordered"))
 
 
-def swell(sight: SessionModel, which: str) -> str:
+def swell(model: SessionModel, which: str) -> str:
     """Return a sea in words."""
     height, period, origin = (
-        sight.picture.number("sea", f"{which}{name}") for name in ("height", "period", "from")
+        model.picture.number("sea", f"{which}{name}") for name in ("height", "period", "from")
     )
     if not height:
-        return without(sight.picture, "sea", "calm")
+        return without(model.picture, "sea", "calm")
     return f"{height:.1f} m, {number(period, 0)} s, from {course(origin)}"
 
 
-def broken(sight: SessionModel) -> Line:
+def broken(model: SessionModel) -> Line:
     """Return the names of the casualties."""
-    slots = [name for name in sight.picture.rows("casualties", "casualty_") if name[-1].isdigit()]
-    names = [sight.picture.word("casualties", name) for name in slots]
+    slots = [name for name in model.picture.rows("casualties", "casualty_") if name[-1].isdigit()]
+    names = [model.picture.word("casualties", name) for name in slots]
     if not names:
-        told = without(sight.picture, "casualties", "nothing; F4 lists what can be")
+        told = without(model.picture, "casualties", "nothing; F4 lists what can be")
         return line((" broken ", "dim"), (told, "plain"))
     return line((" broken ", "dim"), (f" {', '.join(names)} ", "alarm"))

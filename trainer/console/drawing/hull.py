@@ -32,11 +32,11 @@ LEAST: Final = 18  # [columns] of the view from the side
 WORDS: Final = 32  # [columns] with room for both angles
 
 
-def hull(sight: SessionModel, width: int, height: int) -> Lines:
+def hull(model: SessionModel, width: int, height: int) -> Lines:
     """Return both views above a line with the angles in words."""
     if height < 3 or width < LEAST:
         return [fit(line(), width)] * height
-    pitch, heel = moved(sight, "pitch"), moved(sight, "heel")
+    pitch, heel = moved(model, "pitch"), moved(model, "heel")
     left = line((f" pitch {attitude(pitch, 'up', 'down')}", "dim"))
     told = f"heel {attitude(heel, 'stbd', 'port')} "
     right = line((told if width >= WORDS else "", "dim"))

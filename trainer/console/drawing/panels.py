@@ -21,38 +21,38 @@ from trainer.console.pane import Line, Lines, beside, fit, length, line
 SILENCE: Final = 2.0  # [s] of a session that runs, after which it is called out
 
 
-def top(sight: SessionModel, width: int, _height: int) -> Lines:
+def top(model: SessionModel, width: int, _height: int) -> Lines:
     """Return the first line, or what is wrong with the line to the session."""
-    wrong = trouble(sight)
+    wrong = trouble(model)
     if wrong:
         return [fit(line((f" {wrong} ", "alarm")), width, "alarm")]
-    if not sight.greeted:
-        return [fit(line((f" {sight.role} ", "bright"), ("making ready", "bar")), width, "bar")]
-    clockwork = f"{clock(sight.picture.seconds)} "
-    left = (*line((f" {sight.role} ", "bright"), (clockwork, "bright")), *pace(sight))
-    told = title(sight)
+    if not model.greeted:
+        return [fit(line((f" {model.role} ", "bright"), ("making ready", "bar")), width, "bar")]
+    clockwork = f"{clock(model.picture.seconds)} "
+    left = (*line((f" {model.role} ", "bright"), (clockwork, "bright")), *pace(model))
+    told = title(model)
     room = width - length(left)
     return [beside(left, line((told if len(told) <= room else "", "bar")), width, "bar")]
 
 
-def trouble(sight: SessionModel) -> str:
+def trouble(model: SessionModel) -> str:
     """Return what is wrong with the line or with what comes on it, "" while nothing is."""
-    if sight.over:
+    if model.over:
         return "THE SESSION IS OVER: F10 leaves"
-    if not sight.joined:
-        return f"NO LINE: {sight.trouble}; trying again" if sight.trouble else ""
-    picture = sight.picture
-    last = picture.reading(sight.gauges)
+    if not model.joined:
+        return f"NO LINE: {model.trouble}; trying again" if model.trouble else ""
+    picture = model.picture
+    last = picture.reading(model.gauges)
     step = last.seconds / last.tick if last.tick else 0.0
-    silent = sight.clock() - last.arrived
+    silent = model.clock() - last.arrived
     if picture.frozen or not picture.pace or silent < SILENCE + 2.0 * step / picture.pace:
         return ""
     return f"NO DATA for {silent:.0f} s: the session does not answer"
 
 
-def pace(sight: SessionModel) -> Line:
+def pace(model: SessionModel) -> Line:
     """Return how time runs."""
-    picture = sight.picture
+    picture = model.picture
     factor = picture.word("time", "speed")
     speed = "as fast as it goes" if factor == "max" else f"x{picture.pace:g}"
     parts = [(" FROZEN ", "alarm")] if picture.frozen else [("RUNNING", "running")]
@@ -62,14 +62,14 @@ def pace(sight: SessionModel) -> Line:
     held = picture.word("time", "held")
     if held:
         parts.append((f"  HELD: {held}", "key"))
-    if sight.instructs and picture.pace:
+    if model.instructs and picture.pace:
         parts.append((f"  branch {picture.word('time', 'branch')}", "bar"))
     return line(*parts)
 
 
-def title(sight: SessionModel) -> str:
+def title(model: SessionModel) -> str:
     """Return what the session calls itself."""
-    return f" {sight.briefing[0]} " if sight.briefing else ""
+    return f" {model.briefing[0]} " if model.briefing else ""
 
 
 def foot(keys: tuple[tuple[str, str], ...], width: int) -> Lines:
@@ -91,47 +91,47 @@ def taken(keys: list[tuple[str, str]], gap: int) -> int:
     return 1 + sum(len(label) + 1 + len(says) + gap for label, says in keys) - gap
 
 
-def helm(sight: SessionModel, width: int, height: int) -> Lines:
+def helm(model: SessionModel, width: int, height: int) -> Lines:
     """Return the helm's panel: course, speed, depth, the rudder and the telegraph."""
     lines = [
-        *side_by_side([course_dial(sight), speed_dial(sight), depth_dial(sight)], width),
-        scale(sight, "rudder", "steering", width),
+        *side_by_side([course_dial(model), speed_dial(model), depth_dial(model)], width),
+        scale(model, "rudder", "steering", width),
         line(),
-        *telegraph(sight, width),
-        angles(sight),
+        *telegraph(model, width),
+        angles(model),
     ]
     return [fit(each, width) for each in lines[:height]]
 
 
-def planes(sight: SessionModel, width: int, height: int) -> Lines:
+def planes(model: SessionModel, width: int, height: int) -> Lines:
     """Return the planes' panel: depth, course and speed, attitude and both pairs of planes."""
     lines = [
-        *side_by_side([depth_dial(sight), course_dial(sight), speed_dial(sight)], width),
-        scale(sight, "stern", "diving", width),
-        scale(sight, "bow", "diving", width),
+        *side_by_side([depth_dial(model), course_dial(model), speed_dial(model)], width),
+        scale(model, "stern", "diving", width),
+        scale(model, "bow", "diving", width),
         line(),
-        angles(sight),
+        angles(model),
     ]
     return [fit(each, width) for each in lines[:height]]
 
 
-def gauges(sight: SessionModel, width: int, height: int) -> Lines:
+def gauges(model: SessionModel, width: int, height: int) -> Lines:
     """Return the repeaters: depth, course, speed and attitude."""
     lines = [
-        *side_by_side([depth_dial(sight), course_dial(sight), speed_dial(sight)], width),
-        angles(sight),
+        *side_by_side([depth_dial(model), course_dial(model), speed_dial(model)], width),
+        angles(model),
     ]
     return [fit(each, width) for each in lines[:height]]
 
 
-def lookout(sight: SessionModel, width: int, height: int) -> Lines:
+def lookout(model: SessionModel, width: int, height: int) -> Lines:
     """Return what an observer sees: the repeaters, every surface and the telegraph."""
     lines = [
-        *side_by_side([depth_dial(sight), course_dial(sight), speed_dial(sight)], width),
-        scale(sight, "rudder", "steering", width),
-        scale(sight, "stern", "diving", width),
-        scale(sight, "bow", "diving", width),
-        *telegraph(sight, width),
-        angles(sight),
+        *side_by_side([depth_dial(model), course_dial(model), speed_dial(model)], width),
+        scale(model, "rudder", "steering", width),
+        scale(model, "stern", "diving", width),
+        scale(model, "bow", "diving", width),
+        *telegraph(model, width),
+        angles(model),
     ]
     return [fit(each, width) for each in lines[:height]]

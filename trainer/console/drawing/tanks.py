@@ -36,13 +36,13 @@ def bar(share: float | None, width: int) -> str:
     return f"[{'█' * filled}{'·' * (width - 2 - filled)}]"
 
 
-def levels(sight: SessionModel, width: int, height: int) -> Lines:
+def levels(model: SessionModel, width: int, height: int) -> Lines:
     """Return the tanks, what is moved, and what has flooded."""
-    picture = sight.picture
+    picture = model.picture
     if not picture.word("tanks", "auxiliary"):
         told = without(picture, "tanks", "this boat has no tanks")
         return [fit(line((f" {told}", "dim")), width)]
-    lines = [fit(pumping(sight), width, "heading")]
+    lines = [fit(pumping(model), width, "heading")]
     for name, says in TANKS:
         mass, share = picture.number("tanks", name), picture.number("tanks", f"{name}_full")
         if mass is None:
@@ -58,25 +58,25 @@ def levels(sight: SessionModel, width: int, height: int) -> Lines:
                 (f" {moving:+.1f}" if moving else "", "warning"),
             )
         )
-    lines.append(flooded(sight))
+    lines.append(flooded(model))
     return [fit(each, width) for each in lines[:height]]
 
 
-def flooded(sight: SessionModel) -> Line:
+def flooded(model: SessionModel) -> Line:
     """Return what has come in where none belongs."""
     found = [
         f"{name.removeprefix('flood_')} {number(mass)} t"
         for name in FLOODED
-        if (mass := sight.picture.number("tanks", name))
+        if (mass := model.picture.number("tanks", name))
     ]
     if not found:
         return line((" flooded        ", "dim"), "no compartment")
     return line((" FLOODED        ", "alarm"), (f" {', '.join(found)}", "warning"))
 
 
-def pumping(sight: SessionModel) -> Line:
+def pumping(model: SessionModel) -> Line:
     """Return the heading: whether the boat hovers, and what is drained."""
-    picture = sight.picture
+    picture = model.picture
     drained = picture.word("tanks", "draining") or "nothing"
     return line(
         (" tanks", "heading"),
@@ -87,9 +87,9 @@ def pumping(sight: SessionModel) -> Line:
     )
 
 
-def banks(sight: SessionModel, width: int, height: int) -> Lines:
+def banks(model: SessionModel, width: int, height: int) -> Lines:
     """Return the air banks and the compressor."""
-    picture = sight.picture
+    picture = model.picture
     compressor = picture.word("air", "compressor") or "-"
     heading = line((" air", "heading"), (f"            compressor {compressor}", "heading-dim"))
     lines = [fit(heading, width, "heading")]
@@ -103,14 +103,14 @@ def banks(sight: SessionModel, width: int, height: int) -> Lines:
     return [fit(each, width) for each in lines[:height]]
 
 
-def fittings(sight: SessionModel, width: int, height: int) -> Lines:
+def fittings(model: SessionModel, width: int, height: int) -> Lines:
     """Return the valves above the air banks."""
-    return [*valves(sight, width, height), *banks(sight, width, height)][:height]
+    return [*valves(model, width, height), *banks(model, width, height)][:height]
 
 
-def valves(sight: SessionModel, width: int, height: int) -> Lines:
+def valves(model: SessionModel, width: int, height: int) -> Lines:
     """Return how the levers stand, a row for each group."""
-    picture = sight.picture
+    picture = model.picture
     lines = [fit(line((" valves         vent     blow", "heading")), width, "heading")]
     for name in VALVES:
         vent, blow = (picture.word("valves", f"{what}_{name}") for what in ("vent", "blow"))

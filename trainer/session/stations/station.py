@@ -65,12 +65,12 @@ class Counts:
 Log = Callable[[str, str], None]  # takes a kind of roles.KINDS and a text
 
 
-def quietly(log: Log, door: Access) -> Log:
+def quietly(log: Log, access: Access) -> Log:
     """Return a log of what a line has said, the token not.
 
     It knows nothing of the station, which is therefore gone as soon as it is dropped.
     """
-    return lambda kind, text: log(kind, door.hide(text))
+    return lambda kind, text: log(kind, access.hide(text))
 
 
 class Station:
@@ -79,26 +79,26 @@ class Station:
     def __init__(
         self,
         line: Line,
-        door: Access,
+        access: Access,
         sending: Sending,
         log: Log,
         clock: Callable[[], float] = time.monotonic,
     ) -> None:
         self.line = line
-        self.role = door.first
+        self.role = access.first
         self.counts = Counts()
         self.wishes = Subscriptions(line, sending)
         self.leaving = ""  # why the line is to be closed, "" while it stays
         self.waiting = False  # there may be more to take
         self.held_up = 0.0  # [s] until more is taken, 0 where nothing waits
-        self._door = door
-        self._settled = door.role is not None  # the role is not to be changed
+        self._door = access
+        self._settled = access.role is not None  # the role is not to be changed
         self._log = log
         self._clock = clock
         self._refilled = clock()
         self._orders_left = float(ORDERS_AT_ONCE)
         self._flooding = False  # has been told
-        self._noise = NoiseLog(quietly(log, door), clock)
+        self._noise = NoiseLog(quietly(log, access), clock)
         self._machine = False  # a program spoke last
         self._program = False  # one has spoken
 

@@ -49,7 +49,7 @@ class Callers:
 
     def newcomers(self) -> list[Station]:
         """Return those that have come since the last call."""
-        log = self.session.board.log
+        log = self.session.event_log.log
         sending = self.session.sending
         return [Station(line, Access(), sending, log) for line in self.hub.newcomers()]
 

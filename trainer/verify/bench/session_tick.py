@@ -52,14 +52,14 @@ def session_of(
         for channel in channels:
             out = Outbox(writer(sink.fileno()))
             line = Joined(channel, None, out)
-            station = Station(line, Access("instructor"), publisher, session.board.log)
+            station = Station(line, Access("instructor"), publisher, session.event_log.log)
             station.wishes.begin(channel, RATE, station.role, machine=channel != "teletype")
-            session.board.stations.append(station)
+            session.event_log.stations.append(station)
         try:
             yield session
         finally:
             publisher.close(PATIENCE)
-            for station in session.board.stations:
+            for station in session.event_log.stations:
                 station.close(PATIENCE)
 
 
@@ -67,11 +67,11 @@ def run_to(session: Session, tick: int) -> None:
     """Run up to ``tick``; ConfigError if the boat loses its numbers before."""
     session.last_tick = tick
     session.run()
-    if session.desk.failure:
+    if session.control.failure:
         method = session.boat.method
         raise ConfigError(
             f"{session.boat.file.path.name} has no place in a benchmark at a step of "
-            f"{method.step:g} s with {method.integrator}: {session.desk.failure}"
+            f"{method.step:g} s with {method.integrator}: {session.control.failure}"
         )
 
 

@@ -209,14 +209,14 @@ def session(data: bytes) -> None:
     """See what a session says as the instructor's screen does."""
     lines = LineDecoder(sentences.LONGEST_ANSWER).feed(data)[:ENOUGH]
     heard = [sentences.read(line) for line in lines if isinstance(line, str)]
-    sight = SessionModel(
+    model = SessionModel(
         Said([each for each in heard if each]), "instructor", (CHART,), lambda: 1.0
     )
     for words in ("snapshots", "casualties", "depth 80"):
-        sight.ask(words)
-    sight.hear()
+        model.ask(words)
+    model.hear()
     for channel in ("motion", "time"):
-        sight.picture.smooth(channel, "depth", 2.0)
+        model.picture.smooth(channel, "depth", 2.0)
 
 
 def words() -> Iterator[str]:
