@@ -153,7 +153,7 @@ def test_depths_are_changed_and_reached_within_the_limits() -> None:
     went = play("depth-changes")
     assert went.at("z", 360) == pytest.approx(100.0, abs=1.0)
     assert went.at("z", 1080) == pytest.approx(40.0, abs=1.0)
-    assert went.monitor.times == {}  # type: ignore[attr-defined]
+    assert went.monitor.times == {}
 
 
 def test_courses_are_changed_the_way_that_was_ordered() -> None:
@@ -161,7 +161,7 @@ def test_courses_are_changed_the_way_that_was_ordered() -> None:
     assert degrees(went.at("psi", 360)) == pytest.approx(90.0, abs=1.0)
     assert degrees(went.at("psi", 660)) == pytest.approx(180.0, abs=1.0)
     assert degrees(went.at("psi", 1200)) == pytest.approx(0.0, abs=1.0)
-    assert went.monitor.times == {}  # type: ignore[attr-defined]
+    assert went.monitor.times == {}
 
 
 def test_a_heavy_boat_is_carried_by_pitch_and_planes() -> None:
@@ -169,7 +169,7 @@ def test_a_heavy_boat_is_carried_by_pitch_and_planes() -> None:
     assert went.at("z", 1800) == pytest.approx(80.0, abs=1.0)
     assert degrees(went.at("theta", 1800)) > 5.0
     assert degrees(went.at("delta_s", 1800)) < -5.0
-    assert set(went.monitor.times) == {"pitch above 5 deg"}  # type: ignore[attr-defined]
+    assert set(went.monitor.times) == {"pitch above 5 deg"}
 
 
 def test_at_periscope_depth_in_sea_state_5_the_slow_boat_broaches() -> None:
@@ -177,7 +177,7 @@ def test_at_periscope_depth_in_sea_state_5_the_slow_boat_broaches() -> None:
     fast, slow = went.trace["z"][400:720], went.trace["z"][1200:]
     assert fast == pytest.approx(17.5, abs=2.0)
     assert slow.min() < 13.0
-    assert went.monitor.times["broached"][0] > 360.0  # type: ignore[attr-defined]
+    assert went.monitor.times["broached"][0] > 360.0
     assert any("BROACHED" in line for line in went.said)
 
 
@@ -187,7 +187,7 @@ def test_a_jam_of_the_stern_planes_is_noticed_and_costs_depth() -> None:
     assert degrees(went.trace["theta"].min()) < -20.0
     assert went.trace["z"].max() > 140.0
     assert went.at("z", 600) == pytest.approx(100.0, abs=1.0)
-    assert set(went.monitor.times) == {"pitch above 20 deg", "depth above 130 m"}  # type: ignore[attr-defined]
+    assert set(went.monitor.times) == {"pitch above 20 deg", "depth above 130 m"}
 
 
 def test_flooding_aft_takes_a_boat_down_by_the_stern_that_nobody_helps() -> None:
@@ -195,7 +195,7 @@ def test_flooding_aft_takes_a_boat_down_by_the_stern_that_nobody_helps() -> None
     assert went.at("weight", 240) - went.at("weight", 0) == pytest.approx(33e4, rel=0.1)
     assert degrees(went.at("theta", 300)) > 15.0
     assert went.at("z", 900) > 250.0
-    assert "depth above 180 m" in went.monitor.times  # type: ignore[attr-defined]
+    assert "depth above 180 m" in went.monitor.times
 
 
 def test_a_boat_that_loses_her_propeller_loses_way_and_sinks_until_it_turns_again() -> None:
@@ -243,7 +243,7 @@ CREWS = {
 def test_an_exercise_can_be_won_by_hand(name: str, crew: str) -> None:
     won = {"heavy-boat": {"pitch above 5 deg"}, "air-bank-failure": {"surfaced"}}.get(name, set())
     went = play(name, crew)
-    assert set(went.monitor.times) <= won  # type: ignore[attr-defined]
+    assert set(went.monitor.times) <= won
     end = {"heavy-boat": 80.0, "stern-plane-jam": 100.0, "flooding-aft": 150.0}
     end |= {"loss-of-propulsion": 70.0, "periscope-depth": 17.5, "air-bank-failure": 4.3}
     assert went.trace["z"][-1] == pytest.approx(end[name], abs=1.0)
