@@ -1,0 +1,132 @@
+"""The shape of the house: packages, layers, sizes, and the names on disk and on the wire."""
+
+import ast
+import statistics
+import tomllib
+from pathlib import Path
+
+import grimp
+import pytest
+from helpers.places import ROOT
+
+from trainer.boat.export.header import PUBLISHED, members
+from trainer.core.state import STATE
+from trainer.core.vessel import COMPACT, VESSEL
+from trainer.io.orders import sentences
+from trainer.session.layout import LAYOUT
+from trainer.session.stations.roles import KINDS
+from trainer.verify.fuzz.child import COMPILED
+from trainer.verify.fuzz.lines import GRAMMAR
+
+PACKAGE = ROOT / "trainer"
+PACKAGES = {
+    *(
+        "core",
+        "io",
+        "config",
+        "boat",
+        "session",
+        "console",
+        "analysis",
+        "identify",
+        "verify",
+        "cli",
+    ),
+}
+FILES = {"__init__.py", "__main__.py", "units.py"}
+SOURCES = sorted(PACKAGE.rglob("*.py"))
+MODULES = [path for path in SOURCES if path.name != "__init__.py"]
+
+
+def test_the_house_has_ten_packages_and_three_files() -> None:
+    assert {each.parent.name for each in PACKAGE.glob("*/__init__.py")} == PACKAGES
+    assert {each.name for each in PACKAGE.glob("*.py")} == FILES
+
+
+def test_no_module_lies_beside_a_package_of_its_name() -> None:
+    """It would be shadowed, in silence."""
+    assert not [path for path in MODULES if path.with_suffix("").is_dir()]
+
+
+def test_modules_are_few_and_short() -> None:
+    assert len(MODULES) <= 380
+    longest = max(SOURCES, key=lambda path: len(path.read_text(encoding="utf-8").splitlines()))
+    assert len(longest.read_text(encoding="utf-8").splitlines()) <= 500, longest
+
+
+def test_functions_are_short() -> None:
+    sizes = sorted(
+        node.end_lineno - node.lineno + 1
+        for path in SOURCES
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
+        if isinstance(node, ast.FunctionDef) and node.end_lineno
+    )
+    assert statistics.median(sizes) <= 8
+    assert sizes[int(0.9 * len(sizes))] <= 20
+
+
+def test_layers_name_packages_only() -> None:
+    table = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
+    contracts = table["tool"]["importlinter"]["contracts"]
+    assert len(contracts) == 4
+    (layers,) = (each["layers"] for each in contracts if each["type"] == "layers")
+    assert len(layers) <= 10
+    named = {name.strip() for layer in layers for name in layer.split("|")}
+    assert named == {f"trainer.{package}" for package in PACKAGES}
+
+
+def test_no_modules_import_each_other_in_a_circle() -> None:
+    graph = grimp.build_graph("trainer", include_external_packages=False, cache_dir=None)
+    edges = {name: graph.find_modules_directly_imported_by(name) for name in graph.modules}
+    done: set[str] = set()
+
+    def follow(name: str, way: list[str]) -> None:
+        assert name not in way, " -> ".join([*way[way.index(name) :], name])
+        if name in done:
+            return
+        for other in edges[name]:
+            follow(other, [*way, name])
+        done.add(name)
+
+    for name in sorted(edges):
+        follow(name, [])
+
+
+@pytest.mark.parametrize("prefix", [*COMPILED, *GRAMMAR[1:]])
+def test_what_a_fuzzer_watches_or_spares_is_there(prefix: str) -> None:
+    """A wrong prefix would match nothing, in silence."""
+    path = ROOT.joinpath(*prefix.split("."))
+    assert path.is_dir() or path.with_suffix(".py").is_file()
+
+
+# Names on disk and on the wire, which outlive the names in the code
+
+
+def test_the_kinds_of_events_stay() -> None:
+    assert set(KINDS) == {
+        *("order", "exercise", "moment", "time", "mark", "watch", "trouble", "station", "refused"),
+    }
+
+
+def test_the_kinds_of_sentences_and_of_facts_stay() -> None:
+    assert set(sentences.KINDS) == {"TRA", "TRN", "TRS", "TRE", "TRF"}
+    assert set(sentences.FACTS) == {
+        *("order", "mark", "back", "snapshot", "casualty", "over", "left"),
+    }
+
+
+def test_the_places_of_a_recorded_state_stay() -> None:
+    told = (ROOT / "tests/data/layout.txt").read_text(encoding="utf-8").split()
+    assert list(LAYOUT) == told
+
+
+@pytest.mark.parametrize(
+    ("kind", "name"), [(STATE, "state"), (VESSEL, "vessel"), (COMPACT, "compact")]
+)
+def test_the_names_in_the_exported_header_stay(kind: "np.dtype[np.void]", name: str) -> None:
+    told = (ROOT / f"tests/data/header-{name}.txt").read_text(encoding="utf-8").split()
+    assert [PUBLISHED.get(member, member) for member, _, _ in members(kind)] == told
+
+
+def test_a_sweep_s_facts_stay_where_they_are() -> None:
+    assert 'b"trainer.sweep"' in Path(PACKAGE / "analysis/sweep/parquet.py").read_text()
