@@ -1,6 +1,8 @@
 """Boats for the tests."""
 
 import signal
+import subprocess
+import sys
 from collections.abc import Callable, Iterator
 
 import pytest
@@ -12,6 +14,12 @@ from trainer.config.vessel import load_vessel
 
 # pytest-xdist's workers ignore Ctrl-C, and so would all that they start.
 signal.signal(signal.SIGINT, signal.default_int_handler)
+
+
+def pytest_sessionstart(session: pytest.Session) -> None:
+    """Compile the core once, before several processes would do so side by side."""
+    if getattr(session.config.option, "numprocesses", None):
+        subprocess.run([sys.executable, "-m", "trainer.session.precompilation"], check=True)
 
 
 @pytest.fixture(scope="session", autouse=True)

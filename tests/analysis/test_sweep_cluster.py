@@ -9,7 +9,6 @@ from pathlib import Path
 
 import pytest
 from click.testing import CliRunner
-from helpers.places import ROOT
 
 from trainer.analysis.sweep.job import job_of
 from trainer.analysis.sweep.workers import cluster
@@ -18,6 +17,7 @@ from trainer.cli.subjects import subject_of
 from trainer.config.files import ConfigError
 
 pytest.importorskip("distributed")
+ROOT = Path(__file__).parents[2]  # workers of a cluster know no helpers
 STUDY = """
 schema = "sweep/1"
 name = "Turns on a cluster"

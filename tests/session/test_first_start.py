@@ -50,7 +50,7 @@ def trained(*words: str, cache: Path | None = None, code: str = "") -> "Done":
         kept["XDG_CACHE_HOME"] = str(cache)
     how = ["-c", code] if code else ["-m", "trainer", *words]
     return subprocess.run(
-        [sys.executable, *how], env=kept, capture_output=True, text=True, timeout=300, check=True
+        [sys.executable, *how], env=kept, capture_output=True, text=True, timeout=900, check=True
     )
 
 

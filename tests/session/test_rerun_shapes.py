@@ -23,10 +23,10 @@ from trainer.session.rerun.collector import Gathering, Heard, Taken
 from trainer.session.rerun.feed import CHUNK, ROOM, Feed
 from trainer.session.rerun.log import Log
 from trainer.session.rerun.request import MISSING, PORT, open_log, parse_place
-from trainer.session.rerun.scene import Track
 from trainer.session.rerun.shape import Fin, fins_of, hull_mesh, sail_mesh, size_of
 from trainer.session.rerun.states import casualty_lanes, lanes_of
 from trainer.session.rerun.subject import Subject
+from trainer.session.rerun.track import Track
 from trainer.session.stations.station import News
 from trainer.session.stations.subscriptions import Promptly, Roster
 from trainer.session.stations.view import Pace, StateReader
