@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 from helpers.places import DATA
 
-from trainer.analysis.manoeuvres.catalogue import named
+from trainer.analysis.manoeuvres.catalogue import find_manoeuvre
 from trainer.analysis.manoeuvres.flight import Flight, Manoeuvre, fly
 from trainer.analysis.manoeuvres.spiral import PullOut, ReverseSpiral, Spiral
 from trainer.analysis.manoeuvres.turns import Turn
@@ -187,4 +187,4 @@ def test_a_ship_unstable_on_course_turns_by_itself_and_the_reverse_spiral_shows_
 
 def test_a_vehicle_without_the_control_is_refused_by_name() -> None:
     with pytest.raises(ConfigError, match="needs a control 'engine', and it has rudder alone"):
-        ship(named("crash-stop"))
+        ship(find_manoeuvre("crash-stop"))

@@ -25,13 +25,13 @@ import pytest
 from helpers.places import ROOT
 
 from trainer.analysis.debrief.data import DebriefData, figures, gather
-from trainer.analysis.debrief.measures import broached
+from trainer.analysis.debrief.measures import broach_rows
 from trainer.analysis.debrief.page import beside, debrief_file, read_dossier, render
 from trainer.analysis.recording_export import export_file
 from trainer.analysis.report import pdf
 from trainer.analysis.report.html import HERE
 from trainer.analysis.report.pdf import print_pdf
-from trainer.analysis.report.svg import clock, step_of, thinned, ticks
+from trainer.analysis.report.svg import clock, step_of, thin, ticks
 from trainer.boat.boat import Boat
 from trainer.boat.limits import LimitMonitor
 from trainer.config.files import ConfigError, remembering, shipped, shipped_names
@@ -496,7 +496,7 @@ def test_every_measure_and_window_is_computed_anew(kept: Kept) -> None:
 def test_broaches_and_limits_are_those_that_were_called_out(kept: Kept) -> None:
     called = kept.voyage.monitor.times
     trajectory = kept.voyage.debrief.trajectory
-    assert [trajectory.seconds[row] for row in broached(trajectory)] == called["broached"]
+    assert [trajectory.seconds[row] for row in broach_rows(trajectory)] == called["broached"]
     assert len(called["broached"]) >= 2
     assert {"depth above 20 m", "pitch above 4 deg"} <= set(called)
 
@@ -865,7 +865,7 @@ def test_a_thinned_line_keeps_its_extremes() -> None:
     x = np.arange(10_000.0)
     y = np.sin(x / 700.0)
     y[4321], y[8765] = 5.0, -7.0
-    kept_x, kept_y = thinned(x, y, 400)
+    kept_x, kept_y = thin(x, y, 400)
     assert kept_x.size <= 404
     assert {5.0, -7.0} <= set(kept_y.tolist())
     assert (kept_x[0], kept_x[-1]) == (0.0, 9999.0)

@@ -12,12 +12,12 @@ import pytest
 from click.testing import CliRunner, Result
 
 from trainer.analysis.guide import document, programme, trials, verdicts
-from trainer.analysis.guide.baseline import load_earlier, moved
-from trainer.analysis.guide.contents import GuideContents, assembled, write
+from trainer.analysis.guide.baseline import compare_guides, load_earlier
+from trainer.analysis.guide.contents import GuideContents, assemble, write
 from trainer.analysis.guide.programme import Task, fly_all, legs
 from trainer.analysis.guide.summary import render
-from trainer.analysis.guide.verdicts import BEYOND, SHOWN, WITHIN, judged
-from trainer.analysis.manoeuvres.catalogue import named
+from trainer.analysis.guide.verdicts import BEYOND, SHOWN, WITHIN, judge_measure
+from trainer.analysis.manoeuvres.catalogue import find_manoeuvre
 from trainer.analysis.manoeuvres.flight import Flight
 from trainer.analysis.manoeuvres.turns import Turn
 from trainer.analysis.manoeuvres.vehicle import Measure, share
@@ -49,24 +49,25 @@ def page(book: GuideContents) -> str:
 def test_a_number_within_its_share_passes_and_one_beyond_fails() -> None:
     full = share("advance", "m", 200.0)
 
-    assert judged(full, share("advance", "m", 209.9)).verdict == WITHIN
-    assert judged(full, share("advance", "m", 189.9)).verdict == BEYOND
-    assert judged(full, None).verdict == BEYOND
-    assert judged(share("advance", "m", None), full).verdict == SHOWN
+    assert judge_measure(full, share("advance", "m", 209.9)).verdict == WITHIN
+    assert judge_measure(full, share("advance", "m", 189.9)).verdict == BEYOND
+    assert judge_measure(full, None).verdict == BEYOND
+    assert judge_measure(share("advance", "m", None), full).verdict == SHOWN
 
 
 def test_a_swing_that_a_set_lacks_is_forgiven_if_it_is_small() -> None:
     small, large = (Measure("pitch peak 2", "rad", value, 0.05) for value in (0.04, 0.06))
 
-    assert judged(small, None).verdict == WITHIN
-    assert judged(large, None).verdict == BEYOND
+    assert judge_measure(small, None).verdict == WITHIN
+    assert judge_measure(large, None).verdict == BEYOND
 
 
 def test_the_same_flight_passes_and_a_flight_by_another_rudder_fails() -> None:
     file = load_vessel("bb2")
     method = Method("full", "exact", "exact", "rk4", 0.5)
     flown = [
-        programme.flown(file.path, Task(Turn(angle), 10.0 * KNOT, method)) for angle in (15.0, 18.0)
+        programme.fly_task(file.path, Task(Turn(angle), 10.0 * KNOT, method))
+        for angle in (15.0, 18.0)
     ]
     one, other = (flight for flight in flown if isinstance(flight, Flight))
 
@@ -84,7 +85,7 @@ def test_the_same_flight_passes_and_a_flight_by_another_rudder_fails() -> None:
 def test_several_processors_fly_to_the_same_bits(monkeypatch: pytest.MonkeyPatch) -> None:
     file = load_vessel("bb2")
     method = Method("modified", "lagged", "exact", "adams2", 0.5)
-    wanted = [Task(named("meander"), knots * KNOT, method) for knots in (6.0, 8.0, 10.0)]
+    wanted = [Task(find_manoeuvre("meander"), knots * KNOT, method) for knots in (6.0, 8.0, 10.0)]
     seen: list[None] = []
 
     alone = fly_all(file.path, wanted, 1, lambda: None)
@@ -103,7 +104,9 @@ def test_several_processors_fly_to_the_same_bits(monkeypatch: pytest.MonkeyPatch
 def test_a_flight_that_cannot_start_is_told_and_not_lost_silently() -> None:
     method = Method("full", "exact", "exact", "rk4", 0.05)
 
-    told = programme.flown(load_vessel("remus100").path, Task(named("trim"), 2.0 * KNOT, method))
+    told = programme.fly_task(
+        load_vessel("remus100").path, Task(find_manoeuvre("trim"), 2.0 * KNOT, method)
+    )
 
     assert isinstance(told, str)
     assert "no straight level flight at 2 kn" in told
@@ -216,7 +219,7 @@ def test_published_results_stand_beside_ours(book: GuideContents, page: str) -> 
 
 
 def test_the_same_guide_twice_is_the_same_page(book: GuideContents, page: str) -> None:
-    later = assembled(book.file, "2026-01-01 00:00:01 UTC", book.flown)
+    later = assemble(book.file, "2026-01-01 00:00:01 UTC", book.flown)
 
     assert document.render(later, None).replace("00:00:01", "00:00:00") == page
 
@@ -284,7 +287,7 @@ def test_nothing_moves_against_itself_by_either_file(
         (tmp_path / name).write_text(text, encoding="utf-8")
         earlier = load_earlier(tmp_path / name, book.guide.vessel)
 
-        assert moved(earlier, figures(book)) == ()
+        assert compare_guides(earlier, figures(book)) == ()
 
 
 def test_what_moved_is_named_and_verdicts_come_first(book: GuideContents) -> None:
@@ -293,7 +296,7 @@ def test_what_moved_is_named_and_verdicts_come_first(book: GuideContents) -> Non
     row["other"] *= 1.01
     row["verdict"] = "changed"
 
-    found = moved(figures(book), now)
+    found = compare_guides(figures(book), now)
 
     name = f"{now['sheets'][0]['title']}: {row['quantity']}"
     assert [one.what for one in found] == [
@@ -390,7 +393,7 @@ def test_a_published_quantity_that_we_do_not_measure_is_told(tmp_path: Path) -> 
     flown = fly_all(file.path, [one.task(file) for one in found], 1, lambda: None)
 
     with pytest.raises(ConfigError, match='no measure "advanse"; nearest is advance'):
-        list(trials.compared(file, found, flown))
+        list(trials.compare_trials(file, found, flown))
 
 
 # --- the commands
@@ -454,7 +457,7 @@ def test_a_boat_that_is_lost_gives_exit_code_1() -> None:
 def test_the_guide_as_a_command_writes_moves_and_leaves_by_the_verdict(
     book: GuideContents, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("trainer.cli.guide.written", lambda *_: book)
+    monkeypatch.setattr("trainer.cli.guide.write_guide", lambda *_: book)
     old, html = tmp_path / "old.json", tmp_path / "guide.html"
     old.write_text(json.dumps(figures(book)))
 
@@ -466,7 +469,7 @@ def test_the_guide_as_a_command_writes_moves_and_leaves_by_the_verdict(
     assert told["checksums"]["bb2.toml"]
     assert "Nothing moved." in html.read_text()
     failed = replace(book, guide=replace(book.guide, passed=False))
-    monkeypatch.setattr("trainer.cli.guide.written", lambda *_: failed)
+    monkeypatch.setattr("trainer.cli.guide.write_guide", lambda *_: failed)
     assert ask(guide, "bb2").exit_code == 1
     assert "Out of tolerance." in ask(guide, "bb2").output
 
@@ -474,7 +477,7 @@ def test_the_guide_as_a_command_writes_moves_and_leaves_by_the_verdict(
 def test_a_page_that_cannot_be_written_is_told(
     book: GuideContents, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("trainer.cli.guide.written", lambda *_: book)
+    monkeypatch.setattr("trainer.cli.guide.write_guide", lambda *_: book)
 
     done = ask(guide, "bb2", "--html", "/nowhere/guide.html")
 

@@ -12,7 +12,7 @@ import pytest
 from helpers.places import DATA
 
 from trainer.analysis import manoeuvres
-from trainer.analysis.manoeuvres.catalogue import MANOEUVRES, adjusted, named
+from trainer.analysis.manoeuvres.catalogue import MANOEUVRES, adjust, find_manoeuvre
 from trainer.analysis.manoeuvres.flight import Manoeuvre, fly
 from trainer.analysis.manoeuvres.speeds import UtmostAcceleration
 from trainer.analysis.manoeuvres.spiral import PullOut
@@ -160,7 +160,7 @@ def bb2() -> VesselFile:
 @pytest.mark.parametrize("name", MANOEUVRES)
 def test_every_manoeuvre_is_flown_and_measured(name: str) -> None:
     boat = boat_of("bb2")
-    manoeuvre = adjusted(name, boat, {})
+    manoeuvre = adjust(name, boat, {})
 
     flight = fly(boat, manoeuvre, 0.0 if manoeuvre.from_rest else 10.0 * KNOT)
     found = manoeuvre.measures(flight)
@@ -205,7 +205,7 @@ def test_a_speed_that_is_kept_is_kept_in_a_turn() -> None:
 
 
 def test_a_boat_that_loops_is_lost_and_says_when() -> None:
-    flight = fly(boat_of("remus100"), adjusted("meander", boat_of("remus100"), {}), 3.0 * KNOT)
+    flight = fly(boat_of("remus100"), adjust("meander", boat_of("remus100"), {}), 3.0 * KNOT)
 
     assert flight.lost.startswith("pitch is 8")
     assert flight.t[-1] < 60.0
@@ -214,13 +214,13 @@ def test_a_boat_that_loops_is_lost_and_says_when() -> None:
 def test_planes_are_clipped_to_what_the_boat_has_unless_asked_for_more(bb2: VesselFile) -> None:
     boat = Submarine(bb2, Method("full", "exact", "exact", "rk4", 0.5))
 
-    assert adjusted("turning-circle", boat, {}).angle_deg == 30.0  # type: ignore[attr-defined]
+    assert adjust("turning-circle", boat, {}).angle_deg == 30.0  # type: ignore[attr-defined]
     with pytest.raises(ConfigError, match=r"--angle 35: the rudder of .* goes to 30 degrees"):
-        adjusted("turning-circle", boat, {"angle": 35.0})
+        adjust("turning-circle", boat, {"angle": 35.0})
     with pytest.raises(ConfigError, match="--execute: turn has no such parameter; it has angle"):
-        adjusted("turn", boat, {"execute": 5.0})
+        adjust("turn", boat, {"execute": 5.0})
     with pytest.raises(ConfigError, match="nearest is meander"):
-        named("meandr")
+        find_manoeuvre("meandr")
 
 
 # --- reading numbers from flights

@@ -19,8 +19,8 @@ from trainer.analysis.neutral import (
     STEEPEST,
     fold_speeds,
     level_flight,
-    needed,
     neutral,
+    required_couple,
     sides,
     trim_at,
 )
@@ -168,7 +168,7 @@ def test_every_neutral_flight_of_any_hull_is_found_and_none_else(
     expected = 0
     for side in sides(hull, "stern"):
         grid = np.geomspace(1e-7, STEEPEST, 20001)
-        excess = np.array([needed(side, t) for t in grid]) - side.couple / speed**2
+        excess = np.array([required_couple(side, t) for t in grid]) - side.couple / speed**2
         expected += int(np.count_nonzero(np.diff(np.sign(excess))))
     assert len(found) in (expected, expected + 2)
     assert [abs(t) for t, _ in found] == sorted(abs(t) for t, _ in found)
@@ -307,7 +307,7 @@ def test_the_quasi_linear_coefficients_are_those_of_the_polynomials() -> None:
     means = Means(v=0.4, w=0.2, q=0.01, r=0.02)
     stand_in = replace(
         file,
-        coefficients={**file.coefficients, **characteristic.adjusted(file, speed, means)},
+        coefficients={**file.coefficients, **characteristic.quasi_linear(file, speed, means)},
     )
 
     for plane in (vertical, horizontal):

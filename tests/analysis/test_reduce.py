@@ -11,7 +11,7 @@ from click.testing import CliRunner
 
 from trainer.analysis.guide.programme import Leg, legs, own_method
 from trainer.analysis.guide.verdicts import BEYOND, SHOWN, Judgement, judge
-from trainer.analysis.manoeuvres.catalogue import named
+from trainer.analysis.manoeuvres.catalogue import find_manoeuvre
 from trainer.analysis.manoeuvres.flight import Conn, fly
 from trainer.analysis.manoeuvres.submarine import Submarine
 from trainer.analysis.manoeuvres.turns import Turn
@@ -27,9 +27,16 @@ from trainer.analysis.reduce.objective import (
     Yardstick,
     multiple,
 )
-from trainer.analysis.reduce.programme import fastest, fitted, held_out, speeds, tried, turns
+from trainer.analysis.reduce.programme import (
+    fastest,
+    fit_legs,
+    holdout_legs,
+    legs_of_guide,
+    speeds,
+    turns,
+)
 from trainer.analysis.reduce.search import Need, Search, Standing
-from trainer.analysis.reduce.verdict import PARTS, passed, table, verdict
+from trainer.analysis.reduce.verdict import PARTS, passes, table, verdict
 from trainer.analysis.reduce.workers import Crew
 from trainer.boat.assemble import Method, compact_coefficients
 from trainer.cli.vessel import reduce
@@ -117,8 +124,8 @@ def test_many_cycles_in_one_call_are_those_of_cycle_by_cycle(name: str, speed: f
     file = load_vessel("bb2")
     method = own_method(file, "modified")
 
-    swift = fly(Submarine(file, method), named(name), speed * KNOT)
-    plodding = fly(Plodding(file, method), named(name), speed * KNOT)
+    swift = fly(Submarine(file, method), find_manoeuvre(name), speed * KNOT)
+    plodding = fly(Plodding(file, method), find_manoeuvre(name), speed * KNOT)
 
     assert swift.marks == plodding.marks
     for column in Submarine.columns:
@@ -130,7 +137,8 @@ def test_a_boat_lost_in_many_cycles_is_lost_where_it_was_cycle_by_cycle() -> Non
     method = own_method(file, "full")
 
     swift, plodding = (
-        fly(kind(file, method), named("meander"), 3.0 * KNOT) for kind in (Submarine, Plodding)
+        fly(kind(file, method), find_manoeuvre("meander"), 3.0 * KNOT)
+        for kind in (Submarine, Plodding)
     )
 
     assert "pitch is 80 degrees" in swift.lost
@@ -207,19 +215,19 @@ def test_turns_are_at_four_speeds_by_three_rudders() -> None:
 def test_what_is_held_out_is_neither_fitted_nor_tried() -> None:
     for name in BOATS:
         file = load_vessel(name)
-        known = {leg.manoeuvre for leg in (*fitted(file), *fastest(file), *tried(file))}
-        kinds = {leg.name for leg in held_out(file)}
+        known = {leg.manoeuvre for leg in (*fit_legs(file), *fastest(file), *legs_of_guide(file))}
+        kinds = {leg.name for leg in holdout_legs(file)}
 
-        assert not known & {leg.manoeuvre for leg in held_out(file)}
+        assert not known & {leg.manoeuvre for leg in holdout_legs(file)}
         assert kinds == {"zigzag-15", "climbing turn", "stern-plane jam", "out of balance"}
-        seen = {leg.name.split()[0] for leg in (*fitted(file), *fastest(file))}
+        seen = {leg.name.split()[0] for leg in (*fit_legs(file), *fastest(file))}
         assert not {"zigzag", "climbing"} & seen
 
 
 def test_no_two_flights_of_a_fit_have_one_name() -> None:
     for name in BOATS:
         file = load_vessel(name)
-        for flights in ((*fitted(file), *fastest(file)), tried(file), held_out(file)):
+        for flights in ((*fit_legs(file), *fastest(file)), legs_of_guide(file), holdout_legs(file)):
             assert len({leg.title for leg in flights}) == len(flights), name
 
 
@@ -241,8 +249,8 @@ def test_planes_are_eased_until_the_full_set_is_not_lost_and_a_jam_until_it_is_r
     file = load_vessel("remus100")
     boat = Submarine(file, own_method(file, "full"))
 
-    flown = [(leg, fly(boat, leg.manoeuvre, leg.speed_kn * KNOT)) for leg in fitted(file)]
-    jams = [leg for leg in held_out(file) if isinstance(leg.manoeuvre, PlaneJam)]
+    flown = [(leg, fly(boat, leg.manoeuvre, leg.speed_kn * KNOT)) for leg in fit_legs(file)]
+    jams = [leg for leg in holdout_legs(file) if isinstance(leg.manoeuvre, PlaneJam)]
 
     assert not [leg.title for leg, flight in flown if flight.lost]
     assert jams
@@ -257,7 +265,7 @@ def test_the_kernel_has_room_for_all_that_the_shipped_hulls_have(name: str) -> N
     candidate.take([1.0] * len(candidate.terms))
     absent = {key for key, value in file.coefficients.items() if value} - set(candidate.terms)
 
-    some = {leg.name: leg for leg in fitted(file) if leg.name != "roll-decay"}
+    some = {leg.name: leg for leg in fit_legs(file) if leg.name != "roll-decay"}
     yardstick = Yardstick(file, list(some.values()))
 
     assert absent <= {"K_star_eta"}
@@ -341,7 +349,7 @@ def test_a_fit_ends_in_its_goal_with_the_least_departure() -> None:
 
 def searched(file: VesselFile, standing: Standing | None = None) -> Iterator[Standing]:
     """Yield the standings of a search, round by round."""
-    with Crew(file.path, "modified", fitted(file), 1) as crew:
+    with Crew(file.path, "modified", fit_legs(file), 1) as crew:
         search = Search(file, "modified", crew, reduction.LEASH, CONTROLS)
         standing = standing or search.begin()
         while not standing.done:
@@ -381,7 +389,7 @@ def test_a_search_broken_off_ends_in_the_same_bits(slim: VesselFile, tmp_path: P
 @pytest.fixture
 def narrow(slim: VesselFile, monkeypatch: pytest.MonkeyPatch) -> Leg:
     """Let searches fit to three turns and a weave; return the weave at top speed."""
-    slow, _, fast = (leg for leg in fitted(slim) if leg.name == "weave")
+    slow, _, fast = (leg for leg in fit_legs(slim) if leg.name == "weave")
     monkeypatch.setattr(reduction, "fitted", lambda file: (*turns(file)[3:6], slow))
     monkeypatch.setattr(reduction, "fastest", lambda _: (fast,))
     return fast
@@ -431,7 +439,7 @@ def test_two_processes_find_the_bits_of_one(slim: VesselFile) -> None:
     factors = np.ones(len(Candidate(slim, "modified").terms))
     several = [factors * (1.0 + 0.01 * i) for i in range(3)]
 
-    one, two = (Crew(slim.path, "modified", fitted(slim), cores) for cores in (1, 2))
+    one, two = (Crew(slim.path, "modified", fit_legs(slim), cores) for cores in (1, 2))
     with one, two:
         alone, together = one.differences(several), two.differences(several)
 
@@ -503,7 +511,7 @@ def test_a_set_that_is_out_is_told_by_leg_and_quantity() -> None:
 
     checked = verdict(file, candidate)
 
-    assert not passed(checked)
+    assert not passes(checked)
     turn = next(one for one in checked if one.leg == "turn, rudder 20 deg, 10 kn")
     assert turn.beyond > 0
     assert turn.worst > 1.0
@@ -512,7 +520,7 @@ def test_a_set_that_is_out_is_told_by_leg_and_quantity() -> None:
 
 def test_nothing_is_judged_where_the_full_set_is_lost() -> None:
     file = load_vessel("remus100")
-    manoeuvre = named("meander")
+    manoeuvre = find_manoeuvre("meander")
     lost = fly(Submarine(file, own_method(file, "full")), manoeuvre, 3.0 * KNOT)
     other = fly(Submarine(file, own_method(file, "modified")), manoeuvre, 3.0 * KNOT)
 

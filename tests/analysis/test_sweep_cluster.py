@@ -95,9 +95,9 @@ def openings(address: str) -> dict[str, int]:
 
 def opened_here() -> int:
     """Return how many studies this process has opened."""
-    from trainer.analysis.sweep.job import opened  # noqa: PLC0415
+    from trainer.analysis.sweep.job import open_job  # noqa: PLC0415
 
-    return opened.cache_info().misses
+    return open_job.cache_info().misses
 
 
 def test_a_scheduler_that_is_not_there_is_told(tmp_path: Path) -> None:

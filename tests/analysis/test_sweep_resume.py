@@ -17,7 +17,7 @@ from helpers.places import ROOT
 from trainer.analysis.sweep.batch import Batch
 from trainer.analysis.sweep.job import Job, fly_chunk, job_of
 from trainer.analysis.sweep.parts import folder_of
-from trainer.analysis.sweep.sweep import carried_out
+from trainer.analysis.sweep.sweep import carry_out
 from trainer.analysis.sweep.workers import Chunks, alone, processes
 from trainer.cli.subjects import subject_of
 from trainer.config.files import ConfigError
@@ -63,7 +63,7 @@ def fly(name: Path, out: Path, crew: object = alone) -> list[int]:
             flown.append(place)
             yield place, batch
 
-    carried_out(job_of(str(name), None, subject_of), counting, out, nothing)
+    carry_out(job_of(str(name), None, subject_of), counting, out, nothing)
     return sorted(flown)
 
 
@@ -277,6 +277,6 @@ def test_a_chunk_whose_writing_fails_does_not_count(
     with monkeypatch.context() as disk:
         disk.setattr("trainer.analysis.sweep.parquet.os.fsync", full)
         with pytest.raises(ConfigError, match="cannot be written: No space left on device"):
-            carried_out(job, alone, out, nothing)
+            carry_out(job, alone, out, nothing)
     assert not list(job_folder.glob("*.parquet"))
     assert fly(path, out) == [0, 1]

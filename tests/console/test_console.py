@@ -21,8 +21,8 @@ from textual.strip import Strip
 from trainer.console.app import Console
 from trainer.console.client import Barred, Client, Greeting, Item, Joined, Lost
 from trainer.console.drawing.chart import limits
-from trainer.console.drawing.hull import turned
-from trainer.console.entry import Entry, completed, hint, offer
+from trainer.console.drawing.hull import turn
+from trainer.console.entry import Entry, complete, hint, offer
 from trainer.console.journal import Sample, Trace
 from trainer.console.keys import KEYS, Give, Move, key_tables
 from trainer.console.layouts import LAYOUTS, wishes
@@ -411,11 +411,11 @@ def test_completion_offers_what_the_grammar_has() -> None:
 
     assert set(offer("ru", known).words) == {"rudder", "run"}
     assert "left" in offer("rudder ", known).words
-    assert completed("rudder le", known) == "rudder left "
+    assert complete("rudder le", known) == "rudder left "
     assert offer("casualty ", known).words == ("stern-stuck", "rudder-slow")
     assert "a depth (0 to 2000 m)" in hint("depth ", known)
     assert offer("no such order", known) == ((), ())
-    assert completed("", known) == ""
+    assert complete("", known) == ""
 
 
 def test_digits_and_letters_are_typed_and_only_an_empty_line_has_keys() -> None:
@@ -567,7 +567,7 @@ def test_a_chart_shows_round_limits_about_all_there_is() -> None:
 
 
 def test_the_drawn_boat_pitches_her_bow_up() -> None:
-    bow = turned([(1.0, 0.0)], 0.2, 10.0, (0.0, 0.0))[0]
+    bow = turn([(1.0, 0.0)], 0.2, 10.0, (0.0, 0.0))[0]
     assert bow[1] < 0.0  # towards the top of the screen
 
 

@@ -22,7 +22,7 @@ from trainer.core.sea.wave_filter import (
     filter_noise,
     filter_powers,
     prepare_filter,
-    warped,
+    warp,
 )
 from trainer.core.state import STATE, new_sea, new_state
 from trainer.core.vessel import VESSEL
@@ -219,7 +219,7 @@ def test_the_sum_of_squares_is_the_impulse_response_s_own() -> None:
     for wind, h in ((10.0, 1.0), (25.0, 0.05), (60.0, 2.0)):
         low = (0.90 * G / (wind * KNOT), 0.325)
         high = (0.50 * G / (wind * KNOT), 0.707)
-        filter_powers(warped(low[0], h), warped(high[0], h), sea)
+        filter_powers(warp(low[0], h), warp(high[0], h), sea)
         summed = seas.impulse_power(seas.bilinear_sections(low, high, h))
 
         assert float(sea["elevation_power"][0]) / low[0] ** 4 == pytest.approx(summed, rel=1e-9)

@@ -12,8 +12,8 @@ from click.testing import CliRunner
 
 from trainer.analysis.report.plots import Curve, Panel
 from trainer.cli.identify import identify
-from trainer.identify.alternatives import _drawn, allowed, pulse_of, step_of
-from trainer.identify.experiment import held, prbs
+from trainer.identify.alternatives import _draw_parameters, draw_allowed, pulse_of, step_of
+from trainer.identify.experiment import hold_bits, prbs
 from trainer.identify.fitting import fit
 from trainer.identify.measurements import Samples
 from trainer.identify.minimise import unheard
@@ -22,9 +22,9 @@ from trainer.identify.options import study_of
 from trainer.identify.pages.sheet import sheet
 from trainer.identify.problem import problem_of
 from trainer.identify.study import observe
-from trainer.identify.uncertainty import drawn as draws
-from trainer.identify.uncertainty import propagated, spanned
-from trainer.identify.validation import drawn
+from trainer.identify.uncertainty import draw_parameters as draws
+from trainer.identify.uncertainty import propagate, span_draws
+from trainer.identify.validation import draw_outputs
 
 pytest.importorskip("scipy")
 
@@ -77,12 +77,12 @@ ASKED = {
 def path(tmp_path_factory: Any) -> Any:
     """Return the study of a trial of a second-order ship, read every 2 s."""
     folder = tmp_path_factory.mktemp("trial")
-    helm = np.resize(held(prbs(6), 5.0, 5), 300)
+    helm = np.resize(hold_bits(prbs(6), 5.0, 5), 300)
     plant = Plant(MODELS["nomoto2"], Ship(120.0, 6.2), ("yaw_rate",), 2.0)
     values = plant.model.vector(K=K, T1=T1, T2=T2, T3=T3, R1_2=1e-9, R2_r=4e-4)
     t = 2.0 * np.arange(300.0)
     problem = problem_of(plant, Samples(t, np.zeros((300, 1)), helm[:, None]), values, ("K",))
-    rate = drawn(problem, problem.start, np.random.default_rng(3)).outputs[:, 0]
+    rate = draw_outputs(problem, problem.start, np.random.default_rng(3)).outputs[:, 0]
     rows = np.column_stack([t, helm, rate])
     np.savetxt(folder / "trial.csv", rows, delimiter=",", header="t,helm,rate", comments="")
     study = folder / "study.toml"
@@ -108,8 +108,8 @@ def test_intervals_of_what_is_linear_are_those_of_the_delta_method() -> Any:
     def derived(one: Any) -> Any:
         return np.array([one[0] - 2.0 * one[1]])
 
-    spread = propagated(derived, theta, covariance)
-    _, span = spanned(derived, draws(theta, covariance, 20000, 1))
+    spread = propagate(derived, theta, covariance)
+    _, span = span_draws(derived, draws(theta, covariance, 20000, 1))
     half = 1.96 * spread.deviations
     # 20,000 draws know a 2.5 % quantile to 1.5 % of a deviation
     assert span.low == pytest.approx(spread.values - half, abs=0.05 * half[0])
@@ -117,7 +117,7 @@ def test_intervals_of_what_is_linear_are_those_of_the_delta_method() -> Any:
 
 
 def test_intervals_of_a_square_stay_above_nothing() -> None:
-    _, span = spanned(np.square, draws(np.array([0.1]), np.array([[1.0]]), 5000, 1))
+    _, span = span_draws(np.square, draws(np.array([0.1]), np.array([[1.0]]), 5000, 1))
     assert span.low[0] >= 0.0
     # z^2 is beyond 5.02 in 2.5 % of draws, and 0.1 is little beside 1
     assert span.high[0] == pytest.approx(5.02, rel=0.1)
@@ -127,7 +127,7 @@ def test_a_number_that_no_draw_has_has_no_interval() -> Any:
     def derived(one: Any) -> Any:
         return np.array([one[0], np.nan])
 
-    _, span = spanned(derived, draws(np.zeros(1), np.ones((1, 1)), 100, 1))
+    _, span = span_draws(derived, draws(np.zeros(1), np.ones((1, 1)), 100, 1))
     assert np.isfinite(span.low[0])
     assert np.isnan(span.low[1])
 
@@ -141,7 +141,7 @@ def test_draws_of_small_numbers_are_not_lost_beside_a_huge_one() -> None:
 
 
 def test_the_ships_allowed_hold_the_truth_and_the_estimate(fitted: Any) -> None:
-    others = allowed(fitted)
+    others = draw_allowed(fitted)
     spans = dict(zip(fitted.quantity_names, zip(*others.spans, strict=True), strict=True))
     for name, truth in (("K", K), ("T1", T1), ("T2", T2), ("T1 + T2", T1 + T2)):
         low, high = spans[name]
@@ -150,7 +150,7 @@ def test_the_ships_allowed_hold_the_truth_and_the_estimate(fitted: Any) -> None:
 
 
 def test_a_step_ends_at_the_gain_and_a_pulse_is_its_slope(fitted: Any) -> None:
-    others = allowed(fitted)
+    others = draw_allowed(fitted)
     step = others.response(step_of(fitted))
     told_of = dict(zip(fitted.quantity_names, fitted.told.values, strict=True))
     assert (step.middle[:2] == 0.0).all()  # the rudder moves at the second sample
@@ -167,13 +167,13 @@ def test_draws_that_are_no_models_are_left_out_and_told(fitted: Any) -> None:
     loose = fitted.known.covariance.copy()
     place = fitted.problem.names.index("T2")
     loose[place, place] = 100.0  # T2 of nothing, or below, is as likely as its estimate
-    others = allowed(replace(fitted, known=replace(fitted.known, covariance=loose)))
+    others = draw_allowed(replace(fitted, known=replace(fitted.known, covariance=loose)))
     assert 0.0 < others.lost < 0.5
     assert np.isfinite(others.outputs.high).all()
 
 
 def test_the_band_by_rudder_alone_is_about_the_model_itself(fitted: Any) -> None:
-    band = allowed(fitted).outputs
+    band = draw_allowed(fitted).outputs
     run = band.middle[:, 0]
     measured = fitted.problem.samples.outputs[:, 0]
     assert np.std(measured - run) < 0.2 * np.std(measured)
@@ -185,7 +185,7 @@ def test_a_lever_arm_is_drawn_by_its_moment() -> None:
     theta = np.array([0.014, 0.5])
     # force known to a third, moment to a hundredth
     covariance = np.array([[2.2e-5, -7.8e-4], [-7.8e-4, 2.8e-2]])
-    found = _drawn(names, theta, covariance)
+    found = _draw_parameters(names, theta, covariance)
     assert np.std(found[:, 0] * found[:, 1]) < 0.1 * 0.007
 
 

@@ -13,7 +13,7 @@ from trainer.identify.minimise import Search
 from trainer.identify.prediction_error import settled_gain
 from trainer.identify.reference_ships import ISLAND, TANKER, TANKER_RUDDER
 from trainer.identify.uncertainty import hessian, uncertainty
-from trainer.identify.validation import drawn
+from trainer.identify.validation import draw_outputs
 
 linalg = pytest.importorskip("scipy.linalg")
 
@@ -32,7 +32,7 @@ def test_the_settled_gain_is_that_of_scipys_riccati_equation(ship: Any) -> None:
 def test_standard_deviations_are_those_of_the_likelihoods_own_curvature() -> Any:
     # second differences of the value itself, no gradient of ours in them
     problem = TANKER.problem(TANKER_RUDDER[:600])
-    problem = problem.on(drawn(problem, problem.start, np.random.default_rng(2)))
+    problem = problem.on(draw_outputs(problem, problem.start, np.random.default_rng(2)))
     cost = Likelihood(problem)
     theta = estimate(cost, TANKER.start(), "auto", Search()).theta
     found = hessian(cost, theta)

@@ -9,8 +9,8 @@ from helpers.places import ROOT
 
 from trainer.config.files import ConfigError
 from trainer.identify.armax import Armax, _Search, fit_armax
-from trainer.identify.armax_orders import delayed, treated, try_orders, without_wind
-from trainer.identify.experiment import held, prbs
+from trainer.identify.armax_orders import detrend, remove_delay, try_orders, without_wind
+from trainer.identify.experiment import hold_bits, prbs
 from trainer.identify.residuals import examine_residuals, verdicts
 
 DATA = ROOT.parent / "shared" / "data"  # beside the project
@@ -22,7 +22,7 @@ LAMBDA = np.sqrt(2.0 * 17.96 / 80)
 
 def simulated(model: Any, samples: Any, deviation: Any, seed: Any) -> Any:
     rng = np.random.default_rng(seed)
-    u = np.tile(held(prbs(6), 5.0, 1), 1 + samples // 63)[:samples]
+    u = np.tile(hold_bits(prbs(6), 5.0, 1), 1 + samples // 63)[:samples]
     return model.simulated(u, deviation * rng.standard_normal(samples)), u
 
 
@@ -125,9 +125,9 @@ def test_gaps_and_short_records_are_refused() -> None:
 
 def test_dead_time_and_trend_are_taken_out() -> None:
     t = np.arange(40.0)
-    assert treated(3.0 + 2.0 * t, "trend") == pytest.approx(np.zeros(40), abs=1e-10)
-    assert treated(3.0 + 2.0 * t, "mean").mean() == pytest.approx(0.0, abs=1e-12)
-    y, u = delayed(t, 10.0 + t, 3)
+    assert detrend(3.0 + 2.0 * t, "trend") == pytest.approx(np.zeros(40), abs=1e-10)
+    assert detrend(3.0 + 2.0 * t, "mean").mean() == pytest.approx(0.0, abs=1e-12)
+    y, u = remove_delay(t, 10.0 + t, 3)
     assert y[0] == 3.0
     assert u[0] == 10.0
     assert len(y) == len(u) == 37
@@ -166,8 +166,8 @@ def test_sign_changes_of_white_noise_are_half_of_the_pairs() -> None:
 def test_hakusans_record_asks_for_a_high_order_and_shows_its_autopilot() -> None:
     with HAKUSAN.open() as file:
         rows = list(csv.DictReader(file))
-    y = treated(np.array([float(row["YawRate"]) for row in rows]), "mean")
-    u = treated(np.array([float(row["Rudder"]) for row in rows]), "mean")
+    y = detrend(np.array([float(row["YawRate"]) for row in rows]), "mean")
+    u = detrend(np.array([float(row["Rudder"]) for row in rows]), "mean")
     orders = try_orders(y, u, 4, initial=True, lags=20)
     assert orders.by_aic.fit.model.order == 4
     # a second-order ship leaves the waves in its residuals, an autopilot feeds them back

@@ -22,8 +22,8 @@ from trainer.identify.decca import (
     fixes,
     lane_at,
     lane_number,
-    resolved,
-    smoothed,
+    resolve_lane,
+    smooth_spencer,
     sway_of_track,
     track,
 )
@@ -78,8 +78,8 @@ def test_a_lane_that_the_zone_does_not_have_is_refused() -> None:
 
 
 def test_names_that_come_again_are_told_apart_by_the_place() -> None:
-    assert resolved("red", 84.34, 330.0) == pytest.approx(84.34 + 240.0)
-    assert resolved("red", 84.34, 80.0) == pytest.approx(84.34)
+    assert resolve_lane("red", 84.34, 330.0) == pytest.approx(84.34 + 240.0)
+    assert resolve_lane("red", 84.34, 80.0) == pytest.approx(84.34)
 
 
 @pytest.mark.parametrize("case", CASES["points"])
@@ -131,11 +131,11 @@ def test_sway_of_a_known_track_is_found_by_five_points() -> None:
 
 def test_spencers_points_smooth_as_published_and_keep_cubics() -> None:
     x, y, psi = (np.array(TRACK[key]) for key in ("x0", "y0", "psi"))
-    found = sway_of_track(smoothed(x), smoothed(y), psi, TRACK["h"])
+    found = sway_of_track(smooth_spencer(x), smooth_spencer(y), psi, TRACK["h"])
     assert found == pytest.approx(np.array(TRACK["v_smoothed"], float), abs=1e-12, nan_ok=True)
     t = np.linspace(-3.0, 3.0, 40)
     cubic = 1.0 + t - 2.0 * t**2 + 0.5 * t**3
-    assert smoothed(cubic)[7:-7] == pytest.approx(cubic[7:-7], abs=1e-12)
+    assert smooth_spencer(cubic)[7:-7] == pytest.approx(cubic[7:-7], abs=1e-12)
     assert SPENCER.tolist() == pytest.approx(CASES["spencer"]["weights"])
 
 

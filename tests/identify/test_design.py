@@ -16,12 +16,12 @@ from trainer.identify.design import Reading, prospect
 from trainer.identify.experiment import (
     Sequence,
     exercise_text,
-    flown,
+    fly_trial,
     remarks,
-    scheduled,
-    suggested_bits,
-    suggested_hold,
-    suggested_interval,
+    schedule_orders,
+    suggest_bits,
+    suggest_hold,
+    suggest_interval,
     zigzag_flight,
     zigzag_orders,
     zigzag_told,
@@ -49,7 +49,7 @@ def bb2() -> Any:
 def calm(bb2: Any) -> Any:
     """Return the record of 2 degrees flown by BB2 in a calm."""
     sequence = Sequence(5, 2.0, 15.0, 1, "rudder")
-    return flown(bb2, scheduled(sequence.orders()), SPEED, 60.0, sequence.seconds)
+    return fly_trial(bb2, schedule_orders(sequence.orders()), SPEED, 60.0, sequence.seconds)
 
 
 def test_orders_change_sides_with_the_sequence_and_end_on_course() -> None:
@@ -77,11 +77,11 @@ def test_more_orders_than_an_exercise_takes_are_refused() -> None:
 
 
 def test_suggestions_follow_the_time_constants() -> None:
-    interval = suggested_interval(SHIP, 0.5)
+    interval = suggest_interval(SHIP, 0.5)
     assert 0.5 * 5.0 <= interval <= 0.2 * 40.0
-    hold = suggested_hold(SHIP, interval)
+    hold = suggest_hold(SHIP, interval)
     assert 0.2 * 40.0 <= hold <= 0.5 * 40.0
-    sequence = Sequence(suggested_bits(SHIP, hold), 5.0, hold, 1, "rudder")
+    sequence = Sequence(suggest_bits(SHIP, hold), 5.0, hold, 1, "rudder")
     assert sequence.seconds >= 20.0 * 40.0
     assert list(remarks(sequence, SHIP, interval)) == []
 
@@ -114,9 +114,9 @@ def test_the_boat_turns_to_port_when_the_record_says_positive_rudder(calm: Any) 
 
 def test_an_order_that_the_boat_refuses_stops_the_trial(bb2: Any) -> None:
     with pytest.raises(ConfigError, match=r"30 s: rudder right 45: the limit"):
-        flown(bb2, scheduled(((30.0, "rudder right 45"),)), SPEED, 60.0, 60.0)
+        fly_trial(bb2, schedule_orders(((30.0, "rudder right 45"),)), SPEED, 60.0, 60.0)
     with pytest.raises(ConfigError, match="is no order"):
-        scheduled(((0.0, "rudder sideways"),))
+        schedule_orders(((0.0, "rudder sideways"),))
 
 
 def test_steering_of_a_boat_is_that_of_its_modes(bb2: Any) -> None:
@@ -175,7 +175,9 @@ def test_sensors_add_white_errors_of_their_size_and_the_same_ones_again(calm: An
 def test_what_is_expected_of_a_trial_is_what_estimates_of_it_scatter(bb2: Any) -> None:
     pytest.importorskip("scipy")
     sequence = Sequence(5, 0.5, 15.0, 1, "rudder")
-    record = flown(bb2, scheduled(sequence.orders()), SPEED, 60.0, sequence.seconds).every(10)
+    record = fly_trial(
+        bb2, schedule_orders(sequence.orders()), SPEED, 60.0, sequence.seconds
+    ).every(10)
     gentle = {"sway_kn": 0.02, "yaw_rate_deg_s": 0.01, "heading_deg": 0.05}
     outputs = ("yaw_rate", "heading")
     said = prospect(steering(bb2, SPEED), record, outputs, Reading(Sensors(**gentle), 0.0))
@@ -207,7 +209,7 @@ def test_a_quieter_sea_and_a_larger_helm_tell_more(bb2: Any, calm: Any) -> None:
 
 def test_a_trial_without_helm_tells_nothing(bb2: Any) -> None:
     pytest.importorskip("scipy")
-    record = flown(bb2, (), SPEED, 60.0, 300.0).every(10)
+    record = fly_trial(bb2, (), SPEED, 60.0, 300.0).every(10)
     with pytest.raises(ConfigError, match="cannot separate"):
         prospect(steering(bb2, SPEED), record, ("yaw_rate", "heading"), Reading(SENSORS, 0.02))
 
@@ -219,7 +221,7 @@ def test_a_zigzag_is_told_and_flown_again_by_its_orders(bb2: Any) -> None:
     assert told.overshoots_deg[0] > 1.0
     orders = zigzag_orders(flight, 10.0)
     assert orders[0] == (30.0, "rudder right 10")
-    record = flown(bb2, scheduled(orders), SPEED, 60.0, orders[-1][0])
+    record = fly_trial(bb2, schedule_orders(orders), SPEED, 60.0, orders[-1][0])
     first_swing = record.t < orders[2][0]
     peak = math.degrees(float(record.heading[first_swing].max()))  # type: ignore[index]
     assert peak == pytest.approx(10.0 + told.overshoots_deg[0], abs=1.0)

@@ -19,12 +19,12 @@ from trainer.identify.prediction_error import Innovations, MultiStep, settled_ga
 from trainer.identify.problem import Problem
 from trainer.identify.reference_ships import TANKER, TANKER_RUDDER, Rehearsal
 from trainer.identify.uncertainty import hessian, inseparable, uncertainty
-from trainer.identify.validation import drawn
+from trainer.identify.validation import draw_outputs
 
 
 def recorded(rehearsal: Any, count: Any, seed: Any = 1) -> Any:
     problem = rehearsal.problem(TANKER_RUDDER[:count])
-    return problem.on(drawn(problem, problem.start, np.random.default_rng(seed)))
+    return problem.on(draw_outputs(problem, problem.start, np.random.default_rng(seed)))
 
 
 @pytest.fixture(scope="module")

@@ -10,19 +10,19 @@ from helpers.differences import gradient_and_hessian, refined, relative_steps
 from numpy.testing import assert_allclose
 
 from trainer.config.files import ConfigError
-from trainer.identify.innovations import chi_square_limits, losses, shown, unlimited
+from trainer.identify.innovations import chi_square_limits, losses, no_limits, run_filter
 from trainer.identify.kernels.prediction import settle
 from trainer.identify.likelihood import Likelihood
 from trainer.identify.measurements import Samples
 from trainer.identify.prediction_error import (
     Innovations,
     MultiStep,
-    _concentrated,
+    _concentrate,
     no_gain,
     settled_gain,
 )
 from trainer.identify.reference_ships import TANKER, TANKER_RUDDER
-from trainer.identify.validation import deterministic, drawn
+from trainer.identify.validation import deterministic, draw_outputs
 
 PERIOD = TANKER.period
 
@@ -32,7 +32,7 @@ def question(count: Any, missing: Any = 0.0) -> Any:
 
 
 def recorded(problem: Any, seed: Any = 1) -> Any:
-    return problem.on(drawn(problem, problem.start, np.random.default_rng(seed)))
+    return problem.on(draw_outputs(problem, problem.start, np.random.default_rng(seed)))
 
 
 def plainly(problem: Any) -> Any:
@@ -191,7 +191,7 @@ def test_predictors_with_a_gain_have_exact_gradients(gains: Any, share: Any) -> 
 def test_the_settled_gain_is_the_filters_own_after_a_while() -> None:
     problem = recorded(question(400))
     errors = Innovations(problem, settled_gain).errors(problem.start)
-    filtered = shown(problem, problem.start, unlimited(3)).errors
+    filtered = run_filter(problem, problem.start, no_limits(3)).errors
     assert_allclose(errors[200:], filtered[200:], rtol=1e-6, atol=1e-9)
     assert not np.allclose(errors[:5], filtered[:5], rtol=1e-6)
 
@@ -222,12 +222,12 @@ def test_a_prediction_uses_only_what_was_known_so_many_samples_before() -> None:
     for m in range(2, 40):
         outputs = problem.samples.outputs[: m + 1].copy()
         outputs[m - 2 : m] = np.nan
-        known = shown(
+        known = run_filter(
             problem.on(
                 Samples(problem.samples.t[: m + 1], outputs, problem.samples.inputs[: m + 1])
             ),
             problem.start,
-            unlimited(3),
+            no_limits(3),
         )
         error, R = known.errors[m], known.spreads[m]
         total += np.linalg.slogdet(R)[1] + error @ np.linalg.solve(R, error)
@@ -238,7 +238,7 @@ def test_a_prediction_uses_only_what_was_known_so_many_samples_before() -> None:
 
 def test_losses_shown_are_those_minimised() -> None:
     problem = CASES["missing"]
-    run = shown(problem, problem.start, unlimited(3))
+    run = run_filter(problem, problem.start, no_limits(3))
     found = losses(run)
     value = Likelihood(problem).value(problem.start)
     assert found.samples * found.V2 == pytest.approx(value, rel=1e-11)
@@ -254,8 +254,8 @@ def test_an_outlier_is_rejected_and_moves_nothing() -> None:
     gone = outputs.copy()
     gone[100] = np.nan
     limits = chi_square_limits(1e-6, 3)
-    screened = shown(spoilt, problem.start, limits)
-    without = shown(problem.on(replace(problem.samples, outputs=gone)), problem.start, limits)
+    screened = run_filter(spoilt, problem.start, limits)
+    without = run_filter(problem.on(replace(problem.samples, outputs=gone)), problem.start, limits)
 
     assert np.flatnonzero(screened.flags == 2).tolist() == [100]
     assert_allclose(screened.errors[101:], without.errors[101:], rtol=1e-12)
@@ -316,5 +316,5 @@ def test_differences_are_as_exact_as_their_order() -> Any:
 
 def test_errors_too_large_to_be_squared_are_no_likelihood() -> None:
     errors = np.array([[1.0, 2.0], [2.0, -1.0], [0.5, 0.25]])
-    assert math.isfinite(_concentrated(errors))
-    assert _concentrated(1e200 * errors) == math.inf
+    assert math.isfinite(_concentrate(errors))
+    assert _concentrate(1e200 * errors) == math.inf

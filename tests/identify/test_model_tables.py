@@ -11,10 +11,10 @@ from helpers.places import DATA
 from trainer.config.files import ConfigError
 from trainer.identify.armax import Armax
 from trainer.identify.armax_orders import rounding_poles, without_wind
-from trainer.identify.experiment import TAPS, autocorrelation, held, prbs
-from trainer.identify.nomoto import converted, levers, nomoto, scale, solved, transfer
+from trainer.identify.experiment import TAPS, autocorrelation, hold_bits, prbs
+from trainer.identify.nomoto import convert_units, levers, nomoto, scale, solve_motion, transfer
 from trainer.identify.residuals import aic_of_loss, f_test, ratio_test
-from trainer.identify.uncertainty import drawn, propagated
+from trainer.identify.uncertainty import draw_parameters, propagate
 
 VECTORS = DATA / "identification"
 KNOT = 1852.0 / 3600.0
@@ -31,7 +31,7 @@ def number(value: Any) -> Any:
 
 def ship(case: Any) -> Any:
     M, F, g = (np.array(case[key]) for key in ("M", "F", "g"))
-    return transfer(*solved(M, F, g))
+    return transfer(*solve_motion(M, F, g))
 
 
 @pytest.mark.parametrize("case", vectors("transfer_functions")["cases"])
@@ -83,9 +83,9 @@ def test_bis_and_prime_describe_one_ship() -> None:
     case = vectors("transfer_functions")["cases"][1]
     form, length, speed = nomoto(ship(case)), 161.0, 4.5
     prime, bis = scale("prime", length, speed), scale("bis", length, speed)
-    si = converted(form, prime, scale("si", length, speed))
-    there = converted(si, scale("si", length, speed), bis)
-    back = converted(there, bis, prime)
+    si = convert_units(form, prime, scale("si", length, speed))
+    there = convert_units(si, scale("si", length, speed), bis)
+    back = convert_units(there, bis, prime)
     assert pytest.approx(form.K, rel=1e-12) == back.K
     # K' = K''/F_nL, and K' = K L/V
     froude = speed / math.sqrt(9.81 * length)
@@ -169,8 +169,8 @@ def test_a_sequence_looks_like_white_noise_of_its_period() -> None:
 def test_a_bit_is_held_for_as_many_samples_as_asked() -> None:
     case = vectors("prbs")["held"]
     sequence = np.array(case["values"])[:: case["hold"]] / 2.5
-    assert held(sequence, 2.5, case["hold"]).tolist() == case["values"]
-    assert held(prbs(3), 2.0, 2).tolist()[:6] == [-2.0, -2.0, -2.0, -2.0, 2.0, 2.0]
+    assert hold_bits(sequence, 2.5, case["hold"]).tolist() == case["values"]
+    assert hold_bits(prbs(3), 2.0, 2).tolist()[:6] == [-2.0, -2.0, -2.0, -2.0, 2.0, 2.0]
 
 
 def test_an_empty_register_is_refused() -> None:
@@ -183,13 +183,13 @@ def test_an_empty_register_is_refused() -> None:
 def test_uncertainty_of_a_product_is_that_of_its_factors() -> None:
     # var(xy) = y^2 var x + x^2 var y + 2 x y cov, to first order
     theta, covariance = np.array([3.0, -2.0]), np.array([[0.04, 0.01], [0.01, 0.09]])
-    found = propagated(lambda t: np.array([t[0] * t[1]]), theta, covariance)
+    found = propagate(lambda t: np.array([t[0] * t[1]]), theta, covariance)
     expected = 4.0 * 0.04 + 9.0 * 0.09 + 2.0 * 3.0 * -2.0 * 0.01
     assert found.deviations[0] ** 2 == pytest.approx(expected, rel=1e-7)
 
 
 def test_draws_have_the_covariance_they_are_asked_for_and_repeat() -> None:
     theta, covariance = np.array([1.0, 2.0]), np.array([[1.0, 0.8], [0.8, 1.0]])
-    draws = drawn(theta, covariance, 20000, seed=1)
+    draws = draw_parameters(theta, covariance, 20000, seed=1)
     assert np.cov(draws.T) == pytest.approx(covariance, abs=0.03)
-    assert np.array_equal(draws, drawn(theta, covariance, 20000, seed=1))
+    assert np.array_equal(draws, draw_parameters(theta, covariance, 20000, seed=1))

@@ -8,14 +8,14 @@ import pytest
 
 from trainer.config.files import ConfigError
 from trainer.identify.measurements import Record
-from trainer.identify.nonlinear import Bent, kappa_from_record, kappa_from_turns, predicted
+from trainer.identify.nonlinear import Bent, kappa_from_record, kappa_from_turns, predict
 
 STABLE = Bent(-0.05, 40.0, 8.0, 15.0, 400.0)
 UNSTABLE = Bent(0.114, -304.0, 13.4, 33.4, 1230.0)  # A K Fernstrom, section 8
 
 
 def record_of(ship: Any, rudder: Any, step: Any = 2.0, noise: Any = 0.0) -> Any:
-    run = predicted(ship, rudder, step, np.zeros(2))
+    run = predict(ship, rudder, step, np.zeros(2))
     rate = run[:, 0] + noise * np.random.default_rng(4).standard_normal(len(rudder))
     t = step * np.arange(len(rudder))
     return Record(
@@ -31,7 +31,7 @@ def helm(angle: Any, count: Any = 400, hold: Any = 50) -> Any:
 @pytest.mark.parametrize("ship", [STABLE, UNSTABLE])
 def test_a_long_turn_ends_on_the_spiral(ship: Any) -> None:
     rudder = np.full(4000, np.radians(20.0))
-    rate = predicted(ship, rudder, 2.0, np.zeros(2))[-1, 0]
+    rate = predict(ship, rudder, 2.0, np.zeros(2))[-1, 0]
     assert float(ship.helm(np.array([rate]))[0]) == pytest.approx(np.radians(20.0), rel=1e-9)
 
 
@@ -47,20 +47,20 @@ def test_the_loop_of_the_unstable_ship_by_hand() -> None:
 def test_without_kappa_it_is_the_linear_ship() -> None:
     # r of K (1 + T3 s)/((1 + T1 s)(1 + T2 s)) to a step: the textbook's two exponentials
     ship, t = replace(STABLE, kappa=0.0), 3.0 * np.arange(60)
-    rate = predicted(ship, np.full(60, 0.1), 3.0, np.zeros(2))[:, 0]
+    rate = predict(ship, np.full(60, 0.1), 3.0, np.zeros(2))[:, 0]
     a = (ship.T1 - ship.T3) / (ship.T1 - ship.T2)
     b = (ship.T3 - ship.T2) / (ship.T1 - ship.T2)
     expected = ship.K * 0.1 * (1.0 - a * np.exp(-t / ship.T1) - b * np.exp(-t / ship.T2))
     # in steady change at the first sample: T3 of the step is felt before it
-    late = predicted(ship, np.append(0.0, np.full(59, 0.1)), 3.0, np.zeros(2))[1:, 0]
+    late = predict(ship, np.append(0.0, np.full(59, 0.1)), 3.0, np.zeros(2))[1:, 0]
     assert late == pytest.approx(expected[:59], abs=1e-8)
     assert rate[-1] == pytest.approx(expected[-1], rel=0.05)
 
 
 def test_port_and_starboard_are_mirrors() -> None:
     rudder = helm(15.0)
-    left = predicted(UNSTABLE, rudder, 2.0, np.zeros(2))
-    right = predicted(UNSTABLE, -rudder, 2.0, np.zeros(2))
+    left = predict(UNSTABLE, rudder, 2.0, np.zeros(2))
+    right = predict(UNSTABLE, -rudder, 2.0, np.zeros(2))
     assert left == pytest.approx(-right, abs=1e-15)
 
 

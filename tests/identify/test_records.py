@@ -11,8 +11,8 @@ from helpers.places import ROOT
 
 from trainer.config.files import ConfigError
 from trainer.identify import decca_study, nomoto
-from trainer.identify.experiment import held, prbs
-from trainer.identify.findings import examine, follows_motion, unwrapped
+from trainer.identify.experiment import hold_bits, prbs
+from trainer.identify.findings import examine, follows_motion, unwrap_heading
 from trainer.identify.sources import Column, factor, load_record, own_columns
 from trainer.identify.study import load_study, observe, plain_study, speed_of
 from trainer.identify.study_records import key_tables
@@ -54,7 +54,7 @@ def turned(rudder: Any, gain: Any = -0.05, constant: Any = 20.0, step: Any = 5.0
 
 def table(rudder: Any = None) -> Any:
     """Return columns of a trial in degrees, seconds and degrees a minute."""
-    helm = held(prbs(5), 5.0, 4)[:120] if rudder is None else rudder
+    helm = hold_bits(prbs(5), 5.0, 4)[:120] if rudder is None else rudder
     rate = turned(helm)
     heading = 90.0 + np.concatenate([[0.0], np.cumsum(5.0 * 0.5 * (rate[1:] + rate[:-1]))])
     t = 5.0 * np.arange(len(helm))
@@ -270,7 +270,7 @@ def test_a_wrapped_heading_is_unwrapped_across_what_is_missing(tmp_path: Path) -
     heading[30] = math.nan
     write(tmp_path, columns)
     record = load_record(tmp_path / "trial.csv", {"rudder": Column("helm", 1.0)})
-    found = unwrapped(replace(record, heading=np.mod(heading + 4.7, math.tau)))
+    found = unwrap_heading(replace(record, heading=np.mod(heading + 4.7, math.tau)))
     known = found.heading[~np.isnan(found.heading)]  # type: ignore[arg-type, index]
     assert np.abs(np.diff(known)).max() < 1.0
 

@@ -25,14 +25,14 @@ compiler = pytest.mark.skipif(
 def records() -> Any:
     """Yield records of every kind that the filter in C treats in its own way."""
     question = TANKER.problem(TANKER_RUDDER[:300])
-    yield "whole", identify.recorded(question)
-    yield "missing", identify.recorded(TANKER.problem(TANKER_RUDDER[:300], 0.2))
-    yield "varied", identify.recorded(identify.varied(question))
-    yield "an island", identify.recorded(ISLAND.problem(TANKER_RUDDER[:200]))
+    yield "whole", identify.draw_record(question)
+    yield "missing", identify.draw_record(TANKER.problem(TANKER_RUDDER[:300], 0.2))
+    yield "varied", identify.draw_record(identify.vary_intervals(question))
+    yield "an island", identify.draw_record(ISLAND.problem(TANKER_RUDDER[:200]))
     variances = {"P11": 0.02, "P22": 1e-6, "P33": 1e-3, "P12": 1e-5}
     wind = {"Y_psi": 2e-3, "l_psi": 0.3}
     started = TANKER.freed(*variances, *wind, **variances, **wind)
-    yield "started", identify.recorded(started.problem(TANKER_RUDDER[:200]))
+    yield "started", identify.draw_record(started.problem(TANKER_RUDDER[:200]))
 
 
 RECORDS = dict(records())
@@ -100,7 +100,7 @@ def test_works_take_turns_in_batches_long_enough(monkeypatch: pytest.MonkeyPatch
 
         return run
 
-    paces = paired_timing.timed([work("slow", 2e-3), work("quick", 1e-3)])
+    paces = paired_timing.time_in_turn([work("slow", 2e-3), work("quick", 1e-3)])
 
     assert done[-12:] == 2 * ["slow", "slow", *4 * ["quick"]]
     assert paces.ratio(0, 1) == pytest.approx(2.0)

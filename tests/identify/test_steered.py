@@ -8,13 +8,13 @@ from typing import Any
 import pytest
 from click.testing import CliRunner
 
-from trainer.analysis.manoeuvres.catalogue import named
+from trainer.analysis.manoeuvres.catalogue import find_manoeuvre
 from trainer.analysis.manoeuvres.flight import fly
 from trainer.analysis.manoeuvres.vehicle import LostError
 from trainer.analysis.manoeuvres.zigzag import ZigZag
 from trainer.cli.guide import manoeuvre
 from trainer.config.files import ConfigError
-from trainer.identify.nomoto import NomotoFile, is_nomoto, key_table, load_nomoto, written
+from trainer.identify.nomoto import NomotoFile, is_nomoto, key_table, load_nomoto, nomoto_text_of
 from trainer.identify.steering import Steered
 from trainer.units import KNOT
 
@@ -98,7 +98,7 @@ def test_an_unstable_ship_is_lost_and_another_speed_refused() -> None:
 def test_a_nomoto_file_is_read_as_it_was_written(tmp_path: Path) -> None:
     ship = nomoto_file(kappa_s2=120.0, K_per_s=-0.0512345)
     path = tmp_path / "ship.toml"
-    path.write_text(written(ship, "model nomoto2 fitted to x.csv", {"K": 0.001}))
+    path.write_text(nomoto_text_of(ship, "model nomoto2 fitted to x.csv", {"K": 0.001}))
     assert load_nomoto(path) == ship
     assert is_nomoto(path)
     assert "kappa_s2" in key_table()
@@ -109,7 +109,7 @@ def test_a_nomoto_file_is_read_as_it_was_written(tmp_path: Path) -> None:
 
 def sailed(tmp_path: Path, *arguments: Any) -> Any:
     path = tmp_path / "ship.toml"
-    path.write_text(written(nomoto_file(), "model nomoto2 fitted to x.csv", {}))
+    path.write_text(nomoto_text_of(nomoto_file(), "model nomoto2 fitted to x.csv", {}))
     name, *options = arguments
     return CliRunner().invoke(manoeuvre, [name, str(path), *options])
 
@@ -118,10 +118,14 @@ def test_the_file_of_an_identified_ship_flies_a_manoeuvre(tmp_path: Path) -> Non
     result = sailed(tmp_path, "zigzag-10", "--json", "--step", "0.25")
     report = json.loads(result.stdout)
     measures = {one["name"]: one["value"] for one in report["measures"]}
-    flight = fly(Steered(nomoto_file(step_s=0.25)), named("zigzag-10"), SPEED)
+    flight = fly(Steered(nomoto_file(step_s=0.25)), find_manoeuvre("zigzag-10"), SPEED)
     assert report["speed_kn"] == pytest.approx(10.0)
     assert measures["heading peak 1"] == pytest.approx(
-        next(one.value for one in named("zigzag-10").measures(flight) if "peak 1" in one.name)
+        next(
+            one.value
+            for one in find_manoeuvre("zigzag-10").measures(flight)
+            if "peak 1" in one.name
+        )
     )
     assert "a ship: zigzag-10" in sailed(tmp_path, "zigzag-10").stdout
 

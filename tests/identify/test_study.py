@@ -12,7 +12,7 @@ from click.testing import CliRunner
 from trainer.cli.identify import identify, prbs
 from trainer.config.files import ConfigError
 from trainer.identify.derived import nomoto_of
-from trainer.identify.experiment import held
+from trainer.identify.experiment import hold_bits
 from trainer.identify.experiment import prbs as sequence
 from trainer.identify.models import MODELS, Ship
 from trainer.identify.nomoto import load_nomoto
@@ -65,7 +65,7 @@ most = 2
 def trial(folder: Any, seed: Any = 1, outlier: Any = 0.0, sea: Any = 0.0) -> Any:
     """Write a trial of a first-order ship with noisy sensors and its study; return its path."""
     rng = np.random.default_rng(seed)
-    helm = np.tile(held(sequence(5), 5.0, 4), 4)[:400]
+    helm = np.tile(hold_bits(sequence(5), 5.0, 4), 4)[:400]
     rate, heading = np.zeros(400), np.zeros(400)
     p = math.exp(-STEP / T)
     for i in range(399):

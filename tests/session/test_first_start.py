@@ -91,7 +91,7 @@ def test_the_note_is_among_what_whoever_comes_is_told(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("exercise", [None, *shipped_names("exercises")])
 def test_a_shipped_exercise_in_real_time_need_not_be_compiled_first(exercise: str | None) -> None:
-    assert not first_start.hurried(RunOptions(exercise=exercise))
+    assert not first_start.is_hurried(RunOptions(exercise=exercise))
 
 
 @pytest.mark.parametrize(
@@ -109,7 +109,7 @@ def test_a_shipped_exercise_in_real_time_need_not_be_compiled_first(exercise: st
 def test_ticks_that_the_interpreter_cannot_make_in_time_are_compiled_for(
     said: dict[str, Any],
 ) -> None:
-    assert first_start.hurried(RunOptions(**said, given=frozenset(said)))
+    assert first_start.is_hurried(RunOptions(**said, given=frozenset(said)))
 
 
 def test_what_an_exercise_says_counts_unless_the_user_says_otherwise(tmp_path: Path) -> None:
@@ -117,8 +117,8 @@ def test_what_an_exercise_says_counts_unless_the_user_says_otherwise(tmp_path: P
     path.write_text('schema = "exercise/1"\nname = "n"\nbriefing = "b"\nstep_s = 0.01\n')
     options = RunOptions(exercise=str(path))
 
-    assert first_start.hurried(options)
-    assert not first_start.hurried(replace(options, step=0.5, given=frozenset({"step"})))
+    assert first_start.is_hurried(options)
+    assert not first_start.is_hurried(replace(options, step=0.5, given=frozenset({"step"})))
 
 
 @pytest.fixture
@@ -126,8 +126,8 @@ def started(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> list[str]:
     """Return what `prepare` does in a process that has not imported a kernel, an empty cache."""
     done: list[str] = []
     monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path))
-    monkeypatch.setattr(compilation, "settled", lambda: False)
-    monkeypatch.setattr(compilation, "done_without", lambda: False)
+    monkeypatch.setattr(compilation, "is_settled", lambda: False)
+    monkeypatch.setattr(compilation, "is_interpreted", lambda: False)
     monkeypatch.setattr(compilation, "do_without", lambda: done.append("interpreted"))
     monkeypatch.setattr(first_start, "compile_beside", lambda: done.append("compiled beside"))
     return done
@@ -173,10 +173,10 @@ def test_a_cache_speaks_for_the_files_it_was_made_from_alone(
 ) -> None:
     del started
     compilation.keep()
-    assert compilation.kept()
+    assert compilation.is_kept()
 
     monkeypatch.setenv("NUMBA_CPU_NAME", "x86-64")
-    assert not compilation.kept()
+    assert not compilation.is_kept()
 
 
 @pytest.mark.long

@@ -16,7 +16,7 @@ from trainer.config.files import (
     key_of,
     path_of,
     read_text,
-    recorded,
+    reading_recorded,
     remembering,
     shipped,
     shipped_names,
@@ -149,7 +149,7 @@ def test_a_file_of_the_user_s_own_is_never_taken_for_a_shipped_one(
 def test_recorded_texts_are_read_and_nothing_else(tmp_path: Path) -> None:
     (tmp_path / "new.toml").write_text(SWELL)
     texts = {"configs/seas/gale.toml": "a gale", "mine.toml": "mine"}
-    with recorded(texts):
+    with reading_recorded(texts):
         assert shipped_names("seas") == ("gale",)
         assert read_text(shipped("seas", "gale")) == "a gale"
         assert read_text(Path("mine.toml")) == "mine"
@@ -161,7 +161,7 @@ def test_recorded_texts_are_read_and_nothing_else(tmp_path: Path) -> None:
 
 
 def test_a_shipped_file_given_by_its_path_is_found_on_another_machine() -> None:
-    with recorded({"configs/seas/calm.toml": "a calm"}):
+    with reading_recorded({"configs/seas/calm.toml": "a calm"}):
         assert read_text(Path("/opt/other/configs/seas/calm.toml")) == "a calm"
 
 

@@ -30,7 +30,13 @@ from trainer.session.nmea.orders import (
 )
 from trainer.session.nmea.position import DEFAULT, Chart, chart_at
 from trainer.session.nmea.readings import WIDEST
-from trainer.session.nmea.sentences import INSTRUMENTS, InstrumentSet, Sampled, chosen, widest
+from trainer.session.nmea.sentences import (
+    INSTRUMENTS,
+    InstrumentSet,
+    Sampled,
+    choose_instruments,
+    widest,
+)
 from trainer.session.stations.roles import ROLES, refusal
 from trainer.session.stations.view import Frame, Pace, Picture, StateReader
 from trainer.session.time.ledger import Ledger
@@ -223,13 +229,13 @@ def test_above_the_surface_depth_is_nought_and_altitude_is_not() -> None:
 
 
 def test_sentences_are_chosen_by_name_and_sent_in_their_order() -> None:
-    assert [each.address for each in chosen(["HDT", "RMC"])] == ["INRMC", "INHDT"]
-    assert len(chosen(["XDR"])) == 2
+    assert [each.address for each in choose_instruments(["HDT", "RMC"])] == ["INRMC", "INHDT"]
+    assert len(choose_instruments(["XDR"])) == 2
 
 
 def test_a_file_has_a_set_at_the_rate_of_the_boats_time_and_one_when_time_goes_back() -> None:
     boat = under_way()
-    sampled = Sampled(InstrumentSet(chosen(["HDT"]), DEFAULT, START), 1.0)
+    sampled = Sampled(InstrumentSet(choose_instruments(["HDT"]), DEFAULT, START), 1.0)
     start = boat.snapshot()
     counts = []
     for _ in range(5):
@@ -299,7 +305,9 @@ def test_after_an_hour_the_position_is_that_of_an_independent_geodesic(course: f
     assert run > 30_000.0
     bearing = math.degrees(math.atan2(boat.state.y, boat.state.x))
     expected = vincenty(chart, bearing, run)
-    fix = pynmea2.parse(InstrumentSet(chosen(["RMC"]), chart, START).lines(seen(boat))[0])
+    fix = pynmea2.parse(
+        InstrumentSet(choose_instruments(["RMC"]), chart, START).lines(seen(boat))[0]
+    )
     longitude = fix.longitude + (360.0 if fix.longitude < 0.0 < expected[1] else 0.0)
     assert metres_between((fix.latitude, longitude), expected) < 0.05
 

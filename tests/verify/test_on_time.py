@@ -16,7 +16,7 @@ from trainer.config.vessel import load_vessel
 from trainer.session.time.ledger import SECOND, Spread
 from trainer.session.time.pacer import SPIN
 from trainer.verify.bench import end_to_end, on_time, start_up
-from trainer.verify.bench.contention import Crowd, entry, missed, sail_in_crowd
+from trainer.verify.bench.contention import Crowd, count_missed, entry, sail_in_crowd
 from trainer.verify.bench.end_to_end import Line
 from trainer.verify.bench.metronome import beat
 
@@ -64,7 +64,7 @@ def test_without_a_compiler_there_is_no_control_and_no_ratio(
 
 
 def test_missed_deadlines_are_overruns_slipped_ticks_and_gaps() -> None:
-    assert missed(entry(ACCOUNT, "on time")) == 6
+    assert count_missed(entry(ACCOUNT, "on time")) == 6
     assert entry(ACCOUNT, "the clock").startswith("priority real-time")
     assert entry(ACCOUNT, "weather") == ""
 
@@ -134,7 +134,9 @@ def test_orders_come_at_instants_spread_evenly_over_a_tick(orders: int) -> None:
 
 
 def test_times_fall_into_bins_of_a_tenth_of_a_step() -> None:
-    figures = end_to_end.summed([int(0.04 * SECOND), int(0.06 * SECOND), int(0.21 * SECOND)], 0.5)
+    figures = end_to_end.summarise(
+        [int(0.04 * SECOND), int(0.06 * SECOND), int(0.21 * SECOND)], 0.5
+    )
 
     assert figures.histogram == (1, 1, 0, 0, 1)
     assert figures.latency.p50_ns == int(0.06 * SECOND)
@@ -173,9 +175,9 @@ def test_where_nothing_is_compiled_a_run_is_interpreted_and_nothing_is_left_behi
 
 
 def test_the_console_is_timed_until_it_shows_figures() -> None:
-    assert 0.0 < start_up.shown() < float("inf")
+    assert 0.0 < start_up.time_to_screen() < float("inf")
 
 
 def test_a_process_that_fails_is_not_timed() -> None:
     with pytest.raises(subprocess.CalledProcessError):
-        start_up.ended(sys.executable, "-c", "raise SystemExit(1)")
+        start_up.time_to_end(sys.executable, "-c", "raise SystemExit(1)")

@@ -23,10 +23,10 @@ from trainer.session.stations.roles import ROLES, refusal
 from trainer.verify.faults import faults, recordings
 from trainer.verify.faults.fork_server import ForkServer
 from trainer.verify.faults.rig import Bench, Tried
-from trainer.verify.fuzz.catalogue import TARGETS, chosen, corpus
+from trainer.verify.fuzz.catalogue import TARGETS, choose_targets, corpus
 from trainer.verify.fuzz.fuzz import dictionary
 from trainer.verify.fuzz.target import Target
-from trainer.verify.soak.audit import Answered, complete, journalled
+from trainer.verify.soak.audit import Answered, check_journal, complete
 from trainer.verify.soak.clock_check import WatchedClock
 from trainer.verify.soak.operators import Orders, Watchbill, instruct
 from trainer.verify.soak.session_process import Caller, GoneError
@@ -88,7 +88,7 @@ def test_a_spoilt_example_is_taken_or_refused_as_declared(
 
 def test_a_target_that_is_none_is_told_with_the_nearest() -> None:
     with pytest.raises(ConfigError, match="no target vesel; nearest is vessel; there are: orders"):
-        chosen(("vesel",))
+        choose_targets(("vesel",))
 
 
 def test_a_fuzzer_s_dictionary_has_the_words_of_the_seeds() -> None:
@@ -159,14 +159,14 @@ def test_an_audit_misses_an_order_that_was_answered_and_is_not_there(
     recording: Path, texts: list[str], lost: int
 ) -> None:
     with contextlib.closing(Recording.look(recording)) as looked:
-        found = journalled(looked, [Answered("helm at x", text) for text in texts])
+        found = check_journal(looked, [Answered("helm at x", text) for text in texts])
     assert found.kept is not bool(lost)
     assert f"; {lost} lines lack any" in found.seen
 
 
 def test_an_audit_misses_a_mark_that_was_answered_and_is_not_there(recording: Path) -> None:
     with contextlib.closing(Recording.look(recording)) as looked:
-        found = journalled(looked, [Answered("observer at tcp", "here", mark=True)])
+        found = check_journal(looked, [Answered("observer at tcp", "here", mark=True)])
     assert not found.kept
     assert found.seen.endswith("1 marks, 1 lost")
 
@@ -256,7 +256,7 @@ def test_a_fault_loses_nothing_that_is_journalled(
 
 @pytest.fixture(scope="module")
 def good_recording(bench: Bench) -> bytes:
-    return recordings.recorded(bench)
+    return recordings.make_recording(bench)
 
 
 @posix
@@ -266,7 +266,7 @@ def test_a_damaged_recording_is_told_in_a_line_or_read_as_it_is(
     bench: Bench, good_recording: bytes, way: recordings.Damage
 ) -> None:
     own = dataclasses.replace(bench, dice=random.Random(1969))  # noqa: S311  the same every time
-    tried = recordings.opened(own, good_recording, way, 20)
+    tried = recordings.open_damaged(own, good_recording, way, 20)
     assert not tried.wrong, tried
     assert sum(tried.seen.values()) == 20 * len(recordings.COMMANDS)
 
@@ -286,6 +286,6 @@ def test_a_command_that_ends_with_a_traceback_or_without_end_is_seen(bench: Benc
 def test_what_is_wrong_is_on_the_page() -> None:
     tried = Tried("kill -9", "no order is lost", times=3)
     tried.must(held=False, otherwise="2 written, 3 answered")
-    told = faults.told(tried)
+    told = faults.fault_row(tried)
     assert "1 WRONG" in told
     assert "3: 2 written, 3 answered" in told

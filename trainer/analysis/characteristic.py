@@ -152,7 +152,7 @@ def depth_loop(
     return Linear(LOOP, E, F)
 
 
-def adjusted(file: VesselFile, speed: float, means: Means) -> dict[str, float]:
+def quasi_linear(file: VesselFile, speed: float, means: Means) -> dict[str, float]:
     """Return the quasi-linear coefficients [-] that stand for the linear ones at ``speed``."""
     c, length = file.coefficients, file.hull.length
     v, w = means.v / speed, means.w / speed
@@ -222,11 +222,11 @@ def motion(linear: Linear) -> Motion:
 
     In the depth loop all is pitch and depth: its roots have the name ``depth``.
     """
-    found = modes(linear.nature, linear.names) if "z" not in linear.names else _unnamed(linear)
+    found = modes(linear.nature, linear.names) if "z" not in linear.names else _depth_modes(linear)
     return Motion(linear.polynomial, tuple(root(mode) for mode in found))
 
 
-def _unnamed(linear: Linear) -> list[Mode]:
+def _depth_modes(linear: Linear) -> list[Mode]:
     """Return the modes of the depth loop, fastest first."""
     values = sorted(linear.eigenvalues, key=lambda value: -abs(value))
     return [Mode("depth", float(s.real), float(s.imag)) for s in values if s.imag >= 0.0]
@@ -242,7 +242,7 @@ def characteristic(file: VesselFile, speeds: Iterable[float], means: Means) -> R
         found.append(
             Speed(
                 speed_kn=knots,
-                adjusted=adjusted(file, speed, means),
+                adjusted=quasi_linear(file, speed, means),
                 vertical=motion(vertical(file, speed, means)),
                 horizontal=motion(horizontal(file, speed, means)),
                 depth_loop=motion(depth_loop(file, speed, 1.0, bow)),
@@ -284,7 +284,7 @@ def _speed(speed: Speed) -> list[str]:
     ]
 
 
-def _adjusted(report: Report) -> list[str]:
+def _quasi_linear_or_none(report: Report) -> list[str]:
     """Return the quasi-linear coefficients, if any motion is averaged in."""
     means = {name: value for name, value in report.means.items() if value != 0.0}
     if not means:
@@ -308,7 +308,7 @@ def render(report: Report) -> str:
         f"{INDENT}speed frozen; in the depth loop the bow planes move {signs[report.bow_sign]}"
         if report.bow_sign
         else f"{INDENT}speed frozen; no bow planes in the depth loop",
-        *_adjusted(report),
+        *_quasi_linear_or_none(report),
     ]
     for speed in report.speeds:
         lines += _speed(speed)

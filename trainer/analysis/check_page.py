@@ -18,7 +18,7 @@ LABELS = {
 }
 
 
-def _wrapped(text: str, first: str = INDENT, rest: str = 2 * INDENT) -> list[str]:
+def _wrap(text: str, first: str = INDENT, rest: str = 2 * INDENT) -> list[str]:
     """Return ``text`` in lines of the page."""
     return textwrap.wrap(text, WIDTH, initial_indent=first, subsequent_indent=rest)
 
@@ -34,11 +34,11 @@ def _figure(number: float | None, form: str = ".2f") -> str:
     return "-" if number is None else format(number, form)
 
 
-def _grouped(title: str, groups: Mapping[str, list[str]]) -> list[str]:
+def _group(title: str, groups: Mapping[str, list[str]]) -> list[str]:
     """Return ``title`` with the count, and one paragraph per equation."""
-    lines = _wrapped(f"{title}: {sum(map(len, groups.values())) or 'none'}")
+    lines = _wrap(f"{title}: {sum(map(len, groups.values())) or 'none'}")
     for equation, names in groups.items():
-        lines += _wrapped(" ".join(names), f"{2 * INDENT}{equation}  ", 2 * INDENT + "   ")
+        lines += _wrap(" ".join(names), f"{2 * INDENT}{equation}  ", 2 * INDENT + "   ")
     return lines
 
 
@@ -46,19 +46,19 @@ def _file(report: Report) -> list[str]:
     """Return where the numbers come from."""
     lines = [report.vessel, INDENT + _end_of(report.path, WIDTH - len(INDENT))]
     if report.defaulted:
-        lines += _wrapped("from the defaults file: " + ", ".join(report.defaulted))
+        lines += _wrap("from the defaults file: " + ", ".join(report.defaulted))
     for remark in report.remarks:
-        lines += _wrapped("remark: " + remark)
+        lines += _wrap("remark: " + remark)
     return lines
 
 
 def _coefficients(report: Report) -> list[str]:
     """Return what is absent and what makes the sides differ."""
     lines = ["", "COEFFICIENTS (absent ones count as zero)"]
-    lines += _grouped("absent, which the compact set would keep", report.absent_but_kept)
-    lines += _grouped("absent, of no use to the compact set", report.absent_and_dropped)
+    lines += _group("absent, which the compact set would keep", report.absent_but_kept)
+    lines += _group("absent, of no use to the compact set", report.absent_and_dropped)
     sides = ", ".join(f"{name} {value:.4g}" for name, value in report.asymmetries.items())
-    return lines + _wrapped("port and starboard differ by: " + (sides or "nothing"))
+    return lines + _wrap("port and starboard differ by: " + (sides or "nothing"))
 
 
 def _hull(report: Report) -> list[str]:
@@ -104,7 +104,7 @@ def _wild(report: Report) -> list[str]:
     for name, entries in found.items():
         rates, speeds = zip(*entries, strict=True)
         phrases.append(f"{name} up to {max(rates):+.3g} /s ({min(speeds):g} to {max(speeds):g} kn)")
-    return _wrapped("UNSTABLE BY NATURE, at any step: " + "; ".join(phrases)) if phrases else []
+    return _wrap("UNSTABLE BY NATURE, at any step: " + "; ".join(phrases)) if phrases else []
 
 
 def _flight(flight: Flight) -> list[str]:
@@ -134,7 +134,7 @@ def _modes(report: Report) -> list[str]:
 def _steps(report: Report) -> list[str]:
     """Return the largest steps of the map flown, and the verdicts."""
     lines = ["", "STEPS (as flown, lagged accelerations; what grows by nature is not counted)"]
-    lines += _wrapped(
+    lines += _wrap(
         f"stable: nothing grows; only a swing that the boat damps by less than {BARELY:.0%} may, "
         f"by {BARELY:.0%} of its frequency"
     )
@@ -155,7 +155,7 @@ def _turn(turn: Comparison) -> list[str]:
     head = f"TURN ({turn.rudder_deg:g} deg rudder at {turn.speed_kn:g} kn; depth {turn.depth})"
     lines = ["", head]
     if turn.full is None or turn.modified is None:
-        return lines + _wrapped("cannot be compared: " + turn.problem)
+        return lines + _wrap("cannot be compared: " + turn.problem)
     lines.append(f"{INDENT}{'':<18}{'full':>10}{'compact':>10}{'change':>10}")
     for name, label in LABELS.items():
         change = f"{turn.percent[name]:+.1f} %" if name in turn.percent else "-"

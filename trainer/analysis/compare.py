@@ -16,7 +16,7 @@ from typing import Final
 import numpy as np
 
 from trainer.analysis.report.plots import Curve, Panel
-from trainer.analysis.report.text import INDENT, WIDTH, cut, table, wrapped
+from trainer.analysis.report.text import INDENT, WIDTH, cut, table, wrap
 from trainer.analysis.series import Series
 from trainer.config.files import ConfigError
 from trainer.core.kernel import Numbers
@@ -204,7 +204,7 @@ def render(report: Comparison) -> str:
         lines += ["", *table(HEADS, [_row(point) for point in report.points])]
     if report.unchanged:
         names = ", ".join(report.unchanged)
-        lines += wrapped(f"too little change in the full run to compare: {names}")
+        lines += wrap(f"too little change in the full run to compare: {names}")
     judged = [point for point in report.points if point.judged]
     beyond = sum(not point.passed for point in judged)
     verdict = f"{beyond} of {len(judged)} beyond {report.allowed_percent:g} %."

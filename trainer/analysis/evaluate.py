@@ -13,7 +13,14 @@ from typing import NoReturn
 import numpy as np
 
 from trainer.boat.assemble import Method, Records, fit_out
-from trainer.config.files import SHOWN_LIMIT, ConfigError, collecting, nearest, shown, shown_key
+from trainer.config.files import (
+    SHOWN_LIMIT,
+    ConfigError,
+    collecting,
+    format_key,
+    nearest,
+    quote,
+)
 from trainer.config.vessel import VesselFile
 from trainer.core.kernel import Record
 from trainer.core.rates import rates as write_rates
@@ -53,10 +60,10 @@ def answers(records: Records, lines: Iterable[str]) -> Iterator[str]:
         if not np.isfinite(found).all():
             lost = RATES[int(np.argmin(np.isfinite(found)))]
             raise ConfigError(f"line {number}: {lost} is not finite: this state is out of range")
-        yield _written(found)
+        yield _as_json(found)
 
 
-def _written(numbers: Record) -> str:
+def _as_json(numbers: Record) -> str:
     """Return the rates as a JSON object, 17 significant digits each."""
     entries = zip(RATES, numbers, strict=True)
     return "{" + ", ".join(f'"{name}": {value:.17g}' for name, value in entries) + "}"
@@ -74,7 +81,7 @@ def _read(line: str) -> dict[str, float]:
     keys = [key for key, _ in pairs]
     problems = [f"lacks {key}" for key in NECESSARY if key not in keys]
     twice = {key: None for key in keys if keys.count(key) > 1}
-    problems += [f"{shown_key(key)} is given twice" for key in twice]
+    problems += [f"{format_key(key)} is given twice" for key in twice]
     numbers = {}
     for key, value in pairs:
         with collecting(problems):
@@ -112,17 +119,17 @@ def _refuse(name: str) -> NoReturn:
 def _number(key: str, value: object) -> float:
     """Return one number; ConfigError if its key, kind or size is wrong."""
     if key not in KNOWN:
-        raise ConfigError(f"no such key {shown(key)}{nearest(key, KNOWN)}")
+        raise ConfigError(f"no such key {quote(key)}{nearest(key, KNOWN)}")
     if isinstance(value, bool) or not isinstance(value, int | float):
-        raise ConfigError(f"{key} = {shown(value)}: must be a number")
+        raise ConfigError(f"{key} = {quote(value)}: must be a number")
     try:
         number = float(value)
     except OverflowError:
         number = math.inf
     if not math.isfinite(number):
-        raise ConfigError(f"{key} = {shown(value)}: is too large for double precision")
+        raise ConfigError(f"{key} = {quote(value)}: is too large for double precision")
     if key == "weight" and number <= 0.0:
-        raise ConfigError(f"{key} = {shown(value)}: must be above 0")
+        raise ConfigError(f"{key} = {quote(value)}: must be above 0")
     if key in ANGLES and abs(number) > LARGEST_ANGLE:
-        raise ConfigError(f"{key} = {shown(value)}: must be within +-{LARGEST_ANGLE:g} rad")
+        raise ConfigError(f"{key} = {quote(value)}: must be within +-{LARGEST_ANGLE:g} rad")
     return number

@@ -34,10 +34,10 @@ def write_new(path: Path, name: str | None) -> None:
         raise ConfigError(f"{path} is there already: give a new name") from None
     except OSError as error:
         raise ConfigError(f"{path} cannot be written: {error.strerror}") from None
-    click.echo(f"{path} written; next: trainer exercise check {_typed(path)}")
+    click.echo(f"{path} written; next: trainer exercise check {_as_typed(path)}")
 
 
-def _typed(path: Path) -> str:
+def _as_typed(path: Path) -> str:
     """Return a path as the commands take it: a bare name would be a shipped exercise's."""
     bare = path.suffix != ".toml" and len(path.parts) == 1
     return f"./{path}" if bare else str(path)

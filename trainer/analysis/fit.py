@@ -131,7 +131,7 @@ def _shape(roots: Sequence[complex]) -> Numbers:
     return np.concatenate(parts)
 
 
-def _shaped(numbers: Numbers, like: Sequence[complex]) -> list[complex]:
+def _match_roots(numbers: Numbers, like: Sequence[complex]) -> list[complex]:
     """Return the roots of ``numbers``, real where those of ``like`` are."""
     left = iter(numbers)
     return [complex(next(left), 0.0 if s.imag == 0.0 else next(left)) for s in like]
@@ -145,7 +145,7 @@ class _Response:
 
     def left(self, numbers: Numbers) -> Numbers:
         """Return samples less model; infinite where the model overflows."""
-        roots = _shaped(numbers, self.like)
+        roots = _match_roots(numbers, self.like)
         with np.errstate(over="ignore"):
             basis = columns(roots, self.t)
         if not np.isfinite(basis).all():
@@ -156,7 +156,7 @@ class _Response:
     def reach(self, numbers: Numbers) -> Numbers:
         """Return by how much each number may change in a round [1/s]."""
         slowest = 1.0 / (self.t[-1] - self.t[0])
-        roots = _shaped(numbers, self.like)
+        roots = _match_roots(numbers, self.like)
         sizes = [[max(abs(s), slowest)] * (1 if s.imag == 0.0 else 2) for s in roots]
         return np.asarray(FURTHEST * np.concatenate(sizes))
 
@@ -237,7 +237,7 @@ def fit(t: Numbers, y: Numbers, starts: Sequence[complex]) -> Fit:
         raise ConfigError("the response is zero throughout: there is nothing to fit")
     response = _Response(t, y, starts)
     numbers, rounds = _adjust(response, _shape(starts))
-    roots = _shaped(numbers, starts)
+    roots = _match_roots(numbers, starts)
     left = response.left(numbers)
     nothing: list[float | None] = [None] * len(numbers)
     return Fit(

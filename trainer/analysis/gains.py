@@ -160,7 +160,7 @@ def relief(model: Linear, speed: float, vessel: Record) -> tuple[float, float]:
     return rate * bow / stern, -rate
 
 
-def scheduled(model: Linear, speed: float, vessel: Record, h: float) -> list[float]:
+def gains_at(model: Linear, speed: float, vessel: Record, h: float) -> list[float]:
     """Return the gains [SI] at one speed in the order of GAINS."""
     stern, bow = plane_gains(model, speed, vessel, h)
     taken, given = relief(model, speed, vessel)
@@ -168,7 +168,7 @@ def scheduled(model: Linear, speed: float, vessel: Record, h: float) -> list[flo
     return [*stern, taken, *bow, given, *rudder, *slews(model, speed, vessel)]
 
 
-def closed_loop(model: Linear, row: list[float], vessel: Record, h: float) -> Matrix:
+def close_loop(model: Linear, row: list[float], vessel: Record, h: float) -> Matrix:
     """Return the matrix of one tick of boat, surfaces and integrals under the gains ``row``.
 
     As the trainer does it: a command acts a tick later, through the lag of the surfaces.
@@ -200,13 +200,13 @@ def holds(model: Linear, row: list[float], vessel: Record, h: float) -> bool:
     """Return whether the gains hold the boat, with surfaces weaker and stronger than modelled."""
     for margin in MARGINS:
         other = Linear(model.A, margin * model.B)
-        matrix = closed_loop(other, row, vessel, h)
+        matrix = close_loop(other, row, vessel, h)
         if np.abs(np.linalg.eigvals(matrix)).max() >= 1.0 + 1e-9:
             return False
     return True
 
 
-def rounded(value: float) -> float:
+def round_digits(value: float) -> float:
     """Return ``value`` to four significant digits."""
     return float(f"{value:.4g}") + 0.0
 
@@ -225,14 +225,14 @@ def design(file: VesselFile) -> dict[str, list[float] | float]:
         model = at_speed(boat, knots * KNOT)
         if model is None:
             continue
-        row = scheduled(model, knots * KNOT, vessel, boat.method.step)
+        row = gains_at(model, knots * KNOT, vessel, boat.method.step)
         if not holds(model, row, vessel, boat.method.step):
             raise ConfigError(
                 f"{file.path.name}: no gains hold this boat at {knots:.3g} kn with a step of "
                 f"{boat.method.step:g} s; give [run] a smaller step_s or another speed_range_kn"
             )
         surge = surge or -float(model.A[0, 0])
-        speeds.append(rounded(knots))
+        speeds.append(round_digits(knots))
         rows.append(row)
     if len(speeds) < 2:
         raise ConfigError(
@@ -240,8 +240,8 @@ def design(file: VesselFile) -> dict[str, list[float] | float]:
         )
     turning = STRAIGHT * speeds[0] * KNOT / file.hull.length
     return table(speeds, rows) | {
-        "speed_integral": rounded(surge),
-        "turning_rate_deg_s": rounded(math.degrees(turning)),
+        "speed_integral": round_digits(surge),
+        "turning_rate_deg_s": round_digits(math.degrees(turning)),
     }
 
 
@@ -256,7 +256,7 @@ def table(speeds: list[float], rows: list[list[float]]) -> dict[str, list[float]
     columns: dict[str, list[float] | float] = {"speed_kn": speeds}
     for place, name in enumerate(GAINS):
         key, factor = units.get(name, (name, 1.0))
-        columns[key] = [rounded(factor * row[place]) for row in rows]
+        columns[key] = [round_digits(factor * row[place]) for row in rows]
     return columns
 
 

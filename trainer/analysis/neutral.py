@@ -99,7 +99,7 @@ def sides(file: VesselFile, plane: str) -> tuple[Side, Side]:
     return down, up
 
 
-def needed(side: Side, t: float) -> float:
+def required_couple(side: Side, t: float) -> float:
     """Return couple/u^2 [-] at which ``t`` > 0 is a solution."""
     parabola = (side.square * t + side.slope) * t + side.constant
     return parabola * math.hypot(1.0, t) / t
@@ -121,7 +121,7 @@ def solutions(side: Side, square_of_speed: float) -> list[float]:
     at_zero = math.copysign(math.inf, side.constant) if side.constant else side.slope - wanted
 
     def excess(t: float) -> float:
-        return needed(side, t) - wanted if t > 0.0 else at_zero
+        return required_couple(side, t) - wanted if t > 0.0 else at_zero
 
     found = []
     for low, high in pairwise([0.0, *turning_points(side), STEEPEST]):
@@ -132,12 +132,12 @@ def solutions(side: Side, square_of_speed: float) -> list[float]:
 
 def _between(side: Side, wanted: float, low: float, high: float) -> float:
     """Return the one root between ``low`` and ``high``, by halving down to the last bit."""
-    rising = needed(side, high) > wanted
+    rising = required_couple(side, high) > wanted
     for _ in range(HALVINGS):
         middle = 0.5 * (low + high)
         if not low < middle < high:
             break
-        if (needed(side, middle) > wanted) == rising:
+        if (required_couple(side, middle) > wanted) == rising:
             high = middle
         else:
             low = middle
@@ -179,7 +179,7 @@ def fold_speeds(file: VesselFile, plane: str) -> list[float]:
     speeds = []
     for side in sides(file, plane):
         for t in turning_points(side):
-            square = side.couple / needed(side, t) if needed(side, t) else 0.0
+            square = side.couple / required_couple(side, t) if required_couple(side, t) else 0.0
             if square > 0.0:
                 speeds.append(math.sqrt(square))
     return sorted(speeds)

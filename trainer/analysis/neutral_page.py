@@ -9,14 +9,14 @@ from trainer.analysis.neutral import (
     PLANES,
     Neutral,
     Side,
-    needed,
     plane_angle,
+    required_couple,
     sides,
     solutions,
     turning_points,
 )
 from trainer.analysis.report.plots import Curve, Panel
-from trainer.analysis.report.text import figure, table, wrapped
+from trainer.analysis.report.text import figure, table, wrap
 from trainer.config.vessel import VesselFile
 from trainer.core.kernel import Numbers
 from trainer.units import KNOT
@@ -79,7 +79,7 @@ def _trims(report: Neutral) -> list[str]:
 
 def render(report: Neutral) -> str:
     """Return the report as text."""
-    notes = [line for text in report.remarks for line in wrapped("remark: " + text)]
+    notes = [line for text in report.remarks for line in wrap("remark: " + text)]
     parts = [[report.vessel, *notes], _critical(report), _angles(report), _trims(report)]
     return "\n".join(line for part in parts for line in part)
 
@@ -101,7 +101,7 @@ def _curve(file: VesselFile, plane: str, most: float) -> tuple[Numbers, Numbers,
     points: list[tuple[float, float, float]] = []
     for side, sense in zip(sides(file, plane), (1.0, -1.0), strict=True):
         for t in _steps(side, most):
-            ratio = needed(side, t)
+            ratio = required_couple(side, t)
             square = side.couple / ratio if ratio else math.inf
             speed = math.sqrt(square) if square > 0.0 else math.nan
             if not speed <= most * KNOT:

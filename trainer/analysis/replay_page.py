@@ -47,10 +47,10 @@ def as_row(flight: Flight) -> dict[str, Any]:
 
 def page(flights: list[Flight]) -> str:
     """Return the flights as lines."""
-    return "\n".join(plain(line) for flight in flights for line in told(flight))
+    return "\n".join(plain(line) for flight in flights for line in describe_flight(flight))
 
 
-def told(flight: Flight) -> list[str]:
+def describe_flight(flight: Flight) -> list[str]:
     """Return a flight in words."""
     branch = flight.branch
     begun = f", from tick {branch.tick} ({branch.why})" if branch.parent else ""

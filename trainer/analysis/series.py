@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from trainer.config.files import ConfigError, nearest, shown
+from trainer.config.files import ConfigError, nearest, quote
 from trainer.core.kernel import Numbers
 
 FEWEST = 2  # rows
@@ -30,7 +30,7 @@ class Series:
         if name not in self.columns:
             known = ", ".join(self.columns)
             raise ConfigError(
-                f"{self.path}: no column {shown(name)}{nearest(name, self.columns)}; it has {known}"
+                f"{self.path}: no column {quote(name)}{nearest(name, self.columns)}; it has {known}"
             )
         return self.columns[name]
 
@@ -63,7 +63,7 @@ def _check_names(path: Path, names: list[str]) -> None:
         raise ConfigError(f"{path}: the first line must name the columns, t [s] among them")
     twice = [name for name in dict.fromkeys(names) if names.count(name) > 1]
     if twice:
-        raise ConfigError(f"{path}: column {shown(twice[0])} is given twice")
+        raise ConfigError(f"{path}: column {quote(twice[0])} is given twice")
 
 
 def _numbers(path: Path, line: int, names: list[str], row: list[str]) -> list[float]:
@@ -77,6 +77,6 @@ def _numbers(path: Path, line: int, names: list[str], row: list[str]) -> list[fl
         except ValueError:
             number = math.nan
         if not math.isfinite(number):
-            raise ConfigError(f"{path}: line {line}: {name} = {shown(text)}: must be a number")
+            raise ConfigError(f"{path}: line {line}: {name} = {quote(text)}: must be a number")
         numbers.append(number)
     return numbers

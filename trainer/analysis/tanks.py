@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from trainer.analysis.report.plots import Curve, Panel
 from trainer.analysis.report.text import INDENT, table
-from trainer.config.files import ConfigError, nearest, shown
+from trainer.config.files import ConfigError, nearest, quote
 from trainer.config.vessel import VesselFile
 
 
@@ -163,7 +163,7 @@ def _check_fills(fills: Mapping[str, float], names: Sequence[str]) -> None:
     for name, share in fills.items():
         if name not in names:
             known = f"this boat has {', '.join(names)}"
-            problems.append(f"--fill {shown(name)}: no such tank{nearest(name, names)}; {known}")
+            problems.append(f"--fill {quote(name)}: no such tank{nearest(name, names)}; {known}")
         elif not 0.0 <= share <= 1.0:
             problems.append(f"--fill {name}={share:g}: must be within 0 (empty) and 1 (full)")
     if problems:
@@ -177,10 +177,10 @@ def bare_hull(file: VesselFile) -> Weight:
     """
     whole = Weight(file.hull.weight, *file.hull.cg)
     taken = [tank.contents for tank in tanks_of(file, {})]
-    return Weight(*_moved(whole, [water._replace(weight=-water.weight) for water in taken]))
+    return Weight(*_add_parts(whole, [water._replace(weight=-water.weight) for water in taken]))
 
 
-def _moved(hull: Weight, parts: Sequence[Weight]) -> tuple[float, float, float, float]:
+def _add_parts(hull: Weight, parts: Sequence[Weight]) -> tuple[float, float, float, float]:
     """Return weight [N] and centre [m] of ``hull`` with ``parts``."""
     whole = balance(hull, parts)
     return (whole.weight, *whole.centre)
@@ -205,7 +205,7 @@ def outline(file: VesselFile, fixed: Weight, free: Sequence[Weight]) -> NDArray[
 def _ranges(file: VesselFile, hull: Weight, tanks: Sequence[Tank], free: str) -> Ranges:
     """Return the limits with the tanks of one group free and the others as they are."""
     kept = [tank.contents for tank in tanks if tank.kind not in GROUPS[free]]
-    fixed = Weight(*_moved(hull, kept))
+    fixed = Weight(*_add_parts(hull, kept))
     full = [tank.full for tank in tanks if tank.kind in GROUPS[free]]
     corners = tuple((float(w), float(m)) for w, m in outline(file, fixed, full))
     return Ranges(free, limits(fixed, full), corners)

@@ -112,7 +112,7 @@ def available(boat: Boat) -> list[tuple[str, str, str]]:
             each.description,
         )
         for each in boat.casualties.values()
-        if _carried(boat, each.kind)
+        if _carries(boat, each.kind)
     ]
 
 
@@ -221,7 +221,7 @@ def _end(boat: Boat, casualty: Casualty) -> int:
 
 def _wrong(boat: Boat, casualty: Casualty, severity: float, ramp: float) -> str:
     """Return why this cannot happen to the boat, '' if it can."""
-    if not _carried(boat, casualty.kind):
+    if not _carries(boat, casualty.kind):
         return f"{boat.file.path.name} has nothing for {casualty.kind} to act on"
     if severity not in casualty.measure.limits:
         return f"severity {severity:g}: {severity_rule(casualty.kind)}"
@@ -232,7 +232,7 @@ def _wrong(boat: Boat, casualty: Casualty, severity: float, ramp: float) -> str:
     return ""
 
 
-def _carried(boat: Boat, kind: str) -> bool:
+def _carries(boat: Boat, kind: str) -> bool:
     """Return whether the boat has what the kind acts on; everyone has a propeller and gauges."""
     c = boat.vessel
     what, _, rest = kind.partition("-")

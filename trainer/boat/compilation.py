@@ -23,7 +23,7 @@ LOCK: Final = "compiling"
 COMPLAINTS: Final = "compiling.log"  # of a compilation beside a run; gone when it succeeds
 
 
-def kept() -> bool:
+def is_kept() -> bool:
     """Return whether everything that a run needs has been compiled on this machine before."""
     return mark("complete", "core").exists()
 
@@ -34,7 +34,7 @@ def keep() -> None:
         mark("complete", "core").touch()
 
 
-def settled() -> bool:
+def is_settled() -> bool:
     """Return whether it is too late to choose between machine code and none."""
     return KERNELS in sys.modules
 
@@ -46,12 +46,12 @@ def do_without() -> None:
     numba.config.DISABLE_JIT = True  # type: ignore[attr-defined]
 
 
-def needed() -> bool:
+def is_needed() -> bool:
     """Return whether a boat has to be compiled before she can go to sea."""
-    return not (done_without() or kept())
+    return not (is_interpreted() or is_kept())
 
 
-def done_without() -> bool:
+def is_interpreted() -> bool:
     """Return whether the kernels are run by the interpreter."""
     import numba  # noqa: PLC0415
 

@@ -163,7 +163,7 @@ class Mode:
     @property
     def stable(self) -> bool:
         """Return whether the boat itself damps this mode."""
-        return damped(self.eigenvalue)
+        return decays(self.eigenvalue)
 
     @property
     def period(self) -> float | None:
@@ -181,7 +181,7 @@ class Mode:
         return 1.0 / abs(self.real) if abs(self.real) > NEUTRAL else None
 
 
-def damped(eigenvalue: complex) -> bool:
+def decays(eigenvalue: complex) -> bool:
     """Return whether ``eigenvalue`` [1/s] decays."""
     return eigenvalue.real < -NEUTRAL
 

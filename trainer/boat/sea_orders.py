@@ -83,7 +83,7 @@ def hold(boat: Boat, order: Order) -> Reply:
 
 def release(boat: Boat, order: Order) -> Reply:
     """Let the part that is the order's word, or ``all`` that is frozen, go on."""
-    frozen = held(boat)
+    frozen = parts_held(boat)
     parts = frozen if order.word == "all" else [order.word]
     if order.word != "all" and order.word not in frozen:
         return Refused(f"{order.word} is not frozen; frozen: {', '.join(frozen) or 'nothing'}")
@@ -92,14 +92,14 @@ def release(boat: Boat, order: Order) -> Reply:
     return f"{' and '.join(parts)} released" if parts else "nothing is frozen"
 
 
-def held(boat: Boat) -> list[str]:
+def parts_held(boat: Boat) -> list[str]:
     """Return the parts that stand still."""
     return [part for part in PARTS if boat.state[f"held_{part}"]]
 
 
-def held_text(boat: Boat) -> str:
+def describe_held(boat: Boat) -> str:
     """Return what stands still and where, in words."""
-    return ", ".join(f"{part}{_where(boat, part)}" for part in held(boat))
+    return ", ".join(f"{part}{_where(boat, part)}" for part in parts_held(boat))
 
 
 def _where(boat: Boat, part: str) -> str:

@@ -10,7 +10,7 @@ from typing import Any, Final
 import click
 
 from trainer.cli.answers import AHEAD, Number, outputs, show
-from trainer.cli.options import given
+from trainer.cli.options import options_given
 from trainer.cli.shared_options import FILE
 from trainer.config.method import EQUATIONS
 
@@ -88,16 +88,16 @@ def manoeuvre(name: str, vessel: str, **options: Any) -> None:
     Exit code 1 when the boat is lost on the way.
     """
     from trainer.analysis.manoeuvres import page  # noqa: PLC0415
-    from trainer.analysis.manoeuvres.catalogue import named  # noqa: PLC0415
+    from trainer.analysis.manoeuvres.catalogue import find_manoeuvre  # noqa: PLC0415
 
-    report, flight = _flown(vessel, name, options)
+    report, flight = _fly(vessel, name, options)
     if options["csv"]:
         page.write_csv(flight, options["csv"])
-    show(report, page.render, lambda: page.panels(named(name), flight), options)
+    show(report, page.render, lambda: page.panels(find_manoeuvre(name), flight), options)
     sys.exit(1 if report.lost else 0)
 
 
-def _flown(vessel: str, name: str, options: dict[str, Any]) -> tuple[Any, Any]:
+def _fly(vessel: str, name: str, options: dict[str, Any]) -> tuple[Any, Any]:
     """Return report and flight of a boat, or of a Nomoto ship."""
     from trainer.analysis.manoeuvres import page  # noqa: PLC0415
     from trainer.config.vessel import load_vessel  # noqa: PLC0415
@@ -105,14 +105,14 @@ def _flown(vessel: str, name: str, options: dict[str, Any]) -> tuple[Any, Any]:
 
     path = Path(vessel)
     if path.suffix != ".toml" or not is_nomoto(path):
-        return page.flown(load_vessel(vessel), name, options)
-    from trainer.identify.steering import steered  # noqa: PLC0415
+        return page.fly_boat(load_vessel(vessel), name, options)
+    from trainer.identify.steering import steer_ship  # noqa: PLC0415
 
-    unknown = [f"--{option}" for option in OF_BOATS if option in given()]
+    unknown = [f"--{option}" for option in OF_BOATS if option in options_given()]
     if unknown:
         raise click.UsageError(f"{vessel} is a Nomoto ship: {', '.join(unknown)} are for boats")
-    ship = steered(path, options["step"])
-    return page.sailed(ship, name, options, ship.speed_kn)
+    ship = steer_ship(path, options["step"])
+    return page.fly_vehicle(ship, name, options, ship.speed_kn)
 
 
 @click.command()
@@ -153,9 +153,9 @@ def guide(vessel: str, **options: Any) -> None:
     if options["baseline"]:
         earlier = baseline.load_earlier(options["baseline"], file.name)
     made = datetime.now(UTC).strftime("%Y-%m-%d %H:%M:%S UTC")
-    book = written(file, made, options["cores"])
+    book = write_guide(file, made, options["cores"])
     now = json.loads(json.dumps(document.as_json(book.guide)))
-    moves = None if earlier is None else baseline.moved(earlier, now)
+    moves = None if earlier is None else baseline.compare_guides(earlier, now)
     write_document(document.render(book, moves), options["html"], options["pdf"])
     if options["as_json"]:
         told = {} if moves is None else {"moved": [asdict(one) for one in moves]}
@@ -165,7 +165,7 @@ def guide(vessel: str, **options: Any) -> None:
     sys.exit(0 if book.guide.passed else 1)
 
 
-def written(file: Any, made: str, cores: int | None) -> Any:
+def write_guide(file: Any, made: str, cores: int | None) -> Any:
     """Return the guide's book, with a progress bar on a terminal."""
     from trainer.analysis.guide import contents  # noqa: PLC0415
     from trainer.analysis.guide.programme import processors  # noqa: PLC0415

@@ -210,18 +210,18 @@ def identify(file: Path | None, selftest: bool, **options: Any) -> None:  # noqa
     study = study_of(file, options)
     if options["armax"]:
         sys.exit(_armax(study, options))
-    with _announced():
+    with _announcing():
         code = _model(study, options)
     sys.exit(code)
 
 
 @contextlib.contextmanager
-def _announced() -> Iterator[None]:
+def _announcing() -> Iterator[None]:
     """Say that the kernels of a fit are compiled in the block, where they have not been before."""
     from trainer.boat import compilation  # noqa: PLC0415
 
     compiled = compilation.mark("fits", "identify/kernels")
-    if not compiled.exists() and not compilation.done_without():
+    if not compiled.exists() and not compilation.is_interpreted():
         click.echo("compiling the kernels of fits, once (up to a minute) ...", err=True)
     yield
     with contextlib.suppress(OSError):
@@ -232,7 +232,7 @@ def _armax(study: Any, options: dict[str, Any]) -> int:
     """Fit ARMAX models and show them; return the exit code."""
     from trainer.identify.pages import armax as page  # noqa: PLC0415
 
-    report, orders = page.carried_out(study)
+    report, orders = page.carry_out(study)
     if options["html"]:
         from trainer.identify.pages.sheet import sheet  # noqa: PLC0415
 
@@ -248,7 +248,7 @@ def _model(study: Any, options: dict[str, Any]) -> int:
     from trainer.identify.pages import identify as page  # noqa: PLC0415
     from trainer.identify.pages.sheet import sheet  # noqa: PLC0415
 
-    found = page.carried_out(study, options, _progress)
+    found = page.carry_out(study, options, _progress)
     report = found.report
     if options["write_nomoto"]:
         _write(options["write_nomoto"], nomoto_text(found.fitted, report.bend))

@@ -12,16 +12,16 @@ from trainer.session.options import RunOptions
 
 def run_options(options: Mapping[str, Any]) -> RunOptions:
     """Return the options of the command that is being run, and which of them its user gave."""
-    return RunOptions(**options, given=given())
+    return RunOptions(**options, given=options_given())
 
 
-def given() -> frozenset[str]:
+def options_given() -> frozenset[str]:
     """Return the options that the user gave to the command that is being run, by name."""
     context = click.get_current_context()
     source = context.get_parameter_source
     return frozenset(name for name in context.params if source(name) is not ParameterSource.DEFAULT)
 
 
-def served(options: RunOptions) -> RunOptions:
+def without_console(options: RunOptions) -> RunOptions:
     """Return the options for a session without a console of its own."""
     return replace(options, headless=True, url=None, serve=True)

@@ -10,7 +10,7 @@ from typing import Any, NoReturn
 
 import click
 
-from trainer.cli.options import run_options, served
+from trainer.cli.options import run_options, without_console
 from trainer.cli.shared_options import (
     FILE,
     connect_options,
@@ -65,7 +65,7 @@ def run(*, teletype: bool, core: Path | None, state: Path | None, **options: Any
         from trainer.console.own_session import sail  # noqa: PLC0415
 
         def serve_at(where: str) -> NoReturn:
-            take_to_sea(replace(served(asked), socket=where, until_left=True))
+            take_to_sea(replace(without_console(asked), socket=where, until_left=True))
 
         from trainer.session.stations.access import ANY, read_tokens  # noqa: PLC0415
 
@@ -112,7 +112,7 @@ def serve(**options: Any) -> None:
 
     It ends at --duration, by the instructor's `quit`, or by Ctrl-C, its recording complete.
     """
-    take_to_sea(served(run_options(options)))
+    take_to_sea(without_console(run_options(options)))
 
 
 @click.command()

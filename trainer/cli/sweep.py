@@ -51,12 +51,12 @@ def sweep(study: str, member: int | None, **options: Any) -> None:
               trainer sweep turn-uncertainty --member 17
               trainer sweep ./study.toml --scheduler tcp://127.0.0.1:8786
     """
-    from trainer.analysis.sweep.job import job_of, opened  # noqa: PLC0415
+    from trainer.analysis.sweep.job import job_of, open_job  # noqa: PLC0415
     from trainer.cli.subjects import subject_of  # noqa: PLC0415
 
     job = job_of(study, options["members"], subject_of)
     if member is not None:
-        _show_member(opened(job), job, member, as_json=options["as_json"])
+        _show_member(open_job(job), job, member, as_json=options["as_json"])
         return
     from trainer.analysis.sweep.parquet import check_pyarrow  # noqa: PLC0415
     from trainer.analysis.sweep.report import (  # noqa: PLC0415
@@ -67,27 +67,27 @@ def sweep(study: str, member: int | None, **options: Any) -> None:
 
     check_pyarrow()
     out = options["out"] or Path(f"{Path(study).stem}.parquet")
-    result = _flown(job, out, options)
-    report = report_of(opened(job), result, str(out))
+    result = _fly(job, out, options)
+    report = report_of(open_job(job), result, str(out))
     show(report, render, lambda: panels(report, result, options["measure"]), options)
 
 
-def _flown(job: Any, out: Path, options: dict[str, Any]) -> Any:
+def _fly(job: Any, out: Path, options: dict[str, Any]) -> Any:
     """Return the result, with a progress bar on a terminal."""
     from trainer.analysis.guide.programme import processors  # noqa: PLC0415
-    from trainer.analysis.sweep.job import opened  # noqa: PLC0415
-    from trainer.analysis.sweep.sweep import carried_out  # noqa: PLC0415
+    from trainer.analysis.sweep.job import open_job  # noqa: PLC0415
+    from trainer.analysis.sweep.sweep import carry_out  # noqa: PLC0415
     from trainer.analysis.sweep.workers import AGAIN, cluster, processes  # noqa: PLC0415
 
     crew = processes(options["jobs"] or processors())
     if options["scheduler"] is not None:
         crew = cluster(options["scheduler"])
-    length = opened(job).members
+    length = open_job(job).members
     try:
         with click.progressbar(
             length=length, label="flying", file=sys.stderr, hidden=not sys.stderr.isatty()
         ) as bar:
-            return carried_out(job, crew, out, bar.update)
+            return carry_out(job, crew, out, bar.update)
     except KeyboardInterrupt:
         click.echo(f"trainer: {AGAIN}", err=True)
         raise
@@ -98,11 +98,11 @@ def _show_member(ready: Any, job: Any, member: int, *, as_json: bool) -> None:
     import json  # noqa: PLC0415
 
     from trainer.analysis.sweep.report import member_page  # noqa: PLC0415
-    from trainer.config.files import ConfigError, recorded  # noqa: PLC0415
+    from trainer.config.files import ConfigError, reading_recorded  # noqa: PLC0415
 
     if member >= ready.members:
         raise ConfigError(f"--member {member}: members are 0 to {ready.members - 1}")
-    with recorded(dict(job.texts)):
+    with reading_recorded(dict(job.texts)):
         batch = ready.subject.batch(member, 1)
     told = batch.told(0, [output.name for output in ready.subject.outputs])
     page = member_page(ready.study.heading.name, member, told, ready.subject.outputs)

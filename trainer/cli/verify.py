@@ -54,12 +54,12 @@ def fuzz(
     is saved, and given on to the next run.
     """
     from trainer.verify import page  # noqa: PLC0415
-    from trainer.verify.fuzz.catalogue import chosen  # noqa: PLC0415
+    from trainer.verify.fuzz.catalogue import choose_targets  # noqa: PLC0415
     from trainer.verify.fuzz.fuzz import Effort  # noqa: PLC0415
     from trainer.verify.fuzz.fuzz import fuzz as fuzz_all  # noqa: PLC0415
     from trainer.verify.page import Bar  # noqa: PLC0415
 
-    wanted = chosen(targets)
+    wanted = choose_targets(targets)
     if listed:
         click.echo("\n".join(f"{target.name:12}{target.says}" for target in wanted))
         return
@@ -130,7 +130,7 @@ def soak(*, real_time: bool, seed: int, as_json: bool, **how: Any) -> None:
 
 def try_faults(what: str, times: int, seed: int, *, as_json: bool) -> int:
     """Try every fault, or damage, and print what came of it; return the exit code."""
-    from trainer.verify.faults.faults import HEAD, told, try_all  # noqa: PLC0415
+    from trainer.verify.faults.faults import HEAD, fault_row, try_all  # noqa: PLC0415
     from trainer.verify.faults.recordings import try_damage  # noqa: PLC0415
     from trainer.verify.page import as_json as text_of  # noqa: PLC0415
 
@@ -141,7 +141,7 @@ def try_faults(what: str, times: int, seed: int, *, as_json: bool) -> int:
     for tried in tries:  # hours: each is told when it is known
         found.append(tried)
         if not as_json:
-            click.echo(told(tried))
+            click.echo(fault_row(tried))
     if as_json:
         click.echo(text_of(found))
     return 1 if any(tried.wrong for tried in found) else 0

@@ -123,7 +123,7 @@ def reduce(vessel: str, **options: Any) -> None:
     file = load_vessel(vessel)
     cores = options["cores"] or processors()
     if options["check"]:
-        found = _checked(file)
+        found = _read_reduction(file)
     else:
         with bar(verdict.flights(file), "putting to zero") as step:
             drops = verdict.table(file, cores, lambda: step(1))
@@ -135,19 +135,19 @@ def reduce(vessel: str, **options: Any) -> None:
         result = file.path if options["write"] else options["output"]
         if result and not result.parent.is_dir():
             raise ConfigError(f"{result}: there is no folder {result.parent}")
-        found = _searched(file, cores, result, drops)
+        found = _search_reduction(file, cores, result, drops)
     click.echo(json.dumps(asdict(found), indent=1) if options["as_json"] else page.render(found))
     sys.exit(0 if found.passed else 1)
 
 
-def _checked(file: Any) -> Any:
+def _read_reduction(file: Any) -> Any:
     """Return the reduction that the file has."""
     from trainer.analysis.reduce import reduction  # noqa: PLC0415
 
     return reduction.report(file, reduction.as_filed(file), (), ())
 
 
-def _searched(file: Any, cores: int, result: Path | None, drops: Any) -> Any:
+def _search_reduction(file: Any, cores: int, result: Path | None, drops: Any) -> Any:
     """Return the reduction that a search finds, written to ``result`` if there is one."""
     from trainer.analysis.reduce import checkpoint, reduction, write_back  # noqa: PLC0415
     from trainer.analysis.reduce.objective import terms  # noqa: PLC0415

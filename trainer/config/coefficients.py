@@ -84,7 +84,7 @@ def read_coefficients(table: object, place: Place) -> dict[str, float]:
 
     Those not given are left out.
     """
-    given, problems = _flattened(as_table(table, place), place)
+    given, problems = _flatten(as_table(table, place), place)
     known = [term.key for term in coefficient_terms()]
     values: dict[str, float] = {}
     for axis, key, value in given:
@@ -107,7 +107,7 @@ def _coefficient(key: str, value: object, place: Place, known: list[str]) -> flo
     return COEFFICIENT.read(key, value, place)
 
 
-def _flattened(
+def _flatten(
     table: Mapping[str, object],
     place: Place,
 ) -> tuple[list[tuple[str, str, object]], list[str]]:

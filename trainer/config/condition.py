@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Final
 
-from trainer.config.files import ConfigError, Place, nearest, shown
+from trainer.config.files import ConfigError, Place, nearest, quote
 from trainer.core.ballast.tanks import BANKS, BLOWN, COMPARTMENTS, PUMPED
 
 NUMBER: Final = r"[-+]?[\d.]+(?:[eE][-+]?\d+)?"
@@ -80,18 +80,18 @@ def compile_condition(text: str, place: Place) -> Condition:
     found = FORM.fullmatch(text)
     if found is None:
         raise ConfigError(
-            place.problem(f"condition {shown(text)}: write it as depth > 100 or speed_kn <= 4.5")
+            place.problem(f"condition {quote(text)}: write it as depth > 100 or speed_kn <= 4.5")
         )
     words, comparison, number, unit = found.groups()
     name, suffix = _split(words, text, place)
     units = QUANTITIES[name].units
     if suffix and unit and suffix != unit:
-        raise ConfigError(place.problem(f"condition {shown(text)}: has two units"))
+        raise ConfigError(place.problem(f"condition {quote(text)}: has two units"))
     given = (suffix or unit or next(iter(units))).lower().replace("/", "_")
     if given not in units:
         raise ConfigError(
             place.problem(
-                f"condition {shown(text)}: {name} is in {' or '.join(units)}, not {shown(given)}"
+                f"condition {quote(text)}: {name} is in {' or '.join(units)}, not {quote(given)}"
             )
         )
     return Condition(
@@ -104,7 +104,7 @@ def compile_condition(text: str, place: Place) -> Condition:
     )
 
 
-def named(words: str) -> tuple[str, str] | None:
+def parse_name(words: str) -> tuple[str, str] | None:
     """Return the quantity and the unit in ``speed_kn``, the unit '' if there is none.
 
     None if there is no such quantity in such a unit.
@@ -126,7 +126,7 @@ def nearest_quantity(words: str) -> str:
 
 def _split(words: str, text: str, place: Place) -> tuple[str, str]:
     """Return the quantity and the unit in ``speed_kn``, which may be a wrong one."""
-    found = named(words)
+    found = parse_name(words)
     if found is not None:
         return found
     words = words.lower()
@@ -134,7 +134,7 @@ def _split(words: str, text: str, place: Place) -> tuple[str, str]:
         if words.startswith(f"{name}_") and "_" not in words.removeprefix(f"{name}_"):
             return name, words.removeprefix(f"{name}_")  # a wrong unit
     guess = nearest_quantity(words)
-    raise ConfigError(place.problem(f"condition {shown(text)}: no quantity {words!r}{guess}"))
+    raise ConfigError(place.problem(f"condition {quote(text)}: no quantity {words!r}{guess}"))
 
 
 def _with_units() -> list[str]:
@@ -146,7 +146,7 @@ def _number(text: str, whole: str, place: Place) -> float:
         return float(text)
     except ValueError:
         raise ConfigError(
-            place.problem(f"condition {shown(whole)}: {shown(text)} is no number")
+            place.problem(f"condition {quote(whole)}: {quote(text)} is no number")
         ) from None
 
 

@@ -70,22 +70,22 @@ class Place(NamedTuple):
 
     def wrong(self, key: str, value: object, text: str) -> str:
         """Return the one-line message ``text`` about ``key = value``."""
-        return self.problem(f"{shown_key(key)} = {shown(value)}: {text}")
+        return self.problem(f"{format_key(key)} = {quote(value)}: {text}")
 
 
 def as_table(value: object, place: Place) -> Mapping[str, Any]:
     """Return ``value``; ConfigError if it is no table."""
     if not isinstance(value, Mapping):
-        raise ConfigError(place.problem(f"must be a table, not {shown(value)}"))
+        raise ConfigError(place.problem(f"must be a table, not {quote(value)}"))
     return value
 
 
-def shown_key(key: str) -> str:
+def format_key(key: str) -> str:
     """Return ``key`` as TOML writes it, on one line."""
-    return key if re.fullmatch(r"[\w\[\].-]+", key) else shown(key)
+    return key if re.fullmatch(r"[\w\[\].-]+", key) else quote(key)
 
 
-def shown(value: object) -> str:
+def quote(value: object) -> str:
     """Return ``value`` about as TOML writes it, on one line and not longer than is readable."""
     try:
         text = repr(value) if isinstance(value, float) else json.dumps(value, default=str)
@@ -113,7 +113,7 @@ def remembering() -> Iterator[dict[str, str]]:
 
 
 @contextmanager
-def recorded(texts: Mapping[str, str]) -> Iterator[None]:
+def reading_recorded(texts: Mapping[str, str]) -> Iterator[None]:
     """Let this thread read ``texts`` inside the block, as remembered, and no file on disk."""
     before = _recorded.set(texts)
     try:
@@ -174,7 +174,7 @@ def path_named(name_or_path: str, kind: str) -> Path:
     if name_or_path not in names:
         one, own = OWN[kind]
         raise ConfigError(
-            f"no {one} {shown(name_or_path)}{nearest(name_or_path, names)}; "
+            f"no {one} {quote(name_or_path)}{nearest(name_or_path, names)}; "
             f"shipped: {', '.join(names)}; give a file of your own as a path, such as {own}"
         )
     return shipped(kind, name_or_path)
@@ -225,7 +225,7 @@ def _text_on_disk(path: Path) -> str:
         raise ConfigError(f"{path}: there is no such file") from error
     except (OSError, ValueError) as error:  # ValueError: a NUL character in the path
         reason = getattr(error, "strerror", None) or error
-        raise ConfigError(f"{shown(str(path))}: cannot be read: {reason}") from error
+        raise ConfigError(f"{quote(str(path))}: cannot be read: {reason}") from error
     if len(data) > SIZE_LIMIT:
         raise ConfigError(f"{path}: is larger than the limit of {SIZE_LIMIT} bytes; not read")
     try:
@@ -261,5 +261,5 @@ def _toml_reason(message: str, text: str) -> str:
     line = text.split("\n")[int(found[2]) - 1].strip()
     if found[1].startswith(("Cannot overwrite", "Cannot declare")):
         given = line if line.startswith("[") else line.split("=")[0].strip()
-        return f"line {found[2]}: {shown_key(given)} is given twice"
+        return f"line {found[2]}: {format_key(given)} is given twice"
     return f"line {found[2]}: is not valid TOML: {found[1]}"

@@ -185,12 +185,12 @@ class Named:
 
     def read(self, key: str, value: object, place: Place) -> dict[str, float]:
         """Return number by name; ConfigError if a name is unknown or lacking."""
-        record = _named(key, self)
+        record = _record_of(key, self)
         return asdict(read_record(record, value, place.inside(key), ()))
 
 
 @cache
-def _named(key: str, kind: Named) -> type[Any]:
+def _record_of(key: str, kind: Named) -> type[Any]:
     """Return a record of the numbers of such a table; to make one takes as long as a file."""
     return make_dataclass(
         key,

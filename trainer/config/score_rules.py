@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from typing import Final
 
 from trainer.config.casualties import Casualty
-from trainer.config.condition import ANGLE, QUANTITIES, Condition, compile_condition, named
+from trainer.config.condition import ANGLE, QUANTITIES, Condition, compile_condition, parse_name
 from trainer.config.condition import nearest_quantity as guess
 from trainer.config.files import ConfigError, Place, collecting, nearest
 from trainer.config.measures import COURSE, MEASURES, ORDERED, TIMELESS, WINDOW
@@ -77,7 +77,7 @@ def understood(score: Score, place: Place, known: Mapping[str, Casualty]) -> Rul
     problems: list[str] = []
     measured, condition, casualty = None, None, None
     with collecting(problems):
-        measured = score.quantity and measured_in(score.quantity, place)
+        measured = score.quantity and parse_quantity(score.quantity, place)
     with collecting(problems):
         condition = score.when and compile_condition(score.when, place)
     if score.casualty is not None:
@@ -96,11 +96,11 @@ def understood(score: Score, place: Place, known: Mapping[str, Casualty]) -> Rul
     )
 
 
-def measured_in(text: str, place: Place) -> Measured:
+def parse_quantity(text: str, place: Place) -> Measured:
     """Return the quantity that is named, in its unit or else its own; ConfigError if none is."""
     if text.lower() in (COURSE, f"{COURSE}_deg"):
         return Measured(COURSE, "deg", ANGLE["deg"])
-    found = named(text)
+    found = parse_name(text)
     if found is None:
         raise ConfigError(place.wrong("quantity", text, f"no such quantity{guess(text)}"))
     name, unit = found
@@ -145,7 +145,7 @@ def _read_rule(score: Score, place: Place, known: Mapping[str, Casualty]) -> Rul
     else:
         problems += _unfit(score, place)
     if not problems:
-        problems += _misaimed(rule, place)
+        problems += _check_target(rule, place)
     if problems:
         raise ConfigError(*problems)
     return rule
@@ -168,7 +168,7 @@ def _unfit(score: Score, place: Place) -> list[str]:
     return found
 
 
-def _misaimed(rule: Rule, place: Place) -> list[str]:
+def _check_target(rule: Rule, place: Place) -> list[str]:
     """Return what is wrong with the quantity, or with the lack of its target."""
     measure, measured, score = MEASURES[rule.score.measure], rule.measured, rule.score
     if measured is None:

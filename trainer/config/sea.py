@@ -19,9 +19,9 @@ from trainer.config.files import (
     nearest,
     parse_toml,
     path_named,
+    quote,
     read_text,
     shipped,
-    shown,
 )
 from trainer.config.schema import (
     Choice,
@@ -151,7 +151,7 @@ def _problems(sea: Sea) -> list[str]:
             'leave it out or set spectrum = "bretschneider"'
         )
     if not standard and sea.period_s is None:
-        problems.append(f"lacks period_s, which spectrum = {shown(sea.spectrum)} needs")
+        problems.append(f"lacks period_s, which spectrum = {quote(sea.spectrum)} needs")
     if sea.spectrum == "jonswap" and sea.generator == "filter":
         problems.append(
             'generator = "filter": makes no jonswap spectrum; set generator = "cosines"'

@@ -21,12 +21,12 @@ from trainer.config.files import (
     ConfigError,
     Place,
     collecting,
+    format_key,
     nearest,
     parse_toml,
     path_named,
     read_text,
     shipped,
-    shown_key,
 )
 from trainer.config.schema import Choice, Kind, Text, infinite, read_record
 from trainer.config.vessel_records import (
@@ -172,7 +172,7 @@ def parse_vessel(text: str, path: Path) -> VesselFile:
 def with_defaults(table: Mapping[str, Any]) -> tuple[dict[str, Any], list[str]]:
     """Return the tables of a vessel with what they lack, and the names of that."""
     defaults = shipped("", "defaults")
-    return _filled(table, _defaults(read_text(defaults), defaults.name), "")
+    return _fill_defaults(table, _defaults(read_text(defaults), defaults.name), "")
 
 
 @cache
@@ -218,7 +218,7 @@ def read_vessel(given: Mapping[str, Any], text: str, path: Path) -> VesselFile:
     )
 
 
-def _filled(
+def _fill_defaults(
     given: Mapping[str, Any],
     defaults: Mapping[str, Any],
     inside: str,
@@ -233,7 +233,7 @@ def _filled(
         elif inside + key in WHOLE_TABLES:
             continue
         elif isinstance(default, Mapping) and isinstance(given[key], Mapping):
-            table[key], deeper = _filled(given[key], default, f"{inside}{key}.")
+            table[key], deeper = _fill_defaults(given[key], default, f"{inside}{key}.")
             names += deeper
     return table, names
 
@@ -273,7 +273,7 @@ def _heading_problems(table: Mapping[str, Any], place: Place) -> list[str]:
         elif key in DOCUMENTARY_TABLES:
             problems += infinite(value, key, place)
         elif key not in KNOWN and isinstance(value, Mapping):
-            text = f"[{shown_key(key)}]: no such table{nearest(key, KNOWN)}"
+            text = f"[{format_key(key)}]: no such table{nearest(key, KNOWN)}"
             problems.append(place.problem(text))
         elif key not in KNOWN:
             problems.append(place.wrong(key, value, f"no such key{nearest(key, KNOWN)}"))

@@ -57,8 +57,8 @@ class Choice:
     def shown(self) -> list[Row]:
         """Return the rows that what has been typed leaves."""
         typed = self.typed.lower()
-        begin = [row for row in self.rows if row.name.startswith(found_by(row, typed))]
-        return begin + [row for row in self.rows if found_by(row, typed) in row.name[1:]]
+        begin = [row for row in self.rows if row.name.startswith(matching_prefix(row, typed))]
+        return begin + [row for row in self.rows if matching_prefix(row, typed) in row.name[1:]]
 
     @property
     def chosen(self) -> Row | None:
@@ -72,7 +72,7 @@ class Choice:
         row = self.chosen
         if row is None:
             return f"{self.prefix} {self.typed.strip()}" if self.prefix and self.typed else ""
-        rest = self.typed[len(found_by(row, self.typed)) :].strip()
+        rest = self.typed[len(matching_prefix(row, self.typed)) :].strip()
         return f"{row.words} {rest or row.ending}".strip()
 
     def press(self, key: str, character: str | None) -> Done | None:
@@ -119,7 +119,7 @@ class Choice:
         return [fit(each, width) for each in (*lines, *body, *foot)][:height]
 
 
-def found_by(row: Row, typed: str) -> str:
+def matching_prefix(row: Row, typed: str) -> str:
     """Return as much of what has been typed as is to find this row: a name's words, no more."""
     return " ".join(typed.split(" ")[: row.name.count(" ") + 1])
 

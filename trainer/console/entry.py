@@ -73,7 +73,7 @@ def says(place: Place) -> str:
     return place.says if isinstance(place, Name) else "a token"
 
 
-def completed(text: str, known: Mapping[str, Sequence[str]]) -> str:
+def complete(text: str, known: Mapping[str, Sequence[str]]) -> str:
     """Return ``text`` with its last word made whole as far as that is in no doubt."""
     words = offer(text, known).words
     begun = "" if not text or text[-1].isspace() else text.rsplit(maxsplit=1)[-1]
@@ -158,7 +158,7 @@ class Entry(Input):
         if key == "escape":
             self.value = ""
         elif key == "tab":
-            self.value = completed(self.value, self._known)
+            self.value = complete(self.value, self._known)
             self.cursor_position = len(self.value)
         else:
             self._look(-1 if key == "up" else 1)

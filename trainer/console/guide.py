@@ -71,16 +71,16 @@ class Guide:
         """Return the whole page."""
         text = FIRST if self.model.role == "instructor" else STATION
         keys = [(key.label, key.does) for key in KEYS[self.model.role]]
-        found = [titled(row) for row in text.strip("\n").splitlines()]
+        found = [title_line(row) for row in text.strip("\n").splitlines()]
         found += [line(), line((" This session", "title")), line()]
         found += [line(f"   {said}") for said in self.model.briefing]
         found += [line(), line((" Keys", "title")), line()]
         found += [line((f"   {label:<14}", "value"), does) for label, does in keys]
-        found += [line(), *(titled(row) for row in SIGNS.strip("\n").splitlines())]
+        found += [line(), *(title_line(row) for row in SIGNS.strip("\n").splitlines())]
         return found
 
 
-def titled(text: str) -> Line:
+def title_line(text: str) -> Line:
     """Return a line of the page, a heading in its ink."""
     heading = bool(text) and not text.startswith(" ") and len(text.split()) < 4
     return line((f" {text}", "title" if heading else "plain"))

@@ -64,7 +64,7 @@ def clock(seconds: float) -> str:
     return f"{whole // 3600:02}:{whole // 60 % 60:02}:{whole % 60:02}"
 
 
-def wrapped(entry: Entry, width: int) -> list[tuple[str, str, str]]:
+def wrap_entry(entry: Entry, width: int) -> list[tuple[str, str, str]]:
     """Return an entry in lines of a time, a text and an ink."""
     sign, ink = SIGNS.get(entry.kind, OTHER)
     when = " " * 8 if entry.seconds is None else clock(entry.seconds)

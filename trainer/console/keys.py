@@ -140,58 +140,58 @@ def steering(
     return tuple(found)
 
 
-def given(key: str, says: str, words: str) -> Key:
+def order_key(key: str, says: str, words: str) -> Key:
     """Return a key that gives an order."""
     return Key((key,), key.upper() if len(key) == 1 else key, says, words, Give(words))
 
 
 RUDDER: Final = (
     *steering("rudder", ("left", "right"), ("Left", "Right"), ("left", "right")),
-    given("m", "amidships", "rudder amidships"),
-    given("a", "auto", "rudder auto"),
+    order_key("m", "amidships", "rudder amidships"),
+    order_key("a", "auto", "rudder auto"),
 )
 BELLS: Final = (
-    given("0", "to 8: bells", "bell stop"),
-    given("1", "", "bell ahead one-third"),
-    given("2", "", "bell ahead two-thirds"),
-    given("3", "", "bell ahead standard"),
-    given("4", "", "bell ahead full"),
-    given("5", "", "bell ahead flank"),
-    given("6", "", "bell astern one-third"),
-    given("7", "", "bell astern two-thirds"),
-    given("8", "", "bell astern full"),
+    order_key("0", "to 8: bells", "bell stop"),
+    order_key("1", "", "bell ahead one-third"),
+    order_key("2", "", "bell ahead two-thirds"),
+    order_key("3", "", "bell ahead standard"),
+    order_key("4", "", "bell ahead full"),
+    order_key("5", "", "bell ahead flank"),
+    order_key("6", "", "bell astern one-third"),
+    order_key("7", "", "bell astern two-thirds"),
+    order_key("8", "", "bell astern full"),
 )
 PLANES: Final = (
     *steering("stern", ("down", "up"), ("Down", "Up"), ("dive", "rise")),
     *steering("bow", ("left", "right"), ("Left", "Right"), ("dive", "rise")),
-    given("z", "stern 0", "stern planes zero"),
-    given("x", "bow 0", "bow planes zero"),
-    given("a", "auto", "planes auto"),
-    given("p", "periscope", "periscope depth"),
+    order_key("z", "stern 0", "stern planes zero"),
+    order_key("x", "bow 0", "bow planes zero"),
+    order_key("a", "auto", "planes auto"),
+    order_key("p", "periscope", "periscope depth"),
 )
 VALVES: Final = (
-    given("1", "to 4: blow F M A all", "blow forward"),
-    given("2", "", "blow mid"),
-    given("3", "", "blow aft"),
-    given("4", "", "blow all"),
-    given("0", "no blow", "blow stop"),
-    given("v", "vent", "vent all open"),
-    given("s", "shut", "vent all shut"),
+    order_key("1", "to 4: blow F M A all", "blow forward"),
+    order_key("2", "", "blow mid"),
+    order_key("3", "", "blow aft"),
+    order_key("4", "", "blow all"),
+    order_key("0", "no blow", "blow stop"),
+    order_key("v", "vent", "vent all open"),
+    order_key("s", "shut", "vent all shut"),
     Key(("e",), "E", "EMERGENCY", "emergency blow, once more asked", Open("emergency")),
 )
 WATER: Final = (
-    given("n", "neg. flood", "negative flood"),
-    given("b", "neg. blow", "negative blow"),
-    given("f", "flood aux 1 t", "flood auxiliary 1"),
-    given("g", "pump aux 1 t", "pump auxiliary 1"),
-    given("t", "trim aft 1 t", "pump trim aft 1"),
-    given("y", "trim fwd 1 t", "pump trim forward 1"),
-    given("u", "", "flood depth-control 1"),
-    given("i", "", "pump depth-control 1"),
-    given("h", "hover", "hover on"),
-    given("j", "no hover", "hover off"),
-    given("c", "compressor", "compressor on"),
-    given("k", "off", "compressor off"),
+    order_key("n", "neg. flood", "negative flood"),
+    order_key("b", "neg. blow", "negative blow"),
+    order_key("f", "flood aux 1 t", "flood auxiliary 1"),
+    order_key("g", "pump aux 1 t", "pump auxiliary 1"),
+    order_key("t", "trim aft 1 t", "pump trim aft 1"),
+    order_key("y", "trim fwd 1 t", "pump trim forward 1"),
+    order_key("u", "", "flood depth-control 1"),
+    order_key("i", "", "pump depth-control 1"),
+    order_key("h", "hover", "hover on"),
+    order_key("j", "no hover", "hover off"),
+    order_key("c", "compressor", "compressor on"),
+    order_key("k", "off", "compressor off"),
 )
 COMMON: Final = (*SPAN, *LOG)
 

@@ -55,7 +55,7 @@ def quantities(gauge: str) -> dict[str, Quantity]:
     return {each.name: each for each in shown}
 
 
-def charted(gauge: str, *names: str) -> tuple[Quantity, ...]:
+def charts_named(gauge: str, *names: str) -> tuple[Quantity, ...]:
     """Return quantities by name."""
     known = quantities(gauge)
     return tuple(known[name] for name in names)
@@ -75,7 +75,7 @@ LAYOUTS: Final[Mapping[str, Layout]] = {
                 *("time", "gauges", "steering", "engine", "diving", "tanks", "air", "valves"),
                 *("sea", "casualties", "ledger", "motion"),
             ),
-            charted("motion", "depth", "course", "speed", "stern", "rudder", "pitch"),
+            charts_named("motion", "depth", "course", "speed", "stern", "rudder", "pitch"),
             (
                 Place("state", gauges.state, moving=True),
                 Place("hull", hull, moving=True),
@@ -86,33 +86,33 @@ LAYOUTS: Final[Mapping[str, Layout]] = {
         Layout(
             "helm",
             ("time", "steering", "engine", "gauges"),
-            charted("gauges", "course", "rudder"),
+            charts_named("gauges", "course", "rudder"),
             (Place("panel", panels.helm, moving=True),),
         ),
         Layout(
             "planes",
             ("time", "diving", "gauges"),
-            charted("gauges", "depth", "pitch"),
+            charts_named("gauges", "depth", "pitch"),
             (Place("panel", panels.planes, moving=True),),
         ),
         Layout(
             "ballast",
             ("time", "tanks", "air", "valves", "gauges"),
-            charted("gauges", "depth", "pitch"),
+            charts_named("gauges", "depth", "pitch"),
             (Place("panel", panels.gauges, moving=True),),
             VATS,
         ),
         Layout(
             "diving",
             ("time", "diving", "engine", "tanks", "air", "valves", "gauges"),
-            charted("gauges", "depth", "pitch"),
+            charts_named("gauges", "depth", "pitch"),
             (Place("panel", panels.planes, moving=True),),
             VATS,
         ),
         Layout(
             "observer",
             ("time", "steering", "engine", "diving", "tanks", "air", "valves", "gauges"),
-            charted("gauges", "depth", "course"),
+            charts_named("gauges", "depth", "course"),
             (Place("panel", panels.lookout, moving=True),),
         ),
     )

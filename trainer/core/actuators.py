@@ -17,7 +17,9 @@ AMIDSHIPS = math.radians(0.5)  # [rad]
 
 
 @part
-def moved(angle: float, ordered: float, limit: float, furthest: float, share: float) -> float:
+def advance_surface(
+    angle: float, ordered: float, limit: float, furthest: float, share: float
+) -> float:
     """Return where a surface [rad] stands after one step.
 
     ``share`` of the distance to the order is covered by the lag, at most ``furthest`` [rad] by
@@ -35,7 +37,7 @@ def fault_of(surface: int, state: Record) -> int:
 
 
 @part
-def told(vessel: Record, furthest: float, surface: int, slot: int, state: Record) -> float:
+def target_angle(vessel: Record, furthest: float, surface: int, slot: int, state: Record) -> float:
     """Return the angle [rad] that a surface makes for: its command, or what a casualty makes of it.
 
     ``furthest`` [rad] is the way that the rate allows it in this tick, ``slot`` the casualty's, -1
@@ -76,8 +78,8 @@ def move_surfaces(vessel: Record, h: float, state: Record) -> None:
         share = 1.0 - exponential(-h / c.surface_lag)
     furthest = c.surface_rate * h
     rudder_fault, stern_fault = fault_of(0, state), fault_of(1, state)
-    rudder = told(vessel, furthest / share, 0, rudder_fault, state)
-    stern = told(vessel, furthest / share, 1, stern_fault, state)
+    rudder = target_angle(vessel, furthest / share, 0, rudder_fault, state)
+    stern = target_angle(vessel, furthest / share, 1, stern_fault, state)
     if c.x_tail != 0.0:
         if rudder_fault >= 0:
             left = max(c.limit_s - abs(rudder), 0.0)
@@ -86,11 +88,11 @@ def move_surfaces(vessel: Record, h: float, state: Record) -> None:
             left = max(c.limit_s - abs(stern), 0.0)
             rudder = within(rudder, 0.0, left)
         one, other = s.delta_s + s.delta_r, s.delta_s - s.delta_r
-        one = moved(one, stern + rudder, c.limit_s, furthest, share)
-        other = moved(other, stern - rudder, c.limit_s, furthest, share)
+        one = advance_surface(one, stern + rudder, c.limit_s, furthest, share)
+        other = advance_surface(other, stern - rudder, c.limit_s, furthest, share)
         s.delta_s, s.delta_r = 0.5 * (one + other), 0.5 * (one - other)
     else:
-        s.delta_s = moved(s.delta_s, stern, c.limit_s, furthest, share)
-        s.delta_r = moved(s.delta_r, rudder, c.limit_r, furthest, share)
-    bow = told(vessel, furthest / share, 2, fault_of(2, state), state)
-    s.delta_b = moved(s.delta_b, bow, c.limit_b, furthest, share)
+        s.delta_s = advance_surface(s.delta_s, stern, c.limit_s, furthest, share)
+        s.delta_r = advance_surface(s.delta_r, rudder, c.limit_r, furthest, share)
+    bow = target_angle(vessel, furthest / share, 2, fault_of(2, state), state)
+    s.delta_b = advance_surface(s.delta_b, bow, c.limit_b, furthest, share)

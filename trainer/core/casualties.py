@@ -153,7 +153,7 @@ DEPTH_GAUGE, GYRO, LOG = 0, 1, 2
 
 
 @kernel
-def shown(gauge: int, state: Record) -> float:
+def gauge_reading(gauge: int, state: Record) -> float:
     """Return depth [m], heading [rad] or speed [m/s], with the bias of its gauge."""
     s = state[0]
     value = s.z
@@ -173,7 +173,7 @@ def reading(gauge: int, state: Record) -> float:
     slot = slot_of(first + GAUGE_STUCK, state)
     if slot >= 0:
         return s.casualty_amount[slot]
-    value = shown(gauge, state)
+    value = gauge_reading(gauge, state)
     slot = slot_of(first + NOISY, state)
     if slot >= 0:
         value += s.casualty_amount[slot] * gaussian(int(s.seed), GAUGE_NOISE + gauge, int(s.tick))
@@ -212,7 +212,7 @@ def onset(kind: int, state: Record) -> float:
     if kind == PROPULSION_STUCK:
         return s.u_c
     if kind >= FIRST_GAUGE and is_stuck(kind):
-        return shown((kind - FIRST_GAUGE) // len(GAUGE_FAULTS), state)
+        return gauge_reading((kind - FIRST_GAUGE) // len(GAUGE_FAULTS), state)
     return 0.0
 
 

@@ -128,7 +128,7 @@ def add_external(compact: Record, external: Numbers, force: Numbers) -> None:
 
 
 @part
-def lagged(compact: Record, force: Numbers, state: Record) -> None:
+def lagged_rates(compact: Record, force: Numbers, state: Record) -> None:
     """Write u' v' w' p' q' r' in that order, with last cycle's where this one's are not known yet.
 
     The acceleration terms of (12)-(17); the same as ``sweep`` with ``inertia``, written out.

@@ -20,7 +20,7 @@ LOOKOUT: Final = record_dtype(
 
 
 @kernel
-def passed(lookout: Record, state: Record) -> bool:
+def has_passed(lookout: Record, state: Record) -> bool:
     """Return whether the quantity watched has passed its mark."""
     eye = lookout[0]
     s = state[0]
@@ -64,7 +64,7 @@ def sail(records: tuple[Record, ...], lookout: Record, out: Numbers) -> int:
     h = scheme[0].h
     eye.status = 0.0
     for i in range(out.shape[0]):
-        if s.tick >= eye.last or passed(lookout, state):
+        if s.tick >= eye.last or has_passed(lookout, state):
             return i
         eye.status = float(update(vessel, compact, scheme, state, scratch))
         if eye.status != 0.0 or abs(s.theta) > eye.steepest:

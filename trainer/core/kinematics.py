@@ -30,7 +30,7 @@ def pitch_roll_cosine(trig: int, angle: float) -> float:
 
 
 @part
-def guarded(cos_theta: float) -> float:
+def guard_cosine(cos_theta: float) -> float:
     """Return ``cos_theta`` [-] kept away from zero."""
     if abs(cos_theta) >= STEEPEST:
         return cos_theta
@@ -46,7 +46,7 @@ def kinematics(trig: int, state: Record) -> None:
     cos_psi, sin_psi = cosine_and_sine(s.psi)
 
     s.thetadot = s.q * cos_phi - s.r * sin_phi
-    s.psidot = (s.q * sin_phi + s.r * cos_phi) / guarded(cos_th)
+    s.psidot = (s.q * sin_phi + s.r * cos_phi) / guard_cosine(cos_th)
     s.phidot = s.p + s.psidot * sin_th
 
     # turned about the boat's three axes one after the other: roll, pitch, heading

@@ -39,7 +39,7 @@ def excess_eta(state: Record) -> float:
 
 
 @part
-def delivered(state: Record) -> float:
+def propulsion_target(state: Record) -> float:
     """Return the command speed [m/s] that the propulsion makes for, casualties included."""
     s = state[0]
     stuck, lost = slot_of(PROPULSION_STUCK, state), slot_of(PROPULSION_LOST, state)
@@ -68,4 +68,4 @@ def answer_telegraph(vessel: Record, h: float, state: Record) -> None:
     share = 1.0
     if c.propulsion_lag > 0.0:
         share = 1.0 - exponential(-h / c.propulsion_lag)
-    s.u_c += share * (delivered(state) - s.u_c)
+    s.u_c += share * (propulsion_target(state) - s.u_c)

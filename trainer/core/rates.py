@@ -85,7 +85,7 @@ def rates(vessel: Record, compact: Record, scheme: Record, state: Record, scratc
             compact_set.inertia(compact, state, work.inertia)
             exact(work.inertia, work.force, work.system, acceleration)
         else:
-            compact_set.lagged(compact, work.force, state)
+            compact_set.lagged_rates(compact, work.force, state)
     else:
         full_set.forces(vessel, how.trig, state, work.force)
         for i in range(6):

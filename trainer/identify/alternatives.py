@@ -26,7 +26,7 @@ from trainer.identify.problem import Problem
 from trainer.identify.residuals import aic_of_likelihood, ratio_test
 from trainer.identify.study import Study
 from trainer.identify.study_records import ParameterRow
-from trainer.identify.uncertainty import TAIL, Span, drawn, spanned
+from trainer.identify.uncertainty import TAIL, Span, draw_parameters, span_draws
 from trainer.identify.validation import alone
 
 
@@ -60,7 +60,7 @@ def without(fitted: Fitted, names: tuple[str, ...]) -> Rival:
     )
     nothing = tuple(ParameterRow(name=name, start=0.0, free="no") for name in wanted)
     smaller = replace(study, parameters=(*rows, *nothing))
-    return _tested(fitted, smaller, "without " + ", ".join(wanted))
+    return _test_smaller(fitted, smaller, "without " + ", ".join(wanted))
 
 
 def against(fitted: Fitted, kind: str) -> Rival:
@@ -70,10 +70,10 @@ def against(fitted: Fitted, kind: str) -> Rival:
     if lacking:
         raise ConfigError(f"--against {kind}: it has no {lacking[0]}, which this fit has")
     smaller = replace(fitted.study, model=replace(table, kind=kind), parameters=())
-    return _tested(fitted, smaller, f"model {kind}")
+    return _test_smaller(fitted, smaller, f"model {kind}")
 
 
-def _tested(fitted: Fitted, smaller: Study, name: str) -> Rival:
+def _test_smaller(fitted: Fitted, smaller: Study, name: str) -> Rival:
     """Return the fit of a smaller study, and the test against it."""
     table = table_of(smaller)
     if (table.predict_from or 1, table.predict_to or 1) != (1, 1):
@@ -160,13 +160,13 @@ class Allowed:
         return Band(under.samples.t, low, middle, high)
 
 
-def allowed(fitted: Fitted) -> Allowed:
+def draw_allowed(fitted: Fitted) -> Allowed:
     """Return the ships that the record of a fit allows; what it does not tell of stays."""
     problem, plant = fitted.problem, fitted.problem.plant
     covariance = np.nan_to_num(fitted.known.covariance, nan=0.0)
     theta = fitted.found.theta
-    every = _drawn(problem.names, theta, covariance)
-    numbers, spans = spanned(
+    every = _draw_parameters(problem.names, theta, covariance)
+    numbers, spans = span_draws(
         lambda one: quantities(plant.model, problem.whole(one), plant.ship), every
     )
     if np.isnan(fitted.told.covariance).any():
@@ -181,7 +181,7 @@ def _sails(problem: Problem, theta: Numbers) -> bool:
         return possible(problem.sampled(theta)) and bool(np.isfinite(alone(problem, theta)).all())
 
 
-def _drawn(names: tuple[str, ...], theta: Numbers, covariance: Numbers) -> Numbers:
+def _draw_parameters(names: tuple[str, ...], theta: Numbers, covariance: Numbers) -> Numbers:
     """Return parameter vectors (count, f); a lever arm is drawn as its force's moment."""
     pairs = [
         (names.index(arm), names.index(force))
@@ -192,7 +192,7 @@ def _drawn(names: tuple[str, ...], theta: Numbers, covariance: Numbers) -> Numbe
     for arm, force in pairs:
         middle[arm] = theta[arm] * theta[force]
         J[arm, arm], J[arm, force] = theta[force], theta[arm]
-    found = drawn(middle, J @ covariance @ J.T, QUANTITIES_OF, SEED)
+    found = draw_parameters(middle, J @ covariance @ J.T, QUANTITIES_OF, SEED)
     for arm, force in pairs:
         found[:, arm] /= found[:, force]
     return found

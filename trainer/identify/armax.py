@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from trainer.config.files import ConfigError
 from trainer.core.kernel import Numbers
-from trainer.identify.kernels.armax import combined, filtered, simulated
+from trainer.identify.kernels.armax import combine, filter_by_c, simulate_armax
 
 KINDS: Final = ("a", "b", "c", "d")
 
@@ -55,9 +55,9 @@ class Armax:
         """Return the one-step errors eps (N,) of output y and input u, both (N,)."""
         a, b, c = (np.asarray(part) for part in (self.a, self.b, self.c))
         w, eps = np.empty_like(y), np.empty_like(y)
-        combined(a, b, y, u, w)
+        combine(a, b, y, u, w)
         w[: len(self.d)] -= np.asarray(self.d)
-        filtered(c, w, eps)
+        filter_by_c(c, w, eps)
         return eps
 
     def simulated(self, u: Numbers, e: Numbers) -> Numbers:
@@ -68,7 +68,7 @@ class Armax:
             disturbance[i:] += c * e[:-i]
         disturbance[: len(self.d)] += np.asarray(self.d)
         y = np.empty_like(u)
-        simulated(a, b, u, disturbance, y)
+        simulate_armax(a, b, u, disturbance, y)
         return y
 
 
@@ -176,7 +176,7 @@ class _Search:
         bases = []
         for source in sources:
             base = np.empty_like(self.y)
-            filtered(c, source, base)
+            filter_by_c(c, source, base)
             bases.append(base)
         columns = [
             _later(bases[place // n], place % n + (0 if place // n == 3 else 1))
@@ -219,12 +219,12 @@ def fit_armax(
     starts = _starts(search)
     if order > 1 and not fixed:
         below = lower or fit_armax(y, u, order - 1, initial=initial).model
-        starts += [_raised(below, factor, initial=initial) for factor in COMMON]
-    ends = [_descended(search, theta) for theta in starts]
+        starts += [_raise_order(below, factor, initial=initial) for factor in COMMON]
+    ends = [_descend(search, theta) for theta in starts]
     return _account(search, min(ends, key=lambda end: search.loss(end.theta)))
 
 
-def _raised(model: Armax, factor: float, *, initial: bool) -> Numbers:
+def _raise_order(model: Armax, factor: float, *, initial: bool) -> Numbers:
     """Return the coefficients of the order above with A, B and C times 1 - factor q^-1."""
     a, b, c = (
         np.convolve((1.0, -factor), head)[1:]
@@ -273,7 +273,7 @@ class _End(NamedTuple):
     settled: bool
 
 
-def _descended(search: _Search, theta: Numbers) -> _End:
+def _descend(search: _Search, theta: Numbers) -> _End:
     """Return the coefficients where the loss no longer falls."""
     loss = search.loss(theta)
     for rounds in range(1, ROUNDS + 1):

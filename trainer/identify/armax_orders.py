@@ -58,7 +58,7 @@ class Orders:
         return self.tried[-1]
 
 
-def treated(series: Numbers, treatment: str) -> Numbers:
+def detrend(series: Numbers, treatment: str) -> Numbers:
     """Return the series less its mean or its straight line; ConfigError for another word."""
     if treatment == "none":
         return series
@@ -70,7 +70,7 @@ def treated(series: Numbers, treatment: str) -> Numbers:
     raise ConfigError(f"remove {treatment!r}: must be {' or '.join(TREATMENTS)}")
 
 
-def delayed(y: Numbers, u: Numbers, samples: int) -> tuple[Numbers, Numbers]:
+def remove_delay(y: Numbers, u: Numbers, samples: int) -> tuple[Numbers, Numbers]:
     """Return output and input with a dead time taken out: y earlier by ``samples``."""
     if samples == 0:
         return y, u

@@ -15,7 +15,7 @@ from typing import Final, NamedTuple
 
 import numpy as np
 
-from trainer.config.files import ConfigError, shown
+from trainer.config.files import ConfigError, quote
 from trainer.core.kernel import Numbers
 
 LETTERS: Final = "ABCDEFGHIJ"
@@ -69,17 +69,17 @@ def lane_number(colour: str, text: str) -> float:
     """
     found = re.fullmatch(r"\s*([A-Ja-j])\s*(\d+(?:\.\d*)?)\s*", text)
     if found is None:
-        raise ConfigError(f"{colour} lane {shown(text)}: must be a zone A to J and a lane: D12.34")
+        raise ConfigError(f"{colour} lane {quote(text)}: must be a zone A to J and a lane: D12.34")
     zone, number = ZONES[colour], float(found[2])
     if not zone.first <= number < zone.first + zone.lanes:
         raise ConfigError(
-            f"{colour} lane {shown(text)}: zones of {colour} have lanes {zone.first} to "
+            f"{colour} lane {quote(text)}: zones of {colour} have lanes {zone.first} to "
             f"{zone.first + zone.lanes - 1}"
         )
     return LETTERS.index(found[1].upper()) * zone.lanes + number - zone.first
 
 
-def resolved(colour: str, lane: float, expected: float) -> float:
+def resolve_lane(colour: str, lane: float, expected: float) -> float:
     """Return the lane of that name which is nearest to the ``expected`` one.
 
     The names come again after ten zones.
@@ -173,7 +173,7 @@ def track(chain: Chain, readings: Sequence[Mapping[str, float]], start: Point) -
 def _fix(chain: Chain, reading: Mapping[str, float], last: Point) -> Fix | None:
     """Return the fix nearest to the place before; None if two colours lack or do not meet."""
     known = [colour for colour in chain if not math.isnan(reading.get(colour, math.nan))]
-    lanes = {c: resolved(c, reading[c], lane_at(chain[c], last)) for c in known}
+    lanes = {c: resolve_lane(c, reading[c], lane_at(chain[c], last)) for c in known}
     pairs = sorted(
         combinations(known, 2),
         key=lambda pair: -sharpness(chain[pair[0]], chain[pair[1]], last),
@@ -210,7 +210,7 @@ def derivative(series: Numbers, interval: float) -> Numbers:
     return rate
 
 
-def smoothed(series: Numbers) -> Numbers:
+def smooth_spencer(series: Numbers) -> Numbers:
     """Return the series by Spencer's 15 points, exact for cubics, NaN at seven of each end."""
     found = np.full_like(series, np.nan)
     if len(series) >= len(SPENCER):

@@ -36,7 +36,7 @@ from trainer.identify.decca import (
     derivative,
     even_interval,
     lane_number,
-    smoothed,
+    smooth_spencer,
     sway_of_track,
     track,
 )
@@ -292,7 +292,7 @@ def sail(file: DeccaFile, readings: Readings, *, smooth: bool) -> Sailed:
     course = float(heading[0])
     x0, y0 = along(east / scale, north / scale, course)
     if smooth:
-        x0, y0 = smoothed(x0), smoothed(y0)
+        x0, y0 = smooth_spencer(x0), smooth_spencer(y0)
     over_ground = sway_of_track(x0, y0, heading - course, interval)
     turned = heading - course
     x_rate, y_rate = derivative(x0, interval), derivative(y0, interval)

@@ -7,7 +7,7 @@ import numpy as np
 
 from trainer.core.kernel import Numbers
 from trainer.identify.models import Model, Ship
-from trainer.identify.nomoto import Nomoto, Transfer, nomoto, solved, time_constants, transfer
+from trainer.identify.nomoto import Nomoto, Transfer, nomoto, solve_motion, time_constants, transfer
 
 QUANTITIES: Final = {  # and their units
     "K": "1/s",
@@ -40,7 +40,7 @@ def _model_1(p: dict[str, float], ship: Ship) -> Nomoto:
     E = np.array([[p["m11"], L * p["m12"]], [p["m21"], L * p["m22"]]]) * L / V**2
     F = np.array([[p["Y_v"] / V, L / V * p["Y_r"]], [p["N_v"] / V, L / V * p["N_r"]]])
     g = p["Y_delta"] * np.array([1.0, -p["l_delta"]])
-    return nomoto(transfer(*solved(E, F, g)))
+    return nomoto(transfer(*solve_motion(E, F, g)))
 
 
 def _model_2(p: dict[str, float], ship: Ship) -> Nomoto:

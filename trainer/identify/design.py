@@ -15,7 +15,7 @@ from trainer.identify.models import MODELS, UNITS, Plant, Ship
 from trainer.identify.problem import problem_of
 from trainer.identify.sources import Sensors
 from trainer.identify.steering import Steering
-from trainer.identify.uncertainty import propagated, uncertainty
+from trainer.identify.uncertainty import propagate, uncertainty
 
 HOPELESS: Final = 1e6  # times a parameter's size: known no better, it is not known at all
 LEVER: Final = 0.25  # [-] of the length: at which the sea's force makes its moment
@@ -86,7 +86,7 @@ def prospect(
     if lost := known.flat or hopeless:
         told = "; ".join(" with ".join(group) for group in lost)
         raise ConfigError(f"such a record cannot separate {told}")
-    found = propagated(
+    found = propagate(
         lambda theta: quantities(model, problem.whole(theta), plant.ship),
         problem.start,
         known.covariance,

@@ -15,9 +15,9 @@ from typing import Any, Final
 
 import numpy as np
 
-from trainer.config.files import ConfigError, shown
+from trainer.config.files import ConfigError, quote
 from trainer.core.kernel import Numbers
-from trainer.identify.minimise import Cost, Found, Search, bfgs, scoring, stretched
+from trainer.identify.minimise import Cost, Found, Search, bfgs, scoring, stretch
 from trainer.identify.problem import Problem
 
 
@@ -30,7 +30,7 @@ def powell(cost: Cost, theta: Numbers, search: Search) -> Found:
         from scipy.optimize import minimize  # noqa: PLC0415 - an extra, imported on use
     except ImportError:
         raise ConfigError("powell needs scipy: pip install 'submarine-trainer[identify]'") from None
-    problem = stretched(cost, theta)
+    problem = stretch(cost, theta)
     diagonal = np.diag(problem.information(np.zeros(len(theta))))
     known = np.isfinite(diagonal) & (diagonal > 0.0)
     width = np.where(known, 1.0 / np.sqrt(np.where(known, diagonal, 1.0)), 1.0)
@@ -91,7 +91,7 @@ def estimate(
     """
     if method not in MINIMISERS:
         raise ConfigError(f"minimiser {method!r}: must be one of {', '.join(MINIMISERS)}")
-    stretched(cost, theta)  # refuses a variance of nothing
+    stretch(cost, theta)  # refuses a variance of nothing
     if not np.isfinite(cost.value(theta)):
         raise ConfigError(
             "the start values are no model: a covariance is not positive, or the prediction "
@@ -109,7 +109,7 @@ def _others(cost: Cost, theta: Numbers, starts: Starts) -> list[Numbers]:
     """Return other starts where the cost is finite, spread by the information at ``theta``."""
     if starts.restarts == 0:
         return []
-    problem = stretched(cost, theta)
+    problem = stretch(cost, theta)
     size = np.diag(problem.information(np.zeros(len(theta))))
     told = np.isfinite(size) & (size > 0.0)
     width = np.where(told, starts.width / np.sqrt(np.where(told, size, 1.0)), 0.0)
@@ -157,5 +157,5 @@ def resume(path: Path, problem: Problem) -> Numbers:
     for name in problem.names:
         value = parameters[name]
         if isinstance(value, bool) or not isinstance(value, float) or not math.isfinite(value):
-            raise ConfigError(f"{path.name}: {name} = {shown(value)}: must be a number")
+            raise ConfigError(f"{path.name}: {name} = {quote(value)}: must be a number")
     return np.array([parameters[name] for name in problem.names]) / problem.scale

@@ -63,7 +63,7 @@ def prbs(bits: int, seed: int = 1) -> Numbers:
     return 2.0 * np.array(out) - 1.0
 
 
-def held(sequence: Numbers, amplitude: float, samples: int) -> Numbers:
+def hold_bits(sequence: Numbers, amplitude: float, samples: int) -> Numbers:
     """Return the sequence times ``amplitude``, each bit held for some samples."""
     return np.repeat(amplitude * sequence, samples)
 
@@ -135,7 +135,7 @@ class Sequence:
         return f"course {(-bit * self.amplitude_deg) % 360.0:05.1f}"
 
 
-def scheduled(orders: tuple[tuple[float, str], ...]) -> list[Scheduled]:
+def schedule_orders(orders: tuple[tuple[float, str], ...]) -> list[Scheduled]:
     """Return orders in words as a schedule; ConfigError if one is none."""
     found = []
     for i, (seconds, text) in enumerate(orders, start=1):
@@ -146,18 +146,18 @@ def scheduled(orders: tuple[tuple[float, str], ...]) -> list[Scheduled]:
     return found
 
 
-def suggested_hold(ship: Nomoto, interval: float) -> float:
+def suggest_hold(ship: Nomoto, interval: float) -> float:
     """Return a length of bit [s], a third of T1 in whole sampling intervals."""
     return max(1.0, round(abs(ship.T1) / 3.0 / interval)) * interval
 
 
-def suggested_bits(ship: Nomoto, hold: float) -> int:
+def suggest_bits(ship: Nomoto, hold: float) -> int:
     """Return the register whose period is nearest to 30 T1, 4 to 8 bits."""
     wanted = 30.0 * abs(ship.T1) / hold
     return min(range(4, 9), key=lambda bits: abs(math.log((2**bits - 1) / wanted)))
 
 
-def suggested_interval(ship: Nomoto, step: float) -> float:
+def suggest_interval(ship: Nomoto, step: float) -> float:
     """Return a sampling interval [s] between T2/2 and T1/5, in whole steps."""
     middle = math.sqrt(0.5 * abs(ship.T2) * 0.2 * abs(ship.T1))
     return max(1.0, round(middle / step)) * step
@@ -257,7 +257,7 @@ def exercise_text(
 NAMES: Final = ("t", "delta_r", "psi", "r", "v", "u")
 
 
-def flown(
+def fly_trial(
     file: VesselFile, schedule: Iterable[Scheduled], speed: float, depth: float, seconds: float
 ) -> Record:
     """Return the record of a boat that begins at ``speed`` [m/s] and ``depth`` [m].

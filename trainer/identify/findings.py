@@ -51,10 +51,10 @@ def examine(record: Record) -> list[Finding]:
         raise ConfigError(*(f"{record.source}: {problem}" for problem in problems))
     found = [*_intervals(record), *_missing(record), *_jumps(record)]
     signs = list(_wrong_sign(record))
-    return found + signs + list(_closed_loop(record)) + list(_constant_outputs(record))
+    return found + signs + list(_find_feedback(record)) + list(_constant_outputs(record))
 
 
-def unwrapped(record: Record) -> Record:
+def unwrap_heading(record: Record) -> Record:
     """Return the record with a heading that does not jump by whole turns."""
     if record.heading is None:
         return record
@@ -242,7 +242,7 @@ def follows_motion(record: Record) -> float | None:
     return 1.0 - float(np.var(rudder - regressors @ found) / np.var(rudder))
 
 
-def _closed_loop(record: Record) -> Iterator[Finding]:
+def _find_feedback(record: Record) -> Iterator[Finding]:
     """Yield that the rudder does nothing but follow the motion."""
     share = follows_motion(record) if len(record.t) >= FEWEST else None
     if share is not None and share > FOLLOWS:

@@ -13,7 +13,7 @@ from trainer.config.vessel import load_vessel
 from trainer.core.kernel import Numbers
 from trainer.identify.derived import quantities, quantity_names
 from trainer.identify.estimate import Starts, estimate, keep, resume
-from trainer.identify.innovations import REASONS, chi_square_limits, shown
+from trainer.identify.innovations import REASONS, chi_square_limits, run_filter
 from trainer.identify.likelihood import Likelihood
 from trainer.identify.measurements import Record, samples_of
 from trainer.identify.minimise import Cost, Found, Search
@@ -31,7 +31,7 @@ from trainer.identify.uncertainty import (
     beside_bounds,
     hessian,
     inseparable,
-    propagated,
+    propagate,
     uncertainty,
 )
 
@@ -70,7 +70,7 @@ class Fitted:
         return -self.found.cost
 
 
-def posed(study: Study, record: Record) -> tuple[Problem, Steering | None]:
+def pose_problem(study: Study, record: Record) -> tuple[Problem, Steering | None]:
     """Return the problem of a study, and the ship of its vessel file.
 
     ConfigError for what it lacks, and naming the parameters that the record cannot separate.
@@ -147,7 +147,7 @@ def fit(
     A search is kept in the file ``kept``, and goes on from there if there is one. ConfigError if
     it cannot be posed, or the start is no model.
     """
-    problem, own = posed(study, record)
+    problem, own = pose_problem(study, record)
     start, search = problem.start, Search(STEPS, heard)
     if kept is not None:
         start = resume(kept, problem) if kept.exists() else start
@@ -157,13 +157,13 @@ def fit(
     found = estimate(cost, start, method, search, Starts(restarts=int(table.restarts or 0)))
     rejected = 0
     for _ in range(SCREENINGS if table.reject else 0):
-        problem, more = screened(problem, found.theta, table.reject or 0.0)
+        problem, more = screen(problem, found.theta, table.reject or 0.0)
         rejected += more
         if not more:
             break
         cost = cost_of(problem, table)
         found = estimate(cost, found.theta, method, search)
-    known = _known(cost, found.theta)
+    known = _estimate_uncertainty(cost, found.theta)
     return Fitted(
         study=study,
         record=record,
@@ -172,16 +172,16 @@ def fit(
         cost=cost,
         found=found,
         known=known,
-        told=_told(problem, found.theta, known.covariance),
+        told=_derive(problem, found.theta, known.covariance),
         quantity_names=quantity_names(problem.plant.model),
         rejected=rejected,
     )
 
 
-def _told(problem: Problem, theta: Numbers, covariance: Numbers) -> Spread:
+def _derive(problem: Problem, theta: Numbers, covariance: Numbers) -> Spread:
     """Return what follows of the parameters, and how well; not a number where these are not."""
     plant = problem.plant
-    told = propagated(
+    told = propagate(
         lambda free: quantities(plant.model, problem.whole(free), plant.ship),
         theta,
         np.nan_to_num(covariance, nan=0.0),
@@ -204,15 +204,15 @@ def _both(
     return tell
 
 
-def screened(problem: Problem, theta: Numbers, probability: float) -> tuple[Problem, int]:
+def screen(problem: Problem, theta: Numbers, probability: float) -> tuple[Problem, int]:
     """Return the problem without the samples that are improbable, and how many these are."""
     samples = problem.samples
-    run = shown(problem, theta, chi_square_limits(probability, samples.outputs.shape[1]))
+    run = run_filter(problem, theta, chi_square_limits(probability, samples.outputs.shape[1]))
     rejected = run.flags == REASONS.index("rejected")
     return problem.on(samples.without(rejected)), int(np.count_nonzero(rejected))
 
 
-def _known(cost: Cost, theta: Numbers) -> Uncertainty:
+def _estimate_uncertainty(cost: Cost, theta: Numbers) -> Uncertainty:
     """Return what is known of the parameters: by the Hessian, or where that fails by information.
 
     A variance at nothing makes the Hessian indefinite. Where neither is finite nothing is known.

@@ -56,7 +56,7 @@ class Losses:
     V2: float  # -log L / n
 
 
-def unlimited(readings: int) -> Numbers:
+def no_limits(readings: int) -> Numbers:
     """Return limits (y+1,) that reject nothing."""
     return np.full(readings + 1, np.inf)
 
@@ -89,7 +89,7 @@ def _tail(x: float, freedom: int) -> float:
     return total
 
 
-def shown(problem: Problem, theta: Numbers, limits: Numbers) -> Shown:
+def run_filter(problem: Problem, theta: Numbers, limits: Numbers) -> Shown:
     """Return the filter's run with ``theta`` (f,); ``limits`` (y+1,) as chi_square_limits."""
     system = problem.sampled(theta).at(0)
     samples = problem.samples

@@ -147,7 +147,7 @@ class Stretched:
         for _ in range(len(gradient)):
             free = ~held
             slope = gradient[free] + matrix[np.ix_(free, held)] @ step[held]
-            step[free] = _solved(matrix[np.ix_(free, free)], damping, slope)
+            step[free] = _solve_damped(matrix[np.ix_(free, free)], damping, slope)
             beyond = free & (self.clipped(step) != step)
             if not beyond.any():
                 break
@@ -156,7 +156,7 @@ class Stretched:
         return step
 
 
-def stretched(cost: Cost, theta: Numbers) -> Stretched:
+def stretch(cost: Cost, theta: Numbers) -> Stretched:
     """Return ``cost`` about ``theta``; ConfigError for a free variance that starts at zero."""
     problem = cost.problem
     for name, kind, value in zip(problem.names, problem.kinds, theta, strict=True):
@@ -170,7 +170,7 @@ def _above(problem: Problem, theta: Numbers) -> Numbers:
     return np.maximum(np.abs(theta), 1.01 * problem.floors)
 
 
-def _solved(matrix: Numbers, damping: float, gradient: Numbers) -> Numbers:
+def _solve_damped(matrix: Numbers, damping: float, gradient: Numbers) -> Numbers:
     """Return -(matrix + damping diag)^-1 gradient, scaled by the diagonal; zero where that is."""
     width = np.sqrt(np.maximum(np.diag(matrix), 0.0))
     width[width == 0.0] = np.inf
@@ -182,7 +182,7 @@ def _solved(matrix: Numbers, damping: float, gradient: Numbers) -> Numbers:
 
 def scoring(cost: Cost, theta: Numbers, search: Search) -> Found:
     """Return the minimum by damped Gauss-Newton steps with the expected information."""
-    problem = stretched(cost, theta)
+    problem = stretch(cost, theta)
     eta, damping = np.zeros(len(theta)), 1e-3
     value, gradient = problem.slope(eta)
     found = Found(theta, value, 0, converged=False)
@@ -194,7 +194,7 @@ def scoring(cost: Cost, theta: Numbers, search: Search) -> Found:
             return found
         if -0.5 * float(gradient @ problem.newton(information, 1e-9, gradient)) < CLOSE:
             return replace(found, converged=True)
-        moved, damping = _damped(problem, eta, (value, gradient, information), damping)
+        moved, damping = _damp_step(problem, eta, (value, gradient, information), damping)
         if moved is None:
             return found
         eta = moved
@@ -205,7 +205,7 @@ def scoring(cost: Cost, theta: Numbers, search: Search) -> Found:
     return found
 
 
-def _damped(
+def _damp_step(
     problem: Stretched, eta: Numbers, quadratic: tuple[float, Numbers, Numbers], damping: float
 ) -> tuple[Numbers | None, float]:
     """Return the next eta and damping, more damping until the cost falls; None if it never does."""
@@ -222,7 +222,7 @@ def _damped(
 
 def bfgs(cost: Cost, theta: Numbers, search: Search) -> Found:
     """Return the minimum by quasi-Newton steps (BFGS), begun with the information there."""
-    problem = stretched(cost, theta)
+    problem = stretch(cost, theta)
     eta = np.zeros(len(theta))
     value, gradient = problem.slope(eta)
     found = Found(theta, value, 0, converged=False)
@@ -241,7 +241,7 @@ def bfgs(cost: Cost, theta: Numbers, search: Search) -> Found:
                 return replace(found, converged=promised < np.sqrt(CLOSE))
             inverse, fresh = _metric(problem, eta), True
             continue
-        inverse, fresh = _updated(inverse, moved, slope - gradient), False
+        inverse, fresh = _update_inverse(inverse, moved, slope - gradient), False
         eta, value, gradient = eta + moved, after, slope
         found = Found(problem.theta(eta), value, step, converged=False)
         search.progress(found)
@@ -253,7 +253,7 @@ def _metric(problem: Stretched, eta: Numbers) -> Numbers:
     information = problem.information(eta)
     if not np.isfinite(information).all():
         return np.eye(len(eta))
-    columns = [-_solved(information, 1e-6, unit) for unit in np.eye(len(eta))]
+    columns = [-_solve_damped(information, 1e-6, unit) for unit in np.eye(len(eta))]
     inverse = np.column_stack(columns)
     return 0.5 * (inverse + inverse.T)
 
@@ -282,7 +282,7 @@ def _line(
     return best
 
 
-def _updated(inverse: Numbers, s: Numbers, y: Numbers) -> Numbers:
+def _update_inverse(inverse: Numbers, s: Numbers, y: Numbers) -> Numbers:
     """Return the BFGS update of an inverse for a step ``s`` that changed the gradient by ``y``."""
     curvature = float(s @ y)
     if curvature <= 1e-12 * float(np.linalg.norm(s) * np.linalg.norm(y)):

@@ -15,18 +15,18 @@ from trainer.analysis.sweep.batch import Batch, member
 from trainer.analysis.sweep.outputs import COVERED, DEVIATION, Output
 from trainer.analysis.sweep.records import PARAMETERS, IdentificationTable, Parameter
 from trainer.analysis.sweep.study import Study
-from trainer.config.files import ConfigError, Place, nearest, shown
+from trainer.config.files import ConfigError, Place, nearest, quote
 from trainer.config.schema import read_record
 from trainer.core.kernel import Numbers
 from trainer.identify.estimate import estimate
-from trainer.identify.experiment import held, prbs
+from trainer.identify.experiment import hold_bits, prbs
 from trainer.identify.likelihood import Likelihood
 from trainer.identify.minimise import Search
 from trainer.identify.models import MODELS, Ship
 from trainer.identify.problem import Problem
 from trainer.identify.reference_ships import Rehearsal
 from trainer.identify.uncertainty import uncertainty
-from trainer.identify.validation import drawn
+from trainer.identify.validation import draw_outputs
 from trainer.units import KNOT
 
 WIDTH: Final = 1.959963984540054  # [standard deviations] of half a 95 % interval
@@ -82,7 +82,7 @@ class Coverage:
 def one_run(problem: Problem, truth: Numbers, seed: int) -> Run:
     """Return what is found from the record of ``seed``, estimated from the problem's values."""
     stream = np.random.Generator(np.random.PCG64(seed))
-    cost = Likelihood(problem.on(drawn(problem, truth, stream)))
+    cost = Likelihood(problem.on(draw_outputs(problem, truth, stream)))
     found = estimate(cost, problem.start, "auto", Search())
     known = uncertainty(problem.names, cost.information(found.theta))
     return Run(
@@ -147,7 +147,7 @@ def _check(rows: tuple[Parameter, ...], table: IdentificationTable, file: str) -
 def experiment(rehearsal: Rehearsal, table: IdentificationTable) -> tuple[Problem, Numbers]:
     """Return the problem at the start of its search, and the true values (f,) of what is free."""
     bit = max(1, round(table.bit_s / table.interval_s))
-    sequence = held(prbs(table.register_bits), table.amplitude_deg, bit)
+    sequence = hold_bits(prbs(table.register_bits), table.amplitude_deg, bit)
     problem = rehearsal.problem(np.resize(sequence, table.samples))
     return replace(problem, values=problem.whole(rehearsal.start())), problem.start
 
@@ -172,7 +172,7 @@ class Identifying:
             found += [Output(name, units[name]), Output(DEVIATION.format(name), units[name])]
             found.append(Output(COVERED.format(name), "-"))
         every = (*found, Output(CONVERGED, "-"), Output(GAIN, "-"))
-        return kept(self.study, every)
+        return choose_kept(self.study, every)
 
     def batch(self, first: int, count: int) -> Batch:
         """Return what becomes of ``count`` members from ``first`` on."""
@@ -204,13 +204,13 @@ class Identifying:
         return found
 
 
-def kept(study: Study, every: tuple[Output, ...]) -> tuple[Output, ...]:
+def choose_kept(study: Study, every: tuple[Output, ...]) -> tuple[Output, ...]:
     """Return the outputs that a study asks for; ConfigError if one is none."""
     asked, known = study.heading.measures, {one.name: one for one in every}
     if asked is None:
         return every
     for name in asked:
         if name not in known:
-            text = f"no measure {shown(name)}{nearest(name, known)}; there are {', '.join(known)}"
+            text = f"no measure {quote(name)}{nearest(name, known)}; there are {', '.join(known)}"
             raise ConfigError(f"{study.path.name}: {text}")
     return tuple(known[name] for name in asked)

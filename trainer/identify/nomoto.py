@@ -79,7 +79,7 @@ class Levers(NamedTuple):
     margin: float
 
 
-def solved(M: Numbers, F: Numbers, g: Numbers) -> tuple[Numbers, Numbers]:
+def solve_motion(M: Numbers, F: Numbers, g: Numbers) -> tuple[Numbers, Numbers]:
     """Return A (2, 2) or (2, 3) and b (2,) of M x' = F x + g delta (3.1)."""
     return np.asarray(np.linalg.solve(M, F), float), np.asarray(np.linalg.solve(M, g), float)
 
@@ -170,7 +170,7 @@ def scale(system: str, length: float, speed: float) -> Scale:
     raise ConfigError(f"system {system!r}: must be prime, bis or si")
 
 
-def converted(found: Nomoto, own: Scale, wanted: Scale) -> Nomoto:
+def convert_units(found: Nomoto, own: Scale, wanted: Scale) -> Nomoto:
     """Return ``found`` in other units: K in 1/time, T in time, K_v in speed."""
     time, speed = own.time / wanted.time, own.speed / wanted.speed
     return Nomoto(
@@ -225,7 +225,7 @@ def is_nomoto(path: Path) -> bool:
     return parse_toml(read_text(path), path.name).get("schema") == SCHEMA
 
 
-def written(ship: NomotoFile, source: str, deviations: dict[str, float]) -> str:
+def nomoto_text_of(ship: NomotoFile, source: str, deviations: dict[str, float]) -> str:
     """Return the text of the file, with its source and the numbers' standard deviations."""
     lines = []
     for item in fields(ship):

@@ -54,7 +54,7 @@ class Bent:
         return (rate - self.kappa * self.K * np.abs(rate) * rate) / self.K + self.delta_0
 
 
-def predicted(ship: Bent, rudder: Numbers, step: float, start: Numbers) -> Numbers:
+def predict(ship: Bent, rudder: Numbers, step: float, start: Numbers) -> Numbers:
     """Return yaw rate [rad/s] and heading [rad] (n, 2) under ``rudder`` (n,) [rad].
 
     ``start``: yaw rate and heading at the first sample; the ship is in steady change there.

@@ -9,7 +9,7 @@ from trainer.config.files import ConfigError
 from trainer.config.vessel import load_vessel
 from trainer.identify.derived import nomoto_of
 from trainer.identify.fitting import Fitted
-from trainer.identify.nomoto import SCHEMA, NomotoFile, written
+from trainer.identify.nomoto import SCHEMA, NomotoFile, nomoto_text_of
 from trainer.identify.nonlinear import Bend
 from trainer.identify.steering import averages, coefficients, limits, rewritten
 from trainer.units import KNOT
@@ -67,7 +67,7 @@ def nomoto_text(fitted: Fitted, bend: Bend | None) -> str:
         ship = replace(ship, kappa_s2=bend.ship.kappa)
         deviations["kappa"] = bend.deviation
     source = f"model {fitted.problem.plant.model.name} fitted to {fitted.record.source}"
-    return written(ship, source.replace("\\", "/").replace('"', "'"), deviations)
+    return nomoto_text_of(ship, source.replace("\\", "/").replace('"', "'"), deviations)
 
 
 def vessel_text(fitted: Fitted) -> str:

@@ -63,7 +63,7 @@ class Innovations:
     def value(self, theta: Numbers) -> float:
         """Return (n/2) log det(S/n) + n y (1 + log 2 pi)/2, S the sum of error error'."""
         errors = self._errors(self.problem.sampled(theta).as_complex())
-        return math.inf if errors is None else _concentrated(errors[0].real)
+        return math.inf if errors is None else _concentrate(errors[0].real)
 
     def slope(self, theta: Numbers) -> tuple[float, Numbers]:
         """Return the cost and its exact gradient (f,)."""
@@ -72,7 +72,7 @@ class Innovations:
             return math.inf, np.full(len(theta), math.nan)
         value, weighted, slopes = errors[0].real, *self._weighted(errors)
         gradient = np.einsum("kc,pkc->p", weighted, slopes)
-        return _concentrated(value), gradient * self.problem.scale
+        return _concentrate(value), gradient * self.problem.scale
 
     def information(self, theta: Numbers) -> Numbers:
         """Return n sum error_i' S^-1 error_j (f, f): the expected second derivatives."""
@@ -120,7 +120,7 @@ class Innovations:
         return errors
 
 
-def _concentrated(errors: Numbers) -> float:
+def _concentrate(errors: Numbers) -> float:
     """Return minus the log-likelihood of ``errors`` (n, y) with the covariance that fits best.
 
     Infinite where errors are one another's multiples, or too large to be squared.

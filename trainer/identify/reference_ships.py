@@ -13,7 +13,7 @@ from typing import Final
 import numpy as np
 
 from trainer.core.kernel import Numbers
-from trainer.identify.experiment import held, prbs
+from trainer.identify.experiment import hold_bits, prbs
 from trainer.identify.measurements import Samples
 from trainer.identify.models import MODELS, Plant, Ship
 from trainer.identify.problem import Problem, problem_of
@@ -61,7 +61,7 @@ class Rehearsal:
 
 def sequence(count: int, bit: float, amplitude: float, period: float) -> Numbers:
     """Return rudder angles (count,) [deg]: a binary sequence with bits of ``bit`` [s]."""
-    return np.resize(held(prbs(7), amplitude, max(1, round(bit / period))), count)
+    return np.resize(hold_bits(prbs(7), amplitude, max(1, round(bit / period))), count)
 
 
 TANKER_SHIP: Final = {
@@ -170,7 +170,7 @@ ISLAND: Final = Rehearsal(
 )
 
 
-def helmed(rehearsal: Rehearsal, angle: float, count: int) -> Numbers:
+def zigzag_rudder(rehearsal: Rehearsal, angle: float, count: int) -> Numbers:
     """Return the rudder (n,) [deg] of a zig-zag angle/angle of the model without any noise."""
     problem = rehearsal.problem(np.zeros(count))
     mean, _, start = problem.sampled(problem.start).at(0)

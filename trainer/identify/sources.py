@@ -13,7 +13,7 @@ from typing import Any, Final
 import numpy as np
 
 from trainer.analysis.recording_export import table_layout
-from trainer.config.files import ConfigError, nearest, shown
+from trainer.config.files import ConfigError, nearest, quote
 from trainer.config.schema import Quantity, optional, within
 from trainer.core.kernel import Numbers
 from trainer.identify.measurements import CHANNELS, Record
@@ -54,7 +54,7 @@ def factor(channel: str, unit: str) -> float:
     """Return what numbers in ``unit`` are times in SI; ConfigError if the channel has none such."""
     known = UNITS["s" if channel == "t" else CHANNELS[channel]]
     if unit not in known:
-        raise ConfigError(f"{channel}: unit {shown(unit)}: must be {' or '.join(known)}")
+        raise ConfigError(f"{channel}: unit {quote(unit)}: must be {' or '.join(known)}")
     return known[unit]
 
 
@@ -63,9 +63,9 @@ def load_record(path: Path, columns: Mapping[str, Column]) -> Record:
 
     ``columns`` says where each channel is, and under "t" the times; without "t" rows are counted.
     """
-    table = _flown(path) if path.suffix == SUFFIX else _written(path)
+    table = _read_recording(path) if path.suffix == SUFFIX else _read_csv(path)
     problems = [
-        f"{path}: no column {shown(column.name)} for {channel}{nearest(column.name, table.names)}; "
+        f"{path}: no column {quote(column.name)} for {channel}{nearest(column.name, table.names)}; "
         f"it has {', '.join(table.names)}"
         for channel, column in columns.items()
         if column.name not in table.names
@@ -98,7 +98,7 @@ class _Table:
         return np.asarray(self.numbers[:, self.names.index(column.name)] * column.scale)
 
 
-def _written(path: Path) -> _Table:
+def _read_csv(path: Path) -> _Table:
     """Return the columns of a CSV file, NaN where a cell is empty."""
     try:
         with path.open(encoding="utf-8-sig", newline="") as file:
@@ -113,7 +113,7 @@ def _written(path: Path) -> _Table:
         raise ConfigError(f"{path}: is not a CSV text: {error}") from error
     twice = [name for name in dict.fromkeys(names) if names.count(name) > 1]
     if twice:
-        raise ConfigError(f"{path}: column {shown(twice[0])} is given twice")
+        raise ConfigError(f"{path}: column {quote(twice[0])} is given twice")
     return _table(path, names, cells)
 
 
@@ -132,13 +132,13 @@ def _cells(path: Path, line: int, names: tuple[str, ...], row: list[str]) -> lis
             number = math.inf
         if math.isinf(number):
             raise ConfigError(
-                f"{path}: row {line}: {name} = {shown(text)}: must be a number, or empty"
+                f"{path}: row {line}: {name} = {quote(text)}: must be a number, or empty"
             )
         numbers.append(number)
     return numbers
 
 
-def _flown(path: Path) -> _Table:
+def _read_recording(path: Path) -> _Table:
     """Return the columns of the latest branch of a recording; a row is a tick."""
     with reading(path) as recording:
         layout = table_layout(recording)

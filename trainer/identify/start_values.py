@@ -76,7 +76,7 @@ def start_values(
     ConfigError naming those of Model 1 that neither ``ship`` nor ``rows`` give.
     """
     model = plant.model
-    values = model.vector(**_regressed(plant, record), **_read(plant, record))
+    values = model.vector(**_regress(plant, record), **_read(plant, record))
     told = dict(ship) if model.name == "1" else {}
     told |= {model.names[model.place(row.name)]: row.start for row in rows if row.start is not None}
     for name, value in told.items():
@@ -114,7 +114,7 @@ def _read(plant: Plant, record: Record) -> dict[str, float]:
     return found
 
 
-def _regressed(plant: Plant, record: Record) -> dict[str, float]:
+def _regress(plant: Plant, record: Record) -> dict[str, float]:
     """Return the ship of yaw or sway alone by regression on the record; () for Model 1."""
     kind = plant.model.name
     if kind == "1":

@@ -24,7 +24,7 @@ from trainer.config.files import ConfigError
 from trainer.config.vessel import VesselFile
 from trainer.core.kernel import Numbers
 from trainer.identify.measurements import Record
-from trainer.identify.nomoto import Nomoto, NomotoFile, load_nomoto, nomoto, solved, transfer
+from trainer.identify.nomoto import Nomoto, NomotoFile, load_nomoto, nomoto, solve_motion, transfer
 from trainer.units import KNOT
 
 STEERED: Final = ("v", "r")
@@ -45,7 +45,7 @@ class Steering:
     @property
     def nomoto(self) -> Nomoto:
         """Return gains and time constants, SI."""
-        return nomoto(transfer(*solved(self.M, self.F, self.g)))
+        return nomoto(transfer(*solve_motion(self.M, self.F, self.g)))
 
     @property
     def prime(self) -> dict[str, float]:
@@ -151,13 +151,13 @@ def limits(file: VesselFile) -> tuple[float, float]:
 def gap(file: VesselFile, speed: float) -> float:
     """Return by how much roll changes the slowest root of sway and yaw [-]."""
     whole = horizontal(file, speed)
-    own = np.linalg.eigvals(solved_matrix(file, speed))
+    own = np.linalg.eigvals(solve_matrix(file, speed))
     slowest = own[int(np.argmax(own.real))]
     near = whole.eigenvalues[int(np.argmin(np.abs(whole.eigenvalues - slowest)))]
     return float(abs(near - slowest) / abs(slowest))
 
 
-def solved_matrix(file: VesselFile, speed: float) -> Numbers:
+def solve_matrix(file: VesselFile, speed: float) -> Numbers:
     """Return A of d(v, r)/dt = A (v, r), SI."""
     found = steering(file, speed)
     return np.asarray(np.linalg.solve(found.M, found.F))
@@ -169,7 +169,7 @@ OTHER_SPEED: Final = 0.05  # [-] from the file's own, beyond which its numbers d
 Z, R, PSI, X, Y, SWAY, SWAY_RATE = range(7)
 
 
-def steered(path: Path, step: float | None) -> "Steered":
+def steer_ship(path: Path, step: float | None) -> "Steered":
     """Return the ship of a Nomoto file, computed every ``step`` [s], else as the file says."""
     ship = load_nomoto(path)
     return Steered(ship if step is None else replace(ship, step_s=step))

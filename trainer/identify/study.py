@@ -9,7 +9,7 @@ import numpy as np
 
 from trainer.config.files import ConfigError, Place, collecting, nearest, parse_toml, read_text
 from trainer.config.schema import read_record
-from trainer.identify.findings import Finding, examine, unwrapped
+from trainer.identify.findings import Finding, examine, unwrap_heading
 from trainer.identify.measurements import Record
 from trainer.identify.sources import (
     USUAL,
@@ -197,7 +197,7 @@ def observe(study: Study) -> Observed:
     if heading.positive_rudder == "starboard" and record.rudder is not None:
         record = replace(record, rudder=-record.rudder)
     findings = examine(record)
-    record = unwrapped(record).every(int(heading.every or 1))
+    record = unwrap_heading(record).every(int(heading.every or 1))
     if study.sensors is not None:
         record = read_by(record, study.sensors)
     record = record.between(

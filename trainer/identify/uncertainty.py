@@ -155,7 +155,7 @@ class Spread(NamedTuple):
         return np.sqrt(np.maximum(np.diag(self.covariance), 0.0))
 
 
-def propagated(derived: Derived, theta: Numbers, covariance: Numbers) -> Spread:
+def propagate(derived: Derived, theta: Numbers, covariance: Numbers) -> Spread:
     """Return ``derived(theta)`` (m,) with J cov J^T, J from central differences (8.3).
 
     The steps are a small part of each parameter's own standard deviation, so that they fit the
@@ -181,7 +181,7 @@ class Span(NamedTuple):
     high: Numbers  # (m,)
 
 
-def spanned(derived: Derived, draws: Numbers) -> tuple[Numbers, Span]:
+def span_draws(derived: Derived, draws: Numbers) -> tuple[Numbers, Span]:
     """Return ``derived`` of each of the ``draws`` (count, n), and its intervals.
 
     A draw of which one number is none counts for the others.
@@ -193,7 +193,7 @@ def spanned(derived: Derived, draws: Numbers) -> tuple[Numbers, Span]:
     return found, Span(np.where(nothing, np.nan, low), np.where(nothing, np.nan, high))
 
 
-def drawn(theta: Numbers, covariance: Numbers, count: int, seed: int) -> Numbers:
+def draw_parameters(theta: Numbers, covariance: Numbers, count: int, seed: int) -> Numbers:
     """Return ``count`` parameter vectors (count, n) from N(theta, covariance) (8.5).
 
     A covariance that is not positive definite by rounding is taken by its eigenvalues, scaled to

@@ -48,7 +48,7 @@ def deterministic(problem: Problem, theta: Numbers) -> Numbers:
     return out
 
 
-def drawn(problem: Problem, theta: Numbers, stream: np.random.Generator) -> Samples:
+def draw_outputs(problem: Problem, theta: Numbers, stream: np.random.Generator) -> Samples:
     """Return the samples with outputs drawn from the model; missing readings stay missing."""
     sampled = problem.sampled(theta)
     if not possible(sampled):

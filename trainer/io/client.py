@@ -31,12 +31,12 @@ def dial(url: str, arrived: threading.Event, baud: int = 9600) -> Line:
     """
     address = TCP.fullmatch(url)
     if address:
-        return wired(url, reached(url, address[1] or address[2], int(address[3])), arrived)
+        return wrap_socket(url, reach_tcp(url, address[1] or address[2], int(address[3])), arrived)
     if url.startswith(("tcp:", "socket:")):
         raise LinkError(f"{url}: say tcp://HOST:PORT")
     path = Path(url.removeprefix(LOCAL))
     if url.startswith(LOCAL) or path.is_socket():
-        return wired(url, reached_here(path), arrived)
+        return wrap_socket(url, reach_local(path), arrived)
     if path.is_absolute() and not path.exists() and path.parts[1:2] != ("dev",):
         raise LinkError(f"{url}: {NOBODY}")
     return over_serial(url, SerialLine(url, baud), arrived, LONGEST_ANSWER)
@@ -47,14 +47,14 @@ def over_serial(name: str, port: SerialLine, arrived: threading.Event, longest: 
     return Joined(name, Inbox(port.read, arrived, longest=longest), Outbox(port.write), port)
 
 
-def wired(name: str, end: socket.socket, arrived: threading.Event) -> Line:
+def wrap_socket(name: str, end: socket.socket, arrived: threading.Event) -> Line:
     """Return a connected socket as a line."""
     wire = Wire(end)
     inbox = Inbox(wire.read, arrived, longest=LONGEST_ANSWER)
     return Joined(name, inbox, Outbox(wire.write), wire)
 
 
-def reached(url: str, host: str, port: int) -> socket.socket:
+def reach_tcp(url: str, host: str, port: int) -> socket.socket:
     """Return a socket connected to a TCP port."""
     if not 0 < port <= HIGHEST:
         raise LinkError(f"{url}: a port is 1 to {HIGHEST}")
@@ -67,7 +67,7 @@ def reached(url: str, host: str, port: int) -> socket.socket:
     return end
 
 
-def reached_here(path: Path) -> socket.socket:
+def reach_local(path: Path) -> socket.socket:
     """Return a socket connected to the one at `path`."""
     if not hasattr(socket, "AF_UNIX"):
         raise LinkError(f"{path}: this system has no local sockets; say tcp://HOST:PORT")

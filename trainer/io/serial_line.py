@@ -73,7 +73,7 @@ class SerialLine:
     def write(self, data: bytes) -> None:
         """Write all of `data`, or count its lines as unsent when the line is down or stalled."""
         with self._writing:
-            if self._port is None or not sent(self._port, data):
+            if self._port is None or not send_bytes(self._port, data):
                 self.unsent += data.count(LINE_FEED)
 
     def close(self) -> None:
@@ -97,7 +97,7 @@ class SerialLine:
             self._pause = min(2.0 * self._pause, LONGEST_PAUSE)
 
 
-def sent(port: "serial.Serial", data: bytes) -> bool:
+def send_bytes(port: "serial.Serial", data: bytes) -> bool:
     """Return whether the port took `data`."""
     try:
         port.write(data)
@@ -115,7 +115,7 @@ def open_port(url: str, baud: int) -> "serial.Serial":
         raise LinkError(f"{url}: no such kind of line{nearest(scheme, list(SCHEMES))}")
     if not 0 < baud <= FASTEST:
         raise LinkError(f"{url}: {baud} baud: a line runs at 1 to {FASTEST} baud")
-    if scheme.lower() in NETWORK and not addressed(url):
+    if scheme.lower() in NETWORK and not is_address(url):
         raise LinkError(f"{url}: say {scheme}://HOST:PORT, the port 1 to 65535")
     try:
         return serial.serial_for_url(url, baud, timeout=WAIT, write_timeout=STALL)
@@ -124,7 +124,7 @@ def open_port(url: str, baud: int) -> "serial.Serial":
         raise LinkError(f"{url}: {reason(error)}{missing}") from error
 
 
-def addressed(url: str) -> bool:
+def is_address(url: str) -> bool:
     """Return whether the URL names a host and a port."""
     try:
         parts = urlsplit(url)

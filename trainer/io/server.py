@@ -54,10 +54,10 @@ def why_not(error: Exception) -> str:
         return "not an address of this machine; say 127.0.0.1, or 0.0.0.0 for all it has"
     if number == errno.EACCES:
         return "this port is the system's; give one above 1023"
-    return told(error)
+    return system_message(error)
 
 
-def told(error: Exception) -> str:
+def system_message(error: Exception) -> str:
     """Return what the system said."""
     return str(getattr(error, "strerror", None) or error)
 
@@ -106,7 +106,7 @@ def private_folder(folder: Path) -> None:
         folder.mkdir(mode=0o700, parents=True, exist_ok=True)
         refuse_shared(folder)
     except OSError as error:
-        raise LinkError(f"{folder}: {told(error)}") from None
+        raise LinkError(f"{folder}: {system_message(error)}") from None
 
 
 def refuse_shared(folder: Path) -> None:
@@ -163,7 +163,7 @@ def why_not_here(error: OSError) -> str:
         return "the path is too long for a socket; give a shorter one, of 100 bytes at most"
     if error.errno == errno.ENOENT:
         return "no such folder; make it, or give another path"
-    return f"{told(error)}; give another path"
+    return f"{system_message(error)}; give another path"
 
 
 def identity(path: Path) -> tuple[int, int]:

@@ -27,9 +27,9 @@ INTERPRETED: Final = "interpreted: 100 times slower, with the same bits, and on 
 
 def prepare(options: RunOptions) -> str:
     """Settle how the core of a run runs; return what its user is to be told, "" for nothing."""
-    if os.name != "posix" or compilation.settled() or compilation.done_without():
+    if os.name != "posix" or compilation.is_settled() or compilation.is_interpreted():
         return ""
-    if compilation.kept() or hurried(options) or complaints():
+    if compilation.is_kept() or is_hurried(options) or complaints():
         return ""
     compilation.do_without()
     if not cache_lasts():
@@ -44,7 +44,7 @@ def prepare(options: RunOptions) -> str:
     return f"first start: the core {begun} compiled beside; until then runs are {INTERPRETED}"
 
 
-def hurried(options: RunOptions) -> bool:
+def is_hurried(options: RunOptions) -> bool:
     """Return whether ticks are to come faster than the interpreter surely makes them."""
     exercise = table("exercises", options.exercise)
     said = {"step": "step_s", "vessel": "vessel", "integrator": "integrator"}

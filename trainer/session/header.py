@@ -28,10 +28,10 @@ from trainer.config.files import (
     key_of,
     no_constant,
     path_of,
+    quote,
     read_text,
-    recorded,
+    reading_recorded,
     remembering,
-    shown,
 )
 from trainer.config.vessel import load_vessel
 from trainer.core.cache import core_digest, same_core
@@ -120,7 +120,7 @@ def plan_of(header: Mapping[str, str], otherwise: Mapping[str, Any] = NOTHING) -
     with remembering() as today:
         if "vessel" in otherwise:
             load_vessel(otherwise["vessel"])
-    with recorded({**today, **texts}):
+    with reading_recorded({**today, **texts}):
         if {term.key for term in coefficient_terms()} != TERMS.keys():
             raise ConfigError("recording: its coefficients are another version's, or nobody's")
         return plan_run(replace(options, **otherwise))
@@ -133,7 +133,7 @@ def method_of(header: Mapping[str, str]) -> Method:
     if found.keys() != kinds.keys() or not all(
         isinstance(found[name], kind) for name, kind in kinds.items()
     ):
-        raise ConfigError(f"recording: method = {shown(found)}: is no method of this version")
+        raise ConfigError(f"recording: method = {quote(found)}: is no method of this version")
     return Method(**found)
 
 
@@ -172,14 +172,14 @@ def _surroundings() -> Mapping[str, str]:
 def _part(header: Mapping[str, str], name: str) -> Any:
     """Return a part of the header; ConfigError if it is missing or of another form."""
     if header.get("plan") != PLAN:
-        form = shown(header.get("plan", "none"))
-        raise ConfigError(f"recording: plan = {form}: this version reads plan {shown(PLAN)}")
+        form = quote(header.get("plan", "none"))
+        raise ConfigError(f"recording: plan = {form}: this version reads plan {quote(PLAN)}")
     try:
         found = json.loads(header[name], parse_constant=no_constant)
     except (KeyError, ValueError, RecursionError):
         raise ConfigError(f"recording: its header has no readable {name}") from None
     if not PARTS[name](found):
-        raise ConfigError(f"recording: {name} = {shown(found)}: is of another form")
+        raise ConfigError(f"recording: {name} = {quote(found)}: is of another form")
     return found
 
 
@@ -189,13 +189,13 @@ def _check_options(options: Mapping[str, Any]) -> None:
         if name not in options:
             raise ConfigError(f"recording: its header has no option {name}")
         if not isinstance(options[name], kind) or isinstance(options[name], bool):
-            wrong = shown(options[name])
+            wrong = quote(options[name])
             raise ConfigError(f"recording: option {name} = {wrong}: is of another kind")
         if isinstance(options[name], int | float) and not abs(options[name]) <= LARGEST:
-            wrong = shown(options[name])
+            wrong = quote(options[name])
             raise ConfigError(f"recording: option {name} = {wrong}: must be {LARGEST:g} at most")
     if not _are_texts(options["given"]):
-        raise ConfigError(f"recording: option given = {shown(options['given'])}: must be names")
+        raise ConfigError(f"recording: option given = {quote(options['given'])}: must be names")
 
 
 def _other_program(header: Mapping[str, str]) -> Iterator[str]:
@@ -237,13 +237,13 @@ def _other_plan(header: Mapping[str, str], otherwise: Mapping[str, Any]) -> Iter
     was = {**asdict(method_of(header)), "seed": _part(header, "seed")}
     for name, value in now.items():
         if value != was[name]:
-            yield f"{name} {_told(name, value)}, recorded {_told(name, was[name])}"
+            yield f"{name} {_format_part(name, value)}, recorded {_format_part(name, was[name])}"
     key, vessel = key_of(plan.file.path), _part(header, "vessel")
     if "vessel" in otherwise and key != vessel:
         yield f"vessel {key}, recorded {vessel}"
         yield from changes(key, plan.file.text, _part(header, "texts").get(vessel, ""))
 
 
-def _told(name: str, value: object) -> str:
+def _format_part(name: str, value: object) -> str:
     """Return a part of the method as it is told, a step with its unit."""
     return f"{value:g} s" if name == "step" else str(value)

@@ -102,10 +102,10 @@ def _changes(now: list[str], was: list[str]) -> Iterator[str]:
             elif old is None:
                 yield f"line {new[0]} is new: {_short(new[1])}"
             else:
-                yield f"line {new[0]}: {_changed(new[1], old[1])}"
+                yield f"line {new[0]}: {_describe_change(new[1], old[1])}"
 
 
-def _changed(new: str, old: str) -> str:
+def _describe_change(new: str, old: str) -> str:
     """Return how one line differs from what it was."""
     if new.split() == old.split():
         return "differs in blanks only"

@@ -75,13 +75,13 @@ def plan_run(options: RunOptions) -> Plan:
     ``options.given`` names those that the user gave; they overrule the exercise.
     """
     exercise = None if options.exercise is None else load_exercise(options.exercise)
-    chosen = replace(options, **overruled(exercise, options.given)) if exercise else options
+    chosen = replace(options, **exercise_options(exercise, options.given)) if exercise else options
     file = load_vessel(chosen.vessel)
     sea = exercise.sea if exercise and options.sea is None else None
     schedule = [*(exercise.schedule if exercise else ()), *read_schedule(options.orders_file)]
     return Plan(
         file=file,
-        method=chosen_method(file, chosen),
+        method=choose_method(file, chosen),
         sea=sea or load_sea(options.sea or "calm"),
         seed=int(chosen.seed),
         duration=chosen.duration,
@@ -96,7 +96,7 @@ def plan_run(options: RunOptions) -> Plan:
     )
 
 
-def overruled(exercise: Exercise, given: frozenset[str]) -> dict[str, Any]:
+def exercise_options(exercise: Exercise, given: frozenset[str]) -> dict[str, Any]:
     """Return the options that the exercise sets and the user has not given."""
     said = {item.name: getattr(exercise.heading, item.name) for item in fields(exercise.heading)}
     return {
@@ -106,7 +106,7 @@ def overruled(exercise: Exercise, given: frozenset[str]) -> dict[str, Any]:
     }
 
 
-def chosen_method(file: VesselFile, options: RunOptions) -> Method:
+def choose_method(file: VesselFile, options: RunOptions) -> Method:
     """Return how the boat is to be computed; ConfigError on a step that is none."""
     step = file.run.step_s if options.step is None else options.step
     low, high = STEP_LIMITS

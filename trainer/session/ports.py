@@ -74,7 +74,7 @@ class Ports:
 
     def lobby(self, options: RunOptions) -> Lobby | None:
         """Return where lines come in at the sockets asked for, None for none; ConfigError."""
-        address, path = wanted(options.listen), wanted(options.socket)
+        address, path = address_or_none(options.listen), address_or_none(options.socket)
         tokens = read_tokens(options.token)
         if address is not None:
             host, port = parse_address(address)
@@ -149,7 +149,7 @@ def refuse_open_door(host: str, tokens: Mapping[str, str]) -> None:
     raise ConfigError(f"--listen {host}: beyond this machine only with --token WORD")
 
 
-def wanted(text: str | None) -> str | None:
+def address_or_none(text: str | None) -> str | None:
     """Return an address or path, None for none."""
     return None if text in (None, "none") else text
 
@@ -174,7 +174,7 @@ def joinable(options: RunOptions) -> bool:
     return math.isfinite(options.speed) and not (options.headless and not options.serve)
 
 
-def unhurried(options: RunOptions) -> bool:
+def keeps_no_time(options: RunOptions) -> bool:
     """Return whether the run keeps no time and nobody can join it."""
-    sockets = wanted(options.listen), wanted(options.socket)
+    sockets = address_or_none(options.listen), address_or_none(options.socket)
     return math.isinf(options.speed) and sockets == (None, None)

@@ -19,7 +19,7 @@ def main() -> None:
     os.nice(19)
     resource.setrlimit(resource.RLIMIT_CPU, (LONGEST, LONGEST))
     with compilation.compiling() as alone:
-        if alone and not compilation.kept():
+        if alone and not compilation.is_kept():
             try_out(Boat(load_vessel("bb2"), Method("modified", "lagged", "exact", "adams2", 0.5)))
             compilation.keep()
             (cache_folder() / compilation.COMPLAINTS).unlink(missing_ok=True)

@@ -30,7 +30,7 @@ from trainer.session.header import header_of
 from trainer.session.history import History
 from trainer.session.options import RunOptions
 from trainer.session.plan import Plan, plan_run
-from trainer.session.ports import PATIENCE, Ports, unhurried
+from trainer.session.ports import PATIENCE, Ports, keeps_no_time
 from trainer.session.rerun.request import open_log
 from trainer.session.rerun.subject import Subject
 from trainer.session.session import Session
@@ -66,7 +66,7 @@ def account(session: Session, wall: float, kept: str, *, aside: bool) -> int:
         summary += f"\nrecorded    {kept}{again}\n            {SEE_IT}"
     click.echo(summary, err=aside)
     failure = session.control.failure and f"frozen: {session.control.failure}"
-    recording = unrecorded(session.history.recording) if kept else ""
+    recording = describe_missing(session.history.recording) if kept else ""
     troubles = [failure, session.deserted, session.recorder.trouble, recording]
     for station in session.event_log.stations:
         if station.line.dropped:
@@ -77,7 +77,7 @@ def account(session: Session, wall: float, kept: str, *, aside: bool) -> int:
     return 1 if any(troubles) else 0
 
 
-def unrecorded(recording: Recording | NoRecording) -> str:
+def describe_missing(recording: Recording | NoRecording) -> str:
     """Return what a recording that has been closed lacks and why, "" if it is whole."""
     if not (recording.missing or recording.trouble):
         return ""
@@ -89,7 +89,7 @@ def summary_text(boat: Boat, ledger: Summary, wall: float) -> str:
     """Return the one-screen account of a run that took ``wall`` [s]."""
     s = boat.state
     step = boat.method.step
-    how = ", interpreted" if compilation.done_without() else ""
+    how = ", interpreted" if compilation.is_interpreted() else ""
     return "\n".join(
         (
             boat.file.name,
@@ -149,7 +149,7 @@ def run_boat(options: RunOptions, clock: Clock | None = None) -> int:
 def ready(plan: Plan, options: RunOptions) -> Boat:
     """Return the boat as the plan starts her; ConfigError if she cannot be."""
     boat = Boat(plan.file, plan.method)
-    if options.serve and not compilation.needed():
+    if options.serve and not compilation.is_needed():
         click.echo(f"{paths_module.MAKING_READY} {plan.title or plan.file.name}", err=True)
     warm(boat)
     if not options.unsafe_step:
@@ -247,7 +247,7 @@ def open_ports(ports: Ports, session: Session, options: RunOptions) -> None:
     if options.url is not None:
         session.event_log.stations.append(ports.console_line(options.url, baud))
     elif not options.headless:
-        quick = unhurried(options)
+        quick = keeps_no_time(options)
         session.event_log.stations.append(ports.terminal(unhurried=quick))
     if options.nmea or options.nmea_record is not None:
         from trainer.session.nmea.outlets import open_outlets  # noqa: PLC0415  what runs seldom have
@@ -261,7 +261,7 @@ def open_ports(ports: Ports, session: Session, options: RunOptions) -> None:
 def open_publisher(boat: Boat, time: Timekeeping, options: RunOptions) -> Publisher | Promptly:
     """Return what sends to the stations: at once where no time is kept."""
     roster = Roster(StateReader(boat, time.ledger.summary))
-    return Promptly(roster) if unhurried(options) else Publisher(roster)
+    return Promptly(roster) if keeps_no_time(options) else Publisher(roster)
 
 
 def open_csv(path: Path | None, batch: int) -> CsvFile | NoFile:

@@ -7,7 +7,7 @@ import numpy as np
 
 from trainer.boat import casualties
 from trainer.boat.boat import Boat
-from trainer.boat.sea_orders import held_text, sea_text
+from trainer.boat.sea_orders import describe_held, sea_text
 from trainer.core.ballast.tanks import COMPARTMENTS, TANKS
 from trainer.io.status_line import course
 from trainer.session.stations.display import view
@@ -87,7 +87,7 @@ def casualty_lines(boat: Boat) -> list[str]:
 
 def held_lines(boat: Boat) -> list[str]:
     """Return what stands still while time goes on, if anything does."""
-    held = held_text(boat)
+    held = describe_held(boat)
     return textwrap.wrap(f"frozen: {held}", WIDTH, subsequent_indent="  ") if held else []
 
 

@@ -89,7 +89,7 @@ def _planes(trajectory: Trajectory) -> Chart:
     lines = []
     for surface, (told, moved) in styles.items():
         if trajectory.has(surface):
-            lines.append(Line(f"{surface} ordered", told_angle(trajectory, surface), told))
+            lines.append(Line(f"{surface} ordered", commanded_angle(trajectory, surface), told))
             lines.append(Line(surface, np.degrees(trajectory.series(surface)), moved))
     return Chart("Planes, rise positive", "deg", tuple(lines), least=10.0)
 
@@ -108,7 +108,7 @@ def _bearing(angle: float) -> str:
 
 def _rudder(trajectory: Trajectory) -> Chart:
     lines = (
-        Line("ordered", told_angle(trajectory, "rudder"), ORDERED),
+        Line("ordered", commanded_angle(trajectory, "rudder"), ORDERED),
         Line("actual", np.degrees(trajectory.series("rudder")), ACTUAL),
     )
     return Chart("Rudder, right positive", "deg", lines, least=10.0)
@@ -136,7 +136,7 @@ def _air(trajectory: Trajectory) -> Iterator[Chart]:
         yield Chart("Air banks, share of full", "%", tuple(lines), least=10.0)
 
 
-def told_angle(trajectory: Trajectory, surface: str) -> Numbers:
+def commanded_angle(trajectory: Trajectory, surface: str) -> Numbers:
     """Return the angle [deg] that a surface is told to take, by hand or by the autopilot."""
     column, letter = trajectory.columns, LETTERS[surface]
     by_hand = column[f"{surface}_by_hand"] != 0.0

@@ -112,7 +112,7 @@ def gather(recording: Recording, source: Path, number: int | None) -> DebriefDat
         branches=tuple((each, last_tick(recording, each)) for each in branches),
         trajectory=trajectory,
         card=score(trajectory, plan.scores),
-        casualties=tuple(answered(trajectory)),
+        casualties=tuple(pair_answers(trajectory)),
         crew=crew_orders(trajectory),
         hands=hands(trajectory),
         events=tuple(events_of(recording, branches, branch)),
@@ -125,7 +125,7 @@ def last_tick(recording: Recording, branch: Branch) -> int:
     return max((tick for tick, _ in recording.states(branch.id)), default=branch.tick)
 
 
-def answered(trajectory: Trajectory) -> Iterator[Answered]:
+def pair_answers(trajectory: Trajectory) -> Iterator[Answered]:
     """Yield the casualties with what was done about them."""
     for episode in spells(trajectory):
         yield Answered(episode, answer_to(trajectory, episode), deflection(trajectory, episode))

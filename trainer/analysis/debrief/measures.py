@@ -110,13 +110,15 @@ def distance(trajectory: Trajectory, rows: Rows, _rule: Rule) -> Attained:
 
 def broaches(trajectory: Trajectory, rows: Rows, _rule: Rule) -> Attained:
     """Return how often sail or deck came out of the sea without main ballast being blown."""
-    found = [row for row in broached(trajectory) if rows[row]]
+    found = [row for row in broach_rows(trajectory) if rows[row]]
     return Attained(float(len(found)), int(trajectory.ticks[found[0]]) if found else None)
 
 
 def beyond_limits(trajectory: Trajectory, rows: Rows, _rule: Rule) -> Attained:
     """Return the time [s] at which any limit of the exercise was passed."""
-    beyond = np.any([passed(trajectory, name) for name in limits_of(trajectory)], axis=0) & rows
+    beyond = (
+        np.any([rows_beyond(trajectory, name) for name in limits_of(trajectory)], axis=0) & rows
+    )
     first = np.flatnonzero(beyond)
     seconds = float(beyond.sum()) * trajectory.boat.method.step
     return Attained(seconds, int(trajectory.ticks[first[0]]) if first.size else None)
@@ -151,7 +153,7 @@ def limits_of(trajectory: Trajectory) -> list[str]:
     return [name for name in names if getattr(trajectory.limits, name) is not None]
 
 
-def passed(trajectory: Trajectory, name: str) -> Rows:
+def rows_beyond(trajectory: Trajectory, name: str) -> Rows:
     """Return at which ticks a limit of the exercise is passed."""
     key, _, end = name.rpartition("_")
     value, limit = trajectory.measured(LIMITED[key]), getattr(trajectory.limits, name)
@@ -186,7 +188,7 @@ def surfacing(trajectory: Trajectory) -> Rows:
     return np.asarray((held < FULL * float(vessel.capacity[:3].sum())) | (np.asarray(blown) > 0.0))
 
 
-def broached(trajectory: Trajectory) -> list[int]:
+def broach_rows(trajectory: Trajectory) -> list[int]:
     """Return the rows at which she broached, as the watch calls it out."""
     height, meant = showing(trajectory), surfacing(trajectory)
     shows, found = bool(height[0] > 0.0), []

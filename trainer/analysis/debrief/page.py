@@ -69,7 +69,7 @@ def _parts(debrief: DebriefData) -> Iterator[Markup]:
     if len(debrief.branches) > 1:
         yield section("", "Branches", sections.branches(debrief))
     yield section("", "Ticks", sections.ledger(debrief))
-    yield section("", "What was flown", sections.made_of(debrief))
+    yield section("", "What was flown", sections.run_facts(debrief))
 
 
 def _drawings(debrief: DebriefData) -> Markup:

@@ -110,14 +110,14 @@ class Scorecard:
 
 def score(trajectory: Trajectory, rules: tuple[Rule, ...]) -> Scorecard:
     """Return how each rule was met, and the marks of all, each by its weight."""
-    scores = tuple(_scored(trajectory, rule) for rule in rules)
+    scores = tuple(_score_rule(trajectory, rule) for rule in rules)
     counted = [each for each in scores if each.marks is not None]
     weight = sum(each.rule.weight for each in counted)
     earned = sum(each.rule.weight * (each.marks or 0.0) for each in counted)
     return Scorecard(scores, earned / weight if weight else None)
 
 
-def _scored(trajectory: Trajectory, rule: Rule) -> Scored:
+def _score_rule(trajectory: Trajectory, rule: Rule) -> Scored:
     attained = attain(trajectory, rule)
     marks = marks_of(rule, attained.value) if attained.counts else None
     return Scored(rule, attained, unit_of(rule), formula_of(rule), marks)

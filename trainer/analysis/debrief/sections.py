@@ -188,7 +188,7 @@ def ledger(debrief: DebriefData) -> Markup:
     )
 
 
-def made_of(debrief: DebriefData) -> Markup:
+def run_facts(debrief: DebriefData) -> Markup:
     """Return what computed the run."""
     header, method = debrief.header, debrief.plan.method
     rows = [

@@ -134,7 +134,7 @@ def _address(builder: Any, view: Any, place: Any) -> Any:
     return builder.gep(view.block, [builder.add(numbers, view.lane, flags=["nsw"])], inbounds=True)
 
 
-def _opened(context: Any, builder: Any, kind: Any, value: Any = None) -> Any:
+def _open_view(context: Any, builder: Any, kind: Any, value: Any = None) -> Any:
     """Return a view as its two parts."""
     return cgutils.create_struct_proxy(kind)(context, builder, value=value)
 
@@ -142,12 +142,12 @@ def _opened(context: Any, builder: Any, kind: Any, value: Any = None) -> Any:
 @lower_getattr_generic(LaneRecord)
 def _get_field(context: Any, builder: Any, kind: Any, value: Any, name: str) -> Any:
     member = kind.member(name)
-    view = _opened(context, builder, kind, value)
+    view = _open_view(context, builder, kind, value)
     if name in kind.known:
         return DOUBLE_IR(kind.known[name])
     if not member.shape:
         return builder.load(_address(builder, view, cgutils.intp_t(member.first)))
-    numbers = _opened(context, builder, member)
+    numbers = _open_view(context, builder, member)
     numbers.block, numbers.lane = view.block, view.lane
     return numbers._getvalue()  # noqa: SLF001 numba's own idiom
 
@@ -155,7 +155,7 @@ def _get_field(context: Any, builder: Any, kind: Any, value: Any, name: str) -> 
 @lower_setattr_generic(LaneRecord)
 def _set_field(context: Any, builder: Any, kinds: Any, args: Any, name: str) -> None:
     kind, given = kinds.args
-    view = _opened(context, builder, kind, args[0])
+    view = _open_view(context, builder, kind, args[0])
     number = context.cast(builder, args[1], given, DOUBLE)
     builder.store(number, _address(builder, view, cgutils.intp_t(kind.member(name).first)))
 
@@ -172,7 +172,7 @@ def _element(context: Any, builder: Any, kind: LaneNumbers, args: Any) -> Any:
         row = builder.mul(builder.extract_value(index, 0), cgutils.intp_t(kind.shape[1]))
         index = builder.add(row, builder.extract_value(index, 1))
     place = builder.add(index, cgutils.intp_t(kind.first))
-    return _address(builder, _opened(context, builder, kind, args[0]), place)
+    return _address(builder, _open_view(context, builder, kind, args[0]), place)
 
 
 @lower_builtin(operator.getitem, LaneNumbers, types.Any)
@@ -197,7 +197,7 @@ def a_view(name: str, layout: np.dtype[Any], first: int, known: Known) -> Any:
     def view(_typing: Any, _block: Any, _lane: Any) -> Any:
         def lower(context: Any, builder: Any, kinds: Any, args: Any) -> Any:
             array = context.make_array(kinds.args[0])(context, builder, args[0])
-            seen = _opened(context, builder, kind)
+            seen = _open_view(context, builder, kind)
             seen.block, seen.lane = array.data, args[1]
             return seen._getvalue()  # noqa: SLF001
 
@@ -267,7 +267,7 @@ def _relaid(kernel: Any, instead: Mapping[str, Any], done: dict[Any, Any]) -> An
     if kernel not in done:
         function = kernel.py_func
         known = dict(function.__globals__)
-        for name in _called(function):
+        for name in _names_used(function):
             if name in instead:
                 known[name] = instead[name]
             elif hasattr(known.get(name), "py_func"):
@@ -276,6 +276,6 @@ def _relaid(kernel: Any, instead: Mapping[str, Any], done: dict[Any, Any]) -> An
     return done[kernel]
 
 
-def _called(function: FunctionType) -> set[str]:
+def _names_used(function: FunctionType) -> set[str]:
     """Return the names of its module that a function uses."""
     return {i.argval for i in dis.get_instructions(function) if i.opname == "LOAD_GLOBAL"}

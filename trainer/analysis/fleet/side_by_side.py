@@ -84,7 +84,7 @@ def fly_abreast(fleet: Fleet, first: int, start: int, end: int, work: Work, out:
 
 
 @kernel
-def unsettled(fleet: Fleet, first: int, count: int) -> bool:
+def any_without_past(fleet: Fleet, first: int, count: int) -> bool:
     """Return whether any of ``count`` members has no past yet to integrate from."""
     for member in range(first, first + count):
         if not under_way(fleet.states[span(fleet.states, member)]):
@@ -101,7 +101,7 @@ def fly_stretch(fleet: Fleet, first: int, start: int, end: int, work: Work, out:
         for lane in range(count):
             fly_alone(fleet, first + lane, tick, end, work.scratch, out)
         return
-    if unsettled(fleet, first, count):
+    if any_without_past(fleet, first, count):
         for lane in range(count):
             fly_alone(fleet, first + lane, tick, tick + 1, work.scratch, out)
         tick += 1

@@ -22,7 +22,7 @@ from trainer.analysis.fleet.block import (
 from trainer.analysis.fleet.lanes import as_float, every_lane, nearest, relaid, times_power_of_two
 from trainer.core.actuators import move_surfaces
 from trainer.core.autopilot import GAIN_COUNT, fade, keep_course, keep_depth, keep_speed
-from trainer.core.compact import add_external, forces, further_forces, lagged
+from trainer.core.compact import add_external, forces, further_forces, lagged_rates
 from trainer.core.elementary import cosine_and_sine
 from trainer.core.integrators import adams_of
 from trainer.core.kernel import Numbers, Record, inlined, kernel
@@ -95,7 +95,7 @@ _keep_speed = relaid(keep_speed, _INSTEAD)
 _forces = relaid(forces, _INSTEAD)
 _every_force = relaid(further_forces, _INSTEAD)
 _add_external = relaid(add_external, _INSTEAD)
-_lagged = relaid(lagged, _INSTEAD)
+_lagged = relaid(lagged_rates, _INSTEAD)
 _kinematics = relaid(kinematics, _INSTEAD)
 _adams = relaid(adams_of, _INSTEAD)
 _move_surfaces = relaid(move_surfaces, _INSTEAD)

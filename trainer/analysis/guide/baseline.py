@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final
 
-from trainer.config.files import ConfigError, no_constant, shown
+from trainer.config.files import ConfigError, no_constant, quote
 
 EMBEDDED: Final = re.compile(
     r'<script type="application/json" id="guide">(.*?)</script>', re.DOTALL
@@ -53,7 +53,7 @@ def load_earlier(path: Path, vessel: str) -> Mapping[str, Any]:
             f"--baseline {path}: is no guide; give the file of --json or of --html"
         ) from None
     if name != vessel:
-        raise ConfigError(f"--baseline {path}: is a guide of {shown(name)}, not of {shown(vessel)}")
+        raise ConfigError(f"--baseline {path}: is a guide of {quote(name)}, not of {quote(vessel)}")
     return guide  # type: ignore[no-any-return]
 
 
@@ -82,7 +82,7 @@ def _leaves(guide: Mapping[str, Any]) -> Iterator[tuple[str, float | str | None]
             yield f"{trial['trial']['title']}: {result['quantity']} [{result['unit']}]", value
 
 
-def moved(earlier: Mapping[str, Any], now: Mapping[str, Any]) -> tuple[Moved, ...]:
+def compare_guides(earlier: Mapping[str, Any], now: Mapping[str, Any]) -> tuple[Moved, ...]:
     """Return what differs between two guides, the largest change first."""
     before, after = leaves(earlier), leaves(now)
     found = [

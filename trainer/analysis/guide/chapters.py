@@ -8,7 +8,7 @@ from trainer.analysis import characteristic, neutral_page, thrust
 from trainer.analysis.guide.baseline import Moved
 from trainer.analysis.guide.contents import REDUCED, Guide, GuideContents, Sheet, tally
 from trainer.analysis.guide.programme import SETS, Leg
-from trainer.analysis.guide.summary import told, word
+from trainer.analysis.guide.summary import format_entry, word
 from trainer.analysis.guide.trials import Compared
 from trainer.analysis.guide.verdicts import BEYOND, WITHIN, Judgement
 from trainer.analysis.report.html import Cell, charts, paragraph, section, table, verdict
@@ -71,8 +71,8 @@ def moves(found: tuple[Moved, ...]) -> Markup:
     rows = [
         (
             one.what,
-            told(one.before),
-            told(one.after),
+            format_entry(one.before),
+            format_entry(one.after),
             "" if one.percent is None else f"{one.percent:+.3g} %",
         )
         for one in found[:MOVES_SHOWN]
@@ -107,7 +107,7 @@ def drops(guide: Guide) -> Markup:
         (
             drop.coefficient,
             f"{drop.value:.4g}" if drop.value else "",
-            *(_signed(drop.percent[name]) for name in columns),
+            *(_format_change(drop.percent[name]) for name in columns),
         )
         for drop in guide.drops
     ]
@@ -119,7 +119,7 @@ def drops(guide: Guide) -> Markup:
     return section("why", "Why the reduced sets differ", paragraph(words), table(heads, rows))
 
 
-def _signed(value: float | None) -> str:
+def _format_change(value: float | None) -> str:
     """Return a change [%] as text."""
     if value is None:
         return "-"
@@ -177,7 +177,11 @@ def _trial(one: Compared) -> Markup:
         heads += [column, "difference", "%"]
     rows = []
     for result, ours in zip(trial.results, one.ours, strict=True):
-        cells = [result.quantity, result.unit, told(ours) if ours is None else f"{ours:.4g}"]
+        cells = [
+            result.quantity,
+            result.unit,
+            format_entry(ours) if ours is None else f"{ours:.4g}",
+        ]
         for value in result.values:
             cells += _beside(ours, value)
         rows.append(cells)
@@ -265,12 +269,12 @@ def _rows(sheet: Sheet) -> list[list[str | Cell]]:
         one = present[0]
         cells: list[str | Cell] = [quantity, page_unit(one.unit), figure(one.full, one.unit)]
         for equations in REDUCED:
-            cells += _judged(by_set[equations].get(quantity))
+            cells += _judgement_cells(by_set[equations].get(quantity))
         rows.append(cells)
     return rows
 
 
-def _judged(one: Judgement | None) -> list[str | Cell]:
+def _judgement_cells(one: Judgement | None) -> list[str | Cell]:
     """Return value, difference and verdict of one number."""
     if one is None:
         return ["-", "", ""]

@@ -13,7 +13,7 @@ from trainer.analysis import characteristic, neutral, thrust
 from trainer.analysis.check import round_speeds
 from trainer.analysis.guide import dropped_terms, findings, steps
 from trainer.analysis.guide.programme import SETS, Flown, Leg, Task, fly_all, legs
-from trainer.analysis.guide.trials import Compared, compared, load_trials, trials_path
+from trainer.analysis.guide.trials import Compared, compare_trials, load_trials, trials_path
 from trainer.analysis.guide.verdicts import BEYOND, SHOWN, WITHIN, Judgement, judge
 from trainer.analysis.manoeuvres.catalogue import parameters
 from trainer.config.vessel import VesselFile
@@ -98,10 +98,10 @@ def _tasks(file: VesselFile) -> Iterator[Task]:
 def write(file: VesselFile, made: str, cores: int, step: Callable[[], None]) -> GuideContents:
     """Return the guide of a boat; ``step`` is called after each flight."""
     flown = fly_all(file.path, tasks(file), cores, step)
-    return assembled(file, made, flown)
+    return assemble(file, made, flown)
 
 
-def assembled(file: VesselFile, made: str, flown: Flown) -> GuideContents:
+def assemble(file: VesselFile, made: str, flown: Flown) -> GuideContents:
     """Return the guide from its flights."""
     flights = legs(file)
     sheets = tuple(_sheet(file, leg, flown) for leg in flights)
@@ -119,7 +119,7 @@ def assembled(file: VesselFile, made: str, flown: Flown) -> GuideContents:
         findings=findings.study(file, flown, stepped),
         steps=stepped,
         drops=dropped_terms.study(file, flown),
-        trials=tuple(compared(file, trials, flown)),
+        trials=tuple(compare_trials(file, trials, flown)),
         neutral=neutral.neutral(file, speeds),
         modes=characteristic.characteristic(file, speeds, characteristic.Means()),
         thrust=thrust.survey(file, (0.0, *speeds), thrust.command_speeds(file)),

@@ -6,7 +6,7 @@ from typing import Any, Final
 from trainer.analysis.guide import chapters
 from trainer.analysis.guide.baseline import Moved
 from trainer.analysis.guide.contents import Guide, GuideContents
-from trainer.analysis.report.html import Cell, embedded, page
+from trainer.analysis.report.html import Cell, embed, page
 
 CONTENTS: Final = {
     "overview": "Overview",
@@ -48,5 +48,5 @@ def render(book: GuideContents, moves: tuple[Moved, ...] | None) -> str:
             chapters.programs(book),
             *chapters.manoeuvres(book),
         ],
-        data=embedded(as_json(guide)),
+        data=embed(as_json(guide)),
     )

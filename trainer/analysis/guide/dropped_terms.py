@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from typing import Final
 
 from trainer.analysis.guide.programme import Flown, Task
-from trainer.analysis.manoeuvres.catalogue import named
+from trainer.analysis.manoeuvres.catalogue import find_manoeuvre
 from trainer.analysis.manoeuvres.flight import Flight
 from trainer.boat.assemble import Method
 from trainer.config.coefficients import coefficient_terms
@@ -34,7 +34,7 @@ class Drop:
         return max((abs(x) for x in self.percent.values() if x is not None), default=0.0)
 
 
-def dropped(file: VesselFile) -> tuple[str, ...]:
+def list_dropped(file: VesselFile) -> tuple[str, ...]:
     """Return the coefficients of this boat that its modified set drops."""
     kept = file.compact.extra_terms
     factors = file.compensation["modified"]
@@ -49,14 +49,14 @@ def dropped(file: VesselFile) -> tuple[str, ...]:
 def _task(file: VesselFile, name: str, zeroed: tuple[str, ...]) -> Task:
     """Return the flight of one manoeuvre by the full set, at the boat's start speed."""
     method = Method("full", "exact", "exact", "rk4", file.run.step_s)
-    return Task(named(name), file.run.start_speed_kn * KNOT, method, zeroed=zeroed)
+    return Task(find_manoeuvre(name), file.run.start_speed_kn * KNOT, method, zeroed=zeroed)
 
 
 def tasks(file: VesselFile) -> Iterator[Task]:
     """Yield the flights that tell what the dropped coefficients do."""
-    yield from tasks_without(file, dropped(file), LOOKED_AT)
+    yield from tasks_without(file, list_dropped(file), LOOKED_AT)
     for name in LOOKED_AT:
-        yield _task(file, name, dropped(file))
+        yield _task(file, name, list_dropped(file))
 
 
 def tasks_without(file: VesselFile, coefficients: Sequence[str], look: Look) -> Iterator[Task]:
@@ -71,14 +71,14 @@ def _figures(look: Look, name: str, flight: Flight | str) -> dict[str, float | N
     """Return the measures looked at, by manoeuvre and name."""
     if isinstance(flight, str):
         return {}
-    values = {one.name: one.value for one in named(name).measures(flight)}
+    values = {one.name: one.value for one in find_manoeuvre(name).measures(flight)}
     return {f"{name}: {measure}": values.get(measure) for measure in look[name]}
 
 
 def study(file: VesselFile, flown: Flown) -> tuple[Drop, ...]:
     """Return the effect of each dropped coefficient, the largest first, then of all together."""
-    together = _drop(file, flown, dropped(file), LOOKED_AT)
-    return (*effects(file, flown, dropped(file), LOOKED_AT), together)
+    together = _drop(file, flown, list_dropped(file), LOOKED_AT)
+    return (*effects(file, flown, list_dropped(file), LOOKED_AT), together)
 
 
 def effects(

@@ -244,7 +244,7 @@ def stepping(file: VesselFile, steps: tuple[StepRun, ...]) -> Iterator[Finding]:
         (),
         (),
     )
-    yield _lagged(steps, own)
+    yield _lag_costs(steps, own)
 
 
 def _worst(steps: tuple[StepRun, ...], scheme: str, step: float) -> StepRun:
@@ -264,7 +264,7 @@ def _error(run: StepRun) -> str:
     )
 
 
-def _lagged(steps: tuple[StepRun, ...], own: float) -> Finding:
+def _lag_costs(steps: tuple[StepRun, ...], own: float) -> Finding:
     """Return whether lagged accelerations cost accuracy at the boat's own step."""
     pairs: dict[str, dict[str, float | None]] = {}
     for run in steps:

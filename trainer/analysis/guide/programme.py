@@ -15,7 +15,7 @@ import numpy as np
 
 from trainer.analysis.characteristic import vertical
 from trainer.analysis.check import round_speeds
-from trainer.analysis.manoeuvres.catalogue import MANOEUVRES, named, within_limits
+from trainer.analysis.manoeuvres.catalogue import MANOEUVRES, find_manoeuvre, within_limits
 from trainer.analysis.manoeuvres.flight import Flight, Manoeuvre, fly
 from trainer.analysis.manoeuvres.submarine import Rig, Submarine
 from trainer.analysis.workers import workers
@@ -57,7 +57,7 @@ def _vessel(path: Path) -> VesselFile:
     return load_vessel(str(path))
 
 
-def flown(path: Path, task: Task) -> Flight | str:
+def fly_task(path: Path, task: Task) -> Flight | str:
     """Return the flight of a task by the boat of that file, or why there is none."""
     file = _vessel(path)
     if task.zeroed:
@@ -86,12 +86,12 @@ def fly_all(path: Path, tasks: Iterable[Task], cores: int, step: Callable[[], No
     for task in wanted:
         if cores > 1 and monotonic() - begin > ALONE:
             break
-        found[task] = flown(path, task)
+        found[task] = fly_task(path, task)
         step()
     rest = wanted[len(found) :]
     if rest:
         with workers(cores) as pool:
-            flights = pool.map(partial(flown, path), rest, chunksize=CHUNK)
+            flights = pool.map(partial(fly_task, path), rest, chunksize=CHUNK)
             for task, flight in zip(rest, flights, strict=True):
                 found[task] = flight
                 step()
@@ -158,35 +158,35 @@ def legs(file: VesselFile) -> tuple[Leg, ...]:
     boat = Submarine(file, own_method(file, "full"))
     found = [
         replace(leg, manoeuvre=within_limits(leg.manoeuvre, boat))
-        for leg in _wished(file)
+        for leg in _legs_of_1969(file)
         if all(control in boat.controls for control in leg.manoeuvre.needs)
     ]
-    return tuple(dict.fromkeys(_named_by_angle(leg) for leg in found))
+    return tuple(dict.fromkeys(_name_by_angle(leg) for leg in found))
 
 
-def _wished(file: VesselFile) -> Iterator[Leg]:
+def _legs_of_1969(file: VesselFile) -> Iterator[Leg]:
     """Yield the legs, angles as of 1969."""
     speeds = round_speeds(*file.run.speed_range_kn)
     low, high, own = speeds[min(1, len(speeds) - 1)], speeds[-1], file.run.start_speed_kn
     best = best_damped(file)
     more = () if best is None else (best,)
     for speed in sorted({*speeds, *more}):
-        yield Leg("meander", "", speed, named("meander"))
+        yield Leg("meander", "", speed, find_manoeuvre("meander"))
     for speed in (low, high):
         for execute in EXECUTES:
-            overshoot = replace(named("overshoot"), execute_deg=execute)  # type: ignore[call-arg]
+            overshoot = replace(find_manoeuvre("overshoot"), execute_deg=execute)  # type: ignore[call-arg]
             yield Leg("overshoot", f"execute {execute:g} deg", speed, overshoot)
     for speed in (low, high):
         for rudder in RUDDERS:
-            turn = replace(named("turn"), angle_deg=rudder)  # type: ignore[call-arg]
+            turn = replace(find_manoeuvre("turn"), angle_deg=rudder)  # type: ignore[call-arg]
             yield Leg("turn", "rudder", speed, turn)
     for speed in speeds:
-        yield Leg("trim", "", speed, named("trim"))
+        yield Leg("trim", "", speed, find_manoeuvre("trim"))
     for name in OF_ONE_SPEED:
-        yield Leg(name, "", 0.0 if MANOEUVRES[name].from_rest else own, named(name))
+        yield Leg(name, "", 0.0 if MANOEUVRES[name].from_rest else own, find_manoeuvre(name))
 
 
-def _named_by_angle(leg: Leg) -> Leg:
+def _name_by_angle(leg: Leg) -> Leg:
     """Return the leg with the rudder's angle in its name, where it is the boat's limit or not."""
     if leg.variant != "rudder":
         return leg

@@ -67,7 +67,7 @@ def standard(file: VesselFile, manoeuvre: Manoeuvre, speed: float) -> Task:
     return Task(manoeuvre, speed, fine, AT_ONCE)
 
 
-def tried(
+def fly_schemes(
     file: VesselFile, manoeuvre: Manoeuvre, speed: float
 ) -> Iterator[tuple[tuple[str, str, str], float, Task]]:
     """Yield scheme, step [s] and flight of all that is tried."""
@@ -82,7 +82,7 @@ def tasks(file: VesselFile) -> Iterator[Task]:
     """Yield the flights of the study."""
     for manoeuvre, speed in cases(file).values():
         yield standard(file, manoeuvre, speed)
-        yield from (task for _, _, task in tried(file, manoeuvre, speed))
+        yield from (task for _, _, task in fly_schemes(file, manoeuvre, speed))
 
 
 def study(file: VesselFile, flown: Flown) -> tuple[StepRun, ...]:
@@ -92,7 +92,7 @@ def study(file: VesselFile, flown: Flown) -> tuple[StepRun, ...]:
         true = flown[standard(file, manoeuvre, speed)]
         if isinstance(true, str) or true.lost:
             continue
-        for (name, _, rates), step, task in tried(file, manoeuvre, speed):
+        for (name, _, rates), step, task in fly_schemes(file, manoeuvre, speed):
             percent, worst = error(true, flown[task])
             found.append(StepRun(case, name, rates, step, percent, worst, verdict(percent)))
     return tuple(found)

@@ -3,7 +3,7 @@
 from trainer.analysis.guide.baseline import Moved
 from trainer.analysis.guide.contents import REDUCED, Guide, Sheet, tally
 from trainer.analysis.guide.verdicts import BEYOND, WITHIN
-from trainer.analysis.report.text import INDENT, cut, plain, table, wrapped
+from trainer.analysis.report.text import INDENT, cut, plain, table, wrap
 
 MOST = 20  # entries that moved
 
@@ -30,14 +30,14 @@ def render(guide: Guide, moves: tuple[Moved, ...] | None) -> str:
     lines += table(heads, [_row(sheet) for sheet in guide.sheets])
     lines += ["", "FINDINGS OF 1969"]
     for one in guide.findings:
-        lines += wrapped(f"{one.title}: {one.verdict}; {one.words}")
+        lines += wrap(f"{one.title}: {one.verdict}; {one.words}")
     if guide.trials:
         lines += ["", f"{len(guide.trials)} published manoeuvres beside ours: in the document"]
     if moves is not None:
         lines += ["", *_moves(moves)]
     for equations in REDUCED:
         told = tally(guide, equations)
-        lines += wrapped(
+        lines += wrap(
             f"{equations}: {told['manoeuvres passed']} manoeuvres within tolerance, "
             f"{told['manoeuvres failed']} beyond; of their numbers {told['within']} within, "
             f"{told['beyond']} beyond"
@@ -52,13 +52,13 @@ def _moves(moves: tuple[Moved, ...]) -> list[str]:
         return ["Nothing moved since the baseline."]
     lines = [f"MOVED SINCE THE BASELINE: {len(moves)}"]
     for one in moves[:MOST]:
-        lines += wrapped(f"{one.what}: {told(one.before)} -> {told(one.after)}")
+        lines += wrap(f"{one.what}: {format_entry(one.before)} -> {format_entry(one.after)}")
     if len(moves) > MOST:
         lines.append(f"{INDENT}... and {len(moves) - MOST} more")
     return lines
 
 
-def told(value: float | str | None) -> str:
+def format_entry(value: float | str | None) -> str:
     """Return an entry as text."""
     if value is None:
         return "none"

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any, Final
 
 from trainer.analysis.guide.programme import Flown, Task
-from trainer.analysis.manoeuvres.catalogue import MANOEUVRES, named
+from trainer.analysis.manoeuvres.catalogue import MANOEUVRES, find_manoeuvre
 from trainer.analysis.manoeuvres.flight import Flight, Manoeuvre
 from trainer.boat.assemble import Method
 from trainer.config.files import (
@@ -21,10 +21,10 @@ from trainer.config.files import (
     collecting,
     nearest,
     parse_toml,
+    quote,
     read_text,
     shipped,
     shipped_names,
-    shown,
 )
 from trainer.config.schema import Quantity, Text, within
 from trainer.config.vessel import VesselFile
@@ -122,7 +122,7 @@ def _trial(row: Mapping[str, Any], place: Place) -> Trial:
         manoeuvre=_manoeuvre(row, place),
         speed=SPEED.read("speed_m_s", row["speed_m_s"], place),
         columns=columns,
-        results=tuple(_published(result, columns, place) for result in row["results"]),
+        results=tuple(_read_result(result, columns, place) for result in row["results"]),
     )
 
 
@@ -132,7 +132,7 @@ def _manoeuvre(row: Mapping[str, Any], place: Place) -> Manoeuvre:
     if not isinstance(name, str) or name not in MANOEUVRES:
         advice = f"no such manoeuvre{nearest(str(name), MANOEUVRES)}"
         raise ConfigError(place.wrong("manoeuvre", name, advice))
-    manoeuvre = named(name)
+    manoeuvre = find_manoeuvre(name)
     known = {field.name: getattr(manoeuvre, field.name) for field in fields(manoeuvre)}
     given = {}
     for key, value in row.items():
@@ -152,7 +152,7 @@ def _words(key: str, value: object, place: Place) -> tuple[str, ...]:
     return tuple(value)
 
 
-def _published(row: Any, columns: tuple[str, ...], place: Place) -> Published:
+def _read_result(row: Any, columns: tuple[str, ...], place: Place) -> Published:
     """Return one result; ConfigError if it is not a quantity, a unit and a value by column."""
     if not isinstance(row, list) or len(row) != len(columns) + 2:
         wanted = f"must be quantity, unit and {len(columns)} values, '' for none"
@@ -166,7 +166,7 @@ def _published(row: Any, columns: tuple[str, ...], place: Place) -> Published:
     return Published(str(quantity), unit, numbers)
 
 
-def compared(file: VesselFile, trials: tuple[Trial, ...], flown: Flown) -> Iterator[Compared]:
+def compare_trials(file: VesselFile, trials: tuple[Trial, ...], flown: Flown) -> Iterator[Compared]:
     """Yield the trials with our numbers; ConfigError if a quantity is none of the manoeuvre's."""
     for trial in trials:
         flight = flown[trial.task(file)]
@@ -188,7 +188,7 @@ def _ours(wanted: Published, ours: Mapping[str, float | None], flight: Flight) -
         value = flight.at(begin + float(reading[2]), reading[1])
     else:
         raise ConfigError(
-            f"no measure {shown(wanted.quantity)}{nearest(wanted.quantity, ours)}; there are "
+            f"no measure {quote(wanted.quantity)}{nearest(wanted.quantity, ours)}; there are "
             f"{', '.join(ours)}, and any column as 'u after 40 s'"
         )
     return None if value is None else value / UNITS[wanted.unit]

@@ -39,13 +39,13 @@ def judge(manoeuvre: Manoeuvre, full: Flight, other: Flight) -> tuple[Judgement,
 
     Where the full set itself is lost, beyond what its equations are good for, nothing is judged.
     """
-    found = (*_measured(manoeuvre, full, other), *_changes(manoeuvre, full, other))
+    found = (*_pair_measures(manoeuvre, full, other), *_changes(manoeuvre, full, other))
     if not full.lost:
         return found
     return tuple(replace(one, allowed=None, verdict=SHOWN) for one in found)
 
 
-def _measured(manoeuvre: Manoeuvre, full: Flight, other: Flight) -> Iterator[Judgement]:
+def _pair_measures(manoeuvre: Manoeuvre, full: Flight, other: Flight) -> Iterator[Judgement]:
     """Yield the measures; what only one flight has is beyond, unless it may be nothing."""
     if full.lost or other.lost:
         verdict = BEYOND if other.lost else SHOWN
@@ -53,12 +53,12 @@ def _measured(manoeuvre: Manoeuvre, full: Flight, other: Flight) -> Iterator[Jud
         yield Judgement("flown, without being lost, to", "s", *ends, None, verdict)
     by_other = {one.name: one for one in manoeuvre.measures(other)}
     for one in manoeuvre.measures(full):
-        yield judged(one, by_other.pop(one.name, None))
+        yield judge_measure(one, by_other.pop(one.name, None))
     for one in by_other.values():
         yield Judgement(one.name, one.unit, None, one.value, None, SHOWN)
 
 
-def judged(one: Measure, other: Measure | None) -> Judgement:
+def judge_measure(one: Measure, other: Measure | None) -> Judgement:
     """Return a measure of the full set judged by that of another flight, None: it has none.
 
     A peak or an end that the other lacks counts as zero, which is within if so much is allowed.

@@ -48,7 +48,7 @@ MANOEUVRES: Final[Mapping[str, Manoeuvre]] = MappingProxyType(
 )
 
 
-def named(name: str) -> Manoeuvre:
+def find_manoeuvre(name: str) -> Manoeuvre:
     """Return the manoeuvre of that name; ConfigError if there is none."""
     if name not in MANOEUVRES:
         known = ", ".join(MANOEUVRES)
@@ -79,12 +79,12 @@ def within_limits(manoeuvre: Manoeuvre, vehicle: Vehicle) -> Manoeuvre:
     return replace(manoeuvre, angle_deg=most)  # type: ignore[call-arg]
 
 
-def adjusted(name: str, vehicle: Vehicle, given: Mapping[str, float]) -> Manoeuvre:
+def adjust(name: str, vehicle: Vehicle, given: Mapping[str, float]) -> Manoeuvre:
     """Return the manoeuvre of that name for a vehicle, with the parameters ``given``.
 
     ConfigError if it has no such parameter, or the vehicle's control does not go so far.
     """
-    manoeuvre = within_limits(named(name), vehicle)
+    manoeuvre = within_limits(find_manoeuvre(name), vehicle)
     known = parameters(manoeuvre)
     for parameter, value in given.items():
         if parameter not in known:

@@ -7,12 +7,12 @@ from pathlib import Path
 from typing import Any
 
 from trainer.analysis.compare import unit
-from trainer.analysis.manoeuvres.catalogue import PARAMETERS, adjusted, parameters
+from trainer.analysis.manoeuvres.catalogue import PARAMETERS, adjust, parameters
 from trainer.analysis.manoeuvres.flight import Flight, Manoeuvre, Mark, fly
 from trainer.analysis.manoeuvres.submarine import Rig, Submarine
 from trainer.analysis.manoeuvres.vehicle import Measure, Vehicle
 from trainer.analysis.report.plots import Curve, Panel
-from trainer.analysis.report.text import INDENT, figure, table, wrapped
+from trainer.analysis.report.text import INDENT, figure, table, wrap
 from trainer.boat.assemble import Method
 from trainer.config.files import ConfigError
 from trainer.config.vessel import VesselFile
@@ -37,7 +37,7 @@ class Report:
     lost: str
 
 
-def flown(file: VesselFile, name: str, options: Mapping[str, Any]) -> tuple[Report, Flight]:
+def fly_boat(file: VesselFile, name: str, options: Mapping[str, Any]) -> tuple[Report, Flight]:
     """Return report and flight of the manoeuvre of that name; ``options`` are the command's."""
     runge_kutta = options["integrator"] in ("rk4", "rkv")
     method = Method(
@@ -49,11 +49,11 @@ def flown(file: VesselFile, name: str, options: Mapping[str, Any]) -> tuple[Repo
     )
     rig = Rig(options["controls"], options["trim"], options["law"])
     boat = Submarine(file, method, rig)
-    report, flight = sailed(boat, name, options, file.run.start_speed_kn)
+    report, flight = fly_vehicle(boat, name, options, file.run.start_speed_kn)
     return replace(report, method=method, rig=rig), flight
 
 
-def sailed(
+def fly_vehicle(
     vehicle: Vehicle, name: str, options: Mapping[str, Any], usual: float
 ) -> tuple[Report, Flight]:
     """Return report and flight of the manoeuvre of that name by any vehicle.
@@ -61,7 +61,7 @@ def sailed(
     It begins at ``usual`` [kn] unless ``options``, the command's, have another speed.
     """
     given = {key: options[key] for key in PARAMETERS if options[key] is not None}
-    manoeuvre = adjusted(name, vehicle, given)
+    manoeuvre = adjust(name, vehicle, given)
     flight = fly(vehicle, manoeuvre, _speed(manoeuvre, options["speed"], usual) * KNOT)
     report = Report(
         vessel=vehicle.name,
@@ -89,20 +89,20 @@ def _speed(manoeuvre: Manoeuvre, given: float | None, usual: float) -> float:
 def render(report: Report) -> str:
     """Return the report as text."""
     given = ", ".join(f"{name} {value:g}" for name, value in report.parameters.items())
-    rows = [(one.name, *shown(one)) for one in report.measures]
+    rows = [(one.name, *format_measure(one)) for one in report.measures]
     lines = [
         f"{report.vessel}: {report.manoeuvre}",
         f"{INDENT}from {report.speed_kn:g} kn; {given or 'no parameters'} [deg, s]",
-        *_computed(report),
+        *_method_facts(report),
         "",
         *table(("measure", "", "unit"), rows),
     ]
     if report.lost:
-        lines += ["", *wrapped(f"LOST: {report.lost}")]
+        lines += ["", *wrap(f"LOST: {report.lost}")]
     return "\n".join(lines)
 
 
-def _computed(report: Report) -> list[str]:
+def _method_facts(report: Report) -> list[str]:
     """Return how a boat was computed and rigged, nothing of another vehicle."""
     method, rig = report.method, report.rig
     if method is None or rig is None:
@@ -114,7 +114,7 @@ def _computed(report: Report) -> list[str]:
     ]
 
 
-def shown(one: Measure) -> tuple[str, str]:
+def format_measure(one: Measure) -> tuple[str, str]:
     """Return number and unit of a measure on a page: degrees for radians."""
     if not one.unit.startswith("rad"):
         return figure(one.value, ".4g"), one.unit

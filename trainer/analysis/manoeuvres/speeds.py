@@ -13,7 +13,7 @@ from trainer.analysis.manoeuvres.vehicle import (
     largest,
     part,
     share,
-    shown,
+    show_only,
 )
 from trainer.units import KNOT
 
@@ -81,7 +81,7 @@ class UtmostAcceleration(Manoeuvre):
             part(f"speed after {time:g} s", "m/s", flight.at(time, "u"), top) for time in times
         ]
         if flight.has("z"):
-            found.append(shown("largest depth change", "m", largest(flight.change("z"))))
+            found.append(show_only("largest depth change", "m", largest(flight.change("z"))))
         return found
 
 
@@ -111,6 +111,6 @@ class CrashStop(Manoeuvre):
             share("time to stop", "s", stopped),
             share("head reach", "m", ahead),
             share("head reach, in lengths", "-", None if ahead is None else ahead / flight.length),
-            shown("side reach", "m", aside),
-            shown("change of heading", "rad", float(flight.change("psi")[-1])),
+            show_only("side reach", "m", aside),
+            show_only("change of heading", "rad", float(flight.change("psi")[-1])),
         ]

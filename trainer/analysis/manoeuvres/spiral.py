@@ -8,7 +8,7 @@ from typing import ClassVar, Final
 import numpy as np
 
 from trainer.analysis.manoeuvres.flight import Conn, Flight, Manoeuvre
-from trainer.analysis.manoeuvres.vehicle import Measure, part, share, shown
+from trainer.analysis.manoeuvres.vehicle import Measure, part, share, show_only
 
 PARTS: Final = (1.0, 2 / 3, 1 / 3, 1 / 6, 0.0, -1 / 6, -1 / 3, -2 / 3, -1.0)
 SHORTEST: Final = 3.0  # [lengths run] of each part
@@ -74,7 +74,7 @@ class PullOut(Manoeuvre):
         for side, *times in zip(("starboard", "port"), turned, left, strict=False):
             rates = [flight.at(time, "r") for time in times]
             found.append(share(f"yaw rate, rudder to {side}", "rad/s", rates[0]))
-            found.append(shown(f"yaw rate left after {side}", "rad/s", rates[1]))
+            found.append(show_only(f"yaw rate left after {side}", "rad/s", rates[1]))
         return found
 
 
@@ -111,7 +111,7 @@ class Spiral(Manoeuvre):
             for angle, rate in rates["down"].items()
         ]
         gaps = [abs(rate - rates["up"].get(angle, rate)) for angle, rate in rates["down"].items()]
-        return [*found, shown("width of the loop", "rad/s", max(gaps) if gaps else None)]
+        return [*found, show_only("width of the loop", "rad/s", max(gaps) if gaps else None)]
 
 
 @dataclass(frozen=True)
@@ -158,7 +158,7 @@ class ReverseSpiral(Manoeuvre):
             "delta_r"
         )
         for mark in flight.marks[1:]:
-            found.append(shown(f"yaw rate at {mark.name}", "rad/s", flight.at(mark.t, "r")))
+            found.append(show_only(f"yaw rate at {mark.name}", "rad/s", flight.at(mark.t, "r")))
             angle = float(np.interp(mark.t, flight.t, rudder))
             found.append(part(f"rudder at {mark.name}", "rad", angle, math.radians(self.angle_deg)))
         return found

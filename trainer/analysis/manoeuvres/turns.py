@@ -15,7 +15,7 @@ from trainer.analysis.manoeuvres.vehicle import (
     part,
     peaks,
     share,
-    shown,
+    show_only,
 )
 
 LAST: Final = 10  # a tenth of the turn is its end,
@@ -151,7 +151,7 @@ def heel(flight: Flight) -> list[Measure]:
     snap = tops[0] if tops else None
     last = share("steady roll", "rad", float(rolls[-1]))
     if np.ptp(rolls[-max(len(rolls) // LAST, 1) :]) > SETTLED * abs(rolls[-1]):
-        last = shown("steady roll", "rad", float(rolls[-1]))
+        last = show_only("steady roll", "rad", float(rolls[-1]))
     return [
         share("snap roll", "rad", snap),
         share("largest roll", "rad", most),
@@ -164,9 +164,9 @@ def depth(flight: Flight) -> list[Measure]:
     if not flight.has("z"):
         return []
     found = [
-        shown("largest depth change", "m", largest(flight.change("z"))),
-        shown("last depth change", "m", float(flight.change("z")[-1])),
+        show_only("largest depth change", "m", largest(flight.change("z"))),
+        show_only("last depth change", "m", float(flight.change("z")[-1])),
     ]
     if flight.has("delta_s"):
-        found.append(shown("largest plane change", "rad", largest(flight.change("delta_s"))))
+        found.append(show_only("largest plane change", "rad", largest(flight.change("delta_s"))))
     return found

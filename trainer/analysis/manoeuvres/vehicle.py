@@ -168,7 +168,7 @@ def part(name: str, unit: str, value: float | None, whole: float) -> Measure:
     return Measure(name, unit, value, abs(whole) * PERCENT / 100.0)
 
 
-def shown(name: str, unit: str, value: float | None) -> Measure:
+def show_only(name: str, unit: str, value: float | None) -> Measure:
     """Return a measure that is not judged."""
     return Measure(name, unit, value)
 
@@ -228,7 +228,7 @@ def swing_measures(name: str, unit: str, t: Numbers, values: Numbers) -> list[Me
     """
     tops = peaks(t, values)
     if not tops:
-        return [shown(f"{name} peak 1", unit, None)]
+        return [show_only(f"{name} peak 1", unit, None)]
     begin, first = tops[0]
     allowed = abs(first) * PERCENT / 100.0
     faint = FAINT * abs(first)
@@ -237,7 +237,7 @@ def swing_measures(name: str, unit: str, t: Numbers, values: Numbers) -> list[Me
         if abs(value) < DEAD * abs(first):
             break
         found.append(Measure(f"{name} peak {i}", unit, value, allowed))
-        found.append(shown(f"time of {name} peak {i}", "s", when))
+        found.append(show_only(f"time of {name} peak {i}", "s", when))
     zeros = [at for at in crossings(t, values) if at > begin]
     for i, when in enumerate(zeros[:MOST], start=1):
         strong = any(abs(value) >= faint for at, value in tops if at > when)

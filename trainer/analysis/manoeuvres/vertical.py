@@ -19,7 +19,7 @@ from trainer.analysis.manoeuvres.vehicle import (
     largest,
     peaks,
     share,
-    shown,
+    show_only,
     swing_measures,
 )
 
@@ -49,11 +49,11 @@ class TrimChange(Manoeuvre):
     def measures(self, flight: Flight) -> list[Measure]:
         """Return how much of everything the offset changes by its end."""
         return [
-            shown("last change of speed", "m/s", float(flight.change("u")[-1])),
-            shown("last change of pitch", "rad", float(flight.change("theta")[-1])),
-            shown("last change of depth", "m", float(flight.change("z")[-1])),
-            shown("last change of w", "m/s", float(flight.change("w")[-1])),
-            shown("largest pitch rate", "rad/s", largest(flight.column("q"))),
+            show_only("last change of speed", "m/s", float(flight.change("u")[-1])),
+            show_only("last change of pitch", "rad", float(flight.change("theta")[-1])),
+            show_only("last change of depth", "m", float(flight.change("z")[-1])),
+            show_only("last change of w", "m/s", float(flight.change("w")[-1])),
+            show_only("largest pitch rate", "rad/s", largest(flight.column("q"))),
         ]
 
 
@@ -91,8 +91,8 @@ class Impulse(Manoeuvre):
         period, ratio = swing(tops)
         return [
             *found,
-            shown("period of its swing", "s", period),
-            shown("damping ratio of its swing", "-", ratio),
+            show_only("period of its swing", "s", period),
+            show_only("damping ratio of its swing", "-", ratio),
         ]
 
 
@@ -150,7 +150,7 @@ class RollDecay(Manoeuvre):
         found = [share("period", "s", period)]
         for i, (before, amplitude) in enumerate(pairwise(amplitudes), 1):
             found.append(share(f"amplitude after cycle {i}", "rad", amplitude))
-            found.append(shown(f"kept over cycle {i}", "-", amplitude / before))
+            found.append(show_only(f"kept over cycle {i}", "-", amplitude / before))
         return found
 
 
@@ -184,13 +184,13 @@ class Meander(Manoeuvre):
     def measures(self, flight: Flight) -> list[Measure]:
         """Return the execute, peaks and zeros of the pitch from neutral, and its damping."""
         execute = flight.time_of("execute")
-        found = [shown("time of execute", "s", execute)]
+        found = [show_only("time of execute", "s", execute)]
         if execute is None:
             return found
         after = flight.since(execute)
         t, pitch = flight.t[after], flight.change("theta")[after]
         found += swing_measures("pitch", "rad", t, pitch)
-        return [*found, shown("damping ratio", "-", half_cycle_damping(found))]
+        return [*found, show_only("damping ratio", "-", half_cycle_damping(found))]
 
 
 def half_cycle_damping(found: list[Measure]) -> float | None:
@@ -246,7 +246,10 @@ class Overshoot(Manoeuvre):
     def measures(self, flight: Flight) -> list[Measure]:
         """Return times, overshoot angle, depth and speed lost, pitch peaks and zeros."""
         execute, reversal = flight.time_of("execute"), flight.time_of("reversal")
-        found = [shown("time of execute", "s", execute), shown("time of reversal", "s", reversal)]
+        found = [
+            show_only("time of execute", "s", execute),
+            show_only("time of reversal", "s", reversal),
+        ]
         if execute is None:
             return found
         pitch, depth = flight.column("theta"), flight.change("z")
@@ -259,10 +262,10 @@ class Overshoot(Manoeuvre):
         peak = float(pitch[top])
         found += [
             share("largest pitch", "rad", peak),
-            shown("time of largest pitch", "s", float(flight.t[top])),
-            shown("overshoot angle", "rad", abs(peak) - math.radians(self.execute_deg)),
+            show_only("time of largest pitch", "s", float(flight.t[top])),
+            show_only("overshoot angle", "rad", abs(peak) - math.radians(self.execute_deg)),
             share("depth change", "m", float(depth[deep])),
-            shown("time of depth change", "s", float(flight.t[deep])),
+            show_only("time of depth change", "s", float(flight.t[deep])),
         ]
         after = flight.since(execute)
         t, swing = flight.t[after], flight.change("theta")[after]

@@ -13,7 +13,7 @@ from trainer.analysis.manoeuvres.vehicle import (
     largest,
     peaks,
     share,
-    shown,
+    show_only,
 )
 from trainer.core.kernel import Numbers
 
@@ -63,7 +63,7 @@ class ZigZag(Manoeuvre):
         angle = math.copysign(1.0, self.first) * flight.change(self.watched)
         executes = [mark.t for mark in flight.marks]
         if not executes:
-            return [shown("time of execute 2", "s", None)]
+            return [show_only("time of execute 2", "s", None)]
         begin = executes[0]
         found = self._swings(t, angle, executes)
         rates = math.copysign(1.0, self.first) * flight.column(self.rate)
@@ -85,7 +85,7 @@ class ZigZag(Manoeuvre):
             found += [
                 share(f"{self.called} peak {i}", "rad", value),
                 share(f"time of {self.called} peak {i}", "s", when - begin),
-                shown(f"{self.called} overshoot {i}", "rad", abs(value) - mark),
+                show_only(f"{self.called} overshoot {i}", "rad", abs(value) - mark),
             ]
             after = t > when
             zero = first_time(t[after], angle[after], 0.0) if after.any() else None
@@ -108,7 +108,7 @@ class ZigZag(Manoeuvre):
         runs = [y for _, y in peaks(flight.t, aside) if y > 0.5 * most]
         found = [
             share("first sideways run", "m", runs[0] if runs else None),
-            shown("largest sideways run", "m", most),
+            show_only("largest sideways run", "m", most),
         ]
         if flight.has("phi"):
             rolls = side * flight.column("phi")
@@ -145,5 +145,5 @@ class VerticalZigZag(ZigZag):
         return [
             share("first depth excursion", "m", first),
             share("first depth excursion, in lengths", "-", lengths),
-            shown("largest depth change", "m", largest(flight.change("z"))),
+            show_only("largest depth change", "m", largest(flight.change("z"))),
         ]

@@ -61,7 +61,7 @@ def normal_matrix(slopes: Slopes, differences: Numbers, power: int) -> tuple[Num
     return table.T @ (weights[:, None] * table) + slopes.leash * np.eye(table.shape[1]), weights
 
 
-def stepped(slopes: Slopes, here: Point, power: int, damping: float) -> Numbers:
+def take_step(slopes: Slopes, here: Point, power: int, damping: float) -> Numbers:
     """Return the factors after one step."""
     places = slopes.free
     matrix, weights = normal_matrix(slopes, here.differences, power)
@@ -81,7 +81,9 @@ def descend(fly: Fly, slopes: Slopes, here: Point, rounds: int, goal: float) -> 
     for _ in range(rounds):
         if here.worst <= goal:
             break
-        tried = [stepped(slopes, here, power, damping) for power in POWERS for damping in DAMPINGS]
+        tried = [
+            take_step(slopes, here, power, damping) for power in POWERS for damping in DAMPINGS
+        ]
         points = [Point(*pair) for pair in zip(tried, fly(tried), strict=True)]
         reached = [one for one in points if one.worst <= goal]
         if reached:

@@ -77,7 +77,7 @@ class Yardstick:
     def __init__(self, file: VesselFile, legs: Sequence[Leg]) -> None:
         """Fly the legs; those that the full set cannot start are left out."""
         boat = Submarine(file, own_method(file, "full"))
-        self._flights = dict(_flown(boat, legs))
+        self._flights = dict(_fly_legs(boat, legs))
         self.rows = tuple(
             Row(leg.title, one.quantity)
             for leg, full in self._flights.items()
@@ -120,7 +120,7 @@ def multiple(one: Judgement) -> float:
     return float(np.clip((other - one.full) / one.allowed, -FURTHEST, FURTHEST))
 
 
-def _flown(boat: Submarine, legs: Sequence[Leg]) -> Iterator[tuple[Leg, Flight]]:
+def _fly_legs(boat: Submarine, legs: Sequence[Leg]) -> Iterator[tuple[Leg, Flight]]:
     """Yield the legs that can be started, with their flights."""
     for leg in legs:
         try:

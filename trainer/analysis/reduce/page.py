@@ -6,7 +6,7 @@ from typing import Final
 from trainer.analysis.guide.dropped_terms import Drop
 from trainer.analysis.reduce.reduction import Reduction
 from trainer.analysis.reduce.verdict import PARTS, Checked
-from trainer.analysis.report.text import figure, plain, table, wrapped
+from trainer.analysis.report.text import figure, plain, table, wrap
 
 SHOWN: Final = 40  # rows of the table of sensitivities
 COLUMNS: Final = (  # of it; JSON has all
@@ -27,7 +27,7 @@ def render(found: Reduction) -> str:
         lines += [*sensitivity(found.sensitivity), ""]
     lines += [*_terms(found), "", *_verdict(found.checked), ""]
     if found.cost:
-        lines += wrapped(
+        lines += wrap(
             f"A tick takes {found.cost.compact_ns:.0f} ns by the compact set, "
             f"{found.cost.full_ns:.0f} ns by the full one: {found.cost.ratio:.2f} of it"
         )
@@ -47,7 +47,7 @@ def sensitivity(drops: Sequence[Drop]) -> list[str]:
         "set, at the boat's own speed; none where the manoeuvre then has no such number"
     )
     more = [f"  ... and {len(drops) - SHOWN} with less effect"] if len(drops) > SHOWN else []
-    return [*wrapped(words, "", ""), *table(heads, rows), *more]
+    return [*wrap(words, "", ""), *table(heads, rows), *more]
 
 
 def _head(name: str) -> str:
@@ -59,7 +59,7 @@ def _head(name: str) -> str:
 
 def _terms(found: Reduction) -> Iterator[str]:
     """Yield the terms kept, with their factors, and those dropped."""
-    yield from wrapped(
+    yield from wrap(
         f"{len(found.kept)} of this hull's {found.hull_terms} terms are kept; the reduction of "
         f"1969 keeps {found.report_terms}. Factors, + for a term beyond those of 1969:",
         "",
@@ -71,12 +71,12 @@ def _terms(found: Reduction) -> Iterator[str]:
     ]
     for i in range(0, len(cells), ACROSS):
         yield "  " + "    ".join(cells[i : i + ACROSS])
-    yield from wrapped(f"Dropped: {', '.join(found.dropped)}", "", "  ")
+    yield from wrap(f"Dropped: {', '.join(found.dropped)}", "", "  ")
     if found.needs:
         yield ""
         yield "Why terms stay: the worst number without each, the others fitted anew"
         for one in found.needs:
-            yield from wrapped(
+            yield from wrap(
                 f"{one.term}: {one.worst:.2f} of the allowed, {one.leg}: {one.quantity}"
             )
 
@@ -86,7 +86,7 @@ def _verdict(checked: Sequence[Checked]) -> Iterator[str]:
     for part, percent in PARTS.items():
         of_part = [one for one in checked if one.part == part]
         failed = [one for one in of_part if one.beyond]
-        yield from wrapped(
+        yield from wrap(
             f"{part}, {percent:g} %: {len(of_part) - len(failed)} of {len(of_part)} manoeuvres "
             f"within, {sum(one.beyond for one in of_part)} of "
             f"{sum(one.judged for one in of_part)} numbers beyond",
@@ -94,4 +94,4 @@ def _verdict(checked: Sequence[Checked]) -> Iterator[str]:
             "  ",
         )
         for one in failed or sorted(of_part, key=lambda each: -each.worst)[:1]:
-            yield from wrapped(f"{one.leg}: {one.quantity}, {one.worst:.2f} of the allowed")
+            yield from wrap(f"{one.leg}: {one.quantity}, {one.worst:.2f} of the allowed")

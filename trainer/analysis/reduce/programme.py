@@ -53,12 +53,12 @@ def turns(file: VesselFile) -> tuple[Leg, ...]:
     )
 
 
-def fitted(file: VesselFile) -> tuple[Leg, ...]:
+def fit_legs(file: VesselFile) -> tuple[Leg, ...]:
     """Return the legs that the factors are fitted to."""
-    return flyable(file, (*turns(file), *_fitted(file)))
+    return flyable(file, (*turns(file), *_fit_legs_unlimited(file)))
 
 
-def _fitted(file: VesselFile) -> Iterator[Leg]:
+def _fit_legs_unlimited(file: VesselFile) -> Iterator[Leg]:
     """Yield the legs besides turns, angles not yet within the boat's limits."""
     own, third, top = file.run.start_speed_kn, speeds(file)[2], speeds(file)[3]
     rounds = round_speeds(*file.run.speed_range_kn)
@@ -105,12 +105,12 @@ def fastest(file: VesselFile) -> tuple[Leg, ...]:
     return flyable(file, legs)
 
 
-def tried(file: VesselFile) -> tuple[Leg, ...]:
+def legs_of_guide(file: VesselFile) -> tuple[Leg, ...]:
     """Return the legs that a set must pass too, unseen by the fit: those of the guide."""
     return tuple(leg for leg in guide_legs(file) if leg.name not in PER_CYCLE)
 
 
-def held_out(file: VesselFile) -> tuple[Leg, ...]:
+def holdout_legs(file: VesselFile) -> tuple[Leg, ...]:
     """Return the legs that neither fit nor choice see: zig-zags, climbing turns, casualties."""
     own, third, second = file.run.start_speed_kn, speeds(file)[2], speeds(file)[1]
     rounds = round_speeds(*file.run.speed_range_kn)
@@ -155,13 +155,13 @@ def _flyable(boat: Submarine, leg: Leg) -> Leg | None:
             flight = fly(boat, leg.manoeuvre, leg.speed_kn * KNOT)
         except ConfigError:
             return None
-        if not flight.lost and _recovered(leg.manoeuvre, flight):
+        if not flight.lost and _recovers(leg.manoeuvre, flight):
             return leg
         leg = replace(leg, manoeuvre=_gentler(leg.manoeuvre))
     return None
 
 
-def _recovered(manoeuvre: Manoeuvre, flight: Flight) -> bool:
+def _recovers(manoeuvre: Manoeuvre, flight: Flight) -> bool:
     """Return whether the boat comes out of what it was to come out of."""
     return not isinstance(manoeuvre, PlaneJam) or flight.time_of("level") is not None
 

@@ -19,9 +19,9 @@ from trainer.analysis.reduce.objective import (
     Yardstick,
     terms,
 )
-from trainer.analysis.reduce.programme import fastest, fitted
+from trainer.analysis.reduce.programme import fastest, fit_legs
 from trainer.analysis.reduce.search import LIMIT, STEPS, Need, Search, Standing
-from trainer.analysis.reduce.verdict import Checked, Cost, coefficients, cost, passed, verdict
+from trainer.analysis.reduce.verdict import Checked, Cost, coefficients, cost, passes, verdict
 from trainer.analysis.reduce.workers import Crew
 from trainer.config.vessel import VesselFile
 from trainer.core.vessel import KEPT
@@ -76,7 +76,7 @@ class Found:
     needs: tuple[Need, ...]
 
 
-def rounded(value: float) -> float:
+def round_factor(value: float) -> float:
     """Return a factor as the file has it."""
     return float(f"{value:.{DIGITS}g}")
 
@@ -117,7 +117,7 @@ def report(
         sensitivity=sensitivity,
         checked=checked,
         cost=cost(file),
-        passed=passed(checked),
+        passed=passes(checked),
     )
 
 
@@ -131,16 +131,16 @@ def search(
     terms decided, of up to SEARCHES times those that there are.
     """
     log, fast = checkpoint.Log(file, partial), fastest(file)
-    aim = Aim(fitted(file), LEASH, CONTROLS)
-    standing, modified = _searched(file, aim, cores, log, step)
+    aim = Aim(fit_legs(file), LEASH, CONTROLS)
+    standing, modified = _run_search(file, aim, cores, log, step)
     if furthest(file, fast, modified) > ASTRAY:
         aim = Aim((*aim.legs, *fast), FIRM, (*CONTROLS, *ADDED_MASSES))
-        standing, modified = _searched(file, aim, cores, log, step)
+        standing, modified = _run_search(file, aim, cores, log, step)
     basic = _basic(file, aim, cores, modified)
     return Found({"modified": modified, "basic": basic}, standing.needed)
 
 
-def _searched(
+def _run_search(
     file: VesselFile, aim: Aim, cores: int, log: checkpoint.Log, step: Callable[[int], None]
 ) -> tuple[Standing, dict[str, float]]:
     """Return how a search ends, and its factors by term."""
@@ -152,7 +152,7 @@ def _searched(
         while not standing.done:
             standing = at_work.round(standing, lambda: step(1))
             log.enter(name, standing)
-    return standing, dict(zip(at_work.terms, map(rounded, standing.factors), strict=True))
+    return standing, dict(zip(at_work.terms, map(round_factor, standing.factors), strict=True))
 
 
 def furthest(file: VesselFile, legs: Sequence[Leg], factors: Mapping[str, float]) -> float:
@@ -178,4 +178,4 @@ def _basic(
             if there.cost >= here.cost:
                 break
             here = there
-    return dict(zip(names, map(rounded, here.factors.tolist()), strict=True))
+    return dict(zip(names, map(round_factor, here.factors.tolist()), strict=True))

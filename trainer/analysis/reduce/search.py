@@ -14,7 +14,7 @@ import numpy as np
 
 from trainer.analysis.reduce.gauss_newton import Point, Slopes, descend, rises, without
 from trainer.analysis.reduce.objective import FIXED, Candidate, Yardstick
-from trainer.analysis.reduce.programme import tried
+from trainer.analysis.reduce.programme import legs_of_guide
 from trainer.analysis.reduce.workers import Crew
 from trainer.config.vessel import VesselFile
 from trainer.core.kernel import Numbers
@@ -74,7 +74,7 @@ class Search:
         self.candidate = Candidate(file, equations)
         self.terms = self.candidate.terms
         self._crew, self._leash, self._stays = crew, leash, stays
-        self._proof = Yardstick(file, tried(file))
+        self._proof = Yardstick(file, legs_of_guide(file))
         self._rows = Yardstick(file, crew.legs).rows
 
     def begin(self) -> Standing:

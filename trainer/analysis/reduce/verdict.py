@@ -18,7 +18,7 @@ from trainer.analysis.guide.programme import legs as guide_legs
 from trainer.analysis.guide.verdicts import BEYOND
 from trainer.analysis.manoeuvres.vehicle import PERCENT
 from trainer.analysis.reduce.objective import Candidate, Yardstick, multiple
-from trainer.analysis.reduce.programme import flyable, held_out, turns
+from trainer.analysis.reduce.programme import flyable, holdout_legs, turns
 from trainer.boat.assemble import Method
 from trainer.boat.boat import Boat
 from trainer.config.coefficients import coefficient_terms
@@ -50,7 +50,7 @@ def legs(file: VesselFile, part: str) -> Sequence[Leg]:
     """Return the legs of a part of the verdict."""
     if part == "guide":
         return guide_legs(file)
-    return flyable(file, turns(file)) if part == "steady turns" else held_out(file)
+    return flyable(file, turns(file)) if part == "steady turns" else holdout_legs(file)
 
 
 def verdict(file: VesselFile, candidate: Candidate) -> tuple[Checked, ...]:
@@ -74,7 +74,7 @@ def _part(file: VesselFile, part: str, candidate: Candidate) -> Iterator[Checked
         yield Checked(part, leg.title, len(sizes), beyond, sizes.get(worst, 0.0), worst)
 
 
-def passed(checked: Sequence[Checked]) -> bool:
+def passes(checked: Sequence[Checked]) -> bool:
     """Return whether nothing is beyond what is allowed."""
     return not any(one.beyond for one in checked)
 

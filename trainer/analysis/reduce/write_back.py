@@ -52,14 +52,14 @@ def tables(
     The evidence names what would be worst without each term beyond those of 1969.
     """
     extra = [name for name in EXTRA_TERMS if factors["modified"].get(name)]
-    lines = ["[compact]", *_listed("extra_terms", extra), ""]
+    lines = ["[compact]", *_list_names("extra_terms", extra), ""]
     for name, of_set in factors.items():
         shown = {
             key: value
             for key, value in of_set.items()
             if value != 1.0 and (value or key not in EXTRA_TERMS) and not _unseen(key, extra)
         }
-        lines += [f"[compensation.{name}]   # 0: dropped", *_filled(shown), ""]
+        lines += [f"[compensation.{name}]   # 0: dropped", *_list_factors(shown), ""]
     lines += ["[reduction]   # evidence; the program reads none of it"]
     lines.append(f'by = "trainer reduce, version {__version__}"')
     lines += [f"{key} = {value:.4g}" for key, value in notes.items()]
@@ -77,7 +77,7 @@ def _unseen(key: str, extra: Sequence[str]) -> bool:
     return key in EXTRA_TERMS and key not in extra
 
 
-def _listed(key: str, names: Sequence[str]) -> Iterator[str]:
+def _list_names(key: str, names: Sequence[str]) -> Iterator[str]:
     """Yield an array of names in lines that fit."""
     yield f"{key} = ["
     row = "   "
@@ -91,6 +91,6 @@ def _listed(key: str, names: Sequence[str]) -> Iterator[str]:
     yield "]"
 
 
-def _filled(values: Mapping[str, float]) -> list[str]:
+def _list_factors(values: Mapping[str, float]) -> list[str]:
     """Return a factor a line."""
     return [f"{key} = {value:.4g}" for key, value in values.items()]

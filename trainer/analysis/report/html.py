@@ -76,6 +76,6 @@ def charts(drawn: Iterable[str]) -> Markup:
     return _piece("charts", [Markup(each) for each in drawn])  # noqa: S704  by svg, escaped there
 
 
-def embedded(data: Any) -> Markup:
+def embed(data: Any) -> Markup:
     """Return data as JSON within a script element."""
     return Markup(json.dumps(data).replace("</", "<\\/"))  # noqa: S704  nothing can end the element

@@ -9,7 +9,7 @@ from markupsafe import Markup
 from trainer.analysis.compare import unit
 from trainer.analysis.manoeuvres.flight import Flight
 from trainer.analysis.report.plots import Curve, Panel
-from trainer.analysis.report.svg import Axis, rule, step_of, svg, text, thinned, ticks
+from trainer.analysis.report.svg import Axis, rule, step_of, svg, text, thin, ticks
 
 WIDTH, HEIGHT = 460.0, 230.0  # [px]
 LEFT, RIGHT, TOP, BOTTOM = 52.0, 12.0, 26.0, 40.0
@@ -155,7 +155,7 @@ def _curve(curve: Curve, place: int, across: Axis, up: Axis) -> str:
     for piece in np.split(np.arange(curve.x.size), breaks):
         kept = piece[np.isfinite(curve.x[piece]) & np.isfinite(curve.y[piece])]
         if kept.size > 1:
-            x, y = thinned(curve.x[kept], curve.y[kept], POINTS)
+            x, y = thin(curve.x[kept], curve.y[kept], POINTS)
             points = zip(across.places(x), up.places(y), strict=True)
             strokes.append("M" + "L".join(f"{a:.1f} {b:.1f}" for a, b in points))
     return f'<path class="c{place % STYLES}" d="{"".join(strokes)}"/>'

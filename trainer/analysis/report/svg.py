@@ -64,7 +64,7 @@ def clock(seconds: float) -> str:
     return f"{minutes // 60}:{minutes % 60:02d}:{rest}"
 
 
-def thinned(x: Numbers, y: Numbers, most: int) -> tuple[Numbers, Numbers]:
+def thin(x: Numbers, y: Numbers, most: int) -> tuple[Numbers, Numbers]:
     """Return at most about ``most`` points of a line, with the extremes of every stretch."""
     if x.size <= most:
         return x, y
@@ -221,7 +221,7 @@ def _curve(line: Line, ground: Ground, up: Axis) -> str:
     pieces = []
     for first, after in edges.reshape(-1, 2):
         x = ground.across.places(ground.seconds[first:after])
-        x, y = thinned(x, up.places(line.values[first:after]), POINTS)
+        x, y = thin(x, up.places(line.values[first:after]), POINTS)
         pieces.append("M" + "L".join(f"{a:.1f} {b:.1f}" for a, b in zip(x, y, strict=True)))
     return f'<path class="line {line.style}" d="{"".join(pieces)}"/>'
 

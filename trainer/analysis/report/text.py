@@ -13,7 +13,7 @@ def plain(text: str) -> str:
     return text.encode("ascii", "replace").decode()
 
 
-def wrapped(text: str, first: str = INDENT, rest: str = 2 * INDENT) -> list[str]:
+def wrap(text: str, first: str = INDENT, rest: str = 2 * INDENT) -> list[str]:
     """Return ``text`` in lines of the page."""
     return textwrap.wrap(plain(text), WIDTH, initial_indent=first, subsequent_indent=rest)
 

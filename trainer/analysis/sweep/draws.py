@@ -163,12 +163,12 @@ class Draws:
         sizes = [len(row.values or ()) for row in self.rows]
         steps = [*accumulate(reversed(sizes[1:]), int.__mul__, initial=1)][::-1]
         return {
-            row.name: listed(row.values or ())[members // step % size]
+            row.name: list_values(row.values or ())[members // step % size]
             for row, step, size in zip(self.rows, steps, sizes, strict=True)
         }
 
 
-def listed(values: Sequence[float | str]) -> NDArray[Any]:
+def list_values(values: Sequence[float | str]) -> NDArray[Any]:
     """Return given values as an array of numbers or of words."""
     return np.array(values, object if isinstance(values[0], str) else np.float64)
 
@@ -177,7 +177,7 @@ def of_shares(row: Vary, shares: Numbers) -> NDArray[Any]:
     """Return the values of a variable below which ``shares`` of its distribution lie."""
     if row.values is not None:
         places = np.minimum((shares * len(row.values)).astype(int), len(row.values) - 1)
-        return np.asarray(listed(row.values)[places])
+        return np.asarray(list_values(row.values)[places])
     if row.distribution == "normal":
         deviates = np.empty(len(shares))
         fill_normals(shares, deviates)

@@ -12,7 +12,7 @@ import numpy as np
 from trainer.analysis.manoeuvres.flight import Flight
 from trainer.analysis.series import Series
 from trainer.analysis.sweep.batch import Batch, member
-from trainer.analysis.sweep.outputs import Output, chosen, read_off
+from trainer.analysis.sweep.outputs import Output, choose_outputs, read_off
 from trainer.analysis.sweep.study import Study, method_of
 from trainer.boat.assemble import Method
 from trainer.boat.boat import Boat
@@ -133,7 +133,7 @@ class Exercising:
     def outputs(self) -> tuple[Output, ...]:
         """Return what is kept of each member; ConfigError if the study asks for what is not."""
         try:
-            return chosen(self.study.heading.measures, self.trial.flight, [])
+            return choose_outputs(self.study.heading.measures, self.trial.flight, [])
         except ConfigError as wrong:
             raise ConfigError(f"{self.study.path.name}: {wrong}") from None
 

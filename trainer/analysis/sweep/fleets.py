@@ -104,13 +104,15 @@ def copies(record: Record, kind: np.dtype[Any], count: int) -> Record:
     return found
 
 
-def carried(made: Made, surface: str) -> NDArray[np.bool_]:
+def carries_surface(made: Made, surface: str) -> NDArray[np.bool_]:
     """Return which members have a surface that does something."""
     letter = {"rudder": "r", "stern": "s", "bow": "b"}[surface]
     return np.asarray((made.toward[surface] != 0.0) & (made.vessels[f"limit_{letter}"] > 0.0))
 
 
-def started(made: Made, method: Method, speeds: Numbers, law: float, needs: Sequence[str]) -> Ready:
+def start_members(
+    made: Made, method: Method, speeds: Numbers, law: float, needs: Sequence[str]
+) -> Ready:
     """Return the fleet started at ``speeds`` [m/s], as ``Submarine.start`` starts each."""
     count = made.vessels.size
     scheme = scheme_record(method)
@@ -128,11 +130,11 @@ def started(made: Made, method: Method, speeds: Numbers, law: float, needs: Sequ
     able = fit > 0.0
     for control in needs:
         if control in SURFACES:
-            able &= carried(made, SURFACES[control][0])
+            able &= carries_surface(made, SURFACES[control][0])
     return Ready(fleet, made.toward, able)
 
 
-def ordered(ready: Ready, made: Made, scripts: Sequence[Script]) -> Schedule:
+def join_scripts(ready: Ready, made: Made, scripts: Sequence[Script]) -> Schedule:
     """Return the orders of scripts alike but for their numbers; what is kept is kept at once."""
     states = ready.fleet.states
     neutral = {name: states[f"delta_{letter}"].copy() for name, (_, letter) in SURFACES.items()}
@@ -150,7 +152,7 @@ def ordered(ready: Ready, made: Made, scripts: Sequence[Script]) -> Schedule:
         if line.verb == "keep":
             states["ordered_depth"] = states["z"]
             for surface, _ in KEPT:
-                states[f"{surface}_by_hand"][carried(made, surface)] = 0.0
+                states[f"{surface}_by_hand"][carries_surface(made, surface)] = 0.0
         elif line.what == "engine":
             put(line.tick, "speed_by_hand", 1.0)
             put(line.tick, "ordered_u_c", numbers)

@@ -10,7 +10,7 @@ from typing import Any
 from trainer import __version__
 from trainer.analysis.sweep.batch import Batch, Subject
 from trainer.analysis.sweep.study import Study, load_study, with_members
-from trainer.config.files import ConfigError, recorded, remembering
+from trainer.config.files import ConfigError, reading_recorded, remembering
 from trainer.core.cache import core_digest, same_core
 
 
@@ -79,10 +79,10 @@ def job_of(name: str, members: int | None, make: Callable[[Study], Subject]) -> 
 def _open(name: str, members: int | None, make: Callable[[Study], Subject]) -> Opened:
     study = load_study(name)
     study = study if members is None else with_members(study, members)
-    return Opened(study, _checked(make(study)))
+    return Opened(study, _check_outputs(make(study)))
 
 
-def _checked(subject: Subject) -> Subject:
+def _check_outputs(subject: Subject) -> Subject:
     """Return the subject; ConfigError if what it is asked to keep is not there."""
     if not subject.outputs:
         raise ConfigError("there is nothing to keep of a member")
@@ -90,19 +90,19 @@ def _checked(subject: Subject) -> Subject:
 
 
 @lru_cache(maxsize=2)
-def opened(job: Job) -> Opened:
+def open_job(job: Job) -> Opened:
     """Return the job made ready, once in each process; ConfigError if this is another version."""
     mine = core_digest()
     if not same_core(job.core):
         raise ConfigError(f"this machine's core is {mine}, the study's is {job.core}: update it")
-    with recorded(dict(job.texts)):
+    with reading_recorded(dict(job.texts)):
         return _open(job.name, job.members, job.make)
 
 
 def fly_chunk(job: Job, place: int) -> Batch:
     """Return what becomes of one chunk's members, by no files but the job's."""
-    ready = opened(job)
-    with recorded(dict(job.texts)):
+    ready = open_job(job)
+    with reading_recorded(dict(job.texts)):
         return ready.chunk(place)
 
 

@@ -12,13 +12,13 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 
 from trainer.analysis.fleet.ensemble import fly_members
-from trainer.analysis.manoeuvres.catalogue import PARAMETERS, adjusted, named
+from trainer.analysis.manoeuvres.catalogue import PARAMETERS, adjust, find_manoeuvre
 from trainer.analysis.manoeuvres.flight import Flight, Manoeuvre, fly
 from trainer.analysis.manoeuvres.submarine import COLUMNS, LAWS, STEEPEST, Rig, Submarine
 from trainer.analysis.series import Series
 from trainer.analysis.sweep import fleets
 from trainer.analysis.sweep.batch import Batch, member
-from trainer.analysis.sweep.outputs import Output, chosen, read_off
+from trainer.analysis.sweep.outputs import Output, choose_outputs, read_off
 from trainer.analysis.sweep.records import ManoeuvreTable
 from trainer.analysis.sweep.script import Script, script_of
 from trainer.analysis.sweep.study import Study, method_of
@@ -62,7 +62,7 @@ def manoeuvre_of(case: Case, boat: Any) -> Manoeuvre:
     told = asdict(case.table)
     given = {name: told[key] for name, key in PARAMETERS.items() if told[key] is not None}
     try:
-        manoeuvre = adjusted(case.table.name, boat, given)
+        manoeuvre = adjust(case.table.name, boat, given)
     except ConfigError as wrong:
         raise ConfigError(f"[manoeuvre] {str(wrong).removeprefix('--')}") from None
     if case.table.depth_kept is None:
@@ -74,7 +74,7 @@ def manoeuvre_of(case: Case, boat: Any) -> Manoeuvre:
 
 def speed_of(case: Case) -> float:
     """Return the speed [m/s] that a case begins with; ConfigError for a speed at rest."""
-    if not named(case.table.name).from_rest:
+    if not find_manoeuvre(case.table.name).from_rest:
         knots = case.table.speed_kn
         return (case.file.run.start_speed_kn if knots is None else knots) * KNOT
     if case.table.speed_kn is not None:
@@ -82,7 +82,7 @@ def speed_of(case: Case) -> float:
     return 0.0
 
 
-def flown(case: Case) -> tuple[Manoeuvre, Flight]:
+def fly_case(case: Case) -> tuple[Manoeuvre, Flight]:
     """Return the manoeuvre of a case and its flight; ConfigError if it cannot begin."""
     boat = Submarine(case.file, case.method, case.rig)
     manoeuvre = manoeuvre_of(case, boat)
@@ -104,7 +104,7 @@ class Manoeuvring:
         """Take the study; ConfigError if its middle member cannot fly."""
         self.study = study
         self.middle = case_of(study, study.draws.middle())
-        self.trial, self.flight = flown(self.middle)
+        self.trial, self.flight = fly_case(self.middle)
         self.boat = Submarine(self.middle.file, self.middle.method, self.middle.rig)
         self.controls = self.boat.controls
 
@@ -113,7 +113,7 @@ class Manoeuvring:
         """Return what is kept of each member; ConfigError if the study asks for what is not."""
         try:
             measures = self.trial.measures(self.flight)
-            return chosen(self.study.heading.measures, self.flight, measures)
+            return choose_outputs(self.study.heading.measures, self.flight, measures)
         except ConfigError as wrong:
             raise ConfigError(f"{self.study.path.name}: {wrong}") from None
 
@@ -159,7 +159,7 @@ class Manoeuvring:
         """Return the numbers of one member flown by itself, or why there are none."""
         nothing = [np.nan] * len(self.outputs)
         try:
-            manoeuvre, flight = flown(case_of(self.study, drawn))
+            manoeuvre, flight = fly_case(case_of(self.study, drawn))
         except ConfigError as wrong:
             return nothing, wrong.problems[0]
         if flight.lost:
@@ -228,8 +228,8 @@ class Manoeuvring:
         else:
             made = fleets.by_files([one.file for one, _ in own], case.method)
         speeds = np.array([speed_of(one) for one, _ in own])
-        ready = fleets.started(made, case.method, speeds, self._law(case), self.trial.needs)
-        schedule = fleets.ordered(ready, made, written)
+        ready = fleets.start_members(made, case.method, speeds, self._law(case), self.trial.needs)
+        schedule = fleets.join_scripts(ready, made, written)
         flight = fly_members(ready.fleet, schedule, written[0].ticks, 1, PLACED)
         t = case.method.step * np.arange(written[0].ticks + 1.0)
         steep = np.abs(flight.rows[:, :, PLACED.index("theta")]) > STEEPEST

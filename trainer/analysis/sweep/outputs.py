@@ -8,7 +8,7 @@ import numpy as np
 
 from trainer.analysis.manoeuvres.flight import Flight
 from trainer.analysis.manoeuvres.vehicle import Measure, largest
-from trainer.config.files import ConfigError, nearest, shown
+from trainer.config.files import ConfigError, nearest, quote
 from trainer.core.kernel import Numbers
 
 # columns of a study of identifications, by the parameter's name
@@ -48,7 +48,7 @@ def of_column(name: str, flight: Flight) -> Measure | None:
     return Measure(name, UNITS.get(column, "-"), WAYS[way](flight.column(column)))
 
 
-def chosen(
+def choose_outputs(
     names: Sequence[str] | None, flight: Flight, measures: Sequence[Measure]
 ) -> tuple[Output, ...]:
     """Return what is kept: what ``names`` ask for, or all; ConfigError if one is nothing."""
@@ -65,7 +65,7 @@ def chosen(
             columns = ", ".join(flight.series.columns)
             has = f"; there are {', '.join(known)}" if known else ""
             raise ConfigError(
-                f"no measure {shown(name)}{nearest(name, known)}{has}; and "
+                f"no measure {quote(name)}{nearest(name, known)}{has}; and "
                 f"{', '.join(WAYS)} of {columns}"
             )
         found.append(Output(one.name, one.unit))

@@ -82,7 +82,7 @@ def read(path: Path) -> Any:
         raise OSError(str(wrong)) from None
 
 
-def joined(tables: Iterable[Any], job: Job, schema: Any) -> Any:
+def join_parts(tables: Iterable[Any], job: Job, schema: Any) -> Any:
     """Return the result: all chunks in their order, and the facts they follow from."""
     import pyarrow as pa  # noqa: PLC0415
 

@@ -11,11 +11,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from trainer.analysis.report.plots import Bar, Bars, Curve, Panel
-from trainer.analysis.report.text import INDENT, table, wrapped
+from trainer.analysis.report.text import INDENT, table, wrap
 from trainer.analysis.sweep.job import Opened
 from trainer.analysis.sweep.outputs import COVERED, DEVIATION, Output
 from trainer.analysis.sweep.parquet import TROUBLE
-from trainer.config.files import ConfigError, nearest, shown
+from trainer.config.files import ConfigError, nearest, quote
 from trainer.core.kernel import Numbers
 
 PERCENTILES: Final = (5.0, 25.0, 50.0, 75.0, 95.0)
@@ -141,12 +141,12 @@ def _by_word(name: str, words: NDArray[Any], values: Numbers) -> Effect:
     return Effect(name, low, high, means[low], means[high])
 
 
-def chosen_measure(report: Report, name: str | None) -> Spread:
+def choose_measure(report: Report, name: str | None) -> Spread:
     """Return the measure of that name, or the first; ConfigError if there is none."""
     known = {spread.name: spread for spread in report.spreads}
     if name is not None and name not in known:
         raise ConfigError(
-            f"--measure {shown(name)}: no such measure{nearest(name, known)}; "
+            f"--measure {quote(name)}: no such measure{nearest(name, known)}; "
             f"there are {', '.join(known)}"
         )
     return report.spreads[0] if name is None else known[name]
@@ -166,9 +166,9 @@ def on_page(unit: str) -> tuple[float, str]:
 def render(report: Report) -> str:
     """Return the report as text."""
     lines = [
-        *wrapped(report.study, "", ""),
+        *wrap(report.study, "", ""),
         f"{INDENT}{report.plan}, {report.members} members, seed {report.seed}",
-        *wrapped(f"result: {report.file}"),
+        *wrap(f"result: {report.file}"),
         "",
     ]
     covered = coverage(report)
@@ -178,7 +178,7 @@ def render(report: Report) -> str:
     if report.troubled:
         lines += ["", f"{INDENT}{report.troubled} of {report.members} came to nothing:"]
         for text, count in report.troubles.items():
-            lines += wrapped(f"{count} times: {text}", 2 * INDENT, 3 * INDENT)
+            lines += wrap(f"{count} times: {text}", 2 * INDENT, 3 * INDENT)
     return "\n".join(lines)
 
 
@@ -200,7 +200,7 @@ def _effects(report: Report, spread: Spread) -> list[str]:
     rows = [
         (
             effect.variable,
-            *(_told(x) for x in (effect.low, effect.high)),
+            *(_format(x) for x in (effect.low, effect.high)),
             f"{factor * effect.at_low:.4g}",
             f"{factor * effect.at_high:.4g}",
         )
@@ -208,10 +208,10 @@ def _effects(report: Report, spread: Spread) -> list[str]:
     ]
     heads = ("", "from", "to", f"{unit}\nat that", f"{unit}\nat that")
     title = f"{spread.name}: mean where a variable is in its lowest and highest tenth"
-    return ["", *wrapped(title), *table(heads, rows)]
+    return ["", *wrap(title), *table(heads, rows)]
 
 
-def _told(number: float | str) -> str:
+def _format(number: float | str) -> str:
     return number if isinstance(number, str) else f"{number:.3g}"
 
 
@@ -249,7 +249,7 @@ def member_page(study: str, member: int, told: dict[str, Any], outputs: tuple[Ou
 
 def panels(report: Report, result: Any, measure: str | None) -> tuple[Panel | Bars, ...]:
     """Return how one measure is spread, and what moves it most."""
-    spread = chosen_measure(report, measure)
+    spread = choose_measure(report, measure)
     factor, unit = on_page(spread.unit)
     values = np.asarray(result.column(spread.name).to_numpy(zero_copy_only=False), float)
     values = np.sort(values[~np.isnan(values)]) * factor
@@ -276,4 +276,4 @@ def panels(report: Report, result: Any, measure: str | None) -> tuple[Panel | Ba
 def _bar(effect: Effect, factor: float) -> Bar:
     """Return one variable as a bar of the tornado."""
     ends = factor * effect.at_low, factor * effect.at_high
-    return Bar(effect.variable, ends, (_told(effect.low), _told(effect.high)))
+    return Bar(effect.variable, ends, (_format(effect.low), _format(effect.high)))

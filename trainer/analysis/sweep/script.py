@@ -67,11 +67,11 @@ class Scribe:
 
 def script_of(manoeuvre: Manoeuvre, step: float, controls: Mapping[str, Control]) -> Script | None:
     """Return what is done when; None where that depends on how the vehicle moves."""
-    return _written(manoeuvre, step, tuple(controls.items()))
+    return _write(manoeuvre, step, tuple(controls.items()))
 
 
 @lru_cache(maxsize=4096)
-def _written(
+def _write(
     manoeuvre: Manoeuvre, step: float, controls: tuple[tuple[str, Control], ...]
 ) -> Script | None:
     scribe = Scribe(step, dict(controls))

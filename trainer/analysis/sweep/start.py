@@ -22,7 +22,7 @@ class Start(NamedTuple):
 
 
 @kernel
-def settled(vessel: Record, most: float, state: Record) -> bool:
+def is_trim(vessel: Record, most: float, state: Record) -> bool:
     """Return whether a trim found is one to fly in."""
     c, s = vessel[0], state[0]
     return (
@@ -48,7 +48,7 @@ def level(
         s.delta_r = s.delta_s = s.delta_b = 0.0
         s.u = s.u_c = speed
         done = trim(vessel, compact, exact, state, scratch, by)
-        if done != 0 and settled(vessel, most, state):
+        if done != 0 and is_trim(vessel, most, state):
             return True
     return False
 

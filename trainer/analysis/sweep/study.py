@@ -20,7 +20,7 @@ from trainer.analysis.sweep.tables import (
     BLANK,
     Step,
     Tables,
-    changed,
+    change_value,
     steps_of,
     value_at,
     vessel_tables,
@@ -35,8 +35,8 @@ from trainer.config.files import (
     nearest,
     parse_toml,
     path_named,
+    quote,
     read_text,
-    shown,
 )
 from trainer.config.schema import read_record
 from trainer.config.vessel import VesselFile, load_vessel
@@ -89,7 +89,7 @@ class Study:
         """Return the tables with the numbers of one member in them."""
         tables: Any = self.tables
         for variable in self.variables:
-            tables = changed(tables, variable.steps, variable.value(drawn[variable.row.name]))
+            tables = change_value(tables, variable.steps, variable.value(drawn[variable.row.name]))
         return tables
 
 
@@ -258,10 +258,10 @@ def _variable(row: Vary, tables: Tables, roots: tuple[str, ...], place: Place) -
         raise ConfigError(place.wrong("key", row.key, str(wrong))) from None
     if not row.relative:
         if isinstance(here, str) and BLANK not in here and not isinstance(row.values, tuple):
-            raise ConfigError(place.wrong("key", row.key, f"is {shown(here)}, without a {BLANK}"))
+            raise ConfigError(place.wrong("key", row.key, f"is {quote(here)}, without a {BLANK}"))
         return Variable(row, steps, None)
     if isinstance(here, bool) or not isinstance(here, int | float) or here == 0.0:
-        raise ConfigError(place.problem(f"relative: {row.key} is {shown(here)}: no factor"))
+        raise ConfigError(place.problem(f"relative: {row.key} is {quote(here)}: no factor"))
     return Variable(row, steps, float(here))
 
 

@@ -4,8 +4,8 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from trainer.analysis.sweep.job import Job, opened
-from trainer.analysis.sweep.parquet import joined, schema_of, write
+from trainer.analysis.sweep.job import Job, open_job
+from trainer.analysis.sweep.parquet import join_parts, schema_of, write
 from trainer.analysis.sweep.parts import folder_of, result_of, take_up
 from trainer.analysis.sweep.workers import Crew
 from trainer.config.files import ConfigError
@@ -13,12 +13,12 @@ from trainer.config.files import ConfigError
 Progress = Callable[[int], None]  # takes how many members more are finished
 
 
-def carried_out(job: Job, crew: Crew, out: Path, progress: Progress) -> Any:
+def carry_out(job: Job, crew: Crew, out: Path, progress: Progress) -> Any:
     """Return the result of a study, in the file ``out``; ConfigError if it cannot be.
 
     Members that an earlier call finished are not flown again, whoever flew them.
     """
-    ready = opened(job)
+    ready = open_job(job)
     there = result_of(job, out)
     if there is not None:
         progress(ready.members)
@@ -33,7 +33,7 @@ def carried_out(job: Job, crew: Crew, out: Path, progress: Progress) -> Any:
         for place, batch in crew(job, missing):
             parts.keep(place, batch)
             progress(len(batch.members))
-        result = joined(parts.tables(), job, schema)
+        result = join_parts(parts.tables(), job, schema)
         write(result, out)
     except OSError as error:
         text = f"{folder_of(out)}: cannot be written: {error.strerror or error}"

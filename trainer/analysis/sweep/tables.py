@@ -72,17 +72,19 @@ def _holds(here: Any) -> str:
     return "it is no table and no list"
 
 
-def changed(tables: Any, steps: tuple[Step, ...], value: Any) -> Any:
+def change_value(tables: Any, steps: tuple[Step, ...], value: Any) -> Any:
     """Return the tables with another value there; those given stay as they are."""
     if not steps:
-        return _filled_in(tables, value)
+        return _fill_in(tables, value)
     step, rest = steps[0], steps[1:]
     if isinstance(step, int):
-        return [changed(item, rest, value) if i == step else item for i, item in enumerate(tables)]
-    return {**tables, step: changed(tables.get(step), rest, value)}
+        return [
+            change_value(item, rest, value) if i == step else item for i, item in enumerate(tables)
+        ]
+    return {**tables, step: change_value(tables.get(step), rest, value)}
 
 
-def _filled_in(text: Any, value: Any) -> Any:
+def _fill_in(text: Any, value: Any) -> Any:
     """Return the value, or where a text has a blank the text with the value in it."""
     if not isinstance(text, str) or BLANK not in text:
         return value

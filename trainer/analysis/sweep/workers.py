@@ -34,14 +34,14 @@ def processes(count: int) -> Crew:
         try:
             futures = {pool.submit(fly_chunk, job, place): place for place in places}
             for future in as_completed(futures):
-                yield futures[future], _flown(future)
+                yield futures[future], _collect(future)
         finally:
             pool.shutdown(wait=True, cancel_futures=True)
 
     return fly
 
 
-def _flown(future: Future[Batch]) -> Batch:
+def _collect(future: Future[Batch]) -> Batch:
     """Return what a process has flown; ConfigError if it is gone."""
     try:
         return future.result()
@@ -57,7 +57,7 @@ def cluster(address: str) -> Crew:
         try:
             sent = client.scatter(job, broadcast=True, hash=False)
             futures = {client.submit(fly_chunk, sent, place, pure=False): place for place in places}
-            for future in _distributed().as_completed(list(futures), loop=client.loop):
+            for future in _import_distributed().as_completed(list(futures), loop=client.loop):
                 yield futures[future], _answer(future)
         finally:
             client.close()
@@ -67,7 +67,7 @@ def cluster(address: str) -> Crew:
 
 def _client(address: str) -> Any:
     """Return a connection to a scheduler with workers; ConfigError if there is none."""
-    library = _distributed()
+    library = _import_distributed()
     try:
         client = library.Client(address, timeout=PATIENCE, set_as_default=False)
     except (OSError, ValueError) as wrong:
@@ -79,7 +79,7 @@ def _client(address: str) -> Any:
     return client
 
 
-def _distributed() -> Any:
+def _import_distributed() -> Any:
     """Return the library of the cluster; ConfigError saying what to install."""
     try:
         import distributed  # noqa: PLC0415 - a second to import, and an extra
@@ -92,7 +92,7 @@ def _distributed() -> Any:
 
 def _answer(future: Any) -> Batch:
     """Return what a worker has flown; ConfigError if it is gone."""
-    library = _distributed()
+    library = _import_distributed()
     try:
         batch: Batch = future.result()
     except (library.KilledWorker, library.CancelledError) as gone:

@@ -91,14 +91,14 @@ def export(boat: Boat, folder: Path, cpu: str) -> Exported:
 
     ConfigError if the folder cannot be written, or nothing be compiled for ``cpu``.
     """
-    with told():
+    with name_trouble():
         folder.mkdir(parents=True, exist_ok=True)
     target = processor(cpu)
     constants = constants_of(boat, card_text(boat, target))
     code = object_code(freestanding_module(tick, boat.records.scheme, constants), target)
     host = (Path(__file__).parent / HOST).read_bytes()
     files = {OBJECT: code, HEADER: header_text(boat, target.name).encode(), HOST: host}
-    with told():
+    with name_trouble():
         for name, data in files.items():
             (folder / name).write_bytes(data)
     step = boat.method.step
@@ -106,7 +106,7 @@ def export(boat: Boat, folder: Path, cpu: str) -> Exported:
 
 
 @contextmanager
-def told() -> Iterator[None]:
+def name_trouble() -> Iterator[None]:
     """Tell trouble with the folder as the user's."""
     try:
         yield

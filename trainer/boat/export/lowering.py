@@ -63,7 +63,7 @@ def kernel_text(function: Callable[..., int]) -> tuple[str, str]:
     return compiled.inspect_llvm(signature), name
 
 
-def quoted(data: bytes) -> str:
+def quote(data: bytes) -> str:
     """Return bytes as they stand in an LLVM string."""
     return "".join(f"\\{byte:02x}" for byte in data)
 
@@ -71,7 +71,7 @@ def quoted(data: bytes) -> str:
 def constants_text(constants: Mapping[str, bytes]) -> str:
     """Return the LLVM text of constant blocks of bytes by their names, for all to see."""
     return "\n".join(
-        f'@{name} = constant [{len(data)} x i8] c"{quoted(data)}", align 8'
+        f'@{name} = constant [{len(data)} x i8] c"{quote(data)}", align 8'
         for name, data in constants.items()
     )
 
@@ -90,7 +90,7 @@ def freestanding_module(
     text, name = kernel_text(function)
     module = binding.parse_assembly(text)
     chosen = np.asarray(scheme).tobytes()
-    entry = ENTRY.format(size=len(chosen), scheme=quoted(chosen), kernel=name)
+    entry = ENTRY.format(size=len(chosen), scheme=quote(chosen), kernel=name)
     library = FREESTANDING.read_text(encoding="utf-8")
     for part in (entry, library, constants_text(constants)):
         module.link_in(binding.parse_assembly(part))

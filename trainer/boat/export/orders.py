@@ -33,7 +33,11 @@ class Range:
 
 def rows(boat: Boat) -> list[str]:
     """Return the rows of the orders that this boat takes."""
-    return [*_surfaces(boat), *_propeller(boat), *(_kept(boat) if boat.automatic else ())]
+    return [
+        *_surfaces(boat),
+        *_propeller(boat),
+        *(_autopilot_orders(boat) if boat.automatic else ()),
+    ]
 
 
 def _row(words: str, writes: dict[str, str], number: Range | None = None) -> str:
@@ -53,22 +57,22 @@ def _place(name: str) -> str:
     return f"place:{PLACES[name]}"
 
 
-def _carried(boat: Boat) -> list[str]:
+def _surfaces_carried(boat: Boat) -> list[str]:
     """Return the surfaces that the boat has and that do something."""
     limit = {name: boat.vessel[f"limit_{letter}"] for name, letter in SURFACES.items()}
     return [name for name in SURFACES if boat.toward[name] and limit[name]]
 
 
-def _given(boat: Boat, *names: str) -> dict[str, str]:
+def _give_to_autopilot(boat: Boat, *names: str) -> dict[str, str]:
     """Return what gives those surfaces to the autopilot; what the boat lacks is passed over."""
-    given = [name for name in names if name in _carried(boat)]
+    given = [name for name in names if name in _surfaces_carried(boat)]
     writes = {f"{name}_by_hand": _const(0.0) for name in given}
     if "rudder" in given:
         writes["ordered_psi"] = f"shorter:{PLACES['psi']}"
     return writes
 
 
-def _taken(*names: str) -> dict[str, str]:
+def _take_in_hand(*names: str) -> dict[str, str]:
     """Return what puts those surfaces in hand as they stand."""
     writes: dict[str, str] = {}
     for name in names:
@@ -79,7 +83,7 @@ def _taken(*names: str) -> dict[str, str]:
 
 def _surfaces(boat: Boat) -> Iterator[str]:
     """Yield the orders to rudder and planes."""
-    for name in _carried(boat):
+    for name in _surfaces_carried(boat):
         letter, said, toward = SURFACES[name], SAID[name], boat.toward[name]
         limit = float(boat.vessel[f"limit_{letter}"])
         unit = NUMBERS["ANGLE"].units[0].factor
@@ -93,10 +97,10 @@ def _surfaces(boat: Boat) -> Iterator[str]:
                 full = _const(toward * sign * limit)
                 yield _row(f"rudder {way} full", {"ordered_r": full, **held})
         yield _row(f"{said} {ZERO[name]}", {f"ordered_{letter}": _const(toward * 0.0), **held})
-        yield _row(f"{said} manual", _taken(name))
+        yield _row(f"{said} manual", _take_in_hand(name))
         if boat.automatic:
-            yield _row(f"{said} auto", _given(boat, name))
-    yield _row("planes manual", _taken("stern", "bow"))
+            yield _row(f"{said} auto", _give_to_autopilot(boat, name))
+    yield _row("planes manual", _take_in_hand("stern", "bow"))
 
 
 def _propeller(boat: Boat) -> Iterator[str]:
@@ -113,10 +117,13 @@ def _propeller(boat: Boat) -> Iterator[str]:
         yield _row(said, {"ordered_u_c": _const(speed * knot), **held})
 
 
-def _kept(boat: Boat) -> Iterator[str]:
+def _autopilot_orders(boat: Boat) -> Iterator[str]:
     """Yield the orders that the autopilot carries out."""
-    planes = _given(boat, "stern", "bow")
-    everything = {"speed_by_hand": _const(0.0), **_given(boat, "rudder", "stern", "bow")}
+    planes = _give_to_autopilot(boat, "stern", "bow")
+    everything = {
+        "speed_by_hand": _const(0.0),
+        **_give_to_autopilot(boat, "rudder", "stern", "bow"),
+    }
     depth, course, speed = (NUMBERS[kind] for kind in ("DEPTH", "COURSE", "SPEED"))
     deepest = boat.file.hull.max_depth_m
     keel = Range(0.0, depth.high if deepest is None else min(deepest, depth.high), 1.0)
@@ -126,7 +133,7 @@ def _kept(boat: Boat) -> Iterator[str]:
     if boat.file.run.periscope_depth_m is not None:
         periscope = _const(boat.file.run.periscope_depth_m)
         yield _row("periscope depth", {"ordered_depth": periscope, **planes})
-    rudder = _given(boat, "rudder")
+    rudder = _give_to_autopilot(boat, "rudder")
     turn = Range(0.0, math.tau, course.units[0].factor, f"{course.high:g}")
     yield _row("course", {**rudder, "ordered_psi": f"short:{PLACES['psi']}"}, turn)
     yield _row("course auto", rudder)
@@ -136,6 +143,6 @@ def _kept(boat: Boat) -> Iterator[str]:
     yield _row("speed", keeping, Range(0.0, fastest, knot))
     yield _row("speed auto", {"speed_by_hand": _const(0.0)})
     yield _row("autopilot on", everything)
-    hands = _taken("rudder", "stern", "bow")
+    hands = _take_in_hand("rudder", "stern", "bow")
     revolutions = {"ordered_u_c": _place("u_c"), "speed_by_hand": _const(1.0)}
     yield _row("autopilot off", {**hands, **revolutions})

@@ -77,7 +77,7 @@ def strip(quantity: int, model: SessionModel, span: float, width: int, height: i
     if rows < 1 or columns < LEAST:
         return [title][:height]
     series = model.trace.series(quantity, span, columns * ACROSS)
-    whole = unturned if drawn.actual[1] in ROUND else as_it_is
+    whole = unwrap_courses if drawn.actual[1] in ROUND else as_it_is
     actual = whole([each.actual if each else None for each in series], series)
     ordered = whole([each.ordered if each else None for each in series], series)
     low, high = limits([*actual, *ordered], drawn.least)
@@ -87,7 +87,7 @@ def strip(quantity: int, model: SessionModel, span: float, width: int, height: i
 
 def headline(drawn: Quantity, model: SessionModel, span: float, width: int) -> Line:
     """Return the name of the chart, its value and what is ordered."""
-    says = said(drawn)
+    says = format_quantity(drawn)
     actual = says(model.picture.number(*drawn.actual))
     ordered = says(model.picture.number(*drawn.ordered)) if drawn.ordered else NONE
     told = "" if ordered == NONE else f" {DASH}{DASH} {ordered}"
@@ -103,7 +103,7 @@ def minutes(span: float) -> str:
     return f"{span / 60.0:g} min"
 
 
-def said(drawn: Quantity) -> Callable[[float | None], str]:
+def format_quantity(drawn: Quantity) -> Callable[[float | None], str]:
     """Return how values of a quantity are written."""
     if drawn.actual[1] in ROUND:
         return course
@@ -126,7 +126,9 @@ def as_it_is(
     return list(values)
 
 
-def unturned(values: Sequence[float | None], series: Sequence[Sample | None]) -> list[float | None]:
+def unwrap_courses(
+    values: Sequence[float | None], series: Sequence[Sample | None]
+) -> list[float | None]:
     """Return courses beside the latest one, so that none jumps from 359 to 000."""
     known = [each.actual for each in series if each and each.actual is not None]
     last = known[-1] if known else 0.0
@@ -171,7 +173,7 @@ class Plot:
         self._trace(sheet, actual, down=down)
         dashed = self._dashes(ordered, down=down)
         return [
-            (*self._scale(row, drawn, down=down), *merged(sheet.text(row), dashed[row]))
+            (*self._scale(row, drawn, down=down), *merge(sheet.text(row), dashed[row]))
             for row in range(self._rows)
         ]
 
@@ -210,7 +212,7 @@ class Plot:
         return line((f"{text:>{SCALE}}┊", "dim"))
 
 
-def merged(dots: str, dashes: Sequence[bool]) -> tuple[Run, ...]:
+def merge(dots: str, dashes: Sequence[bool]) -> tuple[Run, ...]:
     """Return a row of dots with dashes where there is no dot."""
     runs: list[Run] = []
     for dot, dash in zip(dots, dashes, strict=True):

@@ -2,7 +2,7 @@
 
 from typing import Final
 
-from trainer.console.drawing.gauges import moved
+from trainer.console.drawing.gauges import interpolate
 from trainer.console.drawing.values import (
     NONE,
     SHORT_BELLS,
@@ -77,28 +77,28 @@ def side_by_side(dials: list[Lines], width: int) -> Lines:
 def depth_dial(model: SessionModel) -> Lines:
     """Return the depth gauge."""
     ordered = number(model.picture.number("diving", "ordered_depth"))
-    return dial("depth", number(moved(model, "depth")), ordered, "m")
+    return dial("depth", number(interpolate(model, "depth")), ordered, "m")
 
 
 def course_dial(model: SessionModel) -> Lines:
     """Return the compass."""
     ordered = course(model.picture.number("steering", "ordered_course"))
-    return dial("course", course(moved(model, "heading"), 1), ordered, "deg")
+    return dial("course", course(interpolate(model, "heading"), 1), ordered, "deg")
 
 
 def speed_dial(model: SessionModel) -> Lines:
     """Return the log."""
     ordered = number(model.picture.number("engine", "ordered_speed"))
-    return dial("speed", number(moved(model, "speed")), ordered, "kn")
+    return dial("speed", number(interpolate(model, "speed")), ordered, "kn")
 
 
 def angles(model: SessionModel) -> Line:
     """Return pitch and heel in words."""
     return line(
         (" pitch ", "dim"),
-        (f"{attitude(moved(model, 'pitch'), 'up', 'down'):<11}", "value"),
+        (f"{attitude(interpolate(model, 'pitch'), 'up', 'down'):<11}", "value"),
         ("heel ", "dim"),
-        (attitude(moved(model, "heel"), "stbd", "port"), "value"),
+        (attitude(interpolate(model, "heel"), "stbd", "port"), "value"),
     )
 
 

@@ -1,7 +1,7 @@
 """The log of what was said and done, the line of time, and the ledger."""
 
 from trainer.console.drawing.values import number, without
-from trainer.console.journal import clock, wrapped
+from trainer.console.journal import clock, wrap_entry
 from trainer.console.model import Kept, SessionModel
 from trainer.console.pane import Line, Lines, Run, fit, line
 
@@ -13,7 +13,7 @@ def log(model: SessionModel, width: int, height: int) -> Lines:
     journal = model.journal
     found: list[tuple[str, str, str]] = []
     for entry in reversed(journal.entries):
-        found[:0] = wrapped(entry, width)
+        found[:0] = wrap_entry(entry, width)
         if len(found) >= height + journal.back:
             break
     back = min(journal.back, max(len(found) - height, 0))

@@ -30,10 +30,10 @@ def state(model: SessionModel, width: int, _height: int) -> Lines:
 
 def low(model: SessionModel) -> Lines:
     """Return tanks, air, the sea and casualties, a line each."""
-    return [tanks(model), air(model), sea(model), broken(model)]
+    return [tanks(model), air(model), sea(model), casualty_names(model)]
 
 
-def moved(model: SessionModel, name: str) -> float | None:
+def interpolate(model: SessionModel, name: str) -> float | None:
     """Return a value of the gauges' channel where it is now."""
     return model.picture.smooth(model.gauges, name, model.clock())
 
@@ -57,21 +57,21 @@ def false(model: SessionModel, name: str) -> str:
 def depth(model: SessionModel) -> Line:
     """Return depth and ordered depth."""
     ordered = number(model.picture.number("diving", "ordered_depth"))
-    told = pair("depth", number(moved(model, "depth")), ordered, "m")
+    told = pair("depth", number(interpolate(model, "depth")), ordered, "m")
     return misread(model, "depth", told)
 
 
 def heading(model: SessionModel) -> Line:
     """Return heading and ordered course."""
     ordered = course(model.picture.number("steering", "ordered_course"))
-    told = pair("course", course(moved(model, "heading"), 1), ordered, "")
+    told = pair("course", course(interpolate(model, "heading"), 1), ordered, "")
     return misread(model, "heading", told)
 
 
 def speed(model: SessionModel) -> Line:
     """Return speed and ordered speed."""
     ordered = number(model.picture.number("engine", "ordered_speed"))
-    told = pair("speed", number(moved(model, "speed")), ordered, "kn")
+    told = pair("speed", number(interpolate(model, "speed")), ordered, "kn")
     return misread(model, "speed", told)
 
 
@@ -84,13 +84,13 @@ def misread(model: SessionModel, name: str, told: Line) -> Line:
 def pitch(model: SessionModel) -> Line:
     """Return the pitch in words."""
     return line(
-        (" pitch  ", "dim"), (f"{attitude(moved(model, 'pitch'), 'up', 'down'):>9}", "value")
+        (" pitch  ", "dim"), (f"{attitude(interpolate(model, 'pitch'), 'up', 'down'):>9}", "value")
     )
 
 
 def heel(model: SessionModel) -> Line:
     """Return the heel in words."""
-    value = attitude(moved(model, "heel"), "stbd", "port")
+    value = attitude(interpolate(model, "heel"), "stbd", "port")
     return line((" heel   ", "dim"), (f"{value:>9}", "value"))
 
 
@@ -185,7 +185,7 @@ def swell(model: SessionModel, which: str) -> str:
     return f"{height:.1f} m, {number(period, 0)} s, from {course(origin)}"
 
 
-def broken(model: SessionModel) -> Line:
+def casualty_names(model: SessionModel) -> Line:
     """Return the names of the casualties."""
     slots = [name for name in model.picture.rows("casualties", "casualty_") if name[-1].isdigit()]
     names = [model.picture.word("casualties", name) for name in slots]

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from typing import Final
 
 from trainer.console.drawing.chart import Sheet
-from trainer.console.drawing.gauges import moved
+from trainer.console.drawing.gauges import interpolate
 from trainer.console.drawing.values import attitude
 from trainer.console.model import SessionModel
 from trainer.console.pane import Lines, beside, fit, line
@@ -36,7 +36,7 @@ def hull(model: SessionModel, width: int, height: int) -> Lines:
     """Return both views above a line with the angles in words."""
     if height < 3 or width < LEAST:
         return [fit(line(), width)] * height
-    pitch, heel = moved(model, "pitch"), moved(model, "heel")
+    pitch, heel = interpolate(model, "pitch"), interpolate(model, "heel")
     left = line((f" pitch {attitude(pitch, 'up', 'down')}", "dim"))
     told = f"heel {attitude(heel, 'stbd', 'port')} "
     right = line((told if width >= WORDS else "", "dim"))
@@ -55,7 +55,7 @@ def sideways(pitch: float, width: int, height: int) -> Sheet:
     for x in range(0, sheet.across, 6):
         sheet.dot(x, middle[1])
     for shape in (SIDE, SAIL, TAIL, KEEL):
-        sheet.stroke(turned(shape, math.radians(pitch), half, middle))
+        sheet.stroke(turn(shape, math.radians(pitch), half, middle))
     return sheet
 
 
@@ -67,11 +67,11 @@ def from_astern(heel: float, width: int, height: int) -> Sheet:
     for x in range(0, sheet.across, 6):
         sheet.dot(x, middle[1])
     for shape in (RING, FIN):
-        sheet.stroke(turned(shape, math.radians(-heel), radius, middle))
+        sheet.stroke(turn(shape, math.radians(-heel), radius, middle))
     return sheet
 
 
-def turned(shape: Points, angle: float, size: float, middle: tuple[float, float]) -> Points:
+def turn(shape: Points, angle: float, size: float, middle: tuple[float, float]) -> Points:
     """Return a shape turned anticlockwise by an angle [rad] and brought to its place."""
     c, s = math.cos(angle), math.sin(angle)
     return [

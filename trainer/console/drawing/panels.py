@@ -75,7 +75,7 @@ def title(model: SessionModel) -> str:
 def foot(keys: tuple[tuple[str, str], ...], width: int) -> Lines:
     """Return the keys in a line; where there is no room the last but one go first."""
     shown, gap = list(keys), 2
-    while len(shown) > 1 and taken(shown, gap) > width:
+    while len(shown) > 1 and key_columns(shown, gap) > width:
         if gap > 1:
             gap = 1
         else:
@@ -86,7 +86,7 @@ def foot(keys: tuple[tuple[str, str], ...], width: int) -> Lines:
     return [fit(line(*parts), width, "bar")]
 
 
-def taken(keys: list[tuple[str, str]], gap: int) -> int:
+def key_columns(keys: list[tuple[str, str]], gap: int) -> int:
     """Return the columns that keys take with so many blanks after each."""
     return 1 + sum(len(label) + 1 + len(says) + gap for label, says in keys) - gap
 

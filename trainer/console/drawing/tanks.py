@@ -58,11 +58,11 @@ def levels(model: SessionModel, width: int, height: int) -> Lines:
                 (f" {moving:+.1f}" if moving else "", "warning"),
             )
         )
-    lines.append(flooded(model))
+    lines.append(floodwater(model))
     return [fit(each, width) for each in lines[:height]]
 
 
-def flooded(model: SessionModel) -> Line:
+def floodwater(model: SessionModel) -> Line:
     """Return what has come in where none belongs."""
     found = [
         f"{name.removeprefix('flood_')} {number(mass)} t"

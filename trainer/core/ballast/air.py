@@ -41,7 +41,7 @@ def sonic_share(ratio: float) -> float:
 
 
 @part
-def drawn(ballast: Record, bank: int, area: float, pressure: float, state: Record) -> float:
+def bank_flow(ballast: Record, bank: int, area: float, pressure: float, state: Record) -> float:
     """Return the air [kg/s] that a bank gives through ``area`` [m2] against ``pressure`` [Pa]."""
     b = ballast[0]
     held = state[0].bank[bank]
@@ -76,11 +76,11 @@ def blow(ballast: Record, tank: int, pressure: float, h: float, state: Record) -
     order = state[0].blow[tank]
     sound = 1.0 - min(max(state[0].blow_fault[tank], 0.0), 1.0)
     area = b.blow_area[tank] * min(order, 1.0) * sound
-    flow = drawn(ballast, MAIN_BANK, area, pressure, state)
+    flow = bank_flow(ballast, MAIN_BANK, area, pressure, state)
     pass_air(ballast, MAIN_BANK, tank, flow * h, pressure, state)
     if order > 1.0:
         area = b.emergency_area[tank] * min(order - 1.0, 1.0) * sound
-        flow = drawn(ballast, EMERGENCY_BANK, area, pressure, state)
+        flow = bank_flow(ballast, EMERGENCY_BANK, area, pressure, state)
         pass_air(ballast, EMERGENCY_BANK, tank, flow * h, pressure, state)
 
 

@@ -44,7 +44,7 @@ def balance(vessel: Record, ballast: Record, state: Record) -> None:
 
 
 @part
-def breached(
+def flood_breach(
     vessel: Record, ballast: Record, tank: int, depth: float, h: float, state: Record
 ) -> None:
     """Let the sea through the hole in a tank or compartment at ``depth`` [m] for ``h`` [s].
@@ -82,7 +82,7 @@ def advance_ballast(vessel: Record, ballast: Record, h: float, state: Record) ->
     for i in range(TRIM_FORWARD, END):
         if s.breach[i - TRIM_FORWARD] > 0.0 and b.capacity[i] > 0.0:
             depth = s.z + down_x * b.x[i] + down_y * b.y[i] + down_z * b.z[i]
-            breached(vessel, ballast, i, depth, h, state)
+            flood_breach(vessel, ballast, i, depth, h, state)
     for i in range(NEGATIVE + 1):
         if at_work(ballast, i, state):
             depth = s.z + down_x * b.x[i] + down_y * b.y[i] + down_z * b.z[i]

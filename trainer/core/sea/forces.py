@@ -45,7 +45,7 @@ def spread(kappa: float) -> tuple[float, float]:
 
 
 @part
-def tapered(vessel: Record, state: Record) -> float:
+def taper(vessel: Record, state: Record) -> float:
     """Return what is left of the waves [-] at this depth by [ASSES]'s rule of five diameters."""
     s = state[0]
     diameter = vessel[0].diameter
@@ -114,7 +114,7 @@ def wave_forces(vessel: Record, scratch: Record, state: Record, force: Numbers) 
     c = vessel[0]
     s = state[0]
     work = scratch[0]
-    left = tapered(vessel, state)
+    left = taper(vessel, state)
     if s.sea_height == 0.0 or left == 0.0:
         return
     work.g, work.depth, work.half_length = c.g, max(s.z, 0.0), 0.5 * c.ell

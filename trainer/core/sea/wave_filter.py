@@ -45,7 +45,7 @@ def corner(omega: float, g: float, which: int) -> float:
 
 
 @kernel
-def warped(omega: float, h: float) -> float:
+def warp(omega: float, h: float) -> float:
     """Return tan(omega h/2) [-], the angle at most WIDEST."""
     adjacent, opposite = cosine_and_sine(min(0.5 * omega * h, WIDEST))
     return opposite / adjacent
@@ -129,7 +129,7 @@ def prepare_filter(g: float, omega: float, h: float, scratch: Record) -> None:
         return
     work.omega, work.h = omega, h
     work.peak_number = omega * omega / g
-    low, high = warped(corner(omega, g, 0), h), warped(corner(omega, g, 1), h)
+    low, high = warp(corner(omega, g, 0), h), warp(corner(omega, g, 1), h)
     low_a0, work.low_a1, work.low_a2 = section(low, LOW_DAMPING)
     high_a0, work.high_a1, work.high_a2 = section(high, HIGH_DAMPING)
     filter_powers(low, high, scratch)
@@ -160,7 +160,7 @@ def filter_noise(scratch: Record, x: float, state: Record) -> None:
 
 
 @part
-def wrapped(angle: float) -> float:
+def wrap_angle(angle: float) -> float:
     """Return ``angle`` [rad] less the whole turns, from -pi to pi."""
     return angle - 6.283185307179586 * math.floor(angle * 0.15915494309189535 + 0.5)
 
@@ -177,7 +177,7 @@ def advance_filter(scratch: Record, h: float, state: Record) -> None:
     filter_noise(scratch, gaussian(int(s.seed), SEA_FILTER, int(s.tick)), state)
     north, east = cosine_and_sine(s.sea_direction)
     run = h * (s.xdot * north + s.ydot * east)
-    s.sea_drift = wrapped(s.sea_drift + work.peak_number * run)
+    s.sea_drift = wrap_angle(s.sea_drift + work.peak_number * run)
     turn_cos, turn_sin = cosine_and_sine(s.sea_drift)
     elevation, quadrature = s.sea_elevation, s.sea_quadrature
     s.sea_elevation = elevation * turn_cos + quadrature * turn_sin

@@ -22,10 +22,10 @@ from trainer.identify.kernels.covariance_filter import (
     Places,
     advance,
     condition,
+    has_settled,
     joint,
     predict,
     residual,
-    settled,
 )
 from trainer.identify.kernels.kernel import kernel, lean, part
 
@@ -80,7 +80,7 @@ def _follow(
                 return 0
             put_block(J, 0, joints[stage])
             put_block(P, J.shape[0], joints[stage])
-            constant = all_there(there) and settled(J, P)
+            constant = all_there(there) and has_settled(J, P)
         put(z, 0, line)
         size = 0.0
         for i in range(readings):

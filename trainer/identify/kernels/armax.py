@@ -5,7 +5,7 @@ from trainer.identify.kernels.kernel import kernel
 
 
 @kernel
-def filtered(c: Numbers, x: Numbers, out: Numbers) -> None:
+def filter_by_c(c: Numbers, x: Numbers, out: Numbers) -> None:
     """Write x/C(q), C = 1 + c1 q^-1 + ..., to ``out`` (N,), at rest before the first sample."""
     for t in range(x.size):
         total = x[t]
@@ -15,7 +15,7 @@ def filtered(c: Numbers, x: Numbers, out: Numbers) -> None:
 
 
 @kernel
-def combined(a: Numbers, b: Numbers, y: Numbers, u: Numbers, out: Numbers) -> None:
+def combine(a: Numbers, b: Numbers, y: Numbers, u: Numbers, out: Numbers) -> None:
     """Write A(q) y - B(q) u to ``out`` (N,), with zeros before the first sample.
 
     A = 1 + a1 q^-1 + ..., B = b1 q^-1 + ....
@@ -30,7 +30,7 @@ def combined(a: Numbers, b: Numbers, y: Numbers, u: Numbers, out: Numbers) -> No
 
 
 @kernel
-def simulated(a: Numbers, b: Numbers, u: Numbers, disturbance: Numbers, out: Numbers) -> None:
+def simulate_armax(a: Numbers, b: Numbers, u: Numbers, disturbance: Numbers, out: Numbers) -> None:
     """Write y of A(q) y = B(q) u + ``disturbance`` to ``out`` (N,), at rest before."""
     for t in range(u.size):
         total = disturbance[t]

@@ -133,7 +133,7 @@ def advance(J: Entries, v: Entries, error: Entries, z: Entries, P: Entries) -> N
 
 
 @part
-def settled(J: Numbers, P: Numbers) -> bool:
+def has_settled(J: Numbers, P: Numbers) -> bool:
     """Return whether the covariance in the swept ``J`` is that in ``P``."""
     for i in range(P.shape[0]):
         for j in range(i + 1):

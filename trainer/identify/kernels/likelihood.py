@@ -11,7 +11,7 @@ import numpy as np
 
 from trainer.core.kernel import Numbers
 from trainer.identify.kernels.blocks import clear, put, put_block
-from trainer.identify.kernels.covariance_filter import Places, predict, run_length, settled
+from trainer.identify.kernels.covariance_filter import Places, has_settled, predict, run_length
 from trainer.identify.kernels.kernel import kernel, lean, part
 
 
@@ -76,7 +76,7 @@ def _advance(J: Numbers, v: Numbers, z: Numbers, P: Numbers) -> None:
 
 
 @part
-def _closed(mean: Numbers, J: Numbers, states: int, out: Numbers) -> None:
+def _closed_filter(mean: Numbers, J: Numbers, states: int, out: Numbers) -> None:
     """Write the settled filter's matrix: rows (x, error of unit variance), columns as below.
 
     Columns are (reading, u_old, u, 1, x), the first of them those of the table.
@@ -157,11 +157,11 @@ def _filter(
         sums[0] += determinant
         if math.isnan(determinant):
             return
-        constant = sums[3] - before == readings and settled(J, P)
+        constant = sums[3] - before == readings and has_settled(J, P)
         _advance(J, v, z, P)
         k += 1
         if constant and k < table.shape[0] and which[k] == which[k - 1]:
-            _closed(W, J, states, closed)
+            _closed_filter(W, J, states, closed)
             taken = _run_settled(closed, table[k : run_length(which, k)], z, v, sums)
             sums[0] += taken * determinant
             sums[2] += taken

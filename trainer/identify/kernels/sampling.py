@@ -130,7 +130,7 @@ def propagate(
 
 
 @part
-def _bounded(lag: complex, interval: float) -> complex:
+def _bound_lag(lag: complex, interval: float) -> complex:
     """Return ``lag`` [s] within 0 and ``interval`` [s]."""
     if lag.real <= 0.0:
         return 0.0 * lag
@@ -187,7 +187,7 @@ def sample_instants(
     clear(covariance)
     for b in range(batch):
         for m in range(intervals.size):
-            ends[0] = _bounded(lag[b], intervals[m])
+            ends[0] = _bound_lag(lag[b], intervals[m])
             ends[1] = intervals[m] - ends[0]
             _over(
                 drift[b, :states],
@@ -230,7 +230,7 @@ def sample_integrals(
             for j in range(columns):
                 stacked[i, j if j < states else j + rows - states] = drift[b, i, j]
         for m in range(intervals.size):
-            ends[0] = _bounded(lag[b], intervals[m])
+            ends[0] = _bound_lag(lag[b], intervals[m])
             ends[1] = intervals[m] - ends[0]
             _over(stacked, noise[b], ends, room, whole, covariance[b, m])
             for i in range(rows):

@@ -16,10 +16,10 @@ from trainer.identify.kernels.covariance_filter import (
     Places,
     advance,
     condition,
+    has_settled,
     joint,
     predict,
     residual,
-    settled,
 )
 from trainer.identify.kernels.kernel import kernel, lean, part
 
@@ -84,7 +84,7 @@ def _entry(J: Numbers, dJ: Numbers, states: int, place: tuple[int, int], value: 
 
 
 @part
-def _conditioned(J: Numbers, dJ: Numbers, lines: Numbers, dP: Numbers) -> float:
+def _condition(J: Numbers, dJ: Numbers, lines: Numbers, dP: Numbers) -> float:
     """Return how much ``dP`` changes [-], squared, as it becomes that after the readings.
 
     ``lines`` (3 or more, p) is scratch.
@@ -146,7 +146,7 @@ def _mean_slopes(mean: Numbers, slopes: Numbers, z: Numbers, dx: Numbers, out: N
 
 
 @part
-def _standardised(U: Numbers, dv: Numbers, states: int, out: Numbers) -> None:
+def _standardise(U: Numbers, dv: Numbers, states: int, out: Numbers) -> None:
     """Write U d(error) to ``out`` (y, p); the error is reading less prediction."""
     readings, count = out.shape
     for i in range(readings):
@@ -223,10 +223,10 @@ def _rows(
             if math.isnan(condition(J, error, there)):
                 return 0
             _root(J, readings, U)
-            moved = _conditioned(J, dJ, lines, dP)
-            constant = all_there(there) and settled(J, P) and moved < SETTLED
+            moved = _condition(J, dJ, lines, dP)
+            constant = all_there(there) and has_settled(J, P) and moved < SETTLED
             _gain_slopes(J, dJ, states, lines)
-        _standardised(U, dv, states, errors[k])
+        _standardise(U, dv, states, errors[k])
         _next_slopes(J, dJ, error, dv, dx)
         if constant:
             steady_step(J, v, error, z)

@@ -27,7 +27,7 @@ def magnitude(x: complex) -> complex:
 
 
 @kernel
-def _correlated(first: complex, second: complex, angle: complex) -> complex:
+def _covariance(first: complex, second: complex, angle: complex) -> complex:
     """Return a covariance from two variances and the angle whose sine is their correlation."""
     return np.sqrt(magnitude(first) * magnitude(second)) * np.sin(angle)
 
@@ -89,7 +89,7 @@ def _model_1(t: Complexes, ship: Numbers, drift: Complexes, noise: Complexes) ->
         drift[1, j] = i21 * force[0, j] + i22 * force[1, j]
     drift[2, 1] = 1.0
     y, n = magnitude(t[17]), magnitude(t[18])
-    q = _correlated(t[17], t[18], t[19])
+    q = _covariance(t[17], t[18], t[19])
     noise[0, 0] = i11 * i11 * y + 2.0 * i11 * i12 * q + i12 * i12 * n
     noise[1, 1] = i21 * i21 * y + 2.0 * i21 * i22 * q + i22 * i22 * n
     noise[0, 1] = i11 * i21 * y + (i11 * i22 + i12 * i21) * q + i12 * i22 * n
@@ -141,7 +141,7 @@ def model_2(
         drift[b, 0, 1] = drift[b, 1, 2] = 1.0
         drift[b, 3, 0] = KNOT
         drift[b, 3, 4] = t[9]
-        noise[b, 0, 1] = noise[b, 1, 0] = _correlated(t[10], t[11], t[13])
+        noise[b, 0, 1] = noise[b, 1, 0] = _covariance(t[10], t[11], t[13])
         noise[b, 0, 2] = noise[b, 2, 0] = t[14]
         noise[b, 1, 2] = noise[b, 2, 1] = t[15]
         noise[b, 3, 3] = magnitude(t[16])
@@ -165,7 +165,7 @@ def _yaw_outputs(readings: Complexes, ship: Numbers, drift: Complexes, noise: Co
             drift[row, 2] = 1.0 / DEGREE
             noise[row, row] = magnitude(readings[2])
     if drift.shape[0] == 5:
-        noise[3, 4] = noise[4, 3] = _correlated(readings[1], readings[2], readings[3])
+        noise[3, 4] = noise[4, 3] = _covariance(readings[1], readings[2], readings[3])
 
 
 @kernel
@@ -191,7 +191,7 @@ def model_3(
         drift[b, 1, 3] = DEGREE * k * k * t[3]
         drift[b, 1, 4] = t[6]
         noise[b, 0, 0], noise[b, 1, 1] = magnitude(t[8]), magnitude(t[9])
-        noise[b, 0, 1] = noise[b, 1, 0] = _correlated(t[8], t[9], t[10])
+        noise[b, 0, 1] = noise[b, 1, 0] = _covariance(t[8], t[9], t[10])
         readings[0] = t[7]
         readings[1], readings[2], readings[3] = t[11], t[12], t[13]
         _yaw_outputs(readings, ship, drift[b], noise[b])

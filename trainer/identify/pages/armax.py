@@ -5,14 +5,14 @@ from dataclasses import dataclass
 from typing import Final
 
 from trainer.analysis.report.plots import Panel
-from trainer.analysis.report.text import INDENT, cut, figure, table, wrapped
+from trainer.analysis.report.text import INDENT, cut, figure, table, wrap
 from trainer.config.files import ConfigError
 from trainer.identify.armax_orders import (
     FirstOrder,
     Orders,
-    delayed,
+    detrend,
+    remove_delay,
     rounding_poles,
-    treated,
     try_orders,
     without_wind,
 )
@@ -77,7 +77,7 @@ class Report:
     verdicts: tuple[str, ...]  # on the order of least AIC
 
 
-def carried_out(study: Study) -> tuple[Report, Orders]:
+def carry_out(study: Study) -> tuple[Report, Orders]:
     """Return the models of a study; ConfigError if its record has gaps or is too short."""
     asked = study.armax
     if asked is None:
@@ -90,7 +90,9 @@ def carried_out(study: Study) -> tuple[Report, Orders]:
     how, dead = asked.remove or "mean", int(asked.dead_time or 0)
     if not samples.whole:
         raise ConfigError(f"{record.source}: ARMAX needs a record without missing values; cut it")
-    y, u = delayed(treated(samples.outputs[:, 0], how), treated(samples.inputs[:, 0], how), dead)
+    y, u = remove_delay(
+        detrend(samples.outputs[:, 0], how), detrend(samples.inputs[:, 0], how), dead
+    )
     orders = try_orders(
         y,
         u,
@@ -174,7 +176,7 @@ def render(report: Report) -> str:
         f"{INDENT}removed: {report.removed}; dead time {report.dead_time} samples",
     ]
     if report.findings:
-        lines += ["", *(line for text in report.findings for line in wrapped(f"- {text}"))]
+        lines += ["", *(line for text in report.findings for line in wrap(f"- {text}"))]
     rows = [
         (
             str(row.order),
@@ -202,7 +204,7 @@ def render(report: Report) -> str:
         ship = report.first_order
         lines += ["", f"{INDENT}Order 2 without wind: K {ship.K:.4g} 1/s, T {ship.T:.4g} s"]
     lines += ["", *residual_table((chosen.residuals,))]
-    lines += [line for text in report.verdicts for line in wrapped(f"- {text}")]
+    lines += [line for text in report.verdicts for line in wrap(f"- {text}")]
     return "\n".join(lines)
 
 
@@ -215,13 +217,13 @@ def _coefficient_table(row: Row) -> list[str]:
 
 def _root_lines(row: Row) -> list[str]:
     """Return poles and zeros in the z plane."""
-    lines = wrapped(f"Poles {_roots(row.poles)}", INDENT, 2 * INDENT)
-    lines += wrapped(f"Zeros {_roots(row.zeros)}", INDENT, 2 * INDENT)
+    lines = wrap(f"Poles {_roots(row.poles)}", INDENT, 2 * INDENT)
+    lines += wrap(f"Zeros {_roots(row.zeros)}", INDENT, 2 * INDENT)
     for pole, zero in row.rounding:
         text = f"the pole {pole:.2f} beside the zero {zero:.2f} is of rounded readings, not a ship"
-        lines += wrapped(f"- {text}")
+        lines += wrap(f"- {text}")
     if row.inseparable:
-        lines += wrapped(f"- the record cannot separate {', '.join(row.inseparable)}")
+        lines += wrap(f"- the record cannot separate {', '.join(row.inseparable)}")
     return lines
 
 

@@ -7,7 +7,7 @@ from typing import Any, Final
 import numpy as np
 
 from trainer.analysis.report.plots import Curve, Panel
-from trainer.analysis.report.text import INDENT, cut, figure, table, wrapped
+from trainer.analysis.report.text import INDENT, cut, figure, table, wrap
 from trainer.config.vessel import VesselFile
 from trainer.identify.derived import QUANTITIES
 from trainer.identify.design import Prospect, Reading, prospect
@@ -15,12 +15,12 @@ from trainer.identify.experiment import (
     LEAD,
     Sequence,
     exercise_text,
-    flown,
+    fly_trial,
     remarks,
-    scheduled,
-    suggested_bits,
-    suggested_hold,
-    suggested_interval,
+    schedule_orders,
+    suggest_bits,
+    suggest_hold,
+    suggest_interval,
     zigzag_flight,
     zigzag_orders,
     zigzag_told,
@@ -72,13 +72,13 @@ def design(file: VesselFile, options: dict[str, Any]) -> Design:
     speed_kn = options["speed"] or file.run.start_speed_kn
     speed, step = speed_kn * KNOT, file.run.step_s
     ship = steering(file, speed)
-    interval = options["interval"] or suggested_interval(ship.nomoto, step)
+    interval = options["interval"] or suggest_interval(ship.nomoto, step)
     depth = options["depth"] or file.run.start_depth_m
     if options["zigzag"]:
         kind, orders, seconds, told = _zigzag(file, speed, options)
     else:
         kind, orders, seconds, told = _sequence(ship.nomoto, interval, options)
-    flight = flown(file, scheduled(orders), speed, depth, seconds)
+    flight = fly_trial(file, schedule_orders(orders), speed, depth, seconds)
     record = flight.every(max(1, round(interval / step)))
     sensors = Sensors(
         sway_kn=options["sway"],
@@ -112,9 +112,9 @@ def _largest(values: Any) -> float:
 
 def _sequence(ship: Nomoto, interval: float, options: dict[str, Any]) -> Any:
     """Return kind, orders, duration [s] and what is told of a binary sequence."""
-    hold = options["hold"] or suggested_hold(ship, interval)
+    hold = options["hold"] or suggest_hold(ship, interval)
     sequence = Sequence(
-        bits=options["bits"] or suggested_bits(ship, hold),
+        bits=options["bits"] or suggest_bits(ship, hold),
         amplitude_deg=options["amplitude"],
         hold_s=hold,
         periods=options["periods"],
@@ -160,7 +160,7 @@ def render(report: Report) -> str:
     lines = [
         f"RUDDER EXPERIMENT: {report.kind}",
         f"{INDENT}{cut(report.vessel, 70)}, {report.speed_kn:g} kn",
-        *wrapped(settings, INDENT, INDENT),
+        *wrap(settings, INDENT, INDENT),
         f"{INDENT}{report.seconds:g} s, {len(report.orders)} orders",
         "",
         f"{INDENT}In a calm she swings to {report.largest_heading_deg:.0f} deg, {_pace(report)}.",
@@ -187,7 +187,7 @@ def render(report: Report) -> str:
     ]
     lines += table(("quantity", "unit", "value", "std dev", "%"), rows)
     if report.remarks:
-        lines += ["", *(line for one in report.remarks for line in wrapped(f"- {one}"))]
+        lines += ["", *(line for one in report.remarks for line in wrap(f"- {one}"))]
     return "\n".join(lines)
 
 

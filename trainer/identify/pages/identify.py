@@ -5,16 +5,16 @@ from typing import Final
 import numpy as np
 
 from trainer.analysis.report.plots import Curve, Panel
-from trainer.analysis.report.text import INDENT, cut, figure, table, wrapped
+from trainer.analysis.report.text import INDENT, cut, figure, table, wrap
 from trainer.identify.alternatives import Band, Rival, pulse_of, step_of
 from trainer.identify.models import UNITS
 from trainer.identify.nomoto import scale
-from trainer.identify.pages.results import Identified, Report, carried_out, errors_of
+from trainer.identify.pages.results import Identified, Report, carry_out, errors_of
 from trainer.identify.residuals import Residuals
 from trainer.identify.validation import alone
 from trainer.units import KNOT
 
-__all__ = ["carried_out", "panels", "render"]
+__all__ = ["carry_out", "panels", "render"]
 
 BAND: Final = 1.96  # standard deviations
 
@@ -30,7 +30,7 @@ def render(report: Report) -> str:
     ]
     if report.findings:
         lines += ["", f"{INDENT}The record:"]
-        lines += [line for text in report.findings for line in wrapped(f"- {text}")]
+        lines += [line for text in report.findings for line in wrap(f"- {text}")]
     lines += ["", *_parameter_table(report), "", *_ship_table(report)]
     lines += ["", f"{INDENT}She is {report.stability}."]
     if report.derivatives:
@@ -40,7 +40,7 @@ def render(report: Report) -> str:
         lines += ["", *rival_table(report)]
     if report.residuals:
         lines += ["", *residual_table(report.residuals)]
-        lines += [line for text in report.verdicts for line in wrapped(f"- {text}")]
+        lines += [line for text in report.verdicts for line in wrap(f"- {text}")]
     if report.check is not None:
         lines += ["", *_check_lines(report)]
     if report.bend is not None:
@@ -97,7 +97,7 @@ def _fit_lines(report: Report) -> list[str]:
     if report.screened:
         lines.append(f"{INDENT}{report.screened} samples were rejected as outliers")
     weakest = ", ".join(report.weakest)
-    lines += wrapped(
+    lines += wrap(
         f"Known least: {weakest} (scaled eigenvalue {report.eigenvalue:.2g})", INDENT, 2 * INDENT
     )
     return lines

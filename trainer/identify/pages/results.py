@@ -12,10 +12,10 @@ import numpy as np
 
 from trainer.config.files import ConfigError
 from trainer.config.vessel import load_vessel
-from trainer.identify.alternatives import PAIRED, Allowed, Rival, allowed, rivals_of
+from trainer.identify.alternatives import PAIRED, Allowed, Rival, draw_allowed, rivals_of
 from trainer.identify.derived import DERIVATIVES, QUANTITIES
 from trainer.identify.fitting import Fitted, fit, settings, table_of
-from trainer.identify.innovations import Shown, losses, shown, unlimited
+from trainer.identify.innovations import Shown, losses, no_limits, run_filter
 from trainer.identify.nonlinear import Bend
 from trainer.identify.prediction_error import Innovations
 from trainer.identify.residuals import Residuals, aic_of_likelihood, examine_residuals, verdicts
@@ -126,7 +126,7 @@ class Identified:
     others: Allowed
 
 
-def carried_out(
+def carry_out(
     study: Study, options: dict[str, Any], heard: Callable[[int, float], None]
 ) -> Identified:
     """Return the fit of a study and its report; ConfigError for what cannot be.
@@ -146,7 +146,7 @@ def carried_out(
         source = observed.record.source
         odd = (f"{source}: {finding}" for finding in observed.findings)
         raise ConfigError(*error.problems, *odd) from None
-    others = allowed(fitted)
+    others = draw_allowed(fitted)
     report = report_of(fitted, tuple(map(str, observed.findings)), others)
     tests = rivals_of(fitted, options["against"], options["without"])
     report = replace(report, rivals=tests)
@@ -200,7 +200,7 @@ def report_of(fitted: Fitted, findings: tuple[str, ...], others: Allowed) -> Rep
 def errors_of(fitted: Fitted) -> Shown:
     """Return the one-step errors of a fit, by the predictor that was fitted."""
     cost, theta = fitted.cost, fitted.found.theta
-    run = shown(fitted.problem, theta, unlimited(len(fitted.problem.plant.outputs)))
+    run = run_filter(fitted.problem, theta, no_limits(len(fitted.problem.plant.outputs)))
     if not isinstance(cost, Innovations):
         return run
     errors = cost.errors(theta)

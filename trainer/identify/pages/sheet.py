@@ -6,7 +6,7 @@ from typing import Any
 
 from markupsafe import Markup
 
-from trainer.analysis.report.html import charts, embedded, page, paragraph, section, table
+from trainer.analysis.report.html import charts, embed, page, paragraph, section, table
 from trainer.analysis.report.panels import draw, legend
 from trainer.analysis.report.plots import Panel
 from trainer.identify.pages.results import Direction
@@ -28,7 +28,7 @@ def sheet(title: str, text: str, panels: Iterable[Panel], report: Any) -> str:
             section("numbers", "Numbers", Markup("<pre>{}</pre>\n").format(rest)),
             _directions(getattr(report, "eigenvalues", ())),
         ],
-        data=embedded(asdict(report)),
+        data=embed(asdict(report)),
     )
 
 

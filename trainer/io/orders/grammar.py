@@ -194,12 +194,16 @@ def read(tokens: list[str]) -> Reading:
             for said in match(places[i], token)
         ]
         if not alive:
-            raise RefusedError(unexpected(tokens, i, offered(reached if i else list(READINGS), i)))
+            raise RefusedError(
+                describe_unexpected(
+                    tokens, i, list_alternatives(reached if i else list(READINGS), i)
+                )
+            )
         alive = in_full(alive, i, token)
     refuse_doubt(tokens, alive)
     whole = [reading for reading in alive if len(reading.places) == len(tokens)]
     if not whole:
-        expected = either(wanted(offered(alive, len(tokens))))
+        expected = either(describe_places(list_alternatives(alive, len(tokens))))
         raise RefusedError(f"{' '.join(tokens)} what? expected {expected}")
     if whole[0].form.refusal:
         raise RefusedError(whole[0].form.refusal)
@@ -218,7 +222,7 @@ def in_full(alive: list[Reading], i: int, token: str) -> list[Reading]:
     ]
 
 
-def offered(readings: list[Reading], i: int) -> list[Place]:
+def list_alternatives(readings: list[Reading], i: int) -> list[Place]:
     """Return what may stand at `i`; what would be refused only where nothing else may."""
     good = [reading for reading in readings if not reading.form.refusal]
     return [reading.places[i] for reading in good or readings]
@@ -249,7 +253,7 @@ def refuse_doubt(tokens: list[str], alive: list[Reading]) -> None:
             raise RefusedError(f'"{token}" may be {either(sorted(meant.values()))}')
 
 
-def unexpected(tokens: list[str], i: int, places: list[Place]) -> str:
+def describe_unexpected(tokens: list[str], i: int, places: list[Place]) -> str:
     """Return why token `i` fits none of the places, with the nearest word that would."""
     token, before = tokens[i], " ".join(tokens[:i])
     if not places:
@@ -261,10 +265,10 @@ def unexpected(tokens: list[str], i: int, places: list[Place]) -> str:
     hint = f"; did you mean {near[0]}?" if near else ""
     if not before:
         return f'"{token}" is no order{hint or "; help lists them"}'
-    return f'"{token}" after "{before}"{hint or f": expected {either(wanted(places))}"}'
+    return f'"{token}" after "{before}"{hint or f": expected {either(describe_places(places))}"}'
 
 
-def wanted(places: list[Place]) -> list[str]:
+def describe_places(places: list[Place]) -> list[str]:
     """Return what fits the places, in words, once each."""
     found: dict[str, None] = {}
     for place in places:

@@ -81,7 +81,7 @@ def hear_machine(line: str) -> Heard:
 
     if len(line) > LONGEST:
         return bad(f"line of {len(line)} characters; the longest is {LONGEST}")
-    body, trouble = opened(line)
+    body, trouble = open_frame(line)
     head, comma, rest = body.partition(",")
     if trouble or head != "TRO" or not comma:
         return bad(trouble or "a program's line is $TRO,[tag,]order*checksum")
@@ -96,7 +96,7 @@ def hear_machine(line: str) -> Heard:
     return Heard(order, machine=True, tag=first)
 
 
-def opened(line: str) -> tuple[str, str]:
+def open_frame(line: str) -> tuple[str, str]:
     """Return what a sentence frames and "", or "" and why it is none."""
     found = FRAME.fullmatch(line)
     if not found:
@@ -111,7 +111,7 @@ def opened(line: str) -> tuple[str, str]:
 
 def read(line: str) -> Sentence | None:
     """Return the sentence on `line`, None when it is damaged or no sentence; never raises."""
-    body, _ = opened(line.strip())
+    body, _ = open_frame(line.strip())
     kind, _, content = body.partition(",")
     if kind not in KINDS:
         return None
@@ -134,41 +134,41 @@ def tells_when(kind: str, fields: tuple[str, ...]) -> bool:
 
 def order_sentence(words: str, tag: str = "") -> str:
     """Return an order as a program sends it."""
-    return framed("TRO", tag, words)
+    return frame("TRO", tag, words)
 
 
 def answer(tag: str, *, accepted: bool, text: str) -> str:
     """Return the last line of an answer: whether it was done, and what holds now, or why not."""
-    return framed("TRA", tag, f"{'ok' if accepted else 'no'},{safe(text)}")
+    return frame("TRA", tag, f"{'ok' if accepted else 'no'},{safe(text)}")
 
 
 def say(tag: str, text: str) -> str:
     """Return a line of a long answer, before the last."""
-    return framed("TRA", tag, f"say,{safe(text)}")
+    return frame("TRA", tag, f"say,{safe(text)}")
 
 
 def names(channel: str, fields: Iterable[tuple[str, str]]) -> str:
     """Return the names and units of a channel's values, in their order."""
-    return framed("TRN", "", ",".join([channel, *(f"{name}:{unit}" for name, unit in fields)]))
+    return frame("TRN", "", ",".join([channel, *(f"{name}:{unit}" for name, unit in fields)]))
 
 
 def state(channel: str, tick: int, seconds: float, values: Iterable[str]) -> str:
     """Return the values of a channel at a tick [-], a time [s]."""
     fields = (UNSAFE_FIELD.sub("?", value) for value in values)
-    return framed("TRS", "", ",".join([channel, f"{tick}", f"{seconds:.3f}", *fields]))
+    return frame("TRS", "", ",".join([channel, f"{tick}", f"{seconds:.3f}", *fields]))
 
 
 def event(tick: int, seconds: float, kind: str, text: str) -> str:
     """Return something that happened at a tick [-], a time [s]."""
-    return framed("TRE", "", f"{tick},{seconds:.3f},{UNSAFE_FIELD.sub('?', kind)},{safe(text)}")
+    return frame("TRE", "", f"{tick},{seconds:.3f},{UNSAFE_FIELD.sub('?', kind)},{safe(text)}")
 
 
 def fact(tick: int, seconds: float, what: str, subject: str) -> str:
     """Return a fact for programs, one of FACTS, of a tick [-], a time [s]."""
-    return framed("TRF", "", f"{tick},{seconds:.3f},{what},{safe(subject)}")
+    return frame("TRF", "", f"{tick},{seconds:.3f},{what},{safe(subject)}")
 
 
-def framed(kind: str, tag: str, content: str) -> str:
+def frame(kind: str, tag: str, content: str) -> str:
     """Return a sentence with its checksum; the content holds no character that frames."""
     body = ",".join(filter(None, (kind, tag, content)))
     return f"${body}*{checksum(body):02X}"

@@ -116,10 +116,10 @@ def connect(path: Path, options: str) -> sqlite3.Connection:
     """Return a connection without transactions of its own making; `options` as in an SQLite URI."""
     name = f"{path.absolute().as_uri()}?{options}"
     threads = {"check_same_thread": False}  # who writes has a lock
-    return _guarded(sqlite3.connect(name, PATIENCE, isolation_level=None, uri=True, **threads))
+    return _guard(sqlite3.connect(name, PATIENCE, isolation_level=None, uri=True, **threads))
 
 
-def _guarded(connection: sqlite3.Connection) -> sqlite3.Connection:
+def _guard(connection: sqlite3.Connection) -> sqlite3.Connection:
     """Return a connection to what may be anybody's file, with bounds to what SQLite does for it."""
     for limit, most in BOUNDS:
         connection.setlimit(limit, most)
@@ -193,7 +193,7 @@ def look(path: Path) -> sqlite3.Connection:
             raise RecordingError(f"{path} cannot be read: {error}") from None
     try:
         if _beside(path, "-wal").exists():
-            return _readable(_copied(path), path)
+            return _readable(_copy(path), path)
         return _readable(connect(path, "mode=ro&immutable=1"), path)
     except sqlite3.OperationalError as error:
         raise RecordingError(f"{path} cannot be read: {error}") from None
@@ -316,9 +316,9 @@ def _claim(connection: sqlite3.Connection, path: Path) -> None:
         ) from None
 
 
-def _copied(path: Path) -> sqlite3.Connection:
+def _copy(path: Path) -> sqlite3.Connection:
     """Return a private copy of a recording and of what was left beside it."""
-    private = _guarded(sqlite3.connect("", isolation_level=None))
+    private = _guard(sqlite3.connect("", isolation_level=None))
     with tempfile.TemporaryDirectory() as folder:
         copy = Path(folder) / "recording"
         shutil.copyfile(path, copy)

@@ -312,7 +312,7 @@ class Past:
     def _journalled(self, branch: Branch, rows: list[Row]) -> list[Journalled]:
         """Return orders of a branch; RecordingError for one where nothing was flown."""
         last = self.last_tick(branch.id) + LEEWAY
-        orders = [_journalled(row) for row in rows]
+        orders = [_as_journalled(row) for row in rows]
         for order in orders:
             if not branch.tick <= order.tick <= last:
                 raise self._damaged(f"order {order.id} was given at tick {order.tick}")
@@ -322,7 +322,7 @@ class Past:
         return RecordingError(f"{self._name} is damaged: {why}")
 
 
-def _journalled(row: tuple[Any, ...]) -> Journalled:
+def _as_journalled(row: tuple[Any, ...]) -> Journalled:
     number, branch, tick, who, text, place, accepted, answer = row
     known = None if accepted is None else bool(accepted)
     return Journalled(number, branch, tick, who, text, place, known, answer)

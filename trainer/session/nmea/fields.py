@@ -13,7 +13,7 @@ SATELLITES, DILUTION = "08", "1.0"  # readers take no position without: not of t
 BELLS: Final = {bell.replace(" ", "-"): position for bell, position in POSITIONS.items()}
 
 
-def recommended(s: Readings) -> tuple[str, ...]:
+def rmc_fields(s: Readings) -> tuple[str, ...]:
     """Return the fields of RMC."""
     way = number(s.over_ground, 2), number(s.track, 2), date(s.at)
     return (
@@ -63,7 +63,7 @@ def attitude(s: Readings) -> tuple[str, ...]:
     return (f"{time_of_day(s.at)}0", *angles, "", "", "", "", "0", "0")
 
 
-def ordered_rudder(s: Readings) -> tuple[str, ...]:
+def ror_fields(s: Readings) -> tuple[str, ...]:
     """Return the fields of ROR."""
     return (*starboard(s.rudder.ordered), "B")
 

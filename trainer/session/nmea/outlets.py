@@ -26,7 +26,14 @@ from trainer.io.server import Server
 from trainer.io.udp import Datagrams
 from trainer.session.nmea.orders import NmeaLine, Readers
 from trainer.session.nmea.position import Chart, chart_at
-from trainer.session.nmea.sentences import NAMES, Instrument, InstrumentSet, Sampled, chosen, widest
+from trainer.session.nmea.sentences import (
+    NAMES,
+    Instrument,
+    InstrumentSet,
+    Sampled,
+    choose_instruments,
+    widest,
+)
 from trainer.session.options import RunOptions
 from trainer.session.ports import PATIENCE, Ports
 from trainer.session.stations.access import Access
@@ -84,7 +91,7 @@ def open_outlets(
     if not urls and path is None:
         return []
     outlets = Outlets(
-        chosen(named(options.nmea_sentences)),
+        choose_instruments(parse_names(options.nmea_sentences)),
         options.nmea_rate,
         origin(options.origin),
         start_of(recording),
@@ -200,7 +207,7 @@ def local(host: str) -> bool:
     return host == "localhost"
 
 
-def named(text: str | None) -> Sequence[str]:
+def parse_names(text: str | None) -> Sequence[str]:
     """Return the names of a list with commas, all for none; ConfigError naming the nearest."""
     if text is None:
         return NAMES

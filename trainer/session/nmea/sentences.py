@@ -54,7 +54,7 @@ INSTRUMENTS: Final = (
             *("date ddmmyy", "-", "-", "E, dead reckoning"),
         ),
         TRUE,
-        tell.recommended,
+        tell.rmc_fields,
     ),
     Instrument(
         "INGGA",
@@ -131,7 +131,7 @@ INSTRUMENTS: Final = (
         "rudder ordered, by hand or by the autopilot",
         ("angle [deg], right positive", "A", "-", "V", "B, bridge"),
         "as ordered",
-        tell.ordered_rudder,
+        tell.ror_fields,
     ),
     Instrument(
         "INRPM",
@@ -231,7 +231,7 @@ INSTRUMENTS: Final = (
 NAMES: Final = tuple(dict.fromkeys(instrument.name for instrument in INSTRUMENTS))
 
 
-def chosen(names: Iterable[str]) -> tuple[Instrument, ...]:
+def choose_instruments(names: Iterable[str]) -> tuple[Instrument, ...]:
     """Return the instruments of those names, in the order that they are sent."""
     wanted = frozenset(names)
     return tuple(instrument for instrument in INSTRUMENTS if instrument.name in wanted)

@@ -80,7 +80,7 @@ def _place(name: str, place: str, unit: float = 1.0) -> Series:
     return Series(name, lambda block: block[place] / unit)
 
 
-def _kept(name: str, place: str, unit: float, kept: Callable[[Block], Numbers]) -> Series:
+def _standing_order(name: str, place: str, unit: float, kept: Callable[[Block], Numbers]) -> Series:
     """Return a standing order, where it is kept."""
     return Series(name, lambda block: np.where(kept(block) > 0.0, block[place] / unit, np.nan))
 
@@ -95,14 +95,18 @@ def _motion(boat: Boat) -> Iterator[Chart]:
     """Yield the charts of how she moves and is steered."""
     degree = np.pi / 180.0
     yield Chart(
-        "depth", "m", (_place("true", "z"), _kept("ordered", "ordered_depth", 1.0, depth_kept))
+        "depth",
+        "m",
+        (_place("true", "z"), _standing_order("ordered", "ordered_depth", 1.0, depth_kept)),
     )
     yield Chart(
         "course",
         "deg",
         (
             _place("true", "psi", degree),
-            _kept("ordered", "ordered_psi", degree, lambda block: 1.0 - block["rudder_by_hand"]),
+            _standing_order(
+                "ordered", "ordered_psi", degree, lambda block: 1.0 - block["rudder_by_hand"]
+            ),
         ),
     )
     yield Chart(
@@ -110,7 +114,9 @@ def _motion(boat: Boat) -> Iterator[Chart]:
         "kn",
         (
             _place("true", "u", KNOT),
-            _kept("ordered", "ordered_speed", KNOT, lambda block: 1.0 - block["speed_by_hand"]),
+            _standing_order(
+                "ordered", "ordered_speed", KNOT, lambda block: 1.0 - block["speed_by_hand"]
+            ),
             _place("turns make", "u_c", KNOT),
         ),
     )

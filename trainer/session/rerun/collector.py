@@ -58,7 +58,7 @@ class Gathering:
             if self._moved(last, each):
                 pictures.add(each, each.tick, self._seconds)
             self._last = each
-        return Batch(_block(pictures), _worked(worked), _told(told))
+        return Batch(_block(pictures), _timings(worked), _told_rows(told))
 
     def _moved(self, last: Taken | None, taken: Taken) -> bool:
         """Let time go on to a picture; return whether it is another than the last."""
@@ -103,7 +103,7 @@ def _block(rows: Rows) -> Block:
     )
 
 
-def _worked(rows: Rows) -> Worked:
+def _timings(rows: Rows) -> Worked:
     return Worked(
         rows.times,
         np.array([taken.lateness for taken in rows.handed], np.float64),
@@ -111,6 +111,6 @@ def _worked(rows: Rows) -> Worked:
     )
 
 
-def _told(rows: Rows) -> Told:
+def _told_rows(rows: Rows) -> Told:
     kinds = tuple(heard.kind for heard in rows.handed)
     return Told(rows.times, kinds, tuple(heard.text for heard in rows.handed))

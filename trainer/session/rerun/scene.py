@@ -50,11 +50,11 @@ class Scene:
         fix, size = self._outlet.fix, self._size
         fix(WORLD, rr.ViewCoordinates.FRD)
         fix(FOLLOWER, rr.ViewCoordinates.FRD)
-        fix(f"{BOAT}/hull", drawn(hull_mesh(size), HULL))
+        fix(f"{BOAT}/hull", draw_mesh(hull_mesh(size), HULL))
         if size.sail is not None:
-            fix(f"{BOAT}/sail", drawn(sail_mesh(size, size.sail), SAIL))
+            fix(f"{BOAT}/sail", draw_mesh(sail_mesh(size, size.sail), SAIL))
         for fin in self._fins:
-            fix(f"{BOAT}/{fin.name}/shape", drawn(fin.mesh, MOVING))
+            fix(f"{BOAT}/{fin.name}/shape", draw_mesh(fin.mesh, MOVING))
         self._begin_surroundings()
 
     def write(self, block: Block) -> None:
@@ -86,7 +86,7 @@ class Scene:
     def _begin_surroundings(self) -> None:
         """Write the sea about the boat, and the depths that are not to be passed."""
         fix, reach = self._outlet.fix, SQUARES * self._square
-        fix(f"{SEA}/surface", drawn(square(reach), WATER))
+        fix(f"{SEA}/surface", draw_mesh(square(reach), WATER))
         lines = grid(reach, self._square)
         fix(f"{SEA}/grid", rr.LineStrips3D(lines, colors=GRID, radii=0.0015 * self._square))
         for name, depth in depths(self._subject).items():
@@ -141,7 +141,7 @@ def depths(subject: Subject) -> dict[str, float]:
     return {name: depth for name, depth in named.items() if depth is not None}
 
 
-def drawn(mesh: Mesh, colour: Colour) -> Any:
+def draw_mesh(mesh: Mesh, colour: Colour) -> Any:
     """Return a mesh in a colour."""
     return rr.Mesh3D(
         vertex_positions=mesh.points,

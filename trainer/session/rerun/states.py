@@ -34,14 +34,14 @@ class Lane:
 def lanes_of(boat: Boat) -> tuple[Lane, ...]:
     """Return the lanes of the boat; those of casualties come with `casualty_lanes`."""
     steered = [name for name in ("rudder", "stern", "bow") if boat.toward[name]]
-    lanes = [Lane("lanes/run", _run, _told_run)]
+    lanes = [Lane("lanes/run", _run, _describe_run)]
     lanes += [_by_hand(name) for name in (*steered, "speed")]
     lanes.append(_several("lanes/held", tuple(f"held_{part}" for part in PARTS), PARTS))
     if boat.vessel.fitted:
         lanes.append(
             Lane("lanes/hover", lambda block: _whole(block["hover"]), ("", "on").__getitem__)
         )
-        lanes.append(Lane("lanes/blow", _blow, _told_blow))
+        lanes.append(Lane("lanes/blow", _blow, _describe_blow))
         lanes.append(_several("lanes/vents", tuple(f"vent_{name}" for name in VALVES), VALVES))
     return tuple(lanes)
 
@@ -73,7 +73,7 @@ def _run(block: Block) -> Whole:
     return 2 * block.branch + block.replaying
 
 
-def _told_run(code: int) -> str:
+def _describe_run(code: int) -> str:
     return f"{'replay of ' if code % 2 else ''}branch {code // 2}"
 
 
@@ -100,7 +100,7 @@ def _blow(block: Block) -> Whole:
     return _whole(positions @ 3.0 ** np.arange(len(VALVES)))
 
 
-def _told_blow(code: int) -> str:
+def _describe_blow(code: int) -> str:
     """Return which blow valves are open; each is a digit of the code to the base of three."""
     positions = [(name, code // 3**i % 3) for i, name in enumerate(VALVES)]
     return ", ".join(name + BLOWS[position] for name, position in positions if position)

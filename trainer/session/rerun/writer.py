@@ -65,7 +65,7 @@ class Writer:
                 return
             self._begun.add(lane.path)
             if lane.colours:
-                self._outlet.fix(lane.path, coloured(lane))
+                self._outlet.fix(lane.path, colours_of(lane))
         if words:
             self._outlet.send(lane.path, block.times.at(rows), rr.StateChange.columns(state=words))
 
@@ -85,7 +85,7 @@ def lines(labels: Sequence[str]) -> Any:
     return rr.SeriesLines(names=labels, colors=colours, widths=[1.5] * len(labels))
 
 
-def coloured(lane: Lane) -> Any:
+def colours_of(lane: Lane) -> Any:
     """Return the colours of a lane's words."""
     values, colours = list(lane.colours), list(lane.colours.values())
     return rr.StateConfiguration(values=values, labels=values, colors=colours)

@@ -208,7 +208,7 @@ def draining(frame: Frame) -> Value:
     return COMPARTMENTS[place - 1].removeprefix("compartment_") if place else None
 
 
-def held(frame: Frame) -> Value:
+def parts_held_still(frame: Frame) -> Value:
     """Return the parts that stand still while time goes on."""
     return "+".join(part for part in PARTS if frame[f"held_{part}"]) or None
 
@@ -287,7 +287,7 @@ CHANNELS: Final = (
         (
             word("time", lambda frame: "frozen" if frame.pace.frozen else "running"),
             Field("speed", "x", 1, speed_of_time),
-            word("held", held),
+            word("held", parts_held_still),
             Field("branch", "-", 0, lambda frame: float(frame.pace.branch)),
             word("replay", lambda frame: "yes" if frame.pace.replaying else "no"),
         ),

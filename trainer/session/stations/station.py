@@ -20,7 +20,7 @@ from trainer.session.stations.access import GUESSES, Access, NoiseLog
 from trainer.session.stations.channels import EVENTS, TELETYPE
 from trainer.session.stations.display import WIDTH
 from trainer.session.stations.roles import COMMON, INSTRUCTOR, ROLES, Role, hears, refusal
-from trainer.session.stations.subscriptions import Sending, Subscriptions, barred, unknown
+from trainer.session.stations.subscriptions import Sending, Subscriptions, unknown, why_barred
 
 ORDERS_A_SECOND: Final = 20  # of a line that came by itself; more wait
 ORDERS_AT_ONCE: Final = 100
@@ -292,7 +292,7 @@ class Station:
         if unheard_of:
             self._answer(heard, Refused(unheard_of))
             return
-        why = barred(channel, self.role)
+        why = why_barred(channel, self.role)
         if why is not None:
             self._refuse(heard, order, why)
             return

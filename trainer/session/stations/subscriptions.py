@@ -277,7 +277,7 @@ def unknown(channel: str, role: Role) -> str:
     return f"no channel {channel}{nearest(channel, there) or '; there is ' + ', '.join(there)}"
 
 
-def barred(channel: str, role: Role) -> str | None:
+def why_barred(channel: str, role: Role) -> str | None:
     """Return why a channel, events among them, is not for ``role``; None when it is."""
     if channel == EVENTS and role is not STRANGER:
         return None

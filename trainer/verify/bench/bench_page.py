@@ -17,20 +17,20 @@ def render(figures: Figures) -> str:
     machine = figures.machine
     versions = f"python {machine.python}, numpy {machine.numpy}, numba {machine.numba}"
     lines = [
-        *_wrapped(figures.vessel),
-        *_wrapped(f"{machine.cpu_model} ({machine.cpu_target}), {machine.cpu_count} processors"),
-        *_wrapped(f"{machine.system}, {versions}"),
+        *_wrap(figures.vessel),
+        *_wrap(f"{machine.cpu_model} ({machine.cpu_target}), {machine.cpu_count} processors"),
+        *_wrap(f"{machine.system}, {versions}"),
         *_real_time(figures.real_time),
         *_updates(figures.updates),
-        *_troubled(figures.troubled),
-        *_attended(figures.attended),
+        *_extra_cost(figures.troubled),
+        *_session_cost(figures.attended),
         *_latency(figures.latency),
         *_sizes(figures.sizes, figures.memory_1969_words_of_16_bits),
     ]
     return "\n".join(lines).encode("ascii", errors="replace").decode("ascii")
 
 
-def _wrapped(text: str) -> list[str]:
+def _wrap(text: str) -> list[str]:
     """Return ``text`` in lines of the page."""
     return textwrap.wrap(text, WIDTH, subsequent_indent="  ")
 
@@ -86,7 +86,7 @@ def _updates(updates: Iterable[Update]) -> list[str]:
     ]
 
 
-def _troubled(troubled: Troubled) -> list[str]:
+def _extra_cost(troubled: Troubled) -> list[str]:
     """Return what sea, tanks and casualties add to an update."""
     return [
         f"  with a sea, tanks at work and six casualties {troubled.troubled.median_ns:.0f}",
@@ -94,7 +94,7 @@ def _troubled(troubled: Troubled) -> list[str]:
     ]
 
 
-def _attended(attended: Attended) -> list[str]:
+def _session_cost(attended: Attended) -> list[str]:
     """Return what a tick of the session costs, by what attends to it."""
     names = ("boat", "bare session", "recorded", "5 subscribers", "a CSV row")
     costs = (

@@ -61,7 +61,7 @@ def sail_in_crowd(file: VesselFile, seconds: float) -> Crowd:
         words += ["--line", f"helm={hung.name}", "--listen", "none"]
         words += ["--socket", str(folder / "s"), "--record", str(folder / "run.trainer")]
         words += ["--rrd", str(folder / "run.rrd")] if rerun else []
-        account = attended(words, folder, hung, seconds)
+        account = run_attended(words, folder, hung, seconds)
         lateness, ticks = lateness_of(folder / "run.trainer")
     among = (f"{count} busy processes", "a console", "a hung serial line")
     return Crowd(
@@ -69,12 +69,12 @@ def sail_in_crowd(file: VesselFile, seconds: float) -> Crowd:
         granted=entry(account, "the clock"),
         step_s=file.run.step_s,
         ticks=ticks,
-        missed=missed(entry(account, "on time")),
+        missed=count_missed(entry(account, "on time")),
         lateness=lateness,
     )
 
 
-def attended(words: list[str], folder: Path, hung: Line, seconds: float) -> str:
+def run_attended(words: list[str], folder: Path, hung: Line, seconds: float) -> str:
     """Return the account of a session that a console attends, and a line that hangs."""
     for wish in WISHES:
         hung.say(wish)  # and nothing that it brings is ever read
@@ -148,7 +148,7 @@ def entry(account: str, name: str) -> str:
     return found[0].removeprefix(name).strip() if found else ""
 
 
-def missed(entry: str) -> int:
+def count_missed(entry: str) -> int:
     """Return how many deadlines an account says were missed."""
     parts = (part.split() for part in entry.split(","))
     return sum(int(part[1]) for part in parts if part and part[0] in MISSED)

@@ -123,7 +123,7 @@ def time_helm(file: VesselFile, seconds: float) -> EndToEnd:
             complaint = process.stderr.read().decode() if process.stderr else ""
     if not taken:
         raise ConfigError(f"{file.path.name}: the rudder is not seen to move; {complaint.strip()}")
-    return summed(taken, step)
+    return summarise(taken, step)
 
 
 def steer(helm: Line, instrument: Line, step: float, orders: int) -> Iterator[int]:
@@ -155,7 +155,7 @@ def reading(instrument: Line, until: float) -> float | None:
     return float(found[1]) if found else None
 
 
-def summed(taken: list[int], step: float) -> EndToEnd:
+def summarise(taken: list[int], step: float) -> EndToEnd:
     """Return the figures of times [ns] from order to instrument."""
     histogram, width = Histogram(), step / BINS
     counts = [0] * (int(max(taken) / SECOND / width) + 1)

@@ -25,7 +25,7 @@ from numba import carray  # type: ignore[attr-defined]
 
 from trainer.boat.export.targets import processor
 from trainer.config.files import ConfigError
-from trainer.core.actuators import moved
+from trainer.core.actuators import advance_surface
 from trainer.core.autopilot import (
     BOW,
     PLANE_GAINS,
@@ -40,7 +40,7 @@ from trainer.core.autopilot import (
     steer,
 )
 from trainer.core.ballast.ballast import balance
-from trainer.core.compact import forces, lagged
+from trainer.core.compact import forces, lagged_rates
 from trainer.core.integrators import adams
 from trainer.core.kinematics import kinematics
 from trainer.core.noise import SEA_FILTER, gaussian
@@ -114,10 +114,10 @@ def small_object(text: str, cpu: str) -> bytes:
     builder = binding.create_pass_builder(machine, tuning)
     module = binding.parse_assembly(text)
     builder.getModulePassManager().run(module, builder)
-    return bytes(machine.emit_object(stripped(str(module), builder)))
+    return bytes(machine.emit_object(strip(str(module), builder)))
 
 
-def stripped(text: str, builder: Any) -> Any:
+def strip(text: str, builder: Any) -> Any:
     """Return the module of optimised LLVM text, marked as small, without what nothing calls."""
     if not CALLED.search(text):
         text = HELD.sub("", text)
@@ -141,7 +141,7 @@ def sizes(code: bytes) -> tuple[int, int]:
 
 def footprint() -> Footprint:
     """Return what the tick takes on processors of today; ConfigError if it cannot be compiled."""
-    compiled = [compiled_in_order(order) for order in ORDERS]
+    compiled = [compile_in_order(order) for order in ORDERS]
     codes = tuple(
         Code(name, cpu, *min(found[name][cpu] for found in compiled), WORDS_1969[name])
         for name, by_cpu in compiled[0].items()
@@ -152,7 +152,7 @@ def footprint() -> Footprint:
     return Footprint(codes, state, compact, min(ticks) + compact + state, MEMORY)
 
 
-def compiled_in_order(order: str) -> dict[str, dict[str, tuple[int, int]]]:
+def compile_in_order(order: str) -> dict[str, dict[str, tuple[int, int]]]:
     """Return the words of code and of constants, by program and processor, in one of ORDERS."""
     environment = os.environ | {"NUMBA_OPT": "0", "NUMBA_DISABLE_JIT": "0"}
     words = [sys.executable, "-W", "ignore", "-c", CHILD, order]
@@ -192,7 +192,7 @@ def update_of_1969(vessel: Any, compact: Any, scheme: Any, state: Any, scratch: 
         carray(scratch, 1),
     )
     forces(few, how[0].trig, now, work[0].force)
-    lagged(few, work[0].force, now)
+    lagged_rates(few, work[0].force, now)
     kinematics(how[0].trig, now)
     adams(how, now)
     return 0
@@ -220,11 +220,13 @@ def tick_of_1969(vessel: Any, compact: Any, scheme: Any, state: Any, scratch: An
     drive(boat, h, now)
     balance(boat, boat, now)
     forces(few, how[0].trig, now, work[0].force)
-    lagged(few, work[0].force, now)
+    lagged_rates(few, work[0].force, now)
     kinematics(how[0].trig, now)
     adams(how, now)
     for i in range(3):
-        s.surface[i] = moved(s.surface[i], s.command[i], c.limit[i], c.surface_rate * h, 1.0)
+        s.surface[i] = advance_surface(
+            s.surface[i], s.command[i], c.limit[i], c.surface_rate * h, 1.0
+        )
     s.u_c += h / c.propulsion_lag * (s.command_u_c - s.u_c)
     s.tick += 1.0
     return 0

@@ -21,12 +21,12 @@ from trainer.core.kernel import Numbers
 from trainer.identify.estimate import estimate
 from trainer.identify.likelihood import Likelihood
 from trainer.identify.measurements import Samples
-from trainer.identify.minimise import Search, stretched
+from trainer.identify.minimise import Search, stretch
 from trainer.identify.monte_carlo import one_run
 from trainer.identify.problem import Problem
 from trainer.identify.reference_ships import TANKER, TANKER_RUDDER
-from trainer.identify.validation import deterministic, drawn
-from trainer.verify.bench.paired_timing import timed
+from trainer.identify.validation import deterministic, draw_outputs
+from trainer.verify.bench.paired_timing import time_in_turn
 from trainer.verify.c_reference.filter import likelihood_in_c
 
 Value = Callable[[], float]
@@ -74,7 +74,7 @@ def likelihoods_of_a_fit(cost: Likelihood, theta: Numbers) -> int:
     """
     from scipy.optimize import minimize  # noqa: PLC0415  optional
 
-    problem = stretched(cost, theta)
+    problem = stretch(cost, theta)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # differences between impossible models
         found = minimize(
@@ -145,12 +145,12 @@ def in_statsmodels() -> Other:
     return Other("statsmodels", partial(by_statsmodels, kalman))
 
 
-def recorded(problem: Problem) -> Problem:
+def draw_record(problem: Problem) -> Problem:
     """Return the problem with a record drawn from it."""
-    return problem.on(drawn(problem, problem.start, np.random.default_rng(1)))
+    return problem.on(draw_outputs(problem, problem.start, np.random.default_rng(1)))
 
 
-def varied(problem: Problem) -> Problem:
+def vary_intervals(problem: Problem) -> Problem:
     """Return the problem with no two intervals alike."""
     samples, period = problem.samples, problem.plant.period
     steps = np.random.default_rng(2).uniform(0.5, 1.5, len(samples.t))
@@ -161,7 +161,7 @@ def beside(record: str, problem: Problem, wanted: Sequence[tuple[Other, float]])
     """Return the likelihood's time by that of each other, with the most that is wanted of it."""
     theta = problem.start
     here = [other.make(problem, theta) for other, _ in wanted if other.make]
-    paces = timed([partial(Likelihood(problem).value, theta), *here])
+    paces = time_in_turn([partial(Likelihood(problem).value, theta), *here])
     rows, place = [], 0
     for other, at_most in wanted:
         name = f"likelihood, {record}, of {other.name}"
@@ -175,7 +175,7 @@ def slopes(problem: Problem) -> tuple[float, list[Row]]:
     """Return the likelihood's time [s], and in likelihoods that of gradient and information."""
     cost = Likelihood(problem)
     works = [partial(work, problem.start) for work in (cost.value, cost.slope, cost.information)]
-    paces = timed(works)
+    paces = time_in_turn(works)
     gradient, information = paces.ratio(1, 0), paces.ratio(2, 0)
     return paces.median(0), [
         Row("gradient, likelihoods", gradient, 10.0),
@@ -194,7 +194,7 @@ def fit(problem: Problem, other: Other) -> list[Row]:
     if other.make:
         works.append(other.make(problem, begin))
         asked = likelihoods_of_a_fit(cost, begin)
-    paces = timed(works)
+    paces = time_in_turn(works)
     ratio = paces.ratio(0, 1) / asked if asked else None
     note = f"which asks for {asked} likelihoods" if asked else other.why
     return [Row("fit, s", paces.median(0), 0.3), Row(name, ratio, 1.0 / 50.0, note)]
@@ -213,8 +213,8 @@ def many_fits(problem: Problem) -> Row:
 def identify_speed(samples: int) -> Speed:
     """Return how fast a ship is identified from records of so many samples."""
     rudder = TANKER_RUDDER[:samples]
-    whole, missing = (recorded(TANKER.problem(rudder, share)) for share in (0.0, MISSING))
-    changing = recorded(varied(TANKER.problem(rudder)))
+    whole, missing = (draw_record(TANKER.problem(rudder, share)) for share in (0.0, MISSING))
+    changing = draw_record(vary_intervals(TANKER.problem(rudder)))
     c, statsmodels = in_c(), in_statsmodels()
     alone, gradients = slopes(whole)
     rows = [
@@ -237,13 +237,13 @@ def lines(figures: Speed) -> list[str]:
         f"  {'':<44}{'figure':>10}{'at most':>10}",
     ]
     for row in figures.rows:
-        figure = "-" if row.figure is None else told(row.figure, row.at_most)
-        limit = told(row.at_most, row.at_most)
+        figure = "-" if row.figure is None else format_figure(row.figure, row.at_most)
+        limit = format_figure(row.at_most, row.at_most)
         page.append(f"  {row.name:<44}{figure:>10}{limit:>10}  {row.word}")
         page += textwrap.wrap(row.note, 75, initial_indent="    ", subsequent_indent="    ")
     return page
 
 
-def told(figure: float, at_most: float) -> str:
+def format_figure(figure: float, at_most: float) -> str:
     """Return a figure as it is wanted: as a fraction where that is one."""
     return f"1/{1.0 / figure:.3g}" if 0.0 < at_most < 0.2 else f"{figure:.3g}"

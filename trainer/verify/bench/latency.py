@@ -89,7 +89,7 @@ def steer(port: int, period: float, replies: Histogram) -> int:
                 line.sendall(f"{order_sentence(order, str(tag))}\n".encode("ascii"))
             except OSError:
                 return tag - 1
-            if not any(answered(text, str(tag)) for text in said):
+            if not any(ends_answer(text, str(tag)) for text in said):
                 return tag - 1
             if tag:
                 replies.add(time.perf_counter_ns() - begun)
@@ -97,7 +97,7 @@ def steer(port: int, period: float, replies: Histogram) -> int:
     raise AssertionError
 
 
-def answered(text: str, tag: str) -> bool:
+def ends_answer(text: str, tag: str) -> bool:
     """Return whether a line ends the answer to the order of that tag."""
     found = read(text)
     return bool(found and (found.kind, found.tag) == ("TRA", tag) and found.fields[0] != "say")

@@ -27,7 +27,7 @@ class Paces:
         return statistics.median(times[work] / times[other] for times in self.rounds)
 
 
-def timed(works: Sequence[Work]) -> Paces:
+def time_in_turn(works: Sequence[Work]) -> Paces:
     """Return what each of ``works`` takes, in short batches that take turns."""
     counts = [_enough(work) for work in works]
     return Paces(

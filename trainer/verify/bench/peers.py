@@ -83,7 +83,7 @@ def scipy_steps(integrate: Any, boat: Boat) -> Iterator[float]:
             yield flight.step_size
 
 
-def repeated(step: Callable[[], object]) -> Callable[[int], None]:
+def repeat(step: Callable[[], object]) -> Callable[[int], None]:
     """Return what takes so many steps."""
 
     def run(count: int) -> None:
@@ -112,7 +112,7 @@ def time_peers(file: VesselFile) -> Peers:
         steps.append(flight.__next__)
     else:
         missing.append("scipy")
-    ours, *costs = time_batches([repeated(step) for step in steps])
+    ours, *costs = time_batches([repeat(step) for step in steps])
     peers = tuple(
         Peer(
             name=name,

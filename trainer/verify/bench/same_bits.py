@@ -77,7 +77,7 @@ def for_level(level: str) -> dict[str, str]:
     return {"NUMBA_CPU_NAME": level, "NUMBA_CPU_FEATURES": "+sse2"}
 
 
-def flown(ticks: Callable[[], Ticks], last: int) -> str:
+def fly_hour(ticks: Callable[[], Ticks], last: int) -> str:
     """Return the digest of the hour up to ``last`` by what ``ticks`` makes."""
     return digest(fly_standard_hour(ticks(), last))
 
@@ -86,11 +86,11 @@ def ways(last: int) -> dict[str, Callable[[], str]]:
     """Return how to compute the hour up to ``last``, by name."""
     interpreted = {"NUMBA_DISABLE_JIT": "1"}
     return {
-        "compiled": partial(flown, lambda: in_a_loop, last),
-        f"in a fleet of {MEMBERS}": partial(flown, lambda: in_a_fleet, last),
+        "compiled": partial(fly_hour, lambda: in_a_loop, last),
+        f"in a fleet of {MEMBERS}": partial(fly_hour, lambda: in_a_fleet, last),
         "interpreted": partial(in_another_process, interpreted, last),
         **{level: partial(in_another_process, for_level(level), last) for level in levels_here()},
-        **{f"C, {way.name}": partial(flown, partial(build, way), last) for way in SAME_BITS},
+        **{f"C, {way.name}": partial(fly_hour, partial(build, way), last) for way in SAME_BITS},
     }
 
 

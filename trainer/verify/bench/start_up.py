@@ -42,17 +42,17 @@ class Starting:
 
 def time_starts() -> Starting:
     """Return how soon commands answer."""
-    numba = least(lambda: ended(sys.executable, "-c", "import numba"))
+    numba = least(lambda: time_to_end(sys.executable, "-c", "import numba"))
     with empty_cache() as environment:
-        first = least(lambda: ended(*TRAINER, *RUN, SLOW, **environment)) - 0.5 / float(SLOW)
-    ended(*TRAINER, *RUN, "max")  # compiles if need be
-    console = least(shown) if hasattr(os, "openpty") else None
+        first = least(lambda: time_to_end(*TRAINER, *RUN, SLOW, **environment)) - 0.5 / float(SLOW)
+    time_to_end(*TRAINER, *RUN, "max")  # compiles if need be
+    console = least(time_to_screen) if hasattr(os, "openpty") else None
     return Starting(
-        python=least(lambda: ended(sys.executable, "-c", "pass")),
+        python=least(lambda: time_to_end(sys.executable, "-c", "pass")),
         numba=numba,
-        help=least(lambda: ended(*TRAINER, "--help")),
+        help=least(lambda: time_to_end(*TRAINER, "--help")),
         first_run=first,
-        later_run=least(lambda: ended(*TRAINER, *RUN, "max")),
+        later_run=least(lambda: time_to_end(*TRAINER, *RUN, "max")),
         console=console,
         console_times_numba=console and console / numba,
     )
@@ -63,7 +63,7 @@ def least(measure: Callable[[], float]) -> float:
     return min(measure() for _ in range(TIMES))
 
 
-def ended(*command: str, **environment: str) -> float:
+def time_to_end(*command: str, **environment: str) -> float:
     """Return how long [s] a process took from its start to its end."""
     begun = time.perf_counter()
     subprocess.run(  # noqa: S603
@@ -86,7 +86,7 @@ def empty_cache() -> Iterator[dict[str, str]]:
             yield {"NUMBA_CACHE_DIR": name}
 
 
-def shown() -> float:
+def time_to_screen() -> float:
     """Return how long [s] the console took to show its first figures."""
     with tempfile.TemporaryDirectory(prefix="bench-") as folder, line() as screen:
         terminal = os.open(screen.name, os.O_RDWR | os.O_NOCTTY)

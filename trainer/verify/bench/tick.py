@@ -41,7 +41,7 @@ def time_batches(works: Sequence[Callable[[int], None]]) -> list[Batches]:
     """
     counts = [long_enough(work) for work in works]
     costs = [
-        [clocked(work, count) / count for work, count in zip(works, counts, strict=True)]
+        [time_repetitions(work, count) / count for work, count in zip(works, counts, strict=True)]
         for _ in range(BATCHES)
     ]
     return [
@@ -56,12 +56,12 @@ def long_enough(work: Callable[[int], None]) -> int:
     The best of three tells: neither the compiling of a first call nor an interruption counts.
     """
     count = 1
-    while min(clocked(work, count) for _ in range(3)) < BATCH_NS:
+    while min(time_repetitions(work, count) for _ in range(3)) < BATCH_NS:
         count *= 2
     return count
 
 
-def clocked(work: Callable[[int], None], count: int) -> int:
+def time_repetitions(work: Callable[[int], None], count: int) -> int:
     """Return the time [ns] that ``count`` repetitions take."""
     start = time.perf_counter_ns()
     work(count)

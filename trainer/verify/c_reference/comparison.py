@@ -17,7 +17,7 @@ from trainer.config.files import ConfigError
 from trainer.config.sea import load_sea
 from trainer.config.vessel import VesselFile, load_vessel
 from trainer.verify.bench.standard_hour import Ticks
-from trainer.verify.bench.tick import SEA, STANDARD, clocked, in_a_loop, ready
+from trainer.verify.bench.tick import SEA, STANDARD, in_a_loop, ready, time_repetitions
 from trainer.verify.c_reference.compiler import BUILDS, build, version
 
 TICKS: Final = 4000  # in a batch
@@ -74,11 +74,13 @@ def batch(boat: Boat, take: Ticks) -> Callable[[int], None]:
     return run
 
 
-def paired(work: Callable[[int], None], other: Callable[[int], None]) -> tuple[float, float, float]:
+def time_pair(
+    work: Callable[[int], None], other: Callable[[int], None]
+) -> tuple[float, float, float]:
     """Return the least times [ns] of a tick of two works, and the median ratio of their batches."""
     for each in (work, other):
         each(TICKS)
-    pairs = [(clocked(work, TICKS), clocked(other, TICKS)) for _ in range(PAIRS)]
+    pairs = [(time_repetitions(work, TICKS), time_repetitions(other, TICKS)) for _ in range(PAIRS)]
     ones, others = zip(*pairs, strict=True)
     ratio = statistics.median(one / another for one, another in pairs)
     return min(ones) / TICKS, min(others) / TICKS, ratio
@@ -88,7 +90,7 @@ def against(file: VesselFile, sea: str, ticks: list[Ticks]) -> tuple[Against, ..
     """Return the tick in a sea against each of the builds in C."""
     found = []
     for way, take in zip(BUILDS, ticks, strict=True):
-        one, other, ratio = paired(
+        one, other, ratio = time_pair(
             batch(under_way(file, sea), in_a_loop), batch(under_way(file, sea), take)
         )
         found.append(Against(way.name, " ".join(way.flags), one, other, ratio))
@@ -98,7 +100,7 @@ def against(file: VesselFile, sea: str, ticks: list[Ticks]) -> tuple[Against, ..
 def interpreted_ns(vessel: str) -> float:
     """Return the time [ns] of a tick in a sea, by the core as this process runs it."""
     run = batch(under_way(load_vessel(vessel), SEA), in_a_loop)
-    return min(clocked(run, SLOW_TICKS) for _ in range(3)) / SLOW_TICKS
+    return min(time_repetitions(run, SLOW_TICKS) for _ in range(3)) / SLOW_TICKS
 
 
 def without_jit(file: VesselFile) -> float:

@@ -137,11 +137,11 @@ def _struct(name: str, dtype: np.dtype) -> list[str]:
             lines.append("}; };")
             block_ends = 0
     whole = f"double whole[{dtype.itemsize // 8}];" if "whole" in (dtype.names or ()) else ""
-    lines += [f"}}; {whole} }};", "};", _asserted(f"sizeof(struct {name})", dtype.itemsize)]
-    return lines + [_asserted(f"offsetof(struct {name}, {p.name})", p.offset) for p in places]
+    lines += [f"}}; {whole} }};", "};", _assertion(f"sizeof(struct {name})", dtype.itemsize)]
+    return lines + [_assertion(f"offsetof(struct {name}, {p.name})", p.offset) for p in places]
 
 
-def _asserted(expression: str, value: int) -> str:
+def _assertion(expression: str, value: int) -> str:
     """Return what makes the compiler refuse another value [bytes]."""
     return f'_Static_assert({expression} == {value}, "not laid out like the record");'
 
@@ -188,7 +188,7 @@ def version() -> str:
     return done.stdout.partition("\n")[0] or compiler()[0]
 
 
-def compiled(source: Path, flags: Sequence[str]) -> ctypes.CDLL:
+def compile_source(source: Path, flags: Sequence[str]) -> ctypes.CDLL:
     """Return ``source`` compiled and loaded; NoCompilerError if that cannot be done."""
     with tempfile.TemporaryDirectory(prefix="trainer-") as folder:
         library = Path(folder) / "compiled.so"
@@ -203,7 +203,7 @@ def build(way: Build) -> Ticks:
     """Return the tick in C, compiled and loaded; NoCompilerError if that cannot be done."""
     with tempfile.TemporaryDirectory(prefix="trainer-") as folder:
         (Path(folder) / "records.h").write_text(header(), encoding="ascii")
-        take_ticks = compiled(SOURCES / "tick.c", [*way.flags, f"-I{folder}"]).take_ticks
+        take_ticks = compile_source(SOURCES / "tick.c", [*way.flags, f"-I{folder}"]).take_ticks
     address, number = ctypes.c_void_p, ctypes.c_int64
     take_ticks.argtypes = [address, address, address, number, address, address]
     take_ticks.restype = number

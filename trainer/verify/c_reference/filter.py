@@ -9,7 +9,7 @@ import numpy as np
 
 from trainer.core.kernel import Numbers
 from trainer.identify.problem import Problem
-from trainer.verify.c_reference.compiler import compiled
+from trainer.verify.c_reference.compiler import compile_source
 
 Value = Callable[[], float]  # minus the log-likelihood [-], the same again at each call
 
@@ -22,7 +22,7 @@ def likelihood_in_c() -> Callable[[Problem, Numbers], Value]:
 
     The continuous matrices are ours, and made before; sampling and filter are C's.
     """
-    function = compiled(SOURCE, ["-O3"]).minus_log_likelihood
+    function = compile_source(SOURCE, ["-O3"]).minus_log_likelihood
     address, whole, real = ctypes.c_void_p, ctypes.c_int64, ctypes.c_double
     function.argtypes = [*[address] * 4, real, address, whole, address, address, whole, address]
     function.restype = real

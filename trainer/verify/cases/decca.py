@@ -12,7 +12,15 @@ from typing import Final, NamedTuple
 import numpy as np
 
 from trainer.core.kernel import Numbers
-from trainer.identify.decca import Point, Slave, along, lane_at, smoothed, sway_of_track, track
+from trainer.identify.decca import (
+    Point,
+    Slave,
+    along,
+    lane_at,
+    smooth_spencer,
+    sway_of_track,
+    track,
+)
 from trainer.identify.derived import nomoto_of
 from trainer.identify.estimate import estimate
 from trainer.identify.likelihood import Likelihood
@@ -21,7 +29,7 @@ from trainer.identify.minimise import Search
 from trainer.identify.problem import Problem
 from trainer.identify.reference_ships import SHIP_DERIVATIVES, TANKER, sequence
 from trainer.identify.uncertainty import beside_bounds, uncertainty
-from trainer.identify.validation import drawn
+from trainer.identify.validation import draw_outputs
 from trainer.units import KNOT
 from trainer.verify.cases.ships import Figure
 
@@ -53,10 +61,10 @@ def voyage(seed: int) -> Voyage:
     rudder = sequence(COUNT, BIT, HELM, TANKER.period)
     step = TANKER.period / FINE
     problem = replace(TANKER, period=step, truth=truth).problem(np.repeat(rudder, FINE))
-    sway, rate, heading = drawn(problem, problem.start, stream).outputs.T
+    sway, rate, heading = draw_outputs(problem, problem.start, stream).outputs.T
     psi, v, u = np.radians(heading), sway * KNOT, TANKER.ship.speed
-    east = _summed(u * np.sin(psi) + v * np.cos(psi), step)
-    north = _summed(u * np.cos(psi) - v * np.sin(psi), step)
+    east = _integrate(u * np.sin(psi) + v * np.cos(psi), step)
+    north = _integrate(u * np.cos(psi) - v * np.sin(psi), step)
     places = [Point(START.x + e, START.y + n) for e, n in zip(east, north, strict=True)][::FINE]
     lanes = [
         {c: lane_at(slave, at) + LANES * stream.standard_normal() for c, slave in CHAIN.items()}
@@ -73,16 +81,16 @@ def voyage(seed: int) -> Voyage:
     )
 
 
-def _summed(rate: Numbers, step: float) -> Numbers:
+def _integrate(rate: Numbers, step: float) -> Numbers:
     """Return the integral of a rate from its first value on, by trapezia."""
     return np.concatenate([[0.0], np.cumsum(0.5 * step * (rate[1:] + rate[:-1]))])
 
 
-def fitted(sailed: Voyage, *, smooth: bool) -> tuple[Problem, Numbers, Numbers]:
+def fit_model(sailed: Voyage, *, smooth: bool) -> tuple[Problem, Numbers, Numbers]:
     """Return Model 1 fitted to a voyage: the problem, the estimate, its deviations."""
     x0, y0 = along(sailed.east, sailed.north, 0.0)
     if smooth:
-        x0, y0 = smoothed(x0), smoothed(y0)
+        x0, y0 = smooth_spencer(x0), smooth_spencer(y0)
     sway = sway_of_track(x0, y0, np.radians(sailed.heading), TANKER.period) / KNOT
     free = tuple(name for name in TANKER.free if name != "lag")
     truth = {**TANKER.truth, "lag": 0.0}
@@ -105,8 +113,8 @@ def by_lanes(records: int = 5) -> Iterator[Figure]:
     time = TANKER.ship.length / TANKER.ship.speed
     for seed in range(records):
         sailed = voyage(seed)
-        problem, theta, deviations = fitted(sailed, smooth=False)
-        other = fitted(sailed, smooth=True)[1]
+        problem, theta, deviations = fit_model(sailed, smooth=False)
+        other = fit_model(sailed, smooth=True)[1]
         forms = [
             nomoto_of(problem.plant.model, problem.whole(x), TANKER.ship) for x in (theta, other)
         ]

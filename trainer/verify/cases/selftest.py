@@ -13,7 +13,7 @@ import numpy as np
 from trainer.core.kernel import Numbers
 from trainer.identify.armax import Armax, fit_armax
 from trainer.identify.armax_orders import without_wind
-from trainer.identify.experiment import held, prbs
+from trainer.identify.experiment import hold_bits, prbs
 from trainer.identify.residuals import aic_of_loss, f_test
 from trainer.verify.cases.decca import by_lanes
 from trainer.verify.cases.nonlinear import bent_hull
@@ -89,7 +89,7 @@ def published_zeros() -> Iterator[Outcome]:
 def atlantic_song() -> Iterator[Outcome]:
     """Yield S1: ARMAX of order 2 with initial states from 80 samples at 15 s."""
     deviation = np.sqrt(2.0 * SONG_LOSS / SONG_SAMPLES)
-    u = np.tile(held(prbs(6), 5.0, 1), 2)[:SONG_SAMPLES]
+    u = np.tile(hold_bits(prbs(6), 5.0, 1), 2)[:SONG_SAMPLES]
     known, ships = [], []
     for seed in range(RUNS):
         stream = np.random.Generator(np.random.PCG64(seed))

@@ -34,11 +34,11 @@ from trainer.identify.reference_ships import (
     TANKER_RUDDER,
     TANKER_SHIP,
     Rehearsal,
-    helmed,
     sequence,
+    zigzag_rudder,
 )
 from trainer.identify.uncertainty import beside_bounds, uncertainty
-from trainer.identify.validation import deterministic, drawn
+from trainer.identify.validation import deterministic, draw_outputs
 from trainer.units import DEGREE, KNOT
 
 if TYPE_CHECKING:
@@ -64,14 +64,14 @@ Ranges = dict[str, tuple[float, float]]
 Change = Callable[[Samples], Samples]
 
 
-def _found(
+def _fit_records(
     rehearsal: Rehearsal, rudder: Numbers, records: int, change: Change = lambda samples: samples
 ) -> list[tuple[Problem, Numbers]]:
     """Return problem and estimate (f,) of each of so many simulated records."""
     problem, found = rehearsal.problem(rudder), []
     for seed in range(records):
         stream = np.random.Generator(np.random.PCG64(seed))
-        one = problem.on(change(drawn(problem, problem.start, stream)))
+        one = problem.on(change(draw_outputs(problem, problem.start, stream)))
         theta = estimate(Likelihood(one), rehearsal.start(), "auto", Search()).theta
         found.append((one, theta))
     return found
@@ -115,7 +115,7 @@ def heading_only(records: int = RECORDS) -> Iterator[Figure]:
         return replace(samples, outputs=np.round(samples.outputs))
 
     found = []
-    for problem, theta in _found(song, sequence(80, 60.0, 5.0, 15.0), records, read):
+    for problem, theta in _fit_records(song, sequence(80, 60.0, 5.0, 15.0), records, read):
         one = _prime(problem, theta)
         found.append({"K": k * one["b1"] / one["a1"], "T_s": 1.0 / (k * one["a1"])} | one)
     ranges = {"K": (-0.087, -0.072), "T_s": (26.7, 35.1), "tau": (10.7, 13.2)}
@@ -129,7 +129,7 @@ def rate_only(records: int = RECORDS) -> Iterator[Figure]:
     free = ("K", "T1", "T2", "T3", "delta_0", "R1_2", "R2_r", "x1_0", "x2_0", "lag")
     ship = Ship(115.7, 18.0 * KNOT)
     bore = Rehearsal("nomoto2", ship, ("yaw_rate",), 1.0, truth, free, begin)
-    found = [_prime(*one) for one in _found(bore, sequence(900, 7.0, 5.0, 1.0), records)]
+    found = [_prime(*one) for one in _fit_records(bore, sequence(900, 7.0, 5.0, 1.0), records)]
     ranges = {"K": (-0.0715, -0.0685), "T1": (22.3, 24.9), "T2": (1.7, 3.1), "T3": (2.9, 5.2)}
     yield from _middles("S4", found, ranges)
 
@@ -202,18 +202,18 @@ def two_logs(records: int = RECORDS) -> Iterator[Figure]:
     calm = {"R1_Y": noise["R1_Y"] / 100.0, "R1_N": noise["R1_N"] / 100.0}
     rudder = sequence(100, 60.0, 5.0, 30.0)
     ranges = {"K'": (-1.80, -0.76), "T1'": (2.3, 4.0), "Y_v": (-1.68, -1.45), "tau": (5.1, 7.2)}
-    yield from _middles("S6", [_prime(*one) for one in _found(sea, rudder, records)], ranges)
+    yield from _middles("S6", [_prime(*one) for one in _fit_records(sea, rudder, records)], ranges)
     quiet = replace(sea, truth=truth | calm, begin=begin | calm)
-    found = [_prime(*one) for one in _found(quiet, rudder, records)]
+    found = [_prime(*one) for one in _fit_records(quiet, rudder, records)]
     yield from _middles("S6 calm", found, {"K'": (-1.69, -1.51)})
-    found = [_prime(*one) for one in _found(sea, rudder[:50], records)]
+    found = [_prime(*one) for one in _fit_records(sea, rudder[:50], records)]
     yield from _middles("S6 50", found, {"K'": (-2.0, -0.23)})
 
 
 def one_log(records: int = RECORDS) -> Iterator[Figure]:
     """Yield S7: Compass Island by Model 1 from a zig-zag 20/20 read every 6 s."""
-    rudder = helmed(ISLAND, 20.0, 100)
-    found = [_prime(*one) for one in _found(ISLAND, rudder, records)]
+    rudder = zigzag_rudder(ISLAND, 20.0, 100)
+    found = [_prime(*one) for one in _fit_records(ISLAND, rudder, records)]
     ranges = {"K'": (-1.076, -0.997), "T1'": (1.54, 1.77), "T2'": (0.78, 0.97)}
     yield from _middles("S7", found, ranges | {"T3'": (1.70, 1.86), "tau": (5.0, 5.7)})
 
@@ -229,21 +229,21 @@ def sway_alone(records: int = SWAY_RECORDS) -> Iterator[Figure]:
     noise = {"R1_1": 1e-4, "R1_2": 1e-8, "R2_v": 0.01, "lag": ISLAND.truth["lag"]}
     free = (*truth, "f2", "R1_1", "R1_2", "R1_12", "R2_v", "x1_0", "x2_0", "lag")
     alone = Rehearsal("2", ISLAND.ship, ("sway",), 6.0, truth | noise, free, {})
-    rudder = helmed(ISLAND, 20.0, 100)
+    rudder = zigzag_rudder(ISLAND, 20.0, 100)
     problem, island, inside = alone.problem(rudder), ISLAND.problem(rudder), []
     told = partial(_sway_numbers, problem)
     within: list[NDArray[np.bool_]] = []
     for seed in range(records):
         stream = np.random.Generator(np.random.PCG64(seed))
-        samples = drawn(island, island.start, stream)
+        samples = draw_outputs(island, island.start, stream)
         cost = Likelihood(problem.on(replace(samples, outputs=samples.outputs[:, :1])))
         theta = estimate(cost, problem.start, "auto", Search()).theta
         known = beside_bounds(uncertainty(problem.names, cost.information(theta)))
         inside.append((np.abs(theta - problem.start) <= WIDTH * known.deviations)[:4])
-        draws = uncertainty_module.drawn(
+        draws = uncertainty_module.draw_parameters(
             theta, np.nan_to_num(known.covariance), uncertainty_module.DRAWS, seed
         )
-        span, truths = uncertainty_module.spanned(told, draws)[1], told(problem.start)
+        span, truths = uncertainty_module.span_draws(told, draws)[1], told(problem.start)
         within.append((span.low <= truths) & (truths <= span.high))
     yield Figure("S8", "coefficients inside 95 % intervals", 0.85, float(np.mean(inside)), 1.0)
     for name, share in zip(SWAY_NUMBERS, np.mean(within, axis=0), strict=True):
@@ -259,7 +259,7 @@ def _sway_numbers(problem: Problem, theta: Numbers) -> Numbers:
 def other_half() -> Iterator[Figure]:
     """Yield S9: identified on one half, the other half predicted without its readings."""
     whole = TANKER.problem(TANKER_RUDDER[:1200])
-    record = drawn(whole, whole.start, np.random.Generator(np.random.PCG64(1)))
+    record = draw_outputs(whole, whole.start, np.random.Generator(np.random.PCG64(1)))
     first, second = (
         Samples(record.t[half], record.outputs[half], record.inputs[half])
         for half in (slice(0, 600), slice(600, 1200))

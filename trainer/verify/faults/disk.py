@@ -13,7 +13,7 @@ from trainer.config.files import ConfigError
 from trainer.io.recording.recording import Recording, RecordingError
 from trainer.session.stations.roles import ROLES
 from trainer.verify.faults.processes import drive_and_kill, remove
-from trainer.verify.faults.rig import Bench, Session, Tried, kept, logged
+from trainer.verify.faults.rig import Bench, Session, Tried, is_journalled, is_logged
 from trainer.verify.soak.audit import same_bits
 from trainer.verify.soak.session_process import Caller, GoneError
 
@@ -31,7 +31,7 @@ def full(bench: Bench, times: int) -> Tried:
         path = bench.folder / "full.trainer"
         room = bench.dice.randrange(*ROOM)
         session = bench.serve(path, *FULL, largest_file=room)
-        _filled(bench, tried, session)
+        _fill_disk(bench, tried, session)
     return tried
 
 
@@ -43,16 +43,16 @@ def full_disk(bench: Bench, times: int) -> Tried:
             if folder is None:
                 tried.note("not tried: no right to mount here")
                 return tried
-            _filled(bench, tried, bench.serve(folder / "full.trainer", *FULL))
+            _fill_disk(bench, tried, bench.serve(folder / "full.trainer", *FULL))
     return tried
 
 
-def _filled(bench: Bench, tried: Tried, session: Session) -> None:
+def _fill_disk(bench: Bench, tried: Tried, session: Session) -> None:
     """Run a session on a disk that is too small, and look at what is left."""
     tried.times += 1
     with contextlib.suppress(GoneError), session.instructed() as by:
         session.order_some(by, bench.dice, ORDERS, HELM)
-        tried.must(logged(by, "NOT RECORDED"), "a station is not told")
+        tried.must(is_logged(by, "NOT RECORDED"), "a station is not told")
         by.ask("quit")
     code, told = bench.nursery.wait(session.process), bench.told()
     if not session.path.exists():
@@ -63,7 +63,7 @@ def _filled(bench: Bench, tried: Tried, session: Session) -> None:
     path = bench.folder / "copy.trainer"
     copy(session.path, path)  # where there is room to look at it
     with contextlib.closing(Recording.look(path)) as recording:
-        tried.must(kept_to_the_end(recording, session), "not a beginning of what was answered")
+        tried.must(is_kept_to_the_end(recording, session), "not a beginning of what was answered")
         tried.must(same_bits(recording).kept, "not the same bits")
     tried.orders += len(session.answered)
     tried.note("went on unrecorded, told so")
@@ -71,7 +71,7 @@ def _filled(bench: Bench, tried: Tried, session: Session) -> None:
     remove(session.path)
 
 
-def locked(bench: Bench, times: int) -> Tried:
+def lock_recording(bench: Bench, times: int) -> Tried:
     """Let another program hold a recording for itself, and give it back."""
     tried = Tried(
         "recording locked by another program",
@@ -91,7 +91,7 @@ def locked(bench: Bench, times: int) -> Tried:
     return tried
 
 
-def relieved(bench: Bench, times: int) -> Tried:
+def relieve_disk(bench: Bench, times: int) -> Tried:
     """Fill a small disk, and make room again; needs the right to mount."""
     tried = Tried("disk full, then room again", "the same")
     for _ in range(times):
@@ -106,7 +106,7 @@ def relieved(bench: Bench, times: int) -> Tried:
                 with contextlib.suppress(OSError), ballast.open("wb", buffering=0) as file:
                     while file.write(bytes(4096)):
                         pass
-                tried.must(logged(by, "NOT RECORDED"), "a station is not told")
+                tried.must(is_logged(by, "NOT RECORDED"), "a station is not told")
                 session.order_some(by, bench.dice, ORDERS, HELM)
                 ballast.unlink()
                 _come_back(bench, tried, session, by)
@@ -116,27 +116,27 @@ def relieved(bench: Bench, times: int) -> Tried:
 def _come_back(bench: Bench, tried: Tried, session: Session, by: Caller) -> None:
     """See that a recording that was out of reach is whole in the end."""
     tried.times += 1
-    tried.must(logged(by, "recorded again"), "a station is not told that it is back")
+    tried.must(is_logged(by, "recorded again"), "a station is not told that it is back")
     session.order_some(by, bench.dice, ORDERS, HELM)
     by.ask("quit")
     code, told = bench.nursery.wait(session.process), bench.told()
     tried.must(code == 0 and "and is whole" in told, f"exit code {code}: {told[-200:]}")
     with contextlib.closing(Recording.look(session.path)) as recording:
-        tried.must(kept(recording, session).kept, "an order is lost")
+        tried.must(is_journalled(recording, session).kept, "an order is lost")
         tried.must(same_bits(recording).kept, "not the same bits")
     tried.orders += len(session.answered)
     tried.note("whole")
     remove(session.path)
 
 
-def kept_to_the_end(recording: Recording, session: Session) -> bool:
+def is_kept_to_the_end(recording: Recording, session: Session) -> bool:
     """Return whether what is written is what was answered, up to where the disk was full."""
     written = [order.text for order in recording.orders(recording.branch) if order.place is None]
     wanted = [order.text for order in session.answered if not order.mark]
     return written[: len(wanted)] == wanted[: len(written)]
 
 
-def vanished(bench: Bench, times: int) -> Tried:
+def take_disk_away(bench: Bench, times: int) -> Tried:
     """Take the disk away under a recording; needs the right to mount."""
     tried = Tried(
         "recording on a vanished mount", "the boat goes on and says so; the disk is whole"
@@ -150,13 +150,13 @@ def vanished(bench: Bench, times: int) -> Tried:
             aside.mkdir(exist_ok=True)
             _mount("--bind", str(folder), str(aside))
             try:
-                _taken_away(bench, tried, folder, aside)
+                _unmount_under(bench, tried, folder, aside)
             finally:
                 _unmount(aside)
     return tried
 
 
-def _taken_away(bench: Bench, tried: Tried, folder: Path, aside: Path) -> None:
+def _unmount_under(bench: Bench, tried: Tried, folder: Path, aside: Path) -> None:
     """Unmount a folder while a session records there; what was written is looked at aside."""
     tried.times += 1
     session = bench.serve(folder / "gone.trainer", "depth-changes", "--speed", "20")
@@ -165,19 +165,19 @@ def _taken_away(bench: Bench, tried: Tried, folder: Path, aside: Path) -> None:
         answered = list(session.answered)
         _unmount(folder)
         tried.must(by.ask("depth 70")[0], "an order is refused afterwards")
-        tried.must(logged(by, "not there any more"), "a station is not told")
+        tried.must(is_logged(by, "not there any more"), "a station is not told")
         by.ask("quit")
     tried.must(bench.nursery.wait(session.process) == 1, "its end does not tell")
     tried.must("not there any more" in bench.told(), "its account does not tell")
     session.answered = answered
     tried.orders += len(answered)
     with contextlib.closing(Recording.look(aside / "gone.trainer")) as recording:
-        tried.must(kept(recording, session).kept, "an order is lost")
+        tried.must(is_journalled(recording, session).kept, "an order is lost")
         tried.must(same_bits(recording).kept, "not the same bits")
     tried.note("went on, told so, disk whole")
 
 
-def damaged(bench: Bench, times: int) -> Tried:
+def damage_last_page(bench: Bench, times: int) -> Tried:
     """Damage the last page of recordings of sessions that were killed."""
     tried = Tried("last page damaged", "nothing wrong is read as right")
     path, whole = bench.folder / "page.trainer", bench.folder / "whole.trainer"

@@ -18,7 +18,7 @@ LAST: Final = 25  # [deg] ordered after the last
 HALF: Final = b"rudder right 3"  # an order within which the plug is pulled
 
 
-def unplugged(bench: Bench, times: int) -> Tried:
+def unplug(bench: Bench, times: int) -> Tried:
     """Pull the plug of a panel within an order, and plug it in again."""
     tried = Tried("serial line unplugged and replugged", "no half order acts; the panel goes on")
     port, path = bench.folder / "ttyHELM", bench.folder / "serial.trainer"
@@ -28,11 +28,11 @@ def unplugged(bench: Bench, times: int) -> Tried:
         for number in range(times):
             tried.times += 1
             left = 1 + number % SIDES
-            tried.must(answered(ends[0], left), "the panel is not answered")
+            tried.must(order_until_answered(ends[0], left), "the panel is not answered")
             os.write(ends[0], HALF)
             tried.must(is_read(ends[1]), "the half order was not read")
             ends = replug(port, ends)
-        tried.must(answered(ends[0], LAST), "the panel is not answered")
+        tried.must(order_until_answered(ends[0], LAST), "the panel is not answered")
         by.ask("quit")
     tried.must(bench.nursery.wait(session.process) == 0, bench.told())
     close(ends)
@@ -78,7 +78,7 @@ def close(ends: tuple[int, int]) -> None:
         os.close(end)
 
 
-def answered(end: int, degrees: int) -> bool:
+def order_until_answered(end: int, degrees: int) -> bool:
     """Give an order until it is answered; return whether it is before long."""
     patience = time.monotonic() + PATIENCE
     said, asked = b"", 0.0

@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import Final
 
 from trainer.io.recording.recording import Recording
-from trainer.verify.faults.rig import Bench, Session, Tried, heard, kept
+from trainer.verify.faults.rig import Bench, Session, Tried, is_journalled, is_told
 from trainer.verify.soak.audit import same_bits
 from trainer.verify.soak.session_process import GoneError
 
@@ -42,7 +42,7 @@ int clock_gettime(clockid_t id, struct timespec *t) {
 """
 
 
-def killed(bench: Bench, times: int) -> Tried:
+def kill_sessions(bench: Bench, times: int) -> Tried:
     """Kill sessions that are given orders."""
     tried = Tried("kill -9 at a random instant", "no answered order is lost; the run can go on")
     for _ in range(times):
@@ -53,7 +53,7 @@ def killed(bench: Bench, times: int) -> Tried:
         bench.nursery.wait(session.process)
         tried.orders += len(session.answered)
         with contextlib.closing(Recording.look(path)) as recording:
-            check = kept(recording, session)
+            check = is_journalled(recording, session)
             tried.must(check.kept, check.seen)
         if tried.times % EVERY == 0:
             tried.must(resumes(bench, path), f"cannot be gone on with: {bench.told()}")
@@ -93,7 +93,7 @@ def resumes(bench: Bench, path: Path) -> bool:
         return same_bits(recording).kept
 
 
-def stopped(bench: Bench, times: int) -> Tried:
+def stop_session(bench: Bench, times: int) -> Tried:
     """Stop a session's process for a while, again and again."""
     tried = Tried("SIGSTOP, then SIGCONT", "the gap is told, no burst follows, orders go on")
     path = bench.folder / "stopped.trainer"
@@ -116,7 +116,7 @@ def stopped(bench: Bench, times: int) -> Tried:
         told = sum(GAP in event.text for event in recording.events())
         tried.must(told == times, f"{told} gaps told of {times}")
         tried.must(same_bits(recording).kept, "not the same bits")
-        tried.must(kept(recording, session).kept, "an order is lost")
+        tried.must(is_journalled(recording, session).kept, "an order is lost")
     tried.seen["gaps told"] = told
     remove(path)
     return tried
@@ -131,9 +131,9 @@ def console_killed(bench: Bench, times: int) -> Tried:
         for _ in range(times):
             tried.times += 1
             with screen(session.door) as console:
-                tried.must(heard(by, "is the helm's"), "the screen did not come")
+                tried.must(is_told(by, "is the helm's"), "the screen did not come")
                 console.kill()
-            tried.must(heard(by, ": gone"), "its going is not told")
+            tried.must(is_told(by, ": gone"), "its going is not told")
             tried.must(
                 "by hand" in session.order(by, "rudder left 5"),
                 "an order is refused afterwards",
@@ -142,7 +142,7 @@ def console_killed(bench: Bench, times: int) -> Tried:
     tried.must(bench.nursery.wait(session.process) == 0, bench.told())
     tried.orders = len(session.answered)
     with contextlib.closing(Recording.look(path)) as recording:
-        tried.must(kept(recording, session).kept, "an order is lost")
+        tried.must(is_journalled(recording, session).kept, "an order is lost")
         tried.must(same_bits(recording).kept, "not the same bits")
     remove(path)
     return tried
@@ -177,7 +177,7 @@ def swallow(terminal: int) -> None:
 def clock_set(bench: Bench, times: int) -> Tried:
     """Set the time of day back and forward by hours, twice a second, while a session runs."""
     tried = Tried("clock set by hours", "no tick is missed or made twice, orders go on")
-    shim = stepped_clock(bench.folder)
+    shim = build_clock(bench.folder)
     if shim is None:
         tried.note("not tried: no C compiler here")
         return tried
@@ -208,13 +208,13 @@ def clock_set(bench: Bench, times: int) -> Tried:
         jumps = [(b - a).total_seconds() for a, b in itertools.pairwise(walls)]
         tried.seen["times of day that went back"] = sum(jump < -HOUR for jump in jumps)
         tried.must(any(abs(jump) > HOUR for jump in jumps), "the clock was not set at all")
-        tried.must(kept(recording, session).kept, "an order is lost")
+        tried.must(is_journalled(recording, session).kept, "an order is lost")
         tried.must(same_bits(recording).kept, "not the same bits")
     remove(path)
     return tried
 
 
-def stepped_clock(folder: Path) -> Path | None:
+def build_clock(folder: Path) -> Path | None:
     """Return a library that, loaded first, sets the time of day; None without a C compiler."""
     compiler = shutil.which("cc")
     if compiler is None:

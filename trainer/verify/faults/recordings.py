@@ -121,11 +121,11 @@ def texts_changed(path: Path, dice: random.Random) -> None:
         lines[place] = dice.choice(changed)
         texts[key] = "\n".join(lines)
         part = dice.choice(("texts", "texts", "options", "method", "layout"))
-        text = json.dumps(texts) if part == "texts" else _spoilt(header[part], dice)
+        text = json.dumps(texts) if part == "texts" else _spoil(header[part], dice)
         connection.execute("UPDATE header SET value = ? WHERE key = ?", (text, part))
 
 
-def _spoilt(text: str, dice: random.Random) -> str:
+def _spoil(text: str, dice: random.Random) -> str:
     """Return a text with a few characters replaced."""
     place = dice.randrange(len(text))
     return text[:place] + dice.choice(TEXTS) + text[place + dice.randrange(20) :]
@@ -152,12 +152,12 @@ def try_damage(times: int, seed: int) -> Iterator[Tried]:
     """Yield what came of ``times`` damaged recordings, a row for each way of damaging."""
     with ForkServer() as nursery, tempfile.TemporaryDirectory(prefix="trainer-d-") as folder:
         bench = Bench(nursery, Path(folder), random.Random(seed))  # noqa: S311  no secrets
-        good = recorded(bench)
+        good = make_recording(bench)
         for number, damage in enumerate(DAMAGES):
-            yield opened(bench, good, damage, len(range(number, times, len(DAMAGES))))
+            yield open_damaged(bench, good, damage, len(range(number, times, len(DAMAGES))))
 
 
-def recorded(bench: Bench) -> bytes:
+def make_recording(bench: Bench) -> bytes:
     """Return a recording with orders, marks, a snapshot and two branches."""
     session = bench.serve(bench.folder / "good.trainer", *FLOWN)
     with session.instructed() as by:
@@ -171,7 +171,7 @@ def recorded(bench: Bench) -> bytes:
     return session.path.read_bytes()
 
 
-def opened(bench: Bench, good: bytes, damage: Damage, times: int) -> Tried:
+def open_damaged(bench: Bench, good: bytes, damage: Damage, times: int) -> Tried:
     """Let every command open recordings that are damaged in one way."""
     name = damage.__name__.replace("_", " ")
     tried = Tried(f"recording: {name}", "told in a line, or read as it is")

@@ -125,7 +125,7 @@ class Session:
             self.answered.append(Answered("", remark, mark=True))
 
 
-def kept(recording: Recording, session: Session) -> Check:
+def is_journalled(recording: Recording, session: Session) -> Check:
     """Return whether what was answered is in the journal, beside what was scheduled."""
     written = [order.text for order in journal(recording) if order.place is None]
     wanted = [order.text for order in session.answered if not order.mark]
@@ -135,7 +135,7 @@ def kept(recording: Recording, session: Session) -> Check:
     return Check("answered orders", held, told)
 
 
-def heard(by: Caller, words: str) -> bool:
+def is_told(by: Caller, words: str) -> bool:
     """Return whether the session tells of it before long; what it has told is then forgotten."""
     end = time.monotonic() + PATIENCE
     while time.monotonic() < end:
@@ -147,7 +147,7 @@ def heard(by: Caller, words: str) -> bool:
     return False
 
 
-def logged(by: Caller, words: str) -> bool:
+def is_logged(by: Caller, words: str) -> bool:
     """Return whether it is in the session's log before long, be it from before the line came."""
     end = time.monotonic() + PATIENCE
     while time.monotonic() < end:

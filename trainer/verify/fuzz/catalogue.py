@@ -13,7 +13,7 @@ TARGETS: Final[Mapping[str, Target]] = {
 }
 
 
-def chosen(names: tuple[str, ...]) -> list[Target]:
+def choose_targets(names: tuple[str, ...]) -> list[Target]:
     """Return the targets of those names, all for none; ConfigError naming the nearest."""
     for name in names:
         if name not in TARGETS:

@@ -34,12 +34,12 @@ from trainer.verify.fuzz.lines import GRAMMAR
 from trainer.verify.fuzz.target import (
     TABLE,
     Target,
-    filed,
     only,
     pieces,
     shipped_seeds,
     shipped_texts,
     text_of,
+    write_file,
 )
 
 CONDITIONS: Final = (
@@ -164,17 +164,17 @@ def text(parse: Callable[[str, Path], Any]) -> Callable[[bytes], None]:
     return take
 
 
-def loaded(load: Loader) -> Callable[[bytes], None]:
+def load_proof(load: Loader) -> Callable[[bytes], None]:
     """Return the proof of a reader of a TOML file."""
     return text(lambda _text, path: load(path))
 
 
-def opened(load: Loader, name: str) -> Callable[[bytes], None]:
+def open_proof(load: Loader, name: str) -> Callable[[bytes], None]:
     """Return the proof of a reader that opens a file itself."""
 
     def take(data: bytes) -> None:
         with suppress(ConfigError):
-            load(filed(name, data))
+            load(write_file(name, data))
 
     return take
 
@@ -183,11 +183,11 @@ def exercise(text: str, path: Path) -> None:
     """Read an exercise, with the vessel that it names."""
     found = parse_exercise(text, path)
     if found.heading.vessel:
-        _named_vessel(found.heading.vessel)
+        _load_named(found.heading.vessel)
 
 
 @functools.cache
-def _named_vessel(name: str) -> Any:
+def _load_named(name: str) -> Any:
     return load_vessel(name)
 
 
@@ -230,7 +230,7 @@ def lanes(path: Path) -> None:
 @functools.cache
 def _decca(readings: Path) -> Any:
     """Return a study of these readings."""
-    study = filed("decca.toml", DECCA.replace(b"proof.csv", readings.name.encode()))
+    study = write_file("decca.toml", DECCA.replace(b"proof.csv", readings.name.encode()))
     return load_decca(study)
 
 
@@ -281,7 +281,9 @@ TARGETS: Final = (
         640,
     ),
     Target("exercise", "an exercise file", text(exercise), exercises, 1200, GRAMMAR),
-    Target("trials", "published results of a boat", loaded(load_trials), cut("trials/bb2"), 1200),
+    Target(
+        "trials", "published results of a boat", load_proof(load_trials), cut("trials/bb2"), 1200
+    ),
     Target(
         "condition",
         "a condition on the state",
@@ -289,37 +291,41 @@ TARGETS: Final = (
         lambda: [c.encode() for c in CONDITIONS],
         64,
     ),
-    Target("study", "a study of a ship from her record", loaded(load_study), lambda: [STUDY], 512),
+    Target(
+        "study", "a study of a ship from her record", load_proof(load_study), lambda: [STUDY], 512
+    ),
     Target(
         "nomoto",
         "a ship of a few parameters",
-        loaded(load_nomoto),
+        load_proof(load_nomoto),
         lambda: [NOMOTO],
         spared=(),
     ),
-    Target("decca", "a chain of Decca stations", loaded(load_decca), lambda: [DECCA], 512),
-    Target("lanes", "readings of Decca lanes, CSV", opened(lanes, "lanes.csv"), lambda: [READINGS]),
+    Target("decca", "a chain of Decca stations", load_proof(load_decca), lambda: [DECCA], 512),
+    Target(
+        "lanes", "readings of Decca lanes, CSV", open_proof(lanes, "lanes.csv"), lambda: [READINGS]
+    ),
     Target(
         "record",
         "a record of a ship, CSV",
-        opened(lambda path: load_record(path, COLUMNS), "record.csv"),
+        open_proof(lambda path: load_record(path, COLUMNS), "record.csv"),
         lambda: [READINGS],
     ),
     Target(
-        "series", "a series to be fitted, CSV", opened(load_series, "t.csv"), lambda: [READINGS]
+        "series", "a series to be fitted, CSV", open_proof(load_series, "t.csv"), lambda: [READINGS]
     ),
     Target("evaluate", "states to be evaluated, JSON lines", states, lambda: [STATE], 512),
     Target(
         "baseline",
         "an earlier guide, JSON or HTML",
-        opened(lambda path: load_earlier(path, "bb2"), "guide.json"),
+        open_proof(lambda path: load_earlier(path, "bb2"), "guide.json"),
         lambda: [GUIDE],
         512,
     ),
     Target(
         "checkpoint",
         "a search that was left, JSON",
-        opened(lambda path: resume(path, SEARCH), "search.json"),
+        open_proof(lambda path: resume(path, SEARCH), "search.json"),
         lambda: [CHECKPOINT],
     ),
 )

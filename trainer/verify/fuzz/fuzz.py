@@ -147,12 +147,12 @@ def run_round(command: list[str], found: Found, tally: Tally, progress: Progress
     ) as child:
         told = listen(child.stdout or (), found, count)
     if child.returncode and not found.failure:
-        found.failure = "\n".join([*told[-TOLD:], ended(child.returncode)])
+        found.failure = "\n".join([*told[-TOLD:], describe_end(child.returncode)])
     if not child.returncode and found.inputs == before:
         found.failure = "\n".join([*told[-TOLD:], "it ended without an input"])
 
 
-def ended(code: int) -> str:
+def describe_end(code: int) -> str:
     """Return in words how a process ended."""
     return f"killed by {signal.Signals(-code).name}" if code < 0 else f"exit code {code}"
 

@@ -152,16 +152,18 @@ def attend(lines: list[str | Overlong], door: Access, one: Boat) -> Station:
     """Return a station that has these lines to say, and is sent what it asks for at once."""
     sending = Promptly(Roster(StateReader(one, Ledger(one.method.step).summary)))
     sending.offer(0, one.records.state.tobytes(), Pace())
-    return Station(Wire(lines), door, sending, logged if door.tokens else unlogged, lambda: 0.0)
+    return Station(
+        Wire(lines), door, sending, take_log if door.tokens else take_plain_log, lambda: 0.0
+    )
 
 
-def logged(_kind: str, text: str) -> None:
+def take_log(_kind: str, text: str) -> None:
     """Take what a station logs, which never has the token."""
     if TOKEN in text:
         raise AssertionError(f"the token is logged: {text!r}")
 
 
-def unlogged(_kind: str, _text: str) -> None:
+def take_plain_log(_kind: str, _text: str) -> None:
     """Take what a station logs that was asked for no token."""
 
 
@@ -182,7 +184,7 @@ def station(data: bytes) -> None:
 def panel(data: bytes) -> None:
     """Be instruments that order."""
     wire = Wire(LineDecoder().feed(data)[:ENOUGH])
-    line = NmeaLine(wire, threading.Event(), logged, lambda: 0.0)
+    line = NmeaLine(wire, threading.Event(), take_log, lambda: 0.0)
     for heard in line.take(ENOUGH):
         if isinstance(heard, str):
             sentences.hear(heard)
@@ -231,7 +233,7 @@ def each_line() -> list[bytes]:
     return [text.encode() for text in words()]
 
 
-def framed() -> list[bytes]:
+def frame_examples() -> list[bytes]:
     """Return the examples as programs send them, and answers."""
     said = [
         sentences.order_sentence("rudder left 15", "7"),
@@ -261,7 +263,7 @@ def together(lines: list[bytes]) -> list[bytes]:
     return [b"\r\n".join(group) + b"\r\n" for group in groups]
 
 
-def timed() -> list[bytes]:
+def time_examples() -> list[bytes]:
     """Return files of orders."""
     lines = [b"%d %s" % (i, line) for i, line in enumerate(each_line())]
     return [line.replace(b"\r\n", b"\n") for line in together(lines)]
@@ -269,20 +271,22 @@ def timed() -> list[bytes]:
 
 TARGETS: Final = (
     Target("orders", "a line of words, one order", order, each_line, 96),
-    Target("sentences", "a line of a program, either way", sentence, framed, 128),
+    Target("sentences", "a line of a program, either way", sentence, frame_examples, 128),
     Target("lines", "bytes of a serial line or a socket", stream, lambda: together(each_line())),
     Target("nmea", "a sentence of an instrument that orders", instrument, instruments, 128),
     Target(
         "panel", "instruments at the helm", panel, lambda: together(instruments()), 256, GRAMMAR
     ),
-    Target("schedule", "a file of orders at set times", schedule, timed, 256, GRAMMAR),
+    Target("schedule", "a file of orders at set times", schedule, time_examples, 256, GRAMMAR),
     Target(
         "station",
         "lines at a station, its wishes, its orders obeyed",
         station,
-        lambda: together([*each_line(), *framed()]),
+        lambda: together([*each_line(), *frame_examples()]),
         192,
         GRAMMAR,
     ),
-    Target("session", "what a session says, at a screen", session, lambda: together(framed())),
+    Target(
+        "session", "what a session says, at a screen", session, lambda: together(frame_examples())
+    ),
 )

@@ -17,7 +17,7 @@ from trainer.session.header import PLAN, differences, layout_of, method_of, note
 from trainer.session.layout import LAYOUT
 from trainer.units import KNOT
 from trainer.verify.faults import recordings
-from trainer.verify.fuzz.target import Target, filed, folder, shipped_texts, text_of
+from trainer.verify.fuzz.target import Target, folder, shipped_texts, text_of, write_file
 
 PATCH: Final = 4  # [bytes]  three of a place, one to stand there
 TICKS: Final = 8
@@ -86,7 +86,7 @@ def good() -> bytes:
     return path.read_bytes()
 
 
-def spoilt(data: bytes) -> bytes:
+def spoil(data: bytes) -> bytes:
     """Return the good recording with places overwritten, and cut short if there is a byte over."""
     made = bytearray(good())
     for i in range(0, len(data) - PATCH + 1, PATCH):
@@ -97,7 +97,7 @@ def spoilt(data: bytes) -> bytes:
 
 def recording(data: bytes) -> None:
     """Read all that there is in a spoilt recording."""
-    read_all(filed("spoilt.trainer", spoilt(data)))
+    read_all(write_file("spoilt.trainer", spoil(data)))
 
 
 def read_all(path: Path) -> None:
@@ -115,9 +115,9 @@ def read_all(path: Path) -> None:
         looked.latest()
 
 
-def altered(data: bytes) -> None:
+def alter(data: bytes) -> None:
     """Read all of a recording whose rows and tables have been changed, three bytes a change."""
-    path = filed("altered.trainer", good())
+    path = write_file("altered.trainer", good())
     for i in range(0, len(data) - 2, 3):
         recordings.alter(path, *data[i : i + 3])
     read_all(path)
@@ -146,7 +146,7 @@ def changes() -> list[bytes]:
     ]
 
 
-def told() -> list[bytes]:
+def header_lines() -> list[bytes]:
     """Return the lines of a header, one at a time, and those that are short together."""
     lines = [f"{name}={value}"[:LINE].encode() for name, value in header().items()]
     return [*lines, b"\n".join(line for line in lines if len(line) < LINE // 4)]
@@ -154,6 +154,6 @@ def told() -> list[bytes]:
 
 TARGETS: Final = (
     Target("recording", "a recording, spoilt somewhere", recording, patches, 64),
-    Target("altered", "a recording with other rows and tables", altered, changes, 24),
-    Target("log-book", "the header of a recording", log_book, told, LINE),
+    Target("altered", "a recording with other rows and tables", alter, changes, 24),
+    Target("log-book", "the header of a recording", log_book, header_lines, LINE),
 )

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
 
-from trainer.config.files import SHIPPED, recorded, shipped, shipped_names
+from trainer.config.files import SHIPPED, reading_recorded, shipped, shipped_names
 
 MEMORY: Final = Path("/dev/shm")  # noqa: S108  a file system in memory, where there is one
 TABLE: Final = re.compile(r"^\[+([\w.-]+)\]", re.MULTILINE)
@@ -41,7 +41,7 @@ def folder() -> "tempfile.TemporaryDirectory[str]":
     return tempfile.TemporaryDirectory(prefix="trainer-fuzz-", dir=where)
 
 
-def filed(name: str, data: bytes) -> Path:
+def write_file(name: str, data: bytes) -> Path:
     """Return a file of that name that holds ``data``."""
     path = Path(folder().name) / name
     path.write_bytes(data)
@@ -61,7 +61,7 @@ def shipped_texts() -> dict[str, str]:
 @contextmanager
 def only(name: str, text: str) -> Iterator[Path]:
     """Let the files that can be read be the shipped ones and this; nothing else is opened."""
-    with recorded({**shipped_texts(), name: text}):
+    with reading_recorded({**shipped_texts(), name: text}):
         yield Path(name)
 
 

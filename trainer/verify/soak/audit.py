@@ -37,10 +37,10 @@ def journal(recording: Recording) -> list[Journalled]:
 def audit(path: Path, answered: Iterable[Answered]) -> list[Check]:
     """Return what holds of a recording that is not written any more."""
     with contextlib.closing(Recording.look(path)) as recording:
-        return [journalled(recording, answered), complete(recording), same_bits(recording)]
+        return [check_journal(recording, answered), complete(recording), same_bits(recording)]
 
 
-def journalled(recording: Recording, answered: Iterable[Answered]) -> Check:
+def check_journal(recording: Recording, answered: Iterable[Answered]) -> Check:
     """Return whether every answered order is there, in the order that each line gave them.
 
     And every mark.

@@ -34,7 +34,7 @@ class Caller:
         self.news: list[Sentence] = []  # what has happened, until somebody takes it
         self._tags = itertools.cycle(range(1, 1_000_000))
         try:
-            self._line = _dialled(at, patience)
+            self._line = _dial(at, patience)
         except OSError as error:
             raise GoneError(str(error)) from None
         self._lines = self._line.makefile(encoding="ascii", errors="replace")
@@ -86,7 +86,7 @@ class Caller:
             self.news.append(said)
 
 
-def _dialled(at: int | Path, patience: float) -> socket.socket:
+def _dial(at: int | Path, patience: float) -> socket.socket:
     if isinstance(at, int):
         return socket.create_connection(("127.0.0.1", at), timeout=patience)
     line = socket.socket(socket.AF_UNIX)

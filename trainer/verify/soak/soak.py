@@ -111,14 +111,14 @@ def _soak(plan: Plan, exercise: Path, path: Path, progress: Callable[[str, int],
     samples: list[Sample] = []
     begun = time.monotonic()
     ahead = 0
-    with manned(bill, plan):
+    with manning(bill, plan):
         while session.running and time.monotonic() - begun < plan.patience:
             samples.append(Sample(time.monotonic() - begun, session.memory()))
             ahead = max(ahead, _size(path.with_name(path.name + "-wal")))
             progress("soak", bill.tick)
             bill.over.wait(EVERY)
     wall = time.monotonic() - begun
-    checks = [_ended(session), *_told(session, plan), flat(samples)]
+    checks = [_check_end(session), *_check_account(session, plan), flat(samples)]
     checks += audit(path, bill.answered)
     return Soaked(
         plan=plan,
@@ -134,7 +134,7 @@ def _soak(plan: Plan, exercise: Path, path: Path, progress: Callable[[str, int],
 
 
 @contextlib.contextmanager
-def manned(bill: Watchbill, plan: Plan) -> Iterator[None]:
+def manning(bill: Watchbill, plan: Plan) -> Iterator[None]:
     """Have the stations manned inside the block, and time run."""
     works = [
         threading.Thread(target=attend, args=(bill, plan.seed + number), daemon=True)
@@ -172,7 +172,7 @@ def _size(path: Path) -> int:
         return 0
 
 
-def _ended(session: SessionProcess) -> Check:
+def _check_end(session: SessionProcess) -> Check:
     """Return whether the session came to its own end; it is ended if it did not."""
     try:
         code = session.ended(PATIENCE)
@@ -185,7 +185,7 @@ def _ended(session: SessionProcess) -> Check:
     return Check("the session ends by itself", kept=code == 0, seen=seen)
 
 
-def _told(session: SessionProcess, plan: Plan) -> list[Check]:
+def _check_account(session: SessionProcess, plan: Plan) -> list[Check]:
     """Return what the session's own account and the witness of its clock say."""
     if not plan.real_time:
         return []

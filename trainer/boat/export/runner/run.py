@@ -24,7 +24,7 @@ class Options:
 
     def __init__(self, words: list[str]) -> None:
         """Read the words after ``trainer run``; WrongError naming the one that is wrong."""
-        given = _given(words)
+        given = _read_words(words)
         if "--headless" not in given:
             raise WrongError("--core: such a run has no console; add --headless")
         if not given.get("--core"):
@@ -37,7 +37,7 @@ class Options:
         self.state = given.get("--state", "")
 
 
-def _given(words: list[str]) -> dict[str, str]:
+def _read_words(words: list[str]) -> dict[str, str]:
     """Return the values of the options by name."""
     given = {}
     left = iter(words)
