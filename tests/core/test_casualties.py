@@ -22,8 +22,9 @@ from trainer.config.casualties import (
 )
 from trainer.config.condition import QUANTITIES, compile_condition, quantity_table
 from trainer.config.files import ConfigError, Place
-from trainer.core.casualties import KINDS, SURFACES
+from trainer.core.casualties import KINDS
 from trainer.core.state import CASUALTIES
+from trainer.core.surfaces import SURFACES
 from trainer.io.orders.grammar import Refused
 from trainer.session.status import status_lines
 from trainer.session.time.ledger import Ledger

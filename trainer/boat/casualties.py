@@ -10,7 +10,8 @@ from trainer.config.condition import QUANTITIES, Condition
 from trainer.config.files import ConfigError, nearest
 from trainer.core import casualties as casualties_module
 from trainer.core.ballast.tanks import BANKS, BLOWN, PUMPS, TANKS
-from trainer.core.casualties import KINDS, SURFACES, instruments
+from trainer.core.casualties import KINDS, instruments
+from trainer.core.surfaces import SURFACES
 from trainer.io.orders.grammar import Refused, Reply
 
 RULES: Final = ("once", "again")
@@ -238,7 +239,7 @@ def _carries(boat: Boat, kind: str) -> bool:
     what, _, rest = kind.partition("-")
     part = rest.rsplit("-", 1)[0].replace("-", "_")
     if what in SURFACES:
-        return bool(boat.toward[what]) and bool(c.limit[SURFACES.index(what)])
+        return bool(boat.toward[what]) and bool(c.limit[tuple(SURFACES).index(what)])
     parts = {
         "pump": (c.pump_rate, PUMPS, part),
         "bank": (c.bank_volume, BANKS, part),

@@ -8,6 +8,7 @@ from trainer.boat import ballast_orders, casualties, sea_orders
 from trainer.boat.boat import Boat
 from trainer.boat.sea_orders import order_sea
 from trainer.core import autopilot
+from trainer.core.surfaces import SURFACES
 from trainer.io.orders.grammar import Order, Refused, Reply
 from trainer.units import KNOT
 
@@ -16,7 +17,6 @@ LAWS = {
     "report": (autopilot.REPORT, "the report's law"),
     "literal": (autopilot.REPORT_LITERAL, "the report's law as it is printed"),
 }
-SURFACES = {"rudder": "r", "stern": "s", "bow": "b"}
 NAMES = {"rudder": "rudder", "stern": "stern planes", "bow": "bow planes"}
 
 

@@ -35,8 +35,9 @@ from trainer.config.schema import (
     read_record,
     within,
 )
-from trainer.core.casualties import CODES, GAUGES, KINDS, SURFACES
+from trainer.core.casualties import CODES, GAUGES, KINDS
 from trainer.core.state import VALVES
+from trainer.core.surfaces import SURFACES
 from trainer.units import KNOT
 
 SHARE: Final = above(0, 1)

@@ -4,6 +4,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Final
 
+from trainer.core.surfaces import SURFACES
+
 ITS_OWN: Final = ""  # the unit of a measure that is a quantity's
 COURSE: Final = "course"  # a quantity beside those of conditions: it goes round
 ORDERED: Final[Mapping[str, str]] = {  # places of the state that hold what is ordered
@@ -25,7 +27,6 @@ class Measure:
     quantities: tuple[str, ...] = ()  # the only ones it takes; () any
 
 
-SURFACES: Final = ("rudder", "stern", "bow")
 TANKS: Final = ("bank_main", "bank_emergency")
 MEASURES: Final[Mapping[str, Measure]] = {
     "overshoot": Measure(
@@ -65,7 +66,7 @@ MEASURES: Final[Mapping[str, Measure]] = {
         "deg/min",
         "sum of what {q} moved from tick to tick, by the time",
         "the fastest",
-        SURFACES,
+        tuple(SURFACES),
     ),
     "distance": Measure(
         (),

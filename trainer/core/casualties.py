@@ -23,8 +23,8 @@ from trainer.core.ballast.tanks import BANKS, COMPARTMENTS, PUMPED, PUMPS
 from trainer.core.kernel import Record, kernel, part
 from trainer.core.noise import GAUGE_NOISE, gaussian
 from trainer.core.state import STATE, VALVES
+from trainer.core.surfaces import SURFACES
 
-SURFACES: Final = ("rudder", "stern", "bow")
 # Of two on one surface or gauge only the later in these acts on it.
 SURFACE_FAULTS: Final = ("slow", "follow-up-lost", "free", "hard-over", "stuck")
 SLOW, FOLLOW_UP_LOST, FREE, HARD_OVER, STUCK = 0, 1, 2, 3, 4

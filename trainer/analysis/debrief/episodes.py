@@ -8,7 +8,8 @@ import numpy as np
 from trainer.analysis.debrief.trajectory import AMOUNTS, SLOTS, Trajectory
 from trainer.config.files import ConfigError
 from trainer.config.score_rules import INSTRUCTING
-from trainer.core.casualties import KINDS, SURFACES
+from trainer.core.casualties import KINDS
+from trainer.core.surfaces import SURFACES
 from trainer.io.orders.grammar import Order, parse
 from trainer.io.recording.recording import Journalled
 

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from typing import Final
 
 from trainer.boat.boat import PLACES, Boat
-from trainer.boat.helm import SURFACES
+from trainer.core.surfaces import SURFACES
 from trainer.io.orders.quantities import NUMBERS
 from trainer.io.orders.table import SIGNS
 

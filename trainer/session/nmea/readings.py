@@ -11,6 +11,7 @@ from datetime import UTC, datetime, timedelta
 from typing import Final, NamedTuple
 
 from trainer.core.ballast.tanks import BANKS, TANKS
+from trainer.core.surfaces import SURFACES
 from trainer.session.nmea.position import Chart
 from trainer.session.stations.panels import (
     bank_fields,
@@ -27,7 +28,6 @@ from trainer.session.stations.panels import (
 from trainer.session.stations.view import Frame
 from trainer.units import KNOT
 
-SURFACES: Final = ("rudder", "stern", "bow")
 BALLAST: Final = TANKS[:8]  # those that are not compartments
 
 Number = float | None  # None: the boat lacks it, or nothing is ordered

@@ -9,12 +9,12 @@ import numpy as np
 from trainer.boat.boat import Boat
 from trainer.core.ballast.tanks import BANKS, BLOWN, COMPARTMENTS, PUMPED, TANKS
 from trainer.core.kernel import Numbers
+from trainer.core.surfaces import SURFACES
 from trainer.session.rerun.batch import Block, Worked
 from trainer.units import KNOT
 
 TONNE: Final = 1000.0  # [kg]
 MICROSECOND: Final = 1000.0  # [ns]
-SURFACES: Final = {"rudder": "r", "stern": "s", "bow": "b"}
 UNITS: Final = {"%": "percent"}  # in a path
 
 # Okabe and Ito (2008), in the order of their contrast with a dark ground

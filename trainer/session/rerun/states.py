@@ -10,6 +10,7 @@ from trainer.boat.boat import Boat
 from trainer.boat.sea_orders import PARTS
 from trainer.core.casualties import KINDS
 from trainer.core.state import CASUALTIES, VALVES
+from trainer.core.surfaces import SURFACES
 from trainer.session.rerun.batch import Block, Whole
 
 SLOTS: Final = tuple(f"casualty[{i}]" for i in range(CASUALTIES))
@@ -33,7 +34,7 @@ class Lane:
 
 def lanes_of(boat: Boat) -> tuple[Lane, ...]:
     """Return the lanes of the boat; those of casualties come with `casualty_lanes`."""
-    steered = [name for name in ("rudder", "stern", "bow") if boat.toward[name]]
+    steered = [name for name in SURFACES if boat.toward[name]]
     lanes = [Lane("lanes/run", _run, _describe_run)]
     lanes += [_by_hand(name) for name in (*steered, "speed")]
     lanes.append(_several("lanes/held", tuple(f"held_{part}" for part in PARTS), PARTS))
