@@ -1,10 +1,12 @@
 """The tick of a boat: the tick of its records."""
 
+import sys
 from collections.abc import Callable
 
 import numpy as np
 import pytest
 
+from trainer.boat import compilation
 from trainer.boat.boat import Boat
 from trainer.core.update import update
 
@@ -78,3 +80,18 @@ def test_plain_numbers_are_the_state(make_boat: Callable[..., Boat]) -> None:
     assert boat.numbers(("z", "t", "u")) == [boat.state.z, 0.5, boat.state.u]
     assert boat.numbers(("z",)) == [boat.state.z]
     assert list(boat.plain) == boat.records.state["whole"][0].tolist()
+
+
+def test_without_a_known_compiler_the_tick_is_the_same(
+    make_boat: Callable[..., Boat], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    known, unknown = make_boat(), make_boat()
+    for boat in (known, unknown):
+        boat.start(5.0, 60.0, 0.0)
+    known.tick()
+    monkeypatch.setattr(compilation, "TESTED", ((9, 0), (9, 1)))
+    monkeypatch.setitem(sys.modules, "trainer.boat.call", None)
+
+    unknown.tick()
+
+    assert unknown.records.state.tobytes() == known.records.state.tobytes()

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from trainer.boat import compilation
 from trainer.boat.assemble import Method, fit_out
 from trainer.config.casualties import load_casualties
 from trainer.config.files import ConfigError
@@ -171,6 +172,10 @@ class Boat:
     @functools.cached_property
     def tick(self) -> Callable[[], int]:
         """Advance by one step; return 0, or a status for ``failure`` with the state as it was."""
+        if compilation.known_compiler():
+            from trainer.boat.call import bind  # noqa: PLC0415  it reaches into the compiler
+
+            return bind(tuple(self.records))
         return functools.partial(update, *self.records)
 
     def failure(self, status: int) -> str:

@@ -8,6 +8,7 @@ this processor and these files only.
 import contextlib
 import hashlib
 import os
+import re
 import signal
 import sys
 import threading
@@ -19,6 +20,7 @@ from typing import Final
 from trainer.core.cache import cache_folder, sources
 
 KERNELS: Final = "trainer.core.kernel"  # once it is imported, how kernels run is settled
+TESTED: Final = (0, 68), (0, 68)  # first and last version of numba whose inner parts are known
 LOCK: Final = "compiling"
 COMPLAINTS: Final = "compiling.log"  # of a compilation beside a run; gone when it succeeds
 
@@ -49,6 +51,16 @@ def do_without() -> None:
 def is_needed() -> bool:
     """Return whether a boat has to be compiled before she can go to sea."""
     return not (is_interpreted() or is_kept())
+
+
+def known_compiler() -> bool:
+    """Return whether kernels are compiled, by a version that ``call`` and fleets know."""
+    import numba  # noqa: PLC0415
+
+    first, last = TESTED
+    found = re.match(r"(\d+)\.(\d+)", numba.__version__)
+    known = found is not None and first <= (int(found[1]), int(found[2])) <= last
+    return known and not is_interpreted()
 
 
 def is_interpreted() -> bool:

@@ -5,29 +5,18 @@ once: an array of one row or one record stands for all of them. Where the compil
 vector code was tested with members fly side by side, else one after another, to the same bits.
 """
 
-import re
-from typing import Final, NamedTuple
+from typing import NamedTuple
 
-import numba
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from trainer.analysis.fleet.member import Fleet, Schedule, Track, fly_one_by_one
 from trainer.boat.boat import PLACES
+from trainer.boat.compilation import known_compiler
 from trainer.core.kernel import Numbers
 from trainer.core.state import new_scratch
 
 __all__ = ["NO_ORDERS", "Fleet", "Flown", "Schedule", "fly_members", "orders"]
-
-TESTED: Final = (0, 61), (0, 68)  # first and last version of numba that ``lanes`` was tested with
-
-
-def vector_code() -> bool:
-    """Return whether members can fly side by side: kernels are compiled, by a known compiler."""
-    first, last = TESTED
-    found = re.match(r"(\d+)\.(\d+)", numba.__version__)
-    known = found is not None and first <= (int(found[1]), int(found[2])) <= last
-    return known and not numba.config.DISABLE_JIT  # type: ignore[attr-defined]
 
 
 class Flown(NamedTuple):
@@ -74,7 +63,7 @@ def fly_members(
         np.full((count, ticks // every + 1, len(columns)), np.nan),
         np.full(count, -1, np.int64),
     )
-    if vector_code():
+    if known_compiler():
         from trainer.analysis.fleet import side_by_side  # noqa: PLC0415  only where it can be had
 
         side_by_side.fly(fleet, schedule, ticks, side_by_side.new_work(), track)
