@@ -1,7 +1,4 @@
-"""What a boat is by its numbers, and which steps it can be flown with: ``trainer check``.
-
-What the coefficients of a boat say before it moves: symmetry, inertia, margins, reversal.
-"""
+"""``trainer check``: what a boat is by its numbers, and which steps it can be flown with."""
 
 import math
 from collections.abc import Iterable

@@ -1,7 +1,4 @@
-"""A vessel file made into the core's records: units to SI, rows and tables to places.
-
-The table [ballast] of a vessel file made into the core's record.
-"""
+"""A vessel file made into the core's records: units to SI, rows and tables to places."""
 
 import math
 from collections.abc import Iterator

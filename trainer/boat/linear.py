@@ -1,7 +1,4 @@
-"""The boat's equations about straight level flight, as matrices.
-
-The natural modes of a boat: eigenvalues with a name, a period and a damping.
-"""
+"""The boat's equations about straight level flight, as matrices, and their natural modes."""
 
 import math
 from dataclasses import dataclass

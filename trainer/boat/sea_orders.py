@@ -1,7 +1,4 @@
-"""Orders about the sea. They keep what they do not say, and take the sea's ramp to come about.
-
-Partial freezes by order: depth, position or tanks stand still while all else goes on.
-"""
+"""Orders about the sea, which come about over its ramp, and partial freezes."""
 
 import math
 from dataclasses import replace

@@ -1,7 +1,4 @@
-"""Commands that list what is shipped.
-
-The command that tells what is sent to instruments.
-"""
+"""Commands that list what is shipped and what is sent to instruments."""
 
 from pathlib import Path
 

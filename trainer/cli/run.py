@@ -1,7 +1,4 @@
-"""Commands that take a boat to sea.
-
-Commands that attach to a running session.
-"""
+"""Commands that take a boat to sea, and that attach to a running session."""
 
 import sys
 from dataclasses import replace

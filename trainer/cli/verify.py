@@ -1,7 +1,4 @@
-"""Proofs that anybody can run; they take minutes to hours.
-
-The command that measures the trainer on this machine, whole or by parts.
-"""
+"""Commands that prove and measure the trainer; they take minutes to hours."""
 
 import sys
 from pathlib import Path

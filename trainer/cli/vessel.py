@@ -1,7 +1,4 @@
-"""Commands that examine a vessel file.
-
-The command that finds a boat's compact set.
-"""
+"""Commands that examine a vessel file, and that find its compact set."""
 
 import json
 import sys

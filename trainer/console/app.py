@@ -1,7 +1,4 @@
-"""The screen of one role: drawings in rows, a line for orders, keys, and dialogs above them.
-
-Surfaces moved by keys: each press adds to what has been ordered, seen or not yet seen.
-"""
+"""The screen of one role: drawings in rows, a line for orders, keys, and dialogs above them."""
 
 import re
 from collections.abc import Callable, Mapping, Sequence

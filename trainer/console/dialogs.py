@@ -1,7 +1,4 @@
-"""A dialog over the console: drawn, and ended by a key.
-
-Questions before what cannot be undone.
-"""
+"""Dialogs over the console, and questions before what cannot be undone."""
 
 from dataclasses import dataclass
 from typing import ClassVar, Final, Protocol

@@ -1,9 +1,4 @@
-"""The line at the bottom where orders are typed: completion, history, and keys when it is empty.
-
-What may come next in an order that is being typed.
-
-Names by what the grammar calls them, as far as the session has told them.
-"""
+"""The line at the bottom where orders are typed: completion, names and history."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from typing import ClassVar, Final, NamedTuple

@@ -1,7 +1,4 @@
-"""What was ordered here, what was answered, and what has happened elsewhere, by time.
-
-What has been ordered and what has become of it over the last minutes, for strip charts.
-"""
+"""What was ordered, answered and heard, by time, and the samples of the strip charts."""
 
 import bisect
 import textwrap

@@ -1,7 +1,4 @@
-"""The keys of each role, once: the screens obey them, help and documents list them.
-
-What a key does, as plain records: the console carries them out.
-"""
+"""The keys of each role and what they do, once: screens, help and documents read them."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass

@@ -1,7 +1,4 @@
-"""A Decca study from its file: chain, ship and readings; and what DECCON makes of it.
-
-From lanes to sway velocity: program DECCON as one computation over a Decca study.
-"""
+"""A Decca study from its file, and program DECCON carried out over it."""
 
 import csv
 import math

@@ -1,9 +1,4 @@
-"""Estimation: which minimiser, from how many starts, and what it found.
-
-A minimiser that uses no gradients: Powell's directions, by scipy.
-
-A search that outlives its process: the best parameters so far, in a small file.
-"""
+"""Estimation: which minimiser, from how many starts, what it found, and its file of progress."""
 
 import json
 import math

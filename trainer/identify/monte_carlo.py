@@ -1,7 +1,4 @@
-"""Whether the intervals are honest: simulate, estimate, and count how often the truth is inside.
-
-Members that are experiments: a record simulated, identified, and held against the truth.
-"""
+"""Monte-Carlo studies of identification: simulate, estimate, count how often truth is inside."""
 
 import math
 from collections.abc import Callable, Iterator, Mapping

@@ -1,7 +1,4 @@
-"""Continuous systems sampled exactly, at one interval or many (MI 7).
-
-Derivatives by an imaginary step: exact to the last digits, since nothing is subtracted.
-"""
+"""Continuous systems sampled exactly (MI 7), and derivatives by an imaginary step."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass

@@ -1,7 +1,4 @@
-"""Records from files: a CSV with named columns and units, or a recording of the trainer.
-
-Instruments between a ship and her record: a recording of the trainer has her exact state.
-"""
+"""Records from files, and instruments between a recording's exact state and a record."""
 
 import csv
 import math

@@ -1,7 +1,4 @@
-"""A fitted model by rudder alone: on its own record, and on another that it has not seen.
-
-Records that a model would give: what Monte-Carlo studies are made of (MI 8.5).
-"""
+"""A fitted model on its own record and on others, and records drawn from it (MI 8.5)."""
 
 from dataclasses import dataclass, replace
 from pathlib import Path

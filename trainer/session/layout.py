@@ -1,7 +1,4 @@
-"""Which number of a state record is what: here, and in a recording made by another version.
-
-What has changed from one text to another, line by line, for a reader.
-"""
+"""Which number of a state record is what, today and in recordings of other versions."""
 
 import re
 from collections.abc import Iterator, Sequence

@@ -1,7 +1,4 @@
-"""A run from its plan to its account: everything joined, started, and accounted for at the end.
-
-The account of a run that is over.
-"""
+"""A run from its plan to its summary: everything joined, started, and summed up at the end."""
 
 import contextlib
 import math

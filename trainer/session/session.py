@@ -1,7 +1,4 @@
-"""A run: the boat, the clock, the recording and the stations, joined in the thread that ticks.
-
-What has happened: recorded, told to whoever hears of such things, and kept for latecomers.
-"""
+"""The session: boat, clock, recording and stations, joined in the thread that ticks."""
 
 import math
 import threading

@@ -1,7 +1,4 @@
-"""What a proof found, as a table or JSON.
-
-A progress bar on a terminal's stderr, of several tasks at once; nothing elsewhere.
-"""
+"""What a proof found, as a table or JSON, and its progress bar."""
 
 import json
 import sys

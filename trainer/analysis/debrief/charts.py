@@ -1,7 +1,4 @@
-"""The charts of a debrief: what was ordered against what came of it.
-
-The time line: casualties as bars, and when orders, calls, marks and scores have their places.
-"""
+"""The drawings of a debrief: its charts, and the time line above them."""
 
 from collections.abc import Iterator
 from typing import Final

@@ -1,7 +1,4 @@
-"""The dossier: all that a debrief tells, gathered from a recording.
-
-The figures of a debrief, for programs.
-"""
+"""All that a debrief tells, gathered from a recording, and its figures for programs."""
 
 from collections.abc import Iterator, Mapping
 from dataclasses import asdict, dataclass

@@ -1,7 +1,4 @@
-"""The debrief as one HTML page that needs nothing beside itself.
-
-The command ``trainer debrief``: a recording in, a page out.
-"""
+"""``trainer debrief``: a recording in, one HTML page out that needs nothing beside itself."""
 
 import json
 import tempfile

@@ -1,7 +1,4 @@
-"""What the guide flies: the manoeuvres of 1969 at their speeds, and those of today.
-
-Flights to be flown, on as many processors as there are, with the same result on any number.
-"""
+"""What the guide flies, manoeuvres of 1969 and of today, and the processes that fly it."""
 
 import os
 from collections.abc import Callable, Iterable, Iterator

@@ -1,7 +1,4 @@
-"""What a manoeuvre needs of whatever flies it, be it a submarine, a ship or a torpedo.
-
-What a manoeuvre is measured by, and the general ways to read numbers from a flight.
-"""
+"""What a manoeuvre needs of whatever flies it, and what it is measured by."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass

@@ -1,9 +1,4 @@
-"""Small disturbances: planes offset and held, a pulse of one control, a heel let go.
-
-The meander of 1969: planes to rise until a pitch, then neutral, and what the boat does of it.
-
-The vertical overshoot of 1969: planes reversed at a pitch, until the depth turns back.
-"""
+"""Manoeuvres in the vertical plane: small disturbances, the meander and the overshoot of 1969."""
 
 import math
 from collections.abc import Iterator

@@ -1,7 +1,4 @@
-"""Flights of the full set, and how far a candidate's are from them.
-
-A boat that flies by a compact set in the making.
-"""
+"""How far the flights of a candidate set are from those of the full set."""
 
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass

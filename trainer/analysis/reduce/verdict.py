@@ -1,9 +1,4 @@
-"""A compact set against the full one: in the guide's flights, in steady turns, in what is new.
-
-What a tick costs by one equation set and by the other, here and now.
-
-What each coefficient of a hull does by itself: the tables 5, 7, 9 and 11 of 1969.
-"""
+"""What a compact set is worth: its differences, its cost, and what each coefficient does."""
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass

@@ -1,7 +1,4 @@
-"""Axes: from numbers to places on the paper, round ticks, and lines thinned to what shows.
-
-One chart as SVG: lines against time, casualties shaded, marks and limits as lines across.
-"""
+"""SVG: axes, lines and text, and charts against time made of them."""
 
 import math
 from collections.abc import Callable, Iterator

@@ -1,7 +1,4 @@
-"""Members that fly a manoeuvre: together in fleets where its orders are known beforehand.
-
-Members flown one by one: a manoeuvre by a boat of its own, as ``trainer manoeuvre`` flies it.
-"""
+"""Members that fly a manoeuvre: in fleets where orders are known beforehand, else one by one."""
 
 from collections.abc import Iterable, Mapping
 from dataclasses import asdict, dataclass, replace

@@ -1,7 +1,4 @@
-"""What a study's result says: how each measure is spread, and what moves it most.
-
-The result of a study as a page for a terminal and as a plot: percentiles and tornado.
-"""
+"""What a study's result says, as a page and as a plot: percentiles and tornado."""
 
 import math
 from dataclasses import dataclass

@@ -1,9 +1,4 @@
-"""The folder of an exported core: object, library, header, host, and how large they are.
-
-The card of an exported core, as trainer.boat.export.runner.library reads it.
-
-What an export is, in words.
-"""
+"""The folder of an exported core: object, library, header, host and card."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager

@@ -1,7 +1,4 @@
-"""Processors that the core can be compiled for, and the object made for one.
-
-A shared library from one object, by whatever C compiler there is.
-"""
+"""Processors that the core can be compiled for: the object for one, and a library of it."""
 
 import os
 import shlex

@@ -1,7 +1,4 @@
-"""Strip charts: what was ordered as a dashed line, what became of it as a drawn one.
-
-A sheet of dots, four by two in a column, that becomes text.
-"""
+"""Strip charts, drawn in dots: what was ordered dashed, what became of it solid."""
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field

@@ -1,7 +1,4 @@
-"""The first line: what session this is, the time, how it runs, and whether the line holds.
-
-What each station's screen shows above its charts.
-"""
+"""The first line of a screen, and what each station shows above its charts."""
 
 from typing import Final
 

@@ -1,7 +1,4 @@
-"""What a fit amounts to, for page, JSON and plot: parameters, ship, losses, residuals.
-
-All that ``trainer identify`` says about a model, as records that become page, JSON and sheet.
-"""
+"""What ``trainer identify`` says about a model, as records for page, JSON, sheet and plot."""
 
 import math
 from collections.abc import Callable

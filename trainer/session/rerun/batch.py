@@ -1,7 +1,4 @@
-"""A batch: what happened over some ticks, as columns, on its way to the viewer.
-
-Changes: of what seldom changes, the rows at which it does.
-"""
+"""Batches of columns on their way to the viewer, and the rows at which they change."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass

@@ -1,7 +1,4 @@
-"""How a line comes in: with a role that is fixed, or by saying one, with a token if need be.
-
-A log that a babbling line cannot fill: so many entries in a while, then only their number.
-"""
+"""How a line comes in, with a role or a token, and a log that it cannot flood."""
 
 import hmac
 import re

@@ -1,7 +1,4 @@
-"""What only the instructor sees: the boat as she is, the sea, what is broken, and the ledger.
-
-All channels by name, and what else may be subscribed to.
-"""
+"""All channels by name, those of the instructor alone among them."""
 
 import math
 from collections.abc import Callable, Mapping

@@ -1,7 +1,4 @@
-"""The core's tick back to back: called, in a compiled loop, and with everything going on.
-
-The cost of short work, measured over batches long enough for the clock.
-"""
+"""The cost of the core's tick back to back: called, and in a compiled loop."""
 
 import gc
 import statistics

@@ -1,7 +1,4 @@
-"""The plain C tick compiled by whatever C compiler there is, and loaded.
-
-The trainer's records and constants as a C header, so that C works on the very same memory.
-"""
+"""The plain C tick compiled and loaded, with a header made of the trainer's records."""
 
 import ctypes
 import os

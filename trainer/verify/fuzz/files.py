@@ -1,7 +1,4 @@
-"""What comes as files: vessels, seas, exercises, studies, tables, JSON lines.
-
-Small files of each kind, for a fuzzer to begin with.
-"""
+"""Fuzzing of what comes as files: vessels, seas, exercises, studies, tables, JSON lines."""
 
 import functools
 import re

@@ -1,7 +1,4 @@
-"""Operators of a soak: they come, take a role, look, order, and go, each in its own manner.
-
-Random legal orders: any wording of the grammar, any number within its limits.
-"""
+"""Operators of a soak: they come, take a role, give random legal orders, and go."""
 
 import contextlib
 import threading

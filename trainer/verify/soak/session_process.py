@@ -1,7 +1,4 @@
-"""A session in a process of its own, as a proof needs it: its port, its memory, its end.
-
-A program at a session's socket: it gives orders, and gets on when they are answered.
-"""
+"""A session in a process of its own, and a program at its socket that gives orders."""
 
 import contextlib
 import itertools

@@ -1,11 +1,4 @@
-"""``trainer run --headless --core FILE.so``: the boat of an exported core, and nothing else.
-
-The words of the command line that a run on an exported core takes.
-
-A file of orders for an exported core: SECONDS ORDER, as for ``trainer run --orders``.
-
-The state of each tick as a row of a CSV file, to the byte as ``trainer run`` writes it.
-"""
+"""``trainer run --headless --core FILE.so``: its words, its orders, its CSV file, its ticks."""
 
 import math
 import sys
