@@ -390,7 +390,7 @@ def test_a_search_broken_off_ends_in_the_same_bits(slim: VesselFile, tmp_path: P
 def narrow(slim: VesselFile, monkeypatch: pytest.MonkeyPatch) -> Leg:
     """Let searches fit to three turns and a weave; return the weave at top speed."""
     slow, _, fast = (leg for leg in fit_legs(slim) if leg.name == "weave")
-    monkeypatch.setattr(reduction, "fitted", lambda file: (*turns(file)[3:6], slow))
+    monkeypatch.setattr(reduction, "fit_legs", lambda file: (*turns(file)[3:6], slow))
     monkeypatch.setattr(reduction, "fastest", lambda _: (fast,))
     return fast
 

@@ -352,7 +352,8 @@ def fly(path, pipe):
     tick = 0
     while True:
         number = recording.order(tick, "helm", f"order at {tick}")
-        os.write(pipe, f"{number}\\n".encode())
+        if not recording.trouble:  # else it would be answered as not recorded
+            os.write(pipe, f"{number}\\n".encode())
         recording.answered(number, "yes", True)
         for _ in range(number % 7):
             tick += 1

@@ -88,7 +88,7 @@ def test_a_ratio_is_the_median_of_pairs_and_a_tick_the_least(
 ) -> None:
     monkeypatch.setattr(comparison, "PAIRS", 3)
     spent = iter([8000, 4000, 12000, 12000, 40000, 10000])  # ratios 2, 1, 4
-    monkeypatch.setattr(comparison, "clocked", lambda *_: next(spent))
+    monkeypatch.setattr(comparison, "time_repetitions", lambda *_: next(spent))
 
     ours, other, ratio = comparison.time_pair(lambda _: None, lambda _: None)
 

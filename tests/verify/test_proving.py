@@ -233,15 +233,15 @@ def bench(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Bench]:
 @pytest.mark.parametrize(
     ("fault", "times"),
     [
-        (faults.killed, 3),  # type: ignore[attr-defined]
-        (faults.damaged, 10),  # type: ignore[attr-defined]
-        (faults.stopped, 2),  # type: ignore[attr-defined]
-        (faults.unplugged, 2),  # type: ignore[attr-defined]
+        (faults.kill_sessions, 3),  # type: ignore[attr-defined]
+        (faults.damage_last_page, 10),  # type: ignore[attr-defined]
+        (faults.stop_session, 2),  # type: ignore[attr-defined]
+        (faults.unplug, 2),  # type: ignore[attr-defined]
         (faults.full, 2),  # type: ignore[attr-defined]
         (faults.full_disk, 1),  # type: ignore[attr-defined]
-        (faults.locked, 1),  # type: ignore[attr-defined]
-        (faults.relieved, 1),  # type: ignore[attr-defined]
-        (faults.vanished, 1),  # type: ignore[attr-defined]
+        (faults.lock_recording, 1),  # type: ignore[attr-defined]
+        (faults.relieve_disk, 1),  # type: ignore[attr-defined]
+        (faults.take_disk_away, 1),  # type: ignore[attr-defined]
         (faults.clock_set, 2),  # type: ignore[attr-defined]
         (faults.console_killed, 1),  # type: ignore[attr-defined]
     ],
