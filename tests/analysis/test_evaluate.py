@@ -14,7 +14,7 @@ from trainer.analysis.evaluate import ANGLES, KNOWN, NECESSARY, evaluate
 from trainer.config.files import ConfigError
 from trainer.config.vessel import VesselFile, load_vessel
 from trainer.core.state import RATES
-from trainer.core.vessel import KEPT
+from trainer.core.terms import KEPT
 
 VECTORS = DATA / "vectors"
 CASES = sorted(path.stem for path in VECTORS.glob("*.args"))

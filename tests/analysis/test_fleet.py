@@ -25,6 +25,7 @@ from trainer.analysis.fleet.lanes import BLOCK, LANES, relaid
 from trainer.analysis.fleet.side_by_side import new_work
 from trainer.boat import compilation
 from trainer.boat.boat import PLACES, Boat
+from trainer.core import kernel
 from trainer.core.elementary import cosine, exponential, sine
 from trainer.core.kernel import inlined
 from trainer.core.kinematics import EXACT, LINEAR, POLYNOMIAL
@@ -379,7 +380,7 @@ def test_a_fleet_without_vector_code_is_flown_to_the_same_bits(
     )
     first = fly_members(fleets[0], schedule, TICKS, 2, ("u", "z", "psi"))
 
-    monkeypatch.setattr(compilation, "TESTED", ((9, 0), (9, 1)))
+    monkeypatch.setattr(kernel, "TESTED", ((9, 0), (9, 1)))
     assert not compilation.known_compiler()
     monkeypatch.setitem(sys.modules, "trainer.analysis.fleet.side_by_side", None)
     second = fly_members(fleets[1], schedule, TICKS, 2, ("u", "z", "psi"))
@@ -392,6 +393,7 @@ def test_a_fleet_without_vector_code_is_flown_to_the_same_bits(
 @compiled
 def test_the_compiler_is_one_that_vector_code_was_tested_with() -> None:
     assert compilation.known_compiler(), (
-        f"numba {numba.__version__} is not within TESTED of boat/compilation.py: fleets fly one by "
-        "one with it, and ticks are called more slowly. Extend it, run this file and test_tick.py."
+        f"numba {numba.__version__} is not within TESTED of core/kernel.py: fleets fly one by one "
+        "with it, ticks are slower, nothing is exported. Extend it, and run this, test_tick.py "
+        "and test_export.py."
     )

@@ -26,13 +26,13 @@ from trainer.analysis.neutral import (
 )
 from trainer.boat.assemble import Method, fit_out
 from trainer.boat.boat import Boat
-from trainer.config.coefficients import coefficient_terms, terms
 from trainer.config.files import ConfigError
 from trainer.config.vessel import VesselFile, load_vessel
 from trainer.config.vessel_records import Fluid
 from trainer.core import propulsion
 from trainer.core.kernel import Numbers
 from trainer.core.rates import rates
+from trainer.core.terms import COEFFICIENTS, TABLE
 from trainer.units import KNOT
 
 VECTORS = DATA / "vectors"
@@ -48,7 +48,7 @@ SI_REFSUB = load_vessel(str(VECTORS / "full-refsub.vessel.toml"))
 
 def in_own_units(coefficients: dict[str, float], body: dict[str, float]) -> VesselFile:
     """Return a boat of the vectors in the units they have: the programs ask for no others."""
-    keys = {term.mnemonic: term.key for term in terms()}
+    keys = {term.mnemonic: term.key for term in TABLE}
     by_key = {keys[name]: value for name, value in coefficients.items()}
     hull = replace(
         SI_REFSUB.hull,
@@ -69,7 +69,7 @@ def in_own_units(coefficients: dict[str, float], body: dict[str, float]) -> Vess
         SI_REFSUB,
         fluid=Fluid(rho=body["RHO"], g=body["G"]),
         hull=hull,
-        coefficients={term.key: by_key[term.key] for term in coefficient_terms()},
+        coefficients={term.key: by_key[term.key] for term in COEFFICIENTS},
     )
 
 

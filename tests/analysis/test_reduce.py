@@ -42,7 +42,7 @@ from trainer.boat.assemble import Method, compact_coefficients
 from trainer.cli.vessel import reduce
 from trainer.config.vessel import VesselFile, load_vessel, parse_vessel
 from trainer.core.kernel import Numbers
-from trainer.core.vessel import EXTRA_TERMS, KEPT
+from trainer.core.terms import EXTRA_TERMS, KEPT
 from trainer.units import KNOT
 
 BOATS = ("bb2", "sdv-mk9", "remus100")

@@ -586,6 +586,16 @@ def test_without_the_jit_nothing_can_be_exported(tmp_path: Path) -> None:
     assert not list(tmp_path.rglob("*.o"))
 
 
+def test_another_version_of_the_compiler_is_refused_with_the_one_to_install(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("numba.__version__", "0.99.1")
+    wrong = re.escape("numba 0.99.1 was not tested with it: install 'numba>=0.68,<0.69'")
+    with pytest.raises(ConfigError, match=wrong):
+        export(boat_at_start(OPTIONS), tmp_path, "x86-64-v2")
+    assert not list(tmp_path.iterdir())
+
+
 def test_a_folder_that_is_a_file_is_named_before_anything_is_compiled(
     tmp_path: Path, make_boat: Callable[..., Boat]
 ) -> None:

@@ -6,8 +6,8 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from trainer.boat import compilation
 from trainer.boat.boat import Boat
+from trainer.core import kernel
 from trainer.core.update import update
 
 pytestmark = pytest.mark.core
@@ -89,7 +89,7 @@ def test_without_a_known_compiler_the_tick_is_the_same(
     for boat in (known, unknown):
         boat.start(5.0, 60.0, 0.0)
     known.tick()
-    monkeypatch.setattr(compilation, "TESTED", ((9, 0), (9, 1)))
+    monkeypatch.setattr(kernel, "TESTED", ((9, 0), (9, 1)))
     monkeypatch.setitem(sys.modules, "trainer.boat.call", None)
 
     unknown.tick()

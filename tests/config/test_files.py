@@ -10,11 +10,11 @@ from helpers.places import ROOT
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from trainer.config.coefficients import coefficient_terms, terms
 from trainer.config.files import ConfigError, collecting, read_text, shipped, shipped_names
 from trainer.config.schema import Quantities, kind_of
 from trainer.config.vessel import VesselFile, load_vessel, parse_vessel
 from trainer.config.vessel_records import Autopilot, key_tables
+from trainer.core.terms import COEFFICIENTS, TABLE
 
 PLACE = Path("boat.toml")
 
@@ -121,10 +121,10 @@ def test_sdv_takes_its_cross_flow_from_the_equivalent_table() -> None:
 
 def test_there_are_131_terms_of_which_the_compact_set_keeps_60() -> None:
     # 68-C-0050-1, Tables 2 to 4 and 18: 131 less the 71 dropped. Nine of both are thrust rows.
-    assert len(terms()) == len({term.key for term in terms()}) == 131
-    assert sum(term.kept for term in terms()) == 60
-    assert len(coefficient_terms()) == 122
-    assert sum(term.kept for term in coefficient_terms()) == 51
+    assert len(TABLE) == len({term.key for term in TABLE}) == 131
+    assert sum(term.kept for term in TABLE) == 60
+    assert len(COEFFICIENTS) == 122
+    assert sum(term.kept for term in COEFFICIENTS) == 51
 
 
 def test_a_path_and_a_name_load_the_same_boat() -> None:

@@ -1,5 +1,7 @@
 """The core's own sine, cosine, exponential and logarithm against a wider format."""
 
+import subprocess
+import sys
 from typing import Any
 
 import numpy as np
@@ -74,3 +76,15 @@ def test_what_is_not_finite_stays_so(function: Any) -> None:
     with np.errstate(invalid="ignore"):
         assert np.isnan(function(np.float64("nan")))
         assert np.isnan(function(np.float64("inf")))
+
+
+def test_a_compiler_of_another_version_is_not_given_options_of_its_own() -> None:
+    code = (
+        "import math, numba\n"
+        "numba.__version__ = '1.2.0'\n"
+        "from trainer.core import kernel\n"
+        "assert kernel.UNCOUNTED == {}\n"
+        "twice = kernel.inlined(lambda x: x + x)\n"
+        "assert twice(1.5) == 3.0\n"
+    )
+    subprocess.run([sys.executable, "-c", code], check=True)

@@ -12,7 +12,7 @@ from trainer.core.state import SCRATCH, STATE
 from trainer.core.vessel import COMPACT, VESSEL
 
 CORE = Path(trainer.core.__file__).parent
-KINDS = {"kernel", "part"}
+KINDS = {"kernel", "part", "unlocked", "inlined"}
 WRITABLE = {
     "state",
     "scratch",
@@ -32,7 +32,7 @@ def kernels() -> list[tuple[str, ast.FunctionDef]]:
     """Return every function decorated as a kernel."""
     return [
         (f"{path.stem}.{node.name}", node)
-        for path in sorted(CORE.glob("*.py"))
+        for path in sorted(CORE.rglob("*.py"))
         for node in ast.parse(path.read_text(encoding="utf-8")).body
         if isinstance(node, ast.FunctionDef)
         and any(isinstance(d, ast.Name) and d.id in KINDS for d in node.decorator_list)

@@ -11,9 +11,9 @@ from trainer.boat.assemble import Method, scheme_record
 from trainer.boat.boat import Boat
 from trainer.boat.linear import Mode, bring_to, modes, respond
 from trainer.boat.stability import largest_flown, largest_step, responses, stable_at, worst_motion
-from trainer.config.coefficients import coefficient_terms
 from trainer.config.vessel import VesselFile
 from trainer.core import full
+from trainer.core.terms import COEFFICIENTS
 from trainer.units import KNOT
 
 SIDED = ("Y_star", "K_star", "N_star", "K_star_eta")  # [ASSES] equations (2), (4), (6)
@@ -22,7 +22,7 @@ SIDED = ("Y_star", "K_star", "N_star", "K_star_eta")  # [ASSES] equations (2), (
 def absent(file: VesselFile, *, kept: bool) -> dict[str, list[str]]:
     """Return by equation the coefficients not given; ``kept``: that the compact set would keep."""
     found: dict[str, list[str]] = {}
-    for term in coefficient_terms():
+    for term in COEFFICIENTS:
         if term.key in file.absent and term.kept == kept:
             found.setdefault(term.equation, []).append(term.key)
     return found

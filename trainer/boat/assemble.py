@@ -13,6 +13,7 @@ from trainer.config.vessel import VesselFile
 from trainer.core import kinematics, scheme, state, vessel
 from trainer.core.ballast.tanks import BANKS, BLOWN, STATIONS, TANKS, new_ballast
 from trainer.core.kernel import Record
+from trainer.core.terms import BASIC_DROPS, KEPT
 from trainer.units import KNOT
 
 GAS_CONSTANT: Final = 287.05  # [J/(kg K)] of air
@@ -171,8 +172,8 @@ def thrust_rows(file: VesselFile) -> tuple[dict[str, float], tuple[float, float]
 def compact_coefficients(file: VesselFile, equations: str) -> dict[str, float]:
     """Return the coefficients that the compact set keeps, compensated."""
     factors = file.compensation["basic" if equations == "basic" else "modified"]
-    dropped = vessel.BASIC_DROPS if equations == "basic" else ()
-    kept = [*vessel.KEPT, *file.compact.extra_terms]
+    dropped = BASIC_DROPS if equations == "basic" else ()
+    kept = [*KEPT, *file.compact.extra_terms]
     return {
         name: file.coefficients[name] * factors.get(name, 1.0)
         for name in kept

@@ -17,11 +17,10 @@ from trainer.config.vessel import VesselFile
 from trainer.core.autopilot import stand_by_all
 from trainer.core.ballast.ballast import start_ballast
 from trainer.core.kernel import Numbers, Record
-from trainer.core.rates import rates
 from trainer.core.sea.free_surface import DECK_REACH
 from trainer.core.sea.sea import order_sea
+from trainer.core.start import level_flight, set_out
 from trainer.core.state import STATE
-from trainer.core.trim import BOTH, STERN, trim
 from trainer.core.update import WATCHED, update
 from trainer.units import KNOT
 
@@ -92,31 +91,12 @@ class Boat:
         return bool(self.vessel.gain_count > 0.0)
 
     def trimmed(self, speed: float) -> bool:
-        """Bring the state into straight level flight at ``speed`` [m/s]; return whether it can be.
-
-        By the stern planes if they can, else level, by both pairs of planes, which is what a boat
-        does near and below the critical speed of the stern planes.
-        """
-        s = self.state
-        self.records.scratch["external"] = 0.0
-        scheme = self.records.scheme.copy()
+        """Bring the state into level flight at ``speed`` [m/s]; return whether it can be."""
+        r = self.records
+        scheme = r.scheme.copy()
         scheme["exact"] = 1
-        for by, most in ((STERN, 0.3), (BOTH, 1.0), (STERN, 1.0)):
-            for name in ("v", "w", "phi", "theta", "delta_r", "delta_s", "delta_b"):
-                s[name] = 0.0
-            s.u = s.u_c = speed
-            records = (self.records.vessel, self.records.compact, scheme)
-            with np.errstate(all="ignore"):  # a boat without bow planes has a singular system
-                settled = trim(*records, self.records.state, self.records.scratch, by)
-            if (
-                settled
-                and abs(s.theta) < 0.5 * math.pi
-                and abs(s.delta_s) <= most * self.vessel.limit_s
-                and abs(s.delta_b) <= most * self.vessel.limit_b
-                and abs(s.delta_r) <= most * self.vessel.limit_r
-            ):
-                return True
-        return False
+        with np.errstate(all="ignore"):  # a boat without bow planes has a singular system
+            return bool(level_flight(r.vessel, r.compact, scheme, r.state, r.scratch, speed))
 
     def start(self, speed: float, depth: float, course: float, seed: int = 1) -> None:
         """Start in trim at ``speed`` [m/s], ``depth`` [m] and ``course`` [rad], orders the same.
@@ -135,15 +115,7 @@ class Boat:
             )
         s = self.state
         s.z, s.psi, s.seed = depth, course, seed
-        start_ballast(self.records.vessel, self.records.vessel, self.records.state)
-        rates(*self.records)
-        s.rates[:6] = 0.0
-        s.ordered_depth, s.ordered_psi, s.ordered_speed = depth, course, speed
-        s.ordered_u_c = s.command_u_c = s.telegraph_answer = s.u_c
-        s.ordered_r, s.ordered_s, s.ordered_b = s.delta_r, s.delta_s, s.delta_b
-        s.speed_trim = s.u_c - speed
-        s.telegraph_order = speed if self.automatic else s.u_c
-        s.rudder_by_hand = s.stern_by_hand = s.bow_by_hand = s.speed_by_hand = 1.0
+        set_out(*self.records)
         self.stand_by()
         if self.automatic:
             s.by_hand[:] = self.vessel.limit == 0.0  # nothing to give where there is no surface

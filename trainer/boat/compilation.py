@@ -8,7 +8,6 @@ this processor and these files only.
 import contextlib
 import hashlib
 import os
-import re
 import signal
 import sys
 import threading
@@ -20,7 +19,6 @@ from typing import Final
 from trainer.core.cache import cache_folder, sources
 
 KERNELS: Final = "trainer.core.kernel"  # once it is imported, how kernels run is settled
-TESTED: Final = (0, 68), (0, 68)  # first and last version of numba whose inner parts are known
 LOCK: Final = "compiling"
 COMPLAINTS: Final = "compiling.log"  # of a compilation beside a run; gone when it succeeds
 
@@ -57,10 +55,9 @@ def known_compiler() -> bool:
     """Return whether kernels are compiled, by a version that ``call`` and fleets know."""
     import numba  # noqa: PLC0415
 
-    first, last = TESTED
-    found = re.match(r"(\d+)\.(\d+)", numba.__version__)
-    known = found is not None and first <= (int(found[1]), int(found[2])) <= last
-    return known and not is_interpreted()
+    from trainer.core.kernel import is_tested  # noqa: PLC0415  settles how kernels run
+
+    return is_tested(numba.__version__) and not is_interpreted()
 
 
 def is_interpreted() -> bool:

@@ -1,8 +1,6 @@
-"""The 131 coefficients of NSRDC Report 2510, and reading a boat's own from a vessel file."""
+"""The coefficients of a boat, read from its vessel file."""
 
 from collections.abc import Mapping
-from functools import cache
-from typing import NamedTuple
 
 from trainer.config.files import (
     ConfigError,
@@ -10,73 +8,14 @@ from trainer.config.files import (
     as_table,
     collecting,
     nearest,
-    parse_toml,
-    read_text,
-    shipped,
 )
 from trainer.config.schema import Quantity, within
+from trainer.core.terms import COEFFICIENTS, POWERS
 
 AXES = ("X", "Y", "Z", "K", "M", "N")
 COEFFICIENT = Quantity("-", within(-10, 10), "coefficient, prime system, per radian")
 FACTOR = Quantity("-", within(-100, 100), "factor on a coefficient of the compact set")
-# What BB2 proves to need beyond the 60 kept ones; zero elsewhere.
-EXTRA_TERMS = (
-    *("X_vr", "X_qq", "X_rr", "X_rp", "X_wq", "X_vv", "X_ww"),
-    *("Y_pq", "Y_qr", "Y_vq", "Y_wp", "Y_wr", "Y_vw"),
-    *("Z_pp", "Z_rp", "Z_vp"),
-    *("K_pap", "K_qr", "K_pq", "K_r", "K_vq", "K_wp", "K_wr", "K_vw", "K_star"),
-    *("M_pp", "M_qaq", "M_vp"),
-    *("N_rar", "N_avr", "N_qr", "N_wr", "N_wp", "N_vq", "N_vw"),
-)
 EQUATION_SETS = ("modified", "basic")
-
-
-class Term(NamedTuple):
-    """One coefficient: its equation, key, power of L [-], what it multiplies, its 1969 name."""
-
-    equation: str
-    key: str
-    L_power: int
-    multiplies: str
-    mnemonic: str
-    kept: bool  # in the compact set (68-C-0050-1, Table 18)
-
-
-def terms() -> tuple[Term, ...]:
-    """Return the 131 terms in the order of the equations, from the shipped list."""
-    path = shipped("", "terms_2510")
-    return _terms(read_text(path), path.name)
-
-
-@cache
-def _terms(text: str, file: str) -> tuple[Term, ...]:
-    """Return the terms listed in ``text``; ConfigError if it is no such list."""
-    try:
-        return tuple(
-            Term(
-                equation=str(row["equation"]),
-                key=str(row["key"]),
-                L_power=int(row["L_power"]),
-                multiplies=str(row["multiplies"]),
-                mnemonic=str(row["mnemonic"]),
-                kept=bool(row["kept_in_compact"]),
-            )
-            for row in parse_toml(text, file)["term"]
-        )
-    except (KeyError, TypeError, ValueError, OverflowError):
-        raise ConfigError(f"{file}: is not the list of the 131 coefficients") from None
-
-
-def coefficient_terms() -> tuple[Term, ...]:
-    """Return the 122 terms that [coefficients] may give: all but the nine of the thrust rows."""
-    path = shipped("", "terms_2510")
-    return _coefficient_terms(read_text(path), path.name)
-
-
-@cache
-def _coefficient_terms(text: str, file: str) -> tuple[Term, ...]:
-    """Return those of the terms listed in ``text``."""
-    return tuple(term for term in _terms(text, file) if term.key.startswith(f"{term.equation}_"))
 
 
 def read_coefficients(table: object, place: Place) -> dict[str, float]:
@@ -85,7 +24,7 @@ def read_coefficients(table: object, place: Place) -> dict[str, float]:
     Those not given are left out.
     """
     given, problems = _flatten(as_table(table, place), place)
-    known = [term.key for term in coefficient_terms()]
+    known = list(POWERS)
     values: dict[str, float] = {}
     for axis, key, value in given:
         with collecting(problems):
@@ -152,7 +91,7 @@ def read_compensation(
 def _factors(table: object, place: Place, extra: tuple[str, ...]) -> dict[str, float]:
     """Return factor [-] by coefficient; ConfigError with all that is wrong."""
     given = as_table(table, place)
-    kept = [term.key for term in coefficient_terms() if term.kept or term.key in extra]
+    kept = [term.key for term in COEFFICIENTS if term.kept or term.key in extra]
     problems = [
         place.wrong(key, value, f"the compact set keeps no such coefficient{nearest(key, kept)}")
         for key, value in given.items()

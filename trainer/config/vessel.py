@@ -11,12 +11,7 @@ from typing import Any
 
 from trainer.config import plausibility
 from trainer.config.ballast_records import Ballast, ballast_problems
-from trainer.config.coefficients import (
-    EXTRA_TERMS,
-    coefficient_terms,
-    read_coefficients,
-    read_compensation,
-)
+from trainer.config.coefficients import read_coefficients, read_compensation
 from trainer.config.files import (
     ConfigError,
     Place,
@@ -39,6 +34,7 @@ from trainer.config.vessel_records import (
     Run,
     Surfaces,
 )
+from trainer.core.terms import COEFFICIENTS, EXTRA_TERMS
 
 SCHEMA = Choice(("gertler-hagen-2510/1",), "form of the coefficients")
 HEADING: Mapping[str, Kind] = {
@@ -186,9 +182,7 @@ def read_vessel(given: Mapping[str, Any], text: str, path: Path) -> VesselFile:
     place = Place(path.name, "")
     table, defaulted = with_defaults(given)
     parts = _read_parts(table, place)
-    absent = tuple(
-        term.key for term in coefficient_terms() if term.key not in parts["coefficients"]
-    )
+    absent = tuple(term.key for term in COEFFICIENTS if term.key not in parts["coefficients"])
     parts["coefficients"] = dict.fromkeys(absent, 0.0) | parts["coefficients"]
     problems = _fit_problems(parts, place)
     if problems:
@@ -205,7 +199,7 @@ def read_vessel(given: Mapping[str, Any], text: str, path: Path) -> VesselFile:
         hull=parts["vessel"],
         propulsion=parts["propulsion"],
         surfaces=parts["control_surfaces"],
-        coefficients={term.key: parts["coefficients"][term.key] for term in coefficient_terms()},
+        coefficients={term.key: parts["coefficients"][term.key] for term in COEFFICIENTS},
         absent=absent,
         compensation=parts["compensation"],
         compact=parts["compact"],

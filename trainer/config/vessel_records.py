@@ -6,7 +6,6 @@ Units are those of the file. The coefficients are in trainer.config.coefficients
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from trainer.config.coefficients import EXTRA_TERMS
 from trainer.config.schema import (
     Choice,
     Choices,
@@ -19,6 +18,7 @@ from trainer.config.schema import (
     tables_of,
     within,
 )
+from trainer.core.terms import EXTRA_TERMS
 
 BELLS = (
     "ahead_one_third",

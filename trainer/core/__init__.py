@@ -10,3 +10,6 @@ NAVTRADEVCEN 68-C-0050-1 (1969), whose equation numbers (1)-(18) and program nam
 """
 
 from trainer.core import cache as _cache  # noqa: F401 (numba is told its folder)
+
+# The modules that a program of one's own begins with: records, a start in trim, and the tick.
+__all__ = ["kernel", "scheme", "start", "state", "terms", "update", "vessel"]

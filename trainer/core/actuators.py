@@ -2,13 +2,7 @@
 
 import math
 
-from trainer.core.casualties import (
-    FOLLOW_UP_LOST,
-    FREE,
-    SLOW,
-    SURFACE_FAULTS,
-    worst,
-)
+from trainer.core.casualties import FAULT, FOLLOW_UP_LOST, FREE, SLOW, fault_of
 from trainer.core.elementary import exponential
 from trainer.core.kernel import Record, part
 from trainer.core.reference import within
@@ -31,12 +25,6 @@ def advance_surface(
 
 
 @part
-def fault_of(surface: int, state: Record) -> int:
-    """Return the slot [-] of the casualty that acts on a surface, -1 if it is sound."""
-    return worst(1 + surface * len(SURFACE_FAULTS), len(SURFACE_FAULTS), state)
-
-
-@part
 def target_angle(vessel: Record, furthest: float, surface: int, slot: int, state: Record) -> float:
     """Return the angle [rad] that a surface makes for: its command, or what a casualty makes of it.
 
@@ -50,7 +38,7 @@ def target_angle(vessel: Record, furthest: float, surface: int, slot: int, state
     if slot < 0:
         return command
     amount = s.casualty_amount[slot]
-    fault = (int(s.casualty[slot]) - 1) % len(SURFACE_FAULTS)
+    fault = FAULT[int(s.casualty[slot])]
     if fault == SLOW:
         most = furthest * (1.0 - amount)
         command = within(command, angle, most)

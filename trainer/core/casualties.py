@@ -1,23 +1,19 @@
-"""Things that break: eight slots of the state, their ramps, and what tanks and air suffer.
+"""Things that break: the table of their kinds, slots of the state, ramps, triggers, instruments.
 
-The slots in use come first. A slot holds a kind, its amount [SI] now and in the end, and the ticks
-left: positive while it comes on, zero while it stands, negative while it is being cleared. What
-severity means is settled at the edge; the core knows amounts only. Surfaces, propulsion, autopilot
-and instruments look their kinds up themselves; tanks and air read faults from the state, which are
-written here.
+Eight slots of the state hold the casualties in force, those in use first: kind, amount [SI] now
+and in the end, and the ticks left: positive while it comes on, zero while it stands, negative
+while it is being cleared. The core knows amounts only; what severity means is settled where files
+are read. Surfaces, propulsion, autopilot and instruments look their kinds up; tanks and air read
+faults from the state, which are written here.
 
-How a casualty begins and is cleared, by an order or by a trigger.
-
-What the instruments of a station read: depth, heading and speed through their casualties.
-
-Only stations see this. The autopilot steers by the truth, and the instructor is shown it.
-
-Casualties that begin when the state meets a condition, without Python in the tick.
-
-Armed triggers are constants of the scheme; the state remembers which of them are spent.
+Armed triggers are constants of the scheme; the state remembers which of them are spent. Casualties
+of instruments are seen by stations only: the autopilot steers by the truth, and the instructor is
+shown it.
 """
 
-from typing import Final
+from typing import Final, NamedTuple
+
+import numpy as np
 
 from trainer.core.ballast.tanks import BANKS, COMPARTMENTS, PUMPED, PUMPS
 from trainer.core.kernel import Record, kernel, part
@@ -25,14 +21,15 @@ from trainer.core.noise import GAUGE_NOISE, gaussian
 from trainer.core.state import STATE, VALVES
 from trainer.core.surfaces import SURFACES
 
-# Of two on one surface or gauge only the later in these acts on it.
 SURFACE_FAULTS: Final = ("slow", "follow-up-lost", "free", "hard-over", "stuck")
 SLOW, FOLLOW_UP_LOST, FREE, HARD_OVER, STUCK = 0, 1, 2, 3, 4
 GAUGES: Final = ("depth-gauge", "gyro", "log")
+DEPTH_GAUGE, GYRO, LOG = 0, 1, 2
 GAUGE_FAULTS: Final = ("noisy", "biased", "stuck")
 NOISY, BIASED, GAUGE_STUCK = 0, 1, 2
+# Of two faults on one surface or gauge only the later in these acts on it.
 
-FAULTS: Final = (  # in the order of the faults in the state
+FAULTS: Final = (  # in the order of the faults in the state, which begin at its "breach"
     *(f"leak-{name.replace('_', '-')}" for name in PUMPED),
     *(f"flooding-{name.removeprefix('compartment_')}" for name in COMPARTMENTS),
     *(f"pump-{name.replace('_', '-')}-failed" for name in PUMPS),
@@ -40,21 +37,18 @@ FAULTS: Final = (  # in the order of the faults in the state
     *(f"blow-{name}-shut" for name in VALVES),
     *(f"vent-{name}-shut" for name in VALVES),
 )
-KINDS: Final = (
-    *(f"{surface}-{fault}" for surface in SURFACES for fault in SURFACE_FAULTS),
-    *("propulsion-lost", "propulsion-stuck", "autopilot-failed"),
-    *FAULTS,
-    *(f"vent-{name}-open" for name in VALVES),
-    *(f"{gauge}-{fault}" for gauge in GAUGES for fault in GAUGE_FAULTS),
-)
-CODES: Final = {name: code for code, name in enumerate(KINDS, start=1)}  # 0: no casualty
 
-PROPULSION_LOST: Final = CODES["propulsion-lost"]
-PROPULSION_STUCK: Final = CODES["propulsion-stuck"]
-AUTOPILOT_FAILED: Final = CODES["autopilot-failed"]
-FIRST_FAULT: Final = CODES[FAULTS[0]]
-FIRST_OPEN: Final = FIRST_FAULT + len(FAULTS)
-FIRST_GAUGE: Final = FIRST_OPEN + len(VALVES)
+
+class Kind(NamedTuple):
+    """A kind of casualty [-]: its name, what it befalls, how, and what the state keeps of it."""
+
+    name: str
+    surface: int = -1  # of SURFACES
+    gauge: int = -1  # of GAUGES
+    fault: int = -1  # of SURFACE_FAULTS or GAUGE_FAULTS
+    place: int = -1  # in the state, of the fault that tanks and air read
+    sense: int = 1  # of the amount at that place
+    holds: bool = False  # it holds what it finds, whatever amount it is given
 
 
 def _place(name: str) -> int:
@@ -62,8 +56,43 @@ def _place(name: str) -> int:
     return int((STATE.fields or {})[name][1]) // 8  # type: ignore[index]
 
 
-BREACH: Final = _place("breach")  # the first of the faults
-VENT_FAULT: Final = _place("vent_fault")
+TABLE: Final = (
+    *(
+        Kind(f"{surface}-{name}", surface=number, fault=fault, holds=fault == STUCK)
+        for number, surface in enumerate(SURFACES)
+        for fault, name in enumerate(SURFACE_FAULTS)
+    ),
+    Kind("propulsion-lost"),
+    Kind("propulsion-stuck", holds=True),
+    Kind("autopilot-failed"),
+    *(Kind(name, place=place) for place, name in enumerate(FAULTS, _place("breach"))),
+    *(  # a vent stuck open is one shut less than not at all
+        Kind(f"vent-{name}-open", place=place, sense=-1)
+        for place, name in enumerate(VALVES, _place("vent_fault"))
+    ),
+    *(
+        Kind(f"{name}-{how}", gauge=gauge, fault=fault, holds=fault == GAUGE_STUCK)
+        for gauge, name in enumerate(GAUGES)
+        for fault, how in enumerate(GAUGE_FAULTS)
+    ),
+)
+KINDS: Final = tuple(kind.name for kind in TABLE)
+CODES: Final = {name: code for code, name in enumerate(KINDS, start=1)}  # 0: no casualty
+
+# The columns of the table, by code.
+_CODED: Final = (Kind(""), *TABLE)
+SURFACE: Final = np.array([kind.surface for kind in _CODED])
+GAUGE: Final = np.array([kind.gauge for kind in _CODED])
+FAULT: Final = np.array([kind.fault for kind in _CODED])
+PLACE: Final = np.array([kind.place for kind in _CODED])
+SENSE: Final = np.array([float(kind.sense) for kind in _CODED])
+HOLDS: Final = np.array([kind.holds for kind in _CODED])
+GAUGE_CODE: Final = np.array(
+    [[CODES[f"{gauge}-{fault}"] for fault in GAUGE_FAULTS] for gauge in GAUGES]
+)
+PROPULSION_LOST: Final = CODES["propulsion-lost"]
+PROPULSION_STUCK: Final = CODES["propulsion-stuck"]
+AUTOPILOT_FAILED: Final = CODES["autopilot-failed"]
 
 
 @part
@@ -79,26 +108,24 @@ def slot_of(kind: int, state: Record) -> int:
 
 
 @part
-def worst(first: int, count: int, state: Record) -> int:
-    """Return the slot [-] with the highest of ``count`` kinds from ``first`` on, -1 if none."""
+def fault_of(surface: int, state: Record) -> int:
+    """Return the slot [-] of the casualty that acts on a surface, -1 if it is sound."""
     s = state[0]
-    slot, highest = -1, first - 0.5
+    slot, latest = -1, -1
     for i in range(s.casualty.size):
-        if s.casualty[i] == 0.0:
+        kind = int(s.casualty[i])
+        if kind == 0:
             return slot
-        if highest < s.casualty[i] < first + count:
-            slot, highest = i, s.casualty[i]
+        if SURFACE[kind] == surface and FAULT[kind] > latest:
+            slot, latest = i, FAULT[kind]
     return slot
 
 
 @kernel
 def write_fault(kind: int, amount: float, state: Record) -> None:
     """Write what tanks and air are to suffer by ``kind``; the others are looked up."""
-    s = state[0]
-    if FIRST_FAULT <= kind < FIRST_OPEN:
-        s.whole[BREACH + kind - FIRST_FAULT] = amount
-    elif FIRST_OPEN <= kind < FIRST_GAUGE:
-        s.whole[VENT_FAULT + kind - FIRST_OPEN] = -amount
+    if PLACE[kind] >= 0:
+        state[0].whole[PLACE[kind]] = SENSE[kind] * amount
 
 
 @kernel
@@ -149,9 +176,6 @@ def advance_casualties(state: Record) -> None:
             write_fault(int(s.casualty[i]), s.casualty_amount[i], state)
 
 
-DEPTH_GAUGE, GYRO, LOG = 0, 1, 2
-
-
 @kernel
 def gauge_reading(gauge: int, state: Record) -> float:
     """Return depth [m], heading [rad] or speed [m/s], with the bias of its gauge."""
@@ -161,7 +185,7 @@ def gauge_reading(gauge: int, state: Record) -> float:
         value = s.psi
     elif gauge == LOG:
         value = s.u
-    slot = slot_of(FIRST_GAUGE + gauge * len(GAUGE_FAULTS) + BIASED, state)
+    slot = slot_of(GAUGE_CODE[gauge, BIASED], state)
     return value + s.casualty_amount[slot] if slot >= 0 else value
 
 
@@ -169,12 +193,11 @@ def gauge_reading(gauge: int, state: Record) -> float:
 def reading(gauge: int, state: Record) -> float:
     """Return what a gauge reads [m, rad or m/s]: stuck, or biased and noisy."""
     s = state[0]
-    first = FIRST_GAUGE + gauge * len(GAUGE_FAULTS)
-    slot = slot_of(first + GAUGE_STUCK, state)
+    slot = slot_of(GAUGE_CODE[gauge, GAUGE_STUCK], state)
     if slot >= 0:
         return s.casualty_amount[slot]
     value = gauge_reading(gauge, state)
-    slot = slot_of(first + NOISY, state)
+    slot = slot_of(GAUGE_CODE[gauge, NOISY], state)
     if slot >= 0:
         value += s.casualty_amount[slot] * gaussian(int(s.seed), GAUGE_NOISE + gauge, int(s.tick))
     return value
@@ -187,19 +210,6 @@ def instruments(state: Record, scratch: Record) -> None:
         scratch[0].reading[gauge] = reading(gauge, state)
 
 
-SURFACE_KINDS = len(SURFACES) * len(SURFACE_FAULTS)
-
-
-@kernel
-def is_stuck(kind: int) -> bool:
-    """Return whether a casualty holds what it finds, whatever amount it is given."""
-    if kind <= SURFACE_KINDS:
-        return (kind - 1) % len(SURFACE_FAULTS) == STUCK
-    if kind >= FIRST_GAUGE:
-        return (kind - FIRST_GAUGE) % len(GAUGE_FAULTS) == GAUGE_STUCK
-    return kind == PROPULSION_STUCK
-
-
 @kernel
 def onset(kind: int, state: Record) -> float:
     """Return the amount [SI] from which a casualty sets out: what it holds or drives as it stands.
@@ -207,12 +217,12 @@ def onset(kind: int, state: Record) -> float:
     A stuck gauge holds its bias with it.
     """
     s = state[0]
-    if kind <= SURFACE_KINDS and (kind - 1) % len(SURFACE_FAULTS) >= HARD_OVER:
-        return s.surface[(kind - 1) // len(SURFACE_FAULTS)]
+    if SURFACE[kind] >= 0 and FAULT[kind] >= HARD_OVER:
+        return s.surface[SURFACE[kind]]
     if kind == PROPULSION_STUCK:
         return s.u_c
-    if kind >= FIRST_GAUGE and is_stuck(kind):
-        return gauge_reading((kind - FIRST_GAUGE) // len(GAUGE_FAULTS), state)
+    if GAUGE[kind] >= 0 and HOLDS[kind]:
+        return gauge_reading(GAUGE[kind], state)
     return 0.0
 
 
@@ -232,7 +242,7 @@ def begin(kind: int, amount: float, ticks: float, state: Record) -> int:
         s.casualty_amount[slot] = onset(kind, state)
     s.casualty_ticks[slot] = ticks
     s.casualty_target[slot] = amount
-    if is_stuck(kind):
+    if HOLDS[kind]:
         s.casualty_ticks[slot] = 0.0
         s.casualty_target[slot] = s.casualty_amount[slot]
     elif ticks == 0.0:
@@ -247,7 +257,7 @@ def end(kind: int, ticks: float, state: Record) -> int:
     slot = slot_of(kind, state)
     if slot < 0:
         return 0
-    s.casualty_ticks[slot] = -1.0 if is_stuck(kind) else -max(ticks, 1.0)
+    s.casualty_ticks[slot] = -1.0 if HOLDS[kind] else -max(ticks, 1.0)
     return 1
 
 

@@ -4,8 +4,10 @@ Strict floating point (no contraction, no reassociation), so that the bits of a 
 on the processor, and division by zero gives infinity, which the finite check of a tick reports.
 """
 
-from typing import TYPE_CHECKING, Any
+import re
+from typing import TYPE_CHECKING, Any, Final
 
+import numba
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
@@ -16,20 +18,31 @@ Numbers = NDArray[np.float64]
 # a name, a name with a shape, or a block's name with the names in it
 Field = str | tuple[str, tuple[int, ...]] | tuple[str, list[str]]
 
+TESTED: Final = (0, 68), (0, 68)  # first and last version of numba whose inner parts are known
+
+
+def is_tested(version: str) -> bool:
+    """Return whether a version of numba is one whose inner parts are known."""
+    found = re.match(r"(\d+)\.(\d+)", version)
+    return found is not None and TESTED[0] <= (int(found[1]), int(found[2])) <= TESTED[1]
+
+
 # Kernels do not count references to the records, which their callers hold: that took half a tick.
-# The options are numba's own, though not in its published signature. A part is a kernel whose
-# machine code is put into that of the kernels that call it: calling them one by one took a third
-# of what was left. What is seldom called, or from many places, is no part. Unlocked is what runs
-# long and lets other threads go on; inlined is a part that is compiled anew by whoever calls it.
-if TYPE_CHECKING:
+# The option is not among numba's published ones, so that other versions do without. A part is a
+# kernel whose machine code is put into that of the kernels that call it: calling them one by one
+# took a third of what was left. What is seldom called, or from many places, is no part. Unlocked
+# is what runs long and lets other threads go on; inlined is a part that is compiled anew by
+# whoever calls it.
+UNCOUNTED: Final[dict[str, Any]] = {"_nrt": False} if is_tested(numba.__version__) else {}
+if TYPE_CHECKING:  # numba's published signature lacks some of its options
     kernel = part = njit(cache=True, error_model="numpy")
     unlocked = njit(cache=True, error_model="numpy", nogil=True)
     inlined = njit(error_model="numpy", forceinline=True)
 else:
-    kernel = njit(cache=True, error_model="numpy", _nrt=False)
-    part = njit(cache=True, error_model="numpy", _nrt=False, forceinline=True)
-    unlocked = njit(cache=True, error_model="numpy", _nrt=False, nogil=True)
-    inlined = njit(error_model="numpy", _nrt=False, forceinline=True)
+    kernel = njit(cache=True, error_model="numpy", **UNCOUNTED)
+    part = njit(cache=True, error_model="numpy", forceinline=True, **UNCOUNTED)
+    unlocked = njit(cache=True, error_model="numpy", nogil=True, **UNCOUNTED)
+    inlined = njit(error_model="numpy", forceinline=True, **UNCOUNTED)
 
 
 def record_dtype(*fields: Field) -> np.dtype:

@@ -21,7 +21,6 @@ from typing import Any, Final
 from trainer import __version__
 from trainer.boat.assemble import Method
 from trainer.boat.boat import Boat
-from trainer.config.coefficients import coefficient_terms
 from trainer.config.files import (
     ConfigError,
     collecting,
@@ -35,7 +34,6 @@ from trainer.config.files import (
 )
 from trainer.config.vessel import load_vessel
 from trainer.core.cache import core_digest, same_core
-from trainer.core.vessel import TERMS
 from trainer.io.recording.recording import Recording, RecordingError
 from trainer.session.layout import LAYOUT, changes
 from trainer.session.options import RunOptions
@@ -65,6 +63,7 @@ PARTS: Final[Mapping[str, Callable[[Any], bool]]] = {
 }
 LARGEST: Final = 2.0**63  # of a number among the options
 LIBRARIES: Final = ("numpy", "numba")
+TERMS: Final = "configs/terms_2510.toml"  # a file once, now a table of the core
 NOTHING: Final[Mapping[str, Any]] = MappingProxyType({})
 
 
@@ -121,8 +120,6 @@ def plan_of(header: Mapping[str, str], otherwise: Mapping[str, Any] = NOTHING) -
         if "vessel" in otherwise:
             load_vessel(otherwise["vessel"])
     with reading_recorded({**today, **texts}):
-        if {term.key for term in coefficient_terms()} != TERMS.keys():
-            raise ConfigError("recording: its coefficients are another version's, or nobody's")
         return plan_run(replace(options, **otherwise))
 
 
@@ -222,6 +219,8 @@ def _few(names: list[str]) -> str:
 def _other_texts(header: Mapping[str, str]) -> Iterator[str]:
     """Yield what today's files say otherwise, or that they are gone."""
     for key, was in _part(header, "texts").items():
+        if key == TERMS:
+            continue
         try:
             now = read_text(path_of(key))
         except ConfigError as wrong:

@@ -39,8 +39,8 @@ def _no_slot(_kind: int, _state: Record) -> int:
 
 
 @inlined
-def _no_worst(_first: int, _count: int, _state: Record) -> int:
-    """Return -1: no casualty of these kinds."""
+def _no_fault(_surface: int, _state: Record) -> int:
+    """Return -1: no casualty of this surface."""
     return -1
 
 
@@ -83,7 +83,7 @@ _INSTEAD = {
     "sine": _sine,
     "cosine": _cosine,
     "slot_of": _no_slot,
-    "worst": _no_worst,
+    "fault_of": _no_fault,
     "remember": _history_is_true,
 }
 _slew_depth = relaid(slew_depth, _INSTEAD)

@@ -8,8 +8,8 @@ from trainer.analysis.guide.programme import Flown, Task
 from trainer.analysis.manoeuvres.catalogue import find_manoeuvre
 from trainer.analysis.manoeuvres.flight import Flight
 from trainer.boat.assemble import Method
-from trainer.config.coefficients import coefficient_terms
 from trainer.config.vessel import VesselFile
+from trainer.core.terms import COEFFICIENTS
 from trainer.units import KNOT
 
 Look = Mapping[str, tuple[str, ...]]  # manoeuvre: measures that are shown
@@ -40,7 +40,7 @@ def list_dropped(file: VesselFile) -> tuple[str, ...]:
     factors = file.compensation["modified"]
     return tuple(
         term.key
-        for term in coefficient_terms()
+        for term in COEFFICIENTS
         if file.coefficients[term.key]
         and (not (term.kept or term.key in kept) or factors.get(term.key) == 0.0)
     )

@@ -14,7 +14,8 @@ from trainer.boat.assemble import body, thrust_rows
 from trainer.config.files import ConfigError
 from trainer.config.vessel import VesselFile
 from trainer.core.kernel import Numbers
-from trainer.core.vessel import BASIC_DROPS, EXTRA_TERMS, KEPT, compact_record
+from trainer.core.terms import BASIC_DROPS, EXTRA_TERMS, KEPT
+from trainer.core.vessel import compact_record
 from trainer.units import KNOT
 
 # What the crew commands stays at its strength: no manoeuvre moves bow planes by themselves, and a

@@ -24,7 +24,7 @@ from trainer.analysis.reduce.search import LIMIT, STEPS, Need, Search, Standing
 from trainer.analysis.reduce.verdict import Checked, Cost, coefficients, cost, passes, verdict
 from trainer.analysis.reduce.workers import Crew
 from trainer.config.vessel import VesselFile
-from trainer.core.vessel import KEPT
+from trainer.core.terms import KEPT
 
 DIGITS: Final = 4  # of a factor in the file
 LEASH: Final = 0.05  # [-] as in Slopes

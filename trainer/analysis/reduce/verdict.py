@@ -16,10 +16,10 @@ from trainer.analysis.reduce.objective import Candidate, Yardstick, multiple
 from trainer.analysis.reduce.programme import flyable, holdout_legs, turns
 from trainer.boat.assemble import Method
 from trainer.boat.boat import Boat
-from trainer.config.coefficients import coefficient_terms
 from trainer.config.files import ConfigError
 from trainer.config.vessel import VesselFile
 from trainer.core.entry import COLUMNS, LOOKOUT, sail
+from trainer.core.terms import COEFFICIENTS
 from trainer.units import KNOT
 
 PARTS: Final = {  # [%] of change allowed, [s] of zero crossings
@@ -132,7 +132,7 @@ LOOKED_AT: Final[Look] = {
 
 def coefficients(file: VesselFile) -> tuple[str, ...]:
     """Return the coefficients that this hull has."""
-    return tuple(term.key for term in coefficient_terms() if file.coefficients[term.key])
+    return tuple(term.key for term in COEFFICIENTS if file.coefficients[term.key])
 
 
 def flights(file: VesselFile) -> int:

@@ -6,7 +6,7 @@ from typing import Final
 
 from trainer import __version__
 from trainer.analysis.reduce.search import Need
-from trainer.core.vessel import EXTRA_TERMS
+from trainer.core.terms import EXTRA_TERMS
 
 OURS: Final = ("compact", "compensation.modified", "compensation.basic", "reduction")
 HEADER: Final = re.compile(r"\s*\[\[?\s*([^\]]+?)\s*\]")

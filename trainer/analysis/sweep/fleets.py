@@ -27,7 +27,8 @@ from trainer.config.sea import load_sea, sea_settings
 from trainer.config.vessel import VesselFile
 from trainer.core.kernel import Numbers, Record
 from trainer.core.state import STATE, new_scratch
-from trainer.core.vessel import COMPACT, TERMS, VESSEL, compact_record, vessel_record
+from trainer.core.terms import POWERS
+from trainer.core.vessel import COMPACT, VESSEL, compact_record, vessel_record
 
 SENSES: Final = {"rudder": ("N_dr", 1.0), "stern": ("M_ds", 1.0), "bow": ("Z_db", -1.0)}
 KEPT: Final = (("stern", "s"), ("bow", "b"))  # what keeps depth
@@ -74,7 +75,7 @@ def by_coefficients(boat: Boat, changes: Mapping[tuple[str, ...], Numbers], coun
     hull, (rows, eta) = body(file), thrust_rows(file)
     vessels = copies(boat.records.vessel, VESSEL, count)
     full = vessel_record(hull, {**coefficients, **rows}, eta)
-    for name in set(terms) & set(TERMS):
+    for name in set(terms) & set(POWERS):
         vessels[name] = full[name]
     kept: dict[str, Any] = {**compact_coefficients(wide, method.equations), **rows}
     compacts = compact_record(hull, kept, eta)

@@ -9,9 +9,10 @@ import re
 from collections.abc import Mapping
 from typing import Any, Final
 
-from trainer.config.coefficients import EQUATION_SETS, coefficient_terms
+from trainer.config.coefficients import EQUATION_SETS
 from trainer.config.files import ConfigError, nearest, parse_toml
 from trainer.config.vessel import VesselFile, with_defaults
+from trainer.core.terms import COEFFICIENTS
 
 Tables = Mapping[str, Any]
 Step = str | int
@@ -24,11 +25,7 @@ DECIMALS: Final = 9  # of a number in a text
 def vessel_tables(file: VesselFile) -> dict[str, Any]:
     """Return a vessel's tables with all coefficients and all factors of compensation."""
     tables, _ = with_defaults(parse_toml(file.text, file.path.name))
-    kept = [
-        term.key
-        for term in coefficient_terms()
-        if term.kept or term.key in file.compact.extra_terms
-    ]
+    kept = [term.key for term in COEFFICIENTS if term.kept or term.key in file.compact.extra_terms]
     factors = {
         name: dict.fromkeys(kept, 1.0) | dict(file.compensation[name]) for name in EQUATION_SETS
     }

@@ -16,7 +16,7 @@ from llvmlite import binding  # type: ignore[import-untyped]
 from numba import carray, types  # type: ignore[attr-defined]
 
 from trainer.config.files import ConfigError
-from trainer.core.kernel import Record
+from trainer.core.kernel import TESTED, Record, is_tested
 from trainer.core.scheme import SCHEME
 from trainer.core.state import SCRATCH, STATE
 from trainer.core.update import update
@@ -52,8 +52,14 @@ def tick(vessel: Any, compact: Any, scheme: Any, state: Any, scratch: Any) -> in
 def kernel_text(function: Callable[..., int]) -> tuple[str, str]:
     """Return the LLVM text of a function of the addresses of all records, and its name there.
 
-    ConfigError where numba is told not to compile.
+    ConfigError where numba is told not to compile, or is of a version that was not tested.
     """
+    if not is_tested(numba.__version__):
+        (first, second), (_, last) = TESTED
+        raise ConfigError(
+            f"export-core: numba {numba.__version__} was not tested with it: install "
+            f"'numba>={first}.{second},<{first}.{last + 1}'"
+        )
     if numba.config.DISABLE_JIT:  # type: ignore[attr-defined]
         raise ConfigError("export-core compiles the core: unset NUMBA_DISABLE_JIT")
     addresses = [types.CPointer(numba.from_dtype(kind)) for kind in LENT]  # type: ignore[no-untyped-call]

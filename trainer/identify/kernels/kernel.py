@@ -10,14 +10,14 @@ from typing import TYPE_CHECKING, Any
 from numba import njit
 from numpy.typing import NDArray
 
-from trainer.core import cache as _cache  # noqa: F401 (numba is told its folder)
+from trainer.core.kernel import UNCOUNTED
 
-if TYPE_CHECKING:  # the options are numba's own, though not in its published signature
+if TYPE_CHECKING:  # numba's published signature lacks some of its options
     kernel = lean = part = njit(cache=True, error_model="numpy")
 else:
     kernel = njit(cache=True, error_model="numpy")
-    lean = njit(cache=True, error_model="numpy", _nrt=False)
-    part = njit(error_model="numpy", _nrt=False, forceinline=True)
+    lean = njit(cache=True, error_model="numpy", **UNCOUNTED)
+    part = njit(error_model="numpy", forceinline=True, **UNCOUNTED)
 
 
 Entries = NDArray[Any]  # numbers, or complex ones whose imaginary parts are derivatives

@@ -47,7 +47,8 @@ from trainer.core.noise import SEA_FILTER, gaussian
 from trainer.core.reference import COURSE, DEPTH, move_reference
 from trainer.core.sea.wave_filter import filter_noise
 from trainer.core.state import STATE
-from trainer.core.vessel import COMPACT, EXTRA_TERMS
+from trainer.core.terms import EXTRA_TERMS
+from trainer.core.vessel import COMPACT
 
 CPUS: Final = ("x86-64-v3", "x86-64-v4")
 WORDS_1969: Final = {"update": 1253, "tick": 2632}  # [16-bit words] program and constants
@@ -62,7 +63,7 @@ import json, sys
 from llvmlite import binding
 binding.set_option("", "--pre-RA-sched=" + sys.argv[1])
 from trainer.core import kernel
-kernel.part = kernel.kernel = kernel.njit(error_model="numpy", _nrt=False)
+kernel.part = kernel.kernel = kernel.njit(error_model="numpy", **kernel.UNCOUNTED)
 from trainer.verify.bench import footprint
 ticks = {"update": footprint.update_of_1969, "tick": footprint.tick_of_1969}
 print(json.dumps({name: footprint.sections(tick) for name, tick in ticks.items()}))

@@ -1,4 +1,4 @@
-/* Slots, ramps and triggers: trainer/core/casualties.py, onset.py, triggers.py. */
+/* Slots, ramps and triggers: trainer/core/casualties.py. */
 
 enum { SLOTS = sizeof(((struct state *)0)->casualty) / sizeof(double) };
 enum { TRIGGER_COUNT = sizeof(((struct scheme *)0)->trigger_kind) / sizeof(double) };
@@ -14,16 +14,16 @@ static int slot_of(int kind, const struct state *s)
     return -1;
 }
 
-static int worst(int first, int count, const struct state *s)
+static int fault_of(int surface, const struct state *s)
 {
-    int slot = -1;
-    double highest = first - 0.5;
+    int slot = -1, latest = -1;
     for (int i = 0; i < SLOTS; i++) {
-        if (s->casualty[i] == 0.0)
+        int kind = (int)s->casualty[i];
+        if (kind == 0)
             return slot;
-        if (highest < s->casualty[i] && s->casualty[i] < first + count) {
+        if (SURFACE[kind] == surface && FAULT[kind] > latest) {
             slot = i;
-            highest = s->casualty[i];
+            latest = FAULT[kind];
         }
     }
     return slot;
@@ -31,10 +31,8 @@ static int worst(int first, int count, const struct state *s)
 
 static void write_fault(int kind, double amount, struct state *s)
 {
-    if (FIRST_FAULT <= kind && kind < FIRST_OPEN)
-        s->whole[BREACH + kind - FIRST_FAULT] = amount;
-    else if (FIRST_OPEN <= kind && kind < FIRST_GAUGE)
-        s->whole[VENT_FAULT + kind - FIRST_OPEN] = -amount;
+    if (PLACE[kind] >= 0)
+        s->whole[PLACE[kind]] = SENSE[kind] * amount;
 }
 
 static void leave(int slot, struct state *s)
@@ -84,27 +82,18 @@ static void advance_casualties(struct state *s)
 static double shown(int gauge, const struct state *s)
 {
     double value = gauge == GYRO ? s->psi : gauge == LOG ? s->u : s->z;
-    int slot = slot_of(FIRST_GAUGE + gauge * GAUGE_FAULTS + BIASED, s);
+    int slot = slot_of(GAUGE_CODE[gauge][BIASED], s);
     return slot >= 0 ? value + s->casualty_amount[slot] : value;
-}
-
-static int is_stuck(int kind)
-{
-    if (kind <= SURFACE_KINDS)
-        return (kind - 1) % SURFACE_FAULTS == STUCK;
-    if (kind >= FIRST_GAUGE)
-        return (kind - FIRST_GAUGE) % GAUGE_FAULTS == GAUGE_STUCK;
-    return kind == PROPULSION_STUCK;
 }
 
 static double onset(int kind, const struct state *s)
 {
-    if (kind <= SURFACE_KINDS && (kind - 1) % SURFACE_FAULTS >= HARD_OVER)
-        return s->surface[(kind - 1) / SURFACE_FAULTS];
+    if (SURFACE[kind] >= 0 && FAULT[kind] >= HARD_OVER)
+        return s->surface[SURFACE[kind]];
     if (kind == PROPULSION_STUCK)
         return s->u_c;
-    if (kind >= FIRST_GAUGE && is_stuck(kind))
-        return shown((kind - FIRST_GAUGE) / GAUGE_FAULTS, s);
+    if (GAUGE[kind] >= 0 && HOLDS[kind])
+        return shown(GAUGE[kind], s);
     return 0.0;
 }
 
@@ -120,7 +109,7 @@ static int begin(int kind, double amount, double ticks, struct state *s)
     }
     s->casualty_ticks[slot] = ticks;
     s->casualty_target[slot] = amount;
-    if (is_stuck(kind)) {
+    if (HOLDS[kind]) {
         s->casualty_ticks[slot] = 0.0;
         s->casualty_target[slot] = s->casualty_amount[slot];
     } else if (ticks == 0.0) {

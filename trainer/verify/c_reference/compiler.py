@@ -46,14 +46,11 @@ CONSTANTS: Final[tuple[tuple[ModuleType, str], ...]] = (
     (air, "CRITICAL THINNEST"),
     (autopilot, "BOW FAR GAIN_COUNT HANDOVER PLANE_GAINS RUDDER RUDDER_GAINS SETTLED SLOWEST"),
     (autopilot, "SPEED_BAND STANDS STERN"),
-    (casualties, "AUTOPILOT_FAILED BIASED BREACH FIRST_FAULT FIRST_GAUGE FIRST_OPEN"),
-    (casualties, "FOLLOW_UP_LOST FREE GAUGE_STUCK HARD_OVER PROPULSION_LOST PROPULSION_STUCK SLOW"),
-    (casualties, "STUCK VENT_FAULT"),
+    (casualties, "AUTOPILOT_FAILED BIASED FOLLOW_UP_LOST FREE GYRO HARD_OVER LOG"),
+    (casualties, "PROPULSION_LOST PROPULSION_STUCK SLOW"),
     (hull, "SEGMENT_SLOPE SMALL_SEGMENT"),
-    (casualties, "GYRO LOG"),
     (kinematics, "LINEAR POLYNOMIAL STEEPEST"),
     (noise, "PARITY SEA_FILTER"),
-    (casualties, "SURFACE_KINDS"),
     (pumps, "DAMPING INTEGRAL"),
     (reference, "APPROACH COURSE DEPTH DEPTH_SLEW LEASH"),
     (state, "DEGREE"),
@@ -65,6 +62,7 @@ CONSTANTS: Final[tuple[tuple[ModuleType, str], ...]] = (
     (vessel, "SURFACE_DEPTHS"),
     (wave_filter, "G_OF_TABLE HIGH_DAMPING KNOT LOW_DAMPING PEAK WIDEST"),
 )
+CASUALTY_TABLES: Final = ("SURFACE", "GAUGE", "FAULT", "PLACE", "SENSE", "HOLDS", "GAUGE_CODE")
 
 
 def header() -> str:
@@ -74,8 +72,7 @@ def header() -> str:
     for module, names in CONSTANTS:
         lines += [f"#define {name} {getattr(module, name)!r}" for name in names.split()]
     lines += [
-        f"#define SURFACE_FAULTS {len(casualties.SURFACE_FAULTS)}",
-        f"#define GAUGE_FAULTS {len(casualties.GAUGE_FAULTS)}",
+        *(_table(name, 1 * getattr(casualties, name), "int") for name in CASUALTY_TABLES),
         _table("SIMILAR", np.array(wave_filter.SIMILAR)),
         _table("TAPER", np.array(forces.TAPER)),
         _table("TABLE", wave_filter.TABLE),
@@ -85,10 +82,10 @@ def header() -> str:
     return "\n".join(lines) + "\n"
 
 
-def _table(name: str, values: np.ndarray) -> str:
+def _table(name: str, values: np.ndarray, kind: str = "double") -> str:
     """Return an array of constants."""
     text = str(values.tolist()).replace("[", "{").replace("]", "}")
-    return f"static const double {name}{_shape(values.shape)} = {text};"
+    return f"static const {kind} {name}{_shape(values.shape)} = {text};"
 
 
 def _shape(shape: tuple[int, ...]) -> str:

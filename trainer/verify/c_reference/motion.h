@@ -199,11 +199,6 @@ static double moved(double angle, double ordered, double limit, double furthest,
     return angle + travel;
 }
 
-static int fault_of(int surface, const struct state *s)
-{
-    return worst(1 + surface * SURFACE_FAULTS, SURFACE_FAULTS, s);
-}
-
 static double told(
     const struct vessel *c, double furthest, int surface, int slot, const struct state *s)
 {
@@ -211,7 +206,7 @@ static double told(
     if (slot < 0)
         return command;
     double amount = s->casualty_amount[slot];
-    int fault = ((int)s->casualty[slot] - 1) % SURFACE_FAULTS;
+    int fault = FAULT[(int)s->casualty[slot]];
     if (fault == SLOW)
         command = within(command, angle, furthest * (1.0 - amount));
     else if (fault == FOLLOW_UP_LOST)

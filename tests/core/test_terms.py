@@ -1,0 +1,39 @@
+"""The table of the 131 terms, and the page that is made of it."""
+
+import re
+from pathlib import Path
+
+from trainer.core.terms import BASIC_DROPS, COEFFICIENTS, EXTRA_TERMS, KEPT, POWERS, TABLE, THRUST
+
+PAGE = Path(__file__).parents[2] / "docs" / "coefficients.md"
+FACTOR = re.compile(r"([uvwpqr]dot|eta|uc|d[rsb]|[uvwpqrV])(?:\^(\d))?")
+
+
+def row(term: object) -> str:
+    """Return a term's row of the page."""
+    key, equation, power, multiplies, mnemonic = term  # type: ignore[misc]
+    kept = "yes" if key in KEPT or key in THRUST else "a hull may" if key in EXTRA_TERMS else ""
+    multiplied = multiplies.replace("|", "\\|")
+    return f"| {equation} | `{key}` | {power} | {multiplied} | {mnemonic} | {kept} |"
+
+
+def test_the_page_has_every_term() -> None:
+    found = [line for line in PAGE.read_text(encoding="utf-8").splitlines() if "`" in line]
+    rows = [line for line in found if line.startswith("| ") and line[3] == " "]
+    assert rows == [row(term) for term in TABLE]
+
+
+def test_the_sets_are_of_the_table() -> None:
+    assert len(COEFFICIENTS) == len(POWERS) == 131 - len(THRUST)
+    assert set(BASIC_DROPS) < set(KEPT) < set(POWERS)
+    assert set(EXTRA_TERMS) < set(POWERS) - set(KEPT)
+
+
+def test_the_power_of_the_length_makes_a_force_or_a_moment() -> None:
+    """rho/2 L^n times the motion is a force [N], or for K, M, N a moment [N m]."""
+    for term in TABLE:
+        factors = FACTOR.findall(term.multiplies)
+        angular = sum(int(power or 1) for name, power in factors if name in {"p", "q", "r"})
+        accelerations = [name for name, _ in factors if name.endswith("dot")]
+        angular += sum(1 if name in {"udot", "vdot", "wdot"} else 2 for name in accelerations)
+        assert term.power == 2 + angular + (term.equation in "KMN"), term
