@@ -15,12 +15,13 @@ import pytest
 from helpers.places import ROOT
 
 from trainer.analysis.sweep.batch import Batch
-from trainer.analysis.sweep.job import Job, fly_chunk, job_of
+from trainer.analysis.sweep.job import Job, differences, fly_chunk, job_of
 from trainer.analysis.sweep.parts import folder_of
 from trainer.analysis.sweep.sweep import carry_out
 from trainer.analysis.sweep.workers import Chunks, alone, processes
 from trainer.cli.subjects import subject_of
 from trainer.config.files import ConfigError
+from trainer.core import cache
 
 TURNS = """
 schema = "sweep/1"
@@ -280,3 +281,15 @@ def test_a_chunk_whose_writing_fails_does_not_count(
             carry_out(job, alone, out, nothing)
     assert not list(job_folder.glob("*.parquet"))
     assert fly(path, out) == [0, 1]
+
+
+def test_a_sweep_of_a_core_that_computes_the_same_bits_goes_on(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    now = {"study": "s", "members": 3, "version": "1", "core": cache.core_digest(), "files": {}}
+    then = now | {"core": "of yesterday", "files": {"configs/terms_2510.toml": "long ago"}}
+    assert differences(then, now) == [f"core: 'of yesterday' then, {cache.core_digest()!r} now"]
+
+    monkeypatch.setattr(cache, "SAME_BITS", frozenset({"of yesterday"}))
+
+    assert differences(then, now) == []

@@ -24,6 +24,8 @@ LINE_LIMIT = 10_000  # [characters]
 SHOWN_LIMIT = 60  # [characters] of a value in a message
 TOLD_LIMIT = 20  # problems of one file that are told
 SHIPPED: Final = "configs/"  # what the keys of shipped files begin with
+# Shipped files that old recordings and sweeps have read, and that say nothing more.
+ABANDONED: Final = frozenset({"configs/terms_2510.toml"})
 OWN: Final = {  # what one of a kind is called, and an example of the user's own
     "exercises": ("exercise", "./drill.toml"),
     "seas": ("sea", "./storm.toml"),

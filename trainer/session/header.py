@@ -22,6 +22,7 @@ from trainer import __version__
 from trainer.boat.assemble import Method
 from trainer.boat.boat import Boat
 from trainer.config.files import (
+    ABANDONED,
     ConfigError,
     collecting,
     key_of,
@@ -63,7 +64,6 @@ PARTS: Final[Mapping[str, Callable[[Any], bool]]] = {
 }
 LARGEST: Final = 2.0**63  # of a number among the options
 LIBRARIES: Final = ("numpy", "numba")
-TERMS: Final = "configs/terms_2510.toml"  # a file once, now a table of the core
 NOTHING: Final[Mapping[str, Any]] = MappingProxyType({})
 
 
@@ -219,7 +219,7 @@ def _few(names: list[str]) -> str:
 def _other_texts(header: Mapping[str, str]) -> Iterator[str]:
     """Yield what today's files say otherwise, or that they are gone."""
     for key, was in _part(header, "texts").items():
-        if key == TERMS:
+        if key in ABANDONED:
             continue
         try:
             now = read_text(path_of(key))

@@ -10,7 +10,7 @@ from typing import Any
 from trainer import __version__
 from trainer.analysis.sweep.batch import Batch, Subject
 from trainer.analysis.sweep.study import Study, load_study, with_members
-from trainer.config.files import ConfigError, reading_recorded, remembering
+from trainer.config.files import ABANDONED, ConfigError, reading_recorded, remembering
 from trainer.core.cache import core_digest, same_core
 
 
@@ -112,8 +112,10 @@ def differences(then: Mapping[str, Any], now: Mapping[str, Any]) -> list[str]:
         f"{name}: {then.get(name)!r} then, {now[name]!r} now"
         for name in ("study", "members", "version", "core")
         if then.get(name) != now[name]
+        and not (name == "core" and same_core(then.get(name)) and same_core(now[name]))
     ]
     before, after = then.get("files", {}), now["files"]
+    before = {key: text for key, text in before.items() if key not in ABANDONED}
     for key in sorted({*before, *after}):
         if before.get(key) == after.get(key):
             continue
