@@ -3,15 +3,24 @@
 import re
 from pathlib import Path
 
-from trainer.core.terms import BASIC_DROPS, COEFFICIENTS, EXTRA_TERMS, KEPT, POWERS, TABLE, THRUST
+from trainer.core.terms import (
+    BASIC_DROPS,
+    COEFFICIENTS,
+    EXTRA_TERMS,
+    KEPT,
+    POWERS,
+    TABLE,
+    THRUST,
+    Term,
+)
 
 PAGE = Path(__file__).parents[2] / "docs" / "coefficients.md"
 FACTOR = re.compile(r"([uvwpqr]dot|eta|uc|d[rsb]|[uvwpqrV])(?:\^(\d))?")
 
 
-def row(term: object) -> str:
+def row(term: Term) -> str:
     """Return a term's row of the page."""
-    key, equation, power, multiplies, mnemonic = term  # type: ignore[misc]
+    key, equation, power, multiplies, mnemonic = term
     kept = "yes" if key in KEPT or key in THRUST else "a hull may" if key in EXTRA_TERMS else ""
     multiplied = multiplies.replace("|", "\\|")
     return f"| {equation} | `{key}` | {power} | {multiplied} | {mnemonic} | {kept} |"
