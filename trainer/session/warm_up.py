@@ -10,6 +10,7 @@ from trainer.boat.boat import Boat
 from trainer.boat.limits import LimitMonitor
 from trainer.config.exercise import Limits
 from trainer.config.files import ConfigError
+from trainer.core.start import set_out
 from trainer.session.stations.view import Pace, Picture, StateReader
 from trainer.session.time.ledger import Ledger
 from trainer.units import KNOT
@@ -35,6 +36,7 @@ def try_out(boat: Boat) -> None:
     before = boat.snapshot()
     boat.state.u = 1.0
     boat.trimmed(1.0)
+    set_out(*boat.records)
     boat.stand_by()
     boat.put_to_sea(boat.sea)
     casualties.insert(boat, "propulsion-lost")
