@@ -23,10 +23,11 @@ from trainer.boat.boat import Boat
 from trainer.config.ballast_records import key_tables
 from trainer.config.files import ConfigError
 from trainer.config.vessel import load_vessel, parse_vessel
+from trainer.core import surfaced
 from trainer.core.ballast import air, ballast, buoyancy
 from trainer.core.ballast.tanks import ATMOSPHERE, BLOWN, PUMPED, TANKS, new_ballast
 from trainer.core.kernel import Record
-from trainer.core.state import new_state
+from trainer.core.state import new_scratch, new_state
 
 pytestmark = pytest.mark.core
 
@@ -652,7 +653,8 @@ def lift(boat: Boat, constants: Record, **places: float) -> np.ndarray:
     for name, value in places.items():
         record[name] = value
     force = np.zeros(6)
-    buoyancy.buoyancy_forces(boat.records.vessel, constants, record, force)
+    buoyancy.add_compression(boat.records.vessel, constants, record, force)
+    surfaced.add_waterplane(boat.records.vessel, new_scratch(), record, force)
     return force
 
 

@@ -8,6 +8,7 @@ last_rdot [m/s2, rad/s2] (0), which only lagged accelerations look at. Out: the 
 import json
 import math
 from collections.abc import Iterable, Iterator
+from dataclasses import replace
 from typing import NoReturn
 
 import numpy as np
@@ -24,6 +25,7 @@ from trainer.config.files import (
 from trainer.config.vessel import VesselFile
 from trainer.core.kernel import Record
 from trainer.core.rates import rates as write_rates
+from trainer.core.scheme import equations_alone
 from trainer.core.state import MOTION, RATES
 
 NECESSARY = (*MOTION[:9], "delta_r", "delta_s", "delta_b", "u_c")
@@ -38,7 +40,8 @@ def evaluate(
     file: VesselFile, equations: str, rates: str, trig: str, lines: Iterable[str]
 ) -> Iterator[str]:
     """Yield the rates of each line's state, blank lines skipped; ConfigError naming a bad line."""
-    yield from answers(fit_out(file, Method(equations, rates, trig, "adams2", 1.0)), lines)
+    records = fit_out(file, Method(equations, rates, trig, "adams2", 1.0))
+    yield from answers(replace(records, scheme=equations_alone(records.scheme)), lines)
 
 
 def answers(records: Records, lines: Iterable[str]) -> Iterator[str]:

@@ -24,6 +24,7 @@ from trainer.analysis.check import critical_speed
 from trainer.boat.assemble import Method
 from trainer.boat.boat import Boat
 from trainer.config.vessel import VesselFile
+from trainer.core.scheme import equations_alone
 from trainer.core.trim import STERN, trim
 from trainer.units import KNOT
 
@@ -197,8 +198,9 @@ def trim_at(boat: Boat, speed: float) -> Trim | None:
     t, angle = start[0] if start else (0.0, 0.0)
     s.u = s.u_c = speed
     s.w, s.theta, s.delta_s = t * speed, math.atan(t), angle
+    alone = equations_alone(r.scheme)
     with np.errstate(all="ignore"):  # a boat without stern planes has a singular system
-        settled = trim(r.vessel, r.compact, r.scheme, r.state, r.scratch, STERN)
+        settled = trim(r.vessel, r.compact, alone, r.state, r.scratch, STERN)
     if not settled:
         return None
     return Trim(

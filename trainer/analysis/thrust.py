@@ -52,10 +52,12 @@ class Report:
 def row_at(file: VesselFile, u: float, u_c: float) -> int:
     """Return which thrust set holds, 1 the first, found without dividing (erratum A29).
 
-    At rest and going astern the sign of ``u_c`` decides.
+    At rest and going astern the sign of ``u_c`` decides; the two sets astern come last.
     """
-    sets = file.propulsion.sets
-    if u <= 0.0:
+    sets = file.thrust.ahead
+    if u < 0.0:
+        return len(sets) + (1 if u_c < 0.0 else 2)
+    if u == 0.0:
         return 1 if u_c >= 0.0 else len(sets)
     upper = (i for i, row in enumerate(sets[:-1], start=1) if u_c >= row.eta_min * u)
     return next(upper, len(sets))
@@ -63,9 +65,9 @@ def row_at(file: VesselFile, u: float, u_c: float) -> int:
 
 def thrust(file: VesselFile, u: float, u_c: float) -> float:
     """Return thrust less drag, in consistent units; drag opposes motion astern too."""
-    row = file.propulsion.sets[row_at(file, u, u_c) - 1]
+    row = (*file.thrust.ahead, *file.thrust.astern)[row_at(file, u, u_c) - 1]
     area = 0.5 * file.fluid.rho * file.hull.length**2
-    return area * (row.a * u * abs(u) + row.b * u * u_c + row.c * u_c * u_c)
+    return area * (row.a * u * u + row.b * u * u_c + row.c * u_c * u_c)
 
 
 def flown_mass(file: VesselFile) -> float:
@@ -89,7 +91,7 @@ def at(file: VesselFile, u: float, u_c: float) -> Thrust:
 
 def breaks(file: VesselFile) -> tuple[Break, ...]:
     """Return the limits between the rows and the jump of thrust at each."""
-    sets = file.propulsion.sets
+    sets = file.thrust.ahead
     found = []
     for upper, lower in pairwise(sets):
         eta = upper.eta_min

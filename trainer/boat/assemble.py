@@ -7,6 +7,7 @@ from typing import Final
 
 import numpy as np
 
+from trainer.boat.envelope import write_envelope
 from trainer.config.ballast_records import Ballast, BlownTank, Compartment, PumpedTank, Sea
 from trainer.config.files import ConfigError
 from trainer.config.vessel import VesselFile
@@ -161,7 +162,7 @@ def thrust_rows(file: VesselFile) -> tuple[dict[str, float], tuple[float, float]
 
     Where there are two sets the first row is both of the upper ones.
     """
-    sets = file.propulsion.sets
+    sets = file.thrust.ahead
     rows = sets if len(sets) == 3 else (sets[0], sets[0], sets[-1])
     lowest = -math.inf
     limits = (rows[0].eta_min, rows[1].eta_min if len(sets) > 1 else lowest)
@@ -308,6 +309,7 @@ def fit_out(file: VesselFile, method: Method) -> Records:
     for name, value in _geometry(file).items():
         full[name] = value
     _write_surface(file, full)
+    write_envelope(file, full)
     kept = {**compact_coefficients(file, method.equations), **rows}
     boat = state.new_state()
     for name in ("weight", "x_g", "y_g", "z_g"):

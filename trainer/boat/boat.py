@@ -17,6 +17,7 @@ from trainer.config.vessel import VesselFile
 from trainer.core.autopilot import stand_by_all
 from trainer.core.ballast.ballast import start_ballast
 from trainer.core.kernel import Numbers, Record
+from trainer.core.scheme import equations_alone
 from trainer.core.sea.free_surface import DECK_REACH
 from trainer.core.sea.sea import order_sea
 from trainer.core.start import level_flight, set_out
@@ -93,7 +94,7 @@ class Boat:
     def trimmed(self, speed: float) -> bool:
         """Bring the state into level flight at ``speed`` [m/s]; return whether it can be."""
         r = self.records
-        scheme = r.scheme.copy()
+        scheme = equations_alone(r.scheme)
         scheme["exact"] = 1
         with np.errstate(all="ignore"):  # a boat without bow planes has a singular system
             return bool(level_flight(r.vessel, r.compact, scheme, r.state, r.scratch, speed))

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from trainer.boat.boat import Boat
 from trainer.core.rates import rates
+from trainer.core.scheme import equations_alone
 from trainer.core.state import MOTION
 
 CONTROLS = ("delta_r", "delta_s", "delta_b", "u_c")
@@ -45,6 +46,7 @@ def linearise(boat: Boat, nudge: float = 1e-5) -> Linear:
     sides, as a small motion sees it.
     """
     vessel, compact, scheme, state, scratch = (record.copy() for record in boat.records)
+    scheme = equations_alone(scheme)
     scheme["exact"] = 1
 
     def column(name: str) -> Matrix:
@@ -109,6 +111,7 @@ class Response:
 def respond(boat: Boat, nudge: float = 1e-5) -> Response:
     """Return how the rates follow motion and last rates about the boat's present state."""
     vessel, compact, scheme, state, scratch = (record.copy() for record in boat.records)
+    scheme = equations_alone(scheme)
     names = LONGITUDINAL if boat.method.equations == "longitudinal" else INTERNAL
     places = [MOTION.index(name) for name in names]
 

@@ -7,8 +7,10 @@ import math
 from collections.abc import Mapping
 from itertools import pairwise
 
+from trainer.config.propulsion import row_problems
 from trainer.config.vessel_records import (
     Autopilot,
+    Envelope,
     Fluid,
     FreeSurface,
     Hull,
@@ -135,12 +137,7 @@ def added_mass_problems(
 
 def propulsion_problems(propulsion: Propulsion) -> list[str]:
     """Return what does not fit among thrust rows, bells and the largest command speed."""
-    starts = [row.eta_min for row in propulsion.sets]
-    problems = [
-        f"sets: eta_min = {eta:g} is given twice"
-        for eta in dict.fromkeys(starts)
-        if starts.count(eta) > 1
-    ]
+    problems = row_problems(propulsion.sets) or engine_problems(propulsion)
     bells = propulsion.bells_kn
     largest = propulsion.max_ordered_speed_kn
     problems += [
@@ -155,6 +152,37 @@ def propulsion_problems(propulsion: Propulsion) -> list[str]:
             for (slower, least), (name, speed) in pairwise(rising)
             if speed <= least
         ]
+    return problems
+
+
+def engine_problems(propulsion: Propulsion) -> list[str]:
+    """Return what an engine's limit lacks, or has twice."""
+    torque, power = propulsion.torque_limit_n_m, propulsion.shaft_power_w
+    if torque is not None and power is not None:
+        return [
+            f"torque_limit_n_m = {torque:g} N m, shaft_power_w = {power:g} W: give one of the two"
+        ]
+    name, value = ("torque_limit_n_m", torque) if power is None else ("shaft_power_w", power)
+    if value is None:
+        return []
+    lacking = [key for key in ("KQ", "propeller_diameter") if getattr(propulsion, key) is None]
+    problems = [f"{name} = {value:g}: needs {key} as well" for key in lacking]
+    if propulsion.KQ and propulsion.KQ[0] <= 0.0:
+        problems.append(f"KQ[0] = {propulsion.KQ[0]:g}: must be above 0 for a limit of torque")
+    return problems
+
+
+def envelope_problems(envelope: Envelope) -> list[str]:
+    """Return what does not fit about the boat beyond its range."""
+    problems = []
+    if envelope.handover_deg and envelope.handover_deg[0] >= envelope.handover_deg[1]:
+        problems.append(f"handover_deg = {list(envelope.handover_deg)}: must ascend")
+    if envelope.tail_place is None and (envelope.tail_y or envelope.tail_z):
+        problems.append("tail_y, tail_z: need tail_place as well")
+    if envelope.sail_place is None and (envelope.sail_y or envelope.sail_added_mass):
+        problems.append("sail_y, sail_added_mass: need sail_place as well")
+    if envelope.strip_width and not sum(envelope.strip_width) > 0.0:
+        problems.append(f"strip_width = {list(envelope.strip_width)}: one must be above 0")
     return problems
 
 

@@ -4,7 +4,7 @@ What a file leaves out comes from the shipped defaults file; nothing is defaulte
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -23,10 +23,12 @@ from trainer.config.files import (
     read_text,
     shipped,
 )
+from trainer.config.propulsion import DRAG_ASTERN, Thrust, thrust_of, thrust_problems
 from trainer.config.schema import Choice, Kind, Text, infinite, read_record
 from trainer.config.vessel_records import (
     Autopilot,
     Compact,
+    Envelope,
     Fluid,
     FreeSurface,
     Hull,
@@ -70,9 +72,7 @@ DOCUMENTARY_KEYS: Mapping[str, tuple[str, ...]] = {
     "propulsion": (
         "model",
         "propeller",
-        "propeller_diameter",
         "KT",
-        "KQ",
         "thrust_deduction_deep",
         "wake_fraction",
         "rps_limit",
@@ -96,6 +96,7 @@ DOCUMENTARY_KEYS: Mapping[str, tuple[str, ...]] = {
         "trim",
         "note",
     ),
+    "envelope": ("note",),
     "run": ("note",),
     "autopilot": ("note",),
     "ballast": ("note",),
@@ -106,6 +107,7 @@ RECORDS: Mapping[str, type[Any]] = {
     "vessel": Hull,
     "propulsion": Propulsion,
     "control_surfaces": Surfaces,
+    "envelope": Envelope,
     "compact": Compact,
     "run": Run,
     "autopilot": Autopilot,
@@ -135,6 +137,8 @@ class VesselFile:
     fluid: Fluid
     hull: Hull
     propulsion: Propulsion
+    thrust: Thrust  # the rows of propulsion, with what the file leaves out
+    envelope: Envelope
     surfaces: Surfaces
     coefficients: Mapping[str, float]  # [-] all 122, prime system, zero where absent
     absent: tuple[str, ...]  # coefficients the file does not give
@@ -187,9 +191,8 @@ def read_vessel(given: Mapping[str, Any], text: str, path: Path) -> VesselFile:
     problems = _fit_problems(parts, place)
     if problems:
         raise ConfigError(*problems)
-    rows = sorted(parts["propulsion"].sets, key=lambda row: -row.eta_min)
-    parts["propulsion"] = replace(parts["propulsion"], sets=tuple(rows))
-    remarks = plausibility.thrust_remarks(parts["propulsion"].sets)
+    thrust = _thrust(parts)
+    remarks = plausibility.thrust_remarks(thrust.ahead)
     return VesselFile(
         path=path,
         text=text,
@@ -198,6 +201,8 @@ def read_vessel(given: Mapping[str, Any], text: str, path: Path) -> VesselFile:
         fluid=parts["fluid"],
         hull=parts["vessel"],
         propulsion=parts["propulsion"],
+        thrust=thrust,
+        envelope=parts["envelope"],
         surfaces=parts["control_surfaces"],
         coefficients={term.key: parts["coefficients"][term.key] for term in COEFFICIENTS},
         absent=absent,
@@ -210,6 +215,12 @@ def read_vessel(given: Mapping[str, Any], text: str, path: Path) -> VesselFile:
         defaulted=tuple(defaulted),
         remarks=tuple(place.inside("propulsion").problem(remark) for remark in remarks),
     )
+
+
+def _thrust(parts: Mapping[str, Any]) -> Thrust:
+    """Return the thrust rows in use."""
+    astern = parts["envelope"].drag_astern
+    return thrust_of(parts["propulsion"].sets, DRAG_ASTERN if astern is None else astern)
 
 
 def _fill_defaults(
@@ -282,7 +293,10 @@ def _fit_problems(parts: Mapping[str, Any], place: Place) -> list[str]:
         "coefficients": plausibility.added_mass_problems(parts["coefficients"], hull, fluid),
         "propulsion": plausibility.propulsion_problems(parts["propulsion"]),
         "run": plausibility.run_problems(parts["run"], hull),
+        "envelope": plausibility.envelope_problems(parts["envelope"]),
     }
+    if not found["propulsion"]:
+        found["propulsion"] = thrust_problems(_thrust(parts))
     if "autopilot" in parts:
         found["autopilot"] = plausibility.autopilot_problems(parts["autopilot"])
     if "ballast" in parts:

@@ -96,6 +96,9 @@ class ThrustSet:
     a: float = of(Quantity("-", within(-10, 10), "factor of u^2"))
     b: float = of(Quantity("-", within(-10, 10), "factor of u uc"))
     c: float = of(Quantity("-", within(-10, 10), "factor of uc^2"))
+    going: str | None = optional(
+        Choice(("ahead", "astern"), "which way the boat goes; ahead where it is not said")
+    )
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -103,7 +106,7 @@ class Propulsion:
     """Thrust, the engine's answer to an order, and the bells; uc is command speed."""
 
     sets: tuple[ThrustSet, ...] = of(
-        Rows(ThrustSet, ("status",), 1, 3, "thrust rows, below; sorted by falling eta_min"),
+        Rows(ThrustSet, ("status",), 1, 5, "thrust rows, below: up to 3 ahead, 2 or none astern"),
     )
     rps_per_mps: float = of(Quantity("1/m", within(1e-3, 1000), "turns a second per m/s of uc"))
     dead_time_s: float = of(Quantity("s", within(0, 600), "order to first change of uc"))
@@ -111,6 +114,16 @@ class Propulsion:
     max_ordered_speed_kn: float = of(Quantity("kn", within(0.01, 60), "largest command speed"))
     bells_kn: Mapping[str, float] = of(
         Named(Quantity("kn", within(-60, 60), "command speed of each bell"), BELLS),
+    )
+    propeller_diameter: float | None = optional(Quantity("m", within(0.01, 20), "of the propeller"))
+    KQ: tuple[float, ...] | None = optional(
+        Quantities(Quantity("-", within(-10, 10), "torque by J: q0, q1, q2 of J^0, J, J^2"), 3, 3)
+    )
+    torque_limit_n_m: float | None = optional(
+        Quantity("N m", within(1e-3, 1e8), "the engine's most; needs KQ and propeller_diameter")
+    )
+    shaft_power_w: float | None = optional(
+        Quantity("W", within(1e-2, 1e9), "or its power at max_ordered_speed_kn, which gives it")
     )
 
 
@@ -124,6 +137,73 @@ class Surfaces:
     rate_deg_s: float = of(Quantity("deg/s", within(0.01, 1000), "fastest movement of each"))
     time_constant_s: float = of(Quantity("s", within(0, 60), "lag of each; 0: none"))
     tail: str = of(Choice(("x", "cruciform"), "x: rudder and stern planes share one limit"))
+
+
+def _angle(most: float, meaning: str) -> Quantity:
+    """Return an angle [deg] up to ``most``."""
+    return Quantity("deg", within(0.1, most), meaning)
+
+
+def _by_surface(quantity: Quantity) -> Quantities:
+    """Return three numbers: of the rudder, the stern planes and the bow planes."""
+    return Quantities(quantity, 3, 3)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Envelope:
+    """The boat beyond the range of the coefficients; what is left out follows from them."""
+
+    tested_deg: float | None = optional(
+        _angle(60, "flow off the bow beyond which the coefficients are extrapolated; 12")
+    )
+    handover_deg: tuple[float, float] | None = optional(
+        Quantities(_angle(89, "flow from and to which the wide set takes over; 35, 55"), 2, 2)
+    )
+    hull_share_horizontal: float | None = optional(
+        Quantity("-", within(0, 1), "of the hull in Y_v, whose lift acts at the bow astern; 0.5")
+    )
+    hull_share_vertical: float | None = optional(
+        Quantity("-", within(0, 1), "of the hull in Z_w; 0.5")
+    )
+    drag_astern: float | None = optional(
+        Quantity("-", within(0.1, 10), "axial drag astern over that ahead; 1.2")
+    )
+    plane_effect_astern: float | None = optional(
+        Quantity("-", within(0, 2), "lift of rudder and planes astern over that ahead; 0.6")
+    )
+    stall_deg: tuple[float, ...] | None = optional(
+        _by_surface(_angle(90, "incidence at which rudder, stern, bow planes stall; never"))
+    )
+    stall_slope: tuple[float, ...] | None = optional(
+        _by_surface(Quantity("-", within(0, 1), "of their lift slope left beyond; 0"))
+    )
+    stall_astern_deg: tuple[float, ...] | None = optional(
+        _by_surface(_angle(90, "angle at which they stall astern; 18"))
+    )
+    strip_width: tuple[float, ...] | None = optional(
+        Quantities(Quantity("-", within(0, 10), "of the hull's five strips from aft; equal"), 5, 5)
+    )
+    crossflow_y: float | None = optional(
+        Quantity("-", within(0, 10), "cross-flow drag of the hull in sway; that of Y_vav")
+    )
+    crossflow_z: float | None = optional(
+        Quantity("-", within(0, 10), "... in heave; that of Z_waw")
+    )
+    tail_place: float | None = optional(
+        Quantity("-", within(-0.6, 0.6), "of the tail, in lengths from the origin; no tail")
+    )
+    tail_y: float | None = optional(Quantity("-", within(0, 10), "its cross-flow drag in sway; 0"))
+    tail_z: float | None = optional(Quantity("-", within(0, 10), "... in heave; 0"))
+    sail_place: tuple[float, float] | None = optional(
+        Quantities(Quantity("m", within(-200, 200), "x and z of the sail's middle; no sail"), 2, 2)
+    )
+    sail_y: float | None = optional(Quantity("-", within(0, 10), "its cross-flow drag; 0"))
+    sail_added_mass: float | None = optional(
+        Quantity("kg", within(0, 1e9), "its share of the added mass in sway; 0")
+    )
+    surface_damping: float | None = optional(
+        Quantity("-", within(0, 1), "damping ratio of a hull that the surface cuts; 0.03")
+    )
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -219,6 +299,7 @@ def key_tables() -> str:
         "propulsion": Propulsion,
         "[propulsion.sets]": ThrustSet,
         "control_surfaces": Surfaces,
+        "envelope": Envelope,
         "compact": Compact,
         "run": Run,
         "autopilot": Autopilot,

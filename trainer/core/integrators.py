@@ -3,9 +3,19 @@
 Controls are held over the step. [ASSES] III-B, errata D1-D10.
 """
 
-from trainer.core.kernel import Record, kernel, part
+from trainer.core.attitude import (
+    PHI,
+    bring_within,
+    forget_rates,
+    is_beyond,
+    is_polar,
+    take_attitude,
+    turned,
+)
+from trainer.core.envelope import substeps
+from trainer.core.kernel import Numbers, Record, kernel, part
 from trainer.core.rates import rates
-from trainer.core.scheme import ADAMS, MULTISTEP, RUNGE_KUTTA
+from trainer.core.scheme import ADAMS, MULTISTEPS, RUNGE_KUTTA, VARIABLE_RUNGE_KUTTA
 from trainer.core.state import HISTORY
 
 SMALLEST, LARGEST = 0.05, 2.0  # [s] variable step, [ASSES] III-B
@@ -76,20 +86,95 @@ def adams(scheme: Record, state: Record) -> None:
 
 
 @part
+def past_share(h: float, state: Record) -> float:
+    """Return c [-] of Adams' second order over unequal steps, x += h((1 + c) x' - c x'_past)."""
+    last = state[0].last_step
+    return 0.5 * h / last if last > 0.0 else 0.5
+
+
+@part
+def adams_unequal(h: float, state: Record) -> None:
+    """Advance by ``h`` [s] by the second order, after a step of another length."""
+    s = state[0]
+    remember(state)
+    share = past_share(h, state)
+    for i in range(12):
+        slope = (1.0 + share) * s.rates[i] - share * s.past_rates[0, i]
+        for back in range(HISTORY - 1, 0, -1):
+            s.past_rates[back, i] = s.past_rates[back - 1, i]
+        s.past_rates[0, i] = s.rates[i]
+        s.motion[i] += h * slope
+
+
+@part
+def turn_of(h: float, state: Record) -> tuple[float, float, float]:
+    """Return the turn [rad] about the body's axes in a step of ``h`` [s], by the second order."""
+    s = state[0]
+    share = past_share(h, state) if s.history != 0.0 else 0.0
+    ahead = (1.0 + share) * h
+    behind = share * h
+    return (
+        ahead * s.p - behind * s.last_p,
+        ahead * s.q - behind * s.last_q,
+        ahead * s.r - behind * s.last_r,
+    )
+
+
+@part
+def multistep_step(scheme: Record, h: float, state: Record) -> None:
+    """Advance by ``h`` [s] from rates already computed, near the vertical by turning."""
+    how = scheme[0]
+    s = state[0]
+    polar = how.envelope != 0 and is_polar(state)
+    if s.polar != 0.0 and not polar:
+        forget_rates(state)
+    phi, theta, psi, turn = s.phi, s.theta, s.psi, turn_of(h, state)
+    p, q, r = s.p, s.q, s.r
+    if h != how.h or s.last_step not in (h, 0.0):
+        adams_unequal(h, state)
+    elif how.method == ADAMS:
+        adams(scheme, state)
+    else:
+        multistep(scheme, state)
+    if polar:
+        heel, pitch, heading = turned(phi, theta, psi, turn)
+        take_attitude(heel, pitch, heading, state)
+    elif how.envelope != 0 and is_beyond(state):
+        bring_within(state)
+    s.last_p, s.last_q, s.last_r = p, q, r
+    s.last_step = h
+    s.polar = 1.0 if polar else 0.0
+
+
+@part
 def multistep(scheme: Record, state: Record) -> None:
     """Advance by X_n = sum a_i X_n-i + h sum b_i X'_n-i, the scheme's method."""
     recall(scheme, state)
     adams(scheme, state)
 
 
+@part
+def turn_from_start(share: float, turn: Numbers, state: Record, scratch: Record) -> None:
+    """Put the attitude to that at the step's start, turned by ``share`` [s] of ``turn`` [rad/s]."""
+    start = scratch[0].start[PHI : PHI + 3]
+    along = (share * turn[0], share * turn[1], share * turn[2])
+    s = state[0]
+    s.phi, s.theta, s.psi = turned(start[0], start[1], start[2], along)
+
+
 @kernel
-def stage(state: Record, scratch: Record, weight: float, share: float) -> None:
+def stage(state: Record, scratch: Record, weight: float, share: float, polar: int) -> None:
     """Add ``weight`` of the present rates to the sum, and move ``share`` [s] along them."""
     s = state[0]
     work = scratch[0]
+    for i in range(3):
+        work.spin[i] = s.motion[3 + i]
+        work.turn[i] += weight * s.motion[3 + i]
     for i in range(12):
         work.slope[i] += weight * s.rates[i]
         s.motion[i] = work.start[i] + share * s.rates[i]
+    if polar != 0:
+        turn_from_start(share, work.spin, state, scratch)
 
 
 @kernel
@@ -99,18 +184,25 @@ def runge_kutta(
     """Advance by ``h`` [s] with the classical 4th-order method from rates already computed."""
     s = state[0]
     work = scratch[0]
+    polar = 1 if scheme[0].envelope != 0 and is_polar(state) else 0
     for i in range(12):
         work.start[i] = s.motion[i]
         work.slope[i] = 0.0
-    stage(state, scratch, 1.0, 0.5 * h)
+    for i in range(3):
+        work.turn[i] = 0.0
+    stage(state, scratch, 1.0, 0.5 * h, polar)
     rates(vessel, compact, scheme, state, scratch)
-    stage(state, scratch, 2.0, 0.5 * h)
+    stage(state, scratch, 2.0, 0.5 * h, polar)
     rates(vessel, compact, scheme, state, scratch)
-    stage(state, scratch, 2.0, h)
+    stage(state, scratch, 2.0, h, polar)
     rates(vessel, compact, scheme, state, scratch)
-    stage(state, scratch, 1.0, 0.0)
+    stage(state, scratch, 1.0, 0.0, polar)
     for i in range(12):
         s.motion[i] = work.start[i] + h / 6.0 * work.slope[i]
+    if polar != 0:
+        turn_from_start(h / 6.0, work.turn, state, scratch)
+    elif scheme[0].envelope != 0 and is_beyond(state):
+        bring_within(state)
 
 
 @kernel
@@ -176,17 +268,31 @@ def variable_runge_kutta(
 
 
 @part
+def forget_unequal(scheme: Record, state: Record) -> None:
+    """Begin anew after substeps, but for the method that goes on over steps of any length."""
+    how = scheme[0]
+    adams_2 = how.method == ADAMS and how.depth == 2 and how.b[0] == 1.5
+    if not adams_2:
+        state[0].history = 0.0
+
+
+@part
 def advance(
     vessel: Record, compact: Record, scheme: Record, state: Record, scratch: Record
 ) -> None:
-    """Advance the motion by one step of the scheme, controls held."""
+    """Advance the motion by one step of the scheme, controls held; in parts where it must be."""
     how = scheme[0]
-    rates(vessel, compact, scheme, state, scratch)
-    if how.method == ADAMS:
-        adams(scheme, state)
-    elif how.method == MULTISTEP:
-        multistep(scheme, state)
-    elif how.method == RUNGE_KUTTA:
-        runge_kutta(vessel, compact, scheme, state, scratch, how.h)
-    else:
-        variable_runge_kutta(vessel, compact, scheme, state, scratch)
+    several = how.method in MULTISTEPS
+    count = 1
+    if how.envelope != 0 and how.method != VARIABLE_RUNGE_KUTTA:
+        count = substeps(vessel, how.h, int(several) * int(scratch[0].cut), state)
+    for _ in range(count):
+        rates(vessel, compact, scheme, state, scratch)
+        if several:
+            multistep_step(scheme, how.h / count, state)
+        elif how.method == RUNGE_KUTTA:
+            runge_kutta(vessel, compact, scheme, state, scratch, how.h / count)
+        else:
+            variable_runge_kutta(vessel, compact, scheme, state, scratch)
+    if count > 1:
+        forget_unequal(scheme, state)

@@ -29,6 +29,14 @@ def thrust(vessel: Record, state: Record) -> float:
     return u * (a * abs(u) + b * u_c) + k * u_c * u_c
 
 
+@part
+def thrust_astern(vessel: Record, state: Record) -> float:
+    """Return thrust less axial drag [N] going astern, by the propeller's other two quadrants."""
+    s = state[0]
+    row = vessel[0].thrust_astern[0 if s.u_c < 0.0 else 1]
+    return s.u * (row[0] * s.u + row[1] * s.u_c) + row[2] * s.u_c * s.u_c
+
+
 @kernel
 def excess_eta(state: Record) -> float:
     """Return eta - 1 [-], 0 at u = 0 (errata A28, A29)."""
@@ -45,6 +53,33 @@ def propulsion_target(state: Record) -> float:
     stuck, lost = slot_of(PROPULSION_STUCK, state), slot_of(PROPULSION_LOST, state)
     wanted = s.casualty_amount[stuck] if stuck >= 0 else s.telegraph_answer
     return wanted * (1.0 - s.casualty_amount[lost]) if lost >= 0 else wanted
+
+
+@part
+def most_revolutions(vessel: Record, way: int, flow: float) -> float:
+    """Return the most revolutions [1/s] of the torque limit, in a flow of u/D [1/s], 0 or above.
+
+    The root of q0 n^2 + q1 n u/D + q2 (u/D)^2 = Q/(rho D^5); 0 where even a stopped screw has more.
+    """
+    c = vessel[0]
+    q = c.torque[way]
+    half, rest = 0.5 * q[1] * flow, q[2] * flow * flow - c.torque_limit
+    square = half * half - q[0] * rest
+    return max((math.sqrt(square) - half) / q[0], 0.0) if square > 0.0 else 0.0
+
+
+@part
+def within_torque(vessel: Record, wanted: float, state: Record) -> float:
+    """Return the command speed [m/s] that the engine's torque can turn, at most ``wanted``."""
+    c = vessel[0]
+    u = state[0].u
+    if wanted > max(u, 0.0):
+        most = most_revolutions(vessel, 0, max(u, 0.0) / c.screw) / c.turns
+        return min(wanted, max(most, u))
+    if wanted < min(u, 0.0):
+        way = 1 if u >= 0.0 else 2
+        return max(wanted, -most_revolutions(vessel, way, abs(u) / c.screw) / c.turns)
+    return wanted
 
 
 @part
@@ -68,4 +103,7 @@ def answer_telegraph(vessel: Record, h: float, state: Record) -> None:
     share = 1.0
     if c.propulsion_lag > 0.0:
         share = 1.0 - exponential(-h / c.propulsion_lag)
-    s.u_c += share * (propulsion_target(state) - s.u_c)
+    target = propulsion_target(state)
+    if c.torque_limit > 0.0:
+        target = within_torque(vessel, target, state)
+    s.u_c += share * (target - s.u_c)

@@ -23,6 +23,7 @@ SCHEME: Final = np.dtype(
             ("equations", "i8"),
             ("exact", "i8"),  # 1 exact solve, 0 lagged sweep
             ("trig", "i8"),  # see kinematics
+            ("envelope", "i8"),  # 1 the boat wherever it is taken, 0 the equations of 1969 alone
             ("method", "i8"),
             ("depth", "i8"),  # cycles the multistep method uses
             ("a", "f8", (DEPTH,)),
@@ -66,8 +67,16 @@ def new_scheme(h: float, equations: int, *, exact: bool, trig: int) -> Record:
     """Return a scheme of 2nd-order Adams at step ``h`` [s]."""
     scheme = np.zeros(1, SCHEME)
     scheme["h"], scheme["equations"], scheme["exact"], scheme["trig"] = h, equations, exact, trig
+    scheme["envelope"] = 1
     set_multistep(scheme, INTEGRATORS["adams2"])
     return scheme
+
+
+def equations_alone(scheme: Record) -> Record:
+    """Return a copy that asks for the equations of 1969 alone, in deep water."""
+    alone = scheme.copy()
+    alone["envelope"] = 0
+    return alone
 
 
 def set_multistep(scheme: Record, method: Multistep) -> None:

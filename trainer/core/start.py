@@ -27,7 +27,8 @@ def level_flight(
     """Bring a boat into straight level flight at ``speed`` [m/s]; return 1, or 0 if it cannot be.
 
     By the stern planes if they can, else level, by both pairs of planes, which is what a boat does
-    near and below the critical speed of the stern planes. ``scheme`` must ask for the exact solve.
+    near and below the critical speed of the stern planes. ``scheme`` must ask for the exact solve,
+    and for the equations of 1969 alone, which know no surface.
     """
     s = state[0]
     for i in range(6):

@@ -45,6 +45,10 @@ STATE: Final = record_dtype(
     ("past_rates", (HISTORY, 12)),  # rates of one and two cycles ago
     ("past_motion", (HISTORY, 12)),
     "history",  # [-] how many past cycles are true; 0 after a start or a jump
+    ("last_turn", ["last_p", "last_q", "last_r"]),  # [rad/s] of the last step or substep
+    "last_step",  # [s] its length
+    "polar",  # [-] 1: it was flown near the vertical
+    "validity",  # [-] of the equations: 0 inside their range, 1 extrapolated, 2 outside
     "substep",  # [s] present step of the variable-step Runge-Kutta, 0 before its first
     ("largest", (12,)),  # largest |motion| so far: what its tolerance is relative to
     # weight and balance
@@ -187,6 +191,10 @@ SEA_FIELDS: Final[tuple[Field, ...]] = (
     "g",  # [m/s2]
     "depth",  # [m]
     "half_length",  # [m]
+    ("station", (5,)),  # [m] along the boat, where the water's level is wanted
+    "levels",  # [-] 1: it is wanted
+    ("level", (5,)),  # [m]
+    ("rise", (5,)),  # [m/s]
     ("pull", (7,)),  # [m/s2] of surge, sway, heave, pitch, yaw, and the envelope's two parts
     # work space of the variance of a filter's output
     ("a", (DEGREE + 1,)),
@@ -206,6 +214,12 @@ def new_sea() -> Record:
 
 SCRATCH: Final = record_dtype(
     ("external", (6,)),  # forces [N] and moments [N m] of this tick from sea and surface
+    ("near", (6,)),  # the same with what the water's surface does at this moment
+    ("felt", (6,)),  # the same less the lift of surfaces that stall
+    ("wide", (6,)),  # accelerations of the wide set
+    "cut",  # [-] 1: the water's surface cuts the hull
+    ("turn", (3,)),  # [rad/s] weighted body rates of a Runge-Kutta step, and those of a stage
+    ("spin", (3,)),
     ("force", (6,)),  # right sides of the six equations, less the accelerations
     ("inertia", (6, 6)),  # their coefficients on the left
     ("system", (6, 7)),  # work space of the linear solve

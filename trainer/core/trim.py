@@ -1,7 +1,8 @@
 """Straight level flight: the state in which all accelerations and the depth rate are zero."""
 
 from trainer.core.kernel import Record, kernel
-from trainer.core.rates import rates, solve
+from trainer.core.rates import rates
+from trainer.core.solve import solve
 
 STERN, BOTH = 0, 1  # by stern planes and angle of attack; level, by both pairs of planes
 

@@ -13,8 +13,9 @@ from typing import Final
 from trainer.core.actuators import move_surfaces
 from trainer.core.autopilot import autopilot
 from trainer.core.ballast.ballast import advance_ballast
-from trainer.core.ballast.buoyancy import buoyancy_forces
+from trainer.core.ballast.buoyancy import add_compression
 from trainer.core.casualties import advance_casualties, fire_triggers
+from trainer.core.envelope import validity
 from trainer.core.integrators import advance
 from trainer.core.kernel import Record, kernel, part
 from trainer.core.propulsion import answer_telegraph
@@ -22,6 +23,7 @@ from trainer.core.sea.forces import wave_forces
 from trainer.core.sea.free_surface import surface_forces
 from trainer.core.sea.sea import advance_sea
 from trainer.core.state import HISTORY, MOTION, RATES
+from trainer.core.surfaced import is_cut, is_near_surface
 
 X: Final = MOTION.index("x")  # y follows
 Z: Final = MOTION.index("z")
@@ -82,13 +84,19 @@ def lost(state: Record) -> int:
 
 @part
 def outside(vessel: Record, state: Record, scratch: Record) -> None:
-    """Write the forces of sea and surface, held over the tick."""
+    """Write the forces of sea and depth, and the water's level along the hull, for the tick."""
     work = scratch[0]
     for i in range(6):
         work.external[i] = 0.0
+    near = is_near_surface(vessel, state)
+    work.levels = 1.0 if near else 0.0
+    for i in range(vessel[0].station_x.size):
+        work.level[i] = work.rise[i] = 0.0
+        work.station[i] = vessel[0].station_x[i]
     wave_forces(vessel, scratch, state, work.external)
     surface_forces(vessel, state, work.external)
-    buoyancy_forces(vessel, vessel, state, work.external)
+    add_compression(vessel, vessel, state, work.external)
+    work.cut = 1.0 if near and is_cut(vessel, scratch, state) else 0.0
 
 
 @kernel
@@ -119,6 +127,7 @@ def update(vessel: Record, compact: Record, scheme: Record, state: Record, scrat
     move_surfaces(vessel, h, state)
     answer_telegraph(vessel, h, state)
     s.tick += 1.0
+    s.validity = validity(vessel, state)
 
     failed = lost(state)
     if failed != 0:

@@ -10,6 +10,7 @@ from typing import Final
 import numpy as np
 
 from trainer.core.ballast.tanks import BALLAST_FIELDS
+from trainer.core.envelope import ENVELOPE_FIELDS
 from trainer.core.kernel import Numbers, Record, record_dtype
 from trainer.core.terms import EXTRA_TERMS, KEPT, POWERS, THRUST
 
@@ -69,6 +70,7 @@ VESSEL: Final = record_dtype(
     ("surface_Z", (SURFACE_SPEEDS, SURFACE_DEPTHS)),  # [N s2/m2] Z_star less that in deep water
     ("surface_M", (SURFACE_SPEEDS, SURFACE_DEPTHS)),  # [N s2/m]
     *BALLAST_FIELDS,
+    *ENVELOPE_FIELDS,
 )
 
 

@@ -171,6 +171,7 @@ def _write_parquet(table: Table, path: Path) -> None:
 COLUMNS: Final = (
     *("tick", "t", "u", "v", "w", "p", "q", "r", "x", "y", "z", "phi", "theta", "psi"),
     *("delta_r", "delta_s", "delta_b", "u_c", "weight", "x_g", "z_g", "eta_wave"),
+    "validity",
 )
 
 

@@ -63,7 +63,14 @@ def ordinary(vessel: Record, state: Record) -> bool:
     calm = s.sea_height == 0.0 and s.sea_ramp <= 0.0
     free = s.held_depth == 0.0 and s.held_position == 0.0 and s.held_tanks == 0.0
     sound = s.casualty[0] == 0.0 and s.depth_law == OWN
-    return constant_buoyancy and calm and free and sound and tanks_rest(vessel, state)
+    return (
+        constant_buoyancy
+        and calm
+        and free
+        and sound
+        and s.polar == 0.0
+        and tanks_rest(vessel, state)
+    )
 
 
 @kernel

@@ -24,11 +24,13 @@ from trainer.core.actuators import move_surfaces
 from trainer.core.autopilot import GAIN_COUNT, fade, keep_course, keep_depth, keep_speed
 from trainer.core.compact import add_external, forces, further_forces, lagged_rates
 from trainer.core.elementary import cosine_and_sine
+from trainer.core.envelope import cross_speed_squared
 from trainer.core.integrators import adams_of
 from trainer.core.kernel import Numbers, Record, inlined, kernel
 from trainer.core.kinematics import kinematics
 from trainer.core.propulsion import answer_telegraph
 from trainer.core.reference import slew_course, slew_depth
+from trainer.core.stall import incidence
 from trainer.core.update import lost
 
 
@@ -42,6 +44,12 @@ def _no_slot(_kind: int, _state: Record) -> int:
 def _no_fault(_surface: int, _state: Record) -> int:
     """Return -1: no casualty of this surface."""
     return -1
+
+
+@inlined
+def _no_torque_limit(_vessel: Record, wanted: float, _state: Record) -> float:
+    """Return the command speed [m/s] as it is wanted: a boat at its limit strays."""
+    return wanted
 
 
 @inlined
@@ -85,6 +93,7 @@ _INSTEAD = {
     "slot_of": _no_slot,
     "fault_of": _no_fault,
     "remember": _history_is_true,
+    "within_torque": _no_torque_limit,
 }
 _slew_depth = relaid(slew_depth, _INSTEAD)
 _slew_course = relaid(slew_course, _INSTEAD)
@@ -101,6 +110,10 @@ _adams = relaid(adams_of, _INSTEAD)
 _move_surfaces = relaid(move_surfaces, _INSTEAD)
 _answer_telegraph = relaid(answer_telegraph, _INSTEAD)
 _lost = relaid(lost, _INSTEAD)
+_cross = relaid(cross_speed_squared, _INSTEAD)
+_incidence = relaid(incidence, _INSTEAD)
+ALMOST = 1.0 - 1e-9  # [-] of the torque limit, from which a boat flies alone
+STEEP = 1.3  # [rad] pitch short of the vertical, where the angles are turned
 
 
 @inlined
@@ -164,6 +177,22 @@ def push(trig: int, out: Numbers) -> None:
 
 
 @kernel
+def find_outside(h: float, out: Numbers) -> None:
+    """Find the lanes that are outside the range of the equations, or whose planes stall."""
+    for lane in every_lane():
+        c, s = vessel_in(out, lane)[0], state_in(out, lane)[0]
+        work = work_in(out, lane)[0]
+        cross = _cross(vessel_in(out, lane), state_in(out, lane))
+        inside = 1.0 if s.u > 0.0 and cross <= c.handover_from * s.u * s.u else 0.0
+        level = 1.0 if abs(s.theta) < STEEP and abs(s.phi) < STEEP else 0.0
+        even = 1.0 if s.last_step in (h, 0.0) else 0.0
+        work.strayed += 1.0 - inside * level * even
+        for i in range(3):
+            lift = abs(_incidence(vessel_in(out, lane), i, state_in(out, lane)))
+            work.strayed += 0.0 if lift <= s.u * c.stall_ahead[i] else 1.0
+
+
+@kernel
 def accelerate(trig: int, out: Numbers) -> None:
     """Write the rates, and find the lanes that are not deep."""
     for lane in every_lane():
@@ -179,6 +208,7 @@ def integrate(scheme: Record, out: Numbers) -> None:
     """Advance the motion."""
     for lane in every_lane():
         s = state_in(out, lane)[0]
+        s.last_p, s.last_q, s.last_r, s.last_step = s.p, s.q, s.r, scheme[0].h
         _adams(scheme, TERMS, state_in(out, lane))
         s.sailed_x, s.sailed_y = s.x, s.y
 
@@ -195,13 +225,27 @@ def answer(h: float, out: Numbers) -> None:
     """Let the engine room answer; by itself, or neither becomes vector code."""
     for lane in every_lane():
         _answer_telegraph(vessel_in(out, lane), h, state_in(out, lane))
+    for lane in every_lane():
+        c, s = vessel_in(out, lane)[0], state_in(out, lane)[0]
+        flow, turns = max(s.u, 0.0) / c.screw, s.telegraph_answer * c.turns
+        torque = turns * (c.torque[0, 0] * turns + c.torque[0, 1] * flow)
+        torque += c.torque[0, 2] * flow * flow
+        limited = 1.0 if c.torque_limit > 0.0 and s.telegraph_answer > s.u else 0.0
+        at_limit = 1.0 if torque > c.torque_limit * ALMOST else 0.0
+        astern = 1.0 if c.torque_limit > 0.0 and s.telegraph_answer < 0.0 else 0.0
+        work_in(out, lane)[0].strayed += limited * at_limit + astern
 
 
 @kernel
 def see(out: Numbers) -> None:
     """Count the tick, and find the lanes that lost their numbers."""
     for lane in every_lane():
-        state_in(out, lane)[0].tick += 1.0
+        c, s = vessel_in(out, lane)[0], state_in(out, lane)[0]
+        s.tick += 1.0
+        cross = _cross(vessel_in(out, lane), state_in(out, lane))
+        s.validity = 1.0 if cross > c.tested * s.u * s.u else 0.0
+        if s.u < 0.0 or cross > c.handover_from * s.u * s.u:
+            s.validity = 2.0
         work = work_in(out, lane)[0]
         work.strayed += 0.0 if _lost(state_in(out, lane)) == 0 else 1.0
 
@@ -214,6 +258,7 @@ def tick_abreast(scheme: Record, out: Numbers) -> None:
     aim(how.h, out)
     command(how.h, out)
     push(how.trig, out)
+    find_outside(how.h, out)
     accelerate(how.trig, out)
     integrate(scheme, out)
     deflect(how.h, out)

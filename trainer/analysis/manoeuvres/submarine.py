@@ -87,8 +87,9 @@ class Submarine:
         self._kept_speed: float | None = None
         self._lookout = np.zeros(1, entry.LOOKOUT)
         self._lookout["steepest"] = STEEPEST
+        own = self.boat.records.vessel
+        own["torque_limit"] = 0.0  # what holds revolutions holds them, whatever the engine
         if self._at_once:
-            own = self.boat.records.vessel
             own["surface_rate"], own["surface_lag"] = AT_ONCE, 0.0
             own["telegraph_dead_time"], own["propulsion_lag"] = 0.0, 0.0
 

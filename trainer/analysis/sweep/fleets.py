@@ -23,9 +23,11 @@ from trainer.boat.assemble import (
     thrust_rows,
 )
 from trainer.boat.boat import PLACES, Boat
+from trainer.boat.envelope import write_envelope
 from trainer.config.sea import load_sea, sea_settings
 from trainer.config.vessel import VesselFile
 from trainer.core.kernel import Numbers, Record
+from trainer.core.scheme import equations_alone
 from trainer.core.state import STATE, new_scratch
 from trainer.core.terms import POWERS
 from trainer.core.vessel import COMPACT, VESSEL, compact_record, vessel_record
@@ -77,6 +79,8 @@ def by_coefficients(boat: Boat, changes: Mapping[tuple[str, ...], Numbers], coun
     full = vessel_record(hull, {**coefficients, **rows}, eta)
     for name in set(terms) & set(POWERS):
         vessels[name] = full[name]
+    if terms:
+        write_envelope(file, vessels)
     kept: dict[str, Any] = {**compact_coefficients(wide, method.equations), **rows}
     compacts = compact_record(hull, kept, eta)
     return Made(vessels, compacts, toward_of(coefficients, count))
@@ -117,7 +121,7 @@ def start_members(
     """Return the fleet started at ``speeds`` [m/s], as ``Submarine.start`` starts each."""
     count = made.vessels.size
     scheme = scheme_record(method)
-    exact = scheme.copy()
+    exact = equations_alone(scheme)
     exact["exact"] = 1
     calm = load_sea("calm")
     gravities = np.unique(made.vessels["g"])

@@ -1,8 +1,7 @@
-"""What changes the hull's buoyancy: the surface, depth, and layers of denser or lighter water.
+"""What changes the hull's buoyancy under water: depth, and layers of denser or lighter water.
 
-The equations of motion carry a constant buoyancy; these are the forces of its departures. The calm
-surface is at depth zero. The part of the hull above it is found at stations along an axis of
-circular sections, whose water forces pass through the axis; the sail counts nothing.
+The equations of motion carry a constant buoyancy; these are the forces of its departures, but for
+the surface's, which ``surfaced`` has.
 """
 
 import math
@@ -53,29 +52,17 @@ def submerged_change(vessel: Record, ballast: Record, state: Record) -> float:
 
 
 @part
-def buoyancy_forces(vessel: Record, ballast: Record, state: Record, force: Numbers) -> None:
-    """Add X Y Z [N] K M N [N m] of the buoyancy lost or gained to ``force``."""
+def add_compression(vessel: Record, ballast: Record, state: Record, force: Numbers) -> None:
+    """Add X Y Z [N] K M N [N m] of the buoyancy that depth and layers take or give."""
     c, b = vessel[0], ballast[0]
-    s = state[0]
-    foremost, aftmost = b.station_x[b.station_x.size - 1], b.station_x[0]
-    deep = s.z > max(foremost, -aftmost) + b.hull_diameter
-    if deep and b.compressibility == 0.0 and b.layers == 0.0:
+    if b.compressibility == 0.0 and b.layers == 0.0:
         return
+    s = state[0]
     cos_th, sin_th = cosine_and_sine(s.theta)
     cos_phi, sin_phi = cosine_and_sine(s.phi)
     down_x, down_y, down_z = -sin_th, cos_th * sin_phi, cos_th * cos_phi
-    heavy, x, z = 0.0, 0.0, 0.0  # [N] lost buoyancy, [N m] its moments about the origin
-    if b.compressibility != 0.0 or b.layers != 0.0:
-        heavy = -submerged_change(vessel, ballast, state)
-        x, z = heavy * c.x_b, heavy * c.z_b
-    if not deep:  # not even a vertical boat reaches the surface from there
-        for i in range(b.station_x.size):
-            axis = s.z + b.station_x[i] * down_x + b.hull_axis * down_z
-            if axis < 0.5 * b.hull_diameter:
-                lost = b.station_share[i] * c.buoyancy * segment(0.5 - axis / b.hull_diameter)
-                heavy += lost
-                x += lost * b.station_x[i]
-                z += lost * b.hull_axis
+    heavy = -submerged_change(vessel, ballast, state)
+    x, z = heavy * c.x_b, heavy * c.z_b
     force[0] += heavy * down_x
     force[1] += heavy * down_y
     force[2] += heavy * down_z

@@ -27,6 +27,7 @@ from trainer.core.elementary import cosine_and_sine, exponential
 from trainer.core.kernel import Numbers, Record, kernel, part
 from trainer.core.sea.cosine_sum import ANGLE_COS, ANGLE_SIN, BANDS, phase
 from trainer.core.state import SEA_COMPONENTS
+from trainer.core.surfaced import share_above
 
 TAPER: Final = (4.0, 5.0)  # [-] hull diameters from which to which waves fade out ([ASSES])
 
@@ -55,6 +56,20 @@ def taper(vessel: Record, state: Record) -> float:
     return 1.0 - t * t * (3.0 - 2.0 * t)
 
 
+@kernel
+def raise_levels(scratch: Record, k: float, chi_cos: float, a_cos: float, a_sin: float) -> None:
+    """Add one wave to the water's level [m] at the stations, and to its rate there [m/s].
+
+    Its phase at x ahead of the origin is k x cos chi less than at the origin.
+    """
+    work = scratch[0]
+    omega = math.sqrt(work.g * k)
+    for i in range(work.station.size):
+        turn_cos, turn_sin = cosine_and_sine(k * work.station[i] * chi_cos)
+        work.level[i] += a_cos * turn_cos + a_sin * turn_sin
+        work.rise[i] -= omega * (a_sin * turn_cos - a_cos * turn_sin)
+
+
 @part
 def add_component(
     scratch: Record, k: float, chi_cos: float, chi_sin: float, a_cos: float, a_sin: float
@@ -71,6 +86,8 @@ def add_component(
     work.pull[4] += heave * chi_sin * s1
     work.pull[5] += heave
     work.pull[6] += swing
+    if work.levels != 0.0:
+        raise_levels(scratch, k, chi_cos, a_cos, a_sin)
 
 
 @part
@@ -109,7 +126,7 @@ def add_sum(scratch: Record, state: Record) -> None:
 def wave_forces(vessel: Record, scratch: Record, state: Record, force: Numbers) -> None:
     """Add the forces [N] and moments [N m] of the sea in force; ``scratch`` is the SEA record.
 
-    A boat above the mean surface is taken as at it.
+    A boat above the mean surface is taken as at it, and what is above the water feels nothing.
     """
     c = vessel[0]
     s = state[0]
@@ -124,6 +141,8 @@ def wave_forces(vessel: Record, scratch: Record, state: Record, force: Numbers) 
         add_filter(scratch, state)
     if s.sea_cosines > 0.0:
         add_sum(scratch, state)
+    if work.levels != 0.0:
+        left *= 1.0 - share_above(vessel, scratch, state)
     displaced = c.buoyancy / c.g
     surge, sway = left * (displaced - c.X_udot), left * (displaced - c.Y_vdot)
     heave = left * (displaced - c.Z_wdot)

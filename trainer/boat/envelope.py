@@ -1,0 +1,229 @@
+"""The constants of the boat beyond the range of its coefficients, from its file.
+
+All of docs/envelope.md's section on constants: added masses made symmetric, the viscous part of the
+linear coefficients, strips, planes, stability of the step, engine.
+"""
+
+import math
+from collections.abc import Sequence
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from trainer.boat.surface_modes import surface_modes
+from trainer.config.vessel import VesselFile
+from trainer.core.kernel import Numbers, Record
+from trainer.units import KNOT
+
+TESTED: Final = 12.0  # [deg]
+HANDOVER: Final = (35.0, 55.0)  # [deg]
+HULL_SHARE: Final = 0.5  # [-]
+ASTERN_EFFECT: Final = 0.6  # [-]
+STALL_ASTERN: Final = (18.0, 18.0, 18.0)  # [deg]
+NEVER: Final = (90.0, 90.0, 90.0)  # [deg]
+EVEN: Final = (1.0, 1.0, 1.0, 1.0, 1.0)
+SURFACE_DAMPING: Final = 0.03  # [-]
+CROSS_ARM: Final = 0.3  # [-] of the length
+WAVE_DRAG: Final = 1.8e-3  # [-] at a Froude number of 0.25
+FROUDE: Final = 0.25
+LEAST_INDUCED: Final = 0.25  # [-] a plane's drag over its lift slope, so that it cannot feed a boat
+# Torque of B4-70, P/D 1, in n^2, n u/D, (u/D)^2, for a K_Q(0) of 0.0638 (docs/envelope.md)
+KQ_OF_ROWS: Final = 0.0638
+TORQUE_STOPPING: Final = (0.0532, -0.0024, 0.0526)
+TORQUE_ASTERN: Final = (0.0591, -0.0143, -0.0502)
+
+
+def write_envelope(file: VesselFile, vessels: Record) -> None:
+    """Write the constants of the envelope to vessel records [member], which have the rest."""
+    said, length = file.envelope, file.hull.length
+    low, high = said.handover_deg or HANDOVER
+    vessels["tested"] = _tan_squared(_or(said.tested_deg, TESTED))
+    vessels["handover_from"], vessels["handover_to"] = _tan_squared(low), _tan_squared(high)
+    vessels["cross_arm"] = (CROSS_ARM * length) ** 2
+    for name, value in added_masses(vessels).items():
+        vessels[name] = value
+    for way, shares in enumerate(((0.0, 0.0), hull_shares(file))):
+        lateral, vertical = viscous(vessels, shares)
+        vessels["lateral"][:, way] = dissipative(lateral, (1.0, length, length))[0]
+        vessels["vertical"][:, way] = dissipative(vertical, (1.0, length))[0]
+    _write_strips(file, vessels)
+    _write_planes(file, vessels)
+    vessels["stiffness"] = _stiffness(vessels)
+    area = 0.5 * file.fluid.rho * length**2
+    for i, row in enumerate(file.thrust.astern):
+        vessels["thrust_astern"][:, i] = area * np.array([row.a, row.b, row.c])
+    _write_surface(file, vessels)
+    _write_engine(file, vessels)
+
+
+def _or(value: float | None, otherwise: float) -> float:
+    """Return what the file says, or else another number."""
+    return otherwise if value is None else value
+
+
+def _tan_squared(angle: float) -> float:
+    """Return the square of the tangent [-] of an angle [deg]."""
+    return math.tan(math.radians(angle)) ** 2
+
+
+def hull_shares(file: VesselFile) -> tuple[float, float]:
+    """Return the hull's shares [-] of the lift in the horizontal and in the vertical."""
+    said = file.envelope
+    return (
+        _or(said.hull_share_horizontal, HULL_SHARE),
+        _or(said.hull_share_vertical, HULL_SHARE),
+    )
+
+
+def added_masses(c: Record) -> dict[str, Numbers]:
+    """Return the added masses [kg, kg m, kg m2] of each member, positive and symmetric."""
+    return {
+        "m11": -c["X_udot"],
+        "m22": -c["Y_vdot"],
+        "m33": -c["Z_wdot"],
+        "m44": -c["K_pdot"],
+        "m55": -c["M_qdot"],
+        "m66": -c["N_rdot"],
+        "m24": -0.5 * (c["Y_pdot"] + c["K_vdot"]),
+        "m26": -0.5 * (c["Y_rdot"] + c["N_vdot"]),
+        "m35": -0.5 * (c["Z_qdot"] + c["M_wdot"]),
+        "m46": -0.5 * (c["K_rdot"] + c["N_pdot"]),
+    }
+
+
+def _matrices(rows: Sequence[Sequence[Any]]) -> Numbers:
+    """Return a matrix for each member [member, row, column] of entries by member."""
+    return np.moveaxis(np.array(rows, float), -1, 0)
+
+
+def viscous(c: Record, shares: tuple[float, float]) -> tuple[Numbers, Numbers]:
+    """Return the viscous part of the linear coefficients, of Y K N by v p r and of Z M by w q.
+
+    A coefficient of u and a velocity holds an ideal part, which is taken off. ``shares`` [-] of
+    the lift are the hull's, whose centre moves to the other end astern; 0 ahead.
+    """
+    side, down = (1.0 - 2.0 * share for share in shares)
+    lateral = [
+        [c["Y_v"], c["Y_p"], (c["Y_r"] - c["X_udot"]) * side],
+        [c["K_v"], c["K_p"], c["K_r"]],
+        [
+            (c["N_v"] - c["Y_vdot"] + c["X_udot"]) * side,
+            c["N_p"] - c["Y_pdot"],
+            c["N_r"] - c["Y_rdot"],
+        ],
+    ]
+    vertical = [
+        [c["Z_w"], (c["Z_q"] + c["X_udot"]) * down],
+        [(c["M_w"] - c["X_udot"] + c["Z_wdot"]) * down, c["M_q"] + c["Z_qdot"]],
+    ]
+    return _matrices(lateral), _matrices(vertical)
+
+
+def dissipative(forces: Numbers, lengths: tuple[float, ...]) -> tuple[Numbers, NDArray[np.bool_]]:
+    """Return forces by velocities [member, row, column] that never feed a boat, and where changed.
+
+    The symmetric part, scaled by ``lengths`` [m], loses its positive eigenvalues.
+    """
+    scale = np.outer(lengths, lengths)
+    scaled = forces / scale
+    turned = np.swapaxes(scaled, 1, 2)
+    even, odd = 0.5 * (scaled + turned), 0.5 * (scaled - turned)
+    values, vectors = np.linalg.eigh(even)
+    feeds = values[:, -1] > 1e-12 * abs(values).max(axis=1)
+    kept = (vectors * np.minimum(values, 0.0)[:, None]) @ np.swapaxes(vectors, 1, 2)
+    return np.where(feeds[:, None, None], (kept + odd) * scale, forces), feeds
+
+
+def is_clipped(file: VesselFile, vessel: Record) -> bool:
+    """Return whether the file's own viscous coefficients would feed the boat."""
+    length = file.hull.length
+    pairs = (viscous(vessel, (0.0, 0.0)), viscous(vessel, hull_shares(file)))
+    sizes = ((1.0, length, length), (1.0, length))
+    return any(dissipative(m, sizes[i])[1].any() for pair in pairs for i, m in enumerate(pair))
+
+
+def _write_strips(file: VesselFile, c: Record) -> None:
+    """Write the cross-flow drag [N s2/m2] of hull, tail and sail, and the damping of roll."""
+    said = file.envelope
+    area = 0.5 * file.fluid.rho * file.hull.length**2
+    width = np.array(said.strip_width or EVEN)
+    width /= width.sum()
+    tail_y, tail_z = area * (said.tail_y or 0.0), area * (said.tail_z or 0.0)
+    sail = area * (said.sail_y or 0.0)
+    side = np.maximum(abs(c["Y_vav"]) - tail_y - sail, 0.0)
+    down = np.maximum(abs(c["Z_waw"]) - tail_z, 0.0)
+    if said.crossflow_y is not None:
+        side[:] = area * said.crossflow_y
+    if said.crossflow_z is not None:
+        down[:] = area * said.crossflow_z
+    c["crossflow_Y"], c["crossflow_Z"] = side[:, None] * width, down[:, None] * width
+    c["tail_x"] = (said.tail_place or 0.0) * file.hull.length
+    c["tail_Y"], c["tail_Z"], c["strip_Y"] = tail_y, tail_z, sail
+    c["strip_x"], c["strip_z"] = said.sail_place or (0.0, 0.0)
+    c["sail_mass"] = said.sail_added_mass or 0.0
+    c["sail_height"] = np.maximum(c["z_deck"] - c["z_sail"], 0.0)
+    c["roll_damping"] = np.minimum(c["K_p"], 0.0)
+    c["roll_drag"] = np.minimum(c["K_pap"] + sail * abs(c["strip_z"]) ** 3, 0.0)
+
+
+def _write_planes(file: VesselFile, c: Record) -> None:
+    """Write how rudder, stern and bow planes stall, work astern, and what they cost."""
+    said = file.envelope
+    c["stall_ahead"] = np.radians(said.stall_deg or NEVER)
+    c["stall_slope"] = said.stall_slope or (0.0, 0.0, 0.0)
+    c["stall_astern"] = np.radians(said.stall_astern_deg or STALL_ASTERN)
+    c["astern_effect"] = _or(said.plane_effect_astern, ASTERN_EFFECT)
+    lifts = np.stack([c["Y_dr"], c["Z_ds"], c["Z_db"]], axis=1)
+    arms = np.stack([c["N_dr"], -c["M_ds"], -c["M_db"]], axis=1)
+    drags = np.stack([c["X_drdr"], c["X_dsds"], c["X_dbdb"]], axis=1)
+    c["stall_arm"] = np.divide(arms, lifts, out=np.zeros_like(arms), where=lifts != 0.0)
+    c["plane_drag"] = np.minimum(drags, -LEAST_INDUCED * abs(lifts))
+
+
+def _stiffness(c: Record) -> Numbers:
+    """Return the fastest mode [1/m] in a flow of 1 m/s: roll across it, or the viscous forces."""
+    roll = np.sqrt(abs(c["m33"] - c["m22"]) / (c["I_x"] + c["m44"]))
+    lateral = _matrices(
+        [
+            [c["mass"] + c["m22"], c["m24"], c["m26"]],
+            [c["m24"], c["I_x"] + c["m44"], c["m46"]],
+            [c["m26"], c["m46"], c["I_z"] + c["m66"]],
+        ]
+    )
+    vertical = _matrices(
+        [[c["mass"] + c["m33"], c["m35"]], [c["m35"], c["I_y"] + c["m55"]]],
+    )
+    modes = [
+        abs(np.linalg.eigvals(np.linalg.solve(mass, c[name][:, way]))).max(axis=1)
+        for mass, name in ((lateral, "lateral"), (vertical, "vertical"))
+        for way in range(2)
+    ]
+    return np.asarray(np.maximum.reduce([roll, *(0.5 * mode for mode in modes)]))
+
+
+def _write_surface(file: VesselFile, c: Record) -> None:
+    """Write the boat at the surface: where it begins, damping, fastest mode, wave resistance."""
+    length = file.hull.length
+    area = 0.5 * file.fluid.rho * length**2
+    c["surface_line"] = abs(c["station_x"]).max(axis=1) + c["hull_diameter"]
+    c["surface_damping"] = _or(file.envelope.surface_damping, SURFACE_DAMPING)
+    c["wave_drag"] = area * WAVE_DRAG / (FROUDE**4 * (file.fluid.g * length) ** 2)
+    c["surface_mode"] = np.maximum.reduce(list(surface_modes(c).values()))
+
+
+def _write_engine(file: VesselFile, c: Record) -> None:
+    """Write the limit of the engine's torque, and the propeller's torque in three quadrants."""
+    engine = file.propulsion
+    torque = engine.torque_limit_n_m
+    if engine.shaft_power_w is not None:
+        turns = engine.rps_per_mps * engine.max_ordered_speed_kn * KNOT
+        torque = engine.shaft_power_w / (2.0 * math.pi * turns)
+    if torque is None or engine.KQ is None or engine.propeller_diameter is None:
+        return
+    diameter = engine.propeller_diameter
+    c["torque_limit"] = torque / (file.fluid.rho * diameter**5)
+    c["screw"], c["turns"] = diameter, engine.rps_per_mps
+    scale = engine.KQ[0] / KQ_OF_ROWS
+    stopping, astern = scale * np.array(TORQUE_STOPPING), scale * np.array(TORQUE_ASTERN)
+    c["torque"] = np.array([engine.KQ, stopping, astern])

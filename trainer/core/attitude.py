@@ -1,0 +1,112 @@
+"""The attitude near the vertical, where Euler's angles are turned instead of advanced.
+
+Within 15 deg of the vertical the rates of heel and heading have no bound. There the matrix of the
+attitude is turned by the body's own rates over the step (Rodrigues' formula), and the angles are
+read from it again: pitch stays within 90 deg, heel within 180.
+"""
+
+import math
+from typing import Final
+
+from trainer.core.elementary import arctangent, cosine, cosine_and_sine
+from trainer.core.kernel import Record, part
+from trainer.core.state import HISTORY, MOTION
+
+POLAR: Final = 0.25881904510252074  # [-] cosine of 75 deg
+PHI: Final = MOTION.index("phi")
+HALF_TURN: Final = 3.141592653589793
+TURN: Final = 6.283185307179586
+
+
+@part
+def is_polar(state: Record) -> bool:
+    """Return whether the boat is within 15 deg of the vertical."""
+    return abs(cosine(state[0].theta)) < POLAR
+
+
+@part
+def rotated(
+    a: float, b: float, c: float, turn: tuple[float, float, float]
+) -> tuple[float, float, float]:
+    """Return a row of the attitude's matrix [-] after a turn [rad] about the body's axes."""
+    x, y, z = turn
+    square = x * x + y * y + z * z
+    size = math.sqrt(square)
+    if size < 1e-9:
+        first, second = 1.0, 0.5
+    else:
+        cos_size, sin_size = cosine_and_sine(size)
+        first, second = sin_size / size, (1.0 - cos_size) / square
+    # a row times [turn]x, and that times [turn]x again
+    a1, b1, c1 = b * z - c * y, c * x - a * z, a * y - b * x
+    a2, b2, c2 = b1 * z - c1 * y, c1 * x - a1 * z, a1 * y - b1 * x
+    return a + first * a1 + second * a2, b + first * b1 + second * b2, c + first * c1 + second * c2
+
+
+@part
+def nearest_turn(angle: float, old: float) -> float:
+    """Return an angle [rad] by the whole turns that bring it nearest to ``old``."""
+    return angle + TURN * math.floor((old - angle) / TURN + 0.5)
+
+
+@part
+def turned(
+    phi: float, theta: float, psi: float, turn: tuple[float, float, float]
+) -> tuple[float, float, float]:
+    """Return heel, pitch and heading [rad] after a turn [rad] about the body's axes."""
+    cos_phi, sin_phi = cosine_and_sine(phi)
+    cos_th, sin_th = cosine_and_sine(theta)
+    cos_psi, sin_psi = cosine_and_sine(psi)
+    north = rotated(
+        cos_psi * cos_th,
+        cos_psi * sin_th * sin_phi - sin_psi * cos_phi,
+        cos_psi * sin_th * cos_phi + sin_psi * sin_phi,
+        turn,
+    )[0]
+    east = rotated(
+        sin_psi * cos_th,
+        sin_psi * sin_th * sin_phi + cos_psi * cos_phi,
+        sin_psi * sin_th * cos_phi - cos_psi * sin_phi,
+        turn,
+    )[0]
+    x, y, z = rotated(-sin_th, cos_th * sin_phi, cos_th * cos_phi, turn)
+    level = y * y + z * z
+    pitch = arctangent(-x, math.sqrt(level))
+    heel = arctangent(y, z) if level >= 1e-18 else phi
+    return heel, pitch, nearest_turn(arctangent(east, north), psi)
+
+
+@part
+def take_attitude(phi: float, theta: float, psi: float, state: Record) -> None:
+    """Put the boat into an attitude [rad]; its past motion takes the same jump."""
+    s = state[0]
+    jump_phi, jump_theta, jump_psi = phi - s.phi, theta - s.theta, psi - s.psi
+    s.phi, s.theta, s.psi = phi, theta, psi
+    for back in range(HISTORY):
+        s.past_motion[back, PHI] += jump_phi
+        s.past_motion[back, PHI + 1] += jump_theta
+        s.past_motion[back, PHI + 2] += jump_psi
+
+
+@part
+def is_beyond(state: Record) -> bool:
+    """Return whether heel is beyond half a turn, or pitch beyond the vertical."""
+    s = state[0]
+    return abs(s.theta) > 0.5 * HALF_TURN or abs(s.phi) > HALF_TURN
+
+
+@part
+def bring_within(state: Record) -> None:
+    """Bring heel within half a turn and pitch within a quarter: the same attitude."""
+    s = state[0]
+    heel, pitch, heading = turned(s.phi, s.theta, s.psi, (0.0, 0.0, 0.0))
+    take_attitude(heel, pitch, heading, state)
+
+
+@part
+def forget_rates(state: Record) -> None:
+    """Begin the history of the attitude's rates anew, with the present ones."""
+    s = state[0]
+    for i in range(3):
+        for back in range(HISTORY):
+            s.past_rates[back, PHI + i] = s.rates[PHI + i]

@@ -1,0 +1,41 @@
+"""Drag of the flow across the boat, by strips: five of the hull, the tail and the sail.
+
+The form is that of Healey & Lienard and of MSS; the coefficients are derived so that pure sway and
+pure heave give the file's own Y_vav and Z_waw (docs/envelope.md). Each strip takes energy.
+"""
+
+import math
+
+from trainer.core.kernel import Numbers, Record, part
+
+
+@part
+def add_hull_strips(vessel: Record, state: Record, force: Numbers) -> None:
+    """Add Y Z [N] M N [N m] of the hull's strips, at the stations of its buoyancy."""
+    c, s = vessel[0], state[0]
+    for i in range(c.crossflow_Y.size):
+        x = c.station_x[i]
+        aside, down = s.v + x * s.r, s.w - x * s.q
+        speed = math.sqrt(aside * aside + down * down)
+        lateral, normal = -c.crossflow_Y[i] * speed * aside, -c.crossflow_Z[i] * speed * down
+        force[1] += lateral
+        force[2] += normal
+        force[4] -= x * normal
+        force[5] += x * lateral
+
+
+@part
+def add_tail_and_sail(vessel: Record, dry: float, state: Record, force: Numbers) -> None:
+    """Add what tail and sail take from the flow across [N], [N m]; ``dry`` [-] of the sail."""
+    c, s = vessel[0], state[0]
+    aside, down = s.v + c.tail_x * s.r, s.w - c.tail_x * s.q
+    lateral, normal = -c.tail_Y * abs(aside) * aside, -c.tail_Z * abs(down) * down
+    force[1] += lateral
+    force[2] += normal
+    force[4] -= c.tail_x * normal
+    force[5] += c.tail_x * lateral
+    aside = s.v + c.strip_x * s.r - c.strip_z * s.p
+    lateral = -(1.0 - dry) * c.strip_Y * math.sqrt(aside * aside + s.w * s.w) * aside
+    force[1] += lateral
+    force[3] -= c.strip_z * lateral
+    force[5] += c.strip_x * lateral

@@ -1,0 +1,113 @@
+"""The range of the equations of 1969, and how far the motion is beyond it.
+
+Ahead, with the flow within ``handover`` of the bow, the equations run as they stand. Beyond it and
+going astern ``wide`` takes their place, and between the two limits the accelerations of both are
+blended. Sources of the forms: docs/envelope.md. The limits are this project's estimate: the largest
+angle of flow in any turn or zig-zag of the shipped boats is 31 deg.
+"""
+
+import math
+from typing import Final
+
+from trainer.core.kernel import Field, Record, part
+
+INSIDE, EXTRAPOLATED, OUTSIDE = 0, 1, 2
+
+ENVELOPE_FIELDS: Final[tuple[Field, ...]] = (
+    # range: squares of the tangent of the angle of flow
+    "tested",  # [-] beyond it the equations are extrapolated
+    "handover_from",  # [-] beyond it the wide set is blended in
+    "handover_to",  # [-] beyond it the wide set is alone
+    "cross_arm",  # [m2] square of the arm at which turning counts as cross flow
+    "stiffness",  # [1/m] fastest mode of the boat in a flow of 1 m/s, over that speed
+    # ideal fluid: added masses, positive and symmetric [kg, kg m, kg m2]
+    ("added", ["m11", "m22", "m33", "m44", "m55", "m66", "m24", "m26", "m35", "m46"]),
+    # linear viscous forces of v p r (Y K N) and of w q (Z M), ahead and astern
+    ("lateral", (2, 3, 3)),
+    ("vertical", (2, 2, 2)),
+    "roll_damping",  # [N s2] of p and the whole speed, 0 or below
+    "roll_drag",  # [N m s2] of p|p|, 0 or below, the sail's part taken off
+    # cross-flow drag [N s2/m2] of the hull by station, of the tail and of the sail
+    ("crossflow_Y", (5,)),
+    ("crossflow_Z", (5,)),
+    "tail_x",  # [m]
+    "tail_Y",
+    "tail_Z",
+    "strip_x",  # [m] of the sail
+    "strip_z",
+    "strip_Y",
+    "sail_mass",  # [kg] added mass of the sail in sway
+    "sail_height",  # [m] of the sail above the deck
+    # control surfaces, in the order of the state
+    "astern_effect",  # [-] of a surface going astern, of that ahead
+    ("stall_ahead", (3,)),  # [rad] incidence from which a surface stalls
+    ("stall_slope", (3,)),  # [-] of its lift that is left beyond
+    ("stall_astern", (3,)),  # [rad] angle from which it gains nothing astern
+    ("stall_arm", (3,)),  # [m] where its incidence is taken
+    ("plane_drag", (3,)),  # [N s2/m2] X of the angle squared
+    # thrust less drag, going astern: a, b, c with the propeller turning astern, and ahead
+    ("thrust_astern", (2, 3)),
+    # at the surface
+    "surface_line",  # [m] of the origin's depth, below which nothing of the boat can show
+    "surface_damping",  # [-] damping ratio of a station that is cut
+    "surface_mode",  # [rad/s] fastest mode of the boat afloat at her lightest
+    "wave_drag",  # [N s6/m6] of u^6, the hull awash
+    # engine
+    "torque_limit",  # [1/s2] over rho D^5, 0: none
+    # [-] of n^2, n u/D and (u/D)^2: turning ahead, turning astern while going ahead, both astern
+    ("torque", (3, 3)),
+    "turns",  # [1/m] revolutions a second for 1 m/s of command speed
+    "screw",  # [m] diameter of the propeller
+)
+
+SUBSTEP: Final = 0.25  # [-] most of a mode's radian in a substep, at large angles
+SURFACE_SUBSTEP: Final = 0.2  # [-] likewise afloat
+MOST_SUBSTEPS: Final = 64
+
+
+@part
+def cross_speed_squared(vessel: Record, state: Record) -> float:
+    """Return v^2 + w^2 with the speed at 0.3 lengths from the origin [m2/s2]."""
+    s = state[0]
+    return s.v * s.v + s.w * s.w + vessel[0].cross_arm * (s.q * s.q + s.r * s.r)
+
+
+@part
+def wide_share(vessel: Record, state: Record) -> float:
+    """Return how much of the accelerations is the wide set's [-]: 0 inside, 1 outside."""
+    c = vessel[0]
+    cross, square = cross_speed_squared(vessel, state), state[0].u * state[0].u
+    if state[0].u < 0.0:
+        return 1.0
+    if cross <= c.handover_from * square:
+        return 0.0
+    if cross >= c.handover_to * square:
+        return 1.0
+    x = (cross - c.handover_from * square) / ((c.handover_to - c.handover_from) * square)
+    return x * x * (3.0 - 2.0 * x)
+
+
+@part
+def validity(vessel: Record, state: Record) -> int:
+    """Return how far the equations hold: INSIDE, EXTRAPOLATED or OUTSIDE [-]."""
+    c, s = vessel[0], state[0]
+    cross, square = cross_speed_squared(vessel, state), s.u * s.u
+    if s.u < 0.0 or cross > c.handover_from * square:
+        return OUTSIDE
+    return EXTRAPOLATED if cross > c.tested * square else INSIDE
+
+
+@part
+def substeps(vessel: Record, h: float, afloat: int, state: Record) -> int:
+    """Return into how many parts a tick of ``h`` [s] is divided, by modes too fast for it.
+
+    ``afloat`` is 1 where the water's surface cuts the hull and the method feeds undamped modes.
+    """
+    c, s = vessel[0], state[0]
+    phase = 0.0
+    if wide_share(vessel, state) > 0.0:
+        speed = math.sqrt(s.u * s.u + cross_speed_squared(vessel, state))
+        phase = h * c.stiffness * speed / SUBSTEP
+    if afloat != 0:
+        phase = max(phase, h * c.surface_mode / SURFACE_SUBSTEP)
+    return min(max(math.ceil(phase - 1e-9), 1), MOST_SUBSTEPS)

@@ -1,0 +1,59 @@
+"""Accelerations from forces: the exact solve (EVAL) and the lagged sweep (EVAL 1)."""
+
+from trainer.core.kernel import Numbers, kernel
+
+
+@kernel
+def eliminate(system: Numbers, n: int) -> None:
+    """Bring the n x n linear ``system``, right side in column n, to triangular form by rows."""
+    for k in range(n):
+        pivot = k
+        for i in range(k + 1, n):
+            if abs(system[i, k]) > abs(system[pivot, k]):
+                pivot = i
+        for j in range(k, n + 1):
+            system[k, j], system[pivot, j] = system[pivot, j], system[k, j]
+        for i in range(k + 1, n):
+            factor = system[i, k] / system[k, k]
+            for j in range(k + 1, n + 1):
+                system[i, j] -= factor * system[k, j]
+
+
+@kernel
+def solve(system: Numbers, n: int, out: Numbers) -> None:
+    """Write the solution of the n x n linear ``system`` (right side in column n) to ``out``.
+
+    Gaussian elimination with row pivoting; destroys ``system``. A singular matrix gives numbers
+    that are not finite, which the caller's check reports.
+    """
+    eliminate(system, n)
+    for k in range(n - 1, -1, -1):
+        total = system[k, n]
+        for j in range(k + 1, n):
+            total -= system[k, j] * out[j]
+        out[k] = total / system[k, k]
+
+
+@kernel
+def exact(inertia: Numbers, force: Numbers, system: Numbers, out: Numbers) -> None:
+    """Write the accelerations that satisfy all six equations at once: EVAL."""
+    for i in range(6):
+        for j in range(6):
+            system[i, j] = inertia[i, j]
+        system[i, 6] = force[i]
+    solve(system, 6, out)
+
+
+@kernel
+def sweep(inertia: Numbers, force: Numbers, out: Numbers) -> None:
+    """Write each acceleration from its own equation in the order u v w p q r: EVAL 1.
+
+    ``out`` holds the last cycle's accelerations on entry; one already renewed is used as such
+    (errata C25-C27).
+    """
+    for i in range(6):
+        total = force[i]
+        for j in range(6):
+            if j != i:
+                total -= inertia[i, j] * out[j]
+        out[i] = total / inertia[i, i]

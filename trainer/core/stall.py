@@ -1,0 +1,51 @@
+"""Rudder and planes that stall ahead: the lift beyond an incidence is taken off the equations.
+
+The incidence of a surface is its angle and that of the flow where it stands; the arm follows from
+its own coefficients. Derived, not flown by others; where the file gives no angle nothing stalls.
+"""
+
+from trainer.core.kernel import Numbers, Record, part
+
+
+@part
+def incidence(vessel: Record, surface: int, state: Record) -> float:
+    """Return u times the incidence of rudder (0), stern (1) or bow planes (2) [m/s]."""
+    s = state[0]
+    arm = vessel[0].stall_arm[surface]
+    flow = -(s.v + arm * s.r) if surface == 0 else s.w - arm * s.q
+    return s.u * s.surface[surface] + flow
+
+
+@part
+def is_stalled(vessel: Record, state: Record) -> bool:
+    """Return whether rudder or planes are beyond their stall, going ahead."""
+    u = state[0].u
+    if u <= 0.0:
+        return False
+    stalled = False
+    for i in range(3):
+        stalled |= abs(incidence(vessel, i, state)) > u * vessel[0].stall_ahead[i]
+    return stalled
+
+
+@part
+def lost_lift(vessel: Record, surface: int, state: Record) -> float:
+    """Return what stall takes from u^2 times a surface's angle [m2/s2]."""
+    c, u = vessel[0], state[0].u
+    angle, most = incidence(vessel, surface, state), u * c.stall_ahead[surface]
+    beyond = max(angle - most, 0.0) + min(angle + most, 0.0)
+    return (1.0 - c.stall_slope[surface]) * u * beyond
+
+
+@part
+def write_stalled(vessel: Record, outer: Numbers, state: Record, out: Numbers) -> None:
+    """Write forces [N] and moments [N m] from outside, less the lift that stall takes."""
+    c = vessel[0]
+    rudder = lost_lift(vessel, 0, state)
+    stern, bow = lost_lift(vessel, 1, state), lost_lift(vessel, 2, state)
+    out[0] = outer[0]
+    out[1] = outer[1] - c.Y_dr * rudder
+    out[2] = outer[2] - c.Z_ds * stern - c.Z_db * bow
+    out[3] = outer[3] - c.K_dr * rudder
+    out[4] = outer[4] - c.M_ds * stern - c.M_db * bow
+    out[5] = outer[5] - c.N_dr * rudder

@@ -1,0 +1,120 @@
+"""The wide set: forces for any direction of the flow, whose power is never positive.
+
+Ideal fluid, linear viscous forces with the size of u, cross-flow drag, and control surfaces that
+reverse astern. docs/envelope.md has derivations, sources and what is estimated.
+"""
+
+import math
+
+from trainer.core import full
+from trainer.core.crossflow import add_hull_strips, add_tail_and_sail
+from trainer.core.envelope import wide_share
+from trainer.core.ideal_fluid import add_ideal_fluid
+from trainer.core.kernel import Numbers, Record, kernel, part
+from trainer.core.propulsion import thrust, thrust_astern
+from trainer.core.rigid_body import add_weight, body_forces
+from trainer.core.scheme import LONGITUDINAL
+from trainer.core.solve import exact
+from trainer.core.surfaced import dry_sail
+
+
+@part
+def add_viscous(vessel: Record, state: Record, force: Numbers) -> None:
+    """Add the linear viscous forces [N] and moments [N m], of the size of u."""
+    c, s = vessel[0], state[0]
+    u, v, w, p, q, r = s.u, s.v, s.w, s.p, s.q, s.r
+    way = 0 if u >= 0.0 else 1
+    size = abs(u)
+    for row in range(3):
+        d = c.lateral[way, row]
+        force[1 + 2 * row] += size * (d[0] * v + d[1] * p + d[2] * r)
+    for row in range(2):
+        d = c.vertical[way, row]
+        force[2 + 2 * row] += size * (d[0] * w + d[1] * q)
+    speed = math.sqrt(u * u + v * v + w * w)
+    force[2] += c.Z_star * u * u
+    force[3] += ((speed - size) * c.roll_damping + c.roll_drag * abs(p)) * p
+    force[3] += c.K_star * s.u_c * abs(s.u_c)
+    force[4] += c.M_star * u * u
+
+
+@part
+def surface_effect(vessel: Record, surface: int, state: Record) -> float:
+    """Return u|u| times the effective angle of a surface [m2/s2], at most that of stall."""
+    c, s = vessel[0], state[0]
+    effect, most = 1.0, c.stall_ahead[surface]
+    if s.u < 0.0:
+        effect, most = c.astern_effect, c.stall_astern[surface]
+    return s.u * abs(s.u) * effect * min(max(s.surface[surface], -most), most)
+
+
+@part
+def add_surfaces(vessel: Record, state: Record, force: Numbers) -> None:
+    """Add forces [N] and moments [N m] of rudder and planes, which reverse astern."""
+    c, s = vessel[0], state[0]
+    rudder = surface_effect(vessel, 0, state)
+    stern, bow = surface_effect(vessel, 1, state), surface_effect(vessel, 2, state)
+    drag = 0.0
+    for i in range(3):
+        drag += c.plane_drag[i] * s.surface[i] * s.surface[i]
+    force[0] += s.u * abs(s.u) * drag
+    force[1] += c.Y_dr * rudder
+    force[2] += c.Z_ds * stern + c.Z_db * bow
+    force[3] += c.K_dr * rudder
+    force[4] += c.M_ds * stern + c.M_db * bow
+    force[5] += c.N_dr * rudder
+
+
+@kernel
+def forces(vessel: Record, state: Record, force: Numbers) -> None:
+    """Write X Y Z [N] K M N [N m] of the wide set, without accelerations, to ``force``."""
+    dry = dry_sail(vessel, state)
+    body_forces(vessel, state, force)
+    add_weight(vessel, state, force)
+    add_ideal_fluid(vessel, dry, state, force)
+    add_viscous(vessel, state, force)
+    add_hull_strips(vessel, state, force)
+    add_tail_and_sail(vessel, dry, state, force)
+    add_surfaces(vessel, state, force)
+    if state[0].u < 0.0:
+        force[0] += thrust_astern(vessel, state)
+    else:
+        force[0] += thrust(vessel, state)
+
+
+@part
+def make_symmetric(out: Numbers) -> None:
+    """Make the matrix of added masses symmetric, as an ideal fluid's is."""
+    for i in range(6):
+        for j in range(i):
+            mean = 0.5 * (out[i, j] + out[j, i])
+            out[i, j] = out[j, i] = mean
+
+
+@kernel
+def accelerations(
+    vessel: Record, equations: int, state: Record, scratch: Record, outer: Numbers
+) -> None:
+    """Write the accelerations of the wide set and of what acts from outside, solved exactly."""
+    work = scratch[0]
+    forces(vessel, state, work.force)
+    for i in range(6):
+        work.force[i] += outer[i]
+    full.inertia(vessel, state, work.inertia)
+    make_symmetric(work.inertia)
+    if equations == LONGITUDINAL:
+        full.mask_lateral(work.force, work.inertia)
+    exact(work.inertia, work.force, work.system, work.wide)
+
+
+@kernel
+def correct(vessel: Record, equations: int, state: Record, scratch: Record, outer: Numbers) -> None:
+    """Blend the accelerations in the state with those of the wide set, by how far it is outside."""
+    share = wide_share(vessel, state)
+    accelerations(vessel, equations, state, scratch, outer)
+    s, wide = state[0], scratch[0].wide
+    for i in range(6):
+        if share < 1.0:
+            s.rates[i] = (1.0 - share) * s.rates[i] + share * wide[i]
+        else:
+            s.rates[i] = wide[i]
