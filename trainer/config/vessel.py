@@ -187,6 +187,7 @@ def read_vessel(given: Mapping[str, Any], text: str, path: Path) -> VesselFile:
     problems = _fit_problems(parts, place)
     if problems:
         raise ConfigError(*problems)
+    parts["vessel"] = with_deepest_order(parts["vessel"])
     rows = sorted(parts["propulsion"].sets, key=lambda row: -row.eta_min)
     parts["propulsion"] = replace(parts["propulsion"], sets=tuple(rows))
     remarks = plausibility.thrust_remarks(parts["propulsion"].sets)
@@ -210,6 +211,12 @@ def read_vessel(given: Mapping[str, Any], text: str, path: Path) -> VesselFile:
         defaulted=tuple(defaulted),
         remarks=tuple(place.inside("propulsion").problem(remark) for remark in remarks),
     )
+
+
+def with_deepest_order(hull: Hull) -> Hull:
+    """Return the hull with test depth as the deepest to be ordered, where the file gives none."""
+    deepest = hull.test_depth_m if hull.max_depth_m is None else hull.max_depth_m
+    return replace(hull, max_depth_m=deepest)
 
 
 def _fill_defaults(
