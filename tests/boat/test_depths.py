@@ -16,8 +16,8 @@ from trainer.units import KNOT
 def boat_with(test_depth: float | None, collapse_depth: float | None = None) -> Boat:
     """Return BB2 at 60 m and 10 knots, her test and collapse depth [m] as given."""
     boat = Boat(load_vessel("bb2"), Method("modified", "lagged", "exact", "adams2", 0.5))
-    depths = {"test_depth_m": test_depth, "collapse_depth_m": collapse_depth}
-    boat.file = replace(boat.file, hull=replace(boat.file.hull, **depths))
+    hull = replace(boat.file.hull, test_depth_m=test_depth, collapse_depth_m=collapse_depth)
+    boat.file = replace(boat.file, hull=hull)
     boat.start(10.0 * KNOT, 60.0, 0.0)
     boat.state.theta = 0.0
     return boat

@@ -15,6 +15,7 @@ import pytest
 
 from trainer.boat.assemble import Method
 from trainer.boat.boat import Boat
+from trainer.boat.depths import hull_depth
 from trainer.config.files import ConfigError
 from trainer.config.vessel import load_vessel
 from trainer.io.orders.sentences import order_sentence
@@ -79,8 +80,8 @@ class Watch:
 
     def __init__(self, test_depth: float | None, collapse_depth: float | None) -> None:
         file = load_vessel("bb2")
-        depths = {"test_depth_m": test_depth, "collapse_depth_m": collapse_depth}
-        file = replace(file, hull=replace(file.hull, **depths))
+        hull = replace(file.hull, test_depth_m=test_depth, collapse_depth_m=collapse_depth)
+        file = replace(file, hull=hull)
         self.boat = Boat(file, Method("modified", "lagged", "exact", "adams2", STEP))
         self.boat.start(10.0 * KNOT, 60.0, 0.0)
         self.recording = Recording.create(None, {}, self.boat.records.state.tobytes())
@@ -181,6 +182,19 @@ def test_after_a_backtrack_the_run_goes_on(watch: Watch) -> None:
     assert watch.failure == ""
     assert watch.boat.state.z == pytest.approx(60.0, abs=2.0)
     assert [branch.id for branch in watch.recording.branches()] == [1, 2]
+
+
+def test_a_depth_passed_is_called_again_after_going_back_to_before_it(watch: Watch) -> None:
+    def typed() -> Iterator[str]:
+        yield DIVE
+        while not watch.helm.said("Passing test depth"):
+            yield "step 1"
+        yield from ("backtrack 1 s", "step 2")
+
+    watch.sail(typed())
+
+    assert len(watch.helm.said("Passing test depth")) == 2
+    assert hull_depth(watch.boat) < TEST_DEPTH + 5.0
 
 
 def test_a_moment_of_collapse_that_is_restored_is_still_lost(watch: Watch) -> None:
@@ -298,6 +312,10 @@ def test_a_collapse_resumed_is_a_collapse_until_somebody_goes_back(
     wreck: tuple[Path, str, str, int],
 ) -> None:
     folder = wreck[0]
+    alone = trainer(folder, "resume", "dive.trainer", "--headless", "--speed", "max")
+    assert alone.returncode == 1
+    assert "in 0 ticks" in alone.stdout
+    assert "trainer: frozen: collapse at 45" in alone.stderr
     typed = "run\nbacktrack 2 min\nautopilot on\ndepth 100\nrun\n"
     ran = trainer(
         *(folder, "resume", "dive.trainer", "--speed", "max", "--duration", "10m"), typed=typed
