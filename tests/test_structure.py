@@ -116,13 +116,14 @@ def test_what_a_fuzzer_watches_or_spares_is_there(prefix: str) -> None:
 def test_the_kinds_of_events_stay() -> None:
     assert set(KINDS) == {
         *("order", "exercise", "moment", "time", "mark", "watch", "trouble", "station", "refused"),
+        "depth",
     }
 
 
 def test_the_kinds_of_sentences_and_of_facts_stay() -> None:
     assert set(sentences.KINDS) == {"TRA", "TRN", "TRS", "TRE", "TRF"}
     assert set(sentences.FACTS) == {
-        *("order", "mark", "back", "snapshot", "casualty", "over", "left"),
+        *("order", "mark", "back", "snapshot", "casualty", "depth", "collapse", "over", "left"),
     }
 
 

@@ -36,6 +36,7 @@ from trainer.boat.boat import Boat
 from trainer.boat.limits import LimitMonitor
 from trainer.config.files import ConfigError, remembering, shipped, shipped_names
 from trainer.config.measures import MEASURES
+from trainer.config.vessel import load_vessel
 from trainer.io.recording.recording import Recording
 from trainer.io.tables import NoFile
 from trainer.session.header import header_of
@@ -224,6 +225,7 @@ def test_a_good_crew_wins_and_scores_more_than_nobody(name: str) -> None:
 EVERYTHING = """
 schema = "exercise/1"
 name = "All measures <at> once & more"
+vessel = "./shallow.toml"
 briefing = "A shallow boat in a sea, a jam, a blow."
 duration_s = 240
 seed = 5
@@ -278,6 +280,8 @@ RULES: list[dict[str, Any]] = [
     {"measure": "distance", "when": "speed_kn > 5"},
     {"measure": "broaches"},
     {"measure": "beyond-limits", "from_s": 50},
+    {"measure": "beyond-test-depth"},
+    {"measure": "time-beyond-test-depth"},
     {"measure": "response", "casualty": "stern-hard-over"},
     {"measure": "response", "casualty": "stern-hard-over", "orders": ["bell", "bow"]},
     {"measure": "reserve-air"},
@@ -308,6 +312,9 @@ class Kept:
 def kept(tmp_path_factory: pytest.TempPathFactory) -> Kept:
     folder = tmp_path_factory.mktemp("everything")
     (folder / "all.toml").write_text(exercise_text())
+    shallow = load_vessel("bb2").text.replace("test_depth_m = 250.0", "test_depth_m = 25.0")
+    shallow = shallow.replace("start_depth_m = 60.0", "start_depth_m = 12.5")
+    (folder / "shallow.toml").write_text(shallow.replace("collapse_depth_m", "# collapse_depth_m"))
     path = folder / "all.trainer"
     voyage = fly(path, CREW, exercise=str(folder / "all.toml"))
     export_file(path, {"csv": folder / "all.csv"}, None)
@@ -454,6 +461,17 @@ class Anew:
             for row in self.window(keys)
         ]
         return sum(beyond) * STEP
+
+    def depths_beyond(self, keys: dict[str, Any]) -> list[float]:
+        reach = 0.4 * float(self.vessel.ell)
+        lowest = [row["z"] + reach * abs(math.sin(row["theta"])) for row in self.window(keys)]
+        return [depth - 25.0 for depth in lowest]
+
+    def beyond_test_depth(self, keys: dict[str, Any]) -> float:
+        return max(0.0, *self.depths_beyond(keys))
+
+    def time_beyond_test_depth(self, keys: dict[str, Any]) -> float:
+        return sum(beyond > 0.0 for beyond in self.depths_beyond(keys)) * STEP
 
     def response(self, keys: dict[str, Any]) -> float:
         onset = next(row["t"] for row in self.rows if row["casualty[0]"]) - STEP

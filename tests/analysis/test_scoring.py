@@ -3,6 +3,7 @@
 import os
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -159,6 +160,35 @@ def test_limits_are_passed_for_as_long_as_they_are() -> None:
     assert taken(trajectory(), measure="beyond-limits") == (0.0, None)
 
 
+def test_beyond_test_depth_is_by_the_lowest_point_of_the_hull() -> None:
+    # 0.4 of 70.2 m by the sine of 30 degrees is 14.04 m
+    went = trajectory(z=[240, 251, 245, 240, 255], theta=np.radians([0, 0, -30, 0, 0]))
+    assert taken(went, measure="beyond-test-depth") == (pytest.approx(9.04), 2)  # type: ignore[comparison-overlap]
+    assert taken(went, measure="time-beyond-test-depth") == (1.5, 1)
+    assert taken(went, measure="beyond-test-depth", to_s=0.5) == (1.0, 1)
+    assert taken(went, measure="time-beyond-test-depth", from_s=1.5) == (0.5, 4)
+
+
+def test_a_boat_above_test_depth_is_beyond_it_by_nothing() -> None:
+    for measure in ("beyond-test-depth", "time-beyond-test-depth"):
+        assert taken(trajectory(z=[240, 250]), measure=measure) == (0.0, None)
+
+
+def test_a_frozen_depth_is_not_held_against_the_crew() -> None:
+    went = trajectory(z=[260, 260, 251], held_depth=[1, 1, 0])
+    assert taken(went, measure="beyond-test-depth") == (1.0, 2)
+    assert taken(went, measure="time-beyond-test-depth") == (0.5, 2)
+
+
+@pytest.mark.parametrize("measure", ["beyond-test-depth", "time-beyond-test-depth"])
+def test_a_boat_without_test_depth_is_not_judged_by_it(measure: str) -> None:
+    boat = boat_of()
+    hull = replace(boat.file.hull, test_depth_m=None)
+    boat.file = replace(boat.file, hull=hull)
+    found = attain(replace(trajectory(z=[500.0]), boat=boat), rule(measure=measure))
+    assert (found.why, found.counts) == ("this boat has no test depth", False)
+
+
 def test_an_answer_is_the_crews_next_order_after_the_onset() -> None:
     given = [
         order(1, 1, "bow planes dive 5"),  # at the tick, before it
@@ -309,7 +339,7 @@ def test_a_formula_says_in_words_what_is_computed_from_when_to_when() -> None:
 def test_the_page_has_the_table_of_every_measure() -> None:
     page = (ROOT / "docs" / "debrief.md").read_text(encoding="utf-8")
     assert measure_rows() in page
-    assert len(MEASURES) == 13
+    assert len(MEASURES) == 15
 
 
 @pytest.mark.parametrize("name", shipped_names("exercises"))

@@ -463,6 +463,62 @@ def test_a_run_must_not_start_below_the_deepest_depth() -> None:
     assert "[run] start_depth_m = 60 m: must be at most max_depth_m = 50 m" in text
 
 
+def with_depths(keys: str) -> tuple[str, str]:
+    """Return the replacement that gives SMALL these depths."""
+    return "length = 70.2", f"length = 70.2\n{keys}"
+
+
+def test_test_depth_is_the_deepest_that_may_be_ordered_where_the_file_gives_no_other() -> None:
+    assert small(with_depths("test_depth_m = 250")).hull.max_depth_m == 250.0
+    both = small(with_depths("test_depth_m = 250\nmax_depth_m = 200"))
+    assert (both.hull.max_depth_m, both.hull.test_depth_m) == (200.0, 250.0)
+    none = small().hull
+    assert (none.max_depth_m, none.test_depth_m, none.collapse_depth_m) == (None, None, None)
+
+
+def test_the_shipped_boats_have_test_depths_and_all_but_the_flooded_one_collapse() -> None:
+    hulls = {name: load_vessel(name).hull for name in shipped_names("vessels")}
+    assert {
+        name: (hull.max_depth_m, hull.test_depth_m, hull.collapse_depth_m)
+        for name, hull in hulls.items()
+    } == {
+        "bb2": (250.0, 250.0, 450.0),
+        "remus100": (100.0, 100.0, 150.0),
+        "sdv-mk9": (60.0, 60.0, None),
+    }
+
+
+@pytest.mark.parametrize(
+    ("keys", "told"),
+    [
+        (
+            "test_depth_m = 250\ncollapse_depth_m = 250",
+            "collapse_depth_m = 250 m: must be deeper than test_depth_m = 250 m",
+        ),
+        (
+            "test_depth_m = 250\nmax_depth_m = 251",
+            "test_depth_m = 250 m: must be at least max_depth_m = 251 m",
+        ),
+        (
+            "max_depth_m = 300\ncollapse_depth_m = 299",
+            "collapse_depth_m = 299 m: must be deeper than max_depth_m = 300 m",
+        ),
+        ("test_depth_m = 0", "test_depth_m = 0: must be 0.1 to 12000 m"),
+        ("collapse_depth_m = 13000", "collapse_depth_m = 13000: must be 0.1 to 12000 m"),
+        ('test_depth_m = "deep"', 'test_depth_m = "deep": must be a number, 0.1 to 12000 m'),
+    ],
+)
+def test_depths_of_the_hull_that_do_not_fit_are_told_with_their_limit(keys: str, told: str) -> None:
+    assert f"boat.toml: [vessel] {told}" in small_complaint(with_depths(keys)).splitlines()
+
+
+@pytest.mark.parametrize("key", ["test_depth_m", "collapse_depth_m"])
+def test_a_run_must_not_start_below_the_shallowest_depth_of_the_hull(key: str) -> None:
+    text = small_complaint(with_depths(f"{key} = 50"))
+
+    assert f"[run] start_depth_m = 60 m: must be at most {key} = 50 m of [vessel]" in text
+
+
 # Files that are no configuration at all
 
 

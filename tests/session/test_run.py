@@ -548,11 +548,13 @@ def test_a_boat_driven_to_divergence_freezes_and_says_where(
     start: Start, tmp_path: Path, equations: str, integrator: str
 ) -> None:
     (tmp_path / "orders.txt").write_text("10 rudder right 25\n10 stern dive 20\n10 turns 20\n")
+    bottomless = load_vessel("bb2").text.replace("collapse_depth_m", "# collapse_depth_m")
+    (tmp_path / "bottomless.toml").write_text(bottomless)
     ran = Run(
         start(
             *("run", "--speed", "max", "--duration", "2h", "--step", "2", "--unsafe-step"),
             *("--equations", equations, "--integrator", integrator),
-            *("--orders", "orders.txt", "--csv", "out.csv"),
+            *("--vessel", "./bottomless.toml", "--orders", "orders.txt", "--csv", "out.csv"),
         )
     )
 

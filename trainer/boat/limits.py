@@ -1,7 +1,7 @@
 """What is called out while the boat runs: limits passed, and the sail or the deck above the sea."""
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, fields
 from typing import Any, Final
 
@@ -111,7 +111,12 @@ class LimitMonitor:
 
     def account(self) -> str:
         """Return how often each has happened, in words."""
-        return ", ".join(
-            f"{what} {len(times)} time{'s' * (len(times) > 1)} (first at {times[0]:g} s)"
-            for what, times in self.times.items()
-        )
+        return account_of(self.times)
+
+
+def account_of(times: Mapping[str, Sequence[float]]) -> str:
+    """Return how often each has happened and when first, of the times [s] of each, in words."""
+    return ", ".join(
+        f"{what} {len(when)} time{'s' * (len(when) > 1)} (first at {when[0]:g} s)"
+        for what, when in times.items()
+    )

@@ -47,8 +47,8 @@ def run(*, teletype: bool, core: Path | None, state: Path | None, **options: Any
               printf 'depth 80\\n' | trainer run --duration 120 --speed max
 
     On a terminal it shows the instructor's console, F1 its help. Orders are typed at any time.
-    Others on this machine join with `trainer station ROLE`. Exit codes: 0 done, 1 the boat's
-    numbers or the recording failed, 2 wrong input.
+    Others on this machine join with `trainer station ROLE`. Exit codes: 0 done, 1 the boat
+    is lost or the recording failed, 2 wrong input.
     """
     if core or state:
         from trainer.boat.export.runner.run import main as run_core  # noqa: PLC0415

@@ -89,6 +89,20 @@ MEASURES: Final[Mapping[str, Measure]] = {
         "number of ticks beyond any limit of the exercise, times the step",
         "the first",
     ),
+    "beyond-test-depth": Measure(
+        (),
+        (),
+        "m",
+        "furthest that the hull's lowest point was beyond test depth",
+        "the furthest",
+    ),
+    "time-beyond-test-depth": Measure(
+        (),
+        (),
+        "s",
+        "number of ticks with the hull's lowest point beyond test depth, times the step",
+        "the first",
+    ),
     "response": Measure(
         ("casualty",),
         ("orders",),

@@ -39,7 +39,25 @@ def hull_problems(hull: Hull, fluid: Fluid) -> list[str]:
             for name, point in (("cg", hull.cg), ("cb", hull.cb))
             if math.hypot(*point) > hull.length
         ),
+        *_depth_problems(hull),
     ]
+
+
+def _depths(hull: Hull) -> dict[str, float]:
+    """Return the depths [m] that the file gives by their keys, in the order they must have."""
+    keys = ("max_depth_m", "test_depth_m", "collapse_depth_m")
+    return {key: getattr(hull, key) for key in keys if getattr(hull, key) is not None}
+
+
+def _depth_problems(hull: Hull) -> list[str]:
+    """Return which depths are shallower than one that they must not be."""
+    problems = []
+    for (key, least), (other, depth) in pairwise(_depths(hull).items()):
+        collapse = other == "collapse_depth_m"
+        if depth < least or (collapse and depth == least):
+            rule = "deeper than" if collapse else "at least"
+            problems.append(f"{other} = {depth:g} m: must be {rule} {key} = {least:g} m")
+    return problems
 
 
 def _mass_problems(hull: Hull, fluid: Fluid) -> list[str]:
@@ -197,11 +215,12 @@ def run_problems(run: Run, hull: Hull) -> list[str]:
             f"start_speed_kn = {run.start_speed_kn:g} kn: must be within speed_range_kn, "
             f"{slowest:g} to {fastest:g} kn",
         )
-    if hull.max_depth_m is not None and run.start_depth_m > hull.max_depth_m:
-        problems.append(
-            f"start_depth_m = {run.start_depth_m:g} m: must be at most max_depth_m = "
-            f"{hull.max_depth_m:g} m of [vessel]",
-        )
+    for key, depth in list(_depths(hull).items())[:1]:
+        if run.start_depth_m > depth:
+            problems.append(
+                f"start_depth_m = {run.start_depth_m:g} m: must be at most {key} = "
+                f"{depth:g} m of [vessel]",
+            )
     return problems
 
 

@@ -4,7 +4,7 @@ What a file leaves out comes from the shipped defaults file; nothing is defaulte
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -191,6 +191,7 @@ def read_vessel(given: Mapping[str, Any], text: str, path: Path) -> VesselFile:
     problems = _fit_problems(parts, place)
     if problems:
         raise ConfigError(*problems)
+    parts["vessel"] = with_deepest_order(parts["vessel"])
     thrust = _thrust(parts)
     remarks = plausibility.thrust_remarks(thrust.ahead)
     return VesselFile(
@@ -221,6 +222,12 @@ def _thrust(parts: Mapping[str, Any]) -> Thrust:
     """Return the thrust rows in use."""
     astern = parts["envelope"].drag_astern
     return thrust_of(parts["propulsion"].sets, DRAG_ASTERN if astern is None else astern)
+
+
+def with_deepest_order(hull: Hull) -> Hull:
+    """Return the hull with test depth as the deepest to be ordered, where the file gives none."""
+    deepest = hull.test_depth_m if hull.max_depth_m is None else hull.max_depth_m
+    return replace(hull, max_depth_m=deepest)
 
 
 def _fill_defaults(

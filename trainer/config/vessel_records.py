@@ -78,7 +78,15 @@ class Hull:
     Ixy: float = of(Quantity("kg m2", within(-1e12, 1e12), "integral of x y dm"))
     Iyz: float = of(Quantity("kg m2", within(-1e12, 1e12), "integral of y z dm"))
     Ixz: float = of(Quantity("kg m2", within(-1e12, 1e12), "integral of x z dm"))
-    max_depth_m: float | None = optional(Quantity("m", within(0.1, 12000), "deepest allowed depth"))
+    max_depth_m: float | None = optional(
+        Quantity("m", within(0.1, 12000), "deepest depth that may be ordered; else test_depth_m")
+    )
+    test_depth_m: float | None = optional(
+        Quantity("m", within(0.1, 12000), "test depth, called out; none: never")
+    )
+    collapse_depth_m: float | None = optional(
+        Quantity("m", within(0.1, 12000), "depth at which the hull is lost; none: never")
+    )
     beam: float | None = optional(_size("greatest breadth"))
     diameter: float | None = optional(_size("diameter of a round hull"))
     height_to_deck: float | None = optional(_size("keel to deck"))

@@ -14,6 +14,7 @@ SIGNS: Final = {
     "answer": (" ", "plain"),
     "refused": ("?", "warning"),
     "watch": ("!", "alarm"),
+    "depth": ("!", "alarm"),
     "trouble": ("!", "alarm"),
     "lost": ("!", "alarm"),
     "moment": ("<", "title"),

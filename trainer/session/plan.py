@@ -77,6 +77,8 @@ def plan_run(options: RunOptions) -> Plan:
     exercise = None if options.exercise is None else load_exercise(options.exercise)
     chosen = replace(options, **exercise_options(exercise, options.given)) if exercise else options
     file = load_vessel(chosen.vessel)
+    if exercise:
+        refuse_too_deep(exercise, file)
     sea = exercise.sea if exercise and options.sea is None else None
     schedule = [*(exercise.schedule if exercise else ()), *read_schedule(options.orders_file)]
     return Plan(
@@ -94,6 +96,16 @@ def plan_run(options: RunOptions) -> Plan:
         limits=exercise.limits if exercise else Limits(),
         scores=exercise.scores if exercise else (),
     )
+
+
+def refuse_too_deep(exercise: Exercise, file: VesselFile) -> None:
+    """Raise ConfigError if the exercise begins where this boat's hull would be lost."""
+    depth, limit = exercise.initial.depth_m, file.hull.collapse_depth_m
+    if depth is not None and limit is not None and depth >= limit:
+        raise ConfigError(
+            f"{exercise.path.name}: [initial] depth_m = {depth:g} m: must be less than "
+            f"collapse_depth_m = {limit:g} m of {file.path.name}"
+        )
 
 
 def exercise_options(exercise: Exercise, given: frozenset[str]) -> dict[str, Any]:

@@ -16,7 +16,7 @@ import numpy as np
 
 from trainer.boat import compilation
 from trainer.boat.boat import Boat
-from trainer.boat.limits import LimitMonitor
+from trainer.boat.limits import LimitMonitor, account_of
 from trainer.config.files import ConfigError, remembering
 from trainer.io import paths as paths_module
 from trainer.io.recording.file import TakenError
@@ -54,8 +54,8 @@ def account(session: Session, wall: float, kept: str, *, aside: bool) -> int:
     summary = summary_text(session.boat, session.time.ledger.summary(), wall)
     if granted := session.time.punctuality.granted:
         summary += f"\nthe clock   {granted.line()}"
-    if session.monitor.times:
-        summary += f"\nevents      {session.monitor.account()}"
+    if times := session.monitor.times | session.depths.times:
+        summary += f"\nevents      {account_of(times)}"
     if kept:
         absences = session.history.recording.absences
         whole = absences and not session.history.recording.missing

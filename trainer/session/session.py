@@ -10,6 +10,7 @@ from typing import Final
 
 from trainer.boat.boat import TICK, Boat
 from trainer.boat.casualties import available, listing
+from trainer.boat.depths import DepthMonitor, collapse_of, hull_depth
 from trainer.boat.helm import obey
 from trainer.boat.limits import LimitMonitor
 from trainer.io.orders.grammar import Order, Refused, Reply
@@ -109,10 +110,12 @@ class Session:
     unrecorded: str = ""  # why nothing more is recorded, once that has been told
     event_log: EventLog = field(init=False)
     control: Control = field(init=False)
+    depths: DepthMonitor = field(init=False)
 
     def __post_init__(self) -> None:
         self.event_log = EventLog(self.history)
         self.control = Control(self.boat, self.time, self.history)
+        self.depths = DepthMonitor.over(self.boat)
         self._visits = NoiseLog(self.event_log.tell, time.monotonic)
         self._lookout = StateReader(self.boat, self.time.ledger.summary)
         self._pace = Pace()  # as it was last shown: whatever changes it has it shown
@@ -121,7 +124,8 @@ class Session:
         """Run to the last tick, an order to quit, or until nobody can ever say run again."""
         if self.columns:
             self._row()
-        if not frozen:
+        self._judge_hull()  # a recorded run may have ended in a collapse
+        if not (frozen or self.control.failure):
             self.time.pacer.run()
         self._show()
         while not self._over:
@@ -293,6 +297,8 @@ class Session:
         """Show what an order about time has changed."""
         if order.name in MOMENTS:
             self.monitor.settle(self.boat)
+            self.depths.settle(self.boat)
+            self._judge_hull()
         if order.name in MOMENTS or order.name in TIME:
             self._show()
 
@@ -335,6 +341,7 @@ class Session:
         if not self.history.caught_up:
             return False
         self.event_log.tell("moment", self.history.arrive())
+        self._judge_hull()
         self.time.pacer.freeze()
         self.control.steps = 0
         self._show()
@@ -361,7 +368,7 @@ class Session:
         if history.rerun is None:
             ledger = self.time.ledger
             history.recording.timing(tick, ledger.lateness, ledger.work)
-        if status:
+        if self.control.failure:
             pacer.freeze()
             self.control.steps = 0
         if pacer.frozen and not was_frozen:
@@ -389,8 +396,30 @@ class Session:
         self.sending.offer(tick, state, self._pace)
         for text in self.monitor.look(self.boat):
             self.event_log.tell("watch", text)
+        self._call_depth()
+        self._judge_hull()
         while self.sending.troubles:
             self.event_log.tell("trouble", self.sending.troubles.popleft())
+
+    def _call_depth(self) -> None:
+        """Call out a depth that the hull has passed on the way down."""
+        passed = self.depths.look(self.boat)
+        if passed:
+            self._tell_depth(passed.words, Fact("depth", f"{passed.depth:g}"))
+
+    def _judge_hull(self) -> None:
+        """Tell that the hull has collapsed: the boat cannot go on, but a replay goes to its end."""
+        if self.history.rerun or self.control.failure:
+            return
+        self.control.failure = collapse_of(self.boat)
+        if self.control.failure:
+            depth = hull_depth(self.boat)
+            self._tell_depth(self.control.failure, Fact("collapse", f"{depth:.1f}"))
+
+    def _tell_depth(self, words: str, fact: Fact) -> None:
+        """Tell what the depth has come to, with its tick."""
+        place = f"tick {self.boat.ticks} ({self.boat.time:g} s)"
+        self.event_log.tell("depth", f"{place}: {words}", fact=fact)
 
     def _as_kept(self, answer: Reply) -> Reply:
         """Return an answer with a word on it if what it answers is not recorded."""

@@ -12,12 +12,14 @@ import numpy as np
 
 from trainer.analysis.debrief.episodes import answer_to, spells
 from trainer.analysis.debrief.trajectory import Rows, Trajectory
+from trainer.boat.depths import lowest_depth
 from trainer.boat.limits import COVERED, FULL
 from trainer.config.score_rules import Measured, Rule
 from trainer.core.ballast.tanks import BANKS
 from trainer.core.kernel import Numbers
 from trainer.core.sea.free_surface import DECK_REACH
 
+NO_TEST_DEPTH: Final = "this boat has no test depth"
 PLANES: Final = ("stern", "bow")
 LIMITED: Final[Mapping[str, Measured]] = {  # by the keys of an exercise's limits
     "depth_m": Measured("depth", "m", 1.0),
@@ -124,6 +126,26 @@ def beyond_limits(trajectory: Trajectory, rows: Rows, _rule: Rule) -> Attained:
     return Attained(seconds, int(trajectory.ticks[first[0]]) if first.size else None)
 
 
+def beyond_test_depth(trajectory: Trajectory, rows: Rows, _rule: Rule) -> Attained:
+    """Return how far [m] the lowest point of the hull was beyond test depth at most."""
+    beyond = depth_beyond(trajectory)
+    if beyond is None:
+        return Attained(None, None, NO_TEST_DEPTH, counts=False)
+    if not np.any(beyond[rows] > 0.0):
+        return Attained(0.0, None)
+    return _extreme(trajectory, rows, beyond[rows], np.argmax)
+
+
+def time_beyond_test_depth(trajectory: Trajectory, rows: Rows, _rule: Rule) -> Attained:
+    """Return the time [s] at which the lowest point of the hull was beyond test depth."""
+    beyond = depth_beyond(trajectory)
+    if beyond is None:
+        return Attained(None, None, NO_TEST_DEPTH, counts=False)
+    first = np.flatnonzero((beyond > 0.0) & rows)
+    seconds = float(first.size) * trajectory.boat.method.step
+    return Attained(seconds, int(trajectory.ticks[first[0]]) if first.size else None)
+
+
 def response(trajectory: Trajectory, _rows: Rows, rule: Rule) -> Attained:
     """Return the time [s] from the casualty's first onset to the crew's answer."""
     kind = rule.casualty.kind if rule.casualty else ""
@@ -160,6 +182,18 @@ def rows_beyond(trajectory: Trajectory, name: str) -> Rows:
     value = np.abs(value) if key in ("pitch_deg", "heel_deg") else value
     beyond: Rows = value > limit if end == "max" else value < limit
     return beyond
+
+
+def depth_beyond(trajectory: Trajectory) -> Numbers | None:
+    """Return how far [m] the hull is beyond test depth at each tick, None for a boat without one.
+
+    While the depth is frozen she is not beyond it.
+    """
+    hull, column = trajectory.boat.file.hull, trajectory.columns
+    if hull.test_depth_m is None:
+        return None
+    beyond = lowest_depth(column["z"], column["theta"], hull.length) - hull.test_depth_m
+    return np.where(column["held_depth"] == 0.0, beyond, np.minimum(beyond, 0.0))
 
 
 def showing(trajectory: Trajectory) -> Numbers:

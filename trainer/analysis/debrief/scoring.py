@@ -24,6 +24,8 @@ TAKE: Final[Mapping[str, Callable[[Trajectory, Rows, Rule], Attained]]] = {
     "distance": measures.distance,
     "broaches": measures.broaches,
     "beyond-limits": measures.beyond_limits,
+    "beyond-test-depth": measures.beyond_test_depth,
+    "time-beyond-test-depth": measures.time_beyond_test_depth,
     "response": measures.response,
     "reserve-air": measures.reserve_air,
 }

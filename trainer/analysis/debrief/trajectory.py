@@ -31,7 +31,7 @@ PLACES: Final = (
     *("x", "y", "psi", "ordered_depth", "ordered_psi", "ordered_speed"),
     *("ordered_r", "ordered_s", "ordered_b", "command_r", "command_s", "command_b"),
     *("rudder_by_hand", "stern_by_hand", "bow_by_hand", "speed_by_hand"),
-    *("blow_forward", "blow_mid", "blow_aft", "sea_height"),
+    *("blow_forward", "blow_mid", "blow_aft", "sea_height", "held_depth"),
     *SLOTS,
     *AMOUNTS,
 )

@@ -42,6 +42,8 @@ FACTS = {  # what the subject of each is; texts are for people, and may be rewor
     "back": "the order that has brought time back, to this tick",
     "snapshot": "the name of a moment kept; all of them come before the answer to `snapshots`",
     "casualty": "name, degree and meaning of one that can be had; before that to `casualties`",
+    "depth": "the depth [m] passed on the way down, at test depth, before it or beyond it",
+    "collapse": "the depth [m] at which the hull has collapsed; time stands still",
     "over": "nothing: the session has ended",
     "left": "nothing: this line has been let go, as it asked",
 }

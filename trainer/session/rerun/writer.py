@@ -14,7 +14,12 @@ from trainer.session.rerun.sdk import rr
 from trainer.session.rerun.states import Lane, casualty_lanes, lanes_of
 from trainer.session.rerun.subject import Subject
 
-LEVELS: Final = {"trouble": "ERROR", "watch": "WARN", "mark": "WARN"}  # by kind of news
+LEVELS: Final = {
+    "trouble": "ERROR",
+    "watch": "WARN",
+    "depth": "WARN",
+    "mark": "WARN",
+}  # by kind of news
 
 
 class Writer:

@@ -58,6 +58,7 @@ KINDS: Final[Mapping[str, tuple[str, tuple[str, ...]]]] = {
     "exercise": ("the instructor's orders, the schedule's, casualties and the sea", ()),
     "mark": ("a moment marked, with a remark", ("observer",)),
     "watch": ("a limit passed, the surface broken", ()),
+    "depth": ("test depth near, passed and beyond; the collapse of the hull", EVERYBODY),
     "refused": ("an order outside a role, a wrong token, a line that is no order", ()),
     "trouble": ("late ticks, a port or the recording in trouble", ()),
 }

@@ -14,6 +14,7 @@ from pathlib import Path
 from random import Random
 from typing import Any, Final
 
+from trainer.config.files import read_text, shipped
 from trainer.verify.soak.audit import Check, audit
 from trainer.verify.soak.operators import Watchbill, attend, instruct
 from trainer.verify.soak.session_process import SessionProcess
@@ -31,7 +32,7 @@ EXERCISE: Final = """
 schema = "exercise/1"
 name = "Everything at once"
 briefing = "A sea, things that break, and orders without end."
-vessel = "bb2"
+vessel = "./boat.toml"
 sea = "sea-state-4"
 step_s = 0.5
 
@@ -98,7 +99,15 @@ def soak(plan: Plan, keep: Path | None, progress: Callable[[str, int], None]) ->
         path = keep or Path(folder) / "soak.trainer"
         exercise = Path(folder) / "soak.toml"
         exercise.write_text(EXERCISE, encoding="utf-8")
+        (Path(folder) / "boat.toml").write_text(endless_boat(), encoding="utf-8")
         return _soak(plan, exercise, path, progress)
+
+
+def endless_boat() -> str:
+    """Return BB2's file without her depths: random orders would have her hull collapse."""
+    lines = read_text(shipped("vessels", "bb2")).split("\n")
+    depths = ("max_depth_m", "test_depth_m", "collapse_depth_m")
+    return "\n".join(line for line in lines if not line.startswith(depths))
 
 
 def _soak(plan: Plan, exercise: Path, path: Path, progress: Callable[[str, int], None]) -> Soaked:

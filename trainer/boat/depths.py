@@ -1,0 +1,109 @@
+"""Test depth and collapse: the depth that counts, what is called out, and when the hull is lost."""
+
+import math
+from dataclasses import dataclass, field
+from typing import Any, Final, NamedTuple, TypeVar
+
+import numpy as np
+
+from trainer.boat.boat import PLACES, Boat
+from trainer.core.kernel import Numbers
+
+REACH: Final = 0.4  # [-] of the length: ends of the pressure hull before and abaft the origin
+NEAR: Final = 30.0  # [m] above test depth, where the first call is
+FURTHER: Final = 25.0  # [m] from each call beyond test depth to the next
+AT_TEST_DEPTH: Final = 1  # place of test depth among the depths to be called, from 0
+RISEN: Final = 5.0  # [m] to come up before the same depth is called again
+Z, THETA, HELD = PLACES["z"], PLACES["theta"], PLACES["held_depth"]
+
+Depths = TypeVar("Depths", float, Numbers)  # of a moment, or of each tick
+
+
+class Passed(NamedTuple):
+    """A depth that the hull has passed on the way down."""
+
+    depth: float  # [m]
+    words: str
+
+
+def lowest_depth(depth: Depths, pitch: Depths, length: float) -> Depths:
+    """Return the depth [m] of the pressure hull's lowest point.
+
+    ``depth`` [m] is the origin's, ``pitch`` in rad, ``length`` in m. An estimate: the ends are
+    points of the boat's axis, so that heel does not move them.
+    """
+    lowest: Any = depth + REACH * length * np.abs(np.sin(pitch))
+    return lowest  # type: ignore[no-any-return]
+
+
+def hull_depth(boat: Boat) -> float:
+    """Return the depth [m] of the lowest point of the boat's pressure hull."""
+    return float(lowest_depth(boat.plain[Z], boat.plain[THETA], boat.file.hull.length))
+
+
+def collapse_of(boat: Boat) -> str:
+    """Return that the hull has collapsed, and where, "" while it holds.
+
+    It holds where the file gives no collapse depth, and as long as the depth is frozen.
+    """
+    limit = boat.file.hull.collapse_depth_m
+    if limit is None or boat.plain[HELD]:
+        return ""
+    depth = hull_depth(boat)
+    return f"collapse at {depth:.0f} m" if depth >= limit else ""
+
+
+def count_passed(test_depth: float, depth: float) -> int:
+    """Return how many of the depths to be called are at a depth [m] or above it."""
+    if depth < test_depth:
+        return int(depth >= test_depth - NEAR)
+    return 2 + math.floor((depth - test_depth) / FURTHER)
+
+
+def called_depth(test_depth: float, place: int) -> Passed:
+    """Return the depth to be called at a place, 0 the shallowest, and the words for it."""
+    if place == 0:
+        depth = test_depth - NEAR
+        return Passed(depth, f"Passing {depth:g} m, {NEAR:g} m above test depth")
+    beyond = FURTHER * (place - 1)
+    depth = test_depth + beyond
+    if place == AT_TEST_DEPTH:
+        return Passed(depth, f"Passing test depth, {depth:g} m")
+    return Passed(depth, f"Passing {depth:g} m, {beyond:g} m beyond test depth")
+
+
+@dataclass
+class DepthMonitor:
+    """How many of the depths to be called have been, and when test depth was."""
+
+    passed: int = 0
+    times: dict[str, list[float]] = field(default_factory=dict)  # [s]
+
+    @classmethod
+    def over(cls, boat: Boat) -> "DepthMonitor":
+        """Return the watch over a boat; what she has passed by now is no news."""
+        monitor = cls()
+        monitor.settle(boat)
+        return monitor
+
+    def settle(self, boat: Boat) -> None:
+        """Take the boat as she is, after a jump in time: nothing of it is news."""
+        test_depth = boat.file.hull.test_depth_m
+        if test_depth is not None:
+            self.passed = count_passed(test_depth, hull_depth(boat))
+
+    def look(self, boat: Boat) -> Passed | None:
+        """Return the deepest depth passed since the last look, None if none was."""
+        test_depth = boat.file.hull.test_depth_m
+        if test_depth is None or boat.plain[HELD]:
+            return None
+        depth, before = hull_depth(boat), self.passed
+        now = count_passed(test_depth, depth)
+        # the next one is called again only after she has come up from it
+        near = depth > called_depth(test_depth, now).depth - RISEN
+        self.passed = max(now, min(before, now + near))
+        if now <= before:
+            return None
+        if before <= AT_TEST_DEPTH < now:
+            self.times.setdefault("test depth passed", []).append(boat.time)
+        return called_depth(test_depth, now - 1)
