@@ -80,10 +80,18 @@ def rates(vessel: Record, compact: Record, scheme: Record, state: Record, scratc
         compact_set.forces(compact, how.trig, state, work.force)
         if compact[0].extended != 0.0:
             compact_set.further_forces(compact, state, work.force)
+        off_centre = compact_set.off_centre(compact, state)
+        if off_centre:
+            compact_set.off_centre_forces(compact, how.trig, state, work.force)
         compact_set.add_external(compact, work.external, work.force)
-        if how.exact != 0:
+        if how.exact != 0 or off_centre:
             compact_set.inertia(compact, state, work.inertia)
+        if off_centre:
+            compact_set.off_centre_inertia(compact, state, work.inertia)
+        if how.exact != 0:
             exact(work.inertia, work.force, work.system, acceleration)
+        elif off_centre:
+            sweep(work.inertia, work.force, acceleration)
         else:
             compact_set.lagged_rates(compact, work.force, state)
     else:

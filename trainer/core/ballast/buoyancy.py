@@ -70,7 +70,7 @@ def buoyancy_forces(vessel: Record, ballast: Record, state: Record, force: Numbe
         x, z = heavy * c.x_b, heavy * c.z_b
     if not deep:  # not even a vertical boat reaches the surface from there
         for i in range(b.station_x.size):
-            axis = s.z + b.station_x[i] * down_x + b.hull_axis * down_z
+            axis = s.z + b.station_x[i] * down_x + b.hull_axis * down_z + c.y_b * down_y
             if axis < 0.5 * b.hull_diameter:
                 lost = b.station_share[i] * c.buoyancy * segment(0.5 - axis / b.hull_diameter)
                 heavy += lost
@@ -82,3 +82,6 @@ def buoyancy_forces(vessel: Record, ballast: Record, state: Record, force: Numbe
     force[3] -= z * down_y
     force[4] += z * down_x - x * down_z
     force[5] += x * down_y
+    if c.y_b != 0.0:
+        force[3] += heavy * c.y_b * down_z
+        force[5] -= heavy * c.y_b * down_x
