@@ -5,7 +5,7 @@ Accelerations from forces: the exact solve (EVAL) and the lagged sweep (EVAL 1).
 
 from trainer.core import compact as compact_set
 from trainer.core import full as full_set
-from trainer.core.kernel import Numbers, Record, kernel
+from trainer.core.kernel import Numbers, Record, kernel, part
 from trainer.core.kinematics import kinematics
 from trainer.core.scheme import COMPACT, LONGITUDINAL
 
@@ -66,43 +66,57 @@ def sweep(inertia: Numbers, force: Numbers, out: Numbers) -> None:
         out[i] = total / inertia[i, i]
 
 
+@part
+def compact_accelerations(compact: Record, scheme: Record, state: Record, scratch: Record) -> None:
+    """Write u' v' w' p' q' r' by the compact set."""
+    how = scheme[0]
+    work = scratch[0]
+    acceleration = state[0].rates[:6]
+    compact_set.forces(compact, how.trig, state, work.force)
+    if compact[0].extended != 0.0:
+        compact_set.further_forces(compact, state, work.force)
+    off_centre = compact_set.off_centre(compact, state)
+    if off_centre:
+        compact_set.off_centre_forces(compact, how.trig, state, work.force)
+    compact_set.add_external(compact, work.external, work.force)
+    if how.exact == 0 and not off_centre:
+        compact_set.lagged_rates(compact, work.force, state)
+        return
+    compact_set.inertia(compact, state, work.inertia)
+    if off_centre:
+        compact_set.off_centre_inertia(compact, state, work.inertia)
+    if how.exact != 0:
+        exact(work.inertia, work.force, work.system, acceleration)
+    else:
+        sweep(work.inertia, work.force, acceleration)
+
+
+@part
+def full_accelerations(vessel: Record, scheme: Record, state: Record, scratch: Record) -> None:
+    """Write u' v' w' p' q' r' by the full set, or by its vertical plane."""
+    how = scheme[0]
+    work = scratch[0]
+    acceleration = state[0].rates[:6]
+    full_set.forces(vessel, how.trig, state, work.force)
+    for i in range(6):
+        work.force[i] += work.external[i]
+    full_set.inertia(vessel, state, work.inertia)
+    if how.equations == LONGITUDINAL:
+        full_set.mask_lateral(work.force, work.inertia)
+    if how.exact != 0:
+        exact(work.inertia, work.force, work.system, acceleration)
+    else:
+        sweep(work.inertia, work.force, acceleration)
+
+
 @kernel
 def rates(vessel: Record, compact: Record, scheme: Record, state: Record, scratch: Record) -> None:
     """Write all twelve rates for the state as it stands.
 
     With lagged accelerations those in the record on entry are last cycle's.
     """
-    how = scheme[0]
-    s = state[0]
-    work = scratch[0]
-    acceleration = s.rates[:6]
-    if how.equations == COMPACT:
-        compact_set.forces(compact, how.trig, state, work.force)
-        if compact[0].extended != 0.0:
-            compact_set.further_forces(compact, state, work.force)
-        off_centre = compact_set.off_centre(compact, state)
-        if off_centre:
-            compact_set.off_centre_forces(compact, how.trig, state, work.force)
-        compact_set.add_external(compact, work.external, work.force)
-        if how.exact != 0 or off_centre:
-            compact_set.inertia(compact, state, work.inertia)
-        if off_centre:
-            compact_set.off_centre_inertia(compact, state, work.inertia)
-        if how.exact != 0:
-            exact(work.inertia, work.force, work.system, acceleration)
-        elif off_centre:
-            sweep(work.inertia, work.force, acceleration)
-        else:
-            compact_set.lagged_rates(compact, work.force, state)
+    if scheme[0].equations == COMPACT:
+        compact_accelerations(compact, scheme, state, scratch)
     else:
-        full_set.forces(vessel, how.trig, state, work.force)
-        for i in range(6):
-            work.force[i] += work.external[i]
-        full_set.inertia(vessel, state, work.inertia)
-        if how.equations == LONGITUDINAL:
-            full_set.mask_lateral(work.force, work.inertia)
-        if how.exact != 0:
-            exact(work.inertia, work.force, work.system, acceleration)
-        else:
-            sweep(work.inertia, work.force, acceleration)
-    kinematics(how.trig, state)
+        full_accelerations(vessel, scheme, state, scratch)
+    kinematics(scheme[0].trig, state)
