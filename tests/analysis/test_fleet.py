@@ -222,6 +222,29 @@ def test_a_boat_with_more_going_on_is_no_ordinary_one_and_flies_among_them(
     assert digest(fleet.states) == digest(alone)
 
 
+@compiled
+def test_members_off_centre_fly_alone_and_the_others_side_by_side(
+    boat: Boat, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(
+        "trainer.analysis.fleet.side_by_side.new_work",
+        lambda: works.append(new_work()) or works[0],  # type: ignore[func-returns-value]
+    )
+    works: list = []  # type: ignore[type-arg]
+    fleet = fleet_of(boat, 4)._replace(compacts=np.repeat(boat.records.compact, 4))
+    fleet.compacts["off_centre"][1] = 1.0
+    fleet.compacts["YB"][1] = 1e5
+    fleet.states["water"][2] -= 1.0
+    fleet = fleet._replace(vessels=np.repeat(boat.records.vessel, 4))
+    fleet.vessels["y"][2] = 0.5  # of the tanks: seen when their water is weighed
+    alone, _ = flown_alone(fleet, NO_ORDERS, 30)
+
+    fly_members(fleet, NO_ORDERS, 30, 30, ("z",))
+
+    assert works[0].alone[:4].tolist() == [0, 1, 1, 0]
+    assert digest(fleet.states) == digest(alone)
+
+
 def test_a_boat_whose_buoyancy_varies_with_depth_is_no_ordinary_one(boat: Boat) -> None:
     for name in ("compressibility", "layers"):
         vessel = boat.records.vessel.copy()

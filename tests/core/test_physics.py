@@ -46,6 +46,7 @@ def test_an_ideal_fluid_takes_no_energy(make_boat: Callable[..., Boat], off_cent
     s, c = boat.state, boat.vessel
     if off_centre:
         s.x_g, s.y_g, s.z_g = 0.7, 0.2, 0.5
+        c.x_b, c.y_b = 0.4, -0.3
         c.I_xy, c.I_yz, c.I_xz = 2e7, -1e7, 3e7
     s.motion[:9] = [4.0, 0.6, -0.3, 0.02, 0.01, -0.015, 0.3, -0.2, 0.5]
     s.z = 500.0

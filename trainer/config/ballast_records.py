@@ -28,13 +28,18 @@ class Table:
     meaning: str
 
     @property
+    def documentary(self) -> tuple[str, ...]:
+        """Return the keys that are for the reader."""
+        return ("note",)
+
+    @property
     def cells(self) -> tuple[str, str, str]:
         """Return unit, range and meaning."""
         return "table", "1", self.meaning
 
     def read(self, key: str, value: object, place: Place) -> Any:
         """Return the record; ConfigError with all that is wrong."""
-        return read_record(self.record, value, place.inside(key), ("note",))
+        return read_record(self.record, value, place.inside(key), self.documentary)
 
 
 def _centre() -> Any:

@@ -27,6 +27,7 @@ GYRADIUS_ROLL = (0.01, 0.5)  # sqrt(Ix/mass)/L [-]; known boats: 0.04 to 0.12
 GYRADIUS = (0.1, 0.5)  # of pitch and yaw [-]; known boats: 0.24 to 0.30; 0.5: all mass at the ends
 WEIGHT_SLACK = 0.05
 INERTIA_SLACK = 0.05
+STATED_SLACK = 0.01  # of a number given twice, once for the reader
 
 
 def hull_problems(hull: Hull, fluid: Fluid) -> list[str]:
@@ -259,6 +260,23 @@ def free_surface_problems(table: FreeSurface) -> list[str]:
         if any(lower >= higher for lower, higher in pairwise(values)):
             problems.append(f"{name} = {values}: must ascend, none twice")
     return problems
+
+
+def stated_remarks(hull: Hull, fluid: Fluid) -> list[str]:
+    """Return which numbers, given beside those that a run uses, do not agree with them."""
+    k3, k5 = (0.5 * fluid.rho * hull.length**power for power in (3, 5))
+    expected = {
+        "displaced_volume": ("buoyancy/(rho g)", hull.buoyancy / (fluid.rho * fluid.g), " m3"),
+        "m_prime": ("mass/(rho/2 L^3)", hull.mass / k3, ""),
+        "Ix_prime": ("Ix/(rho/2 L^5)", hull.Ix / k5, ""),
+        "Iy_prime": ("Iy/(rho/2 L^5)", hull.Iy / k5, ""),
+        "Iz_prime": ("Iz/(rho/2 L^5)", hull.Iz / k5, ""),
+    }
+    return [
+        f"{key} = {stated:g}{unit}: {formula} is {used:.5g}{unit}, which a run uses"
+        for key, (formula, used, unit) in expected.items()
+        if (stated := getattr(hull, key)) is not None and abs(stated / used - 1) > STATED_SLACK
+    ]
 
 
 def thrust_remarks(sets: tuple[ThrustSet, ...]) -> list[str]:

@@ -4,7 +4,7 @@ What a file leaves out comes from the shipped defaults file; nothing is defaulte
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -24,7 +24,7 @@ from trainer.config.files import (
     shipped,
 )
 from trainer.config.propulsion import DRAG_ASTERN, Thrust, thrust_of, thrust_problems
-from trainer.config.schema import Choice, Kind, Text, infinite, read_record
+from trainer.config.schema import Choice, Kind, Text, infinite, kind_of, read_record
 from trainer.config.vessel_records import (
     Autopilot,
     Compact,
@@ -44,7 +44,7 @@ HEADING: Mapping[str, Kind] = {
     "kind": Text(200, "submarine, auv, ..."),
     "scale": Text(200, "full, or that of a model"),
 }
-# Keys and tables that tell where numbers come from; the program reads none of them.
+# Keys and tables that tell where numbers come from: no run and no message depends on them.
 DOCUMENTARY_TABLES = (
     "source",
     "nondimensional",
@@ -59,16 +59,8 @@ DOCUMENTARY_TABLES = (
     "notes",
 )
 DOCUMENTARY_KEYS: Mapping[str, tuple[str, ...]] = {
-    "vessel": (
-        "displaced_volume",
-        "m_prime",
-        "Ix_prime",
-        "Iy_prime",
-        "Iz_prime",
-        "body_height",
-        "body_width",
-        "note",
-    ),
+    "": ("kind", "scale"),
+    "vessel": ("body_height", "body_width", "note"),
     "propulsion": (
         "model",
         "propeller",
@@ -133,7 +125,6 @@ class VesselFile:
     path: Path
     text: str
     name: str
-    kind: str
     fluid: Fluid
     hull: Hull
     propulsion: Propulsion
@@ -193,12 +184,14 @@ def read_vessel(given: Mapping[str, Any], text: str, path: Path) -> VesselFile:
         raise ConfigError(*problems)
     parts["vessel"] = with_deepest_order(parts["vessel"])
     thrust = _thrust(parts)
-    remarks = plausibility.thrust_remarks(thrust.ahead)
+    remarks = {
+        "vessel": plausibility.stated_remarks(parts["vessel"], parts["fluid"]),
+        "propulsion": plausibility.thrust_remarks(thrust.ahead),
+    }
     return VesselFile(
         path=path,
         text=text,
         name=table.get("name", path.stem),
-        kind=str(table.get("kind", "")),
         fluid=parts["fluid"],
         hull=parts["vessel"],
         propulsion=parts["propulsion"],
@@ -214,7 +207,7 @@ def read_vessel(given: Mapping[str, Any], text: str, path: Path) -> VesselFile:
         ballast=parts.get("ballast"),
         free_surface=parts.get("free_surface"),
         defaulted=tuple(defaulted),
-        remarks=tuple(place.inside("propulsion").problem(remark) for remark in remarks),
+        remarks=tuple(_placed(remarks, place)),
     )
 
 
@@ -310,4 +303,29 @@ def _fit_problems(parts: Mapping[str, Any], place: Place) -> list[str]:
         found["ballast"] = ballast_problems(parts["ballast"])
     if "free_surface" in parts:
         found["free_surface"] = plausibility.free_surface_problems(parts["free_surface"])
+    return _placed(found, place)
+
+
+def _placed(found: Mapping[str, list[str]], place: Place) -> list[str]:
+    """Return texts about tables with file and table."""
     return [place.inside(name).problem(text) for name, texts in found.items() for text in texts]
+
+
+def documentary_keys() -> dict[str, tuple[str, ...]]:
+    """Return by table the keys that neither a run nor a message depends on."""
+    found = dict(DOCUMENTARY_KEYS)
+    for table, record in RECORDS.items():
+        for item in fields(record):
+            inner = getattr(kind_of(item), "documentary", ())
+            if inner:
+                found[f"{table}.{item.name}"] = inner
+    return found
+
+
+def documentary_list() -> str:
+    """Return the Markdown list of what is for the reader only, as docs/vessel-files.md has it."""
+    lines = [f"- `[{name}]`, all of it." for name in DOCUMENTARY_TABLES]
+    for table, keys in documentary_keys().items():
+        where = f"`[{table}]`" if table else "Above all tables"
+        lines.append(f"- {where}: {', '.join(f'`{key}`' for key in keys)}.")
+    return "\n".join(lines)

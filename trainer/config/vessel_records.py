@@ -54,6 +54,11 @@ def _size(meaning: str) -> Quantity:
     return Quantity("m", within(0.01, 500), meaning)
 
 
+def _prime_inertia(name: str) -> Quantity:
+    """Return a moment of inertia [-] in the prime system, which the program compares only."""
+    return Quantity("-", within(1e-9, 1), f"checked: {name}/(rho/2 L^5)")
+
+
 @dataclass(frozen=True, kw_only=True)
 class Fluid:
     """The water, and gravity."""
@@ -78,6 +83,15 @@ class Hull:
     Ixy: float = of(Quantity("kg m2", within(-1e12, 1e12), "integral of x y dm"))
     Iyz: float = of(Quantity("kg m2", within(-1e12, 1e12), "integral of y z dm"))
     Ixz: float = of(Quantity("kg m2", within(-1e12, 1e12), "integral of x z dm"))
+    displaced_volume: float | None = optional(
+        Quantity("m3", within(1e-6, 1e7), "checked: buoyancy/(rho g)")
+    )
+    m_prime: float | None = optional(
+        Quantity("-", within(1e-6, 10), "checked: mass/(rho/2 L^3)"),
+    )
+    Ix_prime: float | None = optional(_prime_inertia("Ix"))
+    Iy_prime: float | None = optional(_prime_inertia("Iy"))
+    Iz_prime: float | None = optional(_prime_inertia("Iz"))
     max_depth_m: float | None = optional(
         Quantity("m", within(0.1, 12000), "deepest depth that may be ordered; else test_depth_m")
     )

@@ -2,7 +2,8 @@
 
 ``modified`` and ``basic`` differ in their constants and trigonometry only. What the equations say
 of the mass is gathered by the six components of the acceleration of turning axes. Departures: the
-mass in Y_r is the present one, since tanks change it; a vessel file may keep further terms.
+mass in Y_r is the present one, since tanks change it; a vessel file may keep further terms; y_G,
+x_B, y_B and the products of inertia, which the report leaves out, act where they are not zero.
 """
 
 import math
@@ -116,6 +117,46 @@ def further_forces(compact: Record, state: Record, force: Numbers) -> None:
 
 
 @part
+def off_centre(compact: Record, state: Record) -> bool:
+    """Return whether the boat has any of y_G, x_B, y_B, I_xy, I_yz, I_xz."""
+    return compact[0].off_centre != 0.0 or state[0].y_g != 0.0
+
+
+@kernel
+def off_centre_forces(compact: Record, trig: int, state: Record, force: Numbers) -> None:
+    """Add what [ASSES] (1)-(6) have of y_G, x_B, y_B, I_xy, I_yz, I_xz to ``force``.
+
+    The first three are forces [N], the last three angular accelerations [rad/s2].
+    """
+    c = compact[0]
+    s = state[0]
+    p, q, r = s.p, s.q, s.r
+    m_y = mass(compact, state) * s.y_g
+    cos_th = pitch_roll_cosine(trig, s.theta)
+    athwart, below = cos_th * pitch_roll_sine(trig, s.phi), cos_th * pitch_roll_cosine(trig, s.phi)
+    heeling = s.y_g * s.weight - c.YB
+    force[0] -= m_y * p * q
+    force[1] += m_y * (r * r + p * p)
+    force[2] -= m_y * r * q
+    force[3] += c.T4 * (
+        c.I_xz * p * q
+        - c.I_yz * (r * r - q * q)
+        - c.I_xy * p * r
+        + m_y * (s.u * q - s.v * p)
+        + heeling * below
+    )
+    force[4] += c.T5 * (c.I_xy * q * r - c.I_xz * (p * p - r * r) - c.I_yz * q * p + c.XB * below)
+    force[5] += c.T6 * (
+        c.I_yz * r * p
+        - c.I_xy * (q * q - p * p)
+        - c.I_xz * r * q
+        - m_y * (s.v * r - s.w * q)
+        - c.XB * athwart
+        + heeling * pitch_roll_sine(trig, s.theta)
+    )
+
+
+@part
 def add_external(compact: Record, external: Numbers, force: Numbers) -> None:
     """Add forces [N] and moments [N m] from outside."""
     c = compact[0]
@@ -162,3 +203,20 @@ def inertia(compact: Record, state: Record, out: Numbers) -> None:
     out[3, 1], out[3, 5] = -(m_z * c.T4 + c.K_vdot), -c.K_rdot
     out[4, 0], out[4, 2] = m_z * c.T5, -(m_x * c.T5 + c.M_wdot)
     out[5, 1], out[5, 3] = m_x * c.T6 - c.N_vdot, -c.N_pdot
+
+
+@kernel
+def off_centre_inertia(compact: Record, state: Record, out: Numbers) -> None:
+    """Add what multiplies the accelerations in [ASSES] (1)-(6) by y_G, I_xy, I_yz, I_xz."""
+    c = compact[0]
+    m_y = mass(compact, state) * state[0].y_g
+    out[0, 5] -= m_y
+    out[2, 3] += m_y
+    out[3, 2] += m_y * c.T4
+    out[3, 4] -= c.I_xy * c.T4
+    out[3, 5] -= c.I_xz * c.T4
+    out[4, 3] -= c.I_xy * c.T5
+    out[4, 5] -= c.I_yz * c.T5
+    out[5, 0] -= m_y * c.T6
+    out[5, 3] -= c.I_xz * c.T6
+    out[5, 4] -= c.I_yz * c.T6

@@ -137,7 +137,7 @@ def rolling_moment(vessel: Record, trig: int, state: Record) -> float:
     drift = c.K_star * u * u + c.K_v * u * v + c.K_vav * v * cross + c.K_vw * v * w
     rudder = c.K_dr * (u * u) * s.delta_r
     cos_th = pitch_roll_cosine(trig, s.theta)
-    weight = s.y_g * s.weight * cos_th * pitch_roll_cosine(trig, s.phi) - (
+    weight = (s.y_g * s.weight - c.y_b * c.buoyancy) * cos_th * pitch_roll_cosine(trig, s.phi) - (
         s.z_g * s.weight - c.z_b * c.buoyancy
     ) * cos_th * pitch_roll_sine(trig, s.phi)
     slip = c.K_star_eta * u * u * excess_eta(state)
@@ -200,7 +200,7 @@ def yawing_moment(vessel: Record, trig: int, state: Record) -> float:
     rudder = c.N_dr * (u * u) * s.delta_r
     weight = (s.x_g * s.weight - c.x_b * c.buoyancy) * (
         pitch_roll_cosine(trig, s.theta) * pitch_roll_sine(trig, s.phi)
-    ) + s.y_g * s.weight * pitch_roll_sine(trig, s.theta)
+    ) + (s.y_g * s.weight - c.y_b * c.buoyancy) * pitch_roll_sine(trig, s.theta)
     slip = (
         c.N_r_eta * u * r
         + c.N_v_eta * u * v

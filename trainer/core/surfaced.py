@@ -24,8 +24,10 @@ def axis_depth(vessel: Record, station: int, scratch: Record, state: Record) -> 
     """Return how deep [m] the axis is at a station, below the water there."""
     c, s = vessel[0], state[0]
     cos_th, sin_th = cosine_and_sine(s.theta)
+    cos_phi, sin_phi = cosine_and_sine(s.phi)
     level = s.z + scratch[0].level[station]
-    return level - c.station_x[station] * sin_th + c.hull_axis * cos_th * cosine_and_sine(s.phi)[0]
+    across = c.hull_axis * cos_phi + c.y_b * sin_phi
+    return level - c.station_x[station] * sin_th + across * cos_th
 
 
 @part
@@ -67,7 +69,8 @@ def sinking(vessel: Record, station: int, state: Record) -> float:
     cos_th, sin_th = cosine_and_sine(s.theta)
     cos_phi, sin_phi = cosine_and_sine(s.phi)
     aside, down = s.v + x * s.r - z * s.p, s.w - x * s.q
-    return (aside * sin_phi + down * cos_phi) * cos_th - (s.u + z * s.q) * sin_th
+    down += c.y_b * s.p
+    return (aside * sin_phi + down * cos_phi) * cos_th - (s.u + z * s.q - c.y_b * s.r) * sin_th
 
 
 @part
@@ -115,6 +118,8 @@ def add_waterplane(vessel: Record, scratch: Record, state: Record, force: Number
     force[3] -= z * down_y
     force[4] += z * down_x - x * down_z
     force[5] += x * down_y
+    force[3] += heavy * c.y_b * down_z
+    force[5] -= heavy * c.y_b * down_x
 
 
 @part

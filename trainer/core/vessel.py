@@ -111,6 +111,12 @@ COMPACT: Final = record_dtype(
     "ZB",  # [N m] buoyancy times z_b
     "extended",  # [-] 1: some of the following are kept
     *EXTRA_TERMS,
+    "off_centre",  # [-] 1: some of the following are not zero
+    "XB",  # [N m] buoyancy times x_b
+    "YB",  # [N m] buoyancy times y_b
+    "I_xy",  # [kg m2]
+    "I_yz",
+    "I_xz",
 )
 
 
@@ -138,6 +144,11 @@ def compact_record(body: Mapping[str, float], prime: Prime, eta: tuple[float, fl
     compact["T4"], compact["T5"], compact["T6"] = t4, t5, t6
     compact["M_rp"] = (body["I_z"] - body["I_x"] + k5 * prime.get("M_rp", 0.0)) * t5
     compact["N_pq"] = (body["I_x"] - body["I_y"] + k5 * prime.get("N_pq", 0.0)) * t6
-    compact["ZB"] = body["buoyancy"] * body["z_b"]
+    for name in ("x_b", "y_b", "z_b"):
+        compact[f"{name[0].upper()}B"] = body["buoyancy"] * body[name]
+    for name in ("I_xy", "I_yz", "I_xz"):
+        compact[name] = body[name]
+    off_centre = ("x_b", "y_b", "I_xy", "I_yz", "I_xz")
+    compact["off_centre"] = float(any(body[name] != 0.0 for name in off_centre))
     compact["extended"] = np.any([compact[name] != 0.0 for name in EXTRA_TERMS], axis=0)
     return compact

@@ -1,6 +1,7 @@
 """Members of a fleet side by side: LANES of them fly from one order of theirs to the next.
 
-A member that is not ordinary, or strays, flies that stretch alone.
+A member that is not ordinary, or strays, flies that stretch alone; so does one whose centres lie
+off the middle, or that has products of inertia.
 """
 
 from typing import NamedTuple
@@ -31,6 +32,7 @@ from trainer.analysis.fleet.member import (
     span,
 )
 from trainer.analysis.fleet.tick import tick_abreast
+from trainer.core.compact import off_centre
 from trainer.core.kernel import Numbers, Record, kernel, unlocked
 from trainer.core.state import new_scratch
 
@@ -57,12 +59,14 @@ def choose(fleet: Fleet, first: int, count: int, work: Work, out: Track) -> int:
     for lane in range(count):
         member = first + lane
         vessel = fleet.vessels[span(fleet.vessels, member)]
+        compact = fleet.compacts[span(fleet.compacts, member)]
         state = fleet.states[span(fleet.states, member)]
         work.alone[lane] = 1
         if out.lost[member] < 0 and ordinary(vessel, state):
             make_ready(vessel, fleet.scheme[0].h, state)
-            work.alone[lane] = 0
-            together += 1
+            if not off_centre(compact, state):
+                work.alone[lane] = 0
+                together += 1
     return together
 
 

@@ -69,3 +69,6 @@ def add_compression(vessel: Record, ballast: Record, state: Record, force: Numbe
     force[3] -= z * down_y
     force[4] += z * down_x - x * down_z
     force[5] += x * down_y
+    if c.y_b != 0.0:
+        force[3] += heavy * c.y_b * down_z
+        force[5] -= heavy * c.y_b * down_x

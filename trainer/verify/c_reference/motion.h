@@ -94,6 +94,34 @@ static void further_forces(const struct compact *c, const struct state *s, doubl
         + r * (c->N_rar * fabs(r) + c->N_avr * cross);
 }
 
+static int is_off_centre(const struct compact *c, const struct state *s)
+{
+    return c->off_centre != 0.0 || s->y_g != 0.0;
+}
+
+static void off_centre_forces(
+    const struct compact *c, int64_t trig, const struct state *s, double *force)
+{
+    double p = s->p, q = s->q, r = s->r;
+    double m_y = (c->mass + (s->weight - c->weight) / c->g) * s->y_g;
+    double cos_th = pitch_roll_cosine(trig, s->theta);
+    double athwart = cos_th * pitch_roll_sine(trig, s->phi);
+    double below = cos_th * pitch_roll_cosine(trig, s->phi);
+    double heeling = s->y_g * s->weight - c->YB;
+    force[0] -= m_y * p * q;
+    force[1] += m_y * (r * r + p * p);
+    force[2] -= m_y * r * q;
+    force[3] += c->T4
+        * (c->I_xz * p * q - c->I_yz * (r * r - q * q) - c->I_xy * p * r
+           + m_y * (s->u * q - s->v * p) + heeling * below);
+    force[4] += c->T5
+        * (c->I_xy * q * r - c->I_xz * (p * p - r * r) - c->I_yz * q * p + c->XB * below);
+    force[5] += c->T6
+        * (c->I_yz * r * p - c->I_xy * (q * q - p * p) - c->I_xz * r * q
+           - m_y * (s->v * r - s->w * q) - c->XB * athwart
+           + heeling * pitch_roll_sine(trig, s->theta));
+}
+
 static void add_external(const struct compact *c, const double *external, double *force)
 {
     force[0] += external[0];
@@ -115,6 +143,31 @@ static void lagged(const struct compact *c, const double *force, struct state *s
     s->pdot = force[3] + (m_z * c->T4 + c->K_vdot) * s->vdot + c->K_rdot * s->rdot;
     s->qdot = force[4] + (m_x * c->T5 + c->M_wdot) * s->wdot - m_z * c->T5 * s->udot;
     s->rdot = force[5] + (c->N_vdot - m_x * c->T6) * s->vdot + c->N_pdot * s->pdot;
+}
+
+/* The rates one after the other in full, where the few terms of lagged() are not all. */
+static void lagged_off_centre(const struct compact *c, const double *force, struct state *s)
+{
+    double m = c->mass + (s->weight - c->weight) / c->g;
+    double m_x = m * s->x_g, m_y = m * s->y_g, m_z = m * s->z_g;
+    double matrix[6][6] = {
+        {m - c->X_udot, 0.0, 0.0, 0.0, m_z, 0.0 - m_y},
+        {0.0, m - c->Y_vdot, 0.0, -(m_z + c->Y_pdot), 0.0, m_x - c->Y_rdot},
+        {0.0, 0.0, m - c->Z_wdot, m_y, -(m_x + c->Z_qdot), 0.0},
+        {0.0, -(m_z * c->T4 + c->K_vdot), m_y * c->T4, 1.0, 0.0 - c->I_xy * c->T4,
+         -c->K_rdot - c->I_xz * c->T4},
+        {m_z * c->T5, 0.0, -(m_x * c->T5 + c->M_wdot), 0.0 - c->I_xy * c->T5, 1.0,
+         0.0 - c->I_yz * c->T5},
+        {0.0 - m_y * c->T6, m_x * c->T6 - c->N_vdot, 0.0, -c->N_pdot - c->I_xz * c->T6,
+         0.0 - c->I_yz * c->T6, 1.0},
+    };
+    for (int i = 0; i < 6; i++) {
+        double total = force[i];
+        for (int j = 0; j < 6; j++)
+            if (j != i)
+                total -= matrix[i][j] * s->rates[j];
+        s->rates[i] = total / matrix[i][i];
+    }
 }
 
 static double guarded(double cos_theta)

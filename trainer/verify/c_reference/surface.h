@@ -78,7 +78,8 @@ static void buoyancy_forces(const struct vessel *c, const struct state *s, doubl
         z = heavy * c->z_b;
     }
     for (int i = 0; !deep && i < STATIONS; i++) {
-        double axis = s->z + c->station_x[i] * down_x + c->hull_axis * down_z;
+        double axis =
+            s->z + c->station_x[i] * down_x + c->hull_axis * down_z + c->y_b * down_y;
         if (axis < 0.5 * c->hull_diameter) {
             double lost =
                 c->station_share[i] * c->buoyancy * segment(0.5 - axis / c->hull_diameter);
@@ -93,4 +94,8 @@ static void buoyancy_forces(const struct vessel *c, const struct state *s, doubl
     force[3] -= z * down_y;
     force[4] += z * down_x - x * down_z;
     force[5] += x * down_y;
+    if (c->y_b != 0.0) {
+        force[3] += heavy * c->y_b * down_z;
+        force[5] -= heavy * c->y_b * down_x;
+    }
 }

@@ -50,8 +50,14 @@ int64_t update(
     forces(compact, scheme->trig, s, work->force);
     if (compact->extended != 0.0)
         further_forces(compact, s, work->force);
+    int off_centre = is_off_centre(compact, s);
+    if (off_centre)
+        off_centre_forces(compact, scheme->trig, s, work->force);
     add_external(compact, work->external, work->force);
-    lagged(compact, work->force, s);
+    if (off_centre)
+        lagged_off_centre(compact, work->force, s);
+    else
+        lagged(compact, work->force, s);
     kinematics(scheme->trig, s);
     adams(scheme, s);
     make_fast(x, y, z, s);
