@@ -37,7 +37,7 @@ Iz = 1.367e9
 
 [propulsion]
 [[propulsion.sets]]
-eta_min = -99.0
+eta_min = 0.0
 a = -0.001
 b = -0.002
 c = 0.003
@@ -180,7 +180,7 @@ def test_thrust_rows_are_sorted_by_falling_eta() -> None:
     row = "[[propulsion.sets]]\neta_min = 0.5\na = -0.1\nb = 0\nc = 0.1\n\n[coefficients.X]"
     boat = small(("[coefficients.X]", row))
 
-    assert [row.eta_min for row in boat.propulsion.sets] == [0.5, -99.0]
+    assert [row.eta_min for row in boat.thrust.ahead] == [0.5, 0.0, -100.0]
     assert boat.remarks == ()
 
 
@@ -190,10 +190,119 @@ def test_thrust_that_does_not_balance_at_self_propulsion_is_remarked() -> None:
     assert remark.startswith("boat.toml: [propulsion] sets: a + b + c = 0.0001")
 
 
-def test_thrust_without_a_row_for_going_astern_is_remarked() -> None:
-    (remark,) = small(("eta_min = -99.0", "eta_min = 0.5")).remarks
+def test_what_a_file_leaves_out_about_going_astern_follows_from_the_rows_ahead() -> None:
+    ahead, (back, check) = small().thrust
 
-    assert remark == "boat.toml: [propulsion] sets: no row for eta below 0.5"
+    assert [(row.eta_min, row.a, row.b) for row in ahead] == [
+        (0.0, -0.001, -0.002),
+        (-100.0, -0.001, 0.0),
+    ]
+    assert ahead[1].c == pytest.approx(-0.77 * 0.003)
+    assert (back.a, back.c, check.c) == pytest.approx((0.0012, ahead[1].c, 0.003))
+    assert (
+        small(("[propulsion]", "[envelope]\ndrag_astern = 2\n[propulsion]")).thrust.astern[0].a
+        == 0.002
+    )
+
+
+ASTERN = """c = 0.003
+[[propulsion.sets]]
+eta_min = -99.0
+a = -0.001
+b = 0.0
+c = -0.002
+[[propulsion.sets]]
+going = "astern"
+eta_min = 0.0
+a = 0.0012
+b = 0.0
+c = -0.002
+[[propulsion.sets]]
+going = "astern"
+eta_min = -99.0
+a = 0.0012
+b = 0.0
+c = 0.003
+"""
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "said"),
+    [
+        (
+            "eta_min = 0.0\na = 0.0012",
+            "eta_min = 0.0\na = 0.0013",
+            "do not join at u_c = 0, going astern",
+        ),
+        (
+            "a = -0.001\nb = 0.0\nc = -0.002",
+            "a = -0.001\nb = 0.0\nc = -0.0021",
+            "do not join at u = 0, turning astern",
+        ),
+        (
+            "a = 0.0012\nb = 0.0\nc = 0.003",
+            "a = 0.0012\nb = 0.0\nc = 0.0031",
+            "do not join at u = 0, turning ahead",
+        ),
+        (
+            "eta_min = -99.0\na = -0.001",
+            "eta_min = -99.0\na = -0.0011",
+            "do not join at u_c = 0, going ahead",
+        ),
+        ("eta_min = -99.0\na = 0.0012", "eta_min = 0.5\na = 0.0012", "takes two rows, or none"),
+        (
+            "a = -0.001\nb = 0.0\nc = -0.002",
+            "a = -0.001\nb = 0.0\nc = 0.002",
+            "drives the boat ahead on an astern bell: must be below 0, such as -0.77 of c ahead",
+        ),
+    ],
+)
+def test_thrust_rows_that_do_not_join_or_drive_the_wrong_way_are_refused(
+    old: str, new: str, said: str
+) -> None:
+    assert small(("c = 0.003\n", ASTERN)).thrust.astern[1].c == 0.003
+    assert ASTERN.count(old) == 1
+    with pytest.raises(ConfigError) as caught:
+        small(("c = 0.003\n", ASTERN.replace(old, new)))
+    assert "boat.toml: [propulsion] sets: " in str(caught.value)
+    assert said in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("key", "said"),
+    [
+        ("handover_deg = [55, 35]", "[envelope] handover_deg = [55.0, 35.0]: must ascend"),
+        ("tail_y = 0.01", "[envelope] tail_y, tail_z: need tail_place as well"),
+        ("sail_y = 0.01", "[envelope] sail_y, sail_added_mass: need sail_place as well"),
+        (
+            "strip_width = [0, 0, 0, 0, 0]",
+            "[envelope] strip_width = [0.0, 0.0, 0.0, 0.0, 0.0]: one must",
+        ),
+        ("stall_dge = [30, 30, 30]", "no such key; nearest is stall_deg"),
+    ],
+)
+def test_an_envelope_that_does_not_fit_is_refused(key: str, said: str) -> None:
+    with pytest.raises(ConfigError) as caught:
+        small(("[propulsion]", f"[envelope]\n{key}\n[propulsion]"))
+    assert said in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("keys", "said"),
+    [
+        ("torque_limit_n_m = 1e5", "torque_limit_n_m = 100000: needs KQ as well"),
+        ("shaft_power_w = 5e6\nKQ = [0.06, -0.03, -0.02]", "needs propeller_diameter as well"),
+        ("torque_limit_n_m = 1e5\nshaft_power_w = 5e6", "give one of the two"),
+        (
+            "torque_limit_n_m = 1e5\nKQ = [0, 0, 0]\npropeller_diameter = 5",
+            "KQ[0] = 0: must be above 0",
+        ),
+    ],
+)
+def test_a_limit_of_torque_lacks_nothing(keys: str, said: str) -> None:
+    with pytest.raises(ConfigError) as caught:
+        small(("[propulsion]\n", f"[propulsion]\n{keys}\n"))
+    assert said in str(caught.value)
 
 
 def test_documentary_tables_and_keys_may_say_anything() -> None:
@@ -277,7 +386,7 @@ def test_an_empty_compensation_table_is_not_filled_from_the_defaults() -> None:
         (
             "[[propulsion.sets]]",
             "[propulsion.sets]",
-            '[propulsion] sets = {"eta_min": -99.0, "a": -0.001, "b": -0.002, "c": 0.003}: must',
+            '[propulsion] sets = {"eta_min": 0.0, "a": -0.001, "b": -0.002, "c": 0.003}: must',
         ),
         (
             "X_udot = -1.2e-3",
@@ -362,9 +471,9 @@ def test_bells_must_follow_one_another(bell: str, message: str) -> None:
 
 
 def test_two_thrust_rows_must_not_start_at_the_same_eta() -> None:
-    row = "[[propulsion.sets]]\neta_min = -99\na = 0\nb = 0\nc = 0\n\n[coefficients.X]"
+    row = "[[propulsion.sets]]\neta_min = 0\na = 0\nb = 0\nc = 0\n\n[coefficients.X]"
 
-    assert "eta_min = -99 is given twice" in small_complaint(("[coefficients.X]", row))
+    assert "eta_min = 0 is given twice" in small_complaint(("[coefficients.X]", row))
 
 
 @pytest.mark.parametrize(

@@ -1,6 +1,7 @@
 """Every key of a vessel file changes a run or a message, or is listed as documentary."""
 
 import copy
+import math
 import re
 import tomllib
 from collections.abc import Iterator, Mapping
@@ -13,6 +14,7 @@ from helpers.places import ROOT
 from trainer.boat import stability
 from trainer.boat.assemble import Method, fit_out
 from trainer.boat.boat import Boat
+from trainer.boat.depths import collapse_of, count_passed
 from trainer.boat.helm import obey
 from trainer.config.files import ConfigError, shipped, shipped_names
 from trainer.config.vessel import (
@@ -104,6 +106,9 @@ def a_run(file: VesselFile, monkeypatch: pytest.MonkeyPatch) -> list[object]:
         refuse_unstable(boat)
     told = [*judged, plan.method, boat.records.state.tobytes()]
     told.append(status_lines(boat, Ledger(boat.method.step).summary()))
+    for depth in (60.0, 100.0, 150.0, 250.0, 450.0):
+        boat.state.z, boat.state.theta = depth, 0.0
+        told += [collapse_of(boat), count_passed(file.hull.test_depth_m or math.inf, depth)]
     for line in ORDERS:
         order = parse(line)
         assert isinstance(order, Order), line

@@ -45,7 +45,7 @@ Iyz = -1.3e7
 Ixz = 1.7e7
 
 [[propulsion.sets]]
-eta_min = -99.0
+eta_min = 0.0
 a = -0.001
 b = -0.002
 c = 0.003

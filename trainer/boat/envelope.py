@@ -11,8 +11,9 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from trainer.boat.surface_modes import surface_modes
 from trainer.config.vessel import VesselFile
+from trainer.core.ballast.buoyancy import segment
+from trainer.core.ballast.tanks import NEGATIVE
 from trainer.core.kernel import Numbers, Record
 from trainer.units import KNOT
 
@@ -27,6 +28,8 @@ SURFACE_DAMPING: Final = 0.03  # [-]
 CROSS_ARM: Final = 0.3  # [-] of the length
 WAVE_DRAG: Final = 1.8e-3  # [-] at a Froude number of 0.25
 FROUDE: Final = 0.25
+LIGHT: Final = 0.05  # [-] of the weight that a boat without tanks is taken to be lighter
+HALVINGS: Final = 60
 LEAST_INDUCED: Final = 0.25  # [-] a plane's drag over its lift slope, so that it cannot feed a boat
 # Torque of B4-70, P/D 1, in n^2, n u/D, (u/D)^2, for a K_Q(0) of 0.0638 (docs/envelope.md)
 KQ_OF_ROWS: Final = 0.0638
@@ -227,3 +230,35 @@ def _write_engine(file: VesselFile, c: Record) -> None:
     scale = engine.KQ[0] / KQ_OF_ROWS
     stopping, astern = scale * np.array(TORQUE_STOPPING), scale * np.array(TORQUE_ASTERN)
     c["torque"] = np.array([engine.KQ, stopping, astern])
+
+
+def lightness(c: Record) -> Numbers:
+    """Return the share of the buoyancy [-] above the water at the lightest, at most half."""
+    blown = c["start"][:, :NEGATIVE].sum(axis=1) * c["g"] * (c["fitted"] != 0.0)
+    light = (c["buoyancy"] - c["weight"] + blown) / c["buoyancy"]
+    return np.where(light > 0.0, np.minimum(light, 0.5), LIGHT)
+
+
+def float_height(share: float) -> float:
+    """Return the height [-] of the part of a circle above the water, in diameters, by its share."""
+    low, high = 0.0, 0.5
+    for _ in range(HALVINGS):
+        middle = 0.5 * (low + high)
+        low, high = (middle, high) if segment(middle) < share else (low, middle)
+    return 0.5 * (low + high)
+
+
+def surface_modes(c: Record) -> dict[str, Numbers]:
+    """Return the frequencies [rad/s] of heave, pitch and roll of boats afloat at their lightest."""
+    shares, which = np.unique(lightness(c), return_inverse=True)
+    height = np.array([float_height(float(share)) for share in shares])[which]
+    chord = 2.0 * np.sqrt(height * (1.0 - height))
+    plane = 4.0 * c["buoyancy"] * chord / (math.pi * c["hull_diameter"])
+    stiffness = plane[:, None] * c["station_share"]
+    heave = stiffness.sum(axis=1) / (c["mass"] * (1.0 - shares[which]) + c["m33"])
+    righting = c["z_g"] * c["weight"] - c["z_b"] * c["buoyancy"]
+    trim = (stiffness * c["station_x"] ** 2).sum(axis=1)
+    pitch = (trim + righting) / (c["I_y"] + c["m55"])
+    roll = righting / (c["I_x"] + c["m44"])
+    squares = {"heave": heave, "pitch": pitch, "roll": roll}
+    return {name: np.sqrt(np.maximum(square, 0.0)) for name, square in squares.items()}

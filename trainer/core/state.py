@@ -45,10 +45,6 @@ STATE: Final = record_dtype(
     ("past_rates", (HISTORY, 12)),  # rates of one and two cycles ago
     ("past_motion", (HISTORY, 12)),
     "history",  # [-] how many past cycles are true; 0 after a start or a jump
-    ("last_turn", ["last_p", "last_q", "last_r"]),  # [rad/s] of the last step or substep
-    "last_step",  # [s] its length
-    "polar",  # [-] 1: it was flown near the vertical
-    "validity",  # [-] of the equations: 0 inside their range, 1 extrapolated, 2 outside
     "substep",  # [s] present step of the variable-step Runge-Kutta, 0 before its first
     ("largest", (12,)),  # largest |motion| so far: what its tolerance is relative to
     # weight and balance
@@ -160,6 +156,11 @@ STATE: Final = record_dtype(
     # partial freezes: see holds
     ("held", ["held_depth", "held_position", "held_tanks"]),  # [-] 1 held
     ("sailed", ["sailed_x", "sailed_y"]),  # [m] where x and y would be but for the hold
+    # beyond the range of the coefficients: see envelope and integrators
+    ("last_turn", ["last_p", "last_q", "last_r"]),  # [rad/s] of the last step or substep
+    "last_step",  # [s] its length
+    "polar",  # [-] 1: it was flown near the vertical
+    "validity",  # [-] of the equations: 0 inside their range, 1 extrapolated, 2 outside
 )
 
 FIELDS: Final = [name for name in STATE.names or () if STATE.fields and name != "whole"]

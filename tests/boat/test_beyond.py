@@ -1,0 +1,240 @@
+"""Boats taken where the coefficients do not reach: against the figures of docs/envelope.md."""
+
+import math
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+
+from trainer.boat.boat import Boat
+from trainer.boat.envelope import surface_modes
+from trainer.core.state import MOTION
+from trainer.units import KNOT
+
+SETS = [("full", "exact"), ("modified", "lagged"), ("basic", "lagged")]
+
+
+def in_hand(boat: Boat, knots: float, rudder: float = 0.0) -> None:
+    """Put all in hand: planes at zero, a command speed [kn], rudder to starboard [deg]."""
+    s = boat.state
+    s.rudder_by_hand = s.stern_by_hand = s.bow_by_hand = s.speed_by_hand = 1.0
+    s.ordered_r = math.radians(rudder) * boat.toward["rudder"] if rudder else 0.0
+    s.ordered_s = s.ordered_b = 0.0
+    s.ordered_u_c = knots * KNOT
+
+
+def flown(boat: Boat, seconds: float) -> np.ndarray:
+    """Return time and motion at every tick."""
+    rows = []
+    for _ in range(round(seconds / boat.method.step)):
+        assert boat.tick() == 0
+        rows.append([boat.time, *boat.state.motion])
+    return np.array(rows)
+
+
+def of(rows: np.ndarray, name: str) -> np.ndarray:
+    """Return one motion of the rows."""
+    return rows[:, 1 + MOTION.index(name)]
+
+
+def stopping(rows: np.ndarray) -> tuple[float, float]:
+    """Return when [s] and after what way [m] the boat had stopped."""
+    at = int(np.argmax(of(rows, "u") < 0.0))
+    return float(rows[at, 0]), float(math.hypot(of(rows, "x")[at], of(rows, "y")[at]))
+
+
+def neutral(boat: Boat) -> None:
+    """Make weight and buoyancy the same, and take the tanks out."""
+    boat.vessel.fitted = 0.0
+    boat.vessel.weight = boat.state.weight = boat.vessel.buoyancy
+
+
+@pytest.mark.parametrize(("equations", "rates"), SETS)
+def test_bb2_stops_and_goes_astern_as_a_boat_does(
+    make_boat: Callable[..., Boat], equations: str, rates: str
+) -> None:
+    boat = make_boat("bb2", equations, rates)
+    boat.start(10 * KNOT, 300.0, 0.0)
+    in_hand(boat, -8.0)
+
+    rows = flown(boat, 900.0)
+
+    when, way = stopping(rows)
+    assert when == pytest.approx(116.0, rel=0.05)
+    assert way / boat.vessel.ell == pytest.approx(4.1, rel=0.05)
+    assert -of(rows, "u").min() / KNOT == pytest.approx(7.0, rel=0.02)
+    assert abs(math.degrees(of(rows, "psi")[-1])) == pytest.approx(370.0, rel=0.2), "pays off"
+    assert abs(np.degrees(of(rows, "theta"))).max() < 10.0
+    assert abs(np.degrees(of(rows, "phi"))).max() < 5.0
+
+
+@pytest.mark.parametrize(
+    ("vessel", "knots", "bell", "seconds", "lengths"),
+    [
+        ("bb2", 5.0, -8.0, 76.0, 1.5),
+        ("bb2", 15.0, -8.0, 141.0, 6.8),
+        ("sdv-mk9", 2.0, -2.5, 59.0, 5.0),
+        ("sdv-mk9", 4.0, -2.5, 87.0, 13.0),
+        ("sdv-mk9", 6.0, -2.5, 100.0, 20.0),
+        ("remus100", 3.0, -2.0, 23.0, 11.0),
+    ],
+)
+def test_a_crash_stop_takes_the_time_and_way_of_its_kind(
+    make_boat: Callable[..., Boat],
+    vessel: str,
+    knots: float,
+    bell: float,
+    seconds: float,
+    lengths: float,
+) -> None:
+    step = {"bb2": 0.5, "sdv-mk9": 0.1, "remus100": 0.02}[vessel]
+    boat = make_boat(vessel, "full", "exact", "adams2", step)
+    boat.start(knots * KNOT, 300.0, 0.0)
+    neutral(boat)
+    planes = boat.state.delta_s
+    in_hand(boat, bell)
+    boat.state.ordered_s = planes
+
+    when, way = stopping(flown(boat, 1.5 * seconds))
+
+    assert when == pytest.approx(seconds, rel=0.2)
+    assert way / boat.vessel.ell == pytest.approx(lengths, rel=0.2)
+
+
+def test_rudder_to_starboard_astern_takes_the_stern_to_starboard(
+    make_boat: Callable[..., Boat],
+) -> None:
+    boat = make_boat("bb2", "full", "exact")
+    boat.start(10 * KNOT, 300.0, 0.0)
+    in_hand(boat, -8.0, rudder=20.0)
+
+    rows = flown(boat, 600.0)
+
+    assert stopping(rows)[0] == pytest.approx(69.0, rel=0.2)
+    assert -of(rows, "u")[-1] / KNOT == pytest.approx(4.0, rel=0.2)
+    assert math.degrees(of(rows, "r")[-1]) == pytest.approx(-1.33, rel=0.2)
+
+
+def test_taken_ahead_again_the_boat_goes_on_ahead(make_boat: Callable[..., Boat]) -> None:
+    boat = make_boat("bb2", "full", "exact")
+    boat.start(10 * KNOT, 300.0, 0.0)
+    in_hand(boat, -8.0)
+    while boat.state.u > 0.0:
+        assert boat.tick() == 0
+    flown(boat, 60.0)
+    in_hand(boat, 7.0)
+
+    rows = flown(boat, 600.0)
+
+    assert rows[np.argmax(of(rows, "u") > 0.0), 0] - rows[0, 0] == pytest.approx(60.0, rel=0.2)
+    assert of(rows, "u")[-1] / KNOT == pytest.approx(6.9, rel=0.05)
+    assert abs(np.degrees(of(rows, "theta"))).max() < 3.0
+
+
+@pytest.mark.parametrize(
+    ("vessel", "heavy", "speed"),
+    [
+        ("bb2", 0.01, 1.59),
+        ("bb2", 0.05, 3.54),
+        ("sdv-mk9", 0.01, 0.79),
+        ("sdv-mk9", 0.05, 1.76),
+        ("remus100", 0.01, 0.15),
+        ("remus100", 0.05, 0.33),
+    ],
+)
+def test_a_heavy_boat_falls_level_at_a_bounded_speed(
+    make_boat: Callable[..., Boat], vessel: str, heavy: float, speed: float
+) -> None:
+    step = {"bb2": 0.5, "sdv-mk9": 0.1, "remus100": 0.02}[vessel]
+    boat = make_boat(vessel, "full", "exact", "adams2", step)
+    neutral(boat)
+    s = boat.state
+    s.weight *= 1.0 + heavy
+    s.x_g = s.y_g = boat.vessel.x_b = boat.vessel.y_b = 0.0
+    s.z = 1000.0
+    in_hand(boat, 0.0)
+
+    rows = flown(boat, 200.0)
+
+    assert s.zdot == pytest.approx(speed, rel=0.05)
+    assert abs(np.degrees(of(rows, "theta"))).max() < 8.0
+
+
+@pytest.mark.parametrize(
+    ("step", "integrator"),
+    [(0.1, "adams2"), (0.5, "adams2"), (1.0, "adams2"), (1.0, "rk4"), (1.0, "rkv")],
+)
+def test_a_blown_boat_in_a_calm_comes_to_lie_still(
+    make_boat: Callable[..., Boat], step: float, integrator: str
+) -> None:
+    boat = make_boat("bb2", "full", "exact", integrator, step)
+    boat.vessel.fitted = 0.0
+    s = boat.state
+    s.weight -= 482e3 * 9.81
+    s.z, s.phi, s.theta = 4.0 - 2.0, math.radians(3.0), math.radians(5.0)
+    in_hand(boat, 0.0)
+
+    rows = flown(boat, 300.0)
+
+    last = of(rows, "z")[rows[:, 0] > 290.0]
+    assert np.ptp(last) < 0.02
+    assert last[-1] == pytest.approx(4.0, abs=0.05)
+    assert abs(math.degrees(s.theta)) < 0.1
+
+
+def test_the_modes_afloat_are_those_of_the_waterplane(make_boat: Callable[..., Boat]) -> None:
+    expected = {
+        "bb2": (8.83, 9.37, 13.5),
+        "sdv-mk9": (5.5, 6.2, 7.1),
+        "remus100": (1.7, 1.9, 1.3),
+    }
+    for vessel, periods in expected.items():
+        modes = surface_modes(make_boat(vessel).records.vessel)
+        found = [2.0 * math.pi / float(modes[name][0]) for name in ("heave", "pitch", "roll")]
+        assert found == pytest.approx(periods, rel=0.05)
+
+
+# All waves of the filter have the peak's number: what cancels near the boat's own period does not.
+@pytest.mark.parametrize(("cosines", "most"), [(0.0, 2.0), (1.0, 1.2)])
+def test_a_boat_afloat_rides_a_long_swell(
+    make_boat: Callable[..., Boat], cosines: float, most: float
+) -> None:
+    boat = make_boat("bb2", "full", "exact")
+    boat.start(5 * KNOT, 300.0, 0.0)
+    boat.vessel.fitted = 0.0
+    s = boat.state
+    s.motion[:] = 0.0
+    s.u_c = s.telegraph_answer = 0.0
+    s.weight -= 482e3 * 9.81
+    s.z, s.seed = 4.0, 3.0
+    in_hand(boat, 0.0)
+    swell = np.array([1.0, 2.0 * math.pi / 20.0, 1.0, 0.5 * math.pi, cosines, 0.0, 0.0])
+    boat.order_sea(swell, 0.0)
+
+    flown(boat, 300.0)
+    heights, levels = [], []
+    for _ in range(3600):
+        assert boat.tick() == 0
+        heights.append(-float(s.z))
+        levels.append(float(s.eta_wave))
+
+    assert 0.2 < np.std(levels) < 0.3
+    assert 0.9 < np.std(heights) / np.std(levels) < most
+    assert np.corrcoef(heights, levels)[0, 1] > 0.5
+    assert abs(s.phi) < 0.5
+
+
+def test_the_engine_s_torque_limits_revolutions(make_boat: Callable[..., Boat]) -> None:
+    boat = make_boat("bb2", "full", "exact")
+    boat.start(3 * KNOT, 300.0, 0.0)
+    in_hand(boat, 20.0)
+    boat.state.u = 0.0
+    for _ in range(60):
+        boat.state.u = 0.0
+        assert boat.tick() == 0
+    assert boat.state.u_c / KNOT == pytest.approx(11.6, abs=0.2)
+
+    boat.start(3 * KNOT, 300.0, 0.0)
+    in_hand(boat, 20.0)
+    flown(boat, 900.0)
+    assert boat.state.u / KNOT == pytest.approx(20.0, abs=0.3)
