@@ -26,6 +26,7 @@ from trainer.boat.stability import (
     stable_step,
     tick_map,
 )
+from trainer.config.propulsion import thrust_of
 from trainer.config.vessel import VesselFile, load_vessel
 from trainer.core.integrators import advance
 from trainer.core.kernel import Record
@@ -208,6 +209,7 @@ def test_the_map_is_what_the_core_does_to_a_small_disturbance(
     response = respond(boat)
     places = [MOTION.index(name) for name in response.names]
     s = boat.state
+    s.z = 1000.0
     trim = np.array(s.motion)
     s.rates[:] = s.past_rates[:] = 0.0
     s.past_motion[:] = trim
@@ -242,6 +244,7 @@ def test_roll_decays_just_below_the_largest_step_and_grows_just_above(
         boat = Boat(file, Method("full", "lagged", "exact", integrator, step))
         assert bring_to(boat, speed * KNOT)
         boat.state.rates[:] = 0.0
+        boat.state.z = 1000.0
         upright = float(boat.state.phi)
         boat.state.phi += 1e-7
         heel = []
@@ -461,11 +464,14 @@ def test_a_turn_that_cannot_be_flown_says_why() -> None:
 
 
 def test_a_turn_that_loses_its_numbers_says_where() -> None:
-    file = load_vessel("sdv-mk9")  # at 1 s its roll grows fourfold per tick
-    turn = compare_turns(replace(file, run=replace(file.run, step_s=1.0, start_speed_kn=6.0)))
+    file = load_vessel("sdv-mk9")
+    rolling = replace(
+        file, coefficients=dict(file.coefficients) | {"K_p": 0.1}
+    )  # it feeds its roll
+    turn = compare_turns(rolling)
 
     assert turn.full is None
-    assert "out of all bounds" in turn.problem
+    assert "pdot is out of all bounds" in turn.problem
 
 
 def test_a_turn_that_never_settles_is_given_up(bb2: Report) -> None:
@@ -508,6 +514,7 @@ def test_a_body_that_nothing_damps_may_take_any_step() -> None:
         file,
         coefficients=dict.fromkeys(file.coefficients, 0.0),
         propulsion=replace(file.propulsion, sets=still),
+        thrust=thrust_of(still, 1.2),
         hull=replace(file.hull, cg=(0.0, 0.0, 0.0), cb=(0.0, 0.0, 0.0)),
     )
 
@@ -525,3 +532,11 @@ def test_the_report_is_json(bb2: Report, remus: Report) -> None:
 
         assert table["stable"] is report.stable
         assert table["flights"][0]["speed_kn"] == report.flights[0].speed_kn
+
+
+def test_the_page_tells_the_boat_afloat_and_the_parts_of_a_step() -> None:
+    report = check(load_vessel("bb2"))
+    assert report.afloat.parts == {0.5: 2, 1.0: 4}
+    assert report.afloat.period_s["heave"] == pytest.approx(8.83, abs=0.05)
+    assert not report.clipped
+    assert "steps are divided       0.5 s in 2, 1 s in 4" in render(report)

@@ -210,7 +210,7 @@ def test_published_results_stand_beside_ours(book: GuideContents, page: str) -> 
     ]
     assert peaks[0][0] == pytest.approx(11.8, rel=0.02)  # degrees, as published
     for value, published in decay:
-        assert value == pytest.approx(published, rel=0.07)
+        assert value == pytest.approx(published, rel=0.08)
     for title in (one.trial.title for one in book.guide.trials):
         assert title in page
 

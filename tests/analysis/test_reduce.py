@@ -64,7 +64,7 @@ Iz = 1.367e9
 
 [propulsion]
 [[propulsion.sets]]
-eta_min = -99.0
+eta_min = 0.0
 a = -0.0016
 b = -0.0032
 c = 0.0048

@@ -62,14 +62,12 @@ def test_the_water_never_feeds_the_boat(make_boat: Callable[..., Boat], vessel: 
 
 
 def test_an_ideal_fluid_does_no_work_in_any_direction(make_boat: Callable[..., Boat]) -> None:
-    from trainer.core.ideal_fluid import add_ideal_fluid  # noqa: PLC0415  one of many parts
-
     boat, rng = make_boat("bb2", "full", "exact"), np.random.default_rng(5)
     for _ in range(100):
         put(boat, any_way(rng, boat))
         for dry in (0.0, 0.7):
             force = np.zeros(6)
-            add_ideal_fluid(boat.records.vessel, dry, boat.records.state, force)
+            wide.add_ideal_fluid(boat.records.vessel, dry, boat.records.state, force)
             powers = force * boat.state.motion[:6]
             assert abs(powers.sum()) < 1e-11 * abs(powers).sum()
 
@@ -119,7 +117,7 @@ def test_between_the_two_the_accelerations_are_blended_without_a_jump(
         angle = math.radians(degrees)
         put(boat, {"u": 5.0 * math.cos(angle), "v": 5.0 * math.sin(angle)})
         rates(*boat.records)
-        return boat.state.rates[:6].copy()
+        return np.asarray(boat.state.rates[:6].copy())
 
     for edge in (35.0, 55.0):
         assert at(edge - 1e-7) == pytest.approx(at(edge + 1e-7), abs=1e-8)
@@ -179,7 +177,8 @@ def matrix(phi: float, theta: float, psi: float) -> np.ndarray:
     """Return the matrix of an attitude, body to earth."""
     about_x = rotation(np.array([phi, 0.0, 0.0]))
     about_y = rotation(np.array([0.0, theta, 0.0]))
-    return rotation(np.array([0.0, 0.0, psi])) @ about_y @ about_x
+    about_z = rotation(np.array([0.0, 0.0, psi]))
+    return np.asarray(about_z @ about_y @ about_x)
 
 
 def rotation(turn: np.ndarray) -> np.ndarray:

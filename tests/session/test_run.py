@@ -143,7 +143,8 @@ def test_the_csv_has_a_row_for_the_start_and_each_tick_and_loses_no_digit(
 
     lines = (tmp_path / "out.csv").read_text().splitlines()
     assert lines[0] == (
-        "tick,t,u,v,w,p,q,r,x,y,z,phi,theta,psi,delta_r,delta_s,delta_b,u_c,weight,x_g,z_g,eta_wave"
+        "tick,t,u,v,w,p,q,r,x,y,z,phi,theta,psi,"
+        "delta_r,delta_s,delta_b,u_c,weight,x_g,z_g,eta_wave,validity"
     )
     assert len(lines) == 102
     for tick, line in enumerate(lines[1:]):
@@ -326,7 +327,7 @@ def test_closed_streams_do_not_disturb_the_run_or_get_into_its_recording(
     assert ran.code == 0, ran.err
     assert "Traceback" not in ran.err
     lines = (tmp_path / "out.csv").read_text().splitlines()
-    assert [line.count(",") for line in lines] == [21] * 42
+    assert [line.count(",") for line in lines] == [22] * 42
 
 
 @posix
@@ -549,6 +550,8 @@ def test_a_boat_driven_to_divergence_freezes_and_says_where(
 ) -> None:
     (tmp_path / "orders.txt").write_text("10 rudder right 25\n10 stern dive 20\n10 turns 20\n")
     bottomless = load_vessel("bb2").text.replace("collapse_depth_m", "# collapse_depth_m")
+    bottomless, rolling = re.subn(r"(?m)^K_p    = .*", "K_p = 0.01  # feeds her roll", bottomless)
+    assert rolling == 1
     (tmp_path / "bottomless.toml").write_text(bottomless)
     ran = Run(
         start(

@@ -9,10 +9,12 @@ import numpy as np
 from trainer.analysis.steady_turn import Comparison, compare_turns
 from trainer.boat.assemble import Method, scheme_record
 from trainer.boat.boat import Boat
+from trainer.boat.envelope import is_clipped, surface_modes
 from trainer.boat.linear import Mode, bring_to, modes, respond
 from trainer.boat.stability import largest_flown, largest_step, responses, stable_at, worst_motion
 from trainer.config.vessel import VesselFile
 from trainer.core import full
+from trainer.core.envelope import substeps
 from trainer.core.terms import COEFFICIENTS
 from trainer.units import KNOT
 
@@ -97,6 +99,31 @@ def critical_speed(file: VesselFile, plane: str) -> float | None:
     return math.sqrt(square) if square is not None and square > 0.0 else None
 
 
+@dataclass(frozen=True)
+class Afloat:
+    """The boat at the surface at her lightest, and into how many parts a step is then divided."""
+
+    period_s: dict[str, float]  # by mode
+    parts: dict[float, int]  # by step [s], of a multistep method
+
+
+def afloat(file: VesselFile) -> Afloat:
+    """Return the modes of the boat afloat and the parts of the steps in question."""
+    boat = Boat(file, Method("full", "exact", "exact", "adams2", file.run.step_s))
+    modes = surface_modes(boat.records.vessel)
+    steps = sorted({*STEPS, file.run.step_s})
+    return Afloat(
+        {name: 2.0 * math.pi / float(rate[0]) for name, rate in modes.items() if rate[0] > 0.0},
+        {step: substeps(boat.records.vessel, step, 1, boat.records.state) for step in steps},
+    )
+
+
+def clipped(file: VesselFile) -> bool:
+    """Return whether linear coefficients of the file would feed the boat beyond their range."""
+    boat = Boat(file, Method("full", "exact", "exact", "adams2", file.run.step_s))
+    return is_clipped(file, boat.records.vessel)
+
+
 EQUATIONS = ("full", "modified", "basic")
 REGIONS = ("adams2", "euler")
 STEPS = (0.5, 1.0)  # [s] of [ASSES]: modified and basic set
@@ -159,6 +186,8 @@ class Report:
     largest_flown_s: dict[str, dict[str, float | None]]  # by equation set, by method; None: any
     verdicts: tuple[Verdict, ...]
     turn: Comparison
+    afloat: Afloat
+    clipped: bool  # what would feed the boat beyond the range is left out
     stable: bool
 
 
@@ -247,5 +276,7 @@ def check(file: VesselFile) -> Report:
         largest_flown_s=largest,
         verdicts=tuple(verdicts),
         turn=compare_turns(file),
+        afloat=afloat(file),
+        clipped=clipped(file),
         stable=all(verdict.stable for verdict in verdicts),
     )

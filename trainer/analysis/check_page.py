@@ -150,6 +150,23 @@ def _steps(report: Report) -> list[str]:
     return lines
 
 
+def _afloat(report: Report) -> list[str]:
+    """Return the boat at the surface, and what it is beyond the range of its coefficients."""
+    periods = ", ".join(f"{name} {period:.1f} s" for name, period in report.afloat.period_s.items())
+    parts = ", ".join(f"{step:g} s in {count}" for step, count in report.afloat.parts.items())
+    lines = [
+        "",
+        "AFLOAT (at the lightest)",
+        f"{INDENT}periods                 {periods}",
+        f"{INDENT}steps are divided       {parts}",
+    ]
+    if report.clipped:
+        lines += _wrap(
+            "linear coefficients would feed the boat beyond their range: that is cut off"
+        )
+    return lines
+
+
 def _turn(turn: Comparison) -> list[str]:
     """Return the compact turn beside the full one."""
     head = f"TURN ({turn.rudder_deg:g} deg rudder at {turn.speed_kn:g} kn; depth {turn.depth})"
@@ -172,6 +189,7 @@ def render(report: Report) -> str:
         *_hull(report),
         *_modes(report),
         *_steps(report),
+        *_afloat(report),
         *_turn(report.turn),
         "",
         "All steps above are stable." if report.stable else "Not every step above is stable.",

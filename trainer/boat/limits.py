@@ -11,8 +11,20 @@ from trainer.core.sea.free_surface import deck_height, sail_height
 from trainer.units import KNOT
 
 COVERED: Final = 1.0  # [m] of water over it before the same can be called out again
-Z, WAVE = PLACES["z"], PLACES["eta_wave"]
+Z, WAVE, VALIDITY = PLACES["z"], PLACES["eta_wave"], PLACES["validity"]
+RUDDER, STERN, COMMAND = (PLACES[name] for name in ("delta_r", "delta_s", "command_r"))
+TOUCHING: Final = math.radians(0.5)  # [rad] short of the limit that both share
+TAKEN: Final = math.radians(3.0)  # [rad] of rudder, to be told
 FULL: Final = 0.95  # [-] of main ballast; with less aboard the boat means to come up
+
+
+SETTLED: Final = 30.0  # [s] inside the equations' range before leaving it is news again
+RANGES: Final = ("", "equations extrapolated", "outside the equations")
+REASONS: Final = (
+    "",
+    "the flow is further off the bow than the boat was ever tested",
+    "the boat goes astern or across the flow; the wide set moves it",
+)
 
 
 SEEN: Final[dict[str, Callable[[Any], float]]] = {
@@ -20,6 +32,7 @@ SEEN: Final[dict[str, Callable[[Any], float]]] = {
     "pitch_deg": lambda s: abs(math.degrees(s.theta)),
     "heel_deg": lambda s: abs(math.degrees(s.phi)),
     "speed_kn": lambda s: float(s.u) / KNOT,
+    "validity_level": lambda s: float(s.validity),
 }
 
 
@@ -52,6 +65,10 @@ class LimitMonitor:
     beyond: set[str] = field(default_factory=set)
     shows: bool = False
     times: dict[str, list[float]] = field(default_factory=dict)  # [s]
+    validity: int = 0  # the worst since the boat was last inside the equations' range for long
+    inside_since: float = 0.0  # [s]
+    taken: bool = False  # by the stern planes, of the rudder of an X-tail
+    taken_since: float = 0.0  # [s]
     _set: tuple[tuple[str, float], ...] = field(init=False)  # the limits that there are, by name
 
     def __post_init__(self) -> None:
@@ -69,12 +86,16 @@ class LimitMonitor:
         """Take the boat as she is, after a jump in time: nothing of it is news."""
         self._passed(boat)
         self._broken_surface(boat)
+        self._out_of_range(boat)
 
     def look(self, boat: Boat) -> list[str]:
         """Return what there is to call out after a tick."""
-        if not self._set and not self.shows and deep(boat):
+        usual = boat.plain[VALIDITY] == 0.0 and self.validity == 0
+        usual = usual and boat.vessel.x_tail == 0.0
+        if usual and not self._set and not self.shows and deep(boat):
             return []
-        news = self._passed(boat) + self._broken_surface(boat)
+        news = self._out_of_range(boat) + self._passed(boat) + self._broken_surface(boat)
+        news += self._shared_tail(boat)
         for what, _ in news:
             self.times.setdefault(what, []).append(boat.time)
         return [f"tick {boat.ticks} ({boat.time:g} s): {text}" for _, text in news]
@@ -94,6 +115,35 @@ class LimitMonitor:
                 said = f"{what} {side} {limit:g} {unit}"
                 news.append((said, f"LIMIT: {said}"))
         return news
+
+    def _out_of_range(self, boat: Boat) -> list[tuple[str, str]]:
+        """Return that the equations are extrapolated or at their end, if that is news."""
+        now = int(boat.plain[VALIDITY])
+        if now > 0:
+            self.inside_since = boat.time
+        elif boat.time - self.inside_since > SETTLED:
+            self.validity = 0
+        if now <= self.validity:
+            return []
+        self.validity = now
+        return [(RANGES[now], f"{RANGES[now].upper()}: {REASONS[now]}")]
+
+    def _shared_tail(self, boat: Boat) -> list[tuple[str, str]]:
+        """Return that the stern planes of an X-tail take rudder away, if that is news."""
+        plain, c = boat.plain, boat.vessel
+        rudder, stern, command = plain[RUDDER], plain[STERN], plain[COMMAND]
+        full = abs(rudder) + abs(stern) >= c.limit_s - TOUCHING
+        lost = abs(command) - abs(rudder) if c.x_tail != 0.0 and full else 0.0
+        if lost <= TAKEN:
+            if boat.time - self.taken_since > SETTLED:
+                self.taken = False
+            return []
+        self.taken_since = boat.time
+        if self.taken:
+            return []
+        self.taken = True
+        said = f"X-TAIL: the stern planes take {math.degrees(lost):.0f} deg of rudder away"
+        return [("rudder taken by the stern planes", said)]
 
     def _broken_surface(self, boat: Boat) -> list[tuple[str, str]]:
         """Return that sail or deck has come out of the sea, if it has."""

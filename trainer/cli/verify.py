@@ -98,6 +98,13 @@ def fuzz(
     metavar="N",
     help="Instead damage N recordings, and let every command open them.",
 )
+@click.option(
+    "--stress",
+    type=click.IntRange(1),
+    default=None,
+    metavar="N",
+    help="Instead give N orders to each boat by each set within --hours.",
+)
 @click.option("--json", "as_json", is_flag=True, help="Print what was found as JSON.")
 def soak(*, real_time: bool, seed: int, as_json: bool, **how: Any) -> None:
     """Keep a session under random orders, seas, casualties and visitors, and see what it promises.
@@ -107,6 +114,7 @@ def soak(*, real_time: bool, seed: int, as_json: bool, **how: Any) -> None:
               trainer soak --real-time --minutes 30
               trainer soak --faults 100
               trainer soak --damaged 2000
+              trainer soak --stress 2000 --hours 10
 
     Exit codes: 0 every promise kept, 1 one is broken.
     """
@@ -118,11 +126,30 @@ def soak(*, real_time: bool, seed: int, as_json: bool, **how: Any) -> None:
     for name in ("faults", "damaged"):
         if how[name]:
             sys.exit(try_faults(name, how[name], seed, as_json=as_json))
+    if how["stress"]:
+        sys.exit(try_stress(how["stress"], how["hours"], seed, as_json=as_json))
     plan = Plan(60.0 * how["minutes"] if real_time else 3600.0 * how["hours"], real_time, seed)
     with Bar("soaking", plan.ticks) as bar:
         found = soak_session(plan, how["keep"], bar.at)
     click.echo(text_of(found) if as_json else page(found))
     sys.exit(0 if found.kept else 1)
+
+
+def try_stress(orders: int, hours: float, seed: int, *, as_json: bool) -> int:
+    """Stress every boat by every set, and print what came of it; return the exit code."""
+    from trainer.verify.page import as_json as text_of  # noqa: PLC0415
+    from trainer.verify.soak.stress import HEAD, row, stress  # noqa: PLC0415
+
+    found = []
+    if not as_json:
+        click.echo(HEAD)
+    for one in stress(orders, hours, seed):
+        found.append(one)
+        if not as_json:
+            click.echo(row(one))
+    if as_json:
+        click.echo(text_of(found))
+    return 0 if all(one.kept for one in found) else 1
 
 
 def try_faults(what: str, times: int, seed: int, *, as_json: bool) -> int:

@@ -119,6 +119,9 @@ class Limits:
     heel_deg_max: float | None = optional(Quantity("deg", within(0, 90), "heel either way"))
     speed_kn_max: float | None = optional(Quantity("kn", within(-60, 60), "fastest"))
     speed_kn_min: float | None = optional(Quantity("kn", within(-60, 60), "slowest"))
+    validity_level_max: float | None = optional(
+        Quantity("-", within(0, 2), "of the equations: 0 inside their range, 1 extrapolated")
+    )
 
 
 ORDERS: Final = Rows(OrderRow, ("note",), 0, 500, "scheduled orders, below")

@@ -8,11 +8,11 @@ read from it again: pitch stays within 90 deg, heel within 180.
 import math
 from typing import Final
 
-from trainer.core.elementary import arctangent, cosine, cosine_and_sine
+from trainer.core.elementary import arctangent, cosine_and_sine
 from trainer.core.kernel import Record, part
 from trainer.core.state import HISTORY, MOTION
 
-POLAR: Final = 0.25881904510252074  # [-] cosine of 75 deg
+POLAR: Final = 1.3089969389957472  # [rad] 75 deg
 PHI: Final = MOTION.index("phi")
 HALF_TURN: Final = 3.141592653589793
 TURN: Final = 6.283185307179586
@@ -21,7 +21,7 @@ TURN: Final = 6.283185307179586
 @part
 def is_polar(state: Record) -> bool:
     """Return whether the boat is within 15 deg of the vertical."""
-    return abs(cosine(state[0].theta)) < POLAR
+    return bool(abs(state[0].theta) > POLAR)
 
 
 @part

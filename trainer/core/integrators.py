@@ -128,8 +128,10 @@ def multistep_step(scheme: Record, h: float, state: Record) -> None:
     polar = how.envelope != 0 and is_polar(state)
     if s.polar != 0.0 and not polar:
         forget_rates(state)
-    phi, theta, psi, turn = s.phi, s.theta, s.psi, turn_of(h, state)
+    phi, theta, psi, turn = s.phi, s.theta, s.psi, (0.0, 0.0, 0.0)
     p, q, r = s.p, s.q, s.r
+    if polar:
+        turn = turn_of(h, state)
     if h != how.h or s.last_step not in (h, 0.0):
         adams_unequal(h, state)
     elif how.method == ADAMS:

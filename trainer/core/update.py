@@ -90,9 +90,10 @@ def outside(vessel: Record, state: Record, scratch: Record) -> None:
         work.external[i] = 0.0
     near = is_near_surface(vessel, state)
     work.levels = 1.0 if near else 0.0
-    for i in range(vessel[0].station_x.size):
-        work.level[i] = work.rise[i] = 0.0
-        work.station[i] = vessel[0].station_x[i]
+    if near:
+        for i in range(vessel[0].station_x.size):
+            work.level[i] = work.rise[i] = 0.0
+            work.station[i] = vessel[0].station_x[i]
     wave_forces(vessel, scratch, state, work.external)
     surface_forces(vessel, state, work.external)
     add_compression(vessel, vessel, state, work.external)

@@ -9,13 +9,38 @@ import math
 from trainer.core import full
 from trainer.core.crossflow import add_hull_strips, add_tail_and_sail
 from trainer.core.envelope import wide_share
-from trainer.core.ideal_fluid import add_ideal_fluid
 from trainer.core.kernel import Numbers, Record, kernel, part
 from trainer.core.propulsion import thrust, thrust_astern
 from trainer.core.rigid_body import add_weight, body_forces
 from trainer.core.scheme import LONGITUDINAL
 from trainer.core.solve import exact
 from trainer.core.surfaced import dry_sail
+
+
+@part
+def add_ideal_fluid(vessel: Record, dry: float, state: Record, force: Numbers) -> None:
+    """Add forces [N] and moments [N m] of the added masses; ``dry`` [-] of the sail is in air.
+
+    Kirchhoff's equations: they do no work. They take the place of every product of velocities in
+    the file, which are lift of sail and hull at small angles.
+    """
+    c, s = vessel[0], state[0]
+    u, v, w, p, q, r = s.u, s.v, s.w, s.p, s.q, s.r
+    sail = dry * c.sail_mass
+    m22, m24 = c.m22 - sail, c.m24 + sail * c.strip_z
+    m44, m26 = c.m44 - sail * c.strip_z * c.strip_z, c.m26 - sail * c.strip_x
+    along = c.m11 * u
+    aside = m22 * v + m24 * p + m26 * r
+    down = c.m33 * w + c.m35 * q
+    roll = m24 * v + m44 * p + c.m46 * r
+    pitch = c.m35 * w + c.m55 * q
+    yaw = m26 * v + c.m46 * p + c.m66 * r
+    force[0] += r * aside - q * down
+    force[1] += p * down - r * along
+    force[2] += q * along - p * aside
+    force[3] += r * pitch - q * yaw + w * aside - v * down
+    force[4] += p * yaw - r * roll + u * down - w * along
+    force[5] += q * roll - p * pitch + v * along - u * aside
 
 
 @part

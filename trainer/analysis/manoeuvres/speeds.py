@@ -85,6 +85,9 @@ class UtmostAcceleration(Manoeuvre):
         return found
 
 
+BEYOND = 0.1  # [-] of the time to stop
+
+
 @dataclass(frozen=True)
 class CrashStop(Manoeuvre):
     """Full astern from steady speed until the way is off."""
@@ -101,6 +104,7 @@ class CrashStop(Manoeuvre):
         conn.order("engine", conn.vehicle.controls["engine"].low)
         conn.mark("astern")
         yield from conn.until(Watch("u", 0.0, -1.0), self.duration_s)
+        yield from conn.hold(BEYOND * conn.time)  # for a boat flown beside that stops later
 
     def measures(self, flight: Flight) -> list[Measure]:
         """Return time, head reach, side reach and change of heading."""
