@@ -8,6 +8,8 @@ import pytest
 
 from trainer.boat.boat import Boat
 from trainer.boat.envelope import surface_modes
+from trainer.boat.limits import LimitMonitor
+from trainer.config.exercise import Limits
 from trainer.core.state import MOTION
 from trainer.units import KNOT
 
@@ -238,3 +240,50 @@ def test_the_engine_s_torque_limits_revolutions(make_boat: Callable[..., Boat]) 
     in_hand(boat, 20.0)
     flown(boat, 900.0)
     assert boat.state.u / KNOT == pytest.approx(20.0, abs=0.3)
+
+
+def called(boat: Boat, monitor: LimitMonitor, seconds: float) -> list[str]:
+    """Return what is called out, without the ticks."""
+    said = []
+    for _ in range(round(seconds / boat.method.step)):
+        assert boat.tick() == 0
+        said += [text.partition(": ")[2] for text in monitor.look(boat)]
+    return said
+
+
+def test_leaving_the_range_is_called_out_once_and_can_be_a_limit(
+    make_boat: Callable[..., Boat],
+) -> None:
+    boat = make_boat("bb2", "full", "exact")
+    boat.start(10 * KNOT, 300.0, 0.0)
+    monitor = LimitMonitor.over(boat, Limits(validity_level_max=1.0))
+    assert called(boat, monitor, 30.0) == []
+    in_hand(boat, -8.0)
+
+    said = called(boat, monitor, 300.0)
+
+    assert [text.split(":")[0] for text in said] == [
+        *("EQUATIONS EXTRAPOLATED", "OUTSIDE THE EQUATIONS", "LIMIT"),
+    ]
+    assert said[2] == "LIMIT: validity above 1 level"
+
+
+def test_the_rudder_that_stern_planes_of_an_x_tail_take_away_is_told(
+    make_boat: Callable[..., Boat],
+) -> None:
+    boat = make_boat("bb2", "full", "exact")
+    boat.start(10 * KNOT, 100.0, 0.0)
+    monitor = LimitMonitor.over(boat, Limits())
+    in_hand(boat, 10.0, rudder=25.0)
+    boat.state.ordered_s = math.radians(20.0)
+
+    said = called(boat, monitor, 20.0)
+
+    told = [text for text in said if "X-TAIL" in text]
+    assert told == ["X-TAIL: the stern planes take 8 deg of rudder away"]
+    cruciform = make_boat("sdv-mk9", "full", "exact", "adams2", 0.1)
+    cruciform.start(3 * KNOT, 20.0, 0.0)
+    in_hand(cruciform, 3.0, rudder=20.0)
+    cruciform.state.ordered_s = math.radians(20.0)
+    quiet = called(cruciform, LimitMonitor.over(cruciform, Limits()), 5.0)
+    assert not [text for text in quiet if "X-TAIL" in text]

@@ -78,7 +78,8 @@ def water_power(boat: Boat) -> float:
     speed = float(np.sqrt(np.sum(motion[:3] ** 2) + c.cross_arm * np.sum(motion[3:] ** 2)))
     if speed == 0.0:
         return 0.0
-    return float(water_forces(boat) @ motion) / (0.5 * c.rho * c.ell**2 * speed**3)
+    power = float(np.dot(water_forces(boat), motion))
+    return power / float(0.5 * c.rho * c.ell**2 * speed**3)
 
 
 @dataclass
