@@ -7,11 +7,22 @@ from collections.abc import Callable
 from typing import Final
 
 from trainer.boat.boat import Boat
-from trainer.core.ballast.tanks import BLOWN, COMPARTMENTS, FIRST_DRY, NEGATIVE, PUMPED, TANKS
+from trainer.core.ballast.tanks import (
+    BLOWN,
+    COMPARTMENTS,
+    FIRST_DRY,
+    MAIN_BANK,
+    NEGATIVE,
+    PUMPED,
+    TANKS,
+)
 from trainer.io.orders.grammar import Order, Refused, Reply
 
 MAIN: Final = BLOWN[:NEGATIVE]
 SPACES: Final = tuple(name.removeprefix("compartment_") for name in COMPARTMENTS)
+
+
+EMPTY: Final = 0.1  # [-] of a full bank: not enough to empty main ballast
 
 
 def order_ballast(boat: Boat, order: Order) -> Reply:
@@ -130,6 +141,11 @@ def _surface(boat: Boat, _order: Order) -> Reply:
     _main_ballast(boat, groups=MAIN, blow=1.0, vent=0.0)
     boat.state.ordered_depth = 0.0
     boat.state.hover = 0.0
+    bank = float(boat.state.bank_main / boat.vessel.bank_full[MAIN_BANK])
+    if bank < EMPTY:
+        return (
+            f"surfacing: the main bank has {bank:.0%} of its air left; emergency blow has its own"
+        )
     return "surfacing: blowing all main ballast; blow stop once she is up"
 
 
