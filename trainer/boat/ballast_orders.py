@@ -143,9 +143,7 @@ def _surface(boat: Boat, _order: Order) -> Reply:
     boat.state.hover = 0.0
     bank = float(boat.state.bank_main / boat.vessel.bank_full[MAIN_BANK])
     if bank < EMPTY:
-        return (
-            f"surfacing: the main bank has {bank:.0%} of its air left; emergency blow has its own"
-        )
+        return f"surfacing: the main bank has {bank:.0%} of its air; emergency blow has its own"
     return "surfacing: blowing all main ballast; blow stop once she is up"
 
 

@@ -183,6 +183,8 @@ def logarithm(x: float) -> float:
 @part
 def _arctangent_of_share(t: float) -> float:
     """Return arctan t [rad] for 0 <= t <= 1, by the nearest eighth and a Taylor series to z^15."""
+    if not t <= 1.0:
+        return t  # not a number stays one
     eighth = _nearest(8.0 * t)
     c = 0.125 * _as_float(eighth)
     z = (t - c) / (1.0 + t * c)

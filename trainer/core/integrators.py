@@ -288,12 +288,13 @@ def advance(
     count = 1
     if how.envelope != 0 and how.method != VARIABLE_RUNGE_KUTTA:
         count = substeps(vessel, how.h, int(several) * int(scratch[0].cut), state)
+    h = how.h / count if count > 1 else how.h
     for _ in range(count):
         rates(vessel, compact, scheme, state, scratch)
         if several:
-            multistep_step(scheme, how.h / count, state)
+            multistep_step(scheme, h, state)
         elif how.method == RUNGE_KUTTA:
-            runge_kutta(vessel, compact, scheme, state, scratch, how.h / count)
+            runge_kutta(vessel, compact, scheme, state, scratch, h)
         else:
             variable_runge_kutta(vessel, compact, scheme, state, scratch)
     if count > 1:

@@ -17,26 +17,29 @@ from trainer.boat.assemble import Records
 from trainer.boat.export.targets import NoCompilerError
 from trainer.core import (
     actuators,
+    attitude,
     autopilot,
     casualties,
+    elementary,
+    envelope,
     kinematics,
     noise,
     reference,
+    scheme,
     state,
     update,
     vessel,
 )
 from trainer.core.ballast import air, pumps, tanks
 from trainer.core.ballast import buoyancy as hull
-from trainer.core.scheme import SCHEME
-from trainer.core.sea import forces, wave_filter
+from trainer.core.sea import cosine_sum, forces, wave_filter
 from trainer.core.sea import sea as sea_module
 from trainer.core.state import SCRATCH, STATE
 
 RECORDS: Final = {
     "vessel": vessel.VESSEL,
     "compact": vessel.COMPACT,
-    "scheme": SCHEME,
+    "scheme": scheme.SCHEME,
     "state": STATE,
     "scratch": SCRATCH,
 }
@@ -44,16 +47,20 @@ TYPES: Final = {"f8": "double", "i8": "int64_t"}
 CONSTANTS: Final[tuple[tuple[ModuleType, str], ...]] = (
     (actuators, "AMIDSHIPS"),
     (air, "CRITICAL THINNEST"),
+    (attitude, "HALF_TURN PHI POLAR TURN"),
     (autopilot, "BOW FAR GAIN_COUNT HANDOVER PLANE_GAINS RUDDER RUDDER_GAINS SETTLED SLOWEST"),
     (autopilot, "SPEED_BAND STANDS STERN"),
     (casualties, "AUTOPILOT_FAILED BIASED FOLLOW_UP_LOST FREE GYRO HARD_OVER LOG"),
     (casualties, "PROPULSION_LOST PROPULSION_STUCK SLOW"),
+    (cosine_sum, "BANDS PART"),
+    (envelope, "EXTRAPOLATED INSIDE MOST_SUBSTEPS OUTSIDE SUBSTEP SURFACE_SUBSTEP"),
     (hull, "SEGMENT_SLOPE SMALL_SEGMENT"),
     (kinematics, "LINEAR POLYNOMIAL STEEPEST"),
-    (noise, "PARITY SEA_FILTER"),
+    (noise, "PARITY SEA_FILTER SEA_FREQUENCY SEA_PHASE"),
     (pumps, "DAMPING INTEGRAL"),
     (reference, "APPROACH COURSE DEPTH DEPTH_SLEW LEASH"),
-    (state, "DEGREE"),
+    (scheme, "ADAMS"),
+    (state, "DEGREE SEA_COMPONENTS"),
     (sea_module, "OMEGA"),
     (tanks, "ATMOSPHERE AUXILIARY DEPTH_CONTROL DEPTH_CONTROL_PUMP DISCHARGE DRAIN_PUMP"),
     (tanks, "EMERGENCY_BANK END FIRST_DRY MAIN_BANK NEGATIVE STATIONS TRIM_AFT TRIM_FORWARD"),
@@ -63,6 +70,7 @@ CONSTANTS: Final[tuple[tuple[ModuleType, str], ...]] = (
     (wave_filter, "G_OF_TABLE HIGH_DAMPING KNOT LOW_DAMPING PEAK WIDEST"),
 )
 CASUALTY_TABLES: Final = ("SURFACE", "GAUGE", "FAULT", "PLACE", "SENSE", "HOLDS", "GAUGE_CODE")
+SUM_TABLES: Final = ("ANGLE_COS", "ANGLE_SIN", "WEIGHT")
 
 
 def header() -> str:
@@ -73,6 +81,9 @@ def header() -> str:
         lines += [f"#define {name} {getattr(module, name)!r}" for name in names.split()]
     lines += [
         *(_table(name, 1 * getattr(casualties, name), "int") for name in CASUALTY_TABLES),
+        *(_table(name, np.array(getattr(cosine_sum, name))) for name in SUM_TABLES),
+        _table("ARCTANGENT", elementary.ARCTANGENT),
+        _table("EIGHTHS", elementary.EIGHTHS),
         _table("SIMILAR", np.array(wave_filter.SIMILAR)),
         _table("TAPER", np.array(forces.TAPER)),
         _table("TABLE", wave_filter.TABLE),

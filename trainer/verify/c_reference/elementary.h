@@ -1,4 +1,4 @@
-/* Sine, cosine, exponential and logarithm of trainer/core/elementary.py, the same bits. */
+/* Sine, cosine, arctangent, exponential and logarithm of trainer/core/elementary.py, the same bits. */
 
 #include <math.h>
 #include <stdint.h>
@@ -137,4 +137,30 @@ static double logarithm(double x)
     p = p * z + 3.3333333333333331e-01;
     double small = s * (half + 2.0 * z * p) + k * 1.9082149292705877e-10;
     return k * 0.6931471803691238 - ((half - small) - f);
+}
+
+static double arctangent_of_share(double t)
+{
+    int64_t eighth = (int64_t)floor(8.0 * t + 0.5);
+    double c = 0.125 * eighth;
+    double z = (t - c) / (1.0 + t * c);
+    double s = z * z;
+    double p = ARCTANGENT[0];
+    for (int i = 1; i < (int)(sizeof ARCTANGENT / sizeof *ARCTANGENT); i++)
+        p = p * s + ARCTANGENT[i];
+    return EIGHTHS[eighth] + (z + z * s * p);
+}
+
+static double arctangent(double y, double x)
+{
+    double across = fabs(y), along = fabs(x), angle;
+    if (across == 0.0 && along == 0.0)
+        return 0.0;
+    if (across <= along)
+        angle = arctangent_of_share(across / along);
+    else
+        angle = (1.5707963267948966 - arctangent_of_share(along / across)) + 6.123233995736766e-17;
+    if (x < 0.0)
+        angle = (3.141592653589793 - angle) + 1.2246467991473532e-16;
+    return y >= 0.0 ? angle : -angle;
 }

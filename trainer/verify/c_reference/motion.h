@@ -1,5 +1,5 @@
-/* The compact set with lagged rates, kinematics, Adams' integration, surfaces, propeller:
-   trainer/core/compact.py, propulsion.py, kinematics.py, integrators.py, actuators.py, holds.py. */
+/* The compact set, kinematics, holds, surfaces: trainer/core/compact.py, kinematics.py, update.py,
+   actuators.py. */
 
 enum { PAST = sizeof(((struct state *)0)->past_rates) / (12 * sizeof(double)) };
 
@@ -18,17 +18,6 @@ static double pitch_roll_cosine(int64_t trig, double angle)
     return trig == LINEAR ? 1.02 - 0.281 * fabs(angle) : cosine(angle);
 }
 
-static double thrust(const struct compact *c, const struct state *s)
-{
-    double u = s->u, u_c = s->u_c;
-    int first = u > 0.0 ? u_c >= c->eta_1 * u : u_c >= 0.0;
-    int second = u > 0.0 && u_c >= c->eta_2 * u;
-    double a = first ? c->a1 : second ? c->a2 : c->a3;
-    double b = first ? c->b1 : second ? c->b2 : c->b3;
-    double k = first ? c->c1 : second ? c->c2 : c->c3;
-    return u * (a * fabs(u) + b * u_c) + k * u_c * u_c;
-}
-
 static void forces(const struct compact *c, int64_t trig, const struct state *s, double *force)
 {
     double u = s->u, v = s->v, w = s->w, p = s->p, q = s->q, r = s->r;
@@ -45,7 +34,7 @@ static void forces(const struct compact *c, int64_t trig, const struct state *s,
 
     force[0] = m * ahead + m_x * (q * q + r * r) - m_z * r * p
         + u * u * (c->X_drdr * dr * dr + c->X_dsds * ds * ds + c->X_dbdb * db * db)
-        + thrust(c, s)
+        + compact_thrust(c, s)
         - heavy * sin_th;
     force[1] = m * aside - q * (m_z * r + m_x * p)
         + u * (c->Y_r * r + c->Y_p * p + c->Y_v * v + c->Y_dr * u_dr)
@@ -145,29 +134,43 @@ static void lagged(const struct compact *c, const double *force, struct state *s
     s->rdot = force[5] + (c->N_vdot - m_x * c->T6) * s->vdot + c->N_pdot * s->pdot;
 }
 
-/* The rates one after the other in full, where the few terms of lagged() are not all. */
-static void lagged_off_centre(const struct compact *c, const double *force, struct state *s)
+static void compact_inertia(const struct compact *c, const struct state *s, double (*out)[6])
 {
     double m = c->mass + (s->weight - c->weight) / c->g;
-    double m_x = m * s->x_g, m_y = m * s->y_g, m_z = m * s->z_g;
-    double matrix[6][6] = {
-        {m - c->X_udot, 0.0, 0.0, 0.0, m_z, 0.0 - m_y},
-        {0.0, m - c->Y_vdot, 0.0, -(m_z + c->Y_pdot), 0.0, m_x - c->Y_rdot},
-        {0.0, 0.0, m - c->Z_wdot, m_y, -(m_x + c->Z_qdot), 0.0},
-        {0.0, -(m_z * c->T4 + c->K_vdot), m_y * c->T4, 1.0, 0.0 - c->I_xy * c->T4,
-         -c->K_rdot - c->I_xz * c->T4},
-        {m_z * c->T5, 0.0, -(m_x * c->T5 + c->M_wdot), 0.0 - c->I_xy * c->T5, 1.0,
-         0.0 - c->I_yz * c->T5},
-        {0.0 - m_y * c->T6, m_x * c->T6 - c->N_vdot, 0.0, -c->N_pdot - c->I_xz * c->T6,
-         0.0 - c->I_yz * c->T6, 1.0},
-    };
+    double m_x = m * s->x_g, m_z = m * s->z_g;
     for (int i = 0; i < 6; i++) {
-        double total = force[i];
         for (int j = 0; j < 6; j++)
-            if (j != i)
-                total -= matrix[i][j] * s->rates[j];
-        s->rates[i] = total / matrix[i][i];
+            out[i][j] = 0.0;
+        out[i][i] = 1.0;
     }
+    out[0][0] = m - c->X_udot;
+    out[0][4] = m_z;
+    out[1][1] = m - c->Y_vdot;
+    out[1][3] = -(m_z + c->Y_pdot);
+    out[1][5] = m_x - c->Y_rdot;
+    out[2][2] = m - c->Z_wdot;
+    out[2][4] = -(m_x + c->Z_qdot);
+    out[3][1] = -(m_z * c->T4 + c->K_vdot);
+    out[3][5] = -c->K_rdot;
+    out[4][0] = m_z * c->T5;
+    out[4][2] = -(m_x * c->T5 + c->M_wdot);
+    out[5][1] = m_x * c->T6 - c->N_vdot;
+    out[5][3] = -c->N_pdot;
+}
+
+static void off_centre_inertia(const struct compact *c, const struct state *s, double (*out)[6])
+{
+    double m_y = (c->mass + (s->weight - c->weight) / c->g) * s->y_g;
+    out[0][5] -= m_y;
+    out[2][3] += m_y;
+    out[3][2] += m_y * c->T4;
+    out[3][4] -= c->I_xy * c->T4;
+    out[3][5] -= c->I_xz * c->T4;
+    out[4][3] -= c->I_xy * c->T5;
+    out[4][5] -= c->I_yz * c->T5;
+    out[5][0] -= m_y * c->T6;
+    out[5][3] -= c->I_xz * c->T6;
+    out[5][4] -= c->I_yz * c->T6;
 }
 
 static double guarded(double cos_theta)
@@ -191,25 +194,6 @@ static void kinematics(int64_t trig, struct state *s)
     s->xdot = along * cos_psi - across * sin_psi;
     s->ydot = along * sin_psi + across * cos_psi;
     s->zdot = down * cos_th - s->u * sin_th;
-}
-
-static void adams(const struct scheme *how, struct state *s)
-{
-    if (s->history == 0.0) {
-        for (int back = 0; back < PAST; back++)
-            for (int i = 0; i < 12; i++)
-                s->past_rates[back][i] = s->rates[i];
-        s->history = PAST;
-    }
-    for (int i = 0; i < 12; i++) {
-        double slope = how->b[0] * s->rates[i];
-        for (int back = 0; back < how->depth - 1; back++)
-            slope += how->b[back + 1] * s->past_rates[back][i];
-        for (int back = PAST - 1; back > 0; back--)
-            s->past_rates[back][i] = s->past_rates[back - 1][i];
-        s->past_rates[0][i] = s->rates[i];
-        s->motion[i] += how->h * slope;
-    }
 }
 
 static void cast_off(struct state *s)
@@ -294,26 +278,4 @@ static void move_surfaces(const struct vessel *c, double h, struct state *s)
     }
     double bow = told(c, furthest / share, BOW, fault_of(BOW, s), s);
     s->delta_b = moved(s->delta_b, bow, c->limit_b, furthest, share);
-}
-
-static double delivered(const struct state *s)
-{
-    int stuck = slot_of(PROPULSION_STUCK, s), lost = slot_of(PROPULSION_LOST, s);
-    double wanted = stuck >= 0 ? s->casualty_amount[stuck] : s->telegraph_answer;
-    return lost >= 0 ? wanted * (1.0 - s->casualty_amount[lost]) : wanted;
-}
-
-static void answer_telegraph(const struct vessel *c, double h, struct state *s)
-{
-    double standing = s->speed_by_hand != 0.0 ? s->ordered_u_c : s->ordered_speed;
-    if (standing != s->telegraph_order) {
-        s->telegraph_order = standing;
-        s->telegraph_ticks = floor(c->telegraph_dead_time / h + 0.5);
-    }
-    if (s->telegraph_ticks > 0.0)
-        s->telegraph_ticks -= 1.0;
-    else
-        s->telegraph_answer = s->command_u_c;
-    double share = c->propulsion_lag > 0.0 ? 1.0 - exponential(-h / c->propulsion_lag) : 1.0;
-    s->u_c += share * (delivered(s) - s->u_c);
 }

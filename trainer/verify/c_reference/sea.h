@@ -1,7 +1,7 @@
-/* Noise, the filtered sea, its forces: trainer/core/noise.py, wave_filter.py, seaway.py,
-   wave_forces.py. The cosine sum is not here: a sea of it is none of this program's. */
+/* Noise, the sea by filter and by cosine sum, its forces and its levels along the hull:
+   trainer/core/noise.py, sea/wave_filter.py, sea/cosine_sum.py, sea/sea.py, sea/forces.py. */
 
-static uint32_t turned(uint32_t word, int turn) { return (word << turn) | (word >> (32 - turn)); }
+static uint32_t word_turned(uint32_t word, int turn) { return (word << turn) | (word >> (32 - turn)); }
 
 static void random_words(uint64_t seed, uint32_t stream, uint32_t tick, uint32_t *one, uint32_t *two)
 {
@@ -12,13 +12,20 @@ static void random_words(uint64_t seed, uint32_t stream, uint32_t tick, uint32_t
     for (int block = 0; block < 5; block++) {
         for (int round = 0; round < 4; round++) {
             x += y;
-            y = x ^ turned(y, turns[block & 1][round]);
+            y = x ^ word_turned(y, turns[block & 1][round]);
         }
         x += keys[(block + 1) % 3];
         y += keys[(block + 2) % 3] + block + 1;
     }
     *one = x;
     *two = y;
+}
+
+static double uniform(uint64_t seed, uint32_t stream, uint32_t tick)
+{
+    uint32_t x, y;
+    random_words(seed, stream, tick, &x, &y);
+    return ((x >> 6) * 67108864.0 + (y >> 6) + 0.5) * 2.220446049250313e-16;
 }
 
 static double gaussian(uint64_t seed, uint32_t stream, uint32_t tick)
@@ -159,6 +166,58 @@ static void advance_filter(const struct scratch *work, double h, struct state *s
     s->sea_quadrature = quadrature * turn_cos - elevation * turn_sin;
 }
 
+static double peakedness(double gamma, double x)
+{
+    double off = (x - 1.0) / (x <= 1.0 ? 0.07 : 0.09);
+    return exponential(logarithm(gamma) * exponential(-0.5 * off * off));
+}
+
+static void prepare_sum(double gamma, double seed, struct scratch *work)
+{
+    if (work->gamma == gamma && work->seed == seed)
+        return;
+    work->gamma = gamma;
+    work->seed = seed;
+    double total = 0.0;
+    for (int i = 0; i < SEA_COMPONENTS; i++) {
+        double inside = uniform((uint64_t)seed, SEA_FREQUENCY, i);
+        double part = PART * (i % BANDS + inside) / BANDS;
+        work->relative[i] = sqrt(sqrt(-1.25 / logarithm(part)));
+        work->phase_start[i] = 6.283185307179586 * (uniform((uint64_t)seed, SEA_PHASE, i) - 0.5);
+        work->amplitude[i] = WEIGHT[i / BANDS];
+        if (gamma != 1.0)
+            work->amplitude[i] *= sqrt(peakedness(gamma, work->relative[i]));
+        total += 0.5 * work->amplitude[i] * work->amplitude[i];
+    }
+    for (int i = 0; i < SEA_COMPONENTS; i++)
+        work->amplitude[i] /= sqrt(total);
+}
+
+static void advance_sum(const struct vessel *c, double h, struct state *s)
+{
+    double cos_wind, sin_wind;
+    cosine_and_sine(s->sea_direction, &cos_wind, &sin_wind);
+    double number = s->sea_omega * s->sea_omega / c->g;
+    s->sea_turned += s->sea_omega * h;
+    s->sea_along += number * (s->xdot * cos_wind + s->ydot * sin_wind) * h;
+    s->sea_across += number * (s->ydot * cos_wind - s->xdot * sin_wind) * h;
+}
+
+static double phase(const struct scratch *work, const struct state *s, int i)
+{
+    double q = work->relative[i];
+    double met = s->sea_along * ANGLE_COS[i / BANDS] + s->sea_across * ANGLE_SIN[i / BANDS];
+    return work->phase_start[i] + q * s->sea_turned - q * q * met;
+}
+
+static double sum_elevation(const struct scratch *work, const struct state *s)
+{
+    double elevation = 0.0;
+    for (int i = 0; i < SEA_COMPONENTS; i++)
+        elevation += work->amplitude[i] * cosine(phase(work, s, i));
+    return elevation;
+}
+
 static void approach(double h, struct state *s)
 {
     int quantities = sizeof s->sea / sizeof(double);
@@ -187,9 +246,17 @@ static void advance_sea(const struct vessel *c, double h, struct scratch *work, 
         s->eta_wave = 0.0;
         return;
     }
-    prepare_filter(c->g, s->sea_omega, h, work);
-    advance_filter(work, h, s);
-    double unit = 0.0 + sqrt(1.0 - s->sea_cosines) * s->sea_elevation;
+    double unit = 0.0;
+    if (s->sea_cosines < 1.0) {
+        prepare_filter(c->g, s->sea_omega, h, work);
+        advance_filter(work, h, s);
+        unit += sqrt(1.0 - s->sea_cosines) * s->sea_elevation;
+    }
+    if (s->sea_cosines > 0.0) {
+        prepare_sum(s->sea_gamma, s->seed, work);
+        advance_sum(c, h, s);
+        unit += sqrt(s->sea_cosines) * sum_elevation(work, s);
+    }
     s->eta_wave = 0.25 * s->sea_height * unit;
 }
 
@@ -217,6 +284,61 @@ static double tapered(const struct vessel *c, const struct state *s)
     return 1.0 - t * t * (3.0 - 2.0 * t);
 }
 
+static void raise_levels(
+    struct scratch *work, double k, double chi_cos, double a_cos, double a_sin)
+{
+    double omega = sqrt(work->g * k);
+    for (int i = 0; i < STATIONS; i++) {
+        double turn_cos, turn_sin;
+        cosine_and_sine(k * work->station[i] * chi_cos, &turn_cos, &turn_sin);
+        work->level[i] += a_cos * turn_cos + a_sin * turn_sin;
+        work->rise[i] -= omega * (a_sin * turn_cos - a_cos * turn_sin);
+    }
+}
+
+static void add_component(
+    struct scratch *work, double k, double chi_cos, double chi_sin, double a_cos, double a_sin)
+{
+    double s0, s1;
+    double size = work->g * k * exponential(-k * work->depth);
+    spread(k * work->half_length * chi_cos, &s0, &s1);
+    double swing = size * a_sin, heave = size * a_cos;
+    work->pull[0] -= swing * chi_cos * s0;
+    work->pull[1] -= swing * chi_sin * s0;
+    work->pull[2] += heave * s0;
+    work->pull[3] -= swing * s1;
+    work->pull[4] += heave * chi_sin * s1;
+    work->pull[5] += heave;
+    work->pull[6] += swing;
+    if (work->levels != 0.0)
+        raise_levels(work, k, chi_cos, a_cos, a_sin);
+}
+
+static void add_filter(struct scratch *work, const struct state *s)
+{
+    double a = 0.25 * s->sea_height * sqrt(1.0 - s->sea_cosines);
+    double chi_cos, chi_sin;
+    cosine_and_sine(s->sea_direction - s->psi, &chi_cos, &chi_sin);
+    double k = s->sea_omega * s->sea_omega / work->g;
+    add_component(work, k, chi_cos, chi_sin, a * s->sea_elevation, a * s->sea_quadrature);
+}
+
+static void add_sum(struct scratch *work, const struct state *s)
+{
+    double height = 0.25 * s->sea_height * sqrt(s->sea_cosines);
+    double chi_cos, chi_sin;
+    cosine_and_sine(s->sea_direction - s->psi, &chi_cos, &chi_sin);
+    for (int i = 0; i < SEA_COMPONENTS; i++) {
+        double angle_cos = ANGLE_COS[i / BANDS], angle_sin = ANGLE_SIN[i / BANDS];
+        double a = height * work->amplitude[i], omega = s->sea_omega * work->relative[i];
+        double along = chi_cos * angle_cos - chi_sin * angle_sin;
+        double across = chi_sin * angle_cos + chi_cos * angle_sin;
+        double phase_cos, phase_sin;
+        cosine_and_sine(phase(work, s, i), &phase_cos, &phase_sin);
+        add_component(work, omega * omega / work->g, along, across, a * phase_cos, a * phase_sin);
+    }
+}
+
 static void wave_forces(
     const struct vessel *c, struct scratch *work, const struct state *s, double *force)
 {
@@ -226,20 +348,14 @@ static void wave_forces(
     work->g = c->g;
     work->depth = most(s->z, 0.0);
     work->half_length = 0.5 * c->ell;
-    double a = 0.25 * s->sea_height * sqrt(1.0 - s->sea_cosines);
-    double chi_cos, chi_sin, s0, s1;
-    cosine_and_sine(s->sea_direction - s->psi, &chi_cos, &chi_sin);
-    double k = s->sea_omega * s->sea_omega / work->g;
-    double size = work->g * k * exponential(-k * work->depth);
-    spread(k * work->half_length * chi_cos, &s0, &s1);
-    double swing = size * (a * s->sea_quadrature), rise = size * (a * s->sea_elevation);
-    work->pull[0] = 0.0 - swing * chi_cos * s0;
-    work->pull[1] = 0.0 - swing * chi_sin * s0;
-    work->pull[2] = 0.0 + rise * s0;
-    work->pull[3] = 0.0 - swing * s1;
-    work->pull[4] = 0.0 + rise * chi_sin * s1;
-    work->pull[5] = 0.0 + rise;
-    work->pull[6] = 0.0 + swing;
+    for (int i = 0; i < (int)(sizeof work->pull / sizeof *work->pull); i++)
+        work->pull[i] = 0.0;
+    if (s->sea_cosines < 1.0)
+        add_filter(work, s);
+    if (s->sea_cosines > 0.0)
+        add_sum(work, s);
+    if (work->levels != 0.0)
+        left *= 1.0 - share_above(c, work, s);
     double displaced = c->buoyancy / c->g;
     double surge = left * (displaced - c->X_udot), sway = left * (displaced - c->Y_vdot);
     double heave = left * (displaced - c->Z_wdot);

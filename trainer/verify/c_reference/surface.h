@@ -1,4 +1,5 @@
-/* The boat near the surface: trainer/core/sea/free_surface.py, buoyancy.py. */
+/* The calm surface above the boat, compression and layers: trainer/core/sea/free_surface.py,
+   ballast/buoyancy.py. */
 
 static int cell(const double *grid, int count, double value, double *where)
 {
@@ -60,34 +61,16 @@ static double submerged_change(const struct vessel *c, double depth)
     return c->buoyancy * excess_density(c, depth) / c->rho - squeezed;
 }
 
-static void buoyancy_forces(const struct vessel *c, const struct state *s, double *force)
+static void add_compression(const struct vessel *c, const struct state *s, double *force)
 {
-    double foremost = c->station_x[STATIONS - 1], aftmost = c->station_x[0];
-    int deep = s->z > most(foremost, -aftmost) + c->hull_diameter;
-    int changes = c->compressibility != 0.0 || c->layers != 0.0;
-    if (deep && !changes)
+    if (c->compressibility == 0.0 && c->layers == 0.0)
         return;
     double cos_th, sin_th, cos_phi, sin_phi;
     cosine_and_sine(s->theta, &cos_th, &sin_th);
     cosine_and_sine(s->phi, &cos_phi, &sin_phi);
     double down_x = -sin_th, down_y = cos_th * sin_phi, down_z = cos_th * cos_phi;
-    double heavy = 0.0, x = 0.0, z = 0.0;
-    if (changes) {
-        heavy = -submerged_change(c, s->z);
-        x = heavy * c->x_b;
-        z = heavy * c->z_b;
-    }
-    for (int i = 0; !deep && i < STATIONS; i++) {
-        double axis =
-            s->z + c->station_x[i] * down_x + c->hull_axis * down_z + c->y_b * down_y;
-        if (axis < 0.5 * c->hull_diameter) {
-            double lost =
-                c->station_share[i] * c->buoyancy * segment(0.5 - axis / c->hull_diameter);
-            heavy += lost;
-            x += lost * c->station_x[i];
-            z += lost * c->hull_axis;
-        }
-    }
+    double heavy = -submerged_change(c, s->z);
+    double x = heavy * c->x_b, z = heavy * c->z_b;
     force[0] += heavy * down_x;
     force[1] += heavy * down_y;
     force[2] += heavy * down_z;

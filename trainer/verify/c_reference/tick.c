@@ -1,20 +1,31 @@
 /* One tick of the boat in plain C: what trainer/core/update.py does in the standard configuration.
 
-   Compact set, lagged rates, Adams' integration, filtered sea, autopilot by its own law, surfaces,
-   tanks, air, pumps, casualties, triggers, holds. It works on the records of the trainer; records.h
+   Compact set and the wide one, Adams' integration, sea, the boat afloat, autopilot by its own law,
+   surfaces, tanks, air, pumps, casualties, triggers, holds. It works on the records of the trainer; records.h
    is written from their layout, with the constants that both share. Kept plain on purpose: this is
    what a good programmer writes, for the compiler to make fast. */
 
 #include <string.h>
 
-#include "elementary.h"
 #include "records.h"
+#include "elementary.h"
 #include "casualties.h"
 #include "autopilot.h"
 #include "ballast.h"
-#include "sea.h"
 #include "surface.h"
+#include "surfaced.h"
+#include "sea.h"
+#include "propulsion.h"
 #include "motion.h"
+#include "envelope.h"
+#include "solve.h"
+#include "rigid_body.h"
+#include "crossflow.h"
+#include "wide.h"
+#include "stall.h"
+#include "attitude.h"
+#include "rates.h"
+#include "integrators.h"
 
 static int lost(const struct state *s)
 {
@@ -25,6 +36,22 @@ static int lost(const struct state *s)
         if (!(fabs(s->motion[i]) < (i < 6 ? FASTEST : FURTHEST)))
             return 13 + i;
     return 0;
+}
+
+static void outside(const struct vessel *c, const struct state *s, struct scratch *work)
+{
+    for (int i = 0; i < 6; i++)
+        work->external[i] = 0.0;
+    int near = is_near_surface(c, s);
+    work->levels = near ? 1.0 : 0.0;
+    for (int i = 0; near && i < STATIONS; i++) {
+        work->level[i] = work->rise[i] = 0.0;
+        work->station[i] = c->station_x[i];
+    }
+    wave_forces(c, work, s, work->external);
+    surface_forces(c, s, work->external);
+    add_compression(c, s, work->external);
+    work->cut = near && is_cut(c, work, s) ? 1.0 : 0.0;
 }
 
 int64_t update(
@@ -40,30 +67,15 @@ int64_t update(
     if (s->held_tanks == 0.0)
         advance_ballast(vessel, h, s);
     advance_sea(vessel, h, work, s);
-    for (int i = 0; i < 6; i++)
-        work->external[i] = 0.0;
-    wave_forces(vessel, work, s, work->external);
-    surface_forces(vessel, s, work->external);
-    buoyancy_forces(vessel, s, work->external);
+    outside(vessel, s, work);
     double x = s->x, y = s->y, z = s->z;
     cast_off(s);
-    forces(compact, scheme->trig, s, work->force);
-    if (compact->extended != 0.0)
-        further_forces(compact, s, work->force);
-    int off_centre = is_off_centre(compact, s);
-    if (off_centre)
-        off_centre_forces(compact, scheme->trig, s, work->force);
-    add_external(compact, work->external, work->force);
-    if (off_centre)
-        lagged_off_centre(compact, work->force, s);
-    else
-        lagged(compact, work->force, s);
-    kinematics(scheme->trig, s);
-    adams(scheme, s);
+    advance(vessel, compact, scheme, s, work);
     make_fast(x, y, z, s);
     move_surfaces(vessel, h, s);
     answer_telegraph(vessel, h, s);
     s->tick += 1.0;
+    s->validity = validity(vessel, s);
 
     int failed = lost(s);
     if (failed)
