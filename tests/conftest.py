@@ -3,6 +3,7 @@
 import signal
 import subprocess
 import sys
+import tempfile
 from collections.abc import Callable, Iterator
 
 import pytest
@@ -17,9 +18,12 @@ signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
 def pytest_sessionstart(session: pytest.Session) -> None:
-    """Compile the core once, before several processes would do so side by side."""
+    """Compile the core and fleets once, before several processes would do so side by side."""
     if getattr(session.config.option, "numprocesses", None):
         subprocess.run([sys.executable, "-m", "trainer.session.precompilation"], check=True)
+        with tempfile.TemporaryDirectory() as folder:
+            few = ("turn-uncertainty", "--members", "2", "--jobs", "1", "--out", f"{folder}/few")
+            subprocess.run([sys.executable, "-m", "trainer", "sweep", *few], check=True)
 
 
 @pytest.fixture(scope="session", autouse=True)

@@ -33,7 +33,7 @@ from trainer.analysis.report.html import HERE
 from trainer.analysis.report.pdf import print_pdf
 from trainer.analysis.report.svg import clock, step_of, thin, ticks
 from trainer.boat.boat import Boat
-from trainer.boat.limits import LimitMonitor
+from trainer.boat.limits import NOTICES, LimitMonitor
 from trainer.config.files import ConfigError, remembering, shipped, shipped_names
 from trainer.config.measures import MEASURES
 from trainer.config.vessel import load_vessel
@@ -206,18 +206,13 @@ def test_every_shipped_exercise_has_a_crew_here() -> None:
     assert tuple(CREWS) == shipped_names("exercises")
 
 
-NO_FAULT = {
-    *("equations extrapolated", "outside the equations", "rudder taken by the stern planes"),
-}
-
-
 @pytest.mark.parametrize("name", CREWS)
 def test_a_good_crew_wins_and_scores_more_than_nobody(name: str) -> None:
     nobody = fly(None, {}, exercise=name)
     crew = fly(None, {"instructor": CREWS[name]}, exercise=name)
 
     assert not [line for line in crew.heard if "refused" in line or "must be" in line]
-    assert set(crew.monitor.times) - NO_FAULT <= CALLED.get(name, set())
+    assert set(crew.monitor.times) - NOTICES <= CALLED.get(name, set())
     totals = [went.debrief.card.total or 0.0 for went in (nobody, crew)]
     assert totals[1] > 89.0
     assert totals[1] > totals[0] + 4.0

@@ -162,7 +162,11 @@ def test_a_table_of_the_exported_boat_is_the_trainers_to_the_byte(
 
     assert (first.returncode, second.returncode) == (0, 0), first.stderr + second.stderr
     assert (tmp_path / "core.csv").read_bytes() == (tmp_path / "trainer.csv").read_bytes()
-    assert first.stdout.splitlines()[-1] == second.stdout.splitlines()[-1]
+    ends = [
+        [line for line in ran.stdout.splitlines() if line.startswith("the boat")]
+        for ran in (first, second)
+    ]
+    assert ends[0] == ends[1] != []
     assert struct.unpack_from("d", (tmp_path / "end.bin").read_bytes()) == (600.0,)
 
 

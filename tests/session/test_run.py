@@ -149,7 +149,7 @@ def test_the_csv_has_a_row_for_the_start_and_each_tick_and_loses_no_digit(
     assert len(lines) == 102
     for tick, line in enumerate(lines[1:]):
         cells = line.split(",")
-        assert len(cells) == 22
+        assert len(cells) == 23
         assert (cells[0], float(cells[1])) == (str(tick), tick * 0.3)
         assert [repr(float(cell)) for cell in cells[1:]] == cells[1:]
 

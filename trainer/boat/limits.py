@@ -20,6 +20,7 @@ FULL: Final = 0.95  # [-] of main ballast; with less aboard the boat means to co
 
 SETTLED: Final = 30.0  # [s] inside the equations' range before leaving it is news again
 RANGES: Final = ("", "equations extrapolated", "outside the equations")
+NOTICES: Final = frozenset({*RANGES[1:], "rudder taken by the stern planes"})  # no limits
 REASONS: Final = (
     "",
     "the flow is further off the bow than the boat was ever tested",

@@ -120,6 +120,7 @@ def start_members(
 ) -> Ready:
     """Return the fleet started at ``speeds`` [m/s], as ``Submarine.start`` starts each."""
     count = made.vessels.size
+    made.vessels["torque_limit"] = 0.0  # as a manoeuvre holds its revolutions
     scheme = scheme_record(method)
     exact = equations_alone(scheme)
     exact["exact"] = 1
