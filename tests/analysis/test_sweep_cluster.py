@@ -82,7 +82,9 @@ def test_two_workers_behind_a_scheduler_give_the_file_of_a_run_here(
     assert CliRunner().invoke(cli, [*words, str(here), "--jobs", "1"]).exit_code == 0
 
     assert there.read_bytes() == here.read_bytes()
-    assert set(openings(scheduler).values()) == {1}  # both flew, and opened the study once
+    # who flew opened the study once; a worker late to begin may find nothing left to fly
+    assert 1 in openings(scheduler).values()
+    assert set(openings(scheduler).values()) <= {0, 1}
 
 
 def openings(address: str) -> dict[str, int]:
