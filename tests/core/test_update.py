@@ -40,7 +40,7 @@ def under_way(make_boat: Callable[..., Boat], *method: object) -> Boat:
 @pytest.mark.core
 @pytest.mark.parametrize(
     ("place", "value", "named"),
-    [("v", 1e200, "v"), ("x", math.inf, "x"), ("psi", math.nan, "xdot"), ("q", -1e160, "q")],
+    [("v", 1e200, "udot"), ("x", math.inf, "x"), ("psi", math.nan, "xdot"), ("q", -1e160, "udot")],
 )
 def test_a_tick_that_fails_leaves_the_state_as_it_was_and_names_the_place(
     make_boat: Callable[..., Boat], place: str, value: float, named: str

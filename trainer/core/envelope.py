@@ -110,4 +110,4 @@ def substeps(vessel: Record, h: float, afloat: int, state: Record) -> int:
         phase = h * c.stiffness * speed / SUBSTEP
     if afloat != 0:
         phase = max(phase, h * c.surface_mode / SURFACE_SUBSTEP)
-    return min(math.ceil(phase - 1e-9), MOST_SUBSTEPS) if phase > 1.0 else 1
+    return math.ceil(min(phase - 1e-9, MOST_SUBSTEPS)) if phase > 1.0 else 1
