@@ -68,7 +68,8 @@ def test_a_tick_that_fails_tells_its_status(make_boat: Callable[..., Boat]) -> N
     boat.start(5.0, 60.0, 0.0)
     boat.state.q = 1e4
 
-    assert boat.tick() > 0
+    with np.errstate(all="ignore"):  # without JIT numpy would warn where the core reports
+        assert boat.tick() > 0
     assert boat.ticks == 0
 
 
