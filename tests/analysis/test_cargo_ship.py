@@ -133,7 +133,7 @@ class Mariner:
 
     def incline(self, heel: float) -> None:
         """Refuse: it has no roll."""
-        raise NotImplementedError(heel)
+        raise NotImplementedError(heel)  # the vehicle asks for it; no manoeuvre of a ship inclines
 
 
 def ship(manoeuvre: Manoeuvre, step: float = 0.1) -> tuple[Flight, dict[str, float | None]]:
