@@ -24,7 +24,7 @@ NOTICES: Final = frozenset({*RANGES[1:], "rudder taken by the stern planes"})  #
 REASONS: Final = (
     "",
     "the flow is further off the bow than the boat was ever tested",
-    "the boat goes astern or across the flow; the wide set moves it",
+    "the boat goes astern or across the flow; what it does now is an estimate",
 )
 
 
