@@ -43,6 +43,7 @@ def boat(make_boat: MakeBoat) -> Boat:
     """Return a boat of the modified set under way."""
     boat = make_boat(equations="modified")
     boat.start(5.0, 100.0, 0.0)
+    boat.state.trim_by_hand = 1.0  # with water on the move a boat flies alone
     return boat
 
 
@@ -206,6 +207,9 @@ def test_a_member_that_comes_up_from_the_deep_feels_the_surface(boat: Boat) -> N
         ("negative_flood", 1.0),
         ("compressor", 1.0),
         ("drained", 2.0),
+        ("trim_by_hand", 0.0),
+        ("wave_share", 0.5),
+        ("ascent", 1.0),
     ],
 )
 def test_a_boat_with_more_going_on_is_no_ordinary_one_and_flies_among_them(

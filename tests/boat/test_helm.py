@@ -114,8 +114,10 @@ def fly(boat: Boat, seconds: float) -> None:
                 "stern_by_hand": 1.0,
                 "bow_by_hand": 1.0,
                 "speed_by_hand": 1.0,
+                "trim_by_hand": 1.0,
             },
         ),
+        ("trim manual", "trim by hand", {"trim_by_hand": 1.0}),
     ],
 )
 def test_an_order_changes_what_it_says_and_nothing_else(

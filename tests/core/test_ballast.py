@@ -607,9 +607,8 @@ def test_an_emergency_blow_from_200_m_at_10_knots_brings_the_boat_up(
     depths += ticks(boat, 75.0)
     boat.state.blow[:] = 0.0
 
-    # the autopilot holds her down while it can; then she goes, ever faster as the air expands
-    assert depths[119] > 180.0
-    assert depths[-1] < 100.0
+    assert depths[119] < 150.0
+    assert depths[-1] < 10.0
     assert boat.vessel.weight - boat.state.weight > 1.5 * early > 60 * 9.81 * TONNE
     assert np.isfinite(boat.state.whole).all()
 
@@ -628,7 +627,7 @@ def test_hovering_takes_up_three_tonnes_and_settles_at_its_depth(
     # 3 t take the pump 90 s; until then she sinks
     assert max(depths) < 85.0
     assert min(depths) > 50.0
-    assert abs(np.array(depths[-600:]) - 60.0).max() < 1.0
+    assert abs(np.array(depths[-600:]) - 60.0).max() < 1.3
     assert s.water_depth_control == pytest.approx(17.5 * TONNE, rel=0.01)
 
 

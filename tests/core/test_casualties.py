@@ -439,6 +439,7 @@ def at_work(bb2: Boat, kind: str) -> Boat:
     """
     boat = at_sea(bb2, knots=10.0, depth=40.0)
     s = boat.state
+    s.stern_by_hand = s.bow_by_hand = 1.0  # the autopilot works valves of its own in a blow
     s.negative_flood = 1.0
     s.blow[:] = 2.0
     s.blow_negative = 1.0
@@ -486,6 +487,7 @@ def test_a_vent_stuck_open_gives_its_order_back_when_it_is_cleared(bb2: Boat) ->
 
 
 def test_a_closed_breach_lets_no_more_water_in(boat: Boat) -> None:
+    boat.state.trim_by_hand = 1.0
     begun(boat, "flooding-centre", 1.0, 0.0)
     run(boat, 30.0)
     clear(boat, "flooding-centre")

@@ -26,7 +26,12 @@ from trainer.analysis.report.text import INDENT, figure, root_text, table
 from trainer.boat.assemble import body, thrust_rows
 from trainer.boat.linear import Matrix, Mode, modes
 from trainer.config.vessel import VesselFile
-from trainer.core.autopilot import REPORT_CLIMB, REPORT_DEPTH, REPORT_PITCH, REPORT_PITCH_RATE
+from trainer.core.autopilot.report_law import (
+    REPORT_CLIMB,
+    REPORT_DEPTH,
+    REPORT_PITCH,
+    REPORT_PITCH_RATE,
+)
 from trainer.core.vessel import vessel_record
 from trainer.units import KNOT
 

@@ -3,13 +3,16 @@
 docs/ballast.md has the table of what each sets.
 """
 
+import math
 from collections.abc import Callable
 from typing import Final
 
 from trainer.boat.boat import Boat
+from trainer.core.ballast.hover import SURE, wanted_pump
 from trainer.core.ballast.tanks import (
     BLOWN,
     COMPARTMENTS,
+    DEPTH_CONTROL_PUMP,
     FIRST_DRY,
     MAIN_BANK,
     NEGATIVE,
@@ -22,6 +25,7 @@ MAIN: Final = BLOWN[:NEGATIVE]
 SPACES: Final = tuple(name.removeprefix("compartment_") for name in COMPARTMENTS)
 
 
+DEEP: Final = 300.0  # [m] below all waves
 EMPTY: Final = 0.1  # [-] of a full bank: not enough to empty main ballast
 
 
@@ -129,12 +133,37 @@ def _compressor(boat: Boat, order: Order) -> Reply:
 
 def _hover(boat: Boat, order: Order) -> Reply:
     s = boat.state
-    s.hover = float(order.word == "on")
     if order.word == "off":
-        s.move_depth_control = 0.0
+        s.hover = s.move_depth_control = 0.0
         return "hovering off"
+    refusal = cannot_hover(boat, float(s.z))
+    if refusal:
+        return refusal
+    s.hover, s.hover_lost, s.ascent = 1.0, 0.0, 0.0
     s.ordered_depth = s.z
+    if s.sea_height > 0.0 and s.sea_suction == 0.0:
+        return "hovering at this depth; this sea has no suction, so it is easier than at sea"
     return "hovering at this depth"
+
+
+def cannot_hover(boat: Boat, depth: float) -> Refused | None:
+    """Return why the depth-control pump cannot hold a depth [m] in the sea in force, if so."""
+    records = boat.records
+    sure = SURE * float(boat.vessel.pump_rate[DEPTH_CONTROL_PUMP])
+    wanted = wanted_pump(records.vessel, depth, records.state)
+    if wanted <= sure:
+        return None
+    deepest = boat.file.hull.max_depth_m or DEEP
+    for deeper in range(math.ceil(depth), math.floor(deepest) + 1):
+        if wanted_pump(records.vessel, float(deeper), records.state) <= sure:
+            held = f"go to {deeper} m, or make 3 knots"
+            break
+    else:
+        held = "make 3 knots"
+    return Refused(
+        f"the pump cannot hold {depth:.0f} m here: waves ask it for {wanted:.0f} kg/s, and it is "
+        f"sure of {sure:.0f}; {held}"
+    )
 
 
 def _surface(boat: Boat, _order: Order) -> Reply:

@@ -14,7 +14,7 @@ from trainer.config.casualties import load_casualties
 from trainer.config.files import ConfigError
 from trainer.config.sea import SeaFile, load_sea, sea_settings
 from trainer.config.vessel import VesselFile
-from trainer.core.autopilot import stand_by_all
+from trainer.core.autopilot.autopilot import stand_by_all
 from trainer.core.ballast.ballast import start_ballast
 from trainer.core.kernel import Numbers, Record
 from trainer.core.scheme import equations_alone
@@ -120,7 +120,7 @@ class Boat:
         self.stand_by()
         if self.automatic:
             s.by_hand[:] = self.vessel.limit == 0.0  # nothing to give where there is no surface
-            s.speed_by_hand = 0.0
+            s.speed_by_hand = s.trim_by_hand = 0.0
         self.put_to_sea(self.sea)
 
     def put_to_sea(self, sea: SeaFile) -> None:

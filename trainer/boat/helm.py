@@ -7,15 +7,15 @@ from dataclasses import replace
 from trainer.boat import ballast_orders, casualties, sea_orders
 from trainer.boat.boat import Boat
 from trainer.boat.sea_orders import order_sea
-from trainer.core import autopilot
+from trainer.core.autopilot.steering import OWN, REPORT, REPORT_LITERAL
 from trainer.core.surfaces import SURFACES
 from trainer.io.orders.grammar import Order, Refused, Reply
 from trainer.units import KNOT
 
 LAWS = {
-    "trainer": (autopilot.OWN, "this trainer's own law"),
-    "report": (autopilot.REPORT, "the report's law"),
-    "literal": (autopilot.REPORT_LITERAL, "the report's law as it is printed"),
+    "trainer": (OWN, "this trainer's own law"),
+    "report": (REPORT, "the report's law"),
+    "literal": (REPORT_LITERAL, "the report's law as it is printed"),
 }
 NAMES = {"rudder": "rudder", "stern": "stern planes", "bow": "bow planes"}
 
@@ -95,8 +95,13 @@ def _depth(boat: Boat, order: Order) -> Reply:
         return Refused(f"this boat's greatest depth is {deepest:g} m, not {order.value:g} m")
     if not boat.automatic:
         return _without_autopilot(boat)
+    if order.word != "auto" and boat.state.hover:
+        refusal = ballast_orders.cannot_hover(boat, order.value)
+        if refusal:
+            return refusal
     if order.word != "auto":
         boat.state.ordered_depth = order.value
+        boat.state.ascent = 0.0  # afloat after an emergency blow, this is the order to leave it
     _automatic(boat, "stern", "bow")
     return f"keeping depth {boat.state.ordered_depth:g} m"
 
@@ -193,13 +198,21 @@ def _autopilot(boat: Boat, order: Order) -> Reply:
         s.depth_law, law = LAWS[order.word]
         return f"depth is kept by {law}"
     if order.word == "on":
-        s.speed_by_hand = 0.0
+        s.speed_by_hand = s.trim_by_hand = 0.0
         _automatic(boat, "rudder", "stern", "bow")
         return "everything automatic"
     for surface, letter in SURFACES.items():
         _by_hand(boat, surface, float(s[f"delta_{letter}"]))
-    s.ordered_u_c, s.speed_by_hand = s.u_c, 1.0
+    s.ordered_u_c, s.speed_by_hand, s.trim_by_hand = s.u_c, 1.0, 1.0
     return "everything by hand, as it stands"
+
+
+def _trim(boat: Boat, order: Order) -> Reply:
+    """Leave trim to the pumps and what the planes show, or to hands."""
+    if not boat.automatic:
+        return _without_autopilot(boat)
+    boat.state.trim_by_hand = float(order.word == "manual")
+    return "trim by hand" if order.word == "manual" else "trim automatic, in steady level flight"
 
 
 def _casualty(boat: Boat, order: Order) -> Reply:
@@ -227,6 +240,7 @@ _DUTIES: dict[str, Callable[[Boat, Order], Reply]] = {
     "planes": _planes,
     "autopilot": _autopilot,
     "periscope": _periscope,
+    "trim": _trim,
     "sea": order_sea,
     "casualty": _casualty,
     "clear": _clear,

@@ -6,6 +6,7 @@ The limits are wide: they catch feet, pounds and misplaced points, not poor boat
 import math
 from collections.abc import Mapping
 from itertools import pairwise
+from typing import Final
 
 from trainer.config.propulsion import row_problems
 from trainer.config.vessel_records import (
@@ -225,8 +226,33 @@ def run_problems(run: Run, hull: Hull) -> list[str]:
     return problems
 
 
-def autopilot_problems(autopilot: Autopilot) -> list[str]:
-    """Return which gain lists do not fit the list of speeds."""
+# gains that take the boat back where the coefficient beside them has the sign given
+TAKING_BACK: Final = {
+    "stern_pitch": ("M_ds", -1.0),
+    "bow_depth": ("Z_db", 1.0),
+    "rudder_course": ("N_dr", 1.0),
+    "rudder_yaw_rate": ("N_dr", 1.0),
+}
+
+
+def _wrong_signs(autopilot: Autopilot, coefficients: Mapping[str, float]) -> list[str]:
+    """Return which gains would drive the boat away from what is ordered."""
+    problems = []
+    for name, (coefficient, sign) in TAKING_BACK.items():
+        effect = coefficients[coefficient]
+        for gain in getattr(autopilot, name):
+            if sign * gain * effect < 0.0:
+                wanted = "above" if sign * effect > 0.0 else "below"
+                problems.append(
+                    f"{name} = {gain:g}: has the wrong sign; with {coefficient} = {effect:g} it "
+                    f"must be {wanted} 0, or trainer gains makes the table"
+                )
+                break
+    return problems
+
+
+def autopilot_problems(autopilot: Autopilot, coefficients: Mapping[str, float]) -> list[str]:
+    """Return which gain lists do not fit the list of speeds, or the boat's surfaces."""
     speeds = autopilot.speed_kn
     problems = [
         f"{name} = {list(values)}: has {len(values)} entries, speed_kn has {len(speeds)}"
@@ -235,7 +261,7 @@ def autopilot_problems(autopilot: Autopilot) -> list[str]:
     ]
     if any(slower >= faster for slower, faster in pairwise(speeds)):
         problems.append(f"speed_kn = {list(speeds)}: must ascend, none twice")
-    return problems
+    return problems + _wrong_signs(autopilot, coefficients)
 
 
 def free_surface_problems(table: FreeSurface) -> list[str]:

@@ -298,7 +298,9 @@ def _fit_problems(parts: Mapping[str, Any], place: Place) -> list[str]:
     if not found["propulsion"]:
         found["propulsion"] = thrust_problems(_thrust(parts))
     if "autopilot" in parts:
-        found["autopilot"] = plausibility.autopilot_problems(parts["autopilot"])
+        found["autopilot"] = plausibility.autopilot_problems(
+            parts["autopilot"], parts["coefficients"]
+        )
     if "ballast" in parts:
         found["ballast"] = ballast_problems(parts["ballast"])
     if "free_surface" in parts:

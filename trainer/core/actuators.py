@@ -2,10 +2,10 @@
 
 import math
 
+from trainer.core.autopilot.reference import within
 from trainer.core.casualties import FAULT, FOLLOW_UP_LOST, FREE, SLOW, fault_of
 from trainer.core.elementary import exponential
 from trainer.core.kernel import Record, part
-from trainer.core.reference import within
 
 AMIDSHIPS = math.radians(0.5)  # [rad]
 

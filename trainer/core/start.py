@@ -53,8 +53,9 @@ def order_as_it_goes(vessel: Record, state: Record) -> None:
     s.ordered_u_c = s.command_u_c = s.telegraph_answer = s.u_c
     s.ordered_r, s.ordered_s, s.ordered_b = s.delta_r, s.delta_s, s.delta_b
     s.speed_trim = s.u_c - s.u
+    s.speed_followed = s.speed_order = s.u
     s.telegraph_order = s.u if vessel[0].gain_count > 0.0 else s.u_c
-    s.rudder_by_hand = s.stern_by_hand = s.bow_by_hand = s.speed_by_hand = 1.0
+    s.rudder_by_hand = s.stern_by_hand = s.bow_by_hand = s.speed_by_hand = s.trim_by_hand = 1.0
 
 
 @kernel

@@ -161,6 +161,40 @@ STATE: Final = record_dtype(
     "last_step",  # [s] its length
     "polar",  # [-] 1: it was flown near the vertical
     "validity",  # [-] of the equations: 0 inside their range, 1 extrapolated, 2 outside
+    # what the keepers know: see autopilot
+    "speed_followed",  # [m/s] speed and ...
+    "turn_followed",  # [rad/s] ... yaw rate less what waves make of them
+    "speed_order",  # [m/s] ordered speed of the last tick
+    "speed_since",  # [s] since it was another
+    "speed_rate_1",  # [m/s2] of the trim, past one low-pass and two
+    "speed_rate_2",
+    "speed_short",  # [s] for which the engine has given all, and not enough
+    "wave_slow",  # [m/s] slow part of the depth rate
+    "wave_band",  # [m/s] the rest of it
+    "wave_power",  # [m2/s2] mean square of that
+    "wave_since",  # [s] since it last rose through zero
+    "wave_period",  # [s] mean between such times
+    "wave_count",  # [-] of them, as far as it matters
+    "wave_share",  # [-] of the law for waves, 0 in a calm
+    ("notch", (12,)),  # [rad] of two notches, stern planes and bow planes: see waves
+    "ascent",  # [-] after an emergency blow: 1 on the way up, 2 afloat, 0 none
+    "ascent_pitch",  # [rad] as it is taken up
+    "ascent_quiet",  # [s] for which the boat has come to rest
+    ("hover_filter", (9,)),  # [m] of two notches and a low-pass: see sections
+    "hover_notched",  # [-] 1: the notches are in use
+    "hover_error",  # [m] past the filter
+    "hover_error_rate",  # [m/s]
+    "hover_room",  # [m] of error before it is given up
+    "hover_order",  # [m] ordered depth of the last tick
+    "hover_time",  # [s] since hovering began
+    "hover_full",  # [s] for which the pump has been at its most
+    "hover_lost",  # [-] 1: given up
+    "trim_by_hand",  # [-] 1 by hand, 0 automatic
+    "trim_lift",  # [N] carried by the planes, and its moment
+    "trim_moment",  # [N m]
+    "trim_pitch",  # [rad] mean
+    "trim_flood",  # [kg] to be let into the auxiliary tank in this tick
+    "trim_forward",  # [kg] to be moved forward
 )
 
 FIELDS: Final = [name for name in STATE.names or () if STATE.fields and name != "whole"]

@@ -11,7 +11,7 @@ put back after every step, and what the boat feels is the depth held.
 from typing import Final
 
 from trainer.core.actuators import move_surfaces
-from trainer.core.autopilot import autopilot
+from trainer.core.autopilot.autopilot import autopilot
 from trainer.core.ballast.ballast import advance_ballast
 from trainer.core.ballast.buoyancy import add_compression
 from trainer.core.casualties import advance_casualties, fire_triggers

@@ -10,7 +10,7 @@ from typing import Final
 import numpy as np
 
 from trainer.analysis.fleet.lanes import LANES, a_view
-from trainer.core.autopilot import GAIN_COUNT, OWN
+from trainer.core.autopilot.steering import GAIN_COUNT, OWN
 from trainer.core.ballast.air import at_work
 from trainer.core.ballast.ballast import advance_ballast
 from trainer.core.ballast.tanks import END, NEGATIVE, TRIM_FORWARD
@@ -61,11 +61,14 @@ def ordinary(vessel: Record, state: Record) -> bool:
     s = state[0]
     constant_buoyancy = c.compressibility == 0.0 and c.layers == 0.0
     calm = s.sea_height == 0.0 and s.sea_ramp <= 0.0
+    steady = s.trim_by_hand != 0.0 and s.wave_share == 0.0 and s.wave_count == 0.0
+    steady = steady and s.ascent == 0.0 and s.trim_flood == 0.0 and s.trim_forward == 0.0
     free = s.held_depth == 0.0 and s.held_position == 0.0 and s.held_tanks == 0.0
     sound = s.casualty[0] == 0.0 and s.depth_law == OWN
     return (
         constant_buoyancy
         and calm
+        and steady
         and free
         and sound
         and s.polar == 0.0

@@ -3,6 +3,7 @@
 A member is the boat of ``update`` and ends in its bits. What the members are alike in is given
 once: an array of one row or one record stands for all of them. Where the compiler is one that the
 vector code was tested with members fly side by side, else one after another, to the same bits.
+Side by side fly those whose trim is by hand (``trim_by_hand`` 1): pumps at work are not for many.
 """
 
 from typing import NamedTuple

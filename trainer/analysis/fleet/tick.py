@@ -21,7 +21,11 @@ from trainer.analysis.fleet.block import (
 )
 from trainer.analysis.fleet.lanes import as_float, every_lane, nearest, relaid, times_power_of_two
 from trainer.core.actuators import move_surfaces
-from trainer.core.autopilot import GAIN_COUNT, fade, keep_course, keep_depth, keep_speed
+from trainer.core.autopilot.course import keep_course
+from trainer.core.autopilot.depth import keep_depth
+from trainer.core.autopilot.reference import slew_course, slew_depth
+from trainer.core.autopilot.speed import keep_speed
+from trainer.core.autopilot.steering import GAIN_COUNT, fade
 from trainer.core.compact import add_external, forces, further_forces, lagged_rates
 from trainer.core.elementary import cosine_and_sine
 from trainer.core.envelope import cross_speed_squared
@@ -29,7 +33,6 @@ from trainer.core.integrators import adams_of
 from trainer.core.kernel import Numbers, Record, inlined, kernel
 from trainer.core.kinematics import kinematics
 from trainer.core.propulsion import answer_telegraph
-from trainer.core.reference import slew_course, slew_depth
 from trainer.core.stall import incidence
 from trainer.core.update import lost
 
@@ -44,6 +47,25 @@ def _no_slot(_kind: int, _state: Record) -> int:
 def _no_fault(_surface: int, _state: Record) -> int:
     """Return -1: no casualty of this surface."""
     return -1
+
+
+@inlined
+def _no_waves(
+    _vessel: Record, _h: float, _gains: Numbers, _state: Record, _surface: int, _law: float
+) -> None:
+    """Do nothing: there are no waves."""
+
+
+@inlined
+def _in_a_calm(_state: Record, _surface: int, law: float) -> float:
+    """Return a law [rad] as it is."""
+    return law
+
+
+@inlined
+def _learning_in_a_calm(_vessel: Record, _gains: Numbers, _state: Record) -> float:
+    """Return 1: there are no waves."""
+    return 1.0
 
 
 @inlined
@@ -94,6 +116,9 @@ _INSTEAD = {
     "fault_of": _no_fault,
     "remember": _history_is_true,
     "within_torque": _no_torque_limit,
+    "pass_notches": _no_waves,
+    "law_in_waves": _in_a_calm,
+    "learning_in_waves": _learning_in_a_calm,
 }
 _slew_depth = relaid(slew_depth, _INSTEAD)
 _slew_course = relaid(slew_course, _INSTEAD)

@@ -14,7 +14,7 @@ from trainer.boat.boat import Boat
 from trainer.config.vessel import VesselFile
 from trainer.core import entry
 from trainer.core.actuators import move_surfaces
-from trainer.core.autopilot import OWN, REPORT, REPORT_LITERAL
+from trainer.core.autopilot.steering import OWN, REPORT, REPORT_LITERAL
 from trainer.core.integrators import advance
 from trainer.core.kernel import Numbers
 from trainer.core.propulsion import answer_telegraph
@@ -110,7 +110,7 @@ class Submarine:
         self._kept_speed = None
         s = self.boat.state
         s.by_hand[:] = 1.0
-        s.speed_by_hand = 1.0
+        s.speed_by_hand = s.trim_by_hand = 1.0
         s.ordered_u_c = s.telegraph_order = s.u_c
         s.depth_law = self._law
         self._neutral = {"rudder": float(s.delta_r), "planes": float(s.delta_s)}

@@ -24,7 +24,7 @@ from trainer.config.coefficients import COEFFICIENT, FACTOR
 from trainer.config.files import ConfigError, Place
 from trainer.config.schema import read_record
 from trainer.config.vessel import VesselFile, read_vessel
-from trainer.core.autopilot import REPORT
+from trainer.core.autopilot.steering import REPORT
 from trainer.units import KNOT
 
 if TYPE_CHECKING:

@@ -3,7 +3,7 @@
 from typing import NamedTuple
 
 from trainer.analysis.fleet.ensemble import Fleet
-from trainer.core.autopilot import autopilot
+from trainer.core.autopilot.autopilot import autopilot
 from trainer.core.kernel import Numbers, Record, kernel
 from trainer.core.sea.sea import order_sea
 from trainer.core.start import level_flight, set_out

@@ -1,12 +1,12 @@
-"""Pumps: trim transfer, trim-and-drain, depth control, and hovering by the last.
+"""Pumps: trim transfer, trim-and-drain, and depth control.
 
 An order is what is still to be moved [kg]; it counts down to zero, so that a leak is nobody's
 order. Sea water is let in at the pump's rate at any depth; out, the rate falls with depth.
 """
 
 import math
-from typing import Final
 
+from trainer.core.ballast.hover import hover
 from trainer.core.ballast.tanks import (
     AUXILIARY,
     DEPTH_CONTROL,
@@ -20,9 +20,6 @@ from trainer.core.ballast.tanks import (
     admit,
 )
 from trainer.core.kernel import Record, part
-
-DAMPING: Final = 1.0  # [-] of hovering
-INTEGRAL: Final = 0.4  # [-] times frequency^2, of the integral
 
 
 @part
@@ -56,19 +53,45 @@ def pump_tank(ballast: Record, pump: int, tank: int, h: float, state: Record) ->
 
 
 @part
-def transfer_trim(ballast: Record, h: float, state: Record) -> None:
-    """Move trim water forward as ordered, aft if negative."""
+def possible_forward(ballast: Record, amount: float, state: Record) -> float:
+    """Return how much of ``amount`` [kg] of trim water can move forward, aft if negative."""
     b = ballast[0]
+    s = state[0]
+    forward, aft = s.water[TRIM_FORWARD], s.water[TRIM_AFT]
+    possible = min(amount, aft, b.capacity[TRIM_FORWARD] - forward)
+    return max(possible, -forward, aft - b.capacity[TRIM_AFT])
+
+
+@part
+def move_forward(ballast: Record, amount: float, state: Record) -> None:
+    """Move ``amount`` [kg] of trim water forward, aft if negative."""
+    b = ballast[0]
+    s = state[0]
+    forward, aft = s.water[TRIM_FORWARD] + amount, s.water[TRIM_AFT] - amount
+    s.water[TRIM_FORWARD] = min(max(forward, 0.0), b.capacity[TRIM_FORWARD])
+    s.water[TRIM_AFT] = min(max(aft, 0.0), b.capacity[TRIM_AFT])
+
+
+@part
+def transfer_trim(ballast: Record, h: float, state: Record) -> None:
+    """Move trim water forward, aft if negative: as ordered, else as automatic trim wishes."""
     s = state[0]
     order = s.to_move[TRIM_PUMP]
     most = sound_rate(ballast, TRIM_PUMP, state) * h
-    amount = min(max(order, -most), most)
-    forward, aft = s.water[TRIM_FORWARD], s.water[TRIM_AFT]
-    possible = min(amount, aft, b.capacity[TRIM_FORWARD] - forward)
-    possible = max(possible, -forward, aft - b.capacity[TRIM_AFT])
-    s.water[TRIM_FORWARD] = min(max(forward + possible, 0.0), b.capacity[TRIM_FORWARD])
-    s.water[TRIM_AFT] = min(max(aft - possible, 0.0), b.capacity[TRIM_AFT])
-    s.to_move[TRIM_PUMP] = order - amount if possible == amount else 0.0
+    amount = min(max(order if order != 0.0 else s.trim_forward, -most), most)
+    possible = possible_forward(ballast, amount, state)
+    move_forward(ballast, possible, state)
+    if order != 0.0:
+        s.to_move[TRIM_PUMP] = order - amount if possible == amount else 0.0
+
+
+@part
+def flood_auxiliary(ballast: Record, h: float, state: Record) -> None:
+    """Let into the auxiliary tank what automatic trim wishes, or pump it out if negative."""
+    s = state[0]
+    most = sound_rate(ballast, DRAIN_PUMP, state) * h
+    amount = min(max(s.trim_flood, -most * delivery(ballast, s.z)), most)
+    admit(ballast, AUXILIARY, amount, state)
 
 
 @part
@@ -82,32 +105,11 @@ def drain(ballast: Record, h: float, state: Record) -> None:
 
 
 @part
-def hover(vessel: Record, ballast: Record, h: float, state: Record) -> None:
-    """Order the depth-control tank so as to keep the ordered depth.
-
-    A depth error asks for a depth rate, within limits; an error in that for an acceleration, and
-    so for water, at the natural frequency and damping ratio of the vessel file and DAMPING. The
-    integral of the same takes up what the boat is out of trim; it rests while the tank cannot
-    hold what is wanted.
-    """
-    c, b = vessel[0], ballast[0]
-    s = state[0]
-    frequency = b.hover_frequency
-    per_acceleration = (c.mass - c.Z_wdot) / c.g  # [kg s2/m] of water
-    rate = (s.ordered_depth - s.z) * frequency / (2.0 * DAMPING)
-    lack = min(max(rate, -b.hover_rate), b.hover_rate) - s.zdot
-    wanted = s.hover_integral + per_acceleration * 2.0 * DAMPING * frequency * lack
-    possible = min(max(wanted, 0.0), b.capacity[DEPTH_CONTROL])
-    if wanted == possible:
-        s.hover_integral += per_acceleration * INTEGRAL * frequency * frequency * lack * h
-    s.to_move[DEPTH_CONTROL_PUMP] = possible - s.water[DEPTH_CONTROL]
-
-
-@part
 def work_pumps(vessel: Record, ballast: Record, h: float, state: Record) -> None:
     """Advance all pumped tanks by ``h`` [s].
 
-    One pump serves the auxiliary tank and the compartments, these first. While hovering is off its
+    One pump serves the auxiliary tank and the compartments, these first; automatic trim has the
+    pumps that nobody has given an order. While hovering is off its
     integral follows the tank, so that it starts without a bump.
     """
     s = state[0]
@@ -115,11 +117,14 @@ def work_pumps(vessel: Record, ballast: Record, h: float, state: Record) -> None
         hover(vessel, ballast, h, state)
     else:
         s.hover_integral = s.water[DEPTH_CONTROL]
-    if s.to_move[TRIM_PUMP] != 0.0:
+        s.hover_time = s.hover_full = 0.0
+    if s.to_move[TRIM_PUMP] != 0.0 or s.trim_forward != 0.0:
         transfer_trim(ballast, h, state)
     if s.drained > 0.0:
         drain(ballast, h, state)
     elif s.to_move[DRAIN_PUMP] != 0.0:
         pump_tank(ballast, DRAIN_PUMP, AUXILIARY, h, state)
+    elif s.trim_flood != 0.0:
+        flood_auxiliary(ballast, h, state)
     if s.to_move[DEPTH_CONTROL_PUMP] != 0.0:
         pump_tank(ballast, DEPTH_CONTROL_PUMP, DEPTH_CONTROL, h, state)

@@ -23,7 +23,9 @@ the waves is drawn up less. It gives no moment.
 import math
 from typing import Final
 
-from trainer.core.elementary import cosine_and_sine, exponential
+import numpy as np
+
+from trainer.core.elementary import cosine_and_sine, exponential, logarithm
 from trainer.core.kernel import Numbers, Record, kernel, part
 from trainer.core.sea.cosine_sum import ANGLE_COS, ANGLE_SIN, BANDS, phase
 from trainer.core.state import SEA_COMPONENTS
@@ -152,3 +154,31 @@ def wave_forces(vessel: Record, scratch: Record, state: Record, force: Numbers) 
     force[2] += heave * (work.pull[2] - s.sea_suction * left * swell / c.g)
     force[4] += heave * work.half_length * work.pull[3]
     force[5] += sway * work.half_length * work.pull[4]
+
+
+SHALLOWEST, DEEPEST = 0.3, 16.0  # [-] kappa
+FADING: Final = np.array(
+    [
+        [2.04138, -0.0429752, -3.922061, -0.477556, 0.003725196],
+        [1.853509, -0.622394, -3.445212, -0.556254, 0.005174789],
+    ]
+)
+
+
+@part
+def fading(row: int, kappa: float) -> float:
+    """Return ln of one of FADING's integrals [-]; kappa is the peak's number times the depth."""
+    root = math.sqrt(kappa)
+    value = FADING[row, 0] + FADING[row, 1] * logarithm(kappa) + FADING[row, 2] * root
+    return value + kappa * (FADING[row, 3] + FADING[row, 4] * kappa)
+
+
+@kernel
+def suction(g: float, omega: float, height: float, depth: float) -> tuple[float, float]:
+    """Stands in until the sea's own part is merged."""
+    number = omega * omega / g
+    kappa = min(max(number * depth, SHALLOWEST), DEEPEST)
+    force = 0.125 * g * number * number * height * height
+    return force * exponential(fading(0, kappa)), 2.0 * number * force * exponential(
+        fading(1, kappa)
+    )

@@ -109,7 +109,9 @@ BOAT_TOPICS = (
     Topic(("blow", "emergency"), "blow all | stop | emergency blow", "main ballast; also mid, aft"),
     Topic(("vent", "negative"), "vent all open | negative flood", "air out; the negative tank"),
     Topic(
-        ("flood", "pump", "drain"), "flood auxiliary 5 | pump | drain", "trim: tonnes to be moved"
+        ("flood", "pump", "trim", "drain"),
+        "flood auxiliary 5 | pump | trim auto",
+        "tonnes to be moved; drain",
     ),
     Topic(("hover", "compressor"), "hover on | compressor on", "keep depth stopped; charge air"),
     Topic(("sea",), "sea state 5 | wind 30 | calm", "also height 3 m, from 045"),
@@ -191,6 +193,7 @@ FORMS = (
     Form("flood TANK AMOUNT", "let in so much from the sea"),
     Form("pump TANK AMOUNT", "pump so much out to the sea"),
     Form("pump trim forward|aft AMOUNT", "move trim water that way"),
+    Form("trim MODE", "by hand, or by the pumps as the planes show it"),
     Form("drain SPACE", "pump a flooded compartment out"),
     Form("drain stop", "stop draining"),
     Form("hover on|off", "keep the present depth by the depth-control tank"),
@@ -256,7 +259,7 @@ BOAT_ORDERS = frozenset(
             "bow",
         ),
         *("planes", "autopilot", "periscope", "surface", "dive", "blow", "emergency", "vent"),
-        *("negative", "flood", "pump", "drain", "hover", "compressor"),
+        *("negative", "flood", "pump", "trim", "drain", "hover", "compressor"),
         *("sea", "casualty", "clear", "hold", "release"),
     )
 )

@@ -100,7 +100,9 @@ def fastest_s(works: Sequence[Callable[[], object]], clock: Clock) -> list[float
 
 def under_way(file: VesselFile) -> Boat:
     """Return a boat keeping depth and course in a calm, by the equations that are flown so."""
-    return ready(file, STANDARD, file.run.step_s)
+    boat = ready(file, STANDARD, file.run.step_s)
+    boat.state.trim_by_hand = 1.0  # with water on the move it would fly alone
+    return boat
 
 
 def few_per_s(vessel: str) -> float:

@@ -26,16 +26,16 @@ from numba import carray  # type: ignore[attr-defined]
 from trainer.boat.export.targets import processor
 from trainer.config.files import ConfigError
 from trainer.core.actuators import advance_surface
-from trainer.core.autopilot import (
+from trainer.core.autopilot.course import course_law
+from trainer.core.autopilot.depth import depth_error, plane_law
+from trainer.core.autopilot.reference import COURSE, DEPTH, move_reference
+from trainer.core.autopilot.speed import follow_trim, learnt
+from trainer.core.autopilot.steering import (
     BOW,
-    PLANE_GAINS,
+    PLANE_COUNT,
     RUDDER,
     RUDDER_GAINS,
     STERN,
-    course_law,
-    depth_error,
-    drive,
-    plane_law,
     scheduled_gains,
     steer,
 )
@@ -44,7 +44,6 @@ from trainer.core.compact import forces, lagged_rates
 from trainer.core.integrators import adams
 from trainer.core.kinematics import kinematics
 from trainer.core.noise import SEA_FILTER, gaussian
-from trainer.core.reference import COURSE, DEPTH, move_reference
 from trainer.core.sea.wave_filter import filter_noise
 from trainer.core.state import STATE
 from trainer.core.terms import EXTRA_TERMS
@@ -214,11 +213,13 @@ def tick_of_1969(vessel: Any, compact: Any, scheme: Any, state: Any, scratch: An
             law = course_law(now, gains)
             step = h * gains[RUDDER_GAINS + 3] * (s.psi_reference - s.psi)
         else:
-            first = PLANE_GAINS * (surface - STERN)
+            first = PLANE_COUNT * (surface - STERN)
             law = plane_law(now, gains, first)
             step = h * gains[first + 4] * depth_error(gains, now)
         steer(boat, now, surface, law, step)
-    drive(boat, h, now)
+    follow_trim(boat, h, now)
+    s.speed_trim = learnt(boat, h, now)
+    s.command_u_c = s.ordered_speed + s.speed_trim
     balance(boat, boat, now)
     forces(few, how[0].trig, now, work[0].force)
     lagged_rates(few, work[0].force, now)

@@ -1,4 +1,4 @@
-/* The autopilot with its own depth law: trainer/core/reference.py, autopilot.py. */
+/* The autopilot with its own depth law: trainer/core/autopilot/. */
 
 static double within(double value, double centre, double furthest)
 {
@@ -34,7 +34,7 @@ static void move_reference(
 
 static void slew_depth(double h, const double *gains, struct state *s)
 {
-    if (s->stern_by_hand != 0.0 && s->bow_by_hand != 0.0) {
+    if ((s->stern_by_hand != 0.0 && s->bow_by_hand != 0.0) || s->ascent != 0.0) {
         s->depth_reference = s->z;
         s->depth_reference_rate = s->zdot;
     } else
@@ -121,29 +121,250 @@ static double depth_error(const double *gains, const struct state *s)
     return learning ? error : 0.0;
 }
 
+static double between_limits(double ratio, const double *factor)
+{
+    double upper = (ratio / LIMITS[0] - 1.0 + BLEND) / (2.0 * BLEND);
+    double lower = (ratio / LIMITS[1] - 1.0 + BLEND) / (2.0 * BLEND);
+    double rise = clamped(upper, 0.0, 1.0) * (factor[0] - factor[1]);
+    return factor[2] + clamped(lower, 0.0, 1.0) * (factor[1] - factor[2]) + rise;
+}
+
+static void count_waves(double h, double band, struct state *s)
+{
+    s->wave_since += h;
+    if (s->wave_band < 0.0 && 0.0 <= band && s->wave_since >= SHORTEST) {
+        if (s->wave_count > 0.0)
+            s->wave_period += (s->wave_since - s->wave_period) / s->wave_count;
+        s->wave_count = least(s->wave_count + 1.0, COUNTED);
+        s->wave_since = 0.0;
+    }
+}
+
+static int are_counted(const struct state *s)
+{
+    return s->wave_count >= COUNTED && s->wave_since < LAST * s->wave_period;
+}
+
+static void sense_waves(double h, struct state *s)
+{
+    if (s->sea_height == 0.0 && s->wave_share == 0.0) {
+        s->wave_count = s->wave_power = 0.0;
+        return;
+    }
+    s->wave_slow += h * SLOW_PITCH / (1.0 + h * SLOW_PITCH) * (s->zdot - s->wave_slow);
+    double band = s->zdot - s->wave_slow;
+    count_waves(h, band, s);
+    s->wave_band = band;
+    s->wave_power += h / (WAVE_MEMORY + h) * (band * band - s->wave_power);
+    int there = s->wave_power > FELT * FELT && are_counted(s);
+    s->wave_share = clamped(s->wave_share + (there ? h / FADE : -h / FADE), 0.0, 1.0);
+}
+
+static double frequency_met(const struct state *s)
+{
+    return 6.283185307179586 / s->wave_period;
+}
+
+static double frequency_ratio(const struct vessel *c, const double *gains, const struct state *s)
+{
+    double pace = fabs(c->M_ds) * s->u * s->u * fabs(gains[3]) / (c->I_y - c->M_qdot);
+    return frequency_met(s) / most(pace, 1e-6);
+}
+
+struct section { double b0, b1, b2, a1, a2; };
+
+static double half_tangent(double omega, double h)
+{
+    double cos_half, sin_half;
+    cosine_and_sine(least(0.5 * omega * h, LONGEST_STEP), &cos_half, &sin_half);
+    return sin_half / cos_half;
+}
+
+static struct section notch_at(double omega, double h, double zeros, double poles)
+{
+    double c = half_tangent(omega, h);
+    double square = c * c, a0 = 1.0 + 2.0 * poles * c + square;
+    double middle = 2.0 * (square - 1.0) / a0;
+    struct section it = {
+        (1.0 + 2.0 * zeros * c + square) / a0, middle, (1.0 - 2.0 * zeros * c + square) / a0,
+        middle, (1.0 - 2.0 * poles * c + square) / a0,
+    };
+    return it;
+}
+
+static struct section low_pass(double omega, double h, double damping)
+{
+    double c = half_tangent(omega, h);
+    double square = c * c, a0 = 1.0 + 2.0 * damping * c + square, gain = square / a0;
+    struct section it = {
+        gain, 2.0 * gain, gain, 2.0 * (square - 1.0) / a0, (1.0 - 2.0 * damping * c + square) / a0,
+    };
+    return it;
+}
+
+static double past(struct section it, double x, int fresh, double *kept)
+{
+    if (fresh) {
+        kept[0] = (1.0 - it.b0) * x;
+        kept[1] = (it.b2 - it.a2) * x;
+    }
+    double y = it.b0 * x + kept[0];
+    kept[0] = it.b1 * x - it.a1 * y + kept[1];
+    kept[1] = it.b2 * x - it.a2 * y;
+    kept[2] = y;
+    return y;
+}
+
+static double law_in_waves(
+    const struct vessel *c, double h, const double *gains, struct state *s, int surface,
+    double law)
+{
+    if (s->wave_share == 0.0)
+        return law;
+    int first = PLANE_COUNT * (surface - STERN), fresh = s->wave_share <= h / FADE;
+    double *kept = s->notch + NOTCHES * (surface - STERN);
+    double ratio = frequency_ratio(c, gains, s);
+    double damping = gains[first + 3] * s->q;
+    double x = between_limits(ratio, SOFT) * (law - damping)
+        + between_limits(ratio, DAMPED) * damping;
+    double omega = frequency_met(s);
+    x = past(notch_at(BELOW * omega, h, PLANE_ZEROS, PLANE_POLES), x, fresh, kept);
+    x = past(notch_at(ABOVE * omega, h, PLANE_ZEROS, PLANE_POLES), x, fresh, kept + KEPT);
+    return law + s->wave_share * (x - law);
+}
+
+static double learning_in_waves(
+    const struct vessel *c, const double *gains, const struct state *s)
+{
+    if (s->wave_share == 0.0)
+        return 1.0;
+    double factor = between_limits(frequency_ratio(c, gains, s), LEARNT);
+    return 1.0 + s->wave_share * (factor - 1.0);
+}
+
+static double law_astern(const struct state *s, const double *gains, int surface)
+{
+    int first = PLANE_COUNT * (surface - STERN);
+    double pitch_wanted = -s->depth_reference_rate / least(s->u, -SLOWEST);
+    double depth = gains[first] * (s->depth_reference - s->z);
+    depth += gains[first + 1] * (s->depth_reference_rate - s->zdot);
+    double pitch = gains[first + 2] * (s->theta - pitch_wanted) + gains[first + 3] * s->q;
+    return surface == STERN ? depth - pitch : -depth - pitch;
+}
+
 static void keep_plane(
     const struct vessel *c, double h, const double *gains, struct state *s, int surface,
     double lasting)
 {
-    int first = PLANE_GAINS * (surface - STERN);
-    double law = plane_law(s, gains, first);
+    int first = PLANE_COUNT * (surface - STERN);
+    double law = law_in_waves(c, h, gains, s, surface, plane_law(s, gains, first));
     if (s->by_hand[surface] != 0.0) {
         s->command[surface] = s->ordered[surface];
         stand_by(s, surface, law, is_level(gains, s));
+    } else if (s->u < ASTERN) {
+        double angle = s->u < -LEAST_ASTERN ? law_astern(s, gains, surface) : 0.0;
+        s->command[surface] = within(angle, 0.0, c->limit[surface]);
+        stand_by(s, surface, law, 0);
     } else {
-        double error = depth_error(gains, s);
-        steer(c, s, surface, law, h * (gains[first + 4] * error + gains[first + 5] * lasting));
+        double step = h * gains[first + 4] * depth_error(gains, s);
+        step *= learning_in_waves(c, gains, s);
+        steer(c, s, surface, law, step + h * gains[first + 5] * lasting);
     }
+}
+
+static int is_turning(const struct vessel *c, const struct state *s)
+{
+    double rate = s->rudder_by_hand != 0.0 ? s->turn_followed : s->psi_reference_rate;
+    return fabs(rate) >= c->turning_rate;
 }
 
 static void keep_depth(const struct vessel *c, double h, const double *gains, struct state *s)
 {
     int able = fabs(s->command_s - s->delta_s) <= c->surface_rate * h;
-    double lasting = 0.0;
-    if (able && s->stern_by_hand == 0.0 && s->bow_by_hand == 0.0)
-        lasting = s->delta_b;
+    int automatic = s->stern_by_hand == 0.0 && s->bow_by_hand == 0.0;
+    double lasting = able && automatic && is_turning(c, s) ? s->delta_b : 0.0;
     keep_plane(c, h, gains, s, STERN, lasting);
     keep_plane(c, h, gains, s, BOW, lasting);
+}
+
+static int is_blown(const struct state *s)
+{
+    return s->blow[0] == EMERGENCY || s->blow[1] == EMERGENCY || s->blow[2] == EMERGENCY;
+}
+
+static void watch_blow(const struct vessel *c, struct state *s)
+{
+    int planes = s->stern_by_hand == 0.0 || s->bow_by_hand == 0.0;
+    if (!(planes && c->gain_count > 0.0))
+        s->ascent = 0.0;
+    else if (is_blown(s) && s->ascent != RISING) {
+        s->ascent = RISING;
+        s->ascent_pitch = s->theta;
+        s->ascent_quiet = s->ordered_depth = 0.0;
+    }
+}
+
+static void lay_amidships(struct state *s)
+{
+    s->command_s = s->stern_by_hand != 0.0 ? s->ordered_s : 0.0;
+    s->command_b = s->bow_by_hand != 0.0 ? s->ordered_b : 0.0;
+}
+
+static void hold_bubble(const struct vessel *c, double h, const double *gains, struct state *s)
+{
+    double wanted = 0.0;
+    if (is_blown(s))
+        wanted = BUBBLE + MORE * clamped((s->u - FAST[0]) / (FAST[1] - FAST[0]), 0.0, 1.0);
+    s->ascent_pitch += clamped(wanted - s->ascent_pitch, -TAKEN_UP * h, TAKEN_UP * h);
+    double angle = most(STIFF, fabs(gains[2])) * (s->theta - s->ascent_pitch);
+    angle += most(DAMPED_BUBBLE, fabs(gains[3])) * s->q;
+    double furthest = least(MOST_STERN, c->limit_s);
+    double down = c->M_ds <= 0.0 ? 1.0 : -1.0;
+    s->command_s = s->stern_by_hand != 0.0 ? s->ordered_s : within(down * angle, 0.0, furthest);
+    s->command_b = s->bow_by_hand != 0.0 ? s->ordered_b : 0.0;
+    if (s->blow[0] == EMERGENCY)
+        s->blow[MAIN - 1] = s->theta > HELD_AFT ? EMERGENCY : 0.0;
+}
+
+static void hand_back(const struct vessel *c, double h, struct state *s)
+{
+    int still = fabs(s->zdot) < QUIET_RATE && fabs(s->theta) < QUIET_PITCH && !is_blown(s);
+    s->ascent_quiet = still ? s->ascent_quiet + h : 0.0;
+    if (s->ascent_quiet < QUIET)
+        return;
+    if (s->z < SURFACED * c->diameter) {
+        s->ascent = AFLOAT;
+        return;
+    }
+    s->ascent = 0.0;
+    s->ordered_depth = s->depth_reference = s->z;
+    s->depth_reference_rate = 0.0;
+}
+
+static void go_on_from(struct state *s, int surface, double law)
+{
+    stand_by(s, surface, law, 0);
+    if (s->ascent == 0.0) {
+        s->integral[surface] += s->handover[surface];
+        s->handover[surface] = 0.0;
+    }
+}
+
+static void keep_planes(const struct vessel *c, double h, const double *gains, struct state *s)
+{
+    watch_blow(c, s);
+    if (s->ascent == 0.0 && s->hover == 0.0) {
+        keep_depth(c, h, gains, s);
+        return;
+    }
+    s->wave_share = 0.0;
+    if (s->ascent == RISING) {
+        hold_bubble(c, h, gains, s);
+        hand_back(c, h, s);
+    } else
+        lay_amidships(s);
+    go_on_from(s, STERN, plane_law(s, gains, 0));
+    go_on_from(s, BOW, plane_law(s, gains, PLANE_COUNT));
 }
 
 static void keep_course(const struct vessel *c, double h, const double *gains, struct state *s)
@@ -152,27 +373,99 @@ static void keep_course(const struct vessel *c, double h, const double *gains, s
     if (s->rudder_by_hand != 0.0) {
         s->command_r = s->ordered_r;
         stand_by(s, RUDDER, law, fabs(s->r) < c->turning_rate);
-        return;
+    } else if (s->u < ASTERN) {
+        s->command_r = within(-law, 0.0, c->limit_r);
+        stand_by(s, RUDDER, law, 0);
+    } else {
+        double step = 0.0;
+        if (fabs(s->psi_reference_rate) < c->turning_rate)
+            step = h * gains[RUDDER_GAINS + 3] * (s->psi_reference - s->psi);
+        steer(c, s, RUDDER, law, step);
     }
-    double step = 0.0;
-    if (fabs(s->psi_reference_rate) < c->turning_rate)
-        step = h * gains[RUDDER_GAINS + 3] * (s->psi_reference - s->psi);
-    steer(c, s, RUDDER, law, step);
+}
+
+static double learnt(const struct vessel *c, double h, struct state *s)
+{
+    double share = h / (FOLLOW + h);
+    double pace = c->speed_integral * most(s->speed_followed, 0.0) / c->gain_speed[0];
+    double rate = pace * (s->ordered_speed - s->u) - s->udot;
+    if (is_turning(c, s))
+        rate = 0.0;
+    int answering = fabs(s->ordered_speed - s->speed_followed) > FAR_SPEED
+        && s->speed_since < ANSWERING;
+    double first = s->speed_rate_1 + share * (rate - s->speed_rate_1);
+    if (answering)
+        first = 0.0;
+    double second = s->speed_rate_2 + share * (first - s->speed_rate_2);
+    s->speed_rate_1 = first;
+    s->speed_rate_2 = answering ? 0.0 : second;
+    double furthest = MOST_TRIM[0] * fabs(s->ordered_speed) + MOST_TRIM[1];
+    double new = clamped(s->speed_trim + h * s->speed_rate_2, -furthest, furthest);
+    double command = s->ordered_speed + new;
+    int over = command > c->u_c_ahead && new > s->speed_trim;
+    int under = command < c->u_c_astern && new < s->speed_trim;
+    return over || under ? s->speed_trim : new;
+}
+
+static int is_short(const struct vessel *c, const struct state *s)
+{
+    int lacking = s->ordered_speed - s->speed_followed > FAR_SPEED;
+    int all_given = s->command_u_c >= c->u_c_ahead || s->command_u_c - s->u_c > PACE
+        || s->speed_trim >= MOST_TRIM[0] * fabs(s->ordered_speed) + MOST_TRIM[1];
+    return lacking && all_given && !is_turning(c, s);
 }
 
 static void keep_speed(const struct vessel *c, double h, struct state *s)
 {
+    double share = h / (FOLLOW + h);
+    s->speed_followed += share * (s->u - s->speed_followed);
+    s->turn_followed += share * (s->r - s->turn_followed);
+    s->speed_since = s->ordered_speed != s->speed_order ? 0.0 : s->speed_since + h;
+    s->speed_order = s->ordered_speed;
     if (s->speed_by_hand != 0.0 || c->gain_count == 0.0) {
         s->command_u_c = s->ordered_u_c;
+        s->speed_since = s->speed_short = s->speed_rate_1 = s->speed_rate_2 = 0.0;
         return;
     }
-    double error = s->ordered_speed - s->u;
-    double step = h * (c->speed_integral * most(s->u, 0.0) / c->gain_speed[0] * error - s->udot);
-    double wanted = s->ordered_speed + s->speed_trim + step;
-    int possible = c->u_c_astern < wanted && wanted < c->u_c_ahead;
-    if (possible && fabs(s->r) < c->turning_rate && fabs(error) < SPEED_BAND)
-        s->speed_trim += step;
-    s->command_u_c = clamped(s->ordered_speed + s->speed_trim, c->u_c_astern, c->u_c_ahead);
+    s->speed_trim = learnt(c, h, s);
+    double slowest = most(c->u_c_astern, least(s->ordered_speed, 0.0));
+    s->command_u_c = clamped(s->ordered_speed + s->speed_trim, slowest, c->u_c_ahead);
+    s->speed_short = is_short(c, s) ? s->speed_short + h : 0.0;
+}
+
+static double trim_moved(double wanted, double negligible, double h, double furthest)
+{
+    if (fabs(wanted) <= negligible)
+        return 0.0;
+    return clamped(wanted * h / GRADUAL, -furthest * h, furthest * h);
+}
+
+static int is_trimming(const struct state *s)
+{
+    int free = s->ascent == 0.0 && s->hover == 0.0;
+    return free && s->stern_by_hand == 0.0 && s->bow_by_hand == 0.0
+        && fabs(s->ordered_depth - s->z) < NEAR && s->u > UNDER_WAY;
+}
+
+static void keep_trim(const struct vessel *c, double h, struct state *s)
+{
+    s->trim_flood = s->trim_forward = 0.0;
+    if (s->trim_by_hand != 0.0)
+        return;
+    double share = h / (TRIM_MEMORY + h), square = s->u * s->u;
+    double lift = square * (c->Z_ds * s->delta_s + c->Z_db * s->delta_b);
+    double moment = square * (c->M_ds * s->delta_s + c->M_db * s->delta_b);
+    s->trim_lift += share * (lift - s->trim_lift);
+    s->trim_moment += share * (moment - s->trim_moment);
+    s->trim_pitch += share * (s->theta - s->trim_pitch);
+    if (!is_trimming(s) || is_turning(c, s))
+        return;
+    if (c->limit_b > 0.0 && fabs(s->delta_s) < FREE_PLANES)
+        s->stern_integral += (c->M_ds <= 0.0 ? 1.0 : -1.0) * LEVELLING * h * s->trim_pitch;
+    double arm = c->x[TRIM_FORWARD] - c->x[TRIM_AFT];
+    s->trim_flood = trim_moved(s->trim_lift / c->g, HEAVY * c->mass, h, FLOODED);
+    if (arm > 0.0)
+        s->trim_forward = trim_moved(-s->trim_moment / (c->g * arm), STEEP * c->mass, h, MOVED);
 }
 
 static void hold_commands(const double *gains, struct state *s)
@@ -184,7 +477,7 @@ static void hold_commands(const double *gains, struct state *s)
             s->command[surface] = s->ordered[surface];
     stand_by(s, RUDDER, course_law(s, gains), 0);
     stand_by(s, STERN, plane_law(s, gains, 0), 0);
-    stand_by(s, BOW, plane_law(s, gains, PLANE_GAINS), 0);
+    stand_by(s, BOW, plane_law(s, gains, PLANE_COUNT), 0);
 }
 
 static void autopilot(const struct vessel *c, double h, struct state *s, double *gains)
@@ -197,8 +490,10 @@ static void autopilot(const struct vessel *c, double h, struct state *s, double 
         hold_commands(gains, s);
         return;
     }
-    keep_depth(c, h, gains, s);
+    sense_waves(h, s);
+    keep_planes(c, h, gains, s);
     keep_course(c, h, gains, s);
     fade(c, h, s);
     keep_speed(c, h, s);
+    keep_trim(c, h, s);
 }

@@ -166,17 +166,34 @@ static void pump_tank(const struct vessel *c, int pump, int tank, double h, stru
         s->to_move[pump] = 0.0;
 }
 
-static void transfer_trim(const struct vessel *c, double h, struct state *s)
+static int move_forward(const struct vessel *c, double amount, struct state *s)
 {
-    double order = s->to_move[TRIM_PUMP];
-    double furthest = sound_rate(c, TRIM_PUMP, s) * h;
-    double amount = least(most(order, -furthest), furthest);
     double forward = s->water[TRIM_FORWARD], aft = s->water[TRIM_AFT];
     double possible = least(least(amount, aft), c->capacity[TRIM_FORWARD] - forward);
     possible = most(most(possible, -forward), aft - c->capacity[TRIM_AFT]);
     s->water[TRIM_FORWARD] = clamped(forward + possible, 0.0, c->capacity[TRIM_FORWARD]);
     s->water[TRIM_AFT] = clamped(aft - possible, 0.0, c->capacity[TRIM_AFT]);
-    s->to_move[TRIM_PUMP] = possible == amount ? order - amount : 0.0;
+    return possible == amount;
+}
+
+static void transfer_trim(const struct vessel *c, double h, struct state *s)
+{
+    double order = s->to_move[TRIM_PUMP];
+    double furthest = sound_rate(c, TRIM_PUMP, s) * h;
+    if (order == 0.0) {
+        move_forward(c, clamped(s->trim_forward, -furthest, furthest), s);
+        return;
+    }
+    double amount = clamped(order, -furthest, furthest);
+    int whole = move_forward(c, amount, s);
+    s->to_move[TRIM_PUMP] = whole ? order - amount : 0.0;
+}
+
+static void flood_auxiliary(const struct vessel *c, double h, struct state *s)
+{
+    double furthest = sound_rate(c, DRAIN_PUMP, s) * h;
+    double amount = clamped(s->trim_flood, -furthest * delivery(c, s->z), furthest);
+    admit(c, AUXILIARY, amount, s);
 }
 
 static void drain(const struct vessel *c, double h, struct state *s)
@@ -186,17 +203,79 @@ static void drain(const struct vessel *c, double h, struct state *s)
         admit(c, place, -sound_rate(c, DRAIN_PUMP, s) * h * delivery(c, s->z), s);
 }
 
+static double heaved_mass(const struct vessel *c)
+{
+    return c->buoyancy / c->g - c->Z_wdot;
+}
+
+static double suction_gradient(const struct vessel *c, double depth, const struct state *s)
+{
+    double lift, gradient;
+    if (s->sea_height == 0.0 || s->sea_suction == 0.0)
+        return 0.0;
+    suction(c->g, s->sea_omega, s->sea_height, depth, &lift, &gradient);
+    return s->sea_suction * gradient;
+}
+
+static void follow_error(double h, struct state *s)
+{
+    double *kept = s->hover_filter;
+    int fresh = s->hover_time == 0.0 || s->ordered_depth != s->hover_order;
+    s->hover_order = s->ordered_depth;
+    double x = s->ordered_depth - s->z;
+    if (are_counted(s)) {
+        double omega = frequency_met(s);
+        int anew = fresh || s->hover_notched == 0.0;
+        x = past(notch_at(BELOW * omega, h, HOVER_ZEROS, HOVER_POLES), x, anew, kept);
+        x = past(notch_at(ABOVE * omega, h, HOVER_ZEROS, HOVER_POLES), x, anew, kept + KEPT);
+        s->hover_notched = 1.0;
+    } else
+        s->hover_notched = 0.0;
+    double last = kept[2 * KEPT + 2];
+    s->hover_error = past(low_pass(HOVER_SLOW, h, SLOW_DAMPING), x, fresh, kept + 2 * KEPT);
+    s->hover_error_rate = fresh ? 0.0 : (s->hover_error - last) / h;
+    double room = fabs(s->hover_error) + HOVER_FURTHEST;
+    s->hover_room = fresh ? room : most(least(s->hover_room, room), HOVER_FURTHEST);
+}
+
+static int cannot_hold(const struct vessel *c, double gradient, const struct state *s)
+{
+    if (gradient == 0.0)
+        return 0;
+    double pole = sqrt(gradient);
+    double caught = c->pump_rate[DEPTH_CONTROL_PUMP] * c->g
+        / (heaved_mass(c) * pole * pole * pole);
+    return s->hover_full > HOVER_LONGEST || fabs(s->hover_error) > s->hover_room
+        || fabs(s->hover_error + s->hover_error_rate / pole) > CATCH * caught;
+}
+
 static void hover(const struct vessel *c, double h, struct state *s)
 {
-    double frequency = c->hover_frequency;
-    double per_acceleration = (c->mass - c->Z_wdot) / c->g;
-    double rate = (s->ordered_depth - s->z) * frequency / (2.0 * DAMPING);
-    double lack = clamped(rate, -c->hover_rate, c->hover_rate) - s->zdot;
-    double wanted = s->hover_integral + per_acceleration * 2.0 * DAMPING * frequency * lack;
+    follow_error(h, s);
+    s->hover_time += h;
+    double gradient = suction_gradient(c, s->ordered_depth, s);
+    if (cannot_hold(c, gradient, s)) {
+        s->hover = s->to_move[DEPTH_CONTROL_PUMP] = s->hover_time = 0.0;
+        s->hover_lost = 1.0;
+        if (s->speed_by_hand == 0.0)
+            s->ordered_speed = most(s->ordered_speed, AWAY);
+        return;
+    }
+    int rough = s->wave_power > FELT * FELT;
+    double frequency = SOFTER[rough] * c->hover_frequency, per_acceleration = heaved_mass(c) / c->g;
+    double asked = s->hover_error * frequency / (2.0 * HOVER_DAMPING[rough]);
+    double lack = clamped(asked, -c->hover_rate, c->hover_rate) + s->hover_error_rate;
+    double held = gradient * clamped(s->hover_error, -HOVER_NEAR, HOVER_NEAR);
+    double wanted = s->hover_integral
+        + per_acceleration * (2.0 * HOVER_DAMPING[rough] * frequency * lack + held);
     double possible = clamped(wanted, 0.0, c->capacity[DEPTH_CONTROL]);
-    if (wanted == possible)
-        s->hover_integral += per_acceleration * INTEGRAL * frequency * frequency * lack * h;
     s->to_move[DEPTH_CONTROL_PUMP] = possible - s->water[DEPTH_CONTROL];
+    double rate = c->pump_rate[DEPTH_CONTROL_PUMP], size = fabs(s->to_move[DEPTH_CONTROL_PUMP]);
+    s->hover_full = size > rate * h ? s->hover_full + h : 0.0;
+    if (wanted == possible && size < SOON * rate) {
+        double learnt_now = HOVER_INTEGRAL[rough] * frequency * frequency * lack * h;
+        s->hover_integral += per_acceleration * learnt_now;
+    }
 }
 
 static void work_pumps(const struct vessel *c, double h, struct state *s)
@@ -204,13 +283,15 @@ static void work_pumps(const struct vessel *c, double h, struct state *s)
     if (s->hover > 0.0)
         hover(c, h, s);
     else
-        s->hover_integral = s->water[DEPTH_CONTROL];
-    if (s->to_move[TRIM_PUMP] != 0.0)
+        s->hover_integral = s->water[DEPTH_CONTROL], s->hover_time = s->hover_full = 0.0;
+    if (s->to_move[TRIM_PUMP] != 0.0 || s->trim_forward != 0.0)
         transfer_trim(c, h, s);
     if (s->drained > 0.0)
         drain(c, h, s);
     else if (s->to_move[DRAIN_PUMP] != 0.0)
         pump_tank(c, DRAIN_PUMP, AUXILIARY, h, s);
+    else if (s->trim_flood != 0.0)
+        flood_auxiliary(c, h, s);
     if (s->to_move[DEPTH_CONTROL_PUMP] != 0.0)
         pump_tank(c, DEPTH_CONTROL_PUMP, DEPTH_CONTROL, h, s);
 }

@@ -18,20 +18,29 @@ from trainer.boat.export.targets import NoCompilerError
 from trainer.core import (
     actuators,
     attitude,
-    autopilot,
     casualties,
     elementary,
     envelope,
     kinematics,
     noise,
-    reference,
     scheme,
     state,
     update,
     vessel,
 )
-from trainer.core.ballast import air, pumps, tanks
+from trainer.core.autopilot import (
+    ascent,
+    depth,
+    reference,
+    sections,
+    speed,
+    steering,
+    trimming,
+    waves,
+)
+from trainer.core.ballast import air, tanks
 from trainer.core.ballast import buoyancy as hull
+from trainer.core.ballast import hover as hovering
 from trainer.core.sea import cosine_sum, forces, wave_filter
 from trainer.core.sea import sea as sea_module
 from trainer.core.state import SCRATCH, STATE
@@ -48,29 +57,66 @@ CONSTANTS: Final[tuple[tuple[ModuleType, str], ...]] = (
     (actuators, "AMIDSHIPS"),
     (air, "CRITICAL THINNEST"),
     (attitude, "HALF_TURN PHI POLAR TURN"),
-    (autopilot, "BOW FAR GAIN_COUNT HANDOVER PLANE_GAINS RUDDER RUDDER_GAINS SETTLED SLOWEST"),
-    (autopilot, "SPEED_BAND STANDS STERN"),
+    (ascent, "AFLOAT BUBBLE EMERGENCY HELD_AFT MAIN MORE QUIET QUIET_PITCH QUIET_RATE RISING"),
+    (ascent, "STIFF SURFACED TAKEN_UP"),
     (casualties, "AUTOPILOT_FAILED BIASED FOLLOW_UP_LOST FREE GYRO HARD_OVER LOG"),
     (casualties, "PROPULSION_LOST PROPULSION_STUCK SLOW"),
     (cosine_sum, "BANDS PART"),
+    (depth, "FAR LEAST_ASTERN"),
     (envelope, "EXTRAPOLATED INSIDE MOST_SUBSTEPS OUTSIDE SUBSTEP SURFACE_SUBSTEP"),
     (hull, "SEGMENT_SLOPE SMALL_SEGMENT"),
     (kinematics, "LINEAR POLYNOMIAL STEEPEST"),
     (noise, "PARITY SEA_FILTER SEA_FREQUENCY SEA_PHASE"),
-    (pumps, "DAMPING INTEGRAL"),
+    (hovering, "AWAY CATCH SLOW_DAMPING SOON"),
+    (sections, "KEPT"),
     (reference, "APPROACH COURSE DEPTH DEPTH_SLEW LEASH"),
     (scheme, "ADAMS"),
+    (speed, "ANSWERING FOLLOW PACE"),
+    (steering, "ASTERN BOW GAIN_COUNT HANDOVER PLANE_COUNT RUDDER RUDDER_GAINS SETTLED SLOWEST"),
+    (steering, "STANDS STERN"),
+    (forces, "DEEPEST SHALLOWEST"),
     (state, "DEGREE SEA_COMPONENTS"),
     (sea_module, "OMEGA"),
     (tanks, "ATMOSPHERE AUXILIARY DEPTH_CONTROL DEPTH_CONTROL_PUMP DISCHARGE DRAIN_PUMP"),
     (tanks, "EMERGENCY_BANK END FIRST_DRY MAIN_BANK NEGATIVE STATIONS TRIM_AFT TRIM_FORWARD"),
     (tanks, "TRIM_PUMP"),
+    (trimming, "FLOODED GRADUAL HEAVY LEVELLING MOVED NEAR STEEP UNDER_WAY"),
     (update, "FASTEST FASTEST_RATE FURTHEST"),
     (vessel, "SURFACE_DEPTHS"),
+    (waves, "ABOVE BELOW BLEND COUNTED FADE FELT LAST NOTCHES SHORTEST"),
     (wave_filter, "G_OF_TABLE HIGH_DAMPING KNOT LOW_DAMPING PEAK WIDEST"),
 )
 CASUALTY_TABLES: Final = ("SURFACE", "GAUGE", "FAULT", "PLACE", "SENSE", "HOLDS", "GAUGE_CODE")
 SUM_TABLES: Final = ("ANGLE_COS", "ANGLE_SIN", "WEIGHT")
+PILOT_TABLES: Final[dict[tuple[ModuleType, str], str]] = {
+    (ascent, "FAST"): "FAST",
+    (hovering, "DAMPING"): "HOVER_DAMPING",
+    (hovering, "INTEGRAL"): "HOVER_INTEGRAL",
+    (hovering, "SOFTER"): "SOFTER",
+    (speed, "MOST"): "MOST_TRIM",
+    (waves, "LIMITS"): "LIMITS",
+    (waves, "SOFT"): "SOFT",
+    (waves, "DAMPED"): "DAMPED",
+    (waves, "LEARNT"): "LEARNT",
+}
+CLASHING: Final[dict[tuple[ModuleType, str], str]] = {  # names that two modules have, in C
+    (ascent, "DAMPED"): "DAMPED_BUBBLE",
+    (ascent, "MOST"): "MOST_STERN",
+    (speed, "FAR"): "FAR_SPEED",
+    (trimming, "FREE"): "FREE_PLANES",
+    (trimming, "MEMORY"): "TRIM_MEMORY",
+    (hovering, "FURTHEST"): "HOVER_FURTHEST",
+    (hovering, "LONGEST"): "HOVER_LONGEST",
+    (hovering, "NEAR"): "HOVER_NEAR",
+    (hovering, "POLES"): "HOVER_POLES",
+    (hovering, "SLOW"): "HOVER_SLOW",
+    (hovering, "ZEROS"): "HOVER_ZEROS",
+    (sections, "LONGEST"): "LONGEST_STEP",
+    (waves, "MEMORY"): "WAVE_MEMORY",
+    (waves, "POLES"): "PLANE_POLES",
+    (waves, "ZEROS"): "PLANE_ZEROS",
+    (waves, "SLOW"): "SLOW_PITCH",
+}
 
 
 def header() -> str:
@@ -86,8 +132,13 @@ def header() -> str:
         _table("EIGHTHS", elementary.EIGHTHS),
         _table("SIMILAR", np.array(wave_filter.SIMILAR)),
         _table("TAPER", np.array(forces.TAPER)),
+        _table("FADING", forces.FADING),
         _table("TABLE", wave_filter.TABLE),
     ]
+    for (module, name), known in CLASHING.items():
+        lines.append(f"#define {known} {getattr(module, name)!r}")
+    for (module, name), known in PILOT_TABLES.items():
+        lines.append(_table(known, np.array(getattr(module, name))))
     for name, dtype in RECORDS.items():
         lines += _struct(name, dtype)
     return "\n".join(lines) + "\n"

@@ -11,6 +11,7 @@
 #include "elementary.h"
 #include "casualties.h"
 #include "autopilot.h"
+#include "suction.h"
 #include "ballast.h"
 #include "surface.h"
 #include "surfaced.h"

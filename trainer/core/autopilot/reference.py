@@ -59,9 +59,12 @@ def move_reference(axis: int, here: float, h: float, gains: Numbers, state: Reco
 
 @part
 def slew_depth(h: float, gains: Numbers, state: Record) -> None:
-    """Move the depth reference by ``h`` [s]; with both pairs of planes in hand it is the boat's."""
+    """Move the depth reference by ``h`` [s].
+
+    With both pairs of planes in hand, or on the way up after a blow, it is the boat's.
+    """
     s = state[0]
-    if s.stern_by_hand != 0.0 and s.bow_by_hand != 0.0:
+    if (s.stern_by_hand != 0.0 and s.bow_by_hand != 0.0) or s.ascent != 0.0:
         s.depth_reference, s.depth_reference_rate = s.z, s.zdot
     else:
         move_reference(DEPTH, s.z, h, gains, state)

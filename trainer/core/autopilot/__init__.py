@@ -1,0 +1,1 @@
+"""The automatic helmsman and planesman: depth, course, speed and trim keeping."""

@@ -1,0 +1,132 @@
+"""The emergency blow with the planes automatic: up with a bubble, and handed back without a jump.
+
+Depth keeping would dive against the blow. While a main tank's emergency valve is open the stern
+planes hold a pitch of BUBBLE, more at speed, the bow planes lie amidships, and the after group is
+blown only while the bow is up: at slow speed the planes alone cannot hold it. Once the blow is
+over and the boat lies still for QUIET it keeps the depth it has; at the surface nothing is kept
+until a depth is ordered. Own law; figures and what it does on BB2 are in docs/autopilot.md.
+"""
+
+import math
+from typing import Final
+
+from trainer.core.autopilot.steering import OWN, stand_by
+from trainer.core.kernel import Numbers, Record, part
+from trainer.units import KNOT
+
+NONE, RISING, AFLOAT = 0, 1, 2  # of the state's ``ascent``
+EMERGENCY: Final = 2.0  # [-] of a blow valve
+MAIN: Final = 3  # groups of main ballast, the last one aft
+
+DEGREE: Final = math.pi / 180.0
+BUBBLE: Final = 10.0 * DEGREE  # [rad] bow up
+MORE: Final = 5.0 * DEGREE  # [rad] at speed
+FAST: Final = (9.0 * KNOT, 10.0 * KNOT)  # [m/s] from which to which it is added
+TAKEN_UP: Final = 1.5 * DEGREE  # [rad/s]
+HELD_AFT: Final = 5.0 * DEGREE  # [rad] pitch below which the after group is not blown
+STIFF, DAMPED = 1.5, 8.0  # [-], [s] least gains on pitch and its rate
+MOST: Final = 25.0 * DEGREE  # [rad] of the stern planes
+
+QUIET: Final = 30.0  # [s]
+QUIET_RATE: Final = 0.3  # [m/s] of depth
+QUIET_PITCH: Final = 5.0 * DEGREE
+SURFACED: Final = 0.625  # [diameters] of the origin: the boat is at the surface
+
+
+@part
+def is_blown(state: Record) -> bool:
+    """Return whether a main tank's emergency valve is open."""
+    s = state[0]
+    return s.blow[0] == EMERGENCY or s.blow[1] == EMERGENCY or s.blow[2] == EMERGENCY
+
+
+@part
+def minds_blow(vessel: Record, state: Record) -> bool:
+    """Return whether the pilot has planes with which to answer a blow."""
+    s = state[0]
+    planes = s.stern_by_hand == 0.0 or s.bow_by_hand == 0.0
+    return planes and s.depth_law == OWN and vessel[0].gain_count > 0.0
+
+
+@part
+def watch_blow(vessel: Record, state: Record) -> None:
+    """Begin an ascent when main ballast is blown by the emergency valves; end it without planes."""
+    s = state[0]
+    if not minds_blow(vessel, state):
+        s.ascent = NONE
+    elif is_blown(state) and s.ascent != RISING:
+        s.ascent = RISING
+        s.ascent_pitch = s.theta
+        s.ascent_quiet = s.ordered_depth = 0.0
+
+
+@part
+def take_up_bubble(h: float, state: Record) -> None:
+    """Move the pitch to be held for ``h`` [s]: bow up while the tanks are blown."""
+    s = state[0]
+    wanted = 0.0
+    if is_blown(state):
+        share = (s.u - FAST[0]) / (FAST[1] - FAST[0])
+        wanted = BUBBLE + MORE * min(max(share, 0.0), 1.0)
+    change = wanted - s.ascent_pitch
+    s.ascent_pitch += min(max(change, -TAKEN_UP * h), TAKEN_UP * h)
+
+
+@part
+def hold_bubble(vessel: Record, h: float, gains: Numbers, state: Record) -> None:
+    """Command the planes of a boat that comes up, but those in hand, and its after group."""
+    c = vessel[0]
+    s = state[0]
+    take_up_bubble(h, state)
+    angle = max(STIFF, abs(gains[2])) * (s.theta - s.ascent_pitch)
+    angle += max(DAMPED, abs(gains[3])) * s.q
+    most = min(MOST, c.limit_s)
+    down = 1.0 if c.M_ds <= 0.0 else -1.0  # [-] sign of an angle that takes the bow down
+    s.command_s = s.ordered_s if s.stern_by_hand != 0.0 else min(max(down * angle, -most), most)
+    s.command_b = s.ordered_b if s.bow_by_hand != 0.0 else 0.0
+    if s.blow[0] == EMERGENCY:
+        s.blow[MAIN - 1] = EMERGENCY if s.theta > HELD_AFT else 0.0
+
+
+@part
+def hand_back(vessel: Record, h: float, state: Record) -> None:
+    """End an ascent that has come to rest: keep the depth there is, at the surface none."""
+    s = state[0]
+    still = abs(s.zdot) < QUIET_RATE and abs(s.theta) < QUIET_PITCH and not is_blown(state)
+    s.ascent_quiet = s.ascent_quiet + h if still else 0.0
+    if s.ascent_quiet < QUIET:
+        return
+    if s.z < SURFACED * vessel[0].diameter:
+        s.ascent = AFLOAT
+        return
+    s.ascent = NONE
+    s.ordered_depth = s.depth_reference = s.z
+    s.depth_reference_rate = 0.0
+
+
+@part
+def come_up(vessel: Record, h: float, gains: Numbers, state: Record) -> None:
+    """Command the planes from an emergency blow until a depth is kept again."""
+    if state[0].ascent == AFLOAT:
+        lay_amidships(state)
+    else:
+        hold_bubble(vessel, h, gains, state)
+        hand_back(vessel, h, state)
+
+
+@part
+def lay_amidships(state: Record) -> None:
+    """Command the planes to nothing, but those in hand."""
+    s = state[0]
+    s.command_s = s.ordered_s if s.stern_by_hand != 0.0 else 0.0
+    s.command_b = s.ordered_b if s.bow_by_hand != 0.0 else 0.0
+
+
+@part
+def go_on_from(state: Record, surface: int, law: float) -> None:
+    """Let depth keeping by ``law`` [rad] follow the planes, to go on from where they stand."""
+    s = state[0]
+    stand_by(state, surface, law, False)  # noqa: FBT003 a fact
+    if s.ascent == NONE:
+        s.integral[surface] += s.handover[surface]
+        s.handover[surface] = 0.0

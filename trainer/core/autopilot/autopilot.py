@@ -1,0 +1,93 @@
+"""The automatic helmsman and planesman: depth, course, speed and trim keeping, tick by tick.
+
+Each surface gets gain times error in depth, depth rate, pitch and pitch rate (course, yaw rate and
+sway for the rudder) plus an integral, the gains interpolated over speed. [ASSES]'s depth law stands
+beside it for comparison.
+"""
+
+from trainer.core.autopilot.ascent import (
+    NONE,
+    come_up,
+    go_on_from,
+    lay_amidships,
+    watch_blow,
+)
+from trainer.core.autopilot.course import course_law, keep_course
+from trainer.core.autopilot.depth import keep_depth, plane_law
+from trainer.core.autopilot.reference import slew_course, slew_depth
+from trainer.core.autopilot.speed import keep_speed
+from trainer.core.autopilot.steering import (
+    BOW,
+    PLANE_COUNT,
+    RUDDER,
+    STERN,
+    fade,
+    scheduled_gains,
+    stand_by,
+)
+from trainer.core.autopilot.trimming import keep_trim
+from trainer.core.autopilot.waves import sense_waves
+from trainer.core.casualties import AUTOPILOT_FAILED, slot_of
+from trainer.core.kernel import Numbers, Record, kernel, part
+
+
+@kernel
+def hold_commands(gains: Numbers, state: Record) -> None:
+    """Leave the commands of a failed autopilot as they are; hands still take what they order.
+
+    Its laws stand by, so that it goes on without a bump.
+    """
+    s = state[0]
+    if s.speed_by_hand != 0.0:
+        s.command_u_c = s.ordered_u_c
+    for surface in range(3):
+        if s.by_hand[surface] != 0.0:
+            s.command[surface] = s.ordered[surface]
+    stand_by(state, RUDDER, course_law(state, gains), False)  # noqa: FBT003 a fact
+    stand_by(state, STERN, plane_law(state, gains, 0), False)  # noqa: FBT003
+    stand_by(state, BOW, plane_law(state, gains, PLANE_COUNT), False)  # noqa: FBT003
+
+
+@part
+def keep_planes(vessel: Record, h: float, gains: Numbers, state: Record) -> None:
+    """Command both pairs of planes: to keep the depth, or to come up after an emergency blow.
+
+    While the boat hovers its tank has the depth, and the planes lie amidships.
+    """
+    s = state[0]
+    watch_blow(vessel, state)
+    if s.ascent == NONE and s.hover == 0.0:
+        keep_depth(vessel, h, gains, state)
+        return
+    s.wave_share = 0.0  # the law for waves begins anew
+    if s.ascent != NONE:
+        come_up(vessel, h, gains, state)
+    else:
+        lay_amidships(state)
+    go_on_from(state, STERN, plane_law(state, gains, 0))
+    go_on_from(state, BOW, plane_law(state, gains, PLANE_COUNT))
+
+
+@part
+def autopilot(vessel: Record, h: float, state: Record, gains: Numbers) -> None:
+    """Write the commanded rudder, planes and revolutions of this tick."""
+    s = state[0]
+    if vessel[0].gain_count > 0.0:
+        scheduled_gains(vessel, s.u, gains)
+    slew_depth(h, gains, state)
+    slew_course(h, gains, state)
+    if slot_of(AUTOPILOT_FAILED, state) >= 0:
+        hold_commands(gains, state)
+        return
+    sense_waves(h, state)
+    keep_planes(vessel, h, gains, state)
+    keep_course(vessel, h, gains, state)
+    fade(vessel, h, state)
+    keep_speed(vessel, h, state)
+    keep_trim(vessel, h, state)
+
+
+@kernel
+def stand_by_all(vessel: Record, h: float, state: Record, scratch: Record) -> None:
+    """Let the autopilot take note of what is in hand, ready for a bumpless change."""
+    autopilot(vessel, h, state, scratch[0].gains)

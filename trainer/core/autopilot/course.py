@@ -1,0 +1,34 @@
+"""Course keeping: the rudder gets gain times course error, yaw rate and sway, and an integral."""
+
+from trainer.core.autopilot.reference import within
+from trainer.core.autopilot.steering import ASTERN, RUDDER, RUDDER_GAINS, stand_by, steer
+from trainer.core.kernel import Numbers, Record, part
+
+
+@part
+def course_law(state: Record, gains: Numbers) -> float:
+    """Return the rudder angle [rad] without its integral, as it is going ahead."""
+    s = state[0]
+    return (
+        gains[RUDDER_GAINS] * (s.psi_reference - s.psi)
+        + gains[RUDDER_GAINS + 1] * (s.psi_reference_rate - s.r)
+        + gains[RUDDER_GAINS + 2] * s.v
+    )
+
+
+@part
+def keep_course(vessel: Record, h: float, gains: Numbers, state: Record) -> None:
+    """Command the rudder; going astern it is put over the other way, and nothing is learnt."""
+    s = state[0]
+    law = course_law(state, gains)
+    if s.rudder_by_hand != 0.0:
+        s.command_r = s.ordered_r
+        stand_by(state, RUDDER, law, abs(s.r) < vessel[0].turning_rate)
+    elif s.u < ASTERN:
+        s.command_r = within(-law, 0.0, vessel[0].limit_r)
+        stand_by(state, RUDDER, law, False)  # noqa: FBT003 a fact
+    else:
+        step = 0.0
+        if abs(s.psi_reference_rate) < vessel[0].turning_rate:
+            step = h * gains[RUDDER_GAINS + 3] * (s.psi_reference - s.psi)
+        steer(vessel, state, RUDDER, law, step)

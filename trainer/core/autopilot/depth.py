@@ -1,0 +1,126 @@
+"""Depth keeping by both pairs of planes.
+
+Own law: each pair gets gain times error in depth, depth rate, pitch and pitch rate, plus an
+integral. In a turn a lasting angle of the bow planes is handed over to the stern planes where those
+carry it better; in straight flight that would trade it for pitch, and trim is what mends it (see
+``trimming``). In waves the law leaves the waves' own band alone (see ``waves``).
+
+Going astern the planes work the other way round, and pitch takes the boat the other way; slower
+than LEAST_ASTERN they hold nothing, stay amidships, and depth is left to the tanks.
+"""
+
+from typing import Final
+
+from trainer.core.autopilot.reference import DEPTH_SLEW, leash, within
+from trainer.core.autopilot.report_law import report_angle
+from trainer.core.autopilot.steering import (
+    ASTERN,
+    BOW,
+    OWN,
+    PLANE_COUNT,
+    SETTLED,
+    SLOWEST,
+    STERN,
+    is_level,
+    is_turning,
+    stand_by,
+    steer,
+)
+from trainer.core.autopilot.waves import law_in_waves, learning_in_waves, pass_notches
+from trainer.core.kernel import Numbers, Record, part
+from trainer.units import KNOT
+
+FAR: Final = 0.5  # [-] share of the leash, and of the allowed depth rate
+LEAST_ASTERN: Final = 3.0 * KNOT  # [m/s] slower than that planes do not hold a boat going astern
+
+
+@part
+def plane_law(state: Record, gains: Numbers, first: int) -> float:
+    """Return a plane angle [rad] without its integral; ``first`` is where its gains begin."""
+    s = state[0]
+    pitch_wanted = -s.depth_reference_rate / max(s.u, SLOWEST)
+    return (
+        gains[first] * (s.depth_reference - s.z)
+        + gains[first + 1] * (s.depth_reference_rate - s.zdot)
+        + gains[first + 2] * (s.theta - pitch_wanted)
+        + gains[first + 3] * s.q
+    )
+
+
+@part
+def law_astern(state: Record, gains: Numbers, surface: int) -> float:
+    """Return a plane angle [rad] going astern: moments are turned, and what pitch does to depth.
+
+    Stern planes act on depth by pitch, turned twice; bow planes by their own lift, turned once.
+    An estimate: the coefficients are those of a boat that goes ahead.
+    """
+    s = state[0]
+    first = PLANE_COUNT * (surface - STERN)
+    pitch_wanted = -s.depth_reference_rate / min(s.u, -SLOWEST)
+    depth = gains[first] * (s.depth_reference - s.z)
+    depth += gains[first + 1] * (s.depth_reference_rate - s.zdot)
+    pitch = gains[first + 2] * (s.theta - pitch_wanted) + gains[first + 3] * s.q
+    return depth - pitch if surface == STERN else -depth - pitch
+
+
+@part
+def depth_error(gains: Numbers, state: Record) -> float:
+    """Return the depth error [m] to be integrated, 0 while it says nothing about the trim.
+
+    That is while the boat changes depth as it should, and while it is far off and under way: either
+    returning or being taken away. Held far off, it learns.
+    """
+    s = state[0]
+    error = s.depth_reference - s.z
+    rate, share = s.depth_reference_rate, SETTLED
+    if abs(error) > FAR * leash(gains, DEPTH_SLEW):
+        rate, share = s.zdot, FAR
+    return error if abs(rate) < share * gains[DEPTH_SLEW] else 0.0
+
+
+@part
+def back(vessel: Record, gains: Numbers, state: Record, surface: int) -> None:
+    """Command a pair of planes of a boat that goes astern."""
+    s = state[0]
+    angle = law_astern(state, gains, surface) if s.u < -LEAST_ASTERN else 0.0
+    s.command[surface] = within(angle, 0.0, vessel[0].limit[surface])
+
+
+@part
+def keep_plane(
+    vessel: Record, h: float, gains: Numbers, state: Record, surface: int, lasting: float
+) -> None:
+    """Command one pair of planes; ``lasting`` [rad] is the bow planes' angle to be relieved of."""
+    s = state[0]
+    first = PLANE_COUNT * (surface - STERN)
+    law = plane_law(state, gains, first)
+    pass_notches(vessel, h, gains, state, surface, law)
+    law = law_in_waves(state, surface, law)
+    if s.by_hand[surface] != 0.0:
+        s.command[surface] = s.ordered[surface]
+        stand_by(state, surface, law, is_level(gains, state))
+    elif s.depth_law != OWN:
+        s.command[surface] = report_angle(vessel, state, surface)
+        stand_by(state, surface, law, is_level(gains, state))
+    elif s.u < ASTERN:
+        back(vessel, gains, state, surface)
+        stand_by(state, surface, law, False)  # noqa: FBT003 a fact
+    else:
+        step = h * gains[first + 4] * depth_error(gains, state)
+        step *= learning_in_waves(vessel, gains, state)
+        steer(vessel, state, surface, law, step + h * gains[first + 5] * lasting)
+
+
+@part
+def keep_depth(vessel: Record, h: float, gains: Numbers, state: Record) -> None:
+    """Command both pairs of planes.
+
+    The stern planes relieve the bow planes only while they can move as told: not in hand, and not
+    held by the rudder's share of an X-tail.
+    """
+    s = state[0]
+    able = abs(s.command_s - s.delta_s) <= vessel[0].surface_rate * h
+    automatic = s.stern_by_hand == 0.0 and s.bow_by_hand == 0.0
+    lasting = s.delta_b if able and automatic and is_turning(vessel, state) else 0.0
+    keep_plane(vessel, h, gains, state, STERN, lasting)
+    keep_plane(vessel, h, gains, state, BOW, lasting)

@@ -1,0 +1,58 @@
+"""Filters of second order, one section each: notch and low-pass, bilinear with pre-warping.
+
+A section's numbers are b0, b1, b2, a1, a2 [-]; it keeps two memories and its output. All of them
+pass what is constant unchanged.
+"""
+
+from typing import Final
+
+from trainer.core.elementary import cosine_and_sine
+from trainer.core.kernel import Numbers, part
+
+Section = tuple[float, float, float, float, float]
+KEPT: Final = 3  # numbers of a section in the state: two memories, and the output
+LONGEST: Final = 1.4  # [rad] largest half angle per step: beyond it none can be warped
+
+
+@part
+def warped(omega: float, h: float) -> float:
+    """Return tan(omega h/2) [-], the angle at most LONGEST."""
+    cos_half, sin_half = cosine_and_sine(min(0.5 * omega * h, LONGEST))
+    return sin_half / cos_half
+
+
+@part
+def notch(omega: float, h: float, zeros: float, poles: float) -> Section:
+    """Return a notch at ``omega`` [rad/s] by the damping ratios [-] of its zeros and poles."""
+    c = warped(omega, h)
+    square = c * c
+    a0 = 1.0 + 2.0 * poles * c + square
+    middle = 2.0 * (square - 1.0) / a0
+    first, last = 1.0 + 2.0 * zeros * c + square, 1.0 - 2.0 * zeros * c + square
+    return first / a0, middle, last / a0, middle, (1.0 - 2.0 * poles * c + square) / a0
+
+
+@part
+def low_pass(omega: float, h: float, damping: float) -> Section:
+    """Return a low-pass at ``omega`` [rad/s] of that damping ratio [-]."""
+    c = warped(omega, h)
+    square = c * c
+    a0 = 1.0 + 2.0 * damping * c + square
+    gain = square / a0
+    middle = 2.0 * (square - 1.0) / a0
+    return gain, 2.0 * gain, gain, middle, (1.0 - 2.0 * damping * c + square) / a0
+
+
+@part
+def pass_section(section: Section, x: float, fresh: bool, place: int, out: Numbers) -> None:  # noqa: FBT001 a fact
+    """Pass ``x`` through a section whose numbers are at ``place`` of ``out``.
+
+    A ``fresh`` one begins as if x had stood for long.
+    """
+    b0, b1, b2, a1, a2 = section
+    if fresh:
+        out[place], out[place + 1] = (1.0 - b0) * x, (b2 - a2) * x
+    y = b0 * x + out[place]
+    out[place] = b1 * x - a1 * y + out[place + 1]
+    out[place + 1] = b2 * x - a2 * y
+    out[place + 2] = y

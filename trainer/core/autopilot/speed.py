@@ -1,0 +1,95 @@
+"""Speed keeping: revolutions for the ordered speed, and a trim that is learnt.
+
+While the boat answers to the propeller, at its own surge rate, there is nothing to learn: its
+acceleration makes up for the error that remains. What is to be learnt passes two low-passes in
+place of a gate on the error: the acceleration in waves sums to nothing over a cycle, but not
+through a gate. Own law; times and limits are estimates but for what docs/autopilot.md shows.
+"""
+
+from typing import Final
+
+from trainer.core.autopilot.steering import is_turning
+from trainer.core.kernel import Record, part
+
+FOLLOW: Final = 5.0  # [s] of the low-passes
+ANSWERING: Final = 400.0  # [s] after an order in which ...
+FAR: Final = 0.25  # [m/s] ... an error beyond it is that the boat is still answering
+MOST: Final = (0.5, 0.5)  # [-] of the ordered speed, [m/s]: the largest trim
+PACE: Final = 0.1  # [m/s] of command speed that the screw may lack and still be at its order
+
+
+@part
+def follow_speed(h: float, state: Record) -> None:
+    """Follow speed and yaw rate for ``h`` [s], and the time since another speed was ordered."""
+    s = state[0]
+    share = h / (FOLLOW + h)
+    s.speed_followed += share * (s.u - s.speed_followed)
+    s.turn_followed += share * (s.r - s.turn_followed)
+    s.speed_since = 0.0 if s.ordered_speed != s.speed_order else s.speed_since + h
+    s.speed_order = s.ordered_speed
+
+
+@part
+def largest_trim(state: Record) -> float:
+    """Return the most [m/s] that the trim may be, either way."""
+    return MOST[0] * abs(state[0].ordered_speed) + MOST[1]
+
+
+@part
+def follow_trim(vessel: Record, h: float, state: Record) -> None:
+    """Follow for ``h`` [s] what the boat shows of its trim; nothing while it answers an order."""
+    c = vessel[0]
+    s = state[0]
+    share = h / (FOLLOW + h)
+    pace = c.speed_integral * max(s.speed_followed, 0.0) / c.gain_speed[0]
+    rate = pace * (s.ordered_speed - s.u) - s.udot
+    rate = 0.0 if is_turning(vessel, state) else rate
+    answering = abs(s.ordered_speed - s.speed_followed) > FAR and s.speed_since < ANSWERING
+    first = s.speed_rate_1 + share * (rate - s.speed_rate_1)
+    first = 0.0 if answering else first
+    second = s.speed_rate_2 + share * (first - s.speed_rate_2)
+    s.speed_rate_1, s.speed_rate_2 = first, 0.0 if answering else second
+
+
+@part
+def learnt(vessel: Record, h: float, state: Record) -> float:
+    """Return the speed trim [m/s] after ``h`` [s]; it rests where the engine has no more to give.
+
+    What it is moved by rests in turns.
+    """
+    c = vessel[0]
+    s = state[0]
+    most = largest_trim(state)
+    new = min(max(s.speed_trim + h * s.speed_rate_2, -most), most)
+    command = s.ordered_speed + new
+    over = command > c.u_c_ahead and new > s.speed_trim
+    under = command < c.u_c_astern and new < s.speed_trim
+    return s.speed_trim if over or under else new
+
+
+@part
+def is_short(vessel: Record, state: Record) -> bool:
+    """Return whether the engine gives all it can, and the boat does not come to its speed."""
+    c = vessel[0]
+    s = state[0]
+    lacking = s.ordered_speed - s.speed_followed > FAR
+    all_given = s.command_u_c >= c.u_c_ahead or s.command_u_c - s.u_c > PACE
+    all_given = all_given or s.speed_trim >= largest_trim(state)
+    return lacking and all_given and not is_turning(vessel, state)
+
+
+@part
+def keep_speed(vessel: Record, h: float, state: Record) -> None:
+    """Command the revolutions, as ordered by hand or to keep the speed; never astern for it."""
+    c = vessel[0]
+    s = state[0]
+    follow_speed(h, state)
+    if s.speed_by_hand != 0.0 or c.gain_count == 0.0:
+        s.command_u_c = s.ordered_u_c
+        s.speed_since = s.speed_short = s.speed_rate_1 = s.speed_rate_2 = 0.0
+        return
+    follow_trim(vessel, h, state)
+    s.speed_trim = learnt(vessel, h, state)
+    least = max(c.u_c_astern, min(s.ordered_speed, 0.0))
+    s.command_u_c = min(max(s.ordered_speed + s.speed_trim, least), c.u_c_ahead)
+    s.speed_short = s.speed_short + h if is_short(vessel, state) else 0.0

@@ -1,0 +1,95 @@
+"""What keeping depth and course have in common: gains by speed, integrals, surfaces in hand.
+
+A surface in hand is followed, so that the autopilot takes it over at the angle where it stands.
+"""
+
+from typing import Final
+
+from trainer.core.autopilot.reference import DEPTH_SLEW
+from trainer.core.elementary import exponential
+from trainer.core.kernel import Numbers, Record, part
+from trainer.core.vessel import GAINS, PLANE_GAINS
+
+OWN, REPORT, REPORT_LITERAL = 0, 1, 2  # depth laws
+RUDDER, STERN, BOW = 0, 1, 2  # surfaces, as in the state record
+
+# places in the schedule of gains, in the order of vessel.GAINS
+PLANE_COUNT: Final = len(PLANE_GAINS)
+RUDDER_GAINS: Final = 2 * PLANE_COUNT
+GAIN_COUNT: Final = len(GAINS)
+
+SLOWEST: Final = 0.5  # [m/s] below it speed is not divided by
+ASTERN: Final = -0.25  # [m/s] from there on surfaces are put over the other way
+HANDOVER: Final = 0.25  # [-] lengths run while a hand-over fades
+SETTLED: Final = 0.1  # [-] share of the allowed rate and acceleration below which flight is level
+STANDS: Final = 1e-6  # [rad] a surface this near its order has arrived
+
+
+@part
+def scheduled_gains(vessel: Record, u: float, gains: Numbers) -> None:
+    """Write the gains for speed ``u`` [m/s], interpolated; the end values hold beyond the ends."""
+    c = vessel[0]
+    last = int(c.gain_count) - 1
+    upper = 1
+    while upper < last and c.gain_speed[upper] < u:
+        upper += 1
+    lower = upper - 1
+    share = (u - c.gain_speed[lower]) / (c.gain_speed[upper] - c.gain_speed[lower])
+    share = min(max(share, 0.0), 1.0)
+    for i in range(GAIN_COUNT):
+        gains[i] = c.gain[lower, i] + share * (c.gain[upper, i] - c.gain[lower, i])
+
+
+@part
+def is_level(gains: Numbers, state: Record) -> bool:
+    """Return whether the boat neither changes depth nor pitches, so that its trim shows."""
+    s = state[0]
+    pitch_rate = SETTLED * gains[DEPTH_SLEW + 1] / max(s.u, SLOWEST)
+    return abs(s.zdot) < SETTLED * gains[DEPTH_SLEW] and abs(s.q) < pitch_rate
+
+
+@part
+def is_turning(vessel: Record, state: Record) -> bool:
+    """Return whether the boat turns, as ordered or, with the rudder in hand, as it does."""
+    s = state[0]
+    rate = s.turn_followed if s.rudder_by_hand != 0.0 else s.psi_reference_rate
+    return abs(rate) >= vessel[0].turning_rate
+
+
+@part
+def stand_by(state: Record, surface: int, law: float, settled: bool) -> None:  # noqa: FBT001 a fact
+    """Follow a surface that others command, for a bumpless change to its own ``law`` [rad].
+
+    In settled flight its angle is its trim, and the integral learns it; otherwise the difference
+    is a hand-over, which fades once the autopilot has it.
+    """
+    s = state[0]
+    trim = s.surface[surface] - law
+    if settled and abs(s.command[surface] - s.surface[surface]) < STANDS:
+        s.integral[surface] = trim
+    s.handover[surface] = trim - s.integral[surface]
+
+
+@part
+def steer(vessel: Record, state: Record, surface: int, law: float, step: float) -> None:
+    """Command a surface by its ``law`` [rad] and its integral, which moves by ``step`` [rad].
+
+    The integral rests where it would drive the surface past its limit.
+    """
+    s = state[0]
+    limit = vessel[0].limit[surface]
+    angle = law + s.integral[surface] + s.handover[surface]
+    if not (angle > limit and step > 0.0) and not (angle < -limit and step < 0.0):
+        s.integral[surface] += step
+    angle = law + s.integral[surface] + s.handover[surface]
+    s.command[surface] = min(max(angle, -limit), limit)
+
+
+@part
+def fade(vessel: Record, h: float, state: Record) -> None:
+    """Let the hand-overs of the surfaces that are steered fade for ``h`` [s]."""
+    s = state[0]
+    left = exponential(-h * max(s.u, SLOWEST) / (HANDOVER * vessel[0].ell))
+    for surface in range(3):
+        steered = s.by_hand[surface] == 0.0 and (surface == RUDDER or s.depth_law == OWN)
+        s.handover[surface] *= left if steered else 1.0

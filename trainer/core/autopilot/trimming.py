@@ -1,0 +1,73 @@
+"""Automatic trim: what the planes carry in steady flight is put into water, and pitch to nothing.
+
+Lift and moment of the planes, averaged over MEMORY, say how heavy the boat is and where: so much
+is let into the auxiliary tank or pumped out, and moved between the trim tanks, by the pumps that
+the crew uses and as fast as they work. Meanwhile the stern planes' integral levels the boat, so
+that the angle which remains is that of level flight. Own law; the limits are estimates, taken per
+mass and length of the boat that they were flown on.
+"""
+
+import math
+from typing import Final
+
+from trainer.core.autopilot.steering import OWN, is_turning
+from trainer.core.ballast.tanks import TRIM_AFT, TRIM_FORWARD
+from trainer.core.kernel import Record, part
+
+MEMORY: Final = 60.0  # [s]
+NEAR: Final = 2.0  # [m] of the ordered depth
+UNDER_WAY: Final = 1.0  # [m/s]
+GRADUAL: Final = 200.0  # [s] in which what is wrong is put right
+HEAVY: Final = 3.4e-5  # [-] of the mass (150 kg of BB2's): less is left alone ...
+STEEP: Final = 9.1e-6  # [-] ... of mass (40 kg) moved between the trim tanks likewise
+FLOODED, MOVED = 20.0, 50.0  # [kg/s] at most
+LEVELLING: Final = 0.004  # [1/s] stern planes' integral per pitch
+FREE: Final = 20.0 * math.pi / 180.0  # [rad] beyond that the stern planes have other work
+
+
+@part
+def is_trimming(state: Record) -> bool:
+    """Return whether the boat is in the steady flight in which its trim shows."""
+    s = state[0]
+    automatic = s.stern_by_hand == 0.0 and s.bow_by_hand == 0.0
+    free = s.ascent == 0.0 and s.hover == 0.0 and s.depth_law == OWN
+    near = abs(s.ordered_depth - s.z) < NEAR and s.u > UNDER_WAY
+    return automatic and free and near
+
+
+@part
+def beyond(wanted: float, least: float, h: float, most: float) -> float:
+    """Return what is moved [kg] in ``h`` [s] of what is ``wanted`` [kg], at most ``most`` [kg/s].
+
+    Nothing of less than ``least`` [kg].
+    """
+    if abs(wanted) <= least:
+        return 0.0
+    return min(max(wanted * h / GRADUAL, -most * h), most * h)
+
+
+@part
+def keep_trim(vessel: Record, h: float, state: Record) -> None:
+    """Follow what the planes carry; write what the pumps are to do of it, and level the boat."""
+    c = vessel[0]
+    s = state[0]
+    s.trim_flood = s.trim_forward = 0.0
+    if s.trim_by_hand != 0.0:
+        return
+    share = h / (MEMORY + h)
+    square = s.u * s.u
+    lift = square * (c.Z_ds * s.delta_s + c.Z_db * s.delta_b)
+    moment = square * (c.M_ds * s.delta_s + c.M_db * s.delta_b)
+    s.trim_lift += share * (lift - s.trim_lift)
+    s.trim_moment += share * (moment - s.trim_moment)
+    s.trim_pitch += share * (s.theta - s.trim_pitch)
+    if not is_trimming(state) or is_turning(vessel, state):
+        return
+    if c.limit_b > 0.0 and abs(s.delta_s) < FREE:
+        down = 1.0 if c.M_ds <= 0.0 else -1.0
+        s.stern_integral += down * LEVELLING * h * s.trim_pitch
+    arm = c.x[TRIM_FORWARD] - c.x[TRIM_AFT]
+    s.trim_flood = beyond(s.trim_lift / c.g, HEAVY * c.mass, h, FLOODED)
+    if arm > 0.0:
+        along = -s.trim_moment / (c.g * arm)
+        s.trim_forward = beyond(along, STEEP * c.mass, h, MOVED)

@@ -1,0 +1,141 @@
+"""What the planesman makes of waves: he counts them, and leaves their own band alone.
+
+Nobody tells the pilot the sea. The depth rate, less its slow part, shows by its strength that
+there are waves, and by its crossings of zero how often the boat meets one: within 7 % of the peak
+where it matters, pitch up to 27 % too often. In waves each pair's law, without the integral, passes
+two notches at 0.8 and 1.25 of the frequency met,
+
+    N(s) = (s^2 + 0.2 w s + w^2)/(s^2 + 0.8 w s + w^2),    bilinear, c = tan(w h/2),
+
+and is the softer the nearer that frequency is to the loop's own, w_c = |M_ds| u^2 |K_q|/(I_y -
+M_qdot). Laws, gains and times are this project's own, flown on BB2; the times and the threshold are
+estimates. docs/autopilot.md has what they reach, and what failed.
+"""
+
+from typing import Final
+
+from trainer.core.autopilot.sections import KEPT, notch, pass_section
+from trainer.core.autopilot.steering import PLANE_COUNT, STERN
+from trainer.core.kernel import Numbers, Record, kernel, part
+
+SLOW: Final = 0.3  # [rad/s] what is slower is the boat's own
+MEMORY: Final = 60.0  # [s] over which the waves' strength is taken
+FELT: Final = 0.013  # [m/s] depth rate, rms, from which there are waves
+LAST: Final = 3.0  # [periods] without a crossing, and there are none
+FADE: Final = 30.0  # [s] in which the law changes over
+COUNTED: Final = 12.0  # [-] waves over which the time between them is averaged
+SHORTEST: Final = 1.5  # [s] between two crossings that count
+BELOW, ABOVE = 0.8, 1.25  # [-] of the frequency met, where the notches are
+ZEROS, POLES = 0.1, 0.4  # [-] damping ratios of the notches
+NOTCHES: Final = 2 * KEPT  # numbers of a pair's notches in the state
+# by the frequency met over the loop's own: limits, then gains above, between and below them
+LIMITS: Final = (2.0, 1.2)
+SOFT: Final = (1.0, 0.7, 0.5)  # [-] on depth, its rate and pitch
+DAMPED: Final = (1.0, 0.85, 0.7)  # [-] on the pitch rate
+LEARNT: Final = (1.5, 0.7, 0.5)  # [-] on the integral
+BLEND: Final = 0.1  # [-] of a limit, either way, over which the gains change
+
+
+@part
+def count(h: float, band: float, state: Record) -> None:
+    """Count an upward crossing of zero by ``band`` [m/s], and average the time between them."""
+    s = state[0]
+    s.wave_since += h
+    if s.wave_band < 0.0 <= band and s.wave_since >= SHORTEST:
+        if s.wave_count > 0.0:
+            s.wave_period += (s.wave_since - s.wave_period) / s.wave_count
+        s.wave_count = min(s.wave_count + 1.0, COUNTED)
+        s.wave_since = 0.0
+
+
+@part
+def are_counted(state: Record) -> bool:
+    """Return whether enough waves have come by of late for their time to be known."""
+    s = state[0]
+    return s.wave_count >= COUNTED and s.wave_since < LAST * s.wave_period
+
+
+@part
+def are_felt(state: Record) -> bool:
+    """Return whether waves move the boat."""
+    return state[0].wave_power > FELT * FELT
+
+
+@part
+def sense_waves(h: float, state: Record) -> None:
+    """Follow what the depth rate shows of waves for ``h`` [s]; in a calm there is nothing."""
+    s = state[0]
+    if s.sea_height == 0.0 and s.wave_share == 0.0:
+        s.wave_count = s.wave_power = 0.0
+        return
+    s.wave_slow += h * SLOW / (1.0 + h * SLOW) * (s.zdot - s.wave_slow)
+    band = s.zdot - s.wave_slow
+    count(h, band, state)
+    s.wave_band = band
+    s.wave_power += h / (MEMORY + h) * (band * band - s.wave_power)
+    there = are_felt(state) and are_counted(state)
+    step = h / FADE if there else -h / FADE
+    s.wave_share = min(max(s.wave_share + step, 0.0), 1.0)
+
+
+@part
+def frequency_met(state: Record) -> float:
+    """Return the frequency [rad/s] at which the boat meets waves, as counted."""
+    return 6.283185307179586 / state[0].wave_period
+
+
+@part
+def between_limits(ratio: float, factor: tuple[float, float, float]) -> float:
+    """Return a factor [-] on a gain at ``ratio`` of the frequency met to the loop's own."""
+    upper = (ratio / LIMITS[0] - 1.0 + BLEND) / (2.0 * BLEND)
+    lower = (ratio / LIMITS[1] - 1.0 + BLEND) / (2.0 * BLEND)
+    rise = min(max(upper, 0.0), 1.0) * (factor[0] - factor[1])
+    return factor[2] + min(max(lower, 0.0), 1.0) * (factor[1] - factor[2]) + rise
+
+
+@part
+def frequency_ratio(vessel: Record, gains: Numbers, state: Record) -> float:
+    """Return the frequency met over the loop's own [-]."""
+    c = vessel[0]
+    s = state[0]
+    pace = abs(c.M_ds) * s.u * s.u * abs(gains[3]) / (c.I_y - c.M_qdot)
+    return frequency_met(state) / max(pace, 1e-6)
+
+
+@kernel
+def pass_notches(
+    vessel: Record, h: float, gains: Numbers, state: Record, surface: int, law: float
+) -> None:
+    """Pass a pair's ``law`` [rad], softened, through its notches at the waves that are felt."""
+    s = state[0]
+    if s.wave_share == 0.0:
+        return
+    first, place = PLANE_COUNT * (surface - STERN), NOTCHES * (surface - STERN)
+    ratio = frequency_ratio(vessel, gains, state)
+    damping = gains[first + 3] * s.q
+    x = between_limits(ratio, SOFT) * (law - damping) + between_limits(ratio, DAMPED) * damping
+    omega = frequency_met(state)
+    fresh = s.wave_share <= h / FADE
+    pass_section(notch(BELOW * omega, h, ZEROS, POLES), x, fresh, place, s.notch)
+    x = s.notch[place + 2]
+    pass_section(notch(ABOVE * omega, h, ZEROS, POLES), x, fresh, place + KEPT, s.notch)
+
+
+@part
+def law_in_waves(state: Record, surface: int, law: float) -> float:
+    """Return the angle [rad] that ``law`` [rad] becomes in the waves that are felt."""
+    s = state[0]
+    if s.wave_share == 0.0:
+        return law
+    past = s.notch[NOTCHES * (surface - STERN) + 5]
+    return law + s.wave_share * (past - law)
+
+
+@part
+def learning_in_waves(vessel: Record, gains: Numbers, state: Record) -> float:
+    """Return the factor [-] on what the integrals learn in the waves that are felt."""
+    s = state[0]
+    if s.wave_share == 0.0:
+        return 1.0
+    factor = between_limits(frequency_ratio(vessel, gains, state), LEARNT)
+    return 1.0 + s.wave_share * (factor - 1.0)

@@ -1,0 +1,153 @@
+"""Hovering: the depth-control tank keeps the ordered depth of a boat that makes no way.
+
+A depth error asks for a depth rate, within limits; an error in that for an acceleration, and so for
+water, at the natural frequency of the vessel file and a damping ratio; in waves that are felt more
+softly. The error is taken past notches at those waves and a low-pass: unfiltered, they would keep
+the pump at its most. Under waves suction grows towards the surface, and the boat is unstable there:
+what it grows by is added. The integral takes up what the boat is out of trim; it rests while the
+tank or the pump cannot give what is wanted.
+
+What the pump cannot hold is given up, and the planes have the depth: under waves an error that has
+grown by FURTHEST, or grows faster than the pump can turn, CATCH of R g/(Q p^3) for the pole p of
+the suction; a pump at its most for LONGEST. Own law and limits; docs/autopilot.md has its figures.
+"""
+
+import math
+from typing import Final
+
+from trainer.core.autopilot.sections import KEPT, low_pass, notch, pass_section
+from trainer.core.autopilot.waves import ABOVE, BELOW, are_counted, are_felt, frequency_met
+from trainer.core.ballast.tanks import DEPTH_CONTROL, DEPTH_CONTROL_PUMP
+from trainer.core.kernel import Record, kernel, part
+from trainer.core.sea.forces import suction
+from trainer.units import KNOT
+
+# in a calm, and in waves that are felt
+SOFTER: Final = (1.0, 0.8)  # [-] on the natural frequency
+DAMPING: Final = (1.0, 1.5)  # [-]
+INTEGRAL: Final = (0.4, 0.2)  # [-] times frequency^2
+ZEROS, POLES = 0.1, 0.6  # [-] damping ratios of the notches
+SLOW, SLOW_DAMPING = 0.15, 0.8  # [rad/s], [-] of the low-pass
+NEAR: Final = 5.0  # [m] of error that the growing suction is reckoned with
+SOON: Final = 20.0  # [s] of pumping, within which the integral learns
+
+FURTHEST: Final = 5.0  # [m]
+CATCH: Final = 0.7  # [-]
+LONGEST: Final = 120.0  # [s]
+AWAY: Final = 4.0 * KNOT  # [m/s] ordered where hovering is given up
+GROUPS: Final = 2.5  # [-] pump wanted over p F/g: waves come in groups. An estimate
+SURE: Final = 0.8  # [-] of the pump that may be wanted
+
+
+@part
+def heaved_mass(vessel: Record) -> float:
+    """Return displaced and added mass [kg] in heave."""
+    return vessel[0].buoyancy / vessel[0].g - vessel[0].Z_wdot
+
+
+@kernel
+def suction_gradient(vessel: Record, depth: float, state: Record) -> float:
+    """Return by how much suction falls with depth [1/s2], per mass, in the sea in force."""
+    s = state[0]
+    if s.sea_height == 0.0 or s.sea_suction == 0.0:
+        return 0.0
+    _, gradient = suction(vessel[0].g, s.sea_omega, s.sea_height, depth)
+    return s.sea_suction * gradient
+
+
+@kernel
+def wanted_pump(vessel: Record, depth: float, state: Record) -> float:
+    """Return the pump [kg/s] that hovering at ``depth`` [m] wants in the sea in force."""
+    s = state[0]
+    gradient = suction_gradient(vessel, depth, state)
+    if gradient == 0.0:
+        return 0.0
+    lift, _ = suction(vessel[0].g, s.sea_omega, s.sea_height, depth)
+    lift *= s.sea_suction * heaved_mass(vessel)
+    return GROUPS * math.sqrt(gradient) * lift / vessel[0].g
+
+
+@part
+def follow_error(h: float, state: Record) -> None:
+    """Follow the depth error [m] past waves, and its rate [m/s], for ``h`` [s]."""
+    s = state[0]
+    kept = s.hover_filter
+    fresh = s.hover_time == 0.0 or s.ordered_depth != s.hover_order
+    s.hover_order = s.ordered_depth
+    x = s.ordered_depth - s.z
+    if are_counted(state):
+        omega = frequency_met(state)
+        anew = fresh or s.hover_notched == 0.0
+        pass_section(notch(BELOW * omega, h, ZEROS, POLES), x, anew, 0, kept)
+        pass_section(notch(ABOVE * omega, h, ZEROS, POLES), kept[2], anew, KEPT, kept)
+        x = kept[KEPT + 2]
+        s.hover_notched = 1.0
+    else:
+        s.hover_notched = 0.0
+    last = kept[2 * KEPT + 2]
+    pass_section(low_pass(SLOW, h, SLOW_DAMPING), x, fresh, 2 * KEPT, kept)
+    s.hover_error = kept[2 * KEPT + 2]
+    s.hover_error_rate = 0.0 if fresh else (s.hover_error - last) / h
+    room = abs(s.hover_error) + FURTHEST
+    s.hover_room = room if fresh else max(min(s.hover_room, room), FURTHEST)
+
+
+@part
+def is_beyond(vessel: Record, ballast: Record, gradient: float, state: Record) -> bool:
+    """Return whether the pump cannot bring the boat back; ``gradient`` is that of suction."""
+    s = state[0]
+    error, rate = s.hover_error, s.hover_error_rate
+    if gradient == 0.0:
+        return False
+    pole = math.sqrt(gradient)
+    rate_of_pump = ballast[0].pump_rate[DEPTH_CONTROL_PUMP]
+    caught = rate_of_pump * vessel[0].g / (heaved_mass(vessel) * pole * pole * pole)
+    lost = abs(error) > s.hover_room or abs(error + rate / pole) > CATCH * caught
+    return lost or s.hover_full > LONGEST
+
+
+@part
+def give_up(state: Record) -> None:
+    """Leave the depth to the planes, and make way where speed is automatic."""
+    s = state[0]
+    s.hover, s.hover_lost = 0.0, 1.0
+    s.to_move[DEPTH_CONTROL_PUMP] = 0.0
+    s.hover_time = 0.0
+    if s.speed_by_hand == 0.0:
+        s.ordered_speed = max(s.ordered_speed, AWAY)
+
+
+@part
+def order_water(vessel: Record, ballast: Record, gradient: float, h: float, state: Record) -> None:
+    """Order the depth-control tank by the error that is followed; let the integral learn."""
+    c, b = vessel[0], ballast[0]
+    s = state[0]
+    rough = 1 if are_felt(state) else 0
+    frequency, damping = SOFTER[rough] * b.hover_frequency, DAMPING[rough]
+    per_acceleration = heaved_mass(vessel) / c.g  # [kg s2/m] of water
+    asked = s.hover_error * frequency / (2.0 * damping)
+    lack = min(max(asked, -b.hover_rate), b.hover_rate) + s.hover_error_rate
+    held = gradient * min(max(s.hover_error, -NEAR), NEAR)
+    wanted = s.hover_integral
+    wanted += per_acceleration * (2.0 * damping * frequency * lack + held)
+    possible = min(max(wanted, 0.0), b.capacity[DEPTH_CONTROL])
+    s.to_move[DEPTH_CONTROL_PUMP] = possible - s.water[DEPTH_CONTROL]
+    rate = b.pump_rate[DEPTH_CONTROL_PUMP]
+    size = abs(s.to_move[DEPTH_CONTROL_PUMP])
+    s.hover_full = s.hover_full + h if size > rate * h else 0.0
+    if wanted == possible and size < SOON * rate:
+        learnt = INTEGRAL[rough] * frequency * frequency * lack * h
+        s.hover_integral += per_acceleration * learnt
+
+
+@kernel
+def hover(vessel: Record, ballast: Record, h: float, state: Record) -> None:
+    """Keep the ordered depth by the depth-control tank for ``h`` [s], or give it up."""
+    s = state[0]
+    follow_error(h, state)
+    s.hover_time += h
+    gradient = suction_gradient(vessel, s.ordered_depth, state)
+    if is_beyond(vessel, ballast, gradient, state):
+        give_up(state)
+        return
+    order_water(vessel, ballast, gradient, h, state)
