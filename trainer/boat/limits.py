@@ -170,6 +170,8 @@ class LimitMonitor:
     def _given_up(self, boat: Boat) -> list[tuple[str, str]]:
         """Return what the autopilot gives up, if that is news."""
         now = given_up(boat)
+        if "astern" in self.given_up and boat.plain[SPEED] < ASTERN:
+            now.add("astern")  # not again at each change of speed
         news = sorted(now - self.given_up)
         self.given_up = now
         return [(name, GIVEN_UP[name]) for name in news]

@@ -73,7 +73,7 @@ def autopilot(vessel: Record, h: float, state: Record, gains: Numbers) -> None:
     """Write the commanded rudder, planes and revolutions of this tick."""
     s = state[0]
     if vessel[0].gain_count > 0.0:
-        scheduled_gains(vessel, s.u, gains)
+        scheduled_gains(vessel, abs(s.u), gains)
     slew_depth(h, gains, state)
     slew_course(h, gains, state)
     if slot_of(AUTOPILOT_FAILED, state) >= 0:

@@ -5,8 +5,9 @@ integral. In a turn a lasting angle of the bow planes is handed over to the ster
 carry it better; in straight flight that would trade it for pitch, and trim is what mends it (see
 ``trimming``). In waves the law leaves the waves' own band alone (see ``waves``).
 
-Going astern the planes work the other way round, and pitch takes the boat the other way; slower
-than LEAST_ASTERN they hold nothing, stay amidships, and depth is left to the tanks.
+Going astern the planes work the other way round: the stern planes level the boat, the bow planes
+keep the depth. Slower than LEAST_ASTERN they hold nothing, stay amidships, and depth is left to the
+tanks.
 """
 
 from typing import Final
@@ -32,6 +33,7 @@ from trainer.units import KNOT
 
 FAR: Final = 0.5  # [-] share of the leash, and of the allowed depth rate
 LEAST_ASTERN: Final = 3.0 * KNOT  # [m/s] slower than that planes do not hold a boat going astern
+SURE_ASTERN: Final = 3.5 * KNOT  # [m/s] from there on they are used as they can be
 
 
 @part
@@ -49,18 +51,17 @@ def plane_law(state: Record, gains: Numbers, first: int) -> float:
 
 @part
 def law_astern(state: Record, gains: Numbers, surface: int) -> float:
-    """Return a plane angle [rad] going astern: moments are turned, and what pitch does to depth.
+    """Return a plane angle [rad] going astern, where each force of a plane is turned.
 
-    Stern planes act on depth by pitch, turned twice; bow planes by their own lift, turned once.
-    An estimate: the coefficients are those of a boat that goes ahead.
+    The stern planes level the boat, the bow planes keep the depth by their own lift: what pitch
+    does to depth is turned once more. An estimate: the gains are those of a boat that goes ahead.
     """
     s = state[0]
     first = PLANE_COUNT * (surface - STERN)
-    pitch_wanted = -s.depth_reference_rate / min(s.u, -SLOWEST)
+    if surface == STERN:
+        return -gains[first + 2] * s.theta - gains[first + 3] * s.q
     depth = gains[first] * (s.depth_reference - s.z)
-    depth += gains[first + 1] * (s.depth_reference_rate - s.zdot)
-    pitch = gains[first + 2] * (s.theta - pitch_wanted) + gains[first + 3] * s.q
-    return depth - pitch if surface == STERN else -depth - pitch
+    return -depth - gains[first + 1] * (s.depth_reference_rate - s.zdot)
 
 
 @part
@@ -82,8 +83,9 @@ def depth_error(gains: Numbers, state: Record) -> float:
 def back(vessel: Record, gains: Numbers, state: Record, surface: int) -> None:
     """Command a pair of planes of a boat that goes astern."""
     s = state[0]
-    angle = law_astern(state, gains, surface) if s.u < -LEAST_ASTERN else 0.0
-    s.command[surface] = within(angle, 0.0, vessel[0].limit[surface])
+    share = min(max((-s.u - LEAST_ASTERN) / (SURE_ASTERN - LEAST_ASTERN), 0.0), 1.0)
+    angle = within(law_astern(state, gains, surface), 0.0, vessel[0].limit[surface])
+    s.command[surface] = share * angle
 
 
 @part

@@ -37,7 +37,10 @@ def largest_trim(state: Record) -> float:
 
 @part
 def follow_trim(vessel: Record, h: float, state: Record) -> None:
-    """Follow for ``h`` [s] what the boat shows of its trim; nothing while it answers an order."""
+    """Follow for ``h`` [s] what the boat shows of its trim.
+
+    Nothing while it answers an order, or the screw does not turn as it is commanded.
+    """
     c = vessel[0]
     s = state[0]
     share = h / (FOLLOW + h)
@@ -46,6 +49,7 @@ def follow_trim(vessel: Record, h: float, state: Record) -> None:
     rate = 0.0 if is_turning(vessel, state) else rate
     answering = abs(s.ordered_speed - s.speed_followed) > FAR and s.speed_since < ANSWERING
     first = s.speed_rate_1 + share * (rate - s.speed_rate_1)
+    answering = answering or abs(s.command_u_c - s.u_c) > PACE
     first = 0.0 if answering else first
     second = s.speed_rate_2 + share * (first - s.speed_rate_2)
     s.speed_rate_1, s.speed_rate_2 = first, 0.0 if answering else second

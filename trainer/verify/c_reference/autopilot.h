@@ -245,11 +245,18 @@ static double learning_in_waves(
 static double law_astern(const struct state *s, const double *gains, int surface)
 {
     int first = PLANE_COUNT * (surface - STERN);
-    double pitch_wanted = -s->depth_reference_rate / least(s->u, -SLOWEST);
+    if (surface == STERN)
+        return -gains[first + 2] * s->theta - gains[first + 3] * s->q;
     double depth = gains[first] * (s->depth_reference - s->z);
-    depth += gains[first + 1] * (s->depth_reference_rate - s->zdot);
-    double pitch = gains[first + 2] * (s->theta - pitch_wanted) + gains[first + 3] * s->q;
-    return surface == STERN ? depth - pitch : -depth - pitch;
+    return -depth - gains[first + 1] * (s->depth_reference_rate - s->zdot);
+}
+
+static void go_astern(
+    const struct vessel *c, const double *gains, struct state *s, int surface)
+{
+    double share = clamped((-s->u - LEAST_ASTERN) / (SURE_ASTERN - LEAST_ASTERN), 0.0, 1.0);
+    double angle = within(law_astern(s, gains, surface), 0.0, c->limit[surface]);
+    s->command[surface] = share * angle;
 }
 
 static void keep_plane(
@@ -262,8 +269,7 @@ static void keep_plane(
         s->command[surface] = s->ordered[surface];
         stand_by(s, surface, law, is_level(gains, s));
     } else if (s->u < ASTERN) {
-        double angle = s->u < -LEAST_ASTERN ? law_astern(s, gains, surface) : 0.0;
-        s->command[surface] = within(angle, 0.0, c->limit[surface]);
+        go_astern(c, gains, s, surface);
         stand_by(s, surface, law, 0);
     } else {
         double step = h * gains[first + 4] * depth_error(gains, s);
@@ -391,8 +397,8 @@ static double learnt(const struct vessel *c, double h, struct state *s)
     double rate = pace * (s->ordered_speed - s->u) - s->udot;
     if (is_turning(c, s))
         rate = 0.0;
-    int answering = fabs(s->ordered_speed - s->speed_followed) > FAR_SPEED
-        && s->speed_since < ANSWERING;
+    int answering = (fabs(s->ordered_speed - s->speed_followed) > FAR_SPEED
+        && s->speed_since < ANSWERING) || fabs(s->command_u_c - s->u_c) > PACE;
     double first = s->speed_rate_1 + share * (rate - s->speed_rate_1);
     if (answering)
         first = 0.0;
@@ -483,7 +489,7 @@ static void hold_commands(const double *gains, struct state *s)
 static void autopilot(const struct vessel *c, double h, struct state *s, double *gains)
 {
     if (c->gain_count > 0.0)
-        scheduled_gains(c, s->u, gains);
+        scheduled_gains(c, fabs(s->u), gains);
     slew_depth(h, gains, s);
     slew_course(h, gains, s);
     if (slot_of(AUTOPILOT_FAILED, s) >= 0) {

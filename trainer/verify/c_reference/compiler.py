@@ -62,7 +62,7 @@ CONSTANTS: Final[tuple[tuple[ModuleType, str], ...]] = (
     (casualties, "AUTOPILOT_FAILED BIASED FOLLOW_UP_LOST FREE GYRO HARD_OVER LOG"),
     (casualties, "PROPULSION_LOST PROPULSION_STUCK SLOW"),
     (cosine_sum, "BANDS PART"),
-    (depth, "FAR LEAST_ASTERN"),
+    (depth, "FAR LEAST_ASTERN SURE_ASTERN"),
     (envelope, "EXTRAPOLATED INSIDE MOST_SUBSTEPS OUTSIDE SUBSTEP SURFACE_SUBSTEP"),
     (hull, "SEGMENT_SLOPE SMALL_SEGMENT"),
     (kinematics, "LINEAR POLYNOMIAL STEEPEST"),

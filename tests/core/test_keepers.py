@@ -1,0 +1,451 @@
+"""Speed, blow, waves, trim and hovering: what the keepers promise, in seas and out of them.
+
+Figures are those of docs/autopilot.md with room for another seed.
+"""
+
+import math
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from trainer.boat import helm
+from trainer.boat.boat import Boat
+from trainer.boat.limits import LimitMonitor
+from trainer.config.exercise import Limits
+from trainer.config.sea import parse_sea
+from trainer.core.autopilot.ascent import AFLOAT, NONE, RISING
+from trainer.core.autopilot.sections import low_pass, notch, pass_section
+from trainer.core.sea.forces import suction
+from trainer.io.orders.grammar import BadOrder, Refused, parse
+from trainer.units import KNOT
+
+pytestmark = pytest.mark.core
+
+DEGREE = math.radians(1.0)
+Start = Callable[..., Boat]
+
+
+@pytest.fixture
+def started(make_boat: Callable[..., Boat]) -> Start:
+    """Return a function that starts BB2 on autopilot, course north, in a sea from ahead or so."""
+
+    def start(
+        knots: float, depth: float, state: int = 0, origin: float = 0.0, seed: int = 1
+    ) -> Boat:
+        boat = make_boat("bb2", "modified", "lagged", "adams2", 0.5)
+        text = f'[sea]\nsea_state = {state}\ndirection_deg = {origin}\ngenerator = "cosines"\n'
+        boat.sea = parse_sea(text + 'suction = "on"\n', Path("this.toml"))
+        boat.start(knots * KNOT, depth, 0.0, seed)
+        return boat
+
+    return start
+
+
+def sail(boat: Boat, seconds: float, *names: str) -> NDArray[np.float64]:
+    """Return the named numbers after each tick, a row for each."""
+    rows = np.empty((round(seconds / boat.method.step), len(names)))
+    for row in rows:
+        assert boat.tick() == 0
+        row[:] = boat.numbers(names)
+    return rows
+
+
+def said(boat: Boat, seconds: float) -> list[str]:
+    """Return what is called out in so many seconds."""
+    monitor = LimitMonitor.over(boat, Limits())
+    news = []
+    for _ in range(round(seconds / boat.method.step)):
+        assert boat.tick() == 0
+        news += monitor.look(boat)
+    return news
+
+
+def order(boat: Boat, text: str) -> str:
+    """Return the answer to an order."""
+    asked = parse(text)
+    assert not isinstance(asked, BadOrder), asked
+    reply = helm.obey(boat, asked)
+    return reply.reason if isinstance(reply, Refused) else reply
+
+
+# --- speed
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("origin", [0.0, 90.0, 180.0])
+@pytest.mark.parametrize(("knots", "state"), [(4.0, 4), (5.0, 5), (8.0, 6), (10.0, 6)])
+def test_the_mean_speed_is_the_ordered_one_in_any_sea(
+    started: Start, knots: float, state: int, origin: float
+) -> None:
+    boat = started(knots, 20.0, state, origin, seed=7)
+    sail(boat, 1200.0, "u")
+
+    assert sail(boat, 1200.0, "u").mean() / KNOT == pytest.approx(knots, abs=0.1)
+
+
+@pytest.mark.long
+@pytest.mark.parametrize(("before", "after", "settled"), [(5, 10, 260.0), (10, 5, 430.0)])
+def test_a_step_of_speed_settles_without_overshoot(
+    started: Start, before: float, after: float, settled: float
+) -> None:
+    boat = started(before, 100.0)
+    boat.state.ordered_speed = after * KNOT
+    speeds = sail(boat, 1800.0, "u")[:, 0] / KNOT
+    off = np.nonzero(np.abs(speeds - after) > 0.1)[0][-1] * boat.method.step
+
+    assert off < settled
+    assert min(before, after) - 0.05 < speeds.min() < speeds.max() < max(before, after) + 0.05
+
+
+def test_an_order_that_the_engine_cannot_reach_is_called_out_once(started: Start) -> None:
+    boat = started(5.0, 100.0)
+    boat.vessel.u_c_ahead = 6.0 * KNOT
+    boat.state.ordered_speed = 8.0 * KNOT
+
+    news = [text for text in said(boat, 600.0) if "SPEED" in text]
+
+    assert len(news) == 1
+    assert "ordered speed is not reached" in news[0]
+
+
+@pytest.mark.long
+def test_a_boat_afloat_in_a_sea_is_never_driven_astern_for_its_speed(started: Start) -> None:
+    boat = started(4.0, 30.0, 6, 180.0)
+    boat.state.blow[:3] = 2.0
+    sail(boat, 120.0, "z")
+    boat.state.blow[:] = 0.0
+    rows = sail(boat, 1200.0, "command_u_c", "z")
+
+    assert rows[-1, 1] < 8.0
+    assert rows[:, 0].min() >= 0.0
+
+
+def casualty(boat: Boat, text: str) -> None:
+    """Let something break or mend at once."""
+    answer = order(boat, text)
+    assert "no " not in answer, answer
+
+
+def wrapped(away: NDArray[np.float64], watched: str) -> NDArray[np.float64]:
+    """Return how far off, angles [deg] the short way."""
+    return np.remainder(away + 180.0, 360.0) - 180.0 if watched == "psi" else away
+
+
+@pytest.mark.long
+@pytest.mark.parametrize(
+    ("broken", "watched", "scale", "least", "most"),
+    [
+        ("propulsion-lost 1", "u", KNOT, 1.0, 0.3),
+        ("rudder-hard-over 0.1", "psi", DEGREE, 20.0, 3.0),
+        ("stern-hard-over -0.2", "z", 1.0, 2.0, 4.0),
+        ("bow-hard-over 0.5", "z", 1.0, 0.0, 4.0),
+    ],
+)
+def test_a_keeper_held_at_its_end_for_ten_minutes_lets_go(
+    started: Start, broken: str, watched: str, scale: float, least: float, most: float
+) -> None:
+    boat = started(8.0, 100.0)
+    goal = float(boat.state[watched])
+    casualty(boat, f"casualty {broken}")
+    away = wrapped((sail(boat, 600.0, watched)[-1, 0] - goal) / scale, watched)
+    casualty(boat, f"clear {broken.split(maxsplit=1)[0]}")
+    order(boat, "course 000")
+    back = wrapped((sail(boat, 1800.0, watched)[:, 0] - goal) / scale, watched)
+
+    assert abs(away) >= least
+    assert np.abs(back[-600:]).max() < 0.1 * max(most, 1.0), "it has come back"
+    assert (-math.copysign(1.0, away) * back).max() < most, "and not beyond"
+
+
+# --- emergency blow
+
+
+@pytest.mark.parametrize(
+    ("knots", "depth", "up"),
+    [(10.0, 200.0, 110.0), (15.0, 200.0, 100.0), (5.0, 200.0, 115.0), (10.0, 60.0, 45.0)],
+)
+def test_an_emergency_blow_brings_the_boat_up_with_a_bubble(
+    started: Start, knots: float, depth: float, up: float
+) -> None:
+    boat = started(knots, depth)
+    order(boat, "emergency blow")
+    rows = sail(boat, 240.0, "z", "theta", "ascent", "blow_aft")
+
+    assert np.nonzero(rows[:, 0] < 6.0)[0][0] * boat.method.step < up
+    assert rows[:, 1].min() / DEGREE > -10.0
+    assert 9.0 < rows[:, 1].max() / DEGREE < 17.0
+    assert set(rows[:, 2]) == {RISING}
+    assert rows[0, 3] == 0.0, "the after group waits for the bow to be up"
+    assert rows[:, 3].max() == 2.0
+    assert boat.state.ordered_depth == 0.0
+
+
+def test_a_blow_broken_off_is_handed_back_without_a_jump(started: Start) -> None:
+    boat = started(10.0, 100.0)
+    order(boat, "emergency blow")
+    sail(boat, 8.0, "z")
+    order(boat, "blow stop")
+    order(boat, "vent all open")
+    ascent = sail(boat, 40.0, "ascent")[:, 0]
+    order(boat, "vent all shut")
+    while boat.state.ascent == RISING and boat.time < 300.0:
+        planes = boat.numbers(("command_s", "command_b"))
+        assert boat.tick() == 0
+    after = sail(boat, 300.0, "z", "command_s", "command_b")
+
+    assert set(ascent) == {RISING}
+    assert boat.time < 600.0
+    assert np.abs(after[0, 1:] - planes).max() < DEGREE
+    assert np.abs(after[:, 0] - boat.state.ordered_depth).max() < 2.0
+
+
+@pytest.mark.long
+def test_afloat_no_depth_is_kept_until_one_is_ordered(started: Start) -> None:
+    boat = started(10.0, 60.0)
+    order(boat, "emergency blow")
+    news = said(boat, 150.0)
+    order(boat, "blow stop")
+    news += said(boat, 300.0)
+    resting = float(boat.state.z), float(boat.state.ascent)
+    order(boat, "dive")
+    order(boat, "depth 40")
+    sail(boat, 900.0, "z")
+
+    assert any("EMERGENCY ASCENT" in text for text in news)
+    assert any("AFLOAT" in text for text in news)
+    assert resting[0] < 6.0
+    assert resting[1] == AFLOAT
+    assert boat.state.ascent == NONE
+    assert boat.state.z == pytest.approx(40.0, abs=1.0)
+
+
+def test_with_the_planes_in_hand_a_blow_is_the_crews(started: Start) -> None:
+    boat = started(10.0, 60.0)
+    order(boat, "planes manual")
+    order(boat, "emergency blow")
+    rows = sail(boat, 20.0, "ascent", "blow_aft", "delta_s")
+
+    assert set(rows[:, 0]) == {NONE}
+    assert set(rows[:, 1]) == {2.0}
+    assert np.ptp(rows[:, 2]) < 1e-9
+
+
+# --- waves
+
+
+@pytest.mark.parametrize(("omega", "h"), [(0.7, 0.5), (0.45, 0.1), (0.9, 1.0)])
+def test_a_notch_takes_out_its_frequency_and_passes_the_mean(omega: float, h: float) -> None:
+    kept, mean = np.zeros(3), 3.0
+    section = notch(omega, h, 0.1, 0.4)
+    times = h * np.arange(4000)
+    past = np.empty(4000)
+    for i, t in enumerate(times):
+        pass_section(section, mean + math.sin(omega * t), i == 0, 0, kept)
+        past[i] = kept[2]
+    rest = past[2000:] - past[2000:].mean()
+
+    assert past[0] == pytest.approx(mean), "it begins as if that had stood for long"
+    assert past[2000:].mean() == pytest.approx(mean, abs=0.01)
+    assert math.sqrt(2.0) * rest.std() == pytest.approx(0.25, rel=0.02), "0.1 of 0.4"
+
+
+def test_a_low_pass_halves_about_its_corner_and_begins_at_rest() -> None:
+    kept = np.zeros(3)
+    section = low_pass(0.15, 0.5, 0.8)
+    past = np.empty(4000)
+    for i in range(4000):
+        pass_section(section, 2.0 + math.cos(0.15 * 0.5 * i), i == 0, 0, kept)
+        past[i] = kept[2]
+
+    assert past[0] == pytest.approx(3.0)
+    assert math.sqrt(2.0) * past[2000:].std() == pytest.approx(1.0 / 1.6, rel=0.02)
+
+
+@pytest.mark.long
+@pytest.mark.parametrize(
+    ("knots", "state", "origin", "rms", "planes"),
+    [(4.0, 5, 0.0, 1.0, 14.0), (5.0, 5, 0.0, 0.6, 10.0), (8.0, 6, 180.0, 2.0, 16.0)],
+)
+def test_depth_is_kept_in_waves_and_the_planes_leave_them_alone(
+    started: Start, knots: float, state: int, origin: float, rms: float, planes: float
+) -> None:
+    boat = started(knots, 17.5, state, origin, seed=3)
+    sail(boat, 600.0, "z")
+    rows = sail(boat, 3000.0, "z", "theta", "command_s", "command_b", "wave_share")
+
+    assert np.sqrt(((rows[:, 0] - 17.5) ** 2).mean()) < rms
+    assert rows[:, 3].std() / DEGREE < planes
+    assert abs(rows[:, 1].mean()) < 0.6 * DEGREE
+    assert rows[:, 4].min() == 1.0
+
+
+@pytest.mark.long
+@pytest.mark.parametrize(("knots", "state", "origin"), [(5.0, 5, 180.0), (8.0, 6, 0.0)])
+def test_the_time_between_waves_is_counted(
+    started: Start, knots: float, state: int, origin: float
+) -> None:
+    boat = started(knots, 17.5, state, origin, seed=3)
+    peak = float(boat.state.sea_omega)
+    met = peak + peak * peak / 9.81 * knots * KNOT * math.cos(math.radians(origin))
+    rows = sail(boat, 1800.0, "wave_period")[600:, 0]
+
+    assert 2.0 * math.pi / rows.mean() == pytest.approx(met, rel=0.1)
+
+
+def test_in_a_calm_and_in_small_waves_the_law_stays_as_it_is(started: Start) -> None:
+    assert sail(started(5.0, 18.0), 120.0, "wave_share", "wave_count").max() == 0.0
+    assert sail(started(5.0, 60.0, 3), 400.0, "wave_share").max() == 0.0
+
+
+# --- trim
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("knots", [4.0, 5.0, 6.0, 8.0, 12.0])
+def test_automatic_trim_takes_pitch_and_planes_to_nothing(started: Start, knots: float) -> None:
+    boat = started(knots, 18.0)
+    water = float(boat.state.water.sum())
+    rows = sail(boat, 3600.0, "z", "theta", "delta_s", "delta_b")
+    s = boat.state
+
+    assert np.abs(rows[:, 0] - 18.0).max() < 0.8
+    assert abs(rows[-1, 1]) < 0.1 * DEGREE
+    assert np.abs(rows[-1, 2:]).max() < DEGREE
+    assert s.water_taken == pytest.approx(float(s.water.sum()) - water, abs=1e-6)
+
+
+@pytest.mark.long
+def test_trim_by_hand_moves_no_water_and_pitch_stays_steady(started: Start) -> None:
+    boat = started(5.0, 18.0)
+    assert order(boat, "trim manual") == "trim by hand"
+    water = boat.state.water.copy()
+    pitch = sail(boat, 3600.0, "theta")[:, 0]
+
+    assert (boat.state.water == water).all()
+    assert abs(pitch[-1] - pitch[1200]) < 0.05 * DEGREE
+
+
+def test_a_pump_that_the_crew_uses_is_not_taken_from_it(started: Start) -> None:
+    boat = started(5.0, 18.0)
+    sail(boat, 120.0, "z")
+    assert boat.state.trim_flood != 0.0
+    order(boat, "pump auxiliary 5")
+    before = float(boat.state.water_auxiliary)
+    sail(boat, 10.0, "z")
+
+    pumped = before - float(boat.state.water_auxiliary)
+    assert pumped == pytest.approx(5000.0 + float(boat.state.move_auxiliary), abs=1e-6)
+
+
+def test_automatic_trim_does_not_outdo_a_failed_pump(started: Start) -> None:
+    boat = started(5.0, 18.0)
+    boat.state.pump_fault[:] = 1.0
+    water = boat.state.water.copy()
+    sail(boat, 600.0, "z")
+
+    assert (boat.state.water == water).all()
+
+
+# --- astern
+
+
+@pytest.mark.long
+def test_going_astern_course_and_depth_are_kept_as_they_can_be(started: Start) -> None:
+    boat = started(10.0, 100.0)
+    order(boat, "turns -6")
+    news = said(boat, 480.0)
+    boat.state.psi += 3.0 * DEGREE
+    rows = sail(boat, 300.0, "psi", "z", "u")
+
+    assert rows[-1, 2] < -4.0 * KNOT
+    assert abs(rows[-1, 0]) < DEGREE, "the rudder is put over the other way"
+    assert np.abs(rows[:, 1] - 100.0).max() < 5.0
+    assert len([text for text in news if "ASTERN" in text]) == 1
+
+
+def test_slow_astern_the_planes_lie_amidships(started: Start) -> None:
+    boat = started(4.0, 100.0)
+    boat.state.u = -2.0 * KNOT
+    rows = sail(boat, 10.0, "command_s", "command_b")
+
+    assert np.abs(rows).max() == 0.0
+
+
+# --- hovering
+
+
+def at_rest(started: Start, depth: float, state: int, seed: int) -> Boat:
+    """Return a boat that lies stopped and balanced under waves, moving as they move it."""
+    boat = started(4.0, depth, state, 0.0, seed)
+    s = boat.state
+    s.motion[:9] = s.rates[:] = s.surface[:] = 0.0
+    s.u_c = s.command_u_c = s.telegraph_answer = s.telegraph_order = s.ordered_u_c = 0.0
+    s.speed_by_hand = 1.0
+    up = 0.0
+    if state:
+        up = suction(9.81, s.sea_omega, s.sea_height, depth)[0]
+    mass = boat.vessel.buoyancy / 9.81 - boat.vessel.Z_wdot
+    # one that gives way to the waves is drawn up half as much as one held still
+    s.water_auxiliary += 0.5 * up * mass / 9.81 + (boat.vessel.buoyancy - s.weight) / 9.81
+    s.held_depth = 1.0
+    drift = np.empty(400)
+    for i in range(400):
+        assert boat.tick() == 0
+        s.u = s.theta = s.q = 0.0
+        drift[i] = s.w
+    s.w -= np.polyval(np.polyfit(np.arange(400), drift, 1), 399)
+    s.held_depth, s.z, s.history = 0.0, depth, 0.0
+    return boat
+
+
+@pytest.mark.long
+@pytest.mark.parametrize(("depth", "state", "within"), [(18.0, 4, 5.0), (30.0, 5, 5.0)])
+@pytest.mark.parametrize("seed", [201, 202, 203])
+def test_hovering_holds_its_depth_under_waves(
+    started: Start, depth: float, state: int, within: float, seed: int
+) -> None:
+    boat = at_rest(started, depth, state, seed)
+    assert "hovering" in order(boat, "hover on")
+    rows = sail(boat, 3600.0, "z", "hover", "command_s", "command_b")
+
+    assert rows[:, 1].min() == 1.0
+    assert np.abs(rows[:, 0] - depth).max() < within
+    assert np.abs(rows[:, 2:]).max() == 0.0, "the planes have no part in it"
+
+
+def test_hovering_is_refused_where_the_pump_cannot_hold(started: Start) -> None:
+    boat = started(4.0, 18.0, 5)
+
+    answer = order(boat, "hover on")
+
+    assert answer.startswith("the pump cannot hold 18 m here")
+    assert answer.endswith(", or make 3 knots")
+    assert boat.state.hover == 0.0
+    depth = float(answer.rpartition("go to ")[2].split()[0])
+    boat.state.z = depth
+    assert "hovering" in order(boat, "hover on")
+    assert "cannot hold 18 m" in order(boat, "depth 18"), "nor is the boat sent there hovering"
+
+
+@pytest.mark.long
+def test_hovering_that_is_lost_is_given_up_and_told(started: Start) -> None:
+    boat = at_rest(started, 30.0, 5, 201)
+    order(boat, "hover on")
+    boat.state.speed_by_hand = 0.0
+    boat.state.ordered_speed = 0.0
+    boat.state.water_auxiliary -= 6000.0
+    news = said(boat, 600.0)
+
+    assert any("HOVER LOST" in text for text in news)
+    assert boat.state.hover == 0.0
+    assert boat.state.ordered_speed == pytest.approx(4.0 * KNOT)
+
+
+def test_a_sea_without_suction_is_told_where_one_hovers(started: Start) -> None:
+    boat = started(4.0, 30.0, 4)
+    boat.state.sea_suction = 0.0
+
+    assert "no suction" in order(boat, "hover on")
