@@ -32,7 +32,7 @@ from trainer.core import (
 )
 from trainer.core.ballast import air, pumps, tanks
 from trainer.core.ballast import buoyancy as hull
-from trainer.core.sea import cosine_sum, forces, wave_filter
+from trainer.core.sea import cosine_sum, filter_1969, forces, wave_filter
 from trainer.core.sea import sea as sea_module
 from trainer.core.state import SCRATCH, STATE
 
@@ -56,20 +56,24 @@ CONSTANTS: Final[tuple[tuple[ModuleType, str], ...]] = (
     (envelope, "EXTRAPOLATED INSIDE MOST_SUBSTEPS OUTSIDE SUBSTEP SURFACE_SUBSTEP"),
     (hull, "SEGMENT_SLOPE SMALL_SEGMENT"),
     (kinematics, "LINEAR POLYNOMIAL STEEPEST"),
-    (noise, "PARITY SEA_FILTER SEA_FREQUENCY SEA_PHASE"),
+    (filter_1969, "G_OF_TABLE HIGH_DAMPING KNOT LOW_DAMPING PEAK WIDEST"),
+    (forces, "FLOW HEAVE HEAVE_ADDED LAST_TRUE NUMBERS PITCH PITCH_ADDED RISE"),
+    (forces, "ROWS_PER_TURN SURGE SWAY SWAY_ADDED SWING YAW YAW_ADDED"),
+    (noise, "PARITY SEA_BANK SEA_FILTER SEA_FREQUENCY SEA_PHASE"),
     (pumps, "DAMPING INTEGRAL"),
     (reference, "APPROACH COURSE DEPTH DEPTH_SLEW LEASH"),
     (scheme, "ADAMS"),
-    (state, "DEGREE SEA_COMPONENTS"),
+    (state, "DEGREE SEA_COMPONENTS STRIPS STRIP_ROWS"),
     (sea_module, "OMEGA"),
     (tanks, "ATMOSPHERE AUXILIARY DEPTH_CONTROL DEPTH_CONTROL_PUMP DISCHARGE DRAIN_PUMP"),
     (tanks, "EMERGENCY_BANK END FIRST_DRY MAIN_BANK NEGATIVE STATIONS TRIM_AFT TRIM_FORWARD"),
     (tanks, "TRIM_PUMP"),
     (update, "FASTEST FASTEST_RATE FURTHEST"),
     (vessel, "SURFACE_DEPTHS"),
-    (wave_filter, "G_OF_TABLE HIGH_DAMPING KNOT LOW_DAMPING PEAK WIDEST"),
+    (wave_filter, "MOST_STEPS OUTPUTS PHASE_STEP SLOWEST_CLOCK"),
 )
 CASUALTY_TABLES: Final = ("SURFACE", "GAUGE", "FAULT", "PLACE", "SENSE", "HOLDS", "GAUGE_CODE")
+FILTER_TABLES: Final = ("MODES", "ROWS", "FORCE_DEPTHS", "LENGTHS")
 SUM_TABLES: Final = ("ANGLE_COS", "ANGLE_SIN", "WEIGHT")
 
 
@@ -84,9 +88,10 @@ def header() -> str:
         *(_table(name, np.array(getattr(cosine_sum, name))) for name in SUM_TABLES),
         _table("ARCTANGENT", elementary.ARCTANGENT),
         _table("EIGHTHS", elementary.EIGHTHS),
-        _table("SIMILAR", np.array(wave_filter.SIMILAR)),
+        _table("SIMILAR", np.array(filter_1969.SIMILAR)),
         _table("TAPER", np.array(forces.TAPER)),
-        _table("TABLE", wave_filter.TABLE),
+        _table("TABLE", filter_1969.TABLE),
+        *(_table(name, np.array(getattr(wave_filter, name))) for name in FILTER_TABLES),
     ]
     for name, dtype in RECORDS.items():
         lines += _struct(name, dtype)
