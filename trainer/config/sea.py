@@ -220,11 +220,11 @@ def step_problem(wanted: Numbers, step: float) -> str:
     turn = wanted[OMEGA] * step
     if wanted[HEIGHT] == 0.0 or wanted[COSINES] + wanted[OLD] > 0.0 or turn <= STEEPEST_TURN:
         return ""
+    longest = math.floor(1000.0 * STEEPEST_TURN / wanted[OMEGA]) / 1000.0
+    shorter = f"a step of {longest:g} s or " if longest > 0.0 else ""
     return (
         f"a sea above Nyquist for the step: its peak of {wanted[OMEGA]:.3g} rad/s turns "
-        f"{turn:.2f} rad in {step:g} s, at most {STEEPEST_TURN:g}; take a step of "
-        f"{math.floor(100.0 * STEEPEST_TURN / wanted[OMEGA]) / 100.0:g} s or generator = "
-        '"cosines"'
+        f'{turn:.3g} rad in {step:g} s, at most {STEEPEST_TURN:g}; take {shorter}generator = "cosines"'
     )
 
 

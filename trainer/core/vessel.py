@@ -4,10 +4,11 @@
 of program EC790, [ASSES] equation (18) with its errata C10-C18.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from typing import Final
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from trainer.core.ballast.tanks import BALLAST_FIELDS
 from trainer.core.envelope import ENVELOPE_FIELDS
@@ -96,7 +97,7 @@ def _scale(body: Mapping[str, float], power: int) -> float:
     return float(0.5 * body["rho"] * body["ell"] ** power)
 
 
-def strips(places: Sequence[float], *masses: Sequence[float]) -> Numbers:
+def strips(places: ArrayLike, *masses: ArrayLike) -> Numbers:
     """Return places over the length [-] and three masses, each as shares of its sum [-]."""
     shares = [np.array(mass) / np.sum(mass) for mass in masses]
     return np.array([places, *shares])

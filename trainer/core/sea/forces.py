@@ -104,33 +104,44 @@ def kept(row: int) -> float:
     return 1.0 - t * t * (3.0 - 2.0 * t)
 
 
-@kernel
-def prepare_strips(vessel: Record, scratch: Record) -> None:
-    """Write the sums over the boat's strips by wave number, unless they are written."""
+@part
+def are_summed(vessel: Record, scratch: Record) -> bool:
+    """Return whether the table is that of the boat's strips."""
     c, work = vessel[0], scratch[0]
     same = 0
     for i in range(4):
         for strip in range(STRIPS):
             same += 1 if work.strips_of[i, strip] == c.strips[i, strip] else 0
-    if same == 4 * STRIPS:
-        return
+    return same == 4 * STRIPS
+
+
+@part
+def add_strip(row: int, strip: int, scratch: Record) -> None:
+    """Add a strip to the sums of a row of the table."""
+    work = scratch[0]
+    x = work.strips_of[0, strip]
+    turn_cos, turn_sin = cosine_and_sine(row / ROWS_PER_TURN * x)
+    for kind in range(3):
+        share = kept(row) * work.strips_of[1 + kind, strip]
+        work.strip_sums[row, kind, 0] += share * turn_cos
+        work.strip_sums[row, kind, 1] += share * turn_sin
+        work.strip_sums[row, kind, 2] += share * x * turn_cos
+        work.strip_sums[row, kind, 3] += share * x * turn_sin
+
+
+@kernel
+def prepare_strips(vessel: Record, scratch: Record) -> None:
+    """Write the sums over the boat's strips by wave number."""
+    c, work = vessel[0], scratch[0]
     for i in range(4):
         for strip in range(STRIPS):
             work.strips_of[i, strip] = c.strips[i, strip]
     for row in range(STRIP_ROWS + 1):
-        left = kept(row)
         for kind in range(3):
             for j in range(NUMBERS):
                 work.strip_sums[row, kind, j] = 0.0
         for strip in range(STRIPS):
-            x = c.strips[0, strip]
-            turn_cos, turn_sin = cosine_and_sine(row / ROWS_PER_TURN * x)
-            for kind in range(3):
-                share = left * c.strips[1 + kind, strip]
-                work.strip_sums[row, kind, 0] += share * turn_cos
-                work.strip_sums[row, kind, 1] += share * turn_sin
-                work.strip_sums[row, kind, 2] += share * x * turn_cos
-                work.strip_sums[row, kind, 3] += share * x * turn_sin
+            add_strip(row, strip, scratch)
 
 
 @part
@@ -298,7 +309,8 @@ def wave_forces(vessel: Record, scratch: Record, state: Record, force: Numbers) 
     left = taper(vessel, state)
     if s.sea_height == 0.0 or left == 0.0:
         return
-    prepare_strips(vessel, scratch)
+    if not are_summed(vessel, scratch):
+        prepare_strips(vessel, scratch)
     work.g, work.depth, work.ell = c.g, max(s.z, 0.0), c.ell
     for i in range(work.pull.size):
         work.pull[i] = 0.0

@@ -12,7 +12,8 @@ x - nu x^2 times it, nu = k_p U/omega_p: the clock of the bank gives the slope o
 1 - 2 nu, and turning the pair of outputs by k_p times the way its value, 1 - nu.
 
 What waves do at a depth is not what the surface does: each component fades by its own length.
-The force's pair has rows of its own by kappa = k_p z: x^2 exp(-kappa (x^2 - 1)) times the surface's.
+The force's pair has rows of its own by kappa = k_p z: the surface's pair times
+x^2 exp(-kappa (x^2 - 1)), in amplitude. They are near in shape, exact in variance.
 """
 
 import math
@@ -20,7 +21,7 @@ from typing import Final
 
 import numpy as np
 
-from trainer.core.kernel import Record, kernel, part
+from trainer.core.kernel import Numbers, Record, kernel, part
 from trainer.core.noise import SEA_BANK, gaussian_pair
 from trainer.core.sea.free_surface import cell
 
@@ -31,20 +32,27 @@ WARM_UP: Final = 600  # internal steps after which the slowest mode is left by e
 STEEPEST_TURN: Final = 1.3  # [rad] of the peak wave in a tick, up to which all bands are there
 RAISED: Final = 1.8  # [-] peakedness from which on the peaked bank is nearer: estimate
 OUTPUTS: Final = 4  # elevation, quadrature, and the force's two
-FORCE_DEPTHS: Final = np.array([0.25, 0.5, 0.75, 1.0, 1.5, 2.0, 3.0, 4.0, 6.0])  # [-] k_p z of the rows
+# [-] k_p z of the rows
+FORCE_DEPTHS: Final = np.array([0.25, 0.5, 0.75, 1.0, 1.5, 2.0, 3.0, 4.0, 6.0])
 
-# By bank: real and imaginary parts [-] of the modes' factors in an internal step.
-MODES: Final = np.array(
+
+def _read(text: str, *shape: int) -> Numbers:
+    """Return the numbers in a text."""
+    return np.fromstring(text, sep=" ").reshape(shape)
+
+
+# By bank and mode: real and imaginary part [-] of its factor in an internal step.
+_FACTORS: Final = _read(
     """
     0.9576797801870172 0.1614433270613848 0.9315621309263741 0.19185290956293574
     0.8773545393173064 0.2302827579341405 0.7369715944272253 0.2698603850321235
     0.9642115579686314 0.17317765829384052 0.9483327815430371 0.23870650666379953
     0.8161882600058278 0.30597466349472224 0.5555107844325968 0.3062302428382245
-    """.split(),
-    float,
-).reshape(2, 4, 2).swapaxes(1, 2).copy()  # fmt: skip
-# By bank: rows of elevation and quadrature [-] over the modes, their real parts first.
-_WAVE: Final = np.array(
+    """,
+    *(2, 4, 2),
+)
+# By bank: elevation and quadrature [-] over the modes, their real parts first.
+_WAVE: Final = _read(
     """
     0.0006647961160219201 0.10347175449175428 -0.16379391732115162 0.059657366713375494
     0.14981234046552838 -0.9273275469142623 1.8634106126349745 -1.5015004552645812
@@ -54,11 +62,11 @@ _WAVE: Final = np.array(
     0.0706791963540821 -0.267681303848375 0.5392154900046601 -0.47273318996531977
     -0.0709622052166824 0.2671491076160079 -0.5639791649032333 0.40412863331115884
     -0.005799023462305099 0.21877338890709153 -0.479869078695576 0.3672596301850057
-    """.split(),
-    float,
-).reshape(2, 2, 8)
-# By bank and depth: the same of the force.
-_FORCE: Final = np.array(
+    """,
+    *(2, 2, 8),
+)
+# By bank and depth: the force's two outputs likewise.
+_FORCE: Final = _read(
     """
     0.05622968671549084 -0.34607283957225765 0.6199792156689244 -0.37969207882918377
     0.04463675004030059 -0.8189734340877829 2.5558002094842553 -2.6630109381216047
@@ -132,14 +140,15 @@ _FORCE: Final = np.array(
     0.5036521010455434 -0.11104499265549189 -0.5152759706878858 -1.01497659873556
     -0.48037896989761675 0.12883890921992186 0.4214516660548855 0.10921228218498985
     -0.39521421435866166 0.4748374116188948 0.31852160782843497 -0.6335844452834463
-    """.split(),
-    float,
-).reshape(2, 9, 2, 8)
-
-# By bank, depth and mode: all four outputs.
-ROWS: Final = np.concatenate([np.repeat(_WAVE[:, None], FORCE_DEPTHS.size, 1), _FORCE], 2).swapaxes(
-    2, 3
-).copy()
+    """,
+    *(2, 9, 2, 8),
+)
+_WAVE_BY_DEPTH: Final = np.repeat(_WAVE[:, None], FORCE_DEPTHS.size, axis=1)
+# As the kernels read them: factors by bank, part and mode; rows by bank, depth, mode and output.
+MODES: Final = np.ascontiguousarray(np.swapaxes(_FACTORS, 1, 2))
+ROWS: Final = np.ascontiguousarray(
+    np.swapaxes(np.concatenate([_WAVE_BY_DEPTH, _FORCE], axis=2), 2, 3)
+)
 # By bank and depth: the wave number of what is left there over the peak's, the integral of
 # x^6 S exp(-2 kappa x^2) over that of x^4; it is taken for the length of all: estimate.
 LENGTHS: Final = np.array(
