@@ -224,7 +224,8 @@ def step_problem(wanted: Numbers, step: float) -> str:
     shorter = f"a step of {longest:g} s or " if longest > 0.0 else ""
     return (
         f"a sea above Nyquist for the step: its peak of {wanted[OMEGA]:.3g} rad/s turns "
-        f'{turn:.3g} rad in {step:g} s, at most {STEEPEST_TURN:g}; take {shorter}generator = "cosines"'
+        f"{turn:.3g} rad in {step:g} s, at most {STEEPEST_TURN:g}; take {shorter}"
+        'generator = "cosines"'
     )
 
 
