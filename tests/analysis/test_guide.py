@@ -12,7 +12,7 @@ import pytest
 from click.testing import CliRunner, Result
 
 from trainer.analysis.guide import document, programme, trials, verdicts
-from trainer.analysis.guide.baseline import compare_guides, load_earlier
+from trainer.analysis.guide.baseline import compare_guides, leaves, load_earlier
 from trainer.analysis.guide.contents import GuideContents, assemble, write
 from trainer.analysis.guide.programme import Task, fly_all, legs
 from trainer.analysis.guide.summary import render
@@ -354,7 +354,8 @@ def test_a_file_beside_the_vessel_file_holds_its_trials(tmp_path: Path) -> None:
     assert trials.trials_path(load_vessel(str(vessel))) is None
 
     (tmp_path / "boat.trials.toml").write_text(TRIAL)
-    (trial,) = trials.load_trials(trials.trials_path(load_vessel(str(vessel))) or Path())
+    path = trials.trials_path(load_vessel(str(vessel))) or Path()
+    ((trial,), ()) = trials.load_published(path)
 
     assert trial.manoeuvre == Turn(20.0)
     assert [result.values for result in trial.results] == [(187.0,), (None,)]
@@ -381,15 +382,97 @@ def test_a_wrong_file_of_trials_is_told_with_its_place(
     path.write_text(TRIAL.replace(before, after))
 
     with pytest.raises(ConfigError, match=re.escape(wrong)) as caught:
-        trials.load_trials(path)
+        trials.load_published(path)
     assert str(caught.value).startswith("boat.trials.toml: [trials 1]")
+
+
+WAVES = """
+[[waves]]
+title = "a sea"
+source = "a report"
+speed_m_s = 5.0
+period_s = 9.0
+height_m = 3.0
+depth_m = [15.0, 20.0]
+heave = [0.3, 0.2]
+pitch_deg = [1.0, 0.8]
+"""
+
+
+@pytest.mark.parametrize(
+    ("before", "after", "wrong"),
+    [
+        ("[0.3, 0.2]", "[0.3]", "heave = [0.3]: must have 2 numbers as depth_m has"),
+        ("period_s", "perriod_s", "perriod_s = 9.0: no such key; nearest is period_s"),
+        ("height_m = 3.0", "height_m = nan", "height_m = nan: must be finite"),
+        ("[1.0, 0.8]", "[]", "must be a list of 1 to 20 numbers"),
+    ],
+)
+def test_wrong_waves_are_told_with_their_place(
+    before: str, after: str, wrong: str, tmp_path: Path
+) -> None:
+    path = tmp_path / "boat.trials.toml"
+    path.write_text(TRIAL + WAVES.replace(before, after))
+
+    with pytest.raises(ConfigError, match=re.escape(wrong)) as caught:
+        trials.load_published(path)
+    assert str(caught.value).startswith("boat.trials.toml: [waves 1]")
+
+
+# Model document, section 2: strips alone, and with the flow that the hull's lift feels
+HEAD_SEA = {
+    13.8724: ((0.277, 1.02), (0.274, 0.92)),
+    15.3724: ((0.260, 0.96), (0.257, 0.86)),
+    35.0624: ((0.112, 0.41), (0.111, 0.37)),
+}
+
+
+def test_the_published_head_sea_stands_beside_ours_with_and_without_flow() -> None:
+    file = load_vessel("bb2")
+    path = trials.trials_path(file)
+    assert path
+    (found,) = trials.compare_waves(file, trials.load_published(path)[1])
+
+    assert [row.depth_m for row in found.rows] == [*HEAD_SEA]
+    for row in found.rows:
+        strips, flow = HEAD_SEA[row.depth_m]
+        assert row.without_flow == pytest.approx(strips, abs=0.006)
+        assert row.ours == pytest.approx(flow, abs=0.006)
+    errors = {
+        name: [abs(getattr(row, name)[1] / row.published[1] - 1.0) for row in found.rows]
+        for name in ("ours", "without_flow")
+    }
+    # what was chosen is nearer in pitch, and no further off in heave than 4 %
+    assert max(errors["ours"]) < 0.10
+    assert max(errors["without_flow"]) > 0.20
+    assert all(abs(row.ours[0] / row.published[0] - 1.0) < 0.04 for row in found.rows)
+
+
+def test_the_head_sea_is_on_the_page_and_in_what_moved(book: GuideContents, page: str) -> None:
+    (found,) = book.guide.waves
+
+    assert found.waves.title in page
+    assert f"<td>{found.rows[0].ours[1]:.3f}</td>" in page
+    name = f"{found.waves.title}, 13.8724 m: pitch [deg]"
+    assert leaves(document.as_json(book.guide))[name] == found.rows[0].ours[1]
+
+
+def test_a_boat_that_cannot_fly_level_at_the_waves_speed_says_so(tmp_path: Path) -> None:
+    path = tmp_path / "boat.trials.toml"
+    path.write_text(TRIAL + WAVES.replace("speed_m_s = 5.0", "speed_m_s = 0.5"))
+    file = load_vessel("bb2")
+    heavy = replace(file, hull=replace(file.hull, weight=1.01 * file.hull.weight))
+    (found,) = trials.compare_waves(heavy, trials.load_published(path)[1])
+
+    assert found.rows == ()
+    assert found.problem == "no straight level flight at 0.5 m/s"
 
 
 def test_a_published_quantity_that_we_do_not_measure_is_told(tmp_path: Path) -> None:
     path = tmp_path / "boat.trials.toml"
     path.write_text(TRIAL.replace('"advance"', '"advanse"'))
     file = load_vessel("bb2")
-    found = trials.load_trials(path)
+    found, _ = trials.load_published(path)
     flown = fly_all(file.path, [one.task(file) for one in found], 1, lambda: None)
 
     with pytest.raises(ConfigError, match='no measure "advanse"; nearest is advance'):

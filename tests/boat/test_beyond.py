@@ -210,7 +210,8 @@ def test_a_boat_afloat_rides_a_long_swell(
     s.weight -= 482e3 * 9.81
     s.z, s.seed = 4.0, 3.0
     in_hand(boat, 0.0)
-    swell = np.array([1.0, 2.0 * math.pi / 20.0, 1.0, 0.5 * math.pi, cosines, 0.0, 0.0])
+    shares = cosines, 0.0, 0.0, 0.0
+    swell = np.array([1.0, 2.0 * math.pi / 20.0, 1.0, 0.5 * math.pi, *shares, 0.0])
     boat.order_sea(swell, 0.0)
 
     flown(boat, 300.0)

@@ -29,7 +29,7 @@ def busy(make_boat: Callable[..., Boat], integrator: str = "adams2") -> Boat:
     boat.start(8.0 * KNOT, 40.0, 1.0, seed=7)
     boat.put_to_sea(load_sea("sea-state-5"))
     s = boat.state
-    s.sea_cosines = 0.5
+    s.sea_cosines = s.sea_1969 = s.sea_peaked = 0.5
     s.ordered_depth, s.ordered_psi = 70.0, 2.5
     s.blow[0], s.vent[1] = 1.0, 1.0
     s.move_trim = 3000.0

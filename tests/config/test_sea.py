@@ -9,7 +9,7 @@ import pytest
 from helpers.places import ROOT
 
 from trainer.config.files import ConfigError, shipped, shipped_names
-from trainer.config.sea import key_table, load_sea, parse_sea, sea_settings
+from trainer.config.sea import key_table, load_sea, parse_sea, sea_settings, step_problem
 
 G = 9.81
 
@@ -65,10 +65,50 @@ def test_waves_travel_away_from_where_they_come_from(comes_from: int, goes_to: f
     assert np.degrees(direction) == pytest.approx(goes_to)
 
 
-def test_options_are_off_unless_asked_for() -> None:
-    assert settings_of("sea_state = 4")[4:] == [0.0, 0.0, 0.0]
-    asked = 'sea_state = 4\ngenerator = "cosines"\nsuction = "on"\ntaper = "on"'
-    assert settings_of(asked)[4:] == [1.0, 1.0, 1.0]
+def test_a_sea_has_suction_unless_it_is_switched_off_and_no_taper_unless_asked_for() -> None:
+    assert settings_of("sea_state = 4")[4:] == [0.0, 1.0, 0.0, 0.0, 0.0]
+    asked = 'sea_state = 4\ngenerator = "cosines"\nsuction = "off"\ntaper = "on"'
+    assert settings_of(asked)[4:] == [1.0, 0.0, 0.0, 0.0, 1.0]
+
+
+@pytest.mark.parametrize(
+    ("gamma", "generator", "shares"),
+    [
+        (1.7, "filter", [0.0, 0.0]),
+        (1.8, "filter", [0.0, 1.0]),
+        (3.3, "filter", [0.0, 1.0]),
+        (3.3, "cosines", [0.0, 1.0]),
+    ],
+)
+def test_the_peaked_bank_makes_the_spectra_that_are_nearer_to_it(
+    gamma: float, generator: str, shares: list[float]
+) -> None:
+    sea = f'height_m = 3\nperiod_s = 9\nspectrum = "jonswap"\ngamma = {gamma}\n'
+
+    assert settings_of(f'{sea}generator = "{generator}"')[6:8] == shares
+
+
+def test_the_filter_of_1969_is_asked_for_by_its_name() -> None:
+    assert settings_of('sea_state = 4\ngenerator = "filter-1969"')[6:8] == [1.0, 0.0]
+
+
+@pytest.mark.parametrize(("degree", "longest"), [(1, 0.231), (2, 0.566), (3, 0.967), (4, 1.416)])
+def test_a_sea_above_nyquist_is_refused_for_the_step_with_one_that_would_do(
+    degree: int, longest: float
+) -> None:
+    sea = np.array(settings_of(f"sea_state = {degree}"))
+
+    assert step_problem(sea, longest) == ""
+    told = step_problem(sea, 1.05 * longest)
+    assert told.startswith("a sea above Nyquist for the step: its peak of ")
+    assert told.endswith(f'at most 1.3; take a step of {longest:g} s or generator = "cosines"')
+    assert step_problem(sea, longest + 0.001) != ""
+    assert step_problem(np.array(settings_of("wind_kn = 0.01")), 0.1).endswith(
+        'at most 1.3; take generator = "cosines"'
+    )
+    for others in ('generator = "cosines"', 'generator = "filter-1969"'):
+        assert step_problem(np.array(settings_of(f"sea_state = {degree}\n{others}")), 2.0) == ""
+    assert step_problem(np.array(settings_of("sea_state = 0")), 2.0) == ""
 
 
 @pytest.mark.parametrize(
@@ -83,14 +123,14 @@ def test_options_are_off_unless_asked_for() -> None:
         ("wind_kn = 20\nperiod_s = 9", "period_s = 9: pierson-moskowitz has its own"),
         ('height_m = 3\nspectrum = "jonswap"', "lacks period_s"),
         (
-            'height_m = 3\nperiod_s = 9\nspectrum = "jonswap"',
-            'generator = "filter": makes no jonswap spectrum',
+            'height_m = 3\nperiod_s = 9\nspectrum = "jonswap"\ngenerator = "filter-1969"',
+            'generator = "filter-1969": makes no jonswap spectrum; set generator = "filter"',
         ),
         (
             'height_m = 9\nperiod_s = 5\nspectrum = "bretschneider"',
             "period_s = 5: waves of 9 m break; must be at least 7.6 s",
         ),
-        ('sea_state = 4\ngenerator = "cosine"', "must be filter or cosines"),
+        ('sea_state = 4\ngenerator = "cosine"', "must be filter or cosines or filter-1969"),
         ("sea_state = 4\ndirection_deg = -10", "direction_deg = -10: must be 0 to 360 deg"),
         ("sea_state = 4\nramp_s = true", "ramp_s = true: must be a number"),
     ],

@@ -66,6 +66,7 @@ def said(boat: Boat, seconds: float) -> list[str]:
 def order(boat: Boat, text: str) -> str:
     """Return the answer to an order."""
     asked = parse(text)
+    assert asked is not None
     assert not isinstance(asked, BadOrder), asked
     reply = helm.obey(boat, asked)
     return reply.reason if isinstance(reply, Refused) else reply

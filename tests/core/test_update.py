@@ -133,9 +133,9 @@ for equations in ("full", "modified", "basic", "longitudinal"):
             method = Method(equations, rates, "exact", integrator, 0.5)
             boat = Boat(load_vessel("bb2"), method)
             boat.start(5.0, 60.0, 0.0)
-            if equations != "longitudinal":  # a sea of both generators, tanks at work, casualties
+            if equations != "longitudinal":  # a sea of all generators, tanks at work, casualties
                 boat.put_to_sea(load_sea("sea-state-5"))
-                boat.state.sea_cosines = 0.5
+                boat.state.sea_cosines = boat.state.sea_1969 = boat.state.sea_peaked = 0.5
                 boat.state.hover = 1.0
                 boat.state.blow[0] = boat.state.vent[2] = 1.0
                 for name in CASUALTIES:

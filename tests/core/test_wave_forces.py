@@ -10,11 +10,11 @@ from numba import njit
 
 from trainer.core.kernel import Record
 from trainer.core.sea.cosine_sum import ANGLE_COS, ANGLE_SIN, WEIGHT, phase, prepare_sum
-from trainer.core.sea.forces import spread, wave_forces
+from trainer.core.sea.forces import suction, wave_forces
 from trainer.core.sea.free_surface import deck_height, sail_height, surface_forces
 from trainer.core.sea.sea import advance_sea, order_sea
 from trainer.core.state import new_sea, new_state
-from trainer.core.vessel import vessel_record
+from trainer.core.vessel import STRIP_PLACES, STRIP_SHARES, vessel_record
 
 pytestmark = pytest.mark.core
 
@@ -24,6 +24,7 @@ RHO, G, ELL, VOLUME = 1025.0, 9.81, 70.0, 4000.0
 ADDED = {"X_udot": -0.0012, "Y_vdot": -0.03, "Z_wdot": -0.02}
 K_WAVE = 0.03  # [1/m]
 A_C, A_S = 0.8, -0.5  # [m] a cos A, a sin A
+TABLE = 1e-3  # [-] of the strips' whole mass: their sums are read from a table
 
 
 def a_vessel(**other: float) -> Record:
@@ -45,8 +46,9 @@ def moved(added: str) -> float:
 
 
 def one_wave(depth: float = 30.0, direction: float = 0.0, **fields: float) -> Record:
-    """Return the state under one long-crested wave."""
+    """Return the state under one long-crested wave, as the filter of 1969 gives it."""
     state = new_state()
+    state["sea_1969"] = 1.0
     state["sea_height"], state["sea_omega"] = 4.0, np.sqrt(G * K_WAVE)
     state["sea_elevation"], state["sea_quadrature"] = A_C, A_S
     state["z"], state["sea_direction"] = depth, direction
@@ -67,8 +69,15 @@ def force_of(state: Record, vessel: Record | None = None, sea: Record | None = N
     return force
 
 
+def as_a_box(vessel: Record) -> Record:
+    """Give a boat's mass the shape of a box, by Gauss and Legendre's seven points."""
+    nodes, weights = np.polynomial.legendre.leggauss(7)
+    vessel["strips"][0] = [0.5 * nodes, *[0.5 * weights] * 3]
+    return vessel
+
+
 @pytest.mark.parametrize("case", VECTORS["force_component_project_extension"]["cases"])
-def test_one_component_as_in_the_model_document(case: Any) -> None:
+def test_one_component_on_a_box_as_in_the_model_document(case: Any) -> None:
     table = VECTORS["force_component_project_extension"]
     phys, coef = table["phys"], table["coef"]
     g = 32.2  # of the waves; the boat's own is 32.174, kept in her displaced mass
@@ -82,17 +91,85 @@ def test_one_component_as_in_the_model_document(case: Any) -> None:
     state = one_wave(case["depth"], mu, psi=case["psi"], sea_omega=case["w"])
     state["sea_elevation"] = case["a"] * np.cos(angle)
     state["sea_quadrature"] = case["a"] * np.sin(angle)
+    vessel = as_a_box(vessel_record(body, prime, (0.0, 0.0)))
+    size = case["a"] * g * k * np.exp(-k * case["depth"])
+    mass = phys["B"] / phys["G"] - 0.5 * phys["RHO"] * phys["L"] ** 3 * min(prime.values())
+    whole = size * mass * np.array([1, 1, 1, 1, phys["L"] / 4, phys["L"] / 4])
 
-    force = force_of(state, vessel_record(body, prime, (0.0, 0.0)))
+    force = force_of(state, vessel)
 
-    assert force == pytest.approx(case["force"], rel=1e-8)
+    assert np.all(abs(force - case["force"]) < TABLE * whole)
+
+
+def exact(vessel: Record, k: float, chi: float, depth: float) -> np.ndarray:
+    """Return the forces on the strips by their sums, one by one."""
+    c = vessel[0]
+    x, *shares = c["strips"] * np.array([[c["ell"]], [1.0], [1.0], [1.0]])
+    displaced = c["buoyancy"] / c["g"]
+    m, a, b = (
+        size * share
+        for size, share in zip((displaced, -c["Z_wdot"], -c["Y_vdot"]), shares, strict=True)
+    )
+    swing = c["g"] * k * np.exp(-k * depth)
+    c_i, s_i = np.cos(k * x * np.cos(chi)), np.sin(k * x * np.cos(chi))
+    C = swing * (A_C * c_i + A_S * s_i)
+    S = swing * (A_S * c_i - A_C * s_i)
+    return np.array(
+        [
+            -np.cos(chi) * (1.0 - c["X_udot"] / displaced) * np.sum(m * S),
+            -np.sin(chi) * np.sum((m + b) * S),
+            np.sum((m + a) * C),
+            0.0,
+            -np.sum((m + a) * x * C),
+            -np.sin(chi) * np.sum((m + b) * x * S),
+        ]
+    )
+
+
+@pytest.mark.parametrize("k", [1e-9, 0.003, 0.02, 0.0428, 0.12, 0.3])
+@pytest.mark.parametrize("chi", [0.0, 0.7, 1.57, 2.5, np.pi, -2.0])
+def test_one_wave_pushes_on_each_strip_of_bb2(make_boat: Any, k: float, chi: float) -> None:
+    vessel = make_boat("bb2").records.vessel
+    state = one_wave(15.0, chi, sea_omega=np.sqrt(G * k))
+    expected = exact(vessel, k, chi, 15.0)
+    swing = G * k * np.exp(-k * 15.0)
+    whole = swing * 9.7e6 * np.array([1, 1, 1, 1, 16.0, 16.0])
+
+    assert np.all(abs(force_of(state, vessel) - expected) < TABLE * whole)
+
+
+def test_waves_shorter_than_a_fifth_of_the_hull_push_on_no_part_of_it_lengthwise() -> None:
+    short = one_wave(direction=0.0, sea_omega=np.sqrt(G * 33.0 / ELL), z=1.0)
+    abeam = one_wave(direction=np.pi / 2, sea_omega=np.sqrt(G * 33.0 / ELL), z=1.0)
+
+    assert not np.any(force_of(short))
+    assert force_of(abeam)[Z] != 0.0
+
+
+def test_the_strips_of_a_hull_that_gives_none_are_its_full_integral() -> None:
+    # ellipsoid nose to 0.165 L, parallel to 0.715 L, cusped tail: section areas over the largest
+    s = np.linspace(0.0, 1.0, 20_001)
+    area = np.ones(s.size)
+    area[s < 0.165] = 1.0 - ((0.165 - s[s < 0.165]) / 0.165) ** 2
+    tail = np.clip((s - 0.715) / 0.285, 0.0, 1.0)
+    area *= (1.0 - tail**2.3) ** 2.9
+    x = np.trapezoid(area * s, s) / np.trapezoid(area, s) - s
+    density = area / np.trapezoid(area, s)
+    places, shares = np.array(STRIP_PLACES), np.array(STRIP_SHARES)
+
+    assert np.trapezoid(area, s) == pytest.approx(0.81, abs=0.01)
+    for kappa in (1.0, 2.0, 4.2, 6.0, 8.4):  # the last: k = 0.12 at 70 m
+        whole = np.trapezoid(density * np.exp(1j * kappa * x), s)
+        pitch = np.trapezoid(density * x * np.exp(1j * kappa * x), s)
+        assert abs(np.sum(shares * np.exp(1j * kappa * places)) - whole) < 0.006
+        assert abs(np.sum(shares * places * np.exp(1j * kappa * places)) - pitch) < 0.025 * 0.17
 
 
 def test_a_crest_overhead_pushes_down_by_hand() -> None:
     # beam sea: no averaging over the length; 9.81 * 0.03 * exp(-0.9) * 0.8 m of acceleration
     pushed = moved("Z_wdot") * G * K_WAVE * np.exp(-0.9) * A_C
 
-    assert force_of(one_wave(direction=np.pi / 2))[Z] == pytest.approx(pushed, rel=1e-12)
+    assert force_of(one_wave(direction=np.pi / 2))[Z] == pytest.approx(pushed, rel=1e-9)
 
 
 def test_forces_fade_with_depth_as_the_waves_do() -> None:
@@ -102,7 +179,8 @@ def test_forces_fade_with_depth_as_the_waves_do() -> None:
 
 
 def test_head_and_following_seas_mirror() -> None:
-    following, head = force_of(one_wave()), force_of(one_wave(direction=np.pi))
+    vessel = as_a_box(a_vessel())
+    following, head = force_of(one_wave(), vessel), force_of(one_wave(direction=np.pi), vessel)
     signs = np.array([-1.0, 1.0, 1.0, 1.0, -1.0, 1.0])
 
     assert head == pytest.approx(signs * following, abs=1e-9 * np.abs(following).max())
@@ -121,16 +199,6 @@ def test_only_the_relative_heading_counts() -> None:
     assert force_of(one_wave(direction=2.0, psi=1.3)) == pytest.approx(
         force_of(one_wave(direction=0.7)), rel=1e-12
     )
-
-
-@pytest.mark.parametrize("kappa", [1e-9, 1e-3, 0.2, 0.499999, 0.500001, 3.0, -0.3, -2.0])
-def test_averages_over_the_length_are_the_integrals(kappa: float) -> None:
-    # Gauss-Legendre of cos and of s sin over s from -1 to 1
-    nodes, weights = np.polynomial.legendre.leggauss(30)
-    s0 = 0.5 * np.sum(weights * np.cos(kappa * nodes))
-    s1 = 0.5 * np.sum(weights * nodes * np.sin(kappa * nodes))
-
-    assert spread(kappa) == pytest.approx((s0, s1), rel=1e-13, abs=1e-16)
 
 
 def test_the_cosine_sum_is_the_sum_of_its_components() -> None:
@@ -174,6 +242,53 @@ def test_suction_on_a_circular_cylinder_is_ogilvie_s() -> None:
     )
 
 
+def test_the_hull_s_lift_feels_the_water_s_own_vertical_speed(make_boat: Any) -> None:
+    vessel = make_boat("bb2").records.vessel
+    c = vessel[0]
+    omega = np.sqrt(G * K_WAVE)
+    down = G * K_WAVE * np.exp(-K_WAVE * 30.0) * A_S / omega  # [m/s]
+    still = force_of(one_wave(), vessel)
+
+    felt = force_of(one_wave(u=5.0), vessel) - still
+
+    assert felt[Z] == pytest.approx(-float(c["Z_w"]) * 5.0 * down, rel=1e-9)
+    assert felt[M] == pytest.approx(-float(c["M_w"]) * 5.0 * down, rel=1e-9)
+    assert not np.any(felt[[X, Y, K, N]])
+    assert force_of(one_wave(u=-5.0), vessel).tolist() == still.tolist()
+
+
+# [kN], [kN/m] for Q = 8.129e6 kg: model document, section 5
+SUCTIONS = [
+    *((4, 18.0, 7.2, 1.28), (4, 20.0, 5.1, 0.87), (5, 18.0, 32.0, 4.1), (5, 22.0, 20.0, 2.3)),
+    *((5, 25.0, 14.0, 1.6), (5, 30.0, 8.1, 0.85), (6, 30.0, 27.0, 2.2), (6, 40.0, 12.5, 0.90)),
+]
+SEA_OF_STATE = {4: (1.875, 0.918), 5: (3.25, 0.697), 6: (5.0, 0.562)}
+
+
+@pytest.mark.parametrize(("state", "depth", "lift", "slope"), SUCTIONS)
+def test_the_mean_suction_and_its_slope_are_those_of_the_spectrum(
+    state: int, depth: float, lift: float, slope: float
+) -> None:
+    height, omega = SEA_OF_STATE[state]
+    number = omega**2 / G
+    x = np.linspace(0.3, 8.0, 20_001)
+    squared = 5.0 * x**-5.0 * np.exp(-1.25 * x**-4.0 - 2.0 * number * depth * x**2)
+    scale = 0.125 * G * (number * height) ** 2
+    found = suction(G, omega, height, depth)
+
+    assert found[0] == pytest.approx(scale * np.trapezoid(x**4 * squared, x), rel=4e-3)
+    assert found[1] == pytest.approx(
+        2.0 * number * scale * np.trapezoid(x**6 * squared, x), rel=4e-3
+    )
+    assert 8.129e3 * found[0] == pytest.approx(lift, rel=0.03)
+    assert 8.129e3 * found[1] == pytest.approx(slope, rel=0.03)
+
+
+def test_a_calm_draws_nothing_and_the_surface_no_more_than_just_below() -> None:
+    assert suction(G, 0.7, 0.0, 18.0) == (0.0, 0.0)
+    assert suction(G, 0.7, 3.0, 0.0) == suction(G, 0.7, 3.0, 0.3 * G / 0.49)
+
+
 def test_the_taper_ends_the_waves_at_five_diameters() -> None:
     vessel = a_vessel()
     vessel["diameter"] = 10.0
@@ -195,35 +310,37 @@ def _forces(vessel: Any, sea: Any, state: Any, ticks: Any) -> Any:
     return out
 
 
-def vertical_forces(generator: float, suction: float = 0.0) -> np.ndarray:
-    """Return Z [N] by record and tick at 30 m in a sea of 28 knots from ahead."""
+def vertical_forces(
+    generator: float, pull: float = 0.0, depth: float = 30.0, old: float = 0.0
+) -> np.ndarray:
+    """Return Z [N] by record and tick at a depth in a sea of 28 knots from ahead."""
     vessel = a_vessel()
     records = []
     for seed in range(8):
         state, sea = new_state(), new_sea()
-        state["seed"], state["z"] = seed, 30.0
-        wanted = np.array([4.426, 0.5974, 1.0, np.pi, generator, suction, 0.0])
+        state["seed"], state["z"] = seed, depth
+        wanted = np.array([4.426, 0.5974, 1.0, np.pi, generator, pull, old, 0.0, 0.0])
         order_sea(vessel, 0.5, 0.0, wanted, sea, state)
         records.append(_forces(vessel, sea, state, 16_384)[:, Z])
     return np.array(records)
 
 
 @pytest.mark.long
-def test_both_generators_give_the_vertical_force_the_same_spectrum_within_a_third() -> None:
-    # The filter has one wave number for all its waves, the sum five directions: they need not
-    # agree closer. Bands of a third of an octave about the peak, 0.6 rad/s.
+def test_all_generators_give_the_vertical_force_the_same_spectrum_within_a_third() -> None:
+    # The filters are long-crested with one length for all their waves, the sum has five
+    # directions: they need not agree closer.
     omega = 2.0 * np.pi * np.fft.rfftfreq(16_384, 0.5)
-    filtered, summed = (
-        np.mean(np.abs(np.fft.rfft(vertical_forces(generator))) ** 2, axis=0)
-        for generator in (0.0, 1.0)
+    filtered, summed, old = (
+        np.mean(np.abs(np.fft.rfft(force)) ** 2, axis=0)
+        for force in (vertical_forces(0.0), vertical_forces(1.0), vertical_forces(0.0, old=1.0))
     )
-    half = [float(np.interp(0.5, np.cumsum(p) / np.sum(p), omega)) for p in (filtered, summed)]
-    ratio = np.sqrt(np.sum(filtered) / np.sum(summed))
     core = (omega > 0.45) & (omega < 0.8)
+    for power in (filtered, old):
+        half = [float(np.interp(0.5, np.cumsum(p) / np.sum(p), omega)) for p in (power, summed)]
 
-    assert half[0] == pytest.approx(half[1], rel=0.12)
-    assert 0.75 < ratio < 1.34
-    assert np.sum(filtered[core]) / np.sum(filtered) > 0.7
+        assert half[0] == pytest.approx(half[1], rel=0.12)
+        assert 0.75 < np.sqrt(np.sum(power) / np.sum(summed)) < 1.34
+        assert np.sum(power[core]) / np.sum(power) > 0.7
     assert np.sum(summed[core]) / np.sum(summed) > 0.7
 
 
@@ -237,6 +354,16 @@ def test_suction_varies_slowly_about_a_mean_that_lifts(generator: float) -> None
     assert np.all(drawn <= 0.0)
     # below the waves' own frequencies; the filter's pair of outputs leaves some at twice the peak
     assert np.sum(power[omega < 0.4]) / np.sum(power) > 0.6
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("depth", [15.0, 30.0, 60.0])
+def test_the_filter_s_mean_suction_is_the_spectrum_s(depth: float) -> None:
+    drawn = vertical_forces(0.0, 1.0, depth) - vertical_forces(0.0, 0.0, depth)
+    lift = suction(G, 0.5974, 4.426, depth)[0] * moved("Z_wdot")
+
+    # eight records of 2.3 h scatter by 2 to 3 %; between two rows the filter has up to 3 % more
+    assert -np.mean(drawn) == pytest.approx(lift, rel=0.1)
 
 
 # The calm surface

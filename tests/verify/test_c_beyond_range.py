@@ -14,7 +14,7 @@ from trainer.config.sea import load_sea, sea_settings
 from trainer.config.vessel import load_vessel
 from trainer.core.envelope import EXTRAPOLATED, INSIDE, OUTSIDE, substeps
 from trainer.core.kernel import Record
-from trainer.core.sea.sea import COSINES, GAMMA, SUCTION
+from trainer.core.sea.sea import COSINES, GAMMA, OLD, PEAKED, SUCTION
 from trainer.core.stall import is_stalled
 from trainer.core.state import FIELDS
 from trainer.units import KNOT
@@ -152,14 +152,17 @@ def test_a_boat_goes_through_the_vertical(
 
 
 @pytest.mark.parametrize("way", WAYS[:2], ids="-".join)
-@pytest.mark.parametrize("cosines", [0.0, 0.5, 1.0])
+@pytest.mark.parametrize(
+    "shares", [(0.0, 0.0, 0.0), (0.0, 0.0, 1.0), (0.0, 1.0, 0.0), (0.5, 0.5, 0.5), (1.0, 0.0, 0.0)]
+)
 def test_bb2_blown_and_afloat_in_a_sea(
-    cosines: float, way: tuple[str, str, str, str], in_c: Ticks
+    shares: tuple[float, float, float], way: tuple[str, str, str, str], in_c: Ticks
 ) -> None:
     boat = boat_of("bb2", way)
     boat.start(10.0 * KNOT, 40.0, 0.3, seed=7)
     wanted = sea_settings(load_sea("sea-state-4"), boat.vessel.g)
-    wanted[COSINES], wanted[GAMMA], wanted[SUCTION] = cosines, 3.3, 1.0
+    wanted[[COSINES, OLD, PEAKED]] = shares
+    wanted[GAMMA], wanted[SUCTION] = 3.3, 1.0
     boat.order_sea(wanted, 0.0)
     in_hand(boat, 0.0)
     boat.state.blow[:] = 2.0

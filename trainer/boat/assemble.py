@@ -256,6 +256,15 @@ def _write_surface(file: VesselFile, record: Record) -> None:
         record["surface_M"][0, i, :columns] = area * file.hull.length * np.array(row.M_star)
 
 
+def _write_strips(file: VesselFile, record: Record) -> None:
+    """Write the strips that waves push on; without them they stay those of a usual hull."""
+    table = file.wave_strips
+    if table:
+        places = np.array(table.x_m) / file.hull.length
+        masses = (table.displaced_kg, table.added_down_kg, table.added_side_kg)
+        record["strips"][0] = vessel.strips(places, *masses)
+
+
 def read_integrator(text: str) -> scheme.Multistep:
     """Return the multistep method written ``a=1;b=1.5,-0.5``; ConfigError if it is not one."""
     try:
@@ -309,6 +318,7 @@ def fit_out(file: VesselFile, method: Method) -> Records:
     for name, value in _geometry(file).items():
         full[name] = value
     _write_surface(file, full)
+    _write_strips(file, full)
     write_envelope(file, full)
     kept = {**compact_coefficients(file, method.equations), **rows}
     boat = state.new_state()

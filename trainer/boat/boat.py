@@ -12,7 +12,7 @@ from trainer.boat import compilation
 from trainer.boat.assemble import Method, fit_out
 from trainer.config.casualties import load_casualties
 from trainer.config.files import ConfigError
-from trainer.config.sea import SeaFile, load_sea, sea_settings
+from trainer.config.sea import SeaFile, load_sea, sea_settings, step_problem
 from trainer.config.vessel import VesselFile
 from trainer.core.autopilot.autopilot import stand_by_all
 from trainer.core.ballast.ballast import start_ballast
@@ -124,10 +124,16 @@ class Boat:
         self.put_to_sea(self.sea)
 
     def put_to_sea(self, sea: SeaFile) -> None:
-        """Put the boat into a sea at its full height, as after a long time."""
+        """Put the boat into a sea at its full height, as after a long time.
+
+        ConfigError if the step is too long for it.
+        """
+        wanted = sea_settings(sea, self.vessel.g)
+        if problem := step_problem(wanted, self.method.step):
+            raise ConfigError(f"{sea.path.name}: {problem}")
         self.sea = sea
         self.state.sea_height = 0.0
-        self.order_sea(sea_settings(sea, self.vessel.g), 0.0)
+        self.order_sea(wanted, 0.0)
 
     def order_sea(self, wanted: Numbers, ramp: float) -> None:
         """Order a sea, by ``sea_settings`` [SI], to be in force after ``ramp`` [s]."""

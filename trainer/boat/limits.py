@@ -18,6 +18,10 @@ Z, WAVE, VALIDITY = PLACES["z"], PLACES["eta_wave"], PLACES["validity"]
 ASCENT, SPEED = PLACES["ascent"], PLACES["u"]
 SHORT, LOST = PLACES["speed_short"], PLACES["hover_lost"]
 RUDDER, STERN, COMMAND = (PLACES[name] for name in ("delta_r", "delta_s", "command_r"))
+NORTHWARD, EASTWARD = PLACES["xdot"], PLACES["ydot"]
+HEIGHT, OMEGA, DIRECTION, COSINES = (
+    PLACES[f"sea_{name}"] for name in ("height", "omega", "direction", "cosines")
+)
 TOUCHING: Final = math.radians(0.5)  # [rad] short of the limit that both share
 TAKEN: Final = math.radians(3.0)  # [rad] of rudder, to be told
 FULL: Final = 0.95  # [-] of main ballast; with less aboard the boat means to come up
@@ -34,7 +38,12 @@ GIVEN_UP: Final = {  # what the autopilot does not keep, and why
     "hover lost": "HOVER LOST: the pump cannot hold this depth; the planes have it, at 4 kn",
     "speed not reached": "SPEED: the engine gives all it has; the ordered speed is not reached",
 }
-NOTICES: Final = frozenset({*RANGES[1:], "rudder taken by the stern planes", *GIVEN_UP})
+FOLLOWED: Final = "followed by a sea that the filter cannot follow"
+NOTICES: Final = frozenset(  # no limits
+    {*RANGES[1:], "rudder taken by the stern planes", FOLLOWED, *GIVEN_UP}
+)
+CHASED: Final = 0.15  # [-] speed with the waves over that of the peak's, from which it is told
+FELT: Final = 3.0  # [-] depth times the peak's wave number, above which waves are felt
 REASONS: Final = (
     "",
     "the flow is further off the bow than the boat was ever tested",
@@ -79,6 +88,17 @@ def deep(boat: Boat) -> bool:
     return boat.plain[Z] + boat.plain[WAVE] > boat.reach + COVERED
 
 
+def chased(boat: Boat) -> float:
+    """Return the boat's speed with the waves over the peak wave's [-], 0 without filtered waves."""
+    plain = boat.plain
+    if plain[HEIGHT] == 0.0 or plain[COSINES] == 1.0:
+        return 0.0
+    omega, way, g = plain[OMEGA], plain[DIRECTION], float(boat.vessel.g)
+    if plain[Z] * omega * omega > FELT * g:
+        return 0.0
+    return omega / g * (plain[NORTHWARD] * math.cos(way) + plain[EASTWARD] * math.sin(way))
+
+
 def surfacing(boat: Boat) -> bool:
     """Return whether main ballast is being blown, or blown."""
     if not boat.vessel.fitted:
@@ -101,6 +121,8 @@ class LimitMonitor:
     taken: bool = False  # by the stern planes, of the rudder of an X-tail
     taken_since: float = 0.0  # [s]
     given_up: set[str] = field(default_factory=set)  # by the autopilot
+    followed: bool = False  # by a sea, faster than the wave filter is true
+    followed_since: float = 0.0  # [s]
     _set: tuple[tuple[str, float], ...] = field(init=False)  # the limits that there are, by name
 
     def __post_init__(self) -> None:
@@ -124,11 +146,12 @@ class LimitMonitor:
     def look(self, boat: Boat) -> list[str]:
         """Return what there is to call out after a tick."""
         usual = boat.plain[VALIDITY] == 0.0 and self.validity == 0
-        usual = usual and boat.vessel.x_tail == 0.0 and not self._given_up_now(boat)
+        usual = usual and boat.plain[HEIGHT] == 0.0 and boat.vessel.x_tail == 0.0
+        usual = usual and not self._given_up_now(boat)
         if usual and not self._set and not self.shows and deep(boat):
             return []
         news = self._out_of_range(boat) + self._passed(boat) + self._broken_surface(boat)
-        news += self._shared_tail(boat) + self._given_up(boat)
+        news += self._shared_tail(boat) + self._following_sea(boat) + self._given_up(boat)
         for what, _ in news:
             self.times.setdefault(what, []).append(boat.time)
         return [f"tick {boat.ticks} ({boat.time:g} s): {text}" for _, text in news]
@@ -192,6 +215,23 @@ class LimitMonitor:
         self.taken = True
         said = f"X-TAIL: the stern planes take {math.degrees(lost):.0f} deg of rudder away"
         return [("rudder taken by the stern planes", said)]
+
+    def _following_sea(self, boat: Boat) -> list[tuple[str, str]]:
+        """Return that the sea follows too fast for the wave filter, if that is news."""
+        chase = chased(boat)
+        if chase <= CHASED:
+            if boat.time - self.followed_since > SETTLED:
+                self.followed = False
+            return []
+        self.followed_since = boat.time
+        if self.followed:
+            return []
+        self.followed = True
+        said = (
+            f"FOLLOWING SEA: at {chase:.2f} of the waves' speed the filter puts energy into wrong "
+            'bands; a sea with generator = "cosines" does not'
+        )
+        return [(FOLLOWED, said)]
 
     def _broken_surface(self, boat: Boat) -> list[tuple[str, str]]:
         """Return that sail or deck has come out of the sea, if it has."""

@@ -1,4 +1,4 @@
-"""The boat's equations about straight level flight, as matrices, and their natural modes."""
+"""The boat's equations about straight level flight as matrices: modes, and waves from ahead."""
 
 import math
 from dataclasses import dataclass
@@ -10,13 +10,15 @@ from numpy.typing import NDArray
 from trainer.boat.boat import Boat
 from trainer.core.rates import rates
 from trainer.core.scheme import equations_alone
-from trainer.core.state import MOTION
+from trainer.core.sea.forces import wave_forces
+from trainer.core.state import MOTION, new_sea, new_state
 
 CONTROLS = ("delta_r", "delta_s", "delta_b", "u_c")
 # What the rates depend on; heading and position only follow.
 INTERNAL = ("u", "v", "w", "p", "q", "r", "phi", "theta")
 LONGITUDINAL = ("u", "w", "q", "theta")
 ACCELERATED = MOTION[:6]
+VERTICAL = (*LONGITUDINAL, "z")
 
 Matrix = NDArray[np.float64]
 
@@ -84,6 +86,46 @@ def bring_to(boat: Boat, speed: float) -> bool:
         s[name] = 0.0
     s.u = s.u_c = speed
     return False
+
+
+def head_waves(boat: Boat, omega: float, depth: float, speed: float) -> NDArray[np.complex128]:
+    """Return the forces [N, N m] of regular waves from ahead, of amplitude 1 m.
+
+    They are the real part of this times exp(i A), A the wave's phase at the origin. ``speed``
+    [m/s] is that at which the hull's lift feels the water's own motion: 0 leaves it out.
+    """
+    found = []
+    for elevation, quadrature in ((1.0, 0.0), (0.0, 1.0)):
+        state, force = new_state(), np.zeros(6)
+        s = state[0]
+        s.sea_1969, s.sea_height, s.sea_omega, s.sea_direction = 1.0, 4.0, omega, math.pi
+        s.sea_elevation, s.sea_quadrature, s.z, s.u = elevation, quadrature, depth, speed
+        wave_forces(boat.records.vessel, new_sea(), state, force)
+        found.append(force)
+    return np.asarray(found[0] - 1j * found[1])
+
+
+def in_head_waves(boat: Boat, forces: NDArray[np.complex128], omega: float) -> tuple[float, float]:
+    """Return heave [-] and pitch [rad/m] over the amplitude of regular waves from ahead.
+
+    Linear, planes fixed, about the boat's present trim in deep water; ``forces`` [N, N m] are
+    those of ``head_waves`` of frequency ``omega`` [rad/s].
+    """
+    linear = linearise(boat)
+    vessel, compact, scheme, state, scratch = (record.copy() for record in boat.records)
+    scheme = equations_alone(scheme)
+    scheme["exact"] = 1
+    rates(vessel, compact, scheme, state, scratch)
+    still = state["rates"][0].copy()
+    pushed = np.zeros(len(VERTICAL), complex)
+    places = [MOTION.index(name) for name in VERTICAL]
+    for part, unit in ((forces.real, 1.0), (forces.imag, 1j)):
+        scratch["external"][0] = part
+        rates(vessel, compact, scheme, state, scratch)
+        pushed += unit * (state["rates"][0] - still)[places]
+    met = omega + omega * omega / float(boat.vessel.g) * float(boat.state.u)
+    motion = np.linalg.solve(1j * met * np.eye(len(VERTICAL)) - linear.part(*VERTICAL), pushed)
+    return float(abs(motion[VERTICAL.index("z")])), float(abs(motion[VERTICAL.index("theta")]))
 
 
 @dataclass(frozen=True)

@@ -7,9 +7,9 @@ from typing import Final
 import numpy as np
 
 from trainer.boat.boat import Boat
-from trainer.config.sea import Sea, peak_frequency, significant_height
+from trainer.config.sea import Sea, peak_frequency, significant_height, step_problem
 from trainer.core.kernel import Numbers
-from trainer.core.sea.sea import DIRECTION, GAMMA, HEIGHT, OMEGA
+from trainer.core.sea.sea import DIRECTION, GAMMA, HEIGHT, OMEGA, PEAKED
 from trainer.io.orders.grammar import Order, Refused, Reply
 from trainer.units import KNOT
 
@@ -23,6 +23,8 @@ def order_sea(boat: Boat, order: Order) -> Reply:
         wanted[HEIGHT] = 0.0
     else:
         _raise(wanted, fully_developed(boat.sea.sea, order.word, order.value), boat.vessel.g)
+    if problem := step_problem(wanted, boat.method.step):
+        return Refused(problem)
     boat.order_sea(wanted, boat.sea.sea.ramp_s)
     return f"{order.text}: {sea_text(wanted)}, within {boat.sea.sea.ramp_s:g} s"
 
@@ -55,7 +57,7 @@ def _raise(wanted: Numbers, sea: Sea, g: float) -> None:
     """Write height, period and peakedness of ``sea``."""
     wanted[HEIGHT] = significant_height(sea, g)
     wanted[OMEGA] = peak_frequency(sea, g)
-    wanted[GAMMA] = 1.0
+    wanted[GAMMA], wanted[PEAKED] = 1.0, 0.0
 
 
 def sea_text(quantities: Numbers) -> str:

@@ -4,7 +4,7 @@ The limits are wide: they catch feet, pounds and misplaced points, not poor boat
 """
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from itertools import pairwise
 from typing import Final
 
@@ -18,6 +18,7 @@ from trainer.config.vessel_records import (
     Propulsion,
     Run,
     ThrustSet,
+    WaveStrips,
 )
 
 FEET_PER_METRE = 3.2808
@@ -29,6 +30,10 @@ GYRADIUS = (0.1, 0.5)  # of pitch and yaw [-]; known boats: 0.24 to 0.30; 0.5: a
 WEIGHT_SLACK = 0.05
 INERTIA_SLACK = 0.05
 STATED_SLACK = 0.01  # of a number given twice, once for the reader
+STRIP_SLACK = 0.01  # of the strips' mass
+STRIP_CENTRE = 0.005  # [-] of the length, of their centre
+STRIP_ADDED = 0.02  # of their added masses, and their centres
+STRIP_END = 0.6  # [-] of the length
 
 
 def hull_problems(hull: Hull, fluid: Fluid) -> list[str]:
@@ -286,6 +291,62 @@ def free_surface_problems(table: FreeSurface) -> list[str]:
         if any(lower >= higher for lower, higher in pairwise(values)):
             problems.append(f"{name} = {values}: must ascend, none twice")
     return problems
+
+
+def _centre(places: Sequence[float], masses: Sequence[float]) -> float:
+    """Return the centre [m] of masses at places [m]; 0 of none."""
+    moments = (x * mass for x, mass in zip(places, masses, strict=True))
+    return sum(moments) / sum(masses) if sum(masses) else 0.0
+
+
+def wave_strip_problems(table: WaveStrips, hull: Hull, fluid: Fluid) -> list[str]:
+    """Return what keeps the strips from being this hull."""
+    problems = []
+    places, masses = list(table.x_m), table.displaced_kg
+    if any(ahead <= behind for ahead, behind in pairwise(places)):
+        problems.append(f"x_m = {places}: must descend from the bow, none twice")
+    if max(map(abs, places)) > STRIP_END * hull.length:
+        most = STRIP_END * hull.length
+        problems.append(f"x_m = {places}: must lie within {most:g} m of the origin")
+    displaced = hull.buoyancy / fluid.g
+    if abs(sum(masses) / displaced - 1.0) > STRIP_SLACK:
+        problems.append(
+            f"displaced_kg: the sum is {sum(masses):g} kg, must be buoyancy/g = {displaced:g} kg "
+            f"within {STRIP_SLACK:.0%}"
+        )
+    centre, most = _centre(places, masses), STRIP_CENTRE * hull.length
+    if abs(centre - hull.cb[0]) > most:
+        problems.append(
+            f"displaced_kg: the centre is at x = {centre:.3g} m, must be that of cb, "
+            f"{hull.cb[0]:g} m, within {most:.3g} m"
+        )
+    empty = [name for name in ("added_down_kg", "added_side_kg") if not any(getattr(table, name))]
+    return [*problems, *(f"{name}: all are 0, must have a sum" for name in empty)]
+
+
+def wave_strip_remarks(
+    table: WaveStrips, coefficients: Mapping[str, float], hull: Hull, fluid: Fluid
+) -> list[str]:
+    """Return which added masses of the strips do not agree with the coefficients."""
+    k3 = 0.5 * fluid.rho * hull.length**3
+    remarks = []
+    for name, mass, moment, sign in (
+        ("added_down_kg", "Z_wdot", "Z_qdot", 1.0),
+        ("added_side_kg", "Y_vdot", "Y_rdot", -1.0),
+    ):
+        given, expected = getattr(table, name), -k3 * coefficients[mass]
+        arm = sign * hull.length * coefficients[moment] / -coefficients[mass] if expected else 0.0
+        if abs(sum(given) - expected) > STRIP_ADDED * abs(expected):
+            remarks.append(
+                f"{name}: the sum is {sum(given):g} kg, -{mass} is {expected:g} kg, which a run "
+                "shares out"
+            )
+        if abs(_centre(table.x_m, given) - arm) > STRIP_ADDED * hull.length:
+            remarks.append(
+                f"{name}: the centre is at x = {_centre(table.x_m, given):.3g} m, by {moment} it "
+                f"is at {arm:.3g} m"
+            )
+    return remarks
 
 
 def stated_remarks(hull: Hull, fluid: Fluid) -> list[str]:

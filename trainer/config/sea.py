@@ -35,7 +35,9 @@ from trainer.config.schema import (
     within,
 )
 from trainer.core.kernel import Numbers
-from trainer.core.sea.wave_filter import PEAK
+from trainer.core.sea.filter_1969 import PEAK
+from trainer.core.sea.sea import COSINES, HEIGHT, OLD, OMEGA
+from trainer.core.sea.wave_filter import RAISED, STEEPEST_TURN
 from trainer.units import KNOT
 
 HEADING: Final[Mapping[str, Kind]] = {
@@ -49,6 +51,7 @@ SEA_STATE_HEIGHT: Final = (0.0, 0.05, 0.3, 0.875, 1.875, 3.25, 5.0, 7.5, 11.5)
 HEIGHT_FACTOR: Final = 4.0 * math.sqrt(8.1e-3 / (4.0 * 0.74))  # [-] Hs g/U^2 of Pierson-Moskowitz
 STEEPEST: Final = 0.1  # [-] Hs over the peak's wavelength; fully developed seas have 0.026
 MEASURES: Final = ("sea_state", "wind_kn", "height_m")
+GENERATORS: Final = ("filter", "cosines", "filter-1969")
 ON_OFF: Final = ("off", "on")
 
 
@@ -72,7 +75,7 @@ class Sea:
     gamma: float = of(Quantity("-", within(1, 10), "how much jonswap's peak is raised"))
     direction_deg: float = of(Quantity("deg", within(0, 360), "true, where the waves come from"))
     generator: str = of(
-        Choice(("filter", "cosines"), "filtered noise, or a sum of cosines from five directions")
+        Choice(GENERATORS, "filtered noise, a sum of cosines from five directions, or that of 1969")
     )
     suction: str = of(Choice(ON_OFF, "second-order upward force"))
     taper: str = of(Choice(ON_OFF, "no waves below five hull diameters"))
@@ -152,9 +155,9 @@ def _problems(sea: Sea) -> list[str]:
         )
     if not standard and sea.period_s is None:
         problems.append(f"lacks period_s, which spectrum = {quote(sea.spectrum)} needs")
-    if sea.spectrum == "jonswap" and sea.generator == "filter":
+    if sea.spectrum == "jonswap" and sea.generator == "filter-1969":
         problems.append(
-            'generator = "filter": makes no jonswap spectrum; set generator = "cosines"'
+            'generator = "filter-1969": makes no jonswap spectrum; set generator = "filter"'
         )
     if sea.period_s is not None and not problems:
         problems += _steep(significant_height(sea, 9.81), sea.period_s)
@@ -193,16 +196,36 @@ def sea_settings(file: SeaFile, g: float) -> Numbers:
     """Return the sea [SI] by SEA_QUANTITIES, and the taper: what ``order_sea`` takes."""
     sea = file.sea
     towards = math.radians((sea.direction_deg + 180.0) % 360.0)
+    gamma = sea.gamma if sea.spectrum == "jonswap" else 1.0
     return np.array(
         [
             significant_height(sea, g),
             peak_frequency(sea, g),
-            sea.gamma if sea.spectrum == "jonswap" else 1.0,
+            gamma,
             towards,
             float(sea.generator == "cosines"),
             float(sea.suction == "on"),
+            float(sea.generator == "filter-1969"),
+            float(gamma >= RAISED),
             float(sea.taper == "on"),
         ]
+    )
+
+
+def step_problem(wanted: Numbers, step: float) -> str:
+    """Return why a step [s] is too long for a sea by ``sea_settings``, '' if it is not.
+
+    Only the wave filter folds what lies above Nyquist into its bands.
+    """
+    turn = wanted[OMEGA] * step
+    if wanted[HEIGHT] == 0.0 or wanted[COSINES] + wanted[OLD] > 0.0 or turn <= STEEPEST_TURN:
+        return ""
+    longest = math.floor(1000.0 * STEEPEST_TURN / wanted[OMEGA]) / 1000.0
+    shorter = f"a step of {longest:g} s or " if longest > 0.0 else ""
+    return (
+        f"a sea above Nyquist for the step: its peak of {wanted[OMEGA]:.3g} rad/s turns "
+        f"{turn:.3g} rad in {step:g} s, at most {STEEPEST_TURN:g}; take {shorter}"
+        'generator = "cosines"'
     )
 
 

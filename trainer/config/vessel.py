@@ -35,6 +35,7 @@ from trainer.config.vessel_records import (
     Propulsion,
     Run,
     Surfaces,
+    WaveStrips,
 )
 from trainer.core.terms import COEFFICIENTS, EXTRA_TERMS
 
@@ -93,6 +94,7 @@ DOCUMENTARY_KEYS: Mapping[str, tuple[str, ...]] = {
     "autopilot": ("note",),
     "ballast": ("note",),
     "free_surface": ("note",),
+    "wave_strips": ("note",),
 }
 RECORDS: Mapping[str, type[Any]] = {
     "fluid": Fluid,
@@ -105,8 +107,9 @@ RECORDS: Mapping[str, type[Any]] = {
     "autopilot": Autopilot,
     "ballast": Ballast,
     "free_surface": FreeSurface,
+    "wave_strips": WaveStrips,
 }
-OPTIONAL_TABLES = ("autopilot", "ballast", "free_surface")
+OPTIONAL_TABLES = ("autopilot", "ballast", "free_surface", "wave_strips")
 WHOLE_TABLES = ("compensation.modified", "compensation.basic")  # never filled key by key
 KNOWN = (
     "schema",
@@ -139,6 +142,7 @@ class VesselFile:
     autopilot: Autopilot | None
     ballast: Ballast | None
     free_surface: FreeSurface | None
+    wave_strips: WaveStrips | None
     defaulted: tuple[str, ...]  # tables, or table.key, taken from the defaults file
     remarks: tuple[str, ...]  # unusual, not wrong
 
@@ -187,6 +191,7 @@ def read_vessel(given: Mapping[str, Any], text: str, path: Path) -> VesselFile:
     remarks = {
         "vessel": plausibility.stated_remarks(parts["vessel"], parts["fluid"]),
         "propulsion": plausibility.thrust_remarks(thrust.ahead),
+        "wave_strips": _strip_remarks(parts),
     }
     return VesselFile(
         path=path,
@@ -206,6 +211,7 @@ def read_vessel(given: Mapping[str, Any], text: str, path: Path) -> VesselFile:
         autopilot=parts.get("autopilot"),
         ballast=parts.get("ballast"),
         free_surface=parts.get("free_surface"),
+        wave_strips=parts.get("wave_strips"),
         defaulted=tuple(defaulted),
         remarks=tuple(_placed(remarks, place)),
     )
@@ -215,6 +221,13 @@ def _thrust(parts: Mapping[str, Any]) -> Thrust:
     """Return the thrust rows in use."""
     astern = parts["envelope"].drag_astern
     return thrust_of(parts["propulsion"].sets, DRAG_ASTERN if astern is None else astern)
+
+
+def _strip_remarks(parts: Mapping[str, Any]) -> list[str]:
+    """Return which added masses of the strips are not those of the coefficients."""
+    table = parts.get("wave_strips")
+    hull, fluid, given = parts["vessel"], parts["fluid"], parts["coefficients"]
+    return plausibility.wave_strip_remarks(table, given, hull, fluid) if table else []
 
 
 def with_deepest_order(hull: Hull) -> Hull:
@@ -305,6 +318,9 @@ def _fit_problems(parts: Mapping[str, Any], place: Place) -> list[str]:
         found["ballast"] = ballast_problems(parts["ballast"])
     if "free_surface" in parts:
         found["free_surface"] = plausibility.free_surface_problems(parts["free_surface"])
+    if "wave_strips" in parts:
+        strips = parts["wave_strips"]
+        found["wave_strips"] = plausibility.wave_strip_problems(strips, hull, fluid)
     return _placed(found, place)
 
 

@@ -9,10 +9,12 @@ from dataclasses import dataclass
 from trainer.config.schema import (
     Choice,
     Choices,
+    Limits,
     Named,
     Quantities,
     Quantity,
     Rows,
+    above,
     of,
     optional,
     tables_of,
@@ -32,6 +34,7 @@ BELLS = (
 )
 MOST_SPEEDS = 12  # entries of a gain table
 MOST_DEPTHS, MOST_ROWS = 8, 6  # of the tables of the calm surface
+STRIPS = 7  # of the hull in waves
 
 
 def _gain(unit: str, meaning: str) -> Quantities:
@@ -313,6 +316,27 @@ class FreeSurface:
     rows: tuple[SurfaceRow, ...] = of(Rows(SurfaceRow, ("note",), 2, MOST_ROWS, "rows, below"))
 
 
+def _by_strip(unit: str, limits: Limits, meaning: str) -> Quantities:
+    """Return seven numbers, one for each strip."""
+    return Quantities(Quantity(unit, limits, meaning), STRIPS, STRIPS)
+
+
+@dataclass(frozen=True, kw_only=True)
+class WaveStrips:
+    """What waves push on: seven parts of the hull along it."""
+
+    x_m: tuple[float, ...] = of(_by_strip("m", within(-400, 400), "place of each from the origin"))
+    displaced_kg: tuple[float, ...] = of(
+        _by_strip("kg", above(0, 1e9), "displaced mass; the sum must be buoyancy/g, about cb")
+    )
+    added_down_kg: tuple[float, ...] = of(
+        _by_strip("kg", within(0, 1e9), "added mass in heave; its shares of -Z_wdot are used")
+    )
+    added_side_kg: tuple[float, ...] = of(
+        _by_strip("kg", within(0, 1e9), "added mass in sway; its shares of -Y_vdot are used")
+    )
+
+
 def key_tables() -> str:
     """Return the Markdown tables of every key, as docs/vessel-files.md shows them."""
     records = {
@@ -327,5 +351,6 @@ def key_tables() -> str:
         "autopilot": Autopilot,
         "free_surface": FreeSurface,
         "[free_surface.rows]": SurfaceRow,
+        "wave_strips": WaveStrips,
     }
     return tables_of(records)

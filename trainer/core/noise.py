@@ -9,7 +9,7 @@ counter is (tick, stream); each is taken modulo 2^32, so ticks may be negative. 
 import math
 from typing import Final
 
-from trainer.core.elementary import cosine_of_size, logarithm_of_positive
+from trainer.core.elementary import cosine_and_sine, cosine_of_size, logarithm_of_positive
 from trainer.core.kernel import part
 
 WORD = 0xFFFFFFFF
@@ -22,6 +22,7 @@ SEA_FILTER: Final = 1
 SEA_PHASE: Final = 2
 SEA_FREQUENCY: Final = 3
 GAUGE_NOISE: Final = 4  # and the next two
+SEA_BANK: Final = 7  # of the standard spectrum, and the next of the peaked one
 
 
 @part
@@ -61,3 +62,12 @@ def gaussian(seed: int, stream: int, tick: int) -> float:
     x, y = _words(seed, stream, tick)
     radius = math.sqrt(-2.0 * logarithm_of_positive((x + 0.5) * 2.3283064365386963e-10))
     return radius * cosine_of_size(y * 1.4629180792671596e-09)
+
+
+@part
+def gaussian_pair(seed: int, stream: int, tick: int) -> tuple[float, float]:
+    """Return the deviate of ``gaussian`` [-] and the other of its pair, which is independent."""
+    x, y = _words(seed, stream, tick)
+    radius = math.sqrt(-2.0 * logarithm_of_positive((x + 0.5) * 2.3283064365386963e-10))
+    even, odd = cosine_and_sine(y * 1.4629180792671596e-09)
+    return radius * even, radius * odd

@@ -31,10 +31,14 @@ SEA_QUANTITIES: Final = [
     "sea_omega",  # [rad/s] frequency of the spectrum's peak
     "sea_gamma",  # [-] how much its peak is raised; 1: Pierson-Moskowitz and Bretschneider
     "sea_direction",  # [rad] where the waves travel to, clockwise from north
-    "sea_cosines",  # [-] share of the variance from the cosine sum, the rest from the filter
+    "sea_cosines",  # [-] share of the variance from the cosine sum, the rest from filters
     "sea_suction",  # [-] factor on the second-order upward force
+    "sea_1969",  # [-] share of the filters' variance from that of 1969
+    "sea_peaked",  # [-] share of the other's variance from the bank of the peaked spectrum
 ]
 SEA_COMPONENTS: Final = 50
+STRIPS: Final = 7  # of the hull, that waves push on
+STRIP_ROWS: Final = 96  # wave numbers at which their sums are tabulated, beside 0
 CASUALTIES: Final = 8  # at a time
 VALVES: Final = ("forward", "mid", "aft", "negative")  # blow valves and vents have these
 
@@ -103,9 +107,9 @@ STATE: Final = record_dtype(
     "sea_ramp",  # [s]
     "sea_taper",  # [-] 1: no waves below five hull diameters
     "seed",  # [-] of every random number, a whole number below 2^53
-    ("sea_memory", (8,)),  # [-] of the four sections of the wave filter
+    ("sea_memory", (8,)),  # [-] of the four sections of the wave filter of 1969
     "sea_drift",  # [rad] phase of the peak wave that the boat has run through
-    "sea_elevation",  # [-] filtered elevation above the boat, of variance 1
+    "sea_elevation",  # [-] its elevation above the boat, of variance 1
     "sea_quadrature",  # [-] the same a quarter of a period ago
     "sea_turned",  # [rad] what the phases of the cosine sum follow from, see wave_sum
     "sea_along",
@@ -161,6 +165,15 @@ STATE: Final = record_dtype(
     "last_step",  # [s] its length
     "polar",  # [-] 1: it was flown near the vertical
     "validity",  # [-] of the equations: 0 inside their range, 1 extrapolated, 2 outside
+    # the wave filter: see there
+    ("sea_modes", (2, 8)),  # [-] by bank, real parts first
+    ("sea_spare", (2,)),  # [-] by bank: the second of a pair of deviates, for the next step
+    ("sea_past", (4, 4)),  # [-] outputs of its last four internal steps, the oldest first
+    "sea_clock",  # [-] share of an internal step that has passed since the last but two
+    "sea_steps",  # [-] internal steps done
+    # [-] above the boat: elevation and what lags it by a quarter of a period, the same of the force
+    ("sea_waves", ["wave_cos", "wave_sin", "push_cos", "push_sin"]),
+    "push_number",  # [1/m] wave number of the force
     # what the keepers know: see autopilot
     "speed_followed",  # [m/s] speed and ...
     "turn_followed",  # [rad/s] ... yaw rate less what waves make of them
@@ -208,10 +221,9 @@ def new_state() -> Record:
 DEGREE: Final = 9  # of the filter's denominator with the pole of the bilinear transform
 
 SEA_FIELDS: Final[tuple[Field, ...]] = (
-    # wave filter, and the frequency and step it is for
+    # wave filter of 1969, and the frequency and step it is for
     "omega",  # [rad/s]
     "h",  # [s]
-    "peak_number",  # [1/m] wave number of the peak
     ("low", ["low_a1", "low_a2"]),  # [-] section y = w ..., w = x - a1 w' - a2 w''
     ("high", ["high_a1", "high_a2"]),
     "elevation_gain",  # [-] from the low-pass section to an output of variance 1
@@ -225,12 +237,18 @@ SEA_FIELDS: Final[tuple[Field, ...]] = (
     # work space of the wave forces
     "g",  # [m/s2]
     "depth",  # [m]
-    "half_length",  # [m]
+    "ell",  # [m]
+    "along",  # [-] cosine and sine of a wave's way off the boat's heading
+    "across",
+    "kappa",  # [-] its number along the boat times her length
     ("station", (5,)),  # [m] along the boat, where the water's level is wanted
     "levels",  # [-] 1: it is wanted
     ("level", (5,)),  # [m]
     ("rise", (5,)),  # [m/s]
-    ("pull", (7,)),  # [m/s2] of surge, sway, heave, pitch, yaw, and the envelope's two parts
+    ("pull", (12,)),  # sums over the waves: see forces
+    # sums over the hull's strips by wave number, and the strips they are for: see forces
+    ("strip_sums", (STRIP_ROWS + 1, 3, 4)),  # [-]
+    ("strips_of", (4, STRIPS)),
     # work space of the variance of a filter's output
     ("a", (DEGREE + 1,)),
     ("b", (DEGREE + 1,)),

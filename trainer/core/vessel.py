@@ -8,10 +8,12 @@ from collections.abc import Mapping
 from typing import Final
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from trainer.core.ballast.tanks import BALLAST_FIELDS
 from trainer.core.envelope import ENVELOPE_FIELDS
 from trainer.core.kernel import Numbers, Record, record_dtype
+from trainer.core.state import STRIPS
 from trainer.core.terms import EXTRA_TERMS, KEPT, POWERS, THRUST
 
 INVERTED: Final = {"K_pdot": "T4", "M_qdot": "T5", "N_rdot": "T6"}  # as [ASSES] (18) has them
@@ -71,7 +73,15 @@ VESSEL: Final = record_dtype(
     ("surface_M", (SURFACE_SPEEDS, SURFACE_DEPTHS)),  # [N s2/m]
     *BALLAST_FIELDS,
     *ENVELOPE_FIELDS,
+    # [-] that waves push on: x over the length, and shares of the mass displaced, of the added mass
+    # down and sideways
+    ("strips", (4, STRIPS)),
 )
+
+# Of a hull whose file gives none: ellipsoid nose, parallel middle, cusped tail, prismatic
+# coefficient 0.81 (that of Joubert's BB2); the added masses lie as the displaced one.
+STRIP_PLACES: Final = (0.37033, 0.24671, 0.10427, -0.03947, -0.18323, -0.31885, -0.43564)
+STRIP_SHARES: Final = (0.10849, 0.17622, 0.17638, 0.17948, 0.17638, 0.14648, 0.03657)
 
 
 Prime = Mapping[str, float | Numbers]  # [-] a number, or one for each member of a fleet
@@ -87,16 +97,24 @@ def _scale(body: Mapping[str, float], power: int) -> float:
     return float(0.5 * body["rho"] * body["ell"] ** power)
 
 
+def strips(places: ArrayLike, *masses: ArrayLike) -> Numbers:
+    """Return places over the length [-] and three masses, each as shares of its sum [-]."""
+    shares = [np.array(mass) / np.sum(mass) for mass in masses]
+    return np.array([places, *shares])
+
+
 def vessel_record(body: Mapping[str, float], prime: Prime, eta: tuple[float, float]) -> Record:
     """Return the full-set constants; ``prime`` holds POWERS and THRUST, dimensionless.
 
     Arrays make a record for each of their numbers. Control surfaces, propulsion dynamics and
-    autopilot gains are left at zero.
+    autopilot gains are left at zero, the strips are those of a hull that gives none.
     """
     vessel = np.zeros(_members(prime), VESSEL)
     for name in BODY:
         vessel[name] = body[name]
     vessel["eta_1"], vessel["eta_2"] = eta
+    centre = body["x_b"] / body["ell"]
+    vessel["strips"] = strips([x + centre for x in STRIP_PLACES], *[STRIP_SHARES] * 3)
     for name, power in POWERS.items():
         vessel[name] = _scale(body, power) * prime.get(name, 0.0)
     for name in THRUST:

@@ -80,6 +80,11 @@ def _leaves(guide: Mapping[str, Any]) -> Iterator[tuple[str, float | str | None]
         results = trial["trial"]["results"]
         for result, value in zip(results, trial["ours"], strict=True):
             yield f"{trial['trial']['title']}: {result['quantity']} [{result['unit']}]", value
+    for one in guide.get("waves", ()):
+        for row in one["rows"]:
+            name = f"{one['waves']['title']}, {row['depth_m']:g} m"
+            yield f"{name}: heave [-]", row["ours"][0]
+            yield f"{name}: pitch [deg]", row["ours"][1]
 
 
 def compare_guides(earlier: Mapping[str, Any], now: Mapping[str, Any]) -> tuple[Moved, ...]:

@@ -9,7 +9,7 @@ from trainer.analysis.guide.baseline import Moved
 from trainer.analysis.guide.contents import REDUCED, Guide, GuideContents, Sheet, tally
 from trainer.analysis.guide.programme import SETS, Leg
 from trainer.analysis.guide.summary import format_entry, word
-from trainer.analysis.guide.trials import Compared
+from trainer.analysis.guide.trials import Compared, WavesCompared
 from trainer.analysis.guide.verdicts import BEYOND, WITHIN, Judgement
 from trainer.analysis.report.html import Cell, charts, paragraph, section, table, verdict
 from trainer.analysis.report.panels import draw, figure, legend, page_unit, panels
@@ -164,9 +164,8 @@ def trials(guide: Guide) -> Markup:
         "The full set by Runge and Kutta at a fifth of the boat's step. Differences are ours less "
         "theirs; nothing here is judged."
     )
-    return section(
-        "published", "Published results", paragraph(words), *(_trial(one) for one in guide.trials)
-    )
+    found = [*(_trial(one) for one in guide.trials), *(_waves(one) for one in guide.waves)]
+    return section("published", "Published results", paragraph(words), *found)
 
 
 def _trial(one: Compared) -> Markup:
@@ -188,6 +187,26 @@ def _trial(one: Compared) -> Markup:
     source = ". ".join(filter(None, (trial.source, trial.note, one.problem)))
     heading = Markup("<h3>{}</h3>\n").format(trial.title)
     return heading + paragraph(source + ".", "soft") + table(heads, rows)
+
+
+def _waves(one: WavesCompared) -> Markup:
+    """Return motion in published waves."""
+    names = ("published", "ours", "difference", "%")
+    heads = ("depth [m]", "quantity", *names, "without flow", "difference", "%")
+    rows = []
+    for row in one.rows:
+        for i, quantity in enumerate(("heave over amplitude [-]", "pitch [deg]")):
+            theirs, ours, plain = row.published[i], row.ours[i], row.without_flow[i]
+            cells = [f"{row.depth_m:.4g}", quantity, f"{theirs:.3g}", f"{ours:.3f}"]
+            cells += [*_beside(ours, theirs)[1:], f"{plain:.3f}", *_beside(plain, theirs)[1:]]
+            rows.append(cells)
+    words = (
+        "Linear, planes fixed, the boat's deep water; the waves push on seven strips of the hull, "
+        "and its lift feels the water's own vertical speed. Without flow it does not."
+    )
+    source = ". ".join(filter(None, (one.waves.source, words, one.problem)))
+    heading = Markup("<h3>{}</h3>\n").format(one.waves.title)
+    return heading + paragraph(source, "soft") + table(heads, rows)
 
 
 def _beside(ours: float | None, value: float | None) -> list[str]:

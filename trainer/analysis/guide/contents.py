@@ -13,7 +13,14 @@ from trainer.analysis import characteristic, neutral, thrust
 from trainer.analysis.check import round_speeds
 from trainer.analysis.guide import dropped_terms, findings, steps
 from trainer.analysis.guide.programme import SETS, Flown, Leg, Task, fly_all, legs
-from trainer.analysis.guide.trials import Compared, compare_trials, load_trials, trials_path
+from trainer.analysis.guide.trials import (
+    Compared,
+    WavesCompared,
+    compare_trials,
+    compare_waves,
+    load_published,
+    trials_path,
+)
 from trainer.analysis.guide.verdicts import BEYOND, SHOWN, WITHIN, Judgement, judge
 from trainer.analysis.manoeuvres.catalogue import parameters
 from trainer.config.vessel import VesselFile
@@ -61,6 +68,7 @@ class Guide:
     steps: tuple[steps.StepRun, ...]
     drops: tuple[dropped_terms.Drop, ...]
     trials: tuple[Compared, ...]
+    waves: tuple[WavesCompared, ...]
     neutral: neutral.Neutral
     modes: characteristic.Report
     thrust: thrust.Report
@@ -91,7 +99,7 @@ def _tasks(file: VesselFile) -> Iterator[Task]:
     yield from findings.tasks(file)
     yield from dropped_terms.tasks(file)
     path = trials_path(file)
-    for trial in load_trials(path) if path else ():
+    for trial in load_published(path)[0] if path else ():
         yield trial.task(file)
 
 
@@ -107,7 +115,7 @@ def assemble(file: VesselFile, made: str, flown: Flown) -> GuideContents:
     sheets = tuple(_sheet(file, leg, flown) for leg in flights)
     stepped = steps.study(file, flown)
     path = trials_path(file)
-    trials = load_trials(path) if path else ()
+    trials, waves = load_published(path) if path else ((), ())
     speeds = round_speeds(*file.run.speed_range_kn)
     guide = Guide(
         vessel=file.name,
@@ -120,6 +128,7 @@ def assemble(file: VesselFile, made: str, flown: Flown) -> GuideContents:
         steps=stepped,
         drops=dropped_terms.study(file, flown),
         trials=tuple(compare_trials(file, trials, flown)),
+        waves=tuple(compare_waves(file, waves)),
         neutral=neutral.neutral(file, speeds),
         modes=characteristic.characteristic(file, speeds, characteristic.Means()),
         thrust=thrust.survey(file, (0.0, *speeds), thrust.command_speeds(file)),

@@ -1,11 +1,13 @@
 """Published results of a boat, from a file beside hers, with ours beside them.
 
+Manoeuvres are flown; motion in regular waves is that of the linear equations.
+
 The file of ``boat.toml`` is ``boat.trials.toml``; those of shipped boats are among ``trials``.
 """
 
 import math
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, fields, replace
 from pathlib import Path
 from typing import Any, Final
@@ -14,6 +16,8 @@ from trainer.analysis.guide.programme import Flown, Task
 from trainer.analysis.manoeuvres.catalogue import MANOEUVRES, find_manoeuvre
 from trainer.analysis.manoeuvres.flight import Flight, Manoeuvre
 from trainer.boat.assemble import Method
+from trainer.boat.boat import Boat
+from trainer.boat.linear import head_waves, in_head_waves
 from trainer.config.files import (
     ConfigError,
     Place,
@@ -26,7 +30,7 @@ from trainer.config.files import (
     shipped,
     shipped_names,
 )
-from trainer.config.schema import Quantity, Text, within
+from trainer.config.schema import Quantities, Quantity, Text, of, read_record, within
 from trainer.config.vessel import VesselFile
 
 KEYS: Final = ("title", "source", "note", "manoeuvre", "speed_m_s", "columns", "results")
@@ -71,6 +75,44 @@ class Trial:
         )
 
 
+def _by_depth(unit: str, meaning: str) -> Quantities:
+    """Return numbers of waves, one for each depth."""
+    return Quantities(Quantity(unit, within(0, 12000), meaning), 1, 20)
+
+
+@dataclass(frozen=True, kw_only=True)
+class HeadWaves:
+    """Motion in regular waves from ahead as published, planes fixed."""
+
+    title: str = of(WORDS)
+    source: str = of(WORDS)
+    speed_m_s: float = of(Quantity("m/s", within(0.1, 50), "of the boat"))
+    period_s: float = of(Quantity("s", within(1, 60), "of the waves"))
+    height_m: float = of(Quantity("m", within(0.01, 25), "of the waves"))
+    depth_m: tuple[float, ...] = of(_by_depth("m", "depths of the origin"))
+    heave: tuple[float, ...] = of(_by_depth("-", "amplitude over the waves'"))
+    pitch_deg: tuple[float, ...] = of(_by_depth("deg", "amplitude"))
+
+
+@dataclass(frozen=True)
+class InWaves:
+    """One depth of published waves, and our heave [-] and pitch [deg]."""
+
+    depth_m: float
+    published: tuple[float, float]
+    ours: tuple[float, float]
+    without_flow: tuple[float, float]  # the hull's lift does not feel the water's own motion
+
+
+@dataclass(frozen=True)
+class WavesCompared:
+    """Published waves and our motion in them."""
+
+    waves: HeadWaves
+    problem: str  # why there is none
+    rows: tuple[InWaves, ...]
+
+
 @dataclass(frozen=True)
 class Compared:
     """One trial and our numbers, in the units of its source."""
@@ -90,21 +132,37 @@ def trials_path(file: VesselFile) -> Path | None:
     return shipped("trials", name) if is_shipped and name in shipped_names("trials") else None
 
 
-def load_trials(path: Path) -> tuple[Trial, ...]:
-    """Return the trials of a file; ConfigError with all that is wrong in it."""
+def load_published(path: Path) -> tuple[tuple[Trial, ...], tuple[HeadWaves, ...]]:
+    """Return the trials and the waves of a file; ConfigError with all that is wrong in it."""
     tables = parse_toml(read_text(path), path.name)
-    rows = tables.get("trials")
-    if list(tables) != ["trials"] or not isinstance(rows, list):
-        raise ConfigError(f"{path.name}: must hold tables [[trials]] and nothing else")
+    lists = [tables.get(name, []) for name in ("trials", "waves")]
+    known = {"trials"} <= set(tables) <= {"trials", "waves"}
+    if not known or not all(isinstance(rows, list) for rows in lists):
+        text = "must hold tables [[trials]], may hold [[waves]], and nothing else"
+        raise ConfigError(f"{path.name}: {text}")
     problems: list[str] = []
-    found = []
-    for i, row in enumerate(rows, start=1):
-        place = Place(path.name, f"trials {i}")
-        with collecting(problems):
-            found.append(_trial(as_table(row, place), place))
+
+    def read_all(name: str, read: Callable[[Mapping[str, Any], Place], Any]) -> Iterator[Any]:
+        for i, row in enumerate(tables.get(name, []), start=1):
+            place = Place(path.name, f"{name} {i}")
+            with collecting(problems):
+                yield read(as_table(row, place), place)
+
+    found = tuple(read_all("trials", _trial)), tuple(read_all("waves", _waves))
     if problems:
         raise ConfigError(*problems)
-    return tuple(found)
+    return found
+
+
+def _waves(row: Mapping[str, Any], place: Place) -> HeadWaves:
+    """Return regular waves; ConfigError if they are wrong."""
+    waves = read_record(HeadWaves, row, place, ())
+    for name in ("heave", "pitch_deg"):
+        values = getattr(waves, name)
+        if len(values) != len(waves.depth_m):
+            wanted = f"must have {len(waves.depth_m)} numbers as depth_m has"
+            raise ConfigError(place.wrong(name, list(values), wanted))
+    return waves
 
 
 def _trial(row: Mapping[str, Any], place: Place) -> Trial:
@@ -192,3 +250,30 @@ def _ours(wanted: Published, ours: Mapping[str, float | None], flight: Flight) -
             f"{', '.join(ours)}, and any column as 'u after 40 s'"
         )
     return None if value is None else value / UNITS[wanted.unit]
+
+
+def compare_waves(file: VesselFile, waves: Sequence[HeadWaves]) -> Iterator[WavesCompared]:
+    """Yield published waves with our motion in them, by the full set."""
+    for one in waves:
+        boat = Boat(file, Method("full", "exact", "exact", "rk4", file.run.step_s))
+        if not boat.trimmed(one.speed_m_s):
+            yield WavesCompared(one, f"no straight level flight at {one.speed_m_s:g} m/s", ())
+            continue
+        known = zip(one.depth_m, one.heave, one.pitch_deg, strict=True)
+        rows = tuple(
+            InWaves(
+                depth,
+                (heave, pitch),
+                _motion(boat, one, depth, one.speed_m_s),
+                _motion(boat, one, depth, 0.0),
+            )
+            for depth, heave, pitch in known
+        )
+        yield WavesCompared(one, "", rows)
+
+
+def _motion(boat: Boat, waves: HeadWaves, depth: float, speed: float) -> tuple[float, float]:
+    """Return our heave [-] and pitch [deg]; the lift feels the water at ``speed`` [m/s]."""
+    omega = 2.0 * math.pi / waves.period_s
+    heave, pitch = in_head_waves(boat, head_waves(boat, omega, depth, speed), omega)
+    return heave, math.degrees(0.5 * waves.height_m * pitch)

@@ -1,14 +1,24 @@
-"""Forces of the waves on the submerged boat: Froude-Krylov and added mass, and the suction.
+"""Forces of the waves on the submerged boat: Froude-Krylov and added mass, flow, and the suction.
 
-Each component is long against the hull's beam and pushes with the water's own acceleration at the
-depth of the axis, averaged over the length; hull and waves are seen from above, so that pitch and
-heel do not enter. The first-order forms are an extension of this project's: [ASSES] computed but
-did not print its forces. Of one component of amplitude a and wave number k at depth d, heading off
-by chi, phase A above the boat, kappa = (k l/2) cos chi and E = g k exp(-k d):
+The water's own acceleration at the depth of the axis pushes on the hull in STRIPS along it, each
+with its displaced mass and its added masses down and sideways; hull and waves are seen from above,
+so that pitch and heel do not enter. The first-order forms are an extension of this project's:
+[ASSES] computed but did not print its forces. Of one component of amplitude a and wave number k at
+depth d, heading off by chi, phase A above the boat's origin, with E = g k exp(-k d), at the strip
+x_i ahead of it, c_i = cos(k x_i cos chi) and s_i = sin(k x_i cos chi):
 
-    X = -(B/g - X_udot) E a sin A cos chi S0        Y = -(B/g - Y_vdot) E a sin A sin chi S0
-    Z =  (B/g - Z_wdot) E a cos A S0                M = -(B/g - Z_wdot) E a sin A (l/2) S1
-    N =  (B/g - Y_vdot) E a cos A sin chi (l/2) S1
+    C_i = E a (cos A c_i + sin A s_i)               S_i = E a (sin A c_i - cos A s_i)
+    X = -cos chi sum (m_i + x_i) S_i                Z = sum (m_i + a_i) C_i
+    Y = -sin chi sum (m_i + b_i) S_i                M = -sum (m_i + a_i) x_i C_i
+    N = -sin chi sum (m_i + b_i) x_i S_i
+
+m_i are shares of B/g and those of -X_udot lie as they do; a_i are of -Z_wdot, b_i of -Y_vdot. Their
+sums are tabulated over k cos chi. Seven strips stand for the hull in waves down to a quarter of its
+length; beyond, what is left of the sums, some 3 %, fades to nothing at a fifth.
+
+The hull's lift ahead feels the water's own vertical speed, w_o = E a sin A/omega downwards:
+
+    Z = -Z_w u w_o       M = -M_w u w_o
 
 Suction, when the sea asks for it: water that swings faster above than below draws a body up with
 the mean gradient of half its speed squared, k E^2 a^2/(g k) per unit mass, so with
@@ -18,6 +28,9 @@ second-order forces on a cylinder submerged under a free surface", J. Fluid Mech
 Of many waves the squared envelope of E a takes the place of (E a)^2: the mean is that of each
 by itself, and it varies slowly with the groups. The boat is taken as held still; one that follows
 the waves is drawn up less. It gives no moment.
+
+The waves of the filter come as a pair of their own for the force, which has the energy that is
+left at the depth, with the length of the waves that are left there: an estimate.
 """
 
 import math
@@ -28,23 +41,26 @@ import numpy as np
 from trainer.core.elementary import cosine_and_sine, exponential, logarithm
 from trainer.core.kernel import Numbers, Record, kernel, part
 from trainer.core.sea.cosine_sum import ANGLE_COS, ANGLE_SIN, BANDS, phase
-from trainer.core.state import SEA_COMPONENTS
+from trainer.core.state import SEA_COMPONENTS, STRIP_ROWS, STRIPS
 from trainer.core.surfaced import share_above
 
 TAPER: Final = (4.0, 5.0)  # [-] hull diameters from which to which waves fade out ([ASSES])
-
-
-@part
-def spread(kappa: float) -> tuple[float, float]:
-    """Return S0 = sin kappa/kappa and S1 = (sin kappa - kappa cos kappa)/kappa^2 [-]."""
-    z = kappa * kappa
-    if z < 0.25:
-        p = 1.0 - z / 42.0 * (1.0 - z / 72.0 * (1.0 - z / 110.0 * (1.0 - z / 156.0)))
-        s0 = 1.0 - z / 6.0 * (1.0 - z / 20.0 * p)
-        p = 1.0 - z / 54.0 * (1.0 - z / 88.0 * (1.0 - z / 130.0))
-        return s0, kappa / 3.0 * (1.0 - z / 10.0 * (1.0 - z / 28.0 * p))
-    cos_kappa, sin_kappa = cosine_and_sine(kappa)
-    return sin_kappa / kappa, (sin_kappa - kappa * cos_kappa) / z
+ROWS_PER_TURN: Final = 3.0  # rows of the strips' table for each radian of k L cos chi
+LAST_TRUE: Final = 72  # row of the table, 24 rad, from which on it fades to zero
+NUMBERS: Final = 4  # of each sum over strips: cos, sin, x cos, x sin
+SURGE, SWAY, SWAY_ADDED, HEAVE, HEAVE_ADDED, PITCH, PITCH_ADDED = range(7)  # sums over the waves
+YAW, YAW_ADDED, RISE, SWING, FLOW = range(7, 12)
+# ln of the integral of S(x) x^n exp(-2 kappa x^2) over the Pierson-Moskowitz spectrum, n 4 and 6,
+# by 1, ln kappa, sqrt kappa, kappa and kappa^2; fitted by this project, within 0.3 % from
+# kappa 0.3 to 8
+FADING: Final = np.array(
+    [
+        [2.04138, -0.0429752, -3.922061, -0.477556, 0.003725196],
+        [1.853509, -0.622394, -3.445212, -0.556254, 0.005174789],
+    ]
+)
+SHALLOWEST: Final = 0.3  # [-] kappa
+DEEPEST: Final = 16.0
 
 
 @part
@@ -58,8 +74,113 @@ def taper(vessel: Record, state: Record) -> float:
     return 1.0 - t * t * (3.0 - 2.0 * t)
 
 
+@part
+def fading(row: int, kappa: float) -> float:
+    """Return ln of one of FADING's integrals [-]; kappa is the peak's number times the depth."""
+    root = math.sqrt(kappa)
+    value = FADING[row, 0] + FADING[row, 1] * logarithm(kappa) + FADING[row, 2] * root
+    return value + kappa * (FADING[row, 3] + FADING[row, 4] * kappa)
+
+
 @kernel
-def raise_levels(scratch: Record, k: float, chi_cos: float, a_cos: float, a_sin: float) -> None:
+def suction(g: float, omega: float, height: float, depth: float) -> tuple[float, float]:
+    """Return the mean suction [N/kg] at a depth [m], and how much less it is deeper [N/kg/m].
+
+    Of a Pierson-Moskowitz sea of significant ``height`` [m] with its peak at ``omega`` [rad/s],
+    for each kg of displaced mass and added mass in heave: g k^2 Hs^2/8 I2 and g k^3 Hs^2/4 I3.
+    Nearer to the surface than kappa 0.3 it is as there.
+    """
+    number = omega * omega / g
+    kappa = min(max(number * depth, SHALLOWEST), DEEPEST)
+    force = 0.125 * g * number * number * height * height
+    lift = force * exponential(fading(0, kappa))
+    return lift, 2.0 * number * force * exponential(fading(1, kappa))
+
+
+@part
+def kept(row: int) -> float:
+    """Return what the strips' table keeps [-] of a row."""
+    t = max(row - LAST_TRUE, 0.0) / (STRIP_ROWS - LAST_TRUE)
+    return 1.0 - t * t * (3.0 - 2.0 * t)
+
+
+@part
+def are_summed(vessel: Record, scratch: Record) -> bool:
+    """Return whether the table is that of the boat's strips."""
+    c, work = vessel[0], scratch[0]
+    same = 0
+    for i in range(4):
+        for strip in range(STRIPS):
+            same += 1 if work.strips_of[i, strip] == c.strips[i, strip] else 0
+    return same == 4 * STRIPS
+
+
+@part
+def add_strip(row: int, strip: int, scratch: Record) -> None:
+    """Add a strip to the sums of a row of the table."""
+    work = scratch[0]
+    x = work.strips_of[0, strip]
+    turn_cos, turn_sin = cosine_and_sine(row / ROWS_PER_TURN * x)
+    for kind in range(3):
+        share = kept(row) * work.strips_of[1 + kind, strip]
+        work.strip_sums[row, kind, 0] += share * turn_cos
+        work.strip_sums[row, kind, 1] += share * turn_sin
+        work.strip_sums[row, kind, 2] += share * x * turn_cos
+        work.strip_sums[row, kind, 3] += share * x * turn_sin
+
+
+@kernel
+def prepare_strips(vessel: Record, scratch: Record) -> None:
+    """Write the sums over the boat's strips by wave number."""
+    c, work = vessel[0], scratch[0]
+    for i in range(4):
+        for strip in range(STRIPS):
+            work.strips_of[i, strip] = c.strips[i, strip]
+    for row in range(STRIP_ROWS + 1):
+        for kind in range(3):
+            for j in range(NUMBERS):
+                work.strip_sums[row, kind, j] = 0.0
+        for strip in range(STRIPS):
+            add_strip(row, strip, scratch)
+
+
+@part
+def strip_row(kappa: float) -> tuple[int, float]:
+    """Return the row of the strips' table before ``kappa`` [rad], and where beyond it, 0 to 1."""
+    x = ROWS_PER_TURN * abs(kappa)
+    if not x < STRIP_ROWS:
+        return STRIP_ROWS - 1, 1.0
+    row = math.floor(x)
+    return row, x - row
+
+
+@part
+def strip_sum(scratch: Record, row: int, inside: float, kind: int, j: int) -> float:
+    """Return a sum over the strips [-], between two rows of the table."""
+    work = scratch[0]
+    before = work.strip_sums[row, kind, j]
+    return before + inside * (work.strip_sums[row + 1, kind, j] - before)
+
+
+@part
+def at_strips(
+    scratch: Record, kind: int, first: int, even: float, odd: float
+) -> tuple[float, float]:
+    """Return the sums over strips of C_i and S_i [m/s2], of C and S at the origin.
+
+    ``first`` is 0 for the sums of the shares, 2 for those of the shares times x in lengths.
+    """
+    work = scratch[0]
+    row, inside = strip_row(work.kappa)
+    c = strip_sum(scratch, row, inside, kind, first)
+    s = strip_sum(scratch, row, inside, kind, first + 1)
+    if work.kappa < 0.0:
+        s = -s
+    return even * c + odd * s, odd * c - even * s
+
+
+@kernel
+def raise_levels(scratch: Record, k: float, a_cos: float, a_sin: float) -> None:
     """Add one wave to the water's level [m] at the stations, and to its rate there [m/s].
 
     Its phase at x ahead of the origin is k x cos chi less than at the origin.
@@ -67,39 +188,74 @@ def raise_levels(scratch: Record, k: float, chi_cos: float, a_cos: float, a_sin:
     work = scratch[0]
     omega = math.sqrt(work.g * k)
     for i in range(work.station.size):
-        turn_cos, turn_sin = cosine_and_sine(k * work.station[i] * chi_cos)
+        turn_cos, turn_sin = cosine_and_sine(k * work.station[i] * work.along)
         work.level[i] += a_cos * turn_cos + a_sin * turn_sin
         work.rise[i] -= omega * (a_sin * turn_cos - a_cos * turn_sin)
 
 
 @part
-def add_component(
-    scratch: Record, k: float, chi_cos: float, chi_sin: float, a_cos: float, a_sin: float
-) -> None:
-    """Add to the sums one wave by its number [1/m], heading off, a cos A and a sin A [m]."""
+def add_component(scratch: Record, omega: float, rise: float, swing: float) -> None:
+    """Add to the sums one wave by its frequency [rad/s], E a cos A and E a sin A [m/s2]."""
     work = scratch[0]
-    size = work.g * k * exponential(-k * work.depth)
-    s0, s1 = spread(k * work.half_length * chi_cos)
-    swing, heave = size * a_sin, size * a_cos
-    work.pull[0] -= swing * chi_cos * s0
-    work.pull[1] -= swing * chi_sin * s0
-    work.pull[2] += heave * s0
-    work.pull[3] -= swing * s1
-    work.pull[4] += heave * chi_sin * s1
-    work.pull[5] += heave
-    work.pull[6] += swing
-    if work.levels != 0.0:
-        raise_levels(scratch, k, chi_cos, a_cos, a_sin)
+    work.kappa = omega * omega / work.g * work.ell * work.along
+    heave, surge = at_strips(scratch, 0, 0, rise, swing)
+    pitch, yaw = at_strips(scratch, 0, 2, rise, swing)
+    heave_added, _ = at_strips(scratch, 1, 0, rise, swing)
+    pitch_added, _ = at_strips(scratch, 1, 2, rise, swing)
+    _, sway_added = at_strips(scratch, 2, 0, rise, swing)
+    _, yaw_added = at_strips(scratch, 2, 2, rise, swing)
+    work.pull[SURGE] -= work.along * surge
+    work.pull[SWAY] -= work.across * surge
+    work.pull[SWAY_ADDED] -= work.across * sway_added
+    work.pull[HEAVE] += heave
+    work.pull[HEAVE_ADDED] += heave_added
+    work.pull[PITCH] -= pitch
+    work.pull[PITCH_ADDED] -= pitch_added
+    work.pull[YAW] -= work.across * yaw
+    work.pull[YAW_ADDED] -= work.across * yaw_added
+    work.pull[RISE] += rise
+    work.pull[SWING] += swing
+    work.pull[FLOW] += swing / omega
 
 
 @part
-def add_filter(scratch: Record, state: Record) -> None:
-    """Add the filtered waves to the sums, all as one wave of the peak's number."""
+def add_wave_filter(scratch: Record, a: float, state: Record) -> None:
+    """Add the wave filter's force with the length of what is left at the depth.
+
+    ``a`` [m] is its standard deviation; the water's level has the peak's length.
+    """
     s = state[0]
+    work = scratch[0]
+    number = s.sea_omega * s.sea_omega / work.g
+    size = a * work.g * number * exponential(-number * work.depth)
+    add_component(scratch, math.sqrt(work.g * s.push_number), size * s.push_cos, size * s.push_sin)
+    if work.levels != 0.0:
+        raise_levels(scratch, number, a * s.wave_cos, a * s.wave_sin)
+
+
+@part
+def add_filter_1969(scratch: Record, a: float, state: Record) -> None:
+    """Add the waves of the filter of 1969, all as one wave of the peak's number."""
+    s = state[0]
+    work = scratch[0]
+    number = s.sea_omega * s.sea_omega / work.g
+    size = a * work.g * number * exponential(-number * work.depth)
+    add_component(scratch, s.sea_omega, size * s.sea_elevation, size * s.sea_quadrature)
+    if work.levels != 0.0:
+        raise_levels(scratch, number, a * s.sea_elevation, a * s.sea_quadrature)
+
+
+@part
+def add_filters(scratch: Record, state: Record) -> None:
+    """Add the waves of the filters in use to the sums."""
+    s = state[0]
+    work = scratch[0]
+    work.along, work.across = cosine_and_sine(s.sea_direction - s.psi)
     a = 0.25 * s.sea_height * math.sqrt(1.0 - s.sea_cosines)
-    chi_cos, chi_sin = cosine_and_sine(s.sea_direction - s.psi)
-    k = s.sea_omega * s.sea_omega / scratch[0].g
-    add_component(scratch, k, chi_cos, chi_sin, a * s.sea_elevation, a * s.sea_quadrature)
+    if s.sea_1969 < 1.0:
+        add_wave_filter(scratch, a * math.sqrt(1.0 - s.sea_1969), state)
+    if s.sea_1969 > 0.0:
+        add_filter_1969(scratch, a * math.sqrt(s.sea_1969), state)
 
 
 @kernel
@@ -111,17 +267,34 @@ def add_sum(scratch: Record, state: Record) -> None:
     chi_cos, chi_sin = cosine_and_sine(s.sea_direction - s.psi)
     for i in range(SEA_COMPONENTS):
         angle_cos, angle_sin = ANGLE_COS[i // BANDS], ANGLE_SIN[i // BANDS]
-        a = height * work.amplitude[i]
+        work.along = chi_cos * angle_cos - chi_sin * angle_sin
+        work.across = chi_sin * angle_cos + chi_cos * angle_sin
         omega = s.sea_omega * work.relative[i]
+        number = omega * omega / work.g
+        a = height * work.amplitude[i]
+        size = a * work.g * number * exponential(-number * work.depth)
         phase_cos, phase_sin = cosine_and_sine(phase(scratch, state, i))
-        add_component(
-            scratch,
-            omega * omega / work.g,
-            chi_cos * angle_cos - chi_sin * angle_sin,
-            chi_sin * angle_cos + chi_cos * angle_sin,
-            a * phase_cos,
-            a * phase_sin,
-        )
+        add_component(scratch, omega, size * phase_cos, size * phase_sin)
+        if work.levels != 0.0:
+            raise_levels(scratch, number, a * phase_cos, a * phase_sin)
+
+
+@part
+def push(vessel: Record, scratch: Record, left: float, state: Record, force: Numbers) -> None:
+    """Add forces [N] and moments [N m] of the sums, of which ``left`` [-] is felt."""
+    c, s = vessel[0], state[0]
+    work = scratch[0]
+    displaced, arm = left * c.buoyancy / c.g, left * c.ell
+    sway, heave = left * c.Y_vdot, left * c.Z_wdot
+    swell = work.pull[RISE] * work.pull[RISE] + work.pull[SWING] * work.pull[SWING]
+    flow = left * max(s.u, 0.0) * work.pull[FLOW]
+    force[0] += (displaced - left * c.X_udot) * work.pull[SURGE]
+    force[1] += displaced * work.pull[SWAY] - sway * work.pull[SWAY_ADDED]
+    force[2] += displaced * work.pull[HEAVE] - heave * work.pull[HEAVE_ADDED]
+    force[2] -= (displaced - heave) * s.sea_suction * left * swell / c.g + c.Z_w * flow
+    force[4] += displaced * c.ell * work.pull[PITCH] - arm * c.Z_wdot * work.pull[PITCH_ADDED]
+    force[4] -= c.M_w * flow
+    force[5] += displaced * c.ell * work.pull[YAW] - arm * c.Y_vdot * work.pull[YAW_ADDED]
 
 
 @part
@@ -136,49 +309,15 @@ def wave_forces(vessel: Record, scratch: Record, state: Record, force: Numbers) 
     left = taper(vessel, state)
     if s.sea_height == 0.0 or left == 0.0:
         return
-    work.g, work.depth, work.half_length = c.g, max(s.z, 0.0), 0.5 * c.ell
+    if not are_summed(vessel, scratch):
+        prepare_strips(vessel, scratch)
+    work.g, work.depth, work.ell = c.g, max(s.z, 0.0), c.ell
     for i in range(work.pull.size):
         work.pull[i] = 0.0
     if s.sea_cosines < 1.0:
-        add_filter(scratch, state)
+        add_filters(scratch, state)
     if s.sea_cosines > 0.0:
         add_sum(scratch, state)
     if work.levels != 0.0:
         left *= 1.0 - share_above(vessel, scratch, state)
-    displaced = c.buoyancy / c.g
-    surge, sway = left * (displaced - c.X_udot), left * (displaced - c.Y_vdot)
-    heave = left * (displaced - c.Z_wdot)
-    swell = work.pull[5] * work.pull[5] + work.pull[6] * work.pull[6]
-    force[0] += surge * work.pull[0]
-    force[1] += sway * work.pull[1]
-    force[2] += heave * (work.pull[2] - s.sea_suction * left * swell / c.g)
-    force[4] += heave * work.half_length * work.pull[3]
-    force[5] += sway * work.half_length * work.pull[4]
-
-
-SHALLOWEST, DEEPEST = 0.3, 16.0  # [-] kappa
-FADING: Final = np.array(
-    [
-        [2.04138, -0.0429752, -3.922061, -0.477556, 0.003725196],
-        [1.853509, -0.622394, -3.445212, -0.556254, 0.005174789],
-    ]
-)
-
-
-@part
-def fading(row: int, kappa: float) -> float:
-    """Return ln of one of FADING's integrals [-]; kappa is the peak's number times the depth."""
-    root = math.sqrt(kappa)
-    value = FADING[row, 0] + FADING[row, 1] * logarithm(kappa) + FADING[row, 2] * root
-    return value + kappa * (FADING[row, 3] + FADING[row, 4] * kappa)
-
-
-@kernel
-def suction(g: float, omega: float, height: float, depth: float) -> tuple[float, float]:
-    """Stands in until the sea's own part is merged."""
-    number = omega * omega / g
-    kappa = min(max(number * depth, SHALLOWEST), DEEPEST)
-    force = 0.125 * g * number * number * height * height
-    return force * exponential(fading(0, kappa)), 2.0 * number * force * exponential(
-        fading(1, kappa)
-    )
+    push(vessel, scratch, left, state, force)

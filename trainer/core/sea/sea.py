@@ -2,21 +2,25 @@
 
 A sea is a significant height, the frequency of its peak, the peakedness of its spectrum, where it
 travels to and the generator that makes it; the state has each as it is and as it is ordered, and
-``sea_ramp`` is the time in which they become the same. Both generators make an elevation of
-variance 1; ``sea_cosines`` is the share of the variance that comes from the cosine sum.
+``sea_ramp`` is the time in which they become the same. Each generator makes an elevation of
+variance 1; three shares of the variance say how much comes from which: ``sea_cosines`` of all from
+the cosine sum, ``sea_1969`` of the rest from the filter of 1969, ``sea_peaked`` of what is left
+from the peaked bank of the wave filter.
 """
 
 import math
 from typing import Final
 
-from trainer.core.elementary import exponential, logarithm
+from trainer.core.elementary import cosine_and_sine, exponential, logarithm
 from trainer.core.kernel import Numbers, Record, kernel, part
 from trainer.core.noise import SEA_FILTER, gaussian
 from trainer.core.sea.cosine_sum import advance_sum, prepare_sum, sum_elevation
-from trainer.core.sea.wave_filter import advance_filter, filter_noise, prepare_filter
+from trainer.core.sea.filter_1969 import advance_filter, filter_noise, prepare_filter
+from trainer.core.sea.wave_filter import advance_clock, begin_filter, read_outputs
 from trainer.core.state import SEA_QUANTITIES
 
-HEIGHT, OMEGA, GAMMA, DIRECTION, COSINES, SUCTION, TAPER = range(len(SEA_QUANTITIES) + 1)
+HEIGHT, OMEGA, GAMMA, DIRECTION, COSINES, SUCTION = range(6)
+OLD, PEAKED, TAPER = range(6, len(SEA_QUANTITIES) + 1)
 TURN: Final = 6.283185307179586
 WARM_UP: Final = 100.0  # [s] at least; two of the slowest section's time constants a period
 WARM_UP_PERIODS: Final = 10.0
@@ -24,9 +28,9 @@ WARM_UP_PERIODS: Final = 10.0
 
 @kernel
 def begin_sea(g: float, h: float, scratch: Record, state: Record) -> None:
-    """Start both generators at random, as after a long time of the sea in force.
+    """Start all generators at random, as after a long time of the sea in force.
 
-    The filter is run on the ticks before the first, until what it held at the
+    The filters are run on the steps before the first, until what they held at the
     start is forgotten.
     """
     s = state[0]
@@ -39,6 +43,7 @@ def begin_sea(g: float, h: float, scratch: Record, state: Record) -> None:
     for back in range(math.ceil(longest / h), 0, -1):
         tick = int(s.tick) - back
         filter_noise(scratch, gaussian(int(s.seed), SEA_FILTER, tick), state)
+    begin_filter(s.sea_omega * s.sea_omega / g * max(s.z, 0.0), state)
 
 
 @kernel
@@ -92,6 +97,41 @@ def approach(h: float, state: Record) -> None:
 
 
 @part
+def wrap_angle(angle: float) -> float:
+    """Return ``angle`` [rad] less the whole turns, from -pi to pi."""
+    return angle - 6.283185307179586 * math.floor(angle * 0.15915494309189535 + 0.5)
+
+
+@part
+def advance_filters(g: float, h: float, scratch: Record, state: Record) -> None:
+    """Advance the filters in use by one tick; the boat's way turns what they give."""
+    s = state[0]
+    number = s.sea_omega * s.sea_omega / g
+    north, east = cosine_and_sine(s.sea_direction)
+    run = h * (s.xdot * north + s.ydot * east)
+    s.sea_drift = wrap_angle(s.sea_drift + number * run)
+    turn_cos, turn_sin = cosine_and_sine(s.sea_drift)
+    if s.sea_1969 > 0.0:
+        prepare_filter(g, s.sea_omega, h, scratch)
+        advance_filter(scratch, turn_cos, turn_sin, state)
+    if s.sea_1969 < 1.0:
+        advance_clock(number, run, h, state)
+        read_outputs(turn_cos, turn_sin, state)
+
+
+@part
+def filtered(state: Record) -> float:
+    """Return the filters' elevation [-] above the boat, of variance 1."""
+    s = state[0]
+    unit = 0.0
+    if s.sea_1969 > 0.0:
+        unit += math.sqrt(s.sea_1969) * s.sea_elevation
+    if s.sea_1969 < 1.0:
+        unit += math.sqrt(1.0 - s.sea_1969) * s.wave_cos
+    return unit
+
+
+@part
 def advance_sea(vessel: Record, h: float, scratch: Record, state: Record) -> None:
     """Advance the sea by one tick and write the elevation [m] above the boat.
 
@@ -104,10 +144,8 @@ def advance_sea(vessel: Record, h: float, scratch: Record, state: Record) -> Non
         return
     unit = 0.0
     if s.sea_cosines < 1.0:
-        g = vessel[0].g
-        prepare_filter(g, s.sea_omega, h, scratch)
-        advance_filter(scratch, h, state)
-        unit += math.sqrt(1.0 - s.sea_cosines) * s.sea_elevation
+        advance_filters(vessel[0].g, h, scratch, state)
+        unit += math.sqrt(1.0 - s.sea_cosines) * filtered(state)
     if s.sea_cosines > 0.0:
         prepare_sum(s.sea_gamma, s.seed, scratch)
         advance_sum(vessel, h, state)

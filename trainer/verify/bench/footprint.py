@@ -44,7 +44,7 @@ from trainer.core.compact import forces, lagged_rates
 from trainer.core.integrators import adams
 from trainer.core.kinematics import kinematics
 from trainer.core.noise import SEA_FILTER, gaussian
-from trainer.core.sea.wave_filter import filter_noise
+from trainer.core.sea.filter_1969 import filter_noise
 from trainer.core.state import STATE
 from trainer.core.terms import EXTRA_TERMS
 from trainer.core.vessel import COMPACT

@@ -41,7 +41,7 @@ from trainer.core.autopilot import (
 from trainer.core.ballast import air, tanks
 from trainer.core.ballast import buoyancy as hull
 from trainer.core.ballast import hover as hovering
-from trainer.core.sea import cosine_sum, forces, wave_filter
+from trainer.core.sea import cosine_sum, filter_1969, forces, wave_filter
 from trainer.core.sea import sea as sea_module
 from trainer.core.state import SCRATCH, STATE
 
@@ -66,7 +66,10 @@ CONSTANTS: Final[tuple[tuple[ModuleType, str], ...]] = (
     (envelope, "EXTRAPOLATED INSIDE MOST_SUBSTEPS OUTSIDE SUBSTEP SURFACE_SUBSTEP"),
     (hull, "SEGMENT_SLOPE SMALL_SEGMENT"),
     (kinematics, "LINEAR POLYNOMIAL STEEPEST"),
-    (noise, "PARITY SEA_FILTER SEA_FREQUENCY SEA_PHASE"),
+    (filter_1969, "G_OF_TABLE HIGH_DAMPING KNOT LOW_DAMPING PEAK WIDEST"),
+    (forces, "DEEPEST FLOW HEAVE HEAVE_ADDED LAST_TRUE NUMBERS PITCH PITCH_ADDED RISE"),
+    (forces, "ROWS_PER_TURN SHALLOWEST SURGE SWAY SWAY_ADDED SWING YAW YAW_ADDED"),
+    (noise, "PARITY SEA_BANK SEA_FILTER SEA_FREQUENCY SEA_PHASE"),
     (hovering, "AWAY CATCH SLOW_DAMPING SOON"),
     (sections, "KEPT"),
     (reference, "APPROACH COURSE DEPTH DEPTH_SLEW LEASH"),
@@ -74,8 +77,7 @@ CONSTANTS: Final[tuple[tuple[ModuleType, str], ...]] = (
     (speed, "ANSWERING FOLLOW PACE"),
     (steering, "ASTERN BOW GAIN_COUNT HANDOVER PLANE_COUNT RUDDER RUDDER_GAINS SETTLED SLOWEST"),
     (steering, "STANDS STERN"),
-    (forces, "DEEPEST SHALLOWEST"),
-    (state, "DEGREE SEA_COMPONENTS"),
+    (state, "DEGREE SEA_COMPONENTS STRIPS STRIP_ROWS"),
     (sea_module, "OMEGA"),
     (tanks, "ATMOSPHERE AUXILIARY DEPTH_CONTROL DEPTH_CONTROL_PUMP DISCHARGE DRAIN_PUMP"),
     (tanks, "EMERGENCY_BANK END FIRST_DRY MAIN_BANK NEGATIVE STATIONS TRIM_AFT TRIM_FORWARD"),
@@ -84,9 +86,10 @@ CONSTANTS: Final[tuple[tuple[ModuleType, str], ...]] = (
     (update, "FASTEST FASTEST_RATE FURTHEST"),
     (vessel, "SURFACE_DEPTHS"),
     (waves, "ABOVE BELOW BLEND COUNTED FADE FELT LAST NOTCHES SHORTEST"),
-    (wave_filter, "G_OF_TABLE HIGH_DAMPING KNOT LOW_DAMPING PEAK WIDEST"),
+    (wave_filter, "MOST_STEPS OUTPUTS PHASE_STEP SLOWEST_CLOCK"),
 )
 CASUALTY_TABLES: Final = ("SURFACE", "GAUGE", "FAULT", "PLACE", "SENSE", "HOLDS", "GAUGE_CODE")
+FILTER_TABLES: Final = ("MODES", "ROWS", "FORCE_DEPTHS", "LENGTHS")
 SUM_TABLES: Final = ("ANGLE_COS", "ANGLE_SIN", "WEIGHT")
 PILOT_TABLES: Final[dict[tuple[ModuleType, str], str]] = {
     (ascent, "FAST"): "FAST",
@@ -130,10 +133,11 @@ def header() -> str:
         *(_table(name, np.array(getattr(cosine_sum, name))) for name in SUM_TABLES),
         _table("ARCTANGENT", elementary.ARCTANGENT),
         _table("EIGHTHS", elementary.EIGHTHS),
-        _table("SIMILAR", np.array(wave_filter.SIMILAR)),
+        _table("SIMILAR", np.array(filter_1969.SIMILAR)),
         _table("TAPER", np.array(forces.TAPER)),
         _table("FADING", forces.FADING),
-        _table("TABLE", wave_filter.TABLE),
+        _table("TABLE", filter_1969.TABLE),
+        *(_table(name, np.array(getattr(wave_filter, name))) for name in FILTER_TABLES),
     ]
     for (module, name), known in CLASHING.items():
         lines.append(f"#define {known} {getattr(module, name)!r}")

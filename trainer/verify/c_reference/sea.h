@@ -1,5 +1,5 @@
-/* Noise, the sea by filter and by cosine sum, its forces and its levels along the hull:
-   trainer/core/noise.py, sea/wave_filter.py, sea/cosine_sum.py, sea/sea.py, sea/forces.py. */
+/* Noise, and the sea by its three generators: trainer/core/noise.py, sea/filter_1969.py,
+   sea/wave_filter.py, sea/cosine_sum.py, sea/sea.py. */
 
 static uint32_t word_turned(uint32_t word, int turn) { return (word << turn) | (word >> (32 - turn)); }
 
@@ -26,6 +26,16 @@ static double uniform(uint64_t seed, uint32_t stream, uint32_t tick)
     uint32_t x, y;
     random_words(seed, stream, tick, &x, &y);
     return ((x >> 6) * 67108864.0 + (y >> 6) + 0.5) * 2.220446049250313e-16;
+}
+
+static double gaussian_pair(uint64_t seed, uint32_t stream, uint32_t tick, double *other)
+{
+    uint32_t x, y;
+    random_words(seed, stream, tick, &x, &y);
+    double radius = sqrt(-2.0 * logarithm((x + 0.5) * 2.3283064365386963e-10)), even, odd;
+    cosine_and_sine(y * 1.4629180792671596e-09, &even, &odd);
+    *other = radius * odd;
+    return radius * even;
 }
 
 static double gaussian(uint64_t seed, uint32_t stream, uint32_t tick)
@@ -109,7 +119,6 @@ static void prepare_filter(double g, double omega, double h, struct scratch *wor
         return;
     work->omega = omega;
     work->h = h;
-    work->peak_number = omega * omega / g;
     double low = warped(corner(omega, g, 0), h), high = warped(corner(omega, g, 1), h);
     double low_a0 = section(low, LOW_DAMPING, &work->low_a1, &work->low_a2);
     double high_a0 = section(high, HIGH_DAMPING, &work->high_a1, &work->high_a2);
@@ -153,17 +162,96 @@ static double wrapped(double angle)
     return angle - 6.283185307179586 * floor(angle * 0.15915494309189535 + 0.5);
 }
 
-static void advance_filter(const struct scratch *work, double h, struct state *s)
+static void advance_filter(
+    const struct scratch *work, double turn_cos, double turn_sin, struct state *s)
 {
     filter_noise(work, gaussian((uint64_t)s->seed, SEA_FILTER, (uint32_t)(int64_t)s->tick), s);
-    double north, east, turn_cos, turn_sin;
-    cosine_and_sine(s->sea_direction, &north, &east);
-    double run = h * (s->xdot * north + s->ydot * east);
-    s->sea_drift = wrapped(s->sea_drift + work->peak_number * run);
-    cosine_and_sine(s->sea_drift, &turn_cos, &turn_sin);
     double elevation = s->sea_elevation, quadrature = s->sea_quadrature;
     s->sea_elevation = elevation * turn_cos + quadrature * turn_sin;
     s->sea_quadrature = quadrature * turn_cos - elevation * turn_sin;
+}
+
+static void advance_modes(int bank, struct state *s)
+{
+    int64_t step = (int64_t)s->sea_steps;
+    double x = s->sea_spare[bank], *mode = s->sea_modes[bank];
+    if (!(step & 1))
+        x = gaussian_pair(
+            (uint64_t)s->seed, SEA_BANK + bank, (uint32_t)(step >> 1), &s->sea_spare[bank]);
+    for (int i = 0; i < 4; i++) {
+        double along = MODES[bank][0][i], across = MODES[bank][1][i];
+        double a = mode[i], b = mode[4 + i];
+        mode[i] = along * a - across * b + x;
+        mode[4 + i] = across * a + along * b;
+    }
+}
+
+static void add_outputs(int bank, double size, int row, double inside, struct state *s)
+{
+    for (int i = 0; i < 8; i++) {
+        const double *upper = ROWS[bank][row][i], *lower = ROWS[bank][row + 1][i];
+        double x = size * s->sea_modes[bank][i];
+        for (int j = 0; j < OUTPUTS; j++)
+            s->sea_past[3][j] += (upper[j] + inside * (lower[j] - upper[j])) * x;
+    }
+}
+
+static void note_outputs(int row, double inside, struct state *s)
+{
+    for (int j = 0; j < OUTPUTS; j++) {
+        for (int i = 0; i < 3; i++)
+            s->sea_past[i][j] = s->sea_past[i + 1][j];
+        s->sea_past[3][j] = 0.0;
+    }
+    if (s->sea_peaked < 1.0)
+        add_outputs(0, sqrt(1.0 - s->sea_peaked), row, inside, s);
+    if (s->sea_peaked > 0.0)
+        add_outputs(1, sqrt(s->sea_peaked), row, inside, s);
+}
+
+static double left_length(int row, double inside, double peaked)
+{
+    const double *one = &LENGTHS[0][row], *other = &LENGTHS[1][row];
+    double flat = one[0] + inside * (one[1] - one[0]);
+    double raised = other[0] + inside * (other[1] - other[0]);
+    return flat + peaked * (raised - flat);
+}
+
+static void advance_clock(double number, double run, double h, struct state *s)
+{
+    int depths = sizeof FORCE_DEPTHS / sizeof *FORCE_DEPTHS;
+    double inside, turn = s->sea_omega * h;
+    int row = cell(FORCE_DEPTHS, depths, number * most(s->z, 0.0), &inside);
+    s->push_number = number * left_length(row, inside, s->sea_peaked);
+    s->sea_clock += most(turn - 2.0 * number * run, SLOWEST_CLOCK * turn) / PHASE_STEP;
+    for (int done = 0; s->sea_clock >= 1.0 && done < MOST_STEPS; done++) {
+        if (s->sea_peaked < 1.0)
+            advance_modes(0, s);
+        if (s->sea_peaked > 0.0)
+            advance_modes(1, s);
+        note_outputs(row, inside, s);
+        s->sea_steps += 1.0;
+        s->sea_clock -= 1.0;
+    }
+    s->sea_clock -= floor(s->sea_clock);
+}
+
+static void read_outputs(double turn_cos, double turn_sin, struct state *s)
+{
+    double f = s->sea_clock;
+    double before = f + 1.0, after = f - 1.0, beyond = f - 2.0;
+    double weight[4] = {
+        -f * after * beyond * 0.16666666666666666, before * after * beyond * 0.5,
+        -before * f * beyond * 0.5, before * f * after * 0.16666666666666666};
+    double now[OUTPUTS];
+    for (int j = 0; j < OUTPUTS; j++) {
+        double early = weight[0] * s->sea_past[0][j] + weight[1] * s->sea_past[1][j];
+        now[j] = early + (weight[2] * s->sea_past[2][j] + weight[3] * s->sea_past[3][j]);
+    }
+    for (int j = 0; j < OUTPUTS; j += 2) {
+        s->sea_waves[j] = now[j] * turn_cos - now[j + 1] * turn_sin;
+        s->sea_waves[j + 1] = now[j + 1] * turn_cos + now[j] * turn_sin;
+    }
 }
 
 static double peakedness(double gamma, double x)
@@ -239,6 +327,34 @@ static void approach(double h, struct state *s)
     s->sea_omega = omega;
 }
 
+static void advance_filters(double g, double h, struct scratch *work, struct state *s)
+{
+    double number = s->sea_omega * s->sea_omega / g;
+    double north, east, turn_cos, turn_sin;
+    cosine_and_sine(s->sea_direction, &north, &east);
+    double run = h * (s->xdot * north + s->ydot * east);
+    s->sea_drift = wrapped(s->sea_drift + number * run);
+    cosine_and_sine(s->sea_drift, &turn_cos, &turn_sin);
+    if (s->sea_1969 > 0.0) {
+        prepare_filter(g, s->sea_omega, h, work);
+        advance_filter(work, turn_cos, turn_sin, s);
+    }
+    if (s->sea_1969 < 1.0) {
+        advance_clock(number, run, h, s);
+        read_outputs(turn_cos, turn_sin, s);
+    }
+}
+
+static double filtered(const struct state *s)
+{
+    double unit = 0.0;
+    if (s->sea_1969 > 0.0)
+        unit += sqrt(s->sea_1969) * s->sea_elevation;
+    if (s->sea_1969 < 1.0)
+        unit += sqrt(1.0 - s->sea_1969) * s->wave_cos;
+    return unit;
+}
+
 static void advance_sea(const struct vessel *c, double h, struct scratch *work, struct state *s)
 {
     approach(h, s);
@@ -248,9 +364,8 @@ static void advance_sea(const struct vessel *c, double h, struct scratch *work, 
     }
     double unit = 0.0;
     if (s->sea_cosines < 1.0) {
-        prepare_filter(c->g, s->sea_omega, h, work);
-        advance_filter(work, h, s);
-        unit += sqrt(1.0 - s->sea_cosines) * s->sea_elevation;
+        advance_filters(c->g, h, work, s);
+        unit += sqrt(1.0 - s->sea_cosines) * filtered(s);
     }
     if (s->sea_cosines > 0.0) {
         prepare_sum(s->sea_gamma, s->seed, work);
@@ -258,111 +373,4 @@ static void advance_sea(const struct vessel *c, double h, struct scratch *work, 
         unit += sqrt(s->sea_cosines) * sum_elevation(work, s);
     }
     s->eta_wave = 0.25 * s->sea_height * unit;
-}
-
-static void spread(double kappa, double *s0, double *s1)
-{
-    double z = kappa * kappa;
-    if (z < 0.25) {
-        double p = 1.0 - z / 42.0 * (1.0 - z / 72.0 * (1.0 - z / 110.0 * (1.0 - z / 156.0)));
-        *s0 = 1.0 - z / 6.0 * (1.0 - z / 20.0 * p);
-        p = 1.0 - z / 54.0 * (1.0 - z / 88.0 * (1.0 - z / 130.0));
-        *s1 = kappa / 3.0 * (1.0 - z / 10.0 * (1.0 - z / 28.0 * p));
-        return;
-    }
-    double cos_kappa, sin_kappa;
-    cosine_and_sine(kappa, &cos_kappa, &sin_kappa);
-    *s0 = sin_kappa / kappa;
-    *s1 = (sin_kappa - kappa * cos_kappa) / z;
-}
-
-static double tapered(const struct vessel *c, const struct state *s)
-{
-    if (s->sea_taper == 0.0 || c->diameter <= 0.0)
-        return 1.0;
-    double t = least(most(s->z / c->diameter - TAPER[0], 0.0) / (TAPER[1] - TAPER[0]), 1.0);
-    return 1.0 - t * t * (3.0 - 2.0 * t);
-}
-
-static void raise_levels(
-    struct scratch *work, double k, double chi_cos, double a_cos, double a_sin)
-{
-    double omega = sqrt(work->g * k);
-    for (int i = 0; i < STATIONS; i++) {
-        double turn_cos, turn_sin;
-        cosine_and_sine(k * work->station[i] * chi_cos, &turn_cos, &turn_sin);
-        work->level[i] += a_cos * turn_cos + a_sin * turn_sin;
-        work->rise[i] -= omega * (a_sin * turn_cos - a_cos * turn_sin);
-    }
-}
-
-static void add_component(
-    struct scratch *work, double k, double chi_cos, double chi_sin, double a_cos, double a_sin)
-{
-    double s0, s1;
-    double size = work->g * k * exponential(-k * work->depth);
-    spread(k * work->half_length * chi_cos, &s0, &s1);
-    double swing = size * a_sin, heave = size * a_cos;
-    work->pull[0] -= swing * chi_cos * s0;
-    work->pull[1] -= swing * chi_sin * s0;
-    work->pull[2] += heave * s0;
-    work->pull[3] -= swing * s1;
-    work->pull[4] += heave * chi_sin * s1;
-    work->pull[5] += heave;
-    work->pull[6] += swing;
-    if (work->levels != 0.0)
-        raise_levels(work, k, chi_cos, a_cos, a_sin);
-}
-
-static void add_filter(struct scratch *work, const struct state *s)
-{
-    double a = 0.25 * s->sea_height * sqrt(1.0 - s->sea_cosines);
-    double chi_cos, chi_sin;
-    cosine_and_sine(s->sea_direction - s->psi, &chi_cos, &chi_sin);
-    double k = s->sea_omega * s->sea_omega / work->g;
-    add_component(work, k, chi_cos, chi_sin, a * s->sea_elevation, a * s->sea_quadrature);
-}
-
-static void add_sum(struct scratch *work, const struct state *s)
-{
-    double height = 0.25 * s->sea_height * sqrt(s->sea_cosines);
-    double chi_cos, chi_sin;
-    cosine_and_sine(s->sea_direction - s->psi, &chi_cos, &chi_sin);
-    for (int i = 0; i < SEA_COMPONENTS; i++) {
-        double angle_cos = ANGLE_COS[i / BANDS], angle_sin = ANGLE_SIN[i / BANDS];
-        double a = height * work->amplitude[i], omega = s->sea_omega * work->relative[i];
-        double along = chi_cos * angle_cos - chi_sin * angle_sin;
-        double across = chi_sin * angle_cos + chi_cos * angle_sin;
-        double phase_cos, phase_sin;
-        cosine_and_sine(phase(work, s, i), &phase_cos, &phase_sin);
-        add_component(work, omega * omega / work->g, along, across, a * phase_cos, a * phase_sin);
-    }
-}
-
-static void wave_forces(
-    const struct vessel *c, struct scratch *work, const struct state *s, double *force)
-{
-    double left = tapered(c, s);
-    if (s->sea_height == 0.0 || left == 0.0)
-        return;
-    work->g = c->g;
-    work->depth = most(s->z, 0.0);
-    work->half_length = 0.5 * c->ell;
-    for (int i = 0; i < (int)(sizeof work->pull / sizeof *work->pull); i++)
-        work->pull[i] = 0.0;
-    if (s->sea_cosines < 1.0)
-        add_filter(work, s);
-    if (s->sea_cosines > 0.0)
-        add_sum(work, s);
-    if (work->levels != 0.0)
-        left *= 1.0 - share_above(c, work, s);
-    double displaced = c->buoyancy / c->g;
-    double surge = left * (displaced - c->X_udot), sway = left * (displaced - c->Y_vdot);
-    double heave = left * (displaced - c->Z_wdot);
-    double swell = work->pull[5] * work->pull[5] + work->pull[6] * work->pull[6];
-    force[0] += surge * work->pull[0];
-    force[1] += sway * work->pull[1];
-    force[2] += heave * (work->pull[2] - s->sea_suction * left * swell / c->g);
-    force[4] += heave * work->half_length * work->pull[3];
-    force[5] += sway * work->half_length * work->pull[4];
 }

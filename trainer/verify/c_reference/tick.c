@@ -16,6 +16,7 @@
 #include "surface.h"
 #include "surfaced.h"
 #include "sea.h"
+#include "waves.h"
 #include "propulsion.h"
 #include "motion.h"
 #include "envelope.h"

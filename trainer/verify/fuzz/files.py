@@ -12,7 +12,7 @@ import numpy as np
 
 from trainer.analysis.evaluate import answers
 from trainer.analysis.guide.baseline import load_earlier
-from trainer.analysis.guide.trials import load_trials
+from trainer.analysis.guide.trials import load_published
 from trainer.analysis.series import load_series
 from trainer.boat.assemble import Method, Records, fit_out
 from trainer.config.casualties import parse_casualties
@@ -279,7 +279,7 @@ TARGETS: Final = (
     ),
     Target("exercise", "an exercise file", text(exercise), exercises, 1200, GRAMMAR),
     Target(
-        "trials", "published results of a boat", load_proof(load_trials), cut("trials/bb2"), 1200
+        "trials", "published results of a boat", load_proof(load_published), cut("trials/bb2"), 1200
     ),
     Target(
         "condition",
