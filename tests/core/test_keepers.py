@@ -13,8 +13,7 @@ from numpy.typing import NDArray
 
 from trainer.boat import helm
 from trainer.boat.boat import Boat
-from trainer.boat.limits import LimitMonitor
-from trainer.config.exercise import Limits
+from trainer.boat.pilot import PilotMonitor
 from trainer.config.sea import parse_sea
 from trainer.core.autopilot.ascent import AFLOAT, NONE, RISING
 from trainer.core.autopilot.sections import low_pass, notch, pass_section
@@ -55,7 +54,7 @@ def sail(boat: Boat, seconds: float, *names: str) -> NDArray[np.float64]:
 
 def said(boat: Boat, seconds: float) -> list[str]:
     """Return what is called out in so many seconds."""
-    monitor = LimitMonitor.over(boat, Limits())
+    monitor = PilotMonitor.over(boat)
     news = []
     for _ in range(round(seconds / boat.method.step)):
         assert boat.tick() == 0
@@ -106,10 +105,10 @@ def test_an_order_that_the_engine_cannot_reach_is_called_out_once(started: Start
     boat.vessel.u_c_ahead = 6.0 * KNOT
     boat.state.ordered_speed = 8.0 * KNOT
 
-    news = [text for text in said(boat, 600.0) if "SPEED" in text]
+    news = [text for text in said(boat, 600.0) if "ordered speed" in text]
 
     assert len(news) == 1
-    assert "ordered speed is not reached" in news[0]
+    assert "the ordered speed is not reached" in news[0]
 
 
 @pytest.mark.long
@@ -215,8 +214,8 @@ def test_afloat_no_depth_is_kept_until_one_is_ordered(started: Start) -> None:
     order(boat, "depth 40")
     sail(boat, 900.0, "z")
 
-    assert any("EMERGENCY ASCENT" in text for text in news)
-    assert any("AFLOAT" in text for text in news)
+    assert any("emergency ascent" in text for text in news)
+    assert any("afloat" in text for text in news)
     assert resting[0] < 6.0
     assert resting[1] == AFLOAT
     assert boat.state.ascent == NONE
@@ -364,7 +363,7 @@ def test_going_astern_course_and_depth_are_kept_as_they_can_be(started: Start) -
     assert rows[-1, 2] < -4.0 * KNOT
     assert abs(rows[-1, 0]) < DEGREE, "the rudder is put over the other way"
     assert np.abs(rows[:, 1] - 100.0).max() < 5.0
-    assert len([text for text in news if "ASTERN" in text]) == 1
+    assert len([text for text in news if "astern" in text]) == 1
 
 
 def test_slow_astern_the_planes_lie_amidships(started: Start) -> None:
@@ -440,7 +439,7 @@ def test_hovering_that_is_lost_is_given_up_and_told(started: Start) -> None:
     boat.state.water_auxiliary -= 6000.0
     news = said(boat, 600.0)
 
-    assert any("HOVER LOST" in text for text in news)
+    assert any("hovering is given up" in text for text in news)
     assert boat.state.hover == 0.0
     assert boat.state.ordered_speed == pytest.approx(4.0 * KNOT)
 

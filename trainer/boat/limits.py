@@ -7,16 +7,11 @@ from typing import Any, Final
 
 from trainer.boat.boat import PLACES, Boat
 from trainer.config.exercise import Limits
-from trainer.core.autopilot.ascent import AFLOAT, NONE
-from trainer.core.autopilot.depth import LEAST_ASTERN
-from trainer.core.autopilot.steering import ASTERN
 from trainer.core.sea.free_surface import deck_height, sail_height
 from trainer.units import KNOT
 
 COVERED: Final = 1.0  # [m] of water over it before the same can be called out again
 Z, WAVE, VALIDITY = PLACES["z"], PLACES["eta_wave"], PLACES["validity"]
-ASCENT, SPEED = PLACES["ascent"], PLACES["u"]
-SHORT, LOST = PLACES["speed_short"], PLACES["hover_lost"]
 RUDDER, STERN, COMMAND = (PLACES[name] for name in ("delta_r", "delta_s", "command_r"))
 NORTHWARD, EASTWARD = PLACES["xdot"], PLACES["ydot"]
 HEIGHT, OMEGA, DIRECTION, COSINES = (
@@ -29,18 +24,9 @@ FULL: Final = 0.95  # [-] of main ballast; with less aboard the boat means to co
 
 SETTLED: Final = 30.0  # [s] inside the equations' range before leaving it is news again
 RANGES: Final = ("", "equations extrapolated", "outside the equations")
-LACKING: Final = 60.0  # [s] of the engine at its most before that is told
-GIVEN_UP: Final = {  # what the autopilot does not keep, and why
-    "emergency ascent": "EMERGENCY ASCENT: the autopilot holds the bow up and the after group "
-    "back; no depth is kept",
-    "afloat": "AFLOAT: no depth is kept until one is ordered",
-    "astern": "ASTERN: slower than 3 kn astern the planes lie amidships; depth is for the tanks",
-    "hover lost": "HOVER LOST: the pump cannot hold this depth; the planes have it, at 4 kn",
-    "speed not reached": "SPEED: the engine gives all it has; the ordered speed is not reached",
-}
 FOLLOWED: Final = "followed by a sea that the filter cannot follow"
 NOTICES: Final = frozenset(  # no limits
-    {*RANGES[1:], "rudder taken by the stern planes", FOLLOWED, *GIVEN_UP}
+    {*RANGES[1:], "rudder taken by the stern planes", FOLLOWED}
 )
 CHASED: Final = 0.15  # [-] speed with the waves over that of the peak's, from which it is told
 FELT: Final = 3.0  # [-] depth times the peak's wave number, above which waves are felt
@@ -65,22 +51,6 @@ def showing(boat: Boat) -> float:
     records = boat.records
     sail = sail_height(records.vessel, records.state)
     return float(max(sail, deck_height(records.vessel, records.state)))
-
-
-def given_up(boat: Boat) -> set[str]:
-    """Return what the autopilot leaves undone, of GIVEN_UP."""
-    plain, s = boat.plain, boat.state
-    found = set()
-    if plain[ASCENT] != NONE:
-        found.add("afloat" if plain[ASCENT] == AFLOAT else "emergency ascent")
-    planes = s.stern_by_hand == 0.0 or s.bow_by_hand == 0.0
-    if -LEAST_ASTERN < plain[SPEED] < ASTERN and planes and plain[ASCENT] == NONE:
-        found.add("astern")
-    if plain[SHORT] > LACKING:
-        found.add("speed not reached")
-    if plain[LOST] != 0.0:
-        found.add("hover lost")
-    return found
 
 
 def deep(boat: Boat) -> bool:
@@ -120,7 +90,6 @@ class LimitMonitor:
     inside_since: float = 0.0  # [s]
     taken: bool = False  # by the stern planes, of the rudder of an X-tail
     taken_since: float = 0.0  # [s]
-    given_up: set[str] = field(default_factory=set)  # by the autopilot
     followed: bool = False  # by a sea, faster than the wave filter is true
     followed_since: float = 0.0  # [s]
     _set: tuple[tuple[str, float], ...] = field(init=False)  # the limits that there are, by name
@@ -141,17 +110,15 @@ class LimitMonitor:
         self._passed(boat)
         self._broken_surface(boat)
         self._out_of_range(boat)
-        self._given_up(boat)
 
     def look(self, boat: Boat) -> list[str]:
         """Return what there is to call out after a tick."""
         usual = boat.plain[VALIDITY] == 0.0 and self.validity == 0
         usual = usual and boat.plain[HEIGHT] == 0.0 and boat.vessel.x_tail == 0.0
-        usual = usual and not self._given_up_now(boat)
         if usual and not self._set and not self.shows and deep(boat):
             return []
         news = self._out_of_range(boat) + self._passed(boat) + self._broken_surface(boat)
-        news += self._shared_tail(boat) + self._following_sea(boat) + self._given_up(boat)
+        news += self._shared_tail(boat) + self._following_sea(boat)
         for what, _ in news:
             self.times.setdefault(what, []).append(boat.time)
         return [f"tick {boat.ticks} ({boat.time:g} s): {text}" for _, text in news]
@@ -183,21 +150,6 @@ class LimitMonitor:
             return []
         self.validity = now
         return [(RANGES[now], f"{RANGES[now].upper()}: {REASONS[now]}")]
-
-    def _given_up_now(self, boat: Boat) -> bool:
-        """Return whether the autopilot leaves anything undone, or did at the last look."""
-        plain = boat.plain
-        short = plain[SHORT] > LACKING or plain[LOST] != 0.0
-        return bool(self.given_up) or short or plain[ASCENT] != NONE or plain[SPEED] < ASTERN
-
-    def _given_up(self, boat: Boat) -> list[tuple[str, str]]:
-        """Return what the autopilot gives up, if that is news."""
-        now = given_up(boat)
-        if "astern" in self.given_up and boat.plain[SPEED] < ASTERN:
-            now.add("astern")  # not again at each change of speed
-        news = sorted(now - self.given_up)
-        self.given_up = now
-        return [(name, GIVEN_UP[name]) for name in news]
 
     def _shared_tail(self, boat: Boat) -> list[tuple[str, str]]:
         """Return that the stern planes of an X-tail take rudder away, if that is news."""

@@ -14,6 +14,7 @@ SIGNS: Final = {
     "answer": (" ", "plain"),
     "refused": ("?", "warning"),
     "watch": ("!", "alarm"),
+    "pilot": ("!", "warning"),
     "depth": ("!", "alarm"),
     "trouble": ("!", "alarm"),
     "lost": ("!", "alarm"),

@@ -54,7 +54,7 @@ def account(session: Session, wall: float, kept: str, *, aside: bool) -> int:
     summary = summary_text(session.boat, session.time.ledger.summary(), wall)
     if granted := session.time.punctuality.granted:
         summary += f"\nthe clock   {granted.line()}"
-    if times := session.monitor.times | session.depths.times:
+    if times := session.monitor.times | session.depths.times | session.pilot.times:
         summary += f"\nevents      {account_of(times)}"
     if kept:
         absences = session.history.recording.absences

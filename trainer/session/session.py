@@ -13,6 +13,7 @@ from trainer.boat.casualties import available, listing
 from trainer.boat.depths import DepthMonitor, collapse_of, hull_depth
 from trainer.boat.helm import obey
 from trainer.boat.limits import LimitMonitor
+from trainer.boat.pilot import PilotMonitor
 from trainer.io.orders.grammar import Order, Refused, Reply
 from trainer.io.orders.schedule import Scheduled
 from trainer.io.orders.table import BOAT_ORDERS
@@ -111,11 +112,13 @@ class Session:
     event_log: EventLog = field(init=False)
     control: Control = field(init=False)
     depths: DepthMonitor = field(init=False)
+    pilot: PilotMonitor = field(init=False)
 
     def __post_init__(self) -> None:
         self.event_log = EventLog(self.history)
         self.control = Control(self.boat, self.time, self.history)
         self.depths = DepthMonitor.over(self.boat)
+        self.pilot = PilotMonitor.over(self.boat)
         self._visits = NoiseLog(self.event_log.tell, time.monotonic)
         self._lookout = StateReader(self.boat, self.time.ledger.summary)
         self._pace = Pace()  # as it was last shown: whatever changes it has it shown
@@ -298,6 +301,7 @@ class Session:
         if order.name in MOMENTS:
             self.monitor.settle(self.boat)
             self.depths.settle(self.boat)
+            self.pilot.settle(self.boat)
             self._judge_hull()
         if order.name in MOMENTS or order.name in TIME:
             self._show()
@@ -396,6 +400,8 @@ class Session:
         self.sending.offer(tick, state, self._pace)
         for text in self.monitor.look(self.boat):
             self.event_log.tell("watch", text)
+        for text in self.pilot.look(self.boat):
+            self.event_log.tell("pilot", text)
         self._call_depth()
         self._judge_hull()
         while self.sending.troubles:

@@ -107,6 +107,7 @@ def ballast_lines(boat: Boat) -> list[str]:
         pressure = np.nan_to_num(s.bank * c.gas / c.bank_volume) / 1e6
     weight = float(s.weight - c.buoyancy) / float(c.g) / 1000.0
     working = [name for name in ("hover", "compressor") if s[name]]
+    working += ["automatic trim"] * (not s.trim_by_hand)
     lines = [
         (
             f"main ballast forward {filled[0]:.0f}, mid {filled[1]:.0f}, "

@@ -17,6 +17,7 @@ from trainer.session.rerun.subject import Subject
 LEVELS: Final = {
     "trouble": "ERROR",
     "watch": "WARN",
+    "pilot": "WARN",
     "depth": "WARN",
     "mark": "WARN",
 }  # by kind of news

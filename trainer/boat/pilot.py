@@ -1,0 +1,76 @@
+"""What the autopilot gives up, and what it has again, as it says so to the crew."""
+
+from dataclasses import dataclass, field
+from typing import Final
+
+from trainer.boat.boat import PLACES, Boat
+from trainer.core.autopilot.ascent import AFLOAT, NONE
+from trainer.core.autopilot.depth import LEAST_ASTERN
+from trainer.core.autopilot.steering import ASTERN
+from trainer.units import KNOT
+
+LACKING: Final = 60.0  # [s] of the engine at its most before that is told
+GIVEN_UP: Final = {  # what is not kept, and why
+    "emergency ascent": "emergency ascent: bow up, the after group held back; no depth is kept",
+    "afloat": "afloat: no depth is kept until one is ordered",
+    "astern": f"going astern slower than {LEAST_ASTERN / KNOT:.0f} kn: planes amidships, depth is "
+    "for the tanks",
+    "hover lost": "hovering is given up: the pump cannot hold this depth; the planes have it",
+    "speed not reached": "the engine gives all it has, and the ordered speed is not reached",
+}
+ASCENT, SPEED = PLACES["ascent"], PLACES["u"]
+SHORT, LOST = PLACES["speed_short"], PLACES["hover_lost"]
+
+
+@dataclass
+class PilotMonitor:
+    """What is given up at present, and when each was."""
+
+    given_up: set[str] = field(default_factory=set)
+    times: dict[str, list[float]] = field(default_factory=dict)  # [s]
+
+    @classmethod
+    def over(cls, boat: Boat) -> "PilotMonitor":
+        """Return the watch over a boat; what is given up now is no news."""
+        monitor = cls()
+        monitor.settle(boat)
+        return monitor
+
+    def settle(self, boat: Boat) -> None:
+        """Take the boat as it is, after a jump in time: nothing of it is news."""
+        self.given_up = self._left_undone(boat) if self._is_unusual(boat) else set()
+
+    def look(self, boat: Boat) -> list[str]:
+        """Return what there is to say after a tick."""
+        if not self.given_up and not self._is_unusual(boat):
+            return []
+        now = self._left_undone(boat)
+        news = [GIVEN_UP[name] for name in sorted(now - self.given_up)]
+        for name in now - self.given_up:
+            self.times.setdefault(name, []).append(boat.time)
+        if "emergency ascent" in self.given_up and boat.plain[ASCENT] == NONE:
+            news.append(f"the ascent is over: keeping depth {boat.state.ordered_depth:.0f} m")
+        self.given_up = now
+        return [f"tick {boat.ticks} ({boat.time:g} s): autopilot: {text}" for text in news]
+
+    def _is_unusual(self, boat: Boat) -> bool:
+        """Return whether anything could be given up."""
+        plain = boat.plain
+        lost = plain[LOST] != 0.0 or plain[SHORT] > LACKING
+        return lost or plain[ASCENT] != NONE or plain[SPEED] < ASTERN
+
+    def _left_undone(self, boat: Boat) -> set[str]:
+        """Return what is given up, of GIVEN_UP."""
+        plain, s = boat.plain, boat.state
+        found = set()
+        if plain[ASCENT] != NONE:
+            found.add("afloat" if plain[ASCENT] == AFLOAT else "emergency ascent")
+        if plain[SPEED] < ASTERN and plain[ASCENT] == NONE and boat.automatic:
+            slow = plain[SPEED] > -LEAST_ASTERN or "astern" in self.given_up  # told once
+            if slow and (s.stern_by_hand == 0.0 or s.bow_by_hand == 0.0):
+                found.add("astern")
+        if plain[SHORT] > LACKING:
+            found.add("speed not reached")
+        if plain[LOST] != 0.0:
+            found.add("hover lost")
+        return found
