@@ -151,3 +151,13 @@ def advance_sea(vessel: Record, h: float, scratch: Record, state: Record) -> Non
         advance_sum(vessel, h, state)
         unit += math.sqrt(s.sea_cosines) * sum_elevation(scratch, state)
     s.eta_wave = 0.25 * s.sea_height * unit
+
+
+@kernel
+def record(vessel: Record, h: float, scratch: Record, state: Record, out: Numbers) -> None:
+    """Advance the sea, and nothing else, tick by tick; write the elevations [m]."""
+    s = state[0]
+    for i in range(out.size):
+        advance_sea(vessel, h, scratch, state)
+        s.tick += 1.0
+        out[i] = s.eta_wave
