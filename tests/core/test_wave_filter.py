@@ -10,7 +10,14 @@ import pytest
 from numba import njit
 
 from trainer.core.sea.sea import advance_sea, order_sea
-from trainer.core.sea.wave_filter import FORCE_DEPTHS, LENGTHS, MODES, PHASE_STEP, ROWS
+from trainer.core.sea.wave_filter import (
+    FORCE_DEPTHS,
+    FORCE_ROWS,
+    LENGTHS,
+    MODES,
+    PHASE_STEP,
+    WAVE_ROWS,
+)
 from trainer.core.state import new_sea, new_state
 from trainer.core.vessel import VESSEL
 
@@ -165,14 +172,14 @@ def pushed(bank: int, kappa: float) -> float:
 
 @pytest.mark.parametrize("bank", [0, 1])
 def test_the_outputs_have_variance_1_and_are_not_correlated(bank: int) -> None:
-    pair = responses(bank, ROWS[bank, 0, :, :2])
+    pair = responses(bank, WAVE_ROWS[bank])
 
     assert pair.T @ pair == pytest.approx(np.eye(2), abs=0.005)
 
 
 @pytest.mark.parametrize("bank", [0, 1])
 def test_the_spectrum_itself_is_within_4_per_cent_in_every_band(bank: int) -> None:
-    response = responses(bank, ROWS[bank, 0, :, :1])[:, 0]
+    response = responses(bank, WAVE_ROWS[bank, :, :1])[:, 0]
 
     def made(x: np.ndarray) -> np.ndarray:
         turns = np.exp(-1j * PHASE_STEP * np.outer(x, np.arange(response.size)))
@@ -185,7 +192,7 @@ def test_the_spectrum_itself_is_within_4_per_cent_in_every_band(bank: int) -> No
 @pytest.mark.parametrize("bank", [0, 1])
 def test_at_each_tabled_depth_the_force_has_the_variance_that_is_left(bank: int) -> None:
     for row, kappa in enumerate(FORCE_DEPTHS):
-        pair = responses(bank, ROWS[bank, row, :, 2:])
+        pair = responses(bank, FORCE_ROWS[bank, row])
         variance = np.sum(pair**2, axis=0)
         length = integral(
             lambda x: x**6 * np.exp(-2.0 * kappa * (x * x - 1.0)) * density(x, bank),  # noqa: B023
@@ -200,7 +207,7 @@ def test_at_each_tabled_depth_the_force_has_the_variance_that_is_left(bank: int)
 def test_between_two_depths_it_is_within_3_per_cent_down_to_where_little_is_left(bank: int) -> None:
     for row in range(FORCE_DEPTHS.size - 1):
         kappa = 0.5 * (FORCE_DEPTHS[row] + FORCE_DEPTHS[row + 1])
-        pair = responses(bank, 0.5 * (ROWS[bank, row] + ROWS[bank, row + 1])[:, 2:])
+        pair = responses(bank, 0.5 * (FORCE_ROWS[bank, row] + FORCE_ROWS[bank, row + 1]))
         excess = np.mean(np.sum(pair**2, axis=0)) / pushed(bank, kappa) - 1.0
 
         assert 0.0 < excess < (0.035 if kappa < 4.0 else 0.16)

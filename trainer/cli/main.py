@@ -64,7 +64,7 @@ SECTIONS: Final = {
     "Train": (run.run, run.serve, run.attach, run.station),
     "Exercises": (listings.exercises, listings.exercise, listings.casualties),
     "Recordings": (recordings.debrief, run.resume, recordings.replay, recordings.export),
-    "A boat": (vessel.check, *guide.GUIDING, vessel.reduce, vessel.gains),
+    "A boat": (vessel.check, *guide.GUIDING, vessel.reduce, vessel.gains, vessel.sea),
     "The programs of 1969": programs.PROGRAMS,
     "Many boats": (sweep.sweep,),
     "A ship from her recordings": (identify.identify, identify.prbs, identify.decca),

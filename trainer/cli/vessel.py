@@ -10,6 +10,7 @@ from typing import Any
 
 import click
 
+from trainer.cli.answers import Number, outputs, show
 from trainer.cli.shared_options import FILE, method_options
 
 
@@ -69,6 +70,38 @@ def gains(vessel: str) -> None:
     from trainer.config.vessel import load_vessel  # noqa: PLC0415
 
     click.echo(design_text(load_vessel(vessel)))
+
+
+@click.command()
+@click.argument("name", metavar="SEA")
+@click.option("--vessel", default="bb2", show_default=True, help="The boat in it.")
+@click.option(
+    "--depth",
+    "depths",
+    type=Number(0.0, 1000.0, min_open=True),
+    multiple=True,
+    metavar="M",
+    help="Depth in metres, may be repeated. [default: some, periscope depth among them]",
+)
+@click.option("--step", type=Number(1e-3, 2.0), default=None, help="[default: the boat's]")
+@outputs
+def sea(name: str, vessel: str, depths: tuple[float, ...], step: float | None, **how: Any) -> None:
+    """Show a sea: its waves, their energy by band, the suction on a boat.
+
+    \b
+    Example:  trainer sea sea-state-5 --plot sea.svg
+
+    SEA is calm, sea-state-1 to sea-state-6, or a file. The suction is that of a
+    Pierson-Moskowitz sea on a boat held still.
+    """
+    from trainer.analysis import seaway  # noqa: PLC0415
+    from trainer.config.sea import load_sea  # noqa: PLC0415
+    from trainer.config.vessel import load_vessel  # noqa: PLC0415
+
+    file, boat = load_sea(name), load_vessel(vessel)
+    at = tuple(dict.fromkeys(depths)) or seaway.usual_depths(boat)
+    report = seaway.survey(file, boat, at, boat.run.step_s if step is None else step)
+    show(report, seaway.render, lambda: seaway.panels(file, boat, report), how)
 
 
 @contextmanager

@@ -168,7 +168,7 @@ STATE: Final = record_dtype(
     # the wave filter: see there
     ("sea_modes", (2, 8)),  # [-] by bank, real parts first
     ("sea_spare", (2,)),  # [-] by bank: the second of a pair of deviates, for the next step
-    ("sea_past", (4, 4)),  # [-] outputs of its last four internal steps, the oldest first
+    ("sea_past", (4, 4)),  # [-] outputs of its last four internal steps, each by its number
     "sea_clock",  # [-] share of an internal step that has passed since the last but two
     "sea_steps",  # [-] internal steps done
     # [-] above the boat: elevation and what lags it by a quarter of a period, the same of the force
@@ -228,6 +228,7 @@ SEA_FIELDS: Final[tuple[Field, ...]] = (
     ("high", ["high_a1", "high_a2"]),
     "elevation_gain",  # [-] from the low-pass section to an output of variance 1
     "quadrature_gain",
+    ("force_rows", (2, 8, 2)),  # [-] of the wave filter, by bank, for the depth of the tick
     # cosine sum, and the peakedness and seed it is for
     "gamma",  # [-]
     "seed",

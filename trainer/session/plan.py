@@ -13,7 +13,7 @@ from trainer.config.casualties import Casualty, load_casualties
 from trainer.config.exercise import UNSCHEDULED, Armed, Exercise, Initial, Limits, load_exercise
 from trainer.config.files import ConfigError, read_text
 from trainer.config.score_rules import Rule
-from trainer.config.sea import SeaFile, load_sea
+from trainer.config.sea import SeaFile, load_sea, sea_settings, step_problem
 from trainer.config.vessel import VesselFile, load_vessel
 from trainer.core.scheme import RUNGE_KUTTAS
 from trainer.io.orders.schedule import BadSchedule, Scheduled, parse_schedule
@@ -79,12 +79,15 @@ def plan_run(options: RunOptions) -> Plan:
     file = load_vessel(chosen.vessel)
     if exercise:
         refuse_too_deep(exercise, file)
-    sea = exercise.sea if exercise and options.sea is None else None
+    given = exercise.sea if exercise and options.sea is None else None
+    sea, method = given or load_sea(options.sea or "calm"), choose_method(file, chosen)
+    if problem := step_problem(sea_settings(sea, file.fluid.g), method.step):
+        raise ConfigError(f"{sea.path.name}: {problem}")
     schedule = [*(exercise.schedule if exercise else ()), *read_schedule(options.orders_file)]
     return Plan(
         file=file,
-        method=choose_method(file, chosen),
-        sea=sea or load_sea(options.sea or "calm"),
+        method=method,
+        sea=sea,
         seed=int(chosen.seed),
         duration=chosen.duration,
         title=exercise.heading.name if exercise else "",

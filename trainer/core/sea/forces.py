@@ -60,7 +60,7 @@ FADING: Final = np.array(
     ]
 )
 SHALLOWEST: Final = 0.3  # [-] kappa
-DEEPEST: Final = 16.0
+DEEPEST: Final = 60.0  # of the fit: no wave is left
 
 
 @part

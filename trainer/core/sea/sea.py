@@ -43,7 +43,7 @@ def begin_sea(g: float, h: float, scratch: Record, state: Record) -> None:
     for back in range(math.ceil(longest / h), 0, -1):
         tick = int(s.tick) - back
         filter_noise(scratch, gaussian(int(s.seed), SEA_FILTER, tick), state)
-    begin_filter(s.sea_omega * s.sea_omega / g * max(s.z, 0.0), state)
+    begin_filter(s.sea_omega * s.sea_omega / g * max(s.z, 0.0), scratch, state)
 
 
 @kernel
@@ -115,7 +115,7 @@ def advance_filters(g: float, h: float, scratch: Record, state: Record) -> None:
         prepare_filter(g, s.sea_omega, h, scratch)
         advance_filter(scratch, turn_cos, turn_sin, state)
     if s.sea_1969 < 1.0:
-        advance_clock(number, run, h, state)
+        advance_clock(number, run, h, scratch, state)
         read_outputs(turn_cos, turn_sin, state)
 
 
@@ -151,3 +151,13 @@ def advance_sea(vessel: Record, h: float, scratch: Record, state: Record) -> Non
         advance_sum(vessel, h, state)
         unit += math.sqrt(s.sea_cosines) * sum_elevation(scratch, state)
     s.eta_wave = 0.25 * s.sea_height * unit
+
+
+@kernel
+def record(vessel: Record, h: float, scratch: Record, state: Record, out: Numbers) -> None:
+    """Advance the sea, and nothing else, tick by tick; write the elevations [m]."""
+    s = state[0]
+    for i in range(out.size):
+        advance_sea(vessel, h, scratch, state)
+        s.tick += 1.0
+        out[i] = s.eta_wave

@@ -143,12 +143,10 @@ _FORCE: Final = _read(
     """,
     *(2, 9, 2, 8),
 )
-_WAVE_BY_DEPTH: Final = np.repeat(_WAVE[:, None], FORCE_DEPTHS.size, axis=1)
-# As the kernels read them: factors by bank, part and mode; rows by bank, depth, mode and output.
+# As the kernels read them: factors by part and mode, rows by mode and output.
 MODES: Final = np.ascontiguousarray(np.swapaxes(_FACTORS, 1, 2))
-ROWS: Final = np.ascontiguousarray(
-    np.swapaxes(np.concatenate([_WAVE_BY_DEPTH, _FORCE], axis=2), 2, 3)
-)
+WAVE_ROWS: Final = np.ascontiguousarray(np.swapaxes(_WAVE, 1, 2))
+FORCE_ROWS: Final = np.ascontiguousarray(np.swapaxes(_FORCE, 2, 3))
 # By bank and depth: the wave number of what is left there over the peak's, the integral of
 # x^6 S exp(-2 kappa x^2) over that of x^4; it is taken for the length of all: estimate.
 LENGTHS: Final = np.array(
@@ -174,33 +172,41 @@ def advance_modes(bank: int, step: int, state: Record) -> None:
 
 
 @part
-def add_outputs(bank: int, size: float, row: int, inside: float, state: Record) -> None:
-    """Add ``size`` times the outputs of a bank to the newest; the force's between two rows."""
-    s = state[0]
+def choose_rows(bank: int, row: int, inside: float, scratch: Record) -> None:
+    """Write a bank's rows [-] of the force for a depth between two of FORCE_DEPTHS."""
+    work = scratch[0]
     for i in range(8):
-        x = size * s.sea_modes[bank, i]
-        for j in range(OUTPUTS):
-            upper, lower = ROWS[bank, row, i, j], ROWS[bank, row + 1, i, j]
-            s.sea_past[3, j] += (upper + inside * (lower - upper)) * x
+        for j in range(2):
+            upper, lower = FORCE_ROWS[bank, row, i, j], FORCE_ROWS[bank, row + 1, i, j]
+            work.force_rows[bank, i, j] = upper + inside * (lower - upper)
 
 
 @part
-def note_outputs(row: int, inside: float, state: Record) -> None:
-    """Write the outputs [-] of both banks, each by its share, behind the last three."""
+def add_outputs(bank: int, size: float, place: int, scratch: Record, state: Record) -> None:
+    """Add ``size`` times the outputs of a bank to those at a place of the history."""
+    s, work = state[0], scratch[0]
+    for i in range(8):
+        x = size * s.sea_modes[bank, i]
+        for j in range(2):
+            s.sea_past[place, j] += WAVE_ROWS[bank, i, j] * x
+            s.sea_past[place, 2 + j] += work.force_rows[bank, i, j] * x
+
+
+@part
+def note_outputs(step: int, scratch: Record, state: Record) -> None:
+    """Write the outputs [-] of both banks, each by its share, in place of the oldest."""
     s = state[0]
-    for i in range(3):
-        for j in range(OUTPUTS):
-            s.sea_past[i, j] = s.sea_past[i + 1, j]
+    place = step & 3
     for j in range(OUTPUTS):
-        s.sea_past[3, j] = 0.0
+        s.sea_past[place, j] = 0.0
     if s.sea_peaked < 1.0:
-        add_outputs(0, math.sqrt(1.0 - s.sea_peaked), row, inside, state)
+        add_outputs(0, math.sqrt(1.0 - s.sea_peaked), place, scratch, state)
     if s.sea_peaked > 0.0:
-        add_outputs(1, math.sqrt(s.sea_peaked), row, inside, state)
+        add_outputs(1, math.sqrt(s.sea_peaked), place, scratch, state)
 
 
 @kernel
-def begin_filter(kappa: float, state: Record) -> None:
+def begin_filter(kappa: float, scratch: Record, state: Record) -> None:
     """Start both banks at random, as if they had always run.
 
     ``kappa`` is the peak wave's number times the depth [-].
@@ -212,11 +218,11 @@ def begin_filter(kappa: float, state: Record) -> None:
         for i in range(8):
             s.sea_modes[bank, i] = 0.0
         s.sea_spare[bank] = 0.0
-    for back in range(WARM_UP, 0, -1):
+        choose_rows(bank, row, inside, scratch)
+    for step in range(int(s.sea_steps) - WARM_UP, int(s.sea_steps)):
         for bank in range(2):
-            advance_modes(bank, int(s.sea_steps) - back, state)
-        if back <= 4:
-            note_outputs(row, inside, state)
+            advance_modes(bank, step, state)
+        note_outputs(step, scratch, state)
 
 
 @part
@@ -228,7 +234,7 @@ def left_length(row: int, inside: float, peaked: float) -> float:
 
 
 @part
-def advance_clock(number: float, run: float, h: float, state: Record) -> None:
+def advance_clock(number: float, run: float, h: float, scratch: Record, state: Record) -> None:
     """Let the banks do the internal steps of a tick of ``h`` [s].
 
     ``number`` [1/m] is the peak wave's, ``run`` [m] the boat's way with the waves.
@@ -236,15 +242,20 @@ def advance_clock(number: float, run: float, h: float, state: Record) -> None:
     s = state[0]
     row, inside = cell(FORCE_DEPTHS, FORCE_DEPTHS.size, number * max(s.z, 0.0))
     s.push_number = number * left_length(row, inside, s.sea_peaked)
+    if s.sea_peaked < 1.0:
+        choose_rows(0, row, inside, scratch)
+    if s.sea_peaked > 0.0:
+        choose_rows(1, row, inside, scratch)
     turn = s.sea_omega * h
     s.sea_clock += max(turn - 2.0 * number * run, SLOWEST_CLOCK * turn) / PHASE_STEP
     done = 0
     while s.sea_clock >= 1.0 and done < MOST_STEPS:
+        step = int(s.sea_steps)
         if s.sea_peaked < 1.0:
-            advance_modes(0, int(s.sea_steps), state)
+            advance_modes(0, step, state)
         if s.sea_peaked > 0.0:
-            advance_modes(1, int(s.sea_steps), state)
-        note_outputs(row, inside, state)
+            advance_modes(1, step, state)
+        note_outputs(step, scratch, state)
         s.sea_steps += 1.0
         s.sea_clock -= 1.0
         done += 1
@@ -264,9 +275,11 @@ def read_outputs(turn_cos: float, turn_sin: float, state: Record) -> None:
     w1 = before * after * beyond * 0.5
     w2 = -before * f * beyond * 0.5
     w3 = before * f * after * 0.16666666666666666
+    oldest = int(s.sea_steps)
+    i0, i1, i2, i3 = oldest & 3, (oldest + 1) & 3, (oldest + 2) & 3, (oldest + 3) & 3
     for j in range(OUTPUTS):
-        early = w0 * s.sea_past[0, j] + w1 * s.sea_past[1, j]
-        s.sea_waves[j] = early + (w2 * s.sea_past[2, j] + w3 * s.sea_past[3, j])
+        early = w0 * s.sea_past[i0, j] + w1 * s.sea_past[i1, j]
+        s.sea_waves[j] = early + (w2 * s.sea_past[i2, j] + w3 * s.sea_past[i3, j])
     for j in range(0, OUTPUTS, 2):
         cosine_part, sine_part = s.sea_waves[j], s.sea_waves[j + 1]
         s.sea_waves[j] = cosine_part * turn_cos - sine_part * turn_sin

@@ -89,7 +89,7 @@ CONSTANTS: Final[tuple[tuple[ModuleType, str], ...]] = (
     (wave_filter, "MOST_STEPS OUTPUTS PHASE_STEP SLOWEST_CLOCK"),
 )
 CASUALTY_TABLES: Final = ("SURFACE", "GAUGE", "FAULT", "PLACE", "SENSE", "HOLDS", "GAUGE_CODE")
-FILTER_TABLES: Final = ("MODES", "ROWS", "FORCE_DEPTHS", "LENGTHS")
+FILTER_TABLES: Final = ("MODES", "WAVE_ROWS", "FORCE_ROWS", "FORCE_DEPTHS", "LENGTHS")
 SUM_TABLES: Final = ("ANGLE_COS", "ANGLE_SIN", "WEIGHT")
 PILOT_TABLES: Final[dict[tuple[ModuleType, str], str]] = {
     (ascent, "FAST"): "FAST",

@@ -186,27 +186,36 @@ static void advance_modes(int bank, struct state *s)
     }
 }
 
-static void add_outputs(int bank, double size, int row, double inside, struct state *s)
+static void choose_rows(int bank, int row, double inside, struct scratch *work)
+{
+    for (int i = 0; i < 8; i++)
+        for (int j = 0; j < 2; j++) {
+            double upper = FORCE_ROWS[bank][row][i][j], lower = FORCE_ROWS[bank][row + 1][i][j];
+            work->force_rows[bank][i][j] = upper + inside * (lower - upper);
+        }
+}
+
+static void add_outputs(
+    int bank, double size, const struct scratch *work, const struct state *s, double *outputs)
 {
     for (int i = 0; i < 8; i++) {
-        const double *upper = ROWS[bank][row][i], *lower = ROWS[bank][row + 1][i];
         double x = size * s->sea_modes[bank][i];
-        for (int j = 0; j < OUTPUTS; j++)
-            s->sea_past[3][j] += (upper[j] + inside * (lower[j] - upper[j])) * x;
+        for (int j = 0; j < 2; j++) {
+            outputs[j] += WAVE_ROWS[bank][i][j] * x;
+            outputs[2 + j] += work->force_rows[bank][i][j] * x;
+        }
     }
 }
 
-static void note_outputs(int row, double inside, struct state *s)
+static void note_outputs(const struct scratch *work, struct state *s)
 {
-    for (int j = 0; j < OUTPUTS; j++) {
-        for (int i = 0; i < 3; i++)
-            s->sea_past[i][j] = s->sea_past[i + 1][j];
-        s->sea_past[3][j] = 0.0;
-    }
+    double *outputs = s->sea_past[(int64_t)s->sea_steps & 3];
+    for (int j = 0; j < OUTPUTS; j++)
+        outputs[j] = 0.0;
     if (s->sea_peaked < 1.0)
-        add_outputs(0, sqrt(1.0 - s->sea_peaked), row, inside, s);
+        add_outputs(0, sqrt(1.0 - s->sea_peaked), work, s, outputs);
     if (s->sea_peaked > 0.0)
-        add_outputs(1, sqrt(s->sea_peaked), row, inside, s);
+        add_outputs(1, sqrt(s->sea_peaked), work, s, outputs);
 }
 
 static double left_length(int row, double inside, double peaked)
@@ -217,19 +226,24 @@ static double left_length(int row, double inside, double peaked)
     return flat + peaked * (raised - flat);
 }
 
-static void advance_clock(double number, double run, double h, struct state *s)
+static void advance_clock(
+    double number, double run, double h, struct scratch *work, struct state *s)
 {
     int depths = sizeof FORCE_DEPTHS / sizeof *FORCE_DEPTHS;
     double inside, turn = s->sea_omega * h;
     int row = cell(FORCE_DEPTHS, depths, number * most(s->z, 0.0), &inside);
     s->push_number = number * left_length(row, inside, s->sea_peaked);
+    if (s->sea_peaked < 1.0)
+        choose_rows(0, row, inside, work);
+    if (s->sea_peaked > 0.0)
+        choose_rows(1, row, inside, work);
     s->sea_clock += most(turn - 2.0 * number * run, SLOWEST_CLOCK * turn) / PHASE_STEP;
     for (int done = 0; s->sea_clock >= 1.0 && done < MOST_STEPS; done++) {
         if (s->sea_peaked < 1.0)
             advance_modes(0, s);
         if (s->sea_peaked > 0.0)
             advance_modes(1, s);
-        note_outputs(row, inside, s);
+        note_outputs(work, s);
         s->sea_steps += 1.0;
         s->sea_clock -= 1.0;
     }
@@ -243,10 +257,12 @@ static void read_outputs(double turn_cos, double turn_sin, struct state *s)
     double weight[4] = {
         -f * after * beyond * 0.16666666666666666, before * after * beyond * 0.5,
         -before * f * beyond * 0.5, before * f * after * 0.16666666666666666};
-    double now[OUTPUTS];
+    double now[OUTPUTS], *past[4];
+    for (int i = 0; i < 4; i++)
+        past[i] = s->sea_past[((int64_t)s->sea_steps + i) & 3];
     for (int j = 0; j < OUTPUTS; j++) {
-        double early = weight[0] * s->sea_past[0][j] + weight[1] * s->sea_past[1][j];
-        now[j] = early + (weight[2] * s->sea_past[2][j] + weight[3] * s->sea_past[3][j]);
+        double early = weight[0] * past[0][j] + weight[1] * past[1][j];
+        now[j] = early + (weight[2] * past[2][j] + weight[3] * past[3][j]);
     }
     for (int j = 0; j < OUTPUTS; j += 2) {
         s->sea_waves[j] = now[j] * turn_cos - now[j + 1] * turn_sin;
@@ -340,7 +356,7 @@ static void advance_filters(double g, double h, struct scratch *work, struct sta
         advance_filter(work, turn_cos, turn_sin, s);
     }
     if (s->sea_1969 < 1.0) {
-        advance_clock(number, run, h, s);
+        advance_clock(number, run, h, work, s);
         read_outputs(turn_cos, turn_sin, s);
     }
 }

@@ -1,0 +1,133 @@
+"""A sea in numbers and pictures: the command `trainer sea`."""
+
+import json
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+from click.testing import CliRunner, Result
+
+from trainer.analysis import seaway
+from trainer.cli.vessel import sea
+from trainer.config.files import ConfigError
+from trainer.config.sea import load_sea, parse_sea
+from trainer.config.vessel import load_vessel
+
+BB2 = load_vessel("bb2")
+
+
+def ask(*words: str) -> Result:
+    return CliRunner().invoke(sea, words)
+
+
+@pytest.fixture(scope="module")
+def report() -> seaway.Report:
+    return seaway.survey(load_sea("sea-state-4"), BB2, (17.5, 18.0, 20.0), 0.5)
+
+
+def test_a_sea_says_how_high_and_long_it_is_and_which_step_it_allows(
+    report: seaway.Report,
+) -> None:
+    found = report.sea
+
+    assert (found.height_m, found.from_deg, found.generator) == (1.875, 0.0, "filter")
+    assert found.period_s == pytest.approx(6.84, abs=0.01)
+    assert found.wavelength_m == pytest.approx(9.81 * found.period_s**2 / (2.0 * math.pi))
+    assert found.longest_step_s == pytest.approx(1.416, abs=1e-3)
+    # nu = 0.15: 0.15 x 9.81 / 0.918 = 1.60 m/s
+    assert found.followed_kn == pytest.approx(3.12, abs=0.01)
+
+
+def test_the_suction_on_a_boat_is_that_of_the_model_document(report: seaway.Report) -> None:
+    _, at_18, at_20 = report.depths
+
+    assert at_18.suction_N == pytest.approx(7200.0, abs=100.0)
+    assert at_18.slope_N_m == pytest.approx(1280.0, abs=20.0)
+    assert at_18.suction_kg == pytest.approx(7200.0 / 9.81, abs=10.0)
+    assert at_18.doubling_s == pytest.approx(55.0, abs=1.0)
+    assert at_20.doubling_s == pytest.approx(68.0, abs=1.5)
+
+
+def test_the_records_have_the_energy_of_the_spectrum_in_every_band(report: seaway.Report) -> None:
+    assert report.variance == pytest.approx(1.0, abs=0.02)
+    assert [band.begin for band in report.bands] == pytest.approx(np.arange(6, 20) / 10.0)
+    for band in report.bands:
+        assert band.ratio == pytest.approx(1.0, abs=0.15)
+
+
+def test_the_page_shows_the_filter_of_1969_as_it_is() -> None:
+    old = parse_sea('[sea]\nsea_state = 5\ngenerator = "filter-1969"', Path("old.toml"))
+    found = seaway.survey(old, BB2, (17.5,), 0.5)
+    ratios = [band.ratio or 0.0 for band in found.bands]
+
+    # table of the model document, first row
+    assert ratios[0] == pytest.approx(7.35, rel=0.1)
+    assert ratios[7] == pytest.approx(0.79, rel=0.1)
+    assert found.sea.followed_kn is None
+
+
+def test_a_band_beyond_what_the_step_can_show_has_no_energy() -> None:
+    cosines = parse_sea('[sea]\nsea_state = 3\ngenerator = "cosines"', Path("my.toml"))
+    found = seaway.survey(cosines, BB2, (17.5,), 1.5)
+
+    assert found.bands[0].ratio is not None
+    assert found.bands[-1].ratio is None
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ("sea-state-5",),
+        ("sea-state-3", "--vessel", "remus100", "--depth", "3"),
+        ("sea-state-1",),
+        ("calm",),
+    ],
+)
+def test_the_page_fits_a_terminal(words: tuple[str, ...]) -> None:
+    done = ask(*words)
+
+    assert done.exit_code == 0, done.output
+    assert max(map(len, done.stdout.splitlines())) <= 79
+    assert done.stdout.isascii()
+
+
+def test_json_has_numbers_only_and_a_calm_has_no_waves() -> None:
+    found = json.loads(ask("sea-state-5", "--json").stdout, parse_constant=pytest.fail)
+
+    assert found["sea"]["height_m"] == 3.25
+    assert len(found["bands"]) == 14
+    assert ask("calm").stdout == "Calm: no waves\n"
+    assert json.loads(ask("calm", "--json").stdout)["depths"] == []
+
+
+def test_a_plot_has_a_record_the_spectrum_and_the_suction(tmp_path: Path) -> None:
+    path = tmp_path / "sea.svg"
+    done = ask("sea-state-5", "--plot", str(path))
+    file = load_sea("sea-state-5")
+    found = seaway.panels(file, BB2, seaway.survey(file, BB2, (17.5, 60.0), 0.5))
+    record, energy, lift = (panel.curves for panel in found)
+
+    assert done.exit_code == 0
+    assert path.read_bytes().startswith(b"<?xml")
+    assert record[0].x[-1] == 300.0
+    assert 0.6 < np.std(record[0].y) < 1.0  # a quarter of 3.25 m
+    assert np.max(energy[0].y) == pytest.approx(np.max(energy[1].y), rel=0.1)
+    assert np.all(np.diff(lift[0].y) < 0.0)
+
+
+def test_what_cannot_be_shown_is_told() -> None:
+    calm = ask("calm", "--plot", "calm.svg").exception
+    short = ask("sea-state-3", "--step", "1").exception
+
+    assert isinstance(calm, ConfigError)
+    assert "calm.toml is a calm: there is nothing to draw" in str(calm)
+    assert isinstance(short, ConfigError)
+    assert "sea-state-3.toml: a sea above Nyquist for the step" in str(short)
+    assert ask("sea-state-4", "--depth", "0").exit_code == 2
+
+
+def test_suction_that_is_off_is_told() -> None:
+    still = parse_sea('[sea]\nsea_state = 4\nsuction = "off"', Path("still.toml"))
+
+    assert "suction is off in this sea" in seaway.render(seaway.survey(still, BB2, (18.0,), 0.5))

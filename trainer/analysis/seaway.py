@@ -1,0 +1,341 @@
+"""A sea in numbers and pictures: height, period, energy by band, and what it does to a boat.
+
+As a page for a terminal, and as a plot: a record, its spectrum against the target, and the mean
+suction by depth.
+"""
+
+import math
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+
+from trainer.analysis.report.plots import Curve, Panel
+from trainer.analysis.report.text import INDENT, plain, table, wrap
+from trainer.config.files import ConfigError
+from trainer.config.sea import SeaFile, sea_settings, step_problem
+from trainer.config.vessel import VesselFile
+from trainer.core.kernel import Numbers
+from trainer.core.sea.forces import SHALLOWEST, suction
+from trainer.core.sea.sea import COSINES, DIRECTION, GAMMA, HEIGHT, OLD, OMEGA, order_sea, record
+from trainer.core.sea.wave_filter import STEEPEST_TURN
+from trainer.core.state import new_sea, new_state
+from trainer.core.vessel import VESSEL
+from trainer.units import KNOT
+
+BANDS: Final = np.arange(6, 20) / 10.0  # [-] where they begin, times the peak frequency
+WIDTH: Final = 0.1  # [-] of a band
+RECORDS: Final = 20
+HOURS: Final = 3.0  # of each
+SHOWN: Final = 300.0  # [s] of the first
+CHASED: Final = 0.15  # [-] speed with the waves over the peak's, beyond which the filter is untrue
+DEPTHS: Final = (10.0, 15.0, 20.0, 25.0, 30.0, 40.0, 60.0, 100.0)  # [m]
+SLOW: Final = 1e-6  # [1/s2] a departure that doubles in ten minutes or more is none
+FAINT: Final = 3.0  # [-] depth times the peak's number, beyond which little is left
+HIGHEST: Final = 1.86  # [-] of the significant height: sqrt(ln 1000/2), Rayleigh's
+GRID: Final = np.linspace(0.25, 12.0, 20_001)  # [-] of integrals over frequency
+
+
+@dataclass(frozen=True)
+class Seaway:
+    """How high, how long and from where, and how it is made."""
+
+    name: str
+    height_m: float  # significant
+    period_s: float  # of the peak
+    omega_rad_s: float
+    wavelength_m: float
+    gamma: float  # [-] how much the peak is raised
+    from_deg: float
+    generator: str
+    suction: bool
+    longest_step_s: float | None  # None: any
+    followed_kn: float | None  # with the waves, from where on the filter is untrue; None: never
+
+
+@dataclass(frozen=True)
+class AtDepth:
+    """What the sea is to a boat held at a depth of its origin."""
+
+    depth_m: float
+    water_m_s: float  # rms vertical speed of the water
+    suction_N: float  # mean
+    suction_kg: float  # water that holds the boat down against it
+    slope_N_m: float  # how much less a metre deeper
+    doubling_s: float | None  # in which a departure doubles; None: it does not
+
+
+@dataclass(frozen=True)
+class Band:
+    """The energy of many records in a band, over that of the spectrum."""
+
+    begin: float  # [-] times the peak frequency
+    ratio: float | None
+
+
+@dataclass(frozen=True)
+class Report:
+    """All that ``trainer sea`` says about a sea; a calm has no depths and no bands."""
+
+    sea: Seaway
+    vessel: str
+    step_s: float
+    depths: tuple[AtDepth, ...]
+    variance: float | None  # of the records, over the ordered one
+    bands: tuple[Band, ...]
+
+
+def spectrum(x: Numbers, gamma: float) -> Numbers:
+    """Return the density [-] at ``x`` times the peak frequency, of variance 1.
+
+    Pierson-Moskowitz's and Bretschneider's, raised by ``gamma`` as JONSWAP has it.
+    """
+
+    def raised(x: Numbers) -> Numbers:
+        off = (x - 1.0) / np.where(x <= 1.0, 0.07, 0.09)
+        flat = 5.0 * x**-5.0 * np.exp(-1.25 * x**-4.0)
+        return np.asarray(flat * gamma ** np.exp(-0.5 * off * off))
+
+    whole = np.linspace(0.25, 60.0, 100_001)
+    return np.asarray(raised(x) / np.trapezoid(raised(whole), whole))
+
+
+def water_speed(settings: Numbers, g: float, depth: float) -> float:
+    """Return the rms vertical speed of the water [m/s] at a depth [m]."""
+    number = settings[OMEGA] ** 2 / g
+    left = GRID**2 * np.exp(-2.0 * number * depth * GRID**2)
+    energy = float(np.trapezoid(left * spectrum(GRID, settings[GAMMA]), GRID))
+    return float(0.25 * settings[HEIGHT] * settings[OMEGA]) * math.sqrt(energy)
+
+
+def describe(file: SeaFile, settings: Numbers, g: float) -> Seaway:
+    """Return the sea by its settings [SI]."""
+    omega = float(settings[OMEGA])
+    filtered = settings[COSINES] + settings[OLD] == 0.0
+    return Seaway(
+        name=file.name,
+        height_m=float(settings[HEIGHT]),
+        period_s=2.0 * math.pi / omega,
+        omega_rad_s=omega,
+        wavelength_m=2.0 * math.pi * g / omega**2,
+        gamma=float(settings[GAMMA]),
+        from_deg=math.degrees(settings[DIRECTION] + math.pi) % 360.0,
+        generator=file.sea.generator,
+        suction=file.sea.suction == "on",
+        longest_step_s=STEEPEST_TURN / omega if filtered else None,
+        followed_kn=CHASED * g / omega / KNOT if filtered else None,
+    )
+
+
+def swum_mass(vessel: VesselFile) -> float:
+    """Return the displaced mass with the added mass in heave [kg]."""
+    added = 0.5 * vessel.fluid.rho * vessel.hull.length**3 * vessel.coefficients["Z_wdot"]
+    return vessel.hull.buoyancy / vessel.fluid.g - added
+
+
+def at_depth(vessel: VesselFile, settings: Numbers, depth: float) -> AtDepth:
+    """Return what the sea is to a boat at a depth [m]; the suction is Pierson-Moskowitz's."""
+    g, mass = vessel.fluid.g, swum_mass(vessel)
+    height, omega = float(settings[HEIGHT]), float(settings[OMEGA])
+    lift, slope = suction(g, omega, height, depth)
+    return AtDepth(
+        depth_m=depth,
+        water_m_s=water_speed(settings, g, depth),
+        suction_N=mass * lift,
+        suction_kg=mass * lift / g,
+        slope_N_m=mass * slope,
+        doubling_s=math.log(2.0) / math.sqrt(slope) if slope > SLOW else None,
+    )
+
+
+def records(settings: Numbers, g: float, step: float, count: int, hours: float) -> Numbers:
+    """Return elevations [record, tick] over the ordered deviation, at a boat at rest."""
+    vessel = np.zeros(1, VESSEL)
+    vessel["g"] = g
+    found = np.empty((count, round(3600.0 * hours / step)))
+    for seed, row in enumerate(found, start=1):
+        sea, state = new_sea(), new_state()
+        state["seed"] = seed
+        order_sea(vessel, step, 0.0, settings, sea, state)
+        record(vessel, step, sea, state, row)
+    return np.asarray(found / (0.25 * settings[HEIGHT]))
+
+
+def energy(found: Numbers, step: float, omega: float) -> tuple[Numbers, Numbers]:
+    """Return frequency over the peak's [-], and the records' mean variance by frequency [-]."""
+    window = np.hanning(found.shape[1])
+    power = np.mean(abs(np.fft.rfft(found * window)) ** 2, axis=0)
+    frequency = 2.0 * np.pi * np.fft.rfftfreq(found.shape[1], step) / omega
+    variance = 2.0 * power / (found.shape[1] * np.sum(window * window))
+    return np.asarray(frequency, float), np.asarray(variance, float)
+
+
+def in_bands(x: Numbers, variance: Numbers, gamma: float, step: float) -> tuple[Band, ...]:
+    """Return the bands; one beyond what the step can show has no energy."""
+    bands = []
+    for begin in BANDS:
+        inside = np.linspace(begin, begin + WIDTH, 201)
+        target = float(np.trapezoid(spectrum(inside, gamma), inside))
+        ratio = float(np.sum(variance[(x >= begin) & (x < begin + WIDTH)])) / target
+        bands.append(Band(float(begin), ratio if begin + WIDTH <= math.pi / step else None))
+    return tuple(bands)
+
+
+def survey(file: SeaFile, vessel: VesselFile, depths: Iterable[float], step: float) -> Report:
+    """Return the sea, what it is to a boat at ``depths`` [m], and what is in its records."""
+    settings = sea_settings(file, vessel.fluid.g)
+    if problem := step_problem(settings, step):
+        raise ConfigError(f"{file.path.name}: {problem}")
+    sea = describe(file, settings, vessel.fluid.g)
+    if sea.height_m == 0.0:
+        return Report(sea, vessel.name, step, (), None, ())
+    found = records(settings, vessel.fluid.g, step, RECORDS, HOURS)
+    x, variance = energy(found, step, sea.omega_rad_s)
+    return Report(
+        sea,
+        vessel.name,
+        step,
+        tuple(at_depth(vessel, settings, depth) for depth in depths),
+        float(np.mean(found * found)),
+        in_bands(x, variance, sea.gamma, step * sea.omega_rad_s),
+    )
+
+
+def usual_depths(vessel: VesselFile) -> tuple[float, ...]:
+    """Return depths [m] that the boat may be at, its periscope depth among them."""
+    deepest = vessel.hull.max_depth_m or DEPTHS[-1]
+    periscope = vessel.run.periscope_depth_m
+    own = () if periscope is None else (periscope,)
+    return tuple(sorted({*own, *(depth for depth in DEPTHS if depth <= deepest)}))
+
+
+def render(report: Report) -> str:
+    """Return the report as text."""
+    sea = report.sea
+    if sea.height_m == 0.0:
+        return plain(f"{sea.name}: no waves")
+    return "\n".join(
+        [
+            plain(sea.name),
+            *_facts(report),
+            "",
+            plain(f"AT REST IN {report.vessel}"),
+            *_depth_rows(report),
+            *([] if sea.suction else wrap("suction is off in this sea: the boat does not feel it")),
+            "",
+            f"ENERGY BY BAND, {RECORDS} records of {HOURS:g} h over the spectrum's",
+            *_band_rows(report.bands),
+        ]
+    )
+
+
+def _facts(report: Report) -> list[str]:
+    """Return the sea in lines."""
+    sea = report.sea
+    shape = "Pierson-Moskowitz" if sea.gamma == 1.0 else f"JONSWAP, peak raised {sea.gamma:g} times"
+    highest = HIGHEST * sea.height_m
+    lines = [
+        f"height       {sea.height_m:.3g} m significant, one in 1000 {highest:.2g} m",
+        f"peak         {sea.period_s:.1f} s, {sea.omega_rad_s:.3f} rad/s",
+        f"wavelength   {sea.wavelength_m:.0f} m of the peak, from {sea.from_deg:03.0f}",
+        f"spectrum     {shape}, by {sea.generator}; suction {'on' if sea.suction else 'off'}",
+    ]
+    if sea.longest_step_s is not None:
+        lines.append(f"step         up to {sea.longest_step_s:.3g} s; here {report.step_s:g} s")
+    if sea.followed_kn is not None:
+        lines.append(
+            f"following    above {sea.followed_kn:.2g} kn with the waves it is untrue: take cosines"
+        )
+    return [INDENT + line for line in lines]
+
+
+def _depth_rows(report: Report) -> list[str]:
+    """Return the table of depths."""
+    heads = (
+        "depth\n[m]",
+        "swell\n[m/s]",
+        "suction\n[N]",
+        "water\n[kg]",
+        "less by\n[N/m]",
+        "doubles\n[s]",
+    )
+    rows = [
+        (
+            f"{one.depth_m:g}",
+            f"{one.water_m_s:.3f}",
+            f"{one.suction_N:.0f}",
+            f"{one.suction_kg:.0f}",
+            f"{one.slope_N_m:.0f}",
+            "-" if one.doubling_s is None else f"{one.doubling_s:.0f}",
+        )
+        for one in report.depths
+    ]
+    return table(heads, rows)
+
+
+def _band_rows(bands: Sequence[Band]) -> list[str]:
+    """Return the bands in two rows of a table."""
+    half = (len(bands) + 1) // 2
+    lines = []
+    for part in (bands[:half], bands[half:]):
+        heads = ["from", *(f"{band.begin:.1f}" for band in part)]
+        told = ["-" if band.ratio is None else f"{band.ratio:.2f}" for band in part]
+        lines += table(heads, [["energy", *told]])
+    return lines
+
+
+def panels(file: SeaFile, vessel: VesselFile, report: Report) -> tuple[Panel, ...]:
+    """Return a record, the spectrum and the suction by depth; ConfigError of a calm."""
+    sea = report.sea
+    if sea.height_m == 0.0:
+        raise ConfigError(f"--plot: {file.path.name} is a calm: there is nothing to draw")
+    settings, step = sea_settings(file, vessel.fluid.g), report.step_s
+    record = records(settings, vessel.fluid.g, step, 1, SHOWN / 3600.0)[0]
+    seconds = step * np.arange(1, record.size + 1)
+    return (
+        Panel(
+            f"{sea.name}: elevation above a boat at rest",
+            "time [s]",
+            "elevation [m]",
+            (Curve("elevation", seconds, 0.25 * sea.height_m * record),),
+            levels=(-0.5 * sea.height_m, 0.5 * sea.height_m),
+        ),
+        _spectrum_panel(sea, report.bands),
+        _suction_panel(vessel, settings, report),
+    )
+
+
+def _spectrum_panel(sea: Seaway, bands: Sequence[Band]) -> Panel:
+    """Return the target and the records' energy by band [m2 s/rad]."""
+    scale = (0.25 * sea.height_m) ** 2 / sea.omega_rad_s
+    x = np.linspace(0.4, 2.4, 401)
+    middle, density = [], []
+    for band in bands:
+        inside = np.linspace(band.begin, band.begin + WIDTH, 51)
+        target = float(np.trapezoid(spectrum(inside, sea.gamma), inside)) / WIDTH
+        middle.append(band.begin + 0.5 * WIDTH)
+        density.append(math.nan if band.ratio is None else target * band.ratio)
+    curves = (
+        Curve("spectrum", sea.omega_rad_s * x, scale * spectrum(x, sea.gamma)),
+        Curve(
+            f"{RECORDS} records",
+            sea.omega_rad_s * np.array(middle),
+            scale * np.array(density),
+            points=True,
+        ),
+    )
+    return Panel("energy by frequency", "frequency [rad/s]", "density [m2 s/rad]", curves)
+
+
+def _suction_panel(vessel: VesselFile, settings: Numbers, report: Report) -> Panel:
+    """Return the mean suction by depth, where it is known."""
+    number = settings[OMEGA] ** 2 / vessel.fluid.g
+    deepest = min(max(one.depth_m for one in report.depths), FAINT / number)
+    depths = np.linspace(min(SHALLOWEST / number, 0.5 * deepest), deepest, 101)
+    lifts = [1e-3 * at_depth(vessel, settings, float(depth)).suction_N for depth in depths]
+    curve = Curve("mean", depths, np.array(lifts))
+    periscope = vessel.run.periscope_depth_m
+    marks = () if periscope is None else (("periscope depth", periscope),)
+    title = "mean suction on the boat"
+    return Panel(title, "depth [m]", "suction [kN]", (curve,), marks=marks, levels=(0.0,))
