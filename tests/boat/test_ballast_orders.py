@@ -184,7 +184,7 @@ def test_from_60_m_up_and_down_again_by_orders(equations: str) -> None:
     boat = under_way(equations=equations)
     s = boat.state
 
-    told(boat, "surface")
+    told(boat, "trim manual", "surface")
     fly(boat, 240.0)
     told(boat, "blow stop")
     fly(boat, 240.0)
@@ -233,6 +233,7 @@ def test_an_emergency_blow_by_order_surfaces_the_boat_within_two_minutes() -> No
 
 def test_water_moved_and_moved_back_leaves_the_same_trim() -> None:
     boat = under_way(speed_kn=8.0)
+    told(boat, "trim manual")
     fly(boat, 120.0)
     pitch, planes = float(boat.state.theta), float(boat.state.delta_s)
 

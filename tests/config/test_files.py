@@ -54,11 +54,15 @@ AUTOPILOT_LISTS = [
     for item in fields(Autopilot)
     if isinstance(kind_of(item), Quantities) and item.name != "speed_kn"
 ]
+RISING, RUDDER = "[0.3, 0.2, 0.1]", "[-0.3, -0.2, -0.1]"  # the rudder's sense is that of N_dr
 AUTOPILOT = "\n".join(
     [
         "\n[autopilot]",
         "speed_kn = [3, 10, 20]",
-        *(f"{name} = [0.3, 0.2, 0.1]" for name in AUTOPILOT_LISTS),
+        *(
+            f"{name} = {RUDDER if name.startswith('rudder') else RISING}"
+            for name in AUTOPILOT_LISTS
+        ),
         "speed_integral = 0.01",
         "turning_rate_deg_s = 0.1",
     ],
@@ -322,6 +326,15 @@ def test_autopilot_lists_are_read() -> None:
     assert autopilot.speed_kn == (3.0, 10.0, 20.0)
     assert autopilot.bow_integral == (0.3, 0.2, 0.1)
     assert autopilot.turning_rate_deg_s == 0.1
+
+
+@pytest.mark.parametrize("gain", ["rudder_course", "rudder_yaw_rate"])
+def test_a_gain_of_the_wrong_sign_is_named(gain: str) -> None:
+    with pytest.raises(ConfigError) as told:
+        parse_vessel(SMALL + AUTOPILOT.replace(f"{gain} = {RUDDER}", f"{gain} = {RISING}"), PLACE)
+
+    assert f"[autopilot] {gain} = 0.3: has the wrong sign; with N_dr = -0.007" in str(told.value)
+    assert "must be below 0" in str(told.value)
 
 
 def test_compensation_and_extra_terms_are_read() -> None:

@@ -109,7 +109,8 @@ def test_orders_wait_for_no_line_end_and_quit_ends_the_run(start: Start) -> None
 
 
 def test_the_summary_counts_what_was_simulated(start: Start) -> None:
-    ran = Run(start(*HEADLESS, "--duration", "2m"))
+    Path("orders.txt").write_text("0 trim manual\n")
+    ran = Run(start(*HEADLESS, "--duration", "2m", "--orders", "orders.txt"))
 
     assert ran.code == 0
     assert "simulated   120.0 s in 240 ticks;" in ran.out
@@ -155,7 +156,7 @@ def test_the_csv_has_a_row_for_the_start_and_each_tick_and_loses_no_digit(
 
 
 def test_a_scheduled_order_acts_on_its_tick(start: Start, tmp_path: Path) -> None:
-    (tmp_path / "orders.txt").write_text("# to starboard\n600 rudder right 15\n")
+    (tmp_path / "orders.txt").write_text("# to starboard\n0 trim manual\n600 rudder right 15\n")
     files = ("--orders", "orders.txt", "--csv", "out.csv")
     assert Run(start(*HEADLESS, "--duration", "601", *files)).code == 0
 

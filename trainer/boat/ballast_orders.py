@@ -8,7 +8,7 @@ from collections.abc import Callable
 from typing import Final
 
 from trainer.boat.boat import Boat
-from trainer.core.ballast.hover import SURE, wanted_pump
+from trainer.core.ballast.hover import SURE, WAY, is_hovering, wanted_pump
 from trainer.core.ballast.tanks import (
     BLOWN,
     COMPARTMENTS,
@@ -20,6 +20,7 @@ from trainer.core.ballast.tanks import (
     TANKS,
 )
 from trainer.io.orders.grammar import Order, Refused, Reply
+from trainer.units import KNOT
 
 MAIN: Final = BLOWN[:NEGATIVE]
 SPACES: Final = tuple(name.removeprefix("compartment_") for name in COMPARTMENTS)
@@ -141,6 +142,8 @@ def _hover(boat: Boat, order: Order) -> Reply:
         return refusal
     s.hover, s.hover_lost, s.ascent = 1.0, 0.0, 0.0
     s.ordered_depth = s.z
+    if not is_hovering(boat.records.state):
+        return f"hovering below {WAY / KNOT:.0f} knots; until then the planes have the depth"
     if s.sea_height > 0.0 and s.sea_suction == 0.0:
         return "hovering at this depth; this sea has no suction, so it is easier than at sea"
     return "hovering at this depth"

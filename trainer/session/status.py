@@ -107,15 +107,15 @@ def ballast_lines(boat: Boat) -> list[str]:
         pressure = np.nan_to_num(s.bank * c.gas / c.bank_volume) / 1e6
     weight = float(s.weight - c.buoyancy) / float(c.g) / 1000.0
     working = [name for name in ("hover", "compressor") if s[name]]
-    working += ["automatic trim"] * (not s.trim_by_hand)
     lines = [
         (
             f"main ballast forward {filled[0]:.0f}, mid {filled[1]:.0f}, "
             f"aft {filled[2]:.0f}, negative {filled[3]:.0f} %; weight {weight:+.1f} t"
         ),
         (
-            f"trim forward {tonnes['trim_forward']:.1f}, aft {tonnes['trim_aft']:.1f}, "
-            f"auxiliary {tonnes['auxiliary']:.1f}, depth control {tonnes['depth_control']:.1f} t"
+            f"trim{' by hand' * bool(s.trim_by_hand)} forward {tonnes['trim_forward']:.1f}, "
+            f"aft {tonnes['trim_aft']:.1f}, auxiliary {tonnes['auxiliary']:.1f}, "
+            f"depth control {tonnes['depth_control']:.1f} t"
         ),
         (
             f"air banks main {pressure[0]:.1f}, emergency {pressure[1]:.1f} MPa"

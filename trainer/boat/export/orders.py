@@ -122,17 +122,19 @@ def _autopilot_orders(boat: Boat) -> Iterator[str]:
     planes = _give_to_autopilot(boat, "stern", "bow")
     everything = {
         "speed_by_hand": _const(0.0),
+        "trim_by_hand": _const(0.0),
         **_give_to_autopilot(boat, "rudder", "stern", "bow"),
     }
     depth, course, speed = (NUMBERS[kind] for kind in ("DEPTH", "COURSE", "SPEED"))
     deepest = boat.file.hull.max_depth_m
     keel = Range(0.0, depth.high if deepest is None else min(deepest, depth.high), 1.0)
-    yield _row("depth", {"ordered_depth": "number:1.0", **planes}, keel)
+    below = {"ascent": _const(0.0), **planes}
+    yield _row("depth", {"ordered_depth": "number:1.0", **below}, keel)
     yield _row("depth auto", planes)
     yield _row("planes auto", planes)
     if boat.file.run.periscope_depth_m is not None:
         periscope = _const(boat.file.run.periscope_depth_m)
-        yield _row("periscope depth", {"ordered_depth": periscope, **planes})
+        yield _row("periscope depth", {"ordered_depth": periscope, **below})
     rudder = _give_to_autopilot(boat, "rudder")
     turn = Range(0.0, math.tau, course.units[0].factor, f"{course.high:g}")
     yield _row("course", {**rudder, "ordered_psi": f"short:{PLACES['psi']}"}, turn)
@@ -145,4 +147,6 @@ def _autopilot_orders(boat: Boat) -> Iterator[str]:
     yield _row("autopilot on", everything)
     hands = _take_in_hand("rudder", "stern", "bow")
     revolutions = {"ordered_u_c": _place("u_c"), "speed_by_hand": _const(1.0)}
-    yield _row("autopilot off", {**hands, **revolutions})
+    yield _row("autopilot off", {**hands, **revolutions, "trim_by_hand": _const(1.0)})
+    yield _row("trim manual", {"trim_by_hand": _const(1.0)})
+    yield _row("trim auto", {"trim_by_hand": _const(0.0)})

@@ -124,7 +124,7 @@ def lay_amidships(state: Record) -> None:
 
 @part
 def go_on_from(state: Record, surface: int, law: float) -> None:
-    """Let depth keeping by ``law`` [rad] follow the planes, to go on from where they stand."""
+    """Let depth keeping by ``law`` [rad] follow a plane; after the ascent that is its trim."""
     s = state[0]
     stand_by(state, surface, law, False)  # noqa: FBT003 a fact
     if s.ascent == NONE:

@@ -27,6 +27,7 @@ from trainer.core.autopilot.steering import (
 )
 from trainer.core.autopilot.trimming import keep_trim
 from trainer.core.autopilot.waves import sense_waves
+from trainer.core.ballast.hover import is_hovering
 from trainer.core.casualties import AUTOPILOT_FAILED, slot_of
 from trainer.core.kernel import Numbers, Record, kernel, part
 
@@ -56,16 +57,18 @@ def keep_planes(vessel: Record, h: float, gains: Numbers, state: Record) -> None
     """
     s = state[0]
     watch_blow(vessel, state)
-    if s.ascent == NONE and s.hover == 0.0:
+    if s.ascent != NONE:
+        come_up(vessel, h, gains, state)
+        go_on_from(state, STERN, plane_law(state, gains, 0))
+        go_on_from(state, BOW, plane_law(state, gains, PLANE_COUNT))
+    elif is_hovering(state):
+        lay_amidships(state)
+        stand_by(state, STERN, plane_law(state, gains, 0), False)  # noqa: FBT003 a fact
+        stand_by(state, BOW, plane_law(state, gains, PLANE_COUNT), False)  # noqa: FBT003
+    else:
         keep_depth(vessel, h, gains, state)
         return
     s.wave_share = 0.0  # the law for waves begins anew
-    if s.ascent != NONE:
-        come_up(vessel, h, gains, state)
-    else:
-        lay_amidships(state)
-    go_on_from(state, STERN, plane_law(state, gains, 0))
-    go_on_from(state, BOW, plane_law(state, gains, PLANE_COUNT))
 
 
 @part

@@ -64,10 +64,10 @@ def learnt(vessel: Record, h: float, state: Record) -> float:
     c = vessel[0]
     s = state[0]
     most = largest_trim(state)
-    new = min(max(s.speed_trim + h * s.speed_rate_2, -most), most)
+    new = s.speed_trim + h * s.speed_rate_2
     command = s.ordered_speed + new
-    over = command > c.u_c_ahead and new > s.speed_trim
-    under = command < c.u_c_astern and new < s.speed_trim
+    over = (command > c.u_c_ahead or new > most) and new > s.speed_trim
+    under = (command < c.u_c_astern or new < -most) and new < s.speed_trim
     return s.speed_trim if over or under else new
 
 

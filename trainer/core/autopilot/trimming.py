@@ -11,6 +11,7 @@ import math
 from typing import Final
 
 from trainer.core.autopilot.steering import OWN, is_turning
+from trainer.core.ballast.hover import is_hovering
 from trainer.core.ballast.tanks import TRIM_AFT, TRIM_FORWARD
 from trainer.core.kernel import Record, part
 
@@ -30,7 +31,7 @@ def is_trimming(state: Record) -> bool:
     """Return whether the boat is in the steady flight in which its trim shows."""
     s = state[0]
     automatic = s.stern_by_hand == 0.0 and s.bow_by_hand == 0.0
-    free = s.ascent == 0.0 and s.hover == 0.0 and s.depth_law == OWN
+    free = s.ascent == 0.0 and not is_hovering(state) and s.depth_law == OWN
     near = abs(s.ordered_depth - s.z) < NEAR and s.u > UNDER_WAY
     return automatic and free and near
 

@@ -1,4 +1,6 @@
-"""Hovering: the depth-control tank keeps the ordered depth of a boat that makes no way.
+"""Hovering: the depth-control tank keeps the ordered depth of a boat that makes little way.
+
+Ordered at more than WAY it waits: the planes have the depth until then, never both.
 
 A depth error asks for a depth rate, within limits; an error in that for an acceleration, and so for
 water, at the natural frequency of the vessel file and a damping ratio; in waves that are felt more
@@ -31,12 +33,20 @@ SLOW, SLOW_DAMPING = 0.15, 0.8  # [rad/s], [-] of the low-pass
 NEAR: Final = 5.0  # [m] of error that the growing suction is reckoned with
 SOON: Final = 20.0  # [s] of pumping, within which the integral learns
 
+WAY: Final = 3.0 * KNOT  # [m/s] from there up planes hold a boat better
 FURTHEST: Final = 5.0  # [m]
 CATCH: Final = 0.7  # [-]
 LONGEST: Final = 120.0  # [s]
 AWAY: Final = 4.0 * KNOT  # [m/s] ordered where hovering is given up
 GROUPS: Final = 2.5  # [-] pump wanted over p F/g: waves come in groups. An estimate
 SURE: Final = 0.8  # [-] of the pump that may be wanted
+
+
+@part
+def is_hovering(state: Record) -> bool:
+    """Return whether the tank has the depth."""
+    s = state[0]
+    return s.hover > 0.0 and abs(s.u) < WAY
 
 
 @part

@@ -6,7 +6,7 @@ order. Sea water is let in at the pump's rate at any depth; out, the rate falls 
 
 import math
 
-from trainer.core.ballast.hover import hover
+from trainer.core.ballast.hover import hover, is_hovering
 from trainer.core.ballast.tanks import (
     AUXILIARY,
     DEPTH_CONTROL,
@@ -113,7 +113,7 @@ def work_pumps(vessel: Record, ballast: Record, h: float, state: Record) -> None
     integral follows the tank, so that it starts without a bump.
     """
     s = state[0]
-    if s.hover > 0.0:
+    if is_hovering(state):
         hover(vessel, ballast, h, state)
     else:
         s.hover_integral = s.water[DEPTH_CONTROL]

@@ -356,21 +356,32 @@ static void go_on_from(struct state *s, int surface, double law)
     }
 }
 
+static int is_hovering(const struct state *s)
+{
+    return s->hover > 0.0 && fabs(s->u) < WAY;
+}
+
 static void keep_planes(const struct vessel *c, double h, const double *gains, struct state *s)
 {
     watch_blow(c, s);
-    if (s->ascent == 0.0 && s->hover == 0.0) {
+    double stern_law = plane_law(s, gains, 0), bow_law = plane_law(s, gains, PLANE_COUNT);
+    if (s->ascent != 0.0) {
+        if (s->ascent == RISING) {
+            hold_bubble(c, h, gains, s);
+            hand_back(c, h, s);
+        } else
+            lay_amidships(s);
+        go_on_from(s, STERN, stern_law);
+        go_on_from(s, BOW, bow_law);
+    } else if (is_hovering(s)) {
+        lay_amidships(s);
+        stand_by(s, STERN, stern_law, 0);
+        stand_by(s, BOW, bow_law, 0);
+    } else {
         keep_depth(c, h, gains, s);
         return;
     }
     s->wave_share = 0.0;
-    if (s->ascent == RISING) {
-        hold_bubble(c, h, gains, s);
-        hand_back(c, h, s);
-    } else
-        lay_amidships(s);
-    go_on_from(s, STERN, plane_law(s, gains, 0));
-    go_on_from(s, BOW, plane_law(s, gains, PLANE_COUNT));
 }
 
 static void keep_course(const struct vessel *c, double h, const double *gains, struct state *s)
@@ -406,10 +417,10 @@ static double learnt(const struct vessel *c, double h, struct state *s)
     s->speed_rate_1 = first;
     s->speed_rate_2 = answering ? 0.0 : second;
     double furthest = MOST_TRIM[0] * fabs(s->ordered_speed) + MOST_TRIM[1];
-    double new = clamped(s->speed_trim + h * s->speed_rate_2, -furthest, furthest);
+    double new = s->speed_trim + h * s->speed_rate_2;
     double command = s->ordered_speed + new;
-    int over = command > c->u_c_ahead && new > s->speed_trim;
-    int under = command < c->u_c_astern && new < s->speed_trim;
+    int over = (command > c->u_c_ahead || new > furthest) && new > s->speed_trim;
+    int under = (command < c->u_c_astern || new < -furthest) && new < s->speed_trim;
     return over || under ? s->speed_trim : new;
 }
 
@@ -448,7 +459,7 @@ static double trim_moved(double wanted, double negligible, double h, double furt
 
 static int is_trimming(const struct state *s)
 {
-    int free = s->ascent == 0.0 && s->hover == 0.0;
+    int free = s->ascent == 0.0 && !is_hovering(s);
     return free && s->stern_by_hand == 0.0 && s->bow_by_hand == 0.0
         && fabs(s->ordered_depth - s->z) < NEAR && s->u > UNDER_WAY;
 }

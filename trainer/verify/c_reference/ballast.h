@@ -280,7 +280,7 @@ static void hover(const struct vessel *c, double h, struct state *s)
 
 static void work_pumps(const struct vessel *c, double h, struct state *s)
 {
-    if (s->hover > 0.0)
+    if (is_hovering(s))
         hover(c, h, s);
     else
         s->hover_integral = s->water[DEPTH_CONTROL], s->hover_time = s->hover_full = 0.0;
