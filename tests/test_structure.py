@@ -48,7 +48,8 @@ def test_no_module_lies_beside_a_package_of_its_name() -> None:
 
 
 def test_modules_are_few_and_short() -> None:
-    assert len(MODULES) <= 380
+    # 380, and two with the seas: the filter of 1969 beside today's, and the page of a sea
+    assert len(MODULES) <= 382
     longest = max(SOURCES, key=lambda path: len(path.read_text(encoding="utf-8").splitlines()))
     assert len(longest.read_text(encoding="utf-8").splitlines()) <= 500, longest
 
