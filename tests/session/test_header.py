@@ -276,8 +276,10 @@ def test_another_version_core_or_state_is_told(monkeypatch: pytest.MonkeyPatch) 
     assert differences(header) == [
         f"trainer 9.9.9, recorded {header['trainer']}",
         f"core {digest}, recorded 0123456789abcdef: other equations",
-        f"state of {len(LAYOUT)} numbers, recorded {len(LAYOUT)}; new: trim_forward; "
-        "gone: old_name",
+        (
+            f"state of {len(LAYOUT)} numbers, recorded {len(LAYOUT)}; new: trim_forward; "
+            "gone: old_name"
+        ),
     ]
 
 
