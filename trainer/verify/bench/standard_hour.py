@@ -42,7 +42,7 @@ ORDERS: Final = """
 1400 clear leak-auxiliary
 1500 rudder right 5
 1530 course 030
-1600 speed 5
+1600 speed 2
 1700 depth 40
 1800 hover on
 2000 flood depth-control 2
@@ -50,7 +50,8 @@ ORDERS: Final = """
 2200 speed 8
 2300 casualty gyro-biased
 2400 periscope depth
-2700 surface
+2700 emergency blow
+2800 blow stop
 3000 compressor on
 3100 dive
 3200 depth 50
