@@ -64,7 +64,7 @@ ORDERS_GIVEN = {
     30: ["pump trim forward 3 t", "hover on", "blow forward"],
     55: ["speed 40", "time x2", "casualty stern-slow 0.7 ramp 20"],
     90: ["freeze tanks", "casualty gyro-biased 0.5 ramp 10"],
-    120: ["release tanks", "sea state 3", "surface"],
+    120: ["release tanks", "sea state 4", "surface"],
     160: ["rudder left 10"],
 }
 LAST = 160
