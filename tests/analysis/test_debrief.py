@@ -236,7 +236,7 @@ depth_m = 12.5
 
 [sea]
 sea_state = 5
-suction = "on"
+generator = "filter-1969"
 
 [[orders]]
 at_s = 20

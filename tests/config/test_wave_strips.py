@@ -2,6 +2,7 @@
 
 import re
 import tomllib
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -51,6 +52,7 @@ def test_a_run_has_places_in_lengths_and_shares_of_each_mass() -> None:
 
 def test_a_file_without_strips_has_those_of_a_usual_hull_about_its_centre() -> None:
     file = load_vessel("sdv-mk9")
+    file = replace(file, hull=replace(file.hull, cb=(0.2, 0.0, 0.0)))
     places, *shares = fit_out(file, METHOD).vessel["strips"][0]
     centre = file.hull.cb[0] / file.hull.length
 
@@ -67,7 +69,7 @@ def test_a_file_without_strips_has_those_of_a_usual_hull_about_its_centre() -> N
         ({"displaced_kg": [5e5] * 7}, "displaced_kg: the sum is 3.5e+06 kg, must be buoyancy/g"),
         (
             {"displaced_kg": [161.6e3, 647.3e3, 779.4e3, 793.1e3, 779.4e3, 778.7e3, 479.4e3]},
-            "displaced_kg: the centre is at x = -4.46 m, must be that of cb, 0 m, within 0.351 m",
+            "displaced_kg: the centre is at x = -5.25 m, must be that of cb, 0 m, within 0.351 m",
         ),
         ({"x_m": [7.0, 6.0, 5.0, 4.0, 3.0, 2.0, 2.0]}, "must descend from the bow, none twice"),
         (

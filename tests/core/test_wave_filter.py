@@ -144,6 +144,18 @@ def test_the_height_is_the_ordered_one_within_half_a_per_cent(state: int, bank: 
     assert np.mean(np.square(found)) == pytest.approx(1.0, abs=0.01)  # the variance
 
 
+@pytest.mark.parametrize("shares", [(0.5, 0.0, 0.0), (0.0, 0.5, 0.0), (0.3, 0.4, 0.5)])
+def test_a_mixture_of_generators_has_the_whole_height(shares: tuple[float, float, float]) -> None:
+    bank, old, cosines = shares
+    found = []
+    for seed in range(1, SEEDS + 1):
+        sea = Sea(5, bank, 0.5, seed)
+        sea.order(5, bank, 0.0, old=old, cosines=cosines)
+        found.append(sea.run(10_800.0)[:, 4] / sea.unit)
+
+    assert np.mean(np.square(found)) == pytest.approx(1.0, abs=0.03)
+
+
 @pytest.mark.parametrize(("bank", "lag", "size"), [(STANDARD, 14.0, 0.16), (RAISED, 3.0, 0.04)])
 def test_the_quadrature_lags_by_a_quarter_of_a_period(bank: float, lag: float, size: float) -> None:
     x, power = spectra(5, bank, 0.5)

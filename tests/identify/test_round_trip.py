@@ -23,7 +23,7 @@ from trainer.units import KNOT
 
 pytest.importorskip("scipy")
 
-SENSIBLE = ("--amplitude", "1", "--interval", "5", "--depth", "17.5", "--sea", "sea-state-3")
+SENSIBLE = ("--amplitude", "1", "--interval", "5", "--depth", "17.5", "--sea", "sea-state-4")
 
 
 def run(command: Any, *arguments: Any) -> Any:
@@ -35,7 +35,7 @@ def run(command: Any, *arguments: Any) -> Any:
 
 @pytest.fixture(scope="module")
 def trial(tmp_path_factory: Any) -> Any:
-    """Return the folder of 1 degree flown by BB2 at periscope depth in sea state 3."""
+    """Return the folder of 1 degree flown by BB2 at periscope depth in sea state 4."""
     folder = tmp_path_factory.mktemp("trial")
     run(prbs, "bb2", *SENSIBLE, "--write", folder / "trial.toml")
     order = [sys.executable, "-m", "trainer", "run", "trial.toml", "--headless"]

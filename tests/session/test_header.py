@@ -273,13 +273,11 @@ def test_another_version_core_or_state_is_told(monkeypatch: pytest.MonkeyPatch) 
     monkeypatch.setattr(header_module, "__version__", "9.9.9")
     header["layout"] = json.dumps([*LAYOUT[:-1], "old_name"])
 
+    count, last = len(LAYOUT), LAYOUT[-1]
     assert differences(header) == [
         f"trainer 9.9.9, recorded {header['trainer']}",
         f"core {digest}, recorded 0123456789abcdef: other equations",
-        (
-            f"state of {len(LAYOUT)} numbers, recorded {len(LAYOUT)}; new: trim_forward; "
-            "gone: old_name"
-        ),
+        f"state of {count} numbers, recorded {count}; new: {last}; gone: old_name",
     ]
 
 

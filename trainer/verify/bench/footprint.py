@@ -57,6 +57,9 @@ ORDERS: Final = ("source", "list-burr")  # of the instructions: as written, for 
 CALLED: Final = re.compile(r"call [^\n]*@(?:llvm\.)?mem(?:set|cpy)\b")
 HELD: Final = re.compile(r"^@llvm\.compiler\.used = .*\n", re.MULTILINE)  # memset, memcpy
 DEFINED: Final = re.compile(r"^(define [^\n]*?) \{$", re.MULTILINE)
+OF_THE_WAVE_FILTER: Final = (
+    *("sea_modes", "sea_spare", "sea_past", "sea_clock", "sea_steps", "sea_waves", "push_number"),
+)
 CHILD: Final = """
 import json, sys
 from llvmlite import binding
@@ -85,7 +88,7 @@ class Footprint:
     """What the tick takes."""
 
     codes: tuple[Code, ...]
-    state_words: int
+    state_words: int  # without the memory of the wave filter, which 1969 had not
     compact_words: int  # without the terms that 1969 had not
     least_whole_words: int  # a tick's code and constants, the compact record and the state
     whole_words_wanted: int
@@ -147,7 +150,9 @@ def footprint() -> Footprint:
         for name, by_cpu in compiled[0].items()
         for cpu in by_cpu
     )
-    state, compact = STATE.itemsize // 2, COMPACT.itemsize // 2 - 4 * len(EXTRA_TERMS)
+    later = sum(STATE[name].itemsize for name in OF_THE_WAVE_FILTER)
+    state = (STATE.itemsize - later) // 2
+    compact = COMPACT.itemsize // 2 - 4 * len(EXTRA_TERMS)
     ticks = [code.code_words + code.constant_words for code in codes if code.program == "tick"]
     return Footprint(codes, state, compact, min(ticks) + compact + state, MEMORY)
 
