@@ -249,14 +249,26 @@ def test_water_moved_and_moved_back_leaves_the_same_trim() -> None:
 
 def test_status_tells_of_tanks_air_and_sea_in_79_columns() -> None:
     boat = under_way()
-    told(boat, "blow aft", "hover on", "compressor on", "sea height 11.75", "flood auxiliary 5")
+    told(
+        boat,
+        "trim manual",
+        "blow aft",
+        "hover on",
+        "compressor on",
+        "sea height 11.75",
+        "flood auxiliary 5",
+    )
     boat.state.breach_forward = boat.state.breach_centre = boat.state.breach_aft = 0.05
     fly(boat, 30.0)
     lines = status_lines(boat, Ledger(0.5).summary())
 
     assert max(map(len, lines)) <= 79
     for words in (
-        *("main ballast forward 100, mid 100, aft", "trim forward 10.2, aft 10.2", "auxiliary 31"),
+        *(
+            "main ballast forward 100, mid 100, aft",
+            "trim by hand forward 10.2, aft 10.2",
+            "auxiliary 31",
+        ),
         *("air banks main 2", "emergency 25.0 MPa; on: hover, compressor", "flooded forward"),
         *("sea ordered 11.8 m, peak at 17.1 s, from 000, in 30 s", "sea 5."),
     ):

@@ -426,7 +426,7 @@ def test_hovering_is_refused_where_the_pump_cannot_hold(started: Start) -> None:
     assert boat.state.hover == 0.0
     depth = float(answer.rpartition("go to ")[2].split()[0])
     boat.state.z = depth
-    assert "hovering" in order(boat, "hover on")
+    assert "until then the planes have the depth" in order(boat, "hover on"), "at 4 knots"
     assert "cannot hold 18 m" in order(boat, "depth 18"), "nor is the boat sent there hovering"
 
 
@@ -446,6 +446,6 @@ def test_hovering_that_is_lost_is_given_up_and_told(started: Start) -> None:
 
 def test_a_sea_without_suction_is_told_where_one_hovers(started: Start) -> None:
     boat = started(4.0, 30.0, 4)
-    boat.state.sea_suction = 0.0
+    boat.state.u, boat.state.sea_suction = 0.5, 0.0
 
     assert "no suction" in order(boat, "hover on")

@@ -22,6 +22,7 @@ from trainer.session.stations.roles import (
 GRAMMAR = sorted({form.name or heading_word(form) for form in FORMS if not form.refusal})
 SHIP = {"stern", "bow", "planes", "depth", "periscope"}
 WATER = {"blow", "emergency", "vent", "negative", "flood", "pump", "drain", "hover", "compressor"}
+WATER |= {"trim"}
 OWN = {
     "instructor": set(GRAMMAR),
     "helm": {"rudder", "course", "course-by", "speed", "turns", "rpm", "bell"},

@@ -108,8 +108,8 @@ def test_orders_wait_for_no_line_end_and_quit_ends_the_run(start: Start) -> None
     assert "rudder right 10, by hand" in ran.out
 
 
-def test_the_summary_counts_what_was_simulated(start: Start) -> None:
-    Path("orders.txt").write_text("0 trim manual\n")
+def test_the_summary_counts_what_was_simulated(start: Start, tmp_path: Path) -> None:
+    (tmp_path / "orders.txt").write_text("0 trim manual\n")
     ran = Run(start(*HEADLESS, "--duration", "2m", "--orders", "orders.txt"))
 
     assert ran.code == 0
