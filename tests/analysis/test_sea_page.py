@@ -49,7 +49,7 @@ def test_the_suction_on_a_boat_is_that_of_the_model_document(report: seaway.Repo
     assert at_20.doubling_s == pytest.approx(68.0, abs=1.5)
 
 
-def test_the_records_have_the_energy_of_the_spectrum_in_every_band(report: seaway.Report) -> None:
+def test_the_series_have_the_energy_of_the_spectrum_in_every_band(report: seaway.Report) -> None:
     assert report.variance == pytest.approx(1.0, abs=0.02)
     assert [band.begin for band in report.bands] == pytest.approx(np.arange(6, 20) / 10.0)
     for band in report.bands:
@@ -101,17 +101,17 @@ def test_json_has_numbers_only_and_a_calm_has_no_waves() -> None:
     assert json.loads(ask("calm", "--json").stdout)["depths"] == []
 
 
-def test_a_plot_has_a_record_the_spectrum_and_the_suction(tmp_path: Path) -> None:
+def test_a_plot_has_a_series_the_spectrum_and_the_suction(tmp_path: Path) -> None:
     path = tmp_path / "sea.svg"
     done = ask("sea-state-5", "--plot", str(path))
     file = load_sea("sea-state-5")
     found = seaway.panels(file, BB2, seaway.survey(file, BB2, (17.5, 60.0), 0.5))
-    record, energy, lift = (panel.curves for panel in found)
+    series, energy, lift = (panel.curves for panel in found)
 
     assert done.exit_code == 0
     assert path.read_bytes().startswith(b"<?xml")
-    assert record[0].x[-1] == 300.0
-    assert 0.6 < np.std(record[0].y) < 1.0  # a quarter of 3.25 m
+    assert series[0].x[-1] == 300.0
+    assert 0.6 < np.std(series[0].y) < 1.0  # a quarter of 3.25 m
     assert np.max(energy[0].y) == pytest.approx(np.max(energy[1].y), rel=0.1)
     assert np.all(np.diff(lift[0].y) < 0.0)
 

@@ -126,6 +126,7 @@ def test_every_band_has_the_spectrum_s_energy_at_any_step(
     assert np.all(abs(ratio - 1.0) < 0.15), ratio
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("bank", [STANDARD, RAISED])
 def test_the_energy_of_sea_state_5_is_right_in_every_band(bank: float) -> None:
     x, power = spectra(5, bank, 0.5)
@@ -144,6 +145,7 @@ def test_the_height_is_the_ordered_one_within_half_a_per_cent(state: int, bank: 
     assert np.mean(np.square(found)) == pytest.approx(1.0, abs=0.01)  # the variance
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("shares", [(0.5, 0.0, 0.0), (0.0, 0.5, 0.0), (0.3, 0.4, 0.5)])
 def test_a_mixture_of_generators_has_the_whole_height(shares: tuple[float, float, float]) -> None:
     bank, old, cosines = shares
@@ -156,6 +158,7 @@ def test_a_mixture_of_generators_has_the_whole_height(shares: tuple[float, float
     assert np.mean(np.square(found)) == pytest.approx(1.0, abs=0.03)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(("bank", "lag", "size"), [(STANDARD, 14.0, 0.16), (RAISED, 3.0, 0.04)])
 def test_the_quadrature_lags_by_a_quarter_of_a_period(bank: float, lag: float, size: float) -> None:
     x, power = spectra(5, bank, 0.5)
@@ -262,6 +265,7 @@ def test_a_boat_faster_than_the_group_still_has_waves_of_the_ordered_height() ->
     assert np.mean(np.square(found)) == pytest.approx(1.0, abs=0.1)
 
 
+@pytest.mark.long
 def test_a_sea_far_above_nyquist_neither_hangs_nor_loses_its_height() -> None:
     sea = Sea(5, STANDARD, 0.5, 1)
     sea.state["sea_omega"] = 1e5
@@ -279,6 +283,7 @@ CHANGES = {
 }
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("change", CHANGES)
 def test_the_surface_never_jumps_while_a_sea_changes(change: str) -> None:
     state, bank, shares = CHANGES[change]

@@ -1,6 +1,6 @@
 """A sea in numbers and pictures: height, period, energy by band, and what it does to a boat.
 
-As a page for a terminal, and as a plot: a record, its spectrum against the target, and the mean
+As a page for a terminal, and as a plot: a series, its spectrum against the target, and the mean
 suction by depth.
 """
 
@@ -18,7 +18,16 @@ from trainer.config.sea import SeaFile, sea_settings, step_problem
 from trainer.config.vessel import VesselFile
 from trainer.core.kernel import Numbers
 from trainer.core.sea.forces import SHALLOWEST, suction
-from trainer.core.sea.sea import COSINES, DIRECTION, GAMMA, HEIGHT, OLD, OMEGA, order_sea, record
+from trainer.core.sea.sea import (
+    COSINES,
+    DIRECTION,
+    GAMMA,
+    HEIGHT,
+    OLD,
+    OMEGA,
+    order_sea,
+    write_elevations,
+)
 from trainer.core.sea.wave_filter import STEEPEST_TURN
 from trainer.core.state import new_sea, new_state
 from trainer.core.vessel import VESSEL
@@ -26,7 +35,7 @@ from trainer.units import KNOT
 
 BANDS: Final = np.arange(6, 20) / 10.0  # [-] where they begin, times the peak frequency
 WIDTH: Final = 0.1  # [-] of a band
-RECORDS: Final = 20
+SERIES: Final = 20
 HOURS: Final = 3.0  # of each
 SHOWN: Final = 300.0  # [s] of the first
 CHASED: Final = 0.15  # [-] speed with the waves over the peak's, beyond which the filter is untrue
@@ -68,7 +77,7 @@ class AtDepth:
 
 @dataclass(frozen=True)
 class Band:
-    """The energy of many records in a band, over that of the spectrum."""
+    """The energy of many series in a band, over that of the spectrum."""
 
     begin: float  # [-] times the peak frequency
     ratio: float | None
@@ -82,7 +91,7 @@ class Report:
     vessel: str
     step_s: float
     depths: tuple[AtDepth, ...]
-    variance: float | None  # of the records, over the ordered one
+    variance: float | None  # of the series, over the ordered one
     bands: tuple[Band, ...]
 
 
@@ -149,8 +158,8 @@ def at_depth(vessel: VesselFile, settings: Numbers, depth: float) -> AtDepth:
     )
 
 
-def records(settings: Numbers, g: float, step: float, count: int, hours: float) -> Numbers:
-    """Return elevations [record, tick] over the ordered deviation, at a boat at rest."""
+def make_series(settings: Numbers, g: float, step: float, count: int, hours: float) -> Numbers:
+    """Return elevations [series, tick] over the ordered deviation, at a boat at rest."""
     vessel = np.zeros(1, VESSEL)
     vessel["g"] = g
     found = np.empty((count, round(3600.0 * hours / step)))
@@ -158,12 +167,12 @@ def records(settings: Numbers, g: float, step: float, count: int, hours: float) 
         sea, state = new_sea(), new_state()
         state["seed"] = seed
         order_sea(vessel, step, 0.0, settings, sea, state)
-        record(vessel, step, sea, state, row)
+        write_elevations(vessel, step, sea, state, row)
     return np.asarray(found / (0.25 * settings[HEIGHT]))
 
 
 def energy(found: Numbers, step: float, omega: float) -> tuple[Numbers, Numbers]:
-    """Return frequency over the peak's [-], and the records' mean variance by frequency [-]."""
+    """Return frequency over the peak's [-], and the mean variance of series by frequency [-]."""
     window = np.hanning(found.shape[1])
     power = np.mean(abs(np.fft.rfft(found * window)) ** 2, axis=0)
     frequency = 2.0 * np.pi * np.fft.rfftfreq(found.shape[1], step) / omega
@@ -183,14 +192,14 @@ def in_bands(x: Numbers, variance: Numbers, gamma: float, step: float) -> tuple[
 
 
 def survey(file: SeaFile, vessel: VesselFile, depths: Iterable[float], step: float) -> Report:
-    """Return the sea, what it is to a boat at ``depths`` [m], and what is in its records."""
+    """Return the sea, what it is to a boat at ``depths`` [m], and what is in its series."""
     settings = sea_settings(file, vessel.fluid.g)
     if problem := step_problem(settings, step):
         raise ConfigError(f"{file.path.name}: {problem}")
     sea = describe(file, settings, vessel.fluid.g)
     if sea.height_m == 0.0:
         return Report(sea, vessel.name, step, (), None, ())
-    found = records(settings, vessel.fluid.g, step, RECORDS, HOURS)
+    found = make_series(settings, vessel.fluid.g, step, SERIES, HOURS)
     x, variance = energy(found, step, sea.omega_rad_s)
     return Report(
         sea,
@@ -224,7 +233,7 @@ def render(report: Report) -> str:
             *_depth_rows(report),
             *([] if sea.suction else wrap("suction is off in this sea: the boat does not feel it")),
             "",
-            f"ENERGY BY BAND, {RECORDS} records of {HOURS:g} h over the spectrum's",
+            f"ENERGY BY BAND, {SERIES} series of {HOURS:g} h over the spectrum's",
             *_band_rows(report.bands),
         ]
     )
@@ -286,19 +295,19 @@ def _band_rows(bands: Sequence[Band]) -> list[str]:
 
 
 def panels(file: SeaFile, vessel: VesselFile, report: Report) -> tuple[Panel, ...]:
-    """Return a record, the spectrum and the suction by depth; ConfigError of a calm."""
+    """Return a series, the spectrum and the suction by depth; ConfigError of a calm."""
     sea = report.sea
     if sea.height_m == 0.0:
         raise ConfigError(f"--plot: {file.path.name} is a calm: there is nothing to draw")
     settings, step = sea_settings(file, vessel.fluid.g), report.step_s
-    record = records(settings, vessel.fluid.g, step, 1, SHOWN / 3600.0)[0]
-    seconds = step * np.arange(1, record.size + 1)
+    series = make_series(settings, vessel.fluid.g, step, 1, SHOWN / 3600.0)[0]
+    seconds = step * np.arange(1, series.size + 1)
     return (
         Panel(
             f"{sea.name}: elevation above a boat at rest",
             "time [s]",
             "elevation [m]",
-            (Curve("elevation", seconds, 0.25 * sea.height_m * record),),
+            (Curve("elevation", seconds, 0.25 * sea.height_m * series),),
             levels=(-0.5 * sea.height_m, 0.5 * sea.height_m),
         ),
         _spectrum_panel(sea, report.bands),
@@ -307,7 +316,7 @@ def panels(file: SeaFile, vessel: VesselFile, report: Report) -> tuple[Panel, ..
 
 
 def _spectrum_panel(sea: Seaway, bands: Sequence[Band]) -> Panel:
-    """Return the target and the records' energy by band [m2 s/rad]."""
+    """Return the target and the energy of series by band [m2 s/rad]."""
     scale = (0.25 * sea.height_m) ** 2 / sea.omega_rad_s
     x = np.linspace(0.4, 2.4, 401)
     middle, density = [], []
@@ -319,7 +328,7 @@ def _spectrum_panel(sea: Seaway, bands: Sequence[Band]) -> Panel:
     curves = (
         Curve("spectrum", sea.omega_rad_s * x, scale * spectrum(x, sea.gamma)),
         Curve(
-            f"{RECORDS} records",
+            f"{SERIES} series",
             sea.omega_rad_s * np.array(middle),
             scale * np.array(density),
             points=True,

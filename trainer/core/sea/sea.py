@@ -154,7 +154,9 @@ def advance_sea(vessel: Record, h: float, scratch: Record, state: Record) -> Non
 
 
 @kernel
-def record(vessel: Record, h: float, scratch: Record, state: Record, out: Numbers) -> None:
+def write_elevations(
+    vessel: Record, h: float, scratch: Record, state: Record, out: Numbers
+) -> None:
     """Advance the sea, and nothing else, tick by tick; write the elevations [m]."""
     s = state[0]
     for i in range(out.size):
