@@ -15,6 +15,7 @@ from trainer.boat import helm
 from trainer.boat.boat import Boat
 from trainer.boat.pilot import PilotMonitor
 from trainer.config.sea import parse_sea
+from trainer.config.vessel import parse_vessel
 from trainer.core.autopilot.ascent import AFLOAT, NONE, RISING
 from trainer.core.autopilot.sections import low_pass, notch, pass_section
 from trainer.core.sea.forces import suction
@@ -449,3 +450,27 @@ def test_a_sea_without_suction_is_told_where_one_hovers(started: Start) -> None:
     boat.state.u, boat.state.sea_suction = 0.5, 0.0
 
     assert "no suction" in order(boat, "hover on")
+
+
+# --- tanks too small for automatic trim
+
+
+def test_a_trim_tank_too_small_is_named_in_its_file(make_boat: Callable[..., Boat]) -> None:
+    text = make_boat("bb2").file.text
+    start = text.index('name = "trim_forward"')
+    key = text.index("capacity_m3", start)
+    end = text.index("\n", key)
+    file = parse_vessel(text[:key] + "capacity_m3 = 0.2" + text[end:], Path("boat.toml"))
+
+    [remark] = file.remarks
+    assert remark.startswith("boat.toml: [ballast] pumped: trim_forward: capacity_m3 = 0.2: ")
+    assert "automatic trim wants 0.43 m3 or more" in remark
+
+
+@pytest.mark.long
+def test_automatic_trim_tells_when_a_tank_has_no_more_to_give(started: Start) -> None:
+    boat = started(6.0, 18.0)
+    boat.state.water_auxiliary = boat.vessel.capacity[6]
+    news = said(boat, 300.0)
+
+    assert len([text for text in news if "no more water or room" in text]) == 1

@@ -7,6 +7,7 @@ from trainer.boat.boat import PLACES, Boat
 from trainer.core.autopilot.ascent import AFLOAT, NONE
 from trainer.core.autopilot.depth import LEAST_ASTERN
 from trainer.core.autopilot.steering import ASTERN
+from trainer.core.ballast.tanks import AUXILIARY, TRIM_AFT, TRIM_FORWARD
 from trainer.units import KNOT
 
 LACKING: Final = 60.0  # [s] of the engine at its most before that is told
@@ -16,10 +17,24 @@ GIVEN_UP: Final = {  # what is not kept, and why
     "astern": f"going astern slower than {LEAST_ASTERN / KNOT:.0f} kn: planes amidships, depth is "
     "for the tanks",
     "hover lost": "hovering is given up: the pump cannot hold this depth; the planes have it",
+    "trim short": "automatic trim has no more water or room in a tank: planes carry the rest",
     "speed not reached": "the engine gives all it has, and the ordered speed is not reached",
 }
 ASCENT, SPEED = PLACES["ascent"], PLACES["u"]
 SHORT, LOST = PLACES["speed_short"], PLACES["hover_lost"]
+FLOOD, FORWARD = PLACES["trim_flood"], PLACES["trim_forward"]
+
+
+def lacks_water(boat: Boat) -> bool:
+    """Return whether automatic trim asks for water where there is none, or no room for it."""
+    flood, forward = boat.plain[FLOOD], boat.plain[FORWARD]
+    if flood == 0.0 and forward == 0.0:
+        return False
+    water, capacity = boat.state.water, boat.vessel.capacity
+    first, last = (TRIM_AFT, TRIM_FORWARD) if forward > 0.0 else (TRIM_FORWARD, TRIM_AFT)
+    moved = forward != 0.0 and (water[first] <= 0.0 or water[last] >= capacity[last])
+    end = capacity[AUXILIARY] if flood > 0.0 else 0.0
+    return bool(moved or (flood != 0.0 and water[AUXILIARY] == end))
 
 
 @dataclass
@@ -28,6 +43,7 @@ class PilotMonitor:
 
     given_up: set[str] = field(default_factory=set)
     times: dict[str, list[float]] = field(default_factory=dict)  # [s]
+    trimmed: float = 0.0  # [s] when tanks last had what automatic trim asks for
 
     @classmethod
     def over(cls, boat: Boat) -> "PilotMonitor":
@@ -38,10 +54,13 @@ class PilotMonitor:
 
     def settle(self, boat: Boat) -> None:
         """Take the boat as it is, after a jump in time: nothing of it is news."""
+        self.trimmed = boat.time
         self.given_up = self._left_undone(boat) if self._is_unusual(boat) else set()
 
     def look(self, boat: Boat) -> list[str]:
         """Return what there is to say after a tick."""
+        if not lacks_water(boat):
+            self.trimmed = boat.time
         if not self.given_up and not self._is_unusual(boat):
             return []
         now = self._left_undone(boat)
@@ -57,6 +76,7 @@ class PilotMonitor:
         """Return whether anything could be given up."""
         plain = boat.plain
         lost = plain[LOST] != 0.0 or plain[SHORT] > LACKING
+        lost = lost or boat.time - self.trimmed > LACKING
         return lost or plain[ASCENT] != NONE or plain[SPEED] < ASTERN
 
     def _left_undone(self, boat: Boat) -> set[str]:
@@ -71,6 +91,8 @@ class PilotMonitor:
                 found.add("astern")
         if plain[SHORT] > LACKING:
             found.add("speed not reached")
+        if boat.time - self.trimmed > LACKING:
+            found.add("trim short")
         if plain[LOST] != 0.0:
             found.add("hover lost")
         return found

@@ -189,6 +189,20 @@ def ballast_problems(ballast: Ballast) -> list[str]:
     return problems
 
 
+LEAST_TRIM: Final = 1e-4  # [-] of the displaced volume that a trim tank is to hold
+
+
+def ballast_remarks(ballast: Ballast, displaced: float) -> list[str]:
+    """Return which tanks are too small for automatic trim of so much displaced volume [m3]."""
+    least = LEAST_TRIM * displaced
+    return [
+        f"pumped: {row.name}: capacity_m3 = {row.capacity_m3:g}: automatic trim wants {least:.2g} "
+        "m3 or more; it will tell when the tank has no more to give"
+        for row in ballast.pumped
+        if row.name.startswith("trim") and row.capacity_m3 < least
+    ]
+
+
 RECORDS: Final = {
     "ballast": Ballast,
     "[ballast.blown]": BlownTank,

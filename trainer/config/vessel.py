@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from trainer.config import plausibility
-from trainer.config.ballast_records import Ballast, ballast_problems
+from trainer.config.ballast_records import Ballast, ballast_problems, ballast_remarks
 from trainer.config.coefficients import read_coefficients, read_compensation
 from trainer.config.files import (
     ConfigError,
@@ -192,6 +192,7 @@ def read_vessel(given: Mapping[str, Any], text: str, path: Path) -> VesselFile:
         "vessel": plausibility.stated_remarks(parts["vessel"], parts["fluid"]),
         "propulsion": plausibility.thrust_remarks(thrust.ahead),
         "wave_strips": _strip_remarks(parts),
+        "ballast": _tank_remarks(parts),
     }
     return VesselFile(
         path=path,
@@ -215,6 +216,14 @@ def read_vessel(given: Mapping[str, Any], text: str, path: Path) -> VesselFile:
         defaulted=tuple(defaulted),
         remarks=tuple(_placed(remarks, place)),
     )
+
+
+def _tank_remarks(parts: Mapping[str, Any]) -> list[str]:
+    """Return what is unusual about the tanks, if there are any."""
+    if "ballast" not in parts:
+        return []
+    hull, fluid = parts["vessel"], parts["fluid"]
+    return ballast_remarks(parts["ballast"], hull.buoyancy / (fluid.rho * fluid.g))
 
 
 def _thrust(parts: Mapping[str, Any]) -> Thrust:
