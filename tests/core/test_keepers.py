@@ -470,7 +470,7 @@ def test_a_trim_tank_too_small_is_named_in_its_file(make_boat: Callable[..., Boa
 @pytest.mark.long
 def test_automatic_trim_tells_when_a_tank_has_no_more_to_give(started: Start) -> None:
     boat = started(6.0, 18.0)
-    boat.state.water_auxiliary = boat.vessel.capacity[6]
+    boat.vessel.capacity[6] = boat.state.water_auxiliary  # full, and more is wanted
     news = said(boat, 300.0)
 
     assert len([text for text in news if "no more water or room" in text]) == 1
