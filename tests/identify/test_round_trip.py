@@ -23,7 +23,10 @@ from trainer.units import KNOT
 
 pytest.importorskip("scipy")
 
-SENSIBLE = ("--amplitude", "1", "--interval", "5", "--depth", "17.5", "--sea", "sea-state-4")
+SENSIBLE = ("--amplitude", "1", "--interval", "5", "--depth", "17.5", "--sea", "sea-state-3")
+# A degree of helm is no longer linear: in a calm, without noise, it gives a T1 8 % below the
+# linear boat's, and a tenth of a degree gives hers.
+BENT = 0.1  # [-] of a linear figure
 
 
 def run(command: Any, *arguments: Any) -> Any:
@@ -35,7 +38,7 @@ def run(command: Any, *arguments: Any) -> Any:
 
 @pytest.fixture(scope="module")
 def trial(tmp_path_factory: Any) -> Any:
-    """Return the folder of 1 degree flown by BB2 at periscope depth in sea state 4."""
+    """Return the folder of 1 degree flown by BB2 at periscope depth in sea state 3."""
     folder = tmp_path_factory.mktemp("trial")
     run(prbs, "bb2", *SENSIBLE, "--write", folder / "trial.toml")
     order = [sys.executable, "-m", "trainer", "run", "trial.toml", "--headless"]
@@ -65,7 +68,7 @@ def test_the_roots_found_are_those_of_trainer_modes(found: Any, model: Any) -> N
     roots = sorted(-s.real for s in horizontal(load_vessel("bb2"), speed).eigenvalues if not s.imag)
     for name, rate in zip(("T1", "T2"), roots, strict=True):
         value, deviation = ship[name]
-        assert abs(value - 1.0 / rate) < 3.0 * deviation
+        assert abs(value - 1.0 / rate) < 3.0 * deviation + BENT / rate
 
 
 @pytest.mark.long
@@ -76,8 +79,9 @@ def test_the_boat_written_steers_like_the_boat_flown(found: Any, trial: Any) -> 
         steering(load_vessel(one), speed).nomoto for one in ("bb2", str(trial / "bb2-found.toml"))
     )
     for name in ("K", "T1", "T2", "T3", "K_v", "T3v"):
-        off = abs(getattr(again, name) - getattr(true, name))
-        assert off < 3.0 * deviations[name], name
+        linear = getattr(true, name)
+        off = abs(getattr(again, name) - linear)
+        assert off < 3.0 * deviations[name] + BENT * abs(linear), name
 
 
 def flight(vehicle: Any, speed: Any) -> Any:

@@ -17,7 +17,7 @@ from trainer.identify.sources import Sensors
 from trainer.identify.steering import Steering
 from trainer.identify.uncertainty import propagate, uncertainty
 
-HOPELESS: Final = 1e6  # times a parameter's size: known no better, it is not known at all
+HOPELESS: Final = 100.0  # times a parameter's size: known no better, it is not known at all
 LEVER: Final = 0.25  # [-] of the length: at which the sea's force makes its moment
 FREE: Final = {
     "1": (
