@@ -19,12 +19,15 @@ signal.signal(signal.SIGINT, signal.default_int_handler)
 
 def pytest_sessionstart(session: pytest.Session) -> None:
     """Compile the core and fleets once, before several processes would do so side by side."""
-    if getattr(session.config.option, "numprocesses", None):
-        subprocess.run([sys.executable, "-m", "trainer.session.precompilation"], check=True)
-    if getattr(session.config.option, "numprocesses", None) and not session.config.option.markexpr:
-        with tempfile.TemporaryDirectory() as folder:
-            few = ("turn-uncertainty", "--members", "2", "--jobs", "1", "--out", f"{folder}/few")
-            subprocess.run([sys.executable, "-m", "trainer", "sweep", *few], check=True)
+    if not getattr(session.config.option, "numprocesses", None):
+        return
+    subprocess.run([sys.executable, "-m", "trainer.session.precompilation"], check=True)
+    if "core" in session.config.option.markexpr:
+        return
+    with tempfile.TemporaryDirectory() as folder:
+        few = ("turn-uncertainty", "--members", "2", "--jobs", "1", "--out", f"{folder}/few")
+        words = [sys.executable, "-m", "trainer", "sweep", *few]
+        subprocess.run(words, check=True, stdout=subprocess.DEVNULL)
 
 
 @pytest.fixture(scope="session", autouse=True)

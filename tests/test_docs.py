@@ -1,11 +1,9 @@
-"""Every command in the documents is run in an empty folder, two at a time in the order written."""
+"""Every command in the documents is run in an empty folder."""
 
 import os
 import re
 import subprocess
 import sys
-from collections.abc import Iterator
-from concurrent.futures import Future, ThreadPoolExecutor
 from pathlib import Path
 
 import pytest
@@ -33,7 +31,6 @@ def runnable(line: str) -> bool:
     return not re.search(r"\b(URL|FILE)\b|pip install|\./boat\.toml|my-boat\.toml", line)
 
 
-AT_ONCE = 2  # some of them wait more than they work
 Done = subprocess.CompletedProcess[str]
 CASES = [
     pytest.param(line, id=f"{page.name}: {line[:60]}")
@@ -68,22 +65,9 @@ def ran(line: str, folder: Path) -> Done:
     )
 
 
-@pytest.fixture(scope="module")
-def runs(
-    request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory
-) -> Iterator[dict[str, Future[Done]]]:
-    """Yield what is being run, by the command: all that this run of the tests asks for."""
-    items = [item for item in request.session.items if isinstance(item, pytest.Function)]
-    tested = [item for item in items if item.originalname == "test_a_documented_command_works"]
-    lines = dict.fromkeys(item.callspec.params["line"] for item in tested)
-    pool = ThreadPoolExecutor(AT_ONCE)
-    yield {line: pool.submit(ran, line, tmp_path_factory.mktemp("docs")) for line in lines}  # type: ignore[arg-type, misc]
-    pool.shutdown(cancel_futures=True)
-
-
 @pytest.mark.parametrize("line", CASES)
-def test_a_documented_command_works(line: str, runs: dict[str, Future[Done]]) -> None:
-    done = runs[line].result()
+def test_a_documented_command_works(line: str, tmp_path: Path) -> None:
+    done = ran(line, tmp_path)
 
     assert done.returncode == 0, done.stderr
     assert done.stdout

@@ -466,6 +466,40 @@ def test_a_reader_sees_what_is_committed_and_holds_nobody_up(path: Path) -> None
         assert reader.latest().tick == 1999
 
 
+READS_WHILE_IT_WRITES = """
+import sys, time
+from pathlib import Path
+from trainer.io.recording import checkpoint, file
+from trainer.io.recording.recording import Recording
+
+checkpoint.EVERY = 0.0002
+connect = file.connect
+
+def heard_all_the_time(path, options):
+    connection = connect(path, options)
+    connection.set_progress_handler(lambda: None, 1)  # SQLite asks Python at every step
+    return connection
+
+file.connect = heard_all_the_time
+recording = Recording.create(Path(sys.argv[1]), {}, b"start")
+end, tick = time.monotonic() + 1.0, 0
+while time.monotonic() < end:
+    tick += 1
+    recording.state(tick, b"state")
+    recording.moment(1, max(tick - 5, 0))
+recording.close()
+"""
+
+
+def test_what_reads_back_never_waits_for_the_thread_that_writes(path: Path) -> None:
+    words = [sys.executable, "-c", READS_WHILE_IT_WRITES, str(path)]
+
+    subprocess.run(words, check=True, timeout=60)
+
+    with contextlib.closing(Recording.look(path)) as recording:
+        assert recording.latest().tick > 10
+
+
 @pytest.mark.parametrize("open_it", [begin, Recording.reopen, Recording.look])
 def test_one_program_alone_may_go_on_with_a_recording(
     path: Path, open_it: Callable[[Path], Recording]

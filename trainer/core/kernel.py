@@ -27,22 +27,24 @@ def is_tested(version: str) -> bool:
     return found is not None and TESTED[0] <= (int(found[1]), int(found[2])) <= TESTED[1]
 
 
-# Kernels do not count references to the records, which their callers hold: that took half a tick.
-# The option is not among numba's published ones, so that other versions do without. A part is a
-# kernel whose machine code is put into that of the kernels that call it: calling them one by one
-# took a third of what was left. What is seldom called, or from many places, is no part. Unlocked
-# is what runs long and lets other threads go on; inlined is a part that is compiled anew by
-# whoever calls it.
-UNCOUNTED: Final[dict[str, Any]] = {"_nrt": False} if is_tested(numba.__version__) else {}
+# Kernels do not count references to the records, which their callers hold: that took half a tick;
+# nor can C call them, which took a sixth of the time to compile them. These options are not among
+# numba's published ones, so that other versions do without. A part is a kernel whose machine code
+# is put into that of the kernels that call it: calling them one by one took a third of what was
+# left. What is seldom called, or from many places, is no part. Unlocked is what runs long and lets
+# other threads go on; inlined is a part that is compiled anew by whoever calls it.
+LEAN: Final[dict[str, Any]] = (
+    {"_nrt": False, "no_cfunc_wrapper": True} if is_tested(numba.__version__) else {}
+)
 if TYPE_CHECKING:  # numba's published signature lacks some of its options
     kernel = part = njit(cache=True, error_model="numpy")
     unlocked = njit(cache=True, error_model="numpy", nogil=True)
     inlined = njit(error_model="numpy", forceinline=True)
 else:
-    kernel = njit(cache=True, error_model="numpy", **UNCOUNTED)
-    part = njit(cache=True, error_model="numpy", forceinline=True, **UNCOUNTED)
-    unlocked = njit(cache=True, error_model="numpy", nogil=True, **UNCOUNTED)
-    inlined = njit(error_model="numpy", forceinline=True, **UNCOUNTED)
+    kernel = njit(cache=True, error_model="numpy", **LEAN)
+    part = njit(cache=True, error_model="numpy", forceinline=True, **LEAN)
+    unlocked = njit(cache=True, error_model="numpy", nogil=True, **LEAN)
+    inlined = njit(error_model="numpy", forceinline=True, **LEAN)
 
 
 def record_dtype(*fields: Field) -> np.dtype:

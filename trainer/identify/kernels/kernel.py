@@ -10,14 +10,14 @@ from typing import TYPE_CHECKING, Any
 from numba import njit
 from numpy.typing import NDArray
 
-from trainer.core.kernel import UNCOUNTED
+from trainer.core.kernel import LEAN
 
 if TYPE_CHECKING:  # numba's published signature lacks some of its options
     kernel = lean = part = njit(cache=True, error_model="numpy")
 else:
     kernel = njit(cache=True, error_model="numpy")
-    lean = njit(cache=True, error_model="numpy", **UNCOUNTED)
-    part = njit(error_model="numpy", forceinline=True, **UNCOUNTED)
+    lean = njit(cache=True, error_model="numpy", **LEAN)
+    part = njit(error_model="numpy", forceinline=True, **LEAN)
 
 
 Entries = NDArray[Any]  # numbers, or complex ones whose imaginary parts are derivatives

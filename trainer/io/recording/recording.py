@@ -77,16 +77,25 @@ class Recording:
     absences: int  # how often it was out of reach
 
     def __init__(
-        self, connection: sqlite3.Connection, name: str, checkpointer: Checkpointer | None
+        self,
+        writing: sqlite3.Connection,
+        reading: sqlite3.Connection,
+        name: str,
+        checkpointer: Checkpointer | None,
     ) -> None:
-        """Take an open file; `create`, `reopen` and `look` open them."""
+        """Take an open file; `create`, `reopen` and `look` open them.
+
+        With a thread of its own the file is open twice: SQLite's binding waits for a connection
+        that is in use, and holds up all threads meanwhile, also the one that it waits for.
+        """
         self.trouble = ""
         self.reachable = False
         self.absences = 0
         self._name = name
-        self._connection = connection
+        self._connection = writing
+        self._reading = reading
         self._checkpointer = checkpointer
-        self._past = Past(connection, name)
+        self._past = Past(reading, name)
         self.branch = self._branches = self._past.last_branch()
         self._order = self._past.last_order()
         self._tick = self._kept = self._past.last_tick(self.branch)
@@ -109,7 +118,8 @@ class Recording:
         RecordingError if there is such a file already, or it cannot be made.
         """
         if path is None:
-            return cls(file.temporary(header, state), "the temporary recording", None)
+            only = file.temporary(header, state)
+            return cls(only, only, "the temporary recording", None)
         return cls._writing(file.create(path, header, state), path)
 
     @classmethod
@@ -120,22 +130,24 @@ class Recording:
     @classmethod
     def look(cls, path: Path) -> "Recording":
         """Open a recording for reading, while it is written or afterwards."""
-        return cls._opened(file.look(path), str(path), None)
+        with contextlib.ExitStack() as unless_good:
+            only = file.look(path)
+            unless_good.callback(only.close)
+            recording = cls(only, only, str(path), None)
+            unless_good.pop_all()
+        return recording
 
     @classmethod
-    def _writing(cls, connection: sqlite3.Connection, path: Path) -> "Recording":
-        return cls._opened(connection, str(path), Checkpointer(path))
-
-    @classmethod
-    def _opened(
-        cls, connection: sqlite3.Connection, name: str, checkpointer: Checkpointer | None
-    ) -> "Recording":
+    def _writing(cls, writing: sqlite3.Connection, path: Path) -> "Recording":
         """Return the recording; what is open is closed if it turns out to be damaged."""
         with contextlib.ExitStack() as unless_good:
-            unless_good.callback(connection.close)
-            if checkpointer:
-                unless_good.callback(checkpointer.close)
-            recording = cls(connection, name, checkpointer)
+            unless_good.callback(writing.close)
+            reading = file.look(path)
+            unless_good.callback(reading.close)
+            reading.execute("PRAGMA busy_timeout = 0")  # it is read between ticks
+            checkpointer = Checkpointer(path)
+            unless_good.callback(checkpointer.close)
+            recording = cls(writing, reading, str(path), checkpointer)
             unless_good.pop_all()
         return recording
 
@@ -222,6 +234,7 @@ class Recording:
         while self.trouble and self._checkpointer and not self._gap and time.monotonic() < end:
             self._reach()
             time.sleep(BRIEFLY)
+        self._reading.close()
         if self._checkpointer:
             with contextlib.suppress(sqlite3.Error):  # it is all there, if not at home
                 self._connection.execute(BRING_HOME)

@@ -65,7 +65,7 @@ import json, sys
 from llvmlite import binding
 binding.set_option("", "--pre-RA-sched=" + sys.argv[1])
 from trainer.core import kernel
-kernel.part = kernel.kernel = kernel.njit(error_model="numpy", **kernel.UNCOUNTED)
+kernel.part = kernel.kernel = kernel.njit(error_model="numpy", **kernel.LEAN)
 from trainer.verify.bench import footprint
 ticks = {"update": footprint.update_of_1969, "tick": footprint.tick_of_1969}
 print(json.dumps({name: footprint.sections(tick) for name, tick in ticks.items()}))
