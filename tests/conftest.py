@@ -1,5 +1,6 @@
 """Boats for the tests."""
 
+import os
 import signal
 import subprocess
 import sys
@@ -13,6 +14,8 @@ from trainer.boat.assemble import Method
 from trainer.boat.boat import Boat
 from trainer.config.vessel import load_vessel
 
+# What is tested is what is installed, in all that the tests start as well: not what lies beside.
+os.environ["PYTHONSAFEPATH"] = "1"
 # pytest-xdist's workers ignore Ctrl-C, and so would all that they start.
 signal.signal(signal.SIGINT, signal.default_int_handler)
 
@@ -21,13 +24,17 @@ def pytest_sessionstart(session: pytest.Session) -> None:
     """Compile the core and fleets once, before several processes would do so side by side."""
     if not getattr(session.config.option, "numprocesses", None):
         return
-    subprocess.run([sys.executable, "-m", "trainer.session.precompilation"], check=True)
-    if "core" in session.config.option.markexpr:
-        return
+    first = [["trainer.session.precompilation"]]
     with tempfile.TemporaryDirectory() as folder:
-        few = ("turn-uncertainty", "--members", "2", "--jobs", "1", "--out", f"{folder}/few")
-        words = [sys.executable, "-m", "trainer", "sweep", *few]
-        subprocess.run(words, check=True, stdout=subprocess.DEVNULL)
+        if "core" not in session.config.option.markexpr:
+            few = ["--members", "2", "--jobs", "1", "--out", f"{folder}/few"]
+            first.append(["trainer", "sweep", "turn-uncertainty", *few])
+        at_once = [
+            subprocess.Popen([sys.executable, "-m", *words], stdout=subprocess.DEVNULL)
+            for words in first
+        ]
+        for process in at_once:
+            assert process.wait() == 0, process.args
 
 
 @pytest.fixture(scope="session", autouse=True)

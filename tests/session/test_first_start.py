@@ -6,6 +6,7 @@ import math
 import os
 import subprocess
 import sys
+import threading
 from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
@@ -157,6 +158,24 @@ def test_what_went_wrong_beside_is_done_again_where_it_is_seen(
 
     assert first_start.prepare(OPTIONS) == ""
     assert started == []
+
+
+def test_what_is_compiled_beside_is_what_runs_and_not_what_lies_in_the_folder(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    clone = tmp_path / "clone"
+    (clone / "trainer").mkdir(parents=True)
+    (clone / "trainer" / "__init__.py").write_text("raise SystemExit('the sources of a clone')")
+    monkeypatch.chdir(clone)
+    monkeypatch.delenv("PYTHONSAFEPATH")
+    with compiled_by_another(tmp_path / "cache"):  # it ends when it finds that
+        monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path / "cache" / cache_folder().name))
+        first_start.compile_beside()
+        for thread in threading.enumerate():
+            if thread.name == "compiling":
+                thread.join(60.0)
+
+    assert (cache_folder() / compilation.COMPLAINTS).read_text() == ""
 
 
 def test_without_a_folder_that_lasts_nothing_is_compiled_for_later(

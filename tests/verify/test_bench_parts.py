@@ -223,15 +223,25 @@ def test_code_and_constants_of_an_object_are_counted_apart() -> None:
     assert 0 < code < 64  # a load, a product, a return
 
 
+def test_numbers_of_the_state_are_counted_from_one_to_another() -> None:
+    assert footprint.words_of("last_turn", "last_turn") == 12
+    assert footprint.words_of("last_turn", "validity") == 24
+
+
 def test_the_words_are_printed_beside_those_of_1969() -> None:
     figures = footprint.Footprint(
-        (footprint.Code("update", "x86-64-v4", 2506, 100, 1253),), 992, 412, 4000, 4096
+        (
+            footprint.Code("update", "x86-64-v4", 2506, 100, 1253),
+            footprint.Code("wide", "x86-64-v4", 3000, 50, None),
+        ),
+        *(992, {"the wide set": 24}, 412, 4000, 4096),
     )
 
     page = footprint.lines(figures)
 
     assert "  update  x86-64-v4       2506        100    1253    2.00" in page
-    assert page[-1] == "  the tick with all of it 4000; half the memory of 1969: 4096"
+    assert "  the tick with all of it 4000; half the memory of 1969: 4096" in page
+    assert page[-2:] == ["  wide    x86-64-v4       3000         50", "  state, the wide set 24"]
 
 
 def test_any_other_trouble_of_a_part_is_not_taken_for_a_missing_compiler() -> None:

@@ -15,6 +15,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, Final
 
+import trainer
 from trainer.boat import compilation
 from trainer.config.files import ConfigError, is_path, parse_toml, read_text, shipped
 from trainer.core.cache import cache_folder, cache_lasts
@@ -83,10 +84,16 @@ def complaints() -> bool:
 
 
 def compile_beside() -> None:
-    """Start a process that fills the cache; it may outlive this one, and ends by itself."""
+    """Start a process that fills the cache; it may outlive this one, and ends by itself.
+
+    It compiles the trainer that runs, not one whose sources lie in the present folder.
+    """
+    ours = str(Path(trainer.__file__).parents[1])
+    found = os.pathsep.join(filter(None, (ours, os.environ.get("PYTHONPATH"))))
     with (cache_folder() / compilation.COMPLAINTS).open("wb") as said:
         process = subprocess.Popen(
-            [sys.executable, "-m", "trainer.session.precompilation"],
+            [sys.executable, "-P", "-m", "trainer.session.precompilation"],
+            env=os.environ | {"PYTHONPATH": found},
             stdin=subprocess.DEVNULL,
             stdout=subprocess.DEVNULL,
             stderr=said,

@@ -8,7 +8,8 @@ What the machine code of 1969 did, put together from the core's kernels: for cou
 
 The program UPDATE of 1969 was one cycle of the modified set: forces, accelerations, attitude,
 integration. The whole tick had autopilot, control surfaces, propulsion, tanks and the sea's noise
-besides. Neither had casualties, orders by hand, air, pumps, holds or the surface.
+besides. Neither had casualties, orders by hand, air, pumps, holds or the surface. The wide set,
+which 1969 had not either, is counted by itself.
 """
 
 import json
@@ -16,7 +17,7 @@ import os
 import re
 import subprocess
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any, Final
 
@@ -25,6 +26,7 @@ from numba import carray  # type: ignore[attr-defined]
 
 from trainer.boat.export.targets import processor
 from trainer.config.files import ConfigError
+from trainer.core import wide
 from trainer.core.actuators import advance_surface
 from trainer.core.autopilot.course import course_law
 from trainer.core.autopilot.depth import depth_error, plane_law
@@ -57,9 +59,14 @@ ORDERS: Final = ("source", "list-burr")  # of the instructions: as written, for 
 CALLED: Final = re.compile(r"call [^\n]*@(?:llvm\.)?mem(?:set|cpy)\b")
 HELD: Final = re.compile(r"^@llvm\.compiler\.used = .*\n", re.MULTILINE)  # memset, memcpy
 DEFINED: Final = re.compile(r"^(define [^\n]*?) \{$", re.MULTILINE)
-OF_THE_WAVE_FILTER: Final = (
-    *("sea_modes", "sea_spare", "sea_past", "sea_clock", "sea_steps", "sea_waves", "push_number"),
-)
+LATER: Final = {  # what the state holds besides, from one number of it to another
+    "air, pumps and their faults": ("tank_air", "vent_fault"),
+    "casualties and holds": ("casualty", "sailed"),
+    "the wide set": ("last_turn", "validity"),
+    "the wave filter": ("sea_modes", "push_number"),
+    "waves, ascent, hovering and trim": ("wave_slow", "trim_forward"),
+}
+WIDE: Final = "wide"  # the program that 1969 had not
 CHILD: Final = """
 import json, sys
 from llvmlite import binding
@@ -68,6 +75,7 @@ from trainer.core import kernel
 kernel.part = kernel.kernel = kernel.njit(error_model="numpy", **kernel.LEAN)
 from trainer.verify.bench import footprint
 ticks = {"update": footprint.update_of_1969, "tick": footprint.tick_of_1969}
+ticks[footprint.WIDE] = footprint.wide_of_today
 print(json.dumps({name: footprint.sections(tick) for name, tick in ticks.items()}))
 """
 
@@ -80,7 +88,7 @@ class Code:
     cpu: str
     code_words: int
     constant_words: int
-    code_words_1969: int
+    code_words_1969: int | None  # None: it had no such program
 
 
 @dataclass(frozen=True)
@@ -88,7 +96,8 @@ class Footprint:
     """What the tick takes."""
 
     codes: tuple[Code, ...]
-    state_words: int  # without the memory of the wave filter, which 1969 had not
+    state_words: int  # of what 1969 had
+    later_state_words: dict[str, int]  # by what it is of
     compact_words: int  # without the terms that 1969 had not
     least_whole_words: int  # a tick's code and constants, the compact record and the state
     whole_words_wanted: int
@@ -146,15 +155,21 @@ def footprint() -> Footprint:
     """Return what the tick takes on processors of today; ConfigError if it cannot be compiled."""
     compiled = [compile_in_order(order) for order in ORDERS]
     codes = tuple(
-        Code(name, cpu, *min(found[name][cpu] for found in compiled), WORDS_1969[name])
+        Code(name, cpu, *min(found[name][cpu] for found in compiled), WORDS_1969.get(name))
         for name, by_cpu in compiled[0].items()
         for cpu in by_cpu
     )
-    later = sum(STATE[name].itemsize for name in OF_THE_WAVE_FILTER)
-    state = (STATE.itemsize - later) // 2
+    later = {name: words_of(*ends) for name, ends in LATER.items()}
+    state = STATE.itemsize // 2 - sum(later.values())
     compact = COMPACT.itemsize // 2 - 4 * len(EXTRA_TERMS)
     ticks = [code.code_words + code.constant_words for code in codes if code.program == "tick"]
-    return Footprint(codes, state, compact, min(ticks) + compact + state, MEMORY)
+    return Footprint(codes, state, later, compact, min(ticks) + compact + state, MEMORY)
+
+
+def words_of(first: str, last: str) -> int:
+    """Return how many words of 16 bits the state takes from one of its numbers to another."""
+    places: Mapping[str, Any] = STATE.fields or {}
+    return (places[last][1] + STATE[last].itemsize - places[first][1]) // 2
 
 
 def compile_in_order(order: str) -> dict[str, dict[str, tuple[int, int]]]:
@@ -172,20 +187,28 @@ def compile_in_order(order: str) -> dict[str, dict[str, tuple[int, int]]]:
 
 def lines(figures: Footprint) -> list[str]:
     """Return the figures as lines of a page."""
-    rows = [
-        f"  {code.program:<8}{code.cpu:<12}{code.code_words:>8}{code.constant_words:>11}"
-        f"{code.code_words_1969:>8}{code.code_words / code.code_words_1969:>8.2f}"
-        for code in figures.codes
-    ]
+    of_1969 = [code for code in figures.codes if code.code_words_1969 is not None]
+    later = [code for code in figures.codes if code.code_words_1969 is None]
     half = f"half the memory of 1969: {figures.whole_words_wanted}"
     return [
         "",
         "FOOTPRINT ([16-bit words], compiled for size; modified set, the report's trigonometry)",
         f"  {'program':<8}{'processor':<12}{'code':>8}{'constants':>11}{'1969':>8}{'times':>8}",
-        *rows,
+        *(_row(code) for code in of_1969),
         f"  state {figures.state_words}, constants of the boat {figures.compact_words}",
         f"  the tick with all of it {figures.least_whole_words}; {half}",
+        "  besides, what 1969 had not; wide: the motion beyond the range of its coefficients",
+        *(_row(code) for code in later),
+        *(f"  state, {what} {words}" for what, words in figures.later_state_words.items()),
     ]
+
+
+def _row(code: Code) -> str:
+    """Return a program as a row of the table."""
+    row = f"  {code.program:<8}{code.cpu:<12}{code.code_words:>8}{code.constant_words:>11}"
+    if code.code_words_1969 is None:
+        return row
+    return f"{row}{code.code_words_1969:>8}{code.code_words / code.code_words_1969:>8.2f}"
 
 
 def update_of_1969(vessel: Any, compact: Any, scheme: Any, state: Any, scratch: Any) -> int:  # noqa: ARG001 as all
@@ -236,4 +259,12 @@ def tick_of_1969(vessel: Any, compact: Any, scheme: Any, state: Any, scratch: An
         )
     s.u_c += h / c.propulsion_lag * (s.command_u_c - s.u_c)
     s.tick += 1.0
+    return 0
+
+
+def wide_of_today(vessel: Any, compact: Any, scheme: Any, state: Any, scratch: Any) -> int:  # noqa: ARG001 as all
+    """Correct the accelerations at these addresses by the wide set; return 0."""
+    boat, how, now = carray(vessel, 1), carray(scheme, 1), carray(state, 1)
+    work = carray(scratch, 1)
+    wide.correct(boat, how[0].equations, now, work, work[0].external)
     return 0
