@@ -169,7 +169,8 @@ def footprint() -> Footprint:
 def words_of(first: str, last: str) -> int:
     """Return how many words of 16 bits the state takes from one of its numbers to another."""
     places: Mapping[str, Any] = STATE.fields or {}
-    return (places[last][1] + STATE[last].itemsize - places[first][1]) // 2
+    begin, end = int(places[first][1]), int(places[last][1]) + STATE[last].itemsize
+    return (end - begin) // 2
 
 
 def compile_in_order(order: str) -> dict[str, dict[str, tuple[int, int]]]:
