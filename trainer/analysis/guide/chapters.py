@@ -11,6 +11,7 @@ from trainer.analysis.guide.programme import SETS, Leg
 from trainer.analysis.guide.summary import format_entry, word
 from trainer.analysis.guide.trials import Compared, WavesCompared
 from trainer.analysis.guide.verdicts import BEYOND, WITHIN, Judgement
+from trainer.analysis.manoeuvres.catalogue import format_parameters
 from trainer.analysis.report.html import Cell, charts, paragraph, section, table, verdict
 from trainer.analysis.report.panels import draw, figure, legend, page_unit, panels
 from trainer.analysis.report.plots import Panel
@@ -262,9 +263,9 @@ def _leg(book: GuideContents, leg: Leg, sheet: Sheet) -> Markup:
     """Return one manoeuvre: what was ordered, charts and numbers."""
     wanted = {each: book.flown[leg.task(book.file, each)] for each in SETS}
     flights = {each: flight for each, flight in wanted.items() if not isinstance(flight, str)}
-    given = ", ".join(f"{name} {value:g}" for name, value in sheet.parameters.items())
+    given = format_parameters(sheet.parameters)
     about = (type(leg.manoeuvre).__doc__ or "").splitlines()[0]
-    parts = [paragraph(f"{about} [{given}; degrees and seconds]", "soft")]
+    parts = [paragraph(f"{about} [{given}; degrees, seconds, knots]", "soft")]
     parts += [paragraph(f"{name}: {problem}") for name, problem in sheet.problems.items()]
     parts += [
         paragraph(f"{name}: {flight.lost}") for name, flight in flights.items() if flight.lost

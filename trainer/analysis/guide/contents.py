@@ -22,7 +22,7 @@ from trainer.analysis.guide.trials import (
     trials_path,
 )
 from trainer.analysis.guide.verdicts import BEYOND, SHOWN, WITHIN, Judgement, judge
-from trainer.analysis.manoeuvres.catalogue import parameters
+from trainer.analysis.manoeuvres.catalogue import Parameters, parameters
 from trainer.config.vessel import VesselFile
 from trainer.core.cache import core_digest
 
@@ -37,7 +37,7 @@ class Sheet:
 
     title: str
     manoeuvre: str
-    parameters: dict[str, float]  # [deg] and [s]
+    parameters: Parameters  # [deg], [s] and [kn]
     problems: dict[str, str]  # why there is no flight, by equation set
     judgements: dict[str, tuple[Judgement, ...]]  # by reduced set
 

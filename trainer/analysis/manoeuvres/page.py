@@ -7,7 +7,13 @@ from pathlib import Path
 from typing import Any
 
 from trainer.analysis.compare import unit
-from trainer.analysis.manoeuvres.catalogue import PARAMETERS, adjust, parameters
+from trainer.analysis.manoeuvres.catalogue import (
+    PARAMETERS,
+    Parameters,
+    adjust,
+    format_parameters,
+    parameters,
+)
 from trainer.analysis.manoeuvres.flight import Flight, Manoeuvre, Mark, fly
 from trainer.analysis.manoeuvres.submarine import Rig, Submarine
 from trainer.analysis.manoeuvres.vehicle import Measure, Vehicle
@@ -29,7 +35,7 @@ class Report:
     vessel: str
     manoeuvre: str
     speed_kn: float  # at the start
-    parameters: dict[str, float]  # [deg] and [s]
+    parameters: Parameters  # [deg], [s] and [kn]
     method: Method | None  # of a boat; another vehicle computes as it does
     rig: Rig | None
     marks: tuple[Mark, ...]
@@ -88,11 +94,11 @@ def _speed(manoeuvre: Manoeuvre, given: float | None, usual: float) -> float:
 
 def render(report: Report) -> str:
     """Return the report as text."""
-    given = ", ".join(f"{name} {value:g}" for name, value in report.parameters.items())
+    given = format_parameters(report.parameters)
     rows = [(one.name, *format_measure(one)) for one in report.measures]
     lines = [
         f"{report.vessel}: {report.manoeuvre}",
-        f"{INDENT}from {report.speed_kn:g} kn; {given or 'no parameters'} [deg, s]",
+        f"{INDENT}from {report.speed_kn:g} kn; {given or 'no parameters'} [deg, s, kn]",
         *_method_facts(report),
         "",
         *table(("measure", "", "unit"), rows),
