@@ -87,12 +87,11 @@ def parameters(manoeuvre: Manoeuvre) -> Parameters:
 
 
 def format_parameters(given: Mapping[str, float | str]) -> str:
-    """Return parameters in words: ``angle 15, duration 300, side port``."""
-    cells = (
-        f"{name.replace('_', ' ')} {value if isinstance(value, str) else format(value, 'g')}"
+    """Return parameters in words: ``angle 15, duration 300, port``."""
+    return ", ".join(
+        value if isinstance(value, str) else f"{name.replace('_', ' ')} {value:g}"
         for name, value in given.items()
     )
-    return ", ".join(cells)
 
 
 def within_limits(manoeuvre: Manoeuvre, vehicle: Vehicle) -> Manoeuvre:
@@ -126,10 +125,14 @@ def option(parameter: str, value: object = "") -> str:
 def _no_parameter(name: str, parameter: str, value: object) -> str:
     """Return what a manoeuvre has instead of a parameter, and which manoeuvres have that."""
     own = find_manoeuvre(name)
-    has = ", ".join(option(key, "rise, --dive") for key in PARAMETERS if _has(own, key)) or "none"
+    words = {"direction": "rise or dive"}
+    has = [words.get(key, key.replace("_", "-")) for key in PARAMETERS if _has(own, key)]
     others = ", ".join(other for other, one in MANOEUVRES.items() if _has(one, parameter))
     given = option(parameter, value)
-    return f"{given}: {name} has no such parameter; it has {has}. {given} is for {others}"
+    return (
+        f"{given}: {name} has no such parameter; it has {', '.join(has) or 'none'}. "
+        f"{given} is for {others}"
+    )
 
 
 def _has(manoeuvre: Manoeuvre, parameter: str) -> bool:

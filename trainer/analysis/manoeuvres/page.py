@@ -15,7 +15,7 @@ from trainer.analysis.manoeuvres.catalogue import (
     parameters,
 )
 from trainer.analysis.manoeuvres.flight import Flight, Manoeuvre, Mark, fly
-from trainer.analysis.manoeuvres.submarine import Rig, Submarine
+from trainer.analysis.manoeuvres.submarine import CALM, DEEP, Rig, Submarine
 from trainer.analysis.manoeuvres.vehicle import Measure, Vehicle
 from trainer.analysis.report.plots import Curve, Panel
 from trainer.analysis.report.text import INDENT, figure, table, wrap
@@ -41,6 +41,7 @@ class Report:
     marks: tuple[Mark, ...]
     measures: tuple[Measure, ...]
     lost: str
+    notices: tuple[str, ...] = ()  # depths passed and the surface broken, of a boat at a depth
 
 
 def fly_boat(file: VesselFile, name: str, options: Mapping[str, Any]) -> tuple[Report, Flight]:
@@ -53,10 +54,12 @@ def fly_boat(file: VesselFile, name: str, options: Mapping[str, Any]) -> tuple[R
         options["integrator"],
         options["step"] or file.run.step_s,
     )
-    rig = Rig(options["controls"], options["trim"], options["law"])
+    handling = options["controls"], options["trim"], options["law"]
+    rig = Rig(*handling, options["depth"], options["sea"] or CALM, options["seed"])
     boat = Submarine(file, method, rig)
     report, flight = fly_vehicle(boat, name, options, file.run.start_speed_kn)
-    return replace(report, method=method, rig=rig), flight
+    notices = boat.notices(flight.series.columns)
+    return replace(report, method=method, rig=rig, notices=notices), flight
 
 
 def fly_vehicle(
@@ -103,6 +106,9 @@ def render(report: Report) -> str:
         "",
         *table(("measure", "", "unit"), rows),
     ]
+    if report.notices:
+        lines.append("")
+        lines += [line for words in report.notices for line in wrap(words)]
     if report.lost:
         lines += ["", *wrap(f"LOST: {report.lost}")]
     return "\n".join(lines)
@@ -117,7 +123,15 @@ def _method_facts(report: Report) -> list[str]:
     return [
         f"{INDENT}{computed}, step {method.step:g} s",
         f"{INDENT}controls: {rig.controls}; trim: {rig.trim}; depth law: {rig.law}",
+        f"{INDENT}{_place(rig)}",
     ]
+
+
+def _place(rig: Rig) -> str:
+    """Return where a manoeuvre begins, and in what sea."""
+    if rig.depth is None:
+        return f"from {DEEP:g} m, where neither hull nor surface sets limits"
+    return f"from {rig.depth:g} m; sea: {rig.sea}" + f", seed {rig.seed}" * (rig.sea != CALM)
 
 
 def format_measure(one: Measure) -> tuple[str, str]:

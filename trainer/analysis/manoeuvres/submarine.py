@@ -14,7 +14,7 @@ from trainer.boat.boat import Boat
 from trainer.boat.depths import collapse_of, lowest_depth
 from trainer.boat.limits import showing
 from trainer.config.files import ConfigError
-from trainer.config.sea import load_sea
+from trainer.config.sea import SeaFile, load_sea
 from trainer.config.vessel import VesselFile
 from trainer.core import entry
 from trainer.core.actuators import move_surfaces
@@ -31,6 +31,7 @@ COLUMNS: Final = (
 SURFACES: Final = {"rudder": ("rudder", "r"), "planes": ("stern", "s")}
 LAWS: Final = {"trainer": OWN, "report": REPORT, "literal": REPORT_LITERAL}
 DEEP: Final = 1000.0  # [m] room for any manoeuvre, and away from the surface
+CALM: Final = "calm"
 STEEPEST: Final = math.radians(80.0)
 SPEED_GAIN: Final = 4.0  # [-] command speed per speed, and
 SPEED_RATE: Final = 0.2  # [1/s] per its integral
@@ -53,8 +54,19 @@ class Rig:
     trim: str = "own"  # neutral angles: the "own" equations' or those of the "full" set
     law: str = "trainer"  # of depth keeping, a name of LAWS; without gains the report's
     depth: float | None = None  # [m] to begin at; None: DEEP, where the hull holds and no sea is
-    sea: str = "calm"  # name or path, in force from the start
+    sea: str = CALM  # name or path, in force from the start
     seed: int = 1  # of the sea
+
+
+def _sea_felt(rig: Rig) -> SeaFile:
+    """Return the sea of a rig; ConfigError where no sea is felt."""
+    sea = load_sea(rig.sea)
+    if rig.depth is None:
+        raise ConfigError(
+            f"--sea {rig.sea}: no sea is felt {DEEP:g} m down, where manoeuvres begin unless told "
+            "otherwise; give a --depth"
+        )
+    return sea
 
 
 class _Boat(Boat):
@@ -86,7 +98,8 @@ class Submarine:
         self.length = file.hull.length
         self.step = method.step
         self.boat = _Boat(file, method)
-        self.boat.sea = load_sea(rig.sea)
+        if rig.sea != CALM:
+            self.boat.sea = _sea_felt(rig)
         self._depth, self._seed = rig.depth, rig.seed
         self._collapsed = ""  # in the last sail
         if rig.trim == "full":
@@ -145,6 +158,35 @@ class Submarine:
                 f"{file.path.name}: at a depth of {depth:g} m the boat shows {height:.1f} m above "
                 f"the sea; begin at {least:g} m or deeper"
             )
+
+    def notices(self, columns: Mapping[str, Numbers]) -> tuple[str, ...]:
+        """Return in words when a flight, by its columns (n,), passed test depth and broke surface.
+
+        Waves are left out of the latter. Nothing without a depth of its own.
+        """
+        if self._depth is None:
+            return ()
+        t, found = columns["t"], []
+        lowest = lowest_depth(columns["z"], columns["theta"], self.length)
+        test_depth = self.boat.file.hull.test_depth_m
+        if test_depth is not None and (deep := np.flatnonzero(lowest > test_depth)).size:
+            found.append(f"test depth, {test_depth:g} m, is passed after {t[deep[0]]:g} s")
+        heights = self._heights(columns)
+        if (out := np.flatnonzero(heights > 0.0)).size:
+            most = f"{heights.max():.1f} m above still water"
+            found.append(f"BROACHED after {t[out[0]]:g} s; she shows at most {most}")
+        return tuple(found)
+
+    def _heights(self, columns: Mapping[str, Numbers]) -> Numbers:
+        """Return the height [m] (n,) of the boat's highest part above still water."""
+        s, as_it_was = self.boat.state, self.boat.snapshot()
+        heights = np.full(columns["t"].size, -np.inf)
+        s.eta_wave = 0.0
+        for i in np.flatnonzero(columns["z"] < self.boat.reach):
+            s.z, s.phi, s.theta = (columns[name][i] for name in ("z", "phi", "theta"))
+            heights[i] = showing(self.boat)
+        self.boat.restore(as_it_was)
+        return heights
 
     def incline(self, heel: float) -> None:
         """Heel the boat by ``heel`` [rad], without a rate."""
