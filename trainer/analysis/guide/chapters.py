@@ -41,14 +41,15 @@ def overview(guide: Guide) -> Markup:
         for equations in REDUCED:
             beyond = sheet.counted(equations, BEYOND)
             judged = beyond + sheet.counted(equations, WITHIN)
-            cells += [verdict(word(sheet.passed(equations))), f"{beyond} of {judged}"]
+            share = f"{beyond} of {judged}" if judged else "-"
+            cells += [verdict(word(sheet.passed(equations))), share]
         rows.append(tuple(cells))
     heads = ("manoeuvre", "modified set", "numbers beyond", "basic set", "numbers beyond")
     totals = [
         paragraph(
-            f"The {each} set: {count['manoeuvres passed']} manoeuvres within tolerance, "
-            f"{count['manoeuvres failed']} beyond; {count['within']} numbers within, "
-            f"{count['beyond']} beyond, {count['shown']} shown and not judged."
+            f"The {each} set: manoeuvres within tolerance, {count['manoeuvres']}; "
+            f"{count['within']} numbers within, {count['beyond']} beyond, {count['shown']} shown "
+            "and not judged."
         )
         for each in REDUCED
         for count in (tally(guide, each),)
