@@ -3,12 +3,14 @@
 import ast
 import json
 import math
+import sys
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+from click.testing import CliRunner
 from helpers.places import DATA
 
 from trainer.analysis import manoeuvres
@@ -18,9 +20,18 @@ from trainer.analysis.manoeuvres.speeds import UtmostAcceleration
 from trainer.analysis.manoeuvres.spiral import PullOut
 from trainer.analysis.manoeuvres.submarine import Rig, Submarine
 from trainer.analysis.manoeuvres.turns import Turn
-from trainer.analysis.manoeuvres.vehicle import crossings, first_time, peaks, swing_measures
+from trainer.analysis.manoeuvres.vehicle import (
+    DIVE,
+    PORT,
+    crossings,
+    first_time,
+    peaks,
+    swing_measures,
+)
 from trainer.analysis.manoeuvres.vertical import Meander, Overshoot
 from trainer.boat.assemble import Method
+from trainer.cli.guide import manoeuvre as command
+from trainer.cli.main import main
 from trainer.config.files import ConfigError
 from trainer.config.vessel import VesselFile, load_vessel
 from trainer.units import KNOT
@@ -221,6 +232,231 @@ def test_planes_are_clipped_to_what_the_boat_has_unless_asked_for_more(bb2: Vess
         adjust("turn", boat, {"execute": 5.0})
     with pytest.raises(ConfigError, match="nearest is meander"):
         find_manoeuvre("meandr")
+
+
+# --- sides, rise and dive
+
+
+SIDED = [name for name, one in MANOEUVRES.items() if hasattr(one, "side")]
+DIRECTED = [name for name, one in MANOEUVRES.items() if hasattr(one, "direction")]
+# what makes the sides differ, besides y of centres of weight and buoyancy: the propeller's torque
+LEFT_RIGHT = ("Y_star", "K_star", "N_star", "K_star_eta")
+
+
+def figures(
+    boat: Submarine, name: str, given: dict[str, float | str], knots: float = 10.0
+) -> dict[str, float | None]:
+    """Return the measures by name."""
+    manoeuvre = adjust(name, boat, given)
+    flight = fly(boat, manoeuvre, 0.0 if manoeuvre.from_rest else knots * KNOT)
+    assert not flight.lost
+    return {one.name: one.value for one in manoeuvre.measures(flight)}
+
+
+@pytest.fixture(scope="module")
+def symmetric(bb2: VesselFile) -> Submarine:
+    """Return a boat that is alike on both sides."""
+    coefficients = {**bb2.coefficients, **dict.fromkeys(LEFT_RIGHT, 0.0)}
+    file = replace(bb2, coefficients=coefficients)
+    return Submarine(file, Method("full", "exact", "exact", "rk4", file.run.step_s))
+
+
+@pytest.mark.parametrize("name", SIDED)
+def test_a_symmetric_boat_has_the_same_figures_on_both_sides(
+    name: str, symmetric: Submarine
+) -> None:
+    starboard, port = (figures(symmetric, name, {"side": side}) for side in ("starboard", "port"))
+
+    if name == "pull-out":  # it names the sides, in the order they are turned to
+        swap = {"starboard": "port", "port": "starboard"}
+        port = {
+            " ".join(swap.get(word, word) for word in told.split()): value
+            for told, value in port.items()
+        }
+    assert list(port) == list(starboard)
+    for told, value in starboard.items():
+        assert port[told] == pytest.approx(value, rel=1e-7, abs=1e-10), told
+
+
+def test_a_boat_whose_sides_differ_has_other_figures_to_port(bb2: VesselFile) -> None:
+    file = replace(bb2, coefficients={**bb2.coefficients, "N_star": 1e-4})
+    boat = Submarine(file, Method("full", "exact", "exact", "rk4", file.run.step_s))
+
+    starboard, port = (figures(boat, "turn", {"side": side}) for side in ("starboard", "port"))
+
+    assert port["steady diameter"] != pytest.approx(starboard["steady diameter"], rel=1e-3)
+    assert (port["steady yaw rate"] or 0.0) > 0.0
+
+
+def test_a_turn_to_port_goes_to_port(bb2: VesselFile) -> None:
+    boat = Submarine(bb2, Method("full", "exact", "exact", "rk4", bb2.run.step_s))
+
+    flight = fly(boat, Turn(duration_s=60.0, side=PORT), 10.0 * KNOT)
+
+    assert flight.column("psi")[-1] < -0.2
+    assert flight.column("y")[-1] < -10.0
+
+
+@pytest.mark.parametrize("name", DIRECTED)
+def test_planes_to_dive_take_the_boat_down_first(name: str) -> None:
+    boat = boat_of("bb2")
+    depths = {}
+    for direction in ("rise", "dive"):
+        flight = fly(boat, adjust(name, boat, {"direction": direction}), 10.0 * KNOT)
+        after = flight.change("theta")[flight.t < flight.marks[0].t + 8.0]
+        depths[direction] = float(after[-1])
+
+    assert depths["rise"] > math.radians(0.1)
+    assert depths["dive"] < -math.radians(0.1)
+
+
+def test_a_side_that_is_none_is_refused() -> None:
+    with pytest.raises(ConfigError, match="side = 'left': must be starboard or port"):
+        Turn(side="left")  # type: ignore[arg-type]
+    with pytest.raises(ConfigError, match="direction = 'up': must be rise or dive"):
+        Overshoot(direction="up")  # type: ignore[arg-type]
+
+
+def test_what_a_manoeuvre_has_not_is_refused_with_what_it_has() -> None:
+    boat = boat_of("bb2")
+
+    with pytest.raises(ConfigError, match=r"--dive: turn has no .* angle, duration, side\. --dive"):
+        adjust("turn", boat, {"direction": "dive"})
+    with pytest.raises(ConfigError, match=r"--side: meander has .* rise or dive\. --side is for"):
+        adjust("meander", boat, {"side": "port"})
+    with pytest.raises(ConfigError, match=r"--planes 60: the planes of .* goes to 30 degrees"):
+        adjust("climbing-turn", boat, {"planes": 60.0})
+    with pytest.raises(ConfigError, match=r"--ahead-speed 50: the engine of .* up to 2"):
+        adjust("acceleration", boat, {"ahead_speed": 50.0})
+    with pytest.raises(ConfigError, match=r"--ahead-time 90: must be less than .* 60 s"):
+        adjust("utmost-acceleration", boat, {"ahead_time": 90.0, "duration": 60.0})
+
+
+# --- accelerations
+
+
+def test_an_acceleration_goes_up_and_down_in_the_steps_asked_for() -> None:
+    boat = boat_of("bb2")
+    given: dict[str, float | str] = {"step_speed": 5.0, "step_time": 20.0, "ahead_speed": 12.0}
+
+    flight = fly(boat, adjust("acceleration", boat, given), 0.0)
+
+    assert [mark.t for mark in flight.marks] == [0.0, 20.0, 40.0, 60.0, 80.0, 100.0]
+    ends = [flight.at(mark.t + 19.5, "u_c") or 0.0 for mark in flight.marks]
+    assert np.array(ends) / KNOT == pytest.approx([4.0, 8.0, 12.0, 8.0, 4.0, 0.0], abs=0.3)
+
+
+def test_an_utmost_acceleration_stops_when_it_is_told_to() -> None:
+    boat = boat_of("bb2")
+    given: dict[str, float | str] = {"ahead_speed": 8.0, "ahead_time": 30.0, "duration": 200.0}
+
+    flight = fly(boat, adjust("utmost-acceleration", boat, given), 0.0)
+
+    assert [tuple(mark) for mark in flight.marks] == [("ahead", 0.0), ("stop", 30.0)]
+    assert flight.column("u_c").max() / KNOT == pytest.approx(8.0, rel=0.01)
+
+
+# --- at a depth, in a sea
+
+
+def test_a_boat_near_the_surface_is_sucked_up_and_a_deep_one_is_not() -> None:
+    still = Meander(angle_deg=0.0, duration_s=60.0)
+    rises = [
+        -float(fly(boat_of("bb2", Rig(depth=depth)), still, 10.0 * KNOT).change("z")[-1])
+        for depth in (20.0, 200.0)
+    ]
+
+    assert rises[0] > 0.1
+    assert abs(rises[1]) < 0.01
+
+
+def test_a_depth_that_is_no_place_for_the_boat_is_refused() -> None:
+    deep, shallow = (boat_of("bb2", Rig(depth=depth)) for depth in (251.0, 5.0))
+
+    with pytest.raises(ConfigError, match="depth of 251 m is below max_depth_m = 250 m"):
+        deep.start(5.0)
+    with pytest.raises(ConfigError, match=r"shows .* m above the sea; begin at 1[0-9.]+ m"):
+        shallow.start(5.0)
+
+
+def test_a_boat_beyond_collapse_depth_is_lost_and_one_without_a_depth_is_not() -> None:
+    dive = Meander(angle_deg=20.0, execute_deg=20.0, duration_s=400.0, direction=DIVE)
+
+    lost = fly(boat_of("bb2", Rig(depth=250.0)), dive, 20.0 * KNOT)
+    at_once = fly(boat_of("bb2", Rig(depth=250.0, controls="once")), dive, 20.0 * KNOT)
+    free = fly(boat_of("bb2"), dive, 20.0 * KNOT)
+
+    for flight in (lost, at_once):
+        assert flight.lost.startswith("collapse at 45")
+        told = float(flight.lost.split()[-2])
+        assert told == pytest.approx(flight.t[-1], abs=flight.step)
+    assert not free.lost
+
+
+def test_test_depth_passed_and_the_surface_broken_are_told() -> None:
+    boat = boat_of("bb2", Rig(depth=40.0))
+    up = fly(boat, Meander(duration_s=120.0), 10.0 * KNOT)
+    (broached,) = boat.notices(up.series.columns)
+    boat = boat_of("bb2", Rig(depth=240.0))
+    down = fly(boat, Meander(duration_s=120.0, direction=DIVE), 10.0 * KNOT)
+    (passed,) = boat.notices(down.series.columns)
+
+    assert broached.startswith("BROACHED after ")
+    assert passed.startswith("test depth, 250 m, is passed after ")
+    assert boat_of("bb2").notices(down.series.columns) == ()
+
+
+def test_a_sea_is_felt_and_another_seed_is_another_sea() -> None:
+    def pitch(seed: int, sea: str = "sea-state-4") -> float:
+        boat = boat_of("bb2", Rig(depth=20.0, sea=sea, seed=seed))
+        return float(fly(boat, Turn(5.0, 30.0), 10.0 * KNOT).column("theta")[-1])
+
+    assert pitch(1) == pitch(1)
+    assert pitch(1) != pitch(2)
+    assert pitch(1, "calm") != pitch(1)
+    with pytest.raises(ConfigError, match=r"no sea is felt 1000 m down.*give a --depth"):
+        boat_of("bb2", Rig(sea="sea-state-4"))
+    with pytest.raises(ConfigError, match="sea-state-4"):
+        boat_of("bb2", Rig(depth=20.0, sea="sea-stat-4"))
+
+
+@pytest.mark.parametrize(
+    ("words", "told"),
+    [
+        (("turn", "bb2", "--dive"), "--dive: turn has no such parameter"),
+        (("meander", "bb2", "--side", "port"), "--side: meander has no such parameter"),
+        (("turn", "bb2", "--planes", "5"), "--planes is for climbing-turn"),
+        (("turn", "bb2", "--depth", "400"), "below max_depth_m = 250 m"),
+        (("turn", "bb2", "--sea", "sea-state-4"), "give a --depth"),
+    ],
+)
+def test_the_command_refuses_what_cannot_be_with_exit_code_2(
+    words: tuple[str, ...],
+    told: str,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    monkeypatch.setattr(sys, "argv", ["trainer", "manoeuvre", *words])
+
+    with pytest.raises(SystemExit) as left:
+        main()
+
+    assert left.value.code == 2
+    assert told in capsys.readouterr().err
+
+
+def test_the_command_says_on_which_side_and_where(tmp_path: Path) -> None:
+    words = ["climbing-turn", "bb2", "--side", "port", "--dive", "--planes", "5"]
+    path = tmp_path / "turn.csv"
+
+    done = CliRunner().invoke(command, [*words, "--depth", "60", "--csv", str(path)])
+
+    assert done.exit_code == 0, done.output
+    assert "angle 15, planes 5, duration 300, port, dive" in done.stdout
+    assert "from 60 m; sea: calm" in done.stdout
+    last = dict(zip(*(path.read_text().splitlines()[i].split(",") for i in (0, -1)), strict=True))
+    assert float(last["psi"]) < 0.0
+    assert float(last["z"]) > 60.0
 
 
 # --- reading numbers from flights

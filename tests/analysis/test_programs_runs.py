@@ -12,7 +12,13 @@ from helpers.places import DATA
 
 from trainer.analysis import fit as ec310
 from trainer.analysis.characteristic import horizontal, vertical
-from trainer.analysis.compare import Comparison, compare, percent_change
+from trainer.analysis.compare import (
+    Comparison,
+    compare,
+    event_apart,
+    percent_change,
+    render,
+)
 from trainer.analysis.series import Series, load_series
 from trainer.boat.boat import Boat
 from trainer.config.files import ConfigError
@@ -137,6 +143,54 @@ def test_a_run_is_the_same_as_itself_and_unchanged_variables_are_named() -> None
     assert report.passed
     assert {point.percent for point in report.points} == {0.0}
     assert report.unchanged == ("u",)
+
+
+def thrown(at: float, lost: float = 1.5) -> Series:
+    """Return a run that loses ``lost`` m/s from 8 s on, its planes thrown over at ``at`` [s]."""
+    planes = np.clip(0.05 * (TIME - at), 0.0, 0.3)
+    return run_of(u=10.0 - lost * np.clip((TIME - 8.0) / 15.0, 0.0, 1.0), delta_s=planes)
+
+
+def judged_with_events(full: Series, other: Series) -> Comparison:
+    return compare(full, other, ["u"], event=event_apart(full, other))
+
+
+def test_half_a_second_of_event_time_is_no_failure() -> None:
+    report = judged_with_events(thrown(8.0), thrown(7.5, 1.4))
+
+    assert (report.passed, report.event_s) == (True, 0.5)
+    for point in report.points:
+        assert point.by_event
+        assert point.percent == pytest.approx(6.67, abs=0.01)
+        assert point.event_worth == pytest.approx(0.05)  # 0.1 m/s2 for half a second
+    page = render(report)
+    assert "an event is 0.5 s apart" in page
+    assert "All of 2 within 5 %, 2 of them but for a step." in page
+
+
+@pytest.mark.parametrize(
+    ("at", "lost"),
+    [
+        (8.0, 1.4),  # the events are at the same time
+        (6.5, 1.4),  # they are further apart than a step
+        (7.5, 1.3),  # the difference is more than the event is worth
+    ],
+)
+def test_what_an_event_a_step_apart_does_not_explain_is_a_failure(at: float, lost: float) -> None:
+    report = judged_with_events(thrown(8.0), thrown(at, lost))
+
+    assert not report.passed
+    assert "2 of 2 beyond 5 %." in render(report)
+
+
+def test_a_surface_that_an_autopilot_moves_has_no_events() -> None:
+    full, other = (
+        run_of(u=10.0 + 0.0 * TIME, delta_s=0.1 * np.sin(0.3 * (TIME - late)))
+        for late in (0.0, 0.5)
+    )
+
+    assert event_apart(full, other) == 0.0
+    assert event_apart(thrown(8.0), thrown(7.5)) == 0.5
 
 
 def test_runs_of_other_steps_and_lengths_are_compared_over_the_shorter() -> None:

@@ -11,23 +11,93 @@ import click
 
 from trainer.cli.answers import AHEAD, Number, outputs, show
 from trainer.cli.options import options_given
-from trainer.cli.shared_options import FILE
+from trainer.cli.shared_options import FILE, together
 from trainer.config.method import EQUATIONS
 
-OF_BOATS: Final = ("equations", "rates", "trig", "integrator", "controls", "trim", "law")
+OF_BOATS: Final = (
+    *("equations", "rates", "trig", "integrator", "controls", "trim", "law"),
+    *("depth", "sea", "seed"),
+)
+ANGLE: Final = Number(0.0, 90.0)
+SECONDS: Final = Number(1.0, 1e5)
+PARAMETERS: Final = together(
+    click.option("--angle", type=ANGLE, default=None, help="Of the control, in degrees."),
+    click.option(
+        "--side",
+        type=click.Choice(("starboard", "port")),
+        default=None,
+        help="Where a turn goes, or a zig-zag or spiral goes first. [default: starboard]",
+    ),
+    click.option("--rise", "direction", flag_value="rise", help="Planes to rise, or first."),
+    click.option(
+        "--dive",
+        "direction",
+        flag_value="dive",
+        help="Planes to dive, or first. [default: rise; of trim, dive]",
+    ),
+    click.option("--planes", type=ANGLE, default=None, help="Of a climbing turn, in degrees."),
+    click.option("--execute", type=Number(0.0, 180.0), default=None, help="Mark, in degrees."),
+    click.option("--duration", type=SECONDS, default=None, help="In seconds."),
+    click.option(
+        "--step-speed",
+        type=Number(0.1, 60.0),
+        default=None,
+        metavar="KN",
+        help="At most, of each step of an acceleration. [default: 5, or a third of the last]",
+    ),
+    click.option("--step-time", type=SECONDS, default=None, help="In seconds, of each step."),
+    click.option(
+        "--ahead-speed",
+        type=AHEAD,
+        default=None,
+        metavar="KN",
+        help="The last that an acceleration orders. [default: full ahead]",
+    ),
+    click.option(
+        "--ahead-time",
+        type=SECONDS,
+        default=None,
+        help="In seconds, until an utmost acceleration stops. [default: half the duration]",
+    ),
+)
+PLACE: Final = together(
+    click.option(
+        "--depth",
+        type=Number(0.0, 12000.0),
+        default=None,
+        metavar="M",
+        help="To begin at. [default: 1000, where neither hull nor surface sets limits]",
+    ),
+    click.option(
+        "--sea",
+        default=None,
+        metavar="NAME|PATH",
+        help="calm, sea-state-1 to sea-state-6, or a file; with --depth.",
+    ),
+    click.option(
+        "--seed",
+        type=click.IntRange(0, 2**53 - 1),
+        default=1,
+        show_default=True,
+        help="Of the sea.",
+    ),
+)
 
 
 def print_list(ctx: click.Context, _param: click.Parameter, value: bool) -> None:  # noqa: FBT001
     """Print the manoeuvres and leave."""
     if not value or ctx.resilient_parsing:
         return
-    from trainer.analysis.manoeuvres.catalogue import MANOEUVRES, parameters  # noqa: PLC0415
+    from trainer.analysis.manoeuvres.catalogue import (  # noqa: PLC0415
+        MANOEUVRES,
+        format_parameters,
+        parameters,
+    )
     from trainer.analysis.report.text import table  # noqa: PLC0415
 
     rows = []
     for name, manoeuvre in MANOEUVRES.items():
-        words = ", ".join(f"{key} {value:g}" for key, value in parameters(manoeuvre).items())
-        rows.append((name, words))
+        rows.append((name, format_parameters(parameters(manoeuvre))))
     click.echo("\n".join(table(("", "degrees and seconds unless told otherwise"), rows, "")))
     ctx.exit()
 
@@ -44,9 +114,8 @@ def print_list(ctx: click.Context, _param: click.Parameter, value: bool) -> None
     help="Print the manoeuvres and their parameters, and leave.",
 )
 @click.option("--speed", type=AHEAD, default=None, metavar="KN", help="[default: the boat's]")
-@click.option("--angle", type=Number(0.0, 90.0), default=None, help="Of the control, in degrees.")
-@click.option("--execute", type=Number(0.0, 180.0), default=None, help="Mark, in degrees.")
-@click.option("--duration", type=Number(1.0, 1e5), default=None, help="In seconds.")
+@PARAMETERS
+@PLACE
 @click.option("--equations", type=click.Choice(EQUATIONS), default="full", show_default=True)
 @click.option("--rates", type=click.Choice(("exact", "lagged")), default=None)
 @click.option("--trig", type=click.Choice(("exact", "report")), default="exact", show_default=True)
@@ -82,7 +151,8 @@ def manoeuvre(name: str, vessel: str, **options: Any) -> None:
 
     \b
     Example:  trainer manoeuvre turning-circle bb2 --angle 20
-    Example:  trainer manoeuvre meander bb2 --speed 15 --equations modified --plot m.svg
+    Example:  trainer manoeuvre zigzag-20 bb2 --side port --depth 60
+    Example:  trainer manoeuvre meander bb2 --dive --speed 15 --equations modified --plot m.svg
     Example:  trainer manoeuvre zigzag-10 ship.toml
 
     Exit code 1 when the boat is lost on the way.

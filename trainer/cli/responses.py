@@ -39,6 +39,9 @@ def compare(full: Path, other: Path, columns: tuple[str, ...], **options: Any) -
     \b
     Example:  trainer compare full.csv modified.csv --column theta --column z
 
+    Where rudder or planes are thrown over a step apart, which is how well the time of an event is
+    known, what that is worth is no failure.
+
     Exit code 1 when a change of change is beyond what is allowed.
     """
     from trainer.analysis import compare as page  # noqa: PLC0415
@@ -46,7 +49,8 @@ def compare(full: Path, other: Path, columns: tuple[str, ...], **options: Any) -
     from trainer.analysis.series import load_series  # noqa: PLC0415
 
     runs = load_series(full), load_series(other)
-    report = program.compare(*runs, columns, options["until"], options["allow"])
+    event = program.event_apart(*runs)
+    report = program.compare(*runs, columns, options["until"], options["allow"], event)
     show(report, page.render, lambda: page.panels(report, *runs), options)
     sys.exit(0 if report.passed else 1)
 

@@ -11,6 +11,7 @@ from trainer.analysis.guide.programme import SETS, Leg
 from trainer.analysis.guide.summary import format_entry, word
 from trainer.analysis.guide.trials import Compared, WavesCompared
 from trainer.analysis.guide.verdicts import BEYOND, WITHIN, Judgement
+from trainer.analysis.manoeuvres.catalogue import format_parameters
 from trainer.analysis.report.html import Cell, charts, paragraph, section, table, verdict
 from trainer.analysis.report.panels import draw, figure, legend, page_unit, panels
 from trainer.analysis.report.plots import Panel
@@ -40,14 +41,15 @@ def overview(guide: Guide) -> Markup:
         for equations in REDUCED:
             beyond = sheet.counted(equations, BEYOND)
             judged = beyond + sheet.counted(equations, WITHIN)
-            cells += [verdict(word(sheet.passed(equations))), f"{beyond} of {judged}"]
+            share = f"{beyond} of {judged}" if judged else "-"
+            cells += [verdict(word(sheet.passed(equations))), share]
         rows.append(tuple(cells))
     heads = ("manoeuvre", "modified set", "numbers beyond", "basic set", "numbers beyond")
     totals = [
         paragraph(
-            f"The {each} set: {count['manoeuvres passed']} manoeuvres within tolerance, "
-            f"{count['manoeuvres failed']} beyond; {count['within']} numbers within, "
-            f"{count['beyond']} beyond, {count['shown']} shown and not judged."
+            f"The {each} set: manoeuvres within tolerance, {count['manoeuvres']}; "
+            f"{count['within']} numbers within, {count['beyond']} beyond, {count['shown']} shown "
+            "and not judged."
         )
         for each in REDUCED
         for count in (tally(guide, each),)
@@ -262,9 +264,9 @@ def _leg(book: GuideContents, leg: Leg, sheet: Sheet) -> Markup:
     """Return one manoeuvre: what was ordered, charts and numbers."""
     wanted = {each: book.flown[leg.task(book.file, each)] for each in SETS}
     flights = {each: flight for each, flight in wanted.items() if not isinstance(flight, str)}
-    given = ", ".join(f"{name} {value:g}" for name, value in sheet.parameters.items())
+    given = format_parameters(sheet.parameters)
     about = (type(leg.manoeuvre).__doc__ or "").splitlines()[0]
-    parts = [paragraph(f"{about} [{given}; degrees and seconds]", "soft")]
+    parts = [paragraph(f"{about} [{given}; degrees, seconds, knots]", "soft")]
     parts += [paragraph(f"{name}: {problem}") for name, problem in sheet.problems.items()]
     parts += [
         paragraph(f"{name}: {flight.lost}") for name, flight in flights.items() if flight.lost

@@ -21,8 +21,16 @@ from trainer.analysis.guide.trials import (
     load_published,
     trials_path,
 )
-from trainer.analysis.guide.verdicts import BEYOND, SHOWN, WITHIN, Judgement, judge
-from trainer.analysis.manoeuvres.catalogue import parameters
+from trainer.analysis.guide.verdicts import (
+    BEYOND,
+    SHOWN,
+    WITHIN,
+    Judgement,
+    account,
+    judge,
+    passes,
+)
+from trainer.analysis.manoeuvres.catalogue import Parameters, parameters
 from trainer.config.vessel import VesselFile
 from trainer.core.cache import core_digest
 
@@ -37,7 +45,7 @@ class Sheet:
 
     title: str
     manoeuvre: str
-    parameters: dict[str, float]  # [deg] and [s]
+    parameters: Parameters  # [deg], [s] and [kn]
     problems: dict[str, str]  # why there is no flight, by equation set
     judgements: dict[str, tuple[Judgement, ...]]  # by reduced set
 
@@ -72,7 +80,14 @@ class Guide:
     neutral: neutral.Neutral
     modes: characteristic.Report
     thrust: thrust.Report
-    passed: bool
+    passed: bool  # something is judged, and nothing beyond tolerance
+
+    @property
+    def conclusion(self) -> str:
+        """Return the verdict of the whole guide in words."""
+        if all(sheet.passed(ANSWERS) is None for sheet in self.sheets):
+            return "Nothing was judged"
+        return "Within tolerance" if self.passed else "Out of tolerance"
 
 
 @dataclass(frozen=True)
@@ -132,7 +147,7 @@ def assemble(file: VesselFile, made: str, flown: Flown) -> GuideContents:
         neutral=neutral.neutral(file, speeds),
         modes=characteristic.characteristic(file, speeds, characteristic.Means()),
         thrust=thrust.survey(file, (0.0, *speeds), thrust.command_speeds(file)),
-        passed=all(sheet.passed(ANSWERS) is not False for sheet in sheets),
+        passed=passes([sheet.passed(ANSWERS) for sheet in sheets]),
     )
     return GuideContents(file, guide, flights, flown)
 
@@ -171,12 +186,11 @@ def _checksums(file: VesselFile) -> dict[str, str]:
 
 
 def tally(guide: Guide, equations: str) -> dict[str, Any]:
-    """Return how many numbers and manoeuvres of a reduced set are within and beyond."""
+    """Return how many numbers of a reduced set are within and beyond, and of its manoeuvres."""
     sheets = guide.sheets
     return {
         "within": sum(sheet.counted(equations, WITHIN) for sheet in sheets),
         "beyond": sum(sheet.counted(equations, BEYOND) for sheet in sheets),
         "shown": sum(sheet.counted(equations, SHOWN) for sheet in sheets),
-        "manoeuvres passed": sum(sheet.passed(equations) is True for sheet in sheets),
-        "manoeuvres failed": sum(sheet.passed(equations) is False for sheet in sheets),
+        "manoeuvres": account([sheet.passed(equations) for sheet in sheets]),
     }

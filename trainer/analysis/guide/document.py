@@ -16,7 +16,6 @@ CONTENTS: Final = {
     "steps": "Steps and methods",
     "programs": "Neutral angles, modes, thrust",
 }
-PASSED: Final = {True: "Within tolerance", False: "OUT OF TOLERANCE"}
 
 
 def as_json(guide: Guide) -> dict[str, Any]:
@@ -34,7 +33,7 @@ def render(book: GuideContents, moves: tuple[Moved, ...] | None) -> str:
         "guide.html",
         "guide.css",
         vessel=guide.vessel,
-        verdict=Cell(PASSED[guide.passed], "good" if guide.passed else "bad"),
+        verdict=Cell(guide.conclusion, "good" if guide.passed else "bad"),
         facts=chapters.facts(guide),
         contents=names.items(),
         legs=[(chapters.anchor(leg.title), leg.title) for leg in book.legs],

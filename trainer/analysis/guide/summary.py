@@ -38,11 +38,10 @@ def render(guide: Guide, moves: tuple[Moved, ...] | None) -> str:
     for equations in REDUCED:
         told = tally(guide, equations)
         lines += wrap(
-            f"{equations}: {told['manoeuvres passed']} manoeuvres within tolerance, "
-            f"{told['manoeuvres failed']} beyond; of their numbers {told['within']} within, "
-            f"{told['beyond']} beyond"
+            f"{equations}: manoeuvres within tolerance, {told['manoeuvres']}; of their numbers "
+            f"{told['within']} within, {told['beyond']} beyond"
         )
-    lines.append("Within tolerance." if guide.passed else "Out of tolerance.")
+    lines.append(f"{guide.conclusion}.")
     return "\n".join(lines)
 
 

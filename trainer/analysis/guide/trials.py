@@ -14,7 +14,7 @@ from typing import Any, Final
 
 from trainer.analysis.guide.programme import Flown, Task
 from trainer.analysis.manoeuvres.catalogue import MANOEUVRES, find_manoeuvre
-from trainer.analysis.manoeuvres.flight import Flight, Manoeuvre
+from trainer.analysis.manoeuvres.flight import CHOICES, Flight, Manoeuvre
 from trainer.boat.assemble import Method
 from trainer.boat.boat import Boat
 from trainer.boat.linear import head_waves, in_head_waves
@@ -30,7 +30,7 @@ from trainer.config.files import (
     shipped,
     shipped_names,
 )
-from trainer.config.schema import Quantities, Quantity, Text, of, read_record, within
+from trainer.config.schema import Choice, Quantities, Quantity, Text, of, read_record, within
 from trainer.config.vessel import VesselFile
 
 KEYS: Final = ("title", "source", "note", "manoeuvre", "speed_m_s", "columns", "results")
@@ -198,9 +198,15 @@ def _manoeuvre(row: Mapping[str, Any], place: Place) -> Manoeuvre:
             continue
         if key not in known:
             raise ConfigError(place.wrong(key, value, f"no such key{nearest(key, known)}"))
-        reader = _words if isinstance(known[key], tuple) else PARAMETER.read
-        given[key] = reader(key, value, place)
+        given[key] = _reader(key, known[key])(key, value, place)
     return replace(manoeuvre, **given)
+
+
+def _reader(key: str, usual: object) -> Callable[[str, object, Place], Any]:
+    """Return what reads a parameter of a manoeuvre, which has a ``usual`` value."""
+    if key in CHOICES:
+        return Choice(CHOICES[key], "as --side, or rise and dive").read
+    return _words if isinstance(usual, tuple) else PARAMETER.read
 
 
 def _words(key: str, value: object, place: Place) -> tuple[str, ...]:

@@ -1,6 +1,6 @@
 """Two flights of one manoeuvre judged: measures, peaks, zero crossings, change of change."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Final
 
@@ -32,6 +32,21 @@ class Judgement:
         if self.full is None or self.other is None:
             return None
         return self.other - self.full
+
+
+def account(verdicts: Sequence[bool | None]) -> str:
+    """Return in words how many of what was judged pass, and how many were not judged (None).
+
+    As in ``21 of 21 judged, 9 not judged``.
+    """
+    judged = [one for one in verdicts if one is not None]
+    left = len(verdicts) - len(judged)
+    return f"{sum(judged)} of {len(judged)} judged" + f", {left} not judged" * (left > 0)
+
+
+def passes(verdicts: Sequence[bool | None]) -> bool:
+    """Return whether something was judged, and nothing of it failed."""
+    return True in verdicts and False not in verdicts
 
 
 def judge(manoeuvre: Manoeuvre, full: Flight, other: Flight) -> tuple[Judgement, ...]:

@@ -21,6 +21,9 @@ from trainer.analysis.manoeuvres.vertical import (
 )
 from trainer.analysis.manoeuvres.zigzag import VerticalZigZag, ZigZag
 from trainer.config.files import ConfigError, nearest
+from trainer.units import KNOT
+
+ROUNDING: Final = 1e-9  # [kn]
 
 MANOEUVRES: Final[Mapping[str, Manoeuvre]] = MappingProxyType(
     {
@@ -56,45 +59,113 @@ def find_manoeuvre(name: str) -> Manoeuvre:
     return MANOEUVRES[name]
 
 
-PARAMETERS: Final = {"angle": "angle_deg", "execute": "execute_deg", "duration": "duration_s"}
+PARAMETERS: Final = {  # as an engineer names them, and the fields of the manoeuvres
+    "angle": "angle_deg",
+    "execute": "execute_deg",
+    "planes": "planes_deg",
+    "duration": "duration_s",
+    "step_speed": "step_kn",
+    "step_time": "each_s",
+    "ahead_speed": "ahead_kn",
+    "ahead_time": "ahead_s",
+    "side": "side",
+    "direction": "direction",
+}
+Parameters = dict[str, float | str]
 
 
-def parameters(manoeuvre: Manoeuvre) -> dict[str, float]:
-    """Return the numbers of a manoeuvre by the names an engineer gives them, [deg] and [s]."""
+def parameters(manoeuvre: Manoeuvre) -> Parameters:
+    """Return what a manoeuvre is flown with by the names of PARAMETERS, [deg], [s] and [kn].
+
+    What is left to the vehicle, such as full ahead, is not among them.
+    """
     return {
         name: getattr(manoeuvre, field)
         for name, field in PARAMETERS.items()
-        if hasattr(manoeuvre, field)
+        if getattr(manoeuvre, field, None) is not None
     }
+
+
+def format_parameters(given: Mapping[str, float | str]) -> str:
+    """Return parameters in words: ``angle 15, duration 300, port``."""
+    return ", ".join(
+        value if isinstance(value, str) else f"{name.replace('_', ' ')} {value:g}"
+        for name, value in given.items()
+    )
 
 
 def within_limits(manoeuvre: Manoeuvre, vehicle: Vehicle) -> Manoeuvre:
     """Return the manoeuvre with an angle that the vehicle's control can go to."""
-    given = parameters(manoeuvre)
-    if "angle" not in given or not manoeuvre.needs or manoeuvre.needs[0] not in vehicle.controls:
+    angle = getattr(manoeuvre, "angle_deg", None)
+    if angle is None or not manoeuvre.needs or manoeuvre.needs[0] not in vehicle.controls:
         return manoeuvre
     most = round(math.degrees(limit(vehicle, manoeuvre.needs[0])), 9)
-    if given["angle"] <= most:
-        return manoeuvre
-    return replace(manoeuvre, angle_deg=most)  # type: ignore[call-arg]
+    return manoeuvre if angle <= most else replace(manoeuvre, angle_deg=most)  # type: ignore[call-arg]
 
 
-def adjust(name: str, vehicle: Vehicle, given: Mapping[str, float]) -> Manoeuvre:
+def adjust(name: str, vehicle: Vehicle, given: Mapping[str, float | str]) -> Manoeuvre:
     """Return the manoeuvre of that name for a vehicle, with the parameters ``given``.
 
     ConfigError if it has no such parameter, or the vehicle's control does not go so far.
     """
     manoeuvre = within_limits(find_manoeuvre(name), vehicle)
-    known = parameters(manoeuvre)
     for parameter, value in given.items():
-        if parameter not in known:
-            has = ", ".join(known) or "none"
-            raise ConfigError(f"--{parameter}: {name} has no such parameter; it has {has}")
+        if not hasattr(manoeuvre, PARAMETERS[parameter]):
+            raise ConfigError(_no_parameter(name, parameter, value))
         manoeuvre = replace(manoeuvre, **{PARAMETERS[parameter]: value})
-    if within_limits(manoeuvre, vehicle) != manoeuvre:
-        most = math.degrees(limit(vehicle, manoeuvre.needs[0]))
-        raise ConfigError(
-            f"--angle {given['angle']:g}: the {manoeuvre.needs[0]} of {vehicle.name} "
-            f"goes to {most:g} degrees"
-        )
+    _check_reach(manoeuvre, vehicle, given)
     return manoeuvre
+
+
+def option(parameter: str, value: object = "") -> str:
+    """Return how a parameter is given on the command line; a direction has its own words."""
+    return f"--{value}" if parameter == "direction" else f"--{parameter.replace('_', '-')}"
+
+
+def _no_parameter(name: str, parameter: str, value: object) -> str:
+    """Return what a manoeuvre has instead of a parameter, and which manoeuvres have that."""
+    own = find_manoeuvre(name)
+    words = {"direction": "rise or dive"}
+    has = [words.get(key, key.replace("_", "-")) for key in PARAMETERS if _has(own, key)]
+    others = ", ".join(other for other, one in MANOEUVRES.items() if _has(one, parameter))
+    given = option(parameter, value)
+    return (
+        f"{given}: {name} has no such parameter; it has {', '.join(has) or 'none'}. "
+        f"{given} is for {others}"
+    )
+
+
+def _has(manoeuvre: Manoeuvre, parameter: str) -> bool:
+    """Return whether a manoeuvre has a parameter of PARAMETERS."""
+    return hasattr(manoeuvre, PARAMETERS[parameter])
+
+
+def _check_reach(manoeuvre: Manoeuvre, vehicle: Vehicle, given: Mapping[str, float | str]) -> None:
+    """Check that the vehicle can do what is given; ConfigError if it cannot."""
+    first = manoeuvre.needs[:1]
+    for parameter, controls in (("angle", first), ("planes", ("planes",))):
+        for control in controls:
+            if parameter in given and control in vehicle.controls:
+                _check_angle(parameter, float(given[parameter]), vehicle, control)
+    if "ahead_speed" in given and "engine" in vehicle.controls:
+        most = vehicle.controls["engine"].high / KNOT
+        if float(given["ahead_speed"]) > most + ROUNDING:
+            raise ConfigError(
+                f"--ahead-speed {given['ahead_speed']:g}: the engine of {vehicle.name} is ordered "
+                f"up to {most:.4g} kn"
+            )
+    ahead, whole = given.get("ahead_time"), getattr(manoeuvre, "duration_s", math.inf)
+    if ahead is not None and float(ahead) >= whole:
+        raise ConfigError(
+            f"--ahead-time {ahead:g}: must be less than the duration, {whole:g} s; give a longer "
+            "--duration"
+        )
+
+
+def _check_angle(parameter: str, angle: float, vehicle: Vehicle, control: str) -> None:
+    """Check that a control goes to an angle [deg]; ConfigError if it does not."""
+    most = round(math.degrees(limit(vehicle, control)), 9)
+    if angle > most:
+        raise ConfigError(
+            f"--{parameter} {angle:g}: the {control} of {vehicle.name} goes to {most:g} degrees"
+        )

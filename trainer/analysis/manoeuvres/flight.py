@@ -12,15 +12,20 @@ where its own is not more than a cycle away.
 import math
 from abc import ABC, abstractmethod
 from collections.abc import Generator, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import ClassVar, NamedTuple
+from typing import ClassVar, Final, NamedTuple
 
 import numpy as np
 
 from trainer.analysis.manoeuvres.vehicle import (
+    DIVE,
+    PORT,
+    RISE,
+    STARBOARD,
     LostError,
     Measure,
+    Side,
     Swift,
     Vehicle,
     Watch,
@@ -158,6 +163,8 @@ class Conn:
 
 
 LONGEST = 2_000_000  # [cycles] of a flight
+ATHWART: Final = ("v", "p", "r", "y", "phi", "psi", "delta_r")  # columns that a mirror turns over
+CHOICES: Final = {"side": (STARBOARD, PORT), "direction": (RISE, DIVE)}
 
 
 @dataclass(frozen=True)
@@ -199,6 +206,18 @@ class Flight:
             return None
         return float(np.interp(time, self.t, self.column(name)))
 
+    def counted_to(self, side: Side) -> "Flight":
+        """Return the flight with what is positive to starboard positive to ``side``.
+
+        To port it is the flight that a mirror shows: of a boat that is alike on both sides, the
+        one to starboard.
+        """
+        if side == STARBOARD:
+            return self
+        turned = {name: 0.0 - self.column(name) for name in ATHWART if self.has(name)}
+        series = Series(self.series.path, {**self.series.columns, **turned})
+        return replace(self, series=series)
+
     def since(self, time: float) -> slice:
         """Return the place of all rows from ``time`` [s] on."""
         return slice(int(np.searchsorted(self.t, time - 1e-9)), None)
@@ -210,12 +229,23 @@ class Manoeuvre(ABC):
 
     What ``shows`` names is plotted over time, but "track" y over x; ``angle_deg`` is that of the
     first control needed.
+
+    One that has a ``side`` goes there first, and what is measured counts to that side: of a boat
+    that is alike on both sides the figures are the same. One that has a ``direction`` goes up or
+    down first; pitch and depth keep their own signs, bow up and deeper. ConfigError for a side or
+    a direction that is none.
     """
 
     needs: ClassVar[tuple[str, ...]] = ()  # controls of the vehicle
     compared: ClassVar[tuple[str, ...]] = ()  # columns judged by their change of change
     shows: ClassVar[tuple[str, ...]] = ()
     from_rest: ClassVar[bool] = False
+
+    def __post_init__(self) -> None:
+        for name, known in CHOICES.items():
+            given = getattr(self, name, known[0])
+            if given not in known:
+                raise ConfigError(f"{name} = {given!r}: must be {known[0]} or {known[1]}")
 
     @abstractmethod
     def schedule(self, conn: Conn) -> Iterator[None]:

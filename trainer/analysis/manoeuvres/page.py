@@ -7,9 +7,15 @@ from pathlib import Path
 from typing import Any
 
 from trainer.analysis.compare import unit
-from trainer.analysis.manoeuvres.catalogue import PARAMETERS, adjust, parameters
+from trainer.analysis.manoeuvres.catalogue import (
+    PARAMETERS,
+    Parameters,
+    adjust,
+    format_parameters,
+    parameters,
+)
 from trainer.analysis.manoeuvres.flight import Flight, Manoeuvre, Mark, fly
-from trainer.analysis.manoeuvres.submarine import Rig, Submarine
+from trainer.analysis.manoeuvres.submarine import CALM, DEEP, Rig, Submarine
 from trainer.analysis.manoeuvres.vehicle import Measure, Vehicle
 from trainer.analysis.report.plots import Curve, Panel
 from trainer.analysis.report.text import INDENT, figure, table, wrap
@@ -29,12 +35,13 @@ class Report:
     vessel: str
     manoeuvre: str
     speed_kn: float  # at the start
-    parameters: dict[str, float]  # [deg] and [s]
+    parameters: Parameters  # [deg], [s] and [kn]
     method: Method | None  # of a boat; another vehicle computes as it does
     rig: Rig | None
     marks: tuple[Mark, ...]
     measures: tuple[Measure, ...]
     lost: str
+    notices: tuple[str, ...] = ()  # depths passed and the surface broken, of a boat at a depth
 
 
 def fly_boat(file: VesselFile, name: str, options: Mapping[str, Any]) -> tuple[Report, Flight]:
@@ -47,10 +54,12 @@ def fly_boat(file: VesselFile, name: str, options: Mapping[str, Any]) -> tuple[R
         options["integrator"],
         options["step"] or file.run.step_s,
     )
-    rig = Rig(options["controls"], options["trim"], options["law"])
+    handling = options["controls"], options["trim"], options["law"]
+    rig = Rig(*handling, options["depth"], options["sea"] or CALM, options["seed"])
     boat = Submarine(file, method, rig)
     report, flight = fly_vehicle(boat, name, options, file.run.start_speed_kn)
-    return replace(report, method=method, rig=rig), flight
+    notices = boat.notices(flight.series.columns)
+    return replace(report, method=method, rig=rig, notices=notices), flight
 
 
 def fly_vehicle(
@@ -88,15 +97,18 @@ def _speed(manoeuvre: Manoeuvre, given: float | None, usual: float) -> float:
 
 def render(report: Report) -> str:
     """Return the report as text."""
-    given = ", ".join(f"{name} {value:g}" for name, value in report.parameters.items())
+    given = format_parameters(report.parameters)
     rows = [(one.name, *format_measure(one)) for one in report.measures]
     lines = [
         f"{report.vessel}: {report.manoeuvre}",
-        f"{INDENT}from {report.speed_kn:g} kn; {given or 'no parameters'} [deg, s]",
+        f"{INDENT}from {report.speed_kn:g} kn; {given or 'no parameters'} [deg, s, kn]",
         *_method_facts(report),
         "",
         *table(("measure", "", "unit"), rows),
     ]
+    if report.notices:
+        lines.append("")
+        lines += [line for words in report.notices for line in wrap(words)]
     if report.lost:
         lines += ["", *wrap(f"LOST: {report.lost}")]
     return "\n".join(lines)
@@ -111,7 +123,15 @@ def _method_facts(report: Report) -> list[str]:
     return [
         f"{INDENT}{computed}, step {method.step:g} s",
         f"{INDENT}controls: {rig.controls}; trim: {rig.trim}; depth law: {rig.law}",
+        f"{INDENT}{_place(rig)}",
     ]
+
+
+def _place(rig: Rig) -> str:
+    """Return where a manoeuvre begins, and in what sea."""
+    if rig.depth is None:
+        return f"from {DEEP:g} m, where neither hull nor surface sets limits"
+    return f"from {rig.depth:g} m; sea: {rig.sea}" + f", seed {rig.seed}" * (rig.sea != CALM)
 
 
 def format_measure(one: Measure) -> tuple[str, str]:

@@ -17,13 +17,20 @@ from trainer.analysis.manoeuvres.vehicle import (
 )
 from trainer.units import KNOT
 
-STEP: Final = 5.0 * KNOT  # [m/s] of 1969; at most a third of what the vehicle makes
+STEP: Final = 5.0 * KNOT  # [m/s] of 1969
+STEPS: Final = 3.0  # [-] the fewest that a step of its own choice makes
+EARLY: Final = 1e-9  # [-] rounding of a number of steps
 READINGS: Final = (0.1, 0.25, 0.5, 0.6, 0.8, 1.0)  # of the duration
+
+
+def ahead(conn: Conn, knots: float | None) -> float:
+    """Return an ordered speed [m/s]; None [kn]: full ahead."""
+    return conn.vehicle.controls["engine"].high if knots is None else knots * KNOT
 
 
 @dataclass(frozen=True)
 class Acceleration(Manoeuvre):
-    """From rest, the engine ordered up in steps to full ahead and down in steps to stop."""
+    """From rest, the engine ordered up in equal steps and down in as many to stop."""
 
     needs: ClassVar[tuple[str, ...]] = ("engine",)
     compared: ClassVar[tuple[str, ...]] = ("u",)
@@ -31,12 +38,15 @@ class Acceleration(Manoeuvre):
 
     each_s: float = 230.0
     from_rest: ClassVar[bool] = True
+    step_kn: float | None = None  # at most; None: 5 kn, or a third of the last where that is less
+    ahead_kn: float | None = None  # the last; None: full ahead
 
     def schedule(self, conn: Conn) -> Iterator[None]:
         """Yield the cycles of the steps up and down."""
         conn.vehicle.keep("depth")
-        most = conn.vehicle.controls["engine"].high
-        steps = math.ceil(most / min(STEP, most / 3.0) - 1e-9)
+        most = ahead(conn, self.ahead_kn)
+        step = min(STEP, most / STEPS) if self.step_kn is None else self.step_kn * KNOT
+        steps = math.ceil(most / step - EARLY)
         for i in [*range(1, steps + 1), *range(steps - 1, -1, -1)]:
             conn.order("engine", most * i / steps)
             conn.mark("step")
@@ -52,7 +62,7 @@ class Acceleration(Manoeuvre):
 
 @dataclass(frozen=True)
 class UtmostAcceleration(Manoeuvre):
-    """From rest, full ahead for half the time, then stop; depth kept where it can be."""
+    """From rest, ahead for half the time, then stop; depth kept where it can be."""
 
     needs: ClassVar[tuple[str, ...]] = ("engine",)
     compared: ClassVar[tuple[str, ...]] = ("u",)
@@ -61,14 +71,15 @@ class UtmostAcceleration(Manoeuvre):
 
     duration_s: float = 1000.0
     ahead_kn: float | None = None  # None: full ahead
+    ahead_s: float | None = None  # None: half the duration
 
     def schedule(self, conn: Conn) -> Iterator[None]:
         """Yield the cycles ahead and stopped."""
         conn.vehicle.keep("depth")
-        full = conn.vehicle.controls["engine"].high
-        conn.order("engine", full if self.ahead_kn is None else self.ahead_kn * KNOT)
+        conn.order("engine", ahead(conn, self.ahead_kn))
         conn.mark("ahead")
-        yield from conn.hold_to(0.5 * self.duration_s)
+        until = 0.5 * self.duration_s if self.ahead_s is None else self.ahead_s
+        yield from conn.hold_to(min(until, self.duration_s))
         conn.order("engine", 0.0)
         conn.mark("stop")
         yield from conn.hold_to(self.duration_s)

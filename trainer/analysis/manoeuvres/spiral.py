@@ -8,7 +8,16 @@ from typing import ClassVar, Final
 import numpy as np
 
 from trainer.analysis.manoeuvres.flight import Conn, Flight, Manoeuvre
-from trainer.analysis.manoeuvres.vehicle import Measure, part, share, show_only
+from trainer.analysis.manoeuvres.vehicle import (
+    PORT,
+    SIGNS,
+    STARBOARD,
+    Measure,
+    Side,
+    part,
+    share,
+    show_only,
+)
 
 PARTS: Final = (1.0, 2 / 3, 1 / 3, 1 / 6, 0.0, -1 / 6, -1 / 3, -2 / 3, -1.0)
 SHORTEST: Final = 3.0  # [lengths run] of each part
@@ -46,20 +55,29 @@ def settle(conn: Conn, seen: list[float]) -> Generator[None, None, bool]:
 
 @dataclass(frozen=True)
 class PullOut(Manoeuvre):
-    """A steady turn to either side, and the rudder put amidships: what turning is left."""
+    """A steady turn to either side, and the rudder put amidships: what turning is left.
+
+    Yaw rates count to the side of the first turn.
+    """
 
     needs: ClassVar[tuple[str, ...]] = ("rudder",)
     compared: ClassVar[tuple[str, ...]] = ()
     shows: ClassVar[tuple[str, ...]] = ("r", "delta_r")
 
     angle_deg: float = 20.0  # rudder
+    side: Side = STARBOARD  # of the first turn
+
+    @property
+    def sides(self) -> tuple[Side, Side]:
+        """Return the sides in the order they are turned to."""
+        return (STARBOARD, PORT) if self.side == STARBOARD else (PORT, STARBOARD)
 
     def schedule(self, conn: Conn) -> Iterator[None]:
         """Yield the cycles of both turns."""
         conn.vehicle.keep("depth")
         most = [0.0]
-        for side in (1.0, -1.0):
-            conn.order("rudder", side * math.radians(self.angle_deg))
+        for side in self.sides:
+            conn.order("rudder", SIGNS[side] * math.radians(self.angle_deg))
             yield from settle(conn, most)
             conn.mark("amidships")
             conn.order("rudder", 0.0)
@@ -68,10 +86,11 @@ class PullOut(Manoeuvre):
 
     def measures(self, flight: Flight) -> list[Measure]:
         """Return the yaw rate in the turn and what is left of it, to either side."""
+        flight = flight.counted_to(self.side)
         turned = [mark.t for mark in flight.marks if mark.name == "amidships"]
         left = [mark.t for mark in flight.marks if mark.name == "left"]
         found = []
-        for side, *times in zip(("starboard", "port"), turned, left, strict=False):
+        for side, *times in zip(self.sides, turned, left, strict=False):
             rates = [flight.at(time, "r") for time in times]
             found.append(share(f"yaw rate, rudder to {side}", "rad/s", rates[0]))
             found.append(show_only(f"yaw rate left after {side}", "rad/s", rates[1]))
@@ -80,13 +99,17 @@ class PullOut(Manoeuvre):
 
 @dataclass(frozen=True)
 class Spiral(Manoeuvre):
-    """The direct spiral: rudder from starboard to port and back in steps, each until steady."""
+    """The direct spiral: rudder from one side to the other and back in steps, each until steady.
+
+    Rudder and yaw rates count to the side that it begins with.
+    """
 
     needs: ClassVar[tuple[str, ...]] = ("rudder",)
     compared: ClassVar[tuple[str, ...]] = ()
     shows: ClassVar[tuple[str, ...]] = ("r", "delta_r")
 
     angle_deg: float = 15.0  # rudder, the largest
+    side: Side = STARBOARD  # at first
 
     def schedule(self, conn: Conn) -> Iterator[None]:
         """Yield the cycles of all steps."""
@@ -95,12 +118,13 @@ class Spiral(Manoeuvre):
         for way, parts in (("down", PARTS), ("up", PARTS[::-1])):
             for share_of_it in parts:
                 angle = share_of_it * self.angle_deg
-                conn.order("rudder", math.radians(angle))
+                conn.order("rudder", SIGNS[self.side] * math.radians(angle))
                 yield from settle(conn, most)
                 conn.mark(f"{way} {angle:+.3g}")
 
     def measures(self, flight: Flight) -> list[Measure]:
         """Return yaw rate by rudder, and how far the two ways lie apart."""
+        flight = flight.counted_to(self.side)
         rates: dict[str, dict[str, float]] = {"down": {}, "up": {}}
         for mark in flight.marks:
             way, angle = mark.name.split()
@@ -123,12 +147,13 @@ class ReverseSpiral(Manoeuvre):
     shows: ClassVar[tuple[str, ...]] = ("r", "delta_r")
 
     angle_deg: float = 15.0  # rudder that finds the largest yaw rate
+    side: Side = STARBOARD  # at first
 
     def schedule(self, conn: Conn) -> Iterator[None]:
         """Yield the cycles of a turn that finds the largest rate, then of each rate held."""
         conn.vehicle.keep("depth")
         most = [0.0]
-        conn.order("rudder", math.radians(self.angle_deg))
+        conn.order("rudder", SIGNS[self.side] * math.radians(self.angle_deg))
         yield from settle(conn, most)
         largest = swirl(conn)
         conn.mark(FIRST)
@@ -150,7 +175,8 @@ class ReverseSpiral(Manoeuvre):
             yield
 
     def measures(self, flight: Flight) -> list[Measure]:
-        """Return the rudder of each yaw rate, to starboard positive."""
+        """Return the rudder of each yaw rate, positive to the side it begins with."""
+        flight = flight.counted_to(self.side)
         if not flight.has("delta_r") or not flight.marks:
             return []
         found = []

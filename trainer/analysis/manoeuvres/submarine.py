@@ -11,6 +11,10 @@ from trainer.analysis.manoeuvres.vehicle import Control, LostError, Watch
 from trainer.analysis.neutral import trim_at
 from trainer.boat.assemble import Method
 from trainer.boat.boat import Boat
+from trainer.boat.depths import collapse_of, lowest_depth
+from trainer.boat.limits import showing
+from trainer.config.files import ConfigError
+from trainer.config.sea import SeaFile, load_sea
 from trainer.config.vessel import VesselFile
 from trainer.core import entry
 from trainer.core.actuators import move_surfaces
@@ -27,6 +31,7 @@ COLUMNS: Final = (
 SURFACES: Final = {"rudder": ("rudder", "r"), "planes": ("stern", "s")}
 LAWS: Final = {"trainer": OWN, "report": REPORT, "literal": REPORT_LITERAL}
 DEEP: Final = 1000.0  # [m] room for any manoeuvre, and away from the surface
+CALM: Final = "calm"
 STEEPEST: Final = math.radians(80.0)
 SPEED_GAIN: Final = 4.0  # [-] command speed per speed, and
 SPEED_RATE: Final = 0.2  # [1/s] per its integral
@@ -48,6 +53,20 @@ class Rig:
     controls: str = "own"  # "own" rates, lags and dead time, or at "once", as CONTR has them
     trim: str = "own"  # neutral angles: the "own" equations' or those of the "full" set
     law: str = "trainer"  # of depth keeping, a name of LAWS; without gains the report's
+    depth: float | None = None  # [m] to begin at; None: DEEP, where the hull holds and no sea is
+    sea: str = CALM  # name or path, in force from the start
+    seed: int = 1  # of the sea
+
+
+def _sea_felt(rig: Rig) -> SeaFile:
+    """Return the sea of a rig; ConfigError where no sea is felt."""
+    sea = load_sea(rig.sea)
+    if rig.depth is None:
+        raise ConfigError(
+            f"--sea {rig.sea}: no sea is felt {DEEP:g} m down, where manoeuvres begin unless told "
+            "otherwise; give a --depth"
+        )
+    return sea
 
 
 class _Boat(Boat):
@@ -79,6 +98,10 @@ class Submarine:
         self.length = file.hull.length
         self.step = method.step
         self.boat = _Boat(file, method)
+        if rig.sea != CALM:
+            self.boat.sea = _sea_felt(rig)
+        self._depth, self._seed = rig.depth, rig.seed
+        self._collapsed = ""  # in the last sail
         if rig.trim == "full":
             self.boat.model = Boat(file, Method("full", "exact", "exact", "adams2", method.step))
         self._at_once = rig.controls == "once"
@@ -106,7 +129,7 @@ class Submarine:
 
     def start(self, speed: float) -> None:
         """Begin anew in trim at ``speed`` [m/s], everything in hand; ConfigError if it cannot."""
-        self.boat.start(speed, DEEP, 0.0)
+        self._begin(speed)
         self._kept_speed = None
         s = self.boat.state
         s.by_hand[:] = 1.0
@@ -114,6 +137,56 @@ class Submarine:
         s.ordered_u_c = s.telegraph_order = s.u_c
         s.depth_law = self._law
         self._neutral = {"rudder": float(s.delta_r), "planes": float(s.delta_s)}
+
+    def _begin(self, speed: float) -> None:
+        """Start the boat at its depth; ConfigError if it may not be there, or shows in the air."""
+        file, depth = self.boat.file, self._depth
+        if depth is None:
+            self.boat.start(speed, DEEP, 0.0, self._seed)
+            return
+        deepest = file.hull.max_depth_m
+        if deepest is not None and depth > deepest:
+            raise ConfigError(
+                f"{file.path.name}: a depth of {depth:g} m is below max_depth_m = {deepest:g} m, "
+                "the deepest that may be ordered"
+            )
+        self.boat.start(speed, depth, 0.0, self._seed)
+        height = showing(self.boat)
+        if height > 0.0:
+            least = math.ceil(10.0 * (depth + height)) / 10.0
+            raise ConfigError(
+                f"{file.path.name}: at a depth of {depth:g} m the boat shows {height:.1f} m above "
+                f"the sea; begin at {least:g} m or deeper"
+            )
+
+    def notices(self, columns: Mapping[str, Numbers]) -> tuple[str, ...]:
+        """Return in words when a flight, by its columns (n,), passed test depth and broke surface.
+
+        Waves are left out of the latter. Nothing without a depth of its own.
+        """
+        if self._depth is None:
+            return ()
+        t, found = columns["t"], []
+        lowest = lowest_depth(columns["z"], columns["theta"], self.length)
+        test_depth = self.boat.file.hull.test_depth_m
+        if test_depth is not None and (deep := np.flatnonzero(lowest > test_depth)).size:
+            found.append(f"test depth, {test_depth:g} m, is passed after {t[deep[0]]:g} s")
+        heights = self._heights(columns)
+        if (out := np.flatnonzero(heights > 0.0)).size:
+            most = f"{heights.max():.1f} m above still water"
+            found.append(f"BROACHED after {t[out[0]]:g} s; she shows at most {most}")
+        return tuple(found)
+
+    def _heights(self, columns: Mapping[str, Numbers]) -> Numbers:
+        """Return the height [m] (n,) of the boat's highest part above still water."""
+        s, as_it_was = self.boat.state, self.boat.snapshot()
+        heights = np.full(columns["t"].size, -np.inf)
+        s.eta_wave = 0.0
+        for i in np.flatnonzero(columns["z"] < self.boat.reach):
+            s.z, s.phi, s.theta = (columns[name][i] for name in ("z", "phi", "theta"))
+            heights[i] = showing(self.boat)
+        self.boat.restore(as_it_was)
+        return heights
 
     def incline(self, heel: float) -> None:
         """Heel the boat by ``heel`` [rad], without a rate."""
@@ -164,6 +237,8 @@ class Submarine:
         """Check the tick just made; LostError if the numbers went astray."""
         if status:
             raise LostError(self.boat.failure(status))
+        if self._depth is not None and (collapse := collapse_of(self.boat)):
+            raise LostError(f"{collapse} after {self.boat.time:g} s")
         s = self.boat.state
         if abs(s.theta) > STEEPEST:
             raise LostError(
@@ -185,10 +260,36 @@ class Submarine:
             eye["watched"], eye["mark"] = WATCHED[watch.quantity], watch.mark
             eye["side"] = watch.side
         rows = np.empty((max(last - int(self.boat.state.tick), 0), len(COLUMNS)))
-        return rows[: entry.sail(tuple(self.boat.records), eye, rows)]
+        rows = rows[: entry.sail(tuple(self.boat.records), eye, rows)]
+        collapse = self._collapse_in(rows)
+        self._collapsed = ""
+        if collapse is None:
+            return rows
+        rows = rows[: collapse + 1]
+        depth = float(self._lowest(rows.T)[-1])
+        self._collapsed = f"collapse at {depth:.0f} m after {rows[-1, 0]:g} s"
+        return rows
+
+    def _collapse_in(self, rows: Numbers) -> int | None:
+        """Return the first of the rows in which the hull is beyond collapse depth; None: in none.
+
+        Without a depth of its own the boat has room for any manoeuvre.
+        """
+        limit = self.boat.file.hull.collapse_depth_m
+        if self._depth is None or limit is None:
+            return None
+        beyond = np.flatnonzero(self._lowest(rows.T) >= limit)
+        return int(beyond[0]) if beyond.size else None
+
+    def _lowest(self, columns: Numbers) -> Numbers:
+        """Return the depth [m] (n,) of the hull's lowest point, by COLUMNS (17, n)."""
+        z, theta = (columns[COLUMNS.index(name)] for name in ("z", "theta"))
+        return lowest_depth(z, theta, self.length)
 
     def sound(self) -> None:
         """Check how the last ``sail`` ended; LostError if the numbers went astray in it."""
+        if self._collapsed:
+            raise LostError(self._collapsed)
         self._check(int(self._lookout["status"][0]))
 
     def _make_speed(self, wanted: float) -> None:

@@ -9,7 +9,12 @@ import numpy as np
 
 from trainer.analysis.manoeuvres.flight import Conn, Flight, Manoeuvre
 from trainer.analysis.manoeuvres.vehicle import (
+    RISE,
+    SIGNS,
+    STARBOARD,
+    Direction,
     Measure,
+    Side,
     first_time,
     largest,
     part,
@@ -26,7 +31,7 @@ HEADING_AFTER: Final = 60.0  # [s] of rudder, when the heading is read
 
 @dataclass(frozen=True)
 class Turn(Manoeuvre):
-    """Rudder over to starboard and held; depth kept where it can be."""
+    """Rudder over to a side and held; depth kept where it can be."""
 
     needs: ClassVar[tuple[str, ...]] = ("rudder",)
     compared: ClassVar[tuple[str, ...]] = ("u", "psi")
@@ -36,24 +41,26 @@ class Turn(Manoeuvre):
     duration_s: float = 300.0
     keep: tuple[str, ...] = ("depth",)
     lead_s: float = 5.0  # of straight motion
+    side: Side = STARBOARD
 
     def schedule(self, conn: Conn) -> Iterator[None]:
         """Yield the cycles of the turn."""
         for quantity in self.keep:
             conn.vehicle.keep(quantity)
         yield from conn.hold(self.lead_s)
-        conn.order("rudder", math.radians(self.angle_deg))
+        conn.order("rudder", SIGNS[self.side] * math.radians(self.angle_deg))
         conn.mark("rudder")
         yield from conn.hold_to(self.duration_s)
 
     def measures(self, flight: Flight) -> list[Measure]:
-        """Return circle, times, speed, roll and depth."""
+        """Return circle, times, speed, roll and depth; what is athwart counts to the side."""
+        flight = flight.counted_to(self.side)
         return circle(flight) + steady(flight) + heel(flight) + depth(flight)
 
 
 @dataclass(frozen=True)
 class ClimbingTurn(Manoeuvre):
-    """Rudder over to starboard and planes to rise together, both held."""
+    """Rudder over to a side, planes to rise or to dive together with it, both held."""
 
     needs: ClassVar[tuple[str, ...]] = ("rudder", "planes")
     compared: ClassVar[tuple[str, ...]] = ("u", "z", "psi")
@@ -63,12 +70,14 @@ class ClimbingTurn(Manoeuvre):
     planes_deg: float = 10.0
     duration_s: float = 300.0
     lead_s: float = 5.0
+    side: Side = STARBOARD
+    direction: Direction = RISE
 
     def schedule(self, conn: Conn) -> Iterator[None]:
         """Yield the cycles of the turn."""
         yield from conn.hold(self.lead_s)
-        conn.order("rudder", math.radians(self.angle_deg))
-        conn.order("planes", math.radians(self.planes_deg))
+        conn.order("rudder", SIGNS[self.side] * math.radians(self.angle_deg))
+        conn.order("planes", SIGNS[self.direction] * math.radians(self.planes_deg))
         conn.mark("rudder")
         yield from conn.hold_to(self.duration_s)
 
@@ -78,6 +87,7 @@ class ClimbingTurn(Manoeuvre):
         Of a boat that the turn presses down as the planes lift her little climb is left, the
         difference of much: it may differ by PERCENT of the fastest climb or sinking.
         """
+        flight = flight.counted_to(self.side)
         climbing = -np.diff(flight.column("z")) / np.diff(flight.t)
         climb = [
             share("steady pitch", "rad", float(flight.column("theta")[-1])),

@@ -2,13 +2,22 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Final, NamedTuple, Protocol, runtime_checkable
+from typing import Final, Literal, NamedTuple, Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
 
 from trainer.config.files import ConfigError
 from trainer.core.kernel import Numbers
+
+Side = Literal["starboard", "port"]
+Direction = Literal["rise", "dive"]
+STARBOARD: Final = "starboard"
+PORT: Final = "port"
+RISE: Final = "rise"
+DIVE: Final = "dive"
+# of an order of rudder or planes to that side, as ``Vehicle`` counts them
+SIGNS: Final[Mapping[Side | Direction, float]] = {STARBOARD: 1.0, PORT: -1.0, RISE: 1.0, DIVE: -1.0}
 
 
 class Control(NamedTuple):

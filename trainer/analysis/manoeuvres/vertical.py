@@ -1,6 +1,7 @@
 """Manoeuvres in the vertical plane: small disturbances, the meander and the overshoot of 1969."""
 
 import math
+from abc import abstractmethod
 from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import pairwise
@@ -8,7 +9,13 @@ from typing import ClassVar, Final
 
 from trainer.analysis.manoeuvres.flight import Conn, Flight, Manoeuvre
 from trainer.analysis.manoeuvres.vehicle import (
+    DIVE,
+    RISE,
+    SIGNS,
+    STARBOARD,
+    Direction,
     Measure,
+    Side,
     Watch,
     crossings,
     largest,
@@ -24,7 +31,7 @@ CYCLES: Final = 5  # of a decay that are told
 
 @dataclass(frozen=True)
 class TrimChange(Manoeuvre):
-    """The longitudinal trim of 1969: planes offset to dive, and held."""
+    """The longitudinal trim of 1969: planes offset, to dive in 1969, and held."""
 
     needs: ClassVar[tuple[str, ...]] = ("planes",)
     compared: ClassVar[tuple[str, ...]] = ("u", "z", "theta", "w")
@@ -33,11 +40,12 @@ class TrimChange(Manoeuvre):
     angle_deg: float = 3.0  # planes
     duration_s: float = 240.0
     lead_s: float = LEAD
+    direction: Direction = DIVE
 
     def schedule(self, conn: Conn) -> Iterator[None]:
         """Yield the cycles of the offset."""
         yield from conn.hold(self.lead_s)
-        conn.order("planes", -math.radians(self.angle_deg))
+        conn.order("planes", SIGNS[self.direction] * math.radians(self.angle_deg))
         conn.mark("planes")
         yield from conn.hold_to(self.duration_s)
 
@@ -53,24 +61,26 @@ class TrimChange(Manoeuvre):
 
 
 @dataclass(frozen=True)
-class Impulse(Manoeuvre):
-    """A short pulse of the planes, and the modes that the pitch then shows."""
+class Pulse(Manoeuvre):
+    """A short pulse of one control, and the swings that follow."""
 
-    needs: ClassVar[tuple[str, ...]] = ("planes",)
-    compared: ClassVar[tuple[str, ...]] = ("theta",)
-    shows: ClassVar[tuple[str, ...]] = ("theta", "q")
-    control: ClassVar[str] = "planes"
-    column: ClassVar[str] = "theta"
-    called: ClassVar[str] = "pitch"
+    control: ClassVar[str]
+    column: ClassVar[str]
+    called: ClassVar[str]
 
     angle_deg: float = 5.0  # control
     pulse_lengths: float = 0.5  # run while it lasts
     duration_s: float = 200.0
 
+    @property
+    @abstractmethod
+    def sign(self) -> float:
+        """Return the sign of the order."""
+
     def schedule(self, conn: Conn) -> Iterator[None]:
         """Yield the cycles of pulse and response."""
         yield from conn.hold(LEAD)
-        conn.order(self.control, math.radians(self.angle_deg))
+        conn.order(self.control, self.sign * math.radians(self.angle_deg))
         conn.mark("pulse")
         yield from conn.hold(self.pulse_lengths * conn.vehicle.length / conn.value("u"))
         conn.order(self.control, 0.0)
@@ -92,7 +102,26 @@ class Impulse(Manoeuvre):
 
 
 @dataclass(frozen=True)
-class RudderImpulse(Impulse):
+class Impulse(Pulse):
+    """A short pulse of the planes, and the modes that the pitch then shows."""
+
+    needs: ClassVar[tuple[str, ...]] = ("planes",)
+    compared: ClassVar[tuple[str, ...]] = ("theta",)
+    shows: ClassVar[tuple[str, ...]] = ("theta", "q")
+    control: ClassVar[str] = "planes"
+    column: ClassVar[str] = "theta"
+    called: ClassVar[str] = "pitch"
+
+    direction: Direction = RISE
+
+    @property
+    def sign(self) -> float:
+        """Return the sign of the order: positive to rise."""
+        return SIGNS[self.direction]
+
+
+@dataclass(frozen=True)
+class RudderImpulse(Pulse):
     """A short pulse of the rudder, and the roll that follows."""
 
     needs: ClassVar[tuple[str, ...]] = ("rudder",)
@@ -101,6 +130,17 @@ class RudderImpulse(Impulse):
     control: ClassVar[str] = "rudder"
     column: ClassVar[str] = "phi"
     called: ClassVar[str] = "roll"
+
+    side: Side = STARBOARD
+
+    @property
+    def sign(self) -> float:
+        """Return the sign of the order: positive to starboard."""
+        return SIGNS[self.side]
+
+    def measures(self, flight: Flight) -> list[Measure]:
+        """Return the response's size and the swings it makes, counted to the side."""
+        return super().measures(flight.counted_to(self.side))
 
 
 def swing(tops: list[tuple[float, float]]) -> tuple[float | None, float | None]:
@@ -126,16 +166,17 @@ class RollDecay(Manoeuvre):
 
     angle_deg: float = 5.0  # heel
     duration_s: float = 70.0
+    side: Side = STARBOARD  # heeled to
 
     def schedule(self, conn: Conn) -> Iterator[None]:
         """Yield the cycles of the decay."""
-        conn.vehicle.incline(math.radians(self.angle_deg))
+        conn.vehicle.incline(SIGNS[self.side] * math.radians(self.angle_deg))
         conn.mark("let go")
         yield from conn.hold_to(self.duration_s)
 
     def measures(self, flight: Flight) -> list[Measure]:
         """Return the period, and the amplitude once every cycle."""
-        roll = flight.column("phi")
+        roll = flight.counted_to(self.side).column("phi")
         zeros = crossings(flight.t, roll)
         begin = zeros[0] if zeros else math.inf
         crests = [y for t, y in peaks(flight.t, roll) if y > 0.0 and t > begin][:CYCLES]
@@ -151,7 +192,7 @@ class RollDecay(Manoeuvre):
 
 @dataclass(frozen=True)
 class Meander(Manoeuvre):
-    """Planes to rise until the pitch reaches its mark, then neutral, and held."""
+    """Planes to rise or to dive until the pitch reaches its mark, then neutral, and held."""
 
     needs: ClassVar[tuple[str, ...]] = ("planes",)
     compared: ClassVar[tuple[str, ...]] = ("u", "z", "theta")
@@ -160,12 +201,13 @@ class Meander(Manoeuvre):
     angle_deg: float = 20.0  # planes
     execute_deg: float = 10.0  # pitch, absolute
     duration_s: float = 400.0
+    direction: Direction = RISE
 
     def schedule(self, conn: Conn) -> Iterator[None]:
         """Yield the cycles of the meander."""
         execute = math.radians(self.execute_deg)
         yield from conn.hold(LEAD)
-        conn.order("planes", math.radians(self.angle_deg))
+        conn.order("planes", SIGNS[self.direction] * math.radians(self.angle_deg))
         conn.mark("planes")
         reached = yield from conn.until(
             Watch("size of theta", execute), self.duration_s - conn.time
@@ -206,7 +248,7 @@ EARLY: Final = 1e-9  # [s] rounding
 
 @dataclass(frozen=True)
 class Overshoot(Manoeuvre):
-    """Planes to rise until a pitch, to dive as far until the depth turns back, then neutral."""
+    """Planes to one way until a pitch, as far to the other until depth turns back, then neutral."""
 
     needs: ClassVar[tuple[str, ...]] = ("planes",)
     compared: ClassVar[tuple[str, ...]] = ("u", "z", "theta")
@@ -215,10 +257,12 @@ class Overshoot(Manoeuvre):
     angle_deg: float = 20.0  # planes
     execute_deg: float = 5.0  # pitch, absolute
     duration_s: float = 200.0
+    direction: Direction = RISE  # at first
 
     def schedule(self, conn: Conn) -> Iterator[None]:
         """Yield the cycles of the overshoot."""
-        angle, execute = math.radians(self.angle_deg), math.radians(self.execute_deg)
+        angle = SIGNS[self.direction] * math.radians(self.angle_deg)
+        execute = math.radians(self.execute_deg)
         yield from conn.hold(LEAD)
         conn.order("planes", angle)
         conn.mark("planes")

@@ -1,13 +1,19 @@
 """Zig-zags: a control thrown over to the other side whenever an angle reaches its mark."""
 
 import math
+from abc import abstractmethod
 from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import ClassVar, Final
 
 from trainer.analysis.manoeuvres.flight import Conn, Flight, Manoeuvre
 from trainer.analysis.manoeuvres.vehicle import (
+    RISE,
+    SIGNS,
+    STARBOARD,
+    Direction,
     Measure,
+    Side,
     Watch,
     first_time,
     largest,
@@ -22,22 +28,27 @@ SWINGS: Final = 4  # peaks that are told
 
 
 @dataclass(frozen=True)
-class ZigZag(Manoeuvre):
-    """Rudder from side to side, first to starboard."""
+class ThrowOver(Manoeuvre):
+    """One control from side to side; all but depth counts to the side first ordered."""
 
-    needs: ClassVar[tuple[str, ...]] = ("rudder",)
-    compared: ClassVar[tuple[str, ...]] = ("u",)
-    shows: ClassVar[tuple[str, ...]] = ("psi", "delta_r", "phi", "u")
-    control: ClassVar[str] = "rudder"
-    watched: ClassVar[str] = "psi"
-    called: ClassVar[str] = "heading"
-    rate: ClassVar[str] = "r"
-    keep: ClassVar[tuple[str, ...]] = ("depth",)
+    control: ClassVar[str]
+    watched: ClassVar[str]
+    called: ClassVar[str]
+    rate: ClassVar[str]
+    keep: ClassVar[tuple[str, ...]] = ()
 
     angle_deg: float = 20.0  # control
-    execute_deg: float = 20.0  # heading
+    execute_deg: float = 20.0  # of what is watched
     duration_s: float = 300.0
-    first: float = 1.0  # -1: to the other side first
+
+    @property
+    @abstractmethod
+    def first(self) -> float:
+        """Return the sign of the first order."""
+
+    @abstractmethod
+    def track(self, flight: Flight) -> list[Measure]:
+        """Return how far the vehicle left its first course or depth."""
 
     def schedule(self, conn: Conn) -> Iterator[None]:
         """Yield the cycles of the zig-zag; angles count from the start."""
@@ -46,7 +57,7 @@ class ZigZag(Manoeuvre):
         level = conn.value(self.watched)
         angle, execute = math.radians(self.angle_deg), math.radians(self.execute_deg)
         yield from conn.hold(LEAD)
-        side = math.copysign(1.0, self.first)
+        side = self.first
         while conn.time < self.duration_s:
             conn.order(self.control, side * angle)
             conn.mark("execute")
@@ -60,13 +71,13 @@ class ZigZag(Manoeuvre):
     def measures(self, flight: Flight) -> list[Measure]:
         """Return executes, peaks, overshoots, rates, crossings, speed and track."""
         t = flight.t
-        angle = math.copysign(1.0, self.first) * flight.change(self.watched)
+        angle = self.first * flight.change(self.watched)
         executes = [mark.t for mark in flight.marks]
         if not executes:
             return [show_only("time of execute 2", "s", None)]
         begin = executes[0]
         found = self._swings(t, angle, executes)
-        rates = math.copysign(1.0, self.first) * flight.column(self.rate)
+        rates = self.first * flight.column(self.rate)
         found += [
             share("largest rate", "rad/s", float(rates.max())),
             share("smallest rate", "rad/s", float(rates.min())),
@@ -96,14 +107,35 @@ class ZigZag(Manoeuvre):
             found.append(share(f"time of peak {i}, of the first's", "-", ratio))
         return found
 
+
+@dataclass(frozen=True)
+class ZigZag(ThrowOver):
+    """Rudder from side to side."""
+
+    needs: ClassVar[tuple[str, ...]] = ("rudder",)
+    compared: ClassVar[tuple[str, ...]] = ("u",)
+    shows: ClassVar[tuple[str, ...]] = ("psi", "delta_r", "phi", "u")
+    control: ClassVar[str] = "rudder"
+    watched: ClassVar[str] = "psi"
+    called: ClassVar[str] = "heading"
+    rate: ClassVar[str] = "r"
+    keep: ClassVar[tuple[str, ...]] = ("depth",)
+
+    side: Side = STARBOARD  # first
+
+    @property
+    def first(self) -> float:
+        """Return the sign of the first order: positive to starboard."""
+        return SIGNS[self.side]
+
     def track(self, flight: Flight) -> list[Measure]:
         """Return the sideways track and the roll.
 
         The first run to the side is judged; the largest of many also has in it the mean heading,
         which the cycle of each execute takes its small part in.
         """
-        side = math.copysign(1.0, self.first)
-        aside = side * flight.change("y")
+        flight = flight.counted_to(self.side)
+        aside = flight.change("y")
         most = float(aside.max())
         runs = [y for _, y in peaks(flight.t, aside) if y > 0.5 * most]
         found = [
@@ -111,7 +143,7 @@ class ZigZag(Manoeuvre):
             show_only("largest sideways run", "m", most),
         ]
         if flight.has("phi"):
-            rolls = side * flight.column("phi")
+            rolls = flight.column("phi")
             found += [
                 share("largest roll", "rad", float(rolls.max())),
                 share("smallest roll", "rad", float(rolls.min())),
@@ -120,8 +152,8 @@ class ZigZag(Manoeuvre):
 
 
 @dataclass(frozen=True)
-class VerticalZigZag(ZigZag):
-    """Planes from side to side, first to rise."""
+class VerticalZigZag(ThrowOver):
+    """Planes to rise and to dive in turns."""
 
     needs: ClassVar[tuple[str, ...]] = ("planes",)
     compared: ClassVar[tuple[str, ...]] = ("u",)
@@ -130,11 +162,16 @@ class VerticalZigZag(ZigZag):
     watched: ClassVar[str] = "theta"
     called: ClassVar[str] = "pitch"
     rate: ClassVar[str] = "q"
-    keep: ClassVar[tuple[str, ...]] = ()
 
     angle_deg: float = 10.0  # control
     execute_deg: float = 10.0  # pitch
     duration_s: float = 200.0
+    direction: Direction = RISE  # first
+
+    @property
+    def first(self) -> float:
+        """Return the sign of the first order: positive to rise."""
+        return SIGNS[self.direction]
 
     def track(self, flight: Flight) -> list[Measure]:
         """Return the first turning points of depth, in metres and in lengths."""

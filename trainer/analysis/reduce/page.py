@@ -4,6 +4,7 @@ from collections.abc import Iterator, Sequence
 from typing import Final
 
 from trainer.analysis.guide.dropped_terms import Drop
+from trainer.analysis.guide.verdicts import account
 from trainer.analysis.reduce.reduction import Reduction
 from trainer.analysis.reduce.verdict import PARTS, Checked
 from trainer.analysis.report.text import figure, plain, table, wrap
@@ -31,7 +32,9 @@ def render(found: Reduction) -> str:
             f"A tick takes {found.cost.compact_ns:.0f} ns by the compact set, "
             f"{found.cost.full_ns:.0f} ns by the full one: {found.cost.ratio:.2f} of it"
         )
-    lines.append("Within tolerance." if found.passed else "Out of tolerance.")
+    judged = any(one.judged for one in found.checked)
+    conclusion = "Within tolerance" if found.passed else "Out of tolerance"
+    lines.append(f"{conclusion if judged else 'Nothing was judged'}.")
     return "\n".join(lines)
 
 
@@ -85,13 +88,16 @@ def _verdict(checked: Sequence[Checked]) -> Iterator[str]:
     """Yield how the compact set does, part by part."""
     for part, percent in PARTS.items():
         of_part = [one for one in checked if one.part == part]
-        failed = [one for one in of_part if one.beyond]
+        judged = [one for one in of_part if one.judged]
+        failed = [one for one in judged if one.beyond]
         yield from wrap(
-            f"{part}, {percent:g} %: {len(of_part) - len(failed)} of {len(of_part)} manoeuvres "
-            f"within, {sum(one.beyond for one in of_part)} of "
-            f"{sum(one.judged for one in of_part)} numbers beyond",
+            f"{part}, {percent:g} %: manoeuvres within, {account([one.passed for one in of_part])};"
+            f" {sum(one.beyond for one in judged)} of {sum(one.judged for one in judged)} numbers "
+            "beyond",
             "",
             "  ",
         )
-        for one in failed or sorted(of_part, key=lambda each: -each.worst)[:1]:
+        for one in failed or sorted(judged, key=lambda each: -each.worst)[:1]:
             yield from wrap(f"{one.leg}: {one.quantity}, {one.worst:.2f} of the allowed")
+        if left := "; ".join(one.leg for one in of_part if not one.judged):
+            yield from wrap(f"not judged, the full set is lost or cannot start: {left}")

@@ -7,6 +7,7 @@ from typing import Final
 
 import numpy as np
 
+from trainer.analysis.guide import verdicts
 from trainer.analysis.guide.dropped_terms import Drop, Look, effects, tasks_without
 from trainer.analysis.guide.programme import Leg, fly_all
 from trainer.analysis.guide.programme import legs as guide_legs
@@ -35,10 +36,15 @@ class Checked:
 
     part: str
     leg: str
-    judged: int  # numbers
+    judged: int  # numbers; none where the full set cannot start or is lost
     beyond: int
     worst: float  # [-] of what is allowed
     quantity: str  # that is the worst
+
+    @property
+    def passed(self) -> bool | None:
+        """Return whether nothing judged is beyond what is allowed; None: nothing is judged."""
+        return not self.beyond if self.judged else None
 
 
 def legs(file: VesselFile, part: str) -> Sequence[Leg]:
@@ -56,7 +62,12 @@ def verdict(file: VesselFile, candidate: Candidate) -> tuple[Checked, ...]:
 def _part(file: VesselFile, part: str, candidate: Candidate) -> Iterator[Checked]:
     """Yield the legs of one part."""
     share = PARTS[part] / PERCENT
-    for leg, judgements in Yardstick(file, legs(file, part)).judged(candidate):
+    wanted = legs(file, part)
+    yardstick = Yardstick(file, wanted)
+    for leg in wanted:
+        if leg not in yardstick.legs:
+            yield Checked(part, leg.title, 0, 0, 0.0, "")
+    for leg, judgements in yardstick.judged(candidate):
         if not judgements:
             yield Checked(part, leg.title, 1, 1, float("inf"), "it cannot start")
             continue
@@ -70,8 +81,8 @@ def _part(file: VesselFile, part: str, candidate: Candidate) -> Iterator[Checked
 
 
 def passes(checked: Sequence[Checked]) -> bool:
-    """Return whether nothing is beyond what is allowed."""
-    return not any(one.beyond for one in checked)
+    """Return whether something is judged, and nothing beyond what is allowed."""
+    return verdicts.passes([one.passed for one in checked])
 
 
 TICKS: Final = 2000

@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 from typing import Any, Final
 
+from trainer.analysis.manoeuvres.flight import CHOICES
 from trainer.config.files import ConfigError, Place
 from trainer.config.identification import CHANNELS, MODELS
 from trainer.config.method import EQUATIONS, TRIGONOMETRY
@@ -145,7 +146,22 @@ class ManoeuvreTable:
     speed_kn: float | None = optional(Quantity("kn", within(0.01, 60), "else the vessel file's"))
     angle_deg: float | None = optional(Quantity("deg", within(0, 90), "of the control"))
     execute_deg: float | None = optional(Quantity("deg", within(0, 180), "mark"))
+    planes_deg: float | None = optional(Quantity("deg", within(0, 90), "of a climbing turn"))
     duration_s: float | None = optional(Quantity("s", within(1, 1e5), "time flown"))
+    side: str | None = optional(Choice(CHOICES["side"], "of a turn, or first; else starboard"))
+    direction: str | None = optional(
+        Choice(CHOICES["direction"], "of the planes, or first; else rise, of trim dive")
+    )
+    step_kn: float | None = optional(
+        Quantity("kn", within(0.1, 60), "of an acceleration's steps, at most; else 5")
+    )
+    each_s: float | None = optional(Quantity("s", within(1, 1e5), "of each of these steps"))
+    ahead_kn: float | None = optional(
+        Quantity("kn", within(0.01, 60), "last of an acceleration; else full ahead")
+    )
+    ahead_s: float | None = optional(
+        Quantity("s", within(1, 1e5), "of an utmost acceleration; else half its time")
+    )
     depth_kept: bool | None = optional(YesNo("whether a turn keeps its depth; else it does"))
     controls: str | None = optional(Choice(("own", "once"), "rates and lags, or none; else own"))
     trim: str | None = optional(Choice(("own", "full"), "equations of the start; else own"))
