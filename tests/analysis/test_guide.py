@@ -270,6 +270,47 @@ def test_a_browser_opens_the_page_without_complaint(page: str, tmp_path: Path) -
     assert done.stdout.count("<svg") == page.count("<svg")
 
 
+# --- what is not judged
+
+
+def unjudged(book: GuideContents, count: int) -> GuideContents:
+    """Return the guide with nothing judged in its first sheets."""
+    blank = tuple(replace(sheet, judgements={}) for sheet in book.guide.sheets[:count])
+    sheets = (*blank, *book.guide.sheets[count:])
+    passed = verdicts.passes([sheet.passed("modified") for sheet in sheets])
+    return replace(book, guide=replace(book.guide, sheets=sheets, passed=passed))
+
+
+def test_a_count_tells_what_is_not_judged() -> None:
+    assert verdicts.account([True, True, None]) == "2 of 2 judged, 1 not judged"
+    assert verdicts.account([True, False]) == "1 of 2 judged"
+    assert verdicts.account([None]) == "0 of 0 judged, 1 not judged"
+    assert verdicts.passes([True, None])
+    assert not verdicts.passes([True, False])
+    assert not verdicts.passes([None])
+
+
+def test_a_sheet_in_which_nothing_is_judged_is_counted_as_not_judged(book: GuideContents) -> None:
+    some = unjudged(book, 2)
+    judged = len(book.guide.sheets) - 2
+
+    text, html = render(some.guide, None), document.render(some, None)
+
+    told = f"manoeuvres within tolerance, {judged} of {judged} judged, 2 not judged;"
+    assert f"modified: {told}" in " ".join(text.split())
+    assert f"The modified set: {told}" in html
+    assert "not judged        -" in text.splitlines()[3]
+    assert text.endswith("Within tolerance.")
+
+
+def test_a_guide_in_which_nothing_is_judged_does_not_pass(book: GuideContents) -> None:
+    nothing = unjudged(book, len(book.guide.sheets))
+
+    assert not nothing.guide.passed
+    assert render(nothing.guide, None).endswith("Nothing was judged.")
+    assert "Nothing was judged" in document.render(nothing, None)
+
+
 # --- since a baseline
 
 
@@ -503,7 +544,8 @@ def test_a_manoeuvre_as_json_has_every_measure() -> None:
     done = ask(manoeuvre, "zigzag-20", "bb2", "--equations", "modified", "--json")
 
     told = json.loads(done.output)
-    assert told["parameters"] == {"angle": 20.0, "execute": 20.0, "duration": 300.0}
+    numbers = {"angle": 20.0, "execute": 20.0, "duration": 300.0}
+    assert told["parameters"] == {**numbers, "side": "starboard"}
     assert told["method"]["rates"] == "lagged"
     assert {"heading peak 1", "heading overshoot 1"} <= {one["name"] for one in told["measures"]}
 
