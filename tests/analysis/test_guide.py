@@ -20,7 +20,7 @@ from trainer.analysis.guide.verdicts import BEYOND, SHOWN, WITHIN, judge_measure
 from trainer.analysis.manoeuvres.catalogue import find_manoeuvre
 from trainer.analysis.manoeuvres.flight import Flight
 from trainer.analysis.manoeuvres.turns import Turn
-from trainer.analysis.manoeuvres.vehicle import Measure, share
+from trainer.analysis.manoeuvres.vehicle import PORT, Measure, share
 from trainer.analysis.report.pdf import find_browser
 from trainer.analysis.series import load_series
 from trainer.boat.assemble import Method
@@ -394,11 +394,11 @@ def test_a_file_beside_the_vessel_file_holds_its_trials(tmp_path: Path) -> None:
     vessel.write_text(load_vessel("bb2").text, encoding="utf-8")
     assert trials.trials_path(load_vessel(str(vessel))) is None
 
-    (tmp_path / "boat.trials.toml").write_text(TRIAL)
+    (tmp_path / "boat.trials.toml").write_text(TRIAL.replace("angle", 'side = "port"\nangle'))
     path = trials.trials_path(load_vessel(str(vessel))) or Path()
     ((trial,), ()) = trials.load_published(path)
 
-    assert trial.manoeuvre == Turn(20.0)
+    assert trial.manoeuvre == Turn(20.0, side=PORT)
     assert [result.values for result in trial.results] == [(187.0,), (None,)]
 
 
@@ -413,6 +413,8 @@ def test_a_file_beside_the_vessel_file_holds_its_trials(tmp_path: Path) -> None:
         ('title = "a turn"\n', "title = 1\n", "must be one line of text"),
         ('manoeuvre = "', 'manoeuvre = ["a"] # "', "no such manoeuvre"),
         ("columns = [", "columns = 1 # [", "must be a list of words"),
+        ("angle_deg", 'side = "left"\nangle_deg', "must be starboard or port"),
+        ("angle_deg", 'direction = "dive"\nangle_deg', 'direction = "dive": no such key'),
         ('"m", 187.0', '["m"], 187.0', "unit must be one of"),
     ],
 )
