@@ -2,6 +2,7 @@
 
 import json
 import math
+import re
 from collections.abc import Iterable
 from dataclasses import replace
 from itertools import product
@@ -14,6 +15,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from trainer.analysis import characteristic, check, tanks, thrust
+from trainer.analysis import constants as constants_program
 from trainer.analysis import neutral as neutral_program
 from trainer.analysis.characteristic import (
     HORIZONTAL,
@@ -36,7 +38,7 @@ from trainer.analysis.neutral import (
 from trainer.boat.assemble import Method, fit_out
 from trainer.boat.boat import Boat
 from trainer.config.files import ConfigError
-from trainer.config.vessel import VesselFile, load_vessel
+from trainer.config.vessel import VesselFile, load_vessel, parse_vessel
 from trainer.config.vessel_records import Fluid
 from trainer.core import propulsion
 from trainer.core.kernel import Numbers
@@ -44,6 +46,7 @@ from trainer.core.rates import rates
 from trainer.core.scheme import equations_alone
 from trainer.core.sea.free_surface import surface_forces
 from trainer.core.terms import COEFFICIENTS, TABLE
+from trainer.core.vessel import VESSEL
 from trainer.units import KNOT
 
 VECTORS = DATA / "vectors"
@@ -492,6 +495,74 @@ def test_speeds_are_in_knots_on_the_page() -> None:
 
     assert (point.u_kn, point.u_c_kn) == (pytest.approx(10.0), pytest.approx(15.0))  # type: ignore[comparison-overlap]
     assert point.thrust_N == thrust.thrust(load_vessel("bb2"), 10.0 * KNOT, 15.0 * KNOT)
+
+
+# --- every constant: EB920's listing and EC790
+
+
+def test_the_listing_has_every_number_of_the_vessel_record() -> None:
+    report = constants_program.constants(load_vessel("bb2"))
+    found = {one.symbol for group in report.groups.values() for one in group}
+    found |= {one.symbol for one in report.coefficients}
+
+    assert found == set(VESSEL.names or ()) - set(constants_program.BLOCKS)
+
+
+@pytest.mark.parametrize("name", ["bb2", "sdv-mk9", "remus100", "refsub"])
+def test_a_listed_constant_is_the_one_that_is_flown(name: str) -> None:
+    file = SI_REFSUB if name == "refsub" else load_vessel(name)
+    flown = Boat(file, Method("full", "exact", "exact", "adams2", 0.5)).vessel
+    report = constants_program.constants(file)
+
+    for one in (one for group in report.groups.values() for one in group):
+        part = np.asarray(flown[one.symbol], float)
+        rows = np.array(one.values)
+        kept = part.reshape(-1, part.shape[-1]) if part.ndim else part.reshape(1, 1)
+        assert (kept[: len(rows), : rows.shape[-1]] == rows).all() if rows.size else not kept.any()
+    for coefficient in report.coefficients:
+        assert coefficient.value == flown[coefficient.symbol]
+        given_ = file.coefficients.get(coefficient.symbol)
+        assert given_ is None or coefficient.prime == pytest.approx(given_, rel=1e-13, abs=1e-18)
+
+
+def test_a_constant_says_where_it_comes_from() -> None:
+    report = constants_program.constants(load_vessel("remus100"))
+    of = {one.symbol: one for group in report.groups.values() for one in group}
+
+    assert (of["rho"].origin, of["rho"].unit, of["rho"].key) == ("file", "kg/m3", "fluid.rho")
+    assert of["I_xy"].origin in ("file", "default")
+    assert of["tested"].origin == "absent"
+    assert of["cross_arm"].origin == "derived"
+    assert {one.origin for one in report.coefficients} == {"file", "absent"}
+    file = parse_vessel(SI_REFSUB.text.replace("Ixy", "# Ixy"), SI_REFSUB.path)
+    assert constants_program.origin_of(file, "vessel.Ixy") == "default"
+    assert constants_program.origin_of(SI_REFSUB, "control_surfaces.tail") == "default"
+
+
+@pytest.mark.parametrize("name", ["bb2", "sdv-mk9", "remus100"])
+def test_the_listing_fits_a_terminal_and_has_every_coefficient_by_both_names(name: str) -> None:
+    page = constants_program.render(constants_program.constants(load_vessel(name)))
+
+    assert page.isascii()
+    assert max(map(len, page.splitlines())) <= 79
+    for term in TABLE:
+        assert re.search(rf"^  {term.key} +{term.mnemonic} ", page, re.MULTILINE)
+
+
+def test_the_compact_constants_are_those_of_both_sets() -> None:
+    file = load_vessel("bb2")
+    report = {one.symbol: one for one in constants_program.constants(file).compact}
+    area = 0.5 * file.fluid.rho * file.hull.length**2
+
+    for kept in ("modified", "basic"):
+        flown = Boat(file, Method(kept, "lagged", "exact", "adams2", 0.5)).records.compact[0]
+        for symbol, one in report.items():
+            assert getattr(one, kept) == flown[symbol]
+    assert report["T5"].unit == "1/(kg m2)"
+    assert report["Z_w"].modified == pytest.approx(
+        area * file.coefficients["Z_w"] * file.compensation["modified"].get("Z_w", 1.0)
+    )
+    assert report["Z_waw"].basic == 0.0 != report["Z_waw"].modified
 
 
 # --- the calm surface: Tables 12 and 13
