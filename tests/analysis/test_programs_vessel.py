@@ -37,6 +37,7 @@ from trainer.analysis.neutral import (
 )
 from trainer.boat.assemble import Method, fit_out
 from trainer.boat.boat import Boat
+from trainer.boat.depths import near_surface, surface_at
 from trainer.config.files import ConfigError
 from trainer.config.vessel import VesselFile, load_vessel, parse_vessel
 from trainer.config.vessel_records import Fluid
@@ -593,7 +594,7 @@ def uneven() -> VesselFile:
 @pytest.mark.parametrize("depth", [11.0, 13.8724, 14.2, 16.0, 30.0, 35.0624, 60.0])
 @pytest.mark.parametrize("knots", [1.0, 4.5, 10.0, 15.0])
 def test_the_surface_of_the_programs_is_that_of_the_core(knots: float, depth: float) -> None:
-    found = characteristic.surface_at(load_vessel("bb2"), knots * KNOT, depth)
+    found = surface_at(load_vessel("bb2"), knots * KNOT, depth)
 
     expected = surface_of("bb2", knots * KNOT, depth)
 
@@ -608,7 +609,7 @@ def test_a_surface_that_changes_with_speed_is_that_of_the_core(knots: float) -> 
     force = np.zeros(6)
     surface_forces(boat.records.vessel, boat.records.state, force)
 
-    found = characteristic.surface_at(file, knots * KNOT, 16.0)
+    found = surface_at(file, knots * KNOT, 16.0)
 
     assert (found.Z_N, found.M_N_m) == pytest.approx((force[2], force[4]), rel=1e-12)
 
@@ -681,7 +682,7 @@ def test_a_fold_near_the_surface_is_felt_at_its_own_speed() -> None:
 
     assert folds
     for speed in folds:
-        there = characteristic.near_surface(file, speed, 15.0)
+        there = near_surface(file, speed, 15.0)
         assert min(abs(one / speed - 1.0) for one in fold_speeds(there, "stern")) < 1e-8
 
 

@@ -204,7 +204,13 @@ TABLES: Final = (
         "analysis/test_sweep_study.py::test_the_centre_of_gravity_is_known_well_enough_by_the_rules_of_1969",
     ),
     Row(
-        "Tables 6, 7, 9, 11",
+        "Table 6",
+        "the coefficients, those to be investigated among them",
+        "[coefficients](coefficients.md)",
+        "core/test_terms.py::test_the_page_has_every_term",
+    ),
+    Row(
+        "Tables 7, 9, 11",
         "what each coefficient does by itself",
         "trainer reduce bb2 --table",
         SENSITIVE,

@@ -21,16 +21,10 @@ from typing import Final, NamedTuple
 
 import numpy as np
 
-from trainer.analysis.characteristic import (
-    Surface,
-    near_surface,
-    require_covered,
-    surface_at,
-    surface_remarks,
-)
 from trainer.analysis.check import critical_speed
 from trainer.boat.assemble import Method
 from trainer.boat.boat import Boat
+from trainer.boat.depths import Surface, near_surface, require_covered, surface_at, surface_remarks
 from trainer.config.vessel import VesselFile
 from trainer.core.scheme import equations_alone
 from trainer.core.sea.free_surface import surface_forces

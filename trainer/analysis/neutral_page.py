@@ -5,7 +5,7 @@ from typing import Final
 
 import numpy as np
 
-from trainer.analysis.characteristic import near_surface, surface_lines
+from trainer.analysis.characteristic import surface_lines
 from trainer.analysis.neutral import (
     PLANES,
     Neutral,
@@ -19,6 +19,7 @@ from trainer.analysis.neutral import (
 )
 from trainer.analysis.report.plots import Curve, Panel
 from trainer.analysis.report.text import figure, table, wrap
+from trainer.boat.depths import near_surface
 from trainer.config.vessel import VesselFile
 from trainer.core.kernel import Numbers
 from trainer.units import KNOT
