@@ -7,6 +7,7 @@ of the vessel file, or from the defaults file, or is derived from other constant
 import tomllib
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Any, Final, NamedTuple
 
 import numpy as np
@@ -216,9 +217,15 @@ class Report:
     compact: tuple[Compact, ...]
 
 
+@lru_cache(maxsize=2)
+def _tables(text: str) -> Mapping[str, Any]:
+    """Return the tables of a vessel file, parsed once for all of its keys."""
+    return tomllib.loads(text)
+
+
 def origin_of(file: VesselFile, key: str) -> str:
     """Return whether a key is of the file, of the defaults file, or of neither."""
-    inside: Any = tomllib.loads(file.text)
+    inside: Any = _tables(file.text)
     for name in key.split("."):
         inside = inside.get(name) if isinstance(inside, Mapping) else None
     if inside is not None:
