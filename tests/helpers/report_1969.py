@@ -153,8 +153,8 @@ PROGRAMS: Final = (
     Row(
         "the depth law beyond 50 ft",
         "the literal law does not limit the depth error",
-        f"{ABSENT}: `--law literal` limits it, as the trainer does",
-        "",
+        "trainer manoeuvre acceleration bb2 --law literal",
+        "core/test_autopilot.py::test_the_literal_law_is_literal_beyond_50_feet_too",
     ),
     Row(
         "eta",
