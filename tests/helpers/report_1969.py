@@ -159,8 +159,8 @@ PROGRAMS: Final = (
     Row(
         "eta",
         "command speed over speed ahead, or over the whole speed U",
-        f"{ABSENT}: the first alone",
-        "",
+        "the first; the other by [`eta_speed`](vessel-files.md#eta-by-the-whole-speed)",
+        "core/test_update.py::test_eta_is_by_speed_ahead_or_by_the_whole_speed",
     ),
     Row(
         "waves: the cosine sum",

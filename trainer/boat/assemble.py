@@ -157,17 +157,19 @@ def body(file: VesselFile) -> dict[str, float]:
     }
 
 
-def thrust_rows(file: VesselFile) -> tuple[dict[str, float], tuple[float, float]]:
-    """Return the nine thrust coefficients, missing rows filled by the last, and eta's two limits.
+def thrust_rows(file: VesselFile) -> tuple[dict[str, float], tuple[float, float, float]]:
+    """Return the nine thrust coefficients, missing rows filled by the last, and what eta is.
 
-    Where there are two sets the first row is both of the upper ones.
+    Where there are two sets the first row is both of the upper ones. What eta is: its two limits
+    [-], and 1 where it is by the whole speed U, 0 by u.
     """
     sets = file.thrust.ahead
     rows = sets if len(sets) == 3 else (sets[0], sets[0], sets[-1])
     lowest = -math.inf
-    limits = (rows[0].eta_min, rows[1].eta_min if len(sets) > 1 else lowest)
+    second = rows[1].eta_min if len(sets) > 1 else lowest
+    eta = (rows[0].eta_min, second, float(file.propulsion.eta_speed == "whole"))
     names = {f"{name}{i + 1}": getattr(row, name) for i, row in enumerate(rows) for name in "abc"}
-    return names, limits
+    return names, eta
 
 
 def compact_coefficients(file: VesselFile, equations: str) -> dict[str, float]:
