@@ -85,7 +85,7 @@ def test_a_snapshot_is_smaller_than_three_kibibytes() -> None:
 
 @pytest.mark.core
 @pytest.mark.parametrize("equations", EQUATIONS)
-@pytest.mark.parametrize("integrator", ["adams2", "adams3", "rk4", "rkv"])
+@pytest.mark.parametrize("integrator", ["adams2", "adams3", "abm4", "rk4", "rkv"])
 def test_a_turn_goes_on_from_a_snapshot_to_the_bit(
     make_boat: Callable[..., Boat], equations: str, integrator: str
 ) -> None:
