@@ -112,7 +112,7 @@ def test_a_further_method_has_its_interval(integrator: str, interval: float) -> 
 
 def test_the_manual_has_every_method_with_its_interval() -> None:
     lines = (ROOT / "docs" / "engineer.md").read_text(encoding="utf-8").splitlines()
-    told = {}
+    told: dict[str, str] = {}
     for line in lines:
         cells = [cell.strip() for cell in line.split("|")]
         names = re.findall(r"`(\w+)`", cells[1]) if len(cells) == 7 else []

@@ -70,6 +70,17 @@ def recall(scheme: Record, state: Record) -> None:
 
 
 @part
+def shift_rates(state: Record) -> None:
+    """Put the present rates at the head of the past ones; a row at a time, which costs least."""
+    s = state[0]
+    for back in range(HISTORY - 1, 0, -1):
+        for i in range(12):
+            s.past_rates[back, i] = s.past_rates[back - 1, i]
+    for i in range(12):
+        s.past_rates[0, i] = s.rates[i]
+
+
+@part
 def adams_of(scheme: Record, terms: int, state: Record) -> None:
     """Advance by h sum b_i X'_n-i, i to ``terms``, and shift the history of the rates."""
     how = scheme[0]
@@ -79,10 +90,8 @@ def adams_of(scheme: Record, terms: int, state: Record) -> None:
         slope = how.b[0] * s.rates[i]
         for back in range(terms - 1):
             slope += how.b[back + 1] * s.past_rates[back, i]
-        for back in range(HISTORY - 1, 0, -1):
-            s.past_rates[back, i] = s.past_rates[back - 1, i]
-        s.past_rates[0, i] = s.rates[i]
         s.motion[i] += how.h * slope
+    shift_rates(state)
 
 
 @part
@@ -106,10 +115,8 @@ def adams_unequal(h: float, state: Record) -> None:
     share = past_share(h, state)
     for i in range(12):
         slope = (1.0 + share) * s.rates[i] - share * s.past_rates[0, i]
-        for back in range(HISTORY - 1, 0, -1):
-            s.past_rates[back, i] = s.past_rates[back - 1, i]
-        s.past_rates[0, i] = s.rates[i]
         s.motion[i] += h * slope
+    shift_rates(state)
 
 
 @part
@@ -292,9 +299,8 @@ def shift_histories(state: Record) -> None:
     for i in range(12):
         for back in range(HISTORY - 1, 0, -1):
             s.past_motion[back, i] = s.past_motion[back - 1, i]
-            s.past_rates[back, i] = s.past_rates[back - 1, i]
         s.past_motion[0, i] = s.motion[i]
-        s.past_rates[0, i] = s.rates[i]
+    shift_rates(state)
 
 
 @kernel
