@@ -27,9 +27,9 @@ from trainer.verify.c_reference.compiler import RECORDS, SAME_BITS, build, heade
 # same up to tick 5448; in the next the hull first breaks the surface, ordered up in a sea (2724 s).
 # It was 219df557... until the sea had the spectrum's energy and suction, and pushed on strips; the
 # keepers kept speed, depth, trim and hover otherwise; and an emergency blow was among the orders.
-# It was 9755a982... until the state held three past cycles for methods of four: 24 numbers more, the
-# third rows of past_rates and past_motion, and history 3 for 2. Without those rows, and with history
-# 2, the state after the hour is the same to the bit: its digest is 9755a982... still.
+# It was 9755a982... until the state held three past cycles for methods of four: 24 numbers more,
+# the third rows of past_rates and past_motion, and history 3 for 2. Without those rows, and with
+# history 2, the state after the hour is the same to the bit: its digest is 9755a982... still.
 SHA256 = "7b102e64da7de2cb3f0b651ef893e9806a8341bbec4348c6503148a3f50052e0"
 SHORT = 160  # [ticks] with a depth change under way
 
