@@ -17,7 +17,6 @@ from trainer.cli.subjects import subject_of
 from trainer.config.files import ConfigError
 
 pytest.importorskip("distributed")
-ROOT = Path(__file__).parents[2]  # workers of a cluster know no helpers
 STUDY = """
 schema = "sweep/1"
 name = "Turns on a cluster"
@@ -42,7 +41,7 @@ relative = true
 def scheduler(tmp_path: Path) -> Iterator[str]:
     """Yield the address of a scheduler with two worker processes, all on loopback."""
     told = tmp_path / "scheduler.json"
-    environment = os.environ | {"PYTHONPATH": str(ROOT), "DASK_TEMPORARY_DIRECTORY": str(tmp_path)}
+    environment = os.environ | {"DASK_TEMPORARY_DIRECTORY": str(tmp_path)}
 
     def started(stack: ExitStack, *words: str) -> None:
         program = subprocess.Popen(
