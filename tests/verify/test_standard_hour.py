@@ -79,14 +79,8 @@ def test_an_interpreted_process_takes_the_same_ticks() -> None:
     assert in_another_process({"NUMBA_DISABLE_JIT": "1"}, SHORT) == expected
 
 
-@pytest.mark.long
-@pytest.mark.parametrize(
-    "level",
-    [
-        pytest.param(level, marks=[pytest.mark.slow] if others else [])
-        for others, level in enumerate(levels_here())
-    ],
-)
+@pytest.mark.slow
+@pytest.mark.parametrize("level", levels_here())
 def test_machine_code_for_any_level_of_processor_ends_the_hour_in_the_same_bits(level: str) -> None:
     assert in_another_process(for_level(level)) == SHA256
 
