@@ -4,7 +4,7 @@ import math
 from collections.abc import Callable
 from dataclasses import replace
 
-from trainer.boat import ballast_orders, casualties, sea_orders
+from trainer.boat import ballast_orders, casualties, crew_orders, sea_orders
 from trainer.boat.boat import Boat
 from trainer.boat.sea_orders import order_sea
 from trainer.core.autopilot.steering import OWN, REPORT, REPORT_LITERAL
@@ -241,6 +241,7 @@ _DUTIES: dict[str, Callable[[Boat, Order], Reply]] = {
     "autopilot": _autopilot,
     "periscope": _periscope,
     "trim": _trim,
+    "order": crew_orders.order_crew,
     "sea": order_sea,
     "casualty": _casualty,
     "clear": _clear,

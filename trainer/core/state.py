@@ -208,6 +208,19 @@ STATE: Final = record_dtype(
     "trim_pitch",  # [rad] mean
     "trim_flood",  # [kg] to be let into the auxiliary tank in this tick
     "trim_forward",  # [kg] to be moved forward
+    # orders to the crew, which no kernel reads: course, depth, speed, pitch
+    (
+        "crew_order",
+        [
+            "crew_course",  # [rad]
+            "crew_depth",  # [m]
+            "crew_speed",  # [m/s]
+            "crew_pitch",  # [rad] bow up
+        ],
+    ),
+    ("crew_order_tick", (4,)),  # [-] number of the tick after which it was given, plus 1; 0 none
+    "crew_course_side",  # [-] the way to turn: -1 left, 1 right, 0 the shorter
+    "crew_depth_unit",  # [m] in which the depth was said: 1, or that of a foot
 )
 
 FIELDS: Final = [name for name in STATE.names or () if STATE.fields and name != "whole"]

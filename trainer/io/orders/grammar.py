@@ -54,6 +54,7 @@ def hidden(text: str) -> str:
     return found[2] if found else ""
 
 
+CREW = "order"  # heads an order to the crew; the side of its course is a word of it
 LONGEST = 80  # [characters]  of a line, its comment included
 
 PRINTABLE = re.compile(r"[\t -~]*")
@@ -114,7 +115,7 @@ class Reading(NamedTuple):
 READINGS = tuple(Reading(form, places, ()) for form in FORMS for places in variants(form))
 
 
-REMARK = re.compile(r"\s*mark\s+(\S.*?)\s*", re.IGNORECASE)
+REMARK = re.compile(r"\s*(mark|tell|report)\s+(\S.*?)\s*", re.IGNORECASE)
 
 
 def openings() -> dict[str, list[Reading]]:
@@ -138,7 +139,8 @@ def parse(line: str) -> Order | BadOrder | None:
         refuse_unreadable(text)
         said = text.partition("#")[0]
         if remark := REMARK.fullmatch(said):
-            return Order("mark", 0.0, "", f"mark {remark[1]}", (), remark[1])
+            name = remark[1].lower()
+            return Order(name, 0.0, "", f"{name} {remark[2]}", (), remark[2])
         words = as_one(said)
         tokens = tokenise(hide(words))
         return with_token(order(read(tokens)), hidden(words)) if tokens else None
@@ -307,7 +309,7 @@ def order(reading: Reading) -> Order:
             rest.append(subject)
         elif isinstance(place, UnitWord | Secret) or token.word in (optional if i else [head]):
             continue
-        elif token.word in SIGNS:
+        elif token.word in SIGNS and head != CREW:
             sign = SIGNS[token.word]
             text.append(token.word)
         else:

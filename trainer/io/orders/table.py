@@ -80,13 +80,13 @@ SETS = {
     "TANK": "auxiliary|depth-control",
     "SPACE": "forward|centre=center|aft",
     "PART": "depth|position|tanks",
-    "ROLE": "instructor|helm|planes|ballast|diving=officer|observer",
+    "ROLE": "instructor|helm|planes|pilot|ballast|diving=officer|observer",
 }
 NAMES = {
     "NAME": Name("the name of a casualty"),
     "LABEL": Name("a name for a moment"),
     "CHANNEL": Name("the name of a channel"),
-    "REMARK": Name("a remark"),  # of any words: see trainer.io.orders.grammar
+    "REMARK": Name("words"),  # of any kind: see trainer.io.orders.grammar
 }
 
 # One line each in an overview, which must fit in 24 lines of 79 columns.
@@ -134,6 +134,8 @@ SESSION_TOPICS = (
     Topic(("backtrack",), "backtrack 2 min", "back by so much, and on from there"),
     Topic(("replay", "take"), "replay 90 s | take over", "watch it again; go on from here"),
     Topic(("role",), "role helm | role helm TOKEN", "what this line may do"),
+    Topic(("order",), "order course 045 | depth 60", "an order to the crew: also speed, pitch"),
+    Topic(("tell", "report"), "tell surface | report WORDS", "the crew in words; what it reports"),
     Topic(("mark",), "mark good recovery", "mark this moment, with a remark"),
     Topic(("log",), "log 20", "what has happened lately"),
     Topic(("briefing",), "briefing", "what the exercise is about"),
@@ -230,6 +232,17 @@ FORMS = (
     Form("subscribe CHANNEL", "have what it shows sent whenever it changes"),
     Form("subscribe CHANNEL at RATE", "at most so many times a second"),
     Form("unsubscribe CHANNEL", "no longer, or none at all: unsubscribe all"),
+    Form("order course COURSE", "order the crew to steer it, the shorter way round"),
+    Form("order course SIDE COURSE", "the same, turning that way"),
+    Form("order depth DEPTH", "order the crew to this depth"),
+    Form("order periscope", "order the crew to the boat's periscope depth"),
+    Form("order periscope depth", "the same"),
+    Form("order speed SPEED", "order the crew to this speed"),
+    Form("order pitch ANGLE up|down", "order the crew to hold this angle, bow up or down"),
+    Form("order pitch zero", "order the crew to an even keel"),
+    Form("order clear course|depth|speed|pitch|all", "an order to the crew stands no longer"),
+    Form("tell REMARK", "an order to the crew in other words"),
+    Form("report REMARK", "report to the instructor, as the crew does"),
     Form("mark", "mark this moment in the record"),
     Form("mark REMARK", "the same, with a remark of any words"),
     Form("log", "the last of what has happened", value=10.0),
@@ -260,7 +273,7 @@ BOAT_ORDERS = frozenset(
         ),
         *("planes", "autopilot", "periscope", "surface", "dive", "blow", "emergency", "vent"),
         *("negative", "flood", "pump", "trim", "drain", "hover", "compressor"),
-        *("sea", "casualty", "clear", "hold", "release"),
+        *("sea", "casualty", "clear", "hold", "release", "order"),
     )
 )
 

@@ -33,28 +33,31 @@ class Control:
 
 
 CONTROLS: Final = (
-    Control("the rudder is", ("rudder",), ("helm",)),
-    Control("the course is", ("course", "course-by"), ("helm",)),
-    Control("the engine is", ("speed", "turns", "rpm", "bell"), ("helm",)),
-    Control("the planes are", ("stern", "bow", "planes"), ("planes", "diving")),
-    Control("the depth is", ("depth", "periscope"), ("planes", "diving")),
+    Control("the rudder is", ("rudder",), ("helm", "pilot")),
+    Control("the course is", ("course", "course-by"), ("helm", "pilot")),
+    Control("the engine is", ("speed", "turns", "rpm", "bell"), ("helm", "pilot")),
+    Control("the planes are", ("stern", "bow", "planes"), ("planes", "pilot", "diving")),
+    Control("the depth is", ("depth", "periscope"), ("planes", "pilot", "diving")),
     Control("main ballast is", ("blow", "emergency", "vent"), ("ballast", "diving")),
     Control("the negative tank is", ("negative",), ("ballast", "diving")),
     Control("trim water is", ("flood", "pump", "trim", "drain"), ("ballast", "diving")),
     Control("hovering is", ("hover",), ("ballast", "diving")),
     Control("the compressor is", ("compressor",), ("ballast", "diving")),
     Control("surfacing and diving are", ("surface", "dive"), ("diving",)),
+    Control("orders to the crew are", ("order", "tell"), ("diving",)),
+    Control("a report is", ("report",), ("helm", "planes", "pilot", "ballast", "diving")),
     Control("the record is", ("mark",), ("observer",)),
     Control("the autopilot as a whole is", ("autopilot",), ()),
 )
 
 # What happens, by kind: in words, and which roles hear of it; () is the instructor alone.
-EVERYBODY: Final = ("helm", "planes", "ballast", "diving", "observer")
+EVERYBODY: Final = ("helm", "planes", "pilot", "ballast", "diving", "observer")
 KINDS: Final[Mapping[str, tuple[str, tuple[str, ...]]]] = {
     "time": ("time stopped, let go on or made faster; the end", EVERYBODY),
     "moment": ("gone back to a moment, replayed, taken over", EVERYBODY),
     "station": ("a line attached, took a role, went away", EVERYBODY),
     "order": ("an order given at a station, and its answer", ("observer",)),
+    "crew": ("an order to the crew, its repeat, a report", EVERYBODY),
     "exercise": ("the instructor's orders, the schedule's, casualties and the sea", ()),
     "mark": ("a moment marked, with a remark", ("observer",)),
     "watch": ("a limit passed, the surface broken", ()),
@@ -99,6 +102,7 @@ ROLES: Final[Mapping[str, Role]] = {
         INSTRUCTOR,
         _role("helm", "the helm's", "steering", "engine"),
         _role("planes", "the planes station's", "diving"),
+        _role("pilot", "the pilot's", "steering", "engine", "diving"),
         _role("ballast", "the ballast station's", "tanks", "air", "valves"),
         _role("diving", "the diving officer's", "diving", "engine", "tanks", "air", "valves"),
         _role("observer", "an observer's", *PANELS),

@@ -1,0 +1,108 @@
+"""Orders to the crew: they stand on its panels until the next, and move nothing by themselves."""
+
+import math
+from typing import Final, NamedTuple
+
+from trainer.boat.boat import Boat
+from trainer.io.orders.grammar import Order, Refused, Reply
+from trainer.units import FOOT, KNOT
+
+AXES: Final = ("course", "depth", "speed", "pitch")  # in the order of the state's crew_order
+SIDES: Final = {"left": -1.0, "right": 1.0}
+
+
+class CrewOrder(NamedTuple):
+    """An order that stands: its axis, what is ordered [rad, m, m/s], and its tick."""
+
+    axis: str
+    value: float
+    tick: int
+    side: float = 0.0  # of a course: -1 left, 1 right, 0 the shorter way
+    unit: float = 1.0  # [m] in which a depth was said
+
+    def __str__(self) -> str:
+        """Return it as the crew is told."""
+        if self.axis == "course":
+            side = {-1.0: "left to ", 1.0: "right to "}.get(self.side, "course ")
+            return f"{side}{round(math.degrees(self.value)) % 360:03d}"
+        if self.axis == "depth":
+            unit = "m" if self.unit == 1.0 else "ft"
+            return f"depth {round(self.value / self.unit, 1):g} {unit}"
+        if self.axis == "speed":
+            return f"speed {round(self.value / KNOT, 1):g} kn"
+        angle = round(math.degrees(self.value), 1)
+        return f"pitch {abs(angle):g} {'up' if angle > 0.0 else 'down'}" if angle else "pitch zero"
+
+
+def standing(boat: Boat) -> tuple[CrewOrder, ...]:
+    """Return the orders to the crew that stand, in the order of AXES."""
+    s = boat.state
+    return tuple(
+        CrewOrder(
+            axis,
+            float(s.crew_order[i]),
+            int(s.crew_order_tick[i]) - 1,
+            float(s.crew_course_side) if axis == "course" else 0.0,
+            float(s.crew_depth_unit) if axis == "depth" else 1.0,
+        )
+        for i, axis in enumerate(AXES)
+        if s.crew_order_tick[i]
+    )
+
+
+def order_crew(boat: Boat, order: Order) -> Reply:
+    """Have an order to the crew stand, or stand no longer."""
+    what, _, more = order.word.partition("_")
+    if what == "clear":
+        return _clear(boat, more)
+    if what == "periscope":
+        depth = boat.file.run.periscope_depth_m
+        if depth is None:
+            return Refused(f"{boat.file.path.name} gives no [run] periscope_depth_m: order a depth")
+        return _stand(boat, "depth", depth)
+    refusal = _beyond(boat, what, order.value)
+    if refusal:
+        return refusal
+    if what == "course":
+        boat.state.crew_course_side = SIDES.get(more, 0.0)
+    if what == "pitch":
+        return _stand(boat, what, -order.value if more == "down" else order.value)
+    if what == "depth":
+        return _stand(boat, what, order.value, FOOT if order.text.endswith("ft") else 1.0)
+    return _stand(boat, what, order.value)
+
+
+def _beyond(boat: Boat, what: str, value: float) -> Refused | None:
+    """Return why the crew cannot be ordered so, None where it can."""
+    deepest = boat.file.hull.max_depth_m
+    if what == "depth" and deepest is not None and value > deepest:
+        return Refused(f"this boat's greatest depth is {deepest:g} m, not {value:g} m")
+    fastest = float(boat.vessel.u_c_ahead)
+    if what == "speed" and value > fastest + 1e-9:
+        return Refused(f"this boat makes {fastest / KNOT:g} kn, not {value / KNOT:g}")
+    return None
+
+
+def _stand(boat: Boat, axis: str, value: float, unit: float = 1.0) -> str:
+    """Let an order stand; return it as the crew is told."""
+    place = AXES.index(axis)
+    boat.state.crew_order[place] = value
+    boat.state.crew_order_tick[place] = boat.ticks + 1.0
+    if axis == "depth":
+        boat.state.crew_depth_unit = unit
+    return f"ordered: {standing_on(boat, axis)}"
+
+
+def standing_on(boat: Boat, axis: str) -> CrewOrder | None:
+    """Return the order that stands on one axis, None without."""
+    return next((each for each in standing(boat) if each.axis == axis), None)
+
+
+def _clear(boat: Boat, axis: str) -> Reply:
+    """Let one order, or all of them, stand no longer."""
+    had = [each for each in standing(boat) if axis in (each.axis, "all")]
+    for each in had:
+        boat.state.crew_order_tick[AXES.index(each.axis)] = 0.0
+    if not had:
+        return Refused(f"no order to the crew stands{'' if axis == 'all' else f' on {axis}'}")
+    return f"no longer ordered: {', '.join(map(str, had))}"
