@@ -45,7 +45,7 @@ from trainer.config.schema import (
 )
 from trainer.config.score_rules import Rule, Score, read_rules
 from trainer.config.sea import SeaFile, load_sea, read_sea
-from trainer.io.orders.grammar import Order, parse
+from trainer.io.orders.grammar import Order, parse, to_the_crew
 from trainer.io.orders.schedule import LATEST, Scheduled
 
 
@@ -360,6 +360,7 @@ def _unmanned(heading: Heading, table: Mapping[str, Any], place: Place) -> list[
     for i, row in enumerate(rows if isinstance(rows, list) else []):
         text = row.get("order") if isinstance(row, Mapping) else None
         order = parse(text) if isinstance(text, str) else None
+        order = to_the_crew(order) if isinstance(order, Order) else order
         axis = order.word.partition("_")[0] if isinstance(order, Order) else ""
         if isinstance(order, Order) and order.name == "order" and axis in MANNED:
             manned = MANNED[axis]
@@ -398,7 +399,7 @@ def _orders(table: Mapping[str, object], place: Place) -> list[Scheduled]:
         elif order.name in UNSCHEDULED:
             problems.append(inside.wrong("order", row.order, "has no place in a schedule"))
         else:
-            found.append(Scheduled(row.at_s, order, i + 1))
+            found.append(Scheduled(row.at_s, to_the_crew(order), i + 1))
     if problems:
         raise ConfigError(*problems)
     return found
