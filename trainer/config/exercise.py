@@ -187,7 +187,9 @@ def key_tables() -> str:
     return tables_of(RECORDS)
 
 
-UNSCHEDULED: Final = ("help", "status")  # they answer a console
+UNSCHEDULED: Final = (  # they answer a console, or are a person's to say
+    *("help", "status", "aye", "belay", "allow", "ack"),
+)
 
 
 TABLES: Final = ("initial", "sea", "orders", "casualties", "limits", "scores", *CREW_TABLES)

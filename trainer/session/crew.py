@@ -8,7 +8,7 @@ time. Nothing here moves the boat.
 import math
 import re
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from typing import Final, NamedTuple
 
 from trainer.boat.boat import Boat
@@ -16,7 +16,7 @@ from trainer.boat.casualties import readings
 from trainer.boat.crew_orders import standing_on
 from trainer.boat.helm import obey
 from trainer.config.exercise import AXES
-from trainer.io.orders.grammar import Order, Refused, Reply, parse
+from trainer.io.orders.grammar import Order, Refused, Reply, parse, to_the_crew
 from trainer.io.orders.quantities import FEET, METRES
 from trainer.io.recording.recording import Journalled
 from trainer.session.stations.roles import CREW, INSTRUCTOR
@@ -103,20 +103,23 @@ class CrewTalk:
 
     def obey(self, order: Order, role: str) -> Reply:
         """Carry out what is said, as far as the boat has to do with it; return the answer."""
-        if order.name in ("order", "belay"):
+        if order.name == "order":
             return obey(self.boat, order)
+        if order.name == "belay":
+            return "belayed" if WORDS in self._spoken else Refused("no words to the crew stand")
         if order.name == "tell":
             return f"told: {order.subject}"
         if order.name == "report":
             return "reported"
         return self._allow(order.word) if order.name == "allow" else self._aye(order, role)
 
-    def named(self, order: Order) -> Order:
-        """Return a ``belay`` that names no axis with that of the newest order."""
-        if order.name != "belay" or order.word or not self._spoken:
+    def meant(self, order: Order) -> Order:
+        """Return what ``belay`` means: the boat knows what stands, and not which was the newest."""
+        if order.name != "belay":
             return order
-        axis = list(self._spoken)[-1]
-        return replace(order, word=axis, text=f"belay {axis}")
+        axis = order.word or next(reversed(self._spoken), "all")
+        clear = parse("belay words" if axis == WORDS else f"order clear {axis}")
+        return clear if isinstance(clear, Order) else order
 
     def note(self, order: Order, who: str, tick: int, answer: str) -> list[Telling]:
         """Note what was said and how it was answered; return what there is to tell."""
@@ -271,7 +274,7 @@ class CrewTalk:
             if axis in self._spoken and order.name in surfaces:
                 self._spoken[axis].begun = True
         if order.name in STEERED:
-            self.meeting = who if order.word == "meet" else ""
+            self.meeting = f"{role_of(who)} meeting her" if order.word == "meet" else ""
         return []
 
     def swing_met(self) -> bool:
@@ -379,8 +382,9 @@ def said_order(words: str) -> Order | None:
     plain = re.sub(r"\bto\b", " ", words)
     for text in (plain if plain.startswith("order ") else f"order {plain}", words):
         found = parse(text)
-        if isinstance(found, Order) and found.name == "order":
-            return found
+        meant = to_the_crew(found) if isinstance(found, Order) else found
+        if isinstance(meant, Order) and meant.name == "order":
+            return meant
     return None
 
 

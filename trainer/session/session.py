@@ -4,7 +4,7 @@ import math
 import threading
 import time
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from typing import Final
 
 from trainer.boat.boat import TICK, Boat
@@ -226,7 +226,7 @@ class Session:
             station.answer(asked, Refused(why))
             self._pass_on(order, Refused(why), station)
         else:
-            self._give(replace(asked, order=self.crew.named(order)))
+            self._give(asked)
 
     def _tell_about(self, asked: Asked) -> None:
         """Answer a question, programs with facts before it."""
@@ -254,7 +254,7 @@ class Session:
 
     def _give(self, asked: Asked) -> None:
         """Carry out an order, answer it, and tell the others."""
-        order, station = asked.order, asked.station
+        order, station = self.crew.meant(asked.order), asked.station
         try:
             answer = self._carry_out(order, station.who)
         except RecordingError as error:  # its past cannot be read at present
