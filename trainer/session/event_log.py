@@ -12,6 +12,8 @@ from trainer.session.stations.roles import Role, hears
 from trainer.session.stations.station import Fact, News, Station
 
 KEPT: Final = 500  # of what has happened, for who comes late
+CREW: Final = "crew"  # the kind of what is said to the crew and by it
+SAID: Final = ("wrong-way", "exercise")  # facts of what was said that are of another kind
 OPEN: Final = 100  # alerts at most that wait to be seen
 
 
@@ -38,7 +40,8 @@ class EventLog:
         # a remark is anybody's words: who hears it hears whose
         said = f"mark by {by.role.name}: {text}" if kind == "mark" and by else text
         news = News(self.history.tick, boat.time, kind, said, fact)
-        if not (kind == "crew" and self.history.rerun):  # a replay says again what is recorded
+        said_before = kind == CREW or (fact is not None and fact.what in SAID)
+        if not (said_before and self.history.rerun):  # a replay says again what is recorded
             self.history.recording.event(news.tick, kind, by.who if by else "", text)
         self._spread(news, by)
 

@@ -19,8 +19,8 @@ from trainer.io.orders.table import BOAT_ORDERS, CREW_TALK
 from trainer.io.recording.recording import RecordingError
 from trainer.io.tables import Columns
 from trainer.session.control import Control
-from trainer.session.crew import SCHEDULE, CrewTalk, role_of
-from trainer.session.event_log import EventLog
+from trainer.session.crew import SCHEDULE, CrewTalk, Telling, role_of
+from trainer.session.event_log import CREW, EventLog
 from trainer.session.history import History
 from trainer.session.stations.access import NoiseLog
 from trainer.session.stations.briefing import Briefing, ranges
@@ -307,11 +307,19 @@ class Session:
         answer = self.crew.obey(order, role_of(who)) if talk else obey(self.boat, order)
         if not isinstance(answer, Refused):
             tellings += self.crew.note(order, who, self.history.tick, answer)
-            for telling in tellings:
-                self.event_log.tell(telling.kind, telling.text, self.event_log.heard, telling.fact)
+            self._say(tellings, who)
         if talk:
             self._show()
         return answer
+
+    def _say(self, tellings: Sequence[Telling], who: str = "") -> None:
+        """Tell what was said; who has said it to the crew has an answer in place of the text."""
+        heard = None if self.history.rerun else self.event_log.heard
+        speaker = heard if heard and heard.who == who else None
+        for each in tellings:
+            self.event_log.tell(
+                each.kind, each.text, speaker if each.kind == CREW else None, each.fact
+            )
 
     def _after_time(self, order: Order) -> None:
         """Show what an order about time has changed."""
@@ -428,8 +436,7 @@ class Session:
         self._call_depth()
         self._judge_hull()
         if tick >= self.crew.due:
-            for telling in self.crew.missing(tick, self._attended):
-                self.event_log.tell(telling.kind, telling.text, fact=telling.fact)
+            self._say(self.crew.missing(tick, self._attended))
         if self.crew.meeting and self.crew.swing_met() and not self.history.rerun:
             who, order = self.crew.meeting, AMIDSHIPS
             self.event_log.tell("order", f"{who}: swing met: {self._carry_out(order, who)}")
