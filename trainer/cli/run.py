@@ -1,9 +1,10 @@
 """Commands that take a boat to sea, and that attach to a running session."""
 
 import sys
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
-from typing import Any, NoReturn
+from typing import TYPE_CHECKING, Any, NoReturn
 
 import click
 
@@ -22,6 +23,9 @@ from trainer.cli.shared_options import (
 )
 from trainer.io.paths import HOST, PORT
 from trainer.session.options import RunOptions
+
+if TYPE_CHECKING:
+    from trainer.session.exercise import Debriefing
 
 
 @click.command()
@@ -59,17 +63,22 @@ def run(*, teletype: bool, core: Path | None, state: Path | None, **options: Any
     asked = run_options(options)
     elsewhere = asked.headless or asked.url is not None
     if not (teletype or elsewhere) and has_terminal():
-        from trainer.console.own_session import sail  # noqa: PLC0415
-
-        def serve_at(where: str) -> NoReturn:
-            take_to_sea(replace(without_console(asked), socket=where, until_left=True))
-
-        from trainer.session.stations.access import ANY, read_tokens  # noqa: PLC0415
-
-        tokens = read_tokens(asked.token)
-        token = tokens.get("instructor", tokens.get(ANY))
-        sys.exit(sail(serve_at, asked.socket, token))
+        be_on_console(asked, take_to_sea)
     take_to_sea(asked)
+
+
+def be_on_console(options: RunOptions, begin: Callable[[RunOptions], NoReturn]) -> NoReturn:
+    """Show the console of a session that ``begin`` runs in a process of its own."""
+    from trainer.console.own_session import sail  # noqa: PLC0415
+
+    def serve_at(where: str) -> NoReturn:
+        begin(replace(without_console(options), socket=where, until_left=True))
+
+    from trainer.session.stations.access import ANY, read_tokens  # noqa: PLC0415
+
+    tokens = read_tokens(options.token)
+    token = tokens.get("instructor", tokens.get(ANY))
+    sys.exit(sail(serve_at, options.socket, token))
 
 
 def take_to_sea(options: RunOptions) -> NoReturn:
@@ -85,9 +94,35 @@ def take_to_sea(options: RunOptions) -> NoReturn:
     from trainer.session.run import run_boat  # noqa: PLC0415
 
     try:
-        sys.exit(run_boat(replace(options, note=note)))
+        sys.exit(run_boat(replace(options, note=note), debriefing=debriefing()))
     finally:
         gc.enable()
+
+
+def debriefing() -> "Debriefing":
+    """Return who judges a recording and writes its debrief, when a session asks for it."""
+    import numpy as np  # noqa: PLC0415
+
+    from trainer.session.exercise import Debriefing, Judgement  # noqa: PLC0415
+
+    def judge(path: Path, branch: int) -> Judgement:
+        from trainer.analysis.debrief.page import read_dossier  # noqa: PLC0415  seldom needed
+
+        with np.errstate(all="ignore"):  # a state may hold any number
+            card = read_dossier(path, branch).card
+        told = (
+            f"{each.name}: {'does not count' if each.marks is None else f'{each.marks:.0f}'}"
+            for each in card.scores
+        )
+        return Judgement("", card.total, tuple(told))
+
+    def write(path: Path, branch: int) -> Path:
+        from trainer.analysis.debrief.page import beside, debrief_file  # noqa: PLC0415
+
+        debrief_file(path, None, None, branch, as_json=False)
+        return beside(path, branch)
+
+    return Debriefing(judge, write)
 
 
 @click.command()
@@ -118,21 +153,32 @@ def serve(**options: Any) -> None:
 @console_options
 @rerun_options
 @port_options(listen=None, socket=None)
+@teletype_option
 @click.option("--anyway", is_flag=True, help="Even if this version would compute otherwise.")
-def resume(file: Path, *, anyway: bool, **options: Any) -> None:
+def resume(file: Path, *, anyway: bool, teletype: bool, **options: Any) -> None:
     """Go on with a recorded run where it ended, after a crash or on another day.
 
     The boat is brought to the last order of the recording and waits there, frozen; headless, where
-    nobody could say run, she goes on at once unless --frozen is given.
+    nobody could say run, it goes on at once unless --frozen is given. On a terminal it shows the
+    instructor's console, as `trainer run` does.
 
     \b
     Example:  trainer resume drill.trainer
               trainer resume drill.trainer --headless --speed max --duration 1h
     """
-    from trainer.session.resume import resume_boat  # noqa: PLC0415
+    from trainer.console.terminal import has_terminal  # noqa: PLC0415
 
     options["frozen"] = options["frozen"] or not options["headless"]
-    sys.exit(resume_boat(file, run_options(options), anyway=anyway))
+    asked = run_options(options)
+
+    def go_on(chosen: RunOptions) -> NoReturn:
+        from trainer.session.resume import resume_boat  # noqa: PLC0415
+
+        sys.exit(resume_boat(file, chosen, debriefing(), anyway=anyway))
+
+    if not (teletype or asked.headless or asked.url is not None) and has_terminal():
+        be_on_console(asked, go_on)
+    go_on(asked)
 
 
 ROLES = (

@@ -142,7 +142,10 @@ def key_tables() -> str:
     return tables_of(RECORDS)
 
 
-UNSCHEDULED: Final = ("help", "status")  # they answer a console
+UNSCHEDULED: Final = (  # they answer a console, or are a person's to decide
+    *("help", "status", "again", "next", "debrief", "release-marks", "command", "give", "keep"),
+    *("branch", "branches", "history", "ready"),
+)
 
 
 TABLES: Final = ("initial", "sea", "orders", "casualties", "limits", "scores")

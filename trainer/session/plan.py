@@ -10,6 +10,7 @@ from trainer.boat import casualties as casualties_module
 from trainer.boat.assemble import Method
 from trainer.boat.boat import Boat
 from trainer.config.casualties import Casualty, load_casualties
+from trainer.config.condition import Condition
 from trainer.config.exercise import UNSCHEDULED, Armed, Exercise, Initial, Limits, load_exercise
 from trainer.config.files import ConfigError, read_text
 from trainer.config.score_rules import Rule
@@ -50,6 +51,7 @@ class Plan:
     armed: tuple[Armed, ...]
     limits: Limits
     scores: tuple[Rule, ...]
+    lost: tuple[Condition, ...] = ()  # by any of them it is lost, and ends
 
     @property
     def hides(self) -> bool:

@@ -20,6 +20,7 @@ from trainer.io.orders.table import BOAT_ORDERS
 from trainer.io.recording.recording import RecordingError
 from trainer.io.status_line import clock
 from trainer.io.tables import Columns
+from trainer.session.conduct import Conduct
 from trainer.session.control import Control
 from trainer.session.history import History
 from trainer.session.stations.access import NoiseLog
@@ -83,8 +84,8 @@ AT_A_TIME: Final = SECOND // 20  # [ns] of single steps before the stations are 
 LINES_AT_A_TIME: Final = 32  # of one station before the clock is looked at again
 PATIENCE: Final = 0.5  # [s] for a line to get out what it was sent before it is closed
 # orders by which everybody can tell that something has been done with time
-MOMENTS: Final = frozenset({"restore", "reset", "backtrack", "replay", "take"})
-GOING_BACK: Final = ("backtrack", "restore", "reset")
+MOMENTS: Final = frozenset({"restore", "reset", "backtrack", "replay", "take", "again", "branch"})
+GOING_BACK: Final = ("backtrack", "restore", "reset", "again", "branch")
 TIME: Final = frozenset({"freeze", "run", "step", "time", "quit"})
 
 
@@ -108,15 +109,20 @@ class Session:
     crew_briefing: tuple[str, ...] = ()  # what everybody else is
     until_left: bool = False  # it ends when the last of those who came by themselves has gone
     deserted: str = ""  # why it ended before its time
+    compiled_from: int = 0  # the tick, where it began interpreted
     unrecorded: str = ""  # why nothing more is recorded, once that has been told
     event_log: EventLog = field(init=False)
     control: Control = field(init=False)
+    conduct: Conduct = field(init=False)
     depths: DepthMonitor = field(init=False)
     pilot: PilotMonitor = field(init=False)
 
     def __post_init__(self) -> None:
         self.event_log = EventLog(self.history)
-        self.control = Control(self.boat, self.time, self.history)
+        self.control = Control(self.boat, self.time, self.history, self.schedule)
+        log = self.event_log
+        self.conduct = Conduct(self.control, log.tell, log.stations, self._show, self._call)
+        self.conduct.past.news = lambda: log.news
         self.depths = DepthMonitor.over(self.boat)
         self.pilot = PilotMonitor.over(self.boat)
         self._visits = NoiseLog(self.event_log.tell, time.monotonic)
@@ -128,13 +134,14 @@ class Session:
         if self.columns:
             self._row()
         self._judge_hull()  # a recorded run may have ended in a collapse
-        if not (frozen or self.control.failure):
+        if self.boat.ticks:
+            self.conduct.look()  # or at its exercise's end
+        if not (frozen or self.control.failure or self.conduct.ending.over):
             self.time.pacer.run()
         self._show()
         while not self._over:
             if self.time.pacer.frozen and self._deserted():
-                self.deserted = f"frozen at {self.boat.time:g} s, and nobody is left to say run"
-                self.event_log.tell("time", self.deserted)
+                self._tell_deserted()
                 return
             if self.time.pacer.wait(self.wake) is WOKEN:
                 self.wake.clear()
@@ -144,9 +151,21 @@ class Session:
             if self.control.steps:
                 self._take_steps()  # those of the schedule, and those still to be taken
 
+    def go_over(self, tick: Callable[[], int]) -> None:
+        """Have the ticks from now on computed by machine code, at the speed that was asked for."""
+        self.boat.tick, self.compiled_from = tick, self.boat.ticks + 1
+        self.time.recover()
+        ready = f"compiled code is ready: from tick {self.compiled_from} on"
+        self.event_log.tell("time", ready, fact=Fact("compiled"))
+        self._show()
+
     def stop(self) -> None:
         """End the run after the present tick; may be called from another thread."""
         self.control.ended = True
+        self.wake.set()
+
+    def _call(self) -> None:
+        """Have the session's thread listen."""
         self.wake.set()
 
     def greet(self, station: Station) -> None:
@@ -161,6 +180,7 @@ class Session:
     def listen(self) -> None:
         """Let newcomers in, take what the stations say, and see out who has left."""
         self._visits.settle()
+        self.conduct.tend()
         for station in self.reception.newcomers():
             if station.role is not STRANGER:  # who has to say who it is, is told nothing before
                 self.greet(station)
@@ -170,7 +190,8 @@ class Session:
             self.event_log.heard = station
             stranger = station.role is STRANGER
             for asked in station.take(LINES_AT_A_TIME):
-                self._hear(asked)
+                if not self.conduct.hear(asked):
+                    self._hear(asked)
                 self._take_steps()
             if stranger and station.role is not STRANGER:
                 self.greet(station)
@@ -218,6 +239,12 @@ class Session:
                 return
             self.control.steps -= 1
             self._tick()
+
+    def _tell_deserted(self) -> None:
+        """Tell why the session ends before its time, unless its exercise is over."""
+        if not self.conduct.ending.over:
+            self.deserted = f"frozen at {self.boat.time:g} s, and nobody is left to say run"
+            self.event_log.tell("time", self.deserted)
 
     def _deserted(self) -> bool:
         """Return whether nobody can let time, which stands still, go on."""
@@ -302,6 +329,7 @@ class Session:
             self.monitor.settle(self.boat)
             self.depths.settle(self.boat)
             self.pilot.settle(self.boat)
+            self.conduct.settle()
             self._judge_hull()
         if order.name in MOMENTS or order.name in TIME:
             self._show()
@@ -346,6 +374,7 @@ class Session:
             return False
         self.event_log.tell("moment", self.history.arrive())
         self._judge_hull()
+        self.conduct.look()
         self.time.pacer.freeze()
         self.control.steps = 0
         self._show()
@@ -404,6 +433,8 @@ class Session:
             self.event_log.tell("pilot", text)
         self._call_depth()
         self._judge_hull()
+        if self.history.rerun is None:
+            self.conduct.look()
         while self.sending.troubles:
             self.event_log.tell("trouble", self.sending.troubles.popleft())
 

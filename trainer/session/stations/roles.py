@@ -16,7 +16,10 @@ ORDERS: Final = frozenset(
     form.name or heading_word(form) for form in FORMS if not form.refusal
 )  # every order of the grammar
 COMMON: Final = frozenset(
-    {"role", "help", "status", "briefing", "log", "subscribe", "unsubscribe", "detach", "who"}
+    {
+        *("role", "help", "status", "briefing", "log", "subscribe", "unsubscribe", "detach"),
+        *("who", "history"),
+    }
 )
 
 
@@ -47,6 +50,7 @@ CONTROLS: Final = (
     Control("orders to the crew are", ("order", "tell"), ("diving",)),
     Control("a report is", ("report",), ("helm", "planes", "pilot", "ballast", "diving")),
     Control("the record is", ("mark",), ("observer",)),
+    Control("to be ready is", ("ready",), ("helm", "planes", "pilot", "ballast", "diving")),
     Control("the autopilot as a whole is", ("autopilot",), ()),
 )
 
@@ -60,6 +64,7 @@ KINDS: Final[Mapping[str, tuple[str, tuple[str, ...]]]] = {
     "crew": ("an order to the crew, its repeat, a report", EVERYBODY),
     "exercise": ("the instructor's orders, the schedule's, casualties and the sea", ()),
     "mark": ("a moment marked, with a remark", ("observer",)),
+    "marks": ("the marks of an exercise, once they are released", EVERYBODY),
     "watch": ("a limit passed, the surface broken", ()),
     "pilot": ("what the autopilot gives up, and has again", EVERYBODY),
     "depth": ("test depth near, passed and beyond; the collapse of the hull", EVERYBODY),

@@ -1,0 +1,149 @@
+"""The end of an exercise: when it comes, what came of it, and the marks, the instructor's first.
+
+At the end time stands still at all stations and the session lives on. What judges a recording and
+writes its debrief is handed in: functions of the command line's, called in threads of their own.
+"""
+
+import math
+import threading
+from collections import deque
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Final
+
+from trainer.boat.boat import PLACES, Boat
+from trainer.boat.casualties import scale_of
+from trainer.config.condition import QUANTITIES, Condition
+
+TURNED_OVER: Final = math.radians(60.0), math.radians(45.0)  # [rad] heel and pitch: lost
+OVER: Final = "the exercise is over: again, again from 2 min, next, debrief, release marks or quit"
+PHI, THETA = PLACES["phi"], PLACES["theta"]
+
+
+@dataclass(frozen=True)
+class Judgement:
+    """What came of an exercise: its outcome, the marks of all, and what they were given for."""
+
+    outcome: str  # won, lost or not reached; "" where nothing decides it
+    total: float | None  # [%] None: nothing counts
+    reasons: tuple[str, ...] = ()
+
+    def __str__(self) -> str:
+        marks = "no marks" if self.total is None else f"{self.total:.0f} marks of 100"
+        return f"{self.outcome}, {marks}" if self.outcome else marks
+
+    @property
+    def fields(self) -> str:
+        """Return outcome and total as programs are told them."""
+        return f"{self.outcome},{'' if self.total is None else f'{self.total:.1f}'}"
+
+
+@dataclass(frozen=True)
+class Debriefing:
+    """Who judges a branch of a recording, and who writes its debrief; RuntimeError tells why not.
+
+    Both take as long as they need: they are called in threads of their own.
+    """
+
+    judge: Callable[[Path, int], Judgement]
+    write: Callable[[Path, int], Path]  # returns the file written
+
+
+@dataclass(frozen=True)
+class Lost:
+    """A condition on the state by which an exercise is lost."""
+
+    place: int
+    sense: float
+    threshold: float  # as the state has it
+    strict: bool
+    text: str
+
+    @classmethod
+    def by(cls, condition: Condition, boat: Boat) -> "Lost":
+        """Return what a condition asks of a boat."""
+        factor = scale_of(boat, condition.quantity) or 1.0
+        return cls(
+            PLACES[QUANTITIES[condition.quantity].place],
+            condition.sense * math.copysign(1.0, factor),
+            condition.threshold * factor,
+            condition.strict,
+            condition.text,
+        )
+
+    def holds(self, boat: Boat) -> bool:
+        """Return whether it is so now."""
+        beyond = self.sense * (boat.plain[self.place] - self.threshold)
+        return beyond > 0.0 if self.strict else beyond >= 0.0
+
+
+@dataclass
+class Ending:
+    """The end of one exercise: over or not, and why."""
+
+    last_tick: float = math.inf  # at which its time is up
+    lost: Sequence[Lost] = ()
+    over: str = ""  # why, once it is
+    how: str = ""  # lost or ended
+    marks: Judgement | None = None  # once they are there
+    released: bool = False
+
+    @classmethod
+    def of(cls, boat: Boat, conditions: Sequence[Condition], seconds: float | None) -> "Ending":
+        """Return the end of an exercise of so many ``seconds``, lost by these conditions."""
+        last = math.inf if seconds is None else round(seconds / boat.method.step)
+        return cls(last, tuple(Lost.by(each, boat) for each in conditions))
+
+    @property
+    def watched(self) -> bool:
+        """Return whether there is anything by which it ends by itself."""
+        return bool(self.lost) or self.last_tick < math.inf
+
+    def look(self, boat: Boat) -> bool:
+        """Return whether the exercise ends with this tick; ``over`` tells why."""
+        if self.over or not self.watched:
+            return False
+        if why := self._lost(boat):
+            self.end("lost", f"lost at {boat.time:g} s: {why}")
+        elif boat.ticks >= self.last_tick:
+            self.end("ended", f"time is up at {boat.time:g} s")
+        return bool(self.over)
+
+    def end(self, how: str, why: str) -> None:
+        """Let it be over."""
+        self.how, self.over = how, why
+
+    def begin_again(self) -> None:
+        """Let it be under way, after a jump in time."""
+        self.over = self.how = ""
+        self.marks, self.released = None, False
+
+    def _lost(self, boat: Boat) -> str:
+        """Return by what it is lost now, "" if it is not."""
+        found = next((each.text for each in self.lost if each.holds(boat)), "")
+        heel, pitch = TURNED_OVER
+        turned = abs(boat.plain[PHI]) > heel or abs(boat.plain[THETA]) > pitch
+        return found or ("turned over" if turned else "")
+
+
+@dataclass
+class Work:
+    """What is done beside the session, and what the session does with its result."""
+
+    wake: Callable[[], object]  # has the session's thread call ``settle``
+    done: deque[Callable[[], None]] = field(default_factory=deque)
+
+    def begin(self, name: str, task: Callable[[], Callable[[], None]]) -> None:
+        """Do ``task`` in a thread; what it returns is called by the session's."""
+
+        def run() -> None:
+            self.done.append(task())
+            self.wake()
+
+        threading.Thread(target=run, name=name, daemon=True).start()
+
+    def settle(self) -> None:
+        """Call what the tasks done by now have returned; for the session's thread."""
+        while self.done:
+            self.done.popleft()()
