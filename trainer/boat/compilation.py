@@ -11,7 +11,6 @@ import os
 import signal
 import sys
 import threading
-import time
 from collections.abc import Iterator
 from pathlib import Path
 from types import FrameType
@@ -84,11 +83,15 @@ def machine_code() -> Iterator[None]:
         do_without()
 
 
-def await_code() -> bool:
-    """Return whether everything has been compiled, once another process has done it or failed."""
+def await_code(given_up: threading.Event) -> bool:
+    """Return whether everything has been compiled, once another process has done it or failed.
+
+    It is waited for until that is ``given_up``.
+    """
     complete, complaints = mark("complete", "core"), cache_folder() / COMPLAINTS
     while not complete.exists():
-        time.sleep(LOOK)
+        if given_up.wait(LOOK):
+            return False
         with compiling() as free:
             failed = free and complaints.exists() and complaints.stat().st_size > 0
         if failed:

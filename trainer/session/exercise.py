@@ -6,6 +6,7 @@ writes its debrief is handed in: functions of the command line's, called in thre
 
 import math
 import threading
+import time
 from collections import deque
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
@@ -16,6 +17,7 @@ from trainer.boat.boat import PLACES, Boat
 from trainer.boat.casualties import scale_of
 from trainer.config.condition import QUANTITIES, Condition
 
+PATIENCE: Final = 20.0  # [s] at the end, for marks and pages
 TURNED_OVER: Final = math.radians(60.0), math.radians(45.0)  # [rad] heel and pitch: lost
 OVER: Final = "the exercise is over: again, again from 2 min, next, debrief, release marks or quit"
 PHI, THETA = PLACES["phi"], PLACES["theta"]
@@ -133,6 +135,8 @@ class Work:
 
     wake: Callable[[], object]  # has the session's thread call ``settle``
     done: deque[Callable[[], None]] = field(default_factory=deque)
+    closing: threading.Event = field(default_factory=threading.Event)
+    threads: list[threading.Thread] = field(default_factory=list)
 
     def begin(self, name: str, task: Callable[[], Callable[[], None]]) -> None:
         """Do ``task`` in a thread; what it returns is called by the session's."""
@@ -141,9 +145,19 @@ class Work:
             self.done.append(task())
             self.wake()
 
-        threading.Thread(target=run, name=name, daemon=True).start()
+        thread = threading.Thread(target=run, name=name, daemon=True)
+        self.threads = [each for each in self.threads if each.is_alive()] + [thread]
+        thread.start()
 
     def settle(self) -> None:
         """Call what the tasks done by now have returned; for the session's thread."""
         while self.done:
             self.done.popleft()()
+
+    def finish(self) -> None:
+        """Wait for what is being done, and take it; what waits for others waits no more."""
+        self.closing.set()
+        end = time.monotonic() + PATIENCE
+        for thread in self.threads:
+            thread.join(max(end - time.monotonic(), 0.0))
+        self.settle()

@@ -306,6 +306,7 @@ def fly(prepared: PreparedRun, options: RunOptions) -> Ended:
         with interrupts(session), quiet, shown as session.progress, time.attended():
             session.run(frozen=options.frozen)
         wall = (time.clock.now() - started) / SECOND
+        session.conduct.work.finish()
         if not session.control.following:  # else whoever is there comes back for it
             session.event_log.tell("time", OVER, fact=Fact("over"))
         sending.close(PATIENCE)
@@ -336,12 +337,14 @@ def await_code(session: Session) -> None:
 
     def task() -> Callable[[], None]:
         try:
-            tick = session.boat.compiled_tick() if compilation.await_code() else None
+            there = compilation.await_code(session.conduct.work.closing)
+            tick = session.boat.compiled_tick() if there else None
         except Exception as error:  # noqa: BLE001 whatever it is, the session goes on as it does
             why = f"compiled code cannot be used: {type(error).__name__}; interpreted to the end"
             return lambda: session.event_log.tell("trouble", why)
         if tick is None:
-            return lambda: session.event_log.tell("trouble", "compiling beside has failed")
+            why = "" if session.conduct.work.closing.is_set() else "compiling beside has failed"
+            return lambda: session.event_log.tell("trouble", why) if why else None
         return lambda: session.go_over(tick)
 
     session.conduct.work.begin("machine code", task)

@@ -96,7 +96,7 @@ class PastReader:
         shown = display(asked.order.subject, station.role, machine=asked.heard.machine)
         reader = StateReader(self._boat, Ledger(self._boat.method.step).summary)
         for number, (tick, state) in enumerate(rows):
-            if station.leaving or station.line.ended:
+            if station.leaving or station.line.ended or self._work.closing.is_set():
                 return
             for line in shown.lines(reader.frame(Picture(tick, state, Pace()))):
                 station.line.send(line)
