@@ -422,6 +422,9 @@ def test_one_instructor_has_command_and_the_others_watch_and_mark(
 
     assert ship.refused("run", second) == "line 1 has command: take command asks for it"
     assert ship.say(second, "mark well done")[0] == "ok"
+    assert ship.events(ship.instructor, "mark") == ["mark by instructor at line 2: well done"]
+    ship.order("freeze")
+    assert ship.events(second, "time")[-1].startswith("instructor at line 1: freeze: frozen")
     assert ship.say(second, "status")[0] == "ok"
 
     assert "line 1 is asked" in ship.say(second, "take command")[1]

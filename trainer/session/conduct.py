@@ -339,9 +339,9 @@ class Conduct:
         station, command = asked.station, self.command
         if station.role is not INSTRUCTOR or asked.order.name in WATCHING:
             return ""
-        if command.holder is None:
+        if command.holder not in self._instructors():
             command.holder = station
-        if command.holder is station:
+        if command.holder is station or command.holder is None:
             return ""
         return f"{command.holder.line.name} has command: take command asks for it"
 

@@ -57,7 +57,7 @@ class EventLog:
         """
         boat = self.history.boat
         # a remark is anybody's words: who hears it hears whose
-        said = f"mark by {by.role.name}: {text}" if kind == "mark" and by else text
+        said = f"mark by {self.signature(by)}: {text}" if kind == "mark" and by else text
         news = News(self.history.tick, boat.time, kind, said, fact)
         self.news.append(news)
         self.history.recording.event(news.tick, kind, by.who if by else "", text)
@@ -68,6 +68,11 @@ class EventLog:
                 station.tell(news)
             else:
                 station.note(news)
+
+    def signature(self, station: Station) -> str:
+        """Return by whom a thing is said: its role, of several instructors their line too."""
+        several = sum(1 for each in self.stations if each.role is INSTRUCTOR) > 1
+        return station.who if several and station.role is INSTRUCTOR else station.role.name
 
     def log(self, kind: str, text: str) -> None:
         """Tell what the station that is listened to has to say of itself."""
@@ -342,7 +347,8 @@ class Session:
         if not isinstance(answer, Refused):
             kind = "moment" if order.name in MOMENTS else "time" if order.name in TIME else kind
             fact = Fact("back" if order.name in GOING_BACK else "order", order.text)
-        self.event_log.tell(kind, f"{station.role.name}: {order.text}: {text}", station, fact)
+        by = self.event_log.signature(station)
+        self.event_log.tell(kind, f"{by}: {order.text}: {text}", station, fact)
 
     def _obey_due(self) -> bool:
         """Carry out the orders that are due; return whether they stop time before a tick."""
