@@ -6,13 +6,16 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from trainer.boat.assemble import Method
 from trainer.boat.boat import Boat
 from trainer.config.condition import compile_condition
+from trainer.config.exercise import Loss
 from trainer.config.files import Place
 from trainer.config.vessel import load_vessel
+from trainer.core.state import STATE
 from trainer.io.orders.sentences import order_sentence, read
 from trainer.io.recording.recording import Recording
 from trainer.io.tables import NoFile
@@ -71,8 +74,11 @@ class Crewed:
         history = History(self.boat, self.recording)
         self.session = Session(self.boat, time, history, NoFile(), (), self.sending, wake=self.wake)
         self.conduct = self.session.conduct
-        conditions = [compile_condition(text, PLACE) for text in lost]
-        self.conduct.ending = Ending.of(self.boat, conditions, seconds)
+        losses = [
+            Loss(conditions=(compile_condition(text, PLACE),), seconds=1.0, text=text)
+            for text in lost
+        ]
+        self.conduct.ending = Ending.of(self.boat, losses, seconds)
         self.conduct.kept, self.conduct.scored = path, True
         self.conduct.clock = lambda: self.now
         self.judged = threading.Event()
@@ -210,19 +216,23 @@ def test_an_exercise_is_lost_by_its_rule_and_by_turning_over(
     crewed: Callable[..., Crewed],
 ) -> None:
     ship = crewed(lost=["depth > 61"], seconds=60.0)
+    helm = ship.comes("helm")
     ship.order("depth 200")
     ship.fly(119)
     assert ship.facts(ship.instructor, "exercise-over") == ["lost"]
-    assert "lost at" in ship.conduct.ending.over
-    assert "depth > 61" in ship.conduct.ending.over
+    assert ship.events(ship.instructor, "exercise")[-1] == "lost: depth > 61"
+    assert ship.events(helm, "time")[-1] == f"EXERCISE OVER: lost at {ship.boat.time:g} s"
+    assert not any("depth > 61" in line for line in helm.sent)
     assert ship.boat.state.z > 61.0
-    assert ship.boat.ticks < 119
+    deep = [ship.recording.state_at(1, ship.boat.ticks - back) for back in (2, 3)]
+    places = [np.frombuffer(state or b"", STATE)["z"][0] for state in deep]
+    assert places[0] > 61.0 >= places[1]  # for a second: two ticks after the first beyond
 
     other = crewed(seconds=60.0)
     other.fly(1)
     other.boat.state.phi = 1.2
     other.fly(1)
-    assert "turned over" in other.conduct.ending.over
+    assert other.conduct.ending.why == "turned over"
 
 
 def test_the_instructor_ends_an_exercise_and_its_crew_hears_who_did(

@@ -110,11 +110,14 @@ def debriefing() -> "Debriefing":
 
         with np.errstate(all="ignore"):  # a state may hold any number
             card = read_dossier(path, branch).card
-        told = (
+        told = [
             f"{each.name}: {'does not count' if each.marks is None else f'{each.marks:.0f}'}"
             for each in card.scores
-        )
-        return Judgement("", card.total, tuple(told))
+        ]
+        if card.verdict is None:
+            return Judgement("", card.total, tuple(told))
+        why = [card.verdict.reason] if card.verdict.reason else []
+        return Judgement(card.verdict.outcome, card.total, (*why, *told))
 
     def write(path: Path, branch: int) -> Path:
         from trainer.analysis.debrief.page import beside, debrief_file  # noqa: PLC0415
@@ -185,6 +188,7 @@ ROLES = (
     "instructor",
     "helm",
     "planes",
+    "pilot",
     "ballast",
     "diving",
     "observer",

@@ -77,6 +77,7 @@ class Conduct:
     command: Command = field(default_factory=Command)
     ready: list[Station] = field(default_factory=list)
     begun: bool = False  # time has run since the start
+    compiled_from: int = 0  # the tick, where the run began interpreted
     work: Work = field(init=False)
     past: PastReader = field(init=False)
 
@@ -95,6 +96,7 @@ class Conduct:
             "debrief": self._debrief,
             "next": self._next,
             "branches": self._branches,
+            "snapshots": self._snapshots,
             "history": self._history,
             "ready": self._be_ready,
             "command": self._ask_for_command,
@@ -137,6 +139,23 @@ class Conduct:
             self.begun = False
             self.ready.clear()
 
+    def desert(self) -> str:
+        """Tell that nobody is left to say run; return so, "" where the exercise is over anyway."""
+        if self.ending.over:
+            return ""
+        why = f"frozen at {self.control.boat.time:g} s, and nobody is left to say run"
+        self.tell("time", why)
+        return why
+
+    def go_over(self, tick: Callable[[], int]) -> None:
+        """Have the ticks from now on computed by machine code, at the speed that was asked for."""
+        boat = self.control.boat
+        boat.tick, self.compiled_from = tick, boat.ticks + 1
+        self.control.time.recover()
+        ready = f"compiled code is ready: from tick {self.compiled_from} on"
+        self.tell("time", ready, fact=Fact("compiled"))
+        self.show()
+
     def final_marks(self) -> Judgement | None:
         """Return the marks of the branch that was flown last; once its recording is closed."""
         if self.ending.marks or not (self.debriefing and self.kept and self.scored):
@@ -153,6 +172,8 @@ class Conduct:
         ending = self.ending
         told = Fact("exercise-over", ending.how)
         self.tell("time", f"EXERCISE OVER: {ending.over}", fact=told)
+        if ending.why:
+            self.tell("exercise", f"lost: {ending.why}")
         self.show()
         if self.debriefing and self.kept and self.scored:
             self._begin_judging(self.debriefing.judge, self.kept)
@@ -300,6 +321,15 @@ class Conduct:
             asked.station.note(now)
         asked.station.answer(asked, "", *(str(each) for each in flown))
         return True
+
+    def _snapshots(self, asked: Asked) -> bool:
+        """Tell a program the moments kept; their list is what the order itself is answered."""
+        history = self.control.history
+        step = history.boat.method.step
+        for name, moment in history.snapshots().items():
+            kept = Fact("snapshot", name)
+            asked.station.note(News(moment.tick, moment.tick * step, "moment", "", kept))
+        return False
 
     def _history(self, asked: Asked) -> bool:
         self.past.answer(asked, self.control.history, self.kept)

@@ -16,6 +16,7 @@ from typing import Final
 from trainer.boat.boat import PLACES, Boat
 from trainer.boat.casualties import scale_of
 from trainer.config.condition import QUANTITIES, Condition
+from trainer.config.exercise import Loss
 
 PATIENCE: Final = 20.0  # [s] at the end, for marks and pages
 TURNED_OVER: Final = math.radians(60.0), math.radians(45.0)  # [rad] heel and pitch: lost
@@ -52,32 +53,40 @@ class Debriefing:
     write: Callable[[Path, int], Path]  # returns the file written
 
 
-@dataclass(frozen=True)
-class Lost:
-    """A condition on the state by which an exercise is lost."""
+@dataclass
+class Losing:
+    """What loses an exercise, watched: conditions on the state that hold together for so long."""
 
-    place: int
-    sense: float
-    threshold: float  # as the state has it
-    strict: bool
-    text: str
+    loss: Loss
+    ticks: int  # for which they have to hold
+    tests: tuple[tuple[int, float, float, bool], ...]  # place, sense, threshold and strictness
+    held: int = 0  # ticks for which they have held
 
     @classmethod
-    def by(cls, condition: Condition, boat: Boat) -> "Lost":
-        """Return what a condition asks of a boat."""
-        factor = scale_of(boat, condition.quantity) or 1.0
-        return cls(
-            PLACES[QUANTITIES[condition.quantity].place],
-            condition.sense * math.copysign(1.0, factor),
-            condition.threshold * factor,
-            condition.strict,
-            condition.text,
-        )
+    def of(cls, loss: Loss, boat: Boat) -> "Losing":
+        """Return the watch for a loss over a boat."""
+        tests = tuple(test_of(each, boat) for each in loss.conditions)
+        return cls(loss, max(math.ceil(loss.seconds / boat.method.step - 1e-9), 0), tests)
 
-    def holds(self, boat: Boat) -> bool:
-        """Return whether it is so now."""
-        beyond = self.sense * (boat.plain[self.place] - self.threshold)
-        return beyond > 0.0 if self.strict else beyond >= 0.0
+    def look(self, boat: Boat) -> bool:
+        """Return whether the exercise is lost by it after this tick."""
+        holds = all(
+            beyond > 0.0 if strict else beyond >= 0.0
+            for beyond, strict in (
+                (sense * (boat.plain[place] - threshold), strict)
+                for place, sense, threshold, strict in self.tests
+            )
+        )
+        self.held = self.held + 1 if holds else 0
+        return holds and self.held > self.ticks
+
+
+def test_of(condition: Condition, boat: Boat) -> tuple[int, float, float, bool]:
+    """Return place, sense, threshold as the state has it, and strictness of a condition."""
+    factor = scale_of(boat, condition.quantity) or 1.0
+    place = PLACES[QUANTITIES[condition.quantity].place]
+    sense = condition.sense * math.copysign(1.0, factor)
+    return place, sense, condition.threshold * factor, condition.strict
 
 
 @dataclass
@@ -85,17 +94,18 @@ class Ending:
     """The end of one exercise: over or not, and why."""
 
     last_tick: float = math.inf  # at which its time is up
-    lost: Sequence[Lost] = ()
-    over: str = ""  # why, once it is
+    lost: Sequence[Losing] = ()
+    over: str = ""  # when and by whom, once it is
+    why: str = ""  # it is lost: for the instructor, since it may tell what is hidden
     how: str = ""  # lost or ended
     marks: Judgement | None = None  # once they are there
     released: bool = False
 
     @classmethod
-    def of(cls, boat: Boat, conditions: Sequence[Condition], seconds: float | None) -> "Ending":
-        """Return the end of an exercise of so many ``seconds``, lost by these conditions."""
+    def of(cls, boat: Boat, losses: Sequence[Loss], seconds: float | None) -> "Ending":
+        """Return the end of an exercise of so many ``seconds``, lost by any of these."""
         last = math.inf if seconds is None else round(seconds / boat.method.step)
-        return cls(last, tuple(Lost.by(each, boat) for each in conditions))
+        return cls(last, tuple(Losing.of(each, boat) for each in losses))
 
     @property
     def watched(self) -> bool:
@@ -107,7 +117,8 @@ class Ending:
         if self.over or not self.watched:
             return False
         if why := self._lost(boat):
-            self.end("lost", f"lost at {boat.time:g} s: {why}")
+            self.end("lost", f"lost at {boat.time:g} s")
+            self.why = why
         elif boat.ticks >= self.last_tick:
             self.end("ended", f"time is up at {boat.time:g} s")
         return bool(self.over)
@@ -118,15 +129,17 @@ class Ending:
 
     def begin_again(self) -> None:
         """Let it be under way, after a jump in time."""
-        self.over = self.how = ""
+        self.over = self.how = self.why = ""
+        for each in self.lost:
+            each.held = 0
         self.marks, self.released = None, False
 
     def _lost(self, boat: Boat) -> str:
         """Return by what it is lost now, "" if it is not."""
-        found = next((each.text for each in self.lost if each.holds(boat)), "")
+        lost = [each.loss.text for each in self.lost if each.look(boat)]  # all of them count
         heel, pitch = TURNED_OVER
         turned = abs(boat.plain[PHI]) > heel or abs(boat.plain[THETA]) > pitch
-        return found or ("turned over" if turned else "")
+        return lost[0] if lost else ("turned over" if turned else "")
 
 
 @dataclass

@@ -34,7 +34,9 @@ from trainer.session.ports import PATIENCE, Ports, keeps_no_time
 from trainer.session.rerun.request import open_log
 from trainer.session.rerun.subject import Subject
 from trainer.session.session import Session
+from trainer.session.stations.briefing import Briefing
 from trainer.session.stations.reception import Closed
+from trainer.session.stations.roles import INSTRUCTOR, STRANGER
 from trainer.session.stations.station import Fact
 from trainer.session.stations.subscriptions import Promptly, Publisher, Roster
 from trainer.session.stations.view import StateReader
@@ -57,7 +59,9 @@ def account(session: Session, wall: float, kept: str, *, aside: bool) -> int:
     summary = "\n".join(
         (
             *outcome_lines(session),
-            summary_text(session.boat, session.time.ledger.summary(), wall, session.compiled_from),
+            summary_text(
+                session.boat, session.time.ledger.summary(), wall, session.conduct.compiled_from
+            ),
         )
     )
     if granted := session.time.punctuality.granted:
@@ -88,7 +92,12 @@ def outcome_lines(session: Session) -> list[str]:
     marks = conduct.final_marks()
     if not (conduct.ending.over or marks):
         return []
-    ended = conduct.ending.over or f"left at {session.boat.time:g} s"
+    lost = f": {conduct.ending.why}" if conduct.ending.why else ""
+    ended = (
+        f"{conduct.ending.over}{lost}"
+        if conduct.ending.over
+        else f"left at {session.boat.time:g} s"
+    )
     told = f"outcome     {ended}; {marks}" if marks else f"outcome     {ended}"
     return [told, *(f"            {each}" for each in (marks.reasons if marks else ()))]
 
@@ -267,6 +276,7 @@ def fly(prepared: PreparedRun, options: RunOptions) -> Ended:
     """Open the ports, run the session to its end, account for it."""
     boat, history, plan = prepared.boat, prepared.history, prepared.plan
     method = boat.method
+    told = briefing_of(plan, options)
     recorder = open_csv(options.csv_path, 1 if math.isfinite(options.speed) else BATCH)
     endless = plan.duration is None or lives_on(options)
     last_tick = math.inf if endless else round((plan.duration or 0.0) / method.step)
@@ -289,11 +299,12 @@ def fly(prepared: PreparedRun, options: RunOptions) -> Ended:
             monitor=LimitMonitor.over(boat, plan.limits),
             last_tick=last_tick,
             wake=wake,
-            briefing=(*heading(plan), *situation(plan, boat, options.note)),
-            crew_briefing=(
-                *(() if plan.hides else heading(plan)),
-                *situation(plan, boat, options.note),
-            ),
+            briefing=(*told.heading(INSTRUCTOR), *situation(plan, boat, options.note)),
+            crew_briefing=(*told.heading(STRANGER), *situation(plan, boat, options.note)),
+            exercise=told,
+            hand=frozenset(plan.hand),
+            hand_from=plan.hand_from,
+            allowed=frozenset(plan.allowed),
             until_left=options.until_left,
         )
         conduct_of(session, prepared, options)
@@ -345,7 +356,7 @@ def await_code(session: Session) -> None:
         if tick is None:
             why = "" if session.conduct.work.closing.is_set() else "compiling beside has failed"
             return lambda: session.event_log.tell("trouble", why) if why else None
-        return lambda: session.go_over(tick)
+        return lambda: session.conduct.go_over(tick)
 
     session.conduct.work.begin("machine code", task)
 
@@ -384,9 +395,19 @@ def open_csv(path: Path | None, batch: int) -> CsvFile | NoFile:
         raise ConfigError(f"--csv {path}: {error.strerror}") from None
 
 
-def heading(plan: Plan) -> tuple[str, ...]:
-    """Return what the exercise is about."""
-    return tuple(filter(None, (plan.title, *plan.briefing.splitlines())))
+def briefing_of(plan: Plan, options: RunOptions) -> Briefing:
+    """Return what there is to say of the exercise."""
+    return Briefing(
+        name=Path(options.exercise).stem if options.exercise else "",
+        title=plan.title,
+        text=tuple(plan.briefing.splitlines()),
+        instructor=tuple(plan.instructor.splitlines()),
+        hides=plan.hides and not plan.instructor,
+        limits=plan.limits,
+        lost=plan.lost,
+        tasks=tuple(rule.score.name for rule in plan.scores if rule.part != "keeping"),
+        duration=plan.duration,
+    )
 
 
 def situation(plan: Plan, boat: Boat, note: str) -> tuple[str, ...]:

@@ -3,7 +3,6 @@
 import math
 import threading
 import time
-from collections import deque
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import Final
@@ -16,17 +15,19 @@ from trainer.boat.limits import LimitMonitor
 from trainer.boat.pilot import PilotMonitor
 from trainer.io.orders.grammar import Order, Refused, Reply
 from trainer.io.orders.schedule import Scheduled
-from trainer.io.orders.table import BOAT_ORDERS
+from trainer.io.orders.table import BOAT_ORDERS, CREW_TALK
 from trainer.io.recording.recording import RecordingError
-from trainer.io.status_line import clock
 from trainer.io.tables import Columns
 from trainer.session.conduct import Conduct
 from trainer.session.control import Control
+from trainer.session.crew import SCHEDULE, CrewTalk, role_of
+from trainer.session.event_log import EventLog
 from trainer.session.history import History
 from trainer.session.stations.access import NoiseLog
+from trainer.session.stations.briefing import Briefing, ranges
 from trainer.session.stations.display import panel
 from trainer.session.stations.reception import Closed, Reception
-from trainer.session.stations.roles import INSTRUCTOR, STRANGER, Role, hears
+from trainer.session.stations.roles import INSTRUCTOR, STRANGER, Role
 from trainer.session.stations.station import Asked, Fact, News, Station
 from trainer.session.stations.subscriptions import Sending
 from trainer.session.stations.view import Pace, Picture, StateReader
@@ -35,55 +36,6 @@ from trainer.session.time.ledger import SECOND
 from trainer.session.time.pacer import WOKEN, Event
 from trainer.session.time.timekeeping import Timekeeping
 
-KEPT: Final = 500  # of what has happened, for who comes late
-
-
-@dataclass
-class EventLog:
-    """The news of one run."""
-
-    history: History
-    stations: list[Station] = field(default_factory=list)
-    news: deque[News] = field(default_factory=lambda: deque(maxlen=KEPT))
-    heard: Station | None = None  # who is listened to
-    hearers: list[Callable[[News], None]] = field(default_factory=list)  # of all; they never wait
-
-    def tell(
-        self, kind: str, text: str, by: Station | None = None, fact: Fact | None = None
-    ) -> None:
-        """Record what has happened, and tell whose role hears of such things but ``by``.
-
-        ``by`` has its answer; it is told the fact all the same.
-        """
-        boat = self.history.boat
-        # a remark is anybody's words: who hears it hears whose
-        said = f"mark by {self.signature(by)}: {text}" if kind == "mark" and by else text
-        news = News(self.history.tick, boat.time, kind, said, fact)
-        self.news.append(news)
-        self.history.recording.event(news.tick, kind, by.who if by else "", text)
-        for hear in self.hearers:
-            hear(news)
-        for station in self.stations:
-            if station is not by:
-                station.tell(news)
-            else:
-                station.note(news)
-
-    def signature(self, station: Station) -> str:
-        """Return by whom a thing is said: its role, of several instructors their line too."""
-        several = sum(1 for each in self.stations if each.role is INSTRUCTOR) > 1
-        return station.who if several and station.role is INSTRUCTOR else station.role.name
-
-    def log(self, kind: str, text: str) -> None:
-        """Tell what the station that is listened to has to say of itself."""
-        self.tell(kind, text, self.heard)
-
-    def lately(self, role: Role, count: int) -> list[str]:
-        """Return the last of what ``role`` hears of."""
-        heard = [news for news in self.news if hears(role, news.kind)]
-        return [f"{clock(news.seconds)} {news.text}" for news in heard[-count:]]
-
-
 HINT: Final = "type an order, such as: depth 80   course 090   rudder left 15   help   quit"
 AT_A_TIME: Final = SECOND // 20  # [ns] of single steps before the stations are heard again
 LINES_AT_A_TIME: Final = 32  # of one station before the clock is looked at again
@@ -91,6 +43,8 @@ PATIENCE: Final = 0.5  # [s] for a line to get out what it was sent before it is
 # orders by which everybody can tell that something has been done with time
 MOMENTS: Final = frozenset({"restore", "reset", "backtrack", "replay", "take", "again", "branch"})
 GOING_BACK: Final = ("backtrack", "restore", "reset", "again", "branch")
+QUESTIONS: Final = frozenset({"status", "who", "briefing", "casualties", "log"})
+AMIDSHIPS: Final = Order("rudder", 0.0, "amidships", "rudder amidships")
 TIME: Final = frozenset({"freeze", "run", "step", "time", "quit"})
 
 
@@ -112,15 +66,19 @@ class Session:
     wake: threading.Event = field(default_factory=threading.Event)
     briefing: tuple[str, ...] = ()  # what the instructor is told
     crew_briefing: tuple[str, ...] = ()  # what everybody else is
+    exercise: Briefing = field(default_factory=Briefing)  # as programs are told it
+    hand: frozenset[str] = frozenset()  # axes that the exercise has worked by hand
+    hand_from: float = 0.0  # [s]
+    allowed: frozenset[str] = frozenset()  # automatic orders allowed nevertheless
     until_left: bool = False  # it ends when the last of those who came by themselves has gone
     deserted: str = ""  # why it ended before its time
-    compiled_from: int = 0  # the tick, where it began interpreted
     unrecorded: str = ""  # why nothing more is recorded, once that has been told
     event_log: EventLog = field(init=False)
     control: Control = field(init=False)
     conduct: Conduct = field(init=False)
     depths: DepthMonitor = field(init=False)
     pilot: PilotMonitor = field(init=False)
+    crew: CrewTalk = field(init=False)
 
     def __post_init__(self) -> None:
         self.event_log = EventLog(self.history)
@@ -130,6 +88,8 @@ class Session:
         self.conduct.past.news = lambda: log.news
         self.depths = DepthMonitor.over(self.boat)
         self.pilot = PilotMonitor.over(self.boat)
+        self.crew = CrewTalk(self.boat, self.hand, self.hand_from, self.allowed)
+        self.crew.settle(self.history.said(), self.history.tick)
         self._visits = NoiseLog(self.event_log.tell, time.monotonic)
         self._lookout = StateReader(self.boat, self.time.ledger.summary)
         self._pace = Pace()  # as it was last shown: whatever changes it has it shown
@@ -146,7 +106,7 @@ class Session:
         self._show()
         while not self._over:
             if self.time.pacer.frozen and self._deserted():
-                self._tell_deserted()
+                self.deserted = self.conduct.desert()
                 return
             if self.time.pacer.wait(self.wake) is WOKEN:
                 self.wake.clear()
@@ -155,14 +115,6 @@ class Session:
                 self._tick()
             if self.control.steps:
                 self._take_steps()  # those of the schedule, and those still to be taken
-
-    def go_over(self, tick: Callable[[], int]) -> None:
-        """Have the ticks from now on computed by machine code, at the speed that was asked for."""
-        self.boat.tick, self.compiled_from = tick, self.boat.ticks + 1
-        self.time.recover()
-        ready = f"compiled code is ready: from tick {self.compiled_from} on"
-        self.event_log.tell("time", ready, fact=Fact("compiled"))
-        self._show()
 
     def stop(self) -> None:
         """End the run after the present tick; may be called from another thread."""
@@ -177,6 +129,16 @@ class Session:
         """Tell whoever comes what this is."""
         for line in (*self._briefed(station), HINT):
             station.line.send(line)
+
+    def _introduce(self, station: Station) -> None:
+        """Tell a program the exercise, the vessel's ranges, and what the crew is ordered."""
+        told = [("exercise", pair) for pair in self.exercise.facts(station.role, self.boat.time)]
+        told += [("exercise", pair) for pair in self.crew.conditions(station.role.name)]
+        told += [("range", pair) for pair in ranges(self.boat, station.role)]
+        told += [("rate", pair) for pair in station.rate]
+        self._note(station, [Fact(what, f"{key}={value}") for what, (key, value) in told])
+        self._note(station, [each.fact for each in self.crew.standing(station.role.name)])
+        self.event_log.note_alerts(station)
 
     def _briefed(self, station: Station) -> tuple[str, ...]:
         """Return what a station is told of the exercise."""
@@ -193,13 +155,13 @@ class Session:
             self._visits.log("station", f"{station.line.name} has come")
         for station in list(self.event_log.stations):
             self.event_log.heard = station
-            stranger = station.role is STRANGER
+            before = station.role
             for asked in station.take(LINES_AT_A_TIME):
+                before = self._entered(station, before)
                 if not self.conduct.hear(asked):
                     self._hear(asked)
                 self._take_steps()
-            if stranger and station.role is not STRANGER:
-                self.greet(station)
+            self._entered(station, before)
             if station.held_up:
                 self._listen_again(station.held_up)
             elif station.waiting:
@@ -207,6 +169,14 @@ class Session:
             elif station.leaving or station.line.ended:
                 self._see_out(station)
         self.event_log.heard = None
+
+    def _entered(self, station: Station, before: Role) -> Role:
+        """Greet or introduce a station that has said what it is; return its role."""
+        if before is STRANGER and station.role is not STRANGER:
+            self.greet(station)
+        if station.role is not before:
+            self._introduce(station)
+        return station.role
 
     def _listen_again(self, after: float) -> None:
         """Listen again after a time [s]: what was not taken waits with no word of its own."""
@@ -245,12 +215,6 @@ class Session:
             self.control.steps -= 1
             self._tick()
 
-    def _tell_deserted(self) -> None:
-        """Tell why the session ends before its time, unless its exercise is over."""
-        if not self.conduct.ending.over:
-            self.deserted = f"frozen at {self.boat.time:g} s, and nobody is left to say run"
-            self.event_log.tell("time", self.deserted)
-
     def _deserted(self) -> bool:
         """Return whether nobody can let time, which stands still, go on."""
         if self.reception.awaited:
@@ -262,48 +226,59 @@ class Session:
     # Orders
 
     def _hear(self, asked: Asked) -> None:
-        """Carry out an order from a station and answer it there."""
+        """Answer a question, or carry out an order, from a station."""
         order, station = asked.order, asked.station
-        if order.name == "status":
-            station.answer(asked, "", *self._status(station))
-        elif order.name == "who":
-            station.answer(asked, "", *(each.account() for each in self.event_log.stations))
-        elif order.name == "briefing":
-            station.answer(asked, "", *self._briefed(station))
-        elif order.name == "casualties":
-            self._note(station, [Fact("casualty", ",".join(each)) for each in available(self.boat)])
-            station.answer(asked, "", *listing(self.boat))
-        elif order.name == "log":
-            station.answer(asked, "", *self.event_log.lately(station.role, int(order.value)))
+        if order.name in QUESTIONS:
+            self._tell_about(asked)
+        elif order.name == "ack":
+            station.answer(asked, self.event_log.acknowledge(order, station))
         elif order.name == "mark":
-            self.event_log.tell(
-                "mark", order.subject or "marked", station, Fact("mark", order.subject)
-            )
-            self.history.recording.flush()
-            station.answer(asked, self._as_kept(f"marked at {self.boat.time:g} s"))
-            self._tell_trouble()
+            self._mark(asked)
+        elif why := self.crew.in_hand(order):
+            station.answer(asked, Refused(why))
+            self._pass_on(order, Refused(why), station)
         else:
-            try:
-                answer = self._carry_out(order, station.who)
-            except RecordingError as error:  # its past cannot be read at present
-                answer = Refused(str(error))
-            if order.name == "snapshots":
-                self._note_snapshots(station)
-            station.answer(asked, self._as_kept(answer))
-            self._pass_on(order, answer, station)
-            self._tell_trouble()
+            self._give(asked)
+
+    def _tell_about(self, asked: Asked) -> None:
+        """Answer a question, programs with facts before it."""
+        name, station = asked.order.name, asked.station
+        if name == "briefing":
+            self._introduce(station)
+        if name == "casualties":
+            self._note(station, [Fact("casualty", ",".join(each)) for each in available(self.boat)])
+        answers: dict[str, Callable[[], Sequence[str]]] = {
+            "status": lambda: self._status(station),
+            "who": lambda: [each.account() for each in self.event_log.stations],
+            "briefing": lambda: self._briefed(station),
+            "casualties": lambda: listing(self.boat),
+            "log": lambda: self.event_log.lately(station.role, int(asked.order.value)),
+        }
+        station.answer(asked, "", *answers[name]())
+
+    def _mark(self, asked: Asked) -> None:
+        """Mark this moment; it is in the file before it is answered."""
+        remark = asked.order.subject
+        self.event_log.tell("mark", remark or "marked", asked.station, Fact("mark", remark))
+        self.history.recording.flush()
+        asked.station.answer(asked, self._as_kept(f"marked at {self.boat.time:g} s"))
+        self._tell_trouble()
+
+    def _give(self, asked: Asked) -> None:
+        """Carry out an order, answer it, and tell the others."""
+        order, station = self.crew.meant(asked.order), asked.station
+        try:
+            answer = self._carry_out(order, station.who)
+        except RecordingError as error:  # its past cannot be read at present
+            answer = Refused(str(error))
+        station.answer(asked, self._as_kept(answer))
+        self._pass_on(order, answer, station)
+        self._tell_trouble()
 
     def _note(self, station: Station, facts: Sequence[Fact]) -> None:
         """Tell a station facts of now, if it is a program."""
         for fact in facts:
             station.note(News(self.history.tick, self.boat.time, "exercise", "", fact))
-
-    def _note_snapshots(self, station: Station) -> None:
-        """Tell a station the moments kept, if it is a program."""
-        step = self.boat.method.step
-        for name, moment in self.history.snapshots().items():
-            kept = Fact("snapshot", name)
-            station.note(News(moment.tick, moment.tick * step, "moment", "", kept))
 
     def _status(self, station: Station) -> list[str]:
         """Return all about the boat that a station may know."""
@@ -314,7 +289,7 @@ class Session:
 
     def _carry_out(self, order: Order, who: str, place: int | None = None) -> Reply:
         """Carry out an order, to the boat once it is journalled; return the answer."""
-        if order.name not in BOAT_ORDERS:
+        if order.name not in BOAT_ORDERS | CREW_TALK:
             number = None if place is None else self.history.order(who, order, place)
             answer = self.control.obey(order, who)
             if number is not None:
@@ -324,8 +299,21 @@ class Session:
         if self.history.rerun:
             return Refused("a replay is running: take over first")
         number = self.history.order(who, order, place)
-        answer = obey(self.boat, order)
+        answer = self._obey(order, who)
         self.history.answered(number, answer)
+        return answer
+
+    def _obey(self, order: Order, who: str) -> Reply:
+        """Have the boat obey an order, or the crew told; tell what the crew is to know of it."""
+        talk = order.name in CREW_TALK
+        tellings = [] if talk else self.crew.wrong_way(order, role_of(who))
+        answer = self.crew.obey(order, role_of(who)) if talk else obey(self.boat, order)
+        if not isinstance(answer, Refused):
+            tellings += self.crew.note(order, who, self.history.tick, answer)
+            for telling in tellings:
+                self.event_log.tell(telling.kind, telling.text, self.event_log.heard, telling.fact)
+        if talk:
+            self._show()
         return answer
 
     def _after_time(self, order: Order) -> None:
@@ -335,12 +323,16 @@ class Session:
             self.depths.settle(self.boat)
             self.pilot.settle(self.boat)
             self.conduct.settle()
+            self.crew.settle(self.history.said(), self.history.tick)
+            self.event_log.settle()
             self._judge_hull()
         if order.name in MOMENTS or order.name in TIME:
             self._show()
 
     def _pass_on(self, order: Order, answer: Reply, station: Station) -> None:
         """Record an order about time, and tell the others what was ordered."""
+        if order.name in CREW_TALK and not isinstance(answer, Refused):
+            return  # that has been told
         text = f"refused: {answer.reason}" if isinstance(answer, Refused) else answer
         kind = "order" if station.role is not INSTRUCTOR else "exercise"
         fact = None
@@ -365,7 +357,9 @@ class Session:
             entry = self.schedule[self.history.place]
             if math.ceil(entry.seconds / self.boat.method.step - 1e-9) > self.boat.ticks:
                 return
-            answer = self._carry_out(entry.order, "schedule", self.history.place)
+            answer = self._carry_out(entry.order, SCHEDULE, self.history.place)
+            if entry.order.name in CREW_TALK and not isinstance(answer, Refused):
+                continue  # that has been told
             text = f"refused: {answer.reason}" if isinstance(answer, Refused) else answer
             fact = None if isinstance(answer, Refused) else Fact("order", entry.order.text)
             told = f"[{entry.seconds:g} s] {entry.order.text}: {text}"
@@ -373,9 +367,9 @@ class Session:
 
     def _obey_replay(self) -> bool:
         """Give again what was given at this tick; return whether a replay ends here, told so."""
-        for order in self.history.due(self.schedule):
-            if order.name in BOAT_ORDERS:
-                obey(self.boat, order)
+        for order, who in self.history.due(self.schedule):
+            if order.name in BOAT_ORDERS | CREW_TALK:
+                self._obey(order, who)
         if not self.history.caught_up:
             return False
         self.event_log.tell("moment", self.history.arrive())
@@ -434,15 +428,25 @@ class Session:
             self._row()
         self.sending.offer(tick, state, self._pace)
         for text in self.monitor.look(self.boat):
-            self.event_log.tell("watch", text)
+            self.event_log.alert("watch", text)
         for text in self.pilot.look(self.boat):
-            self.event_log.tell("pilot", text)
+            self.event_log.alert("pilot", text)
         self._call_depth()
         self._judge_hull()
         if self.history.rerun is None:
             self.conduct.look()
+        if tick >= self.crew.due:
+            for telling in self.crew.missing(tick, self._attended):
+                self.event_log.tell(telling.kind, telling.text, fact=telling.fact)
+        if self.crew.meeting and self.crew.swing_met() and not self.history.rerun:
+            who, order = self.crew.meeting, AMIDSHIPS
+            self.event_log.tell("order", f"{who}: swing met: {self._carry_out(order, who)}")
         while self.sending.troubles:
             self.event_log.tell("trouble", self.sending.troubles.popleft())
+
+    def _attended(self, role: str) -> bool:
+        """Return whether a station has that role."""
+        return any(station.role.name == role for station in self.event_log.stations)
 
     def _call_depth(self) -> None:
         """Call out a depth that the hull has passed on the way down."""
@@ -462,7 +466,7 @@ class Session:
     def _tell_depth(self, words: str, fact: Fact) -> None:
         """Tell what the depth has come to, with its tick."""
         place = f"tick {self.boat.ticks} ({self.boat.time:g} s)"
-        self.event_log.tell("depth", f"{place}: {words}", fact=fact)
+        self.event_log.alert("depth", f"{place}: {words}", fact)
 
     def _as_kept(self, answer: Reply) -> Reply:
         """Return an answer with a word on it if what it answers is not recorded."""
@@ -491,5 +495,6 @@ class Session:
     def _show(self) -> None:
         """Let the present moment be seen, and how time runs from here on."""
         now, time = self.history.now(), self.time
-        self._pace = Pace(time.frozen, time.speed, now.branch, self.history.rerun is not None)
+        replaying = self.history.rerun is not None
+        self._pace = Pace(time.frozen, time.speed, now.branch, replaying, self.crew.told)
         self.sending.offer(now.tick, now.state, self._pace)
