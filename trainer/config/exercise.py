@@ -73,7 +73,7 @@ class Page:
 
 # what a crew works by hand, and the orders that give it to the autopilot, or to the trim's keeper
 AXES: Final[Mapping[str, tuple[str, ...]]] = {
-    "rudder": ("course", "course-by", "rudder auto", "autopilot on"),
+    "rudder": ("course", "course-by", "course-to", "rudder auto", "autopilot on"),
     "planes": ("depth", "periscope", "planes auto", "stern auto", "bow auto", "autopilot on"),
     "speed": ("speed", "autopilot on"),
     "ballast": ("hover", "trim auto"),
