@@ -514,7 +514,7 @@ def test_broaches_and_limits_are_those_that_were_called_out(kept: Kept) -> None:
     trajectory = kept.voyage.debrief.trajectory
     assert [trajectory.seconds[row] for row in broach_rows(trajectory)] == called["broached"]
     assert len(called["broached"]) >= 2
-    assert {"depth above 20 m", "pitch above 4 deg"} <= set(called)
+    assert {"deeper than 20 m", "pitch more than 4 deg"} <= set(called)
 
 
 def test_the_place_of_a_score_is_where_its_value_stands_in_the_record(kept: Kept) -> None:

@@ -187,14 +187,14 @@ def test_a_jam_of_the_stern_planes_is_noticed_and_costs_depth() -> None:
     assert degrees(went.trace["theta"].min()) < -20.0
     assert went.trace["z"].max() > 140.0
     assert went.at("z", 600) == pytest.approx(100.0, abs=1.0)
-    assert set(went.monitor.times) - NOTICES == {"pitch above 20 deg", "depth above 130 m"}
+    assert set(went.monitor.times) - NOTICES == {"pitch more than 20 deg", "deeper than 130 m"}
 
 
 def test_flooding_aft_takes_a_boat_down_by_the_stern_that_nobody_helps() -> None:
     went = play("flooding-aft")
     assert went.at("weight", 240) - went.at("weight", 0) == pytest.approx(33e4, rel=0.1)
     assert degrees(went.at("theta", 300)) > 15.0
-    assert "depth above 180 m" in went.monitor.times
+    assert "deeper than 180 m" in went.monitor.times
     assert went.trace["z"].max() > 350.0
 
 
@@ -424,7 +424,7 @@ def test_files_that_an_exercise_names_are_looked_for_beside_it(tmp_path: Path) -
     boat = bb2()
     plan = replace(plan_run(OPTIONS), casualties=exercise.casualties)
     plan.start(boat)
-    assert obey(boat, exercise.schedule[0].order) == "casualty my-leak, severity 1 within 5 s"
+    assert obey(boat, exercise.schedule[0].order) == "casualty my-leak, a hole of 50 cm2 within 5 s"
 
 
 # What overrules what
@@ -481,10 +481,10 @@ def test_a_run_of_an_exercise_begins_with_its_briefing_and_ends_by_itself() -> N
     briefing = load_exercise("stern-plane-jam").heading.briefing.splitlines()
     assert lines[: 1 + len(briefing)] == ["Stern planes jam to dive at 15 knots", *briefing]
     assert "15 kn, 100 m, course 000; modified set, step 0.5 s" in lines
-    assert "[60 s] casualty stern-hard-over -0.2: casualty stern-hard-over, severity -0.2" in lines
-    assert re.search(r"\ntick 2\d\d \(1\d\d.*s\): LIMIT: depth above 130 m\n", done.stdout)
+    assert "[60 s] casualty stern-hard-over -0.2: casualty stern-hard-over, 6 deg dive" in lines
+    assert re.search(r"\ntick 2\d\d \(1\d\d.*s\): LIMIT: deeper than 130 m\n", done.stdout)
     assert "simulated   600.0 s in 1200 ticks" in done.stderr
-    assert "events      pitch above 20 deg 1 time" in done.stderr
+    assert "events      pitch more than 20 deg 1 time" in done.stderr
 
 
 def test_a_headless_run_names_its_events_in_the_summary() -> None:

@@ -70,7 +70,12 @@ class Leave:
     """Leave the session, or end one's own."""
 
 
-Act = Give | Toggle | Hasten | Move | Open | Write | Widen | Scroll | Again | Leave
+@dataclass(frozen=True)
+class Ring:
+    """Let the terminal's bell ring, or be silent."""
+
+
+Act = Give | Toggle | Hasten | Move | Open | Write | Widen | Scroll | Again | Leave | Ring
 
 
 @dataclass(frozen=True)
@@ -87,6 +92,17 @@ class Key:
 PAGE: Final = 8  # [lines] of the log
 
 HELP: Final = Key(("f1", "question_mark"), "F1", "help", "help, this page", Open("help"))
+BRIEF: Final = Key(
+    ("f12",),
+    "F12",
+    "briefing",
+    "the exercise: what is to be done, time left, what wins, limits",
+    Open("briefing"),
+)
+BELL: Final = Key(
+    ("ctrl+g",), "Ctrl-G", "", "the bell for limits, orders, casualties: off, or on again", Ring()
+)
+PLAN: Final = Key(("ctrl+t",), "Ctrl-T", "", "the track from above", Open("plan"))
 LEAVE: Final = Key(("f10", "ctrl+c"), "F10", "leave", "leave; the session goes on", Leave())
 END: Final = Key(("f10", "ctrl+c"), "F10", "quit", "end the run, or leave it", Leave())
 LOG: Final = (
@@ -97,7 +113,13 @@ SPAN: Final = (
     Key(("right_square_bracket",), "]", "", "charts over a longer time", Widen(1)),
     Key(("left_square_bracket",), "[", "", "charts over a shorter time", Widen(-1)),
 )
-TYPE: Final = Key(("enter", "colon"), "Enter", "type", "type an order; Esc comes back", Write(""))
+TYPE: Final = Key(
+    ("enter", "colon"),
+    "Enter",
+    "type, or repeat",
+    "repeat a new order (aye); without one type an order, Esc comes back",
+    Write(""),
+)
 
 INSTRUCTOR: Final = (
     HELP,
@@ -110,8 +132,11 @@ INSTRUCTOR: Final = (
     Key(("f8",), "F8", "keep", "keep this moment under a name", Write("snapshot ")),
     Key(("f9",), "F9", "mark", "mark this moment, with a remark", Write("mark ")),
     END,
+    BRIEF,
+    PLAN,
     Key(("plus", "equals_sign"), "+", "", "time faster", Hasten(1)),
     Key(("minus",), "-", "", "time slower", Hasten(-1)),
+    BELL,
     *SPAN,
     *LOG,
 )
@@ -120,17 +145,20 @@ INSTRUCTOR: Final = (
 def steering(
     surface: str, pair: tuple[str, str], labels: tuple[str, str], sides: tuple[str, str]
 ) -> tuple[Key, ...]:
-    """Return the keys that move a surface, the second of each pair to the positive side."""
+    """Return the keys that move a surface, the second of each pair to the positive side.
+
+    With Shift they move it further; of a letter that is the capital.
+    """
     found = []
     for key, label, side, sign in zip(pair, labels, sides, (-1, 1), strict=True):
         says = f"{labels[1]}: {surface}" if sign < 0 else ""
         found += [
             Key((key,), label, says, f"{surface} 1 degree {side}", Move(surface, sign)),
             Key(
-                (f"shift+{key}", f"ctrl+{key}"),
+                (key.upper(), f"shift+{key}") if len(key) == 1 else (f"shift+{key}", f"ctrl+{key}"),
                 f"Shift {label}",
                 "",
-                f"{surface} 5 degrees {side}; Ctrl does the same",
+                f"{surface} 5 degrees {side}{'' if len(key) == 1 else '; Ctrl does the same'}",
                 Move(surface, 5 * sign),
             ),
         ]
@@ -158,13 +186,26 @@ BELLS: Final = (
     order_key("7", "", "bell astern two-thirds"),
     order_key("8", "", "bell astern full"),
 )
-PLANES: Final = (
-    *steering("stern", ("down", "up"), ("Down", "Up"), ("dive", "rise")),
-    *steering("bow", ("left", "right"), ("Left", "Right"), ("dive", "rise")),
+STERN: Final = steering("stern", ("down", "up"), ("Down", "Up"), ("dive", "rise"))
+ZERO: Final = (
     order_key("z", "stern 0", "stern planes zero"),
     order_key("x", "bow 0", "bow planes zero"),
+)
+PERISCOPE: Final = order_key("p", "periscope", "periscope depth")
+PLANES: Final = (
+    *STERN,
+    *steering("bow", ("left", "right"), ("Left", "Right"), ("dive", "rise")),
+    *ZERO,
     order_key("a", "auto", "planes auto"),
-    order_key("p", "periscope", "periscope depth"),
+    PERISCOPE,
+)
+BOTH: Final = (  # rudder and planes, by one person
+    *RUDDER,
+    *STERN,
+    *steering("bow", ("s", "w"), ("S", "W"), ("dive", "rise")),
+    *ZERO,
+    order_key("d", "planes auto", "planes auto"),
+    PERISCOPE,
 )
 VALVES: Final = (
     order_key("1", "to 4: blow F M A all", "blow forward"),
@@ -190,12 +231,13 @@ WATER: Final = (
     order_key("c", "compressor", "compressor on"),
     order_key("k", "off", "compressor off"),
 )
-COMMON: Final = (*SPAN, *LOG)
+COMMON: Final = (BRIEF, BELL, *SPAN, *LOG)
 
 KEYS: Final[Mapping[str, tuple[Key, ...]]] = {
     "instructor": INSTRUCTOR,
     "helm": (HELP, TYPE, *RUDDER, *BELLS, LEAVE, *COMMON),
     "planes": (HELP, TYPE, *PLANES, LEAVE, *COMMON),
+    "pilot": (HELP, TYPE, *BOTH, *BELLS, LEAVE, *COMMON),
     "ballast": (HELP, TYPE, *VALVES, *WATER, LEAVE, *COMMON),
     "diving": (HELP, TYPE, *PLANES, *VALVES, *WATER, LEAVE, *COMMON),
     "observer": (

@@ -79,7 +79,10 @@ def casualty_lines(boat: Boat) -> list[str]:
         f"instruments: depth {shown.depth:.1f} m, "
         f"course {course(math.degrees(shown.heading), 1)}, log {shown.speed / KNOT:.1f} kn"
     )
-    kinds = ", ".join(f"{each.kind} {each.amount:.3g}" for each in casualties.active(boat))
+    kinds = ", ".join(
+        f"{each.kind} {casualties.describe(boat, each.kind, each.amount)}".rstrip()
+        for each in casualties.active(boat)
+    )
     if not kinds:
         return [instruments]
     return [instruments, *textwrap.wrap(f"casualties: {kinds}", WIDTH, subsequent_indent="  ")]
