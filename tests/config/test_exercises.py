@@ -424,7 +424,7 @@ def test_files_that_an_exercise_names_are_looked_for_beside_it(tmp_path: Path) -
     boat = bb2()
     plan = replace(plan_run(OPTIONS), casualties=exercise.casualties)
     plan.start(boat)
-    assert obey(boat, exercise.schedule[0].order) == "casualty my-leak, a hole of 50 cm2 within 5 s"
+    assert obey(boat, exercise.schedule[0].order) == "casualty my-leak, hole 50 cm2 within 5 s"
 
 
 # What overrules what

@@ -124,7 +124,7 @@ def describe(boat: Boat, kind: str, amount: float) -> str:
     if what in GAUGE_UNITS:
         return _misreading(what, how, amount)
     if kind.startswith(("leak-", "flooding-")):
-        return f"a hole of {1e4 * amount:.3g} cm2"
+        return f"hole {1e4 * amount:.3g} cm2"
     share = next((s for end, s in SHARES.items() if kind.startswith(end) or kind.endswith(end)), "")
     return f"{100.0 * amount:.3g} % {share}" if share else ""
 

@@ -139,6 +139,7 @@ ROLES = (
     "instructor",
     "helm",
     "planes",
+    "pilot",
     "ballast",
     "diving",
     "observer",

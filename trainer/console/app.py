@@ -22,6 +22,7 @@ from trainer.console.drawing.panels import flowed, foot, key_at, top
 from trainer.console.entry import Entry, Names, hint
 from trainer.console.guide import PlanView, answer, briefing, guide
 from trainer.console.keys import (
+    KEYS,
     Act,
     Again,
     Give,
@@ -241,13 +242,12 @@ class Console(App[str], inherit_bindings=False):
         """Do what the key does that is drawn there; of a pair each has its own half."""
         pane = self.screen_stack[0].query_one("#foot", Pane)
         label, drawn = key_at(self._foot, pane.size.width, pane.size.height, (column, row))
-        key = next((key for key in self._keys.values() if key.says and key.label == label), None)
-        if key is None or drawn.startswith("to "):  # several keys, drawn as one
-            return
-        act = key.act
-        if isinstance(act, Move) and drawn != label:
-            act = Move(act.surface, -act.by)
-        self.act(act)
+        other, pair, _ = drawn.partition(":")
+        wanted = other if pair else label  # of "0 to 8: bells" the words are no key
+        for key in KEYS[self.model.role]:
+            if wanted and key.label == wanted:
+                self.act(key.act)
+                return
 
     def _travel(self, column: int, _row: int) -> None:
         """Look at a place on the line of time."""

@@ -84,7 +84,7 @@ class Key:
 
     names: tuple[str, ...]
     label: str
-    says: str  # "" keeps it out of the footer
+    says: str  # "" keeps it out of the footer; "B: both" names its counterpart
     does: str
     act: Act
 
@@ -116,7 +116,7 @@ SPAN: Final = (
 TYPE: Final = Key(
     ("enter", "colon"),
     "Enter",
-    "type, or repeat",
+    "type/repeat",
     "repeat a new order (aye); without one type an order, Esc comes back",
     Write(""),
 )
@@ -208,7 +208,7 @@ BOTH: Final = (  # rudder and planes, by one person
     PERISCOPE,
 )
 VALVES: Final = (
-    order_key("1", "to 4: blow F M A all", "blow forward"),
+    order_key("1", "to 4: blow", "blow forward"),
     order_key("2", "", "blow mid"),
     order_key("3", "", "blow aft"),
     order_key("4", "", "blow all"),
@@ -218,33 +218,32 @@ VALVES: Final = (
     Key(("e",), "E", "EMERGENCY", "emergency blow, once more asked", Open("emergency")),
 )
 WATER: Final = (
-    order_key("n", "neg. flood", "negative flood"),
-    order_key("b", "neg. blow", "negative blow"),
-    order_key("f", "flood aux 1 t", "flood auxiliary 1"),
-    order_key("g", "pump aux 1 t", "pump auxiliary 1"),
-    order_key("t", "trim aft 1 t", "pump trim aft 1"),
-    order_key("y", "trim fwd 1 t", "pump trim forward 1"),
+    order_key("n", "B: negative", "negative flood"),
+    order_key("b", "", "negative blow"),
+    order_key("f", "G: aux 1 t", "flood auxiliary 1"),
+    order_key("g", "", "pump auxiliary 1"),
+    order_key("t", "Y: trim 1 t", "pump trim aft 1"),
+    order_key("y", "", "pump trim forward 1"),
     order_key("u", "", "flood depth-control 1"),
     order_key("i", "", "pump depth-control 1"),
-    order_key("h", "hover", "hover on"),
-    order_key("j", "no hover", "hover off"),
-    order_key("c", "compressor", "compressor on"),
-    order_key("k", "off", "compressor off"),
+    order_key("h", "J: hover", "hover on"),
+    order_key("j", "", "hover off"),
+    order_key("c", "K: charge", "compressor on"),
+    order_key("k", "", "compressor off"),
 )
-COMMON: Final = (BRIEF, BELL, *SPAN, *LOG)
+FIRST: Final = (HELP, TYPE, BRIEF, LEAVE)  # named first where there is little room
+COMMON: Final = (BELL, *SPAN, *LOG)
 
 KEYS: Final[Mapping[str, tuple[Key, ...]]] = {
     "instructor": INSTRUCTOR,
-    "helm": (HELP, TYPE, *RUDDER, *BELLS, LEAVE, *COMMON),
-    "planes": (HELP, TYPE, *PLANES, LEAVE, *COMMON),
-    "pilot": (HELP, TYPE, *BOTH, *BELLS, LEAVE, *COMMON),
-    "ballast": (HELP, TYPE, *VALVES, *WATER, LEAVE, *COMMON),
-    "diving": (HELP, TYPE, *PLANES, *VALVES, *WATER, LEAVE, *COMMON),
+    "helm": (*FIRST, *RUDDER, *BELLS, *COMMON),
+    "planes": (*FIRST, *PLANES, *COMMON),
+    "pilot": (*FIRST, *BOTH, *BELLS, *COMMON),
+    "ballast": (*FIRST, *VALVES, *WATER, *COMMON),
+    "diving": (*FIRST, *PLANES, *VALVES, *WATER, *COMMON),
     "observer": (
-        HELP,
-        TYPE,
+        *FIRST,
         Key(("m",), "M", "mark", "mark this moment, with a remark", Write("mark ")),
-        LEAVE,
         *COMMON,
     ),
 }

@@ -62,7 +62,7 @@ class Sheet:
 
 SCALE: Final = 6  # [columns] for the numbers at the side
 DASH: Final = "╌"
-TICKS: Final = (10.0, 20.0, 30.0, 60.0, 120.0, 300.0, 600.0)  # [s] between marks of time
+TICKS: Final = (10.0, 30.0, 60.0, 120.0, 300.0, 600.0)  # [s] between marks of time
 APART: Final = 9  # [columns] between marks at least
 AXIS: Final = 4  # [rows] of a chart from which on it has an axis of time
 STEPS: Final = (1.0, 2.0, 5.0)

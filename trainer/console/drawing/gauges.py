@@ -13,6 +13,7 @@ TANKS = (
     ("aux", ("auxiliary",)),
     ("dc", ("depth_control",)),
 )
+WIDTH = 56  # [columns] of the state
 SHALLOW = 15.0  # [m] over the sail from which it is told
 APART = 0.5  # [m, deg, kn] from which a gauge is said to be wrong
 
@@ -208,4 +209,7 @@ def casualty_names(model: SessionModel) -> Line:
     if not names:
         told = without(model.picture, "casualties", "nothing; F4 lists what can be")
         return line((" broken ", "dim"), (told, "plain"))
-    return line((" broken ", "dim"), (f" {', '.join(names)} ", "alarm"))
+    told = ", ".join(names)
+    if len(told) > WIDTH - len(" broken   "):
+        told = ", ".join(picture.word("casualties", name) for name in slots)
+    return line((" broken ", "dim"), (f" {told} ", "alarm"))
