@@ -10,7 +10,10 @@ from hypothesis import strategies as st
 
 from trainer.boat import casualties
 from trainer.boat.boat import PLACES, Boat
+from trainer.boat.crew_orders import AXES
+from trainer.boat.helm import obey
 from trainer.core.state import STATE
+from trainer.io.orders.grammar import Order, parse
 from trainer.io.orders.sentences import read
 from trainer.session.stations.channels import CHANNELS, TELETYPE, tables
 from trainer.session.stations.display import Display, Sentences, Teletype, Words, panel
@@ -32,6 +35,7 @@ SHOWN = (
     *("ordered", "command", "command_u_c", "by_hand", "speed_by_hand"),
     *("water", "bank", "vent", "blow", "negative_flood", "to_move", "drained"),
     *("compressor", "hover", "held"),
+    *("crew_order", "crew_order_tick", "crew_course_side", "crew_depth_unit"),
 )
 # Those that decide what the gauges read are held still here: they are what the gauges test is for.
 GAUGES = ("casualty", "casualty_amount")
@@ -114,7 +118,10 @@ def test_a_casualty_of_a_gauge_shows_in_every_channel_that_has_it(
 
     frame = frame_of(boat)
 
-    showing = [c for c in STATIONS if c in CHANNELS and field in values(frame, c) and c != "time"]
+    others = {"time", "orders"}  # where the names stand for something else
+    showing = [
+        c for c in STATIONS if c in CHANNELS and field in values(frame, c) and c not in others
+    ]
     assert len(showing) >= 2
     for channel in showing:
         assert float(values(frame, channel)[field]) == pytest.approx(expected, abs=0.051)
@@ -435,7 +442,70 @@ def test_a_stations_status_is_its_own_instruments(boat: Boat) -> None:
     lines = panel(ROLES["ballast"].channels, frame_of(boat))
 
     opened = [line.partition(",")[0] for line in lines if not line.startswith(" ")]
-    assert opened == ["gauges", "tanks", "air", "valves", "time"]
+    assert opened == ["gauges", "orders", "tanks", "air", "valves", "time"]
+
+
+def ordered(boat: Boat, *lines: str) -> dict[str, str]:
+    """Give orders to the crew, fly on for 2 s; return what its panel shows."""
+    for line in lines:
+        order = parse(line)
+        assert isinstance(order, Order), line
+        assert isinstance(obey(boat, order), str), line
+    boat.state.tick += 4.0
+    return values(frame_of(boat), "orders")
+
+
+def test_the_orders_to_the_crew_show_what_is_to_go_with_its_sign(boat: Boat) -> None:
+    s = boat.state
+    s.psi, s.z, s.u, s.theta = math.radians(100.0), 60.0, 10.0 * KNOT, math.radians(-2.0)
+
+    shown = ordered(
+        boat, "order course 090", "order depth 200 ft", "order speed 8", "order pitch 5 up"
+    )
+
+    assert (shown["course"], shown["course_side"], shown["course_error"]) == ("90.0", "", "-10.0")
+    assert (shown["depth"], shown["depth_unit"], shown["depth_error"]) == ("61.0", "ft", "1.0")
+    assert (shown["speed"], shown["speed_error"]) == ("8.0", "-2.0")
+    assert (shown["pitch"], shown["pitch_error"]) == ("5.0", "7.0")
+    assert {shown[f"{axis}_since"] for axis in AXES} == {"2"}
+
+
+@pytest.mark.parametrize(
+    ("heading", "line", "turned", "to_go"),
+    [
+        (0.0, "order course 090", 0.0, 90.0),
+        (0.0, "order course left 090", 0.0, -270.0),
+        (0.0, "order course left 090", -200.0, -70.0),
+        (0.0, "order course right 180", 195.0, -15.0),  # beyond it: back to the left
+        (0.0, "order course left 090", 90.0, 0.0),  # there, but the other way round
+        (350.0, "order course 360", 0.0, 10.0),
+        (350.0, "order course right 340", 0.0, 350.0),
+        (45.0, "order course steady", 3.0, -3.0),
+    ],
+)
+def test_what_is_to_go_of_a_course_has_the_side_ordered(
+    boat: Boat, heading: float, line: str, turned: float, to_go: float
+) -> None:
+    boat.state.psi = math.radians(heading + 720.0)
+    assert ordered(boat, line)["course"]
+
+    boat.state.psi += math.radians(turned)
+
+    assert float(values(frame_of(boat), "orders")["course_error"]) == pytest.approx(to_go, abs=0.05)
+
+
+def test_an_order_to_the_crew_moves_nothing_and_hand_steering_does_not_wipe_it(boat: Boat) -> None:
+    shown = ordered(boat, "order course 045", "rudder left 5", "bell stop", "stern planes dive 3")
+    assert shown["course"] == "45.0"
+    assert boat.state.rudder_by_hand
+    assert not shown["depth"] + shown["depth_unit"] + shown["depth_error"] + shown["depth_since"]
+
+    assert not any(ordered(boat, "order clear all").values())
+
+
+def test_the_last_words_to_the_crew_are_shown(boat: Boat) -> None:
+    assert values(frame_of(boat, Pace(told="surface")), "orders")["told"] == "surface"
+    assert "told surface" in " ".join(panel(("orders",), frame_of(boat, Pace(told="surface"))))
 
 
 def test_names_of_fields_are_plain_words_and_each_is_there_once() -> None:

@@ -23,16 +23,19 @@ GRAMMAR = sorted({form.name or heading_word(form) for form in FORMS if not form.
 SHIP = {"stern", "bow", "planes", "depth", "periscope"}
 WATER = {"blow", "emergency", "vent", "negative", "flood", "pump", "drain", "hover", "compressor"}
 WATER |= {"trim"}
+HELM = {"rudder", "course", "course-by", "course-to", "speed", "turns", "rpm", "bell"}
+SAYS = {"report", "aye"}
 OWN = {
     "instructor": set(GRAMMAR),
-    "helm": {"rudder", "course", "course-by", "speed", "turns", "rpm", "bell"},
-    "planes": SHIP,
-    "ballast": WATER,
-    "diving": SHIP | WATER | {"surface", "dive"},
+    "helm": HELM | SAYS,
+    "planes": SHIP | SAYS,
+    "pilot": HELM | SHIP | SAYS,
+    "ballast": WATER | SAYS,
+    "diving": SHIP | WATER | SAYS | {"surface", "dive", "order", "tell", "belay"},
     "observer": {"mark"},
 }
 ALL = {
-    *("role", "help", "status", "briefing", "log"),
+    *("role", "help", "status", "briefing", "log", "ack"),
     *("subscribe", "unsubscribe", "detach", "who"),
 }
 TRAINEES = sorted(set(ROLES) - {"instructor"})
@@ -66,12 +69,12 @@ def test_every_order_that_a_control_or_everybody_has_is_in_the_grammar() -> None
         (
             "ballast",
             "rudder left 5",
-            "the rudder is the helm's; this line is the ballast station's",
+            "the rudder is the helm's or the pilot's; this line is the ballast station's",
         ),
         (
             "helm",
             "stern planes rise 5",
-            "the planes are the planes station's or the diving officer's; this line is the helm's",
+            "or the diving officer's; this line is the helm's",
         ),
         ("helm", "freeze", "\"freeze\" is the instructor's; this line is the helm's"),
         (
@@ -79,7 +82,11 @@ def test_every_order_that_a_control_or_everybody_has_is_in_the_grammar() -> None
             "autopilot on",
             "the autopilot as a whole is the instructor's; this line is the diving officer's",
         ),
-        ("observer", "bell stop", "the engine is the helm's; this line is an observer's"),
+        (
+            "observer",
+            "bell stop",
+            "the engine is the helm's or the pilot's; this line is an observer's",
+        ),
         (
             "planes",
             "casualty rudder-stuck",

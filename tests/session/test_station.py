@@ -148,7 +148,7 @@ def test_an_order_outside_the_role_is_refused_logged_and_goes_no_further(
 
     answer = ballast.answer_to("rudder left 5")
 
-    why = "the rudder is the helm's; this line is the ballast station's"
+    why = "the rudder is the helm's or the pilot's; this line is the ballast station's"
     assert answer == f"? {why}"
     assert ballast.log == [("refused", f"ballast at {FakeLine.name}: rudder left 5: {why}")]
     assert (ballast.station.counts.refused, ballast.station.counts.orders) == (1, 0)

@@ -1,9 +1,14 @@
-"""Orders to the crew: they stand on its panels until the next, and move nothing by themselves."""
+"""Orders to the crew: they stand on its panels until the next, and move nothing by themselves.
+
+A course is kept as the heading that the boat will have counted, not wrapped: what is to go of it
+has its side, however often the boat goes round.
+"""
 
 import math
 from typing import Final, NamedTuple
 
 from trainer.boat.boat import Boat
+from trainer.boat.casualties import readings
 from trainer.io.orders.grammar import Order, Refused, Reply
 from trainer.units import FOOT, KNOT
 
@@ -23,8 +28,8 @@ class CrewOrder(NamedTuple):
     def __str__(self) -> str:
         """Return it as the crew is told."""
         if self.axis == "course":
-            side = {-1.0: "left to ", 1.0: "right to "}.get(self.side, "course ")
-            return f"{side}{round(math.degrees(self.value)) % 360:03d}"
+            side = {-1.0: "left to ", 1.0: "right to "}.get(self.side, "")
+            return f"course {side}{round(math.degrees(self.value)) % 360:03d}"
         if self.axis == "depth":
             unit = "m" if self.unit == 1.0 else "ft"
             return f"depth {round(self.value / self.unit, 1):g} {unit}"
@@ -51,25 +56,51 @@ def standing(boat: Boat) -> tuple[CrewOrder, ...]:
 
 
 def order_crew(boat: Boat, order: Order) -> Reply:
-    """Have an order to the crew stand, or stand no longer."""
+    """Let an order to the crew stand, or stand no longer."""
     what, _, more = order.word.partition("_")
     if what == "clear":
         return _clear(boat, more)
-    if what == "periscope":
-        depth = boat.file.run.periscope_depth_m
-        if depth is None:
-            return Refused(f"{boat.file.path.name} gives no [run] periscope_depth_m: order a depth")
-        return _stand(boat, "depth", depth)
-    refusal = _beyond(boat, what, order.value)
-    if refusal:
-        return refusal
     if what == "course":
-        boat.state.crew_course_side = SIDES.get(more, 0.0)
-    if what == "pitch":
-        return _stand(boat, what, -order.value if more == "down" else order.value)
+        return _order_course(boat, order.value, more)
+    if what == "periscope":
+        return _order_periscope(boat)
+    return _beyond(boat, what, order.value) or _order_amount(boat, what, order)
+
+
+def _order_amount(boat: Boat, what: str, order: Order) -> str:
+    """Let a depth, a speed or an angle stand; "down" is in the word of an angle."""
     if what == "depth":
         return _stand(boat, what, order.value, FOOT if order.text.endswith("ft") else 1.0)
-    return _stand(boat, what, order.value)
+    return _stand(boat, what, -order.value if order.word.endswith("down") else order.value)
+
+
+def _order_periscope(boat: Boat) -> Reply:
+    """Let the boat's own periscope depth stand."""
+    depth = boat.file.run.periscope_depth_m
+    if depth is None:
+        return Refused(f"{boat.file.path.name} gives no [run] periscope_depth_m: order a depth")
+    return _stand(boat, "depth", depth)
+
+
+def belay(boat: Boat, order: Order) -> Reply:
+    """Let an order to the crew stand no longer: the newest, or that on the axis named."""
+    if order.word == "words":
+        return "belayed"
+    newest = max(standing(boat), key=lambda each: each.tick, default=None)
+    return _clear(boat, order.word or (newest.axis if newest else "all"))
+
+
+def _order_course(boat: Boat, course: float, way: str) -> str:
+    """Let a course stand; ``way`` is left, right, "" the shorter, or steady: the heading shown."""
+    heading = readings(boat).heading
+    side = SIDES.get(way, 0.0)
+    change = 0.0 if way == "steady" else math.remainder(course - heading, math.tau)
+    if change * side < 0.0:
+        change += side * math.tau
+    boat.state.crew_course_side = side
+    if way == "steady":
+        change = math.radians(round(math.degrees(heading))) - heading
+    return _stand(boat, "course", heading + change)
 
 
 def _beyond(boat: Boat, what: str, value: float) -> Refused | None:
@@ -99,10 +130,11 @@ def standing_on(boat: Boat, axis: str) -> CrewOrder | None:
 
 
 def _clear(boat: Boat, axis: str) -> Reply:
-    """Let one order, or all of them, stand no longer."""
+    """Let one order, or all of them, stand no longer; what is left of them is nothing."""
     had = [each for each in standing(boat) if axis in (each.axis, "all")]
     for each in had:
         boat.state.crew_order_tick[AXES.index(each.axis)] = 0.0
+        boat.state.crew_order[AXES.index(each.axis)] = 0.0
     if not had:
         return Refused(f"no order to the crew stands{'' if axis == 'all' else f' on {axis}'}")
     return f"no longer ordered: {', '.join(map(str, had))}"

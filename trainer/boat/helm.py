@@ -17,6 +17,8 @@ LAWS = {
     "report": (REPORT, "the report's law"),
     "literal": (REPORT_LITERAL, "the report's law as it is printed"),
 }
+SWINGING = math.radians(0.02)  # [rad/s] of yaw, below which there is nothing to meet
+MEETING = math.radians(10.0)  # [rad] of rudder that meets a swing, unless more is on
 NAMES = {"rudder": "rudder", "stern": "stern planes", "bow": "bow planes"}
 
 
@@ -53,7 +55,12 @@ def _surface(boat: Boat, order: Order) -> Reply:
     if order.word == "manual":
         _by_hand(boat, order.name, float(boat.state[f"delta_{SURFACES[order.name]}"]))
         return f"{NAMES[order.name]} by hand"
-    angle = order.value
+    told, angle = order.text, order.value
+    if order.word in ("ease", "shift", "meet"):
+        meant = _by_the_rudder(boat, order)
+        if isinstance(meant, Refused):
+            return meant
+        told, angle = f"rudder {_to_a_side(meant)}", meant
     if order.word == "full":
         angle = math.copysign(limit, angle)
     if abs(angle) > limit + 1e-12:
@@ -62,7 +69,33 @@ def _surface(boat: Boat, order: Order) -> Reply:
             f"not {math.degrees(abs(angle)):g}"
         )
     _by_hand(boat, order.name, sign * angle)
-    return f"{order.text}, by hand"
+    return f"{told}, by hand"
+
+
+def _by_the_rudder(boat: Boat, order: Order) -> float | Refused:
+    """Return the rudder [rad] that an order means by the rudder now ordered, or by the swing."""
+    s = boat.state
+    angle = boat.toward["rudder"] * float(s.ordered_r if s.rudder_by_hand else s.delta_r)
+    if order.word == "meet":
+        if abs(s.psidot) < SWINGING:
+            return Refused("the boat does not swing: there is nothing to meet")
+        most = float(boat.vessel.limit_r)
+        return -math.copysign(min(max(abs(angle), MEETING), most), float(s.psidot))
+    if abs(angle) < 1e-9:
+        return Refused(f"the rudder is amidships: nothing to {order.word}")
+    if order.word == "shift":
+        return -angle
+    if order.value > abs(angle) + 1e-9:
+        return Refused(
+            f"the rudder is {_to_a_side(angle)}: "
+            f"easing it is to less, not {math.degrees(order.value):g}"
+        )
+    return math.copysign(order.value, angle)
+
+
+def _to_a_side(angle: float) -> str:
+    """Return a rudder angle [rad] in words."""
+    return f"{'right' if angle > 0.0 else 'left'} {math.degrees(abs(angle)):.3g}"
 
 
 def _automatic(boat: Boat, *surfaces: str) -> Reply:
@@ -83,9 +116,11 @@ def _planes(boat: Boat, order: Order) -> Reply:
     """Both pairs of planes by hand, or automatic."""
     if order.word == "auto":
         return _automatic(boat, "stern", "bow")
+    zero = order.word == "zero"
     for surface in ("stern", "bow"):
-        _by_hand(boat, surface, float(boat.state[f"delta_{SURFACES[surface]}"]))
-    return "planes by hand"
+        angle = 0.0 if zero else float(boat.state[f"delta_{SURFACES[surface]}"])
+        _by_hand(boat, surface, angle)
+    return "planes zero, by hand" if zero else "planes by hand"
 
 
 def _depth(boat: Boat, order: Order) -> Reply:
@@ -120,9 +155,23 @@ def _course(boat: Boat, order: Order) -> Reply:
         return _without_autopilot(boat)
     s = boat.state
     _automatic(boat, "rudder")
-    if order.word != "auto":
+    if order.word == "steady":
+        s.ordered_psi = casualties.readings(boat).heading
+    elif order.word != "auto":
         s.ordered_psi = s.psi + math.remainder(order.value - s.psi, math.tau)
     return f"keeping course {_degrees(s.ordered_psi)}"
+
+
+def _course_to(boat: Boat, order: Order) -> Reply:
+    """Keep a course, turning the way ordered, with the rudder automatic."""
+    if not boat.automatic:
+        return _without_autopilot(boat)
+    side = -1.0 if order.text.startswith("course left") else 1.0
+    start = boat.state.psi
+    _automatic(boat, "rudder")
+    change = math.remainder(abs(order.value) - start, math.tau)
+    boat.state.ordered_psi = start + change + (side * math.tau if change * side < 0.0 else 0.0)
+    return f"{order.text}: keeping course {_degrees(boat.state.ordered_psi)}"
 
 
 def _course_by(boat: Boat, order: Order) -> Reply:
@@ -230,6 +279,7 @@ _DUTIES: dict[str, Callable[[Boat, Order], Reply]] = {
     "depth": _depth,
     "course": _course,
     "course-by": _course_by,
+    "course-to": _course_to,
     "speed": _speed,
     "turns": _turns,
     "rpm": _rpm,
@@ -242,6 +292,7 @@ _DUTIES: dict[str, Callable[[Boat, Order], Reply]] = {
     "periscope": _periscope,
     "trim": _trim,
     "order": crew_orders.order_crew,
+    "belay": crew_orders.belay,
     "sea": order_sea,
     "casualty": _casualty,
     "clear": _clear,

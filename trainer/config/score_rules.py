@@ -11,11 +11,11 @@ from trainer.config.files import ConfigError, Place, collecting, nearest
 from trainer.config.measures import COURSE, MEASURES, ORDERED, TIMELESS, WINDOW
 from trainer.config.schema import Choices, Quantity, Rows, Text, above, of, optional, within
 from trainer.io.orders.schedule import LATEST
-from trainer.io.orders.table import BOAT_ORDERS
+from trainer.io.orders.table import BOAT_ORDERS, CREW_TALK
 
 ENOUGH: Final = within(-1e9, 1e9)
-# orders of the instructor, which answer no casualty
-INSTRUCTING: Final = frozenset({"casualty", "clear", "sea", "hold", "release"})
+# orders of the instructor, and words, which answer no casualty
+INSTRUCTING: Final = frozenset({"casualty", "clear", "sea", "hold", "release"}) | CREW_TALK
 ANSWERS: Final = tuple(sorted(BOAT_ORDERS - INSTRUCTING))
 
 

@@ -219,8 +219,16 @@ class History:
         self.recording.fork(self.now(), why)
         self.automatic.forget_after(self.tick)
 
-    def due(self, schedule: Sequence[Scheduled]) -> Iterator[Order]:
-        """Yield the orders that a replay gives again at this tick."""
+    def said(self) -> list[Journalled]:
+        """Return the orders that the present state includes; none while they cannot be read."""
+        try:
+            orders = self.recording.orders(self.recording.branch)
+        except RecordingError:
+            return []
+        return [each for each in orders if each.id <= self.after]
+
+    def due(self, schedule: Sequence[Scheduled]) -> Iterator[tuple[Order, str]]:
+        """Yield the orders that a replay gives again at this tick, and who gave each."""
         rerun = self.rerun
         while rerun and rerun.orders and rerun.orders[0].tick <= self.tick:
             entry = rerun.orders.popleft()
@@ -229,7 +237,7 @@ class History:
                 self.place = entry.place + 1
             order = order_of(entry, schedule)
             if order is not None:
-                yield order
+                yield order, entry.who
 
     def arrive(self) -> str:
         """End a replay that has arrived where it led to; return what became of it."""

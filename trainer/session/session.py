@@ -16,11 +16,12 @@ from trainer.boat.limits import LimitMonitor
 from trainer.boat.pilot import PilotMonitor
 from trainer.io.orders.grammar import Order, Refused, Reply
 from trainer.io.orders.schedule import Scheduled
-from trainer.io.orders.table import BOAT_ORDERS
+from trainer.io.orders.table import BOAT_ORDERS, CREW_TALK
 from trainer.io.recording.recording import RecordingError
 from trainer.io.status_line import clock
 from trainer.io.tables import Columns
 from trainer.session.control import Control
+from trainer.session.crew import SCHEDULE, CrewTalk, role_of
 from trainer.session.history import History
 from trainer.session.stations.access import NoiseLog
 from trainer.session.stations.display import panel
@@ -59,7 +60,8 @@ class EventLog:
         said = f"mark by {by.role.name}: {text}" if kind == "mark" and by else text
         news = News(self.history.tick, boat.time, kind, said, fact)
         self.news.append(news)
-        self.history.recording.event(news.tick, kind, by.who if by else "", text)
+        if not (kind == "crew" and self.history.rerun):  # a replay says again what is recorded
+            self.history.recording.event(news.tick, kind, by.who if by else "", text)
         for hear in self.hearers:
             hear(news)
         for station in self.stations:
@@ -85,6 +87,7 @@ PATIENCE: Final = 0.5  # [s] for a line to get out what it was sent before it is
 # orders by which everybody can tell that something has been done with time
 MOMENTS: Final = frozenset({"restore", "reset", "backtrack", "replay", "take"})
 GOING_BACK: Final = ("backtrack", "restore", "reset")
+AMIDSHIPS: Final = Order("rudder", 0.0, "amidships", "rudder amidships")
 TIME: Final = frozenset({"freeze", "run", "step", "time", "quit"})
 
 
@@ -106,6 +109,9 @@ class Session:
     wake: threading.Event = field(default_factory=threading.Event)
     briefing: tuple[str, ...] = ()  # what the instructor is told
     crew_briefing: tuple[str, ...] = ()  # what everybody else is
+    hand: frozenset[str] = frozenset()  # axes that the exercise has worked by hand
+    hand_from: float = 0.0  # [s]
+    allowed: frozenset[str] = frozenset()  # automatic orders allowed nevertheless
     until_left: bool = False  # it ends when the last of those who came by themselves has gone
     deserted: str = ""  # why it ended before its time
     unrecorded: str = ""  # why nothing more is recorded, once that has been told
@@ -113,12 +119,15 @@ class Session:
     control: Control = field(init=False)
     depths: DepthMonitor = field(init=False)
     pilot: PilotMonitor = field(init=False)
+    crew: CrewTalk = field(init=False)
 
     def __post_init__(self) -> None:
         self.event_log = EventLog(self.history)
         self.control = Control(self.boat, self.time, self.history)
         self.depths = DepthMonitor.over(self.boat)
         self.pilot = PilotMonitor.over(self.boat)
+        self.crew = CrewTalk(self.boat, self.hand, self.hand_from, self.allowed)
+        self.crew.settle(self.history.said(), self.history.tick)
         self._visits = NoiseLog(self.event_log.tell, time.monotonic)
         self._lookout = StateReader(self.boat, self.time.ledger.summary)
         self._pace = Pace()  # as it was last shown: whatever changes it has it shown
@@ -250,7 +259,11 @@ class Session:
             self.history.recording.flush()
             station.answer(asked, self._as_kept(f"marked at {self.boat.time:g} s"))
             self._tell_trouble()
+        elif why := self.crew.in_hand(order):
+            station.answer(asked, Refused(why))
+            self._pass_on(order, Refused(why), station)
         else:
+            order = self.crew.named(order)
             try:
                 answer = self._carry_out(order, station.who)
             except RecordingError as error:  # its past cannot be read at present
@@ -282,7 +295,7 @@ class Session:
 
     def _carry_out(self, order: Order, who: str, place: int | None = None) -> Reply:
         """Carry out an order, to the boat once it is journalled; return the answer."""
-        if order.name not in BOAT_ORDERS:
+        if order.name not in BOAT_ORDERS | CREW_TALK:
             number = None if place is None else self.history.order(who, order, place)
             answer = self.control.obey(order, who)
             if number is not None:
@@ -292,8 +305,21 @@ class Session:
         if self.history.rerun:
             return Refused("a replay is running: take over first")
         number = self.history.order(who, order, place)
-        answer = obey(self.boat, order)
+        answer = self._obey(order, who)
         self.history.answered(number, answer)
+        return answer
+
+    def _obey(self, order: Order, who: str) -> Reply:
+        """Have the boat obey an order, or the crew told; tell what the crew is to know of it."""
+        talk = order.name in CREW_TALK
+        tellings = [] if talk else self.crew.wrong_way(order, role_of(who))
+        answer = self.crew.obey(order, role_of(who)) if talk else obey(self.boat, order)
+        if not isinstance(answer, Refused):
+            tellings += self.crew.note(order, who, self.history.tick, answer)
+            for telling in tellings:
+                self.event_log.tell(telling.kind, telling.text, self.event_log.heard, telling.fact)
+        if talk:
+            self._show()
         return answer
 
     def _after_time(self, order: Order) -> None:
@@ -302,12 +328,15 @@ class Session:
             self.monitor.settle(self.boat)
             self.depths.settle(self.boat)
             self.pilot.settle(self.boat)
+            self.crew.settle(self.history.said(), self.history.tick)
             self._judge_hull()
         if order.name in MOMENTS or order.name in TIME:
             self._show()
 
     def _pass_on(self, order: Order, answer: Reply, station: Station) -> None:
         """Record an order about time, and tell the others what was ordered."""
+        if order.name in CREW_TALK and not isinstance(answer, Refused):
+            return  # that has been told
         text = f"refused: {answer.reason}" if isinstance(answer, Refused) else answer
         kind = "order" if station.role is not INSTRUCTOR else "exercise"
         fact = None
@@ -331,7 +360,9 @@ class Session:
             entry = self.schedule[self.history.place]
             if math.ceil(entry.seconds / self.boat.method.step - 1e-9) > self.boat.ticks:
                 return
-            answer = self._carry_out(entry.order, "schedule", self.history.place)
+            answer = self._carry_out(entry.order, SCHEDULE, self.history.place)
+            if entry.order.name in CREW_TALK and not isinstance(answer, Refused):
+                continue  # that has been told
             text = f"refused: {answer.reason}" if isinstance(answer, Refused) else answer
             fact = None if isinstance(answer, Refused) else Fact("order", entry.order.text)
             told = f"[{entry.seconds:g} s] {entry.order.text}: {text}"
@@ -339,9 +370,9 @@ class Session:
 
     def _obey_replay(self) -> bool:
         """Give again what was given at this tick; return whether a replay ends here, told so."""
-        for order in self.history.due(self.schedule):
-            if order.name in BOAT_ORDERS:
-                obey(self.boat, order)
+        for order, who in self.history.due(self.schedule):
+            if order.name in BOAT_ORDERS | CREW_TALK:
+                self._obey(order, who)
         if not self.history.caught_up:
             return False
         self.event_log.tell("moment", self.history.arrive())
@@ -404,8 +435,18 @@ class Session:
             self.event_log.tell("pilot", text)
         self._call_depth()
         self._judge_hull()
+        if tick >= self.crew.due:
+            for telling in self.crew.missing(tick, self._attended):
+                self.event_log.tell(telling.kind, telling.text, fact=telling.fact)
+        if self.crew.meeting and self.crew.swing_met() and not self.history.rerun:
+            who, order = self.crew.meeting, AMIDSHIPS
+            self.event_log.tell("order", f"{who}: swing met: {self._carry_out(order, who)}")
         while self.sending.troubles:
             self.event_log.tell("trouble", self.sending.troubles.popleft())
+
+    def _attended(self, role: str) -> bool:
+        """Return whether a station has that role."""
+        return any(station.role.name == role for station in self.event_log.stations)
 
     def _call_depth(self) -> None:
         """Call out a depth that the hull has passed on the way down."""
@@ -454,5 +495,6 @@ class Session:
     def _show(self) -> None:
         """Let the present moment be seen, and how time runs from here on."""
         now, time = self.history.now(), self.time
-        self._pace = Pace(time.frozen, time.speed, now.branch, self.history.rerun is not None)
+        replaying = self.history.rerun is not None
+        self._pace = Pace(time.frozen, time.speed, now.branch, replaying, self.crew.told)
         self.sending.offer(now.tick, now.state, self._pace)

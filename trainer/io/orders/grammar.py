@@ -116,6 +116,7 @@ READINGS = tuple(Reading(form, places, ()) for form in FORMS for places in varia
 
 
 REMARK = re.compile(r"\s*(mark|tell|report)\s+(\S.*?)\s*", re.IGNORECASE)
+REPEAT = re.compile(r"\s*(?:(\S.*?)[\s,]+)??aye(?:[\s,]+aye)?\s*", re.IGNORECASE)
 
 
 def openings() -> dict[str, list[Reading]]:
@@ -141,6 +142,9 @@ def parse(line: str) -> Order | BadOrder | None:
         if remark := REMARK.fullmatch(said):
             name = remark[1].lower()
             return Order(name, 0.0, "", f"{name} {remark[2]}", (), remark[2])
+        if (repeat := REPEAT.fullmatch(said)) and not hidden(said):
+            words = (repeat[1] or "").lower()
+            return Order("aye", 0.0, "", f"{words} aye".strip(), (), words)
         words = as_one(said)
         tokens = tokenise(hide(words))
         return with_token(order(read(tokens)), hidden(words)) if tokens else None

@@ -66,7 +66,7 @@ class Topic:
     says: str
 
 
-# A "full" rudder is worth the largest angle of the grammar; the boat's own limit is applied later.
+# "Full" is worth the largest angle of the grammar; the boat's own limit is applied later.
 FULL_RUDDER = 90.0 * DEGREE
 
 SETS = {
@@ -81,6 +81,7 @@ SETS = {
     "SPACE": "forward|centre=center|aft",
     "PART": "depth|position|tanks",
     "ROLE": "instructor|helm|planes|pilot|ballast|diving=officer|observer",
+    "AXIS": "rudder|planes|speed|ballast",
 }
 NAMES = {
     "NAME": Name("the name of a casualty"),
@@ -99,7 +100,7 @@ BOAT_TOPICS = (
     Topic(("rudder",), "rudder left 15 | amidships", "also right, full, manual, auto"),
     Topic(("stern",), "stern planes dive 10", "also rise, zero, manual, auto"),
     Topic(("bow",), "bow planes rise 10", "also dive, zero, manual, auto"),
-    Topic(("planes",), "planes manual | auto", "both pairs of planes at once"),
+    Topic(("planes",), "planes manual | zero | auto", "both pairs of planes at once"),
     Topic(("autopilot",), "autopilot on | off | report", "switch it, or choose its law"),
     Topic(
         ("surface", "dive", "periscope"),
@@ -135,7 +136,10 @@ SESSION_TOPICS = (
     Topic(("replay", "take"), "replay 90 s | take over", "watch it again; go on from here"),
     Topic(("role",), "role helm | role helm TOKEN", "what this line may do"),
     Topic(("order",), "order course 045 | depth 60", "an order to the crew: also speed, pitch"),
-    Topic(("tell", "report"), "tell surface | report WORDS", "the crew in words; what it reports"),
+    Topic(("tell", "report"), "tell stand by | report ready", "to the crew, and from it, in words"),
+    Topic(("aye", "belay"), "aye | course 045 aye | belay", "repeat a crew order; take it back"),
+    Topic(("allow",), "allow planes", "let the autopilot have what is in hand"),
+    Topic(("ack",), "ack 3 | ack all", "an alert has been seen"),
     Topic(("mark",), "mark good recovery", "mark this moment, with a remark"),
     Topic(("log",), "log 20", "what has happened lately"),
     Topic(("briefing",), "briefing", "what the exercise is about"),
@@ -154,6 +158,8 @@ FORMS = (
     Form("depth auto", "depth keeping automatic again"),
     Form("course=heading COURSE", "keep this course; 360 is 000"),
     Form("course=heading SIDE CHANGE", "change course by so much", name="course-by"),
+    Form("course=heading SIDE to COURSE", "keep this course, turning that way", name="course-to"),
+    Form("course=heading steady", "keep the heading of this moment"),
     Form("course=heading auto", "course keeping automatic again"),
     Form("speed SPEED", "keep this speed through the water"),
     Form("speed auto", "speed keeping automatic again"),
@@ -167,21 +173,26 @@ FORMS = (
     Form("rudder SIDE full=hard", "rudder by hand, hard over", value=FULL_RUDDER),
     Form("[rudder] full=hard SIDE", "the same", value=FULL_RUDDER),
     Form("rudder amidships=midships=zero", "rudder by hand, to zero"),
+    Form("rudder ease ANGLE", "rudder eased to this angle, on the same side"),
+    Form("rudder shift", "rudder to the same angle on the other side"),
+    Form("rudder meet", "rudder against the swing until it stops, then amidships"),
     Form("rudder MODE", "by hand, or automatic"),
     Form("rudder ANGLE", refusal=WHICH_WAY.format("rudder left", "rudder right")),
     Form("stern [planes] TILT ANGLE", "stern planes by hand, to this angle"),
+    Form("stern [planes] TILT full", "stern planes by hand, as far as they go", value=FULL_RUDDER),
     Form("stern [planes] zero", "stern planes by hand, to zero"),
     Form("stern [planes] MODE", "by hand, or automatic"),
     Form(
         "stern [planes] ANGLE", refusal=WHICH_WAY.format("stern planes dive", "stern planes rise")
     ),
     Form("BOW [planes] TILT ANGLE", "bow planes by hand, to this angle"),
+    Form("BOW [planes] TILT full", "bow planes by hand, as far as they go", value=FULL_RUDDER),
     Form("BOW [planes] zero", "bow planes by hand, to zero"),
     Form("BOW [planes] MODE", "by hand, or automatic"),
     Form("BOW [planes] ANGLE", refusal=WHICH_WAY.format("bow planes dive", "bow planes rise")),
     Form("planes MODE", "both pairs by hand, or automatic"),
+    Form("planes zero", "both pairs by hand, to zero"),
     Form("planes TILT ANGLE", refusal=WHICH_PLANES),
-    Form("planes zero", refusal=WHICH_PLANES),
     Form("autopilot on|off", "everything automatic, or by hand"),
     Form("autopilot trainer|report|literal", "which law of control it follows"),
     Form("surface", "blow main ballast and come up"),
@@ -235,6 +246,7 @@ FORMS = (
     Form("order course COURSE", "order the crew to steer it, the shorter way round"),
     Form("order course SIDE COURSE", "the same, turning that way"),
     Form("order depth DEPTH", "order the crew to this depth"),
+    Form("order course steady", "order the crew to steer the heading of this moment"),
     Form("order periscope", "order the crew to the boat's periscope depth"),
     Form("order periscope depth", "the same"),
     Form("order speed SPEED", "order the crew to this speed"),
@@ -243,6 +255,12 @@ FORMS = (
     Form("order clear course|depth|speed|pitch|all", "an order to the crew stands no longer"),
     Form("tell REMARK", "an order to the crew in other words"),
     Form("report REMARK", "report to the instructor, as the crew does"),
+    Form("aye", "the newest order to the crew repeated; also its words: course 045 aye"),
+    Form("belay", "the newest order to the crew stands no longer"),
+    Form("belay course|depth|speed|pitch|words", "that on one axis, or in words"),
+    Form("allow AXIS", "let these be automatic, though in hand; the run then has no marks"),
+    Form("ack ALERT", "the alert of this number has been seen"),
+    Form("ack all", "all alerts that this line was told have been seen"),
     Form("mark", "mark this moment in the record"),
     Form("mark REMARK", "the same, with a remark of any words"),
     Form("log", "the last of what has happened", value=10.0),
@@ -273,9 +291,11 @@ BOAT_ORDERS = frozenset(
         ),
         *("planes", "autopilot", "periscope", "surface", "dive", "blow", "emergency", "vent"),
         *("negative", "flood", "pump", "trim", "drain", "hover", "compressor"),
-        *("sea", "casualty", "clear", "hold", "release", "order"),
+        *("sea", "casualty", "clear", "hold", "release", "order", "belay", "course-to"),
     )
 )
+# What is said between those who order the crew, the crew and the instructor: journalled as well.
+CREW_TALK = frozenset(("order", "tell", "report", "aye", "belay", "allow"))
 
 
 def place(text: str) -> Word | Number | Name | Secret:

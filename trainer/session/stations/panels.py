@@ -11,6 +11,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Final
 
+from trainer.boat.crew_orders import AXES
 from trainer.boat.sea_orders import PARTS
 from trainer.core.ballast.tanks import BANKS, COMPARTMENTS, TANKS
 from trainer.core.state import VALVES
@@ -86,6 +87,7 @@ SPEED: Final = Field("speed", "kn", 1, lambda frame: frame.readings.speed / KNOT
 PITCH: Final = degrees("pitch", "theta")
 HEEL: Final = degrees("heel", "phi")
 
+ROUND: Final = math.radians(350.0)  # still to go: nearly round, the other way than was ordered
 POSITIONS: Final = ("shut", "open", "emergency")  # of a valve's lever
 LETTERS: Final = {"rudder": "r", "stern": "s", "bow": "b"}
 
@@ -218,8 +220,93 @@ def speed_of_time(frame: Frame) -> Value:
     return "max" if math.isinf(frame.pace.speed) else frame.pace.speed
 
 
+def crew_order(axis: str, read: Callable[[Frame], float]) -> Callable[[Frame], Value]:
+    """Return how a number about an order to the crew is read: None where none stands."""
+    place = AXES.index(axis)
+    return lambda frame: read(frame) if frame.at("crew_order_tick", place) else None
+
+
+def crew_since(axis: str) -> Field:
+    """Return since when an order to the crew stands."""
+    place = AXES.index(axis)
+
+    def since(frame: Frame) -> float:
+        ticks = frame["tick"] - frame.at("crew_order_tick", place) + 1.0
+        return ticks * frame.boat.method.step
+
+    return Field(f"{axis}_since", "s", 0, crew_order(axis, since))
+
+
+def crew_error(axis: str, unit: str, ordered: Field, gauge: Field) -> Field:
+    """Return what is to go to an order to the crew, by the gauge."""
+
+    def to_go(frame: Frame) -> float:
+        wanted, shown = ordered.read(frame), gauge.read(frame)
+        if isinstance(wanted, float) and isinstance(shown, float):
+            return wanted - shown
+        return math.nan  # no boat lacks these gauges
+
+    return Field(f"{axis}_error", unit, 1, crew_order(axis, to_go))
+
+
+def crew_value(axis: str, unit: str, size: float) -> Field:
+    """Return an order to the crew in a unit of that size [SI]."""
+    place = AXES.index(axis)
+    read = crew_order(axis, lambda frame: frame.at("crew_order", place) / size)
+    return Field(axis, unit, 1, read)
+
+
+def course_to_go(frame: Frame) -> float:
+    """Return the angle [deg] still to turn, right positive, by the way that was ordered."""
+    left = frame.at("crew_order", 0) - frame.readings.heading
+    if not frame["crew_course_side"] or abs(left) > ROUND:
+        left = math.remainder(left, math.tau)
+    return math.degrees(left)
+
+
+def course_side(frame: Frame) -> Value:
+    """Return the way that the crew is to turn, None for the shorter."""
+    stands = frame.at("crew_order_tick", 0)
+    return {-1.0: "left", 1.0: "right"}.get(frame["crew_course_side"]) if stands else None
+
+
+def depth_unit(frame: Frame) -> Value:
+    """Return the unit in which the depth was ordered."""
+    stands = frame.at("crew_order_tick", AXES.index("depth"))
+    return ("m" if frame["crew_depth_unit"] == 1.0 else "ft") if stands else None
+
+
+DEPTH_ORDER: Final = crew_value("depth", "m", 1.0)
+SPEED_ORDER: Final = crew_value("speed", "kn", KNOT)
+PITCH_ORDER: Final = crew_value("pitch", "deg", math.radians(1.0))
+ORDERS: Final = Channel(
+    "orders",
+    "what the crew is ordered; errors are to go, right, deeper, faster and bow up positive",
+    (
+        Field(
+            "course", "deg", 1, crew_order("course", lambda frame: compass(frame["crew_course"]))
+        ),
+        word("course_side", course_side),
+        Field("course_error", "deg", 1, crew_order("course", course_to_go)),
+        crew_since("course"),
+        DEPTH_ORDER,
+        word("depth_unit", depth_unit),
+        crew_error("depth", "m", DEPTH_ORDER, DEPTH),
+        crew_since("depth"),
+        SPEED_ORDER,
+        crew_error("speed", "kn", SPEED_ORDER, SPEED),
+        crew_since("speed"),
+        PITCH_ORDER,
+        crew_error("pitch", "deg", PITCH_ORDER, PITCH),
+        crew_since("pitch"),
+        word("told", lambda frame: frame.pace.told or None),
+    ),
+)
+
+
 CHANNELS: Final = (
     Channel("gauges", "the repeaters at every station", (DEPTH, HEADING, SPEED, PITCH, HEEL)),
+    ORDERS,
     Channel(
         "steering",
         "the helm's panel",

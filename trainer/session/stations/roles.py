@@ -16,7 +16,10 @@ ORDERS: Final = frozenset(
     form.name or heading_word(form) for form in FORMS if not form.refusal
 )  # every order of the grammar
 COMMON: Final = frozenset(
-    {"role", "help", "status", "briefing", "log", "subscribe", "unsubscribe", "detach", "who"}
+    {
+        *("role", "help", "status", "briefing", "log", "ack"),
+        *("subscribe", "unsubscribe", "detach", "who"),
+    }
 )
 
 
@@ -32,9 +35,10 @@ class Control:
     roles: tuple[str, ...]
 
 
+CREW: Final = ("helm", "planes", "pilot", "ballast", "diving")  # who works the boat
 CONTROLS: Final = (
     Control("the rudder is", ("rudder",), ("helm", "pilot")),
-    Control("the course is", ("course", "course-by"), ("helm", "pilot")),
+    Control("the course is", ("course", "course-by", "course-to"), ("helm", "pilot")),
     Control("the engine is", ("speed", "turns", "rpm", "bell"), ("helm", "pilot")),
     Control("the planes are", ("stern", "bow", "planes"), ("planes", "pilot", "diving")),
     Control("the depth is", ("depth", "periscope"), ("planes", "pilot", "diving")),
@@ -44,8 +48,8 @@ CONTROLS: Final = (
     Control("hovering is", ("hover",), ("ballast", "diving")),
     Control("the compressor is", ("compressor",), ("ballast", "diving")),
     Control("surfacing and diving are", ("surface", "dive"), ("diving",)),
-    Control("orders to the crew are", ("order", "tell"), ("diving",)),
-    Control("a report is", ("report",), ("helm", "planes", "pilot", "ballast", "diving")),
+    Control("orders to the crew are", ("order", "tell", "belay"), ("diving",)),
+    Control("reports and repeats are", ("report", "aye"), CREW),
     Control("the record is", ("mark",), ("observer",)),
     Control("the autopilot as a whole is", ("autopilot",), ()),
 )
@@ -83,7 +87,9 @@ def _role(name: str, title: str, *channels: str) -> Role:
     """Return a role with its controls and what it hears, beside the channels everybody has."""
     own = {order for control in CONTROLS if name in control.roles for order in control.orders}
     heard = frozenset(kind for kind, (_, roles) in KINDS.items() if name in roles)
-    return Role(name, title, COMMON | own, ("teletype", "gauges", *channels, "time"), heard)
+    return Role(
+        name, title, COMMON | own, ("teletype", "gauges", "orders", *channels, "time"), heard
+    )
 
 
 PANELS: Final = ("steering", "engine", "diving", "tanks", "air", "valves")
@@ -93,7 +99,7 @@ INSTRUCTOR: Final = Role(
     "instructor",
     "the instructor's",
     COMMON | ORDERS,
-    ("teletype", "gauges", *PANELS, "time", *TRUTH),
+    ("teletype", "gauges", "orders", *PANELS, "time", *TRUTH),
     frozenset(KINDS),
 )
 ROLES: Final[Mapping[str, Role]] = {

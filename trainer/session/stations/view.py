@@ -15,12 +15,13 @@ from trainer.session.time.ledger import Summary
 
 
 class Pace(NamedTuple):
-    """How time runs."""
+    """How time runs, and what else is shown that no state holds."""
 
     frozen: bool = False
     speed: float = 1.0  # [-] infinity: as fast as it goes
     branch: int = 1  # of the recording
     replaying: bool = False
+    told: str = ""  # the last words to the crew
 
 
 class Picture(NamedTuple):

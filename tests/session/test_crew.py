@@ -1,0 +1,456 @@
+"""What is said between those who order the crew, the crew and the instructor."""
+
+import math
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import pytest
+
+from trainer.boat.boat import Boat
+from trainer.io.lines import Overlong
+from trainer.io.orders import sentences
+from trainer.io.orders.schedule import parse_schedule
+from trainer.io.recording.recording import Recording
+from trainer.io.tables import NoFile
+from trainer.session.history import History
+from trainer.session.session import Session
+from trainer.session.stations.access import Access
+from trainer.session.stations.station import Station
+from trainer.session.stations.subscriptions import Promptly, Roster
+from trainer.session.stations.view import StateReader
+from trainer.session.time.pacer import MonotonicClock, Policy
+from trainer.session.time.timekeeping import Timekeeping
+
+KNOT = 1852.0 / 3600.0
+
+
+@dataclass
+class Line:
+    """A line typed by the test."""
+
+    name: str
+    waiting: list[str | Overlong] = field(default_factory=list)
+    sent: list[str] = field(default_factory=list)
+    trouble: str = ""
+    dropped: int = 0
+    ended: bool = False
+
+    def take(self, most: int) -> list[str | Overlong]:
+        taken, self.waiting = self.waiting[:most], self.waiting[most:]
+        return taken
+
+    def send(self, line: str) -> None:
+        self.sent.append(line)
+
+    def close(self, patience: float) -> None:
+        assert patience >= 0.0
+
+
+class Crew:
+    """A session with one line for each role, which flies tick by tick."""
+
+    def __init__(
+        self, boat: Boat, recording: Recording, schedule: str = "", **more: object
+    ) -> None:
+        time = Timekeeping.at(MonotonicClock(), 0.5, math.inf, Policy.CATCH_UP)
+        entries = parse_schedule(schedule, "orders.txt")
+        assert isinstance(entries, list)
+        sending = Promptly(Roster(StateReader(boat, time.ledger.summary)))
+        history = History(boat, recording)
+        self.session = Session(
+            boat,
+            time,
+            history,
+            NoFile(),
+            (),
+            sending,
+            schedule=entries,
+            **more,  # type: ignore[arg-type]
+        )
+        self.lines: dict[str, Line] = {}
+        self.boat, self.sending = boat, sending
+
+    def man(self, *roles: str) -> "Crew":
+        for role in roles:
+            line = self.lines[role] = Line(role)
+            station = Station(line, Access(role), self.sending, self.session.event_log.log)
+            self.session.event_log.stations.append(station)
+        return self
+
+    def say(self, role: str, *words: str) -> list[str]:
+        """Say something at a station; return what it is sent."""
+        line = self.lines[role]
+        line.sent.clear()
+        line.waiting += words
+        self.session.listen()
+        return line.sent
+
+    def program(self, role: str, words: str) -> str:
+        """Say something as a program does; return the answer."""
+        self.say(role, sentences.order_sentence(words))
+        found = [sentences.read(line) for line in self.lines[role].sent]
+        return next(each.fields[1] for each in reversed(found) if each and each.kind == "TRA")
+
+    def facts(self, role: str) -> list[str]:
+        """Return the facts that a program has been told, and forget them."""
+        found = [sentences.read(line) for line in self.lines[role].sent]
+        self.lines[role].sent.clear()
+        return [
+            f"{each.fields[2]}: {each.fields[3]}" for each in found if each and each.kind == "TRF"
+        ]
+
+    def fly(self, seconds: float) -> "Crew":
+        for _ in range(round(seconds / 0.5)):
+            self.session._tick()  # noqa: SLF001  the loop's own step, one at a time
+        return self
+
+    def heard(self, role: str) -> list[str]:
+        """Return what a reader has been told, and forget it."""
+        told, self.lines[role].sent = self.lines[role].sent, []
+        return told
+
+
+@pytest.fixture
+def crew(make_boat: Callable[..., Boat]) -> Iterator[Callable[..., Crew]]:
+    """Return a function that makes a session of BB2 at 10 kn, 60 m, course 000."""
+    made: list[Recording] = []
+
+    def make(schedule: str = "", path: Path | None = None, **more: object) -> Crew:
+        boat = make_boat("bb2")
+        boat.start(10.0 * KNOT, 60.0, 0.0)
+        made.append(Recording.create(path, {}, boat.records.state.tobytes()))
+        return Crew(boat, made[-1], schedule, **more)
+
+    yield make
+    for recording in made:
+        recording.close()
+
+
+Make = Callable[..., Crew]
+
+
+def test_an_order_to_the_crew_is_told_to_everybody_with_its_fact(crew: Make) -> None:
+    here = crew().man("instructor", "helm", "observer")
+    here.say("observer", sentences.order_sentence("status"))
+    here.facts("observer")
+
+    assert here.say("instructor", "order course left 045") == ["ordered: course left to 045"]
+
+    assert here.heard("helm") == ["instructor: ordered: course left to 045"]
+    assert here.facts("observer") == ["crew-order: course left to 045"]
+    (told,) = [each for each in here.session.history.recording.events() if each.kind == "crew"]  # type: ignore[union-attr]
+    assert told.text == "instructor: ordered: course left to 045"
+
+
+def test_words_to_the_crew_and_reports_are_told(crew: Make) -> None:
+    here = crew().man("diving", "planes", "instructor")
+
+    assert here.say("diving", "tell stand by to surface") == ["told: stand by to surface"]
+    assert here.heard("planes") == ["diving: to the crew: stand by to surface"]
+    assert here.session.crew.told == "stand by to surface"
+
+    assert here.say("planes", "report stern planes jammed dive") == ["reported"]
+    assert here.heard("instructor")[-1] == "planes reports: stern planes jammed dive"
+
+
+def test_a_schedule_orders_the_crew_and_its_orders_are_in_the_journal(crew: Make) -> None:
+    here = crew("1 order depth 75\n2 tell hold her there\n").man("planes")
+    here.fly(3.0)
+    assert here.heard("planes") == ["ordered: depth 75 m", "to the crew: hold her there"]
+    said = [(each.who, each.text, each.accepted) for each in here.session.history.said()]
+    assert said == [
+        ("schedule", "order depth 75 m", True),
+        ("schedule", "tell hold her there", True),
+    ]
+
+
+def test_after_a_backtrack_words_and_repeats_are_those_of_then(crew: Make) -> None:
+    here = crew("1 order course 045\n5 tell hold her\n").man("instructor", "helm").fly(3.0)
+    here.say("helm", "aye")
+    here.fly(5.0)
+    assert here.session.crew.told == "hold her"
+    here.say("helm", "rudder right 5")
+
+    here.say("instructor", "backtrack 4.5")
+
+    assert here.boat.time == 3.5
+    assert here.session.crew.told == ""
+    assert here.say("helm", "aye") == ["? no new order is to be repeated here"]
+    here.say("instructor", "backtrack 1.5")
+    assert here.say("helm", "aye") == ["course 045 aye"]
+
+
+def test_a_replay_says_again_what_was_said_and_writes_it_once(crew: Make) -> None:
+    here = crew("1 order course 045\n").man("instructor", "helm", "observer").fly(3.0)
+    here.say("helm", "course 054 aye")
+    here.fly(1.0)
+    here.say("helm", "aye")
+    here.fly(8.0)
+    first = [line for line in here.heard("observer") if "course" in line]
+    assert len(first) == 3
+
+    here.say("instructor", "replay 11.5 s")
+    here.heard("observer")
+    here.fly(12.5)
+
+    assert [line for line in here.heard("observer") if "course" in line] == first
+    assert "the same to the last bit" in " ".join(here.heard("instructor"))
+    events = here.session.history.recording.events()  # type: ignore[union-attr]
+    assert len([each for each in events if each.kind == "crew"]) == 3
+
+
+# Read-back
+
+
+@pytest.mark.parametrize(
+    ("order", "role", "words"),
+    [
+        ("order course 045", "helm", "aye"),
+        ("order course 045", "helm", "course 045 aye"),
+        ("order course 045", "pilot", "Course 45, aye"),
+        ("order course left 045", "helm", "course left to 045 aye"),
+        ("order course left 045", "helm", "course 045 aye"),
+        ("order course 360", "helm", "course 000 aye"),
+        ("order depth 200 ft", "planes", "depth 200 aye"),
+        ("order depth 200 ft", "diving", "depth 200 ft aye"),
+        ("order depth 60", "pilot", "depth 60 metres aye"),
+        ("order periscope", "planes", "periscope aye"),
+        ("order periscope", "planes", "depth 17.5 aye"),
+        ("order speed 8", "helm", "speed 8 aye"),
+        ("order pitch 5 down", "planes", "pitch 5 down aye"),
+        ("order pitch zero", "planes", "pitch zero aye"),
+        ("tell surface when ready", "ballast", "Surface, when ready aye"),
+        ("tell surface when ready", "helm", "aye"),
+    ],
+)
+def test_an_order_is_repeated_by_the_station_it_concerns(
+    crew: Make, order: str, role: str, words: str
+) -> None:
+    here = crew().man("instructor", role)
+    here.say("instructor", order)
+    (answer,) = [line for line in here.say(role, words) if not line.startswith("instructor")]
+    assert answer.endswith(" aye")
+    assert "WRONG" not in answer
+    assert "aye" in here.heard("instructor")[-1]
+    before = here.boat.records.state.tobytes()
+    assert here.say(role, words)[-1].startswith("? no new order")
+    assert here.boat.records.state.tobytes() == before
+
+
+@pytest.mark.parametrize(
+    ("order", "role", "words"),
+    [
+        ("order course 045", "helm", "course 054 aye"),
+        ("order course left 045", "helm", "course right to 045 aye"),
+        ("order depth 200 ft", "planes", "depth 200 m aye"),
+        ("order depth 60", "planes", "depth 16 aye"),
+        ("order speed 8", "helm", "speed 18 aye"),
+        ("order pitch 5 down", "planes", "pitch 5 up aye"),
+        ("tell surface when ready", "helm", "surface aye"),
+    ],
+)
+def test_a_wrong_repeat_is_told_to_both_and_lets_the_order_stand_new(
+    crew: Make, order: str, role: str, words: str
+) -> None:
+    here = crew().man("instructor", role)
+    here.say("instructor", sentences.order_sentence(order))
+    here.facts("instructor")
+
+    answer = here.say(role, words)[-1]
+
+    said = words.removesuffix(" aye")
+    assert answer.startswith(f"WRONG REPEAT: {said}; ordered is ")
+    (fact,) = here.facts("instructor")
+    assert fact.startswith(f"wrong-repeat: {said}; ")
+    assert here.say(role, "aye")[-1].endswith(" aye")
+
+
+@pytest.mark.parametrize(
+    ("order", "role", "words", "why"),
+    [
+        ("order course 045", "planes", "aye", "no new order"),
+        ("order depth 60", "helm", "aye", "no new order"),
+        ("order course 045", "instructor", "aye", "no new order"),
+        ("order course 045", "helm", "depth 60 aye", '"depth 60" repeats nothing; new here is'),
+        ("order course 045", "helm", "will do aye", "say aye"),
+    ],
+)
+def test_what_is_not_ordered_here_is_not_repeated(
+    crew: Make, order: str, role: str, words: str, why: str
+) -> None:
+    here = crew().man(*{"instructor", role})
+    here.say("instructor", order)
+    assert why in here.say(role, words)[-1]
+
+
+def test_an_observer_repeats_nothing(crew: Make) -> None:
+    here = crew().man("observer")
+    assert "this line is an observer's" in here.say("observer", "aye")[-1]
+
+
+def test_an_order_that_nobody_repeats_is_shown_again_once(crew: Make) -> None:
+    here = crew().man("instructor", "helm").fly(1.0)
+    here.say("instructor", "order course 045")
+    here.heard("helm")
+
+    here.fly(9.5)
+    assert here.heard("helm") == []
+    here.fly(1.0)
+    assert here.heard("helm") == ["NOT REPEATED in 10 s: course 045"]
+    assert here.heard("instructor")[-1] == "NOT REPEATED in 10 s: course 045"
+    here.fly(30.0)
+    assert here.heard("helm") == []
+
+
+def test_where_nobody_can_repeat_it_nothing_is_missing(crew: Make) -> None:
+    here = crew().man("instructor", "planes")
+    here.say("instructor", "order course 045")
+    here.heard("instructor")
+    here.fly(12.0)
+    assert here.heard("instructor") == []
+
+
+def test_belay_takes_back_the_newest_order_and_is_told(crew: Make) -> None:
+    here = crew().man("instructor", "helm")
+    here.say("instructor", "order course 045", "tell slow and easy", "order speed 5")
+    here.heard("helm")
+
+    here.say("instructor", "belay")
+    assert here.heard("helm") == ["belay: speed 5 kn"]
+    here.say("instructor", "belay")
+    assert here.heard("helm") == ["belay: tell slow and easy"]
+    assert here.session.crew.told == ""
+    here.say("instructor", "belay course")
+    assert here.heard("helm") == ["belay: course 045"]
+    assert here.say("instructor", "belay")[-1] == "? no order to the crew stands"
+
+
+@pytest.mark.parametrize(
+    ("order", "role", "words"),
+    [
+        ("order course left 045", "helm", "rudder right 10"),
+        ("order course 045", "helm", "rudder left 10"),
+        ("order depth 90", "planes", "stern planes rise 5"),
+        ("order depth 30", "planes", "bow planes dive 5"),
+        ("order pitch 5 down", "planes", "stern planes rise 5"),
+    ],
+)
+def test_an_order_carried_out_the_wrong_way_is_told_to_the_instructor_alone(
+    crew: Make, order: str, role: str, words: str
+) -> None:
+    here = crew().man("instructor", role).fly(1.0)
+    here.say("instructor", order)
+    here.heard("instructor")
+
+    told = here.say(role, words)
+
+    assert not any("WRONG" in line for line in told)
+    (wrong,) = [line for line in here.heard("instructor") if "WRONG WAY" in line]
+    assert words in wrong
+    here.say(role, words)
+    assert not any("WRONG WAY" in line for line in here.heard("instructor"))
+
+
+@pytest.mark.parametrize(
+    ("order", "role", "words"),
+    [
+        ("order course 045", "helm", ("rudder right 10", "rudder left 10")),  # to meet it
+        ("order course 180", "helm", ("rudder left 10",)),  # either way is as short
+        ("order course right 002", "helm", ("rudder amidships",)),
+        ("order depth 90", "planes", ("stern planes dive 5", "stern planes rise 5")),
+    ],
+)
+def test_the_right_way_and_what_meets_it_is_not_told(
+    crew: Make, order: str, role: str, words: tuple[str, ...]
+) -> None:
+    here = crew().man("instructor", role).fly(1.0)
+    here.say("instructor", order)
+    here.say(role, *words)
+    assert not any("WRONG" in line for line in here.heard("instructor"))
+
+
+def test_long_after_the_order_an_opposite_rudder_is_no_wrong_way(crew: Make) -> None:
+    here = crew().man("instructor", "helm")
+    here.say("instructor", "order course 045")
+    here.fly(11.0)
+    here.say("helm", "rudder left 5")
+    assert not any("WRONG" in line for line in here.heard("instructor"))
+
+
+# Who steers what
+
+
+AUTOMATIC = {
+    "rudder": ("helm", ("course 045", "course left 30", "course auto", "rudder auto")),
+    "planes": ("planes", ("depth 60", "depth auto", "periscope", "planes auto", "bow auto")),
+    "speed": ("helm", ("speed 5", "speed auto")),
+    "ballast": ("ballast", ("hover on", "trim auto")),
+}
+
+
+@pytest.mark.parametrize("axis", AUTOMATIC)
+def test_automatic_orders_for_what_is_in_hand_are_refused_until_the_instructor_allows_them(
+    crew: Make, axis: str
+) -> None:
+    role, lines = AUTOMATIC[axis]
+    here = crew(hand=frozenset({axis})).man("instructor", role)
+    for line in lines:
+        answer = here.say(role, line)[-1]
+        assert answer.startswith("? the ")
+        assert "in hand in this exercise: " in answer
+        assert answer.endswith(f", or the instructor says allow {axis}")
+    assert "in hand in this exercise" in here.say("instructor", lines[0])[-1]
+
+    answer = here.say("instructor", f"allow {axis}")[-1]
+
+    assert answer == f"{axis} may be automatic; the run is free: it has no marks"
+    assert here.heard(role)[-1] == f"{axis} may be automatic"
+    assert not here.say(role, lines[0])[-1].startswith("?")
+    free = [each for each in here.session.event_log.news if each.kind == "exercise"]
+    assert any("flown without marks" in each.text for each in free)
+
+
+def test_an_automatic_order_that_the_exercise_allows_is_obeyed(crew: Make) -> None:
+    here = crew(hand=frozenset({"planes"}), allowed=frozenset({"depth"})).man("planes")
+    assert here.say("planes", "depth 70")[-1] == "keeping depth 70 m"
+    assert not here.say("planes", "periscope depth")[-1].startswith("?")
+    assert here.say("planes", "planes auto")[-1].startswith("? the planes are in hand")
+
+
+def test_before_its_time_nothing_is_in_hand(crew: Make) -> None:
+    here = crew(hand=frozenset({"planes"}), hand_from=2.0).man("planes")
+    assert here.say("planes", "depth 70")[-1] == "keeping depth 70 m"
+    here.fly(2.0)
+    assert here.say("planes", "depth 80")[-1].startswith("? the planes are in hand")
+
+
+def test_only_the_instructor_allows_and_only_what_is_in_hand(crew: Make) -> None:
+    here = crew(hand=frozenset({"planes"})).man("instructor", "diving")
+    assert "is the instructor's" in here.say("diving", "allow planes")[-1]
+    assert "the rudder is not in hand" in here.say("instructor", "allow rudder")[-1]
+    here.say("instructor", "allow planes")
+    assert "already" in here.say("instructor", "allow planes")[-1]
+
+
+def test_what_was_allowed_is_in_hand_again_before_that_moment(crew: Make) -> None:
+    here = crew(hand=frozenset({"planes"})).man("instructor", "planes").fly(5.0)
+    here.say("instructor", "allow planes")
+    here.fly(5.0)
+    here.say("instructor", "backtrack 7")
+    assert here.say("planes", "depth 70")[-1].startswith("? the planes are in hand")
+
+
+def test_a_swing_is_met_until_it_stops_by_an_order_of_the_journal(crew: Make) -> None:
+    here = crew().man("helm").fly(1.0)
+    here.say("helm", "rudder right 15")
+    here.fly(20.0)
+    assert here.boat.state.psidot > 0.0
+
+    assert here.say("helm", "rudder meet")[-1] == "rudder left 15, by hand"
+    here.fly(40.0)
+
+    texts = [(each.who, each.text) for each in here.session.history.said()]
+    assert texts[-1] == ("helm at helm", "rudder amidships")
+    assert float(here.boat.state.ordered_r) == 0.0
+    assert len(texts) == 3

@@ -1,0 +1,407 @@
+"""What is said between those who order the crew, the crew and the instructor.
+
+An order to the crew stands in the boat's state; that it is new, repeated or repeated wrong is known
+here, from what was said. All of it is in the journal, and is made again from there after a jump in
+time. Nothing here moves the boat.
+"""
+
+import math
+import re
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, field, replace
+from typing import Final, NamedTuple
+
+from trainer.boat.boat import Boat
+from trainer.boat.casualties import readings
+from trainer.boat.crew_orders import standing_on
+from trainer.boat.helm import obey
+from trainer.io.orders.grammar import Order, Refused, Reply, parse
+from trainer.io.orders.quantities import FEET, METRES
+from trainer.io.recording.recording import Journalled
+from trainer.session.stations.roles import CREW
+from trainer.session.stations.station import Fact
+
+LATE: Final = 10.0  # [s] without a repeat, after which the order is shown again
+SCHEDULE: Final = "schedule"  # who gives the orders of the exercise
+WORDS: Final = "words"  # the axis of an order in words
+STEERS: Final = ("helm", "pilot")
+DIVES: Final = ("planes", "pilot", "diving")
+CONCERNED: Final = {  # who repeats an order
+    "course": STEERS,
+    "speed": STEERS,
+    "depth": DIVES,
+    "pitch": DIVES,
+    WORDS: CREW,
+}
+SURE: Final = {"course": math.radians(5.0), "depth": 1.0, "pitch": math.radians(1.0)}  # to go
+WORKS: Final = {"course": ("rudder",), "depth": ("stern", "bow"), "pitch": ("stern", "bow")}
+STEERED: Final = frozenset({"rudder", "course", "course-by", "course-to", "autopilot"})
+MOVING: Final = frozenset({"stern", "bow"}) | STEERED
+HEARD: Final = frozenset({"order", "tell", "aye", "belay", "allow", "report"}) | MOVING
+
+
+class Telling(NamedTuple):
+    """Something to be told: its kind, words for people, and a fact for programs."""
+
+    kind: str
+    text: str
+    fact: Fact
+
+
+@dataclass
+class Spoken:
+    """An order to the crew, and what the crew has said to it."""
+
+    axis: str
+    told: str  # as the crew is told
+    given: Order
+    tick: int
+    by: str  # the role that gave it
+    repeated: bool = False
+    wrong: int = 0  # times that it was repeated wrong
+    reminded: bool = False
+    begun: bool = False  # somebody has moved what carries it out
+
+
+class Repeat(NamedTuple):
+    """What was repeated, and whether it is what was ordered."""
+
+    spoken: Spoken
+    right: bool
+
+
+@dataclass
+class CrewTalk:
+    """What has been said on board, as it stands now."""
+
+    boat: Boat
+    hand: frozenset[str] = frozenset()  # axes that the exercise has worked by hand
+    hand_from: float = 0.0  # [s]
+    allowed: frozenset[str] = frozenset()  # automatic orders allowed nevertheless
+    freed: set[str] = field(default_factory=set)  # axes that the instructor has let be automatic
+    due: float = math.inf  # [tick] at which a repeat is next found missing
+    meeting: str = ""  # who has said "meet her", while the boat still swings
+    _spoken: dict[str, Spoken] = field(default_factory=dict)  # by axis, the newest last
+
+    @property
+    def told(self) -> str:
+        """Return the last words to the crew."""
+        spoken = self._spoken.get(WORDS)
+        return spoken.given.subject if spoken else ""
+
+    def standing(self, role: str) -> list[Telling]:
+        """Return what a program of that role is told of the orders that stand."""
+        found = []
+        for each in self._spoken.values():
+            found.append(Telling("crew", "", Fact("crew-order", each.told)))
+            if each.repeated or role not in CONCERNED[each.axis]:
+                found.append(Telling("crew", "", Fact("repeated", each.told)))
+        return found
+
+    # What is said
+
+    def obey(self, order: Order, role: str) -> Reply:
+        """Carry out what is said, as far as the boat has to do with it; return the answer."""
+        if order.name in ("order", "belay"):
+            return obey(self.boat, order)
+        if order.name == "tell":
+            return f"told: {order.subject}"
+        if order.name == "report":
+            return "reported"
+        return self._allow(order.word) if order.name == "allow" else self._aye(order, role)
+
+    def named(self, order: Order) -> Order:
+        """Return a ``belay`` that names no axis with that of the newest order."""
+        if order.name != "belay" or order.word or not self._spoken:
+            return order
+        axis = list(self._spoken)[-1]
+        return replace(order, word=axis, text=f"belay {axis}")
+
+    def note(self, order: Order, who: str, tick: int, answer: str) -> list[Telling]:
+        """Note what was said and how it was answered; return what there is to tell."""
+        if order.name not in HEARD:
+            return []
+        if order.name in MOVING:
+            return self._moved(order, who)
+        role = role_of(who)
+        if order.name in ("order", "tell") and not order.word.startswith("clear"):
+            return self._ordered(order, role, tick, answer)
+        notes: dict[str, Callable[[], list[Telling]]] = {
+            "aye": lambda: self._repeated(order, role),
+            "allow": lambda: self._freed(order.word),
+            "report": lambda: reported(order, role),
+        }
+        return notes.get(order.name, lambda: self._belayed(order))()
+
+    def settle(self, entries: Iterable[Journalled], tick: int) -> None:
+        """Make all this again from the journal up to a tick, after a jump in time."""
+        self._spoken.clear()
+        self.freed.clear()
+        self.meeting = ""
+        for entry in entries:
+            order = parse(entry.text)
+            if isinstance(order, Order) and order.name in HEARD and entry.accepted is not False:
+                self.note(order, entry.who, entry.tick, entry.answer or "")
+        for each in self._spoken.values():
+            each.reminded = self._late_at(each) <= tick
+        self._look_ahead()
+
+    # Orders and repeats
+
+    def _ordered(self, order: Order, role: str, tick: int, answer: str) -> list[Telling]:
+        """Note an order: on its axis the older one stands no longer."""
+        axis = WORDS if order.name == "tell" else order.word.partition("_")[0]
+        axis = axis.replace("periscope", "depth")
+        told = order.text if axis == WORDS else answer.removeprefix("ordered: ")
+        self._spoken.pop(axis, None)
+        self._spoken[axis] = Spoken(axis, told, order, tick, role)
+        self._look_ahead()
+        by = "" if role == SCHEDULE else f"{role}: "
+        words = f"to the crew: {order.subject}" if axis == WORDS else f"ordered: {told}"
+        return [Telling("crew", f"{by}{words}", Fact("crew-order", told))]
+
+    def _belayed(self, order: Order) -> list[Telling]:
+        axis = order.word.removeprefix("clear_")
+        gone = [each for each in self._spoken.values() if axis in (each.axis, "all")]
+        for each in gone:
+            del self._spoken[each.axis]
+        self._look_ahead()
+        return [Telling("crew", f"belay: {each.told}", Fact("belayed", each.told)) for each in gone]
+
+    def _aye(self, order: Order, role: str) -> Reply:
+        """Answer a repeat."""
+        found = self._find(order.subject, role)
+        if isinstance(found, Refused):
+            return found
+        if found.right:
+            return f"{found.spoken.told} aye"
+        return f"WRONG REPEAT: {order.subject}; ordered is {found.spoken.told}"
+
+    def _repeated(self, order: Order, role: str) -> list[Telling]:
+        """Note a repeat: right, the order is new no longer; wrong, it is counted."""
+        found = self._find(order.subject, role)
+        if isinstance(found, Refused):
+            return []
+        spoken, right = found
+        if right:
+            spoken.repeated = True
+            self._look_ahead()
+            return [Telling("crew", f"{role}: {spoken.told} aye", Fact("repeated", spoken.told))]
+        spoken.wrong += 1
+        told = f"{order.subject}; {spoken.told}"
+        text = f"WRONG REPEAT: {role} says {order.subject}; ordered is {spoken.told}"
+        return [Telling("crew", text, Fact("wrong-repeat", told))]
+
+    def _find(self, words: str, role: str) -> Repeat | Refused:
+        """Return the order that is repeated, the newest without words."""
+        new = [
+            each
+            for each in reversed(self._spoken.values())
+            if not each.repeated and each.by != role and role in CONCERNED[each.axis]
+        ]
+        if not new:
+            return Refused("no new order is to be repeated here")
+        if not words:
+            return Repeat(new[0], right=True)
+        said = said_order(words)
+        axis = axis_of(said) if said else WORDS
+        meant = [each for each in new if each.axis == axis]
+        if not meant:
+            return Refused(f'"{words}" repeats nothing; new here is {new[0].told}: say aye')
+        return Repeat(meant[0], right=is_repeated(words, meant[0]))
+
+    # What is missing or wrong
+
+    def missing(self, tick: int, attends: Callable[[str], bool]) -> list[Telling]:
+        """Return the orders that nobody has repeated in time, each once.
+
+        ``attends`` tells whether somebody with that role is there.
+        """
+        found = []
+        for each in self._spoken.values():
+            if each.repeated or each.reminded or self._late_at(each) > tick:
+                continue
+            each.reminded = True
+            if any(attends(role) for role in CONCERNED[each.axis] if role != each.by):
+                text = f"NOT REPEATED in {LATE:g} s: {each.told}"
+                found.append(Telling("crew", text, Fact("crew-order", each.told)))
+        self._look_ahead()
+        return found
+
+    def wrong_way(self, order: Order, role: str) -> list[Telling]:
+        """Return that an order by hand is to the other side than the crew was ordered, if it is.
+
+        The first within ``LATE`` of the order counts: later ones may well meet the swing.
+        """
+        for axis, surfaces in WORKS.items():
+            spoken = self._spoken.get(axis)
+            if spoken is None or spoken.begun or order.name not in surfaces:
+                continue
+            to_go = self._to_go(axis)
+            if self._late_at(spoken) >= self.boat.ticks and to_go * order.value < 0.0:
+                text = f"WRONG WAY: {role}: {order.text}; ordered is {spoken.told}"
+                return [
+                    Telling("exercise", text, Fact("wrong-way", f"{order.text}; {spoken.told}"))
+                ]
+        return []
+
+    def _to_go(self, axis: str) -> float:
+        """Return which way an order is to be carried out: right or rise positive, 0 in doubt."""
+        standing = standing_on(self.boat, axis)
+        if standing is None:
+            return 0.0
+        shown = readings(self.boat)
+        if axis == "course":
+            left = standing.value - shown.heading
+            left = left if standing.side else math.remainder(left, math.tau)
+            clear = standing.side or abs(left) < math.pi - SURE[axis]
+            return left if clear and abs(left) > SURE[axis] else 0.0
+        now = -shown.depth if axis == "depth" else float(self.boat.state.theta)
+        left = (-standing.value if axis == "depth" else standing.value) - now
+        return left if abs(left) > SURE[axis] else 0.0
+
+    def _moved(self, order: Order, who: str) -> list[Telling]:
+        """Note that a surface was worked, and whether a swing is being met."""
+        for axis, surfaces in WORKS.items():
+            if axis in self._spoken and order.name in surfaces:
+                self._spoken[axis].begun = True
+        if order.name in STEERED:
+            self.meeting = who if order.word == "meet" else ""
+        return []
+
+    def swing_met(self) -> bool:
+        """Return whether the swing that is being met has stopped."""
+        s = self.boat.state
+        rudder = self.boat.toward["rudder"] * float(s.ordered_r)
+        return rudder * float(s.psidot) >= 0.0
+
+    def _late_at(self, spoken: Spoken) -> float:
+        """Return the tick at which a missing repeat is told."""
+        return spoken.tick + math.ceil(LATE / self.boat.method.step - 1e-9)
+
+    def _look_ahead(self) -> None:
+        waiting = (each for each in self._spoken.values() if not (each.repeated or each.reminded))
+        self.due = min(map(self._late_at, waiting), default=math.inf)
+
+    # Who steers what
+
+    def in_hand(self, order: Order) -> str:
+        """Return why an automatic order is refused: the exercise has it worked by hand; "" if not.
+
+        What moves nothing by itself is never refused.
+        """
+        if self.boat.time < self.hand_from or order.name in self.allowed:
+            return ""
+        if order.name == "periscope" and "depth" in self.allowed:
+            return ""
+        taken = [axis for axis in automatic_axes(order) if axis in self.hand - self.freed]
+        if not taken:
+            return ""
+        says, example = BY_HAND[taken[0]]
+        return (
+            f"{says} in hand in this exercise: {example}, or the instructor says allow {taken[0]}"
+        )
+
+    def _allow(self, axis: str) -> Reply:
+        """Answer the order to let an axis be automatic."""
+        says, _ = BY_HAND[axis]
+        if axis not in self.hand:
+            return Refused(f"{says} not in hand in this exercise: nothing is to be allowed")
+        if axis in self.freed:
+            return Refused(f"{axis} may be automatic already")
+        return f"{axis} may be automatic; the run is free: it has no marks"
+
+    def _freed(self, axis: str) -> list[Telling]:
+        self.freed.add(axis)
+        free = f"{axis} may be automatic: the run is free, flown without marks"
+        told = ",".join(sorted(self.allowed | self.freed))
+        return [
+            Telling("exercise", free, Fact("exercise", "free=yes")),
+            Telling("crew", f"{axis} may be automatic", Fact("exercise", f"allowed={told}")),
+        ]
+
+
+# The axes that an exercise may have worked by hand: in words, and an order by hand.
+BY_HAND: Final = {
+    "rudder": ("the rudder is", "rudder left 5"),
+    "planes": ("the planes are", "stern planes dive 5"),
+    "speed": ("the engine is", "bell ahead standard"),
+    "ballast": ("the ballast is", "pump depth-control 1"),
+}
+# What gives them away: orders by name, and by name and word.
+AUTOMATIC: Final = {
+    "course": ("rudder",),
+    "course-by": ("rudder",),
+    "course-to": ("rudder",),
+    "rudder auto": ("rudder",),
+    "depth": ("planes",),
+    "periscope": ("planes",),
+    "planes auto": ("planes",),
+    "stern auto": ("planes",),
+    "bow auto": ("planes",),
+    "speed": ("speed",),
+    "hover on": ("ballast",),
+    "trim auto": ("ballast",),
+    "autopilot on": ("rudder", "planes", "speed"),
+}
+
+
+def automatic_axes(order: Order) -> tuple[str, ...]:
+    """Return the axes that an order gives to the autopilot."""
+    return AUTOMATIC.get(order.name) or AUTOMATIC.get(f"{order.name} {order.word}", ())
+
+
+def reported(order: Order, role: str) -> list[Telling]:
+    """Return what is told of a report."""
+    told = f"{role}: {order.subject}"
+    return [Telling("crew", f"{role} reports: {order.subject}", Fact("report", told))]
+
+
+def role_of(who: str) -> str:
+    """Return the role of who gave an order, as the journal names him; a schedule's is its own."""
+    return who.partition(" at ")[0]
+
+
+def said_order(words: str) -> Order | None:
+    """Return the order to the crew that words are, without "order" before them or with."""
+    plain = re.sub(r"\bto\b", " ", words)
+    for text in (plain if plain.startswith("order ") else f"order {plain}", words):
+        found = parse(text)
+        if isinstance(found, Order) and found.name == "order":
+            return found
+    return None
+
+
+def axis_of(order: Order) -> str:
+    """Return the axis of an order to the crew."""
+    return order.word.partition("_")[0].replace("periscope", "depth")
+
+
+def is_repeated(words: str, spoken: Spoken) -> bool:
+    """Return whether words repeat an order: as it was given, or as it was told.
+
+    A number without its unit is in the unit of the order. A side may be left out, not mistaken.
+    """
+    if spoken.axis == WORDS:
+        return plain_words(words) == plain_words(spoken.given.subject)
+    units = {*METRES.names, *FEET.names}
+    if spoken.told.endswith(" ft") and not units & set(re.findall("[a-z]+", words)):
+        words = f"{words} ft"
+    said, told = said_order(words), said_order(spoken.told)
+    if said is None or told is None:
+        return False
+    return said.text == spoken.given.text or means_the_same(said, told)
+
+
+def means_the_same(said: Order, told: Order) -> bool:
+    """Return whether two orders to the crew are one, but for a side that is left out."""
+    off = said.value - told.value
+    if axis_of(said) != "course":
+        return said.word == told.word and abs(off) < 1e-9
+    sides = {said.word, told.word} - {"course"}
+    return len(sides) < 2 and abs(math.remainder(off, math.tau)) < 1e-9
+
+
+def plain_words(words: str) -> list[str]:
+    """Return words without capitals and marks."""
+    return re.findall(r"[a-z0-9.]+", words.lower())
