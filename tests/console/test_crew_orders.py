@@ -3,7 +3,7 @@
 from typing import Any
 
 import pytest
-from helpers.screens import CREW, Tape, at_the_console, pressed, seen, shown, tape
+from helpers.screens import CREW, Tape, at_the_console, pressed, seen, shown, sight_of, tape
 from textual.pilot import Pilot
 
 from trainer.console.app import Console
@@ -26,7 +26,6 @@ ALL = COURSE | DEPTH | SPEED | PITCH
 def ordered(role: str, told: dict[str, str]) -> Tape:
     """Return a session in which the crew has been ordered so."""
     talk = tape(role)
-    talk.say(sentences.names("orders", [(name, "") for name in FIELDS]))
     tell(talk, told)
     return talk
 
@@ -78,7 +77,7 @@ def test_what_is_ordered_stands_beside_the_instrument_with_what_is_to_go(
 def test_the_instructor_sees_what_the_crew_is_ordered_and_its_error() -> None:
     told = "045, 7 to the right; 60 m, 12 deeper"
     screen_of(ordered("instructor", COURSE | DEPTH), "instructor", told)
-    screen_of(ordered("instructor", ALL), "instructor", "045 +7", "8 -2", "60 +12", "-5 -3")
+    screen_of(ordered("instructor", ALL), "instructor", "045 +7; 60 m +12; 8 kn -2; 5 down -3")
 
 
 @pytest.mark.parametrize(
@@ -138,8 +137,8 @@ def test_an_order_is_new_until_it_is_repeated() -> None:
         await seen(pilot, app, "ordered 045")
         assert "NEW" not in shown(app)
         new(talk, "course 050")
-        talk.say(sentences.fact(123, 61.5, "wrong-repeat", "course 055 for course 050"))
-        await seen(pilot, app, "REPEATED WRONG: course 055 for course 050")
+        talk.say(sentences.fact(123, 61.5, "wrong-repeat", "055; course 050"))
+        await seen(pilot, app, "REPEATED WRONG: 055; ordered course 050")
         talk.say(sentences.fact(60, 30.0, "back", "backtrack 30 s"))
         await seen(pilot, app, "ordered 045")
         assert "NEW" not in shown(app)
@@ -147,24 +146,62 @@ def test_an_order_is_new_until_it_is_repeated() -> None:
     at_the_console(look, talk, "helm")
 
 
-def test_only_who_is_ordered_repeats() -> None:
+def test_only_who_is_ordered_repeats_and_is_shown_that_it_is_new() -> None:
     talk = ordered("planes", COURSE)
     new(talk, "course 045")
     assert pressed(("enter",), "planes", talk) == []
+    talk = ordered("planes", COURSE)
+    new(talk, "course 045")
+    screen_of(talk, "planes", "ordered 045, 7", absent=("NEW",))
+
+
+def test_charts_show_what_the_crew_is_ordered_in_place_of_the_autopilot_s() -> None:
+    model = sight_of(ordered("planes", DEPTH | PITCH), "planes")
+    model.hear()
+    depth, pitch = model.charts
+    assert (model.ordered(depth), model.ordered(pitch)) == (60.0, -5.0)
+    model = sight_of(ordered("planes", {}), "planes")
+    model.hear()
+    assert (model.ordered(depth), model.ordered(pitch)) == (80.0, None)
 
 
 def test_the_instructor_is_told_how_long_an_order_has_not_been_repeated() -> None:
     talk = ordered("instructor", COURSE)
     new(talk, "course 045")
-    for channel in talk.channels:
-        talk.tick(141) if channel == "time" else None
+    talk.tick(141)
     screen_of(talk, "instructor", "NEW course 045, not repeated for 10 s")
 
 
 def test_what_is_told_stands_on_the_panel() -> None:
     for role in CREW:
-        talk = ordered(role, {"told": "hold 60 by pumps only"})
-        screen_of(talk, role, "told: hold 60 by pumps only")
+        talk = ordered(role, {"told": "hold 60, pumps only"})
+        new(talk, "tell hold 60, pumps only")
+        talk.say(sentences.fact(123, 61.5, "repeated", "tell hold 60, pumps only"))
+        screen_of(talk, role, "told: hold 60, pumps only")
+
+
+def test_who_has_given_an_order_does_not_repeat_it() -> None:
+    talk = ordered("diving", DEPTH)
+    talk.facts["order depth 60"] = [("crew-order", "depth 60 m")]
+
+    async def give(pilot: Pilot[str], app: Console) -> None:
+        app.model.order("order depth 60")
+        await seen(pilot, app, "order depth 60: done")
+        assert "NEW" not in shown(app)
+        new(talk, "depth 70 m")
+        await seen(pilot, app, "NEW ORDER  depth 70 m")
+        talk.say(sentences.fact(124, 62.0, "belayed", "depth 70 m"))
+        await pilot.pause(0.2)
+        assert "NEW" not in shown(app)
+
+    at_the_console(give, talk, "diving")
+
+
+def test_of_two_new_orders_the_newest_is_repeated_first() -> None:
+    talk = ordered("pilot", DEPTH | COURSE)
+    new(talk, "depth 60 m")
+    new(talk, "course 045")
+    screen_of(talk, "pilot", "NEW: 60 m", "NEW: 045", "NEW ORDER  course 045")
 
 
 @pytest.mark.parametrize(

@@ -10,6 +10,7 @@ ADDRESSED: Final = {
     "depth": ("planes", "pilot", "diving"),
     "pitch": ("planes", "pilot", "diving"),
 }
+WORDS: Final = "tell"  # how an order in words begins
 CREW: Final = ("helm", "planes", "pilot", "ballast", "diving")
 
 
@@ -25,9 +26,10 @@ class CrewOrder(NamedTuple):
 class CrewOrders:
     """The orders that wait to be repeated, oldest first, one of each axis."""
 
-    FACTS: ClassVar = frozenset({"crew-order", "repeated", "wrong-repeat"})
+    FACTS: ClassVar = frozenset({"crew-order", "repeated", "wrong-repeat", "belayed"})
     waiting: dict[str, CrewOrder] = field(default_factory=dict)
     wrong: str = ""
+    told: str = ""  # the last order in words
     rings: int = 0  # how often a bell has been due
 
     @property
@@ -39,30 +41,34 @@ class CrewOrders:
         """Take a fact of FACTS."""
         if what == "crew-order":
             self.give(seconds, subject)
-        elif what == "repeated":
-            self.repeat(subject)
-        else:
+        elif what == "wrong-repeat":
             self.mishear(subject)
+        else:
+            self.settle(subject)
 
     def give(self, seconds: float, subject: str) -> None:
-        """Take an order to the crew, in place of an earlier one on the same axis."""
-        axis = subject.split(" ", 1)[0]
-        if axis == "clear":
-            self.waiting.pop(subject.rpartition(" ")[2], None)
-            return
-        self.waiting.pop(axis, None)
-        self.waiting[axis] = CrewOrder(seconds, axis, subject)
+        """Take an order to the crew, in place of an earlier one on the same axis.
+
+        One that is told again, since nobody has repeated it, keeps its time.
+        """
+        axis, _, words = subject.partition(" ")
+        says = words if axis == WORDS else subject
+        before = self.waiting.pop(axis, None)
+        since = before.seconds if before and before.says == says else seconds
+        self.waiting[axis] = CrewOrder(since, axis, says)
+        self.told = says if axis == WORDS else self.told
         self.wrong = ""
         self.rings += 1
 
-    def repeat(self, subject: str) -> None:
-        """Take the repeat of an order, said as the order was."""
-        self.waiting.pop(subject.split(" ", 1)[0], None)
+    def settle(self, subject: str) -> None:
+        """Take the repeat of an order, said as the order was, or that it stands no longer."""
+        self.waiting.pop(subject.partition(" ")[0], None)
         self.wrong = ""
 
     def mishear(self, subject: str) -> None:
         """Take a repeat that was another than the order."""
-        self.wrong = subject
+        said, _, order = subject.partition("; ")
+        self.wrong = f"{said}; ordered {order}"
         self.rings += 1
 
     def go_back(self, seconds: float) -> None:
@@ -70,11 +76,15 @@ class CrewOrders:
         self.waiting = {a: each for a, each in self.waiting.items() if each.seconds <= seconds}
         self.wrong = ""
 
-    def awaits(self, axis: str) -> bool:
-        """Return whether the order on an axis waits to be repeated."""
-        return axis in self.waiting
+    def awaits(self, axis: str, role: str) -> bool:
+        """Return whether the order on an axis waits to be repeated by that role."""
+        return axis in self.waiting and role in ADDRESSED[axis]
 
     def awaited(self, role: str) -> CrewOrder | None:
-        """Return the oldest order that a role is to repeat, None without."""
-        mine = (o for o in self.waiting.values() if role in ADDRESSED.get(o.axis, CREW))
+        """Return the newest order that a role is to repeat, which is what `aye` repeats."""
+        mine = (
+            each
+            for each in reversed(self.waiting.values())
+            if role in ADDRESSED.get(each.axis, CREW)
+        )
         return next(mine, None)

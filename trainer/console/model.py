@@ -10,6 +10,7 @@ from trainer.console.client import Barred, Greeting, Item, Joined, Lost
 from trainer.console.crew import CrewOrders
 from trainer.console.journal import Journal, Sample, Trace
 from trainer.console.readings import ChannelReadings, Reading
+from trainer.io.orders.grammar import Order, parse
 from trainer.io.orders.sentences import Sentence
 
 RINGING: Final = frozenset({"watch", "depth", "pilot", "trouble"})  # kinds with a bell
@@ -17,6 +18,12 @@ LONG: Final = 4  # [lines] from which an answer is read in a window of its own
 TRACK: Final = 4000  # places of the track
 TRACKED: Final = 2.0  # [s] between them
 WIDELY_KNOWN: Final = ("snapshots", "casualties")  # asked for on joining, by the instructor
+
+
+def gives_crew(words: str) -> bool:
+    """Return whether words are an order to the crew."""
+    order = parse(words)
+    return isinstance(order, Order) and order.name in ("order", "tell")
 
 
 class Quantity(NamedTuple):
@@ -28,6 +35,7 @@ class Quantity(NamedTuple):
     ordered: tuple[str, str] | None
     least: float  # shown range at least
     signs: tuple[str, str] = ("", "")  # before a positive and a negative value
+    crew: str = ""  # the order to the crew that is shown in place of the autopilot's
 
 
 class Broken(NamedTuple):
@@ -101,6 +109,7 @@ class SessionModel:
         self.trace = Trace(len(self.charts))
         self._asked: dict[str, Asked] = {}
         self._track: deque[tuple[float, float, float]] = deque(maxlen=TRACK)  # [s, m, m]
+        self._own = 0  # orders to the crew that were given here and have not been told yet
         self._snapshots: list[Kept] = []  # told so far, of an answer that is to come
         self._casualties: list[Broken] = []
 
@@ -168,6 +177,7 @@ class SessionModel:
         tag = self.talk.order(words)
         if tag:
             self._asked[tag] = Asked(words, quiet)
+            self._own += gives_crew(words) and not self.instructs
         elif not quiet:
             self.journal.add(None, "refused", f"not sent: {self.trouble or 'no line'}")
         return bool(tag)
@@ -215,12 +225,16 @@ class SessionModel:
         self._follow(reading)
         if self.trace.times[-1:] != [reading.seconds]:
             number = self.picture.number
-            samples = [
-                Sample(number(*each.actual), number(*each.ordered) if each.ordered else None)
-                for each in self.charts
-            ]
+            samples = [Sample(number(*each.actual), self.ordered(each)) for each in self.charts]
             self.trace.add(reading.seconds, samples)
         self.furthest = max(self.furthest, reading.seconds)
+
+    def ordered(self, drawn: Quantity) -> float | None:
+        """Return what is ordered, the crew if anybody, else the autopilot."""
+        told = self.picture.number("orders", drawn.crew) if drawn.crew else None
+        if told is None and drawn.ordered:
+            return self.picture.number(*drawn.ordered)
+        return told
 
     def _follow(self, reading: Reading) -> None:
         """Add the boat's place to its track; what was later is forgotten: time has gone back."""
@@ -250,7 +264,7 @@ class SessionModel:
         elif what == "order":
             self._remember(seconds, subject)
         elif what in CrewOrders.FACTS:
-            self.crew.take(seconds, what, subject)
+            self._order_crew(seconds, what, subject)
         elif what.startswith(("exercise", "marks")):
             self._brief(what, subject)
         elif what == "snapshot":
@@ -258,6 +272,13 @@ class SessionModel:
         elif what == "casualty":
             name, degree, says = (*subject.split(",", 2), "", "")[:3]
             self._casualties.append(Broken(name, degree, says))
+
+    def _order_crew(self, seconds: float, what: str, subject: str) -> None:
+        """Take an order to the crew, or its repeat; who has given one does not repeat it."""
+        self.crew.take(seconds, what, subject)
+        if what == "crew-order" and self._own:
+            self._own -= 1
+            self.crew.settle(subject)
 
     def _brief(self, what: str, subject: str) -> None:
         """Keep what the exercise asks for, how it ended, and the marks once they are told."""
@@ -292,6 +313,7 @@ class SessionModel:
             self._learn(asked)
         else:
             self.refused += 1
+            self._own -= min(self._own, gives_crew(asked.words))
 
     def _show_answer(self, asked: Asked, kind: str, text: str) -> None:
         for each in asked.lines:

@@ -109,7 +109,7 @@ def headline(drawn: Quantity, model: SessionModel, span: float, width: int) -> L
     """Return the name of the chart, its value and what is ordered."""
     says = format_quantity(drawn)
     actual = says(model.picture.number(*drawn.actual))
-    ordered = says(model.picture.number(*drawn.ordered)) if drawn.ordered else NONE
+    ordered = says(model.ordered(drawn))
     told = "" if ordered == NONE else f" {DASH}{DASH} {ordered}"
     name = drawn.name if width > 34 else drawn.name[:7]
     inks = ("heading", "heading-value", "heading-ordered")

@@ -55,7 +55,9 @@ def depth_order(model: SessionModel) -> tuple[str, str]:
     if ordered is None:
         return "", ""
     unit, size = ("ft", FOOT) if in_feet(model) else ("m", 1.0)
-    told, reached = f"{short(ordered / size)} {unit}", FEET_REACHED if unit == "ft" else REACHED
+    feet = unit == "ft"
+    told = f"{round(ordered / size)} ft" if feet else f"{short(ordered)} m"
+    reached = FEET_REACHED if feet else REACHED
     if error is None or abs(error / size) < reached:
         return _both(told, "" if error is None else ", at depth")
     way = "deeper" if error > 0.0 else "up"
@@ -121,7 +123,7 @@ def beside(model: SessionModel, axis: str, automatic: str, room: int) -> Line:
     texts = ORDERS[axis](model)
     if not texts[0]:
         return line((f" ordered {automatic}" if automatic else "", "ordered"))
-    if model.crew.awaits(axis):
+    if model.crew.awaits(axis, model.role):
         return line((f" NEW: {texts[0] if len(texts[0]) + 6 < room else texts[1]}", "new"))
     for text in (f" ordered {texts[0]}", f" ordered {texts[1]}", f" {texts[1]}"):
         if len(text) < room:
@@ -137,8 +139,14 @@ def order_line(model: SessionModel, width: int) -> Line:
     new = crew.awaited(model.role)
     if new:
         return fit(line((f" NEW ORDER  {new.says} ", "new"), (f"  {REPEAT}", "key")), width, "bar")
-    told = model.picture.word(CHANNEL, "told")
+    told = told_words(model)
     return fit(line((f" told: {told}" if told else "", "ordered")), width)
+
+
+def told_words(model: SessionModel) -> str:
+    """Return the last order in words; a channel has no commas, the fact of it has."""
+    told = model.picture.word(CHANNEL, "told")
+    return model.crew.told if len(model.crew.told) == len(told) else told
 
 
 def crew_line(model: SessionModel, width: int) -> Line:
@@ -149,7 +157,7 @@ def crew_line(model: SessionModel, width: int) -> Line:
         waits = max(model.picture.seconds - new.seconds, 0.0)
         return (*label, (f"NEW {new.says}, not repeated for {waits:.0f} s ", "warning"))
     found = [order(model) for order in ORDERS.values()]
-    told = model.picture.word(CHANNEL, "told")
+    told = told_words(model)
     for text in (_joined([each[0] for each in found]), _joined([each[1] for each in found])):
         if text and len(text) + len(" crew   ") <= width:
             return (*label, (text, "ordered"))
@@ -165,14 +173,14 @@ def _joined(texts: Sequence[str]) -> str:
 
 def _signed(model: SessionModel) -> str:
     """Return all orders with their errors by sign, where words have no room."""
+    size = FOOT if in_feet(model) else 1.0
     found = []
     for axis in ORDERS:
         ordered, error = _pair(model, axis)
         if ordered is not None:
-            told = course(ordered) if axis == "course" else short(ordered)
-            left = "" if error is None else f"{error:+.0f}"
-            found.append(f"{axis[:2] if axis != 'course' else ''}{told} {left}".strip())
-    return "  ".join(found)
+            left = 0.0 if error is None else error / (size if axis == "depth" else 1.0)
+            found.append(f"{ORDERS[axis](model)[1].partition(',')[0]} {left:+.0f}")
+    return "; ".join(found)
 
 
 def pitch_beside(model: SessionModel, room: int) -> Line:
@@ -180,6 +188,6 @@ def pitch_beside(model: SessionModel, room: int) -> Line:
     full, few = pitch_order(model)
     if not full:
         return line()
-    mark = "NEW: " if model.crew.awaits("pitch") else "ordered "
+    mark = "NEW: " if model.crew.awaits("pitch", model.role) else "ordered "
     text = f"  {mark}{full if len(full) + len(mark) + 2 <= room else few}"
     return line((text, "new" if mark == "NEW: " else "ordered"))
