@@ -46,7 +46,8 @@ def run(*, teletype: bool, core: Path | None, state: Path | None, **options: Any
               trainer run --headless --duration 1h --speed max --csv out.csv
               printf 'depth 80\\n' | trainer run --duration 120 --speed max
 
-    On a terminal it shows the instructor's console, F1 its help. Orders are typed at any time.
+    On a terminal it shows the instructor's console, F1 its help; without any option it asks first
+    which exercise it shall be, and Enter sails freely. Orders are typed at any time.
     Others on this machine join with `trainer station ROLE`. Exit codes: 0 done, 1 the boat
     is lost or the recording failed, 2 wrong input.
     """
@@ -54,22 +55,52 @@ def run(*, teletype: bool, core: Path | None, state: Path | None, **options: Any
         from trainer.boat.export.runner.run import main as run_core  # noqa: PLC0415
 
         sys.exit(run_core(sys.argv[sys.argv.index("run") + 1 :]))
-    from trainer.console.terminal import has_terminal  # noqa: PLC0415
+    from trainer.console.terminal import asked_beside, has_terminal  # noqa: PLC0415
 
     asked = run_options(options)
     elsewhere = asked.headless or asked.url is not None
-    if not (teletype or elsewhere) and has_terminal():
-        from trainer.console.own_session import sail  # noqa: PLC0415
-
-        def serve_at(where: str) -> NoReturn:
-            take_to_sea(replace(without_console(asked), socket=where, until_left=True))
-
-        from trainer.session.stations.access import ANY, read_tokens  # noqa: PLC0415
-
-        tokens = read_tokens(asked.token)
-        token = tokens.get("instructor", tokens.get(ANY))
-        sys.exit(sail(serve_at, asked.socket, token))
+    address, word = asked_beside()
+    if address:
+        asked = replace(without_console(asked), listen=address, token=(word,), until_left=True)
+    elif not (teletype or elsewhere) and has_terminal():
+        sys.exit(on_screen(asked))
     take_to_sea(asked)
+
+
+def on_screen(asked: RunOptions) -> int:
+    """Show the console of a session of one's own; return the exit code."""
+    from trainer.console import own_session  # noqa: PLC0415
+
+    chosen = asked if asked.given else choose(asked)
+
+    def serve_at(where: str) -> NoReturn:
+        take_to_sea(replace(without_console(chosen), socket=where, until_left=True))
+
+    from trainer.session.stations.access import ANY, read_tokens  # noqa: PLC0415
+
+    tokens = read_tokens(chosen.token)
+    token = tokens.get("instructor", tokens.get(ANY))
+    if own_session.can_fork():
+        return own_session.sail(serve_at, chosen.socket, token)
+    begun = [chosen.exercise] if chosen.exercise and not asked.exercise else []
+    return own_session.sail_beside([*sys.argv[1:], *begun], token)
+
+
+def choose(asked: RunOptions) -> RunOptions:
+    """Return the options with the exercise that is chosen at the terminal; leave if none is."""
+    # read as they are: what checks them would load the core, and the session is to choose which
+    from trainer.config.files import parse_toml, read_text, shipped, shipped_names  # noqa: PLC0415
+    from trainer.console.exercise_choice import Offered, choose_exercise  # noqa: PLC0415
+
+    offered = []
+    for name in shipped_names("exercises"):
+        path = shipped("exercises", name)
+        table = parse_toml(read_text(path), path.name)
+        offered.append(Offered(name, str(table["name"]), str(table["briefing"])))
+    chosen = choose_exercise(offered)
+    if chosen is None:
+        sys.exit(0)
+    return replace(asked, exercise=chosen, given=frozenset({"exercise"})) if chosen else asked
 
 
 def take_to_sea(options: RunOptions) -> NoReturn:

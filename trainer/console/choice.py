@@ -60,8 +60,14 @@ class Choice:
     def shown(self) -> list[Row]:
         """Return the rows that what has been typed leaves."""
         typed = self.typed.lower()
-        begin = [row for row in self.rows if row.name.startswith(matching_prefix(row, typed))]
-        return begin + [row for row in self.rows if matching_prefix(row, typed) in row.name[1:]]
+        begin, within = [], []
+        for row in self.rows:
+            name, part = row.name.lower(), matching_prefix(row, typed)
+            if name.startswith(part):
+                begin.append(row)
+            elif part in name:
+                within.append(row)
+        return begin + within
 
     @property
     def chosen(self) -> Row | None:
