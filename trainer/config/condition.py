@@ -63,6 +63,16 @@ QUANTITIES: Final[Mapping[str, Quantity]] = {
 }
 
 
+# Quantities that no place of the state holds: judged and watched, but no trigger of a casualty.
+DERIVED: Final[Mapping[str, Quantity]] = {
+    "course": Quantity("", ANGLE, "where the bow points"),
+    "heavy": Quantity("", MASS, "weight less buoyancy"),
+    "showing": Quantity("", LENGTH, "height of sail or deck above the sea, the higher one"),
+}
+EVERY: Final[Mapping[str, Quantity]] = {**QUANTITIES, **DERIVED}
+AND: Final = re.compile(r"\s+and\s+")
+
+
 @dataclass(frozen=True)
 class Condition:
     """A comparison of one quantity with a threshold [SI], and where it was written."""
@@ -75,7 +85,14 @@ class Condition:
     place: Place
 
 
-def compile_condition(text: str, place: Place) -> Condition:
+def compile_conditions(text: str, place: Place) -> tuple[Condition, ...]:
+    """Return the conditions that ``and`` joins in ``text``, of any quantity; ConfigError as below."""
+    return tuple(compile_condition(each, place, EVERY) for each in AND.split(text))
+
+
+def compile_condition(
+    text: str, place: Place, known: Mapping[str, Quantity] = QUANTITIES
+) -> Condition:
     """Return the condition written in ``text``; ConfigError if it is none, naming the nearest."""
     found = FORM.fullmatch(text)
     if found is None:
@@ -83,8 +100,8 @@ def compile_condition(text: str, place: Place) -> Condition:
             place.problem(f"condition {quote(text)}: write it as depth > 100 or speed_kn <= 4.5")
         )
     words, comparison, number, unit = found.groups()
-    name, suffix = _split(words, text, place)
-    units = QUANTITIES[name].units
+    name, suffix = _split(words, text, place, known)
+    units = known[name].units
     if suffix and unit and suffix != unit:
         raise ConfigError(place.problem(f"condition {quote(text)}: has two units"))
     given = (suffix or unit or next(iter(units))).lower().replace("/", "_")
@@ -104,41 +121,38 @@ def compile_condition(text: str, place: Place) -> Condition:
     )
 
 
-def parse_name(words: str) -> tuple[str, str] | None:
+def parse_name(words: str, known: Mapping[str, Quantity] = EVERY) -> tuple[str, str] | None:
     """Return the quantity and the unit in ``speed_kn``, the unit '' if there is none.
 
     None if there is no such quantity in such a unit.
     """
     words = words.lower()
-    if words in QUANTITIES:
+    if words in known:
         return words, ""
-    for name, quantity in QUANTITIES.items():
+    for name, quantity in known.items():
         for unit in quantity.units:
             if words == f"{name}_{unit}":
                 return name, unit
     return None
 
 
-def nearest_quantity(words: str) -> str:
+def nearest_quantity(words: str, known: Mapping[str, Quantity] = EVERY) -> str:
     """Return '; nearest is ...' for the quantity most like ``words``, or '' if none is."""
-    return nearest(words, [*QUANTITIES, *_with_units()])
+    with_units = [f"{name}_{unit}" for name, q in known.items() for unit in q.units]
+    return nearest(words, [*known, *with_units])
 
 
-def _split(words: str, text: str, place: Place) -> tuple[str, str]:
+def _split(words: str, text: str, place: Place, known: Mapping[str, Quantity]) -> tuple[str, str]:
     """Return the quantity and the unit in ``speed_kn``, which may be a wrong one."""
-    found = parse_name(words)
+    found = parse_name(words, known)
     if found is not None:
         return found
     words = words.lower()
-    for name in sorted(QUANTITIES, key=len, reverse=True):
+    for name in sorted(known, key=len, reverse=True):
         if words.startswith(f"{name}_") and "_" not in words.removeprefix(f"{name}_"):
             return name, words.removeprefix(f"{name}_")  # a wrong unit
-    guess = nearest_quantity(words)
+    guess = nearest_quantity(words, known)
     raise ConfigError(place.problem(f"condition {quote(text)}: no quantity {words!r}{guess}"))
-
-
-def _with_units() -> list[str]:
-    return [f"{name}_{unit}" for name, q in QUANTITIES.items() for unit in q.units]
 
 
 def _number(text: str, whole: str, place: Place) -> float:

@@ -5,29 +5,38 @@ What a file leaves out is as ``trainer run`` has it without an exercise.
 What an exercise file may say, table by table: keys, units and limits.
 """
 
+import hashlib
+import math
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass, fields, replace
 from pathlib import Path
 from typing import Any, Final
 
 from trainer.config.casualties import Casualty, load_casualties, severity_rule
-from trainer.config.condition import Condition, compile_condition
+from trainer.config.condition import Condition, compile_condition, compile_conditions
 from trainer.config.files import (
     ConfigError,
     Place,
     beside,
     collecting,
     nearest,
+    numbered,
     parse_toml,
     path_named,
+    quote,
     read_text,
 )
 from trainer.config.method import EQUATIONS
+from trainer.config.reference_crew import CREW_TABLES, Crew, CrewRow, Helmsman, Planesman, read_crew
 from trainer.config.schema import (
     Choice,
+    Choices,
     Quantity,
     Rows,
     Text,
+    Texts,
+    above,
     of,
     optional,
     read_record,
@@ -62,13 +71,39 @@ class Page:
         return value.strip()
 
 
+# what a crew works by hand, and the orders that give it to the autopilot, or to the trim's keeper
+AXES: Final[Mapping[str, tuple[str, ...]]] = {
+    "rudder": ("course", "course-by", "course-to", "rudder auto", "autopilot on"),
+    "planes": ("depth", "periscope", "planes auto", "stern auto", "bow auto", "autopilot on"),
+    "speed": ("speed", "autopilot on"),
+    "ballast": ("hover", "trim auto"),
+}
+AUTOMATIC: Final = tuple(dict.fromkeys(name for names in AXES.values() for name in names))
+MANNED: Final[Mapping[str, tuple[str, ...]]] = {  # by the axis of an order to the crew
+    "course": ("rudder", "course", "course-by"),
+    "depth": ("planes", "ballast", "depth", "periscope", "hover"),
+    "periscope": ("planes", "ballast", "depth", "periscope", "hover"),
+    "speed": ("speed",),
+    "pitch": ("planes", "ballast"),
+}
+
+
 @dataclass(frozen=True, kw_only=True)
 class Heading:
     """What an exercise is, and how the boat is computed."""
 
     schema: str = of(Choice(("exercise/1",), "form of the file"))
-    name: str = of(Text(55, "one line for the list of exercises"))
+    name: str = of(Text(55, "the crew's title, one line for the list of exercises"))
     briefing: str = of(Page(4000, "what the crew is told at the start"))
+    instructor: str | None = optional(Page(4000, "for the instructor alone: what is hidden, the cure"))
+    hand: tuple[str, ...] | None = optional(Choices(tuple(AXES), "what the crew works by hand"))
+    hand_from_s: float | None = optional(Quantity("s", within(0, LATEST), "since when; else 0"))
+    allowed: tuple[str, ...] | None = optional(
+        Choices(AUTOMATIC, "automatic orders that are allowed all the same")
+    )
+    lost: tuple[str, ...] | None = optional(
+        Texts(Text(79, "conditions that lose the exercise: depth > 160, showing > 0 for 5 s"), 8)
+    )
     vessel: str | None = optional(Text(200, "name of a boat, or path of its file"))
     equations: str | None = optional(Choice(EQUATIONS, "set of equations"))
     rates: str | None = optional(Choice(("exact", "lagged"), "how accelerations are found"))
@@ -107,6 +142,13 @@ class CasualtyRow:
     when: str | None = optional(Text(79, "condition, instead of at_s"))
     rule: str | None = optional(Choice(("once", "again"), "how often, with when; else once"))
     clear_at_s: float | None = optional(Quantity("s", within(0, LATEST), "when it is cleared"))
+    within_s: float | None = optional(
+        Quantity("s", above(0, LATEST), "it comes up to so much after at_s, by the seed")
+    )
+    lasts_s: float | None = optional(
+        Quantity("s", above(0, LATEST), "how long it lasts, instead of clear_at_s")
+    )
+    one_of: str | None = optional(Text(40, "of all with this word one comes, by the seed"))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -134,6 +176,9 @@ RECORDS: Final = {
     "[casualties]": CasualtyRow,
     "limits": Limits,
     "[scores]": Score,
+    "[crew]": CrewRow,
+    "planesman": Planesman,
+    "helmsman": Helmsman,
 }
 
 
@@ -145,7 +190,7 @@ def key_tables() -> str:
 UNSCHEDULED: Final = ("help", "status")  # they answer a console
 
 
-TABLES: Final = ("initial", "sea", "orders", "casualties", "limits", "scores")
+TABLES: Final = ("initial", "sea", "orders", "casualties", "limits", "scores", *CREW_TABLES)
 KNOWN: Final = (*(item.name for item in fields(Heading)), "note", *TABLES)
 
 
@@ -156,6 +201,23 @@ class Armed:
     condition: Condition
     casualty: Casualty
     rule: str
+
+
+@dataclass(frozen=True, kw_only=True)
+class Drawn:
+    """A casualty whose coming the seed decides: its time, or whether it comes at all."""
+
+    row: CasualtyRow
+    number: int  # in the file, from 0
+
+
+@dataclass(frozen=True, kw_only=True)
+class Loss:
+    """What loses an exercise: conditions that hold for so long [s]."""
+
+    conditions: tuple[Condition, ...]
+    seconds: float
+    text: str
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -171,6 +233,42 @@ class Exercise:
     armed: tuple[Armed, ...]
     limits: Limits
     scores: tuple[Rule, ...]
+    drawn: tuple[Drawn, ...]
+    lost: tuple[Loss, ...]
+    crew: Crew
+
+    def schedule_of(self, seed: int) -> list[Scheduled]:
+        """Return what is ordered and breaks at set times in the run of a seed, in order of time."""
+        timed = [*self.schedule]
+        for each in _chosen(self.drawn, seed):
+            timed += _timed_casualty(_settled(each, seed), each.number)
+        return sorted(timed, key=lambda entry: entry.seconds)
+
+
+def _chosen(drawn: tuple[Drawn, ...], seed: int) -> list[Drawn]:
+    """Return which casualties come: of each group one."""
+    groups: dict[str, list[Drawn]] = {}
+    for each in drawn:
+        groups.setdefault(each.row.one_of or f" {each.number}", []).append(each)
+    return [group[int(_share(seed, name) * len(group))] for name, group in groups.items()]
+
+
+def _settled(drawn: Drawn, seed: int) -> CasualtyRow:
+    """Return the casualty with its times as the seed has them, in whole seconds."""
+    row = drawn.row
+    if row.at_s is None:
+        return row
+    late = math.floor(_share(seed, f"time {drawn.number}") * (row.within_s or 0.0))
+    begins = row.at_s + late
+    ends = None if row.clear_at_s is None else row.clear_at_s + late
+    ends = begins + row.lasts_s if row.lasts_s is not None else ends
+    return replace(row, at_s=begins, clear_at_s=ends)
+
+
+def _share(seed: int, what: str) -> float:
+    """Return a number from 0 to 1, below it, that a seed has for something; no sea hangs on it."""
+    digest = hashlib.sha256(f"{seed}/{what}".encode()).digest()
+    return int.from_bytes(digest[:6], "big") / 2.0**48
 
 
 def load_exercise(name_or_path: str) -> Exercise:
@@ -184,7 +282,11 @@ def load_exercise(name_or_path: str) -> Exercise:
 
 def parse_exercise(text: str, path: Path) -> Exercise:
     """Return the exercise in ``text``, which came from ``path``; ConfigError with all faults."""
-    return read_exercise(parse_toml(text, path.name), path)
+    table = parse_toml(text, path.name)
+    try:
+        return read_exercise(table, path)
+    except ConfigError as wrong:
+        raise ConfigError(*numbered(wrong.problems, text, path.name)) from None
 
 
 def read_exercise(table: Mapping[str, Any], path: Path) -> Exercise:
@@ -215,14 +317,64 @@ def read_exercise(table: Mapping[str, Any], path: Path) -> Exercise:
     with collecting(problems):
         timed += _orders(table, place)
     with collecting(problems):
-        broken, parts["armed"] = _casualties(table, place, parts["casualties"])
+        broken, parts["armed"], parts["drawn"] = _casualties(table, place, parts["casualties"])
         timed += broken
     with collecting(problems):
         parts["scores"] = read_rules(table, place, parts["casualties"])
+    with collecting(problems):
+        parts["crew"] = read_crew(table, place)
+    if "heading" in parts:
+        with collecting(problems):
+            parts["lost"] = _lost(parts["heading"].lost or (), place)
+        problems += _unmanned(parts["heading"], table, place)
+        problems += _without_win(parts["heading"], parts.get("scores", ()), place)
     if problems:
         raise ConfigError(*problems)
     timed.sort(key=lambda entry: entry.seconds)
     return Exercise(path=path, schedule=tuple(timed), **parts)
+
+
+LASTING: Final = re.compile(r"(.*\S)\s+for\s+([\d.]+)\s*s")
+
+
+def _lost(texts: tuple[str, ...], place: Place) -> tuple[Loss, ...]:
+    """Return what loses the exercise; ConfigError with all that is no condition."""
+    problems: list[str] = []
+    found = []
+    for text in texts:
+        lasting = LASTING.fullmatch(text.strip())
+        words, seconds = (lasting[1], lasting[2]) if lasting else (text, "0")
+        with collecting(problems):
+            conditions = compile_conditions(words, place)
+            found.append(Loss(conditions=conditions, seconds=float(seconds), text=text.strip()))
+    if problems:
+        raise ConfigError(*(problem.replace(": condition", ": lost:", 1) for problem in problems))
+    return tuple(found)
+
+
+def _unmanned(heading: Heading, table: Mapping[str, Any], place: Place) -> list[str]:
+    """Return which scheduled orders to the crew are for an axis that nobody mans."""
+    there = (*(heading.hand or ()), *(heading.allowed or ()))
+    found = []
+    rows = table.get("orders", [])
+    for i, row in enumerate(rows if isinstance(rows, list) else []):
+        text = row.get("order") if isinstance(row, Mapping) else None
+        order = parse(text) if isinstance(text, str) else None
+        axis = order.word.partition("_")[0] if isinstance(order, Order) else ""
+        if isinstance(order, Order) and order.name == "order" and axis in MANNED:
+            manned = MANNED[axis]
+            if not set(manned) & set(there):
+                told = f"nobody mans it: hand = [{', '.join(map(quote, there))}]"
+                told += f" has none of {', '.join(manned)}"
+                found.append(place.inside(f"orders[{i}]").wrong("order", text, told))
+    return found
+
+
+def _without_win(heading: Heading, rules: tuple[Rule, ...], place: Place) -> list[str]:
+    """Return that an exercise by hand has scores, and nothing that wins it."""
+    if not heading.hand or not rules or any(rule.part == "task" for rule in rules):
+        return []
+    return [place.problem('[[scores]] have no part = "task": nothing wins this exercise')]
 
 
 def _sea(value: object, path: Path) -> SeaFile:
@@ -254,9 +406,13 @@ def _orders(table: Mapping[str, object], place: Place) -> list[Scheduled]:
 
 def _casualties(
     table: Mapping[str, object], place: Place, known: Mapping[str, Casualty]
-) -> tuple[list[Scheduled], tuple[Armed, ...]]:
-    """Return what breaks at set times, and what waits for a condition; ConfigError with all."""
+) -> tuple[list[Scheduled], tuple[Armed, ...], tuple[Drawn, ...]]:
+    """Return what breaks at set times, what waits for a condition, and what the seed decides.
+
+    ConfigError with all that is wrong.
+    """
     problems: list[str] = []
+    drawn: list[Drawn] = []
     timed: list[Scheduled] = []
     armed: list[Armed] = []
     rows = CASUALTIES.read("casualties", table.get("casualties", []), place)
@@ -264,14 +420,17 @@ def _casualties(
         inside = place.inside(f"casualties[{i}]")
         with collecting(problems):
             casualty = _known_casualty(row, inside, known)
-            timed += _timed_casualty(row, i)
+            if row.within_s is None and row.one_of is None:
+                timed += _timed_casualty(_settled(Drawn(row=row, number=i), 0), i)
+            else:
+                drawn.append(Drawn(row=row, number=i))
             if row.when is not None:
                 condition = compile_condition(row.when, inside)
                 rule = row.rule or "once"
                 armed.append(Armed(condition=condition, casualty=casualty, rule=rule))
     if problems:
         raise ConfigError(*problems)
-    return timed, tuple(armed)
+    return timed, tuple(armed), tuple(drawn)
 
 
 def _known_casualty(row: CasualtyRow, place: Place, known: Mapping[str, Casualty]) -> Casualty:
@@ -296,6 +455,11 @@ def _known_casualty(row: CasualtyRow, place: Place, known: Mapping[str, Casualty
         problems.append(place.wrong("rule", row.rule, "goes with when"))
     if row.at_s is not None and row.clear_at_s is not None and row.clear_at_s < row.at_s:
         problems.append(place.wrong("clear_at_s", row.clear_at_s, "is before at_s"))
+    for key in ("within_s", "lasts_s", "one_of"):
+        if getattr(row, key) is not None and row.at_s is None:
+            problems.append(place.wrong(key, getattr(row, key), "goes with at_s"))
+    if row.lasts_s is not None and row.clear_at_s is not None:
+        problems.append(place.problem("give one of clear_at_s, lasts_s"))
     if problems:
         raise ConfigError(*problems)
     return entry

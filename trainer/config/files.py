@@ -146,10 +146,15 @@ def shipped_names(kind: str) -> tuple[str, ...]:
     """Return the names of the shipped files of ``kind``, such as 'vessels', sorted."""
     texts = _recorded.get()
     if texts is None:
-        return tuple(sorted(path.stem for path in _shipped_folder(kind).glob("*.toml")))
+        return _without_companions(path.stem for path in _shipped_folder(kind).glob("*.toml"))
     folder = f"{SHIPPED}{kind}/" if kind else SHIPPED
     names = (key.removeprefix(folder) for key in texts if key.startswith(folder))
-    return tuple(sorted(name.removesuffix(".toml") for name in names if "/" not in name))
+    return _without_companions(name.removesuffix(".toml") for name in names if "/" not in name)
+
+
+def _without_companions(names: Iterable[str]) -> tuple[str, ...]:
+    """Return the names sorted, without those of files kept beside others: jam.baseline."""
+    return tuple(sorted(name for name in names if "." not in name))
 
 
 def shipped(kind: str, name: str) -> Path:
@@ -209,6 +214,17 @@ def read_text(path: Path) -> str:
     return text
 
 
+def text_if_there(path: Path) -> str | None:
+    """Return the text of a file, or None if there is none; ConfigError as in ``read_text``."""
+    texts = _recorded.get()
+    if texts is None:
+        return read_text(path) if path.exists() else None
+    try:
+        return read_text(path)
+    except ConfigError:
+        return None
+
+
 def _shipped_key(path: Path, texts: Mapping[str, str]) -> str:
     """Return the key of a shipped file by its path on another machine; ConfigError if none is."""
     for key in filter(_ships, texts):
@@ -234,6 +250,52 @@ def _text_on_disk(path: Path) -> str:
         return data.decode("utf-8-sig")
     except UnicodeDecodeError as error:
         raise ConfigError(f"{path}: is not UTF-8 text (byte {error.start} is wrong)") from error
+
+
+HEADER: Final = re.compile(r"\s*(\[\[?)\s*([\w.-]+)\s*\]")
+SET: Final = re.compile(r"\s*([\w-]+)\s*=\s*(.*)")
+TOLD: Final = re.compile(r"(?:\[(?P<table>[^ ]+)\] )?(?:(?P<key>[\w-]+)(?:\[\d+\])? = )?")
+
+
+def lines_of(text: str) -> dict[tuple[str, str], int]:
+    """Return the line of each key by table and key, and of each table with no key.
+
+    A table of an array has its place in it: orders[2]. Tables within tables are not looked into.
+    """
+    found: dict[tuple[str, str], int] = {}
+    table, counts, fence = "", dict[str, int](), ""
+    for number, line in enumerate(text.split("\n"), start=1):
+        if fence:
+            fence = "" if fence in line else fence
+            continue
+        if head := HEADER.match(line):
+            table = head[2]
+            if head[1] == "[[":
+                counts[table] = counts.get(table, -1) + 1
+                table = f"{table}[{counts[table]}]"
+            found.setdefault((table, ""), number)
+        elif key := SET.match(line):
+            found.setdefault((table, key[1]), number)
+            mark = key[2][:3]
+            fence = mark if mark in ('"""', "'''") and mark not in key[2][3:] else ""
+    return found
+
+
+def numbered(problems: Iterable[str], text: str, file: str) -> list[str]:
+    """Return messages about a file with the line of what each is about, where it can be told."""
+    lines, head = lines_of(text), f"{file}: "
+    return [_numbered(each, lines, head) for each in problems]
+
+
+def _numbered(problem: str, lines: Mapping[tuple[str, str], int], head: str) -> str:
+    if not problem.startswith(head) or problem.startswith(f"{head}line "):
+        return problem
+    about = problem.removeprefix(head)
+    told = TOLD.match(about)
+    table, key = (told["table"] or "", told["key"] or "") if told else ("", "")
+    number = lines.get((table, key)) or lines.get((table, "")) or lines.get((key, ""))
+    number = number or lines.get((f"{key}[0]", ""))
+    return problem if number is None else f"{head}line {number}: {about}"
 
 
 def no_constant(name: str) -> NoReturn:

@@ -43,6 +43,27 @@ MEASURES: Final[Mapping[str, Measure]] = {
         "time until {q} is within {b} of {t} and stays there to the end",
         "when it is",
     ),
+    "reach": Measure(
+        ("quantity", "target", "band"),
+        (),
+        "s",
+        "time until {q} is within {b} of {t} and stays there; no value if it was there at once",
+        "when it is",
+    ),
+    "settled": Measure(
+        ("quantity", "target", "band"),
+        (),
+        "%",
+        "share of the last 120 s with {q} within {b} of {t}; no value if it was there at once",
+        "the furthest from it",
+    ),
+    "final": Measure(
+        ("quantity",),
+        ("target",),
+        ITS_OWN,
+        "{q} at the end{f}",
+        "the end",
+    ),
     "rms": Measure(
         ("quantity",),
         ("target",),
@@ -59,7 +80,9 @@ MEASURES: Final[Mapping[str, Measure]] = {
     ),
     "highest": Measure(("quantity",), (), ITS_OWN, "greatest {q}", "when it was"),
     "lowest": Measure(("quantity",), (), ITS_OWN, "least {q}", "when it was"),
-    "largest": Measure(("quantity",), (), ITS_OWN, "greatest {q} either way", "when it was"),
+    "largest": Measure(
+        ("quantity",), ("target",), ITS_OWN, "greatest {q} either way{f}", "when it was"
+    ),
     "activity": Measure(
         (),
         ("quantity",),
@@ -120,4 +143,4 @@ MEASURES: Final[Mapping[str, Measure]] = {
     ),
 }
 TIMELESS: Final = ("response",)  # look at the whole record
-WINDOW: Final = ("from_s", "to_s", "when")
+WINDOW: Final = ("since", "from_s", "to_s", "when")

@@ -150,6 +150,43 @@ class Choice:
 
 
 @dataclass(frozen=True)
+class Flag:
+    """True or false."""
+
+    meaning: str
+
+    @property
+    def cells(self) -> tuple[str, str, str]:
+        """Return unit, range and meaning."""
+        return "word", "true or false", self.meaning
+
+    def read(self, key: str, value: object, place: Place) -> bool:
+        """Return the word; ConfigError if it is neither."""
+        if not isinstance(value, bool):
+            raise ConfigError(place.wrong(key, value, "must be true or false"))
+        return value
+
+
+@dataclass(frozen=True)
+class Texts:
+    """A list of printable lines."""
+
+    each: Text
+    most: int
+
+    @property
+    def cells(self) -> tuple[str, str, str]:
+        """Return unit, range and meaning."""
+        return "texts", f"0 to {self.most}", self.each.meaning
+
+    def read(self, key: str, value: object, place: Place) -> tuple[str, ...]:
+        """Return the lines; ConfigError naming the first that is wrong."""
+        if not isinstance(value, list) or len(value) > self.most:
+            raise ConfigError(place.wrong(key, value, f"must be a list of {self.most} texts at most"))
+        return tuple(self.each.read(f"{key}[{i}]", item, place) for i, item in enumerate(value))
+
+
+@dataclass(frozen=True)
 class Choices:
     """A list of some of a few words, each at most once."""
 
@@ -234,6 +271,11 @@ def of(kind: Kind) -> Any:
 def optional(kind: Kind) -> Any:
     """Return a dataclass field holding ``kind``, or None where the file does not say."""
     return field(default=None, metadata={"kind": kind})
+
+
+def usual(value: float, kind: Kind) -> Any:
+    """Return a dataclass field holding ``kind``, or ``value`` where the file does not say."""
+    return field(default=value, metadata={"kind": kind})
 
 
 def kind_of(item: Field[Any]) -> Kind:

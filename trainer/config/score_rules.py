@@ -5,17 +5,18 @@ from dataclasses import dataclass
 from typing import Final
 
 from trainer.config.casualties import Casualty
-from trainer.config.condition import ANGLE, QUANTITIES, Condition, compile_condition, parse_name
+from trainer.config.condition import EVERY, Condition, compile_conditions, parse_name
 from trainer.config.condition import nearest_quantity as guess
 from trainer.config.files import ConfigError, Place, collecting, nearest
-from trainer.config.measures import COURSE, MEASURES, ORDERED, TIMELESS, WINDOW
-from trainer.config.schema import Choices, Quantity, Rows, Text, above, of, optional, within
+from trainer.config.measures import MEASURES, ORDERED, TIMELESS, WINDOW
+from trainer.config.schema import Choice, Choices, Quantity, Rows, Text, above, of, optional, within
 from trainer.io.orders.schedule import LATEST
 from trainer.io.orders.table import BOAT_ORDERS, CREW_TALK
 
 ENOUGH: Final = within(-1e9, 1e9)
 # orders of the instructor, and words, which answer no casualty
 INSTRUCTING: Final = frozenset({"casualty", "clear", "sea", "hold", "release"}) | CREW_TALK
+PARTS: Final = ("task", "answer", "keeping")
 ANSWERS: Final = tuple(sorted(BOAT_ORDERS - INSTRUCTING))
 
 
@@ -34,12 +35,18 @@ class Score:
     orders: tuple[str, ...] | None = optional(
         Choices(ANSWERS, "which orders answer it, by docs/orders.md; else any")
     )
+    since: str | None = optional(
+        Text(40, "a casualty: from_s and to_s count from when it first came; else from the start")
+    )
     from_s: float | None = optional(Quantity("s", within(0, LATEST), "first moment looked at"))
     to_s: float | None = optional(Quantity("s", within(0, LATEST), "last moment looked at"))
-    when: str | None = optional(Text(79, "condition: only moments at which it holds"))
+    when: str | None = optional(Text(79, "conditions, with and: only moments at which they hold"))
     full: float = of(Quantity("measure's", ENOUGH, "value that earns full marks"))
     zero: float = of(Quantity("measure's", ENOUGH, "value that earns none; between, in proportion"))
     weight: float | None = optional(Quantity("-", above(0, 1000), "in the total; else 1"))
+    part: str | None = optional(
+        Choice(PARTS, "of the marks; else answer for a response, and task for all others")
+    )
 
 
 SCORES: Final = Rows(Score, ("note",), 0, 50, "how the crew is judged, below")
@@ -63,8 +70,14 @@ class Rule:
 
     score: Score
     measured: Measured | None
-    condition: Condition | None
+    conditions: tuple[Condition, ...]
     casualty: Casualty | None
+    since: Casualty | None = None
+
+    @property
+    def part(self) -> str:
+        """Return which part of the marks it belongs to."""
+        return self.score.part or ("answer" if self.score.measure == "response" else "task")
 
     @property
     def weight(self) -> float:
@@ -75,40 +88,40 @@ class Rule:
 def understood(score: Score, place: Place, known: Mapping[str, Casualty]) -> Rule:
     """Return the rule of a table; ConfigError with all that is wrong in it."""
     problems: list[str] = []
-    measured, condition, casualty = None, None, None
+    measured = None
+    conditions: tuple[Condition, ...] = ()
     with collecting(problems):
         measured = score.quantity and parse_quantity(score.quantity, place)
     with collecting(problems):
-        condition = score.when and compile_condition(score.when, place)
-    if score.casualty is not None:
-        casualty = known.get(score.casualty)
-        if casualty is None:
-            told = f"no such casualty{nearest(score.casualty, known)}"
-            problems.append(place.wrong("casualty", score.casualty, told))
+        conditions = compile_conditions(score.when, place) if score.when else ()
+    found: dict[str, Casualty | None] = {}
+    for key in ("casualty", "since"):
+        name = getattr(score, key)
+        found[key] = None if name is None else known.get(name)
+        if name is not None and found[key] is None:
+            told = f"no such casualty{nearest(name, known)}"
+            problems.append(place.wrong(key, name, told))
     if score.full == score.zero:
         problems.append(place.wrong("zero", score.zero, "must not be the value of full"))
     if score.to_s is not None and score.to_s < (score.from_s or 0.0):
         problems.append(place.wrong("to_s", score.to_s, "is before from_s"))
     if problems:
         raise ConfigError(*problems)
-    return Rule(
-        score=score, measured=measured or None, condition=condition or None, casualty=casualty
-    )
+    return Rule(score=score, measured=measured or None, conditions=conditions, **found)
 
 
 def parse_quantity(text: str, place: Place) -> Measured:
     """Return the quantity that is named, in its unit or else its own; ConfigError if none is."""
-    if text.lower() in (COURSE, f"{COURSE}_deg"):
-        return Measured(COURSE, "deg", ANGLE["deg"])
     found = parse_name(text)
     if found is None:
         raise ConfigError(place.wrong("quantity", text, f"no such quantity{guess(text)}"))
     name, unit = found
-    units = QUANTITIES[name].units
+    units = EVERY[name].units
     unit = unit or next(iter(units))
     return Measured(name, unit.replace("_", "/").replace("mpa", "MPa"), units[unit])
 
 
+OF_ITSELF: Final = ("final", "largest")  # without a target
 # what a rule may say for some measures only
 OPTIONAL: Final = ("quantity", "target", "band", "casualty", "orders", *WINDOW)
 
@@ -176,7 +189,8 @@ def _check_target(rule: Rule, place: Place) -> list[str]:
     if measure.quantities and measured.name not in measure.quantities:
         told = f"{score.measure} is of {' or '.join(measure.quantities)}"
         return [place.wrong("quantity", score.quantity, told)]
-    if score.target is None and "target" in measure.may and measured.name not in ORDERED:
+    free = score.measure in OF_ITSELF
+    if score.target is None and not free and "target" in measure.may and measured.name not in ORDERED:
         told = f"nobody orders it as such ({', '.join(ORDERED)} are): give a target"
         return [place.wrong("quantity", score.quantity, told)]
     return []

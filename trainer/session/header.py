@@ -21,6 +21,7 @@ from typing import Any, Final
 from trainer import __version__
 from trainer.boat.assemble import Method
 from trainer.boat.boat import Boat
+from trainer.config.baseline import BASELINE
 from trainer.config.files import (
     ABANDONED,
     ConfigError,
@@ -219,7 +220,7 @@ def _few(names: list[str]) -> str:
 def _other_texts(header: Mapping[str, str]) -> Iterator[str]:
     """Yield what today's files say otherwise, or that they are gone."""
     for key, was in _part(header, "texts").items():
-        if key in ABANDONED:
+        if key in ABANDONED or key.endswith(BASELINE):
             continue
         try:
             now = read_text(path_of(key))

@@ -2,20 +2,31 @@
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, field, fields, replace
 from pathlib import Path
 from typing import Any, Final
 
 from trainer.boat import casualties as casualties_module
 from trainer.boat.assemble import Method
 from trainer.boat.boat import Boat
+from trainer.config.baseline import Baseline, kept_baseline
 from trainer.config.casualties import Casualty, load_casualties
-from trainer.config.exercise import UNSCHEDULED, Armed, Exercise, Initial, Limits, load_exercise
+from trainer.config.exercise import (
+    UNSCHEDULED,
+    Armed,
+    Exercise,
+    Initial,
+    Limits,
+    Loss,
+    load_exercise,
+)
 from trainer.config.files import ConfigError, read_text
+from trainer.config.reference_crew import Crew
 from trainer.config.score_rules import Rule
 from trainer.config.sea import SeaFile, load_sea, sea_settings, step_problem
 from trainer.config.vessel import VesselFile, load_vessel
 from trainer.core.scheme import RUNGE_KUTTAS
+from trainer.io.orders.grammar import Order, parse
 from trainer.io.orders.schedule import BadSchedule, Scheduled, parse_schedule
 from trainer.session.options import RunOptions
 from trainer.units import KNOT
@@ -50,6 +61,18 @@ class Plan:
     armed: tuple[Armed, ...]
     limits: Limits
     scores: tuple[Rule, ...]
+    instructor: str = ""  # what the instructor alone is told
+    hand: tuple[str, ...] = ()  # axes that the crew works
+    hand_from: float = 0.0  # [s]
+    allowed: tuple[str, ...] = ()  # automatic orders, all the same
+    lost: tuple[Loss, ...] = ()
+    crew: Crew = field(default_factory=Crew)  # the reference crew
+    baseline: Baseline | None = None  # as it was flown and kept
+
+    @property
+    def judged_by_tasks(self) -> bool:
+        """Return whether the marks are those of tasks, less nobody aboard; else a plain mean."""
+        return bool(self.hand or self.lost or any(rule.score.part for rule in self.scores))
 
     @property
     def hides(self) -> bool:
@@ -83,7 +106,12 @@ def plan_run(options: RunOptions) -> Plan:
     sea, method = given or load_sea(options.sea or "calm"), choose_method(file, chosen)
     if problem := step_problem(sea_settings(sea, file.fluid.g), method.step):
         raise ConfigError(f"{sea.path.name}: {problem}")
-    schedule = [*(exercise.schedule if exercise else ()), *read_schedule(options.orders_file)]
+    schedule = [
+        *(into_hand(exercise, file) if exercise else ()),
+        *(exercise.schedule_of(int(chosen.seed)) if exercise else ()),
+        *read_schedule(options.orders_file),
+    ]
+    heading = exercise.heading if exercise else None
     return Plan(
         file=file,
         method=method,
@@ -98,7 +126,34 @@ def plan_run(options: RunOptions) -> Plan:
         armed=exercise.armed if exercise else (),
         limits=exercise.limits if exercise else Limits(),
         scores=exercise.scores if exercise else (),
+        instructor=(heading and heading.instructor) or "",
+        hand=(heading and heading.hand) or (),
+        hand_from=(heading and heading.hand_from_s) or 0.0,
+        allowed=(heading and heading.allowed) or (),
+        lost=exercise.lost if exercise else (),
+        crew=exercise.crew if exercise else Crew(),
+        baseline=kept_baseline(exercise.path) if exercise else None,
     )
+
+
+HANDED: Final = {  # what puts an axis in hand, as it stands
+    "rudder": ("rudder manual",),
+    "planes": ("planes manual",),
+    "ballast": ("trim manual", "hover off"),
+}
+
+
+def into_hand(exercise: Exercise, file: VesselFile) -> list[Scheduled]:
+    """Return the orders that put in hand what the crew works, with a boat that has an autopilot."""
+    heading = exercise.heading
+    if file.autopilot is None or not heading.hand:
+        return []
+    speed = exercise.initial.speed_kn
+    speed = file.run.start_speed_kn if speed is None else speed
+    words = {**HANDED, "speed": (f"turns {speed:g}",)}
+    orders = [parse(text) for axis in heading.hand for text in words[axis]]
+    at = heading.hand_from_s or 0.0
+    return [Scheduled(at, order, 0) for order in orders if isinstance(order, Order)]
 
 
 def refuse_too_deep(exercise: Exercise, file: VesselFile) -> None:

@@ -15,10 +15,13 @@ from trainer.analysis.debrief.episodes import (
     deflection,
     spells,
 )
-from trainer.analysis.debrief.scoring import Scorecard, Scored, score
+from trainer.analysis.debrief.judgement import judge, plain_marks
+from trainer.analysis.debrief.scoring import Scorecard, Scored, Verdict
 from trainer.analysis.debrief.trajectory import Trajectory, read_passage
+from trainer.analysis.rehearsal import fly
 from trainer.boat.boat import Boat
 from trainer.config.files import ConfigError
+from trainer.core.cache import same_core
 from trainer.io.recording.recording import Branch, Journalled, Noted, Recording
 from trainer.session.header import layout_of, plan_of
 from trainer.session.plan import Plan
@@ -86,8 +89,10 @@ class DebriefData:
         return tuple(event for event in self.events if event.kind in kinds)
 
 
-def gather(recording: Recording, source: Path, number: int | None) -> DebriefData:
-    """Return the dossier of a branch, None for the latest.
+def gather(
+    recording: Recording, source: Path, number: int | None, width: str = "qualified"
+) -> DebriefData:
+    """Return the dossier of a branch, None for the latest, judged at a width.
 
     ConfigError if the header cannot be read or there is no such branch.
     """
@@ -108,13 +113,25 @@ def gather(recording: Recording, source: Path, number: int | None) -> DebriefDat
         branch=branch,
         branches=tuple((each, last_tick(recording, each)) for each in branches),
         trajectory=trajectory,
-        card=score(trajectory, plan.scores),
+        card=judge(trajectory, plan, nobody_aboard(plan, header, width), width),
         casualties=tuple(pair_answers(trajectory)),
         crew=crew_orders(trajectory),
         hands=hands(trajectory),
         events=tuple(events_of(recording, branches, branch)),
         ticks=ticks_of(trajectory),
     )
+
+
+def nobody_aboard(plan: Plan, header: Mapping[str, str], width: str) -> Mapping[str, float]:
+    """Return the marks of each rule with nobody aboard, by its name.
+
+    They are flown at the seed of the record, or by another core those that are kept.
+    """
+    if not plan.judged_by_tasks:
+        return {}
+    if plan.duration is not None and same_core(header.get("core")):
+        return plain_marks(fly(plan).trajectory, plan, width)
+    return plan.baseline.marks if plan.baseline else {}
 
 
 def last_tick(recording: Recording, branch: Branch) -> int:
@@ -186,6 +203,7 @@ def figures(debrief: DebriefData) -> dict[str, Any]:
         ],
         "seconds": float(debrief.trajectory.seconds[-1]),
         "total": debrief.card.total,
+        "verdict": _verdict(debrief.card.verdict),
         "scores": [_score(each, step) for each in debrief.card.scores],
         "casualties": [_casualty(each, step) for each in debrief.casualties],
         "marks": [
@@ -200,6 +218,11 @@ def _seconds(tick: int | None, step: float) -> float | None:
     return None if tick is None else tick * step
 
 
+def _verdict(verdict: Verdict | None) -> dict[str, Any] | None:
+    """Return how an exercise ended, None for one whose marks are a plain mean."""
+    return None if verdict is None else asdict(verdict)
+
+
 def _score(each: Scored, step: float) -> dict[str, Any]:
     """Return a rule and how it was met."""
     return {
@@ -209,6 +232,9 @@ def _score(each: Scored, step: float) -> dict[str, Any]:
         "unit": each.unit,
         "why": each.attained.why,
         "marks": each.marks,
+        "part": each.rule.part,
+        "nobody": each.nobody,
+        "earned": each.earned,
         "weight": each.rule.weight,
         "tick": each.attained.tick,
         "seconds": _seconds(each.attained.tick, step),

@@ -6,6 +6,7 @@ from typing import Final
 import numpy as np
 
 from trainer.analysis.debrief.trajectory import AMOUNTS, SLOTS, Trajectory
+from trainer.config.casualties import Casualty
 from trainer.config.files import ConfigError
 from trainer.config.score_rules import INSTRUCTING
 from trainer.core.casualties import KINDS
@@ -49,6 +50,12 @@ def spells(trajectory: Trajectory) -> tuple[Episode, ...]:
         for episode in _of_kind(trajectory, slots == code, amounts, KINDS[code - 1])
     ]
     return tuple(sorted(found, key=lambda episode: episode.begun))
+
+
+def first_spell(trajectory: Trajectory, casualty: Casualty | None) -> Episode | None:
+    """Return the first time that a casualty came, None if it did not."""
+    kind = casualty.kind if casualty else ""
+    return next((each for each in spells(trajectory) if each.kind == kind), None)
 
 
 def _of_kind(

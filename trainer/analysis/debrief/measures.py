@@ -10,14 +10,13 @@ from typing import Final
 
 import numpy as np
 
-from trainer.analysis.debrief.episodes import answer_to, spells
-from trainer.analysis.debrief.trajectory import Rows, Trajectory
+from trainer.analysis.debrief.episodes import answer_to, first_spell
+from trainer.analysis.debrief.trajectory import Rows, Trajectory, showing
 from trainer.boat.depths import lowest_depth
 from trainer.boat.limits import COVERED, FULL
 from trainer.config.score_rules import Measured, Rule
 from trainer.core.ballast.tanks import BANKS
 from trainer.core.kernel import Numbers
-from trainer.core.sea.free_surface import DECK_REACH
 
 NO_TEST_DEPTH: Final = "this boat has no test depth"
 PLANES: Final = ("stern", "bow")
@@ -60,6 +59,34 @@ def time_to(trajectory: Trajectory, rows: Rows, rule: Rule) -> Attained:
     return Attained(seconds, int(ticks[first]))
 
 
+THERE: Final = "the boat was there when it was ordered"
+LAST: Final = 120.0  # [s] of a window, in which the boat has to have settled
+
+
+def reach(trajectory: Trajectory, rows: Rows, rule: Rule) -> Attained:
+    """Return the time [s] until the quantity is in its band for good, having been outside."""
+    if _inside(trajectory, rows, rule)[0]:
+        return Attained(None, None, THERE)
+    return time_to(trajectory, rows, rule)
+
+
+def settled(trajectory: Trajectory, rows: Rows, rule: Rule) -> Attained:
+    """Return the share [%] of the last LAST seconds in the band, having been outside."""
+    if _inside(trajectory, rows, rule)[0]:
+        return Attained(None, None, THERE)
+    seconds = trajectory.seconds
+    return in_band(trajectory, rows & (seconds >= seconds[rows][-1] - LAST), rule)
+
+
+def final(trajectory: Trajectory, rows: Rows, rule: Rule) -> Attained:
+    """Return the quantity at the last of the rows, or how far from its target it is."""
+    if rule.score.target is None:
+        value = float(_quantity(trajectory, rows, rule)[-1])
+    else:
+        value = abs(float(_off(trajectory, rows, rule)[-1]))
+    return Attained(value, int(trajectory.ticks[rows][-1]))
+
+
 def rms(trajectory: Trajectory, rows: Rows, rule: Rule) -> Attained:
     """Return the root of the mean square distance from the target."""
     off = _off(trajectory, rows, rule)
@@ -85,8 +112,10 @@ def lowest(trajectory: Trajectory, rows: Rows, rule: Rule) -> Attained:
 
 
 def largest(trajectory: Trajectory, rows: Rows, rule: Rule) -> Attained:
-    """Return the quantity at its largest either way, without its sign."""
-    return _extreme(trajectory, rows, np.abs(_quantity(trajectory, rows, rule)), np.argmax)
+    """Return the quantity, or its distance from the target, at its largest either way."""
+    away = rule.score.target is not None
+    values = _off(trajectory, rows, rule) if away else _quantity(trajectory, rows, rule)
+    return _extreme(trajectory, rows, np.abs(values), np.argmax)
 
 
 def activity(trajectory: Trajectory, rows: Rows, rule: Rule) -> Attained:
@@ -148,8 +177,7 @@ def time_beyond_test_depth(trajectory: Trajectory, rows: Rows, _rule: Rule) -> A
 
 def response(trajectory: Trajectory, _rows: Rows, rule: Rule) -> Attained:
     """Return the time [s] from the casualty's first onset to the crew's answer."""
-    kind = rule.casualty.kind if rule.casualty else ""
-    episode = next((each for each in spells(trajectory) if each.kind == kind), None)
+    episode = first_spell(trajectory, rule.casualty)
     if episode is None:
         return Attained(None, None, "it did not happen", counts=False)
     answer = answer_to(trajectory, episode, rule.score.orders)
@@ -172,7 +200,8 @@ def reserve_air(trajectory: Trajectory, rows: Rows, rule: Rule) -> Attained:
 def limits_of(trajectory: Trajectory) -> list[str]:
     """Return the limits that the exercise sets, by their keys."""
     names = [item.name for item in fields(trajectory.limits)]
-    return [name for name in names if getattr(trajectory.limits, name) is not None]
+    known = [name for name in names if name.rpartition("_")[0] in LIMITED]
+    return [name for name in known if getattr(trajectory.limits, name) is not None]
 
 
 def rows_beyond(trajectory: Trajectory, name: str) -> Rows:
@@ -194,21 +223,6 @@ def depth_beyond(trajectory: Trajectory) -> Numbers | None:
         return None
     beyond = lowest_depth(column["z"], column["theta"], hull.length) - hull.test_depth_m
     return np.where(column["held_depth"] == 0.0, beyond, np.minimum(beyond, 0.0))
-
-
-def showing(trajectory: Trajectory) -> Numbers:
-    """Return the height [m] of the highest part of sail and deck above the sea."""
-    vessel, column = trajectory.boat.vessel, trajectory.columns
-    sine, cosine = np.sin(column["theta"]), np.cos(column["theta"])
-    upright = cosine * np.cos(column["phi"])
-    reach = DECK_REACH * float(vessel.ell)
-    points = (
-        (float(vessel.x_sail), float(vessel.z_sail)),
-        (reach, float(vessel.z_deck)),
-        (-reach, float(vessel.z_deck)),
-    )
-    lifted: Numbers = np.max([x * sine - z * upright for x, z in points], axis=0)
-    return lifted - column["z"] - column["eta_wave"]
 
 
 def surfacing(trajectory: Trajectory) -> Rows:

@@ -7,6 +7,7 @@ from typing import Final
 import numpy as np
 
 from trainer.analysis.debrief import measures
+from trainer.analysis.debrief.episodes import first_spell
 from trainer.analysis.debrief.measures import Attained
 from trainer.analysis.debrief.trajectory import Rows, Trajectory, lacks
 from trainer.config.measures import ITS_OWN, MEASURES, TIMELESS, WINDOW
@@ -15,6 +16,9 @@ from trainer.config.score_rules import Rule
 TAKE: Final[Mapping[str, Callable[[Trajectory, Rows, Rule], Attained]]] = {
     "overshoot": measures.overshoot,
     "time-to": measures.time_to,
+    "reach": measures.reach,
+    "settled": measures.settled,
+    "final": measures.final,
     "rms": measures.rms,
     "in-band": measures.in_band,
     "highest": measures.highest,
@@ -41,6 +45,7 @@ def formula_of(rule: Rule) -> str:
         "t": "what is ordered" if score.target is None else f"{score.target:g} {unit}",
         "b": f"{score.band:g} {unit}" if score.band is not None else "",
         "by": f" by {score.band:g} {unit}" if score.band is not None else "",
+        "f": "" if score.target is None else f", its distance from {score.target:g} {unit}",
         "c": score.casualty or "",
         "o": f" of {', '.join(score.orders)}" if score.orders else "",
     }
@@ -53,6 +58,8 @@ def _window(rule: Rule) -> str:
     parts = [
         "" if score.from_s is None else f"from {score.from_s:g} s",
         "" if score.to_s is None else f"to {score.to_s:g} s",
+        f"after {score.since}" if score.since and (score.from_s or score.to_s) else "",
+        f"from {score.since} on" if score.since and not (score.from_s or score.to_s) else "",
         f"while {score.when}" if score.when else "",
     ]
     told = " ".join(filter(None, parts))
@@ -72,6 +79,7 @@ def measure_rows() -> str:
         "|---|---|---|---|---|---|",
     ]
     spoken = {"q": "quantity", "t": "target", "b": "band", "by": " by band", "c": "casualty"}
+    spoken["f"] = ", or its distance from target"
     for name, measure in MEASURES.items():
         timed = () if name in TIMELESS else WINDOW
         cells = (
@@ -95,6 +103,8 @@ class Scored:
     unit: str
     formula: str
     marks: float | None  # [%] None: it does not count
+    nobody: float | None = None  # [%] marks with nobody aboard, where they are taken off
+    earned: float | None = None  # [%] what is left of the marks, of a task or an answer
 
     @property
     def name(self) -> str:
@@ -103,11 +113,25 @@ class Scored:
 
 
 @dataclass(frozen=True)
+class Verdict:
+    """How an exercise ended, and what the total is made of."""
+
+    outcome: str  # won, lost or not reached
+    reason: str  # "" where it was won
+    tasks: float  # [%] T
+    keeping: float  # [%] K
+    gate: str  # the limit that was broken, "" if none was
+    cap: float | None  # [%] most that is left by gate or loss
+    void: bool  # the boat turned over: there are no marks
+
+
+@dataclass(frozen=True)
 class Scorecard:
     """All rules of an exercise, and the marks of what counts; None if nothing does."""
 
     scores: tuple[Scored, ...]
     total: float | None  # [%]
+    verdict: Verdict | None = None  # of an exercise whose marks are those of tasks
 
 
 def score(trajectory: Trajectory, rules: tuple[Rule, ...]) -> Scorecard:
@@ -129,14 +153,21 @@ def attain(trajectory: Trajectory, rule: Rule) -> Attained:
     """Return what the measure of a rule has come to in a passage."""
     if lacking := lacks(trajectory.boat, rule):
         return Attained(None, None, f"this boat has no {lacking[0]}", counts=False)
-    rows = trajectory.between(rule.score.from_s, rule.score.to_s)
+    begin, end = rule.score.from_s, rule.score.to_s
+    if rule.since is not None:
+        episode = first_spell(trajectory, rule.since)
+        if episode is None:
+            return Attained(None, None, "it did not happen", counts=False)
+        onset = episode.begun * trajectory.boat.method.step
+        begin, end = onset + (begin or 0.0), None if end is None else onset + end
+    rows = trajectory.between(begin, end)
     if not np.any(rows):
         told = f"the record ends at {trajectory.seconds[-1]:g} s"
         return Attained(None, None, told, counts=False)
-    if rule.condition:
-        rows &= trajectory.holds(rule.condition)
+    for condition in rule.conditions:
+        rows &= trajectory.holds(condition)
     if not np.any(rows):
-        return Attained(None, None, f"never {rule.condition and rule.condition.text}")
+        return Attained(None, None, f"never {rule.score.when}")
     return TAKE[rule.score.measure](trajectory, rows, rule)
 
 

@@ -8,7 +8,7 @@ from markupsafe import Markup
 
 from trainer.analysis.debrief.data import Answered, DebriefData
 from trainer.analysis.debrief.episodes import SCHEDULE
-from trainer.analysis.debrief.scoring import Scored
+from trainer.analysis.debrief.scoring import Scored, Verdict
 from trainer.analysis.report.html import paragraph, table
 from trainer.analysis.report.svg import clock
 
@@ -34,6 +34,8 @@ def verdict(debrief: DebriefData) -> Markup:
     card = debrief.card
     if not card.scores:
         return paragraph("This run has no scoring rules.")
+    if card.verdict is not None:
+        return judged(debrief, card.verdict)
     counted = sum(each.marks is not None for each in card.scores)
     total = "-" if card.total is None else f"{card.total:.0f}"
     lines = [Markup('<p class="total"><b>{}</b> of 100 marks</p>').format(total)]
@@ -42,6 +44,32 @@ def verdict(debrief: DebriefData) -> Markup:
     if lacking := _unflown(debrief):
         lines.append(paragraph(lacking))
     return Markup().join(lines)
+
+
+def judged(debrief: DebriefData, verdict: Verdict) -> Markup:
+    """Return won, lost or not reached with the reason, and what the marks are made of."""
+    card = debrief.card
+    total = "no" if card.total is None else f"{card.total:.0f}"
+    lines = [
+        Markup('<p class="total"><b>{}</b></p>').format(verdict.outcome.capitalize()),
+        *([paragraph(f"{verdict.reason}.")] if verdict.reason else []),
+        Markup('<p class="total"><b>{}</b> of 100 marks</p>').format(total),
+        paragraph(made_of(verdict)),
+    ]
+    if lacking := _unflown(debrief):
+        lines.append(paragraph(lacking))
+    return Markup().join(lines)
+
+
+def made_of(verdict: Verdict) -> str:
+    """Return what a total is made of, in words."""
+    told = f"Tasks {verdict.tasks:.0f}, less nobody aboard; keeping {verdict.keeping:.0f}"
+    if verdict.void:
+        return f"{told}. The boat turned over: the marks are void."
+    if verdict.cap is not None:
+        why = "the exercise was lost" if verdict.outcome == "lost" else "a limit was broken"
+        return f"{told}. At most {verdict.cap:.0f}: {why}."
+    return f"{told}; total = tasks x (0.7 + 0.3 x keeping / 100)."
 
 
 def _unflown(debrief: DebriefData) -> str:
@@ -55,6 +83,8 @@ def _unflown(debrief: DebriefData) -> str:
 def scores(debrief: DebriefData) -> Markup:
     """Return the table of the scores."""
     headings = ("", "score", "value", "full at", "none at", "marks", "weight", "place", "formula")
+    if debrief.card.verdict is not None:
+        headings = (*headings[:6], "nobody", "earned", *headings[6:])
     rows = (_score(debrief, i, each) for i, each in enumerate(debrief.card.scores, start=1))
     return table(headings, rows, "scores")
 
@@ -67,10 +97,19 @@ def _score(debrief: DebriefData, i: int, each: Scored) -> tuple[str, ...]:
     if each.marks is not None:
         bar = Markup('{0:.0f} <i class="share"><i style="width:{0:.0f}%"></i></i>')
         marks = bar.format(each.marks)
+    earned: tuple[str, ...] = ()
+    if debrief.card.verdict is not None:
+        part = f"{each.rule.part} " if each.earned is None else ""
+        earned = ("-" if each.nobody is None else f"{each.nobody:.0f}", f"{part}{_whole(each.earned)}")
     return (
         *(f"S{i}", (each.name), value, number(score.full), number(score.zero), marks),
+        *earned,
         *(f"{each.rule.weight:g}", place(debrief, attained.tick), (each.formula)),
     )
+
+
+def _whole(marks: float | None) -> str:
+    return "" if marks is None else f"{marks:.0f}"
 
 
 def casualties(debrief: DebriefData) -> Markup:

@@ -1,6 +1,7 @@
 """A passage: one branch of a recording with all that led to it, as arrays by the tick."""
 
-from collections.abc import Mapping, Sequence
+import math
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import islice
 from typing import Final
@@ -10,12 +11,13 @@ from numpy.typing import NDArray
 
 from trainer.boat.boat import Boat
 from trainer.boat.casualties import scale_of
-from trainer.config.condition import ANGLE, QUANTITIES, Condition
+from trainer.config.condition import ANGLE, DERIVED, QUANTITIES, Condition
 from trainer.config.exercise import Limits
 from trainer.config.files import ConfigError
 from trainer.config.measures import COURSE, ORDERED
 from trainer.config.score_rules import Measured, Rule
 from trainer.core.kernel import Numbers
+from trainer.core.sea.free_surface import DECK_REACH
 from trainer.core.state import CASUALTIES
 from trainer.io.recording.recording import Flown, Journalled, Recording
 from trainer.session.layout import numbers_of
@@ -28,7 +30,7 @@ SLOTS: Final = tuple(f"casualty[{i}]" for i in range(CASUALTIES))
 AMOUNTS: Final = tuple(f"casualty_amount[{i}]" for i in range(CASUALTIES))
 # places of the state beside those that conditions are about
 PLACES: Final = (
-    *("x", "y", "psi", "ordered_depth", "ordered_psi", "ordered_speed"),
+    *("x", "y", "psi", "weight", "ordered_depth", "ordered_psi", "ordered_speed"),
     *("ordered_r", "ordered_s", "ordered_b", "command_r", "command_s", "command_b"),
     *("rudder_by_hand", "stern_by_hand", "bow_by_hand", "speed_by_hand"),
     *("blow_forward", "blow_mid", "blow_aft", "sea_height", "held_depth"),
@@ -63,8 +65,8 @@ class Trajectory:
 
     def series(self, quantity: str) -> Numbers:
         """Return a quantity that the boat has [SI]; a course is not wrapped."""
-        if quantity == COURSE:
-            return self.columns["psi"]
+        if quantity in DERIVED:
+            return DERIVE[quantity](self)
         place = QUANTITIES[quantity].place
         column = self.ticks.astype(np.float64) if place == "tick" else self.columns[place]
         return column / scale_of(self.boat, quantity)
@@ -87,7 +89,10 @@ class Trajectory:
 
     def holds(self, condition: Condition) -> Rows:
         """Return at which ticks a condition holds."""
-        above = condition.sense * (self.series(condition.quantity) - condition.threshold)
+        value = self.series(condition.quantity)
+        if condition.quantity == COURSE:
+            value = value % math.tau
+        above = condition.sense * (value - condition.threshold)
         return above > 0.0 if condition.strict else above >= 0.0
 
     def between(self, begin: float | None, end: float | None) -> Rows:
@@ -101,15 +106,49 @@ class Trajectory:
         return min(int(np.searchsorted(self.ticks, tick)), self.ticks.size - 1)
 
 
+def heaviness(trajectory: Trajectory) -> Numbers:
+    """Return weight less buoyancy [kg], of a boat all under water."""
+    c = trajectory.boat.vessel
+    depth, layers = trajectory.columns["z"], int(c.layers)
+    change = -c.g * c.compressibility * (np.maximum(depth, 0.0) - c.reference_depth)
+    if layers:
+        denser = np.interp(depth, c.layer_depth[:layers], c.layer_density[:layers])
+        change = change + c.buoyancy * denser / c.rho
+    heavy: Numbers = (trajectory.columns["weight"] - c.buoyancy - change) / c.g
+    return heavy
+
+
+def showing(trajectory: Trajectory) -> Numbers:
+    """Return the height [m] of the highest part of sail and deck above the sea."""
+    vessel, column = trajectory.boat.vessel, trajectory.columns
+    sine, cosine = np.sin(column["theta"]), np.cos(column["theta"])
+    upright = cosine * np.cos(column["phi"])
+    reach = DECK_REACH * float(vessel.ell)
+    points = (
+        (float(vessel.x_sail), float(vessel.z_sail)),
+        (reach, float(vessel.z_deck)),
+        (-reach, float(vessel.z_deck)),
+    )
+    lifted: Numbers = np.max([x * sine - z * upright for x, z in points], axis=0)
+    return lifted - column["z"] - column["eta_wave"]
+
+
+DERIVE: Final[Mapping[str, Callable[[Trajectory], Numbers]]] = {
+    COURSE: lambda trajectory: trajectory.columns["psi"],  # not wrapped
+    "heavy": heaviness,
+    "showing": showing,
+}
+
+
 def has(boat: Boat, quantity: str) -> bool:
     """Return whether a boat has what a quantity is about."""
-    return quantity == COURSE or scale_of(boat, quantity) != 0.0
+    return quantity in DERIVED or scale_of(boat, quantity) != 0.0
 
 
 def lacks(boat: Boat, rule: Rule) -> list[str]:
     """Return which quantities of a rule a boat does not have."""
     names = [rule.measured.name] if rule.measured else []
-    names += [rule.condition.quantity] if rule.condition else []
+    names += [condition.quantity for condition in rule.conditions]
     return [name for name in names if not has(boat, name)]
 
 

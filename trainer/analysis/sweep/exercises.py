@@ -24,9 +24,10 @@ from trainer.config.vessel import VesselFile, read_vessel
 from trainer.io.orders.grammar import Refused
 from trainer.io.orders.table import BOAT_ORDERS
 from trainer.io.tables import COLUMNS
-from trainer.session.plan import Plan
+from trainer.session.plan import Plan, into_hand
 
 CHUNK: Final = 16
+WORDS: Final = frozenset({"tell", "report", "mark"})  # said to people; they move nothing
 
 
 @dataclass(frozen=True)
@@ -47,7 +48,12 @@ def plan_of(study: Study, drawn: Mapping[str, Any], seed: int) -> Plan:
     duration = exercise.heading.duration_s
     if duration is None:
         raise ConfigError(f"{study.path.name}: [exercise] lacks duration_s")
-    late = [each for each in exercise.schedule if each.order.name not in BOAT_ORDERS]
+    schedule = [
+        each
+        for each in (*into_hand(exercise, file), *exercise.schedule_of(seed))
+        if each.order.name not in WORDS
+    ]
+    late = [each for each in schedule if each.order.name not in BOAT_ORDERS]
     if late:
         raise ConfigError(f"{late[0].order.text}: has no place in a study: it is about time")
     return Plan(
@@ -59,7 +65,7 @@ def plan_of(study: Study, drawn: Mapping[str, Any], seed: int) -> Plan:
         title=exercise.heading.name,
         briefing=exercise.heading.briefing,
         initial=exercise.initial,
-        schedule=list(exercise.schedule),
+        schedule=sorted(schedule, key=lambda entry: entry.seconds),
         casualties=exercise.casualties,
         armed=exercise.armed,
         limits=exercise.limits,

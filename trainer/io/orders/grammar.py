@@ -20,6 +20,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
 from typing import NamedTuple
 
+from trainer.io.orders.phrases import meaning, nearest_phrase
 from trainer.io.orders.quantities import Number, RefusedError, Unit, quantity
 from trainer.io.orders.table import (
     FORMS,
@@ -75,7 +76,8 @@ class Order:
     there is none; `word` is the keyword the order turns on, "" when the value says it all; `text`
     is the full wording, which reads back as the same order; `numbers` are all that were
     given, in SI and unsigned, and `subject` is the name given. A token given with a role is the
-    `subject` too, and never in `text`.
+    `subject` too, and never in `text`. `crew` is what a phrase means from who orders the crew,
+    where that is another order.
     """
 
     name: str
@@ -84,6 +86,7 @@ class Order:
     text: str
     numbers: tuple[float, ...] = ()
     subject: str = field(default="", repr=False)  # no token in a traceback
+    crew: str = field(default="", compare=False)
 
 
 @dataclass(frozen=True)
@@ -131,6 +134,7 @@ def openings() -> dict[str, list[Reading]]:
 
 
 OPENINGS = openings()
+HEADS = {heading_word(form) for form in FORMS}
 
 
 def parse(line: str) -> Order | BadOrder | None:
@@ -147,9 +151,28 @@ def parse(line: str) -> Order | BadOrder | None:
             return Order("aye", 0.0, "", f"{words} aye".strip(), (), words)
         words = as_one(said)
         tokens = tokenise(hide(words))
-        return with_token(order(read(tokens)), hidden(words)) if tokens else None
+        return with_token(understood(tokens), hidden(words)) if tokens else None
     except RefusedError as refused:
         return BadOrder(printable(text), str(refused))
+
+
+def understood(tokens: list[str]) -> Order:
+    """Return the order of the tokens, which may be a phrase; refuses what is neither."""
+    try:
+        return order(read(tokens))
+    except RefusedError as refused:
+        meant = meaning(tokens)
+        if meant is None:
+            near = "" if tokens[0] in HEADS else nearest_phrase(tokens)
+            told = f'"{" ".join(tokens)}" is no order; did you mean {near}?'
+            raise RefusedError(told if near else str(refused)) from None
+    return replace(order(read(tokenise(meant.order))), crew=meant.crew)
+
+
+def to_the_crew(said: Order) -> Order:
+    """Return what an order means from who orders the crew."""
+    meant = parse(said.crew) if said.crew else said
+    return meant if isinstance(meant, Order) else said
 
 
 def refuse_unreadable(text: str) -> None:

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 from trainer.io.orders import sentences
 from trainer.io.orders.grammar import LONGEST
+from trainer.io.orders.phrases import phrase_table
 from trainer.io.orders.quantities import NUMBERS, Number
 from trainer.io.orders.table import (
     BOAT_TOPICS,
@@ -36,6 +37,15 @@ CHANNEL are a word of letters, digits and dashes; TOKEN is a word of any charact
 A file of orders (`--orders FILE`) has lines of `SECONDS ORDER`, for example `600 rudder right 15`.
 """
 
+
+PHRASEOLOGY = """## Phrases
+
+What is said in a control room is understood where it is no order of the table above: by a station
+as the order of its control, by the instructor, the diving officer and a schedule as an order to the
+crew where the third column has one. Numbers may be words: `zero four five`, `one eighty`, `two
+hundred`. A phrase that is none is refused with the nearest. `meet her` puts the rudder against the
+swing, and amidships once that has stopped; `ease` and `shift` go by the rudder that is on.
+"""
 
 PROGRAMS = f"""## Lines of programs
 
@@ -165,6 +175,8 @@ def page() -> str:
             "## Other spellings\n",
             *(f"- {same}" for same in synonyms(" ".join(f.pattern for f in FORMS).split())),
             "",
+            PHRASEOLOGY,
+            *table(("said", "order", "said by instructor or diving officer"), phrase_table()),
             PROGRAMS,
             *table(
                 ("line", "what it is", "example"),

@@ -7,7 +7,7 @@ in order of time.
 import re
 from dataclasses import dataclass
 
-from trainer.io.orders.grammar import BadOrder, Order, parse
+from trainer.io.orders.grammar import BadOrder, Order, parse, to_the_crew
 
 LATEST = 1e6  # [s]  eleven days
 TIMED = re.compile(r"([0-9]{1,9}(?:\.[0-9]{0,9})?)\s+(\S.*)")
@@ -59,5 +59,5 @@ def parse_entry(line: str, line_number: int) -> Scheduled | str | None:
         return f"{timed[1]} s: the latest time is {LATEST:.0f} s"
     order = parse(timed[2])
     if isinstance(order, Order):
-        return Scheduled(seconds, order, line_number)
+        return Scheduled(seconds, to_the_crew(order), line_number)
     return order.reason if isinstance(order, BadOrder) else "a time without an order"

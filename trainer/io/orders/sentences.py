@@ -51,8 +51,6 @@ FACTS = {  # what the subject of each is; texts are for people, and may be rewor
     "wrong-way": "the order given at a station, and after a semicolon the order to the crew",
     "report": "the role that reports, and after a colon its words",
     "exercise": "a key of the exercise and its value: `hand=rudder,planes`",
-    "exercise-over": "`won`, `lost`, `not reached` or `ended`",
-    "marks": "the marks released",
     "range": "a key of the vessel and its value: `rudder=35`",
     "rate": "orders that wait beyond: `second=20`, or given at once `once=100`",
     "alert": "the number of an alert, its kind and its words, after commas",

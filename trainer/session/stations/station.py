@@ -13,7 +13,7 @@ from typing import Final, NamedTuple
 from trainer.io.line import Line
 from trainer.io.lines import Overlong
 from trainer.io.orders import sentences
-from trainer.io.orders.grammar import BadOrder, Order, Refused, Reply
+from trainer.io.orders.grammar import BadOrder, Order, Refused, Reply, to_the_crew
 from trainer.io.orders.help import help_text
 from trainer.io.orders.sentences import Heard, hear
 from trainer.session.stations.access import GUESSES, Access, NoiseLog
@@ -196,6 +196,8 @@ class Station:
 
     def _obey(self, heard: Heard, order: Order) -> list[Asked]:
         """Answer what concerns the line alone or is not its to order; return the rest."""
+        if "order" in self.role.commands:
+            order = to_the_crew(order)
         why = refusal(self.role, order)
         if why is not None:
             self._refuse(heard, order, why)

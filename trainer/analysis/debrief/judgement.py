@@ -1,0 +1,201 @@
+"""Marks of an exercise by hand: tasks less nobody aboard, keeping, the gate; won, lost or neither.
+
+With t of a task = 100 max(0, (p - b) / (100 - b)), p its marks and b those with nobody aboard, an
+answer's times the mean of the other tasks, and T and K the means of tasks and of what was kept:
+total = T (0.7 + 0.3 K / 100), at most 50 where a limit was broken, 25 where the exercise was lost.
+"""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import replace
+from typing import Final
+
+import numpy as np
+
+from trainer.analysis.debrief.measures import LIMITED, limits_of, rows_beyond
+from trainer.analysis.debrief.scoring import Scorecard, Scored, Verdict, score
+from trainer.analysis.debrief.trajectory import Rows, Trajectory
+from trainer.analysis.report.svg import clock
+from trainer.boat.depths import lowest_depth
+from trainer.config.exercise import Loss
+from trainer.config.score_rules import Rule, Score
+from trainer.session.plan import Plan
+
+GATE_S: Final = 2.0  # [s] for which a limit is broken
+GATE_CAP, LOST_CAP = 50.0, 25.0  # [%] most that is left
+TURNED_PITCH, TURNED_HEEL = np.radians(45.0), np.radians(60.0)  # [rad] beyond: turned over
+ENOUGH: Final = 50.0  # [%] of a task that is carried out
+SETTLED: Final = 80.0  # [%] of the time
+KEPT_SHARE: Final = 0.3  # of the total, by how the boat was kept
+WIDTHS: Final[Mapping[str, float]] = {"qualified": 1.0, "basic": 1.5}
+MOST_NOBODY: Final = 50.0  # [%] a task worth having gives with nobody aboard
+
+
+def judge(
+    trajectory: Trajectory, plan: Plan, nobody: Mapping[str, float], width: str = "qualified"
+) -> Scorecard:
+    """Return the marks of a plan's rules; ``nobody`` has those with nobody aboard, by name [%]."""
+    rules = widened(plan.scores, width)
+    if not plan.judged_by_tasks:
+        return score(trajectory, rules)
+    scores = tuple(
+        _less_nobody(_flown(each), nobody) for each in score(trajectory, rules).scores
+    )
+    scores = tuple(_answered(each, scores) for each in scores)
+    tasks = _mean([(each.rule.weight, each.earned) for each in scores if each.earned is not None])
+    kept = [
+        (each.rule.weight, each.marks)
+        for each in scores
+        if each.rule.part == "keeping" and each.marks is not None
+    ]
+    keeping = _mean(kept) if kept else 100.0
+    verdict = _verdict(trajectory, plan, scores, (tasks, keeping))
+    total = tasks * (1.0 - KEPT_SHARE + KEPT_SHARE * keeping / 100.0)
+    total = total if verdict.cap is None else min(total, verdict.cap)
+    return Scorecard(scores, None if verdict.void else total, verdict)
+
+
+def plain_marks(trajectory: Trajectory, plan: Plan, width: str = "qualified") -> dict[str, float]:
+    """Return the marks of each rule by name [%], nothing taken off: with nobody aboard, all b."""
+    scores = score(trajectory, widened(plan.scores, width)).scores
+    return {each.name: each.marks or 0.0 for each in scores}
+
+
+def widened(rules: tuple[Rule, ...], width: str) -> tuple[Rule, ...]:
+    """Return the rules at a width: bands and the way from full to zero so much wider."""
+    factor = WIDTHS[width]
+    if factor == 1.0:
+        return rules
+    return tuple(replace(rule, score=_wider(rule.score, factor)) for rule in rules)
+
+
+def _wider(said: Score, factor: float) -> Score:
+    band = None if said.band is None else factor * said.band
+    return replace(said, band=band, zero=said.full + factor * (said.zero - said.full))
+
+
+def _flown(each: Scored) -> Scored:
+    """Return a score; a task whose time the record does not reach has earned nothing."""
+    early = each.marks is None and each.attained.why.startswith("the record ends")
+    return replace(each, marks=0.0) if early else each
+
+
+def _less_nobody(each: Scored, nobody: Mapping[str, float]) -> Scored:
+    """Return a score with what it earned beyond nobody aboard."""
+    if each.rule.part == "keeping" or each.marks is None:
+        return each
+    free = min(nobody.get(each.name, 0.0), 99.0)
+    earned = 100.0 * max(0.0, (each.marks - free) / (100.0 - free))
+    return replace(each, nobody=free, earned=earned)
+
+
+def _answered(each: Scored, scores: tuple[Scored, ...]) -> Scored:
+    """Return an answer times the mean of the tasks: an order alone masters nothing."""
+    if each.rule.part != "answer" or each.earned is None:
+        return each
+    others = [
+        (other.rule.weight, other.earned)
+        for other in scores
+        if other.rule.part == "task" and other.earned is not None
+    ]
+    return replace(each, earned=each.earned * _mean(others) / 100.0) if others else each
+
+
+def _mean(weighted: list[tuple[float, float]]) -> float:
+    """Return the mean by weight, 0 of nothing."""
+    whole = sum(weight for weight, _ in weighted)
+    return sum(weight * value for weight, value in weighted) / whole if whole else 0.0
+
+
+def _verdict(
+    trajectory: Trajectory, plan: Plan, scores: tuple[Scored, ...], means: tuple[float, float]
+) -> Verdict:
+    """Return how it ended, the worst first."""
+    tasks, keeping = means
+    turned = _turned_over(trajectory)
+    lost = turned or next(_losses(trajectory, plan.lost), "") or _ended(trajectory, plan)
+    gate = next(_broken(trajectory), "")
+    undone = [each.name for each in scores if not _carried_out(each)]
+    cap = LOST_CAP if lost else GATE_CAP if gate else None
+    outcome, reason = "won", ""
+    if lost:
+        outcome, reason = "lost", lost
+    elif gate:
+        outcome, reason = "not reached", gate
+    elif undone:
+        outcome, reason = "not reached", ", ".join(undone)
+    elif early := _cut_short(trajectory, plan):
+        outcome, reason = "not reached", early
+    return Verdict(outcome, reason, tasks, keeping, gate, cap, bool(turned))
+
+
+def _carried_out(each: Scored) -> bool:
+    """Return whether a task was carried out; what does not count is not looked at."""
+    if each.earned is None or each.marks is None:
+        return True
+    if each.rule.score.measure == "reach":
+        return each.attained.value is not None
+    if each.rule.score.measure == "settled":
+        return (each.attained.value or 0.0) >= SETTLED
+    return each.earned >= ENOUGH
+
+
+def _turned_over(trajectory: Trajectory) -> str:
+    """Return that the boat turned over, and when."""
+    pitch, heel = np.abs(trajectory.columns["theta"]), np.abs(trajectory.columns["phi"])
+    over = np.flatnonzero((pitch > TURNED_PITCH) | (heel > TURNED_HEEL))
+    if not over.size:
+        return ""
+    row = int(over[0])
+    told = f"pitch {np.degrees(pitch[row]):.0f} deg, heel {np.degrees(heel[row]):.0f} deg"
+    return f"turned over at {clock(float(trajectory.seconds[row]))}: {told}"
+
+
+def _losses(trajectory: Trajectory, losses: tuple[Loss, ...]) -> Iterator[str]:
+    """Yield what lost the exercise, and when."""
+    for loss in losses:
+        holds = np.ones(trajectory.ticks.size, bool)
+        for condition in loss.conditions:
+            holds &= trajectory.holds(condition)
+        row = first_for(holds, loss.seconds, trajectory)
+        if row is not None:
+            yield f"{loss.text} at {clock(float(trajectory.seconds[row]))}"
+
+
+def _broken(trajectory: Trajectory) -> Iterator[str]:
+    """Yield the limits that were broken for GATE_S, and when."""
+    for name in limits_of(trajectory):
+        row = first_for(rows_beyond(trajectory, name), GATE_S, trajectory)
+        if row is not None:
+            what = LIMITED[name.rpartition("_")[0]]
+            side = "above" if name.endswith("_max") else "below"
+            limit = getattr(trajectory.limits, name)
+            told = f"{what.name} {side} {limit:g} {what.unit}"
+            yield f"{told} at {clock(float(trajectory.seconds[row]))}"
+
+
+def first_for(holds: Rows, seconds: float, trajectory: Trajectory) -> int | None:
+    """Return the first row from which something holds for so long, None if it never does."""
+    edges = np.flatnonzero(np.diff(np.concatenate(([False], holds, [False])).astype(int)))
+    times = trajectory.seconds
+    for first, after in edges.reshape(-1, 2):
+        if times[after - 1] - times[first] >= seconds - 1e-9:
+            return int(first)
+    return None
+
+
+def _ended(trajectory: Trajectory, plan: Plan) -> str:
+    """Return that the hull has collapsed."""
+    limit = plan.file.hull.collapse_depth_m
+    if limit is None:
+        return ""
+    column = trajectory.columns
+    deepest = float(lowest_depth(column["z"], column["theta"], plan.file.hull.length).max())
+    return f"the hull collapsed at {deepest:.0f} m" if deepest >= limit else ""
+
+
+def _cut_short(trajectory: Trajectory, plan: Plan) -> str:
+    """Return that the record ends before the exercise does."""
+    end = float(trajectory.seconds[-1])
+    if plan.duration is None or end >= plan.duration - plan.method.step - 1e-6:
+        return ""
+    return f"the record ends at {clock(end)}"

@@ -1,0 +1,113 @@
+"""An exercise flown without a session: by nobody, or by its reference crew."""
+
+import math
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+
+from trainer.analysis.debrief.episodes import SCHEDULE
+from trainer.analysis.debrief.trajectory import COLUMNS, Trajectory
+from trainer.boat.boat import Boat
+from trainer.boat.depths import collapse_of
+from trainer.boat.helm import obey
+from trainer.boat.reference_crew import Given, Reaction, ReferenceCrew
+from trainer.config.reference_crew import Crew
+from trainer.io.orders.grammar import Refused, Reply
+from trainer.io.orders.table import BOAT_ORDERS
+from trainer.io.recording.queries import Journalled
+from trainer.session.layout import LAYOUT
+from trainer.session.plan import Plan
+
+CREW: Final = "reference crew"  # who gives its orders
+PLACED: Final = np.array([LAYOUT.index(name) for name in COLUMNS])
+
+
+@dataclass(frozen=True)
+class Rehearsal:
+    """What was flown."""
+
+    plan: Plan
+    trajectory: Trajectory
+    refused: tuple[Journalled, ...]  # orders
+    rules_given: frozenset[int]  # of the reference crew, by their places in the file
+    lost: str  # why it ended before its time, "" if it did not
+
+
+def fly(plan: Plan, crew: Crew | None = None, reaction: Reaction | None = None) -> Rehearsal:
+    """Return the exercise flown to its end; nobody is aboard where no crew is given.
+
+    ConfigError if it cannot begin, or has no end.
+    """
+    boat = Boat(plan.file, plan.method)
+    plan.start(boat)
+    journal, numbers = Journal(boat), np.frombuffer(boat.plain)
+    aboard = None if crew is None else ReferenceCrew(boat, crew, reaction)
+    rows, lost, place = [numbers[PLACED]], "", 0
+    with np.errstate(all="ignore"):
+        for tick in range(last_tick(plan)):
+            while place < len(plan.schedule) and due(plan, place) <= tick:
+                journal.obey_schedule(plan, place)
+                place += 1
+            if aboard is not None:
+                journal.note(aboard.look())
+            status = boat.tick()
+            lost = boat.failure(status) if status else collapse_of(boat)
+            if not status:
+                rows.append(numbers[PLACED])
+            if lost:
+                break
+    columns = np.array(rows).T
+    entries = tuple(journal.entries)
+    trajectory = Trajectory(
+        boat=boat,
+        limits=plan.limits,
+        orders=entries,
+        ticks=np.arange(len(rows), dtype=np.int64),
+        columns=dict(zip(COLUMNS, columns, strict=True)),
+        lateness=np.full(len(rows), np.nan),
+        work=np.full(len(rows), np.nan),
+    )
+    refused = tuple(each for each in entries if each.accepted is False)
+    return Rehearsal(plan, trajectory, refused, frozenset(journal.rules), lost)
+
+
+def last_tick(plan: Plan) -> int:
+    """Return the tick at which a plan ends; it has to."""
+    return round((plan.duration or 0.0) / plan.method.step)
+
+
+def due(plan: Plan, place: int) -> int:
+    """Return the first tick not before the time of a scheduled order."""
+    return math.ceil(plan.schedule[place].seconds / plan.method.step - 1e-9)
+
+
+
+class Journal:
+    """The orders of a rehearsal, as a recording would hold them."""
+
+    def __init__(self, boat: Boat) -> None:
+        """Begin an empty one."""
+        self.boat = boat
+        self.entries: list[Journalled] = []
+        self.rules: set[int] = set()
+
+    def obey_schedule(self, plan: Plan, place: int) -> None:
+        """Carry out a scheduled order; what is said to people moves nothing."""
+        order = plan.schedule[place].order
+        if order.name in BOAT_ORDERS:
+            self._write(SCHEDULE, order.text, obey(self.boat, order), place)
+
+    def note(self, given: list[Given]) -> None:
+        """Note what the crew has ordered."""
+        for each in given:
+            if each.rule is not None:
+                self.rules.add(each.rule)
+            self._write(CREW, each.text, each.reply, None)
+
+    def _write(self, who: str, text: str, reply: Reply, place: int | None) -> None:
+        refused = isinstance(reply, Refused)
+        answer = reply.reason if isinstance(reply, Refused) else reply
+        number = len(self.entries) + 1
+        entry = Journalled(number, 1, self.boat.ticks, who, text, place, not refused, answer)
+        self.entries.append(entry)

@@ -1,0 +1,208 @@
+"""The hands of a reference crew on planes and rudder: what they see, and what they order."""
+
+import math
+from collections import deque
+from dataclasses import dataclass, field
+from typing import Final
+
+import numpy as np
+
+from trainer.boat.boat import Boat
+from trainer.boat.casualties import Readings, readings
+from trainer.boat.crew_orders import AXES
+from trainer.config.reference_crew import Helmsman, Planesman
+
+KEPT: Final = 601.0  # [s] of gauges that are remembered
+RATE_OVER: Final = 2.0  # [s] over which a rate is seen on a gauge
+COMMITTED: Final = math.radians(170.0)  # [rad] of turn left, from where the shorter way is right
+SLACK: Final = 1e-6  # [s] rounding of a sum of steps
+
+
+@dataclass
+class Gauges:
+    """What the gauges have shown for some minutes."""
+
+    boat: Boat
+    seen: deque[tuple[float, Readings]] = field(default_factory=deque)
+
+    def look(self) -> None:
+        """Read the gauges at this tick."""
+        self.seen.append((self.boat.time, readings(self.boat)))
+        while self.seen[-1][0] - self.seen[0][0] > KEPT:
+            self.seen.popleft()
+
+    def now(self) -> Readings:
+        """Return what they show."""
+        return self.seen[-1][1]
+
+    def mean(self, name: str, seconds: float) -> float:
+        """Return the mean of a gauge over the last seconds; 0: what it shows now."""
+        return float(np.mean(self._last(name, seconds)[1]))
+
+    def rate(self, name: str, seconds: float) -> float:
+        """Return how fast a gauge moves [1/s], by the two halves of the last seconds."""
+        times, values = self._last(name, max(seconds, RATE_OVER))
+        half = len(times) // 2
+        if not half:
+            return 0.0
+        run = np.mean(values[:half]) - np.mean(values[-half:])
+        return float(run / (np.mean(times[:half]) - np.mean(times[-half:])))
+
+    def _last(self, name: str, seconds: float) -> tuple[list[float], list[float]]:
+        """Return times and values of the last seconds, the latest first."""
+        begin = self.seen[-1][0] - seconds + SLACK
+        times, values = [self.seen[-1][0]], [getattr(self.seen[-1][1], name)]
+        for i in range(len(self.seen) - 2, -1, -1):
+            if self.seen[i][0] < begin:
+                break
+            times.append(self.seen[i][0])
+            values.append(getattr(self.seen[i][1], name))
+        return times, values
+
+
+@dataclass
+class Known:
+    """The order to the crew on one axis, as a hand knows it: some seconds after it came."""
+
+    axis: str
+    answer: float  # [s]
+    value: float | None = None  # [SI] None: nothing is ordered
+    side: float = 0.0
+    stamp: float = 0.0  # of the order that was seen last, by its tick in the state
+    since: float = 0.0  # [s] when it was seen
+    fresh: bool = False  # it came to be known at this look
+
+    def look(self, boat: Boat) -> None:
+        """Take an order that stands for long enough."""
+        s, place = boat.state, AXES.index(self.axis)
+        stamp, self.fresh = float(s.crew_order_tick[place]), False
+        if stamp != self.stamp:
+            self.stamp, self.since = stamp, boat.time
+            self.since = min(self.since, (stamp - 1.0) * boat.method.step if stamp else math.inf)
+        value = float(s.crew_order[place]) if stamp else None
+        side = float(s.crew_course_side)
+        if boat.time - self.since >= self.answer - SLACK and (value, side) != (
+            self.value,
+            self.side,
+        ):
+            self.value, self.side, self.fresh = value, side, True
+
+
+@dataclass
+class PlanesHand:
+    """Whoever works the planes: looks each few seconds, orders what is worth an order."""
+
+    boat: Boat
+    ways: Planesman
+    late: float = 0.0  # [s] beyond the ways
+    looked: float = -math.inf  # [s]
+    depth: Known = field(init=False)
+    pitch: Known = field(init=False)
+    stern: int = 0  # [deg] rise, as ordered last
+    bow: int = 0
+
+    def __post_init__(self) -> None:
+        answer = self.ways.answer_s + self.late
+        self.depth, self.pitch = Known("depth", answer), Known("pitch", answer)
+        s, toward = self.boat.state, self.boat.toward
+        self.stern = round(math.degrees(toward["stern"] * float(s.delta_s)))
+        self.bow = round(math.degrees(toward["bow"] * float(s.delta_b)))
+
+    def look(self, gauges: Gauges) -> list[str]:
+        """Return what is ordered at this tick."""
+        self.depth.look(self.boat)
+        self.pitch.look(self.boat)
+        if self.boat.time - self.looked < self.ways.look_s - SLACK:
+            return []
+        self.looked = self.boat.time
+        aim = self.depth.value
+        aim = float(self.boat.state.ordered_depth) if aim is None else aim
+        deeper = aim - gauges.mean("depth", self.ways.mean_s)
+        rate = gauges.rate("depth", self.ways.mean_s)
+        return [*self._stern(deeper, rate), *self._bow(deeper, rate)]
+
+    def _bubble(self, deeper: float, rate: float) -> float:
+        """Return the angle [deg] to go for, bow up."""
+        ways, ordered = self.ways, self.pitch.value
+        if ordered is not None and abs(deeper) > ways.leave_m and ordered * deeper < 0.0:
+            return math.degrees(ordered)
+        up = ways.bubble_s * rate - ways.bubble_deg_per_m * deeper
+        return min(max(up, -ways.bubble_deg_max), ways.bubble_deg_max)
+
+    def _stern(self, deeper: float, rate: float) -> list[str]:
+        ways, s = self.ways, self.boat.state
+        error = self._bubble(deeper, rate) - math.degrees(s.theta)
+        rise = ways.stern_per_bubble * error - ways.stern_s * math.degrees(s.q)
+        wanted = round(min(max(rise, -ways.stern_deg_max), ways.stern_deg_max))
+        if abs(wanted - self.stern) < ways.stern_off_deg:
+            return []
+        self.stern = wanted
+        return [_tilt("stern", wanted)]
+
+    def _bow(self, deeper: float, rate: float) -> list[str]:
+        ways = self.ways
+        rise = ways.bow_s * rate - ways.bow_deg_per_m * deeper
+        rise = min(max(rise, -ways.bow_deg_max), ways.bow_deg_max)
+        within = abs(deeper) <= ways.bow_within_m
+        wanted = int(ways.bow_step_deg * round(rise / ways.bow_step_deg)) if within else 0
+        if wanted == self.bow or abs(rise - self.bow) < 0.6 * ways.bow_step_deg and wanted:
+            return []
+        self.bow = wanted
+        return [_tilt("bow", wanted)]
+
+
+@dataclass
+class RudderHand:
+    """Whoever steers: looks each few seconds, meets the swing, steadies."""
+
+    boat: Boat
+    ways: Helmsman
+    late: float = 0.0  # [s] beyond the ways
+    looked: float = -math.inf  # [s]
+    course: Known = field(init=False)
+    rudder: int = 0  # [deg] right, as ordered last
+    long_way: float = 0.0  # -1 or 1 while a turn ordered that way is longer than half a circle
+
+    def __post_init__(self) -> None:
+        self.course = Known("course", self.ways.answer_s + self.late)
+        s = self.boat.state
+        self.rudder = round(math.degrees(self.boat.toward["rudder"] * float(s.delta_r)))
+
+    def look(self, gauges: Gauges) -> list[str]:
+        """Return what is ordered at this tick."""
+        self.course.look(self.boat)
+        if self.course.fresh:
+            self.long_way = self.course.side
+        if self.boat.time - self.looked < self.ways.look_s - SLACK:
+            return []
+        self.looked = self.boat.time
+        error = self._to_go(gauges.now().heading)
+        rate = math.degrees(float(self.boat.state.r))
+        wanted = self.ways.rudder_per_error * error - self.ways.rudder_s * rate
+        wanted = round(min(max(wanted, -self.ways.rudder_deg_max), self.ways.rudder_deg_max))
+        if abs(wanted - self.rudder) < self.ways.rudder_off_deg:
+            return []
+        self.rudder = wanted
+        if not wanted:
+            return ["rudder amidships"]
+        return [f"rudder {'right' if wanted > 0 else 'left'} {abs(wanted)}"]
+
+    def _to_go(self, heading: float) -> float:
+        """Return how far there is to turn [deg], right positive."""
+        aim = self.course.value
+        aim = float(self.boat.state.ordered_psi) if aim is None else aim
+        left = math.remainder(aim - heading, math.tau)
+        if self.long_way:
+            way = (self.long_way * left) % math.tau
+            if way <= COMMITTED or way > math.tau - 0.1:
+                self.long_way = 0.0
+            else:
+                left = self.long_way * way
+        return math.degrees(left)
+
+
+def _tilt(planes: str, rise: int) -> str:
+    """Return the order that puts planes to an angle [deg], rise positive."""
+    if not rise:
+        return f"{planes} planes zero"
+    return f"{planes} planes {'rise' if rise > 0 else 'dive'} {abs(rise)}"

@@ -1,0 +1,170 @@
+"""The reference crew at work: its rules and its hands, which give the boat ordinary orders.
+
+It sees what the gauges show, and gives nothing that a crew could not type.
+"""
+
+import math
+from dataclasses import dataclass, field
+from typing import NamedTuple
+
+import numpy as np
+
+from trainer.boat.boat import PLACES, Boat
+from trainer.boat.casualties import scale_of
+from trainer.boat.crew_hands import SLACK, Gauges, PlanesHand, RudderHand
+from trainer.boat.crew_orders import AXES
+from trainer.boat.helm import obey
+from trainer.boat.limits import showing
+from trainer.config.condition import QUANTITIES, Condition
+from trainer.config.reference_crew import HANDS, Crew, CrewRule
+from trainer.io.orders.grammar import Order, Reply, parse
+
+
+class Given(NamedTuple):
+    """An order that the crew gave at this tick, and what was answered."""
+
+    text: str
+    reply: Reply
+    rule: int | None  # its place in the file; None: a hand's own
+
+
+@dataclass
+class Reaction:
+    """How slow a crew is beyond its rules."""
+
+    late: float = 0.0  # [s] added to every reaction
+    jitter: float = 0.0  # [s] at most, by the seed
+    seed: int = 0
+    _draws: np.random.Generator = field(init=False)
+
+    def __post_init__(self) -> None:
+        self._draws = np.random.default_rng(self.seed)
+
+    def delay(self) -> float:
+        """Return how much later the next reaction comes [s]."""
+        return self.late + (self.jitter * float(self._draws.random()) if self.jitter else 0.0)
+
+
+@dataclass
+class Followed:
+    """One rule as it is followed."""
+
+    rule: CrewRule
+    due: float | None = None  # [s] when its order is to be given
+    given: float | None = None  # [s] when it last was
+    over: bool = False
+    noticed: float = 0.0  # the order to the crew that it has reacted to, by its tick in the state
+
+
+class ReferenceCrew:
+    """The reference crew of one exercise aboard one boat, from this moment on."""
+
+    def __init__(self, boat: Boat, crew: Crew, reaction: Reaction | None = None) -> None:
+        """Take the boat as it is: what the rules order by the clock before counts as ordered."""
+        self.boat = boat
+        self.crew = crew
+        self.reaction = reaction or Reaction()
+        self.gauges = Gauges(boat)
+        self.followed = [Followed(rule) for rule in crew.rules]
+        self.hands: dict[str, PlanesHand | RudderHand] = {}
+        self._skip_past()
+
+    def look(self) -> list[Given]:
+        """Follow the rules and the hands at this tick; return the orders given."""
+        self.gauges.look()
+        given = []
+        for i, each in enumerate(self.followed):
+            if not each.over and each.due is None:
+                self._notice(each, self.followed[i - 1] if each.rule.row.then else None)
+            if each.due is not None and self.boat.time >= each.due - SLACK:
+                given.append(self._carry_out(each, i))
+        for hand in list(self.hands.values()):
+            given += [self._give(text) for text in hand.look(self.gauges)]
+        return given
+
+    def _skip_past(self) -> None:
+        """Count as ordered what the rules order by the clock before this moment."""
+        for each in self.followed:
+            row = each.rule.row
+            if row.at_s is not None and row.at_s + (row.after_s or 0.0) < self.boat.time - SLACK:
+                each.over, each.given = True, row.at_s
+                if each.rule.order.name in HANDS:
+                    self._switch(each.rule.order)
+
+    def _notice(self, each: Followed, before: Followed | None) -> None:
+        """Set when a rule's order is due, if what it waits for has come."""
+        if before is not None and before.given is None:
+            return
+        begun = self._begun(each)
+        if begun is None:
+            return
+        if before is not None and before.given is not None:
+            begun = max(begun, before.given)
+        due = begun + (each.rule.row.after_s or 0.0) + self.reaction.delay()
+        each.due = max(due, self.boat.time)
+
+    def _begun(self, each: Followed) -> float | None:
+        """Return since when [s] what a rule waits for is there, None if it is not."""
+        row, now = each.rule.row, self.boat.time
+        if row.at_s is not None:
+            return row.at_s if now >= row.at_s - SLACK else None
+        if row.ordered is not None:
+            stamp = float(self.boat.state.crew_order_tick[AXES.index(row.ordered)])
+            if stamp in (0.0, each.noticed):
+                return None
+            each.noticed = stamp
+            return now
+        if row.when is None:
+            return 0.0
+        begins = row.from_s or 0.0
+        if row.every_s is not None and each.given is not None:
+            begins = max(begins, each.given + row.every_s)
+        if not begins - SLACK <= now <= (math.inf if row.to_s is None else row.to_s) + SLACK:
+            return None
+        mean = row.mean_s or 0.0
+        return now if all(self._shows(one, mean) for one in each.rule.conditions) else None
+
+    def _shows(self, condition: Condition, mean: float) -> bool:
+        """Return whether the gauges show that a condition holds."""
+        above = condition.sense * (self._shown(condition.quantity, mean) - condition.threshold)
+        return above > 0.0 if condition.strict else above >= -1e-12
+
+    def _shown(self, quantity: str, mean: float) -> float:
+        """Return a quantity [SI] as the crew sees it."""
+        if quantity in ("depth", "speed"):
+            return self.gauges.mean(quantity, mean)
+        if quantity == "depth_rate":
+            return self.gauges.rate("depth", mean)
+        if quantity == "course":
+            return self.gauges.now().heading % math.tau
+        if quantity == "showing":
+            return showing(self.boat)
+        factor = scale_of(self.boat, quantity)
+        return self.boat.plain[PLACES[QUANTITIES[quantity].place]] / factor if factor else 0.0
+
+    def _carry_out(self, each: Followed, place: int) -> Given:
+        """Give the order of a rule; have it wait again if it is to come again."""
+        row, order = each.rule.row, each.rule.order
+        each.given, each.due = self.boat.time, None
+        each.over = row.ordered is None and row.every_s is None
+        if order.name in HANDS:
+            self._switch(order)
+            return Given(order.text, order.text, place)
+        return Given(order.text, obey(self.boat, order), place)
+
+    def _switch(self, order: Order) -> None:
+        """Put a hand on planes or rudder, or take it off."""
+        self.hands.pop(order.name, None)
+        if order.word == "on" and order.name == "planesman":
+            self.hands[order.name] = PlanesHand(
+                self.boat, self.crew.planesman, self.reaction.delay()
+            )
+        elif order.word == "on":
+            self.hands[order.name] = RudderHand(
+                self.boat, self.crew.helmsman, self.reaction.delay()
+            )
+
+    def _give(self, text: str) -> Given:
+        order = parse(text)
+        assert isinstance(order, Order)  # noqa: S101 (a hand's own words)
+        return Given(text, obey(self.boat, order), None)

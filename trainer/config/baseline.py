@@ -1,0 +1,110 @@
+"""The baseline kept beside an exercise: what it gives with nobody aboard, and the reference crew.
+
+``trainer exercise baseline`` flies and writes it; the debrief of a recording whose core is not
+today's takes the marks with nobody aboard from it.
+"""
+
+import hashlib
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Final
+
+from trainer.config.files import ConfigError, Place, as_table, parse_toml, text_if_there
+from trainer.config.schema import Choice, Quantity, Text, of, read_record, within
+
+SCHEMA: Final = "baseline/1"
+BASELINE: Final = ".baseline.toml"  # ends the name of its file; no run hangs on it
+MARK: Final = Quantity("%", within(0, 100), "marks")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Heading:
+    """What a baseline was flown with."""
+
+    schema: str = of(Choice((SCHEMA,), "form of the file"))
+    exercise: str = of(Text(64, "digest of the exercise's text"))
+    core: str = of(Text(80, "digest of the core"))
+    seed: float = of(Quantity("-", within(0, 1e15), "of the marks"))
+    seeds: float = of(Quantity("-", within(1, 1e4), "flown for mean and deviation"))
+
+
+@dataclass(frozen=True, kw_only=True)
+class Totals:
+    """The totals of one way to fly it: at the exercise's seed, and over all seeds."""
+
+    total: float = of(MARK)
+    outcome: str = of(Text(40, "won, lost or not reached, at the exercise's seed"))
+    mean: float = of(MARK)
+    deviation: float = of(Quantity("%", within(0, 100), "standard deviation by the sea alone"))
+    least: float = of(MARK)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Baseline:
+    """A baseline as it is kept."""
+
+    heading: Heading
+    nobody: Totals
+    crew: Totals | None
+    marks: Mapping[str, float]  # [%] with nobody aboard, by the name of the score
+
+    def fits(self, text: str) -> bool:
+        """Return whether it is of an exercise with this text."""
+        return self.heading.exercise == digest_of(text)
+
+
+def digest_of(text: str) -> str:
+    """Return the digest of an exercise's text."""
+    return hashlib.sha256(text.encode()).hexdigest()[:16]
+
+
+def baseline_path(exercise: Path) -> Path:
+    """Return where the baseline of an exercise is kept: beside it."""
+    return exercise.with_name(f"{exercise.stem}{BASELINE}")
+
+
+def kept_baseline(exercise: Path) -> Baseline | None:
+    """Return the baseline beside an exercise, None without; ConfigError if it is wrong."""
+    path = baseline_path(exercise)
+    text = text_if_there(path)
+    return None if text is None else read_baseline(text, path)
+
+
+def read_baseline(text: str, path: Path) -> Baseline:
+    """Return the baseline in ``text``; ConfigError if it is wrong."""
+    table, place = parse_toml(text, path.name), Place(path.name, "")
+    tables = ("nobody", "crew", "marks")
+    heading = {key: value for key, value in table.items() if key not in tables}
+    marks = as_table(table.get("marks", {}), place.inside("marks"))
+    if "nobody" not in table:
+        raise ConfigError(place.problem("lacks [nobody]"))
+    crew = table.get("crew")
+    return Baseline(
+        heading=read_record(Heading, heading, place, ()),
+        nobody=read_record(Totals, table["nobody"], place.inside("nobody"), ()),
+        crew=None if crew is None else read_record(Totals, crew, place.inside("crew"), ()),
+        marks={
+            name: MARK.read(name, value, place.inside("marks")) for name, value in marks.items()
+        },
+    )
+
+
+def write_baseline(baseline: Baseline) -> str:
+    """Return the text that reads back as this baseline."""
+    head = baseline.heading
+    lines = [
+        "# Written by `trainer exercise baseline`: marks [%] with nobody aboard and with the",
+        "# reference crew. Not to be changed by hand.",
+        *(f"{key} = {json.dumps(getattr(head, key))}" for key in ("schema", "exercise", "core")),
+        *(f"{key} = {int(getattr(head, key))}" for key in ("seed", "seeds")),
+    ]
+    for name, totals in (("nobody", baseline.nobody), ("crew", baseline.crew)):
+        if totals is not None:
+            lines += ["", f"[{name}]", f"total = {totals.total:.1f}"]
+            lines += [f"outcome = {json.dumps(totals.outcome)}", f"mean = {totals.mean:.1f}"]
+            lines += [f"deviation = {totals.deviation:.1f}", f"least = {totals.least:.1f}"]
+    lines += ["", "[marks]  # with nobody aboard"]
+    lines += [f"{json.dumps(name)} = {mark:.2f}" for name, mark in baseline.marks.items()]
+    return "\n".join(lines) + "\n"

@@ -1,0 +1,176 @@
+"""The reference crew of an exercise: its rules ``[[crew]]``, and how its hands steer.
+
+A rule says when, and what is ordered then. What the crew sees is what its gauges show.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Final
+
+from trainer.config.condition import Condition, compile_conditions
+from trainer.config.files import ConfigError, Place, collecting, nearest
+from trainer.config.schema import (
+    Choice,
+    Flag,
+    Quantity,
+    Rows,
+    Text,
+    above,
+    of,
+    optional,
+    read_record,
+    usual,
+    within,
+)
+from trainer.config.score_rules import ANSWERS
+from trainer.io.orders.grammar import Order, parse
+from trainer.io.orders.schedule import LATEST
+
+CREW_AXES: Final = ("course", "depth", "speed", "pitch")  # of orders to the crew
+HANDS: Final = ("planesman", "helmsman")
+SWITCHES: Final = {f"{hand} {word}": (hand, word) for hand in HANDS for word in ("on", "off")}
+
+
+@dataclass(frozen=True, kw_only=True)
+class CrewRow:
+    """One rule as it stands in the file."""
+
+    order: str = of(Text(80, "as a crew types it; also planesman on, helmsman off and so on"))
+    at_s: float | None = optional(Quantity("s", within(0, LATEST), "time from the start"))
+    when: str | None = optional(Text(79, "conditions, with and, as the gauges show it"))
+    ordered: str | None = optional(Choice(CREW_AXES, "each time that the crew is ordered one"))
+    after_s: float | None = optional(Quantity("s", within(0, 3600), "this long after that; else 0"))
+    then: bool | None = optional(Flag("true: not before the rule above has been carried out"))
+    from_s: float | None = optional(Quantity("s", within(0, LATEST), "with when: not before"))
+    to_s: float | None = optional(Quantity("s", within(0, LATEST), "with when: not later"))
+    every_s: float | None = optional(
+        Quantity("s", above(0, 3600), "with when: again after this time, as long as it holds")
+    )
+    mean_s: float | None = optional(
+        Quantity("s", above(0, 600), "with when: of the mean of the gauges over this time")
+    )
+
+
+@dataclass(frozen=True, kw_only=True)
+class Planesman:
+    """How the reference crew works its planes, after ``planesman on``."""
+
+    answer_s: float = usual(4.0, Quantity("s", within(0, 600), "from an order to the first move"))
+    look_s: float = usual(5.0, Quantity("s", above(0, 60), "from look to look"))
+    mean_s: float = usual(0.0, Quantity("s", within(0, 60), "depth as the mean over this time"))
+    bubble_deg_per_m: float = usual(0.5, Quantity("deg/m", within(0, 10), "angle for an error"))
+    bubble_s: float = usual(6.0, Quantity("deg/(m/s)", within(0, 60), "angle against depth rate"))
+    bubble_deg_max: float = usual(7.0, Quantity("deg", above(0, 30), "largest angle"))
+    leave_m: float = usual(14.0, Quantity("m", within(0, 100), "before it, off an ordered angle"))
+    stern_per_bubble: float = usual(1.5, Quantity("-", within(0, 10), "stern planes for an angle"))
+    stern_s: float = usual(10.0, Quantity("s", within(0, 60), "stern planes against pitch rate"))
+    stern_deg_max: float = usual(25.0, Quantity("deg", within(0, 90), "largest"))
+    stern_off_deg: float = usual(2.0, Quantity("deg", within(0, 30), "less is not worth an order"))
+    bow_within_m: float = usual(6.0, Quantity("m", within(0, 100), "bow planes inside this error"))
+    bow_deg_per_m: float = usual(1.5, Quantity("deg/m", within(0, 20), "bow planes for an error"))
+    bow_s: float = usual(0.0, Quantity("deg/(m/s)", within(0, 90), "bow planes against the rate"))
+    bow_deg_max: float = usual(20.0, Quantity("deg", within(0, 90), "largest"))
+    bow_step_deg: float = usual(3.0, Quantity("deg", above(0, 30), "in steps of this"))
+
+
+@dataclass(frozen=True, kw_only=True)
+class Helmsman:
+    """How the reference crew works its rudder, after ``helmsman on``."""
+
+    answer_s: float = usual(4.0, Quantity("s", within(0, 600), "from an order to the first move"))
+    look_s: float = usual(4.0, Quantity("s", above(0, 60), "from look to look"))
+    rudder_per_error: float = usual(0.6, Quantity("-", within(0, 10), "rudder for an error"))
+    rudder_s: float = usual(10.0, Quantity("s", within(0, 60), "rudder against rate of turn"))
+    rudder_deg_max: float = usual(15.0, Quantity("deg", within(0, 90), "largest"))
+    rudder_off_deg: float = usual(1.0, Quantity("deg", within(0, 30), "less is not worth an order"))
+
+
+@dataclass(frozen=True, kw_only=True)
+class CrewRule:
+    """One rule, its words understood; ``order`` of a hand has its name and on or off."""
+
+    row: CrewRow
+    conditions: tuple[Condition, ...]
+    order: Order
+
+
+@dataclass(frozen=True, kw_only=True)
+class Crew:
+    """A reference crew; without rules there is none."""
+
+    rules: tuple[CrewRule, ...] = ()
+    planesman: Planesman = field(default_factory=Planesman)
+    helmsman: Helmsman = field(default_factory=Helmsman)
+
+
+RULES: Final = Rows(CrewRow, ("note",), 0, 200, "what the reference crew does, below")
+CREW_TABLES: Final = ("crew", *HANDS)
+
+
+def read_crew(table: Mapping[str, object], place: Place) -> Crew:
+    """Return the reference crew of an exercise file; ConfigError with all that is wrong."""
+    problems: list[str] = []
+    if isinstance(table.get("crew"), dict):
+        raise ConfigError(place.problem("[crew]: one reference crew, its rules [[crew]] one by one"))
+    rules: list[CrewRule] = []
+    with collecting(problems):
+        for i, row in enumerate(RULES.read("crew", table.get("crew", []), place)):
+            with collecting(problems):
+                rules.append(_read_rule(row, i, place.inside(f"crew[{i}]")))
+    hands: dict[str, Planesman | Helmsman] = {}
+    for name, record in (("planesman", Planesman), ("helmsman", Helmsman)):
+        with collecting(problems):
+            hands[name] = read_record(record, table.get(name, {}), place.inside(name), ("note",))
+    problems += _twice(rules, place)
+    if problems:
+        raise ConfigError(*problems)
+    return Crew(rules=tuple(rules), **hands)  # type: ignore[arg-type]
+
+
+def _twice(rules: list[CrewRule], place: Place) -> list[str]:
+    """Return which rules stand twice: two crews in one file."""
+    rows = [rule.row for rule in rules]
+    return [
+        place.inside(f"crew[{i}]").problem(
+            f'order = "{row.order}": is a rule above too; an exercise has one reference crew'
+        )
+        for i, row in enumerate(rows)
+        if row in rows[:i] and not row.then
+    ]
+
+
+def _read_rule(row: CrewRow, i: int, place: Place) -> CrewRule:
+    """Return one rule; ConfigError with all that is wrong in it."""
+    problems: list[str] = []
+    begins = [key for key in ("at_s", "when", "ordered") if getattr(row, key) is not None]
+    if len(begins) > 1 or not (begins or row.then):
+        problems.append(place.problem("give one of at_s, when, ordered, or then = true"))
+    if row.then and i == 0:
+        problems.append(place.wrong("then", row.then, "there is no rule above"))
+    for key in ("from_s", "to_s", "every_s", "mean_s"):
+        if getattr(row, key) is not None and row.when is None:
+            problems.append(place.wrong(key, getattr(row, key), "goes with when"))
+    conditions: tuple[Condition, ...] = ()
+    with collecting(problems):
+        conditions = compile_conditions(row.when, place) if row.when else ()
+    with collecting(problems):
+        order = parse_crew_order(row.order, place)
+    if problems:
+        raise ConfigError(*problems)
+    return CrewRule(row=row, conditions=conditions, order=order)
+
+
+def parse_crew_order(text: str, place: Place) -> Order:
+    """Return what a crew can order, or switch; ConfigError if it is neither."""
+    words = " ".join(text.split()).lower()
+    if words in SWITCHES:
+        hand, word = SWITCHES[words]
+        return Order(hand, 0.0, word, words)
+    if words.split(" ")[0] in HANDS:
+        raise ConfigError(place.wrong("order", text, f"say on or off{nearest(words, SWITCHES)}"))
+    order = parse(text)
+    if not isinstance(order, Order):
+        raise ConfigError(place.wrong("order", text, order.reason if order else "is no order"))
+    if order.name not in ANSWERS:
+        raise ConfigError(place.wrong("order", text, "no crew orders that"))
+    return order

@@ -1,0 +1,262 @@
+"""What is said in a control room, as orders of the grammar: one table, another navy's may lie by it.
+
+A phrase is looked for only where a line is no order of ``table``. Who works a control gives it the
+``order``; who orders the crew (instructor, diving officer, schedule) gives the ``crew`` order where
+there is one. A pattern is a row of items: ``a|b`` one of these words, ``[a]`` may be left out,
+CAPITALS stand for SLOTS. Numbers may be words: ``zero four five``, ``one eighty``, ``two hundred``.
+"""
+
+import difflib
+import re
+from typing import Final, NamedTuple
+
+from trainer.io.orders.quantities import FEET, METRES, TONNES
+
+
+class Phrase(NamedTuple):
+    """One way to say an order."""
+
+    example: str
+    pattern: str
+    order: str  # of whoever works it
+    crew: str = ""  # of whoever orders the crew, "" where it is the same
+
+
+class Meaning(NamedTuple):
+    """What a phrase means, in the words of the grammar."""
+
+    order: str
+    crew: str
+
+
+SLOTS: Final = {
+    "SIDE": r"(?P<side>left|right|port|starboard)",
+    "COURSE": r"(?P<n>\d{3}(?:\.\d+)?)",
+    "ANGLE": r"(?P<n>\d{1,2}(?:\.\d+)?)",
+    "N": r"(?P<n>\d+(?:\.\d+)?)",
+    "UNIT": f"(?P<unit>{'|'.join((*METRES.names, *FEET.names))})",
+    "TONNES": f"(?:{'|'.join(TONNES.names)})",
+    "DEGREES": "(?:degrees?|deg)",
+    "KNOTS": "(?:knots?|kn)",
+    "WAY": "(?P<way>up|down)",
+    "TILT": "(?P<tilt>dive|rise)",
+    "BUBBLE": "(?:bubble|angle)",
+    "STERN": "(?P<planes>stern|bow|sail|fairwater) planes",
+    "AHEAD": "(?P<bell>one-third|two-thirds|1/3|2/3|standard|full|flank)",
+    "ASTERN": "(?P<bell>one-third|two-thirds|1/3|2/3|full)",
+    "AUXILIARY": "(?:auxiliary|auxiliaries|aux)",
+    "GROUP": "(?P<group>forward|mid|aft)",
+    "OPEN": "(?P<open>open|shut)",
+}
+
+PHRASES: Final = (
+    Phrase("left full rudder", "SIDE full [rudder]", "rudder {side} full"),
+    Phrase("full left rudder", "full SIDE rudder", "rudder {side} full"),
+    Phrase("hard a-port", "hard [a] SIDE [rudder]", "rudder {side} full"),
+    Phrase("right 10 degrees rudder", "SIDE ANGLE [DEGREES] [of] [rudder]", "rudder {side} {n}"),
+    Phrase("right rudder 10", "SIDE rudder ANGLE [DEGREES]", "rudder {side} {n}"),
+    Phrase("midships", "amidships|midships", "rudder amidships"),
+    Phrase("ease to 5", "ease [her|the|your] [rudder] to ANGLE [DEGREES]", "rudder ease {n}"),
+    Phrase("ease her", "ease her", "rudder ease 5"),
+    Phrase("shift your rudder", "shift [your|the] [rudder]", "rudder shift"),
+    Phrase("meet her", "meet her", "rudder meet"),
+    Phrase(
+        "come left to 045",
+        "[come] SIDE to [course] COURSE",
+        "course {side} to {n}",
+        "order course {side} {n}",
+    ),
+    Phrase(
+        "steady on 045",
+        "steady [up] on [course] COURSE",
+        "course {n}",
+        "order course {n}",
+    ),
+    Phrase("steer 045", "steer [course] COURSE", "course {n}", "order course {n}"),
+    Phrase("come to 045", "come to [course] COURSE", "course {n}", "order course {n}"),
+    Phrase("steady as she goes", "steady as she goes", "course steady", "order course steady"),
+    Phrase("steady", "steady [so]", "course steady", "order course steady"),
+    Phrase("all ahead two thirds", "all [engines] ahead AHEAD", "bell ahead {bell}"),
+    Phrase("back full", "[all] [engines] back|astern ASTERN", "bell astern {bell}"),
+    Phrase("all stop", "all [engines] stop", "bell stop"),
+    Phrase("stop engines", "stop [the] engine|engines", "bell stop"),
+    Phrase("make turns for 8 knots", "make turns for N [KNOTS]", "turns {n}"),
+    Phrase("make 8 knots", "make N KNOTS", "turns {n}", "order speed {n}"),
+    Phrase(
+        "make your depth 60 metres",
+        "make your depth N [UNIT]",
+        "depth {n} {unit}",
+        "order depth {n} {unit}",
+    ),
+    Phrase(
+        "ordered depth 200 feet",
+        "ordered depth N [UNIT]",
+        "depth {n} {unit}",
+        "order depth {n} {unit}",
+    ),
+    Phrase(
+        "go to 60 metres",
+        "go|come [up|down] to N UNIT",
+        "depth {n} {unit}",
+        "order depth {n} {unit}",
+    ),
+    Phrase(
+        "come to periscope depth",
+        "go|come [up|down] to periscope depth",
+        "periscope depth",
+        "order periscope depth",
+    ),
+    Phrase("five degrees down bubble", "ANGLE [DEGREES] WAY BUBBLE", "order pitch {n} {way}"),
+    Phrase("zero bubble", "0 [DEGREES] BUBBLE", "order pitch zero"),
+    Phrase("stern planes 10 dive", "STERN ANGLE [DEGREES] TILT", "{planes} planes {tilt} {n}"),
+    Phrase(
+        "10 dive on the stern planes",
+        "ANGLE [DEGREES] TILT on [the] STERN",
+        "{planes} planes {tilt} {n}",
+    ),
+    Phrase("bow planes full rise", "STERN full TILT", "{planes} planes {tilt} full"),
+    Phrase(
+        "full rise on the bow planes", "full TILT on [the] STERN", "{planes} planes {tilt} full"
+    ),
+    Phrase("stern planes zero degrees", "STERN 0 [DEGREES]", "{planes} planes zero"),
+    Phrase("zero the planes", "0 [the] planes", "planes zero"),
+    Phrase("planes zero degrees", "planes 0 [DEGREES]", "planes zero"),
+    Phrase(
+        "flood depth control 2 tonnes", "flood depth control N [TONNES]", "flood depth-control {n}"
+    ),
+    Phrase(
+        "flood 2 tonnes to depth control",
+        "flood N [TONNES] to|into [the] depth control",
+        "flood depth-control {n}",
+    ),
+    Phrase(
+        "pump depth control 2 tonnes", "pump depth control N [TONNES]", "pump depth-control {n}"
+    ),
+    Phrase(
+        "pump 2 tonnes from depth control",
+        "pump N [TONNES] from [the] depth control",
+        "pump depth-control {n}",
+    ),
+    Phrase("flood auxiliaries 2 tonnes", "flood AUXILIARY N [TONNES]", "flood auxiliary {n}"),
+    Phrase("pump auxiliaries 2 tonnes", "pump AUXILIARY N [TONNES]", "pump auxiliary {n}"),
+    Phrase("pump 3 forward to aft", "pump N [TONNES] [from] forward to aft", "pump trim aft {n}"),
+    Phrase(
+        "pump 3 aft to forward", "pump N [TONNES] [from] aft to forward", "pump trim forward {n}"
+    ),
+    Phrase("flood negative", "flood [the] negative [tank]", "negative flood"),
+    Phrase("blow negative", "blow [the] negative [tank]", "negative blow"),
+    Phrase("open vents", "OPEN [all] [the] [main] vents", "vent all {open}"),
+    Phrase("open forward vents", "OPEN [the] GROUP vents", "vent {group} {open}"),
+    Phrase("blow main ballast", "blow [all] [the] main ballast", "blow all"),
+    Phrase("secure the blow", "secure [the] blow|air", "blow stop"),
+    Phrase("EMBT blow", "embt blow", "emergency blow"),
+)
+
+UNITS: Final = (
+    *("zero", "one", "two", "three", "four", "five", "six", "seven", "eight", "nine"),
+    *("ten", "eleven", "twelve", "thirteen", "fourteen", "fifteen", "sixteen", "seventeen"),
+    *("eighteen", "nineteen"),
+)
+ROUND: Final = ("twenty", "thirty", "forty", "fifty", "sixty", "seventy", "eighty", "ninety")
+DIGITS: Final = {word: f"{i}" for i, word in enumerate(UNITS[:10])} | {"niner": "9"}
+TEENS: Final = {word: i for i, word in enumerate(UNITS) if i >= 10}
+TENS: Final = {word: 10 * i for i, word in enumerate(ROUND, start=2)}
+NUMBER_WORDS: Final = {*DIGITS, *TEENS, *TENS, "hundred"}
+
+
+def pattern(row: str) -> re.Pattern[str]:
+    """Return the expression of a row of items, each with the blank after it."""
+    pieces = []
+    for item in row.split():
+        plain = item.strip("[]")
+        word = "|".join(SLOTS.get(each, each) for each in plain.split("|"))
+        pieces.append(f"(?:(?:{word}) ){'?' * item.startswith('[')}")
+    return re.compile("".join(pieces))
+
+
+COMPILED: Final = tuple((pattern(phrase.pattern), phrase) for phrase in PHRASES)
+OPENINGS: Final = {
+    word
+    for phrase in PHRASES
+    for word in (phrase.example.lower().split()[0], *phrase.pattern.split()[0].split("|"))
+} | {"left", "port", "starboard", "come", "steer", "all"}
+
+
+def meaning(tokens: list[str]) -> Meaning | None:
+    """Return what a phrase means, None if it is none."""
+    text = plain_text(tokens)
+    for expression, phrase in COMPILED:
+        if found := expression.fullmatch(f"{text} "):
+            said = {name: value or "" for name, value in found.groupdict().items()}
+            said["n"] = said.get("n", "")
+            order = phrase.order.format(**said).strip()
+            return Meaning(order, phrase.crew.format(**said).strip())
+    return None
+
+
+def nearest_phrase(tokens: list[str]) -> str:
+    """Return the phrase most like one that is none and begins as one does, "" where none is."""
+    if tokens[0] not in OPENINGS:
+        return ""
+    examples = {plain_text(phrase.example.lower().split()): phrase.example for phrase in PHRASES}
+    near = difflib.get_close_matches(plain_text(tokens), examples, n=1, cutoff=0.5)
+    return examples[near[0]] if near else ""
+
+
+def plain_text(tokens: list[str]) -> str:
+    """Return tokens with the numbers in digits, without the old "a-" before a side."""
+    words = [token.strip(",.").removeprefix("a-") for token in tokens]
+    split = [part for word in words for part in parts_of(word)]
+    return " ".join(filter(None, numerals(split)))
+
+
+def parts_of(word: str) -> list[str]:
+    """Return the words of a number with dashes, such as forty-five; any other word as it is."""
+    parts = word.split("-")
+    return parts if all(part in NUMBER_WORDS for part in parts) else [word]
+
+
+def numerals(words: list[str]) -> list[str]:
+    """Return the words with what is a number in digits: said digit by digit or as a whole."""
+    found: list[str] = []
+    digits, rest = "", list(words)
+    while rest:
+        chunk = chunk_of(rest)
+        if chunk:
+            digits += chunk
+            continue
+        found += [digits, rest.pop(0)]
+        digits = ""
+    return [word for word in (*found, digits) if word]
+
+
+def chunk_of(rest: list[str]) -> str:
+    """Take the first number off the words, such as two hundred, forty five, nine; return it."""
+    if len(rest) > 1 and rest[0] in DIGITS and rest[1] == "hundred":
+        hundreds = int(DIGITS[rest.pop(0)])
+        rest.pop(0)
+        if rest[:1] == ["and"]:
+            rest.pop(0)
+        return str(100 * hundreds + int(chunk_of(rest) or 0))
+    if rest[0] in TENS if rest else False:
+        tens = TENS[rest.pop(0)]
+        unit = DIGITS[rest.pop(0)] if rest and rest[0] in DIGITS and rest[0] != "zero" else "0"
+        return str(tens + int(unit))
+    if rest and rest[0] in TEENS:
+        return str(TEENS[rest.pop(0)])
+    return DIGITS[rest.pop(0)] if rest and rest[0] in DIGITS else ""
+
+
+def phrase_table() -> list[tuple[str, str, str]]:
+    """Return the rows of the table in docs/orders.md: phrase, order, order to the crew."""
+    rows = []
+    for phrase in PHRASES:
+        found = meaning(as_tokens(phrase.example))
+        if found:
+            rows.append((phrase.example, f"`{found.order}`", found.crew and f"`{found.crew}`"))
+    return rows
+
+
+def as_tokens(example: str) -> list[str]:
+    """Return the words of an example as a line's are read."""
+    return re.sub(r"\b(one|two) third", r"\1-third", example.lower()).split()
