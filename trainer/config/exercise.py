@@ -95,7 +95,9 @@ class Heading:
     schema: str = of(Choice(("exercise/1",), "form of the file"))
     name: str = of(Text(55, "the crew's title, one line for the list of exercises"))
     briefing: str = of(Page(4000, "what the crew is told at the start"))
-    instructor: str | None = optional(Page(4000, "for the instructor alone: what is hidden, the cure"))
+    instructor: str | None = optional(
+        Page(4000, "for the instructor alone: what is hidden, the cure")
+    )
     hand: tuple[str, ...] | None = optional(Choices(tuple(AXES), "what the crew works by hand"))
     hand_from_s: float | None = optional(Quantity("s", within(0, LATEST), "since when; else 0"))
     allowed: tuple[str, ...] | None = optional(

@@ -111,7 +111,9 @@ def read_crew(table: Mapping[str, object], place: Place) -> Crew:
     """Return the reference crew of an exercise file; ConfigError with all that is wrong."""
     problems: list[str] = []
     if isinstance(table.get("crew"), dict):
-        raise ConfigError(place.problem("[crew]: one reference crew, its rules [[crew]] one by one"))
+        raise ConfigError(
+            place.problem("[crew]: one reference crew, its rules [[crew]] one by one")
+        )
     rules: list[CrewRule] = []
     with collecting(problems):
         for i, row in enumerate(RULES.read("crew", table.get("crew", []), place)):

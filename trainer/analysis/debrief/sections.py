@@ -100,7 +100,10 @@ def _score(debrief: DebriefData, i: int, each: Scored) -> tuple[str, ...]:
     earned: tuple[str, ...] = ()
     if debrief.card.verdict is not None:
         part = f"{each.rule.part} " if each.earned is None else ""
-        earned = ("-" if each.nobody is None else f"{each.nobody:.0f}", f"{part}{_whole(each.earned)}")
+        earned = (
+            "-" if each.nobody is None else f"{each.nobody:.0f}",
+            f"{part}{_whole(each.earned)}",
+        )
     return (
         *(f"S{i}", (each.name), value, number(score.full), number(score.zero), marks),
         *earned,
