@@ -31,7 +31,9 @@ from trainer.session.ports import PATIENCE, Ports, keeps_no_time
 from trainer.session.rerun.request import open_log
 from trainer.session.rerun.subject import Subject
 from trainer.session.session import Session
+from trainer.session.stations.briefing import Briefing
 from trainer.session.stations.reception import Closed
+from trainer.session.stations.roles import INSTRUCTOR, STRANGER
 from trainer.session.stations.station import Fact
 from trainer.session.stations.subscriptions import Promptly, Publisher, Roster
 from trainer.session.stations.view import StateReader
@@ -190,6 +192,7 @@ def fly(prepared: PreparedRun, options: RunOptions) -> int:
     """Open the ports, run the session to its end, account for it; return the exit code."""
     boat, history, plan = prepared.boat, prepared.history, prepared.plan
     method = boat.method
+    told = briefing_of(plan, options)
     recorder = open_csv(options.csv_path, 1 if math.isfinite(options.speed) else BATCH)
     last_tick = math.inf if plan.duration is None else round(plan.duration / method.step)
     time = Timekeeping.at(prepared.clock, method.step, options.speed, Policy(options.overrun))
@@ -211,11 +214,12 @@ def fly(prepared: PreparedRun, options: RunOptions) -> int:
             monitor=LimitMonitor.over(boat, plan.limits),
             last_tick=last_tick,
             wake=wake,
-            briefing=(*heading(plan), *situation(plan, boat, options.note)),
-            crew_briefing=(
-                *(() if plan.hides else heading(plan)),
-                *situation(plan, boat, options.note),
-            ),
+            briefing=(*told.heading(INSTRUCTOR), *situation(plan, boat, options.note)),
+            crew_briefing=(*told.heading(STRANGER), *situation(plan, boat, options.note)),
+            exercise=told,
+            hand=frozenset(plan.hand),
+            hand_from=plan.hand_from,
+            allowed=frozenset(plan.allowed),
             until_left=options.until_left,
         )
         if log:
@@ -271,9 +275,19 @@ def open_csv(path: Path | None, batch: int) -> CsvFile | NoFile:
         raise ConfigError(f"--csv {path}: {error.strerror}") from None
 
 
-def heading(plan: Plan) -> tuple[str, ...]:
-    """Return what the exercise is about."""
-    return tuple(filter(None, (plan.title, *plan.briefing.splitlines())))
+def briefing_of(plan: Plan, options: RunOptions) -> Briefing:
+    """Return what there is to say of the exercise."""
+    return Briefing(
+        name=Path(options.exercise).stem if options.exercise else "",
+        title=plan.title,
+        text=tuple(plan.briefing.splitlines()),
+        instructor=tuple(plan.instructor.splitlines()),
+        hides=plan.hides and not plan.instructor,
+        limits=plan.limits,
+        lost=plan.lost,
+        tasks=tuple(rule.score.name for rule in plan.scores if rule.part != "keeping"),
+        duration=plan.duration,
+    )
 
 
 def situation(plan: Plan, boat: Boat, note: str) -> tuple[str, ...]:

@@ -3,7 +3,6 @@
 import math
 import threading
 import time
-from collections import deque
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import Final
@@ -18,15 +17,16 @@ from trainer.io.orders.grammar import Order, Refused, Reply
 from trainer.io.orders.schedule import Scheduled
 from trainer.io.orders.table import BOAT_ORDERS, CREW_TALK
 from trainer.io.recording.recording import RecordingError
-from trainer.io.status_line import clock
 from trainer.io.tables import Columns
 from trainer.session.control import Control
 from trainer.session.crew import SCHEDULE, CrewTalk, role_of
+from trainer.session.event_log import EventLog
 from trainer.session.history import History
 from trainer.session.stations.access import NoiseLog
+from trainer.session.stations.briefing import Briefing, ranges
 from trainer.session.stations.display import panel
 from trainer.session.stations.reception import Closed, Reception
-from trainer.session.stations.roles import INSTRUCTOR, STRANGER, Role, hears
+from trainer.session.stations.roles import INSTRUCTOR, STRANGER, Role
 from trainer.session.stations.station import Asked, Fact, News, Station
 from trainer.session.stations.subscriptions import Sending
 from trainer.session.stations.view import Pace, Picture, StateReader
@@ -35,57 +35,13 @@ from trainer.session.time.ledger import SECOND
 from trainer.session.time.pacer import WOKEN, Event
 from trainer.session.time.timekeeping import Timekeeping
 
-KEPT: Final = 500  # of what has happened, for who comes late
-
-
-@dataclass
-class EventLog:
-    """The news of one run."""
-
-    history: History
-    stations: list[Station] = field(default_factory=list)
-    news: deque[News] = field(default_factory=lambda: deque(maxlen=KEPT))
-    heard: Station | None = None  # who is listened to
-    hearers: list[Callable[[News], None]] = field(default_factory=list)  # of all; they never wait
-
-    def tell(
-        self, kind: str, text: str, by: Station | None = None, fact: Fact | None = None
-    ) -> None:
-        """Record what has happened, and tell whose role hears of such things but ``by``.
-
-        ``by`` has its answer; it is told the fact all the same.
-        """
-        boat = self.history.boat
-        # a remark is anybody's words: who hears it hears whose
-        said = f"mark by {by.role.name}: {text}" if kind == "mark" and by else text
-        news = News(self.history.tick, boat.time, kind, said, fact)
-        self.news.append(news)
-        if not (kind == "crew" and self.history.rerun):  # a replay says again what is recorded
-            self.history.recording.event(news.tick, kind, by.who if by else "", text)
-        for hear in self.hearers:
-            hear(news)
-        for station in self.stations:
-            if station is not by:
-                station.tell(news)
-            else:
-                station.note(news)
-
-    def log(self, kind: str, text: str) -> None:
-        """Tell what the station that is listened to has to say of itself."""
-        self.tell(kind, text, self.heard)
-
-    def lately(self, role: Role, count: int) -> list[str]:
-        """Return the last of what ``role`` hears of."""
-        heard = [news for news in self.news if hears(role, news.kind)]
-        return [f"{clock(news.seconds)} {news.text}" for news in heard[-count:]]
-
-
 HINT: Final = "type an order, such as: depth 80   course 090   rudder left 15   help   quit"
 AT_A_TIME: Final = SECOND // 20  # [ns] of single steps before the stations are heard again
 LINES_AT_A_TIME: Final = 32  # of one station before the clock is looked at again
 PATIENCE: Final = 0.5  # [s] for a line to get out what it was sent before it is closed
 # orders by which everybody can tell that something has been done with time
 MOMENTS: Final = frozenset({"restore", "reset", "backtrack", "replay", "take"})
+QUESTIONS: Final = frozenset({"status", "who", "briefing", "casualties", "log"})
 GOING_BACK: Final = ("backtrack", "restore", "reset")
 AMIDSHIPS: Final = Order("rudder", 0.0, "amidships", "rudder amidships")
 TIME: Final = frozenset({"freeze", "run", "step", "time", "quit"})
@@ -109,6 +65,7 @@ class Session:
     wake: threading.Event = field(default_factory=threading.Event)
     briefing: tuple[str, ...] = ()  # what the instructor is told
     crew_briefing: tuple[str, ...] = ()  # what everybody else is
+    exercise: Briefing = field(default_factory=Briefing)  # as programs are told it
     hand: frozenset[str] = frozenset()  # axes that the exercise has worked by hand
     hand_from: float = 0.0  # [s]
     allowed: frozenset[str] = frozenset()  # automatic orders allowed nevertheless
@@ -163,6 +120,16 @@ class Session:
         for line in (*self._briefed(station), HINT):
             station.line.send(line)
 
+    def _introduce(self, station: Station) -> None:
+        """Tell a program the exercise, the vessel's ranges, and what the crew is ordered."""
+        told = [("exercise", pair) for pair in self.exercise.facts(station.role, self.boat.time)]
+        told += [("exercise", pair) for pair in self.crew.conditions(station.role.name)]
+        told += [("range", pair) for pair in ranges(self.boat, station.role)]
+        told += [("rate", pair) for pair in station.rate]
+        self._note(station, [Fact(what, f"{key}={value}") for what, (key, value) in told])
+        self._note(station, [each.fact for each in self.crew.standing(station.role.name)])
+        self.event_log.note_alerts(station)
+
     def _briefed(self, station: Station) -> tuple[str, ...]:
         """Return what a station is told of the exercise."""
         return self.briefing if station.role is INSTRUCTOR else self.crew_briefing
@@ -177,12 +144,12 @@ class Session:
             self._visits.log("station", f"{station.line.name} has come")
         for station in list(self.event_log.stations):
             self.event_log.heard = station
-            stranger = station.role is STRANGER
+            before = station.role
             for asked in station.take(LINES_AT_A_TIME):
+                before = self._entered(station, before)
                 self._hear(asked)
                 self._take_steps()
-            if stranger and station.role is not STRANGER:
-                self.greet(station)
+            self._entered(station, before)
             if station.held_up:
                 self._listen_again(station.held_up)
             elif station.waiting:
@@ -190,6 +157,14 @@ class Session:
             elif station.leaving or station.line.ended:
                 self._see_out(station)
         self.event_log.heard = None
+
+    def _entered(self, station: Station, before: Role) -> Role:
+        """Greet or introduce a station that has said what it is; return its role."""
+        if before is STRANGER and station.role is not STRANGER:
+            self.greet(station)
+        if station.role is not before:
+            self._introduce(station)
+        return station.role
 
     def _listen_again(self, after: float) -> None:
         """Listen again after a time [s]: what was not taken waits with no word of its own."""
@@ -239,40 +214,56 @@ class Session:
     # Orders
 
     def _hear(self, asked: Asked) -> None:
-        """Carry out an order from a station and answer it there."""
+        """Answer a question, or carry out an order, from a station."""
         order, station = asked.order, asked.station
-        if order.name == "status":
-            station.answer(asked, "", *self._status(station))
-        elif order.name == "who":
-            station.answer(asked, "", *(each.account() for each in self.event_log.stations))
-        elif order.name == "briefing":
-            station.answer(asked, "", *self._briefed(station))
-        elif order.name == "casualties":
-            self._note(station, [Fact("casualty", ",".join(each)) for each in available(self.boat)])
-            station.answer(asked, "", *listing(self.boat))
-        elif order.name == "log":
-            station.answer(asked, "", *self.event_log.lately(station.role, int(order.value)))
+        if order.name in QUESTIONS:
+            self._tell_about(asked)
+        elif order.name == "ack":
+            station.answer(asked, self.event_log.acknowledge(order, station))
         elif order.name == "mark":
-            self.event_log.tell(
-                "mark", order.subject or "marked", station, Fact("mark", order.subject)
-            )
-            self.history.recording.flush()
-            station.answer(asked, self._as_kept(f"marked at {self.boat.time:g} s"))
-            self._tell_trouble()
+            self._mark(asked)
         elif why := self.crew.in_hand(order):
             station.answer(asked, Refused(why))
             self._pass_on(order, Refused(why), station)
         else:
-            order = self.crew.named(order)
-            try:
-                answer = self._carry_out(order, station.who)
-            except RecordingError as error:  # its past cannot be read at present
-                answer = Refused(str(error))
-            if order.name == "snapshots":
-                self._note_snapshots(station)
-            station.answer(asked, self._as_kept(answer))
-            self._pass_on(order, answer, station)
-            self._tell_trouble()
+            self._give(asked)
+
+    def _tell_about(self, asked: Asked) -> None:
+        """Answer a question, programs with facts before it."""
+        name, station = asked.order.name, asked.station
+        if name == "briefing":
+            self._introduce(station)
+        if name == "casualties":
+            self._note(station, [Fact("casualty", ",".join(each)) for each in available(self.boat)])
+        answers: dict[str, Callable[[], Sequence[str]]] = {
+            "status": lambda: self._status(station),
+            "who": lambda: [each.account() for each in self.event_log.stations],
+            "briefing": lambda: self._briefed(station),
+            "casualties": lambda: listing(self.boat),
+            "log": lambda: self.event_log.lately(station.role, int(asked.order.value)),
+        }
+        station.answer(asked, "", *answers[name]())
+
+    def _mark(self, asked: Asked) -> None:
+        """Mark this moment; it is in the file before it is answered."""
+        remark = asked.order.subject
+        self.event_log.tell("mark", remark or "marked", asked.station, Fact("mark", remark))
+        self.history.recording.flush()
+        asked.station.answer(asked, self._as_kept(f"marked at {self.boat.time:g} s"))
+        self._tell_trouble()
+
+    def _give(self, asked: Asked) -> None:
+        """Carry out an order, answer it, and tell the others."""
+        order, station = self.crew.meant(asked.order), asked.station
+        try:
+            answer = self._carry_out(order, station.who)
+        except RecordingError as error:  # its past cannot be read at present
+            answer = Refused(str(error))
+        if order.name == "snapshots":
+            self._note_snapshots(station)
+        station.answer(asked, self._as_kept(answer))
+        self._pass_on(order, answer, station)
+        self._tell_trouble()
 
     def _note(self, station: Station, facts: Sequence[Fact]) -> None:
         """Tell a station facts of now, if it is a program."""
@@ -329,6 +320,7 @@ class Session:
             self.depths.settle(self.boat)
             self.pilot.settle(self.boat)
             self.crew.settle(self.history.said(), self.history.tick)
+            self.event_log.settle()
             self._judge_hull()
         if order.name in MOMENTS or order.name in TIME:
             self._show()
@@ -430,9 +422,9 @@ class Session:
             self._row()
         self.sending.offer(tick, state, self._pace)
         for text in self.monitor.look(self.boat):
-            self.event_log.tell("watch", text)
+            self.event_log.alert("watch", text)
         for text in self.pilot.look(self.boat):
-            self.event_log.tell("pilot", text)
+            self.event_log.alert("pilot", text)
         self._call_depth()
         self._judge_hull()
         if tick >= self.crew.due:
@@ -466,7 +458,7 @@ class Session:
     def _tell_depth(self, words: str, fact: Fact) -> None:
         """Tell what the depth has come to, with its tick."""
         place = f"tick {self.boat.ticks} ({self.boat.time:g} s)"
-        self.event_log.tell("depth", f"{place}: {words}", fact=fact)
+        self.event_log.alert("depth", f"{place}: {words}", fact)
 
     def _as_kept(self, answer: Reply) -> Reply:
         """Return an answer with a word on it if what it answers is not recorded."""

@@ -288,7 +288,7 @@ BOAT_ORDERS = frozenset(
         ),
         *("planes", "autopilot", "periscope", "surface", "dive", "blow", "emergency", "vent"),
         *("negative", "flood", "pump", "trim", "drain", "hover", "compressor"),
-        *("sea", "casualty", "clear", "hold", "release", "order", "belay", "course-to"),
+        *("sea", "casualty", "clear", "hold", "release", "order", "course-to"),
     )
 )
 # What is said between those who order the crew, the crew and the instructor: journalled as well.
