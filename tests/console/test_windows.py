@@ -21,7 +21,7 @@ SIZES = ((80, 24), (120, 40), (200, 60))
 FACTS = (
     "title=Depth, first steps", "hand=planes", "duration=600",
     "wins=on 75 m and on 60 m, each within 2 m for the last two minutes of its five and a half",
-    "limits=pitch 15 deg",
+    "lost=depth > 160", "limits=depth_m_min:13,pitch_deg_max:15", "line=Depth changes, by hand.",
 )  # fmt: skip
 
 
@@ -96,9 +96,12 @@ def test_the_briefing_has_mission_time_left_what_wins_and_the_limits(
             "Depth, first steps",
             "time left",
             "on 75 m and on 60 m",
-            "15 deg",
+            "lost at",
+            "> 160",
         ):
             await seen(pilot, app, text)
+        await seen(pilot, app, "no shallower than 13 m; pitch 15 deg at most")
+        await seen(pilot, app, "Depth changes, by hand.")
         await pilot.press("escape")
         talk.say(sentences.fact(130, 65.0, "exercise-over", "won"))
         await seen(pilot, app, "EXERCISE OVER: won")

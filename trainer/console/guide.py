@@ -69,6 +69,15 @@ MOUSE: Final = (
         "over the log or a window. Hold Shift to select text for your terminal, as without a mouse."
     ),
 )
+LIMITS: Final = {
+    "depth_m_max": "no deeper than {} m",
+    "depth_m_min": "no shallower than {} m",
+    "pitch_deg_max": "pitch {} deg at most",
+    "heel_deg_max": "heel {} deg at most",
+    "speed_kn_max": "no faster than {} kn",
+    "speed_kn_min": "no slower than {} kn",
+    "validity_level_max": "validity level {} at most",
+}
 MOVES: Final = {"up": -1, "down": 1, "pageup": -12, "pagedown": 12, "home": -9999, "end": 9999}
 LEAVES: Final = ("escape", "f1", "q", "enter", "f10", "f12", "question_mark", "space")
 LABELS: Final = 16  # [columns] of what stands before an explanation
@@ -181,14 +190,15 @@ def plain_rows(texts: Sequence[str]) -> list[Line]:
 
 def briefing_rows(model: SessionModel) -> list[Line]:
     """Return the exercise: how it stands, what wins, the limits, and what the crew was told."""
-    told = model.exercise
     rows = [labelled(label, says) for label, says in standing(model) if says]
-    rows += [line()] * bool(rows)
-    title = told.get("title")
-    rows += [line((f"   {said}", "plain")) for said in model.briefing if said != title]
     if model.marks_told:
         rows += titled("Marks", [line((f"   {text}", "value")) for text in model.marks_told])
-    return rows
+    told = model.told.get("line", [])
+    said = [text for text in model.briefing if text not in (*told, model.exercise.get("title"))]
+    rows += [line()] * bool(rows)
+    rows += [line((f"   {text}", "plain")) for text in told]
+    rows += [line()] * bool(told)
+    return [*rows, *(line((f"   {text}", "dim")) for text in said)]
 
 
 def standing(model: SessionModel) -> list[tuple[str, str]]:
@@ -197,13 +207,25 @@ def standing(model: SessionModel) -> list[tuple[str, str]]:
     left = "" if model.left is None else f"{clock(model.left)[3:]} (minutes:seconds)"
     return [
         ("exercise", told.get("title", "")),
+        ("its file", told.get("name", "")),
         ("it is over", model.outcome),
         ("time left", left),
-        ("what wins", told.get("wins", "")),
-        ("limits", told.get("limits", "")),
+        ("what wins", "; ".join(model.told.get("wins", []))),
+        ("limits", limits_said(told.get("limits", ""))),
+        ("it is lost at", " or ".join(model.told.get("lost", []))),
         ("by hand", told.get("hand", "").replace(",", ", ")),
-        ("allowed", told.get("allowed", "").replace(",", ", ")),
+        ("automatic", told.get("allowed", "").replace(",", ", ")),
+        ("free", "no marks: what was in hand is allowed" if told.get("free") else ""),
     ]
+
+
+def limits_said(told: str) -> str:
+    """Return the limits of an exercise in words; one that is not known as it came."""
+    found = []
+    for part in filter(None, told.split(",")):
+        name, _, value = part.partition(":")
+        found.append(LIMITS[name].format(value) if name in LIMITS else part)
+    return "; ".join(found)
 
 
 def guide(model: SessionModel) -> Reading:

@@ -14,6 +14,7 @@ from trainer.io.orders.grammar import Order, parse
 from trainer.io.orders.sentences import Sentence
 
 RINGING: Final = frozenset({"watch", "depth", "pilot", "trouble"})  # kinds with a bell
+LINES: Final = ("line", "wins", "lost")  # keys of an exercise that come again and again
 LONG: Final = 4  # [lines] from which an answer is read in a window of its own
 TRACK: Final = 4000  # places of the track
 TRACKED: Final = 2.0  # [s] between them
@@ -98,7 +99,8 @@ class SessionModel:
     furthest: float = 0.0  # [s] that time has reached on this branch
     refused: int = 0  # orders of this screen
     crew: CrewOrders = field(default_factory=CrewOrders)
-    exercise: dict[str, str] = field(default_factory=dict)  # what is to be done, as it was told
+    exercise: dict[str, str] = field(default_factory=dict)  # what is to be done, by its keys
+    told: dict[str, list[str]] = field(default_factory=dict)  # and what is said line by line
     outcome: str = ""  # of an exercise that is over
     marks_told: list[str] = field(default_factory=list)  # by the instructor, when released
     rings: int = 0  # how often the bell has been due
@@ -290,10 +292,22 @@ class SessionModel:
             self.rings += 1
         elif equals:
             if key == "title" and value != self.exercise.get("title"):
-                self.exercise.clear()
-                self.marks_told.clear()
-                self.outcome = ""
-            self.exercise[key] = value
+                self._forget_exercise()
+            if key in LINES:
+                lines = self.told.setdefault(key, [])
+                lines.extend([value] if value not in lines else [])
+            else:
+                self.exercise[key] = value
+
+    def _forget_exercise(self) -> None:
+        """Keep nothing of an exercise but its file's name, which is told first."""
+        name = self.exercise.get("name")
+        self.exercise.clear()
+        self.told.clear()
+        self.marks_told.clear()
+        self.outcome = ""
+        if name:
+            self.exercise["name"] = name
 
     def _answered(self, sentence: Sentence) -> None:
         kind, text = sentence.fields
