@@ -82,7 +82,6 @@ def due(plan: Plan, place: int) -> int:
     return math.ceil(plan.schedule[place].seconds / plan.method.step - 1e-9)
 
 
-
 class Journal:
     """The orders of a rehearsal, as a recording would hold them."""
 

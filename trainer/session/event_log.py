@@ -8,7 +8,7 @@ from typing import Final
 from trainer.io.orders.grammar import Order, Refused, Reply
 from trainer.io.status_line import clock
 from trainer.session.history import History
-from trainer.session.stations.roles import Role, hears
+from trainer.session.stations.roles import INSTRUCTOR, Role, hears
 from trainer.session.stations.station import Fact, News, Station
 
 KEPT: Final = 500  # of what has happened, for who comes late
@@ -38,7 +38,7 @@ class EventLog:
         """
         boat = self.history.boat
         # a remark is anybody's words: who hears it hears whose
-        said = f"mark by {by.role.name}: {text}" if kind == "mark" and by else text
+        said = f"mark by {self.signature(by)}: {text}" if kind == "mark" and by else text
         news = News(self.history.tick, boat.time, kind, said, fact)
         said_before = kind == CREW or (fact is not None and fact.what in SAID)
         if not (said_before and self.history.rerun):  # a replay says again what is recorded
@@ -95,6 +95,11 @@ class EventLog:
                 station.tell(news)
             else:
                 station.note(news)
+
+    def signature(self, station: Station) -> str:
+        """Return by whom a thing is said: its role, of several instructors their line too."""
+        several = sum(1 for each in self.stations if each.role is INSTRUCTOR) > 1
+        return station.who if several and station.role is INSTRUCTOR else station.role.name
 
     def log(self, kind: str, text: str) -> None:
         """Tell what the station that is listened to has to say of itself."""

@@ -18,6 +18,7 @@ from trainer.io.orders.schedule import Scheduled
 from trainer.io.orders.table import BOAT_ORDERS, CREW_TALK
 from trainer.io.recording.recording import RecordingError
 from trainer.io.tables import Columns
+from trainer.session.conduct import Conduct
 from trainer.session.control import Control
 from trainer.session.crew import SCHEDULE, CrewTalk, Telling, role_of
 from trainer.session.event_log import CREW, EventLog
@@ -40,9 +41,9 @@ AT_A_TIME: Final = SECOND // 20  # [ns] of single steps before the stations are 
 LINES_AT_A_TIME: Final = 32  # of one station before the clock is looked at again
 PATIENCE: Final = 0.5  # [s] for a line to get out what it was sent before it is closed
 # orders by which everybody can tell that something has been done with time
-MOMENTS: Final = frozenset({"restore", "reset", "backtrack", "replay", "take"})
+MOMENTS: Final = frozenset({"restore", "reset", "backtrack", "replay", "take", "again", "branch"})
+GOING_BACK: Final = ("backtrack", "restore", "reset", "again", "branch")
 QUESTIONS: Final = frozenset({"status", "who", "briefing", "casualties", "log"})
-GOING_BACK: Final = ("backtrack", "restore", "reset")
 AMIDSHIPS: Final = Order("rudder", 0.0, "amidships", "rudder amidships")
 TIME: Final = frozenset({"freeze", "run", "step", "time", "quit"})
 
@@ -72,15 +73,20 @@ class Session:
     until_left: bool = False  # it ends when the last of those who came by themselves has gone
     deserted: str = ""  # why it ended before its time
     unrecorded: str = ""  # why nothing more is recorded, once that has been told
+    refused: list[str] = field(default_factory=list)  # of the schedule, as it was told
     event_log: EventLog = field(init=False)
     control: Control = field(init=False)
+    conduct: Conduct = field(init=False)
     depths: DepthMonitor = field(init=False)
     pilot: PilotMonitor = field(init=False)
     crew: CrewTalk = field(init=False)
 
     def __post_init__(self) -> None:
         self.event_log = EventLog(self.history)
-        self.control = Control(self.boat, self.time, self.history)
+        self.control = Control(self.boat, self.time, self.history, self.schedule)
+        log = self.event_log
+        self.conduct = Conduct(self.control, log.tell, log.stations, self._show, self._call)
+        self.conduct.past.news = lambda: log.news
         self.depths = DepthMonitor.over(self.boat)
         self.pilot = PilotMonitor.over(self.boat)
         self.crew = CrewTalk(self.boat, self.hand, self.hand_from, self.allowed)
@@ -94,13 +100,14 @@ class Session:
         if self.columns:
             self._row()
         self._judge_hull()  # a recorded run may have ended in a collapse
-        if not (frozen or self.control.failure):
+        if self.boat.ticks:
+            self.conduct.look()  # or at its exercise's end
+        if not (frozen or self.control.failure or self.conduct.ending.over):
             self.time.pacer.run()
         self._show()
         while not self._over:
             if self.time.pacer.frozen and self._deserted():
-                self.deserted = f"frozen at {self.boat.time:g} s, and nobody is left to say run"
-                self.event_log.tell("time", self.deserted)
+                self.deserted = self.conduct.desert()
                 return
             if self.time.pacer.wait(self.wake) is WOKEN:
                 self.wake.clear()
@@ -113,6 +120,10 @@ class Session:
     def stop(self) -> None:
         """End the run after the present tick; may be called from another thread."""
         self.control.ended = True
+        self.wake.set()
+
+    def _call(self) -> None:
+        """Have the session's thread listen."""
         self.wake.set()
 
     def greet(self, station: Station) -> None:
@@ -137,6 +148,7 @@ class Session:
     def listen(self) -> None:
         """Let newcomers in, take what the stations say, and see out who has left."""
         self._visits.settle()
+        self.conduct.tend()
         for station in self.reception.newcomers():
             if station.role is not STRANGER:  # who has to say who it is, is told nothing before
                 self.greet(station)
@@ -147,7 +159,8 @@ class Session:
             before = station.role
             for asked in station.take(LINES_AT_A_TIME):
                 before = self._entered(station, before)
-                self._hear(asked)
+                if not self.conduct.hear(asked):
+                    self._hear(asked)
                 self._take_steps()
             self._entered(station, before)
             if station.held_up:
@@ -259,8 +272,6 @@ class Session:
             answer = self._carry_out(order, station.who)
         except RecordingError as error:  # its past cannot be read at present
             answer = Refused(str(error))
-        if order.name == "snapshots":
-            self._note_snapshots(station)
         station.answer(asked, self._as_kept(answer))
         self._pass_on(order, answer, station)
         self._tell_trouble()
@@ -269,13 +280,6 @@ class Session:
         """Tell a station facts of now, if it is a program."""
         for fact in facts:
             station.note(News(self.history.tick, self.boat.time, "exercise", "", fact))
-
-    def _note_snapshots(self, station: Station) -> None:
-        """Tell a station the moments kept, if it is a program."""
-        step = self.boat.method.step
-        for name, moment in self.history.snapshots().items():
-            kept = Fact("snapshot", name)
-            station.note(News(moment.tick, moment.tick * step, "moment", "", kept))
 
     def _status(self, station: Station) -> list[str]:
         """Return all about the boat that a station may know."""
@@ -327,6 +331,7 @@ class Session:
             self.monitor.settle(self.boat)
             self.depths.settle(self.boat)
             self.pilot.settle(self.boat)
+            self.conduct.settle()
             self.crew.settle(self.history.said(), self.history.tick)
             self.event_log.settle()
             self._judge_hull()
@@ -343,7 +348,8 @@ class Session:
         if not isinstance(answer, Refused):
             kind = "moment" if order.name in MOMENTS else "time" if order.name in TIME else kind
             fact = Fact("back" if order.name in GOING_BACK else "order", order.text)
-        self.event_log.tell(kind, f"{station.role.name}: {order.text}: {text}", station, fact)
+        by = self.event_log.signature(station)
+        self.event_log.tell(kind, f"{by}: {order.text}: {text}", station, fact)
 
     def _obey_due(self) -> bool:
         """Carry out the orders that are due; return whether they stop time before a tick."""
@@ -366,6 +372,8 @@ class Session:
             text = f"refused: {answer.reason}" if isinstance(answer, Refused) else answer
             fact = None if isinstance(answer, Refused) else Fact("order", entry.order.text)
             told = f"[{entry.seconds:g} s] {entry.order.text}: {text}"
+            if isinstance(answer, Refused):
+                self.refused.append(told)
             self.event_log.tell("exercise", told, fact=fact)
 
     def _obey_replay(self) -> bool:
@@ -377,6 +385,7 @@ class Session:
             return False
         self.event_log.tell("moment", self.history.arrive())
         self._judge_hull()
+        self.conduct.look()
         self.time.pacer.freeze()
         self.control.steps = 0
         self._show()
@@ -435,6 +444,8 @@ class Session:
             self.event_log.alert("pilot", text)
         self._call_depth()
         self._judge_hull()
+        if self.history.rerun is None:
+            self.conduct.look()
         if tick >= self.crew.due:
             self._say(self.crew.missing(tick, self._attended))
         if self.crew.meeting and self.crew.swing_met() and not self.history.rerun:

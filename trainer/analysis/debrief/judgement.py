@@ -37,9 +37,7 @@ def judge(
     rules = widened(plan.scores, width)
     if not plan.judged_by_tasks:
         return score(trajectory, rules)
-    scores = tuple(
-        _less_nobody(_flown(each), nobody) for each in score(trajectory, rules).scores
-    )
+    scores = tuple(_less_nobody(_flown(each), nobody) for each in score(trajectory, rules).scores)
     scores = tuple(_answered(each, scores) for each in scores)
     tasks = _mean([(each.rule.weight, each.earned) for each in scores if each.earned is not None])
     kept = [
@@ -80,10 +78,15 @@ def _flown(each: Scored) -> Scored:
 
 
 def _less_nobody(each: Scored, nobody: Mapping[str, float]) -> Scored:
-    """Return a score with what it earned beyond nobody aboard."""
+    """Return a score with what it earned beyond nobody aboard.
+
+    Where nobody gets more than MOST_NOBODY, at this seed, there is nothing to be earned.
+    """
     if each.rule.part == "keeping" or each.marks is None:
         return each
-    free = min(nobody.get(each.name, 0.0), 99.0)
+    free = nobody.get(each.name, 0.0)
+    if free > MOST_NOBODY:
+        return replace(each, nobody=free)
     earned = 100.0 * max(0.0, (each.marks - free) / (100.0 - free))
     return replace(each, nobody=free, earned=earned)
 

@@ -12,7 +12,7 @@ from markupsafe import Markup
 
 from trainer import __version__
 from trainer.analysis.debrief import sections
-from trainer.analysis.debrief.charts import charts_of, draw_timeline, ground_of
+from trainer.analysis.debrief.charts import charts_of, draw_timeline, draw_track, ground_of
 from trainer.analysis.debrief.data import DebriefData, figures, gather
 from trainer.analysis.report.html import page, paragraph, section
 from trainer.analysis.report.pdf import print_pdf
@@ -75,14 +75,22 @@ def _drawings(debrief: DebriefData) -> Markup:
     drawn = [draw(chart, ground) for chart in charts_of(debrief.trajectory)]
     told = "Shaded: a casualty. Dotted upright: a mark. Time from the start, minutes and seconds."
     head = Markup("<p><small>{}</small></p>").format(told)
-    return Markup().join([head, draw_timeline(debrief, ground), *drawn])
+    return Markup().join(
+        [head, draw_timeline(debrief, ground), *drawn, draw_track(debrief, ground)]
+    )
 
 
 HEAD = 2000  # [characters] in which a page of ours says that it is
 
 
 def debrief_file(
-    path: Path, html: Path | None, pdf: Path | None, branch: int | None, *, as_json: bool
+    path: Path,
+    html: Path | None,
+    pdf: Path | None,
+    branch: int | None,
+    *,
+    as_json: bool,
+    width: str = "qualified",
 ) -> None:
     """Write the page as HTML or PDF, and print where it is, or the figures.
 
@@ -94,7 +102,7 @@ def debrief_file(
         html = beside(path, branch)
         _refuse_other(html)
     with np.errstate(all="ignore"):  # a state may hold any number
-        debrief = read_dossier(path, branch)
+        debrief = read_dossier(path, branch, width)
         text = render(debrief) if html or pdf else ""
     written = []
     if html is not None:
@@ -109,10 +117,10 @@ def debrief_file(
         click.echo("\n".join(map(str, written)))
 
 
-def read_dossier(path: Path, branch: int | None) -> DebriefData:
-    """Return the dossier of a recording; ConfigError if it cannot be read."""
+def read_dossier(path: Path, branch: int | None, width: str = "qualified") -> DebriefData:
+    """Return the dossier of a recording, judged at a width; ConfigError if it cannot be read."""
     with reading(path) as recording:
-        return gather(recording, path, branch)
+        return gather(recording, path, branch, width)
 
 
 def beside(path: Path, branch: int | None) -> Path:
