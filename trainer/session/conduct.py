@@ -25,7 +25,7 @@ ANSWER_WITHIN: Final = 10.0  # [s] for whoever has command to keep it
 WATCHING: Final = frozenset(  # what an instructor without command may say
     {
         *("role", "help", "status", "briefing", "log", "who", "subscribe", "unsubscribe", "detach"),
-        *("history", "mark", "branches", "snapshots", "casualties", "command"),
+        *("history", "mark", "branches", "snapshots", "casualties", "command", "ack"),
     }
 )
 NOT_CREW: Final = (INSTRUCTOR.name, STRANGER.name, "observer")  # of whom nobody asks: ready?

@@ -24,7 +24,7 @@ from trainer.session.crew import SCHEDULE, CrewTalk, Telling, role_of
 from trainer.session.event_log import CREW, EventLog
 from trainer.session.history import History
 from trainer.session.stations.access import NoiseLog
-from trainer.session.stations.briefing import Briefing, ranges
+from trainer.session.stations.briefing import Briefing, in_words, ranges
 from trainer.session.stations.display import panel
 from trainer.session.stations.reception import Closed, Reception
 from trainer.session.stations.roles import INSTRUCTOR, STRANGER, Role
@@ -132,13 +132,17 @@ class Session:
 
     def _introduce(self, station: Station) -> None:
         """Tell a program the exercise, the vessel's ranges, and what the crew is ordered."""
-        told = [("exercise", pair) for pair in self.exercise.facts(station.role, self.boat.time)]
-        told += [("exercise", pair) for pair in self.crew.conditions(station.role.name)]
+        told = [("exercise", pair) for pair in self._exercise_facts(station)]
         told += [("range", pair) for pair in ranges(self.boat, station.role)]
         told += [("rate", pair) for pair in station.rate]
         self.event_log.note(station, [Fact(what, f"{key}={value}") for what, (key, value) in told])
         self.event_log.note(station, [each.fact for each in self.crew.standing(station.role.name)])
         self.event_log.note_alerts(station)
+
+    def _exercise_facts(self, station: Station) -> list[tuple[str, str]]:
+        """Return what there is to tell of the exercise by now, as keys and values."""
+        role = station.role
+        return [*self.exercise.facts(role, self.boat.time), *self.crew.conditions(role.name)]
 
     def _briefed(self, station: Station) -> tuple[str, ...]:
         """Return what a station is told of the exercise."""
@@ -252,7 +256,10 @@ class Session:
         answers: dict[str, Callable[[], Sequence[str]]] = {
             "status": lambda: self._status(station),
             "who": lambda: [each.account() for each in self.event_log.stations],
-            "briefing": lambda: self._briefed(station),
+            "briefing": lambda: (
+                *self._briefed(station),
+                *(() if asked.heard.machine else in_words(self._exercise_facts(station))),
+            ),
             "casualties": lambda: listing(self.boat),
             "log": lambda: self.event_log.lately(station.role, int(asked.order.value)),
         }
