@@ -146,7 +146,7 @@ def test_an_exercise_ends_is_judged_flown_again_debriefed_and_followed(
         until(instructor, "nothing of the kind")  # the line is closed
     again = served.caller("instructor")
     assert again.ask("briefing")[0]
-    assert "100 and 40 m" in again.said[0]
+    assert "depth-changes" in again.said[0]
     assert again.ask("status")[0]
     assert any("tick 0" in line for line in again.said)
     assert again.ask("quit")[0]
@@ -191,7 +191,7 @@ def test_a_frozen_session_waits_at_its_local_socket(
     home = str(tmp_path_factory.mktemp("xdg"))  # a short name: that of a socket has to be
     environment = {**os.environ, "XDG_STATE_HOME": str(tmp_path), "XDG_RUNTIME_DIR": home}
     environment["PYTHONPATH"] = os.pathsep.join([str(ROOT), os.environ.get("PYTHONPATH", "")])
-    words = ["serve", "periscope-depth", "--listen", "none", "--frozen"]
+    words = ["serve", "depth-changes", "--listen", "none", "--frozen"]
     with subprocess.Popen(
         [sys.executable, "-m", "trainer", *words],
         env=environment,
