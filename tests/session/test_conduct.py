@@ -16,6 +16,7 @@ from trainer.config.exercise import Loss, load_exercise
 from trainer.config.files import Place, shipped_names
 from trainer.config.vessel import load_vessel
 from trainer.core.state import STATE
+from trainer.io.lines import Overlong
 from trainer.io.orders.sentences import order_sentence, read
 from trainer.io.recording.recording import Recording
 from trainer.io.tables import NoFile
@@ -46,10 +47,10 @@ class Typist:
     def __init__(self, name: str) -> None:
         self.name = name
         self.ended = False
-        self.typed: list[str] = []
+        self.typed: list[str | Overlong] = []
         self.sent: list[str] = []
 
-    def take(self, most: int) -> list[str]:
+    def take(self, most: int) -> list[str | Overlong]:
         taken, self.typed = self.typed[:most], self.typed[most:]
         return taken
 

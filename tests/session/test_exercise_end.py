@@ -242,14 +242,22 @@ def test_what_is_resumed_at_its_exercise_s_end_is_over(
     serve: Callable[..., Served], exercise: Path, tmp_path: Path
 ) -> None:
     kept = tmp_path / "kept.trainer"
+    orders = tmp_path / "orders.txt"
+    orders.write_text("5 casualty rudder-stuck\n7 rudder left 5\n", encoding="utf-8")
     words = ("run", str(exercise), "--headless", "--speed", "max", "--record", str(kept))
-    assert "simulated" in serve(*words, "--socket", "none").account()
+    flown = serve(*words, "--orders", str(orders), "--socket", "none")
+    assert "simulated" in flown.account()
 
     served = serve("resume", str(kept), "--teletype")
     instructor = served.caller("instructor")
     ok, why = instructor.ask("run")
     assert not ok
     assert "the exercise is over" in why
+    instructor.news.clear()
+    assert instructor.ask("history events")[0]
+    assert instructor.ask("who")[0]
+    (told,) = [each.fields for each in instructor.news if each.fields[3] == "casualty rudder-stuck"]
+    assert told[1] == "5.000"
     assert instructor.ask("backtrack 5 s")[0]
     assert instructor.ask("branches")[0]
     assert len(instructor.said) == 2
