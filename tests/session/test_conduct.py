@@ -266,6 +266,19 @@ def test_an_exercise_is_lost_by_its_rule_and_by_turning_over(
     assert other.conduct.ending.why == "turned over"
 
 
+def test_a_hull_that_collapses_loses_the_exercise(crewed: Callable[..., Crewed]) -> None:
+    ship = crewed(seconds=60.0)
+    ship.fly(2)
+    ship.boat.state.z = 500.0
+    ship.fly(1)
+    assert ship.facts(ship.instructor, "exercise-over") == ["lost"]
+    assert "collapse" in ship.conduct.ending.why
+    assert "backtrack or reset" in ship.refused("run")
+    ship.order("reset")
+    assert not ship.conduct.ending.over
+    assert ship.order("run") == "running"
+
+
 def test_the_instructor_ends_an_exercise_and_its_crew_hears_who_did(
     crewed: Callable[..., Crewed],
 ) -> None:

@@ -119,7 +119,12 @@ class Conduct:
     def look(self) -> None:
         """End the exercise if this tick does; after it."""
         self.begun = self.control.boat.ticks > 0
-        if self.ending.look(self.control.boat):
+        lost, ending = self.control.failure, self.ending
+        if lost and ending.watched and not ending.over:
+            ending.end("lost", f"lost at {self.control.boat.time:g} s")
+            ending.why = lost
+            self._stop()
+        elif ending.look(self.control.boat):
             self._stop()
 
     def settle(self) -> None:
@@ -249,6 +254,8 @@ class Conduct:
     # What follows
 
     def _run(self, asked: Asked) -> bool:
+        if self.control.failure:
+            return False
         if self.ending.over:
             asked.station.answer(asked, Refused(OVER))
             return True
