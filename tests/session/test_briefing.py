@@ -15,7 +15,7 @@ from trainer.config.files import shipped_names
 from trainer.io.lines import Overlong
 from trainer.io.orders import sentences
 from trainer.io.orders.table import TOPICS
-from trainer.io.recording.recording import NoRecording
+from trainer.io.recording.absence import NoRecording
 from trainer.io.tables import NoFile
 from trainer.session.history import History
 from trainer.session.options import RunOptions
