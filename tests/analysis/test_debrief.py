@@ -31,8 +31,8 @@ from trainer.analysis.report.html import HERE
 from trainer.analysis.report.pdf import print_pdf
 from trainer.analysis.report.svg import clock, step_of, thin, ticks
 from trainer.boat.boat import Boat
-from trainer.boat.limits import NOTICES, LimitMonitor
-from trainer.config.files import ConfigError, remembering, shipped, shipped_names
+from trainer.boat.limits import LimitMonitor
+from trainer.config.files import ConfigError, remembering, shipped
 from trainer.config.measures import MEASURES
 from trainer.config.vessel import load_vessel
 from trainer.io.recording.recording import Recording

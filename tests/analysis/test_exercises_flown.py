@@ -5,7 +5,6 @@ import math
 import re
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -124,7 +123,7 @@ def test_a_baseline_is_kept_that_is_not_stale(name: str) -> None:
     now, same = flown(name), kept.fits(text) and kept.heading.core == core_digest()
     stale = f"a mark moved by 5: trainer exercise baseline {name} (text and core the same: {same})"
     assert now.nobody_marks == pytest.approx(dict(kept.marks), abs=5.0), stale
-    assert now.nobody.total or 0.0 == pytest.approx(kept.nobody.total, abs=5.0), stale
+    assert now.nobody.total or pytest.approx(kept.nobody.total, abs=5.0) == 0.0, stale
     assert reference(name).total == pytest.approx(kept.crew.total, abs=5.0), stale
     assert kept.fits(text), f"the text has changed: trainer exercise baseline {name}"
 
@@ -373,22 +372,27 @@ def test_reactions_are_drawn_by_their_seed() -> None:
 # What a check refuses
 
 
+KEPT = (
+    "[[scores]]\nname='Kept'\nmeasure='in-band'\nquantity='depth'\ntarget=60\nband=2\n"
+    "full=95\nzero=20\n"
+)
+
+
 @pytest.mark.parametrize(
     ("more", "message"),
     [
         ("", None),
         (
-            "[[scores]]\nname='Kept'\nmeasure='in-band'\nquantity='depth'\ntarget=60\nband=2\n"
-            "full=95\nzero=20\nto_s=9\n",
+            KEPT + "to_s=9\n",
             r'line \d+: \[scores\[0\]\] name = "Kept": gives 100 marks with nobody aboard',
         ),
         (
             "[[orders]]\nat_s = 5\norder = 'stern planes dive 80'\n",
-            r'line \d+: \[orders\[0\]\] order = .*a run refuses it: the limit of the stern',
+            r"line \d+: \[orders\[0\]\] order = .*a run refuses it: the limit of the stern",
         ),
         (
             "[[crew]]\nat_s = 5\norder = 'stern planes dive 80'\n",
-            r'line \d+: \[crew\[0\]\] order = .*the boat refuses it: the limit',
+            r"line \d+: \[crew\[0\]\] order = .*the boat refuses it: the limit",
         ),
     ],
 )
@@ -407,9 +411,7 @@ def test_an_exercise_won_by_standing_still_is_refused(tmp_path: Path) -> None:
     path = tmp_path / "drill.toml"
     path.write_text(
         'schema = "exercise/1"\nname = "Drill"\nbriefing = "Stay."\nduration_s = 60\n'
-        "hand = ['planes']\n"
-        "[[scores]]\nname='Kept'\nmeasure='in-band'\nquantity='depth'\ntarget=60\nband=2\n"
-        "full=95\nzero=20\n"
+        f"hand = ['planes']\n{KEPT}"
     )
     with pytest.raises(ConfigError, match="this exercise is won by standing still"):
         check(str(path))

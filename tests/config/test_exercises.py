@@ -28,6 +28,7 @@ NAMES = (
     *("periscope-depth", "periscope-sea-3", "power-loss", "rise-jam-shallow", "steady-course"),
     *("steering-jam", "stern-plane-jam", "surface-and-steer", "watch"),
 )
+KEPT_ALONE = "[[scores]]\nname = 'a'\nmeasure = 'broaches'\nfull = 0\nzero = 1\npart = 'keeping'\n"
 SHORTEST = 'schema = "exercise/1"\nname = "Drill"\nbriefing = "Steer."\n'
 OPTIONS = RunOptions()
 
@@ -203,8 +204,7 @@ def test_a_casualty_waits_for_its_condition() -> None:
             '[orders[0]] order = "order depth 80": nobody mans it',
         ),
         (
-            "hand = ['rudder']\n[[scores]]\nname = 'a'\nmeasure = 'broaches'\nfull = 0\n"
-            "zero = 1\npart = 'keeping'",
+            "hand = ['rudder']\n" + KEPT_ALONE,
             '[[scores]] have no part = "task": nothing wins this exercise',
         ),
         ("[[crew]]\nat_s = 1\norder = 'rudder lefy 5'", "did you mean left?"),
@@ -306,7 +306,8 @@ def test_what_the_crew_works_is_put_in_hand_as_it_stands(tmp_path: Path) -> None
     assert plan.judged_by_tasks
     path.write_text(f"{SHORTEST}hand = ['rudder']\nvessel = './none.toml'\n")
     text = read_text(shipped("vessels", "bb2"))
-    (tmp_path / "none.toml").write_text(re.sub(r"\n\[autopilot\].*?(?=\n\[)", "", text, flags=re.S))
+    without = re.sub(r"\n\[autopilot\].*?(?=\n\[)", "", text, flags=re.DOTALL)
+    (tmp_path / "none.toml").write_text(without)
     assert plan_run(RunOptions(exercise=str(path))).schedule == []
 
 
@@ -419,8 +420,8 @@ def test_a_headless_run_tells_what_was_refused_of_its_schedule_and_ends_with_cod
     done = ran("run", "--orders", str(tmp_path / "wrong.orders"), *words)
     assert done.returncode == 1
     assert done.stderr == (
-        "trainer: [9 s] stern planes dive 80: refused: the limit of the stern planes is 30 degrees, "
-        "not 80\n"
+        "trainer: [9 s] stern planes dive 80: refused: "
+        "the limit of the stern planes is 30 degrees, not 80\n"
     )
 
 

@@ -145,7 +145,7 @@ class PlanesHand:
         rise = min(max(rise, -ways.bow_deg_max), ways.bow_deg_max)
         within = abs(deeper) <= ways.bow_within_m
         wanted = int(ways.bow_step_deg * round(rise / ways.bow_step_deg)) if within else 0
-        if wanted == self.bow or abs(rise - self.bow) < 0.6 * ways.bow_step_deg and wanted:
+        if wanted == self.bow or (abs(rise - self.bow) < 0.6 * ways.bow_step_deg and wanted):
             return []
         self.bow = wanted
         return [_tilt("bow", wanted)]

@@ -57,7 +57,7 @@ class Baseline:
 
 
 def digest_of(text: str) -> str:
-    """Return the digest of what an exercise flies and judges; titles and briefings are not in it."""
+    """Return the digest of what an exercise flies and judges, without titles and briefings."""
     table = parse_toml(text, "exercise")
     flown = {key: value for key, value in table.items() if key not in TOLD}
     return hashlib.sha256(json.dumps(flown, sort_keys=True).encode()).hexdigest()[:16]

@@ -95,7 +95,9 @@ class Heading:
     schema: str = of(Choice(("exercise/1",), "form of the file"))
     name: str = of(Text(55, "the crew's title, one line for the list of exercises"))
     briefing: str = of(Page(4000, "what the crew is told at the start"))
-    instructor: str | None = optional(Page(4000, "for the instructor alone: what is hidden, the cure"))
+    instructor: str | None = optional(
+        Page(4000, "for the instructor alone: what is hidden, the cure")
+    )
     hand: tuple[str, ...] | None = optional(Choices(tuple(AXES), "what the crew works by hand"))
     hand_from_s: float | None = optional(Quantity("s", within(0, LATEST), "since when; else 0"))
     allowed: tuple[str, ...] | None = optional(
@@ -465,9 +467,11 @@ def _known_casualty(row: CasualtyRow, place: Place, known: Mapping[str, Casualty
         problems.append(place.wrong("rule", row.rule, "goes with when"))
     if row.at_s is not None and row.clear_at_s is not None and row.clear_at_s < row.at_s:
         problems.append(place.wrong("clear_at_s", row.clear_at_s, "is before at_s"))
-    for key in ("within_s", "lasts_s", "one_of"):
-        if getattr(row, key) is not None and row.at_s is None:
-            problems.append(place.wrong(key, getattr(row, key), "goes with at_s"))
+    problems += [
+        place.wrong(key, getattr(row, key), "goes with at_s")
+        for key in ("within_s", "lasts_s", "one_of")
+        if getattr(row, key) is not None and row.at_s is None
+    ]
     if row.lasts_s is not None and row.clear_at_s is not None:
         problems.append(place.problem("give one of clear_at_s, lasts_s"))
     if problems:

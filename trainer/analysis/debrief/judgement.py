@@ -37,9 +37,7 @@ def judge(
     rules = widened(plan.scores, width)
     if not plan.judged_by_tasks:
         return score(trajectory, rules)
-    scores = tuple(
-        _less_nobody(_flown(each), nobody) for each in score(trajectory, rules).scores
-    )
+    scores = tuple(_less_nobody(_flown(each), nobody) for each in score(trajectory, rules).scores)
     scores = tuple(_answered(each, scores) for each in scores)
     tasks = _mean([(each.rule.weight, each.earned) for each in scores if each.earned is not None])
     kept = [

@@ -84,9 +84,9 @@ def _unflown(debrief: DebriefData) -> str:
 
 def scores(debrief: DebriefData) -> Markup:
     """Return the table of the scores."""
-    headings = ("", "score", "value", "full at", "none at", "marks", "weight", "place", "formula")
-    if debrief.card.verdict is not None:
-        headings = (*headings[:6], "nobody", "earned", *headings[6:])
+    earned = ("nobody", "earned") if debrief.card.verdict is not None else ()
+    headings = ("", "score", "value", "full at", "none at", "marks", *earned)
+    headings = (*headings, "weight", "place", "formula")
     rows = (_score(debrief, i, each) for i, each in enumerate(debrief.card.scores, start=1))
     return table(headings, rows, "scores")
 
@@ -102,7 +102,10 @@ def _score(debrief: DebriefData, i: int, each: Scored) -> tuple[str, ...]:
     earned: tuple[str, ...] = ()
     if debrief.card.verdict is not None:
         part = f"{each.rule.part} " if each.earned is None else ""
-        earned = ("-" if each.nobody is None else f"{each.nobody:.0f}", f"{part}{_whole(each.earned)}")
+        earned = (
+            "-" if each.nobody is None else f"{each.nobody:.0f}",
+            f"{part}{_whole(each.earned)}",
+        )
     return (
         *(f"S{i}", (each.name), value, number(score.full), number(score.zero), marks),
         *earned,
