@@ -17,11 +17,13 @@ from dataclasses import dataclass, field
 from html.parser import HTMLParser
 from itertools import pairwise
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 import pytest
 
+from trainer.analysis.debrief.charts import draw_track
 from trainer.analysis.debrief.data import DebriefData, figures, gather
 from trainer.analysis.debrief.measures import broach_rows
 from trainer.analysis.debrief.page import beside, debrief_file, read_dossier, render
@@ -29,7 +31,7 @@ from trainer.analysis.recording_export import export_file
 from trainer.analysis.report import pdf
 from trainer.analysis.report.html import HERE
 from trainer.analysis.report.pdf import print_pdf
-from trainer.analysis.report.svg import clock, step_of, thin, ticks
+from trainer.analysis.report.svg import Ground, clock, step_of, thin, ticks
 from trainer.boat.boat import Boat
 from trainer.boat.limits import LimitMonitor
 from trainer.config.files import ConfigError, remembering, shipped
@@ -471,7 +473,7 @@ def test_broaches_and_limits_are_those_that_were_called_out(kept: Kept) -> None:
     trajectory = kept.voyage.debrief.trajectory
     assert [trajectory.seconds[row] for row in broach_rows(trajectory)] == called["broached"]
     assert len(called["broached"]) >= 2
-    assert {"depth above 20 m", "pitch above 4 deg"} <= set(called)
+    assert {"deeper than 20 m", "pitch more than 4 deg"} <= set(called)
 
 
 def test_the_place_of_a_score_is_where_its_value_stands_in_the_record(kept: Kept) -> None:
@@ -624,14 +626,29 @@ def test_the_page_shows_what_was_ordered_what_broke_and_what_was_said(page: str)
     words = " ".join(elements.words)
     for told in (
         *("All measures <at> once & more", "the jam comes <now>", "Joubert BB2", "BROACHED"),
-        *("Depth [m]", "Pitch and heel [deg]", "Planes, rise positive [deg]", "Course [deg]"),
+        *("Depth [m]", "Pitch and heel [deg]", "Planes, rise positive [deg]", "Heading [deg]"),
         *("Rudder, right positive [deg]", "Speed [kn]", "Air banks", "limit 20 m"),
         *("C1 stern-hard-over", "blow aft (ballast at ballast panel)", "keeping depth 25 m"),
         *("root of the mean of (depth - 15 m)^2", "480 ticks of 0.5 s timed", "duty cycle"),
     ):
         assert told in words, told
-    assert sum(tag == "svg" for tag, _ in elements.found) == 8
+    assert sum(tag == "svg" for tag, _ in elements.found) == 9
     assert all(keys.get("aria-label") for tag, keys in elements.found if tag == "svg")
+
+
+def test_a_turning_circle_is_round_on_the_page() -> None:
+    angle = np.linspace(0.0, math.tau, 241)
+    columns = {"x": 300.0 * np.sin(angle), "y": 300.0 * np.cos(angle)}
+    debrief = SimpleNamespace(trajectory=SimpleNamespace(columns=columns))
+    drawn = draw_track(debrief, Ground(0.5 * np.arange(241.0), ((20.0, 40.0),), ()))  # type: ignore[arg-type]
+    track, broken = re.findall(r'class="line (?:actual|broken)" d="M([^"]*)"', drawn)
+    x, y = np.array([[float(n) for n in place.split()] for place in track.split("L")]).T
+    assert np.ptp(x) == pytest.approx(np.ptp(y), rel=0.01)
+    assert np.ptp(x) > 200.0
+    assert x[0] == pytest.approx(x.max())  # it begins in the east
+    assert y[60] == pytest.approx(y.min())  # and goes north, which is up
+    assert len(broken.split("L")) == pytest.approx(41, abs=1)
+    assert "0:30" in drawn  # marks of time
 
 
 def test_lines_differ_in_more_than_colour() -> None:

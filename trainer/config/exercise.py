@@ -45,7 +45,7 @@ from trainer.config.schema import (
 )
 from trainer.config.score_rules import Rule, Score, read_rules
 from trainer.config.sea import SeaFile, load_sea, read_sea
-from trainer.io.orders.grammar import Order, parse
+from trainer.io.orders.grammar import Order, parse, to_the_crew
 from trainer.io.orders.schedule import LATEST, Scheduled
 
 
@@ -189,7 +189,10 @@ def key_tables() -> str:
     return tables_of(RECORDS)
 
 
-UNSCHEDULED: Final = ("help", "status")  # they answer a console
+UNSCHEDULED: Final = (  # they answer a console, or are a person's to say or to decide
+    *("help", "status", "aye", "belay", "allow", "ack", "again", "next", "debrief", "branch"),
+    *("release-marks", "command", "give", "keep", "branches", "history", "ready"),
+)
 
 
 TABLES: Final = ("initial", "sea", "orders", "casualties", "limits", "scores", *CREW_TABLES)
@@ -372,6 +375,7 @@ def _unmanned(table: Mapping[str, Any], place: Place) -> list[str]:
     for i, row in enumerate(rows if isinstance(rows, list) else []):
         text = row.get("order") if isinstance(row, Mapping) else None
         order = parse(text) if isinstance(text, str) else None
+        order = to_the_crew(order) if isinstance(order, Order) else order
         axis = order.word.partition("_")[0] if isinstance(order, Order) else ""
         if isinstance(order, Order) and order.name == "order" and axis in MANNED:
             manned = MANNED[axis]
@@ -410,7 +414,7 @@ def _orders(table: Mapping[str, object], place: Place) -> list[Scheduled]:
         elif order.name in UNSCHEDULED:
             problems.append(inside.wrong("order", row.order, "has no place in a schedule"))
         else:
-            found.append(Scheduled(row.at_s, order, i + 1))
+            found.append(Scheduled(row.at_s, to_the_crew(order), i + 1))
     if problems:
         raise ConfigError(*problems)
     return found

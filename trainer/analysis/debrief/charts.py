@@ -15,13 +15,16 @@ from trainer.analysis.report.svg import (
     LETTER,
     RIGHT,
     WIDTH,
+    Axis,
     Chart,
     Ground,
     Level,
     Line,
     backdrop,
+    clock,
     rect,
     rule,
+    step_of,
     svg,
     text,
     time_axis,
@@ -96,7 +99,7 @@ def _course(trajectory: Trajectory) -> Chart:
     beside = np.degrees(trajectory.columns["ordered_psi"]) - heading
     ordered = heading + (beside + 180.0) % 360.0 - 180.0  # the short way round
     lines = (Line("ordered", ordered, ORDERED), Line("actual", heading, ACTUAL))
-    return Chart("Course", "deg", lines, least=10.0, steps=ANGLES, number=_bearing)
+    return Chart("Heading", "deg", lines, least=10.0, steps=ANGLES, number=_bearing)
 
 
 def _bearing(angle: float) -> str:
@@ -227,3 +230,68 @@ def _labels(places: list[float], letter: str) -> str:
 
 def _heading(words: str) -> str:
     return text("tick end", LEFT - 6.0, 14.0, words)
+
+
+TALL: Final = 420.0  # [px] of the track
+SIDE, HEAD, FOOT = 10.0, 26.0, 30.0  # [px] about it
+LEAST: Final = 400.0  # [m] across the shorter way
+EVERY: Final = (10.0, 30.0, 60.0, 300.0, 600.0, 1800.0)  # [s] between its marks of time
+TRACKED: Final = 1600  # points of it
+TICKED: Final = 12  # of them at most
+SCALE: Final = 0.2  # of the width, the longest rule
+
+
+def draw_track(debrief: DebriefData, ground: Ground) -> Markup:
+    """Return the track from above as an SVG element, north up, equal scales both ways."""
+    column = debrief.trajectory.columns
+    good = np.isfinite(column["x"]) & np.isfinite(column["y"])
+    north, east, seconds = column["x"][good], column["y"][good], ground.seconds[good]
+    if not seconds.size:
+        return Markup()
+    across, up = _equal_axes(east, north)
+    x, y = across.places(east), up.places(north)
+    parts = [text("title", SIDE, 16.0, "Track [m], north up"), _path("actual", x, y)]
+    for begin, end in ground.spans:
+        inside = (seconds >= begin) & (seconds <= end)
+        if inside.any():
+            parts.append(_path("broken", x[inside], y[inside]))
+    step = next((s for s in EVERY if seconds[-1] / s <= TICKED), EVERY[-1])
+    for second in np.arange(0.0, float(seconds[-1]) + 1e-9, step):
+        place = int(np.searchsorted(seconds, second))
+        parts.append(f'<circle class="axis" cx="{x[place]:.1f}" cy="{y[place]:.1f}" r="2.5"/>')
+        parts.append(text("tick", x[place] + 6.0, y[place] - 4.0, clock(float(second))))
+    return svg("The track from above", (WIDTH, TALL), [*parts, *_rule_of(across)])
+
+
+def _equal_axes(east: Numbers, north: Numbers) -> tuple[Axis, Axis]:
+    """Return axes of one scale about the whole track: a turning circle is round."""
+    wide, high = WIDTH - 2.0 * SIDE, TALL - HEAD - FOOT
+    metres = 1.12 * max(float(np.ptp(east)) / wide, float(np.ptp(north)) / high)
+    metres = max(metres, LEAST / min(wide, high))
+    middle_e = 0.5 * (float(east.min()) + float(east.max()))
+    middle_n = 0.5 * (float(north.min()) + float(north.max()))
+    half_e, half_n = 0.5 * metres * wide, 0.5 * metres * high
+    return (
+        Axis(middle_e - half_e, middle_e + half_e, SIDE, WIDTH - SIDE),
+        Axis(middle_n - half_n, middle_n + half_n, TALL - FOOT, HEAD),
+    )
+
+
+def _path(style: str, x: Numbers, y: Numbers) -> str:
+    """Return a line through places [px], about one point in so many as can be told apart."""
+    every = max(x.size // TRACKED, 1)
+    rows = [*range(0, x.size, every), x.size - 1]
+    told = "L".join(f"{x[i]:.1f} {y[i]:.1f}" for i in rows)
+    return f'<path class="line {style}" d="M{told}"/>'
+
+
+def _rule_of(across: Axis) -> Iterator[str]:
+    """Yield a rule of a round length, with that length."""
+    pixels = (across.end - across.begin) / (across.high - across.low)  # [px/m]
+    length = step_of(SCALE * WIDTH / pixels, 1)
+    length = length if length * pixels <= 2.0 * SCALE * WIDTH else 0.5 * length
+    bottom = TALL - 10.0
+    yield rule("axis", SIDE, bottom, SIDE + length * pixels, bottom)
+    for end in (SIDE, SIDE + length * pixels):
+        yield rule("axis", end, bottom - 4.0, end, bottom + 4.0)
+    yield text("tick", SIDE + length * pixels + 8.0, bottom + 4.0, f"{length:g} m")

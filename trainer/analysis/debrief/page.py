@@ -12,7 +12,7 @@ from markupsafe import Markup
 
 from trainer import __version__
 from trainer.analysis.debrief import sections
-from trainer.analysis.debrief.charts import charts_of, draw_timeline, ground_of
+from trainer.analysis.debrief.charts import charts_of, draw_timeline, draw_track, ground_of
 from trainer.analysis.debrief.data import DebriefData, figures, gather
 from trainer.analysis.report.html import page, paragraph, section
 from trainer.analysis.report.pdf import print_pdf
@@ -75,7 +75,9 @@ def _drawings(debrief: DebriefData) -> Markup:
     drawn = [draw(chart, ground) for chart in charts_of(debrief.trajectory)]
     told = "Shaded: a casualty. Dotted upright: a mark. Time from the start, minutes and seconds."
     head = Markup("<p><small>{}</small></p>").format(told)
-    return Markup().join([head, draw_timeline(debrief, ground), *drawn])
+    return Markup().join(
+        [head, draw_timeline(debrief, ground), *drawn, draw_track(debrief, ground)]
+    )
 
 
 HEAD = 2000  # [characters] in which a page of ours says that it is
