@@ -233,7 +233,7 @@ def test_a_limit_broken_for_two_seconds_leaves_50(tmp_path: Path) -> None:
     assert went.crew
     assert went.crew.total == 50.0
     assert went.crew.verdict
-    assert went.crew.verdict.reason.startswith("depth above 65 m at ")
+    assert went.crew.verdict.reason.startswith("deeper than 65 m at ")
 
 
 def test_a_lost_exercise_leaves_25(tmp_path: Path) -> None:

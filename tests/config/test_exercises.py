@@ -344,7 +344,7 @@ def test_files_that_an_exercise_names_are_looked_for_beside_it(tmp_path: Path) -
     boat = bb2()
     plan = replace(plan_run(OPTIONS), casualties=exercise.casualties)
     plan.start(boat)
-    assert obey(boat, exercise.schedule[0].order) == "casualty my-leak, severity 1 within 5 s"
+    assert obey(boat, exercise.schedule[0].order) == "casualty my-leak, hole 5 cm2 within 5 s"
 
 
 # What overrules what
@@ -399,17 +399,20 @@ def test_a_run_of_an_exercise_begins_with_its_briefing_and_ends_by_itself() -> N
     assert done.returncode == 0
     lines = done.stdout.splitlines()
     briefing = load_exercise("stern-plane-jam").heading.briefing.splitlines()
-    assert lines[: 1 + len(briefing)] == ["Passage, fast and deep", *briefing]
+    assert lines[: 1 + len(briefing)] == [
+        "Passage, fast and deep (stern-plane-jam)",
+        *briefing,
+    ]
     assert "15 kn, 100 m, course 000; modified set, step 0.5 s" in lines
     assert re.search(r"\[\d+ s\] casualty stern-hard-over -0.2: casualty stern", done.stdout)
-    assert re.search(r"\ntick 2\d\d \(1\d\d.*s\): LIMIT: depth above 140 m\n", done.stdout)
+    assert re.search(r"\ntick 2\d\d \(1\d\d.*s\): LIMIT: deeper than 140 m\n", done.stdout)
     assert "simulated   " in done.stderr
 
 
 def test_a_headless_run_names_its_events_in_the_summary() -> None:
     done = ran("run", "stern-plane-jam", "--headless", "--speed", "max")
     assert done.returncode == 0
-    assert re.search(r"events .*depth above 140 m 1 time", done.stdout)
+    assert re.search(r"events .*deeper than 140 m 1 time", done.stdout)
 
 
 def test_a_headless_run_tells_what_was_refused_of_its_schedule_and_ends_with_code_1(

@@ -11,11 +11,12 @@ from typing import Final
 
 import numpy as np
 
-from trainer.analysis.debrief.measures import LIMITED, limits_of, rows_beyond
+from trainer.analysis.debrief.measures import limits_of, rows_beyond
 from trainer.analysis.debrief.scoring import Scorecard, Scored, Verdict, score
 from trainer.analysis.debrief.trajectory import Rows, Trajectory
 from trainer.analysis.report.svg import clock
 from trainer.boat.depths import lowest_depth
+from trainer.boat.limits import BEYOND
 from trainer.config.exercise import Loss
 from trainer.config.score_rules import Rule, Score
 from trainer.session.plan import Plan
@@ -169,10 +170,7 @@ def _broken(trajectory: Trajectory) -> Iterator[str]:
     for name in limits_of(trajectory):
         row = first_for(rows_beyond(trajectory, name), GATE_S, trajectory)
         if row is not None:
-            what = LIMITED[name.rpartition("_")[0]]
-            side = "above" if name.endswith("_max") else "below"
-            limit = getattr(trajectory.limits, name)
-            told = f"{what.name} {side} {limit:g} {what.unit}"
+            told = BEYOND[name].format(getattr(trajectory.limits, name))
             yield f"{told} at {clock(float(trajectory.seconds[row]))}"
 
 
