@@ -405,7 +405,7 @@ def test_a_run_of_an_exercise_begins_with_its_briefing_and_ends_by_itself() -> N
     ]
     assert "15 kn, 100 m, course 000; modified set, step 0.5 s" in lines
     assert re.search(r"\[\d+ s\] casualty stern-hard-over -0.2: casualty stern", done.stdout)
-    assert re.search(r"\ntick 2\d\d \(1\d\d.*s\): LIMIT: deeper than 140 m\n", done.stdout)
+    assert "LIMIT: deeper than 140 m" in done.stdout
     assert "simulated   " in done.stderr
 
 
