@@ -133,9 +133,9 @@ def test_final_is_the_value_or_the_distance_at_the_end_of_the_window() -> None:
         pytest.approx(15.0),
         2,
     )
-    assert taken(went, measure="final", quantity="course", target=10, to_s=0.5)[
-        0
-    ] == pytest.approx(20.0)
+    assert taken(went, measure="final", quantity="course", target=10, to_s=0.5)[0] == pytest.approx(
+        20.0
+    )
 
 
 def test_the_largest_of_a_distance_is_from_its_target() -> None:
