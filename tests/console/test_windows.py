@@ -10,7 +10,7 @@ from trainer.console.app import Console
 from trainer.console.drawing.chart import Plot, Sheet, strip, time_axis
 from trainer.console.drawing.panels import flowed, key_at, key_rows
 from trainer.console.drawing.plan import plan
-from trainer.console.guide import Reading, broken, guide
+from trainer.console.guide import Reading, broken, guide, paragraphs
 from trainer.console.keys import KEYS, footer
 from trainer.console.layouts import LAYOUTS
 from trainer.console.pane import Pane, line, plain
@@ -65,6 +65,13 @@ def test_a_line_that_is_too_long_is_broken_between_words_below_its_own_text() ->
     assert (
         plain(broken(line("  1  first second third"), 16)) == "  1  first\n     second\n     third"
     )
+
+
+def test_lines_broken_for_a_page_are_one_paragraph_in_a_window() -> None:
+    page = ["Depth changes, by hand. Take an angle, watch it, and take it off in time: the"]
+    page += ["boat goes where it points.", "Nothing is hidden."]
+    assert paragraphs(page) == [f"{page[0]} {page[1]}", page[2]]
+    assert paragraphs([]) == []
 
 
 def test_a_window_scrolls_by_keys_no_further_than_its_end() -> None:

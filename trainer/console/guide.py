@@ -78,6 +78,7 @@ LIMITS: Final = {
     "speed_kn_min": "no slower than {} kn",
     "validity_level_max": "validity level {} at most",
 }
+PAGE: Final = 60  # [characters] from which a line was broken because the page ended
 MOVES: Final = {"up": -1, "down": 1, "pageup": -12, "pagedown": 12, "home": -9999, "end": 9999}
 LEAVES: Final = ("escape", "f1", "q", "enter", "f10", "f12", "question_mark", "space")
 LABELS: Final = 16  # [columns] of what stands before an explanation
@@ -196,9 +197,22 @@ def briefing_rows(model: SessionModel) -> list[Line]:
     told = model.told.get("line", [])
     said = [text for text in model.briefing if text not in (*told, model.exercise.get("title"))]
     rows += [line()] * bool(rows)
-    rows += [line((f"   {text}", "plain")) for text in told]
+    rows += [line((f"   {text}", "plain")) for text in paragraphs(told)]
     rows += [line()] * bool(told)
     return [*rows, *(line((f"   {text}", "dim")) for text in said)]
+
+
+def paragraphs(lines: Sequence[str]) -> list[str]:
+    """Return lines that were broken for a page as paragraphs, to be broken for a window."""
+    found: list[str] = []
+    going_on = False
+    for text in lines:
+        if going_on:
+            found[-1] += f" {text}"
+        else:
+            found.append(text)
+        going_on = len(text) >= PAGE
+    return found
 
 
 def standing(model: SessionModel) -> list[tuple[str, str]]:
