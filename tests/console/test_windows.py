@@ -318,6 +318,17 @@ def test_the_track_is_in_a_window_of_its_own_at_any_size() -> None:
     assert at_the_console(look, talk)[1].orders == []
 
 
+def test_a_large_screen_shows_the_track_all_the_time() -> None:
+    async def look(pilot: Pilot[str], app: Console) -> None:
+        await seen(pilot, app, "north up")
+        assert app.query_one("#plan", Pane).size.height >= 6
+        assert app.query_one("#chart0", Pane).size.height >= 8
+
+    talk = tape()
+    talk.tick(121, north="10.0", east="5.0")
+    at_the_console(look, talk, size=(200, 60))
+
+
 def test_water_over_the_sail_and_the_waves_are_told_to_the_instructor_alone() -> None:
     talk = tape()
     talk.tick(121, over_sail="4.2")

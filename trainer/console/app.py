@@ -109,6 +109,7 @@ class Console(App[str], inherit_bindings=False):
         (0, "-flat"),
         (20, "-low"),
         (36, "-tall"),
+        (50, "-high"),
     ]
     # not those of the library: Ctrl-Q is what wakes a terminal that Ctrl-S has stopped
     BINDINGS: ClassVar[list[BindingType]] = []
