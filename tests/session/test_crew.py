@@ -355,6 +355,30 @@ def test_an_order_carried_out_the_wrong_way_is_told_to_the_instructor_alone(
     assert not any("WRONG WAY" in line for line in here.heard("instructor"))
 
 
+def test_a_replay_tells_a_wrong_way_again_and_writes_it_once(crew: Make) -> None:
+    here = crew().man("instructor", "helm").fly(1.0)
+    here.say("helm", sentences.order_sentence("briefing"))
+    here.say("instructor", "order course 045")
+    here.say("helm", sentences.order_sentence("rudder left 10"))
+    assert not [fact for fact in here.facts("helm") if fact.startswith("wrong-way")]
+    here.fly(5.0)
+
+    here.say("instructor", "replay 5.5 s")
+    here.heard("instructor")
+    here.fly(6.5)
+
+    assert len([line for line in here.heard("instructor") if "WRONG WAY" in line]) == 1
+    events = here.session.history.recording.events()  # type: ignore[union-attr]
+    assert len([each for each in events if "WRONG WAY" in each.text]) == 1
+
+
+def test_what_is_scheduled_is_told_to_whoever_takes_the_steps_too(crew: Make) -> None:
+    here = crew("1 order course 045\n").man("instructor")
+    here.session.time.pacer.freeze()
+    here.say("instructor", "step 5")
+    assert "ordered: course 045" in here.lines["instructor"].sent
+
+
 @pytest.mark.parametrize(
     ("order", "role", "words"),
     [

@@ -1,29 +1,51 @@
-"""The commands ``trainer exercise new`` and ``check``: a file to begin with, and what one says."""
+"""The commands ``trainer exercise new`` and ``check``: a file to begin with, and what one says.
+
+A check flies the exercise with nobody aboard and with its reference crew, and tells what a run
+would refuse.
+"""
 
 import json
 import re
-from collections.abc import Iterator
-from dataclasses import fields
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import Final
 
 import click
 
+from trainer.analysis.debrief.judgement import MOST_NOBODY, judge, plain_marks
 from trainer.analysis.debrief.scoring import formula_of
 from trainer.analysis.debrief.trajectory import lacks
+from trainer.analysis.rehearsal import CREW, Rehearsal, fly
 from trainer.boat.boat import Boat
 from trainer.config.exercise import parse_exercise
-from trainer.config.files import ConfigError, read_text, shipped
-from trainer.session.plan import Plan
+from trainer.config.files import ConfigError, Place, numbered, path_named, read_text, shipped
+from trainer.config.score_rules import Rule
+from trainer.session.options import RunOptions
+from trainer.session.plan import Plan, plan_run
 from trainer.units import KNOT
 
 SKELETON: Final = "exercise-skeleton"
+COMMENTS: Final = {
+    "[initial]": "Where the boat starts; what is left out is the vessel file's.",
+    "[sea]": "As in docs/seas.md; without it a calm.",
+    "[[orders]]": "What is ordered, as it is typed: `order ...` and `tell ...` go to the crew.",
+    "[[casualties]]": "What breaks: names by `trainer casualties`. within_s: later, by the seed.",
+    "[limits]": "The gate: what must not be passed.",
+    "[[scores]]": "How the crew is judged: measures in docs/debrief.md; full marks at full.",
+    "[[crew]]": "What the reference crew does: at_s, when, ordered or then; docs/exercises.md.",
+    "[planesman]": "How it works the planes; all keys in docs/exercises.md.",
+    "[helmsman]": "How it steers.",
+}
 NAMED: Final = re.compile(r'^name = "[^"]*"', re.MULTILINE)
 
 
-def write_new(path: Path, name: str | None) -> None:
-    """Write a valid exercise to begin with; ConfigError if the file is there or cannot be made."""
-    text = read_text(shipped("", SKELETON))
+def write_new(path: Path, name: str | None, source: str | None) -> None:
+    """Write a valid exercise to begin with, or a copy of a shipped one with comments.
+
+    ConfigError if the file is there or cannot be made, or no exercise has that name.
+    """
+    text = _copy(source) if source else read_text(shipped("", SKELETON))
     if name is not None:
         text = NAMED.sub(lambda _: f"name = {json.dumps(name, ensure_ascii=False)}", text, count=1)
     parse_exercise(text, path)
@@ -37,29 +59,130 @@ def write_new(path: Path, name: str | None) -> None:
     click.echo(f"{path} written; next: trainer exercise check {_as_typed(path)}")
 
 
+def _copy(source: str) -> str:
+    """Return the text of a shipped exercise, with what each part is for above it."""
+    text = read_text(shipped("exercises", source))
+    lines = [f"# Copied from {source}. Try it with: trainer exercise check FILE"]
+    told: set[str] = set()
+    for line in text.splitlines():
+        head = line.split("#")[0].strip()
+        if head in COMMENTS and head not in told:
+            told.add(head)
+            lines.append(f"# {COMMENTS[head]}")
+        lines.append(line)
+    return "\n".join(lines) + "\n"
+
+
 def _as_typed(path: Path) -> str:
     """Return a path as the commands take it: a bare name would be a shipped exercise's."""
     bare = path.suffix != ".toml" and len(path.parts) == 1
     return f"./{path}" if bare else str(path)
 
 
-def summary(plan: Plan) -> list[str]:
-    """Return what an exercise is, a line each; ConfigError if its boat cannot start."""
+@dataclass(frozen=True)
+class Checked:
+    """An exercise flown for its check: by nobody, and by its crew if it has one."""
+
+    plan: Plan
+    nobody: Rehearsal
+    crew: Rehearsal | None
+    marks: Mapping[str, float]  # [%] with nobody aboard, by the name of the score
+
+
+def check(name: str) -> list[str]:
+    """Return what an exercise is, a line each; ConfigError with all that is wrong in it."""
+    plan = plan_run(RunOptions(exercise=name))
     boat = Boat(plan.file, plan.method)
     plan.start(boat)
+    checked = flown(plan)
+    if checked is not None:
+        path = path_named(name, "exercises")
+        problems = list(_refused(checked, Place(path.name, "")))
+        if problems:
+            raise ConfigError(*numbered(problems, read_text(path), path.name))
+    return [f"{word:8}{text}" for word, text in _lines(plan, boat, checked)]
+
+
+def flown(plan: Plan) -> Checked | None:
+    """Return the exercise flown, None for one without an end."""
+    if plan.duration is None:
+        return None
+    nobody = fly(plan)
+    crew = fly(plan, plan.crew) if plan.crew.rules else None
+    return Checked(plan, nobody, crew, plain_marks(nobody.trajectory, plan))
+
+
+def _refused(checked: Checked, place: Place) -> Iterator[str]:
+    """Yield what a run would refuse, and what makes the marks worth nothing."""
+    plan = checked.plan
+    for each in checked.nobody.refused:
+        entry = plan.schedule[each.place or 0]
+        broken = entry.order.name in ("casualty", "clear")
+        inside = place.inside(f"{'casualties' if broken else 'orders'}[{entry.line_number - 1}]")
+        at = inside if entry.line_number else place
+        key = "name" if broken else "order"
+        yield at.wrong(key, entry.order.subject or each.text, f"a run refuses it: {each.answer}")
+    if checked.crew is not None:
+        yield from _crew_refused(checked.crew, plan, place)
+    if not plan.judged_by_tasks:
+        return
+    for i, rule in enumerate(plan.scores):
+        free = checked.marks.get(rule.score.name, 0.0)
+        if rule.part != "keeping" and free > MOST_NOBODY:
+            told = f"gives {free:.0f} marks with nobody aboard, {MOST_NOBODY:.0f} at most: "
+            told += "have it be won, or part = \"keeping\""
+            yield place.inside(f"scores[{i}]").wrong("name", rule.score.name, told)
+    verdict = judge(checked.nobody.trajectory, plan, checked.marks).verdict
+    if plan.scores and verdict is not None and verdict.outcome == "won":
+        yield place.problem("[[scores]]: this exercise is won by standing still")
+
+
+def _crew_refused(flown_: Rehearsal, plan: Plan, place: Place) -> Iterator[str]:
+    """Yield the orders of the reference crew's rules that the boat refuses."""
+    refused = {each.text: each.answer for each in flown_.refused if each.who == CREW}
+    for i, rule in enumerate(plan.crew.rules):
+        if rule.order.text in refused:
+            told = f"the boat refuses it: {refused[rule.order.text]}"
+            yield place.inside(f"crew[{i}]").wrong("order", rule.row.order, told)
+
+
+def _lines(plan: Plan, boat: Boat, checked: Checked | None) -> Iterator[tuple[str, str]]:
+    """Yield what an exercise is, a word and a text each."""
     s, method = boat.state, plan.method
-    lines = [
-        ("name", plan.title),
-        ("boat", f"{boat.file.name}; {method.equations} set, step {method.step:g} s"),
-        ("start", f"{s.u / KNOT:.3g} kn, {s.z:g} m; sea: {plan.sea.name}"),
-        ("lasts", "until quit" if plan.duration is None else f"{plan.duration:g} s"),
-        *(("at", f"{entry.seconds:g} s: {entry.order.text}") for entry in plan.schedule),
-        *(("when", f"{each.condition.text}: {each.casualty.name}") for each in plan.armed),
-        *(("limit", text) for text in _limits(plan)),
-        *(("score", text) for text in _scores(plan)),
-        *(("note", text) for text in _notes(plan, boat)),
-    ]
-    return [f"{word:8}{text}" for word, text in lines]
+    yield "name", plan.title
+    yield "boat", f"{boat.file.name}; {method.equations} set, step {method.step:g} s"
+    yield "start", f"{s.u / KNOT:.3g} kn, {s.z:g} m; sea: {plan.sea.name}"
+    yield "lasts", "until quit" if plan.duration is None else f"{plan.duration:g} s"
+    if plan.hand:
+        since = f" from {plan.hand_from:g} s" if plan.hand_from else ""
+        yield "hand", f"{', '.join(plan.hand)}{since}"
+    if plan.allowed:
+        yield "allowed", ", ".join(plan.allowed)
+    yield from (("at", f"{entry.seconds:g} s: {entry.order.text}") for entry in plan.schedule)
+    yield from (("when", f"{each.condition.text}: {each.casualty.name}") for each in plan.armed)
+    yield from (("limit", text) for text in _limits(plan))
+    yield from (("lost", loss.text) for loss in plan.lost)
+    yield from (("score", text) for text in _scores(plan))
+    if checked is not None and plan.judged_by_tasks:
+        yield from _marks(checked)
+    yield from (("note", text) for text in _notes(plan, boat))
+
+
+def _marks(checked: Checked) -> Iterator[tuple[str, str]]:
+    """Yield what nobody and the reference crew get."""
+    plan = checked.plan
+    for word, found in (("nobody", checked.nobody), ("crew", checked.crew)):
+        if found is None:
+            yield "note", "there is no reference crew: nothing to lay under a crew's own run"
+            continue
+        card = judge(found.trajectory, plan, checked.marks)
+        total = "void" if card.total is None else f"{card.total:.0f} marks"
+        why = f": {card.verdict.reason}" if card.verdict and card.verdict.reason else ""
+        yield word, f"{total}, {card.verdict.outcome if card.verdict else '-'}{why}"
+    if checked.crew is not None:
+        for i, rule in enumerate(plan.crew.rules):
+            if i not in checked.crew.rules_given:
+                yield "note", f"crew[{i}] {rule.row.order}: was not to be given at this seed"
 
 
 def _limits(plan: Plan) -> Iterator[str]:
@@ -70,10 +193,15 @@ def _limits(plan: Plan) -> Iterator[str]:
 
 
 def _scores(plan: Plan) -> Iterator[str]:
-    whole = sum(rule.weight for rule in plan.scores)
     for rule in plan.scores:
-        share = 100.0 * rule.weight / whole
-        yield f"{share:.0f} % {rule.score.name}: {formula_of(rule)}"
+        of = [each for each in plan.scores if not plan.judged_by_tasks or _kept(each) == _kept(rule)]
+        share = 100.0 * rule.weight / sum(each.weight for each in of)
+        part = f" of {'keeping' if _kept(rule) else 'tasks'}" if plan.judged_by_tasks else ""
+        yield f"{share:.0f} %{part} {rule.score.name}: {formula_of(rule)}"
+
+
+def _kept(rule: Rule) -> bool:
+    return rule.part == "keeping"
 
 
 def _notes(plan: Plan, boat: Boat) -> Iterator[str]:

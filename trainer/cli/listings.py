@@ -34,15 +34,17 @@ def exercise() -> None:
 @exercise.command()
 @click.argument("file", type=FILE)
 @click.option("--name", default=None, help="One line for the list.")
-def new(file: Path, name: str | None) -> None:
+@click.option("--from", "source", default=None, metavar="EXERCISE", help="Copy a shipped one.")
+def new(file: Path, name: str | None, source: str | None) -> None:
     """Write a valid exercise with comments, to be changed; never over another file.
 
     \b
     Example:  trainer exercise new drill.toml --name "Lost in the fog"
+              trainer exercise new drill.toml --from stern-plane-jam
     """
     from trainer.analysis.exercise_page import write_new  # noqa: PLC0415
 
-    write_new(file, name)
+    write_new(file, name, source)
 
 
 @exercise.command()
@@ -53,13 +55,32 @@ def check(file: str) -> None:
     \b
     Example:  trainer exercise check drill.toml
 
-    FILE is a path, or the name of a shipped exercise. Exit code 2 when something is wrong.
+    FILE is a path, or the name of a shipped exercise. It is flown with nobody aboard and with its
+    reference crew. Exit code 2 when something is wrong, each mistake with its line.
     """
-    from trainer.analysis.exercise_page import summary  # noqa: PLC0415
-    from trainer.session.options import RunOptions  # noqa: PLC0415
-    from trainer.session.plan import plan_run  # noqa: PLC0415
+    from trainer.analysis import exercise_page  # noqa: PLC0415
 
-    click.echo("\n".join(summary(plan_run(RunOptions(exercise=file)))))
+    click.echo("\n".join(exercise_page.check(file)))
+
+
+@exercise.command()
+@click.argument("file")
+@click.option("--seeds", type=click.IntRange(1, 1000), default=20, show_default=True)
+def baseline(file: str, seeds: int) -> None:
+    """Fly an exercise with nobody aboard and with its reference crew; keep their marks beside it.
+
+    \b
+    Example:  trainer exercise baseline depth-changes
+              trainer exercise baseline drill.toml --seeds 5
+
+    FILE is a path, or the name of a shipped exercise. The debrief takes from each task what it gives
+    with nobody aboard. What is kept is drill.baseline.toml, beside drill.toml.
+    """
+    from trainer.analysis import baseline as baseline_module  # noqa: PLC0415
+
+    found = baseline_module.study(file, seeds)
+    click.echo("\n".join(baseline_module.table(found)))
+    click.echo(f"kept in {baseline_module.keep(found)}")
 
 
 @click.command()

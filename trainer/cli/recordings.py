@@ -79,9 +79,22 @@ def export(
 @click.option("--html", type=FILE, default=None, help="[default: beside the recording]")
 @click.option("--pdf", type=FILE, default=None, help="Printed by a browser of this machine.")
 @click.option("--branch", type=click.IntRange(1), default=None, help="[default: the last one]")
+@click.option(
+    "--width",
+    type=click.Choice(("basic", "qualified")),
+    default="qualified",
+    show_default=True,
+    help="How far off still counts; basic: for beginners, half as wide again.",
+)
 @click.option("--json", "as_json", is_flag=True, help="Print the figures as JSON.")
 def debrief(
-    file: Path, html: Path | None, pdf: Path | None, branch: int | None, *, as_json: bool
+    file: Path,
+    html: Path | None,
+    pdf: Path | None,
+    branch: int | None,
+    width: str,
+    *,
+    as_json: bool,
 ) -> None:
     """Write what was ordered, what came of it, and the marks, as one page.
 
@@ -93,4 +106,4 @@ def debrief(
     """
     from trainer.analysis.debrief.page import debrief_file  # noqa: PLC0415
 
-    debrief_file(file, html, pdf, branch, as_json=as_json)
+    debrief_file(file, html, pdf, branch, as_json=as_json, width=width)

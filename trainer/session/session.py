@@ -18,16 +18,17 @@ from trainer.io.orders.schedule import Scheduled
 from trainer.io.orders.table import BOAT_ORDERS, CREW_TALK
 from trainer.io.recording.recording import RecordingError
 from trainer.io.tables import Columns
+from trainer.session.conduct import Conduct
 from trainer.session.control import Control
-from trainer.session.crew import SCHEDULE, CrewTalk, role_of
-from trainer.session.event_log import EventLog
+from trainer.session.crew import SCHEDULE, CrewTalk, Telling, role_of
+from trainer.session.event_log import CREW, EventLog
 from trainer.session.history import History
 from trainer.session.stations.access import NoiseLog
-from trainer.session.stations.briefing import Briefing, ranges
+from trainer.session.stations.briefing import Briefing, in_words, ranges
 from trainer.session.stations.display import panel
 from trainer.session.stations.reception import Closed, Reception
 from trainer.session.stations.roles import INSTRUCTOR, STRANGER, Role
-from trainer.session.stations.station import Asked, Fact, News, Station
+from trainer.session.stations.station import Asked, Fact, Station
 from trainer.session.stations.subscriptions import Sending
 from trainer.session.stations.view import Pace, Picture, StateReader
 from trainer.session.status import status_lines
@@ -40,9 +41,9 @@ AT_A_TIME: Final = SECOND // 20  # [ns] of single steps before the stations are 
 LINES_AT_A_TIME: Final = 32  # of one station before the clock is looked at again
 PATIENCE: Final = 0.5  # [s] for a line to get out what it was sent before it is closed
 # orders by which everybody can tell that something has been done with time
-MOMENTS: Final = frozenset({"restore", "reset", "backtrack", "replay", "take"})
+MOMENTS: Final = frozenset({"restore", "reset", "backtrack", "replay", "take", "again", "branch"})
+GOING_BACK: Final = ("backtrack", "restore", "reset", "again", "branch")
 QUESTIONS: Final = frozenset({"status", "who", "briefing", "casualties", "log"})
-GOING_BACK: Final = ("backtrack", "restore", "reset")
 AMIDSHIPS: Final = Order("rudder", 0.0, "amidships", "rudder amidships")
 TIME: Final = frozenset({"freeze", "run", "step", "time", "quit"})
 
@@ -71,16 +72,20 @@ class Session:
     allowed: frozenset[str] = frozenset()  # automatic orders allowed nevertheless
     until_left: bool = False  # it ends when the last of those who came by themselves has gone
     deserted: str = ""  # why it ended before its time
-    unrecorded: str = ""  # why nothing more is recorded, once that has been told
+    refused: list[str] = field(default_factory=list)  # of the schedule, as it was told
     event_log: EventLog = field(init=False)
     control: Control = field(init=False)
+    conduct: Conduct = field(init=False)
     depths: DepthMonitor = field(init=False)
     pilot: PilotMonitor = field(init=False)
     crew: CrewTalk = field(init=False)
 
     def __post_init__(self) -> None:
         self.event_log = EventLog(self.history)
-        self.control = Control(self.boat, self.time, self.history)
+        self.control = Control(self.boat, self.time, self.history, self.schedule)
+        log = self.event_log
+        self.conduct = Conduct(self.control, log.tell, log.stations, self._show, self._call)
+        self.conduct.past.news = lambda: log.news
         self.depths = DepthMonitor.over(self.boat)
         self.pilot = PilotMonitor.over(self.boat)
         self.crew = CrewTalk(self.boat, self.hand, self.hand_from, self.allowed)
@@ -94,13 +99,14 @@ class Session:
         if self.columns:
             self._row()
         self._judge_hull()  # a recorded run may have ended in a collapse
-        if not (frozen or self.control.failure):
+        if self.boat.ticks:
+            self.conduct.look()  # or at its exercise's end
+        if not (frozen or self.control.failure or self.conduct.ending.over):
             self.time.pacer.run()
         self._show()
         while not self._over:
             if self.time.pacer.frozen and self._deserted():
-                self.deserted = f"frozen at {self.boat.time:g} s, and nobody is left to say run"
-                self.event_log.tell("time", self.deserted)
+                self.deserted = self.conduct.desert()
                 return
             if self.time.pacer.wait(self.wake) is WOKEN:
                 self.wake.clear()
@@ -115,6 +121,10 @@ class Session:
         self.control.ended = True
         self.wake.set()
 
+    def _call(self) -> None:
+        """Have the session's thread listen."""
+        self.wake.set()
+
     def greet(self, station: Station) -> None:
         """Tell whoever comes what this is."""
         for line in (*self._briefed(station), HINT):
@@ -122,13 +132,17 @@ class Session:
 
     def _introduce(self, station: Station) -> None:
         """Tell a program the exercise, the vessel's ranges, and what the crew is ordered."""
-        told = [("exercise", pair) for pair in self.exercise.facts(station.role, self.boat.time)]
-        told += [("exercise", pair) for pair in self.crew.conditions(station.role.name)]
+        told = [("exercise", pair) for pair in self._exercise_facts(station)]
         told += [("range", pair) for pair in ranges(self.boat, station.role)]
         told += [("rate", pair) for pair in station.rate]
-        self._note(station, [Fact(what, f"{key}={value}") for what, (key, value) in told])
-        self._note(station, [each.fact for each in self.crew.standing(station.role.name)])
+        self.event_log.note(station, [Fact(what, f"{key}={value}") for what, (key, value) in told])
+        self.event_log.note(station, [each.fact for each in self.crew.standing(station.role.name)])
         self.event_log.note_alerts(station)
+
+    def _exercise_facts(self, station: Station) -> list[tuple[str, str]]:
+        """Return what there is to tell of the exercise by now, as keys and values."""
+        role = station.role
+        return [*self.exercise.facts(role, self.boat.time), *self.crew.conditions(role.name)]
 
     def _briefed(self, station: Station) -> tuple[str, ...]:
         """Return what a station is told of the exercise."""
@@ -137,6 +151,7 @@ class Session:
     def listen(self) -> None:
         """Let newcomers in, take what the stations say, and see out who has left."""
         self._visits.settle()
+        self.conduct.tend()
         for station in self.reception.newcomers():
             if station.role is not STRANGER:  # who has to say who it is, is told nothing before
                 self.greet(station)
@@ -147,7 +162,8 @@ class Session:
             before = station.role
             for asked in station.take(LINES_AT_A_TIME):
                 before = self._entered(station, before)
-                self._hear(asked)
+                if not self.conduct.hear(asked):
+                    self._hear(asked)
                 self._take_steps()
             self._entered(station, before)
             if station.held_up:
@@ -234,11 +250,16 @@ class Session:
         if name == "briefing":
             self._introduce(station)
         if name == "casualties":
-            self._note(station, [Fact("casualty", ",".join(each)) for each in available(self.boat)])
+            self.event_log.note(
+                station, [Fact("casualty", ",".join(each)) for each in available(self.boat)]
+            )
         answers: dict[str, Callable[[], Sequence[str]]] = {
             "status": lambda: self._status(station),
             "who": lambda: [each.account() for each in self.event_log.stations],
-            "briefing": lambda: self._briefed(station),
+            "briefing": lambda: (
+                *self._briefed(station),
+                *(() if asked.heard.machine else in_words(self._exercise_facts(station))),
+            ),
             "casualties": lambda: listing(self.boat),
             "log": lambda: self.event_log.lately(station.role, int(asked.order.value)),
         }
@@ -249,8 +270,8 @@ class Session:
         remark = asked.order.subject
         self.event_log.tell("mark", remark or "marked", asked.station, Fact("mark", remark))
         self.history.recording.flush()
-        asked.station.answer(asked, self._as_kept(f"marked at {self.boat.time:g} s"))
-        self._tell_trouble()
+        asked.station.answer(asked, self.event_log.as_kept(f"marked at {self.boat.time:g} s"))
+        self.event_log.tell_trouble()
 
     def _give(self, asked: Asked) -> None:
         """Carry out an order, answer it, and tell the others."""
@@ -259,23 +280,9 @@ class Session:
             answer = self._carry_out(order, station.who)
         except RecordingError as error:  # its past cannot be read at present
             answer = Refused(str(error))
-        if order.name == "snapshots":
-            self._note_snapshots(station)
-        station.answer(asked, self._as_kept(answer))
+        station.answer(asked, self.event_log.as_kept(answer))
         self._pass_on(order, answer, station)
-        self._tell_trouble()
-
-    def _note(self, station: Station, facts: Sequence[Fact]) -> None:
-        """Tell a station facts of now, if it is a program."""
-        for fact in facts:
-            station.note(News(self.history.tick, self.boat.time, "exercise", "", fact))
-
-    def _note_snapshots(self, station: Station) -> None:
-        """Tell a station the moments kept, if it is a program."""
-        step = self.boat.method.step
-        for name, moment in self.history.snapshots().items():
-            kept = Fact("snapshot", name)
-            station.note(News(moment.tick, moment.tick * step, "moment", "", kept))
+        self.event_log.tell_trouble()
 
     def _status(self, station: Station) -> list[str]:
         """Return all about the boat that a station may know."""
@@ -307,11 +314,19 @@ class Session:
         answer = self.crew.obey(order, role_of(who)) if talk else obey(self.boat, order)
         if not isinstance(answer, Refused):
             tellings += self.crew.note(order, who, self.history.tick, answer)
-            for telling in tellings:
-                self.event_log.tell(telling.kind, telling.text, self.event_log.heard, telling.fact)
+            self._say(tellings, who)
         if talk:
             self._show()
         return answer
+
+    def _say(self, tellings: Sequence[Telling], who: str = "") -> None:
+        """Tell what was said; who has said it to the crew has an answer in place of the text."""
+        heard = None if self.history.rerun else self.event_log.heard
+        speaker = heard if heard and heard.who == who else None
+        for each in tellings:
+            self.event_log.tell(
+                each.kind, each.text, speaker if each.kind == CREW else None, each.fact
+            )
 
     def _after_time(self, order: Order) -> None:
         """Show what an order about time has changed."""
@@ -319,6 +334,7 @@ class Session:
             self.monitor.settle(self.boat)
             self.depths.settle(self.boat)
             self.pilot.settle(self.boat)
+            self.conduct.settle()
             self.crew.settle(self.history.said(), self.history.tick)
             self.event_log.settle()
             self._judge_hull()
@@ -335,7 +351,8 @@ class Session:
         if not isinstance(answer, Refused):
             kind = "moment" if order.name in MOMENTS else "time" if order.name in TIME else kind
             fact = Fact("back" if order.name in GOING_BACK else "order", order.text)
-        self.event_log.tell(kind, f"{station.role.name}: {order.text}: {text}", station, fact)
+        by = self.event_log.signature(station)
+        self.event_log.tell(kind, f"{by}: {order.text}: {text}", station, fact)
 
     def _obey_due(self) -> bool:
         """Carry out the orders that are due; return whether they stop time before a tick."""
@@ -358,6 +375,8 @@ class Session:
             text = f"refused: {answer.reason}" if isinstance(answer, Refused) else answer
             fact = None if isinstance(answer, Refused) else Fact("order", entry.order.text)
             told = f"[{entry.seconds:g} s] {entry.order.text}: {text}"
+            if isinstance(answer, Refused):
+                self.refused.append(told)
             self.event_log.tell("exercise", told, fact=fact)
 
     def _obey_replay(self) -> bool:
@@ -369,6 +388,7 @@ class Session:
             return False
         self.event_log.tell("moment", self.history.arrive())
         self._judge_hull()
+        self.conduct.look()
         self.time.pacer.freeze()
         self.control.steps = 0
         self._show()
@@ -416,8 +436,7 @@ class Session:
     def _after_tick(self, tick: int) -> None:
         """Keep the state, show it, and call out what it means."""
         state = self.history.ticked(tick)
-        if self.history.recording.trouble != self.unrecorded:
-            self._tell_trouble()
+        self.event_log.tell_trouble()
         if self.columns and self.history.rerun is None:
             self._row()
         self.sending.offer(tick, state, self._pace)
@@ -427,9 +446,10 @@ class Session:
             self.event_log.alert("pilot", text)
         self._call_depth()
         self._judge_hull()
+        if self.history.rerun is None:
+            self.conduct.look()
         if tick >= self.crew.due:
-            for telling in self.crew.missing(tick, self._attended):
-                self.event_log.tell(telling.kind, telling.text, fact=telling.fact)
+            self._say(self.crew.missing(tick, self._attended))
         if self.crew.meeting and self.crew.swing_met() and not self.history.rerun:
             who, order = self.crew.meeting, AMIDSHIPS
             self.event_log.tell("order", f"{who}: swing met: {self._carry_out(order, who)}")
@@ -459,23 +479,6 @@ class Session:
         """Tell what the depth has come to, with its tick."""
         place = f"tick {self.boat.ticks} ({self.boat.time:g} s)"
         self.event_log.alert("depth", f"{place}: {words}", fact)
-
-    def _as_kept(self, answer: Reply) -> Reply:
-        """Return an answer with a word on it if what it answers is not recorded."""
-        if self.history.recording.trouble and not isinstance(answer, Refused):
-            return f"{answer} (not recorded)"
-        return answer
-
-    def _tell_trouble(self) -> None:
-        """Tell once that the recording is out of reach, and once that it is back."""
-        recording = self.history.recording
-        if recording.trouble == self.unrecorded:
-            return
-        self.unrecorded = recording.trouble
-        lost = f"lost in all: {recording.missing}" if recording.missing else "nothing is lost"
-        back = f"recorded again in branch {recording.branch}; {lost}"
-        told = f"NOT RECORDED: {recording.trouble}" if recording.trouble else back
-        self.event_log.tell("trouble", told)
 
     def _row(self) -> None:
         """Hand the state to the columns' file; tell at once when it is in trouble."""

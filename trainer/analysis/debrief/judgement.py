@@ -78,10 +78,15 @@ def _flown(each: Scored) -> Scored:
 
 
 def _less_nobody(each: Scored, nobody: Mapping[str, float]) -> Scored:
-    """Return a score with what it earned beyond nobody aboard."""
+    """Return a score with what it earned beyond nobody aboard.
+
+    Where nobody gets more than MOST_NOBODY, at this seed, there is nothing to be earned.
+    """
     if each.rule.part == "keeping" or each.marks is None:
         return each
-    free = min(nobody.get(each.name, 0.0), 99.0)
+    free = nobody.get(each.name, 0.0)
+    if free > MOST_NOBODY:
+        return replace(each, nobody=free)
     earned = 100.0 * max(0.0, (each.marks - free) / (100.0 - free))
     return replace(each, nobody=free, earned=earned)
 

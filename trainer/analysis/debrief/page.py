@@ -84,7 +84,13 @@ HEAD = 2000  # [characters] in which a page of ours says that it is
 
 
 def debrief_file(
-    path: Path, html: Path | None, pdf: Path | None, branch: int | None, *, as_json: bool
+    path: Path,
+    html: Path | None,
+    pdf: Path | None,
+    branch: int | None,
+    *,
+    as_json: bool,
+    width: str = "qualified",
 ) -> None:
     """Write the page as HTML or PDF, and print where it is, or the figures.
 
@@ -96,7 +102,7 @@ def debrief_file(
         html = beside(path, branch)
         _refuse_other(html)
     with np.errstate(all="ignore"):  # a state may hold any number
-        debrief = read_dossier(path, branch)
+        debrief = read_dossier(path, branch, width)
         text = render(debrief) if html or pdf else ""
     written = []
     if html is not None:
@@ -111,10 +117,10 @@ def debrief_file(
         click.echo("\n".join(map(str, written)))
 
 
-def read_dossier(path: Path, branch: int | None) -> DebriefData:
-    """Return the dossier of a recording; ConfigError if it cannot be read."""
+def read_dossier(path: Path, branch: int | None, width: str = "qualified") -> DebriefData:
+    """Return the dossier of a recording, judged at a width; ConfigError if it cannot be read."""
     with reading(path) as recording:
-        return gather(recording, path, branch)
+        return gather(recording, path, branch, width)
 
 
 def beside(path: Path, branch: int | None) -> Path:

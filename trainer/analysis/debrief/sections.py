@@ -50,10 +50,12 @@ def judged(debrief: DebriefData, verdict: Verdict) -> Markup:
     """Return won, lost or not reached with the reason, and what the marks are made of."""
     card = debrief.card
     total = "no" if card.total is None else f"{card.total:.0f}"
+    crew = debrief.plan.baseline.crew if debrief.plan.baseline else None
+    unsure = f", +-{crew.deviation:.0f} by the sea alone" if crew and crew.deviation >= 0.5 else ""
     lines = [
         Markup('<p class="total"><b>{}</b></p>').format(verdict.outcome.capitalize()),
         *([paragraph(f"{verdict.reason}.")] if verdict.reason else []),
-        Markup('<p class="total"><b>{}</b> of 100 marks</p>').format(total),
+        Markup('<p class="total"><b>{}</b> of 100 marks{}</p>').format(total, unsure),
         paragraph(made_of(verdict)),
     ]
     if lacking := _unflown(debrief):
