@@ -487,6 +487,10 @@ class NoRecording:
         """Return none."""
         return []
 
+    def events(self) -> Iterator[Noted]:
+        """Return nothing."""
+        return iter(())
+
     def last_tick(self, _branch: int) -> int:
         """Return the start."""
         return 0

@@ -12,7 +12,7 @@ from typing import Final, NamedTuple
 
 from trainer.boat.boat import Boat
 from trainer.io.orders.grammar import Refused
-from trainer.io.recording.recording import Recording, RecordingError
+from trainer.io.recording.recording import Noted, Recording, RecordingError
 from trainer.session.exercise import Work
 from trainer.session.history import History
 from trainer.session.stations.channels import CHANNELS, EVENTS, TELETYPE
@@ -136,6 +136,27 @@ def read_states(kept: Path, span: Span) -> list[Found]:
     except RecordingError:
         return found
     return found
+
+
+def recalled(history: History) -> list[News]:
+    """Return what a recording that is resumed tells of its past, with what a time line shows."""
+    step = history.boat.method.step
+    told = [
+        News(each.tick, each.tick * step, each.kind, each.text, fact_of(each))
+        for each in history.noted()
+    ]
+    orders = history.recording.orders(history.recording.branch)
+    told += [
+        News(each.tick, each.tick * step, "exercise", each.text, Fact("order", each.text))
+        for each in orders
+        if each.text.startswith("casualty ") and each.accepted
+    ]
+    return sorted(told, key=lambda each: each.tick)
+
+
+def fact_of(noted: Noted) -> Fact | None:
+    """Return what programs are told of an event that was noted."""
+    return Fact("mark", noted.text) if noted.kind == "mark" else None
 
 
 def lately(news: Iterable[News], role: Role, span: Span) -> list[News]:
