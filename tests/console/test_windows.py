@@ -110,13 +110,44 @@ def test_the_briefing_has_mission_time_left_what_wins_and_the_limits(
         await seen(pilot, app, "no shallower than 13 m; pitch 15 deg at most")
         await seen(pilot, app, "Depth changes, by hand.")
         await pilot.press("escape")
-        talk.say(sentences.fact(130, 65.0, "exercise-over", "won"))
-        await seen(pilot, app, "EXERCISE OVER: won")
-        talk.say(sentences.fact(130, 65.0, "marks", "92, +-4 by the sea alone"))
-        await pilot.press("f12")
-        await seen(pilot, app, "92, +-4 by the sea alone")
+        talk.say(sentences.fact(130, 65.0, "exercise-over", "lost"))
+        await seen(pilot, app, "EXERCISE OVER: lost" if role != "instructor" else "release the")
+        talk.say(sentences.event(130, 65.0, "marks", "marks: lost, 12, +-4 by the sea alone"))
+        talk.say(sentences.event(130, 65.0, "marks", "  too deep for 20 s"))
+        for text in ("lost, 12, +-4 by the sea alone", "too deep for 20 s"):
+            await seen(pilot, app, text)
 
     at_the_console(look, talk, role, size)
+
+
+@pytest.mark.parametrize(
+    ("key", "order"),
+    [("r", "release marks"), ("d", "debrief"), ("a", "again"), ("h", "again from here")],
+)
+def test_the_instructor_is_offered_what_follows_an_exercise(key: str, order: str) -> None:
+    talk = tape()
+
+    async def end(pilot: Pilot[str], app: Console) -> None:
+        talk.say(sentences.fact(130, 65.0, "exercise-over", "ended"))
+        await seen(pilot, app, "the marks are being made")
+        talk.say(sentences.event(130, 65.0, "exercise", "marks: won, 92"))
+        await seen(pilot, app, "won, 92")
+        await pilot.press(key)
+        assert len(app.screen_stack) == 1
+
+    assert at_the_console(end, talk)[1].orders == [order]
+
+
+def test_a_station_that_has_read_its_briefing_says_that_it_is_ready() -> None:
+    talk = tape("helm")
+    talk.say(sentences.fact(0, 0.0, "exercise", "title=Courses"))
+
+    async def read(pilot: Pilot[str], app: Console) -> None:
+        await pilot.press("f12")
+        await seen(pilot, app, "R says ready")
+        await pilot.press("r")
+
+    assert at_the_console(read, talk, "helm")[1].orders == ["ready"]
 
 
 def test_a_long_answer_is_read_in_a_window_and_a_short_one_in_the_log() -> None:

@@ -1,8 +1,8 @@
 """What is read in a window of its own: help, the briefing of an exercise, long answers."""
 
 import textwrap
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
 from typing import Final
 
 from trainer.console.choice import NOTHING, Done
@@ -90,6 +90,7 @@ class Reading:
 
     title: str
     text: Text
+    keys: Mapping[str, tuple[str, str]] = field(default_factory=dict)  # their orders, and words
     top: int = 0
     size: tuple[int, int] = (96, 60)
     _last: int = 0  # the largest top that still fills the window
@@ -99,6 +100,8 @@ class Reading:
         if key in MOVES:
             self.top = min(max(self.top + MOVES[key], 0), self._last)
             return None
+        if key in self.keys:
+            return Done((self.keys[key][0],))
         return NOTHING if key in LEAVES else None
 
     def click(self, _column: int, _row: int, _width: int) -> Done | None:
@@ -125,7 +128,8 @@ class Reading:
         below = len(lines) - self.top - room
         more = f" {below} more below: Down, Page Down;" if below > 0 else ""
         back = " Up goes back;" if self.top else ""
-        return line((f"{more}{back}", "warning"), (" Esc closes", "dim"))
+        does = "".join(f"   {says}" for _, says in self.keys.values())
+        return line((f"{more}{back}", "warning"), (" Esc closes", "dim"), (does, "title"))
 
 
 def broken(drawn: Line, width: int) -> Lines:
@@ -262,7 +266,8 @@ def guide(model: SessionModel) -> Reading:
 
 def briefing(model: SessionModel) -> Reading:
     """Return the window with the briefing; the time left goes on in it."""
-    return Reading("Briefing", lambda: briefing_rows(model))
+    keys = {} if model.instructs or not model.exercise else {"r": ("ready", "R says ready")}
+    return Reading("Briefing", lambda: briefing_rows(model), keys)
 
 
 def answer(words: str, lines: Sequence[str]) -> Reading:
