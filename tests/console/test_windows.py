@@ -138,6 +138,18 @@ def test_the_instructor_is_offered_what_follows_an_exercise(key: str, order: str
     assert at_the_console(end, talk)[1].orders == [order]
 
 
+def test_an_exercise_that_is_flown_again_is_not_over() -> None:
+    talk = tape()
+    model = sight_of(talk)
+    talk.say(sentences.fact(1200, 600.0, "exercise-over", "lost"))
+    talk.tick(1200)
+    model.hear()
+    assert model.outcome == "lost"
+    talk.tick(2)
+    model.hear()
+    assert model.outcome == ""
+
+
 def test_a_station_that_has_read_its_briefing_says_that_it_is_ready() -> None:
     talk = tape("helm")
     talk.say(sentences.fact(0, 0.0, "exercise", "title=Courses"))

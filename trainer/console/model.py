@@ -123,6 +123,7 @@ class SessionModel:
         self._asked: dict[str, Asked] = {}
         self._track: deque[tuple[float, float, float]] = deque(maxlen=TRACK)  # [s, m, m]
         self._caught_up = False  # with what was shown before the line was there
+        self._over_at = 0.0  # [s] when the exercise was over
         self._own = 0  # orders to the crew that were given here and have not been told yet
         self._snapshots: list[Kept] = []  # told so far, of an answer that is to come
         self._casualties: list[Broken] = []
@@ -211,6 +212,8 @@ class SessionModel:
             self.journal.add(None, "lost", f"no line: {why}")
         self.joined, self.trouble = False, why
         self._asked.clear()
+        self.crew = CrewOrders(rings=self.crew.rings)  # those that stand are told again
+        self.told.clear()
         self.picture.forget()
 
     def _bar(self, barred: Barred) -> None:
@@ -241,6 +244,8 @@ class SessionModel:
     def _sample(self) -> None:
         """Add the present to the charts."""
         reading = self.picture.reading(self.gauges)
+        if reading.seconds < self._over_at:  # it is flown again, or another is
+            self.outcome, self._over_at = "", 0.0
         self._catch_up(reading.seconds)
         self._follow(reading)
         if self.trace.times[-1:] != [reading.seconds]:
@@ -344,7 +349,7 @@ class SessionModel:
         elif what in CrewOrders.FACTS:
             self._order_crew(seconds, what, subject)
         elif what in ("exercise", "exercise-over"):
-            self._brief(what, subject)
+            self._brief(seconds, what, subject)
         elif what == "snapshot":
             self._snapshots.append(Kept(seconds, "S", subject))
         elif what == "casualty":
@@ -358,11 +363,11 @@ class SessionModel:
             self._own -= 1
             self.crew.settle(subject)
 
-    def _brief(self, what: str, subject: str) -> None:
+    def _brief(self, seconds: float, what: str, subject: str) -> None:
         """Keep what the exercise asks for, how it ended, and the marks once they are told."""
         key, equals, value = subject.partition("=")
         if what == "exercise-over":
-            self.outcome = subject or "ended"
+            self.outcome, self._over_at = subject or "ended", seconds
             self.marks_told.clear()
             self.rings += 1
             self.endings += 1
