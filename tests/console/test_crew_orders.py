@@ -152,13 +152,13 @@ def test_after_a_lost_line_only_what_is_told_again_is_new() -> None:
     new(talk, "course 045")
     model = sight_of(talk, "helm")
     model.hear()
-    assert model.crew.awaited("helm")
+    assert model.crew.to_repeat("helm")
     talk.items += [Lost("the session has closed the line"), Joined()]
     model.hear()
-    assert model.crew.awaited("helm") is None
+    assert model.crew.to_repeat("helm") is None
     new(talk, "course 045")
     model.hear()
-    assert model.crew.awaited("helm")
+    assert model.crew.to_repeat("helm")
 
 
 def test_only_who_is_ordered_repeats_and_is_shown_that_it_is_new() -> None:

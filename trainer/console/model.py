@@ -123,6 +123,7 @@ class SessionModel:
         self._asked: dict[str, Asked] = {}
         self._track: deque[tuple[float, float, float]] = deque(maxlen=TRACK)  # [s, m, m]
         self._caught_up = False  # with what was shown before the line was there
+        self._greeted = 0  # lines of the briefing that came before the line was lost last
         self._over_at = 0.0  # [s] when the exercise was over
         self._own = 0  # orders to the crew that were given here and have not been told yet
         self._snapshots: list[Kept] = []  # told so far, of an answer that is to come
@@ -214,6 +215,7 @@ class SessionModel:
         self._asked.clear()
         self.crew = CrewOrders(rings=self.crew.rings)  # those that stand are told again
         self.told.clear()
+        self._greeted = len(self.briefing)
         self.picture.forget()
 
     def _bar(self, barred: Barred) -> None:
@@ -392,6 +394,9 @@ class SessionModel:
         """Keep nothing of an exercise but its file's name, which is told first."""
         name = self.exercise.get("name")
         self.exercise.clear()
+        self.marks.clear()
+        self.furthest = 0.0
+        del self.briefing[: self._greeted]
         self.told.clear()
         self.marks_told.clear()
         self.outcome = ""
