@@ -300,8 +300,13 @@ def test_in_basic_width_bands_and_zeros_are_half_as_wide_again() -> None:
 def test_what_nobody_gets_is_taken_off(tmp_path: Path) -> None:
     plan = planned(drill(tmp_path, DIVE))
     went = fly(plan, plan.crew).trajectory
-    half = judge(went, plan, {"Deep": 40.0}).scores[0]
-    assert half.earned == pytest.approx(100.0 * max(0.0, ((half.marks or 0.0) - 40.0) / 60.0))
+    short = replace(went, columns={**went.columns, "z": went.columns["z"] - 4.0})  # 66 m
+    half = judge(short, plan, {"Deep": 40.0}).scores[0]
+    assert 40.0 < (half.marks or 0.0) < 80.0
+    assert half.earned == pytest.approx(100.0 * ((half.marks or 0.0) - 40.0) / 60.0)
+    assert judge(short, plan, {"Deep": 49.9}).total == pytest.approx(
+        100.0 * ((half.marks or 0.0) - 49.9) / 50.1
+    )
     assert judge(went, plan, {"Deep": 60.0}).scores[0].earned is None  # nothing to be earned
 
 
@@ -386,18 +391,45 @@ def test_a_crew_begun_late_counts_as_given_what_the_clock_has_passed() -> None:
     assert list(aboard.hands) == ["planesman"]
 
 
+@pytest.mark.parametrize(("name", "axis"), [("gyro-stuck", 0), ("emergency-deep", 1)])
+def test_a_crew_begun_late_gives_nothing_of_the_past_again(name: str, axis: int) -> None:
+    plan = planned(name)
+    boat = Boat(plan.file, plan.method)
+    plan.start(boat)
+    boat.state.tick = 600.0
+    boat.state.crew_order_tick[axis] = 2.0 * plan.schedule[-1].seconds + 1.0  # long ago
+    aboard = ReferenceCrew(boat, plan.crew)
+    given: list[str] = []
+    for _ in range(60):
+        given += [each.text for each in aboard.look() if each.rule is not None]
+        assert boat.tick() == 0
+    assert given == []
+
+
 def test_the_helmsman_turns_the_way_that_is_ordered() -> None:
     heading = np.degrees(by_crew("course-changes").trajectory.columns["psi"])
     assert heading[2 * 660] == pytest.approx(180.0, abs=2.0)
-    assert heading[2 * 760] < 150.0  # left, though right is as short
+    assert heading[2 * 760] < 150.0  # left
     assert heading[-1] == pytest.approx(0.0, abs=2.0)
+
+
+def test_the_helmsman_turns_the_long_way_where_that_is_ordered(tmp_path: Path) -> None:
+    path = tmp_path / "drill.toml"
+    path.write_text(
+        'schema = "exercise/1"\nname = "Drill"\nbriefing = "Turn."\nduration_s = 400\n'
+        "hand = ['rudder']\n[[orders]]\nat_s = 10\norder = 'order course left 090'\n"
+        "[[crew]]\nat_s = 1\norder = 'helmsman on'\n"
+    )
+    plan = planned(str(path))
+    heading = np.degrees(fly(plan, plan.crew).trajectory.columns["psi"])
+    assert heading[-1] == pytest.approx(-270.0, abs=2.0)
 
 
 def test_the_planesman_holds_the_angle_ordered_and_leaves_it_before_the_depth() -> None:
     columns = by_crew("ordered-bubble").trajectory.columns
     depth, pitch = columns["z"], np.degrees(columns["theta"])
     down = np.flatnonzero((depth > 80.0) & (depth < 100.0))[:60]
-    assert np.all(np.abs(pitch[down] + 5.0) < 2.0)
+    assert np.mean(pitch[down]) == pytest.approx(-5.0, abs=1.0)
     assert depth[:960].max() < 123.0
 
 

@@ -430,6 +430,8 @@ def test_a_new_exercise_is_valid_has_the_name_given_and_is_never_written_over(
     exercise = load_exercise(str(tmp_path / "drill.toml"))
     assert exercise.heading.name == 'Lost in "fog"'
     assert len(exercise.scores) == 3
+    told = ran(tmp_path, "exercise", "check", "drill.toml")
+    assert "crew    100 marks, won" in told.stdout, told.stderr
 
     before = (tmp_path / "drill.toml").read_bytes()
     again = ran(tmp_path, "exercise", "new", "drill.toml")
