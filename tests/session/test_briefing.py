@@ -15,7 +15,7 @@ from trainer.config.files import shipped_names
 from trainer.io.lines import Overlong
 from trainer.io.orders import sentences
 from trainer.io.orders.table import TOPICS
-from trainer.io.recording.recording import NoRecording
+from trainer.io.recording.absence import NoRecording
 from trainer.io.tables import NoFile
 from trainer.session.history import History
 from trainer.session.options import RunOptions
@@ -151,6 +151,7 @@ def test_no_line_of_a_crew_holds_a_hidden_word(name: str) -> None:
             for _ in range(round(LOOK_EVERY / here.plan.method.step)):
                 here.session._tick()  # noqa: SLF001  the loop's own step
             here.ask("briefing", "status", "log 100", "who", "aye", "report well", "mark")
+            here.ask("history events", "branches", "casualties", "next", "snapshots")
     words = secrets(here.plan, name)
     for role, line in here.lines.items():
         heard = "\n".join(line.sent).lower()

@@ -41,7 +41,7 @@ def fly(plan: Plan, crew: Crew | None = None, reaction: Reaction | None = None) 
     """
     boat = Boat(plan.file, plan.method)
     plan.start(boat)
-    journal, numbers = Journal(boat), np.frombuffer(boat.plain)
+    journal, numbers = Journal(boat), boat.records.state.view(np.float64)
     aboard = None if crew is None else ReferenceCrew(boat, crew, reaction)
     rows, lost, place = [numbers[PLACED]], "", 0
     with np.errstate(all="ignore"):

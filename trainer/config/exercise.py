@@ -471,9 +471,11 @@ def _known_casualty(row: CasualtyRow, place: Place, known: Mapping[str, Casualty
         problems.append(place.wrong("rule", row.rule, "goes with when"))
     if row.at_s is not None and row.clear_at_s is not None and row.clear_at_s < row.at_s:
         problems.append(place.wrong("clear_at_s", row.clear_at_s, "is before at_s"))
-    for key in ("within_s", "lasts_s", "one_of"):
-        if getattr(row, key) is not None and row.at_s is None:
-            problems.append(place.wrong(key, getattr(row, key), "goes with at_s"))
+    problems += [
+        place.wrong(key, getattr(row, key), "goes with at_s")
+        for key in ("within_s", "lasts_s", "one_of")
+        if getattr(row, key) is not None and row.at_s is None
+    ]
     if row.lasts_s is not None and row.clear_at_s is not None:
         problems.append(place.problem("give one of clear_at_s, lasts_s"))
     if problems:

@@ -23,10 +23,10 @@ from trainer.core.state import STATE
 from trainer.io.orders.grammar import Order, Refused, Reply, parse
 from trainer.io.orders.schedule import Scheduled
 from trainer.io.orders.table import BOAT_ORDERS
+from trainer.io.recording.absence import NoRecording
 from trainer.io.recording.recording import (
     Journalled,
     Moment,
-    NoRecording,
     Noted,
     Recording,
     RecordingError,

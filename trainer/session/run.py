@@ -20,8 +20,9 @@ from trainer.boat.limits import LimitMonitor, account_of
 from trainer.config.exercise import load_exercise
 from trainer.config.files import ConfigError, remembering, shipped_names
 from trainer.io import paths as paths_module
+from trainer.io.recording.absence import NoRecording
 from trainer.io.recording.file import TakenError
-from trainer.io.recording.recording import NoRecording, Recording, RecordingError
+from trainer.io.recording.recording import Recording, RecordingError
 from trainer.io.status_line import course
 from trainer.io.tables import COLUMNS, CsvFile, NoFile
 from trainer.session.conduct import Following, problem_with

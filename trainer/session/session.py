@@ -83,9 +83,7 @@ class Session:
     def __post_init__(self) -> None:
         self.event_log = EventLog(self.history)
         self.control = Control(self.boat, self.time, self.history, self.schedule)
-        log = self.event_log
-        self.conduct = Conduct(self.control, log.tell, log.stations, self._show, self._call)
-        self.conduct.past.news = lambda: log.news
+        self.conduct = Conduct(self.control, self.event_log, self._show, self._call)
         self.depths = DepthMonitor.over(self.boat)
         self.pilot = PilotMonitor.over(self.boat)
         self.crew = CrewTalk(self.boat, self.hand, self.hand_from, self.allowed)
@@ -99,8 +97,7 @@ class Session:
         if self.columns:
             self._row()
         self._judge_hull()  # a recorded run may have ended in a collapse
-        if self.boat.ticks:
-            self.conduct.look()  # or at its exercise's end
+        self.conduct.look()  # or at its exercise's end
         if not (frozen or self.control.failure or self.conduct.ending.over):
             self.time.pacer.run()
         self._show()

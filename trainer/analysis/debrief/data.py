@@ -204,6 +204,7 @@ def figures(debrief: DebriefData) -> dict[str, Any]:
         "seconds": float(debrief.trajectory.seconds[-1]),
         "total": debrief.card.total,
         "verdict": _verdict(debrief.card.verdict),
+        "practice": debrief.branch.parent is not None,
         "scores": [_score(each, step) for each in debrief.card.scores],
         "casualties": [_casualty(each, step) for each in debrief.casualties],
         "marks": [

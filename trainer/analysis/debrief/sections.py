@@ -58,6 +58,8 @@ def judged(debrief: DebriefData, verdict: Verdict) -> Markup:
         Markup('<p class="total"><b>{}</b> of 100 marks{}</p>').format(total, unsure),
         paragraph(made_of(verdict)),
     ]
+    if debrief.branch.parent is not None:
+        lines.append(paragraph("Practice: time was wound back in this run."))
     if lacking := _unflown(debrief):
         lines.append(paragraph(lacking))
     return Markup().join(lines)
@@ -68,6 +70,8 @@ def made_of(verdict: Verdict) -> str:
     told = f"Tasks {verdict.tasks:.0f}, less nobody aboard; keeping {verdict.keeping:.0f}"
     if verdict.void:
         return f"{told}. The boat turned over: the marks are void."
+    if verdict.free:
+        return f"{told}. A free run has no marks."
     if verdict.cap is not None:
         why = "the exercise was lost" if verdict.outcome == "lost" else "a limit was broken"
         return f"{told}. At most {verdict.cap:.0f}: {why}."
@@ -84,9 +88,9 @@ def _unflown(debrief: DebriefData) -> str:
 
 def scores(debrief: DebriefData) -> Markup:
     """Return the table of the scores."""
-    headings = ("", "score", "value", "full at", "none at", "marks", "weight", "place", "formula")
-    if debrief.card.verdict is not None:
-        headings = (*headings[:6], "nobody", "earned", *headings[6:])
+    earned = ("nobody", "earned") if debrief.card.verdict is not None else ()
+    headings = ("", "score", "value", "full at", "none at", "marks", *earned)
+    headings = (*headings, "weight", "place", "formula")
     rows = (_score(debrief, i, each) for i, each in enumerate(debrief.card.scores, start=1))
     return table(headings, rows, "scores")
 

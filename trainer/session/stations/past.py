@@ -13,6 +13,7 @@ from typing import Final, NamedTuple
 from trainer.boat.boat import Boat
 from trainer.io.orders.grammar import Refused
 from trainer.io.recording.recording import Noted, Recording, RecordingError
+from trainer.session.event_log import EventLog
 from trainer.session.exercise import Work
 from trainer.session.history import History
 from trainer.session.stations.channels import CHANNELS, EVENTS, TELETYPE
@@ -47,8 +48,8 @@ class Span(NamedTuple):
 class PastReader:
     """Answers the order ``history``."""
 
-    def __init__(self, boat: Boat, work: Work, news: Callable[[], Iterable[News]] = tuple) -> None:
-        self.news = news
+    def __init__(self, boat: Boat, work: Work, log: EventLog) -> None:
+        self._log = log
         self._boat = boat
         self._work = work
 
@@ -61,7 +62,7 @@ class PastReader:
         ticks = math.ceil(asked.order.value / self._boat.method.step)
         span = Span(history.recording.branch, max(history.tick - ticks, 0), history.tick)
         if channel == EVENTS:
-            told = lately(self.news(), station.role, span)
+            told = lately(self._log.news, station.role, span)
             station.answer(asked, f"events: {len(told)} of them")
             self._mark(station, "begin", channel, history)
             for each in told:
