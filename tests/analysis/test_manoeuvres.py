@@ -29,6 +29,7 @@ from trainer.analysis.manoeuvres.vehicle import (
     swing_measures,
 )
 from trainer.analysis.manoeuvres.vertical import Meander, Overshoot
+from trainer.analysis.report import plots
 from trainer.boat.assemble import Method
 from trainer.cli.guide import manoeuvre as command
 from trainer.cli.main import main
@@ -491,3 +492,23 @@ def test_swings_are_allowed_a_share_of_the_first_and_faint_ones_no_time() -> Non
     assert swings["pitch zero 1"].allowed == 5.0
     dying = {one.name: one for one in swing_measures("pitch", "rad", t, faint)}
     assert dying["pitch zero 1"].allowed is None
+
+
+@pytest.mark.parametrize(
+    ("title", "down", "round_"),
+    [
+        ("z", True, False),
+        ("z, ordered_depth", True, False),
+        ("theta", False, False),
+        ("track", False, True),
+    ],
+)
+def test_depth_is_plotted_downwards_and_a_track_with_one_scale(
+    title: str, *, down: bool, round_: bool
+) -> None:
+    figure = pytest.importorskip("matplotlib.figure")
+    axes = figure.Figure().add_subplot()
+    curve = plots.Curve(title, np.array([0.0, 1.0]), np.array([60.0, 80.0]))
+    plots._draw_panel(plots.Panel(title, "x", "y", (curve,)), axes)  # noqa: SLF001
+    assert axes.yaxis_inverted() == down
+    assert (axes.get_aspect() == 1.0) == round_

@@ -100,6 +100,7 @@ def test_the_error_has_its_side_in_words(told: dict[str, str], words: str) -> No
 def test_the_depth_gauge_is_in_feet_where_the_order_was() -> None:
     told = {"depth": "60.96", "depth_error": "0.96", "depth_unit": "ft"}
     screen_of(ordered("planes", told), "planes", "depth  ft", absent=("depth  m ",))
+    screen_of(ordered("planes", told), "planes", "depth 196.9", " ╌╌ 200.0", "ft  2 min")
 
 
 def test_without_an_order_to_the_crew_the_autopilot_s_stands_there() -> None:
@@ -248,7 +249,9 @@ def test_the_bell_rings_for_limits_orders_and_casualties_unless_it_is_off(
         if event:
             talk.say(sentences.event(125, 62.5, *event))
         talk.say(sentences.event(125, 62.5, "exercise", "heard"))
-        await seen(pilot, app, "heard")
+        while app.model.journal.entries[-1].text != "heard":
+            await pilot.pause(0.02)
+        await pilot.pause(0.15)
 
     at_the_console(look, talk)
     assert len(rung) == (0 if silent else rings)

@@ -103,7 +103,8 @@ def test_the_command_offers_what_is_shipped_and_runs_what_is_chosen(
         return answer
 
     monkeypatch.setattr("trainer.console.exercise_choice.choose_exercise", choose)
-    options, answer = RunOptions(), "heavy-boat"
+    options = RunOptions()
+    answer: str | None = "heavy-boat"
     wanted = replace(options, exercise="heavy-boat", given=frozenset({"exercise"}))
     assert command.choose(options) == wanted
     assert [each.name for each in asked] == list(shipped_names("exercises"))

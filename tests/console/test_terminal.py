@@ -163,7 +163,11 @@ def test_the_first_exercise_by_the_keys_that_help_names(
 ) -> None:
     record = tmp_path / "drill.trainer"
     terminal.type(
-        command("run", "periscope-depth", "--speed", "20", "--record", str(record)), "Enter"
+        command(
+            *("run", "periscope-depth", "--duration", "12h"),  # no end of it in between
+            *("--speed", "20", "--record", str(record)),
+        ),
+        "Enter",
     )
     terminal.wait("RUNNING x20")
     terminal.type("F1")

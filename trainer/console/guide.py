@@ -80,8 +80,13 @@ LIMITS: Final = {
 }
 PAGE: Final = 60  # [characters] from which a line was broken because the page ended
 MOVES: Final = {
-    "up": -1, "down": 1, "pageup": -12, "pagedown": 12, "space": 12,
-    "home": -9999, "end": 9999,
+    "up": -1,
+    "down": 1,
+    "pageup": -12,
+    "pagedown": 12,
+    "space": 12,
+    "home": -9999,
+    "end": 9999,
 }
 LEAVES: Final = ("escape", "f1", "q", "enter", "f10", "f12", "question_mark")
 LABELS: Final = 16  # [columns] of what stands before an explanation

@@ -4,11 +4,13 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
 from typing import Final
 
+from trainer.console.drawing.crew_orders import in_feet
 from trainer.console.drawing.values import NONE, course, number
 from trainer.console.journal import Sample
 from trainer.console.model import Quantity, SessionModel
 from trainer.console.pane import Line, Lines, Run, beside, line
 from trainer.console.readings import ROUND
+from trainer.units import FOOT
 
 ACROSS: Final = 2  # dots in a character
 DOWN: Final = 4
@@ -78,8 +80,9 @@ def strip(quantity: int, model: SessionModel, span: float, width: int, height: i
         return [title][:height]
     series = model.trace.series(quantity, span, columns * ACROSS)
     whole = unwrap_courses if drawn.actual[1] in ROUND else as_it_is
-    actual = whole([each.actual if each else None for each in series], series)
-    ordered = whole([each.ordered if each else None for each in series], series)
+    size = unit_of(drawn, model)[1]
+    actual = whole([each.actual if each else None for each in series], series, size)
+    ordered = whole([each.ordered if each else None for each in series], series, size)
     low, high = limits([*actual, *ordered], drawn.least)
     axis = [time_axis(span, columns)] if rows >= AXIS else []
     plot = Plot(low, high, columns, rows - len(axis))
@@ -108,14 +111,26 @@ def ago(seconds: float) -> str:
 def headline(drawn: Quantity, model: SessionModel, span: float, width: int) -> Line:
     """Return the name of the chart, its value and what is ordered."""
     says = format_quantity(drawn)
-    actual = says(model.picture.number(*drawn.actual))
-    ordered = says(model.ordered(drawn))
+    unit, size = unit_of(drawn, model)
+    actual = says(scaled(model.picture.number(*drawn.actual), size))
+    ordered = says(scaled(model.ordered(drawn), size))
     told = "" if ordered == NONE else f" {DASH}{DASH} {ordered}"
     name = drawn.name if width > 34 else drawn.name[:7]
     inks = ("heading", "heading-value", "heading-ordered")
     left = line(*zip((f" {name} ", actual, told), inks, strict=True))
-    right = line((f"{drawn.unit}  {minutes(span)} ", "heading-dim"))
+    right = line((f"{unit}  {minutes(span)} ", "heading-dim"))
     return beside(left, right, width, "heading")
+
+
+def unit_of(drawn: Quantity, model: SessionModel) -> tuple[str, float]:
+    """Return the unit of a chart and its size: a crew that is ordered feet has a chart in feet."""
+    feet = drawn.name == "depth" and in_feet(model) and not model.instructs
+    return ("ft", FOOT) if feet else (drawn.unit, 1.0)
+
+
+def scaled(value: float | None, size: float) -> float | None:
+    """Return a value in a unit of that size."""
+    return None if value is None else value / size
 
 
 def minutes(span: float) -> str:
@@ -140,14 +155,14 @@ def format_quantity(drawn: Quantity) -> Callable[[float | None], str]:
 
 
 def as_it_is(
-    values: Sequence[float | None], _series: Sequence[Sample | None]
+    values: Sequence[float | None], _series: Sequence[Sample | None], size: float
 ) -> list[float | None]:
-    """Return the values."""
-    return list(values)
+    """Return the values in a unit of that size."""
+    return [scaled(value, size) for value in values]
 
 
 def unwrap_courses(
-    values: Sequence[float | None], series: Sequence[Sample | None]
+    values: Sequence[float | None], series: Sequence[Sample | None], _size: float
 ) -> list[float | None]:
     """Return courses beside the latest one, so that none jumps from 359 to 000."""
     known = [each.actual for each in series if each and each.actual is not None]
