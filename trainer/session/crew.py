@@ -306,8 +306,9 @@ class CrewTalk:
 
     def conditions(self, role: str) -> list[tuple[str, str]]:
         """Return what programs are told of who steers what, as keys and values."""
+        later = self.hand_from > 0.0 and role == INSTRUCTOR.name
         told = {
-            "hand-from": f"{self.hand_from:g}" if self.hand and role == INSTRUCTOR.name else "",
+            "hand-from": f"{self.hand_from:g}" if later else "",
             "hand": ",".join(axis for axis in AXES if axis in self.in_force),
             "allowed": ",".join(sorted(self.allowed | self.freed)) if self.in_force else "",
             "free": "yes" if self.freed else "",
