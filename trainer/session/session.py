@@ -312,7 +312,7 @@ class Session:
         if not isinstance(answer, Refused):
             tellings += self.crew.note(order, who, self.history.tick, answer)
             self._say(tellings, who)
-        if talk:
+        if talk and self.time.frozen:  # else the next tick shows it
             self._show()
         return answer
 
