@@ -20,7 +20,7 @@ from trainer.analysis.guide.verdicts import BEYOND, SHOWN, WITHIN, judge_measure
 from trainer.analysis.manoeuvres.catalogue import find_manoeuvre
 from trainer.analysis.manoeuvres.flight import Flight
 from trainer.analysis.manoeuvres.turns import Turn
-from trainer.analysis.manoeuvres.vehicle import Measure, share
+from trainer.analysis.manoeuvres.vehicle import PORT, Measure, share
 from trainer.analysis.report.pdf import find_browser
 from trainer.analysis.series import load_series
 from trainer.boat.assemble import Method
@@ -270,6 +270,47 @@ def test_a_browser_opens_the_page_without_complaint(page: str, tmp_path: Path) -
     assert done.stdout.count("<svg") == page.count("<svg")
 
 
+# --- what is not judged
+
+
+def unjudged(book: GuideContents, count: int) -> GuideContents:
+    """Return the guide with nothing judged in its first sheets."""
+    blank = tuple(replace(sheet, judgements={}) for sheet in book.guide.sheets[:count])
+    sheets = (*blank, *book.guide.sheets[count:])
+    passed = verdicts.passes([sheet.passed("modified") for sheet in sheets])
+    return replace(book, guide=replace(book.guide, sheets=sheets, passed=passed))
+
+
+def test_a_count_tells_what_is_not_judged() -> None:
+    assert verdicts.account([True, True, None]) == "2 of 2 judged, 1 not judged"
+    assert verdicts.account([True, False]) == "1 of 2 judged"
+    assert verdicts.account([None]) == "0 of 0 judged, 1 not judged"
+    assert verdicts.passes([True, None])
+    assert not verdicts.passes([True, False])
+    assert not verdicts.passes([None])
+
+
+def test_a_sheet_in_which_nothing_is_judged_is_counted_as_not_judged(book: GuideContents) -> None:
+    some = unjudged(book, 2)
+    judged = len(book.guide.sheets) - 2
+
+    text, html = render(some.guide, None), document.render(some, None)
+
+    told = f"manoeuvres within tolerance, {judged} of {judged} judged, 2 not judged;"
+    assert f"modified: {told}" in " ".join(text.split())
+    assert f"The modified set: {told}" in html
+    assert "not judged        -" in text.splitlines()[3]
+    assert text.endswith("Within tolerance.")
+
+
+def test_a_guide_in_which_nothing_is_judged_does_not_pass(book: GuideContents) -> None:
+    nothing = unjudged(book, len(book.guide.sheets))
+
+    assert not nothing.guide.passed
+    assert render(nothing.guide, None).endswith("Nothing was judged.")
+    assert "Nothing was judged" in document.render(nothing, None)
+
+
 # --- since a baseline
 
 
@@ -353,11 +394,11 @@ def test_a_file_beside_the_vessel_file_holds_its_trials(tmp_path: Path) -> None:
     vessel.write_text(load_vessel("bb2").text, encoding="utf-8")
     assert trials.trials_path(load_vessel(str(vessel))) is None
 
-    (tmp_path / "boat.trials.toml").write_text(TRIAL)
+    (tmp_path / "boat.trials.toml").write_text(TRIAL.replace("angle", 'side = "port"\nangle'))
     path = trials.trials_path(load_vessel(str(vessel))) or Path()
     ((trial,), ()) = trials.load_published(path)
 
-    assert trial.manoeuvre == Turn(20.0)
+    assert trial.manoeuvre == Turn(20.0, side=PORT)
     assert [result.values for result in trial.results] == [(187.0,), (None,)]
 
 
@@ -372,6 +413,8 @@ def test_a_file_beside_the_vessel_file_holds_its_trials(tmp_path: Path) -> None:
         ('title = "a turn"\n', "title = 1\n", "must be one line of text"),
         ('manoeuvre = "', 'manoeuvre = ["a"] # "', "no such manoeuvre"),
         ("columns = [", "columns = 1 # [", "must be a list of words"),
+        ("angle_deg", 'side = "left"\nangle_deg', "must be starboard or port"),
+        ("angle_deg", 'direction = "dive"\nangle_deg', 'direction = "dive": no such key'),
         ('"m", 187.0', '["m"], 187.0', "unit must be one of"),
     ],
 )
@@ -503,7 +546,8 @@ def test_a_manoeuvre_as_json_has_every_measure() -> None:
     done = ask(manoeuvre, "zigzag-20", "bb2", "--equations", "modified", "--json")
 
     told = json.loads(done.output)
-    assert told["parameters"] == {"angle": 20.0, "execute": 20.0, "duration": 300.0}
+    numbers = {"angle": 20.0, "execute": 20.0, "duration": 300.0}
+    assert told["parameters"] == {**numbers, "side": "starboard"}
     assert told["method"]["rates"] == "lagged"
     assert {"heading peak 1", "heading overshoot 1"} <= {one["name"] for one in told["measures"]}
 

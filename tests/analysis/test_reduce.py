@@ -36,7 +36,7 @@ from trainer.analysis.reduce.programme import (
     turns,
 )
 from trainer.analysis.reduce.search import Need, Search, Standing
-from trainer.analysis.reduce.verdict import PARTS, passes, table, verdict
+from trainer.analysis.reduce.verdict import PARTS, Checked, passes, table, verdict
 from trainer.analysis.reduce.workers import Crew
 from trainer.boat.assemble import Method, compact_coefficients
 from trainer.cli.vessel import reduce
@@ -526,6 +526,27 @@ def test_nothing_is_judged_where_the_full_set_is_lost() -> None:
 
     assert lost.lost
     assert {one.verdict for one in judge(manoeuvre, lost, other)} == {SHOWN}
+
+
+def test_a_check_tells_how_many_manoeuvres_were_judged() -> None:
+    code, out, _ = run("remus100", "--check")
+
+    words = " ".join(out.split())
+    assert code == 0
+    assert "guide, 5 %: manoeuvres within, 22 of 22 judged, 10 not judged;" in words
+    assert "steady turns, 5 %: manoeuvres within, 9 of 9 judged;" in words
+    left = words.split("not judged, the full set is lost or cannot start: ")[1]
+    assert left.startswith("meander, 2 kn; trim, 2 kn; ")  # no level flight so slow
+    assert "overshoot, execute 20 deg, 4.5 kn" in left
+
+
+def test_a_set_of_which_nothing_is_judged_does_not_pass() -> None:
+    blank = Checked("guide", "meander, 2 kn", 0, 0, 0.0, "")
+
+    assert blank.passed is None
+    assert not passes([blank])
+    assert passes([blank, replace(blank, judged=3)])
+    assert not passes([blank, replace(blank, judged=3, beyond=1)])
 
 
 def test_a_heel_that_still_swings_is_not_judged_as_steady() -> None:

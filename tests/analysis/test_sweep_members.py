@@ -58,6 +58,7 @@ BETWEEN = "distribution = 'uniform'\nlow = {}\nhigh = {}"
         (SHORT, {"manoeuvre.speed_kn": BETWEEN.format(5, 15)}, ""),
         ("[manoeuvre]\nname = 'climbing-turn'\nduration_s = 60.0", COEFFICIENTS, ""),
         ("[manoeuvre]\nname = 'trim'", COEFFICIENTS, ""),
+        (SHORT + "\nside = 'port'", COEFFICIENTS, ""),
         ("[manoeuvre]\nname = 'turn'\nduration_s = 60.0\nlaw = 'report'", COEFFICIENTS, ""),
     ],
     ids=lambda value: None if isinstance(value, dict) else value[-30:].replace("\n", " "),
@@ -75,6 +76,21 @@ def test_a_member_of_a_fleet_has_the_bits_of_a_flight_alone(
         assert trouble is None
         assert batch.outputs[i].tobytes() == np.array(numbers).tobytes()
     assert len({row.tobytes() for row in batch.outputs}) == 6
+
+
+def test_members_turn_to_the_side_that_the_study_says() -> None:
+    told = SHORT.replace("90", "60"), {"manoeuvre.side": "values = ['starboard', 'port']"}
+    text = study_text(*told, more="measures = ['last psi', 'heading after 60 s', 'last y']")
+    text = text.replace("latin-hypercube", "grid").replace("members = 20", "")
+    subject = Manoeuvring(parse_study(text, Path("test.toml")))
+
+    batch = subject.batch(0, 2)
+
+    assert subject.together
+    assert list(batch.drawn["0"]) == ["starboard", "port"]
+    starboard, port = batch.outputs
+    assert starboard[0] > 0.0 > port[0]
+    assert starboard[2] > 0.0 > port[2]
 
 
 def test_fleets_of_any_size_give_the_same_bits() -> None:
