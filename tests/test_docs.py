@@ -7,6 +7,7 @@ import sys
 from pathlib import Path
 
 import pytest
+from helpers import report_1969
 
 ROOT = Path(__file__).parent.parent
 PAGES = [*sorted(ROOT.glob("docs/*.md")), ROOT / "README.md"]
@@ -32,10 +33,10 @@ def runnable(line: str) -> bool:
 
 
 Done = subprocess.CompletedProcess[str]
+FIRST_PAGES = {line: page for page in reversed(PAGES) for line in commands(page)}
 CASES = [
     pytest.param(line, id=f"{page.name}: {line[:60]}")
-    for page in PAGES
-    for line in dict.fromkeys(commands(page))
+    for line, page in FIRST_PAGES.items()
     if runnable(line)
 ]
 
@@ -78,6 +79,22 @@ def test_every_link_leads_somewhere() -> None:
     for page in PAGES:
         for target in re.findall(r"\]\(([^)#:]+)\)", page.read_text(encoding="utf-8")):
             assert (page.parent / target).exists(), f"{page.name}: {target}"
+
+
+def test_the_page_of_the_1969_report_is_made_of_its_table() -> None:
+    text = (ROOT / "docs" / "report-1969.md").read_text(encoding="utf-8")
+
+    assert text == report_1969.page(), "python -m helpers.report_1969 > docs/report-1969.md"
+
+
+@pytest.mark.parametrize("row", report_1969.rows(), ids=lambda row: row.name)
+def test_a_row_of_the_1969_report_has_a_test_that_is_there_or_says_it_has_none(
+    row: report_1969.Row,
+) -> None:
+    assert bool(row.test) != row.command.startswith(report_1969.ABSENT)
+    if row.test:
+        file, name = row.test.split("::")
+        assert f"\ndef {name}(" in (ROOT / "tests" / file).read_text(encoding="utf-8")
 
 
 def example_files(page: str) -> list[str]:

@@ -194,6 +194,42 @@ def test_speeds_asked_for_are_those_answered_for() -> None:
     assert [flight["plane"] for flight in report["flights"]] == ["stern", "bow"]
 
 
+@pytest.mark.parametrize("name", ["neutral", "modes"])
+def test_a_page_of_a_boat_near_the_surface_tells_its_force_and_fits_a_terminal(
+    name: str, tmp_path: Path
+) -> None:
+    path = tmp_path / "plot.svg"
+
+    done = ask(name, "bb2", "--depth", "12", "--plot", str(path))
+
+    assert done.exit_code == 0, done.output
+    assert "THE SURFACE AT 12 m (added to deep water)" in done.stdout
+    assert "remark: the tables of the surface begin at 13.8724 m" in done.stdout
+    assert max(map(len, done.stdout.splitlines())) <= 79
+    assert path.read_bytes().startswith(FORMS[".svg"])
+
+
+def test_means_of_all_motions_fit_a_terminal() -> None:
+    means = [word for name in "vwpqr" for word in (f"--mean-{name}", "0.1234")]
+
+    done = ask("modes", "bb2", *means)
+
+    said = "mean |v| 0.1234 m/s, |w| 0.1234 m/s, |p| 0.1234 rad/s"
+    assert said in " ".join(done.stdout.split())
+    assert max(map(len, done.stdout.splitlines())) <= 79
+
+
+def test_thrust_at_rest_is_that_of_the_command_speed_alone(tmp_path: Path) -> None:
+    path = tmp_path / "plot.svg"
+
+    done = ask("thrust", "bb2", "--speed", "0", "--command", "10", "--json", "--plot", str(path))
+
+    (point,) = json.loads(done.stdout)["points"]
+    assert point["u_kn"] == 0.0
+    assert point["thrust_N"] == json.loads(done.stdout)["bollard_N"]["ahead"] > 0.0
+    assert path.read_bytes().startswith(FORMS[".svg"])
+
+
 def test_the_curve_of_neutral_flights_goes_through_the_table() -> None:
     file = load_vessel("bb2")
     report = neutral(file, [3.0, 5.0, 10.0])

@@ -1,5 +1,6 @@
 """The engineer's programs that ask recorded runs: change of change, and fits of responses."""
 
+import csv
 import json
 import math
 from collections.abc import Callable
@@ -8,6 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from click.testing import CliRunner, Result
 from helpers.places import DATA
 
 from trainer.analysis import fit as ec310
@@ -19,8 +21,10 @@ from trainer.analysis.compare import (
     percent_change,
     render,
 )
+from trainer.analysis.recording_export import panel_of, recorded_series
 from trainer.analysis.series import Series, load_series
 from trainer.boat.boat import Boat
+from trainer.cli.main import cli
 from trainer.config.files import ConfigError
 from trainer.config.vessel import load_vessel
 from trainer.units import KNOT
@@ -369,3 +373,105 @@ def test_a_boat_disturbed_answers_with_the_roots_of_its_characteristic_polynomia
     term = next(term for term in found.terms if term.imaginary > 0.0)
     # EC140 and EC200 leave out surge and the trim angle
     assert complex(term.real, term.imaginary) == pytest.approx(swung, rel=0.06), group
+
+
+# --- export --plot: columns of a run
+
+
+def export_it(*words: str) -> Result:
+    """Return what trainer export does."""
+    return CliRunner().invoke(cli, ["export", *words])
+
+
+def write_run(path: Path) -> Series:
+    """Write a small run as CSV; return it."""
+    columns = {"z": 60.0 + swing(5.0), "delta_s": swing(0.1), "delta_b": swing(0.05)}
+    rows = zip(TIME, *columns.values(), strict=True)
+    lines = [",".join(["t", *columns]), *(",".join(map(repr, map(float, row))) for row in rows)]
+    path.write_text("\n".join(lines))
+    return load_series(path)
+
+
+def test_columns_of_a_run_share_a_panel_in_degrees_as_asked_for(tmp_path: Path) -> None:
+    series = write_run(tmp_path / "run.csv")
+
+    panel = panel_of(series, ["delta_s", "delta_b"])
+
+    assert [curve.label for curve in panel.curves] == ["delta_s", "delta_b"]
+    assert panel.y == "delta_s, delta_b [deg]"
+    assert panel.curves[1].y == pytest.approx(np.degrees(swing(0.05)), abs=1e-12)
+    with pytest.raises(ConfigError, match="--column z,delta_s: m and deg do not share an axis"):
+        panel_of(series, ["z", "delta_s"])
+
+
+def test_a_csv_file_of_a_run_is_drawn(tmp_path: Path) -> None:
+    run, out = tmp_path / "run.csv", tmp_path / "out.svg"
+    write_run(run)
+
+    done = export_it(str(run), "--plot", str(out), "--column", "z", "--column", "delta_s,delta_b")
+
+    assert done.exit_code == 0, done.output
+    assert done.stdout == f"{out}\n"
+    assert out.read_bytes().startswith(b"<?xml")
+
+
+def test_a_recording_is_drawn_from_the_states_that_it_holds(tmp_path: Path) -> None:
+    drill, table, out = (tmp_path / name for name in ("drill.trainer", "drill.csv", "drill.svg"))
+    flown = ["run", "--headless", "--duration", "20", "--speed", "max", "--record", str(drill)]
+    assert CliRunner().invoke(cli, flown).exit_code == 0
+
+    done = export_it(str(drill), "--plot", str(out), "--csv", str(table))
+
+    assert done.exit_code == 0, done.output
+    assert out.read_bytes().startswith(b"<?xml")
+    drawn = recorded_series(drill, ["z", "delta_s"], None)
+    written = load_columns(table, ("t", "z", "delta_s"))
+    assert len(drawn.t) == 41
+    for name, values in written.items():
+        assert (drawn.columns[name] == values).all()
+
+
+def load_columns(path: Path, names: tuple[str, ...]) -> dict[str, np.ndarray]:
+    """Return columns of a table in which other columns may be empty."""
+    with path.open(newline="") as file:
+        rows = list(csv.DictReader(file))
+    return {name: np.array([float(row[name]) for row in rows]) for name in names}
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["--plot", "x.svg", "--column", "zz"], 'no column "zz"; nearest is z'),
+        (["--plot", "x.gif"], "x.gif: must end in .png, .svg or .pdf"),
+        (["--csv", "out.csv"], "is a table already; of a CSV file only --plot FILE is made"),
+        (["--column", "z"], "--column says what --plot FILE draws"),
+    ],
+)
+def test_a_plot_of_a_run_that_cannot_be_is_told(
+    words: list[str], said: str, tmp_path: Path
+) -> None:
+    run = tmp_path / "run.csv"
+    run.write_text("t,z,theta,u\n0,1,0,3\n1,2,0,3\n")
+
+    done = export_it(str(run), *words)
+
+    assert done.exit_code == 2 or isinstance(done.exception, ConfigError)
+    assert said in f"{done.output} {done.exception}"
+
+
+def test_the_charts_of_an_acceleration_are_drawn_from_its_run(tmp_path: Path) -> None:
+    run, out = tmp_path / "a.csv", tmp_path / "a.svg"
+    columns = ("delta_s,delta_b", "theta", "u", "q", "z")
+    words = [word for names in columns for word in ("--column", names)]
+    flown = ["manoeuvre", "acceleration", "bb2", "--csv", str(run)]
+    assert CliRunner().invoke(cli, flown).exit_code == 0
+
+    done = export_it(str(run), "--plot", str(out), *words)
+
+    assert done.exit_code == 0, done.output
+    assert out.read_bytes().startswith(b"<?xml")
+    series = load_series(run)
+    (speed,) = panel_of(series, ["u"]).curves
+    assert speed.y.max() / KNOT == pytest.approx(20.0, rel=0.05)
+    planes = panel_of(series, ["delta_s", "delta_b"])
+    assert all(abs(curve.y).max() > 0.1 for curve in planes.curves)

@@ -2,6 +2,7 @@
 
 import json
 import math
+import re
 from collections.abc import Iterable
 from dataclasses import replace
 from itertools import product
@@ -14,7 +15,17 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from trainer.analysis import characteristic, check, tanks, thrust
-from trainer.analysis.characteristic import Law, Linear, Means, depth_loop, horizontal, vertical
+from trainer.analysis import constants as constants_program
+from trainer.analysis import neutral as neutral_program
+from trainer.analysis.characteristic import (
+    HORIZONTAL,
+    Law,
+    Linear,
+    Means,
+    depth_loop,
+    horizontal,
+    vertical,
+)
 from trainer.analysis.neutral import (
     STEEPEST,
     fold_speeds,
@@ -26,14 +37,17 @@ from trainer.analysis.neutral import (
 )
 from trainer.boat.assemble import Method, fit_out
 from trainer.boat.boat import Boat
+from trainer.boat.depths import near_surface, surface_at
 from trainer.config.files import ConfigError
-from trainer.config.vessel import VesselFile, load_vessel
+from trainer.config.vessel import VesselFile, load_vessel, parse_vessel
 from trainer.config.vessel_records import Fluid
 from trainer.core import propulsion
 from trainer.core.kernel import Numbers
 from trainer.core.rates import rates
 from trainer.core.scheme import equations_alone
+from trainer.core.sea.free_surface import surface_forces
 from trainer.core.terms import COEFFICIENTS, TABLE
+from trainer.core.vessel import VESSEL
 from trainer.units import KNOT
 
 VECTORS = DATA / "vectors"
@@ -305,7 +319,7 @@ def test_the_depth_loop_of_1969_is_what_differences_tend_to(case: dict[str, Any]
 
 def test_the_quasi_linear_coefficients_are_those_of_the_polynomials() -> None:
     file, speed = load_vessel("bb2"), 5.0
-    means = Means(v=0.4, w=0.2, q=0.01, r=0.02)
+    means = Means(v=0.4, w=0.2, p=0.03, q=0.01, r=0.02)
     stand_in = replace(
         file,
         coefficients={**file.coefficients, **characteristic.quasi_linear(file, speed, means)},
@@ -318,6 +332,22 @@ def test_the_quasi_linear_coefficients_are_those_of_the_polynomials() -> None:
         assert plane(file, speed).polynomial != pytest.approx(
             plane(file, speed, means).polynomial, rel=1e-3
         )
+
+
+def test_a_mean_rate_of_roll_damps_roll_by_its_quadratic_term() -> None:
+    file = in_own_units(
+        {**ROOTS["sets"]["refsub"]["coef"], "KPAP": -1e-6, "YPAP": 2e-6},
+        ROOTS["sets"]["refsub"]["phys"],
+    )
+    scale = 0.5 * file.fluid.rho * file.hull.length**4
+    still, rolling = (horizontal(file, 17.0, Means(p=p)) for p in (0.0, 0.05))
+
+    change = (rolling.F - still.F)[:, HORIZONTAL.index("p")]
+
+    expected = [2e-6 * scale * 0.05, -1e-6 * scale * file.hull.length * 0.05, 0.0, 0.0]
+    assert change == pytest.approx(expected, rel=1e-9)
+    assert np.count_nonzero(rolling.F - still.F) == 2
+    assert rolling.polynomial[1] / rolling.polynomial[0] > still.polynomial[1] / still.polynomial[0]
 
 
 def test_stern_planes_alone_keep_depth_above_their_critical_speed_only() -> None:
@@ -466,3 +496,218 @@ def test_speeds_are_in_knots_on_the_page() -> None:
 
     assert (point.u_kn, point.u_c_kn) == (pytest.approx(10.0), pytest.approx(15.0))  # type: ignore[comparison-overlap]
     assert point.thrust_N == thrust.thrust(load_vessel("bb2"), 10.0 * KNOT, 15.0 * KNOT)
+
+
+# --- every constant: EB920's listing and EC790
+
+
+def test_the_listing_has_every_number_of_the_vessel_record() -> None:
+    report = constants_program.constants(load_vessel("bb2"))
+    found = {one.symbol for group in report.groups.values() for one in group}
+    found |= {one.symbol for one in report.coefficients}
+
+    assert found == set(VESSEL.names or ()) - set(constants_program.BLOCKS)
+
+
+@pytest.mark.parametrize("name", ["bb2", "sdv-mk9", "remus100", "refsub"])
+def test_a_listed_constant_is_the_one_that_is_flown(name: str) -> None:
+    file = SI_REFSUB if name == "refsub" else load_vessel(name)
+    flown = Boat(file, Method("full", "exact", "exact", "adams2", 0.5)).vessel
+    report = constants_program.constants(file)
+
+    for one in (one for group in report.groups.values() for one in group):
+        part = np.asarray(flown[one.symbol], float)
+        rows = np.array(one.values)
+        kept = part.reshape(-1, part.shape[-1]) if part.ndim else part.reshape(1, 1)
+        assert (kept[: len(rows), : rows.shape[-1]] == rows).all() if rows.size else not kept.any()
+    for coefficient in report.coefficients:
+        assert coefficient.value == flown[coefficient.symbol]
+        given_ = file.coefficients.get(coefficient.symbol)
+        assert given_ is None or coefficient.prime == pytest.approx(given_, rel=1e-13, abs=1e-18)
+
+
+def test_a_constant_says_where_it_comes_from() -> None:
+    report = constants_program.constants(load_vessel("remus100"))
+    of = {one.symbol: one for group in report.groups.values() for one in group}
+
+    assert (of["rho"].origin, of["rho"].unit, of["rho"].key) == ("file", "kg/m3", "fluid.rho")
+    assert of["I_xy"].origin in ("file", "default")
+    assert of["tested"].origin == "absent"
+    assert of["cross_arm"].origin == "derived"
+    assert {one.origin for one in report.coefficients} == {"file", "absent"}
+    file = parse_vessel(SI_REFSUB.text.replace("Ixy", "# Ixy"), SI_REFSUB.path)
+    assert constants_program.origin_of(file, "vessel.Ixy") == "default"
+    assert constants_program.origin_of(SI_REFSUB, "control_surfaces.tail") == "default"
+
+
+@pytest.mark.parametrize("name", ["bb2", "sdv-mk9", "remus100"])
+def test_the_listing_fits_a_terminal_and_has_every_coefficient_by_both_names(name: str) -> None:
+    page = constants_program.render(constants_program.constants(load_vessel(name)))
+
+    assert page.isascii()
+    assert max(map(len, page.splitlines())) <= 79
+    for term in TABLE:
+        assert re.search(rf"^  {term.key} +{term.mnemonic} ", page, re.MULTILINE)
+
+
+def test_the_compact_constants_are_those_of_both_sets() -> None:
+    file = load_vessel("bb2")
+    report = {one.symbol: one for one in constants_program.constants(file).compact}
+    area = 0.5 * file.fluid.rho * file.hull.length**2
+
+    for kept in ("modified", "basic"):
+        flown = Boat(file, Method(kept, "lagged", "exact", "adams2", 0.5)).records.compact[0]
+        for symbol, one in report.items():
+            assert getattr(one, kept) == flown[symbol]
+    assert report["T5"].unit == "1/(kg m2)"
+    assert report["Z_w"].modified == pytest.approx(
+        area * file.coefficients["Z_w"] * file.compensation["modified"].get("Z_w", 1.0)
+    )
+    assert report["Z_waw"].basic == 0.0 != report["Z_waw"].modified
+
+
+# --- the calm surface: Tables 12 and 13
+
+
+def surface_of(name: str, speed: float, depth: float) -> tuple[float, float]:
+    """Return the force [N] and moment [N m] that a tick of the core has from the surface."""
+    boat = Boat(load_vessel(name), Method("full", "exact", "exact", "adams2", 0.5))
+    boat.state.u, boat.state.z = speed, depth
+    force = np.zeros(6)
+    surface_forces(boat.records.vessel, boat.records.state, force)
+    return float(force[2]), float(force[4])
+
+
+def uneven() -> VesselFile:
+    """Return BB2 with a surface that is felt by speed, which her own tables do not show."""
+    file = load_vessel("bb2")
+    assert file.free_surface is not None
+    rows = [
+        replace(
+            row, Z_star=tuple(by * z for z in row.Z_star), M_star=tuple(by * m for m in row.M_star)
+        )
+        for row, by in zip(file.free_surface.rows, (0.5, 1.0, 2.0), strict=True)
+    ]
+    return replace(file, free_surface=replace(file.free_surface, rows=tuple(rows)))
+
+
+@pytest.mark.parametrize("depth", [11.0, 13.8724, 14.2, 16.0, 30.0, 35.0624, 60.0])
+@pytest.mark.parametrize("knots", [1.0, 4.5, 10.0, 15.0])
+def test_the_surface_of_the_programs_is_that_of_the_core(knots: float, depth: float) -> None:
+    found = surface_at(load_vessel("bb2"), knots * KNOT, depth)
+
+    expected = surface_of("bb2", knots * KNOT, depth)
+
+    assert (found.Z_N, found.M_N_m) == pytest.approx(expected, rel=1e-12, abs=1e-6)
+
+
+@pytest.mark.parametrize("knots", [1.0, 4.5, 8.0, 15.0])
+def test_a_surface_that_changes_with_speed_is_that_of_the_core(knots: float) -> None:
+    file = uneven()
+    boat = Boat(file, Method("full", "exact", "exact", "adams2", 0.5))
+    boat.state.u, boat.state.z = knots * KNOT, 16.0
+    force = np.zeros(6)
+    surface_forces(boat.records.vessel, boat.records.state, force)
+
+    found = surface_at(file, knots * KNOT, 16.0)
+
+    assert (found.Z_N, found.M_N_m) == pytest.approx((force[2], force[4]), rel=1e-12)
+
+
+def test_modes_near_the_surface_feel_how_its_force_changes_with_depth() -> None:
+    file, speed, depth = load_vessel("bb2"), 6.0 * KNOT, 16.0
+    deep = characteristic.with_depth(vertical(file, speed), speed)
+
+    near = characteristic.under_surface(deep, file, speed, depth)
+
+    low, high = (np.array(surface_of("bb2", speed, depth + h)) for h in (-0.1, 0.1))
+    assert (near.F - deep.F)[:2, 3] == pytest.approx((high - low) / 0.2, rel=1e-9)
+    assert np.count_nonzero(near.F - deep.F) == 2
+    assert len(near.polynomial) == 5
+    assert np.prod(near.eigenvalues).real == pytest.approx(
+        near.polynomial[-1] / near.polynomial[0], rel=1e-9
+    )
+
+
+def test_a_boat_whose_suction_fades_downwards_leaves_her_depth_by_herself() -> None:
+    (deep,) = characteristic.characteristic(load_vessel("bb2"), [6.0], Means(), 40.0).speeds
+    (near,) = characteristic.characteristic(load_vessel("bb2"), [6.0], Means(), 20.0).speeds
+
+    assert min(root.frequency_rad_s for root in deep.vertical.roots) == pytest.approx(0.0, abs=1e-9)
+    assert max(root.real for root in near.vertical.roots) > 1e-3
+    assert all(root.stable for root in near.depth_loop.roots)
+
+
+@pytest.mark.parametrize("plane", PLANES.values())
+@pytest.mark.parametrize("knots", [4.0, 8.0])
+def test_neutral_angles_near_the_surface_balance_its_force_and_moment(
+    plane: str, knots: float
+) -> None:
+    file, speed = load_vessel("bb2"), knots * KNOT
+    area = 0.5 * file.fluid.rho * file.hull.length**2 * speed**2
+    Z, M = surface_of("bb2", speed, 15.0)
+
+    (flight,) = (one for one in neutral(file, [knots], 15.0).flights if one.plane == plane)
+
+    assert flight.solutions
+    for one in flight.solutions:
+        angle = math.radians(one.plane_deg)
+        force, moment = normal_force_and_moment(file, plane, one.w_m_s / speed, angle, speed)
+        assert force + Z / area == pytest.approx(0.0, abs=1e-12)
+        assert moment + M / area / file.hull.length == pytest.approx(0.0, abs=1e-12)
+
+
+def test_the_trim_near_the_surface_leaves_no_acceleration_there() -> None:
+    file, speed = load_vessel("bb2"), 6.0 * KNOT
+    boat = Boat(file, Method("full", "exact", "exact", "adams2", 0.5))
+
+    found = trim_at(boat, speed, 15.0)
+
+    assert found is not None
+    deep = trim_at(Boat(file, boat.method), speed)
+    assert deep is not None
+    assert abs(found.stern_planes_deg - deep.stern_planes_deg) > 0.5
+    r, force = boat.records, np.zeros(6)
+    surface_forces(r.vessel, r.state, force)
+    r.scratch["external"][0] = force
+    rates(*replace(r, scheme=equations_alone(r.scheme)))
+    assert abs(boat.state.rates[:6]).max() < 1e-10
+    assert boat.state.zdot == pytest.approx(0.0, abs=1e-10)
+
+
+def test_a_fold_near_the_surface_is_felt_at_its_own_speed() -> None:
+    file = uneven()
+
+    folds = neutral_program.fold_speeds_at(file, "stern", 15.0)
+
+    assert folds
+    for speed in folds:
+        there = near_surface(file, speed, 15.0)
+        assert min(abs(one / speed - 1.0) for one in fold_speeds(there, "stern")) < 1e-8
+
+
+@pytest.mark.parametrize(
+    ("name", "depth", "said"),
+    [
+        ("remus100", 5.0, r"remus100.toml: has no table \[free_surface\]"),
+        ("bb2", 2.0, r"--depth 2 m: the hull is covered from \d+.\d\d m down"),
+    ],
+)
+def test_a_depth_of_which_nothing_is_known_is_refused(name: str, depth: float, said: str) -> None:
+    with pytest.raises(ConfigError, match=said):
+        neutral(load_vessel(name), [3.0], depth)
+    with pytest.raises(ConfigError, match=said):
+        characteristic.characteristic(load_vessel(name), [3.0], Means(), depth)
+
+
+def test_where_the_tables_of_the_surface_end_it_is_said() -> None:
+    file = load_vessel("bb2")
+
+    above, inside, below = (
+        characteristic.characteristic(file, [6.0], Means(), depth).remarks
+        for depth in (12.0, 20.0, 50.0)
+    )
+
+    assert "begin at 13.87" in above[0]
+    assert inside == ()
+    assert "not felt from 35.06" in below[0]

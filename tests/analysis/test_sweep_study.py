@@ -11,9 +11,11 @@ import pytest
 from click.testing import CliRunner, Result
 from helpers.places import ROOT
 
+from trainer.analysis.report.plots import Panel
+from trainer.analysis.sweep.job import job_of, open_job
 from trainer.analysis.sweep.parquet import check_pyarrow
 from trainer.analysis.sweep.records import key_tables
-from trainer.analysis.sweep.report import effects_of, spread_of
+from trainer.analysis.sweep.report import effects_of, panels, report_of, spread_of
 from trainer.analysis.sweep.study import load_study, parse_study
 from trainer.cli.main import cli
 from trainer.cli.subjects import subject_of
@@ -255,3 +257,55 @@ def test_the_example_of_the_documents_is_a_study_that_flies(tmp_path: Path) -> N
     assert done.exit_code == 0, done.output
     assert "monte-carlo, 3 members, seed 7" in done.stdout
     assert "came to nothing" not in done.stdout
+
+
+def test_a_grid_is_drawn_over_each_variable(tmp_path: Path) -> None:
+    done = ask(tmp_path, "--jobs", "1", "--plot", str(tmp_path / "grid.svg"))
+    assert done.exit_code == 0, done.output
+    import pyarrow.parquet as pq  # noqa: PLC0415
+
+    result = pq.read_table(tmp_path / "grid.parquet")
+    job = job_of(str(tmp_path / "grid.toml"), None, subject_of)
+    report = report_of(open_job(job), result, "grid.parquet")
+
+    over = {panel.x: panel for panel in panels(report, result, "largest roll")[2:]}
+
+    assert list(over) == ["rudder", "speed"]
+    rudder = over["rudder"]
+    assert isinstance(rudder, Panel)
+    assert [curve.label for curve in rudder.curves] == ["speed 8", "speed 12"]
+    told = {(row["rudder"], row["speed"]): row["largest roll"] for row in result.to_pylist()}
+    for curve, speed in zip(rudder.curves, (8.0, 12.0), strict=True):
+        assert curve.x.tolist() == [5.0, 10.0, 15.0, 20.0]
+        expected = [np.degrees(told[angle, speed]) for angle in curve.x.tolist()]
+        assert curve.y.tolist() == pytest.approx(expected, rel=1e-12)
+
+
+def change_of_peak(speed: float, name: str, low: float, high: float) -> tuple[float, float]:
+    """Return the change [%] of a meander's first peak by ``name`` at either of two numbers."""
+    study = load_study("centre-of-gravity")
+    batch = subject_of(study).batch(0, study.draws.members)
+    names = ("speed [kn]", "x_G [m]", "z_G [m]")
+    settings = list(zip(*(batch.drawn[one].tolist() for one in names), strict=True))
+    peaks = dict(zip(settings, batch.outputs[:, 0].tolist(), strict=True))
+    found = []
+    for value in (low, high):
+        moved = {"x_G [m]": 0.0, "z_G [m]": 0.0} | {name: value}
+        peak = peaks[speed, moved["x_G [m]"], moved["z_G [m]"]]
+        found.append(100.0 * (peak / peaks[speed, 0.0, 0.0] - 1.0))
+    return found[0], found[1]
+
+
+@pytest.mark.parametrize(
+    ("name", "size", "slow", "fast"),
+    [
+        ("x_G [m]", 0.0066, (6.7, -8.7), (0.2, -0.2)),
+        ("z_G [m]", 0.022, (1.1, -1.1), (1.4, -1.3)),
+        ("z_G [m]", 0.066, (3.2, -2.5), (4.5, -3.8)),
+    ],
+)
+def test_the_centre_of_gravity_is_known_well_enough_by_the_rules_of_1969(
+    name: str, size: float, slow: tuple[float, float], fast: tuple[float, float]
+) -> None:
+    assert change_of_peak(6.0, name, -size, size) == pytest.approx(slow, abs=0.06)
+    assert change_of_peak(20.0, name, -size, size) == pytest.approx(fast, abs=0.06)

@@ -9,8 +9,11 @@ R = z_B B - z_G W and lines of normal force and pitching moment, EC140's cubic h
     A1 = u0^2 Z_w M_q + (Z_wdot - m) R - u0^2 M_w (m + Z_q)
     A0 = u0 Z_w R
 
-Quasi-linear averages stand for the terms with |.|: a mean |w| adds Z_waw |w| to u0 Z_w, a mean |r|
-adds N_rar |r| to u0 N_r, and so on.
+Quasi-linear averages stand for the terms with |.|: a mean |w| adds Z_waw |w| to u0 Z_w, a mean |p|
+adds K_pap |p| to u0 K_p, and so on.
+
+Near a calm surface (Tables 12 and 13) Z_star and M_star change with depth by the vessel's tables.
+Their slopes, with z' = w - u0 theta, make the cubic a quartic, and enter the depth loop.
 
 Polynomials and roots as a page for a terminal, and as a root locus over speed.
 """
@@ -22,8 +25,9 @@ from typing import Any, Final, NamedTuple
 import numpy as np
 
 from trainer.analysis.report.plots import Curve, Panel
-from trainer.analysis.report.text import INDENT, figure, root_text, table
+from trainer.analysis.report.text import INDENT, figure, root_text, table, wrap
 from trainer.boat.assemble import body, thrust_rows
+from trainer.boat.depths import Surface, require_covered, surface_at, surface_remarks
 from trainer.boat.linear import Matrix, Mode, modes
 from trainer.config.vessel import VesselFile
 from trainer.core.autopilot.report_law import (
@@ -45,7 +49,8 @@ class Means(NamedTuple):
 
     v: float = 0.0  # |v|, speed
     w: float = 0.0
-    q: float = 0.0  # |q|, angular speed
+    p: float = 0.0  # |p|, angular speed
+    q: float = 0.0
     r: float = 0.0
 
 
@@ -123,14 +128,34 @@ def horizontal(file: VesselFile, speed: float, means: Means = Means()) -> Linear
     Kv = u * c.K_v + c.K_vav * means.v
     Nv = u * c.N_v + c.N_vav * means.v
     Nr = u * c.N_r + c.N_avr * means.v + c.N_rar * means.r
+    Yp = u * c.Y_p + c.Y_pap * means.p
+    Kp = u * c.K_p + c.K_pap * means.p
     righting = c.z_g * c.weight - c.z_b * c.buoyancy
     F = [
-        [Yv, u * c.Y_p, u * (c.Y_r - m), c.weight - c.buoyancy],
-        [Kv, u * c.K_p, u * (c.K_r + m * c.z_g), -righting],
+        [Yv, Yp, u * (c.Y_r - m), c.weight - c.buoyancy],
+        [Kv, Kp, u * (c.K_r + m * c.z_g), -righting],
         [Nv, u * c.N_p, Nr - u * m * c.x_g, c.x_g * c.weight - c.x_b * c.buoyancy],
         [0.0, 1.0, 0.0, 0.0],
     ]
     return Linear(HORIZONTAL, np.array(E), np.array(F))
+
+
+def with_depth(free: Linear, speed: float) -> Linear:
+    """Return w, q, theta and z, which follows: z' = w - ``speed`` theta."""
+    E, F = np.eye(4), np.zeros((4, 4))
+    E[:3, :3], F[:3, :3] = free.E, free.F
+    F[3] = [1.0, 0.0, -speed, 0.0]
+    return Linear(LOOP, E, F)
+
+
+def under_surface(linear: Linear, file: VesselFile, speed: float, depth: float) -> Linear:
+    """Return motions w, q, theta, z with the surface's change with depth [m] at ``speed`` [m/s]."""
+    surface = surface_at(file, speed, depth)
+    area = 0.5 * file.fluid.rho * file.hull.length**2 * speed**2
+    F = linear.F.copy()
+    F[0, 3] += area * surface.Z_star_slope
+    F[1, 3] += area * file.hull.length * surface.M_star_slope
+    return Linear(linear.names, linear.E, F)
 
 
 def depth_loop(
@@ -146,11 +171,9 @@ def depth_loop(
     Speed is frozen, but not the surge that a pitching z_G causes: it lightens the inertia.
     """
     c = dimensional(file)
-    free = vertical(file, speed)
-    E, F = np.eye(4), np.zeros((4, 4))
-    E[:3, :3], F[:3, :3] = free.E, free.F
+    free = with_depth(vertical(file, speed), speed)
+    E, F = free.E, free.F
     E[1, 1] -= (c.mass * c.z_g) ** 2 / (c.mass - c.X_udot)
-    F[3] = [1.0, 0.0, -speed, 0.0]
     angle = [-law.climb, law.pitch_rate, law.pitch + law.climb * speed, -law.depth]
     F[0] += speed**2 * (stern * c.Z_ds + bow * c.Z_db) * np.array(angle)
     F[1] += speed**2 * (stern * c.M_ds + bow * c.M_db) * np.array(angle)
@@ -161,11 +184,13 @@ def quasi_linear(file: VesselFile, speed: float, means: Means) -> dict[str, floa
     """Return the quasi-linear coefficients [-] that stand for the linear ones at ``speed``."""
     c, length = file.coefficients, file.hull.length
     v, w = means.v / speed, means.w / speed
-    q, r = means.q * length / speed, means.r * length / speed
+    p, q, r = (rate * length / speed for rate in (means.p, means.q, means.r))
     return {
         "Z_w": c["Z_w"] + c["Z_waw"] * w + c["Z_waq"] * q,
         "M_w": c["M_w"] + c["M_waw"] * w,
         "M_q": c["M_q"] + c["M_awq"] * w + c["M_qaq"] * q,
+        "Y_p": c["Y_p"] + c["Y_pap"] * p,
+        "K_p": c["K_p"] + c["K_pap"] * p,
         "Y_v": c["Y_v"] + c["Y_vav"] * v + c["Y_var"] * r,
         "K_v": c["K_v"] + c["K_vav"] * v,
         "N_v": c["N_v"] + c["N_vav"] * v,
@@ -213,6 +238,9 @@ class Report:
     means: dict[str, float]
     bow_sign: float  # of the bow planes in the depth loop
     speeds: tuple[Speed, ...]
+    depth_m: float | None  # None: deep water
+    surface: tuple[Surface, ...]  # by speed; none in deep water
+    remarks: tuple[str, ...]
 
 
 def root(mode: Mode) -> Root:
@@ -225,37 +253,68 @@ def root(mode: Mode) -> Root:
 def motion(linear: Linear) -> Motion:
     """Return polynomial and roots, by motion and then fastest first.
 
-    In the depth loop all is pitch and depth: its roots have the name ``depth``.
+    Where depth is one of the motions all is pitch and depth: its roots have the name ``depth``.
     """
     found = modes(linear.nature, linear.names) if "z" not in linear.names else _depth_modes(linear)
     return Motion(linear.polynomial, tuple(root(mode) for mode in found))
 
 
 def _depth_modes(linear: Linear) -> list[Mode]:
-    """Return the modes of the depth loop, fastest first."""
+    """Return the modes of motions with z, fastest first."""
     values = sorted(linear.eigenvalues, key=lambda value: -abs(value))
     return [Mode("depth", float(s.real), float(s.imag)) for s in values if s.imag >= 0.0]
 
 
-def characteristic(file: VesselFile, speeds: Iterable[float], means: Means) -> Report:
-    """Return polynomials and roots at ``speeds`` [kn], ``means`` [m/s, rad/s] averaged in."""
+def characteristic(
+    file: VesselFile, speeds: Iterable[float], means: Means, depth: float | None = None
+) -> Report:
+    """Return polynomials and roots at ``speeds`` [kn], ``means`` [m/s, rad/s] averaged in.
+
+    At a ``depth`` [m] near the surface the vertical plane has four roots. ConfigError if the
+    vessel file cannot tell them.
+    """
+    require_covered(file, depth)
+    speeds = tuple(speeds)
+    bow = bow_sign(file)
+    near = () if depth is None else tuple(surface_at(file, at * KNOT, depth) for at in speeds)
+    return Report(
+        vessel=file.name,
+        means=means._asdict(),
+        bow_sign=bow,
+        speeds=tuple(at_speed(file, knots, means, bow, depth) for knots in speeds),
+        depth_m=depth,
+        surface=near,
+        remarks=surface_remarks(file, depth),
+    )
+
+
+def bow_sign(file: VesselFile) -> float:
+    """Return the sign of the depth law on the bow planes that helps; 0: they have no lift."""
     lift = file.coefficients["Z_db"]
-    bow = (1.0 if lift > 0.0 else -1.0) if lift else 0.0
-    found = []
-    for knots in speeds:
-        speed = knots * KNOT
-        found.append(
-            Speed(
-                speed_kn=knots,
-                adjusted=quasi_linear(file, speed, means),
-                vertical=motion(vertical(file, speed, means)),
-                horizontal=motion(horizontal(file, speed, means)),
-                depth_loop=motion(depth_loop(file, speed, 1.0, bow)),
-            )
-        )
-    return Report(file.name, means._asdict(), bow, tuple(found))
+    return (1.0 if lift > 0.0 else -1.0) if lift else 0.0
 
 
+def at_speed(
+    file: VesselFile, knots: float, means: Means, bow: float, depth: float | None
+) -> Speed:
+    """Return polynomials and roots at one speed, in deep water or at a ``depth`` [m]."""
+    speed = knots * KNOT
+    down, loop = vertical(file, speed, means), depth_loop(file, speed, 1.0, bow)
+    if depth is not None:
+        down = under_surface(with_depth(down, speed), file, speed, depth)
+        loop = under_surface(loop, file, speed, depth)
+    return Speed(
+        speed_kn=knots,
+        adjusted=quasi_linear(file, speed, means),
+        vertical=motion(down),
+        horizontal=motion(horizontal(file, speed, means)),
+        depth_loop=motion(loop),
+    )
+
+
+# quasi-linear coefficients of the vertical and of the horizontal plane
+DOWNWARDS: Final = ("Z_w", "M_w", "M_q")
+SIDEWAYS: Final = ("Y_v", "K_v", "N_v", "Y_p", "K_p", "N_r")
 HEADS: Final = ("", "root\n[1/s]", "|s|\n[rad/s]", "damping\nratio", "period\n[s]", "")
 
 
@@ -280,10 +339,11 @@ def _motion(title: str, motion: Motion) -> list[str]:
 
 def _speed(speed: Speed) -> list[str]:
     """Return all that is said about one speed."""
+    down = "cubic in s" if len(speed.vertical.polynomial) == 4 else "with depth, quartic in s"
     return [
         "",
         f"{speed.speed_kn:.4g} kn",
-        *_motion("vertical plane, EC140: cubic in s, highest power first [SI]", speed.vertical),
+        *_motion(f"vertical plane, EC140: {down}, highest power first [SI]", speed.vertical),
         *_motion("horizontal plane, EC200: quartic in s", speed.horizontal),
         *_motion("depth kept by the autopilot of 1969: quartic in s", speed.depth_loop),
     ]
@@ -294,15 +354,36 @@ def _quasi_linear_or_none(report: Report) -> list[str]:
     means = {name: value for name, value in report.means.items() if value != 0.0}
     if not means:
         return []
-    units = {"v": "m/s", "w": "m/s", "q": "rad/s", "r": "rad/s"}
+    units = {"v": "m/s", "w": "m/s", "p": "rad/s", "q": "rad/s", "r": "rad/s"}
     said = ", ".join(f"|{name}| {value:.4g} {units[name]}" for name, value in means.items())
-    names = list(report.speeds[0].adjusted)
+    lines = ["", *wrap(f"QUASI-LINEAR COEFFICIENTS x 1000 (EC320; mean {said})", "")]
+    for names in (DOWNWARDS, SIDEWAYS):
+        rows = [
+            (f"{speed.speed_kn:.4g}", *(f"{1e3 * speed.adjusted[name]:.4f}" for name in names))
+            for speed in report.speeds
+        ]
+        lines += table(("speed\n[kn]", *names), rows)
+    return lines
+
+
+def surface_lines(depth: float | None, surface: Iterable[Surface]) -> list[str]:
+    """Return the table of what the calm surface adds, nothing in deep water."""
+    if depth is None:
+        return []
+    heads = (
+        *("speed\n[kn]", "Z_star\nx 1000", "M_star\nx 1000", "Z\n[kN]", "M\n[kN m]"),
+        *("dZ_star/dz\n[1e-3/m]", "dM_star/dz\n[1e-3/m]"),
+    )
     rows = [
-        (f"{speed.speed_kn:.4g}", *(f"{1e3 * speed.adjusted[name]:.3f}" for name in names))
-        for speed in report.speeds
+        (
+            f"{one.speed_kn:.4g}",
+            *(f"{1e3 * x:+.5f}" for x in (one.Z_star, one.M_star)),
+            *(f"{1e-3 * x:+.2f}" for x in (one.Z_N, one.M_N_m)),
+            *(f"{1e3 * x:+.5f}" for x in (one.Z_star_slope, one.M_star_slope)),
+        )
+        for one in surface
     ]
-    heads = ("speed\n[kn]", *names)
-    return ["", f"QUASI-LINEAR COEFFICIENTS x 1000 (EC320; mean {said})", *table(heads, rows)]
+    return ["", f"THE SURFACE AT {depth:g} m (added to deep water)", *table(heads, rows)]
 
 
 def render(report: Report) -> str:
@@ -313,6 +394,8 @@ def render(report: Report) -> str:
         f"{INDENT}speed frozen; in the depth loop the bow planes move {signs[report.bow_sign]}"
         if report.bow_sign
         else f"{INDENT}speed frozen; no bow planes in the depth loop",
+        *(line for text in report.remarks for line in wrap("remark: " + text)),
+        *surface_lines(report.depth_m, report.surface),
         *_quasi_linear_or_none(report),
     ]
     for speed in report.speeds:
@@ -334,8 +417,9 @@ def _locus(report: Report, title: str, which: str) -> Panel:
 
 def panels(report: Report) -> tuple[Panel, ...]:
     """Return the roots of the three motions over speed."""
+    where = "" if report.depth_m is None else f", {report.depth_m:g} m down"
     return (
-        _locus(report, f"{report.vessel}: vertical plane", "vertical"),
+        _locus(report, f"{report.vessel}: vertical plane{where}", "vertical"),
         _locus(report, "horizontal plane", "horizontal"),
         _locus(report, "depth kept by the autopilot of 1969", "depth_loop"),
     )

@@ -8,7 +8,8 @@ R2 = 2 (z_B B - z_G W)/(rho L^3), normal force and pitching moment vanish where
     M_waw t|t| + M_ww t^2 + M_w t + M_aw |t| + M_star + M_d d + R2 h/u^2 = 0
 
 M_d times the first less Z_d times the second has no d: q(t) = k h/u^2, with k = Z_d R2 and q a
-parabola on either side of t = 0. All its roots are found: between neighbouring stationary points of
+parabola on either side of t = 0. Near a calm surface (Tables 12 and 13) Z_star and M_star are those
+of the depth and speed. All its roots are found: between neighbouring stationary points of
 q/h, which are roots of a quartic, there is at most one.
 """
 
@@ -23,8 +24,10 @@ import numpy as np
 from trainer.analysis.check import critical_speed
 from trainer.boat.assemble import Method
 from trainer.boat.boat import Boat
+from trainer.boat.depths import Surface, near_surface, require_covered, surface_at, surface_remarks
 from trainer.config.vessel import VesselFile
 from trainer.core.scheme import equations_alone
+from trainer.core.sea.free_surface import surface_forces
 from trainer.core.trim import STERN, trim
 from trainer.units import KNOT
 
@@ -32,6 +35,8 @@ PLANES: Final = ("stern", "bow")
 STEEPEST: Final = math.tan(math.radians(85.0))  # [-] |w|/u looked at; the equations end before
 REAL: Final = 1e-9  # [-] of a root: an imaginary part below it is rounding
 HALVINGS: Final = 200
+ROUNDS: Final = 50  # of a speed at which solutions meet, near the surface
+SAME: Final = 1e-9  # [-] difference of two speeds
 
 
 class Side(NamedTuple):
@@ -83,6 +88,8 @@ class Neutral:
     flights: tuple[Flight, ...]
     trims: tuple[Trim | None, ...]  # by speed; None: Newton's method finds none
     remarks: tuple[str, ...]
+    depth_m: float | None  # None: deep water
+    surface: tuple[Surface, ...]  # by speed; none in deep water
 
 
 def sides(file: VesselFile, plane: str) -> tuple[Side, Side]:
@@ -186,18 +193,51 @@ def fold_speeds(file: VesselFile, plane: str) -> list[float]:
     return sorted(speeds)
 
 
-def trim_at(boat: Boat, speed: float) -> Trim | None:
+def fold_speeds_at(file: VesselFile, plane: str, depth: float | None) -> list[float]:
+    """Return the speeds [m/s] at which two solutions meet at ``depth`` [m]; None: deep water.
+
+    The surface's share is that of the speed itself; a speed that does not settle is left out.
+    """
+    if depth is None:
+        return fold_speeds(file, plane)
+    found: list[float] = []
+    for speed in fold_speeds(near_surface(file, file.run.start_speed_kn * KNOT, depth), plane):
+        settled = _settled_fold(file, plane, depth, speed)
+        if settled is not None and not any(math.isclose(settled, one) for one in found):
+            found.append(settled)
+    return sorted(found)
+
+
+def _settled_fold(file: VesselFile, plane: str, depth: float, speed: float) -> float | None:
+    """Return the fold speed [m/s] nearest ``speed`` with the surface's share of its own speed."""
+    for _ in range(ROUNDS):
+        folds = np.array(fold_speeds(near_surface(file, speed, depth), plane))
+        if not folds.size:
+            return None
+        last, speed = speed, float(folds[np.argmin(abs(folds - speed))])
+        if math.isclose(last, speed, rel_tol=SAME):
+            return speed
+    return None
+
+
+def trim_at(boat: Boat, speed: float, depth: float | None = None) -> Trim | None:
     """Return trim of the boat's own equations at ``speed`` [m/s]; None if none is found.
 
     The search begins at the solution of EC470 with the smallest |w|; planes have no limit here.
+    At a ``depth`` [m] the force and moment of the calm surface act besides; None is deep water.
     """
     r, s = boat.records, boat.state
     for name in ("v", "phi", "delta_r", "delta_b"):
         s[name] = 0.0
-    start = level_flight(boat.file, "stern", speed)
+    start = level_flight(near_surface(boat.file, speed, depth), "stern", speed)
     t, angle = start[0] if start else (0.0, 0.0)
     s.u = s.u_c = speed
     s.w, s.theta, s.delta_s = t * speed, math.atan(t), angle
+    outside = r.scratch["external"][0]
+    outside[:] = 0.0
+    if depth is not None:
+        s.z = depth
+        surface_forces(r.vessel, r.state, outside)
     alone = equations_alone(r.scheme)
     with np.errstate(all="ignore"):  # a boat without stern planes has a singular system
         settled = trim(r.vessel, r.compact, alone, r.state, r.scratch, STERN)
@@ -236,8 +276,13 @@ def remarks(file: VesselFile) -> tuple[str, ...]:
     return tuple(found)
 
 
-def neutral(file: VesselFile, speeds: Iterable[float]) -> Neutral:
-    """Return the neutral angles at ``speeds`` [kn], critical speeds and trims."""
+def neutral(file: VesselFile, speeds: Iterable[float], depth: float | None = None) -> Neutral:
+    """Return the neutral angles at ``speeds`` [kn], critical speeds and trims.
+
+    At a ``depth`` [m] they are those under a calm surface. ConfigError if the vessel file has no
+    tables of it.
+    """
+    require_covered(file, depth)
     speeds = [knots * KNOT for knots in speeds]
     critical = {plane: critical_speed(file, plane) for plane in PLANES}
     boat = Boat(file, Method("full", "exact", "exact", "adams2", file.run.step_s))
@@ -247,9 +292,16 @@ def neutral(file: VesselFile, speeds: Iterable[float]) -> Neutral:
             plane: None if speed is None else speed / KNOT for plane, speed in critical.items()
         },
         fold_speeds_kn={
-            plane: tuple(speed / KNOT for speed in fold_speeds(file, plane)) for plane in PLANES
+            plane: tuple(speed / KNOT for speed in fold_speeds_at(file, plane, depth))
+            for plane in PLANES
         },
-        flights=tuple(flight(file, plane, speed) for speed in speeds for plane in PLANES),
-        trims=tuple(trim_at(boat, speed) for speed in speeds),
-        remarks=remarks(file),
+        flights=tuple(
+            flight(near_surface(file, speed, depth), plane, speed)
+            for speed in speeds
+            for plane in PLANES
+        ),
+        trims=tuple(trim_at(boat, speed, depth) for speed in speeds),
+        remarks=(*remarks(file), *surface_remarks(file, depth)),
+        depth_m=depth,
+        surface=() if depth is None else tuple(surface_at(file, at, depth) for at in speeds),
     )

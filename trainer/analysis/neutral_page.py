@@ -5,10 +5,12 @@ from typing import Final
 
 import numpy as np
 
+from trainer.analysis.characteristic import surface_lines
 from trainer.analysis.neutral import (
     PLANES,
     Neutral,
     Side,
+    level_flight,
     plane_angle,
     required_couple,
     sides,
@@ -17,12 +19,15 @@ from trainer.analysis.neutral import (
 )
 from trainer.analysis.report.plots import Curve, Panel
 from trainer.analysis.report.text import figure, table, wrap
+from trainer.boat.depths import near_surface
 from trainer.config.vessel import VesselFile
 from trainer.core.kernel import Numbers
 from trainer.units import KNOT
 
 DRAWN: Final = 20.0  # [deg] of pitch, either way
 POINTS: Final = 200  # of each side of a curve, in pitch and in speed
+
+Drawn = tuple[Numbers, Numbers, Numbers]
 
 HEADS: Final = ("speed\n[kn]", "planes", "w\n[m/s]", "pitch\n[deg]", "angle\n[deg]", "")
 
@@ -80,7 +85,9 @@ def _trims(report: Neutral) -> list[str]:
 def render(report: Neutral) -> str:
     """Return the report as text."""
     notes = [line for text in report.remarks for line in wrap("remark: " + text)]
-    parts = [[report.vessel, *notes], _critical(report), _angles(report), _trims(report)]
+    surface = surface_lines(report.depth_m, report.surface)
+    heading = [report.vessel, *notes]
+    parts = [heading, surface, _critical(report), _angles(report), _trims(report)]
     return "\n".join(line for part in parts for line in part)
 
 
@@ -93,7 +100,7 @@ def _steps(side: Side, most: float) -> list[float]:
     return sorted(steps)
 
 
-def _curve(file: VesselFile, plane: str, most: float) -> tuple[Numbers, Numbers, Numbers]:
+def _curve(file: VesselFile, plane: str, most: float) -> Drawn:
     """Return speed [kn], pitch [deg] and plane angle [deg] along all solutions up to ``most`` [kn].
 
     The curve is followed by its pitch, so that it turns back where two solutions meet.
@@ -114,23 +121,47 @@ def _curve(file: VesselFile, plane: str, most: float) -> tuple[Numbers, Numbers,
     return knots, pitch, degrees
 
 
+def _points(file: VesselFile, plane: str, most: float, depth: float) -> Drawn:
+    """Return speed [kn], pitch [deg] and plane angle [deg] of all solutions at a ``depth`` [m].
+
+    The surface's share changes with speed, so that no curve is followed: it is dots over speed.
+    """
+    found = []
+    for knots in np.linspace(0.0, most, POINTS)[1:]:
+        speed = float(knots) * KNOT
+        for t, angle in level_flight(near_surface(file, speed, depth), plane, speed):
+            pitch = math.degrees(math.atan(t))
+            if abs(pitch) <= DRAWN:
+                found.append((float(knots), pitch, math.degrees(angle)))
+    table = np.array(found, float).reshape(-1, 3)
+    return table[:, 0], table[:, 1], table[:, 2]
+
+
 def panels(file: VesselFile, report: Neutral) -> tuple[Panel, ...]:
     """Return pitch and plane angle over speed, every solution, critical speeds marked."""
     most = max(flight.speed_kn for flight in report.flights)
+    dots = report.depth_m is not None
     pitches, planes, marks = [], [], []
     for plane in PLANES:
         if not any(flight.solutions for flight in report.flights if flight.plane == plane):
             continue
-        knots, pitch, degrees = _curve(file, plane, most)
+        knots, pitch, degrees = (
+            _curve(file, plane, most)
+            if report.depth_m is None
+            else _points(file, plane, most, report.depth_m)
+        )
         limit = getattr(file.surfaces, f"{plane}_plane_limit_deg")
-        pitches.append(Curve(f"{plane} planes", knots, pitch))
+        pitches.append(Curve(f"{plane} planes", knots, pitch, points=dots))
         shown = np.where(abs(degrees) <= limit, degrees, np.nan)
-        planes.append(Curve(f"{plane} planes", knots, shown))
+        planes.append(Curve(f"{plane} planes", knots, shown, points=dots))
         critical = report.critical_speed_kn[plane]
         if critical is not None and critical <= most:
             marks.append((f"critical, {plane}", critical))
     x = "speed [kn]"
+    where = "" if report.depth_m is None else f", {report.depth_m:g} m down"
     return (
-        Panel(f"{report.vessel}: level flight", x, "pitch [deg]", tuple(pitches), tuple(marks)),
+        Panel(
+            f"{report.vessel}: level flight{where}", x, "pitch [deg]", tuple(pitches), tuple(marks)
+        ),
         Panel("planes, within their limits", x, "plane angle [deg]", tuple(planes), tuple(marks)),
     )

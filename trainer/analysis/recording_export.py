@@ -1,4 +1,4 @@
-"""The command ``trainer export``: a recording as tables, or for Rerun's viewer."""
+"""The command ``trainer export``: a recording as tables, for Rerun's viewer, or columns drawn."""
 
 from collections.abc import Mapping, Sequence
 from importlib.util import find_spec
@@ -6,13 +6,19 @@ from pathlib import Path
 from typing import Final
 
 import click
+import numpy as np
 
-from trainer.config.files import ConfigError
+from trainer.analysis.compare import unit
+from trainer.analysis.report.plots import Curve, Panel, draw
+from trainer.analysis.series import FEWEST, Series, load_series
+from trainer.config.files import ConfigError, nearest, quote
 from trainer.io.recording.recording import Recording
 from trainer.io.tables import Layout, export_csv, export_parquet
 from trainer.session.header import layout_of, method_of, reading
 from trainer.session.layout import numbers_of
 from trainer.session.rerun.request import MISSING
+
+USUAL: Final = ("z", "theta", "u")  # drawn unless other columns are asked for
 
 
 def export_file(path: Path, wanted: Mapping[str, Path | None], branch: int | None) -> None:
@@ -22,12 +28,72 @@ def export_file(path: Path, wanted: Mapping[str, Path | None], branch: int | Non
     """
     chosen = {form: out for form, out in wanted.items() if out is not None}
     if not chosen:
-        raise ConfigError(f"{path}: export to what? say --csv FILE, --parquet FILE or --rrd FILE")
+        forms = "--csv FILE, --parquet FILE, --rrd FILE or --plot FILE"
+        raise ConfigError(f"{path}: export to what? say {forms}")
+    if is_csv(path):
+        raise ConfigError(f"{path}: is a table already; of a CSV file only --plot FILE is made")
     written: list[Path] = []
     with reading(path) as recording:
         for form, out in chosen.items():
             written += WRITERS[form](recording, out, branch)
     click.echo("\n".join(map(str, written)))
+
+
+def is_csv(path: Path) -> bool:
+    """Return whether a path is that of a CSV file, not of a recording."""
+    return path.suffix.lower() == ".csv"
+
+
+def draw_run(path: Path, out: Path, columns: Sequence[str], branch: int | None) -> None:
+    """Draw columns of a run, a recording or a CSV file, over time, and print the plot's name.
+
+    Names with commas between share a panel. ConfigError if there is no such column, or no plot
+    can be written.
+    """
+    shown = [[name.strip() for name in names.split(",")] for names in columns or USUAL]
+    wanted = list(dict.fromkeys(name for names in shown for name in names))
+    series = load_series(path) if is_csv(path) else recorded_series(path, wanted, branch)
+    draw(tuple(panel_of(series, names) for names in shown), out)
+    click.echo(str(out))
+
+
+def recorded_series(path: Path, names: Sequence[str], branch: int | None) -> Series:
+    """Return those columns of a recording's branch, and the time.
+
+    ConfigError if it has no such column, or fewer than two states.
+    """
+    with reading(path) as recording:
+        layout = table_layout(recording)
+        for name in names:
+            if name not in layout.columns:
+                near = nearest(name, layout.columns)
+                raise ConfigError(f"{path}: no column {quote(name)}{near}")
+        places = [layout.columns.index(name) for name in names]
+        rows = []
+        for flown in recording.flown(recording.branch if branch is None else branch):
+            numbers = layout.numbers(flown.state)
+            rows.append([flown.tick * layout.step, *(numbers[i] for i in places)])
+    if len(rows) < FEWEST:
+        raise ConfigError(f"{path}: has {len(rows)} states; a plot needs {FEWEST} or more")
+    table = np.array(rows).T
+    return Series(path, {"t": table[0], **dict(zip(names, table[1:], strict=True))})
+
+
+def panel_of(series: Series, names: Sequence[str]) -> Panel:
+    """Return columns over time on one pair of axes; ConfigError if their units differ."""
+    columns = [series.column(name) for name in names]
+    units = list(dict.fromkeys(unit(name)[1] for name in names))
+    if len(units) > 1:
+        raise ConfigError(
+            f"--column {','.join(names)}: {' and '.join(units)} do not share an axis; give "
+            "--column once for each"
+        )
+    curves = tuple(
+        Curve(name, series.t, unit(name)[0] * values)
+        for name, values in zip(names, columns, strict=True)
+    )
+    title = ", ".join(names)
+    return Panel(title, "time [s]", f"{title} [{units[0]}]", curves)
 
 
 def csv_files(recording: Recording, path: Path, branch: int | None) -> list[Path]:

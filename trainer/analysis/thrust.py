@@ -176,8 +176,8 @@ def render(report: Report) -> str:
 
 
 def panels(file: VesselFile, report: Report) -> tuple[Panel, ...]:
-    """Return thrust over speed, a curve for each command speed."""
-    most = max(one.u_kn for one in report.points)
+    """Return thrust over speed, a curve for each command speed; of rest alone over the range."""
+    most = max(one.u_kn for one in report.points) or file.run.speed_range_kn[1]
     speeds = np.linspace(0.0, most, POINTS)
     curves = []
     for command in dict.fromkeys(one.u_c_kn for one in report.points):

@@ -1,14 +1,23 @@
-"""Test depth and collapse: the depth that counts, what is called out, and when the hull is lost."""
+"""What depth does to a boat: the calm surface above her, test depth and collapse.
+
+Of the surface: Z_star and M_star by the vessel's tables, for programs that ask a vessel file. Of
+test depth and collapse: the depth that counts, what is called out, and when the hull is lost.
+"""
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any, Final, NamedTuple, TypeVar
 
 import numpy as np
 
+from trainer.boat.assemble import ballast_record
 from trainer.boat.boat import PLACES, Boat
+from trainer.config.files import ConfigError
+from trainer.config.vessel import VesselFile
 from trainer.core.kernel import Numbers
+from trainer.units import KNOT
 
+SLOPE: Final = 0.01  # [m] of depth either way, for the slopes of the surface's tables
 REACH: Final = 0.4  # [-] of the length: ends of the pressure hull before and abaft the origin
 NEAR: Final = 30.0  # [m] above test depth, where the first call is
 FURTHER: Final = 25.0  # [m] from each call beyond test depth to the next
@@ -17,6 +26,88 @@ RISEN: Final = 5.0  # [m] to come up before the same depth is called again
 Z, THETA, HELD = PLACES["z"], PLACES["theta"], PLACES["held_depth"]
 
 Depths = TypeVar("Depths", float, Numbers)  # of a moment, or of each tick
+
+
+@dataclass(frozen=True)
+class Surface:
+    """What the calm surface adds at one speed and depth, by the tables of the vessel file."""
+
+    speed_kn: float
+    Z_star: float  # [-] less that in deep water
+    M_star: float
+    Z_star_slope: float  # [1/m] with depth; at a depth of the tables the mean of both sides
+    M_star_slope: float
+    Z_N: float  # negative: suction
+    M_N_m: float
+
+
+def require_covered(file: VesselFile, depth: float | None) -> None:
+    """Check that the programs can speak of a ``depth`` [m]; None is deep water.
+
+    ConfigError if the vessel file says nothing of the surface, or the hull is not covered there.
+    """
+    if depth is None:
+        return
+    if file.free_surface is None:
+        raise ConfigError(
+            f"{file.path.name}: has no table [free_surface], which --depth {depth:g} asks for"
+        )
+    hull = ballast_record(file)[0]
+    least = 0.5 * float(hull.hull_diameter) - float(hull.hull_axis)
+    if depth < least:
+        raise ConfigError(
+            f"--depth {depth:g} m: the hull is covered from {least:.2f} m down, and the programs "
+            "know no other boat"
+        )
+
+
+def _stars(file: VesselFile, speed: float, depth: float) -> tuple[float, float]:
+    """Return Z_star and M_star less those in deep water [-], as core.sea.free_surface has them."""
+    tables = file.free_surface
+    if tables is None:
+        return 0.0, 0.0
+    speeds = [row.speed_kn * KNOT for row in tables.rows]
+    columns = ([row.Z_star for row in tables.rows], [row.M_star for row in tables.rows])
+    found = [
+        float(np.interp(speed, speeds, [np.interp(depth, tables.depth_m, row) for row in rows]))
+        for rows in columns
+    ]
+    return found[0], found[1]
+
+
+def surface_at(file: VesselFile, speed: float, depth: float) -> Surface:
+    """Return what the calm surface adds at ``speed`` [m/s] and ``depth`` [m] of the origin."""
+    Z, M = _stars(file, speed, depth)
+    below, above = _stars(file, speed, depth + SLOPE), _stars(file, speed, depth - SLOPE)
+    area = 0.5 * file.fluid.rho * file.hull.length**2 * speed**2
+    return Surface(
+        speed_kn=speed / KNOT,
+        Z_star=Z,
+        M_star=M,
+        Z_star_slope=(below[0] - above[0]) / (2.0 * SLOPE),
+        M_star_slope=(below[1] - above[1]) / (2.0 * SLOPE),
+        Z_N=area * Z,
+        M_N_m=area * file.hull.length * M,
+    )
+
+
+def near_surface(file: VesselFile, speed: float, depth: float | None) -> VesselFile:
+    """Return the vessel with Z_star and M_star of ``speed`` [m/s] at ``depth`` [m]; None: deep."""
+    if depth is None:
+        return file
+    Z, M = _stars(file, speed, depth)
+    c = file.coefficients
+    return replace(file, coefficients={**c, "Z_star": c["Z_star"] + Z, "M_star": c["M_star"] + M})
+
+
+def surface_remarks(file: VesselFile, depth: float | None) -> tuple[str, ...]:
+    """Return where a ``depth`` [m] lies outside the tables of the vessel."""
+    if depth is None or file.free_surface is None:
+        return ()
+    first, last = file.free_surface.depth_m[0], file.free_surface.depth_m[-1]
+    if depth < first:
+        return (f"the tables of the surface begin at {first:g} m; taken as there",)
+    return (f"the surface is not felt from {last:g} m down",) if depth >= last else ()
 
 
 class Passed(NamedTuple):

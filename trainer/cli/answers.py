@@ -20,6 +20,7 @@ class Number(click.FloatRange):
 
 
 AHEAD: Final = Number(0.0, 60.0, min_open=True)  # [kn]
+SPEED: Final = Number(0.0, 60.0)  # [kn] rest included
 OUTPUTS: Final = [
     click.option("--json", "as_json", is_flag=True, help="Print the figures as JSON."),
     click.option(

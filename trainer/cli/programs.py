@@ -4,7 +4,7 @@ from typing import Any, Final
 
 import click
 
-from trainer.cli.answers import AHEAD, Number, outputs, show
+from trainer.cli.answers import AHEAD, SPEED, Number, outputs, show
 from trainer.cli.responses import compare, fit
 
 COMMAND: Final = Number(-60.0, 60.0)
@@ -19,6 +19,14 @@ SPEEDS: Final = click.option(
     help="Speed in knots, may be repeated. [default: about six over the boat's range]",
 )
 
+DEPTH: Final = click.option(
+    "--depth",
+    type=Number(0.0, 12000.0),
+    default=None,
+    metavar="M",
+    help="Depth of the origin under a calm surface. [default: deep water]",
+)
+
 
 def speeds_of(file: Any, given: tuple[float, ...]) -> tuple[float, ...]:
     """Return the speeds [kn] given, or round ones over the vessel's range."""
@@ -30,25 +38,36 @@ def speeds_of(file: Any, given: tuple[float, ...]) -> tuple[float, ...]:
 @click.command()
 @click.argument("vessel")
 @SPEEDS
+@DEPTH
 @outputs
-def neutral(vessel: str, speeds: tuple[float, ...], **how: Any) -> None:
+def neutral(vessel: str, speeds: tuple[float, ...], depth: float | None, **how: Any) -> None:
     """Plane angles for level flight, critical speeds (EC470).
 
     \b
     Example:  trainer neutral bb2 --speed 5 --speed 10 --plot neutral.png
+              trainer neutral bb2 --depth 15
+
+    With --depth the force and moment of a calm surface act, by the vessel's [free_surface].
     """
     from trainer.analysis import neutral as program  # noqa: PLC0415
     from trainer.analysis import neutral_page as page  # noqa: PLC0415
     from trainer.config.vessel import load_vessel  # noqa: PLC0415
 
     file = load_vessel(vessel)
-    report = program.neutral(file, speeds_of(file, speeds))
+    report = program.neutral(file, speeds_of(file, speeds), depth)
     show(report, page.render, lambda: page.panels(file, report), how)
 
 
 @click.command()
 @click.argument("vessel")
-@SPEEDS
+@click.option(
+    "--speed",
+    "speeds",
+    type=SPEED,
+    multiple=True,
+    metavar="KN",
+    help="Speed in knots, 0 at rest, may be repeated. [default: rest, and about six speeds]",
+)
 @click.option(
     "--command",
     "commands",
@@ -62,7 +81,7 @@ def thrust(vessel: str, speeds: tuple[float, ...], commands: tuple[float, ...], 
     """Thrust less drag, and acceleration, by speed (ZC300).
 
     \b
-    Example:  trainer thrust bb2 --speed 0.1 --speed 10 --command 15 --command -5
+    Example:  trainer thrust bb2 --speed 0 --speed 10 --command 15 --command -5
     """
     from trainer.analysis import thrust as page  # noqa: PLC0415
     from trainer.analysis import thrust as program  # noqa: PLC0415
@@ -126,7 +145,7 @@ MEANS: Final = [
         show_default=True,
         help=f"Mean |{name}| [{unit}], for the quasi-linear coefficients.",
     )
-    for name, unit in {"v": "m/s", "w": "m/s", "q": "rad/s", "r": "rad/s"}.items()
+    for name, unit in {"v": "m/s", "w": "m/s", "p": "rad/s", "q": "rad/s", "r": "rad/s"}.items()
 ]
 
 
@@ -140,13 +159,17 @@ def mean_options(command: Any) -> Any:
 @click.command()
 @click.argument("vessel")
 @SPEEDS
+@DEPTH
 @mean_options
 @outputs
-def modes(vessel: str, speeds: tuple[float, ...], **options: Any) -> None:
+def modes(vessel: str, speeds: tuple[float, ...], depth: float | None, **options: Any) -> None:
     """Roots, frequencies, damping (EC140, EC200, EC320).
 
     \b
     Example:  trainer modes bb2 --speed 10 --mean-w 0.2
+              trainer modes bb2 --speed 6 --depth 16
+
+    With --depth the vertical plane feels how the force of a calm surface changes with depth.
     """
     from trainer.analysis import characteristic as page  # noqa: PLC0415
     from trainer.analysis import characteristic as program  # noqa: PLC0415
@@ -154,7 +177,7 @@ def modes(vessel: str, speeds: tuple[float, ...], **options: Any) -> None:
 
     file = load_vessel(vessel)
     means = program.Means(**{name: options[f"mean_{name}"] for name in program.Means._fields})
-    report = program.characteristic(file, speeds_of(file, speeds), means)
+    report = program.characteristic(file, speeds_of(file, speeds), means, depth)
     show(report, page.render, lambda: page.panels(report), options)
 
 

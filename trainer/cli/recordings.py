@@ -37,17 +37,41 @@ def replay(file: Path, *, anyway: bool, as_json: bool, **otherwise: Any) -> None
 @click.option("--csv", type=FILE, default=None, help="States here, orders and events beside.")
 @click.option("--parquet", type=FILE, default=None, help="The same as Parquet files.")
 @click.option("--rrd", type=FILE, default=None, help="The run as Rerun's viewer shows it.")
+@click.option(
+    "--plot", type=FILE, default=None, help="Columns over time, .png, .svg or .pdf by its ending."
+)
+@click.option(
+    "--column",
+    "columns",
+    multiple=True,
+    metavar="NAME[,NAME]",
+    help="What --plot draws, a panel each time it is given. [default: z, theta, u]",
+)
 @click.option("--branch", type=click.IntRange(1), default=None, help="[default: the last one]")
-def export(file: Path, branch: int | None, **wanted: Path | None) -> None:
-    """Write a recording's states, orders and events as tables, or as a picture that moves.
+def export(
+    file: Path,
+    branch: int | None,
+    plot: Path | None,
+    columns: tuple[str, ...],
+    **wanted: Path | None,
+) -> None:
+    """Write a recording's states, orders and events as tables, or as pictures.
 
     \b
     Example:  trainer export drill.trainer --csv drill.csv
               trainer export drill.trainer --rrd drill.rrd && rerun drill.rrd
-    """
-    from trainer.analysis.recording_export import export_file  # noqa: PLC0415
+              trainer export drill.trainer --plot drill.svg --column z --column delta_s,delta_b
 
-    export_file(file, wanted, branch)
+    Of a run's CSV file, as `trainer run --csv` writes it, --plot draws the columns as well.
+    """
+    from trainer.analysis.recording_export import draw_run, export_file  # noqa: PLC0415
+
+    if columns and plot is None:
+        raise click.UsageError("--column says what --plot FILE draws")
+    if plot is None or any(wanted.values()):
+        export_file(file, wanted, branch)
+    if plot is not None:
+        draw_run(file, plot, columns, branch)
 
 
 @click.command()

@@ -37,18 +37,24 @@ def evaluate(vessel: str, equations: str, rates: str | None, trig: str) -> None:
 
 @click.command()
 @click.argument("vessel")
+@click.option("--constants", is_flag=True, help="List every constant, and where it comes from.")
 @click.option("--json", "as_json", is_flag=True, help="Print the figures as JSON.")
-def check(vessel: str, *, as_json: bool) -> None:
+def check(vessel: str, *, constants: bool, as_json: bool) -> None:
     """Say what a vessel file lacks, how the boat behaves, and which step is stable.
 
     \b
     Example:  trainer check bb2
+              trainer check bb2 --constants
 
-    Exit code 1 when a step of 0.5 s or 1 s makes a boat unstable that is stable by nature.
+    Exit code 1 when a step of 0.5 s or 1 s makes a boat unstable that is stable by nature. With
+    --constants nothing is judged: all that the core is given is listed, in SI units and radians.
     """
     import json  # noqa: PLC0415
     from dataclasses import asdict  # noqa: PLC0415
 
+    if constants:
+        list_constants(vessel, as_json=as_json)
+        return
     from trainer.analysis.check import check as examine  # noqa: PLC0415
     from trainer.analysis.check_page import render  # noqa: PLC0415
     from trainer.config.vessel import load_vessel  # noqa: PLC0415
@@ -56,6 +62,15 @@ def check(vessel: str, *, as_json: bool) -> None:
     report = examine(load_vessel(vessel))
     click.echo(json.dumps(asdict(report), indent=1) if as_json else render(report))
     sys.exit(0 if report.stable else 1)
+
+
+def list_constants(vessel: str, *, as_json: bool) -> None:
+    """Print every constant of a vessel; ConfigError if there is no such vessel."""
+    from trainer.analysis.constants import constants, render  # noqa: PLC0415
+    from trainer.config.vessel import load_vessel  # noqa: PLC0415
+
+    report = constants(load_vessel(vessel))
+    click.echo(json.dumps(asdict(report), indent=1) if as_json else render(report))
 
 
 @click.command()

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from trainer.analysis.report.plots import Bar, Bars, Curve, Panel
 from trainer.analysis.report.text import INDENT, table, wrap
+from trainer.analysis.sweep.draws import GRID
 from trainer.analysis.sweep.job import Opened
 from trainer.analysis.sweep.outputs import COVERED, DEVIATION, Output
 from trainer.analysis.sweep.parquet import TROUBLE
@@ -19,6 +20,7 @@ PERCENTILES: Final = (5.0, 25.0, 50.0, 75.0, 95.0)
 TENTH: Final = 0.1  # of the members: what counts as a variable's low and high end
 FEWEST: Final = 2  # members that a spread can be told of
 TOLD: Final = 5  # different troubles
+MOST_CURVES: Final = 12  # of a panel over a grid
 
 
 @dataclass(frozen=True)
@@ -245,7 +247,7 @@ def member_page(study: str, member: int, told: dict[str, Any], outputs: tuple[Ou
 
 
 def panels(report: Report, result: Any, measure: str | None) -> tuple[Panel | Bars, ...]:
-    """Return how one measure is spread, and what moves it most."""
+    """Return how one measure is spread, what moves it most, and over a grid how."""
     spread = choose_measure(report, measure)
     factor, unit = on_page(spread.unit)
     values = np.asarray(result.column(spread.name).to_numpy(zero_copy_only=False), float)
@@ -267,7 +269,46 @@ def panels(report: Report, result: Any, measure: str | None) -> tuple[Panel | Ba
         return (below,)
     bars = tuple(_bar(effect, factor) for effect in effects)
     about = "mean where a variable is in its lowest (filled) and highest (hatched) tenth"
-    return below, Bars(about, along, bars, factor * spread.mean)
+    tornado = Bars(about, along, bars, factor * spread.mean)
+    return below, tornado, *grid_panels(report, result, spread)
+
+
+def grid_panels(report: Report, result: Any, spread: Spread) -> tuple[Panel, ...]:
+    """Return a measure over each variable of a grid, a curve for each setting of the others.
+
+    None of other plans, of one variable alone, and where there would be too many curves.
+    """
+    varied = {effect.variable for effect in report.effects[spread.name]}
+    names = [name for name in result.column_names if name in varied]
+    if report.plan != GRID or len(names) < FEWEST:
+        return ()
+    drawn = {name: result.column(name).to_pylist() for name in names}
+    values = on_page(spread.unit)[0] * _numbers(result, spread.name)
+    found = []
+    for name in names:
+        others = [other for other in names if other != name]
+        settings = list(zip(*(drawn[other] for other in others), strict=True))
+        several = len(set(settings)) <= MOST_CURVES and not isinstance(drawn[name][0], str)
+        if several:
+            curves = tuple(
+                _over(np.array(drawn[name]), values, settings, setting, others)
+                for setting in dict.fromkeys(settings)
+            )
+            title = f"{spread.name} over {name}"
+            found.append(Panel(title, name, f"{spread.name} [{on_page(spread.unit)[1]}]", curves))
+    return tuple(found)
+
+
+def _over(
+    along: Numbers, values: Numbers, settings: list[Any], setting: Any, others: list[str]
+) -> Curve:
+    """Return the members of one setting of the other variables, by the one along."""
+    here = np.array([one == setting for one in settings])
+    order = np.argsort(along[here])
+    label = ", ".join(
+        f"{name} {_format(value)}" for name, value in zip(others, setting, strict=True)
+    )
+    return Curve(label, along[here][order], values[here][order])
 
 
 def _bar(effect: Effect, factor: float) -> Bar:

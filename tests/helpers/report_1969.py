@@ -1,0 +1,343 @@
+"""The page docs/report-1969.md: what of the 1969 report is here, as a command and as a test.
+
+    python -m helpers.report_1969 > docs/report-1969.md
+
+in the folder of the tests' helpers writes it; a test compares page, commands and tests.
+"""
+
+from typing import Final, NamedTuple
+
+ABSENT: Final = "not there yet"
+HEAD: Final = """# The report of 1969
+
+<!-- Made by tests/helpers/report_1969.py; a test compares them, and looks every test up. -->
+
+NAVTRADEVCEN 68-C-0050-1, "Advanced Submarine Systems Equations Study": each of its programs, tables
+and figures, what does the same here, and the test that compares. The report's own boat is secret,
+and so are its numbers: what a test compares with is an independent implementation of the report's
+equations, a published result, or what the equations imply. Where something is not there yet, the
+row says so.
+"""
+COLUMNS: Final = ("what it is", "type", "the test that compares")
+
+
+class Row(NamedTuple):
+    """One program, table or figure of the report."""
+
+    name: str
+    what: str
+    command: str  # or a page, or ABSENT and why
+    test: str  # FILE::NAME below tests/, "" where nothing compares
+
+
+VECTORS: Final = "analysis/test_programs_vessel.py"
+RUNS: Final = "analysis/test_programs_runs.py"
+FLOWN: Final = (
+    "analysis/test_manoeuvres.py::test_measures_are_those_of_an_independent_implementation"
+)
+POLYNOMIALS: Final = f"{VECTORS}::test_polynomials_and_roots_are_those_of_the_reference"
+PROGRAMS: Final = (
+    Row(
+        "EB920",
+        "full equations (1)-(7), 131 coefficients",
+        "trainer run --headless --equations full --duration 15m --speed max "
+        "--orders turn.txt --csv turn.csv",
+        "core/test_trajectories.py::test_recorded_controls_give_the_recorded_trajectory",
+    ),
+    Row(
+        "EB920: EVAL",
+        "accelerations by the 6x6 solve (INVER2, MATMPY)",
+        "trainer evaluate bb2 --equations full --rates exact < states.jsonl",
+        "analysis/test_evaluate.py::test_vectors_of_an_independent_program_are_met",
+    ),
+    Row(
+        "EB920: EVAL 1",
+        "each acceleration from its own equation, others of the last cycle",
+        "trainer evaluate bb2 --equations full --rates lagged < states.jsonl",
+        "analysis/test_evaluate.py::test_vectors_of_an_independent_program_are_met",
+    ),
+    Row(
+        "EB920: KUTTA",
+        "Runge and Kutta, step fixed or variable",
+        "trainer manoeuvre meander bb2 --integrator rkv",
+        "core/test_integrators.py::test_variable_runge_kutta_keeps_its_tolerance",
+    ),
+    Row(
+        "EB920: INTEG",
+        "Euler, second-order Adams, a third formula",
+        "trainer manoeuvre meander bb2 --integrator best2",
+        "core/test_integrators.py::test_each_method_has_its_order",
+    ),
+    Row(
+        "EB920: INTEG, further methods",
+        "fourth-order Adams, and 22 methods listed",
+        f"{ABSENT}: a method may look back three cycles, these want four",
+        "",
+    ),
+    Row(
+        "EB920: INPUT",
+        "the listing of all coefficients and constants",
+        "trainer check bb2 --constants",
+        f"{VECTORS}::test_a_listed_constant_is_the_one_that_is_flown",
+    ),
+    Row("EB920: CONTR", "schedules of rudder and planes", "trainer manoeuvre --list", FLOWN),
+    Row(
+        "ZC790",
+        "the vertical plane alone, (8)-(11)",
+        "trainer manoeuvre trim bb2 --equations longitudinal",
+        "analysis/test_evaluate.py::test_longitudinal_is_full_for_motion_in_the_vertical_plane",
+    ),
+    Row(
+        "EC780, modified",
+        "the compact set (12)-(17), 60 coefficients, 0.5 s",
+        "trainer manoeuvre turn bb2 --equations modified --trig report --controls once",
+        FLOWN,
+    ),
+    Row(
+        "EC780, basic",
+        "three coefficients fewer, straight lines for sine and cosine, 1 s",
+        "trainer manoeuvre turn bb2 --equations basic --trig report --step 1",
+        FLOWN,
+    ),
+    Row(
+        "EC790",
+        "constants of the compact set, (18)",
+        "trainer check bb2 --constants",
+        f"{VECTORS}::test_the_compact_constants_are_those_of_both_sets",
+    ),
+    Row(
+        "EC430",
+        "weight and balance, limits over all fillings",
+        "trainer tanks bb2",
+        f"{VECTORS}::test_the_reference_tanks_have_the_reference_balance_through_any_filling",
+    ),
+    Row(
+        "EC470",
+        "neutral angles, critical speed",
+        "trainer neutral bb2",
+        f"{VECTORS}::test_the_flattest_neutral_flight_is_that_of_the_reference",
+    ),
+    Row(
+        "ZC300",
+        "thrust less drag, acceleration",
+        "trainer thrust bb2",
+        f"{VECTORS}::test_thrust_and_acceleration_are_those_of_the_reference",
+    ),
+    Row("EC140", "cubic and roots of the vertical plane", "trainer modes bb2", POLYNOMIALS),
+    Row("EC200", "quartic and roots of the horizontal plane", "trainer modes bb2", POLYNOMIALS),
+    Row(
+        "EC320",
+        "linear coefficients adjusted by mean v, w, p, q, r",
+        "trainer modes bb2 --mean-w 0.2 --mean-p 0.02",
+        f"{VECTORS}::test_a_mean_angle_of_attack_changes_the_cubic_as_in_the_reference",
+    ),
+    Row(
+        "EC310, EC120, EC150, EC330",
+        "damped sinusoids fitted to a response, and where the fit starts",
+        "trainer manoeuvre impulse bb2 --csv pulse.csv && trainer fit pulse.csv",
+        f"{RUNS}::test_a_boat_disturbed_answers_with_the_roots_of_its_characteristic_polynomial",
+    ),
+    Row(
+        "ZC590, ZC691",
+        "percent change of change of two runs",
+        "trainer manoeuvre trim bb2 --csv full.csv && trainer manoeuvre trim bb2 "
+        "--integrator rk4 --csv other.csv && trainer compare full.csv other.csv",
+        f"{RUNS}::test_percent_change_of_change_is_that_of_the_reference",
+    ),
+    Row(
+        "the autopilot",
+        "DS = DB = 0.008 (ZC-Z) + 3.5 theta + 0.012 z' + 2 q",
+        "trainer manoeuvre turn bb2 --law literal",
+        "core/test_autopilot.py::test_the_reports_law_is_the_reference_boats_law",
+    ),
+    Row(
+        "the depth law beyond 50 ft",
+        "the literal law does not limit the depth error",
+        f"{ABSENT}: `--law literal` limits it, as the trainer does",
+        "",
+    ),
+    Row(
+        "eta",
+        "command speed over speed ahead, or over the whole speed U",
+        f"{ABSENT}: the first alone",
+        "",
+    ),
+    Row(
+        "waves: the cosine sum",
+        "ten bands of equal energy, five directions",
+        "trainer sea sea-state-5",
+        "core/test_seaway.py::test_the_cosine_series",
+    ),
+    Row(
+        "waves: the filter",
+        "white noise through a low pass and three high passes",
+        "trainer sea sea-state-5",
+        "core/test_seaway.py::test_the_filter_in_both_discrete_forms",
+    ),
+    Row(
+        "duty cycle and size",
+        "38 % and 19 % of real time, 8192 words",
+        "trainer bench --seconds 2",
+        "verify/test_bench.py::test_duty_cycle_is_work_over_step_and_is_compared_with_1969",
+    ),
+)
+SENSITIVE: Final = (
+    "analysis/test_reduce.py::test_sensitivities_are_those_of_the_full_set_without_the_coefficient"
+)
+TABLES: Final = (
+    Row(
+        "Table 1",
+        "intervals in which methods are stable",
+        "trainer check bb2",
+        "analysis/test_check.py::test_a_real_mode_has_the_published_interval",
+    ),
+    Row(
+        "Tables 2, 3, 4",
+        "the 131 coefficients by equation",
+        "[coefficients](coefficients.md), `trainer check bb2 --constants`",
+        "core/test_terms.py::test_the_page_has_every_term",
+    ),
+    Row(
+        "Table 5",
+        "x_G and z_G at 5 and 25 knots, here 6 and 20; rules of 5 and 15 %",
+        "trainer sweep centre-of-gravity --plot centre.svg",
+        "analysis/test_sweep_study.py::test_the_centre_of_gravity_is_known_well_enough_by_the_rules_of_1969",
+    ),
+    Row(
+        "Table 6",
+        "the coefficients, those to be investigated among them",
+        "[coefficients](coefficients.md)",
+        "core/test_terms.py::test_the_page_has_every_term",
+    ),
+    Row(
+        "Tables 7, 9, 11",
+        "what each coefficient does by itself",
+        "trainer reduce bb2 --table",
+        SENSITIVE,
+    ),
+    Row(
+        "Tables 8, 10, 16, 17",
+        "not known to this project",
+        f"{ABSENT}: nothing that was read of the report tells what is in them",
+        "",
+    ),
+    Row(
+        "Table 12",
+        "neutral angles and roots near the surface",
+        "trainer neutral bb2 --depth 15",
+        f"{VECTORS}::test_neutral_angles_near_the_surface_balance_its_force_and_moment",
+    ),
+    Row(
+        "Table 13",
+        "Z_star and M_star near the surface",
+        "trainer modes bb2 --depth 15",
+        f"{VECTORS}::test_modes_near_the_surface_feel_how_its_force_changes_with_depth",
+    ),
+    Row(
+        "Table 14",
+        "shares of the five directions of the waves",
+        "trainer sea sea-state-5",
+        "core/test_seaway.py::test_the_cosine_sum_has_the_whole_variance_in_the_report_s_shares",
+    ),
+    Row(
+        "Table 15",
+        "constants of the wave filter at 35, 40 and 45 knots of wind",
+        "[seas](seas.md)",
+        "core/test_seaway.py::test_the_winds_of_the_table_have_its_frequencies",
+    ),
+    Row(
+        "Tables 18, 19",
+        "coefficients kept by the compact set, and those left out",
+        "[coefficients](coefficients.md)",
+        "core/test_terms.py::test_the_sets_are_of_the_table",
+    ),
+)
+FIGURES: Final = (
+    Row(
+        "550 graphs of manoeuvres",
+        "full against compact: meanders, overshoots, turns, accelerations",
+        "trainer guide FILE",
+        "analysis/test_guide.py::test_the_page_stands_alone_and_its_chapters_are_linked",
+    ),
+    Row(
+        "the contract's programme",
+        "40 overshoots, 15 turns, three sets",
+        f"{ABSENT}: the guide flies its own programme",
+        "",
+    ),
+    Row(
+        "a run over time",
+        "chosen columns of one run",
+        "trainer manoeuvre meander bb2 --csv m.csv && trainer export m.csv --plot m.svg "
+        "--column theta --column z",
+        f"{RUNS}::test_columns_of_a_run_share_a_panel_in_degrees_as_asked_for",
+    ),
+    Row(
+        "an acceleration",
+        "planes, pitch, speed, pitch rate and depth over time",
+        "trainer manoeuvre acceleration bb2 --csv a.csv && trainer export a.csv --plot a.svg "
+        "--column delta_s,delta_b --column theta --column u --column q --column z",
+        f"{RUNS}::test_the_charts_of_an_acceleration_are_drawn_from_its_run",
+    ),
+    Row(
+        "page 92: overshoot pitch over speed",
+        "the planesman's first chart",
+        'trainer sweep overshoots --plot pitch.svg --measure "overshoot angle"',
+        "analysis/test_sweep_study.py::test_a_grid_is_drawn_over_each_variable",
+    ),
+    Row(
+        "page 92: depth change over pitch",
+        "the planesman's second chart",
+        'trainer sweep overshoots --plot depth.svg --measure "depth change"',
+        "analysis/test_sweep_study.py::test_a_grid_is_drawn_over_each_variable",
+    ),
+    Row(
+        "neutral angles over speed",
+        "by either pair of planes, critical speeds marked",
+        "trainer neutral bb2 --plot neutral.svg",
+        "analysis/test_programs_commands.py::"
+        "test_the_curve_of_neutral_flights_goes_through_the_table",
+    ),
+    Row("roots over speed", "the root locus", "trainer modes bb2 --plot modes.svg", POLYNOMIALS),
+    Row(
+        "the spectra of the waves",
+        "energy by frequency, of spectrum and filter",
+        "trainer sea sea-state-5 --plot sea.svg",
+        "core/test_seaway.py::test_the_shape_of_the_analogue_filter",
+    ),
+)
+PARTS: Final = {"Programs": PROGRAMS, "Tables": TABLES, "Figures": FIGURES}
+
+
+def rows() -> tuple[Row, ...]:
+    """Return every row of the page."""
+    return tuple(row for part in PARTS.values() for row in part)
+
+
+def command_cell(command: str) -> str:
+    """Return what to type, or a page, or why there is nothing."""
+    return f"`{command}`" if command.startswith("trainer ") else command
+
+
+def comparison_cell(test: str) -> str:
+    """Return the name of a test as a sentence, and its file."""
+    if not test:
+        return "none"
+    file, name = test.split("::")
+    return f"{name.removeprefix('test_').replace('_', ' ')} (`{file}`)"
+
+
+def page() -> str:
+    """Return docs/report-1969.md."""
+    lines = [HEAD]
+    for title, part in PARTS.items():
+        lines += [f"## {title}\n", f"| | {' | '.join(COLUMNS)} |", "|---|---|---|---|"]
+        for row in part:
+            cells = (row.name, row.what, command_cell(row.command), comparison_cell(row.test))
+            lines.append(f"| {' | '.join(cells)} |")
+        lines.append("")
+    return "\n".join(lines)
+
+
+if __name__ == "__main__":
+    print(page(), end="")
