@@ -11,6 +11,7 @@ from click.testing import CliRunner
 
 from trainer.analysis.guide.programme import Leg, legs, own_method
 from trainer.analysis.guide.verdicts import BEYOND, SHOWN, Judgement, judge
+from trainer.analysis.manoeuvres.casualties import OutOfBalance, PlaneJam
 from trainer.analysis.manoeuvres.catalogue import find_manoeuvre
 from trainer.analysis.manoeuvres.flight import Conn, fly
 from trainer.analysis.manoeuvres.submarine import Submarine
@@ -18,7 +19,6 @@ from trainer.analysis.manoeuvres.turns import Turn
 from trainer.analysis.manoeuvres.vehicle import Watch
 from trainer.analysis.reduce import checkpoint, reduction, write_back
 from trainer.analysis.reduce.gauss_newton import Point, Slopes, descend, rises, without
-from trainer.analysis.reduce.manoeuvres import OutOfBalance, PlaneJam
 from trainer.analysis.reduce.objective import (
     ADDED_MASSES,
     CONTROLS,
@@ -193,7 +193,7 @@ def test_an_event_more_than_a_cycle_from_the_others_is_ones_own() -> None:
 
 def test_the_guide_flies_reduced_sets_beside_the_full_one() -> None:
     file = load_vessel("bb2")
-    (leg,) = (leg for leg in legs(file) if leg.title == "overshoot, execute 5 deg, 20 kn")
+    (leg,) = (leg for leg in legs(file) if leg.title == "overshoot, execute 5 deg, rise, 20 kn")
 
     assert leg.task(file, "full").beside is None
     assert leg.task(file, "modified").beside == leg.task(file, "full").method
@@ -202,12 +202,13 @@ def test_the_guide_flies_reduced_sets_beside_the_full_one() -> None:
 # --- what is flown
 
 
-def test_turns_are_at_four_speeds_by_three_rudders() -> None:
+def test_turns_are_to_both_sides_at_four_speeds_by_three_rudders() -> None:
     bb2, sdv = load_vessel("bb2"), load_vessel("sdv-mk9")
 
     assert speeds(bb2) == (5.0, 10.0, 15.0, 20.0)
     assert {leg.manoeuvre.angle_deg for leg in turns(bb2)} == {10.0, 20.0, 30.0}  # type: ignore[attr-defined]
-    assert len(turns(bb2)) == 12
+    assert len(turns(bb2)) == 24
+    assert sum(leg.manoeuvre.side == "port" for leg in turns(bb2)) == 12  # type: ignore[attr-defined]
     assert max(leg.manoeuvre.angle_deg for leg in turns(sdv)) == 20.0  # type: ignore[attr-defined]
     assert speeds(sdv) == (1.5, 3.0, 4.5, 6.0)
 
@@ -219,7 +220,8 @@ def test_what_is_held_out_is_neither_fitted_nor_tried() -> None:
         kinds = {leg.name for leg in holdout_legs(file)}
 
         assert not known & {leg.manoeuvre for leg in holdout_legs(file)}
-        assert kinds == {"zigzag-15", "climbing turn", "stern-plane jam", "out of balance"}
+        told = {"zigzag-15", "climbing turn", "stern-plane jam", "rudder jam", "out of balance"}
+        assert kinds == told
         seen = {leg.name.split()[0] for leg in (*fit_legs(file), *fastest(file))}
         assert not {"zigzag", "climbing"} & seen
 

@@ -34,7 +34,7 @@ class Acceleration(Manoeuvre):
 
     needs: ClassVar[tuple[str, ...]] = ("engine",)
     compared: ClassVar[tuple[str, ...]] = ("u",)
-    shows: ClassVar[tuple[str, ...]] = ("u", "z")
+    shows: ClassVar[tuple[str, ...]] = ("u", "z", "theta", "q", "delta_s", "delta_b")
 
     each_s: float = 230.0
     from_rest: ClassVar[bool] = True
@@ -66,7 +66,7 @@ class UtmostAcceleration(Manoeuvre):
 
     needs: ClassVar[tuple[str, ...]] = ("engine",)
     compared: ClassVar[tuple[str, ...]] = ("u",)
-    shows: ClassVar[tuple[str, ...]] = ("u", "z")
+    shows: ClassVar[tuple[str, ...]] = ("u", "z", "theta", "q", "delta_s", "delta_b")
     from_rest: ClassVar[bool] = True
 
     duration_s: float = 1000.0

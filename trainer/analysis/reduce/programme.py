@@ -15,6 +15,7 @@ from trainer.analysis.manoeuvres.flight import Flight, Manoeuvre, fly
 from trainer.analysis.manoeuvres.speeds import Backing, CrashStop
 from trainer.analysis.manoeuvres.submarine import Submarine
 from trainer.analysis.manoeuvres.turns import ClimbingTurn, Turn
+from trainer.analysis.manoeuvres.vehicle import DIVE, PORT, STARBOARD, Side
 from trainer.analysis.manoeuvres.vertical import (
     Impulse,
     Meander,
@@ -35,6 +36,7 @@ SHORTEST: Final = 20.0  # [s] besides
 RUDDER: Final = 30.0  # [deg] the largest, or as far as it goes
 LOAD: Final = 0.002  # [-] of the weight, out of balance
 HALVINGS: Final = 5  # of a control's angle until the full set is not lost
+SIDES: Final[tuple[Side, Side]] = STARBOARD, PORT
 GENTLER: Final = ("jammed_lengths", "share", "planes_deg", "angle_deg")  # what is halved, the first
 PER_CYCLE: Final = ("pull-out", "spiral", "reverse-spiral")  # slow to fly; turns have their numbers
 
@@ -58,14 +60,12 @@ def turns(file: VesselFile) -> tuple[Leg, ...]:
 
 def fit_legs(file: VesselFile) -> tuple[Leg, ...]:
     """Return the legs that the factors are fitted to."""
-    return flyable(file, (*turns(file), *_fit_legs_unlimited(file)))
+    return flyable(file, (*turns(file), *_weaves(file), *_upright(file)))
 
 
-def _fit_legs_unlimited(file: VesselFile) -> Iterator[Leg]:
-    """Yield the legs besides turns, angles not yet within the boat's limits."""
+def _weaves(file: VesselFile) -> Iterator[Leg]:
+    """Yield weaves and diving turns, angles not yet within the boat's limits."""
     own, third, top = file.run.start_speed_kn, speeds(file)[2], speeds(file)[3]
-    rounds = round_speeds(*file.run.speed_range_kn)
-    slow = rounds[min(1, len(rounds) - 1)]
     for speed, angle in ((own, 10.0), (own, 20.0), (top, 15.0)):
         weave = Weave(angle_deg=angle)
         yield from _ways("weave", f"rudder {angle:g} deg", speed, weave, file)
@@ -73,8 +73,16 @@ def _fit_legs_unlimited(file: VesselFile) -> Iterator[Leg]:
         vertical = VerticalWeave(angle_deg=angle)
         yield from _ways("vertical weave", f"planes {angle:g} deg", speed, vertical, file)
     for speed, angle, planes in ((own, 10.0, 5.0), (own, 20.0, 10.0), (third, 20.0, 5.0)):
-        steep = ClimbingTurn(angle_deg=angle, planes_deg=planes)
-        yield from _ways("climbing turn", f"rudder {angle:g} deg", speed, steep, file)
+        for side in SIDES:
+            dive = ClimbingTurn(angle, planes, side=side, direction=DIVE)
+            yield _leg("diving turn", f"rudder {angle:g} deg, {side}", speed, dive, file)
+
+
+def _upright(file: VesselFile) -> Iterator[Leg]:
+    """Yield the legs besides turns and weaves, angles not yet within the boat's limits."""
+    own, third, top = file.run.start_speed_kn, speeds(file)[2], speeds(file)[3]
+    rounds = round_speeds(*file.run.speed_range_kn)
+    slow = rounds[min(1, len(rounds) - 1)]
     for speed in sorted({slow, own, third, top}):
         yield from _ways("meander", "", speed, Meander(), file)
     for speed in (slow, top):
@@ -98,10 +106,10 @@ def _fit_legs_unlimited(file: VesselFile) -> Iterator[Leg]:
 def fastest(file: VesselFile) -> tuple[Leg, ...]:
     """Return legs at the boat's top speed, of kinds that are otherwise fitted to below it."""
     top = speeds(file)[3]
-    steep = ClimbingTurn(angle_deg=10.0, planes_deg=10.0)
+    dives = [ClimbingTurn(10.0, 10.0, side=side, direction=DIVE) for side in SIDES]
     loads = OutOfBalance(share=-LOAD), OutOfBalance(share=LOAD, keep=())
     legs = (
-        *_ways("climbing turn", "planes 10 deg", top, steep, file),
+        *(_leg("diving turn", f"planes 10 deg, {one.side}", top, one, file) for one in dives),
         *_ways("impulse", "", top, Impulse(), file),
         *_ways("rudder-impulse", "", top, RudderImpulse(), file),
         _leg("out of balance", f"{-LOAD:+.1%}, depth kept", top, loads[0], file),
@@ -123,14 +131,10 @@ def holdout_legs(file: VesselFile) -> tuple[Leg, ...]:
     between = 0.5 * (rounds[0] + slow), 0.5 * (slow + own)
     heavy, light = OutOfBalance(share=1.5 * LOAD), OutOfBalance(share=-1.5 * LOAD, keep=())
     zigzag = ZigZag(angle_deg=15.0, execute_deg=15.0)
-    climb = ClimbingTurn(angle_deg=10.0, planes_deg=10.0)
+    climbs = [ClimbingTurn(10.0, 10.0, side=side) for side in SIDES]
     legs = [
         *(leg for u in (second, third) for leg in _ways("zigzag-15", "", u, zigzag, file)),
-        *(
-            leg
-            for u in (second, third)
-            for leg in _ways("climbing turn", "held out", u, climb, file)
-        ),
+        *(_leg("climbing turn", one.side, u, one, file) for u in (second, third) for one in climbs),
         *(leg for u in (own, third) for leg in _ways("stern-plane jam", "", u, PlaneJam(), file)),
         *_ways("rudder jam", "", third, RudderJam(), file),
         *(_leg("out of balance", "heavy, depth kept", speed, heavy, file) for speed in between),
