@@ -97,7 +97,7 @@ class PlaneJam(Manoeuvre):
         yield from conn.hold(self.jammed_lengths * length / speed)
         conn.order("planes", -sign * limit(conn.vehicle, "planes"))
         conn.mark("free")
-        level = yield from conn.until(Watch("theta", 0.0), AFTER * length / speed)
+        level = yield from conn.until(Watch("theta", 0.0, -sign), AFTER * length / speed)
         if not level:
             return
         conn.mark("level")
