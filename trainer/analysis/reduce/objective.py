@@ -22,7 +22,9 @@ from trainer.units import KNOT
 # boat without rudder drag would pass many a test.
 CONTROLS: Final = (*("X_drdr", "X_dsds", "X_dbdb", "Y_dr", "Z_ds", "Z_db", "M_ds", "M_db", "N_dr"),)
 FIXED: Final = ("X_dbdb", "Z_db", "M_db")
-ADDED_MASSES: Final = tuple(name for name in (*KEPT, *EXTRA_TERMS) if name.endswith("dot"))
+# Each direction's own. Those that couple sway and roll, by accelerations of the last cycle, drive a
+# roll that nothing else damps.
+ADDED_MASSES: Final = ("X_udot", "Y_vdot", "Z_wdot", "K_pdot", "M_qdot", "N_rdot")
 
 
 def terms(file: VesselFile, equations: str) -> tuple[str, ...]:

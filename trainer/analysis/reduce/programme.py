@@ -100,6 +100,7 @@ def _upright(file: VesselFile) -> Iterator[Leg]:
             yield _leg("out of balance", f"{share:+.1%}, {kept}", speed, loaded, file)
     yield _leg("crash-stop", "", own, CrashStop(), file)
     yield _leg("backing", "", 0.0, Backing(), file)
+    yield from _ways("rudder-jam", "", own, RudderJam(), file)
     yield from _ways("roll-decay", "", 0.0, RollDecay(), file)
 
 
@@ -136,7 +137,6 @@ def holdout_legs(file: VesselFile) -> tuple[Leg, ...]:
         *(leg for u in (second, third) for leg in _ways("zigzag-15", "", u, zigzag, file)),
         *(_leg("climbing turn", one.side, u, one, file) for u in (second, third) for one in climbs),
         *(leg for u in (own, third) for leg in _ways("stern-plane jam", "", u, PlaneJam(), file)),
-        *_ways("rudder jam", "", third, RudderJam(), file),
         *(_leg("out of balance", "heavy, depth kept", speed, heavy, file) for speed in between),
         *(_leg("out of balance", "light, planes still", speed, light, file) for speed in between),
     ]

@@ -161,11 +161,24 @@ class Search:
                 step()
             if passed is None:
                 kept = tuple(i for i in standing.kept if i not in order)
-                factors = tuple(there.factors.tolist())
-                standing, here = replace(standing, kept=kept, factors=factors), there
+                standing, here = self._tighten(replace(standing, kept=kept), there), there
             else:
                 standing = replace(standing, needed=(*standing.needed, passed))
         return standing
+
+    def _tighten(self, standing: Standing, there: Point) -> Standing:
+        """Return the standing at a point with fewer terms, held to what that point keeps.
+
+        What the set with all terms has beyond the limit may have been the doing of one that is
+        gone: accelerations of the last cycle that drive each other, say.
+        """
+        proof = float(abs(self.proof(there.factors)).max())
+        return replace(
+            standing,
+            factors=tuple(there.factors.tolist()),
+            limit=max(LIMIT, min(standing.limit, there.worst)),
+            proof=max(PROOF, min(standing.proof, proof)),
+        )
 
     def _order(self, standing: Standing, here: Point, slopes: Slopes) -> list[int]:
         """Return the places of what may be dropped, the cheapest first."""
