@@ -2,12 +2,13 @@
 
 import json
 import math
+import re
 import time
 from dataclasses import asdict, replace
 
 import numpy as np
 import pytest
-from helpers.places import DATA
+from helpers.places import DATA, ROOT
 
 from trainer.analysis import check as check_module
 from trainer.analysis.check import Report, check, flights, round_speeds
@@ -30,6 +31,7 @@ from trainer.config.propulsion import thrust_of
 from trainer.config.vessel import VesselFile, load_vessel
 from trainer.core.integrators import advance
 from trainer.core.kernel import Record
+from trainer.core.scheme import NAMES
 from trainer.core.state import HISTORY, MOTION
 from trainer.units import KNOT
 
@@ -83,6 +85,69 @@ def test_a_real_mode_has_the_published_interval(integrator: str, key: str) -> No
     assert largest_step(scheme(integrator), -2.0 + 0.0j) == pytest.approx(
         -0.5 * INTEGRATION["real_interval"][key], rel=1e-9
     )
+
+
+# -(4/7)(1 + 2 a3)/(1 - a3) of a parabola through positions and the closed formula of three with a3,
+# errata D6: the report's Table 1 has -.82; of Adams-Bashforth the intervals of any textbook
+@pytest.mark.parametrize(
+    ("integrator", "interval"),
+    [
+        ("bdf2", -4 / 7),
+        ("bdf3", -4 / 7 * (15 / 9)),
+        ("o30c31", -4 / 7 * (1.2532 / 0.8734)),
+        ("adams3", -6 / 11),
+        ("adams4", -3 / 10),
+        ("heun", -2.0),
+        ("abm2", -2.0),
+        ("abm3", -1.72878),
+        ("abm4", -1.2848),
+        ("hamming4", -0.5),
+        ("rk2", -2.0),
+        ("rk3", -2.512745),
+    ],
+)
+def test_a_further_method_has_its_interval(integrator: str, interval: float) -> None:
+    assert largest_step(scheme(integrator), -1.0 + 0.0j) == pytest.approx(-interval, rel=1e-4)
+
+
+def test_the_manual_has_every_method_with_its_interval() -> None:
+    lines = (ROOT / "docs" / "engineer.md").read_text(encoding="utf-8").splitlines()
+    told: dict[str, str] = {}
+    for line in lines:
+        cells = [cell.strip() for cell in line.split("|")]
+        names = re.findall(r"`(\w+)`", cells[1]) if len(cells) == 7 else []
+        told |= dict(zip(names, cells[4].split(", ") if names else (), strict=True))
+
+    assert told == {name: f"{largest_step(scheme(name), -1.0 + 0j):.3f}" for name in NAMES}
+
+
+ORDERS = {
+    "euler": 1,
+    "best2": 1,
+    "adams2": 2,
+    "adams3": 3,
+    "adams4": 4,
+    "heun": 2,
+    "abm2": 2,
+    "abm3": 3,
+    "abm4": 4,
+    "hamming4": 4,
+    "o30c31": 2,
+    "bdf2": 2,
+    "bdf3": 3,
+    "rk2": 2,
+    "rk3": 3,
+    "rk4": 4,
+    "rkv": 4,
+}
+
+
+def test_every_named_method_has_its_order_once_it_has_a_past() -> None:
+    assert set(ORDERS) == set(NAMES)
+    for integrator, order in ORDERS.items():
+        steps = np.array([-0.02, -0.01])
+        wrong = abs(growth(scheme(integrator), steps.astype(complex)) - np.exp(steps))
+        assert np.log2(wrong[0] / wrong[1]) == pytest.approx(order + 1, abs=0.35), integrator
 
 
 @pytest.mark.parametrize("point", INTEGRATION["ab2_boundary"], ids=lambda p: f"{p['theta']:.2f}")
@@ -199,7 +264,11 @@ def test_without_trim_a_boat_is_put_into_level_flight() -> None:
 
 @pytest.mark.parametrize("equations", ["full", "modified"])
 @pytest.mark.parametrize(
-    "integrator", ["euler", "adams2", "adams3", "best2", "rk4", "a=0.5,0.5;b=1.5"]
+    "integrator",
+    [
+        *("euler", "adams2", "adams3", "adams4", "best2", "rk2", "rk3", "rk4", "a=0.5,0.5;b=1.5"),
+        *("heun", "abm4", "hamming4", "o30c31", "a=0.5,0.5;b=1.5;c=0.25,0.75;d=1,0.5,0.25"),
+    ],
 )
 def test_the_map_is_what_the_core_does_to_a_small_disturbance(
     equations: str, integrator: str

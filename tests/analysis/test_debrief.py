@@ -4,7 +4,6 @@ import contextlib
 import csv
 import json
 import math
-import os
 import re
 import shutil
 import sqlite3
@@ -22,7 +21,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-from helpers.places import ROOT
 
 from trainer.analysis.debrief.data import DebriefData, figures, gather
 from trainer.analysis.debrief.measures import broach_rows
@@ -799,7 +797,6 @@ def test_the_command_writes_the_page_of_a_run(tmp_path: Path) -> None:
     def ran(*words: str) -> "subprocess.CompletedProcess[str]":
         return subprocess.run(
             [sys.executable, "-c", "from trainer.cli.main import main; main()", *words],
-            env=os.environ | {"PYTHONPATH": str(ROOT)},
             cwd=tmp_path,
             capture_output=True,
             text=True,

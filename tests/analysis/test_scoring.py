@@ -1,6 +1,5 @@
 """Scoring: what rules may say, what the measures make of numbers, and exercises of one's own."""
 
-import os
 import subprocess
 import sys
 from dataclasses import replace
@@ -356,7 +355,6 @@ def test_every_shipped_exercise_is_scored_within_its_length(name: str) -> None:
 def ran(folder: Path, *words: str) -> "subprocess.CompletedProcess[str]":
     return subprocess.run(
         [sys.executable, "-c", "from trainer.cli.main import main; main()", *words],
-        env=os.environ | {"PYTHONPATH": str(ROOT)},
         cwd=folder,
         capture_output=True,
         text=True,

@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 from click.testing import CliRunner
 
+import trainer
 from trainer.analysis.sweep.job import job_of
 from trainer.analysis.sweep.workers import cluster
 from trainer.cli.main import cli
@@ -17,7 +18,6 @@ from trainer.cli.subjects import subject_of
 from trainer.config.files import ConfigError
 
 pytest.importorskip("distributed")
-ROOT = Path(__file__).parents[2]  # workers of a cluster know no helpers
 STUDY = """
 schema = "sweep/1"
 name = "Turns on a cluster"
@@ -42,7 +42,11 @@ relative = true
 def scheduler(tmp_path: Path) -> Iterator[str]:
     """Yield the address of a scheduler with two worker processes, all on loopback."""
     told = tmp_path / "scheduler.json"
-    environment = os.environ | {"PYTHONPATH": str(ROOT), "DASK_TEMPORARY_DIRECTORY": str(tmp_path)}
+    found = str(Path(trainer.__file__).parents[1]), str(Path(__file__).parents[2])  # and this test
+    environment = os.environ | {
+        "PYTHONPATH": os.pathsep.join(found),
+        "DASK_TEMPORARY_DIRECTORY": str(tmp_path),
+    }
 
     def started(stack: ExitStack, *words: str) -> None:
         program = subprocess.Popen(

@@ -12,7 +12,6 @@ from pathlib import Path
 
 import pyarrow.parquet as pq
 import pytest
-from helpers.places import ROOT
 
 from trainer.analysis.sweep.batch import Batch
 from trainer.analysis.sweep.job import Job, differences, fly_chunk, job_of
@@ -188,7 +187,6 @@ def start(path: Path, out: Path, jobs: int) -> subprocess.Popen[bytes]:
     return subprocess.Popen(
         [*words, "--jobs", str(jobs)],
         cwd=path.parent,
-        env=os.environ | {"PYTHONPATH": str(ROOT)},
         stdout=subprocess.DEVNULL,
     )
 
@@ -247,7 +245,6 @@ def test_an_interrupt_says_how_to_go_on(tmp_path: Path) -> None:
     path, out = study(tmp_path, members=6000, seconds=40.0), tmp_path / "a.parquet"
     program = subprocess.Popen(
         [sys.executable, "-m", "trainer", "sweep", str(path), "--out", str(out), "--jobs", "2"],
-        env=os.environ | {"PYTHONPATH": str(ROOT)},
         stderr=subprocess.PIPE,
         stdout=subprocess.DEVNULL,
         text=True,

@@ -53,7 +53,6 @@ def handles(script: str, folder: Path) -> Iterator[tuple[subprocess.Popen[str], 
     path.write_text(script, encoding="utf-8")
     program = subprocess.Popen(
         [sys.executable, str(path)],
-        env=os.environ | {"PYTHONPATH": str(ROOT)},
         stdin=subprocess.PIPE,
         stdout=subprocess.PIPE,
         text=True,

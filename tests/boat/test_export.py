@@ -403,7 +403,7 @@ def test_a_run_on_an_exported_core_imports_neither_numba_nor_numpy(folder: Path)
     )
     done = subprocess.run(
         [sys.executable, "-S", "-c", program],
-        env=os.environ | {"PYTHONPATH": str(Path(bare_core.__file__).parents[2])},
+        env=os.environ | {"PYTHONPATH": str(Path(bare_core.__file__).parents[4])},
         capture_output=True,
         text=True,
         check=True,

@@ -2,7 +2,6 @@
 
 import json
 import math
-import os
 import re
 import subprocess
 import sys
@@ -467,7 +466,6 @@ def test_what_nobody_says_is_the_vessels_own() -> None:
 def ran(*words: str, typed: str = "") -> "subprocess.CompletedProcess[str]":
     return subprocess.run(
         [sys.executable, "-c", "from trainer.cli.main import main; main()", *words],
-        env=os.environ | {"PYTHONPATH": str(ROOT)},
         input=typed,
         capture_output=True,
         text=True,

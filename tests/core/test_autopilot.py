@@ -19,7 +19,7 @@ from trainer.core.autopilot.report_law import report_angle, report_law
 from trainer.core.autopilot.steering import REPORT, REPORT_LITERAL
 from trainer.core.state import new_state
 from trainer.core.vessel import VESSEL
-from trainer.units import KNOT
+from trainer.units import FOOT, KNOT
 
 pytestmark = pytest.mark.core
 
@@ -491,6 +491,28 @@ def test_the_reports_law_is_the_reference_boats_law() -> None:
         assert report_angle(vessel, state, 2) == pytest.approx(bow, abs=1e-9)
         s.depth_law = REPORT  # errata G3: bow planes the other way where Z_db < 0
         assert report_angle(vessel, state, 2) == pytest.approx(-bow, abs=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("law", "feet", "degrees"),
+    [
+        (REPORT, 40.0, 0.32 / DEGREE),  # .008 of each foot
+        (REPORT, 60.0, 0.40 / DEGREE),  # the project's clamp at 50 ft
+        (REPORT, -400.0, -0.40 / DEGREE),
+        (REPORT_LITERAL, 60.0, 0.48 / DEGREE),  # errata G5: none in the report,
+        (REPORT_LITERAL, -70.0, -0.56 / DEGREE),
+        (REPORT_LITERAL, 76.0, 0.608 / DEGREE),
+        (REPORT_LITERAL, 77.0, 35.0),  # whose planes are hard over from 76 ft on
+        (REPORT_LITERAL, -400.0, -35.0),
+    ],
+)
+def test_the_literal_law_is_literal_beyond_50_feet_too(
+    law: int, feet: float, degrees: float
+) -> None:
+    state = new_state()
+    state[0].z, state[0].ordered_depth = 100.0, 100.0 + feet * FOOT
+    state[0].depth_law = law
+    assert report_law(state) / DEGREE == pytest.approx(degrees, abs=1e-9)
 
 
 def test_port_and_starboard_are_mirror_images_to_the_bit(started: Callable[..., Boat]) -> None:

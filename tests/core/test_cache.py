@@ -11,6 +11,7 @@ from pathlib import Path
 import pytest
 
 import trainer
+from trainer.core import cache
 from trainer.core.cache import CODE, DIGEST
 
 PACKAGE = Path(trainer.__file__).parent
@@ -182,3 +183,23 @@ def test_that_code_was_damaged_is_said_in_one_line(tmp_path: Path) -> None:
         check=True,
     )
     assert ran.stderr == "trainer: compiled code was damaged, and is compiled again\n"
+
+
+def test_code_that_another_process_is_about_to_replace_is_not_damaged(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(cache, "_tell_damage", lambda: None)
+    kept, made = tmp_path / "sine.nbi", tmp_path / "made"
+    kept.write_bytes(b"old")
+    made.write_bytes(b"new")
+
+    cache.keep_digest(str(made), str(kept))
+    cache.check_digest(str(kept))
+    assert kept.read_bytes() == b"old"
+    made.replace(kept)
+    cache.check_digest(str(kept))
+    assert kept.read_bytes() == b"new"
+
+    kept.write_bytes(b"hurt")
+    cache.check_digest(str(kept))
+    assert not kept.exists()

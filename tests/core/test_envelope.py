@@ -192,7 +192,7 @@ def rotation(turn: np.ndarray) -> np.ndarray:
     return total
 
 
-@pytest.mark.parametrize("integrator", ["adams2", "rk4", "euler", "adams3"])
+@pytest.mark.parametrize("integrator", ["adams2", "rk4", "euler", "adams3", "abm4"])
 def test_a_boat_that_turns_through_the_vertical_keeps_its_angles(
     make_boat: Callable[..., Boat], integrator: str
 ) -> None:

@@ -6,11 +6,21 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from trainer.boat.assemble import read_integrator
+from trainer.boat.assemble import read_integrator, set_integrator
 from trainer.boat.boat import Boat
 from trainer.config.files import ConfigError
 from trainer.core.integrators import adams, advance, multistep
-from trainer.core.scheme import INTEGRATORS, Multistep, new_scheme, set_multistep
+from trainer.core.scheme import (
+    INTEGRATORS,
+    PAIRS,
+    PARABOLA,
+    TRAPEZOID,
+    Multistep,
+    Pair,
+    new_scheme,
+    set_multistep,
+    set_pair,
+)
 from trainer.core.state import MOTION, new_state
 
 pytestmark = pytest.mark.core
@@ -48,6 +58,12 @@ def observed_order(make_boat: Callable[..., Boat], integrator: str, rates: str, 
         ("adams2", "exact", 2.0, 0.05),
         ("best2", "exact", 1.0, 0.05),
         ("adams3", "exact", 2.0, 0.05),  # the start by Euler holds it to 2
+        ("adams4", "exact", 2.0, 0.05),
+        ("heun", "exact", 2.0, 0.05),
+        ("abm2", "exact", 2.0, 0.05),
+        ("bdf2", "exact", 2.0, 0.05),
+        ("rk2", "exact", 2.0, 0.25),
+        ("rk3", "exact", 3.0, 0.25),
         ("rk4", "exact", 4.0, 0.5),
         ("adams2", "lagged", 1.0, 0.0125),  # errata C27: formally first order
     ],
@@ -86,7 +102,7 @@ def test_adams_by_hand() -> None:
 def test_a_method_that_looks_back_on_motion_is_given_by_its_coefficients() -> None:
     # the midpoint rule X_n = X_n-2 + 2 h X'_n-1 on a steady rate goes along the line
     scheme = new_scheme(0.5, 0, exact=True, trig=0)
-    set_multistep(scheme, read_integrator("a=0,1;b=2"))
+    set_integrator(scheme, "a=0,1;b=2")
     state = new_state()
     s = state[0]
     s.x, s.xdot = 10.0, 4.0
@@ -108,6 +124,7 @@ def test_the_named_adams_is_the_one_of_the_report() -> None:
         ("a=1", "give one of"),
         ("a=1;b=x", "give one of"),
         ("a=1;b=1;c=2", "give one of"),
+        ("a=1;b=1;e=2;d=1", "give one of"),
     ],
 )
 def test_an_unreadable_method_is_refused(text: str, why: str) -> None:
@@ -121,12 +138,31 @@ def test_an_unreadable_method_is_refused(text: str, why: str) -> None:
         (Multistep((1.0,), (1.5,)), "consistency needs 0"),
         (Multistep((0.9,), (0.9,)), "consistency needs 1"),
         (Multistep((-4.0, 5.0), (4.0, 2.0)), "not zero-stable"),
-        (Multistep((1.0,), (0.2,) * 5), "looks back 1 to 3"),
+        (Multistep((1.0,), (0.2,) * 5), "looks back 1 to 4"),
     ],
 )
 def test_a_method_that_cannot_work_is_refused(method: Multistep, why: str) -> None:
     with pytest.raises(ValueError, match=why):
         set_multistep(new_scheme(0.5, 0, exact=True, trig=0), method)
+
+
+@pytest.mark.parametrize(
+    ("pair", "why"),
+    [
+        # the predictor may be unstable by itself, but not inconsistent; the corrector neither
+        (Pair(PARABOLA, Multistep((-4.0, 5.0), (4.0, 2.0))), "not zero-stable"),
+        (Pair(PARABOLA, Multistep((1.0,), (0.5, 0.4))), "consistency needs 0"),
+        (Pair(Multistep((1.0,), (0.9,)), TRAPEZOID), "consistency needs 0"),
+        (Pair(PARABOLA, Multistep((1.0,), (0.0, 0.5, 0.5, 0.0, 0.0, 0.0))), "looks back 1 to 4"),
+    ],
+)
+def test_a_pair_that_cannot_work_is_refused(pair: Pair, why: str) -> None:
+    with pytest.raises(ValueError, match=why):
+        set_pair(new_scheme(0.5, 0, exact=True, trig=0), pair)
+
+
+def test_a_pair_is_given_by_its_coefficients() -> None:
+    assert read_integrator("a=1;b=1;c=1;d=0.5,0.5") == PAIRS["heun"]
 
 
 @pytest.mark.long

@@ -5,15 +5,18 @@ import os
 import subprocess
 import sys
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 import trainer
+from trainer.boat.assemble import Method, fit_out
 from trainer.boat.boat import Boat
+from trainer.config.vessel import load_vessel
 from trainer.core.actuators import move_surfaces
-from trainer.core.propulsion import answer_telegraph, thrust
+from trainer.core.propulsion import answer_telegraph, excess_eta, thrust
 from trainer.core.state import STATE
 from trainer.core.update import WATCHED, update
 
@@ -82,7 +85,7 @@ def test_a_snapshot_is_smaller_than_three_kibibytes() -> None:
 
 @pytest.mark.core
 @pytest.mark.parametrize("equations", EQUATIONS)
-@pytest.mark.parametrize("integrator", ["adams2", "adams3", "rk4", "rkv"])
+@pytest.mark.parametrize("integrator", ["adams2", "adams3", "abm4", "rk4", "rkv"])
 def test_a_turn_goes_on_from_a_snapshot_to_the_bit(
     make_boat: Callable[..., Boat], equations: str, integrator: str
 ) -> None:
@@ -330,3 +333,40 @@ def test_the_row_of_thrust_is_that_of_its_eta(
     assert thrust(boat.records.vessel, boat.records.state) == pytest.approx(
         a * u * abs(u) + b * u * u_c + k * u_c * u_c, rel=1e-15
     )
+
+
+@pytest.mark.core
+@pytest.mark.parametrize(
+    ("u", "v", "w", "u_c", "ahead", "whole"),  # the row by u, and by U
+    [
+        (4.0, 0.0, 0.0, 2.0, 1, 1),
+        (4.0, 3.0, 0.0, 2.5, 1, 1),  # u_c/u 0.625, u_c/U 0.5
+        (4.0, 3.0, 0.0, 2.4, 1, 2),
+        (4.0, 0.0, -3.0, 2.4, 1, 2),
+        (4.0, 3.0, 0.0, -0.1, 3, 3),
+        (0.0, 5.0, 0.0, 2.4, 1, 2),  # athwart U is not 0
+        (0.0, 0.0, 0.0, -2.4, 3, 3),
+    ],
+)
+def test_eta_is_by_speed_ahead_or_by_the_whole_speed(
+    u: float, v: float, w: float, u_c: float, ahead: int, whole: int
+) -> None:
+    # errata A28: u_c/u, and as an option u_c/U, in thrust rows and in the terms of eta - 1
+    file = load_vessel("bb2")
+    option = replace(file, propulsion=replace(file.propulsion, eta_speed="whole"))
+    for boat, row, speed in (
+        (file, ahead, u),
+        (option, whole, math.sqrt(u * u + v * v + w * w)),
+    ):
+        records = fit_out(boat, Method("modified", "lagged", "exact", "adams2", 0.5))
+        s = records.state[0]
+        s.u, s.v, s.w, s.u_c = u, v, w, u_c
+        for constants in (records.vessel, records.compact):
+            c = constants[0]
+            c.eta_1, c.eta_2 = 0.5, 0.0
+            for number in (1, 2, 3):
+                c[f"a{number}"] = c[f"b{number}"] = 0.0
+                c[f"c{number}"] = number
+            assert thrust(constants, records.state) == pytest.approx(row * u_c * u_c, rel=1e-15)
+        slip = u_c / speed - 1.0 if speed else 0.0
+        assert excess_eta(records.vessel, records.state) == pytest.approx(slip, abs=1e-15)

@@ -37,7 +37,7 @@ def a_vessel(**other: float) -> Record:
         "ell": ELL,
         "buoyancy": RHO * G * VOLUME,
     } | other
-    return vessel_record(body, ADDED, (0.0, 0.0))
+    return vessel_record(body, ADDED, (0.0, 0.0, 0.0))
 
 
 def moved(added: str) -> float:
@@ -91,7 +91,7 @@ def test_one_component_on_a_box_as_in_the_model_document(case: Any) -> None:
     state = one_wave(case["depth"], mu, psi=case["psi"], sea_omega=case["w"])
     state["sea_elevation"] = case["a"] * np.cos(angle)
     state["sea_quadrature"] = case["a"] * np.sin(angle)
-    vessel = as_a_box(vessel_record(body, prime, (0.0, 0.0)))
+    vessel = as_a_box(vessel_record(body, prime, (0.0, 0.0, 0.0)))
     size = case["a"] * g * k * np.exp(-k * case["depth"])
     mass = phys["B"] / phys["G"] - 0.5 * phys["RHO"] * phys["L"] ** 3 * min(prime.values())
     whole = size * mass * np.array([1, 1, 1, 1, phys["L"] / 4, phys["L"] / 4])

@@ -71,8 +71,9 @@ PROGRAMS: Final = (
     Row(
         "EB920: INTEG, further methods",
         "fourth-order Adams, and 22 methods listed",
-        f"{ABSENT}: a method may look back three cycles, these want four",
-        "",
+        "seventeen by [name](engineer.md#methods-of-integration), others by coefficients; "
+        "of the 22 six are known: four are here, and the trapezoid as a corrector",
+        "analysis/test_check.py::test_every_named_method_has_its_order_once_it_has_a_past",
     ),
     Row(
         "EB920: INPUT",
@@ -153,14 +154,14 @@ PROGRAMS: Final = (
     Row(
         "the depth law beyond 50 ft",
         "the literal law does not limit the depth error",
-        f"{ABSENT}: `--law literal` limits it, as the trainer does",
-        "",
+        "trainer manoeuvre acceleration bb2 --law literal",
+        "core/test_autopilot.py::test_the_literal_law_is_literal_beyond_50_feet_too",
     ),
     Row(
         "eta",
         "command speed over speed ahead, or over the whole speed U",
-        f"{ABSENT}: the first alone",
-        "",
+        "the first; the other by [`eta_speed`](vessel-files.md#eta-by-the-whole-speed)",
+        "core/test_update.py::test_eta_is_by_speed_ahead_or_by_the_whole_speed",
     ),
     Row(
         "waves: the cosine sum",

@@ -30,7 +30,7 @@ from trainer.session.layout import LAYOUT
 rerun = pytest.importorskip("rerun", reason="rerun-sdk is not installed: half a gigabyte")
 chunks = pytest.importorskip("rerun.chunk")
 
-HERE = os.environ | {"PYTHONPATH": str(ROOT)}
+HERE = dict(os.environ)
 HEADLESS = ("run", "stern-plane-jam", "--headless", "--no-record")
 PATIENCE = 60.0  # [s]
 PICTURE = ROOT / "docs" / "images" / "rerun.png"

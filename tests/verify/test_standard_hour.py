@@ -27,7 +27,10 @@ from trainer.verify.c_reference.compiler import RECORDS, SAME_BITS, build, heade
 # same up to tick 5448; in the next the hull first breaks the surface, ordered up in a sea (2724 s).
 # It was 219df557... until the sea had the spectrum's energy and suction, and pushed on strips; the
 # keepers kept speed, depth, trim and hover otherwise; and an emergency blow was among the orders.
-SHA256 = "9755a98258f9a72b8ea654f3d35093675830d1356fb764357cb89ba89aa81a6a"
+# It was 9755a982... until the state held three past cycles for methods of four: 24 numbers more,
+# the third rows of past_rates and past_motion, and history 3 for 2. Without those rows, and with
+# history 2, the state after the hour is the same to the bit: its digest is 9755a982... still.
+SHA256 = "7b102e64da7de2cb3f0b651ef893e9806a8341bbec4348c6503148a3f50052e0"
 SHORT = 160  # [ticks] with a depth change under way
 
 needs_compiler = pytest.mark.skipif(
@@ -76,14 +79,8 @@ def test_an_interpreted_process_takes_the_same_ticks() -> None:
     assert in_another_process({"NUMBA_DISABLE_JIT": "1"}, SHORT) == expected
 
 
-@pytest.mark.long
-@pytest.mark.parametrize(
-    "level",
-    [
-        pytest.param(level, marks=[pytest.mark.slow] if others else [])
-        for others, level in enumerate(levels_here())
-    ],
-)
+@pytest.mark.slow
+@pytest.mark.parametrize("level", levels_here())
 def test_machine_code_for_any_level_of_processor_ends_the_hour_in_the_same_bits(level: str) -> None:
     assert in_another_process(for_level(level)) == SHA256
 

@@ -90,8 +90,8 @@ class Linear:
 
 def dimensional(file: VesselFile) -> Any:
     """Return the constants of the full set, coefficients dimensional, in the vessel's units."""
-    rows, limits = thrust_rows(file)
-    return vessel_record(body(file), {**file.coefficients, **rows}, limits)[0]
+    rows, eta = thrust_rows(file)
+    return vessel_record(body(file), {**file.coefficients, **rows}, eta)[0]
 
 
 def vertical(file: VesselFile, speed: float, means: Means = Means()) -> Linear:  # noqa: B008

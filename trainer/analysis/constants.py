@@ -308,7 +308,8 @@ def constants(file: VesselFile) -> Report:
     """Return every constant of the boat, SI and radians, and where each comes from."""
     record = fit_out(file, Method("full", "exact", "exact", "adams2", file.run.step_s)).vessel
     groups = {name: _constants(file, record, sources) for name, sources in GROUPS.items()}
-    rows = {name: Source("-", "propulsion.sets") for name in ("eta_1", "eta_2")}
+    rows = _sources("-", eta_1="propulsion.sets", eta_2="propulsion.sets")
+    rows |= _sources("-", eta_whole="propulsion.eta_speed")
     groups["LIMITS OF THE THRUST ROWS"] = _constants(file, record, rows)
     return Report(
         vessel=file.name,

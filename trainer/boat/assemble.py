@@ -157,17 +157,19 @@ def body(file: VesselFile) -> dict[str, float]:
     }
 
 
-def thrust_rows(file: VesselFile) -> tuple[dict[str, float], tuple[float, float]]:
-    """Return the nine thrust coefficients, missing rows filled by the last, and eta's two limits.
+def thrust_rows(file: VesselFile) -> tuple[dict[str, float], tuple[float, float, float]]:
+    """Return the nine thrust coefficients, missing rows filled by the last, and what eta is.
 
-    Where there are two sets the first row is both of the upper ones.
+    Where there are two sets the first row is both of the upper ones. What eta is: its two limits
+    [-], and 1 where it is by the whole speed U, 0 by u.
     """
     sets = file.thrust.ahead
     rows = sets if len(sets) == 3 else (sets[0], sets[0], sets[-1])
     lowest = -math.inf
-    limits = (rows[0].eta_min, rows[1].eta_min if len(sets) > 1 else lowest)
+    second = rows[1].eta_min if len(sets) > 1 else lowest
+    eta = (rows[0].eta_min, second, float(file.propulsion.eta_speed == "whole"))
     names = {f"{name}{i + 1}": getattr(row, name) for i, row in enumerate(rows) for name in "abc"}
-    return names, limits
+    return names, eta
 
 
 def compact_coefficients(file: VesselFile, equations: str) -> dict[str, float]:
@@ -265,20 +267,26 @@ def _write_strips(file: VesselFile, record: Record) -> None:
         record["strips"][0] = vessel.strips(places, *masses)
 
 
-def read_integrator(text: str) -> scheme.Multistep:
-    """Return the multistep method written ``a=1;b=1.5,-0.5``; ConfigError if it is not one."""
+def read_integrator(text: str) -> scheme.Multistep | scheme.Pair:
+    """Return the method written ``a=1;b=1.5,-0.5``; ConfigError if it is not one.
+
+    With ``c`` and ``d`` as well it is a pair: they are the a_i and b_i of what corrects.
+    """
     try:
         parts = dict(part.split("=") for part in text.split(";"))
-        a, b = (tuple(float(x) for x in parts.pop(name).split(",")) for name in ("a", "b"))
-    except (ValueError, KeyError):
-        parts = {"": ""}
-    if parts:
-        names = ", ".join((*scheme.INTEGRATORS, *scheme.RUNGE_KUTTAS))
-        raise ConfigError(
-            f"--integrator {text!r}: give one of {names}, or the coefficients of a multistep "
-            "method such as 'a=1;b=1.5,-0.5'"
-        )
-    return scheme.Multistep(a, b)
+        numbers = {name: tuple(map(float, parts[name].split(","))) for name in parts}
+    except ValueError:
+        numbers = {}
+    if set(numbers) == set("ab"):
+        return scheme.Multistep(numbers["a"], numbers["b"])
+    if set(numbers) == set("abcd"):
+        a, b, c, d = (numbers[name] for name in "abcd")
+        return scheme.Pair(scheme.Multistep(a, b), scheme.Multistep(c, d))
+    raise ConfigError(
+        f"--integrator {text!r}: give one of {', '.join(scheme.NAMES)}, or the coefficients of a "
+        "multistep method such as 'a=1;b=1.5,-0.5', with those of its corrector "
+        "'a=1;b=1.5,-0.5;c=1;d=0.5,0.5'"
+    )
 
 
 def scheme_record(method: Method) -> Record:
@@ -292,15 +300,23 @@ def scheme_record(method: Method) -> Record:
         method.equations, scheme.COMPACT
     )
     record = scheme.new_scheme(method.step, equations, exact=method.rates == "exact", trig=trig)
-    if method.integrator in scheme.RUNGE_KUTTAS:
-        scheme.set_runge_kutta(record, scheme.RUNGE_KUTTAS[method.integrator])
-        return record
-    multistep = scheme.INTEGRATORS.get(method.integrator) or read_integrator(method.integrator)
-    try:
-        scheme.set_multistep(record, multistep)
-    except ValueError as wrong:
-        raise ConfigError(f"--integrator {method.integrator}: {wrong}") from None
+    set_integrator(record, method.integrator)
     return record
+
+
+def set_integrator(record: Record, name: str) -> None:
+    """Make a scheme integrate by a method's name or coefficients; ConfigError if it is none."""
+    if name in scheme.RUNGE_KUTTAS:
+        scheme.set_runge_kutta(record, scheme.RUNGE_KUTTAS[name])
+        return
+    found = scheme.INTEGRATORS.get(name) or scheme.PAIRS.get(name) or read_integrator(name)
+    try:
+        if isinstance(found, scheme.Pair):
+            scheme.set_pair(record, found)
+        else:
+            scheme.set_multistep(record, found)
+    except ValueError as wrong:
+        raise ConfigError(f"--integrator {name}: {wrong}") from None
 
 
 def fit_out(file: VesselFile, method: Method) -> Records:

@@ -16,7 +16,7 @@ from trainer.boat.boat import Boat
 from trainer.boat.linear import NEUTRAL, Matrix, Response, bring_to, group, respond
 from trainer.core.integrators import SMALLEST
 from trainer.core.kernel import Record
-from trainer.core.scheme import MULTISTEPS, VARIABLE_RUNGE_KUTTA
+from trainer.core.scheme import MULTISTEPS, PREDICTOR_CORRECTOR, VARIABLE_RUNGE_KUTTA
 from trainer.units import KNOT
 
 ROUNDING = 1e-9  # [-] growth per step that is only rounding
@@ -42,14 +42,21 @@ class Step(NamedTuple):
 def growth(scheme: Record, mu: NDArray[np.complex128]) -> NDArray[np.float64]:
     """Return the largest factor [-] per step for each h lambda in ``mu``.
 
-    The characteristic roots of the multistep method, or the polynomial of Runge-Kutta 4.
+    The characteristic roots of the multistep method or of the pair, or Runge-Kutta's polynomial.
     """
     how = scheme[0]
-    if how.method not in MULTISTEPS:
-        return np.asarray(abs(1.0 + mu * (1.0 + mu / 2.0 * (1.0 + mu / 3.0 * (1.0 + mu / 4.0)))))
+    if how.method not in (*MULTISTEPS, PREDICTOR_CORRECTOR):
+        slope, total = mu, 0.0 * mu
+        for i in range(int(how.stages)):
+            total += how.weight[i] / how.weight_sum * slope
+            slope = mu * (1.0 + how.share[i] * slope)
+        return np.asarray(abs(1.0 + total))
     depth = int(how.depth)
     companion = np.zeros((len(mu), depth, depth), complex)
     companion[:, 0, :] = how.a[:depth] + mu[:, None] * how.b[:depth]
+    if how.method == PREDICTOR_CORRECTOR:
+        companion[:, 0, :] *= how.closed_b[0] * mu[:, None]
+        companion[:, 0, :] += how.closed_a[:depth] + mu[:, None] * how.closed_b[1 : depth + 1]
     companion[:, range(1, depth), range(depth - 1)] = 1.0
     return np.asarray(abs(np.linalg.eigvals(companion)).max(axis=1))
 
@@ -94,23 +101,51 @@ def multistep_map(response: Response, scheme: Record, h: float) -> Matrix:
     return tick
 
 
-def runge_kutta_map(response: Response, h: float) -> Matrix:
+def runge_kutta_map(response: Response, scheme: Record, h: float) -> Matrix:
     """Return what a tick of ``h`` [s] does to motion and last rates, lagged inside the stages."""
     J, G = response.J, response.G
+    how = scheme[0]
     now = np.eye(len(J), 2 * len(J))
     rate = np.hstack([J, G])
-    total = rate.copy()
-    for weight, share in ((2.0, 0.5), (2.0, 0.5), (1.0, 1.0)):
-        rate = J @ (now + share * h * rate) + G @ rate
-        total += weight * rate
-    return np.vstack([now + h / 6.0 * total, rate])
+    total = how.weight[0] * rate
+    for i in range(1, int(how.stages)):
+        rate = J @ (now + how.share[i - 1] * h * rate) + G @ rate
+        total += how.weight[i] * rate
+    return np.vstack([now + h / how.weight_sum * total, rate])
+
+
+def pair_map(response: Response, scheme: Record, h: float) -> Matrix:
+    """Return what a tick of ``h`` [s] does to motions (newest first), last rates and past rates.
+
+    The last rates are those of what was predicted, the past ones those of the motions.
+    """
+    how = scheme[0]
+    n, depth = len(response.J), int(how.depth)
+    motions, last = n * depth, n * (depth + 1)
+    tick = np.zeros((2 * motions, 2 * motions))
+    now = np.eye(2 * motions)
+    rate = response.J @ now[:n] + response.G @ now[motions:last]
+    past = [rate, *(now[last + n * i : last + n * (i + 1)] for i in range(depth - 1))]
+    predicted, corrected = np.zeros((2, n, 2 * motions))
+    for i in range(depth):
+        held = now[n * i : n * (i + 1)]
+        predicted += how.a[i] * held + h * how.b[i] * past[i]
+        corrected += how.closed_a[i] * held + h * how.closed_b[i + 1] * past[i]
+    ahead = response.J @ predicted + response.G @ rate
+    tick[:n] = corrected + h * how.closed_b[0] * ahead
+    tick[n:motions] = now[: motions - n]
+    tick[motions:last] = ahead
+    tick[last:] = np.vstack(past)[: 2 * motions - last]
+    return tick
 
 
 def tick_map(response: Response, scheme: Record, h: float) -> Matrix:
     """Return the matrix of one tick of ``h`` [s]; the first rows are the present motion."""
     if scheme[0].method in MULTISTEPS:
         return multistep_map(response, scheme, h)
-    return runge_kutta_map(response, h)
+    if scheme[0].method == PREDICTOR_CORRECTOR:
+        return pair_map(response, scheme, h)
+    return runge_kutta_map(response, scheme, h)
 
 
 def allowed_rate(eigenvalue: complex) -> float:

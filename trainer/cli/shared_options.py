@@ -64,7 +64,8 @@ exercise_options = together(
         "--integrator",
         default="adams2",
         show_default=True,
-        help="euler, adams2, best2, adams3, rk4, rkv, or a multistep method as 'a=1;b=1.5,-0.5'.",
+        help="euler, adams2 to adams4, best2, heun, abm2 to abm4, hamming4, o30c31, bdf2, bdf3, "
+        "rk2 to rk4, rkv, or a multistep method as 'a=1;b=1.5,-0.5'.",
     ),
     click.option(
         "--step",

@@ -117,7 +117,7 @@ class Hull:
 class ThrustSet:
     """One row of thrust minus drag: rho/2 L^2 (a u^2 + b u uc + c uc^2)."""
 
-    eta_min: float = of(Quantity("-", within(-100, 100), "used from eta = uc/u of this"))
+    eta_min: float = of(Quantity("-", within(-100, 100), "used from eta of this"))
     a: float = of(Quantity("-", within(-10, 10), "factor of u^2"))
     b: float = of(Quantity("-", within(-10, 10), "factor of u uc"))
     c: float = of(Quantity("-", within(-10, 10), "factor of uc^2"))
@@ -132,6 +132,9 @@ class Propulsion:
 
     sets: tuple[ThrustSet, ...] = of(
         Rows(ThrustSet, ("status",), 1, 5, "thrust rows, below: up to 3 ahead, 2 or none astern"),
+    )
+    eta_speed: str | None = optional(
+        Choice(("ahead", "whole"), "eta is uc over speed ahead u, or over the whole U; else ahead")
     )
     rps_per_mps: float = of(Quantity("1/m", within(1e-3, 1000), "turns a second per m/s of uc"))
     dead_time_s: float = of(Quantity("s", within(0, 600), "order to first change of uc"))

@@ -103,6 +103,7 @@ if "numba" in sys.modules:  # it has read the environment already
 
 CODE = (".nbi", ".nbc")  # numba's index of a kernel, and the code itself
 DIGEST = ".digest"
+TWO_DIGESTS = 65  # [bytes] in hexadecimal, a line each
 DAMAGED = ".damaged"
 
 
@@ -113,17 +114,25 @@ def _digest_of(path: str) -> bytes:
         return hashlib.blake2b(file.read(), digest_size=16).hexdigest().encode()
 
 
-def _keep_digest(made: str, path: str) -> None:
-    """Put the digest of what is about to be renamed to ``path`` beside it."""
+def keep_digest(made: str, path: str) -> None:
+    """Put the digest of what is about to be renamed to ``path`` beside it, with what is there.
+
+    Until it is renamed others may read what was there: that is not damaged either.
+    """
+    digests = [_digest_of(made)]
     with contextlib.suppress(OSError):
-        descriptor = os.open(path + DIGEST, os.O_WRONLY | os.O_CREAT | os.O_TRUNC, 0o666)
+        digests.append(_digest_of(path))
+    mine = f"{path}{DIGEST}-{os.getpid()}"
+    with contextlib.suppress(OSError):
+        descriptor = os.open(mine, os.O_WRONLY | os.O_CREAT | os.O_TRUNC, 0o666)
         try:
-            os.write(descriptor, _digest_of(made))
+            os.write(descriptor, b"\n".join(digests))
         finally:
             os.close(descriptor)
+        os.replace(mine, path + DIGEST)  # noqa: PTH105  it is done for every file that is written
 
 
-def _check(path: str) -> None:
+def check_digest(path: str) -> None:
     """Set a file aside that is not what was written; say so."""
     try:
         found = _digest_of(path)
@@ -134,7 +143,7 @@ def _check(path: str) -> None:
     with contextlib.suppress(OSError):
         descriptor = os.open(path + DIGEST, os.O_RDONLY)
         try:
-            if os.read(descriptor, len(found) + 1) == found:
+            if found in os.read(descriptor, TWO_DIGESTS).split():
                 return
         finally:
             os.close(descriptor)
@@ -156,11 +165,11 @@ def _attend(event: str, told: tuple[Any, ...]) -> None:
     if event == "open":
         path, mode, _ = told
         if mode == "r" and isinstance(path, str) and path.endswith(CODE):
-            _check(path)
+            check_digest(path)
     elif event == "os.rename":
         made, path = str(told[0]), str(told[1])
         if path.endswith(CODE):
-            _keep_digest(made, path)
+            keep_digest(made, path)
 
 
 sys.addaudithook(_attend)

@@ -34,7 +34,7 @@ def axial_force(vessel: Record, trig: int, state: Record) -> float:
     s = state[0]
     m = mass(vessel, state)
     u, v, w, p, q, r = s.u, s.v, s.w, s.p, s.q, s.r
-    e = excess_eta(state)
+    e = excess_eta(vessel, state)
 
     body = m * (v * r - w * q + s.x_g * (q * q + r * r) - s.y_g * p * q - s.z_g * p * r)
     rotation = c.X_qq * q * q + c.X_rr * r * r + c.X_rp * r * p
@@ -62,7 +62,7 @@ def lateral_force(vessel: Record, trig: int, state: Record) -> float:
     m = mass(vessel, state)
     u, v, w, p, q, r = s.u, s.v, s.w, s.p, s.q, s.r
     cross = math.sqrt(v * v + w * w)
-    e = excess_eta(state)
+    e = excess_eta(vessel, state)
 
     body = m * (w * p - u * r + s.y_g * (r * r + p * p) - s.z_g * q * r - s.x_g * q * p)
     rotation = c.Y_pap * p * abs(p) + c.Y_pq * p * q + c.Y_qr * q * r
@@ -95,7 +95,7 @@ def normal_force(vessel: Record, trig: int, state: Record) -> float:
     m = mass(vessel, state)
     u, v, w, p, q, r = s.u, s.v, s.w, s.p, s.q, s.r
     cross = math.sqrt(v * v + w * w)
-    e = excess_eta(state)
+    e = excess_eta(vessel, state)
 
     body = m * (u * q - v * p + s.z_g * (p * p + q * q) - s.x_g * r * p - s.y_g * r * q)
     rotation = c.Z_pp * p * p + c.Z_rr * r * r + c.Z_rp * r * p
@@ -140,7 +140,7 @@ def rolling_moment(vessel: Record, trig: int, state: Record) -> float:
     weight = (s.y_g * s.weight - c.y_b * c.buoyancy) * cos_th * pitch_roll_cosine(trig, s.phi) - (
         s.z_g * s.weight - c.z_b * c.buoyancy
     ) * cos_th * pitch_roll_sine(trig, s.phi)
-    slip = c.K_star_eta * u * u * excess_eta(state)
+    slip = c.K_star_eta * u * u * excess_eta(vessel, state)
     return inertia + body + rotation + damping + drift + rudder + weight + slip
 
 
@@ -152,7 +152,7 @@ def pitching_moment(vessel: Record, trig: int, state: Record) -> float:
     m = mass(vessel, state)
     u, v, w, p, q, r = s.u, s.v, s.w, s.p, s.q, s.r
     cross = math.sqrt(v * v + w * w)
-    e = excess_eta(state)
+    e = excess_eta(vessel, state)
 
     inertia = (c.I_z - c.I_x) * r * p + c.I_xy * q * r - c.I_xz * (p * p - r * r) - c.I_yz * q * p
     body = m * (s.z_g * (v * r - w * q) - s.x_g * (u * q - v * p))
@@ -187,7 +187,7 @@ def yawing_moment(vessel: Record, trig: int, state: Record) -> float:
     m = mass(vessel, state)
     u, v, w, p, q, r = s.u, s.v, s.w, s.p, s.q, s.r
     cross = math.sqrt(v * v + w * w)
-    e = excess_eta(state)
+    e = excess_eta(vessel, state)
 
     inertia = (c.I_x - c.I_y) * p * q + c.I_yz * r * p - c.I_xy * (q * q - p * p) - c.I_xz * r * q
     body = m * (s.x_g * (w * p - u * r) - s.y_g * (v * r - w * q))

@@ -1,4 +1,4 @@
-"""One step of the twelve motion variables: any linear multistep method, Runge-Kutta 4.
+"""One step of the twelve motion variables: linear multistep, predictor-corrector, Runge-Kutta.
 
 Controls are held over the step. [ASSES] III-B, errata D1-D10.
 """
@@ -15,7 +15,13 @@ from trainer.core.attitude import (
 from trainer.core.envelope import substeps
 from trainer.core.kernel import Numbers, Record, kernel, part
 from trainer.core.rates import rates
-from trainer.core.scheme import ADAMS, MULTISTEPS, RUNGE_KUTTA, VARIABLE_RUNGE_KUTTA
+from trainer.core.scheme import (
+    ADAMS,
+    MULTISTEPS,
+    PREDICTOR_CORRECTOR,
+    RUNGE_KUTTA,
+    VARIABLE_RUNGE_KUTTA,
+)
 from trainer.core.state import HISTORY
 
 SMALLEST, LARGEST = 0.05, 2.0  # [s] variable step, [ASSES] III-B
@@ -64,19 +70,36 @@ def recall(scheme: Record, state: Record) -> None:
 
 
 @part
+def shift_rates(state: Record) -> None:
+    """Put the present rates at the head of the past ones; a row at a time, which costs least."""
+    s = state[0]
+    for back in range(HISTORY - 1, 0, -1):
+        for i in range(12):
+            s.past_rates[back, i] = s.past_rates[back - 1, i]
+    for i in range(12):
+        s.past_rates[0, i] = s.rates[i]
+
+
+@part
 def adams_of(scheme: Record, terms: int, state: Record) -> None:
-    """Advance by h sum b_i X'_n-i, i to ``terms``, and shift the history of the rates."""
+    """Advance by h sum b_i X'_n-i, i to ``terms``, and shift the history of the rates.
+
+    Two terms, as most runs have, are written out: that makes vector code, with the same bits.
+    """
     how = scheme[0]
     s = state[0]
     remember(state)
-    for i in range(12):
-        slope = how.b[0] * s.rates[i]
-        for back in range(terms - 1):
-            slope += how.b[back + 1] * s.past_rates[back, i]
-        for back in range(HISTORY - 1, 0, -1):
-            s.past_rates[back, i] = s.past_rates[back - 1, i]
-        s.past_rates[0, i] = s.rates[i]
-        s.motion[i] += how.h * slope
+    h, now, before = how.h, how.b[0], how.b[1]
+    if terms == 2:
+        for i in range(12):
+            s.motion[i] += h * (now * s.rates[i] + before * s.past_rates[0, i])
+    else:
+        for i in range(12):
+            slope = now * s.rates[i]
+            for back in range(terms - 1):
+                slope += how.b[back + 1] * s.past_rates[back, i]
+            s.motion[i] += h * slope
+    shift_rates(state)
 
 
 @part
@@ -100,10 +123,8 @@ def adams_unequal(h: float, state: Record) -> None:
     share = past_share(h, state)
     for i in range(12):
         slope = (1.0 + share) * s.rates[i] - share * s.past_rates[0, i]
-        for back in range(HISTORY - 1, 0, -1):
-            s.past_rates[back, i] = s.past_rates[back - 1, i]
-        s.past_rates[0, i] = s.rates[i]
         s.motion[i] += h * slope
+    shift_rates(state)
 
 
 @part
@@ -183,7 +204,8 @@ def stage(state: Record, scratch: Record, weight: float, share: float, polar: in
 def runge_kutta(
     vessel: Record, compact: Record, scheme: Record, state: Record, scratch: Record, h: float
 ) -> None:
-    """Advance by ``h`` [s] with the classical 4th-order method from rates already computed."""
+    """Advance by ``h`` [s] with the scheme's stages from rates already computed."""
+    how = scheme[0]
     s = state[0]
     work = scratch[0]
     polar = 1 if scheme[0].envelope != 0 and is_polar(state) else 0
@@ -192,17 +214,14 @@ def runge_kutta(
         work.slope[i] = 0.0
     for i in range(3):
         work.turn[i] = 0.0
-    stage(state, scratch, 1.0, 0.5 * h, polar)
-    rates(vessel, compact, scheme, state, scratch)
-    stage(state, scratch, 2.0, 0.5 * h, polar)
-    rates(vessel, compact, scheme, state, scratch)
-    stage(state, scratch, 2.0, h, polar)
-    rates(vessel, compact, scheme, state, scratch)
-    stage(state, scratch, 1.0, 0.0, polar)
+    for number in range(how.stages):
+        if number > 0:
+            rates(vessel, compact, scheme, state, scratch)
+        stage(state, scratch, how.weight[number], how.share[number] * h, polar)
     for i in range(12):
-        s.motion[i] = work.start[i] + h / 6.0 * work.slope[i]
+        s.motion[i] = work.start[i] + h / how.weight_sum * work.slope[i]
     if polar != 0:
-        turn_from_start(h / 6.0, work.turn, state, scratch)
+        turn_from_start(h / how.weight_sum, work.turn, state, scratch)
     elif scheme[0].envelope != 0 and is_beyond(state):
         bring_within(state)
 
@@ -270,6 +289,64 @@ def variable_runge_kutta(
 
 
 @part
+def look_back(a: Numbers, b: Numbers, depth: int, h: float, state: Record, out: Numbers) -> None:
+    """Write sum a_i X_n-i + h sum b_i X'_n-i to ``out`` (12,), the present ones first."""
+    s = state[0]
+    for i in range(12):
+        value = a[0] * s.motion[i] + h * (b[0] * s.rates[i])
+        for back in range(depth - 1):
+            value += a[back + 1] * s.past_motion[back, i]
+            value += h * (b[back + 1] * s.past_rates[back, i])
+        out[i] = value
+
+
+@part
+def shift_histories(state: Record) -> None:
+    """Put the present motion and rates at the head of what is past."""
+    s = state[0]
+    for i in range(12):
+        for back in range(HISTORY - 1, 0, -1):
+            s.past_motion[back, i] = s.past_motion[back - 1, i]
+        s.past_motion[0, i] = s.motion[i]
+    shift_rates(state)
+
+
+@kernel
+def predict_and_correct(
+    vessel: Record, compact: Record, scheme: Record, state: Record, scratch: Record
+) -> None:
+    """Advance by the scheme's pair of formulas, open and closed, from rates already computed."""
+    how = scheme[0]
+    s = state[0]
+    work = scratch[0]
+    remember_motion(how.h, state)
+    remember(state)
+    look_back(how.a, how.b, how.depth, how.h, state, work.coarse)
+    look_back(how.closed_a, how.closed_b[1:], how.depth, how.h, state, work.slope)
+    shift_histories(state)
+    for i in range(12):
+        s.motion[i] = work.coarse[i]
+    rates(vessel, compact, scheme, state, scratch)
+    for i in range(12):
+        s.motion[i] = work.slope[i] + how.h * (how.closed_b[0] * s.rates[i])
+    if how.envelope != 0 and is_beyond(state):
+        bring_within(state)
+
+
+@kernel
+def pair_step(
+    vessel: Record, compact: Record, scheme: Record, state: Record, scratch: Record, h: float
+) -> None:
+    """Advance by ``h`` [s]; near the vertical and in a part of a step by Runge-Kutta, anew."""
+    how = scheme[0]
+    if h == how.h and not (how.envelope != 0 and is_polar(state)):
+        predict_and_correct(vessel, compact, scheme, state, scratch)
+    else:
+        runge_kutta(vessel, compact, scheme, state, scratch, h)
+        state[0].history = 0.0
+
+
+@part
 def forget_unequal(scheme: Record, state: Record) -> None:
     """Begin anew after substeps, but for the method that goes on over steps of any length."""
     how = scheme[0]
@@ -285,9 +362,10 @@ def advance(
     """Advance the motion by one step of the scheme, controls held; in parts where it must be."""
     how = scheme[0]
     several = how.method in MULTISTEPS
+    looks_back = several or how.method == PREDICTOR_CORRECTOR
     count = 1
     if how.envelope != 0 and how.method != VARIABLE_RUNGE_KUTTA:
-        count = substeps(vessel, how.h, int(several) * int(scratch[0].cut), state)
+        count = substeps(vessel, how.h, int(looks_back) * int(scratch[0].cut), state)
     h = how.h / count if count > 1 else how.h
     for _ in range(count):
         rates(vessel, compact, scheme, state, scratch)
@@ -295,6 +373,8 @@ def advance(
             multistep_step(scheme, h, state)
         elif how.method == RUNGE_KUTTA:
             runge_kutta(vessel, compact, scheme, state, scratch, h)
+        elif how.method == PREDICTOR_CORRECTOR:
+            pair_step(vessel, compact, scheme, state, scratch, h)
         else:
             variable_runge_kutta(vessel, compact, scheme, state, scratch)
     if count > 1:

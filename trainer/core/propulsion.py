@@ -11,8 +11,9 @@ from trainer.core.kernel import Record, kernel, part
 def thrust(vessel: Record, state: Record) -> float:
     """Return thrust less axial drag [N], the third line of [ASSES] (1), in three rows of eta.
 
-    The row is found by comparison, without dividing (errata A29): eta = u_c/u. Departure: going
-    astern the drag a_i u^2 is taken as a_i u|u|, or it would push the boat ever faster astern.
+    The row is found by comparison, without dividing (errata A29): eta = u_c/u, or u_c/U for a
+    vessel that has it so (A28). Departure: going astern the drag a_i u^2 is taken as a_i u|u|, or
+    it would push the boat ever faster astern.
     """
     c = vessel[0]
     s = state[0]
@@ -21,8 +22,11 @@ def thrust(vessel: Record, state: Record) -> float:
     a1, b1, c1 = c.a1, c.b1, c.c1
     a2, b2, c2 = c.a2, c.b2, c.c2
     a3, b3, c3 = c.a3, c.b3, c.c3
-    if u > 0.0:
-        first, second = u_c >= c.eta_1 * u, u_c >= c.eta_2 * u
+    speed = u
+    if c.eta_whole != 0.0:
+        speed = math.sqrt(u * u + s.v * s.v + s.w * s.w)
+    if speed > 0.0:
+        first, second = u_c >= c.eta_1 * speed, u_c >= c.eta_2 * speed
     else:
         first, second = u_c >= 0.0, False
     a, b, k = (a1, b1, c1) if first else ((a2, b2, c2) if second else (a3, b3, c3))
@@ -38,12 +42,15 @@ def thrust_astern(vessel: Record, state: Record) -> float:
 
 
 @kernel
-def excess_eta(state: Record) -> float:
-    """Return eta - 1 [-], 0 at u = 0 (errata A28, A29)."""
+def excess_eta(vessel: Record, state: Record) -> float:
+    """Return eta - 1 [-], 0 at u = 0, or at U = 0 for a vessel with eta by U (errata A28, A29)."""
     s = state[0]
-    if s.u == 0.0:
+    speed = s.u
+    if vessel[0].eta_whole != 0.0:
+        speed = math.sqrt(s.u * s.u + s.v * s.v + s.w * s.w)
+    if speed == 0.0:
         return 0.0
-    return s.u_c / s.u - 1.0
+    return s.u_c / speed - 1.0
 
 
 @part

@@ -6,14 +6,15 @@ from typing import Final, NamedTuple
 
 import numpy as np
 
-from trainer.core.kernel import Record
+from trainer.core.kernel import Numbers, Record
 
 FULL, COMPACT, LONGITUDINAL = 0, 1, 2
-ADAMS, MULTISTEP, RUNGE_KUTTA, VARIABLE_RUNGE_KUTTA = 0, 1, 2, 3
+ADAMS, MULTISTEP, RUNGE_KUTTA, VARIABLE_RUNGE_KUTTA, PREDICTOR_CORRECTOR = 0, 1, 2, 3, 4
 MULTISTEPS: Final = (ADAMS, MULTISTEP)  # multistep methods; those of Adams ask for no past motion
 
 TRIGGERS: Final = 8  # at most, of one run
-DEPTH: Final = 3  # cycles a multistep method may use, the last one included
+DEPTH: Final = 4  # cycles a multistep method may use, the last one included
+STAGES: Final = 4  # at most, of a Runge-Kutta method
 
 SCHEME: Final = np.dtype(
     (
@@ -28,6 +29,14 @@ SCHEME: Final = np.dtype(
             ("depth", "i8"),  # cycles the multistep method uses
             ("a", "f8", (DEPTH,)),
             ("b", "f8", (DEPTH,)),
+            # the corrector of what a and b predict: the same, and first the rate predicted
+            ("closed_a", "f8", (DEPTH,)),
+            ("closed_b", "f8", (1 + DEPTH,)),
+            # of Runge and Kutta: each stage begins at its share of the step along the last one
+            ("stages", "i8"),
+            ("weight", "f8", (STAGES,)),
+            ("share", "f8", (STAGES,)),  # of the stage that follows
+            ("weight_sum", "f8"),
             # triggers armed for the run: when sense times (state less threshold) is positive
             ("trigger_place", "f8", (TRIGGERS,)),  # of the quantity in the state
             ("trigger_sense", "f8", (TRIGGERS,)),  # 1 or -1
@@ -55,12 +64,70 @@ INTEGRATORS: Final[Mapping[str, Multistep]] = MappingProxyType(
         "euler": Multistep((1.0,), (1.0,)),
         "adams2": Multistep((1.0,), (1.5, -0.5)),
         "best2": Multistep((1.0,), (0.75, 0.25)),
+        # Adams and Bashforth
         "adams3": Multistep((1.0,), (23 / 12, -16 / 12, 5 / 12)),
+        "adams4": Multistep((1.0,), (55 / 24, -59 / 24, 37 / 24, -9 / 24)),
     }
 )
-RUNGE_KUTTAS: Final[Mapping[str, int]] = MappingProxyType(
-    {"rk4": RUNGE_KUTTA, "rkv": VARIABLE_RUNGE_KUTTA}
+
+
+class Pair(NamedTuple):
+    """An open formula that predicts X_n, and a closed one that corrects it, once.
+
+    X_n = sum closed.a_i X_n-i + h sum closed.b_i X'_n-i, i of the second sum from 0: the rate of
+    what was predicted. Then the rate of what was corrected is the next cycle's.
+    """
+
+    open: Multistep
+    closed: Multistep
+
+
+def closed_of_three(a3: float) -> Multistep:
+    """Return the closed formula of three positions and one rate, second order, with that a_3 [-].
+
+    The report's "C31"; errata D6. 0: backward differences of second order, 2/11: of third.
+    """
+    return Multistep(((4 + 5 * a3) / 3, -(1 + 8 * a3) / 3, a3), ((2 - 2 * a3) / 3,))
+
+
+PARABOLA: Final = Multistep((3.0, -3.0, 1.0), ())  # the report's "O30": through three positions
+MILNE: Final = Multistep((0.0, 0.0, 0.0, 1.0), (8 / 3, -4 / 3, 8 / 3))
+TRAPEZOID: Final = Multistep((1.0,), (0.5, 0.5))  # [ASSES] III-B, errata D3: closed
+PAIRS: Final[Mapping[str, Pair]] = MappingProxyType(
+    {
+        "heun": Pair(INTEGRATORS["euler"], TRAPEZOID),
+        # Adams, Bashforth and Moulton
+        "abm2": Pair(INTEGRATORS["adams2"], TRAPEZOID),
+        "abm3": Pair(INTEGRATORS["adams3"], Multistep((1.0,), (5 / 12, 8 / 12, -1 / 12))),
+        "abm4": Pair(INTEGRATORS["adams4"], Multistep((1.0,), (9 / 24, 19 / 24, -5 / 24, 1 / 24))),
+        # Hamming (1959), after Milne's predictor
+        "hamming4": Pair(MILNE, Multistep((9 / 8, 0.0, -1 / 8), (3 / 8, 6 / 8, -3 / 8))),
+        # [ASSES] Table 1 "O30 C31": errata D6 has a_3 from its interval of -0.82, not proved
+        "o30c31": Pair(PARABOLA, closed_of_three(0.1266)),
+        "bdf2": Pair(PARABOLA, closed_of_three(0.0)),
+        "bdf3": Pair(PARABOLA, closed_of_three(2 / 11)),
+    }
 )
+
+
+class Stages(NamedTuple):
+    """A Runge-Kutta method each of whose stages begins along the last one alone."""
+
+    weights: tuple[float, ...]
+    shares: tuple[float, ...]  # [-] of the step, to where the second stage begins and so on
+    kind: int = RUNGE_KUTTA
+
+
+CLASSICAL: Final = Stages((1.0, 2.0, 2.0, 1.0), (0.5, 0.5, 1.0))
+RUNGE_KUTTAS: Final[Mapping[str, Stages]] = MappingProxyType(
+    {
+        "rk2": Stages((0.0, 1.0), (0.5,)),  # Runge: the midpoint rule
+        "rk3": Stages((1.0, 0.0, 3.0), (1 / 3, 2 / 3)),  # Heun
+        "rk4": CLASSICAL,
+        "rkv": CLASSICAL._replace(kind=VARIABLE_RUNGE_KUTTA),
+    }
+)
+NAMES: Final = (*INTEGRATORS, *PAIRS, *RUNGE_KUTTAS)
 
 
 def new_scheme(h: float, equations: int, *, exact: bool, trig: int) -> Record:
@@ -79,23 +146,59 @@ def equations_alone(scheme: Record) -> Record:
     return alone
 
 
-def set_multistep(scheme: Record, method: Multistep) -> None:
-    """Make ``scheme`` integrate by ``method``; raise ValueError for one that cannot be used."""
-    if not 1 <= max(len(method.a), len(method.b)) <= DEPTH:
+def require_consistent(method: Multistep, past: int) -> None:
+    """Raise ValueError for a formula of too many cycles, or of no first order.
+
+    ``past`` is how many of its rates are of cycles gone by.
+    """
+    if not 1 <= max(len(method.a), past) <= DEPTH:
         raise ValueError(f"a multistep method looks back 1 to {DEPTH} cycles")
     if abs(sum(method.a) - 1.0) > 1e-12:
         raise ValueError(f"the a_i add up to {sum(method.a):g}; consistency needs 1")
     drift = sum(method.b) - sum(i * a for i, a in enumerate(method.a, start=1))
     if abs(drift) > 1e-9:
         raise ValueError(f"sum of b_i less sum of i a_i is {drift:g}; consistency needs 0")
+
+
+def require_zero_stable(method: Multistep) -> None:
+    """Raise ValueError for a formula that makes a boat at rest run away."""
     if max(abs(np.roots([1.0, *(-a for a in method.a)]))) > 1.0 + 1e-9:
         raise ValueError("the a_i alone make the solution grow: not zero-stable at any step")
+
+
+def padded(numbers: tuple[float, ...], count: int) -> Numbers:
+    """Return the numbers and zeros after them, (count,)."""
+    return np.pad(np.array(numbers), (0, count - len(numbers)))
+
+
+def set_multistep(scheme: Record, method: Multistep) -> None:
+    """Make ``scheme`` integrate by ``method``; raise ValueError for one that cannot be used."""
+    require_consistent(method, len(method.b))
+    require_zero_stable(method)
     scheme["method"] = MULTISTEP if any(method.a[1:]) else ADAMS
     scheme["depth"] = max(len(method.a), len(method.b))
-    scheme["a"] = np.pad(method.a, (0, DEPTH - len(method.a)))
-    scheme["b"] = np.pad(method.b, (0, DEPTH - len(method.b)))
+    scheme["a"], scheme["b"] = padded(method.a, DEPTH), padded(method.b, DEPTH)
 
 
-def set_runge_kutta(scheme: Record, kind: int) -> None:
-    """Make ``scheme`` integrate by the Runge-Kutta method of ``kind``."""
-    scheme["method"] = kind
+def set_pair(scheme: Record, pair: Pair) -> None:
+    """Make ``scheme`` predict and correct; raise ValueError for a pair that cannot be used.
+
+    The predictor alone may be unstable: what it is wrong by does not last.
+    """
+    for method, past in ((pair.open, len(pair.open.b)), (pair.closed, len(pair.closed.b) - 1)):
+        require_consistent(method, past)
+    require_zero_stable(pair.closed)
+    lengths = (len(pair.open.a), len(pair.open.b), len(pair.closed.a), len(pair.closed.b) - 1)
+    set_runge_kutta(scheme, CLASSICAL)  # for the steps that have no past of their own
+    scheme["method"], scheme["depth"] = PREDICTOR_CORRECTOR, max(lengths)
+    scheme["a"], scheme["b"] = padded(pair.open.a, DEPTH), padded(pair.open.b, DEPTH)
+    scheme["closed_a"] = padded(pair.closed.a, DEPTH)
+    scheme["closed_b"] = padded(pair.closed.b, 1 + DEPTH)
+
+
+def set_runge_kutta(scheme: Record, method: Stages) -> None:
+    """Make ``scheme`` integrate by a Runge-Kutta method."""
+    scheme["method"], scheme["stages"] = method.kind, len(method.weights)
+    scheme["weight"] = padded(method.weights, STAGES)
+    scheme["share"] = padded(method.shares, STAGES)
+    scheme["weight_sum"] = sum(method.weights)

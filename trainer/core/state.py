@@ -23,7 +23,7 @@ MOTION: Final = ["u", "v", "w", "p", "q", "r", "phi", "theta", "psi", "x", "y", 
 # time derivatives of the above, of the last cycle until the present one has computed its own
 RATES: Final = [f"{name}dot" for name in MOTION]
 
-HISTORY: Final = 2  # past cycles an integrator may look back on, beside the last
+HISTORY: Final = 3  # past cycles an integrator may look back on, beside the last
 
 # what a sea is, each ramped when another is ordered
 SEA_QUANTITIES: Final = [
@@ -46,7 +46,7 @@ STATE: Final = record_dtype(
     "tick",  # [-] ticks done since the start of the run
     ("motion", MOTION),
     ("rates", RATES),
-    ("past_rates", (HISTORY, 12)),  # rates of one and two cycles ago
+    ("past_rates", (HISTORY, 12)),  # rates of one, two and three cycles ago
     ("past_motion", (HISTORY, 12)),
     "history",  # [-] how many past cycles are true; 0 after a start or a jump
     "substep",  # [s] present step of the variable-step Runge-Kutta, 0 before its first

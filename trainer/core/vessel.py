@@ -55,6 +55,7 @@ VESSEL: Final = record_dtype(
     *BODY,
     "eta_1",  # [-] thrust row 1 holds from here up, row 2 down to eta_2, row 3 below
     "eta_2",
+    "eta_whole",  # [-] 1: eta = u_c/U, 0: u_c/u
     *THRUST,
     *POWERS,
     # its schedule of gains
@@ -85,6 +86,7 @@ STRIP_SHARES: Final = (0.10849, 0.17622, 0.17638, 0.17948, 0.17638, 0.14648, 0.0
 
 
 Prime = Mapping[str, float | Numbers]  # [-] a number, or one for each member of a fleet
+Eta = tuple[float, float, float]  # [-] where thrust rows 1 and 2 begin; 1 for eta by U, 0 by u
 
 
 def _members(prime: Prime) -> int:
@@ -103,7 +105,7 @@ def strips(places: ArrayLike, *masses: ArrayLike) -> Numbers:
     return np.array([places, *shares])
 
 
-def vessel_record(body: Mapping[str, float], prime: Prime, eta: tuple[float, float]) -> Record:
+def vessel_record(body: Mapping[str, float], prime: Prime, eta: Eta) -> Record:
     """Return the full-set constants; ``prime`` holds POWERS and THRUST, dimensionless.
 
     Arrays make a record for each of their numbers. Control surfaces, propulsion dynamics and
@@ -112,7 +114,7 @@ def vessel_record(body: Mapping[str, float], prime: Prime, eta: tuple[float, flo
     vessel = np.zeros(_members(prime), VESSEL)
     for name in BODY:
         vessel[name] = body[name]
-    vessel["eta_1"], vessel["eta_2"] = eta
+    vessel["eta_1"], vessel["eta_2"], vessel["eta_whole"] = eta
     centre = body["x_b"] / body["ell"]
     vessel["strips"] = strips([x + centre for x in STRIP_PLACES], *[STRIP_SHARES] * 3)
     for name, power in POWERS.items():
@@ -123,7 +125,7 @@ def vessel_record(body: Mapping[str, float], prime: Prime, eta: tuple[float, flo
 
 
 COMPACT: Final = record_dtype(
-    *("rho", "g", "mass", "weight", "buoyancy", "eta_1", "eta_2"),
+    *("rho", "g", "mass", "weight", "buoyancy", "eta_1", "eta_2", "eta_whole"),
     *THRUST,
     *(INVERTED.get(name, name) for name in KEPT),
     "ZB",  # [N m] buoyancy times z_b
@@ -138,7 +140,7 @@ COMPACT: Final = record_dtype(
 )
 
 
-def compact_record(body: Mapping[str, float], prime: Prime, eta: tuple[float, float]) -> Record:
+def compact_record(body: Mapping[str, float], prime: Prime, eta: Eta) -> Record:
     """Return the compact constants, [ASSES] (18).
 
     ``prime`` holds what the set keeps, compensation factors applied. The mass is left out of Y_r
@@ -147,7 +149,7 @@ def compact_record(body: Mapping[str, float], prime: Prime, eta: tuple[float, fl
     compact = np.zeros(_members(prime), COMPACT)
     for name in ("rho", "g", "mass", "weight", "buoyancy"):
         compact[name] = body[name]
-    compact["eta_1"], compact["eta_2"] = eta
+    compact["eta_1"], compact["eta_2"], compact["eta_whole"] = eta
     for name in THRUST:
         compact[name] = _scale(body, 2) * prime.get(name, 0.0)
 

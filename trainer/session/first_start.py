@@ -22,7 +22,13 @@ from trainer.core.cache import cache_folder, cache_lasts
 from trainer.session.options import RunOptions
 
 EVALUATION: Final = 0.02  # [s] of the clock for an evaluation of the rates: ten of them
-EVALUATIONS: Final = {"rk4": 4.0, "rkv": math.inf}  # in a tick; one with other methods
+EVALUATIONS: Final = {  # in a tick; one with other methods
+    **dict.fromkeys(("heun", "abm2", "abm3", "abm4", "hamming4", "o30c31", "bdf2", "bdf3"), 2.0),
+    "rk2": 2.0,
+    "rk3": 3.0,
+    "rk4": 4.0,
+    "rkv": math.inf,
+}
 INTERPRETED: Final = "interpreted: 100 times slower, with the same bits, and on time"
 
 

@@ -17,7 +17,7 @@ from trainer.core.ballast.tanks import END, NEGATIVE, TRIM_FORWARD
 from trainer.core.kernel import Numbers, Record, kernel, record_dtype
 from trainer.core.scheme import ADAMS
 from trainer.core.scheme import COMPACT as COMPACT_SET
-from trainer.core.state import HISTORY, STATE
+from trainer.core.state import STATE
 from trainer.core.vessel import COMPACT, VESSEL
 
 TERMS = 2  # of Adams' method
@@ -80,7 +80,7 @@ def ordinary(vessel: Record, state: Record) -> bool:
 def under_way(state: Record) -> bool:
     """Return whether the past of the integration is that of this very flight."""
     s = state[0]
-    return s.history == HISTORY and s.x == s.sailed_x and s.y == s.sailed_y
+    return s.history > 0.0 and s.x == s.sailed_x and s.y == s.sailed_y
 
 
 @kernel

@@ -22,6 +22,7 @@ from trainer.analysis.report.text import INDENT, figure, table, wrap
 from trainer.boat.assemble import Method
 from trainer.config.files import ConfigError
 from trainer.config.vessel import VesselFile
+from trainer.core.scheme import RUNGE_KUTTAS
 from trainer.io.atomic_write import write_whole
 from trainer.units import KNOT
 
@@ -46,7 +47,7 @@ class Report:
 
 def fly_boat(file: VesselFile, name: str, options: Mapping[str, Any]) -> tuple[Report, Flight]:
     """Return report and flight of the manoeuvre of that name; ``options`` are the command's."""
-    runge_kutta = options["integrator"] in ("rk4", "rkv")
+    runge_kutta = options["integrator"] in RUNGE_KUTTAS
     method = Method(
         options["equations"],
         options["rates"] or ("exact" if runge_kutta else "lagged"),

@@ -22,12 +22,16 @@ def report_law(state: Record) -> float:
     """Return the plane angle [rad] of [ASSES] IV.
 
     DS = .008 (ZC - Z) + 3.5 theta + .012 (u sin theta - w cos theta) + 2 q, in feet, radians and
-    seconds; the bracket is the rate of climb (errata G).
+    seconds; the bracket is the rate of climb (errata G). ZC - Z is held within 50 ft, which is not
+    the report's and the literal law does not do: there the planes are hard over from 76 ft on.
     """
     s = state[0]
     climb_rate = s.u * sine(s.theta) - s.w * cosine(s.theta)
+    error = s.ordered_depth - s.z
+    if s.depth_law != REPORT_LITERAL:
+        error = within(error, 0.0, REPORT_FURTHEST)
     angle = (
-        REPORT_DEPTH * within(s.ordered_depth - s.z, 0.0, REPORT_FURTHEST)
+        REPORT_DEPTH * error
         + REPORT_PITCH * s.theta
         + REPORT_CLIMB * climb_rate
         + REPORT_PITCH_RATE * s.q

@@ -5,8 +5,11 @@
     static double name(const struct record *c, const struct state *s)            \
     {                                                                            \
         double u = s->u, u_c = s->u_c;                                           \
-        int first = u > 0.0 ? u_c >= c->eta_1 * u : u_c >= 0.0;                  \
-        int second = u > 0.0 && u_c >= c->eta_2 * u;                             \
+        double speed = u;                                                        \
+        if (c->eta_whole != 0.0)                                                 \
+            speed = sqrt(u * u + s->v * s->v + s->w * s->w);                     \
+        int first = speed > 0.0 ? u_c >= c->eta_1 * speed : u_c >= 0.0;          \
+        int second = speed > 0.0 && u_c >= c->eta_2 * speed;                     \
         double a = first ? c->a1 : second ? c->a2 : c->a3;                       \
         double b = first ? c->b1 : second ? c->b2 : c->b3;                       \
         double k = first ? c->c1 : second ? c->c2 : c->c3;                       \
