@@ -35,7 +35,7 @@ from trainer.analysis.reduce.programme import (
     speeds,
     turns,
 )
-from trainer.analysis.reduce.search import Need, Search, Standing
+from trainer.analysis.reduce.search import LEASH, Need, Search, Standing
 from trainer.analysis.reduce.verdict import PARTS, Checked, passes, table, verdict
 from trainer.analysis.reduce.workers import Crew
 from trainer.boat.assemble import Method, compact_coefficients
@@ -351,7 +351,7 @@ def test_a_fit_ends_in_its_goal_with_the_least_departure() -> None:
 def searched(file: VesselFile, standing: Standing | None = None) -> Iterator[Standing]:
     """Yield the standings of a search, round by round."""
     with Crew(file.path, "modified", fit_legs(file), 1) as crew:
-        search = Search(file, "modified", crew, reduction.LEASH, CONTROLS)
+        search = Search(file, "modified", crew, LEASH, CONTROLS)
         standing = standing or search.begin()
         while not standing.done:
             standing = search.round(standing, lambda: None)

@@ -22,9 +22,12 @@ from trainer.units import KNOT
 # boat without rudder drag would pass many a test.
 CONTROLS: Final = (*("X_drdr", "X_dsds", "X_dbdb", "Y_dr", "Z_ds", "Z_db", "M_ds", "M_db", "N_dr"),)
 FIXED: Final = ("X_dbdb", "Z_db", "M_db")
-# Each direction's own. Those that couple sway and roll, by accelerations of the last cycle, drive a
+# Those that couple roll with sway and yaw may go: by accelerations of the last cycle they drive a
 # roll that nothing else damps.
-ADDED_MASSES: Final = ("X_udot", "Y_vdot", "Z_wdot", "K_pdot", "M_qdot", "N_rdot")
+ADDED_MASSES: Final = (
+    *("X_udot", "Y_vdot", "Y_rdot", "Z_wdot", "Z_qdot"),
+    *("K_pdot", "M_wdot", "M_qdot", "N_vdot", "N_rdot"),
+)
 
 
 def terms(file: VesselFile, equations: str) -> tuple[str, ...]:
