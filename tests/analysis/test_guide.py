@@ -14,13 +14,15 @@ from click.testing import CliRunner, Result
 from trainer.analysis.guide import document, programme, trials, verdicts
 from trainer.analysis.guide.baseline import compare_guides, leaves, load_earlier
 from trainer.analysis.guide.contents import GuideContents, assemble, write
-from trainer.analysis.guide.programme import Task, fly_all, legs
+from trainer.analysis.guide.programme import Task, fly_all, legs, legs_of_1969
 from trainer.analysis.guide.summary import render
 from trainer.analysis.guide.verdicts import BEYOND, SHOWN, WITHIN, judge_measure
 from trainer.analysis.manoeuvres.catalogue import find_manoeuvre
 from trainer.analysis.manoeuvres.flight import Flight
 from trainer.analysis.manoeuvres.turns import Turn
 from trainer.analysis.manoeuvres.vehicle import PORT, Measure, share
+from trainer.analysis.reduce.objective import Candidate, Yardstick
+from trainer.analysis.reduce.reduction import as_filed
 from trainer.analysis.report.pdf import find_browser
 from trainer.analysis.series import load_series
 from trainer.boat.assemble import Method
@@ -35,7 +37,8 @@ MADE = "2026-01-01 00:00:00 UTC"
 @pytest.fixture(scope="module")
 def book() -> GuideContents:
     """Return the whole guide of BB2, flown in this process."""
-    return write(load_vessel("bb2"), MADE, 1, lambda: None)
+    file = load_vessel("bb2")
+    return write(file, legs(file), MADE, 1, lambda: None)
 
 
 @pytest.fixture(scope="module")
@@ -123,8 +126,63 @@ def test_the_modified_set_of_this_hull_passes_and_answers_for_the_guide(
 
     assert book.guide.passed
     assert False not in modified.values()
-    assert modified["turn, rudder 15 deg, 20 kn"] is True
-    assert basic["trim, 10 kn"] is False  # it has no Z_waw, M_waw and M_awq
+    assert modified["turn, rudder 15 deg, port, 20 kn"] is True
+    assert basic["trim, dive, 10 kn"] is False  # it has no Z_waw, M_waw and M_awq
+
+
+def test_every_manoeuvre_is_flown_both_ways_deep_and_some_near_the_surface() -> None:
+    found = legs(load_vessel("bb2"))
+    titles = [leg.title for leg in found]
+
+    for way, other in (("starboard", "port"), ("rise", "dive")):
+        ones = [title for title in titles if way in title]
+        assert len(ones) > 12
+        turned = [title.replace(way, other) for title in ones if "climbing" not in title]
+        assert set(turned) <= set(titles)
+    assert {leg.rig.depth for leg in found} == {None, 24.0}
+    assert {"backing, from rest", "crash-stop, 10 kn"} <= set(titles)
+    assert {"plane-jam, rise, 10 kn", "rudder-jam, port, 10 kn"} <= set(titles)
+    assert "out-of-balance, +0.2%, planes still, 10 kn" in titles
+
+
+def test_at_a_depth_every_leg_begins_there_and_what_the_boat_cannot_is_refused() -> None:
+    file = load_vessel("bb2")
+
+    assert {leg.rig.depth for leg in legs(file, 60.0)} == {60.0}
+    assert len(legs(file, 60.0)) < len(legs(file))
+    with pytest.raises(ConfigError, match=r"begin at 11\.3 m or deeper"):
+        legs(file, 5.0)
+    with pytest.raises(ConfigError, match="below max_depth_m = 250 m"):
+        legs_of_1969(file, 900.0)
+
+
+def test_a_boat_without_a_diameter_does_not_feel_the_surface() -> None:
+    assert {leg.rig.depth for leg in legs(load_vessel("sdv-mk9"))} == {None}
+
+
+def test_the_programme_of_1969_has_its_forty_overshoots_and_fifteen_turns() -> None:
+    names = [leg.name for leg in legs_of_1969(load_vessel("bb2"))]
+
+    assert names.count("overshoot") == 40
+    assert names.count("turn") == 15
+    assert {leg.speed_kn for leg in legs_of_1969(load_vessel("bb2")) if leg.name == "turn"} == {
+        *(4.0, 8.0, 12.0, 16.0, 20.0)
+    }
+
+
+@pytest.mark.parametrize(("term", "sheet"), [("N_v", "starboard"), ("K_vav", "port")])
+def test_a_compact_set_with_one_term_a_tenth_off_is_out_on_either_side(
+    term: str, sheet: str
+) -> None:
+    file = load_vessel("bb2")
+    factors = as_filed(file)
+    candidate = Candidate(file, "modified")
+    candidate.take([(1.1 if name == term else 1.0) * factors[name] for name in candidate.terms])
+    turns = [leg for leg in legs(file) if leg.name == "turn" and sheet in leg.title]
+
+    judged = [judgements for _, judgements in Yardstick(file, turns).judged(candidate)]
+
+    assert any(one.verdict == BEYOND for judgements in judged for one in judgements)
 
 
 def test_without_its_factors_and_extra_terms_the_set_of_1969_is_out_in_turns(
@@ -133,7 +191,7 @@ def test_without_its_factors_and_extra_terms_the_set_of_1969_is_out_in_turns(
     path = tmp_path / "boat.toml"
     path.write_text(without_reduction(load_vessel("bb2").text), encoding="utf-8")
     file = load_vessel(str(path))
-    (leg,) = (leg for leg in legs(file) if leg.title == "turn, rudder 15 deg, 5 kn")
+    (leg,) = (leg for leg in legs(file) if leg.title == "turn, rudder 15 deg, starboard, 5 kn")
     flown = fly_all(path, [leg.task(file, "full"), leg.task(file, "modified")], 1, lambda: None)
     full, other = flown.values()
     assert isinstance(full, Flight)
@@ -219,7 +277,7 @@ def test_published_results_stand_beside_ours(book: GuideContents, page: str) -> 
 
 
 def test_the_same_guide_twice_is_the_same_page(book: GuideContents, page: str) -> None:
-    later = assemble(book.file, "2026-01-01 00:00:01 UTC", book.flown)
+    later = assemble(book.file, book.legs, "2026-01-01 00:00:01 UTC", book.flown)
 
     assert document.render(later, None).replace("00:00:01", "00:00:00") == page
 

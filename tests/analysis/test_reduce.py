@@ -11,6 +11,7 @@ from click.testing import CliRunner
 
 from trainer.analysis.guide.programme import Leg, legs, own_method
 from trainer.analysis.guide.verdicts import BEYOND, SHOWN, Judgement, judge
+from trainer.analysis.manoeuvres.casualties import OutOfBalance, PlaneJam
 from trainer.analysis.manoeuvres.catalogue import find_manoeuvre
 from trainer.analysis.manoeuvres.flight import Conn, fly
 from trainer.analysis.manoeuvres.submarine import Submarine
@@ -18,7 +19,6 @@ from trainer.analysis.manoeuvres.turns import Turn
 from trainer.analysis.manoeuvres.vehicle import Watch
 from trainer.analysis.reduce import checkpoint, reduction, write_back
 from trainer.analysis.reduce.gauss_newton import Point, Slopes, descend, rises, without
-from trainer.analysis.reduce.manoeuvres import OutOfBalance, PlaneJam
 from trainer.analysis.reduce.objective import (
     ADDED_MASSES,
     CONTROLS,
@@ -35,7 +35,7 @@ from trainer.analysis.reduce.programme import (
     speeds,
     turns,
 )
-from trainer.analysis.reduce.search import Need, Search, Standing
+from trainer.analysis.reduce.search import LEASH, Need, Search, Standing
 from trainer.analysis.reduce.verdict import PARTS, Checked, passes, table, verdict
 from trainer.analysis.reduce.workers import Crew
 from trainer.boat.assemble import Method, compact_coefficients
@@ -193,7 +193,7 @@ def test_an_event_more_than_a_cycle_from_the_others_is_ones_own() -> None:
 
 def test_the_guide_flies_reduced_sets_beside_the_full_one() -> None:
     file = load_vessel("bb2")
-    (leg,) = (leg for leg in legs(file) if leg.title == "overshoot, execute 5 deg, 20 kn")
+    (leg,) = (leg for leg in legs(file) if leg.title == "overshoot, execute 5 deg, rise, 20 kn")
 
     assert leg.task(file, "full").beside is None
     assert leg.task(file, "modified").beside == leg.task(file, "full").method
@@ -202,12 +202,13 @@ def test_the_guide_flies_reduced_sets_beside_the_full_one() -> None:
 # --- what is flown
 
 
-def test_turns_are_at_four_speeds_by_three_rudders() -> None:
+def test_turns_are_to_both_sides_at_four_speeds_by_three_rudders() -> None:
     bb2, sdv = load_vessel("bb2"), load_vessel("sdv-mk9")
 
     assert speeds(bb2) == (5.0, 10.0, 15.0, 20.0)
     assert {leg.manoeuvre.angle_deg for leg in turns(bb2)} == {10.0, 20.0, 30.0}  # type: ignore[attr-defined]
-    assert len(turns(bb2)) == 12
+    assert len(turns(bb2)) == 24
+    assert sum(leg.manoeuvre.side == "port" for leg in turns(bb2)) == 12  # type: ignore[attr-defined]
     assert max(leg.manoeuvre.angle_deg for leg in turns(sdv)) == 20.0  # type: ignore[attr-defined]
     assert speeds(sdv) == (1.5, 3.0, 4.5, 6.0)
 
@@ -350,7 +351,7 @@ def test_a_fit_ends_in_its_goal_with_the_least_departure() -> None:
 def searched(file: VesselFile, standing: Standing | None = None) -> Iterator[Standing]:
     """Yield the standings of a search, round by round."""
     with Crew(file.path, "modified", fit_legs(file), 1) as crew:
-        search = Search(file, "modified", crew, reduction.LEASH, CONTROLS)
+        search = Search(file, "modified", crew, LEASH, CONTROLS)
         standing = standing or search.begin()
         while not standing.done:
             standing = search.round(standing, lambda: None)
@@ -368,6 +369,16 @@ def test_a_search_drops_what_nothing_needs_and_says_why_the_rest_stays(slim: Ves
     assert {need.term for need in last.needed} == kept - {"N_dr", "Y_dr"}
     assert all(need.worst > last.limit for need in last.needed)
     assert all(last.factors[i] == 0.0 for i in range(len(terms)) if i not in last.kept)
+
+
+def test_the_limit_follows_down_what_fewer_terms_reach(slim: VesselFile) -> None:
+    loose = replace(next(searched(slim)), limit=5.0, proof=5.0)
+
+    after = next(searched(slim, loose))
+
+    assert len(after.kept) < len(loose.kept)
+    assert 0.9 <= after.limit < 5.0
+    assert 0.97 <= after.proof < 5.0
 
 
 def test_a_search_broken_off_ends_in_the_same_bits(slim: VesselFile, tmp_path: Path) -> None:
@@ -389,7 +400,7 @@ def test_a_search_broken_off_ends_in_the_same_bits(slim: VesselFile, tmp_path: P
 @pytest.fixture
 def narrow(slim: VesselFile, monkeypatch: pytest.MonkeyPatch) -> Leg:
     """Let searches fit to three turns and a weave; return the weave at top speed."""
-    slow, _, fast = (leg for leg in fit_legs(slim) if leg.name == "weave")
+    slow, *_, fast = (leg for leg in fit_legs(slim) if leg.name == "weave")
     monkeypatch.setattr(reduction, "fit_legs", lambda file: (*turns(file)[3:6], slow))
     monkeypatch.setattr(reduction, "fastest", lambda _: (fast,))
     return fast

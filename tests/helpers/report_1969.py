@@ -263,8 +263,9 @@ FIGURES: Final = (
     Row(
         "the contract's programme",
         "40 overshoots, 15 turns, three sets",
-        f"{ABSENT}: the guide flies its own programme",
-        "",
+        "trainer guide FILE --programme 1969",
+        "analysis/test_guide.py::"
+        "test_the_programme_of_1969_has_its_forty_overshoots_and_fifteen_turns",
     ),
     Row(
         "a run over time",

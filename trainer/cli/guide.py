@@ -189,6 +189,20 @@ def _fly(vessel: str, name: str, options: dict[str, Any]) -> tuple[Any, Any]:
 @click.argument("vessel")
 @click.option("--html", type=FILE, default=None, metavar="FILE", help="Write one HTML page.")
 @click.option("--pdf", type=FILE, default=None, metavar="FILE", help="Print it by a browser.")
+@click.option(
+    "--depth",
+    type=Number(0.1, 12000.0),
+    default=None,
+    metavar="M",
+    help="At which everything begins. [default: deep, some of it near the surface]",
+)
+@click.option(
+    "--programme",
+    type=click.Choice(("today", "1969")),
+    default="today",
+    show_default=True,
+    help="1969: the overshoots, turns, meanders and accelerations of the report.",
+)
 @click.option("--json", "as_json", is_flag=True, help="Print the figures as JSON.")
 @click.option(
     "--baseline",
@@ -206,8 +220,9 @@ def _fly(vessel: str, name: str, options: dict[str, Any]) -> tuple[Any, Any]:
 def guide(vessel: str, **options: Any) -> None:
     """Write the qualification test guide of a boat.
 
-    All manoeuvres by the full, modified and basic sets, judged; neutral angles, modes, thrust,
-    steps, findings of 1969 and published results.
+    All manoeuvres by the full, modified and basic sets, to port and starboard, up and down, deep
+    and near the surface, judged; neutral angles, modes, thrust, steps, findings of 1969 and
+    published results.
 
     \b
     Example:  trainer guide bb2 --html bb2.html --pdf bb2.pdf
@@ -216,6 +231,7 @@ def guide(vessel: str, **options: Any) -> None:
     set is out of tolerance; trainer reduce finds one that is not.
     """
     from trainer.analysis.guide import baseline, document, summary  # noqa: PLC0415
+    from trainer.analysis.guide.programme import legs, legs_of_1969  # noqa: PLC0415
     from trainer.config.vessel import load_vessel  # noqa: PLC0415
 
     file = load_vessel(vessel)
@@ -223,7 +239,8 @@ def guide(vessel: str, **options: Any) -> None:
     if options["baseline"]:
         earlier = baseline.load_earlier(options["baseline"], file.name)
     made = datetime.now(UTC).strftime("%Y-%m-%d %H:%M:%S UTC")
-    book = write_guide(file, made, options["cores"])
+    choose = legs_of_1969 if options["programme"] == "1969" else legs
+    book = write_guide(file, choose(file, options["depth"]), made, options["cores"])
     now = json.loads(json.dumps(document.as_json(book.guide)))
     moves = None if earlier is None else baseline.compare_guides(earlier, now)
     write_document(document.render(book, moves), options["html"], options["pdf"])
@@ -235,16 +252,16 @@ def guide(vessel: str, **options: Any) -> None:
     sys.exit(0 if book.guide.passed else 1)
 
 
-def write_guide(file: Any, made: str, cores: int | None) -> Any:
-    """Return the guide's book, with a progress bar on a terminal."""
+def write_guide(file: Any, legs: Any, made: str, cores: int | None) -> Any:
+    """Return the guide's book of some legs, with a progress bar on a terminal."""
     from trainer.analysis.guide import contents  # noqa: PLC0415
     from trainer.analysis.guide.programme import processors  # noqa: PLC0415
 
-    count = len(contents.tasks(file))
+    count = len(contents.tasks(file, legs))
     with click.progressbar(
         length=count, label="flying", file=sys.stderr, hidden=not sys.stderr.isatty()
     ) as bar:
-        return contents.write(file, made, cores or processors(), lambda: bar.update(1))
+        return contents.write(file, legs, made, cores or processors(), lambda: bar.update(1))
 
 
 def write_document(text: str, html: Path | None, pdf: Path | None) -> None:

@@ -3,7 +3,7 @@
 import hashlib
 import platform
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from importlib import metadata
 from typing import Any, Final
@@ -12,7 +12,7 @@ from trainer import __version__
 from trainer.analysis import characteristic, neutral, thrust
 from trainer.analysis.check import round_speeds
 from trainer.analysis.guide import dropped_terms, findings, steps
-from trainer.analysis.guide.programme import SETS, Flown, Leg, Task, fly_all, legs
+from trainer.analysis.guide.programme import SETS, Flown, Leg, Task, fly_all
 from trainer.analysis.guide.trials import (
     Compared,
     WavesCompared,
@@ -100,14 +100,14 @@ class GuideContents:
     flown: Flown
 
 
-def tasks(file: VesselFile) -> tuple[Task, ...]:
-    """Return every flight that the guide needs, each once."""
-    return tuple(dict.fromkeys(_tasks(file)))
+def tasks(file: VesselFile, legs: Sequence[Leg]) -> tuple[Task, ...]:
+    """Return every flight that a guide of these legs needs, each once."""
+    return tuple(dict.fromkeys(_tasks(file, legs)))
 
 
-def _tasks(file: VesselFile) -> Iterator[Task]:
+def _tasks(file: VesselFile, legs: Sequence[Leg]) -> Iterator[Task]:
     """Yield the flights of all parts."""
-    for leg in legs(file):
+    for leg in legs:
         for equations in SETS:
             yield leg.task(file, equations)
     yield from steps.tasks(file)
@@ -118,16 +118,17 @@ def _tasks(file: VesselFile) -> Iterator[Task]:
         yield trial.task(file)
 
 
-def write(file: VesselFile, made: str, cores: int, step: Callable[[], None]) -> GuideContents:
-    """Return the guide of a boat; ``step`` is called after each flight."""
-    flown = fly_all(file.path, tasks(file), cores, step)
-    return assemble(file, made, flown)
+def write(
+    file: VesselFile, legs: Sequence[Leg], made: str, cores: int, step: Callable[[], None]
+) -> GuideContents:
+    """Return the guide of a boat in these legs; ``step`` is called after each flight."""
+    flown = fly_all(file.path, tasks(file, legs), cores, step)
+    return assemble(file, legs, made, flown)
 
 
-def assemble(file: VesselFile, made: str, flown: Flown) -> GuideContents:
+def assemble(file: VesselFile, legs: Sequence[Leg], made: str, flown: Flown) -> GuideContents:
     """Return the guide from its flights."""
-    flights = legs(file)
-    sheets = tuple(_sheet(file, leg, flown) for leg in flights)
+    sheets = tuple(_sheet(file, leg, flown) for leg in legs)
     stepped = steps.study(file, flown)
     path = trials_path(file)
     trials, waves = load_published(path) if path else ((), ())
@@ -149,7 +150,7 @@ def assemble(file: VesselFile, made: str, flown: Flown) -> GuideContents:
         thrust=thrust.survey(file, (0.0, *speeds), thrust.command_speeds(file)),
         passed=passes([sheet.passed(ANSWERS) for sheet in sheets]),
     )
-    return GuideContents(file, guide, flights, flown)
+    return GuideContents(file, guide, tuple(legs), flown)
 
 
 def _sheet(file: VesselFile, leg: Leg, flown: Flown) -> Sheet:

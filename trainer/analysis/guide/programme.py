@@ -4,6 +4,7 @@ import os
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, replace
 from functools import cache, partial
+from itertools import product
 from pathlib import Path
 from time import monotonic
 from typing import Final
@@ -12,9 +13,12 @@ import numpy as np
 
 from trainer.analysis.characteristic import vertical
 from trainer.analysis.check import round_speeds
-from trainer.analysis.manoeuvres.catalogue import MANOEUVRES, find_manoeuvre, within_limits
-from trainer.analysis.manoeuvres.flight import Flight, Manoeuvre, fly
+from trainer.analysis.manoeuvres.casualties import OutOfBalance
+from trainer.analysis.manoeuvres.catalogue import find_manoeuvre, within_limits
+from trainer.analysis.manoeuvres.flight import CHOICES, Flight, Manoeuvre, fly
 from trainer.analysis.manoeuvres.submarine import Rig, Submarine
+from trainer.analysis.manoeuvres.turns import Turn
+from trainer.analysis.manoeuvres.vertical import Meander, Overshoot, TrimChange
 from trainer.analysis.workers import workers
 from trainer.boat.assemble import Method
 from trainer.config.files import ConfigError
@@ -100,14 +104,21 @@ SETS: Final = {  # equation set: accelerations, integrator
     "modified": ("lagged", "adams2"),
     "basic": ("lagged", "adams2"),
 }
-OF_ONE_SPEED: Final = (
+OF_ONE_SPEED: Final = (  # at the boat's own speed or from rest, each to both sides or up and down
     *("climbing-turn", "acceleration", "utmost-acceleration", "impulse", "rudder-impulse"),
     *("turning-circle", "zigzag-10", "zigzag-20", "pull-out", "spiral", "reverse-spiral"),
-    *("vertical-zigzag", "crash-stop", "roll-decay"),
+    *("vertical-zigzag", "crash-stop", "backing", "roll-decay", "plane-jam", "rudder-jam"),
 )
+BOTH_WAYS: Final = ("pull-out", "spiral", "reverse-spiral")  # by themselves
+SHALLOW: Final = ("turn", "zigzag-10", "trim")  # flown near the surface as well
+NEAR: Final = 2.5  # [diameters] of the origin's depth there: an estimate of periscope depth
+LOADS: Final = (0.002, -0.002)  # [-] of the weight, out of balance
 EXECUTES: Final = (5.0, 20.0)  # [deg] of the overshoots
 RUDDERS: Final = (15.0, 35.0)  # [deg] of the turns
 GRID: Final = 0.5  # [kn]
+OFFSETS_1969, EXECUTES_1969 = (10.0, 20.0), (4.0, 8.0, 12.0, 16.0)  # [deg] of the overshoots
+RUDDERS_1969: Final = (15.0, 25.0, 35.0)  # [deg]
+RUDDER: Final = "rudder"  # stands for its angle until the boat's limit is known
 
 
 @dataclass(frozen=True)
@@ -118,12 +129,14 @@ class Leg:
     variant: str  # what is particular, such as "execute 5 deg"
     speed_kn: float
     manoeuvre: Manoeuvre
+    rig: Rig = OWN
 
     @property
     def title(self) -> str:
         """Return what the leg is called."""
         speed = "from rest" if self.manoeuvre.from_rest else f"{self.speed_kn:g} kn"
-        return ", ".join(filter(None, (self.name, self.variant, speed)))
+        depth = "" if self.rig.depth is None else f"{self.rig.depth:g} m deep"
+        return ", ".join(filter(None, (self.name, self.variant, speed, depth)))
 
     def task(self, file: VesselFile, equations: str) -> Task:
         """Return the flight of the leg by one equation set, at the boat's own step.
@@ -132,7 +145,7 @@ class Leg:
         """
         beside = None if equations == "full" else own_method(file, "full")
         method = own_method(file, equations)
-        return Task(self.manoeuvre, self.speed_kn * KNOT, method, beside=beside)
+        return Task(self.manoeuvre, self.speed_kn * KNOT, method, self.rig, beside=beside)
 
 
 def own_method(file: VesselFile, equations: str) -> Method:
@@ -150,42 +163,128 @@ def best_damped(file: VesselFile) -> float | None:
     return float(grid[best]) if slowest[best] > 0.0 else None
 
 
-def legs(file: VesselFile) -> tuple[Leg, ...]:
-    """Return the legs of the guide that this boat has the controls for, in order."""
-    boat = Submarine(file, own_method(file, "full"))
+def legs(file: VesselFile, depth: float | None = None) -> tuple[Leg, ...]:
+    """Return the legs of the guide that this boat has the controls for, in order.
+
+    They begin at ``depth`` [m]; None: deep, and some of them near the surface too. ConfigError for
+    a depth that the boat cannot begin at.
+    """
+    boat = _boat_at(file, depth)
+    return _manned(boat, _legs(boat, file, depth))
+
+
+def legs_of_1969(file: VesselFile, depth: float | None = None) -> tuple[Leg, ...]:
+    """Return the programme that was flown for the report, as ``legs`` has the guide's.
+
+    At five speeds: 40 overshoots by two angles until four pitches, 15 turns by three rudders,
+    meanders and trims; both accelerations, and a pulse of planes and rudder. Speeds are fifths of
+    the boat's top speed, where 1969 had 5 to 25 kn.
+    """
+    boat = _boat_at(file, depth)
+    found = _legs_of_1969(file)
+    return _manned(boat, (replace(leg, rig=Rig(depth=depth)) for leg in found))
+
+
+def _boat_at(file: VesselFile, depth: float | None) -> Submarine:
+    """Return the boat; ConfigError where she cannot begin at a ``depth`` [m]."""
+    boat = Submarine(file, own_method(file, "full"), Rig(depth=depth))
+    if depth is not None:
+        boat.start(file.run.start_speed_kn * KNOT)
+    return boat
+
+
+def _manned(boat: Submarine, wanted: Iterable[Leg]) -> tuple[Leg, ...]:
+    """Return the legs that the boat has the controls for, by angles that these go to."""
     found = [
         replace(leg, manoeuvre=within_limits(leg.manoeuvre, boat))
-        for leg in _legs_of_1969(file)
+        for leg in wanted
         if all(control in boat.controls for control in leg.manoeuvre.needs)
     ]
     return tuple(dict.fromkeys(_name_by_angle(leg) for leg in found))
 
 
 def _legs_of_1969(file: VesselFile) -> Iterator[Leg]:
-    """Yield the legs, angles as of 1969."""
+    """Yield the legs of the report's programme, each one way as there."""
+    low, top = file.run.speed_range_kn
+    speeds = [round(max(low, top * fifth / 5), 2) for fifth in range(1, 6)]
+    for speed in speeds:
+        yield Leg("meander", "", speed, Meander())
+        for angle, execute in product(OFFSETS_1969, EXECUTES_1969):
+            told = f"planes {angle:g} deg, execute {execute:g} deg"
+            yield Leg("overshoot", told, speed, Overshoot(angle_deg=angle, execute_deg=execute))
+        for rudder in RUDDERS_1969:
+            yield Leg("turn", RUDDER, speed, Turn(angle_deg=rudder))
+        yield Leg("trim", "", speed, TrimChange())
+    own = file.run.start_speed_kn
+    for name in ("acceleration", "utmost-acceleration", "impulse", "rudder-impulse"):
+        manoeuvre = find_manoeuvre(name)
+        yield Leg(name, "", 0.0 if manoeuvre.from_rest else own, manoeuvre)
+
+
+def _legs(boat: Submarine, file: VesselFile, depth: float | None) -> Iterator[Leg]:
+    """Yield the legs at a depth [m], angles as of 1969; where it is None, some near the surface."""
+    deep = (*_legs_by_speed(file), *_legs_of_one_speed(file))
+    if depth is not None:
+        yield from (replace(leg, rig=Rig(depth=depth)) for leg in deep)
+        return
+    yield from deep
+    diameter = float(boat.boat.vessel.diameter)
+    if diameter > 0.0:  # else she does not feel the surface
+        own, near = file.run.start_speed_kn, Rig(depth=round(NEAR * diameter, 1))
+        for name in SHALLOW:
+            yield from (replace(leg, rig=near) for leg in ways(name, own, find_manoeuvre(name)))
+
+
+def ways(name: str, speed: float, manoeuvre: Manoeuvre, variant: str = "") -> Iterator[Leg]:
+    """Yield a manoeuvre to starboard and to port, to rise and to dive, as far as it has them.
+
+    One that has both rises to starboard and dives to port.
+    """
+    fields = [name for name in CHOICES if hasattr(manoeuvre, name)]
+    for picked in zip(*(CHOICES[field] for field in fields), strict=True) if fields else [()]:
+        told = ", ".join(filter(None, (variant, *picked)))
+        yield Leg(name, told, speed, replace(manoeuvre, **dict(zip(fields, picked, strict=True))))
+
+
+def _legs_by_speed(file: VesselFile) -> Iterator[Leg]:
+    """Yield the legs at several speeds."""
     speeds = round_speeds(*file.run.speed_range_kn)
-    low, high, own = speeds[min(1, len(speeds) - 1)], speeds[-1], file.run.start_speed_kn
+    low, high = speeds[min(1, len(speeds) - 1)], speeds[-1]
     best = best_damped(file)
     more = () if best is None else (best,)
     for speed in sorted({*speeds, *more}):
-        yield Leg("meander", "", speed, find_manoeuvre("meander"))
+        yield from ways("meander", speed, find_manoeuvre("meander"))
     for speed in (low, high):
         for execute in EXECUTES:
             overshoot = replace(find_manoeuvre("overshoot"), execute_deg=execute)  # type: ignore[call-arg]
-            yield Leg("overshoot", f"execute {execute:g} deg", speed, overshoot)
+            yield from ways("overshoot", speed, overshoot, f"execute {execute:g} deg")
     for speed in (low, high):
         for rudder in RUDDERS:
             turn = replace(find_manoeuvre("turn"), angle_deg=rudder)  # type: ignore[call-arg]
-            yield Leg("turn", "rudder", speed, turn)
+            yield from ways("turn", speed, turn, RUDDER)
     for speed in speeds:
-        yield Leg("trim", "", speed, find_manoeuvre("trim"))
+        yield from ways("trim", speed, find_manoeuvre("trim"))
+
+
+def _legs_of_one_speed(file: VesselFile) -> Iterator[Leg]:
+    """Yield the legs at the boat's own speed, or from rest."""
+    own = file.run.start_speed_kn
     for name in OF_ONE_SPEED:
-        yield Leg(name, "", 0.0 if MANOEUVRES[name].from_rest else own, find_manoeuvre(name))
+        manoeuvre = find_manoeuvre(name)
+        speed = 0.0 if manoeuvre.from_rest else own
+        if name in BOTH_WAYS:
+            yield Leg(name, "", speed, manoeuvre)
+        else:
+            yield from ways(name, speed, manoeuvre)
+    for share in LOADS:
+        kept = ("depth",) if share < 0.0 else ()
+        told = f"{share:+.1%}, {'depth kept' if kept else 'planes still'}"
+        yield Leg("out-of-balance", told, own, OutOfBalance(share=share, keep=kept))
 
 
 def _name_by_angle(leg: Leg) -> Leg:
     """Return the leg with the rudder's angle in its name, where it is the boat's limit or not."""
-    if leg.variant != "rudder":
+    if not leg.variant.startswith(RUDDER):
         return leg
     angle = getattr(leg.manoeuvre, "angle_deg")  # noqa: B009 (not every manoeuvre has one)
-    return replace(leg, variant=f"rudder {angle:g} deg")
+    return replace(leg, variant=leg.variant.replace(RUDDER, f"rudder {angle:g} deg", 1))

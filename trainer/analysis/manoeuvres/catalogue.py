@@ -6,8 +6,14 @@ from dataclasses import replace
 from types import MappingProxyType
 from typing import Final
 
+from trainer.analysis.manoeuvres.casualties import OutOfBalance, PlaneJam, RudderJam
 from trainer.analysis.manoeuvres.flight import Manoeuvre
-from trainer.analysis.manoeuvres.speeds import Acceleration, CrashStop, UtmostAcceleration
+from trainer.analysis.manoeuvres.speeds import (
+    Acceleration,
+    Backing,
+    CrashStop,
+    UtmostAcceleration,
+)
 from trainer.analysis.manoeuvres.spiral import PullOut, ReverseSpiral, Spiral
 from trainer.analysis.manoeuvres.turns import ClimbingTurn, Turn
 from trainer.analysis.manoeuvres.vehicle import Vehicle, limit
@@ -46,7 +52,12 @@ MANOEUVRES: Final[Mapping[str, Manoeuvre]] = MappingProxyType(
         "reverse-spiral": ReverseSpiral(),
         "vertical-zigzag": VerticalZigZag(),
         "crash-stop": CrashStop(),
+        "backing": Backing(),
         "roll-decay": RollDecay(),
+        # what goes wrong
+        "out-of-balance": OutOfBalance(share=-0.002),
+        "plane-jam": PlaneJam(),
+        "rudder-jam": RudderJam(),
     }
 )
 

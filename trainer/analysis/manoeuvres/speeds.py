@@ -34,7 +34,7 @@ class Acceleration(Manoeuvre):
 
     needs: ClassVar[tuple[str, ...]] = ("engine",)
     compared: ClassVar[tuple[str, ...]] = ("u",)
-    shows: ClassVar[tuple[str, ...]] = ("u", "z")
+    shows: ClassVar[tuple[str, ...]] = ("u", "z", "theta", "q", "delta_s", "delta_b")
 
     each_s: float = 230.0
     from_rest: ClassVar[bool] = True
@@ -66,7 +66,7 @@ class UtmostAcceleration(Manoeuvre):
 
     needs: ClassVar[tuple[str, ...]] = ("engine",)
     compared: ClassVar[tuple[str, ...]] = ("u",)
-    shows: ClassVar[tuple[str, ...]] = ("u", "z")
+    shows: ClassVar[tuple[str, ...]] = ("u", "z", "theta", "q", "delta_s", "delta_b")
     from_rest: ClassVar[bool] = True
 
     duration_s: float = 1000.0
@@ -129,3 +129,34 @@ class CrashStop(Manoeuvre):
             show_only("side reach", "m", aside),
             show_only("change of heading", "rad", float(flight.change("psi")[-1])),
         ]
+
+
+@dataclass(frozen=True)
+class Backing(Manoeuvre):
+    """From rest, full astern and held; planes and rudder amidships."""
+
+    needs: ClassVar[tuple[str, ...]] = ("engine",)
+    shows: ClassVar[tuple[str, ...]] = ("u", "z", "theta", "psi")
+    from_rest: ClassVar[bool] = True
+
+    duration_s: float = 300.0
+
+    def schedule(self, conn: Conn) -> Iterator[None]:
+        """Yield the cycles astern."""
+        conn.order("engine", conn.vehicle.controls["engine"].low)
+        conn.mark("astern")
+        yield from conn.hold_to(self.duration_s)
+
+    def measures(self, flight: Flight) -> list[Measure]:
+        """Return speeds and the way made astern; where she then goes by herself is shown."""
+        fastest, furthest = largest(flight.column("u")), largest(flight.change("x"))
+        found = []
+        for reading in READINGS:
+            time = reading * self.duration_s
+            speed, way = flight.at(time, "u"), flight.at(time, "x")
+            found.append(part(f"speed after {time:g} s", "m/s", speed, fastest))
+            found.append(part(f"way after {time:g} s", "m", way, furthest))
+        found.append(show_only("change of heading", "rad", float(flight.change("psi")[-1])))
+        if flight.has("z"):
+            found.append(show_only("largest depth change", "m", largest(flight.change("z"))))
+        return found

@@ -9,6 +9,7 @@ import numpy as np
 
 from trainer.analysis.manoeuvres.flight import Conn, Flight, Manoeuvre
 from trainer.analysis.manoeuvres.vehicle import (
+    PERCENT,
     RISE,
     SIGNS,
     STARBOARD,
@@ -26,6 +27,8 @@ from trainer.analysis.manoeuvres.vehicle import (
 LAST: Final = 10  # a tenth of the turn is its end,
 SETTLED: Final = 0.1  # [-] of the last heel: it is steady that swings no more than this there
 SNAP: Final = 0.2  # [-] of the largest roll: a smaller first flick is none
+LEVEL: Final = 0.01  # [lengths] of depth, and ...
+PLANES: Final = math.radians(0.25)  # ... of the planes: less is level flight; estimates
 HEADING_AFTER: Final = 60.0  # [s] of rudder, when the heading is read
 
 
@@ -35,7 +38,7 @@ class Turn(Manoeuvre):
 
     needs: ClassVar[tuple[str, ...]] = ("rudder",)
     compared: ClassVar[tuple[str, ...]] = ("u", "psi")
-    shows: ClassVar[tuple[str, ...]] = ("track", "psi", "phi", "u", "z")
+    shows: ClassVar[tuple[str, ...]] = ("track", "psi", "phi", "u", "z", "delta_s", "delta_r")
 
     angle_deg: float = 15.0  # rudder
     duration_s: float = 300.0
@@ -170,13 +173,24 @@ def heel(flight: Flight) -> list[Measure]:
 
 
 def depth(flight: Flight) -> list[Measure]:
-    """Return how far depth went either way, and where the planes were; not judged."""
+    """Return how far depth went either way, and where planes and rudder were.
+
+    Depth may differ by PERCENT of its change or by LEVEL lengths, the stern planes by PERCENT of
+    theirs or by PLANES: where depth is kept there is little of either.
+    """
     if not flight.has("z"):
         return []
+    changes = flight.change("z")
+    most = largest(changes)
+    room = max(abs(most), 100.0 / PERCENT * LEVEL * flight.length)
     found = [
-        show_only("largest depth change", "m", largest(flight.change("z"))),
-        show_only("last depth change", "m", float(flight.change("z")[-1])),
+        part("largest depth change", "m", most, room),
+        part("last depth change", "m", float(changes[-1]), room),
     ]
-    if flight.has("delta_s"):
-        found.append(show_only("largest plane change", "rad", largest(flight.change("delta_s"))))
+    for name, told in (("delta_s", "stern planes"), ("delta_r", "rudder")):
+        if flight.has(name):
+            angles = flight.change(name)
+            room = max(abs(largest(angles)), 100.0 / PERCENT * PLANES)
+            found.append(part(f"largest change, {told}", "rad", largest(angles), room))
+            found.append(part(f"last change, {told}", "rad", float(angles[-1]), room))
     return found

@@ -9,7 +9,7 @@ import numpy as np
 from trainer.analysis.guide.programme import Leg, own_method
 from trainer.analysis.guide.verdicts import Judgement, judge
 from trainer.analysis.manoeuvres.flight import Flight, fly
-from trainer.analysis.manoeuvres.submarine import Submarine
+from trainer.analysis.manoeuvres.submarine import Rig, Submarine
 from trainer.boat.assemble import body, thrust_rows
 from trainer.config.files import ConfigError
 from trainer.config.vessel import VesselFile
@@ -22,7 +22,12 @@ from trainer.units import KNOT
 # boat without rudder drag would pass many a test.
 CONTROLS: Final = (*("X_drdr", "X_dsds", "X_dbdb", "Y_dr", "Z_ds", "Z_db", "M_ds", "M_db", "N_dr"),)
 FIXED: Final = ("X_dbdb", "Z_db", "M_db")
-ADDED_MASSES: Final = tuple(name for name in (*KEPT, *EXTRA_TERMS) if name.endswith("dot"))
+# Those that couple roll with sway and yaw may go: by accelerations of the last cycle they drive a
+# roll that nothing else damps.
+ADDED_MASSES: Final = (
+    *("X_udot", "Y_vdot", "Y_rdot", "Z_wdot", "Z_qdot"),
+    *("K_pdot", "M_wdot", "M_qdot", "N_vdot", "N_rdot"),
+)
 
 
 def terms(file: VesselFile, equations: str) -> tuple[str, ...]:
@@ -40,9 +45,11 @@ class Candidate:
         """Fit the boat out."""
         self.terms = terms(file, equations)
         self._file = file
-        self._boat = Submarine(file, own_method(file, equations))
+        self._method = own_method(file, equations)
+        self._boats: dict[Rig, Submarine] = {}
         self._body = body(file)
         self._rows, self._eta = thrust_rows(file)
+        self.take([1.0] * len(self.terms))
 
     def take(self, factors: Iterable[float]) -> None:
         """Fly by these factors from now on, by term."""
@@ -50,12 +57,17 @@ class Candidate:
             name: self._file.coefficients[name] * float(factor)
             for name, factor in zip(self.terms, factors, strict=True)
         }
-        record = compact_record(self._body, {**prime, **self._rows}, self._eta)
-        self._boat.boat.records.compact[:] = record
+        self._compact = compact_record(self._body, {**prime, **self._rows}, self._eta)
+        for boat in self._boats.values():
+            boat.boat.records.compact[:] = self._compact
 
     def fly(self, leg: Leg, beside: Flight) -> Flight:
         """Return the flight of a leg beside the full set's; ConfigError if it cannot start."""
-        return fly(self._boat, leg.manoeuvre, leg.speed_kn * KNOT, beside.events)
+        if leg.rig not in self._boats:
+            boat = Submarine(self._file, self._method, leg.rig)
+            boat.boat.records.compact[:] = self._compact
+            self._boats[leg.rig] = boat
+        return fly(self._boats[leg.rig], leg.manoeuvre, leg.speed_kn * KNOT, beside.events)
 
 
 FURTHEST: Final = 10.0  # [-] a difference beyond this counts as this
@@ -74,8 +86,7 @@ class Yardstick:
 
     def __init__(self, file: VesselFile, legs: Sequence[Leg]) -> None:
         """Fly the legs; those that the full set cannot start are left out."""
-        boat = Submarine(file, own_method(file, "full"))
-        self._flights = dict(_fly_legs(boat, legs))
+        self._flights = dict(_fly_legs(file, legs))
         self.rows = tuple(
             Row(leg.title, one.quantity)
             for leg, full in self._flights.items()
@@ -118,10 +129,12 @@ def multiple(one: Judgement) -> float:
     return float(np.clip((other - one.full) / one.allowed, -FURTHEST, FURTHEST))
 
 
-def _fly_legs(boat: Submarine, legs: Sequence[Leg]) -> Iterator[tuple[Leg, Flight]]:
-    """Yield the legs that can be started, with their flights."""
+def _fly_legs(file: VesselFile, legs: Sequence[Leg]) -> Iterator[tuple[Leg, Flight]]:
+    """Yield the legs that the full set can start, with its flights."""
+    method = own_method(file, "full")
+    boats = {rig: Submarine(file, method, rig) for rig in {leg.rig for leg in legs}}
     for leg in legs:
         try:
-            yield leg, fly(boat, leg.manoeuvre, leg.speed_kn * KNOT)
+            yield leg, fly(boats[leg.rig], leg.manoeuvre, leg.speed_kn * KNOT)
         except ConfigError:
             continue

@@ -7,13 +7,15 @@ from typing import Final
 import numpy as np
 
 from trainer.analysis.check import round_speeds
-from trainer.analysis.guide.programme import Leg, own_method
+from trainer.analysis.guide.programme import Leg, own_method, ways
 from trainer.analysis.guide.programme import legs as guide_legs
+from trainer.analysis.manoeuvres.casualties import OutOfBalance, PlaneJam, RudderJam
 from trainer.analysis.manoeuvres.catalogue import within_limits
 from trainer.analysis.manoeuvres.flight import Flight, Manoeuvre, fly
-from trainer.analysis.manoeuvres.speeds import CrashStop
+from trainer.analysis.manoeuvres.speeds import Backing, CrashStop
 from trainer.analysis.manoeuvres.submarine import Submarine
 from trainer.analysis.manoeuvres.turns import ClimbingTurn, Turn
+from trainer.analysis.manoeuvres.vehicle import DIVE, PORT, STARBOARD, Side
 from trainer.analysis.manoeuvres.vertical import (
     Impulse,
     Meander,
@@ -23,7 +25,7 @@ from trainer.analysis.manoeuvres.vertical import (
     TrimChange,
 )
 from trainer.analysis.manoeuvres.zigzag import ZigZag
-from trainer.analysis.reduce.manoeuvres import OutOfBalance, PlaneJam, VerticalWeave, Weave
+from trainer.analysis.reduce.weaves import VerticalWeave, Weave
 from trainer.config.files import ConfigError
 from trainer.config.vessel import VesselFile
 from trainer.units import KNOT
@@ -34,6 +36,8 @@ SHORTEST: Final = 20.0  # [s] besides
 RUDDER: Final = 30.0  # [deg] the largest, or as far as it goes
 LOAD: Final = 0.002  # [-] of the weight, out of balance
 HALVINGS: Final = 5  # of a control's angle until the full set is not lost
+SIDES: Final[tuple[Side, Side]] = STARBOARD, PORT
+GENTLER: Final = ("jammed_lengths", "share", "planes_deg", "angle_deg")  # what is halved, the first
 PER_CYCLE: Final = ("pull-out", "spiral", "reverse-spiral")  # slow to fly; turns have their numbers
 
 
@@ -44,61 +48,71 @@ def speeds(file: VesselFile) -> tuple[float, ...]:
 
 
 def turns(file: VesselFile) -> tuple[Leg, ...]:
-    """Return steady turns at four speeds by a third, two thirds and all of the rudder."""
+    """Return steady turns to both sides, at four speeds by three angles up to the largest."""
     most = min(RUDDER, file.surfaces.rudder_limit_deg)
     return tuple(
-        _leg("turn", f"rudder {angle:.3g} deg", speed, Turn(angle_deg=angle), file)
+        leg
         for speed in speeds(file)
         for angle in (most / 3.0, 2.0 * most / 3.0, most)
+        for leg in _ways("turn", f"rudder {angle:.3g} deg", speed, Turn(angle_deg=angle), file)
     )
 
 
 def fit_legs(file: VesselFile) -> tuple[Leg, ...]:
     """Return the legs that the factors are fitted to."""
-    return flyable(file, (*turns(file), *_fit_legs_unlimited(file)))
+    return flyable(file, (*turns(file), *_weaves(file), *_upright(file)))
 
 
-def _fit_legs_unlimited(file: VesselFile) -> Iterator[Leg]:
-    """Yield the legs besides turns, angles not yet within the boat's limits."""
+def _weaves(file: VesselFile) -> Iterator[Leg]:
+    """Yield weaves and diving turns, angles not yet within the boat's limits."""
+    own, third, top = file.run.start_speed_kn, speeds(file)[2], speeds(file)[3]
+    for speed, angle in ((own, 10.0), (own, 20.0), (top, 15.0)):
+        weave = Weave(angle_deg=angle)
+        yield from _ways("weave", f"rudder {angle:g} deg", speed, weave, file)
+    for speed, angle in ((own, 5.0), (own, 10.0), (top, 3.0)):
+        vertical = VerticalWeave(angle_deg=angle)
+        yield from _ways("vertical weave", f"planes {angle:g} deg", speed, vertical, file)
+    for speed, angle, planes in ((own, 10.0, 5.0), (own, 20.0, 10.0), (third, 20.0, 5.0)):
+        for side in SIDES:
+            dive = ClimbingTurn(angle, planes, side=side, direction=DIVE)
+            yield _leg("diving turn", f"rudder {angle:g} deg, {side}", speed, dive, file)
+
+
+def _upright(file: VesselFile) -> Iterator[Leg]:
+    """Yield the legs besides turns and weaves, angles not yet within the boat's limits."""
     own, third, top = file.run.start_speed_kn, speeds(file)[2], speeds(file)[3]
     rounds = round_speeds(*file.run.speed_range_kn)
     slow = rounds[min(1, len(rounds) - 1)]
-    for speed, angle in ((own, 10.0), (own, 20.0), (top, 15.0)):
-        yield _leg("weave", f"rudder {angle:g} deg", speed, Weave(angle_deg=angle), file)
-    for speed, angle in ((own, 5.0), (own, 10.0), (top, 3.0)):
-        name = f"planes {angle:g} deg"
-        yield _leg("vertical weave", name, speed, VerticalWeave(angle_deg=angle), file)
-    for speed, angle, planes in ((own, 10.0, -5.0), (own, 20.0, -10.0), (third, 20.0, -5.0)):
-        dive = ClimbingTurn(angle_deg=angle, planes_deg=planes)
-        yield _leg("diving turn", f"rudder {angle:g} deg", speed, dive, file)
     for speed in sorted({slow, own, third, top}):
-        yield _leg("meander", "", speed, Meander(), file)
+        yield from _ways("meander", "", speed, Meander(), file)
     for speed in (slow, top):
-        yield _leg("trim", "", speed, TrimChange(), file)
+        yield from _ways("trim", "", speed, TrimChange(), file)
     for speed in (slow, top):
         for execute in (5.0, 20.0):
-            name = f"execute {execute:g} deg"
-            yield _leg("overshoot", name, speed, Overshoot(execute_deg=execute), file)
-    yield _leg("impulse", "", own, Impulse(), file)
-    yield _leg("rudder-impulse", "", own, RudderImpulse(), file)
+            overshoot = Overshoot(execute_deg=execute)
+            yield from _ways("overshoot", f"execute {execute:g} deg", speed, overshoot, file)
+    yield from _ways("impulse", "", own, Impulse(), file)
+    yield from _ways("rudder-impulse", "", own, RudderImpulse(), file)
     for speed in (rounds[0], slow, own):
         for share, keep in ((-LOAD, ("depth",)), (LOAD, ())):
             kept = "depth kept" if keep else "planes still"
             loaded = OutOfBalance(share=share, keep=keep)
             yield _leg("out of balance", f"{share:+.1%}, {kept}", speed, loaded, file)
     yield _leg("crash-stop", "", own, CrashStop(), file)
-    yield _leg("roll-decay", "", 0.0, RollDecay(), file)
+    yield _leg("backing", "", 0.0, Backing(), file)
+    yield from _ways("rudder-jam", "", own, RudderJam(), file)
+    yield from _ways("roll-decay", "", 0.0, RollDecay(), file)
 
 
 def fastest(file: VesselFile) -> tuple[Leg, ...]:
     """Return legs at the boat's top speed, of kinds that are otherwise fitted to below it."""
     top = speeds(file)[3]
-    dive = ClimbingTurn(angle_deg=10.0, planes_deg=-10.0)
+    dives = [ClimbingTurn(10.0, 10.0, side=side, direction=DIVE) for side in SIDES]
     loads = OutOfBalance(share=-LOAD), OutOfBalance(share=LOAD, keep=())
     legs = (
-        _leg("diving turn", "planes 10 deg", top, dive, file),
-        _leg("impulse", "", top, Impulse(), file),
-        _leg("rudder-impulse", "", top, RudderImpulse(), file),
+        *(_leg("diving turn", f"planes 10 deg, {one.side}", top, one, file) for one in dives),
+        *_ways("impulse", "", top, Impulse(), file),
+        *_ways("rudder-impulse", "", top, RudderImpulse(), file),
         _leg("out of balance", f"{-LOAD:+.1%}, depth kept", top, loads[0], file),
         _leg("out of balance", f"{LOAD:+.1%}, planes still", top, loads[1], file),
     )
@@ -118,15 +132,23 @@ def holdout_legs(file: VesselFile) -> tuple[Leg, ...]:
     between = 0.5 * (rounds[0] + slow), 0.5 * (slow + own)
     heavy, light = OutOfBalance(share=1.5 * LOAD), OutOfBalance(share=-1.5 * LOAD, keep=())
     zigzag = ZigZag(angle_deg=15.0, execute_deg=15.0)
-    climb = ClimbingTurn(angle_deg=10.0, planes_deg=10.0)
+    climbs = [ClimbingTurn(10.0, 10.0, side=side) for side in SIDES]
     legs = [
-        *(_leg("zigzag-15", "", speed, zigzag, file) for speed in (second, third)),
-        *(_leg("climbing turn", "", speed, climb, file) for speed in (second, third)),
-        *(_leg("stern-plane jam", "", speed, PlaneJam(), file) for speed in (own, third)),
+        *(leg for u in (second, third) for leg in _ways("zigzag-15", "", u, zigzag, file)),
+        *(_leg("climbing turn", one.side, u, one, file) for u in (second, third) for one in climbs),
+        *(leg for u in (own, third) for leg in _ways("stern-plane jam", "", u, PlaneJam(), file)),
         *(_leg("out of balance", "heavy, depth kept", speed, heavy, file) for speed in between),
         *(_leg("out of balance", "light, planes still", speed, light, file) for speed in between),
     ]
     return flyable(file, legs)
+
+
+def _ways(
+    name: str, variant: str, speed: float, manoeuvre: Manoeuvre, file: VesselFile
+) -> Iterator[Leg]:
+    """Yield a manoeuvre's legs to both sides, or up and down, as `ways` has them."""
+    leg = _leg(name, variant, speed, manoeuvre, file)
+    yield from ways(name, leg.speed_kn, leg.manoeuvre, variant)
 
 
 def _leg(name: str, variant: str, speed: float, manoeuvre: Manoeuvre, file: VesselFile) -> Leg:
@@ -157,6 +179,8 @@ def _flyable(boat: Submarine, leg: Leg) -> Leg | None:
             return None
         if not flight.lost and _recovers(leg.manoeuvre, flight):
             return leg
+        if not any(hasattr(leg.manoeuvre, field) for field in GENTLER):
+            return None
         leg = replace(leg, manoeuvre=_gentler(leg.manoeuvre))
     return None
 
@@ -167,8 +191,6 @@ def _recovers(manoeuvre: Manoeuvre, flight: Flight) -> bool:
 
 
 def _gentler(manoeuvre: Manoeuvre) -> Manoeuvre:
-    """Return the manoeuvre by half the angle of its planes, its time in a jam, or its weight."""
-    field = "planes_deg" if hasattr(manoeuvre, "planes_deg") else "angle_deg"
-    if isinstance(manoeuvre, PlaneJam | OutOfBalance):
-        field = "jammed_lengths" if isinstance(manoeuvre, PlaneJam) else "share"
+    """Return the manoeuvre by half its time in a jam, its weight, or its angle."""
+    field = next(field for field in GENTLER if hasattr(manoeuvre, field))
     return replace(manoeuvre, **{field: 0.5 * getattr(manoeuvre, field)})

@@ -20,16 +20,15 @@ from trainer.analysis.reduce.objective import (
     terms,
 )
 from trainer.analysis.reduce.programme import fastest, fit_legs
-from trainer.analysis.reduce.search import LIMIT, STEPS, Need, Search, Standing
+from trainer.analysis.reduce.search import LEASH, LIMIT, STEPS, Need, Search, Standing
 from trainer.analysis.reduce.verdict import Checked, Cost, coefficients, cost, passes, verdict
 from trainer.analysis.reduce.workers import Crew
 from trainer.config.vessel import VesselFile
 from trainer.core.terms import KEPT
 
 DIGITS: Final = 4  # of a factor in the file
-LEASH: Final = 0.05  # [-] as in Slopes
 ASTRAY: Final = 1.5  # [-] of what is allowed, at the top speed: a second search flies there, with a
-FIRM: Final = 0.2  # [-] leash that keeps closer to the hull's data
+FIRM: Final = 0.2  # [-] leash that keeps closer to the hull's data, where it can be
 SEARCHES: Final = 2  # at most
 BASIC_ROUNDS: Final = 6
 
@@ -64,7 +63,7 @@ class Aim(NamedTuple):
     """What a search is to fit, and how closely it keeps to the hull's own data."""
 
     legs: tuple[Leg, ...]
-    leash: float  # [-] as in Slopes
+    leash: float  # [-] as in Slopes, to begin with
     stays: tuple[str, ...]  # terms that are not dropped
 
 
@@ -127,8 +126,8 @@ def search(
     """Return the factors found; ``partial`` is where to keep, and find, an unfinished search.
 
     If what is found is astray at the boat's top speed, another is searched for, fitted to flights
-    there too, on a firmer leash and with all added masses. ``step`` is called with the number of
-    terms decided, of up to SEARCHES times those that there are.
+    there too, on a firmer leash if that will do, each direction's own added mass kept. ``step`` is
+    called with the number of terms decided, of up to SEARCHES times those that there are.
     """
     log, fast = checkpoint.Log(file, partial), fastest(file)
     aim = Aim(fit_legs(file), LEASH, CONTROLS)
@@ -136,7 +135,7 @@ def search(
     if furthest(file, fast, modified) > ASTRAY:
         aim = Aim((*aim.legs, *fast), FIRM, (*CONTROLS, *ADDED_MASSES))
         standing, modified = _run_search(file, aim, cores, log, step)
-    basic = _basic(file, aim, cores, modified)
+    basic = _basic(file, aim, cores, modified, standing.leash)
     return Found({"modified": modified, "basic": basic}, standing.needed)
 
 
@@ -163,7 +162,7 @@ def furthest(file: VesselFile, legs: Sequence[Leg], factors: Mapping[str, float]
 
 
 def _basic(
-    file: VesselFile, aim: Aim, cores: int, modified: Mapping[str, float]
+    file: VesselFile, aim: Aim, cores: int, modified: Mapping[str, float], leash: float
 ) -> dict[str, float]:
     """Return the factors of the basic set: those of the modified one, fitted to less."""
     names = terms(file, "basic")
@@ -173,7 +172,7 @@ def _basic(
         here = Point(start, crew.differences([start])[0])
         for _ in range(BASIC_ROUNDS):
             table = crew.slopes(here.factors, free, here.differences)
-            slopes = Slopes(table, free, aim.leash)
+            slopes = Slopes(table, free, leash)
             there = descend(crew.differences, slopes, here, STEPS, LIMIT)
             if there.cost >= here.cost:
                 break

@@ -22,6 +22,8 @@ from trainer.core.kernel import Numbers
 LIMIT: Final = 0.9  # [-] of what is allowed, in the flights fitted to
 PROOF: Final = 0.97  # [-] in those of the guide, unseen by the fit
 EASE: Final = 0.8  # [-] of the limit, at which a fit stops
+LEASH: Final = 0.05  # [-] as in Slopes, the slackest
+SLACKER: Final = 4.0  # [-] by which a leash is let out that keeps the set from the limit
 STARTS: Final = 4  # rounds that may bring the set with all terms into the limit
 BATCH: Final = 8  # terms dropped at once, to begin with
 STALE: Final = 6  # terms dropped, or found needed, by the same slopes
@@ -54,6 +56,7 @@ class Standing:
     proof: float = 0.0
     again: bool = False  # whether the doubtful have been asked about once more
     settled: int = 0  # rounds of the last fit
+    leash: float = LEASH  # [-] as in Slopes
 
     @property
     def done(self) -> bool:
@@ -67,7 +70,7 @@ class Search:
     def __init__(
         self, file: VesselFile, equations: str, crew: Crew, leash: float, stays: Sequence[str]
     ) -> None:
-        """Begin with all terms, as the full set has them; ``leash`` as in Slopes.
+        """Have all terms, as the full set has them; ``leash`` as in Slopes, to begin with.
 
         Those that are named in ``stays`` are not dropped.
         """
@@ -79,7 +82,12 @@ class Search:
 
     def begin(self) -> Standing:
         """Return the standing of a search that has not begun."""
-        return Standing((1.0,) * len(self.terms), tuple(range(len(self.terms))))
+        return self._begin(self._leash)
+
+    def _begin(self, leash: float) -> Standing:
+        """Return the standing before anything is fitted or dropped."""
+        everything = tuple(range(len(self.terms)))
+        return Standing((1.0,) * len(self.terms), everything, leash=leash)
 
     def undecided(self, standing: Standing) -> list[int]:
         """Return the places of the terms that may still be dropped."""
@@ -92,7 +100,7 @@ class Search:
             sure = tuple(need for need in standing.needed if need.worst >= SURE)
             return replace(standing, needed=sure, again=True)
         here = self._point(np.array(standing.factors))
-        slopes = self._slopes(here, standing.kept)
+        slopes = self._slopes(here, standing.kept, standing.leash)
         if not standing.limit:
             return self._start(standing, here, slopes)
         if not self.undecided(standing):
@@ -107,10 +115,10 @@ class Search:
         """Return the places of the factors that may change."""
         return [i for i in kept if self.terms[i] not in FIXED]
 
-    def _slopes(self, here: Point, kept: Sequence[int]) -> Slopes:
+    def _slopes(self, here: Point, kept: Sequence[int], leash: float) -> Slopes:
         """Return the slopes at a point."""
         free = self._free(kept)
-        return Slopes(self._crew.slopes(here.factors, free, here.differences), free, self._leash)
+        return Slopes(self._crew.slopes(here.factors, free, here.differences), free, leash)
 
     def _among(self, slopes: Slopes, kept: Sequence[int]) -> Slopes:
         """Return the slopes for terms of which fewer are kept."""
@@ -126,12 +134,17 @@ class Search:
         return self._proof.differences(self.candidate)
 
     def _start(self, standing: Standing, here: Point, slopes: Slopes) -> Standing:
-        """Return the standing after a fit of the set with all terms."""
+        """Return the standing after a fit of the set with all terms.
+
+        Where a leash keeps it from the limit, a slacker one is begun with.
+        """
         here = self._fit(slopes, here, standing.kept, EASE * LIMIT)
         proof = float(abs(self.proof(here.factors)).max())
         tried = replace(standing, factors=tuple(here.factors.tolist()), starts=standing.starts + 1)
         if tried.starts < STARTS and (here.worst > EASE * LIMIT or proof > PROOF):
             return tried
+        if standing.leash > LEASH and (here.worst > LIMIT or proof > PROOF):
+            return self._begin(max(LEASH, standing.leash / SLACKER))
         return replace(tried, limit=max(LIMIT, here.worst), proof=max(PROOF, proof))
 
     def _settle(self, standing: Standing, here: Point, slopes: Slopes) -> Standing:
@@ -161,11 +174,24 @@ class Search:
                 step()
             if passed is None:
                 kept = tuple(i for i in standing.kept if i not in order)
-                factors = tuple(there.factors.tolist())
-                standing, here = replace(standing, kept=kept, factors=factors), there
+                standing, here = self._tighten(replace(standing, kept=kept), there), there
             else:
                 standing = replace(standing, needed=(*standing.needed, passed))
         return standing
+
+    def _tighten(self, standing: Standing, there: Point) -> Standing:
+        """Return the standing at a point with fewer terms, held to what that point keeps.
+
+        What the set with all terms has beyond the limit may have been the doing of one that is
+        gone: accelerations of the last cycle that drive each other, say.
+        """
+        proof = float(abs(self.proof(there.factors)).max())
+        return replace(
+            standing,
+            factors=tuple(there.factors.tolist()),
+            limit=max(LIMIT, min(standing.limit, there.worst)),
+            proof=max(PROOF, min(standing.proof, proof)),
+        )
 
     def _order(self, standing: Standing, here: Point, slopes: Slopes) -> list[int]:
         """Return the places of what may be dropped, the cheapest first."""
@@ -184,7 +210,8 @@ class Search:
         there = self._fit(slopes, there, kept, goal)
         need = self._need(standing, there, gone)
         if need and len(gone) == 1 and need.worst < HOPELESS:
-            there = self._fit(self._slopes(there, kept), there, kept, 0.0)
+            anew = self._slopes(there, kept, standing.leash)
+            there = self._fit(anew, there, kept, 0.0)
             need = self._need(standing, there, gone)
         return there, need
 

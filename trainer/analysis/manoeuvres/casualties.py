@@ -1,0 +1,150 @@
+"""Casualties: weight taken on or lost, planes or a rudder that jam, and what is done about it."""
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import ClassVar, Final, Protocol, runtime_checkable
+
+from trainer.analysis.manoeuvres.flight import Conn, Flight, Manoeuvre
+from trainer.analysis.manoeuvres.vehicle import (
+    DIVE,
+    SIGNS,
+    STARBOARD,
+    Direction,
+    Measure,
+    Side,
+    Watch,
+    largest,
+    limit,
+    part,
+    share,
+)
+
+LEAD: Final = 2.0  # [s] of straight flight
+UPRIGHT: Final = {"q": "rad/s", "w": "m/s", "theta": "rad", "z": "m", "u": "m/s"}
+TURNING: Final = {"r": "rad/s", "v": "m/s", "psi": "rad", "phi": "rad", "u": "m/s"}
+SIXTHS: Final = tuple(i / 6 for i in range(1, 7))  # of a run
+AFTER: Final = 12.0  # [lengths run] that are watched once the planes are free
+
+
+def readings(flight: Flight, begin: float, columns: dict[str, str]) -> list[Measure]:
+    """Return how far columns, by name with unit, have changed at each sixth from ``begin`` [s]."""
+    end = float(flight.t[-1])
+    found = []
+    for name, unit in columns.items():
+        most = float(abs(flight.change(name)).max())
+        for reading in SIXTHS:
+            value = flight.at(begin + reading * (end - begin), name)
+            change = None if value is None else value - float(flight.column(name)[0])
+            found.append(part(f"{name} after {reading:.2g} of it", unit, change, most))
+    return found
+
+
+@runtime_checkable
+class Loadable(Protocol):
+    """A vehicle that weight can be put on."""
+
+    def load(self, share: float) -> None:
+        """Take a ``share`` [-] of its weight on, or lose it."""
+        ...
+
+
+@dataclass(frozen=True)
+class OutOfBalance(Manoeuvre):
+    """Weight lost or taken on, the depth kept or not: how floods, blows and suction are borne."""
+
+    needs: ClassVar[tuple[str, ...]] = ("planes",)
+    shows: ClassVar[tuple[str, ...]] = ("z", "theta", "delta_s", "u")
+
+    share: float = -0.01  # of the weight
+    keep: tuple[str, ...] = ("depth",)
+    run_lengths: float = 10.0
+
+    def schedule(self, conn: Conn) -> Iterator[None]:
+        """Yield the cycles."""
+        for quantity in self.keep:
+            conn.vehicle.keep(quantity)
+        yield from conn.hold(LEAD)
+        speed = conn.value("u")
+        if isinstance(conn.vehicle, Loadable):
+            conn.vehicle.load(self.share)
+        conn.mark("weight")
+        yield from conn.hold(self.run_lengths * conn.vehicle.length / speed)
+
+    def measures(self, flight: Flight) -> list[Measure]:
+        """Return readings along the way."""
+        return readings(flight, flight.time_of("weight") or 0.0, UPRIGHT)
+
+
+@dataclass(frozen=True)
+class PlaneJam(Manoeuvre):
+    """Stern planes jam, the engine is stopped; free again, hard the other way, to level."""
+
+    needs: ClassVar[tuple[str, ...]] = ("planes", "engine")
+    shows: ClassVar[tuple[str, ...]] = ("theta", "z", "delta_s", "u")
+
+    angle_deg: float = 10.0  # planes
+    jammed_lengths: float = 3.0  # run while they are
+    direction: Direction = DIVE
+
+    def schedule(self, conn: Conn) -> Iterator[None]:
+        """Yield the cycles of jam and recovery."""
+        length, speed, sign = conn.vehicle.length, conn.value("u"), SIGNS[self.direction]
+        yield from conn.hold(LEAD)
+        conn.order("planes", sign * math.radians(self.angle_deg))
+        conn.mark("jam")
+        conn.order("engine", 0.0)
+        yield from conn.hold(self.jammed_lengths * length / speed)
+        conn.order("planes", -sign * limit(conn.vehicle, "planes"))
+        conn.mark("free")
+        level = yield from conn.until(Watch("theta", 0.0, -sign), AFTER * length / speed)
+        if not level:
+            return
+        conn.mark("level")
+        conn.order("engine", speed)
+        conn.vehicle.keep("depth")
+        yield from conn.hold(AFTER * length / speed)
+
+    def measures(self, flight: Flight) -> list[Measure]:
+        """Return pitch and depth at their furthest, speed at its least, and the time to level."""
+        free, level = flight.time_of("free") or 0.0, flight.time_of("level")
+        begin = flight.time_of("jam") or 0.0
+        return [
+            share("largest pitch", "rad", largest(flight.change("theta"))),
+            share("depth lost", "m", largest(flight.change("z"))),
+            share("speed lost", "m/s", float(flight.change("u").min())),
+            share("time to level", "s", None if level is None else level - begin),
+            share("depth when free", "m", flight.at(free, "z")),
+            share("largest pitch rate up", "rad/s", float(flight.column("q").max())),
+            share("largest pitch rate down", "rad/s", float(flight.column("q").min())),
+        ]
+
+
+@dataclass(frozen=True)
+class RudderJam(Manoeuvre):
+    """The rudder jams; some lengths later the engine is stopped; depth kept where it can be."""
+
+    needs: ClassVar[tuple[str, ...]] = ("rudder", "engine")
+    shows: ClassVar[tuple[str, ...]] = ("track", "psi", "phi", "u", "z")
+
+    angle_deg: float = 30.0  # rudder
+    jammed_lengths: float = 3.0  # run before the engine is stopped
+    side: Side = STARBOARD
+
+    def schedule(self, conn: Conn) -> Iterator[None]:
+        """Yield the cycles of jam and way lost."""
+        conn.vehicle.keep("depth")
+        length, speed = conn.vehicle.length, conn.value("u")
+        yield from conn.hold(LEAD)
+        conn.order("rudder", SIGNS[self.side] * math.radians(self.angle_deg))
+        conn.mark("jam")
+        yield from conn.hold(self.jammed_lengths * length / speed)
+        conn.order("engine", 0.0)
+        conn.mark("stop")
+        yield from conn.hold(AFTER * length / speed)
+
+    def measures(self, flight: Flight) -> list[Measure]:
+        """Return readings along the way and the largest roll, counted to the side."""
+        flight = flight.counted_to(self.side)
+        most = share("largest roll", "rad", largest(flight.change("phi")))
+        return [most, *readings(flight, flight.time_of("jam") or 0.0, TURNING)]
