@@ -412,6 +412,16 @@ def test_a_repaired_autopilot_takes_over_without_a_bump_and_holds_its_orders(boa
     assert s.psi == pytest.approx(0.0, abs=0.5 * DEGREE)
 
 
+def test_a_failed_autopilot_asks_nothing_of_the_trim_pumps(boat: Boat) -> None:
+    boat.state.trim_flood = boat.state.trim_forward = 3.0  # as they were asked in the last tick
+    begun(boat, "autopilot-failed")
+    aboard = boat.state.water.copy()
+
+    run(boat, 30.0)
+
+    assert (boat.state.water == aboard).all()
+
+
 # Tanks and air: each against a sound boat under the same orders, and after clearing
 
 BLOWN = ("forward", "mid", "aft", "negative")

@@ -36,9 +36,10 @@ from trainer.core.kernel import Numbers, Record, kernel, part
 def hold_commands(gains: Numbers, state: Record) -> None:
     """Leave the commands of a failed autopilot as they are; hands still take what they order.
 
-    Its laws stand by, so that it goes on without a bump.
+    Its laws stand by, so that it goes on without a bump. It asks nothing of the trim pumps.
     """
     s = state[0]
+    s.trim_flood = s.trim_forward = 0.0
     if s.speed_by_hand != 0.0:
         s.command_u_c = s.ordered_u_c
     for surface in range(3):

@@ -487,6 +487,7 @@ static void keep_trim(const struct vessel *c, double h, struct state *s)
 
 static void hold_commands(const double *gains, struct state *s)
 {
+    s->trim_flood = s->trim_forward = 0.0;
     if (s->speed_by_hand != 0.0)
         s->command_u_c = s->ordered_u_c;
     for (int surface = 0; surface < 3; surface++)
