@@ -152,7 +152,7 @@ def test_an_exercise_ends_is_judged_flown_again_debriefed_and_followed(
     assert again.ask("quit")[0]
     told = served.account()
     assert served.process.returncode == 0
-    assert told.count("outcome") == 2
+    assert told.count("outcome") == 1  # nothing was flown of the other
     assert told.index("outcome") < told.index("duty cycle")
     assert re.search(r"outcome     time is up at 20 s; \d+ marks of 100\n +Time to 65 m: ", told)
     assert len(list(exercise.parent.rglob("recordings/*.trainer"))) == 2

@@ -153,7 +153,8 @@ class Conduct:
 
     def final_marks(self) -> Judgement | None:
         """Return the marks of the branch that was flown last; once its recording is closed."""
-        if self.ending.marks or not (self.debriefing and self.kept and self.scored):
+        judged = self.debriefing and self.kept and self.scored and self.control.boat.ticks
+        if self.ending.marks or not (judged and self.debriefing and self.kept):
             return self.ending.marks
         try:
             return self.debriefing.judge(self.kept, self.control.history.recording.branch)

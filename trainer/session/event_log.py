@@ -44,6 +44,8 @@ class EventLog:
         said_before = kind == CREW or (fact is not None and fact.what in SAID)
         if not (said_before and self.history.rerun):  # a replay says again what is recorded
             self.history.recording.event(news.tick, kind, by.who if by else "", text)
+        for hear in self.hearers:
+            hear(news)
         self._spread(news, by)
 
     def alert(self, kind: str, text: str, fact: Fact | None = None) -> None:
@@ -53,6 +55,8 @@ class EventLog:
         self.history.recording.event(news.tick, kind, "", text)
         self.alerts[self._alert] = news
         self.alerts.pop(self._alert - OPEN, None)
+        for hear in self.hearers:  # as it is recorded
+            hear(news)
         self._spread(news._replace(text=f"{text} [{self._alert}]"), None)
         self._note(numbered(self._alert, news))
 
@@ -89,8 +93,6 @@ class EventLog:
     def _spread(self, news: News, by: Station | None) -> None:
         """Keep news, and tell all but ``by``, who has the fact alone."""
         self.news.append(news)
-        for hear in self.hearers:
-            hear(news)
         for station in self.stations:
             if station is not by:
                 station.tell(news)
