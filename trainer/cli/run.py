@@ -19,6 +19,7 @@ from trainer.cli.shared_options import (
     rerun_options,
     teletype_option,
     time_options,
+    trainee_options,
 )
 from trainer.io.paths import HOST, PORT
 from trainer.session.options import RunOptions
@@ -30,6 +31,7 @@ from trainer.session.options import RunOptions
 @time_options
 @console_options
 @recording_options
+@trainee_options
 @rerun_options
 @port_options(listen=None, socket=None)
 @teletype_option
@@ -95,6 +97,7 @@ def take_to_sea(options: RunOptions) -> NoReturn:
 @exercise_options
 @time_options
 @recording_options
+@trainee_options
 @rerun_options
 @port_options(listen=f"{HOST}:{PORT}", socket=None)
 @click.option("--until-left", is_flag=True, help="End when the last station has left.")

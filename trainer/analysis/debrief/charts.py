@@ -1,31 +1,23 @@
-"""The drawings of a debrief: its charts, and the time line above them."""
+"""The charts of a debrief: what was ordered and done, the reference crew's run laid under."""
 
 from collections.abc import Iterator
-from typing import Final
+from dataclasses import dataclass, replace
+from typing import Any, Final
 
 import numpy as np
-from markupsafe import Markup
 
 from trainer.analysis.debrief.data import DebriefData
 from trainer.analysis.debrief.measures import LIMITED, limits_of
-from trainer.analysis.debrief.trajectory import Trajectory
+from trainer.analysis.debrief.trajectory import Rows, Trajectory
 from trainer.analysis.report.svg import (
     ANGLES,
-    LEFT,
-    LETTER,
-    RIGHT,
-    WIDTH,
     Chart,
     Ground,
     Level,
     Line,
-    backdrop,
-    rect,
-    rule,
-    svg,
-    text,
-    time_axis,
+    clock,
 )
+from trainer.config.measures import COURSE
 from trainer.core.ballast.tanks import BANKS
 from trainer.core.kernel import Numbers
 from trainer.units import KNOT
@@ -33,7 +25,36 @@ from trainer.units import KNOT
 ACTUAL, ORDERED = "actual", "ordered"
 SECOND, SECOND_ORDERED = "second", "second ordered"
 LETTERS: Final = {"rudder": "r", "stern": "s", "bow": "b"}
+BESIDE, FROM_HERE = "beside", "from-here"
+WRONG, TAKEN = "wrong", "taken"  # moments of the page
 USED: Final = 0.5  # [%] of air, from which on the banks are shown
+CHART_OF: Final = {  # where a quantity is drawn
+    **{"depth": "depth", "depth_rate": "depth", "pitch": "pitch", "heel": "pitch"},
+    **{"stern": "planes", "bow": "planes", "course": "course", "turn_rate": "course"},
+    **{"rudder": "rudder", "speed": "speed", "turns": "speed"},
+    **{"bank_main": "air", "bank_emergency": "air"},
+}
+
+
+@dataclass(frozen=True)
+class Beside:
+    """A run laid under that of the page: what it is called, and how it is drawn."""
+
+    label: str
+    trajectory: Trajectory
+    style: str
+
+
+def runs_beside(debrief: DebriefData) -> tuple[Beside, ...]:
+    """Return the runs of the reference crew, as far as the recorded one goes."""
+    found = debrief.compared
+    if found is None:
+        return ()
+    runs = [Beside("reference", found.reference.trajectory, BESIDE)]
+    if found.from_here is not None:
+        label = f"reference from {clock(found.from_here.since or 0.0)}"
+        runs.append(Beside(label, found.from_here.trajectory, FROM_HERE))
+    return tuple(runs)
 
 
 def ground_of(debrief: DebriefData) -> Ground:
@@ -47,90 +68,132 @@ def ground_of(debrief: DebriefData) -> Ground:
         )
         for each in debrief.casualties
     )
-    return Ground(seconds, spans, tuple(each.tick * step for each in debrief.of_kind("mark")))
+    marks = tuple(each.tick * step for each in debrief.of_kind("mark"))
+    return Ground(seconds, spans, marks, tuple(_moments(debrief)))
 
 
-def charts_of(trajectory: Trajectory) -> Iterator[Chart]:
-    """Yield the charts, those of parts that the boat lacks left out."""
-    yield _depth(trajectory)
-    yield _pitch(trajectory)
-    if trajectory.has("stern") or trajectory.has("bow"):
-        yield _planes(trajectory)
-    yield _course(trajectory)
-    if trajectory.has("rudder"):
-        yield _rudder(trajectory)
-    yield _speed(trajectory)
-    yield from _air(trajectory)
+def _moments(debrief: DebriefData) -> Iterator[tuple[str, float]]:
+    """Yield when it went wrong, and when the reference crew took over."""
+    found = debrief.compared
+    if found and found.fault:
+        yield WRONG, found.fault.tick * debrief.step
+    if found and found.from_here:
+        yield TAKEN, found.from_here.since or 0.0
+
+
+def charts_of(trajectory: Trajectory, beside: tuple[Beside, ...] = ()) -> Iterator[Chart]:
+    """Yield the charts, those of parts that the boat lacks left out, other runs laid under."""
+    for make in (_depth, _pitch, _planes, _course, _rudder, _speed, _air):
+        chart = make(trajectory)
+        if chart is not None:
+            end = float(trajectory.seconds[-1])
+            under = [line for run in beside for line in _under(run, make(run.trajectory), end)]
+            yield replace(chart, lines=(*under, *chart.lines))
+
+
+def _under(run: Beside, chart: Chart | None, end: float) -> Iterator[Line]:
+    """Yield what another run did, up to a time [s], as lines of one chart."""
+    done = [line for line in chart.lines if line.style in (ACTUAL, SECOND)] if chart else []
+    kept = run.trajectory.seconds <= end + 1e-6
+    for line in done:
+        which = "" if len(done) == 1 else f"{line.label}, "
+        seconds = run.trajectory.seconds[kept]
+        yield Line(f"{which}{run.label}", line.values[kept], run.style, seconds)
 
 
 def _depth(trajectory: Trajectory) -> Chart:
+    by_hand = trajectory.columns["stern_by_hand"] * trajectory.columns["bow_by_hand"] != 0.0
     lines = (
-        Line("ordered", trajectory.columns["ordered_depth"], ORDERED),
+        Line("ordered", told_to_all(trajectory, "depth", "ordered_depth", by_hand), ORDERED),
         Line("actual", trajectory.columns["z"], ACTUAL),
     )
-    return Chart("Depth", "m", lines, _limits(trajectory, "depth_m"), downwards=True, least=6.0)
+    limits = _limits(trajectory, "depth_m")
+    return Chart("depth", "Depth", "m", lines, limits, downwards=True, least=6.0)
+
+
+def told_to_all(trajectory: Trajectory, axis: str, place: str, by_hand: Rows) -> Numbers:
+    """Return what is ordered [SI]: to the crew, else to the autopilot where that is at work.
+
+    A run without orders to the crew has what the autopilot is told all through.
+    """
+    crew, own = trajectory.ordered(axis), trajectory.columns[place]
+    if np.isnan(crew).all():
+        return own
+    return np.where(np.isnan(crew), np.where(by_hand, np.nan, own), crew)
 
 
 def _pitch(trajectory: Trajectory) -> Chart:
+    ordered = np.degrees(trajectory.ordered("pitch"))
     lines = (
         Line("heel, to starboard positive", np.degrees(trajectory.columns["phi"]), "second fine"),
+        *(() if np.isnan(ordered).all() else (Line("ordered", ordered, ORDERED),)),
         Line("pitch, bow up positive", np.degrees(trajectory.columns["theta"]), ACTUAL),
     )
     levels = (*_limits(trajectory, "pitch_deg"), *_limits(trajectory, "heel_deg"))
     both = tuple(Level(each.label, sign * each.value) for each in levels for sign in (1.0, -1.0))
-    return Chart("Pitch and heel", "deg", lines, both, least=4.0)
+    return Chart("pitch", "Pitch and heel", "deg", lines, both, least=4.0)
 
 
-def _planes(trajectory: Trajectory) -> Chart:
+def _planes(trajectory: Trajectory) -> Chart | None:
     styles = {"stern": (ORDERED, ACTUAL), "bow": (SECOND_ORDERED, SECOND)}
     lines = []
     for surface, (told, moved) in styles.items():
         if trajectory.has(surface):
             lines.append(Line(f"{surface} ordered", commanded_angle(trajectory, surface), told))
             lines.append(Line(surface, np.degrees(trajectory.series(surface)), moved))
-    return Chart("Planes, rise positive", "deg", tuple(lines), least=10.0)
+    if not lines:
+        return None
+    return Chart("planes", "Planes, rise positive", "deg", tuple(lines), least=10.0)
 
 
 def _course(trajectory: Trajectory) -> Chart:
     heading = np.degrees(trajectory.columns["psi"])
-    beside = np.degrees(trajectory.columns["ordered_psi"]) - heading
+    by_hand = trajectory.columns["rudder_by_hand"] != 0.0
+    told = told_to_all(trajectory, COURSE, "ordered_psi", by_hand)
+    beside = np.degrees(told) - heading
     ordered = heading + (beside + 180.0) % 360.0 - 180.0  # the short way round
     lines = (Line("ordered", ordered, ORDERED), Line("actual", heading, ACTUAL))
-    return Chart("Course", "deg", lines, least=10.0, steps=ANGLES, number=_bearing)
+    steps: dict[str, Any] = {"least": 10.0, "steps": ANGLES, "number": _bearing}
+    return Chart("course", "Heading", "deg", lines, **steps)
 
 
 def _bearing(angle: float) -> str:
     return f"{round(angle) % 360:03d}"
 
 
-def _rudder(trajectory: Trajectory) -> Chart:
+def _rudder(trajectory: Trajectory) -> Chart | None:
+    if not trajectory.has("rudder"):
+        return None
     lines = (
         Line("ordered", commanded_angle(trajectory, "rudder"), ORDERED),
         Line("actual", np.degrees(trajectory.series("rudder")), ACTUAL),
     )
-    return Chart("Rudder, right positive", "deg", lines, least=10.0)
+    return Chart("rudder", "Rudder, right positive", "deg", lines, least=10.0)
 
 
 def _speed(trajectory: Trajectory) -> Chart:
     column = trajectory.columns
-    kept = np.where(column["speed_by_hand"] == 0.0, column["ordered_speed"] / KNOT, np.nan)
+    kept = np.where(column["speed_by_hand"] == 0.0, column["ordered_speed"], np.nan)
+    crew = trajectory.ordered("speed")
+    kept = np.where(np.isnan(crew), kept, crew) / KNOT
     lines = (
         Line("ordered", kept, ORDERED),
         Line("turns for", column["u_c"] / KNOT, "second fine"),
         Line("actual", column["u"] / KNOT, ACTUAL),
     )
-    return Chart("Speed", "kn", lines, _limits(trajectory, "speed_kn"), least=2.0)
+    return Chart("speed", "Speed", "kn", lines, _limits(trajectory, "speed_kn"), least=2.0)
 
 
-def _air(trajectory: Trajectory) -> Iterator[Chart]:
-    """Yield the air left, if any was used."""
+def _air(trajectory: Trajectory) -> Chart | None:
+    """Return the air left, if any was used."""
     vessel = trajectory.boat.vessel
     lines = []
     for place, (bank, style) in enumerate(zip(BANKS, (ACTUAL, SECOND), strict=True)):
         if full := float(vessel.bank_full[place]):
             lines.append(Line(bank, 100.0 * trajectory.columns[f"bank_{bank}"] / full, style))
-    if any(np.ptp(line.values) > USED for line in lines):
-        yield Chart("Air banks, share of full", "%", tuple(lines), least=10.0)
+    if not any(np.ptp(line.values) > USED for line in lines):
+        return None
+    return Chart("air", "Air banks, share of full", "%", tuple(lines), least=10.0)
 
 
 def commanded_angle(trajectory: Trajectory, surface: str) -> Numbers:
@@ -151,79 +214,3 @@ def _limits(trajectory: Trajectory, key: str) -> tuple[Level, ...]:
         for name in limits_of(trajectory)
         if name.startswith(key)
     )
-
-
-ROW, TOP, BOTTOM = 20.0, 8.0, 24.0  # [px]
-LABEL: Final = 24.0  # [px] that a score's label takes
-
-
-def draw_timeline(debrief: DebriefData, ground: Ground) -> Markup:
-    """Return the time line as an SVG element."""
-    rows = [*_casualties(debrief, ground), _orders(debrief, ground)]
-    rows += [_calls(debrief, ground), _marks(debrief, ground), *_scores(debrief, ground)]
-    shown = [row for row in rows if row]
-    bottom = TOP + ROW * len(shown)
-    parts = [*backdrop(ground, TOP, bottom), *time_axis(ground, bottom)]
-    for i, row in enumerate(shown):
-        parts.append(f'<g transform="translate(0 {TOP + i * ROW:g})">{row}</g>')
-    return svg("What happened when", (WIDTH, bottom + BOTTOM), parts)
-
-
-def _casualties(debrief: DebriefData, ground: Ground) -> Iterator[str]:
-    """Yield a row for each casualty."""
-    for i, each in enumerate(debrief.casualties):
-        begin, end = (ground.across.at(second) for second in ground.spans[i])
-        name = f"C{i + 1} {each.episode.kind}"
-        bar = rect("bar", begin, 3.0, max(end - begin, 2.0), ROW - 6.0)
-        fits = end + LETTER * len(name) < WIDTH - RIGHT
-        words = (
-            text("tick", end + 4.0, 14.0, name) if fits else text("tick", LEFT + 4.0, 14.0, name)
-        )
-        yield bar + words + _heading("casualty" if i == 0 else "")
-
-
-def _orders(debrief: DebriefData, ground: Ground) -> str:
-    ticks = [ground.across.at(each.tick * debrief.step) for each in debrief.crew]
-    drawn = "".join(rule("order", x, 4.0, x, ROW - 4.0) for x in ticks)
-    return drawn and drawn + _heading("crew")
-
-
-def _calls(debrief: DebriefData, ground: Ground) -> str:
-    ticks = [ground.across.at(each.tick * debrief.step) for each in debrief.of_kind("watch")]
-    drawn = "".join(text("call middle", x, 14.0, "x") for x in ticks)
-    return drawn and drawn + _heading("called")
-
-
-def _marks(debrief: DebriefData, ground: Ground) -> str:
-    places = [ground.across.at(each.tick * debrief.step) for each in debrief.of_kind("mark")]
-    return _labels(places, "M") and _labels(places, "M") + _heading("mark")
-
-
-def _scores(debrief: DebriefData, ground: Ground) -> Iterator[str]:
-    """Yield as many rows as it takes for no label to lie on another."""
-    scores = enumerate(debrief.card.scores, start=1)
-    left = sorted(
-        (ground.across.at(each.attained.tick * debrief.step), f"S{i}")
-        for i, each in scores
-        if each.attained.tick is not None
-    )
-    heading = _heading("score")
-    while left:
-        row, rest, end = "", [], 0.0
-        for x, name in left:
-            if x - end < LABEL:
-                rest.append((x, name))
-                continue
-            row, end = row + text("tick middle", x, 14.0, name), x
-        yield row + heading
-        left, heading = rest, ""
-
-
-def _labels(places: list[float], letter: str) -> str:
-    return "".join(
-        text("tick middle", x, 14.0, f"{letter}{i}") for i, x in enumerate(places, start=1)
-    )
-
-
-def _heading(words: str) -> str:
-    return text("tick end", LEFT - 6.0, 14.0, words)

@@ -1,31 +1,45 @@
 """All that a debrief tells, gathered from a recording, and its figures for programs."""
 
 from collections.abc import Iterator, Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
 
+from trainer.analysis.debrief.changes import WIDTH, Change, changed_card, read_changes
 from trainer.analysis.debrief.episodes import (
+    SCHEDULE,
     Deflection,
     Episode,
     answer_to,
     crew_orders,
     deflection,
+    name_of,
     spells,
 )
-from trainer.analysis.debrief.judgement import judge, plain_marks
-from trainer.analysis.debrief.scoring import Scorecard, Scored, Verdict
+from trainer.analysis.debrief.judgement import WIDTHS, judge, plain_marks
+from trainer.analysis.debrief.losses import Loss, dearest
+from trainer.analysis.debrief.readbacks import ReadBack, read_backs
+from trainer.analysis.debrief.reference import (
+    Fault,
+    Reference,
+    first_fault,
+    fly_from,
+    fly_reference,
+)
+from trainer.analysis.debrief.scoring import Scorecard
 from trainer.analysis.debrief.trajectory import Trajectory, read_passage
-from trainer.analysis.rehearsal import fly
+from trainer.analysis.rehearsal import Departure, fly
 from trainer.boat.boat import Boat
 from trainer.config.files import ConfigError
 from trainer.core.cache import same_core
 from trainer.io.recording.recording import Branch, Journalled, Noted, Recording
-from trainer.session.header import layout_of, plan_of
+from trainer.session.header import layout_of, plan_of, trainees_of
 from trainer.session.plan import Plan
 
+FREEING: Final = frozenset({"casualty", "allow"})  # orders by hand after which there are no marks
+GAP: Final = "not recorded"  # begins why a branch was begun that nobody wound back to
 ECHOES: Final = frozenset({"order", "exercise"})  # events that repeat an order of the journal
 
 
@@ -58,6 +72,23 @@ class Ticks:
 
 
 @dataclass(frozen=True)
+class Standing:
+    """What a run counts for, each "" or why: a free run has no marks, a practice no record."""
+
+    free: str = ""
+    practice: str = ""
+
+
+@dataclass(frozen=True)
+class Compared:
+    """A run beside that of the reference crew."""
+
+    reference: Reference
+    fault: Fault | None  # where the run went wrong
+    from_here: Reference | None  # the reference crew from a recorded moment on
+
+
+@dataclass(frozen=True)
 class DebriefData:
     """Everything about one branch of a recording with its past."""
 
@@ -73,6 +104,13 @@ class DebriefData:
     hands: tuple[Hand, ...]
     events: tuple[Noted, ...]  # of this past, without those that repeat an order
     ticks: Ticks
+    width: str = "qualified"  # of the bands, as it was judged first
+    standing: Standing = Standing()
+    trainees: tuple[str, ...] = ()
+    read_backs: tuple[ReadBack, ...] = ()
+    changes: tuple[Change, ...] = ()  # of the instructor's
+    changed: Scorecard | None = None  # the marks after them
+    compared: Compared | None = None
 
     @property
     def title(self) -> str:
@@ -84,19 +122,35 @@ class DebriefData:
         """Return the time [s] from tick to tick."""
         return self.plan.method.step
 
+    @property
+    def final(self) -> Scorecard:
+        """Return the marks that count: those that the instructor has changed, if any."""
+        return self.changed or self.card
+
+    @property
+    def total(self) -> float | None:
+        """Return the marks of all [%], None where nothing counts or the run is free."""
+        return None if self.standing.free else self.final.total
+
+    @property
+    def losses(self) -> tuple[Loss, ...]:
+        """Return what cost most of the marks that count."""
+        return dearest(self.final, self.compared and self.compared.reference.card)
+
     def of_kind(self, *kinds: str) -> tuple[Noted, ...]:
         """Return the events of these kinds."""
         return tuple(event for event in self.events if event.kind in kinds)
 
 
 def gather(
-    recording: Recording, source: Path, number: int | None, width: str = "qualified"
+    recording: Recording, source: Path, number: int | None, width: str | None = None
 ) -> DebriefData:
-    """Return the dossier of a branch, None for the latest, judged at a width.
+    """Return the dossier of a branch, None for the latest, judged at a width, None for its own.
 
     ConfigError if the header cannot be read or there is no such branch.
     """
     header = recording.header()
+    width = width or width_of(header)
     branches = recording.branches()
     wanted = branches[-1].id if number is None else number
     branch = next((each for each in branches if each.id == wanted), None)
@@ -106,6 +160,11 @@ def gather(
     plan = plan_of(header)
     boat = Boat(plan.file, plan.method)
     trajectory = read_passage(recording, wanted, layout_of(header), boat, plan.limits)
+    changes = tuple(each for each in read_changes(source) if each.branch == wanted)
+    nobody = {
+        each: nobody_aboard(plan, header, each)
+        for each in {width, *(change.what for change in changes if change.name == WIDTH)}
+    }
     return DebriefData(
         source=source,
         header=header,
@@ -113,13 +172,99 @@ def gather(
         branch=branch,
         branches=tuple((each, last_tick(recording, each)) for each in branches),
         trajectory=trajectory,
-        card=judge(trajectory, plan, nobody_aboard(plan, header, width), width),
+        card=judge(trajectory, plan, nobody[width], width),
         casualties=tuple(pair_answers(trajectory)),
         crew=crew_orders(trajectory),
         hands=hands(trajectory),
         events=tuple(events_of(recording, branches, branch)),
         ticks=ticks_of(trajectory),
+        width=width,
+        standing=standing_of(trajectory, plan, branches, branch),
+        trainees=trainees_of(header),
+        read_backs=read_backs(trajectory),
+        changes=changes,
+        changed=changed_card(trajectory, plan, nobody, width, changes) if changes else None,
     )
+
+
+def compared(
+    debrief: DebriefData, recording: Recording, seconds: float | None = None
+) -> DebriefData:
+    """Return a dossier with the reference crew's run beside; as it was for an exercise without.
+
+    With ``seconds`` the reference crew also takes over there. ConfigError if it cannot.
+    """
+    plan, width = debrief.plan, debrief.width
+    reference = fly_reference(plan, debrief.card, width)
+    if reference is None:
+        if seconds is not None:
+            raise ConfigError("--reference-from: this exercise has no reference crew and no end")
+        return debrief
+    fault = None
+    if not debrief.standing.free:
+        fault = first_fault(debrief.trajectory, debrief.card, reference, plan, width)
+    from_here = None
+    if seconds is not None:
+        departure = departure_at(debrief, recording, reference, seconds)
+        from_here = fly_from(debrief.trajectory, plan, departure, debrief.card, width)
+    return replace(debrief, compared=Compared(reference, fault, from_here))
+
+
+def departure_at(
+    debrief: DebriefData, recording: Recording, reference: Reference, seconds: float
+) -> Departure:
+    """Return the recorded moment at a time [s]; ConfigError if there is none."""
+    last = int(debrief.trajectory.ticks[-1])
+    tick = round(seconds / debrief.step)
+    moment = recording.moment(debrief.branch.id, tick) if 0 <= tick < last else None
+    if moment is None:
+        end = last * debrief.step
+        raise ConfigError(
+            f"--reference-from {seconds:g}: not within the record, which is of 0 to {end:g} s"
+        )
+    return Departure(moment, layout_of(debrief.header), reference.rehearsal.times)
+
+
+def width_of(header: Mapping[str, str]) -> str:
+    """Return the width that a run was begun with."""
+    width = header.get("width", "qualified")
+    return width if width in WIDTHS else "qualified"
+
+
+def standing_of(
+    trajectory: Trajectory, plan: Plan, branches: list[Branch], branch: Branch
+) -> Standing:
+    """Return what a run counts for: a fault or an automatic brought by hand leaves no marks."""
+    if not plan.judged_by_tasks:
+        return Standing()
+    step = plan.method.step
+    free = next(
+        (
+            f"{each.text} at {each.tick * step:g} s, by {each.who}"
+            for each in trajectory.orders
+            if each.accepted and each.who != SCHEDULE and name_of(each) in FREEING
+        ),
+        "",
+    )
+    wound = (each for each in _ancestry(branches, branch) if each.tick > 0)
+    practice = next(
+        (
+            f"{each.why}, to {each.tick * step:g} s"
+            for each in wound
+            if not each.why.startswith(GAP)
+        ),
+        "",
+    )
+    return Standing(free, practice)
+
+
+def _ancestry(branches: list[Branch], branch: Branch) -> Iterator[Branch]:
+    """Yield a branch and those that it came from."""
+    by_number = {each.id: each for each in branches}
+    here: Branch | None = branch
+    while here is not None:
+        yield here
+        here = None if here.parent is None else by_number.get(here.parent)
 
 
 def nobody_aboard(plan: Plan, header: Mapping[str, str], width: str) -> Mapping[str, float]:
@@ -186,71 +331,3 @@ def ticks_of(trajectory: Trajectory) -> Ticks:
 def _spread(values: np.ndarray) -> tuple[float, float, float]:
     median, most_of_them = np.percentile(values, (50.0, 99.0))
     return float(median), float(most_of_them), float(values.max())
-
-
-def figures(debrief: DebriefData) -> dict[str, Any]:
-    """Return what the page tells in numbers; times in s, marks in per cent."""
-    step = debrief.step
-    return {
-        "exercise": debrief.plan.title,
-        "vessel": debrief.plan.file.name,
-        "started": debrief.header.get("started"),
-        "branch": debrief.branch.id,
-        "branches": [
-            {"branch": each.id, "parent": each.parent, "tick": each.tick, "last": last}
-            | {"why": each.why}
-            for each, last in debrief.branches
-        ],
-        "seconds": float(debrief.trajectory.seconds[-1]),
-        "total": debrief.card.total,
-        "verdict": _verdict(debrief.card.verdict),
-        "scores": [_score(each, step) for each in debrief.card.scores],
-        "casualties": [_casualty(each, step) for each in debrief.casualties],
-        "marks": [
-            {"seconds": each.tick * step, "remark": each.text, "by": each.who}
-            for each in debrief.of_kind("mark")
-        ],
-        "ticks": asdict(debrief.ticks),
-    }
-
-
-def _seconds(tick: int | None, step: float) -> float | None:
-    return None if tick is None else tick * step
-
-
-def _verdict(verdict: Verdict | None) -> dict[str, Any] | None:
-    """Return how an exercise ended, None for one whose marks are a plain mean."""
-    return None if verdict is None else asdict(verdict)
-
-
-def _score(each: Scored, step: float) -> dict[str, Any]:
-    """Return a rule and how it was met."""
-    return {
-        "name": each.name,
-        "measure": each.rule.score.measure,
-        "value": each.attained.value,
-        "unit": each.unit,
-        "why": each.attained.why,
-        "marks": each.marks,
-        "part": each.rule.part,
-        "nobody": each.nobody,
-        "earned": each.earned,
-        "weight": each.rule.weight,
-        "tick": each.attained.tick,
-        "seconds": _seconds(each.attained.tick, step),
-        "formula": each.formula,
-    }
-
-
-def _casualty(each: Answered, step: float) -> dict[str, Any]:
-    """Return a casualty and what was done about it."""
-    return {
-        "kind": each.episode.kind,
-        "begun_s": each.episode.begun * step,
-        "ended_s": _seconds(each.episode.ended, step),
-        "order": each.order and each.order.text,
-        "order_by": each.order and each.order.who,
-        "order_s": each.order and each.order.tick * step,
-        "deflected": each.deflection and each.deflection.surface,
-        "deflected_s": each.deflection and each.deflection.tick * step,
-    }

@@ -3,6 +3,7 @@
 import json
 import tempfile
 from collections.abc import Iterator
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Final
 
@@ -12,9 +13,12 @@ from markupsafe import Markup
 
 from trainer import __version__
 from trainer.analysis.debrief import sections
-from trainer.analysis.debrief.charts import charts_of, draw_timeline, ground_of
-from trainer.analysis.debrief.data import DebriefData, figures, gather
-from trainer.analysis.report.html import page, paragraph, section
+from trainer.analysis.debrief.charts import charts_of, ground_of, runs_beside
+from trainer.analysis.debrief.data import DebriefData, compared, gather
+from trainer.analysis.debrief.figures import figures
+from trainer.analysis.debrief.timeline import draw_timeline
+from trainer.analysis.debrief.track import draw_track
+from trainer.analysis.report.html import charts, page, paragraph, section
 from trainer.analysis.report.pdf import print_pdf
 from trainer.analysis.report.svg import clock, draw
 from trainer.config.files import ConfigError
@@ -47,54 +51,78 @@ def _under(debrief: DebriefData) -> str:
         debrief.header.get("started", ""),
         f"{clock(float(debrief.trajectory.seconds[-1]))} flown",
     ]
+    told.append(", ".join(debrief.trainees))
     if len(debrief.branches) > 1:
         told.append(f"branch {debrief.branch.id} of {len(debrief.branches)}")
     return " - ".join(filter(None, told))
 
 
 def _parts(debrief: DebriefData) -> Iterator[Markup]:
+    """Yield the sections, in the order in which a crew wants to know."""
     if debrief.card.scores:
-        yield section("", "Scores", sections.scores(debrief))
-    yield section("", "Ordered and actual", _drawings(debrief))
+        yield section("moment", "Where it went wrong", sections.moment(debrief))
+        yield section("cost", "What cost most", sections.cost(debrief))
+    if debrief.changes:
+        yield section("changes", "Changed by the instructor", sections.changes(debrief))
+    yield section("charts", "Ordered and actual", _drawings(debrief))
+    if debrief.read_backs:
+        yield section("orders", "Orders to the crew", sections.read_backs(debrief))
     told = sections.casualties(debrief) if debrief.casualties else paragraph("Nothing broke.")
-    yield section("", "Casualties", told)
+    yield section("casualties", "Casualties", told)
+    if debrief.card.scores:
+        yield section("scores", "Measures", sections.scores(debrief))
     if debrief.of_kind("mark"):
-        yield section("", "Marks", sections.marks(debrief))
+        yield section("words", "The instructor's words", sections.marks(debrief))
     if debrief.hands:
-        yield section("", "Who gave orders", sections.hands(debrief))
-    yield section("", "Orders and events", sections.log(debrief))
+        yield section("hands", "Who gave orders", sections.hands(debrief))
+    yield section("log", "Orders and events", sections.log(debrief))
     if len(debrief.branches) > 1:
-        yield section("", "Branches", sections.branches(debrief))
-    yield section("", "Ticks", sections.ledger(debrief))
-    yield section("", "What was flown", sections.run_facts(debrief))
+        yield section("branches", "Branches", sections.branches(debrief))
+    yield section("ticks", "Ticks", sections.ledger(debrief))
+    yield section("run", "What was flown", sections.run_facts(debrief))
 
 
 def _drawings(debrief: DebriefData) -> Markup:
-    """Return the time line and the charts."""
-    ground = ground_of(debrief)
-    drawn = [draw(chart, ground) for chart in charts_of(debrief.trajectory)]
-    told = "Shaded: a casualty. Dotted upright: a mark. Time from the start, minutes and seconds."
-    head = Markup("<p><small>{}</small></p>").format(told)
-    return Markup().join([head, draw_timeline(debrief, ground), *drawn])
+    """Return the time line, the charts and the track."""
+    ground, beside = ground_of(debrief), runs_beside(debrief)
+    drawn = [draw_timeline(debrief, ground)]
+    drawn += [draw(chart, ground) for chart in charts_of(debrief.trajectory, beside)]
+    return Markup().join([sections.legend(debrief), charts([*drawn, draw_track(debrief)])])
 
 
 HEAD = 2000  # [characters] in which a page of ours says that it is
 
 
+@dataclass(frozen=True, kw_only=True)
+class Asked:
+    """How a recording is to be debriefed."""
+
+    branch: int | None = None  # None: the latest
+    width: str | None = None  # of the bands; None: as it was begun with
+    reference_from: float | None = None  # [s] where the reference crew takes over, too
+
+
 def debrief_file(
-    path: Path, html: Path | None, pdf: Path | None, branch: int | None, *, as_json: bool
+    path: Path,
+    html: Path | None,
+    pdf: Path | None,
+    branch: int | None,
+    *,
+    as_json: bool,
+    asked: Asked | None = None,
 ) -> None:
     """Write the page as HTML or PDF, and print where it is, or the figures.
 
     Asked for neither, it goes beside the recording as HTML. ConfigError on what is wrong.
     """
+    asked = replace(asked or Asked(), branch=branch)
     for wanted in filter(None, (html, pdf)):
         _refuse_recording(path, wanted)
     if html is None and pdf is None and not as_json:
         html = beside(path, branch)
         _refuse_other(html)
     with np.errstate(all="ignore"):  # a state may hold any number
-        debrief = read_dossier(path, branch)
+        debrief = read_compared(path, asked)
         text = render(debrief) if html or pdf else ""
     written = []
     if html is not None:
@@ -109,10 +137,17 @@ def debrief_file(
         click.echo("\n".join(map(str, written)))
 
 
-def read_dossier(path: Path, branch: int | None) -> DebriefData:
+def read_dossier(path: Path, branch: int | None, width: str | None = None) -> DebriefData:
     """Return the dossier of a recording; ConfigError if it cannot be read."""
     with reading(path) as recording:
-        return gather(recording, path, branch)
+        return gather(recording, path, branch, width)
+
+
+def read_compared(path: Path, asked: Asked) -> DebriefData:
+    """Return the dossier of a recording beside the reference crew's run; ConfigError."""
+    with reading(path) as recording:
+        debrief = gather(recording, path, asked.branch, asked.width)
+        return compared(debrief, recording, asked.reference_from)
 
 
 def beside(path: Path, branch: int | None) -> Path:
