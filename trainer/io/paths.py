@@ -35,13 +35,18 @@ def nearest_session() -> str:
     return str(path) if path.exists() else f"tcp://{HOST}:{PORT}"
 
 
+def recordings_folder() -> Path:
+    """Return where recordings are kept unless told otherwise."""
+    state = os.environ.get("XDG_STATE_HOME") or Path.home() / ".local" / "state"
+    return Path(state) / _OURS / "recordings"
+
+
 def recording_paths(name: str) -> Iterator[Path]:
     """Yield files for a new recording of what is called ``name``, each for when others are taken.
 
     Their folder is made.
     """
-    state = os.environ.get("XDG_STATE_HOME") or Path.home() / ".local" / "state"
-    folder = Path(state) / _OURS / "recordings"
+    folder = recordings_folder()
     folder.mkdir(parents=True, exist_ok=True)
     plain = re.sub(r"[^a-z0-9-]+", "-", Path(name).stem.casefold()).strip("-") or "run"
     stamp = datetime.now(UTC).strftime("%Y%m%d-%H%M%S")

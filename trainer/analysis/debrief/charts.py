@@ -22,18 +22,26 @@ from trainer.core.ballast.tanks import BANKS
 from trainer.core.kernel import Numbers
 from trainer.units import KNOT
 
-ACTUAL, ORDERED = "actual", "ordered"
-SECOND, SECOND_ORDERED = "second", "second ordered"
+ACTUAL, ORDERED, SECOND = "actual", "ordered", "second"
 LETTERS: Final = {"rudder": "r", "stern": "s", "bow": "b"}
 BESIDE, FROM_HERE = "beside", "from-here"
 WRONG, TAKEN = "wrong", "taken"  # moments of the page
 USED: Final = 0.5  # [%] of air, from which on the banks are shown
-CHART_OF: Final = {  # where a quantity is drawn
-    **{"depth": "depth", "depth_rate": "depth", "pitch": "pitch", "heel": "pitch"},
-    **{"stern": "planes", "bow": "planes", "course": "course", "turn_rate": "course"},
-    **{"rudder": "rudder", "speed": "speed", "turns": "speed"},
-    **{"bank_main": "air", "bank_emergency": "air"},
+CHART_OF: Final = {  # where a quantity is drawn that has no chart of its own name
+    "depth_rate": "depth",
+    "heel": "pitch",
+    "turn_rate": "course",
+    "turns": "speed",
+    "bank_main": "air",
+    "bank_emergency": "air",
 }
+NAMES: Final = ("depth", "pitch", "stern", "bow", "course", "rudder", "speed", "air")
+
+
+def chart_of(quantity: str) -> str:
+    """Return the name of the drawing that shows a quantity, the time line's for others."""
+    name = CHART_OF.get(quantity, quantity)
+    return name if name in NAMES else "timeline"
 
 
 @dataclass(frozen=True)
@@ -83,7 +91,7 @@ def _moments(debrief: DebriefData) -> Iterator[tuple[str, float]]:
 
 def charts_of(trajectory: Trajectory, beside: tuple[Beside, ...] = ()) -> Iterator[Chart]:
     """Yield the charts, those of parts that the boat lacks left out, other runs laid under."""
-    for make in (_depth, _pitch, _planes, _course, _rudder, _speed, _air):
+    for make in (_depth, _pitch, _stern, _bow, _course, _rudder, _speed, _air):
         chart = make(trajectory)
         if chart is not None:
             end = float(trajectory.seconds[-1])
@@ -134,16 +142,27 @@ def _pitch(trajectory: Trajectory) -> Chart:
     return Chart("pitch", "Pitch and heel", "deg", lines, both, least=4.0)
 
 
-def _planes(trajectory: Trajectory) -> Chart | None:
-    styles = {"stern": (ORDERED, ACTUAL), "bow": (SECOND_ORDERED, SECOND)}
-    lines = []
-    for surface, (told, moved) in styles.items():
-        if trajectory.has(surface):
-            lines.append(Line(f"{surface} ordered", commanded_angle(trajectory, surface), told))
-            lines.append(Line(surface, np.degrees(trajectory.series(surface)), moved))
-    if not lines:
+def _stern(trajectory: Trajectory) -> Chart | None:
+    return _surface(trajectory, "stern", "Stern planes, rise positive")
+
+
+def _bow(trajectory: Trajectory) -> Chart | None:
+    return _surface(trajectory, "bow", "Bow planes, rise positive")
+
+
+def _rudder(trajectory: Trajectory) -> Chart | None:
+    return _surface(trajectory, "rudder", "Rudder, right positive")
+
+
+def _surface(trajectory: Trajectory, surface: str, title: str) -> Chart | None:
+    """Return the chart of a surface, None of one that the boat lacks."""
+    if not trajectory.has(surface):
         return None
-    return Chart("planes", "Planes, rise positive", "deg", tuple(lines), least=10.0)
+    lines = (
+        Line("ordered", commanded_angle(trajectory, surface), ORDERED),
+        Line("actual", np.degrees(trajectory.series(surface)), ACTUAL),
+    )
+    return Chart(surface, title, "deg", lines, least=10.0)
 
 
 def _course(trajectory: Trajectory) -> Chart:
@@ -159,16 +178,6 @@ def _course(trajectory: Trajectory) -> Chart:
 
 def _bearing(angle: float) -> str:
     return f"{round(angle) % 360:03d}"
-
-
-def _rudder(trajectory: Trajectory) -> Chart | None:
-    if not trajectory.has("rudder"):
-        return None
-    lines = (
-        Line("ordered", commanded_angle(trajectory, "rudder"), ORDERED),
-        Line("actual", np.degrees(trajectory.series("rudder")), ACTUAL),
-    )
-    return Chart("rudder", "Rudder, right positive", "deg", lines, least=10.0)
 
 
 def _speed(trajectory: Trajectory) -> Chart:

@@ -2,8 +2,8 @@
 
 import json
 import tempfile
-from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
 
@@ -13,6 +13,7 @@ from markupsafe import Markup
 
 from trainer import __version__
 from trainer.analysis.debrief import sections
+from trainer.analysis.debrief.changes import change_of, read_changes, without, write_changes
 from trainer.analysis.debrief.charts import charts_of, ground_of, runs_beside
 from trainer.analysis.debrief.data import DebriefData, compared, gather
 from trainer.analysis.debrief.figures import figures
@@ -23,7 +24,7 @@ from trainer.analysis.report.pdf import print_pdf
 from trainer.analysis.report.svg import clock, draw
 from trainer.config.files import ConfigError
 from trainer.io.atomic_write import write_whole
-from trainer.session.header import reading
+from trainer.session.header import plan_of, reading
 
 BADGE: Final = Markup('<meta name="generator" content="trainer debrief">')  # a page of ours
 
@@ -93,7 +94,7 @@ def _drawings(debrief: DebriefData) -> Markup:
 HEAD = 2000  # [characters] in which a page of ours says that it is
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True)
 class Asked:
     """How a recording is to be debriefed."""
 
@@ -103,23 +104,16 @@ class Asked:
 
 
 def debrief_file(
-    path: Path,
-    html: Path | None,
-    pdf: Path | None,
-    branch: int | None,
-    *,
-    as_json: bool,
-    asked: Asked | None = None,
+    path: Path, html: Path | None, pdf: Path | None, asked: Asked, *, as_json: bool
 ) -> None:
     """Write the page as HTML or PDF, and print where it is, or the figures.
 
     Asked for neither, it goes beside the recording as HTML. ConfigError on what is wrong.
     """
-    asked = replace(asked or Asked(), branch=branch)
     for wanted in filter(None, (html, pdf)):
         _refuse_recording(path, wanted)
     if html is None and pdf is None and not as_json:
-        html = beside(path, branch)
+        html = beside(path, asked.branch)
         _refuse_other(html)
     with np.errstate(all="ignore"):  # a state may hold any number
         debrief = read_compared(path, asked)
@@ -153,6 +147,19 @@ def read_compared(path: Path, asked: Asked) -> DebriefData:
 def beside(path: Path, branch: int | None) -> Path:
     """Return where the page of a recording goes unless told otherwise."""
     return path.with_name(path.stem + ("" if branch is None else f".branch{branch}") + ".html")
+
+
+def change_marks(path: Path, asked: Asked, texts: Sequence[str], back: Sequence[str]) -> None:
+    """Keep changes of marks, having taken others back; ConfigError, nothing changed, on any."""
+    if not (texts or back):
+        return
+    with reading(path) as recording:
+        plan, branches = plan_of(recording.header()), recording.branches()
+    branch = branches[-1].id if asked.branch is None else asked.branch
+    changes = read_changes(path)
+    for name in back:
+        changes = without(changes, name, branch)
+    write_changes(path, [*changes, *(change_of(text, branch, plan) for text in texts)])
 
 
 def _refuse_recording(path: Path, wanted: Path) -> None:

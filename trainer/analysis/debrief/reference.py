@@ -34,6 +34,7 @@ WIDTHS: Final = {  # [SI] of a band where the task has none
 }
 TIMED: Final = ("reach", "time-to")  # measures whose value is a time
 EXTREMES: Final = ("highest", "lowest", "largest", "overshoot")  # over when they are attained
+ABOUT: Final = "the band about the reference run was"
 LOST: Final = 10.0  # [%] of a task's marks less than the reference crew's: it went wrong
 
 
@@ -252,9 +253,6 @@ def _told(rule: Rule, value: float, limits: tuple[float, float]) -> str:
     name, unit = rule.measured.name, rule.measured.unit
     if name == COURSE:
         value, *ends = (angle % (math.tau / rule.measured.size) for angle in (value, *limits))
-        return f"course {value:03.0f}; the band about the reference run was {ends[0]:03.0f} to {ends[1]:03.0f}"
+        return f"course {value:03.0f}; {ABOUT} {ends[0]:03.0f} to {ends[1]:03.0f}"
     low, high = limits
-    return (
-        f"{rule.measured} {value:.1f} {unit}; the band about the reference run was "
-        f"{low:.1f} to {high:.1f} {unit}"
-    )
+    return f"{rule.measured} {value:.1f} {unit}; {ABOUT} {low:.1f} to {high:.1f} {unit}"

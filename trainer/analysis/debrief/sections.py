@@ -7,7 +7,7 @@ from typing import Final
 from markupsafe import Markup
 
 from trainer.analysis.debrief.changes import OUTCOME, WIDTH, Change
-from trainer.analysis.debrief.charts import CHART_OF, WRONG
+from trainer.analysis.debrief.charts import WRONG, chart_of
 from trainer.analysis.debrief.data import Answered, Compared, DebriefData
 from trainer.analysis.debrief.episodes import SCHEDULE
 from trainer.analysis.debrief.figures import deviation_of
@@ -48,15 +48,13 @@ def verdict(debrief: DebriefData) -> Markup:
 def _outcome(debrief: DebriefData) -> Iterator[Markup]:
     """Yield the outcome with its reason, and the marks."""
     verdict, total = debrief.final.verdict, debrief.total
-    big = Markup('<p class="total"><b>{}</b>{}</p>')
-    if verdict is not None:
-        yield big.format(verdict.outcome.capitalize(), "")
-        if verdict.reason:
-            yield paragraph(f"{verdict.reason}.")
-    told = "-" if total is None else f"{total:.0f}"
-    told = "No marks" if verdict is not None and total is None else told
-    after = "" if told == "No marks" else f" of 100 marks{_sureness(debrief)}"
-    yield big.format(told, after)
+    marks = Markup("<b>{:.0f}</b> of 100 marks{}").format(total or 0.0, _sureness(debrief))
+    if total is None:
+        marks = Markup("<b>{}</b> marks").format("No" if verdict else "- of 100")
+    outcome = Markup("<b>{}</b> ").format(verdict.outcome.capitalize()) if verdict else ""
+    yield Markup('<p class="total">{}{}</p>').format(outcome, marks)
+    if verdict is not None and verdict.reason:
+        yield paragraph(f"{verdict.reason[0].upper()}{verdict.reason[1:]}.")
 
 
 def _sureness(debrief: DebriefData) -> str:
@@ -139,7 +137,7 @@ def moment(debrief: DebriefData) -> Markup:
         return paragraph(
             free or "It did not: every task is about as well done as the reference crew's."
         )
-    chart = CHART_OF.get(fault.quantity, "timeline")
+    chart = chart_of(fault.quantity)
     line = Markup('<p><b>{}</b>: {}. Task: {}. <a href="#{}-{}">Go there</a></p>')
     place = clock(fault.tick * debrief.step)
     return line.format(place, fault.told, fault.score, WRONG, chart)

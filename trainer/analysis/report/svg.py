@@ -73,7 +73,7 @@ def thin(x: Numbers, y: Numbers, most: int) -> tuple[Numbers, Numbers]:
 
 
 WIDTH, HEIGHT = 960.0, 210.0  # [px]
-LEFT, RIGHT, TOP, BOTTOM = 58.0, 24.0, 26.0, 24.0
+LEFT, RIGHT, TOP, BOTTOM = 68.0, 24.0, 26.0, 24.0
 POINTS: Final = 1600  # of a line
 LEGEND: Final = 24.0  # [px] length of a line's sample
 LETTER: Final = 6.6  # [px] about as wide as one
