@@ -106,6 +106,65 @@ def test_time_to_counts_from_the_window_to_where_it_stays_in_its_band() -> None:
     assert attain(went, rule(**depth, to_s=1.0)).why == "not in the band at the end"
 
 
+def test_to_reach_a_target_the_boat_has_to_have_been_elsewhere() -> None:
+    depth = {"quantity": "depth", "target": 100, "band": 1}
+    assert taken(trajectory(z=[60, 99, 90, 99, 101]), measure="reach", **depth) == (1.5, 3)
+    there = trajectory(z=[100, 90, 99, 100])
+    for measure in ("reach", "settled"):
+        assert attain(there, rule(measure=measure, **depth)).why == (
+            "the boat was there when it was ordered"
+        )
+    assert marks_of(rule(measure="reach", **depth), None) == 0.0
+
+
+def test_settled_is_the_share_of_the_last_two_minutes() -> None:
+    z = np.full(1001, 100.0)  # 500 s, a tick each 0.5 s
+    z[:700] = 60.0
+    z[800] = 110.0
+    depth = {"measure": "settled", "quantity": "depth", "target": 100, "band": 1}
+    assert taken(trajectory(z=z), **depth) == (pytest.approx(100 * 240 / 241), 800)  # type: ignore[comparison-overlap]
+    assert taken(trajectory(z=z), **depth, to_s=405)[0] == pytest.approx(100 * 110 / 241)
+
+
+def test_final_is_the_value_or_the_distance_at_the_end_of_the_window() -> None:
+    went = trajectory(psi=np.radians([0, 350, 355]))
+    assert taken(went, measure="final", quantity="course_deg")[0] == pytest.approx(355.0)
+    assert taken(went, measure="final", quantity="course_deg", target=10) == (  # type: ignore[comparison-overlap]
+        pytest.approx(15.0),
+        2,
+    )
+    assert taken(went, measure="final", quantity="course", target=10, to_s=0.5)[
+        0
+    ] == pytest.approx(20.0)
+
+
+def test_the_largest_of_a_distance_is_from_its_target() -> None:
+    went = trajectory(z=[80, 83, 76])
+    assert taken(went, measure="largest", quantity="depth", target=80) == (4.0, 2)
+
+
+def test_heavy_is_weight_less_buoyancy() -> None:
+    buoyancy = float(BB2.vessel.buoyancy)
+    went = trajectory(weight=[buoyancy, buoyancy + 2000.0 * float(BB2.vessel.g)])
+    assert taken(went, measure="final", quantity="heavy_t")[0] == pytest.approx(2.0)
+
+
+def test_conditions_hold_together() -> None:
+    went = trajectory(z=[60, 75, 90, 110], theta=np.radians([9, -5, -4, 9]))
+    pitch = {"measure": "in-band", "quantity": "pitch_deg", "target": -5, "band": 0.5}
+    assert taken(went, **pitch, when="depth > 70 and depth < 100")[0] == pytest.approx(50.0)
+
+
+def test_a_window_may_begin_with_a_casualty() -> None:
+    given = [order(2, 1, "casualty stern-stuck", "schedule")]
+    went = trajectory(orders=given, jam=[0, 0, 1, 1, 1], z=[90, 50, 60, 70, 65])
+    since = {"measure": "highest", "quantity": "depth", "since": "stern-stuck"}
+    assert taken(went, **since) == (70.0, 3)
+    assert taken(went, **since, to_s=0.5) == (60.0, 2)
+    assert attain(trajectory(z=[1, 2]), rule(**since)).counts is False
+    assert "from stern-stuck on" in formula_of(rule(**since))
+
+
 def test_rms_is_the_root_of_the_mean_square_and_its_place_the_worst() -> None:
     went = trajectory(z=[100, 103, 96, 100])  # sqrt((9 + 16) / 4) = 2.5
     assert taken(went, measure="rms", quantity="depth", target=100) == (2.5, 2)
@@ -338,13 +397,13 @@ def test_a_formula_says_in_words_what_is_computed_from_when_to_when() -> None:
 def test_the_page_has_the_table_of_every_measure() -> None:
     page = (ROOT / "docs" / "debrief.md").read_text(encoding="utf-8")
     assert measure_rows() in page
-    assert len(MEASURES) == 15
+    assert len(MEASURES) == 18
 
 
 @pytest.mark.parametrize("name", shipped_names("exercises"))
 def test_every_shipped_exercise_is_scored_within_its_length(name: str) -> None:
     exercise = load_exercise(name)
-    assert len(exercise.scores) >= 5
+    assert len(exercise.scores) >= 2
     end = exercise.heading.duration_s or 0.0
     assert all((each.score.from_s or 0.0) < end for each in exercise.scores)
 
@@ -381,6 +440,20 @@ def test_a_new_exercise_is_valid_has_the_name_given_and_is_never_written_over(
     assert (tmp_path / "drill.toml").read_bytes() == before
 
 
+def test_a_new_exercise_can_begin_as_a_shipped_one_with_comments(tmp_path: Path) -> None:
+    words = ("exercise", "new", "drill.toml", "--from", "stern-plane-jam", "--name", "Our jam")
+    assert ran(tmp_path, *words).returncode == 0
+    text = (tmp_path / "drill.toml").read_text()
+    assert text.startswith("# Copied from stern-plane-jam.")
+    assert "# The gate: what must not be passed.\n[limits]" in text
+    mine, shipped = load_exercise(str(tmp_path / "drill.toml")), load_exercise("stern-plane-jam")
+    assert mine.heading.name == "Our jam"
+    assert [each.score for each in mine.scores] == [each.score for each in shipped.scores]
+    other = ran(tmp_path, "exercise", "new", "other.toml", "--from", "stern-plane-jm")
+    assert other.returncode == 2
+    assert "nearest is stern-plane-jam" in other.stderr
+
+
 def test_a_name_that_cannot_be_leaves_no_file(tmp_path: Path) -> None:
     done = ran(tmp_path, "exercise", "new", "drill.toml", "--name", "x" * 56)
     assert done.returncode == 2
@@ -390,9 +463,12 @@ def test_a_name_that_cannot_be_leaves_no_file(tmp_path: Path) -> None:
 
 def test_a_check_tells_what_an_exercise_is_or_all_that_is_wrong(tmp_path: Path) -> None:
     told = ran(tmp_path, "exercise", "check", "crash-stop").stdout
-    assert "name    Crash stop, then hover 6 tonnes light" in told
-    assert "limit   speed_kn_min -3" in told
-    assert "score   33 % Distance until she is stopped: sum of the way" in told
+    assert "name    Passage, traffic" in told
+    assert "hand    speed, ballast" in told
+    assert "limit   pitch_deg_max 15" in told
+    assert "score   60 % of tasks Way run until stopped: sum of the way" in told
+    assert "nobody  0 marks, not reached: " in told
+    assert "crew    100 marks, won" in told
     assert "note" not in told
 
     (tmp_path / "drill.toml").write_text(SHORTEST + "speed = 5\n[limits]\ndepth_max = 9\n")

@@ -323,11 +323,11 @@ def read_exercise(table: Mapping[str, Any], path: Path) -> Exercise:
         parts["scores"] = read_rules(table, place, parts["casualties"])
     with collecting(problems):
         parts["crew"] = read_crew(table, place)
-    if "heading" in parts:
-        with collecting(problems):
-            parts["lost"] = _lost(parts["heading"].lost or (), place)
-        problems += _unmanned(parts["heading"], table, place)
-        problems += _without_win(parts["heading"], parts.get("scores", ()), place)
+    with collecting(problems):
+        parts["lost"] = _lost(_texts(table, "lost"), place)
+    problems += _unmanned(table, place)
+    if _texts(table, "hand"):
+        problems += _without_win(parts.get("scores", ()), place)
     if problems:
         raise ConfigError(*problems)
     timed.sort(key=lambda entry: entry.seconds)
@@ -337,6 +337,12 @@ def read_exercise(table: Mapping[str, Any], path: Path) -> Exercise:
 LASTING: Final = re.compile(r"(.*\S)\s+for\s+([\d.]+)\s*s")
 
 
+def _texts(table: Mapping[str, Any], key: str) -> tuple[str, ...]:
+    """Return the texts of a list, whatever else is wrong in the file."""
+    given = table.get(key)
+    return tuple(each for each in given if isinstance(each, str)) if isinstance(given, list) else ()
+
+
 def _lost(texts: tuple[str, ...], place: Place) -> tuple[Loss, ...]:
     """Return what loses the exercise; ConfigError with all that is no condition."""
     problems: list[str] = []
@@ -344,17 +350,21 @@ def _lost(texts: tuple[str, ...], place: Place) -> tuple[Loss, ...]:
     for text in texts:
         lasting = LASTING.fullmatch(text.strip())
         words, seconds = (lasting[1], lasting[2]) if lasting else (text, "0")
-        with collecting(problems):
+        try:
             conditions = compile_conditions(words, place)
+        except ConfigError as wrong:
+            reason = str(wrong).partition("condition ")[2].partition(": ")[2]
+            problems.append(place.wrong("lost", text, reason))
+        else:
             found.append(Loss(conditions=conditions, seconds=float(seconds), text=text.strip()))
     if problems:
-        raise ConfigError(*(problem.replace(": condition", ": lost:", 1) for problem in problems))
+        raise ConfigError(*problems)
     return tuple(found)
 
 
-def _unmanned(heading: Heading, table: Mapping[str, Any], place: Place) -> list[str]:
+def _unmanned(table: Mapping[str, Any], place: Place) -> list[str]:
     """Return which scheduled orders to the crew are for an axis that nobody mans."""
-    there = (*(heading.hand or ()), *(heading.allowed or ()))
+    there = (*_texts(table, "hand"), *_texts(table, "allowed"))
     found = []
     rows = table.get("orders", [])
     for i, row in enumerate(rows if isinstance(rows, list) else []):
@@ -370,9 +380,9 @@ def _unmanned(heading: Heading, table: Mapping[str, Any], place: Place) -> list[
     return found
 
 
-def _without_win(heading: Heading, rules: tuple[Rule, ...], place: Place) -> list[str]:
-    """Return that an exercise by hand has scores, and nothing that wins it."""
-    if not heading.hand or not rules or any(rule.part == "task" for rule in rules):
+def _without_win(rules: tuple[Rule, ...], place: Place) -> list[str]:
+    """Return that an exercise has scores, and nothing that wins it."""
+    if not rules or any(rule.part == "task" for rule in rules):
         return []
     return [place.problem('[[scores]] have no part = "task": nothing wins this exercise')]
 

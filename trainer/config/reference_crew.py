@@ -27,6 +27,7 @@ from trainer.io.orders.grammar import Order, parse
 from trainer.io.orders.schedule import LATEST
 
 CREW_AXES: Final = ("course", "depth", "speed", "pitch")  # of orders to the crew
+UNSEEN: Final = "heavy"  # a quantity that no gauge has
 HANDS: Final = ("planesman", "helmsman")
 SWITCHES: Final = {f"{hand} {word}": (hand, word) for hand in HANDS for word in ("on", "off")}
 
@@ -153,6 +154,11 @@ def _read_rule(row: CrewRow, i: int, place: Place) -> CrewRule:
     conditions: tuple[Condition, ...] = ()
     with collecting(problems):
         conditions = compile_conditions(row.when, place) if row.when else ()
+    problems += [
+        place.wrong("when", row.when, f"no gauge shows {each.quantity}")
+        for each in conditions
+        if each.quantity == UNSEEN
+    ]
     with collecting(problems):
         order = parse_crew_order(row.order, place)
     if problems:

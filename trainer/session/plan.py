@@ -61,6 +61,7 @@ class Plan:
     armed: tuple[Armed, ...]
     limits: Limits
     scores: tuple[Rule, ...]
+    own_schedule: tuple[Scheduled, ...] = ()  # of the exercise alone, without --orders
     instructor: str = ""  # what the instructor alone is told
     hand: tuple[str, ...] = ()  # axes that the crew works
     hand_from: float = 0.0  # [s]
@@ -73,6 +74,10 @@ class Plan:
     def judged_by_tasks(self) -> bool:
         """Return whether the marks are those of tasks, less nobody aboard; else a plain mean."""
         return bool(self.hand or self.lost or any(rule.score.part for rule in self.scores))
+
+    def alone(self) -> "Plan":
+        """Return the plan without the orders that the command line adds."""
+        return replace(self, schedule=list(self.own_schedule))
 
     @property
     def hides(self) -> bool:
@@ -106,11 +111,11 @@ def plan_run(options: RunOptions) -> Plan:
     sea, method = given or load_sea(options.sea or "calm"), choose_method(file, chosen)
     if problem := step_problem(sea_settings(sea, file.fluid.g), method.step):
         raise ConfigError(f"{sea.path.name}: {problem}")
-    schedule = [
+    own = [
         *(into_hand(exercise, file) if exercise else ()),
         *(exercise.schedule_of(int(chosen.seed)) if exercise else ()),
-        *read_schedule(options.orders_file),
     ]
+    schedule = [*own, *read_schedule(options.orders_file)]
     heading = exercise.heading if exercise else None
     return Plan(
         file=file,
@@ -126,6 +131,7 @@ def plan_run(options: RunOptions) -> Plan:
         armed=exercise.armed if exercise else (),
         limits=exercise.limits if exercise else Limits(),
         scores=exercise.scores if exercise else (),
+        own_schedule=tuple(sorted(own, key=lambda entry: entry.seconds)),
         instructor=(heading and heading.instructor) or "",
         hand=(heading and heading.hand) or (),
         hand_from=(heading and heading.hand_from_s) or 0.0,

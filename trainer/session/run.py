@@ -69,6 +69,8 @@ def account(session: Session, wall: float, kept: str, *, aside: bool) -> int:
         if station.line.dropped:
             name = station.line.name
             click.echo(f"trainer: {name}: {station.line.dropped} lines dropped", err=True)
+    if not aside:  # nobody was there to hear it
+        troubles += session.refused
     for trouble in filter(None, troubles):
         click.echo(f"trainer: {trouble}", err=True)
     return 1 if any(troubles) else 0

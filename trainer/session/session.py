@@ -115,6 +115,7 @@ class Session:
     until_left: bool = False  # it ends when the last of those who came by themselves has gone
     deserted: str = ""  # why it ended before its time
     unrecorded: str = ""  # why nothing more is recorded, once that has been told
+    refused: list[str] = field(default_factory=list)  # of the schedule, as it was told
     event_log: EventLog = field(init=False)
     control: Control = field(init=False)
     depths: DepthMonitor = field(init=False)
@@ -366,6 +367,8 @@ class Session:
             text = f"refused: {answer.reason}" if isinstance(answer, Refused) else answer
             fact = None if isinstance(answer, Refused) else Fact("order", entry.order.text)
             told = f"[{entry.seconds:g} s] {entry.order.text}: {text}"
+            if isinstance(answer, Refused):
+                self.refused.append(told)
             self.event_log.tell("exercise", told, fact=fact)
 
     def _obey_replay(self) -> bool:

@@ -275,7 +275,7 @@ def nobody_aboard(plan: Plan, header: Mapping[str, str], width: str) -> Mapping[
     if not plan.judged_by_tasks:
         return {}
     if plan.duration is not None and same_core(header.get("core")):
-        return plain_marks(fly(plan).trajectory, plan, width)
+        return plain_marks(fly(plan.alone()).trajectory, plan, width)
     return plan.baseline.marks if plan.baseline else {}
 
 

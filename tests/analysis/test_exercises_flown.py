@@ -1,0 +1,472 @@
+"""The shipped exercises flown by nobody, by their reference crews, and by worse ones."""
+
+import functools
+import math
+import re
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from helpers.places import ROOT
+
+from trainer.analysis.baseline import (
+    Flown,
+    baseline_of,
+    crew_card,
+    fly_at,
+    keep,
+    planned,
+    study,
+    varies,
+)
+from trainer.analysis.debrief.data import gather
+from trainer.analysis.debrief.judgement import judge, plain_marks
+from trainer.analysis.debrief.scoring import Scorecard
+from trainer.analysis.exercise_page import check
+from trainer.analysis.rehearsal import CREW, Rehearsal, fly
+from trainer.boat.boat import Boat
+from trainer.boat.casualties import insert
+from trainer.boat.reference_crew import Reaction, ReferenceCrew
+from trainer.config.baseline import kept_baseline
+from trainer.config.exercise import load_exercise
+from trainer.config.files import ConfigError, Place, path_named, read_text, shipped_names
+from trainer.config.reference_crew import Crew, read_crew
+from trainer.core.cache import core_digest
+from trainer.io.orders.grammar import Refused
+from trainer.io.recording.recording import Recording
+from trainer.session.options import RunOptions
+from trainer.session.plan import Plan, plan_run
+from trainer.session.run import run_boat
+
+NAMES = shipped_names("exercises")
+SEEDED = tuple(name for name in NAMES if varies(name, planned(name)))
+AT_SEA = tuple(name for name in SEEDED if planned(name).sea.path.stem != "calm")
+# an order of each kind that changes nothing
+USELESS = {
+    "turns": "turns {speed:g}",
+    "pump": "pump depth-control 0.1",
+    "blow": "blow stop",
+    "bow": "bow planes zero",
+    "stern": "stern planes zero",
+    "flood": "flood depth-control 0.1",
+}
+
+
+@functools.cache
+def flown(name: str) -> Flown:
+    return fly_at(name)
+
+
+@functools.cache
+def by_crew(name: str) -> Rehearsal:
+    plan = planned(name)
+    return fly(plan, plan.crew)
+
+
+def reference(name: str) -> Scorecard:
+    card = flown(name).crew
+    assert card is not None
+    return card
+
+
+def outcome(card: Scorecard) -> str:
+    assert card.verdict is not None
+    return card.verdict.outcome
+
+
+def with_ways(plan: Plan, hand: str, **ways: float) -> Crew:
+    """Return the reference crew with other ways at the planes or the rudder."""
+    return replace(plan.crew, **{hand: replace(getattr(plan.crew, hand), **ways)})
+
+
+def marks_of(name: str, crew: Crew, reaction: Reaction | None = None) -> Scorecard:
+    return crew_card(flown(name).plan, flown(name).nobody_marks, crew, reaction)
+
+
+# Each at its own seed
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_nobody_aboard_earns_nothing(name: str) -> None:
+    card = flown(name).nobody
+    assert (card.total or 0.0) <= 1.0
+    assert outcome(card) != "won"
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_the_reference_crew_wins(name: str) -> None:
+    card = reference(name)
+    assert (card.total or 0.0) >= 85.0
+    assert outcome(card) == "won", card.verdict
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_nothing_that_is_ordered_is_refused(name: str) -> None:
+    assert by_crew(name).refused == ()
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_a_check_finds_nothing_wrong_in_a_shipped_exercise(name: str) -> None:
+    lines = check(name)
+    assert any(re.match(r"nobody  (0 marks|void), ", line) for line in lines)
+    assert any(re.match(r"crew    (8[5-9]|9\d|100) marks, won", line) for line in lines)
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_a_baseline_is_kept_that_is_not_stale(name: str) -> None:
+    path = path_named(name, "exercises")
+    kept = kept_baseline(path)
+    assert kept is not None
+    assert kept.crew is not None
+    text = read_text(path)
+    now, same = flown(name), kept.fits(text) and kept.heading.core == core_digest()
+    stale = f"a mark moved by 5: trainer exercise baseline {name} (text and core the same: {same})"
+    assert now.nobody_marks == pytest.approx(dict(kept.marks), abs=5.0), stale
+    assert now.nobody.total or 0.0 == pytest.approx(kept.nobody.total, abs=5.0), stale
+    assert reference(name).total == pytest.approx(kept.crew.total, abs=5.0), stale
+    assert kept.fits(text), f"the text has changed: trainer exercise baseline {name}"
+
+
+def useless_cases() -> list[tuple[str, float, str]]:
+    """Return exercise, moment and order of one useless answer to each casualty to be answered."""
+    found = []
+    for name in NAMES:
+        plan = planned(name)
+        onsets = {e.order.subject: e.seconds for e in plan.schedule if e.order.name == "casualty"}
+        for rule in plan.scores:
+            onset = onsets.get(rule.score.casualty or "")
+            wanted = [word for word in USELESS if word in (rule.score.orders or USELESS)]
+            if rule.part == "answer" and onset is not None and wanted:
+                text = USELESS[wanted[0]].format(speed=plan.initial.speed_kn)
+                found.append((name, onset + 3.0, text))
+    return found
+
+
+@pytest.mark.parametrize(("name", "at", "order"), useless_cases())
+def test_one_useless_order_at_the_right_second_earns_next_to_nothing(
+    name: str, at: float, order: str
+) -> None:
+    crew = read_crew({"crew": [{"at_s": at, "order": order}]}, Place("test", ""))
+    assert (marks_of(name, crew).total or 0.0) <= 20.0
+
+
+def test_most_exercises_with_a_casualty_are_tried_with_a_useless_order() -> None:
+    assert len({name for name, _, _ in useless_cases()}) >= 8
+
+
+@pytest.mark.parametrize("name", ["stern-plane-jam", "rise-jam-shallow"])
+def test_a_crew_that_answers_a_jam_15_s_late_does_not_pass(name: str) -> None:
+    late = marks_of(name, flown(name).plan.crew, Reaction(late=15.0))
+    assert (late.total or 0.0) <= 60.0
+
+
+NOVICES: dict[str, tuple[str, dict[str, float]]] = {  # without lead
+    "depth-changes": ("planesman", {"bubble_deg_per_m": 0.85, "bubble_s": 0.0, "stern_s": 0.0}),
+    "course-changes": ("helmsman", {"rudder_s": 0.0}),
+}
+HUNTERS: dict[str, tuple[str, dict[str, float]]] = {  # of twice the gain
+    "depth-changes": (
+        "planesman",
+        {"stern_per_bubble": 3.0, "bow_deg_per_m": 3.0, "stern_off_deg": 1.0, "look_s": 3.0},
+    ),
+    "course-changes": ("helmsman", {"rudder_per_error": 1.5, "rudder_deg_max": 20.0}),
+}
+
+
+@pytest.mark.parametrize("name", NOVICES)
+def test_a_novice_earns_something_and_far_from_all(name: str) -> None:
+    hand, ways = NOVICES[name]
+    novice = marks_of(name, with_ways(flown(name).plan, hand, **ways))
+    assert 20.0 <= (novice.total or 0.0) <= 70.0
+
+
+@pytest.mark.parametrize("name", HUNTERS)
+def test_a_hunting_crew_is_marked_below_a_quiet_one(name: str) -> None:
+    hand, ways = HUNTERS[name]
+    hunting = marks_of(name, with_ways(flown(name).plan, hand, **ways))
+    assert (hunting.total or 0.0) <= (reference(name).total or 0.0) - 5.0
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_a_broken_gate_never_leaves_more_than_50(name: str) -> None:
+    plan = planned(name)
+    turns = read_crew({"crew": [{"at_s": 70, "order": "blow stop"}]}, Place("test", ""))
+    for crew in (None, turns, plan.crew):
+        card = judge(fly(plan, crew).trajectory, plan, {})
+        assert card.verdict
+        if card.verdict.gate:
+            assert card.total is None or card.total <= 50.0
+        if outcome(card) == "lost":
+            assert card.total is None or card.total <= 25.0
+
+
+# Marks at the seams
+
+
+def drill(folder: Path, more: str) -> str:
+    """Return the path of a short exercise: a depth change, planes by hand."""
+    path = folder / "drill.toml"
+    path.write_text(
+        'schema = "exercise/1"\nname = "Drill"\nbriefing = "Dive."\nduration_s = 240\n'
+        f"hand = ['planes']\n{more}\n"
+        "[[orders]]\nat_s = 10\norder = 'order depth 70'\n"
+        "[[scores]]\nname = 'Deep'\nmeasure = 'final'\nquantity = 'depth'\nfull = 69\nzero = 62\n"
+    )
+    return str(path)
+
+
+DIVE = "[[crew]]\nat_s = 1\norder = 'planesman on'\n"
+
+
+def test_an_exercise_is_won_by_its_tasks(tmp_path: Path) -> None:
+    went = fly_at(drill(tmp_path, DIVE))
+    assert went.crew
+    assert (went.crew.total, outcome(went.crew)) == (100.0, "won")
+    assert outcome(went.nobody) == "not reached"
+    assert went.nobody.verdict
+    assert went.nobody.verdict.reason == "Deep"
+
+
+def test_a_limit_broken_for_two_seconds_leaves_50(tmp_path: Path) -> None:
+    went = fly_at(drill(tmp_path, f"{DIVE}[limits]\ndepth_m_max = 65\n"))
+    assert went.crew
+    assert went.crew.total == 50.0
+    assert went.crew.verdict
+    assert went.crew.verdict.reason.startswith("depth above 65 m at ")
+
+
+def test_a_lost_exercise_leaves_25(tmp_path: Path) -> None:
+    went = fly_at(drill(tmp_path, f"lost = ['depth > 66 for 5 s']\n{DIVE}"))
+    assert went.crew
+    assert (went.crew.total, outcome(went.crew)) == (25.0, "lost")
+    brief = fly_at(drill(tmp_path, f"lost = ['depth > 66 for 500 s']\n{DIVE}"))
+    assert brief.crew
+    assert outcome(brief.crew) == "won"
+
+
+def test_a_boat_that_turned_over_has_no_marks(tmp_path: Path) -> None:
+    plan = planned(drill(tmp_path, DIVE))
+    went = fly(plan, plan.crew).trajectory
+    pitch = went.columns["theta"].copy()
+    pitch[100] = math.radians(46.0)
+    over = replace(went, columns={**went.columns, "theta": pitch})
+    card = judge(over, plan, {})
+    assert card.total is None
+    assert card.verdict
+    assert card.verdict.void
+    assert outcome(card) == "lost"
+
+
+def test_a_run_that_ends_early_is_not_won(tmp_path: Path) -> None:
+    plan = planned(drill(tmp_path, DIVE))
+    short = fly(replace(plan, duration=200.0), plan.crew).trajectory
+    card = judge(short, plan, {})
+    assert card.verdict
+    assert card.verdict.reason == "the record ends at 3:20"
+
+
+def test_in_basic_width_bands_and_zeros_are_half_as_wide_again() -> None:
+    plan, nobody = flown("depth-changes").plan, flown("depth-changes").nobody_marks
+    hand, ways = NOVICES["depth-changes"]
+    novice = fly(plan, with_ways(plan, hand, **ways)).trajectory
+    basic, qualified = (judge(novice, plan, nobody, width) for width in ("basic", "qualified"))
+    assert (basic.total or 0.0) > (qualified.total or 0.0) + 5.0
+
+
+def test_what_nobody_gets_is_taken_off(tmp_path: Path) -> None:
+    plan = planned(drill(tmp_path, DIVE))
+    went = fly(plan, plan.crew).trajectory
+    half = judge(went, plan, {"Deep": 40.0}).scores[0]
+    assert half.earned == pytest.approx(100.0 * max(0.0, ((half.marks or 0.0) - 40.0) / 60.0))
+    assert judge(went, plan, {"Deep": 60.0}).scores[0].earned is None  # nothing to be earned
+
+
+# The same again
+
+
+def test_marks_are_the_same_to_the_bit_when_flown_again() -> None:
+    again, first = fly_at("stern-plane-jam"), flown("stern-plane-jam")
+    assert again.crew
+    assert first.crew
+    assert [each.earned for each in again.crew.scores] == [e.earned for e in first.crew.scores]
+    assert again.crew.total == first.crew.total
+
+
+def test_a_recorded_run_has_the_marks_of_its_rehearsal(tmp_path: Path) -> None:
+    orders = [each for each in by_crew("depth-changes").trajectory.orders if each.who == CREW]
+    lines = [f"{each.tick * 0.5:g} {each.text}" for each in orders if "man o" not in each.text]
+    (tmp_path / "crew.orders").write_text("\n".join(lines) + "\n")
+    record = tmp_path / "it.trainer"
+    options = RunOptions(
+        exercise="depth-changes",
+        headless=True,
+        speed=math.inf,
+        record=record,
+        orders_file=tmp_path / "crew.orders",
+    )
+    assert run_boat(options) == 0
+    recording = Recording.look(record)
+    card = gather(recording, record, None).card
+    recording.close()
+    assert card.total == reference("depth-changes").total
+    assert [each.marks for each in card.scores] == [
+        each.marks for each in reference("depth-changes").scores
+    ]
+
+
+# The reference crew
+
+
+def test_the_crew_sees_what_the_gauges_show() -> None:
+    plan = planned("depth-gauge-failure")
+    boat = Boat(plan.file, plan.method)
+    plan.start(boat)
+    rules = read_crew({"crew": [{"when": "depth > 20", "order": "bell stop"}]}, Place("test", ""))
+    aboard = ReferenceCrew(boat, rules)
+    assert aboard.look() == []
+    assert isinstance(insert(boat, "depth-gauge-biased", 0.5, 0.0), str)
+    assert boat.tick() == 0
+    assert boat.state.z < 18.0  # the boat itself has not moved
+    (given,) = aboard.look()
+    assert not isinstance(given.reply, Refused)
+    assert aboard.look() == []  # once
+
+
+def test_a_rule_waits_for_the_one_above_and_its_own_time() -> None:
+    table = {
+        "crew": [
+            {"at_s": 5, "order": "rudder left 5"},
+            {"then": True, "after_s": 3, "order": "rudder amidships"},
+            {"when": "time > 2", "every_s": 4, "to_s": 11, "order": "pump depth-control 1"},
+        ]
+    }
+    plan = replace(planned("depth-changes"), duration=20.0)
+    went = fly(plan, read_crew(table, Place("test", ""))).trajectory
+    given = [(each.tick * 0.5, each.text) for each in went.orders if each.who == CREW]
+    assert given == [
+        (2.5, "pump depth-control 1 t"),
+        (5.0, "rudder left 5"),
+        (6.5, "pump depth-control 1 t"),
+        (8.0, "rudder amidships"),
+        (10.5, "pump depth-control 1 t"),
+    ]
+
+
+def test_a_crew_begun_late_counts_as_given_what_the_clock_has_passed() -> None:
+    plan = planned("stern-plane-jam")
+    boat = Boat(plan.file, plan.method)
+    plan.start(boat)
+    boat.state.tick = 400.0
+    table = {"crew": [{"at_s": 1, "order": "planesman on"}, {"at_s": 300, "order": "bell stop"}]}
+    aboard = ReferenceCrew(boat, read_crew(table, Place("test", "")))
+    assert list(aboard.hands) == ["planesman"]
+
+
+def test_reactions_are_drawn_by_their_seed() -> None:
+    draws = [[Reaction(jitter=5.0, seed=seed).delay() for _ in range(3)] for seed in (1, 1, 2)]
+    assert draws[0] == draws[1] != draws[2]
+    assert all(0.0 <= delay <= 5.0 for each in draws for delay in each)
+
+
+# What a check refuses
+
+
+@pytest.mark.parametrize(
+    ("more", "message"),
+    [
+        ("", None),
+        (
+            "[[scores]]\nname='Kept'\nmeasure='in-band'\nquantity='depth'\ntarget=60\nband=2\n"
+            "full=95\nzero=20\nto_s=9\n",
+            r'line \d+: \[scores\[0\]\] name = "Kept": gives 100 marks with nobody aboard',
+        ),
+        (
+            "[[orders]]\nat_s = 5\norder = 'stern planes dive 80'\n",
+            r'line \d+: \[orders\[0\]\] order = .*a run refuses it: the limit of the stern',
+        ),
+        (
+            "[[crew]]\nat_s = 5\norder = 'stern planes dive 80'\n",
+            r'line \d+: \[crew\[0\]\] order = .*the boat refuses it: the limit',
+        ),
+    ],
+)
+def test_a_check_refuses_what_only_a_run_would_find(
+    tmp_path: Path, more: str, message: str | None
+) -> None:
+    path = drill(tmp_path, more)
+    if message is None:
+        assert check(path)
+        return
+    with pytest.raises(ConfigError, match=message):
+        check(path)
+
+
+def test_an_exercise_won_by_standing_still_is_refused(tmp_path: Path) -> None:
+    path = tmp_path / "drill.toml"
+    path.write_text(
+        'schema = "exercise/1"\nname = "Drill"\nbriefing = "Stay."\nduration_s = 60\n'
+        "hand = ['planes']\n"
+        "[[scores]]\nname='Kept'\nmeasure='in-band'\nquantity='depth'\ntarget=60\nband=2\n"
+        "full=95\nzero=20\n"
+    )
+    with pytest.raises(ConfigError, match="this exercise is won by standing still"):
+        check(str(path))
+
+
+# All seeds
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", SEEDED)
+def test_nobody_aboard_earns_little_at_any_seed(name: str) -> None:
+    assert all((each.nobody.total or 0.0) <= 40.0 for each in study(name, 20).flown)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", SEEDED)
+def test_the_reference_crew_is_good_at_any_seed(name: str) -> None:
+    totals = [(each.crew.total or 0.0) if each.crew else 0.0 for each in study(name, 20).flown]
+    assert np.mean(totals) >= 90.0
+    assert min(totals) >= 70.0
+
+
+# Texts and files
+
+
+HIDDEN = r"\b(hidden|jam\w*|cure|fail\w*|lost|flood\w*|stuck|heavy|light|sticks|bank)\b"
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_both_texts_fit_on_a_console_and_the_crews_tells_nothing_hidden(name: str) -> None:
+    exercise = load_exercise(name)
+    heading = exercise.heading
+    assert heading.instructor
+    for text in (heading.briefing, heading.instructor):
+        assert max(map(len, text.splitlines())) <= 79
+        assert len(text.splitlines()) <= 12
+    assert not re.search(HIDDEN, heading.briefing, re.IGNORECASE)
+    assert not re.search(HIDDEN, heading.name, re.IGNORECASE)
+
+
+def test_the_page_names_every_exercise_with_its_title() -> None:
+    text = (ROOT / "docs" / "exercises.md").read_text(encoding="utf-8")
+    for name in NAMES:
+        assert f"| `{name}` | {load_exercise(name).heading.name} |" in text
+
+
+def test_a_baseline_reads_back_as_it_was_written(tmp_path: Path) -> None:
+    path = drill(tmp_path, DIVE)
+    found = study(path, 3)
+    assert keep(found) == tmp_path / "drill.baseline.toml"
+    kept = kept_baseline(Path(path))
+    assert kept
+    assert kept.crew
+    assert (kept.crew.total, kept.crew.outcome) == (100.0, "won")
+    assert kept.fits(read_text(Path(path)))
+    assert kept.heading.core == baseline_of(found).heading.core
+    assert plan_run(RunOptions(exercise=path)).baseline == kept
+    assert plain_marks(fly(planned(path)).trajectory, planned(path)) == pytest.approx(
+        dict(kept.marks), abs=0.01
+    )
