@@ -222,6 +222,9 @@ def departure_at(
         raise ConfigError(
             f"--reference-from {seconds:g}: not within the record, which is of 0 to {end:g} s"
         )
+    own = set(map(id, debrief.plan.own_schedule))
+    place = sum(id(entry) in own for entry in debrief.plan.schedule[: moment.place])
+    moment = replace(moment, place=place)  # in the schedule without the orders of --orders
     return Departure(moment, layout_of(debrief.header), reference.rehearsal.times)
 
 

@@ -74,7 +74,7 @@ def fly_reference(plan: Plan, card: Scorecard, width: str) -> Reference | None:
     """Return the run of the exercise's reference crew at the plan's seed, None without a crew."""
     if not plan.crew.rules or plan.duration is None:
         return None
-    rehearsal = fly(plan, plan.crew)
+    rehearsal = fly(plan.alone(), plan.crew)
     return Reference(rehearsal, judge(rehearsal.trajectory, plan, nobody_of(card), width))
 
 
@@ -82,7 +82,7 @@ def fly_from(
     trajectory: Trajectory, plan: Plan, departure: Departure, card: Scorecard, width: str
 ) -> Reference:
     """Return what the reference crew makes of a recorded moment, judged with what led to it."""
-    rehearsal = fly(plan, plan.crew, since=departure)
+    rehearsal = fly(plan.alone(), plan.crew, since=departure)
     whole = joined(trajectory, rehearsal.trajectory)
     seconds = departure.moment.tick * plan.method.step
     return Reference(rehearsal, judge(whole, plan, nobody_of(card), width), seconds)
