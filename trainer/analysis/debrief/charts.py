@@ -133,9 +133,9 @@ def told_to_all(trajectory: Trajectory, axis: str, place: str, by_hand: Rows) ->
 def _pitch(trajectory: Trajectory) -> Chart:
     ordered = np.degrees(trajectory.ordered("pitch"))
     lines = (
-        Line("heel, to starboard positive", np.degrees(trajectory.columns["phi"]), "second fine"),
+        Line("heel, to starboard", np.degrees(trajectory.columns["phi"]), "second fine"),
         *(() if np.isnan(ordered).all() else (Line("ordered", ordered, ORDERED),)),
-        Line("pitch, bow up positive", np.degrees(trajectory.columns["theta"]), ACTUAL),
+        Line("pitch, bow up", np.degrees(trajectory.columns["theta"]), ACTUAL),
     )
     levels = (*_limits(trajectory, "pitch_deg"), *_limits(trajectory, "heel_deg"))
     both = tuple(Level(each.label, sign * each.value) for each in levels for sign in (1.0, -1.0))

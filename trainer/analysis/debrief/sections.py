@@ -50,8 +50,8 @@ def _outcome(debrief: DebriefData) -> Iterator[Markup]:
     verdict, total = debrief.final.verdict, debrief.total
     marks = Markup("<b>{:.0f}</b> of 100 marks{}").format(total or 0.0, _sureness(debrief))
     if total is None:
-        marks = Markup("<b>{}</b> marks").format("No" if verdict else "- of 100")
-    outcome = Markup("<b>{}</b> ").format(verdict.outcome.capitalize()) if verdict else ""
+        marks = Markup("no marks")
+    outcome = Markup("<b>{}</b>, ").format(verdict.outcome.capitalize()) if verdict else ""
     yield Markup('<p class="total">{}{}</p>').format(outcome, marks)
     if verdict is not None and verdict.reason:
         yield paragraph(f"{verdict.reason[0].upper()}{verdict.reason[1:]}.")
@@ -60,9 +60,9 @@ def _outcome(debrief: DebriefData) -> Iterator[Markup]:
 def _sureness(debrief: DebriefData) -> str:
     """Return how far a mark moves by the sea alone, "" where it does not or nobody knows."""
     deviation = deviation_of(debrief)
-    if deviation is None:
+    if deviation is None or deviation < TOLD_FROM:
         return ""
-    return f", \N{PLUS-MINUS SIGN}{max(deviation, 1.0):.0f} by the sea alone"
+    return f", \N{PLUS-MINUS SIGN}{deviation:.0f} by the sea alone"
 
 
 def _beside_marks(debrief: DebriefData) -> Iterator[str]:
@@ -81,12 +81,13 @@ def _beside_marks(debrief: DebriefData) -> Iterator[str]:
     counted = sum(each.marks is not None for each in card.scores)
     if counted < len(card.scores):
         yield f"{counted} of {len(card.scores)} rules count."
-    if (deviation := deviation_of(debrief)) and deviation >= 1.0:
+    if (deviation := deviation_of(debrief)) and deviation >= TOLD_FROM:
         yield f"Two runs differ for sure only beyond {SURE * deviation:.0f} marks."
     if lacking := _unflown(debrief):
         yield lacking
 
 
+TOLD_FROM: Final = 0.5  # [%] of a deviation
 SURE: Final = 2.8  # standard deviations between two runs
 AXES: Final = ("rudder", "planes", "speed", "ballast")  # that a crew may work
 

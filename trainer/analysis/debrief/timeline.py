@@ -60,7 +60,8 @@ def _reference(debrief: DebriefData, ground: Ground) -> Iterator[str]:
     """Yield the orders of the reference crew, a row for each of its runs."""
     for run in runs_beside(debrief):
         given = (each for each in run.trajectory.orders if each.who == CREW)
-        yield _strokes([each.tick * debrief.step for each in given], "reference", ground)
+        heading = run.label.removeprefix("reference ")
+        yield _strokes([each.tick * debrief.step for each in given], heading, ground)
 
 
 def _strokes(seconds: list[float], heading: str, ground: Ground) -> str:

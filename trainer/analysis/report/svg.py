@@ -76,7 +76,7 @@ WIDTH, HEIGHT = 960.0, 210.0  # [px]
 LEFT, RIGHT, TOP, BOTTOM = 68.0, 24.0, 26.0, 24.0
 POINTS: Final = 1600  # of a line
 LEGEND: Final = 24.0  # [px] length of a line's sample
-LETTER: Final = 6.6  # [px] about as wide as one
+LETTER, TITLE_LETTER = 6.6, 7.6  # [px] about as wide as one
 
 
 @dataclass(frozen=True)
@@ -232,11 +232,10 @@ def _curve(line: Line, ground: Ground, up: Axis) -> str:
 
 
 def _legend(chart: Chart) -> Iterator[str]:
-    """Yield samples of the lines with their names, at the upper right."""
-    x = WIDTH - RIGHT
-    for line in reversed(chart.lines):
-        x -= LETTER * len(line.label)
-        yield text("tick", x, 16.0, line.label)
-        x -= LEGEND + 5.0
+    """Yield samples of the lines with their names, after the title."""
+    x = LEFT + TITLE_LETTER * len(f"{chart.title} [{chart.unit}]") + 20.0
+    for line in chart.lines:
         yield f'<path class="line {line.style}" d="M{x:.1f} 12L{x + LEGEND:.1f} 12"/>'
-        x -= 14.0
+        x += LEGEND + 5.0
+        yield text("tick", x, 16.0, line.label)
+        x += LETTER * len(line.label) + 12.0
