@@ -628,7 +628,12 @@ def test_the_page_shows_what_was_ordered_what_broke_and_what_was_said(page: str)
     words = " ".join(elements.words)
     for told in (
         *("All measures <at> once & more", "the jam comes <now>", "Joubert BB2", "BROACHED"),
-        *("Depth [m]", "Pitch and heel [deg]", "Stern planes, rise positive [deg]", "Heading [deg]"),
+        *(
+            "Depth [m]",
+            "Pitch and heel [deg]",
+            "Stern planes, rise positive [deg]",
+            "Heading [deg]",
+        ),
         *("Rudder, right positive [deg]", "Speed [kn]", "Air banks", "limit 20 m"),
         *("C1 stern-hard-over", "blow aft (ballast at ballast panel)", "keeping depth 25 m"),
         *("root of the mean of (depth - 15 m)^2", "480 ticks of 0.5 s timed", "duty cycle"),

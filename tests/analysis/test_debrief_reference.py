@@ -301,10 +301,10 @@ def test_a_casualty_brought_by_hand_makes_a_free_run_without_marks(tmp_path: Pat
 
 
 def test_the_top_says_what_was_by_hand_and_how_sure_the_mark_is(tmp_path: Path) -> None:
-    path = record(tmp_path / "sea.trainer", "periscope-depth", {})
+    path = record(tmp_path / "sea.trainer", "depth-gauge-failure", {})
     debrief = debriefed(path)
     told = render(debrief)
-    assert "By hand: ballast; automatic: rudder, planes, speed; allowed: depth, periscope" in told
+    assert "By hand: planes; automatic: rudder, speed, ballast; allowed: depth, periscope." in told
     deviation = figures(debrief)["deviation"]
     assert deviation >= 0.5
     assert f"\N{PLUS-MINUS SIGN}{deviation:.0f} by the sea alone" in told

@@ -153,10 +153,9 @@ def _what(name: str, what: str, text: str) -> str:
     word, _, number = what.lower().partition(" ")
     try:
         weight = WEIGHT.read(WEIGHT_WORD, float(number), Place("--change", ""))
-    except ValueError as wrong:  # a ConfigError is one
-        told = f": {wrong}" if isinstance(wrong, ConfigError) else ""
+    except ValueError:  # a ConfigError is one
         hint = f'say "weight" and a number of 0 to 1000, or "{STRIKE}"'
-        raise ConfigError(f"--change {quote(text)}: {quote(what)}: {hint}{told}") from None
+        raise ConfigError(f"--change {quote(text)}: {quote(what)}: {hint}") from None
     if word != WEIGHT_WORD:
         raise ConfigError(f"--change {quote(text)}: {quote(what)}: say weight, or {STRIKE}")
     return f"{WEIGHT_WORD} {weight:g}"
