@@ -89,6 +89,8 @@ def _sentence(each: Scored, best: Scored | None, cost: float) -> str:
     told = f"{each.name}: {came}, full marks at {each.rule.score.full:.4g}{unit}"
     if best is not None and best.attained.value is not None:
         told += f", the reference crew {best.attained.value:.4g}{unit}"
+    if each.rule.part == "answer" and (each.marks or 0.0) > (each.earned or 0.0):
+        told += ", counted as far as the tasks were done"
     return f"{told}: {_marks(cost)}."
 
 
