@@ -17,6 +17,7 @@ from dataclasses import dataclass, field
 from html.parser import HTMLParser
 from itertools import pairwise
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -26,14 +27,15 @@ from trainer.analysis.debrief.data import DebriefData, gather
 from trainer.analysis.debrief.figures import figures
 from trainer.analysis.debrief.measures import broach_rows
 from trainer.analysis.debrief.page import Asked, beside, debrief_file, read_dossier, render
+from trainer.analysis.debrief.track import draw_track
 from trainer.analysis.recording_export import export_file
 from trainer.analysis.report import pdf
 from trainer.analysis.report.html import HERE
 from trainer.analysis.report.pdf import print_pdf
-from trainer.analysis.report.svg import clock, step_of, thin, ticks
+from trainer.analysis.report.svg import Ground, clock, step_of, thin, ticks
 from trainer.boat.boat import Boat
-from trainer.boat.limits import NOTICES, LimitMonitor
-from trainer.config.files import ConfigError, remembering, shipped, shipped_names
+from trainer.boat.limits import LimitMonitor
+from trainer.config.files import ConfigError, remembering, shipped
 from trainer.config.measures import MEASURES
 from trainer.config.vessel import load_vessel
 from trainer.io.recording.recording import Recording
@@ -288,7 +290,7 @@ class Anew:
         if quantity == "showing":
             return self.shows(row)
         if quantity == "heavy_t":
-            return (row["weight"] / float(self.vessel.g) - self.file.hull.mass) / 1000.0
+            return (row["weight"] - self.file.hull.buoyancy) / float(self.vessel.g) / 1000.0
         for name, number in other.items():
             if quantity.startswith(name):
                 return number
@@ -472,7 +474,7 @@ def test_broaches_and_limits_are_those_that_were_called_out(kept: Kept) -> None:
     trajectory = kept.voyage.debrief.trajectory
     assert [trajectory.seconds[row] for row in broach_rows(trajectory)] == called["broached"]
     assert len(called["broached"]) >= 2
-    assert {"depth above 20 m", "pitch above 4 deg"} <= set(called)
+    assert {"deeper than 20 m", "pitch more than 4 deg"} <= set(called)
 
 
 def test_the_place_of_a_score_is_where_its_value_stands_in_the_record(kept: Kept) -> None:
@@ -643,6 +645,21 @@ def test_the_page_shows_what_was_ordered_what_broke_and_what_was_said(page: str)
     assert all(keys.get("aria-label") for tag, keys in elements.found if tag == "svg")
 
 
+def test_a_turning_circle_is_round_on_the_page() -> None:
+    angle = np.linspace(0.0, math.tau, 241)
+    columns = {"x": 300.0 * np.sin(angle), "y": 300.0 * np.cos(angle)}
+    debrief = SimpleNamespace(trajectory=SimpleNamespace(columns=columns))
+    drawn = draw_track(debrief, Ground(0.5 * np.arange(241.0), ((20.0, 40.0),), ()))  # type: ignore[arg-type]
+    track, broken = re.findall(r'class="line (?:actual|broken)" d="M([^"]*)"', drawn)
+    x, y = np.array([[float(n) for n in place.split()] for place in track.split("L")]).T
+    assert np.ptp(x) == pytest.approx(np.ptp(y), rel=0.01)
+    assert np.ptp(x) > 200.0
+    assert x[0] == pytest.approx(x.max())  # it begins in the east
+    assert y[60] == pytest.approx(y.min())  # and goes north, which is up
+    assert len(broken.split("L")) == pytest.approx(41, abs=1)
+    assert "0:30" in drawn  # marks of time
+
+
 def test_lines_differ_in_more_than_colour() -> None:
     dashes = {
         name: rule
@@ -703,6 +720,7 @@ def test_a_record_that_ends_early_says_so_and_what_counts(tmp_path: Path) -> Non
     fly(path, {"instructor": "70 quit"}, exercise="heavy-boat")
     told = render(read_dossier(path, None))
     assert "The record ends at 1:10; the exercise lasts 30:00." in told
+    assert "<b>Not reached</b>" in told
     assert "the record ends at 70 s" in told
 
 

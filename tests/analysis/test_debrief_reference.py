@@ -12,12 +12,13 @@ import numpy as np
 import pytest
 from helpers.recorded import PANEL, record
 
+from trainer.analysis.debrief.charts import ground_of, runs_beside
 from trainer.analysis.debrief.data import Compared, DebriefData
 from trainer.analysis.debrief.figures import figures
 from trainer.analysis.debrief.losses import losses
 from trainer.analysis.debrief.page import Asked, read_compared, render
 from trainer.analysis.debrief.readbacks import read_backs
-from trainer.analysis.debrief.reference import first_fault
+from trainer.analysis.debrief.reference import first_fault, joined
 from trainer.analysis.debrief.track import draw_track
 from trainer.analysis.rehearsal import CREW
 from trainer.config.files import ConfigError
@@ -79,7 +80,7 @@ def test_who_does_as_the_reference_crew_goes_nowhere_wrong(mastered: Path) -> No
 
 
 def test_the_moment_is_where_the_depth_leaves_the_band_about_the_reference_run(idle: Path) -> None:
-    """By hand: who stays at 60 m leaves the band when the reference, 26 s before, is beyond 62 m."""
+    """Both bands computed anew: 2 m and the time that full marks leave, 3 m and 10 s."""
     debrief = debriefed(idle)
     compared = beside(debrief)
     reference = compared.reference
@@ -180,6 +181,19 @@ def test_the_reference_crew_takes_over_in_time_and_saves_the_boat(jam: Path) -> 
     assert "reference from 1:18" in render(debrief)
 
 
+def test_a_run_joined_with_what_follows_has_each_tick_once(jam: Path) -> None:
+    debrief = debriefed(jam, reference_from=300.0)
+    taken = beside(debrief).from_here
+    assert taken
+    whole = joined(debrief.trajectory, taken.trajectory)
+    assert np.array_equal(whole.ticks, np.arange(1201))
+    own = debrief.trajectory.columns["z"]
+    assert np.array_equal(whole.columns["z"][:601], own[:601])
+    assert not np.array_equal(whole.columns["z"], own)
+    given = [each.text for each in whole.orders if each.tick < 600 and each.place is None]
+    assert given == list(JAM.values())
+
+
 def test_what_the_reference_crew_had_done_by_then_is_not_done_again(jam: Path) -> None:
     taken = beside(debriefed(jam, reference_from=300.0)).from_here
     assert taken
@@ -234,21 +248,17 @@ def test_the_charts_show_what_the_crew_was_ordered_and_the_reference_run(idle: P
     assert 'class="order-beside"' in told
 
 
-def test_a_turn_on_the_track_is_round(tmp_path: Path) -> None:
-    path = record(tmp_path / "turn.trainer", "steady-course", {20.0: "rudder right 15"})
-    drawn = draw_track(replace(debriefed(path), compared=None))
-    path_of = str(drawn).split('class="line actual" d="M')[1].split('"')[0]
-    points = np.array([[float(n) for n in pair.split()] for pair in path_of.split("L")])
-    circle = points[len(points) // 2 :]  # by then it goes round
-    wide, high = np.ptp(circle, axis=0)
-    assert wide == pytest.approx(high, rel=0.05)
+def test_the_track_of_the_reference_run_is_laid_under(idle: Path) -> None:
+    debrief = debriefed(idle)
+    drawn = draw_track(debrief, ground_of(debrief), runs_beside(debrief))
+    assert drawn.index('class="line beside"') < drawn.index('class="line actual"')
 
 
 # Read-backs
 
 
 def entry(number: int, second: float, who: str, text: str, answer: str) -> Journalled:
-    return Journalled(number, 1, round(2 * second), who, text, None, True, answer)
+    return Journalled(number, 1, round(2 * second), who, text, None, bool(number), answer)
 
 
 def test_orders_to_the_crew_are_told_with_their_repeats(mastered: Path) -> None:
@@ -295,9 +305,11 @@ def test_a_casualty_brought_by_hand_makes_a_free_run_without_marks(tmp_path: Pat
     path = record(tmp_path / "free.trainer", "depth-changes", orders, "instructor at a desk")
     debrief = debriefed(path)
     assert debrief.total is None
-    assert debrief.standing.free == "casualty rudder-stuck at 70 s, by instructor at a desk"
+    assert debrief.free
     assert beside(debrief).fault is None
-    assert "A free run, flown without marks" in render(debrief)
+    told = render(debrief)
+    assert "Casualty rudder-stuck at 1:10, by instructor at a desk." in told
+    assert "<b>Free</b>, no marks" in told
 
 
 def test_the_top_says_what_was_by_hand_and_how_sure_the_mark_is(tmp_path: Path) -> None:

@@ -5,7 +5,6 @@ import math
 import re
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -35,7 +34,7 @@ from trainer.config.files import ConfigError, Place, path_named, read_text, ship
 from trainer.config.reference_crew import Crew, read_crew
 from trainer.core.cache import core_digest
 from trainer.io.orders.grammar import Refused
-from trainer.io.recording.recording import Recording
+from trainer.io.recording.recording import Journalled, Recording
 from trainer.session.options import RunOptions
 from trainer.session.plan import Plan, plan_run
 from trainer.session.run import run_boat
@@ -124,7 +123,7 @@ def test_a_baseline_is_kept_that_is_not_stale(name: str) -> None:
     now, same = flown(name), kept.fits(text) and kept.heading.core == core_digest()
     stale = f"a mark moved by 5: trainer exercise baseline {name} (text and core the same: {same})"
     assert now.nobody_marks == pytest.approx(dict(kept.marks), abs=5.0), stale
-    assert now.nobody.total or 0.0 == pytest.approx(kept.nobody.total, abs=5.0), stale
+    assert now.nobody.total or pytest.approx(kept.nobody.total, abs=5.0) == 0.0, stale
     assert reference(name).total == pytest.approx(kept.crew.total, abs=5.0), stale
     assert kept.fits(text), f"the text has changed: trainer exercise baseline {name}"
 
@@ -234,7 +233,30 @@ def test_a_limit_broken_for_two_seconds_leaves_50(tmp_path: Path) -> None:
     assert went.crew
     assert went.crew.total == 50.0
     assert went.crew.verdict
-    assert went.crew.verdict.reason.startswith("depth above 65 m at ")
+    assert went.crew.verdict.reason.startswith("deeper than 65 m at ")
+
+
+def test_a_limit_broken_for_less_than_two_seconds_costs_nothing(tmp_path: Path) -> None:
+    plan = planned(drill(tmp_path, f"{DIVE}[limits]\npitch_deg_max = 20\n"))
+    went = fly(plan, plan.crew).trajectory
+    for ticks, total in ((4, 100.0), (5, 50.0)):  # 5 ticks of 0.5 s are 2 s from first to last
+        pitch = went.columns["theta"].copy()
+        pitch[100 : 100 + ticks] = math.radians(21.0)
+        card = judge(replace(went, columns={**went.columns, "theta": pitch}), plan, {})
+        assert card.total == total
+
+
+@pytest.mark.parametrize("text", ["allow planes", "casualty rudder-stuck"])
+def test_a_run_that_the_instructor_made_free_has_no_marks(tmp_path: Path, text: str) -> None:
+    plan = planned(drill(tmp_path, DIVE))
+    went = fly(plan, plan.crew).trajectory
+    by_hand = Journalled(99, 1, 40, "instructor at console", text, None, True, "")  # noqa: FBT003
+    card = judge(replace(went, orders=(*went.orders, by_hand)), plan, {})
+    assert (card.total, outcome(card)) == (None, "free")
+    assert card.verdict
+    assert card.verdict.reason == f"{text} at 0:20, by instructor at console"
+    of_the_exercise = replace(by_hand, who="schedule")
+    assert judge(replace(went, orders=(*went.orders, of_the_exercise)), plan, {}).total == 100.0
 
 
 def test_a_lost_exercise_leaves_25(tmp_path: Path) -> None:
@@ -278,8 +300,13 @@ def test_in_basic_width_bands_and_zeros_are_half_as_wide_again() -> None:
 def test_what_nobody_gets_is_taken_off(tmp_path: Path) -> None:
     plan = planned(drill(tmp_path, DIVE))
     went = fly(plan, plan.crew).trajectory
-    half = judge(went, plan, {"Deep": 40.0}).scores[0]
-    assert half.earned == pytest.approx(100.0 * max(0.0, ((half.marks or 0.0) - 40.0) / 60.0))
+    short = replace(went, columns={**went.columns, "z": went.columns["z"] - 4.0})  # 66 m
+    half = judge(short, plan, {"Deep": 40.0}).scores[0]
+    assert 40.0 < (half.marks or 0.0) < 80.0
+    assert half.earned == pytest.approx(100.0 * ((half.marks or 0.0) - 40.0) / 60.0)
+    assert judge(short, plan, {"Deep": 49.9}).total == pytest.approx(
+        100.0 * ((half.marks or 0.0) - 49.9) / 50.1
+    )
     assert judge(went, plan, {"Deep": 60.0}).scores[0].earned is None  # nothing to be earned
 
 
@@ -364,6 +391,33 @@ def test_a_crew_begun_late_counts_as_given_what_the_clock_has_passed() -> None:
     assert list(aboard.hands) == ["planesman"]
 
 
+def test_the_helmsman_turns_the_way_that_is_ordered() -> None:
+    heading = np.degrees(by_crew("course-changes").trajectory.columns["psi"])
+    assert heading[2 * 660] == pytest.approx(180.0, abs=2.0)
+    assert heading[2 * 760] < 150.0  # left
+    assert heading[-1] == pytest.approx(0.0, abs=2.0)
+
+
+def test_the_helmsman_turns_the_long_way_where_that_is_ordered(tmp_path: Path) -> None:
+    path = tmp_path / "drill.toml"
+    path.write_text(
+        'schema = "exercise/1"\nname = "Drill"\nbriefing = "Turn."\nduration_s = 400\n'
+        "hand = ['rudder']\n[[orders]]\nat_s = 10\norder = 'order course left 090'\n"
+        "[[crew]]\nat_s = 1\norder = 'helmsman on'\n"
+    )
+    plan = planned(str(path))
+    heading = np.degrees(fly(plan, plan.crew).trajectory.columns["psi"])
+    assert heading[-1] == pytest.approx(-270.0, abs=2.0)
+
+
+def test_the_planesman_holds_the_angle_ordered_and_leaves_it_before_the_depth() -> None:
+    columns = by_crew("ordered-bubble").trajectory.columns
+    depth, pitch = columns["z"], np.degrees(columns["theta"])
+    down = np.flatnonzero((depth > 80.0) & (depth < 100.0))[:60]
+    assert np.mean(pitch[down]) == pytest.approx(-5.0, abs=1.0)
+    assert depth[:960].max() < 123.0
+
+
 def test_reactions_are_drawn_by_their_seed() -> None:
     draws = [[Reaction(jitter=5.0, seed=seed).delay() for _ in range(3)] for seed in (1, 1, 2)]
     assert draws[0] == draws[1] != draws[2]
@@ -373,22 +427,27 @@ def test_reactions_are_drawn_by_their_seed() -> None:
 # What a check refuses
 
 
+KEPT = (
+    "[[scores]]\nname='Kept'\nmeasure='in-band'\nquantity='depth'\ntarget=60\nband=2\n"
+    "full=95\nzero=20\n"
+)
+
+
 @pytest.mark.parametrize(
     ("more", "message"),
     [
         ("", None),
         (
-            "[[scores]]\nname='Kept'\nmeasure='in-band'\nquantity='depth'\ntarget=60\nband=2\n"
-            "full=95\nzero=20\nto_s=9\n",
+            KEPT + "to_s=9\n",
             r'line \d+: \[scores\[0\]\] name = "Kept": gives 100 marks with nobody aboard',
         ),
         (
             "[[orders]]\nat_s = 5\norder = 'stern planes dive 80'\n",
-            r'line \d+: \[orders\[0\]\] order = .*a run refuses it: the limit of the stern',
+            r"line \d+: \[orders\[0\]\] order = .*a run refuses it: the limit of the stern",
         ),
         (
             "[[crew]]\nat_s = 5\norder = 'stern planes dive 80'\n",
-            r'line \d+: \[crew\[0\]\] order = .*the boat refuses it: the limit',
+            r"line \d+: \[crew\[0\]\] order = .*the boat refuses it: the limit",
         ),
     ],
 )
@@ -407,9 +466,7 @@ def test_an_exercise_won_by_standing_still_is_refused(tmp_path: Path) -> None:
     path = tmp_path / "drill.toml"
     path.write_text(
         'schema = "exercise/1"\nname = "Drill"\nbriefing = "Stay."\nduration_s = 60\n'
-        "hand = ['planes']\n"
-        "[[scores]]\nname='Kept'\nmeasure='in-band'\nquantity='depth'\ntarget=60\nband=2\n"
-        "full=95\nzero=20\n"
+        f"hand = ['planes']\n{KEPT}"
     )
     with pytest.raises(ConfigError, match="this exercise is won by standing still"):
         check(str(path))

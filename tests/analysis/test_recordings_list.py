@@ -59,7 +59,7 @@ def test_names_are_kept_in_the_header_and_shown_as_text(kept: Path) -> None:
 
 @pytest.mark.parametrize("name", ["", "  ", "a\x1b[31mb", "x" * 61])
 def test_what_is_no_name_is_refused(name: str) -> None:
-    with pytest.raises(ConfigError, match="--trainee .*: a name has 1 to 60 printable characters"):
+    with pytest.raises(ConfigError, match=r"--trainee .*: a name has 1 to 60 printable characters"):
         names_of([name])
 
 
@@ -210,7 +210,7 @@ def test_a_name_that_is_nowhere_or_in_use_is_told(kept: Path) -> None:
     with pytest.raises(ConfigError, match=r"no recording has that name; nearest is Ann"):
         list(forget("Ann Briain", [kept]))
     recording = Recording.reopen(kept)
-    with pytest.raises(ConfigError, match="the name is still in it: .*is in use"):
+    with pytest.raises(ConfigError, match=r"the name is still in it: .*is in use"):
         list(forget(ANN, [kept]))
     recording.close()
 
@@ -304,10 +304,9 @@ def test_the_commands_refuse_what_makes_no_sense(tmp_path: Path) -> None:
         )
         return done.returncode, done.stderr
 
-    assert ran("debrief", "--last") == (
-        2,
-        f"trainer: --last: no recording is in {tmp_path}/submarine-trainer/recordings: "
-        "trainer run EXERCISE makes one, or name a FILE\n",
-    )
+    folder = tmp_path / "submarine-trainer" / "recordings"
+    todo = "trainer run EXERCISE makes one, or name a FILE"
+    told = f"trainer: --last: no recording is in {folder}: {todo}\n"
+    assert ran("debrief", "--last") == (2, told)
     assert ran("debrief")[0] == 2
     assert "say one" in ran("recordings", "--trainee", "a", "--forget", "b")[1]

@@ -133,9 +133,9 @@ def test_final_is_the_value_or_the_distance_at_the_end_of_the_window() -> None:
         pytest.approx(15.0),
         2,
     )
-    assert taken(went, measure="final", quantity="course", target=10, to_s=0.5)[
-        0
-    ] == pytest.approx(20.0)
+    assert taken(went, measure="final", quantity="course", target=10, to_s=0.5)[0] == pytest.approx(
+        20.0
+    )
 
 
 def test_the_largest_of_a_distance_is_from_its_target() -> None:
@@ -430,6 +430,8 @@ def test_a_new_exercise_is_valid_has_the_name_given_and_is_never_written_over(
     exercise = load_exercise(str(tmp_path / "drill.toml"))
     assert exercise.heading.name == 'Lost in "fog"'
     assert len(exercise.scores) == 3
+    told = ran(tmp_path, "exercise", "check", "drill.toml")
+    assert "crew    100 marks, won" in told.stdout, told.stderr
 
     before = (tmp_path / "drill.toml").read_bytes()
     again = ran(tmp_path, "exercise", "new", "drill.toml")

@@ -266,7 +266,7 @@ def test_leaving_the_range_is_called_out_once_and_can_be_a_limit(
     assert [text.split(":")[0] for text in said] == [
         *("EQUATIONS EXTRAPOLATED", "OUTSIDE THE EQUATIONS", "LIMIT"),
     ]
-    assert said[2] == "LIMIT: validity above 1 level"
+    assert said[2] == "LIMIT: validity level above 1"
 
 
 def test_the_rudder_that_stern_planes_of_an_x_tail_take_away_is_told(

@@ -69,7 +69,6 @@ def test_an_order_stands_as_it_was_said(boat: Boat, line: str, told: str) -> Non
         ("order speed 60", "this boat makes"),
         ("order clear course", "no order to the crew stands on course"),
         ("order clear all", "no order to the crew stands"),
-        ("belay", "no order to the crew stands"),
     ],
 )
 def test_what_the_boat_cannot_do_is_not_ordered(boat: Boat, line: str, why: str) -> None:
@@ -108,16 +107,13 @@ def test_an_order_survives_hand_steering_and_is_in_a_snapshot(boat: Boat) -> Non
     assert boat.state.rudder_by_hand
 
 
-def test_belay_takes_back_the_newest_order_or_the_one_named(boat: Boat) -> None:
-    give(boat, "order course 045")
-    boat.state.tick += 2.0
-    give(boat, "order depth 80")
-    boat.state.tick += 2.0
-    give(boat, "order speed 5")
+def test_one_order_or_all_stand_no_longer(boat: Boat) -> None:
+    give(boat, "order course 045", "order depth 80", "order speed 5")
 
-    assert give(boat, "belay") == "no longer ordered: speed 5 kn"
-    assert give(boat, "belay course") == "no longer ordered: course 045"
-    assert [str(each) for each in standing(boat)] == ["depth 80 m"]
+    assert give(boat, "order clear speed") == "no longer ordered: speed 5 kn"
+    assert [str(each) for each in standing(boat)] == ["course 045", "depth 80 m"]
+    assert give(boat, "order clear all") == "no longer ordered: course 045, depth 80 m"
+    assert not standing(boat)
 
 
 def test_the_way_to_turn_is_by_the_compass_shown(boat: Boat) -> None:

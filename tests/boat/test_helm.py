@@ -331,3 +331,97 @@ def test_a_change_of_course_is_steered_the_way_ordered_from_the_course_kept() ->
 
     told(boat, "rudder right 5", "course right 10")  # by hand there is no course: from the heading
     assert boat.state.ordered_psi == pytest.approx(20.0 + 10.0 * DEGREE)
+
+
+# What goes by the rudder that is on, by the swing, or by the heading of this moment
+
+
+def rudder(boat: Boat) -> float:
+    """Return the rudder ordered by hand [deg], right positive."""
+    assert boat.state.rudder_by_hand
+    return math.degrees(float(boat.state.ordered_r) * boat.toward["rudder"])
+
+
+@pytest.mark.parametrize(
+    ("before", "line", "answer", "angle"),
+    [
+        ("rudder right 15", "rudder ease 5", "rudder right 5, by hand", 5.0),
+        ("rudder left 15", "rudder ease 5", "rudder left 5, by hand", -5.0),
+        ("rudder left 15", "rudder ease 15", "rudder left 15, by hand", -15.0),
+        ("rudder left 15", "shift your rudder", "rudder right 15, by hand", 15.0),
+        ("rudder right 7.5", "rudder shift", "rudder left 7.5, by hand", -7.5),
+    ],
+)
+def test_the_rudder_is_eased_and_shifted_by_what_is_on(
+    before: str, line: str, answer: str, angle: float
+) -> None:
+    for vessel in VESSELS[:2]:
+        boat = under_way(vessel)
+        told(boat, before)
+        assert told(boat, line) == [answer]
+        assert rudder(boat) == pytest.approx(angle)
+
+
+@pytest.mark.parametrize(
+    ("before", "line", "why"),
+    [
+        ("rudder amidships", "rudder ease 5", "the rudder is amidships: nothing to ease"),
+        ("rudder amidships", "rudder shift", "the rudder is amidships: nothing to shift"),
+        ("rudder right 3", "rudder ease 5", "the rudder is right 3: easing it is to less, not 5"),
+        ("rudder amidships", "meet her", "the boat does not swing: there is nothing to meet"),
+    ],
+)
+def test_what_the_rudder_cannot_do_as_it_is_is_refused(before: str, line: str, why: str) -> None:
+    boat = under_way()
+    told(boat, before)
+    kept = boat.records.state.tobytes()
+    assert obey(boat, order(line)) == Refused(why)
+    assert boat.records.state.tobytes() == kept
+
+
+@pytest.mark.parametrize(
+    ("before", "angle"),
+    [("rudder right 20", -20.0), ("rudder left 20", 20.0), ("rudder right 4", -10.0)],
+)
+def test_a_swing_is_met_by_opposite_rudder(before: str, angle: float) -> None:
+    boat = under_way()
+    told(boat, before)
+    fly(boat, 30.0)
+    told(boat, "meet her")
+    assert rudder(boat) == pytest.approx(angle)
+
+
+@pytest.mark.parametrize(
+    ("line", "turned"),
+    [
+        ("course right to 010", 10.0),
+        ("course left to 010", -350.0),
+        ("course left to 000", 0.0),
+        ("course right to 270", 270.0),
+        ("come left to 350", -10.0),
+    ],
+)
+def test_a_course_is_steered_the_way_that_is_said(line: str, turned: float) -> None:
+    boat = under_way()
+    boat.state.psi = 4.0 * math.pi
+    told(boat, line)
+    assert math.degrees(float(boat.state.ordered_psi)) - 720.0 == pytest.approx(turned)
+
+
+def test_steady_keeps_the_heading_of_this_moment() -> None:
+    boat = under_way()
+    boat.state.psi = 1.25
+    assert told(boat, "steady as she goes") == ["keeping course 072"]
+    assert float(boat.state.ordered_psi) == pytest.approx(1.25)
+
+
+def test_both_planes_go_to_zero_and_each_pair_as_far_as_it_goes() -> None:
+    boat = under_way()
+    told(boat, "stern planes full rise", "bow planes full dive")
+    toward, c = boat.toward, boat.vessel
+    assert float(boat.state.ordered_s) * toward["stern"] == pytest.approx(float(c.limit_s))
+    assert float(boat.state.ordered_b) * toward["bow"] == pytest.approx(-float(c.limit_b))
+    assert told(boat, "planes zero") == ["planes zero, by hand"]
+    assert (boat.state.ordered_s, boat.state.ordered_b) == (0.0, 0.0)
+    assert boat.state.stern_by_hand
+    assert boat.state.bow_by_hand

@@ -404,13 +404,13 @@ def test_a_limit_is_called_out_at_each_crossing_and_only_then() -> None:
     down = watched(boat, monitor, 240.0)
     told(boat, "depth 60")
     up = watched(boat, monitor, 240.0)
-    assert [line.partition(": ")[2] for line in down if "depth" in line] == [
-        "LIMIT: depth above 70 m"
+    assert [line.partition(": ")[2] for line in down if "deeper" in line] == [
+        "LIMIT: deeper than 70 m"
     ]
-    assert [line.partition(": ")[2] for line in up if "depth" in line] == [
-        "LIMIT: depth below 65 m"
+    assert [line.partition(": ")[2] for line in up if "shallower" in line] == [
+        "LIMIT: shallower than 65 m"
     ]
-    assert "depth above 70 m 1 time (first at " in monitor.account()
+    assert "deeper than 70 m 1 time (first at " in monitor.account()
 
 
 @pytest.mark.parametrize(

@@ -12,6 +12,7 @@ from trainer.boat import casualties
 from trainer.boat.boat import PLACES, Boat
 from trainer.boat.crew_orders import AXES
 from trainer.boat.helm import obey
+from trainer.core.sea.free_surface import sail_height
 from trainer.core.state import STATE
 from trainer.io.orders.grammar import Order, parse
 from trainer.io.orders.sentences import read
@@ -20,6 +21,7 @@ from trainer.session.stations.display import Display, Sentences, Teletype, Words
 from trainer.session.stations.roles import PANELS, ROLES
 from trainer.session.stations.subscriptions import display
 from trainer.session.stations.view import Frame, Pace, Picture, StateReader
+from trainer.session.status import status_lines
 from trainer.session.time.ledger import Ledger, Summary
 
 KNOT = 1852.0 / 3600.0
@@ -324,6 +326,7 @@ def test_the_instructor_sees_each_casualty_and_how_far_it_is(boat: Boat) -> None
     assert shown["casualty_1"] == "rudder-slow"
     assert float(shown["casualty_1_amount"]) == pytest.approx(0.25)
     assert (shown["casualty_1_target"], shown["casualty_1_left"]) == ("0.50000", "5.0")
+    assert shown["casualty_1_says"] == "25 % of the rate lost"
     assert shown["casualty_2"] == "depth-gauge-stuck"
     assert shown["casualty_3"] == shown["casualty_3_left"] == ""
 
@@ -336,6 +339,54 @@ def test_a_casualty_being_cleared_is_on_its_way_to_nothing(boat: Boat) -> None:
     shown = values(frame_of(boat), "casualties")
 
     assert (shown["casualty_1_target"], shown["casualty_1_left"]) == ("0.00000", "4.0")
+
+
+@pytest.mark.parametrize(
+    ("name", "severity", "says"),
+    [
+        ("stern-hard-over", -0.2, "6 deg dive"),
+        ("rudder-hard-over", 0.5, "15 deg right"),
+        ("bow-hard-over", 1.0, "30 deg rise"),
+        ("stern-slow", 0.75, "75 % of the rate lost"),
+        ("bow-free", 0.1, "10 % of its rate"),
+        ("propulsion-lost", 0.6, "60 % of the turns lost"),
+        ("flooding-aft", 1.5, "hole 75 cm2"),
+        ("leak-auxiliary", 1.0, "hole 5 cm2"),
+        ("depth-gauge-biased", 0.9, "reads 9 m too much"),
+        ("gyro-biased", -0.5, "reads 5 deg too little"),
+        ("log-noisy", 2.0, "1 kn of noise"),
+        ("bank-main-failed", 1.0, "100 % of the air bank lost"),
+        ("vent-forward-open", 0.5, "50 % open"),
+        ("vent-forward-shut", 0.5, "50 % of the vent lost"),
+        ("autopilot-failed", None, ""),
+    ],
+)
+def test_a_casualty_is_told_with_its_unit_and_side(
+    boat: Boat, name: str, severity: float | None, says: str
+) -> None:
+    told = casualties.insert(boat, name, severity, None if severity is None else 0.0)
+    assert told == f"casualty {name}{f', {says}' if says else ''}"
+    assert boat.tick() == 0
+    assert values(frame_of(boat), "casualties")["casualty_1_says"] == says
+    assert any(says in line for line in status_lines(boat, Ledger(0.5).summary()))
+
+
+def test_a_stuck_surface_and_a_stuck_gauge_are_told_where_they_stand(boat: Boat) -> None:
+    for name in ("rudder-stuck", "depth-gauge-stuck"):
+        casualties.insert(boat, name)
+    boat.tick()
+    shown_depth = casualties.readings(boat).depth
+    shown = values(frame_of(boat), "casualties")
+    angle = math.degrees(float(boat.state.delta_r)) * boat.toward["rudder"]
+    assert shown["casualty_1_says"] == f"{abs(angle):.1f} deg {'right' if angle > 0 else 'left'}"
+    assert shown["casualty_2_says"] == f"at {shown_depth:.1f} m"
+
+
+def test_water_over_the_sail_is_the_boat_s_own(boat: Boat) -> None:
+    for depth, pitch in ((17.5, 0.0), (20.0, 0.1), (5.0, -0.2)):
+        boat.state.z, boat.state.theta = depth, pitch
+        above = sail_height(boat.records.vessel, boat.records.state)
+        assert float(values(frame_of(boat), "sea")["over_sail"]) == pytest.approx(-above, abs=0.051)
 
 
 def test_the_sea_is_shown_where_it_comes_from(boat: Boat) -> None:

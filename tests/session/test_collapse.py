@@ -126,7 +126,10 @@ def test_depths_passed_are_told_to_the_instructor_the_crew_and_the_log(watch: Wa
     watch.sail(iter([DIVE, "step 1000"]))
 
     for heard in (watch.instructor.said("Passing "), watch.helm.said("Passing ")):
-        assert [line.partition(": ")[2] for line in heard] == CALLS[:2]
+        assert [line.partition(": ")[2] for line in heard] == [
+            f"{CALLS[0]} [1]",
+            f"{CALLS[1]} [2]",
+        ]
     told = [line.partition(": ")[2] for line in watch.events()]
     assert [*told[:2], told[2][: len(CALLS[2])]] == CALLS
     assert all(line.startswith("tick ") for line in watch.events())

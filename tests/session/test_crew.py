@@ -324,6 +324,9 @@ def test_belay_takes_back_the_newest_order_and_is_told(crew: Make) -> None:
     here.say("instructor", "belay course")
     assert here.heard("helm") == ["belay: course 045"]
     assert here.say("instructor", "belay")[-1] == "? no order to the crew stands"
+    assert here.say("instructor", "belay words")[-1] == "? no words to the crew stand"
+    here.say("instructor", "order course 010", "order depth 70", "belay")
+    assert here.heard("helm")[-1] == "belay: depth 70 m"
 
 
 @pytest.mark.parametrize(
@@ -350,6 +353,30 @@ def test_an_order_carried_out_the_wrong_way_is_told_to_the_instructor_alone(
     assert words in wrong
     here.say(role, words)
     assert not any("WRONG WAY" in line for line in here.heard("instructor"))
+
+
+def test_a_replay_tells_a_wrong_way_again_and_writes_it_once(crew: Make) -> None:
+    here = crew().man("instructor", "helm").fly(1.0)
+    here.say("helm", sentences.order_sentence("briefing"))
+    here.say("instructor", "order course 045")
+    here.say("helm", sentences.order_sentence("rudder left 10"))
+    assert not [fact for fact in here.facts("helm") if fact.startswith("wrong-way")]
+    here.fly(5.0)
+
+    here.say("instructor", "replay 5.5 s")
+    here.heard("instructor")
+    here.fly(6.5)
+
+    assert len([line for line in here.heard("instructor") if "WRONG WAY" in line]) == 1
+    events = here.session.history.recording.events()  # type: ignore[union-attr]
+    assert len([each for each in events if "WRONG WAY" in each.text]) == 1
+
+
+def test_what_is_scheduled_is_told_to_whoever_takes_the_steps_too(crew: Make) -> None:
+    here = crew("1 order course 045\n").man("instructor")
+    here.session.time.pacer.freeze()
+    here.say("instructor", "step 5")
+    assert "ordered: course 045" in here.lines["instructor"].sent
 
 
 @pytest.mark.parametrize(
@@ -451,6 +478,39 @@ def test_a_swing_is_met_until_it_stops_by_an_order_of_the_journal(crew: Make) ->
     here.fly(40.0)
 
     texts = [(each.who, each.text) for each in here.session.history.said()]
-    assert texts[-1] == ("helm at helm", "rudder amidships")
+    assert texts[-1] == ("helm meeting her", "rudder amidships")
     assert float(here.boat.state.ordered_r) == 0.0
     assert len(texts) == 3
+
+
+# Phrases, by who says them
+
+
+def test_the_same_phrase_steers_at_the_helm_and_orders_the_crew_from_who_may(crew: Make) -> None:
+    here = crew().man("instructor", "diving", "helm", "planes")
+    assert here.say("instructor", "come left to 045") == ["ordered: course left to 045"]
+    assert here.say("helm", "come left to 045")[-1] == "course left to 045: keeping course 045"
+    assert here.say("diving", "make your depth two hundred feet") == ["ordered: depth 200 ft"]
+    assert here.say("planes", "make your depth 70 metres")[-1] == "keeping depth 70 m"
+    assert here.say("instructor", "right 10 degrees rudder")[-1] == "right 10, by hand" or (
+        "rudder right 10" in here.lines["instructor"].sent[-1]
+    )
+    refused = here.say("planes", "five degrees down bubble")[-1]
+    assert refused.startswith("? orders to the crew are the diving officer's")
+
+
+def test_a_phrase_for_the_autopilot_is_refused_where_the_rudder_is_in_hand(crew: Make) -> None:
+    here = crew(hand=frozenset({"rudder"})).man("instructor", "helm")
+    for phrase in ("come left to 045", "steady on 045", "steady as she goes"):
+        answer = here.say("helm", phrase)[-1]
+        assert answer.startswith("? the rudder is in hand in this exercise: rudder left 5")
+    assert here.say("instructor", "steady as she goes") == ["ordered: course 000"]
+    assert here.say("helm", "steady as she goes aye")[-1] == "course 000 aye"
+    assert "by hand" in here.say("helm", "right 10 degrees rudder")[-1]
+
+
+@pytest.mark.parametrize("words", ["come left to 045 aye", "left to zero four five aye"])
+def test_an_order_is_repeated_in_its_phrase(crew: Make, words: str) -> None:
+    here = crew().man("instructor", "helm")
+    here.say("instructor", "come left to 045")
+    assert here.say("helm", words)[-1] == "course left to 045 aye"

@@ -4,10 +4,12 @@ import contextlib
 import fcntl
 import math
 import os
+import re
+import shutil
 import subprocess
 import sys
 import threading
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -18,6 +20,7 @@ import trainer
 from trainer.boat import compilation
 from trainer.config.files import shipped_names
 from trainer.core.cache import cache_folder
+from trainer.io.recording.recording import Recording
 from trainer.session import first_start
 from trainer.session.options import RunOptions
 
@@ -81,6 +84,72 @@ def test_the_interpreted_run_writes_the_bytes_of_the_compiled_one(tmp_path: Path
     assert "interpreted" in slow.stdout
     assert "interpreted" not in quick.stdout
     assert (tmp_path / "slow.csv").read_bytes() == (tmp_path / "quick.csv").read_bytes()
+
+
+@contextlib.contextmanager
+def all_but_the_mark(cache: Path) -> Iterator[Callable[[], None]]:
+    """Hold the lock of a process that has compiled all but says so when what is yielded is called.
+
+    What is compiled on this machine stands for what that process compiles.
+    """
+    if not compilation.is_kept():
+        trained("run", "--headless", "--duration", "1", "--speed", "max")
+    marks = [path.name for path in cache_folder().glob("complete-*")]
+    folder = cache / cache_folder().name
+    unmarked = shutil.ignore_patterns(compilation.LOCK, "complete-*")
+    shutil.copytree(cache_folder(), folder, copy_function=os.symlink, ignore=unmarked)
+    with (folder / compilation.LOCK).open("wb") as lock:
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        yield lambda: [(folder / name).touch() for name in marks] and None
+
+
+def test_a_first_run_goes_over_to_machine_code_between_two_ticks_with_the_same_bits(
+    tmp_path: Path,
+) -> None:
+    exercise = ("run", "periscope-depth", "--headless", "--duration", "160", "--speed")
+    record = tmp_path / "slow.trainer"
+    with all_but_the_mark(tmp_path / "cache") as complete:
+        timer = threading.Timer(3.0, complete)
+        timer.start()
+        slow = trained(
+            *(*exercise, "20", "--csv", str(tmp_path / "slow.csv"), "--record", str(record)),
+            cache=tmp_path / "cache",
+        )
+        timer.join()
+    quick = trained(*exercise, "max", "--csv", str(tmp_path / "quick.csv"))
+
+    found = re.search(r"adams2 at 0.5 s, interpreted before tick (\d+)", slow.stdout)
+    assert found, slow.stdout
+    assert 10 < int(found[1]) < 320
+    with contextlib.closing(Recording.look(record)) as recording:
+        told = [(each.tick + 1, each.text) for each in recording.events()]
+    ready = f"compiled code is ready: from tick {found[1]} on"
+    assert (int(found[1]), ready) in told
+    assert (tmp_path / "slow.csv").read_bytes() == (tmp_path / "quick.csv").read_bytes()
+    assert "interpreted" not in quick.stdout
+
+
+def test_a_first_run_whose_compilation_fails_goes_on_interpreted_and_says_so(
+    tmp_path: Path,
+) -> None:
+    folder = tmp_path / "cache" / cache_folder().name
+    record = tmp_path / "slow.trainer"
+    with compiled_by_another(tmp_path / "cache"):
+        timer = threading.Timer(
+            2.0, (folder / compilation.COMPLAINTS).write_text, ("no space left",)
+        )
+        timer.start()
+        run = threading.Thread(
+            target=trained,
+            args=("run", "--headless", "--duration", "60", "--speed", "10", "--record", record),
+            kwargs={"cache": tmp_path / "cache"},
+        )
+        run.start()
+        timer.join()
+    run.join()
+
+    with contextlib.closing(Recording.look(record)) as recording:
+        assert "compiling beside has failed" in [each.text for each in recording.events()]
 
 
 def test_the_note_is_among_what_whoever_comes_is_told(tmp_path: Path) -> None:

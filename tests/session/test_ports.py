@@ -364,7 +364,7 @@ VIEW = View(
 
 def test_the_state_stands_under_its_headings() -> None:
     assert [header(), state_line(VIEW)] == [
-        "time      depth>order course>ord speed pitch  heel  rudder  stern    bow    rpm",
+        "time      depth>order hdg>course speed pitch  heel  rudder  stern    bow    rpm",
         "00:01:23   60.0>80.0   000.0>090  10.0  +0.5  -0.3  R15.0* D 0.1  R 2.0    80.4",
     ]
 

@@ -155,7 +155,7 @@ def test_every_tick_of_the_recording_is_in_the_file_to_its_resolution(flown: Pat
     assert list(place) == [0.5 * tick for tick in range(281)]
     expected = np.stack([state["x"], state["y"], state["z"]], axis=1)
     assert np.array([row[0] for row in place.values()]) == pytest.approx(expected, rel=1e-6)
-    assert [row[0] for row in depth.values()] == state["z"].tolist()
+    assert [row[0] for row in depth.values()] == (-state["z"]).tolist()  # downwards
     pitch = [row[0] for row in attitude.values()]
     assert pitch == pytest.approx(np.degrees(state["theta"]).tolist(), rel=1e-14)
 

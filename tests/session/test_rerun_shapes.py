@@ -148,8 +148,8 @@ def test_a_chart_shows_an_order_only_while_it_is_kept(make_boat: Make) -> None:
     columns = charts["depth"].columns(block)
 
     assert charts["depth"].labels == ["true", "ordered"]
-    assert columns[:, 0].tolist() == [50.0, 50.0, 50.0]
-    assert columns[:, 1] == pytest.approx([60.0, math.nan, 60.0], nan_ok=True)
+    assert columns[:, 0].tolist() == [-50.0, -50.0, -50.0]  # deeper is lower
+    assert columns[:, 1] == pytest.approx([-60.0, math.nan, -60.0], nan_ok=True)
 
 
 def test_right_and_rise_are_up_on_the_chart_of_surfaces(make_boat: Make) -> None:

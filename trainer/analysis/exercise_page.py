@@ -130,7 +130,7 @@ def _refused(checked: Checked, place: Place) -> Iterator[str]:
         free = checked.marks.get(rule.score.name, 0.0)
         if rule.part != "keeping" and free > MOST_NOBODY:
             told = f"gives {free:.0f} marks with nobody aboard, {MOST_NOBODY:.0f} at most: "
-            told += "have it be won, or part = \"keeping\""
+            told += 'have it be won, or part = "keeping"'
             yield place.inside(f"scores[{i}]").wrong("name", rule.score.name, told)
     verdict = judge(checked.nobody.trajectory, plan, checked.marks).verdict
     if plan.scores and verdict is not None and verdict.outcome == "won":
@@ -194,7 +194,9 @@ def _limits(plan: Plan) -> Iterator[str]:
 
 def _scores(plan: Plan) -> Iterator[str]:
     for rule in plan.scores:
-        of = [each for each in plan.scores if not plan.judged_by_tasks or _kept(each) == _kept(rule)]
+        of = [
+            each for each in plan.scores if not plan.judged_by_tasks or _kept(each) == _kept(rule)
+        ]
         share = 100.0 * rule.weight / sum(each.weight for each in of)
         part = f" of {'keeping' if _kept(rule) else 'tasks'}" if plan.judged_by_tasks else ""
         yield f"{share:.0f} %{part} {rule.score.name}: {formula_of(rule)}"

@@ -63,7 +63,7 @@ def fly(
     first, place = (since.moment.tick, since.moment.place) if since else (0, 0)
     if since is not None:
         boat.restore(read_state(since.moment.state, since.layout, boat.records.state))
-    journal, numbers = Journal(boat), np.frombuffer(boat.plain)
+    journal, numbers = Journal(boat), boat.records.state.view(np.float64)
     aboard = None if crew is None else ReferenceCrew(boat, crew, reaction)
     if aboard is not None and since is not None:
         aboard.take_over(since.given)

@@ -157,6 +157,13 @@ class Boat:
             return bind(tuple(self.records))
         return functools.partial(update, *self.records)
 
+    def compiled_tick(self) -> Callable[[], int]:
+        """Return ``tick`` as machine code that lies on this machine, the core being interpreted."""
+        with compilation.machine_code():
+            from trainer.boat.call import bind  # noqa: PLC0415  it reaches into the compiler
+
+            return bind(tuple(self.records))
+
     def failure(self, status: int) -> str:
         """Return where and when a failing tick lost its numbers, in words."""
         s = self.state

@@ -13,6 +13,7 @@ from trainer.core.ballast.tanks import BANKS, BLOWN, PUMPS, TANKS
 from trainer.core.casualties import KINDS, instruments
 from trainer.core.surfaces import SURFACES
 from trainer.io.orders.grammar import Refused, Reply
+from trainer.units import KNOT
 
 RULES: Final = ("once", "again")
 LONGEST: Final = 3600.0  # [s] ramp
@@ -61,7 +62,7 @@ def insert(
     if not casualties_module.begin(found.code, amount, _ticks(boat, ramp), boat.records.state):
         there = active(boat)
         return Refused(f"{len(there)} casualties at most: clear one of {_names(there)}")
-    degree = "" if found.measure.sudden else f", severity {wanted:g}"
+    degree = "" if found.measure.sudden else f", {describe(boat, found.kind, amount)}"
     return f"casualty {found.name}{degree}{_within(ramp)}"
 
 
@@ -96,11 +97,63 @@ def active(boat: Boat) -> list[Active]:
     ]
 
 
+SIDES: Final = {"rudder": ("right", "left"), "stern": ("rise", "dive"), "bow": ("rise", "dive")}
+GAUGE_UNITS: Final = {  # what a gauge shows: unit, and its size [SI]
+    "depth-gauge": ("m", 1.0),
+    "gyro": ("deg", math.radians(1.0)),
+    "log": ("kn", KNOT),
+}
+SHARES: Final = {  # of kinds that begin or end so: what the amount is a share of
+    "-slow": "of the rate lost",
+    "-free": "of its rate",
+    "-open": "open",
+    "propulsion-lost": "of the turns lost",
+    "pump-": "of the pump lost",
+    "bank-": "of the air bank lost",
+    "blow-": "of the blow lost",
+    "vent-": "of the vent lost",
+}
+
+
+def describe(boat: Boat, kind: str, amount: float) -> str:
+    """Return an amount [SI] of a casualty with its unit and side, such as 6 deg dive."""
+    what, _, how = kind.rpartition("-")
+    surface = kind.partition("-")[0]
+    if surface in SURFACES and kind.endswith(("-hard-over", "-stuck")):
+        return _angle(surface, amount * boat.toward[surface])
+    if what in GAUGE_UNITS:
+        return _misreading(what, how, amount)
+    if kind.startswith(("leak-", "flooding-")):
+        return f"hole {1e4 * amount:.3g} cm2"
+    share = next((s for end, s in SHARES.items() if kind.startswith(end) or kind.endswith(end)), "")
+    return f"{100.0 * amount:.3g} % {share}" if share else ""
+
+
+def _angle(surface: str, angle: float) -> str:
+    """Return an angle [rad] of a surface with its side, right and rise positive."""
+    size = round(math.degrees(angle), 1) + 0.0
+    return f"{abs(size):g} deg{f' {SIDES[surface][size < 0.0]}' if size else ''}"
+
+
+def _misreading(gauge: str, how: str, amount: float) -> str:
+    """Return what is wrong with a gauge, in its unit."""
+    unit, size = GAUGE_UNITS[gauge]
+    shown = amount / size
+    if how == "noisy":
+        return f"{shown:.3g} {unit} of noise"
+    if how == "stuck":
+        return f"at {shown % 360.0 if unit == 'deg' else shown:.1f} {unit}"
+    return f"reads {abs(shown):.3g} {unit} too {'little' if shown < 0.0 else 'much'}"
+
+
 def listing(boat: Boat) -> list[str]:
     """Return what the boat can suffer: each as the order ``casualty`` takes it, then in words."""
     lines = []
     for name, degree, says in available(boat):
-        lines += [f"{name} {degree}".rstrip(), f"    {says}"]
+        casualty = boat.casualties[name]
+        whole = _amount(boat, casualty, casualty.severity)
+        told = "" if casualty.measure.sudden else f"    ({describe(boat, casualty.kind, whole)})"
+        lines += [f"{name} {degree}".rstrip() + told, f"    {says}"]
     return lines
 
 

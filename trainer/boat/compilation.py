@@ -20,6 +20,7 @@ from trainer.core.cache import cache_folder, sources
 
 KERNELS: Final = "trainer.core.kernel"  # once it is imported, how kernels run is settled
 LOCK: Final = "compiling"
+LOOK: Final = 0.5  # [s] between looks at whether that is done
 COMPLAINTS: Final = "compiling.log"  # of a compilation beside a run; gone when it succeeds
 
 
@@ -65,6 +66,37 @@ def is_interpreted() -> bool:
     import numba  # noqa: PLC0415
 
     return bool(numba.config.DISABLE_JIT)  # type: ignore[attr-defined]
+
+
+@contextlib.contextmanager
+def machine_code() -> Iterator[None]:
+    """Let what is imported inside the block be machine code, though the core is interpreted.
+
+    It has to lie on this machine: what calls kernels of the interpreter cannot be compiled.
+    """
+    import numba  # noqa: PLC0415
+
+    numba.config.DISABLE_JIT = False  # type: ignore[attr-defined]
+    try:
+        yield
+    finally:
+        do_without()
+
+
+def await_code(given_up: threading.Event) -> bool:
+    """Return whether everything has been compiled, once another process has done it or failed.
+
+    It is waited for until that is ``given_up``.
+    """
+    complete, complaints = mark("complete", "core"), cache_folder() / COMPLAINTS
+    while not complete.exists():
+        if given_up.wait(LOOK):
+            return False
+        with compiling() as free:
+            failed = free and complaints.exists() and complaints.stat().st_size > 0
+        if failed:
+            return complete.exists()
+    return True
 
 
 @contextlib.contextmanager

@@ -14,7 +14,6 @@ from trainer.config.reference_crew import Helmsman, Planesman
 
 KEPT: Final = 601.0  # [s] of gauges that are remembered
 RATE_OVER: Final = 2.0  # [s] over which a rate is seen on a gauge
-COMMITTED: Final = math.radians(170.0)  # [rad] of turn left, from where the shorter way is right
 SLACK: Final = 1e-6  # [s] rounding of a sum of steps
 
 
@@ -67,25 +66,18 @@ class Known:
     axis: str
     answer: float  # [s]
     value: float | None = None  # [SI] None: nothing is ordered
-    side: float = 0.0
     stamp: float = 0.0  # of the order that was seen last, by its tick in the state
     since: float = 0.0  # [s] when it was seen
-    fresh: bool = False  # it came to be known at this look
 
     def look(self, boat: Boat) -> None:
         """Take an order that stands for long enough."""
         s, place = boat.state, AXES.index(self.axis)
-        stamp, self.fresh = float(s.crew_order_tick[place]), False
+        stamp = float(s.crew_order_tick[place])
         if stamp != self.stamp:
             self.stamp, self.since = stamp, boat.time
             self.since = min(self.since, (stamp - 1.0) * boat.method.step if stamp else math.inf)
-        value = float(s.crew_order[place]) if stamp else None
-        side = float(s.crew_course_side)
-        if boat.time - self.since >= self.answer - SLACK and (value, side) != (
-            self.value,
-            self.side,
-        ):
-            self.value, self.side, self.fresh = value, side, True
+        if boat.time - self.since >= self.answer - SLACK:
+            self.value = float(s.crew_order[place]) if stamp else None
 
 
 @dataclass
@@ -145,7 +137,7 @@ class PlanesHand:
         rise = min(max(rise, -ways.bow_deg_max), ways.bow_deg_max)
         within = abs(deeper) <= ways.bow_within_m
         wanted = int(ways.bow_step_deg * round(rise / ways.bow_step_deg)) if within else 0
-        if wanted == self.bow or abs(rise - self.bow) < 0.6 * ways.bow_step_deg and wanted:
+        if wanted == self.bow or (abs(rise - self.bow) < 0.6 * ways.bow_step_deg and wanted):
             return []
         self.bow = wanted
         return [_tilt("bow", wanted)]
@@ -161,7 +153,6 @@ class RudderHand:
     looked: float = -math.inf  # [s]
     course: Known = field(init=False)
     rudder: int = 0  # [deg] right, as ordered last
-    long_way: float = 0.0  # -1 or 1 while a turn ordered that way is longer than half a circle
 
     def __post_init__(self) -> None:
         self.course = Known("course", self.ways.answer_s + self.late)
@@ -171,8 +162,6 @@ class RudderHand:
     def look(self, gauges: Gauges) -> list[str]:
         """Return what is ordered at this tick."""
         self.course.look(self.boat)
-        if self.course.fresh:
-            self.long_way = self.course.side
         if self.boat.time - self.looked < self.ways.look_s - SLACK:
             return []
         self.looked = self.boat.time
@@ -188,17 +177,11 @@ class RudderHand:
         return [f"rudder {'right' if wanted > 0 else 'left'} {abs(wanted)}"]
 
     def _to_go(self, heading: float) -> float:
-        """Return how far there is to turn [deg], right positive."""
-        aim = self.course.value
-        aim = float(self.boat.state.ordered_psi) if aim is None else aim
-        left = math.remainder(aim - heading, math.tau)
-        if self.long_way:
-            way = (self.long_way * left) % math.tau
-            if way <= COMMITTED or way > math.tau - 0.1:
-                self.long_way = 0.0
-            else:
-                left = self.long_way * way
-        return math.degrees(left)
+        """Return how far there is to turn [deg], right positive, the way that was ordered."""
+        if self.course.value is None:
+            aim = float(self.boat.state.ordered_psi)
+            return math.degrees(math.remainder(aim - heading, math.tau))
+        return math.degrees(self.course.value - heading)
 
 
 def _tilt(planes: str, rise: int) -> str:

@@ -82,14 +82,6 @@ def _order_periscope(boat: Boat) -> Reply:
     return _stand(boat, "depth", depth)
 
 
-def belay(boat: Boat, order: Order) -> Reply:
-    """Let an order to the crew stand no longer: the newest, or that on the axis named."""
-    if order.word == "words":
-        return "belayed"
-    newest = max(standing(boat), key=lambda each: each.tick, default=None)
-    return _clear(boat, order.word or (newest.axis if newest else "all"))
-
-
 def _order_course(boat: Boat, course: float, way: str) -> str:
     """Let a course stand; ``way`` is left, right, "" the shorter, or steady: the heading shown."""
     heading = readings(boat).heading

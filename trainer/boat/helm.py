@@ -292,7 +292,6 @@ _DUTIES: dict[str, Callable[[Boat, Order], Reply]] = {
     "periscope": _periscope,
     "trim": _trim,
     "order": crew_orders.order_crew,
-    "belay": crew_orders.belay,
     "sea": order_sea,
     "casualty": _casualty,
     "clear": _clear,

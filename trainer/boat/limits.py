@@ -46,6 +46,17 @@ SEEN: Final[dict[str, Callable[[Any], float]]] = {
 }
 
 
+BEYOND: Final = {  # what passing each limit is called; depth grows downwards
+    "depth_m_max": "deeper than {:g} m",
+    "depth_m_min": "shallower than {:g} m",
+    "pitch_deg_max": "pitch more than {:g} deg",
+    "heel_deg_max": "heel more than {:g} deg",
+    "speed_kn_max": "faster than {:g} kn",
+    "speed_kn_min": "slower than {:g} kn",
+    "validity_level_max": "validity level above {:g}",
+}
+
+
 def showing(boat: Boat) -> float:
     """Return the height [m] of the highest part of sail and deck above the sea."""
     records = boat.records
@@ -133,9 +144,7 @@ class LimitMonitor:
                 self.beyond.discard(name)
             elif name not in self.beyond:
                 self.beyond.add(name)
-                what, unit = key.split("_")
-                side = "above" if end == "max" else "below"
-                said = f"{what} {side} {limit:g} {unit}"
+                said = BEYOND[name].format(limit)
                 news.append((said, f"LIMIT: {said}"))
         return news
 

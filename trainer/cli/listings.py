@@ -73,8 +73,8 @@ def baseline(file: str, seeds: int) -> None:
     Example:  trainer exercise baseline depth-changes
               trainer exercise baseline drill.toml --seeds 5
 
-    FILE is a path, or the name of a shipped exercise. The debrief takes from each task what it gives
-    with nobody aboard. What is kept is drill.baseline.toml, beside drill.toml.
+    FILE is a path, or the name of a shipped exercise. The debrief takes from each task what it
+    gives with nobody aboard. What is kept is drill.baseline.toml, beside drill.toml.
     """
     from trainer.analysis import baseline as baseline_module  # noqa: PLC0415
 

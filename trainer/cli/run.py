@@ -1,9 +1,10 @@
 """Commands that take a boat to sea, and that attach to a running session."""
 
 import sys
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
-from typing import Any, NoReturn
+from typing import TYPE_CHECKING, Any, NoReturn
 
 import click
 
@@ -23,6 +24,9 @@ from trainer.cli.shared_options import (
 )
 from trainer.io.paths import HOST, PORT
 from trainer.session.options import RunOptions
+
+if TYPE_CHECKING:
+    from trainer.session.exercise import Debriefing
 
 
 @click.command()
@@ -48,7 +52,8 @@ def run(*, teletype: bool, core: Path | None, state: Path | None, **options: Any
               trainer run --headless --duration 1h --speed max --csv out.csv
               printf 'depth 80\\n' | trainer run --duration 120 --speed max
 
-    On a terminal it shows the instructor's console, F1 its help. Orders are typed at any time.
+    On a terminal it shows the instructor's console, F1 its help; without any option it asks first
+    which exercise it shall be, and Enter sails freely. Orders are typed at any time.
     Others on this machine join with `trainer station ROLE`. Exit codes: 0 done, 1 the boat
     is lost or the recording failed, 2 wrong input.
     """
@@ -56,22 +61,62 @@ def run(*, teletype: bool, core: Path | None, state: Path | None, **options: Any
         from trainer.boat.export.runner.run import main as run_core  # noqa: PLC0415
 
         sys.exit(run_core(sys.argv[sys.argv.index("run") + 1 :]))
-    from trainer.console.terminal import has_terminal  # noqa: PLC0415
+    set_out(run_options(options), take_to_sea, choose, teletype=teletype)
 
-    asked = run_options(options)
+
+Begin = Callable[[RunOptions], NoReturn]
+
+
+def set_out(
+    asked: RunOptions, begin: Begin, choose: Callable[[RunOptions], RunOptions], *, teletype: bool
+) -> NoReturn:
+    """Begin a session: on a screen of its own where there is a terminal, beside one, or without.
+
+    ``choose`` settles what is asked for by a command without any option.
+    """
+    from trainer.console.terminal import asked_beside, has_terminal  # noqa: PLC0415
+
     elsewhere = asked.headless or asked.url is not None
-    if not (teletype or elsewhere) and has_terminal():
-        from trainer.console.own_session import sail  # noqa: PLC0415
+    address, word = asked_beside()
+    if address:
+        asked = replace(without_console(asked), listen=address, token=(word,), until_left=True)
+    elif not (teletype or elsewhere) and has_terminal():
+        sys.exit(on_screen(asked, asked if asked.given else choose(asked), begin))
+    begin(asked)
 
-        def serve_at(where: str) -> NoReturn:
-            take_to_sea(replace(without_console(asked), socket=where, until_left=True))
 
-        from trainer.session.stations.access import ANY, read_tokens  # noqa: PLC0415
+def on_screen(asked: RunOptions, chosen: RunOptions, begin: Begin) -> int:
+    """Show the console of a session of one's own; return the exit code."""
+    from trainer.console import own_session  # noqa: PLC0415
 
-        tokens = read_tokens(asked.token)
-        token = tokens.get("instructor", tokens.get(ANY))
-        sys.exit(sail(serve_at, asked.socket, token))
-    take_to_sea(asked)
+    def serve_at(where: str) -> NoReturn:
+        begin(replace(without_console(chosen), socket=where, until_left=True))
+
+    from trainer.session.stations.access import ANY, read_tokens  # noqa: PLC0415
+
+    tokens = read_tokens(chosen.token)
+    token = tokens.get("instructor", tokens.get(ANY))
+    if own_session.can_fork():
+        return own_session.sail(serve_at, chosen.socket, token)
+    begun = [chosen.exercise] if chosen.exercise and not asked.exercise else []
+    return own_session.sail_beside([*sys.argv[1:], *begun], token)
+
+
+def choose(asked: RunOptions) -> RunOptions:
+    """Return the options with the exercise that is chosen at the terminal; leave if none is."""
+    # read as they are: what checks them would load the core, and the session is to choose which
+    from trainer.config.files import parse_toml, read_text, shipped, shipped_names  # noqa: PLC0415
+    from trainer.console.exercise_choice import Offered, choose_exercise  # noqa: PLC0415
+
+    offered = []
+    for name in shipped_names("exercises"):
+        path = shipped("exercises", name)
+        table = parse_toml(read_text(path), path.name)
+        offered.append(Offered(name, str(table["name"]), str(table["briefing"])))
+    chosen = choose_exercise(offered)
+    if chosen is None:
+        sys.exit(0)
+    return replace(asked, exercise=chosen, given=frozenset({"exercise"})) if chosen else asked
 
 
 def take_to_sea(options: RunOptions) -> NoReturn:
@@ -87,9 +132,40 @@ def take_to_sea(options: RunOptions) -> NoReturn:
     from trainer.session.run import run_boat  # noqa: PLC0415
 
     try:
-        sys.exit(run_boat(replace(options, note=note)))
+        sys.exit(run_boat(replace(options, note=note), debriefing=debriefing()))
     finally:
         gc.enable()
+
+
+def debriefing() -> "Debriefing":
+    """Return who judges a recording and writes its debrief, when a session asks for it."""
+    import numpy as np  # noqa: PLC0415
+
+    from trainer.session.exercise import Debriefing, Judgement  # noqa: PLC0415
+
+    def judge(path: Path, branch: int) -> Judgement:
+        from trainer.analysis.debrief.page import read_dossier  # noqa: PLC0415  seldom needed
+
+        with np.errstate(all="ignore"):  # a state may hold any number
+            debrief = read_dossier(path, branch)
+        card = debrief.final
+        told = [
+            f"{each.name}: {'does not count' if each.marks is None else f'{each.marks:.0f}'}"
+            for each in card.scores
+        ]
+        told += [f"cost most: {each.told}" for each in debrief.losses]
+        if card.verdict is None:
+            return Judgement("", card.total, tuple(told))
+        why = [card.verdict.reason] if card.verdict.reason else []
+        return Judgement(card.verdict.outcome, card.total, (*why, *told))
+
+    def write(path: Path, branch: int) -> Path:
+        from trainer.analysis.debrief.page import Asked, beside, debrief_file  # noqa: PLC0415
+
+        debrief_file(path, None, None, Asked(branch), as_json=False)
+        return beside(path, branch)
+
+    return Debriefing(judge, write)
 
 
 @click.command()
@@ -121,21 +197,27 @@ def serve(**options: Any) -> None:
 @console_options
 @rerun_options
 @port_options(listen=None, socket=None)
+@teletype_option
 @click.option("--anyway", is_flag=True, help="Even if this version would compute otherwise.")
-def resume(file: Path, *, anyway: bool, **options: Any) -> None:
+def resume(file: Path, *, anyway: bool, teletype: bool, **options: Any) -> None:
     """Go on with a recorded run where it ended, after a crash or on another day.
 
     The boat is brought to the last order of the recording and waits there, frozen; headless, where
-    nobody could say run, she goes on at once unless --frozen is given.
+    nobody could say run, it goes on at once unless --frozen is given. On a terminal it shows the
+    instructor's console, as `trainer run` does.
 
     \b
     Example:  trainer resume drill.trainer
               trainer resume drill.trainer --headless --speed max --duration 1h
     """
-    from trainer.session.resume import resume_boat  # noqa: PLC0415
-
     options["frozen"] = options["frozen"] or not options["headless"]
-    sys.exit(resume_boat(file, run_options(options), anyway=anyway))
+
+    def go_on(chosen: RunOptions) -> NoReturn:
+        from trainer.session.resume import resume_boat  # noqa: PLC0415
+
+        sys.exit(resume_boat(file, chosen, debriefing(), anyway=anyway))
+
+    set_out(run_options(options), go_on, lambda asked: asked, teletype=teletype)
 
 
 ROLES = (

@@ -16,6 +16,7 @@ from trainer.config.schema import Choice, Quantity, Text, of, read_record, withi
 
 SCHEMA: Final = "baseline/1"
 BASELINE: Final = ".baseline.toml"  # ends the name of its file; no run hangs on it
+TOLD: Final = ("name", "briefing", "instructor", "note")  # keys that fly nothing
 MARK: Final = Quantity("%", within(0, 100), "marks")
 
 
@@ -24,7 +25,7 @@ class Heading:
     """What a baseline was flown with."""
 
     schema: str = of(Choice((SCHEMA,), "form of the file"))
-    exercise: str = of(Text(64, "digest of the exercise's text"))
+    exercise: str = of(Text(64, "digest of what the exercise flies and judges"))
     core: str = of(Text(80, "digest of the core"))
     seed: float = of(Quantity("-", within(0, 1e15), "of the marks"))
     seeds: float = of(Quantity("-", within(1, 1e4), "flown for mean and deviation"))
@@ -56,8 +57,10 @@ class Baseline:
 
 
 def digest_of(text: str) -> str:
-    """Return the digest of an exercise's text."""
-    return hashlib.sha256(text.encode()).hexdigest()[:16]
+    """Return the digest of what an exercise flies and judges, without titles and briefings."""
+    table = parse_toml(text, "exercise")
+    flown = {key: value for key, value in table.items() if key not in TOLD}
+    return hashlib.sha256(json.dumps(flown, sort_keys=True).encode()).hexdigest()[:16]
 
 
 def baseline_path(exercise: Path) -> Path:

@@ -86,7 +86,7 @@ class Condition:
 
 
 def compile_conditions(text: str, place: Place) -> tuple[Condition, ...]:
-    """Return the conditions that ``and`` joins in ``text``, of any quantity; ConfigError as below."""
+    """Return the conditions that ``and`` joins, of any quantity; ConfigError as below."""
     return tuple(compile_condition(each, place, EVERY) for each in AND.split(text))
 
 

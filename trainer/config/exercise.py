@@ -45,7 +45,7 @@ from trainer.config.schema import (
 )
 from trainer.config.score_rules import Rule, Score, read_rules
 from trainer.config.sea import SeaFile, load_sea, read_sea
-from trainer.io.orders.grammar import Order, parse
+from trainer.io.orders.grammar import Order, parse, to_the_crew
 from trainer.io.orders.schedule import LATEST, Scheduled
 
 
@@ -95,7 +95,9 @@ class Heading:
     schema: str = of(Choice(("exercise/1",), "form of the file"))
     name: str = of(Text(55, "the crew's title, one line for the list of exercises"))
     briefing: str = of(Page(4000, "what the crew is told at the start"))
-    instructor: str | None = optional(Page(4000, "for the instructor alone: what is hidden, the cure"))
+    instructor: str | None = optional(
+        Page(4000, "for the instructor alone: what is hidden, the cure")
+    )
     hand: tuple[str, ...] | None = optional(Choices(tuple(AXES), "what the crew works by hand"))
     hand_from_s: float | None = optional(Quantity("s", within(0, LATEST), "since when; else 0"))
     allowed: tuple[str, ...] | None = optional(
@@ -187,7 +189,10 @@ def key_tables() -> str:
     return tables_of(RECORDS)
 
 
-UNSCHEDULED: Final = ("help", "status")  # they answer a console
+UNSCHEDULED: Final = (  # they answer a console, or are a person's to say or to decide
+    *("help", "status", "aye", "belay", "allow", "ack", "again", "next", "debrief", "branch"),
+    *("release-marks", "command", "give", "keep", "branches", "history", "ready"),
+)
 
 
 TABLES: Final = ("initial", "sea", "orders", "casualties", "limits", "scores", *CREW_TABLES)
@@ -370,6 +375,7 @@ def _unmanned(table: Mapping[str, Any], place: Place) -> list[str]:
     for i, row in enumerate(rows if isinstance(rows, list) else []):
         text = row.get("order") if isinstance(row, Mapping) else None
         order = parse(text) if isinstance(text, str) else None
+        order = to_the_crew(order) if isinstance(order, Order) else order
         axis = order.word.partition("_")[0] if isinstance(order, Order) else ""
         if isinstance(order, Order) and order.name == "order" and axis in MANNED:
             manned = MANNED[axis]
@@ -408,7 +414,7 @@ def _orders(table: Mapping[str, object], place: Place) -> list[Scheduled]:
         elif order.name in UNSCHEDULED:
             problems.append(inside.wrong("order", row.order, "has no place in a schedule"))
         else:
-            found.append(Scheduled(row.at_s, order, i + 1))
+            found.append(Scheduled(row.at_s, to_the_crew(order), i + 1))
     if problems:
         raise ConfigError(*problems)
     return found
@@ -465,9 +471,11 @@ def _known_casualty(row: CasualtyRow, place: Place, known: Mapping[str, Casualty
         problems.append(place.wrong("rule", row.rule, "goes with when"))
     if row.at_s is not None and row.clear_at_s is not None and row.clear_at_s < row.at_s:
         problems.append(place.wrong("clear_at_s", row.clear_at_s, "is before at_s"))
-    for key in ("within_s", "lasts_s", "one_of"):
-        if getattr(row, key) is not None and row.at_s is None:
-            problems.append(place.wrong(key, getattr(row, key), "goes with at_s"))
+    problems += [
+        place.wrong(key, getattr(row, key), "goes with at_s")
+        for key in ("within_s", "lasts_s", "one_of")
+        if getattr(row, key) is not None and row.at_s is None
+    ]
     if row.lasts_s is not None and row.clear_at_s is not None:
         problems.append(place.problem("give one of clear_at_s, lasts_s"))
     if problems:

@@ -5,7 +5,7 @@ A rule says when, and what is ordered then. What the crew sees is what its gauge
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Final
+from typing import Final, TypeVar
 
 from trainer.config.condition import Condition, compile_conditions
 from trainer.config.files import ConfigError, Place, collecting, nearest
@@ -104,6 +104,7 @@ class Crew:
     helmsman: Helmsman = field(default_factory=Helmsman)
 
 
+Ways = TypeVar("Ways", Planesman, Helmsman)
 RULES: Final = Rows(CrewRow, ("note",), 0, 200, "what the reference crew does, below")
 CREW_TABLES: Final = ("crew", *HANDS)
 
@@ -112,20 +113,25 @@ def read_crew(table: Mapping[str, object], place: Place) -> Crew:
     """Return the reference crew of an exercise file; ConfigError with all that is wrong."""
     problems: list[str] = []
     if isinstance(table.get("crew"), dict):
-        raise ConfigError(place.problem("[crew]: one reference crew, its rules [[crew]] one by one"))
+        raise ConfigError(place.problem("[crew]: one reference crew, its rules [[crew]] each"))
     rules: list[CrewRule] = []
     with collecting(problems):
         for i, row in enumerate(RULES.read("crew", table.get("crew", []), place)):
             with collecting(problems):
                 rules.append(_read_rule(row, i, place.inside(f"crew[{i}]")))
-    hands: dict[str, Planesman | Helmsman] = {}
-    for name, record in (("planesman", Planesman), ("helmsman", Helmsman)):
-        with collecting(problems):
-            hands[name] = read_record(record, table.get(name, {}), place.inside(name), ("note",))
+    planesman, helmsman = Planesman(), Helmsman()
+    with collecting(problems):
+        planesman = _ways(Planesman, "planesman", table, place)
+    with collecting(problems):
+        helmsman = _ways(Helmsman, "helmsman", table, place)
     problems += _twice(rules, place)
     if problems:
         raise ConfigError(*problems)
-    return Crew(rules=tuple(rules), **hands)  # type: ignore[arg-type]
+    return Crew(rules=tuple(rules), planesman=planesman, helmsman=helmsman)
+
+
+def _ways(record: type[Ways], name: str, table: Mapping[str, object], place: Place) -> Ways:
+    return read_record(record, table.get(name, {}), place.inside(name), ("note",))
 
 
 def _twice(rules: list[CrewRule], place: Place) -> list[str]:
@@ -148,9 +154,11 @@ def _read_rule(row: CrewRow, i: int, place: Place) -> CrewRule:
         problems.append(place.problem("give one of at_s, when, ordered, or then = true"))
     if row.then and i == 0:
         problems.append(place.wrong("then", row.then, "there is no rule above"))
-    for key in ("from_s", "to_s", "every_s", "mean_s"):
-        if getattr(row, key) is not None and row.when is None:
-            problems.append(place.wrong(key, getattr(row, key), "goes with when"))
+    problems += [
+        place.wrong(key, getattr(row, key), "goes with when")
+        for key in ("from_s", "to_s", "every_s", "mean_s")
+        if getattr(row, key) is not None and row.when is None
+    ]
     conditions: tuple[Condition, ...] = ()
     with collecting(problems):
         conditions = compile_conditions(row.when, place) if row.when else ()

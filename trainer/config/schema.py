@@ -182,7 +182,8 @@ class Texts:
     def read(self, key: str, value: object, place: Place) -> tuple[str, ...]:
         """Return the lines; ConfigError naming the first that is wrong."""
         if not isinstance(value, list) or len(value) > self.most:
-            raise ConfigError(place.wrong(key, value, f"must be a list of {self.most} texts at most"))
+            told = f"must be a list of {self.most} texts at most"
+            raise ConfigError(place.wrong(key, value, told))
         return tuple(self.each.read(f"{key}[{i}]", item, place) for i, item in enumerate(value))
 
 

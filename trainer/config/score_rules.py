@@ -189,8 +189,8 @@ def _check_target(rule: Rule, place: Place) -> list[str]:
     if measure.quantities and measured.name not in measure.quantities:
         told = f"{score.measure} is of {' or '.join(measure.quantities)}"
         return [place.wrong("quantity", score.quantity, told)]
-    free = score.measure in OF_ITSELF
-    if score.target is None and not free and "target" in measure.may and measured.name not in ORDERED:
+    aims = "target" in measure.may and score.measure not in OF_ITSELF
+    if score.target is None and aims and measured.name not in ORDERED:
         told = f"nobody orders it as such ({', '.join(ORDERED)} are): give a target"
         return [place.wrong("quantity", score.quantity, told)]
     return []

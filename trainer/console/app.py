@@ -17,11 +17,12 @@ from textual.widgets import Input
 from trainer.console.choice import Done, casualty_choice, sea_choice
 from trainer.console.dialogs import Dialog, Subject, emergency, leaving
 from trainer.console.drawing.chart import strip
-from trainer.console.drawing.event_log import log, time_line
-from trainer.console.drawing.panels import foot, top
+from trainer.console.drawing.event_log import log, time_at, time_line
+from trainer.console.drawing.panels import flowed, foot, key_at, top
 from trainer.console.entry import Entry, Names, hint
-from trainer.console.guide import Guide
+from trainer.console.guide import PlanView, answer, briefing, guide
 from trainer.console.keys import (
+    KEYS,
     Act,
     Again,
     Give,
@@ -29,6 +30,7 @@ from trainer.console.keys import (
     Leave,
     Move,
     Open,
+    Ring,
     Scroll,
     Toggle,
     Widen,
@@ -72,18 +74,21 @@ class Levers:
         return f"{WORDS[surface][wanted > 0]} {abs(wanted)}"
 
 
+FOOT: Final = 3  # [rows] of keys at most
 RATE: Final = 10.0  # [Hz] of looking
 SOON: Final = 0.004  # [s] between looks for the first figures
-FUNCTION: Final = re.compile(r"f\d+|ctrl\+c")  # keys that are no part of an order
+FUNCTION: Final = re.compile(r"f\d+|ctrl\+[cgt]")  # keys that are no part of an order
 SPANS: Final = (60.0, 120.0, 300.0, 600.0, 1200.0)  # [s] of the charts
 PACES: Final = (0.1, 0.2, 0.5, 1.0, 2.0, 4.0, 8.0, 16.0, 32.0, 64.0, 100.0)  # of time
 PROMPTS: Final = {"instructor": "type an order, such as depth 80; F1 helps"}
 PROMPT: Final = "keys move your controls; Enter to type an order"
 DIALOGS: Final[Mapping[str, Callable[[SessionModel], Subject]]] = {
-    "help": Guide,
+    "help": guide,
+    "briefing": briefing,
     "casualties": casualty_choice,
     "sea": sea_choice,
     "moments": lambda model: Moments(model, replays=False),
+    "plan": PlanView,
     "emergency": lambda _sight: emergency(),
 }
 
@@ -119,6 +124,9 @@ class Console(App[str], inherit_bindings=False):
         self._levers = Levers()
         self._names = Names(model)
         self._seen: tuple[object, ...] = ()
+        self._rung = model.bells
+        self._silent = False
+        self._foot = footer(model.role)
 
     def get_default_screen(self) -> Screen[None]:
         """Return a screen that is styled for the role from the beginning."""
@@ -134,12 +142,12 @@ class Console(App[str], inherit_bindings=False):
         if len(self._post.charts) > 3:
             yield Horizontal(*self._charts(range(3, 6)), id="second", classes="charts")
         with Horizontal(id="record"):
-            yield Pane(partial(log, self.model), "log")
+            yield Pane(partial(log, self.model), "log", wheel=self._scroll)
             if self._post.aside:
                 yield Vertical(*map(self._pane, self._post.aside), id="aside")
-        yield Pane(self._line, "line", moving=True)
+        yield Pane(self._line, "line", moving=True, click=self._travel)
         yield Entry(self._names, self._quick(), PROMPTS.get(self.model.role, PROMPT))
-        yield Pane(lambda width, _: foot(footer(self.model.role), width), "foot")
+        yield Pane(partial(foot, self._foot), "foot", click=self._press)
 
     def on_mount(self) -> None:
         """Begin to look; end in good order when asked to from outside."""
@@ -171,9 +179,9 @@ class Console(App[str], inherit_bindings=False):
 
     def on_input_submitted(self, message: Input.Submitted) -> None:
         """Send what has been typed."""
-        words = message.value.strip()
+        words = message.value.strip() or self._repeat()
         entry = self.query_one(Entry)
-        entry.keep(words)
+        entry.keep(message.value.strip())
         if not self.model.instructs:
             self.set_focus(None)
         if words in ("detach", "bye"):
@@ -192,8 +200,12 @@ class Console(App[str], inherit_bindings=False):
                 self._open(Moments(self.model, replays=True))
             case Open(dialog):
                 self._open(DIALOGS[dialog](self.model))
-            case Write(text):
+            case Write(text) if not words:
                 self.query_one(Entry).begin(text)
+            case Ring():
+                self._silent = not self._silent
+                said = "off" if self._silent else "on"
+                self.model.journal.add(None, "station", f"the bell is {said}")
             case Widen(steps):
                 self.span = min(max(self.span + steps, 0), len(SPANS) - 1)
             case Scroll(lines):
@@ -204,21 +216,55 @@ class Console(App[str], inherit_bindings=False):
 
     def _ordered(self, act: Act) -> str:
         """Return the order that a key gives by itself, "" for none."""
-        picture = self.model.picture
+        picture, words = self.model.picture, ""
         match act:
-            case Give(words):
-                return words
+            case Give(given):
+                words = given
             case Toggle():
-                return "run" if picture.frozen else "freeze"
+                words = "run" if picture.frozen else "freeze"
             case Hasten(steps):
-                return f"time {nearest(PACES, picture.pace, steps):g}"
+                words = f"time {nearest(PACES, picture.pace, steps):g}"
             case Move(surface, by):
-                return self._levers.move(surface, by, self.model)
+                words = self._levers.move(surface, by, self.model)
+            case Write(""):
+                words = self._repeat()
             case Again() if picture.word("time", "replay") == "yes":
-                return "take over"
-        return ""
+                words = "take over"
+        return words
+
+    def _repeat(self) -> str:
+        """Return the order that repeats a new order to the crew, "" when there is none."""
+        return "aye" if self.model.crew.awaited(self.model.role) else ""
+
+    # the mouse
+
+    def _press(self, column: int, row: int) -> None:
+        """Do what the key does that is drawn there; of a pair each has its own half."""
+        pane = self.screen_stack[0].query_one("#foot", Pane)
+        label, drawn = key_at(self._foot, pane.size.width, pane.size.height, (column, row))
+        other, pair, _ = drawn.partition(":")
+        wanted = other if pair else label  # of "0 to 8: bells" the words are no key
+        for key in KEYS[self.model.role]:
+            if wanted and key.label == wanted:
+                self.act(key.act)
+                return
+
+    def _travel(self, column: int, _row: int) -> None:
+        """Look at a place on the line of time."""
+        if self.model.instructs:
+            width = self.screen_stack[0].query_one("#line", Pane).size.width
+            back = self.model.picture.seconds - time_at(self.model, width, column)
+            self._open(Moments(self.model, replays=False, lapse=max(back, 0.5)))
+
+    def _scroll(self, lines: int) -> None:
+        self.act(Scroll(-lines))
 
     # looking
+
+    def on_resize(self, event: events.Resize) -> None:
+        """Give the keys the rows that they need."""
+        rows = len(flowed(self._foot, event.size.width))
+        self.screen_stack[0].query_one("#foot").styles.height = min(rows, FOOT)
 
     def _expect(self) -> None:
         """Show the first figures as soon as they come."""
@@ -238,12 +284,21 @@ class Console(App[str], inherit_bindings=False):
             return
         seen = (model.picture.changes, model.journal.changes, model.joined, model.over, self.span)
         changed, self._seen = seen != self._seen, seen
+        self._announce()
         for pane in self.screen.query(Pane):
             if changed or pane.moving:
                 pane.look()
         if len(self.screen_stack) > 1 and changed:
             for pane in self.screen_stack[0].query(Pane):
                 pane.look()
+
+    def _announce(self) -> None:
+        """Ring for what is new, and show a long answer in a window."""
+        due, self._rung = self.model.bells > self._rung, self.model.bells
+        if due and not self._silent:
+            self.bell()
+        while self.model.answers and len(self.screen_stack) == 1:
+            self._open(answer(*self.model.answers.pop(0)))
 
     def _pane(self, place: Place) -> Pane:
         return Pane(partial(place.draw, self.model), place.name, moving=place.moving)

@@ -27,6 +27,7 @@ class Done(NamedTuple):
 
 NOTHING: Final = Done()
 NAMES: Final = 26  # [columns]
+HEAD: Final = 2  # [rows] above the list
 SEAS: Final = (
     (0, "glassy"),
     (1, "0.05 m: rippled"),
@@ -52,13 +53,21 @@ class Choice:
     size: tuple[int, int] = (78, 24)  # columns and rows, at most
     typed: str = ""
     place: int = 0
+    _first: int = 0  # row at the top, as drawn last
+    _rows: int = 0
 
     @property
     def shown(self) -> list[Row]:
         """Return the rows that what has been typed leaves."""
         typed = self.typed.lower()
-        begin = [row for row in self.rows if row.name.startswith(matching_prefix(row, typed))]
-        return begin + [row for row in self.rows if matching_prefix(row, typed) in row.name[1:]]
+        begin, within = [], []
+        for row in self.rows:
+            name, part = row.name.lower(), matching_prefix(row, typed)
+            if name.startswith(part):
+                begin.append(row)
+            elif part in name:
+                within.append(row)
+        return begin + within
 
     @property
     def chosen(self) -> Row | None:
@@ -88,6 +97,16 @@ class Choice:
         self._edit(key, character)
         return None
 
+    def click(self, _column: int, row: int, _width: int) -> Done | None:
+        """Take a click on a row: it is chosen, and ordered if it was chosen already."""
+        place = self._first + row - HEAD
+        if not (HEAD <= row < HEAD + self._rows and place < len(self.shown)):
+            return None
+        if place == self.place and self.order:
+            return Done((self.order,))
+        self.place = place
+        return None
+
     def _edit(self, key: str, character: str | None) -> None:
         moves = {"up": -1, "down": 1, "pageup": -10, "pagedown": 10}
         last = max(len(self.shown) - 1, 0)
@@ -111,6 +130,7 @@ class Choice:
         shown = self.shown
         place = min(self.place, max(len(shown) - 1, 0))
         first = min(max(place - room // 2, 0), max(len(shown) - room, 0))
+        self._first, self._rows = first, room
         body = [
             row_line(row, chosen=first + i == place, width=width)
             for i, row in enumerate(shown[first : first + room])

@@ -21,6 +21,10 @@ class Subject(Protocol):
         """Take a key; return how the dialog ends, None while it goes on."""
         ...
 
+    def click(self, column: int, row: int, width: int) -> Done | None:
+        """Take a click on a place of the drawing; return how the dialog ends, None as above."""
+        ...
+
     def draw(self, width: int, height: int) -> Lines:
         """Return it as lines."""
         ...
@@ -40,7 +44,9 @@ class Dialog(ModalScreen[Done]):
 
     def compose(self) -> ComposeResult:
         """Show the subject."""
-        pane = Pane(self._subject.draw, "dialog", moving=True)
+        pane = Pane(
+            self._subject.draw, "dialog", moving=True, click=self._clicked, wheel=self._turned
+        )
         columns, rows = self._subject.size
         pane.styles.width, pane.styles.height = columns, rows + FRAME
         yield pane
@@ -49,7 +55,19 @@ class Dialog(ModalScreen[Done]):
         """Hand the key to the subject."""
         event.stop()
         event.prevent_default()
-        done = self._subject.press(event.key, event.character)
+        self._go_on(self._subject.press(event.key, event.character))
+
+    def _clicked(self, column: int, row: int) -> None:
+        width = self.query_one(Pane).size.width
+        self._go_on(self._subject.click(column, row, width))
+
+    def _turned(self, lines: int) -> None:
+        for _ in range(abs(lines)):
+            self._subject.press("down" if lines > 0 else "up", None)
+        self._go_on(None)
+
+    def _go_on(self, done: Done | None) -> None:
+        """Show what has changed, or end."""
         if done is None:
             self.query_one(Pane).look()
         else:
@@ -69,6 +87,12 @@ class Question:
         if key in ("escape", "n"):
             return NOTHING
         return self.answers[key][1] if key in self.answers else None
+
+    def click(self, _column: int, row: int, _width: int) -> Done | None:
+        """Take a click on an answer."""
+        place = row - 2
+        keys = [*self.answers, "escape"]
+        return self.press(keys[place], None) if 0 <= place < len(keys) else None
 
     def draw(self, width: int, height: int) -> Lines:
         """Return the dialog."""

@@ -1,86 +1,257 @@
-"""Help: a first exercise step by step, then the keys and what the signs mean."""
+"""What is read in a window of its own: help, the briefing of an exercise, long answers."""
 
+import textwrap
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Final
 
 from trainer.console.choice import NOTHING, Done
+from trainer.console.drawing.plan import plan
+from trainer.console.journal import clock
 from trainer.console.keys import KEYS
 from trainer.console.model import SessionModel
-from trainer.console.pane import Line, Lines, fit, line
+from trainer.console.pane import Line, Lines, fit, length, line
 
-FIRST: Final = """
-A first exercise
+Text = Callable[[], list[Line]]  # lines of any length; the window breaks them
 
-  In a shell: trainer run periscope-depth   (trainer exercises lists others)
-  The line at the top says RUNNING or FROZEN; F2 changes it.
-
-  1  Break something: F4, type stern-stuck, Enter. The planes stay where
-     they are; "broken" shows it. What was sent stands in the log as an
-     order: you could have typed casualty stern-stuck at the bottom.
-  2  Give an order: type depth 30 and press Enter. Tab completes a word,
-     Up and Down bring earlier orders back. help depth says more.
-  3  Put it right: F4, then Delete on the casualty, which is at the top.
-  4  Go back two minutes: F6, then 2, then Enter. Time stands still there;
-     F2 lets it go on, on a new branch. The old one stays in the recording.
-  5  Watch it again: F7, then 2, then Enter: the orders are given again as
-     they were. F7 once more ends the replay and you go on from there.
-  6  F9 marks a moment with a remark. F10, then Q ends the run; the summary
-     names its recording, from which  trainer debrief FILE  makes a page.
-"""
-STATION: Final = """
-Your keys move your controls; every press is sent as an order, which the log
-shows with its answer. Enter lets you type orders: help lists them. What your
-instruments show may be wrong: that is part of the exercise.
-"""
-SIGNS: Final = """
-Signs
-
-  >   ordered       R L   right, left      R D   rise, dive (planes)
-  hand              steered by hand; auto: by the autopilot
-  --  dashed        ordered, in a chart; the drawn line is the boat
-  In the log: > sent, ? refused, ! called out, < gone back, * marked
-  On the time line: S snapshot, C casualty, M mark, the bar is now
-"""
+FIRST: Final = (
+    "  In a shell: trainer run periscope-depth   (trainer exercises lists others)",
+    "  The line at the top says RUNNING or FROZEN; F2 changes it.",
+    "",
+    (
+        "  1  Break something: F4, type stern-stuck, Enter. The planes stay where they are; "
+        '"broken" shows it. What was sent stands in the log as an order: you could have typed '
+        "casualty stern-stuck at the bottom."
+    ),
+    (
+        "  2  Give an order: type depth 30 and press Enter. Tab completes a word, Up and Down "
+        "bring earlier orders back. help depth says more."
+    ),
+    "  3  Put it right: F4, then Delete on the casualty, which is at the top.",
+    (
+        "  4  Go back two minutes: F6, then 2, then Enter. Time stands still there; F2 lets it go "
+        "on, on a new branch. The old one stays in the recording."
+    ),
+    (
+        "  5  Watch it again: F7, then 2, then Enter: the orders are given again as they were. F7 "
+        "once more ends the replay and you go on from there."
+    ),
+    (
+        "  6  F9 marks a moment with a remark. F10, then Q ends the run; the summary names its "
+        "recording, from which  trainer debrief FILE  makes a page."
+    ),
+)
+STATION: Final = (
+    (
+        "  Your keys move your controls; every press is sent as an order, which the log shows "
+        "with its answer. Enter lets you type orders: help lists them. What your instruments show "
+        "may be wrong: that is part of the exercise."
+    ),
+    "",
+    (
+        "  An order to you stands beside its instrument in blue, with what is still to go, and "
+        "rings the bell. NEW ORDER stands below until you repeat it: Enter, or the order with "
+        "aye. The repeat moves nothing: your hands do."
+    ),
+)
+SIGNS: Final = (
+    ">", "ordered",
+    "R L", "right, left (rudder)",
+    "R D", "rise, dive (planes)",
+    "hand", "steered by hand; auto: by the autopilot",
+    "-- dashed", "ordered, in a chart; the drawn line is the boat",
+    "in the log", "> sent, ? refused, o ordered to the crew, ! called out, < gone back, * marked",
+    "time line", "S snapshot, C casualty, M mark; the bar is now",
+)  # fmt: skip
+MOUSE: Final = (
+    (
+        "  Click a key in the last line, a row of a list, a place on the time line; turn the wheel "
+        "over the log or a window. Hold Shift to select text for your terminal, as without a mouse."
+    ),
+)
+LIMITS: Final = {
+    "depth_m_max": "no deeper than {} m",
+    "depth_m_min": "no shallower than {} m",
+    "pitch_deg_max": "pitch {} deg at most",
+    "heel_deg_max": "heel {} deg at most",
+    "speed_kn_max": "no faster than {} kn",
+    "speed_kn_min": "no slower than {} kn",
+    "validity_level_max": "validity level {} at most",
+}
+MOVES: Final = {"up": -1, "down": 1, "pageup": -12, "pagedown": 12, "home": -9999, "end": 9999}
+LEAVES: Final = ("escape", "f1", "q", "enter", "f10", "f12", "question_mark", "space")
+LABELS: Final = 16  # [columns] of what stands before an explanation
 
 
 @dataclass
-class Guide:
-    """The help of a role, from the line on that is at the top."""
+class Reading:
+    """Text in a window, broken into lines of its width, from the line on that is at the top."""
 
-    model: SessionModel
+    title: str
+    text: Text
     top: int = 0
-    size: tuple[int, int] = (80, 60)
+    size: tuple[int, int] = (96, 60)
+    _last: int = 0  # the largest top that still fills the window
 
     def press(self, key: str, _character: str | None) -> Done | None:
-        """Take a key; return how the dialog ends, None while it goes on."""
-        moves = {"up": -1, "down": 1, "pageup": -12, "pagedown": 12, "home": -999, "end": 999}
-        if key in moves:
-            self.top = min(max(self.top + moves[key], 0), max(len(self._lines()) - 4, 0))
+        """Take a key; return how the window ends, None while it goes on."""
+        if key in MOVES:
+            self.top = min(max(self.top + MOVES[key], 0), self._last)
             return None
-        return NOTHING if key in ("escape", "f1", "q", "enter", "f10", "question_mark") else None
+        return NOTHING if key in LEAVES else None
+
+    def click(self, _column: int, _row: int, _width: int) -> Done | None:
+        """Take a click, which does nothing here."""
+        return None
 
     def draw(self, width: int, height: int) -> Lines:
-        """Return the page, as much of it as there is room for."""
-        lines = self._lines()[self.top :]
-        foot = line((" Up, Down, Page Up, Page Down: more    Esc: back", "dim"))
-        shown = lines[: height - 1]
-        shown += [line()] * (height - 1 - len(shown))
-        return [fit(each, width) for each in (*shown, foot)][:height]
+        """Return as much of the text as there is room for, and which lines those are."""
+        lines = [row for each in self.text() for row in broken(each, max(width - 2, 1))]
+        room = max(height - 2, 1)
+        self._last = max(len(lines) - room, 0)
+        self.top = min(self.top, self._last)
+        shown = lines[self.top : self.top + room]
+        shown += [line()] * (room - len(shown))
+        return [fit(each, width) for each in (self._heading(), *shown, self._foot(lines, room))][
+            :height
+        ]
 
-    def _lines(self) -> list[Line]:
-        """Return the whole page."""
-        text = FIRST if self.model.role == "instructor" else STATION
-        keys = [(key.label, key.does) for key in KEYS[self.model.role]]
-        found = [title_line(row) for row in text.strip("\n").splitlines()]
-        found += [line(), line((" This session", "title")), line()]
-        found += [line(f"   {said}") for said in self.model.briefing]
-        found += [line(), line((" Keys", "title")), line()]
-        found += [line((f"   {label:<14}", "value"), does) for label, does in keys]
-        found += [line(), *(title_line(row) for row in SIGNS.strip("\n").splitlines())]
-        return found
+    def _heading(self) -> Line:
+        return line((f" {self.title}", "title"))
+
+    def _foot(self, lines: Sequence[Line], room: int) -> Line:
+        """Return what more there is, and the keys."""
+        below = len(lines) - self.top - room
+        more = f" {below} more below: Down, Page Down;" if below > 0 else ""
+        back = " Up goes back;" if self.top else ""
+        return line((f"{more}{back}", "warning"), (" Esc closes", "dim"))
 
 
-def title_line(text: str) -> Line:
-    """Return a line of the page, a heading in its ink."""
-    heading = bool(text) and not text.startswith(" ") and len(text.split()) < 4
-    return line((f" {text}", "title" if heading else "plain"))
+def broken(drawn: Line, width: int) -> Lines:
+    """Return a line in lines of at most ``width`` columns, broken between words.
+
+    The later ones begin below the first word, or below the text that follows a label.
+    """
+    if length(drawn) <= width:
+        return [drawn]
+    text = "".join(part for part, _ in drawn)
+    label = drawn[0] if len(drawn) > 1 else ("", "plain")
+    rest, ink = text[len(label[0]) :], drawn[-1][1]
+    start = len(label[0]) or len(text) - len(text.lstrip())
+    hang = " " * min(start or 0, max(width - 8, 0))
+    if not label[0] and rest.lstrip()[:1].isdigit():
+        hang += "   "  # below the words of a numbered step
+    room = max(width, len(hang) + 8)
+    first, *others = textwrap.wrap(
+        rest, room, initial_indent=" " * len(label[0]), subsequent_indent=hang, drop_whitespace=True
+    ) or [""]
+    if not label[0]:
+        first = " " * start + first.lstrip()
+    return [
+        (*([label] if label[0] else []), (first[len(label[0]) :], ink)),
+        *(line((each, ink)) for each in others),
+    ]
+
+
+@dataclass
+class PlanView:
+    """The track from above, in a window."""
+
+    model: SessionModel
+    size: tuple[int, int] = (300, 100)
+
+    def press(self, key: str, _character: str | None) -> Done | None:
+        """Take a key; return how the window ends, None while it goes on."""
+        return NOTHING if key in (*LEAVES, "ctrl+t") else None
+
+    def click(self, _column: int, _row: int, _width: int) -> Done | None:
+        """Take a click, which does nothing here."""
+        return None
+
+    def draw(self, width: int, height: int) -> Lines:
+        """Return the track."""
+        return plan(self.model, width, height)
+
+
+def titled(title: str, rows: Sequence[Line]) -> list[Line]:
+    """Return rows below a heading, an empty line before it."""
+    return [line(), line((f" {title}", "title")), line(), *rows]
+
+
+def labelled(label: str, says: str) -> Line:
+    """Return an explanation behind its label."""
+    return line((f"   {label:<{LABELS}}", "value"), (says, "plain"))
+
+
+def plain_rows(texts: Sequence[str]) -> list[Line]:
+    """Return rows of plain text."""
+    return [line((text, "plain")) for text in texts]
+
+
+def briefing_rows(model: SessionModel) -> list[Line]:
+    """Return the exercise: how it stands, what wins, the limits, and what the crew was told."""
+    rows = [labelled(label, says) for label, says in standing(model) if says]
+    if model.marks_told:
+        rows += titled("Marks", [line((f"   {text}", "value")) for text in model.marks_told])
+    told = model.told.get("line", [])
+    said = [text for text in model.briefing if text not in (*told, model.exercise.get("title"))]
+    rows += [line()] * bool(rows)
+    rows += [line((f"   {text}", "plain")) for text in told]
+    rows += [line()] * bool(told)
+    return [*rows, *(line((f"   {text}", "dim")) for text in said)]
+
+
+def standing(model: SessionModel) -> list[tuple[str, str]]:
+    """Return what an exercise asks for and how much time is left, label by label."""
+    told = model.exercise
+    left = "" if model.left is None else f"{clock(model.left)[3:]} (minutes:seconds)"
+    return [
+        ("exercise", told.get("title", "")),
+        ("its file", told.get("name", "")),
+        ("it is over", model.outcome),
+        ("time left", left),
+        ("what wins", "; ".join(model.told.get("wins", []))),
+        ("limits", limits_said(told.get("limits", ""))),
+        ("it is lost at", " or ".join(model.told.get("lost", []))),
+        ("by hand", told.get("hand", "").replace(",", ", ")),
+        ("automatic", told.get("allowed", "").replace(",", ", ")),
+        ("free", "no marks: what was in hand is allowed" if told.get("free") else ""),
+    ]
+
+
+def limits_said(told: str) -> str:
+    """Return the limits of an exercise in words; one that is not known as it came."""
+    found = []
+    for part in filter(None, told.split(",")):
+        name, _, value = part.partition(":")
+        found.append(LIMITS[name].format(value) if name in LIMITS else part)
+    return "; ".join(found)
+
+
+def guide(model: SessionModel) -> Reading:
+    """Return the help of a role: first steps, the exercise, all keys, and what the signs mean."""
+
+    def text() -> list[Line]:
+        first = FIRST if model.instructs else STATION
+        keys = [labelled(key.label, key.does) for key in KEYS[model.role]]
+        signs = [labelled(*pair) for pair in zip(SIGNS[::2], SIGNS[1::2], strict=True)]
+        return [
+            *plain_rows(first),
+            *titled("This session", briefing_rows(model)),
+            *titled("Keys", keys),
+            *titled("Mouse", plain_rows(MOUSE)),
+            *titled("Signs", signs),
+        ]
+
+    return Reading("A first exercise" if model.instructs else "Your station", text)
+
+
+def briefing(model: SessionModel) -> Reading:
+    """Return the window with the briefing; the time left goes on in it."""
+    return Reading("Briefing", lambda: briefing_rows(model))
+
+
+def answer(words: str, lines: Sequence[str]) -> Reading:
+    """Return the window with a long answer."""
+    rows = [line((f" {text}", "plain")) for text in lines if text]
+    return Reading(words, lambda: rows)

@@ -22,6 +22,7 @@ SIGNS: Final = {
     "time": ("=", "plain"),
     "mark": ("*", "good"),
     "order": ("-", "plain"),
+    "crew": ("o", "ordered"),
     "exercise": ("-", "ordered"),
     "station": ("-", "dim"),
     "briefing": (" ", "plain"),

@@ -70,7 +70,12 @@ class Leave:
     """Leave the session, or end one's own."""
 
 
-Act = Give | Toggle | Hasten | Move | Open | Write | Widen | Scroll | Again | Leave
+@dataclass(frozen=True)
+class Ring:
+    """Let the terminal's bell ring, or be silent."""
+
+
+Act = Give | Toggle | Hasten | Move | Open | Write | Widen | Scroll | Again | Leave | Ring
 
 
 @dataclass(frozen=True)
@@ -79,7 +84,7 @@ class Key:
 
     names: tuple[str, ...]
     label: str
-    says: str  # "" keeps it out of the footer
+    says: str  # "" keeps it out of the footer; "B: both" names its counterpart
     does: str
     act: Act
 
@@ -87,6 +92,17 @@ class Key:
 PAGE: Final = 8  # [lines] of the log
 
 HELP: Final = Key(("f1", "question_mark"), "F1", "help", "help, this page", Open("help"))
+BRIEF: Final = Key(
+    ("f12",),
+    "F12",
+    "briefing",
+    "the exercise: what is to be done, time left, what wins, limits",
+    Open("briefing"),
+)
+BELL: Final = Key(
+    ("ctrl+g",), "Ctrl-G", "", "the bell for limits, orders, casualties: off, or on again", Ring()
+)
+PLAN: Final = Key(("ctrl+t",), "Ctrl-T", "", "the track from above", Open("plan"))
 LEAVE: Final = Key(("f10", "ctrl+c"), "F10", "leave", "leave; the session goes on", Leave())
 END: Final = Key(("f10", "ctrl+c"), "F10", "quit", "end the run, or leave it", Leave())
 LOG: Final = (
@@ -97,7 +113,13 @@ SPAN: Final = (
     Key(("right_square_bracket",), "]", "", "charts over a longer time", Widen(1)),
     Key(("left_square_bracket",), "[", "", "charts over a shorter time", Widen(-1)),
 )
-TYPE: Final = Key(("enter", "colon"), "Enter", "type", "type an order; Esc comes back", Write(""))
+TYPE: Final = Key(
+    ("enter", "colon"),
+    "Enter",
+    "type/repeat",
+    "repeat a new order (aye); without one type an order, Esc comes back",
+    Write(""),
+)
 
 INSTRUCTOR: Final = (
     HELP,
@@ -110,8 +132,11 @@ INSTRUCTOR: Final = (
     Key(("f8",), "F8", "keep", "keep this moment under a name", Write("snapshot ")),
     Key(("f9",), "F9", "mark", "mark this moment, with a remark", Write("mark ")),
     END,
+    BRIEF,
+    PLAN,
     Key(("plus", "equals_sign"), "+", "", "time faster", Hasten(1)),
     Key(("minus",), "-", "", "time slower", Hasten(-1)),
+    BELL,
     *SPAN,
     *LOG,
 )
@@ -120,17 +145,20 @@ INSTRUCTOR: Final = (
 def steering(
     surface: str, pair: tuple[str, str], labels: tuple[str, str], sides: tuple[str, str]
 ) -> tuple[Key, ...]:
-    """Return the keys that move a surface, the second of each pair to the positive side."""
+    """Return the keys that move a surface, the second of each pair to the positive side.
+
+    With Shift they move it further; of a letter that is the capital.
+    """
     found = []
     for key, label, side, sign in zip(pair, labels, sides, (-1, 1), strict=True):
         says = f"{labels[1]}: {surface}" if sign < 0 else ""
         found += [
             Key((key,), label, says, f"{surface} 1 degree {side}", Move(surface, sign)),
             Key(
-                (f"shift+{key}", f"ctrl+{key}"),
+                (key.upper(), f"shift+{key}") if len(key) == 1 else (f"shift+{key}", f"ctrl+{key}"),
                 f"Shift {label}",
                 "",
-                f"{surface} 5 degrees {side}; Ctrl does the same",
+                f"{surface} 5 degrees {side}{'' if len(key) == 1 else '; Ctrl does the same'}",
                 Move(surface, 5 * sign),
             ),
         ]
@@ -158,16 +186,29 @@ BELLS: Final = (
     order_key("7", "", "bell astern two-thirds"),
     order_key("8", "", "bell astern full"),
 )
-PLANES: Final = (
-    *steering("stern", ("down", "up"), ("Down", "Up"), ("dive", "rise")),
-    *steering("bow", ("left", "right"), ("Left", "Right"), ("dive", "rise")),
+STERN: Final = steering("stern", ("down", "up"), ("Down", "Up"), ("dive", "rise"))
+ZERO: Final = (
     order_key("z", "stern 0", "stern planes zero"),
     order_key("x", "bow 0", "bow planes zero"),
+)
+PERISCOPE: Final = order_key("p", "periscope", "periscope depth")
+PLANES: Final = (
+    *STERN,
+    *steering("bow", ("left", "right"), ("Left", "Right"), ("dive", "rise")),
+    *ZERO,
     order_key("a", "auto", "planes auto"),
-    order_key("p", "periscope", "periscope depth"),
+    PERISCOPE,
+)
+BOTH: Final = (  # rudder and planes, by one person
+    *RUDDER,
+    *STERN,
+    *steering("bow", ("s", "w"), ("S", "W"), ("dive", "rise")),
+    *ZERO,
+    order_key("d", "planes auto", "planes auto"),
+    PERISCOPE,
 )
 VALVES: Final = (
-    order_key("1", "to 4: blow F M A all", "blow forward"),
+    order_key("1", "to 4: blow", "blow forward"),
     order_key("2", "", "blow mid"),
     order_key("3", "", "blow aft"),
     order_key("4", "", "blow all"),
@@ -177,32 +218,32 @@ VALVES: Final = (
     Key(("e",), "E", "EMERGENCY", "emergency blow, once more asked", Open("emergency")),
 )
 WATER: Final = (
-    order_key("n", "neg. flood", "negative flood"),
-    order_key("b", "neg. blow", "negative blow"),
-    order_key("f", "flood aux 1 t", "flood auxiliary 1"),
-    order_key("g", "pump aux 1 t", "pump auxiliary 1"),
-    order_key("t", "trim aft 1 t", "pump trim aft 1"),
-    order_key("y", "trim fwd 1 t", "pump trim forward 1"),
+    order_key("n", "B: negative", "negative flood"),
+    order_key("b", "", "negative blow"),
+    order_key("f", "G: aux 1 t", "flood auxiliary 1"),
+    order_key("g", "", "pump auxiliary 1"),
+    order_key("t", "Y: trim 1 t", "pump trim aft 1"),
+    order_key("y", "", "pump trim forward 1"),
     order_key("u", "", "flood depth-control 1"),
     order_key("i", "", "pump depth-control 1"),
-    order_key("h", "hover", "hover on"),
-    order_key("j", "no hover", "hover off"),
-    order_key("c", "compressor", "compressor on"),
-    order_key("k", "off", "compressor off"),
+    order_key("h", "J: hover", "hover on"),
+    order_key("j", "", "hover off"),
+    order_key("c", "K: charge", "compressor on"),
+    order_key("k", "", "compressor off"),
 )
-COMMON: Final = (*SPAN, *LOG)
+FIRST: Final = (HELP, TYPE, BRIEF, LEAVE)  # named first where there is little room
+COMMON: Final = (BELL, *SPAN, *LOG)
 
 KEYS: Final[Mapping[str, tuple[Key, ...]]] = {
     "instructor": INSTRUCTOR,
-    "helm": (HELP, TYPE, *RUDDER, *BELLS, LEAVE, *COMMON),
-    "planes": (HELP, TYPE, *PLANES, LEAVE, *COMMON),
-    "ballast": (HELP, TYPE, *VALVES, *WATER, LEAVE, *COMMON),
-    "diving": (HELP, TYPE, *PLANES, *VALVES, *WATER, LEAVE, *COMMON),
+    "helm": (*FIRST, *RUDDER, *BELLS, *COMMON),
+    "planes": (*FIRST, *PLANES, *COMMON),
+    "pilot": (*FIRST, *BOTH, *BELLS, *COMMON),
+    "ballast": (*FIRST, *VALVES, *WATER, *COMMON),
+    "diving": (*FIRST, *PLANES, *VALVES, *WATER, *COMMON),
     "observer": (
-        HELP,
-        TYPE,
+        *FIRST,
         Key(("m",), "M", "mark", "mark this moment, with a remark", Write("mark ")),
-        LEAVE,
         *COMMON,
     ),
 }

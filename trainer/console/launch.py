@@ -22,6 +22,8 @@ LEAVING: Final = 3.0  # [s] for a screen that is asked to end
 
 def attend(url: str | None, role: str, token: str | None) -> int:
     """Show the screen of a role until its user leaves; return the exit code."""
+    left = paths.left_address()  # where the system has no local sockets
+    token = token or (left[1] if url in (None, left[0]) else None) or None
     visit = Visit.prepare(lambda: url or paths.nearest_session(), role, token)
     try:
         visit.client.dial()

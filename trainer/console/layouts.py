@@ -6,6 +6,7 @@ from typing import Final
 
 from trainer.console.drawing import event_log, gauges, panels, tanks
 from trainer.console.drawing.hull import hull
+from trainer.console.drawing.plan import plan
 from trainer.console.model import Quantity, SessionModel
 from trainer.console.pane import Lines
 
@@ -42,10 +43,12 @@ def quantities(gauge: str) -> dict[str, Quantity]:
     sides = ("R", "L")
     tilts = ("R", "D")
     shown = (
-        Quantity("depth", "m", (gauge, "depth"), ("diving", "ordered_depth"), 4.0),
-        Quantity("course", "deg", (gauge, "heading"), ("steering", "ordered_course"), 4.0),
-        Quantity("speed", "kn", (gauge, "speed"), ("engine", "ordered_speed"), 2.0),
-        Quantity("pitch", "deg", (gauge, "pitch"), None, 4.0, ("+", "-")),
+        Quantity("depth", "m", (gauge, "depth"), ("diving", "ordered_depth"), 4.0, crew="depth"),
+        Quantity(
+            "heading", "deg", (gauge, "heading"), ("steering", "ordered_course"), 4.0, crew="course"
+        ),
+        Quantity("speed", "kn", (gauge, "speed"), ("engine", "ordered_speed"), 2.0, crew="speed"),
+        Quantity("pitch", "deg", (gauge, "pitch"), None, 4.0, ("+", "-"), "pitch"),
         Quantity("stern", "deg", ("diving", "stern"), ("diving", "ordered_stern"), 10.0, tilts),
         Quantity("bow", "deg", ("diving", "bow"), ("diving", "ordered_bow"), 10.0, tilts),
         Quantity(
@@ -73,46 +76,56 @@ LAYOUTS: Final[Mapping[str, Layout]] = {
             "instructor",
             (
                 *("time", "gauges", "steering", "engine", "diving", "tanks", "air", "valves"),
-                *("sea", "casualties", "ledger", "motion"),
+                *("sea", "casualties", "ledger", "orders", "motion"),
             ),
-            charts_named("motion", "depth", "course", "speed", "stern", "rudder", "pitch"),
+            charts_named("motion", "depth", "heading", "speed", "stern", "rudder", "pitch"),
             (
                 Place("state", gauges.state, moving=True),
                 Place("hull", hull, moving=True),
                 Place("levels", tanks.levels),
             ),
-            aside=(Place("broken", event_log.suffering), Place("ledger", event_log.ledger)),
+            aside=(
+                Place("plan", plan, moving=True),
+                Place("broken", event_log.suffering),
+                Place("ledger", event_log.ledger),
+            ),
         ),
         Layout(
             "helm",
-            ("time", "steering", "engine", "gauges"),
-            charts_named("gauges", "course", "rudder"),
+            ("time", "steering", "engine", "orders", "gauges"),
+            charts_named("gauges", "heading", "rudder"),
             (Place("panel", panels.helm, moving=True),),
         ),
         Layout(
             "planes",
-            ("time", "diving", "gauges"),
+            ("time", "diving", "orders", "gauges"),
             charts_named("gauges", "depth", "pitch"),
             (Place("panel", panels.planes, moving=True),),
         ),
         Layout(
+            "pilot",
+            ("time", "steering", "engine", "diving", "orders", "gauges"),
+            charts_named("gauges", "depth", "heading"),
+            (Place("panel", panels.pilot, moving=True),),
+        ),
+        Layout(
             "ballast",
-            ("time", "tanks", "air", "valves", "gauges"),
+            ("time", "tanks", "air", "valves", "orders", "gauges"),
             charts_named("gauges", "depth", "pitch"),
             (Place("panel", panels.gauges, moving=True),),
             VATS,
         ),
         Layout(
             "diving",
-            ("time", "diving", "engine", "tanks", "air", "valves", "gauges"),
+            ("time", "diving", "engine", "tanks", "air", "valves", "orders", "gauges"),
             charts_named("gauges", "depth", "pitch"),
             (Place("panel", panels.planes, moving=True),),
             VATS,
         ),
         Layout(
             "observer",
-            ("time", "steering", "engine", "diving", "tanks", "air", "valves", "gauges"),
-            charts_named("gauges", "depth", "course"),
+            ("time", "steering", "engine", "diving", "tanks", "air", "valves", "orders", "gauges"),
+            charts_named("gauges", "depth", "heading"),
             (Place("panel", panels.lookout, moving=True),),
         ),
     )

@@ -1,16 +1,30 @@
 """All that a screen knows of its session: what it shows, what was said, what was asked."""
 
 import time
+from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Final, NamedTuple, Protocol
 
 from trainer.console.client import Barred, Greeting, Item, Joined, Lost
+from trainer.console.crew import CrewOrders
 from trainer.console.journal import Journal, Sample, Trace
-from trainer.console.readings import ChannelReadings
+from trainer.console.readings import ChannelReadings, Reading
+from trainer.io.orders.grammar import Order, parse
 from trainer.io.orders.sentences import Sentence
 
+RINGING: Final = frozenset({"watch", "depth", "pilot", "trouble"})  # kinds with a bell
+LINES: Final = ("line", "wins", "lost")  # keys of an exercise that come again and again
+LONG: Final = 4  # [lines] from which an answer is read in a window of its own
+TRACK: Final = 4000  # places of the track
+TRACKED: Final = 2.0  # [s] between them
 WIDELY_KNOWN: Final = ("snapshots", "casualties")  # asked for on joining, by the instructor
+
+
+def gives_crew(words: str) -> bool:
+    """Return whether words are an order to the crew."""
+    order = parse(words)
+    return isinstance(order, Order) and order.name in ("order", "tell")
 
 
 class Quantity(NamedTuple):
@@ -22,6 +36,7 @@ class Quantity(NamedTuple):
     ordered: tuple[str, str] | None
     least: float  # shown range at least
     signs: tuple[str, str] = ("", "")  # before a positive and a negative value
+    crew: str = ""  # the order to the crew that is shown in place of the autopilot's
 
 
 class Broken(NamedTuple):
@@ -83,11 +98,20 @@ class SessionModel:
     marks: list[Kept] = field(default_factory=list)
     furthest: float = 0.0  # [s] that time has reached on this branch
     refused: int = 0  # orders of this screen
+    crew: CrewOrders = field(default_factory=CrewOrders)
+    exercise: dict[str, str] = field(default_factory=dict)  # what is to be done, by its keys
+    told: dict[str, list[str]] = field(default_factory=dict)  # and what is said line by line
+    outcome: str = ""  # of an exercise that is over
+    marks_told: list[str] = field(default_factory=list)  # by the instructor, when released
+    rings: int = 0  # how often the bell has been due
+    answers: list[tuple[str, list[str]]] = field(default_factory=list)  # long ones, to be read
     trace: Trace = field(init=False)
 
     def __post_init__(self) -> None:
         self.trace = Trace(len(self.charts))
         self._asked: dict[str, Asked] = {}
+        self._track: deque[tuple[float, float, float]] = deque(maxlen=TRACK)  # [s, m, m]
+        self._own = 0  # orders to the crew that were given here and have not been told yet
         self._snapshots: list[Kept] = []  # told so far, of an answer that is to come
         self._casualties: list[Broken] = []
 
@@ -105,6 +129,27 @@ class SessionModel:
     def gauges(self) -> str:
         """Return the channel of depth, heading, speed and attitude."""
         return "motion" if self.instructs else "gauges"
+
+    @property
+    def track(self) -> list[tuple[float, float]]:
+        """Return where the boat has been [m] north and east, oldest first."""
+        reading = self.picture.reading("motion")
+        north, east = reading.number("north"), reading.number("east")
+        now = [] if north is None or east is None else [(north, east)]
+        return [(n, e) for _, n, e in self._track] + now
+
+    @property
+    def bells(self) -> int:
+        """Return how often the bell has been due: limits, orders to the crew, casualties."""
+        return self.rings + self.crew.rings
+
+    @property
+    def left(self) -> float | None:
+        """Return how much of the exercise is left [s], None where it has no end."""
+        try:
+            return max(float(self.exercise["duration"]) - self.picture.seconds, 0.0)
+        except (KeyError, ValueError):
+            return None
 
     def order(self, words: str) -> bool:
         """Send an order and show it; return whether there was a line to send it on."""
@@ -134,6 +179,7 @@ class SessionModel:
         tag = self.talk.order(words)
         if tag:
             self._asked[tag] = Asked(words, quiet)
+            self._own += gives_crew(words) and not self.instructs
         elif not quiet:
             self.journal.add(None, "refused", f"not sent: {self.trouble or 'no line'}")
         return bool(tag)
@@ -178,18 +224,34 @@ class SessionModel:
     def _sample(self) -> None:
         """Add the present to the charts."""
         reading = self.picture.reading(self.gauges)
+        self._follow(reading)
         if self.trace.times[-1:] != [reading.seconds]:
             number = self.picture.number
-            samples = [
-                Sample(number(*each.actual), number(*each.ordered) if each.ordered else None)
-                for each in self.charts
-            ]
+            samples = [Sample(number(*each.actual), self.ordered(each)) for each in self.charts]
             self.trace.add(reading.seconds, samples)
         self.furthest = max(self.furthest, reading.seconds)
+
+    def ordered(self, drawn: Quantity) -> float | None:
+        """Return what is ordered, the crew if anybody, else the autopilot."""
+        told = self.picture.number("orders", drawn.crew) if drawn.crew else None
+        if told is None and drawn.ordered:
+            return self.picture.number(*drawn.ordered)
+        return told
+
+    def _follow(self, reading: Reading) -> None:
+        """Add the boat's place to its track; what was later is forgotten: time has gone back."""
+        north, east = reading.number("north"), reading.number("east")
+        if north is None or east is None:
+            return
+        while self._track and self._track[-1][0] > reading.seconds:
+            self._track.pop()
+        if not self._track or reading.seconds - self._track[-1][0] >= TRACKED:
+            self._track.append((reading.seconds, north, east))
 
     def _happened(self, sentence: Sentence) -> None:
         _, seconds, kind, text = sentence.fields
         self.journal.add(float(seconds), kind, text)
+        self.rings += kind in RINGING
 
     def _note(self, sentence: Sentence) -> None:
         """Take a fact: what has happened, or what there is, in fields."""
@@ -203,11 +265,49 @@ class SessionModel:
             self.marks.append(Kept(seconds, "M", subject or "marked"))
         elif what == "order":
             self._remember(seconds, subject)
+        elif what in CrewOrders.FACTS:
+            self._order_crew(seconds, what, subject)
+        elif what.startswith(("exercise", "marks")):
+            self._brief(what, subject)
         elif what == "snapshot":
             self._snapshots.append(Kept(seconds, "S", subject))
         elif what == "casualty":
             name, degree, says = (*subject.split(",", 2), "", "")[:3]
             self._casualties.append(Broken(name, degree, says))
+
+    def _order_crew(self, seconds: float, what: str, subject: str) -> None:
+        """Take an order to the crew, or its repeat; who has given one does not repeat it."""
+        self.crew.take(seconds, what, subject)
+        if what == "crew-order" and self._own:
+            self._own -= 1
+            self.crew.settle(subject)
+
+    def _brief(self, what: str, subject: str) -> None:
+        """Keep what the exercise asks for, how it ended, and the marks once they are told."""
+        key, equals, value = subject.partition("=")
+        if what == "marks":
+            self.marks_told.append(subject)
+        elif what == "exercise-over":
+            self.outcome = subject or "ended"
+            self.rings += 1
+        elif equals:
+            if key == "title" and value != self.exercise.get("title"):
+                self._forget_exercise()
+            if key in LINES:
+                lines = self.told.setdefault(key, [])
+                lines.extend([value] if value not in lines else [])
+            else:
+                self.exercise[key] = value
+
+    def _forget_exercise(self) -> None:
+        """Keep nothing of an exercise but its file's name, which is told first."""
+        name = self.exercise.get("name")
+        self.exercise.clear()
+        self.told.clear()
+        self.marks_told.clear()
+        self.outcome = ""
+        if name:
+            self.exercise["name"] = name
 
     def _answered(self, sentence: Sentence) -> None:
         kind, text = sentence.fields
@@ -227,10 +327,13 @@ class SessionModel:
             self._learn(asked)
         else:
             self.refused += 1
+            self._own -= min(self._own, gives_crew(asked.words))
 
     def _show_answer(self, asked: Asked, kind: str, text: str) -> None:
         for each in asked.lines:
             self.journal.add(None, "answer", each)
+        if len(asked.lines) >= LONG:
+            self.answers.append((asked.words, [*asked.lines, text]))
         if text:
             self.journal.add(None, "answer" if kind == "ok" else "refused", text)
 
@@ -247,10 +350,13 @@ class SessionModel:
             self.ask("snapshots")
         elif words.startswith("casualty "):
             self.marks.append(Kept(seconds, "C", words))
+            self.rings += 1
 
     def _go_back(self, seconds: float) -> None:
         """Forget what lies after a moment gone back to."""
         self.marks = [kept for kept in self.marks if kept.seconds <= seconds]
+        self.crew.go_back(seconds)
+        self.outcome = ""
         self.furthest = seconds
         if self.instructs:
             self.ask("snapshots")

@@ -15,17 +15,96 @@ import sys
 import tempfile
 import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Final, NoReturn
+from typing import Final, NoReturn, Protocol
 
 import click
 
 from trainer.config.files import ConfigError
+from trainer.console.terminal import OWN
 from trainer.io import paths
 
 LOOK = 0.004  # [s] between looks at whether it has ended
+
+
+class Process(Protocol):
+    """A session's process, its words kept for us."""
+
+    @property
+    def out(self) -> str:
+        """Return what it has written to its standard output."""
+        ...
+
+    @property
+    def err(self) -> str:
+        """Return what it has written to its standard error."""
+        ...
+
+    def ended(self) -> int | None:
+        """Return its exit code, None while it is at work."""
+        ...
+
+    def wait(self, patience: float) -> int | None:
+        """Return its exit code once it has ended; None if it has not in ``patience`` [s]."""
+        ...
+
+    def terminate(self) -> None:
+        """Ask it to end."""
+        ...
+
+
+def wait_for(process: Process, patience: float) -> int | None:
+    """Return a process's exit code once it has ended; None if it has not in ``patience`` [s]."""
+    end = time.monotonic() + patience
+    while (code := process.ended()) is None and time.monotonic() < end:
+        time.sleep(LOOK)
+    return code
+
+
+class Program:
+    """A program of our own beside this one, where no process can be forked."""
+
+    def __init__(self, words: Sequence[str], environment: Mapping[str, str]) -> None:
+        """Start ``trainer`` with these words."""
+        import subprocess  # noqa: PLC0415  not where a process is forked
+
+        self._folder = tempfile.TemporaryDirectory(ignore_cleanup_errors=True)
+        with self._file("out").open("wb") as out, self._file("err").open("wb") as err:
+            self._process = subprocess.Popen(  # noqa: S603  our own program
+                [sys.executable, "-m", "trainer", *words],
+                stdin=subprocess.DEVNULL,
+                stdout=out,
+                stderr=err,
+                env=os.environ | dict(environment),
+                start_new_session=True,
+            )
+
+    def _file(self, name: str) -> Path:
+        return Path(self._folder.name) / name
+
+    @property
+    def out(self) -> str:
+        """Return what it has written to its standard output."""
+        return self._file("out").read_text(encoding="utf-8", errors="replace")
+
+    @property
+    def err(self) -> str:
+        """Return what it has written to its standard error."""
+        return self._file("err").read_text(encoding="utf-8", errors="replace")
+
+    def ended(self) -> int | None:
+        """Return its exit code, None while it is at work."""
+        return self._process.poll()
+
+    def wait(self, patience: float) -> int | None:
+        """Return its exit code once it has ended; None if it has not in ``patience`` [s]."""
+        return wait_for(self, patience)
+
+    def terminate(self) -> None:
+        """Ask it to end."""
+        self._process.terminate()
 
 
 class Child:
@@ -67,10 +146,7 @@ class Child:
 
     def wait(self, patience: float) -> int | None:
         """Return its exit code once it has ended; None if it has not in ``patience`` [s]."""
-        end = time.monotonic() + patience
-        while self.ended() is None and time.monotonic() < end:
-            time.sleep(LOOK)
-        return self._code
+        return wait_for(self, patience)
 
     def terminate(self) -> None:
         """Ask it to end."""
@@ -104,12 +180,43 @@ def sail(serve: Callable[[str], NoReturn], path: str | None, token: str | None) 
     attached. Return its exit code.
     """
     where = path or str(free_socket())
-    voyage = OwnSession(Child(lambda: serve(where)))
+    return show(OwnSession(Child(lambda: serve(where))), where, token)
+
+
+def sail_beside(words: Sequence[str], token: str | None) -> int:
+    """Show the console of a session of one's own, a program of its own: `trainer` and ``words``.
+
+    For systems without fork and local sockets: it listens at a port of this machine, and asks for a
+    token. Return its exit code.
+    """
+    import secrets  # noqa: PLC0415  not where a process is forked
+
+    word = token or secrets.token_hex(8)
+    told = {OWN: f"{paths.HOST}:0 {word}"}
+    try:
+        return show(OwnSession(Program(words, told)), f"tcp://{paths.HOST}:", word)
+    finally:
+        paths.address_path().unlink(missing_ok=True)
+
+
+def can_fork() -> bool:
+    """Return whether this system has what ``sail`` needs."""
+    return hasattr(os, "fork") and hasattr(socket, "AF_UNIX")
+
+
+def show(voyage: "OwnSession", where: str, token: str | None) -> int:
+    """Show the console of a session that is being started; return its exit code."""
     gc.disable()  # what is imported is no garbage; the session wants the processor
     try:
         from trainer.console.launch import Visit  # noqa: PLC0415  while the session starts
 
-        visit = Visit.prepare(lambda: voyage.address(where), "instructor", token, own=True)
+        def reach() -> str:
+            found = voyage.address(where)
+            if found != where and token:
+                paths.leave_address(found, token)  # for this user's stations
+            return found
+
+        visit = Visit.prepare(reach, "instructor", token, own=True)
         gc.freeze()
         gc.enable()
         why = visit.show() if voyage.await_word(*SOON) else ""
@@ -127,7 +234,7 @@ def sail(serve: Callable[[str], NoReturn], path: str | None, token: str | None) 
 class OwnSession:
     """A session of one's own, and what it says while the screen has the terminal."""
 
-    session: Child
+    session: Process
     passed: int = 0  # lines that have been passed on
 
     def await_word(self, *words: str) -> bool:
@@ -140,13 +247,21 @@ class OwnSession:
 
     def address(self, where: str) -> str:
         """Return ``where`` the session listens, once it does; NeverBegunError if it has ended."""
-        while f"{paths.LISTENING} {where}" not in self.session.err.splitlines():
+        while not (found := self._listens(where)):
             if self.session.ended() is not None:
                 from trainer.console.client import NeverBegunError  # noqa: PLC0415  long imported
 
                 raise NeverBegunError("the session has ended")
             time.sleep(LOOK)
-        return where
+        return found
+
+    def _listens(self, where: str) -> str:
+        """Return the address that the session listens at if it begins so, "" before."""
+        for text in self.session.err.splitlines():
+            found = text.removeprefix(f"{paths.LISTENING} ")
+            if found == where or (where.endswith(":") and found.startswith(where)):
+                return found
+        return ""
 
     def pass_on(self) -> list[str]:
         """Pass on what the session complains of; return all that it has said there."""

@@ -11,6 +11,7 @@ from typing import Final, NamedTuple
 
 from rich.segment import Segment
 from rich.style import Style
+from textual import events
 from textual.geometry import Region
 from textual.strip import Strip
 from textual.widget import Widget
@@ -48,6 +49,7 @@ INKS: Final[Mapping[str, Ink]] = {
     "key": Ink("#ffd479", RAISED, bold=True),
     "bright": Ink("#ffffff", RAISED, bold=True),
     "running": Ink("#8fe3a0", RAISED, bold=True),
+    "new": Ink("#0c1419", "#5cc8f2", bold=True),
     "chosen": Ink("#ffffff", "#1f5377", bold=True),
 }
 
@@ -104,6 +106,9 @@ def luminance(colour: str) -> float:
 
 
 Draw = Callable[[int, int], Lines]  # takes columns and rows
+Click = Callable[[int, int], None]  # takes column and row
+Wheel = Callable[[int], None]  # takes lines, downwards
+NOTCH: Final = 3  # [lines] of the wheel
 
 STYLES: Final = {
     name: Style(color=ink.colour, bgcolor=ink.ground, bold=ink.bold) for name, ink in INKS.items()
@@ -118,11 +123,20 @@ class Pane(Widget):
     ALLOW_SELECT = False
     can_focus = False
 
-    def __init__(self, draw: Draw, place: str, *, moving: bool = False) -> None:
+    def __init__(
+        self,
+        draw: Draw,
+        place: str,
+        *,
+        moving: bool = False,
+        click: Click | None = None,
+        wheel: Wheel | None = None,
+    ) -> None:
         """Show what ``draw`` makes; one that is ``moving`` changes between ticks too."""
         super().__init__(id=place)
         self.moving = moving
         self._draw = draw
+        self._click, self._wheel = click, wheel
         self.lines: Lines = []
         self._drawn_for = self.size
 
@@ -135,6 +149,26 @@ class Pane(Widget):
         for row in range(max(len(lines), len(before))):
             if lines[row : row + 1] != before[row : row + 1]:
                 self.refresh(Region(0, row, width, 1))
+
+    def on_click(self, event: events.Click) -> None:
+        """Hand a click on, from the upper left of what is drawn."""
+        place = event.get_content_offset(self)
+        if self._click and place:
+            event.stop()
+            self._click(place.x, place.y)
+
+    def on_mouse_scroll_up(self, event: events.MouseScrollUp) -> None:
+        """Hand a turn of the wheel on: towards what is above."""
+        self._turn(event, -NOTCH)
+
+    def on_mouse_scroll_down(self, event: events.MouseScrollDown) -> None:
+        """Hand a turn of the wheel on: towards what is below."""
+        self._turn(event, NOTCH)
+
+    def _turn(self, event: events.MouseEvent, lines: int) -> None:
+        if self._wheel:
+            event.stop()
+            self._wheel(lines)
 
     def on_resize(self) -> None:
         """Draw anew for another size, unless that was shown before this was told."""

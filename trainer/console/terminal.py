@@ -2,9 +2,34 @@
 
 import os
 import sys
+from collections.abc import Mapping
+from typing import Final
+
+DUMB: Final = ("dumb", "unknown")
+OWN: Final = "TRAINER_OWN_SESSION"  # tells a session beside its console its address and token
+ASCII_ONLY: Final = ("C", "POSIX")  # the locales that promise no more
 
 
 def has_terminal() -> bool:
     """Return whether there is somebody to show a screen to; a closed stream is nobody."""
     streams = (sys.stdin, sys.stdout)
-    return os.name == "posix" and all(stream and stream.isatty() for stream in streams)
+    if not all(stream and stream.isatty() for stream in streams):
+        return False
+    return draws(os.environ, sys.stdout.encoding or "")
+
+
+def draws(environment: Mapping[str, str], encoding: str) -> bool:
+    """Return whether a terminal moves its cursor and has more than ASCII; else lines are plain.
+
+    An interpreter that is asked for plain C by LC_ALL speaks UTF-8 all the same: its user does not.
+    """
+    if environment.get("TERM", "") in DUMB:
+        return False
+    locale = environment.get("LC_ALL") or environment.get("LC_CTYPE") or ""
+    return locale not in ASCII_ONLY and encoding.lower().replace("-", "").startswith("utf")
+
+
+def asked_beside() -> tuple[str, str]:
+    """Return address and token if this is the session of a console beside it, else "" and ""."""
+    address, _, word = os.environ.get(OWN, "").partition(" ")
+    return address, word

@@ -4,13 +4,14 @@ from dataclasses import dataclass
 from typing import Final
 
 from trainer.console.choice import NOTHING, Done
-from trainer.console.drawing.event_log import moments, time_line
+from trainer.console.drawing.event_log import moments, time_at, time_line
 from trainer.console.journal import clock
 from trainer.console.model import Kept, SessionModel
 from trainer.console.pane import Lines, fit, line
 
 STEPS: Final = {"left": 5.0, "right": -5.0, "shift+left": 60.0, "shift+right": -60.0}  # [s]
 LIST: Final = 8  # moments shown
+LINE: Final = 3  # the row of the time line
 CLOSE: Final = 0.26  # [s] within which a place is that of a moment kept
 SIGNS: Final = {"S": "snapshot", "C": "broken", "M": "mark"}
 
@@ -58,6 +59,16 @@ class Moments:
             self.lapse = 60.0 * int(character)
         self.lapse += STEPS.get(key, 0.0)
         self.lapse = min(max(self.lapse, 0.5), max(self.model.picture.seconds, 0.5))
+        return None
+
+    def click(self, column: int, row: int, width: int) -> Done | None:
+        """Take a click: a place on the time line, or a moment of the list, is looked at."""
+        kept = moments(self.model)[-LIST:]
+        if row in (LINE, LINE + 1):
+            self.lapse = self.model.picture.seconds - time_at(self.model, width, column)
+        elif 0 <= row - LINE - 2 < len(kept):
+            self.lapse = self.model.picture.seconds - kept[row - LINE - 2].seconds
+        self.lapse = max(self.lapse, 0.5)
         return None
 
     def _jump(self, *, earlier: bool) -> None:

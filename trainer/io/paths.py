@@ -32,7 +32,30 @@ def socket_path() -> Path:
 def nearest_session() -> str:
     """Return where this machine's session listens, by its local socket if there is one."""
     path = socket_path()
-    return str(path) if path.exists() else f"tcp://{HOST}:{PORT}"
+    return str(path) if path.exists() else left_address()[0] or f"tcp://{HOST}:{PORT}"
+
+
+def address_path() -> Path:
+    """Return the file that stands in for the local socket where the system has none."""
+    return socket_path().with_suffix(".address")
+
+
+def leave_address(url: str, token: str) -> None:
+    """Leave for this user's stations where the session listens, and the token that it asks for."""
+    path = address_path()
+    path.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
+    path.unlink(missing_ok=True)
+    path.touch(mode=0o600)
+    path.write_text(f"{url} {token}\n", encoding="ascii")
+
+
+def left_address() -> tuple[str, str]:
+    """Return the address and the token that a session has left, "" and "" without."""
+    try:
+        url, token = address_path().read_text(encoding="ascii").split()
+    except (OSError, ValueError):
+        return "", ""
+    return url, token
 
 
 def recordings_folder() -> Path:

@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 DAY_AND_MORE = 100 * 3600  # [s]  from here on hours and minutes only
 
-HEADER = "time      depth>order course>ord speed pitch  heel  rudder  stern    bow    rpm"
+HEADER = "time      depth>order hdg>course speed pitch  heel  rudder  stern    bow    rpm"
 
 
 class View(NamedTuple):

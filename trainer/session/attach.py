@@ -23,6 +23,8 @@ PATIENCE: Final = 2.0  # [s] for what is still to be said at the end
 def attach_to(url: str | None, role: str, token: str | None) -> int:
     """Be a teletype of that role until the session or the user ends it; return the exit code."""
     wake = threading.Event()
+    left = paths.left_address()  # where the system has no local sockets
+    token = token or (left[1] if url in (None, left[0]) else None)
     try:
         line = dial(url or paths.nearest_session(), wake)
     except LinkError as error:

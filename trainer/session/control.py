@@ -1,15 +1,18 @@
 """The instructor's orders about time and moments."""
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import Final
 
 from trainer.boat.boat import Boat
 from trainer.io.orders.grammar import Order, Refused, Reply
+from trainer.io.orders.schedule import Scheduled
 from trainer.io.recording.recording import Moment
 from trainer.session.history import History
 from trainer.session.time.timekeeping import Timekeeping
 
+HERE: Final = "here"  # the present moment, where one is named
 Duty = Callable[[Order, str], Reply]  # takes who orders it
 
 
@@ -20,8 +23,10 @@ class Control:
     boat: Boat
     time: Timekeeping
     history: History
+    schedule: Sequence[Scheduled] = ()
     steps: int = 0  # ticks that a single-step order still allows
     ended: bool = False
+    following: str = ""  # the exercise that begins when this session ends
     failure: str = ""  # where the numbers were lost
 
     def obey(self, order: Order, who: str) -> Reply:
@@ -39,6 +44,8 @@ class Control:
             "backtrack": self._backtrack,
             "replay": self._replay,
             "take": self._take_over,
+            "again": self._again,
+            "branch": self._return,
         }
         duty = duties.get(order.name)
         if duty is None:
@@ -102,11 +109,37 @@ class Control:
         """Go back to a moment, frozen: a new branch begins."""
         if isinstance(moment, Refused):
             return moment
-        left = self.boat.time
+        left, abandoned = self.boat.time, self.history.recording.branch
         self.history.go_to(moment, why)
         self._begin_again()
         self.time.pacer.freeze()
-        return f"back from {left:g} s to {self.boat.time:g} s, frozen; {self._branch}"
+        way = f"back from {left:g} s to {self.boat.time:g} s, frozen; {self._branch}"
+        return f"{way}, branch {abandoned} returns to where this was"
+
+    def _again(self, order: Order, who: str) -> Reply:
+        """Begin the exercise again: from the start, a moment kept, so long ago, or here."""
+        why = f"{order.text}, by {who}"
+        if not order.word:
+            return self._go_back(self.history.start(), why)
+        if order.numbers:
+            return self._go_back(self.history.before(order.value), why)
+        kept = self.history.snapshots()
+        if order.subject in kept:
+            return self._go_back(kept[order.subject], why)
+        if order.subject == HERE:
+            return self._go_back(self.history.now(), why)
+        there = ", ".join((HERE, *kept))
+        return Refused(f"no snapshot {order.subject}; again from {there}, or from so long ago")
+
+    def _return(self, order: Order, who: str) -> Reply:
+        """Go to the end of a branch that was left, what was ordered there included."""
+        end = self.history.end_of(int(order.value))
+        if isinstance(end, Refused):
+            return end
+        self.history.return_to(end, f"{order.text}, by {who}", self.schedule)
+        self._begin_again()
+        self.time.pacer.freeze()
+        return f"at the end of branch {int(order.value)}, {self.boat.time:g} s; {self._branch}"
 
     def _replay(self, order: Order, _who: str) -> Reply:
         if self.history.recording.trouble:

@@ -8,17 +8,18 @@ time. Nothing here moves the boat.
 import math
 import re
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from typing import Final, NamedTuple
 
 from trainer.boat.boat import Boat
 from trainer.boat.casualties import readings
 from trainer.boat.crew_orders import standing_on
 from trainer.boat.helm import obey
-from trainer.io.orders.grammar import Order, Refused, Reply, parse
+from trainer.config.exercise import AXES
+from trainer.io.orders.grammar import Order, Refused, Reply, parse, to_the_crew
 from trainer.io.orders.quantities import FEET, METRES
 from trainer.io.recording.recording import Journalled
-from trainer.session.stations.roles import CREW
+from trainer.session.stations.roles import CREW, INSTRUCTOR
 from trainer.session.stations.station import Fact
 
 LATE: Final = 10.0  # [s] without a repeat, after which the order is shown again
@@ -102,20 +103,23 @@ class CrewTalk:
 
     def obey(self, order: Order, role: str) -> Reply:
         """Carry out what is said, as far as the boat has to do with it; return the answer."""
-        if order.name in ("order", "belay"):
+        if order.name == "order":
             return obey(self.boat, order)
+        if order.name == "belay":
+            return "belayed" if WORDS in self._spoken else Refused("no words to the crew stand")
         if order.name == "tell":
             return f"told: {order.subject}"
         if order.name == "report":
             return "reported"
         return self._allow(order.word) if order.name == "allow" else self._aye(order, role)
 
-    def named(self, order: Order) -> Order:
-        """Return a ``belay`` that names no axis with that of the newest order."""
-        if order.name != "belay" or order.word or not self._spoken:
+    def meant(self, order: Order) -> Order:
+        """Return what ``belay`` means: the boat knows what stands, and not which was the newest."""
+        if order.name != "belay":
             return order
-        axis = list(self._spoken)[-1]
-        return replace(order, word=axis, text=f"belay {axis}")
+        axis = order.word or next(reversed(self._spoken), "all")
+        clear = parse("belay words" if axis == WORDS else f"order clear {axis}")
+        return clear if isinstance(clear, Order) else order
 
     def note(self, order: Order, who: str, tick: int, answer: str) -> list[Telling]:
         """Note what was said and how it was answered; return what there is to tell."""
@@ -144,7 +148,7 @@ class CrewTalk:
                 self.note(order, entry.who, entry.tick, entry.answer or "")
         for each in self._spoken.values():
             each.reminded = self._late_at(each) <= tick
-        self._look_ahead()
+        self._look_ahead(tick)
 
     # Orders and repeats
 
@@ -213,7 +217,7 @@ class CrewTalk:
     # What is missing or wrong
 
     def missing(self, tick: int, attends: Callable[[str], bool]) -> list[Telling]:
-        """Return the orders that nobody has repeated in time, each once.
+        """Return the orders that nobody has repeated in time, each once; and what comes in hand.
 
         ``attends`` tells whether somebody with that role is there.
         """
@@ -225,7 +229,11 @@ class CrewTalk:
             if any(attends(role) for role in CONCERNED[each.axis] if role != each.by):
                 text = f"NOT REPEATED in {LATE:g} s: {each.told}"
                 found.append(Telling("crew", text, Fact("crew-order", each.told)))
-        self._look_ahead()
+        if self._taken_at == tick:
+            axes = ",".join(axis for axis in AXES if axis in self.hand)
+            words = f"by hand from now on: {axes.replace(',', ', ')}"
+            found.append(Telling("crew", words, Fact("exercise", f"hand={axes}")))
+        self._look_ahead(tick)
         return found
 
     def wrong_way(self, order: Order, role: str) -> list[Telling]:
@@ -266,7 +274,7 @@ class CrewTalk:
             if axis in self._spoken and order.name in surfaces:
                 self._spoken[axis].begun = True
         if order.name in STEERED:
-            self.meeting = who if order.word == "meet" else ""
+            self.meeting = f"{role_of(who)} meeting her" if order.word == "meet" else ""
         return []
 
     def swing_met(self) -> bool:
@@ -279,23 +287,43 @@ class CrewTalk:
         """Return the tick at which a missing repeat is told."""
         return spoken.tick + math.ceil(LATE / self.boat.method.step - 1e-9)
 
-    def _look_ahead(self) -> None:
+    @property
+    def _taken_at(self) -> float:
+        """Return the tick at which the crew takes what it works, 0 for the start."""
+        return math.ceil(self.hand_from / self.boat.method.step - 1e-9) if self.hand else 0
+
+    def _look_ahead(self, tick: int | None = None) -> None:
+        """Find the next tick at which there is something to tell."""
+        now = self.boat.ticks if tick is None else tick
         waiting = (each for each in self._spoken.values() if not (each.repeated or each.reminded))
-        self.due = min(map(self._late_at, waiting), default=math.inf)
+        ticks = [*map(self._late_at, waiting), *([self._taken_at] if self._taken_at > now else [])]
+        self.due = min(ticks, default=math.inf)
 
     # Who steers what
+
+    @property
+    def in_force(self) -> frozenset[str]:
+        """Return the axes that are worked by hand by now."""
+        return self.hand if self.boat.time >= self.hand_from else frozenset()
+
+    def conditions(self, role: str) -> list[tuple[str, str]]:
+        """Return what programs are told of who steers what, as keys and values."""
+        told = {
+            "hand-from": f"{self.hand_from:g}" if self.hand and role == INSTRUCTOR.name else "",
+            "hand": ",".join(axis for axis in AXES if axis in self.in_force),
+            "allowed": ",".join(sorted(self.allowed | self.freed)) if self.in_force else "",
+            "free": "yes" if self.freed else "",
+        }
+        return [(key, value) for key, value in told.items() if value]
 
     def in_hand(self, order: Order) -> str:
         """Return why an automatic order is refused: the exercise has it worked by hand; "" if not.
 
         What moves nothing by itself is never refused.
         """
-        if self.boat.time < self.hand_from or order.name in self.allowed:
-            return ""
-        if order.name == "periscope" and "depth" in self.allowed:
-            return ""
-        taken = [axis for axis in automatic_axes(order) if axis in self.hand - self.freed]
-        if not taken:
+        names = {order.name.replace("periscope", "depth"), f"{order.name} {order.word}"}
+        taken = [axis for axis in automatic_axes(order) if axis in self.in_force - self.freed]
+        if names & self.allowed or not taken:
             return ""
         says, example = BY_HAND[taken[0]]
         return (
@@ -328,27 +356,14 @@ BY_HAND: Final = {
     "speed": ("the engine is", "bell ahead standard"),
     "ballast": ("the ballast is", "pump depth-control 1"),
 }
-# What gives them away: orders by name, and by name and word.
-AUTOMATIC: Final = {
-    "course": ("rudder",),
-    "course-by": ("rudder",),
-    "course-to": ("rudder",),
-    "rudder auto": ("rudder",),
-    "depth": ("planes",),
-    "periscope": ("planes",),
-    "planes auto": ("planes",),
-    "stern auto": ("planes",),
-    "bow auto": ("planes",),
-    "speed": ("speed",),
-    "hover on": ("ballast",),
-    "trim auto": ("ballast",),
-    "autopilot on": ("rudder", "planes", "speed"),
-}
 
 
-def automatic_axes(order: Order) -> tuple[str, ...]:
+def automatic_axes(order: Order) -> list[str]:
     """Return the axes that an order gives to the autopilot."""
-    return AUTOMATIC.get(order.name) or AUTOMATIC.get(f"{order.name} {order.word}", ())
+    if order.word == "off":
+        return []
+    names = {order.name, f"{order.name} {order.word}"}
+    return [axis for axis, orders in AXES.items() if names & set(orders)]
 
 
 def reported(order: Order, role: str) -> list[Telling]:
@@ -367,8 +382,9 @@ def said_order(words: str) -> Order | None:
     plain = re.sub(r"\bto\b", " ", words)
     for text in (plain if plain.startswith("order ") else f"order {plain}", words):
         found = parse(text)
-        if isinstance(found, Order) and found.name == "order":
-            return found
+        meant = to_the_crew(found) if isinstance(found, Order) else found
+        if isinstance(meant, Order) and meant.name == "order":
+            return meant
     return None
 
 

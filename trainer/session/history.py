@@ -18,9 +18,11 @@ from typing import Final
 import numpy as np
 
 from trainer.boat.boat import Boat
+from trainer.boat.helm import obey
 from trainer.core.state import STATE
 from trainer.io.orders.grammar import Order, Refused, Reply, parse
 from trainer.io.orders.schedule import Scheduled
+from trainer.io.orders.table import BOAT_ORDERS
 from trainer.io.recording.recording import (
     Journalled,
     Moment,
@@ -64,6 +66,11 @@ class Moments:
                 return moment
         return None
 
+    def since(self, tick: int) -> list[tuple[int, bytes]]:
+        """Return tick and state of those at a tick or after it, oldest first."""
+        every = (self._at(index) for index in range(self._count))
+        return [(moment.tick, moment.state) for moment in every if moment.tick >= tick]
+
     def forget_after(self, tick: int) -> None:
         """Drop those that are later than a tick."""
         while self._count and self._at(self._count - 1).tick > tick:
@@ -96,6 +103,29 @@ def order_of(entry: Journalled, schedule: Sequence[Scheduled]) -> Order | None:
         return schedule[entry.place].order
     order = parse(entry.text)
     return order if isinstance(order, Order) else None
+
+
+@dataclass(frozen=True)
+class Stretch:
+    """One branch, as an instructor chooses among them."""
+
+    number: int
+    parent: int | None
+    begun: float  # [s]
+    last: float  # [s]
+    why: str
+    present: bool
+
+    def __str__(self) -> str:
+        begun = f"branch {self.number}: from {self.begun:g} s"
+        of = f" of branch {self.parent}" if self.parent else ""
+        here = "; the present one" if self.present else ""
+        return f"{begun}{of} to {self.last:g} s; {self.why}{here}"
+
+    @property
+    def fields(self) -> str:
+        """Return it as programs are told it; the reason last, since it may hold commas."""
+        return f"{self.number},{self.parent or ''},{self.begun:.3f},{self.last:.3f},{self.why}"
 
 
 @dataclass
@@ -191,9 +221,50 @@ class History:
             return found
         return self.automatic.before(wanted) or Refused("nothing is kept from so long ago")
 
+    def automatic_since(self, tick: int) -> list[tuple[int, bytes]]:
+        """Return tick and state of the automatic moments since a tick."""
+        return self.automatic.since(tick)
+
     def start(self) -> Moment | Refused:
         """Return the initial conditions, whatever was ordered in a freeze there."""
         return self.recording.moment(FIRST, 0) or self.before(self.boat.time)
+
+    def branches(self) -> list[Stretch]:
+        """Return all that has been flown, oldest first; the present one reaches up to now."""
+        present, step = self.recording.branch, self.boat.method.step
+
+        def last(branch: int) -> int:
+            flown = self.recording.last_tick(branch)
+            return flown if self.rerun or branch != present else max(flown, self.tick)
+
+        return [
+            Stretch(
+                *(each.id, each.parent, each.tick * step, last(each.id) * step),
+                *(each.why or "the start", each.id == present),
+            )
+            for each in self.recording.branches()
+        ]
+
+    def end_of(self, branch: int) -> Moment | Refused:
+        """Return the last moment of a branch, without the orders that were given after it."""
+        there = [each.id for each in self.recording.branches()]
+        if branch not in there:
+            known = f"there is 1 to {there[-1]}" if there else "nothing is recorded"
+            return Refused(f"no branch {branch}: {known}; branches lists them")
+        found = self.recording.moment(branch, self.recording.last_tick(branch))
+        return found or Refused(f"the end of branch {branch} is not recorded")
+
+    def return_to(self, end: Moment, why: str, schedule: Sequence[Scheduled]) -> None:
+        """Go to the end of a branch, give again what was ordered there, and fork."""
+        self._restore(end)
+        for entry in self.recording.orders(end.branch, end.after):
+            order = order_of(entry, schedule)
+            if order is not None and order.name in BOAT_ORDERS and entry.accepted is not False:
+                obey(self.boat, order)
+            self.after = entry.id
+            if entry.place is not None:
+                self.place = entry.place + 1
+        self.go_to(Moment(end.branch, end.tick, self._state(), self.after, self.place), why)
 
     def go_to(self, moment: Moment, why: str) -> None:
         """Go back to a moment, and begin a new branch there."""

@@ -92,18 +92,19 @@ class Ports:
             with refusing("--socket"):
                 Path(path).parent.mkdir(mode=0o700, parents=True, exist_ok=True)
                 listen_here(hub, Path(path))
+        awaited = address is not None or path is not None
         if at_home:
             try:
                 private_folder(paths.socket_path().parent)
                 listen_here(hub, paths.socket_path())
+                awaited = awaited or options.serve
             except (LinkError, OSError) as error:
                 click.echo(f"trainer: stations cannot join by themselves: {error}", err=True)
-        asked = address is not None or path is not None
 
         def admit(line: Connection) -> Station:
             return self._station(line, Access(tokens=tokens, entered=line.introduce))
 
-        return Lobby(hub, admit, asked)
+        return Lobby(hub, admit, awaited)
 
     def _serial(self, option: str, url: str, baud: int) -> Joined:
         try:

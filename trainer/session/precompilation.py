@@ -1,7 +1,6 @@
 """The core compiled for later starts: ``python -m trainer.session.precompilation``."""
 
 import os
-import resource
 from typing import Final
 
 from trainer.boat import compilation
@@ -16,8 +15,11 @@ LONGEST: Final = 600  # [s] of processor time: whatever happens, it ends
 
 def main() -> None:
     """Compile what a run needs, unless another process does so or has done so."""
-    os.nice(19)
-    resource.setrlimit(resource.RLIMIT_CPU, (LONGEST, LONGEST))
+    if os.name == "posix":
+        import resource  # noqa: PLC0415  not everywhere
+
+        os.nice(19)
+        resource.setrlimit(resource.RLIMIT_CPU, (LONGEST, LONGEST))
     with compilation.compiling() as alone:
         if alone and not compilation.is_kept():
             try_out(Boat(load_vessel("bb2"), Method("modified", "lagged", "exact", "adams2", 0.5)))

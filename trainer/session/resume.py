@@ -11,6 +11,7 @@ from trainer.boat.helm import obey
 from trainer.config.files import ConfigError
 from trainer.io.orders.table import BOAT_ORDERS
 from trainer.io.recording.recording import Recording
+from trainer.session.exercise import Debriefing
 from trainer.session.header import differences, layout_of, plan_of, refusing_damage
 from trainer.session.history import History, order_of
 from trainer.session.layout import read_state
@@ -20,7 +21,9 @@ from trainer.session.run import PreparedRun, fly
 from trainer.session.warm_up import warm
 
 
-def resume_boat(path: Path, options: RunOptions, *, anyway: bool) -> int:
+def resume_boat(
+    path: Path, options: RunOptions, debriefing: Debriefing | None = None, *, anyway: bool
+) -> int:
     """Go on with the recording at ``path``; return the exit code."""
     with refusing_damage():
         recording = Recording.reopen(path)
@@ -44,7 +47,7 @@ def resume_boat(path: Path, options: RunOptions, *, anyway: bool) -> int:
         how = "at its end; --duration goes on beyond it"
     click.echo(f"{path}: branch {recording.branch}, {boat.time:g} s; {how}", err=True)
     plan = plan if seconds is None else replace(plan, duration=seconds)
-    return fly(PreparedRun(plan, boat, history, str(path)), options)
+    return fly(PreparedRun(plan, boat, history, str(path), debriefing=debriefing), options).code
 
 
 def refuse_other(path: Path, found: list[str], *, anyway: bool) -> None:

@@ -5,11 +5,11 @@ import math
 import signal
 import sys
 import threading
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, fields, replace
 from itertools import islice
 from pathlib import Path
-from typing import Any
+from typing import Any, Final, NamedTuple
 
 import click
 import numpy as np
@@ -17,21 +17,26 @@ import numpy as np
 from trainer.boat import compilation
 from trainer.boat.boat import Boat
 from trainer.boat.limits import LimitMonitor, account_of
-from trainer.config.files import ConfigError, remembering
+from trainer.config.exercise import load_exercise
+from trainer.config.files import ConfigError, remembering, shipped_names
 from trainer.io import paths as paths_module
 from trainer.io.recording.file import TakenError
 from trainer.io.recording.recording import NoRecording, Recording, RecordingError
 from trainer.io.status_line import course
 from trainer.io.tables import COLUMNS, CsvFile, NoFile
+from trainer.session.conduct import Following, problem_with
+from trainer.session.exercise import Debriefing, Ending
 from trainer.session.header import header_of
 from trainer.session.history import History
 from trainer.session.options import RunOptions
-from trainer.session.plan import Plan, plan_run
+from trainer.session.plan import OVERRULED, Plan, plan_run
 from trainer.session.ports import PATIENCE, Ports, keeps_no_time
 from trainer.session.rerun.request import open_log
 from trainer.session.rerun.subject import Subject
 from trainer.session.session import Session
+from trainer.session.stations.briefing import Briefing
 from trainer.session.stations.reception import Closed
+from trainer.session.stations.roles import INSTRUCTOR, STRANGER
 from trainer.session.stations.station import Fact
 from trainer.session.stations.subscriptions import Promptly, Publisher, Roster
 from trainer.session.stations.view import StateReader
@@ -51,7 +56,14 @@ def account(session: Session, wall: float, kept: str, *, aside: bool) -> int:
     ``kept`` is the path of its recording, "" if it has none; ``aside`` prints on stderr, where a
     console has stdout.
     """
-    summary = summary_text(session.boat, session.time.ledger.summary(), wall)
+    summary = "\n".join(
+        (
+            *outcome_lines(session),
+            summary_text(
+                session.boat, session.time.ledger.summary(), wall, session.conduct.compiled_from
+            ),
+        )
+    )
     if granted := session.time.punctuality.granted:
         summary += f"\nthe clock   {granted.line()}"
     if times := session.monitor.times | session.depths.times | session.pilot.times:
@@ -76,6 +88,22 @@ def account(session: Session, wall: float, kept: str, *, aside: bool) -> int:
     return 1 if any(troubles) else 0
 
 
+def outcome_lines(session: Session) -> list[str]:
+    """Return how the trainee did: what ended the exercise, the marks, and what they are for."""
+    conduct = session.conduct
+    marks = conduct.final_marks()
+    if not (conduct.ending.over or marks):
+        return []
+    lost = f": {conduct.ending.why}" if conduct.ending.why else ""
+    ended = (
+        f"{conduct.ending.over}{lost}"
+        if conduct.ending.over
+        else f"left at {session.boat.time:g} s"
+    )
+    told = f"outcome     {ended}; {marks}" if marks else f"outcome     {ended}"
+    return [told, *(f"            {each}" for each in (marks.reasons if marks else ()))]
+
+
 def describe_missing(recording: Recording | NoRecording) -> str:
     """Return what a recording that has been closed lacks and why, "" if it is whole."""
     if not (recording.missing or recording.trouble):
@@ -84,11 +112,15 @@ def describe_missing(recording: Recording | NoRecording) -> str:
     return f"NOT RECORDED: {recording.missing or 'nothing more'}{why}"
 
 
-def summary_text(boat: Boat, ledger: Summary, wall: float) -> str:
-    """Return the one-screen account of a run that took ``wall`` [s]."""
+def summary_text(boat: Boat, ledger: Summary, wall: float, compiled_from: int = 0) -> str:
+    """Return the one-screen account of a run that took ``wall`` [s].
+
+    ``compiled_from`` is the tick from which machine code computed it, 0 where all was one.
+    """
     s = boat.state
     step = boat.method.step
-    how = ", interpreted" if compilation.is_interpreted() else ""
+    until = f" before tick {compiled_from}" if compiled_from else ""
+    how = f", interpreted{until}" if compilation.is_interpreted() else ""
     return "\n".join(
         (
             boat.file.name,
@@ -112,7 +144,17 @@ def summary_text(boat: Boat, ledger: Summary, wall: float) -> str:
     )
 
 
+class Ended(NamedTuple):
+    """What a run leaves behind: its exit code, and the exercise that is to follow."""
+
+    code: int
+    following: str
+
+
 OVER = "the session is over"
+EXERCISE: Final[Mapping[str, Any]] = {  # what another exercise settles anew: as not given
+    each.name: each.default for each in fields(RunOptions) if each.name in OVERRULED
+}
 NAMES = 100  # that a new recording is tried under
 BATCH = 200  # [rows] of a CSV file written at once by a run that keeps no time
 
@@ -126,10 +168,29 @@ class PreparedRun:
     history: History
     kept: str  # path of the recording, "" for none
     clock: Clock = field(default_factory=MonotonicClock)
+    debriefing: Debriefing | None = None
+    following: Following = field(default_factory=Following)
 
 
-def run_boat(options: RunOptions, clock: Clock | None = None) -> int:
-    """Run as the command line's ``options`` say, by the machine's clock; return the exit code."""
+def run_boat(
+    options: RunOptions, clock: Clock | None = None, debriefing: Debriefing | None = None
+) -> int:
+    """Run as the command line's ``options`` say, by the machine's clock; return the exit code.
+
+    Where the instructor has ordered another exercise next, that is begun, frozen, in its turn.
+    """
+    while True:
+        ended = run_once(options, clock or MonotonicClock(), debriefing)
+        if not ended.following:
+            return ended.code
+        given = options.given - OVERRULED.keys()
+        options = replace(
+            options, **EXERCISE, exercise=ended.following, given=given, record=None, frozen=True
+        )
+
+
+def run_once(options: RunOptions, clock: Clock, debriefing: Debriefing | None) -> Ended:
+    """Run one exercise, or none, to its end."""
     with remembering() as texts:
         plan = plan_run(options)
     boat = ready(plan, options)
@@ -141,10 +202,29 @@ def run_boat(options: RunOptions, clock: Clock | None = None) -> int:
         raise ConfigError("--trainee: this run is not recorded, and keeps no names: --record FILE")
     if paths or options.serve or not options.headless:
         kept, recording = create_recording(paths, header_of(options, texts, boat), state)
-    history = History(boat, recording)
-    return fly(
-        PreparedRun(plan, boat, history, str(kept or ""), clock or MonotonicClock()), options
+    prepared = PreparedRun(
+        *(plan, boat, History(boat, recording), str(kept or ""), clock, debriefing),
+        following_of(options),
     )
+    try:
+        return fly(prepared, options)
+    except ConfigError:
+        discard(kept)  # it was begun for a run that is refused
+        raise
+
+
+def following_of(options: RunOptions) -> Following:
+    """Return what may follow a run: where all that it writes is its recording, any exercise."""
+    files = options.csv_path, options.rrd, options.nmea_record
+    barred = "this session is begun for one run" if any(files) or keeps_no_time(options) else ""
+    return Following(shipped_names("exercises"), problem_with(load_exercise), barred)
+
+
+def discard(kept: Path | None) -> None:
+    """Remove a recording of nothing."""
+    for ending in ("", "-wal", "-shm", "-journal"):
+        if kept is not None:
+            kept.with_name(kept.name + ending).unlink(missing_ok=True)
 
 
 def ready(plan: Plan, options: RunOptions) -> Boat:
@@ -190,12 +270,20 @@ def recording_paths(plan: Plan, options: RunOptions) -> tuple[Path, ...]:
     )
 
 
-def fly(prepared: PreparedRun, options: RunOptions) -> int:
-    """Open the ports, run the session to its end, account for it; return the exit code."""
+def lives_on(options: RunOptions) -> bool:
+    """Return whether the end of an exercise leaves the session to its stations, frozen."""
+    attended = options.serve or not options.headless
+    return attended and math.isfinite(options.speed) and "duration" not in options.given
+
+
+def fly(prepared: PreparedRun, options: RunOptions) -> Ended:
+    """Open the ports, run the session to its end, account for it."""
     boat, history, plan = prepared.boat, prepared.history, prepared.plan
     method = boat.method
+    told = briefing_of(plan, options)
     recorder = open_csv(options.csv_path, 1 if math.isfinite(options.speed) else BATCH)
-    last_tick = math.inf if plan.duration is None else round(plan.duration / method.step)
+    endless = plan.duration is None or lives_on(options)
+    last_tick = math.inf if endless else round((plan.duration or 0.0) / method.step)
     time = Timekeeping.at(prepared.clock, method.step, options.speed, Policy(options.overrun))
     time.punctuality = Punctuality(realtime=options.priority == "realtime")
     publisher = open_publisher(boat, time, options)
@@ -215,13 +303,15 @@ def fly(prepared: PreparedRun, options: RunOptions) -> int:
             monitor=LimitMonitor.over(boat, plan.limits),
             last_tick=last_tick,
             wake=wake,
-            briefing=(*heading(plan), *situation(plan, boat, options.note)),
-            crew_briefing=(
-                *(() if plan.hides else heading(plan)),
-                *situation(plan, boat, options.note),
-            ),
+            briefing=(*told.heading(INSTRUCTOR), *situation(plan, boat, options.note)),
+            crew_briefing=(*told.heading(STRANGER), *situation(plan, boat, options.note)),
+            exercise=told,
+            hand=frozenset(plan.hand),
+            hand_from=plan.hand_from,
+            allowed=frozenset(plan.allowed),
             until_left=options.until_left,
         )
+        conduct_of(session, prepared, options)
         if log:
             session.event_log.hearers.append(log.hear)
         open_ports(Ports(wake, sending, session.event_log.log, stack), session, options)
@@ -231,14 +321,48 @@ def fly(prepared: PreparedRun, options: RunOptions) -> int:
         with interrupts(session), quiet, shown as session.progress, time.attended():
             session.run(frozen=options.frozen)
         wall = (time.clock.now() - started) / SECOND
-        session.event_log.tell("time", OVER, fact=Fact("over"))
+        session.conduct.work.finish()
+        if not session.control.following:  # else whoever is there comes back for it
+            session.event_log.tell("time", OVER, fact=Fact("over"))
         sending.close(PATIENCE)
         for station in session.event_log.stations:
             station.close(PATIENCE)
         recorder.close()
         history.recording.close()
         code = account(session, wall, prepared.kept, aside=not options.headless)
-        return max(code, log.account()) if log else code
+        if log:
+            code = max(code, log.account())
+        return Ended(code, session.control.following)
+
+
+def conduct_of(session: Session, prepared: PreparedRun, options: RunOptions) -> None:
+    """Settle how a session is conducted: its exercise's end, its judge, and what follows."""
+    plan, conduct = prepared.plan, session.conduct
+    conduct.debriefing, conduct.following = prepared.debriefing, prepared.following
+    conduct.scored = bool(plan.scores)
+    conduct.kept = Path(prepared.kept) if prepared.kept else None
+    if lives_on(options):
+        conduct.ending = Ending.of(prepared.boat, plan.lost, plan.duration)
+    if compilation.is_interpreted() and options.note:
+        await_code(session)
+
+
+def await_code(session: Session) -> None:
+    """Have the session go over to machine code once it is there, between two ticks."""
+
+    def task() -> Callable[[], None]:
+        try:
+            there = compilation.await_code(session.conduct.work.closing)
+            tick = session.boat.compiled_tick() if there else None
+        except Exception as error:  # noqa: BLE001 whatever it is, the session goes on as it does
+            why = f"compiled code cannot be used: {type(error).__name__}; interpreted to the end"
+            return lambda: session.event_log.tell("trouble", why)
+        if tick is None:
+            why = "" if session.conduct.work.closing.is_set() else "compiling beside has failed"
+            return lambda: session.event_log.tell("trouble", why) if why else None
+        return lambda: session.conduct.go_over(tick)
+
+    session.conduct.work.begin("machine code", task)
 
 
 def open_ports(ports: Ports, session: Session, options: RunOptions) -> None:
@@ -275,9 +399,19 @@ def open_csv(path: Path | None, batch: int) -> CsvFile | NoFile:
         raise ConfigError(f"--csv {path}: {error.strerror}") from None
 
 
-def heading(plan: Plan) -> tuple[str, ...]:
-    """Return what the exercise is about."""
-    return tuple(filter(None, (plan.title, *plan.briefing.splitlines())))
+def briefing_of(plan: Plan, options: RunOptions) -> Briefing:
+    """Return what there is to say of the exercise."""
+    return Briefing(
+        name=Path(options.exercise).stem if options.exercise else "",
+        title=plan.title,
+        text=tuple(plan.briefing.splitlines()),
+        instructor=tuple(plan.instructor.splitlines()),
+        hides=plan.hides and not plan.instructor,
+        limits=plan.limits,
+        lost=plan.lost,
+        tasks=tuple(rule.score.name for rule in plan.scores if rule.part != "keeping"),
+        duration=plan.duration,
+    )
 
 
 def situation(plan: Plan, boat: Boat, note: str) -> tuple[str, ...]:

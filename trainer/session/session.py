@@ -3,7 +3,6 @@
 import math
 import threading
 import time
-from collections import deque
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import Final
@@ -18,15 +17,17 @@ from trainer.io.orders.grammar import Order, Refused, Reply
 from trainer.io.orders.schedule import Scheduled
 from trainer.io.orders.table import BOAT_ORDERS, CREW_TALK
 from trainer.io.recording.recording import RecordingError
-from trainer.io.status_line import clock
 from trainer.io.tables import Columns
+from trainer.session.conduct import Conduct
 from trainer.session.control import Control
-from trainer.session.crew import SCHEDULE, CrewTalk, role_of
+from trainer.session.crew import SCHEDULE, CrewTalk, Telling, role_of
+from trainer.session.event_log import CREW, EventLog
 from trainer.session.history import History
 from trainer.session.stations.access import NoiseLog
+from trainer.session.stations.briefing import Briefing, ranges
 from trainer.session.stations.display import panel
 from trainer.session.stations.reception import Closed, Reception
-from trainer.session.stations.roles import INSTRUCTOR, STRANGER, Role, hears
+from trainer.session.stations.roles import INSTRUCTOR, STRANGER, Role
 from trainer.session.stations.station import Asked, Fact, News, Station
 from trainer.session.stations.subscriptions import Sending
 from trainer.session.stations.view import Pace, Picture, StateReader
@@ -35,58 +36,14 @@ from trainer.session.time.ledger import SECOND
 from trainer.session.time.pacer import WOKEN, Event
 from trainer.session.time.timekeeping import Timekeeping
 
-KEPT: Final = 500  # of what has happened, for who comes late
-
-
-@dataclass
-class EventLog:
-    """The news of one run."""
-
-    history: History
-    stations: list[Station] = field(default_factory=list)
-    news: deque[News] = field(default_factory=lambda: deque(maxlen=KEPT))
-    heard: Station | None = None  # who is listened to
-    hearers: list[Callable[[News], None]] = field(default_factory=list)  # of all; they never wait
-
-    def tell(
-        self, kind: str, text: str, by: Station | None = None, fact: Fact | None = None
-    ) -> None:
-        """Record what has happened, and tell whose role hears of such things but ``by``.
-
-        ``by`` has its answer; it is told the fact all the same.
-        """
-        boat = self.history.boat
-        # a remark is anybody's words: who hears it hears whose
-        said = f"mark by {by.role.name}: {text}" if kind == "mark" and by else text
-        news = News(self.history.tick, boat.time, kind, said, fact)
-        self.news.append(news)
-        if not (kind == "crew" and self.history.rerun):  # a replay says again what is recorded
-            self.history.recording.event(news.tick, kind, by.who if by else "", text)
-        for hear in self.hearers:
-            hear(news)
-        for station in self.stations:
-            if station is not by:
-                station.tell(news)
-            else:
-                station.note(news)
-
-    def log(self, kind: str, text: str) -> None:
-        """Tell what the station that is listened to has to say of itself."""
-        self.tell(kind, text, self.heard)
-
-    def lately(self, role: Role, count: int) -> list[str]:
-        """Return the last of what ``role`` hears of."""
-        heard = [news for news in self.news if hears(role, news.kind)]
-        return [f"{clock(news.seconds)} {news.text}" for news in heard[-count:]]
-
-
 HINT: Final = "type an order, such as: depth 80   course 090   rudder left 15   help   quit"
 AT_A_TIME: Final = SECOND // 20  # [ns] of single steps before the stations are heard again
 LINES_AT_A_TIME: Final = 32  # of one station before the clock is looked at again
 PATIENCE: Final = 0.5  # [s] for a line to get out what it was sent before it is closed
 # orders by which everybody can tell that something has been done with time
-MOMENTS: Final = frozenset({"restore", "reset", "backtrack", "replay", "take"})
-GOING_BACK: Final = ("backtrack", "restore", "reset")
+MOMENTS: Final = frozenset({"restore", "reset", "backtrack", "replay", "take", "again", "branch"})
+GOING_BACK: Final = ("backtrack", "restore", "reset", "again", "branch")
+QUESTIONS: Final = frozenset({"status", "who", "briefing", "casualties", "log"})
 AMIDSHIPS: Final = Order("rudder", 0.0, "amidships", "rudder amidships")
 TIME: Final = frozenset({"freeze", "run", "step", "time", "quit"})
 
@@ -109,6 +66,7 @@ class Session:
     wake: threading.Event = field(default_factory=threading.Event)
     briefing: tuple[str, ...] = ()  # what the instructor is told
     crew_briefing: tuple[str, ...] = ()  # what everybody else is
+    exercise: Briefing = field(default_factory=Briefing)  # as programs are told it
     hand: frozenset[str] = frozenset()  # axes that the exercise has worked by hand
     hand_from: float = 0.0  # [s]
     allowed: frozenset[str] = frozenset()  # automatic orders allowed nevertheless
@@ -118,13 +76,17 @@ class Session:
     refused: list[str] = field(default_factory=list)  # of the schedule, as it was told
     event_log: EventLog = field(init=False)
     control: Control = field(init=False)
+    conduct: Conduct = field(init=False)
     depths: DepthMonitor = field(init=False)
     pilot: PilotMonitor = field(init=False)
     crew: CrewTalk = field(init=False)
 
     def __post_init__(self) -> None:
         self.event_log = EventLog(self.history)
-        self.control = Control(self.boat, self.time, self.history)
+        self.control = Control(self.boat, self.time, self.history, self.schedule)
+        log = self.event_log
+        self.conduct = Conduct(self.control, log.tell, log.stations, self._show, self._call)
+        self.conduct.past.news = lambda: log.news
         self.depths = DepthMonitor.over(self.boat)
         self.pilot = PilotMonitor.over(self.boat)
         self.crew = CrewTalk(self.boat, self.hand, self.hand_from, self.allowed)
@@ -138,13 +100,14 @@ class Session:
         if self.columns:
             self._row()
         self._judge_hull()  # a recorded run may have ended in a collapse
-        if not (frozen or self.control.failure):
+        if self.boat.ticks:
+            self.conduct.look()  # or at its exercise's end
+        if not (frozen or self.control.failure or self.conduct.ending.over):
             self.time.pacer.run()
         self._show()
         while not self._over:
             if self.time.pacer.frozen and self._deserted():
-                self.deserted = f"frozen at {self.boat.time:g} s, and nobody is left to say run"
-                self.event_log.tell("time", self.deserted)
+                self.deserted = self.conduct.desert()
                 return
             if self.time.pacer.wait(self.wake) is WOKEN:
                 self.wake.clear()
@@ -159,10 +122,24 @@ class Session:
         self.control.ended = True
         self.wake.set()
 
+    def _call(self) -> None:
+        """Have the session's thread listen."""
+        self.wake.set()
+
     def greet(self, station: Station) -> None:
         """Tell whoever comes what this is."""
         for line in (*self._briefed(station), HINT):
             station.line.send(line)
+
+    def _introduce(self, station: Station) -> None:
+        """Tell a program the exercise, the vessel's ranges, and what the crew is ordered."""
+        told = [("exercise", pair) for pair in self.exercise.facts(station.role, self.boat.time)]
+        told += [("exercise", pair) for pair in self.crew.conditions(station.role.name)]
+        told += [("range", pair) for pair in ranges(self.boat, station.role)]
+        told += [("rate", pair) for pair in station.rate]
+        self._note(station, [Fact(what, f"{key}={value}") for what, (key, value) in told])
+        self._note(station, [each.fact for each in self.crew.standing(station.role.name)])
+        self.event_log.note_alerts(station)
 
     def _briefed(self, station: Station) -> tuple[str, ...]:
         """Return what a station is told of the exercise."""
@@ -171,6 +148,7 @@ class Session:
     def listen(self) -> None:
         """Let newcomers in, take what the stations say, and see out who has left."""
         self._visits.settle()
+        self.conduct.tend()
         for station in self.reception.newcomers():
             if station.role is not STRANGER:  # who has to say who it is, is told nothing before
                 self.greet(station)
@@ -178,12 +156,13 @@ class Session:
             self._visits.log("station", f"{station.line.name} has come")
         for station in list(self.event_log.stations):
             self.event_log.heard = station
-            stranger = station.role is STRANGER
+            before = station.role
             for asked in station.take(LINES_AT_A_TIME):
-                self._hear(asked)
+                before = self._entered(station, before)
+                if not self.conduct.hear(asked):
+                    self._hear(asked)
                 self._take_steps()
-            if stranger and station.role is not STRANGER:
-                self.greet(station)
+            self._entered(station, before)
             if station.held_up:
                 self._listen_again(station.held_up)
             elif station.waiting:
@@ -191,6 +170,14 @@ class Session:
             elif station.leaving or station.line.ended:
                 self._see_out(station)
         self.event_log.heard = None
+
+    def _entered(self, station: Station, before: Role) -> Role:
+        """Greet or introduce a station that has said what it is; return its role."""
+        if before is STRANGER and station.role is not STRANGER:
+            self.greet(station)
+        if station.role is not before:
+            self._introduce(station)
+        return station.role
 
     def _listen_again(self, after: float) -> None:
         """Listen again after a time [s]: what was not taken waits with no word of its own."""
@@ -240,52 +227,59 @@ class Session:
     # Orders
 
     def _hear(self, asked: Asked) -> None:
-        """Carry out an order from a station and answer it there."""
+        """Answer a question, or carry out an order, from a station."""
         order, station = asked.order, asked.station
-        if order.name == "status":
-            station.answer(asked, "", *self._status(station))
-        elif order.name == "who":
-            station.answer(asked, "", *(each.account() for each in self.event_log.stations))
-        elif order.name == "briefing":
-            station.answer(asked, "", *self._briefed(station))
-        elif order.name == "casualties":
-            self._note(station, [Fact("casualty", ",".join(each)) for each in available(self.boat)])
-            station.answer(asked, "", *listing(self.boat))
-        elif order.name == "log":
-            station.answer(asked, "", *self.event_log.lately(station.role, int(order.value)))
+        if order.name in QUESTIONS:
+            self._tell_about(asked)
+        elif order.name == "ack":
+            station.answer(asked, self.event_log.acknowledge(order, station))
         elif order.name == "mark":
-            self.event_log.tell(
-                "mark", order.subject or "marked", station, Fact("mark", order.subject)
-            )
-            self.history.recording.flush()
-            station.answer(asked, self._as_kept(f"marked at {self.boat.time:g} s"))
-            self._tell_trouble()
+            self._mark(asked)
         elif why := self.crew.in_hand(order):
             station.answer(asked, Refused(why))
             self._pass_on(order, Refused(why), station)
         else:
-            order = self.crew.named(order)
-            try:
-                answer = self._carry_out(order, station.who)
-            except RecordingError as error:  # its past cannot be read at present
-                answer = Refused(str(error))
-            if order.name == "snapshots":
-                self._note_snapshots(station)
-            station.answer(asked, self._as_kept(answer))
-            self._pass_on(order, answer, station)
-            self._tell_trouble()
+            self._give(asked)
+
+    def _tell_about(self, asked: Asked) -> None:
+        """Answer a question, programs with facts before it."""
+        name, station = asked.order.name, asked.station
+        if name == "briefing":
+            self._introduce(station)
+        if name == "casualties":
+            self._note(station, [Fact("casualty", ",".join(each)) for each in available(self.boat)])
+        answers: dict[str, Callable[[], Sequence[str]]] = {
+            "status": lambda: self._status(station),
+            "who": lambda: [each.account() for each in self.event_log.stations],
+            "briefing": lambda: self._briefed(station),
+            "casualties": lambda: listing(self.boat),
+            "log": lambda: self.event_log.lately(station.role, int(asked.order.value)),
+        }
+        station.answer(asked, "", *answers[name]())
+
+    def _mark(self, asked: Asked) -> None:
+        """Mark this moment; it is in the file before it is answered."""
+        remark = asked.order.subject
+        self.event_log.tell("mark", remark or "marked", asked.station, Fact("mark", remark))
+        self.history.recording.flush()
+        asked.station.answer(asked, self._as_kept(f"marked at {self.boat.time:g} s"))
+        self._tell_trouble()
+
+    def _give(self, asked: Asked) -> None:
+        """Carry out an order, answer it, and tell the others."""
+        order, station = self.crew.meant(asked.order), asked.station
+        try:
+            answer = self._carry_out(order, station.who)
+        except RecordingError as error:  # its past cannot be read at present
+            answer = Refused(str(error))
+        station.answer(asked, self._as_kept(answer))
+        self._pass_on(order, answer, station)
+        self._tell_trouble()
 
     def _note(self, station: Station, facts: Sequence[Fact]) -> None:
         """Tell a station facts of now, if it is a program."""
         for fact in facts:
             station.note(News(self.history.tick, self.boat.time, "exercise", "", fact))
-
-    def _note_snapshots(self, station: Station) -> None:
-        """Tell a station the moments kept, if it is a program."""
-        step = self.boat.method.step
-        for name, moment in self.history.snapshots().items():
-            kept = Fact("snapshot", name)
-            station.note(News(moment.tick, moment.tick * step, "moment", "", kept))
 
     def _status(self, station: Station) -> list[str]:
         """Return all about the boat that a station may know."""
@@ -317,11 +311,19 @@ class Session:
         answer = self.crew.obey(order, role_of(who)) if talk else obey(self.boat, order)
         if not isinstance(answer, Refused):
             tellings += self.crew.note(order, who, self.history.tick, answer)
-            for telling in tellings:
-                self.event_log.tell(telling.kind, telling.text, self.event_log.heard, telling.fact)
+            self._say(tellings, who)
         if talk:
             self._show()
         return answer
+
+    def _say(self, tellings: Sequence[Telling], who: str = "") -> None:
+        """Tell what was said; who has said it to the crew has an answer in place of the text."""
+        heard = None if self.history.rerun else self.event_log.heard
+        speaker = heard if heard and heard.who == who else None
+        for each in tellings:
+            self.event_log.tell(
+                each.kind, each.text, speaker if each.kind == CREW else None, each.fact
+            )
 
     def _after_time(self, order: Order) -> None:
         """Show what an order about time has changed."""
@@ -329,7 +331,9 @@ class Session:
             self.monitor.settle(self.boat)
             self.depths.settle(self.boat)
             self.pilot.settle(self.boat)
+            self.conduct.settle()
             self.crew.settle(self.history.said(), self.history.tick)
+            self.event_log.settle()
             self._judge_hull()
         if order.name in MOMENTS or order.name in TIME:
             self._show()
@@ -344,7 +348,8 @@ class Session:
         if not isinstance(answer, Refused):
             kind = "moment" if order.name in MOMENTS else "time" if order.name in TIME else kind
             fact = Fact("back" if order.name in GOING_BACK else "order", order.text)
-        self.event_log.tell(kind, f"{station.role.name}: {order.text}: {text}", station, fact)
+        by = self.event_log.signature(station)
+        self.event_log.tell(kind, f"{by}: {order.text}: {text}", station, fact)
 
     def _obey_due(self) -> bool:
         """Carry out the orders that are due; return whether they stop time before a tick."""
@@ -380,6 +385,7 @@ class Session:
             return False
         self.event_log.tell("moment", self.history.arrive())
         self._judge_hull()
+        self.conduct.look()
         self.time.pacer.freeze()
         self.control.steps = 0
         self._show()
@@ -433,14 +439,15 @@ class Session:
             self._row()
         self.sending.offer(tick, state, self._pace)
         for text in self.monitor.look(self.boat):
-            self.event_log.tell("watch", text)
+            self.event_log.alert("watch", text)
         for text in self.pilot.look(self.boat):
-            self.event_log.tell("pilot", text)
+            self.event_log.alert("pilot", text)
         self._call_depth()
         self._judge_hull()
+        if self.history.rerun is None:
+            self.conduct.look()
         if tick >= self.crew.due:
-            for telling in self.crew.missing(tick, self._attended):
-                self.event_log.tell(telling.kind, telling.text, fact=telling.fact)
+            self._say(self.crew.missing(tick, self._attended))
         if self.crew.meeting and self.crew.swing_met() and not self.history.rerun:
             who, order = self.crew.meeting, AMIDSHIPS
             self.event_log.tell("order", f"{who}: swing met: {self._carry_out(order, who)}")
@@ -469,7 +476,7 @@ class Session:
     def _tell_depth(self, words: str, fact: Fact) -> None:
         """Tell what the depth has come to, with its tick."""
         place = f"tick {self.boat.ticks} ({self.boat.time:g} s)"
-        self.event_log.tell("depth", f"{place}: {words}", fact=fact)
+        self.event_log.alert("depth", f"{place}: {words}", fact)
 
     def _as_kept(self, answer: Reply) -> Reply:
         """Return an answer with a word on it if what it answers is not recorded."""

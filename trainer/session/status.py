@@ -41,7 +41,7 @@ def status_lines(boat: Boat, ledger: Summary) -> list[str]:
             f"rate {s.zdot:+.2f} m/s down"
         ),
         (
-            f"course  {course(seen.course_deg, 2):>8}     "
+            f"heading {course(seen.course_deg, 2):>8}     "
             f"ordered {course(math.degrees(s.ordered_psi), 1)}   "
             f"rate {math.degrees(s.psidot):+.2f} deg/s"
         ),
@@ -77,9 +77,12 @@ def casualty_lines(boat: Boat) -> list[str]:
     shown = casualties.readings(boat)
     instruments = (
         f"instruments: depth {shown.depth:.1f} m, "
-        f"course {course(math.degrees(shown.heading), 1)}, log {shown.speed / KNOT:.1f} kn"
+        f"heading {course(math.degrees(shown.heading), 1)}, log {shown.speed / KNOT:.1f} kn"
     )
-    kinds = ", ".join(f"{each.kind} {each.amount:.3g}" for each in casualties.active(boat))
+    kinds = ", ".join(
+        f"{each.kind} {casualties.describe(boat, each.kind, each.amount)}".rstrip()
+        for each in casualties.active(boat)
+    )
     if not kinds:
         return [instruments]
     return [instruments, *textwrap.wrap(f"casualties: {kinds}", WIDTH, subsequent_indent="  ")]

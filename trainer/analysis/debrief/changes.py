@@ -212,5 +212,5 @@ def with_outcome(card: Scorecard, outcome: str) -> Scorecard:
     cap, whole = caps[outcome], before_gate(verdict)
     total = whole if cap is None else min(whole, cap)
     reason = "" if outcome == "won" else verdict.reason
-    verdict = replace(verdict, outcome=outcome, reason=reason, cap=cap, void=False)
+    verdict = replace(verdict, outcome=outcome, reason=reason, cap=cap, void=False, free=False)
     return replace(card, total=total, verdict=verdict)

@@ -9,13 +9,11 @@ import numpy as np
 
 from trainer.analysis.debrief.changes import WIDTH, Change, changed_card, read_changes
 from trainer.analysis.debrief.episodes import (
-    SCHEDULE,
     Deflection,
     Episode,
     answer_to,
     crew_orders,
     deflection,
-    name_of,
     spells,
 )
 from trainer.analysis.debrief.judgement import WIDTHS, judge, plain_marks
@@ -38,7 +36,6 @@ from trainer.io.recording.recording import Branch, Journalled, Noted, Recording
 from trainer.session.header import layout_of, plan_of, trainees_of
 from trainer.session.plan import Plan
 
-FREEING: Final = frozenset({"casualty", "allow"})  # orders by hand after which there are no marks
 GAP: Final = "not recorded"  # begins why a branch was begun that nobody wound back to
 ECHOES: Final = frozenset({"order", "exercise"})  # events that repeat an order of the journal
 
@@ -72,14 +69,6 @@ class Ticks:
 
 
 @dataclass(frozen=True)
-class Standing:
-    """What a run counts for, each "" or why: a free run has no marks, a practice no record."""
-
-    free: str = ""
-    practice: str = ""
-
-
-@dataclass(frozen=True)
 class Compared:
     """A run beside that of the reference crew."""
 
@@ -105,7 +94,7 @@ class DebriefData:
     events: tuple[Noted, ...]  # of this past, without those that repeat an order
     ticks: Ticks
     width: str = "qualified"  # of the bands, as it was judged first
-    standing: Standing = Standing()
+    practice: str = ""  # why it is none of the record: it was wound back
     trainees: tuple[str, ...] = ()
     read_backs: tuple[ReadBack, ...] = ()
     changes: tuple[Change, ...] = ()  # of the instructor's
@@ -130,7 +119,12 @@ class DebriefData:
     @property
     def total(self) -> float | None:
         """Return the marks of all [%], None where nothing counts or the run is free."""
-        return None if self.standing.free else self.final.total
+        return self.final.total
+
+    @property
+    def free(self) -> bool:
+        """Return whether the run is flown without marks."""
+        return bool(self.final.verdict and self.final.verdict.free)
 
     @property
     def losses(self) -> tuple[Loss, ...]:
@@ -179,7 +173,7 @@ def gather(
         events=tuple(events_of(recording, branches, branch)),
         ticks=ticks_of(trajectory),
         width=width,
-        standing=standing_of(trajectory, plan, branches, branch),
+        practice=practice_of(plan, branches, branch),
         trainees=trainees_of(header),
         read_backs=read_backs(trajectory),
         changes=changes,
@@ -201,7 +195,7 @@ def compared(
             raise ConfigError("--reference-from: this exercise has no reference crew and no end")
         return debrief
     fault = None
-    if not debrief.standing.free:
+    if not debrief.free:
         fault = first_fault(debrief.trajectory, debrief.card, reference, plan, width)
     from_here = None
     if seconds is not None:
@@ -234,31 +228,17 @@ def width_of(header: Mapping[str, str]) -> str:
     return width if width in WIDTHS else "qualified"
 
 
-def standing_of(
-    trajectory: Trajectory, plan: Plan, branches: list[Branch], branch: Branch
-) -> Standing:
-    """Return what a run counts for: a fault or an automatic brought by hand leaves no marks."""
-    if not plan.judged_by_tasks:
-        return Standing()
-    step = plan.method.step
-    free = next(
-        (
-            f"{each.text} at {each.tick * step:g} s, by {each.who}"
-            for each in trajectory.orders
-            if each.accepted and each.who != SCHEDULE and name_of(each) in FREEING
-        ),
-        "",
-    )
+def practice_of(plan: Plan, branches: list[Branch], branch: Branch) -> str:
+    """Return how a run was wound back, "" for one that was not, or to its start alone."""
     wound = (each for each in _ancestry(branches, branch) if each.tick > 0)
-    practice = next(
+    return next(
         (
-            f"{each.why}, to {each.tick * step:g} s"
+            f"{each.why}, to {each.tick * plan.method.step:g} s"
             for each in wound
-            if not each.why.startswith(GAP)
+            if plan.judged_by_tasks and not each.why.startswith(GAP)
         ),
         "",
     )
-    return Standing(free, practice)
 
 
 def _ancestry(branches: list[Branch], branch: Branch) -> Iterator[Branch]:

@@ -27,7 +27,7 @@ def figures(debrief: DebriefData) -> dict[str, Any]:
         "seed": debrief.plan.seed,
         "width": debrief.width,
         "by_hand": list(debrief.plan.hand),
-        "standing": asdict(debrief.standing),
+        "practice": bool(debrief.practice),
         "seconds": float(debrief.trajectory.seconds[-1]),
         "total": debrief.total,
         "deviation": deviation_of(debrief),

@@ -131,14 +131,14 @@ def computed(path: Path) -> Came:
 
 def came_of(debrief: DebriefData) -> Came:
     """Return what a run came to, as the instructor has changed it."""
-    verdict, standing = debrief.final.verdict, debrief.standing
+    verdict = debrief.final.verdict
     return Came(
         exercise=debrief.plan.title,
         seed=debrief.plan.seed,
         width=debrief.width,
         outcome=verdict.outcome if verdict else "",
         total=debrief.total,
-        counts=not (standing.free or standing.practice),
+        counts=not (debrief.free or debrief.practice),
         changed=debrief.changed is not None,
     )
 

@@ -11,11 +11,13 @@ from typing import Final
 
 import numpy as np
 
-from trainer.analysis.debrief.measures import LIMITED, limits_of, rows_beyond
+from trainer.analysis.debrief.episodes import SCHEDULE, name_of
+from trainer.analysis.debrief.measures import limits_of, rows_beyond
 from trainer.analysis.debrief.scoring import Scorecard, Scored, Verdict, score
 from trainer.analysis.debrief.trajectory import Rows, Trajectory
 from trainer.analysis.report.svg import clock
 from trainer.boat.depths import lowest_depth
+from trainer.boat.limits import BEYOND
 from trainer.config.exercise import Loss
 from trainer.config.score_rules import Rule, Score
 from trainer.session.plan import Plan
@@ -27,6 +29,7 @@ ENOUGH: Final = 50.0  # [%] of a task that is carried out
 SETTLED: Final = 80.0  # [%] of the time
 KEPT_SHARE: Final = 0.3  # of the total, by how the boat was kept
 WIDTHS: Final[Mapping[str, float]] = {"qualified": 1.0, "basic": 1.5}
+FREEING: Final = frozenset({"allow", "casualty"})  # orders after which there are no marks
 MOST_NOBODY: Final = 50.0  # [%] a task worth having gives with nobody aboard
 
 
@@ -37,9 +40,7 @@ def judge(
     rules = widened(plan.scores, width)
     if not plan.judged_by_tasks:
         return score(trajectory, rules)
-    scores = tuple(
-        _less_nobody(_flown(each), nobody) for each in score(trajectory, rules).scores
-    )
+    scores = tuple(_less_nobody(_flown(each), nobody) for each in score(trajectory, rules).scores)
     scores = tuple(_answered(each, scores) for each in scores)
     tasks = _mean([(each.rule.weight, each.earned) for each in scores if each.earned is not None])
     kept = [
@@ -51,7 +52,7 @@ def judge(
     verdict = _verdict(trajectory, plan, scores, (tasks, keeping))
     total = tasks * (1.0 - KEPT_SHARE + KEPT_SHARE * keeping / 100.0)
     total = total if verdict.cap is None else min(total, verdict.cap)
-    return Scorecard(scores, None if verdict.void else total, verdict)
+    return Scorecard(scores, None if verdict.void or verdict.free else total, verdict)
 
 
 def plain_marks(trajectory: Trajectory, plan: Plan, width: str = "qualified") -> dict[str, float]:
@@ -122,7 +123,9 @@ def _verdict(
     undone = [each.name for each in scores if not _carried_out(each)]
     cap = LOST_CAP if lost else GATE_CAP if gate else None
     outcome, reason = "won", ""
-    if lost:
+    if free := _free(trajectory):
+        outcome, reason = "free", free
+    elif lost:
         outcome, reason = "lost", lost
     elif gate:
         outcome, reason = "not reached", gate
@@ -130,7 +133,18 @@ def _verdict(
         outcome, reason = "not reached", ", ".join(undone)
     elif early := _cut_short(trajectory, plan):
         outcome, reason = "not reached", early
-    return Verdict(outcome, reason, tasks, keeping, gate, cap, bool(turned))
+    return Verdict(outcome, reason, tasks, keeping, gate, cap, bool(turned), bool(free))
+
+
+def _free(trajectory: Trajectory) -> str:
+    """Return what made the run free of marks: something let be automatic, or broken by hand."""
+    for each in trajectory.orders:
+        if each.accepted is False or each.who == SCHEDULE:
+            continue
+        if name_of(each) in FREEING:
+            seconds = each.tick * trajectory.boat.method.step
+            return f"{each.text} at {clock(seconds)}, by {each.who}"
+    return ""
 
 
 def _carried_out(each: Scored) -> bool:
@@ -171,10 +185,7 @@ def _broken(trajectory: Trajectory) -> Iterator[str]:
     for name in limits_of(trajectory):
         row = first_for(rows_beyond(trajectory, name), GATE_S, trajectory)
         if row is not None:
-            what = LIMITED[name.rpartition("_")[0]]
-            side = "above" if name.endswith("_max") else "below"
-            limit = getattr(trajectory.limits, name)
-            told = f"{what.name} {side} {limit:g} {what.unit}"
+            told = BEYOND[name].format(getattr(trajectory.limits, name))
             yield f"{told} at {clock(float(trajectory.seconds[row]))}"
 
 

@@ -45,6 +45,8 @@ def _by_gate(card: Scorecard) -> Iterator[Loss]:
     if verdict is None:
         return
     whole = before_gate(verdict)
+    if verdict.free:
+        return
     if verdict.void:
         yield Loss(whole, f"The boat turned over: {verdict.reason}. All marks are void.")
     elif verdict.cap is not None and whole > verdict.cap:

@@ -88,7 +88,9 @@ def _drawings(debrief: DebriefData) -> Markup:
     ground, beside = ground_of(debrief), runs_beside(debrief)
     drawn = [draw_timeline(debrief, ground)]
     drawn += [draw(chart, ground) for chart in charts_of(debrief.trajectory, beside)]
-    return Markup().join([sections.legend(debrief), charts([*drawn, draw_track(debrief)])])
+    return Markup().join(
+        [sections.legend(debrief), charts([*drawn, draw_track(debrief, ground, beside)])]
+    )
 
 
 HEAD = 2000  # [characters] in which a page of ours says that it is

@@ -116,13 +116,14 @@ class Scored:
 class Verdict:
     """How an exercise ended, and what the total is made of."""
 
-    outcome: str  # won, lost or not reached
+    outcome: str  # won, lost, not reached or free
     reason: str  # "" where it was won
     tasks: float  # [%] T
     keeping: float  # [%] K
     gate: str  # the limit that was broken, "" if none was
     cap: float | None  # [%] most that is left by gate or loss
     void: bool  # the boat turned over: there are no marks
+    free: bool  # the instructor let something be automatic, or broke it by hand: no marks either
 
 
 @dataclass(frozen=True)

@@ -67,12 +67,10 @@ def _sureness(debrief: DebriefData) -> str:
 
 def _beside_marks(debrief: DebriefData) -> Iterator[str]:
     """Yield what is to be known about the marks, a sentence or two each."""
-    card, standing = debrief.final, debrief.standing
-    if standing.free:
-        yield f"A free run, flown without marks: {standing.free}."
-    if standing.practice:
-        yield f"Practice: this run was wound back ({standing.practice})."
-    if card.verdict is not None and not standing.free:
+    card = debrief.final
+    if debrief.practice:
+        yield f"Practice: this run was wound back ({debrief.practice})."
+    if card.verdict is not None:
         yield made_of(card.verdict)
     if debrief.changed is not None:
         yield f"Changed by the instructor; before: {said_card(debrief.card)}."
@@ -113,6 +111,8 @@ def made_of(verdict: Verdict) -> str:
     told = f"Tasks {verdict.tasks:.0f}, less nobody aboard; keeping {verdict.keeping:.0f}"
     if verdict.void:
         return f"{told}. The boat turned over: the marks are void."
+    if verdict.free:
+        return f"{told}. A free run has no marks."
     if verdict.cap is not None:
         why = "the exercise was lost" if verdict.outcome == "lost" else "a limit was broken"
         return f"{told}. At most {verdict.cap:.0f}: {why}."
@@ -134,7 +134,7 @@ def moment(debrief: DebriefData) -> Markup:
         return paragraph("This exercise has no reference crew to compare with.")
     fault = found.fault
     if fault is None:
-        free = "A free run is not compared." if debrief.standing.free else ""
+        free = "A free run is not compared." if debrief.free else ""
         return paragraph(
             free or "It did not: every task is about as well done as the reference crew's."
         )
@@ -146,7 +146,7 @@ def moment(debrief: DebriefData) -> Markup:
 
 def cost(debrief: DebriefData) -> Markup:
     """Return what cost most, and what the reference crew would have had."""
-    if debrief.standing.free:
+    if debrief.free:
         return paragraph("A free run has no marks.")
     items = Markup().join(Markup("<li>{}</li>").format(each.told) for each in debrief.losses)
     lines = [Markup("<ol>{}</ol>").format(items) if items else paragraph("Nothing.")]

@@ -1,4 +1,4 @@
-"""The track of a debrief: the way over the ground, north up, a circle round."""
+"""The track of a debrief: the way over the ground from above, a turning circle round."""
 
 from collections.abc import Iterator
 from typing import Final
@@ -6,88 +6,95 @@ from typing import Final
 import numpy as np
 from markupsafe import Markup
 
-from trainer.analysis.debrief.charts import ACTUAL, runs_beside
+from trainer.analysis.debrief.charts import Beside
 from trainer.analysis.debrief.data import DebriefData
-from trainer.analysis.debrief.trajectory import Trajectory
 from trainer.analysis.report.svg import (
-    LEFT,
-    RIGHT,
-    TOP,
     WIDTH,
     Axis,
+    Ground,
+    clock,
     rule,
     step_of,
     svg,
     text,
-    ticks,
 )
 from trainer.core.kernel import Numbers
 
-HEIGHT: Final = 340.0  # [px]
-BOTTOM: Final = 24.0
-POINTS: Final = 800  # of a line
-LEAST: Final = 100.0  # [m] that is shown at least
-
-Way = tuple[str, Numbers, Numbers]  # style, east, north [m]
-
-
-def draw_track(debrief: DebriefData) -> Markup:
-    """Return the way over the ground as an SVG element, both scales the same."""
-    end = int(debrief.trajectory.ticks[-1])
-    ways = [_way(run.trajectory, run.style, end) for run in runs_beside(debrief)]
-    ways.append(_way(debrief.trajectory, ACTUAL, end))
-    across, up = _same_scale(ways)
-    parts = [text("title", LEFT, 16.0, "Track, north up [m]"), *_grid(across, up)]
-    parts += [_draw(way, across, up) for way in ways]
-    _, east, north = ways[-1]
-    parts.append(text("tick", across.at(east[0]) + 6.0, up.at(north[0]) + 4.0, "start"))
-    parts.append(text("tick", across.at(east[-1]) + 6.0, up.at(north[-1]) + 4.0, "end"))
-    return svg("Track over the ground", (WIDTH, HEIGHT), parts)
+TALL: Final = 420.0  # [px] of the track
+SIDE, HEAD, FOOT = 10.0, 26.0, 30.0  # [px] about it
+LEAST: Final = 400.0  # [m] across the shorter way
+EVERY: Final = (10.0, 30.0, 60.0, 300.0, 600.0, 1800.0)  # [s] between its marks of time
+TRACKED: Final = 1600  # points of it
+TICKED: Final = 12  # of them at most
+SCALE: Final = 0.2  # of the width, the longest rule
 
 
-def _way(trajectory: Trajectory, style: str, end: int) -> Way:
-    """Return the way of a run up to a tick, in as many points as are drawn."""
-    last = trajectory.row(end) + 1
-    rows = np.unique(np.linspace(0, last - 1, min(last, POINTS)).astype(int))
-    return style, trajectory.columns["y"][rows], trajectory.columns["x"][rows]
+def draw_track(debrief: DebriefData, ground: Ground, beside: tuple[Beside, ...] = ()) -> Markup:
+    """Return the track from above as an SVG element, north up, equal scales both ways."""
+    column = debrief.trajectory.columns
+    good = np.isfinite(column["x"]) & np.isfinite(column["y"])
+    north, east, seconds = column["x"][good], column["y"][good], ground.seconds[good]
+    if not seconds.size:
+        return Markup()
+    others = [_way_of(run, float(seconds[-1])) for run in beside]
+    across, up = _equal_axes(
+        np.concatenate([east, *(way[0] for way in others)]),
+        np.concatenate([north, *(way[1] for way in others)]),
+    )
+    x, y = across.places(east), up.places(north)
+    parts = [text("title", SIDE, 16.0, "Track [m], north up")]
+    for run, way in zip(beside, others, strict=True):
+        parts.append(_path(run.style, across.places(way[0]), up.places(way[1])))
+    parts.append(_path("actual", x, y))
+    for begin, end in ground.spans:
+        inside = (seconds >= begin) & (seconds <= end)
+        if inside.any():
+            parts.append(_path("broken", x[inside], y[inside]))
+    step = next((s for s in EVERY if seconds[-1] / s <= TICKED), EVERY[-1])
+    for second in np.arange(0.0, float(seconds[-1]) + 1e-9, step):
+        place = int(np.searchsorted(seconds, second))
+        parts.append(f'<circle class="axis" cx="{x[place]:.1f}" cy="{y[place]:.1f}" r="2.5"/>')
+        parts.append(text("tick", x[place] + 6.0, y[place] - 4.0, clock(float(second))))
+    return svg("The track from above", (WIDTH, TALL), [*parts, *_rule_of(across)])
 
 
-def _same_scale(ways: list[Way]) -> tuple[Axis, Axis]:
-    """Return the axes east and north, as many metres to a pixel in both."""
-    wide, high = WIDTH - LEFT - RIGHT, HEIGHT - TOP - BOTTOM
-    ends = [
-        (float(np.min(each)), float(np.max(each)))
-        for each in (
-            np.concatenate([way[1] for way in ways]),
-            np.concatenate([way[2] for way in ways]),
-        )
-    ]
-    (west, east), (south, north) = ends
-    scale = 1.08 * max((east - west) / wide, (north - south) / high, LEAST / high)
-    x, y = 0.5 * (west + east), 0.5 * (south + north)
-    half, tall = 0.5 * scale * wide, 0.5 * scale * high
+def _way_of(run: Beside, end: float) -> tuple[Numbers, Numbers]:
+    """Return the way of another run up to a time [s]: east and north [m]."""
+    column = run.trajectory.columns
+    good = np.isfinite(column["x"]) & np.isfinite(column["y"])
+    good &= run.trajectory.seconds <= end + 1e-6
+    return column["y"][good], column["x"][good]
+
+
+def _equal_axes(east: Numbers, north: Numbers) -> tuple[Axis, Axis]:
+    """Return axes of one scale about the whole track: a turning circle is round."""
+    wide, high = WIDTH - 2.0 * SIDE, TALL - HEAD - FOOT
+    metres = 1.12 * max(float(np.ptp(east)) / wide, float(np.ptp(north)) / high)
+    metres = max(metres, LEAST / min(wide, high))
+    middle_e = 0.5 * (float(east.min()) + float(east.max()))
+    middle_n = 0.5 * (float(north.min()) + float(north.max()))
+    half_e, half_n = 0.5 * metres * wide, 0.5 * metres * high
     return (
-        Axis(x - half, x + half, LEFT, WIDTH - RIGHT),
-        Axis(y - tall, y + tall, HEIGHT - BOTTOM, TOP),
+        Axis(middle_e - half_e, middle_e + half_e, SIDE, WIDTH - SIDE),
+        Axis(middle_n - half_n, middle_n + half_n, TALL - FOOT, HEAD),
     )
 
 
-def _grid(across: Axis, up: Axis) -> Iterator[str]:
-    """Yield the lines of both axes, equally far apart, with their labels."""
-    step = step_of(up.high - up.low, 6)
-    for value in ticks(up.low, up.high, step):
-        yield rule("grid", LEFT, up.at(value), WIDTH - RIGHT, up.at(value))
-        yield text("tick end", LEFT - 6.0, up.at(value) + 4.0, f"{value + 0.0:g}")
-    for value in ticks(across.low, across.high, step):
-        x = across.at(value)
-        yield rule("grid", x, TOP, x, HEIGHT - BOTTOM)
-    coarse = step_of(across.high - across.low, 10)
-    for value in ticks(across.low, across.high, coarse):
-        yield text("tick middle", across.at(value), HEIGHT - BOTTOM + 16.0, f"{value + 0.0:g}")
+def _path(style: str, x: Numbers, y: Numbers) -> str:
+    """Return a line through places [px], about one point in so many as can be told apart."""
+    every = max(x.size // TRACKED, 1)
+    rows = [*range(0, x.size, every), x.size - 1]
+    told = "L".join(f"{x[i]:.1f} {y[i]:.1f}" for i in rows)
+    return f'<path class="line {style}" d="M{told}"/>'
 
 
-def _draw(way: Way, across: Axis, up: Axis) -> str:
-    style, east, north = way
-    places = zip(across.places(east), up.places(north), strict=True)
-    points = "L".join(f"{x:.1f} {y:.1f}" for x, y in places)
-    return f'<path class="line {style}" d="M{points}"/>'
+def _rule_of(across: Axis) -> Iterator[str]:
+    """Yield a rule of a round length, with that length."""
+    pixels = (across.end - across.begin) / (across.high - across.low)  # [px/m]
+    length = step_of(SCALE * WIDTH / pixels, 1)
+    length = length if length * pixels <= 2.0 * SCALE * WIDTH else 0.5 * length
+    bottom = TALL - 10.0
+    yield rule("axis", SIDE, bottom, SIDE + length * pixels, bottom)
+    for end in (SIDE, SIDE + length * pixels):
+        yield rule("axis", end, bottom - 4.0, end, bottom + 4.0)
+    yield text("tick", SIDE + length * pixels + 8.0, bottom + 4.0, f"{length:g} m")

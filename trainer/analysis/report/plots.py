@@ -16,6 +16,8 @@ from trainer.io.atomic_write import replacing
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
+TRACK: Final = "track"  # title of a panel with one scale both ways
+DEPTHS: Final = frozenset({"z", "ordered_depth", "depth", "depth_m"})  # larger is lower
 FORMS: Final = (".png", ".svg", ".pdf")
 COLOURS: Final = ("#000000", "#D55E00", "#0072B2", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")
 # five beside seven colours: 35 pairs before one recurs
@@ -176,5 +178,9 @@ def _draw_panel(panel: Panel, axes: "Axes") -> None:
     axes.set_title(panel.title, fontsize=10.0, loc="left")
     axes.set_xlabel(panel.x)
     axes.set_ylabel(panel.y)
+    if set(panel.title.split(", ")) <= DEPTHS:
+        axes.invert_yaxis()
+    if panel.title == TRACK:
+        axes.set_aspect("equal", adjustable="datalim")  # a turning circle is round
     if len(panel.curves) > 1:  # beside the axes, where it hides nothing
         axes.legend(fontsize=8.0, loc="upper left", bbox_to_anchor=(1.01, 1.0))

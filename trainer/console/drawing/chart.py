@@ -62,6 +62,9 @@ class Sheet:
 
 SCALE: Final = 6  # [columns] for the numbers at the side
 DASH: Final = "╌"
+TICKS: Final = (10.0, 30.0, 60.0, 120.0, 300.0, 600.0)  # [s] between marks of time
+APART: Final = 9  # [columns] between marks at least
+AXIS: Final = 4  # [rows] of a chart from which on it has an axis of time
 STEPS: Final = (1.0, 2.0, 5.0)
 LEAST: Final = 10  # [columns]
 
@@ -78,15 +81,35 @@ def strip(quantity: int, model: SessionModel, span: float, width: int, height: i
     actual = whole([each.actual if each else None for each in series], series)
     ordered = whole([each.ordered if each else None for each in series], series)
     low, high = limits([*actual, *ordered], drawn.least)
-    plot = Plot(low, high, columns, rows)
-    return [title, *plot.lines(actual, ordered, drawn)]
+    axis = [time_axis(span, columns)] if rows >= AXIS else []
+    plot = Plot(low, high, columns, rows - len(axis))
+    return [title, *plot.lines(actual, ordered, drawn), *axis]
+
+
+def time_axis(span: float, columns: int) -> Line:
+    """Return marks of time below a chart: how long ago, the present at the right end."""
+    step = next((s for s in TICKS if s / span * (columns - 1) >= APART), TICKS[-1])
+    signs = ["─"] * columns
+    for k in range(int(span / step) + 1):
+        column = columns - 1 - round(k * step / span * (columns - 1))
+        signs[column] = "┴"
+        text = "now" if k == 0 else ago(k * step)
+        start = column - len(text) if k == 0 else column + 1
+        if start >= 0 and start + len(text) < columns:
+            signs[start : start + len(text)] = text
+    return line((f"{'':>{SCALE}}└{''.join(signs)}", "dim"))
+
+
+def ago(seconds: float) -> str:
+    """Return how long ago, such as -30s or -2min."""
+    return f"-{seconds:g}s" if seconds < 60.0 or seconds % 60.0 else f"-{seconds / 60.0:g}min"
 
 
 def headline(drawn: Quantity, model: SessionModel, span: float, width: int) -> Line:
     """Return the name of the chart, its value and what is ordered."""
     says = format_quantity(drawn)
     actual = says(model.picture.number(*drawn.actual))
-    ordered = says(model.picture.number(*drawn.ordered)) if drawn.ordered else NONE
+    ordered = says(model.ordered(drawn))
     told = "" if ordered == NONE else f" {DASH}{DASH} {ordered}"
     name = drawn.name if width > 34 else drawn.name[:7]
     inks = ("heading", "heading-value", "heading-ordered")
@@ -170,7 +193,7 @@ class Plot:
         self._trace(sheet, actual, down=down)
         dashed = self._dashes(ordered, down=down)
         return [
-            (*self._scale(row, drawn, down=down), *merge(sheet.text(row), dashed[row]))
+            (*self._scale(row, drawn, down=down), *merge(sheet.text(row), dashed.text(row)))
             for row in range(self._rows)
         ]
 
@@ -189,15 +212,13 @@ class Plot:
                 points.append((x, self._place(value, sheet.down, down=down)))
         sheet.stroke(points)
 
-    def _dashes(self, values: Sequence[float | None], *, down: bool) -> list[list[bool]]:
-        """Return where the dashes of the ordered value go."""
-        rows = [[False] * self._columns for _ in range(self._rows)]
-        for column in range(self._columns):
-            value = values[column * ACROSS]
-            if value is not None:
-                place = round(self._place(value, self._rows * DOWN, down=down)) // DOWN
-                rows[min(max(place, 0), self._rows - 1)][column] = True
-        return rows
+    def _dashes(self, values: Sequence[float | None], *, down: bool) -> Sheet:
+        """Return the ordered value in dashes, every second column, as high as the actual one."""
+        sheet = Sheet(self._columns, self._rows)
+        for x, value in enumerate(values):
+            if value is not None and x // ACROSS % 2 == 0:
+                sheet.dot(x, self._place(value, sheet.down, down=down))
+        return sheet
 
     def _scale(self, row: int, drawn: Quantity, *, down: bool) -> Line:
         """Return the number at the side of a row: the ends of the range."""
@@ -209,11 +230,11 @@ class Plot:
         return line((f"{text:>{SCALE}}┊", "dim"))
 
 
-def merge(dots: str, dashes: Sequence[bool]) -> tuple[Run, ...]:
+def merge(dots: str, dashes: str) -> tuple[Run, ...]:
     """Return a row of dots with dashes where there is no dot."""
     runs: list[Run] = []
     for dot, dash in zip(dots, dashes, strict=True):
-        text, ink = (DASH, "ordered") if dash and dot == " " else (dot, "plain")
+        text, ink = (dash, "ordered") if dash != " " and dot == " " else (dot, "plain")
         if runs and runs[-1][1] == ink:
             runs[-1] = runs[-1][0] + text, ink
         else:

@@ -1,10 +1,11 @@
 """The instruments of the stations: large numbers, scales of surfaces, the engine telegraph."""
 
-from typing import Final
+from collections.abc import Sequence
+from typing import Final, NamedTuple
 
+from trainer.console.drawing.crew_orders import beside, depth_text, depth_unit, pitch_beside
 from trainer.console.drawing.gauges import interpolate
 from trainer.console.drawing.values import (
-    NONE,
     SHORT_BELLS,
     attitude,
     course,
@@ -13,7 +14,7 @@ from trainer.console.drawing.values import (
     without,
 )
 from trainer.console.model import SessionModel
-from trainer.console.pane import Line, Lines, Run, fit, line
+from trainer.console.pane import Line, Lines, Run, fit, length, line
 
 DIGITS: Final = {
     "0": ("┏━┓", "┃ ┃", "┗━┛"),
@@ -43,15 +44,37 @@ def large(text: str) -> tuple[str, str, str]:
     return upper, middle, lower
 
 
-def dial(label: str, text: str, ordered: str, unit: str) -> Lines:
+class Gauge(NamedTuple):
+    """What an instrument shows: its name, its value, its unit, and what is ordered."""
+
+    axis: str  # of the order
+    label: str
+    text: str
+    unit: str
+    automatic: str  # what the autopilot keeps, "" for nothing
+
+
+def dial(model: SessionModel, gauge: Gauge, room: int) -> Lines:
     """Return a large number with its label, and what is ordered below it."""
-    told = "" if ordered == NONE else f"ordered {ordered}"
-    heading = line((f" {label}", "heading"), (f"  {unit}", "heading-dim"))
     return [
-        heading,
-        *(line((f" {row}", "value")) for row in large(text)),
-        line((f" {told}", "ordered")),
+        line((f" {gauge.label}", "heading"), (f"  {gauge.unit}", "heading-dim")),
+        *(line((f" {row}", "value")) for row in large(gauge.text)),
+        beside(model, gauge.axis, gauge.automatic, room),
     ]
+
+
+def small_dial(model: SessionModel, gauge: Gauge, width: int) -> Line:
+    """Return an instrument in one row."""
+    shown = line(
+        (f" {gauge.label:<8}", "dim"), (f"{gauge.text:>6}", "value"), (f" {gauge.unit:<4}", "dim")
+    )
+    return fit((*shown, *beside(model, gauge.axis, gauge.automatic, width - length(shown))), width)
+
+
+def dials(model: SessionModel, gauges: Sequence[Gauge], width: int) -> Lines:
+    """Return large numbers beside each other."""
+    room = width // max(len(gauges), 1)
+    return side_by_side([dial(model, gauge, room) for gauge in gauges], width)
 
 
 def side_by_side(dials: list[Lines], width: int) -> Lines:
@@ -74,32 +97,37 @@ def side_by_side(dials: list[Lines], width: int) -> Lines:
     ]
 
 
-def depth_dial(model: SessionModel) -> Lines:
+def depth_gauge(model: SessionModel) -> Gauge:
     """Return the depth gauge."""
-    ordered = number(model.picture.number("diving", "ordered_depth"))
-    return dial("depth", number(interpolate(model, "depth")), ordered, "m")
+    ordered = model.picture.number("diving", "ordered_depth")
+    kept = "" if ordered is None else depth_text(model, ordered)
+    shown = depth_text(model, interpolate(model, "depth"))
+    return Gauge("depth", "depth", shown, depth_unit(model), kept)
 
 
-def course_dial(model: SessionModel) -> Lines:
+def compass(model: SessionModel) -> Gauge:
     """Return the compass."""
-    ordered = course(model.picture.number("steering", "ordered_course"))
-    return dial("course", course(interpolate(model, "heading"), 1), ordered, "deg")
+    ordered = model.picture.number("steering", "ordered_course")
+    kept = "" if ordered is None else course(ordered)
+    return Gauge("course", "heading", course(interpolate(model, "heading"), 1), "deg", kept)
 
 
-def speed_dial(model: SessionModel) -> Lines:
-    """Return the log."""
-    ordered = number(model.picture.number("engine", "ordered_speed"))
-    return dial("speed", number(interpolate(model, "speed")), ordered, "kn")
+def speed_log(model: SessionModel) -> Gauge:
+    """Return the log, which shows the speed through the water."""
+    ordered = model.picture.number("engine", "ordered_speed")
+    kept = "" if ordered is None else number(ordered)
+    return Gauge("speed", "speed", number(interpolate(model, "speed")), "kn", kept)
 
 
-def angles(model: SessionModel) -> Line:
-    """Return pitch and heel in words."""
-    return line(
+def angles(model: SessionModel, width: int) -> Line:
+    """Return pitch and heel in words, and the ordered pitch."""
+    shown = line(
         (" pitch ", "dim"),
         (f"{attitude(interpolate(model, 'pitch'), 'up', 'down'):<11}", "value"),
         ("heel ", "dim"),
-        (attitude(interpolate(model, "heel"), "stbd", "port"), "value"),
+        (f"{attitude(interpolate(model, 'heel'), 'stbd', 'port'):<9}", "value"),
     )
+    return (*shown, *pitch_beside(model, width - length(shown)))
 
 
 def scale(model: SessionModel, name: str, channel: str, width: int) -> Line:

@@ -36,6 +36,14 @@ def time_line(model: SessionModel, width: int, _height: int) -> Lines:
     return [(*left, *scale(model, now, end, room), *right)]
 
 
+def time_at(model: SessionModel, width: int, column: int) -> float:
+    """Return the time [s] at a column of the line of time."""
+    end = max(model.picture.seconds, model.furthest, 1.0)
+    left, right = len(" 00:00 "), len(f" {clock(end)} ")
+    share = (column - left) / max(width - left - right - 1, 1)
+    return min(max(share, 0.0), 1.0) * end
+
+
 def moments(model: SessionModel) -> list[Kept]:
     """Return what is on the time line, oldest first."""
     return sorted([*model.snapshots, *model.marks], key=lambda kept: kept.seconds)
@@ -82,18 +90,19 @@ def row(label: str, text: str) -> Line:
 
 
 def suffering(model: SessionModel, width: int, height: int) -> Lines:
-    """Return the casualties: kind, how much of what it will be, and when."""
+    """Return the casualties: kind, how much now, and how long it still comes or goes."""
     picture = model.picture
     lines = [fit(line((" casualties", "heading")), width, "heading")]
     for name in picture.rows("casualties", "casualty_"):
         if not name[-1].isdigit():
             continue
-        amount, target, left = (
-            picture.number("casualties", f"{name}_{part}") for part in ("amount", "target", "left")
+        target, left = (
+            picture.number("casualties", f"{name}_{part}") for part in ("target", "left")
         )
-        going = f" > {target:g} in {left:.0f} s" if left else ""
+        going = "" if not left else (" going" if target == 0.0 else " coming") + f", {left:.0f} s"
+        says = picture.word("casualties", f"{name}_says")
         lines.append(
-            line((f" {picture.word('casualties', name)} ", "alarm"), f" {amount or 0.0:g}{going}")
+            line((f" {picture.word('casualties', name)} ", "alarm"), f" {says}{going}".rstrip())
         )
     if len(lines) == 1:
         told = without(picture, "casualties", "none; F4 lists what can break")

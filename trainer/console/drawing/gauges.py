@@ -1,5 +1,6 @@
 """The instructor's state at a glance: the boat, her surfaces, tanks, air, the sea, casualties."""
 
+from trainer.console.drawing.crew_orders import crew_line
 from trainer.console.drawing.values import NONE, attitude, bell, course, number, surface, without
 from trainer.console.model import SessionModel
 from trainer.console.pane import Line, Lines, fit, line
@@ -12,11 +13,13 @@ TANKS = (
     ("aux", ("auxiliary",)),
     ("dc", ("depth_control",)),
 )
+WIDTH = 56  # [columns] of the state
+SHALLOW = 15.0  # [m] over the sail from which it is told
 APART = 0.5  # [m, deg, kn] from which a gauge is said to be wrong
 
 
 def state(model: SessionModel, width: int, _height: int) -> Lines:
-    """Return the state in nine lines."""
+    """Return the state in ten lines."""
     rows = [
         (depth(model), plane(model, "rudder", "steering")),
         (heading(model), plane(model, "stern", "diving")),
@@ -25,7 +28,7 @@ def state(model: SessionModel, width: int, _height: int) -> Lines:
         (heel(model), weight(model)),
     ]
     lines = [(*fit(left, LEFT), *right) for left, right in rows]
-    return [*(fit(each, width) for each in (*lines, *low(model)))]
+    return [fit(each, width) for each in (*lines, *low(model), crew_line(model, width))]
 
 
 def low(model: SessionModel) -> Lines:
@@ -64,7 +67,7 @@ def depth(model: SessionModel) -> Line:
 def heading(model: SessionModel) -> Line:
     """Return heading and ordered course."""
     ordered = course(model.picture.number("steering", "ordered_course"))
-    told = pair("course", course(interpolate(model, "heading"), 1), ordered, "")
+    told = pair("heading", course(interpolate(model, "heading"), 1), ordered, "")
     return misread(model, "heading", told)
 
 
@@ -172,7 +175,17 @@ def sea(model: SessionModel) -> Line:
     """Return the sea, and the one it is becoming."""
     now, then = swell(model, ""), swell(model, "ordered_")
     told = "" if now == then else f" > {then}"
-    return line((" sea    ", "dim"), (now, "plain"), (told, "ordered"))
+    return line((" sea    ", "dim"), (now, "plain"), *over_sail(model), (told, "ordered"))
+
+
+def over_sail(model: SessionModel) -> Line:
+    """Return the water over the sail while it is little: at periscope depth and above."""
+    water = model.picture.number("sea", "over_sail")
+    if water is None or water > SHALLOW:
+        return ()
+    if water < 0.0:
+        return line((f"; sail {-water:.1f} m OUT", "warning"))
+    return line((f"; {number(water)} m over sail", "plain"))
 
 
 def swell(model: SessionModel, which: str) -> str:
@@ -187,9 +200,16 @@ def swell(model: SessionModel, which: str) -> str:
 
 def casualty_names(model: SessionModel) -> Line:
     """Return the names of the casualties."""
-    slots = [name for name in model.picture.rows("casualties", "casualty_") if name[-1].isdigit()]
-    names = [model.picture.word("casualties", name) for name in slots]
+    picture = model.picture
+    slots = [name for name in picture.rows("casualties", "casualty_") if name[-1].isdigit()]
+    names = [
+        f"{picture.word('casualties', name)} {picture.word('casualties', f'{name}_says')}".rstrip()
+        for name in slots
+    ]
     if not names:
         told = without(model.picture, "casualties", "nothing; F4 lists what can be")
         return line((" broken ", "dim"), (told, "plain"))
-    return line((" broken ", "dim"), (f" {', '.join(names)} ", "alarm"))
+    told = ", ".join(names)
+    if len(told) > WIDTH - len(" broken   "):
+        told = ", ".join(picture.word("casualties", name) for name in slots)
+    return line((" broken ", "dim"), (f" {told} ", "alarm"))

@@ -1,20 +1,26 @@
 """The first line of a screen, and what each station shows above its charts."""
 
+from collections.abc import Sequence
 from typing import Final
 
+from trainer.console.drawing.crew_orders import order_line
 from trainer.console.drawing.dials import (
     angles,
-    course_dial,
-    depth_dial,
+    compass,
+    depth_gauge,
+    dials,
     scale,
-    side_by_side,
-    speed_dial,
+    small_dial,
+    speed_log,
     telegraph,
 )
 from trainer.console.journal import clock
 from trainer.console.model import SessionModel
 from trainer.console.pane import Line, Lines, beside, fit, length, line
 
+PLANES: Final = 9  # [rows] with room for large numbers
+GAUGES: Final = 7
+GAP: Final = 1  # [columns] between keys
 SILENCE: Final = 2.0  # [s] of a session that runs, after which it is called out
 
 
@@ -27,8 +33,8 @@ def top(model: SessionModel, width: int, _height: int) -> Lines:
         return [fit(line((f" {model.role} ", "bright"), ("making ready", "bar")), width, "bar")]
     clockwork = f"{clock(model.picture.seconds)} "
     left = (*line((f" {model.role} ", "bright"), (clockwork, "bright")), *pace(model))
-    told = title(model)
-    room = width - length(left)
+    told, room = title(model), width - length(left)
+    told = told if len(told) <= room else f" {told.rpartition('  ')[2]}"
     return [beside(left, line((told if len(told) <= room else "", "bar")), width, "bar")]
 
 
@@ -65,70 +71,117 @@ def pace(model: SessionModel) -> Line:
 
 
 def title(model: SessionModel) -> str:
-    """Return what the session calls itself."""
-    return f" {model.briefing[0]} " if model.briefing else ""
+    """Return what the session calls itself, and how much of the exercise is left or how it went."""
+    named = model.exercise.get("title") or (model.briefing[0] if model.briefing else "")
+    if model.outcome:
+        return f" {named}  EXERCISE OVER: {model.outcome} "
+    left = "" if model.left is None else f"  {clock(model.left)[3:]} left"
+    return f" {named}{left} " if named or left else ""
 
 
-def foot(keys: tuple[tuple[str, str], ...], width: int) -> Lines:
-    """Return the keys in a line; where there is no room the last but one go first."""
-    shown, gap = list(keys), 2
-    while len(shown) > 1 and key_columns(shown, gap) > width:
-        if gap > 1:
-            gap = 1
-        else:
-            del shown[-2]
-    parts: list[tuple[str, str]] = [(" ", "bar")]
-    for label, says in shown:
-        parts += [(label, "key"), (f" {says}{' ' * gap}", "bar")]
-    return [fit(line(*parts), width, "bar")]
+def foot(keys: Sequence[tuple[str, str]], width: int, rows: int) -> Lines:
+    """Return the keys in as many lines as they need, ``rows`` at most."""
+    lines = []
+    for row in key_rows(keys, width, rows):
+        parts: list[tuple[str, str]] = [(" ", "bar")]
+        for label, says in row:
+            parts += [(label, "key"), (f" {says}{' ' * GAP}", "bar")]
+        lines.append(fit(line(*parts), width, "bar"))
+    return lines
 
 
-def key_columns(keys: list[tuple[str, str]], gap: int) -> int:
-    """Return the columns that keys take with so many blanks after each."""
-    return 1 + sum(len(label) + 1 + len(says) + gap for label, says in keys) - gap
+def key_rows(keys: Sequence[tuple[str, str]], width: int, rows: int) -> list[list[tuple[str, str]]]:
+    """Return the keys row by row; where there is no room the last but one go first."""
+    shown = list(keys)
+    while len(flowed(shown, width)) > max(rows, 1) and len(shown) > 1:
+        del shown[-2]
+    return flowed(shown, width)
+
+
+def flowed(keys: Sequence[tuple[str, str]], width: int) -> list[list[tuple[str, str]]]:
+    """Return keys in rows of at most ``width`` columns, however many rows it takes."""
+    found: list[list[tuple[str, str]]] = [[]]
+    used = 1
+    for key in keys:
+        wide = sum(map(len, key)) + 1
+        if found[-1] and used + wide > width:
+            found.append([])
+            used = 1
+        found[-1].append(key)
+        used += wide + GAP
+    return found
+
+
+def key_at(
+    keys: Sequence[tuple[str, str]], width: int, rows: int, place: tuple[int, int]
+) -> tuple[str, str]:
+    """Return the label of the key drawn at a column and row, and what is drawn there of it."""
+    column, row = place
+    drawn = key_rows(keys, width, rows)
+    start = 1
+    for label, says in drawn[row] if row < len(drawn) else ():
+        if start <= column < start + len(label) + 1 + len(says):
+            return label, label if column <= start + len(label) else says
+        start += len(label) + 1 + len(says) + GAP
+    return "", ""
 
 
 def helm(model: SessionModel, width: int, height: int) -> Lines:
-    """Return the helm's panel: course, speed, depth, the rudder and the telegraph."""
+    """Return the helm's panel: heading, speed, depth, the rudder and the telegraph."""
     lines = [
-        *side_by_side([course_dial(model), speed_dial(model), depth_dial(model)], width),
+        *dials(model, [compass(model), speed_log(model), depth_gauge(model)], width),
+        order_line(model, width),
         scale(model, "rudder", "steering", width),
-        line(),
         *telegraph(model, width),
-        angles(model),
+        angles(model, width),
     ]
     return [fit(each, width) for each in lines[:height]]
 
 
 def planes(model: SessionModel, width: int, height: int) -> Lines:
-    """Return the planes' panel: depth, course and speed, attitude and both pairs of planes."""
+    """Return the planes' panel: depth, heading and speed, attitude and both pairs of planes."""
     lines = [
-        *side_by_side([depth_dial(model), course_dial(model), speed_dial(model)], width),
+        *instruments(model, width, large=height >= PLANES),
         scale(model, "stern", "diving", width),
         scale(model, "bow", "diving", width),
-        line(),
-        angles(model),
+        angles(model, width),
+    ]
+    return [fit(each, width) for each in lines[:height]]
+
+
+def pilot(model: SessionModel, width: int, height: int) -> Lines:
+    """Return the panel of one who steers and dives: the planes' and the helm's in one."""
+    lines = [
+        *dials(model, [depth_gauge(model), compass(model), speed_log(model)], width),
+        order_line(model, width),
+        *surfaces(model, width),
+        *telegraph(model, width),
+        angles(model, width),
     ]
     return [fit(each, width) for each in lines[:height]]
 
 
 def gauges(model: SessionModel, width: int, height: int) -> Lines:
-    """Return the repeaters: depth, course, speed and attitude."""
-    lines = [
-        *side_by_side([depth_dial(model), course_dial(model), speed_dial(model)], width),
-        angles(model),
-    ]
+    """Return the repeaters: depth, heading, speed and attitude."""
+    lines = [*instruments(model, width, large=height >= GAUGES), angles(model, width)]
     return [fit(each, width) for each in lines[:height]]
 
 
 def lookout(model: SessionModel, width: int, height: int) -> Lines:
     """Return what an observer sees: the repeaters, every surface and the telegraph."""
-    lines = [
-        *side_by_side([depth_dial(model), course_dial(model), speed_dial(model)], width),
-        scale(model, "rudder", "steering", width),
-        scale(model, "stern", "diving", width),
-        scale(model, "bow", "diving", width),
-        *telegraph(model, width),
-        angles(model),
-    ]
-    return [fit(each, width) for each in lines[:height]]
+    return pilot(model, width, height)
+
+
+def instruments(model: SessionModel, width: int, *, large: bool) -> Lines:
+    """Return depth, heading and speed above the newest order, small where room is short."""
+    shown = [depth_gauge(model), compass(model), speed_log(model)]
+    drawn = (
+        dials(model, shown, width) if large else [small_dial(model, each, width) for each in shown]
+    )
+    return [*drawn, order_line(model, width)]
+
+
+def surfaces(model: SessionModel, width: int) -> Lines:
+    """Return the scales of rudder and planes."""
+    places = (("rudder", "steering"), ("stern", "diving"), ("bow", "diving"))
+    return [scale(model, name, channel, width) for name, channel in places]

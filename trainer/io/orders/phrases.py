@@ -1,4 +1,4 @@
-"""What is said in a control room, as orders of the grammar: one table, another navy's may lie by it.
+"""What is said in a control room, as orders of the grammar: one table, beside which others may lie.
 
 A phrase is looked for only where a line is no order of ``table``. Who works a control gives it the
 ``order``; who orders the crew (instructor, diving officer, schedule) gives the ``crew`` order where

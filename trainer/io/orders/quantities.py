@@ -60,6 +60,7 @@ NUMBERS = {
     "RPM": Number("a rate of revolutions, negative astern", (PER_MINUTE,), -2000.0, 2000.0),
     "FACTOR": Number("a time speed", (Unit("", ("x",), 1.0),), 0.1, 100.0, prefix="x"),
     "COUNT": Number("a number of ticks", (PLAIN,), 1.0, 1000.0, decimals=0),
+    "BRANCH": Number("the number of a branch", (PLAIN,), 1.0, 1e6, decimals=0),
     "ALERT": Number("the number of an alert", (PLAIN,), 1.0, 999999.0, decimals=0),
     "DEGREE": Number("a sea state", (PLAIN,), 0.0, 8.0, decimals=0),
     "WIND": Number("a wind", (KNOTS, METRES_PER_SECOND), 0.0, 100.0),

@@ -87,6 +87,7 @@ NAMES = {
     "NAME": Name("the name of a casualty"),
     "LABEL": Name("a name for a moment"),
     "CHANNEL": Name("the name of a channel"),
+    "EXERCISE": Name("the name of an exercise"),
     "REMARK": Name("words"),  # of any kind: see trainer.io.orders.grammar
 }
 
@@ -134,6 +135,11 @@ SESSION_TOPICS = (
     Topic(("restore", "reset"), "restore before-jam | reset", "back to it, or to the start"),
     Topic(("backtrack",), "backtrack 2 min", "back by so much, and on from there"),
     Topic(("replay", "take"), "replay 90 s | take over", "watch it again; go on from here"),
+    Topic(("branches", "branch"), "branches | branch 1", "what was left behind; back to its end"),
+    Topic(("end", "debrief"), "end exercise | release marks | debrief", "and what came of it"),
+    Topic(("again", "next"), "again | again from here | next NAME", "the exercise, or another"),
+    Topic(("give", "keep"), "take command | give | keep command", "of several instructors"),
+    Topic(("ready",), "ready", "a station is ready for the exercise"),
     Topic(("role",), "role helm | role helm TOKEN", "what this line may do"),
     Topic(("order", "belay", "allow"), "order course 045 | belay | allow planes", "to the crew"),
     Topic(("tell", "report", "aye"), "tell ready | report ready | aye", "to and from the crew"),
@@ -141,8 +147,8 @@ SESSION_TOPICS = (
     Topic(("log", "ack"), "log 20 | ack 3 | ack all", "what has happened; alerts seen"),
     Topic(("briefing",), "briefing", "what the exercise is about"),
     Topic(("who",), "who", "the stations attached"),
-    Topic(("subscribe",), "subscribe diving | diving at 2 hz", "have a channel sent"),
-    Topic(("unsubscribe",), "unsubscribe diving | all", "no longer"),
+    Topic(("subscribe", "unsubscribe"), "subscribe diving at 2 hz", "have a channel sent, or not"),
+    Topic(("history",), "history diving 60 min", "what a channel has shown so far"),
     Topic(("detach",), "detach", "leave; the session goes on"),
 )
 TOPICS = BOAT_TOPICS + SESSION_TOPICS
@@ -235,11 +241,27 @@ FORMS = (
     Form("backtrack LAPSE", "go back by so much"),
     Form("replay LAPSE", "go back by so much, and give the orders again as they were given"),
     Form("take over", "end the replay here, and go on"),
+    Form("branches", "what has been flown: each branch, from when, why, and its last moment"),
+    Form("branch BRANCH", "go back to the end of that branch, and on from there"),
+    Form("end exercise", "end the exercise here: time stands still, the session goes on"),
+    Form("release marks", "let everybody have the marks", name="release-marks"),
+    Form("debrief", "write the debrief of what has been flown so far"),
+    Form("again", "the exercise again, from the start"),
+    Form("again from LABEL", "from a moment kept, or from `here`: the end comes at its time"),
+    Form("again from LAPSE", "from so long ago"),
+    Form("next", "the exercises there are"),
+    Form("next EXERCISE", "end this one, and begin that one at the same stations"),
+    Form("take command", "ask for command, where there are several instructors", name="command"),
+    Form("give command", "let the instructor who asked have it"),
+    Form("keep command", "refuse it"),
+    Form("ready", "this station is ready for the exercise to begin"),
     Form("role ROLE", "what this line may do: say it once"),
     Form("role ROLE TOKEN", "the same, where the session asks for a token"),
     Form("subscribe CHANNEL", "have what it shows sent whenever it changes"),
     Form("subscribe CHANNEL at RATE", "at most so many times a second"),
     Form("unsubscribe CHANNEL", "no longer, or none at all: unsubscribe all"),
+    Form("history CHANNEL", "what it has shown in the last hour", value=3600.0),
+    Form("history CHANNEL LAPSE", "what it has shown for so long; also of `events`"),
     Form("order course COURSE", "order the crew to steer it, the shorter way round"),
     Form("order course SIDE COURSE", "the same, turning that way"),
     Form("order depth DEPTH", "order the crew to this depth"),
@@ -288,7 +310,7 @@ BOAT_ORDERS = frozenset(
         ),
         *("planes", "autopilot", "periscope", "surface", "dive", "blow", "emergency", "vent"),
         *("negative", "flood", "pump", "trim", "drain", "hover", "compressor"),
-        *("sea", "casualty", "clear", "hold", "release", "order", "belay", "course-to"),
+        *("sea", "casualty", "clear", "hold", "release", "order", "course-to"),
     )
 )
 # What is said between those who order the crew, the crew and the instructor: journalled as well.

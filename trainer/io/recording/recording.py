@@ -252,6 +252,10 @@ class Recording:
         """Return all branches, oldest first."""
         return self._seen().branches()
 
+    def last_tick(self, branch: int) -> int:
+        """Return the tick of the last state of a branch, its start at least."""
+        return self._seen().last_tick(branch)
+
     def state_at(self, branch: int, tick: int) -> bytes | None:
         """Return the state at the end of a tick in a branch or its ancestry."""
         moment = self.moment(branch, tick)
@@ -478,6 +482,14 @@ class NoRecording:
 
     def flush(self) -> None:
         """Do nothing."""
+
+    def branches(self) -> list[Branch]:
+        """Return none."""
+        return []
+
+    def last_tick(self, _branch: int) -> int:
+        """Return the start."""
+        return 0
 
     def state_at(self, _branch: int, _tick: int) -> bytes | None:
         """Return nothing."""

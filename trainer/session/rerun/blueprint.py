@@ -7,7 +7,7 @@ from trainer.session.rerun.outlet import SECONDS
 from trainer.session.rerun.scene import FOLLOWER, TRACK, WORLD
 from trainer.session.rerun.sdk import rr, rrb
 
-ALWAYS: Final = ("depth", "course", "surfaces")  # charts below one another; the rest are tabs
+ALWAYS: Final = ("depth", "heading", "surfaces")  # charts below one another; the rest are tabs
 EYE: Final = (-1.0, -0.75, -0.3)  # [-] of her length: astern, to port and above
 
 WHOLE: Final = rr.TimeRange(

@@ -24,6 +24,9 @@ COLOURS: Final = (
 )
 
 
+DOWNWARDS: Final = -1.0  # [m] a viewer's numbers grow upwards: 60 m of depth is drawn at -60
+
+
 @dataclass(frozen=True)
 class Series:
     """One line of a chart."""
@@ -39,6 +42,7 @@ class Chart:
     name: str
     unit: str
     series: tuple[Series, ...]
+    note: str = ""  # on the title
 
     @property
     def path(self) -> str:
@@ -48,7 +52,7 @@ class Chart:
     @property
     def title(self) -> str:
         """Return its name with the unit."""
-        return f"{self.name} [{self.unit}]"
+        return f"{self.name}{self.note} [{self.unit}]"
 
     @property
     def labels(self) -> list[str]:
@@ -97,10 +101,14 @@ def _motion(boat: Boat) -> Iterator[Chart]:
     yield Chart(
         "depth",
         "m",
-        (_place("true", "z"), _standing_order("ordered", "ordered_depth", 1.0, depth_kept)),
+        (
+            _place("true", "z", DOWNWARDS),
+            _standing_order("ordered", "ordered_depth", DOWNWARDS, depth_kept),
+        ),
+        ", downwards",
     )
     yield Chart(
-        "course",
+        "heading",
         "deg",
         (
             _place("true", "psi", degree),

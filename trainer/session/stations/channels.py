@@ -4,6 +4,7 @@ import math
 from collections.abc import Callable, Mapping
 from typing import Final
 
+from trainer.boat.casualties import describe
 from trainer.core.casualties import KINDS
 from trainer.core.sea.sea import DIRECTION, HEIGHT, OMEGA
 from trainer.core.state import CASUALTIES
@@ -31,6 +32,14 @@ def unless(held: str, rate: str) -> Callable[[Frame], Value]:
 def heavy(frame: Frame) -> Value:
     """Return how much heavier [t] than her displacement she is."""
     return (frame["weight"] - frame.fittings.buoyancy) / frame.fittings.g / TONNE
+
+
+def water_over_sail(frame: Frame) -> Value:
+    """Return how much water [m] is over the sail's top, negative where it is out of the sea."""
+    x, z = frame.fittings.sail
+    pitch, heel = frame["theta"], frame["phi"]
+    lifted = x * math.sin(pitch) - z * math.cos(pitch) * math.cos(heel)
+    return frame["z"] + frame["eta_wave"] - lifted
 
 
 def sea_fields(block: str, before: str) -> tuple[Field, ...]:
@@ -67,6 +76,11 @@ def slot_fields(slot: int) -> tuple[Field, ...]:
         left = ticks(frame)
         return None if left is None else (0.0 if left < 0.0 else held(frame, "casualty_target"))
 
+    def says(frame: Frame) -> Value:
+        name = kind(frame)
+        amount = held(frame, "casualty_amount")
+        return describe(frame.boat, str(name), amount or 0.0) if name else None
+
     def seconds(frame: Frame) -> Value:
         left = ticks(frame)
         return None if left is None else abs(left) * frame.boat.method.step
@@ -77,6 +91,7 @@ def slot_fields(slot: int) -> tuple[Field, ...]:
         Field(f"{name}_amount", "si", 5, lambda frame: held(frame, "casualty_amount")),
         Field(f"{name}_target", "si", 5, target),
         Field(f"{name}_left", "s", 1, seconds),
+        word(f"{name}_says", says),
     )
 
 
@@ -110,6 +125,7 @@ INSTRUCTOR: Final = (
             *sea_fields("sea_target", "ordered_"),
             metres("ramp", "sea_ramp", "s"),
             metres("elevation", "eta_wave", decimals=2),
+            Field("over_sail", "m", 1, water_over_sail),
         ),
     ),
     Channel(

@@ -17,7 +17,7 @@ ORDERS: Final = frozenset(
 )  # every order of the grammar
 COMMON: Final = frozenset(
     {
-        *("role", "help", "status", "briefing", "log", "ack"),
+        *("role", "help", "status", "briefing", "log", "ack", "history"),
         *("subscribe", "unsubscribe", "detach", "who"),
     }
 )
@@ -51,6 +51,7 @@ CONTROLS: Final = (
     Control("orders to the crew are", ("order", "tell", "belay"), ("diving",)),
     Control("reports and repeats are", ("report", "aye"), CREW),
     Control("the record is", ("mark",), ("observer",)),
+    Control("to be ready is", ("ready",), ("helm", "planes", "pilot", "ballast", "diving")),
     Control("the autopilot as a whole is", ("autopilot",), ()),
 )
 
@@ -64,6 +65,7 @@ KINDS: Final[Mapping[str, tuple[str, tuple[str, ...]]]] = {
     "crew": ("an order to the crew, its repeat, a report", EVERYBODY),
     "exercise": ("the instructor's orders, the schedule's, casualties and the sea", ()),
     "mark": ("a moment marked, with a remark", ("observer",)),
+    "marks": ("the marks of an exercise, once they are released", EVERYBODY),
     "watch": ("a limit passed, the surface broken", ()),
     "pilot": ("what the autopilot gives up, and has again", EVERYBODY),
     "depth": ("test depth near, passed and beyond; the collapse of the hull", EVERYBODY),

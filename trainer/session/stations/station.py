@@ -108,6 +108,13 @@ class Station:
         return self._door.role is None
 
     @property
+    def rate(self) -> tuple[tuple[str, str], ...]:
+        """Return how many orders may be given here, as keys and values; none where all may."""
+        if not self.visits:
+            return ()
+        return ("second", str(ORDERS_A_SECOND)), ("once", str(ORDERS_AT_ONCE))
+
+    @property
     def settled(self) -> bool:
         """Return whether it is known for good what the line is."""
         return self._settled

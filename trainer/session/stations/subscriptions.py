@@ -244,6 +244,15 @@ class Subscriptions:
         self._subscriptions[channel] = subscription, machine
         self._sending.add(subscription)
 
+    def pause(self, channel: str) -> tuple[float, bool] | None:
+        """Have a channel sent no more for a while; return its rate, and if for a program.
+
+        None if it was not sent.
+        """
+        found = self._subscriptions.get(channel)
+        self.end(*(() if channel == EVENTS else (channel,)))
+        return (found[0].rate, found[1]) if found else None
+
     def end(self, *channels: str) -> None:
         """Have channels sent no more."""
         for channel in channels:

@@ -41,6 +41,7 @@ class Fittings(NamedTuple):
     gas: float  # [J/kg]
     buoyancy: float  # [N]
     g: float  # [m/s2]
+    sail: tuple[float, float]  # [m] its top, body axes x and z
 
     @classmethod
     def of(cls, boat: Boat) -> "Fittings":
@@ -53,6 +54,7 @@ class Fittings(NamedTuple):
             float(c.gas),
             float(c.buoyancy),
             float(c.g),
+            (float(c.x_sail), float(c.z_sail)),
         )
 
 

@@ -200,6 +200,7 @@ class Timekeeping:
     speed: float  # [-]
     punctuality: Punctuality | Unasked = field(default_factory=Unasked)
     slips: SlipJudge = field(default_factory=SlipJudge)
+    fallen_from: float = 0.0  # [-] the speed that was asked for and is not held, 0 where it is
 
     @classmethod
     def at(cls, clock: Clock, step: float, speed: float, policy: Policy) -> "Timekeeping":
@@ -223,7 +224,7 @@ class Timekeeping:
 
     def change(self, speed: float) -> None:
         """Let time go ``speed`` times as fast from now on."""
-        self.speed = speed
+        self.speed, self.fallen_from = speed, 0.0
         self.slips.change()
         self._attend()
         if math.isfinite(speed) and isinstance(self.pacer, Pacer):
@@ -233,6 +234,11 @@ class Timekeeping:
         self.pacer = keeper(self.clock, self.ledger, speed, self.policy)
         if not frozen:
             self.pacer.run()
+
+    def recover(self) -> None:
+        """Let time go as fast as was asked for before the machine did not hold it."""
+        if self.fallen_from:
+            self.change(self.fallen_from)
 
     def judge(self, events: tuple[Event, ...]) -> list[tuple[str, str]]:
         """Return what there is to tell of a tick's events, each with its kind.
@@ -254,9 +260,10 @@ class Timekeeping:
 
     def _fall(self, cost: float) -> str:
         """Let time go no faster than ticks that cost so much [ns] allow; return it in words."""
-        asked = self.speed
+        asked, before = self.speed, self.fallen_from or self.speed
         held = SHARE * float(self.ledger.step) * SECOND / cost
         self.change(max(float(f"{min(held, SHARE * asked):.2g}"), SLOWEST))
+        self.fallen_from = before
         return f"time x{asked:g} is more than this machine holds: x{self.speed:g} from here on"
 
     def _attend(self) -> None:

@@ -6,7 +6,6 @@ object a line, and answers each with a line: a process id, or an exit code.
 
 import json
 import os
-import resource
 import subprocess
 import sys
 import tempfile
@@ -22,9 +21,9 @@ from trainer.verify.faults.fork_server import open_for
 open_for(main)
 """
 LIMITS: Final = {
-    "largest_file": resource.RLIMIT_FSIZE,
-    "seconds": resource.RLIMIT_CPU,
-    "memory": resource.RLIMIT_DATA,
+    "largest_file": "RLIMIT_FSIZE",
+    "seconds": "RLIMIT_CPU",
+    "memory": "RLIMIT_DATA",
 }
 FIRST: Final = ("run", "--headless", "--speed", "max", "--duration", "5", "--record")
 
@@ -101,9 +100,11 @@ def grow_up(main: Main, job: dict[str, Any]) -> None:
     told = os.open(job["told"], os.O_CREAT | os.O_APPEND | os.O_WRONLY)
     os.dup2(told, 1)
     os.dup2(told, 2)
+    import resource  # noqa: PLC0415  not everywhere
+
     for name, limit in LIMITS.items():
         if job[name]:
-            resource.setrlimit(limit, (job[name], resource.RLIM_INFINITY))
+            resource.setrlimit(getattr(resource, limit), (job[name], resource.RLIM_INFINITY))
     code = 1
     try:
         code = run(main, tuple(job["words"]))

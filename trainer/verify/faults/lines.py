@@ -1,9 +1,7 @@
 """Faults of lines: a serial line unplugged and plugged in again."""
 
 import contextlib
-import fcntl
 import os
-import termios
 import time
 from pathlib import Path
 from typing import Final
@@ -49,6 +47,9 @@ def unplug(bench: Bench, times: int) -> Tried:
 
 def is_read(end: int) -> bool:
     """Return whether all that was sent to this end is read before long."""
+    import fcntl  # noqa: PLC0415  not everywhere
+    import termios  # noqa: PLC0415
+
     patience = time.monotonic() + PATIENCE
     while time.monotonic() < patience:
         if not any(fcntl.ioctl(end, termios.FIONREAD, bytes(4))):

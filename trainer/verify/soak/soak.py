@@ -150,14 +150,15 @@ def manning(bill: Watchbill, plan: Plan) -> Iterator[None]:
         for number in range(1, OPERATORS + 1)
     ]
     first = bill.session.caller("instructor")
+    first.ask("run")
+    first.ask("detach")  # who comes now has command
+    first.hang_up()
     instructor = threading.Thread(
         target=instruct, args=(bill, plan.seed), kwargs={"goes_back": not plan.real_time}
     )
     works.append(instructor)
     for work in works:
         work.start()
-    first.ask("run")
-    first.hang_up()
     try:
         yield
     finally:

@@ -1,0 +1,14 @@
+"""Import every module of the trainer; print those that cannot be, and how many there are."""
+
+import importlib
+import pkgutil
+
+import trainer
+
+found = [each.name for each in pkgutil.walk_packages(trainer.__path__, "trainer.")]
+for name in found:
+    try:
+        importlib.import_module(name)
+    except ImportError as error:
+        print(name, error)
+print(len(found))

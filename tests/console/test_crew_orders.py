@@ -1,0 +1,239 @@
+"""Orders to the crew on its panels: beside the instrument, with what is to go, until repeated."""
+
+from typing import Any
+
+import pytest
+from helpers.screens import CREW, Tape, at_the_console, pressed, seen, shown, sight_of, tape
+from textual.pilot import Pilot
+
+from trainer.console.app import Console
+from trainer.console.pane import Pane
+from trainer.io.orders import sentences
+
+FIELDS = (
+    "course", "course_side", "course_error", "course_since",
+    "depth", "depth_unit", "depth_error", "depth_since",
+    "speed", "speed_error", "speed_since",
+    "pitch", "pitch_error", "pitch_since", "told",
+)  # fmt: skip
+COURSE = {"course": "45", "course_side": "", "course_error": "7.2", "course_since": "50"}
+DEPTH = {"depth": "60", "depth_unit": "m", "depth_error": "12.0", "depth_since": "50"}
+SPEED = {"speed": "8", "speed_error": "-2.0", "speed_since": "50"}
+PITCH = {"pitch": "-5", "pitch_error": "-3.0", "pitch_since": "50"}
+ALL = COURSE | DEPTH | SPEED | PITCH
+
+
+def ordered(role: str, told: dict[str, str]) -> Tape:
+    """Return a session in which the crew has been ordered so."""
+    talk = tape(role)
+    tell(talk, told)
+    return talk
+
+
+def tell(talk: Tape, told: dict[str, str], tick: int = 121) -> None:
+    row = [told.get(name, "") for name in FIELDS]
+    talk.say(sentences.state("orders", tick, tick / 2.0, row))
+
+
+def new(talk: Tape, subject: str) -> None:
+    talk.say(sentences.fact(121, 60.5, "crew-order", subject))
+
+
+def screen_of(
+    talk: Tape, role: str, *words: str, absent: tuple[str, ...] = (), size: Any = (80, 24)
+) -> Console:
+    """Look at a screen until it shows some words, the last of them in blue; return it."""
+
+    async def look(pilot: Pilot[str], app: Console) -> None:
+        for text in words:
+            await seen(pilot, app, text)
+        for text in absent:
+            assert text not in shown(app)
+        assert inks_of(app, words[-1]) <= {"ordered", "new", "warning", "heading-dim"}
+
+    return at_the_console(look, talk, role, size)[0]
+
+
+def inks_of(app: Console, text: str) -> set[str]:
+    """Return the inks in which a text is drawn."""
+    return {
+        ink
+        for pane in app.screen_stack[0].query(Pane)
+        for row in pane.lines
+        for part, ink in row
+        if text in part
+    }
+
+
+@pytest.mark.parametrize("size", [(80, 24), (120, 40), (200, 60)])
+@pytest.mark.parametrize("role", CREW)
+def test_what_is_ordered_stands_beside_the_instrument_with_what_is_to_go(
+    role: str, size: tuple[int, int]
+) -> None:
+    words = ("045, 7 ", "right", "60 m, 12 deeper", "8 kn, 2.0 slower", "5 down, 3 ")
+    screen_of(ordered(role, ALL), role, *words, size=size)
+
+
+def test_the_instructor_sees_what_the_crew_is_ordered_and_its_error() -> None:
+    told = "045, 7 to the right; 60 m, 12 deeper"
+    screen_of(ordered("instructor", COURSE | DEPTH), "instructor", told)
+    screen_of(ordered("instructor", ALL), "instructor", "045 +7; 60 m +12; 8 kn -2; 5 down -3")
+
+
+@pytest.mark.parametrize(
+    ("told", "words"),
+    [
+        ({"course": "0", "course_error": "-179.0"}, "ordered 000, 179 left"),
+        ({"course": "360", "course_error": "0.2"}, "ordered 000, on course"),
+        ({"depth": "60", "depth_error": "-0.3", "depth_unit": "m"}, "ordered 60 m, at depth"),
+        ({"depth": "60", "depth_error": "-4", "depth_unit": "m"}, "ordered 60 m, 4 up"),
+        ({"depth": "60.96", "depth_error": "-3.05", "depth_unit": "ft"}, "ordered 200 ft, 10 up"),
+        ({"speed": "8", "speed_error": "1.5"}, "ordered 8 kn, 1.5 faster"),
+        ({"pitch": "0", "pitch_error": "2"}, "ordered zero, 2 to go up"),
+    ],
+)
+def test_the_error_has_its_side_in_words(told: dict[str, str], words: str) -> None:
+    screen_of(ordered("pilot", told), "pilot", words)
+
+
+def test_the_depth_gauge_is_in_feet_where_the_order_was() -> None:
+    told = {"depth": "60.96", "depth_error": "0.96", "depth_unit": "ft"}
+    screen_of(ordered("planes", told), "planes", "depth  ft", absent=("depth  m ",))
+
+
+def test_without_an_order_to_the_crew_the_autopilot_s_stands_there() -> None:
+    screen_of(ordered("planes", {}), "planes", "ordered 80.0", absent=("deeper", "NEW"))
+
+
+@pytest.mark.parametrize("keys", [("enter",), ("enter", "m")])
+def test_enter_repeats_a_new_order_and_does_no_more(keys: tuple[str, ...]) -> None:
+    talk = ordered("helm", COURSE)
+    new(talk, "course 045")
+    rest = ["rudder amidships"] * (len(keys) - 1)
+    assert pressed(keys, "helm", talk) == ["aye", *rest]
+
+
+def test_enter_on_the_open_and_empty_line_repeats_too() -> None:
+    talk = ordered("helm", COURSE)
+
+    async def press(pilot: Pilot[str], app: Console) -> None:
+        await pilot.press("enter")
+        new(talk, "course 045")
+        await seen(pilot, app, "NEW ORDER")
+        await pilot.press("enter")
+
+    assert at_the_console(press, talk, "helm")[1].orders == ["aye"]
+
+
+def test_an_order_is_new_until_it_is_repeated() -> None:
+    talk = ordered("helm", COURSE)
+    new(talk, "course right to 045")
+
+    async def look(pilot: Pilot[str], app: Console) -> None:
+        await seen(pilot, app, "NEW ORDER  course right to 045   Enter repeats it")
+        await seen(pilot, app, "NEW: 045")
+        assert inks_of(app, "NEW: 045") == {"new"}
+        talk.say(sentences.fact(123, 61.5, "repeated", "course right to 045"))
+        await seen(pilot, app, "ordered 045")
+        assert "NEW" not in shown(app)
+        new(talk, "course 050")
+        talk.say(sentences.fact(123, 61.5, "wrong-repeat", "055; course 050"))
+        await seen(pilot, app, "REPEATED WRONG: 055; ordered course 050")
+        talk.say(sentences.fact(60, 30.0, "back", "backtrack 30 s"))
+        await seen(pilot, app, "ordered 045")
+        assert "NEW" not in shown(app)
+
+    at_the_console(look, talk, "helm")
+
+
+def test_only_who_is_ordered_repeats_and_is_shown_that_it_is_new() -> None:
+    talk = ordered("planes", COURSE)
+    new(talk, "course 045")
+    assert pressed(("enter",), "planes", talk) == []
+    talk = ordered("planes", COURSE)
+    new(talk, "course 045")
+    screen_of(talk, "planes", "ordered 045, 7", absent=("NEW",))
+
+
+def test_charts_show_what_the_crew_is_ordered_in_place_of_the_autopilot_s() -> None:
+    model = sight_of(ordered("planes", DEPTH | PITCH), "planes")
+    model.hear()
+    depth, pitch = model.charts
+    assert (model.ordered(depth), model.ordered(pitch)) == (60.0, -5.0)
+    model = sight_of(ordered("planes", {}), "planes")
+    model.hear()
+    assert (model.ordered(depth), model.ordered(pitch)) == (80.0, None)
+
+
+def test_the_instructor_is_told_how_long_an_order_has_not_been_repeated() -> None:
+    talk = ordered("instructor", COURSE)
+    new(talk, "course 045")
+    talk.tick(141)
+    screen_of(talk, "instructor", "NEW course 045, not repeated for 10 s")
+
+
+def test_what_is_told_stands_on_the_panel() -> None:
+    for role in CREW:
+        talk = ordered(role, {"told": "hold 60, pumps only"})
+        new(talk, "tell hold 60, pumps only")
+        talk.say(sentences.fact(123, 61.5, "repeated", "tell hold 60, pumps only"))
+        screen_of(talk, role, "told: hold 60, pumps only")
+
+
+def test_who_has_given_an_order_does_not_repeat_it() -> None:
+    talk = ordered("diving", DEPTH)
+    talk.facts["order depth 60"] = [("crew-order", "depth 60 m")]
+
+    async def give(pilot: Pilot[str], app: Console) -> None:
+        app.model.order("order depth 60")
+        await seen(pilot, app, "order depth 60: done")
+        assert "NEW" not in shown(app)
+        new(talk, "depth 70 m")
+        await seen(pilot, app, "NEW ORDER  depth 70 m")
+        talk.say(sentences.fact(124, 62.0, "belayed", "depth 70 m"))
+        await pilot.pause(0.2)
+        assert "NEW" not in shown(app)
+
+    at_the_console(give, talk, "diving")
+
+
+def test_of_two_new_orders_the_newest_is_repeated_first() -> None:
+    talk = ordered("pilot", DEPTH | COURSE)
+    new(talk, "depth 60 m")
+    new(talk, "course 045")
+    screen_of(talk, "pilot", "NEW: 60 m", "NEW: 045", "NEW ORDER  course 045")
+
+
+@pytest.mark.parametrize(
+    ("fact", "event", "rings"),
+    [
+        (("crew-order", "depth 60 m"), None, 1),
+        (("exercise-over", "won"), None, 1),
+        (None, ("depth", "Passing test depth, 250 m"), 1),
+        (None, ("watch", "LIMIT: deeper than 130 m"), 1),
+        (("order", "casualty stern-stuck"), None, 1),
+        (("repeated", "depth 60 m"), ("crew", "helm: aye"), 0),
+        (("order", "depth 60"), ("order", "helm: depth 60"), 0),
+    ],
+)
+@pytest.mark.parametrize("silent", [False, True])
+def test_the_bell_rings_for_limits_orders_and_casualties_unless_it_is_off(
+    fact: tuple[str, str] | None, event: tuple[str, str] | None, rings: int, *, silent: bool
+) -> None:
+    talk = tape("instructor")
+    rung: list[None] = []
+
+    async def look(pilot: Pilot[str], app: Console) -> None:
+        app.bell = lambda: rung.append(None)  # type: ignore[method-assign]
+        if silent:
+            await pilot.press("ctrl+g")
+            await seen(pilot, app, "the bell is off")
+        if fact:
+            talk.say(sentences.fact(125, 62.5, *fact))
+        if event:
+            talk.say(sentences.event(125, 62.5, *event))
+        talk.say(sentences.event(125, 62.5, "exercise", "heard"))
+        await seen(pilot, app, "heard")
+
+    at_the_console(look, talk)
+    assert len(rung) == (0 if silent else rings)

@@ -1,0 +1,338 @@
+"""Windows over the screens, keys by the mouse, charts and the track, drawn and looked at."""
+
+import re
+
+import pytest
+from helpers.screens import CREW, at_the_console, seen, shown, sight_of, tape, values
+from textual.pilot import Pilot
+
+from trainer.console.app import Console
+from trainer.console.drawing.chart import Plot, Sheet, strip, time_axis
+from trainer.console.drawing.panels import flowed, key_at, key_rows
+from trainer.console.drawing.plan import plan
+from trainer.console.guide import Reading, broken, guide
+from trainer.console.keys import KEYS, footer
+from trainer.console.layouts import LAYOUTS
+from trainer.console.pane import Pane, line, plain
+from trainer.io.orders import sentences
+
+ROLES = ("instructor", *CREW)
+SIZES = ((80, 24), (120, 40), (200, 60))
+FACTS = (
+    "title=Depth, first steps", "hand=planes", "duration=600",
+    "wins=on 75 m and on 60 m, each within 2 m for the last two minutes of its five and a half",
+    "lost=depth > 160", "limits=depth_m_min:13,pitch_deg_max:15", "line=Depth changes, by hand.",
+)  # fmt: skip
+
+
+def words_of(texts: list[str]) -> list[str]:
+    return " ".join(texts).split()
+
+
+# Text in windows
+
+
+@pytest.mark.parametrize("size", SIZES)
+@pytest.mark.parametrize("role", ROLES)
+def test_help_shows_every_word_of_itself_at_every_size(role: str, size: tuple[int, int]) -> None:
+    read: list[str] = []
+
+    async def scroll(pilot: Pilot[str], app: Console) -> None:
+        await pilot.press("f1")
+        await seen(pilot, app, "Your station" if role != "instructor" else "A first exercise")
+        for _ in range(60):
+            pane = app.screen.query_one("#dialog", Pane)
+            rows = [plain([row]) for row in pane.lines]
+            assert all(len(row) <= pane.size.width for row in rows)
+            read.extend(rows[1:-1])
+            if "below" not in rows[-1]:
+                return
+            await pilot.press("pagedown")
+
+    talk = tape(role)
+    at_the_console(scroll, talk, role, size)
+    whole = "".join(words_of([plain([row]) for row in guide(sight_of(tape(role), role)).text()]))
+    shown_text = "".join(words_of(read))
+    for key in KEYS[role]:
+        assert "".join(key.does.split()) in shown_text, key.does
+    assert set(whole) <= set(shown_text)
+
+
+def test_a_line_that_is_too_long_is_broken_between_words_below_its_own_text() -> None:
+    rows = broken(line(("   label   ", "value"), ("one two three four", "plain")), 22)
+    assert plain(rows) == "   label   one two\n           three four"
+    assert [row[0][1] for row in rows] == ["value", "plain"]
+    assert (
+        plain(broken(line("  1  first second third"), 16)) == "  1  first\n     second\n     third"
+    )
+
+
+def test_a_window_scrolls_by_keys_no_further_than_its_end() -> None:
+    window = Reading("x", lambda: [line(f"row {n}") for n in range(30)])
+    assert "row 0\n" in plain(window.draw(20, 12))
+    for _ in range(9):
+        window.press("pagedown", None)
+    assert plain(window.draw(30, 12)).count("row") == 10
+    assert "row 29" in plain(window.draw(30, 12))
+    window.press("home", None)
+    assert "20 more below" in plain(window.draw(60, 12))
+
+
+@pytest.mark.parametrize("size", SIZES)
+@pytest.mark.parametrize("role", ROLES)
+def test_the_briefing_has_mission_time_left_what_wins_and_the_limits(
+    role: str, size: tuple[int, int]
+) -> None:
+    talk = tape(role)
+    for told in FACTS:
+        talk.say(sentences.fact(0, 0.0, "exercise", told))
+
+    async def look(pilot: Pilot[str], app: Console) -> None:
+        await seen(pilot, app, "09:00 left")
+        assert "Depth, first steps" in shown(app).splitlines()[0]
+        await pilot.press("f12")
+        for text in (
+            "Briefing",
+            "Depth, first steps",
+            "time left",
+            "on 75 m and on 60 m",
+            "lost at",
+            "> 160",
+        ):
+            await seen(pilot, app, text)
+        await seen(pilot, app, "no shallower than 13 m; pitch 15 deg at most")
+        await seen(pilot, app, "Depth changes, by hand.")
+        await pilot.press("escape")
+        talk.say(sentences.fact(130, 65.0, "exercise-over", "won"))
+        await seen(pilot, app, "EXERCISE OVER: won")
+        talk.say(sentences.fact(130, 65.0, "marks", "92, +-4 by the sea alone"))
+        await pilot.press("f12")
+        await seen(pilot, app, "92, +-4 by the sea alone")
+
+    at_the_console(look, talk, role, size)
+
+
+def test_a_long_answer_is_read_in_a_window_and_a_short_one_in_the_log() -> None:
+    talk = tape()
+    talk.answers["status"] = [f"line {n}" for n in range(40)]
+    talk.answers["who"] = ["instructor at local 1"]
+
+    async def ask(pilot: Pilot[str], app: Console) -> None:
+        await pilot.press(*"who", "enter")
+        await seen(pilot, app, "instructor at local 1")
+        assert len(app.screen_stack) == 1
+        await pilot.press(*"status", "enter")
+        await seen(pilot, app, "more below")
+        await pilot.press("end")
+        await seen(pilot, app, "line 39")
+        await pilot.press("escape")
+        assert len(app.screen_stack) == 1
+
+    at_the_console(ask, talk)
+
+
+# Keys in the last lines
+
+
+@pytest.mark.parametrize("role", ROLES)
+def test_every_panel_shows_all_its_keys_at_80_columns(role: str) -> None:
+    async def look(_pilot: Pilot[str], app: Console) -> None:
+        text = " ".join(shown(app).split())
+        for label, says in footer(role):
+            assert f"{label} {says}" in text
+
+    at_the_console(look, role=role)
+    assert len(flowed(footer(role), 80)) <= 3
+
+
+def test_keys_that_have_no_room_go_from_the_end_and_never_the_first() -> None:
+    keys = footer("diving")
+    rows = key_rows(keys, 40, 2)
+    assert len(rows) == 2
+    assert rows[0][0] == keys[0]
+    assert key_at(keys, 40, 2, (1, 0)) == ("F1", "F1")
+    assert key_at(keys, 40, 2, (5, 0)) == ("F1", "help")
+    assert key_at(keys, 40, 2, (39, 9)) == ("", "")
+
+
+# The mouse
+
+
+async def click(pilot: Pilot[str], app: Console, pane: str, text: str) -> None:
+    """Click on the first character of a text of a drawing."""
+    found = app.screen.query_one(pane, Pane)
+    for y, row in enumerate(found.lines):
+        x = plain([row]).find(text)
+        if x >= 0:
+            edge = found.content_region.offset - found.region.offset
+            await pilot.click(pane, offset=(x + edge.x, y + edge.y))
+            return
+    raise AssertionError(f"{text!r} is not in {pane}")
+
+
+@pytest.mark.parametrize(
+    ("role", "text", "order"),
+    [
+        ("instructor", "freeze", "freeze"),
+        ("helm", "amidships", "rudder amidships"),
+        ("helm", "Left", "rudder right 4"),
+        ("helm", "Right: rudder", "rudder right 6"),
+        ("ballast", "G: aux", "pump auxiliary 1"),
+        ("ballast", "F G", "flood auxiliary 1"),
+    ],
+)
+def test_a_click_on_a_key_is_the_key(role: str, text: str, order: str) -> None:
+    async def act(pilot: Pilot[str], app: Console) -> None:
+        await click(pilot, app, "#foot", text)
+
+    assert at_the_console(act, tape(role), role)[1].orders == [order]
+
+
+def test_a_click_on_words_that_stand_for_several_keys_does_nothing() -> None:
+    async def act(pilot: Pilot[str], app: Console) -> None:
+        await click(pilot, app, "#foot", "to 8: bells")
+
+    assert at_the_console(act, tape("helm"), "helm")[1].orders == []
+
+
+def test_clicks_choose_from_lists_and_on_the_time_line_and_the_wheel_scrolls() -> None:
+    talk = tape()
+    for k in range(60):
+        talk.say(sentences.event(k, k / 2.0, "exercise", f"happening {k}"))
+
+    async def act(pilot: Pilot[str], app: Console) -> None:
+        await seen(pilot, app, "happening 59")
+        app.screen.query_one("#log", Pane).on_mouse_scroll_up(Turn())  # type: ignore[arg-type]
+        await seen(pilot, app, "more lines below")
+        await pilot.press("f4")
+        await click(pilot, app, "#dialog", "flooding-aft")
+        await click(pilot, app, "#dialog", "flooding-aft")
+        assert talk.orders == ["casualty flooding-aft 1 ramp 5"]
+        await pilot.click("#line", offset=(38, 0))
+        await seen(pilot, app, "Go back to")
+        await pilot.press("enter")
+        assert re.fullmatch(r"backtrack (29|30)(\.\d+)? s", talk.orders[-1])
+        await pilot.press("f10")
+        await click(pilot, app, "#dialog", "leave; the session goes on")
+
+    assert at_the_console(act, talk)[0].return_value == ""
+
+
+class Turn:
+    """A turn of the wheel."""
+
+    def stop(self) -> None:
+        """Go no further."""
+
+
+# Charts and the track
+
+
+def test_ordered_and_actual_are_drawn_at_the_same_height_when_equal() -> None:
+    model = sight_of(tape())
+    plot = Plot(40.0, 80.0, 30, 9)
+    for value in (40.0, 47.3, 60.0, 71.9, 80.0):
+        for down in (False, True):
+            actual, ordered = Sheet(30, 9), plot._dashes([value] * 60, down=down)  # noqa: SLF001
+            plot._trace(actual, [value] * 60, down=down)  # noqa: SLF001
+            for mine, theirs in zip(actual.cells, ordered.cells, strict=True):
+                assert all(not dash or dash & dot == dash for dot, dash in zip(mine, theirs))  # noqa: B905
+    assert model.charts[0].name == "depth"
+
+
+def test_depth_grows_downwards_and_time_has_marks() -> None:
+    talk = tape()
+    model = sight_of(talk)
+    for tick, depth in ((120, "60.0"), (240, "80.0")):
+        talk.tick(tick, depth=depth, ordered_depth="")
+    model.hear()
+    rows = [plain([row]) for row in strip(0, model, 120.0, 80, 12)]
+    shallow = next(n for n, row in enumerate(rows) if "⠉" in row or "⠒" in row or "⠤" in row)
+    assert int(rows[1].split("┊")[0]) < int(rows[-2].split("┊")[0])
+    assert shallow > 0
+    assert "-1min" in rows[-1]
+    assert rows[-1].endswith("now┴")
+
+
+def test_marks_of_time_stand_where_their_time_is() -> None:
+    text = plain([time_axis(120.0, 61)]).partition("└")[2]
+    assert [n for n, sign in enumerate(text) if sign == "┴"] == [0, 15, 30, 45, 60]
+    assert text[1:6] == "-2min"
+    assert text[16:20] == "-90s"
+
+
+@pytest.mark.parametrize(("width", "height"), [(40, 30), (120, 20), (30, 60)])
+def test_a_turning_circle_is_round(width: int, height: int) -> None:
+    import math  # noqa: PLC0415
+
+    talk = tape()
+    model = sight_of(talk)
+    for step in range(60):
+        angle = math.tau * step / 59.0
+        at = {"north": f"{500 * math.sin(angle):.1f}", "east": f"{500 * math.cos(angle):.1f}"}
+        tick = 10 * step + 10
+        talk.say(sentences.state("motion", tick, tick / 2.0, values("motion", heading="0.0", **at)))
+    model.hear()
+    rows = [plain([row]).ljust(width) for row in plan(model, width, height)[1:-1]]
+    dots = [
+        (2 * x + column, 4 * y + row)
+        for y, text in enumerate(rows)
+        for x, sign in enumerate(text)
+        if 0x2800 < ord(sign) < 0x2900
+        for column, bits in enumerate(((0, 1, 2, 6), (3, 4, 5, 7)))
+        for row, bit in enumerate(bits)
+        if (ord(sign) - 0x2800) >> bit & 1
+    ]
+    wide = max(x for x, _ in dots) - min(x for x, _ in dots)
+    high = max(y for _, y in dots) - min(y for _, y in dots)
+    assert wide == pytest.approx(high, abs=6)  # the boat's nose is ahead of the circle
+    assert wide > 30
+
+
+def test_the_track_forgets_what_lies_after_a_moment_gone_back_to() -> None:
+    talk = tape()
+    model = sight_of(talk)
+    for tick in (20, 40, 60, 24):
+        at = {"north": str(float(tick)), "east": "0.0"}
+        talk.say(sentences.state("motion", tick, tick / 2.0, values("motion", **at)))
+    model.hear()
+    assert [north for north, _ in model.track] == [20.0, 24.0, 24.0]  # the last is the boat
+
+
+def test_the_track_is_in_a_window_of_its_own_at_any_size() -> None:
+    async def look(pilot: Pilot[str], app: Console) -> None:
+        await pilot.press("ctrl+t")
+        await seen(pilot, app, "north up")
+        await pilot.press("escape")
+        assert len(app.screen_stack) == 1
+
+    talk = tape()
+    talk.tick(121, north="10.0", east="5.0")
+    assert at_the_console(look, talk)[1].orders == []
+
+
+def test_water_over_the_sail_and_the_waves_are_told_to_the_instructor_alone() -> None:
+    talk = tape()
+    talk.tick(121, over_sail="4.2")
+
+    async def look(pilot: Pilot[str], app: Console) -> None:
+        await seen(pilot, app, "1.9 m, 7 s, from 000; 4.2 m over sail")
+        talk.tick(123, over_sail="-0.8")
+        await seen(pilot, app, "sail 0.8 m OUT")
+
+    at_the_console(look, talk)
+    assert all("sea" not in LAYOUTS[role].channels for role in CREW)
+
+
+def test_a_casualty_is_told_with_unit_and_side() -> None:
+    talk = tape()
+    talk.tick(
+        121, casualty_1="stern-hard-over", casualty_1_says="6 deg dive", casualty_1_left="0.0"
+    )
+
+    async def look(pilot: Pilot[str], app: Console) -> None:
+        await seen(pilot, app, "broken  stern-hard-over 6 deg dive")
+        await pilot.resize_terminal(160, 48)
+        await seen(pilot, app, "stern-hard-over  6 deg dive")
+
+    at_the_console(look, talk)

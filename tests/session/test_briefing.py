@@ -1,0 +1,287 @@
+"""What stations are told of exercise and vessel, and that a crew is told nothing that is hidden."""
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+import numpy as np
+import pytest
+from helpers.places import ROOT
+
+from trainer.boat.boat import Boat
+from trainer.boat.limits import LimitMonitor
+from trainer.config.exercise import load_exercise
+from trainer.config.files import shipped_names
+from trainer.io.lines import Overlong
+from trainer.io.orders import sentences
+from trainer.io.orders.table import TOPICS
+from trainer.io.recording.recording import NoRecording
+from trainer.io.tables import NoFile
+from trainer.session.history import History
+from trainer.session.options import RunOptions
+from trainer.session.plan import Plan, plan_run
+from trainer.session.run import briefing_of, situation
+from trainer.session.session import Session
+from trainer.session.stations.access import Access
+from trainer.session.stations.briefing import EXERCISE, RANGES, exercise_table, range_table, ranges
+from trainer.session.stations.roles import CREW, INSTRUCTOR, ROLES, STRANGER
+from trainer.session.stations.station import Station
+from trainer.session.stations.subscriptions import Promptly, Roster
+from trainer.session.stations.view import StateReader
+from trainer.session.time.pacer import MonotonicClock, Policy
+from trainer.session.time.timekeeping import Timekeeping
+
+KNOT = 1852.0 / 3600.0
+LOOK_EVERY = 60.0  # [s]
+COME = Access()
+
+
+@dataclass
+class Line:
+    """A line typed by the test, which keeps all that it is sent."""
+
+    name: str
+    waiting: list[str | Overlong] = field(default_factory=list)
+    sent: list[str] = field(default_factory=list)
+    trouble: str = ""
+    dropped: int = 0
+    ended: bool = False
+
+    def take(self, most: int) -> list[str | Overlong]:
+        taken, self.waiting = self.waiting[:most], self.waiting[most:]
+        return taken
+
+    def send(self, line: str) -> None:
+        self.sent.append(line)
+
+    def close(self, patience: float) -> None:
+        assert patience >= 0.0
+
+
+class Attended:
+    """The session of a plan, with a line of a program for each role that comes by itself."""
+
+    def __init__(self, plan: Plan, options: RunOptions, roles: tuple[str, ...]) -> None:
+        self.boat = Boat(plan.file, plan.method)
+        plan.start(self.boat)
+        self.plan = plan
+        told = briefing_of(plan, options)
+        time = Timekeeping.at(MonotonicClock(), plan.method.step, math.inf, Policy.SLIP)
+        sending = Promptly(Roster(StateReader(self.boat, time.ledger.summary)))
+        self.session = Session(
+            *(self.boat, time, History(self.boat, NoRecording()), NoFile(), (), sending),
+            schedule=plan.schedule,
+            monitor=LimitMonitor.over(self.boat, plan.limits),
+            briefing=(*told.heading(INSTRUCTOR), *situation(plan, self.boat, "")),
+            crew_briefing=(*told.heading(STRANGER), *situation(plan, self.boat, "")),
+            exercise=told,
+            hand=frozenset(plan.hand),
+            hand_from=plan.hand_from,
+            allowed=frozenset(plan.allowed),
+        )
+        self.lines = {role: Line("line") for role in roles}
+        for line in self.lines.values():
+            station = Station(line, COME, sending, self.session.event_log.log)
+            self.session.event_log.stations.append(station)
+
+    def ask(self, *words: str) -> None:
+        """Have every line ask the same."""
+        for line in self.lines.values():
+            line.waiting += [sentences.order_sentence(each) for each in words]
+        self.session.listen()
+
+    def enter(self) -> None:
+        """Have every line say what it is."""
+        for role, line in self.lines.items():
+            line.waiting.append(sentences.order_sentence(f"role {role}"))
+        self.session.listen()
+
+    def facts(self, role: str, what: str) -> list[tuple[str, str]]:
+        """Return the keys and values of a kind of fact that a line was told."""
+        found = [sentences.read(line) for line in self.lines[role].sent]
+        told = [each.fields for each in found if each and each.kind == "TRF"]
+        return [tuple(each[3].split("=", 1)) for each in told if each[2] == what]  # type: ignore[misc]
+
+    def facts_of(self, role: str, what: str) -> list[str]:
+        """Return the subjects of a kind of fact that a line was told."""
+        found = [sentences.read(line) for line in self.lines[role].sent]
+        return [e.fields[3] for e in found if e and e.kind == "TRF" and e.fields[2] == what]
+
+    def answer(self, role: str, words: str) -> str:
+        """Ask something on one line; return the answer."""
+        line = self.lines[role]
+        before = len(line.sent)
+        line.waiting.append(sentences.order_sentence(words))
+        self.session.listen()
+        found = [sentences.read(each) for each in line.sent[before:]]
+        return next(each.fields[1] for each in found if each and each.kind == "TRA")
+
+
+def attended(name: str, *roles: str) -> Attended:
+    options = RunOptions(exercise=name)
+    return Attended(plan_run(options), options, roles)
+
+
+def secrets(plan: Plan, name: str) -> set[str]:
+    """Return what no line of the crew may hold, in small letters."""
+    exercise = load_exercise(name)
+    broken = {each.casualty.name for each in plan.armed}
+    broken |= {each.row.name for each in exercise.drawn}
+    broken |= {e.order.subject for e in plan.schedule if e.order.name in ("casualty", "clear")}
+    told = {line.strip() for line in plan.instructor.splitlines() if len(line.split()) > 2}
+    tasks = {rule.score.name for rule in plan.scores if rule.casualty or rule.since}
+    words = broken | {each.replace("-", " ") for each in broken} | told | tasks
+    if "-" in name and (plan.hides or plan.instructor):
+        words.add(name)
+    return {word.lower() for word in words - {"", "all"}}
+
+
+@pytest.mark.parametrize("name", shipped_names("exercises"))
+def test_no_line_of_a_crew_holds_a_hidden_word(name: str) -> None:
+    here = attended(name, *CREW, "observer")
+    here.ask("briefing", "help", "log", "status")
+    here.enter()
+    topics = [head for topic in TOPICS for head in topic.heads]
+    here.ask("subscribe teletype at 0.1 hz", "help session", *(f"help {head}" for head in topics))
+    for role, line in here.lines.items():
+        channels = [f"subscribe {each} at 1 hz" for each in ROLES[role].channels]
+        line.waiting += [sentences.order_sentence(each) for each in channels]
+    with np.errstate(all="ignore"):
+        for _ in range(round((here.plan.duration or 600.0) / LOOK_EVERY)):
+            for _ in range(round(LOOK_EVERY / here.plan.method.step)):
+                here.session._tick()  # noqa: SLF001  the loop's own step
+            here.ask("briefing", "status", "log 100", "who", "aye", "report well", "mark")
+    words = secrets(here.plan, name)
+    for role, line in here.lines.items():
+        heard = "\n".join(line.sent).lower()
+        assert len(heard) > 5000
+        found = [word for word in words if word in heard]
+        assert not found, f"{role} was told {found}"
+
+
+def test_a_program_is_told_exercise_and_vessel_with_its_role() -> None:
+    here = attended("stern-plane-jam", "instructor", "planes")
+    here.enter()
+
+    crew = dict(here.facts("planes", "exercise"))
+    assert crew["title"] == "Passage, fast and deep"
+    assert crew["hand"] == "planes,speed"
+    assert "depth_m_max:140" in crew["limits"].split(",")
+    assert (crew["duration"], crew["left"]) == ("600", "600")
+    assert crew["lost"] == "depth > 160"
+    assert not {"name", "hand-from", "free"} & set(crew)
+    assert ("wins", "First answer") not in here.facts("planes", "exercise")
+    whole = here.facts("instructor", "exercise")
+    assert ("name", "stern-plane-jam") in whole
+    assert ("wins", "First answer") in whole
+    assert any("cure" in value for key, value in whole if key == "line")
+    assert {key for key, _ in whole} <= set(EXERCISE)
+
+    limits = here.facts("planes", "range")
+    assert ("rudder", "30") in limits
+    assert ("bell", "stop:0") in limits
+    assert any(value.startswith("ahead two-thirds:") for key, value in limits if key == "bell")
+    assert any(value.startswith("depth_control:") for key, value in limits if key == "tank")
+    assert "test-depth" not in dict(limits)
+    assert dict(here.facts("instructor", "range"))["test-depth"] == "250"
+    assert dict(here.facts("planes", "rate")) == {"second": "20", "once": "100"}
+
+
+def test_a_briefing_tells_the_facts_of_now() -> None:
+    here = attended("stern-plane-jam", "planes")
+    here.enter()
+    for _ in range(40):
+        here.session._tick()  # noqa: SLF001  the loop's own step
+    here.lines["planes"].sent.clear()
+
+    here.ask("briefing")
+
+    assert dict(here.facts("planes", "exercise"))["left"] == "580"
+    told = [line for line in here.lines["planes"].sent if line.startswith("$TRF")]
+    assert any("crew-order,depth 100 m" in line for line in told)
+
+
+def test_the_crew_takes_its_axes_in_hand_when_their_time_comes() -> None:
+    here = attended("power-loss", "instructor", "pilot")
+    here.enter()
+    assert "hand" not in dict(here.facts("pilot", "exercise"))
+    begins = here.plan.hand_from
+    assert dict(here.facts("instructor", "exercise"))["hand-from"] == f"{begins:g}"
+
+    with np.errstate(all="ignore"):
+        for _ in range(round(begins / here.plan.method.step) + 1):
+            here.session._tick()  # noqa: SLF001  the loop's own step
+
+    taken = dict(here.facts("pilot", "exercise"))["hand"]
+    assert set(taken.split(",")) == set(here.plan.hand)
+    assert any("by hand from now on: " in line for line in here.lines["pilot"].sent)
+
+
+def test_an_older_exercise_that_hides_something_is_briefed_to_the_instructor_alone() -> None:
+    plan = plan_run(RunOptions(exercise="stern-plane-jam"))
+    old = briefing_of(plan, RunOptions(exercise="stern-plane-jam"))
+    shown = old.__class__(**{**old.__dict__, "instructor": (), "hides": True})
+
+    assert shown.heading(STRANGER) == ()
+    assert "Passage, fast and deep (stern-plane-jam)" in shown.heading(INSTRUCTOR)
+    assert not {"title", "line"} & {key for key, _ in shown.facts(ROLES["helm"], 0.0)}
+
+
+def test_without_an_exercise_nothing_is_told_of_one(make_boat: Callable[..., Boat]) -> None:
+    options = RunOptions()
+    here = Attended(plan_run(options), options, ("helm",))
+    here.enter()
+    assert here.facts("helm", "exercise") == []
+    assert dict(here.facts("helm", "range"))["stern"] == "30"
+    remus = make_boat("remus100")
+    assert {key for key, _ in ranges(remus, INSTRUCTOR)} <= set(RANGES)
+
+
+def test_the_page_has_the_tables_of_ranges_and_of_the_exercise() -> None:
+    page = (ROOT / "docs" / "stations.md").read_text(encoding="utf-8")
+
+    for table in (range_table(), exercise_table()):
+        assert table in page, f"docs/stations.md lacks this, from briefing.py:\n{table}"
+
+
+# Alerts
+
+
+def test_alerts_have_numbers_and_are_acknowledged_before_the_others() -> None:
+    here = attended("stern-plane-jam", "instructor", "planes", "helm")
+    here.enter()
+    log = here.session.event_log
+    log.alert("watch", "LIMIT: depth above 140 m")
+    log.alert("pilot", "autopilot: afloat")
+
+    assert here.facts_of("instructor", "alert") == [
+        "1,watch,LIMIT: depth above 140 m",
+        "2,pilot,autopilot: afloat",
+    ]
+    assert here.facts_of("helm", "alert") == ["2,pilot,autopilot: afloat"]
+    assert any("afloat [2]" in line for line in here.lines["helm"].sent)
+
+    assert here.answer("helm", "ack 1") == "no such alert is open here; there is 2"
+    assert here.answer("helm", "ack 2") == "seen: 2"
+    assert here.facts_of("planes", "ack") == ["2"]
+    assert here.answer("planes", "ack all") == "no such alert is open here; there is none"
+    assert here.answer("instructor", "ack all") == "seen: 1"
+    assert not log.alerts
+
+
+def test_who_comes_late_is_told_the_alerts_that_nobody_has_seen() -> None:
+    here = attended("stern-plane-jam", "planes")
+    here.session.event_log.alert("pilot", "autopilot: afloat")
+    here.enter()
+    assert here.facts_of("planes", "alert") == ["1,pilot,autopilot: afloat"]
+
+
+def test_alerts_of_what_has_not_come_yet_are_forgotten() -> None:
+    here = attended("stern-plane-jam", "planes")
+    log = here.session.event_log
+    log.alert("pilot", "now")
+    here.boat.state.tick = 10.0
+    log.alert("pilot", "later")
+    here.boat.state.tick = 5.0
+    log.settle()
+    assert [news.text for news in log.alerts.values()] == ["now"]

@@ -1,0 +1,565 @@
+"""How a session is conducted: its exercise's end, branches gone back to, who has command."""
+
+import math
+import threading
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from trainer.boat.assemble import Method
+from trainer.boat.boat import Boat
+from trainer.config.condition import compile_condition
+from trainer.config.exercise import Loss
+from trainer.config.files import Place
+from trainer.config.vessel import load_vessel
+from trainer.core.state import STATE
+from trainer.io.orders.sentences import order_sentence, read
+from trainer.io.recording.recording import Recording
+from trainer.io.tables import NoFile
+from trainer.session.conduct import Following
+from trainer.session.exercise import Debriefing, Ending, Judgement
+from trainer.session.history import History
+from trainer.session.session import Session
+from trainer.session.stations.access import Access
+from trainer.session.stations.roles import ROLES
+from trainer.session.stations.station import Station
+from trainer.session.stations.subscriptions import Promptly, Roster
+from trainer.session.stations.view import StateReader
+from trainer.session.time.ledger import Ledger
+from trainer.session.time.pacer import MonotonicClock, Policy
+from trainer.session.time.timekeeping import Timekeeping
+from trainer.units import KNOT
+
+MARKS = Judgement("not reached", 42.0, ("depth: 42",))
+PLACE = Place("exercise.toml", "lost")
+
+
+class Typist:
+    """A line on which a test types, as a program or as a person."""
+
+    trouble = ""
+    dropped = 0
+
+    def __init__(self, name: str) -> None:
+        self.name = name
+        self.ended = False
+        self.typed: list[str] = []
+        self.sent: list[str] = []
+
+    def take(self, most: int) -> list[str]:
+        taken, self.typed = self.typed[:most], self.typed[most:]
+        return taken
+
+    def send(self, line: str) -> None:
+        self.sent.append(line)
+
+    def close(self, patience: float) -> None:
+        del patience
+
+
+class Crewed:
+    """A session of BB2 with an instructor and whoever comes, at full speed, heard at will."""
+
+    def __init__(self, path: Path, *, lost: Sequence[str] = (), seconds: float | None = 5.0):
+        self.boat = Boat(load_vessel("bb2"), Method("modified", "lagged", "exact", "adams2", 0.5))
+        self.boat.start(10.0 * KNOT, 60.0, 0.0)
+        self.recording = Recording.create(path, {}, self.boat.records.state.tobytes())
+        self.now = 0.0
+        self.wake = threading.Event()
+        time = Timekeeping.at(MonotonicClock(), 0.5, math.inf, Policy.CATCH_UP)
+        self.sending = Promptly(Roster(StateReader(self.boat, Ledger(0.5).summary)))
+        history = History(self.boat, self.recording)
+        self.session = Session(self.boat, time, history, NoFile(), (), self.sending, wake=self.wake)
+        self.conduct = self.session.conduct
+        losses = [
+            Loss(conditions=(compile_condition(text, PLACE),), seconds=1.0, text=text)
+            for text in lost
+        ]
+        self.conduct.ending = Ending.of(self.boat, losses, seconds)
+        self.conduct.kept, self.conduct.scored = path, True
+        self.conduct.clock = lambda: self.now
+        self.judged = threading.Event()
+        self.conduct.debriefing = Debriefing(self._judge, self._write)
+        self.instructor = self.comes("instructor")
+
+    def _judge(self, path: Path, branch: int) -> Judgement:
+        assert path.exists()
+        self.judged.set()
+        return replace(MARKS, reasons=(f"branch {branch}: 42",))
+
+    def _write(self, path: Path, branch: int) -> Path:
+        return path.with_suffix(f".branch{branch}.html")
+
+    def comes(self, role: str) -> Typist:
+        """Let a station come that says who it is."""
+        line = Typist(f"line {len(self.session.event_log.stations) + 1}")
+        station = Station(line, Access(), self.sending, self.session.event_log.log)
+        self.session.event_log.stations.append(station)
+        self.say(line, f"role {role}")
+        return line
+
+    def leaves(self, line: Typist) -> None:
+        line.ended = True
+        self.session.listen()
+
+    def say(self, line: Typist, words: str) -> tuple[str, str]:
+        """Give an order as a program; return ok or no, and the answer."""
+        line.typed = [order_sentence(words, "7")]
+        before = len(line.sent)
+        self.session.listen()
+        told = [read(each) for each in line.sent[before:]]
+        answers = [each.fields for each in told if each and each.tag == "7"]
+        self.said = [text for kind, text in answers if kind == "say"]
+        return answers[-1][0], answers[-1][1]
+
+    def order(self, words: str) -> str:
+        """Give an order that is to be obeyed, as the instructor; return the answer."""
+        kind, text = self.say(self.instructor, words)
+        assert kind == "ok", text
+        return text
+
+    def refused(self, words: str, by: Typist | None = None) -> str:
+        kind, text = self.say(by or self.instructor, words)
+        assert kind == "no", text
+        return text
+
+    def fly(self, ticks: int) -> None:
+        """Let time go on for so many ticks, or until it stands still."""
+        self.session.time.pacer.run()
+        for _ in range(ticks):
+            if not self.session.time.frozen:
+                self.session._tick()  # noqa: SLF001  as the loop does
+
+    def settle(self, true: Callable[[], object]) -> None:
+        """Let what is done beside the session be taken."""
+        for _ in range(1000):
+            self.session.listen()
+            if true():
+                return
+            self.wake.wait(0.01)
+            self.wake.clear()
+        raise AssertionError
+
+    def facts(self, line: Typist, what: str) -> list[str]:
+        found = [read(each) for each in line.sent]
+        return [
+            each.fields[3]
+            for each in found
+            if each and each.kind == "TRF" and each.fields[2] == what
+        ]
+
+    def events(self, line: Typist, kind: str) -> list[str]:
+        found = [read(each) for each in line.sent]
+        return [
+            each.fields[3]
+            for each in found
+            if each and each.kind == "TRE" and each.fields[2] == kind
+        ]
+
+
+@pytest.fixture
+def crewed(tmp_path: Path) -> Iterator[Callable[..., Crewed]]:
+    begun: list[Crewed] = []
+
+    def begin(**settings: object) -> Crewed:
+        begun.append(Crewed(tmp_path / f"{len(begun)}.trainer", **settings))  # type: ignore[arg-type]
+        return begun[-1]
+
+    yield begin
+    for each in begun:
+        each.recording.close()
+
+
+# The end of an exercise
+
+
+def test_when_time_is_up_all_stations_freeze_and_the_session_lives_on(
+    crewed: Callable[..., Crewed],
+) -> None:
+    ship = crewed(seconds=5.0)
+    helm = ship.comes("helm")
+
+    ship.fly(20)
+
+    assert ship.boat.ticks == 10
+    assert ship.session.time.frozen
+    assert not ship.session.control.ended
+    assert ship.facts(helm, "exercise-over") == ship.facts(ship.instructor, "exercise-over")
+    assert ship.events(helm, "time")[-1] == "EXERCISE OVER: time is up at 5 s"
+    assert "the exercise is over" in ship.refused("run")
+    assert "the exercise is over" in ship.refused("step 3")
+
+
+def test_marks_go_to_the_instructor_first_and_to_all_when_released(
+    crewed: Callable[..., Crewed],
+) -> None:
+    ship = crewed(seconds=5.0)
+    helm = ship.comes("helm")
+    assert "not over" in ship.refused("release marks")
+    ship.fly(20)
+    ship.settle(lambda: ship.conduct.ending.marks)
+
+    assert ship.facts(ship.instructor, "marks") == ["not reached,42.0"]
+    assert ship.facts(helm, "marks") == []
+    assert not any("42" in line for line in helm.sent)
+
+    ship.order("release marks")
+
+    assert ship.facts(helm, "marks") == ["not reached,42.0"]
+    assert ship.events(helm, "marks") == ["marks: not reached, 42 marks of 100", "  branch 1: 42"]
+
+
+def test_an_exercise_is_lost_by_its_rule_and_by_turning_over(
+    crewed: Callable[..., Crewed],
+) -> None:
+    ship = crewed(lost=["depth > 61"], seconds=60.0)
+    helm = ship.comes("helm")
+    ship.order("depth 200")
+    ship.fly(119)
+    assert ship.facts(ship.instructor, "exercise-over") == ["lost"]
+    assert ship.events(ship.instructor, "exercise")[-1] == "lost: depth > 61"
+    assert ship.events(helm, "time")[-1] == f"EXERCISE OVER: lost at {ship.boat.time:g} s"
+    assert not any("depth > 61" in line for line in helm.sent)
+    assert ship.boat.state.z > 61.0
+    deep = [ship.recording.state_at(1, ship.boat.ticks - back) for back in (2, 3)]
+    places = [np.frombuffer(state or b"", STATE)["z"][0] for state in deep]
+    assert places[0] > 61.0 >= places[1]  # for a second: two ticks after the first beyond
+
+    other = crewed(seconds=60.0)
+    other.fly(1)
+    other.boat.state.phi = 1.2
+    other.fly(1)
+    assert other.conduct.ending.why == "turned over"
+
+
+def test_the_instructor_ends_an_exercise_and_its_crew_hears_who_did(
+    crewed: Callable[..., Crewed],
+) -> None:
+    ship = crewed(seconds=None)
+    helm = ship.comes("helm")
+    ship.fly(4)
+    assert "instructor" in ship.refused("end exercise", helm)
+
+    assert ship.order("end exercise") == "the exercise is over"
+
+    assert ship.session.time.frozen
+    assert ship.events(helm, "time")[-1].startswith("EXERCISE OVER: ended at 2 s by the instructor")
+    assert "again" in ship.refused("end exercise")
+
+
+def test_again_begins_a_new_branch_at_the_start_that_ends_at_its_time_anew(
+    crewed: Callable[..., Crewed],
+) -> None:
+    ship = crewed(seconds=5.0)
+    ship.order("snapshot beginning")
+    ship.fly(20)
+    ship.settle(lambda: ship.conduct.ending.marks)
+    assert "here is the end" in ship.refused("again from here")
+
+    assert "frozen; branch 2 begins" in ship.order("again")
+    assert ship.boat.ticks == 0
+    assert not ship.conduct.ending.over
+    assert ship.facts(ship.instructor, "back") == ["again"]
+    ship.order("run")
+    ship.fly(20)
+    assert ship.boat.ticks == 10
+    ship.settle(lambda: len(ship.facts(ship.instructor, "marks")) == 2)
+    assert ship.events(ship.instructor, "exercise")[-1] == "  branch 2: 42"
+
+    ship.order("again from 2 s")
+    assert ship.boat.ticks == 6
+    ship.order("again from here")
+    ship.order("again from beginning")
+    assert ship.boat.ticks == 0
+    assert "here, beginning" in ship.refused("again from nowhere")
+
+
+def test_marks_of_a_flight_that_was_begun_again_meanwhile_are_told_to_nobody(
+    crewed: Callable[..., Crewed],
+) -> None:
+    ship = crewed(seconds=5.0)
+    ship.fly(20)
+    assert ship.judged.wait(10.0)
+    ship.session.control.ended = False
+    ship.instructor.typed = ["again"]
+    for station in ship.session.event_log.stations:
+        for asked in station.take(1):
+            ship.session._hear(asked)  # noqa: SLF001  before what is done beside is taken
+    ship.settle(lambda: True)
+
+    assert ship.conduct.ending.marks is None
+    assert ship.facts(ship.instructor, "marks") == []
+
+
+def test_a_debrief_is_written_beside_the_session_which_says_where(
+    crewed: Callable[..., Crewed],
+) -> None:
+    ship = crewed(seconds=5.0)
+    ship.session.time.pacer.run()
+    assert "freeze" in ship.refused("debrief")
+    ship.fly(20)
+
+    assert "branch 1" in ship.order("debrief")
+    ship.settle(lambda: ship.facts(ship.instructor, "debrief"))
+
+    (path,) = ship.facts(ship.instructor, "debrief")
+    assert path.endswith(".branch1.html")
+
+
+def test_what_cannot_be_judged_is_told_and_ends_nothing(crewed: Callable[..., Crewed]) -> None:
+    ship = crewed(seconds=5.0)
+
+    def fail(path: Path, branch: int) -> Judgement:
+        raise ValueError(f"{path.name} {branch}")
+
+    ship.conduct.debriefing = Debriefing(fail, ship._write)  # noqa: SLF001
+    ship.fly(20)
+    ship.settle(lambda: "no marks: 0.trainer 1" in ship.events(ship.instructor, "exercise"))
+    assert "no marks yet" in ship.refused("release marks")
+
+
+def test_another_exercise_follows_where_it_can_and_else_it_is_said_how(
+    crewed: Callable[..., Crewed],
+) -> None:
+    ship = crewed(seconds=5.0)
+    assert "quit, then trainer run backing" in ship.refused("next backing")
+    problem = {"backing": "", "nothing": "no exercise nothing"}
+    ship.conduct.following = Following(("backing",), problem.__getitem__, "")
+    assert "end exercise" in ship.refused("next backing")
+    ship.fly(20)
+    assert ship.refused("next nothing") == "no exercise nothing"
+    ship.order("next")
+    assert ship.said == ["backing"]
+
+    ship.order("next backing")
+
+    assert ship.session.control.ended
+    assert ship.session.control.following == "backing"
+    assert ship.facts(ship.instructor, "next") == ["backing"]
+
+
+# Nothing is lost
+
+
+def test_branches_are_listed_and_any_is_gone_back_to(crewed: Callable[..., Crewed]) -> None:
+    ship = crewed(seconds=None)
+    ship.fly(6)
+    ship.order("freeze")
+    ship.order("rudder left 10")  # in the freeze, at the end of the branch
+    left = ship.boat.records.state.tobytes()
+    assert "branch 1 returns to where this was" in ship.order("reset")
+    ship.fly(2)
+
+    ship.order("branches")
+    assert [text.split(":")[0] for text in ship.said] == ["branch 1", "branch 2"]
+    assert ship.said[0] == "branch 1: from 0 s to 3 s; the start"
+    assert ship.said[1].startswith("branch 2: from 0 s of branch 1 to 1 s; reset, by instructor")
+    assert ship.said[1].endswith("; the present one")
+    facts = ship.facts(ship.instructor, "branch")
+    assert facts[0] == "1,,0.000,3.000,the start"
+    assert facts[1].startswith("2,1,0.000,1.000,reset")
+
+    assert ship.order("branch 1") == "at the end of branch 1, 3 s; branch 3 begins"
+    assert ship.boat.records.state.tobytes() == left
+    assert ship.session.time.frozen
+    assert ship.facts(ship.instructor, "back") == ["reset", "branch 1"]
+    ship.fly(4)
+    ship.order("branch 2")
+    assert ship.boat.ticks == 2
+
+
+def test_a_branch_that_is_not_there_is_named_with_what_there_is(
+    crewed: Callable[..., Crewed],
+) -> None:
+    ship = crewed(seconds=None)
+    assert ship.refused("branch 99") == "no branch 99: there is 1 to 1; branches lists them"
+
+
+def test_quit_asks_once_more_while_others_are_attached(crewed: Callable[..., Crewed]) -> None:
+    ship = crewed(seconds=None)
+    helm, ballast = ship.comes("helm"), ship.comes("ballast")
+
+    asked = ship.refused("quit")
+    assert asked == "2 stations are attached: quit again within 10 s, or detach"
+    ship.now += 10.5
+    assert ship.refused("quit") == asked
+    ship.leaves(ballast)
+    ship.now += 10.5
+    assert ship.refused("quit").startswith("1 station is attached")
+    ship.now += 9.5
+    assert ship.order("quit") == "ending"
+    assert ship.session.control.ended
+
+    alone = crewed(seconds=None)
+    assert alone.order("quit") == "ending"
+    assert not helm.ended
+
+
+# Who is there
+
+
+def test_run_waits_for_nobody_and_tells_who_is_not_ready(crewed: Callable[..., Crewed]) -> None:
+    ship = crewed(seconds=None)
+    helm, planes = ship.comes("helm"), ship.comes("planes")
+    ship.comes("observer")
+    ship.order("freeze")
+
+    assert ship.say(helm, "ready") == ("ok", "ready; not ready: planes at line 3")
+    assert ship.facts(ship.instructor, "ready") == ["helm at line 2"]
+    assert ship.order("run") == "running"
+    assert ship.events(helm, "station")[-1] == "not ready: planes at line 3"
+    ship.fly(2)
+    assert "has begun" in ship.refused("ready", planes)
+    told = len(ship.events(helm, "station"))
+    ship.order("freeze")
+    ship.order("run")
+    assert len(ship.events(helm, "station")) == told
+
+    ship.order("reset")
+    assert ship.say(planes, "ready") == ("ok", "ready; not ready: helm at line 2")
+    assert ship.say(helm, "ready") == ("ok", "ready; everybody is")
+
+
+def test_one_instructor_has_command_and_the_others_watch_and_mark(
+    crewed: Callable[..., Crewed],
+) -> None:
+    ship = crewed(seconds=None)
+    ship.order("freeze")
+    second = ship.comes("instructor")
+
+    assert ship.refused("run", second) == "line 1 has command: take command asks for it"
+    assert ship.say(second, "mark well done")[0] == "ok"
+    assert ship.events(ship.instructor, "mark") == ["mark by instructor at line 2: well done"]
+    ship.order("freeze")
+    assert ship.events(second, "time")[-1].startswith("instructor at line 1: freeze: frozen")
+    assert ship.say(second, "status")[0] == "ok"
+
+    assert "line 1 is asked" in ship.say(second, "take command")[1]
+    assert ship.facts(ship.instructor, "asked") == ["line 2"]
+    assert ship.order("keep command") == "you keep command"
+    ship.now += 20.0
+    assert "line 1 has command" in ship.refused("run", second)
+
+    ship.say(second, "take command")
+    ship.now += 9.0
+    assert "line 1 has command" in ship.refused("run", second)
+    ship.now += 1.5
+    ship.session.listen()
+    assert ship.say(second, "run") == ("ok", "running")
+    assert ship.facts(second, "command")[-1] == "line 2"
+    assert "line 2 has command" in ship.refused("freeze")
+
+    assert ship.say(second, "give command") == ("ok", "line 1 has command")
+    ship.order("freeze")
+    ship.leaves(ship.instructor)
+    assert ship.say(second, "run") == ("ok", "running")
+
+
+def test_command_that_the_session_s_only_instructor_has_cannot_be_given(
+    crewed: Callable[..., Crewed],
+) -> None:
+    ship = crewed(seconds=None)
+    assert ship.refused("give command") == "there is no other instructor"
+    assert ship.refused("keep command") == "nobody has asked for command"
+    assert ship.order("take command") == "you have command"
+
+
+# What a channel has shown
+
+
+def past(ship: Crewed, line: Typist, channel: str) -> list[tuple[str, ...]]:
+    """Return the rows of a channel between the marks of its past."""
+    sent = [read(each) for each in line.sent]
+    marks = [
+        place
+        for place, each in enumerate(sent)
+        if each and each.kind == "TRF" and each.fields[2] == "past"
+    ]
+    assert ship.facts(line, "past")[-2:] == [f"begin,{channel}", f"end,{channel}"]
+    between = [each for each in sent[marks[-2] : marks[-1]] if each and each.kind == "TRS"]
+    return [each.fields for each in between if each.fields[0] == channel]
+
+
+def test_a_late_station_sees_what_its_gauges_showed_before_what_they_show(
+    crewed: Callable[..., Crewed],
+) -> None:
+    ship = crewed(seconds=None)
+    watch = ship.comes("observer")
+    ship.say(watch, "subscribe gauges")
+    ship.fly(400)
+    ship.order("casualty depth-gauge-stuck")
+    ship.order("depth 90")
+    ship.fly(400)
+    ship.order("freeze")
+    ship.recording.flush()
+    live = {
+        each.fields[1]: each.fields for each in map(read, watch.sent) if each and each.kind == "TRS"
+    }
+    late = ship.comes("helm")
+    ship.say(late, "subscribe gauges")
+    rows = len([each for each in late.sent if each.startswith("$TRS")])
+
+    assert ship.say(late, "history gauges 60 min")[0] == "ok"
+    ship.settle(lambda: len(ship.facts(late, "past")) == 2)
+
+    found = past(ship, late, "gauges")
+    assert 200 < len(found) <= 361
+    assert all(row == live[row[1]] for row in found if int(row[1]) > 0)
+    assert len({row[3] for row in found if int(row[1]) > 401}) == 1  # the depth gauge is stuck
+    after = [each for each in late.sent if each.startswith("$TRS,gauges")]
+    assert len(after) == rows + len(found) + 1  # the live ones go on
+
+
+def test_the_past_is_that_of_the_role_and_of_the_present_branch(
+    crewed: Callable[..., Crewed],
+) -> None:
+    ship = crewed(seconds=None)
+    ship.fly(20)
+    ship.order("mark on the old branch")
+    ship.order("backtrack 5 s")
+    ship.order("mark on the new one")
+    ship.order("casualty rudder-stuck")
+    ship.fly(6)
+    ship.order("freeze")
+    helm, watch = ship.comes("helm"), ship.comes("observer")
+
+    assert "not on this line" in ship.refused("history motion", helm)
+    assert "no past" in ship.refused("history ledger")
+    assert ship.refused("history gages", helm).startswith("no channel gages")
+    ship.say(watch, "history events")
+    assert ship.facts(watch, "mark") == ["on the new one"]
+    ship.say(helm, "history events")
+    assert not any("rudder-stuck" in line for line in helm.sent)
+    other = ship.comes("instructor")
+    ship.say(other, "history events")
+    assert "casualty rudder-stuck" in ship.facts(other, "order")
+    ship.recording.flush()
+    ship.say(other, "history motion")
+    ship.settle(lambda: "end,motion" in ship.facts(other, "past"))
+    assert [row[1] for row in past(ship, other, "motion")] == [str(tick) for tick in range(17)]
+
+
+def test_without_a_recording_the_past_is_what_memory_keeps(crewed: Callable[..., Crewed]) -> None:
+    ship = crewed(seconds=None)
+    ship.conduct.kept = None
+    ship.fly(100)
+    ship.order("freeze")
+    ship.order("history motion")
+    ship.settle(lambda: len(ship.facts(ship.instructor, "past")) == 2)
+
+    ticks = [row[1] for row in past(ship, ship.instructor, "motion")]
+    assert ticks == ["20", "40", "60", "80", "100"]
+
+
+@pytest.mark.parametrize("role", sorted(set(ROLES) - {"instructor"}))
+def test_the_past_of_the_truth_is_the_instructor_s_alone(
+    crewed: Callable[..., Crewed], role: str
+) -> None:
+    ship = crewed(seconds=None)
+    line = ship.comes(role)
+    for channel in ("motion", "sea", "casualties", "ledger"):
+        assert ship.say(line, f"history {channel}")[0] == "no"
+    assert not any(each.startswith("$TRS") for each in line.sent)

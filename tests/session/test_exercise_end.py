@@ -1,0 +1,259 @@
+"""An exercise to its end and beyond, in a session of its own process with stations at sockets."""
+
+import contextlib
+import os
+import re
+import subprocess
+import sys
+import threading
+import time
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import pytest
+from helpers.places import ROOT
+
+from trainer.io.recording.recording import Recording
+from trainer.verify.soak.session_process import Caller, GoneError
+
+PATIENCE = 120.0  # [s] until it listens, on a machine that is busy
+ANSWER = 20.0  # [s]
+EXERCISE = """
+schema = "exercise/1"
+name = "Down a little"
+briefing = "Go to 65 m."
+duration_s = {seconds}
+
+[[scores]]
+name = "Time to 65 m"
+measure = "time-to"
+quantity = "depth_m"
+target = 65
+band = 2
+full = 30
+zero = 300
+"""
+
+
+class Served:
+    """A session that listens at a local socket of its own."""
+
+    def __init__(self, folder: Path, words: list[str]) -> None:
+        self.where = folder / "s"
+        self.told: list[str] = []
+        self.callers: list[Caller] = []
+        self._listening = threading.Event()
+        socket = ["--socket", str(self.where)] if "--socket" not in words else []
+        environment = {**os.environ, "XDG_STATE_HOME": str(folder), "XDG_RUNTIME_DIR": str(folder)}
+        environment["PYTHONPATH"] = os.pathsep.join([str(ROOT), os.environ.get("PYTHONPATH", "")])
+        self.process = subprocess.Popen(
+            [sys.executable, "-m", "trainer", *words, *socket],
+            env=environment,
+            stderr=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            stdin=subprocess.DEVNULL,
+            text=True,
+        )
+        threading.Thread(target=self._read, daemon=True).start()
+
+    def _read(self) -> None:
+        for line in self.process.stderr or ():
+            self.told.append(line)
+            if "listening at" in line:
+                self._listening.set()
+
+    def caller(self, role: str) -> Caller:
+        assert self._listening.wait(PATIENCE), self.told
+        end = time.monotonic() + ANSWER
+        while True:
+            try:
+                caller = Caller(self.where, ANSWER)
+                self.callers.append(caller)
+                assert caller.ask(f"role {role}")[0]
+            except GoneError:  # a session that ends, or the next that begins
+                assert time.monotonic() < end, self.told
+                time.sleep(0.1)
+            else:
+                return caller
+
+    def account(self) -> str:
+        """Return what it says when it has ended."""
+        out, _ = self.process.communicate(timeout=PATIENCE)
+        return out
+
+
+def until(caller: Caller, text: str) -> str:
+    """Return the news with some words once it has come."""
+    end = time.monotonic() + ANSWER
+    while True:
+        caller.ask("who")
+        for news in caller.news:
+            if text in news.fields[3]:
+                return news.fields[3]
+        assert time.monotonic() < end, [news.fields for news in caller.news]
+        time.sleep(0.05)
+
+
+@pytest.fixture
+def serve(tmp_path: Path) -> Iterator[Callable[..., Served]]:
+    begun: list[Served] = []
+
+    def begin(*words: str) -> Served:
+        begun.append(Served(tmp_path, list(words)))
+        return begun[-1]
+
+    yield begin
+    for each in begun:
+        for caller in each.callers:
+            caller.hang_up()
+        each.process.kill()
+        each.process.communicate()
+
+
+@pytest.fixture
+def exercise(tmp_path: Path) -> Path:
+    path = tmp_path / "down.toml"
+    path.write_text(EXERCISE.format(seconds=20), encoding="utf-8")
+    return path
+
+
+def test_an_exercise_ends_is_judged_flown_again_debriefed_and_followed(
+    serve: Callable[..., Served], exercise: Path
+) -> None:
+    served = serve("serve", str(exercise), "--listen", "none", "--speed", "20", "--frozen")
+    instructor, helm = served.caller("instructor"), served.caller("helm")
+    assert instructor.ask("depth 65")[0]
+    assert instructor.ask("run")[0]
+
+    until(helm, "EXERCISE OVER: time is up at 20 s")
+    until(instructor, "marks:")
+    assert not any("marks" in news.fields[3] for news in helm.news)
+    assert instructor.ask("release marks")[0]
+    assert until(helm, "marks:") == until(instructor, "marks:")
+    until(helm, "Time to 65 m:")
+
+    instructor.news.clear()
+    assert instructor.ask("again")[0]
+    assert instructor.ask("run")[0]
+    until(instructor, "EXERCISE OVER")
+    assert instructor.ask("debrief")[0]
+    page = Path(until(instructor, "debrief written:").partition(": ")[2])
+    assert "Down a little" in page.read_text(encoding="utf-8")
+    assert page.name.endswith(".branch2.html")
+
+    assert instructor.ask("next depth-changes")[0]
+    with contextlib.suppress(GoneError):
+        until(instructor, "nothing of the kind")  # the line is closed
+    again = served.caller("instructor")
+    assert again.ask("briefing")[0]
+    assert "100 and 40 m" in again.said[0]
+    assert again.ask("status")[0]
+    assert any("tick 0" in line for line in again.said)
+    assert again.ask("quit")[0]
+    told = served.account()
+    assert served.process.returncode == 0
+    assert told.count("outcome") == 2
+    assert told.index("outcome") < told.index("duty cycle")
+    assert re.search(r"outcome     time is up at 20 s; \d+ marks of 100\n +Time to 65 m: ", told)
+    assert len(list(exercise.parent.rglob("recordings/*.trainer"))) == 2
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ("serve", "--listen", "none"),
+        ("run", "--headless"),
+        ("serve", "--listen", "none", "--speed", "max"),
+    ],
+)
+def test_a_duration_of_the_command_line_ends_the_session_as_ever(
+    serve: Callable[..., Served], exercise: Path, words: tuple[str, ...]
+) -> None:
+    given = ["--duration", "4"] if words[0] == "serve" and "max" not in words else []
+    speed = [] if "max" in words else ["--speed", "50"]
+    served = serve(words[0], str(exercise), *words[1:], *given, *speed, "--socket", "none")
+    assert "simulated" in served.account()
+    assert served.process.returncode == 0
+
+
+def test_an_exercise_whose_end_nobody_awaits_ends_its_session(
+    serve: Callable[..., Served], exercise: Path
+) -> None:
+    served = serve("run", str(exercise), "--teletype", "--speed", "20", "--socket", "none")
+    told = served.account()
+    assert served.process.returncode == 0
+    assert "EXERCISE OVER: time is up at 20 s" in told
+
+
+def test_a_frozen_session_waits_at_its_local_socket(
+    tmp_path: Path, tmp_path_factory: pytest.TempPathFactory
+) -> None:
+    home = str(tmp_path_factory.mktemp("xdg"))  # a short name: that of a socket has to be
+    environment = {**os.environ, "XDG_STATE_HOME": str(tmp_path), "XDG_RUNTIME_DIR": home}
+    environment["PYTHONPATH"] = os.pathsep.join([str(ROOT), os.environ.get("PYTHONPATH", "")])
+    words = ["serve", "periscope-depth", "--listen", "none", "--frozen"]
+    with subprocess.Popen(
+        [sys.executable, "-m", "trainer", *words],
+        env=environment,
+        stderr=subprocess.PIPE,
+        stdout=subprocess.DEVNULL,
+        text=True,
+    ) as session:
+        assert session.stderr
+        line = next(line for line in session.stderr if "listening at" in line)
+        time.sleep(1.5)  # longer than two looks at whether anybody can say run
+        assert session.poll() is None
+        caller = Caller(Path(line.partition("listening at ")[2].strip()), ANSWER)
+        assert caller.ask("role instructor")[0]
+        assert caller.ask("run") == (True, "running")
+        assert caller.ask("quit")[0]
+        caller.hang_up()
+        assert session.wait(PATIENCE) == 0
+
+
+@pytest.mark.parametrize(
+    "wrong",
+    [
+        ("--listen", "127.0.0.1:99999"),
+        ("--line", "helm=/nowhere/tty"),
+        ("--socket", f"{__file__}/s"),
+        ("--csv", f"{__file__}/it.csv"),
+    ],
+)
+def test_a_run_that_is_refused_leaves_no_recording(tmp_path: Path, wrong: tuple[str, ...]) -> None:
+    kept = tmp_path / "kept.trainer"
+    environment = {**os.environ, "XDG_STATE_HOME": str(tmp_path)}
+    environment["PYTHONPATH"] = os.pathsep.join([str(ROOT), os.environ.get("PYTHONPATH", "")])
+    for record in (["--record", str(kept)], []):
+        done = subprocess.run(
+            [sys.executable, "-m", "trainer", "serve", *wrong, *record],
+            env=environment,
+            capture_output=True,
+            text=True,
+            timeout=PATIENCE,
+            check=False,
+        )
+        assert done.returncode == 2, done.stderr
+    assert not kept.exists()
+    assert not list(tmp_path.rglob("*.trainer*"))
+
+
+def test_what_is_resumed_at_its_exercise_s_end_is_over(
+    serve: Callable[..., Served], exercise: Path, tmp_path: Path
+) -> None:
+    kept = tmp_path / "kept.trainer"
+    words = ("run", str(exercise), "--headless", "--speed", "max", "--record", str(kept))
+    assert "simulated" in serve(*words, "--socket", "none").account()
+
+    served = serve("resume", str(kept), "--teletype")
+    instructor = served.caller("instructor")
+    ok, why = instructor.ask("run")
+    assert not ok
+    assert "the exercise is over" in why
+    assert instructor.ask("backtrack 5 s")[0]
+    assert instructor.ask("branches")[0]
+    assert len(instructor.said) == 2
+    assert instructor.ask("quit")[0]
+    served.account()
+    with contextlib.closing(Recording.look(kept)) as recording:
+        assert len(recording.branches()) == 2

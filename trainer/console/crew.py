@@ -1,0 +1,90 @@
+"""Orders to the crew that have not been repeated yet, and what was repeated wrong."""
+
+from dataclasses import dataclass, field
+from typing import ClassVar, Final, NamedTuple
+
+# whose an order is, by its axis; what is told in words is everybody's
+ADDRESSED: Final = {
+    "course": ("helm", "pilot"),
+    "speed": ("helm", "pilot"),
+    "depth": ("planes", "pilot", "diving"),
+    "pitch": ("planes", "pilot", "diving"),
+}
+WORDS: Final = "tell"  # how an order in words begins
+CREW: Final = ("helm", "planes", "pilot", "ballast", "diving")
+
+
+class CrewOrder(NamedTuple):
+    """An order to the crew: its time, its axis, and the words in which it was said."""
+
+    seconds: float
+    axis: str
+    says: str
+
+
+@dataclass
+class CrewOrders:
+    """The orders that wait to be repeated, oldest first, one of each axis."""
+
+    FACTS: ClassVar = frozenset({"crew-order", "repeated", "wrong-repeat", "belayed"})
+    waiting: dict[str, CrewOrder] = field(default_factory=dict)
+    wrong: str = ""
+    told: str = ""  # the last order in words
+    rings: int = 0  # how often a bell has been due
+
+    @property
+    def oldest(self) -> CrewOrder | None:
+        """Return the order that waits longest, None without."""
+        return next(iter(self.waiting.values()), None)
+
+    def take(self, seconds: float, what: str, subject: str) -> None:
+        """Take a fact of FACTS."""
+        if what == "crew-order":
+            self.give(seconds, subject)
+        elif what == "wrong-repeat":
+            self.mishear(subject)
+        else:
+            self.settle(subject)
+
+    def give(self, seconds: float, subject: str) -> None:
+        """Take an order to the crew, in place of an earlier one on the same axis.
+
+        One that is told again, since nobody has repeated it, keeps its time.
+        """
+        axis, _, words = subject.partition(" ")
+        says = words if axis == WORDS else subject
+        before = self.waiting.pop(axis, None)
+        since = before.seconds if before and before.says == says else seconds
+        self.waiting[axis] = CrewOrder(since, axis, says)
+        self.told = says if axis == WORDS else self.told
+        self.wrong = ""
+        self.rings += 1
+
+    def settle(self, subject: str) -> None:
+        """Take the repeat of an order, said as the order was, or that it stands no longer."""
+        self.waiting.pop(subject.partition(" ")[0], None)
+        self.wrong = ""
+
+    def mishear(self, subject: str) -> None:
+        """Take a repeat that was another than the order."""
+        said, _, order = subject.partition("; ")
+        self.wrong = f"{said}; ordered {order}"
+        self.rings += 1
+
+    def go_back(self, seconds: float) -> None:
+        """Forget what was ordered after a moment gone back to."""
+        self.waiting = {a: each for a, each in self.waiting.items() if each.seconds <= seconds}
+        self.wrong = ""
+
+    def awaits(self, axis: str, role: str) -> bool:
+        """Return whether the order on an axis waits to be repeated by that role."""
+        return axis in self.waiting and role in ADDRESSED[axis]
+
+    def awaited(self, role: str) -> CrewOrder | None:
+        """Return the newest order that a role is to repeat, which is what `aye` repeats."""
+        mine = (
+            each
+            for each in reversed(self.waiting.values())
+            if role in ADDRESSED.get(each.axis, CREW)
+        )
+        return next(mine, None)

@@ -1,0 +1,193 @@
+"""Orders to the crew beside the instruments: what is ordered, and how far it is to there."""
+
+from collections.abc import Sequence
+from typing import Final
+
+from trainer.console.drawing.values import course
+from trainer.console.model import SessionModel
+from trainer.console.pane import Line, fit, line
+from trainer.units import FOOT
+
+CHANNEL: Final = "orders"
+REACHED: Final = 0.5  # [deg, m] closer than this is there
+FEET_REACHED: Final = 1.5  # [ft]
+KNOTS_REACHED: Final = 0.15  # [kn]
+REPEAT: Final = "Enter repeats it"
+
+
+def in_feet(model: SessionModel) -> bool:
+    """Return whether depths are said in feet, as the last order was."""
+    return model.picture.word(CHANNEL, "depth_unit") == "ft"
+
+
+def depth_text(model: SessionModel, metres: float | None) -> str:
+    """Return a depth on the gauge, in the unit of the order."""
+    if metres is None:
+        return "-"
+    return f"{round(metres / FOOT) + 0.0:.0f}" if in_feet(model) else f"{metres + 0.0:.1f}"
+
+
+def depth_unit(model: SessionModel) -> str:
+    """Return the unit of depths."""
+    return "ft" if in_feet(model) else "m"
+
+
+def short(value: float) -> str:
+    """Return a number with as few digits as it needs, one decimal at most."""
+    return f"{round(value, 1) + 0.0:g}"
+
+
+def course_order(model: SessionModel) -> tuple[str, str]:
+    """Return the ordered course with its error, in full and in few words; "" for none."""
+    ordered, error = _pair(model, "course")
+    if ordered is None:
+        return "", ""
+    told = course(ordered)
+    if error is None or abs(error) < REACHED:
+        return _both(told, "" if error is None else ", on course")
+    side = "right" if error > 0.0 else "left"
+    return f"{told}, {abs(error):.0f} to the {side}", f"{told}, {abs(error):.0f} {side}"
+
+
+def depth_order(model: SessionModel) -> tuple[str, str]:
+    """Return the ordered depth with its error."""
+    ordered, error = _pair(model, "depth")
+    if ordered is None:
+        return "", ""
+    unit, size = ("ft", FOOT) if in_feet(model) else ("m", 1.0)
+    feet = unit == "ft"
+    told = f"{round(ordered / size)} ft" if feet else f"{short(ordered)} m"
+    reached = FEET_REACHED if feet else REACHED
+    if error is None or abs(error / size) < reached:
+        return _both(told, "" if error is None else ", at depth")
+    way = "deeper" if error > 0.0 else "up"
+    return f"{told}, {abs(error / size):.0f} {way}", f"{told}, {abs(error / size):.0f} {way}"
+
+
+def speed_order(model: SessionModel) -> tuple[str, str]:
+    """Return the ordered speed with its error."""
+    ordered, error = _pair(model, "speed")
+    if ordered is None:
+        return "", ""
+    told = f"{short(ordered)} kn"
+    if error is None or abs(error) < KNOTS_REACHED:
+        return _both(told, "" if error is None else ", at speed")
+    return _both(told, f", {abs(error):.1f} {'faster' if error > 0.0 else 'slower'}")
+
+
+def pitch_order(model: SessionModel) -> tuple[str, str]:
+    """Return the ordered pitch with its error."""
+    ordered, error = _pair(model, "pitch")
+    if ordered is None:
+        return "", ""
+    told = "zero" if abs(ordered) < 0.05 else _angle(ordered)
+    if error is None or abs(error) < REACHED:
+        return _both(told, "" if error is None else ", on it")
+    return (
+        f"{told}, {abs(error):.0f} to go {_way(error)}",
+        f"{told}, {abs(error):.0f} {_way(error)}",
+    )
+
+
+def _pair(model: SessionModel, axis: str) -> tuple[float | None, float | None]:
+    """Return what is ordered on an axis, and how far it is to go."""
+    number = model.picture.number
+    return number(CHANNEL, axis), number(CHANNEL, f"{axis}_error")
+
+
+def _both(told: str, error: str) -> tuple[str, str]:
+    return f"{told}{error}", f"{told}{error}"
+
+
+def _way(pitch: float) -> str:
+    return "up" if pitch > 0.0 else "down"
+
+
+def _angle(pitch: float) -> str:
+    return f"{short(abs(pitch))} {_way(pitch)}"
+
+
+ORDERS: Final = {
+    "course": course_order,
+    "depth": depth_order,
+    "speed": speed_order,
+    "pitch": pitch_order,
+}
+
+
+def beside(model: SessionModel, axis: str, automatic: str, room: int) -> Line:
+    """Return what is ordered beside an instrument of ``room`` columns, blue; NEW until repeated.
+
+    Without an order to the crew it is what the autopilot keeps, "" for nothing.
+    """
+    texts = ORDERS[axis](model)
+    if not texts[0]:
+        return line((f" ordered {automatic}" if automatic else "", "ordered"))
+    if model.crew.awaits(axis, model.role):
+        return line((f" NEW: {texts[0] if len(texts[0]) + 6 < room else texts[1]}", "new"))
+    for text in (f" ordered {texts[0]}", f" ordered {texts[1]}", f" {texts[1]}"):
+        if len(text) < room:
+            return line((text, "ordered"))
+    return line((f" {texts[1]}", "ordered"))
+
+
+def order_line(model: SessionModel, width: int) -> Line:
+    """Return the newest order until it is repeated, else the last words told."""
+    crew = model.crew
+    if crew.wrong:
+        return fit(line((f" REPEATED WRONG: {crew.wrong} ", "warning")), width)
+    new = crew.awaited(model.role)
+    if new:
+        return fit(line((f" NEW ORDER  {new.says} ", "new"), (f"  {REPEAT}", "key")), width, "bar")
+    told = told_words(model)
+    return fit(line((f" told: {told}" if told else "", "ordered")), width)
+
+
+def told_words(model: SessionModel) -> str:
+    """Return the last order in words; a channel has no commas, the fact of it has."""
+    told = model.picture.word(CHANNEL, "told")
+    return model.crew.told if len(model.crew.told) == len(told) else told
+
+
+def crew_line(model: SessionModel, width: int) -> Line:
+    """Return what the crew is ordered and how far it is from it, for the instructor."""
+    label = line((" crew   ", "dim"))
+    new = model.crew.oldest
+    if new:
+        waits = max(model.picture.seconds - new.seconds, 0.0)
+        return (*label, (f"NEW {new.says}, not repeated for {waits:.0f} s ", "warning"))
+    found = [order(model) for order in ORDERS.values()]
+    told = told_words(model)
+    for text in (_joined([each[0] for each in found]), _joined([each[1] for each in found])):
+        if text and len(text) + len(" crew   ") <= width:
+            return (*label, (text, "ordered"))
+    signed = _signed(model)
+    if signed:
+        return (*label, (signed, "ordered"))
+    return (*label, (f"told: {told}", "ordered") if told else ("no orders stand", "dim"))
+
+
+def _joined(texts: Sequence[str]) -> str:
+    return "; ".join(text for text in texts if text)
+
+
+def _signed(model: SessionModel) -> str:
+    """Return all orders with their errors by sign, where words have no room."""
+    size = FOOT if in_feet(model) else 1.0
+    found = []
+    for axis in ORDERS:
+        ordered, error = _pair(model, axis)
+        if ordered is not None:
+            left = 0.0 if error is None else error / (size if axis == "depth" else 1.0)
+            found.append(f"{ORDERS[axis](model)[1].partition(',')[0]} {left:+.0f}")
+    return "; ".join(found)
+
+
+def pitch_beside(model: SessionModel, room: int) -> Line:
+    """Return the ordered pitch, nothing where none stands."""
+    full, few = pitch_order(model)
+    if not full:
+        return line()
+    mark = "NEW: " if model.crew.awaits("pitch", model.role) else "ordered "
+    text = f"  {mark}{full if len(full) + len(mark) + 2 <= room else few}"
+    return line((text, "new" if mark == "NEW: " else "ordered"))

@@ -1,0 +1,95 @@
+"""What to do at sea, asked before there is a session: sail freely, or one of the exercises."""
+
+import textwrap
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import ClassVar, Final, NamedTuple
+
+from textual.app import App
+from textual.binding import BindingType
+
+from trainer.console.choice import HEAD, NOTHING, Choice, Done, Row
+from trainer.console.dialogs import Dialog
+from trainer.console.pane import Lines, fit, line
+
+FREELY: Final = "Sail freely"
+BRIEFING: Final = 4  # [rows] of what is chosen
+
+
+class Offered(NamedTuple):
+    """An exercise that can be run: its name for `trainer run`, the crew's title and briefing."""
+
+    name: str
+    title: str
+    briefing: str
+
+
+@dataclass
+class ExerciseChoice(Choice):
+    """The list of exercises by their titles, with the briefing of the one that is chosen.
+
+    The name of a file tells what is to go wrong: it is not shown.
+    """
+
+    def draw(self, width: int, height: int) -> Lines:
+        """Return the dialog."""
+        shown = self.shown
+        place = min(self.place, max(len(shown) - 1, 0))
+        room = max(height - HEAD - BRIEFING - 2, 1)
+        first = min(max(place - room // 2, 0), max(len(shown) - room, 0))
+        self._first, self._rows = first, room
+        rows = [
+            line((f" {'>' if first + i == place else ' '} {row.name}", "plain"))
+            if first + i != place
+            else line((f" > {row.name:<{max(width - 4, 0)}} ", "chosen"))
+            for i, row in enumerate(shown[first : first + room])
+        ]
+        rows += [line()] * (room - len(rows))
+        told = textwrap.wrap(self.chosen.says if self.chosen else "", max(width - 4, 8))
+        below = [line((f"   {text}", "ordered")) for text in told[:BRIEFING]]
+        below += [line()] * (BRIEFING - len(below))
+        lines = [
+            line((f" {self.title}", "title")),
+            line((" > ", "dim"), (self.typed, "value"), ("_", "dim")),
+            *rows,
+            line(),
+            *below,
+            *(line((f" {text}", "dim")) for text in self.advice),
+        ]
+        return [fit(each, width) for each in lines[:height]]
+
+
+def exercise_choice(offered: Sequence[Offered]) -> ExerciseChoice:
+    """Return the list: sailing freely comes first, so that Enter alone sails."""
+    rows = [Row(FREELY, FREELY, "", "No exercise: go to sea at once and do as you like.")]
+    rows += [Row(each.title, each.name, "", " ".join(each.briefing.split())) for each in offered]
+    advice = ("Up, Down or part of a title; Enter begins; Esc leaves",)
+    return ExerciseChoice("What shall it be?", rows, advice, size=(76, 40))
+
+
+class ExerciseScreen(App[Done], inherit_bindings=False):
+    """The choice, alone on the screen."""
+
+    CSS_PATH = "console.tcss"
+    ENABLE_COMMAND_PALETTE = False
+    BINDINGS: ClassVar[list[BindingType]] = []
+
+    def __init__(self, choice: ExerciseChoice) -> None:
+        super().__init__()
+        self._choice = choice
+
+    def on_mount(self) -> None:
+        """Show the list; the screen ends with it."""
+        self.push_screen(Dialog(self._choice), self.exit)
+
+
+def choose_exercise(offered: Sequence[Offered]) -> str | None:
+    """Ask at the terminal; return the name of an exercise, "" to sail freely, None to leave."""
+    from trainer.console.launch import forget_size  # noqa: PLC0415  not for the words alone
+
+    forget_size()
+    done = ExerciseScreen(exercise_choice(offered)).run()
+    if done is None or done == NOTHING:
+        return None
+    (name,) = done.orders
+    return "" if name == FREELY else name

@@ -1,0 +1,443 @@
+"""The conduct of a session: who has command, who is ready, how an exercise ends and what follows.
+
+These orders are about the session as a whole. They are heard here before any other: an instructor
+without command watches and marks, and after the end of an exercise time stands still.
+"""
+
+import threading
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Final, Protocol
+
+from trainer.config.files import ConfigError
+from trainer.io.orders.grammar import Refused
+from trainer.io.recording.recording import RecordingError
+from trainer.session.control import HERE, Control
+from trainer.session.exercise import OVER, Debriefing, Ending, Judgement, Work
+from trainer.session.stations.past import PastReader
+from trainer.session.stations.roles import INSTRUCTOR, STRANGER
+from trainer.session.stations.station import Asked, Fact, News, Station
+
+AGAIN_WITHIN: Final = 10.0  # [s] for `quit` to be said again
+ANSWER_WITHIN: Final = 10.0  # [s] for whoever has command to keep it
+WATCHING: Final = frozenset(  # what an instructor without command may say
+    {
+        *("role", "help", "status", "briefing", "log", "who", "subscribe", "unsubscribe", "detach"),
+        *("history", "mark", "branches", "snapshots", "casualties", "command"),
+    }
+)
+NOT_CREW: Final = (INSTRUCTOR.name, STRANGER.name, "observer")  # of whom nobody asks: ready?
+
+
+class Tell(Protocol):
+    """What tells the stations whose role hears of such things."""
+
+    def __call__(
+        self, kind: str, text: str, by: Station | None = None, fact: Fact | None = None
+    ) -> None:
+        """Tell what has happened."""
+        ...
+
+
+@dataclass(frozen=True)
+class Following:
+    """What may come after an exercise: in this process, or why only in another."""
+
+    names: Sequence[str] = ()
+    problem: Callable[[str], str] = lambda _: ""  # with an exercise, "" for none
+    barred: str = "this session is one run"
+
+
+@dataclass
+class Command:
+    """Which of several instructors orders; the others watch and mark."""
+
+    holder: Station | None = None
+    asker: Station | None = None
+    until: float = 0.0  # [s] on the clock, to answer who asks
+
+
+@dataclass
+class Conduct:
+    """How one session is conducted."""
+
+    control: Control
+    tell: Tell
+    stations: Sequence[Station]  # those attached, as they come and go
+    show: Callable[[], None]  # the present moment
+    wake: Callable[[], object]  # has the session's thread listen
+    ending: Ending = field(default_factory=Ending)
+    debriefing: Debriefing | None = None
+    scored: bool = False  # there is something to judge
+    kept: Path | None = None  # where the session is recorded
+    following: Following = field(default_factory=Following)
+    clock: Callable[[], float] = time.monotonic
+    command: Command = field(default_factory=Command)
+    ready: list[Station] = field(default_factory=list)
+    begun: bool = False  # time has run since the start
+    compiled_from: int = 0  # the tick, where the run began interpreted
+    work: Work = field(init=False)
+    past: PastReader = field(init=False)
+
+    def __post_init__(self) -> None:
+        self.work = Work(self.wake)
+        history = self.control.history
+        self.past = PastReader(history.boat, self.work)
+        self._quitting: tuple[Station | None, float] = None, 0.0  # who has said so, and when
+        self._duties: dict[str, Callable[[Asked], bool]] = {
+            "quit": self._quit,
+            "run": self._run,
+            "step": self._run,
+            "again": self._again,
+            "end": self._end,
+            "release-marks": self._release,
+            "debrief": self._debrief,
+            "next": self._next,
+            "branches": self._branches,
+            "snapshots": self._snapshots,
+            "history": self._history,
+            "ready": self._be_ready,
+            "command": self._ask_for_command,
+            "give": self._give_command,
+            "keep": self._keep_command,
+        }
+
+    def hear(self, asked: Asked) -> bool:
+        """Obey and answer an order about the conduct of the session; return whether it was one."""
+        why = self._barred(asked)
+        if why:
+            asked.station.answer(asked, Refused(why))
+            return True
+        duty = self._duties.get(asked.order.name)
+        return duty is not None and duty(asked)
+
+    def tend(self) -> None:
+        """Take what is done by now, and see whose command it is; between orders."""
+        self.work.settle()
+        command = self.command
+        if command.asker and command.asker not in self.stations:
+            command.asker = None
+        if command.holder and command.holder not in self.stations:
+            self._pass_command(next(iter(self._instructors()), None))
+        elif command.asker and self.clock() >= command.until:
+            self._pass_command(command.asker)
+
+    # The end of the exercise
+
+    def look(self) -> None:
+        """End the exercise if this tick does; after it."""
+        self.begun = True
+        if self.ending.look(self.control.boat):
+            self._stop()
+
+    def settle(self) -> None:
+        """Take the moment as it is after a jump in time: nothing of the end is news."""
+        self.ending.begin_again()
+        if self.control.boat.ticks == 0:
+            self.begun = False
+            self.ready.clear()
+
+    def desert(self) -> str:
+        """Tell that nobody is left to say run; return so, "" where the exercise is over anyway."""
+        if self.ending.over:
+            return ""
+        why = f"frozen at {self.control.boat.time:g} s, and nobody is left to say run"
+        self.tell("time", why)
+        return why
+
+    def go_over(self, tick: Callable[[], int]) -> None:
+        """Have the ticks from now on computed by machine code, at the speed that was asked for."""
+        boat = self.control.boat
+        boat.tick, self.compiled_from = tick, boat.ticks + 1
+        self.control.time.recover()
+        ready = f"compiled code is ready: from tick {self.compiled_from} on"
+        self.tell("time", ready, fact=Fact("compiled"))
+        self.show()
+
+    def final_marks(self) -> Judgement | None:
+        """Return the marks of the branch that was flown last; once its recording is closed."""
+        if self.ending.marks or not (self.debriefing and self.kept and self.scored):
+            return self.ending.marks
+        try:
+            return self.debriefing.judge(self.kept, self.control.history.recording.branch)
+        except Exception:  # noqa: BLE001 the summary is told whatever is wrong with the marks
+            return None
+
+    def _stop(self) -> None:
+        """Let time stand still at all stations, and have the exercise judged."""
+        self.control.time.pacer.freeze()
+        self.control.steps = 0
+        ending = self.ending
+        told = Fact("exercise-over", ending.how)
+        self.tell("time", f"EXERCISE OVER: {ending.over}", fact=told)
+        if ending.why:
+            self.tell("exercise", f"lost: {ending.why}")
+        self.show()
+        if self.debriefing and self.kept and self.scored:
+            self._begin_judging(self.debriefing.judge, self.kept)
+
+    def _begin_judging(self, judge: Callable[[Path, int], Judgement], kept: Path) -> None:
+        recording = self.control.history.recording
+        recording.flush()
+        branch, ending = recording.branch, self.ending.over
+
+        def task() -> Callable[[], None]:
+            try:
+                found = judge(kept, branch)
+            except Exception as error:  # noqa: BLE001 whatever it is, the session goes on
+                why = f"no marks: {error}"
+                return lambda: self.tell("exercise", why)
+            return lambda: self._judged(found) if self.ending.over == ending else None
+
+        self.work.begin("judging", task)
+
+    def _judged(self, found: Judgement) -> None:
+        """Tell the instructor the marks."""
+        self.ending.marks = found
+        self.tell("exercise", f"marks: {found}", fact=Fact("marks", found.fields))
+        for reason in found.reasons:
+            self.tell("exercise", f"  {reason}")
+
+    def _end(self, asked: Asked) -> bool:
+        boat, ending = self.control.boat, self.ending
+        if ending.over:
+            asked.station.answer(asked, Refused(OVER))
+            return True
+        if self.control.history.rerun:
+            asked.station.answer(asked, Refused("a replay is running: take over first"))
+            return True
+        ending.end("ended", f"ended at {boat.time:g} s by the {asked.station.who}")
+        self._stop()
+        asked.station.answer(asked, "the exercise is over")
+        return True
+
+    def _release(self, asked: Asked) -> bool:
+        ending = self.ending
+        if not ending.over:
+            why = "the exercise is not over: end exercise"
+        elif ending.marks is None:
+            why = "there are no marks yet" if self.scored else "nothing in this exercise has marks"
+            why = why if self.kept else "not recorded: there are no marks"
+        else:
+            why = ""
+            self._tell_all(ending.marks)
+        asked.station.answer(asked, Refused(why) if why else "everybody has the marks")
+        return True
+
+    def _tell_all(self, marks: Judgement) -> None:
+        self.ending.released = True
+        self.tell("marks", f"marks: {marks}", fact=Fact("marks", marks.fields))
+        for reason in marks.reasons:
+            self.tell("marks", f"  {reason}")
+
+    def _debrief(self, asked: Asked) -> bool:
+        if self.debriefing is None or self.kept is None:
+            asked.station.answer(asked, Refused("not recorded: there is nothing to debrief from"))
+            return True
+        if not self.control.time.frozen:
+            asked.station.answer(asked, Refused("it takes some seconds: freeze, or end exercise"))
+            return True
+        write, kept, recording = self.debriefing.write, self.kept, self.control.history.recording
+        recording.flush()
+        branch = recording.branch
+
+        def task() -> Callable[[], None]:
+            try:
+                path = write(kept, branch)
+            except Exception as error:  # noqa: BLE001 whatever it is, the session goes on
+                why = f"no debrief: {error}"
+                return lambda: self.tell("exercise", why)
+            done = Fact("debrief", str(path))
+            return lambda: self.tell("exercise", f"debrief written: {path}", fact=done)
+
+        self.work.begin("debrief", task)
+        asked.station.answer(asked, f"the debrief of branch {branch} is being written")
+        return True
+
+    # What follows
+
+    def _run(self, asked: Asked) -> bool:
+        if self.ending.over:
+            asked.station.answer(asked, Refused(OVER))
+            return True
+        late = [each.who for each in self._crew() if each not in self.ready]
+        if late and not self.begun and asked.order.name == "run":
+            self.tell("station", f"not ready: {', '.join(late)}")
+        return False
+
+    def _again(self, asked: Asked) -> bool:
+        """Refuse what would be over at once; what else is asked for is a way back."""
+        refused = bool(self.ending.over) and asked.order.subject == HERE
+        if refused:
+            why = "here is the end of the exercise: again from 2 min, or from a moment kept"
+            asked.station.answer(asked, Refused(why))
+        return refused
+
+    def _quit(self, asked: Asked) -> bool:
+        others = sum(1 for each in self._others(asked.station))
+        who, when = self._quitting
+        again = who is asked.station and self.clock() - when <= AGAIN_WITHIN
+        if not others or again:
+            return False
+        self._quitting = asked.station, self.clock()
+        attached = "1 station is" if others == 1 else f"{others} stations are"
+        within = f"quit again within {AGAIN_WITHIN:g} s, or detach"
+        asked.station.answer(asked, Refused(f"{attached} attached: {within}"))
+        return True
+
+    def _next(self, asked: Asked) -> bool:
+        name, following = asked.order.subject, self.following
+        if not name:
+            asked.station.answer(asked, "next NAME begins one of them", *following.names)
+            return True
+        elsewhere = following.barred
+        if not elsewhere and not all(each.visits for each in self.stations):
+            elsewhere = "this session has lines of its own"
+        if elsewhere:
+            why = f"{elsewhere}: quit, then trainer run {name}"
+        elif not self.ending.over:
+            why = "this exercise is not over: end exercise"
+        else:
+            why = following.problem(name)
+        if why:
+            asked.station.answer(asked, Refused(why))
+            return True
+        asked.station.answer(asked, f"next: {name}")
+        self.tell("time", f"next exercise: {name}", fact=Fact("next", name))
+        self.control.following, self.control.ended = name, True
+        return True
+
+    def _branches(self, asked: Asked) -> bool:
+        history = self.control.history
+        try:
+            flown = history.branches()
+        except RecordingError as error:  # its past cannot be read at present
+            asked.station.answer(asked, Refused(str(error)))
+            return True
+        for each in flown:
+            now = News(history.tick, history.boat.time, "moment", "", Fact("branch", each.fields))
+            asked.station.note(now)
+        asked.station.answer(asked, "", *(str(each) for each in flown))
+        return True
+
+    def _snapshots(self, asked: Asked) -> bool:
+        """Tell a program the moments kept; their list is what the order itself is answered."""
+        history = self.control.history
+        step = history.boat.method.step
+        for name, moment in history.snapshots().items():
+            kept = Fact("snapshot", name)
+            asked.station.note(News(moment.tick, moment.tick * step, "moment", "", kept))
+        return False
+
+    def _history(self, asked: Asked) -> bool:
+        self.past.answer(asked, self.control.history, self.kept)
+        return True
+
+    # Who is there
+
+    def _be_ready(self, asked: Asked) -> bool:
+        station = asked.station
+        if self.begun:
+            asked.station.answer(asked, Refused("the exercise has begun"))
+            return True
+        if station not in self.ready:
+            self.ready.append(station)
+        late = [each.who for each in self._crew() if each not in self.ready]
+        awaited = f"; not ready: {', '.join(late)}" if late else "; everybody is"
+        told = Fact("ready", station.who)
+        self.tell("station", f"{station.who} is ready{awaited}", station, told)
+        station.answer(asked, f"ready{awaited}")
+        return True
+
+    def _crew(self) -> list[Station]:
+        """Return the stations that may be ready."""
+        return [each for each in self.stations if each.role.name not in NOT_CREW]
+
+    def _others(self, station: Station) -> list[Station]:
+        """Return the others that came and said who they are."""
+        there = [each for each in self.stations if each.visits and each.settled]
+        return [each for each in there if each is not station and not each.line.ended]
+
+    def _instructors(self) -> list[Station]:
+        there = [each for each in self.stations if each.role is INSTRUCTOR]
+        return [each for each in there if not each.line.ended and not each.leaving]
+
+    def _barred(self, asked: Asked) -> str:
+        """Return why an instructor may not order this now, "" if anybody may."""
+        station, command = asked.station, self.command
+        if station.role is not INSTRUCTOR or asked.order.name in WATCHING:
+            return ""
+        if command.holder not in self._instructors():
+            command.holder = station
+        if command.holder is station or command.holder is None:
+            return ""
+        return f"{command.holder.line.name} has command: take command asks for it"
+
+    def _ask_for_command(self, asked: Asked) -> bool:
+        command, station = self.command, asked.station
+        if command.holder is None or command.holder not in self._instructors():
+            command.holder = station
+        if command.holder is station:
+            station.answer(asked, "you have command")
+            return True
+        if command.asker not in (None, station):
+            station.answer(asked, Refused(f"{command.asker.line.name} has asked for it already"))
+            return True
+        command.asker, command.until = station, self.clock() + ANSWER_WITHIN
+        self._wake_after(ANSWER_WITHIN)
+        name = station.line.name
+        within = f"within {ANSWER_WITHIN:g} s"
+        text = f"{name} asks for command: give command, or keep command, {within}"
+        self.tell("exercise", text, station, Fact("asked", name))
+        station.answer(asked, f"{command.holder.line.name} is asked; it is yours {within} if not")
+        return True
+
+    def _give_command(self, asked: Asked) -> bool:
+        taker = self.command.asker
+        if taker is None:
+            others = [each for each in self._instructors() if each is not asked.station]
+            taker = others[0] if others else None
+        if taker is None:
+            asked.station.answer(asked, Refused("there is no other instructor"))
+            return True
+        self._pass_command(taker)
+        asked.station.answer(asked, f"{taker.line.name} has command")
+        return True
+
+    def _keep_command(self, asked: Asked) -> bool:
+        asker, self.command.asker = self.command.asker, None
+        if asker is None:
+            asked.station.answer(asked, Refused("nobody has asked for command"))
+            return True
+        holder = asked.station
+        kept = f"{holder.line.name} keeps command"
+        self.tell("exercise", kept, holder, Fact("command", holder.line.name))
+        holder.answer(asked, "you keep command")
+        return True
+
+    def _pass_command(self, taker: Station | None) -> None:
+        """Let another have command."""
+        self.command.holder, self.command.asker = taker, None
+        if taker is not None:
+            name = taker.line.name
+            self.tell("exercise", f"{name} has command", fact=Fact("command", name))
+
+    def _wake_after(self, seconds: float) -> None:
+        timer = threading.Timer(seconds, self.wake)
+        timer.daemon = True
+        timer.start()
+
+
+def problem_with(load: Callable[[str], object]) -> Callable[[str], str]:
+    """Return what says why an exercise cannot be loaded, "" when it can."""
+
+    def problem(name: str) -> str:
+        try:
+            load(name)
+        except ConfigError as error:
+            return str(error)
+        return ""
+
+    return problem

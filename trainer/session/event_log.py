@@ -1,0 +1,116 @@
+"""What has happened in a session: recorded, told to whom it concerns, kept for who comes late."""
+
+from collections import deque
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Final
+
+from trainer.io.orders.grammar import Order, Refused, Reply
+from trainer.io.status_line import clock
+from trainer.session.history import History
+from trainer.session.stations.roles import INSTRUCTOR, Role, hears
+from trainer.session.stations.station import Fact, News, Station
+
+KEPT: Final = 500  # of what has happened, for who comes late
+CREW: Final = "crew"  # the kind of what is said to the crew and by it
+SAID: Final = ("wrong-way", "exercise")  # facts of what was said that are of another kind
+OPEN: Final = 100  # alerts at most that wait to be seen
+
+
+@dataclass
+class EventLog:
+    """The news of one run."""
+
+    history: History
+    stations: list[Station] = field(default_factory=list)
+    news: deque[News] = field(default_factory=lambda: deque(maxlen=KEPT))
+    heard: Station | None = None  # who is listened to
+    hearers: list[Callable[[News], None]] = field(default_factory=list)  # of all; they never wait
+    alerts: dict[int, News] = field(default_factory=dict)  # that nobody has seen yet
+    _alert: int = 0  # the number of the last
+
+    def tell(
+        self, kind: str, text: str, by: Station | None = None, fact: Fact | None = None
+    ) -> None:
+        """Record what has happened, and tell whose role hears of such things but ``by``.
+
+        ``by`` has its answer; it is told the fact all the same.
+        """
+        boat = self.history.boat
+        # a remark is anybody's words: who hears it hears whose
+        said = f"mark by {self.signature(by)}: {text}" if kind == "mark" and by else text
+        news = News(self.history.tick, boat.time, kind, said, fact)
+        said_before = kind == CREW or (fact is not None and fact.what in SAID)
+        if not (said_before and self.history.rerun):  # a replay says again what is recorded
+            self.history.recording.event(news.tick, kind, by.who if by else "", text)
+        self._spread(news, by)
+
+    def alert(self, kind: str, text: str, fact: Fact | None = None) -> None:
+        """Tell something that calls for eyes, with a number by which it is acknowledged."""
+        self._alert += 1
+        news = News(self.history.tick, self.history.boat.time, kind, text, fact)
+        self.history.recording.event(news.tick, kind, "", text)
+        self.alerts[self._alert] = news
+        self.alerts.pop(self._alert - OPEN, None)
+        self._spread(news._replace(text=f"{text} [{self._alert}]"), None)
+        self._note(numbered(self._alert, news))
+
+    def acknowledge(self, order: Order, by: Station) -> Reply:
+        """Take alerts as seen, one by its number or all that ``by`` was told; tell the others."""
+        known = {n: news for n, news in self.alerts.items() if hears(by.role, news.kind)}
+        wanted = list(known) if order.word == "all" else [int(order.value)]
+        if not set(wanted) <= set(known) or not wanted:
+            there = ", ".join(map(str, known)) or "none"
+            return Refused(f"no such alert is open here; there is {there}")
+        for number in wanted:
+            seen = self.alerts.pop(number)
+            text = f"{by.role.name}: alert {number} seen"
+            self.tell(seen.kind, text, by, Fact("ack", str(number)))
+        return f"seen: {', '.join(map(str, wanted))}"
+
+    def settle(self) -> None:
+        """Forget the alerts that have not come yet, after a jump in time."""
+        tick = self.history.tick
+        self.alerts = {n: news for n, news in self.alerts.items() if news.tick <= tick}
+
+    def note_alerts(self, station: Station) -> None:
+        """Tell a program the alerts that nobody has seen yet."""
+        for number, news in self.alerts.items():
+            if hears(station.role, news.kind):
+                station.note(numbered(number, news))
+
+    def _note(self, news: News) -> None:
+        """Tell programs a fact beside what they were told."""
+        for station in self.stations:
+            if hears(station.role, news.kind):
+                station.note(news)
+
+    def _spread(self, news: News, by: Station | None) -> None:
+        """Keep news, and tell all but ``by``, who has the fact alone."""
+        self.news.append(news)
+        for hear in self.hearers:
+            hear(news)
+        for station in self.stations:
+            if station is not by:
+                station.tell(news)
+            else:
+                station.note(news)
+
+    def signature(self, station: Station) -> str:
+        """Return by whom a thing is said: its role, of several instructors their line too."""
+        several = sum(1 for each in self.stations if each.role is INSTRUCTOR) > 1
+        return station.who if several and station.role is INSTRUCTOR else station.role.name
+
+    def log(self, kind: str, text: str) -> None:
+        """Tell what the station that is listened to has to say of itself."""
+        self.tell(kind, text, self.heard)
+
+    def lately(self, role: Role, count: int) -> list[str]:
+        """Return the last of what ``role`` hears of."""
+        heard = [news for news in self.news if hears(role, news.kind)]
+        return [f"{clock(news.seconds)} {news.text}" for news in heard[-count:]]
+
+
+def numbered(number: int, news: News) -> News:
+    """Return the news that an alert has a number, for programs."""
+    return news._replace(fact=Fact("alert", f"{number},{news.kind},{news.text}"))

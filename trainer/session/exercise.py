@@ -1,0 +1,176 @@
+"""The end of an exercise: when it comes, what came of it, and the marks, the instructor's first.
+
+At the end time stands still at all stations and the session lives on. What judges a recording and
+writes its debrief is handed in: functions of the command line's, called in threads of their own.
+"""
+
+import math
+import threading
+import time
+from collections import deque
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Final
+
+from trainer.boat.boat import PLACES, Boat
+from trainer.boat.casualties import scale_of
+from trainer.config.condition import QUANTITIES, Condition
+from trainer.config.exercise import Loss
+
+PATIENCE: Final = 20.0  # [s] at the end, for marks and pages
+TURNED_OVER: Final = math.radians(60.0), math.radians(45.0)  # [rad] heel and pitch: lost
+OVER: Final = "the exercise is over: again, again from 2 min, next, debrief, release marks or quit"
+PHI, THETA = PLACES["phi"], PLACES["theta"]
+
+
+@dataclass(frozen=True)
+class Judgement:
+    """What came of an exercise: its outcome, the marks of all, and what they were given for."""
+
+    outcome: str  # won, lost or not reached; "" where nothing decides it
+    total: float | None  # [%] None: nothing counts
+    reasons: tuple[str, ...] = ()
+
+    def __str__(self) -> str:
+        marks = "no marks" if self.total is None else f"{self.total:.0f} marks of 100"
+        return f"{self.outcome}, {marks}" if self.outcome else marks
+
+    @property
+    def fields(self) -> str:
+        """Return outcome and total as programs are told them."""
+        return f"{self.outcome},{'' if self.total is None else f'{self.total:.1f}'}"
+
+
+@dataclass(frozen=True)
+class Debriefing:
+    """Who judges a branch of a recording, and who writes its debrief; RuntimeError tells why not.
+
+    Both take as long as they need: they are called in threads of their own.
+    """
+
+    judge: Callable[[Path, int], Judgement]
+    write: Callable[[Path, int], Path]  # returns the file written
+
+
+@dataclass
+class Losing:
+    """What loses an exercise, watched: conditions on the state that hold together for so long."""
+
+    loss: Loss
+    ticks: int  # for which they have to hold
+    tests: tuple[tuple[int, float, float, bool], ...]  # place, sense, threshold and strictness
+    held: int = 0  # ticks for which they have held
+
+    @classmethod
+    def of(cls, loss: Loss, boat: Boat) -> "Losing":
+        """Return the watch for a loss over a boat."""
+        tests = tuple(test_of(each, boat) for each in loss.conditions)
+        return cls(loss, max(math.ceil(loss.seconds / boat.method.step - 1e-9), 0), tests)
+
+    def look(self, boat: Boat) -> bool:
+        """Return whether the exercise is lost by it after this tick."""
+        holds = all(
+            beyond > 0.0 if strict else beyond >= 0.0
+            for beyond, strict in (
+                (sense * (boat.plain[place] - threshold), strict)
+                for place, sense, threshold, strict in self.tests
+            )
+        )
+        self.held = self.held + 1 if holds else 0
+        return holds and self.held > self.ticks
+
+
+def test_of(condition: Condition, boat: Boat) -> tuple[int, float, float, bool]:
+    """Return place, sense, threshold as the state has it, and strictness of a condition."""
+    factor = scale_of(boat, condition.quantity) or 1.0
+    place = PLACES[QUANTITIES[condition.quantity].place]
+    sense = condition.sense * math.copysign(1.0, factor)
+    return place, sense, condition.threshold * factor, condition.strict
+
+
+@dataclass
+class Ending:
+    """The end of one exercise: over or not, and why."""
+
+    last_tick: float = math.inf  # at which its time is up
+    lost: Sequence[Losing] = ()
+    over: str = ""  # when and by whom, once it is
+    why: str = ""  # it is lost: for the instructor, since it may tell what is hidden
+    how: str = ""  # lost or ended
+    marks: Judgement | None = None  # once they are there
+    released: bool = False
+
+    @classmethod
+    def of(cls, boat: Boat, losses: Sequence[Loss], seconds: float | None) -> "Ending":
+        """Return the end of an exercise of so many ``seconds``, lost by any of these."""
+        last = math.inf if seconds is None else round(seconds / boat.method.step)
+        return cls(last, tuple(Losing.of(each, boat) for each in losses))
+
+    @property
+    def watched(self) -> bool:
+        """Return whether there is anything by which it ends by itself."""
+        return bool(self.lost) or self.last_tick < math.inf
+
+    def look(self, boat: Boat) -> bool:
+        """Return whether the exercise ends with this tick; ``over`` tells why."""
+        if self.over or not self.watched:
+            return False
+        if why := self._lost(boat):
+            self.end("lost", f"lost at {boat.time:g} s")
+            self.why = why
+        elif boat.ticks >= self.last_tick:
+            self.end("ended", f"time is up at {boat.time:g} s")
+        return bool(self.over)
+
+    def end(self, how: str, why: str) -> None:
+        """Let it be over."""
+        self.how, self.over = how, why
+
+    def begin_again(self) -> None:
+        """Let it be under way, after a jump in time."""
+        self.over = self.how = self.why = ""
+        for each in self.lost:
+            each.held = 0
+        self.marks, self.released = None, False
+
+    def _lost(self, boat: Boat) -> str:
+        """Return by what it is lost now, "" if it is not."""
+        lost = [each.loss.text for each in self.lost if each.look(boat)]  # all of them count
+        heel, pitch = TURNED_OVER
+        turned = abs(boat.plain[PHI]) > heel or abs(boat.plain[THETA]) > pitch
+        return lost[0] if lost else ("turned over" if turned else "")
+
+
+@dataclass
+class Work:
+    """What is done beside the session, and what the session does with its result."""
+
+    wake: Callable[[], object]  # has the session's thread call ``settle``
+    done: deque[Callable[[], None]] = field(default_factory=deque)
+    closing: threading.Event = field(default_factory=threading.Event)
+    threads: list[threading.Thread] = field(default_factory=list)
+
+    def begin(self, name: str, task: Callable[[], Callable[[], None]]) -> None:
+        """Do ``task`` in a thread; what it returns is called by the session's."""
+
+        def run() -> None:
+            self.done.append(task())
+            self.wake()
+
+        thread = threading.Thread(target=run, name=name, daemon=True)
+        self.threads = [each for each in self.threads if each.is_alive()] + [thread]
+        thread.start()
+
+    def settle(self) -> None:
+        """Call what the tasks done by now have returned; for the session's thread."""
+        while self.done:
+            self.done.popleft()()
+
+    def finish(self) -> None:
+        """Wait for what is being done, and take it; what waits for others waits no more."""
+        self.closing.set()
+        end = time.monotonic() + PATIENCE
+        for thread in self.threads:
+            thread.join(max(end - time.monotonic(), 0.0))
+        self.settle()

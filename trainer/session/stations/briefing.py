@@ -1,0 +1,137 @@
+"""What a station is told of the exercise and of the vessel: lines for people, facts for programs.
+
+The crew is told nothing that names what is hidden, when it comes or what cures it: no scores, no
+file's name, and of what loses the exercise only what its own gauges show.
+"""
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass, field, fields
+from typing import Final
+
+from trainer.boat.boat import Boat
+from trainer.config.exercise import Limits, Loss
+from trainer.core.ballast.tanks import COMPARTMENTS, TANKS
+from trainer.core.surfaces import SURFACES
+from trainer.session.stations.panels import TONNE
+from trainer.session.stations.roles import INSTRUCTOR, Role
+from trainer.units import KNOT
+
+OPEN: Final = frozenset({"depth", "pitch", "heel", "speed", "showing", "time"})  # no secrets
+WINS: Final = "each order carried out in time and kept; every danger mastered; no limit passed"
+
+
+@dataclass(frozen=True)
+class Briefing:
+    """What there is to say of one exercise; all empty where there is none."""
+
+    name: str = ""  # of its file, which may tell what breaks
+    title: str = ""  # the crew's
+    text: tuple[str, ...] = ()
+    instructor: tuple[str, ...] = ()  # for the instructor alone
+    hides: bool = False  # an older file, whose text tells what breaks
+    limits: Limits = field(default_factory=Limits)
+    lost: tuple[Loss, ...] = ()
+    tasks: tuple[str, ...] = ()
+    duration: float | None = None  # [s]
+
+    def heading(self, role: Role) -> tuple[str, ...]:
+        """Return title and text as a role is told them."""
+        if role is INSTRUCTOR:
+            named = f"{self.title} ({self.name})" if self.title else ""
+            return tuple(filter(None, (named, *self.text, *self.instructor)))
+        return () if self.hides else tuple(filter(None, (self.title, *self.text)))
+
+    def facts(self, role: Role, seconds: float) -> Iterator[tuple[str, str]]:
+        """Yield keys of the exercise and their values, at a time [s] since the start."""
+        if not self.title:
+            return
+        instructs = role is INSTRUCTOR
+        if instructs:
+            yield "name", self.name
+        if instructs or not self.hides:
+            yield "title", self.title
+            yield from (("line", line) for line in self.text)
+        if instructs:
+            yield from (("line", line) for line in self.instructor)
+        limits = [f"{name}:{value:g}" for name, value in self.set_limits()]
+        yield from (("limits", ",".join(limits)) for _ in limits[:1])
+        yield from (("lost", each.text) for each in self.lost if instructs or is_open(each))
+        yield from (("wins", each) for each in (self.tasks if instructs else (WINS,)))
+        if self.duration is not None:
+            yield "duration", f"{self.duration:g}"
+            yield "left", f"{max(self.duration - seconds, 0.0):g}"
+
+    def set_limits(self) -> list[tuple[str, float]]:
+        """Return the limits that there are, by name."""
+        every = ((item.name, getattr(self.limits, item.name)) for item in fields(self.limits))
+        return [(name, value) for name, value in every if value is not None]
+
+
+def is_open(loss: Loss) -> bool:
+    """Return whether what loses the exercise may be known to the crew."""
+    return all(condition.quantity in OPEN for condition in loss.conditions)
+
+
+RANGES: Final = {  # keys of the fact `range`
+    "rudder": "largest angle either way [deg]",
+    "stern": "that of the stern planes [deg]",
+    "bow": "that of the bow planes [deg]",
+    "depth": "the greatest depth that may be ordered [m]",
+    "test-depth": "test depth [m]; for instructor, diving officer and observer",
+    "periscope": "periscope depth [m]",
+    "speed": "turns at most, ahead [kn]",
+    "astern": "turns at most, astern [kn]",
+    "bell": "a bell as it is ordered, a colon and its turns [kn]; one fact each",
+    "tank": "a tank, a colon and what it holds [t]; one fact each",
+}
+WHO_KNOW: Final = ("instructor", "diving", "observer")  # test depth
+
+
+def ranges(boat: Boat, role: Role) -> Iterator[tuple[str, str]]:
+    """Yield keys of the vessel's ranges and their values; what the boat lacks is not among them."""
+    hull, run, c = boat.file.hull, boat.file.run, boat.vessel
+    for surface, letter in SURFACES.items():
+        limit = math.degrees(float(c[f"limit_{letter}"])) if boat.toward[surface] else 0.0
+        yield from ((surface, f"{limit:g}") for _ in range(limit > 0.0))
+    depths = {"depth": hull.max_depth_m, "periscope": run.periscope_depth_m}
+    if role.name in WHO_KNOW:
+        depths["test-depth"] = hull.test_depth_m
+    yield from ((key, f"{depth:g}") for key, depth in depths.items() if depth is not None)
+    yield "speed", f"{float(c.u_c_ahead) / KNOT:g}"
+    yield "astern", f"{-float(c.u_c_astern) / KNOT:g}"
+    yield "bell", "stop:0"
+    for name, speed in boat.file.propulsion.bells_kn.items():
+        ahead, _, most = name.partition("_")
+        yield "bell", f"{ahead} {most.replace('_', '-')}:{speed:g}"
+    for name, whole in zip(TANKS, c.capacity.tolist(), strict=True):
+        if whole and name not in COMPARTMENTS:
+            yield "tank", f"{name}:{whole / TONNE:g}"
+
+
+def range_table() -> str:
+    """Return the Markdown table of the ranges, as docs/stations.md shows it."""
+    rows = [f"| `{key}` | {says} |" for key, says in RANGES.items()]
+    return "\n".join(["| range | is |", "|---|---|", *rows]) + "\n"
+
+
+EXERCISE: Final = {  # keys of the fact `exercise`
+    "name": "the exercise's file; for the instructor",
+    "title": "its title",
+    "line": "a line of its briefing; one fact each",
+    "hand": "the axes that are worked by hand now",
+    "hand-from": "when they come into hand [s]; for the instructor",
+    "allowed": "automatic orders and axes that are allowed all the same",
+    "free": "`yes`: the instructor has allowed what was in hand; there are no marks",
+    "limits": "the gate: names and values, `depth_m_max:105,pitch_deg_max:15`",
+    "lost": "a condition that loses it; one fact each",
+    "wins": "what wins it; one fact each",
+    "duration": "its length [s]",
+    "left": "what is left of it [s], at the time of the fact",
+}
+
+
+def exercise_table() -> str:
+    """Return the Markdown table of what is told of an exercise, as docs/stations.md shows it."""
+    rows = [f"| `{key}` | {says} |" for key, says in EXERCISE.items()]
+    return "\n".join(["| exercise | is |", "|---|---|", *rows]) + "\n"

@@ -1,0 +1,149 @@
+"""What a channel has shown so far, for whoever comes late or returns: read beside the ticks.
+
+The recording's states are the source, read by a connection of its own; without a recording those
+moments that are kept in memory. A row is made as the live ones are: gauges show what they showed.
+"""
+
+import math
+import time
+from collections.abc import Callable, Iterable, Sequence
+from pathlib import Path
+from typing import Final, NamedTuple
+
+from trainer.boat.boat import Boat
+from trainer.io.orders.grammar import Refused
+from trainer.io.recording.recording import Recording, RecordingError
+from trainer.session.exercise import Work
+from trainer.session.history import History
+from trainer.session.stations.channels import CHANNELS, EVENTS, TELETYPE
+from trainer.session.stations.roles import Role, hears
+from trainer.session.stations.station import Asked, Fact, News, Station
+from trainer.session.stations.subscriptions import display, unknown, why_barred
+from trainer.session.stations.view import Pace, Picture, StateReader
+from trainer.session.time.ledger import Ledger
+
+ROWS: Final = 360  # of a channel at most: one in ten seconds of an hour
+SLICE: Final = 12  # of them at once
+PAUSE: Final = 0.01  # [s] between slices: ticks and other lines have their turn
+PRESENT: Final = ("time", "ledger")  # channels about the session itself, which no state holds
+
+Found = tuple[int, bytes]  # a tick and the state at its end
+
+
+class Span(NamedTuple):
+    """The ticks that are asked for."""
+
+    branch: int
+    first: int
+    last: int
+
+    @property
+    def ticks(self) -> range:
+        """Return those that are shown: evenly spaced, at most ROWS."""
+        every = max(math.ceil((self.last - self.first) / ROWS), 1)
+        return range(-(-self.first // every) * every, self.last + 1, every)
+
+
+class PastReader:
+    """Answers the order ``history``."""
+
+    def __init__(self, boat: Boat, work: Work, news: Callable[[], Iterable[News]] = tuple) -> None:
+        self.news = news
+        self._boat = boat
+        self._work = work
+
+    def answer(self, asked: Asked, history: History, kept: Path | None) -> None:
+        """Answer the order, and send what it asks for."""
+        channel, station = asked.order.subject, asked.station
+        if why := refusal(channel, station.role):
+            station.answer(asked, Refused(why))
+            return
+        ticks = math.ceil(asked.order.value / self._boat.method.step)
+        span = Span(history.recording.branch, max(history.tick - ticks, 0), history.tick)
+        if channel == EVENTS:
+            told = lately(self.news(), station.role, span)
+            station.answer(asked, f"events: {len(told)} of them")
+            self._mark(station, "begin", channel, history)
+            for each in told:
+                station.tell(each)
+            self._mark(station, "end", channel, history)
+            return
+        station.answer(asked, f"{channel}: what it has shown since {self._seconds(span):g} s")
+        self._begin(asked, span, history, kept)
+
+    def _begin(self, asked: Asked, span: Span, history: History, kept: Path | None) -> None:
+        """Send rows from a thread; the live ones of that channel wait until they are sent."""
+        channel, station = asked.order.subject, asked.station
+        wish = station.wishes.pause(channel)
+        memory = [] if kept else history.automatic_since(span.first)
+        self._mark(station, "begin", channel, history)
+
+        def end() -> None:
+            self._mark(station, "end", channel, history)
+            if wish and not station.leaving:
+                station.wishes.begin(channel, wish[0], station.role, machine=wish[1])
+
+        def task() -> Callable[[], None]:
+            rows = read_states(kept, span) if kept else memory
+            self._send(asked, rows)
+            return end
+
+        self._work.begin("past", task)
+
+    def _send(self, asked: Asked, rows: Sequence[Found]) -> None:
+        """Send rows a few at a time, in the thread of their own."""
+        station = asked.station
+        shown = display(asked.order.subject, station.role, machine=asked.heard.machine)
+        reader = StateReader(self._boat, Ledger(self._boat.method.step).summary)
+        for number, (tick, state) in enumerate(rows):
+            if station.leaving or station.line.ended or self._work.closing.is_set():
+                return
+            for line in shown.lines(reader.frame(Picture(tick, state, Pace()))):
+                station.line.send(line)
+            if number % SLICE == SLICE - 1:
+                time.sleep(PAUSE)
+
+    def _mark(self, station: Station, which: str, channel: str, history: History) -> None:
+        """Tell a program where the past begins and ends."""
+        fact = Fact("past", f"{which},{channel}")
+        station.note(News(history.tick, history.boat.time, "moment", "", fact))
+
+    def _seconds(self, span: Span) -> float:
+        return span.first * self._boat.method.step
+
+
+def refusal(channel: str, role: Role) -> str:
+    """Return why a channel's past is not for a role, "" when it is."""
+    if channel in PRESENT:
+        return f"{channel} tells of the session as it is: it has no past"
+    if channel not in (*CHANNELS, TELETYPE, EVENTS):
+        return unknown(channel, role)
+    return why_barred(channel, role) or ""
+
+
+def read_states(kept: Path, span: Span) -> list[Found]:
+    """Return the states of a span that a recording holds; none where it cannot be read."""
+    found = []
+    try:
+        recording = Recording.look(kept)
+        try:
+            for tick in span.ticks:
+                state = recording.state_at(span.branch, tick)
+                if state is not None:
+                    found.append((tick, state))
+        finally:
+            recording.close()
+    except RecordingError:
+        return found
+    return found
+
+
+def lately(news: Iterable[News], role: Role, span: Span) -> list[News]:
+    """Return what a role has heard of what led to the present: not what time was taken back of."""
+    told: list[News] = []
+    for each in news:
+        if each.fact and each.fact.what == "back":
+            told = [kept for kept in told if kept.tick <= each.tick]
+        if hears(role, each.kind) and each.tick >= span.first:
+            told.append(each)
+    return told
