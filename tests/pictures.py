@@ -21,6 +21,8 @@ IMAGES = Path(__file__).parent.parent / "docs" / "images"
 ORDERS = """\
 20 depth 80
 35 course 030
+105 order course 060
+110 order depth 90
 50 snapshot leaving-60-m
 70 casualty stern-stuck
 80 bow planes rise 8

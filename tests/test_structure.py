@@ -116,7 +116,7 @@ def test_what_a_fuzzer_watches_or_spares_is_there(prefix: str) -> None:
 def test_the_kinds_of_events_stay() -> None:
     assert set(KINDS) == {
         *("order", "exercise", "moment", "time", "mark", "watch", "trouble", "station", "refused"),
-        *("depth", "pilot", "crew"),
+        *("depth", "pilot", "crew", "marks"),
     }
 
 
@@ -126,6 +126,8 @@ def test_the_kinds_of_sentences_and_of_facts_stay() -> None:
         *("order", "mark", "back", "snapshot", "casualty", "depth", "collapse", "over", "left"),
         *("crew-order", "repeated", "wrong-repeat", "belayed", "wrong-way", "report"),
         *("exercise", "range", "rate", "alert", "ack"),
+        *("branch", "exercise-over", "marks", "debrief", "next", "command", "asked", "ready"),
+        *("past", "compiled"),
     }
 
 

@@ -10,7 +10,7 @@ from trainer.console.app import Console
 from trainer.console.drawing.chart import Plot, Sheet, strip, time_axis
 from trainer.console.drawing.panels import flowed, key_at, key_rows
 from trainer.console.drawing.plan import plan
-from trainer.console.guide import Reading, broken, guide
+from trainer.console.guide import Reading, broken, guide, paragraphs
 from trainer.console.keys import KEYS, footer
 from trainer.console.layouts import LAYOUTS
 from trainer.console.pane import Pane, line, plain
@@ -67,6 +67,13 @@ def test_a_line_that_is_too_long_is_broken_between_words_below_its_own_text() ->
     )
 
 
+def test_lines_broken_for_a_page_are_one_paragraph_in_a_window() -> None:
+    page = ["Depth changes, by hand. Take an angle, watch it, and take it off in time: the"]
+    page += ["boat goes where it points.", "Nothing is hidden."]
+    assert paragraphs(page) == [f"{page[0]} {page[1]}", page[2]]
+    assert paragraphs([]) == []
+
+
 def test_a_window_scrolls_by_keys_no_further_than_its_end() -> None:
     window = Reading("x", lambda: [line(f"row {n}") for n in range(30)])
     assert "row 0\n" in plain(window.draw(20, 12))
@@ -103,13 +110,44 @@ def test_the_briefing_has_mission_time_left_what_wins_and_the_limits(
         await seen(pilot, app, "no shallower than 13 m; pitch 15 deg at most")
         await seen(pilot, app, "Depth changes, by hand.")
         await pilot.press("escape")
-        talk.say(sentences.fact(130, 65.0, "exercise-over", "won"))
-        await seen(pilot, app, "EXERCISE OVER: won")
-        talk.say(sentences.fact(130, 65.0, "marks", "92, +-4 by the sea alone"))
-        await pilot.press("f12")
-        await seen(pilot, app, "92, +-4 by the sea alone")
+        talk.say(sentences.fact(130, 65.0, "exercise-over", "lost"))
+        await seen(pilot, app, "EXERCISE OVER: lost" if role != "instructor" else "release the")
+        talk.say(sentences.event(130, 65.0, "marks", "marks: lost, 12, +-4 by the sea alone"))
+        talk.say(sentences.event(130, 65.0, "marks", "  too deep for 20 s"))
+        for text in ("lost, 12, +-4 by the sea alone", "too deep for 20 s"):
+            await seen(pilot, app, text)
 
     at_the_console(look, talk, role, size)
+
+
+@pytest.mark.parametrize(
+    ("key", "order"),
+    [("r", "release marks"), ("d", "debrief"), ("a", "again"), ("h", "again from here")],
+)
+def test_the_instructor_is_offered_what_follows_an_exercise(key: str, order: str) -> None:
+    talk = tape()
+
+    async def end(pilot: Pilot[str], app: Console) -> None:
+        talk.say(sentences.fact(130, 65.0, "exercise-over", "ended"))
+        await seen(pilot, app, "the marks are being made")
+        talk.say(sentences.event(130, 65.0, "exercise", "marks: won, 92"))
+        await seen(pilot, app, "won, 92")
+        await pilot.press(key)
+        assert len(app.screen_stack) == 1
+
+    assert at_the_console(end, talk)[1].orders == [order]
+
+
+def test_a_station_that_has_read_its_briefing_says_that_it_is_ready() -> None:
+    talk = tape("helm")
+    talk.say(sentences.fact(0, 0.0, "exercise", "title=Courses"))
+
+    async def read(pilot: Pilot[str], app: Console) -> None:
+        await pilot.press("f12")
+        await seen(pilot, app, "R says ready")
+        await pilot.press("r")
+
+    assert at_the_console(read, talk, "helm")[1].orders == ["ready"]
 
 
 def test_a_long_answer_is_read_in_a_window_and_a_short_one_in_the_log() -> None:
@@ -309,6 +347,17 @@ def test_the_track_is_in_a_window_of_its_own_at_any_size() -> None:
     talk = tape()
     talk.tick(121, north="10.0", east="5.0")
     assert at_the_console(look, talk)[1].orders == []
+
+
+def test_a_large_screen_shows_the_track_all_the_time() -> None:
+    async def look(pilot: Pilot[str], app: Console) -> None:
+        await seen(pilot, app, "north up")
+        assert app.query_one("#plan", Pane).size.height >= 6
+        assert app.query_one("#chart0", Pane).size.height >= 8
+
+    talk = tape()
+    talk.tick(121, north="10.0", east="5.0")
+    at_the_console(look, talk, size=(200, 60))
 
 
 def test_water_over_the_sail_and_the_waves_are_told_to_the_instructor_alone() -> None:

@@ -43,7 +43,7 @@ def lack() -> None:
     sys.meta_path.insert(0, Lacking())
     pair, local = socket.socketpair, socket.AF_UNIX
     # elsewhere Python makes a pair of another kind, which it does not here
-    socket.socketpair = lambda *_: pair(local)  # type: ignore[assignment]
+    socket.socketpair = lambda *_: pair(local)
     for module, name in ((socket, "AF_UNIX"), (os, "fork"), (os, "setsid"), (os, "pread")):
         delattr(module, name)
 

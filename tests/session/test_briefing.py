@@ -15,7 +15,7 @@ from trainer.config.files import shipped_names
 from trainer.io.lines import Overlong
 from trainer.io.orders import sentences
 from trainer.io.orders.table import TOPICS
-from trainer.io.recording.recording import NoRecording
+from trainer.io.recording.absence import NoRecording
 from trainer.io.tables import NoFile
 from trainer.session.history import History
 from trainer.session.options import RunOptions
@@ -185,6 +185,23 @@ def test_a_program_is_told_exercise_and_vessel_with_its_role() -> None:
     assert "test-depth" not in dict(limits)
     assert dict(here.facts("instructor", "range"))["test-depth"] == "250"
     assert dict(here.facts("planes", "rate")) == {"second": "20", "once": "100"}
+
+
+def test_a_reader_is_briefed_in_words_of_79_columns() -> None:
+    here = attended("stern-plane-jam", "planes")
+    here.enter()
+    here.lines["planes"].waiting.append("briefing")
+    here.lines["planes"].sent.clear()
+
+    here.session.listen()
+
+    said = [line for line in here.lines["planes"].sent if not line.startswith("$")]
+    assert "by hand: planes, speed" in said
+    assert "limits: depth at most 140 m, pitch at most 20 deg" in said
+    assert "lost by: depth > 160" in said
+    assert "length: 600 s, 600 s left" in said
+    assert any(line.startswith("won by: each order carried out") for line in said)
+    assert max(map(len, said)) <= 79
 
 
 def test_a_briefing_tells_the_facts_of_now() -> None:

@@ -382,6 +382,19 @@ def test_a_stuck_surface_and_a_stuck_gauge_are_told_where_they_stand(boat: Boat)
     assert shown["casualty_2_says"] == f"at {shown_depth:.1f} m"
 
 
+def test_the_line_of_state_shows_what_the_crew_is_ordered(boat: Boat) -> None:
+    *_, line = Teletype(lambda frame: frame.readings).lines(frame_of(boat))
+    assert ">60.0" in line
+    for words in ("order depth 75", "order course right 045", "planes manual", "rudder left 5"):
+        order = parse(words)
+        assert isinstance(order, Order)
+        assert isinstance(obey(boat, order), str)
+    boat.tick()
+    *_, line = Teletype(lambda frame: frame.readings).lines(frame_of(boat))
+    assert ">75.0" in line
+    assert ">045" in line
+
+
 def test_water_over_the_sail_is_the_boat_s_own(boat: Boat) -> None:
     for depth, pitch in ((17.5, 0.0), (20.0, 0.1), (5.0, -0.2)):
         boat.state.z, boat.state.theta = depth, pitch

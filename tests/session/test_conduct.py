@@ -11,16 +11,17 @@ import pytest
 
 from trainer.boat.assemble import Method
 from trainer.boat.boat import Boat
-from trainer.config.condition import compile_condition
-from trainer.config.exercise import Loss
-from trainer.config.files import Place
+from trainer.config.condition import EVERY, Condition, compile_condition
+from trainer.config.exercise import Loss, load_exercise
+from trainer.config.files import Place, shipped_names
 from trainer.config.vessel import load_vessel
 from trainer.core.state import STATE
+from trainer.io.lines import Overlong
 from trainer.io.orders.sentences import order_sentence, read
 from trainer.io.recording.recording import Recording
 from trainer.io.tables import NoFile
 from trainer.session.conduct import Following
-from trainer.session.exercise import Debriefing, Ending, Judgement
+from trainer.session.exercise import Debriefing, Ending, Judgement, is_met, quantity_of
 from trainer.session.history import History
 from trainer.session.session import Session
 from trainer.session.stations.access import Access
@@ -46,10 +47,10 @@ class Typist:
     def __init__(self, name: str) -> None:
         self.name = name
         self.ended = False
-        self.typed: list[str] = []
+        self.typed: list[str | Overlong] = []
         self.sent: list[str] = []
 
-    def take(self, most: int) -> list[str]:
+    def take(self, most: int) -> list[str | Overlong]:
         taken, self.typed = self.typed[:most], self.typed[most:]
         return taken
 
@@ -176,6 +177,36 @@ def crewed(tmp_path: Path) -> Iterator[Callable[..., Crewed]]:
 # The end of an exercise
 
 
+@pytest.mark.parametrize("name", shipped_names("exercises"))
+def test_what_loses_a_shipped_exercise_is_watched(crewed: Callable[..., Crewed], name: str) -> None:
+    exercise = load_exercise(name)
+    boat = crewed().boat
+    ending = Ending.of(boat, exercise.lost, exercise.heading.duration_s)
+    assert ending.watched
+    assert not ending.look(boat)
+    boat.state.z = 400.0 if any("depth" in each.text for each in exercise.lost) else -2.0
+    looked = [ending.look(boat) for _ in range(20)]
+    assert any(looked) is bool(exercise.lost)
+
+
+@pytest.mark.parametrize("quantity", EVERY)
+def test_any_quantity_of_a_condition_can_lose_an_exercise(
+    crewed: Callable[..., Crewed], quantity: str
+) -> None:
+    boat = crewed().boat
+    boat.state.z = 2.0  # the sail shows
+    value = quantity_of(boat, quantity)
+    assert math.isfinite(value)
+    for sense, strict, threshold, met in (
+        (1.0, True, value - 1e-3, True),
+        (1.0, True, value, False),
+        (1.0, False, value, True),
+        (-1.0, True, value + 1e-3, True),
+        (-1.0, False, value - 1e-3, False),
+    ):
+        assert is_met(Condition(quantity, sense, strict, threshold, "", PLACE), boat) is met
+
+
 def test_when_time_is_up_all_stations_freeze_and_the_session_lives_on(
     crewed: Callable[..., Crewed],
 ) -> None:
@@ -233,6 +264,19 @@ def test_an_exercise_is_lost_by_its_rule_and_by_turning_over(
     other.boat.state.phi = 1.2
     other.fly(1)
     assert other.conduct.ending.why == "turned over"
+
+
+def test_a_hull_that_collapses_loses_the_exercise(crewed: Callable[..., Crewed]) -> None:
+    ship = crewed(seconds=60.0)
+    ship.fly(2)
+    ship.boat.state.z = 500.0
+    ship.fly(1)
+    assert ship.facts(ship.instructor, "exercise-over") == ["lost"]
+    assert "collapse" in ship.conduct.ending.why
+    assert "backtrack or reset" in ship.refused("run")
+    ship.order("reset")
+    assert not ship.conduct.ending.over
+    assert ship.order("run") == "running"
 
 
 def test_the_instructor_ends_an_exercise_and_its_crew_hears_who_did(

@@ -146,7 +146,7 @@ def test_an_exercise_ends_is_judged_flown_again_debriefed_and_followed(
         until(instructor, "nothing of the kind")  # the line is closed
     again = served.caller("instructor")
     assert again.ask("briefing")[0]
-    assert "100 and 40 m" in again.said[0]
+    assert "depth-changes" in again.said[0]
     assert again.ask("status")[0]
     assert any("tick 0" in line for line in again.said)
     assert again.ask("quit")[0]
@@ -191,7 +191,7 @@ def test_a_frozen_session_waits_at_its_local_socket(
     home = str(tmp_path_factory.mktemp("xdg"))  # a short name: that of a socket has to be
     environment = {**os.environ, "XDG_STATE_HOME": str(tmp_path), "XDG_RUNTIME_DIR": home}
     environment["PYTHONPATH"] = os.pathsep.join([str(ROOT), os.environ.get("PYTHONPATH", "")])
-    words = ["serve", "periscope-depth", "--listen", "none", "--frozen"]
+    words = ["serve", "depth-changes", "--listen", "none", "--frozen"]
     with subprocess.Popen(
         [sys.executable, "-m", "trainer", *words],
         env=environment,
@@ -242,14 +242,22 @@ def test_what_is_resumed_at_its_exercise_s_end_is_over(
     serve: Callable[..., Served], exercise: Path, tmp_path: Path
 ) -> None:
     kept = tmp_path / "kept.trainer"
+    orders = tmp_path / "orders.txt"
+    orders.write_text("5 casualty rudder-stuck\n7 rudder left 5\n", encoding="utf-8")
     words = ("run", str(exercise), "--headless", "--speed", "max", "--record", str(kept))
-    assert "simulated" in serve(*words, "--socket", "none").account()
+    flown = serve(*words, "--orders", str(orders), "--socket", "none")
+    assert "simulated" in flown.account()
 
     served = serve("resume", str(kept), "--teletype")
     instructor = served.caller("instructor")
     ok, why = instructor.ask("run")
     assert not ok
     assert "the exercise is over" in why
+    instructor.news.clear()
+    assert instructor.ask("history events")[0]
+    assert instructor.ask("who")[0]
+    (told,) = [each.fields for each in instructor.news if each.fields[3] == "casualty rudder-stuck"]
+    assert told[1] == "5.000"
     assert instructor.ask("backtrack 5 s")[0]
     assert instructor.ask("branches")[0]
     assert len(instructor.said) == 2

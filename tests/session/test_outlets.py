@@ -28,7 +28,8 @@ from trainer.config.files import ConfigError
 from trainer.config.vessel import load_vessel
 from trainer.io import nmea
 from trainer.io.line import Outbox
-from trainer.io.recording.recording import NoRecording, Recording
+from trainer.io.recording.absence import NoRecording
+from trainer.io.recording.recording import Recording
 from trainer.io.tables import COLUMNS, NoFile
 from trainer.session.history import History
 from trainer.session.nmea.outlets import Steady, open_outlets

@@ -24,7 +24,7 @@ SHIP = {"stern", "bow", "planes", "depth", "periscope"}
 WATER = {"blow", "emergency", "vent", "negative", "flood", "pump", "drain", "hover", "compressor"}
 WATER |= {"trim"}
 HELM = {"rudder", "course", "course-by", "course-to", "speed", "turns", "rpm", "bell"}
-SAYS = {"report", "aye"}
+SAYS = {"report", "aye", "ready"}
 OWN = {
     "instructor": set(GRAMMAR),
     "helm": HELM | SAYS,
@@ -35,7 +35,7 @@ OWN = {
     "observer": {"mark"},
 }
 ALL = {
-    *("role", "help", "status", "briefing", "log", "ack"),
+    *("role", "help", "status", "briefing", "log", "ack", "history"),
     *("subscribe", "unsubscribe", "detach", "who"),
 }
 TRAINEES = sorted(set(ROLES) - {"instructor"})

@@ -15,7 +15,7 @@ from textual.screen import Screen
 from textual.widgets import Input
 
 from trainer.console.choice import Done, casualty_choice, sea_choice
-from trainer.console.dialogs import Dialog, Subject, emergency, leaving
+from trainer.console.dialogs import Dialog, Ending, Subject, emergency, leaving
 from trainer.console.drawing.chart import strip
 from trainer.console.drawing.event_log import log, time_at, time_line
 from trainer.console.drawing.panels import flowed, foot, key_at, top
@@ -109,6 +109,7 @@ class Console(App[str], inherit_bindings=False):
         (0, "-flat"),
         (20, "-low"),
         (36, "-tall"),
+        (50, "-high"),
     ]
     # not those of the library: Ctrl-Q is what wakes a terminal that Ctrl-S has stopped
     BINDINGS: ClassVar[list[BindingType]] = []
@@ -126,6 +127,7 @@ class Console(App[str], inherit_bindings=False):
         self._seen: tuple[object, ...] = ()
         self._rung = model.bells
         self._silent = False
+        self._ended, self._released = model.endings, model.releases
         self._foot = footer(model.role)
 
     def get_default_screen(self) -> Screen[None]:
@@ -297,6 +299,12 @@ class Console(App[str], inherit_bindings=False):
         due, self._rung = self.model.bells > self._rung, self.model.bells
         if due and not self._silent:
             self.bell()
+        endings, self._ended = self.model.endings - self._ended, self.model.endings
+        if endings > 0 and self.model.instructs:
+            self._open(Ending(self.model))
+        releases, self._released = self.model.releases - self._released, self.model.releases
+        if releases > 0 and not self.model.instructs and len(self.screen_stack) == 1:
+            self._open(briefing(self.model))
         while self.model.answers and len(self.screen_stack) == 1:
             self._open(answer(*self.model.answers.pop(0)))
 

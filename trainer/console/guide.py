@@ -1,8 +1,8 @@
 """What is read in a window of its own: help, the briefing of an exercise, long answers."""
 
 import textwrap
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
 from typing import Final
 
 from trainer.console.choice import NOTHING, Done
@@ -78,6 +78,7 @@ LIMITS: Final = {
     "speed_kn_min": "no slower than {} kn",
     "validity_level_max": "validity level {} at most",
 }
+PAGE: Final = 60  # [characters] from which a line was broken because the page ended
 MOVES: Final = {"up": -1, "down": 1, "pageup": -12, "pagedown": 12, "home": -9999, "end": 9999}
 LEAVES: Final = ("escape", "f1", "q", "enter", "f10", "f12", "question_mark", "space")
 LABELS: Final = 16  # [columns] of what stands before an explanation
@@ -89,6 +90,7 @@ class Reading:
 
     title: str
     text: Text
+    keys: Mapping[str, tuple[str, str]] = field(default_factory=dict)  # their orders, and words
     top: int = 0
     size: tuple[int, int] = (96, 60)
     _last: int = 0  # the largest top that still fills the window
@@ -98,6 +100,8 @@ class Reading:
         if key in MOVES:
             self.top = min(max(self.top + MOVES[key], 0), self._last)
             return None
+        if key in self.keys:
+            return Done((self.keys[key][0],))
         return NOTHING if key in LEAVES else None
 
     def click(self, _column: int, _row: int, _width: int) -> Done | None:
@@ -124,7 +128,8 @@ class Reading:
         below = len(lines) - self.top - room
         more = f" {below} more below: Down, Page Down;" if below > 0 else ""
         back = " Up goes back;" if self.top else ""
-        return line((f"{more}{back}", "warning"), (" Esc closes", "dim"))
+        does = "".join(f"   {says}" for _, says in self.keys.values())
+        return line((f"{more}{back}", "warning"), (" Esc closes", "dim"), (does, "title"))
 
 
 def broken(drawn: Line, width: int) -> Lines:
@@ -196,9 +201,22 @@ def briefing_rows(model: SessionModel) -> list[Line]:
     told = model.told.get("line", [])
     said = [text for text in model.briefing if text not in (*told, model.exercise.get("title"))]
     rows += [line()] * bool(rows)
-    rows += [line((f"   {text}", "plain")) for text in told]
+    rows += [line((f"   {text}", "plain")) for text in paragraphs(told)]
     rows += [line()] * bool(told)
     return [*rows, *(line((f"   {text}", "dim")) for text in said)]
+
+
+def paragraphs(lines: Sequence[str]) -> list[str]:
+    """Return lines that were broken for a page as paragraphs, to be broken for a window."""
+    found: list[str] = []
+    going_on = False
+    for text in lines:
+        if going_on:
+            found[-1] += f" {text}"
+        else:
+            found.append(text)
+        going_on = len(text) >= PAGE
+    return found
 
 
 def standing(model: SessionModel) -> list[tuple[str, str]]:
@@ -248,7 +266,8 @@ def guide(model: SessionModel) -> Reading:
 
 def briefing(model: SessionModel) -> Reading:
     """Return the window with the briefing; the time left goes on in it."""
-    return Reading("Briefing", lambda: briefing_rows(model))
+    keys = {} if model.instructs or not model.exercise else {"r": ("ready", "R says ready")}
+    return Reading("Briefing", lambda: briefing_rows(model), keys)
 
 
 def answer(words: str, lines: Sequence[str]) -> Reading:

@@ -102,7 +102,9 @@ class SessionModel:
     exercise: dict[str, str] = field(default_factory=dict)  # what is to be done, by its keys
     told: dict[str, list[str]] = field(default_factory=dict)  # and what is said line by line
     outcome: str = ""  # of an exercise that is over
-    marks_told: list[str] = field(default_factory=list)  # by the instructor, when released
+    endings: int = 0  # of exercises
+    marks_told: list[str] = field(default_factory=list)  # with their reasons, when they are told
+    releases: int = 0  # of marks to the crew
     rings: int = 0  # how often the bell has been due
     answers: list[tuple[str, list[str]]] = field(default_factory=list)  # long ones, to be read
     trace: Trace = field(init=False)
@@ -252,6 +254,8 @@ class SessionModel:
         _, seconds, kind, text = sentence.fields
         self.journal.add(float(seconds), kind, text)
         self.rings += kind in RINGING
+        if kind in ("marks", "exercise"):
+            self._hear_marks(text, told=kind == "marks")
 
     def _note(self, sentence: Sentence) -> None:
         """Take a fact: what has happened, or what there is, in fields."""
@@ -267,7 +271,7 @@ class SessionModel:
             self._remember(seconds, subject)
         elif what in CrewOrders.FACTS:
             self._order_crew(seconds, what, subject)
-        elif what.startswith(("exercise", "marks")):
+        elif what in ("exercise", "exercise-over"):
             self._brief(what, subject)
         elif what == "snapshot":
             self._snapshots.append(Kept(seconds, "S", subject))
@@ -285,11 +289,11 @@ class SessionModel:
     def _brief(self, what: str, subject: str) -> None:
         """Keep what the exercise asks for, how it ended, and the marks once they are told."""
         key, equals, value = subject.partition("=")
-        if what == "marks":
-            self.marks_told.append(subject)
-        elif what == "exercise-over":
+        if what == "exercise-over":
             self.outcome = subject or "ended"
+            self.marks_told.clear()
             self.rings += 1
+            self.endings += 1
         elif equals:
             if key == "title" and value != self.exercise.get("title"):
                 self._forget_exercise()
@@ -298,6 +302,14 @@ class SessionModel:
                 lines.extend([value] if value not in lines else [])
             else:
                 self.exercise[key] = value
+
+    def _hear_marks(self, text: str, *, told: bool) -> None:
+        """Keep the marks and their reasons: the instructor hears them first, then all."""
+        if text.startswith("marks: "):
+            self.marks_told = [text.removeprefix("marks: ")]
+            self.releases += told
+        elif text.startswith("  ") and self.marks_told and text.strip() not in self.marks_told:
+            self.marks_told.append(text.strip())
 
     def _forget_exercise(self) -> None:
         """Keep nothing of an exercise but its file's name, which is told first."""

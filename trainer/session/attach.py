@@ -16,7 +16,7 @@ from trainer.io.orders import sentences
 from trainer.io.orders.sentences import Sentence
 from trainer.io.serial_line import LinkError
 
-ENDS: Final = ("over", "left")  # facts after which the line is to be gone
+ENDS: Final = ("over", "left", "next")  # facts after which the line is to be gone
 PATIENCE: Final = 2.0  # [s] for what is still to be said at the end
 
 

@@ -9,12 +9,13 @@ import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Final, Protocol
+from typing import Final
 
 from trainer.config.files import ConfigError
 from trainer.io.orders.grammar import Refused
 from trainer.io.recording.recording import RecordingError
 from trainer.session.control import HERE, Control
+from trainer.session.event_log import EventLog
 from trainer.session.exercise import OVER, Debriefing, Ending, Judgement, Work
 from trainer.session.stations.past import PastReader
 from trainer.session.stations.roles import INSTRUCTOR, STRANGER
@@ -25,20 +26,10 @@ ANSWER_WITHIN: Final = 10.0  # [s] for whoever has command to keep it
 WATCHING: Final = frozenset(  # what an instructor without command may say
     {
         *("role", "help", "status", "briefing", "log", "who", "subscribe", "unsubscribe", "detach"),
-        *("history", "mark", "branches", "snapshots", "casualties", "command"),
+        *("history", "mark", "branches", "snapshots", "casualties", "command", "ack"),
     }
 )
 NOT_CREW: Final = (INSTRUCTOR.name, STRANGER.name, "observer")  # of whom nobody asks: ready?
-
-
-class Tell(Protocol):
-    """What tells the stations whose role hears of such things."""
-
-    def __call__(
-        self, kind: str, text: str, by: Station | None = None, fact: Fact | None = None
-    ) -> None:
-        """Tell what has happened."""
-        ...
 
 
 @dataclass(frozen=True)
@@ -64,8 +55,7 @@ class Conduct:
     """How one session is conducted."""
 
     control: Control
-    tell: Tell
-    stations: Sequence[Station]  # those attached, as they come and go
+    log: EventLog
     show: Callable[[], None]  # the present moment
     wake: Callable[[], object]  # has the session's thread listen
     ending: Ending = field(default_factory=Ending)
@@ -84,7 +74,7 @@ class Conduct:
     def __post_init__(self) -> None:
         self.work = Work(self.wake)
         history = self.control.history
-        self.past = PastReader(history.boat, self.work)
+        self.past = PastReader(history.boat, self.work, self.log)
         self._quitting: tuple[Station | None, float] = None, 0.0  # who has said so, and when
         self._duties: dict[str, Callable[[Asked], bool]] = {
             "quit": self._quit,
@@ -117,9 +107,9 @@ class Conduct:
         """Take what is done by now, and see whose command it is; between orders."""
         self.work.settle()
         command = self.command
-        if command.asker and command.asker not in self.stations:
+        if command.asker and command.asker not in self.log.stations:
             command.asker = None
-        if command.holder and command.holder not in self.stations:
+        if command.holder and command.holder not in self.log.stations:
             self._pass_command(next(iter(self._instructors()), None))
         elif command.asker and self.clock() >= command.until:
             self._pass_command(command.asker)
@@ -128,8 +118,13 @@ class Conduct:
 
     def look(self) -> None:
         """End the exercise if this tick does; after it."""
-        self.begun = True
-        if self.ending.look(self.control.boat):
+        self.begun = self.control.boat.ticks > 0
+        lost, ending = self.control.failure, self.ending
+        if lost and ending.watched and not ending.over:
+            ending.end("lost", f"lost at {self.control.boat.time:g} s")
+            ending.why = lost
+            self._stop()
+        elif ending.look(self.control.boat):
             self._stop()
 
     def settle(self) -> None:
@@ -144,7 +139,7 @@ class Conduct:
         if self.ending.over:
             return ""
         why = f"frozen at {self.control.boat.time:g} s, and nobody is left to say run"
-        self.tell("time", why)
+        self.log.tell("time", why)
         return why
 
     def go_over(self, tick: Callable[[], int]) -> None:
@@ -153,7 +148,7 @@ class Conduct:
         boat.tick, self.compiled_from = tick, boat.ticks + 1
         self.control.time.recover()
         ready = f"compiled code is ready: from tick {self.compiled_from} on"
-        self.tell("time", ready, fact=Fact("compiled"))
+        self.log.tell("time", ready, fact=Fact("compiled"))
         self.show()
 
     def final_marks(self) -> Judgement | None:
@@ -171,9 +166,9 @@ class Conduct:
         self.control.steps = 0
         ending = self.ending
         told = Fact("exercise-over", ending.how)
-        self.tell("time", f"EXERCISE OVER: {ending.over}", fact=told)
+        self.log.tell("time", f"EXERCISE OVER: {ending.over}", fact=told)
         if ending.why:
-            self.tell("exercise", f"lost: {ending.why}")
+            self.log.tell("exercise", f"lost: {ending.why}")
         self.show()
         if self.debriefing and self.kept and self.scored:
             self._begin_judging(self.debriefing.judge, self.kept)
@@ -188,7 +183,7 @@ class Conduct:
                 found = judge(kept, branch)
             except Exception as error:  # noqa: BLE001 whatever it is, the session goes on
                 why = f"no marks: {error}"
-                return lambda: self.tell("exercise", why)
+                return lambda: self.log.tell("exercise", why)
             return lambda: self._judged(found) if self.ending.over == ending else None
 
         self.work.begin("judging", task)
@@ -196,9 +191,9 @@ class Conduct:
     def _judged(self, found: Judgement) -> None:
         """Tell the instructor the marks."""
         self.ending.marks = found
-        self.tell("exercise", f"marks: {found}", fact=Fact("marks", found.fields))
+        self.log.tell("exercise", f"marks: {found}", fact=Fact("marks", found.fields))
         for reason in found.reasons:
-            self.tell("exercise", f"  {reason}")
+            self.log.tell("exercise", f"  {reason}")
 
     def _end(self, asked: Asked) -> bool:
         boat, ending = self.control.boat, self.ending
@@ -228,9 +223,9 @@ class Conduct:
 
     def _tell_all(self, marks: Judgement) -> None:
         self.ending.released = True
-        self.tell("marks", f"marks: {marks}", fact=Fact("marks", marks.fields))
+        self.log.tell("marks", f"marks: {marks}", fact=Fact("marks", marks.fields))
         for reason in marks.reasons:
-            self.tell("marks", f"  {reason}")
+            self.log.tell("marks", f"  {reason}")
 
     def _debrief(self, asked: Asked) -> bool:
         if self.debriefing is None or self.kept is None:
@@ -248,9 +243,9 @@ class Conduct:
                 path = write(kept, branch)
             except Exception as error:  # noqa: BLE001 whatever it is, the session goes on
                 why = f"no debrief: {error}"
-                return lambda: self.tell("exercise", why)
+                return lambda: self.log.tell("exercise", why)
             done = Fact("debrief", str(path))
-            return lambda: self.tell("exercise", f"debrief written: {path}", fact=done)
+            return lambda: self.log.tell("exercise", f"debrief written: {path}", fact=done)
 
         self.work.begin("debrief", task)
         asked.station.answer(asked, f"the debrief of branch {branch} is being written")
@@ -259,12 +254,14 @@ class Conduct:
     # What follows
 
     def _run(self, asked: Asked) -> bool:
+        if self.control.failure:
+            return False
         if self.ending.over:
             asked.station.answer(asked, Refused(OVER))
             return True
         late = [each.who for each in self._crew() if each not in self.ready]
         if late and not self.begun and asked.order.name == "run":
-            self.tell("station", f"not ready: {', '.join(late)}")
+            self.log.tell("station", f"not ready: {', '.join(late)}")
         return False
 
     def _again(self, asked: Asked) -> bool:
@@ -293,7 +290,7 @@ class Conduct:
             asked.station.answer(asked, "next NAME begins one of them", *following.names)
             return True
         elsewhere = following.barred
-        if not elsewhere and not all(each.visits for each in self.stations):
+        if not elsewhere and not all(each.visits for each in self.log.stations):
             elsewhere = "this session has lines of its own"
         if elsewhere:
             why = f"{elsewhere}: quit, then trainer run {name}"
@@ -305,7 +302,7 @@ class Conduct:
             asked.station.answer(asked, Refused(why))
             return True
         asked.station.answer(asked, f"next: {name}")
-        self.tell("time", f"next exercise: {name}", fact=Fact("next", name))
+        self.log.tell("time", f"next exercise: {name}", fact=Fact("next", name))
         self.control.following, self.control.ended = name, True
         return True
 
@@ -347,21 +344,21 @@ class Conduct:
         late = [each.who for each in self._crew() if each not in self.ready]
         awaited = f"; not ready: {', '.join(late)}" if late else "; everybody is"
         told = Fact("ready", station.who)
-        self.tell("station", f"{station.who} is ready{awaited}", station, told)
+        self.log.tell("station", f"{station.who} is ready{awaited}", station, told)
         station.answer(asked, f"ready{awaited}")
         return True
 
     def _crew(self) -> list[Station]:
         """Return the stations that may be ready."""
-        return [each for each in self.stations if each.role.name not in NOT_CREW]
+        return [each for each in self.log.stations if each.role.name not in NOT_CREW]
 
     def _others(self, station: Station) -> list[Station]:
         """Return the others that came and said who they are."""
-        there = [each for each in self.stations if each.visits and each.settled]
+        there = [each for each in self.log.stations if each.visits and each.settled]
         return [each for each in there if each is not station and not each.line.ended]
 
     def _instructors(self) -> list[Station]:
-        there = [each for each in self.stations if each.role is INSTRUCTOR]
+        there = [each for each in self.log.stations if each.role is INSTRUCTOR]
         return [each for each in there if not each.line.ended and not each.leaving]
 
     def _barred(self, asked: Asked) -> str:
@@ -390,7 +387,7 @@ class Conduct:
         name = station.line.name
         within = f"within {ANSWER_WITHIN:g} s"
         text = f"{name} asks for command: give command, or keep command, {within}"
-        self.tell("exercise", text, station, Fact("asked", name))
+        self.log.tell("exercise", text, station, Fact("asked", name))
         station.answer(asked, f"{command.holder.line.name} is asked; it is yours {within} if not")
         return True
 
@@ -413,7 +410,7 @@ class Conduct:
             return True
         holder = asked.station
         kept = f"{holder.line.name} keeps command"
-        self.tell("exercise", kept, holder, Fact("command", holder.line.name))
+        self.log.tell("exercise", kept, holder, Fact("command", holder.line.name))
         holder.answer(asked, "you keep command")
         return True
 
@@ -422,7 +419,7 @@ class Conduct:
         self.command.holder, self.command.asker = taker, None
         if taker is not None:
             name = taker.line.name
-            self.tell("exercise", f"{name} has command", fact=Fact("command", name))
+            self.log.tell("exercise", f"{name} has command", fact=Fact("command", name))
 
     def _wake_after(self, seconds: float) -> None:
         timer = threading.Timer(seconds, self.wake)

@@ -1,7 +1,7 @@
 """What has happened in a session: recorded, told to whom it concerns, kept for who comes late."""
 
 from collections import deque
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
 from typing import Final
 
@@ -27,6 +27,7 @@ class EventLog:
     heard: Station | None = None  # who is listened to
     hearers: list[Callable[[News], None]] = field(default_factory=list)  # of all; they never wait
     alerts: dict[int, News] = field(default_factory=dict)  # that nobody has seen yet
+    unrecorded: str = ""  # why nothing more is recorded, once that has been told
     _alert: int = 0  # the number of the last
 
     def tell(
@@ -100,6 +101,28 @@ class EventLog:
         """Return by whom a thing is said: its role, of several instructors their line too."""
         several = sum(1 for each in self.stations if each.role is INSTRUCTOR) > 1
         return station.who if several and station.role is INSTRUCTOR else station.role.name
+
+    def note(self, station: Station, facts: Iterable[Fact]) -> None:
+        """Tell a station facts of now, if it is a program."""
+        for fact in facts:
+            station.note(News(self.history.tick, self.history.boat.time, "exercise", "", fact))
+
+    def as_kept(self, answer: Reply) -> Reply:
+        """Return an answer with a word on it if what it answers is not recorded."""
+        if self.history.recording.trouble and not isinstance(answer, Refused):
+            return f"{answer} (not recorded)"
+        return answer
+
+    def tell_trouble(self) -> None:
+        """Tell once that the recording is out of reach, and once that it is back."""
+        recording = self.history.recording
+        if recording.trouble == self.unrecorded:
+            return
+        self.unrecorded = recording.trouble
+        lost = f"lost in all: {recording.missing}" if recording.missing else "nothing is lost"
+        back = f"recorded again in branch {recording.branch}; {lost}"
+        told = f"NOT RECORDED: {recording.trouble}" if recording.trouble else back
+        self.tell("trouble", told)
 
     def log(self, kind: str, text: str) -> None:
         """Tell what the station that is listened to has to say of itself."""

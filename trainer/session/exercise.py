@@ -15,6 +15,7 @@ from typing import Final
 
 from trainer.boat.boat import PLACES, Boat
 from trainer.boat.casualties import scale_of
+from trainer.boat.limits import deep, showing
 from trainer.config.condition import QUANTITIES, Condition
 from trainer.config.exercise import Loss
 
@@ -59,34 +60,37 @@ class Losing:
 
     loss: Loss
     ticks: int  # for which they have to hold
-    tests: tuple[tuple[int, float, float, bool], ...]  # place, sense, threshold and strictness
     held: int = 0  # ticks for which they have held
 
     @classmethod
     def of(cls, loss: Loss, boat: Boat) -> "Losing":
         """Return the watch for a loss over a boat."""
-        tests = tuple(test_of(each, boat) for each in loss.conditions)
-        return cls(loss, max(math.ceil(loss.seconds / boat.method.step - 1e-9), 0), tests)
+        return cls(loss, max(math.ceil(loss.seconds / boat.method.step - 1e-9), 0))
 
     def look(self, boat: Boat) -> bool:
         """Return whether the exercise is lost by it after this tick."""
-        holds = all(
-            beyond > 0.0 if strict else beyond >= 0.0
-            for beyond, strict in (
-                (sense * (boat.plain[place] - threshold), strict)
-                for place, sense, threshold, strict in self.tests
-            )
-        )
+        holds = all(is_met(each, boat) for each in self.loss.conditions)
         self.held = self.held + 1 if holds else 0
-        return holds and self.held > self.ticks
+        return self.held > self.ticks
 
 
-def test_of(condition: Condition, boat: Boat) -> tuple[int, float, float, bool]:
-    """Return place, sense, threshold as the state has it, and strictness of a condition."""
-    factor = scale_of(boat, condition.quantity) or 1.0
-    place = PLACES[QUANTITIES[condition.quantity].place]
-    sense = condition.sense * math.copysign(1.0, factor)
-    return place, sense, condition.threshold * factor, condition.strict
+def is_met(condition: Condition, boat: Boat) -> bool:
+    """Return whether a condition holds now; never where the boat lacks what it is about."""
+    value = quantity_of(boat, condition.quantity)
+    beyond = condition.sense * (value - condition.threshold)
+    return beyond > 0.0 if condition.strict else beyond >= 0.0
+
+
+def quantity_of(boat: Boat, name: str) -> float:
+    """Return a quantity of a condition [SI] as it is; NaN if the boat lacks it."""
+    if name == "showing":
+        return -math.inf if deep(boat) else showing(boat)
+    if name == "course":
+        return boat.plain[PLACES["psi"]] % math.tau
+    if name == "heavy":
+        return (boat.plain[PLACES["weight"]] - float(boat.vessel.buoyancy)) / float(boat.vessel.g)
+    factor = scale_of(boat, name)
+    return boat.plain[PLACES[QUANTITIES[name].place]] / factor if factor else math.nan
 
 
 @dataclass

@@ -23,10 +23,11 @@ from trainer.core.state import STATE
 from trainer.io.orders.grammar import Order, Refused, Reply, parse
 from trainer.io.orders.schedule import Scheduled
 from trainer.io.orders.table import BOAT_ORDERS
+from trainer.io.recording.absence import NoRecording
 from trainer.io.recording.recording import (
     Journalled,
     Moment,
-    NoRecording,
+    Noted,
     Recording,
     RecordingError,
 )
@@ -244,6 +245,16 @@ class History:
             )
             for each in self.recording.branches()
         ]
+
+    def noted(self) -> list[Noted]:
+        """Return what was noted on the present branch and on what led to it."""
+        begun = {each.id: each for each in self.recording.branches()}
+        ends: dict[int, float] = {}
+        here, end = begun.get(self.recording.branch), math.inf
+        while here:
+            ends[here.id] = end
+            end, here = here.tick, begun.get(here.parent or 0)
+        return [each for each in self.recording.events() if each.tick <= ends.get(each.branch, -1)]
 
     def end_of(self, branch: int) -> Moment | Refused:
         """Return the last moment of a branch, without the orders that were given after it."""

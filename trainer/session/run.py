@@ -20,8 +20,9 @@ from trainer.boat.limits import LimitMonitor, account_of
 from trainer.config.exercise import load_exercise
 from trainer.config.files import ConfigError, remembering, shipped_names
 from trainer.io import paths as paths_module
+from trainer.io.recording.absence import NoRecording
 from trainer.io.recording.file import TakenError
-from trainer.io.recording.recording import NoRecording, Recording, RecordingError
+from trainer.io.recording.recording import Recording, RecordingError
 from trainer.io.status_line import course
 from trainer.io.tables import COLUMNS, CsvFile, NoFile
 from trainer.session.conduct import Following, problem_with
@@ -35,6 +36,7 @@ from trainer.session.rerun.request import open_log
 from trainer.session.rerun.subject import Subject
 from trainer.session.session import Session
 from trainer.session.stations.briefing import Briefing
+from trainer.session.stations.past import recalled
 from trainer.session.stations.reception import Closed
 from trainer.session.stations.roles import INSTRUCTOR, STRANGER
 from trainer.session.stations.station import Fact
@@ -343,6 +345,8 @@ def conduct_of(session: Session, prepared: PreparedRun, options: RunOptions) -> 
     conduct.kept = Path(prepared.kept) if prepared.kept else None
     if lives_on(options):
         conduct.ending = Ending.of(prepared.boat, plan.lost, plan.duration)
+    if prepared.boat.ticks:
+        session.event_log.news.extend(recalled(prepared.history))
     if compilation.is_interpreted() and options.note:
         await_code(session)
 

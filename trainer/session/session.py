@@ -24,11 +24,11 @@ from trainer.session.crew import SCHEDULE, CrewTalk, Telling, role_of
 from trainer.session.event_log import CREW, EventLog
 from trainer.session.history import History
 from trainer.session.stations.access import NoiseLog
-from trainer.session.stations.briefing import Briefing, ranges
+from trainer.session.stations.briefing import Briefing, in_words, ranges
 from trainer.session.stations.display import panel
 from trainer.session.stations.reception import Closed, Reception
 from trainer.session.stations.roles import INSTRUCTOR, STRANGER, Role
-from trainer.session.stations.station import Asked, Fact, News, Station
+from trainer.session.stations.station import Asked, Fact, Station
 from trainer.session.stations.subscriptions import Sending
 from trainer.session.stations.view import Pace, Picture, StateReader
 from trainer.session.status import status_lines
@@ -72,7 +72,6 @@ class Session:
     allowed: frozenset[str] = frozenset()  # automatic orders allowed nevertheless
     until_left: bool = False  # it ends when the last of those who came by themselves has gone
     deserted: str = ""  # why it ended before its time
-    unrecorded: str = ""  # why nothing more is recorded, once that has been told
     refused: list[str] = field(default_factory=list)  # of the schedule, as it was told
     event_log: EventLog = field(init=False)
     control: Control = field(init=False)
@@ -84,9 +83,7 @@ class Session:
     def __post_init__(self) -> None:
         self.event_log = EventLog(self.history)
         self.control = Control(self.boat, self.time, self.history, self.schedule)
-        log = self.event_log
-        self.conduct = Conduct(self.control, log.tell, log.stations, self._show, self._call)
-        self.conduct.past.news = lambda: log.news
+        self.conduct = Conduct(self.control, self.event_log, self._show, self._call)
         self.depths = DepthMonitor.over(self.boat)
         self.pilot = PilotMonitor.over(self.boat)
         self.crew = CrewTalk(self.boat, self.hand, self.hand_from, self.allowed)
@@ -100,8 +97,7 @@ class Session:
         if self.columns:
             self._row()
         self._judge_hull()  # a recorded run may have ended in a collapse
-        if self.boat.ticks:
-            self.conduct.look()  # or at its exercise's end
+        self.conduct.look()  # or at its exercise's end
         if not (frozen or self.control.failure or self.conduct.ending.over):
             self.time.pacer.run()
         self._show()
@@ -133,13 +129,17 @@ class Session:
 
     def _introduce(self, station: Station) -> None:
         """Tell a program the exercise, the vessel's ranges, and what the crew is ordered."""
-        told = [("exercise", pair) for pair in self.exercise.facts(station.role, self.boat.time)]
-        told += [("exercise", pair) for pair in self.crew.conditions(station.role.name)]
+        told = [("exercise", pair) for pair in self._exercise_facts(station)]
         told += [("range", pair) for pair in ranges(self.boat, station.role)]
         told += [("rate", pair) for pair in station.rate]
-        self._note(station, [Fact(what, f"{key}={value}") for what, (key, value) in told])
-        self._note(station, [each.fact for each in self.crew.standing(station.role.name)])
+        self.event_log.note(station, [Fact(what, f"{key}={value}") for what, (key, value) in told])
+        self.event_log.note(station, [each.fact for each in self.crew.standing(station.role.name)])
         self.event_log.note_alerts(station)
+
+    def _exercise_facts(self, station: Station) -> list[tuple[str, str]]:
+        """Return what there is to tell of the exercise by now, as keys and values."""
+        role = station.role
+        return [*self.exercise.facts(role, self.boat.time), *self.crew.conditions(role.name)]
 
     def _briefed(self, station: Station) -> tuple[str, ...]:
         """Return what a station is told of the exercise."""
@@ -247,11 +247,16 @@ class Session:
         if name == "briefing":
             self._introduce(station)
         if name == "casualties":
-            self._note(station, [Fact("casualty", ",".join(each)) for each in available(self.boat)])
+            self.event_log.note(
+                station, [Fact("casualty", ",".join(each)) for each in available(self.boat)]
+            )
         answers: dict[str, Callable[[], Sequence[str]]] = {
             "status": lambda: self._status(station),
             "who": lambda: [each.account() for each in self.event_log.stations],
-            "briefing": lambda: self._briefed(station),
+            "briefing": lambda: (
+                *self._briefed(station),
+                *(() if asked.heard.machine else in_words(self._exercise_facts(station))),
+            ),
             "casualties": lambda: listing(self.boat),
             "log": lambda: self.event_log.lately(station.role, int(asked.order.value)),
         }
@@ -262,8 +267,8 @@ class Session:
         remark = asked.order.subject
         self.event_log.tell("mark", remark or "marked", asked.station, Fact("mark", remark))
         self.history.recording.flush()
-        asked.station.answer(asked, self._as_kept(f"marked at {self.boat.time:g} s"))
-        self._tell_trouble()
+        asked.station.answer(asked, self.event_log.as_kept(f"marked at {self.boat.time:g} s"))
+        self.event_log.tell_trouble()
 
     def _give(self, asked: Asked) -> None:
         """Carry out an order, answer it, and tell the others."""
@@ -272,14 +277,9 @@ class Session:
             answer = self._carry_out(order, station.who)
         except RecordingError as error:  # its past cannot be read at present
             answer = Refused(str(error))
-        station.answer(asked, self._as_kept(answer))
+        station.answer(asked, self.event_log.as_kept(answer))
         self._pass_on(order, answer, station)
-        self._tell_trouble()
-
-    def _note(self, station: Station, facts: Sequence[Fact]) -> None:
-        """Tell a station facts of now, if it is a program."""
-        for fact in facts:
-            station.note(News(self.history.tick, self.boat.time, "exercise", "", fact))
+        self.event_log.tell_trouble()
 
     def _status(self, station: Station) -> list[str]:
         """Return all about the boat that a station may know."""
@@ -433,8 +433,7 @@ class Session:
     def _after_tick(self, tick: int) -> None:
         """Keep the state, show it, and call out what it means."""
         state = self.history.ticked(tick)
-        if self.history.recording.trouble != self.unrecorded:
-            self._tell_trouble()
+        self.event_log.tell_trouble()
         if self.columns and self.history.rerun is None:
             self._row()
         self.sending.offer(tick, state, self._pace)
@@ -477,23 +476,6 @@ class Session:
         """Tell what the depth has come to, with its tick."""
         place = f"tick {self.boat.ticks} ({self.boat.time:g} s)"
         self.event_log.alert("depth", f"{place}: {words}", fact)
-
-    def _as_kept(self, answer: Reply) -> Reply:
-        """Return an answer with a word on it if what it answers is not recorded."""
-        if self.history.recording.trouble and not isinstance(answer, Refused):
-            return f"{answer} (not recorded)"
-        return answer
-
-    def _tell_trouble(self) -> None:
-        """Tell once that the recording is out of reach, and once that it is back."""
-        recording = self.history.recording
-        if recording.trouble == self.unrecorded:
-            return
-        self.unrecorded = recording.trouble
-        lost = f"lost in all: {recording.missing}" if recording.missing else "nothing is lost"
-        back = f"recorded again in branch {recording.branch}; {lost}"
-        told = f"NOT RECORDED: {recording.trouble}" if recording.trouble else back
-        self.event_log.tell("trouble", told)
 
     def _row(self) -> None:
         """Hand the state to the columns' file; tell at once when it is in trouble."""

@@ -8,8 +8,6 @@ lose the last seconds, never the whole.
 A recording may go out of reach: another program has it locked, its disk is full. Then what is
 recorded waits, up to ROOM bytes, and the thread tries again. What is beyond is lost and counted,
 and the recording goes on in a new branch, whose start lies beyond the end of its parent.
-
-A recording that keeps nothing: a run needs no ``if``.
 """
 
 import contextlib
@@ -440,72 +438,3 @@ def _begin(connection: sqlite3.Connection, end: float) -> None:
 def _counts(lost: Mapping[str, int]) -> str:
     """Return in words how many of each kind were lost."""
     return ", ".join(f"{number} {COUNTED[each]}" for each, number in lost.items() if number)
-
-
-class NoRecording:
-    """What a recording takes is dropped; there is nothing to go back to."""
-
-    def __init__(self) -> None:
-        self.trouble = self.missing = ""
-        self.reachable = False
-        self.absences = 0
-        self.branch = 1
-        self._order = 0
-
-    def order(self, _tick: int, _who: str, _text: str, _place: int | None = None) -> int:
-        """Return the number of an order."""
-        self._order += 1
-        return self._order
-
-    def answered(self, _order: int, _answer: str, _accepted: bool) -> None:  # noqa: FBT001
-        """Drop it."""
-
-    def state(self, _tick: int, _state: bytes) -> None:
-        """Drop it."""
-
-    def timing(self, _tick: int, _lateness: int, _work: int) -> None:
-        """Drop it."""
-
-    def event(self, _tick: int, _kind: str, _who: str, _text: str) -> None:
-        """Drop it."""
-
-    def snapshot(self, _name: str, _moment: Moment) -> None:
-        """Drop it."""
-
-    def fork(self, _moment: Moment, _why: str) -> int:
-        """Return the number of the branch that begins."""
-        self.branch += 1
-        return self.branch
-
-    def go_on(self, _moment: Moment) -> None:
-        """Drop it."""
-
-    def flush(self) -> None:
-        """Do nothing."""
-
-    def branches(self) -> list[Branch]:
-        """Return none."""
-        return []
-
-    def last_tick(self, _branch: int) -> int:
-        """Return the start."""
-        return 0
-
-    def state_at(self, _branch: int, _tick: int) -> bytes | None:
-        """Return nothing."""
-        return None
-
-    def moment(self, _branch: int, _tick: int) -> Moment | None:
-        """Return nothing."""
-        return None
-
-    def orders(self, _branch: int, _after: int = 0) -> list[Journalled]:
-        """Return none."""
-        return []
-
-    def snapshots(self) -> list[tuple[str, Moment]]:
-        """Return none."""
-        return []
-
-    def close(self) -> None:
-        """Do nothing."""

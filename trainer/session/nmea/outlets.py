@@ -20,7 +20,8 @@ import click
 from trainer.config.files import ConfigError, nearest
 from trainer.io.line import Direct, Inbox, Joined, Line, Outbox, writer
 from trainer.io.nmea import LONGEST
-from trainer.io.recording.recording import NoRecording, Recording
+from trainer.io.recording.absence import NoRecording
+from trainer.io.recording.recording import Recording
 from trainer.io.serial_line import SCHEMES, LinkError, SerialLine
 from trainer.io.server import Server
 from trainer.io.udp import Datagrams

@@ -5,7 +5,8 @@ file's name, and of what loses the exercise only what its own gauges show.
 """
 
 import math
-from collections.abc import Iterator
+import textwrap
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field, fields
 from typing import Final
 
@@ -13,6 +14,7 @@ from trainer.boat.boat import Boat
 from trainer.config.exercise import Limits, Loss
 from trainer.core.ballast.tanks import COMPARTMENTS, TANKS
 from trainer.core.surfaces import SURFACES
+from trainer.session.stations.display import WIDTH
 from trainer.session.stations.panels import TONNE
 from trainer.session.stations.roles import INSTRUCTOR, Role
 from trainer.units import KNOT
@@ -66,6 +68,42 @@ class Briefing:
         """Return the limits that there are, by name."""
         every = ((item.name, getattr(self.limits, item.name)) for item in fields(self.limits))
         return [(name, value) for name, value in every if value is not None]
+
+
+SIDES: Final = {"max": "at most", "min": "at least"}
+
+
+def in_words(facts: Iterable[tuple[str, str]]) -> list[str]:
+    """Return facts of an exercise that stand beside its text, for people: at most 79 columns."""
+    said: dict[str, list[str]] = {}
+    for key, value in facts:
+        said.setdefault(key, []).append(value.replace(",", ", "))
+    left = said.pop("left", [""])[0]
+    said["length"] = [f"{whole} s, {left} s left" for whole in said.pop("duration", [])]
+    said["limits"] = [
+        ", ".join(limit_in_words(*limit.split(":")) for limit in each.split(", "))
+        for each in said.pop("limits", [])
+    ]
+    lines = [f"{word}: {'; '.join(said[key])}" for key, word in TITLES.items() if said.get(key)]
+    return [part for line in lines for part in textwrap.wrap(line, WIDTH, subsequent_indent="  ")]
+
+
+def limit_in_words(name: str, value: str) -> str:
+    """Return a limit such as depth_m_max in words."""
+    what, unit, end = name.split("_")
+    unit = "" if unit == "level" else f" {unit}"
+    return f"{what} {SIDES[end]} {value}{unit}"
+
+
+TITLES: Final = {
+    "hand": "by hand",
+    "hand-from": "by hand from [s]",
+    "allowed": "allowed",
+    "limits": "limits",
+    "wins": "won by",
+    "lost": "lost by",
+    "length": "length",
+}
 
 
 def is_open(loss: Loss) -> bool:

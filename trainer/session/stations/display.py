@@ -6,6 +6,7 @@ from collections.abc import Callable
 from typing import Final, Protocol
 
 from trainer.boat.casualties import Readings
+from trainer.boat.crew_orders import AXES
 from trainer.io.orders import sentences
 from trainer.io.status_line import View, header, state_line
 from trainer.session.stations.channels import CHANNELS
@@ -93,6 +94,8 @@ def view(frame: Frame, shown: Readings) -> View:
     """Return the line of state in display units, with depth, heading and speed as ``shown``."""
     toward, propulsion = frame.boat.toward, frame.boat.file.propulsion
     planes_by_hand = frame["stern_by_hand"] and frame["bow_by_hand"]
+    kept = None if frame["rudder_by_hand"] else frame["ordered_psi"]
+    course = ordered(frame, "course", kept)
     return View(
         time_s=frame.seconds,
         depth_m=shown.depth,
@@ -104,12 +107,16 @@ def view(frame: Frame, shown: Readings) -> View:
         stern_deg=math.degrees(frame["delta_s"]) * toward["stern"],
         bow_deg=math.degrees(frame["delta_b"]) * toward["bow"],
         rpm=frame["u_c"] * propulsion.rps_per_mps * 60.0,
-        ordered_depth_m=None if planes_by_hand else frame["ordered_depth"],
-        ordered_course_deg=(
-            None if frame["rudder_by_hand"] else math.degrees(frame["ordered_psi"]) % 360.0
-        ),
+        ordered_depth_m=ordered(frame, "depth", None if planes_by_hand else frame["ordered_depth"]),
+        ordered_course_deg=None if course is None else math.degrees(course) % 360.0,
         frozen=frame.pace.frozen,
         rudder_manual=bool(frame["rudder_by_hand"]),
         stern_manual=bool(frame["stern_by_hand"]),
         bow_manual=bool(frame["bow_by_hand"]),
     )
+
+
+def ordered(frame: Frame, axis: str, kept: float | None) -> float | None:
+    """Return what the crew is ordered on an axis [SI], else what is kept automatically."""
+    place = AXES.index(axis)
+    return frame.at("crew_order", place) if frame.at("crew_order_tick", place) else kept

@@ -12,7 +12,8 @@ from typing import Final, NamedTuple
 
 from trainer.boat.boat import Boat
 from trainer.io.orders.grammar import Refused
-from trainer.io.recording.recording import Recording, RecordingError
+from trainer.io.recording.recording import Noted, Recording, RecordingError
+from trainer.session.event_log import EventLog
 from trainer.session.exercise import Work
 from trainer.session.history import History
 from trainer.session.stations.channels import CHANNELS, EVENTS, TELETYPE
@@ -47,8 +48,8 @@ class Span(NamedTuple):
 class PastReader:
     """Answers the order ``history``."""
 
-    def __init__(self, boat: Boat, work: Work, news: Callable[[], Iterable[News]] = tuple) -> None:
-        self.news = news
+    def __init__(self, boat: Boat, work: Work, log: EventLog) -> None:
+        self._log = log
         self._boat = boat
         self._work = work
 
@@ -61,7 +62,7 @@ class PastReader:
         ticks = math.ceil(asked.order.value / self._boat.method.step)
         span = Span(history.recording.branch, max(history.tick - ticks, 0), history.tick)
         if channel == EVENTS:
-            told = lately(self.news(), station.role, span)
+            told = lately(self._log.news, station.role, span)
             station.answer(asked, f"events: {len(told)} of them")
             self._mark(station, "begin", channel, history)
             for each in told:
@@ -136,6 +137,27 @@ def read_states(kept: Path, span: Span) -> list[Found]:
     except RecordingError:
         return found
     return found
+
+
+def recalled(history: History) -> list[News]:
+    """Return what a recording that is resumed tells of its past, with what a time line shows."""
+    step = history.boat.method.step
+    told = [
+        News(each.tick, each.tick * step, each.kind, each.text, fact_of(each))
+        for each in history.noted()
+    ]
+    orders = history.recording.orders(history.recording.branch)
+    told += [
+        News(each.tick, each.tick * step, "exercise", each.text, Fact("order", each.text))
+        for each in orders
+        if each.text.startswith("casualty ") and each.accepted
+    ]
+    return sorted(told, key=lambda each: each.tick)
+
+
+def fact_of(noted: Noted) -> Fact | None:
+    """Return what programs are told of an event that was noted."""
+    return Fact("mark", noted.text) if noted.kind == "mark" else None
 
 
 def lately(news: Iterable[News], role: Role, span: Span) -> list[News]:

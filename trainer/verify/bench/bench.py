@@ -25,7 +25,8 @@ from trainer.config.vessel import VesselFile
 from trainer.core.scheme import SCHEME
 from trainer.core.state import SCRATCH, STATE
 from trainer.core.vessel import COMPACT, VESSEL
-from trainer.io.recording.recording import NoRecording, Recording
+from trainer.io.recording.absence import NoRecording
+from trainer.io.recording.recording import Recording
 from trainer.session.time.ledger import Spread, Summary
 from trainer.verify.bench.latency import SPEED, Latency, time_orders
 from trainer.verify.bench.session_tick import Attended, run_to, session_of, temporary, time_attended

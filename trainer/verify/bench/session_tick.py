@@ -11,7 +11,8 @@ from typing import Final
 from trainer.boat.boat import Boat
 from trainer.config.files import ConfigError
 from trainer.io.line import Joined, Outbox, writer
-from trainer.io.recording.recording import NoRecording, Recording
+from trainer.io.recording.absence import NoRecording
+from trainer.io.recording.recording import Recording
 from trainer.io.tables import COLUMNS, CsvFile, NoFile
 from trainer.session.history import History
 from trainer.session.session import Session

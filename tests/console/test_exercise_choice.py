@@ -1,0 +1,151 @@
+"""The choice of an exercise before there is a session."""
+
+import asyncio
+import contextlib
+import os
+import re
+import sys
+import threading
+from dataclasses import replace
+
+import pytest
+from helpers.places import ROOT
+from helpers.screens import typed
+from textual.pilot import Pilot
+
+from trainer.cli import run as command
+from trainer.config.files import shipped_names
+from trainer.console.choice import NOTHING, Done
+from trainer.console.exercise_choice import (
+    FREELY,
+    ExerciseScreen,
+    Offered,
+    choose_exercise,
+    exercise_choice,
+)
+from trainer.console.pane import Pane, plain
+from trainer.session.options import RunOptions
+
+OFFERED = (
+    Offered("depth-gauge-failure", "Periscope watch, in a sea", "Hold 17.5 m by hand."),
+    Offered("first-depth-change", "Depth, first steps", "Depth changes,\nby hand."),
+    Offered("stern-plane-jam", "Passage, fast and deep", "Course 000, 100 m."),
+)
+
+
+def chosen(*keys: str, size: tuple[int, int] = (80, 24)) -> tuple[Done | None, str]:
+    """Return how the screen ends when keys are pressed, and what it showed before the last."""
+    screen = ExerciseScreen(exercise_choice(OFFERED))
+    text = ""
+
+    async def press(pilot: Pilot[Done]) -> None:
+        nonlocal text
+        await pilot.pause(0.1)
+        await pilot.press(*keys[:-1])
+        await pilot.pause(0.1)
+        text = plain(screen.screen.query_one("#dialog", Pane).lines)
+        await pilot.press(keys[-1])
+
+    async def run() -> None:
+        async with screen.run_test(size=size) as pilot:
+            await press(pilot)
+
+    asyncio.run(run())
+    return screen.return_value, text
+
+
+@pytest.mark.parametrize(
+    ("keys", "wanted"),
+    [
+        (("enter",), Done((FREELY,))),
+        (("down", "enter"), Done(("depth-gauge-failure",))),
+        ((*typed("depth"), "enter"), Done(("first-depth-change",))),
+        ((*typed("WATCH"), "enter"), Done(("depth-gauge-failure",))),
+        (("escape",), NOTHING),
+    ],
+)
+def test_an_exercise_is_found_by_its_title_and_enter_alone_sails(
+    keys: tuple[str, ...], wanted: Done
+) -> None:
+    assert chosen(*keys)[0] == wanted
+
+
+@pytest.mark.parametrize("size", [(80, 24), (200, 60)])
+def test_the_list_shows_titles_and_briefings_and_no_file_that_tells_what_breaks(
+    size: tuple[int, int],
+) -> None:
+    _, text = chosen("down", "down", "enter", size=size)
+    for each in OFFERED:
+        assert each.title in text
+        assert each.name not in text
+    assert "Depth changes, by hand." in text
+    assert FREELY in text
+
+
+@pytest.mark.parametrize(
+    ("done", "name"),
+    [(Done((FREELY,)), ""), (Done(("stern-plane-jam",)), "stern-plane-jam"), (NOTHING, None)],
+)
+def test_what_is_chosen_is_returned_by_its_name(
+    done: Done, name: str | None, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(ExerciseScreen, "run", lambda _: done)
+    assert choose_exercise(OFFERED) == name
+
+
+def test_the_command_offers_what_is_shipped_and_runs_what_is_chosen(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    asked: list[Offered] = []
+
+    def choose(offered: list[Offered]) -> str | None:
+        asked.extend(offered)
+        return answer
+
+    monkeypatch.setattr("trainer.console.exercise_choice.choose_exercise", choose)
+    options, answer = RunOptions(), "heavy-boat"
+    wanted = replace(options, exercise="heavy-boat", given=frozenset({"exercise"}))
+    assert command.choose(options) == wanted
+    assert [each.name for each in asked] == list(shipped_names("exercises"))
+    assert all(each.title and each.briefing for each in asked)
+    answer = ""
+    assert command.choose(options) == options
+    answer = None
+    with pytest.raises(SystemExit) as left:
+        command.choose(options)
+    assert left.value.code == 0
+
+
+@pytest.mark.long
+@pytest.mark.skipif(os.name != "posix", reason="terminals of POSIX")
+@pytest.mark.parametrize(("words", "asks"), [((), True), (("--no-record",), False)])
+def test_only_a_run_without_options_asks(words: tuple[str, ...], *, asks: bool) -> None:
+    import fcntl  # noqa: PLC0415  not everywhere
+    import pty  # noqa: PLC0415
+    import struct  # noqa: PLC0415
+    import subprocess  # noqa: PLC0415
+    import termios  # noqa: PLC0415
+
+    far, near = pty.openpty()
+    fcntl.ioctl(near, termios.TIOCSWINSZ, struct.pack("HHHH", 24, 80, 0, 0))
+    environment = {**os.environ, "TERM": "xterm-256color", "PYTHONPATH": str(ROOT)}
+    environment.pop("LC_ALL", None)
+    with subprocess.Popen(
+        [sys.executable, "-m", "trainer", "run", *words],
+        stdin=near, stdout=near, stderr=near, env=environment, start_new_session=True,
+    ) as process:  # fmt: skip
+        os.close(near)
+        late = threading.Timer(60.0, process.kill)
+        late.start()
+        shown, wanted = b"", b"What shall it be" if asks else b"making ready"
+        with contextlib.suppress(OSError):
+            while not re.search(wanted, shown) and (some := os.read(far, 65536)):
+                shown += some
+        process.terminate()
+        with contextlib.suppress(OSError):
+            while os.read(far, 65536):
+                pass
+        late.cancel()
+    os.close(far)
+    assert wanted in shown
+    assert (b"What shall it be" in shown) == asks
