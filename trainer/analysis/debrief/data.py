@@ -129,7 +129,7 @@ class DebriefData:
     @property
     def losses(self) -> tuple[Loss, ...]:
         """Return what cost most of the marks that count."""
-        return dearest(self.final, self.compared and self.compared.reference.card)
+        return dearest(self.final, self.compared.reference.card if self.compared else None)
 
     def of_kind(self, *kinds: str) -> tuple[Noted, ...]:
         """Return the events of these kinds."""

@@ -66,7 +66,7 @@ def _repeat(found: list[ReadBack], entry: Journalled) -> None:
     for i in range(len(found) - 1, -1, -1):
         if found[i].told == told and found[i].repeated is None:
             changed = {"wrong": (*found[i].wrong, said)} if wrong else {"repeated": entry}
-            found[i] = replace(found[i], **changed)  # type: ignore[arg-type]
+            found[i] = replace(found[i], **changed)
             return
 
 

@@ -233,7 +233,8 @@ def _within(value: Numbers, low: Numbers, high: Numbers, rule: Rule) -> Rows:
     round_about = math.tau / rule.measured.size
     turns = (-round_about, 0.0, round_about) if rule.measured.name == COURSE else (0.0,)
     inside = [(low <= value + turn) & (value + turn <= high) for turn in turns]
-    return np.any(inside, axis=0)
+    within: Rows = np.any(inside, axis=0)
+    return within
 
 
 def _for_good(outside: Rows, rows: Rows, trajectory: Trajectory) -> int | None:
