@@ -18,7 +18,7 @@ from trainer.analysis.debrief.figures import figures
 from trainer.analysis.debrief.losses import losses
 from trainer.analysis.debrief.page import Asked, read_compared, render
 from trainer.analysis.debrief.readbacks import read_backs
-from trainer.analysis.debrief.reference import first_fault, joined
+from trainer.analysis.debrief.reference import can_fly, extremes, first_fault, joined
 from trainer.analysis.debrief.track import draw_track
 from trainer.analysis.rehearsal import CREW
 from trainer.config.files import ConfigError
@@ -106,6 +106,21 @@ def test_the_moment_is_where_the_depth_leaves_the_band_about_the_reference_run(i
     assert compared.fault
     assert compared.fault.quantity == "depth"
     assert compared.fault.tick == min(found, settled)
+
+
+def test_extremes_are_those_of_the_rows_about_each() -> None:
+    values = np.random.default_rng(1).normal(size=40)
+    for most in (0, 1, 3, 8, 40):
+        padded = [values[max(i - most, 0) : i + most + 1] for i in range(40)]
+        assert list(extremes(values, most, np.minimum)) == [each.min() for each in padded]
+        assert list(extremes(values, most, np.maximum)) == [each.max() for each in padded]
+
+
+def test_an_exercise_without_an_end_in_sight_is_not_flown_for_the_page(idle: Path) -> None:
+    plan = debriefed(idle).plan
+    assert can_fly(plan)
+    assert not can_fly(replace(plan, duration=None))
+    assert not can_fly(replace(plan, duration=1e15))
 
 
 def test_a_departure_of_less_than_twenty_seconds_is_not_for_good(idle: Path) -> None:

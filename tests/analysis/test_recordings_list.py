@@ -285,6 +285,31 @@ def test_nothing_changed_cannot_be_taken_back(kept: Path) -> None:
         without([change], "outcome", 2)
 
 
+def test_a_branch_that_is_none_is_not_changed(kept: Path) -> None:
+    with pytest.raises(ConfigError, match="--branch 7: there are branches 1 only"):
+        change_marks(kept, Asked(7), ["outcome: won, well done"], [])
+    assert not changes_path(kept).exists()
+
+
+@pytest.mark.parametrize(
+    ("name", "what"), [("outcome", "wonn"), ("width", "wide"), ("Quiet rudder", "weight x")]
+)
+def test_a_change_written_by_hand_is_checked(kept: Path, name: str, what: str) -> None:
+    change_marks(kept, Asked(), ["outcome: won, well done"], [])
+    path = changes_path(kept)
+    text = path.read_text().replace('"outcome"', f'"{name}"').replace('"won"', f'"{what}"')
+    path.write_text(text)
+    with pytest.raises(ConfigError, match=rf"steady\.changes\.toml: {name}: {what}: "):
+        read_compared(kept, Asked())
+
+
+def test_kept_marks_of_another_kind_are_made_anew(kept: Path) -> None:
+    first = listed(kept)
+    path = marks_path(kept)
+    path.write_text(path.read_text().replace('"total": 0.0', '"total": "all"'))
+    assert listed(kept) == first
+
+
 def test_a_damaged_file_of_changes_is_told(kept: Path) -> None:
     changes_path(kept).write_text('schema = "changes/1"\n[[changes]]\nbranch = 1\n')
     with pytest.raises(ConfigError, match=r"steady\.changes\.toml: .*lacks name"):

@@ -69,6 +69,8 @@ def read_changes(recording: Path) -> tuple[Change, ...]:
     rows = table.pop("changes", [])
     read_record(Head, table, place, ())
     changes: tuple[Change, ...] = ROWS.read("changes", rows, place)
+    for each in changes:
+        _what(each.name, each.what, f"{path.name}: {each.name}: {each.what}")
     return changes
 
 
@@ -104,7 +106,7 @@ def change_of(text: str, branch: int, plan: Plan) -> Change:
     found = {
         "branch": branch,
         "name": name,
-        "what": _what(name, " ".join(what.split()), text),
+        "what": _what(name, " ".join(what.split()), f"--change {quote(text)}"),
         "reason": reason,
         "at": datetime.now(UTC).isoformat(timespec="seconds"),
     }
@@ -140,24 +142,24 @@ def _unknown(option: str, given: str, names: tuple[str, ...]) -> str:
     )
 
 
-def _what(name: str, what: str, text: str) -> str:
+def _what(name: str, what: str, where: str) -> str:
     """Return what is to be, as it is kept; ConfigError with what could be."""
     known = {OUTCOME: OUTCOMES, WIDTH: tuple(WIDTHS)}.get(name)
     if known is not None:
         if what.lower() not in known:
             hint = f"{nearest(what, known)}; say {', '.join(known)}"
-            raise ConfigError(f"--change {quote(text)}: no {name} {quote(what)}{hint}")
+            raise ConfigError(f"{where}: no {name} {quote(what)}{hint}")
         return what.lower()
     if what.lower() == STRIKE:
         return STRIKE
     word, _, number = what.lower().partition(" ")
     try:
-        weight = WEIGHT.read(WEIGHT_WORD, float(number), Place("--change", ""))
+        weight = WEIGHT.read(WEIGHT_WORD, float(number), Place("", ""))
     except ValueError:  # a ConfigError is one
         hint = f'say "weight" and a number of 0 to 1000, or "{STRIKE}"'
-        raise ConfigError(f"--change {quote(text)}: {quote(what)}: {hint}") from None
+        raise ConfigError(f"{where}: {quote(what)}: {hint}") from None
     if word != WEIGHT_WORD:
-        raise ConfigError(f"--change {quote(text)}: {quote(what)}: say weight, or {STRIKE}")
+        raise ConfigError(f"{where}: {quote(what)}: say weight, or {STRIKE}")
     return f"{WEIGHT_WORD} {weight:g}"
 
 

@@ -22,6 +22,7 @@ from trainer.analysis.debrief.readbacks import ReadBack, read_backs
 from trainer.analysis.debrief.reference import (
     Fault,
     Reference,
+    can_fly,
     first_fault,
     fly_from,
     fly_reference,
@@ -146,11 +147,8 @@ def gather(
     header = recording.header()
     width = width or width_of(header)
     branches = recording.branches()
-    wanted = branches[-1].id if number is None else number
-    branch = next((each for each in branches if each.id == wanted), None)
-    if branch is None:
-        there = f"1 to {branches[-1].id}" if len(branches) > 1 else "1 only"
-        raise ConfigError(f"{source}: --branch {wanted}: there are branches {there}")
+    branch = find_branch(branches, source, number)
+    wanted = branch.id
     plan = plan_of(header)
     boat = Boat(plan.file, plan.method)
     trajectory = read_passage(recording, wanted, layout_of(header), boat, plan.limits)
@@ -179,6 +177,16 @@ def gather(
         changes=changes,
         changed=changed_card(trajectory, plan, nobody, width, changes) if changes else None,
     )
+
+
+def find_branch(branches: list[Branch], source: Path, number: int | None) -> Branch:
+    """Return a branch by its number, the latest for None; ConfigError if there is none such."""
+    wanted = branches[-1].id if number is None else number
+    branch = next((each for each in branches if each.id == wanted), None)
+    if branch is None:
+        there = f"1 to {branches[-1].id}" if len(branches) > 1 else "1 only"
+        raise ConfigError(f"{source}: --branch {wanted}: there are branches {there}")
+    return branch
 
 
 def compared(
@@ -257,7 +265,7 @@ def nobody_aboard(plan: Plan, header: Mapping[str, str], width: str) -> Mapping[
     """
     if not plan.judged_by_tasks:
         return {}
-    if plan.duration is not None and same_core(header.get("core")):
+    if can_fly(plan) and same_core(header.get("core")):
         return plain_marks(fly(plan.alone()).trajectory, plan, width)
     return plan.baseline.marks if plan.baseline else {}
 

@@ -6,8 +6,8 @@ drill.trainer. It may be removed at any time; names stand in the recordings alon
 
 import json
 import statistics
-from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import asdict, dataclass, fields
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any, Final
 
@@ -37,6 +37,14 @@ class Came:
     total: float | None  # [%] None: no marks
     counts: bool  # neither free nor practice
     changed: bool  # by the instructor
+
+
+KINDS: Final[Mapping[str, Any]] = {  # of what is kept
+    **dict.fromkeys(("exercise", "width", "outcome"), str),
+    **dict.fromkeys(("counts", "changed"), bool),
+    "seed": int,
+    "total": float | int | None,
+}
 
 
 @dataclass(frozen=True)
@@ -112,8 +120,10 @@ def kept(path: Path) -> Came | None:
     if not isinstance(found, dict) or found.get("of") != stamp(path):
         return None
     came = found.get("came")
-    names = [field.name for field in fields(Came)]
-    return Came(**came) if isinstance(came, dict) and sorted(came) == sorted(names) else None
+    if not isinstance(came, dict) or came.keys() != KINDS.keys():
+        return None
+    good = all(isinstance(came[name], kind) for name, kind in KINDS.items())
+    return Came(**came) if good else None
 
 
 def computed(path: Path) -> Came:

@@ -15,7 +15,7 @@ from trainer import __version__
 from trainer.analysis.debrief import sections
 from trainer.analysis.debrief.changes import change_of, read_changes, without, write_changes
 from trainer.analysis.debrief.charts import charts_of, ground_of, runs_beside
-from trainer.analysis.debrief.data import DebriefData, compared, gather
+from trainer.analysis.debrief.data import DebriefData, compared, find_branch, gather
 from trainer.analysis.debrief.figures import figures
 from trainer.analysis.debrief.timeline import draw_timeline
 from trainer.analysis.debrief.track import draw_track
@@ -157,7 +157,7 @@ def change_marks(path: Path, asked: Asked, texts: Sequence[str], back: Sequence[
         return
     with reading(path) as recording:
         plan, branches = plan_of(recording.header()), recording.branches()
-    branch = branches[-1].id if asked.branch is None else asked.branch
+    branch = find_branch(branches, path, asked.branch).id
     changes = read_changes(path)
     for name in back:
         changes = without(changes, name, branch)

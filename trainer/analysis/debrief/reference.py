@@ -6,24 +6,24 @@ the band for good where it stays outside for FOR_GOOD, or to the end of what the
 """
 
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
-from numpy.lib.stride_tricks import sliding_window_view
 
 from trainer.analysis.debrief.episodes import INSTRUCTOR, crew_orders, first_spell
 from trainer.analysis.debrief.judgement import judge, widened
 from trainer.analysis.debrief.scoring import Scorecard, Scored
 from trainer.analysis.debrief.trajectory import Rows, Trajectory
-from trainer.analysis.rehearsal import Departure, Rehearsal, fly
+from trainer.analysis.rehearsal import Departure, Rehearsal, fly, last_tick
 from trainer.config.measures import COURSE
 from trainer.config.score_rules import Rule
 from trainer.core.kernel import Numbers
 from trainer.session.plan import Plan
 from trainer.units import KNOT
 
+LONGEST: Final = 400_000  # [ticks] of an exercise that is flown for a debrief
 FOR_GOOD: Final = 20.0  # [s] outside
 LEEWAY: Final = 10.0  # [s] earlier or later at least
 WIDTHS: Final = {  # [SI] of a band where the task has none
@@ -70,9 +70,14 @@ class Band:
     off: float  # [of the quantity's unit] either way
 
 
+def can_fly(plan: Plan) -> bool:
+    """Return whether an exercise has an end that can be flown to while somebody waits."""
+    return plan.duration is not None and last_tick(plan) <= LONGEST
+
+
 def fly_reference(plan: Plan, card: Scorecard, width: str) -> Reference | None:
     """Return the run of the exercise's reference crew at the plan's seed, None without a crew."""
-    if not plan.crew.rules or plan.duration is None:
+    if not plan.crew.rules or not can_fly(plan):
         return None
     rehearsal = fly(plan.alone(), plan.crew)
     return Reference(rehearsal, judge(rehearsal.trajectory, plan, nobody_of(card), width))
@@ -221,10 +226,21 @@ def limits_about(
     """Return the least and the greatest value within the band, at each tick of a run."""
     assert rule.measured  # noqa: S101
     values = reference.measured(rule.measured)
-    most = round(band.early / reference.boat.method.step)
-    windows = sliding_window_view(np.pad(values, most, mode="edge"), 2 * most + 1)
+    most = min(round(band.early / reference.boat.method.step), values.size)
     rows = np.minimum(np.searchsorted(reference.ticks, trajectory.ticks), values.size - 1)
-    return windows.min(axis=1)[rows] - band.off, windows.max(axis=1)[rows] + band.off
+    low, high = (extremes(values, most, choose)[rows] for choose in (np.minimum, np.maximum))
+    return low - band.off, high + band.off
+
+
+def extremes(values: Numbers, most: int, choose: Callable[..., Numbers]) -> Numbers:
+    """Return the least or greatest value of the rows up to ``most`` before and after each."""
+    found = np.pad(values, most, mode="edge")
+    width, span = 2 * most + 1, 1
+    while 2 * span <= width:  # found: of so many rows from each one on
+        found = choose(found[:-span], found[span:])
+        span *= 2
+    rest = width - span
+    return choose(found[: values.size], found[rest : rest + values.size])
 
 
 def _within(value: Numbers, low: Numbers, high: Numbers, rule: Rule) -> Rows:
