@@ -1,6 +1,8 @@
 """Recordings as they are listed, trainees and their history, names forgotten, marks changed."""
 
+import contextlib
 import json
+import sqlite3
 import subprocess
 import sys
 from dataclasses import replace
@@ -126,6 +128,14 @@ def test_the_list_goes_on_past_what_cannot_be_read(
         str(kept),
         str(kept.parent / "bad.trainer"),
     }
+
+
+def test_a_list_sends_no_control_characters(kept: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    with contextlib.closing(sqlite3.connect(kept)) as file, file:
+        names = json.dumps(["\x1b[31mred"])
+        file.execute("UPDATE header SET value = ? WHERE key = 'trainees'", (names,))
+    print_list([kept.parent], as_json=False)
+    assert "\x1b" not in capsys.readouterr().out
 
 
 def test_without_recordings_the_next_step_is_told(

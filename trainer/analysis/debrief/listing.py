@@ -18,6 +18,7 @@ from trainer.analysis.debrief.history import (
     of_trainee,
     recordings_in,
 )
+from trainer.io.lines import plain
 from trainer.io.paths import recordings_folder
 
 
@@ -37,7 +38,7 @@ def print_list(places: Sequence[Path], *, as_json: bool) -> None:
         where = ", ".join(map(str, places)) or recordings_folder()
         click.echo(f"no recording is in {where}: trainer run EXERCISE makes one")
     for line in list_lines(map(listed, found)):
-        click.echo(line)
+        click.echo(plain(line))
 
 
 def print_history(places: Sequence[Path], name: str, *, as_json: bool) -> None:
@@ -46,7 +47,7 @@ def print_history(places: Sequence[Path], name: str, *, as_json: bool) -> None:
     if as_json:
         click.echo(json.dumps(history_figures(own), indent=1))
         return
-    click.echo("\n".join(history_lines(own)))
+    click.echo("\n".join(map(plain, history_lines(own))))
 
 
 def print_forgotten(places: Sequence[Path], name: str) -> None:
