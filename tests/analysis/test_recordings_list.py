@@ -41,7 +41,7 @@ ANN, MARKUP = "Ann O Briain", "<b>Bób</b> & sons"
 @pytest.fixture
 def kept(tmp_path: Path) -> Path:
     """Return a recording of two trainees, of whom one is remarked upon."""
-    remarks = {20.0: f"mark {ANN} was slow", 30.0: "mark Annette was not"}
+    remarks = {20.0: f"mark {ANN} was slow", 30.0: f"mark {ANN}son was not"}
     names = (ANN, MARKUP)
     path = tmp_path / "steady.trainer"
     return record(path, "steady-course", remarks, "instructor at a desk", trainee=names)
@@ -205,12 +205,12 @@ def test_a_forgotten_name_is_nowhere_any_more(kept: Path) -> None:
 
     assert [Path(line.split(":")[0]).name for line in told] == ["steady.trainer", "steady.html"]
     for path in kept.parent.iterdir():
-        assert ANN.encode() not in path.read_bytes(), path
+        assert ANN.encode() not in path.read_bytes().replace(ANN.encode() + b"son", b""), path
     debrief = read_compared(kept, Asked())
     assert debrief.trainees == (MARKUP,)
     assert [each.text for each in debrief.of_kind("mark")] == [
         "(name removed) was slow",
-        "Annette was not",
+        f"{ANN}son was not",
     ]
     assert (debrief.trajectory.columns["z"] == before.columns["z"]).all()
     assert read_changes(kept)[0].reason == "(name removed) steered well"

@@ -7,6 +7,7 @@ from helpers.screens import CREW, Tape, at_the_console, pressed, seen, shown, si
 from textual.pilot import Pilot
 
 from trainer.console.app import Console
+from trainer.console.client import Joined, Lost
 from trainer.console.pane import Pane
 from trainer.io.orders import sentences
 
@@ -144,6 +145,20 @@ def test_an_order_is_new_until_it_is_repeated() -> None:
         assert "NEW" not in shown(app)
 
     at_the_console(look, talk, "helm")
+
+
+def test_after_a_lost_line_only_what_is_told_again_is_new() -> None:
+    talk = ordered("helm", COURSE)
+    new(talk, "course 045")
+    model = sight_of(talk, "helm")
+    model.hear()
+    assert model.crew.to_repeat("helm")
+    talk.items += [Lost("the session has closed the line"), Joined()]
+    model.hear()
+    assert model.crew.to_repeat("helm") is None
+    new(talk, "course 045")
+    model.hear()
+    assert model.crew.to_repeat("helm")
 
 
 def test_only_who_is_ordered_repeats_and_is_shown_that_it_is_new() -> None:

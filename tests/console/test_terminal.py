@@ -198,11 +198,40 @@ def test_the_first_exercise_by_the_keys_that_help_names(
     terminal.type("F10")
     terminal.wait("Leave\\?")
     terminal.type("q")
+    terminal.wait("1 station is attached: quit again")
+    terminal.type("F10")
+    terminal.wait("Leave\\?")
+    terminal.type("q")
     terminal.wait(r"simulated   \d+\.\d s in \d+ ticks")
     assert record.exists()
     terminal.type("clear; ", command("debrief", "drill.trainer"), "Enter")
     terminal.wait(r"drill\.html")
     assert record.with_suffix(".html").exists()
+    assert gone(paths.socket_path())
+
+
+def test_a_recording_is_gone_on_with_on_the_console_and_its_branches_are_gone_back_to(
+    terminal: Terminal, tmp_path: Path
+) -> None:
+    record = tmp_path / "drill.trainer"
+    begin = ("run", "--headless", "--duration", "130", "--speed", "max", "--record", str(record))
+    subprocess.run([*TRAINER, *begin], check=True, capture_output=True)
+
+    terminal.type(command("resume", "drill.trainer", "--speed", "20", "--duration", "1h"), "Enter")
+    terminal.wait("FROZEN")
+    terminal.wait("00:02:10")
+    terminal.type("F2")
+    terminal.wait("00:02:[2-5]|00:0[3-9]:")
+    terminal.type("freeze", "Enter")
+    terminal.wait("FROZEN")
+    terminal.type("reset", "Enter")
+    terminal.wait("branch 1 returns to where this was")
+    terminal.type("branch 1", "Enter")
+    terminal.wait("at the end of branch 1, 1[0-9][0-9]")
+    terminal.type("F10")
+    terminal.wait("Leave\\?")
+    terminal.type("q")
+    terminal.wait(r"simulated   \d+\.\d s in \d+ ticks")
     assert gone(paths.socket_path())
 
 

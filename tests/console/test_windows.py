@@ -7,6 +7,7 @@ from helpers.screens import CREW, at_the_console, seen, shown, sight_of, tape, v
 from textual.pilot import Pilot
 
 from trainer.console.app import Console
+from trainer.console.client import Greeting, Joined, Lost
 from trainer.console.drawing.chart import Plot, Sheet, strip, time_axis
 from trainer.console.drawing.panels import flowed, key_at, key_rows
 from trainer.console.drawing.plan import plan
@@ -124,7 +125,10 @@ def test_the_briefing_has_mission_time_left_what_wins_and_the_limits(
     ("key", "order"),
     [("r", "release marks"), ("d", "debrief"), ("a", "again"), ("h", "again from here")],
 )
-def test_the_instructor_is_offered_what_follows_an_exercise(key: str, order: str) -> None:
+@pytest.mark.parametrize("clicked", [False, True])
+def test_the_instructor_is_offered_what_follows_an_exercise(
+    key: str, order: str, *, clicked: bool
+) -> None:
     talk = tape()
 
     async def end(pilot: Pilot[str], app: Console) -> None:
@@ -132,10 +136,38 @@ def test_the_instructor_is_offered_what_follows_an_exercise(key: str, order: str
         await seen(pilot, app, "the marks are being made")
         talk.say(sentences.event(130, 65.0, "exercise", "marks: won, 92"))
         await seen(pilot, app, "won, 92")
-        await pilot.press(key)
+        if clicked:
+            await click(pilot, app, "#dialog", f"{key.upper()} ")
+        else:
+            await pilot.press(key)
         assert len(app.screen_stack) == 1
 
     assert at_the_console(end, talk)[1].orders == [order]
+
+
+def test_another_exercise_at_the_same_stations_begins_with_an_empty_time_line() -> None:
+    talk = tape()
+    model = sight_of(talk)
+    talk.say(sentences.fact(0, 0.0, "exercise", "title=Depth"))
+    talk.say(sentences.fact(100, 50.0, "mark", "well done"))
+    model.hear()
+    talk.items += [Lost("the session has closed the line"), Greeting("Courses"), Joined()]
+    talk.say(sentences.fact(0, 0.0, "exercise", "title=Courses"))
+    model.hear()
+    assert (model.marks, model.furthest) == ([], 0.0)
+    assert model.briefing == ["Courses"]
+
+
+def test_an_exercise_that_is_flown_again_is_not_over() -> None:
+    talk = tape()
+    model = sight_of(talk)
+    talk.say(sentences.fact(1200, 600.0, "exercise-over", "lost"))
+    talk.tick(1200)
+    model.hear()
+    assert model.outcome == "lost"
+    talk.tick(2)
+    model.hear()
+    assert model.outcome == ""
 
 
 def test_a_station_that_has_read_its_briefing_says_that_it_is_ready() -> None:

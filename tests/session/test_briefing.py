@@ -151,6 +151,7 @@ def test_no_line_of_a_crew_holds_a_hidden_word(name: str) -> None:
             for _ in range(round(LOOK_EVERY / here.plan.method.step)):
                 here.session._tick()  # noqa: SLF001  the loop's own step
             here.ask("briefing", "status", "log 100", "who", "aye", "report well", "mark")
+            here.ask("history events", "branches", "casualties", "next", "snapshots")
     words = secrets(here.plan, name)
     for role, line in here.lines.items():
         heard = "\n".join(line.sent).lower()

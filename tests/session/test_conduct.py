@@ -259,11 +259,12 @@ def test_an_exercise_is_lost_by_its_rule_and_by_turning_over(
     places = [np.frombuffer(state or b"", STATE)["z"][0] for state in deep]
     assert places[0] > 61.0 >= places[1]  # for a second: two ticks after the first beyond
 
-    other = crewed(seconds=60.0)
-    other.fly(1)
-    other.boat.state.phi = 1.2
-    other.fly(1)
-    assert other.conduct.ending.why == "turned over"
+    for angle, size in (("phi", 1.1), ("phi", -1.1), ("theta", 0.8), ("theta", -0.8)):
+        other = crewed(seconds=60.0)
+        other.fly(1)
+        other.boat.state[angle] = size
+        other.fly(1)
+        assert other.conduct.ending.why == "turned over"
 
 
 def test_a_hull_that_collapses_loses_the_exercise(crewed: Callable[..., Crewed]) -> None:
@@ -499,6 +500,8 @@ def test_one_instructor_has_command_and_the_others_watch_and_mark(
     assert ship.say(second, "give command") == ("ok", "line 1 has command")
     ship.order("freeze")
     ship.leaves(ship.instructor)
+    ship.session.listen()
+    assert ship.facts(second, "command")[-1] == "line 2"
     assert ship.say(second, "run") == ("ok", "running")
 
 
@@ -575,7 +578,12 @@ def test_the_past_is_that_of_the_role_and_of_the_present_branch(
     assert ship.refused("history gages", helm).startswith("no channel gages")
     ship.say(watch, "history events")
     assert ship.facts(watch, "mark") == ["on the new one"]
-    ship.say(helm, "history events")
+    before = len(ship.events(helm, "station") + ship.events(helm, "time"))
+    before += len(ship.events(helm, "moment"))
+    answer = ship.say(helm, "history events")[1]
+    heard = len(ship.events(helm, "station") + ship.events(helm, "time")) - before
+    heard += len(ship.events(helm, "moment"))
+    assert answer == f"events: {heard} of them"
     assert not any("rudder-stuck" in line for line in helm.sent)
     other = ship.comes("instructor")
     ship.say(other, "history events")

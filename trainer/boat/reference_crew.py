@@ -92,9 +92,12 @@ class ReferenceCrew:
         done = [False] * len(self.followed)
         for i, each in enumerate(self.followed):
             row = each.rule.row
+            if row.at_s is not None or row.ordered is not None:  # settled as it came aboard
+                done[i] = each.given is not None
+                continue
             kept = i in given and given[i] < self.boat.time and (not row.then or done[i - 1])
             done[i] = kept and (row.every_s is not None or not self._caused(each.rule))
-            if done[i] and row.at_s is None:
+            if done[i]:
                 self._count(each, given[i])
         self.gauges.seen.clear()
 
@@ -105,21 +108,43 @@ class ReferenceCrew:
 
     def _count(self, each: Followed, given: float) -> None:
         """Count a rule as carried out at a time [s], its hand put to work."""
-        row = each.rule.row
-        each.given, each.over = given, row.ordered is None and row.every_s is None
-        if row.ordered is not None:
-            each.noticed = float(self.boat.state.crew_order_tick[AXES.index(row.ordered)])
+        each.given, each.over = given, each.rule.row.every_s is None
         if each.rule.order.name in HANDS:
             self._switch(each.rule.order)
 
     def _skip_past(self) -> None:
-        """Count as ordered what the rules order by the clock before this moment."""
+        """Count as given what the clock, and orders to the crew, have had given by now."""
+        before = None
         for each in self.followed:
-            row = each.rule.row
-            if row.at_s is not None and row.at_s + (row.after_s or 0.0) < self.boat.time - SLACK:
-                each.over, each.given = True, row.at_s
+            due = self._due_by_clock(each, before)
+            if due is not None and due < self.boat.time - SLACK:
+                each.given, each.over = due, each.rule.row.ordered is None
+                each.noticed = self._stamp(each.rule.row.ordered)
                 if each.rule.order.name in HANDS:
                     self._switch(each.rule.order)
+            before = each
+
+    def _due_by_clock(self, each: Followed, before: Followed | None) -> float | None:
+        """Return when a rule was due [s]; None if it waits for a condition, or another rule."""
+        row, begun = each.rule.row, 0.0
+        if row.when is not None:
+            return None
+        if row.ordered is not None:
+            stamp = self._stamp(row.ordered)
+            if not stamp:
+                return None
+            begun = (stamp - 1.0) * self.boat.method.step
+        if row.at_s is not None:
+            begun = row.at_s
+        if row.then:
+            if before is None or before.given is None:
+                return None
+            begun = max(begun, before.given)
+        return begun + (row.after_s or 0.0)
+
+    def _stamp(self, axis: str | None) -> float:
+        """Return which order to the crew stands on an axis, by its tick in the state; 0 none."""
+        return float(self.boat.state.crew_order_tick[AXES.index(axis)]) if axis else 0.0
 
     def _notice(self, each: Followed, before: Followed | None) -> None:
         """Set when a rule's order is due, if what it waits for has come."""
@@ -139,7 +164,7 @@ class ReferenceCrew:
         if row.at_s is not None:
             return row.at_s if now >= row.at_s - SLACK else None
         if row.ordered is not None:
-            stamp = float(self.boat.state.crew_order_tick[AXES.index(row.ordered)])
+            stamp = self._stamp(row.ordered)
             if stamp in (0.0, each.noticed):
                 return None
             each.noticed = stamp

@@ -282,20 +282,25 @@ def lines_of(text: str) -> dict[tuple[str, str], int]:
 
 
 def numbered(problems: Iterable[str], text: str, file: str) -> list[str]:
-    """Return messages about a file with the line of what each is about, where it can be told."""
+    """Return messages about a file, each with its line where that can be told, in their order."""
     lines, head = lines_of(text), f"{file}: "
-    return [_numbered(each, lines, head) for each in problems]
+    found = [(_line_of(each, lines, head), each) for each in problems]
+    found.sort(key=lambda each: each[0])
+    return [
+        each.replace(head, f"{head}line {number}: ", 1) if number else each
+        for number, each in found
+    ]
 
 
-def _numbered(problem: str, lines: Mapping[tuple[str, str], int], head: str) -> str:
+def _line_of(problem: str, lines: Mapping[tuple[str, str], int], head: str) -> int:
+    """Return the line that a message is about, 0 where it cannot be told, or it says so."""
     if not problem.startswith(head) or problem.startswith(f"{head}line "):
-        return problem
+        return 0
     about = problem.removeprefix(head)
     told = TOLD.match(about)
     table, key = (told["table"] or "", told["key"] or "") if told else ("", "")
     number = lines.get((table, key)) or lines.get((table, "")) or lines.get((key, ""))
-    number = number or lines.get((f"{key}[0]", ""))
-    return problem if number is None else f"{head}line {number}: {about}"
+    return number or lines.get((f"{key}[0]", "")) or 0
 
 
 def no_constant(name: str) -> NoReturn:

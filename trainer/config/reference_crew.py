@@ -180,7 +180,7 @@ def parse_crew_order(text: str, place: Place) -> Order:
     if words in SWITCHES:
         hand, word = SWITCHES[words]
         return Order(hand, 0.0, word, words)
-    if words.split(" ")[0] in HANDS:
+    if nearest(words.split(" ")[0], HANDS):
         raise ConfigError(place.wrong("order", text, f"say on or off{nearest(words, SWITCHES)}"))
     order = parse(text)
     if not isinstance(order, Order):

@@ -15,12 +15,12 @@ from textual.screen import Screen
 from textual.widgets import Input
 
 from trainer.console.choice import Done, casualty_choice, sea_choice
-from trainer.console.dialogs import Dialog, Ending, Subject, emergency, leaving
+from trainer.console.dialogs import Dialog, Subject, emergency, leaving
 from trainer.console.drawing.chart import strip
 from trainer.console.drawing.event_log import log, time_at, time_line
 from trainer.console.drawing.panels import flowed, foot, key_at, top
 from trainer.console.entry import Entry, Names, hint
-from trainer.console.guide import PlanView, answer, briefing, guide
+from trainer.console.guide import PlanView, answer, briefing, ending, guide
 from trainer.console.keys import (
     KEYS,
     Act,
@@ -236,7 +236,7 @@ class Console(App[str], inherit_bindings=False):
 
     def _repeat(self) -> str:
         """Return the order that repeats a new order to the crew, "" when there is none."""
-        return "aye" if self.model.crew.awaited(self.model.role) else ""
+        return "aye" if self.model.crew.to_repeat(self.model.role) else ""
 
     # the mouse
 
@@ -301,7 +301,7 @@ class Console(App[str], inherit_bindings=False):
             self.bell()
         endings, self._ended = self.model.endings - self._ended, self.model.endings
         if endings > 0 and self.model.instructs:
-            self._open(Ending(self.model))
+            self._open(ending(self.model))
         releases, self._released = self.model.releases - self._released, self.model.releases
         if releases > 0 and not self.model.instructs and len(self.screen_stack) == 1:
             self._open(briefing(self.model))

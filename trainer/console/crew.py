@@ -80,7 +80,7 @@ class CrewOrders:
         """Return whether the order on an axis waits to be repeated by that role."""
         return axis in self.waiting and role in ADDRESSED[axis]
 
-    def awaited(self, role: str) -> CrewOrder | None:
+    def to_repeat(self, role: str) -> CrewOrder | None:
         """Return the newest order that a role is to repeat, which is what `aye` repeats."""
         mine = (
             each

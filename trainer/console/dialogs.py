@@ -1,6 +1,5 @@
 """Dialogs over the console, and questions before what cannot be undone."""
 
-import textwrap
 from dataclasses import dataclass
 from typing import ClassVar, Final, Protocol
 
@@ -10,7 +9,6 @@ from textual.binding import BindingType
 from textual.screen import ModalScreen
 
 from trainer.console.choice import NOTHING, Done
-from trainer.console.model import SessionModel
 from trainer.console.pane import Lines, Pane, fit, line
 
 
@@ -116,43 +114,3 @@ def emergency() -> Question:
     """Return the question before all main ballast is blown."""
     blow = ("blow all main ballast from both banks", Done(("emergency blow",)))
     return Question("Emergency blow?", {"e": blow})
-
-
-AFTER: Final = {  # keys of what can follow an exercise
-    "r": ("release the marks to the crew", "release marks"),
-    "d": ("write the debrief", "debrief"),
-    "a": ("again, from the start", "again"),
-    "h": ("again from here", "again from here"),
-    "n": ("another: lists them", "next"),
-}
-
-
-@dataclass
-class Ending:
-    """An exercise that is over: its marks, for the instructor first, and what can follow."""
-
-    model: SessionModel
-    size: tuple[int, int] = (76, 24)
-
-    def press(self, key: str, _character: str | None) -> Done | None:
-        """Take a key; return how the dialog ends, None while it goes on."""
-        if key == "escape":
-            return NOTHING
-        return Done((AFTER[key][1],)) if key in AFTER else None
-
-    def click(self, _column: int, row: int, _width: int) -> Done | None:
-        """Take a click on one of the keys."""
-        place = row - 2
-        return self.press(list(AFTER)[place], None) if 0 <= place < len(AFTER) else None
-
-    def draw(self, width: int, height: int) -> Lines:
-        """Return how it ended, the keys, and the marks with their reasons."""
-        model = self.model
-        lines = [line((f" Exercise over: {model.outcome}", "title")), line()]
-        lines += [line((f"   {key.upper()}  ", "value"), says) for key, (says, _) in AFTER.items()]
-        lines += [line(("   Esc  ", "value"), "closes this; F12 shows the marks again"), line()]
-        marks = model.marks_told or ["the marks are being made, if it has any"]
-        for text in marks:
-            rows = textwrap.wrap(text, max(width - 6, 8)) or [""]
-            lines += [line((f"   {row}", "value")) for row in rows]
-        return [fit(each, width) for each in lines[:height]]

@@ -79,8 +79,11 @@ LIMITS: Final = {
     "validity_level_max": "validity level {} at most",
 }
 PAGE: Final = 60  # [characters] from which a line was broken because the page ended
-MOVES: Final = {"up": -1, "down": 1, "pageup": -12, "pagedown": 12, "home": -9999, "end": 9999}
-LEAVES: Final = ("escape", "f1", "q", "enter", "f10", "f12", "question_mark", "space")
+MOVES: Final = {
+    **{"up": -1, "down": 1, "pageup": -12, "pagedown": 12, "space": 12},
+    **{"home": -9999, "end": 9999},
+}
+LEAVES: Final = ("escape", "f1", "q", "enter", "f10", "f12", "question_mark")
 LABELS: Final = 16  # [columns] of what stands before an explanation
 
 
@@ -104,9 +107,10 @@ class Reading:
             return Done((self.keys[key][0],))
         return NOTHING if key in LEAVES else None
 
-    def click(self, _column: int, _row: int, _width: int) -> Done | None:
-        """Take a click, which does nothing here."""
-        return None
+    def click(self, _column: int, row: int, _width: int) -> Done | None:
+        """Take a click on one of the keys, which stand at the top of what has any."""
+        place = row - 1 + self.top
+        return self.press(list(self.keys)[place], None) if 0 <= place < len(self.keys) else None
 
     def draw(self, width: int, height: int) -> Lines:
         """Return as much of the text as there is room for, and which lines those are."""
@@ -128,7 +132,7 @@ class Reading:
         below = len(lines) - self.top - room
         more = f" {below} more below: Down, Page Down;" if below > 0 else ""
         back = " Up goes back;" if self.top else ""
-        does = "".join(f"   {says}" for _, says in self.keys.values())
+        does = "".join(f"   {says}" for _, says in self.keys.values() if says)
         return line((f"{more}{back}", "warning"), (" Esc closes", "dim"), (does, "title"))
 
 
@@ -274,3 +278,24 @@ def answer(words: str, lines: Sequence[str]) -> Reading:
     """Return the window with a long answer."""
     rows = [line((f" {text}", "plain")) for text in lines if text]
     return Reading(words, lambda: rows)
+
+
+AFTER: Final = {  # keys of what can follow an exercise: their orders, and what they do
+    "r": ("release marks", "release the marks to the crew"),
+    "d": ("debrief", "write the debrief"),
+    "a": ("again", "again, from the start"),
+    "h": ("again from here", "again from here"),
+    "n": ("next", "another: lists them"),
+}
+
+
+def ending(model: SessionModel) -> Reading:
+    """Return the window of an exercise that is over: what can follow, and the marks."""
+
+    def text() -> list[Line]:
+        rows = [labelled(key.upper(), does) for key, (_, does) in AFTER.items()]
+        marks = model.marks_told or ["the marks are being made, if it has any"]
+        rows += [line(), line((f" {model.outcome}", "title")), line()]
+        return rows + [line((f"   {told}", "plain")) for told in marks]
+
+    return Reading("Exercise over", text, {key: (order, "") for key, (order, _) in AFTER.items()})

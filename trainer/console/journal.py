@@ -1,6 +1,7 @@
 """What was ordered, answered and heard, by time, and the samples of the strip charts."""
 
 import bisect
+import math
 import textwrap
 from collections import deque
 from collections.abc import Sequence
@@ -52,6 +53,13 @@ class Journal:
         self.changes += 1
         self.back = 0
 
+    def recall(self, entries: Sequence[Entry]) -> None:
+        """Lay what happened earlier before what is there, without what is there already."""
+        known = set(self.entries)
+        missed = [entry for entry in entries if entry not in known]
+        self.entries.extendleft(reversed(missed[-(KEPT - len(self.entries)) :]))
+        self.changes += 1
+
     def look_back(self, lines: int) -> None:
         """Look further back, or less far."""
         self.back = max(self.back + lines, 0)
@@ -100,6 +108,14 @@ class Trace:
         self.samples.append(tuple(samples))
         if len(self.times) > TRACED + TRACED // 4:
             del self.times[:-TRACED], self.samples[:-TRACED]
+
+    def recall(self, rows: Sequence[tuple[float, Sequence[Sample]]]) -> None:
+        """Lay samples of earlier times among those there are, which stay."""
+        there = dict(zip(self.times, self.samples, strict=True))
+        latest = self.times[-1] if self.times else math.inf
+        whole = {seconds: samples for seconds, samples in rows if seconds < latest} | there
+        self.times = sorted(whole)[-TRACED:]
+        self.samples = [whole[seconds] for seconds in self.times]
 
     def series(self, quantity: int, span: float, columns: int) -> list[Sample | None]:
         """Return a quantity over the last ``span`` [s] at so many times, None before the first."""

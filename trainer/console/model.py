@@ -1,14 +1,16 @@
 """All that a screen knows of its session: what it shows, what was said, what was asked."""
 
+import math
 import time
 from collections import deque
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Final, NamedTuple, Protocol
 
 from trainer.console.client import Barred, Greeting, Item, Joined, Lost
 from trainer.console.crew import CrewOrders
-from trainer.console.journal import Journal, Sample, Trace
+from trainer.console.journal import Entry, Journal, Sample, Trace
+from trainer.console.past import EVENTS, LATE, Past
 from trainer.console.readings import ChannelReadings, Reading
 from trainer.io.orders.grammar import Order, parse
 from trainer.io.orders.sentences import Sentence
@@ -19,6 +21,12 @@ LONG: Final = 4  # [lines] from which an answer is read in a window of its own
 TRACK: Final = 4000  # places of the track
 TRACKED: Final = 2.0  # [s] between them
 WIDELY_KNOWN: Final = ("snapshots", "casualties")  # asked for on joining, by the instructor
+
+
+def entry_of(event: Sentence) -> Entry:
+    """Return something that happened as the log has it."""
+    _, seconds, kind, text = event.fields
+    return Entry(float(seconds), kind, text)
 
 
 def gives_crew(words: str) -> bool:
@@ -106,6 +114,7 @@ class SessionModel:
     marks_told: list[str] = field(default_factory=list)  # with their reasons, when they are told
     releases: int = 0  # of marks to the crew
     rings: int = 0  # how often the bell has been due
+    past: Past = field(default_factory=Past)
     answers: list[tuple[str, list[str]]] = field(default_factory=list)  # long ones, to be read
     trace: Trace = field(init=False)
 
@@ -113,6 +122,9 @@ class SessionModel:
         self.trace = Trace(len(self.charts))
         self._asked: dict[str, Asked] = {}
         self._track: deque[tuple[float, float, float]] = deque(maxlen=TRACK)  # [s, m, m]
+        self._caught_up = False  # with what was shown before the line was there
+        self._greeted = 0  # lines of the briefing that came before the line was lost last
+        self._over_at = 0.0  # [s] when the exercise was over
         self._own = 0  # orders to the crew that were given here and have not been told yet
         self._snapshots: list[Kept] = []  # told so far, of an answer that is to come
         self._casualties: list[Broken] = []
@@ -192,6 +204,7 @@ class SessionModel:
         if self.greeted:
             self.journal.add(None, "station", "the line is back")
         self.joined, self.trouble, self.over, self.greeted = True, "", False, True
+        self._caught_up = False
         for words in WIDELY_KNOWN if self.instructs else ():
             self.ask(words)
 
@@ -200,6 +213,9 @@ class SessionModel:
             self.journal.add(None, "lost", f"no line: {why}")
         self.joined, self.trouble = False, why
         self._asked.clear()
+        self.crew = CrewOrders(rings=self.crew.rings)  # those that stand are told again
+        self.told.clear()
+        self._greeted = len(self.briefing)
         self.picture.forget()
 
     def _bar(self, barred: Barred) -> None:
@@ -214,7 +230,11 @@ class SessionModel:
     # what the session says
 
     def _read(self, sentence: Sentence) -> None:
-        if sentence.kind == "TRA":
+        if sentence.kind == "TRF" and sentence.fields[2] == "past":
+            self._recall(self.past.mark(sentence.fields[3]))
+        elif self.past.takes(sentence, self.picture.names.get(sentence.fields[0], ())):
+            return
+        elif sentence.kind == "TRA":
             self._answered(sentence)
         elif sentence.kind == "TRE":
             self._happened(sentence)
@@ -226,12 +246,71 @@ class SessionModel:
     def _sample(self) -> None:
         """Add the present to the charts."""
         reading = self.picture.reading(self.gauges)
+        if reading.seconds < self._over_at:  # it is flown again, or another is
+            self.outcome, self._over_at = "", 0.0
+        self._catch_up(reading.seconds)
         self._follow(reading)
         if self.trace.times[-1:] != [reading.seconds]:
             number = self.picture.number
             samples = [Sample(number(*each.actual), self.ordered(each)) for each in self.charts]
             self.trace.add(reading.seconds, samples)
         self.furthest = max(self.furthest, reading.seconds)
+
+    def _catch_up(self, seconds: float) -> None:
+        """Ask for what a screen that comes late, or returns, has not seen."""
+        missed, self._caught_up = not self._caught_up, True
+        seen = self.trace.times[-1] if self.trace.times else 0.0
+        if missed and seconds - seen > LATE:
+            self.past.ask(self._charted(), self.ask)
+
+    def _charted(self) -> set[str]:
+        """Return the channels that the charts are drawn from."""
+        found = {self.gauges}
+        for each in self.charts:
+            found |= {each.actual[0], *([each.ordered[0]] if each.ordered else [])}
+            found |= {"orders"} if each.crew else set()
+        return found & set(self.picture.names)  # those that this role is shown
+
+    def _recall(self, channel: str) -> None:
+        """Lay the past of what has come to its end before the present."""
+        past = self.past
+        if channel == EVENTS:
+            entries = [entry_of(each) for each in past.events if each.kind == "TRE"]
+            self.journal.recall(entries)
+            for each in past.events:
+                self._remember_past(each)
+        elif channel and not past.wanted - {EVENTS}:
+            rows = past.rows.get(self.gauges, {})
+            self.trace.recall([(s, self._sampled(s)) for s in sorted(rows)])
+            self._recall_track(rows)
+
+    def _sampled(self, seconds: float) -> list[Sample]:
+        """Return what the charts would have shown at a time [s]."""
+        number, found = self.past.number, []
+        for each in self.charts:
+            told = number("orders", each.crew, seconds) if each.crew else None
+            if told is None and each.ordered:
+                told = number(*each.ordered, seconds)
+            found.append(Sample(number(*each.actual, seconds), told))
+        return found
+
+    def _recall_track(self, rows: Mapping[float, Reading]) -> None:
+        first = self._track[0][0] if self._track else math.inf
+        places = [(s, r.number("north"), r.number("east")) for s, r in rows.items() if s < first]
+        earlier = [(s, n, e) for s, n, e in sorted(places) if n is not None and e is not None]
+        self._track.extendleft(reversed(earlier[-(TRACK - len(self._track)) :]))
+
+    def _remember_past(self, sentence: Sentence) -> None:
+        """Keep on the time line what happened before this screen came."""
+        if sentence.kind != "TRF":
+            return
+        _, told, what, subject = sentence.fields
+        kept = Kept(float(told), "M", subject or "marked")
+        if what == "order" and subject.startswith("casualty "):
+            kept = Kept(float(told), "C", subject)
+        elif what != "mark":
+            return
+        self.marks += [kept] if kept not in self.marks else []
 
     def ordered(self, drawn: Quantity) -> float | None:
         """Return what is ordered, the crew if anybody, else the autopilot."""
@@ -272,7 +351,7 @@ class SessionModel:
         elif what in CrewOrders.FACTS:
             self._order_crew(seconds, what, subject)
         elif what in ("exercise", "exercise-over"):
-            self._brief(what, subject)
+            self._brief(seconds, what, subject)
         elif what == "snapshot":
             self._snapshots.append(Kept(seconds, "S", subject))
         elif what == "casualty":
@@ -286,11 +365,11 @@ class SessionModel:
             self._own -= 1
             self.crew.settle(subject)
 
-    def _brief(self, what: str, subject: str) -> None:
+    def _brief(self, seconds: float, what: str, subject: str) -> None:
         """Keep what the exercise asks for, how it ended, and the marks once they are told."""
         key, equals, value = subject.partition("=")
         if what == "exercise-over":
-            self.outcome = subject or "ended"
+            self.outcome, self._over_at = subject or "ended", seconds
             self.marks_told.clear()
             self.rings += 1
             self.endings += 1
@@ -315,6 +394,9 @@ class SessionModel:
         """Keep nothing of an exercise but its file's name, which is told first."""
         name = self.exercise.get("name")
         self.exercise.clear()
+        self.marks.clear()
+        self.furthest = 0.0
+        del self.briefing[: self._greeted]
         self.told.clear()
         self.marks_told.clear()
         self.outcome = ""

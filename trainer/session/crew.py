@@ -248,9 +248,7 @@ class CrewTalk:
             to_go = self._to_go(axis)
             if self._late_at(spoken) >= self.boat.ticks and to_go * order.value < 0.0:
                 text = f"WRONG WAY: {role}: {order.text}; ordered is {spoken.told}"
-                return [
-                    Telling("exercise", text, Fact("wrong-way", f"{order.text}; {spoken.told}"))
-                ]
+                return [Telling("watch", text, Fact("wrong-way", f"{order.text}; {spoken.told}"))]
         return []
 
     def _to_go(self, axis: str) -> float:

@@ -136,7 +136,7 @@ def order_line(model: SessionModel, width: int) -> Line:
     crew = model.crew
     if crew.wrong:
         return fit(line((f" REPEATED WRONG: {crew.wrong} ", "warning")), width)
-    new = crew.awaited(model.role)
+    new = crew.to_repeat(model.role)
     if new:
         return fit(line((f" NEW ORDER  {new.says} ", "new"), (f"  {REPEAT}", "key")), width, "bar")
     told = told_words(model)

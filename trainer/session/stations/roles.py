@@ -66,7 +66,7 @@ KINDS: Final[Mapping[str, tuple[str, tuple[str, ...]]]] = {
     "exercise": ("the instructor's orders, the schedule's, casualties and the sea", ()),
     "mark": ("a moment marked, with a remark", ("observer",)),
     "marks": ("the marks of an exercise, once they are released", EVERYBODY),
-    "watch": ("a limit passed, the surface broken", ()),
+    "watch": ("a limit passed, the surface broken, an order carried out the wrong way", ()),
     "pilot": ("what the autopilot gives up, and has again", EVERYBODY),
     "depth": ("test depth near, passed and beyond; the collapse of the hull", EVERYBODY),
     "refused": ("an order outside a role, a wrong token, a line that is no order", ()),
