@@ -41,7 +41,11 @@ ANN, MARKUP = "Ann O Briain", "<b>Bób</b> & sons"
 @pytest.fixture
 def kept(tmp_path: Path) -> Path:
     """Return a recording of two trainees, of whom one is remarked upon."""
-    remarks = {20.0: f"mark {ANN} was slow", 30.0: f"mark {ANN}son was not"}
+    remarks = {
+        20.0: f"mark {ANN} was slow",
+        25.0: f"tell {ANN} has the helm",
+        30.0: f"mark {ANN}son was not",
+    }
     names = (ANN, MARKUP)
     path = tmp_path / "steady.trainer"
     return record(path, "steady-course", remarks, "instructor at a desk", trainee=names)

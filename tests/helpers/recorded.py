@@ -42,7 +42,7 @@ def record(
 
     def give(by: str, order: Order, number: int | None) -> None:
         entry = recording.order(boat.ticks, by, order.text, number)
-        answer = obey(boat, order) if order.name in BOAT_ORDERS else "noted"
+        answer = obey(boat, order) if order.name in BOAT_ORDERS else f"noted: {order.text}"
         refused = isinstance(answer, Refused)
         recording.answered(entry, str(answer), not refused)
 

@@ -13,10 +13,19 @@ from trainer.io.recording.checkpoint import BRING_HOME
 from trainer.io.recording.file import RecordingError, reopen, understanding
 
 REMARKS: Final = {  # texts that people have written, by the question that finds them
-    "events": "SELECT id, text FROM events WHERE kind = 'mark' OR text LIKE '%mark %'",
-    "orders": "SELECT id, text FROM orders WHERE text LIKE 'mark %'",
+    "events": (
+        "SELECT id, text FROM events WHERE kind = 'mark' OR text LIKE '%mark %' "
+        "OR text LIKE '%tell %' OR text LIKE '%report%' OR text LIKE '%to the crew: %'"
+    ),
+    "orders": (
+        "SELECT id, text FROM orders "
+        "WHERE text LIKE 'mark %' OR text LIKE 'tell %' OR text LIKE 'report %'"
+    ),
 }
-ANSWERS: Final = "SELECT id, answer FROM orders WHERE text LIKE 'mark %'"
+ANSWERS: Final = (
+    "SELECT id, answer FROM orders "
+    "WHERE text LIKE 'mark %' OR text LIKE 'tell %' OR text LIKE 'report %'"
+)
 
 
 def erase(path: Path, header: Mapping[str, str | None], without: Callable[[str], str]) -> int:
