@@ -23,11 +23,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from trainer.analysis.debrief.data import DebriefData, gather
-from trainer.analysis.debrief.figures import figures
+from trainer.analysis.debrief.charts import draw_track
+from trainer.analysis.debrief.data import DebriefData, figures, gather
 from trainer.analysis.debrief.measures import broach_rows
 from trainer.analysis.debrief.page import Asked, beside, debrief_file, read_dossier, render
-from trainer.analysis.debrief.track import draw_track
 from trainer.analysis.recording_export import export_file
 from trainer.analysis.report import pdf
 from trainer.analysis.report.html import HERE

@@ -12,14 +12,12 @@ import numpy as np
 import pytest
 from helpers.recorded import PANEL, record
 
-from trainer.analysis.debrief.charts import ground_of, runs_beside
-from trainer.analysis.debrief.data import Compared, DebriefData
-from trainer.analysis.debrief.figures import figures
-from trainer.analysis.debrief.losses import losses
+from trainer.analysis.debrief.charts import draw_track, ground_of, runs_beside
+from trainer.analysis.debrief.data import Compared, DebriefData, figures
+from trainer.analysis.debrief.episodes import read_backs
+from trainer.analysis.debrief.judgement import costs
 from trainer.analysis.debrief.page import Asked, read_compared, render
-from trainer.analysis.debrief.readbacks import read_backs
 from trainer.analysis.debrief.reference import can_fly, extremes, first_fault, joined
-from trainer.analysis.debrief.track import draw_track
 from trainer.analysis.rehearsal import CREW
 from trainer.config.files import ConfigError
 from trainer.io.recording.recording import Journalled
@@ -159,12 +157,12 @@ def test_without_keeping_lost_the_losses_are_all_that_lacks(idle: Path) -> None:
     debrief = debriefed(idle)
     verdict = debrief.card.verdict
     assert verdict
-    tasks = [each for each in losses(debrief.card, None) if each.marks > 0.0]
+    tasks = [each for each in costs(debrief.card, None) if each.marks > 0.0]
     whole = 0.7 + 0.003 * verdict.keeping
     assert sum(each.marks for each in tasks) == pytest.approx((100.0 - verdict.tasks) * whole)
-    assert len(debrief.losses) == 3
-    assert "the reference crew" in debrief.losses[0].told
-    assert debrief.losses[0].marks >= debrief.losses[1].marks >= debrief.losses[2].marks
+    assert len(debrief.costs) == 3
+    assert "the reference crew" in debrief.costs[0].told
+    assert debrief.costs[0].marks >= debrief.costs[1].marks >= debrief.costs[2].marks
 
 
 def test_a_broken_limit_is_told_with_what_it_cost(mastered: Path) -> None:
@@ -172,7 +170,7 @@ def test_a_broken_limit_is_told_with_what_it_cost(mastered: Path) -> None:
     verdict = debrief.card.verdict
     assert verdict
     gated = replace(debrief.card, verdict=replace(verdict, gate="depth above 105 m", cap=50.0))
-    (worst, *_) = sorted(losses(gated, None), key=lambda each: -each.marks)
+    (worst, *_) = sorted(costs(gated, None), key=lambda each: -each.marks)
     assert worst.told.startswith("A limit was broken (depth above 105 m): it cost ")
     assert worst.told.endswith("since at most 50 are left.")
 

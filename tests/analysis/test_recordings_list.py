@@ -13,19 +13,21 @@ from helpers.recorded import record
 
 from trainer.analysis.debrief import history as history_module
 from trainer.analysis.debrief.changes import change_of, changes_path, read_changes, without
-from trainer.analysis.debrief.figures import figures
-from trainer.analysis.debrief.forgetting import forget
+from trainer.analysis.debrief.data import figures
 from trainer.analysis.debrief.history import (
     Came,
     Listed,
+    forget,
     history,
+    history_lines,
     latest,
+    list_lines,
     listed,
     marks_path,
     of_trainee,
+    print_list,
     recordings_in,
 )
-from trainer.analysis.debrief.listing import history_lines, list_lines, print_list
 from trainer.analysis.debrief.page import Asked, change_marks, debrief_file, read_compared, render
 from trainer.config.files import ConfigError
 from trainer.io.paths import recordings_folder

@@ -142,11 +142,11 @@ def recordings(
     """
     if trainee is not None and forget is not None:
         raise click.UsageError("--trainee and --forget are two things: say one")
-    from trainer.analysis.debrief import listing  # noqa: PLC0415
+    from trainer.analysis.debrief import history  # noqa: PLC0415
 
     if forget is not None:
-        listing.print_forgotten(places, forget)
+        history.print_forgotten(places, forget)
     elif trainee is not None:
-        listing.print_history(places, trainee, as_json=as_json)
+        history.print_history(places, trainee, as_json=as_json)
     else:
-        listing.print_list(places, as_json=as_json)
+        history.print_list(places, as_json=as_json)

@@ -153,7 +153,7 @@ def debriefing() -> "Debriefing":
             f"{each.name}: {'does not count' if each.marks is None else f'{each.marks:.0f}'}"
             for each in card.scores
         ]
-        told += [f"cost most: {each.told}" for each in debrief.losses]
+        told += [f"cost most: {each.told}" for each in debrief.costs]
         if card.verdict is None:
             return Judgement("", card.total, tuple(told))
         why = [card.verdict.reason] if card.verdict.reason else []

@@ -11,8 +11,7 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import Final
 
-from trainer.analysis.debrief.judgement import GATE_CAP, LOST_CAP, WIDTHS, judge
-from trainer.analysis.debrief.losses import before_gate
+from trainer.analysis.debrief.judgement import GATE_CAP, LOST_CAP, WIDTHS, before_gate, judge
 from trainer.analysis.debrief.scoring import Scorecard
 from trainer.analysis.debrief.trajectory import Trajectory
 from trainer.config.files import ConfigError, Place, nearest, parse_toml, quote, text_if_there

@@ -1,21 +1,35 @@
-"""The charts of a debrief: what was ordered and done, the reference crew's run laid under."""
+"""The drawings of a debrief: the time line, the charts, the track; the reference run laid under."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import Any, Final
 
 import numpy as np
+from markupsafe import Markup
 
 from trainer.analysis.debrief.data import DebriefData
 from trainer.analysis.debrief.measures import LIMITED, limits_of
 from trainer.analysis.debrief.trajectory import Rows, Trajectory
+from trainer.analysis.rehearsal import CREW
 from trainer.analysis.report.svg import (
     ANGLES,
+    LEFT,
+    LETTER,
+    RIGHT,
+    WIDTH,
+    Axis,
     Chart,
     Ground,
     Level,
     Line,
+    backdrop,
     clock,
+    rect,
+    rule,
+    step_of,
+    svg,
+    text,
+    time_axis,
 )
 from trainer.config.measures import COURSE
 from trainer.core.ballast.tanks import BANKS
@@ -223,3 +237,194 @@ def _limits(trajectory: Trajectory, key: str) -> tuple[Level, ...]:
         for name in limits_of(trajectory)
         if name.startswith(key)
     )
+
+
+# The time line
+
+
+ROW, TOP, BOTTOM = 20.0, 8.0, 24.0  # [px]
+LABEL: Final = 24.0  # [px] that a label takes
+
+
+def draw_timeline(debrief: DebriefData, ground: Ground) -> Markup:
+    """Return the time line as an SVG element."""
+    rows = [*_casualties(debrief, ground), *_to_crew(debrief, ground), _orders(debrief, ground)]
+    rows += [*_reference(debrief, ground), _calls(debrief, ground), _marks(debrief, ground)]
+    rows += _scores(debrief, ground)
+    shown = [row for row in rows if row]
+    bottom = TOP + ROW * len(shown)
+    parts = [*backdrop(ground, TOP, bottom, "timeline"), *time_axis(ground, bottom)]
+    for i, row in enumerate(shown):
+        parts.append(f'<g transform="translate(0 {TOP + i * ROW:g})">{row}</g>')
+    return svg("What happened when", (WIDTH, bottom + BOTTOM), parts)
+
+
+def _casualties(debrief: DebriefData, ground: Ground) -> Iterator[str]:
+    """Yield a row for each casualty."""
+    for i, each in enumerate(debrief.casualties):
+        begin, end = (ground.across.at(second) for second in ground.spans[i])
+        name = f"C{i + 1} {each.episode.kind}"
+        bar = rect("bar", begin, 3.0, max(end - begin, 2.0), ROW - 6.0)
+        fits = end + LETTER * len(name) < WIDTH - RIGHT
+        words = (
+            text("tick", end + 4.0, 14.0, name) if fits else text("tick", LEFT + 4.0, 14.0, name)
+        )
+        yield bar + words + _heading("casualty" if i == 0 else "")
+
+
+def _orders(debrief: DebriefData, ground: Ground) -> str:
+    return _strokes([each.tick * debrief.step for each in debrief.crew], "crew", ground)
+
+
+def _reference(debrief: DebriefData, ground: Ground) -> Iterator[str]:
+    """Yield the orders of the reference crew, a row for each of its runs."""
+    for run in runs_beside(debrief):
+        given = (each for each in run.trajectory.orders if each.who == CREW)
+        heading = run.label.removeprefix("reference ")
+        yield _strokes([each.tick * debrief.step for each in given], heading, ground)
+
+
+def _strokes(seconds: list[float], heading: str, ground: Ground) -> str:
+    """Return a row with a stroke for each moment of the run."""
+    style = "order" if heading == "crew" else "order-beside"
+    places = [ground.across.at(each) for each in seconds if each <= ground.across.high]
+    drawn = "".join(rule(style, x, 4.0, x, ROW - 4.0) for x in places)
+    return drawn and drawn + _heading(heading)
+
+
+def _to_crew(debrief: DebriefData, ground: Ground) -> Iterator[str]:
+    """Yield the orders to the crew by their numbers in the table."""
+    ticks = [each.order.tick for each in debrief.read_backs]
+    named = [(tick, f"O{i}") for i, tick in enumerate(ticks, start=1)]
+    yield from _labelled(named, "ordered", debrief, ground)
+
+
+def _calls(debrief: DebriefData, ground: Ground) -> str:
+    ticks = [ground.across.at(each.tick * debrief.step) for each in debrief.of_kind("watch")]
+    drawn = "".join(text("call middle", x, 14.0, "x") for x in ticks)
+    return drawn and drawn + _heading("called")
+
+
+def _marks(debrief: DebriefData, ground: Ground) -> str:
+    places = [ground.across.at(each.tick * debrief.step) for each in debrief.of_kind("mark")]
+    return _labels(places, "M") and _labels(places, "M") + _heading("mark")
+
+
+def _scores(debrief: DebriefData, ground: Ground) -> Iterator[str]:
+    """Yield the places of the scores by their numbers in the table."""
+    ticks = [
+        (each.attained.tick, f"S{i}")
+        for i, each in enumerate(debrief.card.scores, start=1)
+        if each.attained.tick is not None
+    ]
+    yield from _labelled(ticks, "score", debrief, ground)
+
+
+def _labelled(
+    ticks: list[tuple[int, str]], heading: str, debrief: DebriefData, ground: Ground
+) -> Iterator[str]:
+    """Yield as many rows as it takes for no label to lie on another."""
+    left = sorted((ground.across.at(tick * debrief.step), name) for tick, name in ticks)
+    heading = _heading(heading)
+    while left:
+        row, rest, end = "", [], 0.0
+        for x, name in left:
+            if x - end < LABEL:
+                rest.append((x, name))
+                continue
+            row, end = row + text("tick middle", x, 14.0, name), x
+        yield row + heading
+        left, heading = rest, ""
+
+
+def _labels(places: list[float], letter: str) -> str:
+    return "".join(
+        text("tick middle", x, 14.0, f"{letter}{i}") for i, x in enumerate(places, start=1)
+    )
+
+
+def _heading(words: str) -> str:
+    return text("tick end", LEFT - 6.0, 14.0, words)
+
+
+# The track
+
+
+TALL: Final = 420.0  # [px] of the track
+SIDE, HEAD, FOOT = 10.0, 26.0, 30.0  # [px] about it
+LEAST: Final = 400.0  # [m] across the shorter way
+EVERY: Final = (10.0, 30.0, 60.0, 300.0, 600.0, 1800.0)  # [s] between its marks of time
+TRACKED: Final = 1600  # points of it
+TICKED: Final = 12  # of them at most
+SCALE: Final = 0.2  # of the width, the longest rule
+
+
+def draw_track(debrief: DebriefData, ground: Ground, beside: tuple[Beside, ...] = ()) -> Markup:
+    """Return the track from above as an SVG element, north up, equal scales both ways."""
+    column = debrief.trajectory.columns
+    good = np.isfinite(column["x"]) & np.isfinite(column["y"])
+    north, east, seconds = column["x"][good], column["y"][good], ground.seconds[good]
+    if not seconds.size:
+        return Markup()
+    others = [_way_of(run, float(seconds[-1])) for run in beside]
+    across, up = _equal_axes(
+        np.concatenate([east, *(way[0] for way in others)]),
+        np.concatenate([north, *(way[1] for way in others)]),
+    )
+    x, y = across.places(east), up.places(north)
+    parts = [text("title", SIDE, 16.0, "Track [m], north up")]
+    for run, way in zip(beside, others, strict=True):
+        parts.append(_path(run.style, across.places(way[0]), up.places(way[1])))
+    parts.append(_path("actual", x, y))
+    for begin, end in ground.spans:
+        inside = (seconds >= begin) & (seconds <= end)
+        if inside.any():
+            parts.append(_path("broken", x[inside], y[inside]))
+    step = next((s for s in EVERY if seconds[-1] / s <= TICKED), EVERY[-1])
+    for second in np.arange(0.0, float(seconds[-1]) + 1e-9, step):
+        place = int(np.searchsorted(seconds, second))
+        parts.append(f'<circle class="axis" cx="{x[place]:.1f}" cy="{y[place]:.1f}" r="2.5"/>')
+        parts.append(text("tick", x[place] + 6.0, y[place] - 4.0, clock(float(second))))
+    return svg("The track from above", (WIDTH, TALL), [*parts, *_rule_of(across)])
+
+
+def _way_of(run: Beside, end: float) -> tuple[Numbers, Numbers]:
+    """Return the way of another run up to a time [s]: east and north [m]."""
+    column = run.trajectory.columns
+    good = np.isfinite(column["x"]) & np.isfinite(column["y"])
+    good &= run.trajectory.seconds <= end + 1e-6
+    return column["y"][good], column["x"][good]
+
+
+def _equal_axes(east: Numbers, north: Numbers) -> tuple[Axis, Axis]:
+    """Return axes of one scale about the whole track: a turning circle is round."""
+    wide, high = WIDTH - 2.0 * SIDE, TALL - HEAD - FOOT
+    metres = 1.12 * max(float(np.ptp(east)) / wide, float(np.ptp(north)) / high)
+    metres = max(metres, LEAST / min(wide, high))
+    middle_e = 0.5 * (float(east.min()) + float(east.max()))
+    middle_n = 0.5 * (float(north.min()) + float(north.max()))
+    half_e, half_n = 0.5 * metres * wide, 0.5 * metres * high
+    return (
+        Axis(middle_e - half_e, middle_e + half_e, SIDE, WIDTH - SIDE),
+        Axis(middle_n - half_n, middle_n + half_n, TALL - FOOT, HEAD),
+    )
+
+
+def _path(style: str, x: Numbers, y: Numbers) -> str:
+    """Return a line through places [px], about one point in so many as can be told apart."""
+    every = max(x.size // TRACKED, 1)
+    rows = [*range(0, x.size, every), x.size - 1]
+    told = "L".join(f"{x[i]:.1f} {y[i]:.1f}" for i in rows)
+    return f'<path class="line {style}" d="M{told}"/>'
+
+
+def _rule_of(across: Axis) -> Iterator[str]:
+    """Yield a rule of a round length, with that length."""
+    pixels = (across.end - across.begin) / (across.high - across.low)  # [px/m]
+    length = step_of(SCALE * WIDTH / pixels, 1)
+    length = length if length * pixels <= 2.0 * SCALE * WIDTH else 0.5 * length
+    bottom = TALL - 10.0
+    yield rule("axis", SIDE, bottom, SIDE + length * pixels, bottom)
+    for end in (SIDE, SIDE + length * pixels):
+        yield rule("axis", end, bottom - 4.0, end, bottom + 4.0)
+    yield text("tick", SIDE + length * pixels + 8.0, bottom + 4.0, f"{length:g} m")

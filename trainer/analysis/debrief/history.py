@@ -5,21 +5,27 @@ drill.trainer. It may be removed at any time; names stand in the recordings alon
 """
 
 import json
+import re
 import statistics
-from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import asdict, dataclass
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any, Final
 
+import click
 import numpy as np
+from markupsafe import escape
 
 from trainer import __version__
-from trainer.analysis.debrief.changes import changes_path
+from trainer.analysis.debrief.changes import changes_path, read_changes, write_changes
 from trainer.analysis.debrief.data import DebriefData, gather
+from trainer.analysis.debrief.page import BADGE, HEAD
 from trainer.config.files import ConfigError, nearest, quote
 from trainer.io.atomic_write import write_whole
+from trainer.io.lines import plain
 from trainer.io.paths import SUFFIX, recordings_folder
-from trainer.session.header import reading, trainees_of
+from trainer.io.recording.file import RecordingError, erase
+from trainer.session.header import TRAINEES, reading, trainees_of
 
 MARKS: Final = ".marks.json"  # ends the name of the file
 SCHEMA: Final = "marks/1"
@@ -214,3 +220,167 @@ def history(own: Iterable[Listed]) -> list[Attempts]:
         )
         for (exercise, width), came in sorted(by_kind.items())
     ]
+
+
+# A name forgotten
+
+
+REMOVED: Final = "(name removed)"
+
+
+def forget(name: str, recordings: Iterable[Path]) -> Iterator[str]:
+    """Remove a name everywhere, and yield what was done; ConfigError if no recording has it."""
+    names: set[str] = set()
+    done, left = 0, []
+    for path in recordings:
+        try:
+            with reading(path) as recording:
+                trainees = trainees_of(recording.header())
+        except ConfigError:  # it is no recording, or damaged: it is not ours to change
+            continue
+        names.update(trainees)
+        if folded(name) not in map(folded, trainees):
+            continue
+        try:
+            yield from _forget(name, path, trainees)
+            done += 1
+        except (ConfigError, RecordingError) as wrong:
+            left.append(str(wrong))
+    if left:
+        raise ConfigError(*(f"--forget: the name is still in it: {each}" for each in left))
+    if not done:
+        raise ConfigError(
+            f"--forget {quote(name)}: no recording has that name{nearest(name, names)}"
+        )
+
+
+def _forget(name: str, path: Path, trainees: tuple[str, ...]) -> Iterator[str]:
+    """Remove a name from one recording and from what is beside it."""
+    others = [each for each in trainees if folded(each) != folded(name)]
+    without = _remover(name)
+    remarks = erase(path, {TRAINEES: json.dumps(others) if others else None}, without)
+    marks_path(path).unlink(missing_ok=True)  # it is of another state of the recording
+    changes = read_changes(path)
+    if changes:
+        write_changes(path, [replace(each, reason=without(each.reason)) for each in changes])
+    told = f"; also from {remarks} remark{'s' if remarks > 1 else ''}" if remarks else ""
+    yield f"{path}: the name is removed{told}"
+    yield from _pages(name, path)
+
+
+def _remover(name: str) -> Callable[[str], str]:
+    """Return what takes a name out of a text; a number alone stays, it may be any."""
+    if not re.search(r"[^\W\d_]", name):
+        return lambda text: text
+    words = r"\s+".join(re.escape(word) for word in name.split())
+    found = re.compile(rf"(?<!\w){words}(?!\w)", re.IGNORECASE)
+    return lambda text: found.sub(REMOVED, text)
+
+
+def _pages(name: str, path: Path) -> Iterator[str]:
+    """Remove the debriefs beside a recording that show a name; yield which, and what may."""
+    shown = folded(str(escape(name)))
+    for page in sorted(path.parent.glob(f"{_literal(path.stem)}*.html")):
+        text = page.read_text(encoding="utf-8", errors="replace")
+        if BADGE in text[:HEAD] and shown in folded(text):
+            page.unlink()
+            yield f"{page}: removed, it showed the name; trainer debrief makes it anew"
+    for printed in sorted(path.parent.glob(f"{_literal(path.stem)}*.pdf")):
+        yield f"{printed}: may show the name: look, and remove it"
+
+
+def _literal(stem: str) -> str:
+    """Return a name as a pattern of files that matches it alone."""
+    return re.sub(r"([*?[])", r"[\1]", stem)
+
+
+# As printed
+
+
+def found_in(places: Sequence[Path]) -> list[Path]:
+    """Return the recordings in places, or in the recordings' folder, the newest first."""
+    folder = recordings_folder()
+    return list(recordings_in(places or ([folder] if folder.is_dir() else [])))
+
+
+def print_list(places: Sequence[Path], *, as_json: bool) -> None:
+    """Print the recordings, each as soon as it is known."""
+    found = found_in(places)
+    if as_json:
+        click.echo(json.dumps(as_figures(map(listed, found)), indent=1))
+        return
+    if not found:
+        where = ", ".join(map(str, places)) or recordings_folder()
+        click.echo(f"no recording is in {where}: trainer run EXERCISE makes one")
+    for line in list_lines(map(listed, found)):
+        click.echo(plain(line))
+
+
+def print_history(places: Sequence[Path], name: str, *, as_json: bool) -> None:
+    """Print what a trainee has done; ConfigError if there is nothing of that name."""
+    own = history(of_trainee(list(map(listed, found_in(places))), name))
+    if as_json:
+        click.echo(json.dumps(history_figures(own), indent=1))
+        return
+    click.echo("\n".join(map(plain, history_lines(own))))
+
+
+def print_forgotten(places: Sequence[Path], name: str) -> None:
+    """Remove a name and print where; ConfigError if it is nowhere, or cannot be removed."""
+    for line in forget(name, found_in(places)):
+        click.echo(line)
+
+
+def list_lines(found: Iterable[Listed]) -> Iterator[str]:
+    """Yield a line for each recording: when, what, who, and what it came to."""
+    for each in found:
+        if each.came is None:
+            yield f"{_day(each.started):16}  {each.path.name}: cannot be read: {each.trouble}"
+            continue
+        came = each.came
+        star = "*" if came.changed else ""
+        free = "" if came.counts else " (practice or free)"
+        names = ", ".join(each.trainees) or "-"
+        outcome = came.outcome or "-"
+        yield (
+            f"{_day(each.started):16}  {came.exercise or '-':26}  {outcome:11}  "
+            f"{_mark(came.total):>4}{star:1}  {names}  {each.path.name}{free}"
+        )
+
+
+def history_lines(found: Iterable[Attempts]) -> Iterator[str]:
+    """Yield the history of a trainee, a line for each exercise."""
+    yield f"{'exercise':28}  {'width':9}  mean of last {LAST}  attempts  seeds"
+    for each in found:
+        seeds = ", ".join(map(str, each.seeds))
+        yield (
+            f"{each.exercise:28}  {each.width:9}  {_mark(each.mean):>14}  "
+            f"{each.attempts:8}  {seeds}"
+        )
+
+
+def as_figures(found: Iterable[Listed]) -> list[dict[str, Any]]:
+    """Return recordings for programs."""
+    return [
+        {
+            "file": str(each.path),
+            "started": each.started,
+            "trainees": list(each.trainees),
+            "trouble": each.trouble,
+            **(asdict(each.came) if each.came else {}),
+        }
+        for each in found
+    ]
+
+
+def history_figures(found: Iterable[Attempts]) -> list[dict[str, Any]]:
+    """Return a trainee's history for programs."""
+    return [asdict(each) | {"mean_of_last": each.mean} for each in found]
+
+
+def _day(started: str) -> str:
+    return started[:16].replace("T", " ")
+
+
+def _mark(total: float | None) -> str:
+    return "-" if total is None else f"{total:.0f}"

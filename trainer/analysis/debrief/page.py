@@ -14,11 +14,14 @@ from markupsafe import Markup
 from trainer import __version__
 from trainer.analysis.debrief import sections
 from trainer.analysis.debrief.changes import change_of, read_changes, without, write_changes
-from trainer.analysis.debrief.charts import charts_of, ground_of, runs_beside
-from trainer.analysis.debrief.data import DebriefData, compared, find_branch, gather
-from trainer.analysis.debrief.figures import figures
-from trainer.analysis.debrief.timeline import draw_timeline
-from trainer.analysis.debrief.track import draw_track
+from trainer.analysis.debrief.charts import (
+    charts_of,
+    draw_timeline,
+    draw_track,
+    ground_of,
+    runs_beside,
+)
+from trainer.analysis.debrief.data import DebriefData, compared, figures, find_branch, gather
 from trainer.analysis.report.html import charts, page, paragraph, section
 from trainer.analysis.report.pdf import print_pdf
 from trainer.analysis.report.svg import clock, draw

@@ -12,8 +12,8 @@ from typing import Final
 
 import numpy as np
 
-from trainer.analysis.debrief.episodes import INSTRUCTOR, crew_orders, first_spell
-from trainer.analysis.debrief.judgement import judge, widened
+from trainer.analysis.debrief.episodes import INSTRUCTOR, KEPT, crew_orders, first_spell
+from trainer.analysis.debrief.judgement import judge, widened, worth
 from trainer.analysis.debrief.scoring import Scorecard, Scored
 from trainer.analysis.debrief.trajectory import Rows, Trajectory
 from trainer.analysis.rehearsal import Departure, Rehearsal, fly, last_tick
@@ -21,17 +21,10 @@ from trainer.config.measures import COURSE
 from trainer.config.score_rules import Rule
 from trainer.core.kernel import Numbers
 from trainer.session.plan import Plan
-from trainer.units import KNOT
 
 LONGEST: Final = 400_000  # [ticks] of an exercise that is flown for a debrief
 FOR_GOOD: Final = 20.0  # [s] outside
 LEEWAY: Final = 10.0  # [s] earlier or later at least
-WIDTHS: Final = {  # [SI] of a band where the task has none
-    "depth": 3.0,
-    COURSE: math.radians(3.0),
-    "speed": 0.5 * KNOT,
-    "pitch": math.radians(2.0),
-}
 TIMED: Final = ("reach", "time-to")  # measures whose value is a time
 EXTREMES: Final = ("highest", "lowest", "largest", "overshoot")  # over when they are attained
 ABOUT: Final = "the band about the reference run was"
@@ -153,11 +146,6 @@ def _faults(
             yield fault
 
 
-def worth(each: Scored) -> float | None:
-    """Return what a score gave [%]: of a task less nobody aboard."""
-    return each.marks if each.earned is None else each.earned
-
-
 def _late_answer(trajectory: Trajectory, rule: Rule, mine: Scored, best: Scored) -> Fault | None:
     """Return the moment until which an answer earns all, if it had not come by then."""
     episode = first_spell(trajectory, rule.casualty)
@@ -212,7 +200,7 @@ def band_of(rule: Rule, best: Scored) -> Band:
     score, measured = rule.score, rule.measured
     assert measured  # noqa: S101 (asked for by who calls)
     allowed = 0.0 if best.attained.value is None else abs(score.full - best.attained.value)
-    usual = WIDTHS.get(measured.name)
+    usual = KEPT.get(measured.name)
     usual = 0.25 * abs(score.zero - score.full) if usual is None else usual / measured.size
     off = usual if score.band is None else score.band
     if score.measure in TIMED:

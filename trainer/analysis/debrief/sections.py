@@ -8,10 +8,8 @@ from markupsafe import Markup
 
 from trainer.analysis.debrief.changes import OUTCOME, WIDTH, Change
 from trainer.analysis.debrief.charts import WRONG, chart_of
-from trainer.analysis.debrief.data import Answered, Compared, DebriefData
-from trainer.analysis.debrief.episodes import SCHEDULE
-from trainer.analysis.debrief.figures import deviation_of
-from trainer.analysis.debrief.readbacks import ReadBack
+from trainer.analysis.debrief.data import Answered, Compared, DebriefData, deviation_of
+from trainer.analysis.debrief.episodes import SCHEDULE, ReadBack
 from trainer.analysis.debrief.scoring import Scorecard, Scored, Verdict
 from trainer.analysis.report.html import paragraph, table
 from trainer.analysis.report.svg import clock
@@ -148,7 +146,7 @@ def cost(debrief: DebriefData) -> Markup:
     """Return what cost most, and what the reference crew would have had."""
     if debrief.free:
         return paragraph("A free run has no marks.")
-    items = Markup().join(Markup("<li>{}</li>").format(each.told) for each in debrief.losses)
+    items = Markup().join(Markup("<li>{}</li>").format(each.told) for each in debrief.costs)
     lines = [Markup("<ol>{}</ol>").format(items) if items else paragraph("Nothing.")]
     if debrief.compared is not None:
         lines.append(paragraph(_reference_words(debrief.compared)))
