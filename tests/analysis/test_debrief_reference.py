@@ -17,7 +17,7 @@ from trainer.analysis.debrief.data import Compared, DebriefData, figures
 from trainer.analysis.debrief.episodes import read_backs
 from trainer.analysis.debrief.judgement import costs
 from trainer.analysis.debrief.page import Asked, read_compared, render
-from trainer.analysis.debrief.reference import can_fly, extremes, first_fault, joined
+from trainer.analysis.debrief.reference import behind, can_fly, extremes, first_fault, joined
 from trainer.analysis.rehearsal import CREW
 from trainer.config.files import ConfigError
 from trainer.io.recording.recording import Journalled
@@ -134,6 +134,22 @@ def test_a_departure_of_less_than_twenty_seconds_is_not_for_good(idle: Path) -> 
 
     assert away(19.0) is None
     assert away(21.0).tick == 600
+
+
+def test_a_task_that_has_no_band_is_named_where_no_moment_can_be_told(tmp_path: Path) -> None:
+    debrief = debriefed(record(tmp_path / "back.trainer", "backing", {}))
+    compared = beside(debrief)
+    assert compared.fault is None
+    worse = behind(debrief.card, compared.reference.card)
+    assert worse
+    assert f"No one moment: {', '.join(worse)} fell short" in render(debrief)
+
+
+def test_north_is_told_as_000(tmp_path: Path) -> None:
+    debrief = debriefed(record(tmp_path / "north.trainer", "gyro-stuck", {}))
+    fault = beside(debrief).fault
+    assert fault
+    assert fault.told.startswith("course 000; the band about the reference run was 000 to 0")
 
 
 def test_a_late_answer_went_wrong_when_full_marks_ended(jam: Path) -> None:

@@ -17,6 +17,7 @@ from trainer.analysis.debrief.judgement import judge, widened, worth
 from trainer.analysis.debrief.scoring import Scorecard, Scored
 from trainer.analysis.debrief.trajectory import Rows, Trajectory
 from trainer.analysis.rehearsal import Departure, Rehearsal, fly, last_tick
+from trainer.config.condition import ANGLE
 from trainer.config.measures import COURSE
 from trainer.config.score_rules import Rule
 from trainer.core.kernel import Numbers
@@ -126,17 +127,27 @@ def first_fault(
     return min(found, key=lambda fault: fault.tick, default=None)
 
 
+def behind(card: Scorecard, reference: Scorecard) -> tuple[str, ...]:
+    """Return the tasks and answers that are worth LOST less than the reference crew's."""
+    best = {each.name: worth(each) or 0.0 for each in reference.scores}
+    return tuple(
+        each.name
+        for each in card.scores
+        if each.rule.part != "keeping" and each.marks is not None
+        if best.get(each.name, 0.0) - (worth(each) or 0.0) >= LOST
+    )
+
+
 def _faults(
     trajectory: Trajectory, rules: tuple[Rule, ...], card: Scorecard, reference: Reference
 ) -> Iterator[Fault]:
     own = {each.name: each for each in card.scores}
+    worse = behind(card, reference.card)
     ours = {each.name: each for each in reference.card.scores}
     for rule in rules:
-        mine, best = own.get(rule.score.name), ours.get(rule.score.name)
-        if mine is None or best is None or rule.part == "keeping":
+        if rule.score.name not in worse:
             continue
-        if (worth(best) or 0.0) - (worth(mine) or 0.0) < LOST or mine.marks is None:
-            continue
+        mine, best = own[rule.score.name], ours[rule.score.name]
         fault = (
             _late_answer(trajectory, rule, mine, best)
             if rule.score.measure == "response"
@@ -257,7 +268,9 @@ def _told(rule: Rule, value: float, limits: tuple[float, float]) -> str:
     assert rule.measured  # noqa: S101
     name, unit = rule.measured.name, rule.measured.unit
     if name == COURSE:
-        value, *ends = (angle % (math.tau / rule.measured.size) for angle in (value, *limits))
-        return f"course {value:03.0f}; {ABOUT} {ends[0]:03.0f} to {ends[1]:03.0f}"
+        told = (
+            round(angle * rule.measured.size / ANGLE["deg"]) % 360 for angle in (value, *limits)
+        )
+        return "course {:03d}; {} {:03d} to {:03d}".format(next(told), ABOUT, *told)
     low, high = limits
     return f"{rule.measured} {value:.1f} {unit}; {ABOUT} {low:.1f} to {high:.1f} {unit}"

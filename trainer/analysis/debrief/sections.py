@@ -10,6 +10,7 @@ from trainer.analysis.debrief.changes import OUTCOME, WIDTH, Change
 from trainer.analysis.debrief.charts import WRONG, chart_of
 from trainer.analysis.debrief.data import Answered, Compared, DebriefData, deviation_of
 from trainer.analysis.debrief.episodes import SCHEDULE, ReadBack
+from trainer.analysis.debrief.reference import behind
 from trainer.analysis.debrief.scoring import Scorecard, Scored, Verdict
 from trainer.analysis.report.html import paragraph, table
 from trainer.analysis.report.svg import clock
@@ -132,14 +133,21 @@ def moment(debrief: DebriefData) -> Markup:
         return paragraph("This exercise has no reference crew to compare with.")
     fault = found.fault
     if fault is None:
-        free = "A free run is not compared." if debrief.free else ""
-        return paragraph(
-            free or "It did not: every task is about as well done as the reference crew's."
-        )
+        return paragraph(_no_moment(debrief, found))
     chart = chart_of(fault.quantity)
     line = Markup('<p><b>{}</b>: {}. Task: {}. <a href="#{}-{}">Go there</a></p>')
     place = clock(fault.tick * debrief.step)
     return line.format(place, fault.told, fault.score, WRONG, chart)
+
+
+def _no_moment(debrief: DebriefData, found: Compared) -> str:
+    """Return why no moment is told."""
+    if debrief.free:
+        return "A free run is not compared."
+    worse = behind(debrief.card, found.reference.card)
+    if worse:
+        return f"No one moment: {', '.join(worse)} fell short without leaving a band for good."
+    return "It did not: every task is about as well done as the reference crew's."
 
 
 def cost(debrief: DebriefData) -> Markup:
