@@ -138,10 +138,12 @@ def test_the_list_goes_on_past_what_cannot_be_read(
 
 def test_a_list_sends_no_control_characters(kept: Path, capsys: pytest.CaptureFixture[str]) -> None:
     with contextlib.closing(sqlite3.connect(kept)) as file, file:
-        names = json.dumps(["\x1b[31mred"])
+        names = json.dumps(["\x07\x1b[31mred"])
         file.execute("UPDATE header SET value = ? WHERE key = 'trainees'", (names,))
     print_list([kept.parent], as_json=False)
-    assert "\x1b" not in capsys.readouterr().out
+    told = capsys.readouterr().out
+    assert "\x07" not in told
+    assert "\\x1b[31mred" in told
 
 
 def test_without_recordings_the_next_step_is_told(
