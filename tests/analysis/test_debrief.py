@@ -26,7 +26,7 @@ import pytest
 from trainer.analysis.debrief.charts import draw_track
 from trainer.analysis.debrief.data import DebriefData, figures, gather
 from trainer.analysis.debrief.measures import broach_rows
-from trainer.analysis.debrief.page import beside, debrief_file, read_dossier, render
+from trainer.analysis.debrief.page import Asked, beside, debrief_file, read_dossier, render
 from trainer.analysis.recording_export import export_file
 from trainer.analysis.report import pdf
 from trainer.analysis.report.html import HERE
@@ -616,7 +616,10 @@ def test_the_page_is_one_file_that_needs_nothing_else(page: str) -> None:
     elements.feed(page)
     assert elements.opened == []
     assert not [tag for tag, _ in elements.found if tag in ("script", "link", "img", "iframe")]
-    assert not [keys for _, keys in elements.found if {"src", "href", "onload"} & keys.keys()]
+    assert not [keys for _, keys in elements.found if {"src", "onload"} & keys.keys()]
+    led = [keys["href"] or "" for _, keys in elements.found if "href" in keys]
+    names = {keys["id"] for _, keys in elements.found if "id" in keys}
+    assert all(each[0] == "#" and each[1:] in names for each in led)
     assert not re.search(r"https?:|url\(|@import", page)
 
 
@@ -626,13 +629,18 @@ def test_the_page_shows_what_was_ordered_what_broke_and_what_was_said(page: str)
     words = " ".join(elements.words)
     for told in (
         *("All measures <at> once & more", "the jam comes <now>", "Joubert BB2", "BROACHED"),
-        *("Depth [m]", "Pitch and heel [deg]", "Planes, rise positive [deg]", "Heading [deg]"),
+        *(
+            "Depth [m]",
+            "Pitch and heel [deg]",
+            "Stern planes, rise positive [deg]",
+            "Heading [deg]",
+        ),
         *("Rudder, right positive [deg]", "Speed [kn]", "Air banks", "limit 20 m"),
         *("C1 stern-hard-over", "blow aft (ballast at ballast panel)", "keeping depth 25 m"),
         *("root of the mean of (depth - 15 m)^2", "480 ticks of 0.5 s timed", "duty cycle"),
     ):
         assert told in words, told
-    assert sum(tag == "svg" for tag, _ in elements.found) == 9
+    assert sum(tag == "svg" for tag, _ in elements.found) == 10
     assert all(keys.get("aria-label") for tag, keys in elements.found if tag == "svg")
 
 
@@ -655,12 +663,12 @@ def test_lines_differ_in_more_than_colour() -> None:
     dashes = {
         name: rule
         for name, rule in re.findall(
-            r"svg \.([a-z.]+) \{ stroke: var\([^}]*?(?:dasharray: ([\d ]+);[^}]*|)\}", STYLE
+            r"svg \.([a-z.-]+) \{ stroke: var\([^}]*?(?:dasharray: ([\d ]+);[^}]*|)\}", STYLE
         )
-        if name in ("actual", "ordered", "second", "second.ordered", "second.fine")
+        if name in ("actual", "ordered", "second", "fine", "beside", "from-here")
     }
-    assert len(dashes) == 5
-    assert len(set(dashes.values())) == 5
+    assert len(dashes) == 6
+    assert len(set(dashes.values())) == 6
 
 
 def contrast(one: str, other: str) -> float:
@@ -721,16 +729,16 @@ def test_a_record_that_ends_early_says_so_and_what_counts(tmp_path: Path) -> Non
 def test_the_page_goes_beside_the_recording_and_is_told(
     wound_back: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    debrief_file(wound_back, None, None, None, as_json=False)
+    debrief_file(wound_back, None, None, Asked(), as_json=False)
     made = wound_back.with_name("back.html")
     assert capsys.readouterr().out == f"{made}\n"
     assert made.read_text(encoding="utf-8").startswith("<!DOCTYPE html>")
     assert beside(wound_back, 1).name == "back.branch1.html"
 
-    debrief_file(wound_back, None, None, None, as_json=False)  # its own is made anew
+    debrief_file(wound_back, None, None, Asked(), as_json=False)  # its own is made anew
     made.write_text("my notes")
     with pytest.raises(ConfigError, match="is there and is no debrief: say --html FILE"):
-        debrief_file(wound_back, None, None, None, as_json=False)
+        debrief_file(wound_back, None, None, Asked(), as_json=False)
     assert made.read_text() == "my notes"
     made.unlink()
 
@@ -739,7 +747,7 @@ def test_figures_are_printed_without_writing_a_page(
     wound_back: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     before = sorted(wound_back.parent.iterdir())
-    debrief_file(wound_back, None, None, 1, as_json=True)
+    debrief_file(wound_back, None, None, Asked(1), as_json=True)
     assert json.loads(capsys.readouterr().out)["branch"] == 1
     assert sorted(wound_back.parent.iterdir()) == before
 
@@ -747,7 +755,7 @@ def test_figures_are_printed_without_writing_a_page(
 def test_the_recording_is_never_written_over(wound_back: Path) -> None:
     before = wound_back.read_bytes()
     with pytest.raises(ConfigError, match="is the recording itself: give another name"):
-        debrief_file(wound_back, wound_back, None, None, as_json=False)
+        debrief_file(wound_back, wound_back, None, Asked(), as_json=False)
     assert wound_back.read_bytes() == before
 
 
@@ -797,7 +805,7 @@ def test_without_a_browser_the_next_step_is_told(
 ) -> None:
     monkeypatch.setattr(pdf, "find_browser", lambda: None)
     with pytest.raises(ConfigError, match="no Chromium, Chrome or Edge is on this machine"):
-        debrief_file(wound_back, None, tmp_path / "a.pdf", None, as_json=False)
+        debrief_file(wound_back, None, tmp_path / "a.pdf", Asked(), as_json=False)
     assert list(tmp_path.iterdir()) == []
 
 
@@ -827,7 +835,7 @@ def test_a_browser_opens_the_page_without_an_error_and_prints_it(
     assert "All measures &lt;at&gt; once" in opened.stdout
     assert "CONSOLE" not in opened.stderr
 
-    debrief_file(kept.path, None, tmp_path / "debrief.pdf", None, as_json=False)
+    debrief_file(kept.path, None, tmp_path / "debrief.pdf", Asked(), as_json=False)
     assert (tmp_path / "debrief.pdf").read_bytes().startswith(b"%PDF")
     assert (tmp_path / "debrief.pdf").stat().st_size > 50_000
 

@@ -1,6 +1,10 @@
-"""An exercise flown without a session: by nobody, or by its reference crew."""
+"""An exercise flown without a session: by nobody, or by its reference crew.
+
+From its start, or from a recorded moment that the reference crew takes over at.
+"""
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Final
 
@@ -15,8 +19,8 @@ from trainer.boat.reference_crew import Given, Reaction, ReferenceCrew
 from trainer.config.reference_crew import Crew
 from trainer.io.orders.grammar import Refused, Reply
 from trainer.io.orders.table import BOAT_ORDERS
-from trainer.io.recording.queries import Journalled
-from trainer.session.layout import LAYOUT
+from trainer.io.recording.queries import Journalled, Moment
+from trainer.session.layout import LAYOUT, read_state
 from trainer.session.plan import Plan
 
 CREW: Final = "reference crew"  # who gives its orders
@@ -32,20 +36,40 @@ class Rehearsal:
     refused: tuple[Journalled, ...]  # orders
     rules_given: frozenset[int]  # of the reference crew, by their places in the file
     lost: str  # why it ended before its time, "" if it did not
+    times: Mapping[int, float]  # [s] when each rule was last carried out, by its place
 
 
-def fly(plan: Plan, crew: Crew | None = None, reaction: Reaction | None = None) -> Rehearsal:
-    """Return the exercise flown to its end; nobody is aboard where no crew is given.
+@dataclass(frozen=True)
+class Departure:
+    """A recorded moment, from which a crew takes over."""
 
-    ConfigError if it cannot begin, or has no end.
+    moment: Moment
+    layout: tuple[str, ...]  # of its state
+    given: Mapping[int, float]  # [s] rules of the reference crew that were carried out before
+
+
+def fly(
+    plan: Plan,
+    crew: Crew | None = None,
+    reaction: Reaction | None = None,
+    since: Departure | None = None,
+) -> Rehearsal:
+    """Return the exercise flown to its end, from a recorded moment if there is one.
+
+    Nobody is aboard where no crew is given. ConfigError if it cannot begin, or has no end.
     """
     boat = Boat(plan.file, plan.method)
     plan.start(boat)
+    first, place = (since.moment.tick, since.moment.place) if since else (0, 0)
+    if since is not None:
+        boat.restore(read_state(since.moment.state, since.layout, boat.records.state))
     journal, numbers = Journal(boat), boat.records.state.view(np.float64)
     aboard = None if crew is None else ReferenceCrew(boat, crew, reaction)
-    rows, lost, place = [numbers[PLACED]], "", 0
+    if aboard is not None and since is not None:
+        aboard.take_over(since.given)
+    rows, lost = [numbers[PLACED]], ""
     with np.errstate(all="ignore"):
-        for tick in range(last_tick(plan)):
+        for tick in range(first, last_tick(plan)):
             while place < len(plan.schedule) and due(plan, place) <= tick:
                 journal.obey_schedule(plan, place)
                 place += 1
@@ -63,13 +87,14 @@ def fly(plan: Plan, crew: Crew | None = None, reaction: Reaction | None = None) 
         boat=boat,
         limits=plan.limits,
         orders=entries,
-        ticks=np.arange(len(rows), dtype=np.int64),
+        ticks=np.arange(first, first + len(rows), dtype=np.int64),
         columns=dict(zip(COLUMNS, columns, strict=True)),
         lateness=np.full(len(rows), np.nan),
         work=np.full(len(rows), np.nan),
     )
     refused = tuple(each for each in entries if each.accepted is False)
-    return Rehearsal(plan, trajectory, refused, frozenset(journal.rules), lost)
+    times = dict(journal.rules)
+    return Rehearsal(plan, trajectory, refused, frozenset(times), lost, times)
 
 
 def last_tick(plan: Plan) -> int:
@@ -89,7 +114,7 @@ class Journal:
         """Begin an empty one."""
         self.boat = boat
         self.entries: list[Journalled] = []
-        self.rules: set[int] = set()
+        self.rules: dict[int, float] = {}  # [s] when each was last carried out
 
     def obey_schedule(self, plan: Plan, place: int) -> None:
         """Carry out a scheduled order; what is said to people moves nothing."""
@@ -101,7 +126,7 @@ class Journal:
         """Note what the crew has ordered."""
         for each in given:
             if each.rule is not None:
-                self.rules.add(each.rule)
+                self.rules[each.rule] = self.boat.time
             self._write(CREW, each.text, each.reply, None)
 
     def _write(self, who: str, text: str, reply: Reply, place: int | None) -> None:

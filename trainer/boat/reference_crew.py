@@ -4,6 +4,7 @@ It sees what the gauges show, and gives nothing that a crew could not type.
 """
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
@@ -81,6 +82,35 @@ class ReferenceCrew:
         for hand in list(self.hands.values()):
             given += [self._give(text) for text in hand.look(self.gauges)]
         return given
+
+    def take_over(self, given: Mapping[int, float]) -> None:
+        """Count rules as carried out before this moment, but not those whose cause is there now.
+
+        ``given`` has when [s] each was, by its place: so it would stand had this crew been aboard.
+        """
+        self.gauges.look()
+        done = [False] * len(self.followed)
+        for i, each in enumerate(self.followed):
+            row = each.rule.row
+            if row.at_s is not None or row.ordered is not None:  # settled as it came aboard
+                done[i] = each.given is not None
+                continue
+            kept = i in given and given[i] < self.boat.time and (not row.then or done[i - 1])
+            done[i] = kept and (row.every_s is not None or not self._caused(each.rule))
+            if done[i]:
+                self._count(each, given[i])
+        self.gauges.seen.clear()
+
+    def _caused(self, rule: CrewRule) -> bool:
+        """Return whether the gauges show what a rule waits for."""
+        mean = rule.row.mean_s or 0.0
+        return bool(rule.conditions) and all(self._shows(one, mean) for one in rule.conditions)
+
+    def _count(self, each: Followed, given: float) -> None:
+        """Count a rule as carried out at a time [s], its hand put to work."""
+        each.given, each.over = given, each.rule.row.every_s is None
+        if each.rule.order.name in HANDS:
+            self._switch(each.rule.order)
 
     def _skip_past(self) -> None:
         """Count as given what the clock, and orders to the crew, have had given by now."""

@@ -63,7 +63,13 @@ def cli() -> None:
 SECTIONS: Final = {
     "Train": (run.run, run.serve, run.attach, run.station),
     "Exercises": (listings.exercises, listings.exercise, listings.casualties),
-    "Recordings": (recordings.debrief, run.resume, recordings.replay, recordings.export),
+    "Recordings": (
+        recordings.debrief,
+        recordings.recordings,
+        run.resume,
+        recordings.replay,
+        recordings.export,
+    ),
     "A boat": (vessel.check, *guide.GUIDING, vessel.reduce, vessel.gains, vessel.sea),
     "The programs of 1969": programs.PROGRAMS,
     "Many boats": (sweep.sweep,),

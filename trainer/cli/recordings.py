@@ -6,7 +6,8 @@ from typing import Any
 
 import click
 
-from trainer.cli.shared_options import FILE, VESSEL_HELP
+from trainer.cli.shared_options import FILE, VESSEL_HELP, WIDTHS
+from trainer.cli.types import Duration
 from trainer.config.method import EQUATIONS
 
 
@@ -75,35 +76,77 @@ def export(
 
 
 @click.command()
-@click.argument("file", type=FILE)
+@click.argument("file", type=FILE, required=False)
+@click.option("--last", is_flag=True, help="The recording in the recordings' folder made last.")
 @click.option("--html", type=FILE, default=None, help="[default: beside the recording]")
 @click.option("--pdf", type=FILE, default=None, help="Printed by a browser of this machine.")
 @click.option("--branch", type=click.IntRange(1), default=None, help="[default: the last one]")
+@click.option("--width", type=click.Choice(WIDTHS), default=None, help="[default: the run's own]")
 @click.option(
-    "--width",
-    type=click.Choice(("basic", "qualified")),
-    default="qualified",
-    show_default=True,
-    help="How far off still counts; basic: for beginners, half as wide again.",
+    "--reference-from",
+    type=Duration(),
+    default=None,
+    metavar="TIME",
+    help="Also fly the reference crew from this recorded moment on.",
+)
+@click.option(
+    "--change",
+    multiple=True,
+    metavar='"NAME: WHAT, REASON"',
+    help="Change a mark: weight 2, strike; outcome: won; width: basic. May be given again.",
+)
+@click.option(
+    "--change-back", multiple=True, metavar="NAME", help="Take such a change back; all: all."
 )
 @click.option("--json", "as_json", is_flag=True, help="Print the figures as JSON.")
-def debrief(
-    file: Path,
-    html: Path | None,
-    pdf: Path | None,
-    branch: int | None,
-    width: str,
-    *,
-    as_json: bool,
-) -> None:
+def debrief(file: Path | None, *, last: bool, **how: Any) -> None:
     """Write what was ordered, what came of it, and the marks, as one page.
 
     \b
     Example:  trainer debrief drill.trainer
-              trainer debrief drill.trainer --pdf drill.pdf
+              trainer debrief --last --pdf drill.pdf
+              trainer debrief drill.trainer --reference-from 320
+              trainer debrief drill.trainer --change "Time to 100 m: weight 0, the gauge was wrong"
 
-    The page is one HTML file that needs nothing else.
+    The page is one HTML file that needs nothing else. What is changed is kept beside the
+    recording, and both marks are shown.
     """
-    from trainer.analysis.debrief.page import debrief_file  # noqa: PLC0415
+    from trainer.analysis.debrief.history import latest  # noqa: PLC0415
+    from trainer.analysis.debrief.page import Asked, change_marks, debrief_file  # noqa: PLC0415
 
-    debrief_file(file, html, pdf, branch, as_json=as_json, width=width)
+    if (file is None) is not last:
+        raise click.UsageError("name a recording, or say --last")
+    path = latest() if file is None else file
+    asked = Asked(how["branch"], how["width"], how["reference_from"])
+    change_marks(path, asked, how["change"], how["change_back"])
+    debrief_file(path, how["html"], how["pdf"], asked, as_json=how["as_json"])
+
+
+@click.command()
+@click.argument("places", type=FILE, nargs=-1)
+@click.option("--trainee", default=None, metavar="NAME", help="What this trainee has done.")
+@click.option("--forget", default=None, metavar="NAME", help="Remove this name everywhere.")
+@click.option("--json", "as_json", is_flag=True, help="Print the list as JSON.")
+def recordings(
+    places: tuple[Path, ...], *, trainee: str | None, forget: str | None, as_json: bool
+) -> None:
+    """List recordings: when, what, who was trained, and what it came to.
+
+    \b
+    Example:  trainer recordings
+              trainer recordings --trainee "A. Jones"
+              trainer recordings ~/drills --forget "A. Jones"
+
+    PLACES are folders and recordings; without any it is the folder where recordings are kept.
+    A mark with * was changed by the instructor.
+    """
+    if trainee is not None and forget is not None:
+        raise click.UsageError("--trainee and --forget are two things: say one")
+    from trainer.analysis.debrief import history  # noqa: PLC0415
+
+    if forget is not None:
+        history.print_forgotten(places, forget)
+    elif trainee is not None:
+        history.print_history(places, trainee, as_json=as_json)
+    else:
+        history.print_list(places, as_json=as_json)

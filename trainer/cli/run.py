@@ -20,6 +20,7 @@ from trainer.cli.shared_options import (
     rerun_options,
     teletype_option,
     time_options,
+    trainee_options,
 )
 from trainer.io.paths import HOST, PORT
 from trainer.session.options import RunOptions
@@ -34,6 +35,7 @@ if TYPE_CHECKING:
 @time_options
 @console_options
 @recording_options
+@trainee_options
 @rerun_options
 @port_options(listen=None, socket=None)
 @teletype_option
@@ -145,20 +147,22 @@ def debriefing() -> "Debriefing":
         from trainer.analysis.debrief.page import read_dossier  # noqa: PLC0415  seldom needed
 
         with np.errstate(all="ignore"):  # a state may hold any number
-            card = read_dossier(path, branch).card
+            debrief = read_dossier(path, branch)
+        card = debrief.final
         told = [
             f"{each.name}: {'does not count' if each.marks is None else f'{each.marks:.0f}'}"
             for each in card.scores
         ]
+        told += [f"cost most: {each.told}" for each in debrief.costs]
         if card.verdict is None:
             return Judgement("", card.total, tuple(told))
         why = [card.verdict.reason] if card.verdict.reason else []
         return Judgement(card.verdict.outcome, card.total, (*why, *told))
 
     def write(path: Path, branch: int) -> Path:
-        from trainer.analysis.debrief.page import beside, debrief_file  # noqa: PLC0415
+        from trainer.analysis.debrief.page import Asked, beside, debrief_file  # noqa: PLC0415
 
-        debrief_file(path, None, None, branch, as_json=False)
+        debrief_file(path, None, None, Asked(branch), as_json=False)
         return beside(path, branch)
 
     return Debriefing(judge, write)
@@ -169,6 +173,7 @@ def debriefing() -> "Debriefing":
 @exercise_options
 @time_options
 @recording_options
+@trainee_options
 @rerun_options
 @port_options(listen=f"{HOST}:{PORT}", socket=None)
 @click.option("--until-left", is_flag=True, help="End when the last station has left.")

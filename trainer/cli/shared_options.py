@@ -12,6 +12,8 @@ from trainer.io.paths import HOST, PORT
 
 VESSEL_HELP: Final = "bb2, sdv-mk9, remus100, or the path of a vessel file"
 
+WIDTHS: Final = ("qualified", "basic")  # see debrief.judgement
+
 Decorator = Callable[[Any], Any]
 FILE: Final = click.Path(path_type=Path)
 
@@ -137,6 +139,22 @@ recording_options = together(
         "unless headless or at --speed max]",
     ),
     click.option("--no-record", is_flag=True, help="Keep nothing."),
+)
+
+trainee_options = together(
+    click.option(
+        "--trainee",
+        multiple=True,
+        metavar="NAME",
+        help="Who is trained, kept in the recording alone; may be given again.",
+    ),
+    click.option(
+        "--width",
+        type=click.Choice(WIDTHS),
+        default="qualified",
+        show_default=True,
+        help="Of the bands that it is judged by; basic is half as wide again.",
+    ),
 )
 
 console_options = together(

@@ -58,13 +58,18 @@ def left_address() -> tuple[str, str]:
     return url, token
 
 
+def recordings_folder() -> Path:
+    """Return where recordings are kept unless told otherwise."""
+    state = os.environ.get("XDG_STATE_HOME") or Path.home() / ".local" / "state"
+    return Path(state) / _OURS / "recordings"
+
+
 def recording_paths(name: str) -> Iterator[Path]:
     """Yield files for a new recording of what is called ``name``, each for when others are taken.
 
     Their folder is made.
     """
-    state = os.environ.get("XDG_STATE_HOME") or Path.home() / ".local" / "state"
-    folder = Path(state) / _OURS / "recordings"
+    folder = recordings_folder()
     folder.mkdir(parents=True, exist_ok=True)
     plain = re.sub(r"[^a-z0-9-]+", "-", Path(name).stem.casefold()).strip("-") or "run"
     stamp = datetime.now(UTC).strftime("%Y%m%d-%H%M%S")

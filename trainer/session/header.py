@@ -4,11 +4,12 @@ What a header holds, a text each: ``plan``, the form of the header; ``trainer``,
 ``python``, ``numpy``, ``numba`` and ``machine``, what computed it; ``started``, when; and as JSON
 ``options``, those of the command line that a plan depends on; ``texts``, every file read, by its
 key; ``method``; ``layout``, the name of each number of a state; ``vessel``, its key, and ``seed``.
+Some have ``width``, by which it is judged, and ``trainees``, names as JSON.
 """
 
 import json
 import platform
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import closing, contextmanager
 from dataclasses import asdict, fields, replace
 from datetime import UTC, datetime
@@ -63,6 +64,8 @@ PARTS: Final[Mapping[str, Callable[[Any], bool]]] = {
     "vessel": lambda found: isinstance(found, str),
     "seed": lambda found: isinstance(found, int),
 }
+TRAINEES: Final = "trainees"
+LONGEST_NAME: Final = 60  # [characters]
 LARGEST: Final = 2.0**63  # of a number among the options
 LIBRARIES: Final = ("numpy", "numba")
 NOTHING: Final[Mapping[str, Any]] = MappingProxyType({})
@@ -100,7 +103,28 @@ def header_of(options: RunOptions, texts: Mapping[str, str], boat: Boat) -> dict
         "layout": json.dumps(LAYOUT),
         "vessel": json.dumps(key_of(boat.file.path)),
         "seed": json.dumps(int(boat.state.seed)),
+        "width": options.width,
+        **({TRAINEES: json.dumps(names_of(options.trainee))} if options.trainee else {}),
     }
+
+
+def names_of(given: Iterable[str]) -> list[str]:
+    """Return names of trainees as they are kept, each once; ConfigError if one is none."""
+    names = [" ".join(name.split()) for name in given]
+    for name in names:
+        if not name or not name.isprintable() or len(name) > LONGEST_NAME:
+            wrong = f"--trainee {quote(name)}: a name has 1 to {LONGEST_NAME} printable characters"
+            raise ConfigError(wrong)
+    return list(dict.fromkeys(names))
+
+
+def trainees_of(header: Mapping[str, str]) -> tuple[str, ...]:
+    """Return the names of the trainees of a recording, none where it cannot be read."""
+    try:
+        found = json.loads(header.get(TRAINEES, "[]"))
+    except (ValueError, RecursionError):
+        return ()
+    return tuple(found) if _are_texts(found) else ()
 
 
 def plan_of(header: Mapping[str, str], otherwise: Mapping[str, Any] = NOTHING) -> Plan:

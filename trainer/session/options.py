@@ -22,6 +22,8 @@ class RunOptions:
     step: float | None = None  # [s]
     unsafe_step: bool = False
     seed: int = 1
+    width: str = "qualified"  # of the bands that it is judged by
+    trainee: tuple[str, ...] = ()  # names
     orders_file: Path | None = None
     # its time
     duration: float | None = None  # [s]

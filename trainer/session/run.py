@@ -200,6 +200,8 @@ def run_once(options: RunOptions, clock: Clock, debriefing: Debriefing | None) -
     state = boat.records.state.tobytes()
     recording: Recording | NoRecording = NoRecording()
     paths = recording_paths(plan, options)
+    if options.trainee and not paths:
+        raise ConfigError("--trainee: this run is not recorded, and keeps no names: --record FILE")
     if paths or options.serve or not options.headless:
         kept, recording = create_recording(paths, header_of(options, texts, boat), state)
     prepared = PreparedRun(

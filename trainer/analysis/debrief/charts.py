@@ -1,14 +1,16 @@
-"""The drawings of a debrief: its charts, and the time line above them."""
+"""The drawings of a debrief: the time line, the charts, the track; the reference run laid under."""
 
 from collections.abc import Iterator
-from typing import Final
+from dataclasses import dataclass, replace
+from typing import Any, Final
 
 import numpy as np
 from markupsafe import Markup
 
 from trainer.analysis.debrief.data import DebriefData
 from trainer.analysis.debrief.measures import LIMITED, limits_of
-from trainer.analysis.debrief.trajectory import Trajectory
+from trainer.analysis.debrief.trajectory import Rows, Trajectory
+from trainer.analysis.rehearsal import CREW
 from trainer.analysis.report.svg import (
     ANGLES,
     LEFT,
@@ -29,14 +31,52 @@ from trainer.analysis.report.svg import (
     text,
     time_axis,
 )
+from trainer.config.measures import COURSE
 from trainer.core.ballast.tanks import BANKS
 from trainer.core.kernel import Numbers
 from trainer.units import KNOT
 
-ACTUAL, ORDERED = "actual", "ordered"
-SECOND, SECOND_ORDERED = "second", "second ordered"
+ACTUAL, ORDERED, SECOND = "actual", "ordered", "second"
 LETTERS: Final = {"rudder": "r", "stern": "s", "bow": "b"}
+BESIDE, FROM_HERE = "beside", "from-here"
+WRONG, TAKEN = "wrong", "taken"  # moments of the page
 USED: Final = 0.5  # [%] of air, from which on the banks are shown
+CHART_OF: Final = {  # where a quantity is drawn that has no chart of its own name
+    "depth_rate": "depth",
+    "heel": "pitch",
+    "turn_rate": "course",
+    "turns": "speed",
+    "bank_main": "air",
+    "bank_emergency": "air",
+}
+NAMES: Final = ("depth", "pitch", "stern", "bow", "course", "rudder", "speed", "air")
+
+
+def chart_of(quantity: str) -> str:
+    """Return the name of the drawing that shows a quantity, the time line's for others."""
+    name = CHART_OF.get(quantity, quantity)
+    return name if name in NAMES else "timeline"
+
+
+@dataclass(frozen=True)
+class Beside:
+    """A run laid under that of the page: what it is called, and how it is drawn."""
+
+    label: str
+    trajectory: Trajectory
+    style: str
+
+
+def runs_beside(debrief: DebriefData) -> tuple[Beside, ...]:
+    """Return the runs of the reference crew, as far as the recorded one goes."""
+    found = debrief.compared
+    if found is None:
+        return ()
+    runs = [Beside("reference", found.reference.trajectory, BESIDE)]
+    if found.from_here is not None:
+        label = f"reference from {clock(found.from_here.since or 0.0)}"
+        runs.append(Beside(label, found.from_here.trajectory, FROM_HERE))
+    return tuple(runs)
 
 
 def ground_of(debrief: DebriefData) -> Ground:
@@ -50,90 +90,133 @@ def ground_of(debrief: DebriefData) -> Ground:
         )
         for each in debrief.casualties
     )
-    return Ground(seconds, spans, tuple(each.tick * step for each in debrief.of_kind("mark")))
+    marks = tuple(each.tick * step for each in debrief.of_kind("mark"))
+    return Ground(seconds, spans, marks, tuple(_moments(debrief)))
 
 
-def charts_of(trajectory: Trajectory) -> Iterator[Chart]:
-    """Yield the charts, those of parts that the boat lacks left out."""
-    yield _depth(trajectory)
-    yield _pitch(trajectory)
-    if trajectory.has("stern") or trajectory.has("bow"):
-        yield _planes(trajectory)
-    yield _course(trajectory)
-    if trajectory.has("rudder"):
-        yield _rudder(trajectory)
-    yield _speed(trajectory)
-    yield from _air(trajectory)
+def _moments(debrief: DebriefData) -> Iterator[tuple[str, float]]:
+    """Yield when it went wrong, and when the reference crew took over."""
+    found = debrief.compared
+    if found and found.fault:
+        yield WRONG, found.fault.tick * debrief.step
+    if found and found.from_here:
+        yield TAKEN, found.from_here.since or 0.0
+
+
+def charts_of(trajectory: Trajectory, beside: tuple[Beside, ...] = ()) -> Iterator[Chart]:
+    """Yield the charts, those of parts that the boat lacks left out, other runs laid under."""
+    for make in (_depth, _pitch, _stern, _bow, _course, _rudder, _speed, _air):
+        chart = make(trajectory)
+        if chart is not None:
+            end = float(trajectory.seconds[-1])
+            under = [line for run in beside for line in _under(run, make(run.trajectory), end)]
+            yield replace(chart, lines=(*under, *chart.lines))
+
+
+def _under(run: Beside, chart: Chart | None, end: float) -> Iterator[Line]:
+    """Yield what another run did, up to a time [s], as lines of one chart."""
+    done = [line for line in chart.lines if line.style in (ACTUAL, SECOND)] if chart else []
+    kept = run.trajectory.seconds <= end + 1e-6
+    for line in done:
+        which = "" if len(done) == 1 else f"{line.label}, "
+        seconds = run.trajectory.seconds[kept]
+        yield Line(f"{which}{run.label}", line.values[kept], run.style, seconds)
 
 
 def _depth(trajectory: Trajectory) -> Chart:
+    by_hand = trajectory.columns["stern_by_hand"] * trajectory.columns["bow_by_hand"] != 0.0
     lines = (
-        Line("ordered", trajectory.columns["ordered_depth"], ORDERED),
+        Line("ordered", told_to_all(trajectory, "depth", "ordered_depth", by_hand), ORDERED),
         Line("actual", trajectory.columns["z"], ACTUAL),
     )
-    return Chart("Depth", "m", lines, _limits(trajectory, "depth_m"), downwards=True, least=6.0)
+    limits = _limits(trajectory, "depth_m")
+    return Chart("depth", "Depth", "m", lines, limits, downwards=True, least=6.0)
+
+
+def told_to_all(trajectory: Trajectory, axis: str, place: str, by_hand: Rows) -> Numbers:
+    """Return what is ordered [SI]: to the crew, else to the autopilot where that is at work.
+
+    A run without orders to the crew has what the autopilot is told all through.
+    """
+    crew, own = trajectory.ordered(axis), trajectory.columns[place]
+    if np.isnan(crew).all():
+        return own
+    return np.where(np.isnan(crew), np.where(by_hand, np.nan, own), crew)
 
 
 def _pitch(trajectory: Trajectory) -> Chart:
+    ordered = np.degrees(trajectory.ordered("pitch"))
     lines = (
-        Line("heel, to starboard positive", np.degrees(trajectory.columns["phi"]), "second fine"),
-        Line("pitch, bow up positive", np.degrees(trajectory.columns["theta"]), ACTUAL),
+        Line("heel, to starboard", np.degrees(trajectory.columns["phi"]), "second fine"),
+        *(() if np.isnan(ordered).all() else (Line("ordered", ordered, ORDERED),)),
+        Line("pitch, bow up", np.degrees(trajectory.columns["theta"]), ACTUAL),
     )
     levels = (*_limits(trajectory, "pitch_deg"), *_limits(trajectory, "heel_deg"))
     both = tuple(Level(each.label, sign * each.value) for each in levels for sign in (1.0, -1.0))
-    return Chart("Pitch and heel", "deg", lines, both, least=4.0)
+    return Chart("pitch", "Pitch and heel", "deg", lines, both, least=4.0)
 
 
-def _planes(trajectory: Trajectory) -> Chart:
-    styles = {"stern": (ORDERED, ACTUAL), "bow": (SECOND_ORDERED, SECOND)}
-    lines = []
-    for surface, (told, moved) in styles.items():
-        if trajectory.has(surface):
-            lines.append(Line(f"{surface} ordered", commanded_angle(trajectory, surface), told))
-            lines.append(Line(surface, np.degrees(trajectory.series(surface)), moved))
-    return Chart("Planes, rise positive", "deg", tuple(lines), least=10.0)
+def _stern(trajectory: Trajectory) -> Chart | None:
+    return _surface(trajectory, "stern", "Stern planes, rise positive")
+
+
+def _bow(trajectory: Trajectory) -> Chart | None:
+    return _surface(trajectory, "bow", "Bow planes, rise positive")
+
+
+def _rudder(trajectory: Trajectory) -> Chart | None:
+    return _surface(trajectory, "rudder", "Rudder, right positive")
+
+
+def _surface(trajectory: Trajectory, surface: str, title: str) -> Chart | None:
+    """Return the chart of a surface, None of one that the boat lacks."""
+    if not trajectory.has(surface):
+        return None
+    lines = (
+        Line("ordered", commanded_angle(trajectory, surface), ORDERED),
+        Line("actual", np.degrees(trajectory.series(surface)), ACTUAL),
+    )
+    return Chart(surface, title, "deg", lines, least=10.0)
 
 
 def _course(trajectory: Trajectory) -> Chart:
     heading = np.degrees(trajectory.columns["psi"])
-    beside = np.degrees(trajectory.columns["ordered_psi"]) - heading
+    by_hand = trajectory.columns["rudder_by_hand"] != 0.0
+    told = told_to_all(trajectory, COURSE, "ordered_psi", by_hand)
+    beside = np.degrees(told) - heading
     ordered = heading + (beside + 180.0) % 360.0 - 180.0  # the short way round
     lines = (Line("ordered", ordered, ORDERED), Line("actual", heading, ACTUAL))
-    return Chart("Heading", "deg", lines, least=10.0, steps=ANGLES, number=_bearing)
+    steps: dict[str, Any] = {"least": 10.0, "steps": ANGLES, "number": _bearing}
+    return Chart("course", "Heading", "deg", lines, **steps)
 
 
 def _bearing(angle: float) -> str:
     return f"{round(angle) % 360:03d}"
 
 
-def _rudder(trajectory: Trajectory) -> Chart:
-    lines = (
-        Line("ordered", commanded_angle(trajectory, "rudder"), ORDERED),
-        Line("actual", np.degrees(trajectory.series("rudder")), ACTUAL),
-    )
-    return Chart("Rudder, right positive", "deg", lines, least=10.0)
-
-
 def _speed(trajectory: Trajectory) -> Chart:
     column = trajectory.columns
-    kept = np.where(column["speed_by_hand"] == 0.0, column["ordered_speed"] / KNOT, np.nan)
+    kept = np.where(column["speed_by_hand"] == 0.0, column["ordered_speed"], np.nan)
+    crew = trajectory.ordered("speed")
+    kept = np.where(np.isnan(crew), kept, crew) / KNOT
     lines = (
         Line("ordered", kept, ORDERED),
         Line("turns for", column["u_c"] / KNOT, "second fine"),
         Line("actual", column["u"] / KNOT, ACTUAL),
     )
-    return Chart("Speed", "kn", lines, _limits(trajectory, "speed_kn"), least=2.0)
+    return Chart("speed", "Speed", "kn", lines, _limits(trajectory, "speed_kn"), least=2.0)
 
 
-def _air(trajectory: Trajectory) -> Iterator[Chart]:
-    """Yield the air left, if any was used."""
+def _air(trajectory: Trajectory) -> Chart | None:
+    """Return the air left, if any was used."""
     vessel = trajectory.boat.vessel
     lines = []
     for place, (bank, style) in enumerate(zip(BANKS, (ACTUAL, SECOND), strict=True)):
         if full := float(vessel.bank_full[place]):
             lines.append(Line(bank, 100.0 * trajectory.columns[f"bank_{bank}"] / full, style))
-    if any(np.ptp(line.values) > USED for line in lines):
-        yield Chart("Air banks, share of full", "%", tuple(lines), least=10.0)
+    if not any(np.ptp(line.values) > USED for line in lines):
+        return None
+    return Chart("air", "Air banks, share of full", "%", tuple(lines), least=10.0)
 
 
 def commanded_angle(trajectory: Trajectory, surface: str) -> Numbers:
@@ -156,17 +239,21 @@ def _limits(trajectory: Trajectory, key: str) -> tuple[Level, ...]:
     )
 
 
+# The time line
+
+
 ROW, TOP, BOTTOM = 20.0, 8.0, 24.0  # [px]
-LABEL: Final = 24.0  # [px] that a score's label takes
+LABEL: Final = 24.0  # [px] that a label takes
 
 
 def draw_timeline(debrief: DebriefData, ground: Ground) -> Markup:
     """Return the time line as an SVG element."""
-    rows = [*_casualties(debrief, ground), _orders(debrief, ground)]
-    rows += [_calls(debrief, ground), _marks(debrief, ground), *_scores(debrief, ground)]
+    rows = [*_casualties(debrief, ground), *_to_crew(debrief, ground), _orders(debrief, ground)]
+    rows += [*_reference(debrief, ground), _calls(debrief, ground), _marks(debrief, ground)]
+    rows += _scores(debrief, ground)
     shown = [row for row in rows if row]
     bottom = TOP + ROW * len(shown)
-    parts = [*backdrop(ground, TOP, bottom), *time_axis(ground, bottom)]
+    parts = [*backdrop(ground, TOP, bottom, "timeline"), *time_axis(ground, bottom)]
     for i, row in enumerate(shown):
         parts.append(f'<g transform="translate(0 {TOP + i * ROW:g})">{row}</g>')
     return svg("What happened when", (WIDTH, bottom + BOTTOM), parts)
@@ -186,9 +273,30 @@ def _casualties(debrief: DebriefData, ground: Ground) -> Iterator[str]:
 
 
 def _orders(debrief: DebriefData, ground: Ground) -> str:
-    ticks = [ground.across.at(each.tick * debrief.step) for each in debrief.crew]
-    drawn = "".join(rule("order", x, 4.0, x, ROW - 4.0) for x in ticks)
-    return drawn and drawn + _heading("crew")
+    return _strokes([each.tick * debrief.step for each in debrief.crew], "crew", ground)
+
+
+def _reference(debrief: DebriefData, ground: Ground) -> Iterator[str]:
+    """Yield the orders of the reference crew, a row for each of its runs."""
+    for run in runs_beside(debrief):
+        given = (each for each in run.trajectory.orders if each.who == CREW)
+        heading = run.label.removeprefix("reference ")
+        yield _strokes([each.tick * debrief.step for each in given], heading, ground)
+
+
+def _strokes(seconds: list[float], heading: str, ground: Ground) -> str:
+    """Return a row with a stroke for each moment of the run."""
+    style = "order" if heading == "crew" else "order-beside"
+    places = [ground.across.at(each) for each in seconds if each <= ground.across.high]
+    drawn = "".join(rule(style, x, 4.0, x, ROW - 4.0) for x in places)
+    return drawn and drawn + _heading(heading)
+
+
+def _to_crew(debrief: DebriefData, ground: Ground) -> Iterator[str]:
+    """Yield the orders to the crew by their numbers in the table."""
+    ticks = [each.order.tick for each in debrief.read_backs]
+    named = [(tick, f"O{i}") for i, tick in enumerate(ticks, start=1)]
+    yield from _labelled(named, "ordered", debrief, ground)
 
 
 def _calls(debrief: DebriefData, ground: Ground) -> str:
@@ -203,14 +311,21 @@ def _marks(debrief: DebriefData, ground: Ground) -> str:
 
 
 def _scores(debrief: DebriefData, ground: Ground) -> Iterator[str]:
-    """Yield as many rows as it takes for no label to lie on another."""
-    scores = enumerate(debrief.card.scores, start=1)
-    left = sorted(
-        (ground.across.at(each.attained.tick * debrief.step), f"S{i}")
-        for i, each in scores
+    """Yield the places of the scores by their numbers in the table."""
+    ticks = [
+        (each.attained.tick, f"S{i}")
+        for i, each in enumerate(debrief.card.scores, start=1)
         if each.attained.tick is not None
-    )
-    heading = _heading("score")
+    ]
+    yield from _labelled(ticks, "score", debrief, ground)
+
+
+def _labelled(
+    ticks: list[tuple[int, str]], heading: str, debrief: DebriefData, ground: Ground
+) -> Iterator[str]:
+    """Yield as many rows as it takes for no label to lie on another."""
+    left = sorted((ground.across.at(tick * debrief.step), name) for tick, name in ticks)
+    heading = _heading(heading)
     while left:
         row, rest, end = "", [], 0.0
         for x, name in left:
@@ -232,6 +347,9 @@ def _heading(words: str) -> str:
     return text("tick end", LEFT - 6.0, 14.0, words)
 
 
+# The track
+
+
 TALL: Final = 420.0  # [px] of the track
 SIDE, HEAD, FOOT = 10.0, 26.0, 30.0  # [px] about it
 LEAST: Final = 400.0  # [m] across the shorter way
@@ -241,16 +359,23 @@ TICKED: Final = 12  # of them at most
 SCALE: Final = 0.2  # of the width, the longest rule
 
 
-def draw_track(debrief: DebriefData, ground: Ground) -> Markup:
+def draw_track(debrief: DebriefData, ground: Ground, beside: tuple[Beside, ...] = ()) -> Markup:
     """Return the track from above as an SVG element, north up, equal scales both ways."""
     column = debrief.trajectory.columns
     good = np.isfinite(column["x"]) & np.isfinite(column["y"])
     north, east, seconds = column["x"][good], column["y"][good], ground.seconds[good]
     if not seconds.size:
         return Markup()
-    across, up = _equal_axes(east, north)
+    others = [_way_of(run, float(seconds[-1])) for run in beside]
+    across, up = _equal_axes(
+        np.concatenate([east, *(way[0] for way in others)]),
+        np.concatenate([north, *(way[1] for way in others)]),
+    )
     x, y = across.places(east), up.places(north)
-    parts = [text("title", SIDE, 16.0, "Track [m], north up"), _path("actual", x, y)]
+    parts = [text("title", SIDE, 16.0, "Track [m], north up")]
+    for run, way in zip(beside, others, strict=True):
+        parts.append(_path(run.style, across.places(way[0]), up.places(way[1])))
+    parts.append(_path("actual", x, y))
     for begin, end in ground.spans:
         inside = (seconds >= begin) & (seconds <= end)
         if inside.any():
@@ -261,6 +386,14 @@ def draw_track(debrief: DebriefData, ground: Ground) -> Markup:
         parts.append(f'<circle class="axis" cx="{x[place]:.1f}" cy="{y[place]:.1f}" r="2.5"/>')
         parts.append(text("tick", x[place] + 6.0, y[place] - 4.0, clock(float(second))))
     return svg("The track from above", (WIDTH, TALL), [*parts, *_rule_of(across)])
+
+
+def _way_of(run: Beside, end: float) -> tuple[Numbers, Numbers]:
+    """Return the way of another run up to a time [s]: east and north [m]."""
+    column = run.trajectory.columns
+    good = np.isfinite(column["x"]) & np.isfinite(column["y"])
+    good &= run.trajectory.seconds <= end + 1e-6
+    return column["y"][good], column["x"][good]
 
 
 def _equal_axes(east: Numbers, north: Numbers) -> tuple[Axis, Axis]:

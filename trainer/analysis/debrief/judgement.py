@@ -6,7 +6,7 @@ total = T (0.7 + 0.3 K / 100), at most 50 where a limit was broken, 25 where the
 """
 
 from collections.abc import Iterator, Mapping
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
@@ -215,3 +215,105 @@ def _cut_short(trajectory: Trajectory, plan: Plan) -> str:
     if plan.duration is None or end >= plan.duration - plan.method.step - 1e-6:
         return ""
     return f"the record ends at {clock(end)}"
+
+
+# What cost marks
+
+
+MOST_TOLD: Final = 3  # sentences
+LEAST_TOLD: Final = 0.5  # [%] of the marks that is worth one
+
+
+@dataclass(frozen=True)
+class Cost:
+    """What cost some of the marks."""
+
+    marks: float  # [%] of the total
+    told: str
+
+
+def worth(each: Scored) -> float | None:
+    """Return what a score gave [%]: of a task less nobody aboard."""
+    return each.marks if each.earned is None else each.earned
+
+
+def dearest(card: Scorecard, reference: Scorecard | None) -> tuple[Cost, ...]:
+    """Return what cost most, MOST_TOLD of it at most."""
+    found = [each for each in costs(card, reference) if each.marks >= LEAST_TOLD]
+    return tuple(sorted(found, key=lambda each: -each.marks)[:MOST_TOLD])
+
+
+def costs(card: Scorecard, reference: Scorecard | None) -> Iterator[Cost]:
+    """Yield all that cost marks: rules by their share in the total, and the gate."""
+    best = {each.name: each for each in reference.scores} if reference else {}
+    yield from _by_gate(card)
+    for each in card.scores:
+        lost = 100.0 - (worth(each) or 0.0)
+        share = _share(each, card)
+        if each.marks is not None and share and lost > 0.0:
+            told = _sentence(each, best.get(each.name), share * lost)
+            yield Cost(share * lost, told)
+
+
+def _by_gate(card: Scorecard) -> Iterator[Cost]:
+    """Yield what a broken limit or a loss has cost beyond the tasks."""
+    verdict = card.verdict
+    if verdict is None:
+        return
+    whole = before_gate(verdict)
+    if verdict.free:
+        return
+    if verdict.void:
+        yield Cost(whole, f"The boat turned over: {verdict.reason}. All marks are void.")
+    elif verdict.cap is not None and whole > verdict.cap:
+        why = f"The exercise was lost ({verdict.reason})"
+        if verdict.outcome != "lost":
+            why = f"A limit was broken ({verdict.gate})"
+        cost = whole - verdict.cap
+        yield Cost(cost, f"{why}: {_marks(cost)}, since at most {verdict.cap:.0f} are left.")
+
+
+def before_gate(verdict: Verdict) -> float:
+    """Return the total [%] that tasks and keeping make, before any gate."""
+    return verdict.tasks * (1.0 - KEPT_SHARE + KEPT_SHARE * verdict.keeping / 100.0)
+
+
+def _share(each: Scored, card: Scorecard) -> float:
+    """Return how much of a rule's marks are of the total [-]."""
+    verdict = card.verdict
+    keeping = verdict is not None and each.rule.part == "keeping"
+    alike = [
+        other
+        for other in card.scores
+        if other.marks is not None
+        and (verdict is None or (other.earned is None) == (each.earned is None))
+    ]
+    weight = sum(other.rule.weight for other in alike)
+    share = each.rule.weight / weight if weight else 0.0
+    if verdict is None:
+        return share
+    if keeping:
+        return share * KEPT_SHARE * verdict.tasks / 100.0
+    if each.earned is None:  # nobody aboard has it as well: it earns nothing
+        return 0.0
+    return share * (1.0 - KEPT_SHARE + KEPT_SHARE * verdict.keeping / 100.0)
+
+
+def _sentence(each: Scored, best: Scored | None, cost: float) -> str:
+    """Return what a rule cost, and what would have been right."""
+    unit = "" if each.unit == "-" else f" {each.unit}"
+    value = each.attained.value
+    came = each.attained.why if value is None else f"{value:.4g}{unit}"
+    told = f"{each.name}: {came}, full marks at {each.rule.score.full:.4g}{unit}"
+    if best is not None and best.attained.value is not None:
+        told += f", the reference crew {best.attained.value:.4g}{unit}"
+    if each.rule.part == "answer" and (each.marks or 0.0) > (each.earned or 0.0):
+        told += ", counted as far as the tasks were done"
+    return f"{told}: {_marks(cost)}."
+
+
+def _marks(cost: float) -> str:
+    whole = round(cost)
+    if not whole:
+        return "it cost less than a mark"
+    return f"it cost {whole} mark{'s' if whole > 1 else ''}"

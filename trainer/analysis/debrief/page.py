@@ -2,7 +2,8 @@
 
 import json
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
 
@@ -12,14 +13,21 @@ from markupsafe import Markup
 
 from trainer import __version__
 from trainer.analysis.debrief import sections
-from trainer.analysis.debrief.charts import charts_of, draw_timeline, draw_track, ground_of
-from trainer.analysis.debrief.data import DebriefData, figures, gather
-from trainer.analysis.report.html import page, paragraph, section
+from trainer.analysis.debrief.changes import change_of, read_changes, without, write_changes
+from trainer.analysis.debrief.charts import (
+    charts_of,
+    draw_timeline,
+    draw_track,
+    ground_of,
+    runs_beside,
+)
+from trainer.analysis.debrief.data import DebriefData, compared, figures, find_branch, gather
+from trainer.analysis.report.html import charts, page, paragraph, section
 from trainer.analysis.report.pdf import print_pdf
 from trainer.analysis.report.svg import clock, draw
 from trainer.config.files import ConfigError
 from trainer.io.atomic_write import write_whole
-from trainer.session.header import reading
+from trainer.session.header import plan_of, reading
 
 BADGE: Final = Markup('<meta name="generator" content="trainer debrief">')  # a page of ours
 
@@ -47,50 +55,61 @@ def _under(debrief: DebriefData) -> str:
         debrief.header.get("started", ""),
         f"{clock(float(debrief.trajectory.seconds[-1]))} flown",
     ]
+    told.append(", ".join(debrief.trainees))
     if len(debrief.branches) > 1:
         told.append(f"branch {debrief.branch.id} of {len(debrief.branches)}")
     return " - ".join(filter(None, told))
 
 
 def _parts(debrief: DebriefData) -> Iterator[Markup]:
+    """Yield the sections, in the order in which a crew wants to know."""
     if debrief.card.scores:
-        yield section("", "Scores", sections.scores(debrief))
-    yield section("", "Ordered and actual", _drawings(debrief))
+        yield section("moment", "Where it went wrong", sections.moment(debrief))
+        yield section("cost", "What cost most", sections.cost(debrief))
+    if debrief.changes:
+        yield section("changes", "Changed by the instructor", sections.changes(debrief))
+    yield section("charts", "Ordered and actual", _drawings(debrief))
+    if debrief.read_backs:
+        yield section("orders", "Orders to the crew", sections.read_backs(debrief))
     told = sections.casualties(debrief) if debrief.casualties else paragraph("Nothing broke.")
-    yield section("", "Casualties", told)
+    yield section("casualties", "Casualties", told)
+    if debrief.card.scores:
+        yield section("scores", "Measures", sections.scores(debrief))
     if debrief.of_kind("mark"):
-        yield section("", "Marks", sections.marks(debrief))
+        yield section("words", "The instructor's words", sections.marks(debrief))
     if debrief.hands:
-        yield section("", "Who gave orders", sections.hands(debrief))
-    yield section("", "Orders and events", sections.log(debrief))
+        yield section("hands", "Who gave orders", sections.hands(debrief))
+    yield section("log", "Orders and events", sections.log(debrief))
     if len(debrief.branches) > 1:
-        yield section("", "Branches", sections.branches(debrief))
-    yield section("", "Ticks", sections.ledger(debrief))
-    yield section("", "What was flown", sections.run_facts(debrief))
+        yield section("branches", "Branches", sections.branches(debrief))
+    yield section("ticks", "Ticks", sections.ledger(debrief))
+    yield section("run", "What was flown", sections.run_facts(debrief))
 
 
 def _drawings(debrief: DebriefData) -> Markup:
-    """Return the time line and the charts."""
-    ground = ground_of(debrief)
-    drawn = [draw(chart, ground) for chart in charts_of(debrief.trajectory)]
-    told = "Shaded: a casualty. Dotted upright: a mark. Time from the start, minutes and seconds."
-    head = Markup("<p><small>{}</small></p>").format(told)
+    """Return the time line, the charts and the track."""
+    ground, beside = ground_of(debrief), runs_beside(debrief)
+    drawn = [draw_timeline(debrief, ground)]
+    drawn += [draw(chart, ground) for chart in charts_of(debrief.trajectory, beside)]
     return Markup().join(
-        [head, draw_timeline(debrief, ground), *drawn, draw_track(debrief, ground)]
+        [sections.legend(debrief), charts([*drawn, draw_track(debrief, ground, beside)])]
     )
 
 
 HEAD = 2000  # [characters] in which a page of ours says that it is
 
 
+@dataclass(frozen=True)
+class Asked:
+    """How a recording is to be debriefed."""
+
+    branch: int | None = None  # None: the latest
+    width: str | None = None  # of the bands; None: as it was begun with
+    reference_from: float | None = None  # [s] where the reference crew takes over, too
+
+
 def debrief_file(
-    path: Path,
-    html: Path | None,
-    pdf: Path | None,
-    branch: int | None,
-    *,
-    as_json: bool,
-    width: str = "qualified",
+    path: Path, html: Path | None, pdf: Path | None, asked: Asked, *, as_json: bool
 ) -> None:
     """Write the page as HTML or PDF, and print where it is, or the figures.
 
@@ -99,10 +118,10 @@ def debrief_file(
     for wanted in filter(None, (html, pdf)):
         _refuse_recording(path, wanted)
     if html is None and pdf is None and not as_json:
-        html = beside(path, branch)
+        html = beside(path, asked.branch)
         _refuse_other(html)
     with np.errstate(all="ignore"):  # a state may hold any number
-        debrief = read_dossier(path, branch, width)
+        debrief = read_compared(path, asked)
         text = render(debrief) if html or pdf else ""
     written = []
     if html is not None:
@@ -117,15 +136,35 @@ def debrief_file(
         click.echo("\n".join(map(str, written)))
 
 
-def read_dossier(path: Path, branch: int | None, width: str = "qualified") -> DebriefData:
-    """Return the dossier of a recording, judged at a width; ConfigError if it cannot be read."""
+def read_dossier(path: Path, branch: int | None, width: str | None = None) -> DebriefData:
+    """Return the dossier of a recording; ConfigError if it cannot be read."""
     with reading(path) as recording:
         return gather(recording, path, branch, width)
+
+
+def read_compared(path: Path, asked: Asked) -> DebriefData:
+    """Return the dossier of a recording beside the reference crew's run; ConfigError."""
+    with reading(path) as recording:
+        debrief = gather(recording, path, asked.branch, asked.width)
+        return compared(debrief, recording, asked.reference_from)
 
 
 def beside(path: Path, branch: int | None) -> Path:
     """Return where the page of a recording goes unless told otherwise."""
     return path.with_name(path.stem + ("" if branch is None else f".branch{branch}") + ".html")
+
+
+def change_marks(path: Path, asked: Asked, texts: Sequence[str], back: Sequence[str]) -> None:
+    """Keep changes of marks, having taken others back; ConfigError, nothing changed, on any."""
+    if not (texts or back):
+        return
+    with reading(path) as recording:
+        plan, branches = plan_of(recording.header()), recording.branches()
+    branch = find_branch(branches, path, asked.branch).id
+    changes = read_changes(path)
+    for name in back:
+        changes = without(changes, name, branch)
+    write_changes(path, [*changes, *(change_of(text, branch, plan) for text in texts)])
 
 
 def _refuse_recording(path: Path, wanted: Path) -> None:

@@ -6,11 +6,15 @@ from typing import Final
 
 from markupsafe import Markup
 
-from trainer.analysis.debrief.data import Answered, DebriefData
-from trainer.analysis.debrief.episodes import SCHEDULE
-from trainer.analysis.debrief.scoring import Scored, Verdict
+from trainer.analysis.debrief.changes import OUTCOME, WIDTH, Change
+from trainer.analysis.debrief.charts import WRONG, chart_of
+from trainer.analysis.debrief.data import Answered, Compared, DebriefData, deviation_of
+from trainer.analysis.debrief.episodes import SCHEDULE, ReadBack
+from trainer.analysis.debrief.reference import behind
+from trainer.analysis.debrief.scoring import Scorecard, Scored, Verdict
 from trainer.analysis.report.html import paragraph, table
 from trainer.analysis.report.svg import clock
+from trainer.core.cache import same_core
 
 MOST: Final = 1000  # lines of the log
 PLACED: Final = re.compile(r"tick \d+ \([\d.]+ s\): ")  # in an event that says its own place
@@ -30,39 +34,75 @@ def place(debrief: DebriefData, tick: int | None) -> str:
 
 
 def verdict(debrief: DebriefData) -> Markup:
-    """Return the marks of the whole, in words."""
-    card = debrief.card
+    """Return what came of the run: won or not, the marks and how sure they are, who worked what."""
+    card = debrief.final
     if not card.scores:
         return paragraph("This run has no scoring rules.")
+    lines = [*_outcome(debrief), *map(paragraph, _beside_marks(debrief))]
+    if debrief.plan.hand:
+        lines.append(paragraph(by_hand(debrief)))
+    return Markup().join(lines)
+
+
+def _outcome(debrief: DebriefData) -> Iterator[Markup]:
+    """Yield the outcome with its reason, and the marks."""
+    verdict, total = debrief.final.verdict, debrief.total
+    marks = Markup("<b>{:.0f}</b> of 100 marks{}").format(total or 0.0, _sureness(debrief))
+    if total is None:
+        marks = Markup("no marks")
+    outcome = Markup("<b>{}</b>, ").format(verdict.outcome.capitalize()) if verdict else ""
+    yield Markup('<p class="total">{}{}</p>').format(outcome, marks)
+    if verdict is not None and verdict.reason:
+        yield paragraph(f"{verdict.reason[0].upper()}{verdict.reason[1:]}.")
+
+
+def _sureness(debrief: DebriefData) -> str:
+    """Return how far a mark moves by the sea alone, "" where it does not or nobody knows."""
+    deviation = deviation_of(debrief)
+    if deviation is None or deviation < TOLD_FROM:
+        return ""
+    return f", \N{PLUS-MINUS SIGN}{deviation:.0f} by the sea alone"
+
+
+def _beside_marks(debrief: DebriefData) -> Iterator[str]:
+    """Yield what is to be known about the marks, a sentence or two each."""
+    card = debrief.final
+    if debrief.practice:
+        yield f"Practice: this run was wound back ({debrief.practice})."
     if card.verdict is not None:
-        return judged(debrief, card.verdict)
+        yield made_of(card.verdict)
+    if debrief.changed is not None:
+        yield f"Changed by the instructor; before: {said_card(debrief.card)}."
+    if debrief.width != "qualified":
+        yield f"Judged at {debrief.width} width: bands half as wide again."
     counted = sum(each.marks is not None for each in card.scores)
-    total = "-" if card.total is None else f"{card.total:.0f}"
-    lines = [Markup('<p class="total"><b>{}</b> of 100 marks</p>').format(total)]
     if counted < len(card.scores):
-        lines.append(paragraph(f"{counted} of {len(card.scores)} rules count."))
+        yield f"{counted} of {len(card.scores)} rules count."
+    if (deviation := deviation_of(debrief)) and deviation >= TOLD_FROM:
+        yield f"Two runs differ for sure only beyond {SURE * deviation:.0f} marks."
     if lacking := _unflown(debrief):
-        lines.append(paragraph(lacking))
-    return Markup().join(lines)
+        yield lacking
 
 
-def judged(debrief: DebriefData, verdict: Verdict) -> Markup:
-    """Return won, lost or not reached with the reason, and what the marks are made of."""
-    card = debrief.card
-    total = "no" if card.total is None else f"{card.total:.0f}"
-    crew = debrief.plan.baseline.crew if debrief.plan.baseline else None
-    unsure = f", +-{crew.deviation:.0f} by the sea alone" if crew and crew.deviation >= 0.5 else ""
-    lines = [
-        Markup('<p class="total"><b>{}</b></p>').format(verdict.outcome.capitalize()),
-        *([paragraph(f"{verdict.reason}.")] if verdict.reason else []),
-        Markup('<p class="total"><b>{}</b> of 100 marks{}</p>').format(total, unsure),
-        paragraph(made_of(verdict)),
-    ]
-    if debrief.branch.parent is not None:
-        lines.append(paragraph("Practice: time was wound back in this run."))
-    if lacking := _unflown(debrief):
-        lines.append(paragraph(lacking))
-    return Markup().join(lines)
+TOLD_FROM: Final = 0.5  # [%] of a deviation
+SURE: Final = 2.8  # standard deviations between two runs
+AXES: Final = ("rudder", "planes", "speed", "ballast")  # that a crew may work
+
+
+def by_hand(debrief: DebriefData) -> str:
+    """Return what the crew worked, and what was automatic."""
+    plan = debrief.plan
+    automatic = [axis for axis in AXES if axis not in plan.hand]
+    told = f"By hand: {', '.join(plan.hand)}; automatic: {', '.join(automatic) or 'nothing'}"
+    if plan.allowed:
+        told += f"; allowed: {', '.join(plan.allowed)}"
+    return f"{told}."
+
+
+def said_card(card: Scorecard) -> str:
+    """Return the outcome and the marks of a card, in words."""
+    marks = "no marks" if card.total is None else f"{card.total:.0f} of 100 marks"
+    return marks if card.verdict is None else f"{card.verdict.outcome}, {marks}"
 
 
 def made_of(verdict: Verdict) -> str:
@@ -75,7 +115,7 @@ def made_of(verdict: Verdict) -> str:
     if verdict.cap is not None:
         why = "the exercise was lost" if verdict.outcome == "lost" else "a limit was broken"
         return f"{told}. At most {verdict.cap:.0f}: {why}."
-    return f"{told}; total = tasks x (0.7 + 0.3 x keeping / 100)."
+    return f"{told}; total = tasks \N{MULTIPLICATION SIGN} (0.7 + 0.3 keeping / 100)."
 
 
 def _unflown(debrief: DebriefData) -> str:
@@ -86,19 +126,123 @@ def _unflown(debrief: DebriefData) -> str:
     return f"The record ends at {clock(flown)}; the exercise lasts {clock(planned)}."
 
 
+def moment(debrief: DebriefData) -> Markup:
+    """Return the moment at which the run went wrong, with a link into the charts."""
+    found = debrief.compared
+    if found is None:
+        return paragraph("This exercise has no reference crew to compare with.")
+    fault = found.fault
+    if fault is None:
+        return paragraph(_no_moment(debrief, found))
+    chart = chart_of(fault.quantity)
+    line = Markup('<p><b>{}</b>: {}. Task: {}. <a href="#{}-{}">Go there</a></p>')
+    place = clock(fault.tick * debrief.step)
+    return line.format(place, fault.told, fault.score, WRONG, chart)
+
+
+def _no_moment(debrief: DebriefData, found: Compared) -> str:
+    """Return why no moment is told."""
+    if debrief.free:
+        return "A free run is not compared."
+    worse = behind(debrief.card, found.reference.card)
+    if worse:
+        return f"No one moment: {', '.join(worse)} fell short without leaving a band for good."
+    return "It did not: every task is about as well done as the reference crew's."
+
+
+def cost(debrief: DebriefData) -> Markup:
+    """Return what cost most, and what the reference crew would have had."""
+    if debrief.free:
+        return paragraph("A free run has no marks.")
+    items = Markup().join(Markup("<li>{}</li>").format(each.told) for each in debrief.costs)
+    lines = [Markup("<ol>{}</ol>").format(items) if items else paragraph("Nothing.")]
+    if debrief.compared is not None:
+        lines.append(paragraph(_reference_words(debrief.compared)))
+    return Markup().join(lines)
+
+
+def _reference_words(found: Compared) -> str:
+    """Return what the reference crew has, from the start and from where it took over."""
+    told = f"The reference crew at this seed: {said_card(found.reference.card)}."
+    if found.from_here is not None:
+        since = clock(found.from_here.since or 0.0)
+        told += f" Taking over at {since}: {said_card(found.from_here.card)}."
+    return told
+
+
+def changes(debrief: DebriefData) -> Markup:
+    """Return what the instructor has changed, old and new beside each other."""
+    rows = [
+        (each.name, _before(debrief, each), each.what, each.reason, each.at)
+        for each in debrief.changes
+    ]
+    told = paragraph(f"Before: {said_card(debrief.card)}. Now: {said_card(debrief.final)}.")
+    return told + table(("", "was", "is", "why", "when"), rows, "")
+
+
+def _before(debrief: DebriefData, change: Change) -> str:
+    """Return what a changed thing was before."""
+    card = debrief.card
+    if change.name == OUTCOME:
+        return card.verdict.outcome if card.verdict else "-"
+    if change.name == WIDTH:
+        return debrief.width
+    weights = [each.rule.weight for each in card.scores if each.name == change.name]
+    return f"weight {weights[0]:g}" if weights else "-"
+
+
+def legend(debrief: DebriefData) -> Markup:
+    """Return what the lines and shades of the charts mean."""
+    told = "Shaded: a casualty. Dotted upright: a mark. Time from the start, minutes and seconds."
+    if found := debrief.compared:
+        told += " Grey dashes: the reference crew at the same seed."
+        told += " Thick upright: where it went wrong." if found.fault else ""
+        told += " Green upright: where the reference crew took over." if found.from_here else ""
+    if debrief.compared and not same_core(debrief.header.get("core")):
+        told += " The reference crew is flown by another core than the recording was."
+    return Markup('<p class="legend"><small>{}</small></p>').format(told)
+
+
+def read_backs(debrief: DebriefData) -> Markup:
+    """Return the table of the orders to the crew: repeated, and carried out."""
+    headings = ("", "ordered", "at", "by", "repeated by", "after", "repeated wrong", "kept from")
+    rows = (_read_back(debrief, i, each) for i, each in enumerate(debrief.read_backs, start=1))
+    return table(headings, rows, "")
+
+
+def _read_back(debrief: DebriefData, i: int, each: ReadBack) -> tuple[str, ...]:
+    order, said = each.order, each.repeated
+    after = "-" if said is None else f"{(said.tick - order.tick) * debrief.step:g} s"
+    by = "the exercise" if order.who == SCHEDULE else order.who
+    return (
+        *(f"O{i}", each.told, place(debrief, order.tick), by),
+        *("not repeated" if said is None else said.who, after, ", ".join(each.wrong) or "-"),
+        place(debrief, each.carried_out),
+    )
+
+
 def scores(debrief: DebriefData) -> Markup:
     """Return the table of the scores."""
-    earned = ("nobody", "earned") if debrief.card.verdict is not None else ()
-    headings = ("", "score", "value", "full at", "none at", "marks", *earned)
-    headings = (*headings, "weight", "place", "formula")
-    rows = (_score(debrief, i, each) for i, each in enumerate(debrief.card.scores, start=1))
+    best = _of_reference(debrief)
+    judged = debrief.card.verdict is not None
+    headings = [
+        *("", "measure", "value", *(("reference",) if best else ()), "full at", "none at", "marks"),
+        *(("nobody", "earned") if judged else ()),
+        *("weight", "place", "formula"),
+    ]
+    rows = (_score(debrief, i, each, best) for i, each in enumerate(debrief.card.scores, start=1))
     return table(headings, rows, "scores")
 
 
-def _score(debrief: DebriefData, i: int, each: Scored) -> tuple[str, ...]:
+def _of_reference(debrief: DebriefData) -> dict[str, Scored]:
+    """Return the reference crew's scores by name, none without such a crew."""
+    found = debrief.compared
+    return {each.name: each for each in found.reference.card.scores} if found else {}
+
+
+def _score(debrief: DebriefData, i: int, each: Scored, best: dict[str, Scored]) -> tuple[str, ...]:
     score, attained = each.rule.score, each.attained
-    unit = "" if each.unit == "-" else f"\N{NO-BREAK SPACE}{each.unit}"
-    value = (attained.why) if attained.value is None else number(attained.value) + unit
+    value = attained.why if attained.value is None else value_of(each)
     marks = "not counted"
     if each.marks is not None:
         bar = Markup('{0:.0f} <i class="share"><i style="width:{0:.0f}%"></i></i>')
@@ -106,15 +250,21 @@ def _score(debrief: DebriefData, i: int, each: Scored) -> tuple[str, ...]:
     earned: tuple[str, ...] = ()
     if debrief.card.verdict is not None:
         part = f"{each.rule.part} " if each.earned is None else ""
-        earned = (
-            "-" if each.nobody is None else f"{each.nobody:.0f}",
-            f"{part}{_whole(each.earned)}",
-        )
+        nobody = "-" if each.nobody is None else f"{each.nobody:.0f}"
+        earned = (nobody, f"{part}{_whole(each.earned)}")
+    beside = (value_of(best[each.name]) if each.name in best else "-",) if best else ()
     return (
-        *(f"S{i}", (each.name), value, number(score.full), number(score.zero), marks),
+        *(f"S{i}", each.name, value, *beside, number(score.full), number(score.zero), marks),
         *earned,
-        *(f"{each.rule.weight:g}", place(debrief, attained.tick), (each.formula)),
+        *(f"{each.rule.weight:g}", place(debrief, attained.tick), each.formula),
     )
+
+
+def value_of(each: Scored) -> str:
+    """Return the value of a score with its unit."""
+    unit = "" if each.unit == "-" else f"\N{NO-BREAK SPACE}{each.unit}"
+    value = each.attained.value
+    return "-" if value is None else number(value) + unit
 
 
 def _whole(marks: float | None) -> str:
@@ -245,6 +395,7 @@ def run_facts(debrief: DebriefData) -> Markup:
         ("computed by", f"{method.equations} set, {method.rates} rates, {method.integrator}"),
         ("step", f"{method.step:g} s"),
         ("seed", str(debrief.plan.seed)),
+        ("trainees", ", ".join(debrief.trainees) or "-"),
         ("recorded", (header.get("started", "-"))),
         ("trainer", (f"{header.get('trainer', '-')}, core {header.get('core', '-')}")),
         ("record", (debrief.source.name)),

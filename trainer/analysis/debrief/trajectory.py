@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from trainer.boat.boat import Boat
 from trainer.boat.casualties import scale_of
+from trainer.boat.crew_orders import AXES
 from trainer.config.condition import ANGLE, DERIVED, QUANTITIES, Condition
 from trainer.config.exercise import Limits
 from trainer.config.files import ConfigError
@@ -37,9 +38,15 @@ PLACES: Final = (
     *SLOTS,
     *AMOUNTS,
 )
-COLUMNS: Final = tuple(
+# what is ordered to the crew, and the tick after which it was; older recordings have none
+CREW_ORDERS: Final = {
+    axis: (f"crew_{axis}", f"crew_order_tick[{i}]") for i, axis in enumerate(AXES)
+}
+NEWER: Final = tuple(place for both in CREW_ORDERS.values() for place in both)
+NEEDED: Final = tuple(
     dict.fromkeys((*(q.place for q in QUANTITIES.values() if q.place != "tick"), *PLACES))
 )
+COLUMNS: Final = (*NEEDED, *NEWER)
 
 
 @dataclass(frozen=True, eq=False)
@@ -86,6 +93,11 @@ class Trajectory:
             return off
         round_about = 360.0 * ANGLE["deg"] / what.size
         return (off + 0.5 * round_about) % round_about - 0.5 * round_about
+
+    def ordered(self, axis: str) -> Numbers:
+        """Return what the crew was ordered on an axis [SI], NaN where nothing was."""
+        value, stamp = (self.columns[place] for place in CREW_ORDERS[axis])
+        return np.where(stamp != 0.0, value, np.nan)
 
     def holds(self, condition: Condition) -> Rows:
         """Return at which ticks a condition holds."""
@@ -159,25 +171,27 @@ def read_passage(
 
     ConfigError if that lacks a place that is needed.
     """
-    lacking = [name for name in COLUMNS if name not in layout]
+    lacking = [name for name in NEEDED if name not in layout]
     if lacking:
         raise ConfigError(
             f"the recording is of another version of the trainer: no {lacking[0]} in its states; "
             "debrief it with that version"
         )
-    places = [layout.index(name) for name in COLUMNS]
-    states, times = [np.empty((0, len(COLUMNS)))], [np.empty((0, 3))]
+    there = [name for name in COLUMNS if name in layout]
+    places = [layout.index(name) for name in there]
+    states, times = [np.empty((0, len(there)))], [np.empty((0, 3))]
     flown = recording.flown(branch)
     while batch := list(islice(flown, BATCH)):
         states.append(np.array([numbers_of(each.state, layout)[places] for each in batch]))
         times.append(np.array([_times(each) for each in batch]))
     columns, timings = np.concatenate(states).T, np.concatenate(times).T
+    none = dict.fromkeys(NEWER, np.zeros(timings.shape[1]))
     return Trajectory(
         boat=boat,
         limits=limits,
         orders=tuple(recording.orders(branch)),
         ticks=timings[0].astype(np.int64),
-        columns=dict(zip(COLUMNS, columns, strict=True)),
+        columns={**none, **dict(zip(there, columns, strict=True))},
         lateness=timings[1],
         work=timings[2],
     )

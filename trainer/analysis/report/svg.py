@@ -73,10 +73,10 @@ def thin(x: Numbers, y: Numbers, most: int) -> tuple[Numbers, Numbers]:
 
 
 WIDTH, HEIGHT = 960.0, 210.0  # [px]
-LEFT, RIGHT, TOP, BOTTOM = 58.0, 24.0, 26.0, 24.0
+LEFT, RIGHT, TOP, BOTTOM = 68.0, 24.0, 26.0, 24.0
 POINTS: Final = 1600  # of a line
 LEGEND: Final = 24.0  # [px] length of a line's sample
-LETTER: Final = 6.6  # [px] about as wide as one
+LETTER, TITLE_LETTER = 6.6, 7.6  # [px] about as wide as one
 
 
 @dataclass(frozen=True)
@@ -86,6 +86,7 @@ class Line:
     label: str
     values: Numbers
     style: str
+    seconds: Numbers | None = None  # its own times [s]; None: those of the page
 
 
 @dataclass(frozen=True)
@@ -100,6 +101,7 @@ class Level:
 class Chart:
     """What one pair of axes shows."""
 
+    name: str  # where links lead
     title: str
     unit: str
     lines: tuple[Line, ...]
@@ -117,6 +119,7 @@ class Ground:
     seconds: Numbers
     spans: tuple[tuple[float, float], ...]  # [s] casualties
     marks: tuple[float, ...]  # [s]
+    moments: tuple[tuple[str, float], ...] = ()  # [s] of the whole page, each with its style
 
     @property
     def across(self) -> Axis:
@@ -130,7 +133,7 @@ def draw(chart: Chart, ground: Ground) -> Markup:
     up = _upright(chart)
     parts = [
         *_frame(chart, up),
-        *backdrop(ground, TOP, HEIGHT - BOTTOM),
+        *backdrop(ground, TOP, HEIGHT - BOTTOM, chart.name),
         *time_axis(ground, HEIGHT - BOTTOM),
         *_levels(chart, up),
         *(_curve(line, ground, up) for line in chart.lines),
@@ -145,13 +148,17 @@ def svg(label: str, size: tuple[float, float], parts: list[str]) -> Markup:
     return Markup("{}{}</svg>").format(head, Markup("".join(parts)))  # noqa: S704  made here
 
 
-def backdrop(ground: Ground, top: float, bottom: float) -> Iterator[str]:
-    """Yield the shades of the casualties and the lines of the marks."""
+def backdrop(ground: Ground, top: float, bottom: float, name: str = "") -> Iterator[str]:
+    """Yield the shades of the casualties and the lines of the marks, in the chart of a name."""
     for begin, end in ground.spans:
         x, width = ground.across.at(begin), ground.across.at(end) - ground.across.at(begin)
         yield rect("spell", x, top, max(width, 1.0), bottom - top)
     for mark in ground.marks:
         yield rule("mark", ground.across.at(mark), top, ground.across.at(mark), bottom)
+    for style, second in ground.moments:
+        x = ground.across.at(second)
+        where = f' id="{style}-{name}"' if name else ""
+        yield f"<g{where}>{rule(style, x, top, x, bottom)}</g>"
 
 
 def time_axis(ground: Ground, bottom: float) -> Iterator[str]:
@@ -216,19 +223,19 @@ def _curve(line: Line, ground: Ground, up: Axis) -> str:
     known = np.isfinite(line.values)
     edges = np.flatnonzero(np.diff(np.concatenate(([False], known, [False])).astype(int)))
     pieces = []
+    seconds = ground.seconds if line.seconds is None else line.seconds
     for first, after in edges.reshape(-1, 2):
-        x = ground.across.places(ground.seconds[first:after])
+        x = ground.across.places(seconds[first:after])
         x, y = thin(x, up.places(line.values[first:after]), POINTS)
         pieces.append("M" + "L".join(f"{a:.1f} {b:.1f}" for a, b in zip(x, y, strict=True)))
     return f'<path class="line {line.style}" d="{"".join(pieces)}"/>'
 
 
 def _legend(chart: Chart) -> Iterator[str]:
-    """Yield samples of the lines with their names, at the upper right."""
-    x = WIDTH - RIGHT
-    for line in reversed(chart.lines):
-        x -= LETTER * len(line.label)
-        yield text("tick", x, 16.0, line.label)
-        x -= LEGEND + 5.0
+    """Yield samples of the lines with their names, after the title."""
+    x = LEFT + TITLE_LETTER * len(f"{chart.title} [{chart.unit}]") + 20.0
+    for line in chart.lines:
         yield f'<path class="line {line.style}" d="M{x:.1f} 12L{x + LEGEND:.1f} 12"/>'
-        x -= 14.0
+        x += LEGEND + 5.0
+        yield text("tick", x, 16.0, line.label)
+        x += LETTER * len(line.label) + 12.0

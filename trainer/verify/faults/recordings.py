@@ -22,6 +22,7 @@ FLOWN: Final = ("depth-changes", "--speed", "100", "--duration", f"{SECONDS:g}")
 COMMANDS: Final = (
     ("replay",),
     ("debrief", "--html", "{folder}/page.html"),
+    ("recordings",),
     ("export", "--csv", "{folder}/out.csv"),
     ("resume", "--headless", "--speed", "max", "--duration", f"{SECONDS + 5:g}"),
 )

@@ -1,0 +1,63 @@
+"""Recordings made without a session: an exercise flown, with orders of a crew at their times."""
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from trainer.analysis.rehearsal import due, last_tick
+from trainer.boat.boat import Boat
+from trainer.boat.helm import obey
+from trainer.config.files import remembering
+from trainer.io.orders.grammar import Order, Refused, parse
+from trainer.io.orders.table import BOAT_ORDERS
+from trainer.io.recording.recording import Recording
+from trainer.session.header import header_of
+from trainer.session.options import RunOptions
+from trainer.session.plan import plan_run
+
+PANEL = "planes at a panel"
+
+
+def record(
+    path: Path,
+    exercise: str,
+    crew: Mapping[float, str] | Sequence[tuple[float, str]],
+    who: str = PANEL,
+    **options: Any,
+) -> Path:
+    """Fly an exercise with orders by their times [s] into a recording, and return its path."""
+    given = frozenset(options) - {"trainee", "width"}
+    chosen = RunOptions(exercise=exercise, given=given, **options)
+    with remembering() as texts:
+        plan = plan_run(chosen)
+    boat = Boat(plan.file, plan.method)
+    plan.start(boat)
+    header, state = header_of(chosen, texts, boat), boat.records.state.tobytes()
+    recording = Recording.create(path, header, state)
+    timed = crew.items() if isinstance(crew, Mapping) else crew
+    given_at = [(round(second / plan.method.step), text) for second, text in timed]
+    place = 0
+
+    def give(by: str, order: Order, number: int | None) -> None:
+        entry = recording.order(boat.ticks, by, order.text, number)
+        answer = obey(boat, order) if order.name in BOAT_ORDERS else f"noted: {order.text}"
+        refused = isinstance(answer, Refused)
+        recording.answered(entry, str(answer), not refused)
+
+    with np.errstate(all="ignore"):
+        for tick in range(last_tick(plan)):
+            while place < len(plan.schedule) and due(plan, place) <= tick:
+                give("schedule", plan.schedule[place].order, place)
+                place += 1
+            for text in (text for when, text in given_at if when == tick):
+                order = parse(text)
+                assert isinstance(order, Order), order
+                give(who, order, None)
+                if order.name == "mark":
+                    recording.event(tick, "mark", who, order.subject)
+            boat.tick()
+            recording.state(boat.ticks, boat.records.state.tobytes())
+    recording.close()
+    return path

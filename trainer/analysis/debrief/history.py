@@ -1,0 +1,386 @@
+"""Recordings and who was trained in them: the list, the history of a trainee, a name forgotten.
+
+What a recording came to is computed once and kept beside it: drill.marks.json beside
+drill.trainer. It may be removed at any time; names stand in the recordings alone.
+"""
+
+import json
+import re
+import statistics
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import asdict, dataclass, replace
+from pathlib import Path
+from typing import Any, Final
+
+import click
+import numpy as np
+from markupsafe import escape
+
+from trainer import __version__
+from trainer.analysis.debrief.changes import changes_path, read_changes, write_changes
+from trainer.analysis.debrief.data import DebriefData, gather
+from trainer.analysis.debrief.page import BADGE, HEAD
+from trainer.config.files import ConfigError, nearest, quote
+from trainer.io.atomic_write import write_whole
+from trainer.io.lines import plain
+from trainer.io.paths import SUFFIX, recordings_folder
+from trainer.io.recording.file import RecordingError, erase
+from trainer.session.header import TRAINEES, reading, trainees_of
+
+MARKS: Final = ".marks.json"  # ends the name of the file
+SCHEMA: Final = "marks/1"
+LAST: Final = 3  # attempts whose mean is told
+
+
+@dataclass(frozen=True)
+class Came:
+    """What a recording came to."""
+
+    exercise: str  # its title, "" without one
+    seed: int
+    width: str
+    outcome: str  # "" where nothing decides it
+    total: float | None  # [%] None: no marks
+    counts: bool  # neither free nor practice
+    changed: bool  # by the instructor
+
+
+KINDS: Final[Mapping[str, Any]] = {  # of what is kept
+    **dict.fromkeys(("exercise", "width", "outcome"), str),
+    **dict.fromkeys(("counts", "changed"), bool),
+    "seed": int,
+    "total": float | int | None,
+}
+
+
+@dataclass(frozen=True)
+class Listed:
+    """A recording as it is listed."""
+
+    path: Path
+    started: str
+    trainees: tuple[str, ...]
+    came: Came | None
+    trouble: str = ""  # why it cannot be read
+
+
+@dataclass(frozen=True)
+class Attempts:
+    """What a trainee has done in one exercise at one width, the oldest first."""
+
+    exercise: str
+    width: str
+    attempts: int
+    seeds: tuple[int, ...]
+    marks: tuple[float, ...]  # [%] of those that count
+
+    @property
+    def mean(self) -> float | None:
+        """Return the mean of the last marks, None without any."""
+        return statistics.fmean(self.marks[-LAST:]) if self.marks else None
+
+
+def recordings_in(places: Iterable[Path]) -> Iterator[Path]:
+    """Yield the recordings in folders, and those named, the newest first; ConfigError."""
+    found: list[tuple[float, Path]] = []
+    for place in places:
+        inside = place.glob(f"*{SUFFIX}") if place.is_dir() else iter((place,))
+        try:
+            found += [(path.stat().st_mtime, path) for path in inside]
+        except OSError as error:
+            raise ConfigError(f"{place}: {error.strerror}") from None
+    yield from (path for _, path in sorted(found, key=lambda each: each[0], reverse=True))
+
+
+def latest() -> Path:
+    """Return the recording that was written last; ConfigError, saying what to do, without any."""
+    folder = recordings_folder()
+    found = next(recordings_in([folder] if folder.is_dir() else []), None)
+    if found is None:
+        raise ConfigError(
+            f"--last: no recording is in {folder}: trainer run EXERCISE makes one, or name a FILE"
+        )
+    return found
+
+
+def listed(path: Path) -> Listed:
+    """Return a recording as it is listed; one that cannot be read says why."""
+    try:
+        with reading(path) as recording:
+            header = recording.header()
+    except ConfigError as wrong:
+        return Listed(path, "", (), None, str(wrong))
+    started, names = header.get("started", ""), trainees_of(header)
+    try:
+        return Listed(path, started, names, kept(path) or computed(path))
+    except ConfigError as wrong:
+        return Listed(path, started, names, None, str(wrong))
+
+
+def kept(path: Path) -> Came | None:
+    """Return what is kept beside a recording, None where that is of another state of it."""
+    try:
+        found = json.loads(marks_path(path).read_text(encoding="utf-8"))
+    except (OSError, ValueError, RecursionError):
+        return None
+    if not isinstance(found, dict) or found.get("of") != stamp(path):
+        return None
+    came = found.get("came")
+    if not isinstance(came, dict) or came.keys() != KINDS.keys():
+        return None
+    good = all(isinstance(came[name], kind) for name, kind in KINDS.items())
+    return Came(**came) if good else None
+
+
+def computed(path: Path) -> Came:
+    """Return what a recording came to, and keep it where that can be; ConfigError."""
+    with np.errstate(all="ignore"), reading(path) as recording:
+        came = came_of(gather(recording, path, None))
+    if not _beside(path, "-wal").exists():  # else it is being written
+        text = json.dumps({"of": stamp(path), "came": asdict(came)}, indent=1)
+        try:
+            write_whole(marks_path(path), text + "\n")
+        except OSError:  # a folder that is not ours
+            return came
+    return came
+
+
+def came_of(debrief: DebriefData) -> Came:
+    """Return what a run came to, as the instructor has changed it."""
+    verdict = debrief.final.verdict
+    return Came(
+        exercise=debrief.plan.title,
+        seed=debrief.plan.seed,
+        width=debrief.width,
+        outcome=verdict.outcome if verdict else "",
+        total=debrief.total,
+        counts=not (debrief.free or debrief.practice),
+        changed=debrief.changed is not None,
+    )
+
+
+def stamp(path: Path) -> dict[str, Any]:
+    """Return by what is told whether a recording, its changes or the program are others now."""
+    state = path.stat()
+    try:
+        changes = changes_path(path).stat().st_mtime_ns
+    except OSError:
+        changes = None
+    return {
+        "schema": SCHEMA,
+        "trainer": __version__,
+        "size": state.st_size,
+        "mtime_ns": state.st_mtime_ns,
+        "changes_ns": changes,
+    }
+
+
+def marks_path(recording: Path) -> Path:
+    """Return where it is kept what a recording came to: beside it."""
+    return recording.with_name(f"{recording.stem}{MARKS}")
+
+
+def _beside(path: Path, ending: str) -> Path:
+    return path.with_name(path.name + ending)
+
+
+# Trainees
+
+
+def folded(name: str) -> str:
+    """Return a name as names are compared."""
+    return " ".join(name.split()).casefold()
+
+
+def of_trainee(found: Sequence[Listed], name: str) -> list[Listed]:
+    """Return the recordings of a trainee; ConfigError naming the nearest if there are none."""
+    own = [each for each in found if folded(name) in map(folded, each.trainees)]
+    if not own:
+        names = sorted({each for one in found for each in one.trainees})
+        raise ConfigError(
+            f"--trainee {quote(name)}: no recording has that name{nearest(name, names)}; "
+            "trainer run EXERCISE --trainee NAME keeps one"
+        )
+    return own
+
+
+def history(own: Iterable[Listed]) -> list[Attempts]:
+    """Return what a trainee has done, by exercise and width; recordings come newest first."""
+    by_kind: dict[tuple[str, str], list[Came]] = {}
+    for each in own:
+        if each.came is not None:
+            by_kind.setdefault((each.came.exercise, each.came.width), []).insert(0, each.came)
+    return [
+        Attempts(
+            exercise or "without an exercise",
+            width,
+            len(came),
+            tuple(sorted({each.seed for each in came})),
+            tuple(each.total for each in came if each.counts and each.total is not None),
+        )
+        for (exercise, width), came in sorted(by_kind.items())
+    ]
+
+
+# A name forgotten
+
+
+REMOVED: Final = "(name removed)"
+
+
+def forget(name: str, recordings: Iterable[Path]) -> Iterator[str]:
+    """Remove a name everywhere, and yield what was done; ConfigError if no recording has it."""
+    names: set[str] = set()
+    done, left = 0, []
+    for path in recordings:
+        try:
+            with reading(path) as recording:
+                trainees = trainees_of(recording.header())
+        except ConfigError:  # it is no recording, or damaged: it is not ours to change
+            continue
+        names.update(trainees)
+        if folded(name) not in map(folded, trainees):
+            continue
+        try:
+            yield from _forget(name, path, trainees)
+            done += 1
+        except (ConfigError, RecordingError) as wrong:
+            left.append(str(wrong))
+    if left:
+        raise ConfigError(*(f"--forget: the name is still in it: {each}" for each in left))
+    if not done:
+        raise ConfigError(
+            f"--forget {quote(name)}: no recording has that name{nearest(name, names)}"
+        )
+
+
+def _forget(name: str, path: Path, trainees: tuple[str, ...]) -> Iterator[str]:
+    """Remove a name from one recording and from what is beside it."""
+    others = [each for each in trainees if folded(each) != folded(name)]
+    without = _remover(name)
+    remarks = erase(path, {TRAINEES: json.dumps(others) if others else None}, without)
+    marks_path(path).unlink(missing_ok=True)  # it is of another state of the recording
+    changes = read_changes(path)
+    if changes:
+        write_changes(path, [replace(each, reason=without(each.reason)) for each in changes])
+    told = f"; also from {remarks} remark{'s' if remarks > 1 else ''}" if remarks else ""
+    yield f"{path}: the name is removed{told}"
+    yield from _pages(name, path)
+
+
+def _remover(name: str) -> Callable[[str], str]:
+    """Return what takes a name out of a text; a number alone stays, it may be any."""
+    if not re.search(r"[^\W\d_]", name):
+        return lambda text: text
+    words = r"\s+".join(re.escape(word) for word in name.split())
+    found = re.compile(rf"(?<!\w){words}(?!\w)", re.IGNORECASE)
+    return lambda text: found.sub(REMOVED, text)
+
+
+def _pages(name: str, path: Path) -> Iterator[str]:
+    """Remove the debriefs beside a recording that show a name; yield which, and what may."""
+    shown = folded(str(escape(name)))
+    for page in sorted(path.parent.glob(f"{_literal(path.stem)}*.html")):
+        text = page.read_text(encoding="utf-8", errors="replace")
+        if BADGE in text[:HEAD] and shown in folded(text):
+            page.unlink()
+            yield f"{page}: removed, it showed the name; trainer debrief makes it anew"
+    for printed in sorted(path.parent.glob(f"{_literal(path.stem)}*.pdf")):
+        yield f"{printed}: may show the name: look, and remove it"
+
+
+def _literal(stem: str) -> str:
+    """Return a name as a pattern of files that matches it alone."""
+    return re.sub(r"([*?[])", r"[\1]", stem)
+
+
+# As printed
+
+
+def found_in(places: Sequence[Path]) -> list[Path]:
+    """Return the recordings in places, or in the recordings' folder, the newest first."""
+    folder = recordings_folder()
+    return list(recordings_in(places or ([folder] if folder.is_dir() else [])))
+
+
+def print_list(places: Sequence[Path], *, as_json: bool) -> None:
+    """Print the recordings, each as soon as it is known."""
+    found = found_in(places)
+    if as_json:
+        click.echo(json.dumps(as_figures(map(listed, found)), indent=1))
+        return
+    if not found:
+        where = ", ".join(map(str, places)) or recordings_folder()
+        click.echo(f"no recording is in {where}: trainer run EXERCISE makes one")
+    for line in list_lines(map(listed, found)):
+        click.echo(plain(line))
+
+
+def print_history(places: Sequence[Path], name: str, *, as_json: bool) -> None:
+    """Print what a trainee has done; ConfigError if there is nothing of that name."""
+    own = history(of_trainee(list(map(listed, found_in(places))), name))
+    if as_json:
+        click.echo(json.dumps(history_figures(own), indent=1))
+        return
+    click.echo("\n".join(map(plain, history_lines(own))))
+
+
+def print_forgotten(places: Sequence[Path], name: str) -> None:
+    """Remove a name and print where; ConfigError if it is nowhere, or cannot be removed."""
+    for line in forget(name, found_in(places)):
+        click.echo(line)
+
+
+def list_lines(found: Iterable[Listed]) -> Iterator[str]:
+    """Yield a line for each recording: when, what, who, and what it came to."""
+    for each in found:
+        if each.came is None:
+            yield f"{_day(each.started):16}  {each.path.name}: cannot be read: {each.trouble}"
+            continue
+        came = each.came
+        star = "*" if came.changed else ""
+        free = "" if came.counts else " (practice or free)"
+        names = ", ".join(each.trainees) or "-"
+        outcome = came.outcome or "-"
+        yield (
+            f"{_day(each.started):16}  {came.exercise or '-':26}  {outcome:11}  "
+            f"{_mark(came.total):>4}{star:1}  {names}  {each.path.name}{free}"
+        )
+
+
+def history_lines(found: Iterable[Attempts]) -> Iterator[str]:
+    """Yield the history of a trainee, a line for each exercise."""
+    yield f"{'exercise':28}  {'width':9}  mean of last {LAST}  attempts  seeds"
+    for each in found:
+        seeds = ", ".join(map(str, each.seeds))
+        yield (
+            f"{each.exercise:28}  {each.width:9}  {_mark(each.mean):>14}  "
+            f"{each.attempts:8}  {seeds}"
+        )
+
+
+def as_figures(found: Iterable[Listed]) -> list[dict[str, Any]]:
+    """Return recordings for programs."""
+    return [
+        {
+            "file": str(each.path),
+            "started": each.started,
+            "trainees": list(each.trainees),
+            "trouble": each.trouble,
+            **(asdict(each.came) if each.came else {}),
+        }
+        for each in found
+    ]
+
+
+def history_figures(found: Iterable[Attempts]) -> list[dict[str, Any]]:
+    """Return a trainee's history for programs."""
+    return [asdict(each) | {"mean_of_last": each.mean} for each in found]
+
+
+def _day(started: str) -> str:
+    return started[:16].replace("T", " ")
+
+
+def _mark(total: float | None) -> str:
+    return "-" if total is None else f"{total:.0f}"
