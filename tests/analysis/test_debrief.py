@@ -176,7 +176,7 @@ at_s = 100
 clear_at_s = 130
 
 [limits]
-depth_m_max = 20
+depth_m_max = 17
 pitch_deg_max = 4
 speed_kn_min = 5
 
@@ -473,7 +473,7 @@ def test_broaches_and_limits_are_those_that_were_called_out(kept: Kept) -> None:
     trajectory = kept.voyage.debrief.trajectory
     assert [trajectory.seconds[row] for row in broach_rows(trajectory)] == called["broached"]
     assert len(called["broached"]) >= 2
-    assert {"deeper than 20 m", "pitch more than 4 deg"} <= set(called)
+    assert {"deeper than 17 m", "pitch more than 4 deg"} <= set(called)
 
 
 def test_the_place_of_a_score_is_where_its_value_stands_in_the_record(kept: Kept) -> None:
@@ -635,7 +635,7 @@ def test_the_page_shows_what_was_ordered_what_broke_and_what_was_said(page: str)
             "Stern planes, rise positive [deg]",
             "Heading [deg]",
         ),
-        *("Rudder, right positive [deg]", "Speed [kn]", "Air banks", "limit 20 m"),
+        *("Rudder, right positive [deg]", "Speed [kn]", "Air banks", "limit 17 m"),
         *("C1 stern-hard-over", "blow aft (ballast at ballast panel)", "keeping depth 25 m"),
         *("root of the mean of (depth - 15 m)^2", "480 ticks of 0.5 s timed", "duty cycle"),
     ):

@@ -300,7 +300,7 @@ def test_in_basic_width_bands_and_zeros_are_half_as_wide_again() -> None:
 def test_what_nobody_gets_is_taken_off(tmp_path: Path) -> None:
     plan = planned(drill(tmp_path, DIVE))
     went = fly(plan, plan.crew).trajectory
-    short = replace(went, columns={**went.columns, "z": went.columns["z"] - 4.0})  # 66 m
+    short = replace(went, columns={**went.columns, "z": went.columns["z"] - 3.6})  # 66.4 m
     half = judge(short, plan, {"Deep": 40.0}).scores[0]
     assert 40.0 < (half.marks or 0.0) < 80.0
     assert half.earned == pytest.approx(100.0 * ((half.marks or 0.0) - 40.0) / 60.0)

@@ -123,8 +123,8 @@ def test_after_an_hour_the_c_host_the_library_and_the_trainer_are_the_same_to_th
     [
         ("x86-64-v2", "full", "rkv", "bb2"),
         ("x86-64-v3", "full", "rk4", "remus100"),
-        ("x86-64-v4", "basic", "adams3", "sdv-mk9"),
-        ("native", "modified", "adams2", "bb2"),
+        ("x86-64-v4", "basic", "abm4", "sdv-mk9"),
+        ("native", "modified", "adams3", "bb2"),
     ],
 )
 def test_every_processor_and_method_gives_the_trainers_bits(

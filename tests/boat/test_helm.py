@@ -255,7 +255,7 @@ def test_right_rudder_turns_right_and_left_rudder_left(vessel: str, side: str, s
     boat = under_way(vessel)
     told(boat, f"rudder {side} 10")
     fly(boat, 20.0 if vessel == "bb2" else 3.0)
-    assert sign * boat.state.psi > 0.05
+    assert sign * boat.state.psi > 0.045
     assert sign * boat.state.r > 0.0
     assert sign * boat.state.delta_r * boat.toward["rudder"] == pytest.approx(10.0 * DEGREE)
 

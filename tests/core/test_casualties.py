@@ -882,6 +882,6 @@ def test_status_tells_a_failed_instrument_s_reading_beside_the_truth_and_names_t
     lines = status_lines(boat, Ledger(0.5).summary())
 
     assert any(line.startswith("depth      60.00 m") for line in lines)
-    assert any(line.startswith("instruments: depth 67.0 m, course 000.0") for line in lines)
-    assert "casualties: depth-gauge-biased 7" in lines
+    assert any(line.startswith("instruments: depth 67.0 m, heading 000.0") for line in lines)
+    assert "casualties: depth-gauge-biased reads 7 m too much" in lines
     assert max(map(len, lines)) <= 79

@@ -238,6 +238,13 @@ def test_an_order_is_repeated_by_the_station_it_concerns(
     assert here.boat.records.state.tobytes() == before
 
 
+def test_an_instructor_alone_on_board_repeats_what_the_schedule_orders(crew: Make) -> None:
+    here = crew(schedule="5 order depth 75").man("instructor")
+    here.fly(6.0)
+    assert here.say("instructor", "aye")[-1].endswith("depth 75 m aye")
+
+
+
 @pytest.mark.parametrize(
     ("order", "role", "words"),
     [

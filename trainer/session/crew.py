@@ -197,11 +197,16 @@ class CrewTalk:
         return [Telling("crew", text, Fact("wrong-repeat", told))]
 
     def _find(self, words: str, role: str) -> Repeat | Refused:
-        """Return the order that is repeated, the newest without words."""
+        """Return the order that is repeated, the newest without words.
+
+        An instructor who is alone on board repeats what the schedule has ordered.
+        """
         new = [
             each
             for each in reversed(self._spoken.values())
-            if not each.repeated and each.by != role and role in CONCERNED[each.axis]
+            if not each.repeated
+            and each.by != role
+            and role in (*CONCERNED[each.axis], INSTRUCTOR.name)
         ]
         if not new:
             return Refused("no new order is to be repeated here")

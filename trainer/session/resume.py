@@ -35,6 +35,7 @@ def resume_boat(
             boat = Boat(plan.file, plan.method)
             warm(boat)
             history = bring_up(recording, plan, boat, layout_of(header))
+            history.noted()  # what is damaged in its past is told before anything begins
     except BaseException:
         recording.close()
         raise

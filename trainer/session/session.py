@@ -37,6 +37,7 @@ from trainer.session.time.pacer import WOKEN, Event
 from trainer.session.time.timekeeping import Timekeeping
 
 HINT: Final = "type an order, such as: depth 80   course 090   rudder left 15   help   quit"
+BY_HAND: Final = "by hand: stern planes dive 5   rudder left 15   aye repeats an order   help   quit"
 AT_A_TIME: Final = SECOND // 20  # [ns] of single steps before the stations are heard again
 LINES_AT_A_TIME: Final = 32  # of one station before the clock is looked at again
 PATIENCE: Final = 0.5  # [s] for a line to get out what it was sent before it is closed
@@ -124,7 +125,7 @@ class Session:
 
     def greet(self, station: Station) -> None:
         """Tell whoever comes what this is."""
-        for line in (*self._briefed(station), HINT):
+        for line in (*self._briefed(station), BY_HAND if self.hand else HINT):
             station.line.send(line)
 
     def _introduce(self, station: Station) -> None:

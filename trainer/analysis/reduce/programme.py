@@ -130,13 +130,14 @@ def holdout_legs(file: VesselFile) -> tuple[Leg, ...]:
     rounds = round_speeds(*file.run.speed_range_kn)
     slow = rounds[min(1, len(rounds) - 1)]
     between = 0.5 * (rounds[0] + slow), 0.5 * (slow + own)
+    jams = 0.5 * (own + third), third
     heavy, light = OutOfBalance(share=1.5 * LOAD), OutOfBalance(share=-1.5 * LOAD, keep=())
     zigzag = ZigZag(angle_deg=15.0, execute_deg=15.0)
     climbs = [ClimbingTurn(10.0, 10.0, side=side) for side in SIDES]
     legs = [
         *(leg for u in (second, third) for leg in _ways("zigzag-15", "", u, zigzag, file)),
         *(_leg("climbing turn", one.side, u, one, file) for u in (second, third) for one in climbs),
-        *(leg for u in (own, third) for leg in _ways("stern-plane jam", "", u, PlaneJam(), file)),
+        *(leg for u in jams for leg in _ways("stern-plane jam", "", u, PlaneJam(), file)),
         *(_leg("out of balance", "heavy, depth kept", speed, heavy, file) for speed in between),
         *(_leg("out of balance", "light, planes still", speed, light, file) for speed in between),
     ]

@@ -40,6 +40,7 @@ WORDS: Final = {
     "psi": "heading",
     "delta_r": "rudder",
     "delta_s": "stern planes",
+    "delta_b": "bow planes",
 }
 
 

@@ -102,10 +102,10 @@ class Session:
             by.hang_up()
 
     def order(self, by: Caller, words: str) -> str:
-        """Give an order to the boat and note that it was answered; return the answer."""
-        _, answer = by.ask(words)
+        """Give an order to the boat and note that it was obeyed; return the answer."""
+        obeyed, answer = by.ask(words)
         order = parse(words)
-        if isinstance(order, Order):
+        if obeyed and isinstance(order, Order):
             self.answered.append(Answered("", order.text))
         return answer
 
@@ -126,11 +126,12 @@ class Session:
 
 
 def is_journalled(recording: Recording, session: Session) -> Check:
-    """Return whether what was answered is in the journal, beside what was scheduled."""
-    written = [order.text for order in journal(recording) if order.place is None]
+    """Return whether what was answered is in the journal, beside what came of itself."""
+    written = [order.text for order in journal(recording) if order.accepted is not False]
     wanted = [order.text for order in session.answered if not order.mark]
     missing = lost_marks(recording, session.answered)
-    held = written[: len(wanted)] == wanted and not missing
+    rest = iter(written)
+    held = all(text in rest for text in wanted) and not missing
     told = f"{len(written)} written, {len(wanted)} answered, {len(missing)} marks lost"
     return Check("answered orders", held, told)
 

@@ -282,7 +282,7 @@ TARGETS: Final = (
         cut("casualties/standard"),
         640,
     ),
-    Target("exercise", "an exercise file", text(exercise), exercises, 1200, GRAMMAR),
+    Target("exercise", "an exercise file", text(exercise), exercises, 6000, GRAMMAR),
     Target(
         "trials", "published results of a boat", load_proof(load_published), cut("trials/bb2"), 1200
     ),
