@@ -216,8 +216,8 @@ def test_turns_are_to_both_sides_at_four_speeds_by_three_rudders() -> None:
 def test_what_is_held_out_is_neither_fitted_nor_tried() -> None:
     for name in BOATS:
         file = load_vessel(name)
-        seen = (*fit_legs(file), *fastest(file), *legs_of_guide(file))
-        known = {(leg.manoeuvre, leg.speed_kn) for leg in seen}
+        before = (*fit_legs(file), *fastest(file), *legs_of_guide(file))
+        known = {(leg.manoeuvre, leg.speed_kn) for leg in before}
         kinds = {leg.name for leg in holdout_legs(file)}
 
         assert not known & {(leg.manoeuvre, leg.speed_kn) for leg in holdout_legs(file)}
@@ -548,7 +548,9 @@ def test_a_check_tells_how_many_manoeuvres_were_judged() -> None:
     assert "guide, 5 %: manoeuvres within, 49 of 49 judged, 22 not judged;" in words
     assert "steady turns, 5 %: manoeuvres within, 18 of 18 judged;" in words
     left = words.split("not judged, the full set is lost or cannot start: ")[1]
-    assert left.startswith("meander, rise, 2 kn; meander, dive, 2 kn; trim, rise, 2 kn; ")  # no level flight so slow
+    assert left.startswith(
+        "meander, rise, 2 kn; meander, dive, 2 kn; trim, rise, 2 kn; "
+    )  # no level flight so slow
     assert "overshoot, execute 20 deg, dive, 4.5 kn" in left
 
 

@@ -139,7 +139,7 @@ def test_an_order_to_the_crew_is_told_to_everybody_with_its_fact(crew: Make) -> 
 
     assert here.heard("helm") == ["instructor: ordered: course left to 045"]
     assert here.facts("observer") == ["crew-order: course left to 045"]
-    (told,) = [each for each in here.session.history.recording.events() if each.kind == "crew"]  # type: ignore[union-attr]
+    (told,) = [each for each in here.session.history.recording.events() if each.kind == "crew"]
     assert told.text == "instructor: ordered: course left to 045"
 
 
@@ -196,7 +196,7 @@ def test_a_replay_says_again_what_was_said_and_writes_it_once(crew: Make) -> Non
 
     assert [line for line in here.heard("observer") if "course" in line] == first
     assert "the same to the last bit" in " ".join(here.heard("instructor"))
-    events = here.session.history.recording.events()  # type: ignore[union-attr]
+    events = here.session.history.recording.events()
     assert len([each for each in events if each.kind == "crew"]) == 3
 
 
@@ -242,7 +242,6 @@ def test_an_instructor_alone_on_board_repeats_what_the_schedule_orders(crew: Mak
     here = crew(schedule="5 order depth 75").man("instructor")
     here.fly(6.0)
     assert here.say("instructor", "aye")[-1].endswith("depth 75 m aye")
-
 
 
 @pytest.mark.parametrize(
@@ -375,7 +374,7 @@ def test_a_replay_tells_a_wrong_way_again_and_writes_it_once(crew: Make) -> None
     here.fly(6.5)
 
     assert len([line for line in here.heard("instructor") if "WRONG WAY" in line]) == 1
-    events = here.session.history.recording.events()  # type: ignore[union-attr]
+    events = here.session.history.recording.events()
     assert len([each for each in events if "WRONG WAY" in each.text]) == 1
 
 

@@ -30,8 +30,8 @@ from trainer.verify.c_reference.compiler import RECORDS, SAME_BITS, build, heade
 # It was 9755a982... until the state held three past cycles for methods of four: 24 numbers more,
 # the third rows of past_rates and past_motion, and history 3 for 2. Without those rows, and with
 # history 2, the state after the hour is the same to the bit: its digest is 9755a982... still.
-# It was 7b102e64... until BB2's compact set was found on both sides (docs/reduction.md), and the state
-# held orders to the crew, ten numbers more that are zero here.
+# It was 7b102e64... until BB2's compact set was found on both sides (docs/reduction.md), and the
+# state held orders to the crew, ten numbers more that are zero here.
 SHA256 = "505b929fcbc08dd7beb0c9b22573af46ddf36d33b645672de5b81fbd2922304f"
 SHORT = 160  # [ticks] with a depth change under way
 
