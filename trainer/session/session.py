@@ -37,9 +37,7 @@ from trainer.session.time.pacer import WOKEN, Event
 from trainer.session.time.timekeeping import Timekeeping
 
 HINT: Final = "type an order, such as: depth 80   course 090   rudder left 15   help   quit"
-BY_HAND: Final = (
-    "by hand: stern planes dive 5   rudder left 15   aye   help   quit"
-)
+BY_HAND: Final = "by hand: stern planes dive 5   rudder left 15   aye   help   quit"
 AT_A_TIME: Final = SECOND // 20  # [ns] of single steps before the stations are heard again
 LINES_AT_A_TIME: Final = 32  # of one station before the clock is looked at again
 PATIENCE: Final = 0.5  # [s] for a line to get out what it was sent before it is closed
