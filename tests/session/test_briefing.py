@@ -2,17 +2,16 @@
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, field
 
 import numpy as np
 import pytest
+from helpers.line import Line
 from helpers.places import ROOT
 
 from trainer.boat.boat import Boat
 from trainer.boat.limits import LimitMonitor
 from trainer.config.exercise import load_exercise
 from trainer.config.files import shipped_names
-from trainer.io.lines import Overlong
 from trainer.io.orders import sentences
 from trainer.io.orders.table import TOPICS
 from trainer.io.recording.absence import NoRecording
@@ -34,28 +33,6 @@ from trainer.session.time.timekeeping import Timekeeping
 KNOT = 1852.0 / 3600.0
 LOOK_EVERY = 60.0  # [s]
 COME = Access()
-
-
-@dataclass
-class Line:
-    """A line typed by the test, which keeps all that it is sent."""
-
-    name: str
-    waiting: list[str | Overlong] = field(default_factory=list)
-    sent: list[str] = field(default_factory=list)
-    trouble: str = ""
-    dropped: int = 0
-    ended: bool = False
-
-    def take(self, most: int) -> list[str | Overlong]:
-        taken, self.waiting = self.waiting[:most], self.waiting[most:]
-        return taken
-
-    def send(self, line: str) -> None:
-        self.sent.append(line)
-
-    def close(self, patience: float) -> None:
-        assert patience >= 0.0
 
 
 class Attended:

@@ -2,13 +2,12 @@
 
 import math
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, field
 from pathlib import Path
 
 import pytest
+from helpers.line import Line
 
 from trainer.boat.boat import Boat
-from trainer.io.lines import Overlong
 from trainer.io.orders import sentences
 from trainer.io.orders.schedule import parse_schedule
 from trainer.io.recording.recording import Recording
@@ -23,28 +22,6 @@ from trainer.session.time.pacer import MonotonicClock, Policy
 from trainer.session.time.timekeeping import Timekeeping
 
 KNOT = 1852.0 / 3600.0
-
-
-@dataclass
-class Line:
-    """A line typed by the test."""
-
-    name: str
-    waiting: list[str | Overlong] = field(default_factory=list)
-    sent: list[str] = field(default_factory=list)
-    trouble: str = ""
-    dropped: int = 0
-    ended: bool = False
-
-    def take(self, most: int) -> list[str | Overlong]:
-        taken, self.waiting = self.waiting[:most], self.waiting[most:]
-        return taken
-
-    def send(self, line: str) -> None:
-        self.sent.append(line)
-
-    def close(self, patience: float) -> None:
-        assert patience >= 0.0
 
 
 class Crew:

@@ -1,0 +1,27 @@
+"""A line of a station, typed by a test."""
+
+from dataclasses import dataclass, field
+
+from trainer.io.lines import Overlong
+
+
+@dataclass
+class Line:
+    """A line typed by the test, which keeps all that it is sent."""
+
+    name: str
+    waiting: list[str | Overlong] = field(default_factory=list)
+    sent: list[str] = field(default_factory=list)
+    trouble: str = ""
+    dropped: int = 0
+    ended: bool = False
+
+    def take(self, most: int) -> list[str | Overlong]:
+        taken, self.waiting = self.waiting[:most], self.waiting[most:]
+        return taken
+
+    def send(self, line: str) -> None:
+        self.sent.append(line)
+
+    def close(self, patience: float) -> None:
+        assert patience >= 0.0
