@@ -3,6 +3,7 @@
 import contextlib
 import os
 import re
+import signal
 import subprocess
 import sys
 import threading
@@ -46,15 +47,18 @@ class Served:
         socket = ["--socket", str(self.where)] if "--socket" not in words else []
         environment = {**os.environ, "XDG_STATE_HOME": str(folder), "XDG_RUNTIME_DIR": str(folder)}
         environment["PYTHONPATH"] = os.pathsep.join([str(ROOT), os.environ.get("PYTHONPATH", "")])
-        self.process = subprocess.Popen(
-            [sys.executable, "-m", "trainer", *words, *socket],
-            env=environment,
-            stderr=subprocess.PIPE,
-            stdout=subprocess.PIPE,
-            stdin=subprocess.DEVNULL,
-            text=True,
-        )
-        threading.Thread(target=self._read, daemon=True).start()
+        self._out = folder / "out.txt"
+        with self._out.open("w", encoding="utf-8") as out:
+            self.process = subprocess.Popen(
+                [sys.executable, "-X", "faulthandler", "-m", "trainer", *words, *socket],
+                env=environment,
+                stderr=subprocess.PIPE,
+                stdout=out,
+                stdin=subprocess.DEVNULL,
+                text=True,
+            )
+        self._reader = threading.Thread(target=self._read, daemon=True)
+        self._reader.start()
 
     def _read(self) -> None:
         for line in self.process.stderr or ():
@@ -77,9 +81,23 @@ class Served:
                 return caller
 
     def account(self) -> str:
-        """Return what it says when it has ended."""
-        out, _ = self.process.communicate(timeout=PATIENCE)
-        return out
+        """Return what it says when it has ended; where all its threads are, if it does not end."""
+        with contextlib.suppress(subprocess.TimeoutExpired):
+            self.process.wait(PATIENCE)
+        if self.process.returncode is None:
+            self.process.send_signal(signal.SIGABRT)
+        self._reader.join(ANSWER)
+        assert self.process.wait() >= 0, "".join(self.told)
+        return self._out.read_text(encoding="utf-8")
+
+    def stop(self) -> None:
+        for caller in self.callers:
+            caller.hang_up()
+        self.process.kill()
+        self.process.wait()
+        self._reader.join(ANSWER)
+        assert self.process.stderr
+        self.process.stderr.close()
 
 
 def until(caller: Caller, text: str) -> str:
@@ -104,10 +122,7 @@ def serve(tmp_path: Path) -> Iterator[Callable[..., Served]]:
 
     yield begin
     for each in begun:
-        for caller in each.callers:
-            caller.hang_up()
-        each.process.kill()
-        each.process.communicate()
+        each.stop()
 
 
 @pytest.fixture
