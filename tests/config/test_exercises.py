@@ -438,10 +438,12 @@ def test_a_wrong_exercise_or_sea_ends_with_code_2_and_one_line() -> None:
 
 def test_the_lists_name_everything_in_79_columns() -> None:
     exercises, casualties = ran("exercises"), ran("casualties")
-    assert [line.split()[0] for line in exercises.stdout.splitlines()] == list(NAMES)
+    names = [line.split()[0] for line in exercises.stdout.splitlines()]
+    assert sorted(names) == list(NAMES)
+    assert (names[0], names[-1]) == ("first-depth-change", "watch")  # as the course goes
     assert "stern-hard-over" in casualties.stdout
     assert max(map(len, exercises.stdout.splitlines())) <= 79
-    assert list(json.loads(ran("exercises", "--json").stdout)) == list(NAMES)
+    assert list(json.loads(ran("exercises", "--json").stdout)) == names
     assert json.loads(ran("casualties", "--json").stdout)[0]["name"] == "rudder-slow"
 
 

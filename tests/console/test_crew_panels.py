@@ -3,7 +3,7 @@
 from typing import Any
 
 import pytest
-from helpers.screens import CREW, Tape, at_the_console, pressed, seen, shown, sight_of, tape
+from helpers.screens import CREW, Tape, at_the_console, pressed, seen, shown, sight_of, tape, typed
 from textual.pilot import Pilot
 
 from trainer.console.app import Console
@@ -113,6 +113,12 @@ def test_enter_repeats_a_new_order_and_does_no_more(keys: tuple[str, ...]) -> No
     new(talk, "course 045")
     rest = ["rudder amidships"] * (len(keys) - 1)
     assert pressed(keys, "helm", talk) == ["aye", *rest]
+
+
+def test_a_colon_begins_an_order_also_while_one_is_to_be_repeated() -> None:
+    talk = ordered("helm", COURSE)
+    new(talk, "course 045")
+    assert pressed(("colon", *typed("rudder right 9"), "enter"), "helm", talk) == ["rudder right 9"]
 
 
 def test_enter_on_the_open_and_empty_line_repeats_too() -> None:

@@ -14,12 +14,12 @@ from helpers.screens import typed
 from textual.pilot import Pilot
 
 from trainer.cli import run as command
+from trainer.config.course import Lesson, course
 from trainer.config.files import shipped_names
 from trainer.console.choice import NOTHING, Done
 from trainer.console.exercise_choice import (
     FREELY,
     ExerciseScreen,
-    Offered,
     choose_exercise,
     exercise_choice,
 )
@@ -27,9 +27,9 @@ from trainer.console.pane import Pane, plain
 from trainer.session.options import RunOptions
 
 OFFERED = (
-    Offered("depth-gauge-failure", "Periscope watch, in a sea", "Hold 17.5 m by hand."),
-    Offered("first-depth-change", "Depth, first steps", "Depth changes,\nby hand."),
-    Offered("stern-plane-jam", "Passage, fast and deep", "Course 000, 100 m."),
+    Lesson(1, "depth-gauge-failure", "Periscope watch, in a sea", "Hold 17.5 m by hand."),
+    Lesson(2, "first-depth-change", "Depth, first steps", "Depth changes,\nby hand."),
+    Lesson(3, "stern-plane-jam", "Passage, fast and deep", "Course 000, 100 m."),
 )
 
 
@@ -82,6 +82,12 @@ def test_the_list_shows_titles_and_briefings_and_no_file_that_tells_what_breaks(
     assert FREELY in text
 
 
+def test_letters_of_no_title_are_answered_and_do_nothing() -> None:
+    done, text = chosen(*typed("xyz"), "enter", "escape")
+    assert done == NOTHING
+    assert "No title has these letters" in text
+
+
 @pytest.mark.parametrize(
     ("done", "name"),
     [(Done((FREELY,)), ""), (Done(("stern-plane-jam",)), "stern-plane-jam"), (NOTHING, None)],
@@ -96,9 +102,9 @@ def test_what_is_chosen_is_returned_by_its_name(
 def test_the_command_offers_what_is_shipped_and_runs_what_is_chosen(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    asked: list[Offered] = []
+    asked: list[Lesson] = []
 
-    def choose(offered: list[Offered]) -> str | None:
+    def choose(offered: list[Lesson]) -> str | None:
         asked.extend(offered)
         return answer
 
@@ -107,7 +113,9 @@ def test_the_command_offers_what_is_shipped_and_runs_what_is_chosen(
     answer: str | None = "heavy-boat"
     wanted = replace(options, exercise="heavy-boat", given=frozenset({"exercise"}))
     assert command.choose(options) == wanted
-    assert [each.name for each in asked] == list(shipped_names("exercises"))
+    assert {each.name for each in asked} == set(shipped_names("exercises"))
+    assert asked == course()
+    assert [each.place for each in asked] == [*range(1, len(asked) + 1)]
     assert all(each.title and each.briefing for each in asked)
     answer = ""
     assert command.choose(options) == options

@@ -65,6 +65,8 @@ def _copy(source: str) -> str:
     lines = [f"# Copied from {source}. Try it with: trainer exercise check FILE"]
     told: set[str] = set()
     for line in text.splitlines():
+        if line.startswith("lesson = "):  # its place among the shipped ones
+            continue
         head = line.split("#")[0].strip()
         if head in COMMENTS and head not in told:
             told.add(head)

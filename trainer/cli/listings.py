@@ -11,17 +11,16 @@ from trainer.cli.types import Commands
 @click.command()
 @click.option("--json", "as_json", is_flag=True, help="Print the list as JSON.")
 def exercises(*, as_json: bool) -> None:
-    """List the shipped exercises.
+    """List the shipped exercises, in the order of the course.
 
     \b
     Example:  trainer exercises
     """
     import json  # noqa: PLC0415
 
-    from trainer.config.exercise import load_exercise  # noqa: PLC0415
-    from trainer.config.files import shipped_names  # noqa: PLC0415
+    from trainer.config.course import course  # noqa: PLC0415
 
-    found = {name: load_exercise(name).heading.name for name in shipped_names("exercises")}
+    found = {lesson.name: lesson.title for lesson in course()}
     lines = [f"{name:24}{title}" for name, title in found.items()]
     click.echo(json.dumps(found, indent=1) if as_json else "\n".join(lines))
 

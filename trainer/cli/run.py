@@ -104,16 +104,10 @@ def on_screen(asked: RunOptions, chosen: RunOptions, begin: Begin) -> int:
 
 def choose(asked: RunOptions) -> RunOptions:
     """Return the options with the exercise that is chosen at the terminal; leave if none is."""
-    # read as they are: what checks them would load the core, and the session is to choose which
-    from trainer.config.files import parse_toml, read_text, shipped, shipped_names  # noqa: PLC0415
-    from trainer.console.exercise_choice import Offered, choose_exercise  # noqa: PLC0415
+    from trainer.config.course import course  # noqa: PLC0415
+    from trainer.console.exercise_choice import choose_exercise  # noqa: PLC0415
 
-    offered = []
-    for name in shipped_names("exercises"):
-        path = shipped("exercises", name)
-        table = parse_toml(read_text(path), path.name)
-        offered.append(Offered(name, str(table["name"]), str(table["briefing"])))
-    chosen = choose_exercise(offered)
+    chosen = choose_exercise(course())
     if chosen is None:
         sys.exit(0)
     return replace(asked, exercise=chosen, given=frozenset({"exercise"})) if chosen else asked

@@ -94,6 +94,9 @@ class Heading:
 
     schema: str = of(Choice(("exercise/1",), "form of the file"))
     name: str = of(Text(55, "the crew's title, one line for the list of exercises"))
+    lesson: float | None = optional(
+        Quantity("-", within(1, 999), "place in the course: lists are in this order")
+    )
     briefing: str = of(Page(4000, "what the crew is told at the start"))
     instructor: str | None = optional(
         Page(4000, "for the instructor alone: what is hidden, the cure")

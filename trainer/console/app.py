@@ -30,6 +30,7 @@ from trainer.console.keys import (
     Leave,
     Move,
     Open,
+    Repeat,
     Ring,
     Scroll,
     Toggle,
@@ -202,8 +203,10 @@ class Console(App[str], inherit_bindings=False):
                 self._open(Moments(self.model, replays=True))
             case Open(dialog):
                 self._open(DIALOGS[dialog](self.model))
-            case Write(text) if not words:
+            case Write(text):
                 self.query_one(Entry).begin(text)
+            case Repeat() if not words:
+                self.query_one(Entry).begin("")
             case Ring():
                 self._silent = not self._silent
                 said = "off" if self._silent else "on"
@@ -228,7 +231,7 @@ class Console(App[str], inherit_bindings=False):
                 words = f"time {nearest(PACES, picture.pace, steps):g}"
             case Move(surface, by):
                 words = self._levers.move(surface, by, self.model)
-            case Write(""):
+            case Repeat():
                 words = self._repeat()
             case Again() if picture.word("time", "replay") == "yes":
                 words = "take over"

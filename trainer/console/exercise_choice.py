@@ -3,25 +3,19 @@
 import textwrap
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import ClassVar, Final, NamedTuple
+from typing import ClassVar, Final
 
 from textual.app import App
 from textual.binding import BindingType
 
+from trainer.config.course import Lesson
 from trainer.console.choice import HEAD, NOTHING, Choice, Done, Row
 from trainer.console.dialogs import Dialog
 from trainer.console.pane import Lines, fit, line
 
 FREELY: Final = "Sail freely"
 BRIEFING: Final = 4  # [rows] of what is chosen
-
-
-class Offered(NamedTuple):
-    """An exercise that can be run: its name for `trainer run`, the crew's title and briefing."""
-
-    name: str
-    title: str
-    briefing: str
+NO_TITLE: Final = "No title has these letters. Backspace takes the last one away."
 
 
 @dataclass
@@ -45,7 +39,8 @@ class ExerciseChoice(Choice):
             for i, row in enumerate(shown[first : first + room])
         ]
         rows += [line()] * (room - len(rows))
-        told = textwrap.wrap(self.chosen.says if self.chosen else "", max(width - 4, 8))
+        says = self.chosen.says if self.chosen else NO_TITLE
+        told = textwrap.wrap(says, max(width - 4, 8))
         below = [line((f"   {text}", "ordered")) for text in told[:BRIEFING]]
         below += [line()] * (BRIEFING - len(below))
         lines = [
@@ -59,7 +54,7 @@ class ExerciseChoice(Choice):
         return [fit(each, width) for each in lines[:height]]
 
 
-def exercise_choice(offered: Sequence[Offered]) -> ExerciseChoice:
+def exercise_choice(offered: Sequence[Lesson]) -> ExerciseChoice:
     """Return the list: sailing freely comes first, so that Enter alone sails."""
     rows = [Row(FREELY, FREELY, "", "No exercise: go to sea at once and do as you like.")]
     rows += [Row(each.title, each.name, "", " ".join(each.briefing.split())) for each in offered]
@@ -83,7 +78,7 @@ class ExerciseScreen(App[Done], inherit_bindings=False):
         self.push_screen(Dialog(self._choice), self.exit)
 
 
-def choose_exercise(offered: Sequence[Offered]) -> str | None:
+def choose_exercise(offered: Sequence[Lesson]) -> str | None:
     """Ask at the terminal; return the name of an exercise, "" to sail freely, None to leave."""
     from trainer.console.launch import forget_size  # noqa: PLC0415  not for the words alone
 

@@ -47,6 +47,11 @@ class Write:
 
 
 @dataclass(frozen=True)
+class Repeat:
+    """Repeat the order to the crew that is new; without one begin an order."""
+
+
+@dataclass(frozen=True)
 class Widen:
     """Let the charts go back further, or less far."""
 
@@ -75,7 +80,7 @@ class Ring:
     """Let the terminal's bell ring, or be silent."""
 
 
-Act = Give | Toggle | Hasten | Move | Open | Write | Widen | Scroll | Again | Leave | Ring
+Act = Give | Toggle | Hasten | Move | Open | Write | Repeat | Widen | Scroll | Again | Leave | Ring
 
 
 @dataclass(frozen=True)
@@ -113,13 +118,14 @@ SPAN: Final = (
     Key(("right_square_bracket",), "]", "", "charts over a longer time", Widen(1)),
     Key(("left_square_bracket",), "[", "", "charts over a shorter time", Widen(-1)),
 )
-TYPE: Final = Key(
-    ("enter", "colon"),
+REPEAT: Final = Key(
+    ("enter",),
     "Enter",
     "type/repeat",
-    "repeat a new order (aye); without one type an order, Esc comes back",
-    Write(""),
+    "repeat a new order (aye); without one type an order",
+    Repeat(),
 )
+TYPE: Final = Key(("colon",), ":", "", "type an order; Esc comes back", Write(""))
 
 INSTRUCTOR: Final = (
     HELP,
@@ -231,8 +237,8 @@ WATER: Final = (
     order_key("c", "K: charge", "compressor on"),
     order_key("k", "", "compressor off"),
 )
-FIRST: Final = (HELP, TYPE, BRIEF, LEAVE)  # named first where there is little room
-COMMON: Final = (BELL, *SPAN, *LOG)
+FIRST: Final = (HELP, REPEAT, BRIEF, LEAVE)  # named first where there is little room
+COMMON: Final = (TYPE, BELL, *SPAN, *LOG)
 
 KEYS: Final[Mapping[str, tuple[Key, ...]]] = {
     "instructor": INSTRUCTOR,

@@ -6,11 +6,12 @@ without command watches and marks, and after the end of an exercise time stands 
 
 import threading
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Final
 
+from trainer.config.course import course
 from trainer.config.files import ConfigError
 from trainer.io.orders.grammar import Refused
 from trainer.io.recording.recording import RecordingError
@@ -36,7 +37,6 @@ NOT_CREW: Final = (INSTRUCTOR.name, STRANGER.name, "observer")  # of whom nobody
 class Following:
     """What may come after an exercise: in this process, or why only in another."""
 
-    names: Sequence[str] = ()
     problem: Callable[[str], str] = lambda _: ""  # with an exercise, "" for none
     barred: str = "this session is one run"
 
@@ -288,7 +288,8 @@ class Conduct:
     def _next(self, asked: Asked) -> bool:
         name, following = asked.order.subject, self.following
         if not name:
-            asked.station.answer(asked, "next NAME begins one of them", *following.names)
+            names = [each.name for each in course()]
+            asked.station.answer(asked, "next NAME begins one of them, as the course goes", *names)
             return True
         elsewhere = following.barred
         if not elsewhere and not all(each.visits for each in self.log.stations):

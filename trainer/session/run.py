@@ -18,7 +18,7 @@ from trainer.boat import compilation
 from trainer.boat.boat import Boat
 from trainer.boat.limits import LimitMonitor, account_of
 from trainer.config.exercise import load_exercise
-from trainer.config.files import ConfigError, remembering, shipped_names
+from trainer.config.files import ConfigError, remembering
 from trainer.io import paths as paths_module
 from trainer.io.recording.absence import NoRecording
 from trainer.io.recording.file import TakenError
@@ -219,7 +219,7 @@ def following_of(options: RunOptions) -> Following:
     """Return what may follow a run: where all that it writes is its recording, any exercise."""
     files = options.csv_path, options.rrd, options.nmea_record
     barred = "this session is begun for one run" if any(files) or keeps_no_time(options) else ""
-    return Following(shipped_names("exercises"), problem_with(load_exercise), barred)
+    return Following(problem_with(load_exercise), barred)
 
 
 def discard(kept: Path | None) -> None:

@@ -1,0 +1,31 @@
+"""The shipped exercises in the order in which a crew learns: the first lesson first."""
+
+import math
+from typing import NamedTuple
+
+from trainer.config.files import parse_toml, read_text, shipped, shipped_names
+
+
+class Lesson(NamedTuple):
+    """An exercise: its place in the course, its name, and the crew's title and briefing."""
+
+    place: float
+    name: str
+    title: str
+    briefing: str
+
+
+def course() -> list[Lesson]:
+    """Return every shipped exercise; ConfigError if a file cannot be read.
+
+    The files are read as they are: what checks them would load the core.
+    """
+    return sorted(lesson(name) for name in shipped_names("exercises"))
+
+
+def lesson(name: str) -> Lesson:
+    """Return a shipped exercise as a lesson; one without a place in the course comes last."""
+    path = shipped("exercises", name)
+    table = parse_toml(read_text(path), path.name)
+    place = float(table.get("lesson", math.inf))
+    return Lesson(place, name, str(table["name"]), str(table["briefing"]))
