@@ -168,6 +168,12 @@ def test_any_text_makes_a_sentence_that_reads_back(text: str, tag: str, accepted
     assert len(event.fields) == 4
 
 
+def test_a_comma_within_a_field_is_told_as_a_semicolon() -> None:
+    found = read(sentences.state("orders", 1, 0.5, ["mind the sea, come up", "2"]))
+    assert found
+    assert found.fields[3:] == ("mind the sea; come up", "2")
+
+
 @given(
     st.text(max_size=100) | st.text(alphabet="$*,#TROASNE0123456789ABCDEF depthok.", max_size=90)
 )

@@ -56,7 +56,7 @@ a tag, which cannot be trusted either. A line in has at most {LONGEST} character
 {sentences.LONGEST_ANSWER}.
 
 The text is the last field and may hold commas; a `$`, a `*` or a character beyond ASCII in it is
-sent as `?`.
+sent as `?`. In a field before others a comma is sent as `;`.
 """
 
 EXAMPLES = (

@@ -28,7 +28,6 @@ LONGEST_ANSWER = 2000  # [characters]  of a line from the session; NMEA's 82 wou
 FRAME = re.compile(r"\$([^$*]*)\*([0-9A-Fa-f]{2})")
 TAG = re.compile(r"[0-9]{1,6}")
 UNSAFE = re.compile(r"[^ -~]|[$*]")
-UNSAFE_FIELD = re.compile(r"[^ -~]|[$*,]")
 # Of each kind: the commas after which they belong to the text, and the fields it has at least.
 KINDS = {"TRA": (1, 2), "TRN": (-1, 1), "TRS": (-1, 3), "TRE": (3, 4), "TRF": (3, 4)}
 # Of those that tell when: where the tick stands, and after it the seconds.
@@ -177,13 +176,13 @@ def names(channel: str, fields: Iterable[tuple[str, str]]) -> str:
 
 def state(channel: str, tick: int, seconds: float, values: Iterable[str]) -> str:
     """Return the values of a channel at a tick [-], a time [s]."""
-    fields = (UNSAFE_FIELD.sub("?", value) for value in values)
+    fields = map(safe_field, values)
     return frame("TRS", "", ",".join([channel, f"{tick}", f"{seconds:.3f}", *fields]))
 
 
 def event(tick: int, seconds: float, kind: str, text: str) -> str:
     """Return something that happened at a tick [-], a time [s]."""
-    return frame("TRE", "", f"{tick},{seconds:.3f},{UNSAFE_FIELD.sub('?', kind)},{safe(text)}")
+    return frame("TRE", "", f"{tick},{seconds:.3f},{safe_field(kind)},{safe(text)}")
 
 
 def fact(tick: int, seconds: float, what: str, subject: str) -> str:
@@ -205,3 +204,8 @@ def checksum(body: str) -> int:
 def safe(text: str) -> str:
     """Return `text` without what would end a sentence or is not plain ASCII."""
     return UNSAFE.sub("?", text)
+
+
+def safe_field(text: str) -> str:
+    """Return what `safe` returns of text that others follow: its commas are semicolons."""
+    return safe(text).replace(",", ";")
