@@ -6,7 +6,6 @@ and the columns "2510 model" of 1a (horizontal zig-zag), 1c (vertical zig-zag), 
 
 import csv
 import math
-import os
 import subprocess
 import sys
 from collections.abc import Callable
@@ -15,9 +14,9 @@ from typing import NamedTuple
 
 import numpy as np
 import pytest
+from helpers.places import environment
 from numpy.typing import NDArray
 
-import trainer
 from trainer.boat.boat import Boat
 
 KNOT = 1852.0 / 3600.0
@@ -38,11 +37,10 @@ def turn(folder: Path, step: str) -> dict[str, float]:
     command = "from trainer.cli.main import main; main()"
     options = f"run --headless --equations full --duration 20m --speed max --step {step}"
     files = ("--orders", "orders.txt", "--csv", "turn.csv")
-    here = [str(Path(trainer.__file__).parents[1]), os.environ.get("PYTHONPATH", "")]
     subprocess.run(
         [sys.executable, "-c", command, *options.split(), *files],
         cwd=folder,
-        env=os.environ | {"PYTHONPATH": os.pathsep.join(filter(None, here))},
+        env=environment(),
         stdin=subprocess.DEVNULL,
         capture_output=True,
         check=True,

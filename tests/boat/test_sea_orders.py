@@ -1,15 +1,14 @@
 """Orders about the sea, what the sea then does to the boat, and what is called out about it."""
 
 import math
-import os
 import subprocess
 import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
+from helpers.places import environment
 
-import trainer
 from trainer.boat.assemble import Method
 from trainer.boat.boat import Boat
 from trainer.boat.helm import obey
@@ -276,15 +275,14 @@ def test_a_run_with_sea_tanks_and_orders_gives_the_same_bits_at_any_pace_and_wit
     tmp_path: Path,
 ) -> None:
     (tmp_path / "orders.txt").write_text(TIMELINE)
-    root = str(Path(trainer.__file__).parents[1])
 
-    def recorded(speed: str, **environment: str) -> bytes:
+    def recorded(speed: str, **more: str) -> bytes:
         words = ("run", "--headless", "--duration", "30", "--sea", "sea-state-4", "--seed", "7")
         files = ("--orders", "orders.txt", "--csv", "out.csv", "--speed", speed)
         done = subprocess.run(
             [sys.executable, "-c", PROGRAM, *words, *files],
             cwd=tmp_path,
-            env=os.environ | {"PYTHONPATH": root} | environment,
+            env=environment(**more),
             capture_output=True,
             text=True,
             timeout=120,

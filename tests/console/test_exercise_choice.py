@@ -9,7 +9,7 @@ import threading
 from dataclasses import replace
 
 import pytest
-from helpers.places import ROOT
+from helpers.places import environment
 from helpers.screens import typed
 from textual.pilot import Pilot
 
@@ -137,11 +137,11 @@ def test_only_a_run_without_options_asks(words: tuple[str, ...], *, asks: bool) 
 
     far, near = pty.openpty()
     fcntl.ioctl(near, termios.TIOCSWINSZ, struct.pack("HHHH", 24, 80, 0, 0))
-    environment = {**os.environ, "TERM": "xterm-256color", "PYTHONPATH": str(ROOT)}
-    environment.pop("LC_ALL", None)
+    plain_words = environment(TERM="xterm-256color")
+    plain_words.pop("LC_ALL", None)
     with subprocess.Popen(
         [sys.executable, "-m", "trainer", "run", *words],
-        stdin=near, stdout=near, stderr=near, env=environment, start_new_session=True,
+        stdin=near, stdout=near, stderr=near, env=plain_words, start_new_session=True,
     ) as process:  # fmt: skip
         os.close(near)
         late = threading.Timer(60.0, process.kill)

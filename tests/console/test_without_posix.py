@@ -1,12 +1,11 @@
 """The console where POSIX is not, and on terminals that show no more than lines."""
 
-import os
 import subprocess
 import sys
 from pathlib import Path
 
 import pytest
-from helpers.places import ROOT
+from helpers.places import ROOT, environment
 
 from trainer.console.terminal import draws
 
@@ -19,7 +18,7 @@ def without_posix(file: str, folder: Path, *, patience: float) -> list[str]:
     done = subprocess.run(
         [sys.executable, LACKING, str(HERE / file)],
         capture_output=True, text=True, timeout=patience, check=False,
-        env=os.environ | {"PYTHONPATH": str(ROOT), "XDG_RUNTIME_DIR": str(folder)},
+        env=environment(XDG_RUNTIME_DIR=str(folder)),
     )  # fmt: skip
     assert done.returncode == 0, done.stderr
     return done.stdout.splitlines()

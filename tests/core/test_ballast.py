@@ -2,7 +2,6 @@
 
 import json
 import math
-import os
 import subprocess
 import sys
 from collections.abc import Callable
@@ -12,11 +11,10 @@ from typing import Any
 
 import numpy as np
 import pytest
-from helpers.places import DATA, ROOT
+from helpers.places import DATA, ROOT, environment
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-import trainer
 from trainer.analysis import tanks as ec430
 from trainer.boat.assemble import ballast_record
 from trainer.boat.boat import Boat
@@ -792,13 +790,11 @@ print(hashlib.sha256(state.tobytes()).hexdigest(), s.weight)
 
 
 def test_tanks_and_air_are_the_same_to_the_bit_without_the_compiler(tmp_path: Path) -> None:
-    here = [str(Path(trainer.__file__).parents[1]), os.environ.get("PYTHONPATH", "")]
-    path = os.pathsep.join(filter(None, here))
     answers = [
         subprocess.run(
             [sys.executable, "-c", SCENARIO],
             cwd=tmp_path,
-            env=os.environ | {"PYTHONPATH": path, "NUMBA_DISABLE_JIT": off},
+            env=environment(NUMBA_DISABLE_JIT=off),
             capture_output=True,
             text=True,
             check=True,

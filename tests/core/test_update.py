@@ -1,7 +1,6 @@
 """One tick: what it never does to the state, and the surfaces and the engine it moves."""
 
 import math
-import os
 import subprocess
 import sys
 from collections.abc import Callable
@@ -10,8 +9,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from helpers.places import environment
 
-import trainer
 from trainer.boat.assemble import Method, fit_out
 from trainer.boat.boat import Boat
 from trainer.config.vessel import load_vessel
@@ -156,12 +155,10 @@ for equations in ("full", "modified", "basic", "longitudinal"):
 
 def test_a_thousand_ticks_allocate_nothing(tmp_path: Path) -> None:
     # the call from Python itself wraps its arguments: what counts is what more ticks add to that
-    here = [str(Path(trainer.__file__).parents[1]), os.environ.get("PYTHONPATH", "")]
-    environment = {"NUMBA_NRT_STATS": "1", "PYTHONPATH": os.pathsep.join(filter(None, here))}
     ran = subprocess.run(
         [sys.executable, "-c", COUNT_ALLOCATIONS],
         cwd=tmp_path,
-        env=os.environ | environment | {"NUMBA_DISABLE_JIT": "0"},
+        env=environment(NUMBA_NRT_STATS="1", NUMBA_DISABLE_JIT="0"),
         capture_output=True,
         text=True,
         check=True,

@@ -6,7 +6,7 @@ import sqlite3
 import subprocess
 import sys
 import threading
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
@@ -51,6 +51,7 @@ class Typist:
 
     typed: Iterator[str]
     wake: threading.Event
+    stepping: Callable[[], bool]
     heard: list[str] = field(default_factory=list)
     name: str = "typist"
     trouble: str = ""
@@ -58,6 +59,9 @@ class Typist:
     ended: bool = False
 
     def take(self, _most: int) -> list[str]:
+        if self.stepping():  # on a busy machine lines are heard between the steps
+            self.wake.set()
+            return []
         self.ended = True
         for line in self.typed:
             self.ended = False
@@ -89,7 +93,10 @@ class Watch:
         sending = Promptly(Roster(StateReader(self.boat, time.ledger.summary)))
         history = History(self.boat, self.recording)
         self.session = Session(self.boat, time, history, NoFile(), (), sending)
-        self.instructor, self.helm = (Typist(iter(()), self.session.wake) for _ in range(2))
+        control, wake = self.session.control, self.session.wake
+        self.instructor, self.helm = (
+            Typist(iter(()), wake, lambda: control.steps > 0) for _ in range(2)
+        )
         for role, line in (("instructor", self.instructor), ("helm", self.helm)):
             station = Station(line, Access(role), sending, self.session.event_log.log)  # type: ignore[arg-type]
             self.session.event_log.stations.append(station)

@@ -16,8 +16,8 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from helpers.places import environment
 
-import trainer
 from trainer.io.orders.sentences import order_sentence, read
 from trainer.io.recording.recording import Journalled, Recording
 
@@ -175,14 +175,13 @@ class Nursery:
 
 @pytest.fixture(scope="module")
 def nursery(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Nursery]:
-    here = [str(Path(trainer.__file__).parents[1]), os.environ.get("PYTHONPATH", "")]
     folder = tmp_path_factory.mktemp("nursery")
     first = folder / "first.toml"
     first.write_text(TROUBLED)
     words = ("run", str(first), *MAX, "--duration", "5", "--record", str(folder / "first.trainer"))
     with subprocess.Popen(
         [sys.executable, "-c", NURSERY, *words],
-        env=os.environ | {"PYTHONPATH": os.pathsep.join(filter(None, here))},
+        env=environment(),
         stdin=subprocess.PIPE,
         stdout=subprocess.PIPE,
         text=True,

@@ -1,7 +1,6 @@
 """An exercise to its end and beyond, in a session of its own process with stations at sockets."""
 
 import contextlib
-import os
 import re
 import signal
 import subprocess
@@ -12,7 +11,7 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
-from helpers.places import ROOT
+from helpers.places import environment
 
 from trainer.io.recording.recording import Recording
 from trainer.verify.soak.session_process import Caller, GoneError
@@ -45,13 +44,12 @@ class Served:
         self.callers: list[Caller] = []
         self._listening = threading.Event()
         socket = ["--socket", str(self.where)] if "--socket" not in words else []
-        environment = {**os.environ, "XDG_STATE_HOME": str(folder), "XDG_RUNTIME_DIR": str(folder)}
-        environment["PYTHONPATH"] = os.pathsep.join([str(ROOT), os.environ.get("PYTHONPATH", "")])
+        own = {"XDG_STATE_HOME": str(folder), "XDG_RUNTIME_DIR": str(folder)}
         self._out = folder / "out.txt"
         with self._out.open("w", encoding="utf-8") as out:
             self.process = subprocess.Popen(
                 [sys.executable, "-X", "faulthandler", "-m", "trainer", *words, *socket],
-                env=environment,
+                env=environment(**own),
                 stderr=subprocess.PIPE,
                 stdout=out,
                 stdin=subprocess.DEVNULL,
@@ -204,12 +202,10 @@ def test_a_frozen_session_waits_at_its_local_socket(
     tmp_path: Path, tmp_path_factory: pytest.TempPathFactory
 ) -> None:
     home = str(tmp_path_factory.mktemp("xdg"))  # a short name: that of a socket has to be
-    environment = {**os.environ, "XDG_STATE_HOME": str(tmp_path), "XDG_RUNTIME_DIR": home}
-    environment["PYTHONPATH"] = os.pathsep.join([str(ROOT), os.environ.get("PYTHONPATH", "")])
     words = ["serve", "depth-changes", "--listen", "none", "--frozen"]
     with subprocess.Popen(
         [sys.executable, "-m", "trainer", *words],
-        env=environment,
+        env=environment(XDG_STATE_HOME=str(tmp_path), XDG_RUNTIME_DIR=home),
         stderr=subprocess.PIPE,
         stdout=subprocess.DEVNULL,
         text=True,
@@ -237,12 +233,10 @@ def test_a_frozen_session_waits_at_its_local_socket(
 )
 def test_a_run_that_is_refused_leaves_no_recording(tmp_path: Path, wrong: tuple[str, ...]) -> None:
     kept = tmp_path / "kept.trainer"
-    environment = {**os.environ, "XDG_STATE_HOME": str(tmp_path)}
-    environment["PYTHONPATH"] = os.pathsep.join([str(ROOT), os.environ.get("PYTHONPATH", "")])
     for record in (["--record", str(kept)], []):
         done = subprocess.run(
             [sys.executable, "-m", "trainer", "serve", *wrong, *record],
-            env=environment,
+            env=environment(XDG_STATE_HOME=str(tmp_path)),
             capture_output=True,
             text=True,
             timeout=PATIENCE,

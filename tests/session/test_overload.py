@@ -1,7 +1,6 @@
 """A session that is asked for more than its machine can do: it hears orders, and it ends."""
 
 import contextlib
-import os
 import signal
 import subprocess
 import sys
@@ -11,7 +10,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from helpers.places import ROOT
+from helpers.places import environment
 
 from trainer.boat import compilation
 from trainer.verify.soak.session_process import Caller
@@ -19,18 +18,15 @@ from trainer.verify.soak.session_process import Caller
 PATIENCE = 120.0  # [s] until it listens, on a machine that is busy
 ANSWER = 5.0  # [s] for an order; half a second is promised
 END = 10.0  # [s] after Ctrl-C; one second is promised
-HERE = ROOT
 
 
 @contextlib.contextmanager
 def interpreted(tmp_path: Path, *words: str) -> Iterator[tuple["subprocess.Popen[str]", Caller]]:
     """Have an interpreted session of REMUS 100, whose step is short, and its instructor."""
-    environment = {**os.environ, "NUMBA_DISABLE_JIT": "1", "XDG_STATE_HOME": str(tmp_path)}
-    environment["PYTHONPATH"] = os.pathsep.join([str(HERE), os.environ.get("PYTHONPATH", "")])
     serve = ["serve", "--vessel", "remus100", "--listen", "127.0.0.1:0", "--socket", "none"]
     with subprocess.Popen(
         [sys.executable, "-m", "trainer", *serve, *words],
-        env=environment,
+        env=environment(NUMBA_DISABLE_JIT="1", XDG_STATE_HOME=str(tmp_path)),
         stderr=subprocess.PIPE,
         stdout=subprocess.DEVNULL,
         text=True,

@@ -14,8 +14,8 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
+from helpers.places import environment
 
-import trainer
 from trainer.io.orders.sentences import order_sentence, read
 from trainer.io.recording.recording import Noted, Recording
 
@@ -142,10 +142,9 @@ Serve = Callable[..., Served]
 
 
 def trained(*words: str) -> "subprocess.Popen[str]":
-    here = [str(Path(trainer.__file__).parents[1]), os.environ.get("PYTHONPATH", "")]
     return subprocess.Popen(
         [*COMMAND, *words],
-        env=os.environ | {"PYTHONPATH": os.pathsep.join(filter(None, here))},
+        env=environment(),
         stdin=subprocess.DEVNULL,
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,

@@ -13,8 +13,8 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
+from helpers.places import environment
 
-import trainer
 from trainer.cli.main import main
 from trainer.config.vessel import load_vessel
 
@@ -31,16 +31,14 @@ posix = pytest.mark.skipif(os.name != "posix", reason="signals and shells of POS
 @pytest.fixture
 def start(tmp_path: Path) -> Iterator[Start]:
     """Return a function that starts the command in an empty folder; what still runs is killed."""
-    here = [str(Path(trainer.__file__).parents[1]), os.environ.get("PYTHONPATH", "")]
-    path = {"PYTHONPATH": os.pathsep.join(filter(None, here))}
     with contextlib.ExitStack() as started:
 
-        def begin(*words: str, before: tuple[str, ...] = (), **environment: str) -> object:
+        def begin(*words: str, before: tuple[str, ...] = (), **more: str) -> object:
             pipe = subprocess.PIPE
             process = subprocess.Popen(
                 [*before, *COMMAND, *words],
                 cwd=tmp_path,
-                env=os.environ | path | environment,
+                env=environment(**more),
                 stdin=pipe,
                 stdout=pipe,
                 stderr=pipe,
