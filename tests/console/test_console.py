@@ -25,6 +25,7 @@ from helpers.screens import (
     typed,
     values,
 )
+from textual.events import Key
 from textual.pilot import Pilot
 from textual.strip import Strip
 
@@ -143,6 +144,18 @@ def test_escape_leaves_every_dialog_and_orders_nothing() -> None:
     dialogs = ("f1", "f4", "f5", "f6", "f7", "f10")
     keys = itertools.chain.from_iterable((key, "escape", "f3") for key in dialogs)
     assert pressed(tuple(keys)) == ["step"] * len(dialogs)
+
+
+def test_a_dialog_that_a_key_has_ended_takes_no_second_one() -> None:
+    async def press(pilot: Pilot[str], app: Console) -> None:
+        await pilot.press("f4")
+        dialog = app.screen
+        for _ in range(2):  # both wait in its queue before it is taken away
+            dialog.post_message(Key("escape", None))
+        await pilot.pause(0.1)
+        await pilot.press("f3")
+
+    assert at_the_console(press)[1].orders == ["step"]
 
 
 def test_a_frozen_boat_is_let_go_by_the_same_key() -> None:

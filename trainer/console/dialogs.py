@@ -67,10 +67,10 @@ class Dialog(ModalScreen[Done]):
         self._go_on(None)
 
     def _go_on(self, done: Done | None) -> None:
-        """Show what has changed, or end."""
+        """Show what has changed, or end; keys pressed after the end change nothing."""
         if done is None:
             self.query_one(Pane).look()
-        else:
+        elif self.is_current:
             self.dismiss(done)
 
 
