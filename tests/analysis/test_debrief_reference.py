@@ -290,7 +290,8 @@ def entry(number: int, second: float, who: str, text: str, answer: str) -> Journ
     return Journalled(number, 1, round(2 * second), who, text, None, bool(number), answer)
 
 
-def test_orders_to_the_crew_are_told_with_their_repeats(mastered: Path) -> None:
+@pytest.mark.parametrize("repeat", ["stand by", "tell stand by"])  # the second in older files
+def test_orders_to_the_crew_are_told_with_their_repeats(mastered: Path, repeat: str) -> None:
     trajectory = debriefed(mastered).trajectory
     said = (
         entry(1, 60, "schedule", "order depth 100 m", "ordered: depth 100 m"),
@@ -298,6 +299,7 @@ def test_orders_to_the_crew_are_told_with_their_repeats(mastered: Path) -> None:
         entry(3, 64.5, PANEL, "aye", "depth 100 m aye"),
         entry(4, 480, "schedule", "order depth 40 m", "ordered: depth 40 m"),
         entry(5, 500, "instructor at a desk", "tell stand by", "told: stand by"),
+        entry(6, 503, PANEL, "aye", f"{repeat} aye"),
     )
     first, second, words = read_backs(replace(trajectory, orders=said))
 
@@ -310,6 +312,7 @@ def test_orders_to_the_crew_are_told_with_their_repeats(mastered: Path) -> None:
     assert abs(depth[kept - 1] - 100.0) > 3.0
     assert second.repeated is None
     assert (words.told, words.axis, words.carried_out) == ("stand by", "words", None)
+    assert words.repeated is said[5]
 
 
 def test_the_page_and_the_figures_tell_who_repeated(mastered: Path) -> None:

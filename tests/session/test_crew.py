@@ -221,6 +221,26 @@ def test_an_instructor_alone_on_board_repeats_what_the_schedule_orders(crew: Mak
     assert here.say("instructor", "aye")[-1].endswith("depth 75 m aye")
 
 
+@pytest.mark.parametrize("schedule", ["1 tell surface, then steer", ""])
+def test_words_stand_on_the_panels_from_the_next_tick_also_once_repeated(
+    crew: Make, schedule: str
+) -> None:
+    here = crew(schedule=schedule).man("instructor", "helm")
+    here.fly(2.0)
+    if not schedule:
+        here.say("instructor", "tell surface, then steer")
+    here.say("helm", "aye")
+    here.fly(1.0)
+    assert "told surface, then steer" in " ".join(here.say("helm", "read orders"))
+    assert here.say("helm", "aye")[-1].startswith("? no new order")
+
+
+def test_words_are_repeated_without_the_word_that_gave_them(crew: Make) -> None:
+    here = crew().man("instructor", "helm")
+    here.say("instructor", "tell stand by")
+    assert here.say("helm", "aye")[-1] == "stand by aye"
+
+
 @pytest.mark.parametrize(
     ("order", "role", "words"),
     [

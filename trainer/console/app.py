@@ -20,7 +20,7 @@ from trainer.console.drawing.chart import strip
 from trainer.console.drawing.event_log import log, time_at, time_line
 from trainer.console.drawing.panels import flowed, foot, key_at, top
 from trainer.console.entry import Entry, Names, hint
-from trainer.console.guide import PlanView, answer, briefing, ending, guide
+from trainer.console.guide import Ending, PlanView, answer, briefing, guide
 from trainer.console.keys import (
     KEYS,
     Act,
@@ -127,7 +127,7 @@ class Console(App[str], inherit_bindings=False):
         self._names = Names(model)
         self._seen: tuple[object, ...] = ()
         self._rung = model.bells
-        self._silent = False
+        self._silent = self._mounted = False
         self._ended, self._released = model.endings, model.releases
         self._foot = footer(model.role)
 
@@ -155,12 +155,22 @@ class Console(App[str], inherit_bindings=False):
     def on_mount(self) -> None:
         """Begin to look; end in good order when asked to from outside."""
         self.model.hear()  # what has come by now is in the first drawing
+        self._mounted = True
         self._expecting = self.set_interval(SOON, self._expect)
         self.set_interval(1.0 / RATE, self._look)
         if self.model.instructs:
             self.query_one(Entry).focus()
         else:
             self.set_focus(None)
+
+    async def on_event(self, event: events.Event) -> None:
+        """Take a control's key at once: what follows a colon is typed, however fast it comes."""
+        if isinstance(event, events.Key) and not event.is_forwarded and self._at_controls:
+            key = self._keys.get(event.key)
+            if key is not None:
+                self.act(key.act)
+                return
+        await super().on_event(event)
 
     def on_key(self, event: events.Key) -> None:
         """Do what a key does, unless a dialog has it or an order is being typed.
@@ -302,14 +312,30 @@ class Console(App[str], inherit_bindings=False):
         due, self._rung = self.model.bells > self._rung, self.model.bells
         if due and not self._silent:
             self.bell()
-        endings, self._ended = self.model.endings - self._ended, self.model.endings
-        if endings > 0 and self.model.instructs:
-            self._open(ending(self.model))
+        if self.model.endings > self._ended and not self._typing:
+            self._ended = self.model.endings
+            if self.model.instructs:
+                self._open(Ending(self.model))
         releases, self._released = self.model.releases - self._released, self.model.releases
         if releases > 0 and not self.model.instructs and len(self.screen_stack) == 1:
             self._open(briefing(self.model))
         while self.model.answers and len(self.screen_stack) == 1:
             self._open(answer(*self.model.answers.pop(0)))
+
+    @property
+    def _at_controls(self) -> bool:
+        """Return whether keys are those of controls: no order is typed, no dialog is open."""
+        return (
+            self._mounted
+            and not self.model.instructs
+            and len(self.screen_stack) == 1
+            and self.focused is None
+        )
+
+    @property
+    def _typing(self) -> bool:
+        """Return whether an order has been begun."""
+        return bool(self.screen_stack[0].query_one(Entry).value)
 
     def _pane(self, place: Place) -> Pane:
         return Pane(partial(place.draw, self.model), place.name, moving=place.moving)

@@ -84,9 +84,9 @@ class Question:
 
     def press(self, key: str, _character: str | None) -> Done | None:
         """Take a key; return how the dialog ends, None while it goes on."""
-        if key in ("escape", "n"):
+        if key.lower() in ("escape", "n"):
             return NOTHING
-        return self.answers[key][1] if key in self.answers else None
+        return self.answers[key.lower()][1] if key.lower() in self.answers else None
 
     def click(self, _column: int, row: int, _width: int) -> Done | None:
         """Take a click on an answer."""
@@ -113,4 +113,4 @@ def leaving(*, own: bool) -> Question:
 def emergency() -> Question:
     """Return the question before all main ballast is blown."""
     blow = ("blow all main ballast from both banks", Done(("emergency blow",)))
-    return Question("Emergency blow?", {"e": blow})
+    return Question("Emergency blow?", {"b": blow})  # another key: E may be held, or typed

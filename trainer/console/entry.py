@@ -128,7 +128,7 @@ class Entry(Input):
         """Let an order begin so."""
         self.value = text
         self.cursor_position = len(text)
-        self.focus()
+        self.screen.set_focus(self)  # now, not when the keys that follow have been taken
 
     def keep(self, words: str) -> None:
         """Keep a line for those that want it again, and clear it."""

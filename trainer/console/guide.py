@@ -3,7 +3,7 @@
 import textwrap
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Final
+from typing import Final, NamedTuple
 
 from trainer.console.choice import NOTHING, Done
 from trainer.console.drawing.plan import plan
@@ -108,9 +108,9 @@ class Reading:
         if key in MOVES:
             self.top = min(max(self.top + MOVES[key], 0), self._last)
             return None
-        if key in self.keys:
-            return Done((self.keys[key][0],))
-        return NOTHING if key in LEAVES else None
+        if key.lower() in self.keys:
+            return Done((self.keys[key.lower()][0],))
+        return NOTHING if key.lower() in LEAVES else None
 
     def click(self, _column: int, row: int, _width: int) -> Done | None:
         """Take a click on one of the keys, which stand at the top of what has any."""
@@ -285,22 +285,57 @@ def answer(words: str, lines: Sequence[str]) -> Reading:
     return Reading(words, lambda: rows)
 
 
-AFTER: Final = {  # keys of what can follow an exercise: their orders, and what they do
-    "r": ("release marks", "release the marks to the crew"),
-    "d": ("debrief", "write the debrief"),
-    "a": ("again", "again, from the start"),
-    "h": ("again from here", "again from here"),
-    "n": ("next", "another: lists them"),
+class Next(NamedTuple):
+    """What can follow an exercise: its order, what it does, and whether it is asked once more."""
+
+    order: str
+    does: str
+    asked: bool = False
+
+
+AFTER: Final = {
+    "r": Next("release marks", "release the marks to the crew"),
+    "d": Next("debrief", "write the debrief"),
+    "a": Next("again", "again, from the start", asked=True),
+    "h": Next("again from here", "again from here", asked=True),
+    "n": Next("next", "another: lists them"),
 }
+DEAF: Final = 1.0  # [s] that keys are ignored which were meant for what was there before
 
 
-def ending(model: SessionModel) -> Reading:
-    """Return the window of an exercise that is over: what can follow, and the marks."""
+class Ending(Reading):
+    """The window of an exercise that is over: what can follow, and the marks."""
 
-    def text() -> list[Line]:
-        rows = [labelled(key.upper(), does) for key, (_, does) in AFTER.items()]
-        marks = model.marks_told or ["the marks are being made, if it has any"]
-        rows += [line(), line((f" {model.outcome}", "title")), line()]
+    def __init__(self, model: SessionModel) -> None:
+        super().__init__(
+            "Exercise over", self._rows, {key: (each.order, "") for key, each in AFTER.items()}
+        )
+        self._model = model
+        self._since = model.clock()
+        self._chosen = ""
+
+    def press(self, key: str, character: str | None) -> Done | None:
+        """Take a key; return how the window ends, None while it goes on."""
+        key = key.lower()
+        if self._model.clock() - self._since < DEAF:
+            return None
+        before, self._chosen = self._chosen, key
+        if key == "r":  # it stays: the debrief is written next
+            self._model.order(AFTER[key].order)
+            return None
+        if key in AFTER and AFTER[key].asked and before != key:
+            return None
+        return super().press(key, character)
+
+    def _rows(self) -> list[Line]:
+        rows = [labelled(key.upper(), self._says(key)) for key in AFTER]
+        marks = self._model.marks_told or ["the marks are being made, if it has any"]
+        rows += [line(), line((f" {self._model.outcome}", "title")), line()]
         return rows + [line((f"   {told}", "plain")) for told in marks]
 
-    return Reading("Exercise over", text, {key: (order, "") for key, (order, _) in AFTER.items()})
+    def _says(self, key: str) -> str:
+        """Return what a key does, or that it is to be pressed once more."""
+        if key != self._chosen or key not in AFTER:
+            return AFTER[key].does
+        once_more = f"{AFTER[key].does}: press {key.upper()} once more"
+        return once_more if AFTER[key].asked else f"{AFTER[key].does}: done"

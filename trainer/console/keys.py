@@ -261,8 +261,13 @@ def footer(role: str) -> tuple[tuple[str, str], ...]:
 
 
 def by_name(role: str) -> dict[str, Key]:
-    """Return the keys of a role by the names that a terminal gives them."""
-    return {name: key for key in KEYS[role] for name in key.names}
+    """Return the keys of a role by the names that a terminal gives them.
+
+    A capital does what its letter does, as with Caps Lock, unless it is a key of its own.
+    """
+    found = {name: key for key in KEYS[role] for name in key.names}
+    capitals = {name.upper(): key for name, key in found.items() if len(name) == 1}
+    return capitals | found
 
 
 def key_table(role: str) -> str:

@@ -63,6 +63,11 @@ class Spoken:
     reminded: bool = False
     begun: bool = False  # somebody has moved what carries it out
 
+    @property
+    def says(self) -> str:
+        """Return the order as people say it."""
+        return self.given.subject if self.axis == WORDS else self.told
+
 
 class Repeat(NamedTuple):
     """What was repeated, and whether it is what was ordered."""
@@ -170,7 +175,7 @@ class CrewTalk:
         for each in gone:
             del self._spoken[each.axis]
         self._look_ahead()
-        return [Telling("crew", f"belay: {each.told}", Fact("belayed", each.told)) for each in gone]
+        return [Telling("crew", f"belay: {each.says}", Fact("belayed", each.told)) for each in gone]
 
     def _aye(self, order: Order, role: str) -> Reply:
         """Answer a repeat."""
@@ -178,8 +183,8 @@ class CrewTalk:
         if isinstance(found, Refused):
             return found
         if found.right:
-            return f"{found.spoken.told} aye"
-        return f"WRONG REPEAT: {order.subject}; ordered is {found.spoken.told}"
+            return f"{found.spoken.says} aye"
+        return f"WRONG REPEAT: {order.subject}; ordered is {found.spoken.says}"
 
     def _repeated(self, order: Order, role: str) -> list[Telling]:
         """Note a repeat: right, the order is new no longer; wrong, it is counted."""
@@ -190,10 +195,10 @@ class CrewTalk:
         if right:
             spoken.repeated = True
             self._look_ahead()
-            return [Telling("crew", f"{role}: {spoken.told} aye", Fact("repeated", spoken.told))]
+            return [Telling("crew", f"{role}: {spoken.says} aye", Fact("repeated", spoken.told))]
         spoken.wrong += 1
         told = f"{order.subject}; {spoken.told}"
-        text = f"WRONG REPEAT: {role} says {order.subject}; ordered is {spoken.told}"
+        text = f"WRONG REPEAT: {role} says {order.subject}; ordered is {spoken.says}"
         return [Telling("crew", text, Fact("wrong-repeat", told))]
 
     def _find(self, words: str, role: str) -> Repeat | Refused:
@@ -216,7 +221,7 @@ class CrewTalk:
         axis = axis_of(said) if said else WORDS
         meant = [each for each in new if each.axis == axis]
         if not meant:
-            return Refused(f'"{words}" repeats nothing; new here is {new[0].told}: say aye')
+            return Refused(f'"{words}" repeats nothing; new here is {new[0].says}: say aye')
         return Repeat(meant[0], right=is_repeated(words, meant[0]))
 
     # What is missing or wrong
@@ -232,7 +237,7 @@ class CrewTalk:
                 continue
             each.reminded = True
             if any(attends(role) for role in CONCERNED[each.axis] if role != each.by):
-                text = f"NOT REPEATED in {LATE:g} s: {each.told}"
+                text = f"NOT REPEATED in {LATE:g} s: {each.says}"
                 found.append(Telling("crew", text, Fact("crew-order", each.told)))
         if self._taken_at == tick:
             axes = ",".join(axis for axis in AXES if axis in self.hand)

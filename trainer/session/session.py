@@ -313,7 +313,9 @@ class Session:
         if not isinstance(answer, Refused):
             tellings += self.crew.note(order, who, self.history.tick, answer)
             self._say(tellings, who)
-        if talk and self.time.frozen:  # else the next tick shows it
+        if talk:
+            self._pace = self._pace._replace(told=self.crew.told)  # the next tick shows it
+        if talk and self.time.frozen:
             self._show()
         return answer
 

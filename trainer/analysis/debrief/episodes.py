@@ -144,6 +144,7 @@ def deflection(trajectory: Trajectory, episode: Episode) -> Deflection | None:
 
 ORDERED: Final = "ordered: "  # begins the answer to an order to the crew
 AYE: Final = " aye"  # ends that to a repeat
+TELL: Final = "tell "  # began it in recordings of before
 WRONG: Final = "WRONG REPEAT: "
 WORDS: Final = "words"  # the axis of an order in words
 
@@ -189,7 +190,7 @@ def _repeat(found: list[ReadBack], entry: Journalled) -> None:
     said, _, meant = entry.answer.removeprefix(WRONG).partition("; ordered is ")
     told = meant if wrong else entry.answer.removesuffix(AYE)
     for i in range(len(found) - 1, -1, -1):
-        if found[i].told == told and found[i].repeated is None:
+        if found[i].told == told.removeprefix(TELL) and found[i].repeated is None:
             changed = {"wrong": (*found[i].wrong, said)} if wrong else {"repeated": entry}
             found[i] = replace(found[i], **changed)
             return
