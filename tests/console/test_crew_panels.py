@@ -87,10 +87,13 @@ def test_the_instructor_sees_what_the_crew_is_ordered_and_its_error() -> None:
         ({"course": "0", "course_error": "-179.0"}, "ordered 000, 179 left"),
         ({"course": "360", "course_error": "0.2"}, "ordered 000, on course"),
         ({"depth": "60", "depth_error": "-0.3", "depth_unit": "m"}, "ordered 60 m, at depth"),
-        ({"depth": "60", "depth_error": "-4", "depth_unit": "m"}, "ordered 60 m, 4 up"),
-        ({"depth": "60.96", "depth_error": "-3.05", "depth_unit": "ft"}, "ordered 200 ft, 10 up"),
+        ({"depth": "60", "depth_error": "-4", "depth_unit": "m"}, "ordered 60 m, 4 higher"),
+        (
+            {"depth": "60.96", "depth_error": "-3.05", "depth_unit": "ft"},
+            " 200 ft, 10 higher",
+        ),
         ({"speed": "8", "speed_error": "1.5"}, "ordered 8 kn, 1.5 faster"),
-        ({"pitch": "0", "pitch_error": "2"}, "ordered zero, 2 to go up"),
+        ({"pitch": "0", "pitch_error": "2"}, "ordered zero, 2.0 to go up"),
     ],
 )
 def test_the_error_has_its_side_in_words(told: dict[str, str], words: str) -> None:
@@ -261,3 +264,29 @@ def test_the_bell_rings_for_limits_orders_and_casualties_unless_it_is_off(
 
     at_the_console(look, talk)
     assert len(rung) == (0 if silent else rings)
+
+
+def test_presses_of_a_pump_key_add_up() -> None:
+    keys = ("u", "u", "I", "t")
+    assert pressed(keys, "ballast") == [
+        "flood depth-control 1",
+        "flood depth-control 2",
+        "flood depth-control 1",
+        "pump trim aft 1",
+    ]
+
+
+def test_a_press_beyond_the_stop_orders_the_stop() -> None:
+    talk = tape("helm")
+    talk.say(sentences.fact(0, 0.0, "range", "rudder=30"))
+    keys = ("shift+right",) * 6
+    assert pressed(keys, "helm", talk)[-2:] == ["rudder right 30", "rudder right 30"]
+
+
+def test_the_telegraph_names_its_keys_and_its_knots() -> None:
+    talk = tape("helm")
+    for bell, knots in (("ahead full", 12), ("ahead flank", 15), ("astern full", -8)):
+        talk.say(sentences.fact(0, 0.0, "range", f"bell={bell}:{knots}"))
+    new(talk, "speed 8 kn")
+    told = ("kn: ahead 12/15, astern 8", "0 stop", "4 full", "8 full", "NEW ORDER")
+    screen_of(talk, "helm", *told)

@@ -3,7 +3,7 @@
 import re
 
 import pytest
-from helpers.screens import CREW, at_the_console, seen, shown, sight_of, tape, values
+from helpers.screens import CREW, at_the_console, seen, shown, sight_of, tape, typed, values
 from textual.pilot import Pilot
 
 from trainer.console.app import Console
@@ -123,12 +123,13 @@ def test_the_briefing_has_mission_time_left_what_wins_and_the_limits(
 
 @pytest.mark.parametrize(
     ("key", "order"),
-    [("r", "release marks"), ("d", "debrief"), ("a", "again"), ("h", "again from here")],
+    [("d", "debrief"), ("aa", "again"), ("HH", "again from here"), ("n", "next")],
 )
 @pytest.mark.parametrize("clicked", [False, True])
 def test_the_instructor_is_offered_what_follows_an_exercise(
-    key: str, order: str, *, clicked: bool
+    key: str, order: str, monkeypatch: pytest.MonkeyPatch, *, clicked: bool
 ) -> None:
+    monkeypatch.setattr("trainer.console.guide.DEAF", 0.0)
     talk = tape()
 
     async def end(pilot: Pilot[str], app: Console) -> None:
@@ -136,13 +137,45 @@ def test_the_instructor_is_offered_what_follows_an_exercise(
         await seen(pilot, app, "the marks are being made")
         talk.say(sentences.event(130, 65.0, "exercise", "marks: won, 92"))
         await seen(pilot, app, "won, 92")
-        if clicked:
-            await click(pilot, app, "#dialog", f"{key.upper()} ")
-        else:
-            await pilot.press(key)
+        for letter in key:
+            assert len(app.screen_stack) == 2
+            if clicked:
+                await click(pilot, app, "#dialog", f"{letter.upper()} ")
+            else:
+                await pilot.press(letter)
         assert len(app.screen_stack) == 1
 
     assert at_the_console(end, talk)[1].orders == [order]
+
+
+def test_what_was_meant_for_the_order_line_does_nothing_when_the_exercise_ends() -> None:
+    talk = tape()
+
+    async def end(pilot: Pilot[str], app: Console) -> None:
+        await pilot.press(*typed("mar"))
+        talk.say(sentences.fact(130, 65.0, "exercise-over", "ended"))
+        await seen(pilot, app, "EXERCISE OVER")
+        assert len(app.screen_stack) == 1  # an order has been begun
+        await pilot.press(*typed("k x"), "enter")
+        await seen(pilot, app, "the marks are being made")
+        await pilot.press("a", "a", "d", "r")
+        assert len(app.screen_stack) == 2
+
+    assert at_the_console(end, talk)[1].orders == ["mark x"]
+
+
+def test_marks_are_released_from_a_window_that_stays(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("trainer.console.guide.DEAF", 0.0)
+    talk = tape()
+
+    async def end(pilot: Pilot[str], app: Console) -> None:
+        talk.say(sentences.fact(130, 65.0, "exercise-over", "ended"))
+        await seen(pilot, app, "the marks are being made")
+        await pilot.press("r")
+        await seen(pilot, app, "release the marks to the crew: done")
+        await pilot.press("d")
+
+    assert at_the_console(end, talk)[1].orders == ["release marks", "debrief"]
 
 
 def test_another_exercise_at_the_same_stations_begins_with_an_empty_time_line() -> None:

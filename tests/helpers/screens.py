@@ -29,6 +29,7 @@ VALUES = {
     "time": "running", "branch": "1", "replay": "no", "auxiliary": "30.8", "auxiliary_full": "50",
     "forward": "184", "forward_full": "100", "main": "25.0", "main_full": "100",
     "emergency": "25.0", "emergency_full": "100", "compressor": "off", "blow_forward": "open",
+    "moving_auxiliary": "0.0", "moving_depth_control": "0.0", "moving_trim": "0.0",
     "height": "1.9", "period": "7.0", "from": "0", "heavy": "2.0", "ticks": "120",
 }  # fmt: skip
 

@@ -32,7 +32,7 @@ RUNNING = Pace()
 
 # What a station may see of the state beside the three gauges. Nothing else of it may show.
 SHOWN = (
-    *("tick", "phi", "theta", "delta_r", "delta_s", "delta_b", "u_c"),
+    *("tick", "phi", "theta", "r", "delta_r", "delta_s", "delta_b", "u_c"),
     *("ordered_depth", "ordered_psi", "ordered_speed", "ordered_u_c"),
     *("ordered", "command", "command_u_c", "by_hand", "speed_by_hand"),
     *("water", "bank", "vent", "blow", "negative_flood", "to_move", "drained"),

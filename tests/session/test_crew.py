@@ -226,12 +226,14 @@ def test_words_stand_on_the_panels_from_the_next_tick_also_once_repeated(
     crew: Make, schedule: str
 ) -> None:
     here = crew(schedule=schedule).man("instructor", "helm")
+    here.program("helm", "subscribe orders")
     here.fly(2.0)
     if not schedule:
         here.say("instructor", "tell surface, then steer")
     here.say("helm", "aye")
     here.fly(1.0)
-    assert "told surface, then steer" in " ".join(here.say("helm", "read orders"))
+    (*_, last) = [line for line in here.lines["helm"].sent if line.startswith("$TRS,orders")]
+    assert ",surface; then steer" in last
     assert here.say("helm", "aye")[-1].startswith("? no new order")
 
 
@@ -322,7 +324,7 @@ def test_belay_takes_back_the_newest_order_and_is_told(crew: Make) -> None:
     here.say("instructor", "belay")
     assert here.heard("helm") == ["belay: speed 5 kn"]
     here.say("instructor", "belay")
-    assert here.heard("helm") == ["belay: tell slow and easy"]
+    assert here.heard("helm") == ["belay: slow and easy"]
     assert here.session.crew.told == ""
     here.say("instructor", "belay course")
     assert here.heard("helm") == ["belay: course 045"]

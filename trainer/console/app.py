@@ -1,5 +1,6 @@
 """The screen of one role: drawings in rows, a line for orders, keys, and dialogs above them."""
 
+import math
 import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -30,6 +31,7 @@ from trainer.console.keys import (
     Leave,
     Move,
     Open,
+    Pump,
     Repeat,
     Ring,
     Scroll,
@@ -51,6 +53,11 @@ WORDS: Final = {
     "stern": ("stern planes dive", "stern planes rise"),
     "bow": ("bow planes dive", "bow planes rise"),
 }
+PUMPS: Final = {  # to the sea or aft, and the other way
+    "auxiliary": ("pump auxiliary", "flood auxiliary"),
+    "depth_control": ("pump depth-control", "flood depth-control"),
+    "trim": ("pump trim aft", "pump trim forward"),
+}
 
 
 @dataclass
@@ -68,11 +75,24 @@ class Levers:
         if model.refused != self.refused:  # beyond its limit, most likely
             self.refused = model.refused
             self.asked.clear()
-        angle, when = self.asked.get(surface, (shown, float("-inf")))
-        now = model.clock()
-        wanted = round(angle if now - when < FORGET else shown) + by
-        self.asked[surface] = wanted, now
-        return f"{WORDS[surface][wanted > 0]} {abs(wanted)}"
+        most = model.ranges.get(surface, math.inf)
+        wanted = min(max(round(self._last(surface, shown, model.clock())) + by, -most), most)
+        self.asked[surface] = wanted, model.clock()
+        return f"{WORDS[surface][wanted > 0]} {abs(wanted):g}"
+
+    def pump(self, tank: str, by: float, model: SessionModel) -> str:
+        """Return the order that moves ``by`` tonnes more than are still to go."""
+        left = model.picture.number("tanks", f"moving_{tank}")
+        if left is None:
+            return ""
+        wanted = round(self._last(tank, left, model.clock()) + by, 1)
+        self.asked[tank] = wanted, model.clock()
+        return f"{PUMPS[tank][wanted > 0]} {abs(wanted):g}"
+
+    def _last(self, what: str, shown: float, now: float) -> float:
+        """Return what was last asked, or after a while what the boat shows."""
+        value, when = self.asked.get(what, (shown, -math.inf))
+        return value if now - when < FORGET else shown
 
 
 FOOT: Final = 3  # [rows] of keys at most
@@ -241,6 +261,8 @@ class Console(App[str], inherit_bindings=False):
                 words = f"time {nearest(PACES, picture.pace, steps):g}"
             case Move(surface, by):
                 words = self._levers.move(surface, by, self.model)
+            case Pump(tank, tonnes):
+                words = self._levers.pump(tank, tonnes, self.model)
             case Repeat():
                 words = self._repeat()
             case Again() if picture.word("time", "replay") == "yes":

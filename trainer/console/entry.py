@@ -89,6 +89,7 @@ def hint(text: str, known: Mapping[str, Sequence[str]]) -> str:
 
 
 Known = Mapping[str, Sequence[str]]
+TYPING: Final = "type an order, then Enter; Esc goes back to the controls"
 
 
 class Ghost(Suggester):
@@ -121,6 +122,7 @@ class Entry(Input):
         )
         self._known = known
         self._quick = quick
+        self._prompt = prompt
         self._history: list[str] = []
         self._place = 0
 
@@ -129,6 +131,14 @@ class Entry(Input):
         self.value = text
         self.cursor_position = len(text)
         self.screen.set_focus(self)  # now, not when the keys that follow have been taken
+
+    def on_focus(self) -> None:
+        """Say that what is typed is an order now."""
+        self.placeholder = TYPING if not self._quick else self._prompt
+
+    def on_blur(self) -> None:
+        """Say again what keys do."""
+        self.placeholder = self._prompt
 
     def keep(self, words: str) -> None:
         """Keep a line for those that want it again, and clear it."""

@@ -33,6 +33,14 @@ class Move:
 
 
 @dataclass(frozen=True)
+class Pump:
+    """Move so much more water [t], into a tank or forward positive."""
+
+    tank: str
+    by: float
+
+
+@dataclass(frozen=True)
 class Open:
     """Open a dialog."""
 
@@ -80,7 +88,21 @@ class Ring:
     """Let the terminal's bell ring, or be silent."""
 
 
-Act = Give | Toggle | Hasten | Move | Open | Write | Repeat | Widen | Scroll | Again | Leave | Ring
+Act = (
+    Give
+    | Toggle
+    | Hasten
+    | Move
+    | Pump
+    | Open
+    | Write
+    | Repeat
+    | Widen
+    | Scroll
+    | Again
+    | Leave
+    | Ring
+)
 
 
 @dataclass(frozen=True)
@@ -176,6 +198,11 @@ def order_key(key: str, says: str, words: str) -> Key:
     return Key((key,), key.upper() if len(key) == 1 else key, says, words, Give(words))
 
 
+def pump_key(key: str, says: str, does: str, act: Pump) -> Key:
+    """Return a key that moves water."""
+    return Key((key,), key.upper(), says, does, act)
+
+
 RUDDER: Final = (
     *steering("rudder", ("left", "right"), ("Left", "Right"), ("left", "right")),
     order_key("m", "amidships", "rudder amidships"),
@@ -226,12 +253,12 @@ VALVES: Final = (
 WATER: Final = (
     order_key("n", "B: negative", "negative flood"),
     order_key("b", "", "negative blow"),
-    order_key("f", "G: aux 1 t", "flood auxiliary 1"),
-    order_key("g", "", "pump auxiliary 1"),
-    order_key("t", "Y: trim 1 t", "pump trim aft 1"),
-    order_key("y", "", "pump trim forward 1"),
-    order_key("u", "", "flood depth-control 1"),
-    order_key("i", "", "pump depth-control 1"),
+    pump_key("f", "G: aux", "flood auxiliary 1 t more", Pump("auxiliary", 1.0)),
+    pump_key("g", "", "pump auxiliary 1 t more", Pump("auxiliary", -1.0)),
+    pump_key("u", "I: depth", "flood depth-control 1 t more", Pump("depth_control", 1.0)),
+    pump_key("i", "", "pump depth-control 1 t more", Pump("depth_control", -1.0)),
+    pump_key("t", "Y: trim", "pump trim 1 t more to aft", Pump("trim", -1.0)),
+    pump_key("y", "", "pump trim 1 t more to forward", Pump("trim", 1.0)),
     order_key("h", "J: hover", "hover on"),
     order_key("j", "", "hover off"),
     order_key("c", "K: charge", "compressor on"),

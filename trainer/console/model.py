@@ -1,5 +1,6 @@
 """All that a screen knows of its session: what it shows, what was said, what was asked."""
 
+import contextlib
 import math
 import time
 from collections import deque
@@ -107,6 +108,7 @@ class SessionModel:
     furthest: float = 0.0  # [s] that time has reached on this branch
     refused: int = 0  # orders of this screen
     crew: CrewOrders = field(default_factory=CrewOrders)
+    ranges: dict[str, float] = field(default_factory=dict)  # of the vessel, and its bells [kn]
     exercise: dict[str, str] = field(default_factory=dict)  # what is to be done, by its keys
     told: dict[str, list[str]] = field(default_factory=dict)  # and what is said line by line
     outcome: str = ""  # of an exercise that is over
@@ -352,11 +354,20 @@ class SessionModel:
             self._order_crew(seconds, what, subject)
         elif what in ("exercise", "exercise-over"):
             self._brief(seconds, what, subject)
+        elif what == "range":
+            self._know(subject)
         elif what == "snapshot":
             self._snapshots.append(Kept(seconds, "S", subject))
         elif what == "casualty":
             name, degree, says = (*subject.split(",", 2), "", "")[:3]
             self._casualties.append(Broken(name, degree, says))
+
+    def _know(self, told: str) -> None:
+        """Keep a range of the vessel: "rudder=30", "bell=ahead full:12" as "ahead full"."""
+        key, _, value = told.partition("=")
+        name, colon, size = value.rpartition(":")
+        with contextlib.suppress(ValueError):
+            self.ranges[name if colon else key] = float(size)
 
     def _order_crew(self, seconds: float, what: str, subject: str) -> None:
         """Take an order to the crew, or its repeat; who has given one does not repeat it."""

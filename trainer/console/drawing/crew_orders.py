@@ -9,6 +9,7 @@ from trainer.console.pane import Line, fit, line
 from trainer.units import FOOT
 
 CHANNEL: Final = "orders"
+LITTLE: Final = 3.0  # [m], [deg] to go, below which tenths count
 REACHED: Final = 0.5  # [deg, m] closer than this is there
 FEET_REACHED: Final = 1.5  # [ft]
 KNOTS_REACHED: Final = 0.15  # [kn]
@@ -37,6 +38,11 @@ def short(value: float) -> str:
     return f"{round(value, 1) + 0.0:g}"
 
 
+def to_go(error: float) -> str:
+    """Return how far it is, in tenths where that is little."""
+    return f"{abs(error):.1f}" if abs(error) < LITTLE else f"{abs(error):.0f}"
+
+
 def course_order(model: SessionModel) -> tuple[str, str]:
     """Return the ordered course with its error, in full and in few words; "" for none."""
     ordered, error = _pair(model, "course")
@@ -46,7 +52,7 @@ def course_order(model: SessionModel) -> tuple[str, str]:
     if error is None or abs(error) < REACHED:
         return _both(told, "" if error is None else ", on course")
     side = "right" if error > 0.0 else "left"
-    return f"{told}, {abs(error):.0f} to the {side}", f"{told}, {abs(error):.0f} {side}"
+    return f"{told}, {to_go(error)} to the {side}", f"{told}, {to_go(error)} {side}"
 
 
 def depth_order(model: SessionModel) -> tuple[str, str]:
@@ -60,8 +66,8 @@ def depth_order(model: SessionModel) -> tuple[str, str]:
     reached = FEET_REACHED if feet else REACHED
     if error is None or abs(error / size) < reached:
         return _both(told, "" if error is None else ", at depth")
-    way = "deeper" if error > 0.0 else "up"
-    return f"{told}, {abs(error / size):.0f} {way}", f"{told}, {abs(error / size):.0f} {way}"
+    way = "deeper" if error > 0.0 else "higher"
+    return _both(told, f", {to_go(error / size)} {way}")
 
 
 def speed_order(model: SessionModel) -> tuple[str, str]:
@@ -84,8 +90,8 @@ def pitch_order(model: SessionModel) -> tuple[str, str]:
     if error is None or abs(error) < REACHED:
         return _both(told, "" if error is None else ", on it")
     return (
-        f"{told}, {abs(error):.0f} to go {_way(error)}",
-        f"{told}, {abs(error):.0f} {_way(error)}",
+        f"{told}, {to_go(error)} to go {_way(error)}",
+        f"{told}, {to_go(error)} {_way(error)}",
     )
 
 

@@ -13,6 +13,7 @@ from trainer.console.drawing.values import (
     surface,
     without,
 )
+from trainer.console.keys import BELLS, Give
 from trainer.console.model import SessionModel
 from trainer.console.pane import Line, Lines, Run, fit, length, line
 
@@ -35,6 +36,10 @@ ENDS: Final = {"rudder": ("left", "right"), "stern": ("dive", "rise"), "bow": ("
 AHEAD: Final = ("one-third", "two-thirds", "standard", "full", "flank")
 ASTERN: Final = ("full", "two-thirds", "one-third")
 LEAST: Final = 24  # [columns] of a scale
+RATE_SPAN: Final = 10.0  # [s] over which a change of depth is taken
+BELL_KEYS: Final = {
+    key.act.words.removeprefix("bell "): key.label for key in BELLS if isinstance(key.act, Give)
+}
 
 
 def large(text: str) -> tuple[str, str, str]:
@@ -52,12 +57,13 @@ class Gauge(NamedTuple):
     text: str
     unit: str
     automatic: str  # what the autopilot keeps, "" for nothing
+    rate: str = ""  # how it changes
 
 
 def dial(model: SessionModel, gauge: Gauge, room: int) -> Lines:
     """Return a large number with its label, and what is ordered below it."""
     return [
-        line((f" {gauge.label}", "heading"), (f"  {gauge.unit}", "heading-dim")),
+        line((f" {gauge.label}", "heading"), (f"  {gauge.unit}  {gauge.rate}", "heading-dim")),
         *(line((f" {row}", "value")) for row in large(gauge.text)),
         beside(model, gauge.axis, gauge.automatic, room),
     ]
@@ -102,14 +108,36 @@ def depth_gauge(model: SessionModel) -> Gauge:
     ordered = model.picture.number("diving", "ordered_depth")
     kept = "" if ordered is None else depth_text(model, ordered)
     shown = depth_text(model, interpolate(model, "depth"))
-    return Gauge("depth", "depth", shown, depth_unit(model), kept)
+    return Gauge("depth", "depth", shown, depth_unit(model), kept, depth_rate(model))
+
+
+def depth_rate(model: SessionModel) -> str:
+    """Return how fast the depth gauge sinks or rises, as far as the chart of it goes back."""
+    names = [each.name for each in model.charts]
+    if "depth" not in names:
+        return ""
+    shown = model.trace.series(names.index("depth"), RATE_SPAN, 2)
+    first, last = (None if each is None else each.actual for each in shown)
+    if first is None or last is None:
+        return ""
+    rate = (last - first) / RATE_SPAN
+    return f"{abs(rate):.2f} m/s {'down' if rate > 0.0 else 'up'}" if abs(rate) >= 0.005 else ""
 
 
 def compass(model: SessionModel) -> Gauge:
     """Return the compass."""
     ordered = model.picture.number("steering", "ordered_course")
     kept = "" if ordered is None else course(ordered)
-    return Gauge("course", "heading", course(interpolate(model, "heading"), 1), "deg", kept)
+    shown = course(interpolate(model, "heading"), 1)
+    return Gauge("course", "heading", shown, "deg", kept, rate_of_turn(model))
+
+
+def rate_of_turn(model: SessionModel) -> str:
+    """Return how fast the boat turns, which its own gyro tells; "" where the station has none."""
+    turn = model.picture.number("steering", "turn_rate")
+    if turn is None or abs(turn) < 0.05:
+        return ""
+    return f"{abs(turn):.1f} deg/s {'right' if turn > 0.0 else 'left'}"
 
 
 def speed_log(model: SessionModel) -> Gauge:
@@ -179,6 +207,7 @@ def telegraph(model: SessionModel, width: int) -> Lines:
         for name in bells:
             here = rung == (f"{way}-{name}" if way else name)
             says = SHORT_BELLS.get(name, name)
+            parts.append((f" {BELL_KEYS[f'{way} {name}'.strip()]}", "key"))
             parts.append((f"[{says}]" if here else f" {says} ", "chosen" if here else "plain"))
     rpm, ordered = (picture.number("engine", name) for name in ("rpm", "ordered_rpm"))
     kept = "speed kept automatically" if picture.word("engine", "speed_mode") == "auto" else ""
@@ -186,6 +215,15 @@ def telegraph(model: SessionModel, width: int) -> Lines:
         (" rpm ", "dim"),
         (number(rpm, 0), "value"),
         (f" > {number(ordered, 0)}  ", "ordered"),
-        (kept, "dim"),
+        (kept or bells_in_knots(model), "dim"),
     )
     return [fit(tuple(parts), width), fit(turns, width)]
+
+
+def bells_in_knots(model: SessionModel) -> str:
+    """Return the turns of the bells [kn], ahead and astern, as far as the vessel has told them."""
+    found = []
+    for way, bells in (("ahead", AHEAD), ("astern", ASTERN[::-1])):
+        turns = [model.ranges[f"{way} {name}"] for name in bells if f"{way} {name}" in model.ranges]
+        found += [f"{way} {'/'.join(f'{abs(each):g}' for each in turns)}"] * bool(turns)
+    return f"kn: {', '.join(found)}" if found else ""

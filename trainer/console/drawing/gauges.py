@@ -118,9 +118,9 @@ def engine(model: SessionModel) -> Line:
     kept = "auto" if picture.word("engine", "speed_mode") == "auto" else "turns"
     rpm, ordered = (picture.number("engine", name) for name in ("rpm", "ordered_rpm"))
     return line(
-        ("bell   ", "dim"),
+        ("bell ", "dim"),
         (rung or kept, "value"),
-        ("  rpm ", "dim"),
+        (" rpm ", "dim"),
         (number(rpm, 0), "value"),
         (f" > {number(ordered, 0)}", "ordered"),
     )

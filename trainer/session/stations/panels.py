@@ -314,6 +314,7 @@ CHANNELS: Final = (
             HEADING,
             Field("ordered_course", "deg", 1, ordered_course),
             *surface_fields("rudder"),
+            degrees("turn_rate", "r", "deg/s", 2),
         ),
     ),
     Channel(
