@@ -8,6 +8,7 @@ from collections.abc import Callable
 from typing import Final
 
 from trainer.boat.boat import Boat
+from trainer.core.ballast.ballast import balance
 from trainer.core.ballast.hover import SURE, WAY, is_hovering, wanted_pump
 from trainer.core.ballast.tanks import (
     BLOWN,
@@ -201,3 +202,20 @@ _DUTIES: dict[str, Callable[[Boat, Order], Reply]] = {
     "dive": _dive,
 }
 ORDERS: Final = frozenset(_DUTIES)
+
+
+def load_trim_water(boat: Boat, heavy: float, forward: float) -> str:
+    """Put the boat out of trim as it lies: ``heavy`` [kg], and ``forward`` [kg] moved from aft.
+
+    Return why it cannot be, "" when it is done.
+    """
+    wanted = {"depth_control": heavy, "trim_forward": forward, "trim_aft": -forward}
+    for name, more in wanted.items():
+        place = TANKS.index(name)
+        water = float(boat.state.water[place]) + more
+        if more and not 0.0 <= water <= boat.vessel.capacity[place]:
+            tank, held = name.replace("_", " "), boat.vessel.capacity[place] / 1000.0
+            return f"the {tank} tank would hold {water / 1000.0:g} t of {held:g}"
+        boat.state.water[place] = water
+    balance(boat.records.vessel, boat.records.vessel, boat.records.state)
+    return ""

@@ -1,7 +1,8 @@
-"""What depth does to a boat: the calm surface above her, test depth and collapse.
+"""What depth does to a boat: the calm surface above it, test depth and collapse.
 
 Of the surface: Z_star and M_star by the vessel's tables, for programs that ask a vessel file. Of
-test depth and collapse: the depth that counts, what is called out, and when the hull is lost.
+test depth and collapse: the depth that counts, what is called out, and when the hull is lost. At
+periscope depth the periscope watch calls what it sees, which is no gauge.
 """
 
 import math
@@ -12,6 +13,7 @@ import numpy as np
 
 from trainer.boat.assemble import ballast_record
 from trainer.boat.boat import PLACES, Boat
+from trainer.boat.limits import surfacing
 from trainer.config.files import ConfigError
 from trainer.config.vessel import VesselFile
 from trainer.core.kernel import Numbers
@@ -23,6 +25,13 @@ NEAR: Final = 30.0  # [m] above test depth, where the first call is
 FURTHER: Final = 25.0  # [m] from each call beyond test depth to the next
 AT_TEST_DEPTH: Final = 1  # place of test depth among the depths to be called, from 0
 RISEN: Final = 5.0  # [m] to come up before the same depth is called again
+RAISED: Final = 1.5  # [m] about periscope depth, where the mast is raised
+LOWERED: Final = 5.0  # [m] below it, where the mast is lowered
+SUNK: Final = 1.0  # [m] to go down before the same is seen again
+SEEN: Final = (  # [m] above periscope depth, and what the periscope watch calls then
+    (2.0, "Periscope watch: 2 m more of the mast is out than should be"),
+    (4.0, "Periscope watch: the sail is close below the surface"),
+)
 Z, THETA, HELD = PLACES["z"], PLACES["theta"], PLACES["held_depth"]
 
 Depths = TypeVar("Depths", float, Numbers)  # of a moment, or of each tick
@@ -111,7 +120,7 @@ def surface_remarks(file: VesselFile, depth: float | None) -> tuple[str, ...]:
 
 
 class Passed(NamedTuple):
-    """A depth that the hull has passed on the way down."""
+    """A depth that has been passed, on the way down or at the periscope on the way up."""
 
     depth: float  # [m]
     words: str
@@ -168,29 +177,53 @@ class DepthMonitor:
     """How many of the depths to be called have been, and when test depth was."""
 
     passed: int = 0
+    raised: bool = False  # the mast of the periscope
+    seen: int = 0  # how much of SEEN has been called
     times: dict[str, list[float]] = field(default_factory=dict)  # [s]
 
     @classmethod
     def over(cls, boat: Boat) -> "DepthMonitor":
-        """Return the watch over a boat; what she has passed by now is no news."""
+        """Return the watch over a boat; what it has passed by now is no news."""
         monitor = cls()
         monitor.settle(boat)
         return monitor
 
     def settle(self, boat: Boat) -> None:
-        """Take the boat as she is, after a jump in time: nothing of it is news."""
+        """Take the boat as it is, after a jump in time: nothing of it is news."""
         test_depth = boat.file.hull.test_depth_m
         if test_depth is not None:
             self.passed = count_passed(test_depth, hull_depth(boat))
+        self.raised = False
+        self._look_out(boat)
 
     def look(self, boat: Boat) -> Passed | None:
+        """Return the deepest depth passed since the last look, or what the periscope shows.
+
+        None if there is nothing to call.
+        """
+        return self._look_down(boat) or self._look_out(boat)
+
+    def _look_out(self, boat: Boat) -> Passed | None:
+        """Return how far the boat has risen above periscope depth, if that is news."""
+        depth, now = boat.file.run.periscope_depth_m, boat.plain[Z]
+        if depth is None or now > depth + LOWERED or surfacing(boat):
+            self.raised, self.seen = False, 0
+            return None
+        self.raised = self.raised or abs(now - depth) < RAISED
+        if not self.raised:
+            return None
+        high, before = sum(now < depth - above for above, _ in SEEN), self.seen
+        self.seen = max(high, min(before, sum(now < depth - above + SUNK for above, _ in SEEN)))
+        return Passed(now, SEEN[high - 1][1]) if high > before else None
+
+    def _look_down(self, boat: Boat) -> Passed | None:
         """Return the deepest depth passed since the last look, None if none was."""
         test_depth = boat.file.hull.test_depth_m
         if test_depth is None or boat.plain[HELD]:
             return None
         depth, before = hull_depth(boat), self.passed
         now = count_passed(test_depth, depth)
-        # the next one is called again only after she has come up from it
+        # the next one is called again only after the boat has come up from it
         near = depth > called_depth(test_depth, now).depth - RISEN
         self.passed = max(now, min(before, now + near))
         if now <= before:

@@ -126,6 +126,12 @@ class Initial:
     speed_kn: float | None = optional(Quantity("kn", within(0.001, 60), "speed"))
     depth_m: float | None = optional(Quantity("m", within(0, 12000), "depth"))
     course_deg: float | None = optional(Quantity("deg", within(0, 360), "course"))
+    heavy_t: float | None = optional(
+        Quantity("t", within(-100, 100), "too heavy by so much, in the depth-control tank")
+    )
+    forward_t: float | None = optional(
+        Quantity("t", within(-100, 100), "trim water that is forward and belongs aft")
+    )
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -8,6 +8,7 @@ from typing import Any, Final
 
 from trainer.boat import casualties as casualties_module
 from trainer.boat.assemble import Method
+from trainer.boat.ballast_orders import load_trim_water
 from trainer.boat.boat import Boat
 from trainer.config.baseline import Baseline, kept_baseline
 from trainer.config.casualties import Casualty, load_casualties
@@ -92,9 +93,17 @@ class Plan:
         course = math.radians(self.initial.course_deg or 0.0)
         boat.start(speed * KNOT, depth, course, self.seed)
         boat.put_to_sea(self.sea)
+        self._put_out_of_trim(boat)
         boat.casualties = self.casualties
         for entry in self.armed:
             casualties_module.arm(boat, entry.condition, entry.casualty, entry.rule)
+
+    def _put_out_of_trim(self, boat: Boat) -> None:
+        """Let the boat begin as heavy and as much by the bow as the exercise has it."""
+        heavy, forward = self.initial.heavy_t or 0.0, self.initial.forward_t or 0.0
+        why = load_trim_water(boat, 1000.0 * heavy, 1000.0 * forward) if heavy or forward else ""
+        if why:
+            raise ConfigError(f"[initial] heavy_t = {heavy:g}, forward_t = {forward:g}: {why}")
 
 
 def plan_run(options: RunOptions) -> Plan:
