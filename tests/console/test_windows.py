@@ -11,7 +11,8 @@ from trainer.console.client import Greeting, Joined, Lost
 from trainer.console.drawing.chart import Plot, Sheet, strip, time_axis
 from trainer.console.drawing.panels import flowed, key_at, key_rows
 from trainer.console.drawing.plan import plan
-from trainer.console.guide import Reading, broken, guide, paragraphs
+from trainer.console.guide import Reading, broken, by_hand, guide, paragraphs
+from trainer.console.journal import Journal
 from trainer.console.keys import KEYS, footer
 from trainer.console.layouts import LAYOUTS
 from trainer.console.pane import Pane, line, plain
@@ -450,3 +451,48 @@ def test_a_casualty_is_told_with_unit_and_side() -> None:
         await seen(pilot, app, "stern-hard-over  6 deg dive")
 
     at_the_console(look, talk)
+
+
+def test_of_presses_of_one_control_the_log_keeps_the_last() -> None:
+    journal = Journal()
+    for seconds, angle in ((60.0, 1), (60.5, 2), (62.0, 3), (70.0, 4)):
+        journal.add(seconds, "order", f"planes: stern planes dive {angle}: by hand")
+    journal.add(71.0, "order", "planes: bow planes dive 4: by hand")
+    kept = [each.text.split(":")[1].strip() for each in journal.entries]
+    assert kept == ["stern planes dive 3", "stern planes dive 4", "bow planes dive 4"]
+
+
+@pytest.mark.parametrize("role", ["instructor", "helm"])
+def test_what_is_shown_of_an_exercise_that_is_over_goes_when_it_is_flown_again(role: str) -> None:
+    talk = tape(role)
+
+    async def again(pilot: Pilot[str], app: Console) -> None:
+        talk.say(sentences.fact(130, 65.0, "exercise-over", "ended"))
+        talk.say(sentences.event(130, 65.0, "marks", "marks: won, 92"))
+        await seen(pilot, app, "won, 92")
+        assert len(app.screen_stack) == 2
+        talk.say(sentences.fact(20, 10.0, "back", "again"))
+        await seen(pilot, app, "RUNNING")
+        await pilot.pause(0.3)
+        assert len(app.screen_stack) == 1
+
+    at_the_console(again, talk, role)
+
+
+def test_a_window_that_would_hide_a_new_order_goes() -> None:
+    talk = tape("helm")
+
+    async def order(pilot: Pilot[str], app: Console) -> None:
+        await pilot.press("f12")
+        assert len(app.screen_stack) == 2
+        talk.say(sentences.fact(121, 60.5, "crew-order", "course 045"))
+        await seen(pilot, app, "NEW ORDER  course 045")
+        assert len(app.screen_stack) == 1
+
+    at_the_console(order, talk, "helm")
+
+
+def test_the_briefing_names_the_stations_that_are_needed() -> None:
+    assert by_hand("planes,speed").startswith("planes, speed; stations: planes, helm (a pilot")
+    assert by_hand("ballast") == "ballast; stations: ballast"
+    assert by_hand("") == ""

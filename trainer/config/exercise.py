@@ -32,6 +32,7 @@ from trainer.config.reference_crew import CREW_TABLES, Crew, CrewRow, Helmsman, 
 from trainer.config.schema import (
     Choice,
     Choices,
+    Page,
     Quantity,
     Rows,
     Text,
@@ -47,29 +48,6 @@ from trainer.config.score_rules import Rule, Score, read_rules
 from trainer.config.sea import SeaFile, load_sea, read_sea
 from trainer.io.orders.grammar import Order, parse, to_the_crew
 from trainer.io.orders.schedule import LATEST, Scheduled
-
-
-@dataclass(frozen=True)
-class Page:
-    """Some lines of text."""
-
-    longest: int
-    meaning: str
-
-    @property
-    def cells(self) -> tuple[str, str, str]:
-        """Return unit, range and meaning."""
-        return "text", f"1 to {self.longest} characters", self.meaning
-
-    def read(self, key: str, value: object, place: Place) -> str:
-        """Return the text; ConfigError if it is empty, too long or not printable."""
-        good = isinstance(value, str) and value.replace("\n", "").isprintable()
-        if not isinstance(value, str) or not good or not 1 <= len(value.strip()) <= self.longest:
-            raise ConfigError(
-                place.wrong(key, value, f"must be printable text of 1 to {self.longest} characters")
-            )
-        return value.strip()
-
 
 # what a crew works by hand, and the orders that give it to the autopilot, or to the trim's keeper
 AXES: Final[Mapping[str, tuple[str, ...]]] = {

@@ -188,6 +188,28 @@ class Texts:
 
 
 @dataclass(frozen=True)
+class Page:
+    """Some lines of text."""
+
+    longest: int
+    meaning: str
+
+    @property
+    def cells(self) -> tuple[str, str, str]:
+        """Return unit, range and meaning."""
+        return "text", f"1 to {self.longest} characters", self.meaning
+
+    def read(self, key: str, value: object, place: Place) -> str:
+        """Return the text; ConfigError if it is empty, too long or not printable."""
+        good = isinstance(value, str) and value.replace("\n", "").isprintable()
+        if not isinstance(value, str) or not good or not 1 <= len(value.strip()) <= self.longest:
+            raise ConfigError(
+                place.wrong(key, value, f"must be printable text of 1 to {self.longest} characters")
+            )
+        return value.strip()
+
+
+@dataclass(frozen=True)
 class Choices:
     """A list of some of a few words, each at most once."""
 

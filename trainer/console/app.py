@@ -16,6 +16,7 @@ from textual.screen import Screen
 from textual.widgets import Input
 
 from trainer.console.choice import Done, casualty_choice, sea_choice
+from trainer.console.crew import CrewOrder
 from trainer.console.dialogs import Dialog, Subject, emergency, leaving
 from trainer.console.drawing.chart import strip
 from trainer.console.drawing.event_log import log, time_at, time_line
@@ -232,7 +233,8 @@ class Console(App[str], inherit_bindings=False):
             case Again() if not words:
                 self._open(Moments(self.model, replays=True))
             case Open(dialog):
-                self._open(DIALOGS[dialog](self.model))
+                before = self.model.crew.to_repeat(self.model.role)
+                self._open(DIALOGS[dialog](self.model), partial(self._ordered_since, before))
             case Write(text):
                 self.query_one(Entry).begin(text)
             case Repeat() if not words:
@@ -322,6 +324,8 @@ class Console(App[str], inherit_bindings=False):
         seen = (model.picture.changes, model.journal.changes, model.joined, model.over, self.span)
         changed, self._seen = seen != self._seen, seen
         self._announce()
+        if isinstance(self.screen, Dialog):
+            self.screen.leave_if_past()
         for pane in self.screen.query(Pane):
             if changed or pane.moving:
                 pane.look()
@@ -337,12 +341,17 @@ class Console(App[str], inherit_bindings=False):
         if self.model.endings > self._ended and not self._typing:
             self._ended = self.model.endings
             if self.model.instructs:
-                self._open(Ending(self.model))
+                self._open(Ending(self.model), lambda: not self.model.outcome)
         releases, self._released = self.model.releases - self._released, self.model.releases
         if releases > 0 and not self.model.instructs and len(self.screen_stack) == 1:
-            self._open(briefing(self.model))
+            self._open(briefing(self.model), lambda: not self.model.outcome)
         while self.model.answers and len(self.screen_stack) == 1:
             self._open(answer(*self.model.answers.pop(0)))
+
+    def _ordered_since(self, before: CrewOrder | None) -> bool:
+        """Return whether a new order has come that a window would hide."""
+        new = self.model.crew.to_repeat(self.model.role)
+        return not self.model.instructs and new is not None and new != before
 
     @property
     def _at_controls(self) -> bool:
@@ -391,8 +400,8 @@ class Console(App[str], inherit_bindings=False):
 
     # dialogs
 
-    def _open(self, subject: Subject) -> None:
-        self.push_screen(Dialog(subject), self._finish)
+    def _open(self, subject: Subject, past: Callable[[], bool] = lambda: False) -> None:
+        self.push_screen(Dialog(subject, past), self._finish)
 
     def _finish(self, done: Done | None) -> None:
         """Send what a dialog has ended with."""

@@ -1,5 +1,6 @@
 """Dialogs over the console, and questions before what cannot be undone."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import ClassVar, Final, Protocol
 
@@ -38,9 +39,11 @@ class Dialog(ModalScreen[Done]):
 
     BINDINGS: ClassVar[list[BindingType]] = []
 
-    def __init__(self, subject: Subject) -> None:
+    def __init__(self, subject: Subject, past: Callable[[], bool] = lambda: False) -> None:
+        """Show a subject until a key ends it, or it is ``past``."""
         super().__init__()
         self._subject = subject
+        self._past = past
 
     def compose(self) -> ComposeResult:
         """Show the subject."""
@@ -50,6 +53,11 @@ class Dialog(ModalScreen[Done]):
         columns, rows = self._subject.size
         pane.styles.width, pane.styles.height = columns, rows + FRAME
         yield pane
+
+    def leave_if_past(self) -> None:
+        """End, if what it is about is over."""
+        if self._past() and self.is_current:
+            self.dismiss(NOTHING)
 
     def on_key(self, event: events.Key) -> None:
         """Hand the key to the subject."""

@@ -78,6 +78,7 @@ LIMITS: Final = {
     "speed_kn_min": "no slower than {} kn",
     "validity_level_max": "validity level {} at most",
 }
+AT: Final = {"rudder": "helm", "speed": "helm", "planes": "planes", "ballast": "ballast"}
 PAGE: Final = 60  # [characters] from which a line was broken because the page ended
 MOVES: Final = {
     "up": -1,
@@ -239,11 +240,26 @@ def standing(model: SessionModel) -> list[tuple[str, str]]:
         ("time left", left),
         ("what wins", "; ".join(model.told.get("wins", []))),
         ("limits", limits_said(told.get("limits", ""))),
-        ("it is lost at", " or ".join(model.told.get("lost", []))),
-        ("by hand", told.get("hand", "").replace(",", ", ")),
+        ("it is lost at", " or ".join(map(loss_said, model.told.get("lost", [])))),
+        ("by hand", by_hand(told.get("hand", ""))),
         ("automatic", told.get("allowed", "").replace(",", ", ")),
         ("free", "no marks: what was in hand is allowed" if told.get("free") else ""),
     ]
+
+
+def by_hand(told: str) -> str:
+    """Return what the crew works, and at which stations; "" for nothing."""
+    axes = [axis for axis in told.split(",") if axis]
+    if not axes:
+        return ""
+    stations = dict.fromkeys(AT[axis] for axis in axes if axis in AT)
+    both = "" if not {"helm", "planes"} <= set(stations) else " (a pilot has helm and planes)"
+    return f"{', '.join(axes)}; stations: {', '.join(stations)}{both}"
+
+
+def loss_said(told: str) -> str:
+    """Return what loses an exercise in words: "showing > 0" is the sail."""
+    return told.replace("showing > 0", "sail or deck out of the water")
 
 
 def limits_said(told: str) -> str:

@@ -2,6 +2,7 @@
 
 import bisect
 import math
+import re
 import textwrap
 from collections import deque
 from collections.abc import Sequence
@@ -9,6 +10,8 @@ from dataclasses import dataclass, field
 from typing import Final, NamedTuple
 
 KEPT: Final = 1000
+MOMENT: Final = 5.0  # [s]
+FIGURES: Final = re.compile(r" [\d.]+")  # what differs between presses
 # by kind: the sign before the text, and the ink
 SIGNS: Final = {
     "sent": (">", "value"),
@@ -48,8 +51,11 @@ class Journal:
     back: int = 0  # lines
 
     def add(self, seconds: float | None, kind: str, text: str) -> None:
-        """Enter something; the screen shows it."""
-        self.entries.append(Entry(seconds, kind, text))
+        """Enter something; the screen shows it, of presses of one control the last."""
+        new = Entry(seconds, kind, text)
+        if self.entries and follows(self.entries[-1], new):
+            self.entries.pop()
+        self.entries.append(new)
         self.changes += 1
         self.back = 0
 
@@ -64,6 +70,14 @@ class Journal:
         """Look further back, or less far."""
         self.back = max(self.back + lines, 0)
         self.changes += 1
+
+
+def follows(last: Entry, new: Entry) -> bool:
+    """Return whether a station moves on the control that it moved a moment before."""
+    if last.kind != "order" or new.kind != "order" or last.seconds is None or new.seconds is None:
+        return False
+    alike = FIGURES.split(last.text)[0] == FIGURES.split(new.text)[0] != new.text
+    return alike and 0.0 <= new.seconds - last.seconds <= MOMENT
 
 
 def clock(seconds: float) -> str:

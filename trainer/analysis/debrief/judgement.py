@@ -249,7 +249,7 @@ def costs(card: Scorecard, reference: Scorecard | None) -> Iterator[Cost]:
     yield from _by_gate(card)
     for each in card.scores:
         lost = 100.0 - (worth(each) or 0.0)
-        share = _share(each, card)
+        share = share_of(each, card)
         if each.marks is not None and share and lost > 0.0:
             told = _sentence(each, best.get(each.name), share * lost)
             yield Cost(share * lost, told)
@@ -278,7 +278,7 @@ def before_gate(verdict: Verdict) -> float:
     return verdict.tasks * (1.0 - KEPT_SHARE + KEPT_SHARE * verdict.keeping / 100.0)
 
 
-def _share(each: Scored, card: Scorecard) -> float:
+def share_of(each: Scored, card: Scorecard) -> float:
     """Return how much of a rule's marks are of the total [-]."""
     verdict = card.verdict
     keeping = verdict is not None and each.rule.part == "keeping"
@@ -308,7 +308,7 @@ def _sentence(each: Scored, best: Scored | None, cost: float) -> str:
     if best is not None and best.attained.value is not None:
         told += f", the reference crew {best.attained.value:.4g}{unit}"
     if each.rule.part == "answer" and (each.marks or 0.0) > (each.earned or 0.0):
-        told += ", counted as far as the tasks were done"
+        told += " (an answer counts no more than the tasks it was to save)"
     return f"{told}: {_marks(cost)}."
 
 

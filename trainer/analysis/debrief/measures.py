@@ -54,7 +54,8 @@ def time_to(trajectory: Trajectory, rows: Rows, rule: Rule) -> Attained:
     ticks = trajectory.ticks[rows]
     first = int(outside[-1]) + 1 if outside.size else 0
     if first == ticks.size:
-        return Attained(None, None, "not in the band at the end")
+        beyond = abs(float(_off(trajectory, rows, rule)[-1])) - (rule.score.band or 0.0)
+        return Attained(None, None, f"not in the band at the end, {beyond:.2g} beyond it")
     seconds = float(ticks[first] - ticks[0]) * trajectory.boat.method.step
     return Attained(seconds, int(ticks[first]))
 

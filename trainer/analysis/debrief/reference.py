@@ -13,7 +13,7 @@ from typing import Final
 import numpy as np
 
 from trainer.analysis.debrief.episodes import INSTRUCTOR, KEPT, crew_orders, first_spell
-from trainer.analysis.debrief.judgement import judge, widened, worth
+from trainer.analysis.debrief.judgement import judge, share_of, widened, worth
 from trainer.analysis.debrief.scoring import Scorecard, Scored
 from trainer.analysis.debrief.trajectory import Rows, Trajectory
 from trainer.analysis.rehearsal import Departure, Rehearsal, fly, last_tick
@@ -26,6 +26,7 @@ from trainer.session.plan import Plan
 LONGEST: Final = 400_000  # [ticks] of an exercise that is flown for a debrief
 FOR_GOOD: Final = 20.0  # [s] outside
 LEEWAY: Final = 10.0  # [s] earlier or later at least
+MUCH: Final = 0.33  # [-] of the dearest fault, from which an earlier one is told
 TIMED: Final = ("reach", "time-to")  # measures whose value is a time
 EXTREMES: Final = ("highest", "lowest", "largest", "overshoot")  # over when they are attained
 ABOUT: Final = "the band about the reference run was"
@@ -121,10 +122,18 @@ def joined(before: Trajectory, after: Trajectory) -> Trajectory:
 def first_fault(
     trajectory: Trajectory, card: Scorecard, reference: Reference, plan: Plan, width: str
 ) -> Fault | None:
-    """Return the first moment at which a task went wrong, None if none did."""
+    """Return the first moment at which a task that cost much went wrong, None if none did.
+
+    A task costs much from MUCH of what the dearest of them cost.
+    """
     rules = widened(plan.scores, width)
     found = list(_faults(trajectory, rules, card, reference))
-    return min(found, key=lambda fault: fault.tick, default=None)
+    lost = {
+        each.name: share_of(each, card) * (100.0 - (worth(each) or 0.0)) for each in card.scores
+    }
+    dearest = max((lost[fault.score] for fault in found), default=0.0)
+    dear = (fault for fault in found if lost[fault.score] >= MUCH * dearest)
+    return min(dear, key=lambda fault: fault.tick, default=None)
 
 
 def behind(card: Scorecard, reference: Scorecard) -> tuple[str, ...]:
@@ -186,7 +195,7 @@ def _departure(
     band = band_of(rule, best)
     low, high = limits_about(reference, trajectory, rule, band)
     value = trajectory.measured(rule.measured)
-    outside = rows & ~_within(value, low, high, rule)
+    outside = rows & ~_within(value, low, high, rule) & ~_better(value, low, high, rule)
     row = _for_good(outside, rows, trajectory)
     if row is None:
         return None
@@ -252,6 +261,19 @@ def _within(value: Numbers, low: Numbers, high: Numbers, rule: Rule) -> Rows:
     return within
 
 
+def _better(value: Numbers, low: Numbers, high: Numbers, rule: Rule) -> Rows:
+    """Return where a value is nearer to what is asked for than the band about the reference."""
+    assert rule.measured  # noqa: S101
+    score = rule.score
+    if score.target is not None and rule.measured.name != COURSE:
+        edge = np.clip(score.target, low, high)
+        nearer: Rows = np.abs(value - score.target) < np.abs(edge - score.target)
+        return nearer
+    if score.measure in ("highest", "lowest") and score.target is None:
+        return value < low if score.full < score.zero else value > high
+    return np.zeros(value.size, bool)
+
+
 def _for_good(outside: Rows, rows: Rows, trajectory: Trajectory) -> int | None:
     """Return the first row from which a run stays outside, None if it never does."""
     edges = np.flatnonzero(np.diff(np.concatenate(([False], outside, [False])).astype(int)))
@@ -273,4 +295,4 @@ def _told(rule: Rule, value: float, limits: tuple[float, float]) -> str:
         )
         return "course {:03d}; {} {:03d} to {:03d}".format(next(told), ABOUT, *told)
     low, high = limits
-    return f"{rule.measured} {value:.1f} {unit}; {ABOUT} {low:.1f} to {high:.1f} {unit}"
+    return f"{rule.measured} {value:.2f} {unit}; {ABOUT} {low:.2f} to {high:.2f} {unit}"

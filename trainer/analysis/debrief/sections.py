@@ -107,7 +107,10 @@ def said_card(card: Scorecard) -> str:
 
 def made_of(verdict: Verdict) -> str:
     """Return what a total is made of, in words."""
-    told = f"Tasks {verdict.tasks:.0f}, less nobody aboard; keeping {verdict.keeping:.0f}"
+    told = (
+        f"Tasks {verdict.tasks:.0f}, beyond what a boat with nobody aboard gets; "
+        f"keeping {verdict.keeping:.0f}"
+    )
     if verdict.void:
         return f"{told}. The boat turned over: the marks are void."
     if verdict.free:
