@@ -113,7 +113,9 @@ def csv_files(recording: recording_file.Recording, path: Path, branch: int | Non
     return export_csv(recording, table_layout(recording), path, branch)
 
 
-def parquet_files(recording: recording_file.Recording, path: Path, branch: int | None) -> list[Path]:
+def parquet_files(
+    recording: recording_file.Recording, path: Path, branch: int | None
+) -> list[Path]:
     """Write a branch as Parquet; return the files written."""
     return export_parquet(recording, table_layout(recording), path, branch)
 
@@ -212,12 +214,16 @@ def read_recording(path: str | Path, branch: int | None = None) -> Recording:
 
 
 def frame_of(columns: Mapping[str, Numbers]) -> Any:
-    """Return columns as a pandas frame by the time ``t`` [s]; ConfigError without pandas."""
+    """Return columns as a pandas frame, by the time ``t`` [s] if there is one.
+
+    ConfigError where pandas is not installed.
+    """
     try:
         import pandas as pd  # noqa: PLC0415  half a second, and not always there
     except ImportError:
         raise ConfigError(NEEDS_PANDAS) from None
-    return pd.DataFrame(dict(columns)).set_index("t")
+    frame = pd.DataFrame(dict(columns))
+    return frame.set_index("t") if "t" in columns else frame
 
 
 def _arrays(table: Table) -> dict[str, Numbers]:

@@ -9,7 +9,7 @@ from array import array
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
 from pathlib import Path
-from typing import Any, Final, Literal, Self, TypedDict, Unpack
+from typing import TYPE_CHECKING, Any, Final, Literal, Self, TypedDict, Unpack
 
 import numpy as np
 
@@ -26,7 +26,6 @@ from trainer.io.orders.grammar import BadOrder, Refused, parse, to_the_crew
 from trainer.io.orders.table import BOAT_ORDERS, CREW_TALK
 from trainer.io.recording.absence import OrdersAlone
 from trainer.io.recording.queries import Moment
-from trainer.io.recording.recording import Recording
 from trainer.io.status_line import course
 from trainer.io.tables import COLUMNS, Cell
 from trainer.session.header import header_of
@@ -36,10 +35,13 @@ from trainer.session.options import RunOptions
 from trainer.session.plan import Plan, plan_run, refuse_depth
 from trainer.session.run import create_recording, open_publisher, ready
 from trainer.session.session import Session
-from trainer.session.stations.station import News
 from trainer.session.time.pacer import MonotonicClock, Policy
 from trainer.session.time.timekeeping import Timekeeping
 from trainer.units import KNOT
+
+if TYPE_CHECKING:
+    from trainer.io.recording.recording import Recording
+    from trainer.session.stations.station import News
 
 WHO: Final = "instructor at python"  # who gives the orders, for the record
 BEGIN: Final = {"speed": "speed_kn", "depth": "depth_m", "course": "course_deg"}
@@ -214,7 +216,10 @@ class Boat:
         return self._rows.columns()
 
     def frame(self) -> Any:
-        """Return ``columns`` as a pandas frame by the time ``t`` [s]; TrainerError without pandas."""
+        """Return ``columns`` as a pandas frame, with the time ``t`` [s] as its index.
+
+        TrainerError where pandas is not installed; the extra ``pandas`` brings it.
+        """
         return frame_of(self.columns)
 
     @property
@@ -313,7 +318,7 @@ def _options_of(given: Mapping[str, Any]) -> RunOptions:
 def _begun_at(plan: Plan, begin: Mapping[str, float | None]) -> Plan:
     """Return the plan with the speed, depth and course given; ConfigError if one cannot be."""
     kinds = {item.name: kind_of(item) for item in fields(Initial)}
-    given = {
+    given: dict[str, Any] = {
         BEGIN[name]: kinds[BEGIN[name]].read(name, _number(value), Place("Boat", ""))
         for name, value in begin.items()
         if value is not None

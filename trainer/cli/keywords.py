@@ -1,7 +1,7 @@
 """Keywords of the Python face, read as the options of the command that does the same.
 
-Each keyword is the name of an option, such as ``step_speed`` for ``--step-speed``. The command's own
-parser checks it: limits, choices, defaults and messages are those of the command line.
+Each keyword is the name of an option, such as ``step_speed`` for ``--step-speed``. The command's
+own parser checks it: limits, choices, defaults and messages are those of the command line.
 """
 
 from collections.abc import Collection, Iterator, Mapping, Sequence
@@ -28,7 +28,8 @@ def parsed(
     words = [word for name, value in keywords.items() for word in _words(command, name, value)]
     for name in keywords:
         if name not in known:
-            raise ConfigError(f"{command.name}: no keyword {name!r}{nearest(name, known)}")
+            there = ", ".join(sorted(known))
+            raise ConfigError(f"no keyword {name!r}{nearest(name, known)}; there are {there}")
     texts = [str(each) for each in arguments]
     try:
         with command.make_context(command.name, [*words, "--", *texts]) as context:
@@ -40,11 +41,16 @@ def parsed(
 def _words(command: click.Command, name: str, value: object) -> list[str]:
     """Return what is typed for a keyword; nothing for None, and for a flag that is not set."""
     options = [each for each in command.params if isinstance(each, click.Option)]
-    option = next((each for each in options if name in _names(each)), None)
-    if option is None or value is None or value is False:
+    named = [each for each in options if name in _names(each)]
+    if not named or value is None or value is False:
         return []
+    option = named[0]
     if option.is_flag:
-        return [option.opts[0]] if value is True else [f"--{value}"]
+        flags = {each.flag_value: each.opts[0] for each in named}
+        if value not in flags:
+            there = ", ".join(repr(each) for each in flags)
+            raise ConfigError(f"Invalid value for {name!r}: {value!r} is not one of {there}.")
+        return [flags[value]]
     values = value if option.multiple and isinstance(value, list | tuple) else [value]
     return [f"{option.opts[0]}={each}" for each in values]
 

@@ -84,7 +84,7 @@ class Session:
     def __post_init__(self) -> None:
         self.event_log = EventLog(self.history)
         self.control = Control(self.boat, self.time, self.history, self.schedule)
-        self.conduct = Conduct(self.control, self.event_log, self._show, lambda: self.wake.set())
+        self.conduct = Conduct(self.control, self.event_log, self._show, self.wake.set)
         self.depths = DepthMonitor.over(self.boat)
         self.pilot = PilotMonitor.over(self.boat)
         self.crew = CrewTalk(self.boat, self.hand, self.hand_from, self.allowed)
