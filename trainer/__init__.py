@@ -41,25 +41,24 @@ if TYPE_CHECKING:
         vessels,
     )
     from trainer.config.files import ConfigError as TrainerError
+else:
+    _PLACES = {  # the module of each name, and what it is called there
+        **dict.fromkeys(("Recording", "read_recording"), "trainer.analysis.recording_export"),
+        **dict.fromkeys(("Boat", "Snapshot"), "trainer.cli.boat"),
+        "TrainerError": "trainer.config.files",
+    }
+    _CALLED = {"TrainerError": "ConfigError"}
 
-_PLACES = {  # the module of each name, and what it is called there
-    **dict.fromkeys(("Recording", "read_recording"), "trainer.analysis.recording_export"),
-    **dict.fromkeys(("Boat", "Snapshot"), "trainer.cli.boat"),
-    "TrainerError": "trainer.config.files",
-}
-_CALLED = {"TrainerError": "ConfigError"}
+    def __getattr__(name: str) -> object:
+        """Return a public name, its module imported now."""
+        if name not in __all__:
+            raise AttributeError(f"module 'trainer' has no attribute {name!r}")
+        from importlib import import_module  # noqa: PLC0415  a run on an exported core needs none
 
-
-def __getattr__(name: str) -> object:
-    """Return a public name, its module imported now."""
-    if name not in __all__:
-        raise AttributeError(f"module 'trainer' has no attribute {name!r}")
-    from importlib import import_module  # noqa: PLC0415  a run on an exported core needs none
-
-    module = import_module(_PLACES.get(name, "trainer.cli.calls"))
-    found: object = getattr(module, _CALLED.get(name, name))
-    globals()[name] = found
-    return found
+        module = import_module(_PLACES.get(name, "trainer.cli.calls"))
+        found: object = getattr(module, _CALLED.get(name, name))
+        globals()[name] = found
+        return found
 
 
 def __dir__() -> list[str]:

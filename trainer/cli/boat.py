@@ -79,22 +79,20 @@ class Snapshot:
 class Boat:
     """A boat that is ordered and run by calls, as fast as it goes.
 
-    ``vessel`` is the name of a shipped boat or the path of a vessel file, at first ``bb2``.
-    The keywords, each as the option of ``trainer run`` of that name where there is one:
+    ``vessel`` is the name of a shipped boat or the path of a vessel file. Without it the boat is
+    that of the exercise, or ``bb2``. The keywords are the options of ``trainer run``, but for the
+    start and the names:
 
-    ``exercise``
-        Name or path of an exercise. Its orders, casualties and sea come as in a headless run.
-    ``speed`` [kn], ``depth`` [m], ``course`` [degrees]
-        Where the boat begins, in trim. Left out: as the exercise or the vessel file says, north.
-    ``sea``, ``seed``
-        Name or path of a sea, and the seed of everything random.
-    ``equations``, ``rates``, ``trig``, ``integrator``, ``step`` [s], ``unsafe_step``
-        How it is computed.
-    ``orders``
-        Path of a schedule: a line for each order, ``SECONDS ORDER``.
-    ``record``
-        Path of a recording to write, for ``read_recording`` and for all commands that read one.
-        Close the boat at the end, or use it in a ``with`` statement.
+    - ``exercise``: name or path of an exercise. Its orders, casualties and sea come as in a
+      headless run.
+    - ``speed`` [kn], ``depth`` [m], ``course`` [degrees]: where the boat begins, in trim. Without
+      them it begins as the exercise or the vessel file says, else to the north.
+    - ``sea``: name or path of a sea. ``seed``: of everything random.
+    - ``equations``, ``rates``, ``trig``, ``integrator``, ``step`` [s], ``unsafe_step``: how the
+      boat is computed.
+    - ``orders``: path of a schedule, which has a line ``SECONDS ORDER`` for each order.
+    - ``record``: path of a recording to write. ``close`` ends it, and so does the end of a ``with``
+      statement.
 
     TrainerError with the command line's words if something is wrong.
     """

@@ -33,11 +33,12 @@ File = str | Path
 
 @dataclass(frozen=True, repr=False)
 class Answer(Generic[Report, Figure]):
-    """What a program answers; ``print`` shows the page that its command prints.
+    """The answer of a program; ``print`` shows the page that its command prints.
 
-    ``report`` is a record of all that the command's ``--json`` has, ``figures`` are its numbers by
-    their names, each with its ``unit``: SI units and radians. ``columns`` are arrays by name: of a
-    manoeuvre what was flown, of a sweep the members.
+    ``report`` is a record of all that the command's ``--json`` has. ``figures`` are its numbers by
+    their names, each with a ``unit``: SI units and radians, of a fit those of its page.
+    ``columns`` are arrays by name: of a manoeuvre what was flown, of a sweep a number for each
+    member, of a fit none. ``page`` is the text.
     """
 
     report: Report
@@ -51,7 +52,10 @@ class Answer(Generic[Report, Figure]):
         return found
 
     def frame(self) -> Any:
-        """Return ``columns`` as a pandas frame; TrainerError where pandas is not installed."""
+        """Return ``columns`` as a pandas frame, by the time ``t`` [s] if there is one.
+
+        TrainerError where pandas is not installed; the extra ``pandas`` brings it.
+        """
         from trainer.analysis.recording_export import frame_of  # noqa: PLC0415
 
         return frame_of(self.columns)
