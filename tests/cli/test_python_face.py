@@ -225,6 +225,19 @@ def test_a_recording_by_call_replays_to_the_bit_with_its_branches(tmp_path: Path
     assert trainer.read_recording(tmp_path / "it.trainer").branch == 2
 
 
+def test_a_boat_that_is_closed_can_be_read_and_not_run(tmp_path: Path) -> None:
+    with trainer.Boat(record=tmp_path / "it.trainer") as boat:
+        boat.order("depth 70")
+        boat.run(20)
+    boat.close()
+
+    assert [each["text"] for each in boat.orders] == ["depth 70 m"]
+    assert boat.columns["t"][-1] == boat.time == 20.0
+    for call in (lambda: boat.run(1), lambda: boat.order("depth 60")):
+        with pytest.raises(trainer.TrainerError, match="this boat is closed"):
+            call()
+
+
 def test_a_boat_that_is_lost_says_so_and_can_go_back() -> None:
     boat = trainer.Boat(depth=400.0)
     boat.order("stern planes dive 10")

@@ -25,10 +25,10 @@ from trainer.core.kernel import Numbers
 from trainer.io.orders.grammar import BadOrder, Refused, parse, to_the_crew
 from trainer.io.orders.table import BOAT_ORDERS, CREW_TALK
 from trainer.io.recording.absence import OrdersAlone
-from trainer.io.recording.queries import Moment
+from trainer.io.recording.queries import Journalled, Moment
 from trainer.io.status_line import course
 from trainer.io.tables import COLUMNS, Cell
-from trainer.session.header import header_of
+from trainer.session.header import header_of, refusing_damage
 from trainer.session.history import History
 from trainer.session.layout import LAYOUT
 from trainer.session.options import RunOptions
@@ -117,6 +117,7 @@ class Boat:
         self._keeper = keeper
         self._rows = _Rows()
         self._events: list[News] = []
+        self._closing: list[Journalled] | None = None  # the orders, once the boat is closed
         self._session = self._begin(chosen)
 
     def _begin(self, chosen: RunOptions) -> Session:
@@ -159,6 +160,7 @@ class Boat:
                 f"{order.text}: is an order of a session; here time and moments are the calls "
                 "run(), snapshot() and restore()"
             )
+        self._refuse_closed()
         with np.errstate(all="ignore"):
             answer = self._session.give(order, WHO)
         if isinstance(answer, Refused):
@@ -172,6 +174,7 @@ class Boat:
         the way: it stays as it was then, and can go back to a snapshot.
         """
         last = self._last_tick(seconds)
+        self._refuse_closed()
         if self.lost:
             raise ConfigError(f"this boat cannot go on: {self.lost}; go back to a snapshot")
         self._session.last_tick = last
@@ -232,8 +235,15 @@ class Boat:
                 "accepted": each.accepted,
                 "answer": each.answer,
             }
-            for each in self._keeper.orders(self._keeper.branch)
+            for each in self._journal()
         ]
+
+    def _journal(self) -> list[Journalled]:
+        """Return the orders of the present branch; those at the end once the boat is closed."""
+        if self._closing is not None:
+            return self._closing
+        with refusing_damage():
+            return self._keeper.orders(self._keeper.branch)
 
     @property
     def events(self) -> list[dict[str, Cell]]:
@@ -256,16 +266,28 @@ class Boat:
         """
         if snapshot._of is not self:  # noqa: SLF001  its own kind
             raise ConfigError("restore: this snapshot is of another boat")
+        self._refuse_closed()
         with np.errstate(all="ignore"):
             self._session.return_to(snapshot._moment, f"restore, by {WHO}")  # noqa: SLF001
         self._rows.cut(self._boat.ticks)
         self._events[:] = [each for each in self._events if each.tick <= self._boat.ticks]
 
     def close(self) -> None:
-        """End the recording, if there is one; TrainerError if it could not be written whole."""
+        """End the run and its recording, if there is one; what was flown can still be read.
+
+        TrainerError if the recording could not be written whole.
+        """
+        if self._closing is not None:
+            return
+        self._closing = self._journal()
         self._keeper.close()
         if self._keeper.missing or self._keeper.trouble:
             raise ConfigError(f"NOT RECORDED: {self._keeper.missing}; {self._keeper.trouble}")
+
+    def _refuse_closed(self) -> None:
+        """Raise ConfigError if the boat is closed."""
+        if self._closing is not None:
+            raise ConfigError("this boat is closed: what was flown can be read, and no more flown")
 
     def __enter__(self) -> Self:
         return self
