@@ -1,6 +1,66 @@
 """An open, real-time submarine ship-control trainer.
 
-Nothing is imported here: a run on an exported core needs neither numba nor its cache.
+    import trainer
+
+    boat = trainer.Boat("bb2", speed=10, depth=60)
+    boat.order("depth 80")
+    boat.run(900)
+    boat.state["z"]
+
+Nothing is imported before a name is used: a run on an exported core needs neither numba nor its
+cache. The page docs/python.md has examples of every name.
 """
 
 __version__ = "0.1.0"
+__all__ = [
+    "Answer",
+    "Boat",
+    "Recording",
+    "Snapshot",
+    "TrainerError",
+    "exercises",
+    "identify_ship",
+    "manoeuvre",
+    "read_recording",
+    "seas",
+    "sweep",
+    "vessels",
+]
+
+TYPE_CHECKING = False  # type checkers take it for true; the module typing takes its time
+if TYPE_CHECKING:
+    from trainer.analysis.recording_export import Recording, read_recording
+    from trainer.cli.boat import Boat, Snapshot
+    from trainer.cli.calls import (
+        Answer,
+        exercises,
+        identify_ship,
+        manoeuvre,
+        seas,
+        sweep,
+        vessels,
+    )
+    from trainer.config.files import ConfigError as TrainerError
+else:
+    _PLACES = {  # the module of each name, and what it is called there
+        **dict.fromkeys(("Recording", "read_recording"), "trainer.analysis.recording_export"),
+        **dict.fromkeys(("Boat", "Snapshot"), "trainer.cli.boat"),
+        "TrainerError": "trainer.config.files",
+    }
+    _CALLED = {"TrainerError": "ConfigError"}
+
+    def __getattr__(name: str) -> object:
+        """Return a public name, its module imported now."""
+        if name not in __all__:
+            raise AttributeError(f"module 'trainer' has no attribute {name!r}")
+        from importlib import import_module  # noqa: PLC0415  a run on an exported core needs none
+
+        module = import_module(_PLACES.get(name, "trainer.cli.calls"))
+        found: object = getattr(module, _CALLED.get(name, name))
+        globals()[name] = found
+        return found
+
+
+def __dir__() -> list[str]:
+    """Return the public names."""
+    return [*__all__, "__version__"]

@@ -1,9 +1,11 @@
-"""The command ``trainer export``: a recording as tables, for Rerun's viewer, or columns drawn."""
+"""A recording for other programs: tables, arrays and frames, Rerun's viewer, columns drawn."""
 
+import math
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from importlib.util import find_spec
 from pathlib import Path
-from typing import Final
+from typing import Any, Final
 
 import click
 import numpy as np
@@ -12,9 +14,19 @@ from trainer.analysis.compare import unit
 from trainer.analysis.report.plots import Curve, Panel, draw
 from trainer.analysis.series import FEWEST, Series, load_series
 from trainer.config.files import ConfigError, nearest, quote
-from trainer.io.recording.recording import Recording
-from trainer.io.tables import Layout, export_csv, export_parquet
-from trainer.session.header import layout_of, method_of, reading
+from trainer.core.kernel import Numbers
+from trainer.io.recording import recording as recording_file
+from trainer.io.tables import (
+    Cell,
+    Layout,
+    Table,
+    events_table,
+    export_csv,
+    export_parquet,
+    orders_table,
+    states_table,
+)
+from trainer.session.header import layout_of, method_of, reading, trainees_of
 from trainer.session.layout import numbers_of
 from trainer.session.rerun.request import MISSING
 
@@ -96,17 +108,19 @@ def panel_of(series: Series, names: Sequence[str]) -> Panel:
     return Panel(title, "time [s]", f"{title} [{units[0]}]", curves)
 
 
-def csv_files(recording: Recording, path: Path, branch: int | None) -> list[Path]:
+def csv_files(recording: recording_file.Recording, path: Path, branch: int | None) -> list[Path]:
     """Write a branch as CSV; return the files written."""
     return export_csv(recording, table_layout(recording), path, branch)
 
 
-def parquet_files(recording: Recording, path: Path, branch: int | None) -> list[Path]:
+def parquet_files(
+    recording: recording_file.Recording, path: Path, branch: int | None
+) -> list[Path]:
     """Write a branch as Parquet; return the files written."""
     return export_parquet(recording, table_layout(recording), path, branch)
 
 
-def rrd_file(recording: Recording, path: Path, branch: int | None) -> list[Path]:
+def rrd_file(recording: recording_file.Recording, path: Path, branch: int | None) -> list[Path]:
     """Write a branch as a file for Rerun; return the file written."""
     if find_spec("rerun") is None:
         raise ConfigError(f"--rrd {MISSING}")
@@ -122,7 +136,7 @@ def rrd_file(recording: Recording, path: Path, branch: int | None) -> list[Path]
 WRITERS: Final = {"csv": csv_files, "parquet": parquet_files, "rrd": rrd_file}
 
 
-def table_layout(recording: Recording) -> Layout:
+def table_layout(recording: recording_file.Recording) -> Layout:
     """Return how the recorded states are read, each number under its name.
 
     Its ``numbers`` raises ConfigError if a state is damaged.
@@ -136,3 +150,89 @@ def table_layout(recording: Recording) -> Layout:
         return [whole[i] for i in wanted]
 
     return Layout(tuple(names[i] for i in wanted), numbers, method_of(header).step)
+
+
+NEEDS_PANDAS: Final = "a frame needs pandas: pip install 'submarine-trainer[pandas]'"
+
+
+@dataclass(frozen=True, repr=False)
+class Recording:
+    """A recording read as arrays: one branch of it, with what led there.
+
+    ``columns`` has one array for each column of ``trainer export --csv``, in SI units and radians:
+    ``t`` [s], ``z`` [m], ``theta`` [rad], and so on. A time [ns] that nobody measured is NaN.
+    ``orders`` and ``events`` are lists of dicts with the keys of the CSV files beside it. Events
+    are those of all branches. ``branch`` is its number, ``step`` [s] the time from tick to tick,
+    ``trainees`` the names of who was trained, ``path`` the file.
+    """
+
+    path: Path
+    branch: int
+    step: float  # [s]
+    trainees: tuple[str, ...]
+    columns: dict[str, Numbers]
+    orders: list[dict[str, Cell]]
+    events: list[dict[str, Cell]]
+
+    def __getitem__(self, name: str) -> Numbers:
+        """Return a column by its name; TrainerError with the nearest name if there is none."""
+        if name not in self.columns:
+            raise ConfigError(f"{self.path}: no column {quote(name)}{nearest(name, self.columns)}")
+        return self.columns[name]
+
+    def frame(self) -> Any:
+        """Return the columns as a pandas frame, with the time ``t`` [s] as its index.
+
+        TrainerError where pandas is not installed; the extra ``pandas`` brings it.
+        """
+        return frame_of(self.columns)
+
+    def __repr__(self) -> str:
+        last = self.columns["t"][-1]
+        told = f"branch {self.branch}, {len(self.columns['t'])} states to {last:g} s"
+        return f"{self.path}: {told}, {len(self.orders)} orders, {len(self.events)} events"
+
+
+def read_recording(path: str | Path, branch: int | None = None) -> Recording:
+    """Return a recording as arrays, by default its latest branch.
+
+    ``path`` is a file that ``trainer run --record`` or ``Boat(record=...)`` has written.
+    TrainerError if it cannot be read, or has no such branch.
+    """
+    with reading(Path(path)) as recording:
+        layout = table_layout(recording)
+        chosen = recording.branch if branch is None else branch
+        return Recording(
+            path=Path(path),
+            branch=chosen,
+            step=layout.step,
+            trainees=trainees_of(recording.header()),
+            columns=_arrays(states_table(recording, layout, chosen)),
+            orders=_dicts(orders_table(recording, layout, chosen)),
+            events=_dicts(events_table(recording, layout)),
+        )
+
+
+def frame_of(columns: Mapping[str, Numbers]) -> Any:
+    """Return columns as a pandas frame, by the time ``t`` [s] if there is one.
+
+    ConfigError where pandas is not installed.
+    """
+    try:
+        import pandas as pd  # noqa: PLC0415  half a second, and not always there
+    except ImportError:
+        raise ConfigError(NEEDS_PANDAS) from None
+    frame = pd.DataFrame(dict(columns))
+    return frame.set_index("t") if "t" in columns else frame
+
+
+def _arrays(table: Table) -> dict[str, Numbers]:
+    """Return the columns of a table of numbers; what is missing is NaN."""
+    flat = (math.nan if cell is None else float(cell) for row in table.rows for cell in row)
+    whole = np.fromiter(flat, np.float64).reshape(-1, len(table.columns))
+    return {name: whole[:, place].copy() for place, name in enumerate(table.columns)}
+
+
+def _dicts(table: Table) -> list[dict[str, Cell]]:
+    """Return the rows of a table, each with the names of its columns."""
+    return [dict(zip(table.columns, row, strict=True)) for row in table.rows]

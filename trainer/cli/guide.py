@@ -5,7 +5,7 @@ import sys
 from dataclasses import asdict
 from datetime import UTC, datetime
 from pathlib import Path
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 import click
 
@@ -13,6 +13,10 @@ from trainer.cli.answers import AHEAD, Number, outputs, show
 from trainer.cli.options import options_given
 from trainer.cli.shared_options import FILE, together
 from trainer.config.method import EQUATIONS
+
+if TYPE_CHECKING:
+    from trainer.analysis.manoeuvres.flight import Flight
+    from trainer.analysis.manoeuvres.page import Report
 
 OF_BOATS: Final = (
     *("equations", "rates", "trig", "integrator", "controls", "trim", "law"),
@@ -160,14 +164,14 @@ def manoeuvre(name: str, vessel: str, **options: Any) -> None:
     from trainer.analysis.manoeuvres import page  # noqa: PLC0415
     from trainer.analysis.manoeuvres.catalogue import find_manoeuvre  # noqa: PLC0415
 
-    report, flight = _fly(vessel, name, options)
+    report, flight = fly(vessel, name, options)
     if options["csv"]:
         page.write_csv(flight, options["csv"])
     show(report, page.render, lambda: page.panels(find_manoeuvre(name), flight), options)
     sys.exit(1 if report.lost else 0)
 
 
-def _fly(vessel: str, name: str, options: dict[str, Any]) -> tuple[Any, Any]:
+def fly(vessel: str, name: str, options: dict[str, Any]) -> "tuple[Report, Flight]":
     """Return report and flight of a boat, or of a Nomoto ship."""
     from trainer.analysis.manoeuvres import page  # noqa: PLC0415
     from trainer.config.vessel import load_vessel  # noqa: PLC0415

@@ -4,12 +4,15 @@ import contextlib
 import sys
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 import click
 
 from trainer.cli.answers import AHEAD, Number, outputs, show
 from trainer.cli.shared_options import FILE, VESSEL_HELP, together
+
+if TYPE_CHECKING:
+    from trainer.identify.pages.results import Identified
 
 MODELS: Final = ("1", "2", "3", "nomoto1", "nomoto2")
 CHANNELS: Final = ("sway", "yaw_rate", "heading")
@@ -210,9 +213,7 @@ def identify(file: Path | None, selftest: bool, **options: Any) -> None:  # noqa
     study = study_of(file, options)
     if options["armax"]:
         sys.exit(_armax(study, options))
-    with _announcing():
-        code = _model(study, options)
-    sys.exit(code)
+    sys.exit(_model(study, options))
 
 
 @contextlib.contextmanager
@@ -242,13 +243,21 @@ def _armax(study: Any, options: dict[str, Any]) -> int:
     return 0
 
 
+def fit_ship(study: Any, options: dict[str, Any]) -> "Identified":
+    """Return a ship model fitted and what there is to say of it; ConfigError if it cannot be."""
+    from trainer.identify.pages import identify as page  # noqa: PLC0415
+
+    with _announcing():
+        return page.carry_out(study, options, _progress)
+
+
 def _model(study: Any, options: dict[str, Any]) -> int:
     """Fit a ship model and show it; return the exit code."""
     from trainer.identify.outcome import nomoto_text, vessel_text  # noqa: PLC0415
     from trainer.identify.pages import identify as page  # noqa: PLC0415
     from trainer.identify.pages.sheet import sheet  # noqa: PLC0415
 
-    found = page.carry_out(study, options, _progress)
+    found = fit_ship(study, options)
     report = found.report
     if options["write_nomoto"]:
         _write(options["write_nomoto"], nomoto_text(found.fitted, report.bend))

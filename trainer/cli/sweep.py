@@ -67,13 +67,13 @@ def sweep(study: str, member: int | None, **options: Any) -> None:
 
     check_pyarrow()
     out = options["out"] or Path(f"{Path(study).stem}.parquet")
-    result = _fly(job, out, options)
+    result = fly(job, out, options)
     report = report_of(open_job(job), result, str(out))
     show(report, render, lambda: panels(report, result, options["measure"]), options)
 
 
-def _fly(job: Any, out: Path, options: dict[str, Any]) -> Any:
-    """Return the result, with a progress bar on a terminal."""
+def fly(job: Any, out: Path, options: dict[str, Any]) -> Any:
+    """Return the result as a table of pyarrow, with a progress bar on a terminal."""
     from trainer.analysis.guide.programme import processors  # noqa: PLC0415
     from trainer.analysis.sweep.job import open_job  # noqa: PLC0415
     from trainer.analysis.sweep.sweep import carry_out  # noqa: PLC0415

@@ -110,11 +110,15 @@ class Control:
         if isinstance(moment, Refused):
             return moment
         left, abandoned = self.boat.time, self.history.recording.branch
+        self.go_to(moment, why)
+        way = f"back from {left:g} s to {self.boat.time:g} s, frozen; {self._branch}"
+        return f"{way}, branch {abandoned} returns to where this was"
+
+    def go_to(self, moment: Moment, why: str) -> None:
+        """Go to a moment, frozen: a new branch begins there."""
         self.history.go_to(moment, why)
         self._begin_again()
         self.time.pacer.freeze()
-        way = f"back from {left:g} s to {self.boat.time:g} s, frozen; {self._branch}"
-        return f"{way}, branch {abandoned} returns to where this was"
 
     def _again(self, order: Order, who: str) -> Reply:
         """Begin the exercise again: from the start, a moment kept, so long ago, or here."""

@@ -173,10 +173,15 @@ def into_hand(exercise: Exercise, file: VesselFile) -> list[Scheduled]:
 
 def refuse_too_deep(exercise: Exercise, file: VesselFile) -> None:
     """Raise ConfigError if the exercise begins where this boat's hull would be lost."""
-    depth, limit = exercise.initial.depth_m, file.hull.collapse_depth_m
+    refuse_depth(exercise.initial.depth_m, file, f"{exercise.path.name}: [initial] depth_m")
+
+
+def refuse_depth(depth: float | None, file: VesselFile, place: str) -> None:
+    """Raise ConfigError if the hull is lost at a depth [m] to begin at; ``place`` says where."""
+    limit = file.hull.collapse_depth_m
     if depth is not None and limit is not None and depth >= limit:
         raise ConfigError(
-            f"{exercise.path.name}: [initial] depth_m = {depth:g} m: must be less than "
+            f"{place} = {depth:g} m: must be less than "
             f"collapse_depth_m = {limit:g} m of {file.path.name}"
         )
 

@@ -18,7 +18,7 @@ from trainer.session.layout import read_state
 from trainer.session.options import RunOptions
 from trainer.session.plan import Plan
 from trainer.session.run import PreparedRun, fly
-from trainer.session.warm_up import warm
+from trainer.session.warm_up import set_garbage_aside, warm
 
 
 def resume_boat(
@@ -34,6 +34,7 @@ def resume_boat(
             plan = plan_of(header)
             boat = Boat(plan.file, plan.method)
             warm(boat)
+            set_garbage_aside()
             history = bring_up(recording, plan, boat, layout_of(header))
             history.noted()  # what is damaged in its past is told before anything begins
     except BaseException:

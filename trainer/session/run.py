@@ -45,7 +45,7 @@ from trainer.session.stations.view import StateReader
 from trainer.session.time.ledger import SECOND, Summary
 from trainer.session.time.pacer import Clock, MonotonicClock, Policy
 from trainer.session.time.timekeeping import Punctuality, Timekeeping
-from trainer.session.warm_up import refuse_unstable, warm
+from trainer.session.warm_up import refuse_unstable, set_garbage_aside, warm
 from trainer.units import KNOT
 
 SEE_IT = "trainer debrief FILE shows how it went, trainer replay FILE flies it again"
@@ -196,6 +196,7 @@ def run_once(options: RunOptions, clock: Clock, debriefing: Debriefing | None) -
     with remembering() as texts:
         plan = plan_run(options)
     boat = ready(plan, options)
+    set_garbage_aside()
     kept: Path | None = None
     state = boat.records.state.tobytes()
     recording: Recording | NoRecording = NoRecording()

@@ -16,7 +16,7 @@ from trainer.boat.pilot import PilotMonitor
 from trainer.io.orders.grammar import Order, Refused, Reply
 from trainer.io.orders.schedule import Scheduled
 from trainer.io.orders.table import BOAT_ORDERS, CREW_TALK
-from trainer.io.recording.recording import RecordingError
+from trainer.io.recording.recording import Moment, RecordingError
 from trainer.io.tables import Columns
 from trainer.session.conduct import Conduct
 from trainer.session.control import Control
@@ -84,7 +84,7 @@ class Session:
     def __post_init__(self) -> None:
         self.event_log = EventLog(self.history)
         self.control = Control(self.boat, self.time, self.history, self.schedule)
-        self.conduct = Conduct(self.control, self.event_log, self._show, self._call)
+        self.conduct = Conduct(self.control, self.event_log, self._show, self.wake.set)
         self.depths = DepthMonitor.over(self.boat)
         self.pilot = PilotMonitor.over(self.boat)
         self.crew = CrewTalk(self.boat, self.hand, self.hand_from, self.allowed)
@@ -117,10 +117,6 @@ class Session:
     def stop(self) -> None:
         """End the run after the present tick; may be called from another thread."""
         self.control.ended = True
-        self.wake.set()
-
-    def _call(self) -> None:
-        """Have the session's thread listen."""
         self.wake.set()
 
     def greet(self, station: Station) -> None:
@@ -236,9 +232,6 @@ class Session:
             station.answer(asked, self.event_log.acknowledge(order, station))
         elif order.name == "mark":
             self._mark(asked)
-        elif why := self.crew.in_hand(order):
-            station.answer(asked, Refused(why))
-            self._pass_on(order, Refused(why), station)
         else:
             self._give(asked)
 
@@ -274,13 +267,25 @@ class Session:
     def _give(self, asked: Asked) -> None:
         """Carry out an order, answer it, and tell the others."""
         order, station = self.crew.meant(asked.order), asked.station
-        try:
-            answer = self._carry_out(order, station.who)
-        except RecordingError as error:  # its past cannot be read at present
-            answer = Refused(str(error))
+        answer = self.give(order, station.who)
         station.answer(asked, self.event_log.as_kept(answer))
         self._pass_on(order, answer, station)
         self.event_log.tell_trouble()
+
+    def give(self, order: Order, who: str) -> Reply:
+        """Carry out an order of somebody's; return what now holds, or why it was refused."""
+        if why := self.crew.in_hand(order):
+            return Refused(why)
+        try:
+            return self._carry_out(self.crew.meant(order), who)
+        except RecordingError as error:  # its past cannot be read at present
+            return Refused(str(error))
+
+    def return_to(self, moment: Moment, why: str) -> None:
+        """Go back to a moment of this run: a new branch begins there, frozen."""
+        self.control.go_to(moment, why)
+        self._settle()
+        self._show()
 
     def _status(self, station: Station) -> list[str]:
         """Return all about the boat that a station may know."""
@@ -331,15 +336,18 @@ class Session:
     def _after_time(self, order: Order) -> None:
         """Show what an order about time has changed."""
         if order.name in MOMENTS:
-            self.monitor.settle(self.boat)
-            self.depths.settle(self.boat)
-            self.pilot.settle(self.boat)
-            self.conduct.settle()
-            self.crew.settle(self.history.said(), self.history.tick)
-            self.event_log.settle()
-            self._judge_hull()
+            self._settle()
         if order.name in MOMENTS or order.name in TIME:
             self._show()
+
+    def _settle(self) -> None:
+        """Take the moment as it is after a jump in time: nothing of it is news."""
+        for each in (self.monitor, self.depths, self.pilot):
+            each.settle(self.boat)
+        self.conduct.settle()
+        self.crew.settle(self.history.said(), self.history.tick)
+        self.event_log.settle()
+        self._judge_hull()
 
     def _pass_on(self, order: Order, answer: Reply, station: Station) -> None:
         """Record an order about time, and tell the others what was ordered."""
@@ -413,8 +421,7 @@ class Session:
             self._after_tick(tick)
         events = pacer.end()
         if history.rerun is None:
-            ledger = self.time.ledger
-            history.recording.timing(tick, ledger.lateness, ledger.work)
+            history.recording.timing(tick, pacer.ledger.lateness, pacer.ledger.work)
         if self.control.failure:
             pacer.freeze()
             self.control.steps = 0

@@ -25,6 +25,10 @@ def warm(boat: Boat) -> None:
         try_out(boat)
     if compiling:
         compilation.keep()
+
+
+def set_garbage_aside() -> None:
+    """Leave what is there out of later collections; for a process that is one run."""
     if gc.isenabled():  # else this process has just begun, and has no garbage to speak of
         gc.collect()
     gc.freeze()  # a full collection with numba loaded takes 0.1 s

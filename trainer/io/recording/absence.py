@@ -1,6 +1,7 @@
-"""A recording that keeps nothing: a run needs no ``if``."""
+"""Recordings that are no file, one that keeps nothing: a run needs no ``if``."""
 
 from collections.abc import Iterator
+from dataclasses import replace
 
 from trainer.io.recording.queries import Branch, Journalled, Moment, Noted
 
@@ -76,3 +77,31 @@ class NoRecording:
 
     def close(self) -> None:
         """Do nothing."""
+
+
+class OrdersAlone(NoRecording):
+    """The orders of the present branch, in memory; all else is dropped."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._orders: list[Journalled] = []
+
+    def order(self, tick: int, who: str, text: str, place: int | None = None) -> int:
+        """Keep an order that is about to act; return its number."""
+        number = super().order(tick, who, text, place)
+        self._orders.append(Journalled(number, self.branch, tick, who, text, place, None, ""))
+        return number
+
+    def answered(self, order: int, answer: str, accepted: bool) -> None:  # noqa: FBT001
+        """Keep what became of the latest order."""
+        if self._orders and self._orders[-1].id == order:
+            self._orders[-1] = replace(self._orders[-1], accepted=accepted, answer=answer)
+
+    def fork(self, moment: Moment, why: str) -> int:
+        """Forget the orders after a moment; return the number of the branch that begins."""
+        self._orders = [each for each in self._orders if each.id <= moment.after]
+        return super().fork(moment, why)
+
+    def orders(self, _branch: int, after: int = 0) -> list[Journalled]:
+        """Return the orders after number ``after``."""
+        return [each for each in self._orders if each.id > after]

@@ -1,0 +1,442 @@
+"""The Python face: the same bits and the same words as the command line, and next to no cost."""
+
+import ast
+import json
+import math
+import subprocess
+import sys
+from collections.abc import Collection
+from pathlib import Path
+from typing import Any, assert_type
+
+import click
+import numpy as np
+import pytest
+from click.testing import CliRunner
+from helpers.places import PACKAGES, environment
+from numpy.typing import NDArray
+
+import trainer
+from trainer.analysis.series import load_series
+from trainer.cli.boat import BoatOptions
+from trainer.cli.calls import IdentifyOptions, ManoeuvreOptions, SweepOptions
+from trainer.cli.main import cli
+from trainer.config.files import ConfigError
+from trainer.session.header import reading
+from trainer.session.replay import replay_anyway
+
+ORDERS = ((0, "depth 80"), (60, "rudder left 20"), (90, "rudder meet"), (200, "course 300"))
+
+
+def typed(*words: object, folder: Path) -> subprocess.CompletedProcess[str]:
+    """Run a command of the trainer in a folder."""
+    return subprocess.run(
+        [sys.executable, "-m", "trainer", *map(str, words)],
+        cwd=folder,
+        env=environment(),
+        capture_output=True,
+        text=True,
+        timeout=300,
+        check=False,
+    )
+
+
+def headless(folder: Path, *words: object) -> None:
+    """Fly a headless run at full speed."""
+    done = typed("run", "--headless", "--speed", "max", *words, folder=folder)
+    assert done.returncode == 0, done.stderr
+
+
+def order_at_times(boat: trainer.Boat, until: float) -> None:
+    """Give the orders at their times, and run to the end [s]."""
+    for seconds, words in ORDERS:
+        if seconds > boat.time:
+            boat.run(seconds - boat.time)
+        boat.order(words)
+    boat.run(until - boat.time)
+
+
+def same(one: dict[str, NDArray[np.float64]], other: dict[str, NDArray[np.float64]]) -> bool:
+    """Return whether columns are the same to the bit."""
+    return one.keys() == other.keys() and all(
+        one[name].tobytes() == other[name].tobytes() for name in one
+    )
+
+
+# What it costs, and what is there
+
+
+def test_importing_the_trainer_imports_nothing_else() -> None:
+    code = "import sys; before = set(sys.modules); import trainer; print(set(sys.modules) - before)"
+    done = subprocess.run(
+        [sys.executable, "-S", "-c", code],
+        env=environment(),
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+
+    assert ast.literal_eval(done.stdout) == {"trainer"}
+
+
+def test_at_most_twelve_names_are_public_and_all_are_there() -> None:
+    assert len(trainer.__all__) <= 12
+    for name in trainer.__all__:
+        assert getattr(trainer, name).__doc__
+        assert name in dir(trainer)
+    with pytest.raises(AttributeError, match="no attribute 'Submarine'"):
+        _ = trainer.Submarine  # type: ignore[attr-defined]
+
+
+def test_a_type_checker_is_told_of_every_public_name() -> None:
+    tree = ast.parse(Path(PACKAGES, "trainer", "__init__.py").read_text(encoding="utf-8"))
+    (told,) = (node for node in tree.body if isinstance(node, ast.If))
+    imported = [
+        each for node in told.body if isinstance(node, ast.ImportFrom) for each in node.names
+    ]
+
+    assert sorted(each.asname or each.name for each in imported) == trainer.__all__
+
+
+@pytest.mark.parametrize(
+    ("command", "keywords"),
+    [
+        (cli.commands["run"], BoatOptions.__annotations__.keys() - {"exercise", "depth", "course"}),
+        (cli.commands["manoeuvre"], ManoeuvreOptions.__annotations__),
+        (cli.commands["sweep"], SweepOptions.__annotations__),
+        (cli.commands["identify"], IdentifyOptions.__annotations__),
+    ],
+)
+def test_every_keyword_is_an_option_of_its_command(
+    command: click.Command, keywords: Collection[str]
+) -> None:
+    options = [each for each in command.params if isinstance(each, click.Option)]
+    named = {option.name for option in options}
+    words = {word.lstrip("-").replace("-", "_") for option in options for word in option.opts}
+
+    assert not set(keywords) - named - words
+
+
+# The same bits
+
+
+@pytest.mark.parametrize(
+    ("words", "options"),
+    [
+        (("--sea", "sea-state-4", "--seed", "7"), {"sea": "sea-state-4", "seed": 7}),
+        (
+            ("--equations", "full", "--integrator", "rk4", "--step", "0.25"),
+            {"equations": "full", "integrator": "rk4", "step": 0.25},
+        ),
+    ],
+)
+def test_a_boat_by_call_has_the_rows_of_a_headless_run(
+    words: tuple[str, ...], options: Any, tmp_path: Path
+) -> None:
+    schedule = "".join(f"{seconds} {order}\n" for seconds, order in ORDERS)
+    (tmp_path / "orders.txt").write_text(schedule, encoding="utf-8")
+    told = ("--orders", "orders.txt", "--duration", "600", "--csv", "run.csv")
+    headless(tmp_path, *told, *words)
+    written = load_series(tmp_path / "run.csv").columns
+
+    boat = trainer.Boat("bb2", **options)
+    order_at_times(boat, 600.0)
+    scheduled = trainer.Boat("bb2", orders=tmp_path / "orders.txt", **options)
+    scheduled.run(600)
+
+    assert same(boat.columns, written)
+    assert same(scheduled.columns, written)
+    assert boat.state == scheduled.state
+
+
+def test_an_exercise_by_call_is_recorded_as_by_a_headless_run(tmp_path: Path) -> None:
+    headless(tmp_path, "stern-plane-jam", "--seed", 3, "--record", "one.trainer")
+    with trainer.Boat(exercise="stern-plane-jam", seed=3, record=tmp_path / "two.trainer") as boat:
+        boat.run()
+
+    one, two = (trainer.read_recording(tmp_path / f"{name}.trainer") for name in ("one", "two"))
+    for clocked in ("lateness_ns", "work_ns"):
+        del one.columns[clocked], two.columns[clocked]
+    assert same(one.columns, two.columns)
+    assert one.orders == two.orders
+    assert [each["text"] for each in two.events] == [each["text"] for each in boat.events]
+    assert {name: values[-1] for name, values in two.columns.items() if name in boat.state} == {
+        name: value for name, value in boat.state.items() if name in two.columns
+    }
+
+
+def test_a_run_in_parts_is_the_same_run() -> None:
+    whole, parts = trainer.Boat(sea="sea-state-3"), trainer.Boat(sea="sea-state-3")
+    whole.run(300)
+    for _ in range(3):
+        parts.run(100)
+
+    assert whole.state == parts.state
+    assert same(whole.columns, parts.columns)
+    assert len(whole.columns["t"]) == 601
+    assert_type(whole.state, dict[str, float])
+
+
+# Going back
+
+
+def test_a_moment_gone_back_to_goes_on_as_it_did_also_while_a_swing_is_being_met() -> None:
+    boat = trainer.Boat(sea="sea-state-5", speed=12)
+    boat.order("rudder left 20")
+    boat.run(40)
+    boat.order("rudder meet")
+    before = boat.snapshot()
+    orders, events = boat.orders, boat.events
+    boat.run(200)
+    state, columns = boat.state, boat.columns
+    assert boat.orders[-1]["text"] == "rudder amidships"  # the swing was met
+
+    boat.restore(before)
+
+    assert boat.time == before.time == 40.0
+    assert boat.orders == orders
+    assert boat.events == events
+    assert boat.columns["t"][-1] == 40.0
+    boat.run(200)
+    assert boat.state == state
+    assert same(boat.columns, columns)
+
+
+def test_another_boat_s_moment_is_refused() -> None:
+    with pytest.raises(trainer.TrainerError, match="another boat"):
+        trainer.Boat().restore(trainer.Boat().snapshot())
+
+
+def test_a_recording_by_call_replays_to_the_bit_with_its_branches(tmp_path: Path) -> None:
+    with trainer.Boat(record=tmp_path / "it.trainer", sea="sea-state-2") as boat:
+        boat.run(30)
+        before = boat.snapshot()
+        boat.order("depth 90")
+        boat.run(30)
+        boat.restore(before)
+        boat.order("course 90")
+        boat.run(30)
+        assert [each["text"] for each in boat.orders] == ["course 090"]
+
+    with reading(tmp_path / "it.trainer") as recording:
+        flights = replay_anyway(recording)
+    assert len(flights) == 2
+    assert all(flight.same for flight in flights)
+    assert trainer.read_recording(tmp_path / "it.trainer").branch == 2
+
+
+def test_a_boat_that_is_closed_can_be_read_and_not_run(tmp_path: Path) -> None:
+    with trainer.Boat(record=tmp_path / "it.trainer") as boat:
+        boat.order("depth 70")
+        boat.run(20)
+    boat.close()
+
+    assert [each["text"] for each in boat.orders] == ["depth 70 m"]
+    assert boat.columns["t"][-1] == boat.time == 20.0
+    for call in (lambda: boat.run(1), lambda: boat.order("depth 60")):
+        with pytest.raises(trainer.TrainerError, match="this boat is closed"):
+            call()
+
+
+def test_a_boat_that_is_lost_says_so_and_can_go_back() -> None:
+    boat = trainer.Boat(depth=400.0)
+    boat.order("stern planes dive 10")
+    before = boat.snapshot()
+
+    with pytest.raises(trainer.TrainerError, match=r"frozen at .* s: collapse at 450 m"):
+        boat.run(900)
+    with pytest.raises(trainer.TrainerError, match="cannot go on: collapse"):
+        boat.run(900)
+    assert boat.lost
+
+    boat.restore(before)
+    boat.order("depth 250")
+    boat.run(60)
+    assert not boat.lost
+
+
+# The same words
+
+
+@pytest.mark.parametrize(
+    ("words", "options"),
+    [
+        (("--vessel", "bb3"), {"vessel": "bb3"}),
+        (("--vessel", "./nix.toml"), {"vessel": "./nix.toml"}),
+        (("perisc",), {"exercise": "perisc"}),
+        (("--sea", "storm"), {"sea": "storm"}),
+        (("--equations", "ful"), {"equations": "ful"}),
+        (("--step", "30"), {"step": 30}),
+        (("--seed", "-1"), {"seed": -1}),
+        (("--orders", "nix.txt"), {"orders": "nix.txt"}),
+        (("--integrator", "bdf3", "--step", "2"), {"integrator": "bdf3", "step": 2.0}),
+    ],
+)
+def test_what_is_wrong_is_told_in_the_command_line_s_words(
+    words: tuple[str, ...], options: Any, tmp_path: Path
+) -> None:
+    flight = ("run", "--headless", "--speed", "max", "--duration", "1", *words)
+    done = typed(*flight, folder=tmp_path)
+
+    with pytest.raises(trainer.TrainerError) as wrong:
+        trainer.Boat(**options)
+
+    assert done.returncode == 2
+    assert "\n" not in str(wrong.value)
+    assert done.stderr.partition(" (trainer run --help")[0].strip() == f"trainer: {wrong.value}"
+
+
+@pytest.mark.parametrize(
+    ("options", "told"),
+    [
+        ({"speed": -1.0}, "Boat: speed = -1.0: must be 0.001 to 60 kn"),
+        ({"depth": math.nan}, "Boat: depth = nan: must be finite, 0 to 12000 m"),
+        ({"depth": 5000}, "Boat: depth = 5000 m: must be less than collapse_depth_m = 450 m"),
+        ({"course": "north"}, "Boat: course = "),
+        ({"speeed": 5}, "no keyword 'speeed'; nearest is speed; there are course, depth, "),
+        ({"speed": 5, "record": "it.trainer"}, "record=: a recorded run begins as"),
+    ],
+)
+def test_a_wrong_keyword_is_told_with_what_is_right(options: Any, told: str) -> None:
+    with pytest.raises(trainer.TrainerError) as wrong:
+        trainer.Boat(**options)
+
+    assert str(wrong.value).startswith(told)
+
+
+@pytest.mark.parametrize(
+    ("words", "told"),
+    [
+        ("dephts 80", '"dephts" is no order; did you mean depth?'),
+        ("rudder left 50", "the limit of the rudder is 30 degrees, not 50"),
+        ("quit", "quit: is an order of a session; here time and moments are the calls run()"),
+        ("# nothing", "no order: say one, such as depth 80"),
+    ],
+)
+def test_a_refused_order_is_told_in_the_console_s_words(words: str, told: str) -> None:
+    boat = trainer.Boat()
+    state = boat.state
+
+    with pytest.raises(trainer.TrainerError) as refused:
+        boat.order(words)
+
+    assert str(refused.value).startswith(told)
+    assert boat.state == state
+
+
+def test_what_an_exercise_has_in_hand_is_refused_as_at_the_console() -> None:
+    boat = trainer.Boat(exercise="depth-changes")
+    with pytest.raises(trainer.TrainerError, match="the planes are in hand in this exercise"):
+        boat.order("depth 80")
+    assert boat.order("stern planes rise 2") == "stern planes rise 2, by hand"
+
+
+@pytest.mark.parametrize("seconds", [0.0, -1.0, math.inf, math.nan])
+def test_a_run_is_longer_than_nothing_and_ends(seconds: float) -> None:
+    with pytest.raises(trainer.TrainerError, match="longer than 0 s, and ends"):
+        trainer.Boat().run(seconds)
+
+
+def test_a_run_without_an_end_asks_for_one() -> None:
+    with pytest.raises(trainer.TrainerError, match=r"say run\(seconds\)"):
+        trainer.Boat().run()
+
+
+# Recordings and frames
+
+
+def test_a_recording_that_is_none_or_a_column_that_is_none_is_told(tmp_path: Path) -> None:
+    with pytest.raises(trainer.TrainerError, match="No such file"):
+        trainer.read_recording(tmp_path / "nix.trainer")
+    with trainer.Boat(record=tmp_path / "it.trainer") as boat:
+        boat.run(2)
+    with pytest.raises(trainer.TrainerError, match="has no branch 4"):
+        trainer.read_recording(tmp_path / "it.trainer", branch=4)
+    with pytest.raises(trainer.TrainerError, match='no column "deltar"; nearest is delta_r'):
+        _ = trainer.read_recording(tmp_path / "it.trainer")["deltar"]
+    with pytest.raises(trainer.TrainerError, match="exists already"):
+        trainer.Boat(record=tmp_path / "it.trainer")
+
+
+def test_a_frame_has_the_columns_by_time_and_asks_for_pandas(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    boat = trainer.Boat()
+    boat.run(10)
+    frame = boat.frame()
+    assert frame.index.name == "t"
+    assert frame["z"].to_numpy().tobytes() == boat.columns["z"].tobytes()
+
+    monkeypatch.setitem(sys.modules, "pandas", None)
+    with pytest.raises(trainer.TrainerError, match=r"pip install 'submarine-trainer\[pandas\]'"):
+        boat.frame()
+
+
+# Manoeuvres and sweeps
+
+
+def test_a_manoeuvre_by_call_is_that_of_the_command() -> None:
+    told = CliRunner().invoke(
+        cli, ["manoeuvre", "meander", "bb2", "--dive", "--angle", "5", "--json"]
+    )
+
+    turn = trainer.manoeuvre("meander", "bb2", direction="dive", angle=5)
+
+    assert turn.as_json() == json.loads(told.stdout)
+    assert all(
+        turn.figures[each["name"]].unit == each["unit"] for each in turn.as_json()["measures"]
+    )
+    assert turn.columns["t"].size == turn.columns["z"].size
+
+
+@pytest.mark.parametrize(
+    ("options", "told"),
+    [
+        ({"name": "turning-circl"}, "no manoeuvre 'turning-circl'; nearest is turning-circle"),
+        ({"name": "turn", "direction": "up"}, "Invalid value for 'direction': 'up' is not one of"),
+        ({"name": "turn", "angle": 91}, "Invalid value for '--angle': 91.0 is not in the range"),
+        ({"name": "turn", "angel": 9}, "no keyword 'angel'; nearest is angle"),
+        ({"name": "turn", "csv": "x"}, "no keyword 'csv'"),
+        ({"name": "turn", "execute": 9}, "--execute: turn has no such parameter"),
+        ({"name": "turn", "vessel": "bb3"}, 'no vessel "bb3"; nearest is bb2'),
+    ],
+)
+def test_a_wrong_manoeuvre_is_told_in_the_command_line_s_words(options: Any, told: str) -> None:
+    with pytest.raises(ConfigError) as wrong:
+        trainer.manoeuvre(**options)
+
+    assert str(wrong.value).startswith(told)
+
+
+def test_a_sweep_by_call_is_that_of_the_command_and_keeps_nothing_unasked(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    study = trainer.sweep("turn-uncertainty", members=3)
+    assert not list(tmp_path.iterdir())
+
+    kept = trainer.sweep("turn-uncertainty", members=3, out="it.parquet")
+
+    assert list(tmp_path.glob("it.parquet"))
+    assert study.columns["member"].tolist() == [0, 1, 2]
+    for name in study.figures:
+        assert study.columns[name].tobytes() == kept.columns[name].tobytes()
+        assert study.figures[name].mean == pytest.approx(study.columns[name].mean())
+    with pytest.raises(trainer.TrainerError, match="no study"):
+        trainer.sweep("turn-uncertain")
+
+
+def test_a_fit_by_call_asks_for_what_is_there(tmp_path: Path) -> None:
+    with pytest.raises(trainer.TrainerError, match="no keyword 'modell'; nearest is model"):
+        trainer.identify_ship("x.trainer", modell="1")  # type: ignore[call-arg]
+    with pytest.raises(trainer.TrainerError, match="Invalid value for '--model'"):
+        trainer.identify_ship("x.trainer", model="7")  # type: ignore[arg-type]
+    with pytest.raises(trainer.TrainerError, match="nix"):
+        trainer.identify_ship(tmp_path / "nix.trainer", model="nomoto1", vessel="bb2")
+
+
+def test_what_is_shipped_is_listed_by_name() -> None:
+    assert trainer.vessels()["remus100"].startswith("REMUS 100")
+    assert trainer.seas()["sea-state-4"] == "Sea state 4, moderate"
+    listed = json.loads(CliRunner().invoke(cli, ["exercises", "--json"]).stdout)
+    assert list(trainer.exercises().items()) == list(listed.items())

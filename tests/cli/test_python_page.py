@@ -1,0 +1,60 @@
+"""The page of the Python face and its notebook, run as they stand."""
+
+import json
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+from helpers import notebooks, python_reference
+from helpers.places import TESTS, environment
+
+PAGE = python_reference.PAGE.read_text(encoding="utf-8")
+MOST = 100_000  # [bytes] of a notebook with its outputs
+
+
+def ran(code: str, folder: Path) -> str:
+    """Run a program in a process and a folder of its own; return what it prints."""
+    done = subprocess.run(
+        [sys.executable, "-c", code],
+        cwd=folder,
+        env=environment(),
+        capture_output=True,
+        text=True,
+        timeout=600,
+        check=False,
+    )
+    assert done.returncode == 0, done.stderr
+    return done.stdout
+
+
+def test_the_blocks_of_the_page_run_one_after_the_other(tmp_path: Path) -> None:
+    blocks = re.findall(r"```python\n(.*?)```", PAGE, re.DOTALL)
+    assert len(blocks) > 8
+
+    told = ran("\n".join(blocks), tmp_path)
+
+    assert "80.0 m" in told
+    assert "collapse at 450 m" in told
+
+
+def test_every_public_name_is_in_the_reference_as_its_docstring_has_it() -> None:
+    reference = PAGE[PAGE.index(python_reference.HEAD) :]
+
+    assert reference == python_reference.reference(), (
+        "in the folder of the tests: python -m helpers.python_reference"
+    )
+
+
+def test_the_notebook_s_code_prints_what_the_notebook_shows(tmp_path: Path) -> None:
+    path = notebooks.NOTEBOOK
+    shown = [notebooks.outputs_of(cell) for cell in notebooks.cells(path)]
+    assert path.stat().st_size < MOST
+    code = (
+        f"import json, sys; sys.path.insert(0, {str(TESTS)!r})\n"
+        "from helpers import notebooks; print(json.dumps(notebooks.run(notebooks.NOTEBOOK)))"
+    )
+
+    printed = ran(code, tmp_path)
+
+    assert json.loads(printed) == shown, "in the folder of the tests: python -m helpers.notebooks"

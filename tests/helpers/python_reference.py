@@ -1,0 +1,64 @@
+"""The reference of the Python face, made of its docstrings.
+
+python -m helpers.python_reference, from the folder of the tests, writes it into the page.
+"""
+
+import inspect
+from collections.abc import Iterator
+
+import trainer
+from helpers.places import ROOT
+
+PAGE = ROOT / "docs" / "python.md"
+HEAD = "## Every name\n"
+
+
+def reference() -> str:
+    """Return the reference as Markdown, from its heading to the end of the page."""
+    return (
+        "\n".join([HEAD, *(line for name in trainer.__all__ for line in _entry(name))]).rstrip()
+        + "\n"
+    )
+
+
+def _entry(name: str) -> Iterator[str]:
+    """Yield the lines about one public name."""
+    found = getattr(trainer, name)
+    yield f"### trainer.{name}{_signature(found)}\n"
+    yield _text(found) + "\n"
+    if name == "TrainerError" or not inspect.isclass(found):
+        return
+    for member, value in vars(found).items():
+        if not member.startswith("_") and (callable(value) or isinstance(value, property)):
+            of = "" if isinstance(value, property) else _signature(value)
+            yield f"- `{member}{of}`: {' '.join(_text(value).split())}"
+    yield ""
+
+
+def _signature(found: object) -> str:
+    """Return the arguments of a function, or of a boat, without their types."""
+    if not callable(found) or (inspect.isclass(found) and found is not trainer.Boat):
+        return ""  # what is only handed out
+    signature = inspect.signature(found)
+    shown = [
+        each.replace(annotation=inspect.Parameter.empty)
+        for each in signature.parameters.values()
+        if each.name != "self" and not each.name.startswith("_")
+    ]
+    bare = signature.replace(parameters=shown, return_annotation=inspect.Signature.empty)
+    return str(bare).replace("**options", "**keywords")
+
+
+def _text(found: object) -> str:
+    """Return a docstring as Markdown has it."""
+    return inspect.cleandoc(getattr(found, "__doc__", None) or "").replace("``", "`")
+
+
+def write() -> None:
+    """Renew the reference of the page."""
+    text = PAGE.read_text(encoding="utf-8").partition(HEAD)[0]
+    PAGE.write_text(text + reference(), encoding="utf-8")
+
+
+if __name__ == "__main__":
+    write()

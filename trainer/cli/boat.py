@@ -1,0 +1,354 @@
+"""The boat of the Python face: a session without a clock, ordered and run by calls.
+
+It is planned, made ready, ordered and ticked by what a headless run is, and has the same bits.
+"""
+
+import contextlib
+import math
+from array import array
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, fields, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Final, Literal, Self, TypedDict, Unpack
+
+import numpy as np
+
+from trainer.analysis.recording_export import frame_of
+from trainer.boat.limits import LimitMonitor
+from trainer.cli.keywords import parsed
+from trainer.cli.options import run_options
+from trainer.cli.run import run as run_command
+from trainer.config.exercise import Initial
+from trainer.config.files import ConfigError, Place, remembering
+from trainer.config.schema import kind_of
+from trainer.core.kernel import Numbers
+from trainer.io.orders.grammar import BadOrder, Refused, parse, to_the_crew
+from trainer.io.orders.table import BOAT_ORDERS, CREW_TALK
+from trainer.io.recording.absence import OrdersAlone
+from trainer.io.recording.queries import Journalled, Moment
+from trainer.io.status_line import course
+from trainer.io.tables import COLUMNS, Cell
+from trainer.session.header import header_of, refusing_damage
+from trainer.session.history import History
+from trainer.session.layout import LAYOUT
+from trainer.session.options import RunOptions
+from trainer.session.plan import Plan, plan_run, refuse_depth
+from trainer.session.run import create_recording, open_publisher, ready
+from trainer.session.session import Session
+from trainer.session.time.pacer import MonotonicClock, Policy
+from trainer.session.time.timekeeping import Timekeeping
+from trainer.units import KNOT
+
+if TYPE_CHECKING:
+    from trainer.io.recording.recording import Recording
+    from trainer.session.stations.station import News
+
+WHO: Final = "instructor at python"  # who gives the orders, for the record
+BEGIN: Final = {"speed": "speed_kn", "depth": "depth_m", "course": "course_deg"}
+WIDTH: Final = len(COLUMNS)
+
+
+class BoatOptions(TypedDict, total=False):
+    """The keywords of ``Boat``; what each means is told there."""
+
+    exercise: str | Path | None
+    speed: float | None
+    depth: float | None
+    course: float | None
+    sea: str | Path | None
+    seed: int | None
+    equations: Literal["full", "modified", "basic", "longitudinal"] | None
+    rates: Literal["exact", "lagged"] | None
+    trig: Literal["exact", "report"] | None
+    integrator: str | None
+    step: float | None
+    unsafe_step: bool
+    orders: str | Path | None
+    record: str | Path | None
+
+
+@dataclass(frozen=True)
+class Snapshot:
+    """A moment of a boat, to go back to by ``Boat.restore``; ``time`` is its time [s]."""
+
+    time: float
+    _moment: Moment = field(repr=False)
+    _of: object = field(repr=False)
+
+
+class Boat:
+    """A boat that is ordered and run by calls, as fast as it goes.
+
+    ``vessel`` is the name of a shipped boat or the path of a vessel file. Without it the boat is
+    that of the exercise, or ``bb2``. The keywords are the options of ``trainer run``, but for the
+    start and the names:
+
+    - ``exercise``: name or path of an exercise. Its orders, casualties and sea come as in a
+      headless run.
+    - ``speed`` [kn], ``depth`` [m], ``course`` [degrees]: where the boat begins, in trim. Without
+      them it begins as the exercise or the vessel file says, else to the north.
+    - ``sea``: name or path of a sea. ``seed``: of everything random.
+    - ``equations``, ``rates``, ``trig``, ``integrator``, ``step`` [s], ``unsafe_step``: how the
+      boat is computed.
+    - ``orders``: path of a schedule, which has a line ``SECONDS ORDER`` for each order.
+    - ``record``: path of a recording to write. ``close`` ends it, and so does the end of a ``with``
+      statement.
+
+    TrainerError with the command line's words if something is wrong.
+    """
+
+    def __init__(self, vessel: str | Path | None = None, **options: Unpack[BoatOptions]) -> None:
+        given: dict[str, Any] = {"vessel": vessel, **options}
+        begin = {name: given.pop(name, None) for name in BEGIN}
+        chosen = _options_of(given)
+        with remembering() as texts:
+            self._plan = _begun_at(plan_run(chosen), begin)
+        if chosen.record and any(value is not None for value in begin.values()):
+            raise ConfigError(
+                "record=: a recorded run begins as its exercise or vessel file says, so that it "
+                "can be replayed; leave out speed, depth and course, or write an exercise"
+            )
+        self._boat = ready(self._plan, chosen)
+        state = self._boat.records.state.tobytes()
+        keeper: Recording | OrdersAlone = OrdersAlone()
+        if chosen.record:
+            header = header_of(chosen, texts, self._boat)
+            _, keeper = create_recording((chosen.record,), header, state)
+        self._keeper = keeper
+        self._rows = _Rows()
+        self._events: list[News] = []
+        self._closing: list[Journalled] | None = None  # the orders, once the boat is closed
+        self._session = self._begin(chosen)
+
+    def _begin(self, chosen: RunOptions) -> Session:
+        """Return the session that is run by calls."""
+        boat, plan = self._boat, self._plan
+        time = Timekeeping.at(MonotonicClock(), boat.method.step, math.inf, Policy(chosen.overrun))
+        session = Session(
+            boat,
+            time,
+            History(boat, self._keeper),
+            self._rows,
+            COLUMNS,
+            open_publisher(boat, time, chosen),
+            schedule=plan.schedule,
+            monitor=LimitMonitor.over(boat, plan.limits),
+            hand=frozenset(plan.hand),
+            hand_from=plan.hand_from,
+            allowed=frozenset(plan.allowed),
+        )
+        session.conduct.scored = bool(plan.scores)
+        session.event_log.hearers.append(self._events.append)
+        self._rows.row(boat.numbers(COLUMNS))
+        return session
+
+    def order(self, words: str) -> str:
+        """Give an order in the console's words, such as ``depth 80``; return its answer.
+
+        It acts at once, on the next tick. TrainerError with the console's words where it is no
+        order, or is refused. Orders about time and moments are the calls ``run``, ``snapshot``
+        and ``restore``.
+        """
+        said = parse(words)
+        if said is None:
+            raise ConfigError("no order: say one, such as depth 80")
+        if isinstance(said, BadOrder):
+            raise ConfigError(said.reason)
+        order = to_the_crew(said)
+        if order.name not in BOAT_ORDERS | CREW_TALK:
+            raise ConfigError(
+                f"{order.text}: is an order of a session; here time and moments are the calls "
+                "run(), snapshot() and restore()"
+            )
+        self._refuse_closed()
+        with np.errstate(all="ignore"):
+            answer = self._session.give(order, WHO)
+        if isinstance(answer, Refused):
+            raise ConfigError(answer.reason)
+        return answer
+
+    def run(self, seconds: float | None = None) -> None:
+        """Let so many seconds [s] of simulated time pass, to the nearest tick, one at least.
+
+        Without a number it runs to the end of the exercise. TrainerError if the boat is lost on
+        the way: it stays as it was then, and can go back to a snapshot.
+        """
+        last = self._last_tick(seconds)
+        self._refuse_closed()
+        if self.lost:
+            raise ConfigError(f"this boat cannot go on: {self.lost}; go back to a snapshot")
+        self._session.last_tick = last
+        with np.errstate(all="ignore"):
+            self._session.run()
+        if self.lost:
+            raise ConfigError(f"frozen at {self.time:g} s: {self.lost}")
+
+    def _last_tick(self, seconds: float | None) -> int:
+        """Return the tick to run to; ConfigError if that is none."""
+        step, end = self._boat.method.step, self._plan.duration
+        if seconds is None and end is None:
+            raise ConfigError("run how long? say run(seconds); only an exercise has an end")
+        if seconds is None:
+            return round((end or 0.0) / step)
+        if not 0.0 < seconds < math.inf:
+            raise ConfigError(f"run({seconds!r}): a run lasts longer than 0 s, and ends")
+        return self._boat.ticks + max(round(seconds / step), 1)
+
+    @property
+    def time(self) -> float:
+        """Return the simulated time [s] since the start."""
+        return self._boat.time
+
+    @property
+    def state(self) -> dict[str, float]:
+        """Return a copy of the whole state by the core's names, in SI units and radians.
+
+        ``u`` [m/s] is the speed ahead, ``z`` [m] the depth, ``psi`` [rad] the heading, ``theta``
+        [rad] the pitch; the names are those of a recording's columns.
+        """
+        return dict(zip(LAYOUT, self._boat.plain.tolist(), strict=True))
+
+    @property
+    def columns(self) -> dict[str, Numbers]:
+        """Return what was flown, an array for each column of ``trainer run --csv``.
+
+        SI units and radians, a number for each tick from the start on; ``t`` is the time [s].
+        """
+        return self._rows.columns()
+
+    def frame(self) -> Any:
+        """Return ``columns`` as a pandas frame, with the time ``t`` [s] as its index.
+
+        TrainerError where pandas is not installed; the extra ``pandas`` brings it.
+        """
+        return frame_of(self.columns)
+
+    @property
+    def orders(self) -> list[dict[str, Cell]]:
+        """Return the orders so far: ``t`` [s], ``who``, ``text``, ``accepted`` and ``answer``."""
+        step = self._boat.method.step
+        return [
+            {
+                "t": each.tick * step,
+                "who": each.who,
+                "text": each.text,
+                "accepted": each.accepted,
+                "answer": each.answer,
+            }
+            for each in self._journal()
+        ]
+
+    def _journal(self) -> list[Journalled]:
+        """Return the orders of the present branch; those at the end once the boat is closed."""
+        if self._closing is not None:
+            return self._closing
+        with refusing_damage():
+            return self._keeper.orders(self._keeper.branch)
+
+    @property
+    def events(self) -> list[dict[str, Cell]]:
+        """Return what has happened so far: ``t`` [s], ``kind`` and ``text``."""
+        return [{"t": each.seconds, "kind": each.kind, "text": each.text} for each in self._events]
+
+    @property
+    def lost(self) -> str:
+        """Return why the boat cannot go on, such as the collapse of its hull; "" while it can."""
+        return self._session.control.failure
+
+    def snapshot(self) -> Snapshot:
+        """Return this moment, whole: state, sea, tanks, casualties, and what is still scheduled."""
+        return Snapshot(self.time, self._session.history.now(), self)
+
+    def restore(self, snapshot: Snapshot) -> None:
+        """Go back to a moment of this boat, to the bit; what came after it is forgotten.
+
+        A recording keeps it, on the branch that is left. TrainerError for another boat's moment.
+        """
+        if snapshot._of is not self:  # noqa: SLF001  its own kind
+            raise ConfigError("restore: this snapshot is of another boat")
+        self._refuse_closed()
+        with np.errstate(all="ignore"):
+            self._session.return_to(snapshot._moment, f"restore, by {WHO}")  # noqa: SLF001
+        self._rows.cut(self._boat.ticks)
+        self._events[:] = [each for each in self._events if each.tick <= self._boat.ticks]
+
+    def close(self) -> None:
+        """End the run and its recording, if there is one; what was flown can still be read.
+
+        TrainerError if the recording could not be written whole.
+        """
+        if self._closing is not None:
+            return
+        self._closing = self._journal()
+        self._keeper.close()
+        if self._keeper.missing or self._keeper.trouble:
+            raise ConfigError(f"NOT RECORDED: {self._keeper.missing}; {self._keeper.trouble}")
+
+    def _refuse_closed(self) -> None:
+        """Raise ConfigError if the boat is closed."""
+        if self._closing is not None:
+            raise ConfigError("this boat is closed: what was flown can be read, and no more flown")
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    def __repr__(self) -> str:
+        s = self._boat.state
+        where = f"{s.u / KNOT:.4g} kn, {s.z:.5g} m, course {course(math.degrees(s.psi), 1)}"
+        return f"{self._boat.file.name}: {self.time:g} s, {where}"
+
+
+class _Rows:
+    """The columns of each tick, in memory; the place of a row is its tick."""
+
+    trouble = ""
+
+    def __init__(self) -> None:
+        self._numbers = array("d")
+
+    def row(self, values: Sequence[float]) -> None:
+        """Take the columns of one tick, unless they are here."""
+        if len(self._numbers) == int(values[0]) * WIDTH:
+            self._numbers.extend(values)
+
+    def cut(self, tick: int) -> None:
+        """Forget what is later than a tick."""
+        del self._numbers[(tick + 1) * WIDTH :]
+
+    def columns(self) -> dict[str, Numbers]:
+        """Return a copy, by name."""
+        table = np.array(self._numbers).reshape(-1, WIDTH)
+        return {name: table[:, place].copy() for place, name in enumerate(COLUMNS)}
+
+
+def _options_of(given: Mapping[str, Any]) -> RunOptions:
+    """Return the options of a headless run at full speed; ConfigError if one is wrong."""
+    keywords = {name: value for name, value in given.items() if name != "exercise"}
+    known = {"vessel", *BoatOptions.__annotations__}
+    exercise = given.get("exercise")
+    with parsed(run_command, [] if exercise is None else [exercise], keywords, known) as asked:
+        for name in ("teletype", "core", "state"):
+            del asked[name]
+        return replace(run_options(asked), headless=True, speed=math.inf)
+
+
+def _begun_at(plan: Plan, begin: Mapping[str, float | None]) -> Plan:
+    """Return the plan with the speed, depth and course given; ConfigError if one cannot be."""
+    kinds = {item.name: kind_of(item) for item in fields(Initial)}
+    given: dict[str, Any] = {
+        BEGIN[name]: kinds[BEGIN[name]].read(name, _number(value), Place("Boat", ""))
+        for name, value in begin.items()
+        if value is not None
+    }
+    refuse_depth(given.get("depth_m"), plan.file, "Boat: depth")
+    return replace(plan, initial=replace(plan.initial, **given))
+
+
+def _number(value: Any) -> Any:
+    """Return a number of numpy's as Python's own; whatever else it is, as it is."""
+    with contextlib.suppress(AttributeError):
+        return value.item()
+    return value

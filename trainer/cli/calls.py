@@ -1,0 +1,219 @@
+"""The functions of the Python face: what is shipped, manoeuvres, sweeps and fits by call.
+
+Each does what the command of its name does, with the options of that command as keywords.
+"""
+
+import json
+import tempfile
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass
+from importlib.util import find_spec
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Generic, Literal, TypedDict, TypeVar, Unpack
+
+from trainer.cli import guide, identify
+from trainer.cli import sweep as sweep_command
+from trainer.cli.keywords import parsed
+from trainer.config.files import ConfigError, shipped_names
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from trainer.analysis.manoeuvres.page import Report as ManoeuvreReport
+    from trainer.analysis.manoeuvres.vehicle import Measure
+    from trainer.analysis.sweep.report import Report as SweepReport
+    from trainer.analysis.sweep.report import Spread
+    from trainer.identify.pages.results import Estimate, ShipNumber
+    from trainer.identify.pages.results import Report as FitReport
+
+Report = TypeVar("Report")
+Figure = TypeVar("Figure")
+File = str | Path
+
+
+@dataclass(frozen=True, repr=False)
+class Answer(Generic[Report, Figure]):
+    """The answer of a program; ``print`` shows the page that its command prints.
+
+    ``report`` is a record of all that the command's ``--json`` has. ``figures`` are its numbers by
+    their names, each with a ``unit``: SI units and radians, of a fit those of its page.
+    ``columns`` are arrays by name: of a manoeuvre what was flown, of a sweep a number for each
+    member, of a fit none. ``page`` is the text.
+    """
+
+    report: Report
+    figures: Mapping[str, Figure]
+    columns: "dict[str, NDArray[Any]]"
+    page: str
+
+    def as_json(self) -> dict[str, Any]:
+        """Return the report as the command's ``--json`` has it."""
+        found: dict[str, Any] = json.loads(json.dumps(asdict(self.report)))  # type: ignore[call-overload]
+        return found
+
+    def frame(self) -> Any:
+        """Return ``columns`` as a pandas frame, by the time ``t`` [s] if there is one.
+
+        TrainerError where pandas is not installed; the extra ``pandas`` brings it.
+        """
+        from trainer.analysis.recording_export import frame_of  # noqa: PLC0415
+
+        return frame_of(self.columns)
+
+    def __repr__(self) -> str:
+        return self.page
+
+
+class ManoeuvreOptions(TypedDict, total=False):
+    """The keywords of ``manoeuvre``: the options of ``trainer manoeuvre``."""
+
+    speed: float | None
+    angle: float | None
+    side: Literal["starboard", "port"] | None
+    direction: Literal["rise", "dive"] | None
+    planes: float | None
+    execute: float | None
+    duration: float | None
+    step_speed: float | None
+    step_time: float | None
+    ahead_speed: float | None
+    ahead_time: float | None
+    depth: float | None
+    sea: File | None
+    seed: int | None
+    equations: Literal["full", "modified", "basic", "longitudinal"] | None
+    rates: Literal["exact", "lagged"] | None
+    trig: Literal["exact", "report"] | None
+    integrator: str | None
+    step: float | None
+    controls: Literal["own", "once"] | None
+    trim: Literal["own", "full"] | None
+    law: Literal["trainer", "report", "literal"] | None
+
+
+def manoeuvre(
+    name: str, vessel: File = "bb2", **options: Unpack[ManoeuvreOptions]
+) -> "Answer[ManoeuvreReport, Measure]":
+    """Fly a manoeuvre and measure it, as ``trainer manoeuvre`` does.
+
+    ``speed`` is in kn; ``angle``, ``planes`` and ``execute`` in degrees; ``duration``,
+    ``step_time`` and ``ahead_time`` in s; ``step_speed`` and ``ahead_speed`` in kn; ``depth`` in m.
+    The figures are the measures, such as ``figures["advance"].value`` in m. If the boat is lost on
+    the way, ``report.lost`` says why. TrainerError with the command's words if something is wrong.
+    """
+    from trainer.analysis.manoeuvres.page import render  # noqa: PLC0415
+
+    known = ManoeuvreOptions.__annotations__
+    with parsed(guide.manoeuvre, [name, vessel], options, known) as asked:
+        del asked["name"], asked["vessel"]
+        report, flight = guide.fly(str(vessel), name, asked)
+    return Answer(
+        report,
+        {each.name: each for each in report.measures},
+        dict(flight.series.columns),
+        render(report),
+    )
+
+
+class SweepOptions(TypedDict, total=False):
+    """The keywords of ``sweep``: the options of ``trainer sweep``."""
+
+    members: int | None
+    out: File | None
+    jobs: int | None
+    scheduler: str | None
+
+
+def sweep(study: File, **options: Unpack[SweepOptions]) -> "Answer[SweepReport, Spread]":
+    """Fly a study, one boat many times with some of its numbers varied, as ``trainer sweep`` does.
+
+    ``members`` is how many there are, else the study's own number. With ``out`` the result is kept
+    in that Parquet file, and a sweep that was interrupted goes on; else nothing is kept. ``jobs``
+    is the number of processes, at first this one alone; a script that asks for more stands under
+    ``if __name__ == "__main__":``. The figures are the spreads of the measures, the columns what
+    was drawn and what came of it. TrainerError with the command's words if something is wrong,
+    and without the extra ``parquet``.
+    """
+    from trainer.analysis.sweep.job import job_of, open_job  # noqa: PLC0415
+    from trainer.analysis.sweep.parquet import check_pyarrow  # noqa: PLC0415
+    from trainer.analysis.sweep.report import render, report_of  # noqa: PLC0415
+    from trainer.cli.subjects import subject_of  # noqa: PLC0415
+
+    given = {"jobs": 1, **options}
+    with parsed(sweep_command.sweep, [study], given, SweepOptions.__annotations__) as asked:
+        check_pyarrow()
+        job = job_of(str(study), asked["members"], subject_of)
+        with tempfile.TemporaryDirectory() as folder:
+            out = asked["out"] or Path(folder) / "result.parquet"
+            table = sweep_command.fly(job, out, asked)
+    report = report_of(open_job(job), table, str(asked["out"] or "not kept"))
+    columns = {
+        name: table.column(name).to_numpy(zero_copy_only=False).copy()
+        for name in table.column_names
+    }
+    return Answer(report, {each.name: each for each in report.spreads}, columns, render(report))
+
+
+class IdentifyOptions(TypedDict, total=False):
+    """The keywords of ``identify_ship``: the options of ``trainer identify``."""
+
+    model: Literal["1", "2", "3", "nomoto1", "nomoto2"] | None
+    vessel: File | None
+    length: float | None
+    at: float | None
+    output: str | Sequence[str] | None
+    noise: Literal["output-error", "innovations", "covariance"] | None
+    method: Literal["scoring", "bfgs", "direct"] | None
+    exact: bool
+    every: int | None
+    begin: float | None
+    end: float | None
+    against: Literal["1", "2", "3", "nomoto1", "nomoto2"] | None
+    without: str | Sequence[str] | None
+    check: File | None
+    kappa: File | None
+
+
+def identify_ship(
+    record: File, **options: Unpack[IdentifyOptions]
+) -> "Answer[FitReport, Estimate | ShipNumber]":
+    """Identify a ship from a record of rudder and motion, as ``trainer identify`` does.
+
+    ``record`` is the path of a recording, a CSV file or a study; ``check`` one more, which the
+    ship found is to predict. ``length`` is in m, ``at`` is the speed in kn, ``begin`` and ``end``
+    are in s. The figures are the parameters and the ship's gains and time constants, each with its
+    value, unit and standard deviation; ``report.converged`` says whether the fit has settled.
+    TrainerError with the command's words if something is wrong, and without the extra
+    ``identify``.
+    """
+    if find_spec("scipy") is None:
+        raise ConfigError("identify needs scipy: pip install 'submarine-trainer[identify]'")
+    from trainer.identify.options import study_of  # noqa: PLC0415
+    from trainer.identify.pages.identify import render  # noqa: PLC0415
+
+    with parsed(identify.identify, [record], options, IdentifyOptions.__annotations__) as asked:
+        report = identify.fit_ship(study_of(Path(record), asked), asked).report
+    figures: dict[str, Estimate | ShipNumber] = {each.name: each for each in report.parameters}
+    figures |= {each.name: each for each in report.ship}
+    return Answer(report, figures, {}, render(report))
+
+
+def vessels() -> dict[str, str]:
+    """Return the shipped boats: the name to give, and in words what each is."""
+    from trainer.config.vessel import load_vessel  # noqa: PLC0415
+
+    return {name: load_vessel(name).name for name in shipped_names("vessels")}
+
+
+def exercises() -> dict[str, str]:
+    """Return the shipped exercises in the order of the course: name and title."""
+    from trainer.config.course import course  # noqa: PLC0415
+
+    return {lesson.name: lesson.title for lesson in course()}
+
+
+def seas() -> dict[str, str]:
+    """Return the shipped seas: the name to give, and in words what each is."""
+    from trainer.config.sea import load_sea  # noqa: PLC0415
+
+    return {name: load_sea(name).name for name in shipped_names("seas")}

@@ -1,0 +1,61 @@
+"""Keywords of the Python face, read as the options of the command that does the same.
+
+Each keyword is the name of an option, such as ``step_speed`` for ``--step-speed``. The command's
+own parser checks it: limits, choices, defaults and messages are those of the command line.
+"""
+
+from collections.abc import Collection, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from typing import Any
+
+import click
+
+from trainer.config.files import ConfigError, nearest
+
+
+@contextmanager
+def parsed(
+    command: click.Command,
+    arguments: Sequence[object],
+    keywords: Mapping[str, Any],
+    known: Collection[str],
+) -> Iterator[dict[str, Any]]:
+    """Yield a command's options, as if it had been typed, inside the block.
+
+    ``known`` are the keywords that there are; None is as if not given. ConfigError with the
+    command's own words if something is wrong.
+    """
+    words = [word for name, value in keywords.items() for word in _words(command, name, value)]
+    for name in keywords:
+        if name not in known:
+            there = ", ".join(sorted(known))
+            raise ConfigError(f"no keyword {name!r}{nearest(name, known)}; there are {there}")
+    texts = [str(each) for each in arguments]
+    try:
+        with command.make_context(command.name, [*words, "--", *texts]) as context:
+            yield dict(context.params)
+    except click.UsageError as wrong:
+        raise ConfigError(wrong.format_message()) from None
+
+
+def _words(command: click.Command, name: str, value: object) -> list[str]:
+    """Return what is typed for a keyword; nothing for None, and for a flag that is not set."""
+    options = [each for each in command.params if isinstance(each, click.Option)]
+    named = [each for each in options if name in _names(each)]
+    if not named or value is None or value is False:
+        return []
+    option = named[0]
+    if option.is_flag:
+        flags = {each.flag_value: each.opts[0] for each in named}
+        if value not in flags:
+            there = ", ".join(repr(each) for each in flags)
+            raise ConfigError(f"Invalid value for {name!r}: {value!r} is not one of {there}.")
+        return [flags[value]]
+    values = value if option.multiple and isinstance(value, list | tuple) else [value]
+    return [f"{option.opts[0]}={each}" for each in values]
+
+
+def _names(option: click.Option) -> set[str]:
+    """Return the keywords that an option goes by: its own name, and those that are typed."""
+    typed = {each.lstrip("-").replace("-", "_") for each in option.opts}
+    return {option.name or "", *typed}
