@@ -1,4 +1,4 @@
-"""What depth does to a boat: the calm surface above her, test depth and collapse.
+"""What depth does to a boat: the calm surface above it, test depth and collapse.
 
 Of the surface: Z_star and M_star by the vessel's tables, for programs that ask a vessel file. Of
 test depth and collapse: the depth that counts, what is called out, and when the hull is lost.
@@ -172,13 +172,13 @@ class DepthMonitor:
 
     @classmethod
     def over(cls, boat: Boat) -> "DepthMonitor":
-        """Return the watch over a boat; what she has passed by now is no news."""
+        """Return the watch over a boat; what it has passed by now is no news."""
         monitor = cls()
         monitor.settle(boat)
         return monitor
 
     def settle(self, boat: Boat) -> None:
-        """Take the boat as she is, after a jump in time: nothing of it is news."""
+        """Take the boat as it is, after a jump in time: nothing of it is news."""
         test_depth = boat.file.hull.test_depth_m
         if test_depth is not None:
             self.passed = count_passed(test_depth, hull_depth(boat))
@@ -190,7 +190,7 @@ class DepthMonitor:
             return None
         depth, before = hull_depth(boat), self.passed
         now = count_passed(test_depth, depth)
-        # the next one is called again only after she has come up from it
+        # the next one is called again only after the boat has come up from it
         near = depth > called_depth(test_depth, now).depth - RISEN
         self.passed = max(now, min(before, now + near))
         if now <= before:

@@ -87,7 +87,7 @@ class ClimbingTurn(Manoeuvre):
     def measures(self, flight: Flight) -> list[Measure]:
         """Return circle, speed, roll, pitch and climb.
 
-        Of a boat that the turn presses down as the planes lift her little climb is left, the
+        Of a boat that the turn presses down as the planes lift it little climb is left, the
         difference of much: it may differ by PERCENT of the fastest climb or sinking.
         """
         flight = flight.counted_to(self.side)
