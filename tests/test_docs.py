@@ -32,7 +32,14 @@ def runnable(line: str) -> bool:
     return not re.search(r"\b(URL|FILE)\b|pip install|\./boat\.toml|my-boat\.toml", line)
 
 
+def shown(page: Path) -> dict[str, str]:
+    """Return what a page shows of its commands: a block ``seen`` follows one of a single line."""
+    text = page.read_text(encoding="utf-8")
+    return dict(re.findall(r"```sh\n([^\n]*)\n```\n+```seen\n(.*?)```", text, re.DOTALL))
+
+
 Done = subprocess.CompletedProcess[str]
+SHOWN = {line: text for page in PAGES for line, text in shown(page).items()}
 FIRST_PAGES = {line: page for page in reversed(PAGES) for line in commands(page)}
 CASES = [
     pytest.param(line, id=f"{page.name}: {line[:60]}")
@@ -73,6 +80,8 @@ def test_a_documented_command_works(line: str, tmp_path: Path) -> None:
     assert done.returncode == 0, done.stderr
     assert done.stdout
     assert "Traceback" not in done.stderr
+    shown_lines = SHOWN.get(line, "").splitlines()
+    assert [each for each in shown_lines if each.rstrip() not in done.stdout] == []
 
 
 def test_the_page_of_the_1969_report_is_made_of_its_table() -> None:

@@ -26,7 +26,7 @@ After this page a script can tell what became of a command. `trainer COMMAND --h
 | 2 | wrong input: one line on stderr names the file or option, the value and what would be right |
 | 130 | interrupted by Ctrl-C |
 
-| command | besides |
+| command | its own codes |
 |---|---|
 """
 SENTENCE: Final = re.compile(r"Exit codes?:? (.*?\.)(?:\s|$)")

@@ -180,7 +180,7 @@ def _surface(boat: Boat, _order: Order) -> Reply:
 
 
 def _dive(boat: Boat, _order: Order) -> Reply:
-    """Open the vents; keep at least periscope depth, lest the planes hold the boat up."""
+    """Open the vents; keep at least periscope depth, or the planes would hold the boat up."""
     s = boat.state
     _main_ballast(boat, groups=MAIN, blow=0.0, vent=1.0)
     s.ordered_depth = max(s.ordered_depth, boat.file.run.periscope_depth_m or 0.0)

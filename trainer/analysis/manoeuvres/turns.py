@@ -56,7 +56,7 @@ class Turn(Manoeuvre):
         yield from conn.hold_to(self.duration_s)
 
     def measures(self, flight: Flight) -> list[Measure]:
-        """Return circle, times, speed, roll and depth; what is athwart counts to the side."""
+        """Return circle, times, speed, roll and depth; what is sideways counts to the side."""
         flight = flight.counted_to(self.side)
         return circle(flight) + steady(flight) + heel(flight) + depth(flight)
 

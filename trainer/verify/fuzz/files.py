@@ -273,7 +273,7 @@ def exercises() -> list[bytes]:
 
 
 TARGETS: Final = (
-    Target("vessel", "a vessel file, fitted out", text(vessel), vessels, 3000),
+    Target("vessel", "a vessel file, made into a boat", text(vessel), vessels, 3000),
     Target("sea", "a sea file", text(parse_sea), lambda: shipped_seeds("seas"), spared=()),
     Target(
         "casualties",
