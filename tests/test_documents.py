@@ -1,5 +1,7 @@
 """The documents hold together: the index is whole, links lead somewhere, the README is short."""
 
+import hashlib
+import json
 import re
 import tomllib
 from pathlib import Path
@@ -92,3 +94,29 @@ def test_the_citation_agrees_with_the_project() -> None:
     assert f"keywords: [{', '.join(project['keywords'])}]" in lines
     numbers = [line for line in lines if line.strip().startswith("number: ")]
     assert len(numbers) == 2
+
+
+# pages whose figures were flown with BB2; others take theirs from tests, or name day and machine
+FLOWN = (
+    *("autopilot", "ballast", "engineer", "envelope", "identification"),
+    *("reduction", "seas", "sweeps"),
+)
+
+
+def digest_of_bb2() -> str:
+    """Return eight digits that stand for the numbers of BB2's file, whatever its comments."""
+    tables = tomllib.loads((ROOT / "configs/vessels/bb2.toml").read_text(encoding="utf-8"))
+    numbers = json.dumps(tables, sort_keys=True).encode()
+    return hashlib.sha256(numbers).hexdigest()[:8]
+
+
+@pytest.mark.parametrize("name", FLOWN)
+def test_figures_flown_with_bb2_name_the_day_and_the_boat(name: str) -> None:
+    page = (DOCS / f"{name}.md").read_text(encoding="utf-8")
+    dated = re.search(r"^Figures of \d+ \w+ \d{4}, BB2 `([0-9a-f]{8})`(.*)$", page, re.MULTILINE)
+
+    assert dated, "the page says of which day its figures are, and of which BB2"
+    digest, remark = dated.groups()
+    assert digest == digest_of_bb2() or "an earlier" in remark, (
+        f"BB2 is {digest_of_bb2()} today: fly them again, or say that they are of an earlier file"
+    )
