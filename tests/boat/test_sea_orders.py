@@ -320,7 +320,7 @@ def test_a_boat_thrown_up_by_the_sea_is_called_out_as_broached() -> None:
     boat.put_to_sea(sea_of("sea_state = 6"))
     monitor = LimitMonitor.over(boat, Limits())
     said = watched(boat, monitor, 900.0)
-    assert any("BROACHED: she shows 0." in line for line in said)
+    assert any("BROACHED: the boat shows 0." in line for line in said)
     assert said[0].startswith("tick ")
     assert "broached " in monitor.account()
 

@@ -12,6 +12,8 @@ HEAD: Final = """# The report of 1969
 
 <!-- Made by tests/helpers/report_1969.py; a test compares them, and looks every test up. -->
 
+After this page you know where each part of the report of 1969 is, and how it is compared.
+
 NAVTRADEVCEN 68-C-0050-1, "Advanced Submarine Systems Equations Study": each of its programs, tables
 and figures, what does the same here, and the test that compares. The report's own boat is secret,
 and so are its numbers: what a test compares with is an independent implementation of the report's

@@ -125,7 +125,7 @@ def test_the_page_tells_parameters_ship_stability_losses_and_residuals(tmp_path:
     for part in (
         "IDENTIFICATION, model nomoto1",
         "120 m, 12.00 kn; 400 samples every 5 s",
-        "She is stable: 1/T1",
+        "The ship is stable: 1/T1",
         "Fit settled",
         "AIC",
         "one step ahead",
@@ -283,7 +283,12 @@ def test_armax_of_a_heading_gives_the_ship_without_wind(tmp_path: Path) -> None:
 def test_an_experiment_is_designed_and_written(tmp_path: Path) -> None:
     path = tmp_path / "trial.toml"
     page = run(prbs, "bb2", "--amplitude", "2", "--bits", "5", "--write", path)
-    for part in ("RUDDER EXPERIMENT: PRBS", "Expected from", "N_delta", "In a calm she swings"):
+    for part in (
+        "RUDDER EXPERIMENT: PRBS",
+        "Expected from",
+        "N_delta",
+        "In a calm the ship swings",
+    ):
         assert part in page
     assert 'schema = "exercise/1"' in path.read_text()
     report = json.loads(run(prbs, "bb2", "--zigzag", "10/10", "--seconds", "300", "--json"))

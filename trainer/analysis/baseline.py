@@ -98,7 +98,7 @@ def study(name: str, count: int) -> Study:
 
 
 def varies(name: str, plan: Plan) -> bool:
-    """Return whether anything hangs on the seed: a sea, or what it draws."""
+    """Return whether anything depends on the seed: a sea, or what it draws."""
     return plan.sea.path.stem != "calm" or bool(load_exercise(name).drawn)
 
 

@@ -101,7 +101,7 @@ def critical_speed(file: VesselFile, plane: str) -> float | None:
 
 @dataclass(frozen=True)
 class Afloat:
-    """The boat at the surface at her lightest, and into how many parts a step is then divided."""
+    """The boat at the surface at its lightest, and into how many parts a step is then divided."""
 
     period_s: dict[str, float]  # by mode
     parts: dict[float, int]  # by step [s], of a multistep method

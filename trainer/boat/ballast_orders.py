@@ -177,11 +177,11 @@ def _surface(boat: Boat, _order: Order) -> Reply:
     bank = float(boat.state.bank_main / boat.vessel.bank_full[MAIN_BANK])
     if bank < EMPTY:
         return f"surfacing: the main bank has {bank:.0%} of its air; emergency blow has its own"
-    return "surfacing: blowing all main ballast; blow stop once she is up"
+    return "surfacing: blowing all main ballast; blow stop once the boat is up"
 
 
 def _dive(boat: Boat, _order: Order) -> Reply:
-    """Open the vents; keep at least periscope depth, lest the planes hold her up."""
+    """Open the vents; keep at least periscope depth, or the planes would hold the boat up."""
     s = boat.state
     _main_ballast(boat, groups=MAIN, blow=0.0, vent=1.0)
     s.ordered_depth = max(s.ordered_depth, boat.file.run.periscope_depth_m or 0.0)

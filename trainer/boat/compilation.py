@@ -48,7 +48,7 @@ def do_without() -> None:
 
 
 def is_needed() -> bool:
-    """Return whether a boat has to be compiled before she can go to sea."""
+    """Return whether a boat has to be compiled before it can go to sea."""
     return not (is_interpreted() or is_kept())
 
 

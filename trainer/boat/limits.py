@@ -65,7 +65,7 @@ def showing(boat: Boat) -> float:
 
 
 def deep(boat: Boat) -> bool:
-    """Return whether nothing of the boat can be near the surface, whatever her attitude."""
+    """Return whether nothing of the boat can be near the surface, whatever its attitude."""
     return boat.plain[Z] + boat.plain[WAVE] > boat.reach + COVERED
 
 
@@ -117,7 +117,7 @@ class LimitMonitor:
         return monitor
 
     def settle(self, boat: Boat) -> None:
-        """Take the boat as she is, after a jump in time: nothing of it is news."""
+        """Take the boat as it is, after a jump in time: nothing of it is news."""
         self._passed(boat)
         self._broken_surface(boat)
         self._out_of_range(boat)
@@ -206,7 +206,7 @@ class LimitMonitor:
         self.shows = True
         if surfacing(boat):
             return [("surfaced", "surfaced: the boat shows above the sea")]
-        return [("broached", f"BROACHED: she shows {height:.1f} m above the sea")]
+        return [("broached", f"BROACHED: the boat shows {height:.1f} m above the sea")]
 
     def account(self) -> str:
         """Return how often each has happened, in words."""

@@ -85,7 +85,7 @@ def export_core(directory: Path, *, cpu: str, as_json: bool, **options: Any) -> 
 
 
 def boat_at_start(options: RunOptions) -> Any:
-    """Return the boat of the command line's ``options`` at its start; ConfigError if she cannot."""
+    """Return the boat of the command line's ``options`` at its start; ConfigError if it cannot."""
     from trainer.boat.boat import Boat  # noqa: PLC0415
     from trainer.config.sea import load_sea  # noqa: PLC0415
     from trainer.config.vessel import load_vessel  # noqa: PLC0415

@@ -62,7 +62,7 @@ sequence_options = together(
         type=click.Choice(("rudder", "course")),
         default="rudder",
         show_default=True,
-        help="Order rudder angles, or courses that the autopilot steers: she keeps near north.",
+        help="Order rudder angles, or courses that the autopilot steers, near north.",
     ),
     click.option("--zigzag", type=Angles(), default=None, metavar="HELM/HEADING", help="Instead."),
     click.option(

@@ -73,7 +73,7 @@ SECTIONS: Final = {
     "A boat": (vessel.check, *guide.GUIDING, vessel.reduce, vessel.gains, vessel.sea),
     "The programs of 1969": programs.PROGRAMS,
     "Many boats": (sweep.sweep,),
-    "A ship from her recordings": (identify.identify, identify.prbs, identify.decca),
+    "A ship from its recordings": (identify.identify, identify.prbs, identify.decca),
     "Proofs": (verify.soak, verify.fuzz),
     "This machine, and others": (
         verify.bench,

@@ -110,7 +110,7 @@ def fit(run: Path, column: str, **options: Any) -> None:
 
 
 def starting_roots(t: Any, y: Any, options: dict[str, Any]) -> tuple[list[complex], str]:
-    """Return the roots [1/s] to start from, and whence; UsageError if half is given."""
+    """Return the roots [1/s] to start from, and their source; UsageError if half is given."""
     from trainer.analysis import characteristic  # noqa: PLC0415
     from trainer.analysis.fit import one_of_each, pencil_roots  # noqa: PLC0415
     from trainer.config.vessel import load_vessel  # noqa: PLC0415

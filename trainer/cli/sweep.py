@@ -41,7 +41,7 @@ from trainer.cli.shared_options import FILE
 @click.option("--measure", default=None, metavar="NAME", help="What to plot. [default: the first]")
 @outputs
 def sweep(study: str, member: int | None, **options: Any) -> None:
-    """Fly a study: one boat many times, some of her numbers varied.
+    """Fly a study: one boat many times, some of its numbers varied.
 
     STUDY is the name of a shipped study or the path of a file. The result has a row for each
     member. What is finished is kept: after an interruption the same command goes on.

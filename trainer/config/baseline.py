@@ -15,7 +15,7 @@ from trainer.config.files import ConfigError, Place, as_table, parse_toml, text_
 from trainer.config.schema import Choice, Quantity, Text, of, read_record, within
 
 SCHEMA: Final = "baseline/1"
-BASELINE: Final = ".baseline.toml"  # ends the name of its file; no run hangs on it
+BASELINE: Final = ".baseline.toml"  # ends the name of its file; no run depends on it
 TOLD: Final = ("name", "lesson", "briefing", "instructor", "note")  # keys that fly nothing
 MARK: Final = Quantity("%", within(0, 100), "marks")
 

@@ -258,7 +258,7 @@ def _settled(drawn: Drawn, seed: int) -> CasualtyRow:
 
 
 def _share(seed: int, what: str) -> float:
-    """Return a number from 0 to 1, below it, that a seed has for something; no sea hangs on it."""
+    """Return a number from 0 to 1, below it, by a seed and a name; no sea depends on it."""
     digest = hashlib.sha256(f"{seed}/{what}".encode()).digest()
     return int.from_bytes(digest[:6], "big") / 2.0**48
 

@@ -238,7 +238,7 @@ class Envelope:
 class Compact:
     """What this hull's compact set keeps beyond the 60 terms of the report."""
 
-    extra_terms: tuple[str, ...] = of(Choices(EXTRA_TERMS, "terms kept besides"))
+    extra_terms: tuple[str, ...] = of(Choices(EXTRA_TERMS, "more terms that are kept"))
 
 
 @dataclass(frozen=True, kw_only=True)

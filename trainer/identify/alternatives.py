@@ -199,7 +199,7 @@ def _draw_parameters(names: tuple[str, ...], theta: Numbers, covariance: Numbers
 
 
 def step_of(fitted: Fitted) -> Numbers:
-    """Return a rudder (n,) [deg] that goes to 1 degree after an interval, until she has settled."""
+    """Return a rudder (n,) [deg] that goes to 1 degree, until the ship has settled."""
     plant, samples = fitted.problem.plant, fitted.problem.samples
     told = dict(zip(fitted.quantity_names, fitted.told.values, strict=True))
     slowest = abs(told["T1"]) or plant.period

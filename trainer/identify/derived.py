@@ -20,7 +20,7 @@ QUANTITIES: Final = {  # and their units
     "T": "s",  # of the first-order model
     "T1 + T2": "s",  # known better than either where they are near each other
     "T1 T2": "s^2",
-    "1/T1": "1/s",  # above zero: she keeps a straight course
+    "1/T1": "1/s",  # above zero: the ship keeps a straight course
     "1/K": "s",
 }
 DERIVATIVES: Final = ("Y_v", "Y_r", "N_v", "N_r", "Y_delta", "N_delta")

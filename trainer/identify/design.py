@@ -102,7 +102,7 @@ def prospect(
 
 
 def _ship(steering: Steering, kind: str) -> dict[str, float]:
-    """Return the model's parameters of the ship; ConfigError if she has a pair of roots."""
+    """Return the model's parameters of the ship; ConfigError if it has a pair of roots."""
     if kind == "1":
         return steering.prime
     form = steering.nomoto

@@ -174,10 +174,10 @@ def remarks(sequence: Sequence, ship: Nomoto, interval: float) -> Iterator[str]:
     if sequence.seconds < LENGTH[0] * T1:
         yield f"{sequence.seconds:.0f} s is short: {LENGTH[0] * T1:.0f} s or more is advised"
     if not ship.stable and sequence.by == "rudder":
-        yield "she does not keep her course by herself: let the autopilot steer (--by course)"
+        yield "the ship does not keep its course by itself: let the autopilot steer (--by course)"
     if not 0.5 * T2 <= interval <= 0.2 * T1:
         low, high = 0.5 * T2, 0.2 * T1
-        yield f"samples every {interval:g} s: {low:.1f} to {high:.1f} s suit her time constants"
+        yield f"samples every {interval:g} s: {low:.1f} to {high:.1f} s suit its time constants"
     if abs(sequence.hold_s / interval - round(sequence.hold_s / interval)) > 1e-6:
         yield f"a bit of {sequence.hold_s:g} s is no whole number of {interval:g} s samples"
 

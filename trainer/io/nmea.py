@@ -64,7 +64,7 @@ def hear(line: str) -> Sentence | Damaged | None:
 
 
 def number(value: float | None, decimals: int) -> str:
-    """Return a number with so many decimals, "" for none; never a minus before nought."""
+    """Return a number with so many decimals, "" for none; never a minus before zero."""
     return "" if value is None else f"{round(value, decimals) + 0.0:.{decimals}f}"
 
 

@@ -125,7 +125,7 @@ def give(orders: deque[Journalled], flown: float, flight: Flight, course: Course
 
 
 def compare(flight: Flight, tick: int, recorded: bytes, course: Course) -> None:
-    """Compare the boat as she is with the state recorded at ``tick``."""
+    """Compare the boat as it is with the state recorded at ``tick``."""
     flown = course.boat.records.state.tobytes()
     flight.compared += 1
     if recorded == flown:

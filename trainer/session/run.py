@@ -231,7 +231,7 @@ def discard(kept: Path | None) -> None:
 
 
 def ready(plan: Plan, options: RunOptions) -> Boat:
-    """Return the boat as the plan starts her; ConfigError if she cannot be."""
+    """Return the boat as the plan starts it; ConfigError if it cannot be."""
     boat = Boat(plan.file, plan.method)
     if options.serve and not compilation.is_needed():
         click.echo(f"{paths_module.MAKING_READY} {plan.title or plan.file.name}", err=True)
@@ -420,7 +420,7 @@ def briefing_of(plan: Plan, options: RunOptions) -> Briefing:
 
 
 def situation(plan: Plan, boat: Boat, note: str) -> tuple[str, ...]:
-    """Return what whoever comes is told: the boat, where she is, and a note."""
+    """Return what whoever comes is told: the boat, where it is, and a note."""
     s = boat.state
     sea = f"; sea: {plan.sea.name}" if s.sea_height > 0.0 else ""
     return (

@@ -17,7 +17,7 @@ from trainer.units import KNOT
 
 
 def warm(boat: Boat) -> None:
-    """Try the boat out, compiling her if need be: nothing compiles once the clock runs."""
+    """Try the boat out, compiling it if need be: nothing compiles once the clock runs."""
     compiling = compilation.is_needed()
     if compiling:
         click.echo("compiling the boat, this once (some 20 seconds) ...", err=True)

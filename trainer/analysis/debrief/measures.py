@@ -217,7 +217,7 @@ def rows_beyond(trajectory: Trajectory, name: str) -> Rows:
 def depth_beyond(trajectory: Trajectory) -> Numbers | None:
     """Return how far [m] the hull is beyond test depth at each tick, None for a boat without one.
 
-    While the depth is frozen she is not beyond it.
+    While the depth is frozen the boat is not beyond it.
     """
     hull, column = trajectory.boat.file.hull, trajectory.columns
     if hull.test_depth_m is None:
@@ -238,7 +238,7 @@ def surfacing(trajectory: Trajectory) -> Rows:
 
 
 def broach_rows(trajectory: Trajectory) -> list[int]:
-    """Return the rows at which she broached, as the watch calls it out."""
+    """Return the rows at which the boat broached, as the watch calls it out."""
     height, meant = showing(trajectory), surfacing(trajectory)
     shows, found = bool(height[0] > 0.0), []
     for row in range(1, height.size):

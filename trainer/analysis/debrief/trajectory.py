@@ -53,7 +53,7 @@ COLUMNS: Final = (*NEEDED, *NEWER)
 class Trajectory:
     """What was flown; every array has one number for each tick, the start first."""
 
-    boat: Boat  # for what she is; nothing of it that moves is looked at
+    boat: Boat  # for what it is; nothing of it that moves is looked at
     limits: Limits
     orders: tuple[Journalled, ...]
     ticks: NDArray[np.int64]

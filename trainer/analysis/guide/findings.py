@@ -114,7 +114,7 @@ def reversal(file: VesselFile, flown: Flown) -> Finding:
         (f"{speed / KNOT:.2f}", f"{1000.0 * rate:+.1f}", "dives" if rate > 0.0 else "rises")
         for speed, rate in rates.items()
     )
-    heads = ("speed [kn]", "depth rate [mm/s]", "planes to dive: she")
+    heads = ("speed [kn]", "depth rate [mm/s]", "planes to dive: the boat")
     speeds = [*rates]
     turns = [
         low - rates[low] * (high - low) / (rates[high] - rates[low])

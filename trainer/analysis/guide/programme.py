@@ -186,7 +186,7 @@ def legs_of_1969(file: VesselFile, depth: float | None = None) -> tuple[Leg, ...
 
 
 def _boat_at(file: VesselFile, depth: float | None) -> Submarine:
-    """Return the boat; ConfigError where she cannot begin at a ``depth`` [m]."""
+    """Return the boat; ConfigError where it cannot begin at a ``depth`` [m]."""
     boat = Submarine(file, own_method(file, "full"), Rig(depth=depth))
     if depth is not None:
         boat.start(file.run.start_speed_kn * KNOT)
@@ -229,7 +229,7 @@ def _legs(boat: Submarine, file: VesselFile, depth: float | None) -> Iterator[Le
         return
     yield from deep
     diameter = float(boat.boat.vessel.diameter)
-    if diameter > 0.0:  # else she does not feel the surface
+    if diameter > 0.0:  # else the boat does not feel the surface
         own, near = file.run.start_speed_kn, Rig(depth=round(NEAR * diameter, 1))
         for name in SHALLOW:
             yield from (replace(leg, rig=near) for leg in ways(name, own, find_manoeuvre(name)))

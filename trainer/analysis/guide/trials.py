@@ -1,4 +1,4 @@
-"""Published results of a boat, from a file beside hers, with ours beside them.
+"""Published results of a boat, from a file beside its own, with ours beside them.
 
 Manoeuvres are flown; motion in regular waves is that of the linear equations.
 

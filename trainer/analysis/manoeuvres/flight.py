@@ -163,7 +163,7 @@ class Conn:
 
 
 LONGEST = 2_000_000  # [cycles] of a flight
-ATHWART: Final = ("v", "p", "r", "y", "phi", "psi", "delta_r")  # columns that a mirror turns over
+SIDEWAYS: Final = ("v", "p", "r", "y", "phi", "psi", "delta_r")  # columns that a mirror turns over
 CHOICES: Final = {"side": (STARBOARD, PORT), "direction": (RISE, DIVE)}
 
 
@@ -214,7 +214,7 @@ class Flight:
         """
         if side == STARBOARD:
             return self
-        turned = {name: 0.0 - self.column(name) for name in ATHWART if self.has(name)}
+        turned = {name: 0.0 - self.column(name) for name in SIDEWAYS if self.has(name)}
         series = Series(self.series.path, {**self.series.columns, **turned})
         return replace(self, series=series)
 

@@ -174,7 +174,7 @@ class Submarine:
         heights = self._heights(columns)
         if (out := np.flatnonzero(heights > 0.0)).size:
             most = f"{heights.max():.1f} m above still water"
-            found.append(f"BROACHED after {t[out[0]]:g} s; she shows at most {most}")
+            found.append(f"BROACHED after {t[out[0]]:g} s; the boat shows at most {most}")
         return tuple(found)
 
     def _heights(self, columns: Mapping[str, Numbers]) -> Numbers:

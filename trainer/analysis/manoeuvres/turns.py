@@ -56,7 +56,7 @@ class Turn(Manoeuvre):
         yield from conn.hold_to(self.duration_s)
 
     def measures(self, flight: Flight) -> list[Measure]:
-        """Return circle, times, speed, roll and depth; what is athwart counts to the side."""
+        """Return circle, times, speed, roll and depth; what is sideways counts to the side."""
         flight = flight.counted_to(self.side)
         return circle(flight) + steady(flight) + heel(flight) + depth(flight)
 
@@ -87,7 +87,7 @@ class ClimbingTurn(Manoeuvre):
     def measures(self, flight: Flight) -> list[Measure]:
         """Return circle, speed, roll, pitch and climb.
 
-        Of a boat that the turn presses down as the planes lift her little climb is left, the
+        Of a boat that the turn presses down as the planes lift it little climb is left, the
         difference of much: it may differ by PERCENT of the fastest climb or sinking.
         """
         flight = flight.counted_to(self.side)

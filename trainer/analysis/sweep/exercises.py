@@ -132,7 +132,7 @@ class Exercising:
             raise ConfigError(f"{study.path.name}: {self.trial.refused}")
         for variable in study.variables:
             for word in variable.row.values or ():
-                if isinstance(word, str):  # each is read, and thereby known to whoever flies
+                if isinstance(word, str):  # each is read, so that all who fly know it
                     plan_of(study, {**study.draws.middle(), variable.row.name: word}, seed)
 
     @cached_property

@@ -229,8 +229,8 @@ def _exercise(own: dict[str, Any], heading: Heading, path: Path) -> dict[str, An
     if named is not None:
         if not isinstance(named, str):
             raise ConfigError(place.wrong("file", named, "must be a name, or the path of a file"))
-        whence = path_named(beside(path, named), "exercises")
-        base = parse_toml(read_text(whence), whence.name)
+        source = path_named(beside(path, named), "exercises")
+        base = parse_toml(read_text(source), source.name)
     return {**base, **own}
 
 

@@ -1,11 +1,11 @@
-"""The instructor's state at a glance: the boat, her surfaces, tanks, air, the sea, casualties."""
+"""The instructor's state at a glance: the boat, its surfaces, tanks, air, the sea, casualties."""
 
 from trainer.console.drawing.crew_orders import crew_line
 from trainer.console.drawing.values import NONE, attitude, bell, course, number, surface, without
 from trainer.console.model import SessionModel
 from trainer.console.pane import Line, Lines, fit, line
 
-LEFT = 27  # [columns] of what she does; the rest is what she is told to
+LEFT = 27  # [columns] of what the boat does; the rest is what it is told to
 TANKS = (
     ("main", ("forward", "mid", "aft")),
     ("neg", ("negative",)),
@@ -127,7 +127,7 @@ def engine(model: SessionModel) -> Line:
 
 
 def weight(model: SessionModel) -> Line:
-    """Return how heavy or light she is."""
+    """Return how heavy or light the boat is."""
     heavy = model.picture.number("motion", "heavy")
     if heavy is None:
         return line(("weight ", "dim"), NONE)

@@ -1,4 +1,4 @@
-"""The attitude drawn: the boat from her side with her pitch, from astern with her heel."""
+"""The attitude drawn: the boat from its side with its pitch, from astern with its heel."""
 
 import math
 from collections.abc import Sequence
@@ -49,7 +49,7 @@ def hull(model: SessionModel, width: int, height: int) -> Lines:
 
 
 def sideways(pitch: float, width: int, height: int) -> Sheet:
-    """Return the boat from starboard, the horizon dotted through her middle."""
+    """Return the boat from starboard, the horizon dotted through its middle."""
     sheet = Sheet(width, height)
     middle, half = (sheet.across / 2.0, sheet.down / 2.0), min(sheet.across / 2.0 - 2.0, 40.0)
     for x in range(0, sheet.across, 6):

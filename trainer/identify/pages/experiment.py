@@ -149,7 +149,7 @@ def _zigzag(file: VesselFile, speed: float, options: dict[str, Any]) -> Any:
         "reach_s": shown.reach_s,
         "period_s": shown.period_s,
         "overshoots_deg": shown.overshoots_deg,
-        "remarks": (f"she reaches {execute:g} deg only in a calm at just these times",),
+        "remarks": (f"the ship reaches {execute:g} deg only in a calm at just these times",),
     }
     return "zig-zag", orders, orders[-1][0] + LEAD, told
 
@@ -163,7 +163,7 @@ def render(report: Report) -> str:
         *wrap(settings, INDENT, INDENT),
         f"{INDENT}{report.seconds:g} s, {len(report.orders)} orders",
         "",
-        f"{INDENT}In a calm she swings to {report.largest_heading_deg:.0f} deg, {_pace(report)}.",
+        f"{INDENT}In a calm the ship swings {report.largest_heading_deg:.0f} deg, {_pace(report)}.",
     ]
     if report.overshoots_deg:
         overshoots = ", ".join(f"{one:.1f}" for one in report.overshoots_deg)

@@ -32,7 +32,7 @@ def render(report: Report) -> str:
         lines += ["", f"{INDENT}The record:"]
         lines += [line for text in report.findings for line in wrap(f"- {text}")]
     lines += ["", *_parameter_table(report), "", *_ship_table(report)]
-    lines += ["", f"{INDENT}She is {report.stability}."]
+    lines += ["", f"{INDENT}The ship is {report.stability}."]
     if report.derivatives:
         lines += ["", *_derivative_table(report)]
     lines += ["", *_fit_lines(report)]

@@ -283,7 +283,7 @@ def _doubts(fitted: Fitted, others: Allowed) -> list[str]:
 
 
 def _stability(fitted: Fitted) -> str:
-    """Return in words whether she keeps a straight course, and how surely."""
+    """Return in words whether the ship keeps a straight course, and how surely."""
     told = dict(zip(fitted.quantity_names, fitted.told.values, strict=True))
     known = dict(zip(fitted.quantity_names, fitted.told.deviations, strict=True))
     value, deviation = float(told["1/T1"]), float(known["1/T1"])

@@ -27,6 +27,8 @@ INTRODUCTION = f"""# Orders
 
 <!-- Made by trainer.io.orders.help.page() of the table beside it; a test compares them. -->
 
+After this page you can give any order, in full, cut short, or as it is said in a control room.
+
 An order is one line of at most {LONGEST} characters: plain words, in capitals or not. Any word may
 be cut short as long as the line allows one meaning (`ru r 15` is `rudder right 15`); a doubtful or
 unknown word is refused with the words it could be, and changes nothing. Numbers are plain decimals.
@@ -40,11 +42,11 @@ A file of orders (`--orders FILE`) has lines of `SECONDS ORDER`, for example `60
 
 PHRASEOLOGY = """## Phrases
 
-What is said in a control room is understood where it is no order of the table above: by a station
-as the order of its control, by the instructor, the diving officer and a schedule as an order to the
-crew where the third column has one. Numbers may be words: `zero four five`, `one eighty`, `two
-hundred`. A phrase that is none is refused with the nearest. `meet her` puts the rudder against the
-swing, and amidships once that has stopped; `ease` and `shift` go by the rudder that is on.
+The words of a control room are understood too. A station means the order of the second column. The
+instructor, the diving officer and a schedule mean the order to the crew of the third column, where
+there is one. Numbers may be words: `zero four five`, `one eighty`, `two hundred`. An unknown phrase
+is refused, with the nearest. `meet her` puts the rudder against the swing, and amidships when the
+swing has stopped; `ease` and `shift` keep the side of the rudder that is on.
 """
 
 PROGRAMS = f"""## Lines of programs

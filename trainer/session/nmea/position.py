@@ -1,6 +1,6 @@
-"""Where on the Earth she is: the plane that a boat sails on, laid on WGS 84 at an origin.
+"""Where on the Earth the boat is: the plane that it sails on, laid on WGS 84 at an origin.
 
-Her north and east are distances on a plane. Its points are put on the ellipsoid at their distance
+Its north and east are distances on a plane. The points are put on the ellipsoid at their distance
 and bearing from the origin, along the geodesic. Seen from there all is exact; across that line the
 plane is too wide by the square of distance over radius, by six: 1 in 24 000 at 100 km. North on the
 plane is north at the origin; east of it the meridians lean by the difference of longitude times the

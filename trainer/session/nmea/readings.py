@@ -131,7 +131,7 @@ def way_made(frame: Frame) -> tuple[float, float]:
     return compass(angle, 2), speed
 
 
-SLOWEST: Final = 0.005  # [kn] that is not written as nought
+SLOWEST: Final = 0.005  # [kn] that is not written as zero
 
 _FAR: Final = -9_999_999.9
 _ANGLE: Final = Surface(-99.99, -99.99)

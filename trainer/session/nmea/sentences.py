@@ -61,7 +61,7 @@ INSTRUMENTS: Final = (
         "fix, with the depth as altitude",
         (
             *(UTC_TIME, *WHERE, "6, dead reckoning", f"{SATELLITES} satellites"),
-            *(f"dilution {DILUTION}", "altitude [m], less than nought when submerged", "M"),
+            *(f"dilution {DILUTION}", "altitude [m], below zero when submerged", "M"),
             *("0.0", "M", "-", "-"),
         ),
         f"position true, altitude {GAUGES}",

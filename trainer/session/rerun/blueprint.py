@@ -8,7 +8,7 @@ from trainer.session.rerun.scene import FOLLOWER, TRACK, WORLD
 from trainer.session.rerun.sdk import rr, rrb
 
 ALWAYS: Final = ("depth", "heading", "surfaces")  # charts below one another; the rest are tabs
-EYE: Final = (-1.0, -0.75, -0.3)  # [-] of her length: astern, to port and above
+EYE: Final = (-1.0, -0.75, -0.3)  # [-] of its length: astern, to port and above
 
 WHOLE: Final = rr.TimeRange(
     start=rrb.TimeRangeBoundary.infinite(), end=rrb.TimeRangeBoundary.infinite()
@@ -54,7 +54,7 @@ def view(path: str, name: str) -> Any:
 
 
 def scene(length: float) -> Any:
-    """Return the view of the boat, by an eye that follows her."""
+    """Return the view of the boat, by an eye that follows it."""
     sailed = rrb.VisibleTimeRanges(
         rrb.VisibleTimeRange(
             SECONDS,

@@ -90,13 +90,13 @@ def _standing_order(name: str, place: str, unit: float, kept: Callable[[Block], 
 
 
 def depth_kept(block: Block) -> Numbers:
-    """Return 1 where the boat keeps the depth that is ordered, by her planes or hovering."""
+    """Return 1 where the boat keeps the depth that is ordered, by its planes or hovering."""
     by_planes = block["stern_by_hand"] * block["bow_by_hand"] == 0.0
     return np.where(by_planes | (block["hover"] > 0.0), 1.0, 0.0)
 
 
 def _motion(boat: Boat) -> Iterator[Chart]:
-    """Yield the charts of how she moves and is steered."""
+    """Yield the charts of how the boat moves and is steered."""
     degree = np.pi / 180.0
     yield Chart(
         "depth",
@@ -188,7 +188,7 @@ def _ballast(boat: Boat) -> Iterator[Chart]:
 
 
 def _tonnes(tanks: tuple[str, ...], capacity: dict[str, float]) -> Iterator[Series]:
-    """Yield the water in each tank or compartment that she has."""
+    """Yield the water in each tank or compartment that the boat has."""
     for tank in tanks:
         if capacity[tank]:
             flooded = tank.replace("compartment_", "flood_")

@@ -1,7 +1,7 @@
-"""The scene: the boat with her moving surfaces, her track, the sea above, the depths that count.
+"""The scene: the boat with its moving surfaces, its track, the sea above, the depths that count.
 
 The world is north, east and down [m], with its origin where the run's is. What surrounds the boat
-follows her in whole squares of its grid, so that she is seen to move through it.
+follows the boat in whole squares of its grid, so that the boat is seen to move through it.
 """
 
 from typing import Any, Final
@@ -34,7 +34,7 @@ WAKE: Final[Colour] = (240, 228, 66, 255)
 
 
 class Scene:
-    """The boat in her world, written block by block."""
+    """The boat in its world, written block by block."""
 
     def __init__(self, subject: Subject, outlet: Outlet) -> None:
         """Take what is shown and where; nothing is written yet."""
@@ -99,7 +99,7 @@ class Scene:
             fix(f"{NEAR}/{name.replace(' ', '_')}", frame)
 
     def _write_surroundings(self, block: Block, place: Numbers) -> None:
-        """Let the surroundings follow her, the sea rise and fall, and the ordered depth show."""
+        """Let the surroundings follow it, the sea rise and fall, and the ordered depth show."""
         near = np.zeros_like(place)
         near[:, :2] = self._square * np.round(place[:, :2] / self._square)
         rows = self._changes.of(NEAR, near)

@@ -1,4 +1,4 @@
-"""The boat as a shape: hull, sail and moving surfaces, from the sizes in her vessel file.
+"""The boat as a shape: hull, sail and moving surfaces, from the sizes in its vessel file.
 
 A picture, not a drawing: lengths and heights are the file's; where it gives none the displacement
 does. Surfaces stand where the coefficients say that their lift acts. Body axes: x forward, y
@@ -140,8 +140,8 @@ def sail_mesh(size: Size, sail: Sail) -> Mesh:
 def fins_of(boat: Boat, size: Size) -> tuple[Fin, ...]:
     """Return the moving surfaces that the boat has."""
     toward, limit = boat.toward, boat.vessel.limit
-    # a surface that turns her right has its trailing edge to starboard; one that makes her bow
-    # rise from aft has it up, one that lifts her bow has it down
+    # a surface that turns the boat right has its trailing edge to starboard; one that makes its bow
+    # rise from aft has it up, one that lifts its bow has it down
     tail = -toward["rudder"], -toward["stern"]
     outward = CROSSED if boat.file.surfaces.tail == "x" else CRUCIFORM
     fins = [_tail_fin(boat, size, name, axis, tail) for name, axis in outward.items()]

@@ -30,7 +30,7 @@ def unless(held: str, rate: str) -> Callable[[Frame], Value]:
 
 
 def heavy(frame: Frame) -> Value:
-    """Return how much heavier [t] than her displacement she is."""
+    """Return how much heavier [t] than its displacement the boat is."""
     return (frame["weight"] - frame.fittings.buoyancy) / frame.fittings.g / TONNE
 
 

@@ -45,7 +45,7 @@ class Fittings(NamedTuple):
 
     @classmethod
     def of(cls, boat: Boat) -> "Fittings":
-        """Return those of a boat; a field of her record takes microseconds to reach."""
+        """Return those of a boat; a field of its record takes microseconds to reach."""
         c = boat.vessel
         return cls(
             tuple(c.capacity.tolist()),
@@ -62,7 +62,7 @@ class Fittings(NamedTuple):
 class Frame:
     """One tick: ``frame[name]`` is a place of the state [SI], by its name in the core.
 
-    ``boat`` is there for what she is: nothing of it that moves is looked at.
+    ``boat`` is there for what it is: nothing of it that moves is looked at.
     """
 
     boat: Boat

@@ -59,7 +59,7 @@ class SideBySide:
 
 
 def fleet_of(boat: Boat, members: int) -> Fleet:
-    """Return so many of a boat as she is, each with a depth and a course of her own to keep."""
+    """Return so many of a boat as it is, each with a depth and a course of its own to keep."""
     states = np.repeat(boat.records.state, members)
     states["ordered_depth"] += np.linspace(-10.0, 10.0, members)
     states["ordered_psi"] += np.linspace(-1.0, 1.0, members)
@@ -158,7 +158,7 @@ def threads_s(file: VesselFile) -> tuple[float, float]:
 
 
 def time_side_by_side(file: VesselFile) -> SideBySide:
-    """Return the rates of a boat, and of fleets of her."""
+    """Return the rates of a boat, and of fleets of it."""
     boat = under_way(file)
     few, many = flight_of(boat, FEW), flight_of(boat, MANY)
     alone_s, few_s, many_s = fastest_s([alone_of(boat, in_a_loop), few, many], time.thread_time)

@@ -1,7 +1,7 @@
 """What one step costs in programs that others take for such work, one Python call a step.
 
 JSBSim flies its own c172p, which is another vehicle and another step: what is compared is what a
-user pays who drives either from Python. scipy integrates this boat, her rates called as it likes.
+user pays who drives either from Python. scipy integrates this boat, its rates called as it likes.
 """
 
 import importlib

@@ -1,7 +1,7 @@
 """The trainer's tick against the same tick in plain C and against the interpreter, in one run.
 
 Ratios are medians over pairs of short batches, one right after the other, so that a busy machine
-disturbs both alike. Each tick's boat is her own, in the same sea, keeping depth and course.
+disturbs both alike. Each tick's boat is its own, in the same sea, keeping depth and course.
 """
 
 import os
@@ -64,7 +64,7 @@ def under_way(file: VesselFile, sea: str) -> Boat:
 
 
 def batch(boat: Boat, take: Ticks) -> Callable[[int], None]:
-    """Return what takes so many ticks of a boat; ConfigError if she loses her numbers."""
+    """Return what takes so many ticks of a boat; ConfigError if it loses its numbers."""
 
     def run(count: int) -> None:
         status = take(boat.records, count)

@@ -108,7 +108,7 @@ def fit_model(sailed: Voyage, *, smooth: bool) -> tuple[Problem, Numbers, Number
 
 
 def by_lanes(records: int = 5) -> Iterator[Figure]:
-    """Yield S11: the ship by lanes, and by how much smoothing shifts her."""
+    """Yield S11: the ship by lanes, and by how much smoothing shifts it."""
     numbers, shifts = [], []
     time = TANKER.ship.length / TANKER.ship.speed
     for seed in range(records):

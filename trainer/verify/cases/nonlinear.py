@@ -1,4 +1,4 @@
-"""S10: a hull whose yaw moment by sway weakens as she drifts, under a linear model.
+"""S10: a hull whose yaw moment by sway weakens as it drifts, under a linear model.
 
 The report blamed such terms for what its large zig-zags gave: N_v underestimated, and the more so
 the larger the helm.

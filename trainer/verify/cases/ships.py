@@ -156,7 +156,7 @@ def zig_zag(ship: Bent, angle: float, step: float, count: int) -> tuple[Numbers,
 
 
 def large_helm() -> Iterator[Figure]:
-    """Yield S5: A K Fernstrom, unstable and bent: a linear fit to her zig-zags."""
+    """Yield S5: A K Fernstrom, unstable and bent: a linear fit to its zig-zags."""
     bent = Bent(0.114, -304.0, 13.4, 33.4, 1230.0)
     small = _linear(bent, 5.0)
     yield Figure("S5", "5/5: K", 0.0, small["K"], 2.0)

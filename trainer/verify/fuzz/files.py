@@ -194,11 +194,11 @@ def _load_named(name: str) -> Any:
 
 
 def vessel(text: str, path: Path) -> None:
-    """Read a vessel and fit her out: what is accepted has to be computable."""
+    """Read a vessel and fit it out: what is accepted has to be computable."""
     records = fit_out(parse_vessel(text, path), Method("full", "lagged", "exact", "adams2", 0.5))
     for record in records:
         if np.isnan(record.view(np.float64)).any():
-            raise AssertionError("something in her records is no number")
+            raise AssertionError("something in its records is no number")
 
 
 def condition(data: bytes) -> None:
@@ -219,7 +219,7 @@ def states(data: bytes) -> None:
 
 @functools.cache
 def _bb2() -> tuple[Records, Record]:
-    """Return a boat's records, and her state at rest."""
+    """Return a boat's records, and its state at rest."""
     records = fit_out(load_vessel("bb2"), Method("modified", "lagged", "exact", "adams2", 0.5))
     return records, records.state.copy()
 
@@ -243,7 +243,7 @@ SEARCH: Final[Any] = SimpleNamespace(
 
 
 def vessels() -> list[bytes]:
-    """Return a small boat by herself, and with each table of the shipped ones that she lacks."""
+    """Return a small boat by itself, and with each table of the shipped ones that it lacks."""
     found = [BOAT]
     for key, text in shipped_texts().items():
         if key.startswith("configs/vessels/"):
@@ -273,7 +273,7 @@ def exercises() -> list[bytes]:
 
 
 TARGETS: Final = (
-    Target("vessel", "a vessel file, fitted out", text(vessel), vessels, 3000),
+    Target("vessel", "a vessel file, made into a boat", text(vessel), vessels, 3000),
     Target("sea", "a sea file", text(parse_sea), lambda: shipped_seeds("seas"), spared=()),
     Target(
         "casualties",
@@ -294,7 +294,7 @@ TARGETS: Final = (
         64,
     ),
     Target(
-        "study", "a study of a ship from her record", load_proof(load_study), lambda: [STUDY], 512
+        "study", "a study of a ship from its record", load_proof(load_study), lambda: [STUDY], 512
     ),
     Target(
         "nomoto",

@@ -142,7 +142,7 @@ class Wire:
 
 @functools.cache
 def boat() -> tuple[Boat, NDArray[np.void]]:
-    """Return a boat with everything fitted, and how she starts."""
+    """Return a boat with everything fitted, and how it starts."""
     made = Boat(load_vessel("bb2"), Method("modified", "lagged", "exact", "adams2", 0.5))
     made.start(8 * KNOT, 40.0, 0.0)
     return made, made.snapshot()

@@ -74,7 +74,7 @@ WISHES: Final = 0, 4  # channels asked for
 QUARREL: Final = 40  # orders of the instructor, after which he puts the boat to rights
 BACK: Final = 1500  # his orders between two times that he goes back
 RIGHTS: Final = ("clear all", "release all", "autopilot on", "blow stop", "depth 60", "speed 8")
-DEEPEST: Final = 600.0  # [m] below which she is taken back: she would stay there for the day
+DEEPEST: Final = 600.0  # [m] below which the boat is taken back: it would stay there for the day
 MARKS: Final = 0.1  # [-] of a mark after an order
 LOST: Final = "FROZEN: "
 
@@ -89,8 +89,8 @@ class Watchbill:
     answered: list[Answered] = field(default_factory=list)
     visits: int = 0
     tick: int = 0  # the latest that the instructor was told
-    failures: list[str] = field(default_factory=list)  # of the boat: her numbers were lost
-    rescues: int = 0  # times that she was taken back, or held
+    failures: list[str] = field(default_factory=list)  # of the boat: its numbers were lost
+    rescues: int = 0  # times that it was taken back, or held
     lock: threading.Lock = field(default_factory=threading.Lock)
 
     def give(self, by: Caller, role: str, words: str) -> bool:
@@ -144,7 +144,7 @@ def visit(bill: Watchbill, dice: Random) -> None:
 def instruct(bill: Watchbill, seed: int, *, goes_back: bool) -> None:
     """Instruct until the session is over: casualties, seas, everything; and put it right again.
 
-    One who does not go back, since time is kept, holds a boat that would be lost where she is.
+    One who does not go back, since time is kept, holds a boat that would be lost where it is.
     """
     dice = Random(seed)  # noqa: S311  choices, not secrets
     orders = Orders(INSTRUCTOR, dice)
@@ -184,7 +184,7 @@ def depth(by: Caller) -> float:
 
 
 def hold(bill: Watchbill, by: Caller) -> None:
-    """Hold the boat at her depth while she is too deep, and put her right."""
+    """Hold the boat at its depth while it is too deep, and put it right."""
     by.news.clear()
     if depth(by) > DEEPEST:
         bill.rescues += 1
@@ -194,7 +194,7 @@ def hold(bill: Watchbill, by: Caller) -> None:
 
 
 def recover(bill: Watchbill, by: Caller) -> None:
-    """Go back to before the boat was lost, or her numbers, and put her right."""
+    """Go back to before the boat was lost, or its numbers, and put it right."""
     lost = [news.fields[3] for news in by.news if news.fields[3].startswith(LOST)]
     by.news.clear()
     if lost or depth(by) > DEEPEST:

@@ -76,7 +76,7 @@ class Soaked:
     recording_mb: float
     ahead_mb: float  # most that was written ahead of it
     rescues: int  # times that the boat would be lost, and was taken back or held
-    lost_numbers: list[str]  # where she went beyond what can be computed
+    lost_numbers: list[str]  # where the boat went beyond what can be computed
     checks: list[Check]
 
     @property
@@ -104,7 +104,7 @@ def soak(plan: Plan, keep: Path | None, progress: Callable[[str, int], None]) ->
 
 
 def endless_boat() -> str:
-    """Return BB2's file without her depths: random orders would have her hull collapse."""
+    """Return BB2's file without its depths: random orders would make its hull collapse."""
     lines = read_text(shipped("vessels", "bb2")).split("\n")
     depths = ("max_depth_m", "test_depth_m", "collapse_depth_m")
     return "\n".join(line for line in lines if not line.startswith(depths))
@@ -248,7 +248,7 @@ def page(found: Soaked) -> str:
         f"{plan.seconds / 3600:g} h at {kind} in {found.wall_s:.0f} s, seed {plan.seed}",
         f"{found.orders} orders, {found.visits} visits of stations",
         f"recording {found.recording_mb:.0f} MB, written ahead {found.ahead_mb:.0f} MB at most",
-        f"boat rescued {found.rescues} times, {len(found.lost_numbers)} with her numbers lost",
+        f"boat rescued {found.rescues} times, {len(found.lost_numbers)} with its numbers lost",
         *(f"{'kept  ' if c.kept else 'BROKEN'}  {c.promise}: {c.seen}" for c in found.checks),
     ]
     return "\n".join(lines)

@@ -1,0 +1,122 @@
+"""The documents hold together: the index is whole, links lead somewhere, the README is short."""
+
+import hashlib
+import json
+import re
+import tomllib
+from pathlib import Path
+
+import pytest
+from helpers import exit_codes
+
+ROOT = Path(__file__).parent.parent
+DOCS = ROOT / "docs"
+PAGES = [*sorted(DOCS.glob("*.md")), *sorted(ROOT.glob("*.md"))]
+README = (ROOT / "README.md").read_text(encoding="utf-8")
+TOPIC = re.compile(r"^#+ (.*)$", re.MULTILINE)
+CODE = re.compile(r"^```.*?^```", re.MULTILINE | re.DOTALL)
+LINK = re.compile(r"\]\(([^)\s]+)\)")
+
+
+def prose(page: Path) -> str:
+    """Return a page without its blocks of code."""
+    return CODE.sub("", page.read_text(encoding="utf-8"))
+
+
+def anchors(page: Path) -> set[str]:
+    """Return the places of a page that a link can name, as the usual viewers make them."""
+    found: set[str] = set()
+    for heading in TOPIC.findall(prose(page)):
+        words = re.sub(r"\[([^]]*)\]\([^)]*\)", r"\1", heading).lower()
+        name = re.sub(r"[^\w\- ]", "", words).strip().replace(" ", "-")
+        found.add(next(each for each in names(name) if each not in found))
+    return found
+
+
+def names(name: str) -> list[str]:
+    """Return an anchor, and what it is called where headings repeat."""
+    return [name, *(f"{name}-{number}" for number in range(1, 100))]
+
+
+def is_dead(page: Path, target: str) -> bool:
+    """Return whether a link of a page leads nowhere in this repository."""
+    if re.match(r"\w+:", target):
+        return False
+    file, _, anchor = target.partition("#")
+    there = (page.parent / file).resolve() if file else page
+    return not there.exists() or bool(anchor and anchor not in anchors(there))
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
+def test_every_link_and_anchor_of_a_page_leads_somewhere(page: Path) -> None:
+    assert [each for each in LINK.findall(prose(page)) if is_dead(page, each)] == []
+
+
+def test_every_document_is_in_the_index_once() -> None:
+    index = (DOCS / "index.md").read_text(encoding="utf-8")
+    listed = re.findall(r"^- \[.*?\]\(([\w.-]+)\): ", index, re.MULTILINE)
+
+    there = {page.name for page in DOCS.iterdir() if page.is_file()} - {"index.md"}
+    assert sorted(listed) == sorted(there)
+
+
+def test_the_readme_can_be_read_in_a_minute() -> None:
+    table = re.findall(r"^\| .*`trainer.*\|$|^\| .*type `.*\|$", README, re.MULTILINE)
+
+    assert len(README.splitlines()) <= 90
+    assert 0 < len(table) <= 12
+    assert "docs/tutorial.md" in README
+    assert "docs/index.md" in README
+    assert "](docs/images/" in README
+
+
+def test_the_readme_names_every_extra() -> None:
+    project = (ROOT / "pyproject.toml").read_text(encoding="utf-8")
+    extras = project.partition("[project.optional-dependencies]")[2].partition("\n[")[0]
+
+    named = re.findall(r"^(\w+) = \[", extras, re.MULTILINE)
+    assert len(named) > 6
+    assert [name for name in named if f"`{name}`" not in README] == []
+
+
+def test_the_page_of_exit_codes_is_made_of_the_help_of_the_commands() -> None:
+    page = (DOCS / "exit-codes.md").read_text(encoding="utf-8")
+
+    assert page == exit_codes.page(), "python -m helpers.exit_codes > ../docs/exit-codes.md"
+
+
+def test_the_citation_agrees_with_the_project() -> None:
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    lines = (ROOT / "CITATION.cff").read_text(encoding="utf-8").splitlines()
+
+    assert f"version: {project['version']}" in lines
+    assert f"license: {project['license']}" in lines
+    assert f"keywords: [{', '.join(project['keywords'])}]" in lines
+    numbers = [line for line in lines if line.strip().startswith("number: ")]
+    assert len(numbers) == 2
+
+
+# pages whose figures were flown with BB2; others take theirs from tests, or name day and machine
+FLOWN = (
+    *("autopilot", "ballast", "engineer", "envelope", "identification"),
+    *("reduction", "seas", "sweeps"),
+)
+
+
+def digest_of_bb2() -> str:
+    """Return eight digits that stand for the numbers of BB2's file, whatever its comments."""
+    tables = tomllib.loads((ROOT / "configs/vessels/bb2.toml").read_text(encoding="utf-8"))
+    numbers = json.dumps(tables, sort_keys=True).encode()
+    return hashlib.sha256(numbers).hexdigest()[:8]
+
+
+@pytest.mark.parametrize("name", FLOWN)
+def test_figures_flown_with_bb2_name_the_day_and_the_boat(name: str) -> None:
+    page = (DOCS / f"{name}.md").read_text(encoding="utf-8")
+    dated = re.search(r"^Figures of \d+ \w+ \d{4}, BB2 `([0-9a-f]{8})`(.*)$", page, re.MULTILINE)
+
+    assert dated, "the page says of which day its figures are, and of which BB2"
+    digest, remark = dated.groups()
+    assert digest == digest_of_bb2() or "an earlier" in remark, (
+        f"BB2 is {digest_of_bb2()} today: fly them again, or say that they are of an earlier file"
+    )
