@@ -145,7 +145,7 @@ def test_a_shipped_study_can_be_opened_and_has_a_member(name: str) -> None:
 
 
 def test_without_pyarrow_the_message_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("trainer.analysis.sweep.parquet.find_spec", lambda _name: None)
+    monkeypatch.setattr("trainer.config.extras.find_spec", lambda _name: None)
 
     with pytest.raises(ConfigError, match=r"pip install 'submarine-trainer\[parquet\]'"):
         check_pyarrow()

@@ -11,6 +11,7 @@ import pytest
 
 from trainer.boat.boat import Boat
 from trainer.config.exercise import Limits
+from trainer.config.extras import advise_install
 from trainer.config.files import ConfigError
 from trainer.core.kernel import Numbers
 from trainer.session.layout import LAYOUT
@@ -22,7 +23,7 @@ from trainer.session.rerun.charts import charts_of, ledger_columns
 from trainer.session.rerun.collector import Gathering, Heard, Taken
 from trainer.session.rerun.feed import CHUNK, ROOM, Feed
 from trainer.session.rerun.log import Log
-from trainer.session.rerun.request import MISSING, PORT, open_log, parse_place
+from trainer.session.rerun.request import PORT, open_log, parse_place
 from trainer.session.rerun.shape import Fin, fins_of, hull_mesh, sail_mesh, size_of
 from trainer.session.rerun.states import casualty_lanes, lanes_of
 from trainer.session.rerun.subject import Subject
@@ -498,7 +499,10 @@ def test_a_missing_library_is_one_line_and_the_run_goes_on(
     logs = [asked(subject, rerun=True), asked(subject, rrd=tmp_path / "run.rrd")]
 
     assert logs == [None, None]
-    assert capsys.readouterr().err == f"trainer: --rerun {MISSING}\ntrainer: --rrd {MISSING}\n"
+    assert (
+        capsys.readouterr().err
+        == f"trainer: {advise_install('rerun', '--rerun')}\ntrainer: {advise_install('rerun', '--rrd')}\n"
+    )
     assert not (tmp_path / "run.rrd").exists()
 
 

@@ -1,7 +1,6 @@
 """The command ``trainer export``: a recording as tables, for Rerun's viewer, or columns drawn."""
 
 from collections.abc import Mapping, Sequence
-from importlib.util import find_spec
 from pathlib import Path
 from typing import Final
 
@@ -11,12 +10,12 @@ import numpy as np
 from trainer.analysis.compare import unit
 from trainer.analysis.report.plots import Curve, Panel, draw
 from trainer.analysis.series import FEWEST, Series, load_series
+from trainer.config.extras import require_library
 from trainer.config.files import ConfigError, nearest, quote
 from trainer.io.recording.recording import Recording
 from trainer.io.tables import Layout, export_csv, export_parquet
 from trainer.session.header import layout_of, method_of, reading
 from trainer.session.layout import numbers_of
-from trainer.session.rerun.request import MISSING
 
 USUAL: Final = ("z", "theta", "u")  # drawn unless other columns are asked for
 
@@ -108,8 +107,7 @@ def parquet_files(recording: Recording, path: Path, branch: int | None) -> list[
 
 def rrd_file(recording: Recording, path: Path, branch: int | None) -> list[Path]:
     """Write a branch as a file for Rerun; return the file written."""
-    if find_spec("rerun") is None:
-        raise ConfigError(f"--rrd {MISSING}")
+    require_library("rerun", "--rrd")
     from trainer.session.rerun.conversion import write_record  # noqa: PLC0415  a second to import
 
     try:
