@@ -494,15 +494,13 @@ def test_a_missing_library_is_one_line_and_the_run_goes_on(
     capsys: pytest.CaptureFixture[str],
     tmp_path: Path,
 ) -> None:
-    monkeypatch.setattr(request, "find_spec", lambda _: None)
+    monkeypatch.setattr("trainer.session.rerun.request.find_spec", lambda _: None)
 
     logs = [asked(subject, rerun=True), asked(subject, rrd=tmp_path / "run.rrd")]
 
+    told = [f"trainer: {advise_install('rerun', flag)}\n" for flag in ("--rerun", "--rrd")]
     assert logs == [None, None]
-    assert (
-        capsys.readouterr().err
-        == f"trainer: {advise_install('rerun', '--rerun')}\ntrainer: {advise_install('rerun', '--rrd')}\n"
-    )
+    assert capsys.readouterr().err == "".join(told)
     assert not (tmp_path / "run.rrd").exists()
 
 

@@ -11,7 +11,40 @@ from typing import Any
 import click
 
 from trainer.cli.answers import Number, outputs, show
-from trainer.cli.shared_options import FILE, method_options
+from trainer.cli.shared_options import FILE, VESSEL_HELP, method_options
+from trainer.cli.types import Commands
+
+
+@click.group(cls=Commands)
+def vessel() -> None:
+    """Make a boat of your own: a vessel file to begin with."""
+
+
+@vessel.command()
+@click.argument("file", type=FILE)
+@click.option(
+    "--from", "source", default="bb2", show_default=True, metavar="VESSEL", help=VESSEL_HELP
+)
+@click.option(
+    "--length",
+    type=Number(0.3, 400.0),
+    default=None,
+    metavar="M",
+    help="Of the new boat. [default: that of the source, a copy]",
+)
+@click.option("--name", default=None, help="Of the new boat.")
+def new(file: Path, source: str, length: float | None, name: str | None) -> None:
+    """Write a complete vessel file with comments, to be changed; never over another file.
+
+    \b
+    Example:  trainer vessel new boat.toml --from bb2 --length 60
+              trainer vessel new twin.toml --from sdv-mk9 --name "My boat"
+
+    With --length every number follows the length by Froude's law; each law stands in the file.
+    """
+    from trainer.config.vessel_template import write_new  # noqa: PLC0415
+
+    click.echo(write_new(file, source, length, name))
 
 
 @click.command()

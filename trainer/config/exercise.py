@@ -50,16 +50,8 @@ from trainer.io.orders.schedule import LATEST, Scheduled
 
 
 @dataclass(frozen=True)
-class Page:
+class Page(Text):
     """Some lines of text."""
-
-    longest: int
-    meaning: str
-
-    @property
-    def cells(self) -> tuple[str, str, str]:
-        """Return unit, range and meaning."""
-        return "text", f"1 to {self.longest} characters", self.meaning
 
     def read(self, key: str, value: object, place: Place) -> str:
         """Return the text; ConfigError if it is empty, too long or not printable."""
