@@ -22,6 +22,7 @@ from trainer.core.terms import COEFFICIENTS
 
 WIDTH: Final = 100
 SAME: Final = 1.0  # factor of a copy
+PRIME: Final = "[-] times rho/2, the power of L and the motion told behind each; absent: zero"
 DEPTHS: Final = ("max_depth_m", "test_depth_m")  # the first given is the deepest to be ordered
 LAWS: Final = """\
 # Laws: Froude's similarity. The water and gravity stay; lengths go as L, areas as L^2, masses and
@@ -158,7 +159,7 @@ def vessel_text(source: str, length: float | None, name: str | None) -> str:
 def _opening(path: Path, source: float, length: float | None) -> Iterator[str]:
     """Yield the comment at the top; lengths in [m]."""
     if length is None or length == source:
-        yield f"# A copy of {path.name} by `trainer vessel new`: every key with its unit and meaning."
+        yield f"# A copy of {path.name} by `trainer vessel new`: each key with its unit and meaning."
     else:
         yield f"# {path.name} scaled from {source:g} m to {length:g} m by `trainer vessel new`."
         yield LAWS
@@ -200,7 +201,7 @@ def _coefficients(given: Mapping[str, Any]) -> Iterator[str]:
         flat |= value if isinstance(value, Mapping) else {key: value}
     for axis in AXES:
         terms = [term for term in COEFFICIENTS if term.equation == axis]
-        yield from ("", f"[coefficients.{axis}]   # [-] prime system, per radian; absent: zero")
+        yield from ("", f"[coefficients.{axis}]   # {PRIME}")
         for term in terms:
             if term.key in flat:
                 note = f"# L^{term.power}: {term.multiplies}"
