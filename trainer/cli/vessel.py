@@ -50,7 +50,7 @@ def new(file: Path, source: str, length: float | None, name: str | None) -> None
 @click.command()
 @click.argument("vessel")
 @method_options
-def evaluate(vessel: str, equations: str, rates: str | None, trig: str) -> None:
+def evaluate(vessel: str, equations: str | None, rates: str | None, trig: str) -> None:
     """Accelerations for states read as JSON lines: the check interface.
 
     \b
@@ -64,7 +64,9 @@ def evaluate(vessel: str, equations: str, rates: str | None, trig: str) -> None:
     from trainer.config.vessel import load_vessel  # noqa: PLC0415
 
     file = load_vessel(vessel)
-    for line in rates_of(file, equations, rates or "exact", trig, sys.stdin or ()):
+    for line in rates_of(
+        file, equations or file.own_equations, rates or "exact", trig, sys.stdin or ()
+    ):
         click.echo(line)
 
 
@@ -79,8 +81,10 @@ def check(vessel: str, *, constants: bool, as_json: bool) -> None:
     Example:  trainer check bb2
               trainer check bb2 --constants
 
-    Exit code 1 when a step of 0.5 s or 1 s makes a boat unstable that is stable by nature. With
-    --constants nothing is judged: all that the core is given is listed, in SI units and radians.
+    Exit code 1 when a step of 0.5 s or 1 s makes a boat unstable that is stable by nature, or when
+    the compact set is not within tolerance of the full one. The page ends with what the file lacks
+    and the command that makes it. With --constants nothing is judged: all that the core is given is
+    listed, in SI units and radians.
     """
     import json  # noqa: PLC0415
     from dataclasses import asdict  # noqa: PLC0415
@@ -88,13 +92,18 @@ def check(vessel: str, *, constants: bool, as_json: bool) -> None:
     if constants:
         list_constants(vessel, as_json=as_json)
         return
+    from trainer.analysis import readiness  # noqa: PLC0415
     from trainer.analysis.check import check as examine  # noqa: PLC0415
     from trainer.analysis.check_page import render  # noqa: PLC0415
     from trainer.config.vessel import load_vessel  # noqa: PLC0415
 
-    report = examine(load_vessel(vessel))
-    click.echo(json.dumps(asdict(report), indent=1) if as_json else render(report))
-    sys.exit(0 if report.stable else 1)
+    file = load_vessel(vessel)
+    report, ready = examine(file), readiness.examine(file)
+    if as_json:
+        click.echo(json.dumps({**asdict(report), "readiness": asdict(ready)}, indent=1))
+    else:
+        click.echo(f"{render(report)}\n{readiness.render(ready)}")
+    sys.exit(0 if report.stable and ready.passed else 1)
 
 
 def list_constants(vessel: str, *, as_json: bool) -> None:

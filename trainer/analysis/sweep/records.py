@@ -153,7 +153,7 @@ class Heading:
 class MethodTable:
     """How the boat is computed."""
 
-    equations: str | None = optional(Choice(EQUATIONS, "set of equations; else modified"))
+    equations: str | None = optional(Choice(EQUATIONS, "set of equations; else the boat's own"))
     rates: str | None = optional(
         Choice(("exact", "lagged"), "accelerations; else lagged, with Runge-Kutta exact")
     )

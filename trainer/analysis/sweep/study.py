@@ -270,7 +270,7 @@ def method_of(table: MethodTable, file: VesselFile) -> Method:
     """Return how a boat is computed."""
     integrator = table.integrator or "adams2"
     return Method(
-        table.equations or "modified",
+        table.equations or file.own_equations,
         table.rates or ("exact" if integrator in RUNGE_KUTTAS else "lagged"),
         table.trig or "exact",
         integrator,
