@@ -17,7 +17,6 @@ from trainer.core.kernel import Numbers
 from trainer.session.layout import LAYOUT
 from trainer.session.options import RunOptions
 from trainer.session.rerun import feed as feeds
-from trainer.session.rerun import request
 from trainer.session.rerun.batch import Batch, Block, Changes, Times, states
 from trainer.session.rerun.charts import charts_of, ledger_columns
 from trainer.session.rerun.collector import Gathering, Heard, Taken

@@ -11,7 +11,7 @@ from typing import Final
 from trainer.analysis.guide.programme import Leg, legs
 from trainer.analysis.guide.verdicts import BEYOND, Judgement
 from trainer.analysis.manoeuvres.vehicle import PERCENT
-from trainer.analysis.reduce.objective import Candidate, Yardstick
+from trainer.analysis.reduce.objective import FURTHEST, Candidate, Yardstick
 from trainer.analysis.reduce.reduction import as_filed
 from trainer.config.files import SHIPPED, as_typed, key_of
 from trainer.config.vessel import VesselFile
@@ -74,7 +74,7 @@ def _compared(file: VesselFile) -> Iterator[Worst]:
 def _worst(leg: Leg, judgements: tuple[Judgement, ...]) -> Worst:
     """Return the number of a flight that is furthest off."""
     if not judgements:
-        return Worst(leg.title, "it cannot start", "", None, None, float("inf"))
+        return Worst(leg.title, "it cannot start", "", None, None, FURTHEST)
     sizes = {one: _share(one) for one in judgements if one.allowed or one.verdict == BEYOND}
     if not sizes:
         return Worst(leg.title, "", "", None, None, 0.0)
@@ -85,8 +85,8 @@ def _worst(leg: Leg, judgements: tuple[Judgement, ...]) -> Worst:
 def _share(one: Judgement) -> float:
     """Return a difference as a share of what is allowed [-]; a number that is lacking is zero."""
     if not one.allowed or one.full is None:
-        return float("inf")
-    return abs((one.other or 0.0) - one.full) / one.allowed
+        return FURTHEST
+    return min(abs((one.other or 0.0) - one.full) / one.allowed, FURTHEST)
 
 
 def _lacks(file: VesselFile, found: Readiness) -> Iterator[Lack]:
@@ -102,9 +102,9 @@ def _lacks(file: VesselFile, found: Readiness) -> Iterator[Lack]:
     if file.ballast is None:
         yield Lack("[ballast]: it has no tanks, and does not surface by air", example)
     if file.wave_strips is None:
-        yield Lack("[wave_strips]: waves push on a box of its length", example)
+        yield Lack("[wave_strips]: waves push on a usual hull of its length", example)
     if file.free_surface is None:
-        yield Lack("[free_surface]: a calm surface draws it nowhere", "docs/vessel-files.md")
+        yield Lack("[free_surface]: it does not feel a calm surface", "docs/vessel-files.md")
     for key, value in (
         ("test_depth_m", file.hull.test_depth_m),
         ("collapse_depth_m", file.hull.collapse_depth_m),

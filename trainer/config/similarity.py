@@ -22,6 +22,11 @@ POWERS: Final = {  # of the length, by unit
     "MPa": 1.0,
     "W": 3.5,
 }
+UNITS: Final = (  # that a vessel file has
+    *("W", "kg m2", "N m", "m3", "kg", "N", "kg/s", "m2", "cm2", "mm2", "m", "MPa"),
+    *("s", "kn", "m/s", "-", "deg", "degC", "m/s2", "kg/m3", "1/s", "deg/s", "rad/s", "rad s/m"),
+    *("1/m", "rad/m", "deg/s2", "rad/(m s)"),
+)
 UNIT: Final = re.compile(r"([A-Za-z-]+?)\^?(\d?)")
 
 
@@ -120,3 +125,16 @@ def formula(power: float) -> str:
     if power == 0.0:
         return "as it is"
     return "L" if power == 1.0 else f"L^{power:g}"
+
+
+def law_table() -> str:
+    """Return the Markdown table of the laws, as docs/vessel-files.md shows it."""
+    by_power: dict[float, list[str]] = {}
+    for unit in UNITS:
+        by_power.setdefault(power_of(unit), []).append(unit)
+    rows = ["| follows the length as | units |", "|---|---|"]
+    for power, units in sorted(by_power.items(), reverse=True):
+        rows.append(f"| {formula(power)} | {', '.join(units)} |")
+    rows += ["", "| key | law, where it is not that of the unit |", "|---|---|"]
+    rows += [f"| `[{table}] {key}` | {law.reason} |" for (table, key), law in EXCEPTIONS.items()]
+    return "\n".join(rows) + "\n"

@@ -159,7 +159,7 @@ def vessel_text(source: str, length: float | None, name: str | None) -> str:
 def _opening(path: Path, source: float, length: float | None) -> Iterator[str]:
     """Yield the comment at the top; lengths in [m]."""
     if length is None or length == source:
-        yield f"# A copy of {path.name} by `trainer vessel new`: each key with its unit and meaning."
+        yield f"# A copy of {path.name} by `trainer vessel new`: each key with unit and meaning."
     else:
         yield f"# {path.name} scaled from {source:g} m to {length:g} m by `trainer vessel new`."
         yield LAWS
