@@ -88,7 +88,7 @@ def recording(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder / "run.trainer"
 
 
-@pytest.mark.parametrize(("hidden", "line", "library"), NEEDING, ids=lambda value: str(value))
+@pytest.mark.parametrize(("hidden", "line", "library"), NEEDING, ids=str)
 def test_a_command_that_needs_an_extra_names_it_in_one_line(
     hidden: tuple[str, ...], line: str, library: str, recording: Path, tmp_path: Path
 ) -> None:

@@ -16,8 +16,9 @@ from trainer.analysis.manoeuvres.submarine import Rig, Submarine
 from trainer.config.ballast_records import RECORDS as BALLAST
 from trainer.config.files import ConfigError
 from trainer.config.schema import kind_of, kinds_of
-from trainer.config.similarity import EXCEPTIONS, law_of, law_table, power_of
+from trainer.config.similarity import EXCEPTIONS, UNITS, law_of, law_table, power_of
 from trainer.config.vessel import RECORDS, VesselFile, load_vessel, parse_vessel
+from trainer.config.vessel_records import SurfaceRow, ThrustSet
 from trainer.config.vessel_template import vessel_text, write_new
 from trainer.units import KNOT
 
@@ -63,6 +64,19 @@ def test_every_key_of_a_vessel_file_has_a_law() -> None:
             assert isinstance(law_of(name, key, kind).power, float), f"{name}.{key}"
 
 
+def test_the_table_of_laws_has_every_unit_of_a_vessel_file() -> None:
+    records = RECORDS | {name.strip("[]"): record for name, record in BALLAST.items()}
+    records |= {"propulsion.sets": ThrustSet, "free_surface.rows": SurfaceRow}
+    found = {
+        kind.cells[0]
+        for table, record in records.items()
+        for key, kind in kinds_of(record).items()
+        if (table, key) not in EXCEPTIONS
+    }
+
+    assert found - {"word", "words", "table", "tables"} == {*UNITS}
+
+
 def test_every_exception_is_of_a_key_that_is_there() -> None:
     records = RECORDS | {name.strip("[]"): record for name, record in BALLAST.items()}
     for table, key in EXCEPTIONS:
@@ -96,9 +110,10 @@ def test_every_key_in_a_new_file_has_its_meaning_beside_it(source: str) -> None:
         for item in fields(record):
             if hasattr(kind_of(item), "words"):
                 continue
-            assert re.search(rf"^(# )?\[*{item.name}\b|\.{item.name}\]", text, re.MULTILINE) or (
-                record.__doc__ or ""
-            ).partition("\n")[0] in text
+            assert (
+                re.search(rf"^(# )?\[*{item.name}\b|\.{item.name}\]", text, re.MULTILINE)
+                or (record.__doc__ or "").partition("\n")[0] in text
+            )
 
 
 def test_a_scaled_file_says_the_law_of_each_number() -> None:
@@ -129,7 +144,8 @@ def test_a_source_without_a_compact_set_gives_a_boat_without(tmp_path: Path) -> 
 def without_compact_set() -> str:
     """Return the text of bb2 with the tables of its compact set taken out."""
     text = load_vessel("bb2").text
-    return re.sub(r"^\[(compact|compensation\.\w+)\].*?(?=^\[)", "", text, flags=re.DOTALL | re.M)
+    own = re.compile(r"^\[(compact|compensation\.\w+)\].*?(?=^\[)", re.DOTALL | re.MULTILINE)
+    return own.sub("", text)
 
 
 def test_a_file_that_is_there_is_never_written_over(tmp_path: Path) -> None:
@@ -143,7 +159,7 @@ def test_a_file_that_is_there_is_never_written_over(tmp_path: Path) -> None:
 
 
 def test_a_boat_beyond_the_limits_of_a_key_is_refused_by_that_key(tmp_path: Path) -> None:
-    with pytest.raises(ConfigError, match="propeller_diameter = 28.49003: must be 0.01 to 20 m"):
+    with pytest.raises(ConfigError, match=r"propeller_diameter = 28\.49003: must be 0.01 to 20 m"):
         write_new(tmp_path / "big.toml", "bb2", 400.0, None)
 
     assert not (tmp_path / "big.toml").exists()

@@ -81,10 +81,10 @@ def check(vessel: str, *, constants: bool, as_json: bool) -> None:
     Example:  trainer check bb2
               trainer check bb2 --constants
 
-    Exit code 1 when the boat's own step makes it unstable though it is stable by nature, or when the
-    compact set is not within tolerance of the full one. The page ends with what the file lacks
-    and the command that makes it. With --constants nothing is judged: all that the core is given is
-    listed, in SI units and radians.
+    Exit code 1 when the boat's own step makes it unstable though it is stable by nature, or when
+    the compact set is not within tolerance of the full one. The page ends with what the file lacks
+    and the command that makes it. With --constants nothing is judged: all that the core is given
+    is listed, in SI units and radians.
     """
     import json  # noqa: PLC0415
     from dataclasses import asdict  # noqa: PLC0415

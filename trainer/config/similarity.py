@@ -23,7 +23,7 @@ POWERS: Final = {  # of the length, by unit
     "W": 3.5,
 }
 UNITS: Final = (  # that a vessel file has
-    *("W", "kg m2", "N m", "m3", "kg", "N", "kg/s", "m2", "cm2", "mm2", "m", "MPa"),
+    *("W", "kg m2", "N m", "m3", "kg", "N", "kg/s", "m2", "cm2", "mm2", "m"),
     *("s", "kn", "m/s", "-", "deg", "degC", "m/s2", "kg/m3", "1/s", "deg/s", "rad/s", "rad s/m"),
     *("1/m", "rad/m", "deg/s2", "rad/(m s)"),
 )
