@@ -25,6 +25,12 @@ from trainer.units import KNOT
 BOATS = ("bb2", "sdv-mk9", "remus100")
 TOLERANCE = 1e-3  # [-] of what is similar
 LIKE = ("advance", "transfer", "tactical diameter", "heading overshoot 1", "heading overshoot 2")
+TABLES = {
+    **RECORDS,
+    **{name.strip("[]"): record for name, record in BALLAST.items()},
+    "propulsion.sets": ThrustSet,
+    "free_surface.rows": SurfaceRow,
+}
 POWERS = {"m": 1.0, "s": 0.5, "rad": 0.0}
 
 
@@ -59,17 +65,15 @@ def test_a_unit_tells_the_power_of_the_length(unit: str, power: float) -> None:
 
 
 def test_every_key_of_a_vessel_file_has_a_law() -> None:
-    for name, record in (RECORDS | {k.strip("[]"): v for k, v in BALLAST.items()}).items():
+    for name, record in TABLES.items():
         for key, kind in kinds_of(record).items():
             assert isinstance(law_of(name, key, kind).power, float), f"{name}.{key}"
 
 
 def test_the_table_of_laws_has_every_unit_of_a_vessel_file() -> None:
-    records = RECORDS | {name.strip("[]"): record for name, record in BALLAST.items()}
-    records |= {"propulsion.sets": ThrustSet, "free_surface.rows": SurfaceRow}
     found = {
         kind.cells[0]
-        for table, record in records.items()
+        for table, record in TABLES.items()
         for key, kind in kinds_of(record).items()
         if (table, key) not in EXCEPTIONS
     }
@@ -78,9 +82,8 @@ def test_the_table_of_laws_has_every_unit_of_a_vessel_file() -> None:
 
 
 def test_every_exception_is_of_a_key_that_is_there() -> None:
-    records = RECORDS | {name.strip("[]"): record for name, record in BALLAST.items()}
     for table, key in EXCEPTIONS:
-        assert key in {item.name for item in fields(records[table])}
+        assert key in {item.name for item in fields(TABLES[table])}
 
 
 def test_the_page_has_the_table_of_laws() -> None:
