@@ -1,12 +1,16 @@
 """A check ends with the compact set beside the full one, and with what the file lacks."""
 
 import json
+import os
 import re
+import subprocess
+import sys
 from dataclasses import asdict
 from pathlib import Path
 
 import pytest
 from click.testing import CliRunner
+from helpers.places import ROOT
 
 from trainer.analysis.readiness import Readiness, examine, render
 from trainer.cli.vessel import check
@@ -119,6 +123,23 @@ def test_a_boat_without_a_compact_set_is_flown_by_the_full_one(tmp_path: Path) -
     assert plan.note == (
         "boat.toml has no compact set of its own: the full set is flown; trainer reduce makes one"
     )
+
+
+def test_a_run_begins_by_saying_so(tmp_path: Path) -> None:
+    line = ["run", "--headless", "--speed", "max", "--duration", "5", "--no-record"]
+
+    done = subprocess.run(
+        [sys.executable, "-m", "trainer", *line, "--vessel", str(plain(tmp_path))],
+        env=os.environ | {"PYTHONPATH": str(ROOT)},
+        capture_output=True,
+        text=True,
+        timeout=300,
+        check=False,
+    )
+
+    assert done.returncode == 0, done.stderr
+    assert "trainer: boat.toml has no compact set of its own: the full set is flown" in done.stderr
+    assert "computed    full set" in done.stdout
 
 
 def test_an_order_for_the_compact_equations_is_obeyed_all_the_same(tmp_path: Path) -> None:
