@@ -1,6 +1,5 @@
 """A study file is checked before anything is flown, and its result is told in plain tables."""
 
-import builtins
 import json
 import re
 from pathlib import Path
@@ -145,23 +144,16 @@ def test_a_shipped_study_can_be_opened_and_has_a_member(name: str) -> None:
 
 
 def test_without_pyarrow_the_message_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("trainer.analysis.sweep.parquet.find_spec", lambda _name: None)
+    monkeypatch.setattr("trainer.config.extras.find_spec", lambda _name: None)
 
     with pytest.raises(ConfigError, match=r"pip install 'submarine-trainer\[parquet\]'"):
         check_pyarrow()
 
 
 def test_without_dask_the_message_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
-    whole = builtins.__import__
-
-    def lacking(name: str, *rest: Any) -> Any:
-        if name == "distributed":
-            raise ImportError(name)
-        return whole(name, *rest)
-
     from trainer.analysis.sweep.workers import cluster  # noqa: PLC0415
 
-    monkeypatch.setattr(builtins, "__import__", lacking)
+    monkeypatch.setattr("trainer.config.extras.find_spec", lambda _name: None)
     with pytest.raises(ConfigError, match=r"pip install 'submarine-trainer\[cluster\]'"):
         next(cluster("tcp://127.0.0.1:1")(None, [0]))  # type: ignore[arg-type]
 

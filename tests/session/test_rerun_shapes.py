@@ -11,18 +11,18 @@ import pytest
 
 from trainer.boat.boat import Boat
 from trainer.config.exercise import Limits
+from trainer.config.extras import advise_install
 from trainer.config.files import ConfigError
 from trainer.core.kernel import Numbers
 from trainer.session.layout import LAYOUT
 from trainer.session.options import RunOptions
 from trainer.session.rerun import feed as feeds
-from trainer.session.rerun import request
 from trainer.session.rerun.batch import Batch, Block, Changes, Times, states
 from trainer.session.rerun.charts import charts_of, ledger_columns
 from trainer.session.rerun.collector import Gathering, Heard, Taken
 from trainer.session.rerun.feed import CHUNK, ROOM, Feed
 from trainer.session.rerun.log import Log
-from trainer.session.rerun.request import MISSING, PORT, open_log, parse_place
+from trainer.session.rerun.request import PORT, open_log, parse_place
 from trainer.session.rerun.shape import Fin, fins_of, hull_mesh, sail_mesh, size_of
 from trainer.session.rerun.states import casualty_lanes, lanes_of
 from trainer.session.rerun.subject import Subject
@@ -493,12 +493,13 @@ def test_a_missing_library_is_one_line_and_the_run_goes_on(
     capsys: pytest.CaptureFixture[str],
     tmp_path: Path,
 ) -> None:
-    monkeypatch.setattr(request, "find_spec", lambda _: None)
+    monkeypatch.setattr("trainer.session.rerun.request.find_spec", lambda _: None)
 
     logs = [asked(subject, rerun=True), asked(subject, rrd=tmp_path / "run.rrd")]
 
+    told = [f"trainer: {advise_install('rerun', flag)}\n" for flag in ("--rerun", "--rrd")]
     assert logs == [None, None]
-    assert capsys.readouterr().err == f"trainer: --rerun {MISSING}\ntrainer: --rrd {MISSING}\n"
+    assert capsys.readouterr().err == "".join(told)
     assert not (tmp_path / "run.rrd").exists()
 
 

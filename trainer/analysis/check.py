@@ -188,7 +188,9 @@ class Report:
     turn: Comparison
     afloat: Afloat
     clipped: bool  # what would feed the boat beyond the range is left out
-    stable: bool
+    stable: bool  # at every step looked at
+    own_step_s: float
+    own_step_stable: bool  # by every equation set
 
 
 def round_speeds(low: float, high: float) -> tuple[float, ...]:
@@ -279,4 +281,6 @@ def check(file: VesselFile) -> Report:
         afloat=afloat(file),
         clipped=clipped(file),
         stable=all(verdict.stable for verdict in verdicts),
+        own_step_s=file.run.step_s,
+        own_step_stable=all(one.stable for one in verdicts if one.step_s == file.run.step_s),
     )

@@ -181,6 +181,14 @@ def _turn(turn: Comparison) -> list[str]:
     return lines
 
 
+def _verdict(report: Report) -> str:
+    """Return which steps are stable, the boat's own above all."""
+    if report.stable:
+        return "All steps above are stable."
+    own = "is" if report.own_step_stable else "is NOT"
+    return f"Not every step above is stable; the boat's own, {report.own_step_s:g} s, {own}."
+
+
 def render(report: Report) -> str:
     """Return the report as text."""
     lines = [
@@ -192,6 +200,6 @@ def render(report: Report) -> str:
         *_afloat(report),
         *_turn(report.turn),
         "",
-        "All steps above are stable." if report.stable else "Not every step above is stable.",
+        _verdict(report),
     ]
     return "\n".join(lines)

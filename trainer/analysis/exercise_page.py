@@ -19,7 +19,16 @@ from trainer.analysis.debrief.trajectory import lacks
 from trainer.analysis.rehearsal import CREW, Rehearsal, fly
 from trainer.boat.boat import Boat
 from trainer.config.exercise import parse_exercise
-from trainer.config.files import ConfigError, Place, numbered, path_named, read_text, shipped
+from trainer.config.files import (
+    ConfigError,
+    Place,
+    as_typed,
+    numbered,
+    path_named,
+    read_text,
+    shipped,
+    write_once,
+)
 from trainer.config.score_rules import Rule
 from trainer.session.options import RunOptions
 from trainer.session.plan import Plan, plan_run
@@ -49,14 +58,8 @@ def write_new(path: Path, name: str | None, source: str | None) -> None:
     if name is not None:
         text = NAMED.sub(lambda _: f"name = {json.dumps(name, ensure_ascii=False)}", text, count=1)
     parse_exercise(text, path)
-    try:
-        with path.open("x", encoding="utf-8") as file:
-            file.write(text)
-    except FileExistsError:
-        raise ConfigError(f"{path} is there already: give a new name") from None
-    except OSError as error:
-        raise ConfigError(f"{path} cannot be written: {error.strerror}") from None
-    click.echo(f"{path} written; next: trainer exercise check {_as_typed(path)}")
+    write_once(path, text)
+    click.echo(f"{path} written; next: trainer exercise check {as_typed(path)}")
 
 
 def _copy(source: str) -> str:
@@ -73,12 +76,6 @@ def _copy(source: str) -> str:
             lines.append(f"# {COMMENTS[head]}")
         lines.append(line)
     return "\n".join(lines) + "\n"
-
-
-def _as_typed(path: Path) -> str:
-    """Return a path as the commands take it: a bare name would be a shipped exercise's."""
-    bare = path.suffix != ".toml" and len(path.parts) == 1
-    return f"./{path}" if bare else str(path)
 
 
 @dataclass(frozen=True)

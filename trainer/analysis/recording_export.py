@@ -3,7 +3,6 @@
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from importlib.util import find_spec
 from pathlib import Path
 from typing import Any, Final
 
@@ -13,6 +12,7 @@ import numpy as np
 from trainer.analysis.compare import unit
 from trainer.analysis.report.plots import Curve, Panel, draw
 from trainer.analysis.series import FEWEST, Series, load_series
+from trainer.config.extras import require_library
 from trainer.config.files import ConfigError, nearest, quote
 from trainer.core.kernel import Numbers
 from trainer.io.recording import recording as recording_file
@@ -28,7 +28,6 @@ from trainer.io.tables import (
 )
 from trainer.session.header import layout_of, method_of, reading, trainees_of
 from trainer.session.layout import numbers_of
-from trainer.session.rerun.request import MISSING
 
 USUAL: Final = ("z", "theta", "u")  # drawn unless other columns are asked for
 
@@ -122,8 +121,7 @@ def parquet_files(
 
 def rrd_file(recording: recording_file.Recording, path: Path, branch: int | None) -> list[Path]:
     """Write a branch as a file for Rerun; return the file written."""
-    if find_spec("rerun") is None:
-        raise ConfigError(f"--rrd {MISSING}")
+    require_library("rerun", "--rrd")
     from trainer.session.rerun.conversion import write_record  # noqa: PLC0415  a second to import
 
     try:
@@ -150,9 +148,6 @@ def table_layout(recording: recording_file.Recording) -> Layout:
         return [whole[i] for i in wanted]
 
     return Layout(tuple(names[i] for i in wanted), numbers, method_of(header).step)
-
-
-NEEDS_PANDAS: Final = "a frame needs pandas: pip install 'submarine-trainer[pandas]'"
 
 
 @dataclass(frozen=True, repr=False)
@@ -218,10 +213,9 @@ def frame_of(columns: Mapping[str, Numbers]) -> Any:
 
     ConfigError where pandas is not installed.
     """
-    try:
-        import pandas as pd  # noqa: PLC0415  half a second, and not always there
-    except ImportError:
-        raise ConfigError(NEEDS_PANDAS) from None
+    require_library("pandas", "a frame")
+    import pandas as pd  # noqa: PLC0415  half a second
+
     frame = pd.DataFrame(dict(columns))
     return frame.set_index("t") if "t" in columns else frame
 

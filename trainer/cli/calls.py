@@ -7,14 +7,14 @@ import json
 import tempfile
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
-from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Generic, Literal, TypedDict, TypeVar, Unpack
 
 from trainer.cli import guide, identify
 from trainer.cli import sweep as sweep_command
 from trainer.cli.keywords import parsed
-from trainer.config.files import ConfigError, shipped_names
+from trainer.config.extras import require_library
+from trainer.config.files import shipped_names
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -186,8 +186,7 @@ def identify_ship(
     TrainerError with the command's words if something is wrong, and without the extra
     ``identify``.
     """
-    if find_spec("scipy") is None:
-        raise ConfigError("identify needs scipy: pip install 'submarine-trainer[identify]'")
+    require_library("scipy", "identify")
     from trainer.identify.options import study_of  # noqa: PLC0415
     from trainer.identify.pages.identify import render  # noqa: PLC0415
 

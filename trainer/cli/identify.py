@@ -106,7 +106,10 @@ def prbs(vessel: str, write: Path | None, **options: Any) -> None:
               trainer identify trial.trainer --model 1 --vessel bb2
               trainer prbs bb2 --zigzag 10/10
     """
+    from trainer.config.extras import require_library  # noqa: PLC0415
     from trainer.config.vessel import load_vessel  # noqa: PLC0415
+
+    require_library("scipy", "trainer prbs")
     from trainer.identify.pages import experiment as page  # noqa: PLC0415
 
     found = page.design(load_vessel(vessel), {**options, "vessel": vessel})
@@ -202,6 +205,9 @@ def identify(file: Path | None, selftest: bool, **options: Any) -> None:  # noqa
 
     Exit code 1 when the fit does not settle, or an acceptance test fails.
     """
+    from trainer.config.extras import require_library  # noqa: PLC0415
+
+    require_library("scipy", "trainer identify")
     if selftest:
         from trainer.verify.cases.selftest import run_selftest  # noqa: PLC0415
 

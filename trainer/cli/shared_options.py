@@ -33,9 +33,9 @@ method_options = together(
     click.option(
         "--equations",
         type=click.Choice(EQUATIONS),
-        default="modified",
-        show_default=True,
-        help="Full set (1)-(7), compact modified or basic, or the vertical plane alone.",
+        default=None,
+        help="Full set (1)-(7), compact modified or basic, or the vertical plane alone. "
+        "[default: modified; full for a boat without a compact set of its own]",
     ),
     click.option(
         "--rates",

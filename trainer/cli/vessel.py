@@ -11,13 +11,46 @@ from typing import Any
 import click
 
 from trainer.cli.answers import Number, outputs, show
-from trainer.cli.shared_options import FILE, method_options
+from trainer.cli.shared_options import FILE, VESSEL_HELP, method_options
+from trainer.cli.types import Commands
+
+
+@click.group(cls=Commands)
+def vessel() -> None:
+    """Make a boat of your own: a vessel file to begin with."""
+
+
+@vessel.command()
+@click.argument("file", type=FILE)
+@click.option(
+    "--from", "source", default="bb2", show_default=True, metavar="VESSEL", help=VESSEL_HELP
+)
+@click.option(
+    "--length",
+    type=Number(0.3, 400.0),
+    default=None,
+    metavar="M",
+    help="Of the new boat. [default: that of the source, a copy]",
+)
+@click.option("--name", default=None, help="Of the new boat.")
+def new(file: Path, source: str, length: float | None, name: str | None) -> None:
+    """Write a complete vessel file with comments, to be changed; never over another file.
+
+    \b
+    Example:  trainer vessel new boat.toml --from bb2 --length 60
+              trainer vessel new twin.toml --from sdv-mk9 --name "My boat"
+
+    With --length every number follows the length by Froude's law; each law stands in the file.
+    """
+    from trainer.config.vessel_template import write_new  # noqa: PLC0415
+
+    click.echo(write_new(file, source, length, name))
 
 
 @click.command()
 @click.argument("vessel")
 @method_options
-def evaluate(vessel: str, equations: str, rates: str | None, trig: str) -> None:
+def evaluate(vessel: str, equations: str | None, rates: str | None, trig: str) -> None:
     """Accelerations for states read as JSON lines: the check interface.
 
     \b
@@ -31,7 +64,9 @@ def evaluate(vessel: str, equations: str, rates: str | None, trig: str) -> None:
     from trainer.config.vessel import load_vessel  # noqa: PLC0415
 
     file = load_vessel(vessel)
-    for line in rates_of(file, equations, rates or "exact", trig, sys.stdin or ()):
+    for line in rates_of(
+        file, equations or file.own_equations, rates or "exact", trig, sys.stdin or ()
+    ):
         click.echo(line)
 
 
@@ -46,8 +81,10 @@ def check(vessel: str, *, constants: bool, as_json: bool) -> None:
     Example:  trainer check bb2
               trainer check bb2 --constants
 
-    Exit code 1 when a step of 0.5 s or 1 s makes a boat unstable that is stable by nature. With
-    --constants nothing is judged: all that the core is given is listed, in SI units and radians.
+    Exit code 1 when the boat's own step makes it unstable though it is stable by nature, or when
+    the compact set is not within tolerance of the full one. The page ends with what the file lacks
+    and the command that makes it. With --constants nothing is judged: all that the core is given
+    is listed, in SI units and radians.
     """
     import json  # noqa: PLC0415
     from dataclasses import asdict  # noqa: PLC0415
@@ -55,13 +92,18 @@ def check(vessel: str, *, constants: bool, as_json: bool) -> None:
     if constants:
         list_constants(vessel, as_json=as_json)
         return
+    from trainer.analysis import readiness  # noqa: PLC0415
     from trainer.analysis.check import check as examine  # noqa: PLC0415
     from trainer.analysis.check_page import render  # noqa: PLC0415
     from trainer.config.vessel import load_vessel  # noqa: PLC0415
 
-    report = examine(load_vessel(vessel))
-    click.echo(json.dumps(asdict(report), indent=1) if as_json else render(report))
-    sys.exit(0 if report.stable else 1)
+    file = load_vessel(vessel)
+    report, ready = examine(file), readiness.examine(file)
+    if as_json:
+        click.echo(json.dumps({**asdict(report), "readiness": asdict(ready)}, indent=1))
+    else:
+        click.echo(f"{render(report)}\n{readiness.render(ready)}")
+    sys.exit(0 if report.own_step_stable and ready.passed else 1)
 
 
 def list_constants(vessel: str, *, as_json: bool) -> None:

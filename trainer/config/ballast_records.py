@@ -6,40 +6,17 @@ Units are those of the file. Every boat has the same named places; one that it l
 from dataclasses import dataclass
 from typing import Any, Final
 
-from trainer.config.files import Place
 from trainer.config.schema import (
     Choice,
     Quantities,
     Quantity,
     Rows,
+    Table,
     of,
-    read_record,
     tables_of,
     within,
 )
 from trainer.core.ballast.tanks import BANKS, BLOWN, COMPARTMENTS, LAYERS, PUMPED
-
-
-@dataclass(frozen=True)
-class Table:
-    """One table inside another, described by a record."""
-
-    record: type[Any]
-    meaning: str
-
-    @property
-    def documentary(self) -> tuple[str, ...]:
-        """Return the keys that are for the reader."""
-        return ("note",)
-
-    @property
-    def cells(self) -> tuple[str, str, str]:
-        """Return unit, range and meaning."""
-        return "table", "1", self.meaning
-
-    def read(self, key: str, value: object, place: Place) -> Any:
-        """Return the record; ConfigError with all that is wrong."""
-        return read_record(self.record, value, place.inside(key), self.documentary)
 
 
 def _centre() -> Any:

@@ -133,6 +133,11 @@ class KindWord:
         """Return unit, range and meaning."""
         return "word", "a kind below", "what breaks, and how"
 
+    @property
+    def schema(self) -> dict[str, Any]:
+        """Return the JSON Schema of its values."""
+        return {"enum": [*KINDS]}
+
     def read(self, key: str, value: object, place: Place) -> str:
         """Return the kind; ConfigError naming the nearest if there is none of that name."""
         if not isinstance(value, str) or value not in CODES:

@@ -252,6 +252,23 @@ def _text_on_disk(path: Path) -> str:
         raise ConfigError(f"{path}: is not UTF-8 text (byte {error.start} is wrong)") from error
 
 
+def write_once(path: Path, text: str) -> None:
+    """Write a text to a new file; ConfigError if the file is there or cannot be made."""
+    try:
+        with path.open("x", encoding="utf-8", newline="\n") as file:
+            file.write(text)
+    except FileExistsError:
+        raise ConfigError(f"{path} is there already: give a new name") from None
+    except OSError as error:
+        raise ConfigError(f"{path} cannot be written: {error.strerror}") from None
+
+
+def as_typed(path: Path) -> str:
+    """Return a path as the commands take it: a bare name would be that of a shipped file."""
+    bare = path.suffix != ".toml" and len(path.parts) == 1
+    return f"./{path}" if bare else str(path)
+
+
 HEADER: Final = re.compile(r"\s*(\[\[?)\s*([\w.-]+)\s*\]")
 SET: Final = re.compile(r"\s*([\w-]+)\s*=\s*(.*)")
 TOLD: Final = re.compile(r"(?:\[(?P<table>[^ ]+)\] )?(?:(?P<key>[\w-]+)(?:\[\d+\])? = )?")

@@ -15,6 +15,7 @@ from trainer.config.files import ConfigError, Place, as_table, collecting, neare
 Record = TypeVar("Record")
 SMALLEST = 1e-12  # of a number that is not 0, in any unit
 DEEPEST = 20  # of tables within tables that nobody reads
+DRAFT = "https://json-schema.org/draft/2020-12/schema"
 
 
 @dataclass(frozen=True)
@@ -32,6 +33,13 @@ class Limits:
         if not self.open_below:
             return f"{self.low:g} to {self.high:g}"
         return f"above {self.low:g}" + (f" to {self.high:g}" if self.high < math.inf else "")
+
+    @property
+    def schema(self) -> dict[str, Any]:
+        """Return the JSON Schema of a number within."""
+        low = "exclusiveMinimum" if self.open_below else "minimum"
+        ends = {"maximum": self.high} if self.high < math.inf else {}
+        return {"type": "number", low: self.low, **ends}
 
 
 def within(low: float, high: float) -> Limits:
@@ -51,6 +59,10 @@ class Kind(Protocol):
     def cells(self) -> tuple[str, str, str]:
         """Return unit, range and meaning."""
 
+    @property
+    def schema(self) -> dict[str, Any]:
+        """Return the JSON Schema of its values, without the meaning."""
+
     def read(self, key: str, value: object, place: Place) -> object:
         """Return the checked value; ConfigError if it is wrong."""
 
@@ -67,6 +79,11 @@ class Quantity:
     def cells(self) -> tuple[str, str, str]:
         """Return unit, range and meaning."""
         return self.unit, str(self.limits), self.meaning
+
+    @property
+    def schema(self) -> dict[str, Any]:
+        """Return the JSON Schema of its values."""
+        return self.limits.schema
 
     def read(self, key: str, value: object, place: Place) -> float:
         """Return the number [unit]; ConfigError if it is none or outside the limits."""
@@ -99,6 +116,11 @@ class Quantities:
         return unit, f"{self._count} numbers, {limits}", meaning
 
     @property
+    def schema(self) -> dict[str, Any]:
+        """Return the JSON Schema of its values."""
+        return list_schema(self.each.schema, self.fewest, self.most)
+
+    @property
     def _count(self) -> str:
         return f"{self.fewest}" if self.fewest == self.most else f"{self.fewest} to {self.most}"
 
@@ -121,6 +143,11 @@ class Text:
         """Return unit, range and meaning."""
         return "text", f"1 to {self.longest} characters", self.meaning
 
+    @property
+    def schema(self) -> dict[str, Any]:
+        """Return the JSON Schema of its values."""
+        return {"type": "string", "minLength": 1, "maxLength": self.longest}
+
     def read(self, key: str, value: object, place: Place) -> str:
         """Return the line; ConfigError if it is empty, too long or not printable."""
         if not isinstance(value, str) or not value.isprintable():
@@ -128,6 +155,20 @@ class Text:
         if not 1 <= len(value) <= self.longest:
             raise ConfigError(place.wrong(key, value, f"must have 1 to {self.longest} characters"))
         return value
+
+
+@dataclass(frozen=True)
+class Page(Text):
+    """Some lines of text."""
+
+    def read(self, key: str, value: object, place: Place) -> str:
+        """Return the text; ConfigError if it is empty, too long or not printable."""
+        good = isinstance(value, str) and value.replace("\n", "").isprintable()
+        if not isinstance(value, str) or not good or not 1 <= len(value.strip()) <= self.longest:
+            raise ConfigError(
+                place.wrong(key, value, f"must be printable text of 1 to {self.longest} characters")
+            )
+        return value.strip()
 
 
 @dataclass(frozen=True)
@@ -141,6 +182,11 @@ class Choice:
     def cells(self) -> tuple[str, str, str]:
         """Return unit, range and meaning."""
         return "word", " or ".join(self.words), self.meaning
+
+    @property
+    def schema(self) -> dict[str, Any]:
+        """Return the JSON Schema of its values."""
+        return {"enum": [*self.words]}
 
     def read(self, key: str, value: object, place: Place) -> str:
         """Return the word; ConfigError if it is none of them."""
@@ -159,6 +205,11 @@ class Flag:
     def cells(self) -> tuple[str, str, str]:
         """Return unit, range and meaning."""
         return "word", "true or false", self.meaning
+
+    @property
+    def schema(self) -> dict[str, Any]:
+        """Return the JSON Schema of its values."""
+        return {"type": "boolean"}
 
     def read(self, key: str, value: object, place: Place) -> bool:
         """Return the word; ConfigError if it is neither."""
@@ -179,34 +230,17 @@ class Texts:
         """Return unit, range and meaning."""
         return "texts", f"0 to {self.most}", self.each.meaning
 
+    @property
+    def schema(self) -> dict[str, Any]:
+        """Return the JSON Schema of its values."""
+        return list_schema(self.each.schema, 0, self.most)
+
     def read(self, key: str, value: object, place: Place) -> tuple[str, ...]:
         """Return the lines; ConfigError naming the first that is wrong."""
         if not isinstance(value, list) or len(value) > self.most:
             told = f"must be a list of {self.most} texts at most"
             raise ConfigError(place.wrong(key, value, told))
         return tuple(self.each.read(f"{key}[{i}]", item, place) for i, item in enumerate(value))
-
-
-@dataclass(frozen=True)
-class Page:
-    """Some lines of text."""
-
-    longest: int
-    meaning: str
-
-    @property
-    def cells(self) -> tuple[str, str, str]:
-        """Return unit, range and meaning."""
-        return "text", f"1 to {self.longest} characters", self.meaning
-
-    def read(self, key: str, value: object, place: Place) -> str:
-        """Return the text; ConfigError if it is empty, too long or not printable."""
-        good = isinstance(value, str) and value.replace("\n", "").isprintable()
-        if not isinstance(value, str) or not good or not 1 <= len(value.strip()) <= self.longest:
-            raise ConfigError(
-                place.wrong(key, value, f"must be printable text of 1 to {self.longest} characters")
-            )
-        return value.strip()
 
 
 @dataclass(frozen=True)
@@ -220,6 +254,12 @@ class Choices:
     def cells(self) -> tuple[str, str, str]:
         """Return unit, range and meaning."""
         return "words", "some of " + ", ".join(self.words), self.meaning
+
+    @property
+    def schema(self) -> dict[str, Any]:
+        """Return the JSON Schema of its values."""
+        words = {"enum": [*self.words]}
+        return {"type": "array", "items": words, "uniqueItems": True}
 
     def read(self, key: str, value: object, place: Place) -> tuple[str, ...]:
         """Return the words; ConfigError if one is unknown or given twice."""
@@ -242,6 +282,11 @@ class Named:
         """Return unit, range and meaning."""
         unit, limits, meaning = self.each.cells
         return unit, limits, f"{meaning}: {', '.join(self.names)}"
+
+    @property
+    def schema(self) -> dict[str, Any]:
+        """Return the JSON Schema of its values."""
+        return object_schema(dict.fromkeys(self.names, self.each.schema), self.names)
 
     def read(self, key: str, value: object, place: Place) -> dict[str, float]:
         """Return number by name; ConfigError if a name is unknown or lacking."""
@@ -275,6 +320,12 @@ class Rows:
         """Return unit, range and meaning."""
         return "tables", f"{self.fewest} to {self.most}", self.meaning
 
+    @property
+    def schema(self) -> dict[str, Any]:
+        """Return the JSON Schema of its values."""
+        each = record_schema(self.record, self.documentary)
+        return list_schema(each, self.fewest, self.most)
+
     def read(self, key: str, value: object, place: Place) -> tuple[Any, ...]:
         """Return the records in the order of the file; ConfigError with all that is wrong."""
         if not isinstance(value, list) or not self.fewest <= len(value) <= self.most:
@@ -284,6 +335,33 @@ class Rows:
             read_record(self.record, row, place.inside(f"{key}[{i}]"), self.documentary)
             for i, row in enumerate(value)
         )
+
+
+@dataclass(frozen=True)
+class Table:
+    """One table inside another, described by a record."""
+
+    record: type[Any]
+    meaning: str
+
+    @property
+    def documentary(self) -> tuple[str, ...]:
+        """Return the keys that are for the reader."""
+        return ("note",)
+
+    @property
+    def cells(self) -> tuple[str, str, str]:
+        """Return unit, range and meaning."""
+        return "table", "1", self.meaning
+
+    @property
+    def schema(self) -> dict[str, Any]:
+        """Return the JSON Schema of its values."""
+        return record_schema(self.record, self.documentary)
+
+    def read(self, key: str, value: object, place: Place) -> Any:
+        """Return the record; ConfigError with all that is wrong."""
+        return read_record(self.record, value, place.inside(key), self.documentary)
 
 
 def of(kind: Kind) -> Any:
@@ -305,6 +383,54 @@ def kind_of(item: Field[Any]) -> Kind:
     """Return what a field made by ``of`` or ``optional`` holds."""
     kind: Kind = item.metadata["kind"]
     return kind
+
+
+def kinds_of(record: type[Any]) -> dict[str, Kind]:
+    """Return what each key of a record holds, by its name, in the record's order."""
+    return {item.name: kind_of(item) for item in fields(record)}
+
+
+def list_schema(each: Mapping[str, Any], fewest: int, most: int) -> dict[str, Any]:
+    """Return the JSON Schema of a list of ``fewest`` to ``most`` values."""
+    return {"type": "array", "items": dict(each), "minItems": fewest, "maxItems": most}
+
+
+def object_schema(keys: Mapping[str, Mapping[str, Any]], needed: Iterable[str]) -> dict[str, Any]:
+    """Return the JSON Schema of a table: its keys with their schemas, and none besides."""
+    return {
+        "type": "object",
+        "properties": {key: dict(schema) for key, schema in keys.items()},
+        "required": [*needed],
+        "additionalProperties": False,
+    }
+
+
+def described(kind: Kind) -> dict[str, Any]:
+    """Return the JSON Schema of a kind with unit and meaning, which editors show."""
+    unit, _, meaning = kind.cells
+    told = meaning if isinstance(kind, Text | Choice | Rows | Table) else f"[{unit}] {meaning}"
+    return {"description": told, **kind.schema}
+
+
+def record_schema(
+    record: type[Any], documentary: Iterable[str], supplied: Iterable[str] = ()
+) -> dict[str, Any]:
+    """Return the JSON Schema of a table that is read as a ``record``.
+
+    ``documentary`` names keys that may hold anything; ``supplied`` those that a file of defaults
+    gives where the user's does not.
+    """
+    known = {key: described(kind) for key, kind in kinds_of(record).items()}
+    free = {key: {"description": "for the reader"} for key in documentary}
+    needed = [item.name for item in fields(record) if item.default is MISSING]
+    return object_schema({**known, **free}, [key for key in needed if key not in {*supplied}])
+
+
+def file_schema(
+    title: str, keys: Mapping[str, Mapping[str, Any]], needed: Iterable[str]
+) -> dict[str, Any]:
+    """Return the JSON Schema, draft 2020-12, of a file of these keys and tables."""
+    return {"$schema": DRAFT, "title": title, **object_schema(keys, needed)}
 
 
 def infinite(value: object, key: str, place: Place, depth: int = 0) -> list[str]:

@@ -7,7 +7,7 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from pathlib import Path
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 
@@ -127,15 +127,17 @@ def parse_sea(text: str, path: Path) -> SeaFile:
 
 def read_sea(table: object, place: Place) -> Sea:
     """Return the sea of one table, such as an exercise's; ConfigError with all that is wrong."""
-    defaults = shipped("", "sea-defaults")
-    filler = as_table(
-        parse_toml(read_text(defaults), defaults.name).get("sea"), Place(defaults.name, "sea")
-    )
-    sea = read_record(Sea, {**filler, **as_table(table, place)}, place, ("note",))
+    sea = read_record(Sea, {**sea_defaults(), **as_table(table, place)}, place, ("note",))
     problems = _problems(sea)
     if problems:
         raise ConfigError(*(place.problem(text) for text in problems))
     return sea
+
+
+def sea_defaults() -> Mapping[str, Any]:
+    """Return the table [sea] of the shipped file of defaults."""
+    path = shipped("", "sea-defaults")
+    return as_table(parse_toml(read_text(path), path.name).get("sea"), Place(path.name, "sea"))
 
 
 def _problems(sea: Sea) -> list[str]:

@@ -146,6 +146,19 @@ class VesselFile:
     defaulted: tuple[str, ...]  # tables, or table.key, taken from the defaults file
     remarks: tuple[str, ...]  # unusual, not wrong
 
+    @property
+    def has_compact_set(self) -> bool:
+        """Return whether the file says how its hull's compact set is made up."""
+        lacking = {*self.defaulted}
+        return not ({"compact", "compact.extra_terms"} & lacking) or not (
+            {"compensation", "compensation.modified"} & lacking
+        )
+
+    @property
+    def own_equations(self) -> str:
+        """Return the set that this boat is flown by: full, where it has no compact one."""
+        return "modified" if self.has_compact_set else "full"
+
 
 def load_vessel(name_or_path: str) -> VesselFile:
     """Return the shipped vessel of that name or the one in that file; ConfigError if it is wrong.

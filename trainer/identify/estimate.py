@@ -10,6 +10,7 @@ from typing import Any, Final
 
 import numpy as np
 
+from trainer.config.extras import require_library
 from trainer.config.files import ConfigError, quote
 from trainer.core.kernel import Numbers
 from trainer.identify.minimise import Cost, Found, Search, bfgs, scoring, stretch
@@ -21,10 +22,9 @@ def powell(cost: Cost, theta: Numbers, search: Search) -> Found:
 
     Each coordinate is measured by its own standard deviation at the start where that is known.
     """
-    try:
-        from scipy.optimize import minimize  # noqa: PLC0415 - an extra, imported on use
-    except ImportError:
-        raise ConfigError("powell needs scipy: pip install 'submarine-trainer[identify]'") from None
+    require_library("scipy", "powell")
+    from scipy.optimize import minimize  # noqa: PLC0415 - an extra, imported on use
+
     problem = stretch(cost, theta)
     diagonal = np.diag(problem.information(np.zeros(len(theta))))
     known = np.isfinite(diagonal) & (diagonal > 0.0)

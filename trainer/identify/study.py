@@ -8,7 +8,7 @@ from typing import Any, Final
 import numpy as np
 
 from trainer.config.files import ConfigError, Place, collecting, nearest, parse_toml, read_text
-from trainer.config.schema import read_record
+from trainer.config.schema import described, file_schema, read_record, record_schema
 from trainer.identify.findings import Finding, examine, unwrap_heading
 from trainer.identify.measurements import Record
 from trainer.identify.sources import (
@@ -215,3 +215,12 @@ def speed_of(study: Study, record: Record) -> float:
         place = Place(study.path.name, "ship")
         raise ConfigError(place.problem("lacks speed_kn, and no speed was recorded"))
     return float(np.nanmean(record.speed))
+
+
+def identification_schema() -> dict[str, Any]:
+    """Return the JSON Schema of an identification study."""
+    heading = record_schema(Heading, ("note",))
+    tables = {name: record_schema(record, ("note",)) for name, record in OPTIONAL.items()}
+    rows = {"columns": described(COLUMNS), "parameters": described(PARAMETERS)}
+    keys = {**heading["properties"], **tables, **rows}
+    return file_schema("identification", keys, heading["required"])

@@ -44,8 +44,8 @@ from trainer.session.plan import Plan, plan_run
 
 PLAN: Final = "1"
 OPTIONS: Final[Mapping[str, Any]] = {  # of the command line, that a plan depends on; their kind
-    **dict.fromkeys(("exercise", "sea", "orders_file", "rates"), str | None),
-    **dict.fromkeys(("vessel", "equations", "trig", "integrator"), str),
+    **dict.fromkeys(("exercise", "sea", "orders_file", "equations", "rates"), str | None),
+    **dict.fromkeys(("vessel", "trig", "integrator"), str),
     **dict.fromkeys(("duration", "step"), int | float | None),
     "seed": int,
 }

@@ -14,7 +14,7 @@ class RunOptions:
     # what is run
     exercise: str | None = None  # name or path
     vessel: str = "bb2"
-    equations: str = "modified"
+    equations: str | None = None  # None: the boat's own
     rates: str | None = None
     trig: str = "exact"
     sea: str | None = None

@@ -76,6 +76,16 @@ class Plan:
         """Return whether the marks are those of tasks, less nobody aboard; else a plain mean."""
         return bool(self.hand or self.lost or any(rule.score.part for rule in self.scores))
 
+    @property
+    def note(self) -> str:
+        """Return what is to be said of how the boat is computed, "" for nothing."""
+        if self.file.has_compact_set or self.method.equations != "full":
+            return ""
+        return (
+            f"{self.file.path.name} has no compact set of its own: the full set is flown; "
+            "trainer reduce makes one"
+        )
+
     def alone(self) -> "Plan":
         """Return the plan without the orders that the command line adds."""
         return replace(self, schedule=list(self.own_schedule))
@@ -204,7 +214,8 @@ def choose_method(file: VesselFile, options: RunOptions) -> Method:
         raise ConfigError(f"--step {step:g}: a step is {low:g} to {high:g} s")
     integrator = options.integrator
     rates = options.rates or ("exact" if integrator in RUNGE_KUTTAS else "lagged")
-    return Method(options.equations, rates, options.trig, integrator, step)
+    equations = options.equations or file.own_equations
+    return Method(equations, rates, options.trig, integrator, step)
 
 
 def read_schedule(path: Path | None) -> list[Scheduled]:

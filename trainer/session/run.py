@@ -239,6 +239,8 @@ def ready(plan: Plan, options: RunOptions) -> Boat:
     if not options.unsafe_step:
         refuse_unstable(boat)
     plan.start(boat)
+    if plan.note:
+        click.echo(f"trainer: {plan.note}", err=True)
     return boat
 
 
@@ -429,7 +431,7 @@ def situation(plan: Plan, boat: Boat, note: str) -> tuple[str, ...]:
             f"{s.u / KNOT:.3g} kn, {s.z:g} m, course {course(math.degrees(s.psi), 0)}; "
             f"{boat.method.equations} set, step {boat.method.step:g} s{sea}"
         ),
-        *filter(None, (note,)),
+        *filter(None, (plan.note, note)),
     )
 
 

@@ -201,10 +201,7 @@ class Session:
             self.control.ended = True
 
     def _take_steps(self) -> None:
-        """Take the single steps that were ordered, as long as time stands still.
-
-        Where they take long, what the stations say is heard between them.
-        """
+        """Take the steps that were ordered while time is frozen, and listen between long ones."""
         until = self.time.clock.now() + AT_A_TIME
         while self.control.steps and self.time.frozen and not self._over:
             if self.time.clock.now() > until:
@@ -318,10 +315,9 @@ class Session:
         if not isinstance(answer, Refused):
             tellings += self.crew.note(order, who, self.history.tick, answer)
             self._say(tellings, who)
-        if talk:
-            self._pace = self._pace._replace(told=self.crew.told)  # the next tick shows it
         if talk and self.time.frozen:
             self._show()
+        self._pace = self._pace._replace(told=self.crew.told)  # the next tick shows it
         return answer
 
     def _say(self, tellings: Sequence[Telling], who: str = "") -> None:

@@ -3,7 +3,6 @@
 import json
 import os
 from collections.abc import Iterable
-from importlib.util import find_spec
 from pathlib import Path
 from typing import Any, Final
 
@@ -11,7 +10,7 @@ import numpy as np
 
 from trainer.analysis.sweep.batch import Batch
 from trainer.analysis.sweep.job import Job, Opened
-from trainer.config.files import ConfigError
+from trainer.config.extras import require_library
 
 ROWS: Final = 65_536  # of a row group of the result
 MEMBER, SEED, TROUBLE = "member", "seed", "trouble"
@@ -20,8 +19,7 @@ FACTS: Final = b"trainer.sweep"
 
 def check_pyarrow() -> None:
     """Check that Parquet can be written; ConfigError saying what to install."""
-    if find_spec("pyarrow") is None:
-        raise ConfigError("trainer sweep needs pyarrow: pip install 'submarine-trainer[parquet]'")
+    require_library("pyarrow", "trainer sweep")
 
 
 def schema_of(opened: Opened) -> Any:

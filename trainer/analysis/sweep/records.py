@@ -13,6 +13,7 @@ from trainer.config.schema import (
     Rows,
     Text,
     above,
+    list_schema,
     of,
     optional,
     tables_of,
@@ -37,6 +38,11 @@ class Texts:
         """Return unit, range and meaning."""
         return "list of text", f"1 to {self.most} texts", self.each.meaning
 
+    @property
+    def schema(self) -> dict[str, Any]:
+        """Return the JSON Schema of its values."""
+        return {**list_schema(self.each.schema, 1, self.most), "uniqueItems": True}
+
     def read(self, key: str, value: object, place: Place) -> tuple[str, ...]:
         """Return the texts; ConfigError if one is none or given twice."""
         if not isinstance(value, list) or not 1 <= len(value) <= self.most:
@@ -59,6 +65,14 @@ class Values:
     def cells(self) -> tuple[str, str, str]:
         """Return unit, range and meaning."""
         return "list", f"1 to {self.most} numbers, or words", self.meaning
+
+    @property
+    def schema(self) -> dict[str, Any]:
+        """Return the JSON Schema of its values."""
+        numbers = Quantity("-", within(-BIG, BIG), self.meaning).schema
+        words = Text(200, self.meaning).schema
+        kinds = [list_schema(each, 1, self.most) for each in (numbers, words)]
+        return {"anyOf": kinds, "uniqueItems": True}
 
     def read(self, key: str, value: object, place: Place) -> tuple[Any, ...]:
         """Return the numbers or words; ConfigError if they are neither, or mixed."""
@@ -84,6 +98,11 @@ class YesNo:
         """Return unit, range and meaning."""
         return "true or false", "", self.meaning
 
+    @property
+    def schema(self) -> dict[str, Any]:
+        """Return the JSON Schema of its values."""
+        return {"type": "boolean"}
+
     def read(self, key: str, value: object, place: Place) -> bool:
         """Return the value; ConfigError if it is neither."""
         if not isinstance(value, bool):
@@ -103,6 +122,11 @@ class Whole:
     def cells(self) -> tuple[str, str, str]:
         """Return unit, range and meaning."""
         return "whole number", f"{self.low} to {self.high}", self.meaning
+
+    @property
+    def schema(self) -> dict[str, Any]:
+        """Return the JSON Schema of its values."""
+        return {"type": "integer", "minimum": self.low, "maximum": self.high}
 
     def read(self, key: str, value: object, place: Place) -> int:
         """Return the number; ConfigError if it is none, or outside the limits."""
@@ -129,7 +153,7 @@ class Heading:
 class MethodTable:
     """How the boat is computed."""
 
-    equations: str | None = optional(Choice(EQUATIONS, "set of equations; else modified"))
+    equations: str | None = optional(Choice(EQUATIONS, "set of equations; else the boat's own"))
     rates: str | None = optional(
         Choice(("exact", "lagged"), "accelerations; else lagged, with Runge-Kutta exact")
     )

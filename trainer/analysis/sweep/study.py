@@ -26,6 +26,7 @@ from trainer.analysis.sweep.tables import (
     vessel_tables,
 )
 from trainer.boat.assemble import Method
+from trainer.config.file_schemas import exercise_keys
 from trainer.config.files import (
     ConfigError,
     Place,
@@ -38,7 +39,7 @@ from trainer.config.files import (
     quote,
     read_text,
 )
-from trainer.config.schema import read_record
+from trainer.config.schema import described, file_schema, object_schema, read_record, record_schema
 from trainer.config.vessel import VesselFile, load_vessel
 from trainer.core.scheme import RUNGE_KUTTAS
 
@@ -269,7 +270,7 @@ def method_of(table: MethodTable, file: VesselFile) -> Method:
     """Return how a boat is computed."""
     integrator = table.integrator or "adams2"
     return Method(
-        table.equations or "modified",
+        table.equations or file.own_equations,
         table.rates or ("exact" if integrator in RUNGE_KUTTAS else "lagged"),
         table.trig or "exact",
         integrator,
@@ -283,3 +284,21 @@ def with_members(study: Study, members: int) -> Study:
     if sample.plan == GRID:
         raise ConfigError("--members: a grid has all its points")
     return replace(study, draws=replace(study.draws, sample=replace(sample, members=members)))
+
+
+def study_schema() -> dict[str, Any]:
+    """Return the JSON Schema of a study of many members; every member is of one of three kinds."""
+    named = {"file": {"type": "string", "description": "name or path of the exercise"}}
+    heading = record_schema(Heading, ("note",))
+    keys = {
+        **heading["properties"],
+        "method": record_schema(MethodTable, ("note",)),
+        MANOEUVRE: record_schema(ManoeuvreTable, ("note",)),
+        EXERCISE: object_schema({**exercise_keys(), **named}, ()),
+        IDENTIFICATION: record_schema(IdentificationTable, ("note",)),
+        "parameters": described(PARAMETERS),
+        "sample": record_schema(Sample, ("note",)),
+        "vary": described(VARIED),
+    }
+    one = {"oneOf": [{"required": [kind]} for kind in KINDS]}
+    return {**file_schema("study", keys, (*heading["required"], "sample")), **one}

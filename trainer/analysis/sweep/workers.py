@@ -8,6 +8,7 @@ from typing import Any, Final
 from trainer.analysis.sweep.batch import Batch
 from trainer.analysis.sweep.job import Job, fly_chunk
 from trainer.analysis.workers import workers
+from trainer.config.extras import require_library
 from trainer.config.files import ConfigError
 
 Chunks = Iterator[tuple[int, Batch]]
@@ -81,12 +82,9 @@ def _client(address: str) -> Any:
 
 def _import_distributed() -> Any:
     """Return the library of the cluster; ConfigError saying what to install."""
-    try:
-        import distributed  # noqa: PLC0415 - a second to import, and an extra
-    except ImportError:
-        raise ConfigError(
-            "--scheduler needs dask: pip install 'submarine-trainer[cluster]'"
-        ) from None
+    require_library("distributed", "--scheduler")
+    import distributed  # noqa: PLC0415 - a second to import, and an extra
+
     return distributed
 
 

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Final
 
 import click
 
+from trainer.config.extras import advise_install
 from trainer.config.files import ConfigError
 from trainer.io.paths import HOST
 from trainer.session.options import RunOptions
@@ -24,7 +25,6 @@ if TYPE_CHECKING:
     from trainer.session.rerun.sinks import Viewer
 
 PORT: Final = 9876  # where Rerun's viewer listens by custom
-MISSING: Final = "needs rerun-sdk: pip install 'submarine-trainer[rerun]'"
 START: Final = 20.0  # [s] that a viewer has to open its window
 LOOK: Final = 0.1  # [s] between looks whether it has
 
@@ -42,7 +42,8 @@ def open_log(
     if path is None and not wanted:
         return None
     if find_spec("rerun") is None:
-        click.echo(f"trainer: {'--rerun' if wanted else '--rrd'} {MISSING}", err=True)
+        told = advise_install("rerun", "--rerun" if wanted else "--rrd")
+        click.echo(f"trainer: {told}", err=True)
         return None
 
     from trainer.session.rerun.sinks import RrdFile, Viewer, listens  # noqa: PLC0415  rerun itself

@@ -12,14 +12,13 @@ import time
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
-from importlib.util import find_spec
 from pathlib import Path
 from typing import Final
 
+from trainer.config.extras import require_library
 from trainer.config.files import ConfigError
 from trainer.verify.fuzz.target import Target
 
-MISSING: Final = "fuzzing needs atheris: pip install 'submarine-trainer[fuzz]'"
 SLOWEST: Final = 20  # [s] for one input; a reader that takes longer hangs
 MOST_MEMORY: Final = 2000  # [MB]
 DONE: Final = re.compile(r"^#(\d+)\s.*?cov: (\d+) .*?corp: (\d+)")
@@ -65,8 +64,7 @@ def fuzz(
 
     A target that was interrupted goes on from the inputs that ``folder`` says it has had.
     """
-    if find_spec("atheris") is None:
-        raise ConfigError(MISSING)
+    require_library("atheris", "trainer fuzz")
     with ThreadPoolExecutor(jobs) as pool:
         yield from pool.map(lambda target: _fuzz(target, folder, effort, progress), targets)
 

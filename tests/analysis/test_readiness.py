@@ -1,0 +1,167 @@
+"""A check ends with the compact set beside the full one, and with what the file lacks."""
+
+import json
+import os
+import re
+import subprocess
+import sys
+from dataclasses import asdict
+from pathlib import Path
+
+import pytest
+from click.testing import CliRunner
+from helpers.places import ROOT
+
+from trainer.analysis.readiness import Readiness, examine, render
+from trainer.cli.vessel import check
+from trainer.config.vessel import VesselFile, load_vessel, parse_vessel
+from trainer.config.vessel_template import vessel_text
+from trainer.session.options import RunOptions
+from trainer.session.plan import plan_run
+
+BOATS = ("bb2", "sdv-mk9", "remus100")
+OF_COMPACT = re.compile(r"^\[(compact|compensation\.\w+)\].*?(?=^\[)", re.DOTALL | re.MULTILINE)
+OF_AUTOPILOT = re.compile(r"^\[autopilot\].*?(?=^\[|^# -)", re.DOTALL | re.MULTILINE)
+
+
+def changed(text: str) -> VesselFile:
+    return parse_vessel(text, Path("boat.toml"))
+
+
+def plain(folder: Path) -> Path:
+    """Write bb2 without its compact set; return the file."""
+    path = folder / "boat.toml"
+    path.write_text(OF_COMPACT.sub("", load_vessel("bb2").text), encoding="utf-8")
+    return path
+
+
+def remedies(found: Readiness) -> dict[str, str]:
+    return {lack.what.partition(":")[0]: lack.remedy for lack in found.lacks}
+
+
+@pytest.mark.parametrize("name", BOATS)
+def test_a_shipped_boat_is_accepted(name: str) -> None:
+    done = CliRunner().invoke(check, [name])
+
+    assert done.exit_code == 0, done.output
+    assert "The compact set is within tolerance in all of them." in done.output
+
+
+@pytest.mark.parametrize(("source", "length"), [("bb2", 60.0), ("bb2", 10.0), ("sdv-mk9", 20.0)])
+def test_a_scaled_boat_is_accepted(source: str, length: float, tmp_path: Path) -> None:
+    path = tmp_path / "boat.toml"
+    path.write_text(vessel_text(source, length, None), encoding="utf-8")
+
+    done = CliRunner().invoke(check, [str(path)])
+
+    assert done.exit_code == 0, done.output
+
+
+def test_a_compact_set_out_of_tolerance_is_told_and_not_accepted(tmp_path: Path) -> None:
+    text = load_vessel("bb2").text
+    wrong = text.replace("N_r = 0.9741", "N_r = 0.5", 1)
+    assert wrong != text
+    path = tmp_path / "boat.toml"
+    path.write_text(wrong, encoding="utf-8")
+
+    done = CliRunner().invoke(check, [str(path)])
+
+    assert done.exit_code == 1
+    assert "BEYOND" in done.output
+    assert "The compact set is NOT within tolerance." in done.output
+    assert f"trainer reduce {path} --write" in done.output
+
+
+def test_a_change_of_length_alone_is_not_accepted() -> None:
+    text = load_vessel("bb2").text
+    assert not examine(changed(text.replace("length = 70.2", "length = 60.0", 1))).passed
+
+
+def test_a_complete_boat_lacks_nothing() -> None:
+    found = examine(load_vessel("bb2"))
+
+    assert found.lacks == ()
+    assert render(found).endswith("MISSING: nothing.")
+
+
+def test_what_is_missing_is_told_with_what_makes_it() -> None:
+    found = examine(changed(OF_AUTOPILOT.sub("", load_vessel("bb2").text)))
+
+    assert remedies(found) == {"gains": "trainer gains boat.toml >> boat.toml"}
+
+
+def test_a_boat_without_tanks_is_told_where_to_take_them() -> None:
+    told = remedies(examine(load_vessel("remus100")))
+
+    assert "trainer vessel new like.toml --from bb2 --length 1.33" in told["[ballast]"]
+    assert told["periscope_depth_m"] == "a line in [run]"
+
+
+@pytest.mark.parametrize("name", BOATS)
+def test_the_end_of_the_page_is_ascii_and_fits_the_terminal(name: str) -> None:
+    page = render(examine(load_vessel(name)))
+
+    assert page.isascii()
+    assert max(map(len, page.splitlines())) <= 79
+
+
+def test_the_figures_are_json() -> None:
+    wrong = load_vessel("bb2").text.replace("N_r = 0.9741", "N_r = 0", 1)
+
+    assert json.dumps(asdict(examine(changed(wrong))), allow_nan=False)
+
+
+# --- a boat without a compact set
+
+
+def test_a_boat_without_a_compact_set_is_flown_by_the_full_one(tmp_path: Path) -> None:
+    path = plain(tmp_path)
+
+    plan = plan_run(RunOptions(vessel=str(path)))
+
+    assert plan.method.equations == "full"
+    assert plan.note == (
+        "boat.toml has no compact set of its own: the full set is flown; trainer reduce makes one"
+    )
+
+
+def test_a_run_begins_by_saying_so(tmp_path: Path) -> None:
+    line = ["run", "--headless", "--speed", "max", "--duration", "5", "--no-record"]
+
+    done = subprocess.run(
+        [sys.executable, "-m", "trainer", *line, "--vessel", str(plain(tmp_path))],
+        env=os.environ | {"PYTHONPATH": str(ROOT)},
+        capture_output=True,
+        text=True,
+        timeout=300,
+        check=False,
+    )
+
+    assert done.returncode == 0, done.stderr
+    assert "trainer: boat.toml has no compact set of its own: the full set is flown" in done.stderr
+    assert "computed    full set" in done.stdout
+
+
+def test_an_order_for_the_compact_equations_is_obeyed_all_the_same(tmp_path: Path) -> None:
+    options = RunOptions(vessel=str(plain(tmp_path)), equations="modified")
+
+    plan = plan_run(options)
+
+    assert plan.method.equations == "modified"
+    assert plan.note == ""
+
+
+@pytest.mark.parametrize("name", BOATS)
+def test_a_shipped_boat_is_flown_by_its_compact_set(name: str) -> None:
+    plan = plan_run(RunOptions(vessel=name))
+
+    assert plan.method.equations == "modified"
+    assert plan.note == ""
+
+
+def test_a_check_says_that_there_is_no_compact_set(tmp_path: Path) -> None:
+    done = CliRunner().invoke(check, [str(plain(tmp_path))])
+
+    assert done.exit_code == 0, done.output
+    assert "COMPACT SET: the file has none of its own; the full set is flown." in done.output
+    assert f"trainer reduce {tmp_path / 'boat.toml'} --write" in done.output

@@ -1,0 +1,163 @@
+"""How ready a vessel file is: its compact set beside the full one, and what the file lacks.
+
+Few flights of the guide are judged as ``trainer reduce --check`` judges all of them.
+"""
+
+import textwrap
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Final
+
+from trainer.analysis.guide.programme import Leg, legs
+from trainer.analysis.guide.verdicts import BEYOND, Judgement
+from trainer.analysis.manoeuvres.vehicle import PERCENT
+from trainer.analysis.reduce.objective import FURTHEST, Candidate, Yardstick
+from trainer.analysis.reduce.reduction import as_filed
+from trainer.config.files import SHIPPED, as_typed, key_of
+from trainer.config.vessel import VesselFile
+
+FLOWN: Final = ("turn", "overshoot", "zigzag-10")  # of the guide
+WIDTH: Final = 79
+
+
+@dataclass(frozen=True)
+class Worst:
+    """The number of one flight that is furthest off, of what may be so; SI and radians."""
+
+    leg: str
+    quantity: str  # "" where nothing is judged
+    unit: str
+    full: float | None
+    compact: float | None
+    of_allowed: float  # [-] the difference; above 1 it is beyond
+
+
+@dataclass(frozen=True)
+class Lack:
+    """Something that a file does not say, and what to type or write."""
+
+    what: str
+    remedy: str
+
+
+@dataclass(frozen=True)
+class Readiness:
+    """What ``trainer check`` ends with."""
+
+    own_compact_set: bool
+    compact: tuple[Worst, ...]  # none without a compact set
+    lacks: tuple[Lack, ...]
+
+    @property
+    def passed(self) -> bool:
+        """Return whether nothing that was judged is beyond what is allowed."""
+        return all(one.of_allowed <= 1.0 for one in self.compact)
+
+
+def examine(file: VesselFile) -> Readiness:
+    """Return how ready a boat is."""
+    compact = tuple(_compared(file)) if file.has_compact_set else ()
+    found = Readiness(file.has_compact_set, compact, ())
+    return Readiness(file.has_compact_set, compact, tuple(_lacks(file, found)))
+
+
+def _compared(file: VesselFile) -> Iterator[Worst]:
+    """Yield the worst number of each flight, by the compact set as it is filed."""
+    candidate = Candidate(file, "modified")
+    factors = as_filed(file)
+    candidate.take([factors[name] for name in candidate.terms])
+    wanted = [leg for leg in legs(file) if leg.name in FLOWN]
+    for leg, judgements in Yardstick(file, wanted).judged(candidate):
+        yield _worst(leg, judgements)
+
+
+def _worst(leg: Leg, judgements: tuple[Judgement, ...]) -> Worst:
+    """Return the number of a flight that is furthest off."""
+    if not judgements:
+        return Worst(leg.title, "it cannot start", "", None, None, FURTHEST)
+    sizes = {one: _share(one) for one in judgements if one.allowed or one.verdict == BEYOND}
+    if not sizes:
+        return Worst(leg.title, "", "", None, None, 0.0)
+    one = max(sizes, key=lambda each: sizes[each])
+    return Worst(leg.title, one.quantity, one.unit, one.full, one.other, sizes[one])
+
+
+def _share(one: Judgement) -> float:
+    """Return a difference as a share of what is allowed [-]; a number that is lacking is zero."""
+    if not one.allowed or one.full is None:
+        return FURTHEST
+    return min(abs((one.other or 0.0) - one.full) / one.allowed, FURTHEST)
+
+
+def _lacks(file: VesselFile, found: Readiness) -> Iterator[Lack]:
+    """Yield what the file lacks, the most needed first."""
+    typed = typed_name(file)
+    example = f"take it from trainer vessel new like.toml --from bb2 --length {file.hull.length:g}"
+    if not file.has_compact_set:
+        yield Lack("a compact set: the full set is flown", f"trainer reduce {typed} --write")
+    elif not found.passed:
+        yield Lack("a compact set within tolerance", f"trainer reduce {typed} --write")
+    if file.autopilot is None:
+        yield Lack("gains: it is steered by hand", f"trainer gains {typed} >> {typed}")
+    if file.ballast is None:
+        yield Lack("[ballast]: it has no tanks, and does not surface by air", example)
+    if file.wave_strips is None:
+        yield Lack("[wave_strips]: waves push on a usual hull of its length", example)
+    if file.free_surface is None:
+        yield Lack("[free_surface]: it does not feel a calm surface", "docs/vessel-files.md")
+    for key, value in (
+        ("test_depth_m", file.hull.test_depth_m),
+        ("collapse_depth_m", file.hull.collapse_depth_m),
+        ("periscope_depth_m", file.run.periscope_depth_m),
+    ):
+        if value is None:
+            table = "run" if key.startswith("periscope") else "vessel"
+            yield Lack(f"{key}: none is known", f"a line in [{table}]")
+
+
+def typed_name(file: VesselFile) -> str:
+    """Return the boat as the commands take it."""
+    key = key_of(file.path)
+    return file.path.stem if key.startswith(SHIPPED) else as_typed(file.path)
+
+
+def render(found: Readiness) -> str:
+    """Return the end of the page of a check, 79 columns."""
+    return "\n".join((*_compact_lines(found), *_lack_lines(found)))
+
+
+def _compact_lines(found: Readiness) -> Iterator[str]:
+    """Yield the flights by the compact set, the worst number of each."""
+    yield ""
+    if not found.own_compact_set:
+        yield "COMPACT SET: the file has none of its own; the full set is flown."
+        return
+    yield f"COMPACT SET (flights of the guide beside the full set's; {PERCENT:g} % allowed)"
+    yield f"  {'flight':<43}{'full':>10}{'compact':>10}{'of allowed':>12}"
+    for one in found.compact:
+        mark = " BEYOND" if one.of_allowed > 1.0 else ""
+        yield f"  {one.leg}{mark}"
+        if not one.quantity:
+            yield "    not judged: the full set does not end it"
+            continue
+        unit = f" [{one.unit}]" if one.unit else ""
+        name = textwrap.shorten(f"{one.quantity}{unit}", 40, placeholder="...")
+        full, other = ("-" if x is None else f"{x:.4g}" for x in (one.full, one.compact))
+        yield f"    {name:<41}{full:>10}{other:>10}{one.of_allowed:>12.2f}"
+    yield (
+        "The compact set is within tolerance in all of them."
+        if found.passed
+        else "The compact set is NOT within tolerance."
+    )
+
+
+def _lack_lines(found: Readiness) -> Iterator[str]:
+    """Yield what is missing, each with what makes it."""
+    yield ""
+    if not found.lacks:
+        yield "MISSING: nothing."
+        return
+    yield "MISSING, and what makes it"
+    for lack in found.lacks:
+        yield from textwrap.wrap(lack.what, WIDTH, initial_indent="  ", subsequent_indent="    ")
+        yield f"    {lack.remedy}"

@@ -1,0 +1,30 @@
+"""Libraries that the plain install lacks: which extra brings each, told in one line."""
+
+from importlib.util import find_spec
+from typing import Final
+
+from trainer.config.files import ConfigError
+
+PACKAGE: Final = "submarine-trainer"
+EXTRAS: Final = {  # what is imported, by the extra that brings it
+    "matplotlib": "plot",
+    "rerun": "rerun",
+    "pyarrow": "parquet",
+    "pandas": "pandas",
+    "distributed": "cluster",
+    "scipy": "identify",
+    "atheris": "fuzz",
+    "jsbsim": "peers",
+    "statsmodels": "peers",
+}
+
+
+def advise_install(library: str, purpose: str) -> str:
+    """Return one line: what needs a library, and the words that install it."""
+    return f"{purpose} needs {library}: pip install '{PACKAGE}[{EXTRAS[library]}]'"
+
+
+def require_library(library: str, purpose: str) -> None:
+    """Check that a library is installed; ConfigError naming the extra that brings it."""
+    if find_spec(library) is None:
+        raise ConfigError(advise_install(library, purpose))

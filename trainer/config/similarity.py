@@ -1,0 +1,140 @@
+"""A boat of another length: Froude's law of similarity for every key of a vessel file.
+
+Two boats of one shape behave alike where gravity and water are the same: lengths as L, times and
+speeds as the root of L, masses as L^3. The unit of a key tells its power of L; ``EXCEPTIONS``
+names the keys that another law holds for, and why. What has no unit stays.
+"""
+
+import re
+from collections.abc import Mapping
+from typing import Any, Final, NamedTuple
+
+from trainer.config.schema import Kind, Named, Quantities, Quantity, Rows, Table, kinds_of
+
+DIGITS: Final = 7  # of a scaled number
+POWERS: Final = {  # of the length, by unit
+    **dict.fromkeys(("-", "rad", "deg", "degC"), 0.0),
+    **dict.fromkeys(("m", "cm", "mm"), 1.0),
+    "s": 0.5,
+    "kn": 0.5,
+    "kg": 3.0,
+    "N": 3.0,
+    "MPa": 1.0,
+    "W": 3.5,
+}
+UNITS: Final = (  # that a vessel file has
+    *("W", "kg m2", "N m", "m3", "kg", "N", "kg/s", "m2", "cm2", "mm2", "m"),
+    *("s", "kn", "m/s", "-", "deg", "degC", "m/s2", "kg/m3", "1/s", "deg/s", "rad/s", "rad s/m"),
+    *("1/m", "rad/m", "deg/s2", "rad/(m s)"),
+)
+UNIT: Final = re.compile(r"([A-Za-z-]+?)\^?(\d?)")
+
+
+class Law(NamedTuple):
+    """How a key follows the length: its power [-], and why it is not that of its unit."""
+
+    power: float
+    reason: str = ""
+
+
+PRESSURE: Final = "kept: a hull of the same shape and steel bears the same pressure; estimate"
+EXCEPTIONS: Final[Mapping[tuple[str, str], Law]] = {
+    ("vessel", "max_depth_m"): Law(0.0, PRESSURE),
+    ("vessel", "test_depth_m"): Law(0.0, PRESSURE),
+    ("vessel", "collapse_depth_m"): Law(0.0, PRESSURE),
+    ("ballast.banks", "pressure_mpa"): Law(0.0, "kept: what bottles bear; estimate"),
+    ("ballast.pumps", "shutoff_depth_m"): Law(0.0, "kept, as the test depth is; estimate"),
+    ("ballast.sea", "compressibility_kg_m"): Law(
+        3.0, "as L^3: a metre presses the same share of the volume away; estimate"
+    ),
+    ("ballast.sea", "layer_depth_m"): Law(0.0, "kept: the sea's own"),
+}
+
+
+def power_of(unit: str) -> float:
+    """Return the power of the length [-] that a unit follows; KeyError of an unknown unit.
+
+    A unit is factors with spaces between, one slash at most: ``rad s/m``, ``kg/(m s)``.
+    """
+    above, _, below = unit.partition("/")
+    return _product(above) - _product(below.strip("()"))
+
+
+def _product(factors: str) -> float:
+    """Return the power of a product of units."""
+    total = 0.0
+    for factor in factors.split():
+        if factor == "1":
+            continue
+        found = UNIT.fullmatch(factor)
+        if found is None:
+            raise KeyError(factor)
+        total += POWERS[found[1]] * int(found[2] or 1)
+    return total
+
+
+def law_of(table: str, key: str, kind: Kind) -> Law:
+    """Return the law of a key of a table; that of its unit where it is no exception."""
+    if (table, key) in EXCEPTIONS:
+        return EXCEPTIONS[table, key]
+    quantity = _quantity(kind)
+    return Law(power_of(quantity.unit)) if quantity else Law(0.0)
+
+
+def _quantity(kind: Kind) -> Quantity | None:
+    """Return what the numbers of a kind are, None of words."""
+    if isinstance(kind, Quantities | Named):
+        return kind.each
+    return kind if isinstance(kind, Quantity) else None
+
+
+def scaled_table(
+    record: type[Any], table: Mapping[str, Any], name: str, factor: float
+) -> dict[str, Any]:
+    """Return a table of the boat ``factor`` times as long [-], without the reader's own keys."""
+    kinds = kinds_of(record)
+    return {
+        key: _scaled(kinds[key], value, name, key, factor)
+        for key, value in table.items()
+        if key in kinds
+    }
+
+
+def _scaled(kind: Kind, value: Any, table: str, key: str, factor: float) -> Any:
+    """Return a value of the scaled boat."""
+    inside = f"{table}.{key}"
+    if isinstance(kind, Rows):
+        return [scaled_table(kind.record, row, inside, factor) for row in value]
+    if isinstance(kind, Table):
+        return scaled_table(kind.record, value, inside, factor)
+    power = law_of(table, key, kind).power
+    return value if power == 0.0 else _multiplied(value, factor**power)
+
+
+def _multiplied(value: Any, by: float) -> Any:
+    """Return a number, or a list or table of numbers, times ``by`` [-]."""
+    if isinstance(value, list):
+        return [_multiplied(each, by) for each in value]
+    if isinstance(value, Mapping):
+        return {name: _multiplied(each, by) for name, each in value.items()}
+    return float(f"{value * by:.{DIGITS}g}")
+
+
+def formula(power: float) -> str:
+    """Return in words how a key follows the length: ``L^3``; ``as it is`` for no power."""
+    if power == 0.0:
+        return "as it is"
+    return "L" if power == 1.0 else f"L^{power:g}"
+
+
+def law_table() -> str:
+    """Return the Markdown table of the laws, as docs/vessel-files.md shows it."""
+    by_power: dict[float, list[str]] = {}
+    for unit in UNITS:
+        by_power.setdefault(power_of(unit), []).append(unit)
+    rows = ["| follows the length as | units |", "|---|---|"]
+    for power, units in sorted(by_power.items(), reverse=True):
+        rows.append(f"| {formula(power)} | {', '.join(units)} |")
+    rows += ["", "| key | law, where it is not that of the unit |", "|---|---|"]
+    rows += [f"| `[{table}] {key}` | {law.reason} |" for (table, key), law in EXCEPTIONS.items()]
+    return "\n".join(rows) + "\n"
