@@ -62,7 +62,13 @@ def cli() -> None:
 
 SECTIONS: Final = {
     "Train": (run.run, run.serve, run.attach, run.station),
-    "Exercises": (listings.exercises, listings.exercise, listings.casualties),
+    "Exercises": (
+        listings.exercises,
+        listings.exercise,
+        listings.casualties,
+        listings.seas,
+        vessel.sea,
+    ),
     "Recordings": (
         recordings.debrief,
         recordings.recordings,
@@ -70,10 +76,10 @@ SECTIONS: Final = {
         recordings.replay,
         recordings.export,
     ),
-    "A boat": (vessel.check, *guide.GUIDING, vessel.reduce, vessel.gains, vessel.sea),
+    "A boat": (listings.vessels, vessel.check, *guide.GUIDING, vessel.reduce, vessel.gains),
     "The programs of 1969": programs.PROGRAMS,
     "Many boats": (sweep.sweep,),
-    "A ship from her recordings": (identify.identify, identify.prbs, identify.decca),
+    "A ship from its recordings": (identify.identify, identify.prbs, identify.decca),
     "Proofs": (verify.soak, verify.fuzz),
     "This machine, and others": (
         verify.bench,

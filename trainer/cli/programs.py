@@ -6,6 +6,7 @@ import click
 
 from trainer.cli.answers import AHEAD, SPEED, Number, outputs, show
 from trainer.cli.responses import compare, fit
+from trainer.cli.shared_options import VESSEL
 
 COMMAND: Final = Number(-60.0, 60.0)
 MEAN: Final = Number(0.0, 50.0)
@@ -36,7 +37,7 @@ def speeds_of(file: Any, given: tuple[float, ...]) -> tuple[float, ...]:
 
 
 @click.command()
-@click.argument("vessel")
+@click.argument("vessel", type=VESSEL)
 @SPEEDS
 @DEPTH
 @outputs
@@ -59,7 +60,7 @@ def neutral(vessel: str, speeds: tuple[float, ...], depth: float | None, **how: 
 
 
 @click.command()
-@click.argument("vessel")
+@click.argument("vessel", type=VESSEL)
 @click.option(
     "--speed",
     "speeds",
@@ -109,7 +110,7 @@ class Fill(click.ParamType[tuple[str, float]]):
 
 
 @click.command()
-@click.argument("vessel")
+@click.argument("vessel", type=VESSEL)
 @click.option(
     "--fill",
     "fills",
@@ -157,7 +158,7 @@ def mean_options(command: Any) -> Any:
 
 
 @click.command()
-@click.argument("vessel")
+@click.argument("vessel", type=VESSEL)
 @SPEEDS
 @DEPTH
 @mean_options

@@ -10,7 +10,8 @@ import click
 
 from trainer.cli.options import run_options, without_console
 from trainer.cli.shared_options import (
-    FILE,
+    EXERCISE,
+    RECORDING,
     connect_options,
     console_options,
     core_options,
@@ -30,7 +31,7 @@ if TYPE_CHECKING:
 
 
 @click.command()
-@click.argument("exercise", required=False)
+@click.argument("exercise", type=EXERCISE, required=False)
 @exercise_options
 @time_options
 @console_options
@@ -163,7 +164,7 @@ def debriefing() -> "Debriefing":
 
 
 @click.command()
-@click.argument("exercise", required=False)
+@click.argument("exercise", type=EXERCISE, required=False)
 @exercise_options
 @time_options
 @recording_options
@@ -186,7 +187,7 @@ def serve(**options: Any) -> None:
 
 
 @click.command()
-@click.argument("file", type=FILE)
+@click.argument("file", type=RECORDING)
 @time_options
 @console_options
 @rerun_options
@@ -234,10 +235,11 @@ def attach(url: str | None, token: str | None, *, teletype: bool) -> None:
     \b
     Example:  trainer attach
               trainer attach --connect tcp://bridge:17800 --token WORD
-              printf 'casualty stern-stuck\\n' | trainer attach
+              printf 'mark the stern planes stuck\\n' | trainer attach
 
     On a terminal it shows the instructor's console, F1 its help. `detach` leaves the session
-    running, `quit` ends it.
+    running, `quit` ends it. One instructor has command, and gives the orders: the others set marks
+    and look on, until they say `take command`.
     """
     sys.exit(be(url, "instructor", token, teletype=teletype))
 

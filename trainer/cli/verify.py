@@ -6,7 +6,7 @@ from typing import Any
 
 import click
 
-from trainer.cli.shared_options import FILE, VESSEL_HELP
+from trainer.cli.shared_options import FILE, RECORDING, VESSEL, VESSEL_HELP
 
 
 @click.command()
@@ -83,7 +83,7 @@ def fuzz(
     help="Of the clock, with --real-time.",
 )
 @click.option("--seed", type=click.IntRange(0, 2**31 - 1), default=1, show_default=True)
-@click.option("--keep", type=FILE, default=None, help="Keep the recording in this file.")
+@click.option("--keep", type=RECORDING, default=None, help="Keep the recording in this file.")
 @click.option(
     "--faults",
     type=click.IntRange(1),
@@ -172,7 +172,7 @@ def try_faults(what: str, times: int, seed: int, *, as_json: bool) -> int:
 
 
 @click.command()
-@click.option("--vessel", default="bb2", show_default=True, help=VESSEL_HELP)
+@click.option("--vessel", type=VESSEL, default="bb2", show_default=True, help=VESSEL_HELP)
 @click.option(
     "--seconds",
     type=click.IntRange(1, 3600),

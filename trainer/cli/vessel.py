@@ -11,11 +11,11 @@ from typing import Any
 import click
 
 from trainer.cli.answers import Number, outputs, show
-from trainer.cli.shared_options import FILE, method_options
+from trainer.cli.shared_options import SEA, TOML, VESSEL, method_options
 
 
 @click.command()
-@click.argument("vessel")
+@click.argument("vessel", type=VESSEL)
 @method_options
 def evaluate(vessel: str, equations: str, rates: str | None, trig: str) -> None:
     """Accelerations for states read as JSON lines: the check interface.
@@ -36,7 +36,7 @@ def evaluate(vessel: str, equations: str, rates: str | None, trig: str) -> None:
 
 
 @click.command()
-@click.argument("vessel")
+@click.argument("vessel", type=VESSEL)
 @click.option("--constants", is_flag=True, help="List every constant, and where it comes from.")
 @click.option("--json", "as_json", is_flag=True, help="Print the figures as JSON.")
 def check(vessel: str, *, constants: bool, as_json: bool) -> None:
@@ -74,7 +74,7 @@ def list_constants(vessel: str, *, as_json: bool) -> None:
 
 
 @click.command()
-@click.argument("vessel")
+@click.argument("vessel", type=VESSEL)
 def gains(vessel: str) -> None:
     """Design the autopilot of a boat and print the table for its vessel file.
 
@@ -88,8 +88,8 @@ def gains(vessel: str) -> None:
 
 
 @click.command()
-@click.argument("name", metavar="SEA")
-@click.option("--vessel", default="bb2", show_default=True, help="The boat in it.")
+@click.argument("name", type=SEA, metavar="SEA")
+@click.option("--vessel", type=VESSEL, default="bb2", show_default=True, help="The boat in it.")
 @click.option(
     "--depth",
     "depths",
@@ -128,8 +128,8 @@ def bar(length: int, label: str) -> Iterator[Callable[[int], None]]:
 
 
 @click.command()
-@click.argument("vessel")
-@click.option("-o", "--output", type=FILE, default=None, metavar="FILE", help="Write the boat so.")
+@click.argument("vessel", type=VESSEL)
+@click.option("-o", "--output", type=TOML, default=None, metavar="FILE", help="Write the boat so.")
 @click.option("--write", is_flag=True, help="Write it into the vessel file itself.")
 @click.option("--check", is_flag=True, help="Judge the set that the file has; no search.")
 @click.option("--table", is_flag=True, help="Only the table of sensitivities.")

@@ -152,6 +152,19 @@ def shipped_names(kind: str) -> tuple[str, ...]:
     return _without_companions(name.removesuffix(".toml") for name in names if "/" not in name)
 
 
+def shipped_tables(kind: str, beginning: str = "") -> dict[str, dict[str, Any]]:
+    """Return the shipped files of ``kind`` by name, as they are written; ConfigError.
+
+    Only names with that beginning. What checks a file would load the core; this does not.
+    """
+    return {
+        name: parse_toml(read_text(path), path.name)
+        for name in shipped_names(kind)
+        if name.startswith(beginning)
+        for path in (shipped(kind, name),)
+    }
+
+
 def _without_companions(names: Iterable[str]) -> tuple[str, ...]:
     """Return the names sorted, without those of files kept beside others: jam.baseline."""
     return tuple(sorted(name for name in names if "." not in name))
