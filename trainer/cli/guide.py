@@ -159,9 +159,9 @@ def manoeuvre(name: str, vessel: str, **options: Any) -> None:
 
     \b
     Example:  trainer manoeuvre turning-circle bb2 --angle 20
-    Example:  trainer manoeuvre zigzag-20 bb2 --side port --depth 60
-    Example:  trainer manoeuvre meander bb2 --dive --speed 15 --equations modified --plot m.svg
-    Example:  trainer manoeuvre zigzag-10 ship.toml
+              trainer manoeuvre zigzag-20 bb2 --side port --depth 60
+              trainer manoeuvre meander bb2 --dive --speed 15 --equations modified --plot m.svg
+              trainer manoeuvre zigzag-10 ship.toml
 
     Exit code 1 when the boat is lost on the way.
     """

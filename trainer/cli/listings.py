@@ -120,7 +120,7 @@ def new(file: Path, name: str | None, source: str | None) -> None:
 
     \b
     Example:  trainer exercise new drill.toml --name "Lost in the fog"
-              trainer exercise new drill.toml --from stern-plane-jam
+              trainer exercise new jam.toml --from stern-plane-jam
     """
     from trainer.analysis.exercise_page import write_new  # noqa: PLC0415
 
@@ -151,7 +151,7 @@ def baseline(file: str, seeds: int) -> None:
 
     \b
     Example:  trainer exercise baseline depth-changes
-              trainer exercise baseline drill.toml --seeds 5
+              trainer exercise baseline ./drill.toml --seeds 5
 
     FILE is a path, or the name of a shipped exercise. The debrief takes from each task what it
     gives with nobody aboard. What is kept is drill.baseline.toml, beside drill.toml.

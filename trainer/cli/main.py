@@ -53,10 +53,10 @@ def cli() -> None:
     """Train the crew of a simulated submarine, in real time.
 
     \b
-    trainer run                      take a 70 m submarine to sea, now
-    trainer run periscope-depth      an exercise; `trainer exercises` lists them
-    trainer run --headless --duration 1h --speed max --csv out.csv
-    trainer check bb2                what a vessel file is worth, and at which step
+    Example:  trainer run                  take a 70 m submarine to sea, now
+              trainer run periscope-depth  an exercise; `trainer exercises` lists them
+              trainer run --headless --duration 1h --speed max --csv out.csv
+              trainer check bb2            what a vessel file is worth, and at which step
     """
 
 
