@@ -80,6 +80,7 @@ FIRST = {  # what is typed before
         f"{TURN} --equations modified --csv modified.csv",
     ),
     "trainer fit": ("trainer manoeuvre impulse bb2 --csv impulse.csv",),
+    "trainer sweep": (f"cp {ROOT}/configs/studies/turn-uncertainty.toml study.toml",),
     "trainer identify": TRIAL,
 }
 SLOW = {  # [command] that takes minutes, as its subject is
@@ -87,6 +88,19 @@ SLOW = {  # [command] that takes minutes, as its subject is
     *("trainer identify", "trainer prbs", "trainer soak", "trainer fuzz", "trainer bench"),
     "trainer export-core",
 }
+STUDY = """schema = "identify/1"
+name = "A trial"
+data = "trial.trainer"
+every = 10
+
+[ship]
+length_m = 70.2
+speed_kn = 10
+
+[model]
+kind = "nomoto1"
+outputs = ["yaw_rate", "heading"]
+"""
 SHIP = """schema = "nomoto/1"
 name = "A ship"
 length_m = 120
@@ -169,7 +183,7 @@ def typist(tmp_path: Path) -> Iterator[Typist]:
     for name in ("my-boat.toml", "boat.toml"):
         shutil.copy(ROOT / "configs/vessels/bb2.toml", tmp_path / name)
     (tmp_path / "ship.toml").write_text(SHIP)
-    shutil.copy(ROOT / "configs/studies/circles.toml", tmp_path / "study.toml")
+    (tmp_path / "study.toml").write_text(STUDY)
     for name in (KEPT, "drills"):
         (tmp_path / name).mkdir(parents=True)
     write_run(tmp_path)

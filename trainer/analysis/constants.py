@@ -30,7 +30,7 @@ SURFACES: Final = ("rudder", "stern planes", "bow planes")
 
 
 class Source(NamedTuple):
-    """Unit of a constant, and the key that it comes from; "= KEYS": derived from those."""
+    """Unit of a constant, and the key that it comes from. "= KEYS": derived from those."""
 
     unit: str
     key: str

@@ -92,7 +92,7 @@ class Checked:
 
 
 def check(name: str) -> list[str]:
-    """Return what an exercise is, a line each; ConfigError with all that is wrong in it."""
+    """Return what an exercise is, a line each. ConfigError with all that is wrong in it."""
     plan = plan_run(RunOptions(exercise=name))
     boat = Boat(plan.file, plan.method)
     plan.start(boat)

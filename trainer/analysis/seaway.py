@@ -85,7 +85,7 @@ class Band:
 
 @dataclass(frozen=True)
 class Report:
-    """All that ``trainer sea`` says about a sea; a calm has no depths and no bands."""
+    """All that ``trainer sea`` says about a sea. A calm has no depths and no bands."""
 
     sea: Seaway
     vessel: str
@@ -144,7 +144,7 @@ def swum_mass(vessel: VesselFile) -> float:
 
 
 def at_depth(vessel: VesselFile, settings: Numbers, depth: float) -> AtDepth:
-    """Return what the sea is to a boat at a depth [m]; the suction is Pierson-Moskowitz's."""
+    """Return what the sea is to a boat at a depth [m]. The suction is Pierson-Moskowitz's."""
     g, mass = vessel.fluid.g, swum_mass(vessel)
     height, omega = float(settings[HEIGHT]), float(settings[OMEGA])
     lift, slope = suction(g, omega, height, depth)

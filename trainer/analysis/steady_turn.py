@@ -30,7 +30,7 @@ class Turn:
 
 @dataclass(frozen=True)
 class Comparison:
-    """The same turn by both sets; without either when it did not settle, ``problem`` saying why."""
+    """The same turn by both sets. Without either when it did not settle, ``problem`` saying why."""
 
     rudder_deg: float
     speed_kn: float

@@ -150,7 +150,7 @@ class Boat:
 
     @functools.cached_property
     def tick(self) -> Callable[[], int]:
-        """Advance by one step; return 0, or a status for ``failure`` with the state as it was."""
+        """Advance by one step. Return 0, or a status for ``failure`` with the state as it was."""
         if compilation.known_compiler():
             from trainer.boat.call import bind  # noqa: PLC0415  it reaches into the compiler
 

@@ -111,7 +111,7 @@ class LimitMonitor:
 
     @classmethod
     def over(cls, boat: Boat, limits: Limits) -> "LimitMonitor":
-        """Return the watch over a boat; what shows or is beyond its limit now is no news."""
+        """Return the watch over a boat. What shows or is beyond its limit now is no news."""
         monitor = cls(limits)
         monitor.settle(boat)
         return monitor

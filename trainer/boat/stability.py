@@ -140,7 +140,7 @@ def pair_map(response: Response, scheme: Record, h: float) -> Matrix:
 
 
 def tick_map(response: Response, scheme: Record, h: float) -> Matrix:
-    """Return the matrix of one tick of ``h`` [s]; the first rows are the present motion."""
+    """Return the matrix of one tick of ``h`` [s]. The first rows are the present motion."""
     if scheme[0].method in MULTISTEPS:
         return multistep_map(response, scheme, h)
     if scheme[0].method == PREDICTOR_CORRECTOR:

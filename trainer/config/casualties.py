@@ -1,4 +1,4 @@
-"""Tables of casualties: what can break, how badly, how fast; the shipped one and the user's own.
+"""Tables of casualties: what can break, how badly, how fast. The shipped one and the user's own.
 
 What an entry of a user's table leaves out comes from the shipped entry of the same kind.
 

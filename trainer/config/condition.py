@@ -137,7 +137,7 @@ def parse_name(words: str, known: Mapping[str, Quantity] = EVERY) -> tuple[str, 
 
 
 def nearest_quantity(words: str, known: Mapping[str, Quantity] = EVERY) -> str:
-    """Return '; nearest is ...' for the quantity most like ``words``, or '' if none is."""
+    """Return '. Nearest is ...' for the quantity most like ``words``, or '' if none is."""
     with_units = [f"{name}_{unit}" for name, q in known.items() for unit in q.units]
     return nearest(words, [*known, *with_units])
 

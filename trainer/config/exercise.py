@@ -280,7 +280,7 @@ def _share(seed: int, what: str) -> float:
 
 
 def load_exercise(name_or_path: str) -> Exercise:
-    """Return the shipped exercise of that name or the one in that file; ConfigError if wrong.
+    """Return the shipped exercise of that name or the one in that file. ConfigError if wrong.
 
     Whatever has a path separator or ends in .toml is a path.
     """

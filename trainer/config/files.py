@@ -38,7 +38,7 @@ _recorded: ContextVar[Mapping[str, str] | None] = ContextVar("recorded", default
 
 
 class ConfigError(ValueError):
-    """The user's file or name is wrong; ``problems`` holds one line each, the text the first."""
+    """The user's file or name is wrong. ``problems`` holds one line each, the text the first."""
 
     def __init__(self, *problems: str) -> None:
         more = len(problems) - TOLD_LIMIT
@@ -97,7 +97,7 @@ def quote(value: object) -> str:
 
 
 def nearest(name: str, known: Iterable[str]) -> str:
-    """Return '; nearest is ...' for the known name most like ``name``, or '' if none is."""
+    """Return '. Nearest is ...' for the known name most like ``name``, or '' if none is."""
     by_fold = {word.casefold(): word for word in known}
     match = get_close_matches(name.casefold(), by_fold, n=1, cutoff=0.6)
     return f"; nearest is {by_fold[match[0]]}" if match else ""
@@ -171,7 +171,7 @@ def _without_companions(names: Iterable[str]) -> tuple[str, ...]:
 
 
 def shipped(kind: str, name: str) -> Path:
-    """Return the path of a shipped file, '' being the top folder's kind; ConfigError if none is."""
+    """Return the path of a shipped file, '' being the top folder's kind. ConfigError if none is."""
     names = shipped_names(kind)
     if name not in names:
         raise ConfigError(
@@ -187,7 +187,7 @@ def is_path(name: str) -> bool:
 
 
 def path_named(name_or_path: str, kind: str) -> Path:
-    """Return where a file of ``kind`` is, a shipped one by its name; ConfigError if none is."""
+    """Return where a file of ``kind`` is, a shipped one by its name. ConfigError if none is."""
     if is_path(name_or_path):
         return Path(name_or_path)
     names = shipped_names(kind)
@@ -228,7 +228,7 @@ def read_text(path: Path) -> str:
 
 
 def text_if_there(path: Path) -> str | None:
-    """Return the text of a file, or None if there is none; ConfigError as in ``read_text``."""
+    """Return the text of a file, or None if there is none. ConfigError as in ``read_text``."""
     texts = _recorded.get()
     if texts is None:
         return read_text(path) if path.exists() else None
@@ -322,7 +322,7 @@ def no_constant(name: str) -> NoReturn:
 
 
 def parse_toml(text: str, file: str) -> dict[str, Any]:
-    """Return the tables of a TOML text; ConfigError with file and line if it is none."""
+    """Return the tables of a TOML text. ConfigError with file and line if it is none."""
     for number, line in enumerate(text.split("\n"), start=1):
         if len(line) > LINE_LIMIT:
             raise ConfigError(f"{file}: line {number}: is longer than {LINE_LIMIT} characters")

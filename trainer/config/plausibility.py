@@ -1,4 +1,4 @@
-"""Whether the numbers of a vessel file fit together; each function returns texts, none if well.
+"""Whether the numbers of a vessel file fit together. Each function returns texts, none if well.
 
 The limits are wide: they catch feet, pounds and misplaced points, not poor boats.
 """

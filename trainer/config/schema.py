@@ -333,7 +333,7 @@ def read_record(
 
 
 def tables_of(records: Mapping[str, type[Any]]) -> str:
-    """Return the Markdown tables that document each key of each record; "" is above all tables."""
+    """Return the Markdown tables that document each key of each record. "" is above all tables."""
     text = "\n\n".join("\n".join(key_rows(record, name)) for name, record in records.items())
     return text.replace("### `[]`", "### Above all tables") + "\n"
 

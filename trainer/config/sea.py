@@ -96,7 +96,7 @@ class SeaFile:
 
 
 def load_sea(name_or_path: str) -> SeaFile:
-    """Return the shipped sea of that name or the one in that file; ConfigError if it is wrong.
+    """Return the shipped sea of that name or the one in that file. ConfigError if it is wrong.
 
     Whatever has a path separator or ends in .toml is a path.
     """
@@ -126,7 +126,7 @@ def parse_sea(text: str, path: Path) -> SeaFile:
 
 
 def read_sea(table: object, place: Place) -> Sea:
-    """Return the sea of one table, such as an exercise's; ConfigError with all that is wrong."""
+    """Return the sea of one table, such as an exercise's. ConfigError with all that is wrong."""
     defaults = shipped("", "sea-defaults")
     filler = as_table(
         parse_toml(read_text(defaults), defaults.name).get("sea"), Place(defaults.name, "sea")

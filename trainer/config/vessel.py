@@ -148,7 +148,7 @@ class VesselFile:
 
 
 def load_vessel(name_or_path: str) -> VesselFile:
-    """Return the shipped vessel of that name or the one in that file; ConfigError if it is wrong.
+    """Return the shipped vessel of that name or the one in that file. ConfigError if it is wrong.
 
     Whatever has a path separator or ends in .toml is a path.
     """

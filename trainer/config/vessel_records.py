@@ -260,7 +260,7 @@ class Run:
 
 @dataclass(frozen=True, kw_only=True)
 class Autopilot:
-    """Gains as lists over speed, and what does not depend on it; angles in rad unless named."""
+    """Gains as lists over speed, and what does not depend on it. Angles in rad unless named."""
 
     speed_kn: tuple[float, ...] = of(
         Quantities(Quantity("kn", within(0, 60), "speeds of the lists, ascending"), 2, MOST_SPEEDS),

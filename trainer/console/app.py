@@ -95,7 +95,7 @@ DIALOGS: Final[Mapping[str, Callable[[SessionModel], Subject]]] = {
 
 
 class Console(App[str], inherit_bindings=False):
-    """One station's screen; it ends with "" or with what is to be told on the terminal."""
+    """One station's screen. It ends with "" or with what is to be told on the terminal."""
 
     CSS_PATH = "console.tcss"
     TITLE = "trainer"

@@ -22,7 +22,7 @@ class Subject(Protocol):
         ...
 
     def click(self, column: int, row: int, width: int) -> Done | None:
-        """Take a click on a place of the drawing; return how the dialog ends, None as above."""
+        """Take a click on a place of the drawing. Return how the dialog ends, None as above."""
         ...
 
     def draw(self, width: int, height: int) -> Lines:

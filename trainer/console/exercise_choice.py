@@ -79,7 +79,7 @@ class ExerciseScreen(App[Done], inherit_bindings=False):
 
 
 def choose_exercise(offered: Sequence[Lesson]) -> str | None:
-    """Ask at the terminal; return the name of an exercise, "" to sail freely, None to leave."""
+    """Ask at the terminal. Return the name of an exercise, "" to sail freely, None to leave."""
     from trainer.console.launch import forget_size  # noqa: PLC0415  not for the words alone
 
     forget_size()

@@ -247,7 +247,7 @@ def standing(model: SessionModel) -> list[tuple[str, str]]:
 
 
 def limits_said(told: str) -> str:
-    """Return the limits of an exercise in words; one that is not known as it came."""
+    """Return the limits of an exercise in words. One that is not known as it came."""
     found = []
     for part in filter(None, told.split(",")):
         name, _, value = part.partition(":")

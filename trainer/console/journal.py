@@ -101,7 +101,7 @@ class Trace:
     samples: list[Sequence[Sample]] = field(default_factory=list)
 
     def add(self, seconds: float, samples: Sequence[Sample]) -> None:
-        """Add what there is at a time; what was later is forgotten: time has gone back."""
+        """Add what there is at a time. What was later is forgotten: time has gone back."""
         place = bisect.bisect_left(self.times, seconds)
         del self.times[place:], self.samples[place:]
         self.times.append(seconds)

@@ -133,6 +133,6 @@ LAYOUTS: Final[Mapping[str, Layout]] = {
 
 
 def wishes(post: Layout) -> dict[str, str]:
-    """Return how often each channel is wanted; the one that charts are drawn at comes last."""
+    """Return how often each channel is wanted. The one that charts are drawn at comes last."""
     often = {"motion": SMOOTH, "gauges": SMOOTH, "ledger": SELDOM}
     return {channel: often.get(channel, OFTEN) for channel in post.channels}

@@ -166,7 +166,7 @@ class SessionModel:
             return None
 
     def order(self, words: str) -> bool:
-        """Send an order and show it; return whether there was a line to send it on."""
+        """Send an order and show it. Return whether there was a line to send it on."""
         return self._send(words, quiet=False)
 
     def ask(self, words: str) -> bool:

@@ -33,7 +33,7 @@ class Past:
             send(ASKS.format(channel))
 
     def mark(self, subject: str) -> str:
-        """Take where the past of a channel begins and ends; return a channel that has ended."""
+        """Take where the past of a channel begins and ends. Return a channel that has ended."""
         which, _, channel = subject.partition(",")
         if which == "begin":
             self._open.add(channel)

@@ -161,7 +161,7 @@ class Allowed:
 
 
 def draw_allowed(fitted: Fitted) -> Allowed:
-    """Return the ships that the record of a fit allows; what it does not tell of stays."""
+    """Return the ships that the record of a fit allows. What it does not tell of stays."""
     problem, plant = fitted.problem, fitted.problem.plant
     covariance = np.nan_to_num(fitted.known.covariance, nan=0.0)
     theta = fitted.found.theta

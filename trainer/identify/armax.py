@@ -23,7 +23,7 @@ KINDS: Final = ("a", "b", "c", "d")
 
 @dataclass(frozen=True)
 class Armax:
-    """A model of order n; ``d`` is () where the initial state is taken as zero."""
+    """A model of order n. ``d`` is () where the initial state is taken as zero."""
 
     a: tuple[float, ...]
     b: tuple[float, ...]

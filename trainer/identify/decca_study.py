@@ -251,7 +251,7 @@ HEADS: Final = ("t", "east", "north", "psi", "r", "v", "u")
 
 @dataclass(frozen=True)
 class Sailed:
-    """The track and what was read off it, SI and radians; NaN where lanes or neighbours lack."""
+    """The track and what was read off it, SI and radians. NaN where lanes or neighbours lack."""
 
     source: str
     t: Numbers
@@ -322,7 +322,7 @@ def _current(file: DeccaFile, heading: Numbers) -> tuple[Numbers, Numbers]:
 
 
 def write_track(sailed: Sailed, path: Path) -> None:
-    """Write the track as CSV, SI and radians, a missing value empty; ConfigError if it cannot."""
+    """Write the track as CSV, SI and radians, a missing value empty. ConfigError if it cannot."""
     columns = (
         sailed.t,
         sailed.east,

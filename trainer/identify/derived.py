@@ -84,7 +84,7 @@ _KINDS: Final = {
 
 
 def derivatives(model: Model, values: Numbers) -> Numbers:
-    """Return the six derivatives of DERIVATIVES in the model's own system; () but for Model 1."""
+    """Return the six derivatives of DERIVATIVES in the model's own system. () but for Model 1."""
     if model.name != "1":
         return np.empty(0)
     p = dict(zip(model.names, map(float, values), strict=True))

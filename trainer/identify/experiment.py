@@ -46,7 +46,7 @@ TAPS: Final = {  # bits of the register whose sum modulo 2 comes in: periods of 
 
 
 def prbs(bits: int, seed: int = 1) -> Numbers:
-    """Return one period, (2^bits - 1,), of -1 and 1; ``seed`` is what the register begins with.
+    """Return one period, (2^bits - 1,), of -1 and 1. ``seed`` is what the register begins with.
 
     The register's own bits come out first, the highest first. ConfigError if the register is of
     no known length or begins empty.

@@ -33,7 +33,7 @@ class Shown:
 
     @property
     def standardised(self) -> Numbers:
-        """Return errors divided by the Cholesky factor of R (n, y); NaN where one is missing."""
+        """Return errors divided by the Cholesky factor of R (n, y). NaN where one is missing."""
         found = np.full_like(self.errors, np.nan)
         whole = self.counted & ~np.isnan(self.errors).any(axis=1)
         roots = np.linalg.cholesky(self.spreads[whole])

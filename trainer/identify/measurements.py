@@ -33,7 +33,7 @@ OUTPUTS: Final = tuple(name for name in CHANNELS if name != "rudder")
 
 @dataclass(frozen=True, kw_only=True)
 class Record:
-    """Columns of one length; NaN is a missing value, None a channel that was not recorded.
+    """Columns of one length. NaN is a missing value, None a channel that was not recorded.
 
     ``rudder[k]`` acts from ``t[k]`` to ``t[k+1]``. The heading is not wrapped. ``rows`` is the
     place of each sample in its source, as people count, and ``names`` the source's own word for

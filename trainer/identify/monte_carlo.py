@@ -95,7 +95,7 @@ def one_run(problem: Problem, truth: Numbers, seed: int) -> Run:
 def study(
     problem: Problem, truth: Numbers, seeds: range, each: Callable[[Iterator[Run]], Iterator[Run]]
 ) -> Coverage:
-    """Return the runs of ``seeds``; ``each`` passes them on and may show how far it is."""
+    """Return the runs of ``seeds``. ``each`` passes them on and may show how far it is."""
     runs = each(one_run(problem, truth, seed) for seed in seeds)
     return Coverage(problem.names, truth, tuple(runs))
 

@@ -14,7 +14,7 @@ USUAL: Final = ("sway", "yaw_rate", "heading")
 
 
 def study_of(file: Path, options: dict[str, Any]) -> Study:
-    """Return the study, what the options say taken instead of what it says; ConfigError if wrong.
+    """Return the study, what the options say taken instead of what it says. ConfigError if wrong.
 
     ``options`` are those of ``trainer identify``.
     """

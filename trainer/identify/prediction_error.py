@@ -32,7 +32,7 @@ def no_gain(problem: Problem, sampled: Sampled) -> Complexes:
 
 
 def settled_gain(problem: Problem, sampled: Sampled) -> Complexes | None:
-    """Return the gains (b, x, y) that the filter settles at; None if it does not.
+    """Return the gains (b, x, y) that the filter settles at. None if it does not.
 
     ConfigError if the interval varies: there is no such gain then.
     """

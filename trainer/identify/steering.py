@@ -68,7 +68,7 @@ class Steering:
 
 
 def steering(file: VesselFile, speed: float, means: Means = Means()) -> Steering:  # noqa: B008
-    """Return the steering of a boat at ``speed`` [m/s], ``means`` averaged in; roll is left out."""
+    """Return the steering of a boat at ``speed`` [m/s], ``means`` averaged in. Roll is left out."""
     linear = horizontal(file, speed, means)
     places = [HORIZONTAL.index(name) for name in STEERED]
     pick = np.ix_(places, places)

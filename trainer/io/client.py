@@ -43,7 +43,7 @@ def dial(url: str, arrived: threading.Event, baud: int = 9600) -> Line:
 
 
 def over_serial(name: str, port: SerialLine, arrived: threading.Event, longest: int) -> Line:
-    """Return an open serial line as a line; those that come have `longest` characters at most."""
+    """Return an open serial line as a line. Those that come have `longest` characters at most."""
     return Joined(name, Inbox(port.read, arrived, longest=longest), Outbox(port.write), port)
 
 

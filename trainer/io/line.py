@@ -35,7 +35,7 @@ class Sender(Protocol):
 
 
 class Outbox:
-    """Write lines from a thread; when the port is slow lines are dropped, never waited for."""
+    """Write lines from a thread. When the port is slow lines are dropped, never waited for."""
 
     def __init__(
         self, write: Callable[[bytes], object], capacity: int = 256, line_end: bytes = b"\r\n"
@@ -113,7 +113,7 @@ class Direct:
 
 
 class Inbox:
-    """Read lines in a thread; `arrived` is set at every line and at the end of the input.
+    """Read lines in a thread. `arrived` is set at every line and at the end of the input.
 
     When the queue is full the thread stops reading until there is room, so that a pipe loses
     nothing and a flood is held back at its source.

@@ -105,7 +105,7 @@ class LineDecoder:
 
 
 class TelnetFilter:
-    """Drop telnet commands from a stream; a line end always ends one, so noise cannot jam it."""
+    """Drop telnet commands from a stream. A line end always ends one, so noise cannot jam it."""
 
     def __init__(self) -> None:
         # Not a method of this object: it would refer to itself, and outlive its line for a while.

@@ -1,4 +1,4 @@
-"""Where a session is found and its recording kept, unless told otherwise; how it says so."""
+"""Where a session is found and its recording kept, unless told otherwise. How it says so."""
 
 import os
 import re

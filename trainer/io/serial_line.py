@@ -81,7 +81,7 @@ class SerialLine:
         self._closing.set()
 
     def release(self) -> None:
-        """Give the port back; a line that was not closed opens it again at its next read."""
+        """Give the port back. A line that was not closed opens it again at its next read."""
         with self._writing:
             port, self._port = self._port, None
             if port is not None:

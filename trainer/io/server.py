@@ -31,7 +31,7 @@ HIGHEST = 65535
 
 
 def listen_at(host: str, port: int) -> socket.socket:
-    """Return a socket that listens at a TCP port, 0 for any free one; raises LinkError."""
+    """Return a socket that listens at a TCP port, 0 for any free one. Raises LinkError."""
     where = f"{host}:{port}"
     if not 0 <= port <= HIGHEST:
         raise LinkError(f"{where}: a port is 1 to {HIGHEST}, or 0 for any that is free")

@@ -1,4 +1,4 @@
-"""Lines as UDP datagrams, one each, to a host or to all of a network; nobody has to be there."""
+"""Lines as UDP datagrams, one each, to a host or to all of a network. Nobody has to be there."""
 
 import socket
 from typing import Final

@@ -95,7 +95,7 @@ class Conduct:
         }
 
     def hear(self, asked: Asked) -> bool:
-        """Obey and answer an order about the conduct of the session; return whether it was one."""
+        """Obey and answer an order about the conduct of the session. Return whether it was one."""
         why = self._barred(asked)
         if why:
             asked.station.answer(asked, Refused(why))
@@ -135,7 +135,7 @@ class Conduct:
             self.ready.clear()
 
     def desert(self) -> str:
-        """Tell that nobody is left to say run; return so, "" where the exercise is over anyway."""
+        """Tell that nobody is left to say run. Return so, "" where the exercise is over anyway."""
         if self.ending.over:
             return ""
         why = f"frozen at {self.control.boat.time:g} s, and nobody is left to say run"

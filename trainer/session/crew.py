@@ -102,7 +102,7 @@ class CrewTalk:
     # What is said
 
     def obey(self, order: Order, role: str) -> Reply:
-        """Carry out what is said, as far as the boat has to do with it; return the answer."""
+        """Carry out what is said, as far as the boat has to do with it. Return the answer."""
         if order.name == "order":
             return obey(self.boat, order)
         if order.name == "belay":
@@ -222,7 +222,7 @@ class CrewTalk:
     # What is missing or wrong
 
     def missing(self, tick: int, attends: Callable[[str], bool]) -> list[Telling]:
-        """Return the orders that nobody has repeated in time, each once; and what comes in hand.
+        """Return the orders that nobody has repeated in time, each once. And what comes in hand.
 
         ``attends`` tells whether somebody with that role is there.
         """
@@ -321,7 +321,7 @@ class CrewTalk:
         return [(key, value) for key, value in told.items() if value]
 
     def in_hand(self, order: Order) -> str:
-        """Return why an automatic order is refused: the exercise has it worked by hand; "" if not.
+        """Return why an automatic order is refused: the exercise has it worked by hand. "" if not.
 
         What moves nothing by itself is never refused.
         """
@@ -377,7 +377,7 @@ def reported(order: Order, role: str) -> list[Telling]:
 
 
 def role_of(who: str) -> str:
-    """Return the role of who gave an order, as the journal names him; a schedule's is its own."""
+    """Return the role of who gave an order, as the journal names him. A schedule's is its own."""
     return who.partition(" at ")[0]
 
 

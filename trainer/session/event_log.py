@@ -61,7 +61,7 @@ class EventLog:
         self._note(numbered(self._alert, news))
 
     def acknowledge(self, order: Order, by: Station) -> Reply:
-        """Take alerts as seen, one by its number or all that ``by`` was told; tell the others."""
+        """Take alerts as seen, one by its number or all that ``by`` was told. Tell the others."""
         known = {n: news for n, news in self.alerts.items() if hears(by.role, news.kind)}
         wanted = list(known) if order.word == "all" else [int(order.value)]
         if not set(wanted) <= set(known) or not wanted:

@@ -45,7 +45,7 @@ class Judgement:
 
 @dataclass(frozen=True)
 class Debriefing:
-    """Who judges a branch of a recording, and who writes its debrief; RuntimeError tells why not.
+    """Who judges a branch of a recording, and who writes its debrief. RuntimeError tells why not.
 
     Both take as long as they need: they are called in threads of their own.
     """
@@ -82,7 +82,7 @@ def is_met(condition: Condition, boat: Boat) -> bool:
 
 
 def quantity_of(boat: Boat, name: str) -> float:
-    """Return a quantity of a condition [SI] as it is; NaN if the boat lacks it."""
+    """Return a quantity of a condition [SI] as it is. NaN if the boat lacks it."""
     if name == "showing":
         return -math.inf if deep(boat) else showing(boat)
     if name == "course":
@@ -172,7 +172,7 @@ class Work:
             self.done.popleft()()
 
     def finish(self) -> None:
-        """Wait for what is being done, and take it; what waits for others waits no more."""
+        """Wait for what is being done, and take it. What waits for others waits no more."""
         self.closing.set()
         end = time.monotonic() + PATIENCE
         for thread in self.threads:

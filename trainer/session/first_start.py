@@ -33,7 +33,7 @@ INTERPRETED: Final = "interpreted: 100 times slower, with the same bits, and on 
 
 
 def prepare(options: RunOptions) -> str:
-    """Settle how the core of a run runs; return what its user is to be told, "" for nothing."""
+    """Settle how the core of a run runs. Return what its user is to be told, "" for nothing."""
     if os.name != "posix" or compilation.is_settled() or compilation.is_interpreted():
         return ""
     if compilation.is_kept() or is_hurried(options) or complaints():
@@ -90,7 +90,7 @@ def complaints() -> bool:
 
 
 def compile_beside() -> None:
-    """Start a process that fills the cache; it may outlive this one, and ends by itself.
+    """Start a process that fills the cache. It may outlive this one, and ends by itself.
 
     It compiles the trainer that runs, not one whose sources lie in the present folder.
     """

@@ -36,7 +36,7 @@ TOUCHED: Final = b"\xff"  # written everywhere at first, so that the memory is r
 
 
 class Moments:
-    """A ring of moments in the order of their ticks; the oldest gives way to a new one."""
+    """A ring of moments in the order of their ticks. The oldest gives way to a new one."""
 
     def __init__(self, most: int, size: int) -> None:
         """Take room for so many moments, each with a state of so many bytes."""
@@ -287,7 +287,7 @@ class History:
         self.automatic.forget_after(self.tick)
 
     def show_again(self, moment: Moment) -> int:
-        """Go back to a moment, to fly on from there as it was recorded; return the orders."""
+        """Go back to a moment, to fly on from there as it was recorded. Return the orders."""
         end = self.rerun.end if self.rerun else self.now()
         orders = self.recording.orders(self.recording.branch, moment.after)
         again = deque(each for each in orders if each.id <= end.after)

@@ -64,7 +64,7 @@ def read_state(state: bytes, layout: Sequence[str], standing: Record) -> Record:
 
 
 def unlike(recorded: bytes, flown: bytes) -> Unlike | None:
-    """Return how two states of this version differ, bit by bit; None if they do not."""
+    """Return how two states of this version differ, bit by bit. None if they do not."""
     bits = [np.frombuffer(state, dtype=np.uint64) for state in (recorded, flown)]
     places = np.flatnonzero(bits[0] != bits[1])
     if not places.size:

@@ -61,7 +61,7 @@ class Ports:
         return self._person(Joined("console", inbox, sender))
 
     def console_line(self, url: str, baud: int) -> Station:
-        """Return the station of a person at a serial line; ConfigError if it cannot be opened."""
+        """Return the station of a person at a serial line. ConfigError if it cannot be opened."""
         return self._person(self._serial("--serial", url, baud))
 
     def panel(self, given: str, baud: int) -> Station:

@@ -53,7 +53,7 @@ SECONDS_1969 = "1969: 38 % at 0.5 s, 19 % at 1 s"
 
 
 def account(session: Session, wall: float, kept: str, *, aside: bool) -> int:
-    """Print the summary of a run of ``wall`` [s] and what went wrong; return the exit code.
+    """Print the summary of a run of ``wall`` [s] and what went wrong. Return the exit code.
 
     ``kept`` is the path of its recording, "" if it has none; ``aside`` prints on stderr, where a
     console has stdout.
@@ -244,7 +244,7 @@ def ready(plan: Plan, options: RunOptions) -> Boat:
 def create_recording(
     paths: Sequence[Path], header: Mapping[str, str], state: bytes
 ) -> tuple[Path | None, Recording]:
-    """Make the first recording whose name nobody takes before; a passing one if there is no name.
+    """Make the first recording whose name nobody takes before. A passing one if there is no name.
 
     ConfigError if it cannot be made.
     """

@@ -163,7 +163,7 @@ def _what(name: str, what: str, where: str) -> str:
 
 
 def without(changes: Sequence[Change], name: str, branch: int) -> tuple[Change, ...]:
-    """Return the changes less those of a name, or of all, in a branch; ConfigError if none is."""
+    """Return the changes less those of a name, or of all, in a branch. ConfigError if none is."""
     here = [each for each in changes if each.branch == branch]
     names = tuple(dict.fromkeys(each.name for each in here))
     if not names:

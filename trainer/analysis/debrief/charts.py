@@ -1,4 +1,4 @@
-"""The drawings of a debrief: the time line, the charts, the track; the reference run laid under."""
+"""The drawings of a debrief: the time line, the charts, the track. The reference run laid under."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace

@@ -180,7 +180,7 @@ def gather(
 
 
 def find_branch(branches: list[Branch], source: Path, number: int | None) -> Branch:
-    """Return a branch by its number, the latest for None; ConfigError if there is none such."""
+    """Return a branch by its number, the latest for None. ConfigError if there is none such."""
     wanted = branches[-1].id if number is None else number
     branch = next((each for each in branches if each.id == wanted), None)
     if branch is None:
@@ -192,7 +192,7 @@ def find_branch(branches: list[Branch], source: Path, number: int | None) -> Bra
 def compared(
     debrief: DebriefData, recording: Recording, seconds: float | None = None
 ) -> DebriefData:
-    """Return a dossier with the reference crew's run beside; as it was for an exercise without.
+    """Return a dossier with the reference crew's run beside. As it was for an exercise without.
 
     With ``seconds`` the reference crew also takes over there. ConfigError if it cannot.
     """

@@ -51,7 +51,7 @@ class Deflection:
 
 
 def spells(trajectory: Trajectory) -> tuple[Episode, ...]:
-    """Return the casualties in the order in which they began; ConfigError if one is unheard of."""
+    """Return the casualties in the order in which they began. ConfigError if one is unheard of."""
     slots = np.array([trajectory.columns[name] for name in SLOTS])
     known = np.isin(slots, range(len(KINDS) + 1))
     if not known.all():

@@ -1,4 +1,4 @@
-"""Marks of an exercise by hand: tasks less nobody aboard, keeping, the gate; won, lost or neither.
+"""Marks of an exercise by hand: tasks less nobody aboard, keeping, the gate. Won, lost or neither.
 
 With t of a task = 100 max(0, (p - b) / (100 - b)), p its marks and b those with nobody aboard, an
 answer's times the mean of the other tasks, and T and K the means of tasks and of what was kept:
@@ -36,7 +36,7 @@ MOST_NOBODY: Final = 50.0  # [%] a task worth having gives with nobody aboard
 def judge(
     trajectory: Trajectory, plan: Plan, nobody: Mapping[str, float], width: str = "qualified"
 ) -> Scorecard:
-    """Return the marks of a plan's rules; ``nobody`` has those with nobody aboard, by name [%]."""
+    """Return the marks of a plan's rules. ``nobody`` has those with nobody aboard, by name [%]."""
     rules = widened(plan.scores, width)
     if not plan.judged_by_tasks:
         return score(trajectory, rules)

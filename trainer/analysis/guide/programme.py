@@ -76,7 +76,7 @@ def fly_task(path: Path, task: Task) -> Flight | str:
 
 
 def fly_all(path: Path, tasks: Iterable[Task], cores: int, step: Callable[[], None]) -> Flown:
-    """Return the flights of all ``tasks`` by the boat of a file; ``step`` is called after each.
+    """Return the flights of all ``tasks`` by the boat of a file. ``step`` is called after each.
 
     Other processors are called in for what this one has not done in ALONE, which is about what
     starting them takes; they load the machine code that is there by then.
@@ -155,7 +155,7 @@ def own_method(file: VesselFile, equations: str) -> Method:
 
 
 def best_damped(file: VesselFile) -> float | None:
-    """Return the speed [kn] on a grid at which vertical motion dies away fastest; None: at none."""
+    """Return the speed [kn] on a grid at which vertical motion dies away fastest. None: at none."""
     low, high = file.run.speed_range_kn
     grid = np.arange(np.ceil(low / GRID) * GRID, high + 1e-9, GRID)
     slowest = [float(-vertical(file, float(u) * KNOT).eigenvalues.real.max()) for u in grid]

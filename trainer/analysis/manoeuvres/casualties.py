@@ -122,7 +122,7 @@ class PlaneJam(Manoeuvre):
 
 @dataclass(frozen=True)
 class RudderJam(Manoeuvre):
-    """The rudder jams; some lengths later the engine is stopped; depth kept where it can be."""
+    """The rudder jams. Some lengths later the engine is stopped; depth kept where it can be."""
 
     needs: ClassVar[tuple[str, ...]] = ("rudder", "engine")
     shows: ClassVar[tuple[str, ...]] = ("track", "psi", "phi", "u", "z")

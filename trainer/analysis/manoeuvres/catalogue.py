@@ -129,7 +129,7 @@ def adjust(name: str, vehicle: Vehicle, given: Mapping[str, float | str]) -> Man
 
 
 def option(parameter: str, value: object = "") -> str:
-    """Return how a parameter is given on the command line; a direction has its own words."""
+    """Return how a parameter is given on the command line. A direction has its own words."""
     return f"--{value}" if parameter == "direction" else f"--{parameter.replace('_', '-')}"
 
 

@@ -252,7 +252,7 @@ class Submarine:
         return self._kept_speed is None and not self._at_once
 
     def sail(self, end: float, watch: Watch | None) -> Numbers:
-        """Advance to ``end`` [s], or until what is watched passes; return a row for each cycle."""
+        """Advance to ``end`` [s], or until what is watched passes. Return a row for each cycle."""
         last = math.ceil(end / self.step - ROUNDING)
         eye = self._lookout
         eye["last"], eye["watched"], eye["status"] = last, entry.NOTHING, 0.0

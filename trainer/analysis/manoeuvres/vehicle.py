@@ -112,7 +112,7 @@ class Swift(Protocol):
         ...
 
     def sail(self, end: float, watch: Watch | None) -> NDArray[np.float64]:
-        """Advance to ``end`` [s], or until what is watched passes; return a row for each cycle."""
+        """Advance to ``end`` [s], or until what is watched passes. Return a row for each cycle."""
         ...
 
     def sound(self) -> None:

@@ -231,7 +231,7 @@ class Meander(Manoeuvre):
 
 
 def half_cycle_damping(found: list[Measure]) -> float | None:
-    """Return the damping ratio [-] that the first two pitch peaks show; None without a second.
+    """Return the damping ratio [-] that the first two pitch peaks show. None without a second.
 
     Half a cycle takes an oscillation of damping ratio d to exp(-pi d/sqrt(1 - d^2)) of itself.
     """

@@ -104,7 +104,7 @@ class Cost:
 
 
 def cost(file: VesselFile) -> Cost | None:
-    """Return the cost of a tick, full set exact, compact lagged; None of a boat that cannot start.
+    """Return the cost of a tick, full set exact, compact lagged. None of a boat that cannot start.
 
     Both by Adams, at the boat's own step and speed.
     """

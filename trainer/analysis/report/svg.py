@@ -143,7 +143,7 @@ def draw(chart: Chart, ground: Ground) -> Markup:
 
 
 def svg(label: str, size: tuple[float, float], parts: list[str]) -> Markup:
-    """Return an SVG element of a width and a height [px]; its parts are SVG already."""
+    """Return an SVG element of a width and a height [px]. Its parts are SVG already."""
     head = Markup('<svg viewBox="0 0 {:g} {:g}" role="img" aria-label="{}">').format(*size, label)
     return Markup("{}{}</svg>").format(head, Markup("".join(parts)))  # noqa: S704  made here
 

@@ -22,7 +22,7 @@ class Batch:
     troubles: tuple[str | None, ...]  # why there is nothing of a member
 
     def told(self, place: int, names: Sequence[str]) -> dict[str, Any]:
-        """Return all about one member by the result's columns; None for what it never came to."""
+        """Return all about one member by the result's columns. None for what it never came to."""
         numbers = [None if np.isnan(x) else float(x) for x in self.outputs[place]]
         return {
             "member": int(self.members[place]),

@@ -137,7 +137,7 @@ class Exercising:
 
     @cached_property
     def outputs(self) -> tuple[Output, ...]:
-        """Return what is kept of each member; ConfigError if the study asks for what is not."""
+        """Return what is kept of each member. ConfigError if the study asks for what is not."""
         try:
             return choose_outputs(self.study.heading.measures, self.trial.flight, [])
         except ConfigError as wrong:

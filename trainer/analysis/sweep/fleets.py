@@ -46,7 +46,7 @@ class Made(NamedTuple):
 
 @dataclass(frozen=True)
 class Ready:
-    """A fleet at its start; ``fit`` tells which members can fly straight and have the controls."""
+    """A fleet at its start. ``fit`` tells which members can fly straight and have the controls."""
 
     fleet: Fleet
     toward: dict[str, Numbers]
@@ -141,7 +141,7 @@ def start_members(
 
 
 def join_scripts(ready: Ready, made: Made, scripts: Sequence[Script]) -> Schedule:
-    """Return the orders of scripts alike but for their numbers; what is kept is kept at once."""
+    """Return the orders of scripts alike but for their numbers. What is kept is kept at once."""
     states = ready.fleet.states
     neutral = {name: states[f"delta_{letter}"].copy() for name, (_, letter) in SURFACES.items()}
     ticks: list[int] = []

@@ -60,7 +60,7 @@ def table_of(batch: Batch, schema: Any) -> Any:
 
 
 def write(table: Any, path: Path) -> None:
-    """Write a table to a file that appears whole or not at all; OSError if it cannot be."""
+    """Write a table to a file that appears whole or not at all. OSError if it cannot be."""
     import pyarrow.parquet as pq  # noqa: PLC0415
 
     part = path.with_name(f"{path.name}.{os.getpid()}.part")

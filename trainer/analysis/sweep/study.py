@@ -94,7 +94,7 @@ class Study:
 
 
 def load_study(name_or_path: str) -> Study:
-    """Return the shipped study of that name or the one in that file; ConfigError if it is wrong.
+    """Return the shipped study of that name or the one in that file. ConfigError if it is wrong.
 
     Whatever has a path separator or ends in .toml is a path.
     """

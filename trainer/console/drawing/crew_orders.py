@@ -38,7 +38,7 @@ def short(value: float) -> str:
 
 
 def course_order(model: SessionModel) -> tuple[str, str]:
-    """Return the ordered course with its error, in full and in few words; "" for none."""
+    """Return the ordered course with its error, in full and in few words. "" for none."""
     ordered, error = _pair(model, "course")
     if ordered is None:
         return "", ""
@@ -144,7 +144,7 @@ def order_line(model: SessionModel, width: int) -> Line:
 
 
 def told_words(model: SessionModel) -> str:
-    """Return the last order in words; a channel has no commas, the fact of it has."""
+    """Return the last order in words. A channel has no commas, the fact of it has."""
     told = model.picture.word(CHANNEL, "told")
     return model.crew.told if len(model.crew.told) == len(told) else told
 

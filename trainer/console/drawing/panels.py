@@ -91,7 +91,7 @@ def foot(keys: Sequence[tuple[str, str]], width: int, rows: int) -> Lines:
 
 
 def key_rows(keys: Sequence[tuple[str, str]], width: int, rows: int) -> list[list[tuple[str, str]]]:
-    """Return the keys row by row; where there is no room the last but one go first."""
+    """Return the keys row by row. Where there is no room the last but one go first."""
     shown = list(keys)
     while len(flowed(shown, width)) > max(rows, 1) and len(shown) > 1:
         del shown[-2]

@@ -155,7 +155,7 @@ def carry_out(
 
 
 def report_of(fitted: Fitted, findings: tuple[str, ...], others: Allowed) -> Report:
-    """Return what a fit amounts to; ``others`` are the ships that the record allows beside it."""
+    """Return what a fit amounts to. ``others`` are the ships that the record allows beside it."""
     problem, study, plant = fitted.problem, fitted.study, fitted.problem.plant
     run = errors_of(fitted)
     residuals = _residuals(fitted, run)

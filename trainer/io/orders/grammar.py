@@ -213,7 +213,7 @@ def tokenise(text: str) -> list[str]:
 
 
 def read(tokens: list[str]) -> Reading:
-    """Return the one reading of the tokens; refuses where there is none, or more than one."""
+    """Return the one reading of the tokens. Refuses where there is none, or more than one."""
     alive = OPENINGS.get(tokens[0][0]) or list(READINGS)
     for i, token in enumerate(tokens):
         reached = [reading for reading in alive if len(reading.places) > i]
@@ -320,7 +320,7 @@ def either(names: list[str]) -> str:
 
 
 def order(reading: Reading) -> Order:
-    """Return the order of a whole reading; refuses a number beyond the limits of the grammar."""
+    """Return the order of a whole reading. Refuses a number beyond the limits of the grammar."""
     form, places, said = reading
     head = heading_word(form)
     optional = [item.strip("[]") for item in form.pattern.split()[1:] if item.startswith("[")]

@@ -211,7 +211,7 @@ def plain_text(tokens: list[str]) -> str:
 
 
 def parts_of(word: str) -> list[str]:
-    """Return the words of a number with dashes, such as forty-five; any other word as it is."""
+    """Return the words of a number with dashes, such as forty-five. Any other word as it is."""
     parts = word.split("-")
     return parts if all(part in NUMBER_WORDS for part in parts) else [word]
 
@@ -231,7 +231,7 @@ def numerals(words: list[str]) -> list[str]:
 
 
 def chunk_of(rest: list[str]) -> str:
-    """Take the first number off the words, such as two hundred, forty five, nine; return it."""
+    """Take the first number off the words, such as two hundred, forty five, nine. Return it."""
     if len(rest) > 1 and rest[0] in DIGITS and rest[1] == "hundred":
         hundreds = int(DIGITS[rest.pop(0)])
         rest.pop(0)

@@ -23,7 +23,7 @@ class Unit:
 
 @dataclass(frozen=True)
 class Number:
-    """A kind of number; the limits are in its first unit, the one understood when none is given."""
+    """A kind of number. The limits are in its first unit, the one understood when none is given."""
 
     says: str
     units: tuple[Unit, ...]

@@ -48,7 +48,7 @@ Place = Word | Number | UnitWord | Name | Secret
 
 @dataclass(frozen=True)
 class Form:
-    """One wording of an order; a refusal answers a tempting wrong one with the right one."""
+    """One wording of an order. A refusal answers a tempting wrong one with the right one."""
 
     pattern: str
     says: str = ""

@@ -90,7 +90,7 @@ ANSWERS: Final = (
 
 
 class RecordingError(Exception):
-    """A recording that cannot be made, opened or read; says which, what, and what to do."""
+    """A recording that cannot be made, opened or read. Says which, what, and what to do."""
 
 
 class TakenError(RecordingError):

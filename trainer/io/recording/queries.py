@@ -161,7 +161,7 @@ class Past:
         return here.id
 
     def moment(self, branch: int, tick: int) -> Moment | None:
-        """Return the end of a tick in a branch or its ancestry; None if it is not recorded."""
+        """Return the end of a tick in a branch or its ancestry. None if it is not recorded."""
         here = self._find(branch)
         while here and here.parent is not None and tick < here.tick:
             here = self._find(here.parent)

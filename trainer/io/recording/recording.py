@@ -111,7 +111,7 @@ class Recording:
 
     @classmethod
     def create(cls, path: Path | None, header: Mapping[str, str], state: bytes) -> "Recording":
-        """Begin a recording at tick 0 with `state`; without a path one that is gone when closed.
+        """Begin a recording at tick 0 with `state`. Without a path one that is gone when closed.
 
         RecordingError if there is such a file already, or it cannot be made.
         """
@@ -164,7 +164,7 @@ class Recording:
         self._put(ANSWER, (answer, int(accepted), order))
 
     def state(self, tick: int, state: bytes) -> None:
-        """Take what stands at the end of a tick; of a tick taken already the first stands."""
+        """Take what stands at the end of a tick. Of a tick taken already the first stands."""
         self._tick = tick
         if self.trouble:
             self._put(STATE, (self.branch, tick, state))
@@ -190,7 +190,7 @@ class Recording:
         self.flush()
 
     def fork(self, moment: Moment, why: str) -> int:
-        """Begin a new branch at a moment, at once; return its number, from now on the present."""
+        """Begin a new branch at a moment, at once. Return its number, from now on the present."""
         parent = self._owner(moment)
         begun = (parent, moment.tick, moment.after, moment.place, why, moment.state)
         self._branches += 1
@@ -269,7 +269,7 @@ class Recording:
         return moment
 
     def moment(self, branch: int, tick: int) -> Moment | None:
-        """Return the end of a tick in a branch or its ancestry; None if it is not recorded."""
+        """Return the end of a tick in a branch or its ancestry. None if it is not recorded."""
         return self._seen().moment(branch, tick)
 
     def orders(self, branch: int, after: int = 0) -> list[Journalled]:

@@ -122,7 +122,7 @@ def surface(name: str, frame: Frame) -> Surface:
 
 
 def way_made(frame: Frame) -> tuple[float, float]:
-    """Return track [deg] and speed [kn] over the ground; at rest the track is the heading."""
+    """Return track [deg] and speed [kn] over the ground. At rest the track is the heading."""
     if frame["held_position"]:
         return compass(frame["psi"], 2), 0.0
     north, east = frame["xdot"], frame["ydot"]

@@ -74,7 +74,7 @@ class Batch(NamedTuple):
 
 
 def states(parts: list[bytes], layout: tuple[str, ...]) -> Numbers:
-    """Return states of a layout as rows of this version's; what that layout lacks is zero.
+    """Return states of a layout as rows of this version's. What that layout lacks is zero.
 
     ValueError if one of them is not of the layout's length.
     """

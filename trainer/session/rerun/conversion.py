@@ -19,7 +19,7 @@ ROWS: Final = 4096  # [ticks] written at a time
 
 
 def write_record(recording: Recording, path: Path, branch: int) -> None:
-    """Write a branch and the past that led to it, with what happened then; a file is replaced.
+    """Write a branch and the past that led to it, with what happened then. A file is replaced.
 
     ConfigError or RecordingError if it cannot be read, OSError if the file cannot be written.
     """

@@ -65,7 +65,7 @@ def open_log(
 
 
 class Opened:
-    """A viewer that is opened first, for this machine alone; it stays when the run is over."""
+    """A viewer that is opened first, for this machine alone. It stays when the run is over."""
 
     def __init__(self, viewer: "Viewer", port: int) -> None:
         """Take the viewer to come, and where it is to listen."""

@@ -40,7 +40,7 @@ class Access:
         return text
 
     def admits(self, role: str, given: str) -> bool:
-        """Return whether a token will do for a role; how long that takes tells nothing of it.
+        """Return whether a token will do for a role. How long that takes tells nothing of it.
 
         Where tokens are asked for, a role that has none is nobody's.
         """

@@ -127,7 +127,7 @@ WHO_KNOW: Final = ("instructor", "diving", "observer")  # test depth
 
 
 def ranges(boat: Boat, role: Role) -> Iterator[tuple[str, str]]:
-    """Yield keys of the vessel's ranges and their values; what the boat lacks is not among them."""
+    """Yield keys of the vessel's ranges and their values. What the boat lacks is not among them."""
     hull, run, c = boat.file.hull, boat.file.run, boat.vessel
     for surface, letter in SURFACES.items():
         limit = math.degrees(float(c[f"limit_{letter}"])) if boat.toward[surface] else 0.0

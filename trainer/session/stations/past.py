@@ -123,7 +123,7 @@ def refusal(channel: str, role: Role) -> str:
 
 
 def read_states(kept: Path, span: Span) -> list[Found]:
-    """Return the states of a span that a recording holds; none where it cannot be read."""
+    """Return the states of a span that a recording holds. None where it cannot be read."""
     found = []
     try:
         recording = Recording.look(kept)

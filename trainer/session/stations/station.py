@@ -109,7 +109,7 @@ class Station:
 
     @property
     def rate(self) -> tuple[tuple[str, str], ...]:
-        """Return how many orders may be given here, as keys and values; none where all may."""
+        """Return how many orders may be given here, as keys and values. None where all may."""
         if not self.visits:
             return ()
         return ("second", str(ORDERS_A_SECOND)), ("once", str(ORDERS_AT_ONCE))
@@ -175,7 +175,7 @@ class Station:
         self.wishes.end(*self.wishes.channels)
 
     def close(self, patience: float) -> None:
-        """Leave, and close the line; after ``leave`` any thread may do it, since it may wait."""
+        """Leave, and close the line. After ``leave`` any thread may do it, since it may wait."""
         self.leave()
         self.line.close(patience)
 

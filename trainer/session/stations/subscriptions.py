@@ -91,7 +91,7 @@ class Roster:
             self._subscriptions = [s for s in self._subscriptions if s is not subscription]
 
     def serve(self, picture: Picture, now: float) -> float:
-        """Send the picture to all that may have it; return the time [s] until the next may."""
+        """Send the picture to all that may have it. Return the time [s] until the next may."""
         frame: Frame | None = None
         soonest = math.inf
         for subscription in self._subscriptions:
@@ -279,7 +279,7 @@ class Subscriptions:
 
 
 def unknown(channel: str, role: Role) -> str:
-    """Return why there is no such channel, naming the nearest that ``role`` has; "" if there is."""
+    """Return why there is no such channel, naming the nearest that ``role`` has. "" if there is."""
     if channel in (*CHANNELS, TELETYPE, EVENTS):
         return ""
     there = (*role.channels, EVENTS)

@@ -183,7 +183,7 @@ class SlipJudge:
 
 
 def keeper(clock: Clock, ledger: Ledger, speed: float, policy: Policy) -> Pacer | Unpaced:
-    """Return what paces ticks at ``speed``; an infinite speed is as fast as the machine allows."""
+    """Return what paces ticks at ``speed``. An infinite speed is as fast as the machine allows."""
     if math.isinf(speed):
         return Unpaced(clock, ledger)
     return Pacer(clock, ledger, speed, policy)

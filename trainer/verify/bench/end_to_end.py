@@ -54,7 +54,7 @@ class Line:
         return False
 
     def find(self, pattern: Pattern[bytes], until: float) -> Match[bytes] | None:
-        """Return the next match, and take it and what is before it; None if none comes in time."""
+        """Return the next match, and take it and what is before it. None if none comes in time."""
         while True:
             found = pattern.search(self.said)
             if found:
@@ -127,7 +127,7 @@ def time_helm(file: VesselFile, seconds: float) -> EndToEnd:
 
 
 def steer(helm: Line, instrument: Line, step: float, orders: int) -> Iterator[int]:
-    """Order the rudder about so often; yield how long [ns] each order took to be seen."""
+    """Order the rudder about so often. Yield how long [ns] each order took to be seen."""
     angle = reading(instrument, time.monotonic() + PATIENCE)
     for number, (words, sense) in zip(range(orders), itertools.cycle(ORDERS), strict=False):
         pause = time.monotonic() + step * phase(number)

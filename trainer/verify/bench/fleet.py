@@ -126,7 +126,7 @@ def level_per_s(file: VesselFile, level: str) -> float:
 
 
 def c_per_s(file: VesselFile) -> float | None:
-    """Return the ticks a second [1/s] of one boat in plain C; None without a compiler."""
+    """Return the ticks a second [1/s] of one boat in plain C. None without a compiler."""
     try:
         ticks = build(BUILDS[0])
     except NoCompilerError:

@@ -94,7 +94,7 @@ FITS: Final = 50
 
 @dataclass(frozen=True)
 class Row:
-    """One figure and the most it is wanted to be; None where it cannot be had here, and why."""
+    """One figure and the most it is wanted to be. None where it cannot be had here, and why."""
 
     name: str
     figure: float | None
@@ -121,7 +121,7 @@ class Speed:
 
 @dataclass(frozen=True)
 class Other:
-    """Another way to the same likelihood; ``make`` is None where it is not here, and why."""
+    """Another way to the same likelihood. ``make`` is None where it is not here, and why."""
 
     name: str
     make: Maker | None

@@ -43,7 +43,7 @@ def busy_thread() -> Iterator[None]:
 
 
 def main(seconds: str, step: str, *words: str) -> None:
-    """Print the lateness of a loop as JSON; ``realtime`` and ``busy`` may be among the words."""
+    """Print the lateness of a loop as JSON. ``realtime`` and ``busy`` may be among the words."""
     busy = busy_thread() if "busy" in words else contextlib.nullcontext()
     asked = Punctuality(realtime="realtime" in words)
     with busy:

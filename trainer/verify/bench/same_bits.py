@@ -38,7 +38,7 @@ class SameBits:
 
 
 def in_a_fleet(records: Records, count: int) -> int:
-    """Take ``count`` ticks as the last member of a fleet; return 1 where any member is lost.
+    """Take ``count`` ticks as the last member of a fleet. Return 1 where any member is lost.
 
     What members do that is not done side by side, such as a sea, is part of it.
     """

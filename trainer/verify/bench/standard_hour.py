@@ -79,7 +79,7 @@ def standard_boat() -> Boat:
 
 
 def fly_standard_hour(take: Ticks, last: int = TICKS) -> Boat:
-    """Return the boat after the hour, its ticks taken by ``take``; up to tick ``last`` if sooner.
+    """Return the boat after the hour, its ticks taken by ``take``. Up to tick ``last`` if sooner.
 
     RuntimeError if an order is refused or the boat loses its numbers.
     """

@@ -107,7 +107,7 @@ def take_ticks(
 
 
 def in_a_loop(records: Records, count: int) -> int:
-    """Take ``count`` ticks of a boat in the compiled loop; return the status of the last."""
+    """Take ``count`` ticks of a boat in the compiled loop. Return the status of the last."""
     vessel, compact, scheme, state, scratch = records
     return int(take_ticks(vessel, compact, scheme, count, state, scratch))
 

@@ -104,7 +104,7 @@ def interpreted_ns(vessel: str) -> float:
 
 
 def without_jit(file: VesselFile) -> float:
-    """Return the time [ns] of a tick in a sea by a Python without JIT; ConfigError if it fails."""
+    """Return the time [ns] of a tick in a sea by a Python without JIT. ConfigError if it fails."""
     done = subprocess.run(  # noqa: S603
         [sys.executable, "-c", CHILD, str(file.path)],
         env=os.environ | {"NUMBA_DISABLE_JIT": "1"},

@@ -215,7 +215,7 @@ def clock_set(bench: Bench, times: int) -> Tried:
 
 
 def build_clock(folder: Path) -> Path | None:
-    """Return a library that, loaded first, sets the time of day; None without a C compiler."""
+    """Return a library that, loaded first, sets the time of day. None without a C compiler."""
     compiler = shutil.which("cc")
     if compiler is None:
         return None

@@ -98,7 +98,7 @@ def schema_changed(path: Path, dice: random.Random) -> None:
 
 
 def alter(path: Path, table: int, column: int, value: int) -> None:
-    """Change the rows of a recording or, from SCHEMA on, its tables; any numbers will do."""
+    """Change the rows of a recording or, from SCHEMA on, its tables. Any numbers will do."""
     if table >= SCHEMA:
         _by_sql(path, SCHEMAS[value % len(SCHEMAS)])
         return

@@ -137,7 +137,7 @@ def is_journalled(recording: Recording, session: Session) -> Check:
 
 
 def is_told(by: Caller, words: str) -> bool:
-    """Return whether the session tells of it before long; what it has told is then forgotten."""
+    """Return whether the session tells of it before long. What it has told is then forgotten."""
     end = time.monotonic() + PATIENCE
     while time.monotonic() < end:
         by.ask("snapshots")  # brings what has been told meanwhile

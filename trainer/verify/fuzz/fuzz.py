@@ -61,7 +61,7 @@ Progress = Callable[[str, int], None]  # takes a target's name and the inputs do
 def fuzz(
     targets: list[Target], folder: Path, effort: Effort, jobs: int, progress: Progress
 ) -> Iterator[Found]:
-    """Yield what came of each target, so many at a time; ConfigError if atheris is missing.
+    """Yield what came of each target, so many at a time. ConfigError if atheris is missing.
 
     A target that was interrupted goes on from the inputs that ``folder`` says it has had.
     """

@@ -75,7 +75,7 @@ CHART: Final = Quantity("depth", "m", ("motion", "depth"), ("motion", "ordered_d
 
 
 def order(data: bytes) -> None:
-    """Read a line of words; an order reads back from its own wording as the same one."""
+    """Read a line of words. An order reads back from its own wording as the same one."""
     found = parse(text_of(data))
     if isinstance(found, Order) and found.name != "role" and len(found.text) <= 80:
         again = parse(found.text)
@@ -101,7 +101,7 @@ def stream(data: bytes) -> None:
 
 
 def instrument(data: bytes) -> None:
-    """Read a sentence of NMEA 0183; what it orders is in the words of the grammar."""
+    """Read a sentence of NMEA 0183. What it orders is in the words of the grammar."""
     heard = nmea.hear(text_of(data))
     ordered = meaning(heard) if isinstance(heard, nmea.Sentence) else None
     if isinstance(ordered, Command) and parse(ordered.words) is None:

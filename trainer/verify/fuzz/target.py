@@ -36,7 +36,7 @@ def text_of(data: bytes) -> str:
 
 @functools.cache
 def folder() -> "tempfile.TemporaryDirectory[str]":
-    """Return a folder of this process, for what has to be a file; it goes with the process."""
+    """Return a folder of this process, for what has to be a file. It goes with the process."""
     where = MEMORY if os.access(MEMORY, os.W_OK) else None
     return tempfile.TemporaryDirectory(prefix="trainer-fuzz-", dir=where)
 

@@ -97,7 +97,7 @@ class Core:
         self._tick = library.trainer_tick
 
     def tick(self) -> int:
-        """Advance by one step; return 0, or a status for ``failure`` with the state as it was."""
+        """Advance by one step. Return 0, or a status for ``failure`` with the state as it was."""
         return int(self._tick(*self._records))
 
     def failure(self, status: int) -> str:
