@@ -144,7 +144,7 @@ class Boat:
         order_sea(records.vessel, self.method.step, ramp, wanted, records.scratch, records.state)
 
     def stand_by(self) -> None:
-        """Let the autopilot, with hands on, make its integrals ready for a bumpless change."""
+        """Make the autopilot's integrals ready for a bumpless change, with hands on."""
         records = self.records
         stand_by_all(records.vessel, self.method.step, records.state, records.scratch)
 

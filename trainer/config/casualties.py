@@ -49,7 +49,7 @@ SIGNED_TIMES: Final = within(-10, 10)
 
 @dataclass(frozen=True)
 class Measure:
-    """What the severity of a kind is."""
+    """The meaning of a kind's severity."""
 
     limits: Limits
     meaning: str

@@ -1,4 +1,4 @@
-"""Conditions on the state, such as ``depth > 100`` or ``speed_kn < 4``, read from their text."""
+"""Conditions on the state are read from text. Examples are ``depth > 100`` and ``speed_kn < 4``."""
 
 import math
 import re
@@ -26,7 +26,7 @@ TURNS: Final = {"rpm": 1.0 / 60.0}
 
 @dataclass(frozen=True)
 class Quantity:
-    """What a condition may be about: its place in the state, its units, and what it is."""
+    """A quantity of conditions: its place in the state, its units, and its meaning."""
 
     place: str
     units: Mapping[str, float]

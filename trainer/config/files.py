@@ -49,7 +49,7 @@ class ConfigError(ValueError):
 
 @contextmanager
 def collecting(problems: list[str]) -> Iterator[None]:
-    """Add the problems of a ConfigError raised inside to ``problems`` and go on after the block."""
+    """Add the problems of a ConfigError inside the block to ``problems`` and go on."""
     try:
         yield
     except ConfigError as error:
@@ -88,7 +88,7 @@ def format_key(key: str) -> str:
 
 
 def quote(value: object) -> str:
-    """Return ``value`` about as TOML writes it, on one line and not longer than is readable."""
+    """Return ``value`` about as TOML writes it, on one line of readable length."""
     try:
         text = repr(value) if isinstance(value, float) else json.dumps(value, default=str)
     except ValueError:  # Python refuses to print integers of thousands of digits
@@ -116,7 +116,7 @@ def remembering() -> Iterator[dict[str, str]]:
 
 @contextmanager
 def reading_recorded(texts: Mapping[str, str]) -> Iterator[None]:
-    """Let this thread read ``texts`` inside the block, as remembered, and no file on disk."""
+    """Read ``texts`` inside the block, as remembered, in this thread. It reads no file on disk."""
     before = _recorded.set(texts)
     try:
         yield
@@ -182,7 +182,7 @@ def shipped(kind: str, name: str) -> Path:
 
 
 def is_path(name: str) -> bool:
-    """Return whether a name is that of a file of the user's: with a separator, or .toml."""
+    """Return whether a name is that of a user's file: with a separator, or .toml."""
     return name.endswith(".toml") or "/" in name or "\\" in name
 
 
@@ -201,7 +201,7 @@ def path_named(name_or_path: str, kind: str) -> Path:
 
 
 def beside(path: Path, name: str) -> str:
-    """Return a shipped file's name as it is, and a path as seen from the folder of ``path``."""
+    """Return a shipped file's name unchanged, and a path as seen from ``path``'s folder."""
     return str(path.parent / name) if is_path(name) else name
 
 
@@ -271,7 +271,7 @@ TOLD: Final = re.compile(r"(?:\[(?P<table>[^ ]+)\] )?(?:(?P<key>[\w-]+)(?:\[\d+\
 
 
 def lines_of(text: str) -> dict[tuple[str, str], int]:
-    """Return the line of each key by table and key, and of each table with no key.
+    """Return the line of each key by table and key. A table has its line with no key.
 
     A table of an array has its place in it: orders[2]. Tables within tables are not looked into.
     """
@@ -295,7 +295,7 @@ def lines_of(text: str) -> dict[tuple[str, str], int]:
 
 
 def numbered(problems: Iterable[str], text: str, file: str) -> list[str]:
-    """Return messages about a file, each with its line where that can be told, in their order."""
+    """Return messages about a file in their order. Each has its line where that can be told."""
     lines, head = lines_of(text), f"{file}: "
     found = [(_line_of(each, lines, head), each) for each in problems]
     found.sort(key=lambda each: each[0])

@@ -45,7 +45,7 @@ def above(low: float, high: float = math.inf) -> Limits:
 
 
 class Kind(Protocol):
-    """What a field holds: how it is checked, and its cells in the table of keys."""
+    """The kind of a field's value: its check, and its cells among the keys."""
 
     @property
     def cells(self) -> tuple[str, str, str]:
@@ -286,7 +286,7 @@ def kind_of(item: Field[Any]) -> Kind:
 
 
 def infinite(value: object, key: str, place: Place, depth: int = 0) -> list[str]:
-    """Return where a value that nobody reads holds a number that is none: nan or infinite."""
+    """Return where an unread value holds a number that is none: nan or infinite."""
     if isinstance(value, float) and not math.isfinite(value):
         return [place.wrong(key, value, "must be finite")]
     inner: Iterable[tuple[str, object]] = ()

@@ -184,7 +184,7 @@ def significant_height(sea: Sea, g: float) -> float:
 
 
 def peak_frequency(sea: Sea, g: float) -> float:
-    """Return the frequency of the peak [rad/s], of a calm that of the lowest swell of a knot."""
+    """Return the frequency of the peak [rad/s]. A calm has that of a knot's lowest swell."""
     if sea.period_s is not None:
         return 2.0 * math.pi / sea.period_s
     height = significant_height(sea, g)
@@ -213,7 +213,7 @@ def sea_settings(file: SeaFile, g: float) -> Numbers:
 
 
 def step_problem(wanted: Numbers, step: float) -> str:
-    """Return why a step [s] is too long for a sea by ``sea_settings``, '' if it is not.
+    """Return why a step [s] is too long for a sea, '' if it fits. The sea is by ``sea_settings``.
 
     Only the wave filter folds what lies above Nyquist into its bands.
     """

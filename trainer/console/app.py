@@ -1,4 +1,4 @@
-"""The screen of one role: drawings in rows, a line for orders, keys, and dialogs above them."""
+"""The screen of one role: rows of drawings, an order line, keys and dialogs."""
 
 import re
 from collections.abc import Callable, Mapping, Sequence
@@ -55,7 +55,7 @@ WORDS: Final = {
 
 @dataclass
 class Levers:
-    """What was last asked of each surface [deg], and when."""
+    """The last order to each surface [deg], and its time."""
 
     asked: dict[str, tuple[float, float]] = field(default_factory=dict)
     refused: int = 0
@@ -163,7 +163,7 @@ class Console(App[str], inherit_bindings=False):
             self.set_focus(None)
 
     def on_key(self, event: events.Key) -> None:
-        """Do what a key does, unless a dialog has it or an order is being typed.
+        """Do what a key does, unless a dialog or a half-typed order takes it.
 
         An instructor's line is always open: before it is, what was typed ahead is not obeyed.
         """

@@ -13,7 +13,7 @@ from trainer.console.pane import Lines, Pane, fit, line
 
 
 class Subject(Protocol):
-    """What a dialog is about, and the columns and rows it wants at most."""
+    """The subject of a dialog, and the columns and rows that it wants at most."""
 
     size: tuple[int, int]
 

@@ -1,4 +1,4 @@
-"""What to do at sea, asked before there is a session: sail freely, or one of the exercises."""
+"""The choice before a session: sail freely, or one of the exercises."""
 
 import textwrap
 from collections.abc import Sequence
@@ -20,7 +20,7 @@ NO_TITLE: Final = "No title has these letters. Backspace takes the last one away
 
 @dataclass
 class ExerciseChoice(Choice):
-    """The list of exercises by their titles, with the briefing of the one that is chosen.
+    """The list of exercises by their titles, with the briefing of the chosen one.
 
     The name of a file tells what is to go wrong: it is not shown.
     """

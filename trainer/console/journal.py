@@ -1,4 +1,4 @@
-"""What was ordered, answered and heard, by time, and the samples of the strip charts."""
+"""The orders, the answers and the news by time, and the strip charts' samples."""
 
 import bisect
 import math
@@ -118,7 +118,10 @@ class Trace:
         self.samples = [whole[seconds] for seconds in self.times]
 
     def series(self, quantity: int, span: float, columns: int) -> list[Sample | None]:
-        """Return a quantity over the last ``span`` [s] at so many times, None before the first."""
+        """Return a quantity at so many times over the last ``span`` [s].
+
+        It is None before the first.
+        """
         if not self.times:
             return [None] * columns
         end, found = self.times[-1], []

@@ -80,7 +80,7 @@ class Visit:
 
 
 def forget_size() -> None:
-    """Take no size from the environment: it may be that of another window, or of this one before.
+    """Take no size from the environment. It may be that of another window, or of an earlier one.
 
     Shells, and whoever reads lines typed, leave it there for the programs that they start.
     """

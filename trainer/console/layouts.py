@@ -1,4 +1,4 @@
-"""What the screen of each role is made of: its channels, its charts and its drawings, in rows."""
+"""The layout of each role's screen: its channels, its charts and its rows of drawings."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass

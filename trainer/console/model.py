@@ -1,4 +1,4 @@
-"""All that a screen knows of its session: what it shows, what was said, what was asked."""
+"""The model of a session on a screen: its values, its news, its questions."""
 
 import math
 import time
@@ -36,7 +36,7 @@ def gives_crew(words: str) -> bool:
 
 
 class Quantity(NamedTuple):
-    """What a chart shows: a name, a unit, and where the actual and the ordered value come from."""
+    """The contents of a chart: a name, a unit, the fields of actual and order."""
 
     name: str
     unit: str
@@ -48,7 +48,7 @@ class Quantity(NamedTuple):
 
 
 class Broken(NamedTuple):
-    """A casualty that can be had: how it is ordered unless said otherwise, and what it is."""
+    """A casualty on offer: its usual order, and its meaning."""
 
     name: str
     degree: str

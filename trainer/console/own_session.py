@@ -184,7 +184,9 @@ def sail(serve: Callable[[str], NoReturn], path: str | None, token: str | None) 
 
 
 def sail_beside(words: Sequence[str], token: str | None) -> int:
-    """Show the console of a session of one's own, a program of its own: `trainer` and ``words``.
+    """Show the console of one's own session, which is a separate program.
+
+    It is `trainer` and ``words``.
 
     For systems without fork and local sockets: it listens at a port of this machine, and asks for a
     token. Return its exit code.

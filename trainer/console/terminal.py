@@ -30,6 +30,6 @@ def draws(environment: Mapping[str, str], encoding: str) -> bool:
 
 
 def asked_beside() -> tuple[str, str]:
-    """Return address and token if this is the session of a console beside it, else "" and ""."""
+    """Return address and token of a console beside this session, else "" and ""."""
     address, _, word = os.environ.get(OWN, "").partition(" ")
     return address, word

@@ -1,4 +1,4 @@
-"""A file of the user's that is replaced at once and whole, or stays as it was."""
+"""A user's file is replaced at once and whole, or stays as it was."""
 
 import contextlib
 import os

@@ -1,4 +1,4 @@
-"""A teletype on a session: what is typed goes to it, what it says is printed."""
+"""A teletype on a session sends what is typed and prints the answers."""
 
 import os
 import signal

@@ -1,4 +1,4 @@
-"""What is said between those who order the crew, the crew and the instructor.
+"""The words between those who order the crew, the crew, and the instructor.
 
 An order to the crew stands in the boat's state; that it is new, repeated or repeated wrong is known
 here, from what was said. All of it is in the journal, and is made again from there after a jump in
@@ -65,7 +65,7 @@ class Spoken:
 
 
 class Repeat(NamedTuple):
-    """What was repeated, and whether it is what was ordered."""
+    """The words of a repeat, and whether they are those of the order."""
 
     spoken: Spoken
     right: bool
@@ -73,7 +73,7 @@ class Repeat(NamedTuple):
 
 @dataclass
 class CrewTalk:
-    """What has been said on board, as it stands now."""
+    """The orders and reports on board, as they stand now."""
 
     boat: Boat
     hand: frozenset[str] = frozenset()  # axes that the exercise has worked by hand
@@ -138,7 +138,7 @@ class CrewTalk:
         return notes.get(order.name, lambda: self._belayed(order))()
 
     def settle(self, entries: Iterable[Journalled], tick: int) -> None:
-        """Make all this again from the journal up to a tick, after a jump in time."""
+        """Make all this again from the journal up to a tick, after a jump."""
         self._spoken.clear()
         self.freed.clear()
         self.meeting = ""
@@ -242,7 +242,7 @@ class CrewTalk:
         return found
 
     def wrong_way(self, order: Order, role: str) -> list[Telling]:
-        """Return that an order by hand is to the other side than the crew was ordered, if it is.
+        """Return whether an order by hand goes to the wrong side of the crew's order.
 
         The first within ``LATE`` of the order counts: later ones may well meet the swing.
         """
@@ -414,7 +414,7 @@ def is_repeated(words: str, spoken: Spoken) -> bool:
 
 
 def means_the_same(said: Order, told: Order) -> bool:
-    """Return whether two orders to the crew are one, but for a side that is left out."""
+    """Return whether two orders to the crew are one. A side may be left out."""
     off = said.value - told.value
     if axis_of(said) != "course":
         return said.word == told.word and abs(off) < 1e-9

@@ -1,4 +1,7 @@
-"""What has happened in a session: recorded, told to whom it concerns, kept for who comes late."""
+"""The events of a session.
+
+They are recorded, told to whom they concern, and kept for latecomers.
+"""
 
 from collections import deque
 from collections.abc import Callable, Iterable

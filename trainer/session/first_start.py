@@ -69,7 +69,7 @@ def is_hurried(options: RunOptions) -> bool:
 
 
 def table(kind: str, name: Any) -> Mapping[str, Any]:
-    """Return what a shipped file or one of the user's says, {} if it cannot be read.
+    """Return the tables of a shipped file or a user's. {}: it cannot be read.
 
     What is wrong with it is told by who reads it in earnest.
     """
@@ -83,7 +83,7 @@ def table(kind: str, name: Any) -> Mapping[str, Any]:
 
 
 def complaints() -> bool:
-    """Return whether compiling beside a run has failed: then it is done where its user sees why."""
+    """Return whether compiling beside a run has failed. Then it is done where its user sees why."""
     path = cache_folder() / compilation.COMPLAINTS
     with compilation.compiling() as free:
         return free and path.exists() and path.stat().st_size > 0

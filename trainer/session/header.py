@@ -1,4 +1,4 @@
-"""The header of a recording: all that its run was made of, read back, and compared with today's.
+"""The header of a recording says how its run was made. It is read back and compared with today's.
 
 What a header holds, a text each: ``plan``, the form of the header; ``trainer``, ``core``,
 ``python``, ``numpy``, ``numba`` and ``machine``, what computed it; ``started``, when; and as JSON

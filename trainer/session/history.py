@@ -1,4 +1,4 @@
-"""Where a run has been: its orders journalled, its moments kept, and going back to one of them.
+"""The past of a run: orders in the journal, moments, and going back to one.
 
 A moment is everything that there is to go back to: the whole state, the orders it includes, and
 what of the exercise's schedule is done. From a moment gone back to a new branch of the recording
@@ -131,7 +131,7 @@ class Stretch:
 
 @dataclass
 class Rerun:
-    """A replay under way: the orders still to be given again, and the moment it leads to."""
+    """A replay under way: the orders still to come, and its last moment."""
 
     orders: deque[Journalled]
     end: Moment

@@ -1,4 +1,4 @@
-"""Orders to the crew beside the instruments: what is ordered, and how far it is to there."""
+"""Orders to the crew beside the instruments, with the distance to what is ordered."""
 
 from collections.abc import Sequence
 from typing import Final
@@ -150,7 +150,7 @@ def told_words(model: SessionModel) -> str:
 
 
 def crew_line(model: SessionModel, width: int) -> Line:
-    """Return what the crew is ordered and how far it is from it, for the instructor."""
+    """Return the crew's orders and the distance to each, for the instructor."""
     label = line((" crew   ", "dim"))
     new = model.crew.oldest
     if new:

@@ -1,4 +1,4 @@
-"""The attitude drawn: the boat from her side with her pitch, from astern with her heel."""
+"""The attitude: the boat from its side with its pitch, from astern with its heel."""
 
 import math
 from collections.abc import Sequence

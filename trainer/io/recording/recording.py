@@ -1,4 +1,4 @@
-"""A recording: one file of a run, its orders before they act, its states, and what happened.
+"""A recording is one file of a run. It has its orders before they act, its states and its events.
 
 It knows bytes, text and numbers; what they mean is its caller's affair. Orders, snapshots and
 forks are committed when the call returns; the rest is gathered, and a thread commits it within a
@@ -200,7 +200,7 @@ class Recording:
         return self.branch
 
     def go_on(self, moment: Moment) -> None:
-        """Go on after a gap, at a moment, in a new branch that tells what is missing."""
+        """Go on after a gap, at a moment, in a new branch. It tells what is missing."""
         parent = self._past.last_branch()
         last = self._past.last_tick(parent)
         self._gap = self.reachable = False

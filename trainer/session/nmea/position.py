@@ -1,4 +1,4 @@
-"""Where on the Earth she is: the plane that a boat sails on, laid on WGS 84 at an origin.
+"""The boat's place on the Earth. Its plane lies on WGS 84 at an origin.
 
 Her north and east are distances on a plane. Its points are put on the ellipsoid at their distance
 and bearing from the origin, along the geodesic. Seen from there all is exact; across that line the

@@ -1,4 +1,4 @@
-"""The scene: the boat with her moving surfaces, her track, the sea above, the depths that count.
+"""The scene: the boat, its moving surfaces, its track, the sea, the depths that count.
 
 The world is north, east and down [m], with its origin where the run's is. What surrounds the boat
 follows her in whole squares of its grid, so that she is seen to move through it.

@@ -13,7 +13,7 @@ UNITS = {"h": 3600.0, "m": 60.0, "s": 1.0}
 
 
 class Options:
-    """What was asked for."""
+    """The options of the command line."""
 
     def __init__(self, words: list[str]) -> None:
         """Read the words after ``trainer run``; WrongError naming the one that is wrong."""
