@@ -87,7 +87,10 @@ def crew_card(
 
 
 def study(name: str, count: int) -> Study:
-    """Return an exercise flown at its own seed and others, ``count`` in all where seeds matter."""
+    """Return an exercise flown at its own seed and others.
+
+    There are ``count`` where seeds matter.
+    """
     own = fly_at(name)
     seeds = [own.plan.seed]
     if varies(name, own.plan):

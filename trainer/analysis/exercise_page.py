@@ -1,4 +1,4 @@
-"""The commands ``trainer exercise new`` and ``check``: a file to begin with, and what one says.
+"""The commands ``trainer exercise new`` and ``check`` write a file, and say what one is.
 
 A check flies the exercise with nobody aboard and with its reference crew, and tells what a run
 would refuse.
@@ -41,7 +41,7 @@ NAMED: Final = re.compile(r'^name = "[^"]*"', re.MULTILINE)
 
 
 def write_new(path: Path, name: str | None, source: str | None) -> None:
-    """Write a valid exercise to begin with, or a copy of a shipped one with comments.
+    """Write a valid exercise to begin with, or a shipped one with comments.
 
     ConfigError if the file is there or cannot be made, or no exercise has that name.
     """
@@ -83,7 +83,7 @@ def _as_typed(path: Path) -> str:
 
 @dataclass(frozen=True)
 class Checked:
-    """An exercise flown for its check: by nobody, and by its crew if it has one."""
+    """An exercise flown for its check by nobody, and by its crew if it has one."""
 
     plan: Plan
     nobody: Rehearsal

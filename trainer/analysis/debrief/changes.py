@@ -1,4 +1,4 @@
-"""What the instructor has changed in the marks of a run, each with a reason; the old ones stand.
+"""The instructor changes the marks of a run, each with a reason. The old ones stand.
 
 Changes are kept beside the recording: drill.changes.toml beside drill.trainer. The recording
 itself stays as it was flown.
@@ -45,7 +45,7 @@ class Change:
 
 @dataclass(frozen=True, kw_only=True)
 class Head:
-    """What begins the file."""
+    """The beginning of the file."""
 
     schema: str = of(Choice((SCHEMA,), "form of the file"))
 

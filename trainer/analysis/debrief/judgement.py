@@ -56,13 +56,16 @@ def judge(
 
 
 def plain_marks(trajectory: Trajectory, plan: Plan, width: str = "qualified") -> dict[str, float]:
-    """Return the marks of each rule by name [%], nothing taken off: with nobody aboard, all b."""
+    """Return the marks of each rule by name [%], with nothing taken off.
+
+    With nobody aboard they are all b.
+    """
     scores = score(trajectory, widened(plan.scores, width)).scores
     return {each.name: each.marks or 0.0 for each in scores}
 
 
 def widened(rules: tuple[Rule, ...], width: str) -> tuple[Rule, ...]:
-    """Return the rules at a width: bands and the way from full to zero so much wider."""
+    """Return the rules at a width. Bands, and the way from full to zero, are so much wider."""
     factor = WIDTHS[width]
     if factor == 1.0:
         return rules
@@ -190,7 +193,7 @@ def _broken(trajectory: Trajectory) -> Iterator[str]:
 
 
 def first_for(holds: Rows, seconds: float, trajectory: Trajectory) -> int | None:
-    """Return the first row from which something holds for so long, None if it never does."""
+    """Return the first row from which something holds for so long. None: it never does."""
     edges = np.flatnonzero(np.diff(np.concatenate(([False], holds, [False])).astype(int)))
     times = trajectory.seconds
     for first, after in edges.reshape(-1, 2):
@@ -226,7 +229,7 @@ LEAST_TOLD: Final = 0.5  # [%] of the marks that is worth one
 
 @dataclass(frozen=True)
 class Cost:
-    """What cost some of the marks."""
+    """A cause that cost some of the marks."""
 
     marks: float  # [%] of the total
     told: str

@@ -86,7 +86,7 @@ Parameters = dict[str, float | str]
 
 
 def parameters(manoeuvre: Manoeuvre) -> Parameters:
-    """Return what a manoeuvre is flown with by the names of PARAMETERS, [deg], [s] and [kn].
+    """Return a manoeuvre's parameters by the names of PARAMETERS, in [deg], [s] and [kn].
 
     What is left to the vehicle, such as full ahead, is not among them.
     """

@@ -192,7 +192,7 @@ class RollDecay(Manoeuvre):
 
 @dataclass(frozen=True)
 class Meander(Manoeuvre):
-    """Planes to rise or to dive until the pitch reaches its mark, then neutral, and held."""
+    """The planes move until the pitch reaches its mark, then stay at neutral."""
 
     needs: ClassVar[tuple[str, ...]] = ("planes",)
     compared: ClassVar[tuple[str, ...]] = ("u", "z", "theta")
@@ -248,7 +248,7 @@ EARLY: Final = 1e-9  # [s] rounding
 
 @dataclass(frozen=True)
 class Overshoot(Manoeuvre):
-    """Planes to one way until a pitch, as far to the other until depth turns back, then neutral."""
+    """The planes go one way until a pitch, as far back until depth turns, then to neutral."""
 
     needs: ClassVar[tuple[str, ...]] = ("planes",)
     compared: ClassVar[tuple[str, ...]] = ("u", "z", "theta")

@@ -1,4 +1,4 @@
-"""Some members of a study and what became of them, and whoever makes that out of their numbers."""
+"""Some members of a study, their results, and the functions that find these."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -34,7 +34,7 @@ class Batch:
 
 
 class Subject(Protocol):
-    """What every member of a study is."""
+    """The common part of every member of a study."""
 
     @property
     def outputs(self) -> tuple[Output, ...]:

@@ -114,7 +114,7 @@ def go_out(plan: Plan) -> Outing:
 
 
 def due(plan: Plan, place: int) -> int:
-    """Return the first tick not before the time of an order, at which a session carries it out."""
+    """Return the first tick not before an order's time. A session carries it out there."""
     return math.ceil(plan.schedule[place].seconds / plan.method.step - 1e-9)
 
 

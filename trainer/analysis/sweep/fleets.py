@@ -1,4 +1,4 @@
-"""The members of a study as one fleet: records, starts and orders for all of them at once.
+"""The members of a study as one fleet, with records, starts and orders together.
 
 Each is the boat that ``Submarine`` would be, to the bit; a test holds it.
 """
@@ -54,7 +54,7 @@ class Ready:
 
 
 def toward_of(coefficients: Mapping[str, Any], count: int) -> dict[str, Numbers]:
-    """Return the sign of a deflection that turns right or makes the boat rise, by surface."""
+    """Return the sign of a surface's deflection that turns right or makes it rise."""
     found = {}
     for surface, (name, sign) in SENSES.items():
         effect = sign * np.broadcast_to(np.asarray(coefficients[name], float), count)

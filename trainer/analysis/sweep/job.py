@@ -1,4 +1,4 @@
-"""What is sent to whoever flies members: the study, and every file it reads, as text."""
+"""The job for whoever flies members: the study, and every file it reads."""
 
 import hashlib
 import json

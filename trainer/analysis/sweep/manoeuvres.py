@@ -1,4 +1,4 @@
-"""Members that fly a manoeuvre: in fleets where orders are known beforehand, else one by one."""
+"""Members fly a manoeuvre in fleets where orders are known, else one by one."""
 
 from collections.abc import Iterable, Mapping
 from dataclasses import asdict, dataclass, replace

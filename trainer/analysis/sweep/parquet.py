@@ -25,7 +25,7 @@ def check_pyarrow() -> None:
 
 
 def schema_of(opened: Opened) -> Any:
-    """Return the columns of a study's result: seeds, numbers drawn, what is kept, and why not."""
+    """Return a result's columns: seeds, numbers drawn, outputs, and why there are none."""
     import pyarrow as pa  # noqa: PLC0415 - half a second, and not always there
 
     middle = opened.study.draws.middle()
@@ -92,6 +92,6 @@ def join_parts(tables: Iterable[Any], job: Job, schema: Any) -> Any:
 
 
 def facts_of(table: Any) -> dict[str, Any]:
-    """Return the facts that a result follows from, none if it is no result of a study."""
+    """Return the facts that a result follows from. There are none if it is of no study."""
     found: dict[str, Any] = json.loads((table.schema.metadata or {}).get(FACTS, b"{}"))
     return found

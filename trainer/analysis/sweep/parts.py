@@ -1,4 +1,4 @@
-"""Finished members on disk: a folder beside the result, a file for each chunk, and a manifest."""
+"""Finished members on disk: a folder, a file for each chunk, and a manifest."""
 
 import json
 import os

@@ -1,4 +1,4 @@
-"""A study from its file: what every member is, what differs among them, and what is kept."""
+"""A study from its file: the common part, the differences, the outputs."""
 
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, fields, replace
