@@ -56,6 +56,7 @@ SHORTER = (
     ("--inputs 100000", "--inputs 100"),
     ("trainer bench", "trainer bench --seconds 1"),
     ("--armax --most 5", "--armax --most 2"),
+    ("--model 1 --vessel bb2", "--model 1 --vessel bb2 --every 20"),
 )
 KEPT = "state/submarine-trainer/recordings"
 FLIGHT = "trainer run {} --headless --speed max"
@@ -91,7 +92,7 @@ SLOW = {  # [command] that takes minutes, as its subject is
 STUDY = """schema = "identify/1"
 name = "A trial"
 data = "trial.trainer"
-every = 10
+every = 20
 
 [ship]
 length_m = 70.2

@@ -184,7 +184,7 @@ class Constant:
 
 @dataclass(frozen=True)
 class Coefficient:
-    """One of the 131 terms: in the file, in the full set, in the compact sets."""
+    """One of the 131 terms, in the file, the full set and the compact sets."""
 
     symbol: str
     mnemonic: str  # of 1969

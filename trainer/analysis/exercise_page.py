@@ -83,7 +83,7 @@ def _as_typed(path: Path) -> str:
 
 @dataclass(frozen=True)
 class Checked:
-    """An exercise flown for its check by nobody, and by its crew if it has one."""
+    """An exercise flown for its check, by nobody and by its own crew."""
 
     plan: Plan
     nobody: Rehearsal

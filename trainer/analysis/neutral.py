@@ -96,7 +96,10 @@ class Neutral:
 
 
 def sides(file: VesselFile, plane: str) -> tuple[Side, Side]:
-    """Return the equation for w > 0 and w < 0 by "stern" or "bow" planes."""
+    """Return the equation for w > 0 and w < 0 by one pair.
+
+    It is the "stern" or the "bow" pair.
+    """
     c, hull = file.coefficients, file.hull
     force, moment = c[f"Z_d{plane[0]}"], c[f"M_d{plane[0]}"]
 

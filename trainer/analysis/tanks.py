@@ -190,7 +190,7 @@ def _add_parts(hull: Weight, parts: Sequence[Weight]) -> tuple[float, float, flo
 
 
 def outline(file: VesselFile, fixed: Weight, free: Sequence[Weight]) -> NDArray[np.float64]:
-    """Return the corners of all W - B [N] and x_G W - x_B B [N m].
+    """Return the corners of all weights and moments. They are W - B [N] and x_G W - x_B B [N m].
 
     They are in order and closed, (n, 2).
 

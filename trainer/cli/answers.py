@@ -48,7 +48,7 @@ def show(
     panels: Callable[[], tuple[Any, ...]],
     how: dict[str, Any],
 ) -> None:
-    """Draw the plot that is asked for and print ``report`` as a page or as JSON."""
+    """Draw the plot asked for. Print ``report`` as a page or as JSON."""
     import json  # noqa: PLC0415
     from dataclasses import asdict  # noqa: PLC0415
 

@@ -147,7 +147,7 @@ def check(file: str) -> None:
 @click.argument("file", type=EXERCISE)
 @click.option("--seeds", type=click.IntRange(1, 1000), default=20, show_default=True)
 def baseline(file: str, seeds: int) -> None:
-    """Fly an exercise with nobody aboard and with its reference crew; keep their marks beside it.
+    """Fly an exercise with nobody aboard and with its reference crew. Keep their marks beside it.
 
     \b
     Example:  trainer exercise baseline depth-changes

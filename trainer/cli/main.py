@@ -93,7 +93,7 @@ for title, commands in SECTIONS.items():
 
 
 def keep_standard_streams() -> None:
-    """Put the null device where one is closed, or the next file opened would take its number."""
+    """Put the null device where one is closed. Else the next file opened would take its number."""
     while (descriptor := os.open(os.devnull, os.O_RDWR)) <= 2:
         pass
     os.close(descriptor)
@@ -109,7 +109,7 @@ def fail(code: int, *lines: str) -> NoReturn:
 
 
 def main() -> None:
-    """Run the command line; what the user got wrong is told on stderr, exit code 2."""
+    """Run the command line. A user's mistake is told on stderr, exit code 2."""
     keep_standard_streams()
     try:
         sys.exit(cli(prog_name="trainer", standalone_mode=False))

@@ -1,4 +1,7 @@
-"""The engineer's programs of 1969 that ask a vessel file; those that ask runs are in responses."""
+"""The engineer's programs of 1969 that read a vessel file.
+
+Those that read runs are in responses.
+"""
 
 from typing import Any, Final
 

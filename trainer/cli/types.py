@@ -13,7 +13,7 @@ from click.shell_completion import CompletionItem
 
 
 class Commands(click.Group):
-    """A group that lists its commands by section, and answers a mistyped one with the nearest."""
+    """A group that lists its commands by section. It answers a mistyped one with the nearest."""
 
     def __init__(self, *args: Any, **attributes: Any) -> None:
         super().__init__(*args, **attributes)
@@ -165,7 +165,9 @@ class Word(click.ParamType[str]):
 def complete_files(
     incomplete: str, endings: tuple[str, ...], *, alone: bool = True
 ) -> list[CompletionItem]:
-    """Return the files with those endings, any without, and the folders, for a word half typed.
+    """Return the files with those endings, and the folders, for a half-typed word.
+
+    No ending: any file.
 
     The shell itself completes folders where nothing else fits (``alone``), and names with spaces.
     """

@@ -136,7 +136,7 @@ def soak(*, real_time: bool, seed: int, as_json: bool, **how: Any) -> None:
 
 
 def try_stress(orders: int, hours: float, seed: int, *, as_json: bool) -> int:
-    """Stress every boat by every set, and print what came of it; return the exit code."""
+    """Stress every boat by every set, and print the results. Return the exit code."""
     from trainer.verify.page import as_json as text_of  # noqa: PLC0415
     from trainer.verify.soak.stress import HEAD, row, stress  # noqa: PLC0415
 

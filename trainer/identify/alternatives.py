@@ -1,4 +1,8 @@
-"""A fitted model against simpler ones of the same record: is it worth its parameters? (MI 8.3).
+"""A fitted model is tested against simpler ones of the same record.
+
+It has to be worth its parameters. Is it worth its parameters?
+
+(MI 8.3).
 
 Other ships that a record allows: drawn from what it leaves open, and what they do (MI 8.5).
 
@@ -110,7 +114,7 @@ PAIRED: Final = 0.025  # [-] share of complex pairs from which T1 and T2 are not
 
 
 class Band(NamedTuple):
-    """What 95 % of the ships do: the lowest, the middle and the highest at each time."""
+    """The range of 95 % of the ships: lowest, middle and highest at each time."""
 
     t: Numbers  # (n,) [s]
     low: Numbers  # (n, y)
@@ -199,7 +203,7 @@ def _draw_parameters(names: tuple[str, ...], theta: Numbers, covariance: Numbers
 
 
 def step_of(fitted: Fitted) -> Numbers:
-    """Return a rudder (n,) [deg] that goes to 1 degree after an interval, until she has settled."""
+    """Return a rudder (n,) [deg] that goes to 1 degree after the ship has settled."""
     plant, samples = fitted.problem.plant, fitted.problem.samples
     told = dict(zip(fitted.quantity_names, fitted.told.values, strict=True))
     slowest = abs(told["T1"]) or plant.period

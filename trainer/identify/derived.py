@@ -1,4 +1,4 @@
-"""What the parameters of a model say about the ship: gains, time constants, stability."""
+"""The parameters of a model give the ship's gains, time constants and stability."""
 
 import math
 from typing import Final

@@ -1,4 +1,4 @@
-"""What is wrong with a record before anything is fitted to it, by column and row.
+"""The faults of a record before any fit, by column and row.
 
 What cannot be used is refused with a ConfigError; what may mislead is told.
 """

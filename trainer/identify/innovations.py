@@ -1,4 +1,4 @@
-"""What a model makes of a record, sample by sample: predictions, errors, outliers, losses."""
+"""A model's view of a record by sample: predictions, errors, outliers, losses."""
 
 import math
 from dataclasses import dataclass

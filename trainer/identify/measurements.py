@@ -1,4 +1,4 @@
-"""A record of a ship under helm: times, rudder and what was measured, SI and radians.
+"""A record of a ship under helm: times, rudder, measurements, SI and radians.
 
 The rudder is positive when it turns the ship to port (trailing edge to port), as in the report and
 in the trainer; a source with the other sign says so in the study file.

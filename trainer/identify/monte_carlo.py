@@ -142,7 +142,7 @@ def _check(rows: tuple[Parameter, ...], table: IdentificationTable, file: str) -
 
 
 def experiment(rehearsal: Rehearsal, table: IdentificationTable) -> tuple[Problem, Numbers]:
-    """Return the problem at the start of its search, and the true values (f,) of what is free."""
+    """Return the problem at its search's start, and the true values (f,) of free parameters."""
     bit = max(1, round(table.bit_s / table.interval_s))
     sequence = hold_bits(prbs(table.register_bits), table.amplitude_deg, bit)
     problem = rehearsal.problem(np.resize(sequence, table.samples))

@@ -1,4 +1,4 @@
-"""A study as the command line asks for it: a file's own, or made up from a plain record."""
+"""A study by the command line: a file's own, or one of a plain record."""
 
 from dataclasses import replace
 from pathlib import Path

@@ -36,7 +36,7 @@ EMPTY: Final = ("", "nan", "na", "null", "-")
 
 @dataclass(frozen=True)
 class Column:
-    """Where a channel is found: a column of the source, what its numbers are times in SI."""
+    """The source of a channel: its column, and the factor from its unit to SI."""
 
     name: str
     scale: float

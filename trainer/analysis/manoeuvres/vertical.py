@@ -248,7 +248,7 @@ EARLY: Final = 1e-9  # [s] rounding
 
 @dataclass(frozen=True)
 class Overshoot(Manoeuvre):
-    """The planes go one way until a pitch, as far back until depth turns, then to neutral."""
+    """The planes go one way until a pitch, then back until depth turns, then neutral."""
 
     needs: ClassVar[tuple[str, ...]] = ("planes",)
     compared: ClassVar[tuple[str, ...]] = ("u", "z", "theta")

@@ -1,4 +1,4 @@
-"""A bare loop of the session's clock, and how late its ticks begin: measured by ``on_time``."""
+"""A bare loop of the session's clock. ``on_time`` measures how late its ticks begin."""
 
 import contextlib
 import json
@@ -26,7 +26,7 @@ def beat(seconds: float, step: float) -> Summary:
 
 @contextlib.contextmanager
 def busy_thread() -> Iterator[None]:
-    """Let a thread of this process keep the interpreter busy inside the block."""
+    """Keep the interpreter busy by a thread of this process inside the block."""
     over = threading.Event()
 
     def work() -> None:

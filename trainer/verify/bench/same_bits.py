@@ -1,4 +1,4 @@
-"""The standard hour in every way that this machine can compute it: one set of bits, or not."""
+"""The standard hour in every way of this machine, with one set of bits."""
 
 import os
 import subprocess
@@ -50,7 +50,7 @@ def in_a_fleet(records: Records, count: int) -> int:
 
 
 def in_another_process(environment: dict[str, str], last: int = TICKS) -> str:
-    """Return the digest of the hour up to ``last`` by a Python with other settings of numba.
+    """Return the digest of the hour up to ``last``. Another Python has other settings of numba.
 
     ConfigError if it fails.
     """

@@ -23,7 +23,7 @@ from trainer.session.time.pacer import Clock, MonotonicClock
 
 @dataclass
 class Deadlines:
-    """What a witness has seen."""
+    """The readings of a witness."""
 
     seen: int = 0  # deadlines that differ from the one before
     adrift: int = 0  # of them, not first + k h rounded down, for any whole k

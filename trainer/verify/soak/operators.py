@@ -81,7 +81,7 @@ LOST: Final = "FROZEN: "
 
 @dataclass
 class Watchbill:
-    """What all operators share."""
+    """The common part of all operators."""
 
     session: SessionProcess
     pause: Callable[[Random], float]  # [s] after an order
