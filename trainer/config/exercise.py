@@ -1,9 +1,4 @@
-"""An exercise from its file. Its settings, orders, casualties and limits are all checked at load.
-
-What a file leaves out is as ``trainer run`` has it without an exercise.
-
-What an exercise file may say, table by table: keys, units and limits.
-"""
+"""An exercise from its file, checked at load. What it leaves out is as in a run without one."""
 
 import hashlib
 import math
