@@ -44,6 +44,7 @@ SHORTER = (
     *([] if find_browser() else [(r" --pdf \S+", "")]),
     ("~/", "./"),
     ("baseline depth-changes", "baseline depth-changes --seeds 1"),
+    ("-o boat-compact.toml", "--check"),  # a search takes half an hour
     ("--seeds 5", "--seeds 1"),
     ("turn-uncertainty --plot", "turn-uncertainty --members 4 --plot"),
     ("--scheduler tcp://127.0.0.1:8786", "--members 2"),
@@ -56,7 +57,7 @@ SHORTER = (
     ("--inputs 100000", "--inputs 100"),
     ("trainer bench", "trainer bench --seconds 1"),
     ("--armax --most 5", "--armax --most 2"),
-    ("--model 1 --vessel bb2", "--model 1 --vessel bb2 --every 20"),
+    ("--model 1 --vessel bb2", "--model 1 --vessel bb2 --every 10"),
 )
 KEPT = "state/submarine-trainer/recordings"
 FLIGHT = "trainer run {} --headless --speed max"
@@ -92,7 +93,7 @@ SLOW = {  # [command] that takes minutes, as its subject is
 STUDY = """schema = "identify/1"
 name = "A trial"
 data = "trial.trainer"
-every = 20
+every = 10
 
 [ship]
 length_m = 70.2
@@ -175,6 +176,11 @@ class Typist:
             assert self.served.returncode == 0
         self.served = None
 
+    def kill(self) -> None:
+        """Kill the session that is still served, where a test has failed."""
+        if self.served is not None:
+            self.served.kill()
+
 
 @pytest.fixture
 def typist(tmp_path: Path) -> Iterator[Typist]:
@@ -190,7 +196,7 @@ def typist(tmp_path: Path) -> Iterator[Typist]:
     write_run(tmp_path)
     found = Typist(tmp_path)
     with contextlib.ExitStack() as at_the_end:
-        at_the_end.callback(lambda: found.served and found.served.kill())
+        at_the_end.callback(found.kill)
         yield found
         found.end()
 

@@ -25,7 +25,7 @@ Matrix = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Linear:
-    """Matrices of d(motion)/dt = A motion + B controls. Orders are those of MOTION and CONTROLS, SI."""
+    """Matrices of d(motion)/dt = A motion + B controls, by MOTION and CONTROLS, SI."""
 
     A: Matrix
     B: Matrix
