@@ -55,6 +55,7 @@ SHORTER = (
     ("--stress 2000 --hours 10", "--stress 2 --hours 0.01"),
     ("--on-time --minutes 10", "--on-time --minutes 0.05"),
     ("--inputs 100000", "--inputs 100"),
+    ("bench --all", "bench --footprint"),  # minutes of measuring
     ("trainer bench", "trainer bench --seconds 1"),
     ("--armax --most 5", "--armax --most 2"),
     ("--model 1 --vessel bb2", "--model 1 --vessel bb2 --every 10"),

@@ -56,7 +56,7 @@ def zig_zag(problem: Problem, angle: float) -> tuple[Numbers, Numbers]:
 
 
 def bent_hull() -> Iterator[Figure]:
-    """Yield S10: the linear fit has too small an N_v, the smallest from the largest helm."""
+    """Yield S10: the linear fit has too small an N_v, smallest at the largest helm."""
     true = HULL.truth["N_v"]
     found = {}
     for angle in (5.0, 10.0, 20.0):
