@@ -1,6 +1,5 @@
 """Every command in the documents is run in an empty folder; the tutorial's in test_tutorial.py."""
 
-import os
 import re
 import subprocess
 import sys
@@ -8,14 +7,10 @@ from pathlib import Path
 
 import pytest
 from helpers import report_1969
+from helpers.shell import ran
 
 ROOT = Path(__file__).parent.parent
 PAGES = [*sorted(ROOT.glob("docs/*.md")), ROOT / "README.md"]
-FILES = {
-    "turn.txt": "30 rudder right 15\n",
-    "states.jsonl": '{"u": 5, "v": 0, "w": 0, "p": 0, "q": 0, "r": 0, "phi": 0, "theta": 0, '
-    '"psi": 0, "delta_r": 0, "delta_s": 0, "delta_b": 0, "u_c": 5}\n',
-}
 
 
 def commands(page: Path) -> list[str]:
@@ -38,7 +33,6 @@ def shown(page: Path) -> dict[str, str]:
     return dict(re.findall(r"```sh\n([^\n]*)\n```\n+```seen\n(.*?)```", text, re.DOTALL))
 
 
-Done = subprocess.CompletedProcess[str]
 SHOWN = {line: text for page in PAGES for line, text in shown(page).items()}
 FIRST_PAGES = {line: page for page in reversed(PAGES) for line in commands(page)}
 CASES = [
@@ -50,27 +44,6 @@ CASES = [
 
 def test_there_are_commands_to_run() -> None:
     assert len(CASES) > 8
-
-
-def ran(line: str, folder: Path) -> Done:
-    """Run a command of the documents in a folder; return what it did."""
-    for name, text in FILES.items():
-        (folder / name).write_text(text, encoding="utf-8")
-    path = os.pathsep.join([str(Path(sys.executable).parent), os.environ["PATH"]])
-    if "bench" in line and "--seconds" not in line:
-        line = line.replace("trainer bench", "trainer bench --seconds 1", 1)
-    if "serve" in line:
-        line = f"{line} --duration 1 --listen 127.0.0.1:0"
-    return subprocess.run(
-        ["sh", "-c", line],
-        cwd=folder,
-        env=os.environ | {"PATH": path},
-        input="" if "printf" in line else "status\nquit\n",
-        capture_output=True,
-        text=True,
-        timeout=300,
-        check=False,
-    )
 
 
 @pytest.mark.parametrize("line", CASES)

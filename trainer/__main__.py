@@ -1,4 +1,4 @@
-"""The command: a run on an exported core, or any other with the libraries that it needs."""
+"""The command. A run on an exported core loads none of the libraries that others need."""
 
 import gc
 import sys

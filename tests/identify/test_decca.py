@@ -1,6 +1,5 @@
 """Decca: lanes to places, places to sway velocity, against the golden vectors."""
 
-import json
 import math
 from pathlib import Path
 from typing import Any
@@ -8,7 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 from click.testing import CliRunner
-from helpers.places import DATA
+from helpers.decca_run import CASES, CHAIN, TRACK, write_run
 
 from trainer.cli.identify import decca
 from trainer.config.files import ConfigError
@@ -29,39 +28,6 @@ from trainer.identify.decca import (
 )
 from trainer.identify.decca_study import load_decca, load_readings, sail, write_track
 from trainer.identify.sources import Column, load_record
-
-CASES = json.loads((DATA / "identification" / "decca.json").read_text())
-CHAIN = {
-    colour: Slave(Point(*place), CASES["chain"]["lane_width"][colour])
-    for colour, place in CASES["chain"]["slaves"].items()
-}
-TRACK = CASES["track"]
-
-FILE = """
-schema = "decca/1"
-name = "a run off the coast"
-data = "lanes.csv"
-start_east_m = {east}
-start_north_m = {north}
-
-[[slaves]]
-colour = "red"
-east_m = 60000
-north_m = 70000
-lane_m = 881.3235294117648
-
-[[slaves]]
-colour = "green"
-east_m = 95000
-north_m = -20000
-lane_m = 1175.0980392156862
-
-[[slaves]]
-colour = "purple"
-east_m = -40000
-north_m = -80000
-lane_m = 705.0588235294117
-"""
 
 
 @pytest.mark.parametrize("case", CASES["lanes"], ids=lambda case: case["colour"])
@@ -158,17 +124,7 @@ def test_convergence_grows_with_latitude() -> None:
 
 def run(tmp_path: Path, antenna: Any = 0.0, extra: Any = "") -> Any:
     """Write lanes of the known track and its study; return the study."""
-    x, y, psi = (np.array(TRACK[key]) for key in ("x0", "y0", "psi"))
-    east, north = 30000.0 + y, 20000.0 + x  # the axis x0 is north
-    east, north = east + antenna * np.sin(psi), north + antenna * np.cos(psi)
-    lines = ["t,heading,red,green,purple"]
-    for i, place in enumerate(map(Point, east, north)):
-        lanes = (repr(float(lane_at(CHAIN[c], place))) for c in ("red", "green", "purple"))
-        lines.append(f"{5.0 * i},{math.degrees(psi[i])!r},{','.join(lanes)}")
-    (tmp_path / "lanes.csv").write_text("\n".join(lines) + "\n")
-    text = FILE.format(east=float(east[0]), north=float(north[0])) + extra
-    (tmp_path / "run.toml").write_text(text)
-    return load_decca(tmp_path / "run.toml")
+    return load_decca(write_run(tmp_path, antenna, extra))
 
 
 def test_lanes_of_a_known_track_give_its_sway_velocity(tmp_path: Path) -> None:

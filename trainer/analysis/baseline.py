@@ -56,12 +56,12 @@ class Study:
 
 
 def fly_at(name: str, seed: int | None = None) -> Flown:
-    """Return an exercise flown at a seed, or at its own; ConfigError if it cannot be."""
+    """Return an exercise flown at a seed, or at its own. ConfigError if it cannot be."""
     return fly_both(planned(name, seed))
 
 
 def planned(name: str, seed: int | None = None) -> Plan:
-    """Return the plan of an exercise at a seed, or at its own; ConfigError if it has no end."""
+    """Return the plan of an exercise at a seed, or at its own. ConfigError if it has no end."""
     options = RunOptions(exercise=name)
     if seed is not None:
         options = RunOptions(exercise=name, seed=seed, given=frozenset({"seed"}))
@@ -87,7 +87,10 @@ def crew_card(
 
 
 def study(name: str, count: int) -> Study:
-    """Return an exercise flown at its own seed and others, ``count`` in all where seeds matter."""
+    """Return an exercise flown at its own seed and others.
+
+    There are ``count`` where seeds matter.
+    """
     own = fly_at(name)
     seeds = [own.plan.seed]
     if varies(name, own.plan):

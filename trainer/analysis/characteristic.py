@@ -65,7 +65,7 @@ class Law(NamedTuple):
 
 @dataclass(frozen=True)
 class Linear:
-    """E dx/dt = F x in the order of ``names``, SI or the units of the vessel."""
+    """The system E dx/dt = F x, in the order of ``names``. It is in SI or the vessel's units."""
 
     names: tuple[str, ...]
     E: Matrix
@@ -149,7 +149,10 @@ def with_depth(free: Linear, speed: float) -> Linear:
 
 
 def under_surface(linear: Linear, file: VesselFile, speed: float, depth: float) -> Linear:
-    """Return motions w, q, theta, z with the surface's change with depth [m] at ``speed`` [m/s]."""
+    """Return motions w, q, theta, z at ``speed`` [m/s].
+
+    They hold the surface's change with depth [m].
+    """
     surface = surface_at(file, speed, depth)
     area = 0.5 * file.fluid.rho * file.hull.length**2 * speed**2
     F = linear.F.copy()
@@ -165,7 +168,7 @@ def depth_loop(
     bow: float,
     law: Law = Law(),  # noqa: B008
 ) -> Linear:
-    """Return w, q, theta, z under [ASSES]'s depth law, each pair of planes by its sign of it.
+    """Return w, q, theta, z under [ASSES]'s depth law. Each pair of planes has its own sign.
 
     DS = DB literally is 1 and 1; the bow planes that help are -1 where Z_db < 0 (errata G3).
     Speed is frozen, but not the surge that a pitching z_G causes: it lightens the inertia.
@@ -289,7 +292,7 @@ def characteristic(
 
 
 def bow_sign(file: VesselFile) -> float:
-    """Return the sign of the depth law on the bow planes that helps; 0: they have no lift."""
+    """Return the depth law's helpful sign on the bow planes. 0: they have no lift."""
     lift = file.coefficients["Z_db"]
     return (1.0 if lift > 0.0 else -1.0) if lift else 0.0
 

@@ -1,4 +1,4 @@
-"""``trainer check``: what a boat is by its numbers, and which steps it can be flown with."""
+"""``trainer check`` judges a boat by its numbers, and finds its stable steps."""
 
 import math
 from collections.abc import Iterable
@@ -40,7 +40,7 @@ def asymmetries(file: VesselFile) -> dict[str, float]:
 
 @dataclass(frozen=True)
 class Inertia:
-    """The 6x6 mass matrix, scaled by its own diagonal, and how fast the lagged sweep forgets."""
+    """The 6x6 mass matrix, scaled by its diagonal, and the lagged sweep's decay."""
 
     condition: float
     smallest: float  # smallest eigenvalue of the symmetric part
@@ -101,7 +101,7 @@ def critical_speed(file: VesselFile, plane: str) -> float | None:
 
 @dataclass(frozen=True)
 class Afloat:
-    """The boat at the surface at its lightest, and into how many parts a step is then divided."""
+    """The boat at its lightest at the surface, and the divisions of a step there."""
 
     period_s: dict[str, float]  # by mode
     parts: dict[float, int]  # by step [s], of a multistep method

@@ -139,7 +139,7 @@ def _fastest(run: Numbers) -> float:
 
 
 def event_apart(full: Series, reduced: Series) -> float:
-    """Return how far apart [s] two runs see the first event that they see at different times.
+    """Return the time [s] between two runs at the first event that they see apart.
 
     Events are the times at which a surface that is thrown over begins to move. 0 where there is no
     such event, or it lies further apart than the longer of the steps: then the runs differ.
@@ -173,7 +173,7 @@ def _throws(run: Series, name: str) -> list[tuple[float, float]]:
 
 
 def changes(run: Series, name: str, end: float) -> Numbers:
-    """Return times from the start [s] and the change since then, (2, n), up to ``end`` [s]."""
+    """Return times from the start [s] and the change since, (2, n), to ``end`` [s]."""
     t, values = run.t - run.t[0], run.column(name)
     inside = t < end
     last = np.interp(end, t, values)

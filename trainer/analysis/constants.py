@@ -1,4 +1,4 @@
-"""Every constant of a boat as the core gets it: the listings of EB920 and EC790.
+"""Every constant of a boat as the core gets it. These are the listings of EB920 and EC790.
 
 A constant is named by its symbol in the core's record, in SI units and radians. It comes from a key
 of the vessel file, or from the defaults file, or is derived from other constants.
@@ -30,7 +30,7 @@ SURFACES: Final = ("rudder", "stern planes", "bow planes")
 
 
 class Source(NamedTuple):
-    """Unit of a constant, and the key that it comes from; "= KEYS": derived from those."""
+    """Unit of a constant, and the key that it comes from. "= KEYS": derived from those."""
 
     unit: str
     key: str
@@ -184,7 +184,7 @@ class Constant:
 
 @dataclass(frozen=True)
 class Coefficient:
-    """One of the 131: as the file has it, as the full set has it, and as the compact sets have."""
+    """One of the 131 terms, in the file, the full set and the compact sets."""
 
     symbol: str
     mnemonic: str  # of 1969

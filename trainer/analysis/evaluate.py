@@ -45,7 +45,7 @@ def evaluate(
 
 
 def answers(records: Records, lines: Iterable[str]) -> Iterator[str]:
-    """Yield the rates of each line's state; what a line does not give is as in the records."""
+    """Yield the rates of each line's state. What a line does not give is as in the records."""
     state = records.state
     at_rest = state.copy()
     for number, line in enumerate(lines, start=1):

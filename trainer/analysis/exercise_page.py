@@ -1,4 +1,4 @@
-"""The commands ``trainer exercise new`` and ``check``: a file to begin with, and what one says.
+"""The commands ``trainer exercise new`` and ``check`` write a file, and say what one is.
 
 A check flies the exercise with nobody aboard and with its reference crew, and tells what a run
 would refuse.
@@ -50,7 +50,7 @@ NAMED: Final = re.compile(r'^name = "[^"]*"', re.MULTILINE)
 
 
 def write_new(path: Path, name: str | None, source: str | None) -> None:
-    """Write a valid exercise to begin with, or a copy of a shipped one with comments.
+    """Write a valid exercise to begin with, or a shipped one with comments.
 
     ConfigError if the file is there or cannot be made, or no exercise has that name.
     """
@@ -80,7 +80,7 @@ def _copy(source: str) -> str:
 
 @dataclass(frozen=True)
 class Checked:
-    """An exercise flown for its check: by nobody, and by its crew if it has one."""
+    """An exercise flown for its check, by nobody and by its own crew."""
 
     plan: Plan
     nobody: Rehearsal
@@ -89,7 +89,7 @@ class Checked:
 
 
 def check(name: str) -> list[str]:
-    """Return what an exercise is, a line each; ConfigError with all that is wrong in it."""
+    """Return what an exercise is, a line each. ConfigError with all that is wrong in it."""
     plan = plan_run(RunOptions(exercise=name))
     boat = Boat(plan.file, plan.method)
     plan.start(boat)

@@ -80,13 +80,16 @@ class Report:
 
 
 def one_of_each(roots: Sequence[complex]) -> list[complex]:
-    """Return the real roots and of each pair the one above the axis, fastest decay first."""
+    """Return the real roots, and one of each pair with imaginary > 0.
+
+    The fastest decay is first.
+    """
     kept = [complex(s) for s in roots if s.imag >= 0.0]
     return sorted(kept, key=lambda s: s.real)
 
 
 def columns(roots: Sequence[complex], t: Numbers) -> Numbers:
-    """Return exp(s t) of real roots, and real and imaginary part of it of pairs, (samples, n)."""
+    """Return exp(s t) of real roots, (samples, n). Pairs have its real and imaginary part."""
     found = []
     for s in roots:
         wave = np.exp(s * t)
@@ -100,7 +103,7 @@ def amplitudes(roots: Sequence[complex], t: Numbers, y: Numbers) -> Numbers:
 
 
 def pencil_roots(t: Numbers, y: Numbers, order: int) -> list[complex]:
-    """Return ``order`` roots [1/s] of a response by the matrix pencil of Hua and Sarkar (1990).
+    """Return ``order`` roots [1/s] of a response. Hua and Sarkar (1990) give the matrix pencil.
 
     ConfigError if the samples do not hold that many.
     """
@@ -222,7 +225,9 @@ def _terms(
 
 
 def fit(t: Numbers, y: Numbers, starts: Sequence[complex]) -> Fit:
-    """Return the fit of ``y`` over ``t`` [s] from roots [1/s], one of each pair, imaginary > 0.
+    """Return the fit of ``y`` over ``t`` [s] from roots [1/s].
+
+    There is one of each pair, imaginary > 0.
 
     The amplitudes count from the first sample. ConfigError if there are too few samples, or the
     response does not move.

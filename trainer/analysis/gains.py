@@ -50,7 +50,10 @@ SURFACES = ("delta_r", "delta_s", "delta_b")
 
 
 def discrete(a: Matrix, b: Matrix, h: float) -> tuple[Matrix, Matrix]:
-    """Return the matrices of one step ``h`` [s] with the input held, by the exponential series."""
+    """Return the matrices of one step ``h`` [s] with the input held.
+
+    They are exponential series.
+    """
     n, m = b.shape
     block = np.zeros((n + m, n + m))
     block[:n, :n], block[:n, n:] = a * h, b * h
@@ -124,7 +127,7 @@ def rudder_gains(model: Linear, speed: float, vessel: Record, h: float) -> list[
 
 
 def depth_rates(model: Linear) -> Matrix:
-    """Return the steady depth rate [m/s] per angle [rad] of the stern planes and the bow planes.
+    """Return the steady depth rate [m/s] per angle [rad] of both pairs of planes.
 
     Below the critical speed of a pair its sign is turned.
     """
@@ -147,7 +150,7 @@ def slews(model: Linear, speed: float, vessel: Record) -> list[float]:
 
 
 def relief(model: Linear, speed: float, vessel: Record) -> tuple[float, float]:
-    """Return by how much [1/s] the stern planes take on, and the bow planes give up, their angle.
+    """Return the rate [1/s] at which the stern planes take the bow planes' angle.
 
     In the ratio that leaves the depth rate alone, the faster the better the stern planes are at it.
     """

@@ -40,7 +40,10 @@ SAME: Final = 1e-9  # [-] difference of two speeds
 
 
 class Side(NamedTuple):
-    """square t^2 + slope t + constant = couple/u^2 h(t), on one side of t = 0, with t = |w|/u."""
+    """The equation square t^2 + slope t + constant = couple/u^2 h(t).
+
+    It holds on one side of t = 0, with t = |w|/u.
+    """
 
     square: float  # [-]
     slope: float  # [-]
@@ -93,7 +96,10 @@ class Neutral:
 
 
 def sides(file: VesselFile, plane: str) -> tuple[Side, Side]:
-    """Return the equation for w > 0 and for w < 0 by the "stern" or "bow" planes."""
+    """Return the equation for w > 0 and w < 0 by one pair.
+
+    It is the "stern" or the "bow" pair.
+    """
     c, hull = file.coefficients, file.hull
     force, moment = c[f"Z_d{plane[0]}"], c[f"M_d{plane[0]}"]
 
@@ -124,7 +130,7 @@ def turning_points(side: Side) -> list[float]:
 
 
 def solutions(side: Side, square_of_speed: float) -> list[float]:
-    """Return every t = |w|/u > 0 up to STEEPEST that solves ``side`` at that u^2."""
+    """Return every t = |w|/u > 0 to STEEPEST that solves ``side`` at u^2."""
     wanted = side.couple / square_of_speed
     at_zero = math.copysign(math.inf, side.constant) if side.constant else side.slope - wanted
 
@@ -167,7 +173,7 @@ def level_flight(file: VesselFile, plane: str, speed: float) -> list[tuple[float
 
 
 def plane_angle(file: VesselFile, plane: str, t: float, speed: float) -> float:
-    """Return the plane angle [rad] that balances force and moment at the solution ``t`` = w/u."""
+    """Return the plane angle [rad] that balances the solution ``t`` = w/u."""
     c, hull = file.coefficients, file.hull
     couple = 2.0 * (hull.cb[2] * hull.buoyancy - hull.cg[2] * hull.weight)
     couple /= file.fluid.rho * hull.length**3

@@ -56,7 +56,7 @@ def is_csv(path: Path) -> bool:
 
 
 def draw_run(path: Path, out: Path, columns: Sequence[str], branch: int | None) -> None:
-    """Draw columns of a run, a recording or a CSV file, over time, and print the plot's name.
+    """Draw columns of a recording or a CSV file over time. Print the plot's name.
 
     Names with commas between share a panel. ConfigError if there is no such column, or no plot
     can be written.

@@ -29,7 +29,7 @@ PLACED: Final = np.array([LAYOUT.index(name) for name in COLUMNS])
 
 @dataclass(frozen=True)
 class Rehearsal:
-    """What was flown."""
+    """The flight of a rehearsal."""
 
     plan: Plan
     trajectory: Trajectory

@@ -1,4 +1,4 @@
-"""The command ``trainer replay``: how each branch of a recording went when it was flown again."""
+"""The command ``trainer replay`` flies each branch of a recording again and compares it."""
 
 import json
 from collections.abc import Mapping

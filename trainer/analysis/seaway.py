@@ -1,4 +1,4 @@
-"""A sea in numbers and pictures: height, period, energy by band, and what it does to a boat.
+"""A sea in numbers and pictures: height, period, energy by band, and its forces.
 
 As a page for a terminal, and as a plot: a series, its spectrum against the target, and the mean
 suction by depth.
@@ -65,7 +65,7 @@ class Seaway:
 
 @dataclass(frozen=True)
 class AtDepth:
-    """What the sea is to a boat held at a depth of its origin."""
+    """The effect of the sea on a boat held at a depth of its origin."""
 
     depth_m: float
     water_m_s: float  # rms vertical speed of the water
@@ -85,7 +85,7 @@ class Band:
 
 @dataclass(frozen=True)
 class Report:
-    """All that ``trainer sea`` says about a sea; a calm has no depths and no bands."""
+    """All that ``trainer sea`` says about a sea. A calm has no depths and no bands."""
 
     sea: Seaway
     vessel: str
@@ -144,7 +144,7 @@ def swum_mass(vessel: VesselFile) -> float:
 
 
 def at_depth(vessel: VesselFile, settings: Numbers, depth: float) -> AtDepth:
-    """Return what the sea is to a boat at a depth [m]; the suction is Pierson-Moskowitz's."""
+    """Return what the sea is to a boat at a depth [m]. The suction is Pierson-Moskowitz's."""
     g, mass = vessel.fluid.g, swum_mass(vessel)
     height, omega = float(settings[HEIGHT]), float(settings[OMEGA])
     lift, slope = suction(g, omega, height, depth)
@@ -192,7 +192,7 @@ def in_bands(x: Numbers, variance: Numbers, gamma: float, step: float) -> tuple[
 
 
 def survey(file: SeaFile, vessel: VesselFile, depths: Iterable[float], step: float) -> Report:
-    """Return the sea, what it is to a boat at ``depths`` [m], and what is in its series."""
+    """Return the sea, its effect on a boat at ``depths`` [m], and its series."""
     settings = sea_settings(file, vessel.fluid.g)
     if problem := step_problem(settings, step):
         raise ConfigError(f"{file.path.name}: {problem}")

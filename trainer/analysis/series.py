@@ -36,7 +36,7 @@ class Series:
 
 
 def load_series(path: Path) -> Series:
-    """Return the columns of a CSV file whose first line names them; ConfigError if it is wrong."""
+    """Return the columns of a CSV file whose first line names them. ConfigError if it is wrong."""
     try:
         with path.open(encoding="utf-8-sig", newline="") as file:
             rows = csv.reader(file)

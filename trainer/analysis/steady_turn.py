@@ -30,7 +30,7 @@ class Turn:
 
 @dataclass(frozen=True)
 class Comparison:
-    """The same turn by both sets; without either when it did not settle, ``problem`` saying why."""
+    """The same turn by both sets. Without either when it did not settle, ``problem`` saying why."""
 
     rudder_deg: float
     speed_kn: float
@@ -68,7 +68,10 @@ def steady_turn(file: VesselFile, equations: str, rudder: float) -> Turn:
 
 
 def compare_turns(file: VesselFile) -> Comparison:
-    """Return the starboard turn at 15 deg rudder, or its limit, by the full and modified sets."""
+    """Return the starboard turn by the full and modified sets.
+
+    The rudder is at 15 deg, or its limit.
+    """
     rudder = min(RUDDER, file.surfaces.rudder_limit_deg)
     to_starboard = -1.0 if file.coefficients["N_dr"] <= 0.0 else 1.0
     found: dict[str, Turn | None] = {"full": None, "modified": None}

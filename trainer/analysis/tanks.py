@@ -22,7 +22,7 @@ from trainer.config.vessel import VesselFile
 
 
 class Weight(NamedTuple):
-    """One weight and where it is: the boat without its tanks, or the contents of a tank."""
+    """One weight and its place: the boat without tanks, or a tank's contents."""
 
     weight: float  # [N]
     x: float  # [m]
@@ -46,7 +46,7 @@ class Range(NamedTuple):
 
 
 class Limits(NamedTuple):
-    """What the tanks can do: weight [N] and centre of gravity [m], each by itself."""
+    """The range of the tanks: weight [N] and centre of gravity [m], each alone."""
 
     weight: Range
     x_g: Range
@@ -55,7 +55,10 @@ class Limits(NamedTuple):
 
 
 def balance(hull: Weight, tanks: Sequence[Weight]) -> Balance:
-    """Return weight [N], moments [N m] and centre [m]: x_G = (W0 x0 + sum Wi xi)/W."""
+    """Return weight [N], moments [N m] and centre [m].
+
+    The centre is x_G = (W0 x0 + sum Wi xi)/W.
+    """
     parts = (hull, *tanks)
     weight = sum(part.weight for part in parts)
     x, y, z = (sum(part.weight * part[axis] for part in parts) for axis in (1, 2, 3))
@@ -114,7 +117,7 @@ class Tank:
 
 @dataclass(frozen=True)
 class Ranges:
-    """Limits over all fillings of some of the tanks, and the outline of weight and moment."""
+    """Limits over all fillings of some tanks, and the outline of weight and moment."""
 
     free: str  # which
     limits: Limits
@@ -187,7 +190,9 @@ def _add_parts(hull: Weight, parts: Sequence[Weight]) -> tuple[float, float, flo
 
 
 def outline(file: VesselFile, fixed: Weight, free: Sequence[Weight]) -> NDArray[np.float64]:
-    """Return the corners of all W - B [N] and x_G W - x_B B [N m], in order and closed, (n, 2).
+    """Return the corners of all weights and moments. They are W - B [N] and x_G W - x_B B [N m].
+
+    They are in order and closed, (n, 2).
 
     Each tank adds a line from empty to full; the outline of their sum has each line twice, in
     the order of their steepness.

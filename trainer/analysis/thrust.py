@@ -176,7 +176,7 @@ def render(report: Report) -> str:
 
 
 def panels(file: VesselFile, report: Report) -> tuple[Panel, ...]:
-    """Return thrust over speed, a curve for each command speed; of rest alone over the range."""
+    """Return thrust over speed, a curve for each command speed. Of rest alone over the range."""
     most = max(one.u_kn for one in report.points) or file.run.speed_range_kn[1]
     speeds = np.linspace(0.0, most, POINTS)
     curves = []

@@ -1,4 +1,4 @@
-"""A vessel file made into the core's records: units to SI, rows and tables to places."""
+"""A vessel file becomes the core's records. Units become SI, rows and tables become places."""
 
 import math
 from collections.abc import Iterator
@@ -123,7 +123,7 @@ class Method:
 
 @dataclass(frozen=True)
 class Records:
-    """What the kernels of one boat read and write, in the order they take it."""
+    """The arguments of the kernels of one boat, in the order that they take."""
 
     vessel: Record
     compact: Record
@@ -320,7 +320,7 @@ def set_integrator(record: Record, name: str) -> None:
 
 
 def fit_out(file: VesselFile, method: Method) -> Records:
-    """Return the records of a boat at rest at the origin, weight and balance as in its file."""
+    """Return the records of a boat at rest at the origin. Weight and balance are its file's."""
     hull = body(file)
     rows, eta = thrust_rows(file)
     full = vessel.vessel_record(hull, {**file.coefficients, **rows}, eta)

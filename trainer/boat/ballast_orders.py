@@ -151,7 +151,7 @@ def _hover(boat: Boat, order: Order) -> Reply:
 
 
 def cannot_hover(boat: Boat, depth: float) -> Refused | None:
-    """Return why the depth-control pump cannot hold a depth [m] in the sea in force, if so."""
+    """Return why the depth-control pump cannot hold a depth [m] here, "" if it can."""
     records = boat.records
     sure = SURE * float(boat.vessel.pump_rate[DEPTH_CONTROL_PUMP])
     wanted = wanted_pump(records.vessel, depth, records.state)

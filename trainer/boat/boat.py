@@ -144,13 +144,13 @@ class Boat:
         order_sea(records.vessel, self.method.step, ramp, wanted, records.scratch, records.state)
 
     def stand_by(self) -> None:
-        """Let the autopilot, with hands on, make its integrals ready for a bumpless change."""
+        """Make the autopilot's integrals ready for a bumpless change, with hands on."""
         records = self.records
         stand_by_all(records.vessel, self.method.step, records.state, records.scratch)
 
     @functools.cached_property
     def tick(self) -> Callable[[], int]:
-        """Advance by one step; return 0, or a status for ``failure`` with the state as it was."""
+        """Advance by one step. Return 0, or a status for ``failure`` with the state as it was."""
         if compilation.known_compiler():
             from trainer.boat.call import bind  # noqa: PLC0415  it reaches into the compiler
 

@@ -1,4 +1,6 @@
-"""One boat's tick called from Python at the least cost: its records bound once, by their addresses.
+"""The tick of one boat is called from Python at the least cost.
+
+Its records are bound once, by their addresses.
 
 Taking five records apart at every call costs more than the tick does, and 20 us where nothing of it
 is in the caches. They never move while their owner keeps them, so that one small array of addresses

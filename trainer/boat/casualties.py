@@ -31,7 +31,7 @@ class Active:
 
 
 class Readings(NamedTuple):
-    """What the instruments of a station show."""
+    """The readings of a station's instruments."""
 
     depth: float  # [m]
     heading: float  # [rad] not wrapped
@@ -49,7 +49,7 @@ def find(boat: Boat, name: str) -> Casualty | Refused:
 def insert(
     boat: Boat, name: str, severity: float | None = None, ramp_s: float | None = None
 ) -> Reply:
-    """Let a casualty begin at the next tick; what is not given is as in its table."""
+    """Begin a casualty at the next tick. A value that is not given is as in its table."""
     found = find(boat, name)
     if isinstance(found, Refused):
         return found
@@ -67,7 +67,7 @@ def insert(
 
 
 def clear(boat: Boat, name: str) -> Reply:
-    """Let a casualty go back to nothing, or ``all`` of them; each in the time of its table."""
+    """Clear a casualty, or ``all`` of them. Each takes the time of its table."""
     if name.strip().casefold() in ("all", "casualties"):
         there = active(boat)
         for each in there:
@@ -116,7 +116,7 @@ SHARES: Final = {  # of kinds that begin or end so: what the amount is a share o
 
 
 def describe(boat: Boat, kind: str, amount: float) -> str:
-    """Return an amount [SI] of a casualty with its unit and side, such as 6 deg dive."""
+    """Return an amount [SI] of a casualty with its unit and side: 6 deg dive."""
     what, _, how = kind.rpartition("-")
     surface = kind.partition("-")[0]
     if surface in SURFACES and kind.endswith(("-hard-over", "-stuck")):
@@ -147,7 +147,10 @@ def _misreading(gauge: str, how: str, amount: float) -> str:
 
 
 def listing(boat: Boat) -> list[str]:
-    """Return what the boat can suffer: each as the order ``casualty`` takes it, then in words."""
+    """Return what the boat can suffer.
+
+    Each has the word of the order ``casualty``, then its meaning.
+    """
     lines = []
     for name, degree, says in available(boat):
         casualty = boat.casualties[name]
@@ -158,7 +161,10 @@ def listing(boat: Boat) -> list[str]:
 
 
 def available(boat: Boat) -> list[tuple[str, str, str]]:
-    """Return name, degree as it is ordered, and meaning of each that the boat can suffer."""
+    """Return the casualties of the boat.
+
+    Each has its name, its degree as ordered and its meaning.
+    """
     return [
         (
             each.name,
@@ -177,7 +183,9 @@ def readings(boat: Boat) -> Readings:
 
 
 def arm(boat: Boat, condition: Condition, casualty: Casualty, rule: str = "once") -> None:
-    """Let ``casualty`` begin when the state meets ``condition``: once, or ``again`` each time.
+    """Begin ``casualty`` when the state meets ``condition``.
+
+    It begins once, or ``again`` each time.
 
     Armed triggers are constants of the run and belong to no snapshot. ConfigError if the boat lacks
     what either is about, or has no trigger left.
@@ -238,7 +246,7 @@ def _factor(boat: Boat, condition: Condition) -> float:
 
 
 def scale_of(boat: Boat, quantity: str) -> float:
-    """Return what turns a quantity [SI] into its place in the state; 0 if the boat lacks it."""
+    """Return the factor from a quantity [SI] to its place in the state. 0: the boat lacks it."""
     name = quantity
     if name == "time":
         return 1.0 / boat.method.step

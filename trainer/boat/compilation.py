@@ -1,4 +1,4 @@
-"""The core compiled or not: whether this machine keeps its machine code, and a core without any.
+"""The core is compiled or not, its machine code is kept or not.
 
 A cache folder holds a mark once all that a run needs has been compiled into it. The mark is named
 by what numba asks before it gives machine code back, so that it speaks for this Python, this numba,
@@ -41,7 +41,7 @@ def is_settled() -> bool:
 
 
 def do_without() -> None:
-    """Let the kernels, which have not been imported yet, be run by the interpreter."""
+    """Set the interpreter to run the kernels, which must not have been imported yet."""
     import numba  # noqa: PLC0415
 
     numba.config.DISABLE_JIT = True  # type: ignore[attr-defined]
@@ -70,7 +70,7 @@ def is_interpreted() -> bool:
 
 @contextlib.contextmanager
 def machine_code() -> Iterator[None]:
-    """Let what is imported inside the block be machine code, though the core is interpreted.
+    """Import machine code inside the block, though the core is interpreted.
 
     It has to lie on this machine: what calls kernels of the interpreter cannot be compiled.
     """
@@ -101,7 +101,7 @@ def await_code(given_up: threading.Event) -> bool:
 
 @contextlib.contextmanager
 def interruptible() -> Iterator[None]:
-    """Let Ctrl-C end the block, also where the compiler's own code loses Python's exception."""
+    """End the block by Ctrl-C, also where the compiler's own code loses Python's exception."""
     if threading.current_thread() is not threading.main_thread():
         yield
         return
@@ -125,7 +125,7 @@ def interruptible() -> Iterator[None]:
 
 @contextlib.contextmanager
 def compiling() -> Iterator[bool]:
-    """Yield whether this process is the one that compiles into the cache now, inside the block."""
+    """Yield whether this process alone compiles into the cache now, inside the block."""
     import fcntl  # noqa: PLC0415  not everywhere
 
     with (cache_folder() / LOCK).open("wb") as lock:
@@ -138,7 +138,7 @@ def compiling() -> Iterator[bool]:
 
 
 def mark(name: str, folder: str) -> Path:
-    """Return the path of a mark that speaks for the kernels in a folder of the package."""
+    """Return the path of a mark for the kernels in a folder of the package."""
     import numba  # noqa: PLC0415
     from llvmlite import binding  # type: ignore[import-untyped]  # noqa: PLC0415
 

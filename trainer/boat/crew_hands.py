@@ -1,4 +1,4 @@
-"""The hands of a reference crew on planes and rudder: what they see, and what they order."""
+"""The hands of a reference crew work planes and rudder by what the crew sees."""
 
 import math
 from collections import deque
@@ -19,7 +19,7 @@ SLACK: Final = 1e-6  # [s] rounding of a sum of steps
 
 @dataclass
 class Gauges:
-    """What the gauges have shown for some minutes."""
+    """The readings of the gauges over some minutes."""
 
     boat: Boat
     seen: deque[tuple[float, Readings]] = field(default_factory=deque)
@@ -61,7 +61,7 @@ class Gauges:
 
 @dataclass
 class Known:
-    """The order to the crew on one axis, as a hand knows it: some seconds after it came."""
+    """The order to the crew on one axis. A hand knows it some seconds after it came."""
 
     axis: str
     answer: float  # [s]
@@ -82,7 +82,7 @@ class Known:
 
 @dataclass
 class PlanesHand:
-    """Whoever works the planes: looks each few seconds, orders what is worth an order."""
+    """The planesman looks every few seconds, and orders what is worth an order."""
 
     boat: Boat
     ways: Planesman
@@ -145,7 +145,7 @@ class PlanesHand:
 
 @dataclass
 class RudderHand:
-    """Whoever steers: looks each few seconds, meets the swing, steadies."""
+    """The helmsman looks every few seconds, meets the swing and steadies."""
 
     boat: Boat
     ways: Helmsman

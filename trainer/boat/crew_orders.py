@@ -1,4 +1,4 @@
-"""Orders to the crew: they stand on its panels until the next, and move nothing by themselves.
+"""Orders to the crew stand on its panels until the next. They move nothing by themselves.
 
 A course is kept as the heading that the boat will have counted, not wrapped: what is to go of it
 has its side, however often the boat goes round.
@@ -56,7 +56,7 @@ def standing(boat: Boat) -> tuple[CrewOrder, ...]:
 
 
 def order_crew(boat: Boat, order: Order) -> Reply:
-    """Let an order to the crew stand, or stand no longer."""
+    """Set the order that the crew has, or clear it."""
     what, _, more = order.word.partition("_")
     if what == "clear":
         return _clear(boat, more)

@@ -1,4 +1,4 @@
-"""What depth does to a boat: the calm surface above it, test depth and collapse.
+"""The effects of depth: the calm surface above the boat, test depth and collapse.
 
 Of the surface: Z_star and M_star by the vessel's tables, for programs that ask a vessel file. Of
 test depth and collapse: the depth that counts, what is called out, and when the hull is lost. At
@@ -39,7 +39,7 @@ Depths = TypeVar("Depths", float, Numbers)  # of a moment, or of each tick
 
 @dataclass(frozen=True)
 class Surface:
-    """What the calm surface adds at one speed and depth, by the tables of the vessel file."""
+    """The forces of the calm surface at one speed and depth, by the vessel file."""
 
     speed_kn: float
     Z_star: float  # [-] less that in deep water
@@ -154,14 +154,14 @@ def collapse_of(boat: Boat) -> str:
 
 
 def count_passed(test_depth: float, depth: float) -> int:
-    """Return how many of the depths to be called are at a depth [m] or above it."""
+    """Return how many depths to call are at a depth [m] or above it."""
     if depth < test_depth:
         return int(depth >= test_depth - NEAR)
     return 2 + math.floor((depth - test_depth) / FURTHER)
 
 
 def called_depth(test_depth: float, place: int) -> Passed:
-    """Return the depth to be called at a place, 0 the shallowest, and the words for it."""
+    """Return the depth to call at a place, 0 the shallowest, and its words."""
     if place == 0:
         depth = test_depth - NEAR
         return Passed(depth, f"Passing {depth:g} m, {NEAR:g} m above test depth")
@@ -189,7 +189,7 @@ class DepthMonitor:
         return monitor
 
     def settle(self, boat: Boat) -> None:
-        """Take the boat as it is, after a jump in time: nothing of it is news."""
+        """Take the boat as it is, after a jump in time. Nothing of it is news."""
         test_depth = boat.file.hull.test_depth_m
         if test_depth is not None:
             self.passed = count_passed(test_depth, hull_depth(boat))

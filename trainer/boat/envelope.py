@@ -101,7 +101,7 @@ def _matrices(rows: Sequence[Sequence[Any]]) -> Numbers:
 
 
 def viscous(c: Record, shares: tuple[float, float]) -> tuple[Numbers, Numbers]:
-    """Return the viscous part of the linear coefficients, of Y K N by v p r and of Z M by w q.
+    """Return the viscous part of the linear coefficients. Y K N are by v p r, Z M by w q.
 
     A coefficient of u and a velocity holds an ideal part, which is taken off. ``shares`` [-] of
     the lift are the hull's, whose centre moves to the other end astern; 0 ahead.
@@ -233,14 +233,17 @@ def _write_engine(file: VesselFile, c: Record) -> None:
 
 
 def lightness(c: Record) -> Numbers:
-    """Return the share of the buoyancy [-] above the water at the lightest, at most half."""
+    """Return the share of the buoyancy [-] above the water at the lightest. It is at most half."""
     blown = c["start"][:, :NEGATIVE].sum(axis=1) * c["g"] * (c["fitted"] != 0.0)
     light = (c["buoyancy"] - c["weight"] + blown) / c["buoyancy"]
     return np.where(light > 0.0, np.minimum(light, 0.5), LIGHT)
 
 
 def float_height(share: float) -> float:
-    """Return the height [-] of the part of a circle above the water, in diameters, by its share."""
+    """Return the height [-] in diameters of the part of a circle above the water.
+
+    It is given by its share.
+    """
     low, high = 0.0, 0.5
     for _ in range(HALVINGS):
         middle = 0.5 * (low + high)

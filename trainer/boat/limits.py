@@ -1,4 +1,4 @@
-"""What is called out while the boat runs: limits passed, and the sail or the deck above the sea."""
+"""The calls while the boat runs, at limits, and when it leaves the sea."""
 
 import math
 from collections.abc import Callable, Mapping, Sequence
@@ -70,7 +70,7 @@ def deep(boat: Boat) -> bool:
 
 
 def chased(boat: Boat) -> float:
-    """Return the boat's speed with the waves over the peak wave's [-], 0 without filtered waves."""
+    """Return the boat's speed with the waves over the peak wave's [-]. 0: no filtered waves."""
     plain = boat.plain
     if plain[HEIGHT] == 0.0 or plain[COSINES] == 1.0:
         return 0.0
@@ -91,7 +91,7 @@ def surfacing(boat: Boat) -> bool:
 
 @dataclass
 class LimitMonitor:
-    """What stands beyond its limit now, and how often and since when that has happened."""
+    """The limits that the boat stands beyond, how often, and since when."""
 
     limits: Limits = field(default_factory=Limits)
     beyond: set[str] = field(default_factory=set)
@@ -111,13 +111,13 @@ class LimitMonitor:
 
     @classmethod
     def over(cls, boat: Boat, limits: Limits) -> "LimitMonitor":
-        """Return the watch over a boat; what shows or is beyond its limit now is no news."""
+        """Return the watch over a boat. What shows or is beyond its limit now is no news."""
         monitor = cls(limits)
         monitor.settle(boat)
         return monitor
 
     def settle(self, boat: Boat) -> None:
-        """Take the boat as it is, after a jump in time: nothing of it is news."""
+        """Take the boat as it is, after a jump in time. Nothing of it is news."""
         self._passed(boat)
         self._broken_surface(boat)
         self._out_of_range(boat)
@@ -214,7 +214,10 @@ class LimitMonitor:
 
 
 def account_of(times: Mapping[str, Sequence[float]]) -> str:
-    """Return how often each has happened and when first, of the times [s] of each, in words."""
+    """Return in words how often each has happened, and when first.
+
+    The times [s] of each are given.
+    """
     return ", ".join(
         f"{what} {len(when)} time{'s' * (len(when) > 1)} (first at {when[0]:g} s)"
         for what, when in times.items()

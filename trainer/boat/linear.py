@@ -25,7 +25,7 @@ Matrix = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Linear:
-    """d(motion)/dt = A motion + B controls, in the orders of MOTION and CONTROLS, SI."""
+    """Matrices of d(motion)/dt = A motion + B controls, by MOTION and CONTROLS, SI."""
 
     A: Matrix
     B: Matrix
@@ -130,7 +130,7 @@ def in_head_waves(boat: Boat, forces: NDArray[np.complex128], omega: float) -> t
 
 @dataclass(frozen=True)
 class Response:
-    """rates = J motion + G last rates as the boat's own scheme has them, in ``names``, SI.
+    """The boat's scheme gives rates = J motion + G last rates, in ``names``, SI.
 
     With the exact solve G is zero; with lagged accelerations it is the matrix of the sweep.
     """
@@ -219,7 +219,7 @@ class Mode:
 
     @property
     def time_constant(self) -> float | None:
-        """Return the time [s] of change by a factor e, None if there is no change."""
+        """Return the time [s] of change by a factor e. None: there is no change."""
         return 1.0 / abs(self.real) if abs(self.real) > NEUTRAL else None
 
 

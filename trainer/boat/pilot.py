@@ -1,4 +1,4 @@
-"""What the autopilot gives up, and what it has again, as it says so to the crew."""
+"""The autopilot tells the crew what it gives up, and what it has again."""
 
 from dataclasses import dataclass, field
 from typing import Final
@@ -26,7 +26,7 @@ FLOOD, FORWARD = PLACES["trim_flood"], PLACES["trim_forward"]
 
 
 def lacks_water(boat: Boat) -> bool:
-    """Return whether automatic trim asks for water where there is none, or no room for it."""
+    """Return whether automatic trim asks for water or room that is not there."""
     flood, forward = boat.plain[FLOOD], boat.plain[FORWARD]
     if flood == 0.0 and forward == 0.0:
         return False
@@ -39,7 +39,7 @@ def lacks_water(boat: Boat) -> bool:
 
 @dataclass
 class PilotMonitor:
-    """What is given up at present, and when each was."""
+    """The laws that are given up at present, each with the time of that."""
 
     given_up: set[str] = field(default_factory=set)
     times: dict[str, list[float]] = field(default_factory=dict)  # [s]
@@ -53,7 +53,7 @@ class PilotMonitor:
         return monitor
 
     def settle(self, boat: Boat) -> None:
-        """Take the boat as it is, after a jump in time: nothing of it is news."""
+        """Take the boat as it is, after a jump in time. Nothing of it is news."""
         self.trimmed = boat.time
         self.given_up = self._left_undone(boat) if self._is_unusual(boat) else set()
 

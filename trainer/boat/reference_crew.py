@@ -1,4 +1,4 @@
-"""The reference crew at work: its rules and its hands, which give the boat ordinary orders.
+"""The reference crew works by its rules and its hands, through the boat's ordinary orders.
 
 It sees what the gauges show, and gives nothing that a crew could not type.
 """
@@ -84,7 +84,9 @@ class ReferenceCrew:
         return given
 
     def take_over(self, given: Mapping[int, float]) -> None:
-        """Count rules as carried out before this moment, but not those whose cause is there now.
+        """Count rules as carried out before this moment.
+
+        A rule whose cause is there now does not count.
 
         ``given`` has when [s] each was, by its place: so it would stand had this crew been aboard.
         """

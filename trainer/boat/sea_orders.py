@@ -73,7 +73,7 @@ PARTS: Final = ("depth", "position", "tanks")
 
 
 def hold(boat: Boat, order: Order) -> Reply:
-    """Let the part that is the order's word stand still from the next tick on."""
+    """Freeze the part that is the order's word from the next tick on."""
     if order.word == "tanks" and not boat.vessel.fitted:
         return Refused(f"{boat.file.path.name} has no [ballast] table: this boat has no tanks")
     boat.state[f"held_{order.word}"] = 1.0
@@ -81,7 +81,7 @@ def hold(boat: Boat, order: Order) -> Reply:
 
 
 def release(boat: Boat, order: Order) -> Reply:
-    """Let the part that is the order's word, or ``all`` that is frozen, go on."""
+    """Release the part that is the order's word, or ``all`` that is frozen."""
     frozen = parts_held(boat)
     parts = frozen if order.word == "all" else [order.word]
     if order.word != "all" and order.word not in frozen:

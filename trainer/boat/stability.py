@@ -32,7 +32,7 @@ Growth = Callable[[NDArray[np.complex128]], NDArray[np.float64]]
 
 
 class Step(NamedTuple):
-    """Whether the boat's step is stable, the largest that is [s], and what fails beyond it."""
+    """Whether the step is stable, the largest stable one [s], and what fails beyond it."""
 
     ok: bool
     largest: float
@@ -80,7 +80,7 @@ def largest_step(scheme: Record, eigenvalue: complex) -> float:
 
 
 def multistep_map(response: Response, scheme: Record, h: float) -> Matrix:
-    """Return what a tick of ``h`` [s] does to motions (newest first) and rates (newest first)."""
+    """Return the map of a tick of ``h`` [s]. It takes motions and rates, each newest first."""
     how = scheme[0]
     n = len(response.J)
     held = max((i + 1 for i in range(int(how.depth)) if how.a[i] != 0.0), default=1)
@@ -102,7 +102,10 @@ def multistep_map(response: Response, scheme: Record, h: float) -> Matrix:
 
 
 def runge_kutta_map(response: Response, scheme: Record, h: float) -> Matrix:
-    """Return what a tick of ``h`` [s] does to motion and last rates, lagged inside the stages."""
+    """Return the map of a tick of ``h`` [s], lagged inside the stages.
+
+    It takes motion and last rates.
+    """
     J, G = response.J, response.G
     how = scheme[0]
     now = np.eye(len(J), 2 * len(J))
@@ -115,7 +118,9 @@ def runge_kutta_map(response: Response, scheme: Record, h: float) -> Matrix:
 
 
 def pair_map(response: Response, scheme: Record, h: float) -> Matrix:
-    """Return what a tick of ``h`` [s] does to motions (newest first), last rates and past rates.
+    """Return the map of a tick of ``h`` [s].
+
+    It takes motions (newest first), last rates and past rates.
 
     The last rates are those of what was predicted, the past ones those of the motions.
     """
@@ -140,7 +145,7 @@ def pair_map(response: Response, scheme: Record, h: float) -> Matrix:
 
 
 def tick_map(response: Response, scheme: Record, h: float) -> Matrix:
-    """Return the matrix of one tick of ``h`` [s]; the first rows are the present motion."""
+    """Return the matrix of one tick of ``h`` [s]. The first rows are the present motion."""
     if scheme[0].method in MULTISTEPS:
         return multistep_map(response, scheme, h)
     if scheme[0].method == PREDICTOR_CORRECTOR:
@@ -159,7 +164,7 @@ def allowed_rate(eigenvalue: complex) -> float:
 
 
 def added_growth(response: Response, tick: Matrix, h: float) -> tuple[float, complex]:
-    """Return the largest factor [-] per tick of ``h`` [s] that is not the boat's own, and its root.
+    """Return the largest spurious factor [-] per tick of ``h`` [s], and its root.
 
     Left out for each mode the boat does not damp well is the root nearest to exp(h lambda), unless
     it grows faster than is allowed.
@@ -198,7 +203,7 @@ def responses(boat: Boat, speeds: Iterable[float]) -> dict[float, Response]:
 
 
 def substep(scheme: Record, h: float) -> float:
-    """Return the step [s] taken in a tick: the variable method goes down to its shortest."""
+    """Return the step [s] inside a tick. The variable method goes down to its shortest."""
     return min(h, SMALLEST) if scheme[0].method == VARIABLE_RUNGE_KUTTA else h
 
 
@@ -212,7 +217,7 @@ def stable_at(flights: Iterable[Response], scheme: Record, h: float) -> bool:
 
 
 def largest_flown(flights: Iterable[Response], scheme: Record) -> float:
-    """Return the largest stable step [s] of the map flown: 0 if none is, infinite if all are."""
+    """Return the largest stable step [s] of the map. 0: none is stable; infinite: all are."""
     flights = list(flights)
     if not stable_at(flights, scheme, SHORTEST):
         return 0.0
@@ -232,7 +237,7 @@ def largest_flown(flights: Iterable[Response], scheme: Record) -> float:
 
 
 def worst_motion(flights: dict[float, Response], scheme: Record, h: float) -> tuple[float, str]:
-    """Return the largest factor [-] per tick of ``h`` [s] not the boat's own, and what it is."""
+    """Return the largest spurious factor [-] per tick of ``h`` [s], and its name."""
     h = substep(scheme, h)
     found = []
     for speed, flight in flights.items():

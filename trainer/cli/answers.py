@@ -2,10 +2,11 @@
 
 import math
 from collections.abc import Callable
-from pathlib import Path
 from typing import Any, Final
 
 import click
+
+from trainer.cli.types import File
 
 
 class Number(click.FloatRange):
@@ -21,11 +22,12 @@ class Number(click.FloatRange):
 
 AHEAD: Final = Number(0.0, 60.0, min_open=True)  # [kn]
 SPEED: Final = Number(0.0, 60.0)  # [kn] rest included
+PLOT: Final = File(".png", ".svg", ".pdf", dir_okay=False)
 OUTPUTS: Final = [
     click.option("--json", "as_json", is_flag=True, help="Print the figures as JSON."),
     click.option(
         "--plot",
-        type=click.Path(path_type=Path, dir_okay=False),
+        type=PLOT,
         default=None,
         metavar="FILE",
         help="Draw a plot, .png, .svg or .pdf by the name's ending.",
@@ -46,7 +48,7 @@ def show(
     panels: Callable[[], tuple[Any, ...]],
     how: dict[str, Any],
 ) -> None:
-    """Draw the plot that is asked for and print ``report`` as a page or as JSON."""
+    """Draw the plot asked for. Print ``report`` as a page or as JSON."""
     import json  # noqa: PLC0415
     from dataclasses import asdict  # noqa: PLC0415
 

@@ -8,13 +8,13 @@ from typing import Any
 import click
 
 from trainer.cli.options import run_options
-from trainer.cli.shared_options import FILE, VESSEL_HELP, method_options, together
+from trainer.cli.shared_options import FILE, SEA, VESSEL, VESSEL_HELP, method_options, together
 from trainer.session.options import RunOptions
 
 CPUS = ("x86-64-v2", "x86-64-v3", "x86-64-v4", "native")
 
 boat_options = together(
-    click.option("--vessel", default="bb2", show_default=True, help=VESSEL_HELP),
+    click.option("--vessel", type=VESSEL, default="bb2", show_default=True, help=VESSEL_HELP),
     method_options,
     click.option(
         "--integrator",
@@ -25,7 +25,11 @@ boat_options = together(
     click.option("--step", type=float, default=None, help="Step in s. [default: the vessel's]"),
     click.option("--unsafe-step", is_flag=True, help="Export even where the step is not stable."),
     click.option(
-        "--sea", default="calm", metavar="NAME|PATH", help="Of the start. [default: calm]"
+        "--sea",
+        type=SEA,
+        default="calm",
+        metavar="NAME|PATH",
+        help="Of the start. [default: calm]",
     ),
     click.option(
         "--seed",

@@ -11,7 +11,8 @@ import click
 
 from trainer.cli.answers import AHEAD, Number, outputs, show
 from trainer.cli.options import options_given
-from trainer.cli.shared_options import FILE, together
+from trainer.cli.shared_options import CSV, HTML, PDF, SEA, VESSEL, together
+from trainer.cli.types import File, Word
 from trainer.config.method import EQUATIONS
 
 if TYPE_CHECKING:
@@ -21,6 +22,12 @@ if TYPE_CHECKING:
 OF_BOATS: Final = (
     *("equations", "rates", "trig", "integrator", "controls", "trim", "law"),
     *("depth", "sea", "seed"),
+)
+NAMES: Final = (  # of analysis.manoeuvres.catalogue, which would load the core
+    *("meander", "overshoot", "turn", "climbing-turn", "acceleration", "utmost-acceleration"),
+    *("trim", "impulse", "rudder-impulse", "turning-circle", "zigzag-10", "zigzag-20"),
+    *("pull-out", "spiral", "reverse-spiral", "vertical-zigzag", "crash-stop", "backing"),
+    *("roll-decay", "out-of-balance", "plane-jam", "rudder-jam"),
 )
 ANGLE: Final = Number(0.0, 90.0)
 SECONDS: Final = Number(1.0, 1e5)
@@ -74,6 +81,7 @@ PLACE: Final = together(
     ),
     click.option(
         "--sea",
+        type=SEA,
         default=None,
         metavar="NAME|PATH",
         help="calm, sea-state-1 to sea-state-6, or a file; with --depth.",
@@ -107,8 +115,8 @@ def print_list(ctx: click.Context, _param: click.Parameter, value: bool) -> None
 
 
 @click.command()
-@click.argument("name")
-@click.argument("vessel")
+@click.argument("name", type=Word(NAMES))
+@click.argument("vessel", type=VESSEL)
 @click.option(
     "--list",
     is_flag=True,
@@ -146,7 +154,7 @@ def print_list(ctx: click.Context, _param: click.Parameter, value: bool) -> None
     show_default=True,
     help="Of depth keeping, as the order autopilot has them.",
 )
-@click.option("--csv", type=FILE, default=None, metavar="FILE", help="Write the flight, SI, rad.")
+@click.option("--csv", type=CSV, default=None, metavar="FILE", help="Write the flight, SI, rad.")
 @outputs
 def manoeuvre(name: str, vessel: str, **options: Any) -> None:
     """Fly a manoeuvre and measure it (CONTR).
@@ -155,9 +163,9 @@ def manoeuvre(name: str, vessel: str, **options: Any) -> None:
 
     \b
     Example:  trainer manoeuvre turning-circle bb2 --angle 20
-    Example:  trainer manoeuvre zigzag-20 bb2 --side port --depth 60
-    Example:  trainer manoeuvre meander bb2 --dive --speed 15 --equations modified --plot m.svg
-    Example:  trainer manoeuvre zigzag-10 ship.toml
+              trainer manoeuvre zigzag-20 bb2 --side port --depth 60
+              trainer manoeuvre meander bb2 --dive --speed 15 --equations modified --plot m.svg
+              trainer manoeuvre zigzag-10 ship.toml
 
     Exit code 1 when the boat is lost on the way.
     """
@@ -190,9 +198,9 @@ def fly(vessel: str, name: str, options: dict[str, Any]) -> "tuple[Report, Fligh
 
 
 @click.command()
-@click.argument("vessel")
-@click.option("--html", type=FILE, default=None, metavar="FILE", help="Write one HTML page.")
-@click.option("--pdf", type=FILE, default=None, metavar="FILE", help="Print it by a browser.")
+@click.argument("vessel", type=VESSEL)
+@click.option("--html", type=HTML, default=None, metavar="FILE", help="Write one HTML page.")
+@click.option("--pdf", type=PDF, default=None, metavar="FILE", help="Print it by a browser.")
 @click.option(
     "--depth",
     type=Number(0.1, 12000.0),
@@ -210,7 +218,7 @@ def fly(vessel: str, name: str, options: dict[str, Any]) -> "tuple[Report, Fligh
 @click.option("--json", "as_json", is_flag=True, help="Print the figures as JSON.")
 @click.option(
     "--baseline",
-    type=FILE,
+    type=File(".json", ".html"),
     default=None,
     metavar="FILE",
     help="An earlier guide, JSON or HTML: name what moved since.",

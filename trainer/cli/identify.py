@@ -9,13 +9,15 @@ from typing import TYPE_CHECKING, Any, Final
 import click
 
 from trainer.cli.answers import AHEAD, Number, outputs, show
-from trainer.cli.shared_options import FILE, VESSEL_HELP, together
+from trainer.cli.shared_options import CSV, FILE, HTML, SEA, TOML, VESSEL, VESSEL_HELP, together
+from trainer.cli.types import File
 
 if TYPE_CHECKING:
     from trainer.identify.pages.results import Identified
 
 MODELS: Final = ("1", "2", "3", "nomoto1", "nomoto2")
 CHANNELS: Final = ("sway", "yaw_rate", "heading")
+RECORD: Final = File(".toml", ".trainer", ".csv")
 POSITIVE: Final = Number(0.0, 1e6, min_open=True)
 
 
@@ -72,7 +74,7 @@ sequence_options = together(
 
 
 @click.command()
-@click.argument("vessel")
+@click.argument("vessel", type=VESSEL)
 @click.option("--speed", type=AHEAD, default=None, metavar="KN", help="[default: the vessel's]")
 @click.option("--depth", type=POSITIVE, default=None, help="Metres. [default: the vessel's]")
 @sequence_options
@@ -92,8 +94,8 @@ sequence_options = together(
     show_default=True,
     help="Yaw rate that the sea alone makes, rms deg/s.",
 )
-@click.option("--sea", default=None, metavar="NAME", help="Sea of the exercise written.")
-@click.option("--write", type=FILE, default=None, metavar="FILE", help="Write the exercise.")
+@click.option("--sea", type=SEA, default=None, metavar="NAME", help="Sea of the exercise written.")
+@click.option("--write", type=TOML, default=None, metavar="FILE", help="Write the exercise.")
 @outputs
 def prbs(vessel: str, write: Path | None, **options: Any) -> None:
     """Design a rudder experiment and say what it will tell.
@@ -119,9 +121,9 @@ def prbs(vessel: str, write: Path | None, **options: Any) -> None:
 
 
 @click.command()
-@click.argument("file", type=FILE)
+@click.argument("file", type=TOML)
 @click.option("--smooth", is_flag=True, help="Smooth the track by Spencer's 15 points first.")
-@click.option("--csv", type=FILE, default=None, metavar="FILE", help="Write the track as a record.")
+@click.option("--csv", type=CSV, default=None, metavar="FILE", help="Write the track as a record.")
 @outputs
 def decca(file: Path, csv: Path | None, smooth: bool, **options: Any) -> None:  # noqa: FBT001
     """Lanes to position to sway velocity (DECCON).
@@ -149,7 +151,7 @@ model_options = together(
         default=None,
         help="1 sway and yaw, 2 sway, 3 yaw, or Nomoto's. [default: the study's]",
     ),
-    click.option("--vessel", default=None, help=VESSEL_HELP),
+    click.option("--vessel", type=VESSEL, default=None, help=VESSEL_HELP),
     click.option("--length", type=POSITIVE, default=None, help="Of the ship, metres."),
     click.option("--at", "knots", type=AHEAD, default=None, help="Speed, knots."),
     click.option(
@@ -179,18 +181,18 @@ model_options = together(
 
 
 @click.command()
-@click.argument("file", type=FILE, required=False)
+@click.argument("file", type=RECORD, required=False)
 @model_options
 @click.option("--armax", is_flag=True, help="ARMAX models of rising order instead.")
 @click.option("--most", type=click.IntRange(1, 10), default=None, help="Highest ARMAX order.")
 @click.option("--against", type=click.Choice(MODELS), help="Test it against a simpler model.")
 @click.option("--without", multiple=True, metavar="NAME", help="Test it without this parameter.")
-@click.option("--check", type=FILE, default=None, help="Another record to predict, as a test.")
-@click.option("--kappa", type=FILE, default=None, help="A record of large manoeuvres, for kappa.")
+@click.option("--check", type=RECORD, default=None, help="Another record to predict, as a test.")
+@click.option("--kappa", type=RECORD, default=None, help="A record of large manoeuvres, for kappa.")
 @click.option("--checkpoint", type=FILE, default=None, help="Keep the search in this file.")
-@click.option("--write-nomoto", type=FILE, default=None, help="Write the ship in few numbers.")
-@click.option("--write-vessel", type=FILE, default=None, help="Write the vessel file changed.")
-@click.option("--html", type=FILE, default=None, metavar="FILE", help="Write one HTML page.")
+@click.option("--write-nomoto", type=TOML, default=None, help="Write the ship in few numbers.")
+@click.option("--write-vessel", type=TOML, default=None, help="Write the vessel file changed.")
+@click.option("--html", type=HTML, default=None, metavar="FILE", help="Write one HTML page.")
 @click.option("--selftest", is_flag=True, help="Run the acceptance tests of identification.")
 @outputs
 def identify(file: Path | None, selftest: bool, **options: Any) -> None:  # noqa: FBT001

@@ -1,15 +1,20 @@
 """Commands that list what is shipped and what is sent to instruments."""
 
+from collections.abc import Mapping
 from pathlib import Path
+from typing import Any, Final
 
 import click
 
-from trainer.cli.shared_options import FILE
+from trainer.cli.shared_options import EXERCISE, TOML
 from trainer.cli.types import Commands
+
+WIDTH: Final = 79  # [columns] of a line at most
+as_json_option = click.option("--json", "as_json", is_flag=True, help="Print the list as JSON.")
 
 
 @click.command()
-@click.option("--json", "as_json", is_flag=True, help="Print the list as JSON.")
+@as_json_option
 def exercises(*, as_json: bool) -> None:
     """List the shipped exercises, in the order of the course.
 
@@ -25,21 +30,97 @@ def exercises(*, as_json: bool) -> None:
     click.echo(json.dumps(found, indent=1) if as_json else "\n".join(lines))
 
 
+@click.command()
+@as_json_option
+def vessels(*, as_json: bool) -> None:
+    """List the shipped boats: their length, their sets of equations, what they are.
+
+    \b
+    Example:  trainer vessels
+
+    A file of your own is not listed: give its path, such as ./boat.toml, wherever a name is asked
+    for. `trainer check VESSEL` tells more.
+    """
+    from trainer.config.files import shipped_tables  # noqa: PLC0415
+
+    rows = {name: vessel_row(table) for name, table in shipped_tables("vessels").items()}
+    lines = [
+        f"{name:10}{row['length_m']:7g} m  "
+        f"{'full and compact set' if row['compact_set'] else 'full set alone':22}{row['name']}"
+        for name, row in rows.items()
+    ]
+    print_rows(rows, lines, as_json=as_json)
+
+
+def vessel_row(table: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the facts of a vessel's file that are listed: lengths in metres."""
+    return {
+        "name": table["name"],
+        "kind": table["kind"],
+        "length_m": table["vessel"]["length"],
+        "compact_set": "modified" in table.get("compensation", {}),
+    }
+
+
+@click.command()
+@as_json_option
+def seas(*, as_json: bool) -> None:
+    """List the shipped seas: their sea state by WMO code 3700, and its name.
+
+    \b
+    Example:  trainer seas
+
+    A file of your own is not listed: give its path, such as ./storm.toml, to --sea.
+    `trainer sea SEA` shows the waves of one.
+    """
+    from trainer.config.files import shipped_tables  # noqa: PLC0415
+
+    rows = {
+        name: {"name": table["name"], "sea_state": table["sea"]["sea_state"]}
+        for name, table in shipped_tables("seas").items()
+    }
+    lines = [
+        f"{name:14}sea state {row['sea_state']:g}  {row['name']}" for name, row in rows.items()
+    ]
+    print_rows(rows, lines, as_json=as_json)
+
+
+def print_rows(rows: Mapping[str, Any], lines: list[str], *, as_json: bool) -> None:
+    """Print what is listed as JSON, or as lines that fit an ordinary terminal."""
+    import json  # noqa: PLC0415
+
+    shown = [line if len(line) <= WIDTH else f"{line[: WIDTH - 4].rstrip()} ..." for line in lines]
+    click.echo(json.dumps(rows, indent=1) if as_json else "\n".join(shown))
+
+
 @click.group(cls=Commands)
 def exercise() -> None:
-    """Make an exercise of your own: a file to begin with, and its check."""
+    """Make an exercise of your own: a file to begin with, and its check.
+
+    \b
+    Example:  trainer exercise new drill.toml --from stern-plane-jam
+              trainer exercise check drill.toml
+              trainer run drill.toml
+    """
 
 
 @exercise.command()
-@click.argument("file", type=FILE)
+@click.argument("file", type=TOML)
 @click.option("--name", default=None, help="One line for the list.")
-@click.option("--from", "source", default=None, metavar="EXERCISE", help="Copy a shipped one.")
+@click.option(
+    "--from",
+    "source",
+    type=EXERCISE,
+    default=None,
+    metavar="EXERCISE",
+    help="Copy a shipped one.",
+)
 def new(file: Path, name: str | None, source: str | None) -> None:
     """Write a valid exercise with comments, to be changed; never over another file.
 
     \b
     Example:  trainer exercise new drill.toml --name "Lost in the fog"
-              trainer exercise new drill.toml --from stern-plane-jam
+              trainer exercise new jam.toml --from stern-plane-jam
     """
     from trainer.analysis.exercise_page import write_new  # noqa: PLC0415
 
@@ -47,7 +128,7 @@ def new(file: Path, name: str | None, source: str | None) -> None:
 
 
 @exercise.command()
-@click.argument("file")
+@click.argument("file", type=EXERCISE)
 def check(file: str) -> None:
     """Say what is wrong with an exercise, or else what it is.
 
@@ -63,14 +144,14 @@ def check(file: str) -> None:
 
 
 @exercise.command()
-@click.argument("file")
+@click.argument("file", type=EXERCISE)
 @click.option("--seeds", type=click.IntRange(1, 1000), default=20, show_default=True)
 def baseline(file: str, seeds: int) -> None:
-    """Fly an exercise with nobody aboard and with its reference crew; keep their marks beside it.
+    """Fly an exercise with nobody aboard and with its reference crew. Keep their marks beside it.
 
     \b
     Example:  trainer exercise baseline depth-changes
-              trainer exercise baseline drill.toml --seeds 5
+              trainer exercise baseline ./drill.toml --seeds 5
 
     FILE is a path, or the name of a shipped exercise. The debrief takes from each task what it
     gives with nobody aboard. What is kept is drill.baseline.toml, beside drill.toml.
@@ -83,9 +164,9 @@ def baseline(file: str, seeds: int) -> None:
 
 
 @click.command()
-@click.argument("tables", nargs=-1, metavar="[FILE]...")
-@click.option("--json", "as_json", is_flag=True, help="Print the list as JSON.")
-def casualties(tables: tuple[str, ...], *, as_json: bool) -> None:
+@click.argument("tables", type=TOML, nargs=-1, metavar="[FILE]...")
+@as_json_option
+def casualties(tables: tuple[Path, ...], *, as_json: bool) -> None:
     """List what can break, from the shipped table and from files of your own.
 
     \b
@@ -95,7 +176,7 @@ def casualties(tables: tuple[str, ...], *, as_json: bool) -> None:
 
     from trainer.config import casualties as casualties_module  # noqa: PLC0415
 
-    found = casualties_module.load_casualties(*tables)
+    found = casualties_module.load_casualties(*map(str, tables))
     listing = casualties_module.listing(found)
     click.echo(json.dumps(casualties_module.as_json(found), indent=1) if as_json else listing)
 

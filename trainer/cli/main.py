@@ -54,16 +54,22 @@ def cli() -> None:
     """Train the crew of a simulated submarine, in real time.
 
     \b
-    trainer run                      take a 70 m submarine to sea, now
-    trainer run periscope-depth      an exercise; `trainer exercises` lists them
-    trainer run --headless --duration 1h --speed max --csv out.csv
-    trainer check bb2                what a vessel file is worth, and at which step
+    Example:  trainer run                  take a 70 m submarine to sea, now
+              trainer run periscope-depth  an exercise; `trainer exercises` lists them
+              trainer run --headless --duration 1h --speed max --csv out.csv
+              trainer check bb2            what a vessel file is worth, and at which step
     """
 
 
 SECTIONS: Final = {
     "Train": (run.run, run.serve, run.attach, run.station),
-    "Exercises": (listings.exercises, listings.exercise, listings.casualties),
+    "Exercises": (
+        listings.exercises,
+        listings.exercise,
+        listings.casualties,
+        listings.seas,
+        vessel.sea,
+    ),
     "Recordings": (
         recordings.debrief,
         recordings.recordings,
@@ -72,12 +78,12 @@ SECTIONS: Final = {
         recordings.export,
     ),
     "A boat": (
+        listings.vessels,
         vessel.vessel,
         vessel.check,
         *guide.GUIDING,
         vessel.reduce,
         vessel.gains,
-        vessel.sea,
     ),
     "The programs of 1969": programs.PROGRAMS,
     "Many boats": (sweep.sweep,),
@@ -96,7 +102,7 @@ for title, commands in SECTIONS.items():
 
 
 def keep_standard_streams() -> None:
-    """Put the null device where one is closed, or the next file opened would take its number."""
+    """Put the null device where one is closed. Else the next file opened would take its number."""
     while (descriptor := os.open(os.devnull, os.O_RDWR)) <= 2:
         pass
     os.close(descriptor)
@@ -112,7 +118,7 @@ def fail(code: int, *lines: str) -> NoReturn:
 
 
 def main() -> None:
-    """Run the command line; what the user got wrong is told on stderr, exit code 2."""
+    """Run the command line. A user's mistake is told on stderr, exit code 2."""
     keep_standard_streams()
     try:
         sys.exit(cli(prog_name="trainer", standalone_mode=False))

@@ -11,12 +11,12 @@ from trainer.session.options import RunOptions
 
 
 def run_options(options: Mapping[str, Any]) -> RunOptions:
-    """Return the options of the command that is being run, and which of them its user gave."""
+    """Return the options of the command under way, and which of them were given."""
     return RunOptions(**options, given=options_given())
 
 
 def options_given() -> frozenset[str]:
-    """Return the options that the user gave to the command that is being run, by name."""
+    """Return the names of the options given to the command under way."""
     context = click.get_current_context()
     source = context.get_parameter_source
     return frozenset(name for name in context.params if source(name) is not ParameterSource.DEFAULT)

@@ -1,4 +1,7 @@
-"""The engineer's programs of 1969 that ask a vessel file; those that ask runs are in responses."""
+"""The engineer's programs of 1969 that read a vessel file.
+
+Those that read runs are in responses.
+"""
 
 from typing import Any, Final
 
@@ -6,6 +9,7 @@ import click
 
 from trainer.cli.answers import AHEAD, SPEED, Number, outputs, show
 from trainer.cli.responses import compare, fit
+from trainer.cli.shared_options import VESSEL
 
 COMMAND: Final = Number(-60.0, 60.0)
 MEAN: Final = Number(0.0, 50.0)
@@ -36,7 +40,7 @@ def speeds_of(file: Any, given: tuple[float, ...]) -> tuple[float, ...]:
 
 
 @click.command()
-@click.argument("vessel")
+@click.argument("vessel", type=VESSEL)
 @SPEEDS
 @DEPTH
 @outputs
@@ -59,7 +63,7 @@ def neutral(vessel: str, speeds: tuple[float, ...], depth: float | None, **how: 
 
 
 @click.command()
-@click.argument("vessel")
+@click.argument("vessel", type=VESSEL)
 @click.option(
     "--speed",
     "speeds",
@@ -109,7 +113,7 @@ class Fill(click.ParamType[tuple[str, float]]):
 
 
 @click.command()
-@click.argument("vessel")
+@click.argument("vessel", type=VESSEL)
 @click.option(
     "--fill",
     "fills",
@@ -157,7 +161,7 @@ def mean_options(command: Any) -> Any:
 
 
 @click.command()
-@click.argument("vessel")
+@click.argument("vessel", type=VESSEL)
 @SPEEDS
 @DEPTH
 @mean_options

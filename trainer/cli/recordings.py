@@ -6,15 +6,16 @@ from typing import Any
 
 import click
 
-from trainer.cli.shared_options import FILE, VESSEL_HELP, WIDTHS
-from trainer.cli.types import Duration
+from trainer.cli.answers import PLOT
+from trainer.cli.shared_options import CSV, HTML, PDF, RECORDING, RRD, VESSEL, VESSEL_HELP, WIDTHS
+from trainer.cli.types import Duration, File
 from trainer.config.method import EQUATIONS
 
 
 @click.command()
-@click.argument("file", type=FILE)
+@click.argument("file", type=RECORDING)
 @click.option("--anyway", is_flag=True, help="Even if this version would compute otherwise.")
-@click.option("--vessel", default=None, help=f"Fly another boat: {VESSEL_HELP}.")
+@click.option("--vessel", type=VESSEL, default=None, help=f"Fly another boat: {VESSEL_HELP}.")
 @click.option("--step", type=float, default=None, help="Fly at another step in s.")
 @click.option("--equations", type=click.Choice(EQUATIONS), default=None, help="By another set.")
 @click.option("--json", "as_json", is_flag=True, help="Print the comparison as JSON.")
@@ -34,12 +35,12 @@ def replay(file: Path, *, anyway: bool, as_json: bool, **otherwise: Any) -> None
 
 
 @click.command()
-@click.argument("file", type=FILE)
-@click.option("--csv", type=FILE, default=None, help="States here, orders and events beside.")
-@click.option("--parquet", type=FILE, default=None, help="The same as Parquet files.")
-@click.option("--rrd", type=FILE, default=None, help="The run as Rerun's viewer shows it.")
+@click.argument("file", type=File(".trainer", ".csv"))
+@click.option("--csv", type=CSV, default=None, help="States here, orders and events beside.")
+@click.option("--parquet", type=File(".parquet"), default=None, help="The same as Parquet files.")
+@click.option("--rrd", type=RRD, default=None, help="The run as Rerun's viewer shows it.")
 @click.option(
-    "--plot", type=FILE, default=None, help="Columns over time, .png, .svg or .pdf by its ending."
+    "--plot", type=PLOT, default=None, help="Columns over time, .png, .svg or .pdf by its ending."
 )
 @click.option(
     "--column",
@@ -76,10 +77,10 @@ def export(
 
 
 @click.command()
-@click.argument("file", type=FILE, required=False)
+@click.argument("file", type=RECORDING, required=False)
 @click.option("--last", is_flag=True, help="The recording in the recordings' folder made last.")
-@click.option("--html", type=FILE, default=None, help="[default: beside the recording]")
-@click.option("--pdf", type=FILE, default=None, help="Printed by a browser of this machine.")
+@click.option("--html", type=HTML, default=None, help="[default: beside the recording]")
+@click.option("--pdf", type=PDF, default=None, help="Printed by a browser of this machine.")
 @click.option("--branch", type=click.IntRange(1), default=None, help="[default: the last one]")
 @click.option("--width", type=click.Choice(WIDTHS), default=None, help="[default: the run's own]")
 @click.option(
@@ -123,7 +124,7 @@ def debrief(file: Path | None, *, last: bool, **how: Any) -> None:
 
 
 @click.command()
-@click.argument("places", type=FILE, nargs=-1)
+@click.argument("places", type=RECORDING, nargs=-1)
 @click.option("--trainee", default=None, metavar="NAME", help="What this trainee has done.")
 @click.option("--forget", default=None, metavar="NAME", help="Remove this name everywhere.")
 @click.option("--json", "as_json", is_flag=True, help="Print the list as JSON.")

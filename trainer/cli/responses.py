@@ -2,18 +2,17 @@
 
 import sys
 from pathlib import Path
-from typing import Any, Final
+from typing import Any
 
 import click
 
 from trainer.cli.answers import AHEAD, Number, outputs, show
-
-RUN: Final = click.Path(path_type=Path)
+from trainer.cli.shared_options import CSV, VESSEL
 
 
 @click.command()
-@click.argument("full", type=RUN)
-@click.argument("other", type=RUN)
+@click.argument("full", type=CSV)
+@click.argument("other", type=CSV)
 @click.option("--column", "columns", multiple=True, metavar="NAME", help="[default: u z r, angles]")
 @click.option(
     "--until",
@@ -56,14 +55,16 @@ def compare(full: Path, other: Path, columns: tuple[str, ...], **options: Any) -
 
 
 @click.command()
-@click.argument("run", type=RUN)
+@click.argument("run", type=CSV)
 @click.option("--column", default="theta", show_default=True, metavar="NAME", help="What to fit.")
 @click.option(
     "--from", "begin", type=Number(), default=0.0, show_default=True, help="First second."
 )
 @click.option("--to", "end", type=Number(), default=1e9, help="Last second. [default: the run's]")
 @click.option("--about", type=Number(), default=None, help="Rest value. [default: the first row's]")
-@click.option("--vessel", default=None, metavar="VESSEL", help="Start from this boat's roots ...")
+@click.option(
+    "--vessel", type=VESSEL, default=None, metavar="VESSEL", help="Start from this boat's roots ..."
+)
 @click.option("--speed", type=AHEAD, default=None, metavar="KN", help="... at this speed.")
 @click.option(
     "--plane",

@@ -10,7 +10,8 @@ import click
 
 from trainer.cli.options import run_options, without_console
 from trainer.cli.shared_options import (
-    FILE,
+    EXERCISE,
+    RECORDING,
     connect_options,
     console_options,
     core_options,
@@ -30,7 +31,7 @@ if TYPE_CHECKING:
 
 
 @click.command()
-@click.argument("exercise", required=False)
+@click.argument("exercise", type=EXERCISE, required=False)
 @exercise_options
 @time_options
 @console_options
@@ -70,7 +71,7 @@ Begin = Callable[[RunOptions], NoReturn]
 def set_out(
     asked: RunOptions, begin: Begin, choose: Callable[[RunOptions], RunOptions], *, teletype: bool
 ) -> NoReturn:
-    """Begin a session: on a screen of its own where there is a terminal, beside one, or without.
+    """Begin a session on a screen of its own, beside one, or without.
 
     ``choose`` settles what is asked for by a command without any option.
     """
@@ -103,7 +104,7 @@ def on_screen(asked: RunOptions, chosen: RunOptions, begin: Begin) -> int:
 
 
 def choose(asked: RunOptions) -> RunOptions:
-    """Return the options with the exercise that is chosen at the terminal; leave if none is."""
+    """Return the options with the exercise chosen at the terminal. Leave if none is."""
     from trainer.config.course import course  # noqa: PLC0415
     from trainer.console.exercise_choice import choose_exercise  # noqa: PLC0415
 
@@ -163,7 +164,7 @@ def debriefing() -> "Debriefing":
 
 
 @click.command()
-@click.argument("exercise", required=False)
+@click.argument("exercise", type=EXERCISE, required=False)
 @exercise_options
 @time_options
 @recording_options
@@ -186,7 +187,7 @@ def serve(**options: Any) -> None:
 
 
 @click.command()
-@click.argument("file", type=FILE)
+@click.argument("file", type=RECORDING)
 @time_options
 @console_options
 @rerun_options
@@ -194,7 +195,7 @@ def serve(**options: Any) -> None:
 @teletype_option
 @click.option("--anyway", is_flag=True, help="Even if this version would compute otherwise.")
 def resume(file: Path, *, anyway: bool, teletype: bool, **options: Any) -> None:
-    """Go on with a recorded run where it ended, after a crash or on another day.
+    """Go on with a recorded run from its end, now or on another day.
 
     The boat is brought to the last order of the recording and waits there, frozen; headless, where
     nobody could say run, it goes on at once unless --frozen is given. On a terminal it shows the
@@ -234,10 +235,11 @@ def attach(url: str | None, token: str | None, *, teletype: bool) -> None:
     \b
     Example:  trainer attach
               trainer attach --connect tcp://bridge:17800 --token WORD
-              printf 'casualty stern-stuck\\n' | trainer attach
+              printf 'mark the stern planes stuck\\n' | trainer attach
 
     On a terminal it shows the instructor's console, F1 its help. `detach` leaves the session
-    running, `quit` ends it.
+    running, `quit` ends it. One instructor has command, and gives the orders: the others set marks
+    and look on, until they say `take command`.
     """
     sys.exit(be(url, "instructor", token, teletype=teletype))
 
@@ -259,7 +261,7 @@ def station(role: str, url: str | None, token: str | None, *, teletype: bool) ->
 
 
 def be(url: str | None, role: str, token: str | None, *, teletype: bool) -> int:
-    """Be a station of that role, on a screen or as a teletype; return the exit code."""
+    """Be a station of that role, on a screen or as a teletype. Return the exit code."""
     from trainer.console.terminal import has_terminal  # noqa: PLC0415
 
     if has_terminal() and not teletype:

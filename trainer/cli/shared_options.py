@@ -1,12 +1,11 @@
 """Options that several commands share, by what they are about."""
 
 from collections.abc import Callable
-from pathlib import Path
 from typing import Any, Final
 
 import click
 
-from trainer.cli.types import Duration, Speed
+from trainer.cli.types import Duration, File, Name, Speed
 from trainer.config.method import EQUATIONS
 from trainer.io.paths import HOST, PORT
 
@@ -15,7 +14,17 @@ VESSEL_HELP: Final = "bb2, sdv-mk9, remus100, or the path of a vessel file"
 WIDTHS: Final = ("qualified", "basic")  # see debrief.judgement
 
 Decorator = Callable[[Any], Any]
-FILE: Final = click.Path(path_type=Path)
+FILE: Final = File()
+RECORDING: Final = File(".trainer")
+CSV: Final = File(".csv")
+RRD: Final = File(".rrd")
+TOML: Final = File(".toml")
+HTML: Final = File(".html")
+PDF: Final = File(".pdf")
+VESSEL: Final = Name("vessels")
+SEA: Final = Name("seas")
+EXERCISE: Final = Name("exercises")
+STUDY: Final = Name("studies")
 
 
 def together(*options: Decorator) -> Decorator:
@@ -54,10 +63,11 @@ method_options = together(
 )
 
 exercise_options = together(
-    click.option("--vessel", default="bb2", show_default=True, help=VESSEL_HELP),
+    click.option("--vessel", type=VESSEL, default="bb2", show_default=True, help=VESSEL_HELP),
     method_options,
     click.option(
         "--sea",
+        type=SEA,
         default=None,
         metavar="NAME|PATH",
         help="calm, sea-state-1 to sea-state-6, or a file.",
@@ -86,7 +96,7 @@ exercise_options = together(
     click.option(
         "--orders",
         "orders_file",
-        type=FILE,
+        type=File(".txt"),
         default=None,
         help="Scheduled orders, a line each: SECONDS ORDER.",
     ),
@@ -124,7 +134,7 @@ time_options = together(
     click.option(
         "--csv",
         "csv_path",
-        type=FILE,
+        type=CSV,
         default=None,
         help="Write the state of each tick to this file.",
     ),
@@ -133,7 +143,7 @@ time_options = together(
 recording_options = together(
     click.option(
         "--record",
-        type=FILE,
+        type=RECORDING,
         default=None,
         help="Keep the whole run in this file. [default: a new one in the recordings' folder, "
         "unless headless or at --speed max]",
@@ -171,7 +181,7 @@ console_options = together(
 core_options = together(
     click.option(
         "--core",
-        type=FILE,
+        type=File(".so"),
         default=None,
         metavar="FILE.so",
         help="Run the boat of this exported core (trainer export-core), headless, with --duration, "
@@ -190,7 +200,7 @@ rerun_options = together(
         metavar="HOST:PORT",
         help="Where that viewer listens. [default: 127.0.0.1:9876, opened if it is not there]",
     ),
-    click.option("--rrd", type=FILE, default=None, help="Write the run to this file for Rerun."),
+    click.option("--rrd", type=RRD, default=None, help="Write the run to this file for Rerun."),
 )
 
 nmea_options = together(

@@ -1,4 +1,4 @@
-"""Whatever the members of a study are, made ready to be flown."""
+"""The members of any study are made ready to fly."""
 
 from collections.abc import Callable, Mapping
 from typing import Final

@@ -7,14 +7,15 @@ from typing import Any
 import click
 
 from trainer.cli.answers import outputs, show
-from trainer.cli.shared_options import FILE
+from trainer.cli.shared_options import STUDY
+from trainer.cli.types import File
 
 
 @click.command()
-@click.argument("study")
+@click.argument("study", type=STUDY)
 @click.option(
     "--out",
-    type=FILE,
+    type=File(".parquet"),
     default=None,
     metavar="FILE",
     help="Parquet file of the result. [default: the study's name, here]",
@@ -41,7 +42,7 @@ from trainer.cli.shared_options import FILE
 @click.option("--measure", default=None, metavar="NAME", help="What to plot. [default: the first]")
 @outputs
 def sweep(study: str, member: int | None, **options: Any) -> None:
-    """Fly a study: one boat many times, some of its numbers varied.
+    """Fly a study: one boat many times, with some of its numbers varied.
 
     STUDY is the name of a shipped study or the path of a file. The result has a row for each
     member. What is finished is kept: after an interruption the same command goes on.

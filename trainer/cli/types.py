@@ -1,16 +1,19 @@
-"""How the command line reads what is typed: commands, times and speeds of time."""
+"""How the command line reads and completes what is typed: commands, names, files, times."""
 
 import difflib
 import math
+import os
 import re
 from collections.abc import Iterable
-from typing import Any
+from pathlib import Path
+from typing import Any, Final
 
 import click
+from click.shell_completion import CompletionItem
 
 
 class Commands(click.Group):
-    """A group that lists its commands by section, and answers a mistyped one with the nearest."""
+    """A group that lists its commands by section. It answers a mistyped one with the nearest."""
 
     def __init__(self, *args: Any, **attributes: Any) -> None:
         super().__init__(*args, **attributes)
@@ -44,7 +47,8 @@ class Commands(click.Group):
     ) -> tuple[str | None, click.Command | None, list[str]]:
         """Return the command; UsageError naming the nearest if there is none of that name."""
         name = args[0]
-        if self.get_command(ctx, name) is None and not name.startswith("-"):
+        unknown = self.get_command(ctx, name) is None and not name.startswith("-")
+        if unknown and not ctx.resilient_parsing:
             near = difflib.get_close_matches(name, self.list_commands(ctx), 1)
             hint = f"; did you mean {near[0]}?" if near else ""
             ctx.fail(f"no command {name!r}{hint}")
@@ -99,3 +103,99 @@ class Speed(click.ParamType[float]):
         if not 0.1 <= factor <= 100.0:
             self.fail(f"{value!r} is not a speed of time: 0.1 to 100, or max", param, ctx)
         return factor
+
+
+PLAIN: Final = re.compile(r"[\w./~+:@%-]+")  # a name that no shell has to quote
+
+
+class File(click.Path):
+    """The path of a file; Tab completes folders and the files with certain endings."""
+
+    def __init__(self, *endings: str, dir_okay: bool = True) -> None:
+        super().__init__(path_type=Path, dir_okay=dir_okay)
+        self.endings = endings
+
+    def shell_complete(
+        self, ctx: click.Context, param: click.Parameter, incomplete: str
+    ) -> list[CompletionItem]:
+        """Return the files that the word typed so far can become."""
+        del ctx, param
+        return complete_files(incomplete, self.endings)
+
+
+class Name(click.ParamType[str]):
+    """The name of a shipped file, or the path of a file; Tab completes both."""
+
+    name = "text"
+
+    def __init__(self, kind: str, *endings: str) -> None:
+        self.kind = kind
+        self.endings = endings or (".toml",)
+
+    def shell_complete(
+        self, ctx: click.Context, param: click.Parameter, incomplete: str
+    ) -> list[CompletionItem]:
+        """Return the shipped names, with their titles, and the files that the word can become."""
+        del ctx, param
+        from trainer.config.files import shipped_tables  # noqa: PLC0415
+
+        names = [
+            CompletionItem(name, help=str(table.get("name", "")))
+            for name, table in shipped_tables(self.kind, incomplete).items()
+        ]
+        return names + complete_files(incomplete, self.endings, alone=not names)
+
+
+class Word(click.ParamType[str]):
+    """One of some words, which the command itself checks; Tab completes it."""
+
+    name = "text"
+
+    def __init__(self, words: Iterable[str]) -> None:
+        self.words = tuple(words)
+
+    def shell_complete(
+        self, ctx: click.Context, param: click.Parameter, incomplete: str
+    ) -> list[CompletionItem]:
+        """Return the words that begin as the word typed so far."""
+        del ctx, param
+        return [CompletionItem(word) for word in self.words if word.startswith(incomplete)]
+
+
+def complete_files(
+    incomplete: str, endings: tuple[str, ...], *, alone: bool = True
+) -> list[CompletionItem]:
+    """Return the files with those endings, and the folders, for a half-typed word.
+
+    No ending: any file.
+
+    The shell itself completes folders where nothing else fits (``alone``), and names with spaces.
+    """
+    if not endings:
+        return [CompletionItem(incomplete, type="file")]
+    head, tail = os.path.split(incomplete)
+    names = sorted(each for each in _entries(head) if each.startswith(tail) and _shown(each, tail))
+    files = [name for name in names if name.endswith(endings)]
+    folders = [f"{name}/" for name in names if name not in files and _is_folder(head, name)]
+    found = [os.path.join(head, name) for name in (*files, *folders)]  # noqa: PTH118 keeps ./ and ~
+    if not all(map(PLAIN.fullmatch, found)):
+        return [CompletionItem(incomplete, type="file")] if alone else []
+    if folders and not files and alone:
+        return [CompletionItem(incomplete, type="dir")]
+    return [CompletionItem(each) for each in found]
+
+
+def _entries(folder: str) -> list[str]:
+    try:
+        return [path.name for path in Path(folder).expanduser().iterdir()]
+    except (OSError, RuntimeError):  # RuntimeError: ~nobody
+        return []
+
+
+def _shown(name: str, typed: str) -> bool:
+    """Return whether a name is offered: a hidden one only when its dot is typed."""
+    return typed.startswith(".") or not name.startswith(".")
+
+
+def _is_folder(folder: str, name: str) -> bool:
+    return (Path(folder).expanduser() / name).is_dir()

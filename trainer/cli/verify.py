@@ -6,7 +6,7 @@ from typing import Any
 
 import click
 
-from trainer.cli.shared_options import FILE, VESSEL_HELP
+from trainer.cli.shared_options import FILE, RECORDING, VESSEL, VESSEL_HELP
 
 
 @click.command()
@@ -83,7 +83,7 @@ def fuzz(
     help="Of the clock, with --real-time.",
 )
 @click.option("--seed", type=click.IntRange(0, 2**31 - 1), default=1, show_default=True)
-@click.option("--keep", type=FILE, default=None, help="Keep the recording in this file.")
+@click.option("--keep", type=RECORDING, default=None, help="Keep the recording in this file.")
 @click.option(
     "--faults",
     type=click.IntRange(1),
@@ -136,7 +136,7 @@ def soak(*, real_time: bool, seed: int, as_json: bool, **how: Any) -> None:
 
 
 def try_stress(orders: int, hours: float, seed: int, *, as_json: bool) -> int:
-    """Stress every boat by every set, and print what came of it; return the exit code."""
+    """Stress every boat by every set, and print the results. Return the exit code."""
     from trainer.verify.page import as_json as text_of  # noqa: PLC0415
     from trainer.verify.soak.stress import HEAD, row, stress  # noqa: PLC0415
 
@@ -172,7 +172,7 @@ def try_faults(what: str, times: int, seed: int, *, as_json: bool) -> int:
 
 
 @click.command()
-@click.option("--vessel", default="bb2", show_default=True, help=VESSEL_HELP)
+@click.option("--vessel", type=VESSEL, default="bb2", show_default=True, help=VESSEL_HELP)
 @click.option(
     "--seconds",
     type=click.IntRange(1, 3600),

@@ -11,7 +11,7 @@ from typing import Any
 import click
 
 from trainer.cli.answers import Number, outputs, show
-from trainer.cli.shared_options import FILE, VESSEL_HELP, method_options
+from trainer.cli.shared_options import SEA, TOML, VESSEL, VESSEL_HELP, method_options
 from trainer.cli.types import Commands
 
 
@@ -21,10 +21,8 @@ def vessel() -> None:
 
 
 @vessel.command()
-@click.argument("file", type=FILE)
-@click.option(
-    "--from", "source", default="bb2", show_default=True, metavar="VESSEL", help=VESSEL_HELP
-)
+@click.argument("file", type=TOML)
+@click.option("--from", "source", type=VESSEL, default="bb2", show_default=True, help=VESSEL_HELP)
 @click.option(
     "--length",
     type=Number(0.3, 400.0),
@@ -48,7 +46,7 @@ def new(file: Path, source: str, length: float | None, name: str | None) -> None
 
 
 @click.command()
-@click.argument("vessel")
+@click.argument("vessel", type=VESSEL)
 @method_options
 def evaluate(vessel: str, equations: str | None, rates: str | None, trig: str) -> None:
     """Accelerations for states read as JSON lines: the check interface.
@@ -71,7 +69,7 @@ def evaluate(vessel: str, equations: str | None, rates: str | None, trig: str) -
 
 
 @click.command()
-@click.argument("vessel")
+@click.argument("vessel", type=VESSEL)
 @click.option("--constants", is_flag=True, help="List every constant, and where it comes from.")
 @click.option("--json", "as_json", is_flag=True, help="Print the figures as JSON.")
 def check(vessel: str, *, constants: bool, as_json: bool) -> None:
@@ -116,7 +114,7 @@ def list_constants(vessel: str, *, as_json: bool) -> None:
 
 
 @click.command()
-@click.argument("vessel")
+@click.argument("vessel", type=VESSEL)
 def gains(vessel: str) -> None:
     """Design the autopilot of a boat and print the table for its vessel file.
 
@@ -130,8 +128,8 @@ def gains(vessel: str) -> None:
 
 
 @click.command()
-@click.argument("name", metavar="SEA")
-@click.option("--vessel", default="bb2", show_default=True, help="The boat in it.")
+@click.argument("name", type=SEA, metavar="SEA")
+@click.option("--vessel", type=VESSEL, default="bb2", show_default=True, help="The boat in it.")
 @click.option(
     "--depth",
     "depths",
@@ -170,8 +168,8 @@ def bar(length: int, label: str) -> Iterator[Callable[[int], None]]:
 
 
 @click.command()
-@click.argument("vessel")
-@click.option("-o", "--output", type=FILE, default=None, metavar="FILE", help="Write the boat so.")
+@click.argument("vessel", type=VESSEL)
+@click.option("-o", "--output", type=TOML, default=None, metavar="FILE", help="Write the boat so.")
 @click.option("--write", is_flag=True, help="Write it into the vessel file itself.")
 @click.option("--check", is_flag=True, help="Judge the set that the file has; no search.")
 @click.option("--table", is_flag=True, help="Only the table of sensitivities.")

@@ -1,4 +1,4 @@
-"""What the table [ballast] of a vessel file holds, and whether it fits together.
+"""The table [ballast] of a vessel file: its keys, and whether they fit together.
 
 Units are those of the file. Every boat has the same named places; one that it lacks is left out.
 """

@@ -1,4 +1,4 @@
-"""The baseline kept beside an exercise: what it gives with nobody aboard, and the reference crew.
+"""The baseline beside an exercise: its marks with nobody aboard, and with the reference crew.
 
 ``trainer exercise baseline`` flies and writes it; the debrief of a recording whose core is not
 today's takes the marks with nobody aboard from it.
@@ -22,7 +22,7 @@ MARK: Final = Quantity("%", within(0, 100), "marks")
 
 @dataclass(frozen=True, kw_only=True)
 class Heading:
-    """What a baseline was flown with."""
+    """The conditions in which a baseline was flown."""
 
     schema: str = of(Choice((SCHEMA,), "form of the file"))
     exercise: str = of(Text(64, "digest of what the exercise flies and judges"))
@@ -33,7 +33,7 @@ class Heading:
 
 @dataclass(frozen=True, kw_only=True)
 class Totals:
-    """The totals of one way to fly it: at the exercise's seed, and over all seeds."""
+    """The totals of one way to fly it, at its seed and over all seeds."""
 
     total: float = of(MARK)
     outcome: str = of(Text(40, "won, lost or not reached, at the exercise's seed"))

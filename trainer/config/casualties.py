@@ -1,4 +1,4 @@
-"""Tables of casualties: what can break, how badly, how fast; the shipped one and the user's own.
+"""Tables of casualties: what can break, how badly, how fast. The shipped one and the user's own.
 
 What an entry of a user's table leaves out comes from the shipped entry of the same kind.
 
@@ -49,7 +49,7 @@ SIGNED_TIMES: Final = within(-10, 10)
 
 @dataclass(frozen=True)
 class Measure:
-    """What the severity of a kind is."""
+    """The meaning of a kind's severity."""
 
     limits: Limits
     meaning: str

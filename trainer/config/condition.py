@@ -1,4 +1,4 @@
-"""Conditions on the state, such as ``depth > 100`` or ``speed_kn < 4``, read from their text."""
+"""Conditions on the state are read from text. Examples are ``depth > 100`` and ``speed_kn < 4``."""
 
 import math
 import re
@@ -26,7 +26,7 @@ TURNS: Final = {"rpm": 1.0 / 60.0}
 
 @dataclass(frozen=True)
 class Quantity:
-    """What a condition may be about: its place in the state, its units, and what it is."""
+    """A quantity of conditions: its place in the state, its units, and its meaning."""
 
     place: str
     units: Mapping[str, float]
@@ -137,7 +137,7 @@ def parse_name(words: str, known: Mapping[str, Quantity] = EVERY) -> tuple[str, 
 
 
 def nearest_quantity(words: str, known: Mapping[str, Quantity] = EVERY) -> str:
-    """Return '; nearest is ...' for the quantity most like ``words``, or '' if none is."""
+    """Return '. Nearest is ...' for the quantity most like ``words``, or '' if none is."""
     with_units = [f"{name}_{unit}" for name, q in known.items() for unit in q.units]
     return nearest(words, [*known, *with_units])
 

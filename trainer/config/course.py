@@ -24,7 +24,7 @@ def course() -> list[Lesson]:
 
 
 def lesson(name: str) -> Lesson:
-    """Return a shipped exercise as a lesson; one without a place in the course comes last."""
+    """Return a shipped exercise as a lesson. One without a place in the course comes last."""
     path = shipped("exercises", name)
     table = parse_toml(read_text(path), path.name)
     place = float(table.get("lesson", math.inf))

@@ -1,9 +1,4 @@
-"""An exercise from its file: what it sets, orders, breaks and limits, all checked at load.
-
-What a file leaves out is as ``trainer run`` has it without an exercise.
-
-What an exercise file may say, table by table: keys, units and limits.
-"""
+"""An exercise from its file, checked at load. What it leaves out is as in a run without one."""
 
 import hashlib
 import math
@@ -68,7 +63,7 @@ MANNED: Final[Mapping[str, tuple[str, ...]]] = {  # by the axis of an order to t
 
 @dataclass(frozen=True, kw_only=True)
 class Heading:
-    """What an exercise is, and how the boat is computed."""
+    """The nature of an exercise, and the method by which the boat is computed."""
 
     schema: str = of(Choice(("exercise/1",), "form of the file"))
     name: str = of(Text(55, "the crew's title, one line for the list of exercises"))
@@ -142,7 +137,7 @@ class CasualtyRow:
 
 @dataclass(frozen=True, kw_only=True)
 class Limits:
-    """What an exercise does not want passed; None: no limit."""
+    """The limits of an exercise. None: no limit."""
 
     depth_m_max: float | None = optional(Quantity("m", within(0, 12000), "deepest"))
     depth_m_min: float | None = optional(Quantity("m", within(0, 12000), "shallowest"))
@@ -205,7 +200,7 @@ class Drawn:
 
 @dataclass(frozen=True, kw_only=True)
 class Loss:
-    """What loses an exercise: conditions that hold for so long [s]."""
+    """The conditions that lose an exercise, each held for so long [s]."""
 
     conditions: tuple[Condition, ...]
     seconds: float
@@ -230,7 +225,7 @@ class Exercise:
     crew: Crew
 
     def schedule_of(self, seed: int) -> list[Scheduled]:
-        """Return what is ordered and breaks at set times in the run of a seed, in order of time."""
+        """Return the orders and casualties of a seed's run at set times, in order."""
         timed = [*self.schedule]
         for each in _chosen(self.drawn, seed):
             timed += _timed_casualty(_settled(each, seed), each.number)
@@ -264,7 +259,7 @@ def _share(seed: int, what: str) -> float:
 
 
 def load_exercise(name_or_path: str) -> Exercise:
-    """Return the shipped exercise of that name or the one in that file; ConfigError if wrong.
+    """Return the shipped exercise of that name or the one in that file. ConfigError if wrong.
 
     Whatever has a path separator or ends in .toml is a path.
     """

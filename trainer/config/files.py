@@ -38,7 +38,7 @@ _recorded: ContextVar[Mapping[str, str] | None] = ContextVar("recorded", default
 
 
 class ConfigError(ValueError):
-    """The user's file or name is wrong; ``problems`` holds one line each, the text the first."""
+    """The user's file or name is wrong. ``problems`` holds one line each, the text the first."""
 
     def __init__(self, *problems: str) -> None:
         more = len(problems) - TOLD_LIMIT
@@ -49,7 +49,7 @@ class ConfigError(ValueError):
 
 @contextmanager
 def collecting(problems: list[str]) -> Iterator[None]:
-    """Add the problems of a ConfigError raised inside to ``problems`` and go on after the block."""
+    """Add the problems of a ConfigError inside the block to ``problems`` and go on."""
     try:
         yield
     except ConfigError as error:
@@ -88,7 +88,7 @@ def format_key(key: str) -> str:
 
 
 def quote(value: object) -> str:
-    """Return ``value`` about as TOML writes it, on one line and not longer than is readable."""
+    """Return ``value`` about as TOML writes it, on one line of readable length."""
     try:
         text = repr(value) if isinstance(value, float) else json.dumps(value, default=str)
     except ValueError:  # Python refuses to print integers of thousands of digits
@@ -97,7 +97,7 @@ def quote(value: object) -> str:
 
 
 def nearest(name: str, known: Iterable[str]) -> str:
-    """Return '; nearest is ...' for the known name most like ``name``, or '' if none is."""
+    """Return '. Nearest is ...' for the known name most like ``name``, or '' if none is."""
     by_fold = {word.casefold(): word for word in known}
     match = get_close_matches(name.casefold(), by_fold, n=1, cutoff=0.6)
     return f"; nearest is {by_fold[match[0]]}" if match else ""
@@ -116,7 +116,7 @@ def remembering() -> Iterator[dict[str, str]]:
 
 @contextmanager
 def reading_recorded(texts: Mapping[str, str]) -> Iterator[None]:
-    """Let this thread read ``texts`` inside the block, as remembered, and no file on disk."""
+    """Read ``texts`` inside the block, as remembered, in this thread. It reads no file on disk."""
     before = _recorded.set(texts)
     try:
         yield
@@ -152,13 +152,26 @@ def shipped_names(kind: str) -> tuple[str, ...]:
     return _without_companions(name.removesuffix(".toml") for name in names if "/" not in name)
 
 
+def shipped_tables(kind: str, beginning: str = "") -> dict[str, dict[str, Any]]:
+    """Return the shipped files of ``kind`` by name, as they are written; ConfigError.
+
+    Only names with that beginning. What checks a file would load the core; this does not.
+    """
+    return {
+        name: parse_toml(read_text(path), path.name)
+        for name in shipped_names(kind)
+        if name.startswith(beginning)
+        for path in (shipped(kind, name),)
+    }
+
+
 def _without_companions(names: Iterable[str]) -> tuple[str, ...]:
     """Return the names sorted, without those of files kept beside others: jam.baseline."""
     return tuple(sorted(name for name in names if "." not in name))
 
 
 def shipped(kind: str, name: str) -> Path:
-    """Return the path of a shipped file, '' being the top folder's kind; ConfigError if none is."""
+    """Return the path of a shipped file, '' being the top folder's kind. ConfigError if none is."""
     names = shipped_names(kind)
     if name not in names:
         raise ConfigError(
@@ -169,12 +182,12 @@ def shipped(kind: str, name: str) -> Path:
 
 
 def is_path(name: str) -> bool:
-    """Return whether a name is that of a file of the user's: with a separator, or .toml."""
+    """Return whether a name is that of a user's file: with a separator, or .toml."""
     return name.endswith(".toml") or "/" in name or "\\" in name
 
 
 def path_named(name_or_path: str, kind: str) -> Path:
-    """Return where a file of ``kind`` is, a shipped one by its name; ConfigError if none is."""
+    """Return where a file of ``kind`` is, a shipped one by its name. ConfigError if none is."""
     if is_path(name_or_path):
         return Path(name_or_path)
     names = shipped_names(kind)
@@ -188,7 +201,7 @@ def path_named(name_or_path: str, kind: str) -> Path:
 
 
 def beside(path: Path, name: str) -> str:
-    """Return a shipped file's name as it is, and a path as seen from the folder of ``path``."""
+    """Return a shipped file's name unchanged, and a path as seen from ``path``'s folder."""
     return str(path.parent / name) if is_path(name) else name
 
 
@@ -215,7 +228,7 @@ def read_text(path: Path) -> str:
 
 
 def text_if_there(path: Path) -> str | None:
-    """Return the text of a file, or None if there is none; ConfigError as in ``read_text``."""
+    """Return the text of a file, or None if there is none. ConfigError as in ``read_text``."""
     texts = _recorded.get()
     if texts is None:
         return read_text(path) if path.exists() else None
@@ -275,7 +288,7 @@ TOLD: Final = re.compile(r"(?:\[(?P<table>[^ ]+)\] )?(?:(?P<key>[\w-]+)(?:\[\d+\
 
 
 def lines_of(text: str) -> dict[tuple[str, str], int]:
-    """Return the line of each key by table and key, and of each table with no key.
+    """Return the line of each key by table and key. A table has its line with no key.
 
     A table of an array has its place in it: orders[2]. Tables within tables are not looked into.
     """
@@ -299,7 +312,7 @@ def lines_of(text: str) -> dict[tuple[str, str], int]:
 
 
 def numbered(problems: Iterable[str], text: str, file: str) -> list[str]:
-    """Return messages about a file, each with its line where that can be told, in their order."""
+    """Return messages about a file in their order. Each has its line where that can be told."""
     lines, head = lines_of(text), f"{file}: "
     found = [(_line_of(each, lines, head), each) for each in problems]
     found.sort(key=lambda each: each[0])
@@ -326,7 +339,7 @@ def no_constant(name: str) -> NoReturn:
 
 
 def parse_toml(text: str, file: str) -> dict[str, Any]:
-    """Return the tables of a TOML text; ConfigError with file and line if it is none."""
+    """Return the tables of a TOML text. ConfigError with file and line if it is none."""
     for number, line in enumerate(text.split("\n"), start=1):
         if len(line) > LINE_LIMIT:
             raise ConfigError(f"{file}: line {number}: is longer than {LINE_LIMIT} characters")

@@ -1,4 +1,4 @@
-"""The measures by name: what a rule must say for each, its unit, and its formula in words."""
+"""The measures by name: required keys, unit, and formula in words."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -17,7 +17,7 @@ ORDERED: Final[Mapping[str, str]] = {  # places of the state that hold what is o
 
 @dataclass(frozen=True)
 class Measure:
-    """One measure: what a rule must and may say for it, its unit, and its formula in words."""
+    """One measure: what a rule must and may say, its unit, and its formula."""
 
     needs: tuple[str, ...]
     may: tuple[str, ...]

@@ -1,4 +1,4 @@
-"""The words for how a boat is computed, as files and the command line take them."""
+"""Files and the command line use these words for the method of computing a boat."""
 
 from typing import Final
 

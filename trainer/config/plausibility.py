@@ -1,4 +1,4 @@
-"""Whether the numbers of a vessel file fit together; each function returns texts, none if well.
+"""Whether the numbers of a vessel file fit together. Each function returns texts, none if well.
 
 The limits are wide: they catch feet, pounds and misplaced points, not poor boats.
 """
@@ -270,7 +270,7 @@ def autopilot_problems(autopilot: Autopilot, coefficients: Mapping[str, float]) 
 
 
 def free_surface_problems(table: FreeSurface) -> list[str]:
-    """Return which rows do not fit the depths, or do not end with nothing at the deepest."""
+    """Return which rows do not fit the depths, or do not end with nothing."""
     depths, speeds = list(table.depth_m), [row.speed_kn for row in table.rows]
     lists = [
         (f"rows[{i}]: {name}", list(getattr(row, name)))

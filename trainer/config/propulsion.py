@@ -63,7 +63,7 @@ def row_problems(rows: Sequence[ThrustSet]) -> list[str]:
 
 
 def thrust_problems(thrust: Thrust) -> list[str]:
-    """Return where rows do not join, and whether an astern bell would drive the boat ahead."""
+    """Return where rows do not join, and whether an astern bell drives the boat ahead."""
     ahead, (back, check) = thrust
     stopped = _row_at_rest(ahead)
     joints = (

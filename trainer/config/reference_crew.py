@@ -88,7 +88,7 @@ class Helmsman:
 
 @dataclass(frozen=True, kw_only=True)
 class CrewRule:
-    """One rule, its words understood; ``order`` of a hand has its name and on or off."""
+    """One rule, its words understood. ``order`` of a hand has its name and on or off."""
 
     row: CrewRow
     conditions: tuple[Condition, ...]

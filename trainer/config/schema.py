@@ -53,7 +53,7 @@ def above(low: float, high: float = math.inf) -> Limits:
 
 
 class Kind(Protocol):
-    """What a field holds: how it is checked, and its cells in the table of keys."""
+    """The kind of a field's value: its check, and its cells among the keys."""
 
     @property
     def cells(self) -> tuple[str, str, str]:
@@ -434,7 +434,7 @@ def file_schema(
 
 
 def infinite(value: object, key: str, place: Place, depth: int = 0) -> list[str]:
-    """Return where a value that nobody reads holds a number that is none: nan or infinite."""
+    """Return where an unread value holds a number that is none: nan or infinite."""
     if isinstance(value, float) and not math.isfinite(value):
         return [place.wrong(key, value, "must be finite")]
     inner: Iterable[tuple[str, object]] = ()
@@ -481,7 +481,7 @@ def read_record(
 
 
 def tables_of(records: Mapping[str, type[Any]]) -> str:
-    """Return the Markdown tables that document each key of each record; "" is above all tables."""
+    """Return the Markdown tables that document each key of each record. "" is above all tables."""
     text = "\n\n".join("\n".join(key_rows(record, name)) for name, record in records.items())
     return text.replace("### `[]`", "### Above all tables") + "\n"
 

@@ -111,7 +111,7 @@ def understood(score: Score, place: Place, known: Mapping[str, Casualty]) -> Rul
 
 
 def parse_quantity(text: str, place: Place) -> Measured:
-    """Return the quantity that is named, in its unit or else its own; ConfigError if none is."""
+    """Return the quantity that is named, in its unit or else its own. ConfigError if none is."""
     found = parse_name(text)
     if found is None:
         raise ConfigError(place.wrong("quantity", text, f"no such quantity{guess(text)}"))

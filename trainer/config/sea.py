@@ -96,7 +96,7 @@ class SeaFile:
 
 
 def load_sea(name_or_path: str) -> SeaFile:
-    """Return the shipped sea of that name or the one in that file; ConfigError if it is wrong.
+    """Return the shipped sea of that name or the one in that file. ConfigError if it is wrong.
 
     Whatever has a path separator or ends in .toml is a path.
     """
@@ -126,7 +126,7 @@ def parse_sea(text: str, path: Path) -> SeaFile:
 
 
 def read_sea(table: object, place: Place) -> Sea:
-    """Return the sea of one table, such as an exercise's; ConfigError with all that is wrong."""
+    """Return the sea of one table, such as an exercise's. ConfigError with all that is wrong."""
     sea = read_record(Sea, {**sea_defaults(), **as_table(table, place)}, place, ("note",))
     problems = _problems(sea)
     if problems:
@@ -186,7 +186,7 @@ def significant_height(sea: Sea, g: float) -> float:
 
 
 def peak_frequency(sea: Sea, g: float) -> float:
-    """Return the frequency of the peak [rad/s], of a calm that of the lowest swell of a knot."""
+    """Return the frequency of the peak [rad/s]. A calm has that of a knot's lowest swell."""
     if sea.period_s is not None:
         return 2.0 * math.pi / sea.period_s
     height = significant_height(sea, g)
@@ -215,7 +215,7 @@ def sea_settings(file: SeaFile, g: float) -> Numbers:
 
 
 def step_problem(wanted: Numbers, step: float) -> str:
-    """Return why a step [s] is too long for a sea by ``sea_settings``, '' if it is not.
+    """Return why a step [s] is too long for a sea, '' if it fits. The sea is by ``sea_settings``.
 
     Only the wave filter folds what lies above Nyquist into its bands.
     """

@@ -123,7 +123,7 @@ KNOWN = (
 
 @dataclass(frozen=True, kw_only=True)
 class VesselFile:
-    """Everything a vessel file says, in its own units, and what it left to the defaults."""
+    """A vessel file as a whole, in its own units, with the defaults used."""
 
     path: Path
     text: str
@@ -161,7 +161,7 @@ class VesselFile:
 
 
 def load_vessel(name_or_path: str) -> VesselFile:
-    """Return the shipped vessel of that name or the one in that file; ConfigError if it is wrong.
+    """Return the shipped vessel of that name or the one in that file. ConfigError if it is wrong.
 
     Whatever has a path separator or ends in .toml is a path.
     """
@@ -253,7 +253,7 @@ def _strip_remarks(parts: Mapping[str, Any]) -> list[str]:
 
 
 def with_deepest_order(hull: Hull) -> Hull:
-    """Return the hull with test depth as the deepest to be ordered, where the file gives none."""
+    """Return the hull with a deepest order. It is the test depth where the file gives none."""
     deepest = hull.test_depth_m if hull.max_depth_m is None else hull.max_depth_m
     return replace(hull, max_depth_m=deepest)
 

@@ -1,4 +1,4 @@
-"""What a vessel file holds: one record per table, each key with its unit, limits and meaning.
+"""The tables of a vessel file. Each record has keys with their unit, limits and meaning.
 
 Units are those of the file. The coefficients are in trainer.config.coefficients.
 """
@@ -115,7 +115,7 @@ class Hull:
 
 @dataclass(frozen=True, kw_only=True)
 class ThrustSet:
-    """One row of thrust minus drag: rho/2 L^2 (a u^2 + b u uc + c uc^2)."""
+    """One row of thrust minus drag. It is rho/2 L^2 (a u^2 + b u uc + c uc^2)."""
 
     eta_min: float = of(Quantity("-", within(-100, 100), "used from eta of this"))
     a: float = of(Quantity("-", within(-10, 10), "factor of u^2"))
@@ -236,7 +236,7 @@ class Envelope:
 
 @dataclass(frozen=True, kw_only=True)
 class Compact:
-    """What this hull's compact set keeps beyond the 60 terms of the report."""
+    """The terms of this hull's compact set beyond the 60 of the report."""
 
     extra_terms: tuple[str, ...] = of(Choices(EXTRA_TERMS, "more terms that are kept"))
 
@@ -260,7 +260,7 @@ class Run:
 
 @dataclass(frozen=True, kw_only=True)
 class Autopilot:
-    """Gains as lists over speed, and what does not depend on it; angles in rad unless named."""
+    """Gains as lists over speed, and what does not depend on it. Angles in rad unless named."""
 
     speed_kn: tuple[float, ...] = of(
         Quantities(Quantity("kn", within(0, 60), "speeds of the lists, ascending"), 2, MOST_SPEEDS),
@@ -298,7 +298,7 @@ def _differences(meaning: str) -> Quantities:
 
 @dataclass(frozen=True, kw_only=True)
 class SurfaceRow:
-    """What the calm surface adds to two coefficients at one speed."""
+    """The addition of the calm surface to two coefficients at one speed."""
 
     speed_kn: float = of(Quantity("kn", within(0, 60), "speed of the row, ascending"))
     Z_star: tuple[float, ...] = of(_differences("Z_star less that in deep water, by depth_m"))
@@ -326,7 +326,7 @@ def _by_strip(unit: str, limits: Limits, meaning: str) -> Quantities:
 
 @dataclass(frozen=True, kw_only=True)
 class WaveStrips:
-    """What waves push on: seven parts of the hull along it."""
+    """The seven parts along the hull that waves push on."""
 
     x_m: tuple[float, ...] = of(_by_strip("m", within(-400, 400), "place of each from the origin"))
     displaced_kg: tuple[float, ...] = of(

@@ -1,4 +1,4 @@
-"""The screen of one role: drawings in rows, a line for orders, keys, and dialogs above them."""
+"""The screen of one role: rows of drawings, an order line, keys and dialogs."""
 
 import math
 import re
@@ -63,7 +63,7 @@ PUMPS: Final = {  # to the sea or aft, and the other way
 
 @dataclass
 class Levers:
-    """What was last asked of each surface [deg], and when."""
+    """The last order to each surface [deg], and its time."""
 
     asked: dict[str, tuple[float, float]] = field(default_factory=dict)
     refused: int = 0
@@ -116,7 +116,7 @@ DIALOGS: Final[Mapping[str, Callable[[SessionModel], Subject]]] = {
 
 
 class Console(App[str], inherit_bindings=False):
-    """One station's screen; it ends with "" or with what is to be told on the terminal."""
+    """One station's screen. It ends with "" or with what is to be told on the terminal."""
 
     CSS_PATH = "console.tcss"
     TITLE = "trainer"
@@ -194,7 +194,7 @@ class Console(App[str], inherit_bindings=False):
         await super().on_event(event)
 
     def on_key(self, event: events.Key) -> None:
-        """Do what a key does, unless a dialog has it or an order is being typed.
+        """Do what a key does, unless a dialog or a half-typed order takes it.
 
         An instructor's line is always open: before it is, what was typed ahead is not obeyed.
         """

@@ -1,4 +1,4 @@
-"""Lists to choose from, casualties and seas: what is typed narrows them and adds to the order."""
+"""Lists of casualties and seas. Typing narrows a list and adds to the order."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -9,7 +9,7 @@ from trainer.console.pane import Line, Lines, fit, line
 
 
 class Row(NamedTuple):
-    """Something to choose: how it is found, its order, the ending unless one is typed, a note."""
+    """An entry to choose: how it is found, its order, its usual ending, a note."""
 
     name: str
     words: str
@@ -98,7 +98,7 @@ class Choice:
         return None
 
     def click(self, _column: int, row: int, _width: int) -> Done | None:
-        """Take a click on a row: it is chosen, and ordered if it was chosen already."""
+        """Choose the row of a click. A row that was chosen already is ordered."""
         place = self._first + row - HEAD
         if not (HEAD <= row < HEAD + self._rows and place < len(self.shown)):
             return None
@@ -140,7 +140,7 @@ class Choice:
 
 
 def matching_prefix(row: Row, typed: str) -> str:
-    """Return as much of what has been typed as is to find this row: a name's words, no more."""
+    """Return as much of the typed text as finds this row: words of a name."""
     return " ".join(typed.split(" ")[: row.name.count(" ") + 1])
 
 

@@ -1,4 +1,6 @@
-"""The line to a session, kept open: dialled again when it is lost, role and wishes said again.
+"""The line to a session stays open.
+
+It is dialled again when lost, role and subscriptions are sent again.
 
 A thread of its own does it. What comes is kept, at most so much of it, until the screen takes it:
 a screen that is held up loses the oldest and holds up nobody.
@@ -91,7 +93,7 @@ class Client:
         self._thread = threading.Thread(target=self._run, name="client", daemon=True)
 
     def dial(self) -> None:
-        """Have the first line; LinkError if nobody answers."""
+        """Dial the first line. LinkError if nobody answers."""
         self._first = self._reach(self._url(), self._wake)
 
     def start(self) -> None:

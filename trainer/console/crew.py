@@ -15,7 +15,7 @@ CREW: Final = ("helm", "planes", "pilot", "ballast", "diving")
 
 
 class CrewOrder(NamedTuple):
-    """An order to the crew: its time, its axis, and the words in which it was said."""
+    """An order to the crew: its time, its axis, and its words."""
 
     seconds: float
     axis: str
@@ -47,7 +47,7 @@ class CrewOrders:
             self.settle(subject)
 
     def give(self, seconds: float, subject: str) -> None:
-        """Take an order to the crew, in place of an earlier one on the same axis.
+        """Take an order to the crew. It replaces an earlier one on the same axis.
 
         One that is told again, since nobody has repeated it, keeps its time.
         """
@@ -61,7 +61,7 @@ class CrewOrders:
         self.rings += 1
 
     def settle(self, subject: str) -> None:
-        """Take the repeat of an order, said as the order was, or that it stands no longer."""
+        """Take the repeat of an order in the order's words, or its end."""
         self.waiting.pop(subject.partition(" ")[0], None)
         self.wrong = ""
 

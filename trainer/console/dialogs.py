@@ -14,7 +14,7 @@ from trainer.console.pane import Lines, Pane, fit, line
 
 
 class Subject(Protocol):
-    """What a dialog is about, and the columns and rows it wants at most."""
+    """The subject of a dialog, and the columns and rows that it wants at most."""
 
     size: tuple[int, int]
 
@@ -23,7 +23,7 @@ class Subject(Protocol):
         ...
 
     def click(self, column: int, row: int, width: int) -> Done | None:
-        """Take a click on a place of the drawing; return how the dialog ends, None as above."""
+        """Take a click on a place of the drawing. Return how the dialog ends, None as above."""
         ...
 
     def draw(self, width: int, height: int) -> Lines:

@@ -69,7 +69,7 @@ def says(place: Place) -> str:
 
 
 def complete(text: str, known: Mapping[str, Sequence[str]]) -> str:
-    """Return ``text`` with its last word made whole as far as that is in no doubt."""
+    """Return ``text`` with its last word completed as far as there is no doubt."""
     words = offer(text, known).words
     begun = "" if not text or text[-1].isspace() else text.rsplit(maxsplit=1)[-1]
     if not words or (not begun and len(words) > 1):
@@ -127,7 +127,7 @@ class Entry(Input):
         self._place = 0
 
     def begin(self, text: str) -> None:
-        """Let an order begin so."""
+        """Begin an order with these words."""
         self.value = text
         self.cursor_position = len(text)
         self.screen.set_focus(self)  # now, not when the keys that follow have been taken

@@ -1,4 +1,4 @@
-"""What to do at sea, asked before there is a session: sail freely, or one of the exercises."""
+"""The choice before a session: sail freely, or one of the exercises."""
 
 import textwrap
 from collections.abc import Sequence
@@ -20,7 +20,7 @@ NO_TITLE: Final = "No title has these letters. Backspace takes the last one away
 
 @dataclass
 class ExerciseChoice(Choice):
-    """The list of exercises by their titles, with the briefing of the one that is chosen.
+    """The list of exercises by their titles, with the briefing of the chosen one.
 
     The name of a file tells what is to go wrong: it is not shown.
     """
@@ -79,7 +79,7 @@ class ExerciseScreen(App[Done], inherit_bindings=False):
 
 
 def choose_exercise(offered: Sequence[Lesson]) -> str | None:
-    """Ask at the terminal; return the name of an exercise, "" to sail freely, None to leave."""
+    """Ask at the terminal. Return the name of an exercise, "" to sail freely, None to leave."""
     from trainer.console.launch import forget_size  # noqa: PLC0415  not for the words alone
 
     forget_size()

@@ -1,4 +1,4 @@
-"""What is read in a window of its own: help, the briefing of an exercise, long answers."""
+"""The window for long texts: help, the briefing of an exercise, long answers."""
 
 import textwrap
 from collections.abc import Callable, Mapping, Sequence
@@ -95,7 +95,7 @@ LABELS: Final = 16  # [columns] of what stands before an explanation
 
 @dataclass
 class Reading:
-    """Text in a window, broken into lines of its width, from the line on that is at the top."""
+    """The text of a window, broken into lines of its width, from its top line."""
 
     title: str
     text: Text
@@ -114,12 +114,12 @@ class Reading:
         return NOTHING if key.lower() in LEAVES else None
 
     def click(self, _column: int, row: int, _width: int) -> Done | None:
-        """Take a click on one of the keys, which stand at the top of what has any."""
+        """Take a click on one of the keys, which stand at the top."""
         place = row - 1 + self.top
         return self.press(list(self.keys)[place], None) if 0 <= place < len(self.keys) else None
 
     def draw(self, width: int, height: int) -> Lines:
-        """Return as much of the text as there is room for, and which lines those are."""
+        """Return as much of the text as there is room for, and its lines' places."""
         lines = [row for each in self.text() for row in broken(each, max(width - 2, 1))]
         room = max(height - 2, 1)
         self._last = max(len(lines) - room, 0)
@@ -204,7 +204,7 @@ def plain_rows(texts: Sequence[str]) -> list[Line]:
 
 
 def briefing_rows(model: SessionModel) -> list[Line]:
-    """Return the exercise: how it stands, what wins, the limits, and what the crew was told."""
+    """Return the exercise: its state, its conditions, its limits, and the crew's orders."""
     rows = [labelled(label, says) for label, says in standing(model) if says]
     if model.marks_told:
         rows += titled("Marks", [line((f"   {text}", "value")) for text in model.marks_told])
@@ -217,7 +217,7 @@ def briefing_rows(model: SessionModel) -> list[Line]:
 
 
 def paragraphs(lines: Sequence[str]) -> list[str]:
-    """Return lines that were broken for a page as paragraphs, to be broken for a window."""
+    """Return a page's broken lines as paragraphs, ready to be broken for a window."""
     found: list[str] = []
     going_on = False
     for text in lines:
@@ -263,7 +263,7 @@ def loss_said(told: str) -> str:
 
 
 def limits_said(told: str) -> str:
-    """Return the limits of an exercise in words; one that is not known as it came."""
+    """Return the limits of an exercise in words. One that is not known as it came."""
     found = []
     for part in filter(None, told.split(",")):
         name, _, value = part.partition(":")
@@ -272,7 +272,7 @@ def limits_said(told: str) -> str:
 
 
 def guide(model: SessionModel) -> Reading:
-    """Return the help of a role: first steps, the exercise, all keys, and what the signs mean."""
+    """Return the help of a role: first steps, the exercise, all keys, the signs."""
 
     def text() -> list[Line]:
         first = FIRST if model.instructs else STATION

@@ -1,4 +1,4 @@
-"""What was ordered, answered and heard, by time, and the samples of the strip charts."""
+"""The orders, the answers and the news by time, and the strip charts' samples."""
 
 import bisect
 import math
@@ -115,7 +115,7 @@ class Trace:
     samples: list[Sequence[Sample]] = field(default_factory=list)
 
     def add(self, seconds: float, samples: Sequence[Sample]) -> None:
-        """Add what there is at a time; what was later is forgotten: time has gone back."""
+        """Add what there is at a time. What was later is forgotten: time has gone back."""
         place = bisect.bisect_left(self.times, seconds)
         del self.times[place:], self.samples[place:]
         self.times.append(seconds)
@@ -132,7 +132,10 @@ class Trace:
         self.samples = [whole[seconds] for seconds in self.times]
 
     def series(self, quantity: int, span: float, columns: int) -> list[Sample | None]:
-        """Return a quantity over the last ``span`` [s] at so many times, None before the first."""
+        """Return a quantity at so many times over the last ``span`` [s].
+
+        It is None before the first.
+        """
         if not self.times:
             return [None] * columns
         end, found = self.times[-1], []

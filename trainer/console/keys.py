@@ -1,4 +1,4 @@
-"""The keys of each role and what they do, once: screens, help and documents read them."""
+"""The keys of each role and their actions, once. Screens, help and documents read them."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -61,7 +61,7 @@ class Repeat:
 
 @dataclass(frozen=True)
 class Widen:
-    """Let the charts go back further, or less far."""
+    """Change how far the charts go back."""
 
     steps: int
 
@@ -85,7 +85,7 @@ class Leave:
 
 @dataclass(frozen=True)
 class Ring:
-    """Let the terminal's bell ring, or be silent."""
+    """Switch the terminal's bell on or off."""
 
 
 Act = (
@@ -107,7 +107,7 @@ Act = (
 
 @dataclass(frozen=True)
 class Key:
-    """A key: its names for the terminal, for people, in the footer, and what it does in words."""
+    """A key: its names for the terminal, for people, in the footer, and its action."""
 
     names: tuple[str, ...]
     label: str
@@ -173,7 +173,7 @@ INSTRUCTOR: Final = (
 def steering(
     surface: str, pair: tuple[str, str], labels: tuple[str, str], sides: tuple[str, str]
 ) -> tuple[Key, ...]:
-    """Return the keys that move a surface, the second of each pair to the positive side.
+    """Return the keys that move a surface. The second of each pair moves it to the positive side.
 
     With Shift they move it further; of a letter that is the capital.
     """

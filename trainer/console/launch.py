@@ -47,7 +47,7 @@ class Visit:
     def prepare(
         cls, url: Callable[[], str], role: str, token: str | None, *, own: bool = False
     ) -> "Visit":
-        """Return the screen of a role at ``url()``; a session of its ``own`` ends with it."""
+        """Return the screen of a role at ``url()``. A session of its ``own`` ends with it."""
         post = LAYOUTS[role]
         client = Client(url, f"{role} {token or ''}".rstrip(), wishes(post))
         model = SessionModel(client, role, post.charts)
@@ -55,7 +55,7 @@ class Visit:
         return cls(client, model, Console(model, own=own))
 
     def show(self) -> str:
-        """Show the screen until its user leaves; return why the session did not let it in."""
+        """Show the screen until its user leaves. Return why the session did not let it in."""
         self.client.start()
         console = self.console
         gc.freeze()  # the first picture waits for nobody to look through what draws it
@@ -80,7 +80,7 @@ class Visit:
 
 
 def forget_size() -> None:
-    """Take no size from the environment: it may be that of another window, or of this one before.
+    """Take no size from the environment. It may be that of another window, or of an earlier one.
 
     Shells, and whoever reads lines typed, leave it there for the programs that they start.
     """

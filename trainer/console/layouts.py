@@ -1,4 +1,4 @@
-"""What the screen of each role is made of: its channels, its charts and its drawings, in rows."""
+"""The layout of each role's screen: its channels, its charts and its rows of drawings."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -133,6 +133,6 @@ LAYOUTS: Final[Mapping[str, Layout]] = {
 
 
 def wishes(post: Layout) -> dict[str, str]:
-    """Return how often each channel is wanted; the one that charts are drawn at comes last."""
+    """Return how often each channel is wanted. The one that charts are drawn at comes last."""
     often = {"motion": SMOOTH, "gauges": SMOOTH, "ledger": SELDOM}
     return {channel: often.get(channel, OFTEN) for channel in post.channels}

@@ -1,4 +1,4 @@
-"""All that a screen knows of its session: what it shows, what was said, what was asked."""
+"""The model of a session on a screen: its values, its news, its questions."""
 
 import contextlib
 import math
@@ -37,7 +37,7 @@ def gives_crew(words: str) -> bool:
 
 
 class Quantity(NamedTuple):
-    """What a chart shows: a name, a unit, and where the actual and the ordered value come from."""
+    """The contents of a chart: a name, a unit, the fields of actual and order."""
 
     name: str
     unit: str
@@ -49,7 +49,7 @@ class Quantity(NamedTuple):
 
 
 class Broken(NamedTuple):
-    """A casualty that can be had: how it is ordered unless said otherwise, and what it is."""
+    """A casualty on offer: its usual order, and its meaning."""
 
     name: str
     degree: str
@@ -168,7 +168,7 @@ class SessionModel:
             return None
 
     def order(self, words: str) -> bool:
-        """Send an order and show it; return whether there was a line to send it on."""
+        """Send an order and show it. Return whether there was a line to send it on."""
         return self._send(words, quiet=False)
 
     def ask(self, words: str) -> bool:

@@ -47,7 +47,7 @@ class Process(Protocol):
         ...
 
     def wait(self, patience: float) -> int | None:
-        """Return its exit code once it has ended; None if it has not in ``patience`` [s]."""
+        """Return its exit code once it has ended. None if it has not in ``patience`` [s]."""
         ...
 
     def terminate(self) -> None:
@@ -56,7 +56,7 @@ class Process(Protocol):
 
 
 def wait_for(process: Process, patience: float) -> int | None:
-    """Return a process's exit code once it has ended; None if it has not in ``patience`` [s]."""
+    """Return a process's exit code once it has ended. None if it has not in ``patience`` [s]."""
     end = time.monotonic() + patience
     while (code := process.ended()) is None and time.monotonic() < end:
         time.sleep(LOOK)
@@ -99,7 +99,7 @@ class Program:
         return self._process.poll()
 
     def wait(self, patience: float) -> int | None:
-        """Return its exit code once it has ended; None if it has not in ``patience`` [s]."""
+        """Return its exit code once it has ended. None if it has not in ``patience`` [s]."""
         return wait_for(self, patience)
 
     def terminate(self) -> None:
@@ -145,7 +145,7 @@ class Child:
         return self._code
 
     def wait(self, patience: float) -> int | None:
-        """Return its exit code once it has ended; None if it has not in ``patience`` [s]."""
+        """Return its exit code once it has ended. None if it has not in ``patience`` [s]."""
         return wait_for(self, patience)
 
     def terminate(self) -> None:
@@ -184,7 +184,9 @@ def sail(serve: Callable[[str], NoReturn], path: str | None, token: str | None) 
 
 
 def sail_beside(words: Sequence[str], token: str | None) -> int:
-    """Show the console of a session of one's own, a program of its own: `trainer` and ``words``.
+    """Show the console of one's own session, which is a separate program.
+
+    It is `trainer` and ``words``.
 
     For systems without fork and local sockets: it listens at a port of this machine, and asks for a
     token. Return its exit code.

@@ -1,4 +1,4 @@
-"""A drawing on the screen: what has not changed since the last look is not drawn again.
+"""A drawing on the screen. A part that has not changed is not drawn again.
 
 What a screen is drawn with: lines of text in inks, and the colours that the inks stand for.
 

@@ -1,4 +1,7 @@
-"""What a session has shown before this screen came: asked for once, and laid before the present."""
+"""The past of a session before this screen came.
+
+It is asked for once, and laid before the present.
+"""
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
@@ -33,7 +36,7 @@ class Past:
             send(ASKS.format(channel))
 
     def mark(self, subject: str) -> str:
-        """Take where the past of a channel begins and ends; return a channel that has ended."""
+        """Take where the past of a channel begins and ends. Return a channel that has ended."""
         which, _, channel = subject.partition(",")
         if which == "begin":
             self._open.add(channel)
@@ -55,6 +58,6 @@ class Past:
         return False
 
     def number(self, channel: str, name: str, seconds: float) -> float | None:
-        """Return what a field showed at a time [s], None where nothing has come of it."""
+        """Return the value of a field at a time [s], None before its first."""
         reading = self.rows.get(channel, {}).get(seconds)
         return reading.number(name) if reading else None

@@ -34,7 +34,7 @@ class Reading:
     values: dict[str, str]
 
     def number(self, name: str) -> float | None:
-        """Return a value as a number, None where there is none that could be a boat's."""
+        """Return a value as a number. None: it cannot be a boat's."""
         try:
             value = float(self.values.get(name, ""))
         except ValueError:
@@ -47,7 +47,7 @@ NOTHING: Final = Reading(0, 0.0, -math.inf, {})
 
 @dataclass
 class ChannelReadings:
-    """What the session has sent of each channel, by its name."""
+    """The messages of the session for each channel, by its name."""
 
     names: dict[str, list[str]] = field(default_factory=dict)
     last: dict[str, Reading] = field(default_factory=dict)
@@ -100,7 +100,7 @@ class ChannelReadings:
 
     @property
     def pace(self) -> float:
-        """Return how many times faster than the clock time runs, 0 for as fast as it can."""
+        """Return how many times faster than the clock time runs. 0: as fast as it can."""
         return self.number("time", "speed") or 0.0
 
     def smooth(self, channel: str, name: str, now: float) -> float | None:

@@ -19,7 +19,7 @@ def has_terminal() -> bool:
 
 
 def draws(environment: Mapping[str, str], encoding: str) -> bool:
-    """Return whether a terminal moves its cursor and has more than ASCII; else lines are plain.
+    """Return whether a terminal moves its cursor and has more than ASCII. Else lines are plain.
 
     An interpreter that is asked for plain C by LC_ALL speaks UTF-8 all the same: its user does not.
     """
@@ -30,6 +30,6 @@ def draws(environment: Mapping[str, str], encoding: str) -> bool:
 
 
 def asked_beside() -> tuple[str, str]:
-    """Return address and token if this is the session of a console beside it, else "" and ""."""
+    """Return address and token of a console beside this session, else "" and ""."""
     address, _, word = os.environ.get(OWN, "").partition(" ")
     return address, word

@@ -1,4 +1,7 @@
-"""Going back in time: a place on the time line is chosen, and gone back to or replayed from."""
+"""Going back in time.
+
+The user chooses a place on the time line, and returns or replays from there.
+"""
 
 from dataclasses import dataclass
 from typing import Final
@@ -62,7 +65,7 @@ class Moments:
         return None
 
     def click(self, column: int, row: int, width: int) -> Done | None:
-        """Take a click: a place on the time line, or a moment of the list, is looked at."""
+        """Look at the place of a click, on the time line or in the list."""
         kept = moments(self.model)[-LIST:]
         if row in (LINE, LINE + 1):
             self.lapse = self.model.picture.seconds - time_at(self.model, width, column)

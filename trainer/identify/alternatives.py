@@ -1,4 +1,8 @@
-"""A fitted model against simpler ones of the same record: is it worth its parameters? (MI 8.3).
+"""A fitted model is tested against simpler ones of the same record.
+
+It has to be worth its parameters. Is it worth its parameters?
+
+(MI 8.3).
 
 Other ships that a record allows: drawn from what it leaves open, and what they do (MI 8.5).
 
@@ -110,7 +114,7 @@ PAIRED: Final = 0.025  # [-] share of complex pairs from which T1 and T2 are not
 
 
 class Band(NamedTuple):
-    """What 95 % of the ships do: the lowest, the middle and the highest at each time."""
+    """The range of 95 % of the ships: lowest, middle and highest at each time."""
 
     t: Numbers  # (n,) [s]
     low: Numbers  # (n, y)
@@ -161,7 +165,7 @@ class Allowed:
 
 
 def draw_allowed(fitted: Fitted) -> Allowed:
-    """Return the ships that the record of a fit allows; what it does not tell of stays."""
+    """Return the ships that the record of a fit allows. What it does not tell of stays."""
     problem, plant = fitted.problem, fitted.problem.plant
     covariance = np.nan_to_num(fitted.known.covariance, nan=0.0)
     theta = fitted.found.theta

@@ -23,7 +23,7 @@ KINDS: Final = ("a", "b", "c", "d")
 
 @dataclass(frozen=True)
 class Armax:
-    """A model of order n; ``d`` is () where the initial state is taken as zero."""
+    """A model of order n. ``d`` is () where the initial state is taken as zero."""
 
     a: tuple[float, ...]
     b: tuple[float, ...]
@@ -163,7 +163,7 @@ class _Search:
         return value if np.isfinite(value) else float(np.inf)
 
     def at_rim(self, theta: Numbers) -> bool:
-        """Return whether a zero of C is held at the rim: the loss would fall beyond it."""
+        """Return whether a zero of C is held at the rim. The loss would fall beyond it."""
         return max(abs(root) for root in (0.0, *roots_of((1.0, *self.model(theta).c)))) > RIM - 1e-6
 
     def jacobian(self, theta: Numbers) -> tuple[Numbers, Numbers]:
@@ -199,7 +199,7 @@ def fit_armax(
     fixed: Mapping[str, float] = NOTHING,
     lower: Armax | None = None,
 ) -> ArmaxFit:
-    """Return the maximum likelihood model of that order for output y and input u, both (N,).
+    """Return the maximum likelihood model of that order. Output y and input u are (N,).
 
     Gauss and Newton's steps, halved until they help, from least squares, from Hannan and
     Rissanen's start, and from the model of the order below, ``lower`` if it is known, times common

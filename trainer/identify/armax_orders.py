@@ -1,4 +1,4 @@
-"""Which order of ARMAX a record supports, and the ship that the model of it stands for."""
+"""The order of ARMAX that a record supports, and the ship of that model."""
 
 import math
 from dataclasses import dataclass
@@ -51,7 +51,7 @@ class Orders:
 
     @property
     def by_test(self) -> Order:
-        """Return the first order that the next one does not improve at the 5 % level."""
+        """Return the first order whose successor is no improvement at the 5 % level."""
         for order, following in zip(self.tried, self.tried[1:], strict=False):
             if following.better is not None and not following.better.prefers_larger:
                 return order
@@ -78,7 +78,7 @@ def remove_delay(y: Numbers, u: Numbers, samples: int) -> tuple[Numbers, Numbers
 
 
 def try_orders(y: Numbers, u: Numbers, most: int, *, initial: bool, lags: int) -> Orders:
-    """Return the models of order 1 to ``most`` for output y and input u, both (N,)."""
+    """Return the models of order 1 to ``most``. Output y and input u are (N,)."""
     tried: list[Order] = []
     for n in range(1, most + 1):
         before = tried[-1].fit if tried else None
@@ -109,7 +109,7 @@ class FirstOrder(NamedTuple):
 
 
 def without_wind(model: Armax, interval: float) -> FirstOrder:
-    """Return K and T of rudder to heading, A replaced by (z - 1)(z - p), p = -a1 - 1 (9).
+    """Return K and T of rudder to heading (9). A is replaced by (z - 1)(z - p), p = -a1 - 1.
 
     The other pole is that of heading: 1 without wind. ConfigError unless the order is 2 and p is
     between 0 and 1.
@@ -124,7 +124,10 @@ def without_wind(model: Armax, interval: float) -> FirstOrder:
 
 
 def rounding_poles(model: Armax) -> tuple[tuple[float, float], ...]:
-    """Return the negative real poles that a zero nearly cancels: a rounded reading, not a ship."""
+    """Return the negative real poles that a zero nearly cancels.
+
+    They show a rounded reading, not a ship.
+    """
     found = []
     for pole in model.poles:
         if abs(pole.imag) > 1e-9 or pole.real >= 0.0:

@@ -22,7 +22,7 @@ LETTERS: Final = "ABCDEFGHIJ"
 
 
 class Zone(NamedTuple):
-    """How the lanes of a colour are named: how many to a zone, and the first one's number."""
+    """The names of a colour's lanes: their number to a zone, the first number."""
 
     lanes: int
     first: int
@@ -41,14 +41,14 @@ ZONES: Final[Mapping[str, Zone]] = {
 
 
 class Point(NamedTuple):
-    """A place in the grid [m]: x east, y north, or as the chain's own axes are."""
+    """A place in the grid [m]: x east, y north, or the chain's own axes."""
 
     x: float
     y: float
 
 
 class Slave(NamedTuple):
-    """A slave station: where it is, and the width of its lanes on the base line [m]."""
+    """A slave station: its place, and its lanes' width on the base line [m]."""
 
     place: Point
     width: float
@@ -63,7 +63,7 @@ Chain = Mapping[str, Slave]  # by colour
 
 
 def lane_number(colour: str, text: str) -> float:
-    """Return the lane of a reading such as D12.34 [lanes] from the first of zone A.
+    """Return the lane of a reading such as D12.34, in lanes from zone A.
 
     ConfigError if it is none, or the zone of that colour has no such lane.
     """
@@ -131,7 +131,7 @@ def _real_roots(a: float, b: float, c: float) -> tuple[float, ...]:
 
 
 def sharpness(first: Slave, second: Slave, ship: Point) -> float:
-    """Return how well two colours cross at a place [-], 0 to 4: the area of their gradients.
+    """Return how well two colours cross at a place [-], 0 to 4. It is the area of their gradients.
 
     The sine of the angle at which the lanes cross, times how narrow the lanes are there.
     """
@@ -199,7 +199,7 @@ EVEN: Final = 1e-3  # [-] of the interval, that sampling may vary
 
 
 def derivative(series: Numbers, interval: float) -> Numbers:
-    """Return the rate of change by five points, NaN at the two samples of each end.
+    """Return the rate of change by five points. Two samples at each end are NaN.
 
     f' = [f(-2h) - 8 f(-h) + 8 f(h) - f(2h)]/(12 h).
     """
@@ -211,7 +211,7 @@ def derivative(series: Numbers, interval: float) -> Numbers:
 
 
 def smooth_spencer(series: Numbers) -> Numbers:
-    """Return the series by Spencer's 15 points, exact for cubics, NaN at seven of each end."""
+    """Return the series by Spencer's 15 points, exact for cubics. Seven at each end are NaN."""
     found = np.full_like(series, np.nan)
     if len(series) >= len(SPENCER):
         found[7:-7] = np.convolve(series, SPENCER, mode="valid")
@@ -219,13 +219,16 @@ def smooth_spencer(series: Numbers) -> Numbers:
 
 
 def along(east: Numbers, north: Numbers, course: float) -> tuple[Numbers, Numbers]:
-    """Return x0 along a course [rad] and y0 to starboard of it, of a track east and north."""
+    """Return x0 along a course [rad] and y0 to starboard of an (east, north) track."""
     s, c = math.sin(course), math.cos(course)
     return north * c + east * s, east * c - north * s
 
 
 def sway_of_track(x0: Numbers, y0: Numbers, turned: Numbers, interval: float) -> Numbers:
-    """Return v = y0' cos - x0' sin of the angle ``turned`` [rad] from the axis x0, over ground."""
+    """Return v = y0' cos - x0' sin of the angle ``turned`` [rad].
+
+    The angle is from the axis x0. v is over ground.
+    """
     x_rate, y_rate = derivative(x0, interval), derivative(y0, interval)
     return np.asarray(y_rate * np.cos(turned) - x_rate * np.sin(turned))
 

@@ -47,7 +47,7 @@ PROPAGATION: Final = 299_700.0  # [km/s] usual of long waves over sea
 
 @dataclass(frozen=True, kw_only=True)
 class Heading:
-    """What was sailed, and how the grid lies."""
+    """The run of a ship, and the lie of the grid."""
 
     schema: str = of(Choice(("decca/1",), "form of the file"))
     name: str = of(Text(79, "what was sailed"))
@@ -173,7 +173,7 @@ def _chain(rows: tuple[SlaveRow, ...], place: Place) -> dict[str, Slave]:
 
 @dataclass(frozen=True)
 class Readings:
-    """Rows of the CSV file: times [s], heading and yaw rate [rad, rad/s], lanes by colour."""
+    """Rows of the CSV file: times [s], heading and yaw rate [rad, rad/s], lanes."""
 
     t: list[float]
     heading: list[float]
@@ -251,7 +251,7 @@ HEADS: Final = ("t", "east", "north", "psi", "r", "v", "u")
 
 @dataclass(frozen=True)
 class Sailed:
-    """The track and what was read off it, SI and radians; NaN where lanes or neighbours lack."""
+    """The track and what was read off it, SI and radians. NaN where lanes or neighbours lack."""
 
     source: str
     t: Numbers
@@ -322,7 +322,7 @@ def _current(file: DeccaFile, heading: Numbers) -> tuple[Numbers, Numbers]:
 
 
 def write_track(sailed: Sailed, path: Path) -> None:
-    """Write the track as CSV, SI and radians, a missing value empty; ConfigError if it cannot."""
+    """Write the track as CSV, SI and radians, a missing value empty. ConfigError if it cannot."""
     columns = (
         sailed.t,
         sailed.east,

@@ -1,4 +1,4 @@
-"""What the parameters of a model say about the ship: gains, time constants, stability."""
+"""The parameters of a model give the ship's gains, time constants and stability."""
 
 import math
 from typing import Final
@@ -84,7 +84,7 @@ _KINDS: Final = {
 
 
 def derivatives(model: Model, values: Numbers) -> Numbers:
-    """Return the six derivatives of DERIVATIVES in the model's own system; () but for Model 1."""
+    """Return the six derivatives of DERIVATIVES in the model's own system. () but for Model 1."""
     if model.name != "1":
         return np.empty(0)
     p = dict(zip(model.names, map(float, values), strict=True))

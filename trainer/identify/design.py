@@ -1,4 +1,4 @@
-"""What a record would tell before it is taken: standard deviations by the information matrix."""
+"""The worth of a record before it is taken: standard deviations by the information matrix."""
 
 import math
 from dataclasses import dataclass
@@ -38,7 +38,7 @@ STARTS: Final = {
 
 @dataclass(frozen=True)
 class Reading:
-    """What reads the ship, and the yaw rate [deg/s] rms that the sea alone makes."""
+    """The instruments of the ship, and the sea's own yaw rate [deg/s] rms."""
 
     sensors: Sensors
     unrest_deg_s: float
@@ -46,7 +46,7 @@ class Reading:
 
 @dataclass(frozen=True)
 class Prospect:
-    """Expected values and standard deviations by name, SI and prime, of what a record would tell.
+    """Expected values and standard deviations of a record, by name, in SI and prime.
 
     Model 1 where sway is read; without it only rudder to yaw can be told.
     """

@@ -48,7 +48,7 @@ Minimiser = Callable[[Cost, Numbers, Search], Found]
 
 
 def scoring_then_bfgs(cost: Cost, theta: Numbers, search: Search) -> Found:
-    """Return what scoring finds, or from there BFGS where scoring does not get to the end."""
+    """Return the result of scoring. BFGS goes on from there where scoring does not end."""
     found = scoring(cost, theta, search)
     if found.converged or not np.isfinite(found.cost):
         return found

@@ -1,4 +1,4 @@
-"""Rudder experiments designed for a boat: when the helm goes where, and what that is worth.
+"""Rudder experiments are designed for a boat: the helm's times, and their worth.
 
 Section 10. A sequence excites best with an amplitude small enough to stay linear, each bit held
 0.2 to 0.5 T1, for 20 to 40 T1, read at intervals between T2/2 and T1/5.
@@ -46,7 +46,7 @@ TAPS: Final = {  # bits of the register whose sum modulo 2 comes in: periods of 
 
 
 def prbs(bits: int, seed: int = 1) -> Numbers:
-    """Return one period, (2^bits - 1,), of -1 and 1; ``seed`` is what the register begins with.
+    """Return one period, (2^bits - 1,), of -1 and 1. ``seed`` is what the register begins with.
 
     The register's own bits come out first, the highest first. ConfigError if the register is of
     no known length or begins empty.
@@ -184,7 +184,7 @@ def remarks(sequence: Sequence, ship: Nomoto, interval: float) -> Iterator[str]:
 
 @dataclass(frozen=True)
 class ZigZagTold:
-    """What a zig-zag of the boat in a calm looks like."""
+    """The course of a zig-zag of the boat in a calm."""
 
     reach_s: float | None  # from the first helm to the second
     period_s: float | None  # from the second helm to the fourth

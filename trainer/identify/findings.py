@@ -1,4 +1,4 @@
-"""What is wrong with a record before anything is fitted to it, by column and row.
+"""The faults of a record before any fit, by column and row.
 
 What cannot be used is refused with a ConfigError; what may mislead is told.
 """
@@ -224,7 +224,7 @@ def _slope(regressors: Numbers, y: Numbers, place: int) -> tuple[float, float]:
 
 
 def follows_motion(record: Record) -> float | None:
-    """Return the share of the rudder that heading and yaw rate explain [-]; None if unknown.
+    """Return the share of the rudder that heading and yaw rate explain [-]. None if unknown.
 
     A helmsman or autopilot without an experiment of its own leaves it near 1.
     """

@@ -142,7 +142,7 @@ def cost_of(problem: Problem, table: ModelTable) -> Cost:
 def fit(
     study: Study, record: Record, heard: Callable[[Found], None], kept: Path | None = None
 ) -> Fitted:
-    """Return the model of a study fitted to its record; each step is told to ``heard``.
+    """Return the model of a study fitted to its record. Each step is told to ``heard``.
 
     A search is kept in the file ``kept``, and goes on from there if there is one. ConfigError if
     it cannot be posed, or the start is no model.

@@ -1,4 +1,4 @@
-"""What a model makes of a record, sample by sample: predictions, errors, outliers, losses."""
+"""A model's view of a record by sample: predictions, errors, outliers, losses."""
 
 import math
 from dataclasses import dataclass
@@ -33,7 +33,7 @@ class Shown:
 
     @property
     def standardised(self) -> Numbers:
-        """Return errors divided by the Cholesky factor of R (n, y); NaN where one is missing."""
+        """Return errors divided by the Cholesky factor of R (n, y). NaN where one is missing."""
         found = np.full_like(self.errors, np.nan)
         whole = self.counted & ~np.isnan(self.errors).any(axis=1)
         roots = np.linalg.cholesky(self.spreads[whole])

@@ -1,4 +1,4 @@
-"""A record of a ship under helm: times, rudder and what was measured, SI and radians.
+"""A record of a ship under helm: times, rudder, measurements, SI and radians.
 
 The rudder is positive when it turns the ship to port (trailing edge to port), as in the report and
 in the trainer; a source with the other sign says so in the study file.
@@ -33,7 +33,7 @@ OUTPUTS: Final = tuple(name for name in CHANNELS if name != "rudder")
 
 @dataclass(frozen=True, kw_only=True)
 class Record:
-    """Columns of one length; NaN is a missing value, None a channel that was not recorded.
+    """Columns of one length. NaN is a missing value, None a channel that was not recorded.
 
     ``rudder[k]`` acts from ``t[k]`` to ``t[k+1]``. The heading is not wrapped. ``rows`` is the
     place of each sample in its source, as people count, and ``names`` the source's own word for

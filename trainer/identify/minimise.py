@@ -24,7 +24,7 @@ STIFFEST: Final = 1e12  # damping beyond which no step gets smaller
 
 
 class Cost(Protocol):
-    """What is minimised: minus a log-likelihood of a problem."""
+    """The quantity to minimise: minus a log-likelihood of a problem."""
 
     @property
     def problem(self) -> Problem:

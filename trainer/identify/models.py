@@ -86,7 +86,7 @@ class Model:
 
 @dataclass(frozen=True)
 class Ship:
-    """What the models scale by, and where the logs are."""
+    """The scales of the models, and the places of the logs."""
 
     length: float  # [m]
     speed: float  # [m/s]

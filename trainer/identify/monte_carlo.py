@@ -95,7 +95,7 @@ def one_run(problem: Problem, truth: Numbers, seed: int) -> Run:
 def study(
     problem: Problem, truth: Numbers, seeds: range, each: Callable[[Iterator[Run]], Iterator[Run]]
 ) -> Coverage:
-    """Return the runs of ``seeds``; ``each`` passes them on and may show how far it is."""
+    """Return the runs of ``seeds``. ``each`` passes them on and may show how far it is."""
     runs = each(one_run(problem, truth, seed) for seed in seeds)
     return Coverage(problem.names, truth, tuple(runs))
 
@@ -142,7 +142,7 @@ def _check(rows: tuple[Parameter, ...], table: IdentificationTable, file: str) -
 
 
 def experiment(rehearsal: Rehearsal, table: IdentificationTable) -> tuple[Problem, Numbers]:
-    """Return the problem at the start of its search, and the true values (f,) of what is free."""
+    """Return the problem at its search's start, and the true values (f,) of free parameters."""
     bit = max(1, round(table.bit_s / table.interval_s))
     sequence = hold_bits(prbs(table.register_bits), table.amplitude_deg, bit)
     problem = rehearsal.problem(np.resize(sequence, table.samples))

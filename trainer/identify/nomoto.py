@@ -30,7 +30,9 @@ GRAVITY: Final = 9.81  # [m/s^2] in the bis system
 
 
 class Transfer(NamedTuple):
-    """G1 = (b1 s + b2)/D to heading, G2 = (c1 s^2 + c2 s + c3)/D to sway.
+    """The transfer functions of a ship by rudder.
+
+    They are G1 = (b1 s + b2)/D to heading, G2 = (c1 s^2 + c2 s + c3)/D to sway.
 
     D = s^3 + a1 s^2 + a2 s + a3.
     """
@@ -47,7 +49,9 @@ class Transfer(NamedTuple):
 
 @dataclass(frozen=True)
 class Nomoto:
-    """Yaw rate K (1 + T3 s)/((1 + T1 s)(1 + T2 s)), sway K_v (1 + T3v s)/(same), by rudder.
+    """Yaw rate and sway by rudder.
+
+    Yaw rate is K (1 + T3 s)/((1 + T1 s)(1 + T2 s)), sway K_v (1 + T3v s)/(same).
 
     With complex roots ``T1`` and ``T2`` are a complex pair.
     """
@@ -61,7 +65,7 @@ class Nomoto:
 
     @property
     def first_order(self) -> float:
-        """Return T = T1 + T2 - T3 of the first-order model K/(1 + T s)."""
+        """Return T = T1 + T2 - T3. It is that of the first-order model K/(1 + T s)."""
         return float((self.T1 + self.T2).real) - self.T3
 
     @property
@@ -80,7 +84,7 @@ class Levers(NamedTuple):
 
 
 def solve_motion(M: Numbers, F: Numbers, g: Numbers) -> tuple[Numbers, Numbers]:
-    """Return A (2, 2) or (2, 3) and b (2,) of M x' = F x + g delta (3.1)."""
+    """Return A (2, 2) or (2, 3) and b (2,). They are those of M x' = F x + g delta (3.1)."""
     return np.asarray(np.linalg.solve(M, F), float), np.asarray(np.linalg.solve(M, g), float)
 
 
@@ -105,7 +109,7 @@ def transfer(A: Numbers, b: Numbers) -> Transfer:
 
 
 def time_constants(a1: float, a2: float) -> tuple[complex, complex]:
-    """Return T1 and T2 of s^2 + a1 s + a2, T1 from the right-most root (3.3).
+    """Return T1 and T2 of s^2 + a1 s + a2 (3.3). T1 is from the right-most root.
 
     The root without cancellation is taken first, the other from the product.
     """
@@ -123,7 +127,7 @@ def time_constants(a1: float, a2: float) -> tuple[complex, complex]:
 
 
 def nomoto(f: Transfer) -> Nomoto:
-    """Return the gains and time constants of a ship without wind (3.3), a3 and c3 left out.
+    """Return the gains and time constants of a ship without wind (3.3). They leave out a3 and c3.
 
     Neutral straight-line stability (a2 = 0) leaves K and T1 infinite.
     """
@@ -145,13 +149,13 @@ def _ratio(over: float, under: float) -> float:
 
 
 def levers(F: Numbers, g: Numbers) -> Levers:
-    """Return the lever arms of F = [Y_v, Y_r - m u; N_v, N_r - m x_G u] and g (3.4, 3.5)."""
+    """Return the lever arms of F = [Y_v, Y_r - m u. N_v, N_r - m x_G u] and g (3.4, 3.5)."""
     l_v, l_r, l_delta = F[1, 0] / F[0, 0], F[1, 1] / F[0, 1], g[1] / g[0]
     return Levers(float(l_v), float(l_r), float(l_delta), float(l_r - l_v))
 
 
 class Scale(NamedTuple):
-    """What one unit of a dimensionless system is in SI."""
+    """The units of a dimensionless system in SI."""
 
     time: float  # [s]
     speed: float  # [m/s]
@@ -189,7 +193,9 @@ TIME: Final = within(-1e6, 1e6)
 
 @dataclass(frozen=True, kw_only=True)
 class NomotoFile:
-    """T1 T2 r'' + (T1 + T2) r' + r - kappa K |r| r = K (delta + T3 delta'); sway alike.
+    """A Nomoto ship with a bend, and sway alike.
+
+    T1 T2 r'' + (T1 + T2) r' + r - kappa K |r| r = K (delta + T3 delta').
 
     The rudder is positive to port: K < 0 for a stable ship.
     """
@@ -221,7 +227,7 @@ def load_nomoto(path: Path) -> NomotoFile:
 
 
 def is_nomoto(path: Path) -> bool:
-    """Return whether a TOML file is of a Nomoto model; ConfigError if it is no TOML."""
+    """Return whether a TOML file is of a Nomoto model. ConfigError if it is no TOML."""
     return parse_toml(read_text(path), path.name).get("schema") == SCHEMA
 
 

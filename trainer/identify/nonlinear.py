@@ -40,7 +40,7 @@ class Bent:
 
     @property
     def loop(self) -> tuple[float, float, float] | None:
-        """Return of the unstable ship's spiral (12.2) the rate at zero helm [rad/s] and the fold.
+        """Return an unstable ship's rate at zero helm [rad/s], and the spiral's fold (12.2).
 
         The fold is a rate [rad/s] and a helm [rad]. None for a ship that has no loop.
         """

@@ -1,4 +1,4 @@
-"""A study as the command line asks for it: a file's own, or made up from a plain record."""
+"""A study by the command line: a file's own, or one of a plain record."""
 
 from dataclasses import replace
 from pathlib import Path
@@ -14,7 +14,7 @@ USUAL: Final = ("sway", "yaw_rate", "heading")
 
 
 def study_of(file: Path, options: dict[str, Any]) -> Study:
-    """Return the study, what the options say taken instead of what it says; ConfigError if wrong.
+    """Return the study, what the options say taken instead of what it says. ConfigError if wrong.
 
     ``options`` are those of ``trainer identify``.
     """

@@ -1,4 +1,4 @@
-"""A fitted ship made into a file that sails: a Nomoto ship, or a vessel file changed."""
+"""A fitted ship becomes a file that sails: a Nomoto ship, or a vessel file."""
 
 import math
 from dataclasses import replace

@@ -26,13 +26,13 @@ SETTLED: Final = 1e-13  # [-] relative change of P at which it has settled
 
 
 def no_gain(problem: Problem, sampled: Sampled) -> Complexes:
-    """Return zero gains (b, x, y): the model runs alone, all error is in the readings."""
+    """Return zero gains (b, x, y). The model runs alone, all error is in the readings."""
     batch, states = sampled.start.shape[:2]
     return np.zeros((batch, states, problem.samples.outputs.shape[1]), complex)
 
 
 def settled_gain(problem: Problem, sampled: Sampled) -> Complexes | None:
-    """Return the gains (b, x, y) that the filter settles at; None if it does not.
+    """Return the gains (b, x, y) that the filter settles at. None if it does not.
 
     ConfigError if the interval varies: there is no such gain then.
     """
@@ -61,7 +61,7 @@ class Innovations:
     gains: Gains
 
     def value(self, theta: Numbers) -> float:
-        """Return (n/2) log det(S/n) + n y (1 + log 2 pi)/2, S the sum of error error'."""
+        """Return (n/2) log det(S/n) + n y (1 + log 2 pi)/2. S is the sum of error error'."""
         errors = self._errors(self.problem.sampled(theta).as_complex())
         return math.inf if errors is None else _concentrate(errors[0].real)
 

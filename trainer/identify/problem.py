@@ -1,4 +1,4 @@
-"""What is estimated: some of a model's parameters, from some samples."""
+"""The problem of estimation: some of a model's parameters, from some samples."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace

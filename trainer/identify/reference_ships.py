@@ -25,7 +25,7 @@ STATE: Final = ("x1_0", "x2_0", "x3_0")
 
 @dataclass(frozen=True)
 class Rehearsal:
-    """A ship, how it is read, what it truly is, and from where an analyst would start.
+    """A ship, its instruments, its true values, and an analyst's start.
 
     ``begin`` has the free parameters that do not start at the truth.
     """

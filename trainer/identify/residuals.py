@@ -1,4 +1,4 @@
-"""What is left after a fit, examined: is it white, normal, and free of the input? (8.4).
+"""The residuals of a fit are examined. They ought to be white, normal and free of the input. (8.4).
 
 Residuals are (N,) of one output, standardised where there are several; NaN is a sample that did
 not count, and the pairs it is in are left out.
@@ -115,7 +115,7 @@ def cross_correlation(left: Numbers, rudder: Numbers, lags: int) -> Numbers:
 
 
 def portmanteau(own: Numbers, count: int, freedom: int) -> Tested:
-    """Return Q = N(N + 2) sum r^2/(N - lag) of the lags from 1, against chi-square."""
+    """Return Q = N(N + 2) sum r^2/(N - lag) against chi-square. Lags are from 1."""
     from scipy.special import chdtrc  # noqa: PLC0415
 
     lag = np.arange(1, len(own))
@@ -176,7 +176,7 @@ def verdicts(found: Residuals) -> list[str]:
 
 
 class OrderTest(NamedTuple):
-    """A model against a larger one: the statistic, and how probable one so large is by chance."""
+    """A model against a larger one: the statistic, and its probability by chance."""
 
     statistic: float
     freedom: tuple[int, ...]
@@ -206,7 +206,7 @@ def f_test(small: tuple[float, int], large: tuple[float, int], samples: int) -> 
 
 
 def aic_of_loss(loss: float, samples: int, parameters: int) -> float:
-    """Return AIC = N ln(2V/N) + N(1 + ln 2 pi) + 2p of a scalar output."""
+    """Return AIC = N ln(2V/N) + N(1 + ln 2 pi) + 2p. The output is scalar."""
     spread = samples * math.log(2.0 * loss / samples)
     return spread + samples * (1.0 + math.log(2.0 * math.pi)) + 2.0 * parameters
 
@@ -222,7 +222,7 @@ def aic_of_likelihood(log_likelihood: float, parameters: int) -> float:
 
 
 def ratio_test(small: tuple[float, int], large: tuple[float, int]) -> OrderTest:
-    """Return 2(log L2 - log L1) of two (log L, p), against chi-square of p2 - p1.
+    """Return 2(log L2 - log L1) against chi-square of p2 - p1. Each model is (log L, p).
 
     ConfigError if the larger has no more parameters.
     """

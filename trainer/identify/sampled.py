@@ -16,7 +16,10 @@ STEP: Final = 1e-100  # imaginary part that carries a derivative without roundin
 
 
 def aside(theta: Numbers, free: Sequence[int]) -> Complexes:
-    """Return ``theta`` (n,) and, below it, one row for each place in ``free`` a step aside."""
+    """Return ``theta`` (n,), and below it one row for each place in ``free``.
+
+    Each row is a step aside.
+    """
     rows = np.empty((1 + len(free), len(theta)), complex)
     rows[:] = theta
     for row, place in enumerate(free, 1):

@@ -36,7 +36,7 @@ EMPTY: Final = ("", "nan", "na", "null", "-")
 
 @dataclass(frozen=True)
 class Column:
-    """Where a channel is found: a column of the source, what its numbers are times in SI."""
+    """The source of a channel: its column, and the factor from its unit to SI."""
 
     name: str
     scale: float
@@ -48,7 +48,7 @@ def own_columns() -> dict[str, Column]:
 
 
 def factor(channel: str, unit: str) -> float:
-    """Return what numbers in ``unit`` are times in SI; ConfigError if the channel has none such."""
+    """Return what numbers in ``unit`` are times in SI. ConfigError if the channel has none such."""
     known = UNITS["s" if channel == "t" else CHANNELS[channel]]
     if unit not in known:
         raise ConfigError(f"{channel}: unit {quote(unit)}: must be {' or '.join(known)}")
@@ -56,7 +56,7 @@ def factor(channel: str, unit: str) -> float:
 
 
 def load_record(path: Path, columns: Mapping[str, Column]) -> Record:
-    """Return the record in a CSV file or a recording; ConfigError naming what is wrong with it.
+    """Return the record in a CSV file or a recording. ConfigError naming what is wrong with it.
 
     ``columns`` says where each channel is, and under "t" the times; without "t" rows are counted.
     """

@@ -1,4 +1,4 @@
-"""Steering of a boat by its vessel file, in the terms of Model 1, and such a file rewritten.
+"""Steering of a boat by its vessel file, in Model 1's terms. Such a file is rewritten too.
 
 The rudder of a vessel file and that of the models have one sign: positive turns to port. Roll is
 left out of the models; what it does to sway and yaw is small, and `gap` says how small.
@@ -68,7 +68,7 @@ class Steering:
 
 
 def steering(file: VesselFile, speed: float, means: Means = Means()) -> Steering:  # noqa: B008
-    """Return the steering of a boat at ``speed`` [m/s], ``means`` averaged in; roll is left out."""
+    """Return the steering of a boat at ``speed`` [m/s], ``means`` averaged in. Roll is left out."""
     linear = horizontal(file, speed, means)
     places = [HORIZONTAL.index(name) for name in STEERED]
     pick = np.ix_(places, places)
@@ -79,7 +79,7 @@ def steering(file: VesselFile, speed: float, means: Means = Means()) -> Steering
 
 
 def averages(record: Record) -> Means:
-    """Return the mean |v| [m/s] and |r| [rad/s] that stand for the quadratic terms of a record.
+    """Return the mean |v| [m/s] and |r| [rad/s] for a record's quadratic terms.
 
     E|x|^3/E x^2, by which a |x| x is in the mean square nearest to a line.
     """
@@ -170,7 +170,7 @@ Z, R, PSI, X, Y, SWAY, SWAY_RATE = range(7)
 
 
 def steer_ship(path: Path, step: float | None) -> "Steered":
-    """Return the ship of a Nomoto file, computed every ``step`` [s], else as the file says."""
+    """Return a Nomoto file's ship. It is computed every ``step`` [s], or as the file says."""
     ship = load_nomoto(path)
     return Steered(ship if step is None else replace(ship, step_s=step))
 

@@ -1,4 +1,4 @@
-"""What an identification study may say, table by table: keys, units and limits."""
+"""The tables of an identification study: keys, units and limits."""
 
 from dataclasses import dataclass
 from typing import Final
@@ -28,7 +28,7 @@ YES_NO: Final = ("yes", "no")
 
 @dataclass(frozen=True, kw_only=True)
 class Heading:
-    """What is studied, and in which file."""
+    """The subject of a study, and the file of it."""
 
     schema: str = of(Choice(("identify/1",), "form of the file"))
     name: str = of(Text(79, "what is studied"))

@@ -1,4 +1,4 @@
-"""How well the parameters are known, and which of them the data cannot separate (MI 3.7, 8.3).
+"""The certainty of the parameters, and those that the data cannot separate (MI 3.7, 8.3).
 
 How uncertain numbers are that are computed from estimated ones: the delta method and draws.
 
@@ -83,7 +83,7 @@ def _groups(names: tuple[str, ...], directions: Numbers) -> tuple[tuple[str, ...
 
 
 def beside_bounds(known: Uncertainty) -> Uncertainty:
-    """Return what is known of the others where noise or lag have gone to a bound and stay there.
+    """Return the others' covariance where noise or lag have gone to a bound and stay.
 
     A variance at nothing, the correlation with it, and a lag of nothing or of a whole interval have
     no information: their own covariances stay not a number.

@@ -1,4 +1,4 @@
-"""A fitted model on its own record and on others, and records drawn from it (MI 8.5)."""
+"""A fitted model on its own record and others, and on drawn ones (MI 8.5)."""
 
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -32,7 +32,7 @@ def root(covariance: Numbers) -> Numbers:
 
 
 def deterministic(problem: Problem, theta: Numbers) -> Numbers:
-    """Return states and outputs (n, x+y) of the model left alone from its start: no noise at all.
+    """Return states and outputs (n, x+y) of the model alone, without any noise.
 
     The states are SI, the outputs in knots and degrees.
     """
@@ -81,7 +81,7 @@ def alone(problem: Problem, theta: Numbers) -> Numbers:
 
 
 def loss_alone(fitted: Fitted) -> float:
-    """Return V1 = (1/n) log det of the errors of the model by rudder alone (6.3)."""
+    """Return V1 = (1/n) log det of the errors by rudder alone (6.3)."""
     left = fitted.problem.samples.outputs - alone(fitted.problem, fitted.found.theta)
     whole = left[~np.isnan(left).any(axis=1)]
     if not len(whole):
@@ -103,7 +103,7 @@ def check_of(fitted: Fitted, path: Path) -> Check:
 
 
 def other_record(fitted: Fitted, path: Path) -> Record:
-    """Return another record of the columns of the one that was fitted, the whole of it."""
+    """Return another record of the fitted one's columns, the whole of it."""
     heading = replace(fitted.study.heading, data=path.name, from_s=None, to_s=None)
     beside = path.parent / fitted.study.path.name
     return observe(replace(fitted.study, path=beside, heading=heading)).record

@@ -1,4 +1,4 @@
-"""A file of the user's that is replaced at once and whole, or stays as it was."""
+"""A user's file is replaced at once and whole, or stays as it was."""
 
 import contextlib
 import os
@@ -10,7 +10,7 @@ from pathlib import Path
 
 @contextlib.contextmanager
 def replacing(path: Path) -> Iterator[Path]:
-    """Yield where to write a file; it has the name ``path`` once the block has ended well.
+    """Yield where to write a file. It has the name ``path`` once the block has ended well.
 
     What is no file, such as a pipe, or lies where no other can be made, is written as it is. A
     link stays one: its file is replaced.
@@ -31,6 +31,6 @@ def replacing(path: Path) -> Iterator[Path]:
 
 
 def write_whole(path: Path, text: str) -> None:
-    """Write a text over a file, or leave that as it was; OSError if it cannot be written."""
+    """Write a text over a file, or leave that as it was. OSError if it cannot be written."""
     with replacing(path) as made:
         made.write_text(text, encoding="utf-8", newline="\n")

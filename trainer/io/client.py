@@ -1,4 +1,4 @@
-"""The far end of a session: a line to it over TCP, a local socket or a serial line."""
+"""The client's end of a session: a line by TCP, local socket or serial port."""
 
 import contextlib
 import errno
@@ -43,7 +43,7 @@ def dial(url: str, arrived: threading.Event, baud: int = 9600) -> Line:
 
 
 def over_serial(name: str, port: SerialLine, arrived: threading.Event, longest: int) -> Line:
-    """Return an open serial line as a line; those that come have `longest` characters at most."""
+    """Return an open serial line as a line. Those that come have `longest` characters at most."""
     return Joined(name, Inbox(port.read, arrived, longest=longest), Outbox(port.write), port)
 
 
@@ -87,7 +87,7 @@ def reach_local(path: Path) -> socket.socket:
 
 
 def refuse_another(end: socket.socket, path: Path) -> None:
-    """Raise LinkError if another user's program is at the far end: it gets no token, no order."""
+    """Raise LinkError if another user's program listens. It gets no token and no order."""
     if not hasattr(os, "geteuid"):
         return
     owners = {path.stat().st_uid}
@@ -112,7 +112,7 @@ def why_not(error: Exception) -> str:
 
 
 class Wire:
-    """A connected socket as an inbox and an outbox want it: either of them may wait."""
+    """A connected socket for an inbox and an outbox. Either of them may wait."""
 
     unsent = 0  # a write that fails ends the outbox, which counts
 

@@ -1,4 +1,4 @@
-"""One client at a socket: lines in and lines out, bounded both ways, never waited for.
+"""One client at a socket. Its lines are bounded both ways and never waited for.
 
 Any thread may take, send and close; the rest belongs to the thread of the hub, which asks what the
 connection waits for and calls it when the socket is ready.
@@ -67,7 +67,7 @@ class Connection:
 
     @property
     def leaving(self) -> bool:
-        """Return whether it has been closed, though what was sent may still be on its way."""
+        """Return whether it has been closed. Data may still be on its way."""
         return self._leave_at < math.inf
 
     @property

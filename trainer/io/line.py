@@ -1,4 +1,4 @@
-"""A line: lines in and lines out, whatever the port, without ever holding up the caller.
+"""A line carries text in and out at any port. It never holds up the caller.
 
 Lines out and in without ever holding up the caller: one thread behind each port.
 
@@ -35,7 +35,7 @@ class Sender(Protocol):
 
 
 class Outbox:
-    """Write lines from a thread; when the port is slow lines are dropped, never waited for."""
+    """Write lines from a thread. When the port is slow lines are dropped, never waited for."""
 
     def __init__(
         self, write: Callable[[bytes], object], capacity: int = 256, line_end: bytes = b"\r\n"
@@ -52,7 +52,7 @@ class Outbox:
         self._thread.start()
 
     def send(self, line: str) -> None:
-        """Queue one line, or drop and count it when the queue is full or the port dead."""
+        """Queue one line. A full queue or a dead port drops and counts it."""
         with self._change:
             if self.trouble or self._closing or len(self._lines) >= self._capacity:
                 self.dropped += 1
@@ -61,7 +61,7 @@ class Outbox:
             self._change.notify()
 
     def close(self, patience: float) -> None:
-        """Let the thread finish the queue, for at most `patience` [s]; the port stays open."""
+        """Finish the queue, for at most `patience` [s]. The port stays open."""
         with self._change:
             self._closing = True
             self._change.notify()
@@ -113,7 +113,7 @@ class Direct:
 
 
 class Inbox:
-    """Read lines in a thread; `arrived` is set at every line and at the end of the input.
+    """Read lines in a thread. `arrived` is set at every line and at the end of the input.
 
     When the queue is full the thread stops reading until there is room, so that a pipe loses
     nothing and a flood is held back at its source.
@@ -152,7 +152,7 @@ class Inbox:
         return lines
 
     def close(self, patience: float) -> None:
-        """Ask the thread to stop after the read it is in, waiting at most `patience` [s]."""
+        """Ask the thread to stop after its read. Wait at most `patience` [s]."""
         with self._change:
             self._closing = True
             self._change.notify()
@@ -190,7 +190,7 @@ def reader(descriptor: int) -> Callable[[], bytes | None]:
 
 
 def writer(descriptor: int) -> Callable[[bytes], None]:
-    """Return a `write` to a file descriptor that takes all of its bytes, in parts if need be."""
+    """Return a `write` to a file descriptor that takes all of its bytes."""
 
     def write(data: bytes) -> None:
         rest = memoryview(data)
@@ -218,7 +218,7 @@ class Line(Protocol):
 
     @property
     def trouble(self) -> str:
-        """Return why the line is dead, "" while it lives or when it ended in good order."""
+        """Return why the line is dead. It is "" while it lives or after a proper end."""
         ...
 
     @property
@@ -240,7 +240,7 @@ class Line(Protocol):
 
 
 class Port(Protocol):
-    """What an inbox reads and an outbox writes."""
+    """A port that an inbox reads and an outbox writes."""
 
     @property
     def unsent(self) -> int:
@@ -257,7 +257,7 @@ class Port(Protocol):
 
 
 class Joined:
-    """A line made of an inbox, or none where nothing is heard, and somewhere to send.
+    """A line made of an optional inbox, and somewhere to send.
 
     A terminal has no port to close: its inbox is left waiting for a key that nobody will press.
     """

@@ -1,4 +1,4 @@
-"""Bytes to lines: what a keyboard, a serial panel, a pipe or a telnet client sends.
+"""Bytes from a keyboard, a serial panel, a pipe or a telnet client become lines.
 
 A line ends at CR, LF or CRLF. Backspace and DEL take back a character, Ctrl-U the line so far.
 Telnet's own commands are dropped. Memory stays flat whatever comes: a line that does not end is
@@ -105,7 +105,7 @@ class LineDecoder:
 
 
 class TelnetFilter:
-    """Drop telnet commands from a stream; a line end always ends one, so noise cannot jam it."""
+    """Drop telnet commands from a stream. A line end always ends one, so noise cannot jam it."""
 
     def __init__(self) -> None:
         # Not a method of this object: it would refer to itself, and outlive its line for a while.

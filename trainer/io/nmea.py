@@ -37,7 +37,7 @@ class Damaged:
 
 
 def sentence(address: str, *fields: str) -> str:
-    """Return a sentence without its line end; ValueError when it is too long to be one."""
+    """Return a sentence without its line end. ValueError when it is too long to be one."""
     body = ",".join((address, *fields))
     framed = f"${body}*{checksum(body):02X}"
     if len(framed) > LONGEST - LINE_END:
@@ -46,7 +46,7 @@ def sentence(address: str, *fields: str) -> str:
 
 
 def hear(line: str) -> Sentence | Damaged | None:
-    """Return what `line` holds, None when it is blank or no sentence at all; never raises."""
+    """Return what `line` holds, None when it is blank or no sentence at all. Never raises."""
     text = line.strip()
     if not text.startswith("$"):
         return None

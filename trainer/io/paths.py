@@ -1,4 +1,4 @@
-"""Where a session is found and its recording kept, unless told otherwise; how it says so."""
+"""Where a session is found and its recording kept, unless told otherwise. How it says so."""
 
 import os
 import re
@@ -41,7 +41,7 @@ def address_path() -> Path:
 
 
 def leave_address(url: str, token: str) -> None:
-    """Leave for this user's stations where the session listens, and the token that it asks for."""
+    """Leave the session's address and its token for this user's stations."""
     path = address_path()
     path.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
     path.unlink(missing_ok=True)
@@ -65,7 +65,7 @@ def recordings_folder() -> Path:
 
 
 def recording_paths(name: str) -> Iterator[Path]:
-    """Yield files for a new recording of what is called ``name``, each for when others are taken.
+    """Yield files for a new recording of ``name``. Each is for when the earlier ones are taken.
 
     Their folder is made.
     """

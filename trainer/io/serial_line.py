@@ -1,4 +1,4 @@
-"""A serial line at any pyserial URL, which comes back by itself after it was unplugged.
+"""A serial line at any pyserial URL. It comes back by itself after it was unplugged.
 
 `read` belongs to an Inbox, `write` to an Outbox: both may wait, and do so only in those threads.
 The reading thread also mends the line; while it is down, output is dropped and counted.
@@ -71,7 +71,7 @@ class SerialLine:
         return bytes(data)
 
     def write(self, data: bytes) -> None:
-        """Write all of `data`, or count its lines as unsent when the line is down or stalled."""
+        """Write all of `data`. A line that is down or stalled counts it as unsent."""
         with self._writing:
             if self._port is None or not send_bytes(self._port, data):
                 self.unsent += data.count(LINE_FEED)
@@ -81,7 +81,7 @@ class SerialLine:
         self._closing.set()
 
     def release(self) -> None:
-        """Give the port back; a line that was not closed opens it again at its next read."""
+        """Give the port back. A line that was not closed opens it again at its next read."""
         with self._writing:
             port, self._port = self._port, None
             if port is not None:

@@ -31,7 +31,7 @@ HIGHEST = 65535
 
 
 def listen_at(host: str, port: int) -> socket.socket:
-    """Return a socket that listens at a TCP port, 0 for any free one; raises LinkError."""
+    """Return a socket that listens at a TCP port, 0 for any free one. Raises LinkError."""
     where = f"{host}:{port}"
     if not 0 <= port <= HIGHEST:
         raise LinkError(f"{where}: a port is 1 to {HIGHEST}, or 0 for any that is free")
@@ -110,7 +110,10 @@ def private_folder(folder: Path) -> None:
 
 
 def refuse_shared(folder: Path) -> None:
-    """Raise LinkError unless a folder, and who could replace it, is this user's or the system's."""
+    """Raise LinkError unless a folder is this user's or the system's.
+
+    The same holds for who could replace it.
+    """
     if not hasattr(os, "geteuid"):
         return
     found, above = os.lstat(folder), folder.parent.stat()
@@ -186,7 +189,7 @@ KEEPALIVE = (("TCP_KEEPIDLE", 30), ("TCP_KEEPINTVL", 10), ("TCP_KEEPCNT", 3))
 
 
 class Watched(Protocol):
-    """What the selector waits for."""
+    """An object that the selector waits for."""
 
     def fileno(self) -> int:
         """Return its descriptor."""

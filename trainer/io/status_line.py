@@ -1,4 +1,4 @@
-"""The plain console as text: lines of state under a line of headings, 79 ASCII columns."""
+"""The plain console as text: lines of state under headings, 79 ASCII columns."""
 
 import math
 from typing import NamedTuple
@@ -9,7 +9,7 @@ HEADER = "time      depth>order hdg>course speed pitch  heel  rudder  stern    b
 
 
 class View(NamedTuple):
-    """What the console shows, in display units."""
+    """The values of the console, in display units."""
 
     time_s: float
     depth_m: float
@@ -35,7 +35,7 @@ def header() -> str:
 
 
 def state_line(view: View) -> str:
-    """Return the state in 79 columns: F when frozen, * on a surface steered by hand.
+    """Return the state in 79 columns. F: frozen; *: a surface steered by hand.
 
     L, R are left, right; D, R dive, rise. What is too wide for its column is its sign and ###.
     """
@@ -85,7 +85,7 @@ def number(value: float, width: int, sign: str = "-") -> str:
 
 
 def surface(angle_deg: float, sides: str, *, by_hand: bool) -> str:
-    """Return an angle in 6 columns: the side's letter, the size, a star when steered by hand."""
+    """Return an angle in 6 columns: the side's letter, the size. A star means by hand."""
     size = round(angle_deg, 1)
     side = sides[int(size > 0.0)] if size else " "
     return f"{side}{number(abs(size), 4)}{'*' if by_hand else ' '}"

@@ -40,7 +40,7 @@ class Layout:
 
 @dataclass(frozen=True)
 class Table:
-    """Rows on their way out, each with a cell for every column; any cell may be missing."""
+    """Rows on their way out, each with a cell for every column. Any cell may be missing."""
 
     columns: dict[str, type]
     rows: Iterator[Sequence[Cell]]
@@ -99,7 +99,7 @@ def orders_table(recording: Recording, layout: Layout, branch: int) -> Table:
 
 
 def events_table(recording: Recording, layout: Layout) -> Table:
-    """Return one row for each event of any branch; `wall` is the time of day, UTC."""
+    """Return one row for each event of any branch. `wall` is the time of day, UTC."""
     rows = (
         (each.branch, each.tick, each.tick * layout.step, each.wall, each.kind, each.who, each.text)
         for each in recording.events()

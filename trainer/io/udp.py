@@ -1,4 +1,4 @@
-"""Lines as UDP datagrams, one each, to a host or to all of a network; nobody has to be there."""
+"""Lines as UDP datagrams, one each, to a host or to all of a network. Nobody has to be there."""
 
 import socket
 from typing import Final
@@ -29,7 +29,7 @@ class Datagrams:
         self._end.setsockopt(socket.SOL_SOCKET, socket.SO_BROADCAST, 1)
 
     def send(self, line: str) -> None:
-        """Send one line with its end, or count it when the system has no way or room for it."""
+        """Send one line with its end, or count it when it cannot go."""
         try:
             self._end.sendto(line_bytes(line) + b"\r\n", self._to)
         except OSError as error:

@@ -1,4 +1,4 @@
-"""A teletype on a session: what is typed goes to it, what it says is printed."""
+"""A teletype on a session sends what is typed and prints the answers."""
 
 import os
 import signal
@@ -21,7 +21,7 @@ PATIENCE: Final = 2.0  # [s] for what is still to be said at the end
 
 
 def attach_to(url: str | None, role: str, token: str | None) -> int:
-    """Be a teletype of that role until the session or the user ends it; return the exit code."""
+    """Be a teletype of that role until the session or the user ends it. Return the exit code."""
     wake = threading.Event()
     left = paths.left_address()  # where the system has no local sockets
     token = token or (left[1] if url in (None, left[0]) else None)
@@ -44,7 +44,7 @@ def attach_to(url: str | None, role: str, token: str | None) -> int:
 
 
 def carry(line: Line, inbox: Inbox, out: Outbox, wake: threading.Event) -> bool:
-    """Carry lines both ways until the session closes; return whether it has said that it would.
+    """Carry lines both ways until the session closes. Return whether it has said that it would.
 
     Ctrl-C, and the end of an input that nobody types, leave the session.
     """

@@ -1,4 +1,4 @@
-"""The conduct of a session: who has command, who is ready, how an exercise ends and what follows.
+"""The conduct of a session: command, readiness, the end of an exercise, and the next.
 
 These orders are about the session as a whole. They are heard here before any other: an instructor
 without command watches and marks, and after the end of an exercise time stands still.
@@ -35,7 +35,7 @@ NOT_CREW: Final = (INSTRUCTOR.name, STRANGER.name, "observer")  # of whom nobody
 
 @dataclass(frozen=True)
 class Following:
-    """What may come after an exercise: in this process, or why only in another."""
+    """The exercises that may follow in this process, or why another process is needed."""
 
     problem: Callable[[str], str] = lambda _: ""  # with an exercise, "" for none
     barred: str = "this session is one run"
@@ -95,7 +95,7 @@ class Conduct:
         }
 
     def hear(self, asked: Asked) -> bool:
-        """Obey and answer an order about the conduct of the session; return whether it was one."""
+        """Obey and answer an order about the conduct of the session. Return whether it was one."""
         why = self._barred(asked)
         if why:
             asked.station.answer(asked, Refused(why))
@@ -128,14 +128,14 @@ class Conduct:
             self._stop()
 
     def settle(self) -> None:
-        """Take the moment as it is after a jump in time: nothing of the end is news."""
+        """Take the moment as it is after a jump in time. Nothing of the end is news."""
         self.ending.begin_again()
         if self.control.boat.ticks == 0:
             self.begun = False
             self.ready.clear()
 
     def desert(self) -> str:
-        """Tell that nobody is left to say run; return so, "" where the exercise is over anyway."""
+        """Tell that nobody is left to say run. Return so, "" where the exercise is over anyway."""
         if self.ending.over:
             return ""
         why = f"frozen at {self.control.boat.time:g} s, and nobody is left to say run"
@@ -143,7 +143,7 @@ class Conduct:
         return why
 
     def go_over(self, tick: Callable[[], int]) -> None:
-        """Have the ticks from now on computed by machine code, at the speed that was asked for."""
+        """Compute the ticks by machine code from now on, at the speed asked for."""
         boat = self.control.boat
         boat.tick, self.compiled_from = tick, boat.ticks + 1
         self.control.time.recover()

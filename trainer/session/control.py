@@ -18,7 +18,7 @@ Duty = Callable[[Order, str], Reply]  # takes who orders it
 
 @dataclass
 class Control:
-    """What the instructor has a hand on, beside the boat."""
+    """The parts under the instructor's control, beside the boat."""
 
     boat: Boat
     time: Timekeeping

@@ -1,4 +1,4 @@
-"""What is said between those who order the crew, the crew and the instructor.
+"""The words between those who order the crew, the crew, and the instructor.
 
 An order to the crew stands in the boat's state; that it is new, repeated or repeated wrong is known
 here, from what was said. All of it is in the journal, and is made again from there after a jump in
@@ -70,7 +70,7 @@ class Spoken:
 
 
 class Repeat(NamedTuple):
-    """What was repeated, and whether it is what was ordered."""
+    """The words of a repeat, and whether they are those of the order."""
 
     spoken: Spoken
     right: bool
@@ -78,7 +78,7 @@ class Repeat(NamedTuple):
 
 @dataclass
 class CrewTalk:
-    """What has been said on board, as it stands now."""
+    """The orders and reports on board, as they stand now."""
 
     boat: Boat
     hand: frozenset[str] = frozenset()  # axes that the exercise has worked by hand
@@ -107,7 +107,7 @@ class CrewTalk:
     # What is said
 
     def obey(self, order: Order, role: str) -> Reply:
-        """Carry out what is said, as far as the boat has to do with it; return the answer."""
+        """Carry out what is said, as far as the boat has to do with it. Return the answer."""
         if order.name == "order":
             return obey(self.boat, order)
         if order.name == "belay":
@@ -143,7 +143,7 @@ class CrewTalk:
         return notes.get(order.name, lambda: self._belayed(order))()
 
     def settle(self, entries: Iterable[Journalled], tick: int) -> None:
-        """Make all this again from the journal up to a tick, after a jump in time."""
+        """Make all this again from the journal up to a tick, after a jump."""
         self._spoken.clear()
         self.freed.clear()
         self.meeting = ""
@@ -227,7 +227,7 @@ class CrewTalk:
     # What is missing or wrong
 
     def missing(self, tick: int, attends: Callable[[str], bool]) -> list[Telling]:
-        """Return the orders that nobody has repeated in time, each once; and what comes in hand.
+        """Return the orders that nobody has repeated in time, each once. And what comes in hand.
 
         ``attends`` tells whether somebody with that role is there.
         """
@@ -247,7 +247,7 @@ class CrewTalk:
         return found
 
     def wrong_way(self, order: Order, role: str) -> list[Telling]:
-        """Return that an order by hand is to the other side than the crew was ordered, if it is.
+        """Return whether an order by hand goes to the wrong side of the crew's order.
 
         The first within ``LATE`` of the order counts: later ones may well meet the swing.
         """
@@ -326,7 +326,7 @@ class CrewTalk:
         return [(key, value) for key, value in told.items() if value]
 
     def in_hand(self, order: Order) -> str:
-        """Return why an automatic order is refused: the exercise has it worked by hand; "" if not.
+        """Return why an automatic order is refused: the exercise has it worked by hand. "" if not.
 
         What moves nothing by itself is never refused.
         """
@@ -382,7 +382,7 @@ def reported(order: Order, role: str) -> list[Telling]:
 
 
 def role_of(who: str) -> str:
-    """Return the role of who gave an order, as the journal names him; a schedule's is its own."""
+    """Return the role of who gave an order, as the journal names him. A schedule's is its own."""
     return who.partition(" at ")[0]
 
 
@@ -419,7 +419,7 @@ def is_repeated(words: str, spoken: Spoken) -> bool:
 
 
 def means_the_same(said: Order, told: Order) -> bool:
-    """Return whether two orders to the crew are one, but for a side that is left out."""
+    """Return whether two orders to the crew are one. A side may be left out."""
     off = said.value - told.value
     if axis_of(said) != "course":
         return said.word == told.word and abs(off) < 1e-9

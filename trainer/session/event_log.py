@@ -1,4 +1,7 @@
-"""What has happened in a session: recorded, told to whom it concerns, kept for who comes late."""
+"""The events of a session.
+
+They are recorded, told to whom they concern, and kept for latecomers.
+"""
 
 from collections import deque
 from collections.abc import Callable, Iterable
@@ -61,7 +64,7 @@ class EventLog:
         self._note(numbered(self._alert, news))
 
     def acknowledge(self, order: Order, by: Station) -> Reply:
-        """Take alerts as seen, one by its number or all that ``by`` was told; tell the others."""
+        """Take alerts as seen, one by its number or all that ``by`` was told. Tell the others."""
         known = {n: news for n, news in self.alerts.items() if hears(by.role, news.kind)}
         wanted = list(known) if order.word == "all" else [int(order.value)]
         if not set(wanted) <= set(known) or not wanted:

@@ -1,4 +1,6 @@
-"""The end of an exercise: when it comes, what came of it, and the marks, the instructor's first.
+"""The end of an exercise: its moment, its outcome, and the marks.
+
+The instructor gets the marks first.
 
 At the end time stands still at all stations and the session lives on. What judges a recording and
 writes its debrief is handed in: functions of the command line's, called in threads of their own.
@@ -27,7 +29,7 @@ PHI, THETA = PLACES["phi"], PLACES["theta"]
 
 @dataclass(frozen=True)
 class Judgement:
-    """What came of an exercise: its outcome, the marks of all, and what they were given for."""
+    """The result of an exercise: its outcome, all marks, and their reasons."""
 
     outcome: str  # won, lost or not reached; "" where nothing decides it
     total: float | None  # [%] None: nothing counts
@@ -45,7 +47,7 @@ class Judgement:
 
 @dataclass(frozen=True)
 class Debriefing:
-    """Who judges a branch of a recording, and who writes its debrief; RuntimeError tells why not.
+    """Who judges a branch of a recording, and who writes its debrief. RuntimeError tells why not.
 
     Both take as long as they need: they are called in threads of their own.
     """
@@ -56,7 +58,7 @@ class Debriefing:
 
 @dataclass
 class Losing:
-    """What loses an exercise, watched: conditions on the state that hold together for so long."""
+    """The watch on losing conditions. A condition loses when it holds for so long."""
 
     loss: Loss
     ticks: int  # for which they have to hold
@@ -82,7 +84,7 @@ def is_met(condition: Condition, boat: Boat) -> bool:
 
 
 def quantity_of(boat: Boat, name: str) -> float:
-    """Return a quantity of a condition [SI] as it is; NaN if the boat lacks it."""
+    """Return a quantity of a condition [SI] as it is. NaN if the boat lacks it."""
     if name == "showing":
         return -math.inf if deep(boat) else showing(boat)
     if name == "course":
@@ -128,11 +130,11 @@ class Ending:
         return bool(self.over)
 
     def end(self, how: str, why: str) -> None:
-        """Let it be over."""
+        """End the exercise."""
         self.how, self.over = how, why
 
     def begin_again(self) -> None:
-        """Let it be under way, after a jump in time."""
+        """Begin it again, after a jump in time."""
         self.over = self.how = self.why = ""
         for each in self.lost:
             each.held = 0
@@ -148,7 +150,7 @@ class Ending:
 
 @dataclass
 class Work:
-    """What is done beside the session, and what the session does with its result."""
+    """A task beside the session, and what the session does with its result."""
 
     wake: Callable[[], object]  # has the session's thread call ``settle``
     done: deque[Callable[[], None]] = field(default_factory=deque)
@@ -172,7 +174,7 @@ class Work:
             self.done.popleft()()
 
     def finish(self) -> None:
-        """Wait for what is being done, and take it; what waits for others waits no more."""
+        """Wait for what is being done, and take it. What waits for others waits no more."""
         self.closing.set()
         end = time.monotonic() + PATIENCE
         for thread in self.threads:

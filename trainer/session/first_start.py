@@ -33,7 +33,7 @@ INTERPRETED: Final = "interpreted: 100 times slower, with the same bits, and on 
 
 
 def prepare(options: RunOptions) -> str:
-    """Settle how the core of a run runs; return what its user is to be told, "" for nothing."""
+    """Settle how the core of a run runs. Return what its user is to be told, "" for nothing."""
     if os.name != "posix" or compilation.is_settled() or compilation.is_interpreted():
         return ""
     if compilation.is_kept() or is_hurried(options) or complaints():
@@ -69,7 +69,7 @@ def is_hurried(options: RunOptions) -> bool:
 
 
 def table(kind: str, name: Any) -> Mapping[str, Any]:
-    """Return what a shipped file or one of the user's says, {} if it cannot be read.
+    """Return the tables of a shipped file or a user's. {}: it cannot be read.
 
     What is wrong with it is told by who reads it in earnest.
     """
@@ -83,14 +83,14 @@ def table(kind: str, name: Any) -> Mapping[str, Any]:
 
 
 def complaints() -> bool:
-    """Return whether compiling beside a run has failed: then it is done where its user sees why."""
+    """Return whether compiling beside a run has failed. Then it is done where its user sees why."""
     path = cache_folder() / compilation.COMPLAINTS
     with compilation.compiling() as free:
         return free and path.exists() and path.stat().st_size > 0
 
 
 def compile_beside() -> None:
-    """Start a process that fills the cache; it may outlive this one, and ends by itself.
+    """Start a process that fills the cache. It may outlive this one, and ends by itself.
 
     It compiles the trainer that runs, not one whose sources lie in the present folder.
     """

@@ -1,4 +1,4 @@
-"""The header of a recording: all that its run was made of, read back, and compared with today's.
+"""The header of a recording says how its run was made. It is read back and compared with today's.
 
 What a header holds, a text each: ``plan``, the form of the header; ``trainer``, ``core``,
 ``python``, ``numpy``, ``numba`` and ``machine``, what computed it; ``started``, when; and as JSON
@@ -160,12 +160,12 @@ def method_of(header: Mapping[str, str]) -> Method:
 
 
 def layout_of(header: Mapping[str, str]) -> tuple[str, ...]:
-    """Return the name of each number of a recorded state; ConfigError if it does not say."""
+    """Return the name of each number of a recorded state. ConfigError if it does not say."""
     return tuple(_part(header, "layout"))
 
 
 def differences(header: Mapping[str, str], otherwise: Mapping[str, Any] = NOTHING) -> list[str]:
-    """Return what would be computed from now and was not then, a line each; none: the same bits."""
+    """Return what would be computed from now and was not then, a line each. None: the same bits."""
     found: list[str] = []
     for part in (_other_program(header), _other_texts(header), _other_plan(header, otherwise)):
         with collecting(found):

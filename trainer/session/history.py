@@ -1,4 +1,4 @@
-"""Where a run has been: its orders journalled, its moments kept, and going back to one of them.
+"""The past of a run: orders in the journal, moments, and going back to one.
 
 A moment is everything that there is to go back to: the whole state, the orders it includes, and
 what of the exercise's schedule is done. From a moment gone back to a new branch of the recording
@@ -36,7 +36,7 @@ TOUCHED: Final = b"\xff"  # written everywhere at first, so that the memory is r
 
 
 class Moments:
-    """A ring of moments in the order of their ticks; the oldest gives way to a new one."""
+    """A ring of moments in the order of their ticks. The oldest gives way to a new one."""
 
     def __init__(self, most: int, size: int) -> None:
         """Take room for so many moments, each with a state of so many bytes."""
@@ -131,7 +131,7 @@ class Stretch:
 
 @dataclass
 class Rerun:
-    """A replay under way: the orders still to be given again, and the moment it leads to."""
+    """A replay under way: the orders still to come, and its last moment."""
 
     orders: deque[Journalled]
     end: Moment
@@ -287,7 +287,7 @@ class History:
         self.automatic.forget_after(self.tick)
 
     def show_again(self, moment: Moment) -> int:
-        """Go back to a moment, to fly on from there as it was recorded; return the orders."""
+        """Go back to a moment, to fly on from there as it was recorded. Return the orders."""
         end = self.rerun.end if self.rerun else self.now()
         orders = self.recording.orders(self.recording.branch, moment.after)
         again = deque(each for each in orders if each.id <= end.after)

@@ -15,7 +15,7 @@ from trainer.core.state import STATE
 
 
 class Unlike(NamedTuple):
-    """How two states differ: the first number that does, its two values, and how many do."""
+    """The difference of two states: the first number, its two values, and the count."""
 
     name: str
     recorded: float
@@ -64,7 +64,7 @@ def read_state(state: bytes, layout: Sequence[str], standing: Record) -> Record:
 
 
 def unlike(recorded: bytes, flown: bytes) -> Unlike | None:
-    """Return how two states of this version differ, bit by bit; None if they do not."""
+    """Return how two states of this version differ, bit by bit. None if they do not."""
     bits = [np.frombuffer(state, dtype=np.uint64) for state in (recorded, flown)]
     places = np.flatnonzero(bits[0] != bits[1])
     if not places.size:
@@ -80,7 +80,7 @@ SETTING: Final = re.compile(r"\s*([\w.\"-]+)\s*=\s*(.*)")
 
 
 def changes(file: str, now: str, was: str) -> list[str]:
-    """Return a line for each changed one, with the file's name and its number in it."""
+    """Return a line for each changed one, with the file's name and its number."""
     told = [f"{file} {text}" for text in _changes(now.split("\n"), was.split("\n"))]
     more = len(told) - MOST
     return [*told[:MOST], f"{file}: and {more} more lines"] if more > 0 else told

@@ -1,4 +1,4 @@
-"""What a run is asked for: the options of the command line, by name, checked by their types."""
+"""The options of a run from the command line, by name, checked by their types."""
 
 from dataclasses import dataclass
 from pathlib import Path

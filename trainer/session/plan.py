@@ -1,4 +1,4 @@
-"""What a run is made of: the exercise's word, the command line's over it, the vessel's below."""
+"""The plan of a run. The command line overrules the exercise, the exercise overrules the vessel."""
 
 import math
 from collections.abc import Mapping
@@ -169,7 +169,7 @@ HANDED: Final = {  # what puts an axis in hand, as it stands
 
 
 def into_hand(exercise: Exercise, file: VesselFile) -> list[Scheduled]:
-    """Return the orders that put in hand what the crew works, with a boat that has an autopilot."""
+    """Return the orders that put the crew's controls in hand. The boat has an autopilot."""
     heading = exercise.heading
     if file.autopilot is None or not heading.hand:
         return []

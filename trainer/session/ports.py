@@ -43,7 +43,7 @@ class Lobby:
 
 @dataclass
 class Ports:
-    """What a session is reached by; each part is closed with the stack."""
+    """The ports of a session. Each part is closed with the stack."""
 
     wake: threading.Event
     sending: Sending
@@ -61,7 +61,7 @@ class Ports:
         return self._person(Joined("console", inbox, sender))
 
     def console_line(self, url: str, baud: int) -> Station:
-        """Return the station of a person at a serial line; ConfigError if it cannot be opened."""
+        """Return the station of a person at a serial line. ConfigError if it cannot be opened."""
         return self._person(self._serial("--serial", url, baud))
 
     def panel(self, given: str, baud: int) -> Station:
@@ -124,7 +124,7 @@ class Ports:
 
 
 def await_pipe(inbox: Inbox) -> None:
-    """Wait for a pipe to end, or to pause: at full speed its orders act before the first tick."""
+    """Wait for a pipe to end or pause. At full speed its orders act before the first tick."""
     while not inbox.ended:
         inbox.arrived.clear()
         if not inbox.ended and not inbox.arrived.wait(PATIENCE):

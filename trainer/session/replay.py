@@ -1,4 +1,7 @@
-"""A recording flown again: its orders given at their ticks, its states compared bit by bit."""
+"""A recording is flown again.
+
+Its orders are given at their ticks, its states compared bit by bit.
+"""
 
 import math
 from collections import deque
@@ -53,7 +56,7 @@ class Flight:
 
 @dataclass(frozen=True)
 class Course:
-    """What the branches of a recording are flown with."""
+    """The conditions in which the branches of a recording are flown."""
 
     plan: Plan
     boat: Boat
@@ -111,7 +114,7 @@ def _fly(recording: Recording, flight: Flight, course: Course) -> None:
 
 
 def give(orders: deque[Journalled], flown: float, flight: Flight, course: Course) -> None:
-    """Give the boat the orders that were given by the tick that stands at ``flown`` ticks now."""
+    """Give the boat the orders of the tick that stands at ``flown`` ticks now."""
     while orders and orders[0].tick * course.pace <= flown + 1e-9:
         entry = orders.popleft()
         order = order_of(entry, course.plan.schedule)

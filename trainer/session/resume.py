@@ -1,4 +1,4 @@
-"""A recorded run gone on with: the boat brought to its last order, then as in any other run."""
+"""A recorded run goes on. The boat is brought to its last order, then sails as in any run."""
 
 from dataclasses import replace
 from pathlib import Path

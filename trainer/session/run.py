@@ -1,4 +1,4 @@
-"""A run from its plan to its summary: everything joined, started, and summed up at the end."""
+"""A run from its plan to its summary. It joins everything, starts it, and sums it up."""
 
 import contextlib
 import math
@@ -53,7 +53,7 @@ SECONDS_1969 = "1969: 38 % at 0.5 s, 19 % at 1 s"
 
 
 def account(session: Session, wall: float, kept: str, *, aside: bool) -> int:
-    """Print the summary of a run of ``wall`` [s] and what went wrong; return the exit code.
+    """Print the summary of a run of ``wall`` [s] and what went wrong. Return the exit code.
 
     ``kept`` is the path of its recording, "" if it has none; ``aside`` prints on stderr, where a
     console has stdout.
@@ -91,7 +91,7 @@ def account(session: Session, wall: float, kept: str, *, aside: bool) -> int:
 
 
 def outcome_lines(session: Session) -> list[str]:
-    """Return how the trainee did: what ended the exercise, the marks, and what they are for."""
+    """Return the trainee's result: the end of the exercise, the marks and their reasons."""
     conduct = session.conduct
     marks = conduct.final_marks()
     if not (conduct.ending.over or marks):
@@ -107,7 +107,7 @@ def outcome_lines(session: Session) -> list[str]:
 
 
 def describe_missing(recording: Recording | NoRecording) -> str:
-    """Return what a recording that has been closed lacks and why, "" if it is whole."""
+    """Return what a closed recording lacks and why, "" if it is whole."""
     if not (recording.missing or recording.trouble):
         return ""
     why = f"; {recording.trouble}" if recording.trouble else ""
@@ -147,7 +147,7 @@ def summary_text(boat: Boat, ledger: Summary, wall: float, compiled_from: int = 
 
 
 class Ended(NamedTuple):
-    """What a run leaves behind: its exit code, and the exercise that is to follow."""
+    """The result of a run: its exit code, and the exercise that follows."""
 
     code: int
     following: str
@@ -163,7 +163,7 @@ BATCH = 200  # [rows] of a CSV file written at once by a run that keeps no time
 
 @dataclass(frozen=True)
 class PreparedRun:
-    """What is settled before the ports open."""
+    """The decisions before the ports open."""
 
     plan: Plan
     boat: Boat
@@ -217,7 +217,7 @@ def run_once(options: RunOptions, clock: Clock, debriefing: Debriefing | None) -
 
 
 def following_of(options: RunOptions) -> Following:
-    """Return what may follow a run: where all that it writes is its recording, any exercise."""
+    """Return the exercises that may follow a run. Any may, if a recording is all it writes."""
     files = options.csv_path, options.rrd, options.nmea_record
     barred = "this session is begun for one run" if any(files) or keeps_no_time(options) else ""
     return Following(problem_with(load_exercise), barred)
@@ -247,7 +247,7 @@ def ready(plan: Plan, options: RunOptions) -> Boat:
 def create_recording(
     paths: Sequence[Path], header: Mapping[str, str], state: bytes
 ) -> tuple[Path | None, Recording]:
-    """Make the first recording whose name nobody takes before; a passing one if there is no name.
+    """Make the first recording whose name nobody takes before. A passing one if there is no name.
 
     ConfigError if it cannot be made.
     """
@@ -262,7 +262,7 @@ def create_recording(
 
 
 def recording_paths(plan: Plan, options: RunOptions) -> tuple[Path, ...]:
-    """Return where the run is recorded: where told, by default if somebody is there to train."""
+    """Return the recording's path. The default is for runs with somebody to train."""
     if options.no_record:
         return ()
     if options.record is not None:
@@ -355,7 +355,7 @@ def conduct_of(session: Session, prepared: PreparedRun, options: RunOptions) -> 
 
 
 def await_code(session: Session) -> None:
-    """Have the session go over to machine code once it is there, between two ticks."""
+    """Go over to machine code once it is there, between two ticks."""
 
     def task() -> Callable[[], None]:
         try:
@@ -449,7 +449,7 @@ def progress_bar(last_tick: float) -> Iterator[Any]:
 
 @contextlib.contextmanager
 def interrupts(session: Session) -> Iterator[None]:
-    """Let Ctrl-C and a request to terminate end the run after the tick at hand."""
+    """End the run after the tick at hand, by Ctrl-C or a request to terminate."""
     if threading.current_thread() is not threading.main_thread():
         yield
         return

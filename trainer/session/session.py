@@ -94,7 +94,7 @@ class Session:
         self._pace = Pace()  # as it was last shown: whatever changes it has it shown
 
     def run(self, *, frozen: bool = False) -> None:
-        """Run to the last tick, an order to quit, or until nobody can ever say run again."""
+        """Run to the last tick, an order to quit, or until nobody can say run."""
         if self.columns:
             self._row()
         self._judge_hull()  # a recorded run may have ended in a collapse
@@ -143,7 +143,7 @@ class Session:
         return self.briefing if station.role is INSTRUCTOR else self.crew_briefing
 
     def listen(self) -> None:
-        """Let newcomers in, take what the stations say, and see out who has left."""
+        """Admit newcomers, take what the stations say, and see out who has left."""
         self._visits.settle()
         self.conduct.tend()
         for station in self.reception.newcomers():

@@ -1,4 +1,4 @@
-"""A boat made ready for sea: compiled before the clock starts, at a step that is stable."""
+"""A boat is made ready for sea. It is compiled before the clock starts, at a stable step."""
 
 import contextlib
 import gc
@@ -36,7 +36,7 @@ def set_garbage_aside() -> None:
 
 
 def try_out(boat: Boat) -> None:
-    """Take a tick and a casualty on a throw-away state: all that a run needs is done once."""
+    """Take a tick and a casualty on a throw-away state. All that a run needs is done once."""
     before = boat.snapshot()
     boat.state.u = 1.0
     boat.trimmed(1.0)

@@ -1,4 +1,4 @@
-"""What a proof found, as a table or JSON, and its progress bar."""
+"""The findings of a proof as a table or JSON, and its progress bar."""
 
 import json
 import sys
@@ -14,7 +14,7 @@ from trainer.verify.fuzz.fuzz import Found
 
 
 def table(head: Sequence[str], rows: Sequence[Sequence[object]]) -> str:
-    """Return a table in columns, the first to the left and the rest to the right."""
+    """Return a table in columns. The first is to the left, the rest to the right."""
     texts = [[str(cell) for cell in row] for row in (head, *rows)]
     widths = [max(len(row[i]) for row in texts) for i in range(len(head))]
     lines = [

@@ -1,1 +1,1 @@
-"""What a recording tells of an exercise: measures, marks, a page."""
+"""A recording is judged as an exercise: measures, marks, a page."""

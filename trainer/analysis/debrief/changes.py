@@ -1,4 +1,4 @@
-"""What the instructor has changed in the marks of a run, each with a reason; the old ones stand.
+"""The instructor changes the marks of a run, each with a reason. The old ones stand.
 
 Changes are kept beside the recording: drill.changes.toml beside drill.trainer. The recording
 itself stays as it was flown.
@@ -45,7 +45,7 @@ class Change:
 
 @dataclass(frozen=True, kw_only=True)
 class Head:
-    """What begins the file."""
+    """The beginning of the file."""
 
     schema: str = of(Choice((SCHEMA,), "form of the file"))
 
@@ -163,7 +163,7 @@ def _what(name: str, what: str, where: str) -> str:
 
 
 def without(changes: Sequence[Change], name: str, branch: int) -> tuple[Change, ...]:
-    """Return the changes less those of a name, or of all, in a branch; ConfigError if none is."""
+    """Return the changes less those of a name, or of all, in a branch. ConfigError if none is."""
     here = [each for each in changes if each.branch == branch]
     names = tuple(dict.fromkeys(each.name for each in here))
     if not names:

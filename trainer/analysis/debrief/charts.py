@@ -1,4 +1,4 @@
-"""The drawings of a debrief: the time line, the charts, the track; the reference run laid under."""
+"""The drawings of a debrief: the time line, the charts, the track. The reference run laid under."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
@@ -60,7 +60,7 @@ def chart_of(quantity: str) -> str:
 
 @dataclass(frozen=True)
 class Beside:
-    """A run laid under that of the page: what it is called, and how it is drawn."""
+    """A run laid under that of the page: its name, and its lines."""
 
     label: str
     trajectory: Trajectory
@@ -104,7 +104,10 @@ def _moments(debrief: DebriefData) -> Iterator[tuple[str, float]]:
 
 
 def charts_of(trajectory: Trajectory, beside: tuple[Beside, ...] = ()) -> Iterator[Chart]:
-    """Yield the charts, those of parts that the boat lacks left out, other runs laid under."""
+    """Yield the charts with other runs laid under.
+
+    Those of parts that the boat lacks are left out.
+    """
     for make in (_depth, _pitch, _stern, _bow, _course, _rudder, _speed, _air):
         chart = make(trajectory)
         if chart is not None:
@@ -134,7 +137,7 @@ def _depth(trajectory: Trajectory) -> Chart:
 
 
 def told_to_all(trajectory: Trajectory, axis: str, place: str, by_hand: Rows) -> Numbers:
-    """Return what is ordered [SI]: to the crew, else to the autopilot where that is at work.
+    """Return the order [SI] to the crew, or else to the autopilot at work.
 
     A run without orders to the crew has what the autopilot is told all through.
     """
@@ -220,7 +223,7 @@ def _air(trajectory: Trajectory) -> Chart | None:
 
 
 def commanded_angle(trajectory: Trajectory, surface: str) -> Numbers:
-    """Return the angle [deg] that a surface is told to take, by hand or by the autopilot."""
+    """Return the ordered angle [deg] of a surface, by hand or by the autopilot."""
     column, letter = trajectory.columns, LETTERS[surface]
     by_hand = column[f"{surface}_by_hand"] != 0.0
     told = np.where(by_hand, column[f"ordered_{letter}"], column[f"command_{letter}"])

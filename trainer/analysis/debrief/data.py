@@ -61,7 +61,7 @@ class Hand:
 
 @dataclass(frozen=True)
 class Ticks:
-    """What became of the ticks that were timed; times in ns, None without any."""
+    """The counts of the ticks that were timed. Times are in ns, None without any."""
 
     timed: int
     duty_cycle: float | None  # [-]
@@ -140,7 +140,7 @@ class DebriefData:
 def gather(
     recording: Recording, source: Path, number: int | None, width: str | None = None
 ) -> DebriefData:
-    """Return the dossier of a branch, None for the latest, judged at a width, None for its own.
+    """Return the dossier of a branch at a width. None: the latest branch, its own width.
 
     ConfigError if the header cannot be read or there is no such branch.
     """
@@ -180,7 +180,7 @@ def gather(
 
 
 def find_branch(branches: list[Branch], source: Path, number: int | None) -> Branch:
-    """Return a branch by its number, the latest for None; ConfigError if there is none such."""
+    """Return a branch by its number, the latest for None. ConfigError if there is none such."""
     wanted = branches[-1].id if number is None else number
     branch = next((each for each in branches if each.id == wanted), None)
     if branch is None:
@@ -192,7 +192,7 @@ def find_branch(branches: list[Branch], source: Path, number: int | None) -> Bra
 def compared(
     debrief: DebriefData, recording: Recording, seconds: float | None = None
 ) -> DebriefData:
-    """Return a dossier with the reference crew's run beside; as it was for an exercise without.
+    """Return a dossier with the reference crew's run beside. As it was for an exercise without.
 
     With ``seconds`` the reference crew also takes over there. ConfigError if it cannot.
     """
@@ -237,7 +237,7 @@ def width_of(header: Mapping[str, str]) -> str:
 
 
 def practice_of(plan: Plan, branches: list[Branch], branch: Branch) -> str:
-    """Return how a run was wound back, "" for one that was not, or to its start alone."""
+    """Return how a run was wound back. "": it was not, or to its start alone."""
     wound = (each for each in _ancestry(branches, branch) if each.tick > 0)
     return next(
         (
@@ -291,7 +291,7 @@ def hands(trajectory: Trajectory) -> tuple[Hand, ...]:
 
 
 def events_of(recording: Recording, branches: list[Branch], branch: Branch) -> Iterator[Noted]:
-    """Yield what happened in a branch and in its past, up to where each next one began."""
+    """Yield the events of a branch and of its past, up to each next beginning."""
     ends: dict[int, int | None] = {}
     here: Branch | None = branch
     end: int | None = None
@@ -407,7 +407,7 @@ def _casualty(each: Answered, step: float) -> dict[str, Any]:
 
 
 def deviation_of(debrief: DebriefData) -> float | None:
-    """Return the standard deviation of a mark by the sea alone [%], None where none is known."""
+    """Return the standard deviation of a mark by the sea alone [%]. None: none is known."""
     kept = debrief.plan.baseline
     if kept is None or kept.crew is None or kept.heading.seeds < 2:
         return None

@@ -1,4 +1,4 @@
-"""Episodes of a passage: each casualty with its answer, each order to the crew with its repeat.
+"""Episodes of a passage: each casualty with its answer, each order with its repeat.
 
 All from states and journal: a recording without orders to the crew has none to tell.
 """
@@ -34,7 +34,7 @@ MOVED: Final = np.radians(2.0)  # [rad] by which a surface has been deflected
 
 @dataclass(frozen=True)
 class Episode:
-    """One casualty from the tick at which it began to that after which it was gone."""
+    """One casualty, from the tick at which it began to the tick of its end."""
 
     kind: str
     begun: int  # [tick]
@@ -51,7 +51,7 @@ class Deflection:
 
 
 def spells(trajectory: Trajectory) -> tuple[Episode, ...]:
-    """Return the casualties in the order in which they began; ConfigError if one is unheard of."""
+    """Return the casualties in the order in which they began. ConfigError if one is unheard of."""
     slots = np.array([trajectory.columns[name] for name in SLOTS])
     known = np.isin(slots, range(len(KINDS) + 1))
     if not known.all():
@@ -102,7 +102,7 @@ def crew_orders(trajectory: Trajectory) -> tuple[Journalled, ...]:
 
 
 def name_of(entry: Journalled) -> str:
-    """Return which order of the grammar it was, '' if this version does not know it."""
+    """Return the order's name in the grammar, '' if this version does not know it."""
     order = parse(entry.text)
     return order.name if isinstance(order, Order) else ""
 
@@ -126,7 +126,7 @@ def answer_to(
 
 
 def deflection(trajectory: Trajectory, episode: Episode) -> Deflection | None:
-    """Return the first surface but the failed one to have moved by MOVED since it began."""
+    """Return the first surface that moved by MOVED since it began, except the failed one."""
     start = trajectory.row(episode.begun)
     first: list[Deflection] = []
     for surface in SURFACES:
@@ -162,7 +162,7 @@ class ReadBack:
 
 
 def read_backs(trajectory: Trajectory) -> tuple[ReadBack, ...]:
-    """Return the orders to the crew of a run, with repeats and when they were carried out."""
+    """Return a run's orders to the crew, with their repeats and their ends."""
     found: list[ReadBack] = []
     for entry in trajectory.orders:
         order = parse(entry.text)

@@ -1,4 +1,4 @@
-"""Recordings and who was trained in them: the list, the history of a trainee, a name forgotten.
+"""Recordings and their trainees: the list, a trainee's history, a name forgotten.
 
 What a recording came to is computed once and kept beside it: drill.marks.json beside
 drill.trainer. It may be removed at any time; names stand in the recordings alone.
@@ -34,7 +34,7 @@ LAST: Final = 3  # attempts whose mean is told
 
 @dataclass(frozen=True)
 class Came:
-    """What a recording came to."""
+    """The result of a recording."""
 
     exercise: str  # its title, "" without one
     seed: int
@@ -66,7 +66,7 @@ class Listed:
 
 @dataclass(frozen=True)
 class Attempts:
-    """What a trainee has done in one exercise at one width, the oldest first."""
+    """The history of a trainee in one exercise at one width, the oldest first."""
 
     exercise: str
     width: str
@@ -118,7 +118,7 @@ def listed(path: Path) -> Listed:
 
 
 def kept(path: Path) -> Came | None:
-    """Return what is kept beside a recording, None where that is of another state of it."""
+    """Return the result kept beside a recording. None: it is of another state."""
     try:
         found = json.loads(marks_path(path).read_text(encoding="utf-8"))
     except (OSError, ValueError, RecursionError):
@@ -160,7 +160,7 @@ def came_of(debrief: DebriefData) -> Came:
 
 
 def stamp(path: Path) -> dict[str, Any]:
-    """Return by what is told whether a recording, its changes or the program are others now."""
+    """Return the marks by which a changed recording, change file or program is noticed."""
     state = path.stat()
     try:
         changes = changes_path(path).stat().st_mtime_ns

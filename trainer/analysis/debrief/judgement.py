@@ -1,4 +1,4 @@
-"""Marks of an exercise by hand: tasks less nobody aboard, keeping, the gate; won, lost or neither.
+"""Marks of an exercise by hand: tasks less nobody aboard, keeping, the gate. Won, lost or neither.
 
 With t of a task = 100 max(0, (p - b) / (100 - b)), p its marks and b those with nobody aboard, an
 answer's times the mean of the other tasks, and T and K the means of tasks and of what was kept:
@@ -36,7 +36,7 @@ MOST_NOBODY: Final = 50.0  # [%] a task worth having gives with nobody aboard
 def judge(
     trajectory: Trajectory, plan: Plan, nobody: Mapping[str, float], width: str = "qualified"
 ) -> Scorecard:
-    """Return the marks of a plan's rules; ``nobody`` has those with nobody aboard, by name [%]."""
+    """Return the marks of a plan's rules. ``nobody`` has those with nobody aboard, by name [%]."""
     rules = widened(plan.scores, width)
     if not plan.judged_by_tasks:
         return score(trajectory, rules)
@@ -56,13 +56,16 @@ def judge(
 
 
 def plain_marks(trajectory: Trajectory, plan: Plan, width: str = "qualified") -> dict[str, float]:
-    """Return the marks of each rule by name [%], nothing taken off: with nobody aboard, all b."""
+    """Return the marks of each rule by name [%], with nothing taken off.
+
+    With nobody aboard they are all b.
+    """
     scores = score(trajectory, widened(plan.scores, width)).scores
     return {each.name: each.marks or 0.0 for each in scores}
 
 
 def widened(rules: tuple[Rule, ...], width: str) -> tuple[Rule, ...]:
-    """Return the rules at a width: bands and the way from full to zero so much wider."""
+    """Return the rules at a width. Bands, and the way from full to zero, are so much wider."""
     factor = WIDTHS[width]
     if factor == 1.0:
         return rules
@@ -190,7 +193,7 @@ def _broken(trajectory: Trajectory) -> Iterator[str]:
 
 
 def first_for(holds: Rows, seconds: float, trajectory: Trajectory) -> int | None:
-    """Return the first row from which something holds for so long, None if it never does."""
+    """Return the first row from which something holds for so long. None: it never does."""
     edges = np.flatnonzero(np.diff(np.concatenate(([False], holds, [False])).astype(int)))
     times = trajectory.seconds
     for first, after in edges.reshape(-1, 2):
@@ -226,7 +229,7 @@ LEAST_TOLD: Final = 0.5  # [%] of the marks that is worth one
 
 @dataclass(frozen=True)
 class Cost:
-    """What cost some of the marks."""
+    """A cause that cost some of the marks."""
 
     marks: float  # [%] of the total
     told: str

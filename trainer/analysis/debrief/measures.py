@@ -1,4 +1,4 @@
-"""Measures: what can be judged in a passage, each one number and its place in the record.
+"""Measures judge a passage, each by one number and its place in the record.
 
 A measure is a function of the passage, of the rows that its rule looks at (one at least), and of
 the rule. Numbers are in the unit of the quantity where a rule names one.
@@ -30,7 +30,7 @@ LIMITED: Final[Mapping[str, Measured]] = {  # by the keys of an exercise's limit
 
 @dataclass(frozen=True)
 class Attained:
-    """What a measure has come to; without a value it says why."""
+    """The value of a measure. Without one it says why."""
 
     value: float | None
     tick: int | None  # where in the record
@@ -65,7 +65,7 @@ LAST: Final = 120.0  # [s] of a window, in which the boat has to have settled
 
 
 def reach(trajectory: Trajectory, rows: Rows, rule: Rule) -> Attained:
-    """Return the time [s] until the quantity is in its band for good, having been outside."""
+    """Return the time [s] until the quantity is in its band for good. It has been outside."""
     if _inside(trajectory, rows, rule)[0]:
         return Attained(None, None, THERE)
     return time_to(trajectory, rows, rule)
@@ -80,7 +80,7 @@ def settled(trajectory: Trajectory, rows: Rows, rule: Rule) -> Attained:
 
 
 def final(trajectory: Trajectory, rows: Rows, rule: Rule) -> Attained:
-    """Return the quantity at the last of the rows, or how far from its target it is."""
+    """Return the quantity at the last of the rows, or its distance from its target."""
     if rule.score.target is None:
         value = float(_quantity(trajectory, rows, rule)[-1])
     else:
@@ -120,7 +120,7 @@ def largest(trajectory: Trajectory, rows: Rows, rule: Rule) -> Attained:
 
 
 def activity(trajectory: Trajectory, rows: Rows, rule: Rule) -> Attained:
-    """Return how far the surfaces are moved [deg/min], both pairs of planes if none is named."""
+    """Return the travel of the surfaces [deg/min]. Without a name it is both pairs of planes."""
     named = (rule.measured.name,) if rule.measured else PLANES
     moved = np.zeros(trajectory.ticks.size)
     for surface in filter(trajectory.has, named):
@@ -141,7 +141,7 @@ def distance(trajectory: Trajectory, rows: Rows, _rule: Rule) -> Attained:
 
 
 def broaches(trajectory: Trajectory, rows: Rows, _rule: Rule) -> Attained:
-    """Return how often sail or deck came out of the sea without main ballast being blown."""
+    """Return how often sail or deck left the sea without a main ballast blow."""
     found = [row for row in broach_rows(trajectory) if rows[row]]
     return Attained(float(len(found)), int(trajectory.ticks[found[0]]) if found else None)
 
@@ -157,7 +157,7 @@ def beyond_limits(trajectory: Trajectory, rows: Rows, _rule: Rule) -> Attained:
 
 
 def beyond_test_depth(trajectory: Trajectory, rows: Rows, _rule: Rule) -> Attained:
-    """Return how far [m] the lowest point of the hull was beyond test depth at most."""
+    """Return the most [m] of the hull's lowest point beyond test depth."""
     beyond = depth_beyond(trajectory)
     if beyond is None:
         return Attained(None, None, NO_TEST_DEPTH, counts=False)
@@ -167,7 +167,7 @@ def beyond_test_depth(trajectory: Trajectory, rows: Rows, _rule: Rule) -> Attain
 
 
 def time_beyond_test_depth(trajectory: Trajectory, rows: Rows, _rule: Rule) -> Attained:
-    """Return the time [s] at which the lowest point of the hull was beyond test depth."""
+    """Return the time [s] of the hull's lowest point beyond test depth."""
     beyond = depth_beyond(trajectory)
     if beyond is None:
         return Attained(None, None, NO_TEST_DEPTH, counts=False)
@@ -215,7 +215,7 @@ def rows_beyond(trajectory: Trajectory, name: str) -> Rows:
 
 
 def depth_beyond(trajectory: Trajectory) -> Numbers | None:
-    """Return how far [m] the hull is beyond test depth at each tick, None for a boat without one.
+    """Return the hull's depth [m] beyond test depth at each tick. None: the boat has no test depth.
 
     While the depth is frozen the boat is not beyond it.
     """

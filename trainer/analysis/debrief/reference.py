@@ -59,7 +59,7 @@ class Fault:
 
 @dataclass(frozen=True)
 class Band:
-    """What a task allows about the reference run."""
+    """The allowance of a task for the reference run."""
 
     early: float  # [s] earlier and later
     off: float  # [of the quantity's unit] either way
@@ -71,7 +71,7 @@ def can_fly(plan: Plan) -> bool:
 
 
 def fly_reference(plan: Plan, card: Scorecard, width: str) -> Reference | None:
-    """Return the run of the exercise's reference crew at the plan's seed, None without a crew."""
+    """Return the run of the exercise's reference crew at the plan's seed. None: no crew."""
     if not plan.crew.rules or not can_fly(plan):
         return None
     rehearsal = fly(plan.alone(), plan.crew)
@@ -81,7 +81,7 @@ def fly_reference(plan: Plan, card: Scorecard, width: str) -> Reference | None:
 def fly_from(
     trajectory: Trajectory, plan: Plan, departure: Departure, card: Scorecard, width: str
 ) -> Reference:
-    """Return what the reference crew makes of a recorded moment, judged with what led to it."""
+    """Return the reference crew's run from a recorded moment, judged with its past."""
     rehearsal = fly(plan.alone(), plan.crew, since=departure)
     whole = joined(trajectory, rehearsal.trajectory)
     seconds = departure.moment.tick * plan.method.step
@@ -89,7 +89,7 @@ def fly_from(
 
 
 def nobody_of(card: Scorecard) -> dict[str, float]:
-    """Return the marks with nobody aboard as they were taken off, by the names of the scores."""
+    """Return the marks with nobody aboard, as taken off, by the scores' names."""
     return {each.name: each.nobody or 0.0 for each in card.scores}
 
 
@@ -231,7 +231,7 @@ def band_of(rule: Rule, best: Scored) -> Band:
 def limits_about(
     reference: Trajectory, trajectory: Trajectory, rule: Rule, band: Band
 ) -> tuple[Numbers, Numbers]:
-    """Return the least and the greatest value within the band, at each tick of a run."""
+    """Return the least and the greatest value within the band, at each tick."""
     assert rule.measured  # noqa: S101
     values = reference.measured(rule.measured)
     most = min(round(band.early / reference.boat.method.step), values.size)
@@ -241,7 +241,7 @@ def limits_about(
 
 
 def extremes(values: Numbers, most: int, choose: Callable[..., Numbers]) -> Numbers:
-    """Return the least or greatest value of the rows up to ``most`` before and after each."""
+    """Return the least or greatest value of the rows up to ``most`` around each."""
     found = np.pad(values, most, mode="edge")
     width, span = 2 * most + 1, 1
     while 2 * span <= width:  # found: of so many rows from each one on

@@ -173,7 +173,7 @@ def attain(trajectory: Trajectory, rule: Rule) -> Attained:
 
 
 def marks_of(rule: Rule, value: float | None) -> float:
-    """Return the marks [%] of a value: in proportion between full and none; no value, none."""
+    """Return the marks [%] of a value: in proportion between full and none. No value, none."""
     if value is None:
         return 0.0
     share = (value - rule.score.zero) / (rule.score.full - rule.score.zero)

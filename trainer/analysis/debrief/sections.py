@@ -34,7 +34,7 @@ def place(debrief: DebriefData, tick: int | None) -> str:
 
 
 def verdict(debrief: DebriefData) -> Markup:
-    """Return what came of the run: won or not, the marks and how sure they are, who worked what."""
+    """Return the result of the run: the outcome, the marks with their certainty, the crew."""
     card = debrief.final
     if not card.scores:
         return paragraph("This run has no scoring rules.")

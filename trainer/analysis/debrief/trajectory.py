@@ -1,4 +1,4 @@
-"""A passage: one branch of a recording with all that led to it, as arrays by the tick."""
+"""A passage is one branch of a recording with its past, as arrays by tick."""
 
 import math
 from collections.abc import Callable, Mapping, Sequence
@@ -51,7 +51,7 @@ COLUMNS: Final = (*NEEDED, *NEWER)
 
 @dataclass(frozen=True, eq=False)
 class Trajectory:
-    """What was flown; every array has one number for each tick, the start first."""
+    """The passage that was flown. Every array has one number for each tick, the start first."""
 
     boat: Boat  # for what it is; nothing of it that moves is looked at
     limits: Limits
@@ -167,7 +167,7 @@ def lacks(boat: Boat, rule: Rule) -> list[str]:
 def read_passage(
     recording: Recording, branch: int, layout: Sequence[str], boat: Boat, limits: Limits
 ) -> Trajectory:
-    """Return the passage that led to the end of a branch, its states read by ``layout``.
+    """Return the passage to the end of a branch, its states read by ``layout``.
 
     ConfigError if that lacks a place that is needed.
     """

@@ -1,4 +1,4 @@
-"""What moved since an earlier guide."""
+"""The moves of a guide since an earlier one."""
 
 import json
 import re

@@ -187,7 +187,7 @@ def _checksums(file: VesselFile) -> dict[str, str]:
 
 
 def tally(guide: Guide, equations: str) -> dict[str, Any]:
-    """Return how many numbers of a reduced set are within and beyond, and of its manoeuvres."""
+    """Return how many numbers and manoeuvres of a reduced set are within and beyond."""
     sheets = guide.sheets
     return {
         "within": sum(sheet.counted(equations, WITHIN) for sheet in sheets),

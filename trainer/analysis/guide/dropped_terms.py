@@ -1,4 +1,4 @@
-"""Why a reduced set differs: what each coefficient that it drops does to a turn and a meander."""
+"""The reason of a difference: each dropped coefficient's effect on a turn and a meander."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass

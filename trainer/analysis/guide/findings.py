@@ -1,4 +1,4 @@
-"""What the study of 1969 found on its boat, flown again on this one.
+"""The findings of the 1969 study, flown again on this boat.
 
 Each finding is taken as it is in the model document; where it does not hold here, the figures of
 this hull say why.

@@ -1,4 +1,4 @@
-"""What the guide flies, manoeuvres of 1969 and of today, and the processes that fly it."""
+"""The programme of the guide: manoeuvres of 1969 and of today, and their processes."""
 
 import os
 from collections.abc import Callable, Iterable, Iterator
@@ -59,7 +59,7 @@ def _vessel(path: Path) -> VesselFile:
 
 
 def fly_task(path: Path, task: Task) -> Flight | str:
-    """Return the flight of a task by the boat of that file, or why there is none."""
+    """Return the flight of a task by that file's boat, or why there is none."""
     file = _vessel(path)
     if task.zeroed:
         nothing = dict.fromkeys(task.zeroed, 0.0)
@@ -76,7 +76,7 @@ def fly_task(path: Path, task: Task) -> Flight | str:
 
 
 def fly_all(path: Path, tasks: Iterable[Task], cores: int, step: Callable[[], None]) -> Flown:
-    """Return the flights of all ``tasks`` by the boat of a file; ``step`` is called after each.
+    """Return the flights of all ``tasks`` by the boat of a file. ``step`` is called after each.
 
     Other processors are called in for what this one has not done in ALONE, which is about what
     starting them takes; they load the machine code that is there by then.
@@ -155,7 +155,7 @@ def own_method(file: VesselFile, equations: str) -> Method:
 
 
 def best_damped(file: VesselFile) -> float | None:
-    """Return the speed [kn] on a grid at which vertical motion dies away fastest; None: at none."""
+    """Return the speed [kn] on a grid at which vertical motion dies away fastest. None: at none."""
     low, high = file.run.speed_range_kn
     grid = np.arange(np.ceil(low / GRID) * GRID, high + 1e-9, GRID)
     slowest = [float(-vertical(file, float(u) * KNOT).eigenvalues.real.max()) for u in grid]
@@ -236,7 +236,7 @@ def _legs(boat: Submarine, file: VesselFile, depth: float | None) -> Iterator[Le
 
 
 def ways(name: str, speed: float, manoeuvre: Manoeuvre, variant: str = "") -> Iterator[Leg]:
-    """Yield a manoeuvre to starboard and to port, to rise and to dive, as far as it has them.
+    """Yield a manoeuvre to each side, to rise and to dive, where it has these.
 
     One that has both rises to starboard and dives to port.
     """

@@ -1,4 +1,4 @@
-"""The step-size study: integrators and steps against Runge and Kutta at a tenth of the step.
+"""The step-size study compares integrators and steps with Runge and Kutta at a tenth.
 
 The manoeuvres have no events, which a step would delay, and controls act at once.
 """

@@ -133,7 +133,7 @@ def trials_path(file: VesselFile) -> Path | None:
 
 
 def load_published(path: Path) -> tuple[tuple[Trial, ...], tuple[HeadWaves, ...]]:
-    """Return the trials and the waves of a file; ConfigError with all that is wrong in it."""
+    """Return the trials and the waves of a file. ConfigError with all that is wrong in it."""
     tables = parse_toml(read_text(path), path.name)
     lists = [tables.get(name, []) for name in ("trials", "waves")]
     known = {"trials"} <= set(tables) <= {"trials", "waves"}

@@ -35,7 +35,7 @@ class Judgement:
 
 
 def account(verdicts: Sequence[bool | None]) -> str:
-    """Return in words how many of what was judged pass, and how many were not judged (None).
+    """Return in words how many judgements pass, and how many were not made (None).
 
     As in ``21 of 21 judged, 9 not judged``.
     """
@@ -74,7 +74,7 @@ def _pair_measures(manoeuvre: Manoeuvre, full: Flight, other: Flight) -> Iterato
 
 
 def judge_measure(one: Measure, other: Measure | None) -> Judgement:
-    """Return a measure of the full set judged by that of another flight, None: it has none.
+    """Return a full set's measure judged by that of another flight. None: it has none.
 
     A peak or an end that the other lacks counts as zero, which is within if so much is allowed.
     """

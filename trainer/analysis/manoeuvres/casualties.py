@@ -1,4 +1,4 @@
-"""Casualties: weight taken on or lost, planes or a rudder that jam, and what is done about it."""
+"""Casualties as manoeuvres: weight changes, planes or a rudder that jam, and the answer."""
 
 import math
 from collections.abc import Iterator
@@ -28,7 +28,7 @@ AFTER: Final = 12.0  # [lengths run] that are watched once the planes are free
 
 
 def readings(flight: Flight, begin: float, columns: dict[str, str]) -> list[Measure]:
-    """Return how far columns, by name with unit, have changed at each sixth from ``begin`` [s]."""
+    """Return the change of columns at each sixth from ``begin`` [s], by name with unit."""
     end = float(flight.t[-1])
     found = []
     for name, unit in columns.items():
@@ -51,7 +51,7 @@ class Loadable(Protocol):
 
 @dataclass(frozen=True)
 class OutOfBalance(Manoeuvre):
-    """Weight lost or taken on, the depth kept or not: how floods, blows and suction are borne."""
+    """Weight lost or taken on, the depth kept or not. It shows floods, blows and suction."""
 
     needs: ClassVar[tuple[str, ...]] = ("planes",)
     shows: ClassVar[tuple[str, ...]] = ("z", "theta", "delta_s", "u")
@@ -106,7 +106,7 @@ class PlaneJam(Manoeuvre):
         yield from conn.hold(AFTER * length / speed)
 
     def measures(self, flight: Flight) -> list[Measure]:
-        """Return pitch and depth at their furthest, speed at its least, and the time to level."""
+        """Return pitch and depth at their furthest, the least speed, the time to level."""
         free, level = flight.time_of("free") or 0.0, flight.time_of("level")
         begin = flight.time_of("jam") or 0.0
         return [
@@ -122,7 +122,7 @@ class PlaneJam(Manoeuvre):
 
 @dataclass(frozen=True)
 class RudderJam(Manoeuvre):
-    """The rudder jams; some lengths later the engine is stopped; depth kept where it can be."""
+    """The rudder jams. Some lengths later the engine is stopped; depth kept where it can be."""
 
     needs: ClassVar[tuple[str, ...]] = ("rudder", "engine")
     shows: ClassVar[tuple[str, ...]] = ("track", "psi", "phi", "u", "z")

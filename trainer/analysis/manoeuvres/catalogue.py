@@ -86,7 +86,7 @@ Parameters = dict[str, float | str]
 
 
 def parameters(manoeuvre: Manoeuvre) -> Parameters:
-    """Return what a manoeuvre is flown with by the names of PARAMETERS, [deg], [s] and [kn].
+    """Return a manoeuvre's parameters by the names of PARAMETERS, in [deg], [s] and [kn].
 
     What is left to the vehicle, such as full ahead, is not among them.
     """
@@ -129,7 +129,7 @@ def adjust(name: str, vehicle: Vehicle, given: Mapping[str, float | str]) -> Man
 
 
 def option(parameter: str, value: object = "") -> str:
-    """Return how a parameter is given on the command line; a direction has its own words."""
+    """Return how a parameter is given on the command line. A direction has its own words."""
     return f"--{value}" if parameter == "direction" else f"--{parameter.replace('_', '-')}"
 
 

@@ -1,4 +1,4 @@
-"""A manoeuvre flown, from its start to its end or to where the numbers were lost.
+"""A manoeuvre is flown from its start to its end, or until numbers are lost.
 
 Who has the conn: gives a vehicle the orders of a schedule, cycle by cycle, and marks events.
 
@@ -99,15 +99,15 @@ class Conn:
         self.marks.append(Mark(name, self.time))
 
     def hold(self, seconds: float) -> Cycles:
-        """Let time pass, all controls held."""
+        """Advance by some time, all controls held."""
         yield from self._pass(self.time + seconds - EARLY, None)
 
     def hold_to(self, time: float) -> Cycles:
-        """Let time pass up to ``time`` [s] since the start."""
+        """Advance to ``time`` [s] since the start."""
         yield from self.hold(time - self.time)
 
     def until(self, watch: Watch, most: float) -> Generator[None, None, bool]:
-        """Let at most ``most`` [s] pass until what is watched passes; return whether it did."""
+        """Advance until what is watched passes, at most ``most`` [s]. Return whether it did."""
         end = self.time + most - EARLY
         other = self._others.pop(0) if self._others else None
         passed = other is not None and (yield from self._beside(watch, other))
@@ -169,7 +169,7 @@ CHOICES: Final = {"side": (STARBOARD, PORT), "direction": (RISE, DIVE)}
 
 @dataclass(frozen=True)
 class Flight:
-    """What a manoeuvre looked like, and its events."""
+    """The record of a manoeuvre, and its events."""
 
     speed: float  # [m/s] at which it began
     length: float  # [m] of the vehicle

@@ -30,7 +30,7 @@ def ahead(conn: Conn, knots: float | None) -> float:
 
 @dataclass(frozen=True)
 class Acceleration(Manoeuvre):
-    """From rest, the engine ordered up in equal steps and down in as many to stop."""
+    """The engine goes up from rest in equal steps, and down in as many."""
 
     needs: ClassVar[tuple[str, ...]] = ("engine",)
     compared: ClassVar[tuple[str, ...]] = ("u",)

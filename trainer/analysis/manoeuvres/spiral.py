@@ -37,7 +37,7 @@ def swirl(conn: Conn) -> float:
 
 
 def settle(conn: Conn, seen: list[float]) -> Generator[None, None, bool]:
-    """Let time pass until the turn is steady; return whether it came to be."""
+    """Advance until the turn is steady. Return whether it became steady."""
     run, rates, runs = 0.0, [swirl(conn)], [0.0]
     while run < LONGEST:
         yield
@@ -85,7 +85,7 @@ class PullOut(Manoeuvre):
             conn.mark("left")
 
     def measures(self, flight: Flight) -> list[Measure]:
-        """Return the yaw rate in the turn and what is left of it, to either side."""
+        """Return the yaw rate in the turn and its remainder, to either side."""
         flight = flight.counted_to(self.side)
         turned = [mark.t for mark in flight.marks if mark.name == "amidships"]
         left = [mark.t for mark in flight.marks if mark.name == "left"]
@@ -99,7 +99,7 @@ class PullOut(Manoeuvre):
 
 @dataclass(frozen=True)
 class Spiral(Manoeuvre):
-    """The direct spiral: rudder from one side to the other and back in steps, each until steady.
+    """The direct spiral. The rudder goes from side to side and back in steps, each until steady.
 
     Rudder and yaw rates count to the side that it begins with.
     """
@@ -150,7 +150,7 @@ class ReverseSpiral(Manoeuvre):
     side: Side = STARBOARD  # at first
 
     def schedule(self, conn: Conn) -> Iterator[None]:
-        """Yield the cycles of a turn that finds the largest rate, then of each rate held."""
+        """Yield the cycles of a turn that finds the largest rate, then each rate held."""
         conn.vehicle.keep("depth")
         most = [0.0]
         conn.order("rudder", SIGNS[self.side] * math.radians(self.angle_deg))

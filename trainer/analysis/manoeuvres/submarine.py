@@ -1,4 +1,4 @@
-"""A boat as a vehicle for manoeuvres, by its own controls or by those of the 1969 study."""
+"""A boat is a vehicle for manoeuvres, by its own controls or those of 1969."""
 
 import math
 from collections.abc import Mapping
@@ -160,7 +160,7 @@ class Submarine:
             )
 
     def notices(self, columns: Mapping[str, Numbers]) -> tuple[str, ...]:
-        """Return in words when a flight, by its columns (n,), passed test depth and broke surface.
+        """Return in words when a flight passed test depth and broke surface. It has columns (n,).
 
         Waves are left out of the latter. Nothing without a depth of its own.
         """
@@ -193,7 +193,7 @@ class Submarine:
         self.boat.state.phi = heel
 
     def load(self, share: float) -> None:
-        """Take weight on, or lose it, at the centre of gravity: a ``share`` [-] of the boat's own.
+        """Take on or lose weight at the centre of gravity. It is a ``share`` [-] of the boat's own.
 
         Tanks and air are held as they are from then on.
         """
@@ -211,7 +211,7 @@ class Submarine:
         s[f"ordered_{letter}"] = self._neutral[control] + self.boat.toward[surface] * value
 
     def keep(self, quantity: str) -> None:
-        """Leave "depth" to both pairs of planes, or "speed" to the propeller, as it is now."""
+        """Leave "depth" to both pairs of planes, or "speed" to the propeller, as now."""
         s = self.boat.state
         if quantity == "speed":
             if self.boat.automatic:
@@ -252,7 +252,7 @@ class Submarine:
         return self._kept_speed is None and not self._at_once
 
     def sail(self, end: float, watch: Watch | None) -> Numbers:
-        """Advance to ``end`` [s], or until what is watched passes; return a row for each cycle."""
+        """Advance to ``end`` [s], or until what is watched passes. Return a row for each cycle."""
         last = math.ceil(end / self.step - ROUNDING)
         eye = self._lookout
         eye["last"], eye["watched"], eye["status"] = last, entry.NOTHING, 0.0

@@ -63,7 +63,7 @@ class Turn(Manoeuvre):
 
 @dataclass(frozen=True)
 class ClimbingTurn(Manoeuvre):
-    """Rudder over to a side, planes to rise or to dive together with it, both held."""
+    """The rudder goes over and the planes move with it, and both are held."""
 
     needs: ClassVar[tuple[str, ...]] = ("rudder", "planes")
     compared: ClassVar[tuple[str, ...]] = ("u", "z", "psi")

@@ -1,4 +1,4 @@
-"""What a manoeuvre needs of whatever flies it, and what it is measured by."""
+"""The vehicle of a manoeuvre, and the measures of its flight."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -104,7 +104,7 @@ class Vehicle(Protocol):
 
 @runtime_checkable
 class Swift(Protocol):
-    """A vehicle that can let many cycles pass at once, with the numbers of as many by one."""
+    """A vehicle that takes many cycles at once. Its numbers are those of single ones."""
 
     @property
     def swift(self) -> bool:
@@ -112,7 +112,7 @@ class Swift(Protocol):
         ...
 
     def sail(self, end: float, watch: Watch | None) -> NDArray[np.float64]:
-        """Advance to ``end`` [s], or until what is watched passes; return a row for each cycle."""
+        """Advance to ``end`` [s], or until what is watched passes. Return a row for each cycle."""
         ...
 
     def sound(self) -> None:
@@ -227,7 +227,7 @@ def crossings(t: Numbers, values: Numbers) -> list[float]:
 
 
 def swing_measures(name: str, unit: str, t: Numbers, values: Numbers) -> list[Measure]:
-    """Return the peaks of a swinging quantity and its zero crossings from the first peak on.
+    """Return a swinging quantity's peaks, and its zero crossings from the first peak on.
 
     Peaks may differ by PERCENT of the first, crossings by SECONDS; a crossing is judged if a swing
     of more than FAINT of the first follows it.

@@ -192,7 +192,7 @@ class RollDecay(Manoeuvre):
 
 @dataclass(frozen=True)
 class Meander(Manoeuvre):
-    """Planes to rise or to dive until the pitch reaches its mark, then neutral, and held."""
+    """The planes move until the pitch reaches its mark, then stay at neutral."""
 
     needs: ClassVar[tuple[str, ...]] = ("planes",)
     compared: ClassVar[tuple[str, ...]] = ("u", "z", "theta")
@@ -231,7 +231,7 @@ class Meander(Manoeuvre):
 
 
 def half_cycle_damping(found: list[Measure]) -> float | None:
-    """Return the damping ratio [-] that the first two pitch peaks show; None without a second.
+    """Return the damping ratio [-] that the first two pitch peaks show. None without a second.
 
     Half a cycle takes an oscillation of damping ratio d to exp(-pi d/sqrt(1 - d^2)) of itself.
     """
@@ -248,7 +248,7 @@ EARLY: Final = 1e-9  # [s] rounding
 
 @dataclass(frozen=True)
 class Overshoot(Manoeuvre):
-    """Planes to one way until a pitch, as far to the other until depth turns back, then neutral."""
+    """The planes go one way until a pitch, then back until depth turns, then neutral."""
 
     needs: ClassVar[tuple[str, ...]] = ("planes",)
     compared: ClassVar[tuple[str, ...]] = ("u", "z", "theta")

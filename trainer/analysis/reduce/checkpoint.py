@@ -30,7 +30,7 @@ def fingerprint(file: VesselFile) -> str:
 
 
 def save(path: Path, file: VesselFile, standings: Mapping[str, Standing]) -> None:
-    """Write the standings by equation set, whole or not at all; ConfigError if that cannot be."""
+    """Write the standings by equation set, whole or not at all. ConfigError if that cannot be."""
     found = {"of": fingerprint(file), **{name: asdict(one) for name, one in standings.items()}}
     beside = path.with_name(path.name + ".new")
     try:
@@ -52,7 +52,7 @@ def load(path: Path, file: VesselFile) -> dict[str, Standing]:
 
 
 class Log:
-    """How far the searches for one boat have come, by name; in a file, if there is one."""
+    """How far the searches for one boat have come, by name. In a file, if there is one."""
 
     def __init__(self, file: VesselFile, path: Path | None) -> None:
         """Read what the file at ``path`` has of this boat."""

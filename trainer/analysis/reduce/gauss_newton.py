@@ -96,7 +96,7 @@ def descend(fly: Fly, slopes: Slopes, here: Point, rounds: int, goal: float) -> 
 
 
 def without(slopes: Slopes, here: Point, gone: Sequence[int]) -> Numbers:
-    """Return the factors with those ``gone`` put to zero and the others making up for it."""
+    """Return the factors with those ``gone`` at zero. The others make up for it."""
     places = slopes.free
     matrix, _ = normal_matrix(slopes, here.differences, 4)
     inverse = np.linalg.inv(matrix)
@@ -109,6 +109,6 @@ def without(slopes: Slopes, here: Point, gone: Sequence[int]) -> Numbers:
 
 
 def rises(slopes: Slopes, here: Point) -> Numbers:
-    """Return by how much the weighted squares rise [-] if each free factor goes to zero alone."""
+    """Return the rise [-] of the weighted squares for each free factor alone at zero."""
     matrix, _ = normal_matrix(slopes, here.differences, 4)
     return np.asarray(here.factors[slopes.free] ** 2 / np.diag(np.linalg.inv(matrix)))

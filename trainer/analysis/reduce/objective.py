@@ -122,7 +122,7 @@ class Yardstick:
 
 
 def multiple(one: Judgement) -> float:
-    """Return a difference as a multiple of what is allowed [-]; what is lacking counts as zero."""
+    """Return a difference as a multiple of what is allowed [-]. What is lacking counts as zero."""
     if not one.allowed or one.full is None:
         return FURTHEST
     other = 0.0 if one.other is None else one.other

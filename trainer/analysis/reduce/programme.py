@@ -1,4 +1,4 @@
-"""What a reduction is fitted to, tried on, and held against."""
+"""The programme of a reduction: legs to fit to, to try, to judge by."""
 
 from collections.abc import Iterator
 from dataclasses import replace
@@ -42,13 +42,16 @@ PER_CYCLE: Final = ("pull-out", "spiral", "reverse-spiral")  # slow to fly; turn
 
 
 def speeds(file: VesselFile) -> tuple[float, ...]:
-    """Return four speeds [kn] up to the fastest of the boat's range, for BB2 5, 10, 15 and 20."""
+    """Return four speeds [kn] up to the boat's fastest, for BB2 5, 10, 15, 20."""
     low, top = file.run.speed_range_kn
     return tuple(float(u) for u in np.linspace(max(low, top / 4.0), top, 4))
 
 
 def turns(file: VesselFile) -> tuple[Leg, ...]:
-    """Return steady turns to both sides, at four speeds by three angles up to the largest."""
+    """Return steady turns to both sides.
+
+    They have four speeds by three angles up to the largest.
+    """
     most = min(RUDDER, file.surfaces.rudder_limit_deg)
     return tuple(
         leg
@@ -105,7 +108,7 @@ def _upright(file: VesselFile) -> Iterator[Leg]:
 
 
 def fastest(file: VesselFile) -> tuple[Leg, ...]:
-    """Return legs at the boat's top speed, of kinds that are otherwise fitted to below it."""
+    """Return legs at the boat's top speed. The fit has their kinds below it."""
     top = speeds(file)[3]
     dives = [ClimbingTurn(10.0, 10.0, side=side, direction=DIVE) for side in SIDES]
     loads = OutOfBalance(share=-LOAD), OutOfBalance(share=LOAD, keep=())
@@ -120,7 +123,7 @@ def fastest(file: VesselFile) -> tuple[Leg, ...]:
 
 
 def legs_of_guide(file: VesselFile) -> tuple[Leg, ...]:
-    """Return the legs that a set must pass too, unseen by the fit: those of the guide."""
+    """Return the legs of the guide, which a set must pass unseen by the fit."""
     return tuple(leg for leg in guide_legs(file) if leg.name not in PER_CYCLE)
 
 
@@ -162,7 +165,7 @@ def _leg(name: str, variant: str, speed: float, manoeuvre: Manoeuvre, file: Vess
 
 
 def flyable(file: VesselFile, legs: tuple[Leg, ...] | list[Leg]) -> tuple[Leg, ...]:
-    """Return the legs that the full set can fly, by smaller angles of the planes where need be."""
+    """Return the legs that the full set can fly. Angles of the planes are smaller where need be."""
     boat = Submarine(file, own_method(file, "full"))
     found = (_flyable(boat, leg) for leg in legs)
     return tuple(dict.fromkeys(leg for leg in found if leg))

@@ -1,4 +1,4 @@
-"""A boat's compact set: found by a search, or as its file has it, and what it is worth."""
+"""A boat's compact set, from a search or from its file, and its worth."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
@@ -60,7 +60,7 @@ class Reduction:
 
 
 class Aim(NamedTuple):
-    """What a search is to fit, and how closely it keeps to the hull's own data."""
+    """The task of a search, and how closely it keeps to the hull's data."""
 
     legs: tuple[Leg, ...]
     leash: float  # [-] as in Slopes, to begin with
@@ -69,7 +69,7 @@ class Aim(NamedTuple):
 
 @dataclass(frozen=True)
 class Found:
-    """What a search ends with: factors by equation set and term, and why terms stay."""
+    """The result of a search: factors by set and term, and why terms stay."""
 
     factors: dict[str, dict[str, float]]  # [-] 0: dropped
     needs: tuple[Need, ...]
@@ -81,7 +81,7 @@ def round_factor(value: float) -> float:
 
 
 def as_filed(file: VesselFile) -> dict[str, float]:
-    """Return the factors of the modified set by term, as the file has them; 0: dropped."""
+    """Return the modified set's factors by term, from the file. 0: dropped."""
     factors = file.compensation["modified"]
     kept = {*KEPT, *file.compact.extra_terms}
     return {
@@ -155,7 +155,10 @@ def _run_search(
 
 
 def furthest(file: VesselFile, legs: Sequence[Leg], factors: Mapping[str, float]) -> float:
-    """Return the largest difference [-] of what is allowed, by the modified set, in some legs."""
+    """Return the modified set's largest difference in some legs [-].
+
+    It is a multiple of what is allowed.
+    """
     candidate = Candidate(file, "modified")
     candidate.take([factors[name] for name in candidate.terms])
     return float(abs(Yardstick(file, legs).differences(candidate)).max(initial=0.0))

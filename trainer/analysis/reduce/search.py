@@ -1,4 +1,4 @@
-"""The search for the fewest terms: from all that the kernel has room for, down, one after another.
+"""The search for the fewest terms begins with all and drops one after another.
 
 A round takes the slopes of all differences by all factors and drops, with those, what costs least,
 the factors of the rest fitted anew each time; a term whose loss cannot be made up for is needed.

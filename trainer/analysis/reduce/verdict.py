@@ -1,4 +1,4 @@
-"""What a compact set is worth: its differences, its cost, and what each coefficient does."""
+"""The worth of a compact set: its differences, its cost, each coefficient's effect."""
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
@@ -104,7 +104,7 @@ class Cost:
 
 
 def cost(file: VesselFile) -> Cost | None:
-    """Return the cost of a tick, full set exact, compact lagged; None of a boat that cannot start.
+    """Return the cost of a tick, full set exact, compact lagged. None of a boat that cannot start.
 
     Both by Adams, at the boat's own step and speed.
     """
@@ -152,7 +152,7 @@ def flights(file: VesselFile) -> int:
 
 
 def table(file: VesselFile, cores: int, step: Callable[[], None]) -> tuple[Drop, ...]:
-    """Return the effect [%] of each coefficient put to zero in the full set, the largest first."""
+    """Return the effect [%] of each coefficient at zero in the full set, largest first."""
     wanted = tasks_without(file, coefficients(file), LOOKED_AT)
     flown = fly_all(file.path, wanted, cores, step)
     return effects(file, flown, coefficients(file), LOOKED_AT)

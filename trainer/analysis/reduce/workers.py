@@ -1,4 +1,4 @@
-"""Candidates flown side by side, one in each process, with the same numbers on any number."""
+"""Candidates fly side by side, one in each process. Any number of them gives the same numbers."""
 
 from collections.abc import Sequence
 from functools import partial

@@ -1,4 +1,4 @@
-"""A reduction written into the text of a vessel file, all else in it left as it stands."""
+"""A reduction is written into a vessel file. All else in its text stays as it stands."""
 
 import re
 from collections.abc import Iterator, Mapping, Sequence
@@ -15,7 +15,7 @@ BEFORE: Final = re.compile(r"^\[coefficients", re.MULTILINE)
 
 
 def rewritten(text: str, tables: str) -> str:
-    """Return the text of a vessel file with its tables of a reduction replaced by ``tables``."""
+    """Return the text of a vessel file with its reduction replaced by ``tables``."""
     kept = "\n".join(_without_ours(text.splitlines()))
     kept = re.sub(r"\n{3,}", "\n\n", kept)
     first = BEFORE.search(kept)
@@ -47,7 +47,7 @@ def _without_ours(lines: Sequence[str]) -> Iterator[str]:
 def tables(
     factors: Mapping[str, Mapping[str, float]], needs: Sequence[Need], notes: Mapping[str, float]
 ) -> str:
-    """Return the tables of a reduction: ``factors`` by equation set and term, 0 of what goes.
+    """Return the tables of a reduction's ``factors`` by equation set and term. 0: dropped.
 
     The evidence names what would be worst without each term beyond those of 1969.
     """

@@ -1,4 +1,4 @@
-"""Charts of the guide as SVG: the panels of the programs, drawn without any other library."""
+"""The guide's charts as SVG. They are the programs' panels, drawn without any other library."""
 
 import math
 from typing import Final

@@ -40,7 +40,7 @@ def find_browser() -> str | None:
 
 
 def print_pdf(html: Path, pdf: Path) -> None:
-    """Print a page to ``pdf``, which is replaced; ConfigError if no browser is there to do it."""
+    """Print a page to ``pdf``, which is replaced. ConfigError if no browser is there to do it."""
     browser = find_browser()
     if browser is None:
         raise ConfigError(

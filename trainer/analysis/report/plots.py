@@ -72,7 +72,7 @@ class Panel:
 
 @dataclass(frozen=True)
 class Bar:
-    """From where to where one cause moves a quantity, and what is written at either end."""
+    """The range over which one cause moves a quantity, and the texts at its ends."""
 
     label: str
     ends: tuple[float, float]

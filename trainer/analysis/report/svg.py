@@ -36,7 +36,7 @@ class Axis:
 
 
 def step_of(span: float, most: int, steps: tuple[float, ...] = ()) -> float:
-    """Return a round step that goes into ``span`` at most ``most`` times, of ``steps`` if any."""
+    """Return a round step, of ``steps`` if any. It goes into ``span`` at most ``most`` times."""
     for step in steps:
         if span / step <= most:
             return step
@@ -99,7 +99,7 @@ class Level:
 
 @dataclass(frozen=True)
 class Chart:
-    """What one pair of axes shows."""
+    """The contents of one pair of axes."""
 
     name: str  # where links lead
     title: str
@@ -114,7 +114,7 @@ class Chart:
 
 @dataclass(frozen=True)
 class Ground:
-    """What all charts of a page have in common."""
+    """The common part of all charts of a page."""
 
     seconds: Numbers
     spans: tuple[tuple[float, float], ...]  # [s] casualties
@@ -143,13 +143,13 @@ def draw(chart: Chart, ground: Ground) -> Markup:
 
 
 def svg(label: str, size: tuple[float, float], parts: list[str]) -> Markup:
-    """Return an SVG element of a width and a height [px]; its parts are SVG already."""
+    """Return an SVG element of a width and a height [px]. Its parts are SVG already."""
     head = Markup('<svg viewBox="0 0 {:g} {:g}" role="img" aria-label="{}">').format(*size, label)
     return Markup("{}{}</svg>").format(head, Markup("".join(parts)))  # noqa: S704  made here
 
 
 def backdrop(ground: Ground, top: float, bottom: float, name: str = "") -> Iterator[str]:
-    """Yield the shades of the casualties and the lines of the marks, in the chart of a name."""
+    """Yield the casualties' shades and the marks' lines, in the chart of a name."""
     for begin, end in ground.spans:
         x, width = ground.across.at(begin), ground.across.at(end) - ground.across.at(begin)
         yield rect("spell", x, top, max(width, 1.0), bottom - top)

@@ -24,7 +24,7 @@ def figure(number: float | None, form: str = ".3f") -> str:
 
 
 def cut(text: str, width: int) -> str:
-    """Return ``text`` in ``width`` characters of ASCII, its end if all of it does not fit."""
+    """Return ``text`` in ``width`` characters of ASCII. It is the end if not all fits."""
     text = plain(text)
     return text if len(text) <= width else "..." + text[3 - width :]
 
@@ -35,7 +35,7 @@ def root_text(real: float, imaginary: float) -> str:
 
 
 def table(heads: Sequence[str], rows: Iterable[Sequence[str]], indent: str = INDENT) -> list[str]:
-    """Return a table: the first column to the left, the others to the right, two spaces between.
+    """Return a table. The first column is to the left, the others to the right, two spaces between.
 
     A head may be of two lines with a newline between.
     """

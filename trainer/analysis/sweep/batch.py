@@ -1,4 +1,4 @@
-"""Some members of a study and what became of them, and whoever makes that out of their numbers."""
+"""Some members of a study, their results, and the functions that find these."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -22,7 +22,7 @@ class Batch:
     troubles: tuple[str | None, ...]  # why there is nothing of a member
 
     def told(self, place: int, names: Sequence[str]) -> dict[str, Any]:
-        """Return all about one member by the result's columns; None for what it never came to."""
+        """Return all about one member by the result's columns. None for what it never came to."""
         numbers = [None if np.isnan(x) else float(x) for x in self.outputs[place]]
         return {
             "member": int(self.members[place]),
@@ -34,7 +34,7 @@ class Batch:
 
 
 class Subject(Protocol):
-    """What every member of a study is."""
+    """The common part of every member of a study."""
 
     @property
     def outputs(self) -> tuple[Output, ...]:

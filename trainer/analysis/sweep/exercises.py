@@ -114,7 +114,7 @@ def go_out(plan: Plan) -> Outing:
 
 
 def due(plan: Plan, place: int) -> int:
-    """Return the first tick not before the time of an order, at which a session carries it out."""
+    """Return the first tick not before an order's time. A session carries it out there."""
     return math.ceil(plan.schedule[place].seconds / plan.method.step - 1e-9)
 
 
@@ -137,7 +137,7 @@ class Exercising:
 
     @cached_property
     def outputs(self) -> tuple[Output, ...]:
-        """Return what is kept of each member; ConfigError if the study asks for what is not."""
+        """Return what is kept of each member. ConfigError if the study asks for what is not."""
         try:
             return choose_outputs(self.study.heading.measures, self.trial.flight, [])
         except ConfigError as wrong:

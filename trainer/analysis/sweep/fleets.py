@@ -1,4 +1,4 @@
-"""The members of a study as one fleet: records, starts and orders for all of them at once.
+"""The members of a study as one fleet, with records, starts and orders together.
 
 Each is the boat that ``Submarine`` would be, to the bit; a test holds it.
 """
@@ -46,7 +46,7 @@ class Made(NamedTuple):
 
 @dataclass(frozen=True)
 class Ready:
-    """A fleet at its start; ``fit`` tells which members can fly straight and have the controls."""
+    """A fleet at its start. ``fit`` tells which members can fly straight and have the controls."""
 
     fleet: Fleet
     toward: dict[str, Numbers]
@@ -54,7 +54,7 @@ class Ready:
 
 
 def toward_of(coefficients: Mapping[str, Any], count: int) -> dict[str, Numbers]:
-    """Return the sign of a deflection that turns right or makes the boat rise, by surface."""
+    """Return the sign of a surface's deflection that turns right or makes it rise."""
     found = {}
     for surface, (name, sign) in SENSES.items():
         effect = sign * np.broadcast_to(np.asarray(coefficients[name], float), count)
@@ -141,7 +141,7 @@ def start_members(
 
 
 def join_scripts(ready: Ready, made: Made, scripts: Sequence[Script]) -> Schedule:
-    """Return the orders of scripts alike but for their numbers; what is kept is kept at once."""
+    """Return the orders of scripts alike but for their numbers. What is kept is kept at once."""
     states = ready.fleet.states
     neutral = {name: states[f"delta_{letter}"].copy() for name, (_, letter) in SURFACES.items()}
     ticks: list[int] = []

@@ -1,4 +1,4 @@
-"""What is sent to whoever flies members: the study, and every file it reads, as text."""
+"""The job for whoever flies members: the study, and every file it reads."""
 
 import hashlib
 import json
@@ -67,7 +67,7 @@ class Opened:
 
 
 def job_of(name: str, members: int | None, make: Callable[[Study], Subject]) -> Job:
-    """Return the job of the study of that name or path; ConfigError if it cannot be flown.
+    """Return the job of the study of that name or path. ConfigError if it cannot be flown.
 
     ``make`` makes its members ready; it is sent to whoever flies them by its name.
     """

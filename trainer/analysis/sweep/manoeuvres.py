@@ -1,4 +1,4 @@
-"""Members that fly a manoeuvre: in fleets where orders are known before, else one by one."""
+"""Members fly a manoeuvre in fleets where orders are known, else one by one."""
 
 from collections.abc import Iterable, Mapping
 from dataclasses import asdict, dataclass, replace
@@ -107,7 +107,7 @@ class Manoeuvring:
 
     @cached_property
     def outputs(self) -> tuple[Output, ...]:
-        """Return what is kept of each member; ConfigError if the study asks for what is not."""
+        """Return what is kept of each member. ConfigError if the study asks for what is not."""
         try:
             measures = self.trial.measures(self.flight)
             return choose_outputs(self.study.heading.measures, self.flight, measures)

@@ -1,4 +1,4 @@
-"""What is kept of a member: measures of the manoeuvre library, or a column's extremes."""
+"""The outputs of a member: measures of the manoeuvre library, or a column's extremes."""
 
 import math
 from collections.abc import Callable, Mapping, Sequence

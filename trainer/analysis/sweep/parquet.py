@@ -23,7 +23,7 @@ def check_pyarrow() -> None:
 
 
 def schema_of(opened: Opened) -> Any:
-    """Return the columns of a study's result: seeds, numbers drawn, what is kept, and why not."""
+    """Return a result's columns: seeds, numbers drawn, outputs, and why there are none."""
     import pyarrow as pa  # noqa: PLC0415 - half a second, and not always there
 
     middle = opened.study.draws.middle()
@@ -58,7 +58,7 @@ def table_of(batch: Batch, schema: Any) -> Any:
 
 
 def write(table: Any, path: Path) -> None:
-    """Write a table to a file that appears whole or not at all; OSError if it cannot be."""
+    """Write a table to a file that appears whole or not at all. OSError if it cannot be."""
     import pyarrow.parquet as pq  # noqa: PLC0415
 
     part = path.with_name(f"{path.name}.{os.getpid()}.part")
@@ -90,6 +90,6 @@ def join_parts(tables: Iterable[Any], job: Job, schema: Any) -> Any:
 
 
 def facts_of(table: Any) -> dict[str, Any]:
-    """Return the facts that a result follows from, none if it is no result of a study."""
+    """Return the facts that a result follows from. There are none if it is of no study."""
     found: dict[str, Any] = json.loads((table.schema.metadata or {}).get(FACTS, b"{}"))
     return found

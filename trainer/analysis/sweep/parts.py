@@ -1,4 +1,4 @@
-"""Finished members on disk: a folder beside the result, a file for each chunk, and a manifest."""
+"""Finished members on disk: a folder, a file for each chunk, and a manifest."""
 
 import json
 import os
@@ -56,7 +56,7 @@ def folder_of(out: Path) -> Path:
 
 
 def take_up(job: Job, schema: Any, chunks: int, out: Path) -> Parts:
-    """Return the folder of a job, new or as it was left; ConfigError if it is another's."""
+    """Return the folder of a job, new or as it was left. ConfigError if it is another's."""
     folder = folder_of(out)
     manifest = folder / MANIFEST
     try:
@@ -85,7 +85,7 @@ def _write(path: Path, text: str) -> None:
 
 
 def result_of(job: Job, out: Path) -> Any:
-    """Return the result that is there already, None if none is; ConfigError if it is another's."""
+    """Return the result that is there already, None if none is. ConfigError if it is another's."""
     if not out.exists():
         return None
     try:

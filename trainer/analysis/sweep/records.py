@@ -1,4 +1,4 @@
-"""What a study of many members may say, table by table: keys, units and limits."""
+"""The tables of a study of many members: keys, units and limits."""
 
 from dataclasses import dataclass
 from typing import Any, Final
@@ -139,7 +139,7 @@ class Whole:
 
 @dataclass(frozen=True, kw_only=True)
 class Heading:
-    """What is studied."""
+    """The subject of a study."""
 
     schema: str = of(Choice(("sweep/1",), "form of the file"))
     name: str = of(Text(79, "what is studied"))

@@ -1,4 +1,4 @@
-"""What a study's result says, as a page and as a plot: percentiles and tornado."""
+"""A study's result as a page and as a plot: percentiles and tornado."""
 
 import math
 from dataclasses import dataclass
@@ -37,7 +37,7 @@ class Spread:
 
 @dataclass(frozen=True)
 class Effect:
-    """What one variable does to a measure: its mean over members at either end of the variable."""
+    """The effect of one variable on a measure: its mean at either end."""
 
     variable: str
     low: float | str  # mean of the variable there, or its word
@@ -237,7 +237,7 @@ def coverage(report: Report) -> list[str]:
 
 
 def member_page(study: str, member: int, told: dict[str, Any], outputs: tuple[Output, ...]) -> str:
-    """Return one member as text: its seed, its numbers, and what became of it, every digit."""
+    """Return one member as text: its seed, its numbers, its result, every digit."""
     units = {output.name: output.unit for output in outputs}
     rows = [
         (name, "-" if value is None else repr(value).strip("'"), units.get(name, ""))
@@ -274,7 +274,7 @@ def panels(report: Report, result: Any, measure: str | None) -> tuple[Panel | Ba
 
 
 def grid_panels(report: Report, result: Any, spread: Spread) -> tuple[Panel, ...]:
-    """Return a measure over each variable of a grid, a curve for each setting of the others.
+    """Return a measure over each variable of a grid. Each setting of the others has a curve.
 
     None of other plans, of one variable alone, and where there would be too many curves.
     """

@@ -1,4 +1,4 @@
-"""A manoeuvre written down before it is flown, where it asks for nothing but the time."""
+"""A manoeuvre is written down before its flight, where it asks only for time."""
 
 from collections.abc import Mapping
 from functools import lru_cache
@@ -61,7 +61,7 @@ class Scribe:
         return (self.tick * self.step,)
 
     def advance(self) -> None:
-        """Let a cycle pass."""
+        """Advance by a cycle."""
         self.tick += 1
 
 

@@ -1,4 +1,4 @@
-"""A study from its file: what every member is, what differs among them, and what is kept."""
+"""A study from its file: the common part, the differences, the outputs."""
 
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, fields, replace
@@ -95,7 +95,7 @@ class Study:
 
 
 def load_study(name_or_path: str) -> Study:
-    """Return the shipped study of that name or the one in that file; ConfigError if it is wrong.
+    """Return the shipped study of that name or the one in that file. ConfigError if it is wrong.
 
     Whatever has a path separator or ends in .toml is a path.
     """

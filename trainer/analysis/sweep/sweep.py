@@ -1,4 +1,4 @@
-"""A study carried out: what is missing flown, kept chunk by chunk, and joined to one result."""
+"""A study is carried out. It flies what is missing, keeps each chunk, and joins one result."""
 
 from collections.abc import Callable
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""Who flies the chunks: this process, processes of its own, or the workers of a Dask cluster."""
+"""The workers of a sweep: this process, others, or those of a Dask cluster."""
 
 from collections.abc import Callable, Iterator
 from concurrent.futures import Future, as_completed

@@ -99,7 +99,7 @@ def header_text(boat: Boat, cpu: str) -> str:
 
 
 def remarks(*modules: ModuleType) -> dict[str, str]:
-    """Return the comments that modules of the core have beside the names of a record's places."""
+    """Return the comments in the core's modules beside the names of a record's places."""
     found: dict[str, str] = {}
     for module in modules:
         found |= dict(COMMENT.findall(inspect.getsource(module)))
@@ -107,7 +107,7 @@ def remarks(*modules: ModuleType) -> dict[str, str]:
 
 
 def places_of(kind: np.dtype) -> dict[str, tuple[int, tuple[int, ...]]]:
-    """Return offset [bytes] and shape of each name in a record, in the order of offsets."""
+    """Return offset [bytes] and shape of each name in a record, in order of offsets."""
     places = {name: (at[1], at[0].shape) for name, at in (kind.fields or {}).items()}
     places.pop("whole", None)
     return dict(sorted(places.items(), key=lambda item: item[1][0]))
@@ -126,7 +126,7 @@ def members(kind: np.dtype) -> Iterator[tuple[str, int, tuple[int, ...]]]:
 
 
 def structure(name: str, kind: np.dtype, said: dict[str, str], title: str) -> str:
-    """Return the C structure of a record, which is as large as the record or does not compile."""
+    """Return the C structure of a record. One that is not as large does not compile."""
     lines = [f"/* {title} */", f"struct {name} {{"]
     blocks = {at: said[block] for block, (at, _) in places_of(kind).items() if block in said}
     for member, offset, shape in members(kind):

@@ -51,7 +51,7 @@ HOST: Final = "host.c"
 
 @dataclass(frozen=True)
 class Sizes:
-    """What one boat takes, in words of 16 bits."""
+    """The size of one boat, in words of 16 bits."""
 
     code: int
     vessel: int
@@ -62,7 +62,7 @@ class Sizes:
 
 @dataclass(frozen=True)
 class Exported:
-    """What was written."""
+    """The files and facts of a finished export."""
 
     boat: str
     cpu: str

@@ -50,7 +50,7 @@ def tick(vessel: Any, compact: Any, scheme: Any, state: Any, scratch: Any) -> in
 
 
 def kernel_text(function: Callable[..., int]) -> tuple[str, str]:
-    """Return the LLVM text of a function of the addresses of all records, and its name there.
+    """Return the LLVM text of a function of all records' addresses, and its name there.
 
     ConfigError where numba is told not to compile, or is of a version that was not tested.
     """
@@ -75,7 +75,7 @@ def quote(data: bytes) -> str:
 
 
 def constants_text(constants: Mapping[str, bytes]) -> str:
-    """Return the LLVM text of constant blocks of bytes by their names, for all to see."""
+    """Return the LLVM text of public constant blocks of bytes by their names."""
     return "\n".join(
         f'@{name} = constant [{len(data)} x i8] c"{quote(data)}", align 8'
         for name, data in constants.items()

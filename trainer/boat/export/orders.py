@@ -23,7 +23,10 @@ ZERO: Final = {"rudder": "amidships", "stern": "zero", "bow": "zero"}
 
 @dataclass(frozen=True)
 class Range:
-    """A number to be typed: its limits and the size of its unit [SI], the number that is 0."""
+    """A number of an order.
+
+    It has its limits, the size of its unit [SI], and the number that is 0.
+    """
 
     low: float
     high: float

@@ -1,4 +1,7 @@
-"""Processors that the core can be compiled for: the object for one, and a library of it."""
+"""Processors that the core can be compiled for.
+
+There is an object for each, and a library of it.
+"""
 
 import os
 import shlex
@@ -25,7 +28,7 @@ LEVELS: Final = {
 
 @dataclass(frozen=True)
 class Processor:
-    """What an object is compiled for: the compiler's name, its features, Linux's names of them."""
+    """The target of an object: the compiler's name, its features, Linux's names of them."""
 
     name: str
     features: str

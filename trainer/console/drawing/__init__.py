@@ -1,1 +1,1 @@
-"""What a screen shows, drawn as text."""
+"""The drawings of a screen, as text."""

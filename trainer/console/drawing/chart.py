@@ -90,7 +90,7 @@ def strip(quantity: int, model: SessionModel, span: float, width: int, height: i
 
 
 def time_axis(span: float, columns: int) -> Line:
-    """Return marks of time below a chart: how long ago, the present at the right end."""
+    """Return marks of time below a chart, with the present at the right end."""
     step = next((s for s in TICKS if s / span * (columns - 1) >= APART), TICKS[-1])
     signs = ["─"] * columns
     for k in range(int(span / step) + 1):
@@ -123,7 +123,7 @@ def headline(drawn: Quantity, model: SessionModel, span: float, width: int) -> L
 
 
 def unit_of(drawn: Quantity, model: SessionModel) -> tuple[str, float]:
-    """Return the unit of a chart and its size: a crew that is ordered feet has a chart in feet."""
+    """Return the unit of a chart and its size. A crew that is ordered feet has a chart in feet."""
     feet = drawn.name == "depth" and in_feet(model) and not model.instructs
     return ("ft", FOOT) if feet else (drawn.unit, 1.0)
 

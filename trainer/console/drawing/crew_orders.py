@@ -1,4 +1,4 @@
-"""Orders to the crew beside the instruments: what is ordered, and how far it is to there."""
+"""Orders to the crew beside the instruments, with the distance to what is ordered."""
 
 from collections.abc import Sequence
 from typing import Final
@@ -44,7 +44,7 @@ def to_go(error: float) -> str:
 
 
 def course_order(model: SessionModel) -> tuple[str, str]:
-    """Return the ordered course with its error, in full and in few words; "" for none."""
+    """Return the ordered course with its error, in full and in few words. "" for none."""
     ordered, error = _pair(model, "course")
     if ordered is None:
         return "", ""
@@ -150,13 +150,13 @@ def order_line(model: SessionModel, width: int) -> Line:
 
 
 def told_words(model: SessionModel) -> str:
-    """Return the last order in words; a channel has no commas, the fact of it has."""
+    """Return the last order in words. A channel has no commas, the fact of it has."""
     told = model.picture.word(CHANNEL, "told")
     return model.crew.told if len(model.crew.told) == len(told) else told
 
 
 def crew_line(model: SessionModel, width: int) -> Line:
-    """Return what the crew is ordered and how far it is from it, for the instructor."""
+    """Return the crew's orders and the distance to each, for the instructor."""
     label = line((" crew   ", "dim"))
     new = model.crew.oldest
     if new:

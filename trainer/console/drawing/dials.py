@@ -50,7 +50,7 @@ def large(text: str) -> tuple[str, str, str]:
 
 
 class Gauge(NamedTuple):
-    """What an instrument shows: its name, its value, its unit, and what is ordered."""
+    """An instrument's name, its value, its unit, and the ordered value."""
 
     axis: str  # of the order
     label: str
@@ -159,7 +159,7 @@ def angles(model: SessionModel, width: int) -> Line:
 
 
 def scale(model: SessionModel, name: str, channel: str, width: int) -> Line:
-    """Return a surface on its scale: where it is as a block, what it is told as a diamond."""
+    """Return a surface on its scale. A block is where it is, a diamond is the order."""
     picture = model.picture
     actual = picture.smooth(channel, name, model.clock())
     ordered = picture.number(channel, f"ordered_{name}")

@@ -25,7 +25,7 @@ def log(model: SessionModel, width: int, height: int) -> Lines:
 
 
 def time_line(model: SessionModel, width: int, _height: int) -> Lines:
-    """Return all of the run in one line: moments kept by their signs, the present as a bar."""
+    """Return the run in one line: signs for moments, a bar for the present."""
     now = model.picture.seconds
     end = max(now, model.furthest, 1.0)
     left = line((" 00:00 ", "dim"))

@@ -79,7 +79,7 @@ def speed(model: SessionModel) -> Line:
 
 
 def misread(model: SessionModel, name: str, told: Line) -> Line:
-    """Return a value with what the crew's gauge shows in place of the order, if that is false."""
+    """Return a value. The crew's gauge stands in place of the order, if it is false."""
     wrong = false(model, name)
     return (*told[:2], (wrong, "warning")) if wrong else told
 

@@ -1,4 +1,4 @@
-"""The attitude drawn: the boat from its side with its pitch, from astern with its heel."""
+"""The attitude: the boat from its side with its pitch, from astern with its heel."""
 
 import math
 from collections.abc import Sequence

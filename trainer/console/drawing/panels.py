@@ -39,7 +39,7 @@ def top(model: SessionModel, width: int, _height: int) -> Lines:
 
 
 def trouble(model: SessionModel) -> str:
-    """Return what is wrong with the line or with what comes on it, "" while nothing is."""
+    """Return the trouble of the line or of its data, "" while there is none."""
     if model.over:
         return "THE SESSION IS OVER: F10 leaves"
     if not model.joined:
@@ -71,7 +71,7 @@ def pace(model: SessionModel) -> Line:
 
 
 def title(model: SessionModel) -> str:
-    """Return what the session calls itself, and how much of the exercise is left or how it went."""
+    """Return the session's name, and the rest of the exercise or how it went."""
     named = model.exercise.get("title") or (model.briefing[0] if model.briefing else "")
     if model.outcome:
         return f" {named}  EXERCISE OVER: {model.outcome} "
@@ -91,7 +91,7 @@ def foot(keys: Sequence[tuple[str, str]], width: int, rows: int) -> Lines:
 
 
 def key_rows(keys: Sequence[tuple[str, str]], width: int, rows: int) -> list[list[tuple[str, str]]]:
-    """Return the keys row by row; where there is no room the last but one go first."""
+    """Return the keys row by row. Where there is no room the last but one go first."""
     shown = list(keys)
     while len(flowed(shown, width)) > max(rows, 1) and len(shown) > 1:
         del shown[-2]
@@ -115,7 +115,7 @@ def flowed(keys: Sequence[tuple[str, str]], width: int) -> list[list[tuple[str, 
 def key_at(
     keys: Sequence[tuple[str, str]], width: int, rows: int, place: tuple[int, int]
 ) -> tuple[str, str]:
-    """Return the label of the key drawn at a column and row, and what is drawn there of it."""
+    """Return the label of the key at a column and row, and its text there."""
     column, row = place
     drawn = key_rows(keys, width, rows)
     start = 1
@@ -150,7 +150,7 @@ def planes(model: SessionModel, width: int, height: int) -> Lines:
 
 
 def pilot(model: SessionModel, width: int, height: int) -> Lines:
-    """Return the panel of one who steers and dives: the planes' and the helm's in one."""
+    """Return the panel of one who steers and dives. It joins those of planes and helm."""
     lines = [
         *dials(model, [depth_gauge(model), compass(model), speed_log(model)], width),
         order_line(model, width),

@@ -1,4 +1,4 @@
-"""The track from above: north up, one scale both ways, so that a turning circle is round."""
+"""The track from above: north up, one scale both ways. A turning circle is round."""
 
 import math
 from collections.abc import Sequence
@@ -17,7 +17,7 @@ Point = tuple[float, float]  # [m] north, east
 
 
 def plan(model: SessionModel, width: int, height: int) -> Lines:
-    """Return the track with the boat as an arrow, and a rule of its scale below."""
+    """Return the track with the boat as an arrow, and a rule of its scale."""
     track = model.track
     heading = fit(line((" track", "heading"), ("  north up", "heading-dim")), width, "heading")
     if height < 4 or not track:
@@ -32,7 +32,7 @@ def plan(model: SessionModel, width: int, height: int) -> Lines:
 
 
 def frame(track: Sequence[Point], sheet: Sheet) -> tuple[Point, float]:
-    """Return the middle of what is shown, and how many metres a dot is, both ways the same."""
+    """Return the middle of the view, and the metres of a dot both ways."""
     north, east = [point[0] for point in track], [point[1] for point in track]
     high, wide = max(north) - min(north), max(east) - min(east)
     across, down = max(sheet.across, 1), max(sheet.down, 1)

@@ -18,7 +18,7 @@ def number(value: float | None, decimals: int = 1, sign: str = "-") -> str:
 
 
 def without(picture: ChannelReadings, channel: str, says: str) -> str:
-    """Return what the boat's having none means, a dash while nothing has come of a channel."""
+    """Return why there is no value: the boat has none, or a dash."""
     return says if channel in picture.last else NONE
 
 

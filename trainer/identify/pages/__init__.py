@@ -1,1 +1,1 @@
-"""What identification found, for terminal, plot and browser."""
+"""The findings of identification, for terminal, plot and browser."""

@@ -78,7 +78,7 @@ class Report:
 
 
 def carry_out(study: Study) -> tuple[Report, Orders]:
-    """Return the models of a study; ConfigError if its record has gaps or is too short."""
+    """Return the models of a study. ConfigError if its record has gaps or is too short."""
     asked = study.armax
     if asked is None:
         raise ConfigError(f"{study.path.name}: lacks [armax]")

@@ -15,7 +15,7 @@ SHOWN: Final = 20  # rows
 
 @dataclass(frozen=True)
 class Report:
-    """What ``trainer decca`` says; a missing number is None."""
+    """The answer of ``trainer decca``. A missing number is None."""
 
     source: str
     rows: int

@@ -57,7 +57,7 @@ class Report:
 
 @dataclass(frozen=True)
 class Design:
-    """A report, the record the boat would make in a calm, and the exercise that makes it."""
+    """A report, the boat's record in a calm, and the exercise that makes it."""
 
     report: Report
     record: Record

@@ -1,4 +1,4 @@
-"""What ``trainer identify`` says about a model, as records for page, JSON, sheet and plot."""
+"""The answer of ``trainer identify`` about a model, as records for every output."""
 
 import math
 from collections.abc import Callable
@@ -58,7 +58,7 @@ class MonteCarlo:
 
 @dataclass(frozen=True)
 class Derivative:
-    """A derivative in the study's system, and in the other one where the mass is known."""
+    """A derivative in the study's system, and in the other where the mass is known."""
 
     name: str
     prime: float | None
@@ -116,7 +116,7 @@ LAGS: Final = 10
 
 @dataclass(frozen=True, eq=False)
 class Identified:
-    """A study carried out: the fit, what is said of it, and the ships that the record allows."""
+    """A study carried out: the fit, its results, and the ships that the record allows."""
 
     fitted: Fitted
     report: Report
@@ -155,7 +155,7 @@ def carry_out(
 
 
 def report_of(fitted: Fitted, findings: tuple[str, ...], others: Allowed) -> Report:
-    """Return what a fit amounts to; ``others`` are the ships that the record allows beside it."""
+    """Return what a fit amounts to. ``others`` are the ships that the record allows beside it."""
     problem, study, plant = fitted.problem, fitted.study, fitted.problem.plant
     run = errors_of(fitted)
     residuals = _residuals(fitted, run)

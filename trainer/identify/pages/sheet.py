@@ -1,4 +1,4 @@
-"""What was identified as one HTML page that needs nothing beside itself."""
+"""The findings as one HTML page that needs no other file."""
 
 from collections.abc import Iterable
 from dataclasses import asdict

@@ -91,7 +91,7 @@ class Order:
 
 @dataclass(frozen=True)
 class BadOrder:
-    """A line that is no order: the line made printable, and why, naming what would be.
+    """A line that is no order. It is printable, with the reason and the nearest order.
 
     Neither tells a token that the line held.
     """
@@ -187,12 +187,12 @@ def refuse_unreadable(text: str) -> None:
 
 
 def printable(text: str) -> str:
-    """Return `text` as a log may hold it: short, plain ASCII, a token in it hidden."""
+    """Return `text` for a log: short, plain ASCII, a token in it hidden."""
     return hide("".join(c if " " <= c <= "~" else "?" for c in text[:LONGEST]))
 
 
 def as_one(text: str) -> str:
-    """Return `text` with what the table has as one word and people say as two joined."""
+    """Return `text` with two spoken words joined where the table has one."""
     for pattern, whole in SAID_IN_TWO:
         text = pattern.sub(whole, text)
     return text
@@ -213,7 +213,7 @@ def tokenise(text: str) -> list[str]:
 
 
 def read(tokens: list[str]) -> Reading:
-    """Return the one reading of the tokens; refuses where there is none, or more than one."""
+    """Return the one reading of the tokens. Refuses where there is none, or more than one."""
     alive = OPENINGS.get(tokens[0][0]) or list(READINGS)
     for i, token in enumerate(tokens):
         reached = [reading for reading in alive if len(reading.places) > i]
@@ -240,7 +240,7 @@ def read(tokens: list[str]) -> Reading:
 
 
 def in_full(alive: list[Reading], i: int, token: str) -> list[Reading]:
-    """Return the readings, without those that take a word typed in full for a longer one."""
+    """Return the readings without those that lengthen a word typed in full."""
     words = [reading for reading in alive if isinstance(reading.places[i], Word)]
     if not any(reading.said[i].spelling == token for reading in words):
         return alive
@@ -258,7 +258,7 @@ def list_alternatives(readings: list[Reading], i: int) -> list[Place]:
 
 
 def match(place: Place, token: str) -> Iterable[Said]:
-    """Return the ways `token` fits the place: none, itself, or every word it is short for."""
+    """Return the ways `token` fits the place: none, itself, or every word it abbreviates."""
     if isinstance(place, Number):
         digits = token.removeprefix(place.prefix)
         return (Said(token, digits),) if DECIMAL.fullmatch(digits) else ()
@@ -320,7 +320,7 @@ def either(names: list[str]) -> str:
 
 
 def order(reading: Reading) -> Order:
-    """Return the order of a whole reading; refuses a number beyond the limits of the grammar."""
+    """Return the order of a whole reading. Refuses a number beyond the limits of the grammar."""
     form, places, said = reading
     head = heading_word(form)
     optional = [item.strip("[]") for item in form.pattern.split()[1:] if item.startswith("[")]

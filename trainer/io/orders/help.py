@@ -103,7 +103,7 @@ EXAMPLES = (
 
 
 def help_text(topic: str) -> list[str]:
-    """Return the lines of help on a topic, at most 79 columns; "" is the list of orders."""
+    """Return the lines of help on a topic, at most 79 columns. "" is the list of orders."""
     if not topic:
         first = "Orders; words may be cut short, and # starts a comment:"
         return [*overview(first, BOAT_TOPICS), f"help {SESSION} lists the rest: {SESSION_IS}."]

@@ -1,4 +1,6 @@
-"""What is said in a control room, as orders of the grammar: one table, beside which others may lie.
+"""The phrases of a control room, as orders of the grammar.
+
+It is one table. Others may lie beside it.
 
 A phrase is looked for only where a line is no order of ``table``. Who works a control gives it the
 ``order``; who orders the crew (instructor, diving officer, schedule) gives the ``crew`` order where
@@ -23,7 +25,7 @@ class Phrase(NamedTuple):
 
 
 class Meaning(NamedTuple):
-    """What a phrase means, in the words of the grammar."""
+    """The meaning of a phrase, in the words of the grammar."""
 
     order: str
     crew: str
@@ -195,7 +197,7 @@ def meaning(tokens: list[str]) -> Meaning | None:
 
 
 def nearest_phrase(tokens: list[str]) -> str:
-    """Return the phrase most like one that is none and begins as one does, "" where none is."""
+    """Return the phrase most like a wrong one that begins as it does. "": none."""
     if tokens[0] not in OPENINGS:
         return ""
     examples = {plain_text(phrase.example.lower().split()): phrase.example for phrase in PHRASES}
@@ -211,13 +213,13 @@ def plain_text(tokens: list[str]) -> str:
 
 
 def parts_of(word: str) -> list[str]:
-    """Return the words of a number with dashes, such as forty-five; any other word as it is."""
+    """Return the words of a number with dashes, such as forty-five. Any other word as it is."""
     parts = word.split("-")
     return parts if all(part in NUMBER_WORDS for part in parts) else [word]
 
 
 def numerals(words: list[str]) -> list[str]:
-    """Return the words with what is a number in digits: said digit by digit or as a whole."""
+    """Return the words with numbers in digits. They are said digit by digit or as a whole."""
     found: list[str] = []
     digits, rest = "", list(words)
     while rest:
@@ -231,7 +233,7 @@ def numerals(words: list[str]) -> list[str]:
 
 
 def chunk_of(rest: list[str]) -> str:
-    """Take the first number off the words, such as two hundred, forty five, nine; return it."""
+    """Take the first number off the words, such as two hundred, forty five, nine. Return it."""
     if len(rest) > 1 and rest[0] in DIGITS and rest[1] == "hundred":
         hundreds = int(DIGITS[rest.pop(0)])
         rest.pop(0)

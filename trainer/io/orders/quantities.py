@@ -1,4 +1,4 @@
-"""The numbers an order line may hold: what they mean, their units and the limits of the grammar."""
+"""The numbers of an order line: their meaning, their units and the grammar's limits."""
 
 from dataclasses import dataclass
 from decimal import Decimal
@@ -14,7 +14,7 @@ class RefusedError(Exception):
 
 @dataclass(frozen=True)
 class Unit:
-    """A unit: how it is written back ("" when it is understood), its spellings, its size in SI."""
+    """A unit: its written form, its spellings, its size in SI. An understood one is written ""."""
 
     text: str
     names: tuple[str, ...]
@@ -23,7 +23,7 @@ class Unit:
 
 @dataclass(frozen=True)
 class Number:
-    """A kind of number; the limits are in its first unit, the one understood when none is given."""
+    """A kind of number. The limits are in its first unit, the one understood when none is given."""
 
     says: str
     units: tuple[Unit, ...]

@@ -15,7 +15,7 @@ TIMED = re.compile(r"([0-9]{1,9}(?:\.[0-9]{0,9})?)\s+(\S.*)")
 
 @dataclass(frozen=True)
 class Scheduled:
-    """An order due `seconds` [s] after the start, and the line of the file that holds it."""
+    """An order due `seconds` [s] after the start, and its line in the file."""
 
     seconds: float
     order: Order
@@ -35,7 +35,7 @@ class BadSchedule:
 
 
 def parse_schedule(text: str, source: str) -> list[Scheduled] | BadSchedule:
-    """Return the orders of a schedule sorted by time [s], those of one time as in the file."""
+    """Return the orders of a schedule sorted by time [s]. Equal times keep the file's order."""
     entries = []
     # Not splitlines(): it also breaks at characters that no editor counts as a line end.
     for i, line in enumerate(text.removeprefix("\ufeff").split("\n"), start=1):
@@ -48,7 +48,7 @@ def parse_schedule(text: str, source: str) -> list[Scheduled] | BadSchedule:
 
 
 def parse_entry(line: str, line_number: int) -> Scheduled | str | None:
-    """Return the entry on a line, None when it is blank, or why it is none."""
+    """Return the entry on a line, None when it is blank, or the error."""
     if not line:
         return None
     timed = TIMED.fullmatch(line)

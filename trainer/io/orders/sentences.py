@@ -71,7 +71,7 @@ FACTS = {  # what the subject of each is; texts are for people, and may be rewor
 
 @dataclass(frozen=True)
 class Heard:
-    """What a line holds; the answer goes back framed if it came so, with its tag."""
+    """The content of a line. The answer goes back framed if it came so, with its tag."""
 
     order: Order | BadOrder
     machine: bool = False
@@ -80,7 +80,10 @@ class Heard:
 
 @dataclass(frozen=True)
 class Sentence:
-    """A line from the session, its checksum right: its kind, such as TRS, and what it holds."""
+    """A line from the session with a right checksum: its kind and its fields.
+
+    A kind is TRS, for example.
+    """
 
     kind: str
     tag: str
@@ -147,7 +150,7 @@ def read(line: str) -> Sentence | None:
 
 
 def tells_when(kind: str, fields: tuple[str, ...]) -> bool:
-    """Return whether the fields that tell a tick and its time are numbers, if there are such."""
+    """Return whether the fields of tick and time, if there are any, are numbers."""
     if kind not in TIMED:
         return True
     tick, seconds = fields[TIMED[kind] : TIMED[kind] + 2]
@@ -160,7 +163,7 @@ def order_sentence(words: str, tag: str = "") -> str:
 
 
 def answer(tag: str, *, accepted: bool, text: str) -> str:
-    """Return the last line of an answer: whether it was done, and what holds now, or why not."""
+    """Return the last line of an answer. It says whether it was done, and what holds or why not."""
     return frame("TRA", tag, f"{'ok' if accepted else 'no'},{safe(text)}")
 
 

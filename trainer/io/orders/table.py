@@ -40,7 +40,7 @@ class Name:
 
 @dataclass(frozen=True)
 class Secret:
-    """A place for a word that is taken as it is typed and never told again."""
+    """A place for a word that is taken as typed and never told again."""
 
 
 Place = Word | Number | UnitWord | Name | Secret
@@ -48,7 +48,7 @@ Place = Word | Number | UnitWord | Name | Secret
 
 @dataclass(frozen=True)
 class Form:
-    """One wording of an order; a refusal answers a tempting wrong one with the right one."""
+    """One wording of an order. A refusal answers a tempting wrong one with the right one."""
 
     pattern: str
     says: str = ""
@@ -59,7 +59,7 @@ class Form:
 
 @dataclass(frozen=True)
 class Topic:
-    """One line of the overview: the heads of its orders, how to type them, what they do."""
+    """One line of the overview: heads of orders, how to type them, what they do."""
 
     heads: tuple[str, ...]
     example: str
@@ -345,7 +345,7 @@ def spellings(text: str) -> Iterator[tuple[str, str]]:
 
 
 def variants(form: Form) -> Iterator[tuple[Place, ...]]:
-    """Yield every row of places that the form allows, with and without what may be left out."""
+    """Yield every row of places that the form allows, with and without the optional ones."""
     items: list[list[tuple[Place, ...]]] = []
     for text in form.pattern.split():
         item = place(text.strip("[]"))

@@ -7,7 +7,7 @@ from trainer.io.recording.queries import Branch, Journalled, Moment, Noted
 
 
 class NoRecording:
-    """What a recording takes is dropped; there is nothing to go back to."""
+    """A recording that drops all it is given. There is nothing to go back to."""
 
     def __init__(self) -> None:
         self.trouble = self.missing = ""

@@ -1,4 +1,4 @@
-"""The thread of a recording: it commits what waits, and brings home what is written ahead.
+"""The thread of a recording commits what waits, and brings home what is written ahead.
 
 A checkpoint waits for the disk (fsync); in the thread that ticks it would make ticks late. But what
 is written without a pause, by a run that keeps no time, is never all brought home by another thread
@@ -53,7 +53,7 @@ class Checkpointer:
         return _identity(self._path) != self._file
 
     def relieve(self, writing: sqlite3.Connection) -> None:
-        """Bring all home with the writer's own connection, between two commits, if it is too much.
+        """Bring all home with the writer's own connection between commits, if it is too much.
 
         What the thread is bringing home is waited for, or it would grow by all that is written in
         the meantime. What a reader still looks at has to stay ahead; it is tried again after as

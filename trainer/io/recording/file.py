@@ -1,4 +1,6 @@
-"""The file of a recording: an SQLite database, made whole, written by one program, read by any.
+"""The file of a recording is an SQLite database.
+
+One program writes it, any reads it, it is made whole.
 
 A recording that is being written is in WAL mode: readers see what is committed and hold nobody up,
 and what a killed program had committed is there for the next one.
@@ -90,7 +92,7 @@ ANSWERS: Final = (
 
 
 class RecordingError(Exception):
-    """A recording that cannot be made, opened or read; says which, what, and what to do."""
+    """A recording that cannot be made, opened or read. Says which, what, and what to do."""
 
 
 class TakenError(RecordingError):

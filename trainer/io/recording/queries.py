@@ -1,4 +1,4 @@
-"""What a recording tells of the past, through the branches that led to a moment.
+"""A recording answers questions of the past, through the branches that led to a moment.
 
 Tick numbers go back when a run is wound back; what is flown from there is a new branch, and its
 past is its parent's up to the moment where it began. State k of a branch is what stood at the end
@@ -20,7 +20,7 @@ ROW: Final = 300  # [bytes] of a row beside its texts
 
 
 class Kind(NamedTuple):
-    """What a column of an answer holds: a number within bounds, or a text or blob of a length."""
+    """The type of a column in an answer: a bounded number, text or blob."""
 
     kind: type
     least: int
@@ -161,7 +161,7 @@ class Past:
         return here.id
 
     def moment(self, branch: int, tick: int) -> Moment | None:
-        """Return the end of a tick in a branch or its ancestry; None if it is not recorded."""
+        """Return the end of a tick in a branch or its ancestry. None if it is not recorded."""
         here = self._find(branch)
         while here and here.parent is not None and tick < here.tick:
             here = self._find(here.parent)

@@ -1,4 +1,4 @@
-"""A recording: one file of a run, its orders before they act, its states, and what happened.
+"""A recording is one file of a run. It has its orders before they act, its states and its events.
 
 It knows bytes, text and numbers; what they mean is its caller's affair. Orders, snapshots and
 forks are committed when the call returns; the rest is gathered, and a thread commits it within a
@@ -111,7 +111,7 @@ class Recording:
 
     @classmethod
     def create(cls, path: Path | None, header: Mapping[str, str], state: bytes) -> "Recording":
-        """Begin a recording at tick 0 with `state`; without a path one that is gone when closed.
+        """Begin a recording at tick 0 with `state`. Without a path one that is gone when closed.
 
         RecordingError if there is such a file already, or it cannot be made.
         """
@@ -164,7 +164,7 @@ class Recording:
         self._put(ANSWER, (answer, int(accepted), order))
 
     def state(self, tick: int, state: bytes) -> None:
-        """Take what stands at the end of a tick; of a tick taken already the first stands."""
+        """Take what stands at the end of a tick. Of a tick taken already the first stands."""
         self._tick = tick
         if self.trouble:
             self._put(STATE, (self.branch, tick, state))
@@ -190,7 +190,7 @@ class Recording:
         self.flush()
 
     def fork(self, moment: Moment, why: str) -> int:
-        """Begin a new branch at a moment, at once; return its number, from now on the present."""
+        """Begin a new branch at a moment, at once. Return its number, from now on the present."""
         parent = self._owner(moment)
         begun = (parent, moment.tick, moment.after, moment.place, why, moment.state)
         self._branches += 1
@@ -200,7 +200,7 @@ class Recording:
         return self.branch
 
     def go_on(self, moment: Moment) -> None:
-        """Go on after a gap, at a moment, in a new branch that tells what is missing."""
+        """Go on after a gap, at a moment, in a new branch. It tells what is missing."""
         parent = self._past.last_branch()
         last = self._past.last_tick(parent)
         self._gap = self.reachable = False
@@ -269,7 +269,7 @@ class Recording:
         return moment
 
     def moment(self, branch: int, tick: int) -> Moment | None:
-        """Return the end of a tick in a branch or its ancestry; None if it is not recorded."""
+        """Return the end of a tick in a branch or its ancestry. None if it is not recorded."""
         return self._seen().moment(branch, tick)
 
     def orders(self, branch: int, after: int = 0) -> list[Journalled]:

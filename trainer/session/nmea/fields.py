@@ -1,4 +1,4 @@
-"""What stands in the fields of each NMEA 0183 sentence, of one tick."""
+"""The contents of the fields of each NMEA 0183 sentence, at one tick."""
 
 from typing import Final
 
@@ -69,7 +69,10 @@ def ror_fields(s: Readings) -> tuple[str, ...]:
 
 
 def starboard(angle: float | None) -> tuple[str, ...]:
-    """Return the angle of a single rudder and its status, and those of the port one it lacks."""
+    """Return a single rudder's angle and status.
+
+    Those of the port rudder, which it lacks, follow.
+    """
     return (number(angle, 2), "V" if angle is None else "A", "", "V")
 
 

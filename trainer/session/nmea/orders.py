@@ -1,4 +1,4 @@
-"""Sentences of NMEA 0183 that order: what a heading controller, a wheel or a telegraph sends.
+"""Sentences of NMEA 0183 that order. A heading controller, a wheel or a telegraph sends them.
 
     HTC  heading/track control command: rudder in steering modes R and M, heading in H and S
     HSC  heading steering command: a true heading
@@ -56,7 +56,7 @@ STEERING, ENGINE = "steering", "engine"
 
 @dataclass(frozen=True)
 class Command:
-    """An order in words, and what it is for: a later one for the same takes its place."""
+    """An order in words, and its subject. A later one for the same subject replaces it."""
 
     control: str
     words: str
@@ -73,7 +73,7 @@ Meaning = Command | Useless
 
 
 def meaning(sentence: Sentence) -> Meaning | None:
-    """Return what a sentence orders, why it does not, or None when its kind never does."""
+    """Return the order of a sentence, or its error. None: its kind never orders."""
     reader = READERS.get(sentence.formatter)
     if reader is None or sentence.talker == "P":
         return None
@@ -84,7 +84,10 @@ def meaning(sentence: Sentence) -> Meaning | None:
 
 
 def heading_control(fields: tuple[str, ...]) -> Meaning:
-    """Return what HTC orders: override and modes R, M the rudder, modes H, S the heading."""
+    """Return the orders of HTC.
+
+    Override and modes R, M order the rudder, modes H, S the heading.
+    """
     if len(fields) > 13 and fields[13] != "C":
         return Useless("HTC that is a report, not a command (C)")
     override, angle, side, mode = fields[:4]
@@ -241,7 +244,7 @@ class NmeaLine:
 
 
 class Readers:
-    """All that are connected to a port, as one line: each is sent everything, any may order.
+    """All clients of a port, as one line. Each is sent everything, any may order.
 
     ``take`` is for one thread, ``send`` for any.
     """
@@ -262,7 +265,7 @@ class Readers:
         return self._lost + sum(reader.dropped for reader in self._readers)
 
     def take(self, most: int) -> list[str | Overlong]:
-        """Return the oldest lines that have come, at most so many, and see who comes and goes."""
+        """Return the oldest lines that have come, at most so many. See who comes and goes."""
         self._see_who_is_there()
         lines: list[str | Overlong] = []
         for reader in self._readers:

@@ -1,4 +1,4 @@
-"""Outlets of NMEA 0183, opened as the command line asks: serial lines, UDP, TCP ports, a file.
+"""Outlets of NMEA 0183, as the command line asks: serial, UDP, TCP, a file.
 
 Each is a subscription, so that no tick waits for it, and a station, so that it is listed with what
 it has ordered and lost. Orders are taken on serial lines and at ports of this machine alone, as the
@@ -65,7 +65,7 @@ class Steady(Subscription):
 
 @dataclass(frozen=True)
 class Outlets:
-    """What is sent everywhere: which instruments, how often, and where and when the boat began."""
+    """The content of every outlet: instruments, rate, and the boat's place and time of start."""
 
     instruments: tuple[Instrument, ...]
     rate: float  # [Hz]
@@ -75,7 +75,7 @@ class Outlets:
 
     @property
     def backlog(self) -> int:
-        """Return how many sentences may wait for a line: what is older is of no use."""
+        """Return how many sentences may wait for a line. An older one is of no use."""
         return max(FEWEST, math.ceil(self.rate)) * len(self.instruments)
 
     @property
@@ -150,7 +150,7 @@ def open_serial(ports: Ports, outlets: Outlets, url: str, baud: int) -> Station:
 
 
 def open_file(ports: Ports, outlets: Outlets, path: Path) -> Station:
-    """Return the station of a file, which has a set at the rate of the boat's own time."""
+    """Return the station of a file. It has a set at the rate of the boat's own time."""
     try:
         file = path.open("xb", buffering=0)
     except FileExistsError:

@@ -1,4 +1,4 @@
-"""The sentences of NMEA 0183 as a table for people, and one set of them as a sample."""
+"""The sentences of NMEA 0183 as a table for people, with a sample set."""
 
 from datetime import UTC, datetime
 from typing import Any, Final
@@ -55,7 +55,7 @@ def as_json() -> list[dict[str, Any]]:
 
 
 def sample(file: VesselFile) -> list[str]:
-    """Return the set of a boat in trim as it starts, at noon on the first day of 2026."""
+    """Return the set of a boat in trim at its start. It is noon on the first day of 2026."""
     boat = Boat(file, Method("modified", "lagged", "exact", "adams2", file.run.step_s))
     boat.start(file.run.start_speed_kn * KNOT, file.run.start_depth_m, 0.0)
     lookout = StateReader(boat, Ledger(boat.method.step).summary)

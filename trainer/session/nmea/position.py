@@ -1,4 +1,4 @@
-"""Where on the Earth the boat is: the plane that it sails on, laid on WGS 84 at an origin.
+"""The boat's place on the Earth. Its plane lies on WGS 84 at an origin.
 
 Its north and east are distances on a plane. The points are put on the ellipsoid at their distance
 and bearing from the origin, along the geodesic. Seen from there all is exact; across that line the

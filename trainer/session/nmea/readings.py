@@ -1,4 +1,4 @@
-"""What the sentences of NMEA 0183 say of one tick, in the units that they say it in.
+"""The values of NMEA 0183 sentences at one tick, in the sentences' own units.
 
 Depth, heading and speed through the water are read off the gauges, as wrong as these are. Position,
 track and speed over the ground are the navigation system's, which has no casualty; nor have rate
@@ -122,7 +122,7 @@ def surface(name: str, frame: Frame) -> Surface:
 
 
 def way_made(frame: Frame) -> tuple[float, float]:
-    """Return track [deg] and speed [kn] over the ground; at rest the track is the heading."""
+    """Return track [deg] and speed [kn] over the ground. At rest the track is the heading."""
     if frame["held_position"]:
         return compass(frame["psi"], 2), 0.0
     north, east = frame["xdot"], frame["ydot"]

@@ -1,4 +1,4 @@
-"""The set of NMEA 0183 sentences that tells of one tick: which, in what order, from what.
+"""The set of NMEA 0183 sentences for one tick: names, order and sources.
 
 The order is the one that gpsd answers whole reports to: position, way, depth, attitude, heading.
 The talker is IN, integrated navigation, which every reader takes.

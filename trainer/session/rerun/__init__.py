@@ -1,4 +1,4 @@
-"""The run in Rerun's viewer, or in a file for it: the boat in its sea, charts, lanes and the log.
+"""The run in Rerun's viewer or file: the boat, its sea, charts, states and log.
 
 ``sdk`` imports rerun; what imports it is itself imported when somebody asks for it.
 """

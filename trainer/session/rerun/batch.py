@@ -1,4 +1,4 @@
-"""Batches of columns on their way to the viewer, and the rows at which they change."""
+"""Batches of columns on their way to the viewer, and the rows where they change."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -45,12 +45,12 @@ class Block:
         return self.whole[:, PLACES[name]]
 
     def several(self, *names: str) -> Numbers:
-        """Return numbers of the state [SI], a row for each tick and a column for each name."""
+        """Return numbers of the state [SI], with a row for each tick."""
         return self.whole[:, [PLACES[name] for name in names]]
 
 
 class Worked(NamedTuple):
-    """What became of ticks that were timed."""
+    """The results of ticks that were timed."""
 
     times: Times
     lateness: Numbers  # [ns]
@@ -74,7 +74,7 @@ class Batch(NamedTuple):
 
 
 def states(parts: list[bytes], layout: tuple[str, ...]) -> Numbers:
-    """Return states of a layout as rows of this version's; what that layout lacks is zero.
+    """Return states of a layout as rows of this version's. What that layout lacks is zero.
 
     ValueError if one of them is not of the layout's length.
     """
@@ -95,7 +95,7 @@ class Changes:
         self._last: dict[str, NDArray[np.generic]] = {}
 
     def of(self, name: str, values: NDArray[np.generic]) -> NDArray[np.bool_]:
-        """Return at which rows, one at least, a thing is not what it was in the row before."""
+        """Return the rows, at least one, where a thing differs from the row before."""
         last = self._last.get(name)
         before = np.concatenate((values[:1] if last is None else last[None], values[:-1]))
         rows: NDArray[np.bool_] = (before != values).reshape(len(values), -1).any(axis=1)

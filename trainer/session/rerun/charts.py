@@ -90,7 +90,7 @@ def _standing_order(name: str, place: str, unit: float, kept: Callable[[Block], 
 
 
 def depth_kept(block: Block) -> Numbers:
-    """Return 1 where the boat keeps the depth that is ordered, by its planes or hovering."""
+    """Return 1 where the boat keeps the ordered depth, by planes or hovering."""
     by_planes = block["stern_by_hand"] * block["bow_by_hand"] == 0.0
     return np.where(by_planes | (block["hover"] > 0.0), 1.0, 0.0)
 

@@ -74,7 +74,7 @@ class Gathering:
 
 
 class Rows:
-    """Some of what was handed over, with its times; in columns, which the collector passes by."""
+    """Some of what was handed over, with its times. In columns, which the collector passes by."""
 
     def __init__(self) -> None:
         self.handed: list[Any] = []

@@ -19,7 +19,7 @@ ROWS: Final = 4096  # [ticks] written at a time
 
 
 def write_record(recording: Recording, path: Path, branch: int) -> None:
-    """Write a branch and the past that led to it, with what happened then; a file is replaced.
+    """Write a branch and the past that led to it, with what happened then. A file is replaced.
 
     ConfigError or RecordingError if it cannot be read, OSError if the file cannot be written.
     """
@@ -41,7 +41,7 @@ def write_record(recording: Recording, path: Path, branch: int) -> None:
 def batches(
     recording: Recording, branch: int, layout: tuple[str, ...], step: float
 ) -> Iterator[Batch]:
-    """Yield the ticks that led to the end of a branch, what was told with the last of them."""
+    """Yield the ticks that led to the end of a branch. The last of them has the events."""
     flown = recording.flown(branch)
     ends: dict[int, int] = {}
     while part := list(islice(flown, ROWS)):

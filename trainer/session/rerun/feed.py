@@ -1,4 +1,4 @@
-"""A feed: what the tick hands over, carried to one outlet by a thread of its own.
+"""A feed carries what the tick hands over to one outlet, by its own thread.
 
 Handing over is an append. Where time runs as fast as it can and the outlet does not keep up the
 tick waits, so that nothing is lost; where time is kept it never does, and what there is no room for
@@ -64,7 +64,7 @@ class Feed:
         waiting.append(handed)
 
     def end(self) -> None:
-        """Let the thread carry what waits and end."""
+        """Carry what waits by the thread, and end."""
         self._closing.set()
         self._called.set()
 

@@ -1,4 +1,4 @@
-"""The log: what the publisher is offered and what is told, handed to feeds as well."""
+"""The log hands the publisher's offers and all events to feeds as well."""
 
 from collections import deque
 from collections.abc import Sequence
@@ -26,7 +26,7 @@ class Log:
 
     @property
     def troubles(self) -> deque[str]:
-        """Return what is for somebody to tell, once what has become of a feed among it."""
+        """Return the news for somebody to tell, with the end of a feed once."""
         for feed in self.feeds:
             if feed.trouble and feed.trouble not in self._told:
                 self._told.add(feed.trouble)
@@ -34,7 +34,7 @@ class Log:
         return self.sending.troubles
 
     def offer(self, tick: int, state: bytes, pace: Pace) -> None:
-        """Let this be the picture to send from now on."""
+        """Set the picture to send from now on."""
         self.sending.offer(tick, state, pace)
         ledger = self.ledger
         taken = Taken(tick, state, pace, ledger.ticks, ledger.lateness, ledger.work)

@@ -1,4 +1,4 @@
-"""What the command line asks of Rerun, opened: a file, a viewer; none of it stops a run."""
+"""Rerun as the command line asks for it: a file, a viewer. No failure stops a run."""
 
 import gc
 import os
@@ -66,7 +66,7 @@ def open_log(
 
 
 class Opened:
-    """A viewer that is opened first, for this machine alone; it stays when the run is over."""
+    """A viewer that is opened first, for this machine alone. It stays when the run is over."""
 
     def __init__(self, viewer: "Viewer", port: int) -> None:
         """Take the viewer to come, and where it is to listen."""
@@ -76,7 +76,7 @@ class Opened:
         self._viewer, self._port = viewer, port
 
     def open(self) -> None:
-        """Open its window, wait until it listens, and send what is the same at all times."""
+        """Open its window, wait until it listens, and send all that is constant."""
         from trainer.session.rerun.sinks import listens  # noqa: PLC0415  rerun itself
 
         words = ["--bind", HOST, "--port", str(self._port), "--expect-data-soon"]

@@ -1,4 +1,4 @@
-"""Rerun's library, imported where it is wanted: it takes a second, and is not always there.
+"""Rerun's library is imported where it is needed. It takes a second, and is not always there.
 
 Its own log is silenced, which would run over the console; what goes wrong is told by exceptions.
 So is its clean-up at the end of the program, which waits for a viewer that hangs for as long as

@@ -1,4 +1,4 @@
-"""The boat as a shape: hull, sail and moving surfaces, from the sizes in its vessel file.
+"""The boat as a shape: hull, sail and moving surfaces, by its vessel file.
 
 A picture, not a drawing: lengths and heights are the file's; where it gives none the displacement
 does. Surfaces stand where the coefficients say that their lift acts. Body axes: x forward, y

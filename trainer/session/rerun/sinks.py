@@ -15,7 +15,7 @@ PROBE: Final = 0.5  # [s] that a viewer has to answer
 
 
 class RrdFile:
-    """A file for the viewer; few large pieces, since each has a head of its own."""
+    """A file for the viewer. Few large pieces, since each has a head of its own."""
 
     period = 20.0
     patience = 30.0

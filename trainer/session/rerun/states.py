@@ -24,7 +24,7 @@ AUTO, HAND, BROKEN, MENDING = 0x56B4E9FF, 0xE69F00FF, 0xD55E00FF, 0xCC79A7FF
 
 @dataclass(frozen=True)
 class Lane:
-    """A code for each tick, and the word for each code; "" while there is nothing to show."""
+    """A code for each tick, and the word for each code. "" while there is nothing to show."""
 
     path: str
     codes: Callable[[Block], Whole]

@@ -9,7 +9,7 @@ from trainer.session.plan import Plan
 
 @dataclass(frozen=True, eq=False)
 class Subject:
-    """What a picture is of; of the boat nothing that moves is looked at."""
+    """The subject of a picture. Nothing of the boat that moves is looked at."""
 
     boat: Boat
     limits: Limits

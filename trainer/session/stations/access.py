@@ -1,4 +1,4 @@
-"""How a line comes in, with a role or a token, and a log that it cannot flood."""
+"""A line comes in with a role or a token. A log that it cannot flood notes it."""
 
 import hmac
 import re
@@ -17,7 +17,7 @@ ANY: Final = ""  # the role of a token that stands for all roles without their o
 
 @dataclass(frozen=True)
 class Access:
-    """What is asked of a line; with neither role nor tokens it may say what role it likes."""
+    """The demands on a line. With neither role nor tokens it may say what role it likes."""
 
     role: str | None = None
     tokens: Mapping[str, str] = field(default_factory=dict, repr=False)  # by role, or ANY
@@ -40,7 +40,7 @@ class Access:
         return text
 
     def admits(self, role: str, given: str) -> bool:
-        """Return whether a token will do for a role; how long that takes tells nothing of it.
+        """Return whether a token will do for a role. How long that takes tells nothing of it.
 
         Where tokens are asked for, a role that has none is nobody's.
         """

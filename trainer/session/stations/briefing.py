@@ -1,4 +1,4 @@
-"""What a station is told of the exercise and of the vessel: lines for people, facts for programs.
+"""The exercise and the vessel, as a station is told them. Lines are for people, facts for programs.
 
 The crew is told nothing that names what is hidden, when it comes or what cures it: no scores, no
 file's name, and of what loses the exercise only what its own gauges show.
@@ -25,7 +25,7 @@ WINS: Final = "each order carried out in time and kept; every danger mastered; n
 
 @dataclass(frozen=True)
 class Briefing:
-    """What there is to say of one exercise; all empty where there is none."""
+    """The texts of one exercise. All are empty where there is none."""
 
     name: str = ""  # of its file, which may tell what breaks
     title: str = ""  # the crew's
@@ -74,7 +74,7 @@ SIDES: Final = {"max": "at most", "min": "at least"}
 
 
 def in_words(facts: Iterable[tuple[str, str]]) -> list[str]:
-    """Return facts of an exercise that stand beside its text, for people: at most 79 columns."""
+    """Return an exercise's facts beside its text, for people, in at most 79 columns."""
     said: dict[str, list[str]] = {}
     for key, value in facts:
         said.setdefault(key, []).append(value.replace(",", ", "))
@@ -127,7 +127,7 @@ WHO_KNOW: Final = ("instructor", "diving", "observer")  # test depth
 
 
 def ranges(boat: Boat, role: Role) -> Iterator[tuple[str, str]]:
-    """Yield keys of the vessel's ranges and their values; what the boat lacks is not among them."""
+    """Yield keys of the vessel's ranges and their values. What the boat lacks is not among them."""
     hull, run, c = boat.file.hull, boat.file.run, boat.vessel
     for surface, letter in SURFACES.items():
         limit = math.degrees(float(c[f"limit_{letter}"])) if boat.toward[surface] else 0.0

@@ -35,7 +35,7 @@ def heavy(frame: Frame) -> Value:
 
 
 def water_over_sail(frame: Frame) -> Value:
-    """Return how much water [m] is over the sail's top, negative where it is out of the sea."""
+    """Return the water [m] over the sail's top. It is negative out of the sea."""
     x, z = frame.fittings.sail
     pitch, heel = frame["theta"], frame["phi"]
     lifted = x * math.sin(pitch) - z * math.cos(pitch) * math.cos(heel)

@@ -1,4 +1,4 @@
-"""What the stations of the control room show: gauges, panels, tanks, air and valves.
+"""The stations of the control room: gauges, panels, tanks, air and valves.
 
 Depth, heading and speed are read off their gauges, so that they are as wrong as these are. Angles
 of surfaces, attitude, turns, levels and pressures have no casualty: they are shown as they are.
@@ -64,17 +64,17 @@ def compass(angle: float, decimals: int = 1) -> float:
 
 
 def degrees(name: str, place: str, unit: str = "deg", decimals: int = 1) -> Field:
-    """Return a field of an angle, or of its rate, at a place of the state."""
+    """Return a field of an angle or its rate, from a place of the state."""
     return Field(name, unit, decimals, lambda frame: math.degrees(frame[place]))
 
 
 def metres(name: str, place: str, unit: str = "m", decimals: int = 1) -> Field:
-    """Return a field of a length, or of its rate, at a place of the state."""
+    """Return a field of a length or its rate, from a place of the state."""
     return Field(name, unit, decimals, lambda frame: frame[place])
 
 
 def knots(name: str, place: str, unit: str = "kn", decimals: int = 1) -> Field:
-    """Return a field of a speed, or of its rate, at a place of the state."""
+    """Return a field of a speed or its rate, from a place of the state."""
     return Field(name, unit, decimals, lambda frame: frame[place] / KNOT)
 
 
@@ -93,7 +93,7 @@ LETTERS: Final = {"rudder": "r", "stern": "s", "bow": "b"}
 
 
 def surface_fields(surface: str) -> tuple[Field, ...]:
-    """Return the angle of a surface, the one it is told to take, and who tells it."""
+    """Return the angle of a surface, its order, and who orders it."""
     letter = LETTERS[surface]
 
     def angle(place: str, frame: Frame) -> float | None:
@@ -158,7 +158,7 @@ def tonnes(name: str, place: str) -> Field:
 
 
 def tank_fields(place: int, tank: str) -> tuple[Field, ...]:
-    """Return what is in a tank or compartment, and for a tank how full it is."""
+    """Return the content of a tank or compartment. A tank also tells how full it is."""
     name = tank.replace("compartment_", "flood_")
 
     def water(frame: Frame) -> float | None:
@@ -221,7 +221,7 @@ def speed_of_time(frame: Frame) -> Value:
 
 
 def crew_order(axis: str, read: Callable[[Frame], float]) -> Callable[[Frame], Value]:
-    """Return how a number about an order to the crew is read: None where none stands."""
+    """Return how to read a number of an order to the crew. None: no order stands."""
     place = AXES.index(axis)
     return lambda frame: read(frame) if frame.at("crew_order_tick", place) else None
 

@@ -1,4 +1,4 @@
-"""What a channel has shown so far, for whoever comes late or returns: read beside the ticks.
+"""The past of a channel, for whoever comes late or returns. It is read beside the ticks.
 
 The recording's states are the source, read by a connection of its own; without a recording those
 moments that are kept in memory. A row is made as the live ones are: gauges show what they showed.
@@ -123,7 +123,7 @@ def refusal(channel: str, role: Role) -> str:
 
 
 def read_states(kept: Path, span: Span) -> list[Found]:
-    """Return the states of a span that a recording holds; none where it cannot be read."""
+    """Return the states of a span that a recording holds. None where it cannot be read."""
     found = []
     try:
         recording = Recording.look(kept)
@@ -140,7 +140,7 @@ def read_states(kept: Path, span: Span) -> list[Found]:
 
 
 def recalled(history: History) -> list[News]:
-    """Return what a recording that is resumed tells of its past, with what a time line shows."""
+    """Return the past in a resumed recording, with the time line's contents."""
     step = history.boat.method.step
     told = [
         News(each.tick, each.tick * step, each.kind, each.text, fact_of(each))
@@ -161,7 +161,10 @@ def fact_of(noted: Noted) -> Fact | None:
 
 
 def lately(news: Iterable[News], role: Role, span: Span) -> list[News]:
-    """Return what a role has heard of what led to the present: not what time was taken back of."""
+    """Return what a role has heard on the way to the present.
+
+    Nothing that time took back is in it.
+    """
     told: list[News] = []
     for each in news:
         if each.fact and each.fact.what == "back":

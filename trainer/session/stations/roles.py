@@ -1,4 +1,4 @@
-"""Who may order what, see what and hear of what: the one place where that is decided.
+"""The roles decide who may order, see and hear what. No other place does.
 
 The instructor may order and see everything. Everybody else has the controls and channels of one
 place in the control room, sees depth, heading and speed as the gauges show them, and does not hear
@@ -25,7 +25,7 @@ COMMON: Final = frozenset(
 
 @dataclass(frozen=True)
 class Control:
-    """What may be ordered as one thing: in words, by which orders, and by whom but the instructor.
+    """One permission: its words, its orders, and who has it beside the instructor.
 
     The words end in the verb, as in "the rudder is".
     """

@@ -1,4 +1,4 @@
-"""A station: one attached line, what it may do, what it has subscribed to, and its counts.
+"""A station: one attached line, its rights, its subscriptions and its counts.
 
 What concerns the line alone is answered here: its role, its subscriptions, help, lines that are no
 order, orders that are not its to give. The rest is handed on, and answered by whoever obeys it.
@@ -54,7 +54,7 @@ class Asked:
 
 @dataclass
 class Counts:
-    """What a line has sent."""
+    """The words that a line has sent."""
 
     orders: int = 0  # handed on
     refused: int = 0  # not its to give
@@ -109,7 +109,7 @@ class Station:
 
     @property
     def rate(self) -> tuple[tuple[str, str], ...]:
-        """Return how many orders may be given here, as keys and values; none where all may."""
+        """Return how many orders may be given here, as keys and values. None where all may."""
         if not self.visits:
             return ()
         return ("second", str(ORDERS_A_SECOND)), ("once", str(ORDERS_AT_ONCE))
@@ -133,7 +133,7 @@ class Station:
         return f"{told}{lost}{trouble}"
 
     def take(self, most: int) -> Iterator[Asked]:
-        """Yield the orders to be obeyed among the next lines, at most so many, one at a time.
+        """Yield the orders among the next lines, one at a time, at most so many.
 
         What comes after an order is heard once that has been answered.
         """
@@ -150,7 +150,7 @@ class Station:
             yield from self._hear(line)
 
     def answer(self, asked: Asked, reply: Reply, *lines: str) -> None:
-        """Answer an order: the lines of a long answer, then what now holds, or why not."""
+        """Answer an order by a long answer's lines, then the result or the reason."""
         self._answer(asked.heard, reply, *lines)
 
     def tell(self, news: News) -> None:
@@ -166,16 +166,16 @@ class Station:
             self.line.send(sentences.fact(news.tick, news.seconds, *news.fact))
 
     def type_out(self) -> None:
-        """Have the teletype line sent at every tick, as a line for people begins."""
+        """Send the teletype line at every tick, as a line for people begins."""
         self.wishes.begin(TELETYPE, 0.0, self.role, machine=False)
 
     def leave(self) -> None:
-        """Have nothing more sent, and log how many bad lines were not written one by one."""
+        """Send nothing more. Log how many bad lines were not written one by one."""
         self._noise.close()
         self.wishes.end(*self.wishes.channels)
 
     def close(self, patience: float) -> None:
-        """Leave, and close the line; after ``leave`` any thread may do it, since it may wait."""
+        """Leave, and close the line. After ``leave`` any thread may do it, since it may wait."""
         self.leave()
         self.line.close(patience)
 

@@ -1,4 +1,4 @@
-"""What is subscribed, sent: by a thread of its own, or promptly where no time is kept.
+"""Subscribed channels are sent by a thread, or promptly where no time is kept.
 
 The tick hands out a picture and goes on. Whoever has seen an older one gets the latest when the
 rate allows; the ones between are passed over.
@@ -91,7 +91,7 @@ class Roster:
             self._subscriptions = [s for s in self._subscriptions if s is not subscription]
 
     def serve(self, picture: Picture, now: float) -> float:
-        """Send the picture to all that may have it; return the time [s] until the next may."""
+        """Send the picture to all that may have it. Return the time [s] until the next may."""
         frame: Frame | None = None
         soonest = math.inf
         for subscription in self._subscriptions:
@@ -129,7 +129,7 @@ class Publisher:
         self._thread.start()
 
     def offer(self, tick: int, state: bytes, pace: Pace) -> None:
-        """Let this be the picture to send from now on."""
+        """Set the picture to send from now on."""
         self._offered = tick, state, pace
         if not self.roster.empty:
             self._call()
@@ -198,7 +198,7 @@ class Promptly:
 
 
 class Sending(Protocol):
-    """Whoever sends what is subscribed: a publisher, or one that does so promptly."""
+    """The sender of subscriptions: a publisher, or one that sends promptly."""
 
     @property
     def troubles(self) -> deque[str]:
@@ -206,7 +206,7 @@ class Sending(Protocol):
         ...
 
     def offer(self, tick: int, state: bytes, pace: Pace) -> None:
-        """Let this be the picture to send from now on."""
+        """Set the picture to send from now on."""
         ...
 
     def add(self, subscription: Subscription) -> None:
@@ -233,7 +233,7 @@ class Subscriptions:
         return (*self._subscriptions, *((EVENTS,) if self.events else ()))
 
     def begin(self, channel: str, rate: float, role: Role, *, machine: bool) -> None:
-        """Have a channel sent, at most ``rate`` [Hz] or 0 at every tick."""
+        """Subscribe a channel at ``rate`` [Hz] at most, or 0 at every tick."""
         self.end(channel)
         if channel == EVENTS:
             self.events = True
@@ -245,7 +245,7 @@ class Subscriptions:
         self._sending.add(subscription)
 
     def pause(self, channel: str) -> tuple[float, bool] | None:
-        """Have a channel sent no more for a while; return its rate, and if for a program.
+        """Unsubscribe a channel. Return its rate, and whether it is for a program.
 
         None if it was not sent.
         """
@@ -254,14 +254,14 @@ class Subscriptions:
         return (found[0].rate, found[1]) if found else None
 
     def end(self, *channels: str) -> None:
-        """Have channels sent no more."""
+        """Unsubscribe channels."""
         for channel in channels:
             self.events = self.events and channel != EVENTS
             if channel in self._subscriptions:
                 self._sending.strike(self._subscriptions.pop(channel)[0])
 
     def keep_for(self, role: Role) -> None:
-        """Have what ``role`` may see shown as it sees it, and the rest no more."""
+        """Show what ``role`` may see as it sees it, and the rest no more."""
         for channel, (old, machine) in tuple(self._subscriptions.items()):
             self.end(channel)
             if blind(role, channel) is None:
@@ -279,7 +279,7 @@ class Subscriptions:
 
 
 def unknown(channel: str, role: Role) -> str:
-    """Return why there is no such channel, naming the nearest that ``role`` has; "" if there is."""
+    """Return why there is no such channel, naming the nearest that ``role`` has. "" if there is."""
     if channel in (*CHANNELS, TELETYPE, EVENTS):
         return ""
     there = (*role.channels, EVENTS)

@@ -1,4 +1,4 @@
-"""One tick as a display sees it: made of a state's bytes, apart from the boat under way."""
+"""A display's view of one tick. It is made of a state's bytes, apart from the boat."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -25,7 +25,7 @@ class Pace(NamedTuple):
 
 
 class Picture(NamedTuple):
-    """What the tick hands out: the whole state as bytes, and how time runs."""
+    """A tick's output: the whole state as bytes, and how time runs."""
 
     tick: int
     state: bytes
@@ -33,7 +33,7 @@ class Picture(NamedTuple):
 
 
 class Fittings(NamedTuple):
-    """What tanks, banks and weight are measured by: the vessel's constants as plain numbers."""
+    """The scales of tanks, banks and weight: the vessel's constants as plain numbers."""
 
     capacity: tuple[float, ...]  # [kg] by tank
     bank_volume: tuple[float, ...]  # [m3]
@@ -60,7 +60,7 @@ class Fittings(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Frame:
-    """One tick: ``frame[name]`` is a place of the state [SI], by its name in the core.
+    """One tick. ``frame[name]`` is a place of the state [SI], by its name in the core.
 
     ``boat`` is there for what it is: nothing of it that moves is looked at.
     """

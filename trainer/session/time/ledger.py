@@ -1,4 +1,4 @@
-"""What became of the ticks: counters, the last of them in full, and two histograms.
+"""The ledger of the ticks: counters, the last ones in full, two histograms.
 
 Times are integer nanoseconds. Nothing here grows.
 """
@@ -76,7 +76,7 @@ class Histogram:
 
 
 class Ledger:
-    """What became of the ticks; its size never changes."""
+    """The counts of the ticks. Its size never changes."""
 
     def __init__(self, step: float) -> None:
         """Take the step h [s]; ValueError unless it is finite and above 0."""

@@ -38,7 +38,7 @@ SPIN: Final = 300_000  # [ns]
 
 
 class Clock(Protocol):
-    """What a pacer needs to know of time."""
+    """The clock as a pacer needs it."""
 
     def now(self) -> int:
         """Return a time [ns] that never runs backwards."""
@@ -90,7 +90,7 @@ STOPPED_PERIODS = 4
 
 
 class Policy(Enum):
-    """What a tick that ends after the next deadline leads to."""
+    """The consequences of a tick that ends after the next deadline."""
 
     SLIP = "slip"  # the schedule moves: simulated time is lost
     CATCH_UP = "catch-up"  # late ticks run back to back, at most MAX_CATCH_UP, then slip
@@ -108,7 +108,7 @@ DUE, WOKEN = Waited.DUE, Waited.WOKEN  # Python looks a member up by a function 
 
 
 class Happening(Enum):
-    """What a pacer has to say."""
+    """The messages of a pacer."""
 
     SLIPPED = "slipped: the deadline had passed by"
     FROZE = "froze: the deadline had passed by"
@@ -154,7 +154,7 @@ class Pacer:
             self._reanchor(now + int(self._left * self._period))
 
     def freeze(self) -> None:
-        """Let no tick become due until ``run``; lateness is forgiven."""
+        """Stop the ticks until ``run``. Lateness is forgiven."""
         self._woke = 0
         if not self.frozen:
             self.frozen = True
@@ -170,7 +170,7 @@ class Pacer:
             self.run()
 
     def wait(self, wake: threading.Event) -> Waited:
-        """Return DUE when the next tick is, WOKEN if ``wake`` is set before it or in a freeze.
+        """Return DUE at the next tick, WOKEN if ``wake`` is set before or while frozen.
 
         A tick that is late waits for what has arrived once, and not for a flood of it.
         """
@@ -284,7 +284,7 @@ class Pacer:
 
 
 class Unpaced:
-    """As fast as the machine allows: a ``Pacer`` to its caller, with no deadlines to miss."""
+    """A ``Pacer`` to its caller, as fast as the machine allows. It has no deadlines to miss."""
 
     def __init__(self, clock: Clock, ledger: Ledger) -> None:
         self.ledger, self.frozen = ledger, True
@@ -293,11 +293,11 @@ class Unpaced:
         self._listening = False  # the last wait was woken: a flood of input shares with the ticks
 
     def run(self) -> None:
-        """Let every tick be due at once."""
+        """Make every tick due at once."""
         self.frozen = False
 
     def freeze(self) -> None:
-        """Let no tick become due until ``run``."""
+        """Stop the ticks until ``run``."""
         self.frozen = True
 
     def wait(self, wake: threading.Event) -> Waited:

@@ -1,4 +1,4 @@
-"""What paces the ticks, and may be changed while they run.
+"""The timekeeping of the ticks, which may be changed while they run.
 
 What a system grants a process that has to be on time: asked for, reported, and given back.
 
@@ -41,7 +41,7 @@ ABSENT: Final = "not on this system"
 
 @dataclass(frozen=True)
 class Granted:
-    """What came of asking, in words."""
+    """The result of asking, in words."""
 
     priority: str = "normal"
     memory: str = "not locked"
@@ -65,7 +65,7 @@ class Unasked:
 
 
 class Punctuality:
-    """What the thread that ticks, and its process, ask for while time is kept."""
+    """The demands of the ticking thread and its process while time is kept."""
 
     def __init__(self, *, realtime: bool) -> None:
         """``realtime``: also what can slow down others, a real-time priority and locked memory."""
@@ -171,7 +171,7 @@ class SlipJudge:
         self._begun = None
 
     def cost(self, mark: Mark) -> float:
-        """Return how long [ns] a tick takes where ticks cannot keep up for good, 0 where they can.
+        """Return how long [ns] a tick takes where ticks cannot keep up. 0: they can.
 
         Half of the ticks at least overran: what slips now and then is held up by others.
         """
@@ -183,7 +183,7 @@ class SlipJudge:
 
 
 def keeper(clock: Clock, ledger: Ledger, speed: float, policy: Policy) -> Pacer | Unpaced:
-    """Return what paces ticks at ``speed``; an infinite speed is as fast as the machine allows."""
+    """Return what paces ticks at ``speed``. An infinite speed is as fast as the machine allows."""
     if math.isinf(speed):
         return Unpaced(clock, ledger)
     return Pacer(clock, ledger, speed, policy)
@@ -215,7 +215,7 @@ class Timekeeping:
 
     @contextlib.contextmanager
     def attended(self) -> Iterator[None]:
-        """Have from the system what time is kept by, inside the block, in the thread that ticks."""
+        """Take from the system what keeps time, inside the block, in the ticking thread."""
         self._attend()
         try:
             yield
@@ -223,7 +223,7 @@ class Timekeeping:
             self.punctuality.relax()
 
     def change(self, speed: float) -> None:
-        """Let time go ``speed`` times as fast from now on."""
+        """Set the speed of time from now on."""
         self.speed, self.fallen_from = speed, 0.0
         self.slips.change()
         self._attend()
@@ -236,7 +236,7 @@ class Timekeeping:
             self.pacer.run()
 
     def recover(self) -> None:
-        """Let time go as fast as was asked for before the machine did not hold it."""
+        """Set the speed of time that was asked for before the machine fell behind."""
         if self.fallen_from:
             self.change(self.fallen_from)
 

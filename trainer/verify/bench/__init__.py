@@ -1,1 +1,1 @@
-"""What the trainer costs on this machine."""
+"""The cost of the trainer on this machine."""

@@ -1,4 +1,4 @@
-"""What a tick costs on this machine, and what the boat's records take: ``trainer bench``.
+"""``trainer bench`` measures a tick's cost on this machine, and the size of records.
 
 A tick in real time is measured by the ledger of the session itself, without the waiting. It finds
 caches and processor as half a second of sleep leaves them. The hot figures are the same work back
@@ -50,7 +50,7 @@ HOT: Final = (
 
 @dataclass(frozen=True)
 class Machine:
-    """What the figures hold for."""
+    """The conditions of the figures."""
 
     cpu_model: str
     cpu_target: str  # the compiler's name of its kind
@@ -105,7 +105,9 @@ class Figures:
 
 
 def bench(file: VesselFile, seconds: int) -> Figures:
-    """Return the figures of a boat, after twice ``seconds`` [s] of real time at each step of 1969.
+    """Return the figures of a boat.
+
+    It takes twice ``seconds`` [s] of real time at each step of 1969.
 
     For as long it is steered over TCP. ConfigError if the boat cannot fly straight, or loses its
     numbers at such a step.
@@ -166,7 +168,7 @@ def pace(boat: Boat, seconds: int, progress: Callable[[int], None]) -> Paced:
 
 
 def samples_up(samples: int, permille: int) -> int:
-    """Return how many of so many samples are not below the percentile: what it rests on."""
+    """Return how many of so many samples are not below the percentile."""
     return samples - math.ceil(samples * permille / 1000) + 1
 
 
@@ -184,7 +186,7 @@ def this_machine() -> Machine:
 
 
 def cpu_model(listing: Path) -> str:
-    """Return the processor's name as the ``listing`` of a Linux kernel has it, or the next best."""
+    """Return the processor's name in the ``listing`` of a Linux kernel, or the next best."""
     text = listing.read_text(encoding="utf-8") if listing.exists() else ""
     found = re.search(r"^model name\s*:\s*(.+)$", text, re.MULTILINE)
     return found[1].strip() if found else platform.processor() or platform.machine()

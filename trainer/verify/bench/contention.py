@@ -1,4 +1,4 @@
-"""A session in real time among all that could hold it up, and the deadlines it missed.
+"""A real-time session among all that could hold it up, and its missed deadlines.
 
 Processes that do nothing but compute, one for each processor; a console on a terminal; a file for
 Rerun, where its library is; a serial line whose other end is not read.
@@ -31,7 +31,7 @@ MISSED: Final = ("overruns", "slipped", "gaps")  # in the account of a run
 
 @dataclass(frozen=True)
 class Crowd:
-    """What became of the ticks of a session among all that could hold it up."""
+    """The ticks of a session among all that could hold it up."""
 
     among: tuple[str, ...]
     granted: str

@@ -1,4 +1,6 @@
-"""From the helm to the instrument: an order typed at one serial line, its effect read at another.
+"""The time from helm to instrument.
+
+An order is typed at one serial line, its effect read at another.
 
 A session of its own process has a helmsman at a serial line, and sends the angle of the rudder by
 NMEA 0183 to another. He orders the rudder the other way at instants that are spread evenly over a
@@ -54,7 +56,7 @@ class Line:
         return False
 
     def find(self, pattern: Pattern[bytes], until: float) -> Match[bytes] | None:
-        """Return the next match, and take it and what is before it; None if none comes in time."""
+        """Return the next match, and take it and what is before it. None if none comes in time."""
         while True:
             found = pattern.search(self.said)
             if found:
@@ -127,7 +129,7 @@ def time_helm(file: VesselFile, seconds: float) -> EndToEnd:
 
 
 def steer(helm: Line, instrument: Line, step: float, orders: int) -> Iterator[int]:
-    """Order the rudder about so often; yield how long [ns] each order took to be seen."""
+    """Order the rudder about so often. Yield how long [ns] each order took to be seen."""
     angle = reading(instrument, time.monotonic() + PATIENCE)
     for number, (words, sense) in zip(range(orders), itertools.cycle(ORDERS), strict=False):
         pause = time.monotonic() + step * phase(number)
@@ -145,12 +147,12 @@ def steer(helm: Line, instrument: Line, step: float, orders: int) -> Iterator[in
 
 
 def phase(number: int) -> float:
-    """Return the share of a tick [-] that an order is given after one was seen."""
+    """Return the part of a tick [-] between a tick seen and an order."""
     return (number + 0.5) * GOLDEN % 1.0
 
 
 def reading(instrument: Line, until: float) -> float | None:
-    """Return the next angle of the rudder [deg] to starboard, None if none comes in time."""
+    """Return the rudder's next angle [deg] to starboard. None: none comes in time."""
     found = instrument.find(ANGLE, until)
     return float(found[1]) if found else None
 

@@ -1,4 +1,4 @@
-"""What a run on an exported core costs beside Python doing nothing: start and memory.
+"""The cost of a run on an exported core, beside idle Python: start and memory.
 
 Both are whole processes, in turn, from their start to their end: Python with nothing to do, and a
 run of one tick through the command's own entry. Their compiled sources are at hand, as after an
@@ -51,7 +51,7 @@ class ExportedStart:
 
 
 def measure_exported(vessel: str, starts: int = STARTS) -> ExportedStart:
-    """Export the core of ``vessel`` into a temporary folder and time so many runs of one tick."""
+    """Export the core of ``vessel`` into a temporary folder. Time so many runs of one tick."""
     with tempfile.TemporaryDirectory(prefix="trainer-") as name:
         folder = Path(name)
         environment = {**os.environ, "PYTHONPYCACHEPREFIX": str(folder / "compiled")}
@@ -88,7 +88,10 @@ def command(*words: str) -> list[str]:
 def time_processes(
     kinds: Sequence[list[str]], starts: int, environment: dict[str, str]
 ) -> list[Process]:
-    """Return what each kind of process takes, started in turn so many times after once unheeded."""
+    """Return the cost of each kind of process.
+
+    They start in turn so many times after one unheeded.
+    """
     spent: list[list[float]] = [[] for _ in kinds]
     for _ in range(starts + 1):
         for words, times in zip(kinds, spent, strict=True):

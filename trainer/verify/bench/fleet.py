@@ -1,4 +1,4 @@
-"""How fast many boats are flown side by side, beside one boat alone, ours and in plain C.
+"""The speed of many boats side by side, beside one alone, ours and in C.
 
 What one thread does is measured by its own time, which others on the processor do not lengthen.
 """
@@ -59,7 +59,7 @@ class SideBySide:
 
 
 def fleet_of(boat: Boat, members: int) -> Fleet:
-    """Return so many of a boat as it is, each with a depth and a course of its own to keep."""
+    """Return so many of a boat as it is. Each has a depth and a course to keep."""
     states = np.repeat(boat.records.state, members)
     states["ordered_depth"] += np.linspace(-10.0, 10.0, members)
     states["ordered_psi"] += np.linspace(-1.0, 1.0, members)
@@ -86,7 +86,10 @@ def alone_of(boat: Boat, ticks: Ticks) -> Callable[[], None]:
 
 
 def fastest_s(works: Sequence[Callable[[], object]], clock: Clock) -> list[float]:
-    """Return the least time [s] of each of ``works``, which take turns, but for the first runs."""
+    """Return the least time [s] of each of ``works``.
+
+    They take turns. The first runs do not count.
+    """
     least = [math.inf for _ in works]
     for flight in range(1 + FLIGHTS):
         for place, work in enumerate(works):
@@ -99,7 +102,7 @@ def fastest_s(works: Sequence[Callable[[], object]], clock: Clock) -> list[float
 
 
 def under_way(file: VesselFile) -> Boat:
-    """Return a boat keeping depth and course in a calm, by the equations that are flown so."""
+    """Return a boat that keeps depth and course in a calm, by these equations."""
     boat = ready(file, STANDARD, file.run.step_s)
     boat.state.trim_by_hand = 1.0  # with water on the move it would fly alone
     return boat
@@ -126,7 +129,7 @@ def level_per_s(file: VesselFile, level: str) -> float:
 
 
 def c_per_s(file: VesselFile) -> float | None:
-    """Return the ticks a second [1/s] of one boat in plain C; None without a compiler."""
+    """Return the ticks a second [1/s] of one boat in plain C. None without a compiler."""
     try:
         ticks = build(BUILDS[0])
     except NoCompilerError:
@@ -146,7 +149,10 @@ def in_a_row(flight: Callable[[], None]) -> Callable[[], None]:
 
 
 def threads_s(file: VesselFile) -> tuple[float, float]:
-    """Return the time [s] of flights of few boats, and of as many in each of THREADS at once."""
+    """Return the time [s] of few boats' flights, and of more in THREADS.
+
+    There are as many in each.
+    """
     one, *beside = (in_a_row(flight_of(under_way(file), FEW)) for _ in range(1 + THREADS))
     with ThreadPoolExecutor(THREADS) as pool:
 

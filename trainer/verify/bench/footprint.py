@@ -1,4 +1,4 @@
-"""The size of the tick's machine code in words of 16 bits, beside that of the program of 1969.
+"""The size of the tick's machine code in 16-bit words, beside that of 1969.
 
 It is compiled for size in processes of their own: every kernel once, then the compiler's choice of
 what to join; the shorter of two orders of the instructions counts. The report's trigonometry is
@@ -82,7 +82,7 @@ print(json.dumps({name: footprint.sections(tick) for name, tick in ticks.items()
 
 @dataclass(frozen=True)
 class Code:
-    """What one program takes on one processor, in words of 16 bits."""
+    """The size of one program on one processor, in words of 16 bits."""
 
     program: str
     cpu: str
@@ -93,7 +93,7 @@ class Code:
 
 @dataclass(frozen=True)
 class Footprint:
-    """What the tick takes."""
+    """The size of the tick."""
 
     codes: tuple[Code, ...]
     state_words: int  # of what 1969 had
@@ -167,14 +167,17 @@ def footprint() -> Footprint:
 
 
 def words_of(first: str, last: str) -> int:
-    """Return how many words of 16 bits the state takes from one of its numbers to another."""
+    """Return the 16-bit words of the state from one of its numbers to another."""
     places: Mapping[str, Any] = STATE.fields or {}
     begin, end = int(places[first][1]), int(places[last][1]) + STATE[last].itemsize
     return (end - begin) // 2
 
 
 def compile_in_order(order: str) -> dict[str, dict[str, tuple[int, int]]]:
-    """Return the words of code and of constants, by program and processor, in one of ORDERS."""
+    """Return the words of code and constants, by program and processor, in one order.
+
+    It is one of ORDERS.
+    """
     environment = os.environ | {"NUMBA_OPT": "0", "NUMBA_DISABLE_JIT": "0"}
     words = [sys.executable, "-W", "ignore", "-c", CHILD, order]
     done = subprocess.run(words, env=environment, capture_output=True, text=True, check=False)  # noqa: S603

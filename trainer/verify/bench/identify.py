@@ -94,7 +94,7 @@ FITS: Final = 50
 
 @dataclass(frozen=True)
 class Row:
-    """One figure and the most it is wanted to be; None where it cannot be had here, and why."""
+    """One figure and the most it is wanted to be. None where it cannot be had here, and why."""
 
     name: str
     figure: float | None
@@ -111,7 +111,7 @@ class Row:
 
 @dataclass(frozen=True)
 class Speed:
-    """What was measured."""
+    """The figures that were measured."""
 
     samples: int
     parameters: int
@@ -121,7 +121,7 @@ class Speed:
 
 @dataclass(frozen=True)
 class Other:
-    """Another way to the same likelihood; ``make`` is None where it is not here, and why."""
+    """Another way to the same likelihood. ``make`` is None where it is not here, and why."""
 
     name: str
     make: Maker | None
@@ -158,7 +158,7 @@ def vary_intervals(problem: Problem) -> Problem:
 
 
 def beside(record: str, problem: Problem, wanted: Sequence[tuple[Other, float]]) -> list[Row]:
-    """Return the likelihood's time by that of each other, with the most that is wanted of it."""
+    """Return the likelihood's time by that of each other, with the limit of it."""
     theta = problem.start
     here = [other.make(problem, theta) for other, _ in wanted if other.make]
     paces = time_in_turn([partial(Likelihood(problem).value, theta), *here])
@@ -184,7 +184,7 @@ def slopes(problem: Problem) -> tuple[float, list[Row]]:
 
 
 def fit(problem: Problem, other: Other) -> list[Row]:
-    """Return the time [s] of a fit from where an analyst starts, and by that of statsmodels' BFGS.
+    """Return the time [s] of a fit, and by that of statsmodels' BFGS. An analyst's start begins it.
 
     The latter's is the likelihoods that its minimiser asks for, at what one takes it.
     """

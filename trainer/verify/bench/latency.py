@@ -1,4 +1,4 @@
-"""How soon an order over TCP is answered, and how soon it acts, in a session in real time."""
+"""The delay of an order over TCP, to its answer and to its effect."""
 
 import contextlib
 import itertools
@@ -31,7 +31,7 @@ ORDERS: Final = ("rudder left full", "rudder right full")
 
 @dataclass(frozen=True)
 class Latency:
-    """What became of the orders of a helmsman at a TCP port."""
+    """The results of a helmsman's orders at a TCP port."""
 
     orders: int
     tick_s: float  # between ticks
@@ -104,14 +104,14 @@ def ends_answer(text: str, tag: str) -> bool:
 
 
 def slowest_effect(recording: Recording) -> int:
-    """Return in how many ticks the rudder moved as ordered, at most; 0 without such an order."""
+    """Return the most ticks until the rudder moved as ordered. 0: there is no such order."""
     states = [np.frombuffer(state, STATE)[0] for _, state in recording.states(recording.branch)]
     given = [each.tick for each in recording.orders(recording.branch) if each.accepted]
     return max((effect(states[tick:]) for tick in given[:-1]), default=0)
 
 
 def effect(states: list[np.void]) -> int:
-    """Return in how many ticks from the first the rudder moves to where it was not ordered then."""
+    """Return the ticks from the first until the rudder leaves where it was ordered."""
     was = states[0]["ordered_r"]
     for ticks, (before, after) in enumerate(itertools.pairwise(states), 1):
         wanted = after["ordered_r"] - before["delta_r"]

@@ -1,4 +1,4 @@
-"""A bare loop of the session's clock, and how late its ticks begin: measured by ``on_time``."""
+"""A bare loop of the session's clock. ``on_time`` measures how late its ticks begin."""
 
 import contextlib
 import json
@@ -26,7 +26,7 @@ def beat(seconds: float, step: float) -> Summary:
 
 @contextlib.contextmanager
 def busy_thread() -> Iterator[None]:
-    """Let a thread of this process keep the interpreter busy inside the block."""
+    """Keep the interpreter busy by a thread of this process inside the block."""
     over = threading.Event()
 
     def work() -> None:
@@ -43,7 +43,7 @@ def busy_thread() -> Iterator[None]:
 
 
 def main(seconds: str, step: str, *words: str) -> None:
-    """Print the lateness of a loop as JSON; ``realtime`` and ``busy`` may be among the words."""
+    """Print the lateness of a loop as JSON. ``realtime`` and ``busy`` may be among the words."""
     busy = busy_thread() if "busy" in words else contextlib.nullcontext()
     asked = Punctuality(realtime="realtime" in words)
     with busy:

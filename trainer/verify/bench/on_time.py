@@ -1,4 +1,4 @@
-"""How late ticks begin, by what else goes on: bare loops of the clock, and a session in a crowd.
+"""The lateness of ticks: bare loops of the clock, and a session in a crowd.
 
 A loop of 100 Hz is timed in a process of its own: alone, beside a busy thread of the same process,
 and beside busy processes, with and without a real-time priority. Beside the latter runs the same
@@ -49,7 +49,7 @@ class OnTime:
 
 
 def time_ticks(file: VesselFile, seconds: float, minutes: float) -> OnTime:
-    """Return the figures of loops of ``seconds`` [s], and a session of ``minutes`` in a crowd."""
+    """Return the figures of loops of ``seconds`` [s]. A session of ``minutes`` is in a crowd."""
     count = os.cpu_count() or 1
     alone, beside_thread = loop(seconds), loop(seconds, "busy", "realtime")
     with hogs(count):
@@ -78,7 +78,7 @@ def loop(seconds: float, *words: str) -> Loop:
 
 
 def beside_control(seconds: float) -> tuple[Loop, Spread | None]:
-    """Return what became of a loop, and of the one in C at the same time."""
+    """Return the ticks of a loop, and those of the one in C."""
     compiler = next(filter(None, map(shutil.which, COMPILERS)), None)
     if compiler is None:
         return loop(seconds), None

@@ -14,7 +14,7 @@ Work = Callable[[], object]
 
 @dataclass(frozen=True)
 class Paces:
-    """Times [s] of one call of each work, by this thread's own clock: rounds of batches."""
+    """Times [s] of one call of each work, by this thread's clock, in rounds."""
 
     rounds: tuple[tuple[float, ...], ...]
 

@@ -1,4 +1,4 @@
-"""What one step costs in programs that others take for such work, one Python call a step.
+"""The cost of one step in programs made for such work, by one Python call.
 
 JSBSim flies its own c172p, which is another vehicle and another step: what is compared is what a
 user pays who drives either from Python. scipy integrates this boat, its rates called as it likes.

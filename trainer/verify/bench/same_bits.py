@@ -1,4 +1,4 @@
-"""The standard hour in every way that this machine can compute it: one set of bits, or not."""
+"""The standard hour in every way of this machine, with one set of bits."""
 
 import os
 import subprocess
@@ -38,7 +38,7 @@ class SameBits:
 
 
 def in_a_fleet(records: Records, count: int) -> int:
-    """Take ``count`` ticks as the last member of a fleet; return 1 where any member is lost.
+    """Take ``count`` ticks as the last member of a fleet. Return 1 where any member is lost.
 
     What members do that is not done side by side, such as a sea, is part of it.
     """
@@ -50,7 +50,7 @@ def in_a_fleet(records: Records, count: int) -> int:
 
 
 def in_another_process(environment: dict[str, str], last: int = TICKS) -> str:
-    """Return the digest of the hour up to ``last`` by a Python with other settings of numba.
+    """Return the digest of the hour up to ``last``. Another Python has other settings of numba.
 
     ConfigError if it fails.
     """

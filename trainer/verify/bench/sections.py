@@ -1,4 +1,4 @@
-"""The parts of the bench that are measured by themselves, by the option that asks for them."""
+"""The parts of the bench, by the options that ask for each alone."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -24,7 +24,7 @@ SAMPLES: Final = 2000  # of the records that are fitted
 
 @dataclass(frozen=True)
 class Wanted:
-    """What is to be measured, and for how long."""
+    """The subject of a measurement, and its length."""
 
     file: VesselFile
     seconds: float
@@ -47,7 +47,7 @@ class LeftOut:
 
 
 def or_left_out(section: Section) -> Section:
-    """Return a part that needs a C compiler, left out with the reason where there is none."""
+    """Return a part that needs a C compiler. It is left out with the reason without one."""
 
     def measure(wanted: Wanted) -> Any:
         try:

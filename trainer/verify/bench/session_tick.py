@@ -1,4 +1,4 @@
-"""What a tick of a session costs: bare, recorded, and recorded with five subscribers."""
+"""The cost of a session's tick: bare, recorded, and with five subscribers."""
 
 import contextlib
 import math

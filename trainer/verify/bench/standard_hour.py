@@ -1,4 +1,4 @@
-"""One hour that is the same everywhere: a boat in a sea, under orders, with things that break.
+"""One hour is the same everywhere: a boat in a sea, orders, casualties.
 
 However the tick is computed, compiled or interpreted, for whatever processor, in C or in an
 ensemble, the hour ends in the same bits; ``digest`` is their name. Orders are carried out by the
@@ -79,7 +79,7 @@ def standard_boat() -> Boat:
 
 
 def fly_standard_hour(take: Ticks, last: int = TICKS) -> Boat:
-    """Return the boat after the hour, its ticks taken by ``take``; up to tick ``last`` if sooner.
+    """Return the boat after the hour, its ticks taken by ``take``. Up to tick ``last`` if sooner.
 
     RuntimeError if an order is refused or the boat loses its numbers.
     """

@@ -1,4 +1,4 @@
-"""How soon a command answers: help, a first start with nothing compiled, a later one, the console.
+"""The delay of commands: help, a first start, a later one, the console.
 
 Each is a process of its own, timed from its start by the clock, the least of a few: others can only
 add to it. It is given beside what importing numba alone takes then.

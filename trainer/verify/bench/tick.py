@@ -32,7 +32,7 @@ class Batches:
 
 
 def time_batches(works: Sequence[Callable[[int], None]]) -> list[Batches]:
-    """Return the cost of one repetition of each of ``works``, called with how many to do.
+    """Return the cost of one repetition of each of ``works``. Each is called with a count.
 
     Their batches take turns, so that a change of the machine's pace meets them all.
     """
@@ -75,7 +75,7 @@ CASUALTIES: Final = (
 
 @dataclass(frozen=True)
 class Update:
-    """One way to compute the boat: a tick called from Python, and inside a compiled loop."""
+    """One way to compute the boat: called from Python, and inside a compiled loop."""
 
     equations: str
     rates: str
@@ -88,7 +88,7 @@ class Update:
 
 @dataclass(frozen=True)
 class Troubled:
-    """A tick in the compiled loop, in a calm and with a sea, tanks at work and six casualties."""
+    """A tick in the compiled loop. It is in a calm, and with sea, tanks and six casualties."""
 
     calm: Batches
     troubled: Batches
@@ -107,13 +107,13 @@ def take_ticks(
 
 
 def in_a_loop(records: Records, count: int) -> int:
-    """Take ``count`` ticks of a boat in the compiled loop; return the status of the last."""
+    """Take ``count`` ticks of a boat in the compiled loop. Return the status of the last."""
     vessel, compact, scheme, state, scratch = records
     return int(take_ticks(vessel, compact, scheme, count, state, scratch))
 
 
 def ready(file: VesselFile, way: tuple[str, str, str], step: float) -> Boat:
-    """Return a boat under way in trim, its tick compiled and the garbage out of the way."""
+    """Return a boat under way in trim. Its tick is compiled and the garbage out of the way."""
     equations, rates, integrator = way
     boat = Boat(file, Method(equations, rates, "exact", integrator, step))
     boat.start(file.run.start_speed_kn * KNOT, file.run.start_depth_m, 0.0)
@@ -127,7 +127,7 @@ def ready(file: VesselFile, way: tuple[str, str, str], step: float) -> Boat:
 
 
 def time_update(boat: Boat) -> Update:
-    """Return the cost of a tick of the core, with and without a call from Python around it."""
+    """Return the cost of the core's tick, with and without a call from Python."""
     vessel, compact, scheme, state, scratch = boat.records
     tick = boat.tick
 

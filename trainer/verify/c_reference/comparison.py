@@ -1,4 +1,4 @@
-"""The trainer's tick against the same tick in plain C and against the interpreter, in one run.
+"""The tick is timed against plain C and against the interpreter, in one run.
 
 Ratios are medians over pairs of short batches, one right after the other, so that a busy machine
 disturbs both alike. Each tick's boat is its own, in the same sea, keeping depth and course.
@@ -77,7 +77,7 @@ def batch(boat: Boat, take: Ticks) -> Callable[[int], None]:
 def time_pair(
     work: Callable[[int], None], other: Callable[[int], None]
 ) -> tuple[float, float, float]:
-    """Return the least times [ns] of a tick of two works, and the median ratio of their batches."""
+    """Return the least times [ns] of two works' ticks, and their batches' median ratio."""
     for each in (work, other):
         each(TICKS)
     pairs = [(time_repetitions(work, TICKS), time_repetitions(other, TICKS)) for _ in range(PAIRS)]
@@ -98,13 +98,13 @@ def against(file: VesselFile, sea: str, ticks: list[Ticks]) -> tuple[Against, ..
 
 
 def interpreted_ns(vessel: str) -> float:
-    """Return the time [ns] of a tick in a sea, by the core as this process runs it."""
+    """Return the time [ns] of a tick in a sea, by this process's core."""
     run = batch(under_way(load_vessel(vessel), SEA), in_a_loop)
     return min(time_repetitions(run, SLOW_TICKS) for _ in range(3)) / SLOW_TICKS
 
 
 def without_jit(file: VesselFile) -> float:
-    """Return the time [ns] of a tick in a sea by a Python without JIT; ConfigError if it fails."""
+    """Return the time [ns] of a tick in a sea by a Python without JIT. ConfigError if it fails."""
     done = subprocess.run(  # noqa: S603
         [sys.executable, "-c", CHILD, str(file.path)],
         env=os.environ | {"NUMBA_DISABLE_JIT": "1"},

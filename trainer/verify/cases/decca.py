@@ -1,4 +1,4 @@
-"""S11: sway velocity from Decca lanes, and the ship from it, smoothed by Spencer or not.
+"""S11: sway velocity and the ship from Decca lanes, smoothed by Spencer or not.
 
 The report found both equally good. Here they are not: 15 points over 75 s take away what a sequence
 of one-minute bits puts into sway, and not what it puts into yaw.
@@ -44,7 +44,10 @@ STILL: Final = ("lag", "x1_0", "x2_0", "x3_0", "Y_0", "N_0", "r_0")
 
 
 class Voyage(NamedTuple):
-    """What was sailed: grid track [m], heading and yaw rate as read [deg], [deg/s]."""
+    """The run that was sailed: grid track [m], heading and yaw rate as read.
+
+    Those are in [deg], [deg/s].
+    """
 
     east: Numbers
     north: Numbers

@@ -1,4 +1,4 @@
-"""S10: a hull whose yaw moment by sway weakens as it drifts, under a linear model.
+"""S10: a hull whose yaw moment weakens with drift, under a linear model.
 
 The report blamed such terms for what its large zig-zags gave: N_v underestimated, and the more so
 the larger the helm.
@@ -29,7 +29,7 @@ HULL: Final = Rehearsal("1", TANKER.ship, TANKER.outputs, TANKER.period, TRUTH, 
 
 
 def zig_zag(problem: Problem, angle: float) -> tuple[Numbers, Numbers]:
-    """Return rudder (n,) [deg] and readings (n, 3) of a zig-zag angle/angle of the bent hull."""
+    """Return rudder (n,) [deg] and readings (n, 3). The bent hull makes a zig-zag angle/angle."""
     values = problem.whole(problem.start)
     drift = problem.plant.blocks(aside(values, ())).drift[0].real[:3]
     place = problem.plant.model.place("N_v")
@@ -56,7 +56,7 @@ def zig_zag(problem: Problem, angle: float) -> tuple[Numbers, Numbers]:
 
 
 def bent_hull() -> Iterator[Figure]:
-    """Yield S10: N_v by a linear fit, smaller than it is, and smallest from the largest helm."""
+    """Yield S10: the linear fit has too small an N_v, smallest at the largest helm."""
     true = HULL.truth["N_v"]
     found = {}
     for angle in (5.0, 10.0, 20.0):

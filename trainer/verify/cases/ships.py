@@ -123,7 +123,7 @@ def heading_only(records: int = RECORDS) -> Iterator[Figure]:
 
 
 def rate_only(records: int = RECORDS) -> Iterator[Figure]:
-    """Yield S4: Bore I by a second-order model from the yaw rate, 900 samples at 1 s."""
+    """Yield S4: Bore I by a second-order model from the yaw rate. It has 900 samples at 1 s."""
     truth = {"K": -0.07, "T1": 23.6, "T2": 2.4, "T3": 4.2, "R1_2": 1e-9, "R2_r": 9e-4, "lag": 0.3}
     begin = {"K": -0.05, "T1": 20.0, "T2": 4.0, "T3": 6.0, "R2_r": 2e-3, "lag": 0.1}
     free = ("K", "T1", "T2", "T3", "delta_0", "R1_2", "R2_r", "x1_0", "x2_0", "lag")
@@ -190,7 +190,10 @@ def _linear(bent: Bent, angle: float) -> dict[str, float]:
 
 
 def two_logs(records: int = RECORDS) -> Iterator[Figure]:
-    """Yield S6: Sea Splendour by Model 1 from both logs, yaw rate and heading at 30 s."""
+    """Yield S6: Sea Splendour by Model 1 at 30 s.
+
+    The record has both logs, yaw rate and heading.
+    """
     noise = {"R1_Y": 0.0283, "R1_N": 0.00526, "R1_YN": math.asin(0.97)}
     reading = {"R2_v1": 1e-3, "R2_v2": 1e-3, "R2_r": 1e-6, "R2_psi": 1e-3}
     truth = {**TANKER_SHIP, **noise, **reading, "lag": math.asin(6.2 / 30.0)}
@@ -219,7 +222,7 @@ def one_log(records: int = RECORDS) -> Iterator[Figure]:
 
 
 def sway_alone(records: int = SWAY_RECORDS) -> Iterator[Figure]:
-    """Yield S8: Model 2 on the sway of the same record: the truth inside the intervals.
+    """Yield S8: Model 2 on the same record's sway. The truth is inside the intervals.
 
     T1 and T2 are next to a double root and have no normal scatter: their intervals are of draws.
     """

@@ -26,7 +26,7 @@ ENDS_A_SWING: Final = "rudder amidships"  # what follows "meet her" of itself
 
 
 def full(bench: Bench, times: int) -> Tried:
-    """Let a recording run into the largest size that a file may have."""
+    """Run a recording into the largest size that a file may have."""
     tried = Tried("disk full", "the boat goes on and says so; what was written is whole")
     for _ in range(times):
         path = bench.folder / "full.trainer"
@@ -73,7 +73,7 @@ def _fill_disk(bench: Bench, tried: Tried, session: Session) -> None:
 
 
 def lock_recording(bench: Bench, times: int) -> Tried:
-    """Let another program hold a recording for itself, and give it back."""
+    """Lock a recording by another program, and release it."""
     tried = Tried(
         "recording locked by another program",
         "orders act and say that they are not recorded; all are there afterwards",
@@ -131,7 +131,7 @@ def _come_back(bench: Bench, tried: Tried, session: Session, by: Caller) -> None
 
 
 def is_kept_to_the_end(recording: Recording, session: Session) -> bool:
-    """Return whether what is written is what was answered, up to where the disk was full."""
+    """Return whether the file has what was answered, until the disk was full."""
     orders = recording.orders(recording.branch)
     written = [order.text for order in orders if order.place is None and order.accepted]
     wanted = [order.text for order in session.answered if not order.mark]
@@ -249,7 +249,7 @@ def _judge(tried: Tried, path: Path, written: list[str]) -> None:
 
 @contextlib.contextmanager
 def disk(folder: Path, size: int) -> Iterator[Path | None]:
-    """Yield a file system of so many bytes mounted at a folder, None without the right to."""
+    """Yield a file system of so many bytes at a folder. None: no right to mount."""
     folder.mkdir(exist_ok=True)
     if os.geteuid() or not _mount("-t", "tmpfs", "-o", f"size={size}", "tmpfs", str(folder)):
         yield None

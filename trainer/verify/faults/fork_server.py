@@ -72,7 +72,7 @@ class ForkServer:
         return self._ask({"wait": child})
 
     def done(self, job: Job) -> int:
-        """Let a program run to its end; return its exit code."""
+        """Run a program to its end. Return its exit code."""
         return self.wait(self.start(job))
 
     def _ask(self, what: dict[str, Any]) -> int:

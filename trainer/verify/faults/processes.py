@@ -64,7 +64,7 @@ def kill_sessions(bench: Bench, times: int) -> Tried:
 
 
 def drive_and_kill(bench: Bench, session: Session) -> None:
-    """Give orders as fast as they are answered, and kill the session in the midst of them."""
+    """Give orders as fast as they are answered, and kill the session among them."""
     with contextlib.suppress(GoneError), session.instructed() as by:
         session.order_some(by, bench.dice, bench.dice.randrange(1, 4))
         # in a process of its own: it does not wait for our orders
@@ -83,7 +83,7 @@ def drive_and_kill(bench: Bench, session: Session) -> None:
 
 
 def resumes(bench: Bench, path: Path) -> bool:
-    """Return whether a killed run goes on from its recording, and flies again to the same bits."""
+    """Return whether a killed run goes on, and flies again to the same bits."""
     with contextlib.closing(Recording.look(path)) as recording:
         seconds = recording.latest().tick // 2 + 20
     words = ("--headless", "--speed", "max", "--duration", str(seconds), "--anyway")
@@ -175,7 +175,7 @@ def swallow(terminal: int) -> None:
 
 
 def clock_set(bench: Bench, times: int) -> Tried:
-    """Set the time of day back and forward by hours, twice a second, while a session runs."""
+    """Set the time back and forward by hours, twice a second, during a session."""
     tried = Tried("clock set by hours", "no tick is missed or made twice, orders go on")
     shim = build_clock(bench.folder)
     if shim is None:
@@ -215,7 +215,7 @@ def clock_set(bench: Bench, times: int) -> Tried:
 
 
 def build_clock(folder: Path) -> Path | None:
-    """Return a library that, loaded first, sets the time of day; None without a C compiler."""
+    """Return a library that, loaded first, sets the time of day. None without a C compiler."""
     compiler = shutil.which("cc")
     if compiler is None:
         return None

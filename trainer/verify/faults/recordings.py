@@ -1,4 +1,4 @@
-"""Recordings damaged on purpose, and made to do harm: whatever opens one says so in a line."""
+"""Recordings are damaged on purpose. Whatever opens one says so in a line."""
 
 import contextlib
 import json
@@ -93,12 +93,12 @@ def values_changed(path: Path, dice: random.Random) -> None:
 
 
 def schema_changed(path: Path, dice: random.Random) -> None:
-    """Let the file hold other things than a recording's tables."""
+    """Fill the file with other things than a recording's tables."""
     alter(path, SCHEMA, 0, dice.randrange(256))
 
 
 def alter(path: Path, table: int, column: int, value: int) -> None:
-    """Change the rows of a recording or, from SCHEMA on, its tables; any numbers will do."""
+    """Change the rows of a recording or, from SCHEMA on, its tables. Any numbers will do."""
     if table >= SCHEMA:
         _by_sql(path, SCHEMAS[value % len(SCHEMAS)])
         return
@@ -173,7 +173,7 @@ def make_recording(bench: Bench) -> bytes:
 
 
 def open_damaged(bench: Bench, good: bytes, damage: Damage, times: int) -> Tried:
-    """Let every command open recordings that are damaged in one way."""
+    """Open recordings that are damaged in one way by every command."""
     name = damage.__name__.replace("_", " ")
     tried = Tried(f"recording: {name}", "told in a line, or read as it is")
     path = bench.folder / "damaged.trainer"
@@ -193,7 +193,7 @@ def open_damaged(bench: Bench, good: bytes, damage: Damage, times: int) -> Tried
 
 
 def judge(bench: Bench, tried: Tried, words: tuple[str, ...], seconds: int = ENOUGH) -> None:
-    """Let a command open a recording, in so many seconds, and note how it ended."""
+    """Open a recording by a command, in so many seconds. Note how it ended."""
     job = Job(words, str(bench.folder / "told.txt"), seconds=seconds, memory=ROOM)
     code, told = bench.nursery.done(job), bench.told()
     tried.must(code in (0, 1, 2), f"{words[0]} ended with {code}: {told[-300:]}")

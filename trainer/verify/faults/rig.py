@@ -1,4 +1,4 @@
-"""Where faults are tried: sessions by the nursery, orders given to them, and what came of it."""
+"""The rig of the faults: sessions by the nursery, their orders, the results."""
 
 import random
 import time
@@ -23,7 +23,7 @@ PATIENCE: Final = 30.0  # [s]
 
 @dataclass
 class Tried:
-    """What came of one kind of fault."""
+    """The result of one kind of fault."""
 
     fault: str
     promise: str
@@ -58,7 +58,7 @@ class Bench:
         return text
 
     def run(self, *words: str) -> int:
-        """Let a program of `trainer` run to its end; return its exit code."""
+        """Run a program of `trainer` to its end. Return its exit code."""
         return self.nursery.done(Job(words, str(self.folder / "told.txt")))
 
     def serve(self, path: Path, *words: str, largest_file: int = 0) -> "Session":
@@ -137,7 +137,7 @@ def is_journalled(recording: Recording, session: Session) -> Check:
 
 
 def is_told(by: Caller, words: str) -> bool:
-    """Return whether the session tells of it before long; what it has told is then forgotten."""
+    """Return whether the session tells of it before long. What it has told is then forgotten."""
     end = time.monotonic() + PATIENCE
     while time.monotonic() < end:
         by.ask("snapshots")  # brings what has been told meanwhile
@@ -149,7 +149,7 @@ def is_told(by: Caller, words: str) -> bool:
 
 
 def is_logged(by: Caller, words: str) -> bool:
-    """Return whether it is in the session's log before long, be it from before the line came."""
+    """Return whether it is in the session's log before long. It may be older than the line."""
     end = time.monotonic() + PATIENCE
     while time.monotonic() < end:
         by.ask("log 100")

@@ -1,4 +1,4 @@
-"""The process that fuzzes one target: its readers are watched, so that new paths are looked for.
+"""The process that fuzzes one target. Its readers are watched, so that new paths are looked for.
 
     python -m trainer.verify.fuzz.child TARGET MODULES [options of libFuzzer] FOLDER
 

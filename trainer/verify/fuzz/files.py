@@ -157,7 +157,7 @@ SHORTER: Final = b'briefing = "Go."\n'
 
 
 def text(parse: Callable[[str, Path], Any]) -> Callable[[bytes], None]:
-    """Return the proof of a reader of a file's text, with nothing but shipped files beside it."""
+    """Return the proof of a reader of a file's text, beside shipped files alone."""
 
     def take(data: bytes) -> None:
         with suppress(ConfigError), only(FILE, text_of(data)) as path:
@@ -243,7 +243,7 @@ SEARCH: Final[Any] = SimpleNamespace(
 
 
 def vessels() -> list[bytes]:
-    """Return a small boat by itself, and with each table of the shipped ones that it lacks."""
+    """Return a small boat alone, and with each shipped table that it lacks."""
     found = [BOAT]
     for key, text in shipped_texts().items():
         if key.startswith("configs/vessels/"):

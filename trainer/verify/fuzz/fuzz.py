@@ -1,4 +1,4 @@
-"""Fuzzing: a million inputs for each reader, those kept that found a new path through it.
+"""Fuzzing gives each reader a million inputs. It keeps those that found a new path.
 
 Each target is fuzzed by atheris in processes of its own; what is read here is what they tell.
 """
@@ -41,7 +41,7 @@ class Effort:
 
 @dataclass
 class Found:
-    """What came of fuzzing one target."""
+    """The result of fuzzing one target."""
 
     target: str
     says: str
@@ -60,7 +60,7 @@ Progress = Callable[[str, int], None]  # takes a target's name and the inputs do
 def fuzz(
     targets: list[Target], folder: Path, effort: Effort, jobs: int, progress: Progress
 ) -> Iterator[Found]:
-    """Yield what came of each target, so many at a time; ConfigError if atheris is missing.
+    """Yield what came of each target, so many at a time. ConfigError if atheris is missing.
 
     A target that was interrupted goes on from the inputs that ``folder`` says it has had.
     """
@@ -106,7 +106,7 @@ def _command(target: Target, folder: Path, options: tuple[str, ...]) -> list[str
 
 
 class Tally:
-    """How many inputs a target has had, in a small file: another run goes on from there."""
+    """The inputs that a target has had, in a small file. Another run goes on from there."""
 
     def __init__(self, path: Path) -> None:
         self._path = path

@@ -1,4 +1,4 @@
-"""What comes as lines: orders, sentences of programs and instruments, what a session says."""
+"""The targets that read lines: orders, sentences, and a session's answers."""
 
 import functools
 import itertools
@@ -75,7 +75,7 @@ CHART: Final = Quantity("depth", "m", ("motion", "depth"), ("motion", "ordered_d
 
 
 def order(data: bytes) -> None:
-    """Read a line of words; an order reads back from its own wording as the same one."""
+    """Read a line of words. An order reads back from its own wording as the same one."""
     found = parse(text_of(data))
     if isinstance(found, Order) and found.name != "role" and len(found.text) <= 80:
         again = parse(found.text)
@@ -91,7 +91,7 @@ def sentence(data: bytes) -> None:
 
 
 def stream(data: bytes) -> None:
-    """Cut bytes into lines, the same wherever they are cut, with never more than a line held."""
+    """Cut bytes into lines, wherever they come apart. Never more than a line is held."""
     whole, pieces = LineDecoder(), LineDecoder()
     cut = data[0] % len(data) if data else 0
     lines = whole.feed(data)
@@ -101,7 +101,7 @@ def stream(data: bytes) -> None:
 
 
 def instrument(data: bytes) -> None:
-    """Read a sentence of NMEA 0183; what it orders is in the words of the grammar."""
+    """Read a sentence of NMEA 0183. What it orders is in the words of the grammar."""
     heard = nmea.hear(text_of(data))
     ordered = meaning(heard) if isinstance(heard, nmea.Sentence) else None
     if isinstance(ordered, Command) and parse(ordered.words) is None:
@@ -149,7 +149,7 @@ def boat() -> tuple[Boat, NDArray[np.void]]:
 
 
 def attend(lines: list[str | Overlong], door: Access, one: Boat) -> Station:
-    """Return a station that has these lines to say, and is sent what it asks for at once."""
+    """Return a station that has these lines to say. It is sent what it asks for at once."""
     sending = Promptly(Roster(StateReader(one, Ledger(one.method.step).summary)))
     sending.offer(0, one.records.state.tobytes(), Pace())
     return Station(
@@ -168,7 +168,10 @@ def take_plain_log(_kind: str, _text: str) -> None:
 
 
 def station(data: bytes) -> None:
-    """Attend as a stranger with these bytes, then with the rest as an instructor, and be obeyed."""
+    """Attend as a stranger with these bytes, then as an instructor with the rest.
+
+    The instructor is obeyed.
+    """
     lines = LineDecoder().feed(data)[:ENOUGH]
     one, start = boat()
     one.restore(start)

@@ -1,4 +1,4 @@
-"""What comes as recordings: spoilt files, and headers of anybody's making."""
+"""The targets that read recordings: spoilt files, and headers of anybody's making."""
 
 import contextlib
 import functools
@@ -87,7 +87,7 @@ def good() -> bytes:
 
 
 def spoil(data: bytes) -> bytes:
-    """Return the good recording with places overwritten, and cut short if there is a byte over."""
+    """Return the good recording with places overwritten. It is cut short if a byte is over."""
     made = bytearray(good())
     for i in range(0, len(data) - PATCH + 1, PATCH):
         made[int.from_bytes(data[i : i + PATCH - 1], "big") % len(made)] = data[i + PATCH - 1]
@@ -101,7 +101,7 @@ def recording(data: bytes) -> None:
 
 
 def read_all(path: Path) -> None:
-    """Read all that there is in a recording, or is told to be wrong with it."""
+    """Read all of a recording, or the message of what is wrong."""
     with suppress(*DECLARED), contextlib.closing(Recording.look(path)) as looked:
         for branch in looked.branches():
             with suppress(*DECLARED):
@@ -116,7 +116,7 @@ def read_all(path: Path) -> None:
 
 
 def alter(data: bytes) -> None:
-    """Read all of a recording whose rows and tables have been changed, three bytes a change."""
+    """Read all of a recording with changed rows and tables, three bytes a change."""
     path = write_file("altered.trainer", good())
     for i in range(0, len(data) - 2, 3):
         recordings.alter(path, *data[i : i + 3])
@@ -133,7 +133,7 @@ def log_book(data: bytes) -> None:
 
 
 def patches() -> list[bytes]:
-    """Return what spoils a recording in the header of the file, of a page, and at its end."""
+    """Return bytes that spoil the header of the file, of a page, and its end."""
     size = len(good())
     places = (0, 18, 100, 8192, 8200, size // 2, size - 1)
     return [b"".join(at.to_bytes(3, "big") + b"\x41" for at in places), b"\x80", b""]
@@ -147,7 +147,7 @@ def changes() -> list[bytes]:
 
 
 def header_lines() -> list[bytes]:
-    """Return the lines of a header, one at a time, and those that are short together."""
+    """Return the lines of a header, one at a time, and short ones together."""
     lines = [f"{name}={value}"[:LINE].encode() for name, value in header().items()]
     return [*lines, b"\n".join(line for line in lines if len(line) < LINE // 4)]
 

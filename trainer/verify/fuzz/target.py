@@ -1,4 +1,4 @@
-"""What is fuzzed: one reader of what others write, and examples of that to begin from."""
+"""A fuzzing target is one reader of others' data, with examples to begin from."""
 
 import functools
 import os
@@ -36,7 +36,7 @@ def text_of(data: bytes) -> str:
 
 @functools.cache
 def folder() -> "tempfile.TemporaryDirectory[str]":
-    """Return a folder of this process, for what has to be a file; it goes with the process."""
+    """Return a folder of this process, for what has to be a file. It goes with the process."""
     where = MEMORY if os.access(MEMORY, os.W_OK) else None
     return tempfile.TemporaryDirectory(prefix="trainer-fuzz-", dir=where)
 
@@ -60,7 +60,7 @@ def shipped_texts() -> dict[str, str]:
 
 @contextmanager
 def only(name: str, text: str) -> Iterator[Path]:
-    """Let the files that can be read be the shipped ones and this; nothing else is opened."""
+    """Offer the shipped files and this one to read. Nothing else is opened."""
     with reading_recorded({**shipped_texts(), name: text}):
         yield Path(name)
 
@@ -78,7 +78,7 @@ def bare(text: str) -> str:
 
 
 def pieces(text: str) -> list[str]:
-    """Return a TOML text cut up: what stands above all tables, then each with those inside it."""
+    """Return a TOML text cut up by tables. Each is with those inside it, the top first."""
     found = [""]
     head = ""  # the table that the last piece begins with
     for line in bare(text).splitlines():

@@ -1,1 +1,1 @@
-"""A day of exercises at full speed, or half an hour by the clock, under everything."""
+"""A day of exercises at full speed, or half an hour by the clock."""

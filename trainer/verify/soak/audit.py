@@ -1,4 +1,4 @@
-"""What a recording has to hold: every order that was answered, every tick, the same bits again."""
+"""A recording holds every answered order, every tick, and the same bits again."""
 
 import contextlib
 from collections.abc import Iterable, Mapping
@@ -72,7 +72,7 @@ def by_line(pairs: Iterable[tuple[str, str]]) -> Mapping[str, list[str]]:
 
 
 def complete(recording: Recording) -> Check:
-    """Return whether every tick of every branch has its state and its entry in the ledger."""
+    """Return whether every branch's ticks have their states and their ledger entries."""
     ticks = missing = 0
     for branch in recording.branches():
         states = [tick for tick, _ in recording.states(branch.id)][1:]

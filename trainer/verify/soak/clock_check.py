@@ -23,7 +23,7 @@ from trainer.session.time.pacer import Clock, MonotonicClock
 
 @dataclass
 class Deadlines:
-    """What a witness has seen."""
+    """The readings of a witness."""
 
     seen: int = 0  # deadlines that differ from the one before
     adrift: int = 0  # of them, not first + k h rounded down, for any whole k
@@ -83,7 +83,7 @@ def options_of(serve: click.Command, words: list[str]) -> RunOptions:
 
 
 def attest(serve: click.Command) -> None:
-    """Serve as the arguments say; print what the clock was asked for; leave with its exit code."""
+    """Serve as the arguments say. Print what the clock was asked for; leave with its exit code."""
     options = options_of(serve, sys.argv[1:])
     period = Fraction(str(plan_run(options).method.step)) * SECOND
     witness = WatchedClock(MonotonicClock(), period)

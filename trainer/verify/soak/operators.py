@@ -30,7 +30,7 @@ LONGEST_WORDS: Final = LONGEST - len(order_sentence("", "999999"))  # [character
 
 
 class Orders:
-    """A stream of orders to the boat that a role may give; the same seed says the same."""
+    """A stream of orders to the boat that a role may give. The same seed says the same."""
 
     def __init__(self, role: Role, dice: Random) -> None:
         self._dice = dice
@@ -81,7 +81,7 @@ LOST: Final = "FROZEN: "
 
 @dataclass
 class Watchbill:
-    """What all operators share."""
+    """The common part of all operators."""
 
     session: SessionProcess
     pause: Callable[[Random], float]  # [s] after an order
@@ -94,7 +94,7 @@ class Watchbill:
     lock: threading.Lock = field(default_factory=threading.Lock)
 
     def give(self, by: Caller, role: str, words: str) -> bool:
-        """Give an order to the boat and note that it was answered; return whether it was obeyed."""
+        """Give an order to the boat and note that it was answered. Return whether it was obeyed."""
         obeyed, _ = by.ask(words)
         order = parse(words)
         if isinstance(order, Order):

@@ -1,4 +1,4 @@
-"""A session in a process of its own, and a program at its socket that gives orders."""
+"""A session in its own process, and a program at its socket that gives orders."""
 
 import contextlib
 import itertools
@@ -148,7 +148,7 @@ class SessionProcess:
         return self.process.poll() is None
 
     def memory(self) -> int:
-        """Return what it has in memory [kB], 0 where the system does not tell or it has ended."""
+        """Return its memory [kB]. 0: the system does not tell, or it has ended."""
         try:
             text = Path(f"/proc/{self.process.pid}/status").read_text(encoding="ascii")
         except OSError:

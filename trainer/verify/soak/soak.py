@@ -1,4 +1,4 @@
-"""A soak: a day of exercise time at full speed, or half an hour by the clock, under everything."""
+"""A soak is a day of exercises, or half an hour by the clock."""
 
 import contextlib
 import json
@@ -48,7 +48,7 @@ name = "rudder-slow"
 
 @dataclass(frozen=True)
 class Plan:
-    """What is to be proved."""
+    """The plan of a soak."""
 
     seconds: float  # of exercise time
     real_time: bool
@@ -67,7 +67,7 @@ class Plan:
 
 @dataclass
 class Soaked:
-    """What came of a soak."""
+    """The findings of a soak."""
 
     plan: Plan
     wall_s: float
@@ -144,7 +144,7 @@ def _soak(plan: Plan, exercise: Path, path: Path, progress: Callable[[str, int],
 
 @contextlib.contextmanager
 def manning(bill: Watchbill, plan: Plan) -> Iterator[None]:
-    """Have the stations manned inside the block, and time run."""
+    """Man the stations inside the block, while time runs."""
     works = [
         threading.Thread(target=attend, args=(bill, plan.seed + number), daemon=True)
         for number in range(1, OPERATORS + 1)

@@ -50,7 +50,7 @@ def propulsion(vessel: Record, state: Record) -> float:
 
 
 def water_forces(boat: Boat) -> Numbers:
-    """Return what the water does [N], [N m], by the full set and the wide one as they are blended.
+    """Return the water's force [N] and moment [N m]. The full set and the wide one are blended.
 
     Without weight and buoyancy, propulsion, and what comes from outside.
     """
@@ -73,7 +73,7 @@ def water_forces(boat: Boat) -> Numbers:
 
 
 def water_power(boat: Boat) -> float:
-    """Return the power of the water over rho/2 l^2 U^3 [-]: what feeds the boat is above 0."""
+    """Return the power of the water over rho/2 l^2 U^3 [-]. Above 0 it feeds the boat."""
     motion, c = boat.state.motion[:6], boat.vessel
     speed = float(np.sqrt(np.sum(motion[:3] ** 2) + c.cross_arm * np.sum(motion[3:] ** 2)))
     if speed == 0.0:
@@ -84,7 +84,7 @@ def water_power(boat: Boat) -> float:
 
 @dataclass
 class Stressed:
-    """What became of one boat by one set."""
+    """The result of one boat by one set."""
 
     vessel: str
     equations: str

@@ -20,11 +20,11 @@ HEADING = "trainer-core"
 
 
 class WrongError(Exception):
-    """What the user gave cannot be used; the text says what to do. Exit code 2."""
+    """The user gave something that cannot be used. The text says what to do. Exit code 2."""
 
 
 class Card:
-    """What a core was made from, and where the numbers that a run needs stand in its state."""
+    """The origin of a core, and where its state has the numbers of a run."""
 
     def __init__(self, text: str) -> None:
         """Read the card; WrongError if it is of another format."""
@@ -97,7 +97,7 @@ class Core:
         self._tick = library.trainer_tick
 
     def tick(self) -> int:
-        """Advance by one step; return 0, or a status for ``failure`` with the state as it was."""
+        """Advance by one step. Return 0, or a status for ``failure`` with the state as it was."""
         return int(self._tick(*self._records))
 
     def failure(self, status: int) -> str:

@@ -71,7 +71,7 @@ def rows_of(core: Core) -> dict[str, Row]:
 
 
 def understand(line: str, rows: dict[str, Row]) -> tuple[Row, float]:
-    """Return the row and the number [SI] of an order; WrongError if it is none of them."""
+    """Return the row and the number [SI] of an order. WrongError if it is none of them."""
     words = " ".join(line.lower().split())
     if words in rows and not rows[words].takes_number:
         return rows[words], 0.0

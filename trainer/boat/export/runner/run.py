@@ -13,7 +13,7 @@ UNITS = {"h": 3600.0, "m": 60.0, "s": 1.0}
 
 
 class Options:
-    """What was asked for."""
+    """The options of the command line."""
 
     def __init__(self, words: list[str]) -> None:
         """Read the words after ``trainer run``; WrongError naming the one that is wrong."""
@@ -90,7 +90,7 @@ Timed = tuple[float, Row, float]  # [s], the order's row, its number [SI]
 
 
 def read_schedule(path: str, core: Core) -> list[Timed]:
-    """Return the orders of a file sorted by time; WrongError naming the line that is wrong."""
+    """Return the orders of a file sorted by time. WrongError naming the line that is wrong."""
     try:
         with open(path, encoding="utf-8") as file:
             lines = file.read().removeprefix("\ufeff").split("\n")
@@ -126,7 +126,7 @@ def first_tick(seconds: float, step: float) -> int:
 
 
 class Table:
-    """Rows on their way to a file, or to none; trouble with the disk ends the file, not the run."""
+    """Rows on their way to a file, or to none. Trouble with the disk ends the file, not the run."""
 
     def __init__(self, path: str, core: Core, buffering: int) -> None:
         """Open ``path``, "" for none, with ``buffering`` as ``open`` takes it for lines of text.
@@ -221,7 +221,7 @@ def main(words: list[str]) -> int:
 
 
 def sail(core: Core, orders: list[Timed], table: Table, pace: Pace, last: int | None) -> str:
-    """Take ticks until ``last``, or for ever; return what a tick failed by, "" if none did."""
+    """Take ticks until ``last``, or for ever. Return what a tick failed by, "" if none did."""
     step = core.card.step
     table.row(core)
     tick = given = 0

@@ -1,0 +1,145 @@
+"""Tab completes commands, names and files, in the shells that click knows."""
+
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from helpers.places import environment
+from helpers.shell import shell_environment
+
+from trainer.analysis.manoeuvres.catalogue import MANOEUVRES
+from trainer.cli import guide
+from trainer.cli import run as run_commands
+from trainer.config.files import shipped_names
+from trainer.session.stations.roles import ROLES
+
+LOADS = ("numba", "numpy", "textual", "trainer.core", "trainer.boat")
+
+
+def completed(folder: Path, *words: str, shell: str = "bash") -> list[str]:
+    """Return what Tab offers after these words in a folder: type,word each."""
+    asked = {
+        "_TRAINER_COMPLETE": f"{shell}_complete",
+        "COMP_WORDS": "\n".join(("trainer", *words)),
+        "COMP_CWORD": str(len(words)),
+    }
+    done = subprocess.run(
+        [sys.executable, "-m", "trainer"],
+        cwd=folder,
+        env=environment(**asked),
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    assert not done.stderr
+    return done.stdout.split()
+
+
+def words_of(offered: list[str]) -> list[str]:
+    """Return the words among what is offered, without those that the shell itself completes."""
+    return [each.removeprefix("plain,") for each in offered if each.startswith("plain,")]
+
+
+@pytest.mark.parametrize(
+    ("words", "kind"),
+    [
+        (("check", ""), "vessels"),
+        (("run", "--vessel", ""), "vessels"),
+        (("run", ""), "exercises"),
+        (("exercise", "new", "x.toml", "--from", ""), "exercises"),
+        (("sea", ""), "seas"),
+        (("run", "--sea", ""), "seas"),
+        (("sweep", ""), "studies"),
+    ],
+)
+def test_shipped_names_are_offered(tmp_path: Path, words: tuple[str, ...], kind: str) -> None:
+    assert words_of(completed(tmp_path, *words)) == list(shipped_names(kind))
+
+
+def test_manoeuvres_and_roles_are_offered_and_are_all_there_are(tmp_path: Path) -> None:
+    assert words_of(completed(tmp_path, "manoeuvre", "")) == list(MANOEUVRES)
+    assert words_of(completed(tmp_path, "manoeuvre", "turn")) == ["turn", "turning-circle"]
+    assert words_of(completed(tmp_path, "station", "")) == list(ROLES)
+    assert tuple(MANOEUVRES) == guide.NAMES
+    assert tuple(ROLES) == run_commands.ROLES
+
+
+def test_a_file_is_offered_by_its_ending_and_a_folder_with_it(tmp_path: Path) -> None:
+    for name in ("boat.toml", "bill.trainer", ".hidden.toml", "b.txt"):
+        (tmp_path / name).touch()
+    (tmp_path / "boats").mkdir()
+
+    assert words_of(completed(tmp_path, "check", "b")) == ["bb2", "boat.toml", "boats/"]
+    assert words_of(completed(tmp_path, "check", "./b")) == ["./boat.toml", "./boats/"]
+    assert words_of(completed(tmp_path, "check", ".h")) == [".hidden.toml"]
+    assert words_of(completed(tmp_path, "replay", "b")) == ["bill.trainer", "boats/"]
+    assert completed(tmp_path, "replay", "bo") == ["dir,bo"]
+    assert completed(tmp_path, "export-core", "b") == ["file,b"]
+    assert completed(tmp_path, "check", "nowhere/b") == []
+
+
+def test_a_name_that_a_shell_has_to_quote_is_left_to_the_shell(tmp_path: Path) -> None:
+    (tmp_path / "my drill.trainer").touch()
+
+    assert completed(tmp_path, "replay", "my") == ["file,my"]
+
+
+def test_a_command_that_is_not_there_is_no_error_while_it_is_typed(tmp_path: Path) -> None:
+    assert words_of(completed(tmp_path, "vess")) == ["vessels"]
+    assert completed(tmp_path, "nothing-like-it", "x") == []
+
+
+def test_completion_loads_no_core(tmp_path: Path) -> None:
+    loaded = subprocess.run(
+        [sys.executable, "-X", "importtime", "-m", "trainer"],
+        cwd=tmp_path,
+        env=environment(
+            _TRAINER_COMPLETE="bash_complete", COMP_WORDS="trainer run ", COMP_CWORD="2"
+        ),
+        capture_output=True,
+        text=True,
+        check=True,
+    ).stderr
+    names = {line.rpartition("|")[2].strip() for line in loaded.splitlines()}
+
+    assert "trainer.config.files" in names
+    assert not names.intersection(LOADS)
+
+
+@pytest.mark.parametrize("shell", ["bash", "zsh", "fish"])
+def test_a_shell_is_told_how_to_complete(tmp_path: Path, shell: str) -> None:
+    done = subprocess.run(
+        ["trainer"],
+        env=shell_environment(_TRAINER_COMPLETE=f"{shell}_source"),
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+
+    assert f"{shell}_complete" in done.stdout
+    if shutil.which(shell):
+        (tmp_path / "completion").write_text(done.stdout)
+        subprocess.run([shell, "-n", str(tmp_path / "completion")], check=True)
+
+
+@pytest.mark.skipif(os.name != "posix" or not shutil.which("bash"), reason="no bash here")
+def test_bash_completes_by_the_line_that_the_documents_show(tmp_path: Path) -> None:
+    script = """
+        eval "$(_TRAINER_COMPLETE=bash_source trainer)"
+        COMP_WORDS=(trainer manoeuvre zig) COMP_CWORD=2
+        _trainer_completion trainer
+        echo "${COMPREPLY[@]}"
+    """
+    done = subprocess.run(
+        ["bash", "-c", script],
+        cwd=tmp_path,
+        env=shell_environment(),
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+
+    assert done.stdout.split() == ["zigzag-10", "zigzag-20"]

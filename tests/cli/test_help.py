@@ -1,0 +1,215 @@
+"""Every help page shows an example, and what it shows works as it stands there."""
+
+import contextlib
+import re
+import shutil
+import signal
+import subprocess
+from collections.abc import Iterator
+from pathlib import Path
+
+import click
+import pytest
+from helpers.decca_run import write_run
+from helpers.places import ROOT
+from helpers.shell import FILES, TIMEOUT, Done, shell_environment, typed
+
+from trainer.analysis.report.pdf import find_browser
+from trainer.cli.main import cli
+
+
+def pages(command: click.Command, path: str) -> Iterator[tuple[str, str]]:
+    """Yield the help of a command and of those below it, by what is typed."""
+    yield path, command.help or ""
+    for name, below in getattr(command, "commands", {}).items():
+        yield from pages(below, f"{path} {name}")
+
+
+def examples(text: str) -> list[str]:
+    """Return the lines under "Example:" of a help page, without the remarks behind them."""
+    found = re.search(r"^ *Example: (.*?)(?:\n\s*\n|\Z)", text, re.DOTALL | re.MULTILINE)
+    lines = found[1].splitlines() if found else []
+    return [re.split(r" {2,}", line.strip())[0] for line in lines]
+
+
+PAGES = dict(pages(cli, "trainer"))
+
+# What takes longer than a reader of the test would wait, or needs what no test has: shorter.
+SHORTER = (
+    ("tcp://bridge:17800", "tcp://{address}"),
+    ("tcp://192.168.1.10:17800", "tcp://{address}"),
+    ("0.0.0.0:17800", "127.0.0.1:0"),
+    ("/dev/ttyUSB0", "loop://"),
+    (" && rerun drill.rrd", ""),
+    *([] if find_browser() else [(r" --pdf \S+", "")]),
+    ("~/", "./"),
+    ("baseline depth-changes", "baseline depth-changes --seeds 1"),
+    ("-o boat-compact.toml", "--check"),  # a search takes half an hour
+    ("--seeds 5", "--seeds 1"),
+    ("turn-uncertainty --plot", "turn-uncertainty --members 4 --plot"),
+    ("--scheduler tcp://127.0.0.1:8786", "--members 2"),
+    ("trainer soak$", "trainer soak --hours 0.1"),
+    ("--real-time --minutes 30", "--real-time --minutes 0.1"),
+    ("--faults 100", "--faults 1"),
+    ("--damaged 2000", "--damaged 2"),
+    ("--stress 2000 --hours 10", "--stress 2 --hours 0.01"),
+    ("--on-time --minutes 10", "--on-time --minutes 0.05"),
+    ("--inputs 100000", "--inputs 100"),
+    ("bench --all", "bench --footprint"),  # minutes of measuring
+    ("trainer bench", "trainer bench --seconds 1"),
+    ("--armax --most 5", "--armax --most 2"),
+    ("--model 1 --vessel bb2", "--model 1 --vessel bb2 --every 10"),
+)
+KEPT = "state/submarine-trainer/recordings"
+FLIGHT = "trainer run {} --headless --speed max"
+DRILL = f'{FLIGHT.format("depth-changes")} --trainee "A. Jones" --record drill.trainer'
+TRIAL = (
+    "trainer prbs bb2 --amplitude 3 --write trial.toml",
+    f"{FLIGHT.format('trial.toml')} --record trial.trainer --csv trial.csv",
+)
+TURN = f"{FLIGHT.format('')} --duration 150 --orders turn.txt"
+FIRST = {  # what is typed before
+    "trainer attach": ("trainer serve periscope-depth --frozen",),
+    "trainer station": ("trainer serve periscope-depth --frozen",),
+    "trainer exercise check": ("trainer exercise new drill.toml",),
+    "trainer exercise baseline": ("trainer exercise new drill.toml",),
+    "trainer debrief": (DRILL, f"{FLIGHT.format('depth-changes')} --record {KEPT}/kept.trainer"),
+    "trainer recordings": (DRILL, f"cp drill.trainer {KEPT}", "mv drill.trainer drills"),
+    "trainer resume": (DRILL,),
+    "trainer replay": (DRILL,),
+    "trainer export": (DRILL,),
+    "trainer compare": (
+        f"{TURN} --equations full --csv full.csv",
+        f"{TURN} --equations modified --csv modified.csv",
+    ),
+    "trainer fit": ("trainer manoeuvre impulse bb2 --csv impulse.csv",),
+    "trainer sweep": (f"cp {ROOT}/configs/studies/turn-uncertainty.toml study.toml",),
+    "trainer identify": TRIAL,
+}
+SLOW = {  # [command] that takes minutes, as its subject is
+    *("trainer exercise baseline", "trainer guide", "trainer reduce", "trainer sweep"),
+    *("trainer identify", "trainer prbs", "trainer soak", "trainer fuzz", "trainer bench"),
+    "trainer export-core",
+}
+STUDY = """schema = "identify/1"
+name = "A trial"
+data = "trial.trainer"
+every = 10
+
+[ship]
+length_m = 70.2
+speed_kn = 10
+
+[model]
+kind = "nomoto1"
+outputs = ["yaw_rate", "heading"]
+"""
+SHIP = """schema = "nomoto/1"
+name = "A ship"
+length_m = 120
+speed_kn = 12
+K_per_s = -0.06
+T1_s = 90
+T2_s = 8
+T3_s = 17
+rudder_limit_deg = 35
+rudder_rate_deg_s = 3
+step_s = 0.5
+"""
+# 1: the answer is no, or the machine is too busy for what soak promises by the clock
+UNSETTLED = {"trainer compare", "trainer identify", "trainer fit", "trainer soak"}
+CASES = [
+    pytest.param(page, marks=[pytest.mark.slow] if page in SLOW else [], id=page) for page in PAGES
+]
+
+
+@pytest.mark.parametrize("page", PAGES)
+def test_a_help_page_shows_an_example(page: str) -> None:
+    lines = examples(PAGES[page])
+
+    assert lines
+    assert any(line.startswith(page) or f"| {page}" in line for line in lines)
+
+
+class Typist:
+    """Types examples one after the other; a session that one of them serves goes on beside."""
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder
+        self.own = {"XDG_STATE_HOME": str(folder / "state")}
+        self.address = ""
+        self.served: subprocess.Popen[str] | None = None
+
+    def type(self, line: str) -> Done:
+        """Type a line, a long one shorter; return what it did."""
+        for shown, shorter in SHORTER:
+            line = re.sub(shown, shorter, line)
+        if line.startswith("trainer serve"):
+            return self.serve(line)
+        says = "status\ndetach\n" if self.served else "status\nquit\n"
+        return typed(line.replace("{address}", self.address), self.folder, says, **self.own)
+
+    def serve(self, line: str) -> Done:
+        """Begin a session, in place of the last; return once it listens."""
+        self.end()
+        if "--listen" not in line:
+            line += " --listen 127.0.0.1:0"
+        self.served = subprocess.Popen(
+            ["sh", "-c", f"exec {line}"],
+            cwd=self.folder,
+            env=shell_environment(**self.own),
+            stderr=subprocess.PIPE,
+            text=True,
+        )
+        said = []
+        for told in self.served.stderr or ():
+            said.append(told)
+            if "listening at tcp" in told:
+                self.address = told.strip().rpartition("//")[2]
+                return Done(line, 0, told, "")
+        return Done(line, self.served.wait(), "", "".join(said))
+
+    def end(self) -> None:
+        """End the session that is served by Ctrl-C, as its page says."""
+        if self.served is not None:
+            self.served.send_signal(signal.SIGINT)
+            self.served.communicate(timeout=TIMEOUT)
+            assert self.served.returncode == 0
+        self.served = None
+
+    def kill(self) -> None:
+        """Kill the session that is still served, where a test has failed."""
+        if self.served is not None:
+            self.served.kill()
+
+
+@pytest.fixture
+def typist(tmp_path: Path) -> Iterator[Typist]:
+    """Give a typist in a folder that has what examples read."""
+    for name, text in FILES.items():
+        (tmp_path / name).write_text(text, encoding="utf-8")
+    for name in ("my-boat.toml", "boat.toml"):
+        shutil.copy(ROOT / "configs/vessels/bb2.toml", tmp_path / name)
+    (tmp_path / "ship.toml").write_text(SHIP)
+    (tmp_path / "study.toml").write_text(STUDY)
+    for name in (KEPT, "drills"):
+        (tmp_path / name).mkdir(parents=True)
+    write_run(tmp_path)
+    found = Typist(tmp_path)
+    with contextlib.ExitStack() as at_the_end:
+        at_the_end.callback(found.kill)
+        yield found
+        found.end()
+
+
+@pytest.mark.parametrize("page", CASES)
+def test_the_examples_of_a_help_page_work(page: str, typist: Typist) -> None:
+    for line in FIRST.get(page, ()):
+        assert typist.type(line).returncode == 0, line
+
+    for line in examples(PAGES[page]):
+        done = typist.type(line)
+
+        allowed = {0, 1} if page in UNSETTLED else {0}
+        assert done.returncode in allowed, f"{line}: {done.stderr}"
+        assert "Traceback" not in done.stderr, line

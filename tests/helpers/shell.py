@@ -1,0 +1,47 @@
+"""What documents and help pages show is typed into a shell, in an empty folder."""
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+from helpers.places import environment
+
+Done = subprocess.CompletedProcess[str]
+TIMEOUT = 600.0  # [s] on a machine that is busy
+FILES = {
+    "turn.txt": "30 rudder right 15\n",
+    "states.jsonl": '{"u": 5, "v": 0, "w": 0, "p": 0, "q": 0, "r": 0, "phi": 0, "theta": 0, '
+    '"psi": 0, "delta_r": 0, "delta_s": 0, "delta_b": 0, "u_c": 5}\n',
+}
+
+
+def shell_environment(**more: str) -> dict[str, str]:
+    """Return the environment of a shell that finds the trainer that is tested."""
+    path = os.pathsep.join([str(Path(sys.executable).parent), os.environ["PATH"]])
+    return environment(PATH=path, **more)
+
+
+def typed(line: str, folder: Path, says: str, **more: str) -> Done:
+    """Type a command into a shell in that folder, and what it reads; return what it did."""
+    return subprocess.run(
+        ["sh", "-c", line],
+        cwd=folder,
+        env=shell_environment(**more),
+        input="" if "printf" in line else says,
+        capture_output=True,
+        text=True,
+        timeout=TIMEOUT,
+        check=False,
+    )
+
+
+def ran(line: str, folder: Path) -> Done:
+    """Run a command of the documents in a folder, the long ones shorter; return what it did."""
+    for name, text in FILES.items():
+        (folder / name).write_text(text, encoding="utf-8")
+    if "bench" in line and "--seconds" not in line:
+        line = line.replace("trainer bench", "trainer bench --seconds 1", 1)
+    if "serve" in line:
+        line = f"{line} --duration 1 --listen 127.0.0.1:0"
+    return typed(line, folder, "status\nquit\n")

@@ -1,0 +1,98 @@
+"""The first sentence of a docstring is short and plain, for whose second language English is."""
+
+import ast
+import re
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+from helpers.places import ROOT
+
+MOST = 15  # [words]
+DIALECT = re.compile(r"(Let|Have|Has|What|Whatever|Whoever)\b")
+SENTENCE = re.compile(r"(?<=[.!?])[\"')\]]*\s+(?=[A-Z\"`'(\[0-9])|\n\s*\n")
+# Every change of these compiles kernels anew, and of the core changes the digest that recordings
+# carry: they wait for a change that does so anyway. Their faults may only become fewer.
+WAITING = {
+    "trainer/core": 138,
+    "trainer/identify/kernels": 16,
+    "trainer/analysis/fleet": 16,
+    "trainer/analysis/sweep/draws.py": 2,
+    "trainer/analysis/sweep/start.py": 1,
+}
+
+
+def first_sentence(docstring: str) -> str:
+    """Return the first sentence, on one line."""
+    return " ".join(SENTENCE.split(docstring.strip(), maxsplit=1)[0].split())
+
+
+def fault(docstring: str) -> str:
+    """Return what is wrong with the first sentence of a docstring, "" if nothing is."""
+    first = first_sentence(docstring)
+    words = len(first.split())
+    faults = {
+        f"{words} words, at most {MOST}": words > MOST,
+        "ends without a full stop": not first.endswith("."),
+        "begins with a small letter": first[:1].islower(),
+        "begins in dialect": bool(DIALECT.match(first)),
+    }
+    return ", ".join(told for told, holds in faults.items() if holds)
+
+
+def docstrings(path: Path) -> Iterator[tuple[str, str]]:
+    """Yield what is public in a module and its docstring: the module, its classes and functions."""
+    tree = ast.parse(path.read_text(encoding="utf-8"))
+    yield "", ast.get_docstring(tree) or ""
+    for node in ast.walk(tree):
+        if isinstance(node, ast.ClassDef | ast.FunctionDef) and not node.name.startswith("_"):
+            yield node.name, ast.get_docstring(node) or ""
+
+
+def faults(*paths: Path) -> list[str]:
+    """Return the faults in modules, a line each."""
+    return [
+        f"{path.relative_to(ROOT)} {name}: {wrong}: {first_sentence(text)}"
+        for path in paths
+        for name, text in docstrings(path)
+        if text and (wrong := fault(text))
+    ]
+
+
+def modules(place: str) -> list[Path]:
+    """Return the modules in a folder of the project, or the one that it is."""
+    path = ROOT / place
+    return sorted(path.rglob("*.py")) if path.is_dir() else [path]
+
+
+def test_first_sentences_are_short_and_plain() -> None:
+    waiting = {path for place in WAITING for path in modules(place)}
+    rest = [path for path in modules("trainer") if path not in waiting]
+
+    assert len(rest) > 300
+    assert not faults(*rest), "\n".join(faults(*rest))
+
+
+@pytest.mark.parametrize(("place", "most"), WAITING.items())
+def test_what_waits_for_a_change_of_the_core_becomes_no_more(place: str, most: int) -> None:
+    found = faults(*modules(place))
+
+    assert len(found) <= most, "\n".join(found)
+
+
+@pytest.mark.parametrize(
+    "wrong",
+    [
+        "Let time pass.",
+        "What a tick costs.",
+        "Have a channel sent.",
+        "return the depth.",
+        "Return the depth",
+        "Return the depth of the boat below the surface of the sea as its crew reads it now.",
+    ],
+)
+def test_a_fault_is_seen(wrong: str) -> None:
+    assert fault(wrong)
+    assert not fault(
+        "Return the depth [m]. ConfigError if there is none, said at any length at all."
+    )
