@@ -88,7 +88,7 @@ def test_a_name_that_a_shell_has_to_quote_is_left_to_the_shell(tmp_path: Path) -
 
 
 def test_a_command_that_is_not_there_is_no_error_while_it_is_typed(tmp_path: Path) -> None:
-    assert words_of(completed(tmp_path, "vess")) == ["vessels"]
+    assert words_of(completed(tmp_path, "vess")) == ["vessels", "vessel"]
     assert completed(tmp_path, "nothing-like-it", "x") == []
 
 

@@ -69,6 +69,8 @@ TRIAL = (
 )
 TURN = f"{FLIGHT.format('')} --duration 150 --orders turn.txt"
 FIRST = {  # what is typed before
+    "trainer vessel": ("rm -f boat.toml",),
+    "trainer vessel new": ("rm -f boat.toml",),
     "trainer attach": ("trainer serve periscope-depth --frozen",),
     "trainer station": ("trainer serve periscope-depth --frozen",),
     "trainer exercise check": ("trainer exercise new drill.toml",),

@@ -1,4 +1,4 @@
-"""How ready a vessel file is: its compact set beside the full one, and what the file lacks.
+"""The readiness of a vessel file: its compact set, and what it lacks.
 
 Few flights of the guide are judged as ``trainer reduce --check`` judges all of them.
 """
@@ -22,7 +22,7 @@ WIDTH: Final = 79
 
 @dataclass(frozen=True)
 class Worst:
-    """The number of one flight that is furthest off, of what may be so; SI and radians."""
+    """The number of one flight that is furthest off. SI and radians."""
 
     leg: str
     quantity: str  # "" where nothing is judged
@@ -42,7 +42,7 @@ class Lack:
 
 @dataclass(frozen=True)
 class Readiness:
-    """What ``trainer check`` ends with."""
+    """The end of ``trainer check``."""
 
     own_compact_set: bool
     compact: tuple[Worst, ...]  # none without a compact set

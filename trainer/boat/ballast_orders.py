@@ -205,7 +205,7 @@ ORDERS: Final = frozenset(_DUTIES)
 
 
 def load_trim_water(boat: Boat, heavy: float, forward: float) -> str:
-    """Put the boat out of trim as it lies: ``heavy`` [kg], and ``forward`` [kg] moved from aft.
+    """Put the boat out of trim: ``heavy`` [kg], and ``forward`` [kg] moved from aft.
 
     Return why it cannot be, "" when it is done.
     """

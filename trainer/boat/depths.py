@@ -120,7 +120,7 @@ def surface_remarks(file: VesselFile, depth: float | None) -> tuple[str, ...]:
 
 
 class Passed(NamedTuple):
-    """A depth that has been passed, on the way down or at the periscope on the way up."""
+    """A depth that has been passed, down, or up at the periscope."""
 
     depth: float  # [m]
     words: str

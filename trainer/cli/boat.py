@@ -1,4 +1,4 @@
-"""The boat of the Python face: a session without a clock, ordered and run by calls.
+"""The boat of the Python face: a session without a clock, run by calls.
 
 It is planned, made ready, ordered and ticked by what a headless run is, and has the same bits.
 """
@@ -69,7 +69,7 @@ class BoatOptions(TypedDict, total=False):
 
 @dataclass(frozen=True)
 class Snapshot:
-    """A moment of a boat, to go back to by ``Boat.restore``; ``time`` is its time [s]."""
+    """A moment of a boat, to go back to by ``Boat.restore``. ``time`` is its time [s]."""
 
     time: float
     _moment: Moment = field(repr=False)
@@ -168,7 +168,7 @@ class Boat:
         return answer
 
     def run(self, seconds: float | None = None) -> None:
-        """Let so many seconds [s] of simulated time pass, to the nearest tick, one at least.
+        """Run the boat for so many seconds [s], to the nearest tick, one at least.
 
         Without a number it runs to the end of the exercise. TrainerError if the boat is lost on
         the way: it stays as it was then, and can go back to a snapshot.
@@ -201,7 +201,7 @@ class Boat:
 
     @property
     def state(self) -> dict[str, float]:
-        """Return a copy of the whole state by the core's names, in SI units and radians.
+        """Return a copy of the state by the core's names, in SI and radians.
 
         ``u`` [m/s] is the speed ahead, ``z`` [m] the depth, ``psi`` [rad] the heading, ``theta``
         [rad] the pitch; the names are those of a recording's columns.
@@ -252,7 +252,7 @@ class Boat:
 
     @property
     def lost(self) -> str:
-        """Return why the boat cannot go on, such as the collapse of its hull; "" while it can."""
+        """Return why the boat cannot go on, "" while it can."""
         return self._session.control.failure
 
     def snapshot(self) -> Snapshot:
@@ -260,7 +260,7 @@ class Boat:
         return Snapshot(self.time, self._session.history.now(), self)
 
     def restore(self, snapshot: Snapshot) -> None:
-        """Go back to a moment of this boat, to the bit; what came after it is forgotten.
+        """Go back to a moment of this boat, to the bit. What came after it is forgotten.
 
         A recording keeps it, on the branch that is left. TrainerError for another boat's moment.
         """
@@ -273,7 +273,7 @@ class Boat:
         self._events[:] = [each for each in self._events if each.tick <= self._boat.ticks]
 
     def close(self) -> None:
-        """End the run and its recording, if there is one; what was flown can still be read.
+        """End the run and its recording, if there is one. What was flown can still be read.
 
         TrainerError if the recording could not be written whole.
         """

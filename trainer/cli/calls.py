@@ -125,7 +125,7 @@ class SweepOptions(TypedDict, total=False):
 
 
 def sweep(study: File, **options: Unpack[SweepOptions]) -> "Answer[SweepReport, Spread]":
-    """Fly a study, one boat many times with some of its numbers varied, as ``trainer sweep`` does.
+    """Fly a study, one boat many times, as ``trainer sweep`` does.
 
     ``members`` is how many there are, else the study's own number. With ``out`` the result is kept
     in that Parquet file, and a sweep that was interrupted goes on; else nothing is kept. ``jobs``

@@ -252,7 +252,7 @@ def _armax(study: Any, options: dict[str, Any]) -> int:
 
 
 def fit_ship(study: Any, options: dict[str, Any]) -> "Identified":
-    """Return a ship model fitted and what there is to say of it; ConfigError if it cannot be."""
+    """Return a ship model fitted and what there is to say of it. ConfigError if it cannot be."""
     from trainer.identify.pages import identify as page  # noqa: PLC0415
 
     with _announcing():

@@ -1,4 +1,4 @@
-"""Keywords of the Python face, read as the options of the command that does the same.
+"""Keywords of the Python face, read as the options of the same command.
 
 Each keyword is the name of an option, such as ``step_speed`` for ``--step-speed``. The command's
 own parser checks it: limits, choices, defaults and messages are those of the command line.

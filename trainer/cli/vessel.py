@@ -17,7 +17,11 @@ from trainer.cli.types import Commands
 
 @click.group(cls=Commands)
 def vessel() -> None:
-    """Make a boat of your own: a vessel file to begin with."""
+    """Make a boat of your own: a vessel file to begin with.
+
+    \b
+    Example:  trainer vessel new boat.toml --from bb2 --length 60
+    """
 
 
 @vessel.command()

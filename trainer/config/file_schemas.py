@@ -1,4 +1,4 @@
-"""JSON Schemas of the files that users write, draft 2020-12, made of the readers' own records.
+"""JSON Schemas of the files that users write, made of the readers' own records.
 
 Editors complete and underline by them. What fits together among keys the readers alone know.
 """
@@ -81,7 +81,7 @@ def exercise_schema() -> dict[str, Any]:
 
 
 def casualties_schema() -> dict[str, Any]:
-    """Return the JSON Schema of a table of casualties; the standard one gives all but the kind."""
+    """Return the JSON Schema of a table of casualties. The standard one gives all but the kind."""
     supplied = [item.name for item in fields(casualties.Entry) if item.name != "kind"]
     entry = record_schema(casualties.Entry, ("note",), supplied)
     entries = {

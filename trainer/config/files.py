@@ -266,7 +266,7 @@ def _text_on_disk(path: Path) -> str:
 
 
 def write_once(path: Path, text: str) -> None:
-    """Write a text to a new file; ConfigError if the file is there or cannot be made."""
+    """Write a text to a new file. ConfigError if the file is there or cannot be made."""
     try:
         with path.open("x", encoding="utf-8", newline="\n") as file:
             file.write(text)
@@ -277,7 +277,7 @@ def write_once(path: Path, text: str) -> None:
 
 
 def as_typed(path: Path) -> str:
-    """Return a path as the commands take it: a bare name would be that of a shipped file."""
+    """Return a path as the commands take it. A bare name would be that of a shipped file."""
     bare = path.suffix != ".toml" and len(path.parts) == 1
     return f"./{path}" if bare else str(path)
 

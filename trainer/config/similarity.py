@@ -1,4 +1,4 @@
-"""A boat of another length: Froude's law of similarity for every key of a vessel file.
+"""A boat of another length: Froude's law for every key of a vessel file.
 
 Two boats of one shape behave alike where gravity and water are the same: lengths as L, times and
 speeds as the root of L, masses as L^3. The unit of a key tells its power of L; ``EXCEPTIONS``
@@ -31,7 +31,7 @@ UNIT: Final = re.compile(r"([A-Za-z-]+?)\^?(\d?)")
 
 
 class Law(NamedTuple):
-    """How a key follows the length: its power [-], and why it is not that of its unit."""
+    """The power [-] of the length that a key follows, and the reason."""
 
     power: float
     reason: str = ""
@@ -52,7 +52,7 @@ EXCEPTIONS: Final[Mapping[tuple[str, str], Law]] = {
 
 
 def power_of(unit: str) -> float:
-    """Return the power of the length [-] that a unit follows; KeyError of an unknown unit.
+    """Return the power of the length [-] that a unit follows. KeyError of an unknown unit.
 
     A unit is factors with spaces between, one slash at most: ``rad s/m``, ``kg/(m s)``.
     """
@@ -74,7 +74,7 @@ def _product(factors: str) -> float:
 
 
 def law_of(table: str, key: str, kind: Kind) -> Law:
-    """Return the law of a key of a table; that of its unit where it is no exception."""
+    """Return the law of a key of a table. It is that of its unit where it is no exception."""
     if (table, key) in EXCEPTIONS:
         return EXCEPTIONS[table, key]
     quantity = _quantity(kind)
@@ -91,7 +91,7 @@ def _quantity(kind: Kind) -> Quantity | None:
 def scaled_table(
     record: type[Any], table: Mapping[str, Any], name: str, factor: float
 ) -> dict[str, Any]:
-    """Return a table of the boat ``factor`` times as long [-], without the reader's own keys."""
+    """Return a table scaled by ``factor`` [-], without the reader's own keys."""
     kinds = kinds_of(record)
     return {
         key: _scaled(kinds[key], value, name, key, factor)
@@ -121,7 +121,7 @@ def _multiplied(value: Any, by: float) -> Any:
 
 
 def formula(power: float) -> str:
-    """Return in words how a key follows the length: ``L^3``; ``as it is`` for no power."""
+    """Return in words how a key follows the length. ``as it is`` stands for no power."""
     if power == 0.0:
         return "as it is"
     return "L" if power == 1.0 else f"L^{power:g}"

@@ -156,7 +156,7 @@ class VesselFile:
 
     @property
     def own_equations(self) -> str:
-        """Return the set that this boat is flown by: full, where it has no compact one."""
+        """Return the set that this boat is flown by, full without a compact one."""
         return "modified" if self.has_compact_set else "full"
 
 

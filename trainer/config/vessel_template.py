@@ -1,4 +1,4 @@
-"""A vessel file written out: every key with its unit, its law and its meaning, to be changed."""
+"""A vessel file written out: every key with its unit, its law and its meaning."""
 
 import json
 from collections.abc import Iterator, Mapping
@@ -32,7 +32,7 @@ LAWS: Final = """\
 
 
 class Writer:
-    """Writes the tables of a boat that is ``factor`` times as long [-] as its source."""
+    """Writes the tables of a boat, ``factor`` times as long [-] as its source."""
 
     def __init__(self, factor: float) -> None:
         """Remember the factor; 1 is a copy."""
@@ -131,7 +131,7 @@ def scaled_vessel(given: Mapping[str, Any], factor: float) -> dict[str, Any]:
 
 
 def vessel_text(source: str, length: float | None, name: str | None) -> str:
-    """Return the text of a new vessel file: ``source`` scaled to a length [m], None: a copy.
+    """Return the text of a new vessel file. It is ``source`` scaled to a length [m], None: a copy.
 
     ConfigError if there is no such boat.
     """

@@ -302,7 +302,7 @@ def answer(words: str, lines: Sequence[str]) -> Reading:
 
 
 class Next(NamedTuple):
-    """What can follow an exercise: its order, what it does, and whether it is asked once more."""
+    """A step after an exercise: its order, its words, whether it is asked once more."""
 
     order: str
     does: str

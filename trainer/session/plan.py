@@ -187,7 +187,7 @@ def refuse_too_deep(exercise: Exercise, file: VesselFile) -> None:
 
 
 def refuse_depth(depth: float | None, file: VesselFile, place: str) -> None:
-    """Raise ConfigError if the hull is lost at a depth [m] to begin at; ``place`` says where."""
+    """Raise ConfigError if the hull is lost at a depth [m]. ``place`` says where."""
     limit = file.hull.collapse_depth_m
     if depth is not None and limit is not None and depth >= limit:
         raise ConfigError(

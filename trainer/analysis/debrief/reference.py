@@ -122,7 +122,7 @@ def joined(before: Trajectory, after: Trajectory) -> Trajectory:
 def first_fault(
     trajectory: Trajectory, card: Scorecard, reference: Reference, plan: Plan, width: str
 ) -> Fault | None:
-    """Return the first moment at which a task that cost much went wrong, None if none did.
+    """Return the first moment at which a dear task went wrong, None if none did.
 
     A task costs much from MUCH of what the dearest of them cost.
     """

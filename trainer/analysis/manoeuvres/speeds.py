@@ -148,7 +148,7 @@ class Backing(Manoeuvre):
         yield from conn.hold_to(self.duration_s)
 
     def measures(self, flight: Flight) -> list[Measure]:
-        """Return speeds and the way made astern; where the boat then goes by itself is shown."""
+        """Return speeds and the way made astern. Where the boat then goes by itself is shown."""
         fastest, furthest = largest(flight.column("u")), largest(flight.change("x"))
         found = []
         for reading in READINGS:

@@ -287,7 +287,7 @@ def with_members(study: Study, members: int) -> Study:
 
 
 def study_schema() -> dict[str, Any]:
-    """Return the JSON Schema of a study of many members; every member is of one of three kinds."""
+    """Return the JSON Schema of a study. Every member is of one of three kinds."""
     named = {"file": {"type": "string", "description": "name or path of the exercise"}}
     heading = record_schema(Heading, ("note",))
     keys = {

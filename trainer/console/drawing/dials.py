@@ -112,7 +112,7 @@ def depth_gauge(model: SessionModel) -> Gauge:
 
 
 def depth_rate(model: SessionModel) -> str:
-    """Return how fast the depth gauge sinks or rises, as far as the chart of it goes back."""
+    """Return how fast the depth gauge sinks or rises, by its chart."""
     names = [each.name for each in model.charts]
     if "depth" not in names:
         return ""
@@ -133,7 +133,7 @@ def compass(model: SessionModel) -> Gauge:
 
 
 def rate_of_turn(model: SessionModel) -> str:
-    """Return how fast the boat turns, which its own gyro tells; "" where the station has none."""
+    """Return how fast the boat turns by its own gyro, "" at stations without."""
     turn = model.picture.number("steering", "turn_rate")
     if turn is None or abs(turn) < 0.05:
         return ""
@@ -221,7 +221,7 @@ def telegraph(model: SessionModel, width: int) -> Lines:
 
 
 def bells_in_knots(model: SessionModel) -> str:
-    """Return the turns of the bells [kn], ahead and astern, as far as the vessel has told them."""
+    """Return the turns of the bells [kn] that the vessel has told."""
     found = []
     for way, bells in (("ahead", AHEAD), ("astern", ASTERN[::-1])):
         turns = [model.ranges[f"{way} {name}"] for name in bells if f"{way} {name}" in model.ranges]
