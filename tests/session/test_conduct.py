@@ -468,6 +468,13 @@ def test_run_waits_for_nobody_and_tells_who_is_not_ready(crewed: Callable[..., C
     assert ship.say(helm, "ready") == ("ok", "ready; everybody is")
 
 
+def test_who_came_first_has_command_whoever_orders_first(crewed: Callable[..., Crewed]) -> None:
+    ship = crewed(seconds=None)
+    second = ship.comes("instructor")
+    assert ship.refused("run", second) == "line 1 has command: take command asks for it"
+    assert ship.order("freeze").startswith("frozen")
+
+
 def test_one_instructor_has_command_and_the_others_watch_and_mark(
     crewed: Callable[..., Crewed],
 ) -> None:

@@ -1,5 +1,6 @@
 """The window for long texts: help, the briefing of an exercise, long answers."""
 
+import re
 import textwrap
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -79,6 +80,7 @@ LIMITS: Final = {
     "validity_level_max": "validity level {} at most",
 }
 AT: Final = {"rudder": "helm", "speed": "helm", "planes": "planes", "ballast": "ballast"}
+PASSING: Final = re.compile("^by hand: | has come$")  # of a greeting: what no briefing needs
 PAGE: Final = 60  # [characters] from which a line was broken because the page ended
 MOVES: Final = {
     "up": -1,
@@ -209,7 +211,8 @@ def briefing_rows(model: SessionModel) -> list[Line]:
     if model.marks_told:
         rows += titled("Marks", [line((f"   {text}", "value")) for text in model.marks_told])
     told = model.told.get("line", [])
-    said = [text for text in model.briefing if text not in (*told, model.exercise.get("title"))]
+    known = (*told, model.exercise.get("title"))
+    said = [text for text in model.briefing if text not in known and not PASSING.search(text)]
     rows += [line()] * bool(rows)
     rows += [line((f"   {text}", "plain")) for text in paragraphs(told)]
     rows += [line()] * bool(told)

@@ -368,17 +368,21 @@ class Conduct:
         station, command = asked.station, self.command
         if station.role is not INSTRUCTOR or asked.order.name in WATCHING:
             return ""
-        if command.holder not in self._instructors():
-            command.holder = station
+        self._settle_command(station)
         if command.holder is station or command.holder is None:
             return ""
         return f"{command.holder.line.name} has command: take command asks for it"
 
+    def _settle_command(self, station: Station) -> None:
+        """Give command to who came first of the instructors, if nobody has it."""
+        there = self._instructors()
+        if self.command.holder not in there:
+            self.command.holder = next(iter(there), station)
+
     def _ask_for_command(self, asked: Asked) -> bool:
         command, station = self.command, asked.station
-        if command.holder is None or command.holder not in self._instructors():
-            command.holder = station
-        if command.holder is station:
+        self._settle_command(station)
+        if command.holder is None or command.holder is station:
             station.answer(asked, "you have command")
             return True
         if command.asker not in (None, station):

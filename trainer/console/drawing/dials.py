@@ -207,7 +207,7 @@ def telegraph(model: SessionModel, width: int) -> Lines:
         for name in bells:
             here = rung == (f"{way}-{name}" if way else name)
             says = SHORT_BELLS.get(name, name)
-            parts.append((f" {BELL_KEYS[f'{way} {name}'.strip()]}", "key"))
+            parts.append((BELL_KEYS[f"{way} {name}".strip()], "key"))
             parts.append((f"[{says}]" if here else f" {says} ", "chosen" if here else "plain"))
     rpm, ordered = (picture.number("engine", name) for name in ("rpm", "ordered_rpm"))
     kept = "speed kept automatically" if picture.word("engine", "speed_mode") == "auto" else ""
