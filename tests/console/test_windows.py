@@ -124,7 +124,7 @@ def test_the_briefing_has_mission_time_left_what_wins_and_the_limits(
 
 @pytest.mark.parametrize(
     ("key", "order"),
-    [("d", "debrief"), ("aa", "again"), ("HH", "again from here"), ("n", "next")],
+    [("d", "debrief"), ("aa", "again"), ("HH", "again from 2 min"), ("n", "next")],
 )
 @pytest.mark.parametrize("clicked", [False, True])
 def test_the_instructor_is_offered_what_follows_an_exercise(

@@ -316,7 +316,7 @@ AFTER: Final = {
     "r": Next("release marks", "release the marks to the crew"),
     "d": Next("debrief", "write the debrief"),
     "a": Next("again", "again, from the start", asked=True),
-    "h": Next("again from here", "again from here", asked=True),
+    "h": Next("again from 2 min", "again, from two minutes ago", asked=True),
     "n": Next("next", "another: lists them"),
 }
 DEAF: Final = 1.0  # [s] that keys are ignored which were meant for what was there before
