@@ -13,6 +13,10 @@ ROOT = Path(__file__).parent.parent
 PAGES = [*sorted(ROOT.glob("docs/*.md")), ROOT / "README.md"]
 
 
+# in this one a table tells of commands what they return
+PAGES.remove(ROOT / "docs" / "exit-codes.md")
+
+
 def commands(page: Path) -> list[str]:
     """Return the lines of the page's shell blocks, and of its table of what to type."""
     text = page.read_text(encoding="utf-8")

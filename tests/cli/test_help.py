@@ -88,6 +88,7 @@ FIRST = {  # what is typed before
     "trainer sweep": (f"cp {ROOT}/configs/studies/turn-uncertainty.toml study.toml",),
     "trainer identify": TRIAL,
 }
+LACKING = re.compile(r"^trainer: .* needs \w+: pip install '.*'$", re.MULTILINE)
 SLOW = {  # [command] that takes minutes, as its subject is
     *("trainer exercise baseline", "trainer guide", "trainer reduce", "trainer sweep"),
     *("trainer identify", "trainer prbs", "trainer soak", "trainer fuzz", "trainer bench"),
@@ -212,6 +213,8 @@ def test_the_examples_of_a_help_page_work(page: str, typist: Typist) -> None:
     for line in examples(PAGES[page]):
         done = typist.type(line)
 
+        if LACKING.search(done.stderr):
+            continue  # an extra that is not installed here
         allowed = {0, 1} if page in UNSETTLED else {0}
         assert done.returncode in allowed, f"{line}: {done.stderr}"
         assert "Traceback" not in done.stderr, line

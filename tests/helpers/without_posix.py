@@ -6,6 +6,7 @@ python tests/helpers/without_posix.py FILE [WORD]...
 import contextlib
 import importlib
 import importlib.abc
+import importlib.util
 import os
 import runpy
 import socket
@@ -14,7 +15,10 @@ from pathlib import Path
 from types import ModuleType
 
 LACKING = ("fcntl", "grp", "pty", "pwd", "resource", "syslog", "termios", "tty")
-ROOT = Path(__file__).parent.parent.parent
+FOUND = importlib.util.find_spec("trainer")
+assert FOUND
+assert FOUND.origin
+OURS = str(Path(FOUND.origin).parent)
 
 
 class Lacking(importlib.abc.MetaPathFinder):
@@ -22,7 +26,7 @@ class Lacking(importlib.abc.MetaPathFinder):
 
     def find_spec(self, name: str, _path: object = None, _target: ModuleType | None = None) -> None:
         """Raise what the import of a module that is not there raises."""
-        if name in LACKING and str(ROOT / "trainer") in importer():
+        if name in LACKING and OURS in importer():
             raise ModuleNotFoundError(f"No module named {name!r}", name=name)
 
 
@@ -51,5 +55,6 @@ def lack() -> None:
 if __name__ == "__main__":
     lack()
     sys.argv = sys.argv[1:]
-    sys.path[0] = str(ROOT)
+    here = str(Path(__file__).parent)
+    sys.path[:] = [each for each in sys.path if each != here]
     runpy.run_path(sys.argv[0], run_name="__main__")
