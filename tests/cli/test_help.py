@@ -12,7 +12,7 @@ import click
 import pytest
 from helpers.decca_run import write_run
 from helpers.places import ROOT
-from helpers.shell import FILES, TIMEOUT, Done, shell_environment, typed
+from helpers.shell import FILES, Done, shell_environment, typed
 
 from trainer.analysis.report.pdf import find_browser
 from trainer.cli.main import cli
@@ -88,6 +88,7 @@ FIRST = {  # what is typed before
     "trainer sweep": (f"cp {ROOT}/configs/studies/turn-uncertainty.toml study.toml",),
     "trainer identify": TRIAL,
 }
+PATIENCE = 5.0  # [s] from one Ctrl-C to the next
 LACKING = re.compile(r"^trainer: .* needs \w+: pip install '.*'$", re.MULTILINE)
 SLOW = {  # [command] that takes minutes, as its subject is
     *("trainer exercise baseline", "trainer guide", "trainer reduce", "trainer sweep"),
@@ -175,8 +176,11 @@ class Typist:
     def end(self) -> None:
         """End the session that is served by Ctrl-C, as its page says."""
         if self.served is not None:
-            self.served.send_signal(signal.SIGINT)
-            self.served.communicate(timeout=TIMEOUT)
+            while self.served.poll() is None:  # one that comes before the first tick may be lost
+                self.served.send_signal(signal.SIGINT)
+                with contextlib.suppress(subprocess.TimeoutExpired):
+                    self.served.wait(PATIENCE)
+            self.served.communicate()
             assert self.served.returncode in {0, 130}  # 130 before its first tick
         self.served = None
 
