@@ -8,12 +8,14 @@ import tempfile
 from collections.abc import Callable, Iterator
 
 import pytest
+from helpers.installation import install
 from helpers.places import DATA
 
 from trainer.boat.assemble import Method
 from trainer.boat.boat import Boat
 from trainer.config.vessel import load_vessel
 
+pytest_plugins = ["helpers.browser"]
 # What is tested is what is installed, in all that the tests start as well: not what lies beside.
 os.environ["PYTHONSAFEPATH"] = "1"
 # pytest-xdist's workers ignore Ctrl-C, and so would all that they start.
@@ -21,9 +23,14 @@ signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
 def pytest_sessionstart(session: pytest.Session) -> None:
-    """Compile the core and fleets once, before several processes would do so side by side."""
+    """Compile the core and fleets once, before several processes would do so side by side.
+
+    So is the browser installed, where that is allowed.
+    """
     if not getattr(session.config.option, "numprocesses", None):
         return
+    if "core" not in session.config.option.markexpr:
+        install("chromium", "chromium", 600.0)
     first = [["trainer.session.precompilation"]]
     with tempfile.TemporaryDirectory() as folder:
         if "core" not in session.config.option.markexpr:

@@ -25,10 +25,9 @@ from trainer.io.client import dial
 from trainer.io.orders.grammar import BadOrder, Order, parse
 from trainer.io.paths import HOST, recording_paths
 from trainer.io.serial_line import LinkError
-from trainer.io.server import Server, private_folder
-from trainer.session.ports import parse_address, refuse_open_door
+from trainer.io.server import Server, parse_address, private_folder
 from trainer.session.stations import access
-from trainer.session.stations.access import Access, read_tokens
+from trainer.session.stations.access import Access, read_tokens, refuse_open_door
 
 HOME = Path(trainer.__file__).parent
 SOURCES = sorted(HOME.rglob("*.py"))
@@ -113,15 +112,15 @@ def test_nobody_beyond_this_machine_is_listened_to_unless_told(name: str) -> Non
     command = cli.commands[name]
     options: dict[str, Any] = {each.name or "": each.default for each in command.params}
     listen = options["listen"]
-    assert listen is None or parse_address(str(listen))[0] == HOST == "127.0.0.1"
+    assert listen is None or parse_address(str(listen), "")[0] == HOST == "127.0.0.1"
     assert not options["token"]
 
 
 @pytest.mark.parametrize("host", ["0.0.0.0", "::", "192.168.1.10", "bridge", ""])  # noqa: S104
 def test_beyond_this_machine_a_token_is_asked_for(host: str) -> None:
     with pytest.raises(ConfigError, match="only with --token"):
-        refuse_open_door(host, {})
-    refuse_open_door(host, {"": "word"})
+        refuse_open_door("--listen", host, {})
+    refuse_open_door("--listen", host, {"": "word"})
 
 
 @pytest.mark.skipif(not hasattr(socket, "AF_UNIX"), reason="no local sockets here")

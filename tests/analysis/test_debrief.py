@@ -23,7 +23,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from trainer.analysis.debrief.charts import draw_track
+from trainer.analysis.debrief.charts import as_it_was_come_to, draw_track
 from trainer.analysis.debrief.data import DebriefData, figures, gather
 from trainer.analysis.debrief.measures import broach_rows
 from trainer.analysis.debrief.page import Asked, beside, debrief_file, read_dossier, render
@@ -899,3 +899,17 @@ def test_names_of_anybody_s_making_come_out_as_text(tmp_path: Path) -> None:
     assert not [tag for tag, _ in elements.found if tag == "script"]
     assert "".join(elements.words).count(EVIL) >= 8  # title, briefing, score, mark, order, who, ...
     assert "alert" not in re.sub(r"&lt;script&gt;alert\(&#34;x&#34;\)&lt;/script&gt;", "", text)
+
+
+def test_an_ordered_course_is_drawn_without_a_jump_where_the_heading_passes_north() -> None:
+    nan = math.nan
+    # 180 by the right, then 000 by the left while the boat is a little beyond 180, then by hand
+    ordered = np.array([180.0, 180.0, 0.0, 0.0, 0.0, nan, nan])
+    heading = np.array([0.0, 180.0, 180.4, 90.0, 1.0, -2.0, -5.0])
+    np.testing.assert_array_equal(as_it_was_come_to(ordered, heading), ordered)
+    # ordered 010 while the boat, gone round once to the right, counts 350 to 371
+    ordered, heading = np.full(3, 10.0), np.array([350.0, 360.0, 371.0])
+    np.testing.assert_array_equal(as_it_was_come_to(ordered, heading), np.full(3, 370.0))
+    # still 190 to go by the side that was ordered
+    ordered, heading = np.full(2, 200.0), np.array([5.0, 10.0])
+    np.testing.assert_array_equal(as_it_was_come_to(ordered, heading), ordered)

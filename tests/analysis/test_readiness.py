@@ -1,7 +1,6 @@
 """A check ends with the compact set beside the full one, and with what the file lacks."""
 
 import json
-import os
 import re
 import subprocess
 import sys
@@ -10,7 +9,7 @@ from pathlib import Path
 
 import pytest
 from click.testing import CliRunner
-from helpers.places import ROOT
+from helpers.places import environment
 
 from trainer.analysis.readiness import Readiness, examine, render
 from trainer.cli.vessel import check
@@ -130,7 +129,7 @@ def test_a_run_begins_by_saying_so(tmp_path: Path) -> None:
 
     done = subprocess.run(
         [sys.executable, "-m", "trainer", *line, "--vessel", str(plain(tmp_path))],
-        env=os.environ | {"PYTHONPATH": str(ROOT)},
+        env=environment(),
         capture_output=True,
         text=True,
         timeout=300,

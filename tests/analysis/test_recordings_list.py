@@ -136,6 +136,53 @@ def test_the_list_goes_on_past_what_cannot_be_read(
     }
 
 
+LONG = Came(
+    "Periscope depth in a seaway, at night",
+    3,
+    "basic",
+    "not reached",
+    0.0,
+    counts=False,
+    changed=True,
+)
+LONG_FILE = Path("periscope-depth-20261121-222343.trainer")
+LONG_ROWS = (
+    Listed(LONG_FILE, "2026-11-21T22:23:43", ("Ann O Briain", "Ann O Briain the younger"), LONG),
+    Listed(LONG_FILE, "2026-11-21T22:23:43", ("Bob",), replace(LONG, counts=True)),
+    Listed(LONG_FILE, "2026-11-21T22:23:43", (), None, "it is damaged: " + "a page is cut " * 9),
+    Listed(Path("a.trainer"), "2026-11-21T22:23:43", ("A\x1b",), replace(LONG, exercise="Mine")),
+)
+
+
+@pytest.mark.parametrize("columns", [60, 79, 80, 100])
+def test_a_list_fits_the_terminal_and_shortens_only_what_is_too_long(columns: int) -> None:
+    lines = list(list_lines(LONG_ROWS, columns))
+
+    assert max(map(len, lines)) <= columns
+    assert lines[0].count("…") >= 2
+    assert "not reached     0*" in lines[0]
+    assert "  Bob  p" in lines[1]
+    assert " ".join(" ".join(lines).split()).count("a page is cut") == 9
+    assert "Mine " in lines[-1]
+
+
+def test_a_list_for_a_program_shortens_nothing() -> None:
+    assert "…" not in "".join(list_lines(LONG_ROWS))
+
+
+def test_a_terminal_gets_a_list_of_its_own_width(
+    kept: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    named = kept.rename(kept.with_name(f"{'long-name-' * 6}.trainer"))
+    monkeypatch.setattr(sys.stdout, "isatty", lambda: True)
+    monkeypatch.setenv("COLUMNS", "79")
+    print_list([named.parent], as_json=False)
+    (line,) = capsys.readouterr().out.splitlines()
+    assert len(line) <= 79
+    assert "long-" in line
+    assert line.endswith("…")
+
+
 def test_a_list_sends_no_control_characters(kept: Path, capsys: pytest.CaptureFixture[str]) -> None:
     with contextlib.closing(sqlite3.connect(kept)) as file, file:
         names = json.dumps(["\x07\x1b[31mred"])

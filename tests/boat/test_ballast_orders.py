@@ -92,6 +92,7 @@ def fly(boat: Boat, seconds: float) -> None:
         ({}, "compressor on", {"compressor": 1.0}),
         ({"compressor": 1.0}, "compressor off", {"compressor": 0.0}),
         ({"ordered_depth": 80.0}, "hover on", {"hover": 1.0, "ordered_depth": 60.0}),
+        ({}, "hover 65", {"hover": 1.0, "ordered_depth": 65.0}),
         (
             {"hover": 1.0, "move_depth_control": 9.0},
             "hover off",
@@ -115,6 +116,17 @@ def test_an_order_sets_its_fields_and_no_others(
     for name, value in changes.items():
         expected[name] = value
     assert boat.records.state.tobytes() == expected.tobytes()
+
+
+def test_hovering_deeper_than_the_boat_may_go_is_refused() -> None:
+    boat = under_way()
+    before = boat.snapshot()
+    order = parse("hover 900")
+    assert isinstance(order, Order)
+    reply = obey(boat, order)
+    assert isinstance(reply, Refused)
+    assert "greatest depth is " in reply.reason
+    assert boat.records.state.tobytes() == before.tobytes()
 
 
 def test_a_dive_keeps_a_depth_that_is_deeper_than_the_periscope_allows() -> None:

@@ -7,8 +7,10 @@ import numpy as np
 import pytest
 
 from trainer.boat.boat import Boat
+from trainer.boat.casualties import insert
 from trainer.boat.envelope import surface_modes
 from trainer.boat.limits import LimitMonitor
+from trainer.boat.pilot import PilotMonitor
 from trainer.config.exercise import Limits
 from trainer.core.state import MOTION
 from trainer.units import KNOT
@@ -243,7 +245,7 @@ def test_the_engine_s_torque_limits_revolutions(make_boat: Callable[..., Boat]) 
     assert boat.state.u / KNOT == pytest.approx(20.0, abs=0.3)
 
 
-def called(boat: Boat, monitor: LimitMonitor, seconds: float) -> list[str]:
+def called(boat: Boat, monitor: LimitMonitor | PilotMonitor, seconds: float) -> list[str]:
     """Return what is called out, without the ticks."""
     said = []
     for _ in range(round(seconds / boat.method.step)):
@@ -269,22 +271,42 @@ def test_leaving_the_range_is_called_out_once_and_can_be_a_limit(
     assert said[2] == "LIMIT: validity level above 1"
 
 
-def test_the_rudder_that_stern_planes_of_an_x_tail_take_away_is_told(
+def test_what_rudder_and_stern_planes_of_an_x_tail_lack_is_told_and_not_why(
     make_boat: Callable[..., Boat],
 ) -> None:
     boat = make_boat("bb2", "full", "exact")
     boat.start(10 * KNOT, 100.0, 0.0)
-    monitor = LimitMonitor.over(boat, Limits())
+    monitor = PilotMonitor.over(boat)
     in_hand(boat, 10.0, rudder=25.0)
     boat.state.ordered_s = math.radians(20.0)
 
     said = called(boat, monitor, 20.0)
 
-    told = [text for text in said if "X-TAIL" in text]
-    assert told == ["X-TAIL: the stern planes take 8 deg of rudder away"]
+    shared = "rudder and stern planes share the fins"
+    assert [text for text in said if "X-TAIL" in text] == [
+        f"X-TAIL: the rudder has 18 of 25 deg: {shared}",
+        f"X-TAIL: the stern planes have 12 of 20 deg: {shared}",
+    ]
+    assert {"rudder short on the X-tail", "stern short on the X-tail"} <= monitor.times.keys()
     cruciform = make_boat("sdv-mk9", "full", "exact", "adams2", 0.1)
     cruciform.start(3 * KNOT, 20.0, 0.0)
     in_hand(cruciform, 3.0, rudder=20.0)
     cruciform.state.ordered_s = math.radians(20.0)
-    quiet = called(cruciform, LimitMonitor.over(cruciform, Limits()), 5.0)
+    quiet = called(cruciform, PilotMonitor.over(cruciform), 5.0)
     assert not [text for text in quiet if "X-TAIL" in text]
+
+
+def test_a_jammed_surface_is_not_told_as_the_sharing_of_an_x_tail(
+    make_boat: Callable[..., Boat],
+) -> None:
+    boat = make_boat("bb2", "full", "exact")
+    boat.start(10 * KNOT, 100.0, 0.0)
+    monitor = PilotMonitor.over(boat)
+    in_hand(boat, 10.0, rudder=25.0)
+    boat.state.ordered_s = math.radians(25.0)
+    insert(boat, "stern-hard-over", 0.4, 0.0)
+
+    said = called(boat, monitor, 20.0)
+
+    told = [text for text in said if "X-TAIL" in text]
+    assert told == ["X-TAIL: the rudder has 18 of 25 deg: rudder and stern planes share the fins"]

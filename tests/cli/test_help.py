@@ -39,6 +39,9 @@ SHORTER = (
     ("tcp://bridge:17800", "tcp://{address}"),
     ("tcp://192.168.1.10:17800", "tcp://{address}"),
     ("0.0.0.0:17800", "127.0.0.1:0"),
+    (r"trainer web(?!.*--web)", "trainer web --web 127.0.0.1:0"),
+    ("0.0.0.0:8080", "127.0.0.1:0"),
+    ("run --web$", "run --web --duration 1"),
     ("/dev/ttyUSB0", "loop://"),
     (" && rerun drill.rrd", ""),
     *([] if find_browser() else [(r" --pdf \S+", "")]),
@@ -73,6 +76,7 @@ FIRST = {  # what is typed before
     "trainer vessel new": ("rm -f boat.toml",),
     "trainer attach": ("trainer serve periscope-depth --frozen",),
     "trainer station": ("trainer serve periscope-depth --frozen",),
+    "trainer web": ("trainer serve periscope-depth --frozen",),
     "trainer exercise check": ("trainer exercise new drill.toml",),
     "trainer exercise baseline": ("trainer exercise new drill.toml",),
     "trainer debrief": (DRILL, f"{FLIGHT.format('depth-changes')} --record {KEPT}/kept.trainer"),
@@ -148,10 +152,31 @@ class Typist:
         """Type a line, a long one shorter; return what it did."""
         for shown, shorter in SHORTER:
             line = re.sub(shown, shorter, line)
+        line = line.replace("{address}", self.address)
         if line.startswith("trainer serve"):
             return self.serve(line)
+        if line.startswith("trainer web"):
+            return self.browse(line)
         says = "status\ndetach\n" if self.served else "status\nquit\n"
-        return typed(line.replace("{address}", self.address), self.folder, says, **self.own)
+        return typed(line, self.folder, says, **self.own)
+
+    def browse(self, line: str) -> Done:
+        """Serve pages until they are there; return what came of it, ended by Ctrl-C."""
+        with subprocess.Popen(
+            ["sh", "-c", f"exec {line}"],
+            cwd=self.folder,
+            env=shell_environment(**self.own),
+            stderr=subprocess.PIPE,
+            text=True,
+        ) as pages:
+            said = ""
+            while "pages at" not in said and (
+                told := pages.stderr.readline() if pages.stderr else ""
+            ):
+                said += told
+            pages.send_signal(signal.SIGINT)
+            _, rest = pages.communicate()
+        return Done(line, pages.returncode, "", said + rest)
 
     def serve(self, line: str) -> Done:
         """Begin a session, in place of the last; return once it listens."""

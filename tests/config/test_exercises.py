@@ -1,6 +1,7 @@
 """Exercises: their files, what is drawn by the seed, and their command."""
 
 import json
+import math
 import re
 import subprocess
 import sys
@@ -8,12 +9,14 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 from helpers.places import ROOT
 
 from trainer.boat.boat import Boat
 from trainer.boat.casualties import active
 from trainer.boat.helm import obey
+from trainer.config.course import course
 from trainer.config.exercise import Exercise, key_tables, load_exercise, parse_exercise
 from trainer.config.files import ConfigError, read_text, shipped, shipped_names
 from trainer.io.orders.grammar import Order, Refused, parse
@@ -26,7 +29,8 @@ NAMES = (
     *("depth-gauge-failure", "emergency-deep", "first-depth-change", "flooding-aft"),
     *("gyro-stuck", "heavy-boat", "hover-by-pump", "loss-of-propulsion", "ordered-bubble"),
     *("periscope-depth", "periscope-sea-3", "power-loss", "rise-jam-shallow", "steady-course"),
-    *("steering-jam", "stern-plane-jam", "surface-and-steer", "watch"),
+    *("steering-jam", "stern-plane-jam", "surface-and-steer"),
+    *("visitor-dive", "watch"),
 )
 KEPT_ALONE = "[[scores]]\nname = 'a'\nmeasure = 'broaches'\nfull = 0\nzero = 1\npart = 'keeping'\n"
 SHORTEST = 'schema = "exercise/1"\nname = "Drill"\nbriefing = "Steer."\n'
@@ -42,8 +46,9 @@ def bb2() -> Boat:
 # Those shipped: tests/analysis/test_exercises_flown.py flies them
 
 
-def test_twenty_three_exercises_are_shipped_and_no_companion_is_one() -> None:
+def test_the_lessons_and_a_visitors_dive_are_shipped_and_no_companion_is_one() -> None:
     assert shipped_names("exercises") == NAMES
+    assert [each.name for each in course() if each.place == math.inf] == ["visitor-dive"]
     assert (ROOT / "configs" / "exercises" / "watch.baseline.toml").exists()
 
 
@@ -190,6 +195,10 @@ def test_a_casualty_waits_for_its_condition() -> None:
         (
             "[[casualties]]\nname = 'rudder-slow'\nwhen = 'depth > 9'\nwithin_s = 5",
             "within_s = 5.0: goes with at_s",
+        ),
+        (
+            "[[casualties]]\nname = 'rudder-slow'\nwhen = 'depth > 9'\nlasts_s = 5",
+            "lasts_s = 5.0: goes with at_s: a run is planned before when is known to come",
         ),
         (
             "[[casualties]]\nname = 'rudder-slow'\nat_s = 1\nclear_at_s = 9\nlasts_s = 5",
@@ -428,6 +437,49 @@ def test_a_headless_run_tells_what_was_refused_of_its_schedule_and_ends_with_cod
     )
 
 
+@pytest.mark.parametrize("name", ["heavy-boat", "crash-stop"])
+def test_no_tank_tells_the_crew_how_heavy_the_boat_begins(name: str) -> None:
+    plan = plan_run(RunOptions(exercise=name))
+    heavy, forward = plan.initial.heavy_t or 0.0, plan.initial.forward_t or 0.0
+    boat, trimmed = Boat(plan.file, plan.method), Boat(plan.file, plan.method)
+    replace(plan, initial=replace(plan.initial, heavy_t=None, forward_t=None)).start(trimmed)
+    for _ in range(2):  # a replay starts one boat for every branch
+        plan.start(boat)
+        np.testing.assert_array_equal(boat.state.water, trimmed.state.water)
+        assert (boat.state.weight - trimmed.state.weight) / boat.vessel.g == pytest.approx(
+            1000.0 * heavy
+        )
+        assert bool(boat.state.x_g > trimmed.state.x_g + 0.01) is (forward > 0.0)
+    boat.tick()  # and so it stays
+    now = (boat.state.weight - trimmed.state.weight) / boat.vessel.g
+    assert now == pytest.approx(1000.0 * heavy, abs=200.0)
+
+
+def test_a_boat_that_its_tanks_cannot_bring_into_trim_is_refused() -> None:
+    plan = plan_run(RunOptions(exercise="heavy-boat"))
+    heavier = replace(plan, initial=replace(plan.initial, heavy_t=60.0))
+    with pytest.raises(ConfigError, match=r"heavy_t = 60, .* in trim the depth control tank"):
+        heavier.start(Boat(plan.file, plan.method))
+
+
+def test_an_orders_file_gives_the_autopilot_nothing_that_the_exercise_has_in_hand(
+    tmp_path: Path,
+) -> None:
+    orders = tmp_path / "auto.orders"
+    orders.write_text("9 planes auto\n12 course 090\n15 stern planes dive 5\n60 depth 70\n")
+    words = ("--headless", "--speed", "max", "--orders", str(orders))
+    done = ran("run", "first-depth-change", *words)
+    assert done.returncode == 2
+    by_hand = "the planes are in hand in this exercise: stern planes dive 5"
+    assert [line.removeprefix("trainer: ") for line in done.stderr.splitlines()] == [
+        f"auto.orders:1: planes auto: {by_hand}",
+        f"auto.orders:4: depth 70 m: {by_hand}",
+    ]
+    orders.write_text("9 depth 70\n15 stern planes dive 5\n", encoding="utf-8")
+    allowed = ran("run", "depth-gauge-failure", *words, "--no-record")  # and planes from 120 s on
+    assert "in hand" not in allowed.stderr
+
+
 def test_a_wrong_exercise_or_sea_ends_with_code_2_and_one_line() -> None:
     for words in (("run", "heavyboat"), ("run", "--sea", "sea-state-55")):
         done = ran(*words)
@@ -440,7 +492,11 @@ def test_the_lists_name_everything_in_79_columns() -> None:
     exercises, casualties = ran("exercises"), ran("casualties")
     names = [line.split()[0] for line in exercises.stdout.splitlines()]
     assert sorted(names) == list(NAMES)
-    assert (names[0], names[-1]) == ("first-depth-change", "watch")  # as the course goes
+    assert (names[0], names[-2], names[-1]) == (
+        "first-depth-change",
+        "watch",
+        "visitor-dive",
+    )  # as the course goes
     assert "stern-hard-over" in casualties.stdout
     assert max(map(len, exercises.stdout.splitlines())) <= 79
     assert list(json.loads(ran("exercises", "--json").stdout)) == names

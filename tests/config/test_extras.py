@@ -1,7 +1,6 @@
 """What the plain install lacks is told in one line, with the words that install it."""
 
 import ast
-import os
 import re
 import subprocess
 import sys
@@ -9,7 +8,7 @@ import tomllib
 from pathlib import Path
 
 import pytest
-from helpers.places import ROOT
+from helpers.places import ROOT, environment
 
 from trainer.config.extras import EXTRAS, PACKAGE
 
@@ -71,7 +70,7 @@ def without(hidden: tuple[str, ...], line: str, folder: Path) -> subprocess.Comp
     return subprocess.run(
         [sys.executable, "-c", program],
         cwd=folder,
-        env=os.environ | {"PYTHONPATH": str(ROOT)},
+        env=environment(),
         capture_output=True,
         text=True,
         timeout=300,

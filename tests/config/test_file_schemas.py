@@ -7,6 +7,7 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
+import click
 import pytest
 from click.testing import CliRunner
 from helpers.places import ROOT
@@ -141,3 +142,11 @@ def test_the_command_writes_a_schema_and_says_the_line_that_names_it(tmp_path: P
     assert done.exit_code == 0
     assert done.output.endswith("first line of your file: #:schema ./exercise.schema.json\n")
     assert json.loads(path.read_text(encoding="utf-8")) == SCHEMAS["exercise"]()
+
+
+@pytest.mark.parametrize(("typed", "nearest"), [("exercize", "exercise"), ("Vesel", "vessel")])
+def test_a_mistyped_kind_is_refused_with_the_nearest(typed: str, nearest: str) -> None:
+    told = f"'{typed}' is not one of 'vessel', .*; nearest is {nearest}$"
+    with pytest.raises(click.UsageError, match=told) as wrong:
+        schema.main([typed], standalone_mode=False)
+    assert wrong.value.exit_code == 2

@@ -369,9 +369,27 @@ def test_nothing_is_said_by_colour_alone(monkeypatch: pytest.MonkeyPatch) -> Non
         for words in ("FROZEN", "REPLAY", "HELD: depth", "broken  stern-stuck", "BLOWING"):
             assert words in text, words
         await pilot.press("f4")
-        await seen(pilot, app, "> stern-stuck                ACTIVE")
+        await seen(pilot, app, "  stern-stuck                ACTIVE")
 
     at_the_console(look, talk)
+
+
+@pytest.mark.parametrize(
+    ("keys", "order"),
+    [
+        (("enter",), "casualty stern-hard-over -1 ramp 0"),
+        ((*typed("stern"), "enter"), "casualty stern-hard-over -1 ramp 0"),
+        ((*typed("stern-stuck"), "delete"), "clear stern-stuck"),
+        (("up", "delete"), "clear stern-stuck"),
+        (("down", "enter"), "casualty flooding-aft 1 ramp 5"),
+    ],
+)
+def test_what_is_broken_already_is_not_chosen_to_be_broken(
+    keys: tuple[str, ...], order: str
+) -> None:
+    talk = tape()
+    talk.tick(121, casualty_1="stern-stuck")
+    assert pressed(("f4", *keys), talk=talk) == [order]
 
 
 def test_a_false_gauge_is_called_out_to_the_instructor_alone() -> None:
@@ -577,6 +595,34 @@ def test_a_lost_line_is_shown_and_orders_are_not_swallowed() -> None:
 
     at_the_console(lose, talk)
     assert talk.orders == []
+
+
+def test_while_the_next_exercise_is_made_ready_no_line_is_no_alarm() -> None:
+    talk = tape("helm")
+    now = [100.0]
+    model = SessionModel(talk, "helm", LAYOUTS["helm"].charts, clock=lambda: now[0])
+    app = Console(model)
+    dialled = "/run/s: no session listens there; start one with trainer serve"
+
+    async def wait() -> None:
+        async with app.run_test(size=(80, 24)) as pilot:
+            await seen(pilot, app, "RUNNING")
+            talk.say(sentences.fact(125, 62.5, "next", ""))
+            talk.items += [Lost("the session has closed the line"), Lost(dialled)]
+            await seen(pilot, app, "helm the next exercise is being made ready")
+            assert "line" not in shown(app)
+            assert "listens" not in shown(app)
+            talk.items.append(Joined())
+            await seen(pilot, app, "the next exercise is ready")
+            assert "RUNNING" in shown(app)
+            talk.say(sentences.fact(125, 62.5, "next", ""))
+            talk.items.append(Lost("the session has closed the line"))
+            await seen(pilot, app, "helm the next exercise is being made ready")
+            now[0] += 61.0  # it does not come
+            talk.items.append(Lost(dialled))
+            await seen(pilot, app, "NO LINE")
+
+    asyncio.run(wait())
 
 
 def test_a_session_that_says_nothing_more_is_called_out() -> None:

@@ -222,11 +222,56 @@ def test_who_has_given_an_order_does_not_repeat_it() -> None:
     at_the_console(give, talk, "diving")
 
 
-def test_of_two_new_orders_the_newest_is_repeated_first() -> None:
+def test_of_two_new_orders_both_are_shown_and_the_newest_is_repeated_first() -> None:
     talk = ordered("pilot", DEPTH | COURSE)
     new(talk, "depth 60 m")
     new(talk, "course 045")
-    screen_of(talk, "pilot", "NEW: 60 m", "NEW: 045", "NEW ORDER  course 045")
+    both = "NEW ORDERS  course 045 | depth 60 m   Enter repeats the first"
+    screen_of(talk, "pilot", "NEW: 60 m", "NEW: 045", both)
+
+
+def test_two_orders_that_come_at_once_are_both_shown_as_new_at_the_planes() -> None:
+    talk = ordered("planes", DEPTH | PITCH)
+    new(talk, "depth 120 m")
+    new(talk, "pitch 5 down")
+    screen_of(talk, "planes", "NEW: 60 m", "NEW: 5 down", "NEW ORDERS  pitch 5 down | depth 120 m")
+    talk = ordered("planes", DEPTH | PITCH)
+    new(talk, "depth 120 m")
+    new(talk, "pitch 5 down")
+    new(talk, "course 045")
+    assert pressed(("enter",), "planes", talk) == ["aye"]
+
+
+@pytest.mark.parametrize(
+    ("told", "words"),
+    [
+        ({"depth_error": "0.4"}, "ordered 5 down, at depth"),
+        ({"depth_error": "-2.9", "pitch_since": "41"}, "ordered 5 down, at depth"),
+        ({"depth_error": "0.4", "pitch_since": "39"}, "ordered 5 down, 3 to go down"),
+        ({"depth_error": "9"}, "ordered 5 down, 3 to go down"),
+        ({"depth_error": "0.4", "pitch": "0"}, "ordered zero, 3 to go down"),
+    ],
+)
+def test_an_angle_ordered_with_a_depth_is_done_with_at_the_depth(
+    told: dict[str, str], words: str
+) -> None:
+    screen_of(ordered("planes", DEPTH | PITCH | told), "planes", words)
+    signed = "5 down +0" if "at depth" in words else " -3"
+    screen_of(ordered("instructor", ALL | told), "instructor", signed)
+
+
+def test_after_a_jump_only_what_waits_there_is_new() -> None:
+    model = sight_of(ordered("helm", COURSE), "helm")
+    talk = model.talk
+    assert isinstance(talk, Tape)
+    new(talk, "course 045")  # told again, since the repeat was undone
+    talk.say(sentences.fact(240, 120.0, "back", "branch 1"))
+    model.hear()
+    assert model.crew.to_repeat("helm") is None
+    talk.say(sentences.fact(240, 120.0, "back", "backtrack 60 s"))
+    new(talk, "course 045")
+    model.hear()
+    assert model.crew.to_repeat("helm")
 
 
 @pytest.mark.parametrize(
@@ -290,3 +335,28 @@ def test_the_telegraph_names_its_keys_and_its_knots() -> None:
     new(talk, "speed 8 kn")
     told = ("kn: ahead 12/15, astern 8", "0 stop", "4 full", "8 full", "NEW ORDER")
     screen_of(talk, "helm", *told)
+
+
+@pytest.mark.parametrize(
+    ("role", "key", "name"),
+    [
+        ("helm", "left", "rudder"),
+        ("planes", "up", "stern planes"),
+        ("planes", "left", "bow planes"),
+        ("ballast", "u", "depth control tank"),
+    ],
+)
+def test_a_control_that_is_not_ready_or_not_there_is_named(role: str, key: str, name: str) -> None:
+    for there, told in ((False, f"not ready: the {name};"), (True, f"this boat has no {name}")):
+        talk = tape(role)
+        if there:
+            surfaces = ("ordered_rudder", "ordered_stern", "ordered_bow", "moving_depth_control")
+            talk.tick(121, **dict.fromkeys(surfaces, ""))
+        else:
+            talk.items = talk.items[:2]  # the line, and nothing shown on it yet
+
+        async def press(pilot: Pilot[str], app: Console, told: str = told) -> None:
+            await pilot.press(key)
+            await seen(pilot, app, told)
+
+        assert at_the_console(press, talk, role)[1].orders == []

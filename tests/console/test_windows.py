@@ -8,10 +8,17 @@ from textual.pilot import Pilot
 
 from trainer.console.app import Console
 from trainer.console.client import Greeting, Joined, Lost
-from trainer.console.drawing.chart import Plot, Sheet, strip, time_axis
+from trainer.console.drawing.chart import (
+    Plot,
+    Sheet,
+    beside_headings,
+    strip,
+    time_axis,
+    unwrap,
+)
 from trainer.console.drawing.panels import flowed, key_at, key_rows
 from trainer.console.drawing.plan import plan
-from trainer.console.guide import Reading, broken, by_hand, guide, paragraphs
+from trainer.console.guide import Reading, briefing_rows, broken, by_hand, guide, paragraphs
 from trainer.console.journal import Journal
 from trainer.console.keys import KEYS, footer
 from trainer.console.layouts import LAYOUTS
@@ -216,6 +223,24 @@ def test_a_station_that_has_read_its_briefing_says_that_it_is_ready() -> None:
     assert at_the_console(read, talk, "helm")[1].orders == ["ready"]
 
 
+@pytest.mark.parametrize("role", ["instructor", "helm"])
+def test_the_briefing_has_no_old_marks_once_the_exercise_is_flown_again(role: str) -> None:
+    model = sight_of(talk := tape(role), role)
+    over = sentences.fact(130, 65.0, "exercise-over", "ended")
+    for again in (sentences.fact(0, 0.0, "back", "again"), ""):
+        talk.tick(130)
+        marks = sentences.event(130, 65.0, "marks", "marks: won, 92")
+        talk.say(over, marks, sentences.event(130, 65.0, "marks", "  Depth: 92"))
+        model.hear()
+        assert "marks" in plain(briefing_rows(model)).lower()
+        if again:
+            talk.say(again)
+        talk.tick(2)  # of the same exercise, or of the same one next
+        model.hear()
+        assert (model.marks_told, model.outcome) == ([], "")
+        assert "92" not in plain(briefing_rows(model))
+
+
 def test_a_long_answer_is_read_in_a_window_and_a_short_one_in_the_log() -> None:
     talk = tape()
     talk.answers["status"] = [f"line {n}" for n in range(40)]
@@ -356,6 +381,32 @@ def test_depth_grows_downwards_and_time_has_marks() -> None:
     assert shallow > 0
     assert "-1min" in rows[-1]
     assert rows[-1].endswith("now┴")
+
+
+@pytest.mark.parametrize(
+    ("headings", "drawn"),
+    [
+        ([350.0, 355.0, 359.5, 0.5, 10.0], [-10.0, -5.0, -0.5, 0.5, 10.0]),
+        ([181.0, 180.0, 90.0, 0.0, 359.0], [541.0, 540.0, 450.0, 360.0, 359.0]),
+        ([None, 359.0, None, 1.0], [None, -1.0, None, 1.0]),
+    ],
+)
+def test_headings_are_drawn_on_through_north(
+    headings: list[float | None], drawn: list[float | None]
+) -> None:
+    assert unwrap(headings) == drawn
+
+
+def test_an_ordered_course_is_drawn_without_a_jump_in_it() -> None:
+    # from 180 back to 000 by the left, the boat first a little beyond 180
+    headings = [180.4, 179.6, 90.0, 1.0, 0.5]
+    assert beside_headings([0.0] * 5, headings, None) == [0.0] * 5
+    # north is ordered where the boat comes from the west; then east
+    shown = [270.0, 355.0, 364.0, 380.0]
+    assert beside_headings([0.0, 0.0, 0.0, 90.0], shown, None) == [360.0, 360.0, 360.0, 450.0]
+    # still 190 to go, the way that was ordered
+    assert beside_headings([None, 200.0], [10.0, 10.0], 190.0) == [None, 200.0]
+    assert beside_headings([None, 200.0], [10.0, 10.0], None) == [None, -160.0]
 
 
 def test_marks_of_time_stand_where_their_time_is() -> None:

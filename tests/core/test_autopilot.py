@@ -371,7 +371,8 @@ def test_with_the_rudder_in_hand_the_heading_reference_is_the_boats(
     boat.tick()
 
     assert psi > 20.0 * DEGREE
-    assert (boat.state.psi_reference, boat.state.psi_reference_rate) == (psi, r)
+    assert boat.state.psi_reference == psi
+    assert 0.0 < boat.state.psi_reference_rate < r  # as fast as it is ever slewed
 
 
 # --- speed

@@ -189,16 +189,20 @@ def test_code_that_another_process_is_about_to_replace_is_not_damaged(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(cache, "_tell_damage", lambda: None)
-    kept, made = tmp_path / "sine.nbi", tmp_path / "made"
-    kept.write_bytes(b"old")
-    made.write_bytes(b"new")
+    kept, *made = (tmp_path / name for name in ("sine.nbi", "one's", "another's"))
+    made[0].write_bytes(b"old")
+    cache.keep_digest(str(made[0]), str(kept))
+    made[0].replace(kept)
 
-    cache.keep_digest(str(made), str(kept))
+    for path, code in zip(made, (b"new", b"newer"), strict=True):
+        path.write_bytes(code)
+        cache.keep_digest(str(path), str(kept))
     cache.check_digest(str(kept))
     assert kept.read_bytes() == b"old"
-    made.replace(kept)
-    cache.check_digest(str(kept))
-    assert kept.read_bytes() == b"new"
+    for path in made:
+        path.replace(kept)
+        cache.check_digest(str(kept))
+        assert kept.exists()
 
     kept.write_bytes(b"hurt")
     cache.check_digest(str(kept))

@@ -354,6 +354,35 @@ def test_automatic_trim_does_not_outdo_a_failed_pump(started: Start) -> None:
 
 
 @pytest.mark.long
+def test_a_boat_handed_over_in_a_hard_turn_is_stopped_and_comes_back(started: Start) -> None:
+    boat = started(10.0, 60.0)
+    order(boat, "rudder left 15")
+    sail(boat, 30.0)
+    begun = boat.state.psi
+
+    order(boat, "rudder auto")
+    heading = sail(boat, 300.0, "psi")[:, 0]
+
+    assert begun < -30.0 * DEGREE
+    assert heading.min() > begun - 20.0 * DEGREE
+    assert heading[-1] == pytest.approx(0.0, abs=DEGREE)
+
+
+def test_a_boat_handed_over_in_a_steep_dive_is_pulled_up(started: Start) -> None:
+    boat = started(10.0, 60.0)
+    order(boat, "stern dive 20")
+    order(boat, "bow dive 20")
+    sail(boat, 30.0)
+    begun = boat.state.z
+
+    order(boat, "planes auto")
+    depth = sail(boat, 400.0, "z")[:, 0]
+
+    assert begun > 75.0
+    assert depth.max() < begun + 40.0
+    assert depth[-1] == pytest.approx(60.0, abs=1.0)
+
+
 def test_going_astern_course_and_depth_are_kept_as_they_can_be(started: Start) -> None:
     boat = started(10.0, 100.0)
     order(boat, "turns -6")

@@ -228,8 +228,17 @@ def test_without_an_exercise_nothing_is_told_of_one(make_boat: Callable[..., Boa
     here.enter()
     assert here.facts("helm", "exercise") == []
     assert dict(here.facts("helm", "range"))["stern"] == "30"
+    assert dict(here.facts("helm", "range"))["trim-arm"] == "52"
     remus = make_boat("remus100")
-    assert {key for key, _ in ranges(remus, INSTRUCTOR)} <= set(RANGES)
+    assert {key for key, _ in ranges(remus, INSTRUCTOR)} <= set(RANGES) - {"trim-arm", "tank"}
+
+
+def test_an_observer_is_told_the_ranges_when_it_says_what_it_is() -> None:
+    """A line that has said nothing observes already; its role stays the same."""
+    options = RunOptions()
+    here = Attended(plan_run(options), options, ("observer",))
+    here.enter()
+    assert dict(here.facts("observer", "range"))["test-depth"]
 
 
 def test_the_page_has_the_tables_of_ranges_and_of_the_exercise() -> None:
@@ -278,5 +287,5 @@ def test_alerts_of_what_has_not_come_yet_are_forgotten() -> None:
     here.boat.state.tick = 10.0
     log.alert("pilot", "later")
     here.boat.state.tick = 5.0
-    log.settle()
+    log.settle(())
     assert [news.text for news in log.alerts.values()] == ["now"]

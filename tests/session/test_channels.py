@@ -36,7 +36,7 @@ SHOWN = (
     *("ordered_depth", "ordered_psi", "ordered_speed", "ordered_u_c"),
     *("ordered", "command", "command_u_c", "by_hand", "speed_by_hand"),
     *("water", "bank", "vent", "blow", "negative_flood", "to_move", "drained"),
-    *("compressor", "hover", "held"),
+    *("compressor", "hover", "held", "trim_by_hand"),
     *("crew_order", "crew_order_tick", "crew_course_side", "crew_depth_unit"),
 )
 # Those that decide what the gauges read are held still here: they are what the gauges test is for.
@@ -272,6 +272,7 @@ def test_tanks_air_and_valves_show_as_the_ballast_panel_has_them(boat: Boat) -> 
     assert tanks["trim_forward_full"] == "25.0"
     assert tanks["flood_forward"] == "12.3"
     assert tanks["moving_trim"] == "-2.0"
+    assert (tanks["trim_mode"], air["compressor"]) == ("auto", "off")
     assert (tanks["draining"], tanks["hover"]) == ("aft", "on")
     assert air["main_full"] == "50.0"
     assert air["main"] == f"{0.5 * c.bank_full[0] * c.gas / c.bank_volume[0] / 1e6:.1f}"
@@ -287,7 +288,8 @@ def test_a_boat_without_tanks_planes_or_air_shows_nothing_for_them(
     frame = frame_of(boat)
 
     assert values(frame, "tanks")["forward"] == ""
-    assert values(frame, "air")["main"] == ""
+    assert values(frame, "tanks")["trim_mode"] == ""
+    assert values(frame, "air")["main"] == values(frame, "air")["compressor"] == ""
     assert not any("forward" in line for line in panel(("tanks",), frame))
 
 

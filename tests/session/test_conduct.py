@@ -89,7 +89,8 @@ class Crewed:
     def _judge(self, path: Path, branch: int) -> Judgement:
         assert path.exists()
         self.judged.set()
-        return replace(MARKS, reasons=(f"branch {branch}: 42",))
+        reasons = (f"branch {branch}: 42",)
+        return replace(MARKS, reasons=reasons, uncounted=("Stern jam answered",))
 
     def _write(self, path: Path, branch: int) -> Path:
         return path.with_suffix(f".branch{branch}.html")
@@ -224,6 +225,28 @@ def test_when_time_is_up_all_stations_freeze_and_the_session_lives_on(
     assert "the exercise is over" in ship.refused("step 3")
 
 
+def test_after_the_end_the_boat_obeys_nobody_until_it_goes_on(
+    crewed: Callable[..., Crewed],
+) -> None:
+    ship = crewed(seconds=5.0)
+    ballast, diving = ship.comes("ballast"), ship.comes("diving")
+    ship.fly(20)
+    state, journal = ship.boat.records.state.tobytes(), len(ship.recording.orders(1))
+
+    refused = "the exercise is over: the instructor goes on"
+    assert ship.refused("emergency blow", ballast) == refused
+    assert ship.refused("order depth 30", diving) == refused
+    assert ship.refused("depth 30").startswith("the exercise is over: again, ")
+    assert ship.refused("casualty stern-stuck").startswith("the exercise is over: again, ")
+    assert ship.boat.records.state.tobytes() == state
+    assert len(ship.recording.orders(1)) == journal
+    assert ship.say(diving, "report ready")[0] == "ok"  # words move nothing
+
+    ship.order("again from 2 s")
+
+    assert ship.say(ballast, "emergency blow")[0] == "ok"
+
+
 def test_marks_go_to_the_instructor_first_and_to_all_when_released(
     crewed: Callable[..., Crewed],
 ) -> None:
@@ -236,8 +259,17 @@ def test_marks_go_to_the_instructor_first_and_to_all_when_released(
     assert ship.facts(ship.instructor, "marks") == ["not reached,42.0"]
     assert ship.facts(helm, "marks") == []
     assert not any("42" in line for line in helm.sent)
+    change = (
+        f'  to change a mark: trainer debrief {ship.conduct.kept} --change "NAME: WHAT, REASON"'
+    )
+    assert ship.events(ship.instructor, "exercise")[-4:] == [
+        *("marks: not reached, 42 marks of 100", "  branch 1: 42"),
+        *("  Stern jam answered: does not count", change),
+    ]
 
     ship.order("release marks")
+
+    assert not any("Stern jam" in line or "--change" in line for line in helm.sent)
 
     assert ship.facts(helm, "marks") == ["not reached,42.0"]
     assert ship.events(helm, "marks") == ["marks: not reached, 42 marks of 100", "  branch 1: 42"]
@@ -312,7 +344,7 @@ def test_again_begins_a_new_branch_at_the_start_that_ends_at_its_time_anew(
     ship.fly(20)
     assert ship.boat.ticks == 10
     ship.settle(lambda: len(ship.facts(ship.instructor, "marks")) == 2)
-    assert ship.events(ship.instructor, "exercise")[-1] == "  branch 2: 42"
+    assert ship.events(ship.instructor, "exercise")[-3] == "  branch 2: 42"
 
     ship.order("again from 2 s")
     assert ship.boat.ticks == 6
@@ -370,6 +402,7 @@ def test_another_exercise_follows_where_it_can_and_else_it_is_said_how(
     crewed: Callable[..., Crewed],
 ) -> None:
     ship = crewed(seconds=5.0)
+    helm = ship.comes("helm")
     assert "quit, then trainer run backing" in ship.refused("next backing")
     problem = {"backing": "", "nothing": "no exercise nothing"}
     ship.conduct.following = Following(problem.__getitem__, "")
@@ -384,6 +417,9 @@ def test_another_exercise_follows_where_it_can_and_else_it_is_said_how(
     assert ship.session.control.ended
     assert ship.session.control.following == "backing"
     assert ship.facts(ship.instructor, "next") == ["backing"]
+    assert ship.facts(helm, "next") == [""]  # a file's name may tell what is hidden
+    assert ship.events(helm, "time")[-1] == "the next exercise is being made ready"
+    assert not any("backing" in line for line in helm.sent)
 
 
 # Nothing is lost
@@ -414,6 +450,30 @@ def test_branches_are_listed_and_any_is_gone_back_to(crewed: Callable[..., Crewe
     ship.fly(4)
     ship.order("branch 2")
     assert ship.boat.ticks == 2
+
+
+def test_what_happened_on_a_branch_left_behind_is_not_counted(
+    crewed: Callable[..., Crewed],
+) -> None:
+    ship = crewed(seconds=None)
+
+    def counted() -> dict[str, list[float]]:
+        return ship.session.monitor.times | ship.session.depths.times
+
+    ship.fly(4)
+    ship.session.monitor.times["broached"] = [1.0, 2.0]
+    ship.session.depths.times["test depth passed"] = [1.5]
+    ship.fly(4)
+    ship.order("backtrack 2.5 s")
+    assert counted() == {"broached": [1.0], "test depth passed": [1.5]}
+    ship.order("backtrack 1 s")
+    assert counted() == {}
+    ship.session.monitor.times["followed"] = [0.5]
+    ship.fly(2)
+    ship.order("branch 1")
+    assert counted() == {"broached": [1.0, 2.0], "test depth passed": [1.5]}
+    ship.order("replay 1.5 s")
+    assert counted() == {"broached": [1.0, 2.0], "test depth passed": [1.5]}
 
 
 def test_a_branch_that_is_not_there_is_named_with_what_there_is(
@@ -622,3 +682,46 @@ def test_the_past_of_the_truth_is_the_instructor_s_alone(
     for channel in ("motion", "sea", "casualties", "ledger"):
         assert ship.say(line, f"history {channel}")[0] == "no"
     assert not any(each.startswith("$TRS") for each in line.sent)
+
+
+# A visitor
+
+
+def test_a_visitors_restart_begins_the_exercise_again_and_time_goes_on_after_the_end_too(
+    crewed: Callable[..., Crewed],
+) -> None:
+    ship = crewed(seconds=5.0)
+    visitor = ship.comes("visitor")
+    begun = ship.boat.plain.tobytes()
+    ship.fly(4)
+    assert ship.say(visitor, "restart") == ("ok", "from the start, running; branch 2 begins")
+    assert (ship.boat.plain.tobytes(), ship.session.time.frozen) == (begun, False)
+    ship.fly(20)
+    assert ship.conduct.ending.over
+
+    ship.say(visitor, "restart")
+
+    assert not ship.conduct.ending.over
+    assert (ship.boat.time, ship.session.time.frozen) == (0.0, False)
+    assert ship.facts(visitor, "back") == ["restart", "restart"]
+    assert ship.facts(visitor, "exercise-over") == ["ended"]
+
+
+def test_nobody_asks_whether_a_visitor_is_ready(crewed: Callable[..., Crewed]) -> None:
+    ship = crewed()
+    ship.comes("visitor")
+    ship.order("run")
+    assert not [text for text in ship.events(ship.instructor, "station") if "not ready" in text]
+
+
+def test_a_visitors_orders_wait_where_they_are_more_than_a_line_may_give(
+    crewed: Callable[..., Crewed],
+) -> None:
+    ship = crewed()
+    visitor = ship.comes("visitor")
+    visitor.typed = [order_sentence(f"lever dive {angle % 20}", "8") for angle in range(300)]
+    for _ in range(20):
+        ship.session.listen()
+    answers = [each for each in map(read, visitor.sent) if each and each.tag == "8"]
+    assert len(answers) < 110
+    assert any("orders a second wait" in text for text in ship.events(ship.instructor, "refused"))

@@ -8,6 +8,7 @@ import pytest
 from helpers.line import Line
 
 from trainer.boat.boat import Boat
+from trainer.boat.depths import DepthGuard
 from trainer.io.orders import sentences
 from trainer.io.orders.schedule import parse_schedule
 from trainer.io.recording.recording import Recording
@@ -156,6 +157,26 @@ def test_after_a_backtrack_words_and_repeats_are_those_of_then(crew: Make) -> No
     assert here.say("helm", "aye") == ["? no new order is to be repeated here"]
     here.say("instructor", "backtrack 1.5")
     assert here.say("helm", "aye") == ["course 045 aye"]
+
+
+def test_after_a_jump_programs_are_told_only_what_waits_to_be_repeated_there(crew: Make) -> None:
+    here = crew("1 order course 045\n").man("instructor", "helm").fly(3.0)
+    here.say("helm", sentences.order_sentence("briefing"))
+    here.say("instructor", sentences.order_sentence("briefing"))
+    here.program("helm", "aye")
+    here.fly(5.0)
+    for role in ("helm", "instructor"):
+        here.facts(role)
+
+    here.program("instructor", "backtrack 6")
+    told = [fact for fact in here.facts("helm") if fact.startswith(("back", "crew"))]
+    assert told == ["back: backtrack 6 s", "crew-order: course 045"]
+    here.fly(10.0)
+    here.facts("helm")
+
+    here.program("instructor", "branch 1")
+    assert [fact.partition(":")[0] for fact in here.facts("helm")] == ["back"]  # it was repeated
+    assert here.say("helm", "aye") == ["? no new order is to be repeated here"]
 
 
 def test_a_replay_says_again_what_was_said_and_writes_it_once(crew: Make) -> None:
@@ -384,6 +405,19 @@ def test_what_is_scheduled_is_told_to_whoever_takes_the_steps_too(crew: Make) ->
     assert "ordered: course 045" in here.lines["instructor"].sent
 
 
+def test_who_steers_is_told_what_the_x_tail_does_not_give(crew: Make) -> None:
+    here = crew().man("instructor", "helm", "planes")
+    here.say("helm", "rudder right 25")
+    here.say("planes", "stern planes dive 20", "bow planes zero")
+    here.heard("helm")
+
+    here.fly(15.0)
+
+    for role in ("helm", "planes", "instructor"):
+        told = [line for line in here.heard(role) if "X-TAIL" in line]
+        assert any("the rudder has " in line for line in told)
+
+
 @pytest.mark.parametrize(
     ("order", "role", "words"),
     [
@@ -410,6 +444,66 @@ def test_long_after_the_order_an_opposite_rudder_is_no_wrong_way(crew: Make) -> 
     assert not any("WRONG" in line for line in here.heard("instructor"))
 
 
+# What the pumps have done
+
+
+def test_a_pump_s_order_is_reported_to_everybody_when_it_is_done(crew: Make) -> None:
+    here = crew().man("instructor", "helm", "ballast", "diving")
+    (told,) = here.say("ballast", "flood depth-control 0.5")
+    assert told == "flood depth-control 0.5 t: under way"
+    here.say("diving", sentences.order_sentence("pump trim aft 0.4"))
+    for role in here.lines:
+        here.heard(role)
+
+    here.fly(20.0)
+
+    done = ["diving reports: trim: 0.4 t aft", "ballast reports: depth control: 0.5 t in"]
+    for role in ("instructor", "helm", "ballast"):
+        assert [line for line in here.heard(role) if "reports" in line] == done
+    assert "report: diving: trim: 0.4 t aft" in here.facts("diving")
+    here.fly(5.0)
+    assert here.heard("helm") == []
+
+
+def test_what_the_instructor_pumps_is_reported_to_nobody_else(crew: Make) -> None:
+    here = crew().man("instructor", "ballast")
+    here.say("instructor", "flood auxiliary 0.3")
+    for role in here.lines:
+        here.heard(role)
+    here.fly(20.0)
+    assert here.heard("instructor") == ["auxiliary: 0.3 t in"]
+    assert here.heard("ballast") == []
+
+
+def test_a_full_tank_is_reported_and_an_order_taken_back_is_not(crew: Make) -> None:
+    here = crew().man("ballast")
+    room = here.boat.vessel.capacity[6] - here.boat.state.water[6]
+    here.boat.state.water[6] += room - 500.0
+    here.say("ballast", "flood auxiliary 2", "pump depth-control 2")
+    here.fly(5.0)
+    here.say("ballast", "hover off")
+    here.heard("ballast")
+    here.fly(30.0)
+    (told,) = [line for line in here.heard("ballast") if "reports" in line]
+    assert told == "ballast reports: auxiliary is full: 0.5 of 2 t in"
+
+
+def test_what_the_schedule_makes_heavy_is_reported_to_nobody(crew: Make) -> None:
+    here = crew("1 flood depth-control 0.5\n").man("instructor", "ballast").fly(30.0)
+    assert not [line for line in here.heard("ballast") if "depth control" in line]
+
+
+def test_an_order_that_waits_for_its_pump_says_so(crew: Make) -> None:
+    here = crew().man("ballast")
+    here.say("ballast", "drain aft")
+    waits = "waits, its pump drains the aft compartment; drain stop frees it"
+    assert here.say("ballast", "pump auxiliary 1") == [f"pump auxiliary 1 t: {waits}"]
+    assert here.say("ballast", "flood depth-control 1") == ["flood depth-control 1 t: under way"]
+    here.boat.state.z = float(here.boat.vessel.shutoff_depth) + 1.0
+    (told,) = here.say("ballast", "pump depth-control 1")
+    assert "waits, the pump delivers nothing below " in told
+
+
 # Who steers what
 
 
@@ -417,7 +511,7 @@ AUTOMATIC = {
     "rudder": ("helm", ("course 045", "course left 30", "course auto", "rudder auto")),
     "planes": ("planes", ("depth 60", "depth auto", "periscope", "planes auto", "bow auto")),
     "speed": ("helm", ("speed 5", "speed auto")),
-    "ballast": ("ballast", ("hover on", "trim auto")),
+    "ballast": ("ballast", ("hover on", "hover 60", "trim auto")),
 }
 
 
@@ -517,3 +611,72 @@ def test_an_order_is_repeated_in_its_phrase(crew: Make, words: str) -> None:
     here = crew().man("instructor", "helm")
     here.say("instructor", "come left to 045")
     assert here.say("helm", words)[-1] == "course left to 045 aye"
+
+
+# A visitor's lever, and the guard
+
+
+def test_one_lever_works_both_pairs_of_planes(crew: Make) -> None:
+    here = crew().man("visitor")
+    state, toward = here.boat.state, here.boat.toward
+
+    assert here.program("visitor", "lever dive 10") == "lever dive 10, by hand"
+    assert math.degrees(state.ordered_b) * toward["bow"] == pytest.approx(-10.0)
+    assert math.degrees(state.ordered_s) * toward["stern"] == pytest.approx(-6.0)
+    assert (state.bow_by_hand, state.stern_by_hand) == (1.0, 1.0)
+    here.say("visitor", "lever rise 80")
+    assert math.degrees(state.ordered_b) * toward["bow"] == pytest.approx(30.0)
+    here.say("visitor", "lever zero")
+    assert (state.ordered_b, state.ordered_s) == (0.0, 0.0)
+
+
+def guarded(crew: Make, **more: object) -> Crew:
+    """Return a session whose boat levels by itself before 90 m, its planes in hand."""
+    settings = {"hand": frozenset({"planes"}), "guard": DepthGuard(90.0), **more}
+    return crew("0 planes manual\n", **settings).man("instructor", "visitor")
+
+
+def test_a_boat_whose_lever_is_held_down_levels_before_its_guarded_depth(crew: Make) -> None:
+    here = guarded(crew)
+    deepest, steepest = 0.0, 0.0
+    for _ in range(480):
+        here.say("visitor", sentences.order_sentence("lever dive 20"))
+        here.fly(0.5)
+        deepest = max(deepest, float(here.boat.state.z))
+        steepest = max(steepest, abs(math.degrees(here.boat.state.theta)))
+    assert 70.0 < deepest < 92.0
+    assert steepest < 30.0
+
+
+def test_a_lever_is_refused_while_the_boat_levels_and_works_when_it_is_level(crew: Make) -> None:
+    here = guarded(crew).fly(0.5)
+    here.say("visitor", "lever dive 20")
+    while here.boat.state.bow_by_hand:
+        here.fly(0.5)
+    assert "guard: keeping depth 70 m" in here.heard("instructor")[-1]
+    assert "levels by itself before 90 m" in here.program("visitor", "lever dive 20")
+    while not here.boat.state.bow_by_hand:
+        here.fly(0.5)
+    assert "guard: lever zero, by hand" in here.heard("instructor")[-1]
+    assert here.program("visitor", "lever rise 5") == "lever rise 5, by hand"
+
+
+def test_a_guard_leaves_planes_alone_that_the_instructor_lets_be_automatic(crew: Make) -> None:
+    here = guarded(crew).fly(0.5)
+    for words in ("allow planes", "depth 100"):
+        here.say("instructor", words)
+    here.fly(200.0)
+    assert here.boat.state.z > 90.0
+    assert not here.boat.state.bow_by_hand
+
+
+def test_a_replay_has_the_orders_of_the_guard_once(crew: Make) -> None:
+    here = guarded(crew).fly(0.5)
+    here.say("visitor", "lever dive 20")
+    here.fly(60.0)
+    end = here.boat.plain.tobytes()
+    here.say("instructor", "replay 50 s")
+    while here.session.history.rerun:
+        here.fly(0.5)
+    assert here.boat.plain.tobytes() == end
+    assert "to the last bit" in " ".join(here.heard("instructor"))

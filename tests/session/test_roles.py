@@ -33,6 +33,7 @@ OWN = {
     "ballast": WATER | SAYS,
     "diving": SHIP | WATER | SAYS | {"surface", "dive", "order", "tell", "belay"},
     "observer": {"mark"},
+    "visitor": {"lever", "restart"},
 }
 ALL = {
     *("role", "help", "status", "briefing", "log", "ack", "history"),
@@ -87,6 +88,13 @@ def test_every_order_that_a_control_or_everybody_has_is_in_the_grammar() -> None
             "bell stop",
             "the engine is the helm's or the pilot's; this line is an observer's",
         ),
+        (
+            "visitor",
+            "planes auto",
+            "the planes station's or the pilot's or the diving officer's; this line is a visitor's",
+        ),
+        ("visitor", "freeze", "\"freeze\" is the instructor's; this line is a visitor's"),
+        ("planes", "lever dive 8", "the lever is a visitor's; this line is the planes station's"),
         (
             "planes",
             "casualty rudder-stuck",

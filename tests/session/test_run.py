@@ -17,6 +17,9 @@ from helpers.places import environment
 
 from trainer.cli.main import main
 from trainer.config.vessel import load_vessel
+from trainer.session.options import RunOptions
+from trainer.session.ports import Ports
+from trainer.session.run import run_boat
 
 COMMAND = [sys.executable, "-c", "from trainer.cli.main import main; main()"]
 PATIENCE = 120.0  # [s] a first run compiles
@@ -295,10 +298,29 @@ def test_a_signal_ends_the_run_cleanly_with_its_recording_complete(
 
 
 @posix
-def test_a_reader_that_goes_away_costs_its_output_and_nothing_else(
-    start: Start, tmp_path: Path
+def test_ctrl_c_as_soon_as_a_session_listens_ends_it_with_its_summary(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    process = start("run", "--speed", "max", "--duration", "5m", "--csv", "out.csv")
+    def open_and_interrupt(ports: Ports, options: RunOptions) -> None:
+        del ports, options
+        with contextlib.suppress(KeyboardInterrupt):  # lost, as in a call back from C
+            signal.raise_signal(signal.SIGINT)
+
+    monkeypatch.setattr(Ports, "lobby", open_and_interrupt)
+
+    code = run_boat(RunOptions(headless=True, serve=True, no_record=True, frozen=True))
+
+    assert code == 0
+    assert "simulated   0.0 s" in capsys.readouterr().out
+
+
+@posix
+@pytest.mark.parametrize("kept", [False, True])
+def test_a_reader_that_goes_away_costs_its_output_and_nothing_else(
+    start: Start, tmp_path: Path, *, kept: bool
+) -> None:
+    record = ("--record", "kept.trainer") if kept else ("--no-record",)
+    process = start("run", "--speed", "max", "--duration", "5m", "--csv", "out.csv", *record)
     assert process.stdin
     assert process.stdout
     process.stdin.close()
@@ -309,7 +331,10 @@ def test_a_reader_that_goes_away_costs_its_output_and_nothing_else(
     told = process.stderr.read()
 
     assert process.wait(PATIENCE) == 0
-    assert re.search(r"console: \d+ lines dropped", told)
+    whole = "; the recording has all that happened" if kept else ""
+    assert re.search(
+        rf"trainer: instructor at console: \d+ lines were not read there{whole}\n", told
+    )
     assert "Traceback" not in told
     assert len(rows(tmp_path / "out.csv")) == 601
 

@@ -9,9 +9,10 @@ from click.testing import CliRunner
 
 from trainer.boat.boat import Boat
 from trainer.cli.main import cli
+from trainer.config.vessel import load_vessel
 from trainer.core import full
 from trainer.core.elementary import cosine, sine
-from trainer.verify.soak.stress import propulsion, stress, water_forces, water_power
+from trainer.verify.soak.stress import propulsion, stress, stress_one, water_forces, water_power
 
 
 def energy(boat: Boat) -> tuple[float, float]:
@@ -85,6 +86,16 @@ def test_stress_keeps_numbers_attitude_and_energy() -> None:
         assert found.kept, found
         assert found.orders > 40
         assert math.isfinite(found.steepest_deg)
+
+
+@pytest.mark.parametrize(("vessel", "seconds"), [("remus100", 6000.0), ("sdv-mk9", 21600.0)])
+def test_a_small_boat_in_a_hurricane_s_waves_keeps_its_numbers(vessel: str, seconds: float) -> None:
+    """They carry it along faster than its propeller could, and throw it out of the water."""
+    way = ("longitudinal", "exact") if vessel == "remus100" else ("full", "exact")
+
+    found = stress_one(load_vessel(vessel), way, seconds, round(seconds / 1.8), 1)
+
+    assert found.kept, found
 
 
 def test_the_command_prints_a_table_and_its_exit_code_tells() -> None:

@@ -5,6 +5,7 @@ docs/ballast.md has the table of what each sets.
 
 import math
 from collections.abc import Callable
+from dataclasses import dataclass, field
 from typing import Final
 
 from trainer.boat.boat import Boat
@@ -27,6 +28,11 @@ MAIN: Final = BLOWN[:NEGATIVE]
 SPACES: Final = tuple(name.removeprefix("compartment_") for name in COMPARTMENTS)
 
 
+TRIM: Final = ("trim_forward", "trim_aft")
+TANKS_OF: Final = (TRIM, ("auxiliary",), ("depth_control",))  # by pump
+PUMPED_BY: Final = ("trim", "auxiliary", "depth control")
+PUMP_OF: Final = {name: pump for pump, names in enumerate(TANKS_OF) for name in names}
+WAYS: Final = {0: ("forward", "aft")}
 DEEP: Final = 300.0  # [m] below all waves
 EMPTY: Final = 0.1  # [-] of a full bank: not enough to empty main ballast
 
@@ -111,10 +117,21 @@ def _move(boat: Boat, order: Order, sign: float) -> Reply:
     """Let water in, or pump it out where ``sign`` is negative."""
     s = boat.state
     s[f"move_{order.word}"] = sign * order.value
+    told = f"{order.text}: {_waits_for(boat, order.word, sign) or 'under way'}"
     if order.word == "depth_control" and s.hover:
         s.hover = 0.0
-        return f"{order.text}: under way, hovering off"
-    return f"{order.text}: under way"
+        return f"{told}, hovering off"
+    return told
+
+
+def _waits_for(boat: Boat, tank: str, sign: float) -> str:
+    """Return what an order to a pump waits for, "" where it works at once."""
+    place = int(boat.state.drained) - 1
+    if tank == "auxiliary" and place >= 0:
+        return f"waits, its pump drains the {SPACES[place]} compartment; drain stop frees it"
+    if sign < 0.0 and boat.state.z >= boat.vessel.shutoff_depth:
+        return f"waits, the pump delivers nothing below {boat.vessel.shutoff_depth:g} m"
+    return ""
 
 
 def _drain(boat: Boat, order: Order) -> Reply:
@@ -138,16 +155,21 @@ def _hover(boat: Boat, order: Order) -> Reply:
     if order.word == "off":
         s.hover = s.move_depth_control = 0.0
         return "hovering off"
-    refusal = cannot_hover(boat, float(s.z))
+    depth = float(s.z) if order.word else order.value
+    deepest = boat.file.hull.max_depth_m
+    if deepest is not None and not order.word and depth > deepest:
+        return Refused(f"this boat's greatest depth is {deepest:g} m, not {depth:g} m")
+    refusal = cannot_hover(boat, depth)
     if refusal:
         return refusal
     s.hover, s.hover_lost, s.ascent = 1.0, 0.0, 0.0
-    s.ordered_depth = s.z
+    s.ordered_depth = depth
+    at = "this depth" if order.word else f"{depth:g} m"
     if not is_hovering(boat.records.state):
         return f"hovering below {WAY / KNOT:.0f} knots; until then the planes have the depth"
     if s.sea_height > 0.0 and s.sea_suction == 0.0:
-        return "hovering at this depth; this sea has no suction, so it is easier than at sea"
-    return "hovering at this depth"
+        return f"hovering at {at}; this sea has no suction, so it is easier than at sea"
+    return f"hovering at {at}"
 
 
 def cannot_hover(boat: Boat, depth: float) -> Refused | None:
@@ -204,18 +226,66 @@ _DUTIES: dict[str, Callable[[Boat, Order], Reply]] = {
 ORDERS: Final = frozenset(_DUTIES)
 
 
-def load_trim_water(boat: Boat, heavy: float, forward: float) -> str:
+# What the pumps have done
+
+
+@dataclass
+class PumpMonitor:
+    """The orders to the pumps that are to be reported when they are done."""
+
+    asked: dict[int, float] = field(default_factory=dict)  # [kg] by pump
+    left: dict[int, float] = field(default_factory=dict)  # [kg] when last looked at
+    by: dict[int, str] = field(default_factory=dict)  # who ordered it
+
+    def note(self, boat: Boat, order: Order, by: str) -> None:
+        """Take an order that somebody has just given."""
+        pump = PUMP_OF[order.word]
+        self.by[pump] = by
+        self.asked[pump] = self.left[pump] = float(boat.state.to_move[pump])
+
+    def look(self, boat: Boat) -> list[tuple[str, str]]:
+        """Return whose orders are done, or end at a full or empty tank."""
+        news = []
+        for pump, asked in list(self.asked.items()):
+            now, before = float(boat.state.to_move[pump]), self.left[pump]
+            self.left[pump] = now
+            if now:
+                continue
+            del self.asked[pump]
+            inward, outward = WAYS.get(pump, ("in", "out"))
+            way, whole = inward if asked > 0.0 else outward, abs(asked) / 1000.0
+            stops = [name for name in TANKS_OF[pump] if _at_an_end(boat, name)]
+            if abs(before) <= float(boat.vessel.pump_rate[pump]) * boat.method.step + 1e-6:
+                news.append((self.by[pump], f"{PUMPED_BY[pump]}: {whole:.3g} t {way}"))
+            elif stops:
+                moved, end = abs(asked - before) / 1000.0, _at_an_end(boat, stops[0])
+                says = f"{stops[0].replace('_', ' ')} is {end}"
+                news.append((self.by[pump], f"{says}: {moved:.1f} of {whole:.3g} t {way}"))
+        return news
+
+
+def _at_an_end(boat: Boat, tank: str) -> str:
+    """Return whether a tank is full or empty, "" for neither."""
+    place = TANKS.index(tank)
+    water = float(boat.state.water[place])
+    if water >= boat.vessel.capacity[place]:
+        return "full"
+    return "empty" if water <= 0.0 else ""
+
+
+def put_out_of_trim(boat: Boat, heavy: float, forward: float) -> str:
     """Put the boat out of trim: ``heavy`` [kg], and ``forward`` [kg] moved from aft.
 
-    Return why it cannot be, "" when it is done.
+    No tank shows it: the fillings at which weight and balance hold are others. Return why it cannot
+    be, "" when it is done.
     """
     wanted = {"depth_control": heavy, "trim_forward": forward, "trim_aft": -forward}
     for name, more in wanted.items():
         place = TANKS.index(name)
-        water = float(boat.state.water[place]) + more
-        if more and not 0.0 <= water <= boat.vessel.capacity[place]:
+        right = float(boat.state.water[place]) - more
+        if more and not 0.0 <= right <= boat.vessel.capacity[place]:
             tank, held = name.replace("_", " "), boat.vessel.capacity[place] / 1000.0
-            return f"the {tank} tank would hold {water / 1000.0:g} t of {held:g}"
-        boat.state.water[place] = water
+            return f"in trim the {tank} tank would hold {right / 1000.0:g} t of {held:g}"
+        boat.vessel.start[place] = right
     balance(boat.records.vessel, boat.records.vessel, boat.records.state)
     return ""

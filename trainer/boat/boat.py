@@ -74,6 +74,7 @@ class Boat:
         self.toward = _senses(file)
         self.sea = load_sea("calm")
         self.casualties = load_casualties()
+        self._fillings = self.vessel.start.copy()  # [kg] at which the vessel file's weight holds
         start_ballast(self.records.vessel, self.records.vessel, self.records.state)
 
     @property
@@ -106,6 +107,7 @@ class Boat:
         everything random. ConfigError if the boat cannot fly straight and level at that speed.
         """
         self.state.whole[:] = 0.0
+        self.vessel.start[:] = self._fillings
         self.records.scheme["trigger_kind"] = 0.0
         for name in ("weight", "x_g", "y_g", "z_g"):
             self.state[name] = self.vessel[name]

@@ -17,6 +17,7 @@ from trainer.boat.limits import surfacing
 from trainer.config.files import ConfigError
 from trainer.config.vessel import VesselFile
 from trainer.core.kernel import Numbers
+from trainer.io.orders.grammar import Order, parse
 from trainer.units import KNOT
 
 SLOPE: Final = 0.01  # [m] of depth either way, for the slopes of the surface's tables
@@ -32,6 +33,10 @@ SEEN: Final = (  # [m] above periscope depth, and what the periscope watch calls
     (2.0, "Periscope watch: 2 m more of the mast is out than should be"),
     (4.0, "Periscope watch: the sail is close below the surface"),
 )
+AHEAD: Final = 30.0  # [s] that a guard looks ahead
+LEVELLED: Final = 20.0  # [m] above the guarded depth, where the boat is kept meanwhile
+SETTLED: Final = 5.0  # [m] above the guarded depth, from where the planes are given back
+LEVEL: Final = math.radians(3.0)  # [rad] of pitch that is level enough for it
 Z, THETA, HELD = PLACES["z"], PLACES["theta"], PLACES["held_depth"]
 
 Depths = TypeVar("Depths", float, Numbers)  # of a moment, or of each tick
@@ -231,3 +236,33 @@ class DepthMonitor:
         if before <= AT_TEST_DEPTH < now:
             self.times.setdefault("test depth passed", []).append(boat.time)
         return called_depth(test_depth, now - 1)
+
+
+@dataclass(frozen=True)
+class DepthGuard:
+    """A guard that levels a boat before it passes a depth, whoever works its planes.
+
+    It takes the planes while the boat would be too deep soon, and gives them back when it is level.
+    """
+
+    deepest: float = math.inf  # [m]
+
+    def holds(self, boat: Boat) -> bool:
+        """Return whether the planes are, or are to be, the guard's."""
+        if math.isinf(self.deepest):
+            return False
+        s = boat.state
+        coming = float(s.z) + AHEAD * max(float(s.zdot), 0.0)
+        if s.stern_by_hand or s.bow_by_hand:
+            return coming > self.deepest
+        return coming > self.deepest - SETTLED or abs(float(s.theta)) > LEVEL
+
+    def order(self, boat: Boat) -> Order | None:
+        """Return the order by which it takes the planes or gives them back. None: neither."""
+        if math.isinf(self.deepest):
+            return None
+        by_hand = bool(boat.state.stern_by_hand or boat.state.bow_by_hand)
+        if by_hand is not self.holds(boat):
+            return None
+        given = parse(f"depth {self.deepest - LEVELLED:g}" if by_hand else "lever zero")
+        return given if isinstance(given, Order) else None

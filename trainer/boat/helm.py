@@ -21,6 +21,8 @@ SWINGING = math.radians(0.02)  # [rad/s] of yaw, below which there is nothing to
 MEETING = math.radians(10.0)  # [rad] of rudder that meets a swing, unless more is on
 NAMES = {"rudder": "rudder", "stern": "stern planes", "bow": "bow planes"}
 
+LEVER = {"stern": 0.6, "bow": 1.0}  # the share of one lever's angle that each pair of planes has
+
 
 def obey(boat: Boat, order: Order) -> Reply:
     """Carry ``order`` out; return what now holds, or why it was refused."""
@@ -121,6 +123,18 @@ def _planes(boat: Boat, order: Order) -> Reply:
         angle = 0.0 if zero else float(boat.state[f"delta_{SURFACES[surface]}"])
         _by_hand(boat, surface, angle)
     return "planes zero, by hand" if zero else "planes by hand"
+
+
+def _lever(boat: Boat, order: Order) -> Reply:
+    """Both pairs of planes by hand, by one lever. The boat's limits hold."""
+    carried = [surface for surface in LEVER if _carries(boat, surface)]
+    if not carried:
+        return Refused("this boat has no planes")
+    for surface in carried:
+        limit = float(boat.vessel[f"limit_{SURFACES[surface]}"])
+        angle = min(max(LEVER[surface] * order.value, -limit), limit)
+        _by_hand(boat, surface, boat.toward[surface] * angle)
+    return f"{order.text}, by hand"
 
 
 def _depth(boat: Boat, order: Order) -> Reply:
@@ -288,6 +302,7 @@ _DUTIES: dict[str, Callable[[Boat, Order], Reply]] = {
     "stern": _surface,
     "bow": _surface,
     "planes": _planes,
+    "lever": _lever,
     "autopilot": _autopilot,
     "periscope": _periscope,
     "trim": _trim,

@@ -12,22 +12,16 @@ from trainer.units import KNOT
 
 COVERED: Final = 1.0  # [m] of water over it before the same can be called out again
 Z, WAVE, VALIDITY = PLACES["z"], PLACES["eta_wave"], PLACES["validity"]
-RUDDER, STERN, COMMAND = (PLACES[name] for name in ("delta_r", "delta_s", "command_r"))
 NORTHWARD, EASTWARD = PLACES["xdot"], PLACES["ydot"]
 HEIGHT, OMEGA, DIRECTION, COSINES = (
     PLACES[f"sea_{name}"] for name in ("height", "omega", "direction", "cosines")
 )
-TOUCHING: Final = math.radians(0.5)  # [rad] short of the limit that both share
-TAKEN: Final = math.radians(3.0)  # [rad] of rudder, to be told
 FULL: Final = 0.95  # [-] of main ballast; with less aboard the boat means to come up
 
 
 SETTLED: Final = 30.0  # [s] inside the equations' range before leaving it is news again
 RANGES: Final = ("", "equations extrapolated", "outside the equations")
 FOLLOWED: Final = "followed by a sea that the filter cannot follow"
-NOTICES: Final = frozenset(  # no limits
-    {*RANGES[1:], "rudder taken by the stern planes", FOLLOWED}
-)
 CHASED: Final = 0.15  # [-] speed with the waves over that of the peak's, from which it is told
 FELT: Final = 3.0  # [-] depth times the peak's wave number, above which waves are felt
 REASONS: Final = (
@@ -99,8 +93,6 @@ class LimitMonitor:
     times: dict[str, list[float]] = field(default_factory=dict)  # [s]
     validity: int = 0  # the worst since the boat was last inside the equations' range for long
     inside_since: float = 0.0  # [s]
-    taken: bool = False  # by the stern planes, of the rudder of an X-tail
-    taken_since: float = 0.0  # [s]
     followed: bool = False  # by a sea, faster than the wave filter is true
     followed_since: float = 0.0  # [s]
     _set: tuple[tuple[str, float], ...] = field(init=False)  # the limits that there are, by name
@@ -125,11 +117,11 @@ class LimitMonitor:
     def look(self, boat: Boat) -> list[str]:
         """Return what there is to call out after a tick."""
         usual = boat.plain[VALIDITY] == 0.0 and self.validity == 0
-        usual = usual and boat.plain[HEIGHT] == 0.0 and boat.vessel.x_tail == 0.0
+        usual = usual and boat.plain[HEIGHT] == 0.0
         if usual and not self._set and not self.shows and deep(boat):
             return []
         news = self._out_of_range(boat) + self._passed(boat) + self._broken_surface(boat)
-        news += self._shared_tail(boat) + self._following_sea(boat)
+        news += self._following_sea(boat)
         for what, _ in news:
             self.times.setdefault(what, []).append(boat.time)
         return [f"tick {boat.ticks} ({boat.time:g} s): {text}" for _, text in news]
@@ -159,23 +151,6 @@ class LimitMonitor:
             return []
         self.validity = now
         return [(RANGES[now], f"{RANGES[now].upper()}: {REASONS[now]}")]
-
-    def _shared_tail(self, boat: Boat) -> list[tuple[str, str]]:
-        """Return that the stern planes of an X-tail take rudder away, if that is news."""
-        plain, c = boat.plain, boat.vessel
-        rudder, stern, command = plain[RUDDER], plain[STERN], plain[COMMAND]
-        full = abs(rudder) + abs(stern) >= c.limit_s - TOUCHING
-        lost = abs(command) - abs(rudder) if c.x_tail != 0.0 and full else 0.0
-        if lost <= TAKEN:
-            if boat.time - self.taken_since > SETTLED:
-                self.taken = False
-            return []
-        self.taken_since = boat.time
-        if self.taken:
-            return []
-        self.taken = True
-        said = f"X-TAIL: the stern planes take {math.degrees(lost):.0f} deg of rudder away"
-        return [("rudder taken by the stern planes", said)]
 
     def _following_sea(self, boat: Boat) -> list[tuple[str, str]]:
         """Return that the sea follows too fast for the wave filter, if that is news."""

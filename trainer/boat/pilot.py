@@ -1,9 +1,11 @@
-"""The autopilot tells the crew what it gives up, and what it has again."""
+"""The crew is told what the autopilot and an X-tail do not give."""
 
+import math
 from dataclasses import dataclass, field
 from typing import Final
 
 from trainer.boat.boat import PLACES, Boat
+from trainer.boat.casualties import active
 from trainer.core.autopilot.ascent import AFLOAT, NONE
 from trainer.core.autopilot.depth import LEAST_ASTERN
 from trainer.core.autopilot.steering import ASTERN
@@ -23,6 +25,13 @@ GIVEN_UP: Final = {  # what is not kept, and why
 ASCENT, SPEED = PLACES["ascent"], PLACES["u"]
 SHORT, LOST = PLACES["speed_short"], PLACES["hover_lost"]
 FLOOD, FORWARD = PLACES["trim_flood"], PLACES["trim_forward"]
+TOUCHING: Final = math.radians(0.5)  # [rad] short of the limit that rudder and planes share
+TAKEN: Final = math.radians(3.0)  # [rad] of an order that is not given, to be told
+SETTLED: Final = 30.0  # [s] with all that is ordered, before a lack is news again
+SHARING: Final = {  # of an X-tail: in words, where it stands and where it is ordered to
+    "rudder": ("rudder has", PLACES["delta_r"], PLACES["command_r"]),
+    "stern": ("stern planes have", PLACES["delta_s"], PLACES["command_s"]),
+}
 
 
 def lacks_water(boat: Boat) -> bool:
@@ -37,6 +46,40 @@ def lacks_water(boat: Boat) -> bool:
     return bool(moved or (flood != 0.0 and water[AUXILIARY] == end))
 
 
+def is_broken(boat: Boat, surface: str) -> bool:
+    """Return whether a casualty acts on a surface."""
+    return any(each.kind.startswith(f"{surface}-") for each in active(boat))
+
+
+@dataclass
+class TailMonitor:
+    """The watch on what rudder and stern planes of an X-tail lack.
+
+    A surface that is broken is not looked at: its order tells nothing of the sharing.
+    """
+
+    lacking: dict[str, float] = field(default_factory=dict)  # [s] when each was last seen to
+
+    def look(self, boat: Boat) -> list[tuple[str, str]]:
+        """Return what there is to say after a tick, by names for the account."""
+        c, plain = boat.vessel, boat.plain
+        given = sum(abs(plain[place]) for _, place, _ in SHARING.values())
+        if c.x_tail == 0.0 or given < c.limit_s - TOUCHING:
+            return []
+        news = []
+        for name, (has, place, command) in SHARING.items():
+            stands, asked = abs(plain[place]), abs(plain[command])
+            if asked - stands <= TAKEN or is_broken(boat, name):
+                continue
+            last = self.lacking.get(name, -math.inf)
+            self.lacking[name] = boat.time
+            if boat.time - last > SETTLED:
+                told = f"{math.degrees(stands):.0f} of {math.degrees(asked):.0f} deg"
+                words = f"X-TAIL: the {has} {told}: rudder and stern planes share the fins"
+                news.append((f"{name} short on the X-tail", words))
+        return news
+
+
 @dataclass
 class PilotMonitor:
     """The laws that are given up at present, each with the time of that."""
@@ -44,6 +87,7 @@ class PilotMonitor:
     given_up: set[str] = field(default_factory=set)
     times: dict[str, list[float]] = field(default_factory=dict)  # [s]
     trimmed: float = 0.0  # [s] when tanks last had what automatic trim asks for
+    tail: TailMonitor = field(default_factory=TailMonitor)
 
     @classmethod
     def over(cls, boat: Boat) -> "PilotMonitor":
@@ -56,9 +100,20 @@ class PilotMonitor:
         """Take the boat as it is, after a jump in time. Nothing of it is news."""
         self.trimmed = boat.time
         self.given_up = self._left_undone(boat) if self._is_unusual(boat) else set()
+        self.tail.lacking.clear()
+        self.tail.look(boat)
 
     def look(self, boat: Boat) -> list[str]:
         """Return what there is to say after a tick."""
+        shared = self.tail.look(boat)
+        for name, _ in shared:
+            self.times.setdefault(name, []).append(boat.time)
+        news = [words for _, words in shared]
+        news += [f"autopilot: {text}" for text in self._news(boat)]
+        return [f"tick {boat.ticks} ({boat.time:g} s): {text}" for text in news]
+
+    def _news(self, boat: Boat) -> list[str]:
+        """Return what the autopilot has newly given up, or has again."""
         if not lacks_water(boat):
             self.trimmed = boat.time
         if not self.given_up and not self._is_unusual(boat):
@@ -70,7 +125,7 @@ class PilotMonitor:
         if "emergency ascent" in self.given_up and boat.plain[ASCENT] == NONE:
             news.append(f"the ascent is over: keeping depth {boat.state.ordered_depth:.0f} m")
         self.given_up = now
-        return [f"tick {boat.ticks} ({boat.time:g} s): autopilot: {text}" for text in news]
+        return news
 
     def _is_unusual(self, boat: Boat) -> bool:
         """Return whether anything could be given up."""

@@ -136,6 +136,7 @@ class Boat:
             hand=frozenset(plan.hand),
             hand_from=plan.hand_from,
             allowed=frozenset(plan.allowed),
+            guard=plan.guard,
         )
         session.conduct.scored = bool(plan.scores)
         session.event_log.hearers.append(self._events.append)

@@ -19,6 +19,7 @@ from trainer.cli import (
     sweep,
     verify,
     vessel,
+    web,
 )
 from trainer.cli.types import Commands
 from trainer.config.files import ConfigError
@@ -62,7 +63,7 @@ def cli() -> None:
 
 
 SECTIONS: Final = {
-    "Train": (run.run, run.serve, run.attach, run.station),
+    "Train": (run.run, run.serve, run.attach, run.station, web.web),
     "Exercises": (
         listings.exercises,
         listings.exercise,

@@ -1,5 +1,7 @@
 """Commands that take a boat to sea, and that attach to a running session."""
 
+import math
+import socket
 import sys
 from collections.abc import Callable
 from dataclasses import replace
@@ -22,8 +24,12 @@ from trainer.cli.shared_options import (
     teletype_option,
     time_options,
     trainee_options,
+    web_run_options,
+    web_serve_options,
 )
-from trainer.io.paths import HOST, PORT
+from trainer.cli.web import require_pages
+from trainer.config.files import ConfigError
+from trainer.io.paths import HOST, PAGES, PORT
 from trainer.session.options import RunOptions
 
 if TYPE_CHECKING:
@@ -39,6 +45,7 @@ if TYPE_CHECKING:
 @trainee_options
 @rerun_options
 @port_options(listen=None, socket=None)
+@web_run_options
 @teletype_option
 @core_options
 def run(*, teletype: bool, core: Path | None, state: Path | None, **options: Any) -> None:
@@ -50,6 +57,7 @@ def run(*, teletype: bool, core: Path | None, state: Path | None, **options: Any
     \b
     Example:  trainer run
               trainer run periscope-depth
+              trainer run --web
               trainer run --headless --duration 1h --speed max --csv out.csv
               printf 'depth 80\\n' | trainer run --duration 120 --speed max
 
@@ -62,7 +70,43 @@ def run(*, teletype: bool, core: Path | None, state: Path | None, **options: Any
         from trainer.boat.export.runner.run import main as run_core  # noqa: PLC0415
 
         sys.exit(run_core(sys.argv[sys.argv.index("run") + 1 :]))
-    set_out(run_options(options), take_to_sea, choose, teletype=teletype)
+    asked = run_options(options)
+    if asked.browse or asked.web:
+        refuse_other_screens(asked)
+        take_to_sea(without_console(with_pages(replace(asked, browse=True))))
+    with_pages(asked)
+    set_out(asked, take_to_sea, choose, teletype=teletype)
+
+
+def with_pages(asked: RunOptions) -> RunOptions:
+    """Return the options of a session with pages, if it has any, checked; ConfigError."""
+    option = "--web" if asked.browse else "--web HOST:PORT"
+    if not (asked.browse or asked.web):
+        if asked.cert or asked.key:
+            raise ConfigError(f"--cert and --key are of pages: add {option}")
+        return asked
+    require_pages("--web")
+    from trainer.web.launch import certificate_of  # noqa: PLC0415  what the plain install lacks
+
+    certificate_of(asked.cert, asked.key)
+    if math.isinf(asked.speed):
+        raise ConfigError("--web: pages show a boat in its own time: leave out --speed max")
+    if not asked.browse or asked.socket or not hasattr(socket, "AF_UNIX"):
+        return asked
+    from trainer.console.own_session import free_socket  # noqa: PLC0415
+
+    return replace(asked, socket=str(free_socket()))
+
+
+def refuse_other_screens(asked: RunOptions) -> None:
+    """Raise ConfigError where a run with pages is to have another console."""
+    if asked.headless:
+        raise ConfigError(
+            f"--web: nobody attends a run that is --headless; trainer serve --web {HOST}:{PAGES} "
+            "serves pages and opens none"
+        )
+    if asked.url:
+        raise ConfigError(f"--web: add --line instructor={asked.url} in place of --serial")
 
 
 Begin = Callable[[RunOptions], NoReturn]
@@ -144,15 +188,13 @@ def debriefing() -> "Debriefing":
         with np.errstate(all="ignore"):  # a state may hold any number
             debrief = read_dossier(path, branch)
         card = debrief.final
-        told = [
-            f"{each.name}: {'does not count' if each.marks is None else f'{each.marks:.0f}'}"
-            for each in card.scores
-        ]
+        told = [f"{each.name}: {each.marks:.0f}" for each in card.scores if each.marks is not None]
+        uncounted = tuple(each.name for each in card.scores if each.marks is None)
         told += [f"cost most: {each.told}" for each in debrief.costs]
         if card.verdict is None:
-            return Judgement("", card.total, tuple(told))
+            return Judgement("", card.total, tuple(told), uncounted)
         why = [card.verdict.reason] if card.verdict.reason else []
-        return Judgement(card.verdict.outcome, card.total, (*why, *told))
+        return Judgement(card.verdict.outcome, card.total, (*why, *told), uncounted)
 
     def write(path: Path, branch: int) -> Path:
         from trainer.analysis.debrief.page import Asked, beside, debrief_file  # noqa: PLC0415
@@ -171,6 +213,7 @@ def debriefing() -> "Debriefing":
 @trainee_options
 @rerun_options
 @port_options(listen=f"{HOST}:{PORT}", socket=None)
+@web_serve_options
 @click.option("--until-left", is_flag=True, help="End when the last station has left.")
 def serve(**options: Any) -> None:
     """Run a boat for stations to attach to, without a console of its own.
@@ -183,7 +226,7 @@ def serve(**options: Any) -> None:
 
     It ends at --duration, by the instructor's `quit`, or by Ctrl-C, its recording complete.
     """
-    take_to_sea(without_console(run_options(options)))
+    take_to_sea(without_console(with_pages(run_options(options))))
 
 
 @click.command()
@@ -223,6 +266,7 @@ ROLES = (
     "ballast",
     "diving",
     "observer",
+    "visitor",
 )  # see stations.roles
 
 

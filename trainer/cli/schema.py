@@ -8,6 +8,7 @@ from typing import Any, Final
 import click
 
 from trainer.cli.shared_options import FILE
+from trainer.cli.types import Choice
 
 
 def _of_config(name: str) -> Callable[[], dict[str, Any]]:
@@ -42,7 +43,7 @@ SCHEMAS: Final[Mapping[str, Callable[[], dict[str, Any]]]] = {
 
 
 @click.command()
-@click.argument("kind", type=click.Choice(tuple(SCHEMAS)))
+@click.argument("kind", type=Choice(tuple(SCHEMAS)))
 @click.option("-o", "--output", type=FILE, default=None, metavar="FILE", help="Write it there.")
 def schema(kind: str, output: Path | None) -> None:
     """Print the JSON Schema of a kind of file, by which editors complete and underline.

@@ -7,7 +7,7 @@ import click
 
 from trainer.cli.types import Duration, File, Name, Speed
 from trainer.config.method import EQUATIONS
-from trainer.io.paths import HOST, PORT
+from trainer.io.paths import HOST, PAGES, PORT
 
 VESSEL_HELP: Final = "bb2, sdv-mk9, remus100, or the path of a vessel file"
 
@@ -296,15 +296,46 @@ def port_options(*, listen: str | None, socket: str | None) -> Decorator:
     )
 
 
-connect_options = together(
+WEB: Final = f"{HOST}:{PAGES}"
+
+certificate_options = together(
+    click.option("--cert", type=FILE, default=None, help="Certificate of the pages, for https."),
+    click.option("--key", type=FILE, default=None, help="Its key."),
+)
+
+web_run_options = together(
+    click.option("--web", "browse", is_flag=True, help="Stations in a browser, which is opened."),
     click.option(
-        "--connect",
-        "url",
+        "--web-at",
+        "web",
         default=None,
-        metavar="URL",
-        help="tcp://HOST:PORT, the path of a local socket, or a serial line. "
-        "[default: this machine's session]",
+        metavar="HOST:PORT",
+        help=f"Where these pages are. [default: {WEB}, or any free port]",
     ),
+    certificate_options,
+)
+
+web_serve_options = together(
+    click.option(
+        "--web",
+        default=None,
+        metavar="HOST:PORT",
+        help=f"Serve stations for browsers there, such as {WEB}.",
+    ),
+    certificate_options,
+)
+
+connect_option = click.option(
+    "--connect",
+    "url",
+    default=None,
+    metavar="URL",
+    help="tcp://HOST:PORT, the path of a local socket, or a serial line. "
+    "[default: this machine's session]",
+)
+
+connect_options = together(
+    connect_option,
     click.option("--token", default=None, help="Word that the session asks for."),
 )
 

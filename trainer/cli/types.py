@@ -146,6 +146,17 @@ class Name(click.ParamType[str]):
         return names + complete_files(incomplete, self.endings, alone=not names)
 
 
+class Choice(click.Choice[str]):
+    """One of some words. It answers a mistyped one with the nearest."""
+
+    def get_invalid_choice_message(self, value: Any, ctx: click.Context | None) -> str:
+        """Return what is wrong with a word, the words that there are, and the nearest."""
+        from trainer.config.files import nearest  # noqa: PLC0415
+
+        told = super().get_invalid_choice_message(value, ctx).removesuffix(".")
+        return told + nearest(str(value), map(str, self.choices))
+
+
 class Word(click.ParamType[str]):
     """One of some words, which the command itself checks; Tab completes it."""
 

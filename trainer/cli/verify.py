@@ -176,10 +176,9 @@ def try_faults(what: str, times: int, seed: int, *, as_json: bool) -> int:
 @click.option(
     "--seconds",
     type=click.IntRange(1, 3600),
-    default=10,
-    show_default=True,
+    default=None,
     help="Of real time for each step, recorded and not, and for the orders over TCP; --latency "
-    "gives four in each.",
+    "gives four in each. [default: 10; 60 for --web]",
 )
 @click.option("--against-c", is_flag=True, help="Only the tick against plain C, compiled here.")
 @click.option("--side-by-side", is_flag=True, help="Only how fast many boats are flown at once.")
@@ -197,11 +196,18 @@ def try_faults(what: str, times: int, seed: int, *, as_json: bool) -> int:
 )
 @click.option("--latency", is_flag=True, help="Only how soon an order is seen at an instrument.")
 @click.option("--starting", is_flag=True, help="Only how soon commands answer.")
+@click.option("--web", is_flag=True, help="Only stations in a browser, and what they cost.")
 @click.option("--identify", is_flag=True, help="Only how fast a ship is identified.")
 @click.option("--all", "everything", is_flag=True, help="All of it: some minutes.")
 @click.option("--json", "as_json", is_flag=True, help="Print the figures as JSON.")
 def bench(
-    vessel: str, seconds: int, *, minutes: float, everything: bool, as_json: bool, **parts: bool
+    vessel: str,
+    seconds: int | None,
+    *,
+    minutes: float,
+    everything: bool,
+    as_json: bool,
+    **parts: bool,
 ) -> None:
     """Measure duty cycle, work per tick, lateness and sizes on this machine.
 
@@ -209,6 +215,7 @@ def bench(
     Example:  trainer bench --json
               trainer bench --against-c
               trainer bench --on-time --minutes 10
+              trainer bench --web
               trainer bench --all --json > figures.json
     """
     import json  # noqa: PLC0415
@@ -223,14 +230,14 @@ def bench(
         from trainer.verify.bench.bench import bench as measure  # noqa: PLC0415
         from trainer.verify.bench.bench_page import render  # noqa: PLC0415
 
-        figures = measure(file, seconds)
+        figures = measure(file, seconds or 10)
         pages.append(render(figures))
         found["standard"] = asdict(figures)
     if chosen:
         from trainer.verify.bench.sections import SECTIONS, Wanted  # noqa: PLC0415
 
         for name in chosen:
-            answer = SECTIONS[name].measure(Wanted(file, seconds, minutes))
+            answer = SECTIONS[name].measure(Wanted(file, seconds or 10, minutes, seconds or 60))
             pages.append("\n".join(SECTIONS[name].lines(answer)).strip())
             found[name] = asdict(answer)
     tree = found if chosen else found["standard"]

@@ -1,9 +1,11 @@
 """The shipped exercises in the order in which a crew learns: the first lesson first."""
 
 import math
-from typing import NamedTuple
+from typing import Final, NamedTuple
 
 from trainer.config.files import parse_toml, read_text, shipped, shipped_names
+
+STANDARD: Final = "bb2"  # the boat of an exercise that names none
 
 
 class Lesson(NamedTuple):
@@ -13,6 +15,9 @@ class Lesson(NamedTuple):
     name: str
     title: str
     briefing: str
+    seconds: float | None = None  # its length, None where it has no end
+    hand: tuple[str, ...] = ()  # what the crew works by hand
+    vessel: str = STANDARD  # the boat
 
 
 def course() -> list[Lesson]:
@@ -28,4 +33,10 @@ def lesson(name: str) -> Lesson:
     path = shipped("exercises", name)
     table = parse_toml(read_text(path), path.name)
     place = float(table.get("lesson", math.inf))
-    return Lesson(place, name, str(table["name"]), str(table["briefing"]))
+    length = table.get("duration_s")
+    return Lesson(
+        *(place, name, str(table["name"]), str(table["briefing"])),
+        seconds=None if length is None else float(length),
+        hand=tuple(map(str, table.get("hand", ()))),
+        vessel=str(table.get("vessel", STANDARD)),
+    )

@@ -79,6 +79,9 @@ class Heading:
     allowed: tuple[str, ...] | None = optional(
         Choices(AUTOMATIC, "automatic orders that are allowed all the same")
     )
+    guard_depth_m: float | None = optional(
+        Quantity("m", above(0, 12000), "before it the boat levels by itself, planes in hand")
+    )
     lost: tuple[str, ...] | None = optional(
         Texts(Text(79, "conditions that lose the exercise: depth > 160, showing > 0 for 5 s"), 8)
     )
@@ -100,10 +103,10 @@ class Initial:
     depth_m: float | None = optional(Quantity("m", within(0, 12000), "depth"))
     course_deg: float | None = optional(Quantity("deg", within(0, 360), "course"))
     heavy_t: float | None = optional(
-        Quantity("t", within(-100, 100), "too heavy by so much, in the depth-control tank")
+        Quantity("t", within(-100, 100), "too heavy by so much; no tank shows it")
     )
     forward_t: float | None = optional(
-        Quantity("t", within(-100, 100), "trim water that is forward and belongs aft")
+        Quantity("t", within(-100, 100), "as much weight forward as belongs aft; no tank shows it")
     )
 
 
@@ -172,8 +175,8 @@ def key_tables() -> str:
 
 
 UNSCHEDULED: Final = (  # they answer a console, or are a person's to say or to decide
-    *("help", "status", "aye", "belay", "allow", "ack", "again", "next", "debrief", "branch"),
-    *("release-marks", "command", "give", "keep", "branches", "history", "ready"),
+    *("help", "status", "aye", "belay", "allow", "ack", "again", "restart", "next", "debrief"),
+    *("branch", "release-marks", "command", "give", "keep", "branches", "history", "ready"),
 )
 
 
@@ -431,6 +434,12 @@ def _casualties(
     return timed, tuple(armed), tuple(drawn)
 
 
+AT_A_TIME: Final = {  # what is settled before the run, as when has no time yet
+    **dict.fromkeys(("within_s", "one_of"), "goes with at_s"),
+    "lasts_s": "goes with at_s: a run is planned before when is known to come; say clear_at_s",
+}
+
+
 def _known_casualty(row: CasualtyRow, place: Place, known: Mapping[str, Casualty]) -> Casualty:
     """Return the casualty as severe and sudden as the row says; ConfigError on what is wrong."""
     if row.name not in known:
@@ -454,8 +463,8 @@ def _known_casualty(row: CasualtyRow, place: Place, known: Mapping[str, Casualty
     if row.at_s is not None and row.clear_at_s is not None and row.clear_at_s < row.at_s:
         problems.append(place.wrong("clear_at_s", row.clear_at_s, "is before at_s"))
     problems += [
-        place.wrong(key, getattr(row, key), "goes with at_s")
-        for key in ("within_s", "lasts_s", "one_of")
+        place.wrong(key, getattr(row, key), why)
+        for key, why in AT_A_TIME.items()
         if getattr(row, key) is not None and row.at_s is None
     ]
     if row.lasts_s is not None and row.clear_at_s is not None:

@@ -54,6 +54,7 @@ WORDS: Final = {
     "stern": ("stern planes dive", "stern planes rise"),
     "bow": ("bow planes dive", "bow planes rise"),
 }
+NAMES: Final = {"rudder": "rudder", "stern": "stern planes", "bow": "bow planes"}
 PUMPS: Final = {  # to the sea or aft, and the other way
     "auxiliary": ("pump auxiliary", "flood auxiliary"),
     "depth_control": ("pump depth-control", "flood depth-control"),
@@ -227,8 +228,7 @@ class Console(App[str], inherit_bindings=False):
     def act(self, act: Act) -> None:
         """Carry out what a key does."""
         words = self._ordered(act)
-        if words:
-            self.model.order(words)
+        self._give(act, words)
         match act:
             case Again() if not words:
                 self._open(Moments(self.model, replays=True))
@@ -250,6 +250,13 @@ class Console(App[str], inherit_bindings=False):
             case Leave():
                 self._leave()
         self._look()
+
+    def _give(self, act: Act, words: str) -> None:
+        """Send what a key orders, or tell why a control's key does nothing."""
+        if words:
+            self.model.order(words)
+        elif isinstance(act, Move | Pump):
+            self.model.journal.add(None, "refused", idle(act, self.model))
 
     def _ordered(self, act: Act) -> str:
         """Return the order that a key gives by itself, "" for none."""
@@ -418,6 +425,16 @@ class Console(App[str], inherit_bindings=False):
             self._open(leaving(own=self.own))
         else:
             self.exit("")
+
+
+def idle(act: Move | Pump, model: SessionModel) -> str:
+    """Return why a control's key does nothing: no such thing, or no figure of it."""
+    channel = "tanks" if isinstance(act, Pump) else CHANNEL[act.surface]
+    name = act.tank if isinstance(act, Pump) else NAMES[act.surface]
+    name = f"{name.replace('_', ' ')} tank" if isinstance(act, Pump) else name
+    if channel in model.picture.last and model.joined:
+        return f"this boat has no {name}"
+    return f"not ready: the {name}; its panel has shown nothing yet"
 
 
 def nearest(steps: Sequence[float], value: float, by: int) -> float:

@@ -52,7 +52,7 @@ class Choice:
     prefix: str = ""  # of an order that is in no row
     size: tuple[int, int] = (78, 24)  # columns and rows, at most
     typed: str = ""
-    place: int = 0
+    moved: int | None = None  # to this row; else the first that is not active
     _first: int = 0  # row at the top, as drawn last
     _rows: int = 0
 
@@ -70,10 +70,18 @@ class Choice:
         return begin + within
 
     @property
+    def place(self) -> int:
+        """Return the place of the row that is chosen."""
+        shown = self.shown
+        if self.moved is None:
+            return next((i for i, row in enumerate(shown) if not row.active), 0)
+        return min(self.moved, max(len(shown) - 1, 0))
+
+    @property
     def chosen(self) -> Row | None:
         """Return the row that is chosen."""
         shown = self.shown
-        return shown[min(self.place, len(shown) - 1)] if shown else None
+        return shown[self.place] if shown else None
 
     @property
     def order(self) -> str:
@@ -104,18 +112,18 @@ class Choice:
             return None
         if place == self.place and self.order:
             return Done((self.order,))
-        self.place = place
+        self.moved = place
         return None
 
     def _edit(self, key: str, character: str | None) -> None:
         moves = {"up": -1, "down": 1, "pageup": -10, "pagedown": 10}
         last = max(len(self.shown) - 1, 0)
         if key in moves:
-            self.place = min(max(self.place + moves[key], 0), last)
+            self.moved = min(max(self.place + moves[key], 0), last)
         elif key == "backspace":
-            self.typed, self.place = self.typed[:-1], 0
+            self.typed, self.moved = self.typed[:-1], None
         elif character and character.isprintable():
-            self.typed, self.place = self.typed + character, 0
+            self.typed, self.moved = self.typed + character, None
 
     def draw(self, width: int, height: int) -> Lines:
         """Return the dialog."""
@@ -128,7 +136,7 @@ class Choice:
         foot.append(line((" Enter sends: ", "dim"), (self.order or "nothing", "ordered")))
         room = max(height - len(lines) - len(foot), 1)
         shown = self.shown
-        place = min(self.place, max(len(shown) - 1, 0))
+        place = self.place
         first = min(max(place - room // 2, 0), max(len(shown) - room, 0))
         self._first, self._rows = first, room
         body = [

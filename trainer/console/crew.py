@@ -71,9 +71,9 @@ class CrewOrders:
         self.wrong = f"{said}; ordered {order}"
         self.rings += 1
 
-    def go_back(self, seconds: float) -> None:
-        """Forget what was ordered after a moment gone back to."""
-        self.waiting = {a: each for a, each in self.waiting.items() if each.seconds <= seconds}
+    def go_back(self) -> None:
+        """Forget what waits, after a jump in time. What waited at that moment is told again."""
+        self.waiting.clear()
         self.wrong = ""
 
     def awaits(self, axis: str, role: str) -> bool:
@@ -82,9 +82,12 @@ class CrewOrders:
 
     def to_repeat(self, role: str) -> CrewOrder | None:
         """Return the newest order that a role is to repeat, which is what `aye` repeats."""
-        mine = (
+        return next(iter(self.all_to_repeat(role)), None)
+
+    def all_to_repeat(self, role: str) -> list[CrewOrder]:
+        """Return the orders that a role is to repeat, the newest first."""
+        return [
             each
             for each in reversed(self.waiting.values())
             if role in ADDRESSED.get(each.axis, CREW)
-        )
-        return next(mine, None)
+        ]

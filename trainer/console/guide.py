@@ -28,7 +28,7 @@ FIRST: Final = (
         "  2  Give an order: type depth 30 and press Enter. Tab completes a word, Up and Down "
         "bring earlier orders back. help depth says more."
     ),
-    "  3  Put it right: F4, then Delete on the casualty, which is at the top.",
+    "  3  Put it right: F4, Up to the casualty, which is at the top, then Delete.",
     (
         "  4  Go back two minutes: F6, then 2, then Enter. Time stands still there; F2 lets it go "
         "on, on a new branch. The old one stays in the recording."

@@ -279,6 +279,14 @@ KEYS: Final[Mapping[str, tuple[Key, ...]]] = {
         Key(("m",), "M", "mark", "mark this moment, with a remark", Write("mark ")),
         *COMMON,
     ),
+    "visitor": (
+        *FIRST,
+        Key(("d",), "D", "R: lever", "push the lever down, so many degrees", Write("lever dive ")),
+        Key(("r",), "R", "", "pull it up", Write("lever rise ")),
+        order_key("z", "lever 0", "lever zero"),
+        order_key("n", "new dive", "restart"),
+        *COMMON,
+    ),
 }
 
 
@@ -304,7 +312,6 @@ def key_table(role: str) -> str:
 
 
 def key_tables() -> str:
-    """Return the tables of all roles but the observer."""
-    return "\n".join(
-        f"#### {role.capitalize()}\n\n{key_table(role)}" for role in KEYS if role != "observer"
-    )
+    """Return the tables of all roles but those of who looks on or visits."""
+    shown = (role for role in KEYS if role not in ("observer", "visitor"))
+    return "\n".join(f"#### {role.capitalize()}\n\n{key_table(role)}" for role in shown)

@@ -128,6 +128,12 @@ LAYOUTS: Final[Mapping[str, Layout]] = {
             charts_named("gauges", "depth", "heading"),
             (Place("panel", panels.lookout, moving=True),),
         ),
+        Layout(
+            "visitor",
+            ("time", "diving", "orders", "gauges"),
+            charts_named("gauges", "depth", "pitch"),
+            (Place("panel", panels.planes, moving=True),),
+        ),
     )
 }
 

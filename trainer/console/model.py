@@ -21,6 +21,8 @@ LINES: Final = ("line", "wins", "lost")  # keys of an exercise that come again a
 LONG: Final = 4  # [lines] from which an answer is read in a window of its own
 TRACK: Final = 4000  # places of the track
 TRACKED: Final = 2.0  # [s] between them
+AWAITED: Final = 60.0  # [s] for the next exercise to be there
+MAKING_READY: Final = "the next exercise is being made ready"
 WIDELY_KNOWN: Final = ("snapshots", "casualties")  # asked for on joining, by the instructor
 
 
@@ -124,6 +126,7 @@ class SessionModel:
         self.trace = Trace(len(self.charts))
         self._asked: dict[str, Asked] = {}
         self._track: deque[tuple[float, float, float]] = deque(maxlen=TRACK)  # [s, m, m]
+        self._awaited = -math.inf  # [s] on the clock, until which the next exercise may take
         self._caught_up = False  # with what was shown before the line was there
         self._greeted = 0  # lines of the briefing that came before the line was lost last
         self._over_at = 0.0  # [s] when the exercise was over
@@ -140,6 +143,11 @@ class SessionModel:
     def waiting(self) -> int:
         """Return how many orders have not been answered yet."""
         return len(self._asked)
+
+    @property
+    def follows(self) -> bool:
+        """Return whether there is no line because the next exercise is being made ready."""
+        return not self.joined and self.clock() < self._awaited
 
     @property
     def gauges(self) -> str:
@@ -197,23 +205,27 @@ class SessionModel:
             self._asked[tag] = Asked(words, quiet)
             self._own += gives_crew(words) and not self.instructs
         elif not quiet:
-            self.journal.add(None, "refused", f"not sent: {self.trouble or 'no line'}")
+            why = MAKING_READY if self.follows else self.trouble or "no line"
+            self.journal.add(None, "refused", f"not sent: {why}")
         return bool(tag)
 
     # the line
 
     def _join(self) -> None:
         if self.greeted:
-            self.journal.add(None, "station", "the line is back")
+            back = "the next exercise is ready" if self.follows else "the line is back"
+            self.journal.add(None, "station", back)
+        self._awaited = -math.inf
         self.joined, self.trouble, self.over, self.greeted = True, "", False, True
         self._caught_up = False
         for words in WIDELY_KNOWN if self.instructs else ():
             self.ask(words)
 
     def _lose(self, why: str) -> None:
-        if not self.over and (self.joined or why != self.trouble):
+        was, self.joined = self.joined, False
+        if not (self.over or self.follows) and (was or why != self.trouble):
             self.journal.add(None, "lost", f"no line: {why}")
-        self.joined, self.trouble = False, why
+        self.trouble = "" if self.follows else why
         self._asked.clear()
         self.crew = CrewOrders(rings=self.crew.rings)  # those that stand are told again
         self.told.clear()
@@ -249,7 +261,7 @@ class SessionModel:
         """Add the present to the charts."""
         reading = self.picture.reading(self.gauges)
         if reading.seconds < self._over_at:  # it is flown again, or another is
-            self.outcome, self._over_at = "", 0.0
+            self._go_on()
         self._catch_up(reading.seconds)
         self._follow(reading)
         if self.trace.times[-1:] != [reading.seconds]:
@@ -342,8 +354,9 @@ class SessionModel:
         """Take a fact: what has happened, or what there is, in fields."""
         _, told, what, subject = sentence.fields
         seconds = float(told)
-        if what == "over":
-            self.over = True
+        if what in ("over", "next"):
+            self.over = what == "over"
+            self._awaited = -math.inf if self.over else self.clock() + AWAITED
         elif what == "back":
             self._go_back(seconds)
         elif what == "mark":
@@ -457,11 +470,16 @@ class SessionModel:
             self.marks.append(Kept(seconds, "C", words))
             self.rings += 1
 
+    def _go_on(self) -> None:
+        """Forget how an exercise ended: it is flown again, or another is."""
+        self.outcome, self._over_at = "", 0.0
+        self.marks_told.clear()
+
     def _go_back(self, seconds: float) -> None:
         """Forget what lies after a moment gone back to."""
         self.marks = [kept for kept in self.marks if kept.seconds <= seconds]
-        self.crew.go_back(seconds)
-        self.outcome = ""
+        self.crew.go_back()
+        self._go_on()
         self.furthest = seconds
         if self.instructs:
             self.ask("snapshots")

@@ -16,8 +16,8 @@ def advance_surface(
 ) -> float:
     """Return where a surface [rad] stands after one step.
 
-    ``share`` of the distance to the order is covered by the lag, at most ``furthest`` [rad] by
-    the rate, and nothing beyond ``limit`` [rad].
+    Its lag covers ``share`` of the distance to the order. Its rate allows at most ``furthest``
+    [rad], and it stays within ``limit`` [rad].
     """
     target = min(max(ordered, -limit), limit)
     travel = share * (target - angle)
@@ -26,11 +26,12 @@ def advance_surface(
 
 @part
 def target_angle(vessel: Record, furthest: float, surface: int, slot: int, state: Record) -> float:
-    """Return the angle [rad] that a surface makes for: its command, or what a casualty makes of it.
+    """Return the angle [rad] towards which a surface moves.
 
-    ``furthest`` [rad] is the way that the rate allows it in this tick, ``slot`` the casualty's, -1
-    if it is sound. Without follow-up the command says which way to move; amidships, within
-    AMIDSHIPS, it stops the surface.
+    That is its command, or what a casualty makes of it. ``furthest`` [rad] is how far the rate
+    allows it to move in this tick. ``slot`` is that of the casualty, -1 if the surface is sound.
+    Without follow-up the command says only which way to move; a command amidships, within
+    AMIDSHIPS, stops the surface.
     """
     c = vessel[0]
     s = state[0]
@@ -56,8 +57,9 @@ def move_surfaces(vessel: Record, h: float, state: Record) -> None:
     """Advance rudder and planes by ``h`` [s] towards their commands.
 
     On an X-tail each diagonal pair of planes carries the sum or the difference of the stern-plane
-    and rudder angles, so that the limit and the rate hold for |delta_r| + |delta_s|. One with a
-    casualty takes its angle, and the other has what is left of the limit.
+    and rudder angles, so that the limit and the rate hold for |delta_r| + |delta_s|. If rudder or
+    stern planes have a casualty, they take the angle that it gives, and the other has what is left
+    of the limit.
     """
     c = vessel[0]
     s = state[0]

@@ -2,7 +2,7 @@
 
 Within 15 deg of the vertical the rates of heel and heading have no bound. There the matrix of the
 attitude is turned by the body's own rates over the step (Rodrigues' formula), and the angles are
-read from it again: pitch stays within 90 deg, heel within 180.
+read from it again. Pitch stays within 90 deg, heel within 180.
 """
 
 import math
@@ -28,7 +28,10 @@ def is_polar(state: Record) -> bool:
 def rotated(
     a: float, b: float, c: float, turn: tuple[float, float, float]
 ) -> tuple[float, float, float]:
-    """Return a row of the attitude's matrix [-] after a turn [rad] about the body's axes."""
+    """Return a row of the attitude's matrix [-] after a turn [rad].
+
+    ``turn`` is about the three axes of the body.
+    """
     x, y, z = turn
     square = x * x + y * y + z * z
     size = math.sqrt(square)
@@ -45,7 +48,7 @@ def rotated(
 
 @part
 def nearest_turn(angle: float, old: float) -> float:
-    """Return an angle [rad] by the whole turns that bring it nearest to ``old``."""
+    """Return ``angle`` [rad] plus the whole turns that bring it nearest to ``old`` [rad]."""
     return angle + TURN * math.floor((old - angle) / TURN + 0.5)
 
 
@@ -78,7 +81,7 @@ def turned(
 
 @part
 def take_attitude(phi: float, theta: float, psi: float, state: Record) -> None:
-    """Put the boat into an attitude [rad]; its past motion takes the same jump."""
+    """Put the boat into an attitude [rad], its past motion with the same jump."""
     s = state[0]
     jump_phi, jump_theta, jump_psi = phi - s.phi, theta - s.theta, psi - s.psi
     s.phi, s.theta, s.psi = phi, theta, psi
@@ -97,7 +100,7 @@ def is_beyond(state: Record) -> bool:
 
 @part
 def bring_within(state: Record) -> None:
-    """Bring heel within half a turn and pitch within a quarter: the same attitude."""
+    """Bring heel within half a turn and pitch within a quarter, for the same attitude."""
     s = state[0]
     heel, pitch, heading = turned(s.phi, s.theta, s.psi, (0.0, 0.0, 0.0))
     take_attitude(heel, pitch, heading, state)

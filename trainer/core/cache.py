@@ -1,11 +1,11 @@
-"""Where the core's machine code is kept, and what it is the code of.
+"""The folder of the core's machine code, and the digests of that code.
 
 Numba stamps a cached kernel with the source of its own file only, so that a changed callee in
 another file would otherwise go on serving the old physics: the cache therefore lies in a folder
 named by a hash of the core's sources. Importing this module points numba there; the core does so
 before its first kernel.
 
-A file of machine code has a digest beside it. One that does not fit, or has none, is set aside
+A file of machine code has its digests beside it. One that does not fit, or has none, is set aside
 before numba reads it: numba then finds nothing, and compiles. This is against damage; who may write
 there may as well change the program. Python tells of every file that is opened and renamed (its
 audit events), so that nothing of numba's own is touched.
@@ -28,7 +28,7 @@ SAME_BITS: frozenset[str] = frozenset()
 
 @cache
 def core_digest() -> str:
-    """Return a short hash of the core's sources: what the boat is computed by."""
+    """Return a short hash of the core's sources, by which the boat is computed."""
     return _digest("core")
 
 
@@ -103,7 +103,7 @@ if "numba" in sys.modules:  # it has read the environment already
 
 CODE = (".nbi", ".nbc")  # numba's index of a kernel, and the code itself
 DIGEST = ".digest"
-TWO_DIGESTS = 65  # [bytes] in hexadecimal, a line each
+MOST_DIGESTS = 2**20  # [bytes] in hexadecimal, a line each
 DAMAGED = ".damaged"
 
 
@@ -115,25 +115,21 @@ def _digest_of(path: str) -> bytes:
 
 
 def keep_digest(made: str, path: str) -> None:
-    """Put the digest of what is about to be renamed to ``path`` beside it, with what is there.
+    """Add the digest of a new file to those beside ``path``.
 
-    Until it is renamed others may read what was there: that is not damaged either.
+    It is called before the new file is renamed. The others stay: another process may still read
+    the file that is there now, or may be about to rename one of its own.
     """
-    digests = [_digest_of(made)]
     with contextlib.suppress(OSError):
-        digests.append(_digest_of(path))
-    mine = f"{path}{DIGEST}-{os.getpid()}"
-    with contextlib.suppress(OSError):
-        descriptor = os.open(mine, os.O_WRONLY | os.O_CREAT | os.O_TRUNC, 0o666)
+        descriptor = os.open(path + DIGEST, os.O_WRONLY | os.O_CREAT | os.O_APPEND, 0o666)
         try:
-            os.write(descriptor, b"\n".join(digests))
+            os.write(descriptor, b"\n" + _digest_of(made))
         finally:
             os.close(descriptor)
-        os.replace(mine, path + DIGEST)  # noqa: PTH105  it is done for every file that is written
 
 
 def check_digest(path: str) -> None:
-    """Set a file aside that is not what was written; say so."""
+    """Set a file aside that differs from what was written, and say so."""
     try:
         found = _digest_of(path)
     except FileNotFoundError:
@@ -143,7 +139,7 @@ def check_digest(path: str) -> None:
     with contextlib.suppress(OSError):
         descriptor = os.open(path + DIGEST, os.O_RDONLY)
         try:
-            if found in os.read(descriptor, TWO_DIGESTS).split():
+            if found in os.read(descriptor, MOST_DIGESTS).split():
                 return
         finally:
             os.close(descriptor)
@@ -156,7 +152,7 @@ def check_digest(path: str) -> None:
 
 @cache
 def _tell_damage() -> None:
-    """Say once that code is damaged: what is set aside bears its name."""
+    """Say once that code is damaged; the files set aside have a name that says so."""
     print("trainer: compiled code was damaged, and is compiled again", file=sys.stderr)
 
 

@@ -1,13 +1,13 @@
-"""Things that break: the table of their kinds, slots of the state, ramps, triggers, instruments.
+"""Casualties: the table of their kinds, slots of the state, ramps, triggers, instruments.
 
-Eight slots of the state hold the casualties in force, those in use first: kind, amount [SI] now
-and in the end, and the ticks left: positive while it comes on, zero while it stands, negative
-while it is being cleared. The core knows amounts only; what severity means is settled where files
-are read. Surfaces, propulsion, autopilot and instruments look their kinds up; tanks and air read
-faults from the state, which are written here.
+Eight slots of the state hold the casualties in force, those in use first. A slot has the kind, the
+amount [SI] now and in the end, and the ticks left. The ticks are positive while the casualty comes
+on, zero while it stands, and negative while it is being cleared. The core knows amounts only; files
+that are read say what a severity means. Surfaces, propulsion, autopilot and instruments look their
+kinds up. Tanks and air read faults from the state, which are written here.
 
-Armed triggers are constants of the scheme; the state remembers which of them are spent. Casualties
-of instruments are seen by stations only: the autopilot steers by the truth, and the instructor is
+Armed triggers are constants of the scheme; the state remembers which of them are spent. Only
+stations see casualties of instruments: the autopilot steers by the truth, and the instructor is
 shown it.
 """
 
@@ -27,7 +27,7 @@ GAUGES: Final = ("depth-gauge", "gyro", "log")
 DEPTH_GAUGE, GYRO, LOG = 0, 1, 2
 GAUGE_FAULTS: Final = ("noisy", "biased", "stuck")
 NOISY, BIASED, GAUGE_STUCK = 0, 1, 2
-# Of two faults on one surface or gauge only the later in these acts on it.
+# Of two faults on one surface or gauge only the one that is later in these lists acts.
 
 FAULTS: Final = (  # in the order of the faults in the state, which begin at its "breach"
     *(f"leak-{name.replace('_', '-')}" for name in PUMPED),
@@ -40,14 +40,17 @@ FAULTS: Final = (  # in the order of the faults in the state, which begin at its
 
 
 class Kind(NamedTuple):
-    """A kind of casualty [-]: its name, what it befalls, how, and what the state keeps of it."""
+    """A kind of casualty [-]: its name, its equipment, its fault and its place.
+
+    The place is that in the state.
+    """
 
     name: str
     surface: int = -1  # of SURFACES
     gauge: int = -1  # of GAUGES
     fault: int = -1  # of SURFACE_FAULTS or GAUGE_FAULTS
-    place: int = -1  # in the state, of the fault that tanks and air read
-    sense: int = 1  # of the amount at that place
+    place: int = -1  # in the state: the fault that tanks and air read
+    sense: int = 1  # [-] sign of the amount at that place
     holds: bool = False  # it holds what it finds, whatever amount it is given
 
 
@@ -66,7 +69,7 @@ TABLE: Final = (
     Kind("propulsion-stuck", holds=True),
     Kind("autopilot-failed"),
     *(Kind(name, place=place) for place, name in enumerate(FAULTS, _place("breach"))),
-    *(  # a vent stuck open is one shut less than not at all
+    *(  # a vent stuck open is a vent shut with the sign turned
         Kind(f"vent-{name}-open", place=place, sense=-1)
         for place, name in enumerate(VALVES, _place("vent_fault"))
     ),
@@ -97,7 +100,10 @@ AUTOPILOT_FAILED: Final = CODES["autopilot-failed"]
 
 @part
 def slot_of(kind: int, state: Record) -> int:
-    """Return the slot [-] that holds ``kind``, -1 if none does; kind 0 is the first free slot."""
+    """Return the slot [-] that holds ``kind``, -1 if none does.
+
+    For kind 0 it is the first free slot.
+    """
     s = state[0]
     for i in range(s.casualty.size):
         if s.casualty[i] == kind:
@@ -109,7 +115,10 @@ def slot_of(kind: int, state: Record) -> int:
 
 @part
 def fault_of(surface: int, state: Record) -> int:
-    """Return the slot [-] of the casualty that acts on a surface, -1 if it is sound."""
+    """Return the slot [-] of the casualty that acts on a surface.
+
+    It is -1 if the surface is sound.
+    """
     s = state[0]
     slot, latest = -1, -1
     for i in range(s.casualty.size):
@@ -123,7 +132,10 @@ def fault_of(surface: int, state: Record) -> int:
 
 @kernel
 def write_fault(kind: int, amount: float, state: Record) -> None:
-    """Write what tanks and air are to suffer by ``kind``; the others are looked up."""
+    """Write what tanks and air are to suffer by ``kind``.
+
+    Other kinds are looked up.
+    """
     if PLACE[kind] >= 0:
         state[0].whole[PLACE[kind]] = SENSE[kind] * amount
 
@@ -145,7 +157,10 @@ def leave(slot: int, state: Record) -> None:
 
 @kernel
 def ramp(slot: int, state: Record) -> None:
-    """Bring a casualty one tick nearer its end, short of leaving its slot."""
+    """Bring a casualty one tick nearer to its end.
+
+    It is not taken out of its slot.
+    """
     s = state[0]
     ticks = s.casualty_ticks[slot]
     if ticks == 1.0:
@@ -166,7 +181,7 @@ def advance_casualties(state: Record) -> None:
     s = state[0]
     if s.casualty[0] == 0.0:
         return
-    for i in range(s.casualty.size - 1, -1, -1):  # from the last, since leaving moves those up
+    for i in range(s.casualty.size - 1, -1, -1):  # last first: leaving moves the later ones up
         if s.casualty_ticks[i] == -1.0:
             leave(i, state)
         elif s.casualty_ticks[i] != 0.0:
@@ -212,9 +227,10 @@ def instruments(state: Record, scratch: Record) -> None:
 
 @kernel
 def onset(kind: int, state: Record) -> float:
-    """Return the amount [SI] from which a casualty sets out: what it holds or drives as it stands.
+    """Return the amount [SI] from which a casualty starts.
 
-    A stuck gauge holds its bias with it.
+    It is what the casualty holds or drives, as that stands now; for other kinds it is 0. A stuck
+    gauge holds its bias too.
     """
     s = state[0]
     if SURFACE[kind] >= 0 and FAULT[kind] >= HARD_OVER:
@@ -228,9 +244,10 @@ def onset(kind: int, state: Record) -> float:
 
 @kernel
 def begin(kind: int, amount: float, ticks: float, state: Record) -> int:
-    """Let a casualty run to ``amount`` [SI] within ``ticks``; return 1, or 0 if no slot is free.
+    """Begin a casualty that reaches ``amount`` [SI] within ``ticks``.
 
-    One that is there already goes on from where it is; what is stuck stays as it stuck.
+    Return 1, or 0 if no slot is free. A casualty that is there already goes on from where it is;
+    what is stuck stays as it stuck.
     """
     s = state[0]
     slot = slot_of(kind, state)
@@ -252,7 +269,10 @@ def begin(kind: int, amount: float, ticks: float, state: Record) -> int:
 
 @kernel
 def end(kind: int, ticks: float, state: Record) -> int:
-    """Let a casualty go back to nothing within ``ticks``; return 1, or 0 if there is none."""
+    """Bring a casualty back to zero within ``ticks``.
+
+    Return 1, or 0 if there is none of this kind.
+    """
     s = state[0]
     slot = slot_of(kind, state)
     if slot < 0:
@@ -263,7 +283,7 @@ def end(kind: int, ticks: float, state: Record) -> int:
 
 @part
 def holds(scheme: Record, trigger: int, state: Record) -> bool:
-    """Return whether the condition of a trigger is met by the state."""
+    """Return whether the state meets the condition of a trigger."""
     m = scheme[0]
     value = state[0].whole[int(m.trigger_place[trigger])]
     excess = m.trigger_sense[trigger] * (value - m.trigger_threshold[trigger])
@@ -274,14 +294,14 @@ def holds(scheme: Record, trigger: int, state: Record) -> bool:
 def fire_triggers(scheme: Record, state: Record) -> None:
     """Begin the casualties whose conditions the last state meets.
 
-    A trigger is spent when it has fired; one that fires again is renewed when its condition has
-    become false. One that finds no free slot waits for it.
+    A trigger that has fired is spent. One that may fire again is renewed when its condition becomes
+    false. One that finds no free slot waits for it.
     """
     m = scheme[0]
     s = state[0]
     for i in range(m.trigger_kind.size):
         if m.trigger_kind[i] == 0.0:
-            return  # those armed come first
+            return  # the armed triggers come first
         bit = 1 << i
         spent = int(s.triggers_spent) & bit
         met = holds(scheme, i, state)

@@ -1,9 +1,9 @@
 """The compact set EC780, [ASSES] (12)-(17), on the constants of (18); errata C1-C20.
 
-``modified`` and ``basic`` differ in their constants and trigonometry only. What the equations say
-of the mass is gathered by the six components of the acceleration of turning axes. Departures: the
-mass in Y_r is the present one, since tanks change it; a vessel file may keep further terms; y_G,
-x_B, y_B and the products of inertia, which the report leaves out, act where they are not zero.
+``modified`` and ``basic`` differ only in their constants and trigonometry. The terms of the mass
+are gathered by the six components of the acceleration of turning axes. Departures from the report:
+the mass in Y_r is the present one, since tanks change it. A vessel file may keep further terms.
+y_G, x_B, y_B and the products of inertia, which the report leaves out, act where they are not zero.
 """
 
 import math
@@ -87,7 +87,10 @@ def forces(compact: Record, trig: int, state: Record, force: Numbers) -> None:
 
 @part
 def further_forces(compact: Record, state: Record, force: Numbers) -> None:
-    """Add the terms that (12)-(17) do not have, and a vessel file may keep, to ``force``."""
+    """Add the terms to ``force`` that (12)-(17) do not have.
+
+    A vessel file may keep them.
+    """
     c = compact[0]
     s = state[0]
     u, v, w, p, q, r = s.u, s.v, s.w, s.p, s.q, s.r
@@ -124,7 +127,7 @@ def off_centre(compact: Record, state: Record) -> bool:
 
 @kernel
 def off_centre_forces(compact: Record, trig: int, state: Record, force: Numbers) -> None:
-    """Add what [ASSES] (1)-(6) have of y_G, x_B, y_B, I_xy, I_yz, I_xz to ``force``.
+    """Add the terms of y_G, x_B, y_B, I_xy, I_yz, I_xz in [ASSES] (1)-(6) to ``force``.
 
     The first three are forces [N], the last three angular accelerations [rad/s2].
     """
@@ -170,9 +173,10 @@ def add_external(compact: Record, external: Numbers, force: Numbers) -> None:
 
 @part
 def lagged_rates(compact: Record, force: Numbers, state: Record) -> None:
-    """Write u' v' w' p' q' r' in that order, with last cycle's where this one's are not known yet.
+    """Write u' v' w' p' q' r' in that order.
 
-    The acceleration terms of (12)-(17); the same as ``sweep`` with ``inertia``, written out.
+    Where a rate of this cycle is not known yet, last cycle's is used. These are the acceleration
+    terms of (12)-(17); the same as ``sweep`` with ``inertia``, written out.
     """
     c = compact[0]
     s = state[0]
@@ -188,7 +192,7 @@ def lagged_rates(compact: Record, force: Numbers, state: Record) -> None:
 
 @kernel
 def inertia(compact: Record, state: Record, out: Numbers) -> None:
-    """Write what multiplies the accelerations in (12)-(17), for the exact solve."""
+    """Write the factors of the accelerations in (12)-(17), for the exact solve."""
     c = compact[0]
     s = state[0]
     m = mass(compact, state)
@@ -207,7 +211,7 @@ def inertia(compact: Record, state: Record, out: Numbers) -> None:
 
 @kernel
 def off_centre_inertia(compact: Record, state: Record, out: Numbers) -> None:
-    """Add what multiplies the accelerations in [ASSES] (1)-(6) by y_G, I_xy, I_yz, I_xz."""
+    """Add the factors of the accelerations in [ASSES] (1)-(6) by y_G, I_xy, I_yz, I_xz."""
     c = compact[0]
     m_y = mass(compact, state) * state[0].y_g
     out[0, 5] -= m_y

@@ -1,7 +1,8 @@
-"""Drag of the flow across the boat, by strips: five of the hull, the tail and the sail.
+"""Drag of the flow across the boat, by strips of hull, tail and sail.
 
-The form is that of Healey & Lienard and of MSS; the coefficients are derived so that pure sway and
-pure heave give the file's own Y_vav and Z_waw (docs/envelope.md). Each strip takes energy.
+The hull has five strips. The form is that of Healey & Lienard and of MSS. The coefficients are
+derived so that pure sway and pure heave give the file's own Y_vav and Z_waw (docs/envelope.md).
+Each strip takes energy from the boat.
 """
 
 import math
@@ -11,7 +12,10 @@ from trainer.core.kernel import Numbers, Record, part
 
 @part
 def add_hull_strips(vessel: Record, state: Record, force: Numbers) -> None:
-    """Add Y Z [N] M N [N m] of the hull's strips, at the stations of its buoyancy."""
+    """Add Y Z [N] and M N [N m] of the hull's strips.
+
+    They lie at the stations of its buoyancy.
+    """
     c, s = vessel[0], state[0]
     for i in range(c.crossflow_Y.size):
         x = c.station_x[i]
@@ -26,7 +30,10 @@ def add_hull_strips(vessel: Record, state: Record, force: Numbers) -> None:
 
 @part
 def add_tail_and_sail(vessel: Record, dry: float, state: Record, force: Numbers) -> None:
-    """Add what tail and sail take from the flow across [N], [N m]; ``dry`` [-] of the sail."""
+    """Add the cross-flow drag of tail and sail [N], [N m].
+
+    ``dry`` [-] is the share of the sail that is above the water.
+    """
     c, s = vessel[0], state[0]
     aside, down = s.v + c.tail_x * s.r, s.w - c.tail_x * s.q
     lateral, normal = -c.tail_Y * abs(aside) * aside, -c.tail_Z * abs(down) * down

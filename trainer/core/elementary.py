@@ -1,8 +1,8 @@
-"""Sine, cosine, arctangent, exponential and logarithm: no library's version is in the bits.
+"""Sine, cosine, arctangent, exponential and logarithm, the same bits with every library.
 
-Errors at most 2 units in the last place for |angle| <= 1e5, |exponent| <= 700 and every positive
-argument of the logarithm (tested).
-Reduction after Cody & Waite: the period is subtracted in parts that multiply exactly.
+Errors are at most 2 units in the last place for |angle| <= 1e5, |exponent| <= 700 and every
+positive argument of the logarithm (tested). Reduction after Cody & Waite: the period is subtracted
+in parts that multiply exactly.
 """
 
 import math
@@ -12,7 +12,7 @@ import numpy as np
 
 from trainer.core.kernel import part
 
-# Taylor's coefficients, the highest power's first; every divisor is a whole number below 2^53.
+# Taylor's coefficients, the highest power first; every divisor is a whole number below 2^53.
 SINE: Final = np.array([(-1.0) ** k / math.factorial(2 * k + 1) for k in range(8, 0, -1)])
 COSINE: Final = np.array([(-1.0) ** k / math.factorial(2 * k) for k in range(8, 1, -1)])
 EXPONENTIAL: Final = np.array([1.0 / math.factorial(k) for k in range(13, 1, -1)])
@@ -45,13 +45,13 @@ def _cosine_series(r: float) -> float:
         p = p * s + COSINE[i]
     half = 0.5 * s
     whole = 1.0 - half
-    # what rounding took from 1 - s/2 is given back
+    # give back what rounding took from 1 - s/2
     return whole + (((1.0 - whole) - half) + s * s * p)
 
 
 @part
 def _nearest(x: float) -> int:
-    """Return the whole number nearest to ``x`` [-], the upper one of two."""
+    """Return the whole number nearest to ``x`` [-], the upper one if two are as near."""
     return math.floor(x + 0.5)
 
 
@@ -86,7 +86,7 @@ def sine(x: float) -> float:
     """Return sin x [-], exactly odd."""
     size = abs(x)
     if not size < 1e9:
-        return x - x  # 0 * x: not finite stays not finite, absurd gives 0
+        return x - x  # NaN where x is not finite, 0 where it is finite and absurd
     turns = _quarter_turns(size)
     r = _remainder(size, turns)
     quadrant = turns & 3
@@ -117,7 +117,10 @@ def cosine(x: float) -> float:
 
 @part
 def cosine_and_sine(x: float) -> tuple[float, float]:
-    """Return cos x and sin x [-], the bits of ``cosine`` and ``sine``, for little more than one."""
+    """Return cos x and sin x [-], with the bits of ``cosine`` and ``sine``.
+
+    Both cost little more than one.
+    """
     size = abs(x)
     if not size < 1e9:
         return 1.0 + (x - x), x - x
@@ -165,14 +168,17 @@ def logarithm_of_positive(x: float) -> float:
     f = m - 1.0
     s = f / (2.0 + f)
     half = 0.5 * f * f
-    # ln(1 + f) = f - f^2/2 + s (f^2/2 + series): the small part is added last
+    # ln(1 + f) = f - f^2/2 + s (f^2/2 + series), the small part added last
     small = s * (half + _logarithm_series(s)) + k * 1.9082149292705877e-10
     return k * 0.6931471803691238 - ((half - small) - f)
 
 
 @part
 def logarithm(x: float) -> float:
-    """Return ln x [-]; of 0 minus infinity, of less not a number."""
+    """Return ln x [-].
+
+    ln 0 is minus infinity; below 0 it is not a number.
+    """
     if not 0.0 < x < math.inf:
         if x == 0.0:
             return -math.inf
@@ -197,7 +203,10 @@ def _arctangent_of_share(t: float) -> float:
 
 @part
 def arctangent(y: float, x: float) -> float:
-    """Return the angle [rad] of the point ``x``, ``y`` from the x axis, -pi to pi; 0 of none."""
+    """Return the angle [rad] of the point ``x``, ``y`` from the x axis.
+
+    It is between -pi and pi, and 0 at the origin.
+    """
     across, along = abs(y), abs(x)
     if across == 0.0 and along == 0.0:
         return 0.0

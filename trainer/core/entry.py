@@ -1,4 +1,4 @@
-"""Many ticks in one call, as manoeuvres are flown: on until a quantity passes its mark."""
+"""Many ticks in one call, until a quantity passes its mark, as manoeuvres are flown."""
 
 from typing import Final
 
@@ -10,10 +10,10 @@ COLUMNS: Final = 17  # numbers of a row
 NOTHING, PITCH, PITCH_SIZE, HEADING, SPEED, DEPTH_RATE = 0, 1, 2, 3, 4, 5  # what is watched
 
 LOOKOUT: Final = record_dtype(
-    "watched",  # [-] NOTHING to DEPTH_RATE, which is without roll
+    "watched",  # [-] NOTHING to DEPTH_RATE; that one leaves roll out
     "side",  # [-] 1: until the quantity is at or above its mark, -1: at or below it
     "mark",  # [rad] or [m/s]
-    "last",  # [ticks] at which to stop whatever the quantity is
+    "last",  # [ticks] at which to stop in any case
     "steepest",  # [rad] pitch beyond which the boat is lost
     "status",  # [-] of the tick that failed, 0 if none did
 )
@@ -41,7 +41,7 @@ def has_passed(lookout: Record, state: Record) -> bool:
 
 @kernel
 def write_row(state: Record, h: float, out: Numbers) -> None:
-    """Write time, motion, surfaces and command speed [SI, rad] as they stand to ``out``."""
+    """Write time, motion, surfaces and command speed [SI, rad] to ``out``."""
     s = state[0]
     out[0] = s.tick * h
     out[1], out[2], out[3] = s.u, s.v, s.w
@@ -53,10 +53,11 @@ def write_row(state: Record, h: float, out: Numbers) -> None:
 
 @kernel
 def sail(records: tuple[Record, ...], lookout: Record, out: Numbers) -> int:
-    """Advance tick by tick, a row of ``out`` [n, COLUMNS] each; return how many were written.
+    """Advance tick by tick, and write a row of ``out`` [n, COLUMNS] for each.
 
-    Ends where the quantity watched has passed, at the last tick, when ``out`` is full, or when
-    the boat is lost, which has no row. ``records`` are those of ``update``.
+    Return how many rows were written. It ends where the quantity watched has passed its mark, at
+    the last tick, when ``out`` is full, or when the boat is lost; that tick has no row. ``records``
+    are those of ``update``.
     """
     vessel, compact, scheme, state, scratch = records
     eye = lookout[0]

@@ -1,9 +1,9 @@
 """The range of the equations of 1969, and how far the motion is beyond it.
 
-Ahead, with the flow within ``handover`` of the bow, the equations run as they stand. Beyond it and
-going astern ``wide`` takes their place, and between the two limits the accelerations of both are
-blended. Sources of the forms: docs/envelope.md. The limits are this project's estimate: the largest
-angle of flow in any turn or zig-zag of the shipped boats is 31 deg.
+Ahead, with the flow within ``handover`` of the bow, the equations stand as they are. Beyond that
+range, and going astern, ``wide`` takes their place. Between the two limits the accelerations of
+both are blended. Sources of the forms: docs/envelope.md. The limits are this project's estimate:
+the largest angle of flow in any turn or zig-zag of the shipped boats is 31 deg.
 """
 
 import math
@@ -22,11 +22,11 @@ ENVELOPE_FIELDS: Final[tuple[Field, ...]] = (
     "stiffness",  # [1/m] fastest mode of the boat in a flow of 1 m/s, over that speed
     # ideal fluid: added masses, positive and symmetric [kg, kg m, kg m2]
     ("added", ["m11", "m22", "m33", "m44", "m55", "m66", "m24", "m26", "m35", "m46"]),
-    # linear viscous forces of v p r (Y K N) and of w q (Z M), ahead and astern
+    # linear viscous forces by v p r (Y K N) and by w q (Z M), ahead and astern
     ("lateral", (2, 3, 3)),
     ("vertical", (2, 2, 2)),
-    "roll_damping",  # [N s2] of p and the whole speed, 0 or below
-    "roll_drag",  # [N m s2] of p|p|, 0 or below, the sail's part taken off
+    "roll_damping",  # [N s2] by p and the whole speed, 0 or below
+    "roll_drag",  # [N m s2] by p|p|, 0 or below, without the sail's part
     # cross-flow drag [N s2/m2] of the hull by station, of the tail and of the sail
     ("crossflow_Y", (5,)),
     ("crossflow_Z", (5,)),
@@ -39,29 +39,30 @@ ENVELOPE_FIELDS: Final[tuple[Field, ...]] = (
     "sail_mass",  # [kg] added mass of the sail in sway
     "sail_height",  # [m] of the sail above the deck
     # control surfaces, in the order of the state
-    "astern_effect",  # [-] of a surface going astern, of that ahead
+    "astern_effect",  # [-] effect of a surface going astern over that ahead
     ("stall_ahead", (3,)),  # [rad] incidence from which a surface stalls
-    ("stall_slope", (3,)),  # [-] of its lift that is left beyond
+    ("stall_slope", (3,)),  # [-] share of the lift beyond that incidence that is left
     ("stall_astern", (3,)),  # [rad] angle from which it gains nothing astern
     ("stall_arm", (3,)),  # [m] where its incidence is taken
-    ("plane_drag", (3,)),  # [N s2/m2] X of the angle squared
+    ("plane_drag", (3,)),  # [N s2/m2] X by the angle squared
     # thrust less drag, going astern: a, b, c with the propeller turning astern, and ahead
     ("thrust_astern", (2, 3)),
     # at the surface
-    "surface_line",  # [m] of the origin's depth, below which nothing of the boat can show
+    "surface_line",  # [m] depth of the origin, below which nothing of the boat can emerge
     "surface_damping",  # [-] damping ratio of a station that is cut
-    "surface_mode",  # [rad/s] fastest mode of the boat afloat at her lightest
-    "wave_drag",  # [N s6/m6] of u^6, the hull awash
+    "surface_mode",  # [rad/s] fastest mode of the boat afloat at its lightest
+    "wave_drag",  # [N s6/m6] by u^6, the hull awash
     # engine
-    "torque_limit",  # [1/s2] over rho D^5, 0: none
+    "torque_limit",  # [1/s2] limit over rho D^5; 0: none
     # [-] of n^2, n u/D and (u/D)^2: turning ahead, turning astern while going ahead, both astern
     ("torque", (3, 3)),
     "turns",  # [1/m] revolutions a second for 1 m/s of command speed
     "screw",  # [m] diameter of the propeller
 )
 
-SUBSTEP: Final = 0.25  # [-] most of a mode's radian in a substep, at large angles
-SURFACE_SUBSTEP: Final = 0.2  # [-] likewise afloat
+SUBSTEP: Final = 0.25  # [rad] most of a mode's phase in a substep, at large angles
+SURFACE_SUBSTEP: Final = 0.2  # [rad] likewise afloat
+BEYOND: Final = 1.5  # [-] of the fastest turns: up to there the vessel's own step is proved
 MOST_SUBSTEPS: Final = 64
 
 
@@ -74,7 +75,7 @@ def cross_speed_squared(vessel: Record, state: Record) -> float:
 
 @part
 def wide_share(vessel: Record, state: Record) -> float:
-    """Return how much of the accelerations is the wide set's [-]: 0 inside, 1 outside."""
+    """Return the share of the wide set in the accelerations [-]: 0 inside, 1 outside."""
     c = vessel[0]
     cross, square = cross_speed_squared(vessel, state), state[0].u * state[0].u
     if state[0].u < 0.0:
@@ -99,15 +100,19 @@ def validity(vessel: Record, state: Record) -> int:
 
 @part
 def substeps(vessel: Record, h: float, afloat: int, state: Record) -> int:
-    """Return into how many parts a tick of ``h`` [s] is divided, by modes too fast for it.
+    """Return into how many parts a tick of ``h`` [s] is divided.
 
-    ``afloat`` is 1 where the water's surface cuts the hull and the method feeds undamped modes.
+    It is divided for the modes that are too fast for it. ``afloat`` is 1 where the water's surface
+    cuts the hull and the method feeds undamped modes. All modes are as fast as the boat: one that
+    a sea carries along faster than its propeller could needs shorter steps too.
     """
     c, s = vessel[0], state[0]
     phase = 0.0
+    if c.u_c_ahead > 0.0:
+        phase = s.u / (BEYOND * c.u_c_ahead)
     if wide_share(vessel, state) > 0.0:
         speed = math.sqrt(s.u * s.u + cross_speed_squared(vessel, state))
-        phase = h * c.stiffness * speed / SUBSTEP
+        phase = max(phase, h * c.stiffness * speed / SUBSTEP)
     if afloat != 0:
         phase = max(phase, h * c.surface_mode / SURFACE_SUBSTEP)
     return math.ceil(min(phase - 1e-9, MOST_SUBSTEPS)) if phase > 1.0 else 1

@@ -1,8 +1,8 @@
 """The full equations of motion, [GH67] as [ASSES] (1)-(6): programs EB920 and, masked, ZC790.
 
-Each force function returns the right side of its equation without accelerations, less the
-velocity products of the left side; ``inertia`` writes what multiplies the accelerations. Errata
-A1-A26 are applied. k = rho/2 and the powers of l are inside the constants.
+Each force function returns the right side of its equation without accelerations, less the velocity
+products of the left side. ``inertia`` writes the factors of the accelerations. Errata A1-A26 are
+applied. The constants contain k = rho/2 and the powers of l.
 """
 
 import math

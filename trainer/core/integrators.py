@@ -26,14 +26,14 @@ from trainer.core.state import HISTORY
 
 SMALLEST, LARGEST = 0.05, 2.0  # [s] variable step, [ASSES] III-B
 TOLERANCE = 1e-3  # of each variable's largest value
-FLOOR = 0.01  # [m/s], [rad/s], [rad], [m] smaller largest values count as this
+FLOOR = 0.01  # [m/s], [rad/s], [rad], [m] least value that a largest one counts as
 
 
 @part
 def remember(state: Record) -> None:
-    """Complete the rates' history after a start or a jump: as if the present rate had held.
+    """Complete the history of the rates after a start or a jump.
 
-    "Past rate = present rate" (errata D10).
+    It is as if the present rate had always held: "Past rate = present rate" (errata D10).
     """
     s = state[0]
     if s.history == 0.0:
@@ -45,7 +45,7 @@ def remember(state: Record) -> None:
 
 @part
 def remember_motion(h: float, state: Record) -> None:
-    """Complete the motion's history likewise, for methods that look back on it."""
+    """Complete the history of the motion likewise, for methods that look back on it."""
     s = state[0]
     if s.history == 0.0:
         for i in range(12):
@@ -71,7 +71,10 @@ def recall(scheme: Record, state: Record) -> None:
 
 @part
 def shift_rates(state: Record) -> None:
-    """Put the present rates at the head of the past ones; a row at a time, which costs least."""
+    """Put the present rates at the head of the past ones.
+
+    A row at a time costs least.
+    """
     s = state[0]
     for back in range(HISTORY - 1, 0, -1):
         for i in range(12):
@@ -82,9 +85,10 @@ def shift_rates(state: Record) -> None:
 
 @part
 def adams_of(scheme: Record, terms: int, state: Record) -> None:
-    """Advance by h sum b_i X'_n-i, i to ``terms``, and shift the history of the rates.
+    """Advance by h sum b_i X'_n-i and shift the history of the rates.
 
-    Two terms, as most runs have, are written out: that makes vector code, with the same bits.
+    i runs up to ``terms``. Two terms, as most runs have, are written out: that makes vector code,
+    with the same bits.
     """
     how = scheme[0]
     s = state[0]
@@ -110,14 +114,17 @@ def adams(scheme: Record, state: Record) -> None:
 
 @part
 def past_share(h: float, state: Record) -> float:
-    """Return c [-] of Adams' second order over unequal steps, x += h((1 + c) x' - c x'_past)."""
+    """Return c [-] of Adams' second order over unequal steps.
+
+    x += h((1 + c) x' - c x'_past).
+    """
     last = state[0].last_step
     return 0.5 * h / last if last > 0.0 else 0.5
 
 
 @part
 def adams_unequal(h: float, state: Record) -> None:
-    """Advance by ``h`` [s] by the second order, after a step of another length."""
+    """Advance by ``h`` [s] with second order, after a step of another length."""
     s = state[0]
     remember(state)
     share = past_share(h, state)
@@ -129,7 +136,10 @@ def adams_unequal(h: float, state: Record) -> None:
 
 @part
 def turn_of(h: float, state: Record) -> tuple[float, float, float]:
-    """Return the turn [rad] about the body's axes in a step of ``h`` [s], by the second order."""
+    """Return the turn [rad] about the body's axes in a step of ``h`` [s].
+
+    It is of second order.
+    """
     s = state[0]
     share = past_share(h, state) if s.history != 0.0 else 0.0
     ahead = (1.0 + share) * h
@@ -143,7 +153,7 @@ def turn_of(h: float, state: Record) -> tuple[float, float, float]:
 
 @part
 def multistep_step(scheme: Record, h: float, state: Record) -> None:
-    """Advance by ``h`` [s] from rates already computed, near the vertical by turning."""
+    """Advance by ``h`` [s] from rates already computed; near the vertical by turning."""
     how = scheme[0]
     s = state[0]
     polar = how.envelope != 0 and is_polar(state)
@@ -178,7 +188,10 @@ def multistep(scheme: Record, state: Record) -> None:
 
 @part
 def turn_from_start(share: float, turn: Numbers, state: Record, scratch: Record) -> None:
-    """Put the attitude to that at the step's start, turned by ``share`` [s] of ``turn`` [rad/s]."""
+    """Turn the attitude from that at the step's start.
+
+    It is turned for ``share`` [s] at ``turn`` [rad/s].
+    """
     start = scratch[0].start[PHI : PHI + 3]
     along = (share * turn[0], share * turn[1], share * turn[2])
     s = state[0]
@@ -238,7 +251,10 @@ def restart(state: Record, scratch: Record) -> None:
 
 @kernel
 def worst_error(state: Record, scratch: Record) -> float:
-    """Return the local error [-] as a multiple of the tolerance: one step against two halves."""
+    """Return the local error [-] as a multiple of the tolerance.
+
+    It compares one step with two halves.
+    """
     s = state[0]
     work = scratch[0]
     worst = 0.0
@@ -254,9 +270,10 @@ def worst_error(state: Record, scratch: Record) -> float:
 def variable_runge_kutta(
     vessel: Record, compact: Record, scheme: Record, state: Record, scratch: Record
 ) -> None:
-    """Advance by the scheme's step in substeps of 0.05 to 2 s, each halved or doubled by its error.
+    """Advance by the scheme's step in substeps of 0.05 to 2 s.
 
-    Rates are already computed. The program KUTTA of [ASSES], by step doubling (errata D7).
+    Each substep is halved or doubled by its error. Rates are already computed. This is the program
+    KUTTA of [ASSES], by step doubling (errata D7).
     """
     s = state[0]
     work = scratch[0]
@@ -290,7 +307,10 @@ def variable_runge_kutta(
 
 @part
 def look_back(a: Numbers, b: Numbers, depth: int, h: float, state: Record, out: Numbers) -> None:
-    """Write sum a_i X_n-i + h sum b_i X'_n-i to ``out`` (12,), the present ones first."""
+    """Write sum a_i X_n-i + h sum b_i X'_n-i to ``out`` (12,).
+
+    The present motion and rates are the first ones.
+    """
     s = state[0]
     for i in range(12):
         value = a[0] * s.motion[i] + h * (b[0] * s.rates[i])
@@ -302,7 +322,7 @@ def look_back(a: Numbers, b: Numbers, depth: int, h: float, state: Record, out: 
 
 @part
 def shift_histories(state: Record) -> None:
-    """Put the present motion and rates at the head of what is past."""
+    """Put the present motion and rates at the head of the past ones."""
     s = state[0]
     for i in range(12):
         for back in range(HISTORY - 1, 0, -1):
@@ -337,7 +357,10 @@ def predict_and_correct(
 def pair_step(
     vessel: Record, compact: Record, scheme: Record, state: Record, scratch: Record, h: float
 ) -> None:
-    """Advance by ``h`` [s]; near the vertical and in a part of a step by Runge-Kutta, anew."""
+    """Advance by ``h`` [s] with the scheme's pair of formulas.
+
+    Near the vertical, and in a part of a step, Runge-Kutta is used, and the history begins anew.
+    """
     how = scheme[0]
     if h == how.h and not (how.envelope != 0 and is_polar(state)):
         predict_and_correct(vessel, compact, scheme, state, scratch)
@@ -348,7 +371,10 @@ def pair_step(
 
 @part
 def forget_unequal(scheme: Record, state: Record) -> None:
-    """Begin anew after substeps, but for the method that goes on over steps of any length."""
+    """Forget the history after substeps, unless the method can use it.
+
+    Only Adams' second order goes on over steps of any length.
+    """
     how = scheme[0]
     adams_2 = how.method == ADAMS and how.depth == 2 and how.b[0] == 1.5
     if not adams_2:
@@ -359,7 +385,10 @@ def forget_unequal(scheme: Record, state: Record) -> None:
 def advance(
     vessel: Record, compact: Record, scheme: Record, state: Record, scratch: Record
 ) -> None:
-    """Advance the motion by one step of the scheme, controls held; in parts where it must be."""
+    """Advance the motion by one step of the scheme, controls held.
+
+    The step is divided into parts where it must be.
+    """
     how = scheme[0]
     several = how.method in MULTISTEPS
     looks_back = several or how.method == PREDICTOR_CORRECTOR

@@ -1,7 +1,7 @@
-"""What every kernel of the core is compiled with.
+"""The options with which every kernel of the core is compiled.
 
-Strict floating point (no contraction, no reassociation), so that the bits of a run do not depend
-on the processor, and division by zero gives infinity, which the finite check of a tick reports.
+Floating point is strict (no contraction, no reassociation), so that the bits of a run do not depend
+on the processor. Division by zero gives infinity, which the finite check of a tick reports.
 """
 
 import re
@@ -27,12 +27,12 @@ def is_tested(version: str) -> bool:
     return found is not None and TESTED[0] <= (int(found[1]), int(found[2])) <= TESTED[1]
 
 
-# Kernels do not count references to the records, which their callers hold: that took half a tick;
-# nor can C call them, which took a sixth of the time to compile them. These options are not among
-# numba's published ones, so that other versions do without. A part is a kernel whose machine code
-# is put into that of the kernels that call it: calling them one by one took a third of what was
-# left. What is seldom called, or from many places, is no part. Unlocked is what runs long and lets
-# other threads go on; inlined is a part that is compiled anew by whoever calls it.
+# Kernels do not count references to the records, which their callers hold: that took half a tick.
+# C cannot call them: that took a sixth of the time to compile them. These options are not among
+# numba's published ones, so other versions do without them. A part is a kernel whose machine code
+# is put into that of the kernels that call it: calling parts one by one took a third of the rest
+# of the time. What is called seldom, or from many places, is no part. An unlocked kernel runs long
+# and lets other threads go on. An inlined one is a part that each of its callers compiles anew.
 LEAN: Final[dict[str, Any]] = (
     {"_nrt": False, "no_cfunc_wrapper": True} if is_tested(numba.__version__) else {}
 )
@@ -50,8 +50,9 @@ else:
 def record_dtype(*fields: Field) -> np.dtype:
     """Return a structured dtype of float64 fields, in the order given.
 
-    A field is a name, a name with a shape, or a name with a list of names: those are single
-    numbers, and the first name is the block of them all. ``whole`` is the record as one block.
+    A field is a name, a name with a shape, or a name with a list of names. Those in a list are
+    single numbers, and the first name is the block of them all. ``whole`` is the record as one
+    block.
     """
     names: list[str] = []
     formats: list[Any] = []

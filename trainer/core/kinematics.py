@@ -10,7 +10,10 @@ STEEPEST = 0.02  # smallest |cos theta| used: the equations are singular at 90 d
 
 @part
 def pitch_roll_sine(trig: int, angle: float) -> float:
-    """Return the sine [-] of pitch or roll [rad] as the equation set takes it (errata C21-C23)."""
+    """Return the sine [-] of pitch or roll [rad] as the equation set takes it.
+
+    Errata C21-C23.
+    """
     if trig == POLYNOMIAL:
         return angle - angle * angle * angle / 6.0
     if trig == LINEAR:
@@ -49,7 +52,7 @@ def kinematics(trig: int, state: Record) -> None:
     s.psidot = (s.q * sin_phi + s.r * cos_phi) / guard_cosine(cos_th)
     s.phidot = s.p + s.psidot * sin_th
 
-    # turned about the boat's three axes one after the other: roll, pitch, heading
+    # turn about the boat's three axes one after the other: roll, pitch, heading
     across, down = s.v * cos_phi - s.w * sin_phi, s.v * sin_phi + s.w * cos_phi
     along = s.u * cos_th + down * sin_th
     s.xdot = along * cos_psi - across * sin_psi

@@ -1,9 +1,10 @@
-"""Random numbers as a pure function of (seed, stream, tick): no state, no order of calls.
+"""Random numbers as a pure function of (seed, stream, tick).
 
-Threefry-2x32 with 20 rounds: J. Salmon, M. Moraes, R. Dror, D. Shaw, "Parallel random numbers: as
-easy as 1, 2, 3", SC11 (2011), section 4.2 and Table 2. The key is the seed, high half first, the
-counter is (tick, stream); each is taken modulo 2^32, so ticks may be negative. Words are kept in
-64-bit integers and masked, so that Python's own integers give the same bits.
+There is no state, and the order of calls does not matter. Threefry-2x32 with 20 rounds: J. Salmon,
+M. Moraes, R. Dror, D. Shaw, "Parallel random numbers: as easy as 1, 2, 3", SC11 (2011), section 4.2
+and Table 2. The key is the seed, high half first. The counter is (tick, stream), each taken modulo
+2^32, so that ticks may be negative. Words are kept in 64-bit integers and masked, so that Python's
+own integers give the same bits.
 """
 
 import math
@@ -48,16 +49,20 @@ def _words(seed: int, stream: int, tick: int) -> tuple[int, int]:
 
 @part
 def uniform(seed: int, stream: int, tick: int) -> float:
-    """Return a number [-] between 0 and 1, ends never reached, in steps of 2^-52."""
+    """Return a number [-] between 0 and 1 in steps of 2^-52.
+
+    The ends are never reached.
+    """
     x, y = _words(seed, stream, tick)
     return ((x >> 6) * 67108864.0 + (y >> 6) + 0.5) * 2.220446049250313e-16
 
 
 @part
 def gaussian(seed: int, stream: int, tick: int) -> float:
-    """Return a normal deviate [-] of mean 0 and variance 1, at most 6.8 in size.
+    """Return a normal deviate [-] of mean 0 and variance 1.
 
-    G. Box & M. Muller, Ann. Math. Stat. 29 (1958) 610; the sine of the pair is not used.
+    It is at most 6.8 in size. G. Box & M. Muller, Ann. Math. Stat. 29 (1958) 610; the sine of the
+    pair is not used.
     """
     x, y = _words(seed, stream, tick)
     radius = math.sqrt(-2.0 * logarithm_of_positive((x + 0.5) * 2.3283064365386963e-10))

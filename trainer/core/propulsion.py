@@ -9,11 +9,11 @@ from trainer.core.kernel import Record, kernel, part
 
 @part
 def thrust(vessel: Record, state: Record) -> float:
-    """Return thrust less axial drag [N], the third line of [ASSES] (1), in three rows of eta.
+    """Return thrust less axial drag [N], the third line of [ASSES] (1).
 
-    The row is found by comparison, without dividing (errata A29): eta = u_c/u, or u_c/U for a
-    vessel that has it so (A28). Departure: going astern the drag a_i u^2 is taken as a_i u|u|, or
-    it would push the boat ever faster astern.
+    It has three rows of eta. The row is found by comparison, without dividing (errata A29): eta =
+    u_c/u, or u_c/U for a vessel that has it so (A28). Departure: going astern the drag a_i u^2 is
+    taken as a_i u|u|, since it would otherwise push the boat ever faster astern.
     """
     c = vessel[0]
     s = state[0]
@@ -43,7 +43,10 @@ def thrust_astern(vessel: Record, state: Record) -> float:
 
 @kernel
 def excess_eta(vessel: Record, state: Record) -> float:
-    """Return eta - 1 [-], 0 at u = 0, or at U = 0 for a vessel with eta by U (errata A28, A29)."""
+    """Return eta - 1 [-].
+
+    It is 0 at u = 0, or at U = 0 for a vessel with eta by U (errata A28, A29).
+    """
     s = state[0]
     speed = s.u
     if vessel[0].eta_whole != 0.0:
@@ -55,7 +58,7 @@ def excess_eta(vessel: Record, state: Record) -> float:
 
 @part
 def propulsion_target(state: Record) -> float:
-    """Return the command speed [m/s] that the propulsion makes for, casualties included."""
+    """Return the command speed [m/s] that the propulsion aims at, casualties included."""
     s = state[0]
     stuck, lost = slot_of(PROPULSION_STUCK, state), slot_of(PROPULSION_LOST, state)
     wanted = s.casualty_amount[stuck] if stuck >= 0 else s.telegraph_answer
@@ -64,9 +67,10 @@ def propulsion_target(state: Record) -> float:
 
 @part
 def most_revolutions(vessel: Record, way: int, flow: float) -> float:
-    """Return the most revolutions [1/s] of the torque limit, in a flow of u/D [1/s], 0 or above.
+    """Return the most revolutions [1/s] that the torque limit allows.
 
-    The root of q0 n^2 + q1 n u/D + q2 (u/D)^2 = Q/(rho D^5); 0 where even a stopped screw has more.
+    The flow is u/D [1/s], 0 or above. The result is the root of q0 n^2 + q1 n u/D + q2 (u/D)^2 =
+    Q/(rho D^5); it is 0 where even a stopped propeller has more torque.
     """
     c = vessel[0]
     q = c.torque[way]
@@ -93,8 +97,8 @@ def within_torque(vessel: Record, wanted: float, state: Record) -> float:
 def answer_telegraph(vessel: Record, h: float, state: Record) -> None:
     """Advance the command speed by ``h`` [s] towards ``command_u_c``.
 
-    A new standing order is acted upon after the dead time; revolutions then approach it
-    exponentially ([ASSES] suggests the form, the vessel file gives the numbers).
+    The engine room acts upon a new standing order after the dead time. The revolutions then
+    approach it exponentially ([ASSES] suggests the form, the vessel file gives the numbers).
     """
     c = vessel[0]
     s = state[0]

@@ -16,7 +16,10 @@ from trainer.core.surfaced import is_near_surface, write_near
 def compact_accelerations(
     compact: Record, scheme: Record, state: Record, scratch: Record, outer: Numbers
 ) -> None:
-    """Write u' v' w' p' q' r' by the compact set, with forces from ``outer`` [N], [N m]."""
+    """Write u' v' w' p' q' r' by the compact set.
+
+    ``outer`` has the forces [N] and moments [N m] from outside.
+    """
     how = scheme[0]
     work = scratch[0]
     acceleration = state[0].rates[:6]
@@ -43,7 +46,10 @@ def compact_accelerations(
 def full_accelerations(
     vessel: Record, scheme: Record, state: Record, scratch: Record, outer: Numbers
 ) -> None:
-    """Write u' v' w' p' q' r' by the full set or its vertical plane, with forces ``outer``."""
+    """Write u' v' w' p' q' r' by the full set or its vertical plane.
+
+    ``outer`` has the forces [N] and moments [N m] from outside.
+    """
     how = scheme[0]
     work = scratch[0]
     acceleration = state[0].rates[:6]
@@ -63,8 +69,8 @@ def full_accelerations(
 def rates(vessel: Record, compact: Record, scheme: Record, state: Record, scratch: Record) -> None:
     """Write all twelve rates for the state as it stands.
 
-    With lagged accelerations those in the record on entry are last cycle's. A scheme without the
-    envelope has the equations of 1969 alone, in deep water, whatever the state.
+    With lagged accelerations, those in the record on entry are last cycle's. A scheme without the
+    envelope has the equations of 1969 alone, in deep water, whatever the state is.
     """
     how = scheme[0]
     work = scratch[0]

@@ -1,4 +1,4 @@
-"""What the equations say of the boat's own mass: [GH67]'s left sides in vectors, and its weight."""
+"""The boat's own mass and weight in the equations: [GH67]'s left sides in vectors."""
 
 from trainer.core.elementary import cosine_and_sine
 from trainer.core.full import mass

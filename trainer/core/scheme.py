@@ -10,7 +10,7 @@ from trainer.core.kernel import Numbers, Record
 
 FULL, COMPACT, LONGITUDINAL = 0, 1, 2
 ADAMS, MULTISTEP, RUNGE_KUTTA, VARIABLE_RUNGE_KUTTA, PREDICTOR_CORRECTOR = 0, 1, 2, 3, 4
-MULTISTEPS: Final = (ADAMS, MULTISTEP)  # multistep methods; those of Adams ask for no past motion
+MULTISTEPS: Final = (ADAMS, MULTISTEP)  # multistep methods; those of Adams need no past motion
 
 TRIGGERS: Final = 8  # at most, of one run
 DEPTH: Final = 4  # cycles a multistep method may use, the last one included
@@ -24,35 +24,38 @@ SCHEME: Final = np.dtype(
             ("equations", "i8"),
             ("exact", "i8"),  # 1 exact solve, 0 lagged sweep
             ("trig", "i8"),  # see kinematics
-            ("envelope", "i8"),  # 1 the boat wherever it is taken, 0 the equations of 1969 alone
+            ("envelope", "i8"),  # 1 the boat wherever it goes, 0 the equations of 1969 alone
             ("method", "i8"),
             ("depth", "i8"),  # cycles the multistep method uses
             ("a", "f8", (DEPTH,)),
             ("b", "f8", (DEPTH,)),
-            # the corrector of what a and b predict: the same, and first the rate predicted
+            # the corrector of what a and b predict: the same, with the predicted rate first
             ("closed_a", "f8", (DEPTH,)),
             ("closed_b", "f8", (1 + DEPTH,)),
-            # of Runge and Kutta: each stage begins at its share of the step along the last one
+            # Runge-Kutta: each stage begins at its share of the step along the last one
             ("stages", "i8"),
             ("weight", "f8", (STAGES,)),
             ("share", "f8", (STAGES,)),  # of the stage that follows
             ("weight_sum", "f8"),
-            # triggers armed for the run: when sense times (state less threshold) is positive
+            # triggers armed for the run: they fire when sense (state - threshold) is positive
             ("trigger_place", "f8", (TRIGGERS,)),  # of the quantity in the state
             ("trigger_sense", "f8", (TRIGGERS,)),  # 1 or -1
             ("trigger_threshold", "f8", (TRIGGERS,)),
-            ("trigger_strict", "f8", (TRIGGERS,)),  # 0: or zero
+            ("trigger_strict", "f8", (TRIGGERS,)),  # 0: also when it is zero
             ("trigger_kind", "f8", (TRIGGERS,)),  # casualty that then begins; 0: not armed
             ("trigger_amount", "f8", (TRIGGERS,)),
             ("trigger_ticks", "f8", (TRIGGERS,)),
-            ("trigger_again", "f8", (TRIGGERS,)),  # 1: whenever its condition comes true anew
+            ("trigger_again", "f8", (TRIGGERS,)),  # 1: each time its condition becomes true
         ],
     )
 )
 
 
 class Multistep(NamedTuple):
-    """X_n = sum a_i X_n-i + h sum b_i X'_n-i, the report's I(z) as a rational function of 1/z."""
+    """A linear multistep formula: X_n = sum a_i X_n-i + h sum b_i X'_n-i.
+
+    It is the report's I(z) as a rational function of 1/z.
+    """
 
     a: tuple[float, ...]
     b: tuple[float, ...]
@@ -74,8 +77,8 @@ INTEGRATORS: Final[Mapping[str, Multistep]] = MappingProxyType(
 class Pair(NamedTuple):
     """An open formula that predicts X_n, and a closed one that corrects it, once.
 
-    X_n = sum closed.a_i X_n-i + h sum closed.b_i X'_n-i, i of the second sum from 0: the rate of
-    what was predicted. Then the rate of what was corrected is the next cycle's.
+    X_n = sum closed.a_i X_n-i + h sum closed.b_i X'_n-i, where i of the second sum begins at 0: the
+    rate of what was predicted. The rate of what was corrected is then the next cycle's.
     """
 
     open: Multistep
@@ -83,9 +86,10 @@ class Pair(NamedTuple):
 
 
 def closed_of_three(a3: float) -> Multistep:
-    """Return the closed formula of three positions and one rate, second order, with that a_3 [-].
+    """Return the closed formula of three positions and one rate.
 
-    The report's "C31"; errata D6. 0: backward differences of second order, 2/11: of third.
+    It is of second order, with that a_3 [-]. The report's "C31"; errata D6. a_3 = 0 gives backward
+    differences of second order, 2/11 those of third.
     """
     return Multistep(((4 + 5 * a3) / 3, -(1 + 8 * a3) / 3, a3), ((2 - 2 * a3) / 3,))
 
@@ -111,7 +115,7 @@ PAIRS: Final[Mapping[str, Pair]] = MappingProxyType(
 
 
 class Stages(NamedTuple):
-    """A Runge-Kutta method each of whose stages begins along the last one alone."""
+    """A Runge-Kutta method in which each stage begins along the last one alone."""
 
     weights: tuple[float, ...]
     shares: tuple[float, ...]  # [-] of the step, to where the second stage begins and so on
@@ -147,9 +151,9 @@ def equations_alone(scheme: Record) -> Record:
 
 
 def require_consistent(method: Multistep, past: int) -> None:
-    """Raise ValueError for a formula of too many cycles, or of no first order.
+    """Raise ValueError for a formula of too many cycles, or of less than first order.
 
-    ``past`` is how many of its rates are of cycles gone by.
+    ``past`` is how many of its rates are of past cycles.
     """
     if not 1 <= max(len(method.a), past) <= DEPTH:
         raise ValueError(f"a multistep method looks back 1 to {DEPTH} cycles")
@@ -167,7 +171,7 @@ def require_zero_stable(method: Multistep) -> None:
 
 
 def padded(numbers: tuple[float, ...], count: int) -> Numbers:
-    """Return the numbers and zeros after them, (count,)."""
+    """Return the numbers with zeros after them, (count,)."""
     return np.pad(np.array(numbers), (0, count - len(numbers)))
 
 
@@ -183,7 +187,7 @@ def set_multistep(scheme: Record, method: Multistep) -> None:
 def set_pair(scheme: Record, pair: Pair) -> None:
     """Make ``scheme`` predict and correct; raise ValueError for a pair that cannot be used.
 
-    The predictor alone may be unstable: what it is wrong by does not last.
+    The predictor alone may be unstable, since its error does not last.
     """
     for method, past in ((pair.open, len(pair.open.b)), (pair.closed, len(pair.closed.b) - 1)):
         require_consistent(method, past)

@@ -5,7 +5,10 @@ from trainer.core.kernel import Numbers, kernel
 
 @kernel
 def eliminate(system: Numbers, n: int) -> None:
-    """Bring the n x n linear ``system``, right side in column n, to triangular form by rows."""
+    """Bring an n x n linear ``system`` to triangular form by rows.
+
+    Its right side is in column n.
+    """
     for k in range(n):
         pivot = k
         for i in range(k + 1, n):
@@ -21,10 +24,10 @@ def eliminate(system: Numbers, n: int) -> None:
 
 @kernel
 def solve(system: Numbers, n: int, out: Numbers) -> None:
-    """Write the solution of the n x n linear ``system`` (right side in column n) to ``out``.
+    """Write the solution of an n x n linear ``system`` to ``out``.
 
-    Gaussian elimination with row pivoting; destroys ``system``. A singular matrix gives numbers
-    that are not finite, which the caller's check reports.
+    Its right side is in column n. Gaussian elimination with row pivoting; ``system`` is destroyed.
+    A singular matrix gives numbers that are not finite, which the caller's check reports.
     """
     eliminate(system, n)
     for k in range(n - 1, -1, -1):
@@ -46,10 +49,10 @@ def exact(inertia: Numbers, force: Numbers, system: Numbers, out: Numbers) -> No
 
 @kernel
 def sweep(inertia: Numbers, force: Numbers, out: Numbers) -> None:
-    """Write each acceleration from its own equation in the order u v w p q r: EVAL 1.
+    """Write each acceleration from its own equation: EVAL 1.
 
-    ``out`` holds the last cycle's accelerations on entry; one already renewed is used as such
-    (errata C25-C27).
+    The order is u v w p q r. ``out`` holds last cycle's accelerations on entry; those already
+    renewed are used as such (errata C25-C27).
     """
     for i in range(6):
         total = force[i]

@@ -1,7 +1,8 @@
-"""Rudder and planes that stall ahead: the lift beyond an incidence is taken off the equations.
+"""Stall of rudder and planes ahead.
 
-The incidence of a surface is its angle and that of the flow where it stands; the arm follows from
-its own coefficients. Derived, not flown by others; where the file gives no angle nothing stalls.
+The lift beyond an incidence is taken off the equations. The incidence of a surface is its angle and
+that of the flow where it stands; the arm follows from its own coefficients. Derived, not flown by
+others. Where the file gives no angle, nothing stalls.
 """
 
 from trainer.core.kernel import Numbers, Record, part
@@ -30,7 +31,7 @@ def is_stalled(vessel: Record, state: Record) -> bool:
 
 @part
 def lost_lift(vessel: Record, surface: int, state: Record) -> float:
-    """Return what stall takes from u^2 times a surface's angle [m2/s2]."""
+    """Return the part of u^2 times a surface's angle that stall takes [m2/s2]."""
     c, u = vessel[0], state[0].u
     angle, most = incidence(vessel, surface, state), u * c.stall_ahead[surface]
     beyond = max(angle - most, 0.0) + min(angle + most, 0.0)

@@ -1,4 +1,4 @@
-"""The start of a boat: straight level flight, under orders to go on as it does."""
+"""The start of a boat in straight level flight, with orders to go on so."""
 
 import math
 
@@ -10,7 +10,7 @@ from trainer.core.trim import BOTH, STERN, trim
 
 @kernel
 def is_within_limits(vessel: Record, most: float, state: Record) -> bool:
-    """Return whether a trim can be flown, with ``most`` [-] of the planes' limits."""
+    """Return whether a trim can be flown within ``most`` [-] of the planes' limits."""
     c, s = vessel[0], state[0]
     return (
         abs(s.theta) < 0.5 * math.pi
@@ -24,11 +24,12 @@ def is_within_limits(vessel: Record, most: float, state: Record) -> bool:
 def level_flight(
     vessel: Record, compact: Record, scheme: Record, state: Record, scratch: Record, speed: float
 ) -> int:
-    """Bring a boat into straight level flight at ``speed`` [m/s]; return 1, or 0 if it cannot be.
+    """Bring a boat into straight level flight at ``speed`` [m/s].
 
-    By the stern planes if they can, else level, by both pairs of planes, which is what a boat does
-    near and below the critical speed of the stern planes. ``scheme`` must ask for the exact solve,
-    and for the equations of 1969 alone, which know no surface.
+    Return 1, or 0 if it cannot fly so. It flies by the stern planes if they can; else level, by
+    both pairs of planes, as a boat does near and below the critical speed of the stern planes.
+    ``scheme`` must ask for the exact solve, and for the equations of 1969 alone, which know no
+    surface.
     """
     s = state[0]
     for i in range(6):
@@ -47,7 +48,7 @@ def level_flight(
 
 @kernel
 def order_as_it_goes(vessel: Record, state: Record) -> None:
-    """Order depth, course, speed and surfaces as they are, everything in hand."""
+    """Order depth, course, speed and surfaces as they are, with everything in hand."""
     s = state[0]
     s.ordered_depth, s.ordered_psi, s.ordered_speed = s.z, s.psi, s.u
     s.ordered_u_c = s.command_u_c = s.telegraph_answer = s.u_c
@@ -62,9 +63,10 @@ def order_as_it_goes(vessel: Record, state: Record) -> None:
 def set_out(
     vessel: Record, compact: Record, scheme: Record, state: Record, scratch: Record
 ) -> None:
-    """Complete the state of a boat in trim, at its depth and course, as it begins its first tick.
+    """Complete the state of a boat in trim for its first tick.
 
-    The autopilot is still to note what is in hand (``stand_by_all``), and the sea to be ordered.
+    The boat is at its depth and course. The autopilot must still follow what is in hand
+    (``stand_by_all``), and the sea must still be ordered.
     """
     s = state[0]
     start_ballast(vessel, vessel, state)

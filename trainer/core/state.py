@@ -1,15 +1,11 @@
-"""The one flat state record, and the names of its places.
+"""The one flat state record, and the work space of one boat's kernels.
 
-Everything that evolves is here, standing orders included, so that a snapshot, a replay, a
+The state has everything that evolves, standing orders included, so that a snapshot, a replay, a
 backtrack and an ensemble are copies of it. All fields are float64.
 
-The work space of one boat's kernels; nothing in it is read from one tick to the next.
-
-What the sea's part keeps is a pure function of the state, made again whenever it does not fit.
-
-What follows from the sea in force: computed when it changes, read every tick.
-
-All of it is a pure function of the state and the step, so that a snapshot need not hold it.
+Nothing in the work space is read from one tick to the next, but what follows from the sea in force.
+That is computed when the sea changes and read at every tick. It is a pure function of the state and
+the step, made again whenever it does not fit, so that a snapshot need not hold it.
 """
 
 from typing import Final
@@ -20,25 +16,25 @@ from trainer.core.kernel import Field, Record, record_dtype
 
 # [m/s] [m/s] [m/s] [rad/s] [rad/s] [rad/s] [rad] [rad] [rad] [m] [m] [m]
 MOTION: Final = ["u", "v", "w", "p", "q", "r", "phi", "theta", "psi", "x", "y", "z"]
-# time derivatives of the above, of the last cycle until the present one has computed its own
+# time derivatives of the above; those of the last cycle until this one has computed its own
 RATES: Final = [f"{name}dot" for name in MOTION]
 
 HISTORY: Final = 3  # past cycles an integrator may look back on, beside the last
 
-# what a sea is, each ramped when another is ordered
+# the quantities of a sea, each ramped when another is ordered
 SEA_QUANTITIES: Final = [
     "sea_height",  # [m] significant height, 4 standard deviations of the elevation
     "sea_omega",  # [rad/s] frequency of the spectrum's peak
     "sea_gamma",  # [-] how much its peak is raised; 1: Pierson-Moskowitz and Bretschneider
-    "sea_direction",  # [rad] where the waves travel to, clockwise from north
+    "sea_direction",  # [rad] direction in which the waves travel, clockwise from north
     "sea_cosines",  # [-] share of the variance from the cosine sum, the rest from filters
     "sea_suction",  # [-] factor on the second-order upward force
     "sea_1969",  # [-] share of the filters' variance from that of 1969
-    "sea_peaked",  # [-] share of the other's variance from the bank of the peaked spectrum
+    "sea_peaked",  # [-] share of the rest of it from the bank of the peaked spectrum
 ]
 SEA_COMPONENTS: Final = 50
-STRIPS: Final = 7  # of the hull, that waves push on
-STRIP_ROWS: Final = 96  # wave numbers at which their sums are tabulated, beside 0
+STRIPS: Final = 7  # of the hull, on which waves push
+STRIP_ROWS: Final = 96  # wave numbers beside 0 at which their sums are tabulated
 CASUALTIES: Final = 8  # at a time
 VALVES: Final = ("forward", "mid", "aft", "negative")  # blow valves and vents have these
 
@@ -50,7 +46,7 @@ STATE: Final = record_dtype(
     ("past_motion", (HISTORY, 12)),
     "history",  # [-] how many past cycles are true; 0 after a start or a jump
     "substep",  # [s] present step of the variable-step Runge-Kutta, 0 before its first
-    ("largest", (12,)),  # largest |motion| so far: what its tolerance is relative to
+    ("largest", (12,)),  # largest |motion| so far, to which its tolerance is relative
     # weight and balance
     "weight",  # [N]
     "x_g",  # [m] centre of gravity
@@ -59,7 +55,7 @@ STATE: Final = record_dtype(
     # control surfaces and propeller as they are
     ("surface", ["delta_r", "delta_s", "delta_b"]),  # [rad] rudder, stern planes, bow planes
     "u_c",  # [m/s] command speed: propeller revolutions times a constant
-    # the same as they are told to be this tick, by hand or by the autopilot
+    # the same as commanded in this tick, by hand or by the autopilot
     ("command", ["command_r", "command_s", "command_b"]),
     "command_u_c",
     # standing orders
@@ -93,12 +89,12 @@ STATE: Final = record_dtype(
         ],
     ),
     ("integral", ["rudder_integral", "stern_integral", "bow_integral"]),  # [rad]
-    # [rad] what is left, after the autopilot took a surface over, of its angle by hand
+    # [rad] rest of a surface's angle by hand, after the autopilot took it over
     ("handover", ["rudder_handover", "stern_handover", "bow_handover"]),
     "speed_trim",  # [m/s]
     # engine telegraph
-    "telegraph_order",  # [m/s] last order heard
-    "telegraph_answer",  # [m/s] order acted upon
+    "telegraph_order",  # [m/s] last order that was heard
+    "telegraph_answer",  # [m/s] order that is acted upon
     "telegraph_ticks",  # [-] ticks until the order heard is acted upon
     "eta_wave",  # [m] surface elevation above the boat
     # the sea in force, the one ordered, and the time until they are the same
@@ -111,10 +107,10 @@ STATE: Final = record_dtype(
     "sea_drift",  # [rad] phase of the peak wave that the boat has run through
     "sea_elevation",  # [-] its elevation above the boat, of variance 1
     "sea_quadrature",  # [-] the same a quarter of a period ago
-    "sea_turned",  # [rad] what the phases of the cosine sum follow from, see wave_sum
+    "sea_turned",  # [rad] the phases of the cosine sum follow from it, see cosine_sum
     "sea_along",
     "sea_across",
-    # ballast: what is aboard, in the order of tanks.TANKS and tanks.BANKS
+    # ballast aboard, in the order of tanks.TANKS and tanks.BANKS
     (
         "water",  # [kg]
         [
@@ -157,47 +153,47 @@ STATE: Final = record_dtype(
     ("casualty_target", (CASUALTIES,)),  # [SI]
     ("casualty_ticks", (CASUALTIES,)),  # [-] left; negative while it is cleared
     "triggers_spent",  # [-] one bit for each trigger that has fired
-    # partial freezes: see holds
+    # partial freezes: see update
     ("held", ["held_depth", "held_position", "held_tanks"]),  # [-] 1 held
-    ("sailed", ["sailed_x", "sailed_y"]),  # [m] where x and y would be but for the hold
+    ("sailed", ["sailed_x", "sailed_y"]),  # [m] x and y as they would be without the hold
     # beyond the range of the coefficients: see envelope and integrators
     ("last_turn", ["last_p", "last_q", "last_r"]),  # [rad/s] of the last step or substep
     "last_step",  # [s] its length
-    "polar",  # [-] 1: it was flown near the vertical
+    "polar",  # [-] 1: that step was flown near the vertical
     "validity",  # [-] of the equations: 0 inside their range, 1 extrapolated, 2 outside
-    # the wave filter: see there
+    # the wave filter: see wave_filter
     ("sea_modes", (2, 8)),  # [-] by bank, real parts first
     ("sea_spare", (2,)),  # [-] by bank: the second of a pair of deviates, for the next step
     ("sea_past", (4, 4)),  # [-] outputs of its last four internal steps, each by its number
-    "sea_clock",  # [-] share of an internal step that has passed since the last but two
+    "sea_clock",  # [-] share of an internal step since the last step but two
     "sea_steps",  # [-] internal steps done
-    # [-] above the boat: elevation and what lags it by a quarter of a period, the same of the force
+    # [-] above the boat: elevation, the same a quarter of a period ago, and both of the force
     ("sea_waves", ["wave_cos", "wave_sin", "push_cos", "push_sin"]),
     "push_number",  # [1/m] wave number of the force
-    # what the keepers know: see autopilot
-    "speed_followed",  # [m/s] speed and ...
-    "turn_followed",  # [rad/s] ... yaw rate less what waves make of them
+    # memory of depth, course, speed and trim keeping: see autopilot
+    "speed_followed",  # [m/s] speed without the part that waves make
+    "turn_followed",  # [rad/s] yaw rate without the part that waves make
     "speed_order",  # [m/s] ordered speed of the last tick
-    "speed_since",  # [s] since it was another
-    "speed_rate_1",  # [m/s2] of the trim, past one low-pass and two
+    "speed_since",  # [s] since another speed was ordered
+    "speed_rate_1",  # [m/s2] of the trim, past one low-pass and past two
     "speed_rate_2",
-    "speed_short",  # [s] for which the engine has given all, and not enough
+    "speed_short",  # [s] for which the engine has given all, and it was not enough
     "wave_slow",  # [m/s] slow part of the depth rate
-    "wave_band",  # [m/s] the rest of it
-    "wave_power",  # [m2/s2] mean square of that
-    "wave_since",  # [s] since it last rose through zero
-    "wave_period",  # [s] mean between such times
-    "wave_count",  # [-] of them, as far as it matters
+    "wave_band",  # [m/s] rest of the depth rate
+    "wave_power",  # [m2/s2] mean square of that rest
+    "wave_since",  # [s] since that rest last rose through zero
+    "wave_period",  # [s] mean time between such crossings
+    "wave_count",  # [-] number of such crossings, as far as it matters
     "wave_share",  # [-] of the law for waves, 0 in a calm
     ("notch", (12,)),  # [rad] of two notches, stern planes and bow planes: see waves
     "ascent",  # [-] after an emergency blow: 1 on the way up, 2 afloat, 0 none
-    "ascent_pitch",  # [rad] as it is taken up
+    "ascent_pitch",  # [rad] pitch to be held, as it is taken up
     "ascent_quiet",  # [s] for which the boat has come to rest
     ("hover_filter", (9,)),  # [m] of two notches and a low-pass: see sections
     "hover_notched",  # [-] 1: the notches are in use
     "hover_error",  # [m] past the filter
     "hover_error_rate",  # [m/s]
-    "hover_room",  # [m] of error before it is given up
+    "hover_room",  # [m] error beyond which hovering is given up
     "hover_order",  # [m] ordered depth of the last tick
     "hover_time",  # [s] since hovering began
     "hover_full",  # [s] for which the pump has been at its most
@@ -205,10 +201,10 @@ STATE: Final = record_dtype(
     "trim_by_hand",  # [-] 1 by hand, 0 automatic
     "trim_lift",  # [N] carried by the planes, and its moment
     "trim_moment",  # [N m]
-    "trim_pitch",  # [rad] mean
+    "trim_pitch",  # [rad] mean pitch
     "trim_flood",  # [kg] to be let into the auxiliary tank in this tick
-    "trim_forward",  # [kg] to be moved forward
-    # orders to the crew, which no kernel reads: course, depth, speed, pitch
+    "trim_forward",  # [kg] to be moved forward in this tick
+    # orders to the crew, which no kernel reads: course, depth, speed and pitch
     (
         "crew_order",
         [
@@ -218,9 +214,9 @@ STATE: Final = record_dtype(
             "crew_pitch",  # [rad] bow up
         ],
     ),
-    ("crew_order_tick", (4,)),  # [-] number of the tick after which it was given, plus 1; 0 none
-    "crew_course_side",  # [-] the way to turn: -1 left, 1 right, 0 the shorter
-    "crew_depth_unit",  # [m] in which the depth was said: 1, or that of a foot
+    ("crew_order_tick", (4,)),  # [-] tick after which it was given, plus 1; 0 none
+    "crew_course_side",  # [-] way to turn: -1 left, 1 right, 0 the shorter
+    "crew_depth_unit",  # [m] unit in which the depth was said: 1, or a foot
 )
 
 FIELDS: Final = [name for name in STATE.names or () if STATE.fields and name != "whole"]
@@ -234,7 +230,7 @@ def new_state() -> Record:
 DEGREE: Final = 9  # of the filter's denominator with the pole of the bilinear transform
 
 SEA_FIELDS: Final[tuple[Field, ...]] = (
-    # wave filter of 1969, and the frequency and step it is for
+    # wave filter of 1969, and the frequency and step for which it is made
     "omega",  # [rad/s]
     "h",  # [s]
     ("low", ["low_a1", "low_a2"]),  # [-] section y = w ..., w = x - a1 w' - a2 w''
@@ -242,7 +238,7 @@ SEA_FIELDS: Final[tuple[Field, ...]] = (
     "elevation_gain",  # [-] from the low-pass section to an output of variance 1
     "quadrature_gain",
     ("force_rows", (2, 8, 2)),  # [-] of the wave filter, by bank, for the depth of the tick
-    # cosine sum, and the peakedness and seed it is for
+    # cosine sum, and the peakedness and seed for which it is made
     "gamma",  # [-]
     "seed",
     ("relative", (SEA_COMPONENTS,)),  # [-] frequency over that of the peak
@@ -254,13 +250,13 @@ SEA_FIELDS: Final[tuple[Field, ...]] = (
     "ell",  # [m]
     "along",  # [-] cosine and sine of a wave's way off the boat's heading
     "across",
-    "kappa",  # [-] its number along the boat times her length
+    "kappa",  # [-] its number along the boat times the boat's length
     ("station", (5,)),  # [m] along the boat, where the water's level is wanted
-    "levels",  # [-] 1: it is wanted
+    "levels",  # [-] 1: that level is wanted
     ("level", (5,)),  # [m]
     ("rise", (5,)),  # [m/s]
     ("pull", (12,)),  # sums over the waves: see forces
-    # sums over the hull's strips by wave number, and the strips they are for: see forces
+    # sums over the hull's strips by wave number, and those strips: see forces
     ("strip_sums", (STRIP_ROWS + 1, 3, 4)),  # [-]
     ("strips_of", (4, STRIPS)),
     # work space of the variance of a filter's output
@@ -281,7 +277,7 @@ def new_sea() -> Record:
 
 SCRATCH: Final = record_dtype(
     ("external", (6,)),  # forces [N] and moments [N m] of this tick from sea and surface
-    ("near", (6,)),  # the same with what the water's surface does at this moment
+    ("near", (6,)),  # the same with those of the water's surface at this moment
     ("felt", (6,)),  # the same less the lift of surfaces that stall
     ("wide", (6,)),  # accelerations of the wide set
     "cut",  # [-] 1: the water's surface cuts the hull

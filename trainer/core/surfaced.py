@@ -1,16 +1,20 @@
-"""The hull at the surface: buoyancy lost and damping by station, waves along it, wave resistance.
+"""The hull at the surface: lost buoyancy, damping by station, waves along it, wave resistance.
 
 The part of the hull above the water is found at stations along an axis of circular sections, whose
 water forces pass through the axis; the sail counts nothing. A station that is cut also loses energy
-to waves, spray and water on deck: that ratio is this project's estimate, no surfaced decay of a
-submarine is published. The local water level is that of the sea's components at the station.
+to waves, spray and water on deck. That damping ratio is this project's estimate: no decay of a
+surfaced submarine is published. The local water level is that of the sea's components at the
+station.
 """
 
 import math
+from typing import Final
 
 from trainer.core.ballast.buoyancy import segment
 from trainer.core.elementary import cosine_and_sine
 from trainer.core.kernel import Numbers, Record, kernel, part
+
+HUMP: Final = 0.5  # [-] Froude number from which wave resistance grows by u^2 alone, an estimate
 
 
 @part
@@ -21,7 +25,7 @@ def is_near_surface(vessel: Record, state: Record) -> bool:
 
 @part
 def axis_depth(vessel: Record, station: int, scratch: Record, state: Record) -> float:
-    """Return how deep [m] the axis is at a station, below the water there."""
+    """Return the depth [m] of the axis at a station, below the water there."""
     c, s = vessel[0], state[0]
     cos_th, sin_th = cosine_and_sine(s.theta)
     cos_phi, sin_phi = cosine_and_sine(s.phi)
@@ -75,10 +79,11 @@ def sinking(vessel: Record, station: int, state: Record) -> float:
 
 @part
 def damping(vessel: Record, station: int, chord: float) -> float:
-    """Return what a station that is cut takes from its sinking [N s/m]; its chord in diameters.
+    """Return the damping [N s/m] of a station that is cut, when it sinks.
 
-    The damping ratio of the mode of its own stiffness, the exact derivative of the circle, and of
-    its own mass with the added mass of the deep hull.
+    ``chord`` [-] is its chord in diameters. The damping ratio is that of the mode of its own
+    stiffness, the exact derivative of the circle, and of its own mass with the added mass of the
+    deep hull.
     """
     c = vessel[0]
     share = c.station_share[station]
@@ -88,7 +93,10 @@ def damping(vessel: Record, station: int, chord: float) -> float:
 
 @kernel
 def add_waterplane(vessel: Record, scratch: Record, state: Record, force: Numbers) -> None:
-    """Add X Y Z [N] K M N [N m] of the stations that are cut, and the resistance of their waves."""
+    """Add the forces of the stations that are cut, and their wave resistance.
+
+    They are X Y Z [N] and K M N [N m].
+    """
     c, s = vessel[0], state[0]
     heavy, x, above = 0.0, 0.0, 0.0
     for i in range(c.station_x.size):
@@ -110,7 +118,7 @@ def add_waterplane(vessel: Record, scratch: Record, state: Record, force: Number
     cos_phi, sin_phi = cosine_and_sine(s.phi)
     down_x, down_y, down_z = -sin_th, cos_th * sin_phi, cos_th * cos_phi
     z = heavy * c.hull_axis
-    square = s.u * s.u
+    square = min(s.u * s.u, HUMP * HUMP * c.g * c.ell)
     force[0] += heavy * down_x
     force[0] -= c.wave_drag * min(above / 0.05, 1.0) * square * square * s.u * abs(s.u)
     force[1] += heavy * down_y
@@ -124,7 +132,10 @@ def add_waterplane(vessel: Record, scratch: Record, state: Record, force: Number
 
 @part
 def write_near(vessel: Record, scratch: Record, state: Record) -> None:
-    """Write forces [N] and moments [N m] from outside: of this tick, and of the surface now."""
+    """Write forces [N] and moments [N m] from outside.
+
+    They are those of this tick with those of the water's surface now.
+    """
     work = scratch[0]
     for i in range(6):
         work.near[i] = work.external[i]

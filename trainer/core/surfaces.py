@@ -1,4 +1,4 @@
-"""The control surfaces: their names, and the letters that their places in the records end in."""
+"""The control surfaces: names, and letters at the end of their places in the records."""
 
 from typing import Final
 

@@ -1,4 +1,4 @@
-"""The 131 terms of NSRDC Report 2510 [GH67], and which of them the compact set keeps.
+"""The 131 terms of NSRDC Report 2510 [GH67], and those of the compact set.
 
 V is (v^2 + w^2)^1/2. Where the scan of [ASSES] misleads: the L^3 beside Z_star, Z_w, Z_waw and
 beside the Z eta terms is L^2; IQQ, XW, KWE, KDRDRE, KDSDSE, KXQ, KVR and the pitch equation's MW in
@@ -9,7 +9,7 @@ from typing import Final, NamedTuple
 
 
 class Term(NamedTuple):
-    """A term: its coefficient, its equation, power of L [-], what it multiplies, its 1969 name."""
+    """A term: coefficient, equation, power of L [-], its factors, and its name of 1969."""
 
     key: str
     equation: str
@@ -166,7 +166,7 @@ THRUST: Final = tuple(term.key for term in TABLE if not term.key.startswith(f"{t
 COEFFICIENTS: Final = tuple(term for term in TABLE if term.key not in THRUST)
 POWERS: Final = {term.key: term.power for term in COEFFICIENTS}  # of the length
 
-# What the compact set keeps beside the thrust rows, [ASSES] Table 18 with errata C18, C19.
+# The compact set keeps these and the thrust rows, [ASSES] Table 18 with errata C18, C19.
 KEPT: Final = (
     *("X_udot", "X_drdr", "X_dsds", "X_dbdb"),
     *("Y_pdot", "Y_rdot", "Y_vdot", "Y_r", "Y_p", "Y_v", "Y_vav", "Y_dr"),
@@ -176,8 +176,8 @@ KEPT: Final = (
     *("M_rr", "M_vr", "M_vv", "M_rp"),
     *("N_rdot", "N_pdot", "N_vdot", "N_r", "N_p", "N_v", "N_vav", "N_pq", "N_dr"),
 )
-BASIC_DROPS: Final = ("Z_waw", "M_waw", "M_awq")  # what the basic set leaves out of these
-# What a vessel file may keep besides; zero elsewhere.
+BASIC_DROPS: Final = ("Z_waw", "M_waw", "M_awq")  # the basic set leaves these out
+# A vessel file may also keep these; they are zero elsewhere.
 EXTRA_TERMS: Final = (
     *("X_vr", "X_qq", "X_rr", "X_rp", "X_wq", "X_vv", "X_ww"),
     *("Y_pq", "Y_qr", "Y_vq", "Y_wp", "Y_wr", "Y_vw"),

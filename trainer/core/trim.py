@@ -4,7 +4,7 @@ from trainer.core.kernel import Record, kernel
 from trainer.core.rates import rates
 from trainer.core.solve import solve
 
-STERN, BOTH = 0, 1  # by stern planes and angle of attack; level, by both pairs of planes
+STERN, BOTH = 0, 1  # by stern planes and angle of attack; or level, by both pairs of planes
 
 ROUNDS = 50
 NUDGE = 1e-6  # [m/s] or [rad] for the difference quotients
@@ -45,10 +45,11 @@ def residual(state: Record, place: int) -> float:
 def trim(
     vessel: Record, compact: Record, scheme: Record, state: Record, scratch: Record, by: int
 ) -> int:
-    """Bring ``state`` into trim at its speed u; return 1 if Newton's method settled, else 0.
+    """Bring ``state`` into trim at its speed u.
 
-    Adjusts u_c, v, w (or delta_b), phi, theta, delta_s, delta_r. ``scheme`` must ask for the exact
-    solve. The exact trim of the model document, section 6, in all six degrees of freedom.
+    Return 1 if Newton's method settled, else 0. It adjusts u_c, v, w (or delta_b), phi, theta,
+    delta_s, delta_r. ``scheme`` must ask for the exact solve. This is the exact trim of the model
+    document, section 6, in all six degrees of freedom.
     """
     work = scratch[0]
     jacobian, change = work.jacobian, work.change
@@ -70,7 +71,7 @@ def trim(
             for column in range(7):
                 jacobian[row, column] /= 2.0 * NUDGE
                 slope += abs(jacobian[row, column])
-            if slope == 0.0:  # masked: nothing to bring to zero, nothing to change
+            if slope == 0.0:  # masked: there is nothing to bring to zero
                 jacobian[row, row] = 1.0
             jacobian[row, 7] = -residual(state, row)
             worst = max(worst, abs(jacobian[row, 7]))

@@ -1,11 +1,10 @@
-"""One tick of the whole boat.
+"""One tick of the whole boat, with its partial freezes.
 
-Partial freezes: depth or position stands still while all else goes on.
-
-Tanks that are held are not advanced at all, see update. Position is nobody's input: a boat held in
-place sails on unseen, so that every number but the place is that of a run without the hold, and
-once released she goes on from where she was held. Depth is an input to nearly everything: it is
-put back after every step, and what the boat feels is the depth held.
+In a partial freeze depth, position or tanks stand still while all else goes on. Tanks that are held
+are not advanced at all. Nothing depends on position: a boat held in place sails on unseen. So every
+number but the place is that of a run without the hold, and once released the boat goes on from
+where it was held. Nearly everything depends on depth: it is put back after every step, and the boat
+feels the depth that is held.
 """
 
 from typing import Final
@@ -31,9 +30,10 @@ Z: Final = MOTION.index("z")
 
 @part
 def cast_off(state: Record) -> None:
-    """Before a step: put a boat held in place to where it would be.
+    """Move a boat that is held in place to where it would be.
 
-    One that is elsewhere without being held, as after a release, takes its past along.
+    This comes before a step. A boat that is elsewhere without being held, as after a release, takes
+    its past along.
     """
     s = state[0]
     for i in range(2):
@@ -47,7 +47,10 @@ def cast_off(state: Record) -> None:
 
 @part
 def make_fast(x: float, y: float, z: float, state: Record) -> None:
-    """After a step: put what is held back to where it was before it [m]."""
+    """Put what is held back to where it was [m].
+
+    This comes after a step; ``x``, ``y`` and ``z`` are from before it.
+    """
     s = state[0]
     s.sailed_x, s.sailed_y = s.x, s.y
     if s.held_position != 0.0:
@@ -59,7 +62,7 @@ def make_fast(x: float, y: float, z: float, state: Record) -> None:
             s.past_motion[back, Z] -= descent
 
 
-WATCHED = (*RATES, *MOTION)  # what a failing status points into
+WATCHED = (*RATES, *MOTION)  # a failing status points into this list
 FASTEST_RATE = 1e6  # [m/s2], [rad/s2], [m/s] or [rad/s]
 FASTEST = 1e3  # [m/s] or [rad/s]
 FURTHEST = 1e9  # [rad] or [m]
@@ -67,13 +70,14 @@ FURTHEST = 1e9  # [rad] or [m]
 
 @part
 def lost(state: Record) -> int:
-    """Return 1 + the place in WATCHED of the first number beyond any boat's, 0 if none is.
+    """Return 1 + the place in WATCHED of the first number out of range.
 
-    What is not finite is beyond too.
+    It is 0 if there is none. The range is wider than any boat's; a number that is not finite is out
+    of it.
     """
     s = state[0]
     found = 0
-    for i in range(11, -1, -1):  # the last to be found is the first
+    for i in range(11, -1, -1):  # backwards, so that the first one is found last
         if not abs(s.motion[i]) < (FASTEST if i < 6 else FURTHEST):
             found = 13 + i
     for i in range(11, -1, -1):
@@ -84,7 +88,10 @@ def lost(state: Record) -> int:
 
 @part
 def outside(vessel: Record, state: Record, scratch: Record) -> None:
-    """Write the forces of sea and depth, and the water's level along the hull, for the tick."""
+    """Write the forces of sea and depth for the tick.
+
+    Near the surface, write the water's level along the hull too.
+    """
     work = scratch[0]
     for i in range(6):
         work.external[i] = 0.0
@@ -102,11 +109,12 @@ def outside(vessel: Record, state: Record, scratch: Record) -> None:
 
 @kernel
 def update(vessel: Record, compact: Record, scheme: Record, state: Record, scratch: Record) -> int:
-    """Advance ``state`` by one tick; return 0, or 1 + the place in WATCHED of what failed.
+    """Advance ``state`` by one tick.
 
-    A tick that fails leaves the state as it was. Forces see surfaces and propeller as they stand
-    at the start of the tick, and all arrive together at its end: a surface moved before the
-    forces would act one step early and take the order of the integration away.
+    Return 0, or 1 + the place in WATCHED of what failed. A tick that fails leaves the state as it
+    was. Forces see surfaces and propeller as they stand at the start of the tick, and all arrive
+    together at its end. A surface moved before the forces would act one step early and take the
+    order of the integration away.
     """
     h = scheme[0].h
     s = state[0]

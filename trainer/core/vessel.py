@@ -36,7 +36,7 @@ BODY: Final = [
 ]
 
 VESSEL: Final = record_dtype(
-    # what every tick asks for comes first: machine code is shorter for it
+    # what every tick reads comes first: that makes the machine code shorter
     # control surfaces
     ("limit", ["limit_r", "limit_s", "limit_b"]),  # [rad]
     "surface_rate",  # [rad/s]
@@ -49,7 +49,7 @@ VESSEL: Final = record_dtype(
     "u_c_astern",  # [m/s] most negative command speed
     # autopilot
     "speed_integral",  # [1/s] at the slowest speed of the schedule, more in proportion
-    "turning_rate",  # [rad/s] above it the trims of speed and rudder rest
+    "turning_rate",  # [rad/s] from there on the trims of speed and rudder rest
     "gain_count",  # [-] speeds in the schedule; 0: no autopilot
     # the hull
     *BODY,
@@ -74,13 +74,13 @@ VESSEL: Final = record_dtype(
     ("surface_M", (SURFACE_SPEEDS, SURFACE_DEPTHS)),  # [N s2/m]
     *BALLAST_FIELDS,
     *ENVELOPE_FIELDS,
-    # [-] that waves push on: x over the length, and shares of the mass displaced, of the added mass
-    # down and sideways
+    # [-] strips that waves push on: x over the length, shares of the displaced mass and of the
+    # added mass down and sideways
     ("strips", (4, STRIPS)),
 )
 
-# Of a hull whose file gives none: ellipsoid nose, parallel middle, cusped tail, prismatic
-# coefficient 0.81 (that of Joubert's BB2); the added masses lie as the displaced one.
+# The strips of a hull whose file has none: ellipsoid nose, parallel middle, cusped tail, prismatic
+# coefficient 0.81 (that of Joubert's BB2); the added masses lie as the displaced mass does.
 STRIP_PLACES: Final = (0.37033, 0.24671, 0.10427, -0.03947, -0.18323, -0.31885, -0.43564)
 STRIP_SHARES: Final = (0.10849, 0.17622, 0.17638, 0.17948, 0.17638, 0.14648, 0.03657)
 
@@ -100,7 +100,10 @@ def _scale(body: Mapping[str, float], power: int) -> float:
 
 
 def strips(places: ArrayLike, *masses: ArrayLike) -> Numbers:
-    """Return places over the length [-] and three masses, each as shares of its sum [-]."""
+    """Return places and three masses of the strips, as shares [-].
+
+    The places are over the length. Each mass is divided by its sum over the strips.
+    """
     shares = [np.array(mass) / np.sum(mass) for mass in masses]
     return np.array([places, *shares])
 
@@ -109,7 +112,7 @@ def vessel_record(body: Mapping[str, float], prime: Prime, eta: Eta) -> Record:
     """Return the full-set constants; ``prime`` holds POWERS and THRUST, dimensionless.
 
     Arrays make a record for each of their numbers. Control surfaces, propulsion dynamics and
-    autopilot gains are left at zero, the strips are those of a hull that gives none.
+    autopilot gains are left at zero. The strips are those of a hull that gives none.
     """
     vessel = np.zeros(_members(prime), VESSEL)
     for name in BODY:
@@ -143,8 +146,8 @@ COMPACT: Final = record_dtype(
 def compact_record(body: Mapping[str, float], prime: Prime, eta: Eta) -> Record:
     """Return the compact constants, [ASSES] (18).
 
-    ``prime`` holds what the set keeps, compensation factors applied. The mass is left out of Y_r
-    (there as -m), since tanks change it. Arrays make a record for each of their numbers.
+    ``prime`` holds what the set keeps, with compensation factors applied. The mass is left out of
+    Y_r (there as -m), since tanks change it. Arrays make a record for each of their numbers.
     """
     compact = np.zeros(_members(prime), COMPACT)
     for name in ("rho", "g", "mass", "weight", "buoyancy"):

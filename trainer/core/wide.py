@@ -1,7 +1,8 @@
 """The wide set: forces for any direction of the flow, whose power is never positive.
 
-Ideal fluid, linear viscous forces with the size of u, cross-flow drag, and control surfaces that
-reverse astern. docs/envelope.md has derivations, sources and what is estimated.
+It has the forces of an ideal fluid, linear viscous forces that grow with the size of u, cross-flow
+drag, and control surfaces that reverse astern. docs/envelope.md has derivations, sources and what
+is estimated.
 """
 
 import math
@@ -19,10 +20,11 @@ from trainer.core.surfaced import dry_sail
 
 @part
 def add_ideal_fluid(vessel: Record, dry: float, state: Record, force: Numbers) -> None:
-    """Add forces [N] and moments [N m] of the added masses; ``dry`` [-] of the sail is in air.
+    """Add the forces [N] and moments [N m] of the added masses.
 
-    Kirchhoff's equations: they do no work. They take the place of every product of velocities in
-    the file, which are lift of sail and hull at small angles.
+    ``dry`` [-] is the share of the sail that is in air. They are Kirchhoff's equations and do no
+    work. They take the place of every product of velocities in the file, which are lift of sail and
+    hull at small angles.
     """
     c, s = vessel[0], state[0]
     u, v, w, p, q, r = s.u, s.v, s.w, s.p, s.q, s.r
@@ -45,7 +47,7 @@ def add_ideal_fluid(vessel: Record, dry: float, state: Record, force: Numbers) -
 
 @part
 def add_viscous(vessel: Record, state: Record, force: Numbers) -> None:
-    """Add the linear viscous forces [N] and moments [N m], of the size of u."""
+    """Add the linear viscous forces [N] and moments [N m], in proportion to |u|."""
     c, s = vessel[0], state[0]
     u, v, w, p, q, r = s.u, s.v, s.w, s.p, s.q, s.r
     way = 0 if u >= 0.0 else 1
@@ -92,7 +94,10 @@ def add_surfaces(vessel: Record, state: Record, force: Numbers) -> None:
 
 @kernel
 def forces(vessel: Record, state: Record, force: Numbers) -> None:
-    """Write X Y Z [N] K M N [N m] of the wide set, without accelerations, to ``force``."""
+    """Write the forces of the wide set, without accelerations, to ``force``.
+
+    They are X Y Z [N] and K M N [N m].
+    """
     dry = dry_sail(vessel, state)
     body_forces(vessel, state, force)
     add_weight(vessel, state, force)
@@ -134,7 +139,10 @@ def accelerations(
 
 @kernel
 def correct(vessel: Record, equations: int, state: Record, scratch: Record, outer: Numbers) -> None:
-    """Blend the accelerations in the state with those of the wide set, by how far it is outside."""
+    """Blend the accelerations in the state with those of the wide set.
+
+    The share of the wide set is how far the state is outside the range.
+    """
     share = wide_share(vessel, state)
     accelerations(vessel, equations, state, scratch, outer)
     s, wide = state[0], scratch[0].wide

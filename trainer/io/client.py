@@ -15,6 +15,7 @@ from trainer.io.serial_line import LinkError, SerialLine
 
 PATIENCE = 5.0  # [s]  for a session to answer
 TCP = re.compile(r"(?:tcp|socket)://(?:\[([^\]]+)\]|([^:/]+)):([0-9]{1,5})/?")
+OTHER = re.compile(r"/dev/|(?!local:)[a-z0-9+]{2,}:")  # no socket's
 HIGHEST = 65535
 LOCAL = "local:"
 PEER = struct.Struct("3i")  # process, user and group at the far end
@@ -29,17 +30,42 @@ def dial(url: str, arrived: threading.Event, baud: int = 9600) -> Line:
     `tcp://HOST:PORT` or `socket://HOST:PORT`, `local:PATH` or the path of a socket, any other
     pyserial URL or device. `arrived` is set whenever lines have come, and at the end.
     """
+    end = connect(url)
+    if end is not None:
+        return wrap_socket(url, end, arrived)
+    return over_serial(url, SerialLine(url, baud), arrived, LONGEST_ANSWER)
+
+
+def reach(url: str) -> socket.socket:
+    """Return a socket connected to the session at `url`; raises LinkError with the next step."""
+    end = connect(url)
+    if end is None:
+        raise LinkError(f"{url}: say tcp://HOST:PORT or the path of a local socket")
+    return end
+
+
+def check(url: str) -> None:
+    """Check that a session at a socket could be at `url`; LinkError. It need not be there."""
+    address = TCP.fullmatch(url)
+    if address and not 0 < int(address[3]) <= HIGHEST:
+        raise LinkError(f"{url}: a port is 1 to {HIGHEST}")
+    if not address and OTHER.match(url):
+        raise LinkError(f"{url}: say tcp://HOST:PORT or the path of a local socket")
+
+
+def connect(url: str) -> socket.socket | None:
+    """Return a socket connected to the session at `url`, None for a serial line."""
     address = TCP.fullmatch(url)
     if address:
-        return wrap_socket(url, reach_tcp(url, address[1] or address[2], int(address[3])), arrived)
+        return reach_tcp(url, address[1] or address[2], int(address[3]))
     if url.startswith(("tcp:", "socket:")):
         raise LinkError(f"{url}: say tcp://HOST:PORT")
     path = Path(url.removeprefix(LOCAL))
     if url.startswith(LOCAL) or path.is_socket():
-        return wrap_socket(url, reach_local(path), arrived)
+        return reach_local(path)
     if path.is_absolute() and not path.exists() and path.parts[1:2] != ("dev",):
         raise LinkError(f"{url}: {NOBODY}")
-    return over_serial(url, SerialLine(url, baud), arrived, LONGEST_ANSWER)
+    return None
 
 
 def over_serial(name: str, port: SerialLine, arrived: threading.Event, longest: int) -> Line:

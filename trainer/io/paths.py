@@ -11,6 +11,7 @@ from typing import Final
 
 HOST: Final = "127.0.0.1"
 PORT: Final = 17800
+PAGES: Final = 17880  # the port of stations in a browser
 SUFFIX: Final = ".trainer"
 
 # What a session says of itself as it starts, for its user and for the program that started it

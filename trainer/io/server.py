@@ -22,12 +22,21 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Protocol
 
+from trainer.io import paths
 from trainer.io.connection import CHUNK, MOST_BYTES, READ, Connection
 from trainer.io.serial_line import LinkError
 
 WAITING = 128  # connections that the system keeps until they are taken
 KNOCK = 1.0  # [s]  for a session that listens at a path to answer
 HIGHEST = 65535
+
+
+def parse_address(text: str, example: str) -> tuple[str, int]:
+    """Return host and port of ``HOST:PORT`` or ``PORT``; LinkError if it is neither."""
+    host, _, port = text.rpartition(":")
+    if not port.isdecimal():
+        raise LinkError(f"{text}: say HOST:PORT, such as {example}")
+    return host.strip("[]") or paths.HOST, int(port)
 
 
 def listen_at(host: str, port: int) -> socket.socket:

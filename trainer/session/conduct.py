@@ -13,11 +13,13 @@ from typing import Final
 
 from trainer.config.course import course
 from trainer.config.files import ConfigError
-from trainer.io.orders.grammar import Refused
+from trainer.io.orders.grammar import Order, Refused
+from trainer.io.orders.table import BOAT_ORDERS
 from trainer.io.recording.recording import RecordingError
 from trainer.session.control import HERE, Control
+from trainer.session.crew import role_of
 from trainer.session.event_log import EventLog
-from trainer.session.exercise import OVER, Debriefing, Ending, Judgement, Work
+from trainer.session.exercise import AT_ITS_END, OVER, Debriefing, Ending, Judgement, Work
 from trainer.session.stations.past import PastReader
 from trainer.session.stations.roles import INSTRUCTOR, STRANGER
 from trainer.session.stations.station import Asked, Fact, News, Station
@@ -30,7 +32,7 @@ WATCHING: Final = frozenset(  # what an instructor without command may say
         *("history", "mark", "branches", "snapshots", "casualties", "command", "ack"),
     }
 )
-NOT_CREW: Final = (INSTRUCTOR.name, STRANGER.name, "observer")  # of whom nobody asks: ready?
+NOT_CREW: Final = (INSTRUCTOR.name, STRANGER.name, "observer", "visitor")  # nobody asks: ready?
 
 
 @dataclass(frozen=True)
@@ -127,6 +129,12 @@ class Conduct:
         elif ending.look(self.control.boat):
             self._stop()
 
+    def past_its_end(self, order: Order, who: str) -> str:
+        """Return why the boat obeys nobody: the exercise is over. "" before, and for words."""
+        if not self.ending.over or order.name not in BOAT_ORDERS:
+            return ""
+        return OVER if role_of(who) == INSTRUCTOR.name else f"{AT_ITS_END}: the instructor goes on"
+
     def settle(self) -> None:
         """Take the moment as it is after a jump in time. Nothing of the end is news."""
         self.ending.begin_again()
@@ -193,8 +201,10 @@ class Conduct:
         """Tell the instructor the marks."""
         self.ending.marks = found
         self.log.tell("exercise", f"marks: {found}", fact=Fact("marks", found.fields))
-        for reason in found.reasons:
-            self.log.tell("exercise", f"  {reason}")
+        change = f'  to change a mark: trainer debrief {self.kept} --change "NAME: WHAT, REASON"'
+        uncounted = [f"  {name}: does not count" for name in found.uncounted]
+        for text in (*(f"  {reason}" for reason in found.reasons), *uncounted, change):
+            self.log.tell("exercise", text)
 
     def _end(self, asked: Asked) -> bool:
         boat, ending = self.control.boat, self.ending
@@ -304,7 +314,10 @@ class Conduct:
             asked.station.answer(asked, Refused(why))
             return True
         asked.station.answer(asked, f"next: {name}")
-        self.log.tell("time", f"next exercise: {name}", fact=Fact("next", name))
+        self.log.tell("time", "the next exercise is being made ready")
+        for station in self.log.stations:  # the file's name may tell what is hidden
+            told = name if station.role is INSTRUCTOR else ""
+            self.log.note(station, [Fact("next", told)])
         self.control.following, self.control.ended = name, True
         return True
 

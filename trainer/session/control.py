@@ -45,6 +45,7 @@ class Control:
             "replay": self._replay,
             "take": self._take_over,
             "again": self._again,
+            "restart": self._restart,
             "branch": self._return,
         }
         duty = duties.get(order.name)
@@ -134,6 +135,15 @@ class Control:
             return self._go_back(self.history.now(), why)
         there = ", ".join((HERE, *kept))
         return Refused(f"no snapshot {order.subject}; again from {there}, or from so long ago")
+
+    def _restart(self, _order: Order, who: str) -> Reply:
+        """Begin from the start, and let time go on: what a visitor may do with it."""
+        start = self.history.start()
+        if isinstance(start, Refused):
+            return start
+        self.go_to(start, f"restart, by {who}")
+        self.time.pacer.run()
+        return f"from the start, running; {self._branch}"
 
     def _return(self, order: Order, who: str) -> Reply:
         """Go to the end of a branch that was left, what was ordered there included."""

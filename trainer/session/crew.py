@@ -7,13 +7,15 @@ time. Nothing here moves the boat.
 
 import math
 import re
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Collection, Iterable
 from dataclasses import dataclass, field
 from typing import Final, NamedTuple
 
+from trainer.boat.ballast_orders import PumpMonitor
 from trainer.boat.boat import Boat
 from trainer.boat.casualties import readings
 from trainer.boat.crew_orders import standing_on
+from trainer.boat.depths import DepthGuard
 from trainer.boat.helm import obey
 from trainer.config.exercise import AXES
 from trainer.io.orders.grammar import Order, Refused, Reply, parse, to_the_crew
@@ -24,6 +26,8 @@ from trainer.session.stations.station import Fact
 
 LATE: Final = 10.0  # [s] without a repeat, after which the order is shown again
 SCHEDULE: Final = "schedule"  # who gives the orders of the exercise
+GUARD: Final = "guard"  # who levels a boat that would be too deep
+AMIDSHIPS: Final = Order("rudder", 0.0, "amidships", "rudder amidships")
 WORDS: Final = "words"  # the axis of an order in words
 STEERS: Final = ("helm", "pilot")
 DIVES: Final = ("planes", "pilot", "diving")
@@ -35,9 +39,11 @@ CONCERNED: Final = {  # who repeats an order
     WORDS: CREW,
 }
 SURE: Final = {"course": math.radians(5.0), "depth": 1.0, "pitch": math.radians(1.0)}  # to go
-WORKS: Final = {"course": ("rudder",), "depth": ("stern", "bow"), "pitch": ("stern", "bow")}
+PLANES: Final = ("stern", "bow", "lever")
+WORKS: Final = {"course": ("rudder",), "depth": PLANES, "pitch": PLANES}
 STEERED: Final = frozenset({"rudder", "course", "course-by", "course-to", "autopilot"})
-MOVING: Final = frozenset({"stern", "bow"}) | STEERED
+MOVING: Final = frozenset(PLANES) | STEERED
+WATER: Final = frozenset({"flood", "pump"})
 HEARD: Final = frozenset({"order", "tell", "aye", "belay", "allow", "report"}) | MOVING
 
 
@@ -47,6 +53,14 @@ class Telling(NamedTuple):
     kind: str
     text: str
     fact: Fact
+
+
+class Watched(NamedTuple):
+    """An order that a station gives: what is said before its answer, and who."""
+
+    why: str
+    who: str
+    order: Order
 
 
 @dataclass
@@ -84,8 +98,10 @@ class CrewTalk:
     hand: frozenset[str] = frozenset()  # axes that the exercise has worked by hand
     hand_from: float = 0.0  # [s]
     allowed: frozenset[str] = frozenset()  # automatic orders allowed nevertheless
+    guard: DepthGuard = field(default_factory=DepthGuard)
     freed: set[str] = field(default_factory=set)  # axes that the instructor has let be automatic
     due: float = math.inf  # [tick] at which a repeat is next found missing
+    pumps: PumpMonitor = field(default_factory=PumpMonitor)  # what is to be reported of them
     meeting: str = ""  # who has said "meet her", while the boat still swings
     _spoken: dict[str, Spoken] = field(default_factory=dict)  # by axis, the newest last
 
@@ -103,6 +119,12 @@ class CrewTalk:
             if each.repeated or role not in CONCERNED[each.axis]:
                 found.append(Telling("crew", "", Fact("repeated", each.told)))
         return found
+
+    def unrepeated(self, role: str) -> list[tuple[int, Fact]]:
+        """Return the orders that wait for a role's repeat or another's, with their ticks."""
+        own = "" if role == INSTRUCTOR.name else role
+        waiting = (each for each in self._spoken.values() if not each.repeated and each.by != own)
+        return [(each.tick, Fact("crew-order", each.told)) for each in waiting]
 
     # What is said
 
@@ -128,6 +150,9 @@ class CrewTalk:
 
     def note(self, order: Order, who: str, tick: int, answer: str) -> list[Telling]:
         """Note what was said and how it was answered; return what there is to tell."""
+        if order.name in WATER and who != SCHEDULE:  # what that does is nobody's to report
+            self.pumps.note(self.boat, order, role_of(who))
+            self._look_ahead()
         if order.name not in HEARD:
             return []
         if order.name in MOVING:
@@ -147,6 +172,7 @@ class CrewTalk:
         self._spoken.clear()
         self.freed.clear()
         self.meeting = ""
+        self.pumps.asked.clear()
         for entry in entries:
             order = parse(entry.text)
             if isinstance(order, Order) and order.name in HEARD and entry.accepted is not False:
@@ -227,9 +253,10 @@ class CrewTalk:
     # What is missing or wrong
 
     def missing(self, tick: int, attends: Callable[[str], bool]) -> list[Telling]:
-        """Return the orders that nobody has repeated in time, each once. And what comes in hand.
+        """Return what there is to tell after a tick.
 
-        ``attends`` tells whether somebody with that role is there.
+        Orders that nobody has repeated in time, each once, what comes in hand, and what the pumps
+        have done. ``attends`` tells whether somebody with that role is there.
         """
         found = []
         for each in self._spoken.values():
@@ -243,6 +270,7 @@ class CrewTalk:
             axes = ",".join(axis for axis in AXES if axis in self.hand)
             words = f"by hand from now on: {axes.replace(',', ', ')}"
             found.append(Telling("crew", words, Fact("exercise", f"hand={axes}")))
+        found += [pumped(*each) for each in self.pumps.look(self.boat)]
         self._look_ahead(tick)
         return found
 
@@ -285,11 +313,23 @@ class CrewTalk:
             self.meeting = f"{role_of(who)} meeting her" if order.word == "meet" else ""
         return []
 
-    def swing_met(self) -> bool:
+    def due_by_hand(self) -> Watched | None:
+        """Return what is to be ordered after this tick by who watches for it."""
+        if self.meeting and self._swing_met():
+            return Watched(f"{self.meeting}: swing met", self.meeting, AMIDSHIPS)
+        order = self.guard.order(self.boat)
+        return Watched(GUARD, GUARD, order) if order and self._guarded else None
+
+    def _swing_met(self) -> bool:
         """Return whether the swing that is being met has stopped."""
         s = self.boat.state
         rudder = self.boat.toward["rudder"] * float(s.ordered_r)
         return rudder * float(s.psidot) >= 0.0
+
+    @property
+    def _guarded(self) -> bool:
+        """Return whether the guard may take the planes: not where they may be automatic."""
+        return "planes" in self.in_force - self.freed
 
     def _late_at(self, spoken: Spoken) -> float:
         """Return the tick at which a missing repeat is told."""
@@ -305,6 +345,7 @@ class CrewTalk:
         now = self.boat.ticks if tick is None else tick
         waiting = (each for each in self._spoken.values() if not (each.repeated or each.reminded))
         ticks = [*map(self._late_at, waiting), *([self._taken_at] if self._taken_at > now else [])]
+        ticks += [now + 1] if self.pumps.asked else []
         self.due = min(ticks, default=math.inf)
 
     # Who steers what
@@ -328,16 +369,13 @@ class CrewTalk:
     def in_hand(self, order: Order) -> str:
         """Return why an automatic order is refused: the exercise has it worked by hand. "" if not.
 
-        What moves nothing by itself is never refused.
+        One to the planes is refused while the guard has them; what moves nothing by itself never.
         """
-        names = {order.name.replace("periscope", "depth"), f"{order.name} {order.word}"}
-        taken = [axis for axis in automatic_axes(order) if axis in self.in_force - self.freed]
-        if names & self.allowed or not taken:
-            return ""
-        says, example = BY_HAND[taken[0]]
-        return (
-            f"{says} in hand in this exercise: {example}, or the instructor says allow {taken[0]}"
-        )
+        planes = order.name in (*PLANES, "planes")
+        if planes and self._guarded and self.guard.holds(self.boat):
+            return f"the boat levels by itself before {self.guard.deepest:g} m: try again soon"
+        taken = in_hand(order, self.in_force - self.freed, self.allowed)
+        return f"{taken.why}, or the instructor says allow {taken.axis}" if taken else ""
 
     def _allow(self, axis: str) -> Reply:
         """Answer the order to let an axis be automatic."""
@@ -356,6 +394,23 @@ class CrewTalk:
             Telling("exercise", free, Fact("exercise", "free=yes")),
             Telling("crew", f"{axis} may be automatic", Fact("exercise", f"allowed={told}")),
         ]
+
+
+class Taken(NamedTuple):
+    """An axis that is worked by hand, and why it is not the autopilot's."""
+
+    axis: str
+    why: str
+
+
+def in_hand(order: Order, hand: Collection[str], allowed: Collection[str]) -> Taken | None:
+    """Return the axis of an automatic order that is worked by hand, None without."""
+    names = {order.name.replace("periscope", "depth"), f"{order.name} {order.word}"}
+    taken = [axis for axis in automatic_axes(order) if axis in hand]
+    if names.intersection(allowed) or not taken:
+        return None
+    says, example = BY_HAND[taken[0]]
+    return Taken(taken[0], f"{says} in hand in this exercise: {example}")
 
 
 # The axes that an exercise may have worked by hand: in words, and an order by hand.
@@ -379,6 +434,14 @@ def reported(order: Order, role: str) -> list[Telling]:
     """Return what is told of a report."""
     told = f"{role}: {order.subject}"
     return [Telling("crew", f"{role} reports: {order.subject}", Fact("report", told))]
+
+
+def pumped(by: str, done: str) -> Telling:
+    """Return what is told of a pump's work, of the instructor's own to nobody else."""
+    fact = Fact("report", f"{by}: {done}")
+    if by == INSTRUCTOR.name:
+        return Telling("exercise", done, fact)
+    return Telling("crew", f"{by} reports: {done}", fact)
 
 
 def role_of(who: str) -> str:

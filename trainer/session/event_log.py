@@ -4,11 +4,12 @@ They are recorded, told to whom they concern, and kept for latecomers.
 """
 
 from collections import deque
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
-from typing import Final
+from typing import Final, Protocol
 
 from trainer.io.orders.grammar import Order, Refused, Reply
+from trainer.io.recording.recording import RecordingError
 from trainer.io.status_line import clock
 from trainer.session.history import History
 from trainer.session.stations.roles import INSTRUCTOR, Role, hears
@@ -16,8 +17,14 @@ from trainer.session.stations.station import Fact, News, Station
 
 KEPT: Final = 500  # of what has happened, for who comes late
 CREW: Final = "crew"  # the kind of what is said to the crew and by it
-SAID: Final = ("wrong-way", "exercise")  # facts of what was said that are of another kind
+SAID: Final = ("wrong-way", "exercise", "report")  # facts of what was said that are of another kind
 OPEN: Final = 100  # alerts at most that wait to be seen
+
+
+class Counting(Protocol):
+    """A monitor that counts its calls: the times [s] of each."""
+
+    times: dict[str, list[float]]
 
 
 @dataclass
@@ -32,6 +39,11 @@ class EventLog:
     alerts: dict[int, News] = field(default_factory=dict)  # that nobody has seen yet
     unrecorded: str = ""  # why nothing more is recorded, once that has been told
     _alert: int = 0  # the number of the last
+    _counts: dict[int, list[dict[str, list[float]]]] = field(default_factory=dict)  # by branch
+    _branch: int = field(init=False)  # as it was when last looked at
+
+    def __post_init__(self) -> None:
+        self._branch = self.history.recording.branch
 
     def tell(
         self, kind: str, text: str, by: Station | None = None, fact: Fact | None = None
@@ -76,10 +88,34 @@ class EventLog:
             self.tell(seen.kind, text, by, Fact("ack", str(number)))
         return f"seen: {', '.join(map(str, wanted))}"
 
-    def settle(self) -> None:
-        """Forget the alerts that have not come yet, after a jump in time."""
+    def settle(self, counting: Sequence[Counting]) -> None:
+        """Forget the alerts and counts that have not come yet, after a jump in time."""
         tick = self.history.tick
         self.alerts = {n: news for n, news in self.alerts.items() if news.tick <= tick}
+        left, self._branch = self._branch, self.history.recording.branch
+        self._counts[left] = [each.times for each in counting]
+        begun = self._counts.get(self._parent(), self._counts[left])
+        now = self.history.boat.time
+        for each, times in zip(counting, begun, strict=True):
+            past = {what: [t for t in when if t <= now] for what, when in times.items()}
+            each.times = {what: when for what, when in past.items() if when}
+
+    def _parent(self) -> int:
+        """Return the branch that the present one began from, 0 where that cannot be read."""
+        present = self._branch if self._branch not in self._counts else 0  # a replay begins none
+        try:
+            return {each.id: each.parent or 0 for each in self.history.recording.branches()}[
+                present
+            ]
+        except (RecordingError, KeyError):
+            return 0
+
+    def recall(self, waiting: Callable[[str], Iterable[tuple[int, Fact]]]) -> None:
+        """Tell programs, after a jump in time, what waits for each role, with its tick."""
+        step = self.history.boat.method.step
+        for station in self.stations:
+            for tick, fact in waiting(station.role.name):
+                station.note(News(tick, tick * step, CREW, "", fact))
 
     def note_alerts(self, station: Station) -> None:
         """Tell a program the alerts that nobody has seen yet."""

@@ -23,7 +23,8 @@ from trainer.config.exercise import Loss
 
 PATIENCE: Final = 20.0  # [s] at the end, for marks and pages
 TURNED_OVER: Final = math.radians(60.0), math.radians(45.0)  # [rad] heel and pitch: lost
-OVER: Final = "the exercise is over: again, again from 2 min, next, debrief, release marks or quit"
+AT_ITS_END: Final = "the exercise is over"
+OVER: Final = f"{AT_ITS_END}: again, again from 2 min, next, debrief, release marks or quit"
 PHI, THETA = PLACES["phi"], PLACES["theta"]
 
 
@@ -34,6 +35,7 @@ class Judgement:
     outcome: str  # won, lost or not reached; "" where nothing decides it
     total: float | None  # [%] None: nothing counts
     reasons: tuple[str, ...] = ()
+    uncounted: tuple[str, ...] = ()  # scores of what did not come: for the instructor
 
     def __str__(self) -> str:
         marks = "no marks" if self.total is None else f"{self.total:.0f} marks of 100"
@@ -161,12 +163,16 @@ class Work:
         """Do ``task`` in a thread; what it returns is called by the session's."""
 
         def run() -> None:
-            self.done.append(task())
-            self.wake()
+            self.post(task())
 
         thread = threading.Thread(target=run, name=name, daemon=True)
         self.threads = [each for each in self.threads if each.is_alive()] + [thread]
         thread.start()
+
+    def post(self, call: Callable[[], None]) -> None:
+        """Leave a call to the session's thread; any thread may."""
+        self.done.append(call)
+        self.wake()
 
     def settle(self) -> None:
         """Call what the tasks done by now have returned; for the session's thread."""

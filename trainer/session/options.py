@@ -48,6 +48,10 @@ class RunOptions:
     listen: str | None = None
     socket: str | None = None
     token: tuple[str, ...] = ()
+    browse: bool = False  # pages for browsers, one of which is opened
+    web: str | None = None  # where the pages are
+    cert: Path | None = None  # of the pages, for https
+    key: Path | None = None
     nmea: tuple[str, ...] = ()
     nmea_baud: int = 38400
     nmea_rate: float = 2.0  # [Hz]

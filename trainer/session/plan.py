@@ -8,8 +8,9 @@ from typing import Any, Final
 
 from trainer.boat import casualties as casualties_module
 from trainer.boat.assemble import Method
-from trainer.boat.ballast_orders import load_trim_water
+from trainer.boat.ballast_orders import put_out_of_trim
 from trainer.boat.boat import Boat
+from trainer.boat.depths import DepthGuard
 from trainer.config.baseline import Baseline, kept_baseline
 from trainer.config.casualties import Casualty, load_casualties
 from trainer.config.exercise import (
@@ -67,6 +68,7 @@ class Plan:
     hand: tuple[str, ...] = ()  # axes that the crew works
     hand_from: float = 0.0  # [s]
     allowed: tuple[str, ...] = ()  # automatic orders, all the same
+    guard: DepthGuard = field(default_factory=DepthGuard)
     lost: tuple[Loss, ...] = ()
     crew: Crew = field(default_factory=Crew)  # the reference crew
     baseline: Baseline | None = None  # as it was flown and kept
@@ -111,7 +113,7 @@ class Plan:
     def _put_out_of_trim(self, boat: Boat) -> None:
         """Let the boat begin as heavy and as much by the bow as the exercise has it."""
         heavy, forward = self.initial.heavy_t or 0.0, self.initial.forward_t or 0.0
-        why = load_trim_water(boat, 1000.0 * heavy, 1000.0 * forward) if heavy or forward else ""
+        why = put_out_of_trim(boat, 1000.0 * heavy, 1000.0 * forward) if heavy or forward else ""
         if why:
             raise ConfigError(f"[initial] heavy_t = {heavy:g}, forward_t = {forward:g}: {why}")
 
@@ -155,6 +157,7 @@ def plan_run(options: RunOptions) -> Plan:
         hand=(heading and heading.hand) or (),
         hand_from=(heading and heading.hand_from_s) or 0.0,
         allowed=(heading and heading.allowed) or (),
+        guard=DepthGuard((heading and heading.guard_depth_m) or math.inf),
         lost=exercise.lost if exercise else (),
         crew=exercise.crew if exercise else Crew(),
         baseline=kept_baseline(exercise.path) if exercise else None,

@@ -1,11 +1,10 @@
 """The lines of a session, opened as the command line asks: terminal, serial lines, sockets."""
 
 import contextlib
-import ipaddress
 import math
 import os
 import threading
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Final
@@ -17,11 +16,12 @@ from trainer.io import paths
 from trainer.io.connection import Connection
 from trainer.io.line import Direct, Inbox, Joined, Line, Outbox, reader, writer
 from trainer.io.serial_line import LinkError, SerialLine
-from trainer.io.server import Server, private_folder
+from trainer.io.server import Server, parse_address, private_folder
+from trainer.io.status_line import clock
 from trainer.session.options import RunOptions
-from trainer.session.stations.access import Access, read_tokens
+from trainer.session.stations.access import Access, read_tokens, refuse_open_door
 from trainer.session.stations.roles import ROLES
-from trainer.session.stations.station import Log, Station
+from trainer.session.stations.station import Log, News, Station
 from trainer.session.stations.subscriptions import Sending
 
 INTRODUCTION: Final = 10.0  # [s] for a line to give its role, where a token is asked for
@@ -50,6 +50,7 @@ class Ports:
     log: Log
     stack: contextlib.ExitStack
     stations: list[Station] = field(default_factory=list)
+    addresses: list[str] = field(default_factory=list)  # where lines come in, the nearest first
 
     def terminal(self, *, unhurried: bool) -> Station:
         """Return the station of the terminal: a person, who instructs."""
@@ -77,8 +78,9 @@ class Ports:
         address, path = address_or_none(options.listen), address_or_none(options.socket)
         tokens = read_tokens(options.token)
         if address is not None:
-            host, port = parse_address(address)
-            refuse_open_door(host, tokens)
+            with refusing("--listen"):
+                host, port = parse_address(address, f"{paths.HOST}:{paths.PORT}")
+            refuse_open_door("--listen", host, tokens)
         at_home = path is None and options.socket is None and joinable(options)
         if address is None and path is None and not at_home:
             return None
@@ -88,15 +90,18 @@ class Ports:
             with refusing("--listen"):
                 there = f"tcp://{host}:{hub.listen(host, port)}"
                 click.echo(f"{paths.LISTENING} {there}", err=True)
+                self.addresses.append(there)
         if path is not None:
             with refusing("--socket"):
                 Path(path).parent.mkdir(mode=0o700, parents=True, exist_ok=True)
                 listen_here(hub, Path(path))
+                self.addresses.insert(0, path)
         awaited = address is not None or path is not None
         if at_home:
             try:
                 private_folder(paths.socket_path().parent)
                 listen_here(hub, paths.socket_path())
+                self.addresses.insert(0, str(paths.socket_path()))
                 awaited = awaited or options.serve
             except (LinkError, OSError) as error:
                 click.echo(f"trainer: stations cannot join by themselves: {error}", err=True)
@@ -105,6 +110,18 @@ class Ports:
             return self._station(line, Access(tokens=tokens, entered=line.introduce))
 
         return Lobby(hub, admit, awaited)
+
+    def nearest(self) -> str:
+        """Return where pages reach this session; ConfigError if it listens nowhere."""
+        if not self.addresses:
+            raise ConfigError("--web: pages come in at a socket: leave out --socket none")
+        return self.addresses[0]
+
+    def news_printer(self) -> Callable[[News], None]:
+        """Return what prints all that happens at the terminal, which is never waited for."""
+        out = Outbox(writer(1), line_end=b"\n")
+        self.stack.callback(out.close, PATIENCE)
+        return lambda news: out.send(f"{clock(news.seconds)}  {news.kind:9} {news.text}")
 
     def _serial(self, option: str, url: str, baud: int) -> Joined:
         try:
@@ -130,24 +147,6 @@ def await_pipe(inbox: Inbox) -> None:
         if not inbox.ended and not inbox.arrived.wait(PATIENCE):
             break
     inbox.arrived.set()
-
-
-def parse_address(text: str) -> tuple[str, int]:
-    """Return host and port of ``HOST:PORT`` or ``PORT``; ConfigError if it is neither."""
-    host, _, port = text.rpartition(":")
-    if not port.isdecimal():
-        raise ConfigError(f"--listen {text}: say HOST:PORT, such as {paths.HOST}:{paths.PORT}")
-    return host.strip("[]") or paths.HOST, int(port)
-
-
-def refuse_open_door(host: str, tokens: Mapping[str, str]) -> None:
-    """Raise ConfigError if others than this machine could come in without a token."""
-    if tokens or host == "localhost":
-        return
-    with contextlib.suppress(ValueError):
-        if ipaddress.ip_address(host).is_loopback:
-            return
-    raise ConfigError(f"--listen {host}: beyond this machine only with --token WORD")
 
 
 def address_or_none(text: str | None) -> str | None:

@@ -16,7 +16,7 @@ import numpy as np
 
 from trainer.boat import compilation
 from trainer.boat.boat import Boat
-from trainer.boat.limits import LimitMonitor, account_of
+from trainer.boat.limits import LimitMonitor
 from trainer.config.exercise import load_exercise
 from trainer.config.files import ConfigError, remembering
 from trainer.io import paths as paths_module
@@ -25,11 +25,14 @@ from trainer.io.recording.file import TakenError
 from trainer.io.recording.recording import Recording, RecordingError
 from trainer.io.status_line import course
 from trainer.io.tables import COLUMNS, CsvFile, NoFile
+from trainer.session.account import account
 from trainer.session.conduct import Following, problem_with
+from trainer.session.crew import in_hand
 from trainer.session.exercise import Debriefing, Ending
 from trainer.session.header import header_of
 from trainer.session.history import History
 from trainer.session.options import RunOptions
+from trainer.session.page_server import PageServer, serving_pages
 from trainer.session.plan import OVERRULED, Plan, plan_run
 from trainer.session.ports import PATIENCE, Ports, keeps_no_time
 from trainer.session.rerun.request import open_log
@@ -42,108 +45,11 @@ from trainer.session.stations.roles import INSTRUCTOR, STRANGER
 from trainer.session.stations.station import Fact
 from trainer.session.stations.subscriptions import Promptly, Publisher, Roster
 from trainer.session.stations.view import StateReader
-from trainer.session.time.ledger import SECOND, Summary
+from trainer.session.time.ledger import SECOND
 from trainer.session.time.pacer import Clock, MonotonicClock, Policy
 from trainer.session.time.timekeeping import Punctuality, Timekeeping
 from trainer.session.warm_up import refuse_unstable, set_garbage_aside, warm
 from trainer.units import KNOT
-
-SEE_IT = "trainer debrief FILE shows how it went, trainer replay FILE flies it again"
-SECONDS_1969 = "1969: 38 % at 0.5 s, 19 % at 1 s"
-
-
-def account(session: Session, wall: float, kept: str, *, aside: bool) -> int:
-    """Print the summary of a run of ``wall`` [s] and what went wrong. Return the exit code.
-
-    ``kept`` is the path of its recording, "" if it has none; ``aside`` prints on stderr, where a
-    console has stdout.
-    """
-    summary = "\n".join(
-        (
-            *outcome_lines(session),
-            summary_text(
-                session.boat, session.time.ledger.summary(), wall, session.conduct.compiled_from
-            ),
-        )
-    )
-    if granted := session.time.punctuality.granted:
-        summary += f"\nthe clock   {granted.line()}"
-    if times := session.monitor.times | session.depths.times | session.pilot.times:
-        summary += f"\nevents      {account_of(times)}"
-    if kept:
-        absences = session.history.recording.absences
-        whole = absences and not session.history.recording.missing
-        again = f"; it was out of reach {absences} times, and is whole" if whole else ""
-        summary += f"\nrecorded    {kept}{again}\n            {SEE_IT}"
-    click.echo(summary, err=aside)
-    failure = session.control.failure and f"frozen: {session.control.failure}"
-    recording = describe_missing(session.history.recording) if kept else ""
-    troubles = [failure, session.deserted, session.recorder.trouble, recording]
-    for station in session.event_log.stations:
-        if station.line.dropped:
-            name = station.line.name
-            click.echo(f"trainer: {name}: {station.line.dropped} lines dropped", err=True)
-    if not aside:  # nobody was there to hear it
-        troubles += session.refused
-    for trouble in filter(None, troubles):
-        click.echo(f"trainer: {trouble}", err=True)
-    return 1 if any(troubles) else 0
-
-
-def outcome_lines(session: Session) -> list[str]:
-    """Return the trainee's result: the end of the exercise, the marks and their reasons."""
-    conduct = session.conduct
-    marks = conduct.final_marks()
-    if not (conduct.ending.over or marks):
-        return []
-    lost = f": {conduct.ending.why}" if conduct.ending.why else ""
-    ended = (
-        f"{conduct.ending.over}{lost}"
-        if conduct.ending.over
-        else f"left at {session.boat.time:g} s"
-    )
-    told = f"outcome     {ended}; {marks}" if marks else f"outcome     {ended}"
-    return [told, *(f"            {each}" for each in (marks.reasons if marks else ()))]
-
-
-def describe_missing(recording: Recording | NoRecording) -> str:
-    """Return what a closed recording lacks and why, "" if it is whole."""
-    if not (recording.missing or recording.trouble):
-        return ""
-    why = f"; {recording.trouble}" if recording.trouble else ""
-    return f"NOT RECORDED: {recording.missing or 'nothing more'}{why}"
-
-
-def summary_text(boat: Boat, ledger: Summary, wall: float, compiled_from: int = 0) -> str:
-    """Return the one-screen account of a run that took ``wall`` [s].
-
-    ``compiled_from`` is the tick from which machine code computed it, 0 where all was one.
-    """
-    s = boat.state
-    step = boat.method.step
-    until = f" before tick {compiled_from}" if compiled_from else ""
-    how = f", interpreted{until}" if compilation.is_interpreted() else ""
-    return "\n".join(
-        (
-            boat.file.name,
-            f"computed    {boat.method.equations} set, {boat.method.integrator} at {step:g} s{how}",
-            f"simulated   {boat.time:.1f} s in {ledger.ticks} ticks; {wall:.2f} s on the clock",
-            f"duty cycle  {100 * ledger.duty_cycle:.4f} %   ({SECONDS_1969})",
-            (
-                f"work a tick median {ledger.work.p50_ns / 1e3:.1f} us, "
-                f"99 % {ledger.work.p99_ns / 1e3:.1f} us, most {ledger.work.max_ns / 1e3:.1f} us"
-            ),
-            (
-                f"on time     overruns {ledger.overruns}, caught up {ledger.caught_up}, "
-                f"slipped {ledger.skipped}, gaps {ledger.gaps} ({ledger.gap_ns / 1e9:.1f} s)"
-            ),
-            (
-                f"the boat    {s.z:.5g} m, course {course(math.degrees(s.psi), 1)}, "
-                f"{s.u / KNOT:.4g} kn, pitch {math.degrees(s.theta):+.2f}, "
-                f"heel {math.degrees(s.phi):+.2f} degrees"
-            ),
-        )
-    )
 
 
 class Ended(NamedTuple):
@@ -172,6 +78,16 @@ class PreparedRun:
     clock: Clock = field(default_factory=MonotonicClock)
     debriefing: Debriefing | None = None
     following: Following = field(default_factory=Following)
+    pages: PageServer | None = None
+
+
+@dataclass
+class Begun:
+    """The parts that outlive an exercise: clock, judge, pages for browsers."""
+
+    clock: Clock
+    debriefing: Debriefing | None
+    pages: PageServer | None = None
 
 
 def run_boat(
@@ -181,17 +97,19 @@ def run_boat(
 
     Where the instructor has ordered another exercise next, that is begun, frozen, in its turn.
     """
-    while True:
-        ended = run_once(options, clock or MonotonicClock(), debriefing)
-        if not ended.following:
-            return ended.code
-        given = options.given - OVERRULED.keys()
-        options = replace(
-            options, **EXERCISE, exercise=ended.following, given=given, record=None, frozen=True
-        )
+    begun = Begun(clock or MonotonicClock(), debriefing)
+    with serving_pages(options) as begun.pages:
+        while True:
+            ended = run_once(options, begun)
+            if not ended.following:
+                return ended.code
+            given = options.given - OVERRULED.keys()
+            options = replace(
+                options, **EXERCISE, exercise=ended.following, given=given, record=None, frozen=True
+            )
 
 
-def run_once(options: RunOptions, clock: Clock, debriefing: Debriefing | None) -> Ended:
+def run_once(options: RunOptions, begun: Begun) -> Ended:
     """Run one exercise, or none, to its end."""
     with remembering() as texts:
         plan = plan_run(options)
@@ -206,14 +124,29 @@ def run_once(options: RunOptions, clock: Clock, debriefing: Debriefing | None) -
     if paths or options.serve or not options.headless:
         kept, recording = create_recording(paths, header_of(options, texts, boat), state)
     prepared = PreparedRun(
-        *(plan, boat, History(boat, recording), str(kept or ""), clock, debriefing),
+        *(plan, boat, History(boat, recording), str(kept or ""), begun.clock, begun.debriefing),
         following_of(options),
+        begun.pages,
     )
     try:
         return fly(prepared, options)
     except ConfigError:
         discard(kept)  # it was begun for a run that is refused
         raise
+
+
+def refuse_automatic(plan: Plan, path: Path | None) -> None:
+    """Raise ConfigError if orders from a file give the autopilot what the crew works."""
+    own = {*map(id, plan.own_schedule)}
+    added = [each for each in plan.schedule if id(each) not in own]
+    problems = [
+        f"{path and path.name}:{each.line_number}: {each.order.text}: {taken.why}"
+        for each in added
+        if each.seconds >= plan.hand_from
+        and (taken := in_hand(each.order, plan.hand, plan.allowed))
+    ]
+    if problems:
+        raise ConfigError(*problems)
 
 
 def following_of(options: RunOptions) -> Following:
@@ -232,6 +165,7 @@ def discard(kept: Path | None) -> None:
 
 def ready(plan: Plan, options: RunOptions) -> Boat:
     """Return the boat as the plan starts it; ConfigError if it cannot be."""
+    refuse_automatic(plan, options.orders_file)
     boat = Boat(plan.file, plan.method)
     if options.serve and not compilation.is_needed():
         click.echo(f"{paths_module.MAKING_READY} {plan.title or plan.file.name}", err=True)
@@ -314,17 +248,21 @@ def fly(prepared: PreparedRun, options: RunOptions) -> Ended:
             hand=frozenset(plan.hand),
             hand_from=plan.hand_from,
             allowed=frozenset(plan.allowed),
+            guard=plan.guard,
             until_left=options.until_left,
         )
         conduct_of(session, prepared, options)
         if log:
             session.event_log.hearers.append(log.hear)
-        open_ports(Ports(wake, sending, session.event_log.log, stack), session, options)
+        ports = Ports(wake, sending, session.event_log.log, stack)
+        open_lines(ports, session, options)
         shown = progress_bar(last_tick) if options.headless else contextlib.nullcontext()
-        started = time.clock.now()
         quiet = np.errstate(all="ignore")
-        with interrupts(session), quiet, shown as session.progress, time.attended():
-            session.run(frozen=options.frozen)
+        with interrupts(session):
+            open_door(ports, session, options, prepared.pages)
+            started = time.clock.now()
+            with quiet, shown as session.progress, time.attended():
+                session.run(frozen=options.frozen)
         wall = (time.clock.now() - started) / SECOND
         session.conduct.work.finish()
         if not session.control.following:  # else whoever is there comes back for it
@@ -372,8 +310,8 @@ def await_code(session: Session) -> None:
     session.conduct.work.begin("machine code", task)
 
 
-def open_ports(ports: Ports, session: Session, options: RunOptions) -> None:
-    """Open what the command line asks for, and greet whoever is there."""
+def open_lines(ports: Ports, session: Session, options: RunOptions) -> None:
+    """Open the lines that the command line asks for."""
     baud = options.baud
     session.event_log.stations += [ports.panel(given, baud) for given in options.lines]
     if options.url is not None:
@@ -385,7 +323,18 @@ def open_ports(ports: Ports, session: Session, options: RunOptions) -> None:
         from trainer.session.nmea.outlets import open_outlets  # noqa: PLC0415  what runs seldom have
 
         session.event_log.stations += open_outlets(ports, session.history.recording, options)
+
+
+def open_door(
+    ports: Ports, session: Session, options: RunOptions, pages: PageServer | None
+) -> None:
+    """Open the sockets for those who come, and greet those who are there."""
     session.reception = ports.lobby(options) or Closed()
+    if options.browse:
+        session.event_log.hearers.append(ports.news_printer())
+    if pages:
+        log, work = session.event_log, session.conduct.work
+        pages.attend(ports.nearest(), lambda text: work.post(lambda: log.tell("trouble", text)))
     for station in session.event_log.stations:
         session.greet(station)
 

@@ -9,10 +9,11 @@ from typing import Final
 
 from trainer.boat.boat import TICK, Boat
 from trainer.boat.casualties import available, listing
-from trainer.boat.depths import DepthMonitor, collapse_of, hull_depth
+from trainer.boat.depths import DepthGuard, DepthMonitor, collapse_of, hull_depth
 from trainer.boat.helm import obey
 from trainer.boat.limits import LimitMonitor
 from trainer.boat.pilot import PilotMonitor
+from trainer.io.noise_log import NoiseLog
 from trainer.io.orders.grammar import Order, Refused, Reply
 from trainer.io.orders.schedule import Scheduled
 from trainer.io.orders.table import BOAT_ORDERS, CREW_TALK
@@ -23,7 +24,6 @@ from trainer.session.control import Control
 from trainer.session.crew import SCHEDULE, CrewTalk, Telling, role_of
 from trainer.session.event_log import CREW, EventLog
 from trainer.session.history import History
-from trainer.session.stations.access import NoiseLog
 from trainer.session.stations.briefing import Briefing, in_words, ranges
 from trainer.session.stations.display import panel
 from trainer.session.stations.reception import Closed, Reception
@@ -42,10 +42,9 @@ AT_A_TIME: Final = SECOND // 20  # [ns] of single steps before the stations are 
 LINES_AT_A_TIME: Final = 32  # of one station before the clock is looked at again
 PATIENCE: Final = 0.5  # [s] for a line to get out what it was sent before it is closed
 # orders by which everybody can tell that something has been done with time
-MOMENTS: Final = frozenset({"restore", "reset", "backtrack", "replay", "take", "again", "branch"})
-GOING_BACK: Final = ("backtrack", "restore", "reset", "again", "branch")
+GOING_BACK: Final = ("backtrack", "restore", "reset", "again", "restart", "branch")
+MOMENTS: Final = frozenset({*GOING_BACK, "replay", "take"})
 QUESTIONS: Final = frozenset({"status", "who", "briefing", "casualties", "log"})
-AMIDSHIPS: Final = Order("rudder", 0.0, "amidships", "rudder amidships")
 TIME: Final = frozenset({"freeze", "run", "step", "time", "quit"})
 
 
@@ -71,6 +70,7 @@ class Session:
     hand: frozenset[str] = frozenset()  # axes that the exercise has worked by hand
     hand_from: float = 0.0  # [s]
     allowed: frozenset[str] = frozenset()  # automatic orders allowed nevertheless
+    guard: DepthGuard = field(default_factory=DepthGuard)
     until_left: bool = False  # it ends when the last of those who came by themselves has gone
     deserted: str = ""  # why it ended before its time
     refused: list[str] = field(default_factory=list)  # of the schedule, as it was told
@@ -87,7 +87,7 @@ class Session:
         self.conduct = Conduct(self.control, self.event_log, self._show, self.wake.set)
         self.depths = DepthMonitor.over(self.boat)
         self.pilot = PilotMonitor.over(self.boat)
-        self.crew = CrewTalk(self.boat, self.hand, self.hand_from, self.allowed)
+        self.crew = CrewTalk(self.boat, self.hand, self.hand_from, self.allowed, self.guard)
         self.crew.settle(self.history.said(), self.history.tick)
         self._visits = NoiseLog(self.event_log.tell, time.monotonic)
         self._lookout = StateReader(self.boat, self.time.ledger.summary)
@@ -153,7 +153,7 @@ class Session:
             self._visits.log("station", f"{station.line.name} has come")
         for station in list(self.event_log.stations):
             self.event_log.heard = station
-            before = station.role
+            before = (station.role, station.settled)
             for asked in station.take(LINES_AT_A_TIME):
                 before = self._entered(station, before)
                 if not self.conduct.hear(asked):
@@ -168,13 +168,13 @@ class Session:
                 self._see_out(station)
         self.event_log.heard = None
 
-    def _entered(self, station: Station, before: Role) -> Role:
-        """Greet or introduce a station that has said what it is; return its role."""
-        if before is STRANGER and station.role is not STRANGER:
+    def _entered(self, station: Station, before: tuple[Role, bool]) -> tuple[Role, bool]:
+        """Greet or introduce a newcomer; return its role, and whether it has said so."""
+        if before[0] is STRANGER and station.role is not STRANGER:
             self.greet(station)
-        if station.role is not before:
+        if station.settled and not before[1]:  # an observer's role is the same as before
             self._introduce(station)
-        return station.role
+        return station.role, station.settled
 
     def _listen_again(self, after: float) -> None:
         """Listen again after a time [s]: what was not taken waits with no word of its own."""
@@ -271,7 +271,7 @@ class Session:
 
     def give(self, order: Order, who: str) -> Reply:
         """Carry out an order of somebody's; return what now holds, or why it was refused."""
-        if why := self.crew.in_hand(order):
+        if why := self.conduct.past_its_end(order, who) or self.crew.in_hand(order):
             return Refused(why)
         try:
             return self._carry_out(self.crew.meant(order), who)
@@ -338,11 +338,12 @@ class Session:
 
     def _settle(self) -> None:
         """Take the moment as it is after a jump in time: nothing of it is news."""
-        for each in (self.monitor, self.depths, self.pilot):
+        counting = self.monitor, self.depths, self.pilot
+        for each in counting:
             each.settle(self.boat)
         self.conduct.settle()
         self.crew.settle(self.history.said(), self.history.tick)
-        self.event_log.settle()
+        self.event_log.settle(counting)
         self._judge_hull()
 
     def _pass_on(self, order: Order, answer: Reply, station: Station) -> None:
@@ -357,6 +358,8 @@ class Session:
             fact = Fact("back" if order.name in GOING_BACK else "order", order.text)
         by = self.event_log.signature(station)
         self.event_log.tell(kind, f"{by}: {order.text}: {text}", station, fact)
+        if fact and fact.what == "back":
+            self.event_log.recall(self.crew.unrepeated)
 
     def _obey_due(self) -> bool:
         """Carry out the orders that are due; return whether they stop time before a tick."""
@@ -443,19 +446,17 @@ class Session:
         if self.columns and self.history.rerun is None:
             self._row()
         self.sending.offer(tick, state, self._pace)
-        for text in self.monitor.look(self.boat):
-            self.event_log.alert("watch", text)
-        for text in self.pilot.look(self.boat):
-            self.event_log.alert("pilot", text)
+        for kind, monitor in (("watch", self.monitor), ("pilot", self.pilot)):
+            for text in monitor.look(self.boat):
+                self.event_log.alert(kind, text)
         self._call_depth()
         self._judge_hull()
         if self.history.rerun is None:
             self.conduct.look()
         if tick >= self.crew.due:
             self._say(self.crew.missing(tick, self._attended))
-        if self.crew.meeting and self.crew.swing_met() and not self.history.rerun:
-            who, order = self.crew.meeting, AMIDSHIPS
-            self.event_log.tell("order", f"{who}: swing met: {self._carry_out(order, who)}")
+        if not self.history.rerun and (due := self.crew.due_by_hand()):
+            self.event_log.tell("order", f"{due.why}: {self._carry_out(due.order, due.who)}")
         while self.sending.troubles:
             self.event_log.tell("trouble", self.sending.troubles.popleft())
 

@@ -40,6 +40,7 @@ ACTUAL, ORDERED, SECOND = "actual", "ordered", "second"
 LETTERS: Final = {"rudder": "r", "stern": "s", "bow": "b"}
 BESIDE, FROM_HERE = "beside", "from-here"
 WRONG, TAKEN = "wrong", "taken"  # moments of the page
+NEARLY_ROUND: Final = 350.0  # [deg] from the ordered course: the boat has gone round
 USED: Final = 0.5  # [%] of air, from which on the banks are shown
 CHART_OF: Final = {  # where a quantity is drawn that has no chart of its own name
     "depth_rate": "depth",
@@ -186,11 +187,25 @@ def _course(trajectory: Trajectory) -> Chart:
     heading = np.degrees(trajectory.columns["psi"])
     by_hand = trajectory.columns["rudder_by_hand"] != 0.0
     told = told_to_all(trajectory, COURSE, "ordered_psi", by_hand)
-    beside = np.degrees(told) - heading
-    ordered = heading + (beside + 180.0) % 360.0 - 180.0  # the short way round
-    lines = (Line("ordered", ordered, ORDERED), Line("actual", heading, ACTUAL))
+    lines = (
+        Line("ordered", as_it_was_come_to(np.degrees(told), heading), ORDERED),
+        Line("actual", heading, ACTUAL),
+    )
     steps: dict[str, Any] = {"least": 10.0, "steps": ANGLES, "number": _bearing}
     return Chart("course", "Heading", "deg", lines, **steps)
+
+
+def as_it_was_come_to(ordered: Numbers, heading: Numbers) -> Numbers:
+    """Return ordered courses [deg], each all through beside the heading that it ended with.
+
+    Both are counted on, not wrapped; a boat that has gone round is whole turns from its order.
+    """
+    same = (ordered[1:] == ordered[:-1]) | (np.isnan(ordered[1:]) & np.isnan(ordered[:-1]))
+    ends = np.append(np.flatnonzero(~same), ordered.size - 1)
+    run = np.searchsorted(ends, np.arange(ordered.size))
+    off = (heading - ordered)[ends]
+    turns = np.where(np.abs(off) > NEARLY_ROUND, 360.0 * np.round(off / 360.0), 0.0)
+    return ordered + turns[run]
 
 
 def _bearing(angle: float) -> str:

@@ -6,7 +6,10 @@ drill.trainer. It may be removed at any time; names stand in the recordings alon
 
 import json
 import re
+import shutil
 import statistics
+import sys
+import textwrap
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
@@ -30,6 +33,7 @@ from trainer.session.header import TRAINEES, reading, trainees_of
 MARKS: Final = ".marks.json"  # ends the name of the file
 SCHEMA: Final = "marks/1"
 LAST: Final = 3  # attempts whose mean is told
+NARROWEST: Final = 60  # [columns] that a line of the list needs
 
 
 @dataclass(frozen=True)
@@ -312,7 +316,7 @@ def print_list(places: Sequence[Path], *, as_json: bool) -> None:
     if not found:
         where = ", ".join(map(str, places)) or recordings_folder()
         click.echo(f"no recording is in {where}: trainer run EXERCISE makes one")
-    for line in list_lines(map(listed, found)):
+    for line in list_lines(map(listed, found), _columns()):
         click.echo(plain(line))
 
 
@@ -331,21 +335,61 @@ def print_forgotten(places: Sequence[Path], name: str) -> None:
         click.echo(line)
 
 
-def list_lines(found: Iterable[Listed]) -> Iterator[str]:
-    """Yield a line for each recording: when, what, who, and what it came to."""
+def _columns() -> int | None:
+    """Return the width of the terminal that is written to; None if it is none."""
+    return shutil.get_terminal_size().columns if sys.stdout.isatty() else None
+
+
+def list_lines(found: Iterable[Listed], columns: int | None = None) -> Iterator[str]:
+    """Yield a line for each recording: when, what, who, and what it came to.
+
+    Exercise, names and file are shortened with an ellipsis to fit ``columns``; None: nothing is.
+    """
+    width = None if columns is None else max(columns, NARROWEST)
     for each in found:
-        if each.came is None:
-            yield f"{_day(each.started):16}  {each.path.name}: cannot be read: {each.trouble}"
+        if each.came is not None:
+            yield _row(each, each.came, width)
             continue
-        came = each.came
-        star = "*" if came.changed else ""
-        free = "" if came.counts else " (practice or free)"
-        names = ", ".join(each.trainees) or "-"
-        outcome = came.outcome or "-"
-        yield (
-            f"{_day(each.started):16}  {came.exercise or '-':26}  {outcome:11}  "
-            f"{_mark(came.total):>4}{star:1}  {names}  {each.path.name}{free}"
-        )
+        line = f"{_day(each.started):16}  {each.path.name}: cannot be read: {each.trouble}"
+        yield from [line] if width is None else _wrapped(line, width)
+
+
+def _row(each: Listed, came: Came, width: int | None) -> str:
+    """Return the line of a recording that can be read, in ``width`` columns if there is one."""
+    star = "*" if came.changed else ""
+    free = "" if came.counts else " (practice or free)"
+    exercise, who = came.exercise or "-", ", ".join(each.trainees) or "-"
+    result = f"{came.outcome or '-':11}  {_mark(came.total):>4}{star:1}"
+    day = f"{_day(each.started):16}"
+    if width is None:
+        return f"{day}  {exercise:26}  {result}  {who}  {each.path.name}{free}"
+    place = width // 5  # of the exercise
+    head = f"{day}  {shortened(plain(exercise), place):{place}}  {result}  "
+    tail = [who, each.path.name, free.strip()] if free else [who, each.path.name]
+    return head + "  ".join(fitted(tail, width - len(head)))
+
+
+def _wrapped(line: str, width: int) -> list[str]:
+    """Return a long line as lines of that width [columns], names of files in one piece."""
+    return textwrap.wrap(plain(line), width, subsequent_indent=" " * 18, break_on_hyphens=False)
+
+
+def shortened(text: str, most: int) -> str:
+    """Return a text in ``most`` characters, one at least; an ellipsis ends what is cut."""
+    return text if len(text) <= most else f"{text[: most - 1].rstrip()}…"
+
+
+def fitted(texts: Iterable[str], room: int) -> list[str]:
+    """Return texts that fit ``room`` [columns] with two between them; the longest are cut."""
+    whole = [plain(text) for text in texts]
+    left = room - 2 * (len(whole) - 1)
+    most = left
+    for done, size in enumerate(sorted(map(len, whole))):
+        most = left // (len(whole) - done)
+        if size > most:
+            break
+        left -= size
+    return [shortened(text, max(most, 1)) for text in whole]
 
 
 def history_lines(found: Iterable[Attempts]) -> Iterator[str]:

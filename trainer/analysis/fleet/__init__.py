@@ -1,1 +1,1 @@
-"""Many boats flown side by side, each to the bits that it has alone."""
+"""Many boats flown side by side, each with the bits that it has alone."""

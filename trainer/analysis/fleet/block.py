@@ -1,8 +1,7 @@
-"""What a block of boats holds, how their records get into it, and out of it again.
+"""Blocks of boats: their layout, and the way of records in and out.
 
-Which boats can be computed side by side: in calm deep water, with sound gear and tanks at rest.
-
-Whether the water is deep enough is seen at every tick, by ``abreast``.
+It also says which boats can be computed side by side: those in calm deep water, with sound gear and
+tanks at rest. Whether the water is deep enough is checked at every tick, by ``tick``.
 """
 
 from typing import Final
@@ -26,7 +25,7 @@ KNOWN: Final = {"depth_law": float(OWN)}  # of the state
 
 @kernel
 def follows(scheme: Record) -> bool:
-    """Return whether boats are computed as they are here."""
+    """Return whether the scheme computes boats as it is done here."""
     how = scheme[0]
     lagged_compact = how.equations == COMPACT_SET and how.exact == 0
     two_terms = how.method == ADAMS and how.depth == TERMS
@@ -56,7 +55,7 @@ def tanks_rest(vessel: Record, state: Record) -> bool:
 
 @kernel
 def ordinary(vessel: Record, state: Record) -> bool:
-    """Return whether a boat is one that is computed here, as long as it stays deep."""
+    """Return whether a boat can be computed here as long as it stays deep."""
     c = vessel[0]
     s = state[0]
     constant_buoyancy = c.compressibility == 0.0 and c.layers == 0.0
@@ -78,19 +77,19 @@ def ordinary(vessel: Record, state: Record) -> bool:
 
 @kernel
 def under_way(state: Record) -> bool:
-    """Return whether the past of the integration is that of this very flight."""
+    """Return whether the past of the integration belongs to this very flight."""
     s = state[0]
     return s.history > 0.0 and s.x == s.sailed_x and s.y == s.sailed_y
 
 
 @kernel
 def make_ready(vessel: Record, h: float, state: Record) -> None:
-    """Write what every tick of an ordinary boat writes alike."""
+    """Write the numbers that every tick of an ordinary boat writes alike."""
     advance_ballast(vessel, vessel, h, state)
     state[0].eta_wave = 0.0
 
 
-# places in the gains of a lane: in force, and what they are interpolated from
+# places in the gains of a lane: those in force, and those between which they are interpolated
 LOW_GAINS, GAIN_RISES = GAIN_COUNT, 2 * GAIN_COUNT
 LOW_SPEED, SPEED_RISE = 3 * GAIN_COUNT, 3 * GAIN_COUNT + 1
 BRACKET_BELOW, BRACKET_TOP = 3 * GAIN_COUNT + 2, 3 * GAIN_COUNT + 3
@@ -99,9 +98,9 @@ LANE_WORK: Final = record_dtype(
     ("external", (6,)),
     ("force", (6,)),
     ("gains", (3 * GAIN_COUNT + 4,)),  # see above
-    "hull_clear",  # [m] depth below which not even a vertical hull reaches the surface
-    "tables_clear",  # [m] depth from which on the tables of the calm surface say nothing
-    "strayed",  # [-] ticks at which this boat was not what is computed here
+    "hull_clear",  # [m] depth, below which not even a vertical hull reaches the surface
+    "tables_clear",  # [m] depth from which on the tables of the calm surface have no effect
+    "strayed",  # [-] ticks at which this boat could not be computed here
 )
 
 
@@ -130,10 +129,11 @@ def new_block() -> Numbers:
 
 @kernel
 def bracket_gains(lane: int, out: Numbers) -> None:
-    """Write what a lane's gains are interpolated from at its speed; without a schedule, zeros.
+    """Write the gains between which those of a lane are interpolated at its speed.
 
-    Where ``autopilot.scheduled_gains`` looks them up at every tick, they stay here until the boat
-    leaves the bracket: speeds above BRACKET_BELOW up to BRACKET_TOP.
+    Without a schedule they are zeros. ``autopilot.scheduled_gains`` looks them up at every tick;
+    here they stay until the boat leaves the bracket, that is speeds above BRACKET_BELOW up to
+    BRACKET_TOP.
     """
     u = state_in(out, lane)[0].u
     c = vessel_in(out, lane)[0]
@@ -162,7 +162,7 @@ def bracket_gains(lane: int, out: Numbers) -> None:
 
 @kernel
 def load_constants(vessel: Record, compact: Record, lane: int, out: Numbers) -> None:
-    """Write what a boat is to its lane of the block ``out``."""
+    """Write the constants of a boat to its lane of the block ``out``."""
     c = vessel[0]
     for i in range(c.whole.size):
         out[(VESSEL_FIRST + i) * LANES + lane] = c.whole[i]

@@ -1,9 +1,10 @@
-"""Many boats in one call: every member of a fleet flown from its start to its end.
+"""Many boats in one call: every member of a fleet flown from start to end.
 
-A member is the boat of ``update`` and ends in its bits. What the members are alike in is given
-once: an array of one row or one record stands for all of them. Where the compiler is one that the
-vector code was tested with members fly side by side, else one after another, to the same bits.
-Side by side fly those whose trim is by hand (``trim_by_hand`` 1): pumps at work are not for many.
+A member is the boat of ``update`` and ends in its bits. What is alike in all members is given once:
+an array of one row or one record stands for all of them. Where the compiler is one on which the
+vector code was tested, members fly side by side; else they fly one after another, to the same bits.
+Only those whose trim is by hand (``trim_by_hand`` 1) fly side by side: pumps at work are not
+computed for many.
 """
 
 from typing import NamedTuple
@@ -21,7 +22,7 @@ __all__ = ["NO_ORDERS", "Fleet", "Flown", "Schedule", "fly_members", "orders"]
 
 
 class Flown(NamedTuple):
-    """What became of a fleet."""
+    """The result of a fleet's flight."""
 
     rows: Numbers  # [member, row, column], SI and radians; NaN from where a member was lost
     lost: NDArray[np.int64]  # [ticks] a member had done when its numbers were lost, -1: never
@@ -30,8 +31,8 @@ class Flown(NamedTuple):
 def orders(tick: ArrayLike, place: ArrayLike, value: ArrayLike) -> Schedule:
     """Return a schedule from arrays [order], alike for all, or [member, order].
 
-    ``tick`` counts from the start of the flight: 0 acts before the first tick. ``place`` is
-    that of a number in the state, see ``boat.PLACES``. Of two at one tick the later given acts
+    ``tick`` counts from the start of the flight: 0 acts before the first tick. ``place`` is that of
+    a number in the state, see ``boat.PLACES``. Of two orders at one tick the one given later acts
     later.
     """
     ticks, places, values = np.broadcast_arrays(
@@ -51,11 +52,11 @@ NO_ORDERS = orders([], [], [])
 def fly_members(
     fleet: Fleet, schedule: Schedule, ticks: int, every: int, columns: tuple[str, ...]
 ) -> Flown:
-    """Advance all members by ``ticks``, their states in place, and return what was asked for.
+    """Advance all members by ``ticks``, their states in place, and return the rows.
 
-    ``columns`` are places of the state by name, kept at the start and after every ``every``
-    ticks, before the orders of that tick. A member whose numbers are lost stays where it was.
-    The interpreter is free meanwhile: fleets fly in threads beside each other.
+    ``columns`` are places of the state by name. They are kept at the start and after every
+    ``every`` ticks, before the orders of that tick. A member whose numbers are lost stays where it
+    was. The interpreter is free meanwhile: fleets fly in threads beside each other.
     """
     count = fleet.states.size
     track = Track(

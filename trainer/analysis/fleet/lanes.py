@@ -1,14 +1,13 @@
-"""Boats side by side in one array, and the views by which a kernel reads one of them.
+"""Boats side by side in one array, and the views that read one of them.
 
 A block holds LANES boats. Each number of the boat is LANES numbers next to each other, one for each
-lane, so that the processor can work on several boats by one instruction. ``a_view`` makes what a
-kernel takes for a record, and the compiler for a place in the block: the equations that one boat is
-computed by are compiled again for many, and are written once.
+lane, so that the processor can work on several boats by one instruction. A kernel takes what
+``a_view`` makes for a record, and the compiler takes it for a place in the block. So the core's
+equations, by which one boat is computed, are compiled once more for boats side by side, and are
+written once.
 
 A loop over ``every_lane()`` becomes vector code if nothing in it calls a library or leaves early,
 and if both sides of a choice are loaded before it is made.
-
-The core's kernels compiled once more, for boats side by side.
 """
 
 import dis
@@ -50,15 +49,18 @@ UNIT_BITS: Final = ir.IntType(64)(0x4338 << 48)
 
 
 class LaneRecord(types.Type):
-    """A record of one boat in a block; ``first`` is the place of its first number."""
+    """A record of one boat in a block.
+
+    ``first`` is the place of its first number.
+    """
 
     def __init__(self, name: str, layout: np.dtype[Any], first: int, known: Known) -> None:
-        """Take the layout of the record that it stands for, and what is known of it."""
+        """Take the layout of the record for which it stands, and what is known of it."""
         self.layout, self.first, self.known = layout, first, known
         super().__init__(name=f"LaneRecord({name}, {first})")
 
     def member(self, name: str) -> "LaneNumbers | None":
-        """Return where a field is; None if there is none of that name."""
+        """Return where a field is; None if no field has that name."""
         fields = self.layout.fields
         if fields is None or name not in fields:
             return None
@@ -67,7 +69,7 @@ class LaneRecord(types.Type):
 
 
 class LaneNumbers(types.Type):
-    """Numbers of one boat in a block, of a field with a shape."""
+    """Numbers of one boat in a block: a field with a shape."""
 
     def __init__(self, shape: tuple[int, ...], first: int) -> None:
         """Take the shape, and the place of the first."""
@@ -84,7 +86,10 @@ class LaneNumbers(types.Type):
 @register_model(LaneRecord)
 @register_model(LaneNumbers)
 class LaneModel(models.StructModel):
-    """A view is the block and the lane; which number it is of, its type knows."""
+    """The data of a view: the block and the lane.
+
+    Its type knows which number it is of.
+    """
 
     def __init__(self, manager: Any, view: types.Type) -> None:
         """Lay it out."""
@@ -118,7 +123,7 @@ class ElementType(AbstractTemplate):
 
 @typed_as(operator.setitem)
 class AssignmentType(AbstractTemplate):
-    """A number is all that can be put into a place."""
+    """The rule that only a number can be put into a place."""
 
     def generic(self, args: tuple[Any, ...], _keywords: Any) -> Any:
         """Return the types of view, index and number."""
@@ -189,7 +194,7 @@ def a_view(name: str, layout: np.dtype[Any], first: int, known: Known) -> Any:
     """Return a function of a block and a lane that gives a kernel its record.
 
     ``first`` is the place of the record's first number among those of a boat. Numbers that are
-    ``known``, since they are the same for all and stay so, are not read from the block.
+    ``known``, since they are the same for all boats and stay so, are not read from the block.
     """
     kind = LaneRecord(name, layout, first, known)
 
@@ -210,14 +215,14 @@ def a_view(name: str, layout: np.dtype[Any], first: int, known: Known) -> Any:
 def every_lane() -> Any:
     """Return the lanes of a block, to loop over.
 
-    A loop that knew its length at once would be unrolled before it could become vector code.
+    A loop whose length is known at once would be unrolled before it could become vector code.
     """
     return range(LANES)
 
 
 @intrinsic
 def nearest(_typing: Any, _number: Any) -> Any:
-    """Return what ``elementary._nearest`` does, by instructions that work on lanes, up to 2^51."""
+    """Return the result of ``elementary._nearest`` by instructions on lanes, up to 2^51."""
 
     def lower(_context: Any, builder: Any, _kinds: Any, args: Any) -> Any:
         floor = builder.module.declare_intrinsic("llvm.floor", [UNIT.type])
@@ -230,7 +235,7 @@ def nearest(_typing: Any, _number: Any) -> Any:
 
 @intrinsic
 def as_float(_typing: Any, _whole: Any) -> Any:
-    """Return what ``elementary._as_float`` does, likewise."""
+    """Return the result of ``elementary._as_float``, likewise."""
 
     def lower(_context: Any, builder: Any, _kinds: Any, args: Any) -> Any:
         above = builder.bitcast(builder.add(args[0], UNIT_BITS), UNIT.type)
@@ -241,7 +246,7 @@ def as_float(_typing: Any, _whole: Any) -> Any:
 
 @intrinsic
 def times_power_of_two(_typing: Any, _number: Any, _power: Any) -> Any:
-    """Return what ``elementary._times_power_of_two`` does, of powers from -1022 to 1023."""
+    """Return the result of ``elementary._times_power_of_two`` for powers from -1022 to 1023."""
 
     def lower(_context: Any, builder: Any, _kinds: Any, args: Any) -> Any:
         number, power = args
@@ -254,8 +259,9 @@ def times_power_of_two(_typing: Any, _number: Any, _power: Any) -> Any:
 def relaid(kernel: Any, instead: Mapping[str, Any]) -> Any:
     """Return ``kernel`` to be compiled into its caller, with all that it calls.
 
-    The equations are the kernel's own. A kernel that it calls, or one of those, is exchanged for
-    that of the same name in ``instead``. Without JIT it is the kernel itself.
+    The equations are the kernel's own. Where the kernel, or one that it calls, calls a kernel whose
+    name is in ``instead``, that of ``instead`` takes its place. Without JIT it is the kernel
+    itself.
     """
     return _relaid(kernel, instead, {})
 

@@ -1,4 +1,7 @@
-"""One member of a fleet: flown by ``update`` from order to order, as its boat would be alone."""
+"""One member of a fleet, flown as it would be alone.
+
+``update`` flies it from order to order.
+"""
 
 from typing import NamedTuple
 
@@ -12,7 +15,7 @@ Places = NDArray[np.int64]
 
 
 class Fleet(NamedTuple):
-    """What the members are: one record for all or one for each, but states for each."""
+    """The members: one record for all or one for each, but states for each."""
 
     vessels: Record
     compacts: Record
@@ -23,7 +26,7 @@ class Fleet(NamedTuple):
 class Schedule(NamedTuple):
     """Orders by member, or one row for all; by tick ascending.
 
-    Before tick ``tick``, counted from the start of the flight, the place is given the value.
+    Before tick ``tick``, counted from the start of the flight, the place gets the value.
     """
 
     tick: Places
@@ -32,7 +35,10 @@ class Schedule(NamedTuple):
 
 
 class Track(NamedTuple):
-    """What is kept of a flight: places of the state, every so many ticks, the start first."""
+    """The part of a flight that is kept: places of the state by tick.
+
+    They are kept every so many ticks, the start first.
+    """
 
     every: int
     places: Places
@@ -42,7 +48,10 @@ class Track(NamedTuple):
 
 @kernel
 def span(records: Record, member: int) -> slice:
-    """Return where a member's record is; the last serves all beyond it."""
+    """Return where a member's record is.
+
+    The last record serves all members beyond it.
+    """
     place = min(member, records.size - 1)
     return slice(place, place + 1)
 
@@ -56,7 +65,7 @@ def note(out: Track, member: int, row: int, state: Record) -> None:
 
 @kernel
 def forget(out: Track, member: int, start: int, end: int) -> None:
-    """Write that from tick ``start`` up to ``end`` there is nothing to tell."""
+    """Write that from tick ``start`` to ``end`` there is nothing to tell."""
     for row in range(start // out.every + 1, end // out.every + 1):
         for i in range(out.places.size):
             out.rows[member, row, i] = np.nan
@@ -71,7 +80,7 @@ def fly_alone(fleet: Fleet, member: int, start: int, end: int, scratch: Record, 
     if out.lost[member] >= 0:
         return
     for i in range(scratch[0].gains.size):
-        scratch[0].gains[i] = 0.0  # where there is no schedule nobody writes them
+        scratch[0].gains[i] = 0.0  # without a schedule nobody writes them
     for tick in range(start, end):
         if update(vessel, compact, fleet.scheme, state, scratch) != 0:
             out.lost[member] = tick
@@ -83,7 +92,10 @@ def fly_alone(fleet: Fleet, member: int, start: int, end: int, scratch: Record, 
 
 @kernel
 def obey(schedule: Schedule, member: int, tick: int, next_order: int, state: Record) -> int:
-    """Carry out the orders due before ``tick``, from ``next_order`` on; return the next one."""
+    """Carry out the orders due before ``tick``, from ``next_order`` on.
+
+    Return the next one.
+    """
     row = min(member, schedule.tick.shape[0] - 1)
     place = next_order
     while place < schedule.tick.shape[1] and schedule.tick[row, place] <= tick:
@@ -94,7 +106,10 @@ def obey(schedule: Schedule, member: int, tick: int, next_order: int, state: Rec
 
 @kernel
 def due(schedule: Schedule, member: int, next_order: int, end: int) -> int:
-    """Return the tick before which the next order acts, ``end`` if none does until then."""
+    """Return the tick before which the next order acts.
+
+    It is ``end`` if no order acts before that.
+    """
     if next_order == schedule.tick.shape[1]:
         return end
     return min(schedule.tick[min(member, schedule.tick.shape[0] - 1), next_order], end)
@@ -104,10 +119,10 @@ def due(schedule: Schedule, member: int, next_order: int, end: int) -> int:
 def fly_member(
     fleet: Fleet, schedule: Schedule, ticks: int, member: int, scratch: Record, out: Track
 ) -> None:
-    """Advance a member by ``ticks``, its orders obeyed."""
+    """Advance a member by ``ticks``, and obey its orders."""
     state = fleet.states[span(fleet.states, member)]
     note(out, member, 0, state)
-    tick, given = min(ticks, 0), 0  # as a literal 0 it would have all below compiled twice
+    tick, given = min(ticks, 0), 0  # a literal 0 would make all below compile twice
     while tick < ticks and out.lost[member] < 0:
         given = obey(schedule, member, tick, given, state)
         end = due(schedule, member, given, ticks)

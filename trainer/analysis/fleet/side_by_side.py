@@ -1,7 +1,7 @@
-"""Members of a fleet side by side: LANES of them fly from one order of theirs to the next.
+"""Members of a fleet side by side, LANES of them at a time.
 
-A member that is not ordinary, or strays, flies that stretch alone; so does one whose centres lie
-off the middle, or that has products of inertia.
+They fly from one order of theirs to the next. A member that is not ordinary, or strays, flies that
+stretch alone. So does one whose centres lie off the middle, or that has products of inertia.
 """
 
 from typing import NamedTuple
@@ -54,7 +54,10 @@ def new_work() -> Work:
 
 @kernel
 def choose(fleet: Fleet, first: int, count: int, work: Work, out: Track) -> int:
-    """Return how many of ``count`` members fly side by side; write which do not, ready the rest."""
+    """Return how many of ``count`` members fly side by side.
+
+    Write which do not, and make the others ready.
+    """
     together = 0
     for lane in range(count):
         member = first + lane
@@ -89,7 +92,7 @@ def fly_abreast(fleet: Fleet, first: int, start: int, end: int, work: Work, out:
 
 @kernel
 def any_without_past(fleet: Fleet, first: int, count: int) -> bool:
-    """Return whether any of ``count`` members has no past yet to integrate from."""
+    """Return whether any of ``count`` members has no past from which to integrate."""
     for member in range(first, first + count):
         if not under_way(fleet.states[span(fleet.states, member)]):
             return True
@@ -120,7 +123,7 @@ def fly_stretch(fleet: Fleet, first: int, start: int, end: int, work: Work, out:
 
 @kernel
 def begin(fleet: Fleet, first: int, work: Work, out: Track) -> None:
-    """Write the first rows of a block's members, and what they are to the block."""
+    """Write the first rows of a block's members, and their constants to the block."""
     for lane in range(LANES):
         member = first + lane
         work.next_order[lane] = 0
@@ -136,9 +139,9 @@ def begin(fleet: Fleet, first: int, work: Work, out: Track) -> None:
 def fly_block(
     fleet: Fleet, schedule: Schedule, ticks: int, first: int, work: Work, out: Track
 ) -> None:
-    """Advance the members from ``first`` on, as many as fly side by side, by ``ticks``."""
+    """Advance the members from ``first`` on by ``ticks``, as many as fly side by side."""
     begin(fleet, first, work, out)
-    tick = min(ticks, 0)  # as a literal 0 it would have all below compiled twice
+    tick = min(ticks, 0)  # a literal 0 would make all below compile twice
     while tick < ticks:
         end = ticks
         for lane in range(min(LANES, fleet.states.size - first)):

@@ -1,7 +1,7 @@
-"""A tick of boats side by side: the kernels of one boat, for every lane of a block.
+"""A tick of boats side by side: one boat's kernels, for every lane.
 
-What moves here is an ``ordinary`` boat. One that comes up from the deep, or loses its numbers,
-strays: its lane goes on with numbers that mean nothing, and whoever flies the block flies that
+Only an ``ordinary`` boat moves here. One that comes up from the deep, or loses its numbers, strays:
+its lane goes on with numbers that mean nothing. The kernel that flies the block then flies that
 member again by ``update``, whose bits are otherwise those of a lane.
 """
 
@@ -98,7 +98,7 @@ _both = relaid(cosine_and_sine, COUNTED)
 
 @inlined
 def _sine(x: float) -> float:
-    """Return sin x [-], by both series: a lane cannot choose one, and the other may serve too."""
+    """Return sin x [-] by both series: a lane cannot choose one, and may need the other too."""
     return _both(x)[1]
 
 
@@ -137,13 +137,16 @@ _answer_telegraph = relaid(answer_telegraph, _INSTEAD)
 _lost = relaid(lost, _INSTEAD)
 _cross = relaid(cross_speed_squared, _INSTEAD)
 _incidence = relaid(incidence, _INSTEAD)
-ALMOST = 1.0 - 1e-9  # [-] of the torque limit, from which a boat flies alone
-STEEP = 1.3  # [rad] pitch short of the vertical, where the angles are turned
+ALMOST = 1.0 - 1e-9  # [-] of the torque limit; beyond it a boat flies alone
+STEEP = 1.3  # [rad] pitch, somewhat below that at which the angles are turned
 
 
 @inlined
 def _further_forces(compact: Record, state: Record, force: Numbers) -> None:
-    """Add the further terms of a lane that has some; another's forces stay, zeros' signs too."""
+    """Add the further terms of a lane that has some.
+
+    The forces of another lane stay, signs of zeros too.
+    """
     f0, f1, f2, f3, f4, f5 = force[0], force[1], force[2], force[3], force[4], force[5]
     _every_force(compact, state, force)
     if compact[0].extended == 0.0:
@@ -152,7 +155,7 @@ def _further_forces(compact: Record, state: Record, force: Numbers) -> None:
 
 @kernel
 def keep_gains(out: Numbers) -> None:
-    """Find the gains of the lanes that have left their bracket of speeds."""
+    """Find new gains where a lane has left its bracket of speeds."""
     left = 0
     for lane in every_lane():
         gains = work_in(out, lane)[0].gains
@@ -165,7 +168,7 @@ def keep_gains(out: Numbers) -> None:
 
 @kernel
 def aim(h: float, out: Numbers) -> None:
-    """Write the gains, and what the autopilot steers for."""
+    """Write the gains, and the references of the autopilot."""
     for lane in every_lane():
         gains = work_in(out, lane)[0].gains
         _interpolate(state_in(out, lane)[0].u, gains)
@@ -175,7 +178,10 @@ def aim(h: float, out: Numbers) -> None:
 
 @kernel
 def command(h: float, out: Numbers) -> None:
-    """Write the commands of surfaces and revolutions; as one loop it would not be vector code."""
+    """Write the commands of surfaces and revolutions.
+
+    As one loop it would not be vector code.
+    """
     for lane in every_lane():
         _keep_depth(vessel_in(out, lane), h, work_in(out, lane)[0].gains, state_in(out, lane))
     for lane in every_lane():
@@ -203,7 +209,7 @@ def push(trig: int, out: Numbers) -> None:
 
 @kernel
 def find_outside(h: float, out: Numbers) -> None:
-    """Find the lanes that are outside the range of the equations, or whose planes stall."""
+    """Find the lanes outside the range of the equations, or with stalled planes."""
     for lane in every_lane():
         c, s = vessel_in(out, lane)[0], state_in(out, lane)[0]
         work = work_in(out, lane)[0]
@@ -247,7 +253,10 @@ def deflect(h: float, out: Numbers) -> None:
 
 @kernel
 def answer(h: float, out: Numbers) -> None:
-    """Let the engine room answer; by itself, or neither becomes vector code."""
+    """Advance the command speed by the engine room's answer to the telegraph.
+
+    It is a step of its own: in one loop with another neither would become vector code.
+    """
     for lane in every_lane():
         _answer_telegraph(vessel_in(out, lane), h, state_in(out, lane))
     for lane in every_lane():
@@ -263,7 +272,7 @@ def answer(h: float, out: Numbers) -> None:
 
 @kernel
 def see(out: Numbers) -> None:
-    """Count the tick, and find the lanes that lost their numbers."""
+    """Count the tick, and find the lanes that have lost their numbers."""
     for lane in every_lane():
         c, s = vessel_in(out, lane)[0], state_in(out, lane)[0]
         s.tick += 1.0
@@ -277,7 +286,10 @@ def see(out: Numbers) -> None:
 
 @kernel
 def tick_abreast(scheme: Record, out: Numbers) -> None:
-    """Advance every lane of a block by one tick, in the order of ``update`` and ``autopilot``."""
+    """Advance every lane of a block by one tick.
+
+    The order is that of ``update`` and ``autopilot``.
+    """
     how = scheme[0]
     keep_gains(out)
     aim(how.h, out)

@@ -1,9 +1,7 @@
-"""What each member's numbers are, by the plan of a study.
+"""The numbers of each member, by the plan of a study.
 
-Every number is a pure function of the study's seed, the variable's name and the member, so that a
-member alone has the same, and a variable added leaves those of the others as they are.
-
-Random numbers of a sweep: each a pure function of seed, stream and member.
+Every number is a pure function of the study's seed, the variable's name and the member. So a member
+alone has the same numbers, and a variable that is added leaves those of the others as they are.
 """
 
 import math
@@ -23,7 +21,7 @@ from trainer.core.kernel import Numbers, kernel
 from trainer.core.noise import uniform
 
 # M. Wichura, Algorithm AS 241, Appl. Statist. 37 (1988) 477: numerator
-# and denominator near the middle, in the tails, and far out in them, each from its highest power
+# and denominator near the middle, in the tails, and far out in them, the highest power first
 MIDDLE, MIDDLE_SQUARED, TAIL = 0.425, 0.180625, 5.0
 MIDDLE_UP = (
     *(2509.0809287301226727, 33430.575583588128105, 67265.770927008700853),
@@ -69,7 +67,10 @@ def ratio(up: tuple[float, ...], down: tuple[float, ...], x: float) -> float:
 
 @kernel
 def normal_quantile(share: float) -> float:
-    """Return the normal deviate [-] below which ``share`` of them lie, 0 < share < 1."""
+    """Return the normal deviate [-] below which ``share`` of all lie.
+
+    ``share`` [-] is above 0 and below 1.
+    """
     away = share - 0.5
     if abs(away) <= MIDDLE:
         return away * ratio(MIDDLE_UP, MIDDLE_DOWN, MIDDLE_SQUARED - away * away)
@@ -88,7 +89,7 @@ def fill_uniforms(seed: int, stream: int, first: int, out: Numbers) -> None:
 
 @kernel
 def fill_normals(shares: Numbers, out: Numbers) -> None:
-    """Write the normal deviates [-] below which ``shares`` of them lie."""
+    """Write the normal deviates [-] below which ``shares`` of all lie."""
     for i in range(out.size):
         out[i] = normal_quantile(shares[i])
 
@@ -103,7 +104,7 @@ def stream(purpose: str, name: str) -> int:
 
 
 def uniforms(seed: int, of: int, first: int, count: int) -> Numbers:
-    """Return numbers between 0 and 1, ends never reached, of members from ``first`` on."""
+    """Return numbers between 0 and 1 of members from ``first`` on, ends never reached."""
     out = np.empty(count)
     fill_uniforms(seed, of, first, out)
     return out
@@ -111,7 +112,7 @@ def uniforms(seed: int, of: int, first: int, count: int) -> Numbers:
 
 @lru_cache(maxsize=64)
 def strata(seed: int, name: str, members: int) -> NDArray[np.int64]:
-    """Return which of ``members`` equal parts each member has of one variable: a permutation."""
+    """Return which of ``members`` equal parts of a variable each member has: a permutation."""
     keys = uniforms(seed, stream("strata", name), 0, members)
     found = np.empty(members, np.int64)
     found[np.argsort(keys, kind="stable")] = np.arange(members)
@@ -146,7 +147,7 @@ class Draws:
         return {row.name: of_shares(row, self._shares(row.name, first, count)) for row in self.rows}
 
     def middle(self) -> dict[str, Any]:
-        """Return the middle of each variable: what a study is tried with."""
+        """Return the middle of each variable, with which a study is tried."""
         half = np.array([0.5])
         return {row.name: of_shares(row, half).tolist()[0] for row in self.rows}
 

@@ -1,4 +1,4 @@
-"""Many boats started, each as ``Boat.start`` and a manoeuvre's ``Submarine`` start one."""
+"""The start of many boats, each as ``Boat.start`` or a manoeuvre's ``Submarine`` starts one."""
 
 from typing import NamedTuple
 
@@ -20,7 +20,10 @@ class Start(NamedTuple):
 
 @kernel
 def start_fleet(fleet: Fleet, exact: Record, how: Start, scratch: Record, fit: Numbers) -> None:
-    """Start every boat of a fleet at depth in a calm; ``fit`` tells 1 where one flies straight."""
+    """Start every boat of a fleet at depth in a calm.
+
+    ``fit`` becomes 1 where a boat flies straight, else 0.
+    """
     scheme = fleet.scheme
     for member in range(fleet.states.size):
         own = min(member, fleet.compacts.size - 1)  # one may serve them all

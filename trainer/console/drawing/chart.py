@@ -2,11 +2,11 @@
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
+from itertools import groupby
 from typing import Final
 
 from trainer.console.drawing.crew_orders import in_feet
 from trainer.console.drawing.values import NONE, course, number
-from trainer.console.journal import Sample
 from trainer.console.model import Quantity, SessionModel
 from trainer.console.pane import Line, Lines, Run, beside, line
 from trainer.console.readings import ROUND
@@ -79,10 +79,13 @@ def strip(quantity: int, model: SessionModel, span: float, width: int, height: i
     if rows < 1 or columns < LEAST:
         return [title][:height]
     series = model.trace.series(quantity, span, columns * ACROSS)
-    whole = unwrap_courses if drawn.actual[1] in ROUND else as_it_is
     size = unit_of(drawn, model)[1]
-    actual = whole([each.actual if each else None for each in series], series, size)
-    ordered = whole([each.ordered if each else None for each in series], series, size)
+    actual = [scaled(each.actual, size) if each else None for each in series]
+    ordered = [scaled(each.ordered, size) if each else None for each in series]
+    if drawn.actual[1] in ROUND:
+        left = model.picture.number("orders", f"{drawn.crew}_error") if drawn.crew else None
+        actual = unwrap(actual)
+        ordered = beside_headings(ordered, actual, left)
     low, high = limits([*actual, *ordered], drawn.least)
     axis = [time_axis(span, columns)] if rows >= AXIS else []
     plot = Plot(low, high, columns, rows - len(axis))
@@ -154,20 +157,42 @@ def format_quantity(drawn: Quantity) -> Callable[[float | None], str]:
     return with_side
 
 
-def as_it_is(
-    values: Sequence[float | None], _series: Sequence[Sample | None], size: float
-) -> list[float | None]:
-    """Return the values in a unit of that size."""
-    return [scaled(value, size) for value in values]
+def unwrap(headings: Sequence[float | None]) -> list[float | None]:
+    """Return headings [deg] counted on through north, up to the last as it is."""
+    found: list[float | None] = []
+    after: float | None = None
+    for value in reversed(headings):
+        if value is not None and after is not None:
+            after += beside_zero(value - after)
+        elif value is not None:
+            after = value
+        found.append(None if value is None else after)
+    return found[::-1]
 
 
-def unwrap_courses(
-    values: Sequence[float | None], series: Sequence[Sample | None], _size: float
+def beside_headings(
+    ordered: Sequence[float | None], headings: Sequence[float | None], left: float | None
 ) -> list[float | None]:
-    """Return courses beside the latest one, so that none jumps from 359 to 000."""
-    known = [each.actual for each in series if each and each.actual is not None]
-    last = known[-1] if known else 0.0
-    return [v if v is None else last + (v - last + 180.0) % 360.0 - 180.0 for v in values]
+    """Return ordered courses [deg] without jumps, as the boat came to them.
+
+    ``left`` is how far it is to the last of them, the way that was ordered; None: the shorter.
+    """
+    found: list[float | None] = []
+    place = len(ordered)
+    for value, run in groupby(reversed(ordered)):
+        first, place = place, place - len(list(run))
+        reached = next((h for h in reversed(headings[place:first]) if h is not None), None)
+        drawn = value
+        if value is not None and reached is not None:
+            to_go = left if first == len(ordered) and left is not None else None
+            drawn = reached + (beside_zero(value - reached) if to_go is None else to_go)
+        found += [drawn] * (first - place)
+    return found[::-1]
+
+
+def beside_zero(angle: float) -> float:
+    """Return an angle [deg] the short way round."""
+    return (angle + 180.0) % 360.0 - 180.0
 
 
 def limits(values: Sequence[float | None], least: float) -> tuple[float, float]:

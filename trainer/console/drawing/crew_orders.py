@@ -13,7 +13,10 @@ LITTLE: Final = 3.0  # [m], [deg] to go, below which tenths count
 REACHED: Final = 0.5  # [deg, m] closer than this is there
 FEET_REACHED: Final = 1.5  # [ft]
 KNOTS_REACHED: Final = 0.15  # [kn]
+SETTLED: Final = 3.0  # [m] closer than this the ordered angle has come off
+WITH_IT: Final = 10.0  # [s] after an order for depth, in which an angle belongs to it
 REPEAT: Final = "Enter repeats it"
+REPEATS: Final = "Enter repeats the first"
 
 
 def in_feet(model: SessionModel) -> bool:
@@ -81,12 +84,25 @@ def speed_order(model: SessionModel) -> tuple[str, str]:
     return _both(told, f", {abs(error):.1f} {'faster' if error > 0.0 else 'slower'}")
 
 
+def has_come_off(model: SessionModel) -> bool:
+    """Return whether the boat is at the depth that the ordered angle led to.
+
+    An angle that is ordered later than that, by WITH_IT, is an order of its own.
+    """
+    number = model.picture.number
+    ordered, error = _pair(model, "depth")
+    later = (number(CHANNEL, "depth_since") or 0.0) - (number(CHANNEL, "pitch_since") or 0.0)
+    return ordered is not None and later <= WITH_IT and abs(error or 0.0) < SETTLED
+
+
 def pitch_order(model: SessionModel) -> tuple[str, str]:
-    """Return the ordered pitch with its error."""
+    """Return the ordered pitch with its error. At the depth ordered with it nothing is to go."""
     ordered, error = _pair(model, "pitch")
     if ordered is None:
         return "", ""
     told = "zero" if abs(ordered) < 0.05 else _angle(ordered)
+    if ordered and has_come_off(model):
+        return _both(told, ", at depth")
     if error is None or abs(error) < REACHED:
         return _both(told, "" if error is None else ", on it")
     return (
@@ -138,13 +154,17 @@ def beside(model: SessionModel, axis: str, automatic: str, room: int) -> Line:
 
 
 def order_line(model: SessionModel, width: int) -> Line:
-    """Return the newest order until it is repeated, else the last words told."""
+    """Return the new orders until they are repeated, newest first; else the last words told."""
     crew = model.crew
     if crew.wrong:
         return fit(line((f" REPEATED WRONG: {crew.wrong} ", "warning")), width)
-    new = crew.to_repeat(model.role)
+    new = crew.all_to_repeat(model.role)
+    if len(new) > 1:
+        says = " | ".join(each.says for each in new)
+        return fit(line((f" NEW ORDERS  {says} ", "new"), (f"  {REPEATS}", "key")), width, "bar")
     if new:
-        return fit(line((f" NEW ORDER  {new.says} ", "new"), (f"  {REPEAT}", "key")), width, "bar")
+        says = new[0].says
+        return fit(line((f" NEW ORDER  {says} ", "new"), (f"  {REPEAT}", "key")), width, "bar")
     told = told_words(model)
     return fit(line((f" told: {told}" if told else "", "ordered")), width)
 
@@ -184,7 +204,8 @@ def _signed(model: SessionModel) -> str:
     for axis in ORDERS:
         ordered, error = _pair(model, axis)
         if ordered is not None:
-            left = 0.0 if error is None else error / (size if axis == "depth" else 1.0)
+            done = error is None or (axis == "pitch" and ordered and has_come_off(model))
+            left = 0.0 if done else (error or 0.0) / (size if axis == "depth" else 1.0)
             found.append(f"{ORDERS[axis](model)[1].partition(',')[0]} {left:+.0f}")
     return "; ".join(found)
 

@@ -15,7 +15,7 @@ from trainer.console.drawing.dials import (
     telegraph,
 )
 from trainer.console.journal import clock
-from trainer.console.model import SessionModel
+from trainer.console.model import MAKING_READY, SessionModel
 from trainer.console.pane import Line, Lines, beside, fit, length, line
 
 PLANES: Final = 9  # [rows] with room for large numbers
@@ -29,8 +29,9 @@ def top(model: SessionModel, width: int, _height: int) -> Lines:
     wrong = trouble(model)
     if wrong:
         return [fit(line((f" {wrong} ", "alarm")), width, "alarm")]
-    if not model.greeted:
-        return [fit(line((f" {model.role} ", "bright"), ("making ready", "bar")), width, "bar")]
+    if not model.greeted or model.follows:
+        says = MAKING_READY if model.follows else "making ready"
+        return [fit(line((f" {model.role} ", "bright"), (says, "bar")), width, "bar")]
     clockwork = f"{clock(model.picture.seconds)} "
     left = (*line((f" {model.role} ", "bright"), (clockwork, "bright")), *pace(model))
     told, room = title(model), width - length(left)
@@ -42,6 +43,8 @@ def trouble(model: SessionModel) -> str:
     """Return the trouble of the line or of its data, "" while there is none."""
     if model.over:
         return "THE SESSION IS OVER: F10 leaves"
+    if model.follows:
+        return ""
     if not model.joined:
         return f"NO LINE: {model.trouble}; trying again" if model.trouble else ""
     picture = model.picture

@@ -1,10 +1,11 @@
-"""The emergency blow with the planes automatic: up with a bubble, and handed back without a jump.
+"""The emergency blow with the planes automatic: the ascent with the bow up.
 
-Depth keeping would dive against the blow. While a main tank's emergency valve is open the stern
-planes hold a pitch of BUBBLE, more at speed, the bow planes lie amidships, and the after group is
-blown only while the bow is up: at slow speed the planes alone cannot hold it. Once the blow is
-over and the boat lies still for QUIET it keeps the depth it has; at the surface nothing is kept
-until a depth is ordered. Own law; figures and what it does on BB2 are in docs/autopilot.md.
+Depth keeping would dive against the blow. While the emergency valve of a main tank is open, the
+stern planes hold a pitch of BUBBLE, more at speed, and the bow planes lie amidships. The after
+group is blown only while the bow is up, since the planes alone cannot hold it up at slow speed.
+Once the blow is over and the boat has come to rest for QUIET, it keeps the depth that it has, and
+depth keeping takes over without a jump. At the surface no depth is kept until one is ordered. The
+law is this project's own; its figures and what it does on BB2 are in docs/autopilot.md.
 """
 
 import math
@@ -50,7 +51,10 @@ def minds_blow(vessel: Record, state: Record) -> bool:
 
 @part
 def watch_blow(vessel: Record, state: Record) -> None:
-    """Begin an ascent when main ballast is blown by the emergency valves; end it without planes."""
+    """Begin an ascent when the emergency valves blow main ballast.
+
+    End it where the pilot has no planes.
+    """
     s = state[0]
     if not minds_blow(vessel, state):
         s.ascent = NONE
@@ -62,7 +66,10 @@ def watch_blow(vessel: Record, state: Record) -> None:
 
 @part
 def take_up_bubble(h: float, state: Record) -> None:
-    """Move the pitch to be held for ``h`` [s]: bow up while the tanks are blown."""
+    """Move the pitch that is to be held by ``h`` [s].
+
+    It goes bow up while the tanks are blown, and back to zero after that.
+    """
     s = state[0]
     wanted = 0.0
     if is_blown(state):
@@ -74,7 +81,10 @@ def take_up_bubble(h: float, state: Record) -> None:
 
 @part
 def hold_bubble(vessel: Record, h: float, gains: Numbers, state: Record) -> None:
-    """Command the planes of a boat that comes up, but those in hand, and its after group."""
+    """Command the planes and the after group of a boat that comes up.
+
+    Planes in hand take what they are ordered.
+    """
     c = vessel[0]
     s = state[0]
     take_up_bubble(h, state)
@@ -90,7 +100,10 @@ def hold_bubble(vessel: Record, h: float, gains: Numbers, state: Record) -> None
 
 @part
 def hand_back(vessel: Record, h: float, state: Record) -> None:
-    """End an ascent that has come to rest: keep the depth there is, at the surface none."""
+    """End an ascent that has come to rest.
+
+    The boat then keeps the depth that it has; at the surface it keeps none.
+    """
     s = state[0]
     still = abs(s.zdot) < QUIET_RATE and abs(s.theta) < QUIET_PITCH and not is_blown(state)
     s.ascent_quiet = s.ascent_quiet + h if still else 0.0
@@ -116,7 +129,7 @@ def come_up(vessel: Record, h: float, gains: Numbers, state: Record) -> None:
 
 @part
 def lay_amidships(state: Record) -> None:
-    """Command the planes to nothing, but those in hand."""
+    """Command the planes to zero, but those in hand to their order."""
     s = state[0]
     s.command_s = s.ordered_s if s.stern_by_hand != 0.0 else 0.0
     s.command_b = s.ordered_b if s.bow_by_hand != 0.0 else 0.0
@@ -124,7 +137,10 @@ def lay_amidships(state: Record) -> None:
 
 @part
 def go_on_from(state: Record, surface: int, law: float) -> None:
-    """Let depth keeping by ``law`` [rad] follow a plane; after the ascent that is its trim."""
+    """Make depth keeping by ``law`` [rad] follow a plane.
+
+    After the ascent the angle that is left over is its trim.
+    """
     s = state[0]
     stand_by(state, surface, law, False)  # noqa: FBT003 a fact
     if s.ascent == NONE:

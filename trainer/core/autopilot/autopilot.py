@@ -1,8 +1,8 @@
 """The automatic helmsman and planesman: depth, course, speed and trim keeping, tick by tick.
 
-Each surface gets gain times error in depth, depth rate, pitch and pitch rate (course, yaw rate and
-sway for the rudder) plus an integral, the gains interpolated over speed. [ASSES]'s depth law stands
-beside it for comparison.
+The angle of a plane is the sum of gains times the errors in depth, depth rate, pitch and pitch
+rate, plus an integral. For the rudder the errors are those in course and yaw rate, and sway. The
+gains are interpolated over speed. The depth law of [ASSES] stands beside it for comparison.
 """
 
 from trainer.core.autopilot.ascent import (
@@ -34,9 +34,10 @@ from trainer.core.kernel import Numbers, Record, kernel, part
 
 @kernel
 def hold_commands(gains: Numbers, state: Record) -> None:
-    """Leave the commands of a failed autopilot as they are; hands still take what they order.
+    """Leave the commands of a failed autopilot as they are.
 
-    Its laws stand by, so that it goes on without a bump. It asks nothing of the trim pumps.
+    What is in hand still takes what is ordered. The laws stand by, so that the autopilot goes on
+    without a bump. It asks nothing of the trim pumps.
     """
     s = state[0]
     s.trim_flood = s.trim_forward = 0.0
@@ -52,9 +53,10 @@ def hold_commands(gains: Numbers, state: Record) -> None:
 
 @part
 def keep_planes(vessel: Record, h: float, gains: Numbers, state: Record) -> None:
-    """Command both pairs of planes: to keep the depth, or to come up after an emergency blow.
+    """Command both pairs of planes.
 
-    While the boat hovers its tank has the depth, and the planes lie amidships.
+    They keep the depth, or bring the boat up after an emergency blow. While the boat hovers, its
+    tank keeps the depth and the planes lie amidships.
     """
     s = state[0]
     watch_blow(vessel, state)
@@ -93,5 +95,5 @@ def autopilot(vessel: Record, h: float, state: Record, gains: Numbers) -> None:
 
 @kernel
 def stand_by_all(vessel: Record, h: float, state: Record, scratch: Record) -> None:
-    """Let the autopilot take note of what is in hand, ready for a bumpless change."""
+    """Make the autopilot follow what is in hand, ready for a bumpless change."""
     autopilot(vessel, h, state, scratch[0].gains)

@@ -1,4 +1,7 @@
-"""Course keeping: the rudder gets gain times course error, yaw rate and sway, and an integral."""
+"""Course keeping by the rudder.
+
+Its angle is the sum of gains times course error, yaw rate and sway, plus an integral.
+"""
 
 from trainer.core.autopilot.reference import within
 from trainer.core.autopilot.steering import ASTERN, RUDDER, RUDDER_GAINS, stand_by, steer
@@ -7,7 +10,7 @@ from trainer.core.kernel import Numbers, Record, part
 
 @part
 def course_law(state: Record, gains: Numbers) -> float:
-    """Return the rudder angle [rad] without its integral, as it is going ahead."""
+    """Return the rudder angle [rad] of a boat going ahead, without the integral."""
     s = state[0]
     return (
         gains[RUDDER_GAINS] * (s.psi_reference - s.psi)
@@ -18,7 +21,10 @@ def course_law(state: Record, gains: Numbers) -> float:
 
 @part
 def keep_course(vessel: Record, h: float, gains: Numbers, state: Record) -> None:
-    """Command the rudder; going astern it is put over the other way, and nothing is learnt."""
+    """Command the rudder.
+
+    Going astern it is put over the other way, and the integral learns nothing.
+    """
     s = state[0]
     law = course_law(state, gains)
     if s.rudder_by_hand != 0.0:

@@ -1,13 +1,14 @@
 """Depth keeping by both pairs of planes.
 
-Own law: each pair gets gain times error in depth, depth rate, pitch and pitch rate, plus an
-integral. In a turn a lasting angle of the bow planes is handed over to the stern planes where those
-carry it better; in straight flight that would trade it for pitch, and trim is what mends it (see
-``trimming``). In waves the law leaves the waves' own band alone (see ``waves``).
+The law is this project's own: the angle of a pair is the sum of gains times the errors in depth,
+depth rate, pitch and pitch rate, plus an integral. In a turn a lasting angle of the bow planes is
+handed over to the stern planes, where those carry it better. In straight flight that would only
+trade the angle for pitch; trim removes it there (see ``trimming``). In waves the law leaves the
+waves' own band alone (see ``waves``).
 
-Going astern the planes work the other way round: the stern planes level the boat, the bow planes
-keep the depth. Slower than LEAST_ASTERN they hold nothing, stay amidships, and depth is left to the
-tanks.
+Going astern the planes work the other way round: the stern planes level the boat, and the bow
+planes keep the depth. Slower than LEAST_ASTERN the planes hold nothing and stay amidships; the
+tanks must keep the depth.
 """
 
 from typing import Final
@@ -32,13 +33,16 @@ from trainer.core.kernel import Numbers, Record, part
 from trainer.units import KNOT
 
 FAR: Final = 0.5  # [-] share of the leash, and of the allowed depth rate
-LEAST_ASTERN: Final = 3.0 * KNOT  # [m/s] slower than that planes do not hold a boat going astern
-SURE_ASTERN: Final = 3.5 * KNOT  # [m/s] from there on they are used as they can be
+LEAST_ASTERN: Final = 3.0 * KNOT  # [m/s] below it planes do not hold a boat going astern
+SURE_ASTERN: Final = 3.5 * KNOT  # [m/s] from there on they are used in full
 
 
 @part
 def plane_law(state: Record, gains: Numbers, first: int) -> float:
-    """Return a plane angle [rad] without its integral; ``first`` is where its gains begin."""
+    """Return a plane angle [rad] without its integral.
+
+    ``first`` is the place where its gains begin.
+    """
     s = state[0]
     pitch_wanted = -s.depth_reference_rate / max(s.u, SLOWEST)
     return (
@@ -53,8 +57,9 @@ def plane_law(state: Record, gains: Numbers, first: int) -> float:
 def law_astern(state: Record, gains: Numbers, surface: int) -> float:
     """Return a plane angle [rad] going astern, where each force of a plane is turned.
 
-    The stern planes level the boat, the bow planes keep the depth by their own lift: what pitch
-    does to depth is turned once more. An estimate: the gains are those of a boat that goes ahead.
+    The stern planes level the boat. The bow planes keep the depth by their own lift, since what
+    pitch does to depth is turned once more. This is an estimate: the gains are those of a boat that
+    goes ahead.
     """
     s = state[0]
     first = PLANE_COUNT * (surface - STERN)
@@ -66,10 +71,11 @@ def law_astern(state: Record, gains: Numbers, surface: int) -> float:
 
 @part
 def depth_error(gains: Numbers, state: Record) -> float:
-    """Return the depth error [m] to be integrated, 0 while it says nothing about the trim.
+    """Return the depth error [m] to be integrated.
 
-    That is while the boat changes depth as it should, and while it is far off and under way: either
-    returning or being taken away. Held far off, it learns.
+    It is 0 while the error says nothing about the trim: while the boat changes depth as it should,
+    and while it is far off and moves, either on its way back or being taken away. A boat that is
+    held far off learns.
     """
     s = state[0]
     error = s.depth_reference - s.z
@@ -92,7 +98,10 @@ def back(vessel: Record, gains: Numbers, state: Record, surface: int) -> None:
 def keep_plane(
     vessel: Record, h: float, gains: Numbers, state: Record, surface: int, lasting: float
 ) -> None:
-    """Command one pair of planes; ``lasting`` [rad] is the bow planes' angle to be relieved of."""
+    """Command one pair of planes.
+
+    ``lasting`` [rad] is the bow planes' angle that the stern planes are to take over.
+    """
     s = state[0]
     first = PLANE_COUNT * (surface - STERN)
     law = plane_law(state, gains, first)
@@ -117,8 +126,8 @@ def keep_plane(
 def keep_depth(vessel: Record, h: float, gains: Numbers, state: Record) -> None:
     """Command both pairs of planes.
 
-    The stern planes relieve the bow planes only while they can move as told: not in hand, and not
-    held by the rudder's share of an X-tail.
+    The stern planes relieve the bow planes only while they can move as commanded: they are not in
+    hand, and the rudder's share of an X-tail does not hold them.
     """
     s = state[0]
     able = abs(s.command_s - s.delta_s) <= vessel[0].surface_rate * h

@@ -1,7 +1,8 @@
-"""What the autopilot steers for: ordered depth and course, slewed as fast as the boat can follow.
+"""The reference of the autopilot: ordered depth and course, slewed to them.
 
-The errors stay small that way and the integrals do not wind up. A reference is never far from
-the boat, so that a boat driven off returns at the rate it is allowed and not with all hard over.
+It moves as fast as the boat can follow, so that the errors stay small and the integrals do not wind
+up. It is never far from the boat. So a boat that was driven off returns at the rate that is
+allowed, and not with all hard over.
 """
 
 import math
@@ -19,7 +20,8 @@ APPROACH = 4.0  # [ticks] time constant of the last approach, too slow to hunt
 def slewed_rate(distance: float, rate: float, fastest: float, gentlest: float, h: float) -> float:
     """Return the next rate of a reference ``distance`` short of its order.
 
-    At most ``fastest``, changing by at most ``gentlest`` per second, and slow enough to stop.
+    It is at most ``fastest``, changes by at most ``gentlest`` per second, and is slow enough to
+    stop.
     """
     size = abs(distance)
     wanted = min(fastest, math.sqrt(gentlest * size), size / (APPROACH * h))
@@ -33,7 +35,7 @@ def slewed_rate(distance: float, rate: float, fastest: float, gentlest: float, h
 def leash(gains: Numbers, slew: int) -> float:
     """Return how far [m or rad] a reference may be from the boat.
 
-    A share of what it goes at its rate in the time it needs to take that up.
+    It is a share of how far the reference goes at its rate in the time that it needs to reach it.
     """
     if gains[slew + 1] > 0.0:
         return LEASH * gains[slew] * gains[slew] / gains[slew + 1]
@@ -48,7 +50,10 @@ def within(value: float, centre: float, most: float) -> float:
 
 @part
 def move_reference(axis: int, here: float, h: float, gains: Numbers, state: Record) -> None:
-    """Move the reference of depth or course to its order for ``h`` [s]; the boat is ``here``."""
+    """Move the reference of depth or course to its order for ``h`` [s].
+
+    The boat is ``here`` [m or rad].
+    """
     s = state[0]
     slew = DEPTH_SLEW + 2 * axis
     distance, rate = s.ordered_place[axis] - s.reference[axis], s.reference_rate[axis]
@@ -58,23 +63,39 @@ def move_reference(axis: int, here: float, h: float, gains: Numbers, state: Reco
 
 
 @part
+def follow_boat(axis: int, here: float, rate: float, gains: Numbers, state: Record) -> None:
+    """Leave the reference of depth or course at the boat.
+
+    The boat is ``here`` [m or rad] and moves at ``rate``. The reference moves on with it, but no
+    faster than it ever is slewed. So a boat that is handed over in a hard turn or in a steep dive
+    is stopped, not followed.
+    """
+    s = state[0]
+    s.reference[axis] = here
+    s.reference_rate[axis] = within(rate, 0.0, gains[DEPTH_SLEW + 2 * axis])
+
+
+@part
 def slew_depth(h: float, gains: Numbers, state: Record) -> None:
     """Move the depth reference by ``h`` [s].
 
-    With both pairs of planes in hand, or on the way up after a blow, it is the boat's.
+    With both pairs of planes in hand, or on the way up after a blow, it is the boat's depth.
     """
     s = state[0]
     if (s.stern_by_hand != 0.0 and s.bow_by_hand != 0.0) or s.ascent != 0.0:
-        s.depth_reference, s.depth_reference_rate = s.z, s.zdot
+        follow_boat(DEPTH, s.z, s.zdot, gains, state)
     else:
         move_reference(DEPTH, s.z, h, gains, state)
 
 
 @part
 def slew_course(h: float, gains: Numbers, state: Record) -> None:
-    """Move the heading reference by ``h`` [s]; with the rudder in hand it is the boat's."""
+    """Move the heading reference by ``h`` [s].
+
+    With the rudder in hand it is the boat's heading.
+    """
     s = state[0]
     if s.rudder_by_hand != 0.0:
-        s.psi_reference, s.psi_reference_rate = s.psi, s.r
+        follow_boat(COURSE, s.psi, s.r, gains, state)
     else:
         move_reference(COURSE, s.psi, h, gains, state)

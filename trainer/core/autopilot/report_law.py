@@ -1,4 +1,7 @@
-"""The depth law of [ASSES], for comparison: both pairs of planes by one angle, no integral."""
+"""The depth law of [ASSES], for comparison.
+
+It gives both pairs of planes one angle and has no integral.
+"""
 
 import math
 from typing import Final
@@ -22,8 +25,9 @@ def report_law(state: Record) -> float:
     """Return the plane angle [rad] of [ASSES] IV.
 
     DS = .008 (ZC - Z) + 3.5 theta + .012 (u sin theta - w cos theta) + 2 q, in feet, radians and
-    seconds; the bracket is the rate of climb (errata G). ZC - Z is held within 50 ft, which is not
-    the report's and the literal law does not do: there the planes are hard over from 76 ft on.
+    seconds; the bracket is the rate of climb (errata G). Here ZC - Z is held within 50 ft. That is
+    not the report's, and the literal law does not do it: there the planes are hard over from 76 ft
+    on.
     """
     s = state[0]
     climb_rate = s.u * sine(s.theta) - s.w * cosine(s.theta)
@@ -41,10 +45,10 @@ def report_law(state: Record) -> float:
 
 @kernel
 def report_angle(vessel: Record, state: Record, surface: int) -> float:
-    """Return what [ASSES]'s law gives one pair of planes [rad].
+    """Return the angle [rad] that the law of [ASSES] gives one pair of planes.
 
-    Its DB = DS literally works against the stern planes where bow planes to dive are negative
-    (Z_db < 0); there the sign is turned unless the literal law is asked for (errata G3).
+    Taken literally, DB = DS works against the stern planes where bow planes to dive are negative
+    (Z_db < 0). There the sign is turned, unless the literal law is asked for (errata G3).
     """
     angle = report_law(state)
     if surface == BOW and vessel[0].Z_db <= 0.0 and state[0].depth_law != REPORT_LITERAL:

@@ -1,7 +1,7 @@
 """Filters of second order, one section each: notch and low-pass, bilinear with pre-warping.
 
-A section's numbers are b0, b1, b2, a1, a2 [-]; it keeps two memories and its output. All of them
-pass what is constant unchanged.
+The numbers of a section are b0, b1, b2, a1, a2 [-]. It keeps two memories and its output. Each
+section passes a constant unchanged.
 """
 
 from typing import Final
@@ -11,19 +11,22 @@ from trainer.core.kernel import Numbers, part
 
 Section = tuple[float, float, float, float, float]
 KEPT: Final = 3  # numbers of a section in the state: two memories, and the output
-LONGEST: Final = 1.4  # [rad] largest half angle per step: beyond it none can be warped
+LONGEST: Final = 1.4  # [rad] largest half angle per step; a larger one cannot be warped
 
 
 @part
 def warped(omega: float, h: float) -> float:
-    """Return tan(omega h/2) [-], the angle at most LONGEST."""
+    """Return tan(omega h/2) [-], with omega h/2 at most LONGEST."""
     cos_half, sin_half = cosine_and_sine(min(0.5 * omega * h, LONGEST))
     return sin_half / cos_half
 
 
 @part
 def notch(omega: float, h: float, zeros: float, poles: float) -> Section:
-    """Return a notch at ``omega`` [rad/s] by the damping ratios [-] of its zeros and poles."""
+    """Return the section of a notch at ``omega`` [rad/s].
+
+    ``zeros`` and ``poles`` are the damping ratios [-] of its zeros and poles.
+    """
     c = warped(omega, h)
     square = c * c
     a0 = 1.0 + 2.0 * poles * c + square
@@ -34,7 +37,7 @@ def notch(omega: float, h: float, zeros: float, poles: float) -> Section:
 
 @part
 def low_pass(omega: float, h: float, damping: float) -> Section:
-    """Return a low-pass at ``omega`` [rad/s] of that damping ratio [-]."""
+    """Return the section of a low-pass at ``omega`` [rad/s] with this damping ratio [-]."""
     c = warped(omega, h)
     square = c * c
     a0 = 1.0 + 2.0 * damping * c + square
@@ -47,7 +50,7 @@ def low_pass(omega: float, h: float, damping: float) -> Section:
 def pass_section(section: Section, x: float, fresh: bool, place: int, out: Numbers) -> None:  # noqa: FBT001 a fact
     """Pass ``x`` through a section whose numbers are at ``place`` of ``out``.
 
-    A ``fresh`` one begins as if x had stood for long.
+    A ``fresh`` section begins as if x had stood for a long time.
     """
     b0, b1, b2, a1, a2 = section
     if fresh:

@@ -1,9 +1,10 @@
 """Speed keeping: revolutions for the ordered speed, and a trim that is learnt.
 
 While the boat answers to the propeller, at its own surge rate, there is nothing to learn: its
-acceleration makes up for the error that remains. What is to be learnt passes two low-passes in
-place of a gate on the error: the acceleration in waves sums to nothing over a cycle, but not
-through a gate. Own law; times and limits are estimates but for what docs/autopilot.md shows.
+acceleration makes up for the error that remains. What is to be learnt passes two low-passes. A gate
+on the error is not used, because the acceleration in waves sums to zero over a cycle, but not
+through a gate. The law is this project's own; times and limits are estimates, except for what
+docs/autopilot.md shows.
 """
 
 from typing import Final
@@ -12,15 +13,18 @@ from trainer.core.autopilot.steering import is_turning
 from trainer.core.kernel import Record, part
 
 FOLLOW: Final = 5.0  # [s] of the low-passes
-ANSWERING: Final = 400.0  # [s] after an order in which ...
-FAR: Final = 0.25  # [m/s] ... an error beyond it is that the boat is still answering
+ANSWERING: Final = 400.0  # [s] after an order, in which ...
+FAR: Final = 0.25  # [m/s] ... a larger error means that the boat still answers
 MOST: Final = (0.5, 0.5)  # [-] of the ordered speed, [m/s]: the largest trim
-PACE: Final = 0.1  # [m/s] of command speed that the screw may lack and still be at its order
+PACE: Final = 0.1  # [m/s] command speed that the propeller may lack and count as at its order
 
 
 @part
 def follow_speed(h: float, state: Record) -> None:
-    """Follow speed and yaw rate for ``h`` [s], and the time since another speed was ordered."""
+    """Follow speed and yaw rate for ``h`` [s].
+
+    Count the time since another speed was ordered.
+    """
     s = state[0]
     share = h / (FOLLOW + h)
     s.speed_followed += share * (s.u - s.speed_followed)
@@ -31,7 +35,7 @@ def follow_speed(h: float, state: Record) -> None:
 
 @part
 def largest_trim(state: Record) -> float:
-    """Return the most [m/s] that the trim may be, either way."""
+    """Return the largest trim [m/s] that is allowed, either way."""
     return MOST[0] * abs(state[0].ordered_speed) + MOST[1]
 
 
@@ -39,7 +43,8 @@ def largest_trim(state: Record) -> float:
 def follow_trim(vessel: Record, h: float, state: Record) -> None:
     """Follow for ``h`` [s] what the boat shows of its trim.
 
-    Nothing while it answers an order, or the screw does not turn as it is commanded.
+    That is nothing while the boat answers an order, or while the propeller does not turn as
+    commanded.
     """
     c = vessel[0]
     s = state[0]
@@ -57,9 +62,9 @@ def follow_trim(vessel: Record, h: float, state: Record) -> None:
 
 @part
 def learnt(vessel: Record, h: float, state: Record) -> float:
-    """Return the speed trim [m/s] after ``h`` [s]; it rests where the engine has no more to give.
+    """Return the speed trim [m/s] after ``h`` [s].
 
-    What it is moved by rests in turns.
+    It rests where the engine has no more to give. The rate that moves it rests in turns.
     """
     c = vessel[0]
     s = state[0]
@@ -73,7 +78,7 @@ def learnt(vessel: Record, h: float, state: Record) -> float:
 
 @part
 def is_short(vessel: Record, state: Record) -> bool:
-    """Return whether the engine gives all it can, and the boat does not come to its speed."""
+    """Return whether the engine gives all it can and the boat remains too slow."""
     c = vessel[0]
     s = state[0]
     lacking = s.ordered_speed - s.speed_followed > FAR
@@ -84,7 +89,10 @@ def is_short(vessel: Record, state: Record) -> bool:
 
 @part
 def keep_speed(vessel: Record, h: float, state: Record) -> None:
-    """Command the revolutions, as ordered by hand or to keep the speed; never astern for it."""
+    """Command the revolutions, as ordered by hand or to keep the speed.
+
+    To keep a speed ahead they are never turned astern.
+    """
     c = vessel[0]
     s = state[0]
     follow_speed(h, state)

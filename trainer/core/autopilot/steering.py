@@ -1,4 +1,4 @@
-"""What keeping depth and course have in common: gains by speed, integrals, surfaces in hand.
+"""The common parts of depth and course keeping: gains by speed, integrals, surfaces in hand.
 
 A surface in hand is followed, so that the autopilot takes it over at the angle where it stands.
 """
@@ -18,16 +18,19 @@ PLANE_COUNT: Final = len(PLANE_GAINS)
 RUDDER_GAINS: Final = 2 * PLANE_COUNT
 GAIN_COUNT: Final = len(GAINS)
 
-SLOWEST: Final = 0.5  # [m/s] below it speed is not divided by
-ASTERN: Final = -0.25  # [m/s] from there on surfaces are put over the other way
-HANDOVER: Final = 0.25  # [-] lengths run while a hand-over fades
-SETTLED: Final = 0.1  # [-] share of the allowed rate and acceleration below which flight is level
+SLOWEST: Final = 0.5  # [m/s] the least speed that is divided by
+ASTERN: Final = -0.25  # [m/s] below it surfaces are put over the other way
+HANDOVER: Final = 0.25  # [-] boat lengths that are run while a hand-over fades
+SETTLED: Final = 0.1  # [-] share of the allowed rate and acceleration, below which flight is level
 STANDS: Final = 1e-6  # [rad] a surface this near its order has arrived
 
 
 @part
 def scheduled_gains(vessel: Record, u: float, gains: Numbers) -> None:
-    """Write the gains for speed ``u`` [m/s], interpolated; the end values hold beyond the ends."""
+    """Write the gains for speed ``u`` [m/s], interpolated.
+
+    Outside the schedule its first and last gains hold.
+    """
     c = vessel[0]
     last = int(c.gain_count) - 1
     upper = 1
@@ -50,7 +53,10 @@ def is_level(gains: Numbers, state: Record) -> bool:
 
 @part
 def is_turning(vessel: Record, state: Record) -> bool:
-    """Return whether the boat turns, as ordered or, with the rudder in hand, as it does."""
+    """Return whether the boat turns.
+
+    The ordered turn counts, or with the rudder in hand the turn that the boat makes.
+    """
     s = state[0]
     rate = s.turn_followed if s.rudder_by_hand != 0.0 else s.psi_reference_rate
     return abs(rate) >= vessel[0].turning_rate
@@ -60,8 +66,8 @@ def is_turning(vessel: Record, state: Record) -> bool:
 def stand_by(state: Record, surface: int, law: float, settled: bool) -> None:  # noqa: FBT001 a fact
     """Follow a surface that others command, for a bumpless change to its own ``law`` [rad].
 
-    In settled flight its angle is its trim, and the integral learns it; otherwise the difference
-    is a hand-over, which fades once the autopilot has it.
+    In settled flight the angle of the surface is its trim, and the integral learns it. Otherwise
+    the difference is a hand-over, which fades once the autopilot has the surface.
     """
     s = state[0]
     trim = s.surface[surface] - law
@@ -87,7 +93,7 @@ def steer(vessel: Record, state: Record, surface: int, law: float, step: float) 
 
 @part
 def fade(vessel: Record, h: float, state: Record) -> None:
-    """Let the hand-overs of the surfaces that are steered fade for ``h`` [s]."""
+    """Reduce the hand-overs of the surfaces that are steered, as they fade in ``h`` [s]."""
     s = state[0]
     left = exponential(-h * max(s.u, SLOWEST) / (HANDOVER * vessel[0].ell))
     for surface in range(3):

@@ -1,10 +1,11 @@
-"""Automatic trim: what the planes carry in steady flight is put into water, and pitch to nothing.
+"""Automatic trim: water takes over what the planes carry, and pitch becomes zero.
 
-Lift and moment of the planes, averaged over MEMORY, say how heavy the boat is and where: so much
-is let into the auxiliary tank or pumped out, and moved between the trim tanks, by the pumps that
-the crew uses and as fast as they work. Meanwhile the stern planes' integral levels the boat, so
-that the angle which remains is that of level flight. Own law; the limits are estimates, taken per
-mass and length of the boat that they were flown on.
+Lift and moment of the planes in steady flight, averaged over MEMORY, say how heavy the boat is and
+where. So much water is let into the auxiliary tank or pumped out, and moved between the trim tanks.
+The pumps are those that the crew uses, and they work as fast as for the crew. Meanwhile the
+integral of the stern planes levels the boat, so that the angle which remains is that of level
+flight. The law is this project's own; its limits are estimates, taken per mass and length of the
+boat on which they were flown.
 """
 
 import math
@@ -18,12 +19,12 @@ from trainer.core.kernel import Record, part
 MEMORY: Final = 60.0  # [s]
 NEAR: Final = 2.0  # [m] of the ordered depth
 UNDER_WAY: Final = 1.0  # [m/s]
-GRADUAL: Final = 200.0  # [s] in which what is wrong is put right
-HEAVY: Final = 3.4e-5  # [-] of the mass (150 kg of BB2's): less is left alone ...
-STEEP: Final = 9.1e-6  # [-] ... of mass (40 kg) moved between the trim tanks likewise
+GRADUAL: Final = 200.0  # [s] in which the trim is corrected
+HEAVY: Final = 3.4e-5  # [-] of the mass (150 kg for BB2): less is left alone ...
+STEEP: Final = 9.1e-6  # [-] ... likewise of what moves between the trim tanks (40 kg)
 FLOODED, MOVED = 20.0, 50.0  # [kg/s] at most
-LEVELLING: Final = 0.004  # [1/s] stern planes' integral per pitch
-FREE: Final = 20.0 * math.pi / 180.0  # [rad] beyond that the stern planes have other work
+LEVELLING: Final = 0.004  # [1/s] rate of the stern planes' integral per pitch
+FREE: Final = 20.0 * math.pi / 180.0  # [rad] beyond it the stern planes have other work
 
 
 @part
@@ -38,9 +39,9 @@ def is_trimming(state: Record) -> bool:
 
 @part
 def beyond(wanted: float, least: float, h: float, most: float) -> float:
-    """Return what is moved [kg] in ``h`` [s] of what is ``wanted`` [kg], at most ``most`` [kg/s].
+    """Return how much [kg] is moved in ``h`` [s] of what is ``wanted`` [kg].
 
-    Nothing of less than ``least`` [kg].
+    It is at most ``most`` [kg/s], and nothing if less than ``least`` [kg] is wanted.
     """
     if abs(wanted) <= least:
         return 0.0
@@ -49,7 +50,10 @@ def beyond(wanted: float, least: float, h: float, most: float) -> float:
 
 @part
 def keep_trim(vessel: Record, h: float, state: Record) -> None:
-    """Follow what the planes carry; write what the pumps are to do of it, and level the boat."""
+    """Follow what the planes carry, and level the boat.
+
+    Write how much water the pumps are to move of it.
+    """
     c = vessel[0]
     s = state[0]
     s.trim_flood = s.trim_forward = 0.0

@@ -1,14 +1,14 @@
-"""What the planesman makes of waves: he counts them, and leaves their own band alone.
+"""The planesman in waves: it counts them, and leaves their own band alone.
 
-Nobody tells the pilot the sea. The depth rate, less its slow part, shows by its strength that
-there are waves, and by its crossings of zero how often the boat meets one: within 7 % of the peak
-where it matters, pitch up to 27 % too often. In waves each pair's law, without the integral, passes
-two notches at 0.8 and 1.25 of the frequency met,
+Nobody tells the pilot the sea. The depth rate, less its slow part, shows by its strength that there
+are waves. Its crossings of zero show how often the boat meets one, within 7 % of the peak where it
+matters. Pitch would show it up to 27 % too often. In waves the law of each pair, without the
+integral, passes two notches at 0.8 and 1.25 of the frequency met,
 
-    N(s) = (s^2 + 0.2 w s + w^2)/(s^2 + 0.8 w s + w^2),    bilinear, c = tan(w h/2),
+    N(s) = (s^2 + 0.2 w s + w^2)/(s^2 + 0.8 w s + w^2),    bilinear, c = tan(w h/2).
 
-and is the softer the nearer that frequency is to the loop's own, w_c = |M_ds| u^2 |K_q|/(I_y -
-M_qdot). Laws, gains and times are this project's own, flown on BB2; the times and the threshold are
+The nearer that frequency is to the loop's own, w_c = |M_ds| u^2 |K_q|/(I_y - M_qdot), the softer is
+the law. Laws, gains and times are this project's own, flown on BB2; the times and the threshold are
 estimates. docs/autopilot.md has what they reach, and what failed.
 """
 
@@ -18,10 +18,10 @@ from trainer.core.autopilot.sections import KEPT, notch, pass_section
 from trainer.core.autopilot.steering import PLANE_COUNT, STERN
 from trainer.core.kernel import Numbers, Record, kernel, part
 
-SLOW: Final = 0.3  # [rad/s] what is slower is the boat's own
-MEMORY: Final = 60.0  # [s] over which the waves' strength is taken
+SLOW: Final = 0.3  # [rad/s] slower motion is the boat's own
+MEMORY: Final = 60.0  # [s] over which the strength of the waves is averaged
 FELT: Final = 0.013  # [m/s] depth rate, rms, from which there are waves
-LAST: Final = 3.0  # [periods] without a crossing, and there are none
+LAST: Final = 3.0  # [periods] without a crossing, after which there are no waves
 FADE: Final = 30.0  # [s] in which the law changes over
 COUNTED: Final = 12.0  # [-] waves over which the time between them is averaged
 SHORTEST: Final = 1.5  # [s] between two crossings that count
@@ -38,7 +38,10 @@ BLEND: Final = 0.1  # [-] of a limit, either way, over which the gains change
 
 @part
 def count(h: float, band: float, state: Record) -> None:
-    """Count an upward crossing of zero by ``band`` [m/s], and average the time between them."""
+    """Count an upward crossing of zero by ``band`` [m/s].
+
+    Average the time between such crossings.
+    """
     s = state[0]
     s.wave_since += h
     if s.wave_band < 0.0 <= band and s.wave_since >= SHORTEST:
@@ -50,7 +53,7 @@ def count(h: float, band: float, state: Record) -> None:
 
 @part
 def are_counted(state: Record) -> bool:
-    """Return whether enough waves have come by of late for their time to be known."""
+    """Return whether enough waves came by lately for their period to be known."""
     s = state[0]
     return s.wave_count >= COUNTED and s.wave_since < LAST * s.wave_period
 
@@ -63,7 +66,10 @@ def are_felt(state: Record) -> bool:
 
 @part
 def sense_waves(h: float, state: Record) -> None:
-    """Follow what the depth rate shows of waves for ``h`` [s]; in a calm there is nothing."""
+    """Follow for ``h`` [s] what the depth rate shows of waves.
+
+    In a calm there is nothing to follow.
+    """
     s = state[0]
     if s.sea_height == 0.0 and s.wave_share == 0.0:
         s.wave_count = s.wave_power = 0.0
@@ -86,7 +92,10 @@ def frequency_met(state: Record) -> float:
 
 @part
 def between_limits(ratio: float, factor: tuple[float, float, float]) -> float:
-    """Return a factor [-] on a gain at ``ratio`` of the frequency met to the loop's own."""
+    """Return a factor [-] on a gain, between its values at the limits.
+
+    ``ratio`` [-] is the frequency met over the loop's own.
+    """
     upper = (ratio / LIMITS[0] - 1.0 + BLEND) / (2.0 * BLEND)
     lower = (ratio / LIMITS[1] - 1.0 + BLEND) / (2.0 * BLEND)
     rise = min(max(upper, 0.0), 1.0) * (factor[0] - factor[1])
@@ -106,7 +115,10 @@ def frequency_ratio(vessel: Record, gains: Numbers, state: Record) -> float:
 def pass_notches(
     vessel: Record, h: float, gains: Numbers, state: Record, surface: int, law: float
 ) -> None:
-    """Pass a pair's ``law`` [rad], softened, through its notches at the waves that are felt."""
+    """Pass the softened ``law`` [rad] of a pair through its notches.
+
+    The notches lie at the waves that are felt.
+    """
     s = state[0]
     if s.wave_share == 0.0:
         return

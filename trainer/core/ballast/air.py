@@ -1,11 +1,12 @@
 """Compressed air: banks, blow valves, vents, and the tanks whose water it drives out.
 
-Gas law: air is isothermal at sea temperature, in the banks and in the tanks. A bank that empties
-within a minute really cools, so this gives a fast blow some 15 % more pressure at its end than an
+Gas law: the air is isothermal at sea temperature, in the banks and in the tanks. A real bank that
+empties within a minute cools. So this gives a fast blow some 15 % more pressure at its end than an
 adiabatic bank has, and the same once the heat is back.
 
-A tank is a box, flood port at its foot and vent at its top, both at the pressure of the sea. Its
-air seeks the volume at which it balances the water outside; the ports limit how fast.
+A tank is a box with the flood port at its foot and the vent at its top, both at the pressure of the
+sea. Its air moves towards the volume at which it balances the water outside; the ports limit how
+fast.
 """
 
 import math
@@ -28,9 +29,10 @@ CRITICAL: Final = 0.528  # [-] pressure ratio above which the flow of air is not
 
 @part
 def sonic_share(ratio: float) -> float:
-    """Return the mass flow [-] as a share of the choked one, by the ratio of the pressures.
+    """Return the mass flow [-] as a share of the choked flow.
 
-    ISO 6358's quarter ellipse, within 2 % of St. Venant's equation and free of powers.
+    ``ratio`` [-] is the pressure behind over the pressure before. The law is ISO 6358's quarter
+    ellipse, within 2 % of St. Venant's equation and free of powers.
     """
     if ratio <= CRITICAL:
         return 1.0
@@ -42,7 +44,7 @@ def sonic_share(ratio: float) -> float:
 
 @part
 def bank_flow(ballast: Record, bank: int, area: float, pressure: float, state: Record) -> float:
-    """Return the air [kg/s] that a bank gives through ``area`` [m2] against ``pressure`` [Pa]."""
+    """Return the air flow [kg/s] from a bank through ``area`` [m2] against ``pressure`` [Pa]."""
     b = ballast[0]
     held = state[0].bank[bank]
     if held <= 0.0 or area <= 0.0:
@@ -56,7 +58,10 @@ def bank_flow(ballast: Record, bank: int, area: float, pressure: float, state: R
 def pass_air(
     ballast: Record, bank: int, tank: int, flow: float, pressure: float, state: Record
 ) -> None:
-    """Move ``flow`` [kg] of air from a bank to a tank, not beyond equal pressure [Pa]."""
+    """Move ``flow`` [kg] of air from a bank to a tank.
+
+    It stops where the bank's pressure is equal to ``pressure`` [Pa].
+    """
     b = ballast[0]
     s = state[0]
     spare = s.bank[bank] - pressure * b.bank_volume[bank] / b.gas
@@ -69,8 +74,8 @@ def pass_air(
 def blow(ballast: Record, tank: int, pressure: float, h: float, state: Record) -> None:
     """Blow a tank against ``pressure`` [Pa] for ``h`` [s], as its valves stand.
 
-    The main bank serves the blow valves, the emergency bank the emergency valves, which are open
-    as far as the order exceeds 1.
+    The main bank serves the blow valves. The emergency bank serves the emergency valves, which are
+    open as far as the order exceeds 1.
     """
     b = ballast[0]
     order = state[0].blow[tank]
@@ -86,7 +91,10 @@ def blow(ballast: Record, tank: int, pressure: float, h: float, state: Record) -
 
 @part
 def vent_opening(tank: int, state: Record) -> float:
-    """Return how far [-] a vent is open: as ordered, less what its fault takes, or stuck open."""
+    """Return how far [-] a vent is open.
+
+    It is open as ordered, less what its fault takes, or it is stuck open.
+    """
     fault = state[0].vent_fault[tank]
     if fault < 0.0:
         return min(-fault, 1.0)
@@ -95,10 +103,11 @@ def vent_opening(tank: int, state: Record) -> float:
 
 @part
 def vent(vessel: Record, ballast: Record, tank: int, top: float, h: float, state: Record) -> None:
-    """Let air out of a tank whose vent is at depth ``top`` [m], or in where that is in the air.
+    """Pass air out of a tank whose vent is at depth ``top`` [m].
 
-    What drives it is the head between the water inside and the sea at the vent; incompressible
-    orifice flow, since that head is a small part of the pressure.
+    Where the vent is in the air, air may come in. The head between the water inside and the sea at
+    the vent drives the flow. It is that of an incompressible fluid through an orifice, since the
+    head is a small part of the pressure.
     """
     c, b = vessel[0], ballast[0]
     s = state[0]
@@ -118,10 +127,11 @@ def vent(vessel: Record, ballast: Record, tank: int, top: float, h: float, state
 
 @part
 def settle(vessel: Record, ballast: Record, tank: int, top: float, h: float, state: Record) -> None:
-    """Let the water in a tank follow its air towards balance with the sea through open ports.
+    """Move the water in a tank towards its balance with the sea.
 
-    The air's volume V in balance: air gas/V = p_top + rho g height V/volume. What a tank empty of
-    water cannot hold bubbles out through its ports.
+    It follows the tank's air, through the open ports. The air's volume V in balance: air gas/V =
+    p_top + rho g height V/volume. Air for which a tank empty of water has no room bubbles out
+    through the ports.
     """
     c, b = vessel[0], ballast[0]
     s = state[0]
@@ -148,8 +158,8 @@ def settle(vessel: Record, ballast: Record, tank: int, top: float, h: float, sta
 def at_work(ballast: Record, tank: int, state: Record) -> bool:
     """Return whether anything can happen in a blown tank.
 
-    Nothing does in one that is full and shut. Main ballast ports stand open; the
-    negative tank's flood valve seals it, and its other valves work only with that one open.
+    Nothing does in a tank that is full and shut. Main ballast ports stand open. The flood valve of
+    the negative tank seals it, and its other valves work only while the flood valve is open.
     """
     b = ballast[0]
     s = state[0]
@@ -165,7 +175,10 @@ def at_work(ballast: Record, tank: int, state: Record) -> bool:
 def work_blown_tank(
     vessel: Record, ballast: Record, tank: int, depth: float, h: float, state: Record
 ) -> None:
-    """Advance a tank with open flood ports, its centre at ``depth`` [m], by ``h`` [s]."""
+    """Advance a tank with open flood ports by ``h`` [s].
+
+    Its centre is at ``depth`` [m].
+    """
     c, b = vessel[0], ballast[0]
     s = state[0]
     top = depth - 0.5 * b.height[tank]
@@ -179,9 +192,9 @@ def work_blown_tank(
 
 @kernel
 def fill_with_air(vessel: Record, ballast: Record, tank: int, depth: float, state: Record) -> None:
-    """Give a blown tank the air that balances its water at ``depth`` [m] of its centre.
+    """Give a blown tank the air that balances its water.
 
-    The negative tank, sealed, starts at atmospheric pressure.
+    Its centre is at ``depth`` [m]. The negative tank is sealed and starts at atmospheric pressure.
     """
     c, b = vessel[0], ballast[0]
     s = state[0]
@@ -195,7 +208,7 @@ def fill_with_air(vessel: Record, ballast: Record, tank: int, depth: float, stat
 
 @part
 def compress(ballast: Record, h: float, state: Record) -> None:
-    """Charge the banks for ``h`` [s], the first not yet full."""
+    """Charge the banks for ``h`` [s], the first that is not full before the other."""
     b = ballast[0]
     s = state[0]
     left = b.compressor_rate * h

@@ -1,10 +1,10 @@
-"""One tick of tanks and air, and the weight and balance that come of it.
+"""One tick of tanks and air, and the weight and balance that follow.
 
-Program EC430 [ASSES] with erratum F6: x_G = (W0 x0 + sum Wi xi)/W, likewise y_G, z_G, and
-W = W0 + sum Wi, W0 being the boat with all of these tanks empty. It is summed here as departures
+Program EC430 [ASSES] with erratum F6: x_G = (W0 x0 + sum Wi xi)/W, likewise y_G, z_G, and W = W0 +
+sum Wi, where W0 is the boat with all of these tanks empty. Here the sum is taken over departures
 from the vessel's own weight and balance, which hold at the start fillings: the same sum, and exact
-to the bit there. Water counts at the tank's centre; air counts nothing; inertias stay, as in the
-report.
+to the bit there. Water counts at the centre of its tank, and air counts nothing. The inertias stay
+as they are, as in the report.
 """
 
 from trainer.core.ballast.air import at_work, compress, fill_with_air, work_blown_tank
@@ -47,10 +47,11 @@ def balance(vessel: Record, ballast: Record, state: Record) -> None:
 def flood_breach(
     vessel: Record, ballast: Record, tank: int, depth: float, h: float, state: Record
 ) -> None:
-    """Let the sea through the hole in a tank or compartment at ``depth`` [m] for ``h`` [s].
+    """Flood a tank or compartment through its hole.
 
-    Orifice law. A pumped tank is vented inboard and fills up; a compartment is sealed, and the
-    sea enters until the air in it has come to the sea's pressure.
+    The hole is at ``depth`` [m] and open for ``h`` [s]. The flow is that of an orifice. A pumped
+    tank is vented inboard and fills up. A compartment is sealed: the sea enters until the air in it
+    has the pressure of the sea.
     """
     c, b = vessel[0], ballast[0]
     s = state[0]
@@ -69,7 +70,7 @@ def flood_breach(
 def advance_ballast(vessel: Record, ballast: Record, h: float, state: Record) -> None:
     """Advance pumps, leaks, air and water by ``h`` [s] as ordered; then weight and balance.
 
-    Orders and faults are read where the state has them; depth and attitude are the present ones.
+    Orders and faults are read from the state; depth and attitude are the present ones.
     """
     b = ballast[0]
     s = state[0]
@@ -94,7 +95,10 @@ def advance_ballast(vessel: Record, ballast: Record, h: float, state: Record) ->
 
 @kernel
 def start_ballast(vessel: Record, ballast: Record, state: Record) -> None:
-    """Write start fillings, full banks, and weight and balance for a boat level at its depth."""
+    """Write the start fillings, full banks, and weight and balance.
+
+    The boat is taken as level at its depth.
+    """
     b = ballast[0]
     s = state[0]
     if b.fitted == 0.0:

@@ -1,7 +1,7 @@
-"""What changes the hull's buoyancy under water: depth, and layers of denser or lighter water.
+"""Changes of the hull's buoyancy under water, by depth and by layers of the sea.
 
-The equations of motion carry a constant buoyancy; these are the forces of its departures, but for
-the surface's, which ``surfaced`` has.
+The layers are denser or lighter water. The equations of motion have a constant buoyancy; these are
+the forces of its departures. Those at the surface are in ``surfaced``.
 """
 
 import math
@@ -16,9 +16,10 @@ SEGMENT_SLOPE: Final = 2.0 - 1.0 / (SMALL_SEGMENT * math.sqrt(0.125))  # half he
 
 @part
 def segment(height: float) -> float:
-    """Return the share [-] of a circle's area above a chord at ``height`` [-] of the diameter.
+    """Return the share [-] of a circle's area above a chord.
 
-    The area of a small segment with one correction; within 0.4 % of the circle.
+    ``height`` [-] is the height of that segment over the diameter. It is the area of a small
+    segment with one correction, within 0.4 % of the circle.
     """
     t = min(max(height, 0.0), 1.0)
     part = min(t, 1.0 - t)
@@ -44,7 +45,10 @@ def excess_density(ballast: Record, depth: float) -> float:
 
 @part
 def submerged_change(vessel: Record, ballast: Record, state: Record) -> float:
-    """Return the change of buoyancy [N] by compression of the hull and density of the sea."""
+    """Return the change of buoyancy [N] under water.
+
+    The hull is compressed, and the density of the sea changes.
+    """
     c, b = vessel[0], ballast[0]
     depth = state[0].z
     squeezed = c.g * b.compressibility * (max(depth, 0.0) - b.reference_depth)
@@ -53,7 +57,10 @@ def submerged_change(vessel: Record, ballast: Record, state: Record) -> float:
 
 @part
 def add_compression(vessel: Record, ballast: Record, state: Record, force: Numbers) -> None:
-    """Add X Y Z [N] K M N [N m] of the buoyancy that depth and layers take or give."""
+    """Add the forces of the buoyancy that depth and layers take or give.
+
+    They are X Y Z [N] and K M N [N m].
+    """
     c, b = vessel[0], ballast[0]
     if b.compressibility == 0.0 and b.layers == 0.0:
         return

@@ -1,17 +1,18 @@
 """Hovering: the depth-control tank keeps the ordered depth of a boat that makes little way.
 
-Ordered at more than WAY it waits: the planes have the depth until then, never both.
+An order to hover at more than WAY waits: the planes keep the depth until then, never both.
 
-A depth error asks for a depth rate, within limits; an error in that for an acceleration, and so for
-water, at the natural frequency of the vessel file and a damping ratio; in waves that are felt more
-softly. The error is taken past notches at those waves and a low-pass: unfiltered, they would keep
-the pump at its most. Under waves suction grows towards the surface, and the boat is unstable there:
-what it grows by is added. The integral takes up what the boat is out of trim; it rests while the
-tank or the pump cannot give what is wanted.
+A depth error asks for a depth rate, within limits. An error in that rate asks for an acceleration,
+and so for water, at the natural frequency of the vessel file and a damping ratio. In waves that are
+felt it does so more softly. The error passes notches at those waves and a low-pass: unfiltered
+waves would keep the pump at its most. Under waves suction grows towards the surface, which makes
+the boat unstable there; that growth is added to the water asked for. The integral learns how much
+the boat is out of trim. It rests while the tank or the pump cannot give what is wanted.
 
-What the pump cannot hold is given up, and the planes have the depth: under waves an error that has
-grown by FURTHEST, or grows faster than the pump can turn, CATCH of R g/(Q p^3) for the pole p of
-the suction; a pump at its most for LONGEST. Own law and limits; docs/autopilot.md has its figures.
+What the pump cannot hold is given up, and the planes keep the depth. Under waves that is an error
+that has grown by FURTHEST, or one that grows faster than the pump can turn, CATCH of R g/(Q p^3)
+for the pole p of the suction. It is also a pump that has been at its most for LONGEST. Law and
+limits are this project's own; docs/autopilot.md has its figures.
 """
 
 import math
@@ -30,34 +31,37 @@ DAMPING: Final = (1.0, 1.5)  # [-]
 INTEGRAL: Final = (0.4, 0.2)  # [-] times frequency^2
 ZEROS, POLES = 0.1, 0.6  # [-] damping ratios of the notches
 SLOW, SLOW_DAMPING = 0.15, 0.8  # [rad/s], [-] of the low-pass
-NEAR: Final = 5.0  # [m] of error that the growing suction is reckoned with
-SOON: Final = 20.0  # [s] of pumping, within which the integral learns
+NEAR: Final = 5.0  # [m] most error for which the growth of suction is counted
+SOON: Final = 20.0  # [s] of pumping; where less is ordered the integral learns
 
-WAY: Final = 3.0 * KNOT  # [m/s] from there up planes hold a boat better
+WAY: Final = 3.0 * KNOT  # [m/s] from there on planes hold a boat better
 FURTHEST: Final = 5.0  # [m]
 CATCH: Final = 0.7  # [-]
 LONGEST: Final = 120.0  # [s]
-AWAY: Final = 4.0 * KNOT  # [m/s] ordered where hovering is given up
-GROUPS: Final = 2.5  # [-] pump wanted over p F/g: waves come in groups. An estimate
+AWAY: Final = 4.0 * KNOT  # [m/s] speed ordered where hovering is given up
+GROUPS: Final = 2.5  # [-] pump wanted over p F/g, since waves come in groups: estimate
 SURE: Final = 0.8  # [-] of the pump that may be wanted
 
 
 @part
 def is_hovering(state: Record) -> bool:
-    """Return whether the tank has the depth."""
+    """Return whether the tank keeps the depth."""
     s = state[0]
     return s.hover > 0.0 and abs(s.u) < WAY
 
 
 @part
 def heaved_mass(vessel: Record) -> float:
-    """Return displaced and added mass [kg] in heave."""
+    """Return the mass [kg] that heaves: displaced and added mass."""
     return vessel[0].buoyancy / vessel[0].g - vessel[0].Z_wdot
 
 
 @kernel
 def suction_gradient(vessel: Record, depth: float, state: Record) -> float:
-    """Return by how much suction falls with depth [1/s2], per mass, in the sea in force."""
+    """Return by how much suction per mass falls with depth [1/s2].
+
+    It is that of the sea in force.
+    """
     s = state[0]
     if s.sea_height == 0.0 or s.sea_suction == 0.0:
         return 0.0
@@ -67,7 +71,7 @@ def suction_gradient(vessel: Record, depth: float, state: Record) -> float:
 
 @kernel
 def wanted_pump(vessel: Record, depth: float, state: Record) -> float:
-    """Return the pump [kg/s] that hovering at ``depth`` [m] wants in the sea in force."""
+    """Return the pump rate [kg/s] for hovering at ``depth`` [m] in the sea in force."""
     s = state[0]
     gradient = suction_gradient(vessel, depth, state)
     if gradient == 0.0:
@@ -79,7 +83,10 @@ def wanted_pump(vessel: Record, depth: float, state: Record) -> float:
 
 @part
 def follow_error(h: float, state: Record) -> None:
-    """Follow the depth error [m] past waves, and its rate [m/s], for ``h`` [s]."""
+    """Follow the filtered depth error [m] and its rate [m/s] for ``h`` [s].
+
+    The filter takes the waves out.
+    """
     s = state[0]
     kept = s.hover_filter
     fresh = s.hover_time == 0.0 or s.ordered_depth != s.hover_order
@@ -104,7 +111,10 @@ def follow_error(h: float, state: Record) -> None:
 
 @part
 def is_beyond(vessel: Record, ballast: Record, gradient: float, state: Record) -> bool:
-    """Return whether the pump cannot bring the boat back; ``gradient`` is that of suction."""
+    """Return whether the pump cannot bring the boat back.
+
+    ``gradient`` [1/s2] is that of the suction.
+    """
     s = state[0]
     error, rate = s.hover_error, s.hover_error_rate
     if gradient == 0.0:
@@ -118,7 +128,10 @@ def is_beyond(vessel: Record, ballast: Record, gradient: float, state: Record) -
 
 @part
 def give_up(state: Record) -> None:
-    """Leave the depth to the planes, and make way where speed is automatic."""
+    """Leave the depth to the planes.
+
+    Where speed is automatic, order way for them.
+    """
     s = state[0]
     s.hover, s.hover_lost = 0.0, 1.0
     s.to_move[DEPTH_CONTROL_PUMP] = 0.0
@@ -129,7 +142,10 @@ def give_up(state: Record) -> None:
 
 @part
 def order_water(vessel: Record, ballast: Record, gradient: float, h: float, state: Record) -> None:
-    """Order the depth-control tank by the error that is followed; let the integral learn."""
+    """Order water for the depth-control tank by the filtered error.
+
+    The integral learns from it for ``h`` [s].
+    """
     c, b = vessel[0], ballast[0]
     s = state[0]
     rough = 1 if are_felt(state) else 0

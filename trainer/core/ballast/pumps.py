@@ -1,7 +1,7 @@
 """Pumps: trim transfer, trim-and-drain, and depth control.
 
-An order is what is still to be moved [kg]; it counts down to zero, so that a leak is nobody's
-order. Sea water is let in at the pump's rate at any depth; out, the rate falls with depth.
+An order is what is still to be moved [kg]. It counts down to zero, so that a leak belongs to no
+order. A pump lets sea water in at its own rate at any depth; out, its rate falls with depth.
 """
 
 import math
@@ -24,9 +24,10 @@ from trainer.core.kernel import Record, part
 
 @part
 def delivery(ballast: Record, depth: float) -> float:
-    """Return the share [-] of its rate that a pump delivers to the sea at ``depth`` [m].
+    """Return the share [-] of its rate that a pump delivers to the sea.
 
-    A centrifugal pump, whose head falls with the square of its flow.
+    The boat is at ``depth`` [m]. The pump is centrifugal: its head falls with the square of its
+    flow.
     """
     left = 1.0 - max(depth, 0.0) / ballast[0].shutoff_depth
     return math.sqrt(left) if left > 0.0 else 0.0
@@ -34,13 +35,16 @@ def delivery(ballast: Record, depth: float) -> float:
 
 @part
 def sound_rate(ballast: Record, pump: int, state: Record) -> float:
-    """Return the rate [kg/s] of a pump less what its fault takes."""
+    """Return the rate [kg/s] of a pump, less what its fault takes."""
     return ballast[0].pump_rate[pump] * (1.0 - min(max(state[0].pump_fault[pump], 0.0), 1.0))
 
 
 @part
 def pump_tank(ballast: Record, pump: int, tank: int, h: float, state: Record) -> None:
-    """Move what is ordered between a tank and the sea; an order that cannot be done lapses."""
+    """Move the water that is ordered between a tank and the sea.
+
+    An order ends when the tank is full or empty.
+    """
     s = state[0]
     order = s.to_move[pump]
     most = sound_rate(ballast, pump, state) * h
@@ -74,7 +78,10 @@ def move_forward(ballast: Record, amount: float, state: Record) -> None:
 
 @part
 def transfer_trim(ballast: Record, h: float, state: Record) -> None:
-    """Move trim water forward, aft if negative: as ordered, else as automatic trim wishes."""
+    """Move trim water forward, or aft if negative.
+
+    The amount is the ordered one, or without an order that of automatic trim.
+    """
     s = state[0]
     order = s.to_move[TRIM_PUMP]
     most = sound_rate(ballast, TRIM_PUMP, state) * h
@@ -87,7 +94,10 @@ def transfer_trim(ballast: Record, h: float, state: Record) -> None:
 
 @part
 def flood_auxiliary(ballast: Record, h: float, state: Record) -> None:
-    """Let into the auxiliary tank what automatic trim wishes, or pump it out if negative."""
+    """Flood the auxiliary tank by the amount that automatic trim wants.
+
+    Pump it out if the amount is negative.
+    """
     s = state[0]
     most = sound_rate(ballast, DRAIN_PUMP, state) * h
     amount = min(max(s.trim_flood, -most * delivery(ballast, s.z)), most)
@@ -108,9 +118,9 @@ def drain(ballast: Record, h: float, state: Record) -> None:
 def work_pumps(vessel: Record, ballast: Record, h: float, state: Record) -> None:
     """Advance all pumped tanks by ``h`` [s].
 
-    One pump serves the auxiliary tank and the compartments, these first; automatic trim has the
-    pumps that nobody has given an order. While hovering is off its
-    integral follows the tank, so that it starts without a bump.
+    One pump serves the auxiliary tank and the compartments, the compartments first. Automatic trim
+    has the pumps that nobody has given an order. While hovering is off, its integral follows the
+    tank, so that it starts without a bump.
     """
     s = state[0]
     if is_hovering(state):

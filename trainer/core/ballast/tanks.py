@@ -1,7 +1,7 @@
-"""The tanks, banks and pumps of one boat, and what every flow into a tank has in common.
+"""The tanks, banks and pumps of one boat, and the flows into a tank.
 
-Water is a mass [kg], held between empty and full; whatever crosses the hull is entered in the two
-ledgers of the state, ``water_taken`` and ``air_taken``, so that nothing is made or lost.
+Water is a mass [kg] between empty and full. All that crosses the hull is entered in the two ledgers
+of the state, ``water_taken`` and ``air_taken``, so that nothing is made or lost.
 """
 
 import math
@@ -42,7 +42,7 @@ BALLAST_FIELDS: Final[tuple[Field, ...]] = (
     # by blown tank
     ("height", (len(BLOWN),)),  # [m] flood port to vent
     ("port", (len(BLOWN),)),  # [m2] effective area of the flood ports
-    ("vent_area", (len(BLOWN),)),  # [m2] effective, likewise the valves
+    ("vent_area", (len(BLOWN),)),  # [m2] effective area of the vent, likewise of the valves
     ("blow_area", (len(BLOWN),)),
     ("emergency_area", (len(BLOWN),)),
     # by bank
@@ -54,7 +54,7 @@ BALLAST_FIELDS: Final[tuple[Field, ...]] = (
     ("pump_rate", (len(PUMPS),)),  # [kg/s]
     "shutoff_depth",  # [m] where the pumps no longer deliver to the sea
     "hover_frequency",  # [rad/s]
-    "hover_rate",  # [m/s] depth rate that hovering allows itself
+    "hover_rate",  # [m/s] most depth rate in hovering
     # hull in the water
     "compressibility",  # [kg/m] buoyancy lost with depth
     "reference_depth",  # [m] where the vessel's buoyancy holds
@@ -77,16 +77,20 @@ def new_ballast() -> Record:
 
 @part
 def sea_pressure(specific: float, depth: float) -> float:
-    """Return the absolute pressure [Pa] at ``depth`` [m] in water of ``specific`` weight [N/m3].
+    """Return the absolute pressure [Pa] at ``depth`` [m] in the sea.
 
-    Above the sea it is the atmosphere's.
+    ``specific`` is the weight of the water per volume [N/m3]. Above the sea it is the pressure of
+    the atmosphere.
     """
     return ATMOSPHERE + specific * max(depth, 0.0)
 
 
 @part
 def admit(ballast: Record, tank: int, wanted: float, state: Record) -> None:
-    """Let ``wanted`` [kg] of sea water into a tank, or out if negative, as far as it goes."""
+    """Admit ``wanted`` [kg] of sea water to a tank, or let it out if negative.
+
+    It ends where the tank is full or empty.
+    """
     s = state[0]
     before = s.water[tank]
     s.water[tank] = min(max(before + wanted, 0.0), ballast[0].capacity[tank])
@@ -95,5 +99,8 @@ def admit(ballast: Record, tank: int, wanted: float, state: Record) -> None:
 
 @part
 def through_hole(rho: float, area: float, pressure: float) -> float:
-    """Return the flow [kg/s] that ``pressure`` [Pa] drives through an effective ``area`` [m2]."""
+    """Return the flow [kg/s] that ``pressure`` [Pa] drives through ``area`` [m2].
+
+    The area is the effective one.
+    """
     return area * math.sqrt(2.0 * rho * pressure) if pressure > 0.0 else 0.0

@@ -5,11 +5,11 @@ above the boat the phase
 
     A = eps + q T - q^2 (D cos beta + C sin beta),    T = integral of omega_p dt,
 
-D and C the integrals of omega_p^2/g times the boat's speed along and across the wind: so
-that no change of period, direction, course or speed makes the surface jump, and three numbers carry
-all the phases. Departures: each component has a frequency of its own, drawn inside its band; the
-bands share the whole variance, below PART of it, not what lies between 0.2 and 1.8 rad/s, so that
-small seas keep their height (at 20 to 45 knots the two are much the same). They are equal in
+where D and C are the integrals of omega_p^2/g times the boat's speed along and across the wind. So
+no change of period, direction, course or speed makes the surface jump, and three numbers carry all
+the phases. Departures: each component has a frequency of its own, drawn inside its band. The bands
+share the whole variance below PART of it, instead of that between 0.2 and 1.8 rad/s, so that small
+seas keep their height (at 20 to 45 knots the two are much the same). The bands are equal in
 Pierson-Moskowitz's spectrum; a peaked one weights the same components by how much it exceeds that.
 """
 
@@ -42,16 +42,17 @@ WEIGHT: Final = (
 def below(part: float) -> float:
     """Return the frequency [-], over the peak's, below which ``part`` of the variance lies.
 
-    Of Pierson-Moskowitz and Bretschneider: part = exp(-1.25 x^-4).
+    It is that of Pierson-Moskowitz and Bretschneider: part = exp(-1.25 x^-4).
     """
     return math.sqrt(math.sqrt(-1.25 / logarithm(part)))
 
 
 @kernel
 def peakedness(gamma: float, x: float) -> float:
-    """Return by how much JONSWAP exceeds Pierson-Moskowitz [-] at ``x`` times the peak frequency.
+    """Return the factor [-] of JONSWAP over Pierson-Moskowitz.
 
-    K. Hasselmann et al., JONSWAP, Deutsche Hydrogr. Z. A8 no. 12 (1973), equation 2.4.1.
+    It is that at ``x`` times the peak frequency. K. Hasselmann et al., JONSWAP, Deutsche Hydrogr.
+    Z. A8 no. 12 (1973), equation 2.4.1.
     """
     width = 0.07 if x <= 1.0 else 0.09
     off = (x - 1.0) / width
@@ -60,9 +61,9 @@ def peakedness(gamma: float, x: float) -> float:
 
 @kernel
 def prepare_sum(gamma: float, seed: float, scratch: Record) -> None:
-    """Write each component's frequency [-] over the peak's, starting phase and amplitude [-].
+    """Write each component's relative frequency, starting phase and amplitude [-].
 
-    The amplitudes give variance 1.
+    The frequency is over the peak's. The amplitudes give variance 1.
     """
     work = scratch[0]
     if work.gamma == gamma and work.seed == seed:
@@ -83,7 +84,7 @@ def prepare_sum(gamma: float, seed: float, scratch: Record) -> None:
 
 @part
 def advance_sum(vessel: Record, h: float, state: Record) -> None:
-    """Advance by ``h`` [s] what the phases above the boat follow from."""
+    """Advance by ``h`` [s] the numbers from which the phases above the boat follow."""
     s = state[0]
     cos_wind, sin_wind = cosine_and_sine(s.sea_direction)
     number = s.sea_omega * s.sea_omega / vessel[0].g

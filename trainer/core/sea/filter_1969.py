@@ -1,10 +1,13 @@
-"""The wave filter of 1969: noise through a low-pass and three high-pass sections of second order.
+"""The wave filter of 1969: noise through a low-pass and three high-pass sections.
+
+All sections are of second order:
 
     H(s) = 1/(s^2 + 2 d_L w_L s + w_L^2) [s^2/(s^2 + 2 d_H w_H s + w_H^2)]^3
 
 [ASSES] Table 15 with errata H7-H10, H-d, H-e: bilinear with pre-warping in place of the printed
-Euler substitution. The table's frequencies hold at 35, 40 and 45 knots of wind, w_L = 0.90 g/U and
-w_H = 0.50 g/U elsewhere; 1 knot to either side of a wind of the table leads from one to the other.
+Euler substitution. The table's frequencies hold at 35, 40 and 45 knots of wind; elsewhere w_L =
+0.90 g/U and w_H = 0.50 g/U. Within 1 knot to either side of a wind of the table, one leads over
+into the other.
 """
 
 import math
@@ -25,14 +28,17 @@ SIMILAR: Final = (0.90, 0.50)  # [-] w_L U/g, w_H U/g
 # wind [kn], w_L [rad/s], w_H [rad/s]
 TABLE: Final = np.array([[35.0, 0.48, 0.27], [40.0, 0.43, 0.24], [45.0, 0.39, 0.21]])
 G_OF_TABLE: Final = 32.2 * 0.3048  # [m/s2]
-# Half the angle per step; beyond it a pole cannot be pre-warped. Only winds below 13 kn with
-# steps near 2 s come there; their variance stays exact.
+# Largest half angle per step: a larger one cannot be pre-warped. Only winds below 13 kn with
+# steps near 2 s reach it; their variance stays exact.
 WIDEST: Final = 1.4  # [rad]
 
 
 @kernel
 def corner(omega: float, g: float, which: int) -> float:
-    """Return the filter's w_L (``which`` 0) or w_H (1) [rad/s] for a peak at ``omega`` [rad/s]."""
+    """Return the filter's w_L (``which`` 0) or w_H (1) [rad/s].
+
+    It is that for a peak at ``omega`` [rad/s].
+    """
     wind = PEAK * g / omega  # [m/s]
     knots = wind / KNOT
     product = SIMILAR[which]
@@ -46,7 +52,7 @@ def corner(omega: float, g: float, which: int) -> float:
 
 @kernel
 def warp(omega: float, h: float) -> float:
-    """Return tan(omega h/2) [-], the angle at most WIDEST."""
+    """Return tan(omega h/2) [-], with omega h/2 at most WIDEST."""
     adjacent, opposite = cosine_and_sine(min(0.5 * omega * h, WIDEST))
     return opposite / adjacent
 
@@ -141,7 +147,7 @@ def prepare_filter(g: float, omega: float, h: float, scratch: Record) -> None:
 def filter_noise(scratch: Record, x: float, state: Record) -> None:
     """Advance the filter by one sample ``x`` [-] of noise, and write its two outputs.
 
-    Direct form II: the low-pass section's own memory gives the elevation, gain (1 + 1/z)^2, and
+    Direct form II. The memory of the low-pass section gives the elevation, gain (1 + 1/z)^2, and
     the derivative, gain 1 - 1/z^2, whose negative lags by a quarter of a period.
     """
     work = scratch[0]
@@ -160,9 +166,10 @@ def filter_noise(scratch: Record, x: float, state: Record) -> None:
 
 @part
 def advance_filter(scratch: Record, turn_cos: float, turn_sin: float, state: Record) -> None:
-    """Advance the filtered waves by one tick; all turn as the peak wave does by the boat's way.
+    """Advance the filtered waves by one tick.
 
-    The pair of outputs turns, which leaves the variance as it is.
+    All waves turn as the peak wave does by the boat's way. The pair of outputs turns, which leaves
+    the variance as it is.
     """
     s = state[0]
     filter_noise(scratch, gaussian(int(s.seed), SEA_FILTER, int(s.tick)), state)

@@ -1,35 +1,35 @@
-"""Forces of the waves on the submerged boat: Froude-Krylov and added mass, flow, and the suction.
+"""Forces of the waves on the submerged boat: Froude-Krylov and added mass, flow, suction.
 
 The water's own acceleration at the depth of the axis pushes on the hull in STRIPS along it, each
-with its displaced mass and its added masses down and sideways; hull and waves are seen from above,
+with its displaced mass and its added masses down and sideways. Hull and waves are seen from above,
 so that pitch and heel do not enter. The first-order forms are an extension of this project's:
-[ASSES] computed but did not print its forces. Of one component of amplitude a and wave number k at
-depth d, heading off by chi, phase A above the boat's origin, with E = g k exp(-k d), at the strip
-x_i ahead of it, c_i = cos(k x_i cos chi) and s_i = sin(k x_i cos chi):
+[ASSES] computed its forces but did not print them. Take one component of amplitude a and wave
+number k at depth d, heading off by chi, with phase A above the boat's origin and E = g k exp(-k d).
+At the strip x_i ahead of the origin, with c_i = cos(k x_i cos chi) and s_i = sin(k x_i cos chi):
 
     C_i = E a (cos A c_i + sin A s_i)               S_i = E a (sin A c_i - cos A s_i)
     X = -cos chi sum (m_i + x_i) S_i                Z = sum (m_i + a_i) C_i
     Y = -sin chi sum (m_i + b_i) S_i                M = -sum (m_i + a_i) x_i C_i
     N = -sin chi sum (m_i + b_i) x_i S_i
 
-m_i are shares of B/g and those of -X_udot lie as they do; a_i are of -Z_wdot, b_i of -Y_vdot. Their
-sums are tabulated over k cos chi. Seven strips stand for the hull in waves down to a quarter of its
-length; beyond, what is left of the sums, some 3 %, fades to nothing at a fifth.
+m_i are shares of B/g, and those of -X_udot lie as they do; a_i are of -Z_wdot, b_i of -Y_vdot.
+Their sums are tabulated over k cos chi. Seven strips stand for the hull in waves down to a quarter
+of its length. In shorter waves the rest of the sums, some 3 %, fades to zero at a fifth of it.
 
 The hull's lift ahead feels the water's own vertical speed, w_o = E a sin A/omega downwards:
 
     Z = -Z_w u w_o       M = -M_w u w_o
 
-Suction, when the sea asks for it: water that swings faster above than below draws a body up with
-the mean gradient of half its speed squared, k E^2 a^2/(g k) per unit mass, so with
-(B/g - Z_wdot) (E a)^2/g. For a circular cylinder, whose added mass is its own, that is
-2 pi rho g (k R)^2 a^2 exp(-2 k d) per metre, the long-wave limit of T. Ogilvie, "First- and
-second-order forces on a cylinder submerged under a free surface", J. Fluid Mech. 16 (1963) 451.
-Of many waves the squared envelope of E a takes the place of (E a)^2: the mean is that of each
-by itself, and it varies slowly with the groups. The boat is taken as held still; one that follows
-the waves is drawn up less. It gives no moment.
+Suction acts when the sea asks for it. Water that swings faster above than below draws a body up
+with the mean gradient of half its speed squared, k E^2 a^2/(g k) per unit mass, so with (B/g -
+Z_wdot) (E a)^2/g. For a circular cylinder, whose added mass is its own, that is 2 pi rho g (k R)^2
+a^2 exp(-2 k d) per metre, the long-wave limit of T. Ogilvie, "First- and second-order forces on a
+cylinder submerged under a free surface", J. Fluid Mech. 16 (1963) 451. For many waves the squared
+envelope of E a takes the place of (E a)^2: its mean is the sum of the waves' own, and it varies
+slowly with the groups. The boat is taken as held still; one that follows the waves is drawn up
+less. Suction gives no moment.
 
-The waves of the filter come as a pair of their own for the force, which has the energy that is
+The waves of the filter have a pair of outputs of their own for the force. It has the energy that is
 left at the depth, with the length of the waves that are left there: an estimate.
 """
 
@@ -45,13 +45,13 @@ from trainer.core.state import SEA_COMPONENTS, STRIP_ROWS, STRIPS
 from trainer.core.surfaced import share_above
 
 TAPER: Final = (4.0, 5.0)  # [-] hull diameters from which to which waves fade out ([ASSES])
-ROWS_PER_TURN: Final = 3.0  # rows of the strips' table for each radian of k L cos chi
-LAST_TRUE: Final = 72  # row of the table, 24 rad, from which on it fades to zero
+ROWS_PER_TURN: Final = 3.0  # [1/rad] rows of the strips' table for each radian of k L cos chi
+LAST_TRUE: Final = 72  # row of the table, 24 rad, beyond which it fades to zero
 NUMBERS: Final = 4  # of each sum over strips: cos, sin, x cos, x sin
 SURGE, SWAY, SWAY_ADDED, HEAVE, HEAVE_ADDED, PITCH, PITCH_ADDED = range(7)  # sums over the waves
 YAW, YAW_ADDED, RISE, SWING, FLOW = range(7, 12)
 # ln of the integral of S(x) x^n exp(-2 kappa x^2) over the Pierson-Moskowitz spectrum, n 4 and 6,
-# by 1, ln kappa, sqrt kappa, kappa and kappa^2; fitted by this project, within 0.3 % from
+# by 1, ln kappa, sqrt kappa, kappa and kappa^2. Fitted by this project, within 0.3 % from
 # kappa 0.3 to 8
 FADING: Final = np.array(
     [
@@ -65,7 +65,10 @@ DEEPEST: Final = 60.0  # of the fit: no wave is left
 
 @part
 def taper(vessel: Record, state: Record) -> float:
-    """Return what is left of the waves [-] at this depth by [ASSES]'s rule of five diameters."""
+    """Return the share of the waves that is left at this depth [-].
+
+    It is [ASSES]'s rule of five diameters.
+    """
     s = state[0]
     diameter = vessel[0].diameter
     if s.sea_taper == 0.0 or diameter <= 0.0:
@@ -76,7 +79,10 @@ def taper(vessel: Record, state: Record) -> float:
 
 @part
 def fading(row: int, kappa: float) -> float:
-    """Return ln of one of FADING's integrals [-]; kappa is the peak's number times the depth."""
+    """Return ln of one of FADING's integrals [-].
+
+    ``kappa`` is the peak's wave number times the depth.
+    """
     root = math.sqrt(kappa)
     value = FADING[row, 0] + FADING[row, 1] * logarithm(kappa) + FADING[row, 2] * root
     return value + kappa * (FADING[row, 3] + FADING[row, 4] * kappa)
@@ -84,11 +90,11 @@ def fading(row: int, kappa: float) -> float:
 
 @kernel
 def suction(g: float, omega: float, height: float, depth: float) -> tuple[float, float]:
-    """Return the mean suction [N/kg] at a depth [m], and how much less it is deeper [N/kg/m].
+    """Return the mean suction [N/kg] at ``depth`` [m], and its decrease with depth [N/kg/m].
 
-    Of a Pierson-Moskowitz sea of significant ``height`` [m] with its peak at ``omega`` [rad/s],
-    for each kg of displaced mass and added mass in heave: g k^2 Hs^2/8 I2 and g k^3 Hs^2/4 I3.
-    Nearer to the surface than kappa 0.3 it is as there.
+    It is that of a Pierson-Moskowitz sea of significant ``height`` [m] with its peak at ``omega``
+    [rad/s], for each kg of displaced mass and added mass in heave: g k^2 Hs^2/8 I2 and g k^3 Hs^2/4
+    I3. Nearer to the surface than kappa 0.3 it is as it is there.
     """
     number = omega * omega / g
     kappa = min(max(number * depth, SHALLOWEST), DEEPEST)
@@ -99,7 +105,7 @@ def suction(g: float, omega: float, height: float, depth: float) -> tuple[float,
 
 @part
 def kept(row: int) -> float:
-    """Return what the strips' table keeps [-] of a row."""
+    """Return the share [-] of a row that the strips' table keeps."""
     t = max(row - LAST_TRUE, 0.0) / (STRIP_ROWS - LAST_TRUE)
     return 1.0 - t * t * (3.0 - 2.0 * t)
 
@@ -146,7 +152,10 @@ def prepare_strips(vessel: Record, scratch: Record) -> None:
 
 @part
 def strip_row(kappa: float) -> tuple[int, float]:
-    """Return the row of the strips' table before ``kappa`` [rad], and where beyond it, 0 to 1."""
+    """Return the row of the strips' table before ``kappa`` [rad].
+
+    The second number says where ``kappa`` is beyond it, 0 to 1.
+    """
     x = ROWS_PER_TURN * abs(kappa)
     if not x < STRIP_ROWS:
         return STRIP_ROWS - 1, 1.0
@@ -166,9 +175,10 @@ def strip_sum(scratch: Record, row: int, inside: float, kind: int, j: int) -> fl
 def at_strips(
     scratch: Record, kind: int, first: int, even: float, odd: float
 ) -> tuple[float, float]:
-    """Return the sums over strips of C_i and S_i [m/s2], of C and S at the origin.
+    """Return the sums over the strips of C_i and S_i [m/s2].
 
-    ``first`` is 0 for the sums of the shares, 2 for those of the shares times x in lengths.
+    They follow from C and S at the origin, ``even`` and ``odd`` [m/s2]. ``first`` is 0 for the sums
+    of the shares, 2 for those of the shares times x in lengths.
     """
     work = scratch[0]
     row, inside = strip_row(work.kappa)
@@ -181,9 +191,9 @@ def at_strips(
 
 @kernel
 def raise_levels(scratch: Record, k: float, a_cos: float, a_sin: float) -> None:
-    """Add one wave to the water's level [m] at the stations, and to its rate there [m/s].
+    """Add one wave to the water's level [m] and its rate [m/s] at the stations.
 
-    Its phase at x ahead of the origin is k x cos chi less than at the origin.
+    At x ahead of the origin its phase is k x cos chi less than at the origin.
     """
     work = scratch[0]
     omega = math.sqrt(work.g * k)
@@ -195,7 +205,11 @@ def raise_levels(scratch: Record, k: float, a_cos: float, a_sin: float) -> None:
 
 @part
 def add_component(scratch: Record, omega: float, rise: float, swing: float) -> None:
-    """Add to the sums one wave by its frequency [rad/s], E a cos A and E a sin A [m/s2]."""
+    """Add one wave to the sums.
+
+    It has the frequency ``omega`` [rad/s]; ``rise`` and ``swing`` are E a cos A and E a sin A
+    [m/s2].
+    """
     work = scratch[0]
     work.kappa = omega * omega / work.g * work.ell * work.along
     heave, surge = at_strips(scratch, 0, 0, rise, swing)
@@ -220,9 +234,10 @@ def add_component(scratch: Record, omega: float, rise: float, swing: float) -> N
 
 @part
 def add_wave_filter(scratch: Record, a: float, state: Record) -> None:
-    """Add the wave filter's force with the length of what is left at the depth.
+    """Add the force of the wave filter, as one wave.
 
-    ``a`` [m] is its standard deviation; the water's level has the peak's length.
+    It has the length of the waves that are left at the depth. ``a`` [m] is their standard
+    deviation. The water's level has the length of the peak.
     """
     s = state[0]
     work = scratch[0]
@@ -235,7 +250,10 @@ def add_wave_filter(scratch: Record, a: float, state: Record) -> None:
 
 @part
 def add_filter_1969(scratch: Record, a: float, state: Record) -> None:
-    """Add the waves of the filter of 1969, all as one wave of the peak's number."""
+    """Add the waves of the filter of 1969.
+
+    All are taken as one wave of the peak's number; ``a`` [m] is their standard deviation.
+    """
     s = state[0]
     work = scratch[0]
     number = s.sea_omega * s.sea_omega / work.g
@@ -281,7 +299,10 @@ def add_sum(scratch: Record, state: Record) -> None:
 
 @part
 def push(vessel: Record, scratch: Record, left: float, state: Record, force: Numbers) -> None:
-    """Add forces [N] and moments [N m] of the sums, of which ``left`` [-] is felt."""
+    """Add the forces [N] and moments [N m] of the sums.
+
+    ``left`` [-] is the share of them that is felt.
+    """
     c, s = vessel[0], state[0]
     work = scratch[0]
     displaced, arm = left * c.buoyancy / c.g, left * c.ell
@@ -299,9 +320,10 @@ def push(vessel: Record, scratch: Record, left: float, state: Record, force: Num
 
 @part
 def wave_forces(vessel: Record, scratch: Record, state: Record, force: Numbers) -> None:
-    """Add the forces [N] and moments [N m] of the sea in force; ``scratch`` is the SEA record.
+    """Add the forces [N] and moments [N m] of the sea in force.
 
-    A boat above the mean surface is taken as at it, and what is above the water feels nothing.
+    ``scratch`` has the SEA record. A boat above the mean surface is taken as at it, and what is
+    above the water feels nothing.
     """
     c = vessel[0]
     s = state[0]

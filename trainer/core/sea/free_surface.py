@@ -1,7 +1,7 @@
-"""The boat near a calm surface: what it does to Z_star and M_star, and what of her shows.
+"""The boat near a calm surface: its effect on Z_star and M_star, and what emerges.
 
-[ASSES] keeps all deep coefficients near the surface but those two, as tables of depth and speed,
-and gives no values; the vessel file does.
+Near the surface [ASSES] keeps all deep coefficients but those two, which are tables of depth and
+speed. It gives no values; the vessel file does.
 """
 
 from typing import Final
@@ -9,14 +9,15 @@ from typing import Final
 from trainer.core.elementary import cosine, sine
 from trainer.core.kernel import Numbers, Record, kernel, part
 
-DECK_REACH: Final = 0.25  # [-] of the length either way from the origin, the parallel middle body
+DECK_REACH: Final = 0.25  # [-] of the length, either way from the origin: the parallel middle body
 
 
 @part
 def cell(grid: Numbers, count: int, value: float) -> tuple[int, float]:
-    """Return the cell of an ascending ``grid`` with ``value`` in it, and where in it, 0 to 1 [-].
+    """Return the cell of an ascending ``grid`` that contains ``value``.
 
-    Values outside the grid are taken as at its end.
+    The second number says where in the cell it is, 0 to 1 [-]. Values outside the grid are taken as
+    at its end.
     """
     low = 0
     while low < count - 2 and value >= grid[low + 1]:
@@ -35,7 +36,10 @@ def between(table: Numbers, row: int, column: int, along: float, across: float) 
 
 @part
 def surface_forces(vessel: Record, state: Record, force: Numbers) -> None:
-    """Add the calm surface's Z [N] and M [N m]; none below the deepest row of the tables."""
+    """Add Z [N] and M [N m] of the calm surface.
+
+    Below the deepest row of the tables there are none.
+    """
     c = vessel[0]
     s = state[0]
     speeds, depths = int(c.surface_speeds), int(c.surface_depths)
@@ -50,9 +54,9 @@ def surface_forces(vessel: Record, state: Record, force: Numbers) -> None:
 
 @kernel
 def height_above_water(state: Record, x: float, z: float) -> float:
-    """Return the height [m] above the water of a point amidships, ``x`` and ``z`` in body axes.
+    """Return the height [m] above the water of a point amidships.
 
-    The water stands as high there as above the boat's origin.
+    ``x`` and ``z`` [m] are in body axes. The water stands as high there as above the boat's origin.
     """
     s = state[0]
     lifted = x * sine(s.theta) - z * cosine(s.theta) * cosine(s.phi)

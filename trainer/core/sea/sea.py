@@ -1,11 +1,11 @@
-"""The sea above the boat: what is ordered, how it comes about, and one tick of it.
+"""The sea above the boat: the ordered sea, its onset, and one tick of it.
 
-A sea is a significant height, the frequency of its peak, the peakedness of its spectrum, where it
-travels to and the generator that makes it; the state has each as it is and as it is ordered, and
-``sea_ramp`` is the time in which they become the same. Each generator makes an elevation of
-variance 1; three shares of the variance say how much comes from which: ``sea_cosines`` of all from
-the cosine sum, ``sea_1969`` of the rest from the filter of 1969, ``sea_peaked`` of what is left
-from the peaked bank of the wave filter.
+A sea is a significant height, the frequency of its peak, the peakedness of its spectrum, the
+direction in which it travels, and the generator that makes it. The state has each as it is and as
+it is ordered, and ``sea_ramp`` is the time in which they become the same. Each generator makes an
+elevation of variance 1. Three shares of the variance say how much comes from which: ``sea_cosines``
+of all from the cosine sum, ``sea_1969`` of the rest from the filter of 1969, ``sea_peaked`` of what
+is left from the peaked bank of the wave filter.
 """
 
 import math
@@ -22,7 +22,7 @@ from trainer.core.state import SEA_QUANTITIES
 HEIGHT, OMEGA, GAMMA, DIRECTION, COSINES, SUCTION = range(6)
 OLD, PEAKED, TAPER = range(6, len(SEA_QUANTITIES) + 1)
 TURN: Final = 6.283185307179586
-WARM_UP: Final = 100.0  # [s] at least; two of the slowest section's time constants a period
+WARM_UP: Final = 100.0  # [s] at least; a period is two time constants of the slowest section
 WARM_UP_PERIODS: Final = 10.0
 
 
@@ -30,8 +30,8 @@ WARM_UP_PERIODS: Final = 10.0
 def begin_sea(g: float, h: float, scratch: Record, state: Record) -> None:
     """Start all generators at random, as after a long time of the sea in force.
 
-    The filters are run on the steps before the first, until what they held at the
-    start is forgotten.
+    The filters are run on the steps before the first one, until they have forgotten how they
+    started.
     """
     s = state[0]
     prepare_filter(g, s.sea_omega, h, scratch)
@@ -50,10 +50,10 @@ def begin_sea(g: float, h: float, scratch: Record, state: Record) -> None:
 def order_sea(
     vessel: Record, h: float, ramp: float, wanted: Numbers, scratch: Record, state: Record
 ) -> None:
-    """Order the sea ``wanted``, SEA_QUANTITIES and the taper, to be in force after ``ramp`` [s].
+    """Order the sea ``wanted`` to be in force after ``ramp`` [s].
 
-    A height of 0 lets the present sea die away. From a calm the ordered sea rises as it is. The
-    taper acts at once.
+    It has the SEA_QUANTITIES and the taper. A height of 0 makes the present sea die away. From a
+    calm the ordered sea rises as it is. The taper acts at once.
     """
     s = state[0]
     s.sea_taper = wanted[TAPER]
@@ -77,7 +77,10 @@ def order_sea(
 
 @part
 def approach(h: float, state: Record) -> None:
-    """Bring the sea in force ``h`` [s] nearer to the ordered one, the period by its logarithm."""
+    """Bring the sea in force ``h`` [s] nearer to the ordered one.
+
+    The period changes by its logarithm.
+    """
     s = state[0]
     if s.sea_ramp <= 0.0:
         return
@@ -104,7 +107,10 @@ def wrap_angle(angle: float) -> float:
 
 @part
 def advance_filters(g: float, h: float, scratch: Record, state: Record) -> None:
-    """Advance the filters in use by one tick; the boat's way turns what they give."""
+    """Advance the filters in use by one tick.
+
+    The boat's way turns their outputs.
+    """
     s = state[0]
     number = s.sea_omega * s.sea_omega / g
     north, east = cosine_and_sine(s.sea_direction)

@@ -1,19 +1,19 @@
 """Long-crested waves as filtered noise whose energy is right in every band.
 
 Four modes, pairs of poles in units of the peak frequency, are driven by one white noise at a fixed
-step of the peak wave's phase: no number here depends on sea, boat or tick. Impulse invariance is
+step of the peak wave's phase. So no number here depends on sea, boat or tick. Impulse invariance is
 exact in the poles and stable at any tick, and the outputs are interpolated to the ticks. There are
-two banks of modes: of the spectra of Pierson-Moskowitz and Bretschneider, and of JONSWAP with the
-peak raised 3.3 times. Fitted by this project: in bands of a tenth of the peak frequency from 0.6
-to 2 the energy is within 4 % of the spectrum's.
+two banks of modes. One is for the spectra of Pierson-Moskowitz and Bretschneider, the other for
+JONSWAP with the peak raised 3.3 times. They are fitted by this project: in bands of a tenth of the
+peak frequency from 0.6 to 2 the energy is within 4 % of the spectrum's.
 
-A boat that runs with the waves meets a component of x times the peak's frequency at
-x - nu x^2 times it, nu = k_p U/omega_p: the clock of the bank gives the slope of that at the peak,
-1 - 2 nu, and turning the pair of outputs by k_p times the way its value, 1 - nu.
+A boat that runs with the waves meets a component of x times the peak's frequency at x - nu x^2
+times it, nu = k_p U/omega_p. The clock of the bank gives the slope of that at the peak, 1 - 2 nu.
+Turning the pair of outputs by k_p times the way gives its value there, 1 - nu.
 
-What waves do at a depth is not what the surface does: each component fades by its own length.
-The force's pair has rows of its own by kappa = k_p z: the surface's pair times
-x^2 exp(-kappa (x^2 - 1)), in amplitude. They are near in shape, exact in variance.
+The effect of waves at a depth differs from that at the surface: each component fades by its own
+length. The force's pair has rows of its own by kappa = k_p z: the surface's pair times x^2
+exp(-kappa (x^2 - 1)), in amplitude. They are near in shape and exact in variance.
 """
 
 import math
@@ -25,12 +25,12 @@ from trainer.core.kernel import Numbers, Record, kernel, part
 from trainer.core.noise import SEA_BANK, gaussian_pair
 from trainer.core.sea.free_surface import cell
 
-PHASE_STEP: Final = 0.25  # [rad] of the peak wave, of an internal step
-SLOWEST_CLOCK: Final = 0.1  # [-] least pace of the clock, of a boat as fast as the group
+PHASE_STEP: Final = 0.25  # [rad] of the peak wave in an internal step
+SLOWEST_CLOCK: Final = 0.1  # [-] least pace of the clock, where a boat is as fast as the group
 MOST_STEPS: Final = 64  # internal steps in a tick; only waves above Nyquist need more
-WARM_UP: Final = 600  # internal steps after which the slowest mode is left by e^-12
-STEEPEST_TURN: Final = 1.3  # [rad] of the peak wave in a tick, up to which all bands are there
-RAISED: Final = 1.8  # [-] peakedness from which on the peaked bank is nearer: estimate
+WARM_UP: Final = 600  # internal steps after which e^-12 of the slowest mode is left
+STEEPEST_TURN: Final = 1.3  # [rad] of the peak wave in a tick; up to it all bands are there
+RAISED: Final = 1.8  # [-] peakedness beyond which the peaked bank is nearer: estimate
 OUTPUTS: Final = 4  # elevation, quadrature, and the force's two
 # [-] k_p z of the rows
 FORCE_DEPTHS: Final = np.array([0.25, 0.5, 0.75, 1.0, 1.5, 2.0, 3.0, 4.0, 6.0])
@@ -147,8 +147,8 @@ _FORCE: Final = _read(
 MODES: Final = np.ascontiguousarray(np.swapaxes(_FACTORS, 1, 2))
 WAVE_ROWS: Final = np.ascontiguousarray(np.swapaxes(_WAVE, 1, 2))
 FORCE_ROWS: Final = np.ascontiguousarray(np.swapaxes(_FORCE, 2, 3))
-# By bank and depth: the wave number of what is left there over the peak's, the integral of
-# x^6 S exp(-2 kappa x^2) over that of x^4; it is taken for the length of all: estimate.
+# By bank and depth: the wave number of the waves left there over the peak's, the integral of
+# x^6 S exp(-2 kappa x^2) over that of x^4. It is taken for all waves: estimate.
 LENGTHS: Final = np.array(
     [
         [2.3085, 1.6669, 1.3953, 1.2359, 1.0480, 0.9357, 0.8011, 0.7194, 0.6202],
@@ -159,7 +159,10 @@ LENGTHS: Final = np.array(
 
 @part
 def advance_modes(bank: int, step: int, state: Record) -> None:
-    """Advance one bank by the internal step of that number; an odd one has the last's spare."""
+    """Advance one bank by the internal step of that number.
+
+    An odd step takes the deviate that the step before it left over.
+    """
     s = state[0]
     x = s.sea_spare[bank]
     if step & 1 == 0:
@@ -183,7 +186,10 @@ def choose_rows(bank: int, row: int, inside: float, scratch: Record) -> None:
 
 @part
 def add_outputs(bank: int, size: float, place: int, scratch: Record, state: Record) -> None:
-    """Add ``size`` times the outputs of a bank to those at a place of the history."""
+    """Add ``size`` times the outputs of a bank to the history.
+
+    ``place`` is their place in it.
+    """
     s, work = state[0], scratch[0]
     for i in range(8):
         x = size * s.sea_modes[bank, i]
@@ -194,7 +200,10 @@ def add_outputs(bank: int, size: float, place: int, scratch: Record, state: Reco
 
 @part
 def note_outputs(step: int, scratch: Record, state: Record) -> None:
-    """Write the outputs [-] of both banks, each by its share, in place of the oldest."""
+    """Write the outputs [-] of both banks over the oldest ones.
+
+    Each bank counts by its share.
+    """
     s = state[0]
     place = step & 3
     for j in range(OUTPUTS):
@@ -227,7 +236,7 @@ def begin_filter(kappa: float, scratch: Record, state: Record) -> None:
 
 @part
 def left_length(row: int, inside: float, peaked: float) -> float:
-    """Return the wave number of what is left at a depth, over the peak's [-]."""
+    """Return the wave number of the waves left at a depth, over the peak's [-]."""
     flat = LENGTHS[0, row] + inside * (LENGTHS[0, row + 1] - LENGTHS[0, row])
     raised = LENGTHS[1, row] + inside * (LENGTHS[1, row + 1] - LENGTHS[1, row])
     return flat + peaked * (raised - flat)
@@ -235,9 +244,9 @@ def left_length(row: int, inside: float, peaked: float) -> float:
 
 @part
 def advance_clock(number: float, run: float, h: float, scratch: Record, state: Record) -> None:
-    """Let the banks do the internal steps of a tick of ``h`` [s].
+    """Advance the banks by the internal steps of a tick of ``h`` [s].
 
-    ``number`` [1/m] is the peak wave's, ``run`` [m] the boat's way with the waves.
+    ``number`` [1/m] is that of the peak wave, ``run`` [m] the boat's way with the waves.
     """
     s = state[0]
     row, inside = cell(FORCE_DEPTHS, FORCE_DEPTHS.size, number * max(s.z, 0.0))
@@ -264,9 +273,10 @@ def advance_clock(number: float, run: float, h: float, scratch: Record, state: R
 
 @part
 def read_outputs(turn_cos: float, turn_sin: float, state: Record) -> None:
-    """Write the waves above the boat, between the last outputs and turned by her way.
+    """Write the waves above the boat from the last outputs.
 
-    Lagrange's cubic through four outputs, the clock between the middle two.
+    They are turned by the boat's way. Lagrange's cubic goes through four outputs, with the clock
+    between the middle two.
     """
     s = state[0]
     f = s.sea_clock

@@ -1,1 +1,1 @@
-"""What the identification needs fast: sampling, filters, their gradients. Numbers only."""
+"""The fast part of identification: sampling, filters, their gradients. Numbers only."""

@@ -7,7 +7,7 @@ and x~, P~ the adjoints of the next state and its covariance, one step back is
     B = x~ s'/2 - P~ K,   S = (R^-1 - s s' - K' x~ s' - s x~' K)/2 + K' P~ K
     P~ <- F' P~ F + (f w' + w f' - w w' + C' R^-1 C)/2,   x~ <- f - w,   f = F' x~, w = C' s
 
-which is the document's adjoint, for errors that may be correlated with the noise and readings that
+This is the document's adjoint, for errors that may be correlated with the noise and readings that
 may be missing. All but P~ is linear in sums over the samples that have one gain, a stage.
 """
 
@@ -59,7 +59,7 @@ def _follow(
     path: Numbers,
     joints: Numbers,
 ) -> int:
-    """Return what ``trail`` does, from the state z and covariance P ``now`` on."""
+    """Return and write as ``trail`` does, from the state z and covariance P in ``now``."""
     mean, noise = system
     table, which = samples
     z, P = now
@@ -102,12 +102,12 @@ def _follow(
 def trail(
     mean: Numbers, noise: Numbers, table: Numbers, which: Places, path: Numbers, joints: Numbers
 ) -> int:
-    """Return how many stages the filter has, 0 if R is not positive definite; write its trail.
+    """Return how many stages the filter has, and write its trail.
 
-    ``path`` (n, columns + y + 2): z, R^-1 error, the sample's part of -2 log L less its constant,
-    and the stage whose gain it has.
-    ``joints`` (n, x+y, x+y + x): of each stage the swept J and the P before it; the first P and
-    the first state are there already.
+    0 if R is not positive definite. ``path`` (n, columns + y + 2): z, R^-1 error, the sample's part
+    of -2 log L less its constant, and the stage whose gain it has. ``joints`` (n, x+y, x+y + x):
+    the swept J of each stage and the P before it; the first P and the first state are there
+    already.
     """
     rows, columns = mean.shape[1:]
     readings = path.shape[1] - columns - 2
@@ -153,7 +153,7 @@ def _collect(W: Numbers, line: Numbers, x: Numbers, w: Numbers, sums: Numbers) -
 def _step_back(
     F: Numbers, half: Numbers, w: Numbers, work: Numbers, x: Numbers, P: Numbers
 ) -> None:
-    """Write x~ and P~ of the sample to ``x`` and ``P``, which have those of the next.
+    """Write x~ and P~ of the sample to ``x`` and ``P``, which have those of the next one.
 
     ``work`` (1+x, x).
     """
@@ -212,9 +212,9 @@ def _sum_of_h(J: Numbers, sums: Numbers, adjoint: Numbers, samples: float, H: Nu
 def _close_stage(
     mean: Numbers, joints: Numbers, sums: Numbers, H: Numbers, product: Numbers, out: Numbers
 ) -> None:
-    """Add what a stage's sums and its sum of H give to ``out``: dF/dW and after it dF/dQ.
+    """Add the part of a stage to ``out``: dF/dW and after it dF/dQ.
 
-    ``product`` (x+y, x) becomes 2 W_x P.
+    It follows from the stage's sums and its sum of H. ``product`` (x+y, x) becomes 2 W_x P.
     """
     rows, columns = mean.shape
     states = joints.shape[1] - rows
@@ -247,7 +247,10 @@ def _back(
     adjoint: tuple[Numbers, Numbers],
     out: Numbers,
 ) -> None:
-    """Write what ``likelihood_slope`` does, ``adjoint`` (x~ and P~) going from last to first."""
+    """Write as ``likelihood_slope`` does.
+
+    ``adjoint`` (x~ and P~) goes from last to first.
+    """
     path, joints = trail
     F, half, w, work, sums, sum_of_P, H, product = stage
     x, P = adjoint
@@ -276,9 +279,10 @@ def _back(
 def likelihood_slope(
     mean: Numbers, which: Places, path: Numbers, joints: Numbers, out: Numbers, start: Numbers
 ) -> None:
-    """Write dF/dW and dF/dQ to ``out`` (m, x+y, columns + x+y), dF/dx0 and dF/dP0 to ``start``.
+    """Write the gradient of F, which is minus the log-likelihood.
 
-    F is minus the log-likelihood; ``path`` and ``joints`` are those of ``trail``.
+    ``out`` (m, x+y, columns + x+y) has dF/dW and dF/dQ, ``start`` has dF/dx0 and dF/dP0. ``path``
+    and ``joints`` are those of ``trail``.
     """
     rows, states, wide = mean.shape[1], start.shape[0], path.shape[1] - 2
     square, oblong = (states, states), (rows, states)

@@ -6,7 +6,10 @@ from trainer.identify.kernels.kernel import kernel
 
 @kernel
 def filter_by_c(c: Numbers, x: Numbers, out: Numbers) -> None:
-    """Write x/C(q), C = 1 + c1 q^-1 + ..., to ``out`` (N,), at rest before the first sample."""
+    """Write x/C(q) to ``out`` (N,).
+
+    C = 1 + c1 q^-1 + ...; the filter is at rest before the first sample.
+    """
     for t in range(x.size):
         total = x[t]
         for i in range(min(c.size, t)):
@@ -31,7 +34,10 @@ def combine(a: Numbers, b: Numbers, y: Numbers, u: Numbers, out: Numbers) -> Non
 
 @kernel
 def simulate_armax(a: Numbers, b: Numbers, u: Numbers, disturbance: Numbers, out: Numbers) -> None:
-    """Write y of A(q) y = B(q) u + ``disturbance`` to ``out`` (N,), at rest before."""
+    """Write the response of an ARMAX model to ``out`` (N,).
+
+    It is y of A(q) y = B(q) u + ``disturbance``, at rest before the first sample.
+    """
     for t in range(u.size):
         total = disturbance[t]
         for i in range(min(a.size, t)):

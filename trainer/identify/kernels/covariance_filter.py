@@ -1,14 +1,13 @@
 """The prediction-error filter with covariances (MI 6.1), over a whole record.
 
-States and readings of the next step are jointly Gaussian: v = W (x, u_old, u, 1) with covariance
-J = W_x P W_x' + Q. Sweeping the readings that are there out of J leaves the covariance of the next
-state, the gain and minus the inverse of R in the same matrix; readings that are not there are
-not swept. So missing readings, correlated errors and readings integrated over the interval are
-one case.
+States and readings of the next step are jointly Gaussian: v = W (x, u_old, u, 1) with covariance J
+= W_x P W_x' + Q. Sweeping the readings that are there out of J leaves the covariance of the next
+state, the gain and minus the inverse of R in the same matrix. Missing readings are not swept. So
+missing readings, correlated errors and readings integrated over the interval are one case.
 
-``mean`` (m, x+y, x+2u+1) and ``noise`` (m, x+y, x+y) are the sampled systems, ``which`` (n,) the
-system that leads from each sample to the next, ``start`` (x, 1+x) is [x0 P0] and ``table``
-(n, y+2u) has readings, old and new input; NaN is missing.
+``mean`` (m, x+y, x+2u+1) and ``noise`` (m, x+y, x+y) are the sampled systems. ``which`` (n,) is the
+system that leads from each sample to the next. ``start`` (x, 1+x) is [x0 P0], and ``table`` (n,
+y+2u) has readings, old and new input; NaN is missing.
 """
 
 import math
@@ -22,7 +21,7 @@ from trainer.identify.kernels.kernel import Entries, part
 Places = NDArray[np.int64]
 Mask = NDArray[np.bool_]
 
-SETTLED = 1e-26  # [-] square of the relative change of P, below which it is taken as constant
+SETTLED = 1e-26  # [-] square of the relative change of P, below which P is taken as constant
 
 
 @part
@@ -56,7 +55,7 @@ def predict(mean: Entries, z: Entries, out: Entries) -> None:
 
 @part
 def sweep(J: Entries, pivot: int) -> float:
-    """Return the pivot after sweeping it out of the symmetric ``J``: its conditional variance."""
+    """Return the conditional variance of a pivot, after sweeping it out of symmetric ``J``."""
     d = J[pivot, pivot]
     inverse = 1.0 / d
     for i in range(J.shape[0]):
@@ -75,11 +74,11 @@ def sweep(J: Entries, pivot: int) -> float:
 def condition(J: Entries, error: Entries, there: Mask) -> float:
     """Return log det R [-] after sweeping the readings ``there`` out of ``J``.
 
-    Gain and inverse of the others become zero, as does their ``error``; not a number if R is
-    not positive definite.
+    Gain and inverse of the others become zero, as does their ``error``. The result is not a number
+    if R is not positive definite.
     """
     first = J.shape[0] - error.size
-    product = J[0, 0] * 0.0 + 1.0  # of the kind that J is
+    product = J[0, 0] * 0.0 + 1.0  # of the same type as J
     for c in range(error.size):
         if there[c]:
             before = J[first + c, first + c].real
@@ -145,7 +144,10 @@ def has_settled(J: Numbers, P: Numbers) -> bool:
 
 @part
 def run_length(which: Places, first: int) -> int:
-    """Return the end of the samples from ``first`` on that lead on by the same system."""
+    """Return the end of the samples from ``first`` on with the same system.
+
+    That system leads from each of them to the next.
+    """
     k = first
     while k < which.size and which[k] == which[first]:
         k += 1

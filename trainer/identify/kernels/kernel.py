@@ -1,8 +1,8 @@
-"""What every kernel of identification is compiled with: as the core's, but they may allocate.
+"""The options with which every kernel of identification is compiled.
 
-A fit is over whole records of any length; its kernels make their own scratch, and so count
-references. What is lean makes nothing and counts none, nor does a part, whose machine code is put
-into its callers'.
+They are those of the core, but these kernels may allocate. A fit is over whole records of any
+length; its kernels make their own scratch, and so count references. A lean kernel makes nothing and
+counts none. Nor does a part, whose machine code is put into that of its callers.
 """
 
 from typing import TYPE_CHECKING, Any

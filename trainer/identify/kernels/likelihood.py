@@ -1,8 +1,8 @@
-"""The likelihood alone of a whole record: nothing is computed that only its slopes would need.
+"""The likelihood of a whole record, without what only its slopes need.
 
-Arrays are as in ``covariance_filter``. Readings are taken one by one, the last first: each that is
-there is worth its error given those before it, and J becomes that of the rest given it. Only the
-lower half of J is there; the row of a reading that was taken stays as it was.
+Arrays are as in ``covariance_filter``. Readings are taken one by one, the last first. Each reading
+that is there counts by its error given those before it, and J becomes that of the rest given it.
+Only the lower half of J is there; the row of a reading that was taken stays as it was.
 """
 
 import math
@@ -33,7 +33,7 @@ def _joint(mean: Numbers, noise: Numbers, P: Numbers, half: Numbers, J: Numbers)
 
 @part
 def _take(J: Numbers, place: int, error: float, v: Numbers) -> None:
-    """Write what ``J`` and ``v`` above the row ``place`` are, given its reading."""
+    """Write ``J`` and ``v`` above the row ``place``, given the reading of that row."""
     inverse = 1.0 / J[place, place]
     for i in range(place):
         gain = J[place, i] * inverse
@@ -46,7 +46,8 @@ def _take(J: Numbers, place: int, error: float, v: Numbers) -> None:
 def _take_all(readings: Numbers, J: Numbers, v: Numbers, sums: Numbers) -> float:
     """Return the product of the variances of the readings that are there, after taking them.
 
-    ``sums`` gains their squares and how many they are. Not a number if one is not positive.
+    ``sums`` gains their squares and their number. The result is not a number if a variance is not
+    positive.
     """
     product, count = 1.0, 0
     for back in range(readings.size):
@@ -77,9 +78,10 @@ def _advance(J: Numbers, v: Numbers, z: Numbers, P: Numbers) -> None:
 
 @part
 def _closed_filter(mean: Numbers, J: Numbers, states: int, out: Numbers) -> None:
-    """Write the settled filter's matrix: rows (x, error of unit variance), columns as below.
+    """Write the matrix of the settled filter.
 
-    Columns are (reading, u_old, u, 1, x), the first of them those of the table.
+    Its rows are (x, error of unit variance), its columns (reading, u_old, u, 1, x); the first of
+    them are those of the table.
     """
     rows, columns = mean.shape
     first = out.shape[1] - states
@@ -107,7 +109,7 @@ def _closed_filter(mean: Numbers, J: Numbers, states: int, out: Numbers) -> None
 def _run_settled(closed: Numbers, table: Numbers, z: Numbers, v: Numbers, sums: Numbers) -> int:
     """Return how many samples the settled filter takes until a reading is missing.
 
-    ``sums`` gains the squares of their errors, ``z`` moves on.
+    ``sums`` gains the squares of their errors, and ``z`` moves on.
     """
     width, rows = table.shape[1], closed.shape[0]
     states = closed.shape[1] - width - 1
@@ -116,7 +118,7 @@ def _run_settled(closed: Numbers, table: Numbers, z: Numbers, v: Numbers, sums: 
             total = closed[i, width]
             for j in range(width):
                 total += closed[i, j] * table[k, j]
-            # the state last: what does not wait for it is done meanwhile
+            # the state last: the processor does meanwhile what does not wait for it
             for j in range(states):
                 total += closed[i, width + 1 + j] * z[j]
             v[i] = total
@@ -140,7 +142,7 @@ def _filter(
     work: tuple[Numbers, Numbers, Numbers, Numbers],
     sums: Numbers,
 ) -> None:
-    """Add to ``sums`` what the record gives from the state z and covariance P ``kept`` on."""
+    """Add the sums of the record to ``sums``, from the state z and covariance P ``kept`` on."""
     mean, noise = system
     z, P = kept
     J, closed, half, v = work
@@ -173,10 +175,11 @@ def _filter(
 def likelihood_sums(
     mean: Numbers, noise: Numbers, start: Numbers, table: Numbers, which: Places, sums: Numbers
 ) -> None:
-    """Write sum log det R, sum error' R^-1 error, samples and readings counted to ``sums`` (4,).
+    """Write the sums of a record's likelihood to ``sums`` (4,).
 
-    Once P has settled the gain is kept until a reading is missing or the interval changes.
-    The first sum is not a number where R is not positive definite.
+    They are sum log det R, sum error' R^-1 error, and the number of samples and of readings. Once P
+    has settled, the gain is kept until a reading is missing or the interval changes. The first sum
+    is not a number where R is not positive definite.
     """
     states, rows = start.shape[0], noise.shape[1]
     z, P = np.ones(mean.shape[2]), np.empty((states, states))

@@ -1,7 +1,7 @@
 """Steering with a bent spiral curve (MI 12).
 
-T1 T2 r'' + (T1 + T2) r' + H(r) = K (delta + T3 delta'), H(r) = r - kappa K |r| r.
-Complex, so that an imaginary step carries a derivative.
+T1 T2 r'' + (T1 + T2) r' + H(r) = K (delta + T3 delta'), H(r) = r - kappa K |r| r. Numbers are
+complex, so that an imaginary step carries a derivative.
 """
 
 import numpy as np
@@ -27,9 +27,10 @@ def bent_rates(ship: Complexes, delta: float, s: Complexes, out: Complexes) -> N
 def run_bent(
     ship: Complexes, start: Complexes, rudder: Numbers, step: float, parts: int, out: Complexes
 ) -> None:
-    """Write (z, r, psi) at each sample (n, 3), by Runge and Kutta with ``parts`` steps between.
+    """Write (z, r, psi) at each sample (n, 3), by Runge and Kutta.
 
-    ``rudder`` (n,) [rad] is held from each sample to the next, ``step`` [s] away.
+    ``parts`` is the number of steps from sample to sample. ``rudder`` (n,) [rad] is held from each
+    sample to the next, ``step`` [s] later.
     """
     s, stage = start.copy(), np.empty(3, np.complex128)
     rate, slope = np.empty(3, np.complex128), np.empty(3, np.complex128)

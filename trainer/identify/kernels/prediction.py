@@ -1,4 +1,4 @@
-"""Predictors with a gain that is given, the gain that a filter settles at, and longer predictions.
+"""Predictors with a given gain, the gain of a settled filter, and longer predictions.
 
 Model document, 6.2 and 6.4. Arrays are complex: an imaginary step of 1e-100 in one parameter
 carries its exact derivative into errors and losses.
@@ -29,9 +29,10 @@ def run_with_gain(
     which: Places,
     errors: Complexes,
 ) -> None:
-    """Write the errors (n, y) of x <- A x + B u + K error; a missing one is not a number.
+    """Write the errors (n, y) of a predictor with a given gain.
 
-    ``mean`` (m, x+y, columns), ``gain`` (x, y), ``first`` (x,).
+    It is x <- A x + B u + K error; the error of a missing reading is not a number. ``mean`` (m,
+    x+y, columns), ``gain`` (x, y), ``first`` (x,).
     """
     states, readings = gain.shape
     columns = mean.shape[2]
@@ -52,14 +53,17 @@ def run_with_gain(
 
 @kernel
 def _change(J: Complexes, P: Complexes) -> float:
-    """Return ||new P - P|| / ||new P|| [-], Frobenius, imaginary parts by their own size."""
+    """Return the relative change of P: ||new P - P|| / ||new P|| [-], Frobenius.
+
+    Imaginary parts are compared with their own size.
+    """
     moved, size, moved_aside, aside = 0.0, 0.0, 0.0, 0.0
     for i in range(P.shape[0]):
         for j in range(P.shape[0]):
             d = J[i, j] - P[i, j]
             moved += d.real * d.real
             size += J[i, j].real * J[i, j].real
-            # derivatives times 1e-100: scaled before they are squared
+            # derivatives times 1e-100, so scaled before they are squared
             moved_aside += (d.imag * 1e100) * (d.imag * 1e100)
             aside += (J[i, j].imag * 1e100) * (J[i, j].imag * 1e100)
     worst = moved / size if size > 0.0 else 0.0
@@ -72,9 +76,10 @@ def _change(J: Complexes, P: Complexes) -> float:
 def settle(
     mean: Complexes, noise: Complexes, P: Complexes, tolerance: float, most: int, gain: Complexes
 ) -> int:
-    """Return how many steps the filter took to settle, 0 if it did not within ``most``.
+    """Return how many steps the filter took to settle.
 
-    Writes the last ``gain`` (x, y) and its ``P``; -1 if R is not positive definite.
+    0 if it did not settle within ``most`` steps, -1 if R is not positive definite. The last
+    ``gain`` (x, y) and its ``P`` are written.
     """
     rows, states = mean.shape[0], P.shape[0]
     readings = rows - states
@@ -157,8 +162,8 @@ def multi_step(
 ) -> int:
     """Return how many predictions of ``steps`` samples count, -1 on failure (MI 6.4).
 
-    ``system`` is mean and noise. Writes to ``sums`` (3 + y*y,): log det R + error' R^-1 error,
-    readings, whole samples, and the pooled error error'.
+    ``system`` is mean and noise. ``sums`` (3 + y*y,) gets log det R + error' R^-1 error, readings,
+    whole samples, and the pooled error error'.
     """
     mean, noise = system
     rows, columns, states = mean.shape[1], mean.shape[2], start.shape[0]

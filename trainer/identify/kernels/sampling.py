@@ -1,12 +1,13 @@
 """A continuous linear system over one sampling interval, exactly.
 
-Equation numbers are those of the model document (MI): 7.1 matrices, 7.2 time lag, 7.3 noise,
-7.4 integrating measurements. Everything may be complex, so that an imaginary step of 1e-100 in one
-parameter carries its exact derivative through; where all is real, the same is compiled for that.
+Equation numbers are those of the model document (MI): 7.1 matrices, 7.2 time lag, 7.3 noise, 7.4
+integrating measurements. Everything may be complex, so that an imaginary step of 1e-100 in one
+parameter carries its exact derivative through. Where all is real, the same source is compiled for
+real numbers.
 
 A system with states x, inputs u and outputs y is one block matrix ``drift``, rows (x, y), columns
-(x, u, 1): [A B f; C D d]. Sampled it is ``mean``, columns (x, u of the last sample, u of this
-one, 1). ``noise`` and ``covariance`` are the covariances of the same rows.
+(x, u, 1): [A B f; C D d]. Sampled it is ``mean``, columns (x, u of the last sample, u of this one,
+1). ``noise`` and ``covariance`` are the covariances of the same rows.
 """
 
 import numpy as np
@@ -22,7 +23,10 @@ Room = tuple[Entries, Entries]  # scratch for rows of [A B f], and for squares
 
 @part
 def size(matrix: Entries) -> float:
-    """Return the largest row sum of magnitudes of the real parts of a square block [-]."""
+    """Return the largest row sum of a square block [-].
+
+    It sums the magnitudes of the real parts.
+    """
     largest = 0.0
     for i in range(matrix.shape[0]):
         total = 0.0
@@ -171,11 +175,11 @@ def sample_instants(
     mean: Entries,
     covariance: Entries,
 ) -> None:
-    """Write the sampled systems with readings taken at the instants (MEAS 0, MI 4 and 7).
+    """Write the sampled systems with readings taken at the instants.
 
-    ``drift`` (b, x+y, x+u+1), ``noise`` (b, x+y, x+y), ``lag`` (b,) [s], ``intervals`` (m,) [s];
-    ``mean`` (b, m, x+y, x+2u+1), ``covariance`` (b, m, x+y, x+y). A reading sees the input of
-    its own instant.
+    MEAS 0, MI 4 and 7. ``drift`` (b, x+y, x+u+1), ``noise`` (b, x+y, x+y), ``lag`` (b,) [s],
+    ``intervals`` (m,) [s]; ``mean`` (b, m, x+y, x+2u+1), ``covariance`` (b, m, x+y, x+y). A reading
+    sees the input of its own instant.
     """
     batch, rows, columns = drift.shape
     inputs = mean.shape[3] - columns

@@ -30,8 +30,8 @@ def show(
 ) -> None:
     """Write to each row of ``shown`` state, prediction, error, error' R^-1 error, flag.
 
-    ``system`` is mean, noise and start. A sample with so many readings whose error' R^-1 error is
-    beyond ``limits`` (y+1,) of that number is rejected: it neither moves the filter nor counts.
+    ``system`` is mean, noise and start. A sample is rejected if its error' R^-1 error is beyond
+    ``limits`` (y+1,) for its number of readings: it neither moves the filter nor counts.
     ``spreads`` (n, y, y) is R, of missing readings too.
     """
     mean, noise, start = system

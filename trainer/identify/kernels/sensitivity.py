@@ -1,7 +1,8 @@
-"""How the filter's errors and their covariances follow the parameters: the information (MI 8.1).
+"""The slopes of the filter's errors and covariances by the parameters: the information.
 
-Parameters are the last, contiguous index. Each sample gives rows whose inner products summed are
-the expected information: the standardised derivatives of the error, and of its covariance.
+MI 8.1. Parameters are the last, contiguous index. Each sample gives rows: the standardised
+derivatives of the error, and of its covariance. The sum of their inner products is the expected
+information.
 """
 
 import math
@@ -57,7 +58,10 @@ def _half_slopes(mean: Numbers, slopes: Numbers, P: Numbers, dP: Numbers, half: 
 
 @part
 def _joint_slopes(mean: Numbers, half: Numbers, out: Numbers) -> None:
-    """Add dJ = dW P W' + W P dW' + W dP W' to ``out`` (x+y, x+y, p), which has dQ already."""
+    """Add dJ = dW P W' + W P dW' + W dP W' to ``out`` (x+y, x+y, p).
+
+    ``out`` has dQ already.
+    """
     rows, states, count = half.shape
     for i in range(rows):
         for j in range(i + 1):
@@ -85,7 +89,7 @@ def _entry(J: Numbers, dJ: Numbers, states: int, place: tuple[int, int], value: 
 
 @part
 def _condition(J: Numbers, dJ: Numbers, lines: Numbers, dP: Numbers) -> float:
-    """Return how much ``dP`` changes [-], squared, as it becomes that after the readings.
+    """Return the square of the change [-] of ``dP``, as it becomes that after the readings.
 
     ``lines`` (3 or more, p) is scratch.
     """
@@ -197,7 +201,10 @@ def _rows(
     errors: Numbers,
     covariances: Numbers,
 ) -> int:
-    """Return what ``information_rows`` does, from ``now``: state, covariance and their slopes."""
+    """Return and write as ``information_rows`` does.
+
+    ``now`` has state, covariance and their slopes at the start.
+    """
     mean, noise, d_mean, d_noise = system
     table, which = samples
     z, P, dx, dP = now
@@ -246,10 +253,11 @@ def information_rows(
     errors: Numbers,
     covariances: Numbers,
 ) -> int:
-    """Return how many stages there are, 0 if R is not positive definite; write the rows.
+    """Return how many stages there are, and write the rows of the information.
 
-    ``system`` is mean, noise and start, ``slopes`` the same with parameters last. ``errors``
-    (n, y, p) standardised derivatives of each error; ``covariances`` (n, y*y, p) of each stage.
+    0 if R is not positive definite. ``system`` is mean, noise and start; ``slopes`` are those of
+    the same, parameters last. ``errors`` (n, y, p) gets the standardised derivatives of each error,
+    ``covariances`` (n, y*y, p) those of each stage.
     """
     mean, noise, start = system
     d_mean, d_noise, d_start = slopes

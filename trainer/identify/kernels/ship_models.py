@@ -1,10 +1,10 @@
 """Matrices of the ship models by their parameters (MI 5), many parameter vectors at once.
 
 Each kernel fills, for every row of ``theta``, the continuous blocks that ``sampling`` takes.
-``ship`` is [L, V, l1, l2, T, output, output, ...] in m, m/s and s, outputs by the places below.
-Outputs are in knots, degrees and deg/s, the rudder in degrees, states in m/s, rad/s and rad.
-Angles stand for lag and correlations (sine), magnitudes for variances, so that every real theta
-is allowed; an imaginary step goes through both.
+``ship`` is [L, V, l1, l2, T, output, output, ...] in m, m/s and s, with outputs by the places
+below. Outputs are in knots, degrees and deg/s, the rudder in degrees, states in m/s, rad/s and rad.
+Angles stand for lag and correlations (sine), and magnitudes for variances, so that every real theta
+is allowed. An imaginary step goes through both.
 """
 
 import numpy as np
@@ -212,8 +212,8 @@ def nomoto(
 ) -> None:
     """Write the blocks of Nomoto's second-order model, 17 parameters (MI 3.3, rate fed back).
 
-    K (1 + T3 s)/((1 + T1 s)(1 + T2 s)) in 1/s and s; state 1 is what the yaw rate still has to
-    come [rad/s^2]; the rudder acts from its residual helm.
+    K (1 + T3 s)/((1 + T1 s)(1 + T2 s)) in 1/s and s. State 1 is what the yaw rate still has to gain
+    [rad/s^2]. The rudder acts from its residual helm.
     """
     readings = np.empty(4, drift.dtype)
     for b in range(theta.shape[0]):

@@ -1,4 +1,4 @@
-"""A sampled system run with noise that was drawn before."""
+"""Simulation of a sampled system with noise that is already drawn."""
 
 import numpy as np
 

@@ -119,7 +119,7 @@ READINGS = tuple(Reading(form, places, ()) for form in FORMS for places in varia
 
 
 REMARK = re.compile(r"\s*(mark|tell|report)\s+(\S.*?)\s*", re.IGNORECASE)
-REPEAT = re.compile(r"\s*(?:(\S.*?)[\s,]+)??aye(?:[\s,]+aye)?\s*", re.IGNORECASE)
+REPEAT = re.compile(r"\s*(?:(\S.*?)[\s,]+)??aye(?:[\s,]+aye)*\s*", re.IGNORECASE)
 
 
 def openings() -> dict[str, list[Reading]]:

@@ -80,7 +80,7 @@ SETS = {
     "TANK": "auxiliary|depth-control",
     "SPACE": "forward|centre=center|aft",
     "PART": "depth|position|tanks",
-    "ROLE": "instructor|helm|planes|pilot|ballast|diving=officer|observer",
+    "ROLE": "instructor|helm|planes|pilot|ballast|diving=officer|observer|visitor",
     "AXIS": "rudder|planes|speed|ballast",
 }
 NAMES = {
@@ -101,7 +101,7 @@ BOAT_TOPICS = (
     Topic(("rudder",), "rudder left 15 | amidships", "also right, full, manual, auto"),
     Topic(("stern",), "stern planes dive 10", "also rise, zero, manual, auto"),
     Topic(("bow",), "bow planes rise 10", "also dive, zero, manual, auto"),
-    Topic(("planes",), "planes manual | zero | auto", "both pairs of planes at once"),
+    Topic(("planes", "lever"), "planes zero | auto | lever dive 8", "both pairs of planes at once"),
     Topic(("autopilot",), "autopilot on | off | report", "switch it, or choose its law"),
     Topic(
         ("surface", "dive", "periscope"),
@@ -137,7 +137,8 @@ SESSION_TOPICS = (
     Topic(("replay", "take"), "replay 90 s | take over", "watch it again; go on from here"),
     Topic(("branches", "branch"), "branches | branch 1", "what was left behind; back to its end"),
     Topic(("end", "debrief"), "end exercise | release marks | debrief", "and what came of it"),
-    Topic(("again", "next"), "again | again from here | next NAME", "the exercise, or another"),
+    Topic(("again", "restart"), "again | again from here | restart", "the exercise once more"),
+    Topic(("next",), "next | next NAME", "the exercises, or another"),
     Topic(("give", "keep"), "take command | give | keep command", "of several instructors"),
     Topic(("ready",), "ready", "a station is ready for the exercise"),
     Topic(("role",), "role helm | role helm TOKEN", "what this line may do"),
@@ -196,6 +197,8 @@ FORMS = (
     Form("planes MODE", "both pairs by hand, or automatic"),
     Form("planes zero", "both pairs by hand, to zero"),
     Form("planes TILT ANGLE", refusal=WHICH_PLANES),
+    Form("lever TILT ANGLE", "both pairs by one lever: bow to this angle, stern to 0.6 of it"),
+    Form("lever zero", "both pairs by one lever, to zero"),
     Form("autopilot on|off", "everything automatic, or by hand"),
     Form("autopilot trainer|report|literal", "which law of control it follows"),
     Form("surface", "blow main ballast and come up"),
@@ -213,6 +216,7 @@ FORMS = (
     Form("drain SPACE", "pump a flooded compartment out"),
     Form("drain stop", "stop draining"),
     Form("hover on|off", "keep the present depth by the depth-control tank"),
+    Form("hover DEPTH", "keep this depth by it"),
     Form("compressor on|off", "charge the air banks"),
     Form("sea state DEGREE", "raise the sea of this degree"),
     Form("sea wind WIND", "raise the sea of this wind"),
@@ -249,6 +253,7 @@ FORMS = (
     Form("again", "the exercise again, from the start"),
     Form("again from LABEL", "from a moment kept, or from `here`: the end comes at its time"),
     Form("again from LAPSE", "from so long ago"),
+    Form("restart", "the exercise again, from the start, and time goes on at once"),
     Form("next", "the exercises there are"),
     Form("next EXERCISE", "end this one, and begin that one at the same stations"),
     Form("take command", "ask for command, where there are several instructors", name="command"),
@@ -308,8 +313,8 @@ BOAT_ORDERS = frozenset(
             "stern",
             "bow",
         ),
-        *("planes", "autopilot", "periscope", "surface", "dive", "blow", "emergency", "vent"),
-        *("negative", "flood", "pump", "trim", "drain", "hover", "compressor"),
+        *("planes", "lever", "autopilot", "periscope", "surface", "dive", "blow", "emergency"),
+        *("vent", "negative", "flood", "pump", "trim", "drain", "hover", "compressor"),
         *("sea", "casualty", "clear", "hold", "release", "order", "course-to"),
     )
 )

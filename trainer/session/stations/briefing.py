@@ -112,6 +112,8 @@ def is_open(loss: Loss) -> bool:
 
 
 RANGES: Final = {  # keys of the fact `range`
+    "length": "of the hull [m]",
+    "mass": "of the boat with the water in it [t]",
     "rudder": "largest angle either way [deg]",
     "stern": "that of the stern planes [deg]",
     "bow": "that of the bow planes [deg]",
@@ -122,6 +124,7 @@ RANGES: Final = {  # keys of the fact `range`
     "astern": "turns at most, astern [kn]",
     "bell": "a bell as it is ordered, a colon and its turns [kn]; one fact each",
     "tank": "a tank, a colon and what it holds [t]; one fact each",
+    "trim-arm": "distance between the centres of the trim tanks [m]",
 }
 WHO_KNOW: Final = ("instructor", "diving", "observer")  # test depth
 
@@ -129,6 +132,8 @@ WHO_KNOW: Final = ("instructor", "diving", "observer")  # test depth
 def ranges(boat: Boat, role: Role) -> Iterator[tuple[str, str]]:
     """Yield keys of the vessel's ranges and their values. What the boat lacks is not among them."""
     hull, run, c = boat.file.hull, boat.file.run, boat.vessel
+    yield "length", f"{hull.length:g}"
+    yield "mass", f"{hull.mass / TONNE:g}"
     for surface, letter in SURFACES.items():
         limit = math.degrees(float(c[f"limit_{letter}"])) if boat.toward[surface] else 0.0
         yield from ((surface, f"{limit:g}") for _ in range(limit > 0.0))
@@ -145,6 +150,9 @@ def ranges(boat: Boat, role: Role) -> Iterator[tuple[str, str]]:
     for name, whole in zip(TANKS, c.capacity.tolist(), strict=True):
         if whole and name not in COMPARTMENTS:
             yield "tank", f"{name}:{whole / TONNE:g}"
+    fore, aft = (TANKS.index(name) for name in ("trim_forward", "trim_aft"))
+    if c.capacity[fore] and c.capacity[aft]:
+        yield "trim-arm", f"{float(c.x[fore] - c.x[aft]):g}"
 
 
 def range_table() -> str:

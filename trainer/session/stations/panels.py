@@ -204,6 +204,20 @@ def on(name: str) -> Field:
     return word(name, lambda frame: "on" if frame[name] else "off")
 
 
+def compressor(frame: Frame) -> Value:
+    """Return whether the compressor works, where the boat has one."""
+    if not frame.boat.vessel.compressor_rate:
+        return None
+    return "on" if frame["compressor"] else "off"
+
+
+def trim_mode(frame: Frame) -> Value:
+    """Return who trims, where the boat has trim tanks."""
+    if not frame.fittings.capacity[TANKS.index("trim_forward")]:
+        return None
+    return "hand" if frame["trim_by_hand"] else "auto"
+
+
 def draining(frame: Frame) -> Value:
     """Return the compartment that is pumped out."""
     place = int(frame["drained"])
@@ -351,6 +365,7 @@ CHANNELS: Final = (
             tonnes("moving_depth_control", "move_depth_control"),
             word("draining", draining),
             on("hover"),
+            word("trim_mode", trim_mode),
         ),
     ),
     Channel(
@@ -358,7 +373,7 @@ CHANNELS: Final = (
         "the air banks",
         (
             *(field for i, bank in enumerate(BANKS) for field in bank_fields(i, bank)),
-            on("compressor"),
+            word("compressor", compressor),
         ),
     ),
     Channel(

@@ -41,6 +41,7 @@ CONTROLS: Final = (
     Control("the course is", ("course", "course-by", "course-to"), ("helm", "pilot")),
     Control("the engine is", ("speed", "turns", "rpm", "bell"), ("helm", "pilot")),
     Control("the planes are", ("stern", "bow", "planes"), ("planes", "pilot", "diving")),
+    Control("the lever is", ("lever",), ("visitor",)),
     Control("the depth is", ("depth", "periscope"), ("planes", "pilot", "diving")),
     Control("main ballast is", ("blow", "emergency", "vent"), ("ballast", "diving")),
     Control("the negative tank is", ("negative",), ("ballast", "diving")),
@@ -51,12 +52,13 @@ CONTROLS: Final = (
     Control("orders to the crew are", ("order", "tell", "belay"), ("diving",)),
     Control("reports and repeats are", ("report", "aye"), CREW),
     Control("the record is", ("mark",), ("observer",)),
-    Control("to be ready is", ("ready",), ("helm", "planes", "pilot", "ballast", "diving")),
+    Control("to be ready is", ("ready",), CREW),
+    Control("the dive from the start is", ("restart",), ("visitor",)),
     Control("the autopilot as a whole is", ("autopilot",), ()),
 )
 
 # What happens, by kind: in words, and which roles hear of it; () is the instructor alone.
-EVERYBODY: Final = ("helm", "planes", "pilot", "ballast", "diving", "observer")
+EVERYBODY: Final = (*CREW, "observer", "visitor")
 KINDS: Final[Mapping[str, tuple[str, tuple[str, ...]]]] = {
     "time": ("time stopped, let go on or made faster; the end", EVERYBODY),
     "moment": ("gone back to a moment, replayed, taken over", EVERYBODY),
@@ -67,7 +69,7 @@ KINDS: Final[Mapping[str, tuple[str, tuple[str, ...]]]] = {
     "mark": ("a moment marked, with a remark", ("observer",)),
     "marks": ("the marks of an exercise, once they are released", EVERYBODY),
     "watch": ("a limit passed, the surface broken, an order carried out the wrong way", ()),
-    "pilot": ("what the autopilot gives up, and has again", EVERYBODY),
+    "pilot": ("what the autopilot gives up and has again; what an X-tail does not give", EVERYBODY),
     "depth": ("test depth near, passed and beyond; the collapse of the hull", EVERYBODY),
     "refused": ("an order outside a role, a wrong token, a line that is no order", ()),
     "trouble": ("late ticks, a port or the recording in trouble", ()),
@@ -114,6 +116,7 @@ ROLES: Final[Mapping[str, Role]] = {
         _role("ballast", "the ballast station's", "tanks", "air", "valves"),
         _role("diving", "the diving officer's", "diving", "engine", "tanks", "air", "valves"),
         _role("observer", "an observer's", *PANELS),
+        _role("visitor", "a visitor's", "diving"),
     )
 }
 

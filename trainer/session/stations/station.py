@@ -12,11 +12,12 @@ from typing import Final, NamedTuple
 
 from trainer.io.line import Line
 from trainer.io.lines import Overlong
+from trainer.io.noise_log import NoiseLog
 from trainer.io.orders import sentences
 from trainer.io.orders.grammar import BadOrder, Order, Refused, Reply, to_the_crew
 from trainer.io.orders.help import help_text
 from trainer.io.orders.sentences import Heard, hear
-from trainer.session.stations.access import GUESSES, Access, NoiseLog
+from trainer.session.stations.access import GUESSES, Access
 from trainer.session.stations.channels import EVENTS, TELETYPE
 from trainer.session.stations.display import WIDTH
 from trainer.session.stations.roles import COMMON, INSTRUCTOR, ROLES, Role, hears, refusal

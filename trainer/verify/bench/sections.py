@@ -16,6 +16,7 @@ from trainer.verify.bench import (
     peers,
     same_bits,
     start_up,
+    web,
 )
 from trainer.verify.c_reference import comparison
 
@@ -29,6 +30,7 @@ class Wanted:
     file: VesselFile
     seconds: float
     minutes: float  # of a session in a crowd
+    attended: float  # [s] of a session with pages
 
 
 @dataclass(frozen=True)
@@ -47,12 +49,12 @@ class LeftOut:
 
 
 def or_left_out(section: Section) -> Section:
-    """Return a part that needs a C compiler. It is left out with the reason without one."""
+    """Return a part that needs a compiler or a browser. Without it, it says so and is left out."""
 
     def measure(wanted: Wanted) -> Any:
         try:
             return section.measure(wanted)
-        except NoCompilerError as error:
+        except (NoCompilerError, web.NoBrowserError) as error:
             return LeftOut(str(error))
 
     def lines(figures: Any) -> list[str]:
@@ -80,5 +82,8 @@ SECTIONS: Final = {
         lambda wanted: end_to_end.time_helm(wanted.file, wanted.seconds), end_to_end.lines
     ),
     "starting": Section(lambda _wanted: start_up.time_starts(), start_up.lines),
+    "web": or_left_out(
+        Section(lambda wanted: web.time_pages(wanted.file, wanted.attended), web.lines)
+    ),
     "identify": Section(lambda _wanted: identify.identify_speed(SAMPLES), identify.lines),
 }

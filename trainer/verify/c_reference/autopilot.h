@@ -32,21 +32,26 @@ static void move_reference(
     s->reference[axis] = within(moved, here, leash(gains, slew));
 }
 
+static void follow_boat(
+    int axis, double here, double rate, const double *gains, struct state *s)
+{
+    s->reference[axis] = here;
+    s->reference_rate[axis] = within(rate, 0.0, gains[DEPTH_SLEW + 2 * axis]);
+}
+
 static void slew_depth(double h, const double *gains, struct state *s)
 {
-    if ((s->stern_by_hand != 0.0 && s->bow_by_hand != 0.0) || s->ascent != 0.0) {
-        s->depth_reference = s->z;
-        s->depth_reference_rate = s->zdot;
-    } else
+    if ((s->stern_by_hand != 0.0 && s->bow_by_hand != 0.0) || s->ascent != 0.0)
+        follow_boat(DEPTH, s->z, s->zdot, gains, s);
+    else
         move_reference(DEPTH, s->z, h, gains, s);
 }
 
 static void slew_course(double h, const double *gains, struct state *s)
 {
-    if (s->rudder_by_hand != 0.0) {
-        s->psi_reference = s->psi;
-        s->psi_reference_rate = s->r;
-    } else
+    if (s->rudder_by_hand != 0.0)
+        follow_boat(COURSE, s->psi, s->r, gains, s);
+    else
         move_reference(COURSE, s->psi, h, gains, s);
 }
 

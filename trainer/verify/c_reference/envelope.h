@@ -30,9 +30,11 @@ static int validity(const struct vessel *c, const struct state *s)
 static int substeps(const struct vessel *c, double h, int afloat, const struct state *s)
 {
     double phase = 0.0;
+    if (c->u_c_ahead > 0.0)
+        phase = s->u / (BEYOND * c->u_c_ahead);
     if (wide_share(c, s) > 0.0) {
         double speed = sqrt(s->u * s->u + cross_speed_squared(c, s));
-        phase = h * c->stiffness * speed / SUBSTEP;
+        phase = most(phase, h * c->stiffness * speed / SUBSTEP);
     }
     if (afloat)
         phase = most(phase, h * c->surface_mode / SURFACE_SUBSTEP);

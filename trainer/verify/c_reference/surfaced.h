@@ -89,7 +89,8 @@ static void add_waterplane(
     cosine_and_sine(s->theta, &cos_th, &sin_th);
     cosine_and_sine(s->phi, &cos_phi, &sin_phi);
     double down_x = -sin_th, down_y = cos_th * sin_phi, down_z = cos_th * cos_phi;
-    double z = heavy * c->hull_axis, square = s->u * s->u;
+    double z = heavy * c->hull_axis;
+    double square = least(s->u * s->u, HUMP * HUMP * c->g * c->ell);
     force[0] += heavy * down_x;
     force[0] -= c->wave_drag * least(above / 0.05, 1.0) * square * square * s->u * fabs(s->u);
     force[1] += heavy * down_y;

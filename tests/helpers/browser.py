@@ -1,0 +1,68 @@
+"""A browser and sessions with pages, for the tests of the pages."""
+
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack
+
+import pytest
+from playwright.sync_api import Browser, Page, sync_playwright
+
+from helpers.pages import QUIET, SIZES, Heard, Served, find_chromium, served
+
+Serve = Callable[..., Served]
+Look = Callable[..., Page]
+
+
+@pytest.fixture(scope="session")
+def browser() -> Iterator[Browser]:
+    """Return one Chromium for all tests of a process."""
+    chromium = find_chromium()
+    with (
+        sync_playwright() as playwright,
+        playwright.chromium.launch(executable_path=chromium, args=QUIET) as opened,
+    ):
+        yield opened
+
+
+@pytest.fixture
+def serve() -> Iterator[Serve]:
+    """Return a function that serves a session with pages: ``serve("periscope-depth")``."""
+    with ExitStack() as stack:
+        yield lambda *words, **how: stack.enter_context(served(*words, **how))
+
+
+@pytest.fixture(scope="module")
+def shared() -> Iterator[Served]:
+    """Return one session, free of any exercise, for the tests of a module that change little."""
+    with served() as session:
+        yield session
+
+
+@pytest.fixture
+def look(browser: Browser) -> Iterator[Look]:
+    """Return a function that opens a page: ``look(session, "helm", size="phone")``.
+
+    At the end the test fails where a page has said something on its console, or has asked
+    elsewhere.
+    """
+    with ExitStack() as stack:
+        pages: list[tuple[str, Heard]] = []
+
+        def open_page(
+            session: Served, name: str = "", size: str = "laptop", query: str = "", **how: object
+        ) -> Page:
+            width, height = SIZES[size]
+            viewport = {"width": width, "height": height}
+            context = browser.new_context(viewport=viewport, **how)  # type: ignore[arg-type]
+            stack.callback(context.close)
+            page, heard = context.new_page(), Heard()
+            pages.append((session.url, heard))
+            page.on("console", lambda said: heard.console.append(said.text))
+            page.on("pageerror", lambda error: heard.console.append(str(error)))
+            page.on("request", lambda request: heard.requests.append(request.url))
+            page.goto(f"{session.url}/{name}{query}")
+            return page
+
+        yield open_page
+        for url, heard in pages:
+            assert not heard.console
+            assert not heard.foreign(url)

@@ -1,0 +1,128 @@
+"""Sessions with pages, and a browser that looks at them."""
+
+import contextlib
+import shutil
+import socket
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Final
+
+from helpers.installation import installed
+from helpers.places import environment
+from trainer.verify.soak.session_process import Caller
+
+SIZES: Final = {
+    "phone": (360, 640),
+    "phone-side": (640, 360),
+    "tablet": (768, 1024),
+    "laptop": (1280, 720),
+    "desk": (1920, 1080),
+    "4k": (3840, 2160),
+}
+PALETTES: Final = ("dusk", "day", "night")
+QUIET: Final = (  # nothing but the page asks for anything
+    *("--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run"),
+    *("--disable-background-networking", "--disable-component-update", "--disable-sync"),
+    *("--autoplay-policy=no-user-gesture-required", "--hide-scrollbars"),
+)
+PATIENCE: Final = 60.0  # [s] ten times what it takes on two busy cores
+
+
+def find_chromium() -> str:
+    """Return the path of Chromium; where there is none the test is skipped, and says so."""
+    for name in ("chromium-browser", "google-chrome"):
+        if found := shutil.which(name):
+            return found
+    return installed("chromium", "chromium")
+
+
+def free_port() -> int:
+    """Return a port that is free now."""
+    with socket.create_server(("127.0.0.1", 0)) as end:
+        return int(end.getsockname()[1])
+
+
+@dataclass
+class Served:
+    """A session with pages, in a process of its own."""
+
+    process: subprocess.Popen[str]
+    port: int
+    folder: Path
+    callers: list[Caller] = field(default_factory=list)
+
+    @property
+    def url(self) -> str:
+        """Return where the pages are."""
+        return f"http://127.0.0.1:{self.port}"
+
+    @property
+    def socket(self) -> Path:
+        """Return the local socket of the session."""
+        return self.folder / "s.sock"
+
+    def attach(self, role: str = "instructor") -> Caller:
+        """Return a program's line to the session, with that role."""
+        caller = Caller(self.socket, PATIENCE)
+        taken, why = caller.ask(f"role {role}")
+        assert taken, why
+        self.callers.append(caller)
+        return caller
+
+
+@contextlib.contextmanager
+def served(*words: str, frozen: bool = True) -> Iterator[Served]:
+    """Serve a session with pages while the block lasts: ``trainer serve WORDS --web ...``."""
+    with tempfile.TemporaryDirectory(prefix="web") as name:
+        folder, port = Path(name), free_port()
+        own = {"XDG_RUNTIME_DIR": str(folder), "XDG_STATE_HOME": str(folder)}
+        line = [*words, "--listen", "none", "--socket", str(folder / "s.sock")]
+        line += ["--web", f"127.0.0.1:{port}", *(["--frozen"] if frozen else [])]
+        with (folder / "said").open("w") as said:
+            process = subprocess.Popen(
+                [sys.executable, "-m", "trainer", "serve", *line],
+                env={**environment(), **own},
+                stdout=said,
+                stderr=said,
+                text=True,
+                cwd=folder,
+            )
+        try:
+            await_pages(process, port, folder / "said")
+            session = Served(process, port, folder)
+            yield session
+            for caller in session.callers:
+                caller.hang_up()
+        finally:
+            process.terminate()
+            process.wait(PATIENCE)
+
+
+def await_pages(process: subprocess.Popen[str], port: int, said: Path) -> None:
+    """Wait until the pages are served."""
+    end = time.monotonic() + PATIENCE
+    while time.monotonic() < end:
+        assert process.poll() is None, said.read_text()
+        if f"://127.0.0.1:{port}/" in said.read_text():
+            with contextlib.suppress(OSError), socket.create_connection(("127.0.0.1", port), 1):
+                return
+        time.sleep(0.05)
+    raise AssertionError(said.read_text())
+
+
+@dataclass
+class Heard:
+    """What a page has said on the console, and where it has sent requests."""
+
+    console: list[str] = field(default_factory=list)
+    requests: list[str] = field(default_factory=list)
+
+    def foreign(self, url: str) -> list[str]:
+        """Return the requests that left the server."""
+        own = (url, url.replace("http", "ws"), "data:", "blob:")
+        return [each for each in self.requests if not each.startswith(own)]

@@ -1,0 +1,143 @@
+"""The wire to the pages' server without a browser: requests by hand, web sockets, a stub."""
+
+import contextlib
+import http.client
+import socket
+import ssl
+import subprocess
+import threading
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import pytest
+import uvicorn
+from websockets.sync.client import ClientConnection, connect
+
+from helpers.pages import PATIENCE, free_port
+from trainer import __version__
+from trainer.io.orders.sentences import Sentence, order_sentence, read
+from trainer.web.gate import Refusals
+from trainer.web.server import application, configuration
+
+
+@dataclass
+class Answered:
+    """An answer to a request."""
+
+    status: int
+    headers: dict[str, str]
+    body: bytes
+
+
+def request(
+    port: int,
+    path: str = "/",
+    method: str = "GET",
+    body: str = "",
+    context: ssl.SSLContext | None = None,
+    **headers: str,
+) -> Answered:
+    """Return the answer to a request, whose path and headers go out exactly as given."""
+    line: http.client.HTTPConnection
+    if context is None:
+        line = http.client.HTTPConnection("127.0.0.1", port, timeout=PATIENCE)
+    else:
+        line = http.client.HTTPSConnection("127.0.0.1", port, timeout=PATIENCE, context=context)
+    with contextlib.closing(line):
+        line.putrequest(method, path, skip_host="Host" in headers, skip_accept_encoding=True)
+        for name, value in headers.items():
+            line.putheader(name.replace("_", "-"), value)
+        line.putheader("Content-Length", str(len(body)))
+        line.endheaders(body.encode())
+        got = line.getresponse()
+        kept = {name.casefold(): value for name, value in got.getheaders()}
+        return Answered(got.status, kept, got.read())
+
+
+@contextlib.contextmanager
+def dialled(
+    port: int, version: str = __version__, cookies: str = "", scheme: str = "ws", **how: Any
+) -> Iterator[ClientConnection]:
+    """Yield a page's line, as its script opens it."""
+    origin = f"{scheme.replace('ws', 'http')}://127.0.0.1:{port}"
+    with connect(
+        f"{scheme}://127.0.0.1:{port}/line?version={version}",
+        origin=how.pop("origin", origin),
+        additional_headers={"Cookie": cookies} if cookies else None,
+        open_timeout=PATIENCE,
+        max_queue=how.pop("max_queue", None),  # else it reads no more
+        close_timeout=1.0,
+        ping_interval=None,
+        **how,
+    ) as line:
+        yield line
+
+
+def ask(line: ClientConnection, words: str, tag: str = "7") -> tuple[str, ...]:
+    """Give an order at a page's line; return the fields of the last answer."""
+    line.send(order_sentence(words, tag))
+    while True:
+        said = hear(line)
+        if said and (said.kind, said.tag) == ("TRA", tag) and said.fields[0] != "say":
+            return said.fields
+
+
+def hear(line: ClientConnection) -> Sentence | None:
+    """Return the next sentence that comes."""
+    return read(str(line.recv(PATIENCE)))
+
+
+@dataclass
+class Pages:
+    """The pages' server in a thread of this process, with a stub in place of the session."""
+
+    port: int
+    told: list[str] = field(default_factory=list)
+    sessions: list[socket.socket] = field(default_factory=list)  # our ends, one for each page
+
+    def reach(self) -> socket.socket:
+        """Return the far end of a new line."""
+        ours, theirs = socket.socketpair()
+        ours.settimeout(PATIENCE)
+        self.sessions.append(ours)
+        return theirs
+
+
+@contextlib.contextmanager
+def pages(host: str = "127.0.0.1", **settings: object) -> Iterator[Pages]:
+    """Serve the pages of a stub; ``settings`` are uvicorn's own."""
+    served = Pages(free_port())
+    config = configuration(application(served.reach, host, Refusals(served.told.append)), None)
+    config.host, config.port = "127.0.0.1", served.port
+    for name, value in settings.items():
+        setattr(config, name, value)
+    server = uvicorn.Server(config)
+    thread = threading.Thread(target=server.run)
+    thread.start()
+    try:
+        while not server.started:
+            assert thread.is_alive()
+            thread.join(0.01)
+        yield served
+    finally:
+        server.should_exit = True
+        thread.join(PATIENCE)
+        assert not thread.is_alive()
+        for end in served.sessions:
+            end.close()
+
+
+def make_certificate(folder: Path) -> tuple[Path, Path]:
+    """Return a certificate of 127.0.0.1 and its key, made by openssl."""
+    cert, key = folder / "cert.pem", folder / "key.pem"
+    words = ["openssl", "req", "-x509", "-newkey", "rsa:2048", "-nodes", "-days", "2"]
+    words += ["-subj", "/CN=127.0.0.1", "-addext", "subjectAltName=IP:127.0.0.1"]
+    try:
+        subprocess.run(
+            [*words, "-keyout", str(key), "-out", str(cert)], check=True, capture_output=True
+        )
+    except FileNotFoundError:
+        pytest.skip("no openssl: install the package openssl")
+    return cert, key

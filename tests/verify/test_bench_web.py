@@ -1,0 +1,59 @@
+"""Stations in a browser, timed: one short run within ten times each goal."""
+
+import json
+import re
+import shutil
+from pathlib import Path
+
+import pytest
+from click.testing import CliRunner
+from helpers.pages import find_chromium
+from helpers.shell import typed
+
+from trainer.cli import main
+from trainer.session.time.ledger import Spread
+from trainer.verify.bench import web
+
+SPREAD = Spread(1_000, 2_000, 3_000, 4_000)
+
+
+@pytest.mark.slow
+def test_stations_in_a_browser_are_within_ten_times_the_goals(tmp_path: Path) -> None:
+    find_chromium()
+
+    done = typed("trainer bench --web --seconds 3 --json", tmp_path, "")  # beside other browsers
+
+    assert done.returncode == 0, done.stderr
+    found = json.loads(done.stdout)["web"]
+    seen, attended = found["looking"], found["attended"]
+    assert 0.0 < seen["first_picture"] < 15_000.0
+    assert 0.0 < seen["answer_median"] < 50.0
+    assert seen["answer_median"] <= seen["answer_p95"] < 200.0
+    assert seen["answer_median"] < seen["pixel_p95"] < 1500.0
+    assert seen["orders"] > 50
+    assert attended["stations"] == 30
+    assert attended["ticks"] >= 6
+    assert attended["missed"] <= 1
+    assert attended["lateness"]["p999_ns"] < 0.5e9
+
+
+def test_the_page_names_each_figure_with_its_goal() -> None:
+    looking = web.Looking("Chromium 1", 5, 200.0, 60, 4.0, 9.0, 8.0, 20.0, 19.9, 0.3, 0.5)
+    figures = web.Web(looking, web.Ticks(0, 120, 0, SPREAD), web.Ticks(30, 121, 1, SPREAD))
+
+    page = "\n".join(web.lines(figures))
+
+    assert "first picture    median 200 ms of 5 (1500)" in page
+    assert "order to answer  median 4.0 ms (5), 95 % 9.0 ms (20), 60 orders" in page
+    assert "pictures         19.9 a second (20); script median 0.30 ms" in page
+    assert re.search(r"30 stations +1\.0 +2\.0 +3\.0 +4\.0\n", page)
+    assert "missed: 0 of 120 alone, 1 of 121 with stations (0)" in page
+
+
+def test_without_a_browser_the_bench_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(shutil, "which", lambda _name: None)
+
+    done = CliRunner().invoke(main.cli, ["bench", "--web"])
+
+    assert done.exit_code == 0
+    assert done.stdout == "trainer bench --web needs Chromium: install the package chromium\n"

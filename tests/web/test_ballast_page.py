@@ -1,0 +1,324 @@
+"""The ballast page: each control gives its order, and the picture shows what stands."""
+
+import re
+from collections.abc import Callable
+from typing import Final
+
+import pytest
+from helpers.hands import CUT, WAYS, read, step, work
+from helpers.pages import SIZES, Served
+from playwright.sync_api import Page, expect
+
+from trainer.verify.soak.session_process import Caller
+
+Serve = Callable[..., Served]
+Look = Callable[..., Page]
+
+# What is worked, how the session then stands, and after which group key on a small screen.
+CONTROLS: Final = (
+    ("[data-lever=aft] [data-position=vent]", "valves.vent_aft", "open"),
+    ("[data-lever=mid] [data-position=vent]", "valves.vent_mid", "open"),
+    ("[data-lever=forward] [data-position=vent]", "valves.vent_forward", "open"),
+    ("[data-lever=aft] [data-position=shut]", "valves.vent_aft", "shut"),
+    ("[data-lever=aft] [data-position=blow]", "valves.blow_aft", "open"),
+    ("[data-lever=mid] [data-position=blow]", "valves.blow_mid", "open"),
+    ("[data-lever=forward] [data-position=blow]", "valves.blow_forward", "open"),
+    ("[data-lever=forward] [data-position=shut]", "valves.blow_forward", "shut"),
+    ("[data-lever=mid] [data-position=shut]", "valves.blow_mid", "shut"),
+    ("[data-lever=negative] [data-position=flood]", "valves.negative_flood", "open"),
+    ("[data-lever=negative] [data-position=blow]", "valves.blow_negative", "open"),
+    ("[data-lever=negative] [data-position=shut]", "valves.negative_flood", "shut"),
+    ("[data-order='vent all open']", "valves.vent_mid", "open"),
+    ("[data-shut]", "valves.vent_mid", "shut"),
+    ("[data-order='blow all']", "valves.blow_mid", "open"),
+    ("[data-shut]", "valves.blow_mid", "shut"),
+    ("[data-switch=trim] [data-position=hand]", "tanks.trim_mode", "hand"),
+    ("[data-pump=trim] .high", "tanks.moving_trim", "2.0"),
+    ("[data-pump=trim] .stop", "tanks.moving_trim", "0.0"),
+    ("[data-pump=trim] .low", "tanks.moving_trim", "-2.0"),
+    ("[data-switch=trim] [data-position=auto]", "tanks.trim_mode", "auto"),
+    ("[data-pump=auxiliary] .high", "tanks.moving_auxiliary", "2.0"),
+    ("[data-pump=auxiliary] .low", "tanks.moving_auxiliary", "-2.0"),
+    ("[data-pump=auxiliary] .stop", "tanks.moving_auxiliary", "0.0"),
+    ("[data-pump=depth_control] .low", "tanks.moving_depth_control", "-2.0"),
+    ("[data-pump=depth_control] .high", "tanks.moving_depth_control", "2.0"),
+    ("[data-pump=depth_control] .stop", "tanks.moving_depth_control", "0.0"),
+    ("[data-switch=hover] [data-position=on]", "tanks.hover", "on"),
+    ("[data-switch=hover] [data-position=off]", "tanks.hover", "off"),
+    ("[data-switch=compressor] [data-position=on]", "air.compressor", "on"),
+    ("[data-switch=compressor] [data-position=off]", "air.compressor", "off"),
+    ("[data-switch=drain] [data-position=aft]", "tanks.draining", "aft"),
+    ("[data-switch=drain] [data-position=centre]", "tanks.draining", "centre"),
+    ("[data-switch=drain] [data-position=forward]", "tanks.draining", "forward"),
+    ("[data-switch=drain] [data-position=stop]", "tanks.draining", ""),
+)
+
+
+@pytest.fixture
+def instructor(shared: Served) -> Caller:
+    """Return the instructor's line to the shared session, which is as at its start."""
+    caller = shared.callers[0] if shared.callers else shared.attach()
+    assert caller.ask("freeze")[0]
+    assert caller.ask("reset")[0]
+    assert caller.ask("freeze depth")[0]
+    return caller
+
+
+def open_ballast(look: Look, session: Served, **how: object) -> Page:
+    """Return the page, when it shows readings."""
+    page = look(session, "ballast", **how)
+    expect(page.locator("[data-place='gauges.depth']")).to_contain_text("m")
+    expect(page.locator("[data-lever=aft]")).to_be_visible()
+    return page
+
+
+@pytest.mark.parametrize("way", WAYS)
+def test_every_control_does_in_the_boat_what_it_says(
+    shared: Served, instructor: Caller, look: Look, way: str
+) -> None:
+    page = open_ballast(look, shared, has_touch=way == "touch")
+    for control, place, wanted in CONTROLS:
+        work(page, page.locator(control), way)
+        await_stepped(instructor, place, wanted)
+
+
+def test_switches_show_what_stands_and_what_is_ordered(
+    shared: Served, instructor: Caller, look: Look
+) -> None:
+    page = open_ballast(look, shared)
+    vent = page.locator("[data-lever=aft] [data-position=vent]")
+    vent.click()
+    expect(vent).to_have_attribute("aria-checked", "true")
+    expect(vent).not_to_have_attribute("data-stands", "")
+    step(instructor, 3)
+    expect(vent).to_have_attribute("data-stands", "")
+    expect(page.locator("[data-part=vent_aft]")).to_have_attribute("data-open", "true")
+    assert instructor.ask("vent aft shut")[0]
+    step(instructor, 1)
+    shut = page.locator("[data-lever=aft] [data-position=shut]")
+    expect(shut).to_have_attribute("data-stands", "")
+    expect(shut).to_have_attribute("aria-checked", "true")
+
+
+def test_arrow_keys_move_a_switch_by_one_position(
+    shared: Served, instructor: Caller, look: Look
+) -> None:
+    page = open_ballast(look, shared)
+    page.locator("[data-lever=mid] [data-position=shut]").focus()
+    page.keyboard.press("ArrowUp")
+    await_stepped(instructor, "valves.vent_mid", "open")
+    expect(page.locator("[data-lever=mid] [data-position=vent]")).to_be_focused()
+    page.keyboard.press("ArrowDown")
+    await_stepped(instructor, "valves.vent_mid", "shut")
+
+
+def await_stepped(caller: Caller, place: str, wanted: str) -> None:
+    """Let the frozen session make ticks until it says this of a place, amounts within 0.3 t."""
+    for _ in range(100):
+        found = read(caller, place)
+        if found == wanted or (place.startswith("tanks.moving") and near(found, wanted)):
+            return
+        step(caller, 1)
+    raise AssertionError(f"{place} is {read(caller, place)}, not {wanted}")
+
+
+def near(found: str, wanted: str) -> bool:
+    """Return whether an amount [t] is as good as the other: pumps have begun to move it."""
+    return abs(float(found) - float(wanted)) < 0.3
+
+
+def test_a_group_that_is_shut_leaves_the_others_blowing(
+    shared: Served, instructor: Caller, look: Look
+) -> None:
+    page = open_ballast(look, shared)
+    for lever, position in (("aft", "blow"), ("mid", "blow"), ("negative", "flood")):
+        page.locator(f"[data-lever={lever}] [data-position={position}]").click()
+    await_stepped(instructor, "valves.negative_flood", "open")
+    assert read(instructor, "valves.blow_aft") == "open"
+    page.locator("[data-lever=aft] [data-position=shut]").click()
+
+    await_stepped(instructor, "valves.blow_aft", "shut")
+    assert read(instructor, "valves.blow_mid") == "open"
+    assert read(instructor, "valves.negative_flood") == "open"
+    assert read(instructor, "valves.vent_negative") == "open"
+    assert read(instructor, "valves.blow_forward") == "shut"
+
+
+def test_amounts_to_move_add_up_and_count_down(
+    shared: Served, instructor: Caller, look: Look
+) -> None:
+    page = open_ballast(look, shared)
+    assert instructor.ask("trim manual")[0]
+    pump = page.locator("[data-pump=auxiliary]")
+    pump.get_by_role("radio", name="5").click()
+    expect(pump.locator(".high")).to_contain_text("5 t")
+    pump.locator(".high").click()
+    pump.locator(".high").click()
+    expect(pump.locator(".left")).to_have_text("Flood: 10.0 t to go")
+    before = float(read(instructor, "tanks.auxiliary"))
+    step(instructor, 40)
+    moved = float(read(instructor, "tanks.auxiliary")) - before
+    assert 0.1 < moved < 9.5
+    assert float(read(instructor, "tanks.moving_auxiliary")) == pytest.approx(10 - moved, abs=0.1)
+    left = read(instructor, "tanks.moving_auxiliary")
+    expect(pump.locator(".left")).to_have_text(f"Flood: {left} t to go")
+    expect(page.locator("[data-part='auxiliary target']")).to_have_attribute("d", re.compile("M"))
+    pump.get_by_role("radio", name="5").focus()
+    page.keyboard.press("ArrowRight")
+    pump.locator(".low").click()
+    expect(pump.locator(".left")).to_have_text("Pump: 10.0 t to go")
+
+
+@pytest.mark.parametrize("way", WAYS)
+def test_an_emergency_blow_needs_its_cover_lifted_and_a_push(
+    shared: Served, instructor: Caller, look: Look, way: str
+) -> None:
+    page = open_ballast(look, shared, has_touch=way == "touch")
+    push = page.locator("emergency-cover .push")
+    expect(push).to_be_disabled()
+    work(page, page.locator("emergency-cover .cover"), way)
+    expect(push).to_be_enabled()
+    assert read(instructor, "valves.blow_mid") == "shut"
+    work(page, push, way)
+
+    expect(page.locator("#answer")).to_contain_text("both banks")
+    step(instructor, 1)
+    assert read(instructor, "valves.blow_mid") == "emergency"
+    expect(push).to_be_disabled()
+
+
+def test_the_cover_falls_shut_again_and_two_taps_do_not_blow(
+    shared: Served, instructor: Caller, look: Look
+) -> None:
+    page = open_ballast(look, shared)
+    cover, push = page.locator("emergency-cover .cover"), page.locator("emergency-cover .push")
+    cover.dblclick()
+    expect(push).to_be_enabled()
+    expect(page.locator("emergency-cover .left")).to_contain_text("shuts in")
+    expect(push).to_be_disabled(timeout=8000)
+    step(instructor, 1)
+    assert read(instructor, "valves.blow_mid") == "shut"
+
+    box = cover.bounding_box()
+    assert box
+    page.mouse.move(box["x"] + 20, box["y"] + box["height"] - 10)
+    page.mouse.down()
+    page.mouse.move(box["x"] + 20, box["y"] + 10, steps=4)
+    page.mouse.up()
+    expect(push).to_be_enabled()
+
+
+def test_the_crew_is_told_when_little_air_is_left(
+    shared: Served, instructor: Caller, look: Look
+) -> None:
+    page = open_ballast(look, shared)
+    alerts = page.locator("alert-bar")
+    assert instructor.ask("emergency blow")[0]
+    for share, rank, title in ((20, "caution", "below 20 %"), (5, "warning", "below 5 %")):
+        while float(read(instructor, "air.main_full")) >= share:
+            step(instructor, 40)
+        entry = alerts.locator(f".alert[data-rank={rank}]", has_text=f"Main air bank {title}")
+        expect(entry).to_be_visible()
+        bank = page.locator("[data-part='bank main']")
+        expect(bank).to_have_attribute("data-rank", rank)
+        expect(page.locator("[data-place='air.main']")).to_have_text(
+            f"{read(instructor, 'air.main')} MPa"
+        )
+
+
+def test_the_picture_shows_levels_flows_and_flooded_compartments(
+    shared: Served, instructor: Caller, look: Look
+) -> None:
+    page = open_ballast(look, shared)
+    assert instructor.ask("trim manual")[0]
+    assert instructor.ask("blow aft")[0]
+    assert instructor.ask("flood depth-control 10")[0]
+    assert instructor.ask("casualty flooding-aft")[0]
+    assert instructor.ask("run")[0]
+    expect(page.locator(".tank[data-part=aft]")).to_have_attribute("data-flow", "out")
+    expect(page.locator(".tank[data-part=depth_control]")).to_have_attribute("data-flow", "in")
+    expect(page.locator(".tank[data-part=mid]")).to_have_attribute("data-flow", "none")
+    expect(page.locator("[data-part='flood_aft word']")).to_contain_text("FLOODED")
+    assert instructor.ask("freeze")[0]
+    amount, full = read(instructor, "tanks.aft"), read(instructor, "tanks.aft_full")
+    value = page.locator("[data-part='aft value']")
+    expect(value).to_have_text(f"{amount} t {float(full):.0f} %".replace("t ", "t  "))
+    page.locator(".tank[data-part=aft]").focus()
+    page.keyboard.press("Enter")
+    whole = 184.5  # [t] of the aft tank of BB2, 180 m3 of sea water
+    expect(page.locator("#tank")).to_have_text(f"Aft main: {amount} of {whole} t")
+
+
+def test_an_order_to_all_is_repeated_by_its_key(
+    shared: Served, instructor: Caller, look: Look
+) -> None:
+    page = open_ballast(look, shared)
+    assert instructor.ask("tell prepare to surface")[0]
+    bar = page.locator("repeat-bar")
+    expect(bar).to_contain_text("prepare to surface")
+    expect(page.locator("#ordered")).to_contain_text("prepare to surface")
+    bar.get_by_role("button").click()
+    expect(bar).to_be_hidden()
+    assert any("prepare to surface aye" in each.fields[3] for each in heard(instructor))
+
+
+@pytest.mark.parametrize("way", WAYS)
+def test_the_station_reports_to_the_instructor(
+    shared: Served, instructor: Caller, look: Look, way: str
+) -> None:
+    page = open_ballast(look, shared, has_touch=way == "touch")
+    page.get_by_label("Report", exact=True).fill(f"trim is right {way}")
+    work(page, page.locator("report-bar button"), way)
+    expect(page.get_by_label("Report", exact=True)).to_be_empty()
+    page.locator("[data-order='blow all']").click()
+    expect(page.locator("#answer")).to_contain_text("blow all")
+    assert any(f"trim is right {way}" in each.fields[3] for each in heard(instructor))
+
+
+def heard(caller: Caller) -> list:  # type: ignore[type-arg]
+    """Return what has happened, as a line has heard it."""
+    assert caller.ask("who")[0]
+    return caller.news
+
+
+@pytest.mark.usefixtures("instructor")
+def test_nothing_is_cut_at_any_size(shared: Served, look: Look) -> None:
+    page = open_ballast(look, shared)
+    for width, height in SIZES.values():
+        page.set_viewport_size({"width": width, "height": height})
+        keys = page.locator("part-keys[part=group] button")
+        shown = keys.count() if keys.first.is_visible() else 1
+        for place in range(shown):
+            if shown > 1:
+                keys.nth(place).click()
+            assert page.evaluate(CUT) == [], f"{width}x{height}, group {place}"
+
+
+@pytest.mark.slow
+def test_a_boat_without_tanks_is_told_so_and_has_no_controls(serve: Serve, look: Look) -> None:
+    session = serve("--vessel", "remus100")
+    page = look(session, "ballast")
+    expect(page.locator("tank-mimic .none")).to_be_visible()
+    expect(page.locator("section.group")).to_have_count(6)
+    for each in page.locator("section.group").all():
+        expect(each).to_be_hidden()
+
+
+def test_a_page_whose_session_dies_is_stale_and_inert(serve: Serve, look: Look) -> None:
+    session = serve()
+    page = open_ballast(look, session)
+    session.process.kill()
+
+    expect(page.locator("#state")).to_have_text("NO LINK")
+    expect(page.locator("tank-mimic")).to_have_attribute("data-stale", "")
+    expect(page.locator("tank-mimic .cross")).to_be_visible()
+    expect(page.locator(".readouts")).to_have_attribute("data-stale", "")
+    expect(page.locator(".groups")).to_have_attribute("inert", "")
+    await_still(page)
+
+
+def await_still(page: Page) -> None:
+    """See that a control of a lost page gives no order."""
+    before = page.locator("#answer").text_content()
+    page.locator("[data-order='blow all']").click(force=True)
+    assert page.locator("#answer").text_content() == before

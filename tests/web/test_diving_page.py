@@ -1,0 +1,260 @@
+"""The diving officer's and the observer's pages: orders to the crew, what planes hold, marks."""
+
+import re
+from collections.abc import Callable
+from typing import Final
+
+import pytest
+from helpers.hands import CUT, WAYS, await_truth, read, step, work
+from helpers.pages import SIZES, Served
+from playwright.sync_api import Page, expect
+
+from trainer.verify.soak.session_process import Caller
+
+Serve = Callable[..., Served]
+Look = Callable[..., Page]
+
+# Digits, the key after them, and how the order then stands.
+NUMBERS: Final = (
+    ("80", "depth, m", {"orders.depth": "80.0", "orders.depth_unit": "m"}),
+    ("200", "depth, ft", {"orders.depth": "61.0", "orders.depth_unit": "ft"}),
+    ("5", "bubble down", {"orders.pitch": "-5.0"}),
+    ("3", "bubble up", {"orders.pitch": "3.0"}),
+    ("45", "course left", {"orders.course": "45.0", "orders.course_side": "left"}),
+    ("90", "course right", {"orders.course": "90.0", "orders.course_side": "right"}),
+    ("120", "course", {"orders.course": "120.0", "orders.course_side": ""}),
+    ("8", "speed, kn", {"orders.speed": "8.0"}),
+)
+
+
+@pytest.fixture
+def instructor(shared: Served) -> Caller:
+    """Return the instructor's line to the shared session, which is as at its start."""
+    caller = shared.callers[0] if shared.callers else shared.attach()
+    assert caller.ask("freeze")[0]
+    assert caller.ask("reset")[0]
+    return caller
+
+
+def open_page(look: Look, session: Served, name: str = "diving", **how: object) -> Page:
+    """Return the page, when it shows readings."""
+    page = look(session, name, **how)
+    expect(page.locator("#state")).to_have_text("FROZEN")
+    expect(page.locator("[data-place='gauges.heel']")).not_to_be_empty()
+    return page
+
+
+@pytest.mark.parametrize("way", WAYS)
+def test_the_keypad_orders_the_crew(
+    shared: Served, instructor: Caller, look: Look, way: str
+) -> None:
+    page = open_page(look, shared, has_touch=way == "touch")
+    for digits, key, wanted in NUMBERS:
+        for digit in digits:
+            work(
+                page,
+                page.locator("order-keypad").get_by_role("button", name=digit, exact=True),
+                way,
+            )
+        expect(page.locator("order-keypad .typed")).to_have_text(digits)
+        work(page, page.locator("order-keypad .ends").get_by_text(key, exact=True), way)
+        expect(page.locator("order-keypad .typed")).to_have_text("none")
+        expect(page.locator("#answer")).to_contain_text("ordered: ")
+        step(instructor, 1)
+        for place, value in wanted.items():
+            await_truth(instructor, place, value)
+
+
+def test_what_is_ordered_stands_in_its_unit_until_it_is_belayed(
+    shared: Served, instructor: Caller, look: Look
+) -> None:
+    page = open_page(look, shared)
+    page.locator("order-keypad").get_by_role("button", name="2", exact=True).focus()
+    page.keyboard.type("2000")
+    expect(page.locator("order-keypad .ends").get_by_text("depth, m")).to_be_disabled()
+    page.keyboard.press("Backspace")
+    page.locator("order-keypad .ends").get_by_text("depth, ft").click()
+    expect(page.locator("#answer")).to_contain_text("200 ft")
+    step(instructor, 1)
+    expect(page.locator("#standing")).to_contain_text("depth 200 ft")
+    expect(page.locator("#standing")).to_contain_text("not repeated yet")
+    expect(page.locator("#ordered")).to_have_text("depth 200 ft")
+    expect(page.locator("repeat-bar")).to_be_hidden()
+    page.get_by_role("button", name="Belay depth").click()
+    expect(page.locator("#answer")).to_contain_text("belay depth")
+    step(instructor, 1)
+    expect(page.locator("#standing")).to_have_text("none stands")
+    assert read(instructor, "orders.depth") == ""
+
+
+@pytest.mark.parametrize("way", WAYS)
+def test_phrases_to_the_crew_are_orders_to_the_crew(
+    shared: Served, instructor: Caller, look: Look, way: str
+) -> None:
+    page = open_page(look, shared, has_touch=way == "touch")
+    phrases = (
+        ("Periscope depth", "orders.depth", "17.5"),
+        ("Zero bubble", "orders.pitch", "0.0"),
+        ("Steady as she goes", "orders.course", "0.0"),
+    )
+    for phrase, place, value in phrases:
+        work(page, page.get_by_role("button", name=phrase), way)
+        expect(page.locator("#answer")).to_contain_text("ordered: ")
+        expect(page.locator("#answer")).to_contain_text(phrase.split()[0].lower()[:4])
+        step(instructor, 1)
+        await_truth(instructor, place, value)
+    work(page, page.locator("[data-order=belay]"), way)
+    expect(page.locator("#answer")).to_contain_text("belay")
+    step(instructor, 1)
+    await_truth(instructor, "orders.course", "")
+    work(page, page.get_by_label("Order in words"), way)
+    page.get_by_label("Order in words").focus()
+    page.keyboard.type("five degrees down bubble")
+    work(page, page.locator("#words button"), way)
+    expect(page.locator("#answer")).to_contain_text("five degrees down bubble")
+    step(instructor, 1)
+    await_truth(instructor, "orders.pitch", "-5.0")
+
+
+@pytest.mark.parametrize("way", WAYS)
+def test_what_acts_at_once_asks_first(
+    shared: Served, instructor: Caller, look: Look, way: str
+) -> None:
+    page = open_page(look, shared, has_touch=way == "touch")
+    acts = (
+        ("Surface", "valves.blow_mid", "open"),
+        ("Dive", "valves.vent_mid", "open"),
+        ("Hover", "tanks.hover", "on"),
+    )
+    for words, place, value in acts:
+        key = page.locator(".phrases").get_by_role("button", name=words)
+        before = read(instructor, place)
+        work(page, key, way)
+        work(page, page.get_by_role("button", name="No", exact=True), way)
+        expect(page.locator("dialog.question")).to_have_count(0)
+        step(instructor, 2)
+        assert read(instructor, place) == before != value
+        work(page, key, way)
+        work(page, page.locator("dialog.question .yes"), way)
+        expect(page.locator("#answer")).to_contain_text(words.lower())
+        step(instructor, 2)
+        assert read(instructor, place) == value
+
+
+def test_the_crews_repeats_are_shown(shared: Served, instructor: Caller, look: Look) -> None:
+    page = open_page(look, shared)
+    planes = shared.attach("planes")
+    page.locator("order-keypad").get_by_role("button", name="8", exact=True).click()
+    page.locator("order-keypad").get_by_role("button", name="0", exact=True).click()
+    page.locator("order-keypad .ends").get_by_text("depth, m").click()
+    expect(page.locator("#answer")).to_contain_text("80 m")
+    step(instructor, 1)
+    assert "WRONG" in planes.ask("depth 70 m aye")[1]
+    expect(page.locator("#standing [data-wrong]")).to_have_text("WRONG REPEAT")
+    assert planes.ask("aye")[0]
+    expect(page.locator("#standing")).to_contain_text("repeated")
+    expect(page.locator("#standing")).not_to_contain_text("not repeated")
+    expect(page.locator("#said")).to_contain_text("planes: depth 80 m aye")
+
+
+@pytest.mark.parametrize("way", WAYS)
+def test_the_instructors_order_is_repeated_by_its_key(
+    shared: Served, instructor: Caller, look: Look, way: str
+) -> None:
+    page = open_page(look, shared, has_touch=way == "touch")
+    assert instructor.ask("order depth 90 m")[0]
+    bar = page.locator("repeat-bar")
+    expect(bar).to_contain_text("depth 90 m")
+    work(page, bar.get_by_role("button"), way)
+    expect(bar).to_be_hidden()
+    assert instructor.ask("who")[0]
+    assert any("diving: depth 90 m aye" in each.fields[3] for each in instructor.news)
+
+
+def test_evidence_of_trim_is_what_the_planes_hold_in_the_mean(
+    shared: Served, instructor: Caller, look: Look
+) -> None:
+    page = open_page(look, shared)
+    assert instructor.ask("freeze depth")[0]
+    assert instructor.ask("bow planes rise 6")[0]
+    assert instructor.ask("stern planes dive 2")[0]
+    for _ in range(21):
+        step(instructor, 20)
+    expect(page.locator("#span")).to_have_text("mean of 03:00")
+    expect(page.locator("#bow-held")).to_have_text("hold 6.0 rise")
+    expect(page.locator("#stern-held")).to_have_text("hold 2.0 dive")
+    assert float(read(instructor, "diving.bow")) == pytest.approx(6.0, abs=0.05)
+    assert instructor.ask("bow planes zero")[0]
+    for _ in range(9):
+        step(instructor, 20)
+    half = re.compile(r"hold (2\.[89]|3\.[0-3]) rise")  # half of three minutes, but for the way
+    expect(page.locator("#bow-held")).to_have_text(half)
+
+
+@pytest.mark.parametrize("way", WAYS)
+def test_the_chosen_tank_has_its_controls_below(
+    shared: Served, instructor: Caller, look: Look, way: str
+) -> None:
+    page = open_page(look, shared, has_touch=way == "touch")
+    expect(page.locator("[data-pump=auxiliary]")).to_be_hidden()
+    work(page, page.locator(".tank[data-part=auxiliary]"), way)
+    expect(page.locator("#tank")).to_contain_text("Auxiliary: ")
+    work(page, page.locator("[data-pump=auxiliary] .high"), way)
+    expect(page.locator("#answer")).to_contain_text("under way")
+    step(instructor, 1)
+    assert float(read(instructor, "tanks.moving_auxiliary")) == pytest.approx(2.0, abs=0.1)
+    work(page, page.get_by_role("button", name="EMERG."), way)
+    work(page, page.locator("emergency-cover .cover"), way)
+    expect(page.locator("emergency-cover .push")).to_be_enabled()
+    work(page, page.locator("emergency-cover .push"), way)
+    expect(page.locator("#answer")).to_contain_text("both banks")
+    step(instructor, 1)
+    assert read(instructor, "valves.blow_mid") == "emergency"
+
+
+@pytest.mark.usefixtures("instructor")
+@pytest.mark.parametrize("name", ["diving", "observer"])
+def test_nothing_is_cut_at_any_size(shared: Served, look: Look, name: str) -> None:
+    page = open_page(look, shared, name)
+    for width, height in SIZES.values():
+        page.set_viewport_size({"width": width, "height": height})
+        keys = page.locator("part-keys[part=part] button:visible")
+        for place in range(max(keys.count(), 1)):
+            if keys.count():
+                keys.nth(place).click()
+            assert page.evaluate(CUT) == [], f"{width}x{height}, part {place}"
+
+
+@pytest.mark.parametrize("way", WAYS)
+def test_an_observer_marks_a_moment_and_works_nothing_else(
+    shared: Served, instructor: Caller, look: Look, way: str
+) -> None:
+    page = open_page(look, shared, "observer", has_touch=way == "touch")
+    assert page.locator("main [data-control]").evaluate_all("each => each.map(x => x.id)") == [
+        "mark"
+    ]
+    expect(page.locator("depth-gauge .beyond")).to_be_visible()
+    page.get_by_label("Remark").fill(f"bow well down {way}")
+    work(page, page.locator("#mark button"), way)
+    expect(page.locator("#answer")).to_contain_text("mark")
+    assert instructor.ask("who")[0]
+    assert any(f"bow well down {way}" in each.fields[3] for each in instructor.news)
+    expect(page.locator("#log")).to_contain_text(f"bow well down {way}")
+    assert instructor.ask("vent aft open")[0]
+    step(instructor, 1)
+    expect(page.locator("[data-part=vent_aft]")).to_have_attribute("data-open", "true")
+    depth = float(read(instructor, "gauges.depth"))
+    expect(page.locator("depth-gauge .digits")).to_have_text(f"{depth:.1f}")
+
+
+@pytest.mark.slow
+def test_pages_whose_session_dies_are_stale_and_inert(serve: Serve, look: Look) -> None:
+    session = serve()
+    pages = [open_page(look, session, name) for name in ("diving", "observer")]
+    session.process.kill()
+    for page in pages:
+        expect(page.locator("#state")).to_have_text("NO LINK")
+        for gauge in ("depth-gauge", "pitch-gauge", "tank-mimic", "#bow"):
+            expect(page.locator(gauge)).to_have_attribute("data-stale", "")
+        for control in page.locator("main [data-control]").all():
+            expect(control).to_have_attribute("inert", "")

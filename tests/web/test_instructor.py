@@ -1,0 +1,511 @@
+"""The instructor's page: the truth, what breaks, what was flown, and a whole exercise by mouse."""
+
+import re
+import time
+from collections.abc import Callable, Iterator
+
+import pytest
+from helpers.pages import SIZES, Served
+from playwright.sync_api import Locator, Page, expect
+
+from trainer.verify.soak.session_process import Caller
+
+Serve = Callable[..., Served]
+Look = Callable[..., Page]
+WAYS = ("mouse", pytest.param("touch", marks=pytest.mark.slow), "keyboard")
+PATIENCE = 20.0  # [s] ten times what it takes
+COURSE = "Passage, fast and deep"
+
+
+@pytest.fixture
+def caller(shared: Served) -> Iterator[Caller]:
+    """Return a line to the shared session, which is at its start, whole and frozen."""
+    attached = shared.attach()
+    end = time.monotonic() + PATIENCE
+    while not attached.ask("freeze")[0]:  # the page of the test before has command yet
+        assert time.monotonic() < end
+        time.sleep(0.05)
+    for words in ("clear all", "reset", "time 1"):
+        attached.ask(words)
+    yield attached
+    attached.hang_up()
+
+
+def settled(session: Served, look: Look, size: str = "desk", **how: object) -> Page:
+    """Return the page, with no window before it."""
+    page = look(session, "instructor", size=size, **how)
+    expect(page.locator("#state")).to_have_text(re.compile("FROZEN|RUNNING"))
+    expect(page.locator("#truth tr[data-of='depth'] td >> nth=0")).not_to_be_empty()
+    expect(page.locator("#offers li").first).to_be_attached()
+    page.keyboard.press("Escape")
+    expect(page.locator("#exercise")).to_be_hidden()
+    return page
+
+
+def work(page: Page, control: Locator, way: str) -> None:
+    """Work a control by the mouse, a finger or the keyboard."""
+    if way == "keyboard":
+        control.focus()
+        page.keyboard.press("Enter")
+    elif way == "touch":
+        control.tap()
+    else:
+        control.click()
+
+
+def opened(session: Served, look: Look, way: str) -> Page:
+    """Return the page in a browser that has a touch panel where it is to be touched."""
+    return settled(session, look, has_touch=way == "touch")
+
+
+def value(caller: Caller, channel: str, field: str) -> str:
+    """Return a value of a channel as it is now."""
+    names = {
+        "time": ["time", "speed", "held", "branch", "replay"],
+        "casualties": ["casualty_1", "casualty_1_amount"],
+        "orders": ["course", "course_side", "course_error", "course_since", "depth"],
+        "sea": ["height", "period", "from", "ordered_height"],
+    }
+    assert caller.ask(f"subscribe {channel}")[0]
+    end = time.monotonic() + PATIENCE
+    while channel not in caller.shown and time.monotonic() < end:
+        caller.ask("who")
+    caller.ask("who")
+    return caller.shown[channel][2 + names[channel].index(field)]
+
+
+def until(caller: Caller, channel: str, field: str, wanted: str) -> None:
+    """Wait until a value is as wanted; fail where it never is."""
+    end, found = time.monotonic() + PATIENCE, ""
+    while time.monotonic() < end:
+        found = value(caller, channel, field)
+        if found == wanted:
+            return
+        time.sleep(0.05)
+    raise AssertionError(f"{channel}.{field} is {found!r}, not {wanted!r}")
+
+
+def drag(page: Page, seconds: float, upon: str = "time-line .track", end: float = 600.0) -> None:
+    """Drag with the mouse on the time line to a moment."""
+    box = page.locator(upon).bounding_box()
+    assert box
+    high = box["y"] + box["height"] / 2
+    page.mouse.move(box["x"] + box["width"] * (seconds + 8.0) / end, high)
+    page.mouse.down()
+    page.mouse.move(box["x"] + box["width"] * seconds / end, high, steps=3)
+    page.mouse.up()
+
+
+def fly(caller: Caller, seconds: float, pace: str = "max") -> float:
+    """Sail fast for so long, then freeze; return the time [s] there."""
+    begun = seconds_of(caller)
+    assert caller.ask(f"time {pace}")[0]
+    assert caller.ask("run")[0]
+    while seconds_of(caller) < begun + seconds:
+        time.sleep(0.02)
+    assert caller.ask("freeze")[0]
+    assert caller.ask("time 1")[0]
+    return seconds_of(caller)
+
+
+def seconds_of(caller: Caller) -> float:
+    """Return the time of the present moment [s]."""
+    assert caller.ask("branches")[0]
+    (now,) = re.findall(r"to ([\d.]+) s;[^;]*; the present one", "\n".join(caller.said))
+    return float(now)
+
+
+@pytest.mark.parametrize("way", WAYS)
+def test_time_is_let_go_made_faster_stepped_and_stopped(
+    shared: Served, caller: Caller, look: Look, way: str
+) -> None:
+    page = opened(shared, look, way)
+    caller.ask("give command")
+
+    work(page, page.locator("#freeze"), way)
+    until(caller, "time", "time", "running")
+    work(page, page.locator("[data-pace='4']"), way)
+    until(caller, "time", "speed", "4.0")
+    expect(page.locator("[data-pace='4']")).to_have_attribute("aria-pressed", "true")
+    work(page, page.locator("#freeze"), way)
+    until(caller, "time", "time", "frozen")
+    before = seconds_of(caller)
+    work(page, page.locator("#step"), way)
+    expect(page.locator("#log")).to_contain_text("step: 1 tick")
+    assert seconds_of(caller) == before + 0.5
+
+
+@pytest.mark.parametrize("way", WAYS)
+def test_a_casualty_is_given_in_its_unit_by_two_clicks_and_cleared(
+    shared: Served, caller: Caller, look: Look, way: str
+) -> None:
+    page = opened(shared, look, way)
+    caller.ask("give command")
+
+    page.locator("#find").fill("stern hard")
+    offer = page.locator("#offers button")
+    expect(offer).to_have_count(1)
+    work(page, offer, way)
+    expect(page.locator("#unit")).to_have_text("deg")
+    page.locator("#severity").fill("6")
+    page.locator("#side").select_option("dive")
+    work(page, page.locator("#give"), way)
+    expect(page.locator("#log")).to_contain_text("casualty stern-hard-over -0.2")
+    page.locator("#step").click()
+    until(caller, "casualties", "casualty_1", "stern-hard-over")
+    expect(page.locator("#broken")).to_contain_text("6 deg dive")
+    expect(page.locator("time-line .casualty")).to_have_count(1)
+    work(page, page.locator("#broken button"), way)
+    page.locator("#step").click()
+    expect(page.locator("#broken li")).to_have_count(0)
+    expect(page.locator("time-line .cleared")).to_have_count(1)
+
+
+@pytest.mark.parametrize("way", WAYS)
+def test_marks_charts_windows_tabs_and_tanks_are_worked(
+    shared: Served, caller: Caller, look: Look, way: str
+) -> None:
+    page = opened(shared, look, way)
+    caller.ask("give command")
+
+    work(page, page.get_by_role("button", name="10 min"), way)
+    label = page.locator("strip-chart[data-of='depth']")
+    expect(label).to_have_attribute("aria-label", re.compile("last 10 minutes, now 60.0 m"))
+    work(page, page.locator("#mark"), way)
+    expect(page.locator("time-line .mark")).to_have_count(1)
+    work(page, page.locator("#open-values"), way)
+    expect(page.locator("#reading-body tbody tr").first).to_contain_text("60.0")
+    work(page, page.locator("#close-reading"), way)
+    work(page, page.locator("#open-drawer"), way)
+    expect(page.locator("#drawer-body")).to_contain_text("instructor at local")
+    page.locator("#drawer input").fill("before jam")
+    work(page, page.get_by_role("button", name="Keep this moment"), way)
+    expect(page.get_by_role("button", name="Restore before-jam").first).to_be_visible()
+    work(page, page.locator("#close-drawer"), way)
+    page.evaluate(CHOOSE_TANK)
+    work(page, page.get_by_role("button", name="vent open"), way)
+    expect(page.locator("#log")).to_contain_text("vent mid open")
+    work(page, page.locator("#sea-tab"), way)
+    page.locator("#sea-state").select_option("4")
+    work(page, page.locator("#raise"), way)
+    expect(page.locator("#log")).to_contain_text("sea state 4")
+    page.locator("#sea-from").fill("045")
+    work(page, page.locator("#turn"), way)
+    expect(page.locator("#log")).to_contain_text("sea from 045")
+    work(page, page.locator("#calm"), way)
+    expect(page.locator("#log")).to_contain_text("sea calm")
+    work(page, page.locator("#track-tab"), way)
+    expect(page.locator("track-chart")).to_be_visible()
+
+
+CHOOSE_TANK = """() => document.querySelector("tank-mimic")
+    .dispatchEvent(new CustomEvent("choose", { detail: "mid" }))"""
+
+
+def test_an_order_is_completed_answered_and_brought_back(
+    shared: Served, caller: Caller, look: Look
+) -> None:
+    caller.hang_up()
+    page = settled(shared, look)
+
+    page.keyboard.press("/")
+    page.keyboard.type("dep")
+    expect(page.locator("#completions button")).to_have_text(["depth"])
+    page.keyboard.press("Tab")
+    expect(page.locator("#completions")).to_contain_text("a depth, 0 to 2000 m")
+    page.keyboard.type("80")
+    page.keyboard.press("Enter")
+    expect(page.locator("#log li").first).to_contain_text("depth 80")
+    page.locator("#step").click()
+    expect(page.locator("#truth tr[data-of='depth'] .ordered")).to_have_text("80")
+    page.locator("#order").focus()
+    expect(page.locator("#log")).to_contain_text("depth 80")
+    page.keyboard.press("ArrowUp")
+    expect(page.locator("#order")).to_have_value("depth 80")
+    page.locator("#order").fill("rudder 15")
+    page.get_by_role("button", name="Give", exact=True).click()
+    expect(page.locator("#log li").first).to_contain_text("rudder left or rudder right")
+    page.locator("#order").fill("help rudder")
+    page.keyboard.press("Enter")
+    expect(page.locator("#reading-body")).to_contain_text("rudder, in full")
+    page.locator("#close-reading").click()
+    page.locator("#order").fill("casualty flooding-a")
+    page.locator("#completions button").click()
+    expect(page.locator("#order")).to_have_value("casualty flooding-aft ")
+
+
+def test_an_alert_is_acknowledged_by_a_key(shared: Served, caller: Caller, look: Look) -> None:
+    page = settled(shared, look)
+    assert caller.ask("casualty stern-hard-over -1 ramp 0")[0]
+    for clock in ("00:05", "00:10"):  # the page looks when it has the readings
+        assert caller.ask("step 10")[0]
+        expect(page.locator("#time")).to_contain_text(clock)
+
+    alert = page.locator(".alert", has_text="Stern planes off their order")
+    expect(alert).to_contain_text("Acknowledge")
+    page.keyboard.press("a")
+    expect(alert).to_contain_text("seen")
+
+
+def test_keys_act_only_where_nobody_types(shared: Served, caller: Caller, look: Look) -> None:
+    caller.hang_up()
+    page = settled(shared, look)
+
+    for key in ("b", "m", "l", " ", "."):
+        page.locator("#find").press(key)
+    expect(page.locator("#find")).to_have_value("bml .")
+    expect(page.locator("#drawer")).to_be_hidden()
+    page.locator("#find").fill("")
+    page.locator("#find").blur()
+    page.keyboard.press("m")
+    expect(page.locator("time-line .mark")).to_have_count(1)
+    page.keyboard.press("]")
+    expect(page.get_by_role("button", name="10 min")).to_have_attribute("aria-pressed", "true")
+    page.keyboard.press("[")
+    expect(page.get_by_role("button", name="3 min")).to_have_attribute("aria-pressed", "true")
+    page.keyboard.press("l")
+    expect(page.locator("#drawer")).to_be_visible()
+    page.keyboard.press("l")
+    expect(page.locator("#drawer")).to_be_hidden()
+    page.keyboard.press(".")
+    expect(page.locator("#time")).to_have_text("00:00")
+    page.keyboard.press(" ")
+    expect(page.locator("#state")).to_have_text("RUNNING")
+    page.keyboard.press(" ")
+    expect(page.locator("#state")).to_have_text("FROZEN")
+    page.keyboard.press("b")
+    expect(page.locator("#find")).to_be_focused()
+
+
+@pytest.mark.parametrize("way", WAYS)
+def test_looking_back_sends_nothing_and_returns(
+    shared: Served, caller: Caller, look: Look, way: str
+) -> None:
+    page = opened(shared, look, way)
+    now = fly(caller, 100.0, "100")
+    expect(page.locator("#state")).to_have_text("FROZEN")
+    expect(page.locator("#time")).to_have_text(f"{int(now) // 60:02}:{int(now) % 60:02}")
+    assert caller.ask("give command")[0]
+    caller.news.clear()
+
+    if way == "mouse":
+        drag(page, 55.0)
+    elif way == "touch":
+        box = page.locator("time-line .track").bounding_box()
+        assert box
+        page.touchscreen.tap(box["x"] + box["width"] * 55 / 600, box["y"] + box["height"] / 2)
+    else:
+        page.locator("time-line [role='slider']").press("Home")
+        for key in ("PageDown", "PageDown", *["ArrowLeft"] * 5):
+            page.keyboard.press(key)
+    expect(page.locator("#when")).to_have_text("as it was at 00:55")
+    assert given_by_page(caller) == []
+    work(page, page.get_by_role("button", name="Return to now"), way)
+    expect(page.locator("#when")).to_have_text("truth")
+    assert seconds_of(caller) == now
+
+
+def given_by_page(caller: Caller) -> list[str]:
+    """Return the orders that another instructor has given, as they were told."""
+    assert caller.ask("who")[0]
+    told = [each.fields[3] for each in caller.news]
+    return [text for text in told if text.startswith("instructor at ")]
+
+
+def test_a_late_comer_sees_the_past(shared: Served, caller: Caller, look: Look) -> None:
+    fly(caller, 60.0, "100")
+    assert caller.ask("depth 80")[0]
+    assert caller.ask("mark going down")[0]
+    fly(caller, 1740.0)
+    page = settled(shared, look)
+
+    page.get_by_role("button", name="60 min").click()
+    expect(page.locator("#log")).to_contain_text("mark: going down")
+    expect(page.locator("time-line .mark[title*='going down']")).to_have_count(1)
+    now = seconds_of(caller)
+    ends = 300.0 * -(-now * 1.15 // 300.0)
+    drag(page, 30.0, end=ends)
+    depth = page.locator("#truth tr[data-of='depth'] td >> nth=0")
+    expect(depth).to_have_text("60.0")
+    drag(page, 1500.0, end=ends)
+    expect(depth).to_have_text(re.compile(r"80\.\d|79\.\d"))
+
+
+def test_two_instructors_see_the_same_and_one_has_command(
+    shared: Served, caller: Caller, look: Look
+) -> None:
+    caller.hang_up()
+    first = settled(shared, look)
+    expect(first.locator("#aboard")).to_have_text("no station aboard")
+    second = settled(shared, look, "laptop")
+
+    expect(first.locator("#command")).to_contain_text("You have command")
+    expect(second.locator("#command")).to_contain_text("has command. You watch")
+    first.locator("#order").fill("depth 90")
+    first.keyboard.press("Enter")
+    expect(second.locator("#log li").first).to_contain_text("depth 90")
+    first.locator("#step").click()
+    for page in (first, second):
+        expect(page.locator("#truth tr[data-of='depth'] .ordered")).to_have_text("90")
+    second.locator("#freeze").click()
+    expect(second.locator("#log li").first).to_contain_text("take command asks for it")
+    second.get_by_role("button", name="Take command").click()
+    expect(first.locator("#command")).to_contain_text("asks for command")
+    first.get_by_role("button", name="Give command").click()
+    expect(second.locator("#command")).to_contain_text("You have command")
+    expect(first.locator("#command")).to_contain_text("You watch")
+
+
+@pytest.mark.usefixtures("caller")
+def test_the_start_tells_who_is_aboard_and_ready(shared: Served, look: Look) -> None:
+    helm = shared.attach("helm")
+    page = settled(shared, look)
+
+    page.locator("#open-exercise").click()
+    expect(page.locator("#exercise-body")).to_contain_text("not ready yet")
+    assert helm.ask("ready")[0]
+    expect(page.locator("#exercise-body li")).to_have_text(re.compile("^helm at local .*: ready$"))
+    expect(page.locator("#aboard")).to_contain_text("helm")
+    helm.hang_up()
+    expect(page.locator("#exercise-body")).to_contain_text("No station")
+
+
+FLOODS = """() => [...document.querySelectorAll("body *")].filter((each) => {
+  const box = each.getBoundingClientRect();
+  const inside = each.closest("alert-bar, .scroll, #columns, time-line .lanes, canvas, .unseen");
+  const away = getComputedStyle(each).clipPath !== "none" || box.width < 3;
+  return !inside && !away && (box.right > innerWidth + 1 || box.bottom > innerHeight + 1);
+}).map((each) => each.outerHTML.slice(0, 90))"""
+PAGE = "() => [document.scrollingElement.scrollWidth, document.scrollingElement.scrollHeight]"
+
+
+def test_nothing_overflows_at_any_size(shared: Served, caller: Caller, look: Look) -> None:
+    caller.hang_up()
+    page = settled(shared, look)
+
+    for width, height in SIZES.values():
+        page.set_viewport_size({"width": width, "height": height})
+        views = page.locator("#tabs button").all() if width <= 640 else [None]
+        for view in views:
+            if view:
+                view.click()
+            assert page.evaluate(FLOODS) == [], (width, height)
+            wide, high = page.evaluate(PAGE)
+            assert wide <= width
+            assert high <= height
+        page.locator("#open-exercise").click()
+        assert page.evaluate(FLOODS) == [], (width, height)
+        page.get_by_role("button", name="Choose another").click()
+        expect(page.locator(".card").first).to_be_visible()
+        assert page.evaluate(FLOODS) == [], (width, height)
+        page.locator("#exercise").get_by_role("button", name="Close").click()
+
+
+def test_a_whole_exercise_is_led_by_the_mouse_alone(serve: Serve, look: Look) -> None:
+    """Chosen, begun, broken, looked back into, taken over, ended, judged, debriefed, left."""
+    session = serve("steady-course")
+    page = look(session, "instructor", size="desk")
+    start(page)
+    break_something(page)
+    go_back(page)
+    enter_the_old_branch(page)
+    end(page)
+    begin_the_next(page)
+
+
+def start(page: Page) -> None:
+    """Begin another exercise than the one that is served."""
+    expect(page.locator("#exercise-title")).to_have_text("Steering, first steps")
+    page.get_by_role("button", name="Choose another").click()
+    page.get_by_role("button", name=COURSE).click()
+    expect(page.locator("#exercise-title")).to_have_text(COURSE, timeout=60_000)
+    expect(page.locator("#exercise-body")).to_contain_text("Hidden: at about 1 minute")
+    expect(page.locator("#exercise-body")).to_contain_text("You have the planes and the bell")
+    expect(page.locator("#exercise-body")).to_contain_text("No station")
+    page.locator("#exercise").get_by_role("button", name="Run").click()
+    expect(page.locator("#state")).to_have_text("RUNNING")
+    page.locator("[data-pace='10']").click()
+
+
+def break_something(page: Page) -> None:
+    """Break the depth gauge, and see that the crew's reading is told apart."""
+    wait_for(page, 20)
+    offer = page.locator("#offers button", has_text="depth-gauge-stuck")
+    offer.click()
+    offer.click()
+    expect(page.locator("#broken")).to_contain_text("depth-gauge-stuck")
+    expect(page.locator("#truth tr[data-of='depth']")).to_contain_text("GAUGE")
+    wait_for(page, 40)
+    page.locator("#mark").click()
+    page.locator("#freeze").click()
+    expect(page.locator("#state")).to_have_text("FROZEN")
+
+
+def go_back(page: Page) -> None:
+    """Look at a moment, watch it again, take the replay over, and take over where it was."""
+    drag(page, 30.0)
+    expect(page.locator("#when")).to_have_text("as it was at 00:30")
+    page.get_by_role("button", name="Watch again from here").click()
+    expect(page.locator("#state")).to_have_text("REPLAY")
+    page.locator("[data-deed='take']").click()
+    expect(page.locator("#state")).to_have_text("RUNNING")
+    page.locator("#freeze").click()
+    drag(page, 15.0)
+    page.get_by_role("button", name="Take over here").click()
+    expect(page.locator("#time")).to_have_text(re.compile("^00:15"))
+    expect(page.locator("#state")).to_have_text("FROZEN")
+    expect(page.locator("#broken li")).to_have_count(0)
+    expect(page.locator("time-line [data-branch='1']")).to_have_count(1)
+
+
+def enter_the_old_branch(page: Page) -> None:
+    """Look into what was left, and go on from there."""
+    drag(page, 35.0, "time-line [data-branch='1']")
+    expect(page.locator("#when")).to_have_text("as it was at 00:35 on branch 1")
+    expect(page.locator("#truth tr[data-of='depth'] td >> nth=0")).not_to_be_empty()
+    page.get_by_role("button", name="Take over here").click()
+    expect(page.locator("#time")).to_have_text(re.compile("^00:35"))
+    expect(page.locator("#broken")).to_contain_text("depth-gauge-stuck")
+
+
+def end(page: Page) -> None:
+    """End it; see, release and debrief its marks; fly it again from a moment."""
+    page.locator("#freeze").click()
+    expect(page.locator("#exercise")).to_be_hidden()
+    page.locator("#open-exercise").click()
+    page.get_by_role("button", name="End exercise").click()
+    window = page.locator("#exercise")
+    expect(page.locator("#state")).to_have_text("ENDED")
+    expect(window.locator(".marks li").first).to_be_visible(timeout=60_000)
+    window.get_by_role("button", name="depth-gauge-stuck").click()
+    expect(page.locator("#when")).to_contain_text("as it was at 00:2")
+    page.get_by_role("button", name="Release marks").click()
+    expect(page.locator("#log")).to_contain_text("everybody has the marks")
+    page.get_by_role("button", name="Debrief").click()
+    expect(window.locator(".path")).to_contain_text(".html", timeout=60_000)
+    window.get_by_role("button", name="Again from 00:2").click()
+    expect(page.locator("#state")).to_have_text("FROZEN")
+    expect(page.locator("#time")).to_have_text(re.compile("^00:2"))
+    expect(window).to_be_hidden()
+
+
+def begin_the_next(page: Page) -> None:
+    """End it once more, and begin the next: the page comes back by itself."""
+    page.locator("#open-exercise").click()
+    page.get_by_role("button", name="End exercise").click()
+    expect(page.locator("#state")).to_have_text("ENDED")
+    page.get_by_role("button", name="Next").click()
+    page.get_by_role("button", name="Steering, first steps").click()
+    expect(page.locator("#exercise-title")).to_have_text("Steering, first steps", timeout=60_000)
+    expect(page.locator("#state")).to_have_text("FROZEN")
+    expect(page.locator("#time")).to_have_text(re.compile("^00:00"))
+    expect(page.locator("time-line .lane")).to_have_count(0)
+
+
+def wait_for(page: Page, seconds: int) -> None:
+    """Wait until the page's clock has come so far."""
+    page.wait_for_function(
+        "(seconds) => { const [m, s] = document.querySelector('#time').textContent.split(' ')[0]"
+        ".split(':').map(Number); return m * 60 + s >= seconds; }",
+        arg=seconds,
+    )

@@ -1,0 +1,389 @@
+"""The kiosk: a visitor who knows nothing dives, and the next finds it as the first did."""
+
+import json
+import re
+import signal
+import time
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import pytest
+from helpers.pages import Served, served
+from playwright.sync_api import Locator, Page, expect
+
+from trainer.config.files import ConfigError
+from trainer.verify.soak.session_process import Caller
+from trainer.web.catalogue import catalogues, read_catalogue
+from trainer.web.pages import ASSETS, HERE
+
+Look = Callable[..., Page]
+UPRIGHT = "1080x1920"
+FAST = 10.0  # times faster than the clock, since no visitor of a test is slow
+TARGET = 60  # [m] as the page says
+ORDERED_BOW = 8  # place of ordered_bow in the channel diving
+SEEN = """() => {
+  const text = (id) => document.getElementById(id).textContent;
+  const box = (place) => document.querySelector(place).getBoundingClientRect().toJSON();
+  const slider = "order-lever [role=slider]";
+  return {scene: document.body.dataset.scene, task: text("task") || "Wait",
+          depth: Number(text("depth")), angle: Number(text("angle")),
+          at: Number(document.querySelector(slider).getAttribute("aria-valuenow")),
+          knob: box(slider), lever: box("order-lever")};
+}"""
+CUT = """() => [...document.querySelectorAll("main *")].filter((each) => {
+  const box = each.getBoundingClientRect();
+  if (!box.width || each.closest("svg") || each.tagName === "BOAT-SIDE") return false;
+  const style = getComputedStyle(each);
+  if (style.clipPath !== "none" || style.visibility === "hidden") return false;
+  return box.left < -1 || box.top < -1 || box.right > innerWidth + 1 || box.bottom > innerHeight + 1
+    || (style.overflowX === "visible" ? false : each.scrollWidth > each.clientWidth + 1);
+}).map((each) => each.outerHTML.slice(0, 80))"""
+SOURCES = (
+    *(ASSETS / "js" / "kiosk").glob("*.js"),
+    ASSETS / "js" / "stations" / "kiosk.js",
+    HERE / "templates" / "kiosk.html",
+)
+
+
+@dataclass
+class Kiosk:
+    """A session with the visitor's exercise, and its instructor."""
+
+    session: Served
+    instructor: Caller
+
+    def order(self, words: str) -> None:
+        done, why = self.instructor.ask(words)
+        assert done, why
+
+    def read(self, channel: str) -> tuple[str, ...]:
+        """Return the latest fields of a channel."""
+        self.order("who")
+        return self.instructor.shown[channel][2:]
+
+
+@pytest.fixture(scope="module")
+def shared_kiosk() -> Iterator[Kiosk]:
+    with served("visitor-dive") as session:
+        made = Kiosk(session, session.attach())
+        for channel in ("gauges", "diving"):
+            made.order(f"subscribe {channel} at 2 hz")
+        yield made
+
+
+@pytest.fixture
+def kiosk(shared_kiosk: Kiosk) -> Iterator[Kiosk]:
+    """Return the kiosk at the speed of the clock."""
+    shared_kiosk.order("time x1")
+    yield shared_kiosk
+    shared_kiosk.order("time x1")
+
+
+def scene(page: Page, name: str) -> None:
+    expect(page.locator("body")).to_have_attribute("data-scene", name)
+
+
+def expect_that(holds: Callable[[], bool]) -> None:
+    """Wait until something holds."""
+    end = time.monotonic() + 10.0
+    while not holds():
+        assert time.monotonic() < end
+
+
+def slider(page: Page) -> Locator:
+    return page.locator("order-lever [role=slider]")
+
+
+def angle_of(page: Page) -> int:
+    """Return where the lever stands [deg], up positive."""
+    return int(slider(page).get_attribute("aria-valuenow") or 0)
+
+
+def touch_lever(page: Page, seen: dict[str, Any], wanted: int) -> None:
+    """Touch the lever where ``wanted`` should be, as far as one can see."""
+    lever, knob = seen["lever"], seen["knob"]
+    per_degree = 0.75 * lever["height"] / 40.0
+    y = knob["y"] + knob["height"] / 2.0 + (seen["at"] - wanted) * per_degree
+    y = min(max(y, lever["y"] + 1), lever["y"] + lever["height"] - 1)
+    page.touchscreen.tap(knob["x"] + knob["width"] / 2.0, y)
+
+
+def put_lever(page: Page, wanted: int) -> None:
+    """Touch where the lever is wanted, and again nearer by where it went."""
+    for _ in range(8):
+        if (seen := page.evaluate(SEEN))["at"] == wanted:
+            return
+        touch_lever(page, seen, wanted)
+    raise AssertionError
+
+
+# Where a visitor puts the lever who reads a sentence, by depth [m] and angle [deg].
+DOES: dict[str, Callable[[int, int], int]] = {
+    "Push the lever down": lambda _, __: -8,
+    "Good": lambda _, angle: -8 if angle < 9 else 0,
+    "Steep enough": lambda _, __: 3,
+    "Now lift early": lambda _, __: 8,
+    "Almost there": lambda _, __: -3,
+    "Hold": lambda depth, _: -3 if depth < TARGET else 3 if depth > TARGET else 0,
+    "Too deep": lambda _, __: 8,
+    "It comes up": lambda _, __: 0,
+}
+
+
+def obey(page: Page, seen: dict[str, Any]) -> None:
+    """Do what the sentence says."""
+    for opening, does in DOES.items():
+        if seen["task"].startswith(opening):
+            wanted = does(seen["depth"], seen["angle"])
+            if abs(wanted - seen["at"]) > 1:  # no visitor hits a degree
+                touch_lever(page, seen, wanted)
+
+
+def test_a_visitor_who_does_what_the_page_says_holds_sixty_metres(kiosk: Kiosk, look: Look) -> None:
+    page = look(kiosk.session, "kiosk", size="tablet", has_touch=True)
+    expect(page.locator("#challenge")).to_contain_text("70 metres long, 4,400 tonnes")
+    kiosk.order(f"time x{FAST:g}")
+
+    page.locator("#start").tap()
+    scene(page, "dive")
+    said = set()
+    end = time.monotonic() + 120.0
+    while (seen := page.evaluate(SEEN))["scene"] == "dive":
+        assert time.monotonic() < end
+        said.add(seen["task"].split()[0])
+        obey(page, seen)
+
+    assert said >= {"Push", "Good.", "Now"}
+    expect(page.locator("#verdict")).to_have_text("You held 60 metres")
+    assert float(kiosk.read("gauges")[0]) == pytest.approx(TARGET, abs=6.0)
+    expect(page.locator("#nobody")).to_contain_text("Back to the start in")
+    assert len((page.locator("#trace .way").get_attribute("points") or "").split()) > 200
+
+
+def test_a_lever_held_down_is_taken_and_given_back_before_ninety_metres(
+    kiosk: Kiosk, look: Look
+) -> None:
+    page = look(kiosk.session, "kiosk", size="tablet", has_touch=True)
+    kiosk.order(f"time x{FAST:g}")
+    page.locator("#start").click()
+    scene(page, "dive")
+    slider(page).press("Home")
+    for _ in range(4):
+        slider(page).press("Shift+ArrowDown")
+
+    expect(page.locator("#task")).to_contain_text("levels by itself", timeout=20_000)
+    expect(page.locator("#task")).not_to_contain_text("levels by itself", timeout=20_000)
+
+    assert 60.0 < float(kiosk.read("gauges")[0]) < 90.0
+    put_lever(page, -3)
+    expect_that(lambda: float(kiosk.read("diving")[ORDERED_BOW]) == -3.0)
+    kiosk.order("end exercise")
+    expect(page.locator("#verdict")).to_have_text("You went past 60 metres")
+
+
+@pytest.mark.slow
+def test_mouse_touch_and_keys_work_the_lever_and_the_session_has_it(
+    kiosk: Kiosk, look: Look
+) -> None:
+    page = look(kiosk.session, "kiosk", has_touch=True)
+    page.locator("#start").click()
+    scene(page, "dive")
+
+    def ordered(angle: float) -> None:
+        expect(slider(page)).to_have_attribute("aria-valuenow", f"{angle:g}")
+        expect_that(lambda: float(kiosk.read("diving")[ORDERED_BOW]) == angle)
+
+    put_lever(page, -8)
+    ordered(-8)
+    slider(page).press("ArrowUp")
+    ordered(-7)
+    slider(page).press("Home")
+    ordered(0)
+    knob = slider(page).bounding_box()
+    assert knob
+    page.mouse.move(knob["x"] + knob["width"] / 2, knob["y"] + knob["height"] / 2)
+    page.mouse.down()
+    page.mouse.move(knob["x"] + knob["width"] / 2, knob["y"] + knob["height"] / 2 + 60, steps=4)
+    page.mouse.up()
+    dragged = angle_of(page)
+    assert dragged < -2
+    ordered(dragged)
+
+
+def test_each_dive_begins_with_the_same_bits(kiosk: Kiosk, look: Look) -> None:
+    page = look(kiosk.session, "kiosk")
+    begun = []
+    for _ in range(2):
+        page.locator("#start").click()
+        scene(page, "dive")
+        kiosk.order("freeze")
+        kiosk.order("status")
+        page.locator("#stop").click()
+        scene(page, "attract")
+        kiosk.order("reset")
+        kiosk.order("status")
+        begun.append([line for line in kiosk.instructor.said if "late" not in line.lower()][:8])
+    assert begun[0] == begun[1]
+
+
+def test_who_does_nothing_for_45_seconds_is_not_waited_for(kiosk: Kiosk, look: Look) -> None:
+    page = look(kiosk.session)
+    page.clock.install()
+    page.goto(f"{kiosk.session.url}/kiosk")
+    page.locator("#start").click()
+    scene(page, "dive")
+    page.locator("#language").click()
+    expect(page.locator("#stop")).to_have_text("Ende")
+    kiosk.order("freeze")
+    expect(page.locator("#task")).to_contain_text("Die Zeit steht")
+
+    page.clock.run_for(43_000)
+    scene(page, "dive")
+    slider(page).press("ArrowDown")
+    page.clock.run_for(43_000)
+    scene(page, "dive")
+    page.clock.run_for(3_000)
+
+    scene(page, "attract")
+    expect(page.locator("#start")).to_have_text("Start the dive")  # the first language again
+
+
+def test_a_result_is_shown_for_20_seconds(kiosk: Kiosk, look: Look) -> None:
+    page = look(kiosk.session)
+    page.clock.install()
+    page.goto(f"{kiosk.session.url}/kiosk")
+    page.locator("#start").click()
+    scene(page, "dive")
+    kiosk.order("end exercise")
+    scene(page, "result")
+    page.clock.run_for(18_000)
+    expect(page.locator("#nobody")).to_contain_text(re.compile(r"in [123]$"))
+    page.clock.run_for(3_000)
+    scene(page, "attract")
+
+
+def test_the_next_dive_begins_from_the_result_too(kiosk: Kiosk, look: Look) -> None:
+    page = look(kiosk.session, "kiosk")
+    page.locator("#start").click()
+    scene(page, "dive")
+    kiosk.order("end exercise")
+    scene(page, "result")
+    page.keyboard.press("Enter")  # the key that is offered
+    scene(page, "dive")
+    expect(page.locator("#left")).to_have_text(re.compile("2:5"))
+
+
+def test_a_lost_line_is_told_kindly_and_the_kiosk_comes_back(look: Look) -> None:
+    with served("visitor-dive") as session:
+        page = look(session, "kiosk", query="?lang=de")
+        page.locator("#start").click()
+        scene(page, "dive")
+        session.process.send_signal(signal.SIGSTOP)
+        expect(page.locator(".waiting")).to_be_visible(timeout=20_000)
+        expect(page.locator(".waiting")).to_contain_text("kommt von selbst zurück")
+        session.process.send_signal(signal.SIGCONT)
+        expect(page.locator(".waiting")).to_be_hidden(timeout=20_000)
+        if page.locator("body").get_attribute("data-scene") == "dive":
+            page.locator("#stop").click()
+        page.locator("#start").click()
+        scene(page, "dive")
+
+
+def test_the_language_is_chosen_by_one_key_and_forgotten_in_attract(
+    kiosk: Kiosk, look: Look
+) -> None:
+    page = look(kiosk.session, "kiosk")
+    expect(page.locator("html")).to_have_attribute("lang", "en")
+    page.locator("#language").click()
+    expect(page.locator("html")).to_have_attribute("lang", "de")
+    expect(page.locator("#challenge")).to_contain_text("70 Meter lang, 4.400 Tonnen")
+    page.locator("#start").click()
+    scene(page, "dive")
+    expect(page.locator("#task")).to_contain_text("Hebel nach unten")
+    expect(slider(page)).to_have_attribute("aria-label", "Tiefenruder")
+    page.locator("#stop").click()
+    expect(page.locator("html")).to_have_attribute("lang", "en")
+
+
+@pytest.mark.parametrize("size", ["desk", "tablet", "phone", "phone-side", UPRIGHT])
+@pytest.mark.parametrize("language", ["en", "de"])
+def test_nothing_is_cut_at_any_size(kiosk: Kiosk, look: Look, size: str, language: str) -> None:
+    page = look(
+        kiosk.session, "kiosk", size="desk" if size == UPRIGHT else size, query=f"?lang={language}"
+    )
+    if size == UPRIGHT:
+        page.set_viewport_size({"width": 1080, "height": 1920})
+    assert page.evaluate(CUT) == []
+    page.locator("#start").click()
+    scene(page, "dive")
+    expect(page.locator("#task")).not_to_be_empty()
+    assert page.evaluate(CUT) == []
+    kiosk.order("end exercise")
+    scene(page, "result")
+    assert page.evaluate(CUT) == []
+    page.locator("#language").focus()
+
+
+def test_keys_are_large_and_there_is_no_word_to_type_and_nothing_to_select(
+    kiosk: Kiosk, look: Look
+) -> None:
+    page = look(kiosk.session, "kiosk", size="phone", has_touch=True)
+    for place in ("#start", "#language"):
+        box = page.locator(place).bounding_box()
+        assert box
+        assert min(box["width"], box["height"]) >= 72.0
+    assert page.locator("input:visible, textarea:visible, select:visible").count() == 0
+    page.locator("#invitation").dblclick()
+    assert page.evaluate("getSelection().toString()") == ""
+    assert page.evaluate("getComputedStyle(document.body).touchAction") == "none"
+    menu = "dispatchEvent(new MouseEvent('contextmenu', {bubbles: true, cancelable: true}))"
+    assert page.evaluate(f"document.querySelector('h1').{menu}") is False
+
+
+# The words
+
+
+def said_in_sources() -> set[str]:
+    """Return the English words that the kiosk's sources say."""
+    found = {"English"}  # each language's own name, asked of its catalogue
+    for path in SOURCES:
+        text = path.read_text(encoding="utf-8")
+        found |= {json.loads(each) for each in re.findall(r'\bsay\(\s*("(?:[^"\\]|\\.)*")', text)}
+        found |= set(re.findall(r"data-say>([^<]+)<", text))
+    return found
+
+
+@pytest.mark.parametrize("language", sorted(catalogues()))
+def test_every_word_of_the_kiosk_is_translated_and_no_entry_is_left_over(language: str) -> None:
+    assert set(catalogues()[language]) == said_in_sources()
+
+
+@pytest.mark.parametrize(
+    ("text", "reason"),
+    [
+        ('msgid "a"\nmsgstr "b"\n\nmsgid "a"\nmsgstr "c"\n', "line 4: msgid 'a': is there twice"),
+        ('msgid "a {0}"\nmsgstr "b"\n', "line 1: 'b': not the holes of 'a {0}'"),
+        ('msgctxt "x"\nmsgid "a"\n', "line 1: msgctxt"),
+        ("msgid a\n", "line 1: msgid a: expected msgid or msgstr"),
+    ],
+)
+def test_a_catalogue_that_is_wrong_is_refused_with_its_line(
+    tmp_path: Path, text: str, reason: str
+) -> None:
+    path = tmp_path / "fr.po"
+    path.write_text(text, encoding="utf-8")
+    with pytest.raises(ConfigError, match=re.escape(f"fr.po: {reason}")):
+        read_catalogue(path)
+
+
+def test_words_in_doubt_and_words_without_a_translation_stay_english(tmp_path: Path) -> None:
+    path = tmp_path / "fr.po"
+    path.write_text(
+        'msgid ""\nmsgstr "Language: fr\\n"\n\n#, fuzzy\nmsgid "a"\nmsgstr "b"\n\n'
+        'msgid "c"\nmsgstr ""\n\nmsgid ""\n"long "\n"words"\nmsgstr "longs \\"mots\\""\n'
+        '#~ msgid "old"\n#~ msgstr "vieux"\n',
+        encoding="utf-8",
+    )
+    assert read_catalogue(path) == {"long words": 'longs "mots"'}

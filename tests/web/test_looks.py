@@ -1,0 +1,195 @@
+"""Every page at every size: contrast, nothing cut, keyboard, zoom, calm, and no request leaves."""
+
+import re
+from collections.abc import Callable
+
+import pytest
+from helpers.pages import PALETTES, SIZES, Served
+from playwright.sync_api import Page, expect
+
+from trainer.web.pages import ASSETS, PAGES
+
+Look = Callable[..., Page]
+NAMES = [page.name for page in PAGES]
+each_page = pytest.mark.parametrize("name", NAMES, ids=lambda name: name or "first")
+
+# Pairs of tokens: what is written or drawn, on what; WCAG 2.2, 1.4.3 and 1.4.11.
+TEXT = 4.5
+SHAPE = 3.0
+PAIRS = {
+    **{(ink, ground): TEXT for ink in ("ink", "ink-2") for ground in ("page", "panel", "well")},
+    **{("ink", ground): TEXT for ground in ("page", "panel", "well", "raised")},
+    **{(ink, "panel"): TEXT for ink in ("ink-3", "alarm-ink", "warning-ink", "caution-ink")},
+    **{("ordered", ground): TEXT for ground in ("page", "panel", "well", "deep")},
+    ("actual", "well"): TEXT,
+    ("on-alarm", "alarm"): TEXT,
+    ("on-warning", "warning"): TEXT,
+    ("on-caution", "caution"): TEXT,
+    ("page", "ordered"): TEXT,
+    ("page", "ink"): TEXT,
+    ("edge", "panel"): SHAPE,
+    ("warning-line", "well"): SHAPE,
+    ("focus", "page"): SHAPE,
+    ("focus", "panel"): SHAPE,
+    ("hull-edge", "deep"): SHAPE,
+}
+
+
+def tokens(palette: str) -> dict[str, str]:
+    """Return the colours of a palette, by name."""
+    sheet = (ASSETS / "css" / "tokens.css").read_text(encoding="utf-8")
+    found: dict[str, str] = {}
+    for selector, block in re.findall(r"(:root[^{]*)\{([^}]*)\}", sheet):
+        if "data-palette" not in selector or f'"{palette}"' in selector:
+            found |= dict(re.findall(r"--([\w-]+):\s*(#[0-9a-f]{6})", block))
+    return found
+
+
+def luminance(colour: str) -> float:
+    """Return the relative luminance [-] of a colour, after WCAG 2.2."""
+    parts = [int(colour[place : place + 2], 16) / 255.0 for place in (1, 3, 5)]
+    red, green, blue = (
+        part / 12.92 if part <= 0.04045 else ((part + 0.055) / 1.055) ** 2.4 for part in parts
+    )
+    return 0.2126 * red + 0.7152 * green + 0.0722 * blue
+
+
+@pytest.mark.parametrize("palette", PALETTES)
+def test_contrast_of_each_pair_of_tokens_suffices(palette: str) -> None:
+    colours = tokens(palette)
+    assert len(colours) > 25
+
+    for (ink, ground), least in PAIRS.items():
+        low, high = sorted((luminance(colours[ink]), luminance(colours[ground])))
+        ratio = (high + 0.05) / (low + 0.05)
+        assert ratio >= least, f"{palette}: {ink} on {ground} is {ratio:.2f}"
+
+
+STANDS = """() => {
+  const all = document.querySelectorAll("*").length;
+  if (window.counted !== all) [window.counted, window.since] = [all, performance.now()];
+  return performance.now() - window.since > 700;
+}"""  # all that the first readings build is there
+
+
+def ready(page: Page) -> None:
+    """Wait until a page shows a session."""
+    expect(page.locator("[data-state=connecting]")).to_have_count(0)
+    page.wait_for_function(STANDS, polling=100)
+
+
+@each_page
+def test_a_page_fits_every_size(shared: Served, look: Look, name: str) -> None:
+    page = look(shared, name)
+    ready(page)
+    for size, (width, height) in SIZES.items():
+        page.set_viewport_size({"width": width, "height": height})
+
+        wide = page.evaluate("document.documentElement.scrollWidth - innerWidth")
+
+        assert wide <= 0, f"{name} at {size} is {wide} px too wide"
+        assert page.evaluate(CUT) == [], f"{name} at {size}"
+
+
+# What can be worked and lies outside the picture at its side, where nobody scrolls.
+CUT = """() => [...document.querySelectorAll("button, a, input, select, [role=slider]")]
+  .filter((each) => each.checkVisibility() && !each.closest(".unseen, alert-bar"))
+  .filter((each) => {
+    const { left, right } = each.getBoundingClientRect();
+    return right > innerWidth + 1 || left < -1;
+  })
+  .map((each) => each.id || each.textContent)"""
+
+
+@each_page
+def test_a_page_at_twice_its_size_is_whole(shared: Served, look: Look, name: str) -> None:
+    """A browser's zoom of 200 % halves the page's width in its own pixels."""
+    page = look(shared, name, device_scale_factor=2)
+    page.set_viewport_size({"width": 640, "height": 360})
+    ready(page)
+
+    assert page.evaluate("document.documentElement.scrollWidth - innerWidth") <= 0
+    assert page.evaluate(CUT) == []
+
+
+# Controls that Tab should reach; of a group of choices, one.
+CONTROLS = """() => {
+  const all = [...document.querySelectorAll(
+    "a[href], button, input, select, textarea, [tabindex]")];
+  const within = (each) => each.closest("[inert], dialog:not([open])");
+  return all.filter((each) => each.checkVisibility() && !within(each) && !each.disabled
+    && each.tabIndex >= 0).map((each) => {
+      each.dataset.reached = "";
+      return each.outerHTML.slice(0, 80);
+    });
+}"""
+REACHED = """() => {
+  const at = document.activeElement;
+  if (at && at !== document.body) at.dataset.reached = "yes";
+  const all = [...document.querySelectorAll("[data-reached='']")];
+  return all.filter((each) => each.tabIndex >= 0).length;  // of a group one, by its reading
+}"""
+FOCUS = """() => {
+  const at = document.activeElement;
+  const { outlineStyle, outlineWidth } = getComputedStyle(at);
+  return at === document.body || (outlineStyle !== "none" && parseFloat(outlineWidth) >= 2);
+}"""
+
+
+@each_page
+def test_the_keyboard_alone_reaches_every_control(shared: Served, look: Look, name: str) -> None:
+    page = look(shared, name)
+    ready(page)
+    controls = page.evaluate(CONTROLS)
+    assert controls or name == "wall"  # which nobody touches
+
+    for _ in range(2 * len(controls)):
+        page.keyboard.press("Tab")
+        assert page.evaluate(FOCUS), page.evaluate("document.activeElement.outerHTML.slice(0, 80)")
+        if page.evaluate(REACHED) == 0:
+            return
+    left = page.evaluate(
+        "[...document.querySelectorAll(\"[data-reached='']\")]"
+        ".filter(e => e.tabIndex >= 0).map(e => e.outerHTML)"
+    )
+    assert left == []
+
+
+@each_page
+def test_who_wants_no_motion_gets_none(shared: Served, look: Look, name: str) -> None:
+    page = look(shared, name, reduced_motion="reduce")
+    ready(page)
+
+    moving = "document.getAnimations().filter((each) => each.playState === 'running').length"
+    assert page.evaluate(moving) == 0
+
+
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_the_first_palette_is_the_browser_s_and_then_the_user_s(
+    shared: Served, look: Look, scheme: str
+) -> None:
+    page = look(shared, "helm", color_scheme=scheme)
+    palette = page.locator("#palette")
+    expect(palette).to_have_value("day" if scheme == "light" else "dusk")
+
+    palette.select_option("night")
+    page.reload()
+
+    expect(page.locator(":root")).to_have_attribute("data-palette", "night")
+
+
+@each_page
+def test_everything_that_a_page_asks_for_is_of_its_own_server(
+    shared: Served, look: Look, name: str
+) -> None:
+    asked: list[str] = []
+    page = look(shared)
+    page.on("request", lambda request: asked.append(request.url))
+    page.on("websocket", lambda line: asked.append(line.url))
+
+    page.goto(f"{shared.url}/{name}")
+    ready(page)
+
+    own = (shared.url + "/", shared.url.replace("http", "ws") + "/line", "data:")
+    assert len(asked) > 3
+    assert [each for each in asked if not each.startswith(own)] == []

@@ -1,0 +1,638 @@
+"""The pages' server: who may come in, what is refused, what comes back by itself."""
+
+import contextlib
+import os
+import re
+import signal
+import socket
+import ssl
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import pytest
+from helpers.pages import PATIENCE, Served, free_port, served
+from helpers.places import environment
+from helpers.wire import Answered, ask, dialled, hear, make_certificate, pages, request
+from playwright.sync_api import Page, expect
+from websockets.exceptions import ConnectionClosed, InvalidStatus
+from websockets.sync.client import ClientConnection
+
+from trainer import __version__
+from trainer.cli.main import cli
+from trainer.config import extras
+from trainer.config.files import ConfigError
+from trainer.web.address import Address, announce
+from trainer.web.bridge import (
+    A_MACHINE,
+    ELSEWHERE,
+    NO_SESSION,
+    OLDER_PAGE,
+    REFUSED,
+    Bridge,
+    RefusedError,
+)
+from trainer.web.gate import HEADERS, Door, Refusals
+from trainer.web.pages import PAGES
+from trainer.web.server import LONGEST_WORD
+
+Serve = Callable[..., Served]
+Look = Callable[..., Page]
+WORD = "anchor-42"  # of the helm
+FLOOD = 10_000
+OLDER = """new MutationObserver(() => {
+  const page = document.documentElement;
+  if (page?.dataset.version > "0.0.9") page.dataset.version = "0.0.9";
+}).observe(document, { childList: true, subtree: true });"""
+FEW = 40  # lines that a flood of refusals may be told in
+
+
+def said(session: Served) -> str:
+    return (session.folder / "said").read_text()
+
+
+def wait_until(happened: Callable[[], object]) -> None:
+    end = time.monotonic() + PATIENCE
+    while not happened():
+        assert time.monotonic() < end
+        time.sleep(0.02)
+
+
+def child_of(process: int) -> int:
+    """Return the process of the pages' server, 0 for none."""
+    if not Path("/proc/self/task").is_dir():
+        pytest.skip("this system does not tell the children of a process")
+    for task in Path(f"/proc/{process}/task").iterdir():
+        if found := (task / "children").read_text().split():
+            return int(found[0])
+    return 0
+
+
+def refused(line: ClientConnection) -> int:
+    """Return by which code a line is closed, whatever comes before."""
+    with contextlib.suppress(ConnectionClosed):
+        while True:
+            line.recv(PATIENCE)
+    assert line.close_code
+    return line.close_code
+
+
+def leave(line: ClientConnection) -> None:
+    """End the session, with a second word where others are attached."""
+    if ask(line, "quit")[0] != "ok":
+        assert ask(line, "quit")[0] == "ok"
+
+
+def is_free(port: int) -> bool:
+    with contextlib.suppress(OSError), socket.create_server(("127.0.0.1", port)):
+        return True
+    return False
+
+
+# What every answer carries
+
+
+ASKED: dict[str, tuple[str, str, dict[str, str], int]] = {
+    "the first page": ("GET", "/", {}, 200),
+    "a station": ("GET", "/helm", {}, 200),
+    "a style sheet": ("GET", "/assets/css/base.css", {}, 200),
+    "a script": ("GET", "/assets/js/frame.js", {}, 200),
+    "an asset that is not there": ("GET", "/assets/none.js", {}, 404),
+    "a page that is not there": ("GET", "/none", {}, 404),
+    "a method that a page has not": ("POST", "/helm", {"Origin": "own"}, 405),
+    "no word": ("POST", "/word", {"Origin": "own"}, 400),
+    "another host": ("GET", "/", {"Host": "evil.example"}, 403),
+    "another origin": ("POST", "/word", {"Origin": "http://evil.example"}, 403),
+}
+
+
+@pytest.mark.parametrize("what", ASKED)
+def test_every_answer_says_what_a_browser_may_do_with_it(shared: Served, what: str) -> None:
+    method, path, asked, status = ASKED[what]
+    headers = {name: value.replace("own", shared.url) for name, value in asked.items()}
+
+    got = request(shared.port, path, method, context=None, **headers)
+
+    assert got.status == status
+    assert {name: got.headers.get(name.casefold()) for name in HEADERS} == HEADERS
+
+
+# Data for scripts is no script.
+CODE_WITHIN = re.compile(r'<script(?![^>]*(src=|type="application/json"))|\son\w+=|\sstyle=')
+
+
+def test_no_page_holds_a_script_or_a_style_of_its_own(shared: Served) -> None:
+    for page in PAGES:
+        html = request(shared.port, f"/{page.name}").body.decode()
+        assert "<style" not in html
+        assert not CODE_WITHIN.search(html)
+
+
+@pytest.mark.parametrize(
+    "path",
+    [
+        *("/assets/../pages.py", "/assets/%2e%2e/pages.py", "/assets/..%2fpages.py"),
+        *("/assets//etc/passwd", "/assets/%2fetc/passwd", "/assets/js/..\\..\\pages.py"),
+        *("/assets/css/../../templates/page.html", "/assets/%00", "/assets/", "/assets"),
+    ],
+)
+def test_nothing_but_assets_is_served_as_one(shared: Served, path: str) -> None:
+    assert request(shared.port, path).status in {307, 400, 404, 405}
+
+
+# Names and origins
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        *("evil.example", "127.0.0.1.evil.example", "localhost.evil.example", "2130706433"),
+        *("0.0.0.0", "0x7f.1", "127.1", "", "127.0.0.1@evil.example", "[::1].evil"),  # noqa: S104
+        *("127.0.0.2", "127.0.0.1:80:80", "[127.0.0.1"),
+    ],
+)
+def test_a_name_that_is_none_of_its_own_is_refused(shared: Served, name: str) -> None:
+    got = request(shared.port, "/", Host=name)
+
+    assert got.status in {400, 403}
+    assert b"html" not in got.body
+
+
+@pytest.mark.parametrize("name", ["127.0.0.1:17880", "localhost", "LOCALHOST:1", "[::1]:17880"])
+def test_this_machine_has_three_names(name: str) -> None:
+    assert Door.at("127.0.0.1").admits(name)
+
+
+def test_a_server_for_all_addresses_answers_to_numbers_and_to_its_own_name_alone() -> None:
+    door = Door.at("0.0.0.0")  # noqa: S104
+    assert door.admits("192.168.1.10:8080")
+    assert door.admits(f"{socket.gethostname()}.local:8080")
+    assert not door.admits("evil.example:8080")
+    assert not Door.at("192.168.1.10").admits("192.168.1.11")
+
+
+@pytest.mark.parametrize("origin", ["http://evil.example", "null", None, "https://127.0.0.1:{}"])
+def test_a_line_that_another_page_opens_is_refused(shared: Served, origin: str | None) -> None:
+    own = origin.format(shared.port) if origin else origin
+    with (
+        pytest.raises(InvalidStatus) as refused,
+        dialled(shared.port, origin=own),
+    ):
+        pass
+    assert refused.value.response.status_code == 403
+
+
+# Words
+
+
+@pytest.fixture(scope="module")
+def guarded() -> Iterator[Served]:
+    """Return a session whose helm has a word, and the other roles another."""
+    with served("--token", f"helm={WORD}", "--token", "mast") as session:
+        yield session
+
+
+def keep(session: Served, body: str, context: ssl.SSLContext | None = None) -> Answered:
+    scheme = "https" if context else "http"
+    origin = f"{scheme}://127.0.0.1:{session.port}"
+    return request(session.port, "/word", "POST", body, context, Origin=origin)
+
+
+def test_a_word_is_kept_where_no_script_and_no_other_site_has_it(guarded: Served) -> None:
+    cookie = keep(guarded, f"helm {WORD}").headers["set-cookie"]
+
+    assert "HttpOnly" in cookie
+    assert "SameSite=strict" in cookie
+    assert "Path=/line" in cookie
+    assert "Secure" not in cookie
+
+
+@pytest.mark.parametrize(
+    "body",
+    [
+        *("", "helm", "captain word", "helm a b", "helm a\nb", "helm \x00", "helm a$b", "helm é"),
+        *("helm " + "x" * (LONGEST_WORD + 1), "x" * 100_000),
+    ],
+)
+def test_what_can_be_no_word_is_not_kept(guarded: Served, body: str) -> None:
+    got = keep(guarded, body)
+
+    assert got.status == 400
+    assert "set-cookie" not in got.headers
+
+
+def test_an_empty_word_is_forgotten(guarded: Served) -> None:
+    assert "Max-Age=0" in keep(guarded, "helm ").headers["set-cookie"]
+
+
+def test_a_role_is_given_for_its_own_word_alone(guarded: Served) -> None:
+    for cookies, given in (
+        ("", "no"),
+        ("word-helm=wrong", "no"),
+        ("word-planes=mast", "no"),
+        (f"word-helm={WORD}", "ok"),
+    ):
+        with dialled(guarded.port, cookies=cookies) as line:
+            assert ask(line, "role helm")[0] == given, cookies
+
+
+def test_a_longest_word_still_fits_a_line(guarded: Served) -> None:
+    word = "w" * LONGEST_WORD
+    assert keep(guarded, f"instructor {word}w").status == 400
+    with dialled(guarded.port, cookies=f"word-helm={word}") as line:
+        answer = ask(line, "role helm", tag="999999")
+    assert answer[0] == "no"
+    assert "longest" not in answer[1]
+
+
+def test_three_wrong_words_close_the_line(guarded: Served) -> None:
+    with dialled(guarded.port, cookies="word-helm=wrong") as line:
+        for _ in range(3):
+            assert ask(line, "role helm")[0] == "no"
+        assert refused(line) == NO_SESSION
+
+
+def test_a_word_typed_at_the_page_opens_the_station_and_is_seen_nowhere(
+    serve: Serve, look: Look
+) -> None:
+    session = serve("--token", WORD, "--record", "kept.trainer")
+    page = look(session, "helm")
+    field = page.locator("#word input")
+
+    field.fill("wrong-word")
+    field.press("Enter")
+    expect(page.locator("#refusal")).not_to_be_empty()
+    field.fill(WORD)
+    field.press("Enter")
+    expect(page.locator("#state")).to_have_text("FROZEN")
+    page.reload()
+    expect(page.locator("#state")).to_have_text("FROZEN")  # the browser has kept it
+
+    assert WORD not in page.content() + page.url
+    assert WORD not in page.evaluate("document.cookie + JSON.stringify({...localStorage})")
+    with dialled(session.port, cookies=f"word-instructor={WORD}") as line:
+        assert ask(line, "role instructor")[0] == "ok"
+        leave(line)
+    assert session.process.wait(PATIENCE) == 0
+    for path in session.folder.rglob("*"):
+        if path.is_file():
+            assert WORD.encode() not in path.read_bytes(), path
+
+
+def test_with_a_certificate_all_is_encrypted(serve: Serve, tmp_path: Path) -> None:
+    cert, key = make_certificate(tmp_path)
+    session = serve("--token", WORD, "--cert", str(cert), "--key", str(key))
+    context = ssl.create_default_context(cafile=str(cert))
+
+    assert request(session.port, "/helm", context=context).status == 200
+    assert "Secure" in keep(session, f"helm {WORD}", context).headers["set-cookie"]
+    with dialled(session.port, cookies=f"word-helm={WORD}", scheme="wss", ssl=context) as line:
+        assert ask(line, "role helm")[0] == "ok"
+
+
+# What could never be an order
+
+
+@pytest.mark.parametrize(
+    "frame",
+    [
+        *(b"\x00\xff", b"role helm", "x" * 81, "role helm\nrole instructor", "role\x1b[2J"),
+        *("mark \u202e", "mark \x85", "caf\u00e9"),
+    ],
+)
+def test_a_frame_that_can_be_no_order_closes_its_line(shared: Served, frame: str | bytes) -> None:
+    with dialled(shared.port) as other, dialled(shared.port) as line:
+        line.send(frame)
+
+        assert refused(line) == REFUSED
+        assert ask(other, "role observer")[0] == "ok"
+    assert "\x1b" not in said(shared)
+
+
+def test_a_frame_too_long_to_be_read_closes_its_line(shared: Served) -> None:
+    with dialled(shared.port) as line:
+        line.send("x" * 1_000_000)
+        assert refused(line) == 1009
+
+
+def test_ten_thousand_frames_and_refusals_move_no_tick_and_fill_no_log(serve: Serve) -> None:
+    session = serve("--no-record", frozen=False)
+    with dialled(session.port) as helm:
+        assert ask(helm, "role helm")[0] == "ok"
+        with dialled(session.port) as line, contextlib.suppress(ConnectionClosed):
+            for _ in range(FLOOD):
+                line.send("$TRO,1,status*00")
+        for _ in range(FLOOD // 50):
+            request(session.port, "/", Host="evil\x9b[2J.example")
+            with contextlib.suppress(InvalidStatus), dialled(session.port, origin="http://evil"):
+                pass
+        assert ask(helm, "rudder left 5")[0] == "ok"
+    with dialled(session.port) as line:
+        assert ask(line, "role instructor")[0] == "ok"
+        leave(line)
+    assert session.process.wait(PATIENCE) == 0
+
+    told = said(session)
+    assert len(told.splitlines()) < FEW, told
+    assert "frames a second: its line is closed" in told
+    assert "more of the same" in told
+    assert "\x9b" not in told
+    assert re.search(r"overruns 0, caught up 0, slipped 0, gaps 0", told)
+
+
+def test_markup_in_a_remark_is_carried_as_words(shared: Served) -> None:
+    remark = "<img src=x onerror=alert(1)> & <script>"
+    with dialled(shared.port) as line, dialled(shared.port) as other:
+        assert ask(other, "role instructor")[0] == "ok"
+        assert ask(line, "role observer")[0] == "ok"
+        assert ask(line, f"mark {remark}")[0] == "ok"
+        while True:
+            heard = hear(other)
+            if heard and heard.kind == "TRE" and "mark by" in heard.fields[3]:
+                break
+    assert remark in heard.fields[3]
+
+
+def test_another_machine_has_so_many_lines_and_no_more() -> None:
+    bridge = Bridge(socket.socket, Refusals(print))
+    with contextlib.ExitStack() as stack:
+        for _ in range(100):
+            stack.enter_context(bridge.place("127.0.0.1"))
+        for _ in range(A_MACHINE):
+            stack.enter_context(bridge.place("192.0.2.1"))
+        with pytest.raises(RefusedError, match="close one"), bridge.place("192.0.2.1"):
+            pass
+        for number in range(ELSEWHERE - A_MACHINE):
+            stack.enter_context(bridge.place(f"192.0.2.{10 + number}"))
+        with pytest.raises(RefusedError, match="no room"), bridge.place("192.0.2.99"):
+            pass
+    assert not bridge.machines
+
+
+# Lines that are slow, old or gone
+
+
+def test_a_page_that_does_not_read_loses_its_own_lines_alone() -> None:
+    line = b"$TRE,1,0.5,order,%s*00\n" % (b"x" * 1000)
+    with pages() as stub, dialled(stub.port, max_queue=1), dialled(stub.port) as good:
+        wait_until(lambda: len(stub.sessions) == 2)
+        slow, quick = stub.sessions
+        slow.settimeout(0.5)
+        with contextlib.suppress(TimeoutError):  # it waits in the sockets; then the session knows
+            for _ in range(100_000):
+                slow.sendall(line)
+            pytest.fail("a page that does not read has taken 100 MB")
+        for _ in range(100):
+            quick.sendall(line)
+            assert str(good.recv(PATIENCE)) == line.decode().strip()
+
+
+def test_a_page_of_another_version_is_told_so(shared: Served, look: Look) -> None:
+    with dialled(shared.port, version="0.0.9") as line:
+        assert refused(line) == OLDER_PAGE
+
+    page = look(shared)
+    page.add_init_script(OLDER)
+    page.goto(f"{shared.url}/helm")
+    expect(page.locator("#older")).to_be_visible()
+
+
+def test_a_page_that_vanishes_is_noticed_by_ping_and_one_that_idles_stays() -> None:
+    with (
+        pages(ws_ping_interval=0.1, ws_ping_timeout=0.3) as stub,
+        dialled(stub.port) as idle,
+        socket.socket() as asleep,
+    ):
+        wait_until(lambda: len(stub.sessions) == 1)
+        asleep.connect(("127.0.0.1", stub.port))
+        asleep.sendall(
+            f"GET /line?version={__version__} HTTP/1.1\r\nHost: 127.0.0.1:{stub.port}\r\n"
+            f"Origin: http://127.0.0.1:{stub.port}\r\nConnection: Upgrade\r\n"
+            "Upgrade: websocket\r\nSec-WebSocket-Version: 13\r\n"
+            "Sec-WebSocket-Key: AAAAAAAAAAAAAAAAAAAAAA==\r\n\r\n".encode()
+        )
+        wait_until(lambda: len(stub.sessions) == 2)
+        assert stub.sessions[1].recv(1) == b""  # it answers no ping
+
+        stub.sessions[0].sendall(b"still here\n")  # after a dozen pings
+        assert idle.recv(PATIENCE) == "still here"
+
+
+# What comes back, and what ends
+
+
+def test_a_killed_server_comes_back_at_its_address_and_its_pages_by_themselves(
+    serve: Serve, look: Look
+) -> None:
+    session = serve()
+    page = look(session, "helm")
+    expect(page.locator("#state")).to_have_text("FROZEN")
+    first = child_of(session.process.pid)
+
+    os.kill(first, signal.SIGKILL)
+
+    expect(page.locator("#state")).to_have_text("NO LINK")
+    expect(page.locator("#state")).to_have_text("FROZEN", timeout=1e3 * PATIENCE)
+    assert child_of(session.process.pid) not in {0, first}
+    instructor = session.attach()
+    wait_until(
+        lambda: instructor.ask("log")[0] and any("begins again" in x for x in instructor.said)
+    )
+
+
+def test_a_killed_session_takes_its_pages_server_with_it(serve: Serve) -> None:
+    session = serve()
+
+    session.process.kill()
+
+    session.process.wait(PATIENCE)
+    wait_until(lambda: is_free(session.port))
+
+
+def test_the_end_of_a_session_is_the_end_of_its_pages(serve: Serve) -> None:
+    session = serve()
+    with dialled(session.port) as line:
+        assert ask(line, "role instructor")[0] == "ok"
+        leave(line)
+        assert refused(line) in {NO_SESSION, 1012}
+
+    assert session.process.wait(PATIENCE) == 0
+    assert is_free(session.port)
+    assert "Traceback" not in said(session)
+
+
+def test_the_next_exercise_is_at_the_same_address(serve: Serve) -> None:
+    session = serve("periscope-depth", "--no-record")
+    server = child_of(session.process.pid)
+    with dialled(session.port) as line:
+        assert ask(line, "role instructor")[0] == "ok"
+        assert ask(line, "end exercise")[0] == "ok"
+        assert ask(line, "next depth-changes")[0] == "ok"
+        refused(line)
+
+    def is_back() -> bool:
+        with contextlib.suppress(ConnectionClosed), dialled(session.port) as line:
+            return ask(line, "role helm")[0] == "ok"
+        return False
+
+    wait_until(is_back)
+    assert child_of(session.process.pid) == server
+
+
+@contextlib.contextmanager
+def program(folder: Path, *words: str, **own: str) -> Iterator[subprocess.Popen[str]]:
+    """Run a command of the trainer while the block lasts."""
+    with subprocess.Popen(
+        [sys.executable, "-m", "trainer", *words],
+        env={**environment(), "XDG_RUNTIME_DIR": str(folder), "BROWSER": "true", **own},
+        stdin=subprocess.DEVNULL,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        cwd=folder,
+    ) as process:
+        try:
+            yield process
+        finally:
+            process.kill()
+
+
+def await_said(process: subprocess.Popen[str], words: str) -> str:
+    """Return what a program says on stderr until these words."""
+    lines = []
+    for line in process.stderr or ():
+        lines.append(line)
+        if words in line:
+            return "".join(lines)
+    raise AssertionError("".join(lines))
+
+
+@pytest.mark.slow
+def test_a_server_of_its_own_serves_one_session_after_the_other(
+    serve: Serve, tmp_path: Path
+) -> None:
+    first = serve()
+    port = free_port()
+    words = ["web", "--connect", str(first.socket), "--web", f"127.0.0.1:{port}"]
+    with program(tmp_path, *words) as process:
+        await_said(process, "pages at")
+        with dialled(port) as line, dialled(first.port) as other:
+            assert ask(line, "role helm")[0] == "ok"
+            assert ask(other, "role helm")[0] == "ok"  # two servers on one session, two helms
+        first.process.terminate()
+        first.process.wait(PATIENCE)
+        with dialled(port) as line:
+            assert refused(line) == NO_SESSION
+        second = serve()
+        first.socket.unlink(missing_ok=True)
+        os.link(second.socket, first.socket)
+        with dialled(port) as line:
+            assert ask(line, "role helm")[0] == "ok"
+        process.send_signal(signal.SIGINT)
+        _, told = process.communicate(timeout=PATIENCE)
+        assert (process.returncode, told) == (0, "")
+
+
+# Wrong input
+
+
+WRONG = {
+    "serve --web 0.0.0.0:8080": "--web 0.0.0.0: beyond this machine only with --token WORD",
+    "run --web-at 0.0.0.0:8080": "--web-at 0.0.0.0: beyond this machine only with --token WORD",
+    "serve --web here": "--web here: say HOST:PORT, such as 127.0.0.1:17880",
+    "serve --web 127.0.0.1:{taken}": "in use already; give another port, or 0 for any",
+    "run --web-at 127.0.0.1:{taken}": "--web-at 127.0.0.1:{taken}: in use already",
+    "web --web 127.0.0.1:{taken}": "--web 127.0.0.1:{taken}: in use already; give another port",
+    "web --connect loop://": "--connect loop://: say tcp://HOST:PORT or the path of a local",
+    "web --connect tcp://x": "--connect tcp://x: say tcp://HOST:PORT",
+    "web --connect tcp://x:99999": "a port is 1 to 65535",
+    "run --web --cert c.pem": "--cert c.pem: a certificate needs its key: add --key FILE",
+    "web --key k.pem": "--key k.pem: a key needs its certificate: add --cert FILE",
+    "web --cert c.pem --key k.pem": "--cert c.pem: No such file",
+    "web --cert {file} --key {file}": "not a certificate and its own key, both PEM",
+    "run --cert c.pem --key k.pem": "--cert and --key are of pages: add --web",
+    "run --web --speed max": "--web: pages show a boat in its own time: leave out --speed max",
+    "run --web --headless": "trainer serve --web 127.0.0.1:17880 serves pages and opens none",
+    "run --web --serial loop://": "--web: add --line instructor=loop:// in place of --serial",
+}
+
+
+@pytest.mark.parametrize("words", WRONG)
+def test_wrong_input_is_told_with_the_next_step(
+    words: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "x.pem").write_text("no certificate")
+    with socket.create_server(("127.0.0.1", 0)) as taken:
+        names = {"taken": str(taken.getsockname()[1]), "file": "x.pem"}
+
+        with pytest.raises(ConfigError) as told:
+            cli(words.format(**names).split(), standalone_mode=False)
+
+    assert WRONG[words].format(**names) in str(told.value)
+    assert "\n" not in str(told.value)
+
+
+def test_without_the_extra_one_line_says_what_to_install(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(extras, "find_spec", lambda name: None if name == "uvicorn" else name)
+    for words in (["run", "--web"], ["serve", "--web", "127.0.0.1:1"], ["web"]):
+        with pytest.raises(
+            ConfigError, match=r"needs uvicorn: pip install 'submarine-trainer\[web"
+        ):
+            cli(words, standalone_mode=False)
+
+
+def test_a_session_without_a_token_is_not_carried_beyond_this_machine(
+    serve: Serve, tmp_path: Path
+) -> None:
+    session = serve()
+    words = ["web", "--connect", str(session.socket), "--web", "0.0.0.0:0"]
+    with program(tmp_path, *words) as process:
+        _, told = process.communicate(timeout=PATIENCE)
+    assert process.returncode == 2
+    assert told == (
+        "trainer: --web 0.0.0.0:0: beyond this machine only for a session with --token WORD\n"
+    )
+
+
+def test_beyond_this_machine_a_camera_reads_the_address_and_no_token() -> None:
+    told = announce(Address("192.0.2.7", 8080))
+
+    assert told.startswith("pages at http://192.0.2.7:8080/\n")
+    assert "█" in told
+    assert "█" not in announce(Address("127.0.0.1", 8080))
+
+
+def test_run_opens_its_pages_and_takes_another_port_where_the_usual_is_taken(
+    tmp_path: Path,
+) -> None:
+    opened = tmp_path / "opened"
+    browser = tmp_path / "browser"
+    browser.write_text(f'#!/bin/sh\necho "$1" > {opened}.new && mv {opened}.new {opened}\n')
+    browser.chmod(0o755)
+    with contextlib.ExitStack() as stack:
+        with contextlib.suppress(OSError):  # taken already is as good
+            stack.enter_context(socket.create_server(("127.0.0.1", 17880)))
+        words = ["run", "--web", "--no-record", "--duration", "30"]
+        run = stack.enter_context(program(tmp_path, *words, BROWSER=f"{browser} %s"))
+        told = await_said(run, "pages at")
+        wait_until(opened.exists)
+        url = opened.read_text().strip()
+        assert f"pages at {url}" in told
+        assert ":17880/" not in url
+        run.send_signal(signal.SIGINT)
+        run.communicate(timeout=PATIENCE)
+        assert run.returncode == 0
+
+
+def test_without_a_browser_the_user_is_told_what_to_open(tmp_path: Path) -> None:
+    words = ["web", "--connect", str(tmp_path / "none"), "--web", "127.0.0.1:0"]
+    nowhere = {"PATH": str(tmp_path), "BROWSER": "", "DISPLAY": "", "WAYLAND_DISPLAY": ""}
+    with program(tmp_path, *words, **nowhere) as process:
+        told = await_said(process, "no browser was found")
+    assert re.search(r"no session listens there.*the pages wait for one", told)
+    assert re.search(r"no browser was found: open http://127.0.0.1:[0-9]+/ in one", told)

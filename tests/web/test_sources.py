@@ -1,0 +1,48 @@
+"""The pages' scripts and styles as they are written: types, rules, size, nobody else's files."""
+
+import gzip
+import re
+from pathlib import Path
+
+import pytest
+from helpers import node
+from helpers.places import ROOT
+
+from trainer.web.pages import ASSETS
+
+MOST = 250_000  # [bytes] packed: all that a browser can ask for
+
+
+def test_types_fit() -> None:
+    assert not node.run("typescript/bin/tsc", "-p", str(ROOT / "tests/web/tsconfig.json"))
+
+
+def test_rules_are_kept() -> None:
+    rules = str(ROOT / "tests/web/eslint.config.js")
+
+    assert not node.run("eslint/bin/eslint.js", "--config", rules, str(ASSETS / "js"))
+
+
+def test_assets_are_small() -> None:
+    packed = {
+        path.relative_to(ASSETS): len(gzip.compress(path.read_bytes()))
+        for path in ASSETS.rglob("*")
+        if path.is_file()
+    }
+    assert len(packed) > 10
+    assert sum(packed.values()) <= MOST, packed
+
+
+def test_assets_are_our_own_scripts_styles_and_words() -> None:
+    kinds = {path.suffix for path in ASSETS.rglob("*") if path.is_file()}
+
+    assert kinds <= {".js", ".css", ".svg", ".json"}
+    assert not [path for path in ASSETS.rglob("*") if ".min." in path.name or path.is_symlink()]
+
+
+@pytest.mark.parametrize("path", sorted(ASSETS.rglob("*.[jc]s*")), ids=lambda path: path.name)
+def test_nothing_is_fetched_from_elsewhere(path: Path) -> None:
+    text = re.sub(r"http://www\.w3\.org/\S+", "", path.read_text(encoding="utf-8"))
+
+    assert not re.search(r"https?://|@import|\burl\(\s*['\"]?(?!data:|#)", text)
+    assert not re.search(r"\bimport\b[^;]*from\s+\"(?!\.)", text)

@@ -1,0 +1,150 @@
+"""The wall: ten people read it from four metres, and nobody works it."""
+
+import re
+import signal
+from collections.abc import Callable, Iterator
+
+import pytest
+from helpers.pages import Served, served
+from playwright.sync_api import Page, expect
+
+from trainer.verify.soak.session_process import Caller
+
+Look = Callable[..., Page]
+
+
+@pytest.fixture(scope="module")
+def sailing() -> Iterator[tuple[Served, Caller]]:
+    """Return a session with an exercise and its instructor."""
+    with served("visitor-dive") as session:
+        yield session, session.attach()
+
+
+def order(sailing: tuple[Served, Caller], words: str) -> None:
+    done, why = sailing[1].ask(words)
+    assert done, why
+
+
+def test_the_wall_shows_what_the_crews_gauges_show_and_what_is_ordered(
+    sailing: tuple[Served, Caller], look: Look
+) -> None:
+    session, _ = sailing
+    order(sailing, "restart")
+    order(sailing, "freeze")
+    order(sailing, "order course 120")
+    order(sailing, "step 2")
+    page = look(session, "wall")
+
+    expect(page.locator("#exercise")).to_have_text("A visitor's dive")
+    expect(page.locator("#state")).to_have_text("FROZEN")
+    expect(page.locator("#depth")).to_have_text("18.0")
+    expect(page.locator("#ordered-depth")).to_have_text("ordered 60 m")
+    expect(page.locator("#ordered-course")).to_have_text("ordered 120")
+    order(sailing, "casualty depth-gauge-biased ramp 1")
+    order(sailing, "step 40")
+    expect(page.locator("#depth")).to_have_text(re.compile("^(?!18.0)"))
+    shown = float(page.locator("#depth").inner_text())
+    truth = look(session, "wall", query="?truth")
+    expect(truth.locator("#depth")).to_have_text(re.compile(r"\d"))
+    assert abs(float(truth.locator("#depth").inner_text()) - shown) > 1.0
+    expect(truth.locator("#source")).to_have_text("the truth")
+    order(sailing, "restart")
+    order(sailing, "freeze")
+
+
+def test_a_wall_that_came_first_as_an_instructor_gives_command_to_who_asks(look: Look) -> None:
+    with served() as session:
+        wall = look(session, "wall", query="?truth")
+        expect(wall.locator("#state")).to_have_text("FROZEN")
+        instructor = session.attach()
+        refused, why = instructor.ask("run")
+        assert not refused
+        assert "take command" in why
+        assert instructor.ask("take command")[0]
+        expect(wall.locator("#state")).to_have_text("FROZEN")
+        for _ in range(100):
+            if instructor.ask("run")[0]:
+                break
+        expect(wall.locator("#state")).to_have_text("RUNNING")
+
+
+def test_digits_are_seven_of_a_hundred_parts_of_the_height_at_least(
+    sailing: tuple[Served, Caller], look: Look
+) -> None:
+    for size, share in (("desk", 0.13), ("laptop", 0.13), ("tablet", 0.05)):
+        page = look(sailing[0], "wall", size=size)
+        expect(page.locator("#depth")).to_have_text(re.compile(r"\d"))
+        size_of = "getComputedStyle(document.querySelector('#depth')).fontSize"
+        assert float(page.evaluate(f"parseFloat({size_of}) / innerHeight")) >= share
+        cut = "e => e.scrollWidth > e.clientWidth + 1 || e.scrollHeight > e.clientHeight + 1"
+        assert not page.locator("main").evaluate(cut)
+        assert not page.locator("body").evaluate(cut)
+
+
+def test_alerts_are_shown_and_nothing_on_the_wall_can_be_worked(look: Look) -> None:
+    with served() as session:
+        page = look(session, "wall")
+        expect(page.locator("#state")).to_have_text("FROZEN")
+        assert session.attach().ask("run")[0]
+        expect(page.locator("#state")).to_have_text("RUNNING")
+        session.process.send_signal(signal.SIGSTOP)
+        try:
+            expect(page.locator("alert-bar .alert")).to_contain_text("No link", timeout=20_000)
+            expect(page.locator("boat-side")).to_have_attribute("data-stale", "")
+            worked = page.locator(":is(button, input, select, a):visible")
+            assert worked.count() == 0
+        finally:
+            session.process.send_signal(signal.SIGCONT)
+        expect(page.locator("#state")).to_have_text("RUNNING", timeout=20_000)
+
+
+def test_the_pointer_goes_when_it_is_still_and_comes_back_when_it_moves(
+    sailing: tuple[Served, Caller], look: Look
+) -> None:
+    page = look(sailing[0])
+    page.clock.install()
+    page.goto(f"{sailing[0].url}/wall")
+    expect(page.locator("#depth")).to_have_text(re.compile(r"\d"))
+    page.mouse.move(200, 200)
+    expect(page.locator("body")).not_to_have_css("cursor", "none")
+    page.clock.run_for(3500)
+    expect(page.locator("body")).to_have_css("cursor", "none")
+    page.mouse.move(210, 200)
+    expect(page.locator("body")).not_to_have_css("cursor", "none")
+
+
+def test_the_picture_moves_a_little_each_minute_and_stays_on_the_screen(
+    sailing: tuple[Served, Caller], look: Look
+) -> None:
+    page = look(sailing[0])
+    page.clock.install()
+    page.goto(f"{sailing[0].url}/wall")
+    expect(page.locator("#depth")).to_have_text(re.compile(r"\d"))
+    places = set()
+    for _ in range(9):
+        page.clock.fast_forward(60_000)
+        box = page.locator("main").bounding_box()
+        assert box
+        places.add((box["x"], box["y"]))
+        assert min(box["x"], box["y"]) >= 0.0
+        assert box["x"] + box["width"] <= 1280.0
+        assert box["y"] + box["height"] <= 720.0
+    assert len(places) == 9
+    assert {abs(a[0] - b[0]) for a in places for b in places} == {0.0, 2.0, 4.0}
+
+
+def test_the_marks_are_shown_once_they_are_released(
+    sailing: tuple[Served, Caller], look: Look
+) -> None:
+    page = look(sailing[0], "wall")
+    order(sailing, "restart")
+    expect(page.locator("#state")).to_have_text("RUNNING")
+    order(sailing, "end exercise")
+    expect(page.locator("#state")).to_have_text("ENDED")
+    expect(page.locator("#marks")).to_be_hidden()
+    for _ in range(200):
+        if sailing[1].ask("release marks")[0]:
+            break
+    expect(page.locator("#marks")).to_contain_text("marks of 100")
+    order(sailing, "restart")
+    expect(page.locator("#marks")).to_be_hidden()

@@ -1,0 +1,77 @@
+// The briefing: what the exercise is about before it begins, how it stands, and its marks at the end.
+import { clock, html, one, write } from "./draw.js";
+
+const CREW = ["helm", "planes", "pilot", "ballast", "diving"];
+
+/** @typedef {import("./model/session.js").Session} Session */
+
+/**
+ * Furnishes the briefing of a station. It opens by itself before time runs, and at the end.
+ * @param {Session} session
+ */
+export function furnishBriefing(session) {
+  const dialog = /** @type {HTMLDialogElement} */ (one("#briefing"));
+  const key = one("#show-briefing");
+  if (!CREW.includes(session.role) && session.role !== "observer") return;
+  const [close, ready] = [one("#close-briefing"), one("#ready")];
+  let shown = ""; // what it has opened for by itself
+  const show = () => {
+    key.hidden = !session.exercise.title && !session.outcome;
+    write(one("#briefing-title"), session.exercise.title ?? "Free sailing");
+    one("#briefing-text").replaceChildren(...text(session));
+    const begins = session.state === "frozen" && session.seconds === 0;
+    ready.hidden = !begins || !CREW.includes(session.role);
+    const why = session.outcome ? "end" : begins && session.exercise.title ? "begin" : "";
+    if (why && shown !== `${why} ${session.exercise.title}` && !dialog.open) {
+      shown = `${why} ${session.exercise.title}`;
+      dialog.show();
+    }
+    if (!why && session.state === "running" && shown.startsWith("begin") && dialog.open) {
+      dialog.close();
+      shown = "running";
+    }
+  };
+  key.onclick = () => (dialog.open ? dialog.close() : dialog.show());
+  close.onclick = () => dialog.close();
+  ready.onclick = async () => {
+    const { ok } = await session.order("ready");
+    if (ok) dialog.close();
+  };
+  addEventListener("keydown", (event) => {
+    if (event.key === "Escape" && dialog.open) dialog.close();
+    if (event.key !== "F1") return;
+    event.preventDefault();
+    key.click();
+  });
+  for (const what of ["exercise", "marks", "state"]) session.on(what, show);
+}
+
+/** Returns the briefing, or how it ended. @param {Session} session */
+function text(session) {
+  const { exercise, told, outcome, marks } = session;
+  const parts = [];
+  if (outcome) parts.push(html("p", { class: "outcome" }, `The exercise is over: ${outcome}.`));
+  if (outcome && !marks.length) parts.push(html("p", {}, "The instructor has the marks first."));
+  parts.push(...marks.map((line) => html("p", {}, line)));
+  parts.push(...(told.line ?? []).map((line) => html("p", {}, line)));
+  const facts = [
+    ["By hand", (exercise.hand ?? "").replaceAll(",", ", ")],
+    ["Won by", (told.wins ?? []).join("; ")],
+    ["Lost by", (told.lost ?? []).join("; ")],
+    ["Limits", (exercise.limits ?? "").split(",").map(limit).filter(Boolean).join(", ")],
+    ["Length", exercise.duration ? clock(Number(exercise.duration)) : ""],
+  ];
+  const rows = facts
+    .filter(([, what]) => what)
+    .flatMap(([name, what]) => [html("dt", {}, name), html("dd", {}, what)]);
+  if (rows.length) parts.push(html("dl", {}, ...rows));
+  return parts;
+}
+
+/** Returns a limit such as `depth_m_max:130` in words. @param {string} told */
+function limit(told) {
+  const [name, value] = told.split(":");
+  const [what, unit, end] = name.split("_");
+  if (!value) return "";
+  return `${what} at ${end === "min" ? "least" : "most"} ${value}${unit === "level" ? "" : ` ${unit}`}`;
+}

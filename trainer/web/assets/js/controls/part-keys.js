@@ -1,0 +1,32 @@
+// Keys that choose which part of a page is shown where there is no room for all.
+import { html } from "../draw.js";
+
+/** `<part-keys part="group">` with `.parts = [[name, words]...]`: sets `data-group` of the body. */
+class PartKeys extends HTMLElement {
+  /** @param {[string, string][]} parts */
+  set parts(parts) {
+    this.setAttribute("role", "group");
+    this.setAttribute("aria-label", this.getAttribute("label") ?? "Shown");
+    const key = ([name, words] = ["", ""]) =>
+      html("button", { type: "button", "data-name": name, click: () => this.choose(name) }, words);
+    this.replaceChildren(...parts.map(key));
+    const { [this.#part]: chosen = "" } = document.body.dataset;
+    const there = [...this.querySelectorAll("button")].find((each) => each.checkVisibility());
+    const first = there?.dataset.name ?? parts[0]?.[0] ?? "";
+    this.choose(parts.some(([name]) => name === chosen) ? chosen : first);
+  }
+
+  get #part() {
+    return this.getAttribute("part") ?? "part";
+  }
+
+  /** Shows a part. @param {string} name */
+  choose(name) {
+    document.body.dataset[this.#part] = name;
+    for (const key of this.querySelectorAll("button")) {
+      key.setAttribute("aria-pressed", String(key.dataset.name === name));
+    }
+  }
+}
+
+customElements.define("part-keys", PartKeys);

@@ -1,0 +1,40 @@
+// The order to the crew that this station is to repeat, with the key that repeats it.
+import { html, write } from "../draw.js";
+
+/** @typedef {import("../model/session.js").Session} Session */
+
+/** `<repeat-bar data-control>` with `bind(session)`: hidden while nothing is to be repeated. */
+class RepeatBar extends HTMLElement {
+  #says = html("b", { class: "ordered" });
+  #wrong = html("span", { class: "wrong" });
+  #key = html("button", { type: "button" });
+
+  connectedCallback() {
+    if (this.firstChild) return;
+    this.setAttribute("role", "status");
+    this.hidden = true;
+    this.append(html("span", {}, "NEW"), this.#says, this.#wrong, this.#key);
+  }
+
+  /** @param {Session} session */
+  bind(session) {
+    this.#key.onclick = () => {
+      const order = session.crew.toRepeat(session.role);
+      if (order) void session.order(order.axis === "tell" ? "aye" : `${order.says} aye`);
+    };
+    session.on("crew", () => this.#show(session));
+    session.on("state", () => this.#show(session));
+    this.#show(session);
+  }
+
+  /** @param {Session} session */
+  #show(session) {
+    const order = session.crew.toRepeat(session.role);
+    this.hidden = !order;
+    write(this.#says, order?.says ?? "");
+    write(this.#wrong, session.crew.wrong ? `WRONG REPEAT: ${session.crew.wrong}` : "");
+    write(this.#key, order ? `Repeat: ${order.says} aye` : "Repeat");
+  }
+}
+
+customElements.define("repeat-bar", RepeatBar);

@@ -1,0 +1,165 @@
+// Casualties: what is broken, and what can be: found, preset by a click, given by a second one.
+import { html, one, write } from "../draw.js";
+
+/**
+ * @typedef {import("./desk.js").Desk} Desk
+ * @typedef {import("../model/session.js").Casualty} Casualty
+ * @typedef {object} Degree what severity 1 is, in the unit that people use
+ * @property {number} severity usual
+ * @property {number} ramp [s] usual
+ * @property {number} factor the unit's number at severity 1
+ * @property {string} unit
+ * @property {string[]} sides the negative one first; none where there is only more or less
+ * @property {string} side the usual one
+ */
+
+const SLOTS = 8;
+const SIDES = [["dive", "rise"], ["left", "right"], ["too little", "too much"]];
+const LISTED = /^(\S+) (-?[\d.]+) ramp ([\d.]+) +\((?:hole |reads )?([\d.e+-]+) (.*)\)$/;
+
+/** Fills the panel. @param {Desk} desk */
+export function showCasualties(desk) {
+  const { session } = desk;
+  const chooser = new Chooser(desk);
+  session.on("tick", () => showBroken(desk));
+  session.on("line", () => chooser.list());
+  one("#find").oninput = () => chooser.list();
+  one("#break").onsubmit = (event) => {
+    event.preventDefault();
+    void chooser.give();
+  };
+}
+
+/** @param {Desk} desk */
+function showBroken(desk) {
+  const { session } = desk;
+  const word = (/** @type {number} */ slot, field = "") => session.word(`casualties.casualty_${slot}${field}`);
+  const slots = Array.from({ length: SLOTS }, (_, at) => at + 1).filter((slot) => word(slot));
+  write(one("#broken-count"), slots.length ? `${slots.length} of ${SLOTS}` : "none");
+  const told = slots.map((slot) => {
+    const [name, says, left] = [word(slot), word(slot, "_says"), Number(word(slot, "_left"))];
+    const clearing = Number(word(slot, "_target")) === 0;
+    const does = clearing ? "clears" : "grows";
+    return { name, says, when: left > 0 ? `${does} for ${Math.ceil(left)} s` : "" };
+  });
+  const list = one("#broken");
+  const now = JSON.stringify(told);
+  if (list.dataset.shown === now) return;
+  list.dataset.shown = now;
+  list.replaceChildren(...told.map((each) => brokenRow(desk, each)));
+}
+
+/** @param {Desk} desk @param {{ name: string, says: string, when: string }} told */
+function brokenRow(desk, { name, says, when }) {
+  const clear = () => void desk.give(`clear ${name}`);
+  return html(
+    "li",
+    { class: "broken" },
+    html("b", { class: "grow" }, says ? `${name}, ${says}` : name),
+    html("span", {}, when),
+    html("button", { type: "button", "aria-label": `Clear ${name}`, click: clear }, "Clear"),
+  );
+}
+
+class Chooser {
+  /** @param {Desk} desk */
+  constructor(desk) {
+    this.desk = desk;
+    /** @type {Casualty | null} */
+    this.chosen = null;
+    /** @type {Degree | null} */
+    this.degree = null;
+    this.drawn = "";
+  }
+
+  /** Lists what has the letters that were typed. */
+  list() {
+    const field = /** @type {HTMLInputElement} */ (one("#find"));
+    const wanted = field.value.toLowerCase().split(/[\s-]+/);
+    const found = this.desk.session.casualties.filter(({ name, says }) =>
+      wanted.every((part) => `${name} ${says}`.toLowerCase().includes(part)),
+    );
+    const drawn = JSON.stringify([found, this.chosen?.name]);
+    if (drawn === this.drawn) return;
+    this.drawn = drawn;
+    one("#offers").replaceChildren(...found.map((each) => this.offer(each)));
+  }
+
+  /** @param {Casualty} casualty */
+  offer(casualty) {
+    const here = casualty.name === this.chosen?.name;
+    const click = () => (casualty.name === this.chosen?.name ? void this.give() : this.choose(casualty));
+    const parts = [html("b", {}, casualty.name), html("span", {}, casualty.says)];
+    return html("li", {}, html("button", { type: "button", "aria-pressed": String(here), click }, ...parts));
+  }
+
+  /** Presets a casualty as its table has it. @param {Casualty} casualty */
+  choose(casualty) {
+    this.chosen = casualty;
+    this.degree = degreeOf(casualty.name, this.desk.session.degrees);
+    const { degree } = this;
+    write(one("#chosen-name"), casualty.name);
+    one("#chosen").hidden = false;
+    one("#degree").hidden = one("#ramp-field").hidden = degree === null;
+    const side = /** @type {HTMLSelectElement} */ (one("#side"));
+    side.hidden = !degree?.sides.length;
+    side.replaceChildren(...(degree?.sides ?? []).map((word) => html("option", {}, word)));
+    if (degree) {
+      side.value = degree.side;
+      field("#severity").value = String(Number(Math.abs(degree.severity * degree.factor).toPrecision(3)));
+      field("#ramp").value = String(degree.ramp);
+      write(one("#unit"), degree.unit);
+    }
+    const focused = document.activeElement?.closest("#offers");
+    this.list();
+    if (focused) /** @type {HTMLElement | null} */ (document.querySelector("#offers [aria-pressed='true']"))?.focus();
+  }
+
+  /** Gives what is chosen. */
+  async give() {
+    if (!this.chosen) return;
+    const answer = await this.desk.give(this.words());
+    if (!answer.ok) return;
+    this.chosen = null;
+    one("#chosen").hidden = true;
+    this.list();
+  }
+
+  /** Returns the order for what is chosen. */
+  words() {
+    const { degree } = this;
+    const name = this.chosen?.name ?? "";
+    if (!degree) return `casualty ${name}`;
+    const side = /** @type {HTMLSelectElement} */ (one("#side")).value;
+    const amount = Number(field("#severity").value.replace(",", "."));
+    const sign = degree.sides.length ? (side === degree.sides[0] ? -1 : 1) : 1;
+    const severity = Number(((sign * amount) / degree.factor).toFixed(4));
+    return `casualty ${name} ${severity} ramp ${Number(field("#ramp").value) || 0}`;
+  }
+}
+
+/** @param {string} selector */
+function field(selector) {
+  return /** @type {HTMLInputElement} */ (one(selector));
+}
+
+/**
+ * Returns the degree of a casualty from its line in the listing, null where it has none.
+ * @param {string} name
+ * @param {string[]} listing
+ * @returns {Degree | null}
+ */
+export function degreeOf(name, listing) {
+  const found = listing.map((line) => LISTED.exec(line)).find((each) => each?.[1] === name);
+  if (!found) return null;
+  const [severity, ramp, amount] = [found[2], found[3], found[4]].map(Number);
+  const side = SIDES.flat().find((word) => found[5].endsWith(word)) ?? "";
+  return {
+    severity,
+    ramp,
+    factor: amount / Math.abs(severity),
+    unit: found[5].replace(side, "").trim(),
+    sides: SIDES.find((pair) => pair.includes(side)) ?? [],
+    side,
+  };
+}

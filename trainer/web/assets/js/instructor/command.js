@@ -1,0 +1,85 @@
+// Command among several instructors: who has it, who asks for it.
+import { html, one } from "../draw.js";
+import { askAboard, onArrival } from "./log.js";
+
+/** @typedef {import("./desk.js").Desk} Desk */
+
+const HOLDER = /^(.+) has command: /; // of a refusal to who has it not
+const OFFERED = 10_000; // [ms] in which the question can be answered
+
+/** Shows who has command where there are several instructors. @param {Desk} desk */
+export function furnishCommand(desk) {
+  const { session } = desk;
+  const bar = new CommandBar(desk);
+  session.on("state", () => {
+    if (session.joined && !bar.looked) void bar.look();
+    if (!session.joined) bar.looked = false;
+  });
+  onArrival(desk, () => void bar.look());
+  session.on("fact", (event) => {
+    const { what, subject } = /** @type {CustomEvent} */ (event).detail;
+    if (what === "command") void bar.look();
+    if (what === "asked") bar.ask(subject);
+  });
+}
+
+class CommandBar {
+  /** @param {Desk} desk */
+  constructor(desk) {
+    this.desk = desk;
+    this.looked = false;
+    this.holder = ""; // "" is this page
+    this.several = false;
+    this.asker = "";
+  }
+
+  /** Finds out who has command; `keep command` changes nothing where nobody asks for it. */
+  async look() {
+    this.looked = true;
+    const { session } = this.desk;
+    const stations = await askAboard(this.desk);
+    this.several = stations.filter(({ role }) => role === "instructor").length > 1;
+    if (!this.asker) {
+      const answer = this.several ? await session.ask("keep command") : { text: "" };
+      this.holder = HOLDER.exec(answer.text)?.[1] ?? "";
+    }
+    this.draw();
+  }
+
+  /** Somebody asks for command, of whoever has it. @param {string} asker */
+  ask(asker) {
+    if (this.holder) return;
+    this.asker = asker;
+    this.draw();
+    setTimeout(() => this.settle(), OFFERED);
+  }
+
+  settle() {
+    if (!this.asker) return;
+    this.asker = "";
+    void this.look();
+  }
+
+  /** @param {string} words */
+  key(words) {
+    const give = () => {
+      this.asker = "";
+      void this.desk.give(words).then(() => this.look());
+    };
+    const name = words[0].toUpperCase() + words.slice(1);
+    return html("button", { type: "button", click: give }, name);
+  }
+
+  draw() {
+    const bar = one("#command");
+    const { asker, holder, several } = this;
+    bar.hidden = !several;
+    if (asker) {
+      const says = html("span", {}, `The instructor at ${asker} asks for command.`);
+      bar.replaceChildren(says, this.key("give command"), this.key("keep command"));
+    } else if (holder) {
+      const says = `The instructor at ${holder} has command. You watch and mark.`;
+      bar.replaceChildren(html("span", {}, says), this.key("take command"));
+    } else bar.replaceChildren(html("span", {}, "You have command. Other instructors watch."));
+  }
+}

@@ -1,0 +1,111 @@
+// What is needed now and then: the ledger, the stations with what they lost, marks, moments kept.
+import { clock, html, one } from "../draw.js";
+import { showBeside } from "./desk.js";
+import { askAboard } from "./log.js";
+import { valuesTable } from "./pictures.js";
+
+/** @typedef {import("./desk.js").Desk} Desk */
+
+const ASKED = 2000; // [ms] between looks at the stations, while the drawer is open
+const LEDGER = {
+  ticks: "Ticks",
+  duty_cycle: "Duty cycle, %",
+  overruns: "Overruns",
+  caught_up: "Caught up",
+  slipped: "Slipped",
+  gaps: "Gaps",
+  late_p50: "Late, half of them, us",
+  late_p99: "Late, 99 of 100, us",
+  late_most: "Late, most, us",
+  work_p99: "Work, 99 of 100, us",
+};
+
+/** Furnishes the drawer; returns what opens and closes it. @param {Desk} desk */
+export function furnishDrawer(desk) {
+  const drawer = /** @type {HTMLDialogElement} */ (one("#drawer"));
+  const toggle = () => {
+    if (drawer.open) drawer.close();
+    else {
+      showBeside(drawer);
+      void fill(desk);
+    }
+    one("#open-drawer").setAttribute("aria-expanded", String(drawer.open));
+  };
+  one("#open-drawer").onclick = toggle;
+  one("#close-drawer").onclick = toggle;
+  drawer.onclose = () => one("#open-drawer").setAttribute("aria-expanded", "false");
+  setInterval(() => {
+    if (drawer.open && !drawer.contains(document.activeElement)) void fill(desk);
+  }, ASKED);
+  desk.session.on("line", () => {
+    if (drawer.open) void fill(desk);
+  });
+  return toggle;
+}
+
+/** @param {Desk} desk */
+async function fill(desk) {
+  const stations = await askAboard(desk);
+  one("#drawer-body").replaceChildren(
+    section("Moments kept", ...moments(desk)),
+    section("Stations", list(stations.map(({ says }) => says), "Nobody")),
+    section("Marks", list(desk.session.marks, "They come at the end.")),
+    section("Ledger", ledger(desk)),
+  );
+}
+
+/** @param {string} title @param {...Node} parts */
+function section(title, ...parts) {
+  return html("section", {}, html("h3", {}, title), ...parts);
+}
+
+/** @param {string[]} lines @param {string} none */
+function list(lines, none) {
+  return html("ul", {}, ...(lines.length ? lines : [none]).map((each) => html("li", {}, each)));
+}
+
+/** @param {Desk} desk */
+function moments(desk) {
+  const kept = desk.session.kept.filter(({ sign }) => sign === "S");
+  const rows = kept.map(({ seconds, text }) => {
+    const restore = () => void desk.give(`restore ${text}`);
+    const key = html("button", { type: "button", click: restore }, `Restore ${text}`);
+    return html("li", { class: "row" }, html("time", {}, clock(seconds)), key);
+  });
+  const name = /** @type {HTMLInputElement} */ (html("input", {
+    ...{ "aria-label": "Name of the moment", placeholder: "name: before-jam", maxlength: 40 },
+    ...{ autocomplete: "off", class: "grow" },
+  }));
+  const keep = (/** @type {Event} */ event) => {
+    event.preventDefault();
+    const word = name.value.trim().replace(/\s+/g, "-");
+    if (word) void desk.give(`snapshot ${word}`);
+  };
+  const form = html("form", { class: "row", submit: keep }, name, html("button", {}, "Keep this moment"));
+  return [html("ul", {}, ...rows), form];
+}
+
+/** @param {Desk} desk */
+function ledger({ session }) {
+  const rows = Object.entries(LEDGER).map(([field, name]) => {
+    const value = html("td", {}, session.word(`ledger.${field}`));
+    return html("tr", {}, html("th", { scope: "row" }, name), value);
+  });
+  return html("table", {}, html("tbody", {}, ...rows));
+}
+
+/** Shows long answers, and the charts as a table, in a window to read. @param {Desk} desk */
+export function furnishReading(desk) {
+  const dialog = /** @type {HTMLDialogElement} */ (one("#reading"));
+  const show = (/** @type {string} */ title, /** @type {Node} */ body) => {
+    one("#reading-title").textContent = title;
+    one("#reading-body").replaceChildren(body);
+    if (!dialog.open) dialog.showModal();
+  };
+  one("#close-reading").onclick = () => dialog.close();
+  one("#open-values").onclick = () => show("What the charts show", valuesTable(desk));
+  desk.addEventListener("answer", (event) => {
+    const { words, lines } = /** @type {CustomEvent} */ (event).detail;
+    show(words, html("pre", {}, lines.join("\n")));
+  });
+}

@@ -1,0 +1,313 @@
+// The exercise from its choice to its debrief: cards, briefing, who is ready, outcome and marks.
+import { clock, html, one, write } from "../draw.js";
+import { showBeside } from "./desk.js";
+import { askAboard } from "./log.js";
+import { lapseTo } from "./time.js";
+
+/**
+ * @typedef {import("./desk.js").Desk} Desk
+ * @typedef {{ title: string, briefing: string, seconds: number | null, hand: string[],
+ *   vessel: string }} Lesson
+ * @typedef {"briefing" | "choice" | "end"} View
+ */
+
+const LOOKED = 2000; // [ms] between looks at who is aboard, before the start
+const WIDE = 1000; // [px] from which on the window leaves room beside it
+const BACK = "2 min"; // how far `again from` goes where no moment is looked at
+const AT = /\b(?:at|by) (\d+):(\d\d)(?:\.\d+)?/; // a time in the reason of a mark
+const OUTCOMES = { lost: "LOST", ended: "TIME IS UP" };
+
+/** Furnishes the window of the exercise. @param {Desk} desk @param {(seconds: number) => void} see */
+export function furnishExercise(desk, see) {
+  const { session } = desk;
+  const pane = new ExerciseWindow(desk, see);
+  one("#open-exercise").onclick = () => pane.toggle();
+  const title = () => write(one("#title"), session.exercise.title ?? "Instructor");
+  session.on("exercise", () => {
+    title();
+    showMission(desk);
+    pane.notice();
+  });
+  for (const what of ["state", "marks"]) session.on(what, () => pane.notice());
+  session.on("fact", (event) => {
+    const { what, subject } = /** @type {CustomEvent} */ (event).detail;
+    if (what === "debrief") pane.debriefed(subject);
+    if (what === "ready") pane.draw();
+    if (what === "back") pane.goBack();
+  });
+  setInterval(() => pane.tend(), LOOKED);
+  return pane;
+}
+
+/** Shows in one line what wins and what the crew knows. @param {Desk} desk */
+function showMission({ session }) {
+  const { told } = session;
+  const mission = one("#mission");
+  const parts = [
+    ["Win", told.wins?.join(", ")],
+    ["Lose", told.lost?.join(", ")],
+    ["Crew knows", lessonOf(session.exercise.title)?.briefing],
+  ].filter(([, says]) => says);
+  mission.hidden = parts.length === 0;
+  const words = parts.flatMap(([name, says]) => [html("b", {}, `${name}: `), `${says} `]);
+  mission.replaceChildren(...words);
+}
+
+/** @type {Lesson[] | null} */
+let course = null;
+
+/** Returns the shipped exercises, in the course's order. */
+function lessons() {
+  course ??= /** @type {Lesson[]} */ (JSON.parse(one("#lessons").textContent ?? "[]"));
+  return course;
+}
+
+/** @param {string | undefined} title */
+function lessonOf(title) {
+  return lessons().find((each) => each.title === title);
+}
+
+class ExerciseWindow {
+  /** @param {Desk} desk @param {(seconds: number) => void} see looks at a moment */
+  constructor(desk, see) {
+    this.desk = desk;
+    this.see = see;
+    this.dialog = /** @type {HTMLDialogElement} */ (one("#exercise"));
+    /** @type {View} */
+    this.view = "briefing";
+    this.offered = ""; // for which start or end it has opened by itself
+    this.debrief = "";
+    /** @type {string[]} */
+    this.names = []; // of the exercises' files, as `next` tells them
+    /** @type {import("./log.js").Aboard[]} */
+    this.stations = [];
+    this.dialog.onclose = () => one("#open-exercise").setAttribute("aria-expanded", "false");
+  }
+
+  /** Opens by itself at the start, and at the end. */
+  notice() {
+    const { session } = this.desk;
+    const { state, outcome, seconds, exercise } = session;
+    if (state === "connecting" || state === "lost" || state === "role") {
+      this.offered = "";
+      return;
+    }
+    const starts = state === "frozen" && seconds === 0;
+    const now = outcome ? `end ${outcome}` : starts ? `start ${exercise.title ?? ""}` : this.offered;
+    if (now !== this.offered) {
+      this.offered = now;
+      this.open(outcome ? "end" : "briefing");
+    } else if (this.dialog.open) this.draw();
+  }
+
+  /** Time has gone back: there is no end any more. */
+  goBack() {
+    this.debrief = "";
+    if (this.view === "end") {
+      this.offered = "";
+      this.dialog.close();
+    }
+  }
+
+  /** @param {string} path of the page that was written */
+  debriefed(path) {
+    this.debrief = path;
+    this.draw();
+  }
+
+  toggle() {
+    if (this.dialog.open) this.dialog.close();
+    else this.open(this.desk.session.outcome ? "end" : "briefing");
+  }
+
+  /** @param {View} view */
+  open(view) {
+    this.view = this.dialog.dataset.view = view;
+    if (!this.dialog.open) showBeside(this.dialog);
+    one("#open-exercise").setAttribute("aria-expanded", "true");
+    this.draw();
+    void this.lookRound();
+  }
+
+  /** Looks at who is aboard while the briefing is open. */
+  tend() {
+    if (this.dialog.open && this.view === "briefing" && this.desk.session.joined) void this.lookRound();
+  }
+
+  async lookRound() {
+    this.stations = await askAboard(this.desk);
+    if (this.view === "briefing") this.draw();
+  }
+
+  /** Draws the view where it is another than the one that is there. */
+  draw() {
+    if (!this.dialog.open) return;
+    const { body, keys, title } = this[this.view]();
+    write(one("#exercise-title"), title);
+    replace(one("#exercise-body"), body);
+    replace(one("#exercise-keys"), [...keys, this.key("Close", () => this.dialog.close())]);
+  }
+
+  /** @param {string} words @param {() => void} click @param {boolean} [main] */
+  key(words, click, main = false) {
+    return html("button", { type: "button", class: main ? "main" : "", click }, words);
+  }
+
+  briefing() {
+    const { session } = this.desk;
+    const { exercise, told } = session;
+    const stands = session.word("time.time") === "frozen" && !session.outcome;
+    const choose = this.key("Choose another", () => void this.choose());
+    const run = this.key("Run", () => void this.run(), true);
+    const end = this.key("End exercise", () => void this.desk.give("end exercise"));
+    const keys = [...(stands ? [run] : []), choose, ...(session.outcome ? [] : [end])];
+    if (!exercise.title) {
+      const says = "The boat sails freely: there is no exercise.";
+      return { title: "No exercise", body: [html("p", {}, says), this.aboard()], keys };
+    }
+    const crew = lessonOf(exercise.title)?.briefing ?? "";
+    const lines = (told.line ?? []).filter((line) => !crew.includes(line.trim()));
+    const sides = html(
+      "div",
+      { class: "sides" },
+      column("The crew is told", [crew || "what its stations show"]),
+      column("You alone are told", lines.length ? [lines.join(" ")] : ["nothing more"]),
+    );
+    const rules = [
+      ["Wins", told.wins?.join(", ")],
+      ["Loses", told.lost?.join(", ")],
+      ["By hand", exercise.hand?.replaceAll(",", ", ")],
+      ["Limits", exercise.limits?.replaceAll(",", ", ").replaceAll(":", " ").replaceAll("_", " ")],
+    ];
+    return { title: exercise.title, body: [sides, table(rules), this.aboard()], keys };
+  }
+
+  /** Returns who is aboard, and who is ready. */
+  aboard() {
+    const crew = this.stations.filter(({ role }) => role !== "instructor");
+    const log = this.desk.session.log.filter(({ kind }) => kind === "station");
+    const rows = crew.map(({ role, line }) => {
+      const ready = log.some(({ text }) => text.startsWith(`${role} at ${line} is ready`));
+      return html("li", {}, html("b", {}, role), ` at ${line}: ${ready ? "ready" : "not ready yet"}`);
+    });
+    const none = html("li", {}, "No station. The exercise can be flown from here.");
+    return html("section", {}, html("h3", {}, "Aboard"), html("ul", {}, ...(rows.length ? rows : [none])));
+  }
+
+  async run() {
+    const answer = await this.desk.give("run");
+    if (answer.ok) this.dialog.close();
+  }
+
+  /** Asks for the names of the exercises, and shows the cards. */
+  async choose() {
+    this.names = (await this.desk.session.ask("next")).lines;
+    this.open("choice");
+  }
+
+  choice() {
+    const cards = lessons().map((lesson, at) => this.card(lesson, this.names[at]));
+    const back = this.key("Back", () => this.open(this.desk.session.outcome ? "end" : "briefing"));
+    return { title: "Choose an exercise", body: [html("div", { class: "cards" }, ...cards)], keys: [back] };
+  }
+
+  /** @param {Lesson} lesson @param {string | undefined} name */
+  card({ title, briefing, seconds, hand, vessel }, name) {
+    const facts = [
+      seconds === null ? "no end" : `${Math.round(seconds / 60)} min`,
+      vessel.toUpperCase(),
+      hand.length ? `by hand: ${hand.join(", ")}` : "automatic",
+    ];
+    const click = () => void this.begin(name ?? "");
+    const parts = [html("b", {}, title), html("small", {}, facts.join(" \u00b7 ")), html("span", {}, briefing)];
+    return html("button", { type: "button", class: "card", disabled: !name, click }, ...parts);
+  }
+
+  /** Ends this exercise where it is not over, and begins another. @param {string} name */
+  async begin(name) {
+    const { session } = this.desk;
+    if (!session.outcome && !(await this.desk.give("end exercise")).ok) return;
+    this.view = "briefing";
+    await this.desk.give(`next ${name}`);
+  }
+
+  end() {
+    const { session } = this.desk;
+    const { outcome, marks } = session;
+    const won = marks[0]?.split(",")[0] ?? "";
+    const title = won === "won" ? "WON" : (OUTCOMES[/** @type {keyof typeof OUTCOMES} */ (outcome)] ?? "OVER");
+    const reasons = marks.slice(1).map((reason) => html("li", { class: "row" }, html("span", { class: "grow" }, reason), this.seeKey(reason)));
+    const body = [
+      html("p", { class: "big" }, marks[0] ?? "No marks yet."),
+      html("ul", { class: "marks" }, ...reasons),
+      html("h3", {}, "See"),
+      html("div", { class: "row" }, ...this.moments()),
+      this.debrief && html("p", { class: "path" }, `Debrief: ${this.debrief}`),
+    ].filter((part) => part instanceof Node);
+    const back = this.desk.moment.looking;
+    const keys = [
+      this.key("Release marks", () => void this.desk.give("release marks")),
+      this.key("Debrief", () => void this.desk.give("debrief")),
+      this.key("Again", () => void this.desk.give("again"), true),
+      this.key(back ? `Again from ${clock(back.seconds)}` : `Again from ${BACK} ago`, () => void this.again()),
+      this.key("Next", () => void this.choose()),
+    ];
+    return { title: `${session.exercise.title ?? "Exercise"}: ${title}`, body, keys };
+  }
+
+  /** Returns a key that looks at the time in a reason. @param {string} reason */
+  seeKey(reason) {
+    const found = AT.exec(reason);
+    return found && this.moment(Number(found[1]) * 60 + Number(found[2]), "See");
+  }
+
+  /** @param {number} seconds @param {string} words */
+  moment(seconds, words) {
+    return this.key(`${words} ${clock(seconds)}`, () => {
+      this.see(seconds);
+      if (innerWidth < WIDE) this.dialog.close(); // it covers what is to be seen
+    });
+  }
+
+  /** Returns keys for what broke, the limits passed, and what was marked. */
+  moments() {
+    const { session } = this.desk;
+    const signs = session.kept.filter(({ sign }) => sign === "C" || sign === "M");
+    const limits = session.log.filter(({ kind }) => kind === "watch");
+    const found = [
+      ...signs.map(({ seconds, text }) => ({ seconds, words: text.replace("casualty ", "") })),
+      ...limits.map(({ seconds, text }) => ({ seconds, words: text.replace(/^.*?: | \[\d+\]$/g, "") })),
+    ];
+    found.sort((a, b) => a.seconds - b.seconds);
+    return found.slice(0, 12).map(({ seconds, words }) => this.moment(seconds, words));
+  }
+
+  /** Begins again from the moment that is looked at, or from a while ago. */
+  async again() {
+    const { looking } = this.desk.moment;
+    const lapse = looking ? await lapseTo(this.desk, looking) : null;
+    if (looking && lapse === null) return;
+    await this.desk.give(lapse === null ? `again from ${BACK}` : `again from ${Math.max(lapse, 0.1)}`);
+  }
+}
+
+/** @param {string} title @param {string[]} lines */
+function column(title, lines) {
+  return html("section", {}, html("h3", {}, title), ...lines.map((line) => html("p", {}, line)));
+}
+
+/** @param {(string | undefined)[][]} rows */
+function table(rows) {
+  const there = rows.filter(([, says]) => says);
+  const cells = there.map(([name, says]) => html("tr", {}, html("th", { scope: "row" }, name ?? ""), html("td", {}, says ?? "")));
+  return html("table", { class: "rules" }, html("tbody", {}, ...cells));
+}
+
+/** Replaces children where they would look otherwise, so that a key keeps the focus. @param {Element} parent @param {Node[]} children */
+function replace(parent, children) {
+  const before = parent.children;
+  const same =
+    before.length === children.length &&
+    children.every((child, at) => /** @type {Element} */ (child).outerHTML === before[at].outerHTML);
+  if (!same) parent.replaceChildren(...children);
+}

@@ -1,0 +1,83 @@
+// The log: what has happened, who has ordered it, and what the page was refused; and who is aboard.
+import { clock, html, one, write } from "../draw.js";
+import { paced } from "./desk.js";
+
+/**
+ * @typedef {import("./desk.js").Desk} Desk
+ * @typedef {import("../model/session.js").Entry} Entry
+ */
+
+const SHOWN = 150; // entries
+const PACE = 250; // [ms]
+const SPEAKER = /^(instructor|helm|planes|pilot|ballast|diving|observer|visitor)(?: at .+?)?: (.*)$/;
+const ASKED = /^instructor(?: at .+?)?: snapshots: /; // pages and consoles ask it by themselves
+const ABOARD = /^(\S+) at (.+?): /;
+
+/** Fills the log, newest first. @param {Desk} desk */
+export function showLog({ session }) {
+  const list = one("#log");
+  const draw = paced(PACE, () => {
+    const at = list.scrollTop;
+    const told = session.log.filter(({ text }) => !ASKED.test(text));
+    list.replaceChildren(...told.slice(-SHOWN).reverse().map(entryRow));
+    list.scrollTop = at;
+  });
+  session.on("log", draw);
+}
+
+/** @param {Entry} entry */
+function entryRow(entry) {
+  const { who, words } = tellOf(entry);
+  const parts = [html("time", {}, clock(entry.seconds)), html("span", { class: "who" }, who)];
+  return html("li", { "data-kind": entry.kind }, ...parts, html("span", { class: "grow" }, words));
+}
+
+/** Returns who has said or done something, and what. @param {Entry} entry */
+export function tellOf({ kind, text }) {
+  if (kind === "refused") return { who: "refused", words: text };
+  const marked = /^mark by ([^:]+?)(?: at .+?)?: (.*)$/.exec(text);
+  if (marked) return { who: marked[1], words: `mark: ${marked[2]}` };
+  if (/^\[[\d.]+ s\] /.test(text)) return { who: "schedule", words: text.replace(/^\[.*?\] /, "") };
+  const said = SPEAKER.exec(text);
+  return said ? { who: said[1], words: said[2] } : { who: kind, words: text };
+}
+
+/** Tells who is aboard whenever somebody comes or goes. @param {Desk} desk */
+export function showAboard(desk) {
+  const { session } = desk;
+  const ask = paced(1000, () => {
+    void askAboard(desk).then((stations) => {
+      const crew = stations.map(({ role }) => role).filter((role) => role !== "instructor");
+      const others = stations.length - crew.length - 1;
+      const also = others > 0 ? [`${others} more instructor${others > 1 ? "s" : ""}`] : [];
+      const there = [...new Set(crew), ...also].join(", ");
+      write(one("#aboard"), there ? `${there} aboard` : "no station aboard");
+    });
+  });
+  onArrival(desk, ask);
+  session.on("state", () => {
+    if (session.joined) ask();
+  });
+}
+
+/** Calls whenever somebody has come or gone. @param {Desk} desk @param {() => void} call */
+export function onArrival({ session }, call) {
+  /** @type {Entry | undefined} */
+  let known;
+  session.on("log", () => {
+    const last = session.log.findLast(({ kind }) => kind === "station");
+    if (last !== known) call();
+    known = last;
+  });
+}
+
+/** @typedef {{ role: string, line: string, says: string }} Aboard a station: its role, its line, its account */
+
+/** Asks who is aboard. @param {Desk} desk @returns {Promise<Aboard[]>} */
+export async function askAboard({ session }) {
+  const { lines } = await session.ask("who");
+  return lines.flatMap((says) => {
+    const found = ABOARD.exec(says);
+    return found ? [{ role: found[1], line: found[2], says }] : [];
+  });
+}

@@ -1,0 +1,78 @@
+// The moment that the page shows: the present, or one in the past that is looked at.
+
+import { partAt, shared, way } from "../model/branches.js";
+
+/**
+ * @typedef {import("../model/session.js").Session} Session
+ * @typedef {import("../controls/time-line.js").Look} Look
+ */
+
+/** Tells values as they are, or as they were. Event: `look`. */
+export class Moment extends EventTarget {
+  /** @param {Session} session */
+  constructor(session) {
+    super();
+    this.session = session;
+    /** @type {Look | null} */
+    this.looking = null;
+  }
+
+  /** Looks at a moment, null for the present. @param {Look | null} looking */
+  look(looking) {
+    this.looking = looking;
+    this.dispatchEvent(new Event("look"));
+  }
+
+  /** The time that is shown [s]. */
+  get seconds() {
+    return this.looking?.seconds ?? this.session.seconds;
+  }
+
+  /** Returns a value, null where there is none. @param {string} place such as `motion.depth` */
+  number(place) {
+    if (!this.looking) return this.session.number(place);
+    const [channel, field] = place.split(".");
+    return this.row(channel)?.[field] ?? null;
+  }
+
+  /** Returns all values of a channel. @param {string} channel @returns {Record<string, number> | undefined} */
+  row(channel) {
+    const { looking, session } = this;
+    const { history } = session;
+    if (!looking) return undefined;
+    const { branch, seconds } = looking;
+    const { branches, present } = session;
+    if (branch === null || seconds <= shared(branches, branch, present)) {
+      return history.at(channel, seconds);
+    }
+    return history.leftAt(partAt(way(branches, branch), seconds), channel, seconds);
+  }
+
+  /** Whether a page that came late has not seen this branch. */
+  get unseen() {
+    return Boolean(this.looking) && !this.row("motion");
+  }
+
+  /** Returns what is ordered: by the crew's orders if any stands, else by the autopilot's. @param {...string} places */
+  first(...places) {
+    for (const place of places) {
+      const value = this.number(place);
+      if (value !== null) return value;
+    }
+    return null;
+  }
+}
+
+/** Where each quantity is told: as it is, and as it is ordered. */
+export const PLACES = {
+  depth: ["motion.depth", "orders.depth", "diving.ordered_depth"],
+  heading: ["motion.heading", "orders.course", "steering.ordered_course"],
+  speed: ["motion.speed", "orders.speed", "engine.ordered_speed"],
+  pitch: ["motion.pitch", "orders.pitch"],
+  heel: ["motion.heel"],
+  sinks: ["motion.depth_rate"],
+  rudder: ["steering.rudder", "steering.ordered_rudder"],
+  stern: ["diving.stern", "diving.ordered_stern"],
+  bow: ["diving.bow", "diving.ordered_bow"],
+  turns: ["engine.rpm", "engine.ordered_rpm"],
+};

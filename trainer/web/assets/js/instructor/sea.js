@@ -1,0 +1,74 @@
+// The sea: what it is and what it is becoming, and the orders that change it; and its tab.
+import { bearing, html, one, write } from "../draw.js";
+import { paced } from "./desk.js";
+
+/** @typedef {import("./desk.js").Desk} Desk */
+
+const STATES = 9;
+const ROWS = [
+  ["Height, m", "height"],
+  ["Period, s", "period"],
+  ["From", "from"],
+];
+
+/** Fills the tab of the sea. @param {Desk} desk */
+export function showSea(desk) {
+  const { session } = desk;
+  const rows = ROWS.map(([name, field]) => {
+    const cells = [html("td"), html("td", { class: "ordered" })];
+    return { field, cells, line: html("tr", {}, html("th", { scope: "row" }, name), ...cells) };
+  });
+  const over = html("td");
+  const sail = html("tr", {}, html("th", { scope: "row" }, "Water over the sail, m"), over, html("td"));
+  one("#sea tbody").append(...rows.map(({ line }) => line), sail);
+  const fill = paced(500, () => {
+    for (const { field, cells } of rows) {
+      ["", "ordered_"].forEach((which, at) => {
+        const value = session.number(`sea.${which}${field}`);
+        const says = value === null ? "" : field === "from" ? bearing(value) : value.toFixed(1);
+        write(cells[at], says === "0.0" ? "calm" : says);
+      });
+    }
+    write(over, session.number("sea.over_sail")?.toFixed(1) ?? "");
+  });
+  session.on("tick", fill);
+  furnishOrders(desk);
+  furnishTabs();
+}
+
+/** @param {Desk} desk */
+function furnishOrders(desk) {
+  const state = /** @type {HTMLSelectElement} */ (one("#sea-state"));
+  const from = /** @type {HTMLInputElement} */ (one("#sea-from"));
+  state.append(...Array.from({ length: STATES }, (_, at) => html("option", {}, String(at))));
+  one("#raise").onclick = () => void desk.give(`sea state ${state.value}`);
+  one("#calm").onclick = () => void desk.give("sea calm");
+  const turn = () => void desk.give(`sea from ${from.value.trim() || "000"}`);
+  one("#turn").onclick = turn;
+  one("#sea-orders").onsubmit = (event) => {
+    event.preventDefault();
+    turn();
+  };
+}
+
+/** Track and sea share a place: one of them is seen. */
+function furnishTabs() {
+  const tabs = [one("#track-tab"), one("#sea-tab")];
+  const choose = (/** @type {HTMLElement} */ wanted) => {
+    for (const tab of tabs) {
+      const here = tab === wanted;
+      tab.setAttribute("aria-selected", String(here));
+      tab.tabIndex = here ? 0 : -1;
+      one(`#${tab.getAttribute("aria-controls")}`).hidden = !here;
+    }
+  };
+  for (const tab of tabs) {
+    tab.onclick = () => choose(tab);
+    tab.onkeydown = ({ key }) => {
+      if (key !== "ArrowLeft" && key !== "ArrowRight") return;
+      const other = tabs[tab === tabs[0] ? 1 : 0];
+      choose(other);
+      other.focus();
+    };
+  }
+}

@@ -1,0 +1,39 @@
+// What calls for the instructor's eyes beside what the session itself tells.
+import { surfaceWatch } from "../model/alerts.js";
+import { limitOf } from "./pictures.js";
+
+/**
+ * @typedef {import("../model/session.js").Session} Session
+ * @typedef {import("../model/alerts.js").Found} Found
+ */
+
+const NEAR = 15; // [m] to a limit
+const USED = 92; // [%] of the air bank
+const EMPTY = 1; // [%]
+
+/** @param {Session} session @returns {Found[]} */
+function depth(session) {
+  const is = session.number("motion.depth");
+  const greatest = session.ranges["test-depth"] ?? Infinity;
+  const limit = Math.min(limitOf(session, "depth_m_max") ?? Infinity, greatest);
+  if (is === null || is > limit || limit - is > NEAR) return [];
+  return [{ key: "near", rank: "warning", words: `Depth within ${NEAR} m of ${limit} m` }];
+}
+
+/** @param {Session} session @returns {Found[]} */
+function air(session) {
+  const full = session.number("air.main_full");
+  const blows = ["forward", "mid", "aft"].some((tank) => session.word(`valves.blow_${tank}`) === "open");
+  if (full === null) return [];
+  if (full <= EMPTY) return [{ key: "empty", rank: "alarm", words: "Main air bank empty" }];
+  if (full >= USED || !blows) return [];
+  return [{ key: "air", rank: "caution", words: `Main air bank below ${USED} %` }];
+}
+
+export const WATCHES = [
+  depth,
+  air,
+  surfaceWatch("Stern planes off their order", "diving.stern", "diving.ordered_stern"),
+  surfaceWatch("Bow planes off their order", "diving.bow", "diving.ordered_bow"),
+  surfaceWatch("Rudder off its order", "steering.rudder", "steering.ordered_rudder"),
+];

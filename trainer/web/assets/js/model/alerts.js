@@ -1,0 +1,135 @@
+// Alerts: what calls for eyes, how urgently, and whether it has been seen.
+
+/**
+ * @typedef {"emergency" | "alarm" | "warning" | "caution"} Rank
+ * @typedef {{ key: string, rank: Rank, words: string, seconds: number, fresh: boolean,
+ *   number: string }} Shown one alert; `number` is the session's, "" for one of the page's own
+ * @typedef {{ key: string, rank: Rank, words: string }} Found
+ * @typedef {import("./session.js").Session} Session
+ */
+
+/** @type {Rank[]} the most urgent first */
+export const RANKS = ["emergency", "alarm", "warning", "caution"];
+/** Of the session's alerts, by their kind. @type {Record<string, Rank>} */
+const KINDS = { depth: "alarm", watch: "alarm", trouble: "warning", pilot: "warning" };
+const OFF = 3; // [deg] that a surface may be off its order
+const OFF_FOR = 3; // [s]
+const STEEP = 30; // [deg] of pitch
+
+/** Keeps the alerts of a page: those of the session, and what its own gauges show. */
+export class Alerts extends EventTarget {
+  /** @param {Session} session @param {((session: Session) => Found[])[]} [watches] of this page */
+  constructor(session, watches = []) {
+    super();
+    this.session = session;
+    this.watches = [link, steepness, ...watches];
+    /** @type {Map<string, Shown>} */
+    this.own = new Map();
+    for (const what of ["tick", "state", "alerts"]) session.on(what, () => this.look());
+  }
+
+  /** What is shown: by rank, new before seen, the newest first. */
+  get shown() {
+    const told = [...this.session.alerts.values()].map((alert) => ({
+      key: `session-${alert.number}`,
+      rank: /beyond|collapse/.test(alert.words) ? RANKS[0] : (KINDS[alert.kind] ?? "warning"),
+      words: alert.words,
+      seconds: alert.seconds,
+      fresh: !alert.seen,
+      number: alert.number,
+    }));
+    const open = told.filter((alert) => alert.fresh || this.session.seconds - alert.seconds < 60);
+    return [...open, ...this.own.values()].sort(
+      (a, b) =>
+        RANKS.indexOf(a.rank) - RANKS.indexOf(b.rank) ||
+        Number(b.fresh) - Number(a.fresh) ||
+        b.seconds - a.seconds,
+    );
+  }
+
+  /** Looks at the gauges; tells what is new, and what holds no more. */
+  look() {
+    const found = this.watches.flatMap((watch) => watch(this.session));
+    const keys = new Set(found.map((each) => each.key));
+    for (const each of found) {
+      const before = this.own.get(each.key);
+      if (before) before.words = each.words;
+      else {
+        const fresh = each.rank !== "caution";
+        this.own.set(each.key, { ...each, seconds: this.session.seconds, fresh, number: "" });
+      }
+    }
+    for (const [key, alert] of this.own) if (!keys.has(key) && !alert.fresh) this.own.delete(key);
+    for (const [key, alert] of this.own) {
+      if (!keys.has(key) && alert.rank === "warning") this.own.delete(key);
+    }
+    this.dispatchEvent(new Event("change"));
+  }
+
+  /** Takes an alert as seen, here and in the session. @param {Shown} alert */
+  acknowledge(alert) {
+    if (alert.number) void this.session.ask(`ack ${alert.number}`);
+    else {
+      alert.fresh = false;
+      this.look();
+    }
+  }
+}
+
+/** @param {Session} session @returns {Found[]} */
+function link(session) {
+  if (session.state !== "lost") return [];
+  const words = "No link: readings are old, controls do nothing. It is dialled again.";
+  return [{ key: "link", rank: "warning", words }];
+}
+
+/** @param {Session} session @returns {Found[]} */
+function steepness(session) {
+  const pitch = session.number("gauges.pitch") ?? session.number("motion.pitch") ?? 0;
+  if (Math.abs(pitch) <= STEEP) return [];
+  return [{ key: "pitch", rank: "alarm", words: `Pitch beyond ${STEEP} degrees` }];
+}
+
+/**
+ * Returns a watch on a surface: it tells when it stays off its order without coming nearer.
+ * @param {string} title with its verb's number: "Rudder off its order"
+ * @param {string} actual a place
+ * @param {string} ordered a place
+ */
+export function surfaceWatch(title, actual, ordered) {
+  let [since, least] = [Infinity, Infinity];
+  /** @param {Session} session @returns {Found[]} */
+  return (session) => {
+    const [is, wanted] = [session.number(actual), session.number(ordered)];
+    const off = is === null || wanted === null ? 0 : Math.abs(is - wanted);
+    if (off <= OFF) {
+      [since, least] = [Infinity, Infinity];
+      return [];
+    }
+    if (off < least - 0.1 || since > session.seconds) since = session.seconds;
+    least = Math.min(least, off);
+    if (session.seconds - since < OFF_FOR) return [];
+    return [{ key: title, rank: "warning", words: title }];
+  };
+}
+
+/** Of a bank's air [%]: what is told below each. @type {[number, Rank][]} */
+const AIR = [
+  [5, "warning"],
+  [20, "caution"],
+];
+
+/**
+ * Returns a watch on an air bank: it tells when little is left.
+ * @param {string} title
+ * @param {string} place how full it is [%]
+ */
+export function bankWatch(title, place) {
+  /** @param {Session} session @returns {Found[]} */
+  return (session) => {
+    const full = session.number(place);
+    const [share, rank] = AIR.find(([least]) => full !== null && full < least) ?? [];
+    if (!share || !rank) return [];
+    return [{ key: `${title} ${rank}`, rank, words: `${title} below ${share} %` }];
+  };
+}

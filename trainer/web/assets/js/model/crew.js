@@ -1,0 +1,78 @@
+// Orders to the crew that stand, and those that nobody has repeated yet.
+
+/** Whose an order is, by its axis; one in words (`tell`) is everybody's. */
+const ADDRESSED = {
+  course: ["helm", "pilot"],
+  speed: ["helm", "pilot"],
+  depth: ["planes", "pilot", "diving"],
+  pitch: ["planes", "pilot", "diving"],
+};
+const CREW = ["helm", "planes", "pilot", "ballast", "diving"];
+
+/** @typedef {{ seconds: number, axis: string, says: string }} CrewOrder */
+
+export class CrewOrders {
+  constructor() {
+    /** @type {Map<string, CrewOrder>} orders that wait to be repeated, oldest first */
+    this.waiting = new Map();
+    this.wrong = "";
+    this.told = ""; // the last order in words
+    /** @type {Set<string>} orders that this station gave itself, and does not repeat */
+    this.own = new Set();
+  }
+
+  /** Whether a fact is one of these. @param {string} what */
+  static takes(what) {
+    return ["crew-order", "repeated", "wrong-repeat", "belayed"].includes(what);
+  }
+
+  /**
+   * Takes a fact: an order, its repeat, a wrong repeat, its end.
+   * @param {number} seconds
+   * @param {string} what
+   * @param {string} subject
+   */
+  take(seconds, what, subject) {
+    if (what === "crew-order") this.give(seconds, subject);
+    else if (what === "wrong-repeat") {
+      const [said, order] = subject.split("; ");
+      this.wrong = `${said}; ordered ${order}`;
+    } else {
+      this.waiting.delete(subject.split(" ")[0]);
+      this.wrong = "";
+    }
+  }
+
+  /** @param {number} seconds @param {string} subject */
+  give(seconds, subject) {
+    const axis = subject.split(" ")[0];
+    const says = axis === "tell" ? subject.slice(5) : subject;
+    const before = this.waiting.get(axis);
+    this.waiting.delete(axis);
+    this.waiting.set(axis, { seconds: before?.says === says ? before.seconds : seconds, axis, says });
+    if (axis === "tell") this.told = says;
+    this.wrong = "";
+  }
+
+  /** Forgets what was ordered after a moment gone back to. @param {number} seconds */
+  goBack(seconds) {
+    for (const [axis, order] of this.waiting) if (order.seconds > seconds) this.waiting.delete(axis);
+    this.wrong = "";
+  }
+
+  /** Returns the newest order that a role is to repeat. @param {string} role */
+  toRepeat(role) {
+    const mine = [...this.waiting.values()].filter(
+      ({ axis, says }) =>
+        !this.own.has(says) &&
+        (ADDRESSED[/** @type {keyof typeof ADDRESSED} */ (axis)] ?? CREW).includes(role),
+    );
+    return mine.at(-1);
+  }
+
+  /** Takes the answer to an order to the crew that this station has given. @param {string} answer */
+  gave(answer) {
+    const [, says] = /^(?:ordered|told): (.*)$/.exec(answer) ?? [];
+    if (says) this.own.add(says);
+  }
+}

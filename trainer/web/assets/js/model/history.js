@@ -1,0 +1,175 @@
+// What channels have shown so far, for charts: numbers by channel and field, at times.
+
+import { partAt } from "./branches.js";
+
+const SEAM = 1; // [s] between two parts of a past
+const MOST = 7200; // rows of a channel: an hour of ticks of half a second
+
+/**
+ * @typedef {{ times: number[], rows: Record<string, number>[] }} Past
+ * @typedef {import("./branches.js").Part} Part
+ */
+
+export class History {
+  constructor() {
+    /** @type {Map<string, Past>} */
+    this.channels = new Map();
+    /** @type {Map<number, Map<string, Past>>} what time has gone back over, by branch */
+    this.left = new Map();
+    /** @type {Map<string, Past>} what was cut off last, of each channel */
+    this.cutOff = new Map();
+  }
+
+  /** Returns what a channel has shown. @param {string} channel @returns {Past} */
+  of(channel) {
+    const found = this.channels.get(channel);
+    if (found) return found;
+    const begun = { times: [], rows: [] };
+    this.channels.set(channel, begun);
+    return begun;
+  }
+
+  /**
+   * Adds a reading; time that has gone back forgets what was later.
+   * @param {string} channel
+   * @param {number} seconds
+   * @param {Record<string, number>} row
+   */
+  add(channel, seconds, row) {
+    const past = this.of(channel);
+    this.cut(channel, seconds);
+    past.times.push(seconds);
+    past.rows.push(row);
+    if (past.times.length > MOST) {
+      past.times.shift();
+      past.rows.shift();
+    }
+  }
+
+  /**
+   * Lays an earlier past before what has been seen.
+   * @param {string} channel
+   * @param {[number, Record<string, number>][]} earlier
+   */
+  recall(channel, earlier) {
+    const past = this.of(channel);
+    const first = past.times[0] ?? Infinity;
+    const kept = earlier.filter(([seconds]) => seconds < first).sort((a, b) => a[0] - b[0]);
+    past.times.unshift(...kept.map(([seconds]) => seconds));
+    past.rows.unshift(...kept.map(([, row]) => row));
+  }
+
+  /**
+   * Lays what is after a moment aside, each row with the branch on which it was flown.
+   * @param {number} seconds
+   * @param {Part[]} parts of the way to the present
+   */
+  goBack(seconds, parts) {
+    for (const channel of this.channels.keys()) this.cut(channel, seconds + 1e-6);
+    for (const [channel, { times, rows }] of this.cutOff) {
+      times.forEach((at, index) => this.keep(partAt(parts, at), channel, at, rows[index]));
+    }
+    this.cutOff = new Map();
+  }
+
+  /** @param {number} branch @param {string} channel @param {number} seconds @param {Record<string, number>} row */
+  keep(branch, channel, seconds, row) {
+    const channels = this.left.get(branch) ?? new Map();
+    this.left.set(branch, channels);
+    const past = channels.get(channel) ?? { times: [], rows: [] };
+    channels.set(channel, past);
+    const at = before(past.times, seconds);
+    const there = past.times[at] === seconds ? 1 : 0;
+    past.times.splice(at, there, seconds);
+    past.rows.splice(at, there, row);
+  }
+
+  /**
+   * Lays the past of a branch that was left after the present; tells whether all of it was seen.
+   * @param {Part[]} parts of the way to its end
+   * @param {number} from [s] where it differs
+   */
+  takeUp(parts, from) {
+    const first = this.left.get(partAt(parts, from + SEAM))?.get("motion")?.times ?? [];
+    const seen = first.some((at) => at > from && at <= from + SEAM);
+    let begun = from;
+    for (const { number, until } of parts) {
+      for (const [channel, { times, rows }] of this.left.get(number) ?? []) {
+        const past = this.of(channel);
+        const [low, high] = [before(times, begun + 1e-6), before(times, until + 1e-6)];
+        past.times.push(...times.slice(low, high));
+        past.rows.push(...rows.slice(low, high));
+      }
+      begun = Math.max(begun, until);
+    }
+    return seen;
+  }
+
+  /** @param {string} channel @param {number} seconds */
+  cut(channel, seconds) {
+    const { times, rows } = this.of(channel);
+    const kept = before(times, seconds);
+    if (kept === times.length) return;
+    this.cutOff.set(channel, { times: times.splice(kept), rows: rows.splice(kept) });
+  }
+
+  /**
+   * Returns the mean of a field over the last seconds, and over how many; null where there is none.
+   *
+   * A value counts as long as it stood: rows of a past that was asked for lie further apart.
+   * @param {string} channel
+   * @param {string} field
+   * @param {number} span [s]
+   * @returns {{ mean: number, span: number } | null}
+   */
+  mean(channel, field, span) {
+    const { times, rows } = this.of(channel);
+    const last = times.length - 1;
+    const begin = Math.max(times[last] - span, times[0]);
+    let [sum, whole] = [0, 0];
+    for (let at = last; at > 0 && times[at] > begin; at -= 1) {
+      const stood = times[at] - Math.max(times[at - 1], begin);
+      sum += (rows[at][field] ?? 0) * stood;
+      whole += stood;
+    }
+    const now = rows[last]?.[field];
+    return now === undefined ? null : { mean: whole ? sum / whole : now, span: whole };
+  }
+
+  /**
+   * Returns the row of a channel at a time, the last before it.
+   * @param {string} channel
+   * @param {number} seconds
+   */
+  at(channel, seconds) {
+    return rowAt(this.of(channel), seconds);
+  }
+
+  /**
+   * Returns the row of a channel on a branch that was left, where this page has seen it.
+   * @param {number} branch on which it was flown
+   * @param {string} channel
+   * @param {number} seconds
+   */
+  leftAt(branch, channel, seconds) {
+    const past = this.left.get(branch)?.get(channel);
+    return past && past.times[0] <= seconds + SEAM ? rowAt(past, seconds) : undefined;
+  }
+}
+
+/** @param {Past} past @param {number} seconds @returns {Record<string, number> | undefined} */
+function rowAt({ times, rows }, seconds) {
+  return rows[Math.max(before(times, seconds + 1e-6) - 1, 0)];
+}
+
+/** Returns how many of some rising times lie before one. @param {number[]} times @param {number} seconds */
+export function before(times, seconds) {
+  let low = 0;
+  let high = times.length;
+  while (low < high) {
+    const middle = (low + high) >> 1;
+    if (times[middle] < seconds) low = middle + 1;
+    else high = middle;
+  }
+  return low;
+}

@@ -1,0 +1,480 @@
+// The session as one page sees it: values, news, orders, alerts. It knows nothing of elements.
+import { partAt, shared, way } from "./branches.js";
+import { CrewOrders } from "./crew.js";
+import { History } from "./history.js";
+import { Readings, numbers } from "./readings.js";
+import { Vessel } from "./vessel.js";
+
+const LATE = 15; // [s] of the boat's time that a page may have missed and need not ask for
+const STALE = 2000; // [ms] without a tick, while time runs, after which readings are old
+const LINES = ["line", "wins", "lost"]; // keys of an exercise that come again and again
+const OF_TIME = /^(freeze|run|step|time|replay|take|quit)\b/; // orders that are no sign on the line
+const MOST = 500; // entries of the log
+const WATCH = 250; // [ms] between looks at whether readings have become old
+
+/**
+ * @typedef {import("../protocol/line.js").Sentence} Sentence
+ * @typedef {import("../protocol/link.js").Answer} Answer
+ * @typedef {import("./readings.js").Reading} Reading
+ * @typedef {{ seconds: number, kind: string, text: string }} Entry
+ * @typedef {{ number: string, kind: string, words: string, seconds: number, seen: boolean }} Alert
+ * @typedef {{ seconds: number, sign: string, text: string }} Kept a sign on the time line
+ * @typedef {{ number: number, parent: number, begun: number, last: number, why: string }} Branch
+ * @typedef {{ name: string, degree: string, says: string }} Casualty
+ * @typedef {{ seconds: number, what: string, subject: string }} Told a fact, as the session tells it
+ * @typedef {"connecting" | "role" | "running" | "frozen" | "replay" | "lost" | "ended"} State
+ *
+ * Who brings the session: a web socket, or a worker with a boat of its own.
+ * @typedef {EventTarget & { open(): void, order(words: string): Promise<Answer>, there: boolean,
+ *   why: string, tries: number, settle(): void, redial(): void }} Source
+ */
+
+/**
+ * Events: `state`, `tick`, `reading` (detail: a reading), `log`, `alerts`, `crew`, `exercise`,
+ * `ranges`, `marks`, `line` (time line, branches), `older`, `fact` (detail: a fact as it comes).
+ */
+export class Session extends EventTarget {
+  /**
+   * @param {Source} source
+   * @param {string} role
+   * @param {string[]} channels that the page wants
+   */
+  constructor(source, role, channels) {
+    super();
+    this.source = source;
+    this.role = role;
+    this.channels = channels;
+    this.readings = new Readings();
+    this.history = new History();
+    this.crew = new CrewOrders();
+    /** @type {State} */
+    this.state = "connecting";
+    this.refusal = ""; // why the role is not given
+    /** @type {Entry[]} */
+    this.log = [];
+    /** @type {Map<string, Alert>} */
+    this.alerts = new Map();
+    /** @type {Record<string, string>} */
+    this.exercise = {};
+    /** @type {Record<string, string[]>} */
+    this.told = {};
+    this.vessel = new Vessel();
+    this.ranges = this.vessel.ranges;
+    this.bells = this.vessel.bells;
+    this.tanks = this.vessel.tanks;
+    /** @type {Kept[]} */
+    this.kept = [];
+    /** @type {Map<number, Branch>} */
+    this.branches = new Map();
+    /** @type {Map<number, Map<string, Kept>>} signs of branches that were left */
+    this.keptOf = new Map();
+    /** @type {Casualty[]} */
+    this.casualties = [];
+    /** @type {string[]} their listing, which has degrees in their units */
+    this.degrees = [];
+    this.outcome = "";
+    /** @type {string[]} */
+    this.marks = [];
+    this.furthest = 0;
+    this.over = false;
+    this.tickAt = 0; // [ms] when the last reading came
+    this.caughtUp = false;
+    /** @type {Set<string>} channels whose past is coming */
+    this.past = new Set();
+    /** @type {Map<string, [number, Record<string, number>][]>} */
+    this.recalled = new Map();
+    /** @type {Entry[]} */
+    this.earlier = [];
+    /** @type {Set<string>} */
+    this.due = new Set();
+    this.joined = false;
+
+    source.addEventListener("open", () => void this.join());
+    source.addEventListener("lost", () => this.lose());
+    source.addEventListener("older", () => this.tell("older"));
+    source.addEventListener("sentence", (event) =>
+      this.hear(/** @type {CustomEvent<Sentence>} */ (event).detail),
+    );
+  }
+
+  /** Dials the session, and keeps an eye on the age of what it sends. */
+  start() {
+    this.source.open();
+    setInterval(() => this.update(), WATCH);
+  }
+
+  /** The boat's time [s]. */
+  get seconds() {
+    return this.readings.latest.get("time")?.seconds ?? this.furthest;
+  }
+
+  /** Whether controls work: there is a line, the role is ours, and nobody replays. */
+  get live() {
+    return this.state === "running" || this.state === "frozen" || this.state === "ended";
+  }
+
+  /** What is left of the exercise [s], null where it has no end. */
+  get left() {
+    const duration = Number(this.exercise.duration);
+    return this.exercise.duration ? Math.max(duration - this.seconds, 0) : null;
+  }
+
+  /** How fast time goes, 1 where nothing is told. */
+  get pace() {
+    return this.readings.number("time.speed") ?? 1;
+  }
+
+  /** @param {string} place such as `gauges.depth` @returns {number | null} */
+  number(place) {
+    return this.readings.number(place);
+  }
+
+  /** @param {string} place @returns {string} */
+  word(place) {
+    return this.readings.word(place);
+  }
+
+  /**
+   * Gives an order, and logs what is refused.
+   * @param {string} words
+   * @returns {Promise<Answer>}
+   */
+  async order(words) {
+    const answer = await this.source.order(words);
+    if (!answer.ok) this.note("refused", `${words}: ${answer.text}`);
+    return answer;
+  }
+
+  /** Asks something of the page's own, which nobody sees. @param {string} words */
+  ask(words) {
+    return this.source.order(words);
+  }
+
+  /** Takes a token for the role, and dials anew with it. @param {string} word */
+  async give(word) {
+    const body = `${this.role} ${word}`;
+    const kept = await fetch("/word", { method: "POST", body }).catch(() => null);
+    this.refusal = kept ? "that can be no word" : "the server does not answer";
+    if (kept?.ok) this.source.redial();
+    else this.tell("state");
+  }
+
+  // the line
+
+  async join() {
+    const answer = await this.ask(`role ${this.role}`);
+    if (!answer.ok) {
+      if (!this.source.there) return;
+      this.refusal = answer.text;
+      this.update();
+      return;
+    }
+    this.source.settle();
+    this.refusal = "";
+    this.over = false;
+    this.caughtUp = false;
+    this.joined = true;
+    for (const channel of this.channels) void this.ask(`subscribe ${channel}`);
+    if (this.role === "instructor") {
+      for (const words of ["snapshots", "branches"]) void this.ask(words);
+      void this.askCasualties();
+    }
+    this.update();
+  }
+
+  async askCasualties() {
+    this.degrees = (await this.ask("casualties")).lines;
+    this.tell("line");
+  }
+
+  lose() {
+    this.joined = false;
+    this.readings.forget();
+    this.crew = new CrewOrders();
+    this.told = {};
+    this.vessel.forget();
+    this.past.clear();
+    this.update();
+    for (const what of ["crew", "exercise"]) this.tell(what);
+  }
+
+  /** Settles which state the page is in; tells a change. */
+  update() {
+    const before = this.state;
+    this.state = this.found();
+    if (before !== this.state || this.state === "connecting" || this.state === "lost") {
+      this.tell("state");
+    }
+  }
+
+  /** @returns {State} */
+  found() {
+    if (!this.joined) {
+      if (this.refusal) return "role";
+      return this.tickAt || this.source.tries > 1 ? "lost" : "connecting";
+    }
+    const time = this.word("time.time");
+    if (this.outcome || this.over) return "ended";
+    if (this.word("time.replay") === "yes") return "replay";
+    if (time && time !== "running") return "frozen";
+    if (this.tickAt && performance.now() - this.tickAt > STALE + 1000) return "lost";
+    return time ? "running" : "connecting";
+  }
+
+  // what the session says
+
+  /** @param {Sentence} sentence */
+  hear(sentence) {
+    const { kind, fields } = sentence;
+    if (kind === "TRF" && fields[2] === "past") this.recall(fields[3]);
+    else if (kind === "TRS" && this.past.has(fields[0])) this.keepPast(fields);
+    else if (kind === "TRE" && this.past.has("events")) this.earlier.push(entryOf(fields));
+    else if (kind === "TRE") this.happened(entryOf(fields));
+    else if (kind === "TRF") this.fact(Number(fields[1]), fields[2], fields[3] ?? "");
+    else this.show(this.readings.take(sentence));
+  }
+
+  /** @param {Reading | null} reading */
+  show(reading) {
+    if (!reading) return;
+    this.tickAt = reading.at;
+    const { channel, seconds } = reading;
+    if (channel !== "time" || seconds > this.furthest) this.furthest = Math.max(this.furthest, seconds);
+    this.history.add(channel, seconds, numbers(reading));
+    this.dispatchEvent(new CustomEvent("reading", { detail: reading }));
+    this.catchUp(seconds);
+    this.tell("tick");
+    if (channel === "time") this.update();
+  }
+
+  /** Asks once for what a page that comes late has not seen. @param {number} seconds */
+  catchUp(seconds) {
+    if (this.caughtUp) return;
+    this.caughtUp = true;
+    const seen = this.history.of(this.channels[0]).times.at(-2) ?? 0;
+    if (seconds - seen < LATE) return;
+    for (const channel of [...this.channels, "events"]) {
+      if (channel !== "time") void this.ask(`history ${channel} 60 min`);
+    }
+  }
+
+  /** Takes where the past of a channel begins and ends. @param {string} subject */
+  recall(subject) {
+    const [which, channel] = subject.split(",");
+    if (which === "begin") {
+      this.past.add(channel);
+      return;
+    }
+    this.past.delete(channel);
+    if (channel === "events") {
+      const first = this.log[0]?.seconds ?? Infinity;
+      this.log.unshift(...this.earlier.filter((entry) => entry.seconds <= first));
+      for (const entry of this.earlier) this.hearMarks(entry);
+      this.earlier = [];
+      this.tell("log");
+    } else {
+      this.history.recall(channel, this.recalled.get(channel) ?? []);
+      this.recalled.delete(channel);
+      this.tell("tick");
+    }
+  }
+
+  /** @param {string[]} fields */
+  keepPast(fields) {
+    const reading = this.readings.reading(fields);
+    const rows = this.recalled.get(reading.channel) ?? [];
+    rows.push([reading.seconds, numbers(reading)]);
+    this.recalled.set(reading.channel, rows);
+  }
+
+  /** @param {Entry} entry */
+  happened(entry) {
+    this.log.push(entry);
+    if (this.log.length > MOST) this.log.shift();
+    this.hearMarks(entry);
+    this.tell("log");
+  }
+
+  /** Adds an entry of the page's own. @param {string} kind @param {string} text */
+  note(kind, text) {
+    this.happened({ seconds: this.seconds, kind, text });
+  }
+
+  /** @param {Entry} entry */
+  hearMarks({ kind, text }) {
+    if (kind !== "marks" && kind !== "exercise") return;
+    if (text.startsWith("marks: ")) this.marks = [text.slice(7)];
+    else if (text.startsWith("  ") && this.marks.length) this.marks.push(text.trim());
+    this.tell("marks");
+  }
+
+  /** @param {number} seconds @param {string} what @param {string} subject */
+  fact(seconds, what, subject) {
+    if (!this.past.has("events")) {
+      this.dispatchEvent(new CustomEvent("fact", { detail: { seconds, what, subject } }));
+    }
+    if (CrewOrders.takes(what)) {
+      this.crew.take(seconds, what, subject);
+      this.tell("crew");
+    } else if (what === "alert" || what === "ack") this.alert(seconds, what, subject);
+    else if (what === "exercise" || what === "exercise-over") this.brief(what, subject);
+    else if (what === "range") {
+      this.vessel.take(subject);
+      this.tell("ranges");
+    } else this.mark(seconds, what, subject);
+  }
+
+  /** @param {number} seconds @param {string} what @param {string} subject */
+  mark(seconds, what, subject) {
+    if (what === "back") this.goBack(seconds, subject);
+    else if (what === "mark") this.keep(seconds, "M", subject || "marked");
+    else if (what === "snapshot") this.keep(seconds, "S", subject);
+    else if (what === "order" && subject.startsWith("casualty ")) this.keep(seconds, "C", subject);
+    else if (what === "order" && subject.startsWith("replay ")) this.setAside(seconds);
+    else if (what === "order" && subject.startsWith("clear ")) this.keep(seconds, "c", subject);
+    else if (what === "order" && subject.startsWith("snapshot ")) void this.ask("snapshots");
+    else if (what === "order" && !OF_TIME.test(subject)) this.keep(seconds, "o", subject);
+    else if (what === "branch") this.branch(subject);
+    else if (what === "casualty") this.offer(subject);
+    else if (what === "over") this.over = true;
+  }
+
+  /** @param {number} seconds @param {string} sign @param {string} text */
+  keep(seconds, sign, text) {
+    const there = this.kept.some((each) => each.seconds === seconds && each.text === text);
+    if (!there) this.kept.push({ seconds, sign, text });
+    this.tell("line");
+  }
+
+  /** @param {string} subject number, parent, begun, last, why */
+  branch(subject) {
+    const [number, parent, begun, last, ...why] = subject.split(",");
+    const whole = [number, parent, begun, last].map(Number);
+    const [id, from, since, until] = whole;
+    this.branches.set(id, { number: id, parent: from, begun: since, last: until, why: why.join(",") });
+    this.tell("line");
+  }
+
+  /** @param {string} subject name, degree and meaning of a casualty on offer */
+  offer(subject) {
+    const [name, degree = "", ...says] = subject.split(",");
+    if (!this.casualties.some((each) => each.name === name)) {
+      this.casualties.push({ name, degree, says: says.join(",") });
+    }
+    this.tell("line");
+  }
+
+  /** @param {number} seconds @param {string} what @param {string} subject */
+  alert(seconds, what, subject) {
+    const [number, kind, ...words] = subject.split(",");
+    if (what === "alert") {
+      this.alerts.set(number, { number, kind, words: words.join(","), seconds, seen: false });
+    } else {
+      const alert = this.alerts.get(number);
+      if (alert) alert.seen = true;
+    }
+    this.tell("alerts");
+  }
+
+  /** @param {string} what @param {string} subject */
+  brief(what, subject) {
+    if (what === "exercise-over") {
+      this.outcome = subject || "ended";
+      this.marks = [];
+    } else {
+      const equals = subject.indexOf("=");
+      const [key, value] = [subject.slice(0, equals), subject.slice(equals + 1)];
+      if (key === "title" && value !== this.exercise.title) this.begin();
+      if (LINES.includes(key)) (this.told[key] ??= []).push(value);
+      else this.exercise[key] = value;
+    }
+    this.tell("exercise");
+  }
+
+  /** Forgets the exercise before this one. */
+  begin() {
+    const name = this.exercise.name;
+    this.exercise = name ? { name } : {};
+    this.told = {};
+    this.kept = [];
+    this.marks = [];
+    this.outcome = "";
+    this.furthest = 0;
+    this.branches.clear();
+    this.casualties = [];
+    this.alerts.clear();
+    this.history.left.clear();
+    this.keptOf.clear();
+  }
+
+  /** Keeps what was flown after a moment, with the branches on which it was flown. @param {number} seconds */
+  setAside(seconds) {
+    const parts = way(this.branches, this.present);
+    this.history.goBack(seconds, parts);
+    for (const each of this.kept) {
+      if (each.seconds <= seconds) continue;
+      const signs = this.keptOf.get(partAt(parts, each.seconds)) ?? new Map();
+      this.keptOf.set(partAt(parts, each.seconds), signs.set(`${each.seconds} ${each.text}`, each));
+    }
+  }
+
+  /** Takes up the past of a branch that was left, from where it differs. @param {number} branch @param {number} from [s] */
+  takeUp(branch, from) {
+    const parts = way(this.branches, branch);
+    for (const { number } of parts) {
+      const signs = [...(this.keptOf.get(number)?.values() ?? [])];
+      const own = signs.filter(({ seconds }) => partAt(parts, seconds) === number);
+      this.kept.push(...own.filter(({ seconds }) => seconds > from));
+    }
+    if (this.history.takeUp(parts, from)) return;
+    this.history.channels.clear(); // this page has not seen it: the session tells it
+    this.caughtUp = false;
+  }
+
+  /** The branch that is flown: the last one that began. */
+  get present() {
+    return Math.max(0, ...this.branches.keys());
+  }
+
+  /** @param {number} seconds @param {string} order that has brought time there */
+  goBack(seconds, order) {
+    const branch = Number(/^branch (\d+)$/.exec(order)?.[1] ?? 0);
+    const from = branch ? shared(this.branches, branch, this.present) : seconds;
+    this.setAside(from);
+    this.kept = this.kept.filter((each) => each.seconds <= from);
+    if (branch) this.takeUp(branch, from);
+    this.crew.goBack(seconds);
+    for (const [number, alert] of this.alerts) {
+      if (alert.seconds > seconds) this.alerts.delete(number);
+    }
+    this.crew.goBack(seconds);
+    this.setAside(seconds);
+    this.outcome = "";
+    this.furthest = seconds;
+    if (this.role === "instructor") {
+      for (const words of ["snapshots", "branches"]) void this.ask(words);
+    }
+    for (const what of ["line", "crew", "tick", "log", "alerts"]) this.tell(what);
+    this.update();
+  }
+
+  /** Tells listeners once, however often it changes until they hear it. @param {string} what */
+  tell(what) {
+    if (this.due.has(what)) return;
+    this.due.add(what);
+    setTimeout(() => {
+      this.due.delete(what);
+      this.dispatchEvent(new Event(what));
+    }, 0);
+  }
+
+  /** @param {string} what @param {(event: Event) => void} listener */
+  on(what, listener) {
+    this.addEventListener(what, listener);
+  }
+}
+
+/** Returns something that happened, as a log has it. @param {string[]} fields @returns {Entry} */
+function entryOf([, seconds, kind, text]) {
+  return { seconds: Number(seconds), kind, text };
+}

@@ -1,0 +1,128 @@
+// The page's line to its session. It is dialled again for ever when it is lost.
+import { orderSentence, plain, read } from "./line.js";
+
+const WAITS = [0.5, 1, 2, 5]; // [s] until a lost line is dialled again; the last stays
+const NO_SESSION = 4001;
+const OLDER_PAGE = 4002;
+const REFUSED = 4003;
+const SILENCE = 10; // [s] after which an order is not answered any more
+
+/**
+ * @typedef {import("./line.js").Sentence} Sentence
+ * @typedef {{ ok: boolean, text: string, lines: string[] }} Answer
+ * @typedef {{ words: string, lines: string[], settle: (answer: Answer) => void }} Asked
+ */
+
+/** Sends orders and brings answers and sentences: events `open`, `lost`, `older`, `sentence`. */
+export class Link extends EventTarget {
+  /** @param {string} version of the page */
+  constructor(version) {
+    super();
+    this.version = version;
+    this.tries = 0;
+    this.why = "";
+    this.stopped = false;
+    /** @type {WebSocket | null} */
+    this.socket = null;
+    /** @type {Map<string, Asked>} */
+    this.asked = new Map();
+    this.tag = 0;
+    this.timer = 0; // of the next dial
+  }
+
+  /** Dials, now and after every loss. */
+  open() {
+    clearTimeout(this.timer);
+    if (this.stopped) return;
+    this.tries += 1;
+    const scheme = location.protocol === "https:" ? "wss" : "ws";
+    const socket = new WebSocket(`${scheme}://${location.host}/line?version=${this.version}`);
+    this.socket = socket;
+    socket.onopen = () => this.dispatchEvent(new Event("open"));
+    socket.onmessage = (event) => this.hear(String(event.data));
+    socket.onclose = (event) => this.lose(event.code, event.reason);
+  }
+
+  /** Whether there is a line now. */
+  get there() {
+    return this.socket?.readyState === WebSocket.OPEN;
+  }
+
+  /**
+   * Sends an order; the promise settles with its answer. A lost line answers no.
+   * @param {string} words
+   * @returns {Promise<Answer>}
+   */
+  order(words) {
+    if (!this.there) return Promise.resolve({ ok: false, text: "not sent: no line", lines: [] });
+    this.tag = (this.tag % 999_999) + 1;
+    const tag = String(this.tag);
+    this.socket?.send(orderSentence(plain(words), tag));
+    return new Promise((settle) => {
+      this.asked.set(tag, { words, lines: [], settle });
+      setTimeout(() => this.answer(tag, false, "no answer"), SILENCE * 1000);
+    });
+  }
+
+  /** Goes away for good. */
+  close() {
+    this.stopped = true;
+    this.socket?.close();
+  }
+
+  /** @param {string} line */
+  hear(line) {
+    const sentence = read(line);
+    if (!sentence) return;
+    if (sentence.kind !== "TRA") {
+      this.dispatchEvent(new CustomEvent("sentence", { detail: sentence }));
+      return;
+    }
+    const [what, text] = sentence.fields;
+    const asked = this.asked.get(sentence.tag);
+    if (what === "say") asked?.lines.push(text);
+    else this.answer(sentence.tag, what === "ok", text);
+  }
+
+  /**
+   * @param {string} tag
+   * @param {boolean} ok
+   * @param {string} text
+   */
+  answer(tag, ok, text) {
+    const asked = this.asked.get(tag);
+    this.asked.delete(tag);
+    asked?.settle({ ok, text, lines: asked.lines });
+  }
+
+  /**
+   * @param {number} code
+   * @param {string} reason
+   */
+  lose(code, reason) {
+    this.forget("the line is lost");
+    this.why = reason || (code === NO_SESSION ? "no session" : "the server does not answer");
+    if (code === OLDER_PAGE) this.stopped = true;
+    this.dispatchEvent(new Event(code === OLDER_PAGE ? "older" : "lost"));
+    const wait = code === REFUSED ? WAITS.at(-1) : WAITS[Math.min(this.tries, WAITS.length) - 1];
+    this.timer = setTimeout(() => this.open(), (wait ?? 5) * 1000);
+  }
+
+  /** Dials at once, in place of the line that is there: the browser has another token now. */
+  redial() {
+    if (this.socket) this.socket.onclose = null;
+    this.socket?.close();
+    this.forget("the line is dialled anew");
+    this.open();
+  }
+
+  /** Answers no to all that waits for an answer. @param {string} why */
+  forget(why) {
+    for (const tag of [...this.asked.keys()]) this.answer(tag, false, why);
+  }
+
+  /** Says that the line does well: the next loss is dialled again at once. */
+  settle() {
+    this.tries = 0;
+  }
+}

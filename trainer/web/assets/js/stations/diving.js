@@ -1,0 +1,50 @@
+// Diving officer: depth and bubble, what the planes hold, tanks, and orders to the crew.
+import "../controls/emergency-cover.js";
+import "../controls/order-keypad.js";
+import "../controls/part-keys.js";
+import "../controls/position-switch.js";
+import "../controls/pump-keys.js";
+import "../crew/repeat-bar.js";
+import "../crew/report-bar.js";
+import "../tanks/balance-bar.js";
+import "../tanks/tank-mimic.js";
+import { Alerts, bankWatch } from "../model/alerts.js";
+import { Link } from "../protocol/link.js";
+import { Session } from "../model/session.js";
+import { TankPanel } from "../tanks/panel.js";
+import { furnish, orderedLine } from "../frame.js";
+import { furnishOrders, showStanding } from "../crew/orders.js";
+import { giver, seldom, showReadouts } from "./readouts.js";
+import { showInstruments } from "./instruments.js";
+import { showHeld } from "../crew/held.js";
+import { one, write } from "../draw.js";
+
+const CHANNELS = ["gauges", "orders", "diving", "tanks", "air", "valves", "time"];
+
+const link = new Link(document.documentElement.dataset.version ?? "");
+const session = new Session(link, "diving", CHANNELS);
+const watches = [
+  bankWatch("Main air bank", "air.main_full"),
+  bankWatch("Emergency air bank", "air.emergency_full"),
+];
+furnish(session, new Alerts(session, watches));
+for (const bar of ["repeat-bar", "report-bar"]) /** @type {any} */ (one(bar)).bind(session);
+/** @type {any} */ (one("part-keys[part=part]")).parts = [
+  ["boat", "Boat"],
+  ["crew", "Orders"],
+  ["tanks", "Tanks"],
+];
+const give = giver(session);
+const panel = new TankPanel(session, give);
+furnishOrders(session, give);
+
+const show = seldom(() => {
+  write(one("#ordered"), orderedLine(session));
+  showReadouts(session);
+  showHeld(session);
+  showStanding(session, give);
+  panel.show();
+});
+for (const what of ["tick", "ranges", "crew", "log"]) session.on(what, show);
+showInstruments(session);
+session.start();

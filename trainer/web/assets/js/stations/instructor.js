@@ -1,0 +1,92 @@
+// The instructor: the truth, what is broken, what was flown, and all orders.
+import "../boat/boat-side.js";
+import "../boat/boat-stern.js";
+import "../charts/strip-chart.js";
+import "../charts/track-chart.js";
+import "../controls/time-line.js";
+import "../tanks/tank-mimic.js";
+import { html, one } from "../draw.js";
+import { furnish } from "../frame.js";
+import { showCasualties } from "../instructor/casualties.js";
+import { furnishCommand } from "../instructor/command.js";
+import { Desk } from "../instructor/desk.js";
+import { furnishDrawer, furnishReading } from "../instructor/drawer.js";
+import { furnishExercise } from "../instructor/exercise.js";
+import { listenToKeys } from "../instructor/keys.js";
+import { showAboard, showLog } from "../instructor/log.js";
+import { furnishOrderLine } from "../instructor/order-line.js";
+import { POINTERS, showAttitude, showCharts, showTanks } from "../instructor/pictures.js";
+import { showSea } from "../instructor/sea.js";
+import { showState } from "../instructor/state-table.js";
+import { furnishTime, furnishTimeLine, toggleTime } from "../instructor/time.js";
+import { WATCHES } from "../instructor/watches.js";
+import { Alerts } from "../model/alerts.js";
+import { Motion } from "../model/motion.js";
+import { Session } from "../model/session.js";
+import { Link } from "../protocol/link.js";
+
+const CHANNELS = [
+  ...["motion", "gauges", "orders", "steering", "engine", "diving", "tanks", "air", "valves"],
+  ...["time", "sea", "casualties", "ledger"],
+];
+const AWAY = ["connecting", "lost", "role"]; // states in which nothing can be ordered
+
+const link = new Link(document.documentElement.dataset.version ?? "");
+const session = new Session(link, "instructor", CHANNELS);
+const desk = new Desk(session);
+const motion = new Motion(session, POINTERS);
+
+furnish(session, new Alerts(session, WATCHES));
+showState(desk);
+showCasualties(desk);
+showLog(desk);
+showAboard(desk);
+showSea(desk);
+showTanks(desk);
+showAttitude(desk, motion);
+furnishTime(desk);
+furnishOrderLine(desk);
+furnishReading(desk);
+furnishCommand(desk);
+const line = furnishTimeLine(desk);
+furnishExercise(desk, (seconds) => line.look({ branch: null, seconds }));
+listenToKeys({
+  toggleTime: () => toggleTime(desk),
+  step: () => void desk.give("step"),
+  mark: () => void desk.give("mark"),
+  span: showCharts(desk),
+  drawer: furnishDrawer(desk),
+  move: (by) => line.move(by),
+  now: () => line.look(null),
+});
+furnishTabs();
+session.on("state", () => {
+  for (const each of document.querySelectorAll("[data-link]")) {
+    each.toggleAttribute("inert", AWAY.includes(session.state));
+  }
+});
+session.start();
+motion.start();
+
+/** On a telephone one of four views is seen. */
+function furnishTabs() {
+  const names = new Set([...document.querySelectorAll("[data-tab]")].map(tabOf));
+  const choose = (/** @type {string} */ name) => {
+    document.body.dataset.view = name;
+    for (const key of one("#tabs").children) {
+      key.setAttribute("aria-pressed", String(key.textContent === name));
+    }
+    for (const panel of document.querySelectorAll("[data-tab]")) {
+      panel.toggleAttribute("data-away", tabOf(panel) !== name);
+    }
+  };
+  one("#tabs").append(
+    ...[...names].map((name) => html("button", { type: "button", click: () => choose(name) }, name)),
+  );
+  choose("Boat");
+}
+
+/** @param {Element} panel */
+function tabOf(panel) {
+  return /** @type {HTMLElement} */ (panel).dataset.tab ?? "";
+}

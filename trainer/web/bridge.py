@@ -1,0 +1,184 @@
+"""A page's line to the session: each text frame is a line, both ways.
+
+The session knows nothing of browsers: each page is a station there, with a line of its own, and
+roles, tokens, orders a second and lost lines are its business. Here only what could never be an
+order is stopped.
+"""
+
+import asyncio
+import contextlib
+import re
+import time
+from collections import Counter
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, field
+from socket import socket
+from typing import Final
+
+from starlette.websockets import WebSocket, WebSocketDisconnect
+
+from trainer.io.orders import sentences
+from trainer.io.orders.grammar import LONGEST, Order
+from trainer.io.orders.sentences import LONGEST_ANSWER
+from trainer.io.serial_line import LinkError
+from trainer.web.gate import LOOPBACK, Refusals
+
+# Why a page's line is closed; a page says what to do about each.
+NO_SESSION: Final = 4001
+OLDER_PAGE: Final = 4002
+REFUSED: Final = 4003
+NO_ROOM: Final = 4004
+
+FRAMES_A_SECOND: Final = 100  # ten times what a lever sends
+FRAMES_AT_ONCE: Final = 300
+LINE: Final = re.compile(r"[ -~]*")  # plain ASCII, and one line
+CLOSING: Final = 1.0  # [s] for a session to take what is on its way
+A_MACHINE: Final = 8  # lines at once, of another machine
+ELSEWHERE: Final = 30  # of all of them; a session has room for 40, the last for this machine
+
+Reach = Callable[[], socket]  # raises LinkError
+
+
+class RefusedError(Exception):
+    """A frame that could not be an order; the text says why."""
+
+
+@dataclass
+class Allowance:
+    """The frames that a page may still send: so many a second."""
+
+    left: float = FRAMES_AT_ONCE
+    since: float = field(default_factory=time.monotonic)
+
+    def take(self) -> None:
+        """Count a frame; RefusedError where there are too many."""
+        now = time.monotonic()
+        self.left = min(self.left + (now - self.since) * FRAMES_A_SECOND, FRAMES_AT_ONCE) - 1
+        self.since = now
+        if self.left < 0:
+            raise RefusedError(f"more than {FRAMES_A_SECOND} frames a second")
+
+
+@dataclass
+class Bridge:
+    """The lines of all pages: how the session is reached, what is refused."""
+
+    reach: Reach
+    refusals: Refusals
+    machines: Counter[str] = field(default_factory=Counter)  # lines at once of each other one
+
+    async def carry(self, page: WebSocket, words: Mapping[str, str]) -> None:
+        """Carry lines both ways until either end goes.
+
+        ``words`` are the tokens that this browser keeps, by role.
+        """
+        try:
+            with self.place(page.client.host if page.client else ""):
+                end = await asyncio.to_thread(self.reach)
+                reader, writer = await asyncio.open_connection(sock=end, limit=2 * LONGEST_ANSWER)
+                await self._attend(page, reader, writer, words)
+        except RefusedError as error:
+            self.refusals.add(page.client, f"{error}: its line is closed")
+            await close(page, NO_ROOM, str(error))
+        except (LinkError, OSError) as error:
+            await close(page, NO_SESSION, str(error))
+
+    @contextlib.contextmanager
+    def place(self, machine: str) -> Iterator[None]:
+        """Keep a place for a page inside the block; RefusedError without room."""
+        if machine in LOOPBACK:
+            yield
+            return
+        if self.machines[machine] >= A_MACHINE:
+            raise RefusedError(f"{A_MACHINE} pages of this machine are open: close one of them")
+        if self.machines.total() >= ELSEWHERE:
+            raise RefusedError(f"no room: {ELSEWHERE} pages of other machines are open")
+        self.machines[machine] += 1
+        try:
+            yield
+        finally:
+            self.machines[machine] -= 1
+            self.machines += Counter()  # forgets those that have none
+
+    async def _attend(
+        self,
+        page: WebSocket,
+        reader: asyncio.StreamReader,
+        writer: asyncio.StreamWriter,
+        words: Mapping[str, str],
+    ) -> None:
+        """Carry both ways until one of them ends; then end the other."""
+        ways = [
+            asyncio.create_task(self._down(reader, page)),
+            asyncio.create_task(self._up(page, writer, words)),
+        ]
+        try:
+            await asyncio.wait(ways, return_when=asyncio.FIRST_COMPLETED)
+        finally:
+            for way in ways:
+                way.cancel()
+            await asyncio.gather(*ways, return_exceptions=True)
+            writer.close()
+            with contextlib.suppress(OSError, TimeoutError):
+                await asyncio.wait_for(writer.wait_closed(), CLOSING)
+
+    async def _down(self, reader: asyncio.StreamReader, page: WebSocket) -> None:
+        """Carry the session's lines to the page; a page that does not read is not waited for.
+
+        What it does not take waits in the socket, and then the session counts what it loses.
+        """
+        try:
+            while line := await reader.readline():
+                await page.send_text(line.decode("ascii", "replace").rstrip("\r\n"))
+        except (OSError, ValueError, WebSocketDisconnect, RuntimeError):
+            pass
+        await close(page, NO_SESSION, "the session has closed the line")
+
+    async def _up(
+        self, page: WebSocket, writer: asyncio.StreamWriter, words: Mapping[str, str]
+    ) -> None:
+        """Carry the page's lines to the session."""
+        allowance = Allowance()
+        try:
+            while True:
+                line = checked(await page.receive(), allowance)
+                writer.write((with_word(line, words) + "\n").encode("ascii"))
+                await writer.drain()
+        except RefusedError as error:
+            self.refusals.add(page.client, f"{error}: its line is closed")
+            await close(page, REFUSED, str(error))
+        except (OSError, WebSocketDisconnect):
+            pass
+
+
+def checked(message: Mapping[str, object], allowance: Allowance) -> str:
+    """Return the line in a frame; RefusedError if it could not be one."""
+    if message["type"] == "websocket.disconnect":
+        raise WebSocketDisconnect
+    allowance.take()
+    text = message.get("text")
+    if not isinstance(text, str):
+        raise RefusedError("a frame that is no text")
+    if len(text) > LONGEST:
+        raise RefusedError(f"a frame of {len(text)} characters; the longest is {LONGEST}")
+    if not LINE.fullmatch(text):
+        raise RefusedError("a frame that is not one line of plain ASCII")
+    return text
+
+
+def with_word(line: str, words: Mapping[str, str]) -> str:
+    """Return a line, with the token that is kept where it takes a role without."""
+    heard = sentences.hear(line) if "role" in line else None
+    if heard is None or not heard.machine:
+        return line
+    order = heard.order
+    if not isinstance(order, Order) or order.name != "role" or order.subject:
+        return line
+    word = words.get(order.word, "")
+    return sentences.order_sentence(f"role {order.word} {word}", heard.tag) if word else line
+
+
+async def close(page: WebSocket, code: int, why: str) -> None:
+    """Close a page's line, if it is still open."""
+    with contextlib.suppress(RuntimeError, WebSocketDisconnect, OSError):
+        await page.close(code, why[:120])

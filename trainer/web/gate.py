@@ -1,0 +1,155 @@
+"""The gate before the pages: who may ask, by which name, from which page.
+
+A page of somebody else's can make a browser ask here: its origin is another, and it is refused. A
+name that somebody else makes point here (DNS rebinding) is none of ours, and refused as well.
+"""
+
+import asyncio
+import ipaddress
+import re
+import socket
+import time
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Final
+
+from starlette.datastructures import Headers, MutableHeaders
+from starlette.responses import PlainTextResponse
+from starlette.types import ASGIApp, Message, Receive, Scope, Send
+
+from trainer.io.lines import plain
+from trainer.io.noise_log import WHILE, NoiseLog
+
+Tell = Callable[[str], None]
+
+LOOPBACK: Final = ("127.0.0.1", "localhost", "::1")
+ANYWHERE: Final = ("0.0.0.0", "::", "")  # noqa: S104  compared, not listened at
+HEADERS: Final[Mapping[str, str]] = {
+    "Content-Security-Policy": "default-src 'self'; img-src 'self' data:; object-src 'none'; "
+    "base-uri 'none'; form-action 'self'; frame-ancestors 'none'",
+    "Cross-Origin-Opener-Policy": "same-origin",
+    "Cross-Origin-Resource-Policy": "same-origin",
+    "Permissions-Policy": "camera=(), geolocation=(), microphone=()",
+    "Referrer-Policy": "no-referrer",
+    "X-Content-Type-Options": "nosniff",
+    "Cache-Control": "no-cache",
+}
+NAMED: Final = re.compile(r"(?:\[(?P<six>[0-9A-Fa-f:.]+)\]|(?P<name>[^][:@/ ]*))(?::[0-9]{1,5})?")
+SAFE: Final = frozenset({"GET", "HEAD"})  # methods that change nothing
+
+
+@dataclass(frozen=True)
+class Door:
+    """The names that this server answers to."""
+
+    names: frozenset[str]
+    any_address: bool
+
+    @classmethod
+    def at(cls, host: str) -> "Door":
+        """Return the names of a server that listens at ``host``."""
+        own = {socket.gethostname().casefold()}
+        beyond = {f"{name}.local" for name in own} | own if host not in LOOPBACK else set()
+        return cls(frozenset({*LOOPBACK, host.casefold(), *beyond}), host in ANYWHERE)
+
+    def admits(self, given: str) -> bool:
+        """Return whether a Host header names this server."""
+        name = hostname(given)
+        if name in self.names:
+            return True
+        return self.any_address and is_address(name)
+
+
+def hostname(given: str) -> str:
+    """Return the name or address in ``HOST[:PORT]``, "" if it is not of that form."""
+    found = NAMED.fullmatch(given)
+    return (found["six"] or found["name"]).casefold() if found else ""
+
+
+def is_address(name: str) -> bool:
+    """Return whether a name is an address in numbers, which nobody can make point elsewhere."""
+    try:
+        ipaddress.ip_address(name)
+    except ValueError:
+        return False
+    return True
+
+
+class Refusals:
+    """Counts what is refused, and tells of it in few lines, however much it is."""
+
+    def __init__(self, tell: Tell) -> None:
+        self.count = 0
+        self._log = NoiseLog(lambda _, text: tell(text), time.monotonic)
+        self._due = False
+
+    def add(self, client: tuple[str, int] | None, why: str) -> None:
+        """Count a refusal, and tell of it unless there are too many."""
+        self.count += 1
+        self.note(f"{client[0] if client else 'somebody'}: {why}")
+
+    def note(self, text: str) -> None:
+        """Tell something in one line, unless there is too much of it."""
+        self._log.log("refused", plain(text))
+        if not self._due:
+            self._due = True
+            asyncio.get_running_loop().call_later(WHILE, self._settle)
+
+    def close(self) -> None:
+        """Tell how many have not been told one by one."""
+        self._log.close()
+
+    def _settle(self) -> None:
+        self._due = False
+        self._log.settle()
+
+
+class Gate:
+    """Stands before the pages: refuses what has no business here, guards the rest."""
+
+    def __init__(self, app: ASGIApp, door: Door, refusals: Refusals) -> None:
+        self._app = app
+        self._door = door
+        self._refusals = refusals
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """Answer a request, or pass it on."""
+        if scope["type"] not in ("http", "websocket"):
+            await self._app(scope, receive, send)
+            return
+        why = self._refusal(scope)
+        if not why:
+            await self._app(scope, receive, guarded(send))
+            return
+        self._refusals.add(scope.get("client"), f"refused: {why}")
+        if scope["type"] == "websocket":
+            await send({"type": "websocket.close", "code": 1008, "reason": why})
+        else:
+            await PlainTextResponse(f"{why}\n", 403)(scope, receive, guarded(send))
+
+    def _refusal(self, scope: Scope) -> str:
+        """Return why a request is refused, "" if it is not."""
+        headers = Headers(scope=scope)
+        host, origin = headers.get("host", ""), headers.get("origin", "")
+        if not self._door.admits(host):
+            name = host[:80] or "a server without a name"
+            return f"this is not {name}: use the address that the server has told"
+        if not origin and scope["type"] == "http" and scope["method"] in SAFE:
+            return ""
+        secure = scope["scheme"] in ("https", "wss")
+        if origin != f"{'https' if secure else 'http'}://{host}":
+            return f"a page of {origin[:80] or 'nobody'} has no business here"
+        return ""
+
+
+def guarded(send: Send) -> Send:
+    """Return a sender that adds the headers to each answer."""
+
+    async def send_with_headers(message: Message) -> None:
+        if message["type"] == "http.response.start":
+            headers = MutableHeaders(scope=message)
+            for name, value in HEADERS.items():
+                headers[name] = value
+        await send(message)
+
+    return send_with_headers

@@ -1,0 +1,187 @@
+"""The start of the pages' server: its address, its certificate, the session it serves."""
+
+import os
+import signal
+import socket
+import ssl
+import sys
+import threading
+from pathlib import Path
+from typing import Final, NoReturn
+
+import click
+
+from trainer.config.files import ConfigError
+from trainer.io import client, paths
+from trainer.io.line import Line
+from trainer.io.orders import sentences
+from trainer.io.serial_line import LinkError
+from trainer.io.server import listen_at, parse_address
+from trainer.web.address import Address, announce, open_page
+from trainer.web.bridge import Reach
+from trainer.web.server import Certificate, serve
+
+PATIENCE: Final = 5.0  # [s] for a session to say whether it asks for a token
+
+
+class OpenError(LinkError):
+    """A session without a token, where other machines could come in by pages."""
+
+
+def serve_pages(
+    url: str | None, where: str, certificate: Certificate | None, *, opens: bool
+) -> None:
+    """Serve the pages of the session at ``url``, None for this machine's; ConfigError.
+
+    It need not be there yet, and when it ends, the next one there is served.
+    """
+    refuse_other_lines(url)
+    host, port = address_of(where)
+    reach = reaching(url, where, beyond=not Address(host, port).here)
+    try:
+        reach().close()
+    except OpenError as error:
+        raise ConfigError(str(error)) from None
+    except LinkError as error:
+        click.echo(f"trainer: {error}; the pages wait for one", err=True)
+    attend(reach, Address(host, port), listen(host, port), certificate, opens=opens)
+
+
+def serve_owner(
+    url: str, where: str, certificate: Certificate | None, owner: int, *, opens: bool
+) -> None:
+    """Serve the pages of the session that has begun this program, and end with it.
+
+    ``owner`` is the number of the socket that it has opened, negative where none can be inherited.
+    Whether others may come without a token it has looked at itself.
+    """
+    threading.Thread(target=end_with_owner, name="owner", daemon=True).start()
+    host, port = address_of(where)
+    listener = listen(host, port) if owner < 0 else socket.socket(fileno=owner)
+    attend(lambda: client.reach(url), Address(host, port), listener, certificate, opens=opens)
+
+
+def attend(
+    reach: Reach,
+    asked: Address,
+    listener: socket.socket,
+    certificate: Certificate | None,
+    *,
+    opens: bool,
+) -> None:
+    """Tell where the pages are, open them, and serve them until a signal."""
+    for number in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(number, leave)
+    address = Address(asked.host, listener.getsockname()[1], certificate is not None)
+    with listener:
+        click.echo(announce(address), err=True)
+        if opens:
+            threading.Thread(target=show, args=(address,), name="browser", daemon=True).start()
+        serve(reach, listener, address, certificate)
+
+
+def leave(*_signal: object) -> NoReturn:
+    """End this program, as its user has asked; exit code 0."""
+    sys.exit(0)
+
+
+def show(address: Address) -> None:
+    """Open the pages in a browser, or say what to do."""
+    if told := open_page(address):
+        click.echo(told, err=True)
+
+
+def refuse_other_lines(url: str | None) -> None:
+    """Raise ConfigError for what is no socket: thirty pages cannot share a serial line."""
+    try:
+        if url is not None:
+            client.check(url)
+    except LinkError as error:
+        raise ConfigError(f"--connect {error}") from None
+
+
+def reaching(url: str | None, where: str, *, beyond: bool) -> Reach:
+    """Return what reaches the session that is there now.
+
+    Pages ``beyond`` this machine reach it only if it asks for a token, each time anew: another
+    session may be there by then.
+    """
+
+    def reach() -> socket.socket:
+        at = url or paths.nearest_session()
+        if beyond and not asks_token(at):
+            raise OpenError(
+                f"--web {where}: beyond this machine only for a session with --token WORD"
+            )
+        return client.reach(at)
+
+    return reach
+
+
+def address_of(text: str) -> tuple[str, int]:
+    """Return host and port of ``HOST:PORT``; ConfigError."""
+    try:
+        return parse_address(text, f"{paths.HOST}:{paths.PAGES}")
+    except LinkError as error:
+        raise ConfigError(f"--web {error}") from None
+
+
+def listen(host: str, port: int) -> socket.socket:
+    """Return a socket that listens for browsers; ConfigError."""
+    try:
+        return listen_at(host, port)
+    except LinkError as error:
+        raise ConfigError(f"--web {error}") from None
+
+
+def end_with_owner() -> None:
+    """Wait for the end of the standard input, which its owner holds open, then end."""
+    while os.read(0, 1):
+        pass
+    signal.raise_signal(signal.SIGTERM)
+
+
+def certificate_of(cert: Path | None, key: Path | None) -> Certificate | None:
+    """Return the files of a certificate and its key, None without; ConfigError for one alone."""
+    if cert is None and key is None:
+        return None
+    if key is None:
+        raise ConfigError(f"--cert {cert}: a certificate needs its key: add --key FILE")
+    if cert is None:
+        raise ConfigError(f"--key {key}: a key needs its certificate: add --cert FILE")
+    for option, path in (("--cert", cert), ("--key", key)):
+        try:
+            path.read_bytes()
+        except OSError as error:
+            raise ConfigError(f"{option} {path}: {error.strerror}") from None
+    try:
+        # a key behind a password would be asked for, by a program that nobody looks at
+        ssl.SSLContext(ssl.PROTOCOL_TLS_SERVER).load_cert_chain(cert, key, password=lambda: b"")
+    except (OSError, ValueError):
+        raise ConfigError(
+            f"--cert {cert}, --key {key}: not a certificate and its own key, both PEM, the key "
+            "without a password"
+        ) from None
+    return Certificate(cert, key)
+
+
+def asks_token(url: str) -> bool:
+    """Return whether a session asks for a token; LinkError if none answers."""
+    arrived = threading.Event()
+    line = client.dial(url, arrived)
+    try:
+        line.send(sentences.order_sentence("who", "1"))
+        return answer_of(line, arrived) == "no"
+    finally:
+        line.close(PATIENCE)
+
+
+def answer_of(line: Line, arrived: threading.Event) -> str:
+    """Return "ok" or "no", as a session answers the first question; LinkError for no answer."""
+    while arrived.wait(PATIENCE) and not line.ended:
+        arrived.clear()
+        for said in line.take(100):
+            sentence = sentences.read(said) if isinstance(said, str) else None
+            if sentence and sentence.tag == "1" and sentence.fields[0] in ("ok", "no"):
+                return sentence.fields[0]
+    raise LinkError(f"{line.name}: no answer: is that a session?")

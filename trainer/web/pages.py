@@ -1,0 +1,81 @@
+"""The pages, made once at the start from templates, and their words in other languages."""
+
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+from typing import Any, Final
+
+from jinja2 import Environment, FileSystemLoader, StrictUndefined
+
+from trainer import __version__
+from trainer.config.course import course
+from trainer.io.orders.help import limits_and_units, usage
+from trainer.io.orders.quantities import NUMBERS
+from trainer.io.orders.table import FORMS
+from trainer.web.catalogue import catalogues
+
+HERE: Final = Path(__file__).parent
+ASSETS: Final = HERE / "assets"
+
+
+@dataclass(frozen=True)
+class Page:
+    """One page: its address, its title, the role of its station, its template."""
+
+    name: str  # "" is the choice of a role
+    title: str
+    role: str
+    template: str
+
+
+PAGES: Final = (
+    Page("", "Control room", "", "choice.html"),
+    Page("instructor", "Instructor", "instructor", "instructor.html"),
+    Page("helm", "Helm", "helm", "steering.html"),
+    Page("planes", "Planes", "planes", "steering.html"),
+    Page("pilot", "Pilot", "pilot", "steering.html"),
+    Page("ballast", "Ballast", "ballast", "ballast.html"),
+    Page("diving", "Diving officer", "diving", "diving.html"),
+    Page("observer", "Observer", "observer", "observer.html"),
+    Page("wall", "Wall", "observer", "wall.html"),
+    Page("kiosk", "Kiosk", "visitor", "kiosk.html"),
+)
+
+
+@cache
+def _environment() -> Environment:
+    """Return where templates are found: all of them escape what they are given."""
+    environment = Environment(
+        loader=FileSystemLoader(HERE / "templates"),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    environment.globals |= {"order_words": order_words, "lessons": lessons}
+    return environment
+
+
+def order_words() -> dict[str, Any]:
+    """Return the wordings of all orders and what their numbers are, for their completion."""
+    forms = [(usage(form), form.says) for form in FORMS if not form.refusal]
+    return {"forms": forms, "numbers": {name: limits_and_units(n) for name, n in NUMBERS.items()}}
+
+
+def lessons() -> list[dict[str, Any]]:
+    """Return the exercises in the course's order, as anybody may know them.
+
+    The names of their files tell what breaks: the instructor's line tells those, by ``next``.
+    """
+    return [
+        {"title": each.title, "briefing": " ".join(each.briefing.split())}
+        | {"seconds": each.seconds, "hand": each.hand, "vessel": each.vessel}
+        for each in course()
+    ]
+
+
+def render(page: Page, **parts: Any) -> str:
+    """Return the HTML of a page."""
+    template = _environment().get_template(page.template)
+    words = catalogues()
+    return template.render(page=page, pages=PAGES, version=__version__, words=words, **parts)
