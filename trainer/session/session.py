@@ -315,9 +315,9 @@ class Session:
         if not isinstance(answer, Refused):
             tellings += self.crew.note(order, who, self.history.tick, answer)
             self._say(tellings, who)
-        if talk and self.time.frozen:
+        self._pace = self._pace._replace(told=self.crew.told)
+        if self.time.frozen and not isinstance(answer, Refused):  # no tick comes to show it
             self._show()
-        self._pace = self._pace._replace(told=self.crew.told)  # the next tick shows it
         return answer
 
     def _say(self, tellings: Sequence[Telling], who: str = "") -> None:

@@ -35,14 +35,9 @@ export class TankPanel {
   constructor(session, give) {
     this.session = session;
     this.give = give;
-    this.pending = new Pending();
+    this.pending = new Pending(session, "tanks");
     this.mimic = /** @type {any} */ (one("tank-mimic"));
     this.listen();
-  }
-
-  /** The tick of the latest reading of the tanks. */
-  get tick() {
-    return this.session.readings.latest.get("tanks")?.tick ?? 0;
   }
 
   /** How the levers stand, or are ordered to stand. */
@@ -51,7 +46,7 @@ export class TankPanel {
     return Object.fromEntries(
       GROUPS.map((group) => [
         group,
-        this.pending.resolve(`lever ${group}`, position(valves, group), this.tick),
+        this.pending.resolve(`lever ${group}`, position(valves, group)),
       ]),
     );
   }
@@ -101,39 +96,36 @@ export class TankPanel {
   /** Brings a lever to a position. @param {string} group @param {string} wanted */
   move(group, wanted) {
     const orders = ordersTo(group, wanted, this.positions);
-    return this.send(`lever ${group}`, wanted, orders);
+    return this.send({ [`lever ${group}`]: wanted }, orders);
   }
 
   /** Shuts main ballast, vents and blows. */
   shut() {
-    const orders = ordersToShut(this.positions);
-    for (const group of GROUPS.slice(0, 3)) this.pending.give(`lever ${group}`, "shut", this.tick);
-    return this.send("", "", orders);
+    const wanted = GROUPS.slice(0, 3).map((group) => [`lever ${group}`, "shut"]);
+    return this.send(Object.fromEntries(wanted), ordersToShut(this.positions));
   }
 
   /** @param {string} name @param {string} wanted */
   turn(name, wanted) {
     const [, order, words = {}] = SWITCHES[name];
-    return this.send(`switch ${name}`, wanted, [`${order} ${words[wanted] ?? wanted}`]);
+    return this.send({ [`switch ${name}`]: wanted }, [`${order} ${words[wanted] ?? wanted}`]);
   }
 
   /** @param {HTMLElement} node @param {string} name @param {number} amount [t] */
   pump(node, name, amount) {
     const words = amount < 0 ? node.dataset.low : node.dataset.high;
-    return this.send(`pump ${name}`, amount, [`${words} ${Math.abs(amount)}`]);
+    return this.send({ [`pump ${name}`]: amount }, [`${words} ${Math.abs(amount)}`]);
   }
 
   /**
    * Sends orders one behind the other; what is wanted shows until readings tell.
-   * @param {string} name
-   * @param {string | number} wanted
+   * @param {Record<string, string | number>} wanted by the name of each control
    * @param {string[]} orders
    */
-  async send(name, wanted, orders) {
-    this.pending.give(name, wanted, this.tick);
+  async send(wanted, orders) {
+    for (const [name, value] of Object.entries(wanted)) this.pending.give(name, value);
     const obeyed = await Promise.all(orders.map((words) => this.give(words)));
-    if (obeyed.every(Boolean)) return;
-    this.pending.drop(name);
+    for (const name of Object.keys(wanted)) this.pending.answered(name, obeyed.every(Boolean));
     this.show();
   }
 
@@ -152,12 +144,12 @@ export class TankPanel {
     );
     this.each("[data-switch]", (node, name) => {
       const stands = session.word(SWITCHES[name][0]) || "stop";
-      const ordered = this.pending.resolve(`switch ${name}`, stands, this.tick);
+      const ordered = this.pending.resolve(`switch ${name}`, stands);
       /** @type {PositionSwitch} */ (node).show(stands, ordered);
     });
     this.each("[data-pump]", (node, name) => {
       const moving = session.number(`tanks.moving_${name}`) ?? 0;
-      /** @type {PumpKeys} */ (node).show(this.pending.resolve(`pump ${name}`, moving, this.tick));
+      /** @type {PumpKeys} */ (node).show(this.pending.resolve(`pump ${name}`, moving));
     });
     this.balance();
   }
