@@ -274,6 +274,8 @@ class Session:
         if why := self.conduct.past_its_end(order, who) or self.crew.in_hand(order):
             return Refused(why)
         try:
+            if order.name in BOAT_ORDERS:
+                self._obey_schedule()  # what was due before comes before
             return self._carry_out(self.crew.meant(order), who)
         except RecordingError as error:  # its past cannot be read at present
             return Refused(str(error))

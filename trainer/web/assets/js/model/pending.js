@@ -1,11 +1,12 @@
 // What has been ordered and does not stand yet, until readings show it.
 
-const LAST = 3; // readings after an answer, of which the first may still be older than the order
+const LAST = 3; // readings, or ticks, after an answer: the first may still be older than the order
 
 /**
  * @typedef {string | number} Value
- * @typedef {{ value: Value, unanswered: number, tick: number, seen: number,
+ * @typedef {{ value: Value, unanswered: number, given: number, answered: number, seen: number,
  *   reading: import("./readings.js").Reading | undefined }} Wanted
+ * `given` and `answered` are the ticks that were shown then, `seen` the readings since.
  */
 
 /** The orders of one page that one channel will show. */
@@ -32,8 +33,9 @@ export class Pending {
   /** Notes what is ordered, before its answer. @param {string} name @param {Value} value */
   give(name, value) {
     const unanswered = (this.wanted.get(name)?.unanswered ?? 0) + 1;
-    const tick = this.reading?.tick ?? 0;
-    this.wanted.set(name, { value, unanswered, tick, seen: 0, reading: undefined });
+    const given = this.reading?.tick ?? 0;
+    const none = { answered: given, seen: 0, reading: undefined };
+    this.wanted.set(name, { value, unanswered, given, ...none });
   }
 
   /** Takes the answer to an order: what is refused is forgotten. @param {string} name @param {boolean} obeyed */
@@ -42,6 +44,7 @@ export class Pending {
     if (!wanted) return;
     wanted.unanswered -= 1;
     wanted.reading = this.reading;
+    wanted.answered = this.reading?.tick ?? 0;
     wanted.seen = 0;
     if (!obeyed) this.wanted.delete(name);
   }
@@ -64,10 +67,10 @@ export class Pending {
     if (wanted.unanswered) return /** @type {T} */ (wanted.value);
     if (reading !== wanted.reading) wanted.seen += 1;
     wanted.reading = reading;
+    const tick = reading?.tick ?? 0;
     const told = wanted.seen > 0 && wanted.value === stands;
-    if (!told && wanted.seen < LAST && (reading?.tick ?? 0) >= wanted.tick) {
-      return /** @type {T} */ (wanted.value);
-    }
+    const late = wanted.seen >= LAST || tick > wanted.answered + LAST || tick < wanted.given;
+    if (!told && !late) return /** @type {T} */ (wanted.value);
     this.wanted.delete(name);
     return stands;
   }

@@ -67,11 +67,15 @@ export class TankPanel {
     this.each("[data-pump]", (node, name) =>
       this.heard(node, (detail) => this.pump(node, name, Number(detail))),
     );
-    this.each("[data-order]", (node, words) =>
-      node.addEventListener("click", () => this.give(words)),
-    );
+    this.each("[data-order]", (node, words) => {
+      const { levers } = node.dataset;
+      const wanted = levers ? allLevers(levers) : {};
+      node.addEventListener("click", () => this.send(wanted, [words]));
+    });
     this.each("[data-shut]", (node) => node.addEventListener("click", () => this.shut()));
-    this.each("emergency-cover", (node) => this.heard(node, () => this.give("emergency blow")));
+    this.each("emergency-cover", (node) => 
+      this.heard(node, () => this.send(allLevers("blow"), ["emergency blow"])),
+    );
   }
 
   /**
@@ -101,8 +105,7 @@ export class TankPanel {
 
   /** Shuts main ballast, vents and blows. */
   shut() {
-    const wanted = GROUPS.slice(0, 3).map((group) => [`lever ${group}`, "shut"]);
-    return this.send(Object.fromEntries(wanted), ordersToShut(this.positions));
+    return this.send(allLevers("shut"), ordersToShut(this.positions));
   }
 
   /** @param {string} name @param {string} wanted */
@@ -183,6 +186,11 @@ export class TankPanel {
     const most = Math.max(session.tanks.trim_forward ?? 0, session.tanks.trim_aft ?? 0) * arm;
     bar.show((fore - aft) * arm, most, moving ? (fore - aft + 2 * moving) * arm : null);
   }
+}
+
+/** Returns a position of all levers of main ballast. @param {string} position */
+function allLevers(position) {
+  return Object.fromEntries(GROUPS.slice(0, 3).map((group) => [`lever ${group}`, position]));
 }
 
 /** Shows the picture of the tanks, and what the chosen one holds. @param {Session} session */
