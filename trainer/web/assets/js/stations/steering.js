@@ -137,8 +137,9 @@ const ARROWS = {
 /** @param {string} name @param {number} by */
 function nudge(name, by) {
   const lever = levers.find((each) => each.getAttribute("name") === name);
-  if (lever && !lever.inert) lever.choose(lever.value + by);
-  return Boolean(lever);
+  if (!lever?.checkVisibility()) return false;
+  if (!lever.inert) lever.choose(lever.value + by);
+  return true;
 }
 addEventListener("keydown", (event) => {
   if (isTyping(event) || !(event.key in ARROWS)) return;
