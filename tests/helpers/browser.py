@@ -6,6 +6,7 @@ from contextlib import ExitStack
 import pytest
 from playwright.sync_api import Browser, Page, sync_playwright
 
+from trainer.verify.soak.session_process import Caller
 from helpers.pages import QUIET, SIZES, Heard, Served, find_chromium, served
 
 Serve = Callable[..., Served]
@@ -35,6 +36,17 @@ def shared() -> Iterator[Served]:
     """Return one session, free of any exercise, for the tests of a module that change little."""
     with served() as session:
         yield session
+
+
+@pytest.fixture
+def instructor(shared: Served) -> Caller:
+    """Return the instructor's line to the shared session, which is frozen and as at its start."""
+    caller = shared.callers[0] if shared.callers else shared.attach()
+    for words in ("freeze", "reset"):
+        assert caller.ask(words)[0]
+    caller.ask("clear all")
+    caller.news.clear()
+    return caller
 
 
 @pytest.fixture

@@ -4,7 +4,7 @@ import time
 from typing import Final
 
 import pytest
-from playwright.sync_api import Locator, Page
+from playwright.sync_api import Locator, Page, expect
 
 from helpers.pages import PATIENCE
 from trainer.session.stations.channels import CHANNELS
@@ -32,18 +32,73 @@ CUT: Final = """() => {
 }"""
 
 
-def work(page: Page, control: Locator, way: str) -> None:
-    """Work a control with the mouse, a finger, or the keyboard."""
-    if way == "mouse":
-        control.click()
-    elif way == "keyboard":
+# What can be worked now and bears no mark that it was.
+UNWORKED: Final = """() => [...document.querySelectorAll(
+    "button, input, select, [role=slider], [role=button], [role=radio]")]
+  .filter((each) => each.checkVisibility() && !("worked" in each.dataset))
+  .map((each) => each.outerHTML.slice(0, 120))"""
+
+
+def work(page: Page, control: Locator, way: str, part: tuple[float, float] = (0.5, 0.5)) -> None:
+    """Work a control with the mouse, a finger, or the keyboard.
+
+    ``part`` is where it is touched, as shares of its width and height.
+    """
+    control.evaluate("(each) => (each.dataset.worked = '')")
+    if way == "keyboard":
         control.focus()
         page.keyboard.press("Enter")
+        return
+    control.scroll_into_view_if_needed()
+    box = control.bounding_box()
+    assert box
+    x, y = box["x"] + box["width"] * part[0], box["y"] + box["height"] * part[1]
+    if way == "mouse" and part == (0.5, 0.5):
+        control.click()
+    elif way == "mouse":
+        page.mouse.click(x, y)
     else:
-        control.scroll_into_view_if_needed()
-        box = control.bounding_box()
-        assert box
-        page.touchscreen.tap(box["x"] + box["width"] / 2, box["y"] + box["height"] / 2)
+        page.touchscreen.tap(x, y)
+
+
+def work_frame(page: Page, way: str) -> None:
+    """Work what stands above every station: sound and palette."""
+    for words in ("Sound on", "Sound off"):
+        work(page, page.locator("#sound"), way)
+        expect(page.locator("#sound")).to_have_text(words)
+    palette = page.locator("#palette")
+    palette.evaluate("(each) => (each.dataset.worked = '')")
+    palette.select_option("dusk")
+    if way == "keyboard":
+        palette.focus()
+        page.keyboard.press("ArrowDown")
+    else:
+        palette.select_option("day")
+    expect(page.locator(":root")).to_have_attribute("data-palette", "day")
+
+
+def work_parts(page: Page, way: str, keys: str, shown: str) -> None:
+    """Work the keys that choose the part of a page; ``shown`` is where the body names it."""
+    for key in page.locator(keys).all():
+        work(page, key, way)
+        expect(key).to_have_attribute("aria-pressed", "true")
+        chosen = key.get_attribute("data-name") or key.get_attribute("data-half")
+        expect(page.locator("body")).to_have_attribute(shown, str(chosen))
+
+
+def report(page: Page, words: str, way: str) -> None:
+    """Report something by the bar of a station."""
+    field = page.get_by_label("Report", exact=True)
+    work(page, field, way)
+    field.fill(words)
+    work(page, page.locator("report-bar button"), way)
+    expect(field).to_be_empty()
+
+
+def heard(caller: Caller, words: str) -> bool:
+    """Return whether a line has been told something with these words in it."""
+    assert caller.ask("who")[0]
+    return any(words in each.fields[3] for each in caller.news)
 
 
 def read(caller: Caller, place: str) -> str:

@@ -5,7 +5,18 @@ from collections.abc import Callable
 from typing import Final
 
 import pytest
-from helpers.hands import CUT, WAYS, read, step, work
+from helpers.hands import (
+    CUT,
+    UNWORKED,
+    WAYS,
+    heard,
+    read,
+    report,
+    step,
+    work,
+    work_frame,
+    work_parts,
+)
 from helpers.pages import SIZES, Served
 from playwright.sync_api import Page, expect
 
@@ -54,14 +65,10 @@ CONTROLS: Final = (
 )
 
 
-@pytest.fixture
-def instructor(shared: Served) -> Caller:
-    """Return the instructor's line to the shared session, which is as at its start."""
-    caller = shared.callers[0] if shared.callers else shared.attach()
-    assert caller.ask("freeze")[0]
-    assert caller.ask("reset")[0]
-    assert caller.ask("freeze depth")[0]
-    return caller
+@pytest.fixture(autouse=True)
+def level(instructor: Caller) -> None:
+    """Keep the boat at its depth, whatever flows."""
+    assert instructor.ask("freeze depth")[0]
 
 
 def open_ballast(look: Look, session: Served, **how: object) -> Page:
@@ -80,6 +87,22 @@ def test_every_control_does_in_the_boat_what_it_says(
     for control, place, wanted in CONTROLS:
         work(page, page.locator(control), way)
         await_stepped(instructor, place, wanted)
+    for name in ("trim", "auxiliary", "depth_control"):
+        pump = page.locator(f"[data-pump={name}]")
+        for amount in ("1", "5", "10", "2"):
+            work(page, pump.get_by_role("radio", name=amount, exact=True), way)
+            expect(pump.locator(".high")).to_contain_text(f"{amount} t")
+    for tank in page.locator(".tank").all():
+        work(page, tank, way)
+        expect(tank).to_have_attribute("aria-pressed", "true")
+    report(page, f"trim is right {way}", way)
+    assert heard(instructor, f"trim is right {way}")
+    work(page, page.locator("emergency-cover .cover"), way)
+    work_frame(page, way)
+    page.locator("emergency-cover .push").evaluate("(each) => (each.dataset.worked = '')")
+    assert page.evaluate(UNWORKED) == []
+    page.set_viewport_size({"width": 360, "height": 640})
+    work_parts(page, way, "part-keys[part=group] button", "data-group")
 
 
 def test_switches_show_what_stands_and_what_is_ordered(
@@ -89,9 +112,7 @@ def test_switches_show_what_stands_and_what_is_ordered(
     vent = page.locator("[data-lever=aft] [data-position=vent]")
     vent.click()
     expect(vent).to_have_attribute("aria-checked", "true")
-    expect(vent).not_to_have_attribute("data-stands", "")
-    step(instructor, 3)
-    expect(vent).to_have_attribute("data-stands", "")
+    expect(vent).to_have_attribute("data-stands", "")  # in a freeze too
     expect(page.locator("[data-part=vent_aft]")).to_have_attribute("data-open", "true")
     assert instructor.ask("vent aft shut")[0]
     step(instructor, 1)
@@ -249,36 +270,18 @@ def test_the_picture_shows_levels_flows_and_flooded_compartments(
     expect(page.locator("#tank")).to_have_text(f"Aft main: {amount} of {whole} t")
 
 
+@pytest.mark.parametrize("way", WAYS)
 def test_an_order_to_all_is_repeated_by_its_key(
-    shared: Served, instructor: Caller, look: Look
+    shared: Served, instructor: Caller, look: Look, way: str
 ) -> None:
-    page = open_ballast(look, shared)
+    page = open_ballast(look, shared, has_touch=way == "touch")
     assert instructor.ask("tell prepare to surface")[0]
     bar = page.locator("repeat-bar")
     expect(bar).to_contain_text("prepare to surface")
     expect(page.locator("#ordered")).to_contain_text("prepare to surface")
-    bar.get_by_role("button").click()
+    work(page, bar.get_by_role("button"), way)
     expect(bar).to_be_hidden()
-    assert any("prepare to surface aye" in each.fields[3] for each in heard(instructor))
-
-
-@pytest.mark.parametrize("way", WAYS)
-def test_the_station_reports_to_the_instructor(
-    shared: Served, instructor: Caller, look: Look, way: str
-) -> None:
-    page = open_ballast(look, shared, has_touch=way == "touch")
-    page.get_by_label("Report", exact=True).fill(f"trim is right {way}")
-    work(page, page.locator("report-bar button"), way)
-    expect(page.get_by_label("Report", exact=True)).to_be_empty()
-    page.locator("[data-order='blow all']").click()
-    expect(page.locator("#answer")).to_contain_text("blow all")
-    assert any(f"trim is right {way}" in each.fields[3] for each in heard(instructor))
-
-
-def heard(caller: Caller) -> list:  # type: ignore[type-arg]
-    """Return what has happened, as a line has heard it."""
-    assert caller.ask("who")[0]
-    return caller.news
+    assert heard(instructor, "prepare to surface aye")
 
 
 @pytest.mark.usefixtures("instructor")

@@ -5,7 +5,19 @@ from collections.abc import Callable
 from typing import Final
 
 import pytest
-from helpers.hands import CUT, WAYS, await_truth, read, step, work
+from helpers.hands import (
+    CUT,
+    UNWORKED,
+    WAYS,
+    await_truth,
+    heard,
+    read,
+    report,
+    step,
+    work,
+    work_frame,
+    work_parts,
+)
 from helpers.pages import SIZES, Served
 from playwright.sync_api import Page, expect
 
@@ -25,15 +37,6 @@ NUMBERS: Final = (
     ("120", "course", {"orders.course": "120.0", "orders.course_side": ""}),
     ("8", "speed, kn", {"orders.speed": "8.0"}),
 )
-
-
-@pytest.fixture
-def instructor(shared: Served) -> Caller:
-    """Return the instructor's line to the shared session, which is as at its start."""
-    caller = shared.callers[0] if shared.callers else shared.attach()
-    assert caller.ask("freeze")[0]
-    assert caller.ask("reset")[0]
-    return caller
 
 
 def open_page(look: Look, session: Served, name: str = "diving", **how: object) -> Page:
@@ -167,8 +170,7 @@ def test_the_instructors_order_is_repeated_by_its_key(
     expect(bar).to_contain_text("depth 90 m")
     work(page, bar.get_by_role("button"), way)
     expect(bar).to_be_hidden()
-    assert instructor.ask("who")[0]
-    assert any("diving: depth 90 m aye" in each.fields[3] for each in instructor.news)
+    assert heard(instructor, "diving: depth 90 m aye")
 
 
 def test_evidence_of_trim_is_what_the_planes_hold_in_the_mean(
@@ -237,14 +239,46 @@ def test_an_observer_marks_a_moment_and_works_nothing_else(
     page.get_by_label("Remark").fill(f"bow well down {way}")
     work(page, page.locator("#mark button"), way)
     expect(page.locator("#answer")).to_contain_text("mark")
-    assert instructor.ask("who")[0]
-    assert any(f"bow well down {way}" in each.fields[3] for each in instructor.news)
+    assert heard(instructor, f"bow well down {way}")
     expect(page.locator("#log")).to_contain_text(f"bow well down {way}")
     assert instructor.ask("vent aft open")[0]
     step(instructor, 1)
     expect(page.locator("[data-part=vent_aft]")).to_have_attribute("data-open", "true")
     depth = float(read(instructor, "gauges.depth"))
     expect(page.locator("depth-gauge .digits")).to_have_text(f"{depth:.1f}")
+    for tank in page.locator(".tank").all():
+        work(page, tank, way)
+        expect(tank).to_have_attribute("aria-pressed", "true")
+    work(page, page.get_by_label("Remark"), way)
+    work_frame(page, way)
+    assert page.evaluate(UNWORKED) == []
+    page.set_viewport_size({"width": 360, "height": 640})
+    work_parts(page, way, "part-keys button", "data-part")
+
+
+@pytest.mark.parametrize("way", WAYS)
+def test_what_else_the_officer_works(
+    shared: Served, instructor: Caller, look: Look, way: str
+) -> None:
+    page = open_page(look, shared, size="desk", has_touch=way == "touch")
+    pad = page.locator("order-keypad")
+    for digit in "1234567890":
+        work(page, pad.get_by_role("button", name=digit, exact=True), way)
+    expect(pad.locator(".typed")).to_have_text("7890")
+    work(page, pad.get_by_role("button", name="Last digit back"), way)
+    expect(pad.locator(".typed")).to_have_text("789")
+    work(page, pad.get_by_role("button", name="Clear"), way)
+    expect(pad.locator(".typed")).to_have_text("none")
+    assert instructor.ask("order speed 5")[0]
+    work(page, page.get_by_role("button", name="Belay speed"), way)
+    await_truth(instructor, "orders.speed", "")
+    work_parts(page, way, "part-keys[part=group] button", "data-group")
+    work(page, page.get_by_role("button", name="More"), way)
+    report(page, f"she is heavy {way}", way)
+    assert heard(instructor, f"she is heavy {way}")
+    work_frame(page, way)
+    page.set_viewport_size({"width": 360, "height": 640})
+    work_parts(page, way, "part-keys[part=part] button", "data-part")
 
 
 @pytest.mark.slow

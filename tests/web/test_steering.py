@@ -1,50 +1,60 @@
 """Helm, planes and pilot in a browser: every hand reaches the boat, and the page says so."""
 
+import contextlib
+import re
+import signal
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from itertools import pairwise
+from typing import Final
 
 import pytest
+from helpers.hands import (
+    UNWORKED,
+    WAYS,
+    await_truth,
+    heard,
+    read,
+    report,
+    step,
+    work,
+    work_frame,
+    work_parts,
+)
 from helpers.pages import SIZES, Served
-from playwright.sync_api import Locator, Page, expect
+from playwright.sync_api import Locator, Page, WebSocketRoute, expect
 
 from trainer.verify.soak.session_process import Caller
 
 Look = Callable[..., Page]
 Serve = Callable[..., Served]
-PATIENCE = 30.0  # [s]
-CUT = """() => [...document.querySelectorAll("main button, header button, .knob")]
+NAMES: Final = ("helm", "planes", "pilot")
+SURFACES: Final = {"rudder": "steering", "stern": "diving", "bow": "diving"}
+SLOW: Final = 30_000  # [ms] for what comes after seconds
+BEYOND: Final = """() => [...document.querySelectorAll("main button, header button, .knob")]
     .filter((each) => each.checkVisibility())
     .filter((each) => {
         const { left, right, top, bottom } = each.getBoundingClientRect();
         return left < -1 || top < -1 || right > innerWidth + 1 || bottom > innerHeight + 1;
     }).map((each) => each.textContent)"""
-COUNT = """() => { const send = WebSocket.prototype.send; window.sent = [];
+OVERLAPS: Final = """() => [...document.querySelectorAll("level-bar")].flatMap((bar) => {
+    const all = [...bar.querySelectorAll(".numerals span")].filter((each) => each.checkVisibility());
+    const ends = all.map((each) => each.getBoundingClientRect());
+    return ends.slice(1).filter((each, at) => each.left < ends[at].right + 1).map(() => bar.id);
+})"""
+COUNT: Final = """() => { const send = WebSocket.prototype.send; window.sent = [];
 WebSocket.prototype.send = function (line) {
-    if (/TRO,\\d+,(rudder|bell)/.test(line)) window.sent.push([performance.now(), line]);
+    if (/TRO,\\d+,(rudder|bell|stern)/.test(line)) window.sent.push([performance.now(), line]);
     send.call(this, line);
 }; }"""
 
 
-@pytest.fixture(scope="module")
-def session(shared: Served) -> Caller:
-    """Return the instructor's line to the shared session, in which time runs."""
-    instructor = shared.attach()
-    assert instructor.ask("run")[0]
-    return instructor
-
-
-def await_value(caller: Caller, channel: str, place: int, wanted: str) -> None:
-    """Wait until a field of a channel has a value."""
-    assert caller.ask(f"subscribe {channel}")[0]
-    end, found = time.monotonic() + PATIENCE, ""
-    while time.monotonic() < end:
-        caller.ask("who")
-        found = caller.shown.get(channel, ("",) * 20)[place + 2].replace("-0.0", "0.0")
-        if found == wanted:
-            return
-        time.sleep(0.05)
-    raise AssertionError(f"{channel} {place}: {found}, not {wanted}")
+def opened(look: Look, session: Served, name: str = "pilot", **how: object) -> Page:
+    """Return a page that shows readings."""
+    page = look(session, name, **how)
+    expect(page.locator("#state")).to_have_text(re.compile("FROZEN|RUNNING"))
+    expect(page.locator("depth-gauge .digits")).not_to_be_empty()
+    return page
 
 
 def middle(found: Locator) -> tuple[float, float]:
@@ -54,104 +64,263 @@ def middle(found: Locator) -> tuple[float, float]:
     return box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
 
 
-def test_the_rudder_follows_mouse_keys_and_the_automatic_key(
-    shared: Served, session: Caller, look: Look
+def put(page: Page, name: str, way: str) -> int:
+    """Put a lever to some place by its groove, or by keys; return the angle that it says."""
+    lever = page.locator(f"order-lever[name={name}]")
+    slider = lever.get_by_role("slider")
+    if way == "keyboard":
+        slider.evaluate("(each) => (each.dataset.worked = '')")
+        for key in ("Home", "PageUp", "ArrowUp", "ArrowLeft", "Shift+ArrowRight", "PageDown"):
+            slider.press(key)
+    else:
+        work(page, lever.locator(".slot"), way, (0.8, 0.5) if name == "rudder" else (0.5, 0.2))
+        slider.evaluate("(each) => (each.dataset.worked = '')")
+    angle = int(slider.get_attribute("aria-valuenow") or 0)
+    assert angle != 0
+    return angle
+
+
+@pytest.mark.parametrize("way", WAYS)
+def test_every_control_reaches_the_boat(
+    shared: Served, instructor: Caller, look: Look, way: str
 ) -> None:
-    page = look(shared, "helm")
-    expect(page.locator("#state")).to_have_text("RUNNING")
-    groove = page.locator("order-lever[name=rudder] .groove")
-    x, y = middle(groove)
+    page = opened(look, shared, size="desk", has_touch=way == "touch")
+    for name, channel in SURFACES.items():
+        angle = put(page, name, way)
+        await_truth(instructor, f"{channel}.ordered_{name}", f"{angle:.1f}")
+        expect(page.locator(f"[data-mode={name}]")).to_have_text("by hand")
+        work(page, page.locator(f"[data-auto={name}]"), way)
+        await_truth(instructor, f"{channel}.{name}_mode", "auto")
+        expect(page.locator(f"[data-auto={name}]")).to_be_hidden()
+    bells = page.locator("[data-bell]")
+    for at in range(bells.count()):
+        bell = str(bells.nth(at).get_attribute("data-bell"))
+        work(page, bells.nth(at), way)
+        await_truth(instructor, "engine.bell", bell.replace(" ", "-"))
+        expect(bells.nth(at)).to_have_attribute("aria-checked", "true")
+    for words in ("order course right 45", "order depth 70", "order speed 6"):
+        assert instructor.ask(words)[0]
+        work(page, page.locator("repeat-bar button"), way)
+        expect(page.locator("repeat-bar")).to_be_hidden()
+    for words, place, wanted in (
+        ("course 045", "steering.ordered_course", "45.0"),
+        ("depth 70 m", "diving.ordered_depth", "70.0"),
+        ("speed 6 kn", "engine.ordered_speed", "6.0"),
+    ):
+        work(page, page.get_by_role("button", name=f"Autopilot: {words}"), way)
+        await_truth(instructor, place, wanted)
+    report(page, f"steady by {way}", way)
+    assert heard(instructor, f"steady by {way}")
+    work_frame(page, way)
+    assert page.evaluate(UNWORKED) == []
+
+
+@pytest.mark.parametrize("way", WAYS)
+def test_each_half_of_a_small_pilot_s_page_works_without_the_other(
+    shared: Served, instructor: Caller, look: Look, way: str
+) -> None:
+    page = opened(look, shared, size="phone", has_touch=True)
+    work_parts(page, way, ".halves button", "data-half")
+    for half, shown, unseen in (("Steer", ["rudder"], "stern"), ("Dive", ["stern", "bow"], "rudder")):
+        work(page, page.get_by_role("button", name=half, exact=True), way)
+        expect(page.locator(f"order-lever[name={unseen}]")).to_be_hidden()
+        for name in shown:
+            angle = put(page, name, way)
+            await_truth(instructor, f"{SURFACES[name]}.ordered_{name}", f"{angle:.1f}")
+        before = read(instructor, f"{SURFACES[unseen]}.ordered_{unseen}")
+        page.locator("body").press("ArrowRight" if half == "Dive" else "ArrowUp")
+        page.locator("body").press("ArrowUp" if half == "Dive" else "ArrowRight")
+        await_truth(instructor, f"{SURFACES[shown[0]]}.ordered_{shown[0]}", f"{nudged(page, shown[0])}")
+        assert read(instructor, f"{SURFACES[unseen]}.ordered_{unseen}") == before
+    work(page, page.get_by_role("button", name="Steer", exact=True), way)
+    work(page, page.locator("[data-bell='astern full']"), way)
+    await_truth(instructor, "engine.bell", "astern-full")
+
+
+def nudged(page: Page, name: str) -> str:
+    """Return what a lever stands at, as the session says it."""
+    slider = page.locator(f"order-lever[name={name}]").get_by_role("slider")
+    return f"{int(slider.get_attribute('aria-valuenow') or 0):.1f}"
+
+
+@pytest.mark.parametrize("name", ["helm", "planes"])
+def test_a_drag_keys_and_a_slide_end_where_the_hand_does(
+    shared: Served, instructor: Caller, look: Look, name: str
+) -> None:
+    page = opened(look, shared, name)
+    page.evaluate(COUNT)
+    lever, places = {"helm": ("rudder", "steering"), "planes": ("stern", "diving")}[name]
+    x, y = middle(page.locator(f"order-lever[name={lever}] .groove"))
+    way = (-400, 0) if name == "helm" else (0, 400)
     page.mouse.move(x, y)
     page.mouse.down()
-    page.mouse.move(x + 40, y, steps=4)
-    page.mouse.move(x + 400, y, steps=4)
+    page.mouse.move(x + way[0], y + way[1], steps=60)
     page.mouse.up()
+    await_truth(instructor, f"{places}.ordered_{lever}", "-30.0")
+    assert all(b - a > 90 for (a, _), (b, _) in pairwise(page.evaluate("sent")))
 
-    await_value(session, "steering", 3, "30.0")
-    knob = page.get_by_role("slider", name="Rudder")
-    knob.press("Home")
-    await_value(session, "steering", 3, "0.0")
-    knob.press("Shift+ArrowLeft")
-    await_value(session, "steering", 3, "-5.0")
-    page.locator("body").press("ArrowRight")
-    await_value(session, "steering", 3, "-4.0")
-    expect(page.locator("[data-mode=rudder]")).to_have_text("by hand")
-    page.locator("[data-auto=rudder]").click()
-    await_value(session, "steering", 4, "auto")
-    expect(page.locator("[data-mode=rudder]")).to_contain_text("automatic")
-
-
-def test_the_planes_follow_a_finger(shared: Served, session: Caller, look: Look) -> None:
-    page = look(shared, "planes", "tablet", has_touch=True)
-    expect(page.locator("#state")).to_have_text("RUNNING")
-    for name, place in (("stern", 5), ("bow", 8)):
-        box = page.locator(f"order-lever[name={name}] .groove").bounding_box()
-        assert box
-        page.touchscreen.tap(box["x"] + box["width"] / 2, box["y"] + 1)
-        await_value(session, "diving", place, "30.0")
-
-
-def test_the_telegraph_orders_only_where_a_slide_ends(
-    shared: Served, session: Caller, look: Look
-) -> None:
-    page = look(shared, "helm", has_touch=True)
-    expect(page.locator("#state")).to_have_text("RUNNING")
-    page.evaluate(COUNT)
+    keys = page.locator("body")
+    keys.press("Shift+ArrowRight" if name == "helm" else "Shift+ArrowUp")
+    await_truth(instructor, f"{places}.ordered_{lever}", "-25.0")
+    if name == "planes":
+        return
+    page.evaluate("sent.length = 0")
     page.mouse.move(*middle(page.locator("[data-bell='ahead flank']")))
     page.mouse.down()
     page.mouse.move(*middle(page.locator("[data-bell='ahead one-third']")), steps=6)
     page.mouse.up()
-
-    await_value(session, "engine", 4, "ahead-one-third")
+    await_truth(instructor, "engine.bell", "ahead-one-third")
     assert len(page.evaluate("sent")) == 1
-    expect(page.locator("[data-bell='ahead one-third']")).to_have_attribute("aria-checked", "true")
-    page.touchscreen.tap(*middle(page.locator("[data-bell='ahead standard']")))
-    await_value(session, "engine", 4, "ahead-standard")
-    page.locator("[data-bell='ahead standard']").press("ArrowDown")
-    await_value(session, "engine", 4, "ahead-two-thirds")
+    page.locator("[data-bell='ahead one-third']").press("ArrowUp")
+    await_truth(instructor, "engine.bell", "ahead-two-thirds")
 
 
-def test_a_lever_sends_ten_orders_a_second_and_the_last(
-    shared: Served, session: Caller, look: Look
+def test_what_is_ordered_in_a_freeze_stands_at_once_on_every_page(
+    shared: Served, instructor: Caller, look: Look
 ) -> None:
-    page = look(shared, "helm")
-    expect(page.locator("#state")).to_have_text("RUNNING")
-    page.evaluate(COUNT)
-    x, y = middle(page.locator("order-lever[name=rudder] .groove"))
-    page.mouse.move(x, y)
-    page.mouse.down()
-    page.mouse.move(x - 400, y, steps=120)
-    page.mouse.up()
+    page, other = opened(look, shared), opened(look, shared, "planes")
+    tick = read(instructor, "time.time"), instructor.tick
+    angle = put(page, "bow", "mouse")
 
-    await_value(session, "steering", 3, "-30.0")
-    times = [at for at, _ in page.evaluate("sent")]
-    assert all(b - a > 90 for a, b in pairwise(times))
+    expect(page.locator("#answer")).to_contain_text("acts when time runs")
+    for each in (page, other):
+        expect(each.get_by_role("slider", name="Bow planes")).to_have_attribute(
+            "aria-valuenow", str(angle)
+        )
+        expect(each.locator("#bow .order")).to_have_text(f"{angle} rise")
+        expect(each.locator("#bow .digits")).to_have_text("0.0")  # the boat has not moved
+    assert (read(instructor, "time.time"), instructor.tick) == tick
 
 
-def test_an_order_is_shown_until_it_is_repeated(
-    shared: Served, session: Caller, look: Look
+def test_a_reading_that_was_on_its_way_moves_no_lever_back(
+    shared: Served, instructor: Caller, look: Look
 ) -> None:
-    page = look(shared, "helm")
-    expect(page.locator("#state")).to_have_text("RUNNING")
-    obeyed, answer = session.ask("order course left 45")
-    assert obeyed, answer
-    expect(page.locator("#ordered")).to_contain_text("course left to 045")
-    page.get_by_role("button", name="Repeat").click()
-    expect(page.locator("repeat-bar")).to_be_hidden()
+    page = look(shared)
+    last: list[str] = []
 
-    session.ask("who")
-    assert any("aye" in " ".join(each.fields) for each in session.news)
+    def between(route: WebSocketRoute) -> None:
+        server = route.connect_to_server()
+
+        def pass_on(line: str | bytes) -> None:
+            text = str(line)
+            if text.startswith("$TRS,steering"):
+                last.append(text)
+                if len(last) > 1:
+                    return  # what comes after the order is late
+            route.send(text)
+            if text.startswith("$TRA") and "by hand" in text:
+                route.send(last[0])  # older than the order, and behind its answer
+
+        server.on_message(pass_on)
+
+    page.route_web_socket(re.compile("/line"), between)
+    page.goto(f"{shared.url}/helm")
+    slider = page.get_by_role("slider", name="Rudder")
+    expect(page.locator("#rudder .digits")).not_to_be_empty()
+    for key, angle in (("PageUp", 5), ("ArrowRight", 6), ("ArrowRight", 7)):
+        slider.press(key)
+        expect(page.locator("#answer")).to_contain_text(f"right {angle}")
+        expect(page.locator("order-lever.asking")).to_have_count(0)
+        await_truth(instructor, "steering.ordered_rudder", f"{angle:.1f}")
 
 
-@pytest.mark.parametrize("size", SIZES)
-@pytest.mark.parametrize("name", ["helm", "planes", "pilot"])
-@pytest.mark.usefixtures("session")
-def test_nothing_is_cut_at_any_size(shared: Served, look: Look, name: str, size: str) -> None:
-    page = look(shared, name, size)
-    expect(page.locator("#state")).to_have_text("RUNNING")
+def test_what_is_in_hand_cannot_be_made_automatic(serve: Serve, look: Look) -> None:
+    served = serve("surface-and-steer")  # all is in hand
+    page, instructor = opened(look, served), served.attach()
+    page.locator("#close-briefing").click()
+    for words in ("order course left 20", "order depth 60", "order speed 4"):
+        assert instructor.ask(words)[0]
+    expect(page.locator("#ordered")).to_contain_text("speed 4 kn")
+    for name, channel in SURFACES.items():
+        angle = put(page, name, "mouse")
+        await_truth(instructor, f"{channel}.ordered_{name}", f"{angle:.1f}")
+        expect(page.locator(f"[data-mode={name}]")).to_have_text("by hand")
+        expect(page.locator(f"[data-auto={name}]")).to_be_hidden()
+    expect(page.locator("#autopilot button")).to_have_count(0)
+    refused, why = served.attach("pilot").ask("planes auto")
+    assert not refused
+    assert "hand" in why
 
-    assert page.evaluate("document.documentElement.scrollWidth <= innerWidth")
-    assert page.evaluate(CUT) == []
+
+@contextlib.contextmanager
+def stopped(session: Served) -> Iterator[None]:
+    """Hold a session's process still."""
+    session.process.send_signal(signal.SIGSTOP)
+    try:
+        yield
+    finally:
+        session.process.send_signal(signal.SIGCONT)
+
+
+def test_without_readings_nothing_works_and_all_is_crossed_until_they_are_back(
+    shared: Served, instructor: Caller, look: Look
+) -> None:
+    assert instructor.ask("run")[0]
+    pages = [opened(look, shared, name) for name in NAMES]
+    for page in pages:
+        expect(page.locator("#state")).to_have_text("RUNNING")
+        page.evaluate(COUNT)
+    with stopped(shared):
+        for page in pages:
+            expect(page.locator("#state")).to_have_text("NO LINK", timeout=SLOW)
+            assert page.locator(".gauge:not([data-stale])").count() == 0
+            assert page.locator("main [data-control]:not([inert])").count() == 0
+            for cross in page.locator(".gauge:visible .cross").all():
+                expect(cross).to_be_visible()
+            expect(page.locator("alert-bar .alert[data-rank=warning]")).to_contain_text("No link")
+            work_nothing(page)
+    for page in pages:
+        expect(page.locator("#state")).to_have_text("RUNNING", timeout=SLOW)
+        assert page.locator(".gauge[data-stale], main [data-control][inert]").count() == 0
+        assert page.evaluate("sent") == []
+        expect(page.locator("alert-bar .alert", has_text="No link")).to_have_count(0)
+    angle = put(pages[0], "rudder", "mouse")
+    await_truth(instructor, "steering.ordered_rudder", f"{angle:.1f}")
+
+
+def work_nothing(page: Page) -> None:
+    """Try what gives orders, with keys and mouse."""
+    for key in ("ArrowRight", "ArrowUp"):
+        page.locator("body").press(key)
+    for each in page.locator("order-lever .slot, [data-bell='ahead full']").all():
+        page.mouse.click(*middle(each))
+
+
+def test_the_crew_is_alerted_by_its_gauges_alone(
+    shared: Served, instructor: Caller, look: Look
+) -> None:
+    page = opened(look, shared)
+    alerts = page.locator("alert-bar .alert")
+    assert instructor.ask("casualty rudder-stuck")[0]
+    put(page, "rudder", "mouse")
+    for _ in range(5):  # as long as the warning waits
+        step(instructor, 4)
+        time.sleep(0.1)
+    expect(alerts.and_(page.locator("[data-rank=warning]"))).to_contain_text("Rudder off its order")
+    assert instructor.ask("clear all")[0]
+    step(instructor, 30)
+    expect(alerts).to_have_count(0)
+    assert instructor.ask("order course left 90")[0]
+    put(page, "rudder", "mouse")
+    assert heard(instructor, "WRONG WAY: pilot: rudder right")
+    expect(alerts).to_have_count(0)
+
+
+@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.usefixtures("instructor")
+def test_nothing_is_cut_and_no_numeral_covers_another_at_any_size(
+    shared: Served, look: Look, name: str
+) -> None:
+    page = opened(look, shared, name)
+    for size, (width, height) in SIZES.items():
+        page.set_viewport_size({"width": width, "height": height})
+        keys = page.locator(".halves button:visible")
+        for place in range(max(keys.count(), 1)):
+            if keys.count():
+                keys.nth(place).click()
+            assert page.evaluate("document.documentElement.scrollWidth <= innerWidth"), size
+            assert page.evaluate(BEYOND) == [], size
+            assert page.evaluate(OVERLAPS) == [], size
 
 
 def test_the_briefing_opens_first_and_the_end_is_told(serve: Serve, look: Look) -> None:

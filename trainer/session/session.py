@@ -274,6 +274,8 @@ class Session:
         if why := self.conduct.past_its_end(order, who) or self.crew.in_hand(order):
             return Refused(why)
         try:
+            if order.name in BOAT_ORDERS:
+                self._obey_schedule()  # what was due before comes before
             return self._carry_out(self.crew.meant(order), who)
         except RecordingError as error:  # its past cannot be read at present
             return Refused(str(error))
@@ -315,9 +317,9 @@ class Session:
         if not isinstance(answer, Refused):
             tellings += self.crew.note(order, who, self.history.tick, answer)
             self._say(tellings, who)
-        if talk and self.time.frozen:
+        self._pace = self._pace._replace(told=self.crew.told)
+        if self.time.frozen and not isinstance(answer, Refused):  # no tick comes to show it
             self._show()
-        self._pace = self._pace._replace(told=self.crew.told)  # the next tick shows it
         return answer
 
     def _say(self, tellings: Sequence[Telling], who: str = "") -> None:

@@ -29,6 +29,8 @@ const AT_ONCE = 3; // alerts that are shown
 const PALETTES = ["dusk", "day", "night"];
 const FOOT = 0.3048; // [m]
 const KEPT = "palette"; // where the browser keeps the choice
+/** What is told to the crew about the light aboard. @type {Record<string, string>} */
+const RIGGED = { "rig for red": "night", "rig for white": "" };
 
 class AlertBar extends HTMLElement {
   connectedCallback() {
@@ -86,6 +88,8 @@ export function furnish(session, alerts) {
   palette.onchange = () => keepPalette(palette.value);
   switchSound(sound);
   showAlerts(alerts, sound);
+  ringOrders(session, sound);
+  rigLight(session, palette);
   for (const what of ["state", "tick", "exercise"]) session.on(what, () => showState(session));
   session.on("older", () => one("#older", document).removeAttribute("hidden"));
   askWord(session);
@@ -110,6 +114,34 @@ export function showAlerts(alerts, sound) {
       if (each.fresh && !sounded.has(each.key)) sound?.alert(each.rank);
       sounded.add(each.key);
     }
+  });
+}
+
+/** Strikes the bell for each new order that this station is to repeat. @param {Session} session @param {Sound} sound */
+function ringOrders(session, sound) {
+  /** @type {import("./model/crew.js").CrewOrder | undefined} */
+  let last;
+  session.on("crew", () => {
+    const order = session.crew.toRepeat(session.role);
+    if (order && order !== last) sound.bell();
+    last = order;
+  });
+}
+
+/**
+ * Follows what is told about the light; the choice of this browser stays kept.
+ * @param {Session} session
+ * @param {HTMLSelectElement} [palette]
+ */
+export function rigLight(session, palette) {
+  let rigged = "";
+  session.on("tick", () => {
+    const told = session.word("orders.told");
+    if (told === rigged || !(told in RIGGED)) return;
+    rigged = told;
+    const name = RIGGED[told] || keptPalette();
+    if (palette) palette.value = name;
+    setPalette(name);
   });
 }
 
@@ -171,12 +203,17 @@ export function pitchOrder(pitch) {
   return pitch === 0 ? "level" : `bubble ${Math.abs(pitch)} ${pitch < 0 ? "down" : "up"}`;
 }
 
-/** Shows the palette that is asked for or was kept, else that of the browser; returns its name. */
-export function showPalette() {
+/** Returns the palette that is asked for or was kept, else that of the browser. */
+function keptPalette() {
   const asked = new URLSearchParams(location.search).get("palette");
   const kept = asked ?? localStorage.getItem(KEPT);
   const light = matchMedia("(prefers-color-scheme: light)").matches;
-  const name = PALETTES.find((each) => each === kept) ?? (light ? "day" : "dusk");
+  return PALETTES.find((each) => each === kept) ?? (light ? "day" : "dusk");
+}
+
+/** Shows that palette; returns its name. */
+export function showPalette() {
+  const name = keptPalette();
   setPalette(name);
   return name;
 }

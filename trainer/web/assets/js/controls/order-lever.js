@@ -22,12 +22,8 @@ class OrderLever extends HTMLElement {
     this.held = false;
     this.sent = -Infinity;
     this.due = 0;
-    /** @type {number | null} what waits for its answer */
-    this.asked = null;
-    /** @type {number | null} what was ordered before, until a reading shows another order */
-    this.stood = null;
-    /** @type {number | null} */
-    this.told = null;
+    /** @type {number | null} what a hand has chosen since the order was last shown */
+    this.chosen = null;
     this.mark = html("div", { class: "mark" });
     this.knob = html("div", {
       class: "knob",
@@ -108,11 +104,9 @@ class OrderLever extends HTMLElement {
 
   /** Puts the knob to a value that a hand has chosen, and orders it. @param {number} value */
   choose(value) {
-    const before = this.value;
     this.set(value);
-    if (this.value === before && this.asked === this.value) return;
-    this.asked = this.value;
-    this.classList.add("asking");
+    if (this.value === this.chosen) return;
+    this.chosen = this.value ?? 0;
     this.send();
   }
 
@@ -130,30 +124,20 @@ class OrderLever extends HTMLElement {
   }
 
   /**
-   * The order has been answered: from the next reading on the knob shows what is ordered.
-   * @param {boolean} obeyed
-   */
-  settle(obeyed) {
-    if (this.due) return;
-    this.stood = obeyed ? this.told : null;
-    this.asked = null;
-    this.classList.remove("asking");
-  }
-
-  /**
    * @param {number | null} actual [deg]
    * @param {number | null} ordered [deg]
    * @param {string} [mode] `hand`, or what steers the surface
+   * @param {boolean} [waits] whether the order still waits for its answer
    */
-  show(actual, ordered, mode = "hand") {
+  show(actual, ordered, mode = "hand", waits = false) {
     if (!this.mark) return;
     this.mark.hidden = actual === null;
     if (actual !== null) this.place(this.mark, clamp(actual, -this.limit, this.limit));
     this.classList.toggle("automatic", mode !== "hand");
-    if (ordered !== this.stood) this.stood = null;
-    this.told = ordered;
-    const free = !this.held && this.asked === null && this.stood === null;
-    if (free && ordered !== null && Math.round(ordered) !== this.value) this.set(ordered);
+    this.classList.toggle("asking", waits || this.due !== 0);
+    if (this.held || this.due || waits) return;
+    this.chosen = null;
+    if (ordered !== null && Math.round(ordered) !== this.value) this.set(ordered);
   }
 
   /** Returns the value at a place of the slot. @param {PointerEvent} event */

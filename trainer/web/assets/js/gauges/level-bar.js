@@ -29,7 +29,8 @@ class LevelBar extends Gauge {
     const values = [];
     for (let value = low; value <= high; value += step) values.push(value);
     const numerals = values.map((value) => {
-      const numeral = html("span", {}, String(Math.round(value)));
+      const between = Math.round(value / step) % 2 !== 0; // left out where there is no room
+      const numeral = html("span", { "data-between": between }, String(Math.round(value)));
       numeral.style.left = `${this.at(value)}%`;
       return numeral;
     });

@@ -368,7 +368,8 @@ export class Session extends EventTarget {
   alert(seconds, what, subject) {
     const [number, kind, ...words] = subject.split(",");
     if (what === "alert") {
-      this.alerts.set(number, { number, kind, words: words.join(","), seconds, seen: false });
+      const said = plainly(words.join(","));
+      this.alerts.set(number, { number, kind, words: said, seconds, seen: false });
     } else {
       const alert = this.alerts.get(number);
       if (alert) alert.seen = true;
@@ -476,5 +477,10 @@ export class Session extends EventTarget {
 
 /** Returns something that happened, as a log has it. @param {string[]} fields @returns {Entry} */
 function entryOf([, seconds, kind, text]) {
-  return { seconds: Number(seconds), kind, text };
+  return { seconds: Number(seconds), kind, text: plainly(text) };
+}
+
+/** Returns what is told as people say it: its time stands beside it. @param {string} text */
+function plainly(text) {
+  return text.replace(/^tick \d+ \([\d.]+ s\): /, "").replace(/^LIMIT: /, "Limit passed: ");
 }

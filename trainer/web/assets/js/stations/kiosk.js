@@ -3,6 +3,7 @@ import "../boat/boat-side.js";
 import "../controls/order-lever.js";
 import { Link } from "../protocol/link.js";
 import { Motion } from "../model/motion.js";
+import { Pending } from "../model/pending.js";
 import { Session } from "../model/session.js";
 import { askWord, showPalette } from "../frame.js";
 import { Dive, advise } from "../kiosk/dive.js";
@@ -37,11 +38,11 @@ const motion = new Motion(session, {
   bow: { place: "diving.bow" },
 });
 const side = /** @type {BoatSide} */ (one("boat-side"));
+const pending = new Pending(session, "diving");
 
 /** @type {Scene} */
 let scene = "attract";
 let dive = new Dive(TARGET);
-let asked = 0; // orders of the lever that wait for their answers
 let restarted = false; // time has gone back to the start of this dive
 /** @type {import("../model/readings.js").Reading | undefined} */
 let before; // the last reading before that
@@ -80,16 +81,9 @@ async function work(event) {
   const angle = /** @type {CustomEvent<number>} */ (event).detail;
   const words = angle === 0 ? "zero" : `${angle < 0 ? "dive" : "rise"} ${Math.abs(angle)}`;
   touched = performance.now();
-  asked += 1;
-  const answer = await session.order(`lever ${words}`);
-  asked -= 1;
-  if (!answer.ok) lever().settle?.();
-}
-
-/** Lets the lever show what is ordered, once a reading is newer than the last answer. @param {Event} event */
-function settle(event) {
-  const { channel } = /** @type {CustomEvent} */ (event).detail;
-  if (channel === "diving" && !asked) lever().settle?.();
+  pending.give("lever", angle);
+  const { ok } = await session.order(`lever ${words}`);
+  pending.answered("lever", ok);
 }
 
 /** @returns {any} */
@@ -199,7 +193,8 @@ function picture() {
       ? sailing(performance.now() / 1000)
       : { depth, pitch, speed, stern, bow, ordered, limit: null },
   );
-  lever().show?.(bow, session.number("diving.ordered_bow"), session.word("diving.bow_mode"));
+  const given = pending.resolve("lever", session.number("diving.ordered_bow"));
+  lever().show?.(bow, given, session.word("diving.bow_mode"), pending.waits("lever"));
 }
 
 showPalette();
@@ -213,7 +208,6 @@ session.on("tick", () => {
   attend();
 });
 session.on("state", attend);
-session.on("reading", settle);
 session.on("older", () => location.reload());
 link.addEventListener("sentence", hear);
 motion.addEventListener("frame", picture);

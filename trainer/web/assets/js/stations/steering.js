@@ -11,10 +11,12 @@ import "../gauges/pitch-gauge.js";
 import { Alerts, surfaceWatch } from "../model/alerts.js";
 import { Link } from "../protocol/link.js";
 import { Motion } from "../model/motion.js";
+import { Pending } from "../model/pending.js";
 import { Session } from "../model/session.js";
 import { bearing, html, one, write } from "../draw.js";
 import { furnish, isTyping, orderedLine } from "../frame.js";
 import { gamepad } from "../controls/gamepad.js";
+import { giver } from "./readouts.js";
 
 /** @type {Record<string, string[]>} */
 const CHANNELS = {
@@ -58,30 +60,28 @@ const telegraph = document.querySelector("order-telegraph");
 const bars = [...document.querySelectorAll("repeat-bar, report-bar")];
 for (const bar of bars) bar.bind(session);
 
-/** Gives an order and shows its answer. @param {string} words */
-async function give(words) {
-  const answer = await session.order(words);
-  write(one("#answer"), answer.ok ? answer.text : `${words}: ${answer.text}`);
-  return answer;
-}
+const give = giver(session);
+/** What is ordered here, by the channel that will show it. @type {Record<string, Pending>} */
+const pending = Object.fromEntries(
+  ["steering", "diving", "engine"].map((channel) => [channel, new Pending(session, channel)]),
+);
 
 for (const lever of levers) {
   const name = lever.getAttribute("name");
+  const given = pending[SURFACES[name]];
   lever.addEventListener("order", async (/** @type {CustomEvent<number>} */ { detail }) => {
     const [low, high] = lever.ends;
     const zero = name === "rudder" ? "rudder amidships" : `${name} zero`;
     const words = detail === 0 ? zero : `${name} ${detail < 0 ? low : high} ${Math.abs(detail)}`;
-    const { ok } = await give(words);
-    lever.settle(ok);
+    given.give(name, detail);
+    given.answered(name, await give(words));
   });
 }
-session.on("fact", (event) => {
-  if (/** @type {CustomEvent} */ (event).detail.what !== "back") return;
-  for (const lever of levers) lever.settle(false);
-});
-telegraph?.addEventListener("order", (/** @type {CustomEvent<string>} */ { detail }) => {
+telegraph?.addEventListener("order", async (/** @type {CustomEvent<string>} */ { detail }) => {
   sound.bell();
-  void give(`bell ${detail}`);
+  pending.engine.give("bell", detail);
+  pending.engine.answered("bell", await give(`bell ${detail}`));
+  telegraph.show(...bell());
 });
 for (const key of document.querySelectorAll("[data-auto]")) {
   const name = /** @type {HTMLElement} */ (key).dataset.auto ?? "";
@@ -137,8 +137,9 @@ const ARROWS = {
 /** @param {string} name @param {number} by */
 function nudge(name, by) {
   const lever = levers.find((each) => each.getAttribute("name") === name);
-  if (lever && !lever.inert) lever.choose(lever.value + by);
-  return Boolean(lever);
+  if (!lever?.checkVisibility()) return false;
+  if (!lever.inert) lever.choose(lever.value + by);
+  return true;
 }
 addEventListener("keydown", (event) => {
   if (isTyping(event) || !(event.key in ARROWS)) return;
@@ -192,7 +193,8 @@ function bell() {
   const told = session.word("engine.bell").replace("-", " "); // as it is ordered
   const [rpm, ordered] = [session.number("engine.rpm"), session.number("engine.ordered_rpm")];
   const off = rpm === null || ordered === null ? Infinity : Math.abs(rpm - ordered);
-  return [told, off <= Math.max(ANSWERED * Math.abs(ordered ?? 0), 1)];
+  const wanted = pending.engine.resolve("bell", told);
+  return [wanted, wanted === told && off <= Math.max(ANSWERED * Math.abs(ordered ?? 0), 1)];
 }
 
 session.on("tick", () => {
@@ -209,7 +211,7 @@ session.on("tick", () => {
   if (heading) write(heading, bearing(session.number("gauges.heading") ?? 0));
 });
 
-/** Shows a value on an instrument, where the page has it. @param {string} where @param {(number | null)[]} values */
+/** Shows values on an instrument, where the page has it. @param {string} where @param {unknown[]} values */
 function show(where, ...values) {
   /** @type {any} */ (document.querySelector(where))?.show(...values);
 }
@@ -223,12 +225,10 @@ motion.addEventListener("frame", () => {
   show("#speed", shown.speed, at("orders.speed") ?? at("engine.ordered_speed"));
   show("#rpm", shown.rpm, at("engine.ordered_rpm"));
   for (const [name, channel] of Object.entries(SURFACES)) {
-    show(`#${name}`, shown[name], at(`${channel}.ordered_${name}`));
-  }
-  for (const lever of levers) {
-    const name = lever.getAttribute("name");
-    const channel = SURFACES[name];
-    lever.show(shown[name], at(`${channel}.ordered_${name}`), session.word(`${channel}.${name}_mode`));
+    const ordered = pending[channel].resolve(name, at(`${channel}.ordered_${name}`));
+    const mode = session.word(`${channel}.${name}_mode`);
+    show(`#${name}`, shown[name], ordered);
+    show(`order-lever[name="${name}"]`, shown[name], ordered, mode, pending[channel].waits(name));
   }
 });
 motion.start();

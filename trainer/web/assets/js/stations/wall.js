@@ -4,7 +4,7 @@ import { Alerts } from "../model/alerts.js";
 import { Link } from "../protocol/link.js";
 import { Motion } from "../model/motion.js";
 import { Session } from "../model/session.js";
-import { askWord, showAlerts, showPalette, showState } from "../frame.js";
+import { askWord, rigLight, showAlerts, showPalette, showState } from "../frame.js";
 import { hideStillPointer, keepAwake, moveEachMinute } from "../screen.js";
 import { bearing, html, one, write } from "../draw.js";
 
@@ -94,6 +94,7 @@ function picture() {
 }
 
 showPalette();
+rigLight(session);
 showAlerts(alerts);
 askWord(session);
 keepAwake();

@@ -35,14 +35,9 @@ export class TankPanel {
   constructor(session, give) {
     this.session = session;
     this.give = give;
-    this.pending = new Pending();
+    this.pending = new Pending(session, "tanks");
     this.mimic = /** @type {any} */ (one("tank-mimic"));
     this.listen();
-  }
-
-  /** The tick of the latest reading of the tanks. */
-  get tick() {
-    return this.session.readings.latest.get("tanks")?.tick ?? 0;
   }
 
   /** How the levers stand, or are ordered to stand. */
@@ -51,7 +46,7 @@ export class TankPanel {
     return Object.fromEntries(
       GROUPS.map((group) => [
         group,
-        this.pending.resolve(`lever ${group}`, position(valves, group), this.tick),
+        this.pending.resolve(`lever ${group}`, position(valves, group)),
       ]),
     );
   }
@@ -72,11 +67,15 @@ export class TankPanel {
     this.each("[data-pump]", (node, name) =>
       this.heard(node, (detail) => this.pump(node, name, Number(detail))),
     );
-    this.each("[data-order]", (node, words) =>
-      node.addEventListener("click", () => this.give(words)),
-    );
+    this.each("[data-order]", (node, words) => {
+      const { levers } = node.dataset;
+      const wanted = levers ? allLevers(levers) : {};
+      node.addEventListener("click", () => this.send(wanted, [words]));
+    });
     this.each("[data-shut]", (node) => node.addEventListener("click", () => this.shut()));
-    this.each("emergency-cover", (node) => this.heard(node, () => this.give("emergency blow")));
+    this.each("emergency-cover", (node) => 
+      this.heard(node, () => this.send(allLevers("blow"), ["emergency blow"])),
+    );
   }
 
   /**
@@ -101,39 +100,35 @@ export class TankPanel {
   /** Brings a lever to a position. @param {string} group @param {string} wanted */
   move(group, wanted) {
     const orders = ordersTo(group, wanted, this.positions);
-    return this.send(`lever ${group}`, wanted, orders);
+    return this.send({ [`lever ${group}`]: wanted }, orders);
   }
 
   /** Shuts main ballast, vents and blows. */
   shut() {
-    const orders = ordersToShut(this.positions);
-    for (const group of GROUPS.slice(0, 3)) this.pending.give(`lever ${group}`, "shut", this.tick);
-    return this.send("", "", orders);
+    return this.send(allLevers("shut"), ordersToShut(this.positions));
   }
 
   /** @param {string} name @param {string} wanted */
   turn(name, wanted) {
     const [, order, words = {}] = SWITCHES[name];
-    return this.send(`switch ${name}`, wanted, [`${order} ${words[wanted] ?? wanted}`]);
+    return this.send({ [`switch ${name}`]: wanted }, [`${order} ${words[wanted] ?? wanted}`]);
   }
 
   /** @param {HTMLElement} node @param {string} name @param {number} amount [t] */
   pump(node, name, amount) {
     const words = amount < 0 ? node.dataset.low : node.dataset.high;
-    return this.send(`pump ${name}`, amount, [`${words} ${Math.abs(amount)}`]);
+    return this.send({ [`pump ${name}`]: amount }, [`${words} ${Math.abs(amount)}`]);
   }
 
   /**
    * Sends orders one behind the other; what is wanted shows until readings tell.
-   * @param {string} name
-   * @param {string | number} wanted
+   * @param {Record<string, string | number>} wanted by the name of each control
    * @param {string[]} orders
    */
-  async send(name, wanted, orders) {
-    this.pending.give(name, wanted, this.tick);
+  async send(wanted, orders) {
+    for (const [name, value] of Object.entries(wanted)) this.pending.give(name, value);
     const obeyed = await Promise.all(orders.map((words) => this.give(words)));
-    if (obeyed.every(Boolean)) return;
-    this.pending.drop(name);
+    for (const name of Object.keys(wanted)) this.pending.answered(name, obeyed.every(Boolean));
     this.show();
   }
 
@@ -152,12 +147,12 @@ export class TankPanel {
     );
     this.each("[data-switch]", (node, name) => {
       const stands = session.word(SWITCHES[name][0]) || "stop";
-      const ordered = this.pending.resolve(`switch ${name}`, stands, this.tick);
+      const ordered = this.pending.resolve(`switch ${name}`, stands);
       /** @type {PositionSwitch} */ (node).show(stands, ordered);
     });
     this.each("[data-pump]", (node, name) => {
       const moving = session.number(`tanks.moving_${name}`) ?? 0;
-      /** @type {PumpKeys} */ (node).show(this.pending.resolve(`pump ${name}`, moving, this.tick));
+      /** @type {PumpKeys} */ (node).show(this.pending.resolve(`pump ${name}`, moving));
     });
     this.balance();
   }
@@ -191,6 +186,11 @@ export class TankPanel {
     const most = Math.max(session.tanks.trim_forward ?? 0, session.tanks.trim_aft ?? 0) * arm;
     bar.show((fore - aft) * arm, most, moving ? (fore - aft + 2 * moving) * arm : null);
   }
+}
+
+/** Returns a position of all levers of main ballast. @param {string} position */
+function allLevers(position) {
+  return Object.fromEntries(GROUPS.slice(0, 3).map((group) => [`lever ${group}`, position]));
 }
 
 /** Shows the picture of the tanks, and what the chosen one holds. @param {Session} session */

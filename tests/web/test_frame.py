@@ -1,0 +1,109 @@
+"""What all stations share: alerts in plain words, the bell, repeats, and light that is told."""
+
+import re
+from collections.abc import Callable
+from typing import Final
+
+import pytest
+from helpers.hands import WAYS, heard, step, work
+from helpers.pages import Served
+from playwright.sync_api import Page, expect
+
+from trainer.verify.soak.session_process import Caller
+
+Look = Callable[..., Page]
+CREW: Final = ("helm", "planes", "pilot", "ballast", "diving")
+SLOW: Final = 30_000  # [ms] for what comes after seconds
+PITCH: Final = 1200  # [Hz] of the bell
+LISTEN: Final = """() => {
+  window.struck = [];
+  const make = AudioContext.prototype.createOscillator;
+  AudioContext.prototype.createOscillator = function () {
+    const tone = make.call(this);
+    const start = tone.start.bind(tone);
+    tone.start = (at) => { window.struck.push(tone.frequency.value); start(at); };
+    return tone;
+  };
+}"""
+
+
+def opened(look: Look, session: Served, name: str, **how: object) -> Page:
+    """Return a page of a frozen session that shows readings."""
+    page = look(session, name, **how)
+    expect(page.locator("#state")).to_have_text("FROZEN")
+    return page
+
+
+@pytest.mark.parametrize("name", CREW)
+def test_each_new_order_rings_the_bell_of_those_who_are_to_repeat_it(
+    shared: Served, instructor: Caller, look: Look, name: str
+) -> None:
+    page = opened(look, shared, name)
+    page.evaluate(LISTEN)
+    page.locator("#sound").click()
+    for words, role in (("prepare to surface", name), ("stand by", "observer")):
+        assert instructor.ask(f"tell {words}")[0]
+        expect(page.locator("repeat-bar .ordered")).to_have_text(words)
+        page.wait_for_function("window.struck.length === 1")
+        assert page.evaluate("window.struck.splice(0)") == [PITCH]
+        if role == name:
+            page.locator("repeat-bar button").click()
+            expect(page.locator("repeat-bar")).to_be_hidden()
+            assert heard(instructor, f"{name}: {words} aye")
+    step(instructor, 2)  # readings alone ring nothing
+    assert page.evaluate("window.struck") == []
+
+
+def test_a_wrong_repeat_stands_beside_the_order_until_it_is_right(
+    shared: Served, instructor: Caller, look: Look
+) -> None:
+    page = opened(look, shared, "helm")
+    assert instructor.ask("order course left 45")[0]
+    bar = page.locator("repeat-bar")
+    expect(page.locator("#ordered")).to_contain_text("course left to 045")
+    assert "WRONG" in shared.attach("pilot").ask("course left 54 aye")[1]
+    expect(bar.locator(".wrong")).to_have_text(re.compile("^WRONG REPEAT: course left .*54"))
+    page.locator("repeat-bar button").press("Enter")
+    expect(bar).to_be_hidden()
+    expect(page.locator("#ordered")).to_contain_text("course left to 045")  # it stands
+
+
+@pytest.mark.parametrize("way", WAYS)
+def test_an_alert_is_in_plain_words_without_its_tick_and_is_acknowledged(
+    shared: Served, instructor: Caller, look: Look, way: str
+) -> None:
+    page = opened(look, shared, "planes", has_touch=way == "touch")
+    for words in ("stern planes dive 12", "time max", "run"):
+        assert instructor.ask(words)[0]
+    alert = page.locator("alert-bar .alert", has_text=re.compile("test depth", re.IGNORECASE))
+    expect(alert.first).to_be_visible(timeout=SLOW)
+    for words in ("freeze", "time x1"):
+        assert instructor.ask(words)[0]
+    assert heard(instructor, "tick ")  # as programs are told
+    told = page.locator("alert-bar .alert b").all_inner_texts()
+    assert not [words for words in told if re.search(r"\btick\b|\(\d", words)]
+    new = page.locator("alert-bar .alert[data-new] b").get_by_text(told[0], exact=True)
+    expect(new).to_have_count(1)
+    if way == "keyboard":
+        page.locator("body").press("a")
+    else:
+        work(page, page.locator("alert-bar .alert button").first, way)
+    expect(new).to_have_count(0)
+
+
+def test_rig_for_red_makes_every_page_night_and_white_gives_back_its_own(
+    shared: Served, instructor: Caller, look: Look
+) -> None:
+    pages = [opened(look, shared, name) for name in ("ballast", "wall")]
+    pages[0].locator("#palette").select_option("dusk")
+    for words, palettes in (("red", ("night", "night")), ("white", ("dusk", "day"))):
+        assert instructor.ask(f"tell rig for {words}")[0]
+        for page, palette in zip(pages, palettes, strict=True):
+            expect(page.locator(":root")).to_have_attribute("data-palette", palette)
+    assert instructor.ask("tell rig for red")[0]
+    late = opened(look, shared, "observer")
+    expect(late.locator(":root")).to_have_attribute("data-palette", "night")
+    expect(late.locator("#palette")).to_have_value("night")
+    late.locator("#palette").select_option("dusk")  # by the user's hand it may be another
+    step(instructor, 2)
+    expect(late.locator(":root")).to_have_attribute("data-palette", "dusk")
