@@ -275,6 +275,27 @@ def test_marks_go_to_the_instructor_first_and_to_all_when_released(
     assert ship.events(helm, "marks") == ["marks: not reached, 42 marks of 100", "  branch 1: 42"]
 
 
+def test_who_comes_after_the_end_is_told_it_and_the_marks_that_are_its_own(
+    crewed: Callable[..., Crewed],
+) -> None:
+    ship = crewed(seconds=5.0)
+    assert ship.facts(ship.comes("helm"), "exercise-over") == []
+    ship.fly(20)
+    ship.settle(lambda: ship.conduct.ending.marks)
+
+    helm, second = ship.comes("helm"), ship.comes("instructor")
+    for late in (helm, second):
+        assert ship.facts(late, "exercise-over") == ["ended"]
+    assert ship.facts(helm, "marks") == []
+    assert ship.facts(second, "marks") == ["not reached,42.0"]
+
+    ship.order("release marks")
+    assert ship.facts(ship.comes("planes"), "marks") == ["not reached,42.0"]
+
+    ship.order("again from 2 s")
+    assert ship.facts(ship.comes("helm"), "exercise-over") == []
+
+
 def test_an_exercise_is_lost_by_its_rule_and_by_turning_over(
     crewed: Callable[..., Crewed],
 ) -> None:

@@ -32,6 +32,14 @@ def entry_of(event: Sentence) -> Entry:
     return Entry(float(seconds), kind, text)
 
 
+def marks_in_words(fields: str) -> str:
+    """Return outcome and total in words, as who was there has heard them."""
+    outcome, _, total = fields.partition(",")
+    with contextlib.suppress(ValueError):
+        total = f"{float(total):.0f} marks of 100"
+    return ", ".join(filter(None, (outcome, total or "no marks")))
+
+
 def gives_crew(words: str) -> bool:
     """Return whether words are an order to the crew."""
     order = parse(words)
@@ -367,6 +375,8 @@ class SessionModel:
             self._order_crew(seconds, what, subject)
         elif what in ("exercise", "exercise-over"):
             self._brief(seconds, what, subject)
+        elif what == "marks" and not self.marks_told:  # no words were told: this is a late comer
+            self.marks_told = [marks_in_words(subject)]
         elif what == "range":
             self._know(subject)
         elif what == "snapshot":
@@ -393,6 +403,8 @@ class SessionModel:
         """Keep what the exercise asks for, how it ended, and the marks once they are told."""
         key, equals, value = subject.partition("=")
         if what == "exercise-over":
+            if self.outcome:
+                return  # it is told once more
             self.outcome, self._over_at = subject or "ended", seconds
             self.marks_told.clear()
             self.rings += 1

@@ -21,7 +21,7 @@ from trainer.session.crew import role_of
 from trainer.session.event_log import EventLog
 from trainer.session.exercise import AT_ITS_END, OVER, Debriefing, Ending, Judgement, Work
 from trainer.session.stations.past import PastReader
-from trainer.session.stations.roles import INSTRUCTOR, STRANGER
+from trainer.session.stations.roles import INSTRUCTOR, STRANGER, Role
 from trainer.session.stations.station import Asked, Fact, News, Station
 
 AGAIN_WITHIN: Final = 10.0  # [s] for `quit` to be said again
@@ -141,6 +141,16 @@ class Conduct:
         if self.control.boat.ticks == 0:
             self.begun = False
             self.ready.clear()
+
+    def outcome_for(self, role: Role) -> list[Fact]:
+        """Return what whoever comes is told of the end, the marks where they are that role's."""
+        ending = self.ending
+        if not ending.over:
+            return []
+        told = [Fact("exercise-over", ending.how)]
+        if ending.marks and (ending.released or role is INSTRUCTOR):
+            told.append(Fact("marks", ending.marks.fields))
+        return told
 
     def desert(self) -> str:
         """Tell that nobody is left to say run. Return so, "" where the exercise is over anyway."""

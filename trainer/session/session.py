@@ -131,6 +131,7 @@ class Session:
         told += [("rate", pair) for pair in station.rate]
         self.event_log.note(station, [Fact(what, f"{key}={value}") for what, (key, value) in told])
         self.event_log.note(station, [each.fact for each in self.crew.standing(station.role.name)])
+        self.event_log.note(station, self.conduct.outcome_for(station.role))
         self.event_log.note_alerts(station)
 
     def _exercise_facts(self, station: Station) -> list[tuple[str, str]]:

@@ -308,6 +308,14 @@ export class Session extends EventTarget {
     this.tell("marks");
   }
 
+  /** Takes the marks of who comes after they were told in words. @param {string} subject outcome and total */
+  judge(subject) {
+    const [outcome, total] = subject.split(",");
+    const marks = total ? `${Math.round(Number(total))} marks of 100` : "no marks";
+    if (!this.marks.length) this.marks = [outcome ? `${outcome}, ${marks}` : marks];
+    this.tell("marks");
+  }
+
   /** @param {number} seconds @param {string} what @param {string} subject */
   fact(seconds, what, subject) {
     if (!this.past.has("events")) {
@@ -336,6 +344,7 @@ export class Session extends EventTarget {
     else if (what === "order" && !OF_TIME.test(subject)) this.keep(seconds, "o", subject);
     else if (what === "branch") this.branch(subject);
     else if (what === "casualty") this.offer(subject);
+    else if (what === "marks") this.judge(subject);
     else if (what === "over") this.over = true;
   }
 
@@ -379,8 +388,9 @@ export class Session extends EventTarget {
   /** @param {string} what @param {string} subject */
   brief(what, subject) {
     if (what === "exercise-over") {
+      if (!this.outcome) this.marks = []; // else it is told once more
       this.outcome = subject || "ended";
-      this.marks = [];
+      this.update();
     } else {
       const equals = subject.indexOf("=");
       const [key, value] = [subject.slice(0, equals), subject.slice(equals + 1)];
@@ -450,6 +460,7 @@ export class Session extends EventTarget {
     this.crew.goBack(seconds);
     this.setAside(seconds);
     this.outcome = "";
+    this.marks = [];
     this.furthest = seconds;
     if (this.role === "instructor") {
       for (const words of ["snapshots", "branches"]) void this.ask(words);
