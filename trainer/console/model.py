@@ -373,10 +373,8 @@ class SessionModel:
             self._remember(seconds, subject)
         elif what in CrewOrders.FACTS:
             self._order_crew(seconds, what, subject)
-        elif what in ("exercise", "exercise-over"):
+        elif what in ("exercise", "exercise-over", "marks"):
             self._brief(seconds, what, subject)
-        elif what == "marks" and not self.marks_told:  # no words were told: this is a late comer
-            self.marks_told = [marks_in_words(subject)]
         elif what == "range":
             self._know(subject)
         elif what == "snapshot":
@@ -409,6 +407,8 @@ class SessionModel:
             self.marks_told.clear()
             self.rings += 1
             self.endings += 1
+        elif what == "marks":  # in words they are told to who is there
+            self.marks_told = self.marks_told or [marks_in_words(subject)]
         elif equals:
             if key == "title" and value != self.exercise.get("title"):
                 self._forget_exercise()

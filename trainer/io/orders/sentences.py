@@ -51,6 +51,8 @@ FACTS = {  # what the subject of each is; texts are for people, and may be rewor
     "compiled": "nothing: ticks are computed by machine code from this one on",
     "snapshot": "the name of a moment kept; all of them come before the answer to `snapshots`",
     "casualty": "name, degree and meaning of one that can be had; before that to `casualties`",
+    "plans": "how many orders are ahead: at most 40 follow, and those told before hold no more",
+    "planned": "number to cancel it by, none of the exercise's own; time [s] or condition; order",
     "depth": "the depth [m] passed on the way down, at test depth, before it or beyond it",
     "collapse": "the depth [m] at which the hull has collapsed; time stands still",
     "crew-order": "an order to the crew as it is told: `course left to 045`; `tell` and its words",

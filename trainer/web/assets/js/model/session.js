@@ -8,7 +8,7 @@ import { Vessel } from "./vessel.js";
 const LATE = 15; // [s] of the boat's time that a page may have missed and need not ask for
 const STALE = 2000; // [ms] without a tick, while time runs, after which readings are old
 const LINES = ["line", "wins", "lost"]; // keys of an exercise that come again and again
-const OF_TIME = /^(freeze|run|step|time|replay|take|quit)\b/; // orders that are no sign on the line
+const OF_TIME = /^(freeze|run|step|time|replay|take|quit|in|at|when|cancel)\b/; // orders that are no sign on the line
 const MOST = 500; // entries of the log
 const WATCH = 250; // [ms] between looks at whether readings have become old
 
@@ -21,6 +21,8 @@ const WATCH = 250; // [ms] between looks at whether readings have become old
  * @typedef {{ seconds: number, sign: string, text: string }} Kept a sign on the time line
  * @typedef {{ number: number, parent: number, begun: number, last: number, why: string }} Branch
  * @typedef {{ name: string, degree: string, says: string }} Casualty
+ * @typedef {{ number: string, seconds: number, when: string, text: string }} Plan an order that is ahead:
+ *   its time [s], NaN where it waits for a condition; the number is "" where it is the exercise's own
  * @typedef {{ seconds: number, what: string, subject: string }} Told a fact, as the session tells it
  * @typedef {"connecting" | "role" | "running" | "frozen" | "replay" | "lost" | "ended"} State
  *
@@ -70,6 +72,8 @@ export class Session extends EventTarget {
     this.keptOf = new Map();
     /** @type {Casualty[]} */
     this.casualties = [];
+    /** @type {Plan[]} */
+    this.plans = [];
     /** @type {string[]} their listing, which has degrees in their units */
     this.degrees = [];
     this.outcome = "";
@@ -345,6 +349,7 @@ export class Session extends EventTarget {
     else if (what === "branch") this.branch(subject);
     else if (what === "casualty") this.offer(subject);
     else if (what === "marks") this.judge(subject);
+    else if (what === "plans" || what === "planned") this.plan(what, subject);
     else if (what === "over") this.over = true;
   }
 
@@ -361,6 +366,16 @@ export class Session extends EventTarget {
     const whole = [number, parent, begun, last].map(Number);
     const [id, from, since, until] = whole;
     this.branches.set(id, { number: id, parent: from, begun: since, last: until, why: why.join(",") });
+    this.tell("line");
+  }
+
+  /** @param {string} what @param {string} subject of the whole list, or of one: number, when, order */
+  plan(what, subject) {
+    if (what === "plans") this.plans = [];
+    else {
+      const [number, when, ...text] = subject.split(",");
+      this.plans.push({ number, seconds: Number(when), when, text: text.join(",") });
+    }
     this.tell("line");
   }
 
@@ -412,6 +427,7 @@ export class Session extends EventTarget {
     this.furthest = 0;
     this.branches.clear();
     this.casualties = [];
+    this.plans = [];
     this.alerts.clear();
     this.history.left.clear();
     this.keptOf.clear();
