@@ -515,10 +515,30 @@ def end(page: Page) -> None:
     expect(page.locator("#log")).to_contain_text("everybody has the marks")
     page.get_by_role("button", name="Debrief").click()
     expect(window.locator(".path")).to_contain_text(".html", timeout=60_000)
+    with page.expect_popup() as opened:
+        window.get_by_role("link", name="Open the debrief").click()
+    read_debrief(opened.value)
     window.get_by_role("button", name=f"Again from {at}").click()
     expect(page.locator("#state")).to_have_text("FROZEN")
     expect(page.locator("#time")).to_have_text(re.compile(f"^{at}"))
     expect(window).to_be_hidden()
+
+
+def read_debrief(page: Page) -> None:
+    """See that the debrief is there, in its own styles, and can do nothing."""
+    said: list[str] = []
+    page.on("console", lambda told: said.append(told.text))
+    answer = page.reload()
+    assert answer
+    policy = answer.headers["content-security-policy"]
+    assert "sandbox" in policy
+    assert "script-src" not in policy.replace("default-src 'none'", "")
+    expect(page.locator("h1")).to_have_text(COURSE)
+    assert page.locator("main svg").count() > 0
+    share = page.locator(".share i").first
+    assert share.evaluate("(bar) => getComputedStyle(bar).display") == "block"
+    assert not said
+    page.close()
 
 
 def begin_the_next(page: Page) -> None:

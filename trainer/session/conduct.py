@@ -166,6 +166,8 @@ class Conduct:
         told = [Fact("exercise-over", ending.how)]
         if ending.marks and (ending.released or role is INSTRUCTOR):
             told.append(Fact("marks", ending.marks.fields))
+        if ending.debrief and role is INSTRUCTOR:
+            told.append(Fact("debrief", ending.debrief))
         return told
 
     def desert(self) -> str:
@@ -281,12 +283,15 @@ class Conduct:
             except Exception as error:  # noqa: BLE001 whatever it is, the session goes on
                 why = f"no debrief: {error}"
                 return lambda: self.log.tell("exercise", why)
-            done = Fact("debrief", str(path))
-            return lambda: self.log.tell("exercise", f"debrief written: {path}", fact=done)
+            return lambda: self._debriefed(path.absolute())
 
         self.work.begin("debrief", task)
         asked.station.answer(asked, f"the debrief of branch {branch} is being written")
         return True
+
+    def _debriefed(self, path: Path) -> None:
+        self.ending.debrief = str(path)
+        self.log.tell("exercise", f"debrief written: {path}", fact=Fact("debrief", str(path)))
 
     # What follows
 

@@ -43,6 +43,7 @@ FACTS = {  # what the subject of each is; texts are for people, and may be rewor
     "exercise-over": "how it ended: lost, or ended; time stands still, the session goes on",
     "marks": "outcome and total [%]; to the instructor first, to all once they are released",
     "debrief": "the file that was written",
+    "debrief-page": "its address at the pages' server, told to a page where the file is there",
     "next": "the next exercise begins here, its file for the instructor; connect again",
     "command": "the line of the instructor who has command now",
     "asked": "the line of the instructor who asks for command",
