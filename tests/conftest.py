@@ -15,7 +15,7 @@ from trainer.boat.assemble import Method
 from trainer.boat.boat import Boat
 from trainer.config.vessel import load_vessel
 
-pytest_plugins = ["helpers.browser"]
+pytest_plugins = ["helpers.browser", "helpers.crewed"]
 # What is tested is what is installed, in all that the tests start as well: not what lies beside.
 os.environ["PYTHONSAFEPATH"] = "1"
 # pytest-xdist's workers ignore Ctrl-C, and so would all that they start.

@@ -129,6 +129,26 @@ def test_the_briefing_has_mission_time_left_what_wins_and_the_limits(
     at_the_console(look, talk, role, size)
 
 
+def test_who_comes_after_the_end_reads_the_marks_without_their_words() -> None:
+    talk = tape("helm")
+    for words in ("title=Depth, first steps", "hand=planes"):
+        talk.say(sentences.fact(130, 65.0, "exercise", words))
+    talk.say(sentences.fact(130, 65.0, "exercise-over", "ended"))
+    talk.say(sentences.fact(130, 65.0, "marks", "won,91.6"))
+
+    async def read(pilot: Pilot[str], app: Console) -> None:
+        await pilot.press("f12")
+        await seen(pilot, app, "won, 92 marks of 100")
+        endings = app.model.endings
+        talk.say(sentences.fact(130, 65.0, "exercise-over", "ended"))  # `briefing` tells it again
+        talk.say(sentences.fact(130, 65.0, "exercise", "wins=on 75 m"))
+        await seen(pilot, app, "on 75 m")
+        assert app.model.endings == endings
+        assert app.model.marks_told == ["won, 92 marks of 100"]
+
+    at_the_console(read, talk, "helm", (80, 24))
+
+
 @pytest.mark.parametrize(
     ("key", "order"),
     [("d", "debrief"), ("aa", "again"), ("HH", "again from 2 min"), ("n", "next")],

@@ -1,179 +1,21 @@
 """How a session is conducted: its exercise's end, branches gone back to, who has command."""
 
 import math
-import threading
-from collections.abc import Callable, Iterator, Sequence
-from dataclasses import replace
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
 import pytest
+from helpers.crewed import PLACE, Crewed, Typist
 
-from trainer.boat.assemble import Method
-from trainer.boat.boat import Boat
-from trainer.config.condition import EVERY, Condition, compile_condition
-from trainer.config.exercise import Loss, load_exercise
-from trainer.config.files import Place, shipped_names
-from trainer.config.vessel import load_vessel
+from trainer.config.condition import EVERY, Condition
+from trainer.config.exercise import load_exercise
+from trainer.config.files import shipped_names
 from trainer.core.state import STATE
-from trainer.io.lines import Overlong
 from trainer.io.orders.sentences import order_sentence, read
-from trainer.io.recording.recording import Recording
-from trainer.io.tables import NoFile
 from trainer.session.conduct import Following
 from trainer.session.exercise import Debriefing, Ending, Judgement, is_met, quantity_of
-from trainer.session.history import History
-from trainer.session.session import Session
-from trainer.session.stations.access import Access
 from trainer.session.stations.roles import ROLES
-from trainer.session.stations.station import Station
-from trainer.session.stations.subscriptions import Promptly, Roster
-from trainer.session.stations.view import StateReader
-from trainer.session.time.ledger import Ledger
-from trainer.session.time.pacer import MonotonicClock, Policy
-from trainer.session.time.timekeeping import Timekeeping
-from trainer.units import KNOT
-
-MARKS = Judgement("not reached", 42.0, ("depth: 42",))
-PLACE = Place("exercise.toml", "lost")
-
-
-class Typist:
-    """A line on which a test types, as a program or as a person."""
-
-    trouble = ""
-    dropped = 0
-
-    def __init__(self, name: str) -> None:
-        self.name = name
-        self.ended = False
-        self.typed: list[str | Overlong] = []
-        self.sent: list[str] = []
-
-    def take(self, most: int) -> list[str | Overlong]:
-        taken, self.typed = self.typed[:most], self.typed[most:]
-        return taken
-
-    def send(self, line: str) -> None:
-        self.sent.append(line)
-
-    def close(self, patience: float) -> None:
-        del patience
-
-
-class Crewed:
-    """A session of BB2 with an instructor and whoever comes, at full speed, heard at will."""
-
-    def __init__(self, path: Path, *, lost: Sequence[str] = (), seconds: float | None = 5.0):
-        self.boat = Boat(load_vessel("bb2"), Method("modified", "lagged", "exact", "adams2", 0.5))
-        self.boat.start(10.0 * KNOT, 60.0, 0.0)
-        self.recording = Recording.create(path, {}, self.boat.records.state.tobytes())
-        self.now = 0.0
-        self.wake = threading.Event()
-        time = Timekeeping.at(MonotonicClock(), 0.5, math.inf, Policy.CATCH_UP)
-        self.sending = Promptly(Roster(StateReader(self.boat, Ledger(0.5).summary)))
-        history = History(self.boat, self.recording)
-        self.session = Session(self.boat, time, history, NoFile(), (), self.sending, wake=self.wake)
-        self.conduct = self.session.conduct
-        losses = [
-            Loss(conditions=(compile_condition(text, PLACE),), seconds=1.0, text=text)
-            for text in lost
-        ]
-        self.conduct.ending = Ending.of(self.boat, losses, seconds)
-        self.conduct.kept, self.conduct.scored = path, True
-        self.conduct.clock = lambda: self.now
-        self.judged = threading.Event()
-        self.conduct.debriefing = Debriefing(self._judge, self._write)
-        self.instructor = self.comes("instructor")
-
-    def _judge(self, path: Path, branch: int) -> Judgement:
-        assert path.exists()
-        self.judged.set()
-        reasons = (f"branch {branch}: 42",)
-        return replace(MARKS, reasons=reasons, uncounted=("Stern jam answered",))
-
-    def _write(self, path: Path, branch: int) -> Path:
-        return path.with_suffix(f".branch{branch}.html")
-
-    def comes(self, role: str) -> Typist:
-        """Let a station come that says who it is."""
-        line = Typist(f"line {len(self.session.event_log.stations) + 1}")
-        station = Station(line, Access(), self.sending, self.session.event_log.log)
-        self.session.event_log.stations.append(station)
-        self.say(line, f"role {role}")
-        return line
-
-    def leaves(self, line: Typist) -> None:
-        line.ended = True
-        self.session.listen()
-
-    def say(self, line: Typist, words: str) -> tuple[str, str]:
-        """Give an order as a program; return ok or no, and the answer."""
-        line.typed = [order_sentence(words, "7")]
-        before = len(line.sent)
-        self.session.listen()
-        told = [read(each) for each in line.sent[before:]]
-        answers = [each.fields for each in told if each and each.tag == "7"]
-        self.said = [text for kind, text in answers if kind == "say"]
-        return answers[-1][0], answers[-1][1]
-
-    def order(self, words: str) -> str:
-        """Give an order that is to be obeyed, as the instructor; return the answer."""
-        kind, text = self.say(self.instructor, words)
-        assert kind == "ok", text
-        return text
-
-    def refused(self, words: str, by: Typist | None = None) -> str:
-        kind, text = self.say(by or self.instructor, words)
-        assert kind == "no", text
-        return text
-
-    def fly(self, ticks: int) -> None:
-        """Let time go on for so many ticks, or until it stands still."""
-        self.session.time.pacer.run()
-        for _ in range(ticks):
-            if not self.session.time.frozen:
-                self.session._tick()  # noqa: SLF001  as the loop does
-
-    def settle(self, true: Callable[[], object]) -> None:
-        """Let what is done beside the session be taken."""
-        for _ in range(1000):
-            self.session.listen()
-            if true():
-                return
-            self.wake.wait(0.01)
-            self.wake.clear()
-        raise AssertionError
-
-    def facts(self, line: Typist, what: str) -> list[str]:
-        found = [read(each) for each in line.sent]
-        return [
-            each.fields[3]
-            for each in found
-            if each and each.kind == "TRF" and each.fields[2] == what
-        ]
-
-    def events(self, line: Typist, kind: str) -> list[str]:
-        found = [read(each) for each in line.sent]
-        return [
-            each.fields[3]
-            for each in found
-            if each and each.kind == "TRE" and each.fields[2] == kind
-        ]
-
-
-@pytest.fixture
-def crewed(tmp_path: Path) -> Iterator[Callable[..., Crewed]]:
-    begun: list[Crewed] = []
-
-    def begin(**settings: object) -> Crewed:
-        begun.append(Crewed(tmp_path / f"{len(begun)}.trainer", **settings))  # type: ignore[arg-type]
-        return begun[-1]
-
-    yield begin
-    for each in begun:
-        each.recording.close()
-
 
 # The end of an exercise
 
@@ -273,6 +115,27 @@ def test_marks_go_to_the_instructor_first_and_to_all_when_released(
 
     assert ship.facts(helm, "marks") == ["not reached,42.0"]
     assert ship.events(helm, "marks") == ["marks: not reached, 42 marks of 100", "  branch 1: 42"]
+
+
+def test_who_comes_after_the_end_is_told_it_and_the_marks_that_are_its_own(
+    crewed: Callable[..., Crewed],
+) -> None:
+    ship = crewed(seconds=5.0)
+    assert ship.facts(ship.comes("helm"), "exercise-over") == []
+    ship.fly(20)
+    ship.settle(lambda: ship.conduct.ending.marks)
+
+    helm, second = ship.comes("helm"), ship.comes("instructor")
+    for late in (helm, second):
+        assert ship.facts(late, "exercise-over") == ["ended"]
+    assert ship.facts(helm, "marks") == []
+    assert ship.facts(second, "marks") == ["not reached,42.0"]
+
+    ship.order("release marks")
+    assert ship.facts(ship.comes("planes"), "marks") == ["not reached,42.0"]
+
+    ship.order("again from 2 s")
+    assert ship.facts(ship.comes("helm"), "exercise-over") == []
 
 
 def test_an_exercise_is_lost_by_its_rule_and_by_turning_over(

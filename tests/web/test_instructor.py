@@ -400,6 +400,37 @@ def test_nothing_overflows_at_any_size(shared: Served, caller: Caller, look: Loo
         page.locator("#exercise").get_by_role("button", name="Close").click()
 
 
+CUT = """() => {
+  const panel = document.querySelector("#state-panel");
+  const { right, bottom } = panel.getBoundingClientRect();
+  const end = right - parseFloat(getComputedStyle(panel).paddingRight) + 1;
+  const cells = [...document.querySelectorAll("#truth td, #truth th")].filter((each) => {
+    const box = each.getBoundingClientRect();
+    return box.width > 0 && (box.right > end || box.bottom > bottom);
+  });
+  const view = document.querySelector("boat-side").getBoundingClientRect();
+  const labels = [...document.querySelectorAll("boat-side text")].filter((each) => {
+    const box = each.getBoundingClientRect();
+    return box.width > 0 && (box.top < view.top - 2 || box.bottom > view.bottom + 2);
+  });
+  return [...cells, ...labels].map((each) => each.textContent);
+}"""
+
+
+def test_no_number_of_the_state_and_no_depth_of_the_ladder_is_cut(
+    shared: Served, caller: Caller, look: Look
+) -> None:
+    for words in ("casualty depth-gauge-biased 5 ramp 0", "casualty stern-hard-over -1 ramp 0"):
+        assert caller.ask(words)[0]
+    for words in ("depth 250", "course 187", "stern planes rise 30", "step 20"):
+        assert caller.ask(words)[0]
+    page = settled(shared, look)
+    expect(page.locator("#truth tr[data-of='depth']")).to_contain_text("GAUGE")
+    for width, height in SIZES.values():
+        page.set_viewport_size({"width": width, "height": height})
+        assert page.evaluate(CUT) == [], (width, height)
+
+
 def test_a_whole_exercise_is_led_by_the_mouse_alone(serve: Serve, look: Look) -> None:
     """Chosen, begun, broken, looked back into, taken over, ended, judged, debriefed, left."""
     session = serve("steady-course")
@@ -484,10 +515,30 @@ def end(page: Page) -> None:
     expect(page.locator("#log")).to_contain_text("everybody has the marks")
     page.get_by_role("button", name="Debrief").click()
     expect(window.locator(".path")).to_contain_text(".html", timeout=60_000)
+    with page.expect_popup() as opened:
+        window.get_by_role("link", name="Open the debrief").click()
+    read_debrief(opened.value)
     window.get_by_role("button", name=f"Again from {at}").click()
     expect(page.locator("#state")).to_have_text("FROZEN")
     expect(page.locator("#time")).to_have_text(re.compile(f"^{at}"))
     expect(window).to_be_hidden()
+
+
+def read_debrief(page: Page) -> None:
+    """See that the debrief is there, in its own styles, and can do nothing."""
+    said: list[str] = []
+    page.on("console", lambda told: said.append(told.text))
+    answer = page.reload()
+    assert answer
+    policy = answer.headers["content-security-policy"]
+    assert "sandbox" in policy
+    assert "script-src" not in policy.replace("default-src 'none'", "")
+    expect(page.locator("h1")).to_have_text(COURSE)
+    assert page.locator("main svg").count() > 0
+    share = page.locator(".share i").first
+    assert share.evaluate("(bar) => getComputedStyle(bar).display") == "block"
+    assert not said
+    page.close()
 
 
 def begin_the_next(page: Page) -> None:

@@ -12,7 +12,7 @@ from trainer.core import casualties as casualties_module
 from trainer.core.ballast.tanks import BANKS, BLOWN, PUMPS, TANKS
 from trainer.core.casualties import KINDS, instruments
 from trainer.core.surfaces import SURFACES
-from trainer.io.orders.grammar import Refused, Reply
+from trainer.io.orders.grammar import Order, Refused, Reply
 from trainer.units import KNOT
 
 RULES: Final = ("once", "again")
@@ -50,20 +50,42 @@ def insert(
     boat: Boat, name: str, severity: float | None = None, ramp_s: float | None = None
 ) -> Reply:
     """Begin a casualty at the next tick. A value that is not given is as in its table."""
-    found = find(boat, name)
-    if isinstance(found, Refused):
-        return found
-    wanted = found.severity if severity is None else severity
-    ramp = found.ramp_s if ramp_s is None else ramp_s
-    wrong = _wrong(boat, found, wanted, ramp)
-    if wrong:
-        return Refused(wrong)
+    chosen = _chosen(boat, name, severity, ramp_s)
+    if isinstance(chosen, Refused):
+        return chosen
+    found, wanted, ramp = chosen
     amount = _amount(boat, found, wanted)
     if not casualties_module.begin(found.code, amount, _ticks(boat, ramp), boat.records.state):
         there = active(boat)
         return Refused(f"{len(there)} casualties at most: clear one of {_names(there)}")
     degree = "" if found.measure.sudden else f", {describe(boat, found.kind, amount)}"
     return f"casualty {found.name}{degree}{_within(ramp)}"
+
+
+def ordered(order: Order) -> tuple[str, float | None, float | None]:
+    """Return name, severity and ramp of an order ``casualty``; None for what it leaves out."""
+    given = list(order.numbers)
+    ramp = given.pop() if order.word == "ramp" else None
+    return order.subject, given[0] if given else None, ramp
+
+
+def problem_of(boat: Boat, order: Order) -> str:
+    """Return why an order ``casualty`` would be refused at any time, '' if not."""
+    chosen = _chosen(boat, *ordered(order))
+    return chosen.reason if isinstance(chosen, Refused) else ""
+
+
+def _chosen(
+    boat: Boat, name: str, severity: float | None, ramp_s: float | None
+) -> tuple[Casualty, float, float] | Refused:
+    """Return a casualty with its severity and ramp, or why it cannot happen to the boat."""
+    found = find(boat, name)
+    if isinstance(found, Refused):
+        return found
+    wanted = found.severity if severity is None else severity
+    ramp = found.ramp_s if ramp_s is None else ramp_s
+    wrong = _wrong(boat, found, wanted, ramp)
+    return Refused(wrong) if wrong else (found, wanted, ramp)
 
 
 def clear(boat: Boat, name: str) -> Reply:

@@ -280,9 +280,7 @@ def _trim(boat: Boat, order: Order) -> Reply:
 
 def _casualty(boat: Boat, order: Order) -> Reply:
     """Let something break."""
-    given = list(order.numbers)
-    ramp = given.pop() if order.word == "ramp" else None
-    return casualties.insert(boat, order.subject, given[0] if given else None, ramp)
+    return casualties.insert(boat, *casualties.ordered(order))
 
 
 def _clear(boat: Boat, order: Order) -> Reply:

@@ -32,6 +32,14 @@ def entry_of(event: Sentence) -> Entry:
     return Entry(float(seconds), kind, text)
 
 
+def marks_in_words(fields: str) -> str:
+    """Return outcome and total in words, as who was there has heard them."""
+    outcome, _, total = fields.partition(",")
+    with contextlib.suppress(ValueError):
+        total = f"{float(total):.0f} marks of 100"
+    return ", ".join(filter(None, (outcome, total or "no marks")))
+
+
 def gives_crew(words: str) -> bool:
     """Return whether words are an order to the crew."""
     order = parse(words)
@@ -365,7 +373,7 @@ class SessionModel:
             self._remember(seconds, subject)
         elif what in CrewOrders.FACTS:
             self._order_crew(seconds, what, subject)
-        elif what in ("exercise", "exercise-over"):
+        elif what in ("exercise", "exercise-over", "marks"):
             self._brief(seconds, what, subject)
         elif what == "range":
             self._know(subject)
@@ -393,10 +401,14 @@ class SessionModel:
         """Keep what the exercise asks for, how it ended, and the marks once they are told."""
         key, equals, value = subject.partition("=")
         if what == "exercise-over":
+            if self.outcome:
+                return  # it is told once more
             self.outcome, self._over_at = subject or "ended", seconds
             self.marks_told.clear()
             self.rings += 1
             self.endings += 1
+        elif what == "marks":  # in words they are told to who is there
+            self.marks_told = self.marks_told or [marks_in_words(subject)]
         elif equals:
             if key == "title" and value != self.exercise.get("title"):
                 self._forget_exercise()

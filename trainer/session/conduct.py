@@ -11,6 +11,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Final
 
+from trainer.boat.depths import collapse_of, hull_depth
 from trainer.config.course import course
 from trainer.config.files import ConfigError
 from trainer.io.orders.grammar import Order, Refused
@@ -21,7 +22,7 @@ from trainer.session.crew import role_of
 from trainer.session.event_log import EventLog
 from trainer.session.exercise import AT_ITS_END, OVER, Debriefing, Ending, Judgement, Work
 from trainer.session.stations.past import PastReader
-from trainer.session.stations.roles import INSTRUCTOR, STRANGER
+from trainer.session.stations.roles import INSTRUCTOR, STRANGER, Role
 from trainer.session.stations.station import Asked, Fact, News, Station
 
 AGAIN_WITHIN: Final = 10.0  # [s] for `quit` to be said again
@@ -29,7 +30,7 @@ ANSWER_WITHIN: Final = 10.0  # [s] for whoever has command to keep it
 WATCHING: Final = frozenset(  # what an instructor without command may say
     {
         *("role", "help", "status", "briefing", "log", "who", "subscribe", "unsubscribe", "detach"),
-        *("history", "mark", "branches", "snapshots", "casualties", "command", "ack"),
+        *("history", "mark", "branches", "snapshots", "casualties", "plans", "command", "ack"),
     }
 )
 NOT_CREW: Final = (INSTRUCTOR.name, STRANGER.name, "observer", "visitor")  # nobody asks: ready?
@@ -129,9 +130,24 @@ class Conduct:
         elif ending.look(self.control.boat):
             self._stop()
 
+    def judge_hull(self) -> None:
+        """Tell that the hull has collapsed; a replay goes to its end all the same."""
+        control = self.control
+        if control.history.rerun or control.failure:
+            return
+        control.failure = collapse_of(control.boat)
+        if control.failure:
+            depth = hull_depth(control.boat)
+            self.tell_depth(control.failure, Fact("collapse", f"{depth:.1f}"))
+
+    def tell_depth(self, words: str, fact: Fact) -> None:
+        """Tell what the depth has come to, with its tick."""
+        boat = self.control.boat
+        self.log.alert("depth", f"tick {boat.ticks} ({boat.time:g} s): {words}", fact)
+
     def past_its_end(self, order: Order, who: str) -> str:
         """Return why the boat obeys nobody: the exercise is over. "" before, and for words."""
-        if not self.ending.over or order.name not in BOAT_ORDERS:
+        if not self.ending.over or order.name not in BOAT_ORDERS | {"plan"}:
             return ""
         return OVER if role_of(who) == INSTRUCTOR.name else f"{AT_ITS_END}: the instructor goes on"
 
@@ -141,6 +157,18 @@ class Conduct:
         if self.control.boat.ticks == 0:
             self.begun = False
             self.ready.clear()
+
+    def outcome_for(self, role: Role) -> list[Fact]:
+        """Return what whoever comes is told of the end, with the role's marks."""
+        ending = self.ending
+        if not ending.over:
+            return []
+        told = [Fact("exercise-over", ending.how)]
+        if ending.marks and (ending.released or role is INSTRUCTOR):
+            told.append(Fact("marks", ending.marks.fields))
+        if ending.debrief and role is INSTRUCTOR:
+            told.append(Fact("debrief", ending.debrief))
+        return told
 
     def desert(self) -> str:
         """Tell that nobody is left to say run. Return so, "" where the exercise is over anyway."""
@@ -255,12 +283,15 @@ class Conduct:
             except Exception as error:  # noqa: BLE001 whatever it is, the session goes on
                 why = f"no debrief: {error}"
                 return lambda: self.log.tell("exercise", why)
-            done = Fact("debrief", str(path))
-            return lambda: self.log.tell("exercise", f"debrief written: {path}", fact=done)
+            return lambda: self._debriefed(path.absolute())
 
         self.work.begin("debrief", task)
         asked.station.answer(asked, f"the debrief of branch {branch} is being written")
         return True
+
+    def _debriefed(self, path: Path) -> None:
+        self.ending.debrief = str(path)
+        self.log.tell("exercise", f"debrief written: {path}", fact=Fact("debrief", str(path)))
 
     # What follows
 

@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 from typing import Final, Protocol
 
 from trainer.io.orders.grammar import Order, Refused, Reply
+from trainer.io.orders.table import CREW_TALK
 from trainer.io.recording.recording import RecordingError
 from trainer.io.status_line import clock
 from trainer.session.history import History
@@ -18,6 +19,10 @@ from trainer.session.stations.station import Fact, News, Station
 KEPT: Final = 500  # of what has happened, for who comes late
 CREW: Final = "crew"  # the kind of what is said to the crew and by it
 SAID: Final = ("wrong-way", "exercise", "report")  # facts of what was said that are of another kind
+# orders by which everybody can tell that something has been done with time
+GOING_BACK: Final = ("backtrack", "restore", "reset", "again", "restart", "branch")
+MOMENTS: Final = frozenset({*GOING_BACK, "replay", "take"})
+TIME: Final = frozenset({"freeze", "run", "step", "time", "quit"})
 OPEN: Final = 100  # alerts at most that wait to be seen
 
 
@@ -137,6 +142,20 @@ class EventLog:
                 station.tell(news)
             else:
                 station.note(news)
+
+    def pass_on(self, order: Order, answer: Reply, station: Station) -> str:
+        """Tell the others of an order and its answer; return the fact they are told."""
+        refused = isinstance(answer, Refused)
+        if order.name in CREW_TALK and not refused:
+            return ""  # that has been told
+        text = f"refused: {answer.reason}" if isinstance(answer, Refused) else answer
+        kind = "order" if station.role is not INSTRUCTOR else "exercise"
+        fact = None
+        if not refused:
+            kind = "moment" if order.name in MOMENTS else "time" if order.name in TIME else kind
+            fact = Fact("back" if order.name in GOING_BACK else "order", order.text)
+        self.tell(kind, f"{self.signature(station)}: {order.text}: {text}", station, fact)
+        return fact.what if fact else ""
 
     def signature(self, station: Station) -> str:
         """Return by whom a thing is said: its role, of several instructors their line too."""

@@ -108,6 +108,7 @@ class Ending:
     how: str = ""  # lost or ended
     marks: Judgement | None = None  # once they are there
     released: bool = False
+    debrief: str = ""  # the file that was written
 
     @classmethod
     def of(cls, boat: Boat, losses: Sequence[Loss], seconds: float | None) -> "Ending":
@@ -137,7 +138,7 @@ class Ending:
 
     def begin_again(self) -> None:
         """Begin it again, after a jump in time."""
-        self.over = self.how = self.why = ""
+        self.over = self.how = self.why = self.debrief = ""
         for each in self.lost:
             each.held = 0
         self.marks, self.released = None, False

@@ -239,6 +239,7 @@ def fly(prepared: PreparedRun, options: RunOptions) -> Ended:
             COLUMNS if options.csv_path else (),
             sending,
             schedule=plan.schedule,
+            armed=plan.armed,
             monitor=LimitMonitor.over(boat, plan.limits),
             last_tick=last_tick,
             wake=wake,

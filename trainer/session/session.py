@@ -9,20 +9,23 @@ from typing import Final
 
 from trainer.boat.boat import TICK, Boat
 from trainer.boat.casualties import available, listing
-from trainer.boat.depths import DepthGuard, DepthMonitor, collapse_of, hull_depth
+from trainer.boat.depths import DepthGuard, DepthMonitor
 from trainer.boat.helm import obey
 from trainer.boat.limits import LimitMonitor
 from trainer.boat.pilot import PilotMonitor
+from trainer.config.exercise import Armed
 from trainer.io.noise_log import NoiseLog
 from trainer.io.orders.grammar import Order, Refused, Reply
 from trainer.io.orders.schedule import Scheduled
 from trainer.io.orders.table import BOAT_ORDERS, CREW_TALK
 from trainer.io.recording.recording import Moment, RecordingError
 from trainer.io.tables import Columns
+from trainer.session.agenda import HEAD as PLANNED
+from trainer.session.agenda import PLANNING, Agenda
 from trainer.session.conduct import Conduct
 from trainer.session.control import Control
 from trainer.session.crew import SCHEDULE, CrewTalk, Telling, role_of
-from trainer.session.event_log import CREW, EventLog
+from trainer.session.event_log import CREW, MOMENTS, TIME, EventLog
 from trainer.session.history import History
 from trainer.session.stations.briefing import Briefing, in_words, ranges
 from trainer.session.stations.display import panel
@@ -41,11 +44,8 @@ BY_HAND: Final = "by hand: stern planes dive 5   rudder left 15   aye   help   q
 AT_A_TIME: Final = SECOND // 20  # [ns] of single steps before the stations are heard again
 LINES_AT_A_TIME: Final = 32  # of one station before the clock is looked at again
 PATIENCE: Final = 0.5  # [s] for a line to get out what it was sent before it is closed
-# orders by which everybody can tell that something has been done with time
-GOING_BACK: Final = ("backtrack", "restore", "reset", "again", "restart", "branch")
-MOMENTS: Final = frozenset({*GOING_BACK, "replay", "take"})
-QUESTIONS: Final = frozenset({"status", "who", "briefing", "casualties", "log"})
-TIME: Final = frozenset({"freeze", "run", "step", "time", "quit"})
+QUESTIONS: Final = frozenset({"status", "who", "briefing", "casualties", "log", "plans"})
+OF_THE_BOAT: Final = BOAT_ORDERS | CREW_TALK | PLANNING  # journalled, and none in a replay
 
 
 @dataclass
@@ -60,6 +60,7 @@ class Session:
     sending: Sending
     reception: Reception = field(default_factory=Closed)
     schedule: Sequence[Scheduled] = ()
+    armed: Sequence[Armed] = ()  # casualties of the exercise that wait for a condition
     monitor: LimitMonitor = field(default_factory=LimitMonitor)
     last_tick: float = math.inf
     progress: Callable[[int], None] | None = None
@@ -80,6 +81,7 @@ class Session:
     depths: DepthMonitor = field(init=False)
     pilot: PilotMonitor = field(init=False)
     crew: CrewTalk = field(init=False)
+    agenda: Agenda = field(init=False)
 
     def __post_init__(self) -> None:
         self.event_log = EventLog(self.history)
@@ -88,7 +90,10 @@ class Session:
         self.depths = DepthMonitor.over(self.boat)
         self.pilot = PilotMonitor.over(self.boat)
         self.crew = CrewTalk(self.boat, self.hand, self.hand_from, self.allowed, self.guard)
-        self.crew.settle(self.history.said(), self.history.tick)
+        self.agenda = Agenda(self.boat, self.schedule, self.armed)
+        said = self.history.said()  # a recorded run goes on
+        self.crew.settle(said, self.history.tick)
+        self.agenda.settle(said)
         self._visits = NoiseLog(self.event_log.tell, time.monotonic)
         self._lookout = StateReader(self.boat, self.time.ledger.summary)
         self._pace = Pace()  # as it was last shown: whatever changes it has it shown
@@ -97,7 +102,7 @@ class Session:
         """Run to the last tick, an order to quit, or until nobody can say run."""
         if self.columns:
             self._row()
-        self._judge_hull()  # a recorded run may have ended in a collapse
+        self.conduct.judge_hull()  # a recorded run may have ended in a collapse
         self.conduct.look()  # or at its exercise's end
         if not (frozen or self.control.failure or self.conduct.ending.over):
             self.time.pacer.run()
@@ -131,6 +136,8 @@ class Session:
         told += [("rate", pair) for pair in station.rate]
         self.event_log.note(station, [Fact(what, f"{key}={value}") for what, (key, value) in told])
         self.event_log.note(station, [each.fact for each in self.crew.standing(station.role.name)])
+        self.event_log.note(station, self.conduct.outcome_for(station.role))
+        self._tell_plans(station)
         self.event_log.note_alerts(station)
 
     def _exercise_facts(self, station: Station) -> list[tuple[str, str]]:
@@ -237,6 +244,8 @@ class Session:
         name, station = asked.order.name, asked.station
         if name == "briefing":
             self._introduce(station)
+        if name == "plans":
+            self._tell_plans(station)
         if name == "casualties":
             self.event_log.note(
                 station, [Fact("casualty", ",".join(each)) for each in available(self.boat)]
@@ -249,6 +258,7 @@ class Session:
                 *(() if asked.heard.machine else in_words(self._exercise_facts(station))),
             ),
             "casualties": lambda: listing(self.boat),
+            "plans": lambda: self.agenda.listing(self.history.place),
             "log": lambda: self.event_log.lately(station.role, int(asked.order.value)),
         }
         station.answer(asked, "", *answers[name]())
@@ -266,7 +276,9 @@ class Session:
         order, station = self.crew.meant(asked.order), asked.station
         answer = self.give(order, station.who)
         station.answer(asked, self.event_log.as_kept(answer))
-        self._pass_on(order, answer, station)
+        if self.event_log.pass_on(order, answer, station) == "back":
+            self.event_log.recall(self.crew.unrepeated)
+        self._tell_plans()
         self.event_log.tell_trouble()
 
     def give(self, order: Order, who: str) -> Reply:
@@ -295,22 +307,22 @@ class Session:
 
     def _carry_out(self, order: Order, who: str, place: int | None = None) -> Reply:
         """Carry out an order, to the boat once it is journalled; return the answer."""
-        if order.name not in BOAT_ORDERS | CREW_TALK:
-            number = None if place is None else self.history.order(who, order, place)
-            answer = self.control.obey(order, who)
-            if number is not None:
-                self.history.answered(number, answer)
-            self._after_time(order)
-            return answer
-        if self.history.rerun:
+        moves = order.name in OF_THE_BOAT
+        if moves and self.history.rerun:
             return Refused("a replay is running: take over first")
-        number = self.history.order(who, order, place)
-        answer = self._obey(order, who)
-        self.history.answered(number, answer)
+        kept = moves or place is not None or who.startswith(PLANNED)
+        number = self.history.order(who, order, place) if kept else None
+        answer = self._obey(order, who) if moves else self.control.obey(order, who)
+        if number is not None:
+            self.history.answered(number, answer)
+        if not moves:
+            self._after_time(order)
         return answer
 
     def _obey(self, order: Order, who: str) -> Reply:
         """Have the boat obey an order, or the crew told; tell what the crew is to know of it."""
+        if order.name in PLANNING:
+            return self.agenda.obey(order)
         talk = order.name in CREW_TALK
         tellings = [] if talk else self.crew.wrong_way(order, role_of(who))
         answer = self.crew.obey(order, role_of(who)) if talk else obey(self.boat, order)
@@ -344,31 +356,22 @@ class Session:
         for each in counting:
             each.settle(self.boat)
         self.conduct.settle()
-        self.crew.settle(self.history.said(), self.history.tick)
+        said = self.history.said()
+        self.crew.settle(said, self.history.tick)
+        self.agenda.settle(said)
         self.event_log.settle(counting)
-        self._judge_hull()
-
-    def _pass_on(self, order: Order, answer: Reply, station: Station) -> None:
-        """Record an order about time, and tell the others what was ordered."""
-        if order.name in CREW_TALK and not isinstance(answer, Refused):
-            return  # that has been told
-        text = f"refused: {answer.reason}" if isinstance(answer, Refused) else answer
-        kind = "order" if station.role is not INSTRUCTOR else "exercise"
-        fact = None
-        if not isinstance(answer, Refused):
-            kind = "moment" if order.name in MOMENTS else "time" if order.name in TIME else kind
-            fact = Fact("back" if order.name in GOING_BACK else "order", order.text)
-        by = self.event_log.signature(station)
-        self.event_log.tell(kind, f"{by}: {order.text}: {text}", station, fact)
-        if fact and fact.what == "back":
-            self.event_log.recall(self.crew.unrepeated)
+        self.conduct.judge_hull()
 
     def _obey_due(self) -> bool:
         """Carry out the orders that are due; return whether they stop time before a tick."""
         was_frozen = self.time.frozen
-        if self.history.place < len(self.schedule):
-            self._obey_schedule()
-        if self.history.rerun and self._obey_replay():
+        self._obey_schedule()
+        if self.history.rerun is None:
+            for each in self.agenda.due():
+                who = f"{PLANNED}{each.number}"
+                self._tell_due(each.ahead, each.order, self.give(each.order, who))
+                self._tell_plans()
+        elif self._obey_replay():
             return True
         return self.control.ended or (self.time.frozen and not was_frozen)
 
@@ -379,24 +382,39 @@ class Session:
             if math.ceil(entry.seconds / self.boat.method.step - 1e-9) > self.boat.ticks:
                 return
             answer = self._carry_out(entry.order, SCHEDULE, self.history.place)
-            if entry.order.name in CREW_TALK and not isinstance(answer, Refused):
-                continue  # that has been told
-            text = f"refused: {answer.reason}" if isinstance(answer, Refused) else answer
-            fact = None if isinstance(answer, Refused) else Fact("order", entry.order.text)
-            told = f"[{entry.seconds:g} s] {entry.order.text}: {text}"
+            told = self._tell_due(f"[{entry.seconds:g} s] {entry.order.text}", entry.order, answer)
             if isinstance(answer, Refused):
                 self.refused.append(told)
-            self.event_log.tell("exercise", told, fact=fact)
+
+    def _tell_due(self, when: object, order: Order, answer: Reply) -> str:
+        """Tell how an order that was due was answered; what was said to the crew, has been told."""
+        refused = isinstance(answer, Refused)
+        text = f"{when}: {f'refused: {answer.reason}' if isinstance(answer, Refused) else answer}"
+        if refused or order.name not in CREW_TALK:
+            fact = None if refused else Fact("order", order.text)
+            self.event_log.tell("exercise", text, fact=fact)
+        return text
+
+    def _tell_plans(self, station: Station | None = None) -> None:
+        """Tell an instructor what is ahead; without one all of them, where it has changed."""
+        place = self.history.place
+        if station is None and not self.agenda.has_changed(place):
+            return
+        for each in [station] if station else self.event_log.stations:
+            if each.role is INSTRUCTOR:
+                self.event_log.note(each, self.agenda.facts(place))
 
     def _obey_replay(self) -> bool:
         """Give again what was given at this tick; return whether a replay ends here, told so."""
         for order, who in self.history.due(self.schedule):
             if order.name in BOAT_ORDERS | CREW_TALK:
                 self._obey(order, who)
+            self.agenda.note(order, who, self.boat.time)
         if not self.history.caught_up:
             return False
         self.event_log.tell("moment", self.history.arrive())
-        self._judge_hull()
+        self.agenda.settle(self.history.said())
+        self.conduct.judge_hull()
         self.conduct.look()
         self.time.pacer.freeze()
         self.control.steps = 0
@@ -408,7 +426,8 @@ class Session:
     def _tick(self) -> None:
         """Carry out the orders that are due, and unless they stop time take a tick."""
         history = self.history
-        if (history.rerun or history.place < len(self.schedule)) and self._obey_due():
+        ahead = history.rerun or self.agenda.planned or history.place < len(self.schedule)
+        if ahead and self._obey_due():
             return
         pacer = self.time.pacer
         was_frozen = pacer.frozen
@@ -451,8 +470,10 @@ class Session:
         for kind, monitor in (("watch", self.monitor), ("pilot", self.pilot)):
             for text in monitor.look(self.boat):
                 self.event_log.alert(kind, text)
-        self._call_depth()
-        self._judge_hull()
+        if passed := self.depths.look(self.boat):  # on the way down
+            self.conduct.tell_depth(passed.words, Fact("depth", f"{passed.depth:g}"))
+        self.conduct.judge_hull()
+        self._tell_plans()
         if self.history.rerun is None:
             self.conduct.look()
         if tick >= self.crew.due:
@@ -465,26 +486,6 @@ class Session:
     def _attended(self, role: str) -> bool:
         """Return whether a station has that role."""
         return any(station.role.name == role for station in self.event_log.stations)
-
-    def _call_depth(self) -> None:
-        """Call out a depth that the hull has passed on the way down."""
-        passed = self.depths.look(self.boat)
-        if passed:
-            self._tell_depth(passed.words, Fact("depth", f"{passed.depth:g}"))
-
-    def _judge_hull(self) -> None:
-        """Tell that the hull has collapsed: the boat cannot go on, but a replay goes to its end."""
-        if self.history.rerun or self.control.failure:
-            return
-        self.control.failure = collapse_of(self.boat)
-        if self.control.failure:
-            depth = hull_depth(self.boat)
-            self._tell_depth(self.control.failure, Fact("collapse", f"{depth:.1f}"))
-
-    def _tell_depth(self, words: str, fact: Fact) -> None:
-        """Tell what the depth has come to, with its tick."""
-        place = f"tick {self.boat.ticks} ({self.boat.time:g} s)"
-        self.event_log.alert("depth", f"{place}: {words}", fact)
 
     def _row(self) -> None:
         """Hand the state to the columns' file; tell at once when it is in trouble."""

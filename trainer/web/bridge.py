@@ -12,8 +12,13 @@ import time
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
+from glob import escape
+from ipaddress import ip_address
+from pathlib import Path
+from secrets import token_urlsafe
 from socket import socket
 from typing import Final
+from urllib.parse import quote
 
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
@@ -32,11 +37,43 @@ NO_ROOM: Final = 4004
 FRAMES_A_SECOND: Final = 100  # ten times what a lever sends
 FRAMES_AT_ONCE: Final = 300
 LINE: Final = re.compile(r"[ -~]*")  # plain ASCII, and one line
+SHELVED: Final = 100  # debriefs at most; the oldest gives way
 CLOSING: Final = 1.0  # [s] for a session to take what is on its way
 A_MACHINE: Final = 8  # lines at once, of another machine
 ELSEWHERE: Final = 30  # of all of them; a session has room for 40, the last for this machine
 
 Reach = Callable[[], socket]  # raises LinkError
+
+
+@dataclass
+class Shelf:
+    """The debriefs that a session has told an instructor's page, under keys that nobody guesses."""
+
+    files: dict[str, Path] = field(default_factory=dict)
+
+    def keep(self, told: str) -> str:
+        """Keep a file that the session has written; return its address, "" if it is not here.
+
+        What is not plain ASCII in its path has come as question marks.
+        """
+        root = Path(told).anchor
+        pattern = escape(told.removeprefix(root)).replace("[?]", "?")
+        found = [*Path(root).glob(pattern)] if root and pattern else []
+        if len(found) != 1 or found[0].resolve().suffix != ".html":
+            return ""
+        path = found[0]
+        key = next((key for key, kept in self.files.items() if kept == path), token_urlsafe(16))
+        self.files[key] = path
+        if len(self.files) > SHELVED:
+            del self.files[next(iter(self.files))]
+        return f"/debrief/{key}/{quote(path.name)}"
+
+    def find(self, key: str, name: str) -> str:
+        """Return the page under a key; KeyError or OSError if there is none."""
+        path = self.files[key]
+        if path.name != name:
+            raise KeyError(name)
+        return path.read_text(encoding="utf-8")
 
 
 class RefusedError(Exception):
@@ -66,6 +103,7 @@ class Bridge:
     reach: Reach
     refusals: Refusals
     machines: Counter[str] = field(default_factory=Counter)  # lines at once of each other one
+    shelf: Shelf = field(default_factory=Shelf)
 
     async def carry(self, page: WebSocket, words: Mapping[str, str]) -> None:
         """Carry lines both ways until either end goes.
@@ -75,8 +113,9 @@ class Bridge:
         try:
             with self.place(page.client.host if page.client else ""):
                 end = await asyncio.to_thread(self.reach)
+                shelf = self.shelf if is_here(end) else None
                 reader, writer = await asyncio.open_connection(sock=end, limit=2 * LONGEST_ANSWER)
-                await self._attend(page, reader, writer, words)
+                await self._attend(page, reader, writer, words, shelf)
         except RefusedError as error:
             self.refusals.add(page.client, f"{error}: its line is closed")
             await close(page, NO_ROOM, str(error))
@@ -106,10 +145,11 @@ class Bridge:
         reader: asyncio.StreamReader,
         writer: asyncio.StreamWriter,
         words: Mapping[str, str],
+        shelf: Shelf | None,
     ) -> None:
         """Carry both ways until one of them ends; then end the other."""
         ways = [
-            asyncio.create_task(self._down(reader, page)),
+            asyncio.create_task(self._down(reader, page, shelf)),
             asyncio.create_task(self._up(page, writer, words)),
         ]
         try:
@@ -122,14 +162,23 @@ class Bridge:
             with contextlib.suppress(OSError, TimeoutError):
                 await asyncio.wait_for(writer.wait_closed(), CLOSING)
 
-    async def _down(self, reader: asyncio.StreamReader, page: WebSocket) -> None:
+    async def _down(
+        self, reader: asyncio.StreamReader, page: WebSocket, shelf: Shelf | None
+    ) -> None:
         """Carry the session's lines to the page; a page that does not read is not waited for.
 
         What it does not take waits in the socket, and then the session counts what it loses.
         """
         try:
             while line := await reader.readline():
-                await page.send_text(line.decode("ascii", "replace").rstrip("\r\n"))
+                text = line.decode("ascii", "replace").rstrip("\r\n")
+                await page.send_text(text)
+                if (
+                    shelf
+                    and ",debrief," in text
+                    and (more := await asyncio.to_thread(also, text, shelf))
+                ):
+                    await page.send_text(more)
         except (OSError, ValueError, WebSocketDisconnect, RuntimeError):
             pass
         await close(page, NO_SESSION, "the session has closed the line")
@@ -164,6 +213,22 @@ def checked(message: Mapping[str, object], allowance: Allowance) -> str:
     if not LINE.fullmatch(text):
         raise RefusedError("a frame that is not one line of plain ASCII")
     return text
+
+
+def is_here(end: socket) -> bool:
+    """Return whether the session at the far end of a socket is on this machine."""
+    peer = end.getpeername()
+    return not isinstance(peer, tuple) or ip_address(peer[0].partition("%")[0]).is_loopback
+
+
+def also(line: str, shelf: Shelf) -> str:
+    """Return the address of the debrief that the session tells on a line, "" if it is none here."""
+    told = sentences.read(line)
+    if told is None or told.kind != "TRF" or told.fields[2] != "debrief":
+        return ""
+    address = shelf.keep(told.fields[3])
+    tick, seconds = int(told.fields[0]), float(told.fields[1])
+    return sentences.fact(tick, seconds, "debrief-page", address) if address else ""
 
 
 def with_word(line: str, words: Mapping[str, str]) -> str:

@@ -1,5 +1,6 @@
 """The server of the pages: one process, which carries every page's line to the session."""
 
+import asyncio
 import logging
 import re
 import socket
@@ -24,7 +25,7 @@ from trainer.io.orders.grammar import LONGEST
 from trainer.io.orders.sentences import order_sentence
 from trainer.web.address import Address
 from trainer.web.bridge import OLDER_PAGE, Bridge, Reach
-from trainer.web.gate import Door, Gate, Refusals
+from trainer.web.gate import Door, Gate, Refusals, policy_of
 from trainer.web.pages import ASSETS, PAGES, Page, render
 
 KEPT_WORD: Final = "word-"  # how the cookie of a role's token begins
@@ -68,8 +69,19 @@ def application(reach: Reach, host: str, refusals: Refusals) -> Gate:
             return
         await bridge.carry(page, words_of(page.cookies))
 
+    async def debrief(request: Request) -> Response:
+        key, name = request.path_params["key"], request.path_params["name"]
+        try:
+            html = await asyncio.to_thread(bridge.shelf.find, key, name)
+        except (KeyError, OSError, UnicodeDecodeError):
+            return PlainTextResponse(
+                "no such debrief: the instructor's page has its address\n", 404
+            )
+        return HTMLResponse(html, headers={"Content-Security-Policy": policy_of(html)})
+
     pages = Starlette(
         routes=[
+            Route("/debrief/{key}/{name}", debrief),
             *(Route(f"/{page.name}", shown(page)) for page in PAGES),
             Route("/word", keep_word, methods=["POST"]),
             WebSocketRoute("/line", line),

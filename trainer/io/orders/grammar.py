@@ -21,9 +21,10 @@ from dataclasses import dataclass, field, replace
 from typing import NamedTuple
 
 from trainer.io.orders.phrases import meaning, nearest_phrase
-from trainer.io.orders.quantities import Number, RefusedError, Unit, quantity
+from trainer.io.orders.quantities import NUMBERS, Number, RefusedError, Unit, quantity
 from trainer.io.orders.table import (
     FORMS,
+    PLANNABLE,
     SETS,
     SIGNS,
     Form,
@@ -40,7 +41,9 @@ from trainer.io.orders.table import (
 HIDDEN = "***"
 BEGINNINGS = "|".join(sorted({said[:2] for said, _ in spellings(SETS["ROLE"])}))
 TOKEN = re.compile(
-    rf"((?:^|,)\s*r(?:o\S*\s+\S+|\S*\s+(?:{BEGINNINGS})\S*)\s+)(\S.*?)\s*$", re.IGNORECASE
+    r"((?:^|,|^\s*(?:in|at|when)\b.*\s)\s*"  # a planned one is refused, and hidden all the same
+    rf"r(?:o\S*\s+\S+|\S*\s+(?:{BEGINNINGS})\S*)\s+)(\S.*?)\s*$",
+    re.IGNORECASE,
 )
 
 
@@ -122,6 +125,15 @@ REMARK = re.compile(r"\s*(mark|tell|report)\s+(\S.*?)\s*", re.IGNORECASE)
 REPEAT = re.compile(r"\s*(?:(\S.*?)[\s,]+)??aye(?:[\s,]+aye)*\s*", re.IGNORECASE)
 
 
+TIME = NUMBERS["TIME"]
+TIME_UNITS = "|".join(name for unit in TIME.units for name in unit.names)
+PLAN = re.compile(
+    rf"\s*(?:(?P<at>in|at)\s+(?P<time>[-+.\d]\S*?)\s*(?P<unit>{TIME_UNITS})?"
+    r"|when\s+(?P<condition>\S.*?)\s+then)\s+(?P<order>\S.*?)\s*",
+    re.IGNORECASE,
+)
+
+
 def openings() -> dict[str, list[Reading]]:
     """Return the readings that a line may begin with, by its first letter."""
     found: dict[str, list[Reading]] = {}
@@ -149,11 +161,35 @@ def parse(line: str) -> Order | BadOrder | None:
         if (repeat := REPEAT.fullmatch(said)) and not hidden(said):
             words = (repeat[1] or "").lower()
             return Order("aye", 0.0, "", f"{words} aye".strip(), (), words)
+        if plan := PLAN.fullmatch(said):
+            return planned(plan)
         words = as_one(said)
         tokens = tokenise(hide(words))
         return with_token(understood(tokens), hidden(words)) if tokens else None
     except RefusedError as refused:
         return BadOrder(printable(text), str(refused))
+
+
+def planned(said: re.Match[str]) -> Order:
+    """Return the order that plans another; refuses what is none, or cannot be planned."""
+    inner = parse(said["order"])
+    if not isinstance(inner, Order):
+        raise RefusedError(inner.reason if inner else f"{said[0].strip()}: no order")
+    inner = to_the_crew(inner)
+    if inner.name not in PLANNABLE:
+        raise RefusedError(f"{inner.text} cannot be planned: give it when it is time")
+    if said["condition"]:
+        text = f"when {' '.join(said['condition'].lower().split())} then {inner.text}"
+        refuse_unreadable(text)  # written in full it may be too long
+        return Order("plan", 0.0, "when", text, (), inner.text)
+    head, digits = said["at"].lower(), said["time"].lower()
+    if not DECIMAL.fullmatch(digits):
+        raise RefusedError(f'"{digits}" after "{head}": expected {describe_places([TIME])[0]}')
+    unit = next(each for each in TIME.units if (said["unit"] or "s").lower() in each.names)
+    value, wording = quantity(TIME, digits, unit)
+    text = f"{head} {wording} {inner.text}"
+    refuse_unreadable(text)
+    return Order("plan", value, head, text, (value,), inner.text)
 
 
 def understood(tokens: list[str]) -> Order:

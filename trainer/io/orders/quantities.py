@@ -68,7 +68,9 @@ NUMBERS = {
     "AMOUNT": Number("an amount of water", (TONNES,), 0.0, 1000.0),
     "SEVERITY": Number("a severity after a name like stern-stuck", (PLAIN,), -1000.0, 1000.0),
     "SECONDS": Number("a time", (SECONDS,), 0.0, 3600.0),
+    "PLAN": Number("the number of a plan", (PLAIN,), 1.0, 999999.0, decimals=0),
     "LAPSE": Number("a time back", (SECONDS, MINUTES), 0.1, 86400.0),
+    "TIME": Number("a time", (SECONDS, MINUTES), 0.0, 86400.0),
     "RATE": Number("a rate", (HERTZ,), 0.1, 50.0),
 }
 

@@ -88,6 +88,8 @@ NAMES = {
     "LABEL": Name("a name for a moment"),
     "CHANNEL": Name("the name of a channel"),
     "EXERCISE": Name("the name of an exercise"),
+    "CONDITION": Name("a condition such as depth > 60"),
+    "ORDER": Name("an order"),  # both of many words: see trainer.io.orders.grammar
     "REMARK": Name("words"),  # of any kind: see trainer.io.orders.grammar
 }
 
@@ -140,8 +142,12 @@ SESSION_TOPICS = (
     Topic(("again", "restart"), "again | again from here | restart", "the exercise once more"),
     Topic(("next",), "next | next NAME", "the exercises, or another"),
     Topic(("give", "keep"), "take command | give | keep command", "of several instructors"),
-    Topic(("ready",), "ready", "a station is ready for the exercise"),
-    Topic(("role",), "role helm | role helm TOKEN", "what this line may do"),
+    Topic(("role", "ready"), "role helm | role helm TOKEN | ready", "what this line may do; ready"),
+    Topic(
+        ("in", "at", "when", "plans", "cancel"),
+        "in 30 s depth 80 | plans | cancel 1",
+        "also at 2 min, when depth > 60 then",
+    ),
     Topic(("order", "belay", "allow"), "order course 045 | belay | allow planes", "to the crew"),
     Topic(("tell", "report", "aye"), "tell ready | report ready | aye", "to and from the crew"),
     Topic(("mark",), "mark good recovery", "mark this moment, with a remark"),
@@ -228,6 +234,12 @@ FORMS = (
     Form("casualty NAME ramp SECONDS", "growing over this time"),
     Form("casualty NAME SEVERITY ramp SECONDS", "both"),
     Form("clear NAME", "clear a casualty, or all"),
+    Form("in TIME ORDER", "plan an order, for so long from now", name="plan"),
+    Form("at TIME ORDER", "plan an order, for this time since the start", name="plan"),
+    Form("when CONDITION then ORDER", "plan an order, for when this first holds", name="plan"),
+    Form("plans", "the orders that are ahead, the exercise's own too"),
+    Form("cancel PLAN", "take the planned order of this number away"),
+    Form("cancel all", "take all away that were planned"),
     Form("casualties", "what can break: name, severity and ramp unless ordered"),
     Form("freeze", "stop time; orders are still taken"),
     Form("freeze PART", "hold this still, while time goes on", name="hold"),
@@ -320,6 +332,7 @@ BOAT_ORDERS = frozenset(
 )
 # What is said between those who order the crew, the crew and the instructor: journalled as well.
 CREW_TALK = frozenset(("order", "tell", "report", "aye", "belay", "allow"))
+PLANNABLE = BOAT_ORDERS | {"tell", "freeze"}  # for a time or a condition
 
 
 def place(text: str) -> Word | Number | Name | Secret:

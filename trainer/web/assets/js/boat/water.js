@@ -79,14 +79,35 @@ export class Water {
     }
     this.light.setAttribute("gradientTransform", lift);
     this.rays.setAttribute("transform", `${lift} translate(${width / 2}) scale(${scale})`);
-    if (drawn === this.drawn) return;
+    if (drawn !== this.drawn) this.draw(view, step, first, { ordered, limit, words });
     this.drawn = drawn;
+    this.tidy(view);
+  }
+
+  /**
+   * @param {View} view
+   * @param {number} step
+   * @param {number} first
+   * @param {{ ordered: number | null, limit: number | null, words: Words }} seen
+   */
+  draw(view, step, first, { ordered, limit, words }) {
+    const { scale } = view;
     set(this.light, { x1: 0, x2: 0, y1: 0, y2: LIT * scale });
     this.drawLadder(view, step, first, words);
     this.drawLine(this.ordered, view, ordered);
     this.drawLimit(view, limit);
     if (ordered !== null) this.drawLabel(view, ordered, "ordered", words);
     if (limit !== null) this.drawLabel(view, limit, "limit", words);
+  }
+
+  /** Shows the labels that are whole in the view; that of the limit goes above its line for it. @param {View} view */
+  tidy({ height, scale, top, text }) {
+    const fits = (/** @type {number} */ y) => y - top * scale > 0.9 * text && y - top * scale < height - 0.3 * text;
+    for (const label of this.labels.children) {
+      const { below, above } = /** @type {SVGElement} */ (label).dataset;
+      if (below && above) label.setAttribute("y", fits(Number(below)) ? below : above);
+      label.toggleAttribute("hidden", !fits(Number(label.getAttribute("y"))));
+    }
   }
 
   /** @param {View} view @param {number} step @param {number} first @param {Words} words */
@@ -130,8 +151,9 @@ export class Water {
 
   /** @param {View} view @param {number} depth @param {"ordered" | "limit"} kind @param {Words} words */
   drawLabel(view, depth, kind, words) {
-    const y = depth * view.scale + (kind === "limit" ? 1.3 : -0.5) * view.text;
-    const label = svg("text", { x: view.width - 0.7 * view.text, y, class: `of-${kind}` });
+    const [above, below] = [-0.5, 1.3].map((lines) => depth * view.scale + lines * view.text);
+    const places = kind === "limit" ? { "data-below": below, "data-above": above } : {};
+    const label = svg("text", { x: view.width - 0.7 * view.text, y: above, class: `of-${kind}`, ...places });
     label.textContent = `${words[kind]} ${metres(depth, words)}`;
     this.labels.append(label);
   }

@@ -15,7 +15,9 @@ const SPOKEN = 2000; // [ms] between changes of what is spoken
 const CLOSE = 0.26; // [s]
 const HINT = "Drag the line to look back. Nothing is overwritten: what was flown stays as a branch.";
 const REPLAY = "A replay runs. Take over, and it goes on from there by your orders.";
-const SIGNS = { C: "casualty", c: "cleared", M: "mark", S: "snapshot", o: "order" };
+const SIGNS = { C: "casualty", c: "cleared", M: "mark", S: "snapshot", o: "order", P: "planned", p: "planned" };
+const LETTERS = { P: "C" }; // that a sign shows, where it is not its own
+const BARE = "op"; // signs without a letter
 const KEYS = { ArrowLeft: -1, ArrowRight: 1, PageUp: -30, PageDown: 30 }; // [s]
 /** What the keys under the line do, in the order in which they stand. */
 const DEEDS = [
@@ -175,7 +177,7 @@ export class TimeLine extends HTMLElement {
   jump(earlier) {
     const at = this.looking?.seconds ?? this.flown.now;
     const times = this.flown.signs
-      .filter(({ sign, seconds }) => sign !== "o" && Math.abs(seconds - at) > CLOSE)
+      .filter(({ sign, seconds }) => !"opP".includes(sign) && Math.abs(seconds - at) > CLOSE)
       .map(({ seconds }) => seconds);
     const side = times.filter((seconds) => seconds < at === earlier);
     if (side.length) {
@@ -221,7 +223,8 @@ export class TimeLine extends HTMLElement {
     const drawn = this.flown.signs.map(({ seconds, sign, text }) => {
       const kind = SIGNS[/** @type {keyof typeof SIGNS} */ (sign)] ?? "order";
       const title = `${clock(seconds)} ${kind}: ${text}`;
-      const node = html("span", { class: `sign ${kind}`, title }, sign === "o" ? "" : sign);
+      const letter = LETTERS[/** @type {keyof typeof LETTERS} */ (sign)] ?? sign;
+      const node = html("span", { class: `sign ${kind}`, title }, BARE.includes(sign) ? "" : letter);
       node.style.left = this.share(seconds);
       return node;
     });

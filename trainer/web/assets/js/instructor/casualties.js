@@ -1,5 +1,6 @@
 // Casualties: what is broken, and what can be: found, preset by a click, given by a second one.
-import { html, one, write } from "../draw.js";
+import { clock, html, one, write } from "../draw.js";
+import { Timing } from "./timing.js";
 
 /**
  * @typedef {import("./desk.js").Desk} Desk
@@ -22,7 +23,10 @@ export function showCasualties(desk) {
   const { session } = desk;
   const chooser = new Chooser(desk);
   session.on("tick", () => showBroken(desk));
-  session.on("line", () => chooser.list());
+  session.on("line", () => {
+    chooser.list();
+    showAhead(desk);
+  });
   one("#find").oninput = () => chooser.list();
   one("#break").onsubmit = (event) => {
     event.preventDefault();
@@ -61,6 +65,27 @@ function brokenRow(desk, { name, says, when }) {
   );
 }
 
+/** Lists what is to come, the exercise's own too. @param {Desk} desk */
+function showAhead(desk) {
+  const list = one("#ahead");
+  const { plans } = desk.session;
+  const now = JSON.stringify(plans);
+  if (list.dataset.shown === now) return;
+  list.dataset.shown = now;
+  list.hidden = plans.length === 0;
+  list.replaceChildren(...plans.map((each) => aheadRow(desk, each)));
+}
+
+/** @param {Desk} desk @param {import("../model/session.js").Plan} plan */
+function aheadRow(desk, { number, seconds, when, text }) {
+  const moment = Number.isNaN(seconds) ? `when ${when}` : `at ${clock(seconds)}`;
+  const words = text.replace(/^casualty /, "");
+  const click = () => void desk.give(`cancel ${number}`);
+  const own = html("small", {}, "exercise");
+  const key = html("button", { type: "button", "aria-label": `Take away ${words} ${moment}`, click }, "Take away");
+  return html("li", { class: "ahead" }, html("b", { class: "grow" }, words), html("span", {}, moment), number ? key : own);
+}
+
 class Chooser {
   /** @param {Desk} desk */
   constructor(desk) {
@@ -70,6 +95,7 @@ class Chooser {
     /** @type {Degree | null} */
     this.degree = null;
     this.drawn = "";
+    this.timing = new Timing();
   }
 
   /** Lists what has the letters that were typed. */
@@ -100,6 +126,7 @@ class Chooser {
     const { degree } = this;
     write(one("#chosen-name"), casualty.name);
     one("#chosen").hidden = false;
+    this.timing.open();
     one("#degree").hidden = one("#ramp-field").hidden = degree === null;
     const side = /** @type {HTMLSelectElement} */ (one("#side"));
     side.hidden = !degree?.sides.length;
@@ -115,13 +142,14 @@ class Chooser {
     if (focused) /** @type {HTMLElement | null} */ (document.querySelector("#offers [aria-pressed='true']"))?.focus();
   }
 
-  /** Gives what is chosen. */
+  /** Gives what is chosen, or plans it. */
   async give() {
     if (!this.chosen) return;
-    const answer = await this.desk.give(this.words());
+    const answer = await this.desk.give(`${this.timing.words()}${this.words()}`);
     if (!answer.ok) return;
     this.chosen = null;
     one("#chosen").hidden = true;
+    this.timing.close();
     this.list();
   }
 

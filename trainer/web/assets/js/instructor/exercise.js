@@ -31,7 +31,8 @@ export function furnishExercise(desk, see) {
   for (const what of ["state", "marks"]) session.on(what, () => pane.notice());
   session.on("fact", (event) => {
     const { what, subject } = /** @type {CustomEvent} */ (event).detail;
-    if (what === "debrief") pane.debriefed(subject);
+    if (what === "debrief") pane.debriefed(subject, "");
+    if (what === "debrief-page") pane.debriefed(pane.debrief, subject);
     if (what === "ready") pane.draw();
     if (what === "back") pane.goBack();
   });
@@ -77,6 +78,7 @@ class ExerciseWindow {
     this.view = "briefing";
     this.offered = ""; // for which start or end it has opened by itself
     this.debrief = "";
+    this.address = ""; // of the debrief, where this server has it
     /** @type {string[]} */
     this.names = []; // of the exercises' files, as `next` tells them
     /** @type {import("./log.js").Aboard[]} */
@@ -102,16 +104,17 @@ class ExerciseWindow {
 
   /** Time has gone back: there is no end any more. */
   goBack() {
-    this.debrief = "";
+    this.debrief = this.address = "";
     if (this.view === "end") {
       this.offered = "";
       this.dialog.close();
     }
   }
 
-  /** @param {string} path of the page that was written */
-  debriefed(path) {
+  /** @param {string} path of the page that was written @param {string} address at this server, "" for none */
+  debriefed(path, address) {
     this.debrief = path;
+    this.address = address;
     this.draw();
   }
 
@@ -242,7 +245,7 @@ class ExerciseWindow {
       html("ul", { class: "marks" }, ...reasons),
       html("h3", {}, "See"),
       html("div", { class: "row" }, ...this.moments()),
-      this.debrief && html("p", { class: "path" }, `Debrief: ${this.debrief}`),
+      this.debrief && this.debriefLine(),
     ].filter((part) => part instanceof Node);
     const back = this.desk.moment.looking;
     const keys = [
@@ -253,6 +256,14 @@ class ExerciseWindow {
       this.key("Next", () => void this.choose()),
     ];
     return { title: `${session.exercise.title ?? "Exercise"}: ${title}`, body, keys };
+  }
+
+  /** Returns where the debrief is: a key that opens it, or on which machine it lies. */
+  debriefLine() {
+    const { debrief, address } = this;
+    if (!address) return html("p", { class: "path" }, `The debrief lies on the session's machine: ${debrief}`);
+    const key = html("a", { class: "key", href: address, target: "_blank", rel: "noopener" }, "Open the debrief");
+    return html("p", { class: "path row" }, key, html("span", { class: "grow" }, debrief));
   }
 
   /** Returns a key that looks at the time in a reason. @param {string} reason */

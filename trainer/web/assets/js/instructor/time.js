@@ -50,7 +50,8 @@ export function furnishTimeLine(desk) {
     const now = session.seconds;
     const left = lanes(session.branches, session.present);
     const replaying = session.state === "replay";
-    line.show({ now, end: endOf(desk, left), signs: session.kept, lanes: left, replaying });
+    const signs = [...session.kept, ...planned(session)];
+    line.show({ now, end: endOf(desk, left), signs, lanes: left, replaying });
   });
   for (const what of ["tick", "line", "state", "exercise"]) session.on(what, draw);
   session.on("tick", () => learnBranch(desk));
@@ -76,9 +77,17 @@ function learnBranch({ session }) {
 /** @type {Set<number>} branches that have been asked for */
 const asked = new Set();
 
+/** Returns the signs of what is to come at a time. @param {import("../model/session.js").Session} session */
+function planned({ plans }) {
+  return plans
+    .filter(({ seconds }) => !Number.isNaN(seconds))
+    .map(({ seconds, text }) => ({ seconds, sign: /^casualty /.test(text) ? "P" : "p", text }));
+}
+
 /** Returns how long the line is [s]. @param {Desk} desk @param {{ to: number }[]} left */
 function endOf({ session }, left) {
-  const flown = Math.max(session.furthest, session.seconds, ...left.map(({ to }) => to));
+  const ahead = planned(session).map(({ seconds }) => seconds);
+  const flown = Math.max(session.furthest, session.seconds, ...left.map(({ to }) => to), ...ahead);
   const length = Number(session.exercise.duration ?? 0);
   if (length >= flown && length > 0) return length;
   return Math.max(SHORTEST, Math.ceil((flown * ROOM) / WHOLE) * WHOLE);

@@ -8,7 +8,7 @@ import { Vessel } from "./vessel.js";
 const LATE = 15; // [s] of the boat's time that a page may have missed and need not ask for
 const STALE = 2000; // [ms] without a tick, while time runs, after which readings are old
 const LINES = ["line", "wins", "lost"]; // keys of an exercise that come again and again
-const OF_TIME = /^(freeze|run|step|time|replay|take|quit)\b/; // orders that are no sign on the line
+const OF_TIME = /^(freeze|run|step|time|replay|take|quit|in|at|when|cancel)\b/; // orders that are no sign on the line
 const MOST = 500; // entries of the log
 const WATCH = 250; // [ms] between looks at whether readings have become old
 
@@ -21,6 +21,8 @@ const WATCH = 250; // [ms] between looks at whether readings have become old
  * @typedef {{ seconds: number, sign: string, text: string }} Kept a sign on the time line
  * @typedef {{ number: number, parent: number, begun: number, last: number, why: string }} Branch
  * @typedef {{ name: string, degree: string, says: string }} Casualty
+ * @typedef {{ number: string, seconds: number, when: string, text: string }} Plan an order that is ahead:
+ *   its time [s], NaN where it waits for a condition; the number is "" where it is the exercise's own
  * @typedef {{ seconds: number, what: string, subject: string }} Told a fact, as the session tells it
  * @typedef {"connecting" | "role" | "running" | "frozen" | "replay" | "lost" | "ended"} State
  *
@@ -70,6 +72,8 @@ export class Session extends EventTarget {
     this.keptOf = new Map();
     /** @type {Casualty[]} */
     this.casualties = [];
+    /** @type {Plan[]} */
+    this.plans = [];
     /** @type {string[]} their listing, which has degrees in their units */
     this.degrees = [];
     this.outcome = "";
@@ -308,6 +312,14 @@ export class Session extends EventTarget {
     this.tell("marks");
   }
 
+  /** Takes the marks of who comes after they were told in words. @param {string} subject outcome and total */
+  judge(subject) {
+    const [outcome, total] = subject.split(",");
+    const marks = total ? `${Math.round(Number(total))} marks of 100` : "no marks";
+    if (!this.marks.length) this.marks = [outcome ? `${outcome}, ${marks}` : marks];
+    this.tell("marks");
+  }
+
   /** @param {number} seconds @param {string} what @param {string} subject */
   fact(seconds, what, subject) {
     if (!this.past.has("events")) {
@@ -336,6 +348,8 @@ export class Session extends EventTarget {
     else if (what === "order" && !OF_TIME.test(subject)) this.keep(seconds, "o", subject);
     else if (what === "branch") this.branch(subject);
     else if (what === "casualty") this.offer(subject);
+    else if (what === "marks") this.judge(subject);
+    else if (what === "plans" || what === "planned") this.plan(what, subject);
     else if (what === "over") this.over = true;
   }
 
@@ -352,6 +366,16 @@ export class Session extends EventTarget {
     const whole = [number, parent, begun, last].map(Number);
     const [id, from, since, until] = whole;
     this.branches.set(id, { number: id, parent: from, begun: since, last: until, why: why.join(",") });
+    this.tell("line");
+  }
+
+  /** @param {string} what @param {string} subject of the whole list, or of one: number, when, order */
+  plan(what, subject) {
+    if (what === "plans") this.plans = [];
+    else {
+      const [number, when, ...text] = subject.split(",");
+      this.plans.push({ number, seconds: Number(when), when, text: text.join(",") });
+    }
     this.tell("line");
   }
 
@@ -380,8 +404,9 @@ export class Session extends EventTarget {
   /** @param {string} what @param {string} subject */
   brief(what, subject) {
     if (what === "exercise-over") {
+      if (!this.outcome) this.marks = []; // else it is told once more
       this.outcome = subject || "ended";
-      this.marks = [];
+      this.update();
     } else {
       const equals = subject.indexOf("=");
       const [key, value] = [subject.slice(0, equals), subject.slice(equals + 1)];
@@ -403,6 +428,7 @@ export class Session extends EventTarget {
     this.furthest = 0;
     this.branches.clear();
     this.casualties = [];
+    this.plans = [];
     this.alerts.clear();
     this.history.left.clear();
     this.keptOf.clear();
@@ -451,6 +477,7 @@ export class Session extends EventTarget {
     this.crew.goBack(seconds);
     this.setAside(seconds);
     this.outcome = "";
+    this.marks = [];
     this.furthest = seconds;
     if (this.role === "instructor") {
       for (const words of ["snapshots", "branches"]) void this.ask(words);

@@ -1,0 +1,189 @@
+"""A session with an instructor and whoever comes, conducted by a test without a clock."""
+
+import math
+import threading
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Final
+
+import pytest
+
+from trainer.boat.assemble import Method
+from trainer.boat.boat import Boat
+from trainer.boat.casualties import arm
+from trainer.config.condition import compile_condition
+from trainer.config.exercise import Armed, Loss
+from trainer.config.files import Place
+from trainer.config.vessel import load_vessel
+from trainer.io.lines import Overlong
+from trainer.io.orders.schedule import Scheduled
+from trainer.io.orders.sentences import order_sentence, read
+from trainer.io.recording.recording import Recording
+from trainer.io.tables import NoFile
+from trainer.session.exercise import Debriefing, Ending, Judgement
+from trainer.session.history import History
+from trainer.session.session import Session
+from trainer.session.stations.access import Access
+from trainer.session.stations.station import Station
+from trainer.session.stations.subscriptions import Promptly, Roster
+from trainer.session.stations.view import StateReader
+from trainer.session.time.ledger import Ledger
+from trainer.session.time.pacer import MonotonicClock, Policy
+from trainer.session.time.timekeeping import Timekeeping
+from trainer.units import KNOT
+
+MARKS: Final = Judgement("not reached", 42.0, ("depth: 42",))
+PLACE: Final = Place("exercise.toml", "lost")
+
+
+class Typist:
+    """A line on which a test types, as a program or as a person."""
+
+    trouble = ""
+    dropped = 0
+
+    def __init__(self, name: str) -> None:
+        self.name = name
+        self.ended = False
+        self.typed: list[str | Overlong] = []
+        self.sent: list[str] = []
+
+    def take(self, most: int) -> list[str | Overlong]:
+        taken, self.typed = self.typed[:most], self.typed[most:]
+        return taken
+
+    def send(self, line: str) -> None:
+        self.sent.append(line)
+
+    def close(self, patience: float) -> None:
+        del patience
+
+
+class Crewed:
+    """A session of BB2 with an instructor and whoever comes, at full speed, heard at will."""
+
+    def __init__(
+        self,
+        path: Path,
+        *,
+        lost: Sequence[str] = (),
+        seconds: float | None = 5.0,
+        schedule: Sequence[Scheduled] = (),
+        armed: Sequence[Armed] = (),
+    ) -> None:
+        self.boat = Boat(load_vessel("bb2"), Method("modified", "lagged", "exact", "adams2", 0.5))
+        self.boat.start(10.0 * KNOT, 60.0, 0.0)
+        self.recording = Recording.create(path, {}, self.boat.records.state.tobytes())
+        self.now = 0.0
+        self.wake = threading.Event()
+        time = Timekeeping.at(MonotonicClock(), 0.5, math.inf, Policy.CATCH_UP)
+        self.sending = Promptly(Roster(StateReader(self.boat, Ledger(0.5).summary)))
+        history = History(self.boat, self.recording)
+        for each in armed:
+            arm(self.boat, each.condition, each.casualty, each.rule)
+        self.session = Session(
+            *(self.boat, time, history, NoFile(), (), self.sending),
+            schedule=schedule,
+            armed=armed,
+            wake=self.wake,
+        )
+        self.conduct = self.session.conduct
+        losses = [
+            Loss(conditions=(compile_condition(text, PLACE),), seconds=1.0, text=text)
+            for text in lost
+        ]
+        self.conduct.ending = Ending.of(self.boat, losses, seconds)
+        self.conduct.kept, self.conduct.scored = path, True
+        self.conduct.clock = lambda: self.now
+        self.judged = threading.Event()
+        self.conduct.debriefing = Debriefing(self._judge, self._write)
+        self.instructor = self.comes("instructor")
+
+    def _judge(self, path: Path, branch: int) -> Judgement:
+        assert path.exists()
+        self.judged.set()
+        reasons = (f"branch {branch}: 42",)
+        return replace(MARKS, reasons=reasons, uncounted=("Stern jam answered",))
+
+    def _write(self, path: Path, branch: int) -> Path:
+        return path.with_suffix(f".branch{branch}.html")
+
+    def comes(self, role: str) -> Typist:
+        """Let a station come that says who it is."""
+        line = Typist(f"line {len(self.session.event_log.stations) + 1}")
+        station = Station(line, Access(), self.sending, self.session.event_log.log)
+        self.session.event_log.stations.append(station)
+        self.say(line, f"role {role}")
+        return line
+
+    def leaves(self, line: Typist) -> None:
+        line.ended = True
+        self.session.listen()
+
+    def say(self, line: Typist, words: str) -> tuple[str, str]:
+        """Give an order as a program; return ok or no, and the answer."""
+        line.typed = [order_sentence(words, "7")]
+        before = len(line.sent)
+        self.session.listen()
+        told = [read(each) for each in line.sent[before:]]
+        answers = [each.fields for each in told if each and each.tag == "7"]
+        self.said = [text for kind, text in answers if kind == "say"]
+        return answers[-1][0], answers[-1][1]
+
+    def order(self, words: str) -> str:
+        """Give an order that is to be obeyed, as the instructor; return the answer."""
+        kind, text = self.say(self.instructor, words)
+        assert kind == "ok", text
+        return text
+
+    def refused(self, words: str, by: Typist | None = None) -> str:
+        kind, text = self.say(by or self.instructor, words)
+        assert kind == "no", text
+        return text
+
+    def fly(self, ticks: int) -> None:
+        """Let time go on for so many ticks, or until it stands still."""
+        self.session.time.pacer.run()
+        for _ in range(ticks):
+            if not self.session.time.frozen:
+                self.session._tick()  # noqa: SLF001  as the loop does
+
+    def settle(self, true: Callable[[], object]) -> None:
+        """Let what is done beside the session be taken."""
+        for _ in range(1000):
+            self.session.listen()
+            if true():
+                return
+            self.wake.wait(0.01)
+            self.wake.clear()
+        raise AssertionError
+
+    def facts(self, line: Typist, what: str) -> list[str]:
+        found = [read(each) for each in line.sent]
+        return [
+            each.fields[3]
+            for each in found
+            if each and each.kind == "TRF" and each.fields[2] == what
+        ]
+
+    def events(self, line: Typist, kind: str) -> list[str]:
+        found = [read(each) for each in line.sent]
+        return [
+            each.fields[3]
+            for each in found
+            if each and each.kind == "TRE" and each.fields[2] == kind
+        ]
+
+
+@pytest.fixture
+def crewed(tmp_path: Path) -> Iterator[Callable[..., Crewed]]:
+    begun: list[Crewed] = []
+
+    def begin(**settings: object) -> Crewed:
+        begun.append(Crewed(tmp_path / f"{len(begun)}.trainer", **settings))  # type: ignore[arg-type]
+        return begun[-1]
+
+    yield begin
+    for each in begun:
+        each.recording.close()

@@ -1,0 +1,197 @@
+"""The orders that are ahead: planned, told to the instructor alone, come, taken away."""
+
+from collections.abc import Callable
+
+import pytest
+from helpers.crewed import PLACE, Crewed, Typist
+
+from trainer.config.condition import compile_condition
+from trainer.config.exercise import Armed
+from trainer.core.casualties import KINDS
+from trainer.io.orders.schedule import Scheduled, parse_schedule
+from trainer.io.orders.sentences import read
+from trainer.session.stations.roles import ROLES
+
+Begin = Callable[..., Crewed]
+
+
+def broken(ship: Crewed) -> list[str]:
+    """Return the casualties that the boat suffers."""
+    return [KINDS[int(code) - 1] for code in ship.boat.state.casualty if code]
+
+
+def planned(ship: Crewed, line: Typist | None = None) -> list[str]:
+    """Return the list of what is ahead as a program has it now."""
+    facts = [read(each) for each in (line or ship.instructor).sent]
+    told = [each.fields[2:4] for each in facts if each and each.kind == "TRF"]
+    begins = max(at for at, (what, _) in enumerate(told) if what == "plans")
+    count = int(told[begins][1])
+    return [subject for what, subject in told[begins + 1 :] if what == "planned"][:count]
+
+
+def scheduled(text: str) -> list[Scheduled]:
+    """Return the orders of a schedule."""
+    made = parse_schedule(text, "test")
+    assert isinstance(made, list)
+    return made
+
+
+def test_a_casualty_comes_at_its_time_and_so_long_from_now(crewed: Begin) -> None:
+    ship = crewed(seconds=None)
+    ship.fly(4)
+    assert ship.order("at 5 rudder left 5") == "planned: 1: at 00:00:05: rudder left 5"
+    assert (
+        ship.order("in 6 s casualty rudder-stuck")
+        == "planned: 2: at 00:00:08: casualty rudder-stuck"
+    )
+    assert planned(ship) == ["1,5.000,rudder left 5", "2,8.000,casualty rudder-stuck"]
+
+    ship.fly(6)
+    assert not ship.boat.state.rudder_by_hand
+    ship.fly(1)  # an order acts on the first tick not before its time
+    assert ship.boat.state.rudder_by_hand
+    assert planned(ship) == ["2,8.000,casualty rudder-stuck"]
+    ship.fly(5)
+    assert broken(ship) == []
+    ship.fly(1)
+    assert broken(ship) == ["rudder-stuck"]
+    assert planned(ship) == []
+    assert ship.facts(ship.instructor, "order")[-1] == "casualty rudder-stuck"
+    assert (
+        "2: at 00:00:08: casualty rudder-stuck: casualty"
+        in ship.events(ship.instructor, "exercise")[-1]
+    )
+
+
+def test_an_order_waits_for_a_condition(crewed: Begin) -> None:
+    ship = crewed(seconds=None)
+    ship.order("when depth >= 62 m then casualty bow-stuck")
+    ship.order("when depth > 64 then freeze")
+    assert planned(ship)[0] == "1,depth >= 62 m,casualty bow-stuck"
+    ship.order("depth 90")
+    while ship.boat.state.z < 62.0:
+        assert broken(ship) == []
+        ship.fly(1)
+    ship.fly(1)
+    assert broken(ship) == ["bow-stuck"]
+    ship.fly(200)
+    assert ship.session.time.frozen
+    assert ship.boat.ticks < 200
+    assert ship.boat.state.z > 64.0
+    assert planned(ship) == []
+
+
+def test_a_plan_is_taken_away_by_its_number(crewed: Begin) -> None:
+    ship = crewed(seconds=None, schedule=scheduled("100 depth 80"))
+    ship.order("in 2 casualty rudder-stuck")
+    ship.order("in 2 depth 70")
+    ship.order("in 2 course 090")
+    assert ship.order("cancel 2").startswith("cancelled: 2: at 00:00:02: depth 70")
+    assert planned(ship) == [
+        *("1,2.000,casualty rudder-stuck", "3,2.000,course 090", ",100.000,depth 80 m"),
+    ]
+    assert ship.refused("cancel 2") == "no such plan of an instructor's; there is 1, 3"
+    ship.order("cancel all")
+    ship.fly(10)
+    assert broken(ship) == []
+    assert ship.boat.state.ordered_depth == 60.0
+    assert planned(ship) == [",100.000,depth 80 m"]
+    assert ship.refused("cancel all").endswith("there is none")
+
+
+@pytest.mark.parametrize(
+    ("words", "why"),
+    [
+        ("in 5 casualty ruder-stuck", "no casualty 'ruder-stuck'"),
+        ("in 5 casualty stern-hard-over 9", "severity 9"),
+        ("when depht > 60 then depth 70", "no quantity 'depht'"),
+        ("when depth then depth 70", "write it as depth > 100"),
+        ("at 1 depth 80", "00:00:01 is past: it is 00:00:02"),
+        ("in 5 quit", "quit cannot be planned"),
+        ("in 5 in 6 depth 70", "cannot be planned"),
+        ("in 5 role helm word", "role helm cannot be planned"),
+        ("at noon depth 80", "expected a time"),
+        ("when depth > 60 casualty rudder-stuck", "expected then"),
+    ],
+)
+def test_a_plan_that_cannot_come_is_refused_at_once(crewed: Begin, words: str, why: str) -> None:
+    ship = crewed(seconds=None)
+    ship.fly(4)
+    assert why in ship.refused(words)
+    assert planned(ship) == []
+    assert "word" not in "".join(ship.instructor.sent).replace("words", "") or "word" not in words
+
+
+def test_going_back_brings_back_what_was_planned_then(crewed: Begin) -> None:
+    ship = crewed(seconds=None)
+    ship.fly(4)
+    ship.order("at 5 casualty rudder-stuck")
+    ship.fly(4)
+    ship.order("at 20 depth 70")
+    ship.fly(8)
+    assert broken(ship) == ["rudder-stuck"]
+    ship.order("backtrack 5 s")  # to 3 s: the first was planned, and has not come
+    assert planned(ship) == ["1,5.000,casualty rudder-stuck"]
+    ship.fly(10)
+    assert broken(ship) == ["rudder-stuck"]
+    ship.order("branch 1")
+    assert planned(ship) == ["2,20.000,depth 70 m"]
+    ship.order("reset")
+    assert planned(ship) == []
+
+
+def test_a_replay_gives_what_came_and_waits_for_the_rest(crewed: Begin) -> None:
+    ship = crewed(seconds=None)
+    ship.order("at 3 casualty rudder-stuck")
+    ship.order("at 30 depth 70")
+    ship.fly(16)
+    state = ship.boat.records.state.tobytes()
+    ship.order("replay 8 s")
+    assert "replay is running" in ship.refused("in 5 depth 80")
+    for _ in range(40):
+        if ship.session.history.rerun:
+            ship.fly(1)
+    assert ship.boat.records.state.tobytes() == state
+    assert "the same to the last bit" in ship.events(ship.instructor, "moment")[-1]
+    assert planned(ship) == ["2,30.000,depth 70 m"]
+
+
+def test_the_exercise_s_own_events_are_told_to_the_instructor_alone(crewed: Begin) -> None:
+    first = crewed()
+    casualty = first.boat.casualties["rudder-stuck"]
+    waits = [
+        Armed(condition=compile_condition(text, PLACE), casualty=casualty, rule="once")
+        for text in ("depth > 61", "time > 400 s")
+    ]
+    ship = crewed(seconds=None, schedule=scheduled("5 order depth 80"), armed=waits)
+    others = [ship.comes(role) for role in ROLES if role != "instructor"]
+    ship.order("in 3 casualty bow-stuck")
+    second = ship.comes("instructor")
+    ahead = [
+        *("1,3.000,casualty bow-stuck", ",5.000,order depth 80 m"),
+        *(",400.000,casualty rudder-stuck", ",depth > 61,casualty rudder-stuck"),
+    ]
+    assert planned(ship, second) == planned(ship) == ahead
+    assert ship.order("plans") == ""
+    assert ship.said[-1] == "exercise: when depth > 61: casualty rudder-stuck"
+
+    ship.order("depth 90")
+    while ship.boat.state.z < 61.0:
+        ship.fly(1)
+    ship.fly(2)
+    assert planned(ship) == [",400.000,casualty rudder-stuck"]
+    for line in others:
+        assert ship.say(line, "plans")[0] == "no"
+        assert ship.say(line, "in 5 casualty bow-stuck")[0] == "no"
+        assert not any(
+            "planned" in each or "stuck" in each for each in line.sent if "TRA" not in each
+        )
+
+
+def test_what_the_crew_has_in_hand_is_not_given_away_by_a_plan(crewed: Begin) -> None:
+    ship = crewed(seconds=None)
+    ship.session.crew.hand = frozenset({"planes"})
+    ship.order("in 1 depth 90")
+    ship.fly(4)
+    assert ship.boat.state.ordered_depth == 60.0
+    assert "refused: the planes are in hand" in ship.events(ship.instructor, "exercise")[-1]

@@ -1,0 +1,202 @@
+"""The agenda: the orders ahead, the exercise's own and those of an instructor.
+
+An exercise's own come by its schedule and by the conditions that the core watches. Those planned
+while the session runs are in the journal, as is each that came: after a jump in time they are made
+again from there. The instructor alone is told of any.
+"""
+
+import math
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field
+from typing import Final, NamedTuple
+
+from trainer.boat.boat import PLACES, Boat
+from trainer.boat.casualties import problem_of, scale_of
+from trainer.config.condition import Condition, compile_condition
+from trainer.config.exercise import Armed
+from trainer.config.files import ConfigError, Place
+from trainer.io.orders.grammar import Order, Refused, Reply, parse
+from trainer.io.orders.schedule import Scheduled
+from trainer.io.recording.recording import Journalled
+from trainer.io.status_line import clock
+from trainer.session.exercise import is_met
+from trainer.session.stations.station import Fact
+
+PLANNING: Final = frozenset({"plan", "cancel"})  # journalled, though they move nothing
+MOST: Final = 40  # planned at once, and told at once
+HEAD: Final = "instructor at plan "  # who gives a planned order, before its number
+WRITTEN: Final = Place("when", "")
+SPENT: Final = PLACES["triggers_spent"]
+
+
+class Ahead(NamedTuple):
+    """An order that is to come: its time [s] or condition, and its number."""
+
+    when: float | str
+    text: str
+    number: int = 0  # for `cancel`; 0: the exercise's own
+
+    @property
+    def fact(self) -> Fact:
+        """Return it as programs are told it."""
+        when = f"{self.when:.3f}" if isinstance(self.when, float) else self.when
+        return Fact("planned", f"{self.number or ''},{when},{self.text}")
+
+    def __str__(self) -> str:
+        when = f"at {clock(self.when)}" if isinstance(self.when, float) else f"when {self.when}"
+        return f"{self.number or 'exercise'}: {when}: {self.text}"
+
+
+@dataclass(frozen=True)
+class Planned:
+    """An order that an instructor has planned, for a time or a condition."""
+
+    number: int
+    order: Order
+    seconds: float = math.inf  # [s]
+    condition: Condition | None = None
+
+    @property
+    def ahead(self) -> Ahead:
+        """Return it as it is told."""
+        when = self.condition.text if self.condition else self.seconds
+        return Ahead(when, self.order.text, self.number)
+
+    def is_due(self, boat: Boat) -> bool:
+        """Return whether it acts on the tick that comes."""
+        if self.condition:
+            return is_met(self.condition, boat)
+        return math.ceil(self.seconds / boat.method.step - 1e-9) <= boat.ticks
+
+
+@dataclass
+class Agenda:
+    """The orders ahead of one session."""
+
+    boat: Boat
+    schedule: Sequence[Scheduled] = ()
+    armed: Sequence[Armed] = ()
+    planned: dict[int, Planned] = field(default_factory=dict)
+    _last: int = 0  # the number of the newest
+    _told: tuple[object, ...] = ()  # what was so when the instructors were last told
+
+    def obey(self, order: Order) -> Reply:
+        """Plan an order, or take one away; return what now holds."""
+        if order.name == "cancel":
+            return self._cancel(order)
+        made = self._made(order, self.boat.time)
+        if isinstance(made, Refused):
+            return made
+        if why := self._problem(made):
+            return Refused(why)
+        self._take(made)
+        return f"planned: {made.ahead}"
+
+    def settle(self, entries: Iterable[Journalled]) -> None:
+        """Make the plans again from the journal, after a jump in time."""
+        self.planned.clear()
+        self._last = 0
+        for entry in entries:
+            order = parse(entry.text)
+            came = entry.who.startswith(HEAD)
+            if isinstance(order, Order) and (came or entry.accepted is not False):
+                self.note(order, entry.who, entry.tick * self.boat.method.step)
+
+    def note(self, order: Order, who: str, seconds: float) -> None:
+        """Take what an order of the journal meant for the plans."""
+        if who.startswith(HEAD):
+            self.planned.pop(int(who.removeprefix(HEAD)), None)
+        elif order.name == "cancel":
+            self._drop(order)
+        elif order.name == "plan":
+            made = self._made(order, seconds)
+            if isinstance(made, Planned):
+                self._take(made)
+
+    def due(self) -> list[Planned]:
+        """Take out those that act on the tick that comes, by their times."""
+        found = [each for each in self.planned.values() if each.is_due(self.boat)]
+        for each in found:
+            del self.planned[each.number]
+        return sorted(found, key=lambda each: (each.seconds, each.number))
+
+    def ahead(self, place: int) -> list[Ahead]:
+        """Return what is to come, timed first; ``place`` is that of the schedule's next entry."""
+        own = [Ahead(entry.seconds, entry.order.text) for entry in self.schedule[place:]]
+        own += [ahead_of(each) for each in self._waiting()]
+        found = own + [each.ahead for each in self.planned.values()]
+        timed = [each for each in found if isinstance(each.when, float)]
+        return [*sorted(timed, key=lambda each: each.when), *(e for e in found if e not in timed)]
+
+    def facts(self, place: int) -> list[Fact]:
+        """Return the whole list as programs are told it, its length first."""
+        told = self.ahead(place)
+        return [Fact("plans", str(len(told))), *(each.fact for each in told[:MOST])]
+
+    def listing(self, place: int) -> list[str]:
+        """Return the list in words."""
+        return [str(each) for each in self.ahead(place)] or ["nothing is planned"]
+
+    def has_changed(self, place: int) -> bool:
+        """Return whether something has come or gone since this was last asked."""
+        before = self._told
+        self._told = place, self.boat.plain[SPENT], *self.planned
+        return self._told != before
+
+    def _waiting(self) -> list[Armed]:
+        """Return the casualties whose conditions have not come true yet, or may once more."""
+        spent = int(self.boat.plain[SPENT])
+        return [
+            each
+            for bit, each in enumerate(self.armed)
+            if each.rule == "again" or not spent >> bit & 1
+        ]
+
+    def _made(self, order: Order, now: float) -> Planned | Refused:
+        """Return what an order plans at a time [s]."""
+        inner = parse(order.subject)
+        if not isinstance(inner, Order):
+            return Refused(f"{order.subject}: no order of this version")
+        number = self._last + 1
+        if order.word != "when":
+            return Planned(number, inner, order.value + (now if order.word == "in" else 0.0))
+        text = order.text.removeprefix("when ").removesuffix(f" then {inner.text}")
+        try:
+            return Planned(number, inner, condition=compile_condition(text, WRITTEN))
+        except ConfigError as error:
+            return Refused(str(error))
+
+    def _problem(self, made: Planned) -> str:
+        """Return why an order cannot be planned, "" if it can."""
+        if len(self.planned) >= MOST:
+            return f"{MOST} orders are planned: cancel one"
+        if made.condition and not scale_of(self.boat, made.condition.quantity):
+            return f"{self.boat.file.path.name} has no {made.condition.quantity}"
+        if not made.condition and made.seconds < self.boat.time:
+            return f"{clock(made.seconds)} is past: it is {clock(self.boat.time)}"
+        return problem_of(self.boat, made.order) if made.order.name == "casualty" else ""
+
+    def _take(self, made: Planned) -> None:
+        self.planned[made.number] = made
+        self._last = made.number
+
+    def _cancel(self, order: Order) -> Reply:
+        there = ", ".join(map(str, self.planned)) or "none"
+        gone = self._drop(order)
+        if not gone:
+            return Refused(f"no such plan of an instructor's; there is {there}")
+        return f"cancelled: {', '.join(str(each.ahead) for each in gone)}"
+
+    def _drop(self, order: Order) -> list[Planned]:
+        wanted = list(self.planned) if order.word == "all" else [int(order.value)]
+        return [self.planned.pop(number) for number in wanted if number in self.planned]
+
+
+def ahead_of(armed: Armed) -> Ahead:
+    """Return a casualty that waits for a condition; a time is told as one."""
+    condition, casualty = armed.condition, armed.casualty
+    timed = condition.quantity == "time" and condition.sense > 0.0
+    again = ", again each time" if armed.rule == "again" else ""
+    degree = "" if casualty.measure.sudden else f" {casualty.severity:g} ramp {casualty.ramp_s:g}"
+    text = f"casualty {casualty.name}{degree}{again}"
+    return Ahead(condition.threshold if timed else condition.text, text)
