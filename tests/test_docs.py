@@ -39,8 +39,14 @@ def shown(page: Path) -> dict[str, str]:
 
 SHOWN = {line: text for page in PAGES for line, text in shown(page).items()}
 FIRST_PAGES = {line: page for page in reversed(PAGES) for line in commands(page)}
+# what takes minutes, and has tests of its own
+SLOW = re.compile(r"bench --(footprint|against-c)|--selftest|sweep (overshoots|centre-of-gravity)")
 CASES = [
-    pytest.param(line, id=f"{page.name}: {line[:60]}")
+    pytest.param(
+        line,
+        id=f"{page.name}: {line[:60]}",
+        marks=[pytest.mark.slow] if SLOW.search(line) else [],
+    )
     for line, page in FIRST_PAGES.items()
     if runnable(line) and page.name != "tutorial.md"
 ]

@@ -430,6 +430,7 @@ def test_a_set_astray_at_the_top_speed_is_searched_for_anew_with_flights_there(
 
 
 @pytest.mark.usefixtures("narrow")
+@pytest.mark.slow
 def test_a_second_search_broken_off_ends_in_the_same_bits(
     slim: VesselFile, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
