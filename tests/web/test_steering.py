@@ -32,7 +32,7 @@ NAMES: Final = ("helm", "planes", "pilot")
 SURFACES: Final = {"rudder": "steering", "stern": "diving", "bow": "diving"}
 SLOW: Final = 30_000  # [ms] for what comes after seconds
 BEYOND: Final = """() => [...document.querySelectorAll("main button, header button, .knob")]
-    .filter((each) => each.checkVisibility())
+    .filter((each) => each.checkVisibility() && !each.closest("#autopilot")) // that rolls
     .filter((each) => {
         const { left, right, top, bottom } = each.getBoundingClientRect();
         return left < -1 || top < -1 || right > innerWidth + 1 || bottom > innerHeight + 1;
@@ -120,7 +120,7 @@ def test_each_half_of_a_small_pilot_s_page_works_without_the_other(
     shared: Served, instructor: Caller, look: Look, way: str
 ) -> None:
     page = opened(look, shared, size="phone", has_touch=True)
-    work_parts(page, way, ".halves button", "data-half")
+    work_parts(page, way, "part-keys button", "data-half")
     for half, shown, unseen in (("Steer", ["rudder"], "stern"), ("Dive", ["stern", "bow"], "rudder")):
         work(page, page.get_by_role("button", name=half, exact=True), way)
         expect(page.locator(f"order-lever[name={unseen}]")).to_be_hidden()
@@ -307,14 +307,17 @@ def test_the_crew_is_alerted_by_its_gauges_alone(
 
 
 @pytest.mark.parametrize("name", NAMES)
-@pytest.mark.usefixtures("instructor")
 def test_nothing_is_cut_and_no_numeral_covers_another_at_any_size(
-    shared: Served, look: Look, name: str
+    shared: Served, instructor: Caller, look: Look, name: str
 ) -> None:
+    for words in ("order course right 45", "order depth 70", "order speed 6"):
+        assert instructor.ask(words)[0]
     page = opened(look, shared, name)
+    expect(page.locator("repeat-bar")).to_be_visible()
+    expect(page.locator("#autopilot button")).to_have_count({"helm": 2, "planes": 1, "pilot": 3}[name])
     for size, (width, height) in SIZES.items():
         page.set_viewport_size({"width": width, "height": height})
-        keys = page.locator(".halves button:visible")
+        keys = page.locator("part-keys button:visible")
         for place in range(max(keys.count(), 1)):
             if keys.count():
                 keys.nth(place).click()
