@@ -38,7 +38,8 @@ BEYOND: Final = """() => [...document.querySelectorAll("main button, header butt
         return left < -1 || top < -1 || right > innerWidth + 1 || bottom > innerHeight + 1;
     }).map((each) => each.textContent)"""
 OVERLAPS: Final = """() => [...document.querySelectorAll("level-bar")].flatMap((bar) => {
-    const all = [...bar.querySelectorAll(".numerals span")].filter((each) => each.checkVisibility());
+    const spans = [...bar.querySelectorAll(".numerals span")];
+    const all = spans.filter((each) => each.checkVisibility());
     const ends = all.map((each) => each.getBoundingClientRect());
     return ends.slice(1).filter((each, at) => each.left < ends[at].right + 1).map(() => bar.id);
 })"""
@@ -120,7 +121,10 @@ def test_each_half_of_a_small_pilot_s_page_works_without_the_other(
 ) -> None:
     page = opened(look, shared, size="phone", has_touch=True)
     work_parts(page, way, "part-keys button", "data-half")
-    for half, shown, unseen in (("Steer", ["rudder"], "stern"), ("Dive", ["stern", "bow"], "rudder")):
+    for half, shown, unseen in (
+        ("Steer", ["rudder"], "stern"),
+        ("Dive", ["stern", "bow"], "rudder"),
+    ):
         work(page, page.get_by_role("button", name=half, exact=True), way)
         expect(page.locator(f"order-lever[name={unseen}]")).to_be_hidden()
         for name in shown:
@@ -315,7 +319,9 @@ def test_nothing_is_cut_and_no_numeral_covers_another_at_any_size(
         assert instructor.ask(words)[0]
     page = opened(look, shared, name)
     expect(page.locator("repeat-bar")).to_be_visible()
-    expect(page.locator("#autopilot button")).to_have_count({"helm": 2, "planes": 1, "pilot": 3}[name])
+    expect(page.locator("#autopilot button")).to_have_count(
+        {"helm": 2, "planes": 1, "pilot": 3}[name]
+    )
     for size, (width, height) in SIZES.items():
         page.set_viewport_size({"width": width, "height": height})
         keys = page.locator("part-keys button:visible")
