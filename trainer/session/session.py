@@ -468,8 +468,7 @@ class Session:
 
     def _call_depth(self) -> None:
         """Call out a depth that the hull has passed on the way down."""
-        passed = self.depths.look(self.boat)
-        if passed:
+        if passed := self.depths.look(self.boat):
             self._tell_depth(passed.words, Fact("depth", f"{passed.depth:g}"))
 
     def _judge_hull(self) -> None:
