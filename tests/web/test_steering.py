@@ -71,7 +71,8 @@ def put(page: Page, name: str, way: str) -> int:
     slider = lever.get_by_role("slider")
     if way == "keyboard":
         slider.evaluate("(each) => (each.dataset.worked = '')")
-        for key in ("Home", "PageUp", "ArrowUp", "ArrowLeft", "Shift+ArrowRight", "PageDown"):
+        keys = ("Home", "PageUp", "ArrowUp", "ArrowLeft", "Shift+ArrowRight", "PageDown")
+        for key in (*keys, "ArrowUp", "ArrowRight"):  # 7 is ordered once, at the end
             slider.press(key)
     else:
         work(page, lever.locator(".slot"), way, (0.8, 0.5) if name == "rudder" else (0.5, 0.2))
