@@ -6,8 +6,8 @@ from contextlib import ExitStack
 import pytest
 from playwright.sync_api import Browser, Page, sync_playwright
 
-from trainer.verify.soak.session_process import Caller
 from helpers.pages import QUIET, SIZES, Heard, Served, find_chromium, served
+from trainer.verify.soak.session_process import Caller
 
 Serve = Callable[..., Served]
 Look = Callable[..., Page]

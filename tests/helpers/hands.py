@@ -82,7 +82,7 @@ def work_parts(page: Page, way: str, keys: str, shown: str) -> None:
     for key in page.locator(keys).all():
         work(page, key, way)
         expect(key).to_have_attribute("aria-pressed", "true")
-        chosen = key.get_attribute("data-name") or key.get_attribute("data-half")
+        chosen = key.get_attribute("data-name")
         expect(page.locator("body")).to_have_attribute(shown, str(chosen))
 
 

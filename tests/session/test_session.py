@@ -263,7 +263,9 @@ def test_help_and_status_fit_a_screen_of_79_columns() -> None:
     assert max(len(line) for line in script.heard) <= 79
 
 
-def test_an_order_given_before_the_first_tick_comes_after_what_was_scheduled_for_the_start() -> None:
+def test_an_order_given_before_the_first_tick_comes_after_what_was_scheduled_for_the_start() -> (
+    None
+):
     session = run(Script([["stern planes rise 8"]]), 1, "0 planes manual\n")
 
     assert float(session.boat.state.ordered_s) == pytest.approx(math.radians(-8.0))

@@ -9,6 +9,7 @@ from helpers.hands import (
     CUT,
     UNWORKED,
     WAYS,
+    await_truth,
     heard,
     read,
     report,
@@ -158,10 +159,9 @@ def test_a_group_that_is_shut_leaves_the_others_blowing(
     assert read(instructor, "valves.blow_aft") == "open"
     page.locator("[data-lever=aft] [data-position=shut]").click()
 
-    await_stepped(instructor, "valves.blow_aft", "shut")
-    assert read(instructor, "valves.blow_mid") == "open"
-    assert read(instructor, "valves.negative_flood") == "open"
-    assert read(instructor, "valves.vent_negative") == "open"
+    await_truth(instructor, "valves.blow_aft", "shut")
+    for valve in ("blow_mid", "negative_flood", "vent_negative"):  # they are opened again
+        await_truth(instructor, f"valves.{valve}", "open")
     assert read(instructor, "valves.blow_forward") == "shut"
 
 

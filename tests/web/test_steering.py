@@ -32,13 +32,14 @@ NAMES: Final = ("helm", "planes", "pilot")
 SURFACES: Final = {"rudder": "steering", "stern": "diving", "bow": "diving"}
 SLOW: Final = 30_000  # [ms] for what comes after seconds
 BEYOND: Final = """() => [...document.querySelectorAll("main button, header button, .knob")]
-    .filter((each) => each.checkVisibility())
+    .filter((each) => each.checkVisibility() && !each.closest("#autopilot")) // that rolls
     .filter((each) => {
         const { left, right, top, bottom } = each.getBoundingClientRect();
         return left < -1 || top < -1 || right > innerWidth + 1 || bottom > innerHeight + 1;
     }).map((each) => each.textContent)"""
 OVERLAPS: Final = """() => [...document.querySelectorAll("level-bar")].flatMap((bar) => {
-    const all = [...bar.querySelectorAll(".numerals span")].filter((each) => each.checkVisibility());
+    const spans = [...bar.querySelectorAll(".numerals span")];
+    const all = spans.filter((each) => each.checkVisibility());
     const ends = all.map((each) => each.getBoundingClientRect());
     return ends.slice(1).filter((each, at) => each.left < ends[at].right + 1).map(() => bar.id);
 })"""
@@ -70,14 +71,14 @@ def put(page: Page, name: str, way: str) -> int:
     slider = lever.get_by_role("slider")
     if way == "keyboard":
         slider.evaluate("(each) => (each.dataset.worked = '')")
-        for key in ("Home", "PageUp", "ArrowUp", "ArrowLeft", "Shift+ArrowRight", "PageDown"):
+        keys = ("Home", "PageUp", "ArrowUp", "ArrowLeft", "Shift+ArrowRight", "PageDown")
+        for key in (*keys, "ArrowUp", "ArrowRight"):  # 7 is ordered once, at the end
             slider.press(key)
     else:
         work(page, lever.locator(".slot"), way, (0.8, 0.5) if name == "rudder" else (0.5, 0.2))
         slider.evaluate("(each) => (each.dataset.worked = '')")
-    angle = int(slider.get_attribute("aria-valuenow") or 0)
-    assert angle != 0
-    return angle
+    assert standing(page, name) != 0
+    return standing(page, name)
 
 
 @pytest.mark.parametrize("way", WAYS)
@@ -120,27 +121,32 @@ def test_each_half_of_a_small_pilot_s_page_works_without_the_other(
     shared: Served, instructor: Caller, look: Look, way: str
 ) -> None:
     page = opened(look, shared, size="phone", has_touch=True)
-    work_parts(page, way, ".halves button", "data-half")
-    for half, shown, unseen in (("Steer", ["rudder"], "stern"), ("Dive", ["stern", "bow"], "rudder")):
+    work_parts(page, way, "part-keys button", "data-half")
+    for half, shown, unseen in (
+        ("Steer", ["rudder"], "stern"),
+        ("Dive", ["stern", "bow"], "rudder"),
+    ):
         work(page, page.get_by_role("button", name=half, exact=True), way)
         expect(page.locator(f"order-lever[name={unseen}]")).to_be_hidden()
         for name in shown:
             angle = put(page, name, way)
             await_truth(instructor, f"{SURFACES[name]}.ordered_{name}", f"{angle:.1f}")
         before = read(instructor, f"{SURFACES[unseen]}.ordered_{unseen}")
-        page.locator("body").press("ArrowRight" if half == "Dive" else "ArrowUp")
-        page.locator("body").press("ArrowUp" if half == "Dive" else "ArrowRight")
-        await_truth(instructor, f"{SURFACES[shown[0]]}.ordered_{shown[0]}", f"{nudged(page, shown[0])}")
+        page.evaluate("document.activeElement.blur()")  # no lever is meant by its focus
+        place, stood = f"{SURFACES[shown[0]]}.ordered_{shown[0]}", standing(page, shown[0])
+        for key in ("ArrowRight", "ArrowUp"):
+            page.keyboard.press(key)
+        await_truth(instructor, place, f"{stood + 1:.1f}")
         assert read(instructor, f"{SURFACES[unseen]}.ordered_{unseen}") == before
     work(page, page.get_by_role("button", name="Steer", exact=True), way)
     work(page, page.locator("[data-bell='astern full']"), way)
     await_truth(instructor, "engine.bell", "astern-full")
 
 
-def nudged(page: Page, name: str) -> str:
-    """Return what a lever stands at, as the session says it."""
+def standing(page: Page, name: str) -> int:
+    """Return what a lever stands at [deg]."""
     slider = page.locator(f"order-lever[name={name}]").get_by_role("slider")
-    return f"{int(slider.get_attribute('aria-valuenow') or 0):.1f}"
+    return int(slider.get_attribute("aria-valuenow") or 0)
 
 
 @pytest.mark.parametrize("name", ["helm", "planes"])
@@ -307,14 +313,19 @@ def test_the_crew_is_alerted_by_its_gauges_alone(
 
 
 @pytest.mark.parametrize("name", NAMES)
-@pytest.mark.usefixtures("instructor")
 def test_nothing_is_cut_and_no_numeral_covers_another_at_any_size(
-    shared: Served, look: Look, name: str
+    shared: Served, instructor: Caller, look: Look, name: str
 ) -> None:
+    for words in ("order course right 45", "order depth 70", "order speed 6"):
+        assert instructor.ask(words)[0]
     page = opened(look, shared, name)
+    expect(page.locator("repeat-bar")).to_be_visible()
+    expect(page.locator("#autopilot button")).to_have_count(
+        {"helm": 2, "planes": 1, "pilot": 3}[name]
+    )
     for size, (width, height) in SIZES.items():
         page.set_viewport_size({"width": width, "height": height})
-        keys = page.locator(".halves button:visible")
+        keys = page.locator("part-keys button:visible")
         for place in range(max(keys.count(), 1)):
             if keys.count():
                 keys.nth(place).click()

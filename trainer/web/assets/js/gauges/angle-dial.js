@@ -46,20 +46,17 @@ const FACES = {
     low: [60, 276],
     high: [60, 34],
   },
-  left: {
-    size: [210, 300],
-    centre: [172, 150],
-    at: 270,
-    sense: 1,
-    radius: 126,
-    gain: 2,
-    digits: [150, 160],
-    order: [150, 184],
-    low: [150, 276],
-    high: [150, 34],
-  },
 };
+FACES.left = mirrored(FACES.right);
 const USUAL = 30; // [deg]
+
+/** Returns a face as a mirror at its side shows it. @param {Face} face @returns {Face} */
+function mirrored({ size, centre, at, sense, digits, order, low, high, ...same }) {
+  const turned = (/** @type {Point} */ [x, y]) => /** @type {Point} */ ([size[0] - x, y]);
+  const [middle, figure, below] = [centre, digits, order].map(turned);
+  const places = { centre: middle, digits: figure, order: below, low: turned(low), high: turned(high) };
+  return { size, at: 360 - at, sense: sense === 1 ? -1 : 1, ...places, ...same };
+}
 
 class AngleDial extends Gauge {
   most = USUAL; // [deg] the largest angle either way

@@ -1,11 +1,11 @@
-// The instruments that diving officer and observer look at.
+// The instruments of the stations that steer, order and watch.
 import "../gauges/angle-dial.js";
 import "../gauges/course-ring.js";
 import "../gauges/depth-gauge.js";
 import "../gauges/pitch-gauge.js";
 import { Motion } from "../model/motion.js";
 
-const STEEPENS = 7.1; // [deg/s] the fastest that pitch changes
+const TURNS = 7.1; // [deg/s] the fastest that surfaces and the boat itself turn
 
 /**
  * @typedef {import("../model/session.js").Session} Session
@@ -15,43 +15,52 @@ const STEEPENS = 7.1; // [deg/s] the fastest that pitch changes
  * @typedef {HTMLElement & { limit: number }} AngleDial
  */
 
-/** What each instrument shows: its place, and that of what is ordered. */
-const GAUGES = /** @type {Record<string, [string, string]>} */ ({
-  "depth-gauge": ["gauges.depth", "orders.depth"],
-  "pitch-gauge": ["gauges.pitch", "orders.pitch"],
-  "course-ring": ["gauges.heading", "orders.course"],
-  "#stern": ["diving.stern", "diving.ordered_stern"],
-  "#bow": ["diving.bow", "diving.ordered_bow"],
-  "#rudder": ["steering.rudder", "steering.ordered_rudder"],
-  "#speed": ["engine.speed", "orders.speed"],
-  "#rpm": ["engine.rpm", "engine.ordered_rpm"],
-});
+/**
+ * What each instrument shows: its place, where its order stands (the crew's before the
+ * autopilot's), and the fastest that it moves in a second.
+ * @type {Record<string, [string, string[], number]>}
+ */
+const GAUGES = {
+  "depth-gauge": ["gauges.depth", ["orders.depth", "diving.ordered_depth"], 6],
+  "pitch-gauge": ["gauges.pitch", ["orders.pitch"], TURNS],
+  "course-ring": ["gauges.heading", ["orders.course", "steering.ordered_course"], TURNS],
+  "#heel": ["gauges.heel", [], TURNS],
+  "#stern": ["diving.stern", ["diving.ordered_stern"], TURNS],
+  "#bow": ["diving.bow", ["diving.ordered_bow"], TURNS],
+  "#rudder": ["steering.rudder", ["steering.ordered_rudder"], TURNS],
+  "#speed": ["gauges.speed", ["orders.speed", "engine.ordered_speed"], 1],
+  "#rpm": ["engine.rpm", ["engine.ordered_rpm"], 20],
+};
 
-/** Moves the instruments that this page has. @param {Session} session */
-export function showInstruments(session) {
-  const gauges = Object.entries(GAUGES).flatMap(([selector, places]) => {
+/**
+ * Moves the instruments that this page has; returns what moves them, by their selectors.
+ * @param {Session} session
+ * @param {(place: string, stands: number | null) => number | null} [wanted] what an order is to
+ *   be, where the page knows more than the readings
+ */
+export function showInstruments(session, wanted = (_, stands) => stands) {
+  const gauges = Object.entries(GAUGES).flatMap(([selector, [place, orders, most]]) => {
     const gauge = /** @type {Gauge | null} */ (document.querySelector(selector));
-    return gauge ? [{ gauge, selector, place: places[0], ordered: places[1] }] : [];
+    return gauge ? [{ gauge, selector, place, orders, most }] : [];
   });
   const pointers = Object.fromEntries(
-    gauges.map(({ selector, place }) => [
+    gauges.map(({ selector, place, most }) => [
       selector,
-      {
-        place,
-        turns: place === "gauges.heading",
-        most: place === "gauges.pitch" ? STEEPENS : Infinity,
-      },
+      { place, turns: place === "gauges.heading", most },
     ]),
   );
   const motion = new Motion(session, pointers);
+  const ordered = (/** @type {string[]} */ orders) =>
+    orders.map((place) => wanted(place, session.number(place))).find((to) => to !== null) ?? null;
   motion.addEventListener("frame", () => {
-    for (const { gauge, selector, ordered } of gauges) {
+    for (const { gauge, selector, orders } of gauges) {
       const rate = selector === "course-ring" ? [session.number("steering.turn_rate")] : [];
-      gauge.show(motion.shown[selector] ?? null, session.number(ordered), ...rate);
+      gauge.show(motion.shown[selector] ?? null, ordered(orders), ...rate);
     }
   });
   session.on("ranges", () => fit(session));
   motion.start();
+  return motion;
 }
 
 /** Gives dials and gauges the ranges of the vessel. @param {Session} session */

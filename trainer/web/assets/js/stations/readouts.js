@@ -1,5 +1,5 @@
 // Readings as digits, and what was answered to the last order.
-import { one, sided, write } from "../draw.js";
+import { bearing, one, sided, write } from "../draw.js";
 
 const BETWEEN = 480; // [ms] between changes of digits, so that they can be read
 
@@ -32,8 +32,10 @@ export function showReadouts(session) {
     const node = /** @type {HTMLElement} */ (each);
     const { place = "", low, high, unit = "", digits = "1" } = node.dataset;
     const value = session.number(place);
-    const words = (/** @type {number} */ shown) =>
-      low && high ? sided(shown, low, high, Number(digits)) : shown.toFixed(Number(digits));
+    const words = (/** @type {number} */ shown) => {
+      if ("bearing" in node.dataset) return bearing(shown);
+      return low && high ? sided(shown, low, high, Number(digits)) : shown.toFixed(Number(digits));
+    };
     if (session.readings.latest.has(place.split(".")[0])) {
       node.closest("[data-readout]")?.toggleAttribute("hidden", value === null);
     }

@@ -1,22 +1,19 @@
 // Helm, planes and pilot: one page, of which a role has its part.
 import "../controls/order-lever.js";
 import "../controls/order-telegraph.js";
+import "../controls/part-keys.js";
 import "../crew/repeat-bar.js";
 import "../crew/report-bar.js";
-import "../gauges/angle-dial.js";
-import "../gauges/course-ring.js";
-import "../gauges/depth-gauge.js";
 import "../gauges/level-bar.js";
-import "../gauges/pitch-gauge.js";
 import { Alerts, surfaceWatch } from "../model/alerts.js";
 import { Link } from "../protocol/link.js";
-import { Motion } from "../model/motion.js";
 import { Pending } from "../model/pending.js";
 import { Session } from "../model/session.js";
 import { bearing, html, one, write } from "../draw.js";
 import { furnish, isTyping, orderedLine } from "../frame.js";
 import { gamepad } from "../controls/gamepad.js";
-import { giver } from "./readouts.js";
+import { giver, seldom, showReadouts } from "./readouts.js";
+import { showInstruments } from "./instruments.js";
 
 /** @type {Record<string, string[]>} */
 const CHANNELS = {
@@ -31,17 +28,6 @@ const OFF_ORDER = {
   stern: "Stern planes off their order",
   bow: "Bow planes off their order",
 };
-const POINTERS = {
-  depth: { place: "gauges.depth", most: 6 },
-  heading: { place: "gauges.heading", most: 7.1, turns: true },
-  pitch: { place: "gauges.pitch", most: 7.1 },
-  heel: { place: "gauges.heel", most: 7.1 },
-  speed: { place: "gauges.speed", most: 1 },
-  rpm: { place: "engine.rpm", most: 20 },
-  rudder: { place: "steering.rudder", most: 7.1 },
-  stern: { place: "diving.stern", most: 7.1 },
-  bow: { place: "diving.bow", most: 7.1 },
-};
 const ANSWERED = 0.05; // of the bell's turns
 
 const { role = "helm" } = document.body.dataset;
@@ -50,7 +36,6 @@ const watches = Object.entries(OFF_ORDER).map(([name, title]) =>
   surfaceWatch(title, `${SURFACES[name]}.${name}`, `${SURFACES[name]}.ordered_${name}`),
 );
 const sound = furnish(session, new Alerts(session, watches));
-const motion = new Motion(session, POINTERS);
 
 /** @type {any[]} */
 const levers = [...document.querySelectorAll("order-lever")];
@@ -115,17 +100,14 @@ function showAutopilot() {
   bar.replaceChildren(...keys);
 }
 
-/** @param {string} half */
-function choose(half) {
-  document.body.dataset.half = half;
-  for (const key of document.querySelectorAll("[data-half]:not(body)")) {
-    key.setAttribute("aria-pressed", String(/** @type {HTMLElement} */ (key).dataset.half === half));
-  }
+/** @type {any} the halves of a pilot's page, where there is no room for both */
+const halves = document.querySelector("part-keys");
+if (halves) {
+  halves.parts = [
+    ["steer", "Steer"],
+    ["dive", "Dive"],
+  ];
 }
-for (const key of document.querySelectorAll(".halves button")) {
-  key.addEventListener("click", () => choose(/** @type {HTMLElement} */ (key).dataset.half ?? ""));
-}
-choose("steer");
 
 /** @type {Record<string, [string, number]>} arrow keys steer from anywhere on the page */
 const ARROWS = {
@@ -152,16 +134,12 @@ gamepad((name, value) => {
 });
 
 session.on("ranges", () => {
-  const { depth, periscope, speed, astern } = session.ranges;
-  /** @type {any} */ (one("depth-gauge")).limit(depth ?? null, periscope ?? null);
+  const { speed, astern } = session.ranges;
   for (const name of Object.keys(SURFACES)) {
-    const [dial, lever] = [`#${name}`, `order-lever[name="${name}"]`].map((each) =>
-      document.querySelector(each),
-    );
-    const panel = dial?.closest("section");
+    const lever = document.querySelector(`order-lever[name="${name}"]`);
+    const panel = lever?.closest("section");
     if (panel instanceof HTMLElement) panel.hidden = !(name in session.ranges);
-    if (name in session.ranges) Object.assign(dial ?? {}, { limit: session.ranges[name] });
-    if (name in session.ranges) Object.assign(lever ?? {}, { limit: session.ranges[name] });
+    if (lever && name in session.ranges) Object.assign(lever, { limit: session.ranges[name] });
   }
   if (telegraph) telegraph.stops = session.bells;
   const step = (speed ?? 20) > 10 ? 10 : 2;
@@ -197,39 +175,29 @@ function bell() {
   return [wanted, wanted === told && off <= Math.max(ANSWERED * Math.abs(ordered ?? 0), 1)];
 }
 
+const showWords = seldom(() => showReadouts(session));
 session.on("tick", () => {
   write(one("#ordered"), orderedLine(session) && `Ordered: ${orderedLine(session)}`);
   showModes();
   showAutopilot();
+  showWords();
   telegraph?.show(...bell());
   const rate = session.number("steering.turn_rate");
   const swing = document.querySelector("#swing");
   if (swing) write(swing, rate ? `swing ${Math.abs(rate).toFixed(1)} deg/s ${rate < 0 ? "left" : "right"}` : "");
-  const speed = document.querySelector("#speed-digits");
-  if (speed) write(speed, (session.number("gauges.speed") ?? 0).toFixed(1));
-  const heading = document.querySelector("#heading-digits");
-  if (heading) write(heading, bearing(session.number("gauges.heading") ?? 0));
 });
 
-/** Shows values on an instrument, where the page has it. @param {string} where @param {unknown[]} values */
-function show(where, ...values) {
-  /** @type {any} */ (document.querySelector(where))?.show(...values);
-}
+const motion = showInstruments(session, (place, stands) => {
+  const [channel, field] = place.split(".");
+  return pending[channel]?.resolve(field.replace("ordered_", ""), stands) ?? stands;
+});
 motion.addEventListener("frame", () => {
-  const { shown } = motion;
-  const at = (/** @type {string} */ place) => session.number(place);
-  show("course-ring", shown.heading, at("orders.course") ?? at("steering.ordered_course"), at("steering.turn_rate"));
-  show("depth-gauge", shown.depth, at("orders.depth") ?? at("diving.ordered_depth"));
-  show("pitch-gauge", shown.pitch, at("orders.pitch"));
-  show("#heel", shown.heel, null);
-  show("#speed", shown.speed, at("orders.speed") ?? at("engine.ordered_speed"));
-  show("#rpm", shown.rpm, at("engine.ordered_rpm"));
-  for (const [name, channel] of Object.entries(SURFACES)) {
-    const ordered = pending[channel].resolve(name, at(`${channel}.ordered_${name}`));
+  for (const lever of levers) {
+    const name = lever.getAttribute("name");
+    const channel = SURFACES[name];
+    const ordered = pending[channel].resolve(name, session.number(`${channel}.ordered_${name}`));
     const mode = session.word(`${channel}.${name}_mode`);
-    show(`#${name}`, shown[name], ordered);
-    show(`order-lever[name="${name}"]`, shown[name], ordered, mode, pending[channel].waits(name));
+    lever.show(motion.shown[`#${name}`], ordered, mode, pending[channel].waits(name));
   }
 });
-motion.start();
 session.start();

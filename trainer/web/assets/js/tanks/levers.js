@@ -1,8 +1,8 @@
 // The levers of tanks that air empties: how they stand, and the orders that move them.
 
-/** @typedef {Record<string, string>} Positions of the groups, such as `{ aft: "vent" }` */
+import { BLOWN } from "./places.js";
 
-export const GROUPS = ["aft", "mid", "forward", "negative"];
+/** @typedef {Record<string, string>} Positions of the groups, such as `{ aft: "vent" }` */
 
 /**
  * Returns how the lever of a group stands, by the words of the channel `valves`.
@@ -37,14 +37,14 @@ export function ordersTo(group, wanted, stand) {
 
 /** Returns the orders that shut all main ballast. @param {Positions} stand @returns {string[]} */
 export function ordersToShut(stand) {
-  const blown = GROUPS.some((group) => group !== "negative" && stand[group] === "blow");
+  const blown = BLOWN.some((group) => group !== "negative" && stand[group] === "blow");
   const negative = { flood: "negative flood", blow: "negative blow" }[stand.negative];
   return [...(blown ? ["blow stop", ...(negative ? [negative] : [])] : []), "vent all shut"];
 }
 
 /** @param {string} group @param {Positions} stand */
 function others(group, stand) {
-  return GROUPS.filter((each) => each !== group).flatMap((each) => {
+  return BLOWN.filter((each) => each !== group).flatMap((each) => {
     if (each === "negative" && stand[each] !== "shut") return [`negative ${stand[each]}`];
     return stand[each] === "blow" ? [`blow ${each}`] : [];
   });

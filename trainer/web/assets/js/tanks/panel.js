@@ -1,8 +1,8 @@
 // The controls of tanks and air on a page: switches, pumps, the cover; they show what stands.
 import { one, write } from "../draw.js";
 import { Pending } from "../model/pending.js";
-import { TITLES } from "./places.js";
-import { GROUPS, ordersTo, ordersToShut, position } from "./levers.js";
+import { BLOWN, MAIN, TITLES } from "./places.js";
+import { ordersTo, ordersToShut, position } from "./levers.js";
 
 /**
  * @typedef {import("../model/session.js").Session} Session
@@ -44,7 +44,7 @@ export class TankPanel {
   get positions() {
     const valves = this.session.readings.latest.get("valves")?.values ?? {};
     return Object.fromEntries(
-      GROUPS.map((group) => [
+      BLOWN.map((group) => [
         group,
         this.pending.resolve(`lever ${group}`, position(valves, group)),
       ]),
@@ -188,9 +188,9 @@ export class TankPanel {
   }
 }
 
-/** Returns a position of all levers of main ballast. @param {string} position */
-function allLevers(position) {
-  return Object.fromEntries(GROUPS.slice(0, 3).map((group) => [`lever ${group}`, position]));
+/** Returns a position of all levers of main ballast. @param {string} wanted */
+function allLevers(wanted) {
+  return Object.fromEntries(MAIN.map((group) => [`lever ${group}`, wanted]));
 }
 
 /** Shows the picture of the tanks, and what the chosen one holds. @param {Session} session */

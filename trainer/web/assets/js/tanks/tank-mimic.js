@@ -14,7 +14,7 @@ const LEAST = 0.05; // [t] of water where none belongs, or still to move, that i
  * @typedef {Record<string, string | number | null | undefined>} Values a reading, as it was sent
  * @typedef {{ tanks?: Values, air?: Values, valves?: Values,
  *   capacities?: Record<string, number> }} Shown
- * `capacities` [t]: without them they are worked out from amounts and percentages.
+ * `capacities` [t] are those that the session tells of its boat.
  * @typedef {{ amount: number, at: number, flow: number }} Flow
  */
 
@@ -124,7 +124,7 @@ class TankMimic extends HTMLElement {
     this.#toggle(`${name} words`, amount !== null);
     if (amount === null) return;
     const full = number(tanks[`${name}_full`]) ?? 0;
-    const capacity = this.#shown.capacities?.[name] ?? (full ? (100 * amount) / full : 0);
+    const capacity = this.#shown.capacities?.[name] ?? 0;
     const [field, sign] = MOVED[name] ?? ["", 0];
     const moving = (number(tanks[field]) ?? 0) * sign;
     const [x, y, w, h] = form.tanks[name];

@@ -105,9 +105,7 @@ def marks(instructor: Caller) -> list[str]:
 
 
 @pytest.mark.slow
-def test_a_crew_of_three_brings_periscope_depth_to_its_full_marks(
-    serve: Serve, look: Look
-) -> None:
+def test_a_crew_of_three_brings_periscope_depth_to_its_full_marks(serve: Serve, look: Look) -> None:
     session = serve("periscope-depth")
     instructor = session.attach()
     pages = [look(session, name) for name in ("pilot", "ballast", "diving")]
