@@ -81,9 +81,7 @@ customElements.define("alert-bar", AlertBar);
  */
 export function furnish(session, alerts) {
   const sound = new Sound();
-  const palette = /** @type {HTMLSelectElement} */ (one("#palette"));
-  palette.value = showPalette();
-  palette.onchange = () => keepPalette(palette.value);
+  furnishPalette();
   switchSound(sound);
   showAlerts(alerts, sound);
   for (const what of ["state", "tick", "exercise"]) session.on(what, () => showState(session));
@@ -97,6 +95,13 @@ export function furnish(session, alerts) {
   });
   showState(session);
   return sound;
+}
+
+/** Shows the palette, and lets it be chosen. */
+export function furnishPalette() {
+  const palette = /** @type {HTMLSelectElement} */ (one("#palette"));
+  palette.value = showPalette();
+  palette.onchange = () => keepPalette(palette.value);
 }
 
 /** Shows alerts, and tells new ones. @param {Alerts} alerts @param {Sound} [sound] */

@@ -45,6 +45,7 @@ export class Session extends EventTarget {
     super();
     this.source = source;
     this.role = role;
+    this.called = ""; // what the page is called in the list of stations, where its role is not enough
     this.channels = channels;
     this.readings = new Readings();
     this.history = new History();
@@ -178,6 +179,7 @@ export class Session extends EventTarget {
     this.over = false;
     this.caughtUp = false;
     this.joined = true;
+    if (this.called) void this.ask(`call ${this.called}`);
     for (const channel of this.channels) void this.ask(`subscribe ${channel}`);
     if (this.role === "instructor") {
       for (const words of ["snapshots", "branches"]) void this.ask(words);
