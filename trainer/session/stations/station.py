@@ -218,7 +218,7 @@ class Station:
             "subscribe": self._subscribe,
             "unsubscribe": self._unsubscribe,
             "detach": self._detach,
-            "call": self._call,
+            "name": self._be_called,
         }
         if order.name in duties:
             duties[order.name](heard, order)
@@ -265,7 +265,7 @@ class Station:
     def _help(self, heard: Heard, order: Order) -> None:
         self._answer(heard, "", *help_text(order.word))
 
-    def _call(self, heard: Heard, order: Order) -> None:
+    def _be_called(self, heard: Heard, order: Order) -> None:
         """Let the line have a name of its own in the list of stations."""
         self.called = order.subject
         self._log("station", f"{self.who} is called {self.called}")

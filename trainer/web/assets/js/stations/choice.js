@@ -37,7 +37,7 @@ async function begin() {
   for (const key of Object.keys(exercise)) delete exercise[key];
   over = "";
   tell("running", "CONNECTED");
-  const called = await link.order(`call ${OWN}`);
+  const called = await link.order(`name ${OWN}`);
   if (!called.ok) {
     write(one("#title"), "A session that asks for a word");
     write(one("#says"), "Choose a station: it asks for your word once, and keeps it in this browser.");
