@@ -46,8 +46,11 @@ def test_the_first_page_tells_what_is_sailed_and_who_is_where(serve: Serve, look
     expect(page.locator("#says")).to_have_text("Time runs.")
     assert instructor.ask("end exercise")[0]
     expect(page.locator("#says")).to_have_text("The exercise is over.")
-    late = look(session)
-    expect(late.locator("#says")).to_have_text("The exercise is over.")
+    expect(look(session).locator("#says")).to_have_text("The exercise is over.")
+    expect(look(session, "planes").locator("#state")).to_have_text("ENDED")
+    late = look(session, "instructor")
+    expect(late.locator("#state")).to_have_text("ENDED")
+    expect(late.locator("#exercise-body .big")).to_contain_text("marks of 100", timeout=60_000)
 
 
 def test_the_first_page_of_a_session_with_a_word_tells_nothing_of_it(
