@@ -37,7 +37,7 @@ OWN = {
 }
 ALL = {
     *("role", "help", "status", "briefing", "log", "ack", "history"),
-    *("subscribe", "unsubscribe", "detach", "who"),
+    *("subscribe", "unsubscribe", "detach", "who", "name"),
 }
 TRAINEES = sorted(set(ROLES) - {"instructor"})
 

@@ -87,8 +87,9 @@ def until(caller: Caller, channel: str, field: str, wanted: str) -> None:
 
 def drag(page: Page, seconds: float, upon: str = "time-line .track") -> None:
     """Drag with the mouse on the time line to a moment."""
-    box = page.locator(upon).bounding_box()
-    assert box
+    until = time.monotonic() + PATIENCE
+    while not (box := page.locator(upon).bounding_box()):  # a lane may be drawn anew just now
+        assert time.monotonic() < until
     end = page.locator("time-line").evaluate("(line) => line.flown.end")
     high = box["y"] + box["height"] / 2
     page.mouse.move(box["x"] + box["width"] * (seconds + 8.0) / end, high)

@@ -395,8 +395,10 @@ def test_a_page_of_another_version_is_told_so(shared: Served, look: Look) -> Non
 
     page = look(shared)
     page.add_init_script(OLDER)
-    page.goto(f"{shared.url}/helm")
-    expect(page.locator("#older")).to_be_visible()
+    for name in ("helm", ""):
+        page.goto(f"{shared.url}/{name}")
+        expect(page.locator("#older")).to_be_visible()
+        expect(page.locator("#older a")).to_have_text("Load it again")
 
 
 def test_a_page_that_vanishes_is_noticed_by_ping_and_one_that_idles_stays() -> None:

@@ -2,9 +2,11 @@
 
 from collections.abc import Callable
 
-from helpers.pages import Served
+import pytest
+from helpers.pages import SIZES, Served
 from playwright.sync_api import Page, expect
 
+Serve = Callable[..., Served]
 Look = Callable[..., Page]
 
 
@@ -17,6 +19,62 @@ def test_a_station_shows_what_its_session_says(shared: Served, look: Look) -> No
     expect(page.locator("#state")).to_have_text("RUNNING")
     assert instructor.ask("freeze")[0]
     expect(page.locator("#state")).to_have_text("FROZEN")
+
+
+def test_the_first_page_tells_what_is_sailed_and_who_is_where(serve: Serve, look: Look) -> None:
+    session = serve("stern-plane-jam")
+    page, other = look(session), look(session, size="phone")
+
+    for each in (page, other):
+        expect(each.locator("#title")).to_have_text("Passage, fast and deep")
+        expect(each.locator("#time")).to_have_text("00:00 / 10:00")
+        expect(each.locator("#says")).to_have_text("It has not begun yet.")
+        expect(each.locator("nav small")).to_have_text(["free"] * 9)
+    wall, helm, instructor = look(session, "wall"), session.attach("helm"), session.attach()
+    session.attach("helm")
+    expect(wall.locator("#state")).to_have_text("FROZEN")
+    counts = {"wall": 1, "helm": 2, "instructor": 1}
+    for name in ("instructor", "helm", "planes", "observer", "wall", "kiosk"):
+        told = f"{counts[name]} aboard" if name in counts else "free"
+        expect(page.locator(f"[href='/{name}'] small")).to_have_text(told)
+    wall.close()
+    helm.hang_up()
+    expect(page.locator("[href='/wall'] small")).to_have_text("free")
+    expect(page.locator("[href='/helm'] small")).to_have_text("1 aboard")
+
+    assert instructor.ask("run")[0]
+    expect(page.locator("#says")).to_have_text("Time runs.")
+    assert instructor.ask("end exercise")[0]
+    expect(page.locator("#says")).to_have_text("The exercise is over.")
+    expect(look(session).locator("#says")).to_have_text("The exercise is over.")
+    expect(look(session, "planes").locator("#state")).to_have_text("ENDED")
+    late = look(session, "instructor")
+    expect(late.locator("#state")).to_have_text("ENDED")
+    expect(late.locator("#exercise-body .big")).to_contain_text("marks of 100", timeout=60_000)
+
+
+def test_the_first_page_of_a_session_with_a_word_tells_nothing_of_it(
+    serve: Serve, look: Look
+) -> None:
+    session = serve("stern-plane-jam", "--token", "mast")
+    page = look(session)
+
+    expect(page.locator("#title")).to_have_text("A session that asks for a word")
+    expect(page.locator("body")).not_to_contain_text("Passage")
+    page.locator("[href='/helm']").click()
+    expect(page.locator("#word-title")).to_contain_text("asks for a word")
+
+
+@pytest.mark.parametrize("size", SIZES)
+def test_the_keys_of_the_first_page_are_large(shared: Served, look: Look, size: str) -> None:
+    page = look(shared, size=size)
+
+    expect(page.locator("#state")).to_have_text("CONNECTED")
+    boxes = [key.bounding_box() for key in page.locator("a, select").all() if key.is_visible()]
+    assert len(boxes) == 10
+    for box in boxes:
+        assert box
+        assert min(box["width"], box["height"]) >= 44
 
 
 def test_the_first_page_leads_to_each_station(shared: Served, look: Look) -> None:

@@ -2,6 +2,7 @@
 
 import re
 from collections.abc import Callable, Iterator
+from functools import partial
 
 import pytest
 from helpers.pages import Served
@@ -104,7 +105,7 @@ def test_a_casualty_waits_for_a_condition_and_for_a_while(
     expect(page.locator("time-line .casualty")).to_have_count(2)
 
 
-def listen(line: WebSocket, heard: list[str]) -> None:
+def listen(heard: list[str], line: WebSocket) -> None:
     """Keep what a page is sent."""
     line.on("framereceived", lambda frame: heard.append(str(frame)))
 
@@ -120,7 +121,7 @@ def test_the_instructor_sees_the_exercise_s_events_ahead_and_the_crew_nothing(
     for name in ("planes", "diving", "observer", "wall"):
         heard: list[str] = []
         crew = look(session, name)
-        crew.on("websocket", lambda line, heard=heard: listen(line, heard))
+        crew.on("websocket", partial(listen, heard))
         crew.reload()
         expect(crew.locator("#state")).to_have_text("FROZEN")
         assert heard

@@ -177,7 +177,7 @@ def key_tables() -> str:
 UNSCHEDULED: Final = (  # they answer a console, or are a person's to say or to decide
     *("help", "status", "aye", "belay", "allow", "ack", "again", "restart", "next", "debrief"),
     *("branch", "release-marks", "command", "give", "keep", "branches", "history", "ready"),
-    *("plan", "plans", "cancel"),
+    *("plan", "plans", "cancel", "name"),
 )
 
 

@@ -52,7 +52,7 @@ class Shelf:
     files: dict[str, Path] = field(default_factory=dict)
 
     def keep(self, told: str) -> str:
-        """Keep a file that the session has written; return its address, "" if it is not here.
+        """Keep a file that was told; return its address, "" without one.
 
         What is not plain ASCII in its path has come as question marks.
         """
@@ -222,7 +222,7 @@ def is_here(end: socket) -> bool:
 
 
 def also(line: str, shelf: Shelf) -> str:
-    """Return the address of the debrief that the session tells on a line, "" if it is none here."""
+    """Return the fact of where the debrief of a line is, "" for none."""
     told = sentences.read(line)
     if told is None or told.kind != "TRF" or told.fields[2] != "debrief":
         return ""

@@ -177,7 +177,7 @@ def hash_of(text: str) -> str:
 
 
 def policy_of(html: str) -> str:
-    """Return what a browser may do with a page made by others: show it, with its own styles."""
+    """Return the policy of a debrief: a browser shows it in its own styles."""
     styles = Styles()
     styles.feed(html)
     allowed = " ".join(["'unsafe-hashes'", *sorted(styles.hashes)])

@@ -26,19 +26,49 @@ class Page:
     title: str
     role: str
     template: str
+    group: str = ""  # under which the first page has it
+    says: str = ""  # what is done there, in one line
 
 
+LEAD, CREW, WATCH = "Lead", "Crew", "Watch"
 PAGES: Final = (
     Page("", "Control room", "", "choice.html"),
-    Page("instructor", "Instructor", "instructor", "instructor.html"),
-    Page("helm", "Helm", "helm", "steering.html"),
-    Page("planes", "Planes", "planes", "steering.html"),
-    Page("pilot", "Pilot", "pilot", "steering.html"),
-    Page("ballast", "Ballast", "ballast", "ballast.html"),
-    Page("diving", "Diving officer", "diving", "diving.html"),
-    Page("observer", "Observer", "observer", "observer.html"),
-    Page("wall", "Wall", "observer", "wall.html"),
-    Page("kiosk", "Kiosk", "visitor", "kiosk.html"),
+    Page(
+        *("instructor", "Instructor", "instructor", "instructor.html"),
+        *(LEAD, "Time, casualties and orders; looks back, judges, debriefs"),
+    ),
+    Page(
+        *("helm", "Helm", "helm", "steering.html"),
+        *(CREW, "Steers the course and orders the engine"),
+    ),
+    Page(
+        *("planes", "Planes", "planes", "steering.html"),
+        *(CREW, "Keeps depth and angle with bow and stern planes"),
+    ),
+    Page(
+        *("pilot", "Pilot", "pilot", "steering.html"),
+        *(CREW, "Helm and planes, worked by one person"),
+    ),
+    Page(
+        *("ballast", "Ballast", "ballast", "ballast.html"),
+        *(CREW, "Tanks, pumps, valves and air"),
+    ),
+    Page(
+        *("diving", "Diving officer", "diving", "diving.html"),
+        *(CREW, "Orders planes and ballast, and keeps the boat in trim"),
+    ),
+    Page(
+        *("observer", "Observer", "observer", "observer.html"),
+        *(WATCH, "All instruments, no controls; marks moments"),
+    ),
+    Page(
+        *("wall", "Wall", "observer", "wall.html"),
+        *(WATCH, "A large screen that everybody looks at"),
+    ),
+    Page(
+        *("kiosk", "Kiosk", "visitor", "kiosk.html"),
+        *(WATCH, "For visitors: one lever, three minutes"),
+    ),
 )
 
 

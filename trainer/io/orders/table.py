@@ -86,6 +86,7 @@ SETS = {
 NAMES = {
     "NAME": Name("the name of a casualty"),
     "LABEL": Name("a name for a moment"),
+    "CALLED": Name("a name for a station"),
     "CHANNEL": Name("the name of a channel"),
     "EXERCISE": Name("the name of an exercise"),
     "CONDITION": Name("a condition such as depth > 60"),
@@ -142,7 +143,9 @@ SESSION_TOPICS = (
     Topic(("again", "restart"), "again | again from here | restart", "the exercise once more"),
     Topic(("next",), "next | next NAME", "the exercises, or another"),
     Topic(("give", "keep"), "take command | give | keep command", "of several instructors"),
-    Topic(("role", "ready"), "role helm | role helm TOKEN | ready", "what this line may do; ready"),
+    Topic(
+        ("role", "ready"), "role helm | role helm TOKEN | ready", "what a line may do; it is ready"
+    ),
     Topic(
         ("in", "at", "when", "plans", "cancel"),
         "in 30 s depth 80 | plans | cancel 1",
@@ -153,7 +156,7 @@ SESSION_TOPICS = (
     Topic(("mark",), "mark good recovery", "mark this moment, with a remark"),
     Topic(("log", "ack"), "log 20 | ack 3 | ack all", "what has happened; alerts seen"),
     Topic(("briefing",), "briefing", "what the exercise is about"),
-    Topic(("who",), "who", "the stations attached"),
+    Topic(("who", "name"), "who | name wall", "stations attached; what one is called"),
     Topic(("subscribe", "unsubscribe"), "subscribe diving at 2 hz", "have a channel sent, or not"),
     Topic(("history",), "history diving 60 min", "what a channel has shown so far"),
     Topic(("detach",), "detach", "leave; the session goes on"),
@@ -303,6 +306,7 @@ FORMS = (
     Form("log COUNT", "so many of them"),
     Form("briefing", "what the exercise is about"),
     Form("who", "the stations attached"),
+    Form("name CALLED", "what this station is called in that list, such as wall"),
     Form("detach=bye", "leave the session, which goes on"),
     Form("status", "everything about the boat, once"),
     Form("help", "the list of orders"),

@@ -18,7 +18,7 @@ ORDERS: Final = frozenset(
 COMMON: Final = frozenset(
     {
         *("role", "help", "status", "briefing", "log", "ack", "history"),
-        *("subscribe", "unsubscribe", "detach", "who"),
+        *("subscribe", "unsubscribe", "detach", "who", "name"),
     }
 )
 

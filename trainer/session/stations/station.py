@@ -89,6 +89,7 @@ class Station:
         self.role = access.first
         self.counts = Counts()
         self.wishes = Subscriptions(line, sending)
+        self.called = ""  # what it calls itself, as a screen for everybody does
         self.leaving = ""  # why the line is to be closed, "" while it stays
         self.waiting = False  # there may be more to take
         self.held_up = 0.0  # [s] until more is taken, 0 where nothing waits
@@ -128,7 +129,8 @@ class Station:
     def account(self) -> str:
         """Return what there is to say of the line, for the order ``who``."""
         c = self.counts
-        told = f"{self.who}: {c.orders} orders, {c.refused} refused, {c.bad} bad lines"
+        called = f", called {self.called}" if self.called else ""
+        told = f"{self.who}{called}: {c.orders} orders, {c.refused} refused, {c.bad} bad lines"
         lost = f", {self.line.dropped} lines lost" if self.line.dropped else ""
         trouble = f"; {self.line.trouble}" if self.line.trouble else ""
         return f"{told}{lost}{trouble}"
@@ -216,6 +218,7 @@ class Station:
             "subscribe": self._subscribe,
             "unsubscribe": self._unsubscribe,
             "detach": self._detach,
+            "name": self._be_called,
         }
         if order.name in duties:
             duties[order.name](heard, order)
@@ -261,6 +264,12 @@ class Station:
 
     def _help(self, heard: Heard, order: Order) -> None:
         self._answer(heard, "", *help_text(order.word))
+
+    def _be_called(self, heard: Heard, order: Order) -> None:
+        """Let the line have a name of its own in the list of stations."""
+        self.called = order.subject
+        self._log("station", f"{self.who} is called {self.called}")
+        self._answer(heard, f"this line is called {self.called}")
 
     def _detach(self, heard: Heard, _order: Order) -> None:
         self.leaving = "detached"

@@ -38,10 +38,24 @@ ROLES: Final = {  # who they are, and what each wants to see
     "observer": ("gauges", "time"),
     "instructor": ("motion", "orders", "time"),
 }
-LOADS: Final = 5
-ORDERS: Final = 60
-PAUSE: Final = 100  # [ms] between orders
-WATCHED: Final = 2000  # [ms] in which pictures are counted
+SHORT: Final = 10.0  # [s] a shorter run is not to take many times as long as it says
+
+
+@dataclass(frozen=True)
+class Effort:
+    """How much is measured at a page."""
+
+    loads: int
+    orders: int
+    pause: int  # [ms] between orders
+    watched: int  # [ms] in which pictures are counted
+
+    @classmethod
+    def of(cls, seconds: float) -> "Effort":
+        """Return what suits a run of so long."""
+        return cls(5, 60, 100, 2000) if seconds >= SHORT else cls(2, 20, 50, 1000)
+
+
 BROWSERS: Final = ("chromium", "chromium-browser", "google-chrome")
 SERVED: Final = re.compile(r"pages at (http://\S+)/")
 FIRST_PICTURE: Final = """() => new Promise((done) => {
@@ -137,7 +151,7 @@ def time_pages(file: VesselFile, seconds: float) -> Web:
         with sailing(file, folder, "attended", "--web", "127.0.0.1:0") as session:
             end = time.monotonic() + seconds
             with attending(session.url):
-                looking = look(session.url, browser)
+                looking = look(session.url, browser, Effort.of(seconds))
                 time.sleep(max(end - time.monotonic(), 0.0))
         return Web(looking, alone, ticks_of(session, STATIONS))
 
@@ -242,15 +256,15 @@ def read_on(line: Any) -> None:
         pass
 
 
-def look(url: str, browser: str) -> Looking:
+def look(url: str, browser: str, effort: Effort) -> Looking:
     """Return what somebody at the helm's page waits for."""
     from playwright.sync_api import sync_playwright  # noqa: PLC0415  for development
 
     with sync_playwright() as driver, driver.chromium.launch(executable_path=browser) as opened:
         page = opened.new_page()
-        firsts = sorted(first_picture(page, f"{url}/helm") for _ in range(LOADS))
-        pictures, costs = page.evaluate(COUNT_PICTURES, WATCHED)
-        times = page.evaluate(GIVE_ORDERS, [ORDERS, PAUSE])
+        firsts = sorted(first_picture(page, f"{url}/helm") for _ in range(effort.loads))
+        pictures, costs = page.evaluate(COUNT_PICTURES, effort.watched)
+        times = page.evaluate(GIVE_ORDERS, [effort.orders, effort.pause])
         version = opened.version
     if not times:
         raise ConfigError("no order of the bench was obeyed")
@@ -258,7 +272,7 @@ def look(url: str, browser: str) -> Looking:
     costs.sort()
     return Looking(
         browser=f"Chromium {version}",
-        loads=LOADS,
+        loads=effort.loads,
         first_picture=part(firsts, 0.5),
         orders=len(times),
         answer_median=part(answers, 0.5),

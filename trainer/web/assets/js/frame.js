@@ -83,9 +83,7 @@ customElements.define("alert-bar", AlertBar);
  */
 export function furnish(session, alerts) {
   const sound = new Sound();
-  const palette = /** @type {HTMLSelectElement} */ (one("#palette"));
-  palette.value = showPalette();
-  palette.onchange = () => keepPalette(palette.value);
+  furnishPalette();
   switchSound(sound);
   showAlerts(alerts, sound);
   ringOrders(session, sound);
@@ -101,6 +99,13 @@ export function furnish(session, alerts) {
   });
   showState(session);
   return sound;
+}
+
+/** Shows the palette, and lets it be chosen. */
+export function furnishPalette() {
+  const palette = /** @type {HTMLSelectElement} */ (one("#palette"));
+  palette.value = showPalette();
+  palette.onchange = () => keepPalette(palette.value);
 }
 
 /** Shows alerts, and tells new ones. @param {Alerts} alerts @param {Sound} [sound] */

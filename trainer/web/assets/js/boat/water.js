@@ -152,8 +152,8 @@ export class Water {
   /** @param {View} view @param {number} depth @param {"ordered" | "limit"} kind @param {Words} words */
   drawLabel(view, depth, kind, words) {
     const [above, below] = [-0.5, 1.3].map((lines) => depth * view.scale + lines * view.text);
-    const places = kind === "limit" ? { "data-below": below, "data-above": above } : {};
-    const label = svg("text", { x: view.width - 0.7 * view.text, y: above, class: `of-${kind}`, ...places });
+    const label = svg("text", { x: view.width - 0.7 * view.text, y: above, class: `of-${kind}` });
+    if (kind === "limit") Object.assign(label.dataset, { below, above });
     label.textContent = `${words[kind]} ${metres(depth, words)}`;
     this.labels.append(label);
   }

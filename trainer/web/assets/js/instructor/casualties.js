@@ -76,7 +76,7 @@ function showAhead(desk) {
   list.replaceChildren(...plans.map((each) => aheadRow(desk, each)));
 }
 
-/** @param {Desk} desk @param {import("../model/session.js").Plan} plan */
+/** @param {Desk} desk @param {import("../model/told.js").Plan} plan */
 function aheadRow(desk, { number, seconds, when, text }) {
   const moment = Number.isNaN(seconds) ? `when ${when}` : `at ${clock(seconds)}`;
   const words = text.replace(/^casualty /, "");

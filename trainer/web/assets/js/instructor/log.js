@@ -11,7 +11,8 @@ const SHOWN = 150; // entries
 const PACE = 250; // [ms]
 const SPEAKER = /^(instructor|helm|planes|pilot|ballast|diving|observer|visitor)(?: at .+?)?: (.*)$/;
 const ASKED = /^instructor(?: at .+?)?: snapshots: /; // pages and consoles ask it by themselves
-const ABOARD = /^(\S+) at (.+?): /;
+const ABOARD = /^(\S+) at (.+?)(?:, called ([a-z0-9-]+))?: /;
+const CHOOSER = "chooser"; // what the first page is called: nobody is aboard by it
 
 /** Fills the log, newest first. @param {Desk} desk */
 export function showLog({ session }) {
@@ -78,6 +79,7 @@ export async function askAboard({ session }) {
   const { lines } = await session.ask("who");
   return lines.flatMap((says) => {
     const found = ABOARD.exec(says);
-    return found ? [{ role: found[1], line: found[2], says }] : [];
+    if (!found || found[3] === CHOOSER) return [];
+    return [{ role: found[3] ?? found[1], line: found[2], says }];
   });
 }

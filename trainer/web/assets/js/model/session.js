@@ -3,6 +3,7 @@ import { partAt, shared, way } from "./branches.js";
 import { CrewOrders } from "./crew.js";
 import { History } from "./history.js";
 import { Readings, numbers } from "./readings.js";
+import { marksOf, planOf } from "./told.js";
 import { Vessel } from "./vessel.js";
 
 const LATE = 15; // [s] of the boat's time that a page may have missed and need not ask for
@@ -21,8 +22,6 @@ const WATCH = 250; // [ms] between looks at whether readings have become old
  * @typedef {{ seconds: number, sign: string, text: string }} Kept a sign on the time line
  * @typedef {{ number: number, parent: number, begun: number, last: number, why: string }} Branch
  * @typedef {{ name: string, degree: string, says: string }} Casualty
- * @typedef {{ number: string, seconds: number, when: string, text: string }} Plan an order that is ahead:
- *   its time [s], NaN where it waits for a condition; the number is "" where it is the exercise's own
  * @typedef {{ seconds: number, what: string, subject: string }} Told a fact, as the session tells it
  * @typedef {"connecting" | "role" | "running" | "frozen" | "replay" | "lost" | "ended"} State
  *
@@ -45,6 +44,7 @@ export class Session extends EventTarget {
     super();
     this.source = source;
     this.role = role;
+    this.called = ""; // what the page is called in the list of stations, where its role is not enough
     this.channels = channels;
     this.readings = new Readings();
     this.history = new History();
@@ -72,7 +72,7 @@ export class Session extends EventTarget {
     this.keptOf = new Map();
     /** @type {Casualty[]} */
     this.casualties = [];
-    /** @type {Plan[]} */
+    /** @type {import("./told.js").Plan[]} */
     this.plans = [];
     /** @type {string[]} their listing, which has degrees in their units */
     this.degrees = [];
@@ -178,6 +178,7 @@ export class Session extends EventTarget {
     this.over = false;
     this.caughtUp = false;
     this.joined = true;
+    if (this.called) void this.ask(`name ${this.called}`);
     for (const channel of this.channels) void this.ask(`subscribe ${channel}`);
     if (this.role === "instructor") {
       for (const words of ["snapshots", "branches"]) void this.ask(words);
@@ -312,11 +313,9 @@ export class Session extends EventTarget {
     this.tell("marks");
   }
 
-  /** Takes the marks of who comes after they were told in words. @param {string} subject outcome and total */
+  /** Takes the marks, where their words were told before this page came. @param {string} subject */
   judge(subject) {
-    const [outcome, total] = subject.split(",");
-    const marks = total ? `${Math.round(Number(total))} marks of 100` : "no marks";
-    if (!this.marks.length) this.marks = [outcome ? `${outcome}, ${marks}` : marks];
+    if (!this.marks.length) this.marks = [marksOf(subject)];
     this.tell("marks");
   }
 
@@ -369,13 +368,9 @@ export class Session extends EventTarget {
     this.tell("line");
   }
 
-  /** @param {string} what @param {string} subject of the whole list, or of one: number, when, order */
+  /** @param {string} what @param {string} subject */
   plan(what, subject) {
-    if (what === "plans") this.plans = [];
-    else {
-      const [number, when, ...text] = subject.split(",");
-      this.plans.push({ number, seconds: Number(when), when, text: text.join(",") });
-    }
+    this.plans = what === "plans" ? [] : [...this.plans, planOf(subject)];
     this.tell("line");
   }
 
@@ -406,7 +401,6 @@ export class Session extends EventTarget {
     if (what === "exercise-over") {
       if (!this.outcome) this.marks = []; // else it is told once more
       this.outcome = subject || "ended";
-      this.update();
     } else {
       const equals = subject.indexOf("=");
       const [key, value] = [subject.slice(0, equals), subject.slice(equals + 1)];
@@ -474,7 +468,6 @@ export class Session extends EventTarget {
     for (const [number, alert] of this.alerts) {
       if (alert.seconds > seconds) this.alerts.delete(number);
     }
-    this.crew.goBack(seconds);
     this.setAside(seconds);
     this.outcome = "";
     this.marks = [];

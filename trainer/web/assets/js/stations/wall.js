@@ -20,6 +20,7 @@ const truth = new URLSearchParams(location.search).has("truth");
 const { from, channels, words } = READ[truth ? "motion" : "gauges"];
 const link = new Link(document.documentElement.dataset.version ?? "");
 const session = new Session(link, truth ? "instructor" : "observer", channels);
+session.called = "wall";
 const alerts = new Alerts(session);
 const motion = new Motion(session, {
   depth: { place: `${from}.depth`, rate: truth ? "motion.depth_rate" : undefined, most: 5 },
