@@ -157,6 +157,10 @@ class EventLog:
         self.tell(kind, f"{self.signature(station)}: {order.text}: {text}", station, fact)
         return fact.what if fact else ""
 
+    def attended(self, role: str) -> bool:
+        """Return whether a station has that role."""
+        return any(station.role.name == role for station in self.stations)
+
     def signature(self, station: Station) -> str:
         """Return by whom a thing is said: its role, of several instructors their line too."""
         several = sum(1 for each in self.stations if each.role is INSTRUCTOR) > 1

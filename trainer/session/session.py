@@ -477,15 +477,11 @@ class Session:
         if self.history.rerun is None:
             self.conduct.look()
         if tick >= self.crew.due:
-            self._say(self.crew.missing(tick, self._attended))
+            self._say(self.crew.missing(tick, self.event_log.attended))
         if not self.history.rerun and (due := self.crew.due_by_hand()):
             self.event_log.tell("order", f"{due.why}: {self._carry_out(due.order, due.who)}")
         while self.sending.troubles:
             self.event_log.tell("trouble", self.sending.troubles.popleft())
-
-    def _attended(self, role: str) -> bool:
-        """Return whether a station has that role."""
-        return any(station.role.name == role for station in self.event_log.stations)
 
     def _row(self) -> None:
         """Hand the state to the columns' file; tell at once when it is in trouble."""
