@@ -14,13 +14,14 @@ import time
 from pathlib import Path
 
 from helpers.pages import PALETTES, QUIET, SIZES, Served, find_chromium, served
-from playwright.sync_api import Browser, sync_playwright
+from playwright.sync_api import Browser, Playwright, sync_playwright
 
 from trainer.console.app import Console
 from trainer.console.client import Client
 from trainer.console.layouts import LAYOUTS, wishes
 from trainer.console.model import SessionModel
 from trainer.console.pane import GROUND
+from trainer.verify.soak.session_process import Caller
 from trainer.web.pages import PAGES
 
 IMAGES = Path(__file__).parent.parent / "docs" / "images"
@@ -49,8 +50,13 @@ PAGE_PICTURES = (  # of docs/browser.md: page, size, palette
     ("wall", "laptop", "dusk"),
     ("kiosk", "tablet", "dusk"),
 )
+THERE = "[data-state=running], [data-state=frozen], [data-scene=dive]"
 NAMES = [page.name for page in PAGES]
-UNDER_WAY = ("order course 060", "order depth 80", "depth 80", "course 030", "run")
+UNDER_WAY = (
+    *("depth 80", "course 030", "at 70 order course 060", "at 80 order depth 80"),
+    *("at 90 course 060", "at 100 casualty stern-slow", "time 20", "run"),
+)
+SHOWN = 220  # [ticks] into the run
 
 
 async def look(role: str, size: tuple[int, int], where: str, seconds: float) -> None:
@@ -85,13 +91,30 @@ def draw() -> None:
             session.terminate()
 
 
+def sail(instructor: Caller) -> None:
+    """Sail until there is something to see."""
+    for words in UNDER_WAY:
+        assert instructor.ask(words)[0], words
+    instructor.ask("subscribe time")
+    while instructor.tick < SHOWN:
+        instructor.ask("who")
+    instructor.ask("time 4")
+
+
+def open_chromium(driver: Playwright) -> Browser:
+    """Return a browser that asks for nothing itself."""
+    return driver.chromium.launch(executable_path=find_chromium(), args=QUIET)
+
+
 def draw_page(browser: Browser, session: Served, what: tuple[str, str, str], path: Path) -> None:
     """Draw one page at a size and in a palette."""
     name, size, palette = what
     width, height = SIZES[size]
     with browser.new_page(viewport={"width": width, "height": height}) as page:
         page.goto(f"{session.url}/{name}?palette={palette}")
-        page.wait_for_selector("[data-state=running], [data-state=frozen]")
+        if name == "kiosk":
+            page.locator("#start").click()
+        page.wait_for_selector(THERE)
         page.wait_for_timeout(1500)  # pointers settle
         page.screenshot(path=path)
 
@@ -99,18 +122,22 @@ def draw_page(browser: Browser, session: Served, what: tuple[str, str, str], pat
 def draw_pages(folder: Path | None) -> None:
     """Draw the pages of the documents, or all that there are into a folder."""
     every = [(n, s, p) for n in NAMES for s in SIZES for p in PALETTES]
-    wanted = every if folder else [each for each in PAGE_PICTURES if each[0] in NAMES]
-    with (
-        served("--no-record", "--speed", "4", frozen=False) as session,
-        sync_playwright() as driver,
-        driver.chromium.launch(executable_path=find_chromium(), args=QUIET) as browser,
-    ):
-        instructor = session.attach()
-        for words in UNDER_WAY:
-            instructor.ask(words)
-        for name, size, palette in wanted:
-            file = f"{name or 'first'}-{size}-{palette}.png" if folder else f"page-{name}.png"
-            draw_page(browser, session, (name, size, palette), (folder or IMAGES) / file)
+    wanted = every if folder else PAGE_PICTURES
+    with sync_playwright() as driver, open_chromium(driver) as browser:
+        for exercise, names in (((), set(NAMES) - {"kiosk"}), (("visitor-dive",), {"kiosk"})):
+            with served(*exercise, "--no-record", "--speed", "4", frozen=False) as session:
+                instructor = session.attach()
+                if not exercise:
+                    sail(instructor)
+                instructor.hang_up()
+                for what in (each for each in wanted if each[0] in names):
+                    draw_page(browser, session, what, file_of(what, folder))
+
+
+def file_of(what: tuple[str, str, str], folder: Path | None) -> Path:
+    """Return where the picture of a page, a size and a palette is kept."""
+    name = what[0] or "first"
+    return folder / f"{'-'.join((name, *what[1:]))}.png" if folder else IMAGES / f"page-{name}.png"
 
 
 if __name__ == "__main__":
