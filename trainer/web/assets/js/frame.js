@@ -83,7 +83,7 @@ customElements.define("alert-bar", AlertBar);
  */
 export function furnish(session, alerts) {
   const sound = new Sound();
-  furnishPalette();
+  const palette = furnishPalette();
   switchSound(sound);
   showAlerts(alerts, sound);
   ringOrders(session, sound);
@@ -101,11 +101,12 @@ export function furnish(session, alerts) {
   return sound;
 }
 
-/** Shows the palette, and lets it be chosen. */
+/** Shows the palette, and lets it be chosen; returns the chooser. */
 export function furnishPalette() {
   const palette = /** @type {HTMLSelectElement} */ (one("#palette"));
   palette.value = showPalette();
   palette.onchange = () => keepPalette(palette.value);
+  return palette;
 }
 
 /** Shows alerts, and tells new ones. @param {Alerts} alerts @param {Sound} [sound] */

@@ -3,7 +3,7 @@ import { partAt, shared, way } from "./branches.js";
 import { CrewOrders } from "./crew.js";
 import { History } from "./history.js";
 import { Readings, numbers } from "./readings.js";
-import { marksOf, planOf } from "./told.js";
+import { entryOf, marksOf, plainly, planOf } from "./told.js";
 import { Vessel } from "./vessel.js";
 
 const LATE = 15; // [s] of the boat's time that a page may have missed and need not ask for
@@ -493,14 +493,4 @@ export class Session extends EventTarget {
   on(what, listener) {
     this.addEventListener(what, listener);
   }
-}
-
-/** Returns something that happened, as a log has it. @param {string[]} fields @returns {Entry} */
-function entryOf([, seconds, kind, text]) {
-  return { seconds: Number(seconds), kind, text: plainly(text) };
-}
-
-/** Returns what is told as people say it: its time stands beside it. @param {string} text */
-function plainly(text) {
-  return text.replace(/^tick \d+ \([\d.]+ s\): /, "").replace(/^LIMIT: /, "Limit passed: ");
 }
