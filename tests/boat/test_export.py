@@ -25,7 +25,7 @@ from llvmlite import binding  # type: ignore[import-untyped]
 from trainer.boat.boat import PLACES, Boat
 from trainer.boat.export.header import PUBLISHED, members
 from trainer.boat.export.library import HEADER, HOST, LIBRARY, OBJECT, add_library, export
-from trainer.boat.export.lowering import FREESTANDING
+from trainer.boat.export.lowering import freestanding_text
 from trainer.boat.export.orders import rows
 from trainer.boat.export.runner import library as bare_core
 from trainer.boat.export.runner import run as bare_options
@@ -174,7 +174,7 @@ def compiled_library() -> ctypes.CDLL:
     """Return our own versions of the library functions, compiled in memory."""
     binding.initialize_native_target()
     binding.initialize_native_asmprinter()
-    module = binding.parse_assembly(FREESTANDING.read_text())
+    module = binding.parse_assembly(freestanding_text(64))
     machine = binding.Target.from_default_triple().create_target_machine()
     return binding.create_mcjit_compiler(module, machine)  # type: ignore[no-any-return]
 
