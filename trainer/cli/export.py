@@ -11,7 +11,7 @@ from trainer.cli.options import run_options
 from trainer.cli.shared_options import FILE, SEA, VESSEL, VESSEL_HELP, method_options, together
 from trainer.session.options import RunOptions
 
-CPUS = ("x86-64-v2", "x86-64-v3", "x86-64-v4", "native")
+CPUS = ("x86-64-v2", "x86-64-v3", "x86-64-v4", "native", "wasm32")
 
 boat_options = together(
     click.option("--vessel", type=VESSEL, default="bb2", show_default=True, help=VESSEL_HELP),
@@ -50,7 +50,7 @@ boat_options = together(
     default=CPUS[0],
     show_default=True,
     help="Processors that the code is for: any of the last 15 years, with AVX2, with AVX-512, "
-    "or this machine's.",
+    "this machine's, or WebAssembly.",
 )
 @click.option("--json", "as_json", is_flag=True, help="Print what was written as JSON.")
 def export_core(directory: Path, *, cpu: str, as_json: bool, **options: Any) -> None:
@@ -62,9 +62,18 @@ def export_core(directory: Path, *, cpu: str, as_json: bool, **options: Any) -> 
               trainer run --headless --core core/libtrainer_core.so --duration 1h --speed max
 
     DIRECTORY gets trainer_core.o, libtrainer_core.so, trainer_core.h and host.c, a host to begin
-    with. The bits are the trainer's. Exit code 1 when no C compiler could link the library.
+    with. The bits are the trainer's. Exit code 1 when no C compiler could link the library. With
+    --cpu wasm32 it gets core.wasm, boat.json and host.mjs, a host for node.
     """
     import json  # noqa: PLC0415
+
+    if cpu == "wasm32":
+        from trainer.boat.export.library import export_wasm, render_wasm  # noqa: PLC0415
+
+        module = export_wasm(boat_at_start(run_options(options)), directory)
+        told = asdict(module)
+        click.echo(json.dumps(told, indent=1) if as_json else render_wasm(module, directory))
+        return
 
     from trainer.boat.export.library import (  # noqa: PLC0415
         LIBRARY,

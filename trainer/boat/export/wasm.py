@@ -5,6 +5,9 @@ lowered in a process of its own, for a plain processor, so that its bytes do not
 machine.
 """
 
+import base64
+import hashlib
+import json
 import os
 import re
 import shutil
@@ -15,10 +18,14 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any, Final, NamedTuple
 
+import llvmlite  # type: ignore[import-untyped]
+import numba
 import numpy as np
-from llvmlite import binding  # type: ignore[import-untyped]
+from llvmlite import binding
 from numba import carray
 
+from trainer import __version__
+from trainer.boat.boat import PLACES, Boat
 from trainer.boat.export.lowering import (
     LENT,
     Kind,
@@ -27,8 +34,10 @@ from trainer.boat.export.lowering import (
     quote,
     sealed,
 )
+from trainer.boat.export.orders import rows
 from trainer.boat.export.targets import optimise
 from trainer.config.files import ConfigError
+from trainer.core.cache import core_digest, same_core
 from trainer.core.casualties import begin, end, instruments
 from trainer.core.kernel import Record
 from trainer.core.scheme import SCHEME
@@ -40,6 +49,9 @@ from trainer.core.vessel import VESSEL
 WASM32: Final = "wasm32"
 MODULE: Final = "core.wasm"
 SHIPPED: Final = Path(__file__).with_name(MODULE)
+CARD: Final = "core.wasm.txt"  # what the module was made from
+NUMBERS: Final = "boat.json"
+HOST: Final = "host.mjs"
 TRIPLE: Final = "wasm32-unknown-unknown"
 FEATURES: Final = "+bulk-memory,+bulk-memory-opt"  # in every browser since 2021
 LINKER: Final = "wasm-ld"
@@ -200,3 +212,65 @@ def _call(words: list[str], environment: dict[str, str]) -> None:
     if done.returncode != 0:
         said = (done.stderr.strip().splitlines() or ["no word"])[-1]
         raise ConfigError(f"--cpu {WASM32}: {Path(words[0]).name} failed: {said}")
+
+
+def card_text(module: bytes, boat: Boat) -> str:
+    """Return the card of a module: its digest, its core, its method, and what built it."""
+    linker = subprocess.run([LINKER, "--version"], capture_output=True, text=True, check=True)  # noqa: S603
+    lines = [
+        f"sha256 {hashlib.sha256(module).hexdigest()}",
+        f"core {core_digest()}",
+        f"method {method_of(boat)}",
+        f"built by numba {numba.__version__}, llvmlite {llvmlite.__version__}, "
+        f"{linker.stdout.strip()}",
+    ]
+    return "\n".join(lines) + "\n"
+
+
+def method_of(boat: Boat) -> str:
+    """Return what the module settles, in words."""
+    m = boat.method
+    return f"{m.equations} set, {m.rates} rates, {m.trig} angles, {m.integrator}"
+
+
+def shipped(boat: Boat) -> bytes:
+    """Return the module that comes with the trainer; ConfigError where it is not for this boat."""
+    card = dict(line.split(" ", 1) for line in SHIPPED.with_name(CARD).read_text().splitlines())
+    if not same_core(card["core"]):
+        raise ConfigError(
+            f"{SHIPPED}: of core {card['core']}, not {core_digest()}: trainer export-core DIR "
+            f"--cpu {WASM32} builds it again; copy {MODULE} and {CARD} from DIR"
+        )
+    if method_of(boat) != card["method"]:
+        raise ConfigError(
+            f"{boat.file.path.name}: {method_of(boat)}; a page's boat has the {card['method']}"
+        )
+    return SHIPPED.read_bytes()
+
+
+def numbers_of(boat: Boat) -> dict[str, Any]:
+    """Return the records of a boat as it stands, the places of the state, and its orders."""
+    r = boat.records
+    records = {"vessel": r.vessel, "compact": r.compact, "scheme": r.scheme, "state": r.state}
+    packed = {room: base64.b64encode(record.tobytes()).decode() for room, record in records.items()}
+    return {
+        "version": __version__,
+        "core": core_digest(),
+        "boat": boat.file.name,
+        "step_s": boat.method.step,
+        "state_doubles": STATE.itemsize // 8,
+        "places": PLACES,
+        "orders": rows(boat),
+        "records": packed,
+    }
+
+
+def files_of(boat: Boat) -> dict[str, bytes]:
+    """Return the files of an export for WebAssembly, by name."""
+    module = build(boat.records.scheme)
+    return {
+        MODULE: module,
+        CARD: card_text(module, boat).encode(),
+        NUMBERS: json.dumps(numbers_of(boat)).encode(),
+        HOST: Path(__file__).with_name(HOST).read_bytes(),
+    }
