@@ -365,7 +365,7 @@ def test_a_number_the_helm_refuses_is_refused(make_boat: Callable[..., Boat]) ->
     ("line", "told"),
     [
         ("10 rudder port 15", "rudder right NUMBER"),
-        ("10 blow all", "in full words"),
+        ("10 hover on", "in full words"),
         ("10 depth deep", "give a plain number"),
         ("10 depth -5", "give a plain number"),
         ("10 depth 9999", "this boat takes 0 to"),
