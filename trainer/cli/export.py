@@ -1,14 +1,14 @@
 """The command that makes machine code for other programs."""
 
 import sys
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any
 
 import click
 
 from trainer.cli.options import run_options
-from trainer.cli.shared_options import FILE, SEA, VESSEL, VESSEL_HELP, method_options, together
+from trainer.cli.shared_options import FILE, RECORDING, SEA, VESSEL, VESSEL_HELP, method_options, together
 from trainer.session.options import RunOptions
 
 CPUS = ("x86-64-v2", "x86-64-v3", "x86-64-v4", "native", "wasm32")
@@ -95,6 +95,45 @@ def export_core(directory: Path, *, cpu: str, as_json: bool, **options: Any) -> 
     if missing:
         click.echo(f"trainer: {missing}", err=True)
         sys.exit(1)
+
+
+STATIONS = ("instructor", "pilot", "helm", "planes", "ballast", "diving", "observer")
+
+
+@click.command(name="export-page")
+@click.argument("file", type=FILE)
+@click.option("--vessel", type=VESSEL, default=None, help=f"{VESSEL_HELP} [default: bb2]")
+@click.option("--sea", type=SEA, default=None, metavar="NAME|PATH", help="[default: calm]")
+@click.option("--seed", type=click.IntRange(0, 2**53 - 1), default=None, help="[default: 1]")
+@click.option(
+    "--recording", type=RECORDING, default=None, help="What was flown, to be seen and taken over."
+)
+@click.option(
+    "--station",
+    type=click.Choice(STATIONS),
+    default=STATIONS[0],
+    show_default=True,
+    help="The station that the page is.",
+)
+def export_page(file: Path, *, recording: Path | None, station: str, **options: Any) -> None:
+    """Write one HTML file with a boat inside, which any browser flies with no network.
+
+    \b
+    Example:  trainer export-page boat.html --vessel bb2
+              trainer export-page drill.html --recording drill.trainer
+
+    Marks are not judged there. With a recording its time line can be dragged and the boat taken
+    over at any moment, to the bits of trainer resume.
+    """
+    from trainer.analysis.tab.page import page_of, write_page  # noqa: PLC0415
+    from trainer.web.single_file import single_file  # noqa: PLC0415
+
+    given = {name: value for name, value in options.items() if value is not None}
+    if recording is not None and given:
+        raise click.UsageError(f"--recording has its own boat: leave out --{next(iter(given))}")
+    boat = None if recording else boat_at_start(replace(RunOptions(vessel="bb2"), **given))
+    parts = page_of(boat, recording, station)
+    write_page(file, single_file(station, parts.boat, parts.core, parts.title), recording)
 
 
 def boat_at_start(options: RunOptions) -> Any:
