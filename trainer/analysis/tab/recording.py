@@ -16,7 +16,7 @@ from trainer.boat.boat import Boat
 from trainer.boat.helm import obey
 from trainer.config.files import ConfigError
 from trainer.core.kernel import Numbers
-from trainer.io.orders.table import BOAT_ORDERS, CREW_TALK
+from trainer.io.orders.table import BOAT_ORDERS
 from trainer.io.recording.recording import Branch, Journalled, Recording
 from trainer.session.header import differences, layout_of, plan_of, reading
 from trainer.session.history import order_of
@@ -111,7 +111,7 @@ def given(orders: deque[Journalled], tick: int, boat: Boat, plan: Plan) -> Write
     was = boat.state.whole.copy()
     while orders and orders[0].tick <= tick:
         order = order_of(orders.popleft(), plan.schedule)
-        if order is not None and order.name in BOAT_ORDERS - CREW_TALK:
+        if order is not None and order.name in BOAT_ORDERS:
             obey(boat, order)
     return changes(was, boat.state.whole)
 

@@ -73,7 +73,7 @@ export class BoatOrders {
 
   /** @param {number} seconds */
   ticks(seconds) {
-    return Math.ceil(seconds / this.core.step - 1e-9);
+    return Math.ceil(seconds / this.core.step - 1e-9) + 0; // no -0
   }
 
   /** @param {Order} order */
