@@ -99,6 +99,7 @@ def export(
 @click.option(
     "--change-back", multiple=True, metavar="NAME", help="Take such a change back; all: all."
 )
+@click.option("--fly", is_flag=True, help="Put the boat into the page, to be taken over there.")
 @click.option("--json", "as_json", is_flag=True, help="Print the figures as JSON.")
 def debrief(file: Path | None, *, last: bool, **how: Any) -> None:
     """Write what was ordered, what came of it, and the marks, as one page.
@@ -107,6 +108,7 @@ def debrief(file: Path | None, *, last: bool, **how: Any) -> None:
     Example:  trainer debrief drill.trainer
               trainer debrief --last --pdf drill.pdf
               trainer debrief drill.trainer --reference-from 320
+              trainer debrief drill.trainer --fly
               trainer debrief drill.trainer --change "Time to 100 m: weight 0, the gauge was wrong"
 
     The page is one HTML file that needs nothing else. What is changed is kept beside the
@@ -118,9 +120,19 @@ def debrief(file: Path | None, *, last: bool, **how: Any) -> None:
     if (file is None) is not last:
         raise click.UsageError("name a recording, or say --last")
     path = latest() if file is None else file
-    asked = Asked(how["branch"], how["width"], how["reference_from"])
+    boat = flown_page(path, "instructor") if how["fly"] else ""
+    asked = Asked(how["branch"], how["width"], how["reference_from"], boat)
     change_marks(path, asked, how["change"], how["change_back"])
     debrief_file(path, how["html"], how["pdf"], asked, as_json=how["as_json"])
+
+
+def flown_page(path: Path, station: str) -> str:
+    """Return the page of a recording with its boat inside; ConfigError where it cannot be flown."""
+    from trainer.analysis.tab.page import page_of  # noqa: PLC0415
+    from trainer.web.single_file import single_file  # noqa: PLC0415
+
+    parts = page_of(None, path, station)
+    return single_file(station, parts.boat, parts.core, parts.title)
 
 
 @click.command()

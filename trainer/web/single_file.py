@@ -123,7 +123,7 @@ def single_file(name: str, boat: Mapping[str, Any], core: bytes, title: str) -> 
     html = SCRIPT.sub("", SHEET.sub("", html))
     html = re.sub(r"<title>.*?</title>", lambda _: f"<title>{escape(title)}</title>", html)
     html = html.replace('<meta charset="utf-8">\n', f'<meta charset="utf-8">\n{head}', 1)
-    note = f'<p id="tab-note" class="quiet" role="note">{escape(NOTE)}</p>'
+    note = f'<aside id="tab-note" class="quiet" aria-label="This page">{escape(NOTE)}</aside>'
     text = json.dumps(boat, separators=(",", ":"), sort_keys=True)
     blocks = {
         "worker": closed(bundle(WORKER)),

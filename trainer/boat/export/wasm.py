@@ -189,12 +189,17 @@ def build(scheme: Record) -> bytes:
         raise ConfigError(f"--cpu {WASM32}: there is no linker {LINKER} here. {INSTALL}")
     with tempfile.TemporaryDirectory() as folder:
         code, module = Path(folder) / "core.o", Path(folder) / MODULE
-        method = Path(folder) / "scheme"
-        method.write_bytes(np.asarray(scheme).tobytes())
-        _call([sys.executable, "-c", CHILD, str(method), str(code)], _plain_environment())
+        _lowered(np.asarray(scheme).tobytes(), code)
         shown = [f"--export={name}" for name in (*FUNCTIONS, *(f"trainer_{room}" for room in ROOMS))]
         _call([linker, *LINKING, *shown, "-o", str(module), str(code)], dict(os.environ))
         return module.read_bytes()
+
+
+def _lowered(scheme: bytes, code: Path) -> None:
+    """Write the object of the module to ``code``, made by a process of its own."""
+    method = code.with_name("scheme")
+    method.write_bytes(scheme)
+    _call([sys.executable, "-c", CHILD, str(method), str(code)], _plain_environment())
 
 
 def _plain_environment() -> dict[str, str]:
