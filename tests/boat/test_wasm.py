@@ -7,14 +7,12 @@ import subprocess
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import pytest
 from click.testing import CliRunner
 from helpers.installation import installed
 from helpers.tab import fly
 
-from trainer.analysis.tab.boat import boat_for_page
-from trainer.analysis.tab.recording import changes
+from trainer.analysis.boat_page import boat_for_page, changes
 from trainer.boat.assemble import Records
 from trainer.boat.export import wasm
 from trainer.cli.export import boat_at_start
@@ -35,7 +33,7 @@ AGAIN = f"core.wasm is of another core: {BUILD}"
 def hours_deeds() -> tuple[list[tuple[Any, ...]], str]:
     """Return what a page is to do in the standard hour, and the digest of the hour's end."""
     deeds: list[tuple[Any, ...]] = []
-    left: list[np.ndarray] = []  # the state at the end of the ticks before
+    left: list[Any] = []  # the state at the end of the ticks before
 
     def take(records: Records, ticks: int) -> int:
         now = records.state["whole"][0]
@@ -113,7 +111,9 @@ def test_a_linker_that_is_missing_is_named_with_its_package(
 ) -> None:
     monkeypatch.setenv("PATH", str(tmp_path))
 
-    with pytest.raises(ConfigError, match="no linker wasm-ld here. Debian and Ubuntu: apt install lld"):
+    with pytest.raises(
+        ConfigError, match=r"no linker wasm-ld here\. Debian and Ubuntu: apt install lld"
+    ):
         wasm.build(boat_at_start(RunOptions(vessel="bb2")).records.scheme)
 
 
@@ -126,7 +126,7 @@ def test_a_linker_that_fails_is_told_in_one_line(
     monkeypatch.setattr(wasm, "_lowered", lambda *_: None)
     monkeypatch.setenv("PATH", f"{tmp_path}{os.pathsep}{os.environ['PATH']}")
 
-    with pytest.raises(ConfigError, match="wasm-ld failed: error: no room$"):
+    with pytest.raises(ConfigError, match=r"wasm-ld failed: error: no room$"):
         wasm.build(boat_at_start(RunOptions(vessel="bb2")).records.scheme)
 
 

@@ -20,7 +20,9 @@ PATIENCE: Final = 120.0  # [s]
 def fly(boat: dict[str, Any], *deeds: Sequence[Any]) -> list[Any]:
     """Return what each deed has told: see tab.mjs. The test is skipped where there is no node."""
     node = installed("node", "nodejs")
-    asked = json.dumps({"boat": {"recording": None, **boat}, "deeds": [list(each) for each in deeds]})
+    asked = json.dumps(
+        {"boat": {"recording": None, **boat}, "deeds": [list(each) for each in deeds]}
+    )
     with tempfile.TemporaryDirectory() as folder:
         scripts = Path(folder) / "tab"
         scripts.mkdir()

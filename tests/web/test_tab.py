@@ -11,8 +11,7 @@ import pytest
 from helpers.recorded import record
 from helpers.tab import fly
 
-from trainer.analysis.tab.boat import boat_for_page
-from trainer.analysis.tab.recording import boat_of
+from trainer.analysis.boat_page import boat_for_page, boat_of
 from trainer.boat.boat import Boat
 from trainer.boat.export.orders import rows
 from trainer.boat.export.runner.orders import Row

@@ -8,7 +8,15 @@ from typing import Any
 import click
 
 from trainer.cli.options import run_options
-from trainer.cli.shared_options import FILE, RECORDING, SEA, VESSEL, VESSEL_HELP, method_options, together
+from trainer.cli.shared_options import (
+    FILE,
+    RECORDING,
+    SEA,
+    VESSEL,
+    VESSEL_HELP,
+    method_options,
+    together,
+)
 from trainer.session.options import RunOptions
 
 CPUS = ("x86-64-v2", "x86-64-v3", "x86-64-v4", "native", "wasm32")
@@ -125,15 +133,22 @@ def export_page(file: Path, *, recording: Path | None, station: str, **options: 
     Marks are not judged there. With a recording its time line can be dragged and the boat taken
     over at any moment, to the bits of trainer resume.
     """
-    from trainer.analysis.tab.page import page_of, write_page  # noqa: PLC0415
-    from trainer.web.single_file import single_file  # noqa: PLC0415
+    from trainer.analysis.boat_page import write_page  # noqa: PLC0415
 
     given = {name: value for name, value in options.items() if value is not None}
     if recording is not None and given:
         raise click.UsageError(f"--recording has its own boat: leave out --{next(iter(given))}")
     boat = None if recording else boat_at_start(replace(RunOptions(vessel="bb2"), **given))
+    write_page(file, page_text(boat, recording, station), recording)
+
+
+def page_text(boat: Any, recording: Path | None, station: str) -> str:
+    """Return a station's page with a boat or a recording inside."""
+    from trainer.analysis.boat_page import page_of  # noqa: PLC0415
+    from trainer.web.single_file import single_file  # noqa: PLC0415
+
     parts = page_of(boat, recording, station)
-    write_page(file, single_file(station, parts.boat, parts.core, parts.title), recording)
+    return single_file(station, parts.boat, parts.core, parts.title)
 
 
 def boat_at_start(options: RunOptions) -> Any:

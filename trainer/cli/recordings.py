@@ -7,6 +7,7 @@ from typing import Any
 import click
 
 from trainer.cli.answers import PLOT
+from trainer.cli.export import page_text
 from trainer.cli.shared_options import CSV, HTML, PDF, RECORDING, RRD, VESSEL, VESSEL_HELP, WIDTHS
 from trainer.cli.types import Duration, File
 from trainer.config.method import EQUATIONS
@@ -120,19 +121,10 @@ def debrief(file: Path | None, *, last: bool, **how: Any) -> None:
     if (file is None) is not last:
         raise click.UsageError("name a recording, or say --last")
     path = latest() if file is None else file
-    boat = flown_page(path, "instructor") if how["fly"] else ""
+    boat = page_text(None, path, "instructor") if how["fly"] else ""
     asked = Asked(how["branch"], how["width"], how["reference_from"], boat)
     change_marks(path, asked, how["change"], how["change_back"])
     debrief_file(path, how["html"], how["pdf"], asked, as_json=how["as_json"])
-
-
-def flown_page(path: Path, station: str) -> str:
-    """Return the page of a recording with its boat inside; ConfigError where it cannot be flown."""
-    from trainer.analysis.tab.page import page_of  # noqa: PLC0415
-    from trainer.web.single_file import single_file  # noqa: PLC0415
-
-    parts = page_of(None, path, station)
-    return single_file(station, parts.boat, parts.core, parts.title)
 
 
 @click.command()

@@ -1,4 +1,4 @@
-"""A page as one file: scripts, styles and data inside, a policy that lets nothing else in."""
+"""A page as one file: scripts, styles and data inside, nothing from outside."""
 
 import base64
 import hashlib
@@ -6,6 +6,7 @@ import json
 import re
 import zlib
 from collections.abc import Mapping
+from functools import partial
 from html import escape
 from pathlib import PurePosixPath
 from typing import Any, Final
@@ -14,18 +15,14 @@ from trainer.web.pages import ASSETS, PAGES, render
 
 SHEET: Final = re.compile(r'<link rel="stylesheet" href="/assets/(\S+)">\n?')
 SCRIPT: Final = re.compile(r'<script type="module" src="/assets/(\S+)"></script>\n?')
-IMPORT: Final = re.compile(
-    r'^import (?:(\{[^}]*\}) from )?"(\.[^"]+)";$', re.MULTILINE | re.DOTALL
-)
+IMPORT: Final = re.compile(r'^import (?:(\{[^}]*\}) from )?"(\.[^"]+)";$', re.MULTILINE | re.DOTALL)
 EXPORT: Final = re.compile(r"^export (?=(?:async )?(?:const|let|class|function) )", re.MULTILINE)
-NAMED: Final = re.compile(
-    r"^export (?:async )?(?:const|let|class|function) (\w+)", re.MULTILINE
-)
+NAMED: Final = re.compile(r"^export (?:async )?(?:const|let|class|function) (\w+)", re.MULTILINE)
 # what a page in a file has in another one's place
 INSTEAD: Final = {"js/protocol/link.js": "js/tab/link.js"}
 WORKER: Final = "js/tab/worker.js"
 NOTE: Final = (
-    "A boat in a file: she is flown by this page alone. "
+    "A boat in a file: it is flown by this page alone. "
     "Marks are not judged here; nothing is sent or kept."
 )
 
@@ -35,7 +32,7 @@ class UnknownPageError(Exception):
 
 
 def modules(entry: str, seen: dict[str, str] | None = None) -> dict[str, str]:
-    """Return the sources of a module and all that it imports, each after what it imports."""
+    """Return the sources of a module and of what it imports, that first."""
     found = {} if seen is None else seen
     source = (ASSETS / INSTEAD.get(entry, entry)).read_text(encoding="utf-8")
     for _, path in IMPORT.findall(source):
@@ -65,10 +62,12 @@ def bundle(entry: str) -> str:
     parts = ['"use strict";\n(() => {\nconst M = {};\n']
     for path, source in modules(entry).items():
         names = NAMED.findall(source)
-        text = EXPORT.sub("", IMPORT.sub(lambda found, at=path: taken(at, found), source))
+        text = EXPORT.sub("", IMPORT.sub(partial(taken, path), source))
         if re.search(r"^(?:import|export)\b", text, re.MULTILINE):
             raise UnknownPageError(f"{path}: an import or export of a kind that is not known")
-        parts.append(f"M[{json.dumps(path)}] = (() => {{\n{text}\nreturn {{ {', '.join(names)} }};\n}})();\n")
+        parts.append(
+            f"M[{json.dumps(path)}] = (() => {{\n{text}\nreturn {{ {', '.join(names)} }};\n}})();\n"
+        )
     parts.append("})();\n")
     return "".join(parts)
 
@@ -98,7 +97,7 @@ def digest(text: str) -> str:
 
 
 def policy(scripts: list[str], sheet: str) -> str:
-    """Return what the page may do: its own scripts and style, the core, a worker from itself."""
+    """Return what the page may do: its own scripts, style, core and worker."""
     hashes = " ".join(map(digest, scripts))
     return (
         f"default-src 'none'; script-src {hashes} 'wasm-unsafe-eval'; style-src {digest(sheet)}; "
@@ -110,9 +109,7 @@ def single_file(name: str, boat: Mapping[str, Any], core: bytes, title: str) -> 
     """Return the station's page with a boat inside."""
     page = next(each for each in PAGES if each.name == name)
     html = render(page)
-    sheet = "\n".join(
-        (ASSETS / path).read_text(encoding="utf-8") for path in SHEET.findall(html)
-    )
+    sheet = "\n".join((ASSETS / path).read_text(encoding="utf-8") for path in SHEET.findall(html))
     entry = SCRIPT.findall(html)[0]
     script = closed(bundle(entry))
     policed = policy([script], sheet)
@@ -136,4 +133,3 @@ def single_file(name: str, boat: Mapping[str, Any], core: bytes, title: str) -> 
     )
     foot = f"{note}\n{data}<script>{script}</script>\n</body>"
     return html.replace("</body>", foot, 1)
-

@@ -33,7 +33,7 @@ BADGE: Final = Markup('<meta name="generator" content="trainer debrief">')  # a 
 
 
 def render(debrief: DebriefData, boat: str = "") -> str:
-    """Return the page, with another with a boat inside; the same record gives the same bytes."""
+    """Return the page, one with a boat inside it; same record, same bytes."""
     return page(
         "debrief.html",
         "debrief.css",

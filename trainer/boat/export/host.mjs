@@ -1,4 +1,4 @@
-// A host for node: the boat flies on her own orders, and the SHA-256 of her last state is printed.
+// A host for node: the boat flies on its own orders, and the SHA-256 of its last state is printed.
 //
 //     node host.mjs 7200
 import { createHash } from "node:crypto";

@@ -173,7 +173,7 @@ def render_wasm(module: Module, folder: Path) -> str:
         "compiled for wasm32",
         *(f"  {folder / name}" for name in module.files),
         "",
-        f"{module.module_bytes:,} bytes of code, {module.packed_bytes:,} as a server sends them; "
+        f"{module.module_bytes:,} bytes of code, {module.packed_bytes:,} packed",
         f"{module.state_bytes:,} bytes a state",
         "",
         f"node {folder / 'host.mjs'} 7200",

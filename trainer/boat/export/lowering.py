@@ -51,7 +51,7 @@ def tick(vessel: Any, compact: Any, scheme: Any, state: Any, scratch: Any) -> in
 
 
 def kernel_text(function: Callable[..., int], kinds: Sequence[Kind] = LENT) -> tuple[str, str]:
-    """Return the LLVM text of a function of records' addresses and numbers, and its name there.
+    """Return the LLVM text of a function of addresses and numbers, and its name.
 
     ConfigError where numba is told not to compile, or is of a version that was not tested.
     """

@@ -22,10 +22,11 @@ import llvmlite  # type: ignore[import-untyped]
 import numba
 import numpy as np
 from llvmlite import binding
-from numba import carray
+from numba import carray  # type: ignore[attr-defined]
 
 from trainer import __version__
 from trainer.boat.boat import PLACES, Boat
+from trainer.boat.export.header import places_of
 from trainer.boat.export.lowering import (
     LENT,
     Kind,
@@ -44,7 +45,7 @@ from trainer.core.scheme import SCHEME
 from trainer.core.sea.sea import TAPER, order_sea
 from trainer.core.state import SCRATCH, STATE
 from trainer.core.update import update
-from trainer.core.vessel import VESSEL
+from trainer.core.vessel import COMPACT, VESSEL
 
 WASM32: Final = "wasm32"
 MODULE: Final = "core.wasm"
@@ -68,7 +69,7 @@ INSTALL: Final = (
 PLAIN: Final = {"NUMBA_CPU_NAME": "generic", "NUMBA_CPU_FEATURES": ""}
 CHILD: Final = "import sys; from trainer.boat.export import wasm; wasm.lower(*sys.argv[1:])"
 WANTED: Final = np.dtype(np.float64)  # of a sea: its quantities and the taper
-SETTLED: Final = range(8, int((SCHEME.fields or {})["trigger_place"][1]))  # all but step, triggers
+SETTLED: Final = range(8, places_of(SCHEME)["trigger_place"][0])  # all but step, triggers
 
 
 def tick(vessel: Any, compact: Any, scheme: Any, state: Any, scratch: Any) -> int:
@@ -116,12 +117,17 @@ FUNCTIONS: Final[Mapping[str, Exported]] = {
 }
 # room for one boat, of zeros, in the order of the tick; a host may use memory of its own
 ROOMS: Final = ("vessel", "compact", "scheme", "state", "scratch", "wanted")
-ROOM_SIZES: Final = (*(kind.itemsize for kind in LENT), 8 * (TAPER + 1))
+ROOM_SIZES: Final = (
+    *(kind.itemsize for kind in (VESSEL, COMPACT, SCHEME, STATE, SCRATCH)),
+    8 * (TAPER + 1),
+)
 
 
 def entry_text(name: str, kernel: str, kinds: tuple[Kind, ...]) -> str:
-    """Return the LLVM text of a function of the module, which calls a kernel of numba's."""
-    taken = ", ".join(f"{'double' if kind is float else 'ptr'} %x{i}" for i, kind in enumerate(kinds))
+    """Return the LLVM text of a function that calls a kernel of numba's."""
+    taken = ", ".join(
+        f"{'double' if kind is float else 'ptr'} %x{i}" for i, kind in enumerate(kinds)
+    )
     wanted = ", ".join("double" if kind is float else "ptr" for kind in kinds)
     return f"""
 declare i32 @"{kernel}"(ptr, ptr, {wanted})
@@ -159,7 +165,7 @@ def settled(text: str, scheme: bytes) -> str:
 
 
 def lower(scheme: str, target: str) -> None:
-    """Write the object of the module for the bytes of a scheme in one file to another file."""
+    """Write the object of the module, for the scheme in a file, to another."""
     binding.initialize_all_targets()
     binding.initialize_all_asmprinters()
     machine = binding.Target.from_triple(TRIPLE).create_target_machine(
@@ -190,7 +196,9 @@ def build(scheme: Record) -> bytes:
     with tempfile.TemporaryDirectory() as folder:
         code, module = Path(folder) / "core.o", Path(folder) / MODULE
         _lowered(np.asarray(scheme).tobytes(), code)
-        shown = [f"--export={name}" for name in (*FUNCTIONS, *(f"trainer_{room}" for room in ROOMS))]
+        shown = [
+            f"--export={name}" for name in (*FUNCTIONS, *(f"trainer_{room}" for room in ROOMS))
+        ]
         _call([linker, *LINKING, *shown, "-o", str(module), str(code)], dict(os.environ))
         return module.read_bytes()
 
@@ -220,14 +228,14 @@ def _call(words: list[str], environment: dict[str, str]) -> None:
 
 
 def card_text(module: bytes, boat: Boat) -> str:
-    """Return the card of a module: its digest, its core, its method, and what built it."""
+    """Return the card of a module: digest, core, method, and what built it."""
     linker = subprocess.run([LINKER, "--version"], capture_output=True, text=True, check=True)  # noqa: S603
+    versions = f"numba {numba.__version__}, llvmlite {llvmlite.__version__}"
     lines = [
         f"sha256 {hashlib.sha256(module).hexdigest()}",
         f"core {core_digest()}",
         f"method {method_of(boat)}",
-        f"built by numba {numba.__version__}, llvmlite {llvmlite.__version__}, "
-        f"{linker.stdout.strip()}",
+        f"built by {versions}, {linker.stdout.strip()}",
     ]
     return "\n".join(lines) + "\n"
 
@@ -239,7 +247,7 @@ def method_of(boat: Boat) -> str:
 
 
 def shipped(boat: Boat) -> bytes:
-    """Return the module that comes with the trainer; ConfigError where it is not for this boat."""
+    """Return the module of the trainer; ConfigError where it is not for this boat."""
     card = dict(line.split(" ", 1) for line in SHIPPED.with_name(CARD).read_text().splitlines())
     if not same_core(card["core"]):
         raise ConfigError(
@@ -254,7 +262,7 @@ def shipped(boat: Boat) -> bytes:
 
 
 def numbers_of(boat: Boat) -> dict[str, Any]:
-    """Return the records of a boat as it stands, the places of the state, and its orders."""
+    """Return records and orders of a boat as it stands, and the state's places."""
     r = boat.records
     records = {"vessel": r.vessel, "compact": r.compact, "scheme": r.scheme, "state": r.state}
     packed = {room: base64.b64encode(record.tobytes()).decode() for room, record in records.items()}
