@@ -5,23 +5,20 @@ import json
 import os
 import subprocess
 from pathlib import Path
-from typing import Any
 
 import pytest
 from click.testing import CliRunner
 from helpers.installation import installed
-from helpers.tab import fly
+from helpers.tab import fly, standard_hour
 
-from trainer.analysis.boat_page import boat_for_page, changes
-from trainer.boat.assemble import Records
+from trainer.analysis.boat_page import boat_for_page
 from trainer.boat.export import wasm
 from trainer.cli.export import boat_at_start
 from trainer.cli.main import cli
 from trainer.config.files import ConfigError
 from trainer.core.cache import core_digest
 from trainer.session.options import RunOptions
-from trainer.verify.bench.standard_hour import digest, fly_standard_hour, standard_boat
-from trainer.verify.bench.tick import in_a_loop
+from trainer.verify.bench.standard_hour import digest, standard_boat
 
 CARD = dict(
     line.split(" ", 1) for line in wasm.SHIPPED.with_name(wasm.CARD).read_text().splitlines()
@@ -30,26 +27,8 @@ BUILD = "trainer export-core DIR --cpu wasm32 builds it; copy core.wasm and core
 AGAIN = f"core.wasm is of another core: {BUILD}"
 
 
-def hours_deeds() -> tuple[list[tuple[Any, ...]], str]:
-    """Return what a page is to do in the standard hour, and the digest of the hour's end."""
-    deeds: list[tuple[Any, ...]] = []
-    left: list[Any] = []  # the state at the end of the ticks before
-
-    def take(records: Records, ticks: int) -> int:
-        now = records.state["whole"][0]
-        if left:
-            deeds.append(("write", changes(left.pop(), now)))
-        deeds.append(("fly", ticks))
-        status = in_a_loop(records, ticks)
-        left.append(now.copy())
-        return status
-
-    end = digest(fly_standard_hour(take))
-    return deeds, end
-
-
 def test_the_standard_hour_ends_in_its_bits() -> None:
-    deeds, end = hours_deeds()
+    deeds, end = standard_hour()
     boat = standard_boat()
     page = boat_for_page(boat, "instructor")
 

@@ -10,7 +10,11 @@ from typing import Any, Final
 
 from helpers.installation import installed
 from helpers.places import ROOT
+from trainer.analysis.boat_page import changes
+from trainer.boat.assemble import Records
 from trainer.boat.export.wasm import SHIPPED
+from trainer.verify.bench.standard_hour import digest, fly_standard_hour
+from trainer.verify.bench.tick import in_a_loop
 from trainer.web.pages import ASSETS
 
 HOST: Final = ROOT / "tests" / "web" / "tab.mjs"
@@ -41,3 +45,21 @@ def fly(boat: dict[str, Any], *deeds: Sequence[Any]) -> list[Any]:
     assert done.returncode == 0, done.stderr[-2000:]
     told: list[Any] = json.loads(done.stdout)
     return told
+
+
+def standard_hour() -> tuple[list[tuple[Any, ...]], str]:
+    """Return what a page is to do in the standard hour, and the digest of the hour's end."""
+    deeds: list[tuple[Any, ...]] = []
+    left: list[Any] = []  # the state at the end of the ticks before
+
+    def take(records: Records, ticks: int) -> int:
+        now = records.state["whole"][0]
+        if left:
+            deeds.append(("write", changes(left.pop(), now)))
+        deeds.append(("fly", ticks))
+        status = in_a_loop(records, ticks)
+        left.append(now.copy())
+        return status
+
+    end = digest(fly_standard_hour(take))
+    return deeds, end

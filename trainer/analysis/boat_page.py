@@ -188,7 +188,7 @@ def boat_of(path: Path) -> tuple[Boat, dict[str, Any]]:
             "from": path.name,
             "branches": flown,
             "orders": orders_of(recording),
-            "events": [(each.tick, each.kind, each.text) for each in recording.events()],
+            "events": [(e.branch, e.tick, e.kind, e.text) for e in recording.events()],
             "exercise": exercise_of(plan),
         }
         plan.start(boat)

@@ -11,7 +11,7 @@ import { Readings } from "./readings.js";
  * @typedef {{ kind: string, tag: string, fields: string[] }} Sentence
  * @typedef {{ ok: boolean, text: string, lines: string[] }} Answer
  * @typedef {{ branches: import("./flight.js").Recorded[], orders: [number, number, string][],
- *   events: [number, string, string][], from: string, exercise: [string, string][] }} Recording
+ *   events: [number, number, string, string][], from: string, exercise: [string, string][] }} Recording
  * @typedef {import("./core.js").Numbers & import("./readings.js").Fittings &
  *   import("./orders.js").Table & { grammar: import("./grammar.js").Table, ranges: [string, string][],
  *   title: string, recording: Recording | null }} Boat
@@ -73,7 +73,7 @@ export class Desk {
       this.flight.take(branch, new Float64Array(unpack(branch.state).buffer));
     }
     for (const [branch, tick, text] of recording.orders) this.facts.push([branch, tick, "order", text]);
-    for (const [tick, kind, text] of recording.events) this.log.push([0, tick, kind, text]);
+    this.log.push(...recording.events);
   }
 
   /** Answers an order. @param {string} words @returns {Answer} */
@@ -175,21 +175,17 @@ export class Desk {
   join() {
     this.brief();
     this.tellBranches();
-    const way = new Set(this.wayOf(this.flight.present));
     for (const [branch, tick, what, subject] of this.facts) {
-      if (way.has(this.flight.owner(this.flight.present, tick).number) || !branch) {
-        if (this.flight.owner(this.flight.present, tick).number === branch) this.put("TRF", tick, what, subject);
-      }
+      if (this.isPast(branch, tick)) this.put("TRF", tick, what, subject);
     }
-    if (this.boat.recording) {
-      this.event("moment", `${this.boat.recording.from}: drag the time line, take over anywhere`);
-    }
+    const { recording } = this.boat;
+    const hint = `${recording?.from}: drag the time line, take over anywhere`;
+    if (recording) this.put("TRE", this.core.ticks, "moment", hint);
   }
 
-  /** Returns the branches on which the end of one lies. @param {number} number @returns {number[]} */
-  wayOf(number) {
-    const branch = this.flight.branches.get(number);
-    return branch ? [number, ...this.wayOf(branch.parent)] : [];
+  /** Returns whether a tick of a branch lies in the present's past. @param {number} branch @param {number} tick */
+  isPast(branch, tick) {
+    return tick <= this.core.ticks && this.flight.owner(this.flight.present, tick).number === branch;
   }
 
   brief() {
@@ -240,7 +236,9 @@ export class Desk {
     const first = Math.max(core.ticks - Math.ceil(lapse / core.step), flight.branches.get(1)?.begun ?? 0);
     this.tellFact("past", `begin,${channel}`);
     if (channel === "events") {
-      for (const [, tick, kind, text] of this.log) if (tick >= first) this.put("TRE", tick, kind, text);
+      for (const [branch, tick, kind, text] of this.log) {
+        if (tick >= first && this.isPast(branch, tick)) this.put("TRE", tick, kind, text);
+      }
     } else if (channel in this.boat.channels) {
       const every = Math.max(Math.ceil((core.ticks - first) / ROWS), 1);
       const ticks = Array.from({ length: Math.floor((core.ticks - first) / every) + 1 }, (_, at) => first + at * every);
