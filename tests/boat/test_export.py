@@ -618,3 +618,4 @@ def test_start_and_memory_are_measured_beside_pythons_own() -> None:
     assert figures.times_python == figures.first_tick.least_ms / figures.python.least_ms
     assert 1.0 < figures.times_python_memory < 2.0
     assert f"{figures.times_python:.2f} times Python's own" in "\n".join(lines(figures))
+    assert (figures.wasm_hour_ms is None) is (shutil.which("node") is None)

@@ -245,6 +245,49 @@ def test_taking_over_ends_in_the_bits_of_a_resumed_run(moment: float, drill: Pat
     assert answers[-1] == digest_of(boat)
 
 
+def test_branches_begin_each_at_its_parents_moment(drill: Path, tmp_path: Path) -> None:
+    path = tmp_path / "branches.trainer"
+    shutil.copy(drill, path)
+    boat, _ = boat_of(drill)
+    recording = Recording.reopen(path)
+    flown = {1: dict(recording.states(1))}
+    for parent, tick, words in (
+        (1, 100, "depth 60"),
+        (2, 150, "rudder left 3"),
+        (1, 60, "turns 4"),
+    ):
+        moment = recording.moment(parent, tick)
+        assert moment is not None
+        boat.restore(np.frombuffer(moment.state, boat.records.state.dtype))
+        number = recording.fork(moment, f"to tick {tick}")
+        order = recording.order(tick, "instructor", words)
+        recording.answered(order, told(boat, words), accepted=True)
+        flown[number] = {}
+        for _ in range(80):
+            boat.tick()
+            recording.state(boat.ticks, boat.records.state.tobytes())
+            flown[number][boat.ticks] = boat.records.state.tobytes()
+    recording.close()
+    start, told_of = boat_of(path)
+    page = boat_for_page(start, "instructor") | {"recording": told_of}
+
+    found = fly(
+        page,
+        ("visit", 60),
+        ("visit", 61),
+        ("visit", 140),
+        ("order", "branch 3"),
+        ("digest",),
+        ("visit", 149),
+        ("visit", 40),
+    )
+
+    present = [flown[1][60], flown[4][61], flown[4][140]]
+    third = [flown[3][230], flown[2][149], flown[1][40]]
+    digests = [hashlib.sha256(state).hexdigest() for state in (*present, *third)]
+    assert [each for each in found if isinstance(each, str)] == digests
+
+
 def test_a_replay_shows_the_branch_again_and_a_new_one_begins_where_it_is_taken_over(
     drill: Path,
 ) -> None:
