@@ -235,6 +235,17 @@ def test_a_recording_is_seen_and_taken_over_and_its_markup_stays_text(
     assert page.locator("img").count() == 0
 
 
+def test_a_boats_name_with_markup_stays_text(opened: Open) -> None:
+    name = f"</title></script>{MARKUP}"
+    parts = page_of(boat_at_start(RunOptions(vessel="bb2")), None, "instructor")
+
+    page = opened(maker.single_file("instructor", parts.boat | {"title": name}, parts.core, name))
+
+    expect(page.locator("#title")).to_have_text(name)
+    assert page.title() == name
+    assert page.locator("img").count() == 0
+
+
 def test_a_page_on_a_telephone_fits(opened: Open, boat_page: str) -> None:
     page = opened(boat_page, 360, 640)
 

@@ -1,4 +1,4 @@
-"""The cost of a run on an exported core, beside idle Python: start and memory; an hour in node.
+"""The cost of a run on an exported core: start, memory, an hour in node.
 
 Both are whole processes, in turn, from their start to their end: Python with nothing to do, and a
 run of one tick through the command's own entry. Their compiled sources are at hand, as after an

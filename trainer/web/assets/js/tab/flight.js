@@ -88,9 +88,11 @@ export class Flight {
   follow(branch) {
     const { core } = this;
     if (core.ticks === branch.begun) core.state.set(/** @type {Float64Array} */ (branch.copies.get(branch.begun)));
+    const next = core.ticks + 1;
     put(branch.before.get(core.ticks), core.state);
     core.tick();
-    put(branch.after.get(core.ticks), core.state);
+    put(branch.after.get(next), core.state);
+    if (core.ticks !== next) throw new Error(`tick ${next} of branch ${branch.number} cannot be flown`);
   }
 
   keep() {
