@@ -153,6 +153,16 @@ def test_the_policy_names_what_is_inside_and_nothing_else(boat_page: str) -> Non
     assert "http" not in policy
 
 
+def test_a_page_offers_only_orders_that_it_takes(boat_page: str) -> None:
+    found = re.search(r'id="order-words">(.*?)</script>', boat_page)
+    assert found
+
+    heads = {usage.split()[0].strip("[]") for usage, _ in json.loads(found[1])["forms"]}
+
+    assert {"depth", "blow", "flood", "sea", "casualty", "backtrack"} <= heads
+    assert not {"hover", "lever", "order", "tell", "next", "end", "release"} & heads
+
+
 def test_an_import_of_an_unknown_kind_is_not_bundled(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

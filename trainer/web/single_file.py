@@ -11,7 +11,7 @@ from html import escape
 from pathlib import PurePosixPath
 from typing import Any, Final
 
-from trainer.web.pages import ASSETS, PAGES, render
+from trainer.web.pages import ASSETS, PAGES, order_words, render
 
 SHEET: Final = re.compile(r'<link rel="stylesheet" href="/assets/(\S+)">\n?')
 SCRIPT: Final = re.compile(r'<script type="module" src="/assets/(\S+)"></script>\n?')
@@ -21,6 +21,14 @@ NAMED: Final = re.compile(r"^export (?:async )?(?:const|let|class|function) (\w+
 # what a page in a file has in another one's place
 INSTEAD: Final = {"js/protocol/link.js": "js/tab/link.js"}
 WORKER: Final = "js/tab/worker.js"
+# orders that such a page takes, beside those that only write numbers
+TAKEN: Final = frozenset(
+    (
+        *("sea", "casualty", "clear", "casualties", "freeze", "run", "step", "time", "snapshot"),
+        *("snapshots", "restore", "reset", "backtrack", "replay", "take", "branches", "branch"),
+        *("mark", "log", "status", "history"),
+    )
+)
 NOTE: Final = (
     "A boat in a file: it is flown by this page alone. "
     "Marks are not judged here; nothing is sent or kept."
@@ -108,7 +116,8 @@ def policy(scripts: list[str], sheet: str) -> str:
 def single_file(name: str, boat: Mapping[str, Any], core: bytes, title: str) -> str:
     """Return the station's page with a boat inside."""
     page = next(each for each in PAGES if each.name == name)
-    html = render(page)
+    taken = {row.split(";")[0].split()[0] for row in boat["orders"]} | TAKEN
+    html = render(page, order_words=partial(order_words, taken), lessons=list)
     sheet = "\n".join((ASSETS / path).read_text(encoding="utf-8") for path in SHEET.findall(html))
     entry = SCRIPT.findall(html)[0]
     script = closed(bundle(entry))
