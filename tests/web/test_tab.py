@@ -186,10 +186,13 @@ def test_a_page_has_every_recorded_state_to_the_bit(drill: Path) -> None:
     assert found == [hashlib.sha256(states[tick]).hexdigest() for tick in ticks]
 
 
-def test_an_hour_of_states_is_small(drill: Path) -> None:
+def test_a_recording_is_what_was_ordered_and_what_it_was_about(drill: Path) -> None:
     _, told_of = boat_of(drill)
     (branch,) = told_of["branches"]
 
+    exercise = dict(told_of["exercise"])
+    assert exercise["title"] == "Passage, fast and deep"
+    assert "On passage: course 000" in exercise["line"]
     assert branch["after"] == []  # the core predicts all that nobody ordered
     assert sum(len(writes) for _, writes in branch["before"]) < 100
 
@@ -309,11 +312,13 @@ def test_a_replay_shows_the_branch_again_and_a_new_one_begins_where_it_is_taken_
         ("order", "rudder left 5"),
         ("order", "branch 1"),
         ("digest",),
+        ("sent",),
     )
 
     assert not answers[1]["ok"]
     assert answers[3] == hashlib.sha256(state).hexdigest()
     assert "branch 2 begins" in answers[4]["text"]
+    assert ["back", "take over"] in [each["fields"][2:] for each in answers[-1]]
     assert answers[5]["ok"]
     assert "branch 3 begins" in answers[6]["text"]
     assert answers[7] != answers[3]

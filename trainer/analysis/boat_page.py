@@ -198,7 +198,7 @@ def boat_of(path: Path) -> tuple[Boat, dict[str, Any]]:
 def exercise_of(plan: Plan) -> list[tuple[str, str]]:
     """Return what a page is told of the exercise, as a session tells it."""
     found = [("title", plan.title or plan.file.name)]
-    found += [("line", line) for line in plan.briefing]
+    found += [("line", line) for line in plan.briefing.splitlines()]
     return found + ([] if plan.duration is None else [("duration", f"{plan.duration:g}")])
 
 

@@ -351,6 +351,7 @@ const TIME = {
     if (order.words !== "take over") throw new Refusal(`${order.text}: ${OFFERED}`);
     if (!desk.flight.replayed) throw new Refusal("no replay is running");
     desk.flight.takeOver("take over");
+    desk.tellFact("back", "take over"); // what was ordered later is not of this branch
     desk.tellBranches();
     return `taken over at ${desk.core.ticks * desk.core.step} s; branch ${desk.flight.present} begins`;
   },
