@@ -25,7 +25,7 @@ from llvmlite import binding  # type: ignore[import-untyped]
 from trainer.boat.boat import PLACES, Boat
 from trainer.boat.export.header import PUBLISHED, members
 from trainer.boat.export.library import HEADER, HOST, LIBRARY, OBJECT, add_library, export
-from trainer.boat.export.lowering import FREESTANDING
+from trainer.boat.export.lowering import freestanding_text
 from trainer.boat.export.orders import rows
 from trainer.boat.export.runner import library as bare_core
 from trainer.boat.export.runner import run as bare_options
@@ -174,7 +174,7 @@ def compiled_library() -> ctypes.CDLL:
     """Return our own versions of the library functions, compiled in memory."""
     binding.initialize_native_target()
     binding.initialize_native_asmprinter()
-    module = binding.parse_assembly(FREESTANDING.read_text())
+    module = binding.parse_assembly(freestanding_text(64))
     machine = binding.Target.from_default_triple().create_target_machine()
     return binding.create_mcjit_compiler(module, machine)  # type: ignore[no-any-return]
 
@@ -365,7 +365,7 @@ def test_a_number_the_helm_refuses_is_refused(make_boat: Callable[..., Boat]) ->
     ("line", "told"),
     [
         ("10 rudder port 15", "rudder right NUMBER"),
-        ("10 blow all", "in full words"),
+        ("10 hover on", "in full words"),
         ("10 depth deep", "give a plain number"),
         ("10 depth -5", "give a plain number"),
         ("10 depth 9999", "this boat takes 0 to"),
@@ -618,3 +618,4 @@ def test_start_and_memory_are_measured_beside_pythons_own() -> None:
     assert figures.times_python == figures.first_tick.least_ms / figures.python.least_ms
     assert 1.0 < figures.times_python_memory < 2.0
     assert f"{figures.times_python:.2f} times Python's own" in "\n".join(lines(figures))
+    assert (figures.wasm_hour_ms is None) is (shutil.which("node") is None)

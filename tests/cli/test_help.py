@@ -84,6 +84,7 @@ FIRST = {  # what is typed before
     "trainer resume": (DRILL,),
     "trainer replay": (DRILL,),
     "trainer export": (DRILL,),
+    "trainer export-page": (DRILL,),
     "trainer compare": (
         f"{TURN} --equations full --csv full.csv",
         f"{TURN} --equations modified --csv modified.csv",

@@ -1,17 +1,25 @@
 """The command that makes machine code for other programs."""
 
 import sys
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any
 
 import click
 
 from trainer.cli.options import run_options
-from trainer.cli.shared_options import FILE, SEA, VESSEL, VESSEL_HELP, method_options, together
+from trainer.cli.shared_options import (
+    FILE,
+    RECORDING,
+    SEA,
+    VESSEL,
+    VESSEL_HELP,
+    method_options,
+    together,
+)
 from trainer.session.options import RunOptions
 
-CPUS = ("x86-64-v2", "x86-64-v3", "x86-64-v4", "native")
+CPUS = ("x86-64-v2", "x86-64-v3", "x86-64-v4", "native", "wasm32")
 
 boat_options = together(
     click.option("--vessel", type=VESSEL, default="bb2", show_default=True, help=VESSEL_HELP),
@@ -50,7 +58,7 @@ boat_options = together(
     default=CPUS[0],
     show_default=True,
     help="Processors that the code is for: any of the last 15 years, with AVX2, with AVX-512, "
-    "or this machine's.",
+    "this machine's, or WebAssembly.",
 )
 @click.option("--json", "as_json", is_flag=True, help="Print what was written as JSON.")
 def export_core(directory: Path, *, cpu: str, as_json: bool, **options: Any) -> None:
@@ -62,9 +70,18 @@ def export_core(directory: Path, *, cpu: str, as_json: bool, **options: Any) -> 
               trainer run --headless --core core/libtrainer_core.so --duration 1h --speed max
 
     DIRECTORY gets trainer_core.o, libtrainer_core.so, trainer_core.h and host.c, a host to begin
-    with. The bits are the trainer's. Exit code 1 when no C compiler could link the library.
+    with. The bits are the trainer's. Exit code 1 when no C compiler could link the library. With
+    --cpu wasm32 it gets core.wasm, boat.json and host.mjs, a host for node.
     """
     import json  # noqa: PLC0415
+
+    if cpu == "wasm32":
+        from trainer.boat.export.library import export_wasm, render_wasm  # noqa: PLC0415
+
+        module = export_wasm(boat_at_start(run_options(options)), directory)
+        told = asdict(module)
+        click.echo(json.dumps(told, indent=1) if as_json else render_wasm(module, directory))
+        return
 
     from trainer.boat.export.library import (  # noqa: PLC0415
         LIBRARY,
@@ -86,6 +103,52 @@ def export_core(directory: Path, *, cpu: str, as_json: bool, **options: Any) -> 
     if missing:
         click.echo(f"trainer: {missing}", err=True)
         sys.exit(1)
+
+
+STATIONS = ("instructor", "pilot", "helm", "planes", "ballast", "diving", "observer")
+
+
+@click.command(name="export-page")
+@click.argument("file", type=FILE)
+@click.option("--vessel", type=VESSEL, default=None, help=f"{VESSEL_HELP} [default: bb2]")
+@click.option("--sea", type=SEA, default=None, metavar="NAME|PATH", help="[default: calm]")
+@click.option("--seed", type=click.IntRange(0, 2**53 - 1), default=None, help="[default: 1]")
+@click.option(
+    "--recording", type=RECORDING, default=None, help="What was flown, to be seen and taken over."
+)
+@click.option(
+    "--station",
+    type=click.Choice(STATIONS),
+    default=STATIONS[0],
+    show_default=True,
+    help="The station that the page is.",
+)
+def export_page(file: Path, *, recording: Path | None, station: str, **options: Any) -> None:
+    """Write one HTML file with a boat inside, which any browser flies with no network.
+
+    \b
+    Example:  trainer export-page boat.html --vessel bb2
+              trainer export-page drill.html --recording drill.trainer
+
+    Marks are not judged there. With a recording its time line can be dragged and the boat taken
+    over at any moment, to the bits of trainer resume.
+    """
+    from trainer.analysis.boat_page import write_page  # noqa: PLC0415
+
+    given = {name: value for name, value in options.items() if value is not None}
+    if recording is not None and given:
+        raise click.UsageError(f"--recording has its own boat: leave out --{next(iter(given))}")
+    boat = None if recording else boat_at_start(replace(RunOptions(vessel="bb2"), **given))
+    write_page(file, page_text(boat, recording, station), recording)
+
+
+def page_text(boat: Any, recording: Path | None, station: str) -> str:
+    """Return a station's page with a boat or a recording inside."""
+    from trainer.analysis.boat_page import page_of  # noqa: PLC0415
+    from trainer.web.single_file import single_file  # noqa: PLC0415
+
+    parts = page_of(boat, recording, station)
+    return single_file(station, parts.boat, parts.core, parts.title)
 
 
 def boat_at_start(options: RunOptions) -> Any:

@@ -96,6 +96,7 @@ SECTIONS: Final = {
         listings.instruments,
         schema.schema,
         export.export_core,
+        export.export_page,
     ),
 }
 for title, commands in SECTIONS.items():

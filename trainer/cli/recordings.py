@@ -7,6 +7,7 @@ from typing import Any
 import click
 
 from trainer.cli.answers import PLOT
+from trainer.cli.export import page_text
 from trainer.cli.shared_options import CSV, HTML, PDF, RECORDING, RRD, VESSEL, VESSEL_HELP, WIDTHS
 from trainer.cli.types import Duration, File
 from trainer.config.method import EQUATIONS
@@ -99,6 +100,7 @@ def export(
 @click.option(
     "--change-back", multiple=True, metavar="NAME", help="Take such a change back; all: all."
 )
+@click.option("--fly", is_flag=True, help="Put the boat into the page, to be taken over there.")
 @click.option("--json", "as_json", is_flag=True, help="Print the figures as JSON.")
 def debrief(file: Path | None, *, last: bool, **how: Any) -> None:
     """Write what was ordered, what came of it, and the marks, as one page.
@@ -107,6 +109,7 @@ def debrief(file: Path | None, *, last: bool, **how: Any) -> None:
     Example:  trainer debrief drill.trainer
               trainer debrief --last --pdf drill.pdf
               trainer debrief drill.trainer --reference-from 320
+              trainer debrief drill.trainer --fly
               trainer debrief drill.trainer --change "Time to 100 m: weight 0, the gauge was wrong"
 
     The page is one HTML file that needs nothing else. What is changed is kept beside the
@@ -118,7 +121,8 @@ def debrief(file: Path | None, *, last: bool, **how: Any) -> None:
     if (file is None) is not last:
         raise click.UsageError("name a recording, or say --last")
     path = latest() if file is None else file
-    asked = Asked(how["branch"], how["width"], how["reference_from"])
+    boat = page_text(None, path, "instructor") if how["fly"] else ""
+    asked = Asked(how["branch"], how["width"], how["reference_from"], boat)
     change_marks(path, asked, how["change"], how["change_back"])
     debrief_file(path, how["html"], how["pdf"], asked, as_json=how["as_json"])
 

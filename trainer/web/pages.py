@@ -1,5 +1,6 @@
 """The pages, made once at the start from templates, and their words in other languages."""
 
+from collections.abc import Container
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
@@ -11,7 +12,7 @@ from trainer import __version__
 from trainer.config.course import course
 from trainer.io.orders.help import limits_and_units, usage
 from trainer.io.orders.quantities import NUMBERS
-from trainer.io.orders.table import FORMS
+from trainer.io.orders.table import FORMS, Form, heading_word
 from trainer.web.catalogue import catalogues
 
 HERE: Final = Path(__file__).parent
@@ -86,10 +87,21 @@ def _environment() -> Environment:
     return environment
 
 
-def order_words() -> dict[str, Any]:
-    """Return the wordings of all orders and what their numbers are, for their completion."""
-    forms = [(usage(form), form.says) for form in FORMS if not form.refusal]
+def order_words(taken: Container[str] | None = None) -> dict[str, Any]:
+    """Return the wordings of orders and what their numbers are, for their completion.
+
+    ``taken`` has the names of those that are taken; without it all are.
+    """
+    wanted = [
+        form for form in FORMS if not form.refusal and (taken is None or name_of(form) in taken)
+    ]
+    forms = [(usage(form), form.says) for form in wanted]
     return {"forms": forms, "numbers": {name: limits_and_units(n) for name, n in NUMBERS.items()}}
+
+
+def name_of(form: Form) -> str:
+    """Return the name of the order that a form words."""
+    return form.name or heading_word(form)
 
 
 def lessons() -> list[dict[str, Any]]:

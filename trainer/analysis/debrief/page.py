@@ -32,8 +32,8 @@ from trainer.session.header import plan_of, reading
 BADGE: Final = Markup('<meta name="generator" content="trainer debrief">')  # a page of ours
 
 
-def render(debrief: DebriefData) -> str:
-    """Return the page; the same record gives the same bytes."""
+def render(debrief: DebriefData, boat: str = "") -> str:
+    """Return the page, one with a boat inside it; same record, same bytes."""
     return page(
         "debrief.html",
         "debrief.css",
@@ -43,6 +43,7 @@ def render(debrief: DebriefData) -> str:
         verdict=sections.verdict(debrief),
         briefing=debrief.plan.briefing,
         parts=list(_parts(debrief)),
+        boat=boat,
         version=__version__,
         source=debrief.source.name,
     )
@@ -106,6 +107,7 @@ class Asked:
     branch: int | None = None  # None: the latest
     width: str | None = None  # of the bands; None: as it was begun with
     reference_from: float | None = None  # [s] where the reference crew takes over, too
+    boat: str = ""  # a page with the boat inside, to be put into this one
 
 
 def debrief_file(
@@ -122,7 +124,7 @@ def debrief_file(
         _refuse_other(html)
     with np.errstate(all="ignore"):  # a state may hold any number
         debrief = read_compared(path, asked)
-        text = render(debrief) if html or pdf else ""
+        text = render(debrief, asked.boat) if html or pdf else ""
     written = []
     if html is not None:
         _write(html, text)

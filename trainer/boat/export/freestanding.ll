@@ -1,7 +1,8 @@
 ; What the tick asks of the libraries around it, so that it needs none of them.
 ;
 ; The names are those that numba and the code generator call. What rounds does so once, so that the
-; bits are those of any correct C library.
+; bits are those of any correct C library. %size is an integer as wide as a pointer, defined before
+; this text.
 
 declare double @llvm.sqrt.f64(double)
 
@@ -82,37 +83,37 @@ define double @numba_frexp(double %x, ptr %e) alwaysinline {
 }
 
 ; Fill count bytes at first; the code generator calls it for blocks that it does not fill in place.
-define ptr @memset(ptr %first, i32 %byte, i64 %count) "no-builtins" noinline {
+define ptr @memset(ptr %first, i32 %byte, %size %count) "no-builtins" noinline {
 entry:
   %value = trunc i32 %byte to i8
   br label %more
 more:
-  %i = phi i64 [ 0, %entry ], [ %next, %fill ]
-  %left = icmp ult i64 %i, %count
+  %i = phi %size [ 0, %entry ], [ %next, %fill ]
+  %left = icmp ult %size %i, %count
   br i1 %left, label %fill, label %done
 fill:
-  %at = getelementptr i8, ptr %first, i64 %i
+  %at = getelementptr i8, ptr %first, %size %i
   store i8 %value, ptr %at
-  %next = add i64 %i, 1
+  %next = add %size %i, 1
   br label %more
 done:
   ret ptr %first
 }
 
 ; Copy count bytes from source to first, which do not overlap.
-define ptr @memcpy(ptr %first, ptr %source, i64 %count) "no-builtins" noinline {
+define ptr @memcpy(ptr %first, ptr %source, %size %count) "no-builtins" noinline {
 entry:
   br label %more
 more:
-  %i = phi i64 [ 0, %entry ], [ %next, %copy ]
-  %left = icmp ult i64 %i, %count
+  %i = phi %size [ 0, %entry ], [ %next, %copy ]
+  %left = icmp ult %size %i, %count
   br i1 %left, label %copy, label %done
 copy:
-  %from = getelementptr i8, ptr %source, i64 %i
-  %to = getelementptr i8, ptr %first, i64 %i
+  %from = getelementptr i8, ptr %source, %size %i
+  %to = getelementptr i8, ptr %first, %size %i
   %value = load i8, ptr %from
   store i8 %value, ptr %to
-  %next = add i64 %i, 1
+  %next = add %size %i, 1
   br label %more
 done:
   ret ptr %first

@@ -53,7 +53,8 @@ extern const struct trainer_vessel trainer_vessel;
 extern const struct trainer_compact trainer_compact;
 extern const struct trainer_state trainer_start;
 
-/* What this core was made from, in lines of text. */
+/* What this core was made from, in lines of text. A line for each order that only writes numbers:
+   order WORDS;LOW;HIGH;FACTOR;TURN;PLACE=RULE:ARGUMENT,... PLACE is that of the state above. */
 extern const char trainer_card[];
 
 /* Advance the state by one step. Return 0, or else the state is as it was and the status is

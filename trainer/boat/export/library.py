@@ -1,5 +1,6 @@
 """The folder of an exported core: object, library, header, host and card."""
 
+import gzip
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import asdict, dataclass
@@ -136,4 +137,45 @@ def render(exported: Exported, folder: Path, files: tuple[str, ...]) -> str:
     ]
     if LIBRARY in files:
         lines.append(f"trainer run --headless --core {folder / LIBRARY} --duration 1h --speed max")
+    return "\n".join(lines)
+
+
+@dataclass(frozen=True)
+class Module:
+    """The files and sizes of a finished export for WebAssembly."""
+
+    boat: str
+    files: tuple[str, ...]
+    module_bytes: int
+    packed_bytes: int  # as a server sends it
+    state_bytes: int
+
+
+def export_wasm(boat: Boat, folder: Path) -> Module:
+    """Write the core for WebAssembly and the numbers of ``boat`` as it stands into ``folder``."""
+    from trainer.boat.export import wasm  # noqa: PLC0415  it is for one processor of many
+
+    with name_trouble():
+        folder.mkdir(parents=True, exist_ok=True)
+    files = wasm.files_of(boat)
+    with name_trouble():
+        for name, data in files.items():
+            (folder / name).write_bytes(data)
+    code = files[wasm.MODULE]
+    packed = len(gzip.compress(code, 9))
+    return Module(boat.file.name, tuple(files), len(code), packed, STATE.itemsize)
+
+
+def render_wasm(module: Module, folder: Path) -> str:
+    """Return the account of an export for WebAssembly into ``folder``."""
+    lines = [
+        module.boat,
+        "compiled for wasm32",
+        *(f"  {folder / name}" for name in module.files),
+        "",
+        f"{module.module_bytes:,} bytes of code, {module.packed_bytes:,} packed",
+        f"{module.state_bytes:,} bytes a state",
+        "",
+        f"node {folder / 'host.mjs'} 7200",
+    ]
     return "\n".join(lines)

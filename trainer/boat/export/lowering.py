@@ -6,7 +6,7 @@ versions of the few library functions. Nothing here may change an operation: no 
 reassociation, so that the bits are the trainer's.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping, Sequence
 from pathlib import Path
 from typing import Any, Final
 
@@ -22,7 +22,8 @@ from trainer.core.state import SCRATCH, STATE
 from trainer.core.update import update
 from trainer.core.vessel import COMPACT, VESSEL
 
-LENT: Final = (VESSEL, COMPACT, SCHEME, STATE, SCRATCH)
+Kind = np.dtype | type  # of a parameter: the record at an address, or `float`
+LENT: Final[tuple[Kind, ...]] = (VESSEL, COMPACT, SCHEME, STATE, SCRATCH)
 FREESTANDING: Final = Path(__file__).parent / "freestanding.ll"
 ENTRY: Final = """
 @scheme = internal constant [{size} x i8] c"{scheme}", align 8
@@ -49,8 +50,8 @@ def tick(vessel: Any, compact: Any, scheme: Any, state: Any, scratch: Any) -> in
     return update(boat, few, carray(scheme, 1), carray(state, 1), carray(scratch, 1))
 
 
-def kernel_text(function: Callable[..., int]) -> tuple[str, str]:
-    """Return the LLVM text of a function of all records' addresses, and its name there.
+def kernel_text(function: Callable[..., int], kinds: Sequence[Kind] = LENT) -> tuple[str, str]:
+    """Return the LLVM text of a function of addresses and numbers, and its name.
 
     ConfigError where numba is told not to compile, or is of a version that was not tested.
     """
@@ -62,8 +63,11 @@ def kernel_text(function: Callable[..., int]) -> tuple[str, str]:
         )
     if numba.config.DISABLE_JIT:  # type: ignore[attr-defined]
         raise ConfigError("export-core compiles the core: unset NUMBA_DISABLE_JIT")
-    addresses = [types.CPointer(numba.from_dtype(kind)) for kind in LENT]  # type: ignore[no-untyped-call]
-    compiled: Any = numba.njit(types.int64(*addresses), error_model="numpy")(function)
+    taken = [
+        types.float64 if kind is float else types.CPointer(numba.from_dtype(kind))  # type: ignore[no-untyped-call]
+        for kind in kinds
+    ]
+    compiled: Any = numba.njit(types.int64(*taken), error_model="numpy")(function)
     signature = compiled.signatures[0]
     name = compiled.overloads[signature].fndesc.mangled_name
     return compiled.inspect_llvm(signature), name
@@ -97,12 +101,21 @@ def freestanding_module(
     module = binding.parse_assembly(text)
     chosen = np.asarray(scheme).tobytes()
     entry = ENTRY.format(size=len(chosen), scheme=quote(chosen), kernel=name)
-    library = FREESTANDING.read_text(encoding="utf-8")
-    for part in (entry, library, constants_text(constants)):
+    for part in (entry, freestanding_text(64), constants_text(constants)):
         module.link_in(binding.parse_assembly(part))
+    return sealed(module, {"trainer_tick", *constants})
+
+
+def freestanding_text(bits: int) -> str:
+    """Return the LLVM text of the library functions where pointers have so many bits."""
+    return f"%size = type i{bits}\n" + FREESTANDING.read_text(encoding="utf-8")
+
+
+def sealed(module: Any, shown: Collection[str]) -> Any:
+    """Return ``module`` with nothing to be seen from outside but the names ``shown``."""
     for thing in (*module.functions, *module.global_variables):
-        shown = thing.name == "trainer_tick" or thing.name in constants
-        if not (thing.is_declaration or shown or thing.name.startswith("llvm.")):
+        seen = thing.is_declaration or thing.name in shown or thing.name.startswith("llvm.")
+        if not seen:
             thing.linkage = "internal"
     module.verify()
     return module

@@ -1,7 +1,7 @@
 """The orders that an exported core takes: those that only write numbers into the state.
 
 The rows are those of ``runner.orders``, for one boat with its limits, bells and signs; each means
-what ``trainer.boat.helm`` makes of the same words. Orders about ballast, seas and casualties are
+what ``trainer.boat.helm`` and ``ballast_orders`` make of the same words. Seas and casualties are
 left to the host program.
 """
 
@@ -10,7 +10,10 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Final
 
+from trainer.boat.ballast_orders import MAIN, SPACES
 from trainer.boat.boat import PLACES, Boat
+from trainer.core.ballast.tanks import NEGATIVE, TANKS
+from trainer.core.state import VALVES
 from trainer.core.surfaces import SURFACES
 from trainer.io.orders.quantities import NUMBERS
 from trainer.io.orders.table import SIGNS
@@ -40,6 +43,7 @@ def rows(boat: Boat) -> list[str]:
         *_surfaces(boat),
         *_propeller(boat),
         *(_autopilot_orders(boat) if boat.automatic else ()),
+        *(_ballast(boat) if boat.vessel.fitted else ()),
     ]
 
 
@@ -153,3 +157,61 @@ def _autopilot_orders(boat: Boat) -> Iterator[str]:
     yield _row("autopilot off", {**hands, **revolutions, "trim_by_hand": _const(1.0)})
     yield _row("trim manual", {"trim_by_hand": _const(1.0)})
     yield _row("trim auto", {"trim_by_hand": _const(0.0)})
+
+
+def _ballast(boat: Boat) -> Iterator[str]:
+    """Yield the orders to valves, pumps and compressor that this boat has."""
+    yield from _valves(MAIN)
+    if boat.vessel.capacity[NEGATIVE]:
+        opened = {"negative_flood": _const(1.0)}
+        for word, vent, blow in (("flood", 1.0, 0.0), ("blow", 0.0, 1.0)):
+            valves = {"vent_negative": _const(vent), "blow_negative": _const(blow)}
+            yield _row(f"negative {word}", {**opened, **valves})
+    yield from _pumps(boat)
+    held = dict(zip(TANKS, boat.vessel.capacity, strict=True))
+    for place, space in enumerate(SPACES):
+        if held[f"compartment_{space}"]:
+            yield _row(f"drain {space}", {"drained": _const(1.0 + place)})
+    yield _row("drain stop", {"drained": _const(0.0)})
+    if boat.vessel.compressor_rate:
+        yield _row("compressor on", {"compressor": _const(1.0)})
+        yield _row("compressor off", {"compressor": _const(0.0)})
+
+
+def _main(groups: tuple[str, ...], blow: float, vent: float) -> dict[str, str]:
+    """Return what sets blow valves and vents of groups of main ballast."""
+    blown = {f"blow_{group}": _const(blow) for group in groups}
+    return blown | {f"vent_{group}": _const(vent) for group in groups}
+
+
+def _valves(groups: tuple[str, ...]) -> Iterator[str]:
+    """Yield the orders to the valves of main ballast."""
+    named = {**{group: (group,) for group in groups}, "all": groups}
+    for said, meant in named.items():
+        yield _row(f"blow {said}", _main(meant, 1.0, 0.0))
+        for position, vent in (("open", 1.0), ("shut", 0.0)):
+            vents = {f"vent_{group}": _const(vent) for group in meant}
+            yield _row(f"vent {said} {position}", vents)
+    shut = {f"blow_{valve}": _const(0.0) for valve in VALVES}
+    yield _row("blow stop", {**shut, "negative_flood": _const(0.0)})
+    yield _row("emergency blow", _main(groups, 2.0, 0.0))
+    up = {"ordered_depth": _const(0.0), "hover": _const(0.0)}
+    yield _row("surface", {**_main(groups, 1.0, 0.0), **up})
+
+
+def _pumps(boat: Boat) -> Iterator[str]:
+    """Yield the orders that move water."""
+    amount = NUMBERS["AMOUNT"]
+    tonne = amount.units[0].factor
+    tonnes = Range(0.0, amount.high * tonne, tonne)
+    held = dict(zip(TANKS, boat.vessel.capacity, strict=True))
+    if held["trim_forward"]:
+        yield _row("pump trim forward", {"move_trim": "number:1.0"}, tonnes)
+        yield _row("pump trim aft", {"move_trim": "number:-1.0"}, tonnes)
+    for tank in ("auxiliary", "depth_control"):
+        if not held[tank]:
+            continue
+        stands = {"hover": _const(0.0)} if tank == "depth_control" else {}
+        for word, sign in (("flood", 1.0), ("pump", -1.0)):
+            moved = {f"move_{tank}": f"number:{sign!r}", **stands}
+            yield _row(f"{word} {tank.replace('_', '-')}", moved, tonnes)

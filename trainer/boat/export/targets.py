@@ -64,13 +64,18 @@ def object_code(module: Any, target: Processor) -> bytes:
     machine = binding.Target.from_triple(binding.get_process_triple()).create_target_machine(
         cpu=target.name, features=target.features, opt=3, reloc="pic", codemodel="small"
     )
-    tuning = binding.create_pipeline_tuning_options(speed_level=3)
+    optimise(module, machine, 3)
+    return bytes(machine.emit_object(module))
+
+
+def optimise(module: Any, machine: Any, level: int) -> None:
+    """Optimise a module for a machine, and strip its names."""
+    tuning = binding.create_pipeline_tuning_options(speed_level=level)
     tuning.loop_vectorization = tuning.slp_vectorization = False  # numba has done what is worth it
     builder = binding.create_pass_builder(machine, tuning)
     passes = builder.getModulePassManager()
     passes.add_strip_symbols_pass()
     passes.run(module, builder)
-    return bytes(machine.emit_object(module))
 
 
 def code_words(code: bytes) -> int:

@@ -1,4 +1,4 @@
-"""The cost of a run on an exported core, beside idle Python: start and memory.
+"""The cost of a run on an exported core: start, memory, an hour in node.
 
 Both are whole processes, in turn, from their start to their end: Python with nothing to do, and a
 run of one tick through the command's own entry. Their compiled sources are at hand, as after an
@@ -7,6 +7,7 @@ installation.
 
 import json
 import os
+import shutil
 import statistics
 import subprocess
 import sys
@@ -16,6 +17,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
+
+from trainer.boat.assemble import Method
+from trainer.boat.boat import Boat
+from trainer.config.vessel import load_vessel
+from trainer.units import KNOT
 
 STARTS: Final = 25
 COMMAND: Final = "from trainer.__main__ import main; main()"
@@ -48,6 +54,7 @@ class ExportedStart:
     first_tick: Process
     times_python: float  # least over least: interference only adds
     times_python_memory: float
+    wasm_hour_ms: float | None  # an hour of ticks in node, without its start; None: no node
 
 
 def measure_exported(vessel: str, starts: int = STARTS) -> ExportedStart:
@@ -68,6 +75,7 @@ def measure_exported(vessel: str, starts: int = STARTS) -> ExportedStart:
             command("run", "--headless", "--core", library, *tick),
         )
         python, first_tick = time_processes(kinds, starts, environment)
+        hour = hour_in_node(vessel, folder, starts)
     return ExportedStart(
         vessel=written["boat"],
         cpu=written["cpu"],
@@ -77,7 +85,27 @@ def measure_exported(vessel: str, starts: int = STARTS) -> ExportedStart:
         first_tick=first_tick,
         times_python=first_tick.least_ms / python.least_ms,
         times_python_memory=first_tick.peak_mib / python.peak_mib,
+        wasm_hour_ms=hour,
     )
+
+
+def hour_in_node(vessel: str, folder: Path, starts: int) -> float | None:
+    """Return how long [ms] the shipped core for WebAssembly takes for an hour of ``vessel``."""
+    from trainer.boat.export import wasm  # noqa: PLC0415  kernels are settled
+
+    node = shutil.which("node")
+    if node is None:
+        return None
+    file = load_vessel(vessel)
+    boat = Boat(file, Method(file.own_equations, "lagged", "exact", "adams2", file.run.step_s))
+    boat.start(file.run.start_speed_kn * KNOT, file.run.start_depth_m, 0.0)
+    (folder / wasm.MODULE).write_bytes(wasm.shipped(boat))
+    (folder / wasm.NUMBERS).write_text(json.dumps(wasm.numbers_of(boat)), encoding="utf-8")
+    shutil.copy(Path(wasm.__file__).with_name(wasm.HOST), folder)
+    host, ticks = str(folder / wasm.HOST), round(3600.0 / file.run.step_s)
+    kinds = ([node, host, "0"], [node, host, str(ticks)])
+    start, hour = time_processes(kinds, max(starts // 5, 1), dict(os.environ))
+    return hour.least_ms - start.least_ms
 
 
 def command(*words: str) -> list[str]:
@@ -127,4 +155,6 @@ def lines(figures: ExportedStart) -> list[str]:
         ),
         f"  one tick takes {figures.times_python:.2f} times Python's own start and end,",
         f"  and {figures.times_python_memory:.2f} times its memory",
+        "  WebAssembly, an hour in node: "
+        + ("no node here" if figures.wasm_hour_ms is None else f"{figures.wasm_hour_ms:.0f} ms"),
     ]

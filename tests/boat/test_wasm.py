@@ -1,0 +1,132 @@
+"""The core for WebAssembly: the trainer's bits, nothing from outside, the same bytes again."""
+
+import hashlib
+import json
+import os
+import subprocess
+from pathlib import Path
+
+import pytest
+from click.testing import CliRunner
+from helpers.installation import installed
+from helpers.tab import fly, standard_hour
+
+from trainer.analysis.boat_page import boat_for_page
+from trainer.boat.export import wasm
+from trainer.cli.export import boat_at_start
+from trainer.cli.main import cli
+from trainer.config.files import ConfigError
+from trainer.core.cache import core_digest
+from trainer.session.options import RunOptions
+from trainer.verify.bench.standard_hour import digest, standard_boat
+
+CARD = dict(
+    line.split(" ", 1) for line in wasm.SHIPPED.with_name(wasm.CARD).read_text().splitlines()
+)
+BUILD = "trainer export-core DIR --cpu wasm32 builds it; copy core.wasm and core.wasm.txt from DIR"
+AGAIN = f"core.wasm is of another core: {BUILD}"
+
+
+def test_the_standard_hour_ends_in_its_bits() -> None:
+    deeds, end = standard_hour()
+    boat = standard_boat()
+    page = boat_for_page(boat, "instructor")
+
+    before, *_, after, found = fly(page, ("digest",), *deeds, ("time",), ("digest",))
+
+    assert before == digest(boat)
+    assert after > 0.0
+    assert len(deeds) > 50
+    assert found == end
+
+
+def test_the_shipped_module_is_of_this_core() -> None:
+    assert CARD["core"] == core_digest(), AGAIN
+    assert hashlib.sha256(wasm.SHIPPED.read_bytes()).hexdigest() == CARD["sha256"]
+
+
+def test_the_module_imports_nothing_and_shows_what_a_host_needs() -> None:
+    node = installed("node", "nodejs")
+    script = (
+        "const m = new WebAssembly.Module(require('fs').readFileSync(process.argv[1]));"
+        "console.log(JSON.stringify([WebAssembly.Module.imports(m),"
+        "WebAssembly.Module.exports(m).map(({ name }) => name)]))"
+    )
+    done = subprocess.run(
+        [node, "-e", script, str(wasm.SHIPPED)], capture_output=True, text=True, check=True
+    )
+
+    imports, exports = json.loads(done.stdout)
+    rooms = {f"trainer_{room}" for room in wasm.ROOMS}
+    assert imports == []
+    assert set(exports) == {"memory", *wasm.FUNCTIONS, *rooms}
+
+
+@pytest.mark.slow
+def test_the_module_is_built_again_to_the_byte(tmp_path: Path) -> None:
+    installed("wasm-ld", "lld")
+    built = CliRunner().invoke(cli, ["export-core", str(tmp_path), "--cpu", "wasm32", "--json"])
+
+    assert built.exit_code == 0, built.output
+    card = (tmp_path / wasm.CARD).read_text()
+    same = (tmp_path / wasm.MODULE).read_bytes() == wasm.SHIPPED.read_bytes()
+    assert same, f"shipped: {CARD}; built now: {card}; {BUILD}"
+    assert json.loads(built.output)["module_bytes"] < 200_000
+    said = subprocess.run(
+        [installed("node", "nodejs"), str(tmp_path / wasm.HOST), "120"],
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    boat = boat_at_start(RunOptions(vessel="bb2"))
+    boat.state.ordered_depth += 10.0
+    for _ in range(120):
+        boat.tick()
+    assert said.stdout.splitlines()[-1] == digest(boat)
+
+
+def test_a_linker_that_is_missing_is_named_with_its_package(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("PATH", str(tmp_path))
+
+    with pytest.raises(
+        ConfigError, match=r"no linker wasm-ld here\. Debian and Ubuntu: apt install lld"
+    ):
+        wasm.build(boat_at_start(RunOptions(vessel="bb2")).records.scheme)
+
+
+def test_a_linker_that_fails_is_told_in_one_line(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    linker = tmp_path / "wasm-ld"
+    linker.write_text("#!/bin/sh\necho first >&2\necho 'error: no room' >&2\nexit 1\n")
+    linker.chmod(0o755)
+    monkeypatch.setattr(wasm, "_lowered", lambda *_: None)
+    monkeypatch.setenv("PATH", f"{tmp_path}{os.pathsep}{os.environ['PATH']}")
+
+    with pytest.raises(ConfigError, match=r"wasm-ld failed: error: no room$"):
+        wasm.build(boat_at_start(RunOptions(vessel="bb2")).records.scheme)
+
+
+def test_a_kernel_of_another_text_is_taken_as_it_is() -> None:
+    text = "define i32 @other(ptr %arg.scheme.4) {\n  ret i32 0\n}\n"
+
+    assert wasm.settled(text, b"\0" * 8) == text
+
+
+def test_what_the_method_settles_is_constant_and_step_and_triggers_are_not() -> None:
+    lines = [
+        "define i32 @trainer_core6update6update_x(ptr %arg.scheme.4) {",
+        "  %a = getelementptr inbounds i8, ptr %arg.scheme.4, i64 40",
+        "  %b = getelementptr inbounds i8, ptr %arg.scheme.4, i64 272",
+        "  %c = load double, ptr %arg.scheme.4",
+        "  ret i32 0",
+        "}",
+    ]
+
+    told = wasm.settled("\n".join(lines), b"\1\2").splitlines()
+
+    assert told[0].startswith("@settled = internal constant [2 x i8]")
+    assert "@settled, i64 40" in told[2]
+    assert told[3:5] == lines[2:4]

@@ -1,0 +1,380 @@
+"""A page with a boat inside: one file, opened from a disk, in a browser without a network."""
+
+import base64
+import hashlib
+import json
+import os
+import re
+import shutil
+import sqlite3
+import subprocess
+import sys
+import zlib
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import pytest
+from helpers import node
+from helpers.recorded import record
+from helpers.tab import standard_hour
+from playwright.sync_api import Browser, Page, expect
+
+from trainer.analysis.boat_page import page_of, write_page
+from trainer.analysis.debrief.page import Asked, debrief_file
+from trainer.cli.export import boat_at_start, page_text
+from trainer.config.files import ConfigError
+from trainer.io.recording.recording import Recording
+from trainer.session.options import RunOptions
+from trainer.verify.bench.standard_hour import standard_boat
+from trainer.web import single_file as maker
+
+Open = Callable[..., Page]
+MOST = 500_000  # [bytes] of BB2 without a recording
+AN_HOUR = 2_000_000  # [bytes] more, of an hour recorded
+MARKUP = "<img src=x onerror=alert(1)>"
+AXE = """async () => (await axe.run(document, { resultTypes: ["violations"] })).violations
+  .map(({ id, nodes }) => `${id}: ${nodes.map((each) => each.target.join(" ")).join(", ")}`)"""
+# the core in the page itself is flown by its own numbers; the state comes back as it lies in memory
+FLY = """async (deeds) => {
+  const unpack = async (id) => {
+    const text = atob(document.getElementById(id).textContent);
+    const bytes = Uint8Array.from(text, (c) => c.charCodeAt(0));
+    const stream = new Blob([bytes]).stream().pipeThrough(new DecompressionStream("deflate"));
+    return new Response(stream).arrayBuffer();
+  };
+  const boat = JSON.parse(new TextDecoder().decode(await unpack("tab-boat")));
+  const { instance } = await WebAssembly.instantiate(await unpack("tab-core"), {});
+  const core = instance.exports;
+  const bytes = new Uint8Array(core.memory.buffer);
+  for (const [room, text] of Object.entries(boat.records)) {
+    bytes.set(Uint8Array.from(atob(text), (c) => c.charCodeAt(0)), core[`trainer_${room}`].value);
+  }
+  const rooms = ["vessel", "compact", "scheme", "state", "scratch"]
+    .map((room) => core[`trainer_${room}`].value);
+  const from = core.trainer_state.value;
+  const state = new Float64Array(core.memory.buffer, from, boat.state_doubles);
+  for (const [deed, what] of deeds) {
+    if (deed === "write") for (const [place, value] of what) state[place] = value;
+    else for (let left = what; left > 0; left -= 1) core.trainer_tick(...rooms);
+  }
+  return btoa(String.fromCharCode(...bytes.slice(from, from + 8 * boat.state_doubles)));
+}"""
+
+
+def text_of(recording: Path | None = None, station: str = "instructor", **options: Any) -> str:
+    """Return a page's text."""
+    chosen = replace(RunOptions(vessel="bb2"), **options)
+    return page_text(None if recording else boat_at_start(chosen), recording, station)
+
+
+@pytest.fixture(scope="module")
+def drill(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Return a recording of an exercise, with markup in what was said and in its name."""
+    crew = {60.0: "depth 80", 90.0: f"mark {MARKUP}", 140.0: "course 30"}
+    return record(tmp_path_factory.mktemp("drill") / "<b>drill.trainer", "stern-plane-jam", crew)
+
+
+@pytest.fixture(scope="module")
+def boat_page() -> str:
+    """Return the page of BB2 for the instructor."""
+    return text_of()
+
+
+@pytest.fixture
+def opened(browser: Browser, tmp_path: Path) -> Iterator[Open]:
+    """Return a function that opens a page's text as a file; nothing may be asked or complained."""
+    with ExitStack() as stack:
+        asked: list[str] = []
+        said: list[str] = []
+
+        def open_page(text: str, width: int = 1366, height: int = 768) -> Page:
+            path = tmp_path / f"page-{len(asked)}.html"
+            path.write_text(text, encoding="utf-8")
+            context = browser.new_context(viewport={"width": width, "height": height}, offline=True)
+            stack.callback(context.close)
+            page = context.new_page()
+            page.on("request", lambda request: asked.append(request.url))
+            page.on("console", lambda message: said.append(message.text))
+            page.on("pageerror", lambda error: said.append(str(error)))
+            page.goto(path.as_uri())
+            return page
+
+        yield open_page
+        assert not said
+        assert [url for url in asked if not url.startswith(("file:", "blob:"))] == []
+        assert all(url.endswith(".html") for url in asked if url.startswith("file:"))
+
+
+# The file
+
+
+def test_a_page_is_small_and_the_same_each_time(boat_page: str) -> None:
+    assert len(boat_page.encode()) <= MOST
+    assert text_of() == boat_page
+
+
+@pytest.mark.parametrize("vessel", ["remus100", "sdv-mk9"])
+@pytest.mark.parametrize("station", ["pilot", "ballast"])
+def test_every_boat_and_station_can_be_a_page(vessel: str, station: str) -> None:
+    text = text_of(vessel=vessel, station=station)
+
+    assert len(text.encode()) <= MOST
+    assert "<script src" not in text
+    assert "/assets/" not in text
+
+
+@pytest.mark.parametrize("sea", ["sea-state-3", "sea-state-6"])
+def test_a_page_begins_in_the_sea_that_is_asked_for(sea: str) -> None:
+    boat = boat_at_start(RunOptions(vessel="bb2", sea=sea))
+
+    parts = page_of(boat, None, "instructor")
+
+    packed = base64.b64decode(parts.boat["records"]["state"])
+    assert packed == boat.records.state.tobytes()
+    assert boat.state.sea_height > 0.5
+
+
+def test_the_policy_names_what_is_inside_and_nothing_else(boat_page: str) -> None:
+    found = re.search(r'http-equiv="Content-Security-Policy" content="([^"]*)"', boat_page)
+    assert found
+    policy = found[1].replace("&#x27;", "'")
+    scripts = re.findall(r"<script>(.*?)</script>", boat_page, re.DOTALL)
+    sheets = re.findall(r"<style>(.*?)</style>", boat_page, re.DOTALL)
+
+    assert len(scripts) == len(sheets) == 1
+    for text in (*scripts, *sheets):
+        digest = base64.b64encode(hashlib.sha256(text.encode()).digest()).decode()
+        assert f"'sha256-{digest}'" in policy
+    assert policy.startswith("default-src 'none'; ")
+    assert "unsafe-inline" not in policy
+    assert "http" not in policy
+
+
+def test_a_page_offers_only_orders_that_it_takes(boat_page: str) -> None:
+    found = re.search(r'id="order-words">(.*?)</script>', boat_page)
+    assert found
+
+    heads = {usage.split()[0].strip("[]") for usage, _ in json.loads(found[1])["forms"]}
+
+    assert {"depth", "blow", "flood", "sea", "casualty", "backtrack"} <= heads
+    assert not {"hover", "lever", "order", "tell", "next", "end", "release"} & heads
+
+
+def test_an_import_of_an_unknown_kind_is_not_bundled(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "one.js").write_text('import whole from "./two.js";\n')
+    (tmp_path / "two.js").write_text("export default 3;\n")
+    monkeypatch.setattr(maker, "ASSETS", tmp_path)
+
+    with pytest.raises(maker.UnknownPageError, match=r"(two|one)\.js"):
+        maker.bundle("one.js")
+
+
+def test_a_recorded_hour_is_small(tmp_path: Path, boat_page: str) -> None:
+    hour = record(tmp_path / "hour.trainer", "watch", {60.0: "depth 80", 700.0: "course 90"})
+    recording = Recording.look(hour)
+    ticks = recording.last_tick(1)
+    recording.close()
+
+    text = text_of(hour)
+
+    assert ticks >= 3600
+    assert (len(text.encode()) - len(boat_page.encode())) * 7200 / ticks < AN_HOUR
+
+
+# In a browser
+
+
+def test_a_page_flies_offline_from_a_file_without_a_complaint(opened: Open, boat_page: str) -> None:
+    page = opened(boat_page)
+
+    expect(page.locator("#state")).to_have_attribute("data-state", "running")
+    page.fill("#order", "depth 90")
+    page.press("#order", "Enter")
+    expect(page.locator("#log")).to_contain_text("depth 90")
+    page.click("#freeze")
+    expect(page.locator("#state")).to_have_attribute("data-state", "frozen")
+    expect(page.locator("#tab-note")).to_contain_text("Marks are not judged here")
+
+
+def test_the_core_in_the_page_ends_the_standard_hour_in_its_bits(opened: Open) -> None:
+    deeds, end = standard_hour()
+    page = opened(page_text(standard_boat(), None, "instructor"))
+
+    state = page.evaluate(FLY, [list(deed) for deed in deeds])
+
+    assert hashlib.sha256(base64.b64decode(state)).hexdigest() == end
+
+
+@pytest.mark.parametrize("station", ["instructor", "pilot"])
+def test_a_page_has_no_barrier(opened: Open, station: str) -> None:
+    script = (node.modules() / "axe-core" / "axe.min.js").read_text(encoding="utf-8")
+    page = opened(text_of(station=station))
+    expect(page.locator("#state")).to_have_attribute("data-state", "running")
+
+    page.evaluate(script)
+
+    assert page.evaluate(AXE) == []
+
+
+def test_a_recording_is_seen_and_taken_over_and_its_markup_stays_text(
+    opened: Open, drill: Path
+) -> None:
+    page = opened(text_of(drill))
+
+    expect(page.locator("#state")).to_have_attribute("data-state", "frozen")
+    expect(page.locator("#log")).to_contain_text("<b>drill.trainer: drag the time line")
+    expect(page.locator("#log")).to_contain_text(MARKUP)
+    assert page.title().endswith("<b>drill.trainer")
+    handle = page.locator("time-line .handle")
+    handle.focus()
+    page.keyboard.press("PageDown")
+    for _ in range(3):
+        page.keyboard.press("PageUp")
+    expect(page.locator("time-line .says")).to_contain_text("Looking at")
+    assert float(handle.get_attribute("aria-valuemax") or 0) > 100.0
+    page.click("[data-deed=take]")
+    expect(page.locator("time-line .lane")).to_have_count(1)
+    page.fill("#order", "rudder right 5")
+    page.press("#order", "Enter")
+    expect(page.locator("#log")).to_contain_text("rudder right 5")
+    assert page.locator("img").count() == 0
+
+
+def test_a_boats_name_with_markup_stays_text(opened: Open) -> None:
+    name = f"</title></script>{MARKUP}"
+    parts = page_of(boat_at_start(RunOptions(vessel="bb2")), None, "instructor")
+
+    page = opened(maker.single_file("instructor", parts.boat | {"title": name}, parts.core, name))
+
+    expect(page.locator("#title")).to_have_text(name)
+    assert page.title() == name
+    assert page.locator("img").count() == 0
+
+
+def test_a_page_on_a_telephone_fits(opened: Open, boat_page: str) -> None:
+    page = opened(boat_page, 360, 640)
+
+    expect(page.locator("#state")).to_have_attribute("data-state", "running")
+    wide = page.evaluate("document.documentElement.scrollWidth")
+    assert wide <= 360
+
+
+def test_a_debrief_has_the_boat_inside(opened: Open, drill: Path, tmp_path: Path) -> None:
+    out = tmp_path / "debrief.html"
+    debrief_file(drill, out, None, Asked(boat=page_text(None, drill, "instructor")), as_json=False)
+
+    page = opened(out.read_text(encoding="utf-8"))
+
+    boat = page.frame_locator("iframe")
+    expect(boat.locator("#state")).to_have_attribute("data-state", "frozen")
+    expect(boat.locator("#log")).to_contain_text(MARKUP)
+    boat.locator("#step").click()
+    expect(boat.locator("#log")).to_contain_text("1 tick, then frozen")
+    assert page.locator("img").count() == 0
+
+
+# What is wrong
+
+
+def test_what_is_wrong_is_one_line_and_code_2(tmp_path: Path) -> None:
+    wrong = tmp_path / "wrong.toml"
+    wrong.write_text("[fluid]\nrho = -1\n")
+    out = tmp_path / "boat.html"
+    done = subprocess.run(
+        [sys.executable, "-m", "trainer", "export-page", out, "--vessel", wrong],
+        capture_output=True,
+        text=True,
+        check=False,
+        env=os.environ.copy(),
+    )
+
+    assert done.returncode == 2
+    assert "wrong.toml" in done.stderr
+    assert "Traceback" not in done.stderr
+    assert not out.exists()
+
+
+def damage(path: Path, statement: str, *values: Any) -> None:
+    """Change a recording."""
+    with sqlite3.connect(path) as connection:
+        connection.execute(statement, values)
+    connection.close()
+
+
+OTHERS = {
+    "another core": (
+        "UPDATE header SET value = '0123456789abcdef' WHERE key = 'core'",
+        "would not be the same run",
+    ),
+    "no branch": ("DELETE FROM branches", "has no branch|damaged"),
+    "no layout": ("DELETE FROM header WHERE key = 'layout'", "layout"),
+    "a state missing": ("DELETE FROM states WHERE tick = 50", "damaged"),
+}
+
+
+@pytest.mark.parametrize("what", OTHERS)
+def test_a_recording_that_cannot_be_flown_is_refused(
+    what: str, drill: Path, tmp_path: Path
+) -> None:
+    path = tmp_path / "other.trainer"
+    shutil.copy(drill, path)
+    statement, why = OTHERS[what]
+    damage(path, statement)
+
+    with pytest.raises(ConfigError, match=why) as wrong:
+        page_of(None, path, "instructor")
+    assert len(wrong.value.args) == 1
+
+
+@pytest.mark.parametrize("content", [b"", b"no recording at all" * 100])
+def test_a_file_that_is_no_recording_is_refused(content: bytes, tmp_path: Path) -> None:
+    path = tmp_path / "empty.trainer"
+    path.write_bytes(content)
+
+    with pytest.raises(ConfigError, match=r"empty\.trainer"):
+        page_of(None, path, "instructor")
+
+
+def test_another_method_is_refused_by_name() -> None:
+    boat = boat_at_start(RunOptions(vessel="bb2", equations="full"))
+
+    with pytest.raises(ConfigError, match=r"full set.*a page's boat has the modified set"):
+        page_of(boat, None, "instructor")
+
+
+def test_a_disk_without_room_leaves_nothing(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def full(path: Path, text: str, **_how: object) -> int:
+        with path.open("w") as file:
+            file.write(text[:10])
+        raise OSError(28, "No space left on device", str(path))
+
+    out = tmp_path / "boat.html"
+    out.write_text("before")
+    monkeypatch.setattr(Path, "write_text", full)
+
+    with pytest.raises(ConfigError, match=r"boat\.html cannot be written: No space left"):
+        write_page(out, "text", None)
+    assert out.read_bytes() == b"before"
+    assert list(tmp_path.iterdir()) == [out]
+
+
+def test_a_recording_is_not_written_over(drill: Path) -> None:
+    with pytest.raises(ConfigError, match="is the recording itself"):
+        write_page(drill, "text", drill)
+
+
+def test_what_is_packed_can_be_read_by_anybody(boat_page: str) -> None:
+    found = re.search(r'id="tab-boat">([^<]*)<', boat_page)
+    assert found
+
+    boat = json.loads(zlib.decompress(base64.b64decode(found[1])))
+
+    assert boat["title"].startswith("Joubert BB2")
+    assert boat["recording"] is None

@@ -1,0 +1,301 @@
+"""A boat in numbers for a page that flies it, and its recording.
+
+A page has records, orders, channels, casualties and seas of one boat. Of a recording the core
+predicts each state from the one before: kept is what orders wrote before a tick, and what was
+recorded otherwise than predicted, which is nothing for a whole recording of this version.
+"""
+
+import base64
+from collections import deque
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any, Final, NamedTuple
+
+import click
+import numpy as np
+
+from trainer.boat import casualties
+from trainer.boat.boat import Boat
+from trainer.boat.casualties import GAUGE_UNITS, SHARES, SIDES
+from trainer.boat.crew_orders import AXES
+from trainer.boat.export.header import places_of
+from trainer.boat.export.wasm import numbers_of, shipped
+from trainer.boat.helm import obey
+from trainer.boat.sea_orders import fully_developed, standing_sea
+from trainer.config.casualties import Casualty
+from trainer.config.files import ConfigError
+from trainer.config.sea import peak_frequency, significant_height, step_problem
+from trainer.core.ballast.tanks import BANKS, COMPARTMENTS, TANKS
+from trainer.core.casualties import KINDS
+from trainer.core.kernel import Numbers
+from trainer.core.sea.sea import HEIGHT, OMEGA
+from trainer.core.state import CASUALTIES, SCRATCH, VALVES
+from trainer.core.surfaces import SURFACES
+from trainer.io.atomic_write import write_whole
+from trainer.io.orders.quantities import NUMBERS, Number
+from trainer.io.orders.table import BOAT_ORDERS, FORMS, NAMES, SETS, SIGNS
+from trainer.io.recording.recording import Branch, Journalled, Recording
+from trainer.session.header import differences, layout_of, plan_of, reading
+from trainer.session.history import order_of
+from trainer.session.layout import read_state
+from trainer.session.plan import Plan
+from trainer.session.stations.briefing import ranges
+from trainer.session.stations.channels import CHANNELS
+from trainer.session.stations.roles import ROLES
+from trainer.session.stations.view import Fittings
+from trainer.units import KNOT
+
+SEA_STATES: Final = range(9)
+
+
+def boat_for_page(boat: Boat, role: str) -> dict[str, Any]:
+    """Return all that a station's page knows of a boat as it stands."""
+    return {
+        **numbers_of(boat),
+        "title": boat.file.name,
+        "gauges_at": places_of(SCRATCH)["reading"][0],
+        "channels": channels(),
+        "ranges": list(ranges(boat, ROLES[role])),
+        "casualties": offers(boat),
+        "calms": developed_seas(boat),
+        "ramp_s": boat.sea.sea.ramp_s,
+        "grammar": grammar(),
+        **fittings(boat),
+    }
+
+
+def channels() -> dict[str, list[tuple[str, str, int]]]:
+    """Return name, unit and decimals of every field of the channels."""
+    return {
+        name: [(field.name, field.unit, field.decimals) for field in channel.fields]
+        for name, channel in CHANNELS.items()
+    }
+
+
+def fittings(boat: Boat) -> dict[str, Any]:
+    """Return the scales by which the state is read."""
+    scales = Fittings.of(boat)
+    bells = boat.file.propulsion.bells_kn
+    return {
+        **scales._asdict(),
+        "toward": boat.toward,
+        "rps": boat.file.propulsion.rps_per_mps,
+        "bells": [("stop", 0.0), *((name, speed * KNOT) for name, speed in bells.items())],
+        "tanks": TANKS,
+        "compartments": COMPARTMENTS,
+        "banks": BANKS,
+        "valves": VALVES,
+        "compressor": bool(boat.vessel.compressor_rate),
+        "kinds": KINDS,
+        "slots": CASUALTIES,
+        "axes": AXES,
+        "sides": SIDES,
+        "gauge_units": GAUGE_UNITS,
+        "shares": SHARES,
+        "knot": KNOT,
+    }
+
+
+def offers(boat: Boat) -> list[dict[str, Any]]:
+    """Return the casualties that the boat can suffer, with their numbers."""
+    return [
+        offer(boat, boat.casualties[name], degree) for name, degree, _ in casualties.available(boat)
+    ]
+
+
+def offer(boat: Boat, casualty: Casualty, degree: str) -> dict[str, Any]:
+    """Return the numbers of a casualty; ``limit`` is of a surface hard over."""
+    limits = [
+        boat.toward[surface] * float(boat.vessel.limit[place])
+        for place, surface in enumerate(SURFACES)
+        if casualty.kind == f"{surface}-hard-over"
+    ]
+    measure = casualty.measure
+    amount = casualty.severity * casualty.full * (limits or [1.0])[0]
+    return {
+        "name": casualty.name,
+        "kind": casualty.kind,
+        "code": casualty.code,
+        "severity": casualty.severity,
+        "ramp": casualty.ramp_s,
+        "clear": casualty.clear_ramp_s,
+        "says": casualty.description,
+        "full": casualty.full,
+        "limit": limits[0] if limits else None,
+        "low": measure.limits.low,
+        "high": min(measure.limits.high, 1e300),
+        "sudden": measure.sudden,
+        "degree": degree,
+        "told": "" if measure.sudden else casualties.describe(boat, casualty.kind, amount),
+    }
+
+
+def developed_seas(boat: Boat) -> dict[str, tuple[float, float]]:
+    """Return height [m] and peak [rad/s] of each sea state that the boat's step allows."""
+    g = float(boat.vessel.g)
+    found = {}
+    for state in SEA_STATES:
+        sea = fully_developed(boat.sea.sea, "state", float(state))
+        height, peak = significant_height(sea, g), peak_frequency(sea, g)
+        wanted = standing_sea(boat)
+        wanted[HEIGHT], wanted[OMEGA] = height, peak
+        if not step_problem(wanted, boat.method.step):
+            found[str(state)] = (float(height), float(peak))
+    return found
+
+
+def grammar() -> dict[str, Any]:
+    """Return the table of orders, by which a page reads a line."""
+    return {
+        "forms": [
+            {"pattern": f.pattern, "name": f.name, "value": f.value, "refusal": f.refusal}
+            for f in FORMS
+        ],
+        "sets": SETS,
+        "numbers": {name: measure(number) for name, number in NUMBERS.items()},
+        "names": {name: place.says for name, place in NAMES.items()},
+        "signs": SIGNS,
+    }
+
+
+def measure(number: Number) -> dict[str, Any]:
+    """Return a kind of number as a page reads it."""
+    units = [{"text": u.text, "names": u.names, "factor": u.factor} for u in number.units]
+    limits = {"low": number.low, "high": number.high, "decimals": number.decimals}
+    return {"says": number.says, "units": units, "prefix": number.prefix, **limits}
+
+
+# What was recorded
+
+Writes = list[tuple[int, float]]  # places of the state, and what is written there
+
+
+def boat_of(path: Path) -> tuple[Boat, dict[str, Any]]:
+    """Return the boat of a recording at its start, and the recording for a page.
+
+    ConfigError where it is damaged, or not of this version.
+    """
+    with reading(path) as recording, np.errstate(all="ignore"):
+        header = recording.header()
+        for each in differences(header)[:1]:
+            raise ConfigError(f"{path.name}: {each}: in a page it would not be the same run")
+        plan = plan_of(header)
+        boat = Boat(plan.file, plan.method)
+        layout = layout_of(header)
+        plan.start(boat)
+        flown = [fly(recording, each, boat, plan, layout) for each in recording.branches()]
+        told = {
+            "from": path.name,
+            "branches": flown,
+            "orders": orders_of(recording),
+            "events": [(e.branch, e.tick, e.kind, e.text) for e in recording.events()],
+            "exercise": exercise_of(plan),
+        }
+        plan.start(boat)
+    return boat, told
+
+
+def exercise_of(plan: Plan) -> list[tuple[str, str]]:
+    """Return what a page is told of the exercise, as a session tells it."""
+    found = [("title", plan.title or plan.file.name)]
+    found += [("line", line) for line in plan.briefing.splitlines()]
+    return found + ([] if plan.duration is None else [("duration", f"{plan.duration:g}")])
+
+
+def orders_of(recording: Recording) -> list[tuple[int, int, str]]:
+    """Return branch, tick and words of the orders that were carried out."""
+    given: list[tuple[int, int, str]] = []
+    for branch in recording.branches():
+        own = recording.orders(branch.id, branch.after)
+        given += [(each.branch, each.tick, each.text) for each in own if each.accepted]
+    return given
+
+
+def fly(
+    recording: Recording, branch: Branch, boat: Boat, plan: Plan, layout: tuple[str, ...]
+) -> dict[str, Any]:
+    """Return one branch for a page, flown from its beginning beside the recorded states."""
+    standing = boat.records.state
+    boat.restore(read_state(branch.state, layout, standing))
+    begun = standing.tobytes()
+    orders = deque(recording.orders(branch.id, branch.after))
+    before: list[tuple[int, Writes]] = []
+    after: list[tuple[int, Writes]] = []
+    last = branch.tick
+    for tick, state in recorded(recording, branch):
+        if written := given(orders, tick - 1, boat, plan):
+            before.append((tick - 1, written))
+        boat.tick()
+        there = read_state(state, layout, standing)["whole"][0]
+        if changed := changes(boat.state.whole, there):
+            after.append((tick, changed))
+            boat.state.whole[:] = there
+        last = tick
+    if written := given(orders, last, boat, plan):
+        before.append((last, written))
+    return {
+        "number": branch.id,
+        "parent": branch.parent or 0,
+        "begun": branch.tick,
+        "last": last,
+        "why": branch.why,
+        "state": base64.b64encode(begun).decode("ascii"),
+        "before": before,
+        "after": after,
+    }
+
+
+def recorded(recording: Recording, branch: Branch) -> Iterator[tuple[int, bytes]]:
+    """Yield tick and state of what a branch recorded after its beginning."""
+    return ((tick, state) for tick, state in recording.states(branch.id) if tick > branch.tick)
+
+
+def given(orders: deque[Journalled], tick: int, boat: Boat, plan: Plan) -> Writes:
+    """Give the boat the orders of a tick; return what they have written."""
+    was = boat.state.whole.copy()
+    while orders and orders[0].tick <= tick:
+        order = order_of(orders.popleft(), plan.schedule)
+        if order is not None and order.name in BOAT_ORDERS:
+            obey(boat, order)
+    return changes(was, boat.state.whole)
+
+
+def changes(was: Numbers, now: Numbers) -> Writes:
+    """Return the places where two states differ, and what the second has."""
+    places = np.flatnonzero(was.view(np.int64) != np.ascontiguousarray(now).view(np.int64))
+    return [(int(place), float(now[place])) for place in places]
+
+
+# The page
+
+
+class Parts(NamedTuple):
+    """The boat as a page knows it, the core, and the title of the page."""
+
+    boat: dict[str, Any]
+    core: bytes
+    title: str
+
+
+def page_of(boat: Boat | None, recording: Path | None, role: str) -> Parts:
+    """Return the parts of a page: of a boat, or of a recording."""
+    told = None
+    if recording is not None:
+        boat, told = boat_of(recording)
+    if boat is None:
+        raise ValueError("a page has a boat or a recording")
+    core = shipped(boat)
+    numbers = boat_for_page(boat, role) | {"recording": told}
+    title = boat.file.name if told is None else f"{boat.file.name}: {told['from']}"
+    return Parts(numbers, core, title)
+
+
+def write_page(path: Path, text: str, recording: Path | None) -> None:
+    """Write the page whole and print its name; ConfigError where it cannot be written."""
+    if recording is not None and path.exists() and path.samefile(recording):
+        raise ConfigError(f"{path} is the recording itself: give another name")
+    try:
+        write_whole(path, text)
+    except OSError as error:
+        raise ConfigError(f"{path} cannot be written: {error.strerror}") from None
+    click.echo(f"{path}  {path.stat().st_size / 1000:.0f} kB")

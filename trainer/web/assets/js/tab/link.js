@@ -1,0 +1,90 @@
+// The page's line to the boat inside it, in place of one to a session elsewhere.
+
+/**
+ * @typedef {import("../protocol/link.js").Answer} Answer
+ * @typedef {import("../protocol/line.js").Sentence} Sentence
+ */
+
+/** Sends orders to the worker, and brings answers and sentences: events `open`, `lost`, `sentence`. */
+export class Link extends EventTarget {
+  constructor() {
+    super();
+    this.there = false;
+    this.tries = 0;
+    this.why = "";
+    this.tag = 0;
+    /** @type {Map<string, (answer: Answer) => void>} */
+    this.asked = new Map();
+    /** @type {Worker | null} */
+    this.worker = null;
+  }
+
+  /** Begins the worker, whose source and boat lie in the page. */
+  open() {
+    if (this.worker) return;
+    const source = new Blob([textOf("worker")], { type: "text/javascript" });
+    this.worker = new Worker(URL.createObjectURL(source));
+    this.worker.onmessage = ({ data }) => this.hear(data);
+    this.worker.onerror = (event) => this.lose(event.message || "the boat could not be started");
+    this.begin().catch((error) => this.lose(String(error)));
+  }
+
+  async begin() {
+    const boat = JSON.parse(new TextDecoder().decode(await unpacked("boat")));
+    this.worker?.postMessage({ module: await unpacked("core"), boat });
+  }
+
+  /** @param {{ sentences?: Sentence[], ready?: boolean, tag?: string, answer?: Answer }} message */
+  hear({ sentences = [], ready, tag, answer }) {
+    if (ready) {
+      this.there = true;
+      this.dispatchEvent(new Event("open"));
+    }
+    for (const detail of sentences) this.dispatchEvent(new CustomEvent("sentence", { detail }));
+    if (tag && answer) {
+      this.asked.get(tag)?.(answer);
+      this.asked.delete(tag);
+    }
+  }
+
+  /** @param {string} words @returns {Promise<Answer>} */
+  order(words) {
+    if (!this.there) return Promise.resolve({ ok: false, text: this.why || "not sent: no boat yet", lines: [] });
+    this.tag += 1;
+    const tag = String(this.tag);
+    this.worker?.postMessage({ tag, words });
+    return new Promise((settle) => {
+      this.asked.set(tag, settle);
+    });
+  }
+
+  /** @param {string} why */
+  lose(why) {
+    this.there = false;
+    this.why = why;
+    this.tries = 2;
+    this.dispatchEvent(new Event("lost"));
+  }
+
+  settle() {
+    this.tries = 0;
+  }
+
+  redial() {}
+
+  close() {
+    this.worker?.terminate();
+  }
+}
+
+/** @param {string} id of a block of data in the page */
+function textOf(id) {
+  return document.getElementById(`tab-${id}`)?.textContent ?? "";
+}
+
+/** Returns the bytes of a packed block of data. @param {string} id */
+async function unpacked(id) {
+  const bytes = Uint8Array.from(atob(textOf(id)), (letter) => letter.charCodeAt(0));
+  const stream = new Blob([bytes]).stream().pipeThrough(new DecompressionStream("deflate"));
+  return new Uint8Array(await new Response(stream).arrayBuffer());
+}
