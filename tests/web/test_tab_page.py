@@ -18,7 +18,9 @@ from typing import Any
 
 import pytest
 from helpers import node
+from helpers.places import ROOT
 from helpers.recorded import record
+from helpers.shell import typed
 from helpers.tab import standard_hour
 from playwright.sync_api import Browser, Page, expect
 
@@ -378,3 +380,23 @@ def test_what_is_packed_can_be_read_by_anybody(boat_page: str) -> None:
 
     assert boat["title"].startswith("Joubert BB2")
     assert boat["recording"] is None
+
+
+def test_the_page_of_the_documents_is_what_its_command_makes(tmp_path: Path) -> None:
+    text = (ROOT / "docs" / "boat-by-mail.md").read_text(encoding="utf-8")
+    (line,) = re.findall(r"^trainer run .* --recording .*$", text, re.MULTILINE)
+
+    done = typed(line, tmp_path, "")
+
+    assert done.returncode == 0, done.stderr
+    kept = (ROOT / "docs" / "stern-plane-jam.html").read_text(encoding="utf-8")
+    made = (tmp_path / "drill.html").read_text(encoding="utf-8")
+    assert unpacked(made) == unpacked(kept), "make it anew by the line of docs/boat-by-mail.md"
+
+
+def unpacked(page: str) -> list[str | bytes]:
+    """Return a page with what is packed in it as it was, whoever has packed it."""
+    parts = re.split(r'(?<=id="tab-core">|id="tab-boat">)([^<]*)', page)
+    return [
+        zlib.decompress(base64.b64decode(part)) if at % 2 else part for at, part in enumerate(parts)
+    ]
