@@ -9,6 +9,7 @@ import shutil
 import sqlite3
 import subprocess
 import sys
+import time
 import zlib
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack
@@ -18,6 +19,8 @@ from typing import Any
 
 import pytest
 from helpers import node
+from helpers.firefox import firefox
+from helpers.pages import PATIENCE
 from helpers.places import ROOT
 from helpers.recorded import record
 from helpers.shell import typed
@@ -208,6 +211,21 @@ def test_the_core_in_the_page_ends_the_standard_hour_in_its_bits(opened: Open) -
     page = opened(page_text(standard_boat(), None, "instructor"))
 
     state = page.evaluate(FLY, [list(deed) for deed in deeds])
+
+    assert hashlib.sha256(base64.b64decode(state)).hexdigest() == end
+
+
+def test_in_firefox_a_page_flies_and_the_hour_has_the_same_bits(tmp_path: Path) -> None:
+    deeds, end = standard_hour()
+    page = tmp_path / "boat.html"
+    page.write_text(page_text(standard_boat(), None, "instructor"), encoding="utf-8")
+
+    with firefox(tmp_path / "profile") as tab:
+        tab.open(page.as_uri())
+        until = time.monotonic() + PATIENCE
+        while tab.evaluate("document.querySelector('#state').dataset.state") != "running":
+            assert time.monotonic() < until
+        state = tab.evaluate(f"({FLY})({json.dumps([list(deed) for deed in deeds])})")
 
     assert hashlib.sha256(base64.b64decode(state)).hexdigest() == end
 
