@@ -1,6 +1,7 @@
 """The parameters of a model give the ship's gains, time constants and stability."""
 
 import math
+from dataclasses import replace
 from typing import Final
 
 import numpy as np
@@ -71,7 +72,8 @@ def _nomoto_1(p: dict[str, float], ship: Ship) -> Nomoto:
 
 def _nomoto_2(p: dict[str, float], ship: Ship) -> Nomoto:
     del ship
-    return Nomoto(p["K"], complex(p["T1"]), complex(p["T2"]), p["T3"], 0.0, 0.0)
+    found = nomoto(Transfer(p["a1"], p["a2"], 0.0, p["b1"], p["b2"], 0.0, 0.0, 0.0))
+    return replace(found, K_v=0.0, T3v=0.0)
 
 
 _KINDS: Final = {

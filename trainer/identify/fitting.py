@@ -37,6 +37,8 @@ from trainer.identify.uncertainty import (
 
 METHODS: Final = {"scoring": "auto", "bfgs": "bfgs", "direct": "powell"}
 STEPS: Final = 200
+RESTARTS: Final = 12  # in a row that must not find better, before a fit counts as settled
+FEWEST: Final = 2  # of them, whatever a study says
 SCREENINGS: Final = 4  # rounds of fitting and rejecting
 UNMODELLED: Final = {  # noise models do not have these: the errors' covariance is concentrated out
     "output-error": ("R1", "R2"),
@@ -121,7 +123,7 @@ def table_of(study: Study) -> ModelTable:
 def _scale(study: Study, plant: Plant, place: int) -> float:
     """Return the scale of a parameter."""
     for row in study.parameters:
-        if row.scale is not None and plant.model.place(row.name) == place:
+        if row.scale is not None and place in plant.model.places((row.name,)):
             return row.scale
     return 1.0
 
@@ -153,8 +155,9 @@ def fit(
         start = resume(kept, problem) if kept.exists() else start
         search = Search(STEPS, _both(heard, keep(kept, problem)))
     table = table_of(study)
+    restarts = RESTARTS if table.restarts is None else max(FEWEST, int(table.restarts))
     cost, method = cost_of(problem, table), METHODS[table.method or "scoring"]
-    found = estimate(cost, start, method, search, Starts(restarts=int(table.restarts or 0)))
+    found = estimate(cost, start, method, search, Starts(restarts))
     rejected = 0
     for _ in range(SCREENINGS if table.reject else 0):
         problem, more = screen(problem, found.theta, table.reject or 0.0)

@@ -90,7 +90,8 @@ def _derivative_table(report: Report) -> list[str]:
 
 def _fit_lines(report: Report) -> list[str]:
     state = f"settled in {report.steps} steps" if report.converged else "DID NOT SETTLE"
-    lines = [
+    lines = wrap(report.doubt, INDENT, 2 * INDENT) if report.doubt else []
+    lines += [
         f"{INDENT}Fit {state}: log L {report.log_likelihood:.4f}, AIC {report.aic:.2f}",
         f"{INDENT}V1 {report.loss_1:.4f} one step ahead, {report.loss_1_alone:.4f} by rudder alone",
     ]

@@ -89,6 +89,7 @@ class Report:
     interval_s: float
     findings: tuple[str, ...]
     converged: bool
+    doubt: str  # why it did not settle
     steps: int
     log_likelihood: float
     aic: float
@@ -171,6 +172,7 @@ def report_of(fitted: Fitted, findings: tuple[str, ...], others: Allowed) -> Rep
         interval_s=plant.period,
         findings=findings,
         converged=bool(fitted.found.converged),
+        doubt=fitted.found.doubt,
         steps=fitted.found.steps,
         log_likelihood=fitted.log_likelihood,
         aic=aic_of_likelihood(fitted.log_likelihood, len(problem.free)),
