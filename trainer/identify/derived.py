@@ -110,7 +110,7 @@ def quantities(model: Model, values: Numbers, ship: Ship) -> Numbers:
         (T1 + T2).real if T2 else 0.0,
         (T1 * T2).real,
         (1.0 / T1).real if T1 else math.inf,
-        1.0 / ship_like.K if ship_like.K else math.inf,
+        1.0 / ship_like.K if ship_like.K else 0.0,
     ]
     return np.concatenate([derivatives(model, values), told])
 

@@ -84,7 +84,7 @@ MINIMISERS: Final[dict[str, Minimiser]] = {
 
 
 WIDEST: Final = 3.0  # [-] spread of a parameter with bounds, in its own coordinate
-FASTEST: Final = 0.5  # [intervals] of a time constant that is still one of the ship
+FASTEST: Final = 0.5  # [intervals] of a time constant that two readings still show
 MOST: Final = 4  # times the restarts wanted, in all
 APPROACH: Final = 60  # steps from another start
 NEARBY: Final = 10.0  # [-] of cost above the best, from where a search is carried on
@@ -157,8 +157,12 @@ def _approach(cost: Cost, begin: Numbers, best: float) -> Found:
 
 
 def is_too_fast(problem: Problem, theta: Numbers) -> bool:
-    """Return whether a time constant is so short that the readings cannot show it."""
-    return problem.fastest(theta) < FASTEST * problem.plant.period
+    """Return whether a time constant is so short that the readings cannot show it.
+
+    One reading alone cannot tell a motion inside the interval from its own error.
+    """
+    least = FASTEST if len(problem.plant.outputs) > 1 else 1.0
+    return problem.fastest(theta) < least * problem.plant.period
 
 
 def _doubt_speed(problem: Problem, found: Found) -> Found:

@@ -150,7 +150,8 @@ class Stretched:
         """Return which numbers are at an end: variances anywhere, as they may grow (f,)."""
         sine = np.abs(np.sin(self.theta(eta) * self.cost.problem.scale))
         lag = (self._kinds == "lag") & (np.abs(sine - 0.5) > 0.5 - NEAR)
-        return self._positive | lag | ((self._kinds == "angle") & (sine > 1.0 - NEAR))
+        angle = (self._kinds == "angle") & (sine > 1.0 - NEAR)
+        return np.asarray(self._positive | lag | angle)
 
     def end(self, eta: Numbers) -> Numbers:
         """Return ``eta`` with nothing beyond where it has an effect."""
@@ -270,22 +271,28 @@ def _judge_shape(problem: Stretched, eta: Numbers, gradient: Numbers, size: Numb
 
     The better place is that of Newton's step with every curvature taken as upwards.
     """
-    free = size > 0.0
-    curvature = second_derivatives(problem, eta, size)[np.ix_(free, free)]
+    curvature = second_derivatives(problem, eta, size)
+    free = (size > 0.0) & (np.diag(curvature) != 0.0)
+    curvature = curvature[np.ix_(free, free)]
     if not np.isfinite(curvature).all():
         return Verdict(IMPOSSIBLE)
-    width = np.sqrt(np.maximum(np.abs(np.diag(curvature)), np.finfo(float).tiny))
+    width = np.sqrt(np.abs(np.diag(curvature)))
     sizes, directions = np.linalg.eigh(curvature / np.outer(width, width))
     along = directions.T @ (gradient[free] / width)
     promised = 0.5 * float(np.sum(along**2 / np.maximum(np.abs(sizes), CURVED)))
     step = np.zeros_like(eta)
     if len(sizes) and sizes[0] < CURVED:
         step[free] = directions[:, 0] / width
-        return Verdict("the second derivatives are not all positive", _along(problem, eta, problem.clipped(step)))
+        return Verdict(
+            "the second derivatives are not all positive",
+            _along(problem, eta, problem.clipped(step)),
+        )
     if promised <= SETTLED:
         return Verdict("")
     step[free] = -directions @ (along / sizes) / width
-    return Verdict(f"a step promises {promised:.2g} more", _along(problem, eta, problem.clipped(step)))
+    return Verdict(
+        f"a step promises {promised:.2g} more", _along(problem, eta, problem.clipped(step))
+    )
 
 
 def _lift(
@@ -345,14 +352,15 @@ def scipy_search(
     size = np.diag(problem.information(eta))
     width = 1.0 / np.sqrt(np.where(np.isfinite(size) & (size > 0.0), size, 1.0))
     width = np.where(problem.bounded, np.minimum(width, 1.0), width)
-    best = [problem.cost.value(problem.theta(eta)), eta]
+    best: tuple[float, Numbers] = (problem.cost.value(problem.theta(eta)), eta)
 
     def slope(x: Numbers) -> tuple[float, Numbers]:
+        nonlocal best
         value, gradient = problem.slope(eta + x * width)
         if not (np.isfinite(value) and np.isfinite(gradient).all()):
             return best[0] + UPHILL * (1.0 + abs(best[0])), np.zeros_like(x)
         if value < best[0]:
-            best[:] = value, eta + x * width
+            best = value, eta + x * width
         return value, gradient * width
 
     def curvature(x: Numbers) -> Numbers:

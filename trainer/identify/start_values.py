@@ -22,7 +22,7 @@ ACCELERATIONS: Final = ("m11", "m12", "m21", "m22")
 DERIVATIVES: Final = ("Y_v", "Y_r", "N_v", "N_r", "Y_delta", "l_delta")
 FREE: Final[Mapping[str, tuple[str, ...]]] = {  # beside errors and the initial state
     "1": (*DERIVATIVES, "Y_0", "N_0", "R1_Y", "R1_N"),
-    "2": ("a1", "a2", "c1", "c2", "f1", "f2", "R1_1", "R1_2"),
+    "2": ("a1", "a2", "c1", "c2", "f2", "R1_1", "R1_2"),
     "3": ("a1", "a2", "b1", "b2", "f1", "R1_1", "R1_2"),
     "nomoto1": ("K", "T", "delta_0", "R1_r"),
     "nomoto2": ("a1", "a2", "b1", "b2", "delta_0", "R1_1", "R1_2"),
