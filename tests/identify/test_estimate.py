@@ -70,6 +70,27 @@ def test_the_hessian_is_near_the_information(cost: Any, best: Any) -> None:
     assert np.all((ratio > 0.5) & (ratio < 2.0))
 
 
+def test_a_disturbance_near_nothing_is_known_no_better_than_the_record_tells(cost: Any) -> None:
+    # below nothing is the same variance again: differences across it would see a kink
+    theta = cost.problem.start.copy()
+    place = cost.problem.names.index("R1_Y")
+    theta[place] = 1e-18
+    theta[cost.problem.names.index("R1_YN")] = 0.0
+    curvature, information = hessian(cost, theta), cost.information(theta)
+    assert abs(curvature[place, place]) < 10.0 * information[place, place]
+
+
+def test_an_impossible_gain_is_no_cost_and_no_traceback() -> None:
+    held = tuple(n for n in TANKER.free if not n.startswith(("R2", "x", "R1_YN")))
+    problem = recorded(replace(TANKER, free=held), 60)
+    nothing = {"R1_Y", "R1_N", "R2_v1", "R2_r", "R2_psi"}
+    values = problem.values.copy()
+    values[[MODELS["1"].place(name) for name in nothing]] = 0.0
+    dead = replace(problem, values=values)
+    assert Innovations(dead, settled_gain).value(dead.start) == np.inf
+    assert MultiStep(dead, 2, 3).value(dead.start) == np.inf
+
+
 def test_innovations_and_longer_predictions_find_the_ship_too() -> None:
     held = tuple(n for n in TANKER.free if not n.startswith(("R2", "x", "R1_YN")))
     problem = recorded(replace(TANKER, free=held), 800)

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Final
 
@@ -95,6 +95,10 @@ def pose_problem(study: Study, record: Record) -> tuple[Problem, Steering | None
         for name in free_names(plant, study.parameters)
         if name in asked or not name.startswith(dropped) or not dropped
     ]
+    if not free:
+        raise ConfigError(
+            f'{study.path.name}: every parameter is fixed, free = "no": nothing is left to estimate'
+        )
     sampling = table.measurement or "instantaneous"
     samples = samples_of(record, table.outputs)
     problem = problem_of(plant, samples, values, free)
@@ -219,8 +223,12 @@ def _estimate_uncertainty(cost: Cost, theta: Numbers) -> Uncertainty:
     """Return what is known of the parameters: by the Hessian, or where that fails by information.
 
     A variance at nothing makes the Hessian indefinite. Where neither is finite nothing is known.
+    Errors of several steps are not independent: their second derivatives tell no deviations.
     """
     names = cost.problem.names
+    if isinstance(cost, MultiStep):
+        shape = uncertainty(names, cost.information(theta))
+        return replace(shape, covariance=np.full_like(shape.covariance, math.nan))
     curvature = hessian(cost, theta)
     if np.isfinite(curvature).all():
         by_hessian = uncertainty(names, curvature)
