@@ -145,12 +145,12 @@ def _check_lines(report: Report) -> list[str]:
     if check is None:
         return []
     rows = [
-        (name, UNITS[name][0], f"{rms:.4g}", f"{100.0 * share:.1f}", f"{100.0 * own:.1f}")
-        for name, rms, share, own in zip(
-            check.outputs, check.rms, check.share, check.own, strict=True
+        (name, UNITS[name][0], f"{rms:.4g}", *(f"{100.0 * one:.1f}" for one in shares))
+        for name, rms, *shares in zip(
+            check.outputs, check.rms, check.share, check.own, check.explained, strict=True
         )
     ]
-    shares = ("% of the\nmotion", "% where\nfitted")
+    shares = ("% of the\nmotion", "% where\nfitted", "% variance\nexplained")
     heads = ("predicted by\nrudder alone", "\nunit", "\nrms error", *shares)
     return [f"{INDENT}{cut(check.source, 75)}", *table(heads, rows)]
 
