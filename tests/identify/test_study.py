@@ -202,17 +202,18 @@ def test_one_part_of_a_record_predicts_another(tmp_path: Path) -> None:
 
 
 def test_a_check_begins_as_its_best_reading_says(tmp_path: Path) -> None:
-    # the heading drifts off by degrees that no rudder made: the rate gyro knows how it began
+    # the heading drifts as if the ship had begun by turning; the rate gyro knows that she did not
     path, other = trial(tmp_path), tmp_path / "other"
+    path.write_text(STUDY + '\n[[parameters]]\nname = "R2_psi"\nstart = 4\nfree = "no"\n')
     other.mkdir()
     trial(other, seed=2)
-    rows = (other / "trial.csv").read_text().splitlines()
+    rows = (other / "trial.csv").read_text().splitlines()[:41]
     drifted = [row.rsplit(",", 1) for row in rows[1:]]
-    lines = [f"{a},{float(b) + 10.0 * math.sin(i / 40.0)}" for i, (a, b) in enumerate(drifted)]
+    drift = [5.0 * (1.0 - math.exp(-i * STEP / T)) for i in range(len(drifted))]
+    lines = [f"{a},{float(b) + off}" for (a, b), off in zip(drifted, drift, strict=True)]
     (other / "trial.csv").write_text("\n".join([rows[0], *lines]) + "\n")
     report = json.loads(run(identify, path, "--check", other / "trial.csv", "--json"))
-    rate = report["check"]["rms"][0]
-    assert rate < 0.02  # the gyro's own error is 0.01 deg/s
+    assert report["check"]["rms"][0] < 0.05  # deg/s; by headings alone it is twice that
 
 
 def test_a_search_goes_on_from_its_checkpoint(tmp_path: Path) -> None:

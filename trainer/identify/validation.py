@@ -13,6 +13,7 @@ from trainer.identify.kernels.simulation import simulate
 from trainer.identify.likelihood import possible
 from trainer.identify.measurements import Record, Samples, samples_of
 from trainer.identify.nonlinear import Bend, Bent, kappa_from_record
+from trainer.identify.prediction_error import Innovations
 from trainer.identify.problem import Problem
 from trainer.identify.start_values import ERRORS, STATES
 from trainer.identify.study import load_study, observe
@@ -156,9 +157,9 @@ def _reading_errors(fitted: Fitted) -> Numbers:
     plant = fitted.problem.plant
     names = [ERRORS[plant.model.name][output] for output in plant.outputs]
     told = np.sqrt(np.abs([fitted.values[plant.model.place(name)] for name in names]))
-    scatter = _errors(replace(fitted.problem, values=fitted.values))
-    free = np.array([name in fitted.problem.names for name in names])
-    return np.maximum(np.where(free, told, scatter), 1e-12)
+    if isinstance(fitted.cost, Innovations):  # which has no errors of readings
+        told = _errors(replace(fitted.problem, values=fitted.values))
+    return np.asarray(np.maximum(told, 1e-12))
 
 
 def _from(problem: Problem, place: int) -> Problem:
