@@ -107,7 +107,7 @@ def check_of(fitted: Fitted, path: Path) -> Check:
 
 
 def other_record(fitted: Fitted, path: Path) -> Record:
-    """Return the record of another study, or the whole of one of the fitted one's columns."""
+    """Return the record of another study, or another one of the same columns."""
     if path.suffix == ".toml":
         return observe(load_study(path)).record
     heading = replace(fitted.study.heading, data=path.name, from_s=None, to_s=None)
