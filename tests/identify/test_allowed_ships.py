@@ -81,7 +81,7 @@ def path(tmp_path_factory: Any) -> Any:
     plant = Plant(MODELS["nomoto2"], Ship(120.0, 6.2), ("yaw_rate",), 2.0)
     values = plant.model.vector(K=K, T1=T1, T2=T2, T3=T3, R1_2=1e-9, R2_r=4e-4)
     t = 2.0 * np.arange(300.0)
-    problem = problem_of(plant, Samples(t, np.zeros((300, 1)), helm[:, None]), values, ("K",))
+    problem = problem_of(plant, Samples(t, np.zeros((300, 1)), helm[:, None]), values, ("b2",))
     rate = draw_outputs(problem, problem.start, np.random.default_rng(3)).outputs[:, 0]
     rows = np.column_stack([t, helm, rate])
     np.savetxt(folder / "trial.csv", rows, delimiter=",", header="t,helm,rate", comments="")
@@ -165,8 +165,8 @@ def test_a_step_ends_at_the_gain_and_a_pulse_is_its_slope(fitted: Any) -> None:
 
 def test_draws_that_are_no_models_are_left_out_and_told(fitted: Any) -> None:
     loose = fitted.known.covariance.copy()
-    place = fitted.problem.names.index("T2")
-    loose[place, place] = 100.0  # T2 of nothing, or below, is as likely as its estimate
+    place = fitted.problem.names.index("a1")
+    loose[place, place] = 4.0  # a1 below nothing, a ship that spins away, is as likely as another
     others = draw_allowed(replace(fitted, known=replace(fitted.known, covariance=loose)))
     assert 0.0 < others.lost < 0.5
     assert np.isfinite(others.outputs.high).all()

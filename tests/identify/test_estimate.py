@@ -51,7 +51,8 @@ def test_the_minimum_is_one(cost: Any, best: Any) -> None:
     known = uncertainty(cost.problem.names, hessian(cost, best.theta))
     assert known.eigenvalues[0] > 0.0
     assert 0.5 * slope @ known.covariance @ slope < 1e-4
-    assert value == best.cost < cost.value(cost.problem.start)
+    assert value == pytest.approx(best.cost, rel=1e-12)
+    assert value < cost.value(cost.problem.start)
 
 
 def test_the_truth_is_within_four_standard_deviations(cost: Any, best: Any) -> None:
@@ -67,6 +68,27 @@ def test_the_hessian_is_near_the_information(cost: Any, best: Any) -> None:
     # they differ by the record's own luck only
     ratio = np.diag(hessian(cost, best.theta)) / np.diag(cost.information(best.theta))
     assert np.all((ratio > 0.5) & (ratio < 2.0))
+
+
+def test_a_disturbance_near_nothing_is_known_no_better_than_the_record_tells(cost: Any) -> None:
+    # below nothing is the same variance again: differences across it would see a kink
+    theta = cost.problem.start.copy()
+    place = cost.problem.names.index("R1_Y")
+    theta[place] = 1e-18
+    theta[cost.problem.names.index("R1_YN")] = 0.0
+    curvature, information = hessian(cost, theta), cost.information(theta)
+    assert abs(curvature[place, place]) < 10.0 * information[place, place]
+
+
+def test_an_impossible_gain_is_no_cost_and_no_traceback() -> None:
+    held = tuple(n for n in TANKER.free if not n.startswith(("R2", "x", "R1_YN")))
+    problem = recorded(replace(TANKER, free=held), 60)
+    nothing = {"R1_Y", "R1_N", "R2_v1", "R2_r", "R2_psi"}
+    values = problem.values.copy()
+    values[[MODELS["1"].place(name) for name in nothing]] = 0.0
+    dead = replace(problem, values=values)
+    assert Innovations(dead, settled_gain).value(dead.start) == np.inf
+    assert MultiStep(dead, 2, 3).value(dead.start) == np.inf
 
 
 def test_innovations_and_longer_predictions_find_the_ship_too() -> None:
@@ -124,6 +146,88 @@ def test_steps_that_overshoot_are_shortened_until_the_cost_falls(wells: Any, met
     found = estimate(wells, np.array([1.3]), method, Search(200))
     assert found.converged
     assert wells.slope(found.theta)[1] == pytest.approx([0.0], abs=1e-3)
+
+
+def test_the_top_between_two_minima_is_left(wells: Any) -> None:
+    # the slope is nothing there, and the second derivative is below nothing
+    top = np.array([0.1010313])
+    assert abs(wells.slope(top)[1][0]) < 1e-3
+    found = estimate(wells, top, "auto", Search(200))
+    assert found.converged
+    assert wells.slope(found.theta)[1] == pytest.approx([0.0], abs=0.1)
+    assert found.cost < wells.value(top) - 2.0
+
+
+@dataclass(frozen=True)
+class Variance:
+    """A cost of one variance with its minimum at 1."""
+
+    problem: Problem
+
+    def value(self, theta: Any) -> Any:
+        return 50.0 * (abs(float(theta[0])) - 1.0) ** 2
+
+    def slope(self, theta: Any) -> Any:
+        return self.value(theta), np.array([100.0 * (float(theta[0]) - 1.0)])
+
+    def information(self, theta: Any) -> Any:
+        return np.full((1, 1), 100.0) + 0.0 * theta
+
+
+@pytest.mark.parametrize("start", [1e-12, 1e-4, 30.0])
+def test_a_variance_near_nothing_is_lifted_where_the_cost_would_fall(start: float) -> None:
+    # its logarithm has no slope there: a search by slopes alone ends at once
+    cost = Variance(replace(TANKER, free=("R1_Y",)).problem(TANKER_RUDDER[:10]))
+    found = estimate(cost, np.array([start]), "auto", Search(200))
+    assert found.converged
+    assert found.theta == pytest.approx([1.0], abs=1e-2)
+
+
+def test_a_search_that_may_not_go_on_has_not_settled_and_says_why(cost: Any) -> None:
+    found = estimate(cost, TANKER.start(), "scoring", Search(2))
+    assert not found.converged
+    assert "promises" in found.doubt or "not all positive" in found.doubt
+
+
+def test_a_ship_quicker_than_its_readings_is_no_minimum() -> None:
+    quick = replace(TANKER, truth={**TANKER.truth, "N_r": -200.0}, free=("Y_v",), begin={})
+    problem = recorded(quick, 60)
+    found = estimate(Likelihood(problem), problem.start, "auto", Search(), Starts(restarts=2))
+    assert not found.converged
+    assert "a time constant of 0.0" in found.doubt
+    usual = recorded(replace(TANKER, free=("Y_v",)), 60)
+    found = estimate(Likelihood(usual), usual.start, "auto", Search(), Starts(restarts=2))
+    assert found.converged
+
+
+def nomoto_ship(K: float, T1: float) -> Rehearsal:
+    """Return a second-order ship whose search begins at a stable one."""
+    truth = {"K": K, "T1": T1, "T2": 13.4, "T3": 33.4, "R1_2": 1e-11, "R2_r": 1e-4, "R2_psi": 1e-2}
+    free = ("K", "T1", "T2", "T3", "R1_2", "R2_r", "R2_psi", "x2_0", "x3_0")
+    begin = {"K": -0.2, "T1": 300.0, "T2": 20.0, "T3": 30.0}
+    ship, outputs = Ship(244.0, 7.3), ("yaw_rate", "heading")
+    return Rehearsal("nomoto2", ship, outputs, 2.0, truth, free, begin)
+
+
+@pytest.mark.parametrize(("K", "T1"), [(0.114, -304.0), (-0.114, 304.0)])
+def test_a_search_passes_the_neutral_ship(K: float, T1: float) -> None:
+    ship = nomoto_ship(K, T1)
+    problem = recorded(ship, 200)
+    assert problem.names[:4] == ("a1", "a2", "b1", "b2")
+    found = estimate(Likelihood(problem), ship.start(), "auto", Search())
+    named = dict(zip(problem.names, found.theta, strict=True))
+    assert found.converged
+    assert named["b2"] / named["a2"] == pytest.approx(K, rel=0.1)
+    assert -named["b2"] == pytest.approx(abs(K) / (abs(T1) * 13.4), rel=0.1)
+
+
+def test_k_and_t_are_given_together_or_not_at_all() -> None:
+    model = MODELS["nomoto2"]
+    theta = model.vector(K=-0.05, T1=40.0, T2=5.0, T3=8.0)
+    assert_allclose(theta[:4], [0.225, 0.005, -0.002, -0.00025])
+    assert model.places(("T1", "K", "T2", "T3", "lag")) == (0, 1, 2, 3, model.place("lag"))
+    with pytest.raises(ConfigError, match="estimates a1, a2, b1, b2, and K follows from them"):
+        model.places(("K",))
 
 
 def test_restarts_leave_a_shallow_minimum(wells: Any) -> None:

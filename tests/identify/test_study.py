@@ -16,7 +16,9 @@ from trainer.identify.experiment import hold_bits
 from trainer.identify.experiment import prbs as sequence
 from trainer.identify.models import MODELS, Ship
 from trainer.identify.nomoto import load_nomoto
+from trainer.identify.reference_ships import Rehearsal
 from trainer.identify.uncertainty import beside_bounds, uncertainty
+from trainer.identify.validation import draw_outputs
 from trainer.verify.cases.selftest import published_orders, published_ship, published_zeros
 
 pytest.importorskip("scipy")
@@ -182,6 +184,38 @@ def test_one_half_predicts_the_other(tmp_path: Path) -> None:
         assert share < 1.5 * own
 
 
+def test_one_part_of_a_record_predicts_another(tmp_path: Path) -> None:
+    path = trial(tmp_path)
+    whole = tmp_path / "trial.csv"
+    rows = whole.read_text().splitlines()
+    later = tmp_path / "later.toml"
+    later.write_text(STUDY.replace("[[columns]]", "from_s = 1000\nto_s = 1600\n\n[[columns]]", 1))
+    arguments = ("--to", "900", "--json")
+    part = json.loads(run(identify, path, *arguments, "--check", later))
+    assert part["samples"] == 181
+    assert min(part["check"]["explained"]) > 0.9
+    # what lies outside from_s to to_s is not looked at: here it is another ship
+    spoilt = [",".join([*row.split(",")[:2], "9", "9"]) for row in rows[330:]]
+    whole.write_text("\n".join([*rows[:330], *spoilt]) + "\n")
+    again = json.loads(run(identify, path, *arguments, "--check", later))
+    assert again["check"]["rms"] == pytest.approx(part["check"]["rms"], rel=1e-9)
+
+
+def test_a_check_begins_as_its_best_reading_says(tmp_path: Path) -> None:
+    # the heading drifts as if the ship had begun by turning; the rate gyro knows that she did not
+    path, other = trial(tmp_path), tmp_path / "other"
+    path.write_text(STUDY + '\n[[parameters]]\nname = "R2_psi"\nstart = 4\nfree = "no"\n')
+    other.mkdir()
+    trial(other, seed=2)
+    rows = (other / "trial.csv").read_text().splitlines()[:41]
+    drifted = [row.rsplit(",", 1) for row in rows[1:]]
+    drift = [5.0 * (1.0 - math.exp(-i * STEP / T)) for i in range(len(drifted))]
+    lines = [f"{a},{float(b) + off}" for (a, b), off in zip(drifted, drift, strict=True)]
+    (other / "trial.csv").write_text("\n".join([rows[0], *lines]) + "\n")
+    report = json.loads(run(identify, path, "--check", other / "trial.csv", "--json"))
+    assert report["check"]["rms"][0] < 0.05  # deg/s; by headings alone it is twice that
+
+
 def test_a_search_goes_on_from_its_checkpoint(tmp_path: Path) -> None:
     path, kept = trial(tmp_path), tmp_path / "kept.json"
     first = json.loads(run(identify, path, "--checkpoint", kept, "--json"))
@@ -216,6 +250,52 @@ def test_parameters_that_the_record_cannot_separate_are_named_before_fitting(
     path.write_text(STUDY + '\n[[parameters]]\nname = "P11"\nfree = "yes"\nstart = 1e-6\n')
     with pytest.raises(ConfigError, match="cannot separate x1_0 with P11"):
         run(identify, path)
+
+
+def test_where_all_is_fixed_nothing_is_left_to_estimate(tmp_path: Path) -> None:
+    path = trial(tmp_path)
+    names = ("K", "T", "delta_0", "R1_r", "R2_r", "R2_psi", "x1_0", "x2_0")
+    rows = (f'\n[[parameters]]\nname = "{name}"\nfree = "no"\n' for name in names)
+    path.write_text(STUDY + "".join(rows))
+    with pytest.raises(ConfigError, match="nothing is left to estimate"):
+        run(identify, path)
+
+
+def test_predictions_over_several_steps_have_no_deviations_and_say_why(tmp_path: Path) -> None:
+    path = trial(tmp_path)
+    path.write_text(STUDY.replace("[armax]", "predict_from = 3\npredict_to = 3\n\n[armax]"))
+    report = json.loads(run(identify, path, "--json"))
+    assert {one["deviation"] for one in report["parameters"]} == {None}
+    assert "no standard deviations" in report["verdicts"][0]
+
+
+def sway_trial(folder: Path) -> Path:
+    """Write the trial of Model 2's ship and its study; return its path."""
+    ship, a2 = Ship(160.93, 4.4964), 1.0 / (3.0 * 0.6)
+    truth = {"a1": 3.6 * a2, "a2": a2, "c1": 1.0174 * a2 * 0.4265, "c2": 1.0174 * a2}
+    truth |= {"R1_1": 1e-4, "R1_2": 1e-6, "R2_v": 0.01}
+    rudder = np.resize(hold_bits(sequence(7), 10.0, 10), 600)
+    problem = Rehearsal("2", ship, ("sway",), 6.0, truth, ("a1",), {}).problem(rudder)
+    samples = draw_outputs(problem, problem.start, np.random.default_rng(2))
+    rows = np.column_stack([samples.t, rudder, samples.outputs])
+    np.savetxt(folder / "trial.csv", rows, delimiter=",", header="t,helm,sway", comments="")
+    text = STUDY.split('[[columns]]\nchannel = "yaw_rate', maxsplit=1)[0]
+    text += '[[columns]]\nchannel = "sway"\ncolumn = "sway"\nunit = "kn"\n\n[ship]\n'
+    text += "length_m = 160.93\nspeed_kn = 8.74\n\n"
+    (folder / "study.toml").write_text(text + '[model]\nkind = "2"\noutputs = ["sway"]\n')
+    return folder / "study.toml"
+
+
+def test_a_ship_of_sway_alone_is_found_from_its_own_start_with_intervals(tmp_path: Path) -> None:
+    report = json.loads(run(identify, sway_trial(tmp_path), "--json"))
+    assert report["converged"]
+    time = 160.93 / 4.4964
+    true = {"T1": 3.0 * time, "T2": 0.6 * time, "K_v": 1.0174 * 4.4964}
+    ship = {one["name"]: one for one in report["ship"]}
+    for name, value in true.items():
+        one = ship[name]
+        assert one["low"] < one["value"] < one["high"]
+        assert abs(one["value"] - value) < 4.0 * one["deviation"], name
 
 
 def test_a_fixed_parameter_stays_and_an_unknown_one_is_refused(tmp_path: Path) -> None:

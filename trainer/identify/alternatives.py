@@ -47,24 +47,30 @@ class Rival:
     probability: float  # [-] of so large a ratio by chance: small, and the larger is worth it
 
 
+NOTHING: Final = {"T3": "b1"}  # what is nothing where a number that follows from it is
+
+
 def without(fitted: Fitted, names: tuple[str, ...]) -> Rival:
     """Return the test against the same model with the parameters ``names`` at nothing.
 
     ConfigError if one of them was not estimated.
     """
     model, study = fitted.problem.plant.model, fitted.study
-    wanted = [model.names[model.place(name)] for name in names]
+    wanted = [model.names[model.place(NOTHING.get(name, name))] for name in names]
+    told = [name if name in NOTHING else one for name, one in zip(names, wanted, strict=True)]
     fixed = [name for name in wanted if name not in fitted.problem.names]
     if fixed:
         raise ConfigError(
             f"--without {fixed[0]}: it was not estimated, so there is nothing to test"
         )
     rows = tuple(
-        row for row in study.parameters if model.names[model.place(row.name)] not in wanted
+        row
+        for row in study.parameters
+        if row.name in model.given or model.names[model.place(row.name)] not in wanted
     )
     nothing = tuple(ParameterRow(name=name, start=0.0, free="no") for name in wanted)
     smaller = replace(study, parameters=(*rows, *nothing))
-    return _test_smaller(fitted, smaller, "without " + ", ".join(wanted))
+    return _test_smaller(fitted, smaller, "without " + ", ".join(told))
 
 
 def against(fitted: Fitted, kind: str) -> Rival:

@@ -1,6 +1,7 @@
 """The parameters of a model give the ship's gains, time constants and stability."""
 
 import math
+from dataclasses import replace
 from typing import Final
 
 import numpy as np
@@ -71,7 +72,8 @@ def _nomoto_1(p: dict[str, float], ship: Ship) -> Nomoto:
 
 def _nomoto_2(p: dict[str, float], ship: Ship) -> Nomoto:
     del ship
-    return Nomoto(p["K"], complex(p["T1"]), complex(p["T2"]), p["T3"], 0.0, 0.0)
+    found = nomoto(Transfer(p["a1"], p["a2"], 0.0, p["b1"], p["b2"], 0.0, 0.0, 0.0))
+    return replace(found, K_v=0.0, T3v=0.0)
 
 
 _KINDS: Final = {
@@ -108,7 +110,7 @@ def quantities(model: Model, values: Numbers, ship: Ship) -> Numbers:
         (T1 + T2).real if T2 else 0.0,
         (T1 * T2).real,
         (1.0 / T1).real if T1 else math.inf,
-        1.0 / ship_like.K if ship_like.K else math.inf,
+        1.0 / ship_like.K if ship_like.K else 0.0,
     ]
     return np.concatenate([derivatives(model, values), told])
 

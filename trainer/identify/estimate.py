@@ -3,7 +3,7 @@
 import json
 import math
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Final
@@ -13,7 +13,16 @@ import numpy as np
 from trainer.config.extras import require_library
 from trainer.config.files import ConfigError, quote
 from trainer.core.kernel import Numbers
-from trainer.identify.minimise import Cost, Found, Search, bfgs, scoring, stretch
+from trainer.identify.minimise import (
+    Cost,
+    Found,
+    Search,
+    judged,
+    scipy_search,
+    scoring,
+    settle,
+    stretch,
+)
 from trainer.identify.problem import Problem
 
 
@@ -22,7 +31,7 @@ def powell(cost: Cost, theta: Numbers, search: Search) -> Found:
 
     Each coordinate is measured by its own standard deviation at the start where that is known.
     """
-    require_library("scipy", "powell")
+    require_library("scipy", "identify")
     from scipy.optimize import minimize  # noqa: PLC0415 - an extra, imported on use
 
     problem = stretch(cost, theta)
@@ -40,39 +49,58 @@ def powell(cost: Cost, theta: Numbers, search: Search) -> Found:
     result: Any = minimize(
         value, np.zeros(len(theta)), method="Powell", callback=told, options=options
     )
-    eta = np.atleast_1d(result.x) * width
-    return Found(problem.theta(eta), float(result.fun), int(result.nit), bool(result.success))
+    return judged(problem, np.atleast_1d(result.x) * width, int(result.nit))
 
 
 Minimiser = Callable[[Cost, Numbers, Search], Found]
 
 
-def scoring_then_bfgs(cost: Cost, theta: Numbers, search: Search) -> Found:
-    """Return the result of scoring. BFGS goes on from there where scoring does not end."""
-    found = scoring(cost, theta, search)
-    if found.converged or not np.isfinite(found.cost):
-        return found
-    further = bfgs(cost, found.theta, replace(search, most=5 * search.most))
-    return replace(further, steps=found.steps + further.steps)
+def auto(cost: Cost, theta: Numbers, search: Search) -> Found:
+    """Return the minimum by scoring, then by scipy's minimisers where that is none."""
+    problem = stretch(cost, theta)
+    eta, steps = scoring(problem, np.zeros(len(theta)), search)
+    return settle(problem, eta, search, steps)
+
+
+def alone(cost: Cost, theta: Numbers, search: Search) -> Found:
+    """Return where scoring alone leads."""
+    problem = stretch(cost, theta)
+    return judged(problem, *scoring(problem, np.zeros(len(theta)), search))
+
+
+def bfgs(cost: Cost, theta: Numbers, search: Search) -> Found:
+    """Return the minimum by scipy's quasi-Newton steps (BFGS), polished if that is none."""
+    problem = stretch(cost, theta)
+    eta, steps = scipy_search(problem, np.zeros(len(theta)), "BFGS", search)
+    return settle(problem, eta, search, steps)
 
 
 MINIMISERS: Final[dict[str, Minimiser]] = {
-    "auto": scoring_then_bfgs,
-    "scoring": scoring,
+    "auto": auto,
+    "scoring": alone,
     "bfgs": bfgs,
     "powell": powell,
 }
 
 
-WIDEST: Final = 1.0  # [-] spread of a parameter with bounds, in its own coordinate
+WIDEST: Final = 3.0  # [-] spread of a parameter with bounds, in its own coordinate
+FASTEST: Final = 0.5  # [intervals] of a time constant that two readings still show
+MOST: Final = 4  # times the restarts wanted, in all
+APPROACH: Final = 60  # steps from another start
+NEARBY: Final = 10.0  # [-] of cost above the best, from where a search is carried on
+NARROW: Final = 0.3  # [-] of the width, of every other start
+BEATEN: Final = 0.01  # [-] of cost: what another start must gain
 
 
 @dataclass(frozen=True)
 class Starts:
-    """Where else to start: ``restarts`` times, ``width`` standard deviations about the start."""
+    """Where else to start: until ``restarts`` in a row find nothing better.
+
+    They are drawn ``width`` standard deviations about the start, and by twice its numbers.
+    """
 
     restarts: int = 0
-    width: float = 3.0
+    width: float = 10.0
     seed: int = 1
 
 
@@ -92,29 +120,81 @@ def estimate(
             "the start values are no model: a covariance is not positive, or the prediction "
             "is not finite; start with other values"
         )
+    starts = starts or Starts()
     found = MINIMISERS[method](cost, theta, search)
-    for begin in _others(cost, theta, starts or Starts()):
-        other = MINIMISERS[method](cost, begin, search)
-        # a minimum no deeper is the same one
-        found = other if other.cost < found.cost - 1e-6 else found
+    if starts.restarts:
+        found = _doubt_speed(cost.problem, _best(cost, theta, found, starts))
     return replace(found, theta=cost.problem.folded(found.theta))
 
 
-def _others(cost: Cost, theta: Numbers, starts: Starts) -> list[Numbers]:
-    """Return other starts where the cost is finite, spread by the information at ``theta``."""
-    if starts.restarts == 0:
-        return []
+def _best(cost: Cost, theta: Numbers, found: Found, starts: Starts) -> Found:
+    """Return the best of ``found`` and others, when so many in a row found nothing better.
+
+    A mode faster than the readings is passed over for any other, whatever its likelihood.
+    """
+    unbeaten = 0
+    for begin in _others(cost, theta, starts):
+        other = _approach(cost, begin, found.cost)
+        faster, fast = (is_too_fast(cost.problem, one.theta) for one in (other, found))
+        better = fast if faster != fast else other.cost < found.cost
+        same = faster == fast and other.cost > found.cost - BEATEN
+        unbeaten = unbeaten + 1 if same or not better else 0
+        found = other if better else found
+        if unbeaten == starts.restarts:
+            return found
+    return replace(found, converged=False, doubt=found.doubt or "other starts keep finding better")
+
+
+def _approach(cost: Cost, begin: Numbers, best: float) -> Found:
+    """Return where another start leads: by scoring, and settled only where it comes near."""
+    problem = stretch(cost, begin)
+    eta, steps = scoring(problem, np.zeros(len(begin)), Search(APPROACH))
+    theta = problem.theta(eta)
+    value = cost.value(theta)
+    if value < best + NEARBY:
+        return settle(problem, eta, Search(APPROACH), steps)
+    return Found(theta, value, steps, converged=False)
+
+
+def is_too_fast(problem: Problem, theta: Numbers) -> bool:
+    """Return whether a time constant is so short that the readings cannot show it.
+
+    One reading alone cannot tell a motion inside the interval from its own error.
+    """
+    least = FASTEST if len(problem.plant.outputs) > 1 else 1.0
+    return problem.fastest(theta) < least * problem.plant.period
+
+
+def _doubt_speed(problem: Problem, found: Found) -> Found:
+    """Return ``found``, not settled if it is faster than the readings."""
+    if not is_too_fast(problem, found.theta):
+        return found
+    doubt = (
+        f"a time constant of {problem.fastest(found.theta):.2g} s is beyond readings every "
+        f"{problem.plant.period:g} s: errors stand for motion, or the model has one too many"
+    )
+    return replace(found, converged=False, doubt=doubt)
+
+
+def _others(cost: Cost, theta: Numbers, starts: Starts) -> Iterator[Numbers]:
+    """Yield other starts where the cost is finite: by what ``theta`` is known to, and by its size.
+
+    A number with bounds is spread in its own coordinate, where nothing wider means more.
+    """
     problem = stretch(cost, theta)
     size = np.diag(problem.information(np.zeros(len(theta))))
     told = np.isfinite(size) & (size > 0.0)
-    width = np.where(told, starts.width / np.sqrt(np.where(told, size, 1.0)), 0.0)
-    # of parameters with bounds, nothing wider means more
-    bounded = np.where(told, np.minimum(width, WIDEST), WIDEST)
-    width = np.where(problem.bounded, bounded, width)
+    known = np.where(told, starts.width / np.sqrt(np.where(told, size, 1.0)), 0.0)
+    bounded = np.where(told, np.minimum(known, WIDEST), WIDEST)
+    free = np.minimum(3.0 * known, 2.0 * np.abs(theta)), NARROW * known, known
+    widths = [np.where(problem.bounded, bounded, one) for one in free]
+    widths[1] = np.where(problem.bounded, NARROW * bounded, widths[1])
     stream = np.random.Generator(np.random.PCG64(starts.seed))
-    spread = stream.standard_normal((starts.restarts, len(theta))) * width
-    drawn = [problem.theta(eta) for eta in spread]
-    return [begin for begin in drawn if np.isfinite(cost.value(begin))]
+    for turn in range(starts.restarts * MOST):
+        width = widths[turn % len(widths)]
+        begin = problem.theta(stream.standard_normal(len(theta)) * width)
+        if np.isfinite(cost.value(begin)):
+            yield begin
 
 
 def keep(path: Path, problem: Problem) -> Callable[[Found], None]:

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Final
 
@@ -37,6 +37,8 @@ from trainer.identify.uncertainty import (
 
 METHODS: Final = {"scoring": "auto", "bfgs": "bfgs", "direct": "powell"}
 STEPS: Final = 200
+RESTARTS: Final = 12  # in a row that must not find better, before a fit counts as settled
+FEWEST: Final = 2  # of them, whatever a study says
 SCREENINGS: Final = 4  # rounds of fitting and rejecting
 UNMODELLED: Final = {  # noise models do not have these: the errors' covariance is concentrated out
     "output-error": ("R1", "R2"),
@@ -93,6 +95,10 @@ def pose_problem(study: Study, record: Record) -> tuple[Problem, Steering | None
         for name in free_names(plant, study.parameters)
         if name in asked or not name.startswith(dropped) or not dropped
     ]
+    if not free:
+        raise ConfigError(
+            f'{study.path.name}: every parameter is fixed, free = "no": nothing is left to estimate'
+        )
     sampling = table.measurement or "instantaneous"
     samples = samples_of(record, table.outputs)
     problem = problem_of(plant, samples, values, free)
@@ -121,7 +127,7 @@ def table_of(study: Study) -> ModelTable:
 def _scale(study: Study, plant: Plant, place: int) -> float:
     """Return the scale of a parameter."""
     for row in study.parameters:
-        if row.scale is not None and plant.model.place(row.name) == place:
+        if row.scale is not None and place in plant.model.places((row.name,)):
             return row.scale
     return 1.0
 
@@ -153,8 +159,9 @@ def fit(
         start = resume(kept, problem) if kept.exists() else start
         search = Search(STEPS, _both(heard, keep(kept, problem)))
     table = table_of(study)
+    restarts = RESTARTS if table.restarts is None else max(FEWEST, int(table.restarts))
     cost, method = cost_of(problem, table), METHODS[table.method or "scoring"]
-    found = estimate(cost, start, method, search, Starts(restarts=int(table.restarts or 0)))
+    found = estimate(cost, start, method, search, Starts(restarts))
     rejected = 0
     for _ in range(SCREENINGS if table.reject else 0):
         problem, more = screen(problem, found.theta, table.reject or 0.0)
@@ -216,8 +223,12 @@ def _estimate_uncertainty(cost: Cost, theta: Numbers) -> Uncertainty:
     """Return what is known of the parameters: by the Hessian, or where that fails by information.
 
     A variance at nothing makes the Hessian indefinite. Where neither is finite nothing is known.
+    Errors of several steps are not independent: their second derivatives tell no deviations.
     """
     names = cost.problem.names
+    if isinstance(cost, MultiStep):
+        shape = uncertainty(names, cost.information(theta))
+        return replace(shape, covariance=np.full_like(shape.covariance, math.nan))
     curvature = hessian(cost, theta)
     if np.isfinite(curvature).all():
         by_hessian = uncertainty(names, curvature)

@@ -66,27 +66,9 @@ def chi_square_limits(probability: float, readings: int) -> Numbers:
 
     By the chi-square distribution with as many degrees of freedom as there are readings.
     """
-    return np.array([math.inf, *(_beyond(probability, count) for count in range(1, readings + 1))])
+    from scipy.special import chdtri  # noqa: PLC0415 - an extra, imported on use
 
-
-def _beyond(probability: float, freedom: int) -> float:
-    """Return what a chi-square number exceeds with ``probability``, by bisection."""
-    low, high = 0.0, 1e4
-    for _ in range(100):
-        middle = 0.5 * (low + high)
-        low, high = (middle, high) if _tail(middle, freedom) > probability else (low, middle)
-    return 0.5 * (low + high)
-
-
-def _tail(x: float, freedom: int) -> float:
-    """Return the probability that a chi-square number is beyond ``x``."""
-    even = freedom % 2 == 0
-    total = 0.0 if even else math.erfc(math.sqrt(0.5 * x))
-    term = math.exp(-0.5 * x) if even else math.exp(-0.5 * x) * math.sqrt(2.0 * x / math.pi)
-    for order in range(0 if even else 1, freedom, 2):
-        total += term
-        term *= x / (order + 2)
-    return total
+    return np.array([math.inf, *(chdtri(count, probability) for count in range(1, readings + 1))])
 
 
 def run_filter(problem: Problem, theta: Numbers, limits: Numbers) -> Shown:

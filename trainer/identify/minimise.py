@@ -1,26 +1,39 @@
-"""Minimisers of a cost: scoring, and quasi-Newton with the exact gradient.
+"""Minimisers of a cost: scoring with the information, then scipy's with the exact gradient.
 
 They move in coordinates without bounds, where the ends of variances, correlations and lags are far
-away and flat; everything else moves as it is.
+away and flat; everything else moves as it is. What they find is judged apart: a flat place is no
+minimum, and a variance that went to nothing is lifted again where the cost would fall.
 """
 
+import math
 from collections.abc import Callable
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Final, Protocol
+from typing import Any, Final, NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
+from trainer.config.extras import require_library
 from trainer.config.files import ConfigError
 from trainer.core.kernel import Numbers
 from trainer.identify.problem import Problem
 
 CLOSE: Final = 1e-8  # [-] of cost: what a quadratic model may still promise at the minimum
 LONGEST: Final = 2.0  # [-] step of a parameter with bounds
-FAR: Final = 300.0  # [-] from the origin, beyond which nothing changes
+FAR: Final = 30.0  # [-] from the origin, beyond which nothing changes
 NEAREST: Final = 0.999  # [-] correlation, or share of the interval, from which a search may start
 STIFFEST: Final = 1e12  # damping beyond which no step gets smaller
+SETTLED: Final = 1e-3  # [-] of cost: what a quadratic model may promise where a search has settled
+CURVED: Final = 1e-9  # [-] least eigenvalue of the scaled second derivatives at a minimum
+NEAR: Final = 1e-3  # [-] to an end of a lag or correlation
+GONE: Final = 1e-6  # [-] information of a bounded coordinate whose number is at an end
+ROUNDS: Final = 12  # of polishing, each judged
+POLISH: Final = ("BFGS", "trust-exact")  # scipy's, in turn
+LENGTHS: Final = (1.0, -1.0, 0.3, -0.3, 0.1, -0.1, 0.01, -0.01)  # of a step, tried in turn
+LEAST: Final = 1e-4  # [-] of cost that such a step must gain
+IMPOSSIBLE: Final = "the model is impossible beside it"
+UPHILL: Final = 10.0  # [-] of cost above the best known, where a model is impossible
 
 
 class Cost(Protocol):
@@ -42,14 +55,16 @@ class Cost(Protocol):
 
 @dataclass(frozen=True)
 class Found:
-    """Where a minimiser got to; ``converged`` if no model of the cost promises more."""
+    """The end of a search. ``converged`` if it is a minimum, else ``doubt`` has the reason."""
 
     theta: Numbers
     cost: float
     steps: int
     converged: bool
+    doubt: str = ""
 
 
+Mask = NDArray[np.bool_]
 Progress = Callable[[Found], None]
 
 
@@ -131,10 +146,16 @@ class Stretched:
         """Return ``step`` with no bounded parameter going further than it may at once."""
         return np.where(self.bounded, np.clip(step, -LONGEST, LONGEST), step)
 
-    def shortened(self, step: Numbers) -> Numbers:
-        """Return ``step`` along its own direction, no bounded parameter going too far."""
-        longest = float(np.max(np.abs(step[self.bounded]), initial=0.0))
-        return step * min(1.0, LONGEST / longest) if longest > 0.0 else step
+    def at_end(self, eta: Numbers) -> Mask:
+        """Return which numbers are at an end: variances anywhere, as they may grow (f,)."""
+        sine = np.abs(np.sin(self.theta(eta) * self.cost.problem.scale))
+        lag = (self._kinds == "lag") & (np.abs(sine - 0.5) > 0.5 - NEAR)
+        angle = (self._kinds == "angle") & (sine > 1.0 - NEAR)
+        return np.asarray(self._positive | lag | angle)
+
+    def end(self, eta: Numbers) -> Numbers:
+        """Return ``eta`` with nothing beyond where it has an effect."""
+        return np.where(self.bounded, np.clip(eta, -FAR, FAR), eta)
 
     def newton(self, matrix: Numbers, damping: float, gradient: Numbers) -> Numbers:
         """Return the step to a quadratic's minimum, bounded ones going no further than they may.
@@ -180,112 +201,210 @@ def _solve_damped(matrix: Numbers, damping: float, gradient: Numbers) -> Numbers
     return np.asarray(step / width)
 
 
-def scoring(cost: Cost, theta: Numbers, search: Search) -> Found:
-    """Return the minimum by damped Gauss-Newton steps with the expected information."""
-    problem = stretch(cost, theta)
-    eta, damping = np.zeros(len(theta)), 1e-3
-    value, gradient = problem.slope(eta)
-    found = Found(theta, value, 0, converged=False)
-    if not np.isfinite(value):
-        return found
-    information = problem.information(eta)
-    for step in range(1, search.most + 1):
-        if not np.isfinite(information).all():
-            return found
-        if -0.5 * float(gradient @ problem.newton(information, 1e-9, gradient)) < CLOSE:
-            return replace(found, converged=True)
-        moved, damping = _damp_step(problem, eta, (value, gradient, information), damping)
+class Place(NamedTuple):
+    """A place of a search, and the cost's shape there."""
+
+    eta: Numbers
+    value: float
+    gradient: Numbers
+    information: Numbers
+
+
+class Verdict(NamedTuple):
+    """The doubt about a place, empty if it is a minimum, and a lower place."""
+
+    doubt: str
+    better: Numbers | None = None
+
+
+def scoring(problem: Stretched, eta: Numbers, search: Search) -> tuple[Numbers, int]:
+    """Return where damped Gauss-Newton steps with the expected information lead, and their number.
+
+    They end where a quadratic promises nothing, or where no damping lowers the cost.
+    """
+    damping = 1e-3
+    here = Place(eta, *problem.slope(eta), problem.information(eta))
+    for step in range(search.most):
+        if not np.isfinite(here.information).all():
+            return here.eta, step
+        newton = problem.newton(here.information, 1e-9, here.gradient)
+        if 0.0 <= -0.5 * float(here.gradient @ newton) < CLOSE:
+            return here.eta, step
+        moved, damping = _damp_step(problem, here, damping)
         if moved is None:
-            return found
-        eta = moved
-        value, gradient = problem.slope(eta)
-        information = problem.information(eta)
-        found = Found(problem.theta(eta), value, step, converged=False)
-        search.progress(found)
-    return found
+            return here.eta, step
+        here = Place(moved, *problem.slope(moved), problem.information(moved))
+        search.progress(Found(problem.theta(moved), here.value, step + 1, converged=False))
+    return here.eta, search.most
 
 
-def _damp_step(
-    problem: Stretched, eta: Numbers, quadratic: tuple[float, Numbers, Numbers], damping: float
-) -> tuple[Numbers | None, float]:
+def _damp_step(problem: Stretched, here: Place, damping: float) -> tuple[Numbers | None, float]:
     """Return the next eta and damping, more damping until the cost falls; None if it never does."""
-    value, gradient, information = quadratic
+    gradient, information = here.gradient, here.information
     while damping < STIFFEST:
         step = problem.newton(information, damping, gradient)
         promised = -float(gradient @ step + 0.5 * step @ information @ step)
-        gained = value - problem.cost.value(problem.theta(eta + step))
+        gained = here.value - problem.cost.value(problem.theta(here.eta + step))
         if promised > 0.0 and gained > 1e-4 * promised:
-            return eta + step, damping * (0.1 if gained > 0.5 * promised else 1.0)
+            moved = problem.end(here.eta + step)
+            return moved, damping * (0.1 if gained > 0.5 * promised else 1.0)
         damping = max(10.0 * damping, 1e-6)
     return None, damping
 
 
-def bfgs(cost: Cost, theta: Numbers, search: Search) -> Found:
-    """Return the minimum by quasi-Newton steps (BFGS), begun with the information there."""
-    problem = stretch(cost, theta)
-    eta = np.zeros(len(theta))
-    value, gradient = problem.slope(eta)
-    found = Found(theta, value, 0, converged=False)
-    if not np.isfinite(value):
-        return found
-    inverse, fresh = _metric(problem, eta), True
-    for step in range(1, search.most + 1):
-        direction = -inverse @ gradient
-        promised = -0.5 * float(gradient @ problem.clipped(direction))
-        direction = problem.shortened(direction)
-        length, after, slope = _line(problem, eta, (value, gradient), direction)
-        moved = length * direction
-        gained = value - after
-        if length == 0.0 or gained < CLOSE > promised:
-            if fresh:
-                return replace(found, converged=promised < np.sqrt(CLOSE))
-            inverse, fresh = _metric(problem, eta), True
-            continue
-        inverse, fresh = _update_inverse(inverse, moved, slope - gradient), False
-        eta, value, gradient = eta + moved, after, slope
-        found = Found(problem.theta(eta), value, step, converged=False)
-        search.progress(found)
-    return found
+def judge(problem: Stretched, eta: Numbers) -> Verdict:
+    """Return whether ``eta`` is a minimum: no slope, curved upwards, ends where they are wanted."""
+    gradient = problem.slope(eta)[1]
+    size = np.diag(problem.information(eta))
+    if not (np.isfinite(gradient).all() and np.isfinite(size).all()):
+        return Verdict(IMPOSSIBLE)
+    gone = problem.bounded & (size < GONE)
+    for place in np.flatnonzero(gone & problem.at_end(eta)):
+        lifted = _lift(problem, eta, int(place), (gradient[place], size[place]))
+        if lifted is not None:
+            return Verdict(f"{problem.cost.problem.names[place]} wants off its end", lifted)
+    return _judge_shape(problem, eta, gradient, np.where(gone, 0.0, size))
 
 
-def _metric(problem: Stretched, eta: Numbers) -> Numbers:
-    """Return an inverse of the information, or of its diagonal where that fails."""
-    information = problem.information(eta)
-    if not np.isfinite(information).all():
-        return np.eye(len(eta))
-    columns = [-_solve_damped(information, 1e-6, unit) for unit in np.eye(len(eta))]
-    inverse = np.column_stack(columns)
-    return 0.5 * (inverse + inverse.T)
+def _judge_shape(problem: Stretched, eta: Numbers, gradient: Numbers, size: Numbers) -> Verdict:
+    """Return whether ``eta`` is at a minimum of the coordinates whose ``size`` is not nothing.
 
-
-def _line(
-    problem: Stretched, eta: Numbers, here: tuple[float, Numbers], direction: Numbers
-) -> tuple[float, float, Numbers]:
-    """Return how far to go along ``direction`` [-], cost and gradient there (Wolfe's conditions).
-
-    0 if no length lowers the cost.
+    The better place is that of Newton's step with every curvature taken as upwards.
     """
-    value, gradient = here
-    downhill = float(gradient @ direction)
-    low, high, length = 0.0, np.inf, 1.0
-    best = 0.0, value, gradient
-    for _ in range(30):
-        after, slope = problem.slope(eta + length * direction)
-        if not after <= value + 1e-4 * length * downhill:
-            high = length
+    curvature = second_derivatives(problem, eta, size)
+    free = (size > 0.0) & (np.diag(curvature) != 0.0)
+    curvature = curvature[np.ix_(free, free)]
+    if not np.isfinite(curvature).all():
+        return Verdict(IMPOSSIBLE)
+    width = np.sqrt(np.abs(np.diag(curvature)))
+    sizes, directions = np.linalg.eigh(curvature / np.outer(width, width))
+    along = directions.T @ (gradient[free] / width)
+    promised = 0.5 * float(np.sum(along**2 / np.maximum(np.abs(sizes), CURVED)))
+    step = np.zeros_like(eta)
+    if len(sizes) and sizes[0] < CURVED:
+        step[free] = directions[:, 0] / width
+        return Verdict(
+            "the second derivatives are not all positive",
+            _along(problem, eta, problem.clipped(step)),
+        )
+    if promised <= SETTLED:
+        return Verdict("")
+    step[free] = -directions @ (along / sizes) / width
+    return Verdict(
+        f"a step promises {promised:.2g} more", _along(problem, eta, problem.clipped(step))
+    )
+
+
+def _lift(
+    problem: Stretched, eta: Numbers, place: int, here: tuple[float, float]
+) -> Numbers | None:
+    """Return a lower place with one number taken off its end; None if there is none.
+
+    In its own measure a variance near nothing is linear in the cost: it goes to where its slope
+    ends, though its logarithm has no slope to see.
+    """
+    slope, size = here
+    if not size > 0.0 or slope * slope < 2.0 * SETTLED * size:
+        return None
+    unit = np.zeros_like(eta)
+    unit[place] = -math.copysign(math.log1p(abs(slope) / size), slope)
+    return _along(problem, eta, unit)
+
+
+def _along(problem: Stretched, eta: Numbers, direction: Numbers) -> Numbers | None:
+    """Return a place on a line that is lower by as much as matters; None if none was found."""
+    value = problem.cost.value(problem.theta(eta))
+    for length in LENGTHS:
+        tried = problem.end(eta + length * direction)
+        if problem.cost.value(problem.theta(tried)) < value - LEAST:
+            return tried
+    return None
+
+
+def second_derivatives(problem: Stretched, eta: Numbers, size: Numbers) -> Numbers:
+    """Return the second derivatives by eta (f, f): differences of the exact gradient.
+
+    Steps are 1/1000 of what each coordinate alone is known to, ``size`` (f,) the information.
+    """
+    known = size > np.finfo(float).tiny
+    steps = np.where(known, 1e-3 / np.sqrt(np.where(known, size, 1.0)), 1e-6)
+    steps = np.where(problem.bounded, np.minimum(steps, 1e-2), steps)
+    columns = []
+    for place, step in enumerate(steps):
+        aside = np.zeros_like(eta)
+        aside[place] = step
+        plus, minus = problem.slope(eta + aside)[1], problem.slope(eta - aside)[1]
+        columns.append((plus - minus) / (2.0 * step))
+    found = np.column_stack(columns)
+    return np.asarray(0.5 * (found + found.T))
+
+
+def scipy_search(
+    problem: Stretched, eta: Numbers, method: str, search: Search
+) -> tuple[Numbers, int]:
+    """Return where scipy's ``method`` leads, BFGS or trust-exact, and the number of its steps.
+
+    Coordinates are measured by what each alone is known to at ``eta``.
+    """
+    require_library("scipy", "identify")
+    from scipy.optimize import minimize  # noqa: PLC0415 - an extra, imported on use
+
+    size = np.diag(problem.information(eta))
+    width = 1.0 / np.sqrt(np.where(np.isfinite(size) & (size > 0.0), size, 1.0))
+    width = np.where(problem.bounded, np.minimum(width, 1.0), width)
+    best: tuple[float, Numbers] = (problem.cost.value(problem.theta(eta)), eta)
+
+    def slope(x: Numbers) -> tuple[float, Numbers]:
+        nonlocal best
+        value, gradient = problem.slope(eta + x * width)
+        if not (np.isfinite(value) and np.isfinite(gradient).all()):
+            return best[0] + UPHILL * (1.0 + abs(best[0])), np.zeros_like(x)
+        if value < best[0]:
+            best = value, eta + x * width
+        return value, gradient * width
+
+    def curvature(x: Numbers) -> Numbers:
+        found = problem.information(eta + x * width) * np.outer(width, width)
+        return found if np.isfinite(found).all() else np.eye(len(x))
+
+    def tell(x: Numbers) -> None:
+        search.progress(Found(problem.theta(eta + x * width), best[0], 0, converged=False))
+
+    more: dict[str, Any] = {"hess": curvature} if method == "trust-exact" else {}
+    with np.errstate(all="ignore"):
+        result: Any = minimize(
+            slope,
+            np.zeros_like(eta),
+            jac=True,
+            method=method,
+            callback=tell,
+            options={"maxiter": search.most},
+            **more,
+        )
+    return problem.end(best[1]), int(result.nit)
+
+
+def settle(problem: Stretched, eta: Numbers, search: Search, steps: int = 0) -> Found:
+    """Return the minimum beside ``eta``: judged, and searched on until nothing is wrong with it."""
+    verdict = judge(problem, eta)
+    for turn in range(ROUNDS):
+        if not verdict.doubt:
+            break
+        if verdict.better is not None:
+            eta, more = scoring(problem, verdict.better, search)
         else:
-            best = length, after, slope
-            if float(slope @ direction) >= 0.9 * downhill:
-                break
-            low = length
-        length = 2.0 * length if np.isinf(high) else 0.5 * (low + high)
-    return best
+            eta, more = scipy_search(problem, eta, POLISH[turn % len(POLISH)], search)
+        steps += more
+        verdict = judge(problem, eta)
+    return _place(problem, eta, steps, verdict)
 
 
-def _update_inverse(inverse: Numbers, s: Numbers, y: Numbers) -> Numbers:
-    """Return the BFGS update of an inverse for a step ``s`` that changed the gradient by ``y``."""
-    curvature = float(s @ y)
-    if curvature <= 1e-12 * float(np.linalg.norm(s) * np.linalg.norm(y)):
-        return inverse
-    left = np.eye(len(s)) - np.outer(s, y) / curvature
-    return np.asarray(left @ inverse @ left.T + np.outer(s, s) / curvature)
+def judged(problem: Stretched, eta: Numbers, steps: int) -> Found:
+    """Return the place ``eta`` as it was found, judged."""
+    return _place(problem, eta, steps, judge(problem, eta))
+
+
+def _place(problem: Stretched, eta: Numbers, steps: int, verdict: Verdict) -> Found:
+    """Return a place that was judged."""
+    theta = problem.theta(eta)
+    return Found(theta, problem.cost.value(theta), steps, not verdict.doubt, verdict.doubt)

@@ -5,7 +5,7 @@ outputs are in knots, degrees and degrees a second, states in m/s, rad/s and rad
 taken by magnitude, correlations and the time lag by sine, so that no number is out of bounds.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, Final
@@ -17,6 +17,7 @@ from trainer.config.identification import CHANNELS
 from trainer.core.kernel import Numbers
 from trainer.identify.kernels import ship_models
 from trainer.identify.kernels.kernel import Entries
+from trainer.identify.nomoto import rate_coefficients
 
 # output channels, by their place in the kernels
 UNITS: Final = {  # of a channel, and how many of them one SI unit is
@@ -47,6 +48,7 @@ class Model:
     """A family of linear systems: ``assemble`` fills the matrices, see kernels.ship_models.
 
     ``start`` and ``start_covariance`` are the first places of x(t0) and P(t0) in the parameters.
+    ``given`` are other numbers that the first parameters follow from, all of them, by ``follow``.
     """
 
     name: str
@@ -57,6 +59,8 @@ class Model:
     assemble: Callable[..., Any]
     start: int
     start_covariance: int
+    given: tuple[str, ...] = ()
+    follow: Callable[..., tuple[float, ...]] | None = None
 
     @cached_property
     def names(self) -> tuple[str, ...]:
@@ -71,16 +75,36 @@ class Model:
                 return place
         elif name in self.names:
             return self.names.index(name)
+        elif name in self.given:
+            follow = ", ".join(self.names[: len(self.given)])
+            raise ConfigError(
+                f"model {self.name} estimates {follow}, and {name} follows from them: "
+                f"name all of {', '.join(self.given)}, or one of {follow}"
+            )
         raise ConfigError(
             f"model {self.name} has no parameter {name!r}{nearest(name, self.names)}; it has "
             f"{', '.join(self.names)}, also called theta1 to theta{len(self.parameters)}"
         )
 
+    def places(self, names: Iterable[str]) -> tuple[int, ...]:
+        """Return the places of ``names``, each once; those ``given`` stand for what follows."""
+        asked = list(dict.fromkeys(names))
+        inside = [name for name in self.given if name in asked]
+        if inside and len(inside) < len(self.given):
+            self.place(inside[0])
+        found = [*range(len(inside)), *(self.place(one) for one in asked if one not in inside)]
+        return tuple(dict.fromkeys(found))
+
     def vector(self, **values: float) -> Numbers:
         """Return the parameters with these values, zero elsewhere."""
         theta = np.zeros(len(self.parameters))
+        inside = [name for name in self.given if name in values]
+        theta[list(self.places(inside))] = (
+            self.follow(*(values[name] for name in self.given)) if self.follow and inside else 0.0
+        )
         for name, value in values.items():
-            theta[self.place(name)] = value
+            if name not in inside:
+                theta[self.place(name)] = value
         return theta
 
 
@@ -277,10 +301,10 @@ NOMOTO_1: Final = Model(
 NOMOTO_2: Final = Model(
     "nomoto2",
     _parameters(
-        "K | 1/s | gain, rudder to yaw rate",
-        "T1 | s | larger time constant",
-        "T2 | s | smaller time constant",
-        "T3 | s | time constant of the numerator",
+        "a1 | 1/s | coefficient of the denominator, 1/T1 + 1/T2",
+        "a2 | 1/s^2 | coefficient of the denominator, 1/(T1 T2)",
+        "b1 | 1/s^2 | coefficient of rudder to yaw rate, K T3/(T1 T2)",
+        "b2 | 1/s^3 | coefficient of rudder to yaw rate, K/(T1 T2)",
         "delta_0 | deg | residual helm",
         "r_0 | deg/s | bias of the yaw rate",
         *(f"R1_{i} | SI | spectral density of state {i} | variance" for i in (1, 2)),
@@ -296,6 +320,8 @@ NOMOTO_2: Final = Model(
     ship_models.nomoto,
     10,
     13,
+    ("K", "T1", "T2", "T3"),
+    rate_coefficients,
 )
 
 MODELS: Final = {m.name: m for m in (MODEL_1, MODEL_2, MODEL_3, NOMOTO_1, NOMOTO_2)}

@@ -126,7 +126,7 @@ def _check(rows: tuple[Parameter, ...], table: IdentificationTable, file: str) -
     names = [row.name for row in rows]
     for i, name in enumerate(names):
         place = Place(file, f"parameters[{i}]")
-        if name not in model.names:
+        if name not in (*model.names, *model.given):
             text = f"model {table.model} has no such parameter{nearest(name, model.names)}"
             problems.append(place.wrong("name", name, text))
         if name in names[:i]:

@@ -126,6 +126,15 @@ def time_constants(a1: float, a2: float) -> tuple[complex, complex]:
     return first, second
 
 
+def rate_coefficients(K: float, T1: float, T2: float, T3: float) -> tuple[float, ...]:
+    """Return a1, a2, b1, b2 of the yaw rate by rudder (3.3).
+
+    They are those of (b1 s + b2)/(s^2 + a1 s + a2).
+    """
+    a2 = 1.0 / (T1 * T2)
+    return 1.0 / T1 + 1.0 / T2, a2, K * T3 * a2, K * a2
+
+
 def nomoto(f: Transfer) -> Nomoto:
     """Return the gains and time constants of a ship without wind (3.3). They leave out a3 and c3.
 

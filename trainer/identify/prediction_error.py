@@ -45,7 +45,11 @@ def settled_gain(problem: Problem, sampled: Sampled) -> Complexes | None:
     for row, gain in enumerate(gains):
         P = np.ascontiguousarray(sampled.start[row, :, 1:])
         system = sampled.mean[row, 0], sampled.noise[row, 0]
-        if settle(*system, P, SETTLED, MOST_STEPS, gain) <= 0:
+        try:
+            settled = settle(*system, P, SETTLED, MOST_STEPS, gain) > 0
+        except ZeroDivisionError:  # of complex numbers, which compiled code raises
+            settled = False
+        if not settled:
             return None
     return gains
 
@@ -180,7 +184,10 @@ class MultiStep:
         system = sampled.mean[row], sampled.noise[row]
         steps = self.first, self.last
         start = np.ascontiguousarray(sampled.start[row])
-        count = multi_step(system, start, samples.table, samples.steps[1], steps, sums)
+        try:
+            count = multi_step(system, start, samples.table, samples.steps[1], steps, sums)
+        except ZeroDivisionError:  # of complex numbers, which compiled code raises
+            count = 0
         if count <= 0:
             return complex(math.inf), sums[2:].real
         mean = 0.5 * (sums[0] + sums[1] * LOG_2_PI) / count

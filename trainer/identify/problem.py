@@ -1,5 +1,6 @@
 """The problem of estimation: some of a model's parameters, from some samples."""
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -93,6 +94,15 @@ class Problem:
     def _sample(self, rows: Entries) -> Sampled:
         return sample(self.plant.blocks(rows), self.samples.steps[0], self.sampling)
 
+    def fastest(self, theta: Numbers) -> float:
+        """Return the shortest time constant [s] of the model, infinite if nothing moves."""
+        states = self.plant.model.states
+        drift = self.plant.blocks(self.whole(theta)[None]).drift[0, :states, :states]
+        if not np.isfinite(drift).all():
+            return 0.0
+        rate = float(np.max(np.abs(np.linalg.eigvals(drift))))
+        return 1.0 / rate if rate > 0.0 else math.inf
+
     def on(self, samples: Samples) -> "Problem":
         """Return the same question to other samples."""
         return replace(self, samples=samples)
@@ -103,5 +113,6 @@ def problem_of(
 ) -> Problem:
     """Return the problem of estimating ``free``, by name or place, unscaled."""
     model = plant.model
-    places = tuple(name if isinstance(name, int) else model.place(name) for name in free)
+    names = (model.names[one] if isinstance(one, int) else one for one in free)
+    places = model.places(names)
     return Problem(plant, samples, values, places, np.ones(len(places)))

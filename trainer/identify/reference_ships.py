@@ -51,8 +51,8 @@ class Rehearsal:
 
     def start(self) -> Numbers:
         """Return where the free parameters start (f,)."""
-        told = {**self.truth, **self.begin}
-        return np.array([told.get(name, 0.0) for name in self.free])
+        model = MODELS[self.kind]
+        return model.vector(**{**self.truth, **self.begin})[list(model.places(self.free))]
 
     def freed(self, *names: str, **truth: float) -> "Rehearsal":
         """Return the rehearsal with more free parameters, at values ``truth``."""

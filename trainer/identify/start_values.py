@@ -22,10 +22,10 @@ ACCELERATIONS: Final = ("m11", "m12", "m21", "m22")
 DERIVATIVES: Final = ("Y_v", "Y_r", "N_v", "N_r", "Y_delta", "l_delta")
 FREE: Final[Mapping[str, tuple[str, ...]]] = {  # beside errors and the initial state
     "1": (*DERIVATIVES, "Y_0", "N_0", "R1_Y", "R1_N"),
-    "2": ("a1", "a2", "c1", "c2", "f1", "f2", "R1_1", "R1_2"),
+    "2": ("a1", "a2", "c1", "c2", "f2", "R1_1", "R1_2"),
     "3": ("a1", "a2", "b1", "b2", "f1", "R1_1", "R1_2"),
     "nomoto1": ("K", "T", "delta_0", "R1_r"),
-    "nomoto2": ("K", "T1", "T2", "T3", "delta_0", "R1_1", "R1_2"),
+    "nomoto2": ("a1", "a2", "b1", "b2", "delta_0", "R1_1", "R1_2"),
 }
 ERRORS: Final[Mapping[str, Mapping[str, str]]] = {
     "1": {
@@ -60,12 +60,10 @@ def free_names(plant: Plant, rows: Sequence[ParameterRow]) -> tuple[str, ...]:
     names += dict.fromkeys(ERRORS[model.name][output] for output in plant.outputs)
     heading = "heading" in plant.outputs
     names += [name for name, channel in STATES[model.name] if channel != "heading" or heading]
-    chosen = set(names)
-    for row in rows:
-        name = model.names[model.place(row.name)]
-        if row.free is not None:
-            (chosen.add if row.free == "yes" else chosen.discard)(name)
-    return tuple(name for name in model.names if name in chosen)
+    chosen = set(model.places(names))
+    for word, change in (("yes", chosen.update), ("no", chosen.difference_update)):
+        change(model.places(row.name for row in rows if row.free == word))
+    return tuple(name for place, name in enumerate(model.names) if place in chosen)
 
 
 def start_values(
@@ -76,9 +74,12 @@ def start_values(
     ConfigError naming those of Model 1 that neither ``ship`` nor ``rows`` give.
     """
     model = plant.model
-    values = model.vector(**_regress(plant, record), **_read(plant, record))
     told = dict(ship) if model.name == "1" else {}
-    told |= {model.names[model.place(row.name)]: row.start for row in rows if row.start is not None}
+    given = {row.name: row.start for row in rows if row.start is not None}
+    shown = _regress(plant, record) | _read(plant, record)
+    values = model.vector(**shown | {name: given[name] for name in model.given if name in given})
+    for name in given.keys() - set(model.given):
+        told[model.names[model.place(name)]] = given[name]
     for name, value in told.items():
         values[model.place(name)] = value
     if model.name == "1":

@@ -85,7 +85,9 @@ class ModelTable:
         Choice(("instantaneous", "integrating"), "else instantaneous")
     )
     method: str | None = optional(Choice(METHODS, "minimiser; else scoring"))
-    restarts: float | None = optional(Quantity("-", within(0, 100), "further starts; else 0"))
+    restarts: float | None = optional(
+        Quantity("-", within(0, 100), "others in a row that find no better; else 12")
+    )
     predict_from: float | None = optional(
         Quantity("-", within(1, 1000), "steps predicted, fewest; else 1")
     )

@@ -122,16 +122,19 @@ def _together(problem: Problem) -> tuple[tuple[str, ...], ...]:
 def hessian(cost: Cost, theta: Numbers) -> Numbers:
     """Return the second derivatives of ``cost`` (f, f): differences of its exact gradient.
 
-    Steps are 1/1000 of what each parameter alone is known to.
+    Steps are 1/1000 of what each parameter alone is known to. A variance near nothing and a lag are
+    stepped away from where their sign changes: beyond it is the same model again, and a kink.
     """
     size = np.diag(cost.information(theta))
     steps = 1e-3 / np.sqrt(np.maximum(size, 1e-300))
+    folded = np.isin(cost.problem.kinds, ("variance", "error", "lag"))
     columns = []
     for i, step in enumerate(steps):
         aside = np.zeros_like(theta)
         aside[i] = step
-        plus, minus = cost.slope(theta + aside)[1], cost.slope(theta - aside)[1]
-        columns.append((plus - minus) / (2.0 * step))
+        back = 0.0 if folded[i] and abs(theta[i]) < step else 1.0
+        plus, minus = cost.slope(theta + aside)[1], cost.slope(theta - back * aside)[1]
+        columns.append((plus - minus) / ((1.0 + back) * step))
     found = np.column_stack(columns)
     return np.asarray(0.5 * (found + found.T))
 

@@ -13,9 +13,10 @@ from trainer.identify.kernels.simulation import simulate
 from trainer.identify.likelihood import possible
 from trainer.identify.measurements import Record, Samples, samples_of
 from trainer.identify.nonlinear import Bend, Bent, kappa_from_record
+from trainer.identify.prediction_error import Innovations
 from trainer.identify.problem import Problem
-from trainer.identify.start_values import STATES
-from trainer.identify.study import observe
+from trainer.identify.start_values import ERRORS, STATES
+from trainer.identify.study import load_study, observe
 
 
 def root(covariance: Numbers) -> Numbers:
@@ -73,6 +74,7 @@ class Check:
     rms: tuple[float, ...]  # of the model's error [kn, deg/s, deg]
     share: tuple[float, ...]  # [-] of the output's own rms about its mean
     own: tuple[float, ...]  # [-] the same for the record fitted
+    explained: tuple[float, ...]  # [-] of the output's variance, 1 - share^2
 
 
 def alone(problem: Problem, theta: Numbers) -> Numbers:
@@ -93,17 +95,21 @@ def check_of(fitted: Fitted, path: Path) -> Check:
     """Return how well another record of the same columns is predicted; ConfigError if it cannot."""
     problem = other_problem(fitted, path)
     there, own = (_errors(one) for one in (problem, replace(fitted.problem, values=fitted.values)))
+    share = there / _spread(problem)
     return Check(
         source=str(path),
         outputs=problem.plant.outputs,
         rms=tuple(map(float, there)),
-        share=tuple(map(float, there / _spread(problem))),
+        share=tuple(map(float, share)),
         own=tuple(map(float, own / _spread(fitted.problem))),
+        explained=tuple(map(float, 1.0 - share**2)),
     )
 
 
 def other_record(fitted: Fitted, path: Path) -> Record:
-    """Return another record of the fitted one's columns, the whole of it."""
+    """Return the record of another study, or another one of the same columns."""
+    if path.suffix == ".toml":
+        return observe(load_study(path)).record
     heading = replace(fitted.study.heading, data=path.name, from_s=None, to_s=None)
     beside = path.parent / fitted.study.path.name
     return observe(replace(fitted.study, path=beside, heading=heading)).record
@@ -128,7 +134,8 @@ def bend_of(fitted: Fitted, path: Path) -> Bend:
 def other_problem(fitted: Fitted, path: Path) -> Problem:
     """Return the fitted model on another record, from the initial state that fits it best.
 
-    By rudder alone the outputs are linear in that state.
+    By rudder alone the outputs are linear in that state. Each is weighed by its own errors: a
+    heading in degrees would else buy its hundredths with whole degrees a second.
     """
     plant = fitted.problem.plant
     samples = samples_of(other_record(fitted, path), plant.outputs)
@@ -138,10 +145,21 @@ def other_problem(fitted: Fitted, path: Path) -> Problem:
     problem = replace(fitted.problem, samples=samples, values=values)
     still = alone(problem, problem.start)
     columns = [alone(_from(problem, place), _from(problem, place).start) for place in places]
-    known = ~np.isnan(samples.outputs)
-    free = np.column_stack([(column - still)[known] for column in columns])
-    values[places] = np.linalg.lstsq(free, (samples.outputs - still)[known], rcond=None)[0]
+    known, weight = ~np.isnan(samples.outputs), 1.0 / _reading_errors(fitted)
+    free = np.column_stack([((column - still) * weight)[known] for column in columns])
+    left = ((samples.outputs - still) * weight)[known]
+    values[places] = np.linalg.lstsq(free, left, rcond=None)[0]
     return replace(problem, values=values)
+
+
+def _reading_errors(fitted: Fitted) -> Numbers:
+    """Return the standard deviations of the outputs' errors (y,), as fitted or as they scatter."""
+    plant = fitted.problem.plant
+    names = [ERRORS[plant.model.name][output] for output in plant.outputs]
+    told = np.sqrt(np.abs([fitted.values[plant.model.place(name)] for name in names]))
+    if isinstance(fitted.cost, Innovations):  # which has no errors of readings
+        told = _errors(replace(fitted.problem, values=fitted.values))
+    return np.asarray(np.maximum(told, 1e-12))
 
 
 def _from(problem: Problem, place: int) -> Problem:

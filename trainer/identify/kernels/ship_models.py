@@ -212,18 +212,17 @@ def nomoto(
 ) -> None:
     """Write the blocks of Nomoto's second-order model, 17 parameters (MI 3.3, rate fed back).
 
-    K (1 + T3 s)/((1 + T1 s)(1 + T2 s)) in 1/s and s. State 1 is what the yaw rate still has to gain
-    [rad/s^2]. The rudder acts from its residual helm.
+    (b1 s + b2)/(s^2 + a1 s + a2), rudder to yaw rate, has no end where the ship is neutral. State 1
+    is what the yaw rate still has to gain [rad/s^2]. The rudder acts from its residual helm.
     """
     readings = np.empty(4, drift.dtype)
     for b in range(theta.shape[0]):
         t = theta[b]
-        stiffness = 1.0 / (t[1] * t[2])
-        drift[b, 0, 1] = -stiffness
+        drift[b, 0, 1] = -t[1]
         drift[b, 1, 0] = drift[b, 2, 1] = 1.0
-        drift[b, 1, 1] = -(t[1] + t[2]) * stiffness
-        drift[b, 0, 3] = DEGREE * t[0] * stiffness
-        drift[b, 1, 3] = drift[b, 0, 3] * t[3]
+        drift[b, 1, 1] = -t[0]
+        drift[b, 0, 3] = DEGREE * t[3]
+        drift[b, 1, 3] = DEGREE * t[2]
         drift[b, 0, 4] = -drift[b, 0, 3] * t[4]
         drift[b, 1, 4] = -drift[b, 1, 3] * t[4]
         noise[b, 0, 0], noise[b, 1, 1] = magnitude(t[6]), magnitude(t[7])

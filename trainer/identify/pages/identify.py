@@ -90,7 +90,8 @@ def _derivative_table(report: Report) -> list[str]:
 
 def _fit_lines(report: Report) -> list[str]:
     state = f"settled in {report.steps} steps" if report.converged else "DID NOT SETTLE"
-    lines = [
+    lines = wrap(report.doubt, INDENT, 2 * INDENT) if report.doubt else []
+    lines += [
         f"{INDENT}Fit {state}: log L {report.log_likelihood:.4f}, AIC {report.aic:.2f}",
         f"{INDENT}V1 {report.loss_1:.4f} one step ahead, {report.loss_1_alone:.4f} by rudder alone",
     ]
@@ -144,12 +145,12 @@ def _check_lines(report: Report) -> list[str]:
     if check is None:
         return []
     rows = [
-        (name, UNITS[name][0], f"{rms:.4g}", f"{100.0 * share:.1f}", f"{100.0 * own:.1f}")
-        for name, rms, share, own in zip(
-            check.outputs, check.rms, check.share, check.own, strict=True
+        (name, UNITS[name][0], f"{rms:.4g}", *(f"{100.0 * one:.1f}" for one in shares))
+        for name, rms, *shares in zip(
+            check.outputs, check.rms, check.share, check.own, check.explained, strict=True
         )
     ]
-    shares = ("% of the\nmotion", "% where\nfitted")
+    shares = ("% of the\nmotion", "% where\nfitted", "% variance\nexplained")
     heads = ("predicted by\nrudder alone", "\nunit", "\nrms error", *shares)
     return [f"{INDENT}{cut(check.source, 75)}", *table(heads, rows)]
 

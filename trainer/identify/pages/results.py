@@ -14,7 +14,7 @@ from trainer.identify.derived import DERIVATIVES, QUANTITIES
 from trainer.identify.fitting import Fitted, fit, settings, table_of
 from trainer.identify.innovations import Shown, losses, no_limits, run_filter
 from trainer.identify.nonlinear import Bend
-from trainer.identify.prediction_error import Innovations
+from trainer.identify.prediction_error import Innovations, MultiStep
 from trainer.identify.residuals import Residuals, aic_of_likelihood, examine_residuals, verdicts
 from trainer.identify.study import Study, observe
 from trainer.identify.study_records import Ship
@@ -89,6 +89,7 @@ class Report:
     interval_s: float
     findings: tuple[str, ...]
     converged: bool
+    doubt: str  # why it did not settle
     steps: int
     log_likelihood: float
     aic: float
@@ -171,6 +172,7 @@ def report_of(fitted: Fitted, findings: tuple[str, ...], others: Allowed) -> Rep
         interval_s=plant.period,
         findings=findings,
         converged=bool(fitted.found.converged),
+        doubt=fitted.found.doubt,
         steps=fitted.found.steps,
         log_likelihood=fitted.log_likelihood,
         aic=aic_of_likelihood(fitted.log_likelihood, len(problem.free)),
@@ -269,6 +271,11 @@ def _mass(ship: Ship | None) -> float | None:
 def _doubts(fitted: Fitted, others: Allowed) -> list[str]:
     """Return what must not be taken at its word."""
     found = []
+    if isinstance(fitted.cost, MultiStep):
+        found.append(
+            "no standard deviations: errors of predictions over several steps are not independent, "
+            "and what they promise would be too small; predict_from = predict_to = 1 has them"
+        )
     if others.paired > PAIRED:
         found.append(
             f"T1 and T2: {others.paired:.0%} of the ships that this record allows have a complex "
