@@ -168,6 +168,20 @@ def test_a_page_offers_only_orders_that_it_takes(boat_page: str) -> None:
     assert not {"hover", "lever", "order", "tell", "next", "end", "release"} & heads
 
 
+def test_a_page_has_no_key_for_what_only_a_session_does(opened: Open) -> None:
+    page = opened(text_of())
+    expect(page.locator("#state")).to_have_attribute("data-state", "running")
+
+    page.click("#open-exercise")
+    expect(page.locator("#exercise").get_by_role("button")).to_have_text(["Close"])
+    page.keyboard.press("Escape")
+    page.click("#open-drawer")
+    expect(page.locator("#drawer h3")).to_have_text(["Moments kept"])
+    pilot = opened(text_of(station="pilot"))
+    expect(pilot.locator("#state")).to_have_attribute("data-state", "running")
+    expect(pilot.get_by_role("button", name="Report")).to_have_count(0)
+
+
 def test_an_import_of_an_unknown_kind_is_not_bundled(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -178,7 +178,7 @@ export function showState(session) {
 /** Returns what the page is doing about its line, "" where all is well. @param {Session} session */
 function describeLink(session) {
   const { why, tries } = session.source;
-  if (session.state === "connecting") return `Dialling ${location.host}`;
+  if (session.state === "connecting") return session.alone ? "" : `Dialling ${location.host}`;
   if (session.state === "lost") return `${why || "no readings"}; try ${tries}`;
   return "";
 }

@@ -9,6 +9,7 @@ const USUAL = ["on course", "on depth", "steady", "no answer from the planes", "
 class ReportBar extends HTMLElement {
   /** @param {Session} session */
   bind(session) {
+    if (session.alone) return; // nobody would hear it
     const field = /** @type {HTMLInputElement} */ (
       html("input", { list: "reports", placeholder: "report", "aria-label": "Report", maxlength: 60 })
     );

@@ -45,13 +45,18 @@ export function furnishDrawer(desk) {
 
 /** @param {Desk} desk */
 async function fill(desk) {
+  const others = desk.session.alone ? [] : await sessionsOwn(desk);
+  one("#drawer-body").replaceChildren(section("Moments kept", ...moments(desk)), ...others);
+}
+
+/** Returns what a session with other stations has. @param {Desk} desk */
+async function sessionsOwn(desk) {
   const stations = await askAboard(desk);
-  one("#drawer-body").replaceChildren(
-    section("Moments kept", ...moments(desk)),
+  return [
     section("Stations", list(stations.map(({ says }) => says), "Nobody")),
     section("Marks", list(desk.session.marks, "They come at the end.")),
     section("Ledger", ledger(desk)),
-  );
+  ];
 }
 
 /** @param {string} title @param {...Node} parts */

@@ -163,10 +163,11 @@ class ExerciseWindow {
     const choose = this.key("Choose another", () => void this.choose());
     const run = this.key("Run", () => void this.run(), true);
     const end = this.key("End exercise", () => void this.desk.give("end exercise"));
-    const keys = [...(stands ? [run] : []), choose, ...(session.outcome ? [] : [end])];
+    const others = session.alone ? [] : [choose, ...(session.outcome ? [] : [end])];
+    const keys = [...(stands ? [run] : []), ...others];
     if (!exercise.title) {
       const says = "The boat sails freely: there is no exercise.";
-      return { title: "No exercise", body: [html("p", {}, says), this.aboard()], keys };
+      return { title: "No exercise", body: [html("p", {}, says), ...this.aboard()], keys };
     }
     const crew = lessonOf(exercise.title)?.briefing ?? "";
     const lines = (told.line ?? []).filter((line) => !crew.includes(line.trim()));
@@ -182,11 +183,12 @@ class ExerciseWindow {
       ["By hand", exercise.hand?.replaceAll(",", ", ")],
       ["Limits", exercise.limits?.replaceAll(",", ", ").replaceAll(":", " ").replaceAll("_", " ")],
     ];
-    return { title: exercise.title, body: [sides, table(rules), this.aboard()], keys };
+    return { title: exercise.title, body: [sides, table(rules), ...this.aboard()], keys };
   }
 
-  /** Returns who is aboard, and who is ready. */
+  /** Returns who is aboard, and who is ready, where anybody can be. */
   aboard() {
+    if (this.desk.session.alone) return [];
     const crew = this.stations.filter(({ role }) => role !== "instructor");
     const log = this.desk.session.log.filter(({ kind }) => kind === "station");
     const rows = crew.map(({ role, line }) => {
@@ -194,7 +196,8 @@ class ExerciseWindow {
       return html("li", {}, html("b", {}, role), ` at ${line}: ${ready ? "ready" : "not ready yet"}`);
     });
     const none = html("li", {}, "No station. The exercise can be flown from here.");
-    return html("section", {}, html("h3", {}, "Aboard"), html("ul", {}, ...(rows.length ? rows : [none])));
+    const list = html("ul", {}, ...(rows.length ? rows : [none]));
+    return [html("section", {}, html("h3", {}, "Aboard"), list)];
   }
 
   async run() {

@@ -27,7 +27,7 @@ const WATCH = 250; // [ms] between looks at whether readings have become old
  *
  * Who brings the session: a web socket, or a worker with a boat of its own.
  * @typedef {EventTarget & { open(): void, order(words: string): Promise<Answer>, there: boolean,
- *   why: string, tries: number, settle(): void, redial(): void }} Source
+ *   alone: boolean, why: string, tries: number, settle(): void, redial(): void }} Source
  */
 
 /**
@@ -43,6 +43,7 @@ export class Session extends EventTarget {
   constructor(source, role, channels) {
     super();
     this.source = source;
+    this.alone = source.alone; // nobody else can be aboard, and nobody judges
     this.role = role;
     this.called = ""; // what the page is called in the list of stations, where its role is not enough
     this.channels = channels;

@@ -19,6 +19,7 @@ export class Link extends EventTarget {
   constructor(version) {
     super();
     this.version = version;
+    this.alone = false; // others are aboard, and an instructor's rules hold
     this.tries = 0;
     this.why = "";
     this.stopped = false;

@@ -9,6 +9,7 @@
 export class Link extends EventTarget {
   constructor() {
     super();
+    this.alone = true;
     this.there = false;
     this.tries = 0;
     this.why = "";
