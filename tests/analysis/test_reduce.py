@@ -382,6 +382,7 @@ def test_the_limit_follows_down_what_fewer_terms_reach(slim: VesselFile) -> None
     assert 0.97 <= after.proof < 5.0
 
 
+@pytest.mark.slow
 def test_a_search_broken_off_ends_in_the_same_bits(slim: VesselFile, tmp_path: Path) -> None:
     path = tmp_path / "kept.json"
     through = list(searched(slim))

@@ -121,7 +121,7 @@ def test_after_an_hour_the_c_host_the_library_and_the_trainer_are_the_same_to_th
 @pytest.mark.parametrize(
     ("cpu", "equations", "integrator", "vessel"),
     [
-        ("x86-64-v2", "full", "rkv", "bb2"),
+        pytest.param("x86-64-v2", "full", "rkv", "bb2", marks=pytest.mark.slow),
         pytest.param("x86-64-v3", "full", "rk4", "remus100", marks=pytest.mark.slow),
         pytest.param("x86-64-v4", "basic", "abm4", "sdv-mk9", marks=pytest.mark.slow),
         ("native", "modified", "adams3", "bb2"),

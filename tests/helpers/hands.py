@@ -96,9 +96,14 @@ def report(page: Page, words: str, way: str) -> None:
 
 
 def heard(caller: Caller, words: str) -> bool:
-    """Return whether a line has been told something with these words in it."""
-    assert caller.ask("who")[0]
-    return any(words in each.fields[3] for each in caller.news)
+    """Return whether a line is told something with these words in it, in time."""
+    end = time.monotonic() + PATIENCE
+    while not any(words in each.fields[3] for each in caller.news):
+        if time.monotonic() > end:
+            return False
+        assert caller.ask("who")[0]
+        time.sleep(0.02)
+    return True
 
 
 def read(caller: Caller, place: str) -> str:

@@ -48,6 +48,7 @@ def test_lanes_as_they_are_give_the_ship_and_smoothed_ones_another() -> None:
     assert shift.value > 1.0
 
 
+@pytest.mark.slow
 def test_time_constants_near_a_double_root_lie_in_the_intervals_of_their_draws() -> None:
     # 60 records: a share of 0.9 is known to 0.04; by the delta method it is 0.5
     for figure in sway_alone(max(60, RECORDS)):

@@ -172,6 +172,7 @@ def test_sensors_add_white_errors_of_their_size_and_the_same_ones_again(calm: An
     assert not np.array_equal(errors, np.degrees(read.yaw_rate - calm.yaw_rate))
 
 
+@pytest.mark.slow
 def test_what_is_expected_of_a_trial_is_what_estimates_of_it_scatter(bb2: Any) -> None:
     pytest.importorskip("scipy")
     sequence = Sequence(5, 0.5, 15.0, 1, "rudder")

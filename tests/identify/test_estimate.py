@@ -91,6 +91,7 @@ def test_an_impossible_gain_is_no_cost_and_no_traceback() -> None:
     assert MultiStep(dead, 2, 3).value(dead.start) == np.inf
 
 
+@pytest.mark.slow
 def test_innovations_and_longer_predictions_find_the_ship_too() -> None:
     held = tuple(n for n in TANKER.free if not n.startswith(("R2", "x", "R1_YN")))
     problem = recorded(replace(TANKER, free=held), 800)
