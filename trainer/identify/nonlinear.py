@@ -21,6 +21,8 @@ from trainer.identify.sampled import STEP
 
 FINE: Final = 0.05  # [-] of the smallest time constant: a step of Runge and Kutta
 CLOSE: Final = 1e-12  # [-] relative change at which a fit has come to its end
+ROUNDING: Final = 1e-12  # [rad] helm that is exact
+WORST: Final = 1e8  # [-] condition of derivatives from which numbers are not told apart
 LINEAR: Final = ("K", "T1", "T2", "T3")
 CURVE: Final = ("H1", "H2", "H3")
 SHAPES: Final = ((0,), (0, 1), (0, 2), (0, 1, 2))  # terms of H(r) that turns choose among
@@ -124,38 +126,79 @@ def curve_from_turns(ship: Bent, source: str, rudder: Numbers, rate: Numbers) ->
     the terms that Schwarz's criterion chooses. ConfigError with fewer than four turns.
     """
     known = ~np.isnan(rate) & ~np.isnan(rudder)
-    rate, rudder, count = rate[known], rudder[known], int(np.count_nonzero(known))
+    rate, rudder = rate[known], rudder[known]
     if len(np.unique(rate)) < 4:
-        raise ConfigError(f"{source}: H(r) needs four steady turns or more; it has {count}")
-    scale = float(np.max(np.abs(rate)))
-    best = (math.inf, SHAPES[0], np.empty(0), np.empty((0, 0)), 0.0)
-    for shape in SHAPES:
-        terms = np.column_stack([_powers(rate / scale)[:, shape], np.ones(count)])
-        if count <= terms.shape[1]:
-            continue
-        found = np.linalg.lstsq(terms, rudder, rcond=None)[0]
-        square = max(float(np.sum((rudder - terms @ found) ** 2)), 1e-24 * count)
-        criterion = count * math.log(square / count) + terms.shape[1] * math.log(count)
-        if criterion < best[0]:
-            variance = square / (count - terms.shape[1])
-            best = criterion, shape, found, variance * np.linalg.pinv(terms.T @ terms), square
-    _, shape, found, covariance, square = best
-    unit = [scale ** -(place + 1.0) for place in shape] + [1.0]
-    values, widths = found * unit, np.sqrt(np.diag(covariance)) * unit
+        raise ConfigError(f"{source}: H(r) needs four steady turns or more; it has {len(rate)}")
+    tried = [_regress(shape, rudder, rate) for shape in SHAPES if len(shape) + 1 < len(rate)]
+    _, names, values, deviations, rms = min(tried, key=lambda one: one[0])
+    turned = ship.changed(CURVE, (0.0, 0.0, 0.0)).changed(names, list(map(float, values)))
+    return Bend(source, turned, dict(zip(names, map(float, deviations), strict=True)), rms)
+
+
+def _regress(
+    shape: tuple[int, ...], rudder: Numbers, rate: Numbers
+) -> tuple[float, list[str], Numbers, Numbers, float]:
+    """Return Schwarz's criterion, names, numbers, deviations and rms of helm [rad] of a shape."""
+    count, scale = len(rate), float(np.max(np.abs(rate)))
+    terms = np.column_stack([_powers(rate / scale)[:, shape], np.ones(count)])
+    found = np.linalg.lstsq(terms, rudder, rcond=None)[0]
+    square = max(float(np.sum((rudder - terms @ found) ** 2)), count * ROUNDING**2)
+    variance = square / (count - len(found)) * np.diag(np.linalg.pinv(terms.T @ terms))
+    unit = np.array([*(scale ** -(place + 1.0) for place in shape), 1.0])
     names = [*(CURVE[place] for place in shape), "delta_0"]
-    bare = ship.changed(CURVE, (0.0, 0.0, 0.0))
-    turned = bare.changed(names, list(map(float, values)))
-    told = dict(zip(names, map(float, widths), strict=True))
-    return Bend(source, turned, told, math.sqrt(square / count))
+    criterion = count * math.log(square / count) + len(found) * math.log(count)
+    return criterion, names, found * unit, np.sqrt(variance) * unit, math.sqrt(square / count)
+
+
+@dataclass(frozen=True, eq=False)
+class _Records:
+    """Yaw rates to be predicted by a ship whose numbers ``free`` are sought.
+
+    They are common to all records; each has a yaw rate at its start and a residual helm of its own.
+    """
+
+    ship: Bent
+    records: Sequence[Record]
+    free: tuple[str, ...]
+
+    @property
+    def start(self) -> Numbers:
+        """Return the numbers to begin from (p,): the ship's own."""
+        names, numbers = (*LINEAR, *CURVE, "kappa"), (*self.ship.numbers[:7], self.ship.kappa)
+        told = dict(zip(names, numbers, strict=True))
+        rates = [record.column("yaw_rate") for record in self.records]
+        own = [x for rate in rates for x in (rate[~np.isnan(rate)][0], self.ship.delta_0)]
+        return np.array([*(told[name] for name in self.free), *own])
+
+    def errors(self, theta: Any) -> NDArray[np.complex128]:
+        """Return what is left of the known yaw rates of all records, one after the other."""
+        count, left = len(self.free), []
+        for i, record in enumerate(self.records):
+            first, helm = theta[count + 2 * i : count + 2 * i + 2]
+            ship = self.ship.changed([*self.free, "delta_0"], [*theta[:count], helm])
+            start = np.array([first, 0.0], complex)
+            with np.errstate(all="ignore"):  # of trials that go astray
+                run = _run(ship, record.column("rudder"), record.interval, start)
+            rate = record.column("yaw_rate")
+            left.append((rate - run[:, 1])[~np.isnan(rate)])
+        return np.concatenate(left)
+
+    def value(self, theta: Numbers) -> Numbers:
+        """Return the errors (n,) [rad/s]."""
+        return np.asarray(self.errors(theta).real)
+
+    def slopes(self, theta: Numbers) -> Numbers:
+        """Return their exact derivatives (n, p)."""
+        aside = theta + 1j * STEP * np.eye(len(theta))
+        return np.column_stack([self.errors(row).imag / STEP for row in aside])
 
 
 def bend_from_records(
-    ship: Bent, records: Sequence[Record], free: Sequence[str] = ("kappa",)
+    ship: Bent, records: Sequence[Record], free: tuple[str, ...] = ("kappa",)
 ) -> Bend:
     """Return ``ship`` with the numbers ``free`` that predict the yaw rates of records best.
 
-    They are common to all; each record has a yaw rate at its start and a residual helm of its own.
-    The residual helm returned is the last one's. By scipy's least squares with exact derivatives.
+    Errors are taken for white and of one size. The residual helm returned is the last record's.
     ConfigError if an interval varies, or the records do not tell the numbers.
     """
     from scipy.optimize import least_squares  # noqa: PLC0415 - an extra, imported on use
@@ -163,46 +206,22 @@ def bend_from_records(
     for record in records:
         if np.ptp(np.diff(record.t)) > 1e-6 * record.interval:
             raise ConfigError(f"{record.source}: H(r) is fitted at one interval; this one varies")
-    rates = [record.column("yaw_rate") for record in records]
-    own = [x for rate in rates for x in (float(rate[~np.isnan(rate)][0]), ship.delta_0)]
-    told = dict(zip((*LINEAR, *CURVE, "kappa"), (*ship.numbers[:7], ship.kappa), strict=True))
-    begin = np.array([*(told[name] for name in free), *own])
-
-    def run(theta: Any) -> NDArray[np.complex128]:
-        """Return what is left of the known yaw rates of all records, one after the other."""
-        with np.errstate(all="ignore"):
-            left = []
-            for i, (record, rate) in enumerate(zip(records, rates, strict=True)):
-                first, helm = theta[len(free) + 2 * i : len(free) + 2 * i + 2]
-                there = ship.changed([*free, "delta_0"], [*theta[: len(free)], helm])
-                start = np.array([first, 0.0], complex)
-                path = _run(there, record.column("rudder"), record.interval, start)
-                left.append((rate - path[:, 1])[~np.isnan(rate)])
-        return np.concatenate(left)
-
-    def slopes(theta: Numbers) -> Numbers:
-        """Return the exact derivatives of what is left (n, p)."""
-        aside = theta + 1j * STEP * np.eye(len(theta))
-        return np.column_stack([run(row).imag / STEP for row in aside])
-
-    with np.errstate(all="ignore"):  # of trials that go astray
+    asked, source = _Records(ship, records, free), records[-1].source
+    with np.errstate(all="ignore"):
         found = least_squares(
-            lambda theta: run(theta).real, begin, slopes, x_scale="jac", xtol=CLOSE, ftol=CLOSE
+            asked.value, asked.start, asked.slopes, x_scale="jac", xtol=CLOSE, ftol=CLOSE, gtol=None
         )
     size = np.linalg.norm(found.jac, axis=0)
     unit = found.jac / np.maximum(size, 1e-300)
-    left = max(len(found.fun) - len(begin), 1)
-    if not found.success or np.linalg.cond(unit) > 1e8:
-        names = ", ".join(free)
-        raise ConfigError(f"{records[-1].source}: the record does not tell {names}")
-    covariance = 2.0 * found.cost / left * np.linalg.inv(unit.T @ unit) / np.outer(size, size)
-    names = [*free, "delta_0"]
-    values = [*map(float, found.x[: len(free)]), float(found.x[-1])]
-    widths = np.sqrt(np.diag(covariance))
+    if not found.success or np.linalg.cond(unit) > WORST:
+        raise ConfigError(f"{source}: this record does not tell {', '.join(free)}")
+    variance = 2.0 * found.cost / max(len(found.fun) - len(size), 1)
+    widths = np.sqrt(variance * np.diag(np.linalg.inv(unit.T @ unit))) / size
+    names, places = [*free, "delta_0"], [*range(len(free)), -1]
     return Bend(
-        records[-1].source,
-        ship.changed(names, values),
-        dict(zip(names, map(float, [*widths[: len(free)], widths[-1]]), strict=True)),
+        source,
+        ship.changed(names, [float(found.x[place]) for place in places]),
+        {name: float(widths[place]) for name, place in zip(names, places, strict=True)},
         math.sqrt(2.0 * found.cost / len(found.fun)),
         float(found.x[-2]),
     )

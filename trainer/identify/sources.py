@@ -78,7 +78,7 @@ def load_record(path: Path, columns: Mapping[str, Column]) -> Record:
         names={channel: column.name for channel, column in columns.items()},
         **taken,
     )
-    _check_times(record)
+    check_times(record)
     return record
 
 
@@ -155,7 +155,7 @@ def _table(path: Path, names: tuple[str, ...], cells: Iterable[tuple[int, Any]])
     return _Table(names, [row for row, _ in rows], np.array([numbers for _, numbers in rows]))
 
 
-def _check_times(record: Record) -> None:
+def check_times(record: Record) -> None:
     """Check that time is known and rises; ConfigError naming the first row where it does not."""
     missing = np.isnan(record.t)
     if missing.any():

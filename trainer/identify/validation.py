@@ -103,7 +103,7 @@ def loss_alone(fitted: Fitted) -> float:
 
 def check_of(fitted: Fitted, path: Path) -> Check:
     """Return how well another record of the same columns is predicted; ConfigError if it cannot."""
-    problem = other_problem(fitted, path)
+    problem = other_problem(fitted, other_record(fitted, path))
     there, own = (_errors(one) for one in (problem, replace(fitted.problem, values=fitted.values)))
     share = there / _spread(problem)
     return Check(
@@ -167,23 +167,28 @@ def _turns(fitted: Fitted, path: Path) -> Record:
     ).record
 
 
-def other_problem(fitted: Fitted, path: Path) -> Problem:
+def other_problem(fitted: Fitted, record: Record) -> Problem:
     """Return the fitted model on another record, from the initial state that fits it best.
 
     By rudder alone the outputs are linear in that state. Each is weighed by its own errors: a
-    heading in degrees would else buy its hundredths with whole degrees a second.
+    heading in degrees would else buy its hundredths with whole degrees a second. Outputs that were
+    not recorded are not a number; where none was, the ship begins at rest.
     """
     plant = fitted.problem.plant
-    samples = samples_of(other_record(fitted, path), plant.outputs)
+    unknown = {name: np.full(len(record.t), np.nan) for name in plant.outputs}
+    known = {name: getattr(record, name) for name in plant.outputs if name in record.channels}
+    samples = samples_of(replace(record, **{**unknown, **known}), plant.outputs)
     values = fitted.values
     places = [plant.model.place(name) for name, _ in STATES[plant.model.name]]
     values[places] = 0.0
     problem = replace(fitted.problem, samples=samples, values=values)
+    if not known:
+        return problem
     still = alone(problem, problem.start)
     columns = [alone(_from(problem, place), _from(problem, place).start) for place in places]
-    known, weight = ~np.isnan(samples.outputs), 1.0 / _reading_errors(fitted)
-    free = np.column_stack([((column - still) * weight)[known] for column in columns])
-    left = ((samples.outputs - still) * weight)[known]
+    there, weight = ~np.isnan(samples.outputs), 1.0 / _reading_errors(fitted)
+    free = np.column_stack([((column - still) * weight)[there] for column in columns])
+    left = ((samples.outputs - still) * weight)[there]
     values[places] = np.linalg.lstsq(free, left, rcond=None)[0]
     return replace(problem, values=values)
 
