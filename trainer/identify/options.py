@@ -14,11 +14,12 @@ USUAL: Final = ("sway", "yaw_rate", "heading")
 
 
 def study_of(file: Path, options: dict[str, Any]) -> Study:
-    """Return the study, what the options say taken instead of what it says. ConfigError if wrong.
+    """Return the study of a file, changed as the options of ``trainer identify`` say."""
+    return as_asked(load_study(file) if file.suffix == ".toml" else plain_study(file), options)
 
-    ``options`` are those of ``trainer identify``.
-    """
-    study = load_study(file) if file.suffix == ".toml" else plain_study(file)
+
+def as_asked(study: Study, options: dict[str, Any]) -> Study:
+    """Return the study, what the options say taken instead of what it says. ConfigError if wrong."""
     study = replace(study, heading=_heading(study.heading, options))
     if options["exact"]:
         study = replace(study, sensors=None)

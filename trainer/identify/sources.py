@@ -85,7 +85,7 @@ def load_record(path: Path, columns: Mapping[str, Column]) -> Record:
         **taken,
     )
     record = rebuild_times(record)
-    _check_times(record)
+    check_times(record)
     return record
 
 
@@ -149,7 +149,7 @@ def _read_recording(path: Path, columns: Mapping[str, Column]) -> Taken:
     return ticks, taken, []
 
 
-def _check_times(record: Record) -> None:
+def check_times(record: Record) -> None:
     """Check that time is known and rises; ConfigError naming the first row where it does not."""
     missing = np.isnan(record.t)
     if missing.any():

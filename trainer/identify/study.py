@@ -202,13 +202,13 @@ class Observed:
     findings: tuple[Finding, ...]
 
 
-def observe(study: Study) -> Observed:
+def observe(study: Study, loaded: Record | None = None) -> Observed:
     """Return the record of a study: signs and units as here, thinned, cut, examined.
 
-    ConfigError with what forbids its use.
+    The record is ``loaded``, or that of the study's file. ConfigError with what forbids its use.
     """
     heading = study.heading
-    record = load_record(study.data, study.columns)
+    record = loaded or load_record(study.data, study.columns)
     if "t" not in study.columns:
         record = replace(record, t=record.t * (heading.interval_s or 1.0))
     if heading.positive_rudder == "starboard" and record.rudder is not None:
