@@ -107,8 +107,9 @@ def _study_of(
             known = ", ".join(map(str, _names(frame)))
             raise ConfigError(f"frame: no column {names[0]!r} for {channel}; it has {known}")
         if there:
-            scale = factor(channel, units[channel]) if channel in units else 1.0
-            found[channel] = Column(there[0], scale)
+            unit = units.get(channel, "s" if channel == "t" else CHANNELS.get(channel))
+            factor(channel, str(unit))
+            found[channel] = Column(there[0], unit)
     study = plain_study(FRAME)
     heading = replace(study.heading, positive_rudder=positive)
     return replace(study, path=FRAME, heading=heading, columns=found)
@@ -130,7 +131,7 @@ def _record_of(frame: Mapping[str, Any], columns: Mapping[str, Column]) -> Recor
         if values.dtype.kind == "M":
             values = (values - values[0]) / np.timedelta64(1, "s")
         try:
-            taken[channel] = np.asarray(values, float) * column.scale
+            taken[channel] = np.asarray(values, float) * factor(channel, str(column.unit))
         except (TypeError, ValueError) as error:
             raise ConfigError(f"frame: {column.name}: is no array of numbers: {error}") from None
         size = taken[next(iter(taken))].shape

@@ -19,7 +19,7 @@ def study_of(file: Path, options: dict[str, Any]) -> Study:
 
 
 def as_asked(study: Study, options: dict[str, Any]) -> Study:
-    """Return the study, what the options say taken instead of what it says. ConfigError if wrong."""
+    """Return the study with what the options say instead. ConfigError if that is wrong."""
     study = replace(study, heading=_heading(study.heading, options))
     if options["exact"]:
         study = replace(study, sensors=None)

@@ -111,12 +111,8 @@ def inseparable(problem: Problem) -> tuple[tuple[str, ...], ...]:
 
 def _together(problem: Problem) -> tuple[tuple[str, ...], ...]:
     """Return initial states and variances of the same state that are both free."""
-    model, free = problem.plant.model, set(problem.free)
-    return tuple(
-        (model.names[model.start + i], model.names[model.start_covariance + i])
-        for i in range(model.states)
-        if {model.start + i, model.start_covariance + i} <= free
-    )
+    free = set(problem.names)
+    return tuple(pair for pair in problem.plant.model.paired if free.issuperset(pair))
 
 
 def hessian(cost: Cost, theta: Numbers) -> Numbers:
