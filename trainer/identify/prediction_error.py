@@ -97,9 +97,9 @@ class Innovations:
         scale = self.problem.scale
         return np.asarray(standard @ standard.T * np.outer(scale, scale))
 
-    def errors(self, theta: Numbers) -> Numbers:
-        """Return the first run's prediction errors (n, y); NaN where a reading is missing."""
-        run, at = self.problem.runs[0]
+    def errors(self, theta: Numbers, number: int = 0) -> Numbers:
+        """Return a run's prediction errors (n, y); NaN where a reading is missing."""
+        run, at = self.problem.runs[number]
         sampled = run.sampled(theta[at]).as_complex()
         gains = self.gains(run, sampled)
         if gains is None:

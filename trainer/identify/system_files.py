@@ -42,7 +42,7 @@ from trainer.identify.own_systems import (
     with_kinds,
 )
 
-Cells = tuple[tuple[object, ...], ...]  # of a matrix
+Row = tuple[object, ...]  # of a matrix
 Value = Any  # a number, or an array of them
 Expression = Callable[[Mapping[str, Value]], Value]
 
@@ -165,7 +165,7 @@ class Matrix:
         entry = {"type": ["number", "string"]}
         return {"type": "array", "items": {"anyOf": [entry, {"type": "array", "items": entry}]}}
 
-    def read(self, key: str, value: object, place: Place) -> Cells:
+    def read(self, key: str, value: object, place: Place) -> tuple[Row, ...]:
         """Return the rows; ConfigError if they are not of one length."""
         if isinstance(value, list) and 0 < len(value) <= LARGEST:
             rows = tuple(tuple(row) if isinstance(row, list) else (row,) for row in value)
@@ -201,18 +201,18 @@ class SystemFile:
     inputs: tuple[str, ...] | None = optional(Texts(Text(80, "columns that act"), LARGEST))
     outputs: tuple[str, ...] = of(Texts(Text(80, "columns that are fitted"), LARGEST))
     units: tuple[str, ...] | None = optional(Texts(Text(12, "of the outputs"), LARGEST))
-    A: tuple[tuple[object, ...], ...] = of(Matrix("states by states"))
-    B: tuple[tuple[object, ...], ...] | None = optional(Matrix("states by inputs"))
-    f: tuple[tuple[object, ...], ...] | None = optional(Matrix("a constant on each state; else 0"))
-    C: tuple[tuple[object, ...], ...] = of(Matrix("outputs by states"))
-    D: tuple[tuple[object, ...], ...] | None = optional(Matrix("outputs by inputs; else 0"))
-    d: tuple[tuple[object, ...], ...] | None = optional(Matrix("a bias of each output; else 0"))
-    R1: tuple[tuple[object, ...], ...] | None = optional(Matrix("states by states, disturbance; else 0"))
-    R2: tuple[tuple[object, ...], ...] | None = optional(Matrix("outputs by outputs, errors; else 0"))
-    R12: tuple[tuple[object, ...], ...] | None = optional(Matrix("states by outputs, both; else 0"))
-    x0: tuple[tuple[object, ...], ...] | None = optional(Matrix("first state; else 0"))
-    P0: tuple[tuple[object, ...], ...] | None = optional(Matrix("its covariance; else 0"))
-    K: tuple[tuple[object, ...], ...] | None = optional(Matrix("states by outputs, gain of innovations"))
+    A: tuple[Row, ...] = of(Matrix("states by states"))
+    B: tuple[Row, ...] | None = optional(Matrix("states by inputs"))
+    f: tuple[Row, ...] | None = optional(Matrix("a constant on each state; else 0"))
+    C: tuple[Row, ...] = of(Matrix("outputs by states"))
+    D: tuple[Row, ...] | None = optional(Matrix("outputs by inputs; else 0"))
+    d: tuple[Row, ...] | None = optional(Matrix("a bias of each output; else 0"))
+    R1: tuple[Row, ...] | None = optional(Matrix("states by states, disturbance; else 0"))
+    R2: tuple[Row, ...] | None = optional(Matrix("outputs by outputs, errors; else 0"))
+    R12: tuple[Row, ...] | None = optional(Matrix("states by outputs, both; else 0"))
+    x0: tuple[Row, ...] | None = optional(Matrix("first state; else 0"))
+    P0: tuple[Row, ...] | None = optional(Matrix("its covariance; else 0"))
+    K: tuple[Row, ...] | None = optional(Matrix("states by outputs, gain of innovations"))
 
 
 def load_system(path: Path) -> System:
