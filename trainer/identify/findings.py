@@ -317,7 +317,7 @@ def _swing(record: Record) -> Iterator[Finding]:
     if not SWINGS[0] < share < SWINGS[1]:
         unit = "rad" if share < 1.0 else "deg"
         text = f"swings {share:.2g} times as far as {record.name('rudder')}: is it in {unit}?"
-        yield Finding(record.name("heading"), 0, text)
+        yield Finding(record.name("heading"), 0, f'{text} say unit = "{unit}"')
 
 
 def _sizes(record: Record, ship: Ship) -> Iterator[Finding]:
