@@ -309,7 +309,7 @@ def test_every_dialect_gives_the_same_record_and_says_how_it_was_read(
         assert getattr(found.record, channel) == pytest.approx(want, rel=1e-9, abs=1e-9)
 
 
-WRITTEN = {
+WRITTEN: dict[str, tuple[Callable[[Columns], str], str]] = {
     "a comma for both": (
         lambda columns: text(columns, form=".4f").replace(".", ","),
         r'row 2: has 12 fields, the heading 6: is "," both .* write ";" between columns',

@@ -135,8 +135,8 @@ def test_antenna_and_current_are_taken_off(tmp_path: Path) -> None:
 def test_velocities_are_those_of_geodesics(latitude: float) -> None:
     t = np.arange(9.0)
     track = [Geodesic.WGS84.Direct(latitude, 10.0, 60.0, 5.0 * (one - 4.0)) for one in t]
-    places = (np.radians([one[key] for one in track]) for key in ("lat2", "lon2"))
-    east, north = ground_velocity(*places, 1.0)
+    latitudes, longitudes = (np.radians([one[key] for one in track]) for key in ("lat2", "lon2"))
+    east, north = ground_velocity(latitudes, longitudes, 1.0)
     assert east[4] == pytest.approx(5.0 * math.sin(math.radians(60.0)), rel=1e-5)
     assert north[4] == pytest.approx(5.0 * math.cos(math.radians(60.0)), rel=1e-5)
 

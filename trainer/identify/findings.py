@@ -343,10 +343,11 @@ def _sizes(record: Record, ship: Ship) -> Iterator[Finding]:
             unit = SPEEDS[2 if ahead < 0.0 else 0 if ahead < PIVOT[0] else 1][1]
             text = f"would turn the ship about a point {ahead:.2g} lengths ahead of the middle"
             yield Finding(record.name("sway"), 0, f"{text}: {unit}")
-    bow, stern, places = record.bow_sway, record.stern_sway, (ship.bow_log_m, ship.stern_log_m)
-    if bow is not None and stern is not None and places[0] and places[1]:
+    bow, stern, apart = record.bow_sway, record.stern_sway, ship.bow_log_m
+    if bow is not None and stern is not None and apart and ship.stern_log_m:
         gain = _gain(bow - stern, rate)
-        yield from _mistaken(record, "bow_sway", gain and gain / sum(places), "stern_sway")
+        share = gain and gain / (apart + ship.stern_log_m)
+        yield from _mistaken(record, "bow_sway", share, "stern_sway")
 
 
 def _mistaken(
