@@ -41,7 +41,7 @@ SLACK: Final = 0.6  # [-] of what a clock is rounded to, that a time may be off
 
 @dataclass(frozen=True)
 class Column:
-    """The source of a channel: its column, and its unit, None for that which the file says."""
+    """The source of a channel: its column and unit; None: what the file says."""
 
     name: str
     unit: str | None
