@@ -337,7 +337,7 @@ def _swing(record: Record) -> Iterator[Finding]:
     if not SWINGS[0] < share < SWINGS[1]:
         unit = "rad" if share < 1.0 else "deg"
         text = f"swings {share:.2g} times as far as {record.name('rudder')}: is it in {unit}?"
-        yield Finding(record.name("heading"), 0, text)
+        yield Finding(record.name("heading"), 0, f'{text} say unit = "{unit}"')
 
 
 def _sizes(record: Record, ship: Ship) -> Iterator[Finding]:
@@ -363,10 +363,11 @@ def _sizes(record: Record, ship: Ship) -> Iterator[Finding]:
             unit = SPEEDS[2 if ahead < 0.0 else 0 if ahead < PIVOT[0] else 1][1]
             text = f"would turn the ship about a point {ahead:.2g} lengths ahead of the middle"
             yield Finding(record.name("sway"), 0, f"{text}: {unit}")
-    bow, stern, places = record.bow_sway, record.stern_sway, (ship.bow_log_m, ship.stern_log_m)
-    if bow is not None and stern is not None and places[0] and places[1]:
+    bow, stern, apart = record.bow_sway, record.stern_sway, ship.bow_log_m
+    if bow is not None and stern is not None and apart and ship.stern_log_m:
         gain = _gain(bow - stern, rate)
-        yield from _mistaken(record, "bow_sway", gain and gain / sum(places), "stern_sway")
+        share = gain and gain / (apart + ship.stern_log_m)
+        yield from _mistaken(record, "bow_sway", share, "stern_sway")
 
 
 def _mistaken(
