@@ -95,7 +95,7 @@ def test_a_frame_of_pandas_and_a_file_give_the_same_ship(ship: Any, tmp_path: Pa
         assert fitted(frame, **more).parameters == pytest.approx(ship.parameters, rel=1e-6)
 
 
-def test_another_record_is_predicted_by_rudder_alone(ship: Any, tmp_path: Path) -> None:
+def test_another_record_is_predicted_by_rudder_alone(ship: Any) -> None:
     other = motion(3)
     found = ship.predict(other)
     assert list(found) == ["t", "yaw_rate"]
@@ -134,7 +134,7 @@ def test_parameters_may_begin_elsewhere_and_be_held() -> None:
         ({"t": np.zeros(300)}, {}, "frame: row 1: t = 0 s is repeated"),
         ({"yaw_rate": np.zeros(299)}, {}, r"yaw_rate: has shape \(299,\), must be \(300,\)"),
         ({"yaw_rate": ["fast"] * 300}, {}, "yaw_rate: is no array of numbers"),
-        ({}, {"units": {"rudder": "gon"}}, "rudder: unit 'gon': must be rad or deg"),
+        ({}, {"units": {"rudder": "gon"}}, 'rudder: unit "gon": must be rad or deg'),
         ({}, {"units": {"ruder": "deg"}}, "no channel 'ruder'; nearest is rudder"),
         ({}, {"lenght": 3}, "no keyword 'lenght'; nearest is length"),
         ({}, {"noise": "white"}, "noise = 'white': must be output-error or"),

@@ -102,7 +102,9 @@ def test_h_of_noisy_turns_is_known_as_well_as_it_says() -> None:
 
 
 def test_h_wants_four_turns() -> None:
-    with pytest.raises(ConfigError, match="spiral: H.r. needs four steady turns or more; it has 3"):
+    with pytest.raises(
+        ConfigError, match=r"spiral: H\(r\) needs four steady turns or more; it has 3"
+    ):
         curve_from_turns(STABLE, "spiral", np.ones(3), RATES[:3])
 
 
@@ -127,9 +129,10 @@ def test_h_comes_back_from_a_manoeuvre_of_an_unstable_ship() -> None:
     found = bend_from_records(replace(CUBIC, H=None, kappa=1500.0), [record], CURVE)
     for name, value, true in zip(CURVE, found.ship.curve, CUBIC.curve, strict=True):
         assert abs(value - true) < 4.0 * found.deviations[name], name
-    # the helm of the turns that she made is known, whatever its terms
-    there = np.linspace(-0.012, 0.012, 9)
-    assert found.ship.helm(there) == pytest.approx(CUBIC.helm(there), abs=np.radians(0.5))
+    # her turns are known to a tenth of the noise, though the three terms are alike
+    start = np.array([found.rate_0, 0.0])
+    told = predict(found.ship, helm(20.0), 2.0, start)[:, 0]
+    assert np.std(told - record_of(CUBIC, helm(20.0)).yaw_rate) < 3e-5
 
 
 @pytest.mark.parametrize("ship", [STABLE, UNSTABLE])
