@@ -124,8 +124,8 @@ def _study_of(frame: Mapping[str, Any], given: FitOptions) -> Study:
     channels = ("t", *CHANNELS)
     for name in (*columns, *units):
         if name not in channels:
-            there = ", ".join(channels)
-            raise ConfigError(f"no channel {name!r}{nearest(name, channels)}; there are {there}")
+            every = ", ".join(channels)
+            raise ConfigError(f"no channel {name!r}{nearest(name, channels)}; there are {every}")
     found = {}
     for channel in channels:
         names = [columns[channel]] if channel in columns else [channel, OWN.get(channel, channel)]
@@ -150,7 +150,7 @@ def _names(frame: Mapping[str, Any]) -> list[str]:
 
 def _record_of(frame: Mapping[str, Any], columns: Mapping[str, Column]) -> Record:
     """Return the record in arrays, SI; ConfigError naming a column that cannot be used."""
-    taken: dict[str, Numbers] = {}
+    taken: dict[str, Any] = {}
     for channel, column in columns.items():
         # the index of a pandas frame is no column of it
         found = frame[column.name] if column.name in frame else cast("Any", frame).index

@@ -359,8 +359,8 @@ def screen(
         rejected = flags == REASONS.index("rejected")
         kept.append(run.samples.without(rejected))
         found += [(number, int(place)) for place in np.flatnonzero(rejected)]
-    others = zip(problem.others, kept[1:], strict=True)
-    others = tuple(replace(run, samples=samples) for run, samples in others)
+    further = zip(problem.others, kept[1:], strict=True)
+    others = tuple(replace(run, samples=samples) for run, samples in further)
     return replace(problem, samples=kept[0], others=others), found
 
 

@@ -246,10 +246,10 @@ def with_kinds(system: System) -> System:
             for place, slope in enumerate(found[1:].imag):
                 if np.any(slope != 0.0):
                     touched[system.parameters[place].name].add(key)
-    found = system.matrices(aside(start))
+    at_start = system.matrices(aside(start))
     kinds = {}
     for key in ("P0", "R1", "R2"):
-        for value in np.diagonal(found.get(key, EMPTY[None]), axis1=1, axis2=2).T:
+        for value in np.diagonal(at_start.get(key, EMPTY[None]), axis1=1, axis2=2).T:
             slopes = value[1:].imag / STEP
             places = np.flatnonzero(slopes)
             alone = len(places) == 1 and abs(slopes[places[0]] - 1.0) < 1e-6

@@ -92,7 +92,7 @@ def load_record(path: Path, columns: Mapping[str, Column]) -> Record:
     return record
 
 
-Taken = tuple[Sequence[int], dict[str, Numbers], list[str]]  # rows, channels in SI, what to tell
+Taken = tuple[Sequence[int], dict[str, Any], list[str]]  # rows, channels in SI, what to tell
 
 
 def _read_csv(path: Path, columns: Mapping[str, Column]) -> Taken:

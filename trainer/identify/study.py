@@ -266,13 +266,12 @@ def studies_of(study: Study) -> tuple[Study, ...]:
 
 def _study_of(study: Study, number: int, row: RunRow) -> Study:
     """Return the study of a further run; its instruments err on their own."""
-    part = {"data": row.data, "from_s": row.from_s, "to_s": row.to_s}
     ship, sensors = study.ship, study.sensors
     if ship is not None and row.speed_kn is not None:
         ship = replace(ship, speed_kn=row.speed_kn)
     if sensors is not None:
         sensors = replace(sensors, seed=(sensors.seed or 1) + number)
-    heading = replace(study.heading, **part)
+    heading = replace(study.heading, data=row.data, from_s=row.from_s, to_s=row.to_s)
     return replace(study, heading=heading, ship=ship, sensors=sensors, runs=())
 
 

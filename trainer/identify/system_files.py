@@ -48,7 +48,7 @@ Expression = Callable[[Mapping[str, Value]], Value]
 
 LONGEST: Final = 200  # characters
 DEEPEST: Final = 30  # signs within signs
-CONSTANTS: Final = {"pi": math.pi, "g": 9.80665}
+CONSTANTS: Final = {"pi": math.pi}
 
 
 def _magnitude(x: Value) -> Value:
