@@ -51,7 +51,9 @@ def test_a_system_in_a_file_is_found(tmp_path: Path, noise: str) -> None:
     ship = {one["name"]: one for one in report["ship"]}
     # a pair: Re = -z w, Im = w sqrt(1 - z^2); steady gain k
     assert ship["1/T1"]["value"] == pytest.approx(Z * W, rel=0.1)
-    assert ship["period 1"]["value"] == pytest.approx(2 * np.pi / (W * np.sqrt(1 - Z * Z)), rel=0.02)
+    assert ship["period 1"]["value"] == pytest.approx(
+        2 * np.pi / (W * np.sqrt(1 - Z * Z)), rel=0.02
+    )
     assert ship["fin to roll"]["low"] < ship["fin to roll"]["value"] < ship["fin to roll"]["high"]
     assert ("q" in numbers(report)) == (noise != "output-error")
 
@@ -129,12 +131,16 @@ def test_a_gain_of_its_own_is_taken(tmp_path: Path) -> None:
 
 
 def test_two_inputs_and_none(tmp_path: Path) -> None:
-    text = SYSTEM.replace('["fin"]', '["fin", "t"]').replace('["k*w**2"]', '["k*w**2", 0]')
+    text = SYSTEM.replace('["fin"]', '["fin", "sea"]').replace('["k*w**2"]', '["k*w**2", 0]')
     path = write_study(tmp_path, text.replace("[[0], ", "[[0, 0], ") + ROWS)
-    assert fitted(path)["inputs"] == ["fin", "t"]
-    rows = [line.rsplit(",", 1) for line in (tmp_path / "roll.csv").read_text().splitlines()]
-    free = "\n".join(f"{first.split(',')[0]},{roll}" for first, roll in rows)
-    (tmp_path / "roll.csv").write_text(free + "\n")
+    lines = (tmp_path / "roll.csv").read_text().splitlines()
+    more = [f"{line},{i % 7 if i else 'sea'}" for i, line in enumerate(lines)]
+    (tmp_path / "roll.csv").write_text("\n".join(more) + "\n")
+    report = fitted(path)
+    assert_found(report)
+    assert report["inputs"] == ["fin", "sea"]
+    free = [",".join(line.split(",")[::2]) for line in lines]
+    (tmp_path / "roll.csv").write_text("\n".join(free) + "\n")
     text = SYSTEM.replace('inputs = ["fin"]\n', "").replace('B = [[0], ["k*w**2"]]\n', "")
     rows = ROWS.replace('name = "k"\nstart = 1.0', 'name = "k"\nstart = 1.0\nfree = false')
     path.with_name("system.toml").write_text(text + rows)
@@ -204,14 +210,16 @@ def test_what_an_expression_says_is_what_it_is() -> None:
         "c",
         "-" * 60 + "a",
         "a+" * 90 + "a",
-        "9" * 150 + "**9**9",
     ],
 )
 def test_an_expression_that_is_none_is_refused(text: str) -> None:
     with pytest.raises(ConfigError):
-        value = parse(text, ("a", "b"))({"a": 1.0, "b": 2.0})
-        if not np.isfinite(value):
-            raise ConfigError("not finite")
+        parse(text, ("a", "b"))
+
+
+def test_a_power_without_end_is_no_number() -> None:
+    with np.errstate(all="ignore"):
+        assert parse("9**9**9**9", ())({}) == np.inf
 
 
 def test_expressions_are_never_run() -> None:
@@ -227,7 +235,7 @@ def test_expressions_are_never_run() -> None:
 @pytest.mark.parametrize(
     ("old", "new", "told"),
     [
-        ('"-w**2"', '"-v**2"', 'A: no parameter "v"; nearest is w'),
+        ('"-w**2"', '"-ww**2"', 'A: no parameter "ww"; nearest is w'),
         ('B = [[0], ["k*w**2"]]', "B = [[0]]", "B is 1 by 1, must be 2 by 1, states by inputs"),
         ('[["s"]]', '[["-s"]]', "R2 is no covariance at the start values"),
         ("C = [[1, 0]]", "C = [[1], [0, 1]]", "must be 1 to 20 rows of one length"),
@@ -251,16 +259,14 @@ def test_a_system_that_is_wrong_says_where(tmp_path: Path, old: str, new: str, t
 @pytest.mark.parametrize(
     ("old", "new", "told"),
     [
-        ("w**2), -2", "w**2), 1 / 0 * -2", "lacks A, C"),
-        ("return A,", "return A, A,", "matrices(): line 16: ValueError"),
+        ("w**2), -2", "w**2), 1 / 0 * -2", "gives no A and C"),
+        ("return A,", "return A, A,", "matrices(): must return A, B, C, D"),
         ("w, z, k, q, s, roll_0, rate_0 = theta", "w = theta.nothing", "AttributeError"),
         ("outputs =", "output =", "lacks outputs"),
         ("def matrices", "def matrices(", "SyntaxError"),
     ],
 )
-def test_a_program_that_is_wrong_says_where(
-    tmp_path: Path, old: str, new: str, told: str
-) -> None:
+def test_a_program_that_is_wrong_says_where(tmp_path: Path, old: str, new: str, told: str) -> None:
     path = tmp_path / "system.py"
     assert old in PROGRAM
     path.write_text(PROGRAM.replace(old, new))

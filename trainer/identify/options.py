@@ -59,6 +59,8 @@ def _with_system(study: Study, options: dict[str, Any]) -> Study:
             f"where the command names it: read it, then say --system {path}"
         )
     system = load_system(path)
+    if "t" in (*system.inputs, *system.outputs):
+        raise ConfigError(f"{path}: t is the time, not what acts or is read: rename the column")
     clock = study.columns.get("t", Column("t", "s"))
     times = {} if study.heading.interval_s and "t" not in study.columns else {"t": clock}
     plain = {name: Column(name, PLAIN) for name in (*system.inputs, *system.outputs)}

@@ -88,7 +88,12 @@ def load_program(path: Path) -> System:
     check_names(path, tuple(starts))
     outputs, inputs = tuple(told["outputs"]), tuple(told.get("inputs", ()))
     vector = np.array([float(value) for value in starts.values()])
-    function, how = _stepped(_Programmed(path, told["matrices"], tuple(starts)), vector)
+    plain = _Programmed(path, told["matrices"], tuple(starts))
+    found = plain(vector[None])
+    if "A" not in found or "C" not in found:
+        raise ConfigError(f"{path}: matrices() gives no A and C at the start values")
+    states = found["A"].shape[1]
+    function, how = _stepped(plain, vector)
     return System(
         path=path,
         name=str(told.get("name", path.stem)),
@@ -99,7 +104,7 @@ def load_program(path: Path) -> System:
         parameters=tuple(Parameter(name, "", "-") for name in starts),
         starts=vector,
         held=tuple(told.get("held", ())),
-        states=function(vector[None])["A"].shape[1],
+        states=states,
         matrices=function,
         touched={},
         how=how,
@@ -113,7 +118,12 @@ def _failed(error: Exception, path: Path) -> str:
         if trace.tb_frame.f_code.co_filename == str(path):
             line = trace.tb_lineno
         trace = trace.tb_next
-    return f"line {line}: {type(error).__name__}: {error}".splitlines()[0]
+    told = str(error) if isinstance(error, _ReturnedError) else f"{type(error).__name__}: {error}"
+    return (f"line {line}: {told}" if line else told).splitlines()[0]
+
+
+class _ReturnedError(ValueError):
+    """What a function returned is no set of matrices."""
 
 
 class _Programmed:
@@ -135,7 +145,7 @@ class _Programmed:
         try:
             with np.errstate(all="ignore"):
                 found = self._function(self._theta(*theta))
-            named = found if isinstance(found, Mapping) else dict(zip(ORDER, found, strict=True))
+            named = found if isinstance(found, Mapping) else _named(found)
             return {key: _as_matrix(key, one) for key, one in named.items() if one is not None}
         except (ArithmeticError, np.linalg.LinAlgError):
             return {}
@@ -144,13 +154,23 @@ class _Programmed:
             raise ConfigError(f"{self._path}: matrices(): {told}") from error
 
 
+def _named(found: Any) -> dict[str, Any]:
+    """Return the matrices of a tuple by name."""
+    if not isinstance(found, tuple | list) or len(found) != len(ORDER):
+        raise _ReturnedError(f"must return {', '.join(ORDER)}, or some matrices by name")
+    return dict(zip(ORDER, found, strict=True))
+
+
 def _as_matrix(name: str, value: Any) -> Entries:
     """Return a matrix (rows, columns), a vector as a column. ValueError if it is none."""
     if name not in NAMES:
-        raise ValueError(f"no matrix {name!r}; there are {', '.join(NAMES)}")
-    found = np.asarray(value)
-    if found.dtype.kind not in "iufc":
-        raise ValueError(f"{name} is not made of numbers")
+        raise _ReturnedError(f"no matrix {name!r}; there are {', '.join(NAMES)}")
+    try:
+        found = np.asarray(value)
+    except ValueError:
+        found = np.asarray(None)
+    if found.dtype.kind not in "iufc" or found.ndim > 2:
+        raise _ReturnedError(f"{name} is not made of rows of numbers")
     return found[:, None] if found.ndim == 1 else np.atleast_2d(found)
 
 

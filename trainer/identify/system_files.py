@@ -122,7 +122,8 @@ def _named(name: str, names: tuple[str, ...]) -> Expression:
     if name in CONSTANTS:
         return lambda _: CONSTANTS[name]
     known = (*names, *CONSTANTS)
-    raise ConfigError(f"no parameter {quote(name)}{nearest(name, known)}; there are {known}")
+    there = ", ".join(known)
+    raise ConfigError(f"no parameter {quote(name)}{nearest(name, known)}; there are {there}")
 
 
 def _operands(node: ast.expr) -> Iterator[ast.expr]:
