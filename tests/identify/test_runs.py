@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 from click.testing import CliRunner
-from helpers.rolling import ROWS, SYSTEM, write_record, write_study
+from helpers.rolling import SYSTEM, write_record, write_study
 from numpy.testing import assert_allclose
 
 from trainer.cli.identify import identify
@@ -130,7 +130,7 @@ def test_two_records_are_fitted_by_one_command(tmp_path: Path) -> None:
     assert abs(value + 3.0) < 4.0 * deviation
     assert numbers(both)["w"][1] < 0.95 * numbers(alone)["w"][1]
     study.write_text(study.read_text() + f'\n[[runs]]\ndata = "{other.name}"\n')
-    assert numbers(command(study)) == pytest.approx(numbers(both))
+    assert command(study)["parameters"] == both["parameters"]
     page = CliRunner().invoke(identify, [str(study), "--csv", str(tmp_path / "x.csv")]).stdout
     assert "2 other.csv" in page
     assert max(map(len, page.splitlines())) <= 79
@@ -171,12 +171,8 @@ def test_nothing_is_estimated_where_only_a_simulation_is_wanted(tmp_path: Path) 
     }
     assert report["simulated"]
     fit = command(study)
-    held = ROWS
-    for name, (value, _) in numbers(fit).items():
-        old = held.split(f'name = "{name}"\nstart = ', 1)[1].split("\n", 1)[0]
-        held = held.replace(
-            f'name = "{name}"\nstart = {old}', f'name = "{name}"\nstart = {value!r}'
-        )
+    row = '\n[[parameters]]\nname = "{}"\nstart = {!r}\n'
+    held = "".join(row.format(name, value) for name, (value, _) in numbers(fit).items())
     (tmp_path / "system.toml").write_text(SYSTEM + held)
     again = command(study, "--simulate")
     assert again["log_likelihood"] == pytest.approx(fit["log_likelihood"], abs=1e-6)
