@@ -48,7 +48,7 @@ class Parameter:
 
 @dataclass(frozen=True)
 class Own:
-    """What is told of a user's own system, where a ship has names and laws that are known."""
+    """The names of a user's own system, and the numbers that follow from its parameters."""
 
     inputs: tuple[str, ...]
     units: Mapping[str, str]  # of outputs

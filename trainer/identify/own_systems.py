@@ -1,4 +1,4 @@
-"""A system of the user's own: matrices by parameters, from a TOML file or a Python function.
+"""A user's own system has matrices that are functions of its parameters.
 
     dx = (A x + B u + f) dt + dw,  y = C x + D u + d + e      E dw dw' = R1 dt, cov e = R2
     x+ = A x + B u + f + w         where the time is discrete, cov w = R1, cov (w, e) = R12
@@ -74,7 +74,10 @@ def check_names(path: Path, names: Sequence[str]) -> None:
 
 
 def load_program(path: Path) -> System:
-    """Return the system of a Python file, which is run; ConfigError if it fails or lacks a part."""
+    """Return the system of a Python file, which is run.
+
+    ConfigError if it fails or lacks a part.
+    """
     try:
         told = runpy.run_path(str(path))
     except OSError as error:

@@ -9,7 +9,7 @@ from trainer.config.files import ConfigError
 from trainer.core.kernel import Numbers
 from trainer.identify.derived import nomoto_of
 from trainer.identify.fitting import Fitted
-from trainer.identify.kernels.simulation import simulate
+from trainer.identify.kernels.screening import simulate
 from trainer.identify.likelihood import possible
 from trainer.identify.measurements import Record, Samples, samples_of
 from trainer.identify.nonlinear import (

@@ -1,4 +1,4 @@
-"""A record by itself, before any fit: what it holds, what is odd about it, and how it looks."""
+"""A record by itself, before any fit, as a page and as plots."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -17,7 +17,7 @@ from trainer.units import DEGREE, KNOT
 
 @dataclass(frozen=True)
 class Channel:
-    """What one column holds."""
+    """The values of one column in few numbers."""
 
     name: str
     unit: str
@@ -31,7 +31,7 @@ class Channel:
 
 @dataclass(frozen=True)
 class Run:
-    """What one record holds."""
+    """One record: its times, oddities and columns."""
 
     source: str
     samples: int
