@@ -76,7 +76,7 @@ class Proposal:
 
 
 def write_proposal(data: Path, path: Path, length: float | None, speed: float | None) -> Proposal:
-    """Write the study proposed for a record to a new file, with length [m] and speed [kn].
+    """Write the study proposed for a record to a new file.
 
     ConfigError if the file is there, or nothing looks like the rudder.
     """
