@@ -130,13 +130,13 @@ def _study_of(frame: Mapping[str, Any], given: FitOptions) -> Study:
     found = {}
     for channel in channels:
         names = [columns[channel]] if channel in columns else [channel, OWN.get(channel, channel)]
-        there = [name for name in names if name in _names(frame)]
-        if not there and (channel in columns or channel in ("t", "rudder")):
+        column = next((name for name in names if name in _names(frame)), None)
+        if column is not None:
+            scale = factor(channel, units[channel]) if channel in units else 1.0
+            found[channel] = Column(column, scale)
+        elif channel in columns or channel in ("t", "rudder"):
             known = ", ".join(map(str, _names(frame)))
             raise ConfigError(f"frame: no column {names[0]!r} for {channel}; it has {known}")
-        if there:
-            scale = factor(channel, units[channel]) if channel in units else 1.0
-            found[channel] = Column(there[0], scale)
     study = plain_study(FRAME)
     heading = replace(study.heading, positive_rudder=given["positive_rudder"])
     return replace(study, path=FRAME, heading=heading, columns=found)
