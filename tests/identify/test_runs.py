@@ -61,7 +61,7 @@ def runs(count: int, speeds: tuple[float, ...] = (1.0, 0.8)) -> tuple[list[Probl
     return alone, replace(first, others=others, own=places, scale=scale)
 
 
-COSTS = {
+COSTS: dict[str, Any] = {
     "likelihood": Likelihood,
     "several steps": lambda problem: MultiStep(problem, 2, 3),
 }
@@ -73,7 +73,8 @@ def test_costs_of_runs_add_up_and_so_do_slopes_and_information(name: str) -> Non
     cost, theta = COSTS[name](both), both.start
     (_, one), (_, two) = both.runs
     parts = [(COSTS[name](first), one), (COSTS[name](second), two)]
-    slope, information = np.zeros(len(theta)), np.zeros((len(theta), len(theta)))
+    slope: Any = np.zeros(len(theta))
+    information: Any = np.zeros((len(theta), len(theta)))
     for part, at in parts:
         slope[at] += part.slope(theta[at])[1]
         information[np.ix_(at, at)] += part.information(theta[at])
