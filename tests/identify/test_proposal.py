@@ -77,6 +77,10 @@ FILES = {
         {"t": T, "rudder": HELM, "hdg": HEADING, "lat": 54 + T / 1e4, "long": 8 + 0 * T},
         {"t": "s", "rudder": "deg", "heading": "deg", "latitude": "deg", "longitude": "deg"},
     ),
+    "a track as instruments send it": (
+        {"t": T, "rudder": HELM, "hdg": HEADING, "lat": 5400 + T / 1e3, "lon": -830 + 0 * T},
+        {"t": "s", "rudder": "deg", "heading": "deg", "latitude": "ddmm", "longitude": "ddmm"},
+    ),
 }
 
 
@@ -106,6 +110,14 @@ def test_what_forbids_the_record_s_use_is_said_and_the_study_written(tmp_path: P
     ).remarks
     assert "one of them is positive to port" in told
     assert "# length_m = 100  # fill in" in (tmp_path / "a.toml").read_text()
+
+
+def test_a_rudder_that_is_missing_somewhere_is_said(tmp_path: Path) -> None:
+    helm = HELM.astype(float)
+    helm[7] = np.nan
+    path = write(tmp_path / "a.csv", {"t": T, "rudder": helm, "heading": HEADING})
+    (told,) = write_proposal(path, tmp_path / "a.toml", None, None).remarks
+    assert "row 9: rudder: the rudder must be known at each row" in told
 
 
 def test_a_record_without_a_rudder_has_no_study(tmp_path: Path) -> None:

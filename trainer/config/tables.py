@@ -20,6 +20,7 @@ Numbers = NDArray[np.float64]
 EMPTY: Final = ("", "nan", "na", "null", "-")
 SEPARATORS: Final = {"\t": "tabs", ";": '";"', ",": '","'}  # those that numbers cannot have first
 LOOKED_AT: Final = 40  # [rows] that tell the separator
+LARGEST: Final = 1e15  # of a number; what is beyond it is none that was measured
 DAY: Final = 86400.0  # [s]
 COMMA: Final = re.compile(r"[+-]?\d*,\d+(?:[eE][+-]?\d+)?")  # a number with a decimal comma
 POINT: Final = re.compile(r"[+-]?\d*\.\d+(?:[eE][+-]?\d+)?")
@@ -102,7 +103,7 @@ class Table:
             number = float(text)
         except ValueError:
             number = math.nan if text.casefold() in EMPTY else math.inf
-        if math.isinf(number):
+        if abs(number) > LARGEST:
             remedy = ": write it without a sign between thousands" if "," in text else ""
             raise self.wrong(row, place, f"must be a number, or empty{remedy}")
         return number

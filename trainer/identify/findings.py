@@ -224,7 +224,7 @@ def positive_turns(record: Record) -> float | None:
     if rate is None:
         return None
     before = np.column_stack([rate[:-1], rudder[:-1], np.ones(len(rate) - 1)])
-    good = ~np.isnan(rate[1:]) & ~np.isnan(rate[:-1])
+    good = ~np.isnan(rate[1:] + rate[:-1] + rudder[:-1])
     if np.count_nonzero(good) < FEWEST:
         return None
     value, error = _slope(before[good], rate[1:][good], 1)

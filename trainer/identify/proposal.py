@@ -44,6 +44,7 @@ HALF_ROUND: Final = 1.6  # [rad] no rudder goes so far
 ROUND: Final = 7.0  # [rad] a heading beyond it is in degrees
 FAST: Final = 12.0  # [m/s] what goes faster is in knots
 USUAL: Final = 0.05  # [1/s] yaw rate to a rudder
+NAUTICAL: Final = re.compile(r"-?\d{4,5}(?:\.|$)")  # 5430.5 is a place in degrees and minutes
 TEXT: Final = """\
 # A study of {record}. What was guessed is marked: correct it. Fill in [ship]; then:
 # trainer identify {path}
@@ -186,8 +187,12 @@ def _likeness(name: str, channel: str) -> float:
 
 def _guess(table: Table, channel: str, columns: Mapping[str, str], units: Mapping[str, str]) -> str:
     """Return the likeliest unit of a column by its numbers."""
-    if channel == "t" or channel in PLACES:
-        return "s" if channel == "t" else "deg"
+    if channel == "t":
+        return "s"
+    if channel in PLACES:
+        both = [table.place(columns[one]) for one in PLACES if one in columns]
+        cells = (row[place] for row in table.cells for place in both)
+        return "ddmm" if any(map(NAUTICAL.match, cells)) else "deg"
     values = table.numbers(table.place(columns[channel]))
     if channel == "yaw_rate":
         return _rate_unit(table, values, columns, units)
