@@ -11,10 +11,11 @@ from typing import Final
 import numpy as np
 
 from trainer.config.files import ConfigError
+from trainer.config.tables import EVEN
 from trainer.core.kernel import Numbers
 from trainer.identify.measurements import OUTPUTS, PLACES, Finding, Record
 from trainer.identify.study_records import Ship
-from trainer.identify.track import EVEN, unwrapped
+from trainer.identify.track import unwrapped
 from trainer.units import KNOT
 
 GAP: Final = 1.5  # [-] of the usual interval: a longer one is a gap

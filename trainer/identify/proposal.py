@@ -85,15 +85,8 @@ def write_proposal(data: Path, path: Path, length: float | None, speed: float | 
     own = data.suffix == SUFFIX
     columns = own_columns() if own else _columns(read_table(data), guessed)
     record = load_record(data, columns)
-    turning, sign = positive_turns(record), ""
-    if turning is not None and turning > 0.0 and record.rudder is not None:
-        sign = f'positive_rudder = "starboard"  # guessed: {turning:.0f} standard errors say so\n'
-        record = replace(record, rudder=-record.rudder)
-    try:
-        record = with_sway(record, Drift(0.0, 0.0, 0.0))
-        remarks = tuple(map(str, examine(record)))
-    except ConfigError as wrong:
-        remarks = tuple(str(wrong).splitlines())
+    record, sign = _turned(record)
+    record, remarks = _examined(record)
     text = TEXT.format(
         record=data.name,
         path=as_typed(path),
@@ -110,6 +103,24 @@ def write_proposal(data: Path, path: Path, length: float | None, speed: float | 
     )
     write_once(path, text)
     return Proposal(text, len(record.t), record.interval, columns, remarks)
+
+
+def _turned(record: Record) -> tuple[Record, str]:
+    """Return the record with a rudder that turns to port, and the line that says so."""
+    turning = positive_turns(record)
+    if turning is None or turning < 0.0:
+        return record, ""
+    line = f'positive_rudder = "starboard"  # guessed: {turning:.0f} standard errors say so\n'
+    return replace(record, rudder=-record.column("rudder")), line
+
+
+def _examined(record: Record) -> tuple[Record, tuple[str, ...]]:
+    """Return the record with the sway of its track, and what there is to say of it."""
+    try:
+        record = with_sway(record, Drift(0.0, 0.0, 0.0))
+        return record, tuple(map(str, examine(record)))
+    except ConfigError as wrong:
+        return record, tuple(str(wrong).splitlines())
 
 
 def _quoted(text: str) -> str:
