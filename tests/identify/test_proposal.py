@@ -14,6 +14,7 @@ from trainer.cli.identify import identify
 from trainer.config.files import ConfigError
 from trainer.identify.experiment import hold_bits, prbs
 from trainer.identify.proposal import write_proposal
+from trainer.identify.sources import USUAL
 from trainer.identify.study import load_study, observe
 from trainer.units import KNOT
 
@@ -180,3 +181,7 @@ def test_the_example_is_what_the_trainer_flies(tmp_path: Path) -> None:
     assert flown[:2] == shipped[:2]
     numbers = [np.array([row.split(",") for row in one[2:]], float) for one in (flown, shipped)]
     assert numbers[0] == pytest.approx(numbers[1], abs=0.02)
+    call("new", tmp_path / "trial.trainer", "-o", tmp_path / "own.toml", "--length", 70.2)
+    study = load_study(tmp_path / "own.toml")
+    assert study.sensors == USUAL
+    assert len(observe(study).record.t) > 1000

@@ -330,10 +330,10 @@ def _first_like(pattern: re.Pattern[str], rows: Rows) -> tuple[int, int, str] | 
 
 
 def rebuild_times(t: Numbers, same: NDArray[np.bool_]) -> tuple[Numbers, str]:
-    """Return even times [s] where a clock was rounded, and that in words; others as they are.
+    """Return even times [s] where a clock was rounded, and that in words.
 
-    Each is off by no more than half of what was printed. ``same`` has the rows that say what the
-    row before them says.
+    Other times come back as they are. Each is off by no more than half of what was printed.
+    ``same`` has the rows that say what the row before them says.
     """
     steps = np.diff(t)
     rises = len(t) >= FEWEST and bool(np.isfinite(t).all() and (steps >= 0.0).all())

@@ -20,7 +20,7 @@ from trainer.config.tables import Table, read_table, spelt
 from trainer.core.kernel import Numbers
 from trainer.identify.findings import examine, positive_turns
 from trainer.identify.measurements import PLACES, Record
-from trainer.identify.sources import Column, load_record, own_columns, units_of
+from trainer.identify.sources import USUAL, Column, load_record, own_columns, units_of
 from trainer.identify.track import Drift, derivative, unwrapped, with_sway
 from trainer.io.paths import SUFFIX
 
@@ -43,7 +43,7 @@ ENDINGS: Final = (  # of a heading such as psi_deg
 HALF_ROUND: Final = 1.6  # [rad] no rudder goes so far
 ROUND: Final = 7.0  # [rad] a heading beyond it is in degrees
 FAST: Final = 12.0  # [m/s] what goes faster is in knots
-USUAL: Final = 0.05  # [1/s] yaw rate to a rudder
+TURNING: Final = 0.05  # [1/s] usual yaw rate to a rudder
 NAUTICAL: Final = re.compile(r"-?\d{4,5}(?:\.|$)")  # 5430.5 is a place in degrees and minutes
 TEXT: Final = """\
 # A study of {record}. What was guessed is marked: correct it. Fill in [ship]; then:
@@ -62,6 +62,13 @@ data = {data}
 [model]
 kind = "{kind}"  # {others}
 outputs = {outputs}
+"""
+SENSORS: Final = f"""\
+[sensors]  # a recording is exact: what instruments add
+sway_kn = {USUAL.sway_kn}
+yaw_rate_deg_s = {USUAL.yaw_rate_deg_s}
+heading_deg = {USUAL.heading_deg}
+
 """
 
 
@@ -96,7 +103,7 @@ def write_proposal(data: Path, path: Path, length: float | None, speed: float | 
         begin=record.t[0],
         end=record.t[-1],
         interval="" if "t" in columns else "interval_s = 1  # guessed: there is no time\n",
-        columns="" if own else "".join(_rows(columns, guessed)),
+        columns=SENSORS if own else "".join(_rows(columns, guessed)),
         length=f"length_m = {length:g}" if length else "# length_m = 100  # fill in",
         speed=_speed(record, speed),
         **_model(record),
@@ -218,7 +225,7 @@ def _rate_unit(
     """Return the unit in which a yaw rate is nearest to the heading's, or to a usual ship's."""
     wanted = {one: Column(columns[one], units[one]) for one in units}
     record = load_record(table.path, wanted)
-    size = USUAL * float(np.std(record.column("rudder")))
+    size = TURNING * float(np.std(record.column("rudder")))
     if record.heading is not None:
         size = float(np.nanstd(derivative(unwrapped(record.heading), record.interval)))
     own, known = float(np.nanstd(values)), units_of("yaw_rate")
