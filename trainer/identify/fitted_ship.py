@@ -1,4 +1,4 @@
-"""The Python face of identification: a ship is fitted to arrays, a frame or a file."""
+"""The Python face of identification: a ship fitted to arrays or a file."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, replace
