@@ -127,16 +127,14 @@ def _study_of(frame: Mapping[str, Any], given: FitOptions) -> Study:
     channels = ("t", *CHANNELS)
     for name in (*columns, *units):
         if name not in channels:
-            every = ", ".join(channels)
-            raise ConfigError(f"no channel {name!r}{nearest(name, channels)}; there are {every}")
+            there = ", ".join(channels)
+            raise ConfigError(f"no channel {name!r}{nearest(name, channels)}; there are {there}")
     found = {}
     for channel in channels:
         names = [columns[channel]] if channel in columns else [channel, OWN.get(channel, channel)]
         column = next((name for name in names if name in _names(frame)), None)
         if column is not None:
-            unit = units.get(channel, "s" if channel == "t" else CHANNELS.get(channel))
-            factor(channel, str(unit))
-            found[channel] = Column(column, unit)
+            found[channel] = Column(column, units.get(channel))
         elif channel in columns or channel in ("t", "rudder"):
             known = ", ".join(map(str, _names(frame)))
             raise ConfigError(f"frame: no column {names[0]!r} for {channel}; it has {known}")
@@ -155,13 +153,14 @@ def _record_of(frame: Mapping[str, Any], columns: Mapping[str, Column]) -> Recor
     """Return the record in arrays, SI; ConfigError naming a column that cannot be used."""
     taken: dict[str, Any] = {}
     for channel, column in columns.items():
+        scale = factor(channel, column.unit) if column.unit else 1.0
         # the index of a pandas frame is no column of it
         found = frame[column.name] if column.name in frame else cast("Any", frame).index
         values = np.asarray(found)
         if values.dtype.kind == "M":
             values = (values - values[0]) / np.timedelta64(1, "s")
         try:
-            taken[channel] = np.asarray(values, float) * factor(channel, str(column.unit))
+            taken[channel] = np.asarray(values, float) * scale
         except (TypeError, ValueError) as error:
             raise ConfigError(f"frame: {column.name}: is no array of numbers: {error}") from None
         size = taken[next(iter(taken))].shape
