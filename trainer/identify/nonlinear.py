@@ -53,6 +53,22 @@ class Bent:
         """Return the rudder [rad] that holds steady ``rate`` [rad/s] (12.1)."""
         return (rate - self.kappa * self.K * np.abs(rate) * rate) / self.K + self.delta_0
 
+    def rates(self, helm: float) -> tuple[float, ...]:
+        """Return all yaw rates [rad/s] that are steady under a rudder [rad], rising (12.1).
+
+        Two to each side at most; of three the middle one does not last.
+        """
+        pull, bend = self.K * (helm - self.delta_0) + 0.0, self.kappa * self.K
+        if bend == 0.0:
+            return (pull,)
+        found = {
+            root.real + 0.0
+            for side in (1.0, -1.0)
+            for root in np.roots([-side * bend, 1.0, -pull])
+            if root.imag == 0.0 and side * root.real >= 0.0
+        }
+        return tuple(sorted(map(float, found)))
+
 
 def predict(ship: Bent, rudder: Numbers, step: float, start: Numbers) -> Numbers:
     """Return yaw rate [rad/s] and heading [rad] (n, 2) under ``rudder`` (n,) [rad].

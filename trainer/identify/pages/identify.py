@@ -68,7 +68,8 @@ def _ship_table(report: Report) -> list[str]:
     rows = []
     for one in report.ship:
         sizes = [
-            {"s": x.time, "s^2": x.time**2, "1/s": 1.0 / x.time, "m/s": x.speed} for x in units
+            {"s": x.time, "s^2": x.time**2, "1/s": 1.0 / x.time, "m/s": x.speed, "m": x.length}
+            for x in units
         ]
         others = [f"{one.value / size[one.unit]:.4g}" for size in sizes]
         known = [figure(x, form) for x, form in ((one.deviation, ".2g"), (one.low, ".4g"))]
