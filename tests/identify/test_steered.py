@@ -2,11 +2,13 @@
 
 import json
 import math
+import re
 from pathlib import Path
 from typing import Any
 
 import pytest
 from click.testing import CliRunner
+from helpers.places import ROOT
 
 from trainer.analysis.manoeuvres.catalogue import find_manoeuvre
 from trainer.analysis.manoeuvres.flight import fly
@@ -27,6 +29,7 @@ from trainer.identify.steering import steering as steering_of
 from trainer.units import DEGREE, KNOT
 
 SPEED = 10.0 * KNOT
+PAGE = (ROOT / "docs" / "identification.md").read_text(encoding="utf-8")
 
 
 def nomoto_file(**changes: Any) -> Any:
@@ -161,11 +164,9 @@ def test_a_plot_of_a_nomoto_ship_leaves_out_what_she_has_not(tmp_path: Path) -> 
 
 
 def fernstrom(folder: Path) -> Path:
-    """Write the file of A K Fernstrom, unstable, section 8; return its path."""
-    numbers = {"K_per_s": 0.114, "T1_s": -304.0, "T2_s": 13.4, "T3_s": 33.4, "kappa_s2": 1230.0}
-    ship = nomoto_file(name="A K Fernstrom", length_m=244.0, speed_kn=14.2, **numbers)
+    """Write the page's file of A K Fernstrom, unstable, section 8; return its path."""
     path = folder / "fernstrom.toml"
-    path.write_text(nomoto_text_of(ship, "the report", {}))
+    path.write_text(re.findall(r"```toml\n(.*?)```", PAGE, re.DOTALL)[0])
     return path
 
 
@@ -194,6 +195,11 @@ def test_the_spiral_of_an_unstable_ship_has_the_loop_of_its_kappa(tmp_path: Path
         held = float(bent.helm(reverse[f"yaw rate at {share}"]))  # type: ignore[arg-type]
         assert reverse[f"rudder at {share}"] == pytest.approx(-held, abs=0.1 * DEGREE)
     assert reverse["rudder at 17 %"] < 0.0 < reverse["rudder at 67 %"]  # it must be held back
+
+
+def test_the_page_shows_what_the_command_prints(tmp_path: Path) -> None:
+    shown = re.findall(r"trainer steering fernstrom.toml\n(.*?)```", PAGE, re.DOTALL)[0]
+    assert shown in CliRunner().invoke(steering, [str(fernstrom(tmp_path))]).stdout
 
 
 def test_the_spiral_is_drawn_with_its_fold(tmp_path: Path) -> None:

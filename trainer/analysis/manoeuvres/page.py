@@ -171,8 +171,8 @@ def _steady_turns(flight: Flight) -> Iterator[Curve]:
     ways = dict.fromkeys(_way(mark) for mark in flight.marks)
     for way in ways:
         t = np.array([mark.t for mark in flight.marks if _way(mark) == way])
-        at = [np.degrees(np.interp(t, flight.t, flight.column(name))) for name in ("delta_r", "r")]
-        yield Curve(way, *at, points=way == HELD)
+        helm, rate = (np.interp(t, flight.t, flight.column(name)) for name in ("delta_r", "r"))
+        yield Curve(way, np.degrees(helm), np.degrees(rate), points=way == HELD)
 
 
 def _way(mark: Mark) -> str:
