@@ -122,8 +122,9 @@ def shown(angle: str) -> list[float]:
 @pytest.mark.parametrize("angle", ["5", "10", "20"])
 def test_the_boat_and_the_ship_written_zigzag_as_the_page_says(trial: Any, angle: str) -> None:
     measured, told = zigzags(trial, angle), shown(angle)
-    # another machine's rounding moves the estimates by far less than their deviations
-    assert measured == pytest.approx(told, rel=0.1, abs=0.06)
+    # another machine's rounding may move an execute by one cycle of 0.5 s
+    assert measured[:3] == pytest.approx(told[:3], rel=0.12)
+    assert measured[3:] == pytest.approx(told[3:], rel=0.5, abs=0.3)
 
 
 @pytest.mark.long
@@ -133,5 +134,5 @@ def test_the_boat_written_zigzags_like_the_boat_flown(trial: Any) -> None:
     assert boat == pytest.approx(true, rel=0.1)
     assert ship == pytest.approx(true, rel=0.2)
     assert early < 0.2
-    assert late < 0.5
-    assert ship_early < 1.2
+    assert late < 1.0
+    assert ship_early < 0.5
