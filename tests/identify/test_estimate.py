@@ -14,12 +14,12 @@ from trainer.identify.estimate import MINIMISERS, Starts, estimate, keep, resume
 from trainer.identify.likelihood import Likelihood
 from trainer.identify.minimise import Found, Search, unheard
 from trainer.identify.models import MODELS, Ship
-from trainer.identify.monte_carlo import study
+from trainer.identify.monte_carlo import Rehearsal
 from trainer.identify.prediction_error import Innovations, MultiStep, settled_gain
 from trainer.identify.problem import Problem
-from trainer.identify.reference_ships import TANKER, TANKER_RUDDER, Rehearsal
 from trainer.identify.uncertainty import hessian, inseparable, uncertainty
 from trainer.identify.validation import draw_outputs
+from trainer.verify.cases.reference_ships import TANKER, TANKER_RUDDER, study
 
 
 def recorded(rehearsal: Any, count: Any, seed: Any = 1) -> Any:

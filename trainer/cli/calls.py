@@ -172,6 +172,10 @@ class IdentifyOptions(TypedDict, total=False):
     without: str | Sequence[str] | None
     check: File | None
     kappa: File | None
+    bech: File | None
+    spiral: File | None
+    joint: bool
+    matrices: bool
 
 
 def identify_ship(

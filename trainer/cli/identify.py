@@ -18,6 +18,7 @@ if TYPE_CHECKING:
 MODELS: Final = ("1", "2", "3", "nomoto1", "nomoto2")
 CHANNELS: Final = ("sway", "yaw_rate", "heading")
 RECORD: Final = File(".toml", ".trainer", ".csv")
+TURNS: Final = File(".toml", ".csv")
 POSITIVE: Final = Number(0.0, 1e6, min_open=True)
 
 
@@ -219,6 +220,11 @@ model_options = together(
 @click.option("--without", multiple=True, metavar="NAME", help="Test it without this parameter.")
 @click.option("--check", type=RECORD, default=None, help="Another record to predict, as a test.")
 @click.option("--kappa", type=RECORD, default=None, help="A record of large manoeuvres, for kappa.")
+@click.option("--bech", type=RECORD, default=None, help="The same, for Bech's H(r), three terms.")
+@click.option("--spiral", type=TURNS, default=None, help="Steady turns, for H(r); times not read.")
+@click.option("--joint", is_flag=True, help="K, T1, T2, T3 too from both records, with the curve.")
+@click.option("--matrices", is_flag=True, help="Show the system and covariance matrices.")
+@click.option("--csv", type=CSV, default=None, metavar="FILE", help="Write it sample by sample.")
 @click.option("--checkpoint", type=FILE, default=None, help="Keep the search in this file.")
 @click.option("--write-nomoto", type=TOML, default=None, help="Write the ship in few numbers.")
 @click.option("--write-vessel", type=TOML, default=None, help="Write the vessel file changed.")
@@ -273,11 +279,11 @@ def _armax(study: Any, options: dict[str, Any]) -> int:
 
     report, orders = page.carry_out(study)
     if options["html"]:
-        from trainer.identify.pages.sheet import sheet  # noqa: PLC0415
+        from trainer.identify.pages.identify import sheet  # noqa: PLC0415
 
-        text = sheet(report.study, page.render(report), page.panels(report, orders), report)
+        text = sheet(report.study, page.render(report), page.screens(orders), report)
         _write(options["html"], text)
-    show(report, page.render, lambda: page.panels(report, orders), options)
+    show(report, page.render, lambda: page.screens(orders), options)
     return 0
 
 
@@ -291,9 +297,8 @@ def fit_ship(study: Any, options: dict[str, Any]) -> "Identified":
 
 def _model(study: Any, options: dict[str, Any]) -> int:
     """Fit a ship model and show it; return the exit code."""
-    from trainer.identify.outcome import nomoto_text, vessel_text  # noqa: PLC0415
+    from trainer.identify.outcome import nomoto_text, vessel_text, write_series  # noqa: PLC0415
     from trainer.identify.pages import identify as page  # noqa: PLC0415
-    from trainer.identify.pages.sheet import sheet  # noqa: PLC0415
 
     found = fit_ship(study, options)
     report = found.report
@@ -301,10 +306,12 @@ def _model(study: Any, options: dict[str, Any]) -> int:
         _write(options["write_nomoto"], nomoto_text(found.fitted, report.bend))
     if options["write_vessel"]:
         _write(options["write_vessel"], vessel_text(found.fitted))
+    if options["csv"]:
+        write_series(found.fitted, options["csv"])
     if options["html"]:
-        text = sheet(report.study, page.render(report), page.panels(found), report)
+        text = page.sheet(report.study, page.render(report), page.screens(found), report)
         _write(options["html"], text)
-    show(report, page.render, lambda: page.panels(found), options)
+    show(report, page.render, lambda: page.screens(found), options)
     return 0 if report.converged else 1
 
 

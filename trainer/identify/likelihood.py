@@ -5,15 +5,14 @@ the cost is infinite.
 """
 
 import math
-from dataclasses import dataclass
-from typing import Final
+from dataclasses import dataclass, field
+from typing import Any, Final, NamedTuple
 
 import numpy as np
 
 from trainer.core.kernel import Numbers
-from trainer.identify.kernels.adjoint import likelihood_slope, trail
 from trainer.identify.kernels.likelihood import likelihood_sums
-from trainer.identify.kernels.sensitivity import information_rows
+from trainer.identify.kernels.sensitivity import score_rows
 from trainer.identify.problem import Problem
 from trainer.identify.sampled import Sampled
 
@@ -43,11 +42,20 @@ def _gram(rows: Numbers) -> Numbers:
     return total
 
 
+class Score(NamedTuple):
+    """Cost and gradient at a place, and the rows whose squares are the information."""
+
+    cost: float
+    gradient: Numbers
+    rows: tuple[Numbers, ...]
+
+
 @dataclass(frozen=True, eq=False)
 class Likelihood:
     """Minus the log-likelihood by covariances: a cost to minimise over a problem's parameters."""
 
     problem: Problem
+    _last: dict[str, Any] = field(default_factory=dict, init=False, repr=False)
 
     def value(self, theta: Numbers) -> float:
         """Return -log L [-]."""
@@ -61,47 +69,41 @@ class Likelihood:
         return float(cost) if math.isfinite(cost) else math.inf
 
     def slope(self, theta: Numbers) -> tuple[float, Numbers]:
-        """Return -log L [-] and its exact gradient (f,), by the adjoint."""
-        sampled = self.problem.sloped(theta)
-        failed = math.inf, np.full(len(theta), math.nan)
-        if not possible(sampled):
-            return failed
-        mean, noise, start = sampled.at(0)
-        table, which = self.problem.samples.table, self.problem.samples.steps[1]
-        states, rows, columns = len(start), mean.shape[1], mean.shape[2]
-        path = np.empty((len(table), columns + rows - states + 2))
-        joints = np.empty((len(table), rows, rows + states))
-        path[0, :columns] = [*start[:, 0], *np.ones(columns - states)]
-        joints[0, :states, rows:] = start[:, 1:]
-        stages = trail(mean, noise, table, which, path, joints)
-        if stages == 0:
-            return failed
-        by_system, by_start = np.empty((*mean.shape[:2], columns + rows)), np.empty(start.shape)
-        likelihood_slope(mean, which, path, joints, by_system, by_start)
-        d_mean, d_noise, d_start = sampled.slopes()
-        slope = (
-            np.tensordot(by_system[..., :columns], d_mean, 3)
-            + np.tensordot(by_system[..., columns:], d_noise, 3)
-            + np.tensordot(by_start, d_start, 2)
-        )
-        constant = np.count_nonzero(~np.isnan(self.problem.samples.outputs)) * LOG_2_PI
-        cost = 0.5 * float(path[:, -2].sum() + constant)
-        return cost, np.asarray(slope) * self.problem.scale
+        """Return the cost and its exact gradient (f,)."""
+        score = self._score(theta)
+        return score.cost, score.gradient
 
     def information(self, theta: Numbers) -> Numbers:
         """Return the expected information (f, f); not a number where the model is impossible."""
-        sampled = self.problem.sloped(theta)
-        count = len(theta)
+        score = self._score(theta)
+        scale, count = self.problem.scale, len(theta)
+        if not score.rows:
+            return np.full((count, count), math.nan)
+        return np.asarray(sum(map(_gram, score.rows)) * np.outer(scale, scale))
+
+    def _score(self, theta: Numbers) -> Score:
+        """Return what one run tells; a search asks for gradient and information of one place."""
+        key = theta.tobytes()
+        if self._last.get("key") != key:
+            self._last.update(key=key, score=self._run(theta))
+        found: Score = self._last["score"]
+        return found
+
+    def _run(self, theta: Numbers) -> Score:
+        sampled, samples, count = self.problem.sloped(theta), self.problem.samples, len(theta)
+        impossible = Score(math.inf, np.full(count, math.nan), ())
         if not possible(sampled):
-            return np.full((count, count), math.nan)
-        samples = self.problem.samples
-        readings = samples.outputs.shape[1]
-        errors = np.empty((len(samples.t), readings, count))
-        covariances = np.empty((len(samples.t), readings * readings, count))
-        stages = information_rows(
-            sampled.at(0), sampled.slopes(), samples.table, samples.steps[1], errors, covariances
+            return impossible
+        length, readings = samples.outputs.shape
+        errors = np.empty((length, readings, count))
+        covariances = np.empty((length, readings * readings, count))
+        slope = np.empty(count)
+        out = errors, covariances, slope
+        stages, cost = score_rows(
+            sampled.at(0), sampled.slopes(), samples.table, samples.steps[1], out
         )
-        if stages == 0:
-            return np.full((count, count), math.nan)
-        total = _gram(errors.reshape(-1, count)) + _gram(covariances[:stages].reshape(-1, count))
-        return np.asarray(total * np.outer(self.problem.scale, self.problem.scale))
+        if not stages:
+            return impossible
+        constant = 0.5 * np.count_nonzero(~np.isnan(samples.outputs)) * LOG_2_PI
+        rows = errors.reshape(-1, count), covariances[:stages].reshape(-1, count)
+        return Score(float(cost + constant), slope * self.problem.scale, rows)

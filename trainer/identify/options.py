@@ -14,11 +14,12 @@ USUAL: Final = ("sway", "yaw_rate", "heading")
 
 
 def study_of(file: Path, options: dict[str, Any]) -> Study:
-    """Return the study, what the options say taken instead of what it says. ConfigError if wrong.
+    """Return the study of a file, changed as the options of ``trainer identify`` say."""
+    return as_asked(load_study(file) if file.suffix == ".toml" else plain_study(file), options)
 
-    ``options`` are those of ``trainer identify``.
-    """
-    study = load_study(file) if file.suffix == ".toml" else plain_study(file)
+
+def as_asked(study: Study, options: dict[str, Any]) -> Study:
+    """Return the study, what the options say taken instead of what it says. ConfigError if wrong."""
     study = replace(study, heading=_heading(study.heading, options))
     if options["exact"]:
         study = replace(study, sensors=None)
@@ -57,7 +58,7 @@ def _model(study: Study, options: dict[str, Any]) -> ModelTable:
             f"{study.path.name}: lacks [model]: say --model 1, 2, 3, nomoto1 or nomoto2"
         )
     outputs = tuple(options["channels"]) or (study.model.outputs if study.model else ())
-    outputs = outputs or tuple(name for name in USUAL if name in study.columns)
+    outputs = outputs or tuple(name for name in USUAL if name in study.channels)
     kept = tuple(name for name in outputs if name in MODELS[kind].outputs)
     if not kept:
         raise ConfigError(f"model {kind} has outputs {', '.join(MODELS[kind].outputs)}")

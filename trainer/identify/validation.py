@@ -12,7 +12,14 @@ from trainer.identify.fitting import Fitted
 from trainer.identify.kernels.simulation import simulate
 from trainer.identify.likelihood import possible
 from trainer.identify.measurements import Record, Samples, samples_of
-from trainer.identify.nonlinear import Bend, Bent, kappa_from_record
+from trainer.identify.nonlinear import (
+    CURVE,
+    LINEAR,
+    Bend,
+    Bent,
+    bend_from_records,
+    curve_from_turns,
+)
 from trainer.identify.prediction_error import Innovations
 from trainer.identify.problem import Problem
 from trainer.identify.start_values import ERRORS, STATES
@@ -32,16 +39,19 @@ def root(covariance: Numbers) -> Numbers:
     )
 
 
-def deterministic(problem: Problem, theta: Numbers) -> Numbers:
+def deterministic(problem: Problem, theta: Numbers, driven: Numbers | None = None) -> Numbers:
     """Return states and outputs (n, x+y) of the model alone, without any noise.
 
-    The states are SI, the outputs in knots and degrees.
+    The states are SI, the outputs in knots and degrees. ``driven`` (n, x) is added to the states
+    that follow.
     """
     mean, _, start = problem.sampled(theta).at(0)
     samples = problem.samples
     out = np.empty((len(samples.t), mean.shape[1]))
     still = np.zeros_like(out)
     inputs = samples.table[:, samples.outputs.shape[1] :]
+    if driven is not None:
+        still[:, : driven.shape[1]] = driven
     simulate(mean, start[:, 0], np.ascontiguousarray(inputs), samples.steps[1], still, out)
     return out
 
@@ -93,7 +103,7 @@ def loss_alone(fitted: Fitted) -> float:
 
 def check_of(fitted: Fitted, path: Path) -> Check:
     """Return how well another record of the same columns is predicted; ConfigError if it cannot."""
-    problem = other_problem(fitted, path)
+    problem = other_problem(fitted, other_record(fitted, path))
     there, own = (_errors(one) for one in (problem, replace(fitted.problem, values=fitted.values)))
     share = there / _spread(problem)
     return Check(
@@ -115,39 +125,70 @@ def other_record(fitted: Fitted, path: Path) -> Record:
     return observe(replace(fitted.study, path=beside, heading=heading)).record
 
 
-def bend_of(fitted: Fitted, path: Path) -> Bend:
-    """Return the kappa by which the fitted ship follows a large manoeuvre best (12).
+def bend_of(fitted: Fitted, path: Path, kind: str, *, joint: bool) -> tuple[Bend, Record]:
+    """Return what steady turns or a large manoeuvre tell of the fitted ship (12), and the record.
 
-    ConfigError if the model has no yaw, or a pair of complex roots.
+    ``kind`` is "kappa", "bech" for H(r) of a record, or "spiral" for H(r) of steady turns, whose
+    times are not read. ``joint``: the linear constants too, from both records. ConfigError if the
+    model has no yaw, or a pair of complex roots.
     """
     plant = fitted.problem.plant
     form = nomoto_of(plant.model, fitted.values, plant.ship)
     if not form.K or form.T1.imag or not form.T2.real:
-        raise ConfigError("kappa goes with K, T1, T2 and T3: fit model 1, 3 or nomoto2")
+        raise ConfigError(f"{kind} goes with K, T1, T2 and T3: fit model 1, 3 or nomoto2")
+    ship = Bent(form.K, form.T1.real, form.T2.real, form.T3)
+    if kind == "spiral":
+        record = _turns(fitted, path)
+        rudder, rate = record.column("rudder"), record.column("yaw_rate")
+        return curve_from_turns(ship, record.source, rudder, rate), record
     record = other_record(fitted, path)
     # a bend that halves the gain at the fastest turn: where the search begins
-    bend = 1.0 / (abs(form.K) * float(np.nanmax(np.abs(record.column("yaw_rate")))))
-    ship = Bent(form.K, form.T1.real, form.T2.real, form.T3, bend)
-    return kappa_from_record(ship, record)
+    fastest = float(np.nanmax(np.abs(record.column("yaw_rate"))))
+    ship = replace(ship, kappa=1.0 / (abs(form.K) * fastest))
+    own = fitted.record
+    same = len(own.t) == len(record.t) and bool(np.allclose(own.t, record.t))
+    same = same and np.array_equal(own.column("rudder"), record.column("rudder"))
+    records = [own, record] if joint and not same else [record]
+    free = ("kappa",) if kind == "kappa" else CURVE
+    return bend_from_records(ship, records, (*LINEAR, *free) if joint else free), record
 
 
-def other_problem(fitted: Fitted, path: Path) -> Problem:
+def _turns(fitted: Fitted, path: Path) -> Record:
+    """Return steady turns, a row each, from a file of the same columns or another study."""
+    study = load_study(path) if path.suffix == ".toml" else fitted.study
+    columns = {
+        name: study.columns[name] for name in ("rudder", "yaw_rate") if name in study.columns
+    }
+    data = study.heading.data if path.suffix == ".toml" else path.name
+    heading = replace(study.heading, data=data, from_s=None, to_s=None, every=None)
+    place = path.parent / study.path.name
+    return observe(
+        replace(study, path=place, heading=heading, columns=columns, sensors=None)
+    ).record
+
+
+def other_problem(fitted: Fitted, record: Record) -> Problem:
     """Return the fitted model on another record, from the initial state that fits it best.
 
     By rudder alone the outputs are linear in that state. Each is weighed by its own errors: a
-    heading in degrees would else buy its hundredths with whole degrees a second.
+    heading in degrees would else buy its hundredths with whole degrees a second. Outputs that were
+    not recorded are not a number; where none was, the ship begins at rest.
     """
     plant = fitted.problem.plant
-    samples = samples_of(other_record(fitted, path), plant.outputs)
+    unknown = {name: np.full(len(record.t), np.nan) for name in plant.outputs}
+    known = {name: getattr(record, name) for name in plant.outputs if name in record.channels}
+    samples = samples_of(replace(record, **{**unknown, **known}), plant.outputs)
     values = fitted.values
     places = [plant.model.place(name) for name, _ in STATES[plant.model.name]]
     values[places] = 0.0
     problem = replace(fitted.problem, samples=samples, values=values)
+    if not known:
+        return problem
     still = alone(problem, problem.start)
     columns = [alone(_from(problem, place), _from(problem, place).start) for place in places]
-    known, weight = ~np.isnan(samples.outputs), 1.0 / _reading_errors(fitted)
-    free = np.column_stack([((column - still) * weight)[known] for column in columns])
-    left = ((samples.outputs - still) * weight)[known]
+    there, weight = ~np.isnan(samples.outputs), 1.0 / _reading_errors(fitted)
+    free = np.column_stack([((column - still) * weight)[there] for column in columns])
+    left = ((samples.outputs - still) * weight)[there]
     values[places] = np.linalg.lstsq(free, left, rcond=None)[0]
     return replace(problem, values=values)
 

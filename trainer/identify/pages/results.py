@@ -3,6 +3,7 @@
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from pathlib import Path
 from typing import Any, Final
 
 import numpy as np
@@ -12,9 +13,20 @@ from trainer.config.vessel import load_vessel
 from trainer.identify.alternatives import PAIRED, Allowed, Rival, draw_allowed, rivals_of
 from trainer.identify.derived import DERIVATIVES, QUANTITIES
 from trainer.identify.fitting import Fitted, fit, settings, table_of
-from trainer.identify.innovations import Shown, losses, no_limits, run_filter
+from trainer.identify.innovations import Shown, losses
+from trainer.identify.measurements import Record
 from trainer.identify.nonlinear import Bend
-from trainer.identify.prediction_error import Innovations, MultiStep
+from trainer.identify.outcome import (
+    Matrices,
+    Series,
+    Term,
+    bent_terms,
+    errors_of,
+    matrices_of,
+    sizes_of,
+    terms_of,
+)
+from trainer.identify.prediction_error import MultiStep
 from trainer.identify.residuals import Residuals, aic_of_likelihood, examine_residuals, verdicts
 from trainer.identify.study import Study, observe
 from trainer.identify.study_records import Ship
@@ -110,6 +122,8 @@ class Report:
     rivals: tuple[Rival, ...] = ()
     check: Check | None = None
     bend: Bend | None = None
+    terms: tuple[Term, ...] = ()
+    matrices: tuple[Matrices, ...] = ()
 
 
 LAGS: Final = 10
@@ -117,11 +131,21 @@ LAGS: Final = 10
 
 @dataclass(frozen=True, eq=False)
 class Identified:
-    """A study carried out: the fit, its results, and the ships that the record allows."""
+    """A study carried out: the fit, its results, and the ships that the record allows.
+
+    ``run`` is the predictor's over the record, ``terms`` by sample, ``turned`` the record or the
+    turns that kappa or H(r) is of.
+    """
 
     fitted: Fitted
     report: Report
     others: Allowed
+    run: Shown
+    terms: Series
+    turned: Record | None = None
+
+
+BENDS: Final = ("kappa", "bech", "spiral")  # options, each with a record
 
 
 def carry_out(
@@ -129,9 +153,14 @@ def carry_out(
 ) -> Identified:
     """Return the fit of a study and its report; ConfigError for what cannot be.
 
-    ``options`` has other records to check it on and to find kappa from, a checkpoint, and what
-    simpler models to test it against.
+    ``options`` has other records to check it on and to find kappa or H(r) from, a checkpoint, what
+    simpler models to test it against, and whether its matrices are wanted.
     """
+    bends = [kind for kind in BENDS if options[kind] is not None]
+    if len(bends) > 1:
+        raise ConfigError(f"--{bends[0]} and --{bends[1]}: one curve of steady turns, not two")
+    if options["joint"] and bends not in (["kappa"], ["bech"]):
+        raise ConfigError("--joint goes with --kappa or --bech and its record")
     observed = observe(study)
     try:
         fitted = fit(
@@ -144,21 +173,35 @@ def carry_out(
         source = observed.record.source
         odd = (f"{source}: {finding}" for finding in observed.findings)
         raise ConfigError(*error.problems, *odd) from None
-    others = draw_allowed(fitted)
-    report = report_of(fitted, tuple(map(str, observed.findings)), others)
-    tests = rivals_of(fitted, options["against"], options["without"])
-    report = replace(report, rivals=tests)
+    found = describe(fitted, tuple(map(str, observed.findings)))
+    more: dict[str, Any] = {"rivals": rivals_of(fitted, options["against"], options["without"])}
     if options["check"] is not None:
-        report = replace(report, check=check_of(fitted, options["check"]))
-    if options["kappa"] is not None:
-        report = replace(report, bend=bend_of(fitted, options["kappa"]))
-    return Identified(fitted, report, others)
+        more["check"] = check_of(fitted, options["check"])
+    if options["matrices"]:
+        more["matrices"] = matrices_of(fitted)
+    found = replace(found, report=replace(found.report, **more))
+    return bent(found, bends[0], options[bends[0]], joint=options["joint"]) if bends else found
 
 
-def report_of(fitted: Fitted, findings: tuple[str, ...], others: Allowed) -> Report:
+def describe(fitted: Fitted, findings: tuple[str, ...] = ()) -> Identified:
+    """Return a fit with its report, and the ships that the record allows beside it."""
+    others, run = draw_allowed(fitted), errors_of(fitted)
+    terms = terms_of(fitted, run.states)
+    report = replace(report_of(fitted, findings, others, run), terms=sizes_of(terms))
+    return Identified(fitted, report, others, run, terms)
+
+
+def bent(found: Identified, kind: str, path: Path, *, joint: bool) -> Identified:
+    """Return what was identified with the kappa or the H(r) of another record."""
+    bend, record = bend_of(found.fitted, path, kind, joint=joint)
+    terms = found.terms | bent_terms(bend, record)
+    report = replace(found.report, bend=bend, terms=sizes_of(terms))
+    return replace(found, report=report, terms=terms, turned=record)
+
+
+def report_of(fitted: Fitted, findings: tuple[str, ...], others: Allowed, run: Shown) -> Report:
     """Return what a fit amounts to. ``others`` are the ships that the record allows beside it."""
     problem, study, plant = fitted.problem, fitted.study, fitted.problem.plant
-    run = errors_of(fitted)
     residuals = _residuals(fitted, run)
     return Report(
         study=study.heading.name,
@@ -193,24 +236,6 @@ def report_of(fitted: Fitted, findings: tuple[str, ...], others: Allowed) -> Rep
             *_doubts(fitted, others),
             *(text for one in residuals for text in verdicts(one)),
         ),
-    )
-
-
-def errors_of(fitted: Fitted) -> Shown:
-    """Return the one-step errors of a fit, by the predictor that was fitted."""
-    cost, theta = fitted.cost, fitted.found.theta
-    run = run_filter(fitted.problem, theta, no_limits(len(fitted.problem.plant.outputs)))
-    if not isinstance(cost, Innovations):
-        return run
-    errors = cost.errors(theta)
-    whole = errors[~np.isnan(errors).any(axis=1)]
-    R = whole.T @ whole / len(whole)
-    return replace(
-        run,
-        predictions=fitted.problem.samples.outputs - errors,
-        errors=errors,
-        spreads=np.tile(R, (len(errors), 1, 1)),
-        squares=np.einsum("ki,ij,kj->k", errors, np.linalg.inv(R), errors),
     )
 
 

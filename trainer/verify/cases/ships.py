@@ -22,24 +22,24 @@ from trainer.identify.likelihood import Likelihood
 from trainer.identify.measurements import Samples
 from trainer.identify.minimise import Search
 from trainer.identify.models import Ship
-from trainer.identify.monte_carlo import WIDTH, study
+from trainer.identify.monte_carlo import WIDTH, Rehearsal
 from trainer.identify.nonlinear import Bent
 from trainer.identify.prediction_error import Innovations, no_gain
 from trainer.identify.problem import Problem
-from trainer.identify.reference_ships import (
+from trainer.identify.uncertainty import beside_bounds, uncertainty
+from trainer.identify.validation import deterministic, draw_outputs
+from trainer.units import DEGREE, KNOT
+from trainer.verify.cases.reference_ships import (
     ISLAND,
     STATE,
     TANKER,
     TANKER_BEGIN,
     TANKER_RUDDER,
     TANKER_SHIP,
-    Rehearsal,
     sequence,
+    study,
     zigzag_rudder,
 )
-from trainer.identify.uncertainty import beside_bounds, uncertainty
-from trainer.identify.validation import deterministic, draw_outputs
-from trainer.units import DEGREE, KNOT
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
